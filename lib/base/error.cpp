@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/error.hpp"
+
+#include <cctype>
+
+namespace millpose {
+
+std::string ToString(const Place& place) {
+  if (place.byte >= 0) return fmt::format("{}, byte {}", place.file, place.byte);
+  if (place.line > 0 && place.column > 0)
+    return fmt::format("{}:{}:{}", place.file, place.line, place.column);
+  if (place.line > 0) return fmt::format("{}:{}", place.file, place.line);
+  return place.file;
+}
+
+InputError::InputError(std::vector<Problem> problems) : problems_(std::move(problems)) {
+  for (const Problem& problem : problems_) {
+    if (!text_.empty()) text_ += '\n';
+    const std::string place = ToString(problem.place);
+    text_ += place.empty() ? problem.message : place + ": " + problem.message;
+  }
+}
+
+InputError::InputError(Place place, std::string message)
+    : InputError(std::vector<Problem>{{std::move(place), std::move(message)}}) {}
+
+namespace {
+
+// Levenshtein distance, letters compared without case.
+size_t EditDistance(std::string_view a, std::string_view b) {
+  std::vector<size_t> row(b.size() + 1);
+  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = row[0];
+    row[0] = i;
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const bool same = std::tolower(static_cast<unsigned char>(a[i - 1])) ==
+                        std::tolower(static_cast<unsigned char>(b[j - 1]));
+      const size_t substituted = diagonal + (same ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({substituted, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+std::string NearestName(std::string_view given, const std::vector<std::string>& known) {
+  std::string nearest;
+  size_t best = given.size() / 2 + 2;  // farther than this is another word, not a slip
+  for (const std::string& name : known) {
+    const size_t distance = EditDistance(given, name);
+    if (distance < best) {
+      best = distance;
+      nearest = name;
+    }
+  }
+  return nearest;
+}
+
+}  // namespace millpose

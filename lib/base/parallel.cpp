@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/parallel.hpp"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "base/error.hpp"
+
+namespace millpose {
+
+void CheckStop(const std::stop_token& stop) {
+  if (stop.stop_requested()) throw Interrupted();
+}
+
+void ParallelFor(size_t count, int threads, std::stop_token stop, const std::function<void(size_t)>& work) {
+  tbb::task_arena arena(std::max(1, threads));
+  arena.execute([&] {
+    tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+      CheckStop(stop);
+      work(i);
+    });
+  });
+}
+
+}  // namespace millpose

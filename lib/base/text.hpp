@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace millpose {
+
+/// The shortest decimal text that reads back as the same double.
+std::string ShortestNumber(double value);
+
+/// A finite decimal number that fills the whole of `text` (no spaces, no hex, no inf or nan), by
+/// std::from_chars and so free of the locale; empty when it is not one.
+std::optional<double> ParseNumber(std::string_view text);
+
+}  // namespace millpose

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The bodies of a cell as plain data; World turns them into FCL objects.
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "robot/arm.hpp"
+#include "surface/triangles.hpp"
+
+namespace millpose {
+
+struct Box {
+  Eigen::Vector3d size;
+};  ///< mm, centred at the body's frame
+struct Sphere {
+  double radius;
+};  ///< mm
+struct Cylinder {
+  double radius, length;
+};  ///< mm, axis z, centred
+struct Capsule {
+  double radius, length;
+};  ///< mm, axis z, length of the cylindrical part, centred
+struct Cone {
+  double radius_bottom, radius_top, length;
+};  ///< mm, frustum about z, centred; tool stacks
+struct Convex {
+  std::vector<Eigen::Vector3d> points;
+};  ///< convex hull of the points, mm
+using Shape = std::variant<Box, Sphere, Cylinder, Capsule, Cone, Convex, Triangles>;
+
+/// What a body is; decides which pairs are checked and with which clearance.
+enum class BodyClass : uint8_t { kLink, kSpindle, kHolder, kCutter, kFixture, kPlatform, kWorkpiece };
+
+/// What a body hangs on: the world W, the arm's link frames 0..6 (kinematics.hpp), the tool T, or the
+/// workpiece P.
+enum class Mount : uint8_t { kWorld, kLink, kTool, kWorkpiece };
+
+struct Body {
+  std::string name;
+  BodyClass body_class = BodyClass::kFixture;
+  Mount mount = Mount::kWorld;
+  int link = 0;                  ///< 0..6 when mounted on a link
+  Pose X_MG = Pose::Identity();  ///< the shape's frame G in the frame M that it is mounted on
+  Shape shape;
+};
+
+/// Distances to keep, mm.
+struct Clearances {
+  double free = 10;    ///< everything, while the tool is out of the material
+  double cutting = 2;  ///< spindle and holder against the workpiece while cutting
+};
+
+/// A robot cell: the arm in its place, the tool, and all bodies.
+struct Cell {
+  std::string name;
+  Arm arm;
+  Pose X_WB = Pose::Identity();
+  Pose X_FT = Pose::Identity();  ///< tool tip in the flange; T's z from tip to holder
+  Pose X_WP = Pose::Identity();  ///< the workpiece of the job
+  std::vector<Body> bodies;      ///< the workpiece among them
+  std::vector<std::pair<std::string, std::string>>
+      excluded_pairs;  ///< by body name, declared in the cell YAML
+  double cutter_length =
+      0;  ///< cutting length from the tip, mm: the part of the cutter that may touch while cutting
+  Clearances clearances;
+  Joints home = Joints::Zero();
+};
+
+}  // namespace millpose

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "cell/cell.hpp"
+
+namespace millpose {
+
+/// What the arm is doing; decides clearances and whether the cutter may touch the workpiece.
+enum class Phase : uint8_t { kFree, kCutting };
+
+/// Two bodies that touch or come nearer than their clearance.
+struct Interference {
+  std::string first, second;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< in W, mm
+  double distance = 0;  ///< mm; ≤ 0 when they touch (then minus the depth where known)
+};
+
+/// The cell as an FCL world, immutable and shared between threads.
+class World {
+ public:
+  /// Throws InputError for shapes that cannot be built and excluded pairs that name no body.
+  explicit World(Cell cell);
+  ~World();
+  const Cell& cell() const;
+
+ private:
+  friend class Checker;
+  struct Impl;
+  std::shared_ptr<const Impl> impl_;
+};
+
+/// Asks a World about poses and motions. One per thread (it holds the moving FCL objects); cheap to make.
+class Checker {
+ public:
+  explicit Checker(const World& world);
+  ~Checker();
+  Checker(Checker&&) noexcept;
+
+  /// The first pair found to touch or to be nearer than its clearance at joint angles q; empty when free.
+  std::optional<Interference> At(const Joints& q, Phase phase);
+
+  /// The smallest distance of any checked pair, mm, never more than `bound` (so `bound` means "at least
+  /// that").
+  double Clearance(const Joints& q, Phase phase, double bound);
+
+  /// Conservative check of the straight joint-space motion from q0 to q1: empty means that no pair comes
+  /// nearer than its clearance less `resolution` (mm) anywhere on it. Steps by distance ÷ bound of each
+  /// body's motion.
+  std::optional<Interference> Between(const Joints& q0, const Joints& q1, Phase phase,
+                                      double resolution = 0.5);
+
+  /// Numbers of pose checks made so far, for the summary.
+  long long poses_checked() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace millpose

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "config/settings.hpp"
+
+namespace millpose {
+
+/// Reads a job or cell from YAML text. Throws InputError with every problem found (file:line:column, key
+/// path, given, allowed, nearest key). `name` is used in messages; nothing is opened.
+JobSettings ParseJob(std::string_view yaml, const std::string& name);
+CellSettings ParseCell(std::string_view yaml, const std::string& name);
+
+/// The settings as YAML that reads back to the same, every key written, defaults included.
+std::string WriteJob(const JobSettings& job);
+std::string WriteCell(const CellSettings& cell);
+
+/// JSON Schema (draft 2020-12) of the job and cell files, from the same field tables.
+std::string JobSchema();
+std::string CellSchema();
+
+}  // namespace millpose

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Settings of a cell and a job as read: plain data in inside units (mm, N, rad, s), every default here and
+// only here. The keys of the YAML stand in the field tables of cell_fields.cpp and job_fields.cpp.
+#pragma once
+
+#include <Eigen/Dense>
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/units.hpp"
+
+namespace millpose {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// {xyz_mm, abc_deg}: R = Rz(A)·Ry(B)·Rx(C), as KUKA counts.
+struct PoseSettings {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< mm
+  Eigen::Vector3d abc = Eigen::Vector3d::Zero();       ///< rad
+};
+
+struct ArmSettings {
+  std::string name;
+  double d1 = 0, a1 = 0, a2 = 0, d4 = 0, dz = 0, d6 = 0;  ///< mm
+  std::array<int, 6> sign{};
+  Vector6 offset = Vector6::Zero();           ///< rad
+  Vector6 lower, upper, speed, acceleration;  ///< rad, rad/s, rad/s²
+  std::string limits_source, stiffness_source;
+  bool acceleration_assumed = true;
+  Vector6 stiffness;  ///< N·mm/rad
+};
+
+struct ToolPartSettings {
+  std::string name;
+  std::string body_class;   ///< cutter | holder | spindle
+  double length = 0;        ///< mm
+  double diameter = 0;      ///< mm, at the lower end
+  double top_diameter = 0;  ///< mm, at the upper end; same as `diameter` unless given
+};
+
+struct ToolSettings {
+  std::string name;
+  Eigen::Vector3d tip, axis, x;  ///< in F: mm, unit, unit
+  std::string cutter_shape = "flat";
+  double cutter_diameter = 0, cutting_length = 0, corner_radius = 0;  ///< mm
+  std::vector<ToolPartSettings> stack;
+};
+
+/// One shape; which fields hold depends on `kind`.
+struct ShapeSettings {
+  std::string kind;  ///< box | sphere | cylinder | capsule | cone | convex | mesh
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();     ///< box, mm
+  double diameter = 0, top_diameter = 0, length = 0;  ///< mm
+  std::vector<Eigen::Vector3d> points;                ///< convex, mm
+  std::string mesh_file;                              ///< relative to the file that names it
+  double unit = 1;                                    ///< mm per unit of the mesh file
+};
+
+struct BodySettings {
+  std::string name;
+  std::string body_class;  ///< link | spindle | holder | cutter | fixture | platform
+  std::string mount;       ///< world | base | link1..link6 | tool | workpiece
+  ShapeSettings shape;
+  PoseSettings pose;
+};
+
+struct ControllerSettings {
+  std::string tool_axis = "z";   ///< x | y | z: controller's tool frame axis that lies along T's z
+  std::string rotation = "rpy";  ///< sinumerik: rpy | euler
+  std::array<int, 6> axis_signs{1, 1, 1, 1, 1, 1};  ///< controller angle = sign · A + offset
+  Vector6 axis_offsets = Vector6::Zero();           ///< rad
+  int max_motions = 1400;
+  std::map<std::string, std::string> texts;  ///< templates by event name
+  int line = 0;                              ///< of the section, for later errors
+};
+
+struct CellSettings {
+  std::string file;  ///< as given, for messages
+  std::string name;
+  ArmSettings arm;
+  PoseSettings base_in_world;
+  Vector6 home = Vector6::Zero();  ///< rad
+  ToolSettings tool;
+  std::vector<BodySettings> bodies;
+  std::vector<std::pair<std::string, std::string>> excluded_pairs;
+  double clearance_free = 10, clearance_cutting = 2;  ///< mm
+  std::string stiffness_at = "tool_tip";              ///< tool_tip | flange
+  double characteristic_length = 1000;                ///< mm
+  bool programs_allowed = true;                       ///< key `reproduction_only: true` forbids programs
+  std::map<std::string, ControllerSettings> controllers;
+};
+
+struct RegionSettings {
+  std::optional<std::array<Eigen::Vector3d, 2>> box;  ///< lower and upper corner, P, mm
+  std::optional<Eigen::Vector3d> facing;              ///< unit direction, P
+  double facing_within = DegToRad(45);                ///< rad
+  double rim_distance = 0;                            ///< mm from open rims and region borders
+};
+
+struct ToolpathSettings {
+  std::string strategy;  ///< parallel_planes | rings
+  RegionSettings region;
+  Eigen::Vector3d plane_normal = Eigen::Vector3d::UnitX();    ///< parallel_planes, P
+  Eigen::Vector3d axis_point = Eigen::Vector3d::Zero();       ///< rings: a point of the axis, P, mm
+  Eigen::Vector3d axis_direction = Eigen::Vector3d::UnitZ();  ///< rings, P
+  double stepover = 0;                                        ///< mm
+  std::string direction = "zigzag";                           ///< zigzag | one_way
+  double chord_tolerance = 0.01;                              ///< mm
+  double spacing = 5;                                         ///< largest distance of neighbouring points, mm
+  double crease = DegToRad(30);  ///< normals are kept apart across sharper edges, rad
+  double lead = 0, tilt = 0;     ///< rad
+  Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();  ///< W
+};
+
+struct WorkpieceSettings {
+  std::string mesh_file;
+  double unit = 1;  ///< mm per unit of the file: 1, 10, 25.4, 1000
+  std::string unit_name = "mm";
+  std::string frame = "world";  ///< the pose is given in: world | robot_base
+  PoseSettings pose;
+  double weld_tolerance = 1e-4;  ///< mm
+};
+
+struct GeneticSettings {
+  int population = 40, generations = 30, elite = 2, max_evaluations = 2000;
+  double crossover_rate = 0.9, mutation_rate = 0.2;
+};
+
+struct JobSettings {
+  std::string file;  ///< as given, for messages
+  std::string name;
+  std::string cell_file;
+  uint64_t seed = 1;
+  WorkpieceSettings workpiece;
+  ToolpathSettings toolpath;
+  double feed = 0;           ///< mm/s
+  double spindle_speed = 0;  ///< rev/s
+  std::string objective = "chen2021";
+  std::map<std::string, double> objective_parameters;
+  GeneticSettings genetic;
+  double exhaustive_step = DegToRad(0.05);            ///< rad
+  std::optional<std::array<Vector6, 2>> task_limits;  ///< lower, upper, rad
+  double limit_margin = DegToRad(3);                  ///< rad
+  double dexterity_min = 0;
+  double wrist_min = 0.05, elbow_min = 0.05, shoulder_min = 50;  ///< 1, 1, mm
+  double rotation_step = DegToRad(1);                            ///< rad
+  Vector6 max_joint_step = Vector6::Constant(DegToRad(5));       ///< rad
+  double motion_weight = 1e-5;                                   ///< objective unit per rad²
+  double swept_resolution = 0.5;                                 ///< mm
+  double retract = 50;                                           ///< mm
+  int gap_iterations = 20000;
+  double gap_speed_share = 0.5;
+  std::vector<std::string> programs{"krl", "sinumerik", "linuxcnc"};
+};
+
+}  // namespace millpose

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <stop_token>
+
+#include "cell/world.hpp"
+#include "plan/plan_result.hpp"
+
+namespace millpose {
+
+struct GapOptions {
+  double retract = 50;            ///< mm along the tool axis
+  int max_iterations = 20000;     ///< of RRTConnect; never a clock
+  double check_step = 0;          ///< rad, dense re-check
+  double swept_resolution = 0.5;  ///< mm
+  double limit_margin = 0;        ///< rad
+  double speed_share = 0.5;       ///< of the joints' largest speed and acceleration, for the duration
+  uint64_t seed = 1;
+};
+
+/// Where a gap begins or ends: joint angles at home, or on a piece with the tool pose there.
+struct GapEnd {
+  int pass = -1, piece = -1;  ///< −1: home
+  Joints q = Joints::Zero();
+};
+
+/// Plans the way from one end to another: LIN retract, OMPL RRTConnect and shortcutting in joint space
+/// against the whole cell, LIN approach, all densely re-checked. A gap that cannot be planned says what
+/// blocked it.
+Gap PlanGap(const World& world, const GapEnd& from, const GapEnd& to, const GapOptions& options,
+            std::stop_token stop);
+
+}  // namespace millpose

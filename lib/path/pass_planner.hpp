@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <stop_token>
+
+#include "cell/world.hpp"
+#include "plan/plan_result.hpp"
+#include "pose/search.hpp"
+
+namespace millpose {
+
+/// How a pass is planned (design.md, "The planning of one pass").
+struct PathOptions {
+  double rotation_step = 0;       ///< grid of the layered search, rad
+  double exhaustive_step = 0;     ///< grid of the exhaustive search, rad
+  Joints max_joint_step;          ///< hard bound between neighbouring points, rad
+  double motion_weight = 0;       ///< objective units per rad² of joint motion
+  double swept_resolution = 0.5;  ///< mm
+  GeneticOptions genetic;
+  uint64_t seed = 1;
+};
+
+/// Plans one pass: own optima by both searches, layered search with hard joint steps, lazy strike-out of
+/// interfering nodes, refinement, splits. Depends on nothing but its arguments; the same result for any
+/// thread count. `pass` in W; `first_point` is the index of its first point in the job (random streams).
+/// `threads` bounds its own parallelism.
+PassResult PlanPass(const PoseProblem& problem, const World& world, const Pass& pass, int pass_number,
+                    size_t first_point, const PathOptions& options, int threads, std::stop_token stop);
+
+}  // namespace millpose

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The one value that the planner makes and that checkpoints, cluster, report and programs share.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "robot/arm.hpp"
+#include "stiffness/compliance.hpp"
+#include "toolpath/milling_point.hpp"
+
+namespace millpose {
+
+enum class SkipReason : uint8_t { kNone, kUnreachable, kLimit, kSingular, kInterference, kStep, kSource };
+std::string ToString(SkipReason reason);
+
+/// A milling point as planned (vectors in W), or why it was skipped.
+struct PlannedPoint {
+  MillingPoint point;
+  SkipReason skip = SkipReason::kNone;
+  std::string detail;            ///< for a skipped point: what and where
+  int piece = 0;                 ///< of its pass
+  std::vector<double> freedoms;  ///< rotation about the tool axis first, rad
+  int branch = 0;                ///< status bits S
+  Joints q = Joints::Zero();     ///< absolute, full turns fixed, rad
+  MillingPlaneIndices indices;   ///< at the stiffness origin
+  double dexterity = 0;
+  double objective = 0;
+  double genetic_optimum = 0;     ///< of this point alone; 0 when it has none
+  double exhaustive_optimum = 0;  ///< of this point alone; 0 when it has none
+  int genetic_evaluations = 0;
+  bool from_genetic = false;  ///< the node on the path came from the genetic algorithm
+  double clearance = 0;       ///< mm, bounded
+};
+
+/// Points first..last of a pass, cut without lifting the tool.
+struct Piece {
+  int pass = 0;
+  int piece = 0;
+  int first = 0, last = 0;  ///< inclusive, into PassResult::points
+  bool closed = false;      ///< cut from first round to first again
+};
+
+/// One pass, planned on its own.
+struct PassResult {
+  int pass = 0;
+  Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();
+  std::vector<PlannedPoint> points;
+  std::vector<Piece> pieces;
+  double grid_gap = 0;          ///< relative: (coarse path cost − refined path cost) ÷ refined
+  long long poses_checked = 0;  ///< interference
+  int nodes_struck = 0;         ///< struck out for interference
+};
+
+/// The way between two pieces: retract along the tool axis, joint-space path, approach. −1 is home.
+struct Gap {
+  int from_pass = -1, from_piece = -1;
+  int to_pass = -1, to_piece = -1;
+  bool planned = false;
+  std::string detail;                      ///< when not planned: what blocked it
+  Pose X_WT_retracted = Pose::Identity();  ///< tool at the end of the retract (from ≠ home)
+  Pose X_WT_approach = Pose::Identity();   ///< tool where the approach begins (to ≠ home)
+  std::vector<Joints> joints;  ///< of the joint-space path, from retracted (or home) to approach (or home)
+  double clearance = 0;        ///< mm, smallest on the way, bounded
+  double duration = 0;         ///< s, by the joints' speeds and accelerations
+};
+
+/// The whole plan of a job.
+struct PlanResult {
+  std::string job;         ///< name
+  std::string cell;        ///< name
+  std::string input_hash;  ///< of everything that the plan depends on
+  uint64_t seed = 0;
+  Arm arm;
+  Pose X_WB = Pose::Identity(), X_FT = Pose::Identity(), X_WP = Pose::Identity();
+  Joints home = Joints::Zero();
+  double spindle_speed = 0;        ///< rev/s
+  std::vector<PassResult> passes;  ///< by pass number
+  std::vector<Gap> gaps;  ///< in the order of execution: home → piece, piece → piece, …, → home
+  std::string objective_name, objective_unit, stiffness_origin;
+};
+
+/// Serialisation for checkpoints and cluster; exact (CBOR, doubles bit for bit). Parse throws InputError
+/// naming `name`.
+std::string Serialise(const PlanResult& result);
+PlanResult ParsePlanResult(std::string_view bytes, const std::string& name);
+std::string Serialise(const PassResult& result);
+PassResult ParsePassResult(std::string_view bytes, const std::string& name);
+
+}  // namespace millpose

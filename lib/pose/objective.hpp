@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "robot/arm.hpp"
+
+namespace millpose {
+
+/// Poses are scored in blocks of this many: structure of arrays, one lane per pose.
+inline constexpr int kLanes = 8;
+struct alignas(64) Lanes {
+  double v[kLanes];
+};
+
+/// Linear compliance c of a block, mm/N, base frame, symmetric.
+struct ComplianceBlock {
+  Lanes xx, yy, zz, xy, xz, yz;
+};
+
+/// What an objective may know of the milling point; unit vectors in the frame of the compliance.
+struct ObjectiveContext {
+  Eigen::Vector3d normal, feed, tool_axis;
+};
+
+/// What is minimised over the freedoms of a point. One file and one registry line per implementation.
+class Objective {
+ public:
+  virtual ~Objective() = default;
+  virtual std::string Name() const = 0;
+  virtual std::string Unit() const = 0;
+  /// One value per lane; +inf where it is not defined (singular compliance), never NaN.
+  virtual void Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const = 0;
+};
+
+/// Numbers that an objective takes from the job, by key (w1, w2, …).
+using ObjectiveParameters = std::map<std::string, double>;
+
+/// The objective registered under `name`. Throws InputError for an unknown name or parameter, naming the
+/// nearest.
+std::unique_ptr<Objective> MakeObjective(const std::string& name, const ObjectiveParameters& parameters);
+std::vector<std::string> ObjectiveNames();
+
+}  // namespace millpose

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+
+#include "pose/freedom.hpp"
+#include "pose/objective.hpp"
+#include "robot/kinematics.hpp"
+#include "stiffness/compliance.hpp"
+
+namespace millpose {
+
+/// Where stiffness holds (facts 4); the flange only reproduces the paper's text.
+enum class StiffnessOrigin : uint8_t { kToolTip, kFlange };
+
+/// Why a candidate may not be used; in the order in which they are tested.
+enum class Admissibility : uint8_t { kAdmissible, kUnreachable, kLimit, kSingular };
+
+/// Bounds of the one admissible predicate that genetic algorithm, exhaustive search, layered search and audit
+/// share.
+struct AdmissibleBounds {
+  Joints lower, upper;         ///< limits already less the margin, rad
+  double dexterity_min = 0;    ///< with the problem's characteristic length
+  double wrist_min = 0;        ///< least |sin q5|
+  double elbow_min = 0;        ///< least |sin| of the elbow
+  double shoulder_min_mm = 0;  ///< least distance of the wrist centre from axis 1
+};
+
+/// All that the choice of a pose depends on besides the point itself; shared and immutable.
+struct PoseProblem {
+  Arm arm;
+  Pose X_WB, X_FT;
+  StiffnessOrigin origin = StiffnessOrigin::kToolTip;
+  double characteristic_length = 1000;  ///< mm, for dexterity
+  AdmissibleBounds bounds;
+  std::vector<std::shared_ptr<const Freedom>> freedoms;
+  std::shared_ptr<const Objective> objective;
+};
+
+/// One branch of one choice of freedoms.
+struct Candidate {
+  Admissibility admissibility = Admissibility::kUnreachable;
+  double objective = 0;  ///< defined where reached
+  Joints q;              ///< a representative within the bounds where one exists, else principal; rad
+};
+
+/// Scores candidates of one milling point (given in W). Immutable, so threads may share it.
+class PointScorer {
+ public:
+  PointScorer(const PoseProblem& problem, const MillingPoint& point,
+              const Eigen::Vector3d& rotation_reference);
+
+  /// Candidates for each entry of `freedoms` × 8 branches (index 8·i + branch). `out` has 8 × freedoms.size()
+  /// entries. Works in blocks of kLanes poses; the result for an entry does not depend on its neighbours.
+  void Score(std::span<const FreedomValues> freedoms, std::span<Candidate> out) const;
+
+  /// The tool pose in W for some freedoms.
+  Pose ToolPose(const FreedomValues& freedoms) const;
+
+ private:
+  const PoseProblem* problem_;
+  MillingPoint point_;
+  Pose X_WT_nominal_;
+};
+
+/// The one predicate for a full joint vector, apart from reach. `q` within the bounds as it stands.
+Admissibility CheckAdmissible(const PoseProblem& problem, const Joints& q);
+
+}  // namespace millpose

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <array>
+#include <string>
+
+namespace millpose {
+
+/// Six joint angles, rad, in the arm's own convention (signs and zero offsets as its maker states them).
+using Joints = Eigen::Matrix<double, 6, 1>;
+/// A rigid motion; X_BF is the pose of frame F in frame B, translations in mm.
+using Pose = Eigen::Isometry3d;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// A six-axis arm with a spherical wrist. With q_i = sign_i · A_i + offset_i its forward kinematics are
+///   X_BF =
+///   T(0,0,d1)·Rz(q1)·T(a1,0,0)·Ry(q2)·T(a2,0,0)·Ry(q3)·T(d4,0,dz)·Rx(q4)·Ry(q5)·Rx(q6)·T(d6,0,0)·Ry(90°)
+/// (KUKA's layout; for a KUKA arm the signs are −,+,+,−,+,− and the offsets 0).
+struct Arm {
+  std::string name;
+  double d1 = 0, a1 = 0, a2 = 0, d4 = 0, dz = 0, d6 = 0;  ///< lengths, mm
+  std::array<double, 6> sign{1, 1, 1, 1, 1, 1};           ///< +1 or −1
+  Joints offset = Joints::Zero();                         ///< rad
+  Joints lower = Joints::Zero();                          ///< lower limits, rad
+  Joints upper = Joints::Zero();                          ///< upper limits, rad
+  Joints speed = Joints::Zero();                          ///< largest joint speeds, rad/s
+  Joints acceleration = Joints::Zero();                   ///< largest joint accelerations, rad/s²
+  bool acceleration_assumed = true;                       ///< no source for the accelerations
+  Joints stiffness = Joints::Zero();                      ///< joint stiffness, N·mm/rad (Chen 2021 eq. 14)
+};
+
+}  // namespace millpose

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "robot/arm.hpp"
+
+namespace millpose {
+
+/// X_BF for the joint angles `q` (the formula at Arm).
+Pose ForwardFlange(const Arm& arm, const Joints& q);
+
+/// Frames in B that the bodies of a cell hang on: 0 base, 1..6 after joint i (1 at the shoulder column's top,
+/// 2 at axis 2, 3 at axis 3, 4 and 5 at the wrist centre, 6 = flange F).
+std::array<Pose, 7> LinkFrames(const Arm& arm, const Joints& q);
+
+/// 6×6 geometric Jacobian in B at the tool tip `p_FT` (mm, in F): rows 0..2 mm/rad, rows 3..5 rad/rad; column
+/// i is [z_i × (p_tip − p_i); z_i] with z_i including the axis sign (Chen 2021 eq. 1, 2).
+Matrix6 Jacobian(const Arm& arm, const Joints& q, const Eigen::Vector3d& p_FT);
+
+enum class ReachStatus : uint8_t {
+  kReached,      ///< the pose has solutions
+  kUnreachable,  ///< no solution: the wrist centre is too near or too far
+  kSingular,  ///< solutions exist but a whole family does: wrist centre on axis 1, elbow stretched, or A5 = 0
+};
+
+/// One closed-form solution, angles principal: each in (−π, π].
+struct ArmSolution {
+  Joints q;
+  int branch = 0;  ///< status bits S as KUKA counts them, see Status()
+};
+
+struct InverseResult {
+  ReachStatus status = ReachStatus::kUnreachable;
+  int count = 0;                         ///< how many of `solutions` hold, 0..8
+  std::array<ArmSolution, 8> solutions;  ///< in ascending branch order
+};
+
+/// All closed-form solutions of ForwardFlange(arm, q) = X_BF, limits not looked at. Never NaN.
+InverseResult Inverse(const Arm& arm, const Pose& X_BF);
+
+/// The solution on one branch that lies nearest to `near` (full turns added where that brings a joint
+/// nearer); empty when that branch has none.
+std::optional<Joints> InverseNear(const Arm& arm, const Pose& X_BF, int branch, const Joints& near);
+
+/// All vectors equal to `q` up to full turns of single joints that lie within [lower, upper].
+std::vector<Joints> FullTurns(const Joints& q, const Joints& lower, const Joints& upper);
+
+/// Status S: bit 0 = wrist centre behind axis 1 (overhead), bit 1 = A3 ≥ atan2(dz, d4) (elbow), bit 2 = A5 <
+/// 0, each on the arm's inner angles (for a KUKA arm that is the controller's S).
+int Status(const Arm& arm, const Joints& q);
+
+/// Turn T: bit i−1 = A_i < 0 in the arm's own convention.
+int Turn(const Joints& q);
+
+/// Distances to the singularities of a spherical-wrist arm.
+struct SingularityDistance {
+  double wrist;     ///< |sin q5|, 0..1
+  double elbow;     ///< |sin of the angle between upper arm and forearm|, 0..1
+  double shoulder;  ///< distance of the wrist centre from axis 1, mm
+};
+SingularityDistance DistanceToSingularity(const Arm& arm, const Joints& q);
+
+}  // namespace millpose

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "robot/kinematics.hpp"
+
+namespace millpose {
+
+/// Cartesian compliance C = J·diag(1/k)·Jᵀ at the point where J is taken (Chen 2021 eq. 8, 9): blocks mm/N,
+/// 1/N, 1/N, rad/(N·mm). Symmetric, positive where J is regular.
+Matrix6 Compliance(const Matrix6& J, const Joints& joint_stiffness);
+
+/// Dexterity D = 6/sqrt(tr(JᵀJ)·tr((JᵀJ)⁻¹)) (Chen 2021 eq. 3) with the translational rows divided by
+/// `characteristic_length` (mm), which makes D free of units; 0 where J is singular.
+double Dexterity(const Matrix6& J, double characteristic_length);
+
+/// What the 3×3 linear compliance c (mm/N) says about milling a plane with unit normal n.
+struct MillingPlaneIndices {
+  double lambda_t1 = 0;  ///< larger semi-axis of the ellipsoid's section with the plane, mm/N (eq. 19)
+  double lambda_t2 = 0;  ///< smaller semi-axis of that section, mm/N (eq. 19)
+  double lambda_n = 0;   ///< radius of the ellipsoid along n, mm/N (eq. 21)
+  double mu = 0;         ///< isotropy λτ2/λτ1, 0..1 (section 4.1)
+  double normal_compliance = 0;  ///< nᵀcn: displacement along n under 1 N along n, mm/N (not λn, facts 12)
+};
+
+/// Empty when c is singular.
+std::optional<MillingPlaneIndices> IndicesInPlane(const Eigen::Matrix3d& c, const Eigen::Vector3d& normal);
+
+}  // namespace millpose

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Dense>
+#include <string>
+#include <vector>
+
+namespace millpose {
+
+enum class PointKind : uint8_t { kCut, kLeadIn, kLeadOut };
+
+/// One milling point. Vectors are unit vectors, lengths mm, in the frame of the list that holds it (P, the
+/// workpiece, as strategies make it; W, the world, from the planner on).
+struct MillingPoint {
+  Eigen::Vector3d position;
+  Eigen::Vector3d normal;     ///< out of the material
+  Eigen::Vector3d feed;       ///< direction of travel, in the tangent plane
+  Eigen::Vector3d tool_axis;  ///< from tip to holder
+  double feed_rate = 0;       ///< mm/s
+  double arc_length = 0;      ///< along its pass, mm
+  PointKind kind = PointKind::kCut;
+  int region = 0;
+  int source_line = 0;  ///< of an imported tool path; 0 when made here
+};
+
+/// A cut without lifting the tool. A closed pass ends where it starts: its first point is not repeated at its
+/// end.
+struct Pass {
+  std::vector<MillingPoint> points;
+  bool closed = false;
+  /// Direction from which the rotation about the tool axis is counted, constant over the pass (unit vector,
+  /// same frame as the points).
+  Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();
+};
+
+struct Toolpath {
+  std::vector<Pass> passes;
+};
+
+}  // namespace millpose

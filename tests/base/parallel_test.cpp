@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/parallel.hpp"
+
+#include <atomic>
+
+#include "base/error.hpp"
+
+namespace millpose {
+
+TEST(ParallelFor, VisitsEachIndexOnce) {
+  for (const int threads : {1, 2, 4}) {
+    std::vector<std::atomic<int>> visits(1000);
+    ParallelFor(visits.size(), threads, {}, [&](size_t i) { ++visits[i]; });
+    for (const auto& count : visits) EXPECT_EQ(count, 1);
+  }
+}
+
+TEST(ParallelFor, StopsAndPassesExceptionsOn) {
+  std::stop_source source;
+  std::atomic<int> done = 0;
+  EXPECT_THROW(ParallelFor(100000, 2, source.get_token(),
+                           [&](size_t) {
+                             if (++done == 10) source.request_stop();
+                           }),
+               Interrupted);
+  EXPECT_LT(done, 1000);
+  EXPECT_THROW(ParallelFor(10, 2, {}, [](size_t) { throw InputError({"f"}, "bad"); }), InputError);
+}
+
+}  // namespace millpose
