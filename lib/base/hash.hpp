@@ -6,8 +6,8 @@
 
 namespace millpose {
 
-/// 32 hexadecimal digits that identify `bytes` (XXH3, 128 bits): for checkpoints and program headers, not against
-/// forgery.
+/// 32 hexadecimal digits that identify `bytes` (XXH3, 128 bits): for checkpoints and program headers, not
+/// against forgery.
 std::string Hash(std::string_view bytes);
 
 }  // namespace millpose
