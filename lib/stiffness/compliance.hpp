@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
+
 #include "robot/kinematics.hpp"
 
 namespace millpose {
@@ -22,6 +24,13 @@ struct MillingPlaneIndices {
   double normal_compliance = 0;  ///< nᵀcn: displacement along n under 1 N along n, mm/N (not λn, facts 12)
 };
 
+/// An orthonormal basis of the plane normal to a unit vector, right-handed with it: first × second = normal.
+struct PlaneBasis {
+  Eigen::Vector3d first, second;
+};
+PlaneBasis BasisOfPlane(const Eigen::Vector3d& normal);
+
+/// Closed form, without an eigensolver (docs/stiffness.md). `normal` is a unit vector in the frame of c.
 /// Empty when c is singular.
 std::optional<MillingPlaneIndices> IndicesInPlane(const Eigen::Matrix3d& c, const Eigen::Vector3d& normal);
 

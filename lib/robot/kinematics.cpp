@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "robot/kinematics.hpp"
+
+#include "base/units.hpp"
+#include "robot/angles.hpp"
+
+namespace millpose {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// R·Rx(angle).
+Matrix3d TurnX(const Matrix3d& R, const SineCosine& angle) {
+  Matrix3d turned;
+  turned.col(0) = R.col(0);
+  turned.col(1) = angle.cos * R.col(1) + angle.sin * R.col(2);
+  turned.col(2) = angle.cos * R.col(2) - angle.sin * R.col(1);
+  return turned;
+}
+
+/// R·Ry(angle).
+Matrix3d TurnY(const Matrix3d& R, const SineCosine& angle) {
+  Matrix3d turned;
+  turned.col(0) = angle.cos * R.col(0) - angle.sin * R.col(2);
+  turned.col(1) = R.col(1);
+  turned.col(2) = angle.cos * R.col(2) + angle.sin * R.col(0);
+  return turned;
+}
+
+Pose PoseOf(const Matrix3d& R, const Vector3d& p) {
+  Pose X = Pose::Identity();
+  X.linear() = R;
+  X.translation() = p;
+  return X;
+}
+
+}  // namespace
+
+double Principal(double angle) {
+  double turned = angle - 2 * kPi * std::floor(angle / (2 * kPi) + 0.5);
+  if (turned <= -kPi) turned += 2 * kPi;
+  return std::min(turned, kPi);
+}
+
+ArmPlane PlaneOf(const Arm& arm, double q2, double q3) {
+  const SineCosine second = SinCos(q2), third = SinCos(q3);
+  const SineCosine sum{second.sin * third.cos + second.cos * third.sin,
+                       second.cos * third.cos - second.sin * third.sin};
+  const double forearm = std::sqrt(arm.d4 * arm.d4 + arm.dz * arm.dz);
+  return {.radius = arm.a1 + arm.a2 * second.cos + arm.d4 * sum.cos + arm.dz * sum.sin,
+          .height = arm.d1 - arm.a2 * second.sin - arm.d4 * sum.sin + arm.dz * sum.cos,
+          .second = second,
+          .sum = sum,
+          .elbow_sine = (third.sin * arm.d4 - third.cos * arm.dz) / forearm};
+}
+
+std::array<Pose, 7> LinkFrames(const Arm& arm, const Joints& A) {
+  const Joints q = InnerAngles(arm, A);
+  const SineCosine first = SinCos(q[0]);
+  const ArmPlane plane = PlaneOf(arm, q[1], q[2]);
+  Matrix3d R1 = Matrix3d::Identity();
+  R1 << first.cos, -first.sin, 0, first.sin, first.cos, 0, 0, 0, 1;
+  const Matrix3d R2 = TurnY(R1, plane.second), R3 = TurnY(R1, plane.sum);
+  const Matrix3d R4 = TurnX(R3, SinCos(q[3])), R5 = TurnY(R4, SinCos(q[4])), R6 = TurnX(R5, SinCos(q[5]));
+  Matrix3d R_BF;  // R6·Ry(90°)
+  R_BF << -R6.col(2), R6.col(1), R6.col(0);
+
+  const Vector3d top(0, 0, arm.d1);
+  const Vector3d shoulder = top + arm.a1 * R1.col(0);
+  const Vector3d elbow = shoulder + arm.a2 * R2.col(0);
+  const Vector3d wrist = elbow + arm.d4 * R3.col(0) + arm.dz * R3.col(2);
+  return {Pose::Identity(),
+          PoseOf(R1, top),
+          PoseOf(R2, shoulder),
+          PoseOf(R3, elbow),
+          PoseOf(R4, wrist),
+          PoseOf(R5, wrist),
+          PoseOf(R_BF, wrist + arm.d6 * R6.col(0))};
+}
+
+Pose ForwardFlange(const Arm& arm, const Joints& q) { return LinkFrames(arm, q)[6]; }
+
+Matrix6 Jacobian(const Arm& arm, const Joints& q, const Vector3d& p_FT) {
+  const std::array<Pose, 7> frames = LinkFrames(arm, q);
+  const Vector3d tip = frames[6] * p_FT;
+  // The axis a joint turns about is a fixed axis of the frame after it: z, y, y, x, y, and F's z for the
+  // last.
+  constexpr int kAxis[6] = {2, 1, 1, 0, 1, 2};
+  Matrix6 J;
+  for (int i = 0; i < 6; ++i) {
+    const Pose& frame = frames[i + 1];
+    const Vector3d axis = arm.sign[i] * frame.linear().col(kAxis[i]);
+    J.col(i) << axis.cross(tip - frame.translation()), axis;
+  }
+  return J;
+}
+
+int Status(const Arm& arm, const Joints& A) {
+  const Joints q = InnerAngles(arm, A);
+  const ArmPlane plane = PlaneOf(arm, q[1], q[2]);
+  return (plane.radius < 0 ? 1 : 0) | (plane.elbow_sine >= 0 ? 2 : 0) | (SinCos(q[4]).sin < 0 ? 4 : 0);
+}
+
+int Turn(const Joints& q) {
+  int turn = 0;
+  for (int i = 0; i < 6; ++i) turn |= (q[i] < 0 ? 1 : 0) << i;
+  return turn;
+}
+
+SingularityDistance DistanceToSingularity(const Arm& arm, const Joints& A) {
+  const Joints q = InnerAngles(arm, A);
+  const ArmPlane plane = PlaneOf(arm, q[1], q[2]);
+  return {std::abs(SinCos(q[4]).sin), std::abs(plane.elbow_sine), std::abs(plane.radius)};
+}
+
+}  // namespace millpose
