@@ -7,19 +7,9 @@
 #include <vector>
 
 #include "robot/arm.hpp"
+#include "stiffness/compliance_block.hpp"
 
 namespace millpose {
-
-/// Poses are scored in blocks of this many: structure of arrays, one lane per pose.
-inline constexpr int kLanes = 8;
-struct alignas(64) Lanes {
-  double v[kLanes];
-};
-
-/// Linear compliance c of a block, mm/N, base frame, symmetric.
-struct ComplianceBlock {
-  Lanes xx, yy, zz, xy, xz, yz;
-};
 
 /// What an objective may know of the milling point; unit vectors in the frame of the compliance.
 struct ObjectiveContext {
