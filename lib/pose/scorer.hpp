@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <span>
 
 #include "pose/freedom.hpp"
@@ -40,9 +41,24 @@ struct PoseProblem {
 /// One branch of one choice of freedoms.
 struct Candidate {
   Admissibility admissibility = Admissibility::kUnreachable;
-  double objective = 0;  ///< defined where reached
-  Joints q;              ///< a representative within the bounds where one exists, else principal; rad
+  double objective = 0;       ///< defined where reached
+  double shortfall = 0;       ///< by how much the bounds are missed (rad, sines, m summed); 0 when admissible
+  Joints q = Joints::Zero();  ///< a representative within the bounds where one exists, else principal; rad
 };
+
+/// kLanes settings of the freedoms × 8 branches as structure of arrays. The wrist flips (branch bit 2) of an
+/// arm branch (bits 0 and 1) share the compliance and so the objective.
+struct ScoredBlock {
+  Lanes objective[4];  ///< per arm branch; defined where reached
+  Lanes shortfall[8];  ///< as in Candidate
+  Lanes q[8][6];       ///< as in Candidate
+  std::array<Admissibility, kLanes> admissibility[8];
+};
+
+/// One entry of a block.
+Candidate CandidateOf(const ScoredBlock& block, int branch, int lane);
+
+inline constexpr unsigned kAllArmBranches = 0b1111;
 
 /// Scores candidates of one milling point (given in W). Immutable, so threads may share it.
 class PointScorer {
@@ -54,13 +70,26 @@ class PointScorer {
   /// entries. Works in blocks of kLanes poses; the result for an entry does not depend on its neighbours.
   void Score(std::span<const FreedomValues> freedoms, std::span<Candidate> out) const;
 
+  /// The candidate on one branch.
+  Candidate ScoreOne(const FreedomValues& freedoms, int branch) const;
+
+  /// A block: `values` holds kLanes × (number of freedoms), one lane after the other. Only the arm branches
+  /// in `arm_branches` (bit i: branch & 3 == i) are worked out; the others come back unreachable.
+  void ScoreBlock(std::span<const double> values, unsigned arm_branches, ScoredBlock& out) const;
+
   /// The tool pose in W for some freedoms.
-  Pose ToolPose(const FreedomValues& freedoms) const;
+  Pose ToolPose(const FreedomValues& freedoms) const { return ToolPose(freedoms.data()); }
+
+  const PoseProblem& problem() const { return *problem_; }
 
  private:
+  Pose ToolPose(const double* freedoms) const;
+
   const PoseProblem* problem_;
-  MillingPoint point_;
   Pose X_WT_nominal_;
+  Pose X_BW_, X_TF_;
+  Eigen::Vector3d p_FO_;  ///< the stiffness origin in F, mm
+  ObjectiveContext context_;
 };
 
 /// The one predicate for a full joint vector, apart from reach. `q` within the bounds as it stands.

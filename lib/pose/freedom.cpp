@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pose/freedom.hpp"
+
+#include "base/error.hpp"
+#include "base/units.hpp"
+
+namespace millpose {
+namespace {
+
+/// Turns the tool about its own axis: the freedom that every round cutter has.
+class RotationAboutTool final : public Freedom {
+ public:
+  std::string Name() const override { return "rotation"; }
+  double Lower() const override { return -kPi; }
+  double Upper() const override { return kPi; }
+  bool Periodic() const override { return true; }
+  Pose Apply(const Pose& X_WT, double value) const override {
+    // R·Rz(value) written out: this runs once per candidate.
+    const double cosine = std::cos(value), sine = std::sin(value);
+    Pose turned = X_WT;
+    turned.linear().col(0) = cosine * X_WT.linear().col(0) + sine * X_WT.linear().col(1);
+    turned.linear().col(1) = cosine * X_WT.linear().col(1) - sine * X_WT.linear().col(0);
+    return turned;
+  }
+};
+
+template <typename Implementation>
+std::unique_ptr<Freedom> Make() {
+  return std::make_unique<Implementation>();
+}
+
+struct Registration {
+  const char* name;
+  std::unique_ptr<Freedom> (*make)();
+};
+
+/// One line per freedom.
+constexpr Registration kRegistry[] = {
+    {"rotation", Make<RotationAboutTool>},
+};
+
+}  // namespace
+
+std::unique_ptr<Freedom> MakeFreedom(const std::string& name) {
+  std::vector<std::string> known;
+  for (const Registration& entry : kRegistry) {
+    if (name == entry.name) return entry.make();
+    known.emplace_back(entry.name);
+  }
+  const std::string nearest = NearestName(name, known);
+  throw InputError(Place{},
+                   fmt::format("no freedom \"{}\"; known: {}{}", name, fmt::join(known, ", "),
+                               nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest)));
+}
+
+Pose NominalToolPose(const MillingPoint& point, const Eigen::Vector3d& rotation_reference) {
+  const Eigen::Vector3d z = point.tool_axis.normalized();
+  Eigen::Vector3d x = rotation_reference - rotation_reference.dot(z) * z;
+  static const double kParallel = std::sin(DegToRad(1));
+  if (x.norm() < kParallel * rotation_reference.norm()) {
+    int least = 0;
+    z.cwiseAbs().minCoeff(&least);
+    x = Eigen::Vector3d::Unit(least) - z[least] * z;
+  }
+  Pose X_WT = Pose::Identity();
+  X_WT.linear().col(0) = x.normalized();
+  X_WT.linear().col(1) = z.cross(X_WT.linear().col(0));
+  X_WT.linear().col(2) = z;
+  X_WT.translation() = point.position;
+  return X_WT;
+}
+
+}  // namespace millpose
