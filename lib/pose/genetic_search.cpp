@@ -119,7 +119,7 @@ class Population {
       Evaluate(fresh, archive);
       std::stable_sort(current_.begin(), current_.end(), Fitter);
       if (history) history->push_back(Record());
-      const int children = options_.population - options_.elite;
+      const int children = std::max(0, static_cast<int>(current_.size()) - options_.elite);
       if (generation + 1 >= options_.generations || evaluator_.evaluations() + children > budget) return;
       Breed(1.0 - static_cast<double>(generation) / options_.generations, fresh);
     }
@@ -177,7 +177,8 @@ class Population {
   /// Replaces all but the elite; `fresh` lists the children that differ from their parents. `cooling` falls
   /// from 1 to 0 over the generations.
   void Breed(double cooling, std::vector<size_t>& fresh) {
-    std::vector<Individual> next(current_.begin(), current_.begin() + options_.elite);
+    std::vector<Individual> next(current_.begin(),
+                                 current_.begin() + std::min<size_t>(options_.elite, current_.size()));
     fresh.clear();
     while (next.size() < current_.size()) {
       const Individual& mother = Select();

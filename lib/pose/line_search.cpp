@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pose/line_search.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace millpose {

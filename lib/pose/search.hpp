@@ -3,8 +3,6 @@
 // it.
 #pragma once
 
-#include <stop_token>
-
 #include "base/random.hpp"
 #include "pose/scorer.hpp"
 
@@ -41,7 +39,8 @@ PointOptimum GeneticSearch(const PointScorer& scorer, const PoseProblem& problem
                            const GeneticOptions& options, RandomStream stream,
                            std::vector<GenerationRecord>* history = nullptr);
 
-/// Grid of `step` (rad) over every freedom, all branches, each local optimum and interval end refined.
+/// Grid of `step` (rad or mm) over every freedom, all branches. Along the first freedom each local optimum
+/// that could still win is refined, and the ends of admissible intervals are reached exactly.
 PointOptimum ExhaustiveSearch(const PointScorer& scorer, const PoseProblem& problem, double step);
 
 }  // namespace millpose

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/pose/problems.hpp"
+
+namespace millpose {
+namespace {
+
+struct Sample {
+  MillingPoint point;
+  double optimum;  ///< by the exhaustive search
+};
+
+/// Points of the panel in front of the arm with their exhaustive optima.
+std::vector<Sample> MakeSamples(const PoseProblem& problem, int count) {
+  RandomStream stream(5, 0);
+  std::vector<Sample> samples;
+  for (int k = 0; k < count; ++k) {
+    Sample sample;
+    sample.point = PanelPoint(stream.Uniform(-450, 450), stream.Uniform(-300, 300),
+                              stream.Uniform(1500, 2200), stream.Uniform(700, 1500));
+    const PointScorer scorer(problem, sample.point, Eigen::Vector3d::UnitZ());
+    const PointOptimum best = ExhaustiveSearch(scorer, problem, DegToRad(0.25));
+    if (!best.found) continue;
+    sample.optimum = best.objective;
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+struct Gaps {
+  double share;  ///< of points within 0.1 % of the optimum
+  double worst;  ///< relative
+  int most_evaluations;
+};
+Gaps Measure(const PoseProblem& problem, const std::vector<Sample>& samples, const GeneticOptions& options) {
+  Gaps gaps{0, 0, 0};
+  for (size_t k = 0; k < samples.size(); ++k) {
+    const PointScorer scorer(problem, samples[k].point, Eigen::Vector3d::UnitZ());
+    const PointOptimum best = GeneticSearch(scorer, problem, options, RandomStream(1, k));
+    const double gap = best.found ? best.objective / samples[k].optimum - 1 : 1e9;
+    gaps.share += gap <= 1e-3;
+    gaps.worst = std::max(gaps.worst, gap);
+    gaps.most_evaluations = std::max(gaps.most_evaluations, best.evaluations);
+  }
+  gaps.share /= static_cast<double>(samples.size());
+  return gaps;
+}
+
+TEST(GeneticSearch, ComesWithinATenthOfAPercentOfTheExhaustiveSearch) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const std::vector<Sample> samples = MakeSamples(problem, 300);
+  ASSERT_GT(samples.size(), 250u);
+  const Gaps full = Measure(problem, samples, {});
+  EXPECT_GE(full.share, 0.99);
+  EXPECT_LE(full.worst, 0.01);
+  EXPECT_LE(full.most_evaluations, 2000);
+
+  // Each operator earns its keep: with fewer evaluations (so that the refinement does not make up for it) the
+  // share falls when one is switched off.
+  GeneticOptions frugal, no_crossover, no_mutation;
+  frugal.max_evaluations = no_crossover.max_evaluations = no_mutation.max_evaluations = 500;
+  no_crossover.crossover_rate = 0;
+  no_mutation.mutation_rate = 0;
+  const double both = Measure(problem, samples, frugal).share;
+  EXPECT_GE(both, 0.99);
+  EXPECT_LT(Measure(problem, samples, no_crossover).share, both);
+  EXPECT_LT(Measure(problem, samples, no_mutation).share, both);
+}
+
+TEST(GeneticSearch, DependsOnItsStreamAlone) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const PointScorer scorer(problem, PanelPoint(30, 20), Eigen::Vector3d::UnitZ());
+  std::vector<GenerationRecord> first, again, other;
+  const PointOptimum a = GeneticSearch(scorer, problem, {}, RandomStream(1, 7), &first);
+  const PointOptimum b = GeneticSearch(scorer, problem, {}, RandomStream(1, 7), &again);
+  GeneticSearch(scorer, problem, {}, RandomStream(1, 8), &other);
+  EXPECT_EQ(a.objective, b.objective);
+  EXPECT_EQ(a.q, b.q);
+  ASSERT_EQ(first.size(), again.size());
+  ASSERT_GT(first.size(), 5u);
+  for (size_t g = 0; g < first.size(); ++g) {
+    EXPECT_EQ(first[g].best, again[g].best);
+    EXPECT_EQ(first[g].mean, again[g].mean);
+    EXPECT_LE(first[g].best, first[g].mean);
+    EXPECT_LE(first[g].best, first[g > 0 ? g - 1 : 0].best);  // elitism
+  }
+  EXPECT_NE(first[0].mean, other[0].mean);
+  EXPECT_EQ(a.objective, scorer.ScoreOne(a.freedoms, a.branch).objective);
+  EXPECT_EQ(CheckAdmissible(problem, a.q), Admissibility::kAdmissible);
+}
+
+TEST(GeneticSearch, SaysWhyNothingWasFound) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const PointScorer scorer(problem, PanelPoint(0, 0, 6000), Eigen::Vector3d::UnitZ());
+  const PointOptimum best = GeneticSearch(scorer, problem, {}, RandomStream(1, 0));
+  EXPECT_FALSE(best.found);
+  EXPECT_EQ(best.reason, Admissibility::kUnreachable);
+  EXPECT_LE(best.evaluations, 2000);
+}
+
+}  // namespace
+}  // namespace millpose

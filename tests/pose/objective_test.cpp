@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pose/objective.hpp"
+
+#include "base/error.hpp"
+#include "base/random.hpp"
+#include "stiffness/compliance.hpp"
+
+namespace millpose {
+namespace {
+
+void Put(const Eigen::Matrix3d& c, int lane, ComplianceBlock& block) {
+  block.xx.v[lane] = c(0, 0), block.yy.v[lane] = c(1, 1), block.zz.v[lane] = c(2, 2);
+  block.xy.v[lane] = c(0, 1), block.xz.v[lane] = c(0, 2), block.yz.v[lane] = c(1, 2);
+}
+
+Eigen::Vector3d RandomUnit(RandomStream& stream) {
+  return Eigen::Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
+}
+
+TEST(Chen2021, EqualsTheIndicesInThePlane) {
+  RandomStream stream(7, 0);
+  const double w1 = 0.3, w2 = 0.9;
+  const auto objective = MakeObjective("chen2021", {{"w1", w1}, {"w2", w2}});
+  for (int round = 0; round < 500; ++round) {
+    const Eigen::Vector3d n = RandomUnit(stream);
+    ComplianceBlock block;
+    std::array<double, kLanes> expected;
+    for (int l = 0; l < kLanes; ++l) {
+      Eigen::Matrix3d c = Eigen::Matrix3d::Zero();
+      for (int i = 0; i < 6; ++i) {
+        const Eigen::Vector3d column = stream.Uniform(0, 0.01) * RandomUnit(stream);
+        c += column * column.transpose();
+      }
+      Put(c, l, block);
+      const auto indices = IndicesInPlane(c, n);
+      ASSERT_TRUE(indices.has_value());
+      expected[l] = w1 * indices->lambda_t2 + w2 * indices->lambda_n;
+    }
+    Lanes out;
+    objective->Evaluate(block, {n, n.unitOrthogonal(), n}, out);
+    for (int l = 0; l < kLanes; ++l) EXPECT_NEAR(out.v[l] / expected[l], 1, 1e-9);
+  }
+}
+
+TEST(Chen2021, SingularComplianceIsInfiniteNeverNan) {
+  const auto objective = MakeObjective("chen2021", {});
+  ComplianceBlock block = {};
+  Put(Eigen::Vector3d(1e-4, 2e-4, 0).asDiagonal(), 1, block);
+  Put(Eigen::Vector3d(1e-4, 0, 0).asDiagonal(), 2, block);
+  Put(Eigen::Vector3d(1e-4, 2e-4, 3e-4).asDiagonal(), 3, block);
+  Lanes out;
+  objective->Evaluate(block, {Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ()},
+                      out);
+  for (const int l : {0, 1, 2, 4, 7}) EXPECT_EQ(out.v[l], std::numeric_limits<double>::infinity()) << l;
+  EXPECT_NEAR(out.v[3], 0.5 * 1e-4 + 0.5 * 3e-4, 1e-18);
+}
+
+TEST(MakeObjective, NamesEveryProblemOfItsParameters) {
+  try {
+    MakeObjective("chen2021", {{"w1", -1}, {"w3", 0.5}});
+    FAIL();
+  } catch (const InputError& error) {
+    ASSERT_EQ(error.problems().size(), 2u);
+    EXPECT_EQ(error.problems()[0].message, "objective chen2021: w1 is -1; allowed: at least 0");
+    EXPECT_EQ(error.problems()[1].message,
+              "objective chen2021: no parameter \"w3\"; known: w1, w2; did you mean \"w1\"?");
+  }
+  EXPECT_THROW(MakeObjective("chen2021", {{"w1", 0}, {"w2", 0}}), InputError);
+  EXPECT_THROW(MakeObjective("chen2012", {}), InputError);
+}
+
+}  // namespace
+}  // namespace millpose

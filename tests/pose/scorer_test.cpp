@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pose/scorer.hpp"
+
+#include "tests/pose/problems.hpp"
+
+namespace millpose {
+namespace {
+
+/// The plain way: one pose at a time from the arm's own functions, no blocks.
+Candidate Reference(const PoseProblem& problem, const MillingPoint& point, double rotation, int branch) {
+  const Pose X_WT = NominalToolPose(point, Eigen::Vector3d::UnitZ()) *
+                    Eigen::AngleAxisd(rotation, Eigen::Vector3d::UnitZ());
+  const InverseResult inverse = Inverse(problem.arm, problem.X_WB.inverse() * X_WT * problem.X_FT.inverse());
+  Candidate candidate;
+  for (int s = 0; s < inverse.count; ++s) {
+    if (inverse.solutions[s].branch != branch) continue;
+    const Joints& q = inverse.solutions[s].q;
+    const Eigen::Vector3d origin = problem.origin == StiffnessOrigin::kToolTip
+                                       ? Eigen::Vector3d(problem.X_FT.translation())
+                                       : Eigen::Vector3d::Zero();
+    const Matrix6 C = Compliance(Jacobian(problem.arm, q, origin), problem.arm.stiffness);
+    const auto indices =
+        IndicesInPlane(C.topLeftCorner<3, 3>(), problem.X_WB.linear().transpose() * point.normal);
+    candidate.objective = indices ? 0.5 * indices->lambda_t2 + 0.5 * indices->lambda_n : 1e9;
+    const std::vector<Joints> turns = FullTurns(q, problem.bounds.lower, problem.bounds.upper);
+    candidate.q = turns.empty() ? q : turns.front();
+    candidate.admissibility = turns.empty() ? Admissibility::kLimit : CheckAdmissible(problem, turns.front());
+  }
+  return candidate;
+}
+
+TEST(PointScorer, EqualsThePlainReference) {
+  RandomStream stream(3, 1);
+  int admissible = 0, reached = 0;
+  for (const Arm& arm : {Kr500R2830(), Kr500R2800(), KrQuantecR2700(), Chen2021Table6()}) {
+    PoseProblem problem = MakeProblem(arm);
+    problem.X_WB = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()) * Eigen::Translation3d(50, 20, 400);
+    problem.bounds.dexterity_min = 0.2;
+    for (int k = 0; k < 40; ++k) {
+      if (k == 20) problem.origin = StiffnessOrigin::kFlange;
+      const MillingPoint point = PanelPoint(stream.Uniform(-700, 700), stream.Uniform(-600, 900));
+      const PointScorer scorer(problem, point, Eigen::Vector3d::UnitZ());
+      std::vector<FreedomValues> rotations;
+      for (int i = 0; i < 13; ++i) rotations.push_back({stream.Uniform(-kPi, kPi)});
+      std::vector<Candidate> candidates(8 * rotations.size());
+      scorer.Score(rotations, candidates);
+      for (size_t i = 0; i < rotations.size(); ++i) {
+        for (int branch = 0; branch < 8; ++branch) {
+          const Candidate& found = candidates[8 * i + branch];
+          const Candidate expected = Reference(problem, point, rotations[i][0], branch);
+          ASSERT_EQ(found.admissibility, expected.admissibility);
+          if (found.admissibility == Admissibility::kUnreachable) continue;
+          ++reached;
+          EXPECT_NEAR(found.objective / expected.objective, 1, 1e-9);
+          // Equal up to full turns; within the bounds when admissible.
+          for (int j = 0; j < 6; ++j) {
+            EXPECT_NEAR(std::remainder(found.q[j] - expected.q[j], 2 * kPi), 0, 1e-9);
+          }
+          EXPECT_EQ(found.shortfall == 0, found.admissibility == Admissibility::kAdmissible);
+          if (found.admissibility != Admissibility::kAdmissible) continue;
+          ++admissible;
+          EXPECT_EQ(CheckAdmissible(problem, found.q), Admissibility::kAdmissible);
+          const Pose X_WT = problem.X_WB * ForwardFlange(arm, found.q) * problem.X_FT;
+          EXPECT_LT((X_WT.matrix() - scorer.ToolPose(rotations[i]).matrix()).norm(), 1e-8);
+        }
+      }
+    }
+  }
+  EXPECT_GT(admissible, 500);
+  EXPECT_GT(reached, 3 * admissible);
+}
+
+TEST(PointScorer, AnEntryDoesNotDependOnItsNeighbours) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const PointScorer scorer(problem, PanelPoint(100, 50), Eigen::Vector3d::UnitZ());
+  std::vector<FreedomValues> rotations;
+  for (int i = 0; i < 19; ++i) rotations.push_back({-3 + 0.31 * i});
+  std::vector<Candidate> together(8 * rotations.size()), alone(8);
+  scorer.Score(rotations, together);
+  for (size_t i = 0; i < rotations.size(); ++i) {
+    scorer.Score(std::span(&rotations[i], 1), alone);
+    for (int branch = 0; branch < 8; ++branch) {
+      const Candidate& a = together[8 * i + branch];
+      for (const Candidate& b : {alone[branch], scorer.ScoreOne(rotations[i], branch)}) {
+        EXPECT_EQ(a.admissibility, b.admissibility);
+        EXPECT_EQ(a.objective, b.objective);
+        EXPECT_EQ(a.q, b.q);
+      }
+    }
+  }
+}
+
+TEST(PointScorer, FullTurnsBringAJointWithinItsLimits) {
+  PoseProblem problem = MakeProblem(Kr500R2830(), 0);
+  problem.bounds.lower[3] = DegToRad(190);  // only reached by a turn more than principal
+  problem.bounds.upper[3] = DegToRad(350);
+  const PointScorer scorer(problem, PanelPoint(0, 0), Eigen::Vector3d::UnitZ());
+  int admissible = 0;
+  for (double rotation = -3; rotation < 3; rotation += 0.01) {
+    for (int branch = 0; branch < 8; ++branch) {
+      const Candidate candidate = scorer.ScoreOne({rotation}, branch);
+      if (candidate.admissibility != Admissibility::kAdmissible) continue;
+      ++admissible;
+      EXPECT_GE(candidate.q[3], DegToRad(190));
+      EXPECT_LE(candidate.q[3], DegToRad(350));
+    }
+  }
+  EXPECT_GT(admissible, 20);
+}
+
+TEST(CheckAdmissible, SaysWhatIsMissed) {
+  PoseProblem problem = MakeProblem(Kr500R2830());
+  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 45, 0)), Admissibility::kAdmissible);
+  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 117.5, 0)), Admissibility::kLimit);    // margin
+  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 2, 0)), Admissibility::kSingular);     // wrist
+  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, -3.5, 0, 45, 0)), Admissibility::kSingular);  // elbow
+  problem.bounds.dexterity_min = 0.9;
+  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 45, 0)), Admissibility::kSingular);
+}
+
+}  // namespace
+}  // namespace millpose
