@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From settings, which config reads, to the values that the stages work on. The only place that knows both.
+#pragma once
+
+#include "cell/cell.hpp"
+#include "config/settings.hpp"
+#include "path/gap_planner.hpp"
+#include "path/pass_planner.hpp"
+#include "pipeline/inputs.hpp"
+#include "program/post.hpp"
+#include "toolpath/strategy.hpp"
+#include "verify/verify.hpp"
+
+namespace millpose {
+
+Arm MakeArm(const ArmSettings& settings);
+
+/// X_FT of a tool: z along its axis from tip to holder, x as near to its x as a right angle allows.
+Pose MakeToolPose(const ToolSettings& settings);
+
+/// The cell without a workpiece. `body_bytes` holds the mesh files that bodies name.
+Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::string>& body_bytes);
+
+/// Where the workpiece stands in W.
+Pose MakeWorkpiecePose(const WorkpieceSettings& settings, const Pose& X_WB);
+
+/// The admissible limits of a job: the arm's, narrowed by the task's, less the margin.
+AdmissibleBounds MakeBounds(const JobSettings& job, const Arm& arm);
+
+PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_settings, const Cell& cell);
+ToolpathOptions MakeToolpathOptions(const JobSettings& job);
+PathOptions MakePathOptions(const JobSettings& job);
+GapOptions MakeGapOptions(const JobSettings& job);
+VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm);
+
+/// Settings of one post; defaults when the cell has no section for it.
+PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
+                              const std::string& controller);
+
+}  // namespace millpose

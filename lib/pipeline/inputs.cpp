@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/inputs.hpp"
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "base/hash.hpp"
+#include "config/config.hpp"
+
+namespace millpose {
+namespace {
+
+// Runs `step`; what is wrong with its input joins `problems` so that the user sees everything at once.
+template <class Step>
+void Collect(std::vector<Problem>& problems, Step step) {
+  try {
+    step();
+  } catch (const InputError& error) {
+    problems.insert(problems.end(), error.problems().begin(), error.problems().end());
+  }
+}
+
+}  // namespace
+
+CellSettings LoadCell(const std::filesystem::path& cell_file,
+                      std::map<std::string, std::string>* body_bytes) {
+  CellSettings cell = ParseCell(ReadFile(cell_file), cell_file.string());
+  std::vector<Problem> problems;
+  for (const BodySettings& body : cell.bodies) {
+    if (body.shape.kind != "mesh" || body_bytes->contains(body.shape.mesh_file)) continue;
+    Collect(problems, [&] {
+      (*body_bytes)[body.shape.mesh_file] = ReadFile(cell_file.parent_path() / body.shape.mesh_file);
+    });
+  }
+  if (!problems.empty()) throw InputError(std::move(problems));
+  return cell;
+}
+
+JobInputs LoadJobInputs(const std::filesystem::path& job_file) {
+  JobInputs inputs;
+  inputs.job_file = job_file;
+  inputs.job = ParseJob(ReadFile(job_file), job_file.string());
+  const std::filesystem::path folder = job_file.parent_path();
+  std::vector<Problem> problems;
+  Collect(problems, [&] { inputs.cell = LoadCell(folder / inputs.job.cell_file, &inputs.body_bytes); });
+  Collect(problems, [&] { inputs.workpiece_bytes = ReadFile(folder / inputs.job.workpiece.mesh_file); });
+  if (!problems.empty()) throw InputError(std::move(problems));
+
+  std::string all =
+      WriteJob(inputs.job) + '\0' + WriteCell(inputs.cell) + '\0' + Hash(inputs.workpiece_bytes);
+  for (const auto& [name, bytes] : inputs.body_bytes) all += '\0' + name + '\0' + Hash(bytes);
+  inputs.hash = Hash(all);
+  return inputs;
+}
+
+}  // namespace millpose

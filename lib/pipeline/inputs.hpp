@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "config/settings.hpp"
+
+namespace millpose {
+
+/// Everything that a job names, read into memory: from here on nothing else is opened for reading.
+struct JobInputs {
+  std::filesystem::path job_file;
+  JobSettings job;
+  CellSettings cell;
+  std::string workpiece_bytes;  ///< of the workpiece's mesh file
+  std::map<std::string, std::string>
+      body_bytes;    ///< of the mesh files that the cell's bodies name, by that name
+  std::string hash;  ///< of all of it, resolved
+};
+
+/// Reads a job, its cell and their meshes; paths inside a file are relative to that file. Throws InputError
+/// with the problems of job and cell together.
+JobInputs LoadJobInputs(const std::filesystem::path& job_file);
+
+/// Reads a cell and the meshes of its bodies.
+CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::string, std::string>* body_bytes);
+
+}  // namespace millpose

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <map>
+
+#include "base/error.hpp"
+#include "base/trig.hpp"
+#include "pipeline/assemble.hpp"
+#include "surface/mesh_import.hpp"
+
+namespace millpose {
+namespace {
+
+Eigen::Matrix3d Rotation(int axis, double angle) {
+  const SineCosine t = SinCos(angle);
+  const int j = (axis + 1) % 3, k = (axis + 2) % 3;
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  rotation(j, j) = rotation(k, k) = t.cos;
+  rotation(k, j) = t.sin;
+  rotation(j, k) = -t.sin;
+  return rotation;
+}
+
+// R = Rz(A)·Ry(B)·Rx(C).
+Pose MakePose(const PoseSettings& settings) {
+  Pose pose = Pose::Identity();
+  pose.linear() = Rotation(2, settings.abc[0]) * Rotation(1, settings.abc[1]) * Rotation(0, settings.abc[2]);
+  pose.translation() = settings.position;
+  return pose;
+}
+
+BodyClass MakeBodyClass(const std::string& name) {
+  static const std::map<std::string, BodyClass> classes = {
+      {"link", BodyClass::kLink},     {"spindle", BodyClass::kSpindle}, {"holder", BodyClass::kHolder},
+      {"cutter", BodyClass::kCutter}, {"fixture", BodyClass::kFixture}, {"platform", BodyClass::kPlatform},
+  };
+  return classes.at(name);  // config allows no other
+}
+
+Shape MakeShape(const ShapeSettings& settings, const std::map<std::string, std::string>& body_bytes) {
+  const double radius = settings.diameter / 2, top_radius = settings.top_diameter / 2;
+  if (settings.kind == "box") return Box{settings.size};
+  if (settings.kind == "sphere") return Sphere{radius};
+  if (settings.kind == "cylinder") return Cylinder{radius, settings.length};
+  if (settings.kind == "capsule") return Capsule{radius, settings.length};
+  if (settings.kind == "cone") return Cone{radius, top_radius, settings.length};
+  if (settings.kind == "convex") return Convex{settings.points};
+  assert(settings.kind == "mesh");
+  ImportOptions options;
+  options.unit = settings.unit;
+  return ImportMesh(ReadMesh(body_bytes.at(settings.mesh_file), settings.mesh_file), options,
+                    settings.mesh_file)
+      .mesh.triangles();
+}
+
+void SetMount(const std::string& mount, Body* body) {
+  if (mount == "world") {
+    body->mount = Mount::kWorld;
+  } else if (mount == "tool") {
+    body->mount = Mount::kTool;
+  } else if (mount == "workpiece") {
+    body->mount = Mount::kWorkpiece;
+  } else {  // base, link1..link6: config allows no other
+    body->mount = Mount::kLink;
+    body->link = mount == "base" ? 0 : mount.back() - '0';
+  }
+}
+
+// The stack of cutter, holder and spindle as bodies about T's z, from the tip upwards.
+void AddTool(const ToolSettings& tool, Cell* cell) {
+  double height = 0;
+  for (const ToolPartSettings& part : tool.stack) {
+    Body body;
+    body.name = part.name;
+    body.body_class = MakeBodyClass(part.body_class);
+    body.mount = Mount::kTool;
+    body.X_MG.translation() = Eigen::Vector3d(0, 0, height + part.length / 2);
+    if (part.top_diameter == part.diameter)
+      body.shape = Cylinder{part.diameter / 2, part.length};
+    else
+      body.shape = Cone{part.diameter / 2, part.top_diameter / 2, part.length};
+    cell->bodies.push_back(std::move(body));
+    height += part.length;
+  }
+  cell->cutter_length = tool.cutting_length;
+}
+
+}  // namespace
+
+Pose MakeToolPose(const ToolSettings& tool) {
+  const Eigen::Vector3d z = tool.axis.normalized();
+  const Eigen::Vector3d x = (tool.x - tool.x.dot(z) * z).normalized();
+  Pose X_FT = Pose::Identity();
+  X_FT.linear().col(0) = x;
+  X_FT.linear().col(1) = z.cross(x);
+  X_FT.linear().col(2) = z;
+  X_FT.translation() = tool.tip;
+  return X_FT;
+}
+
+Arm MakeArm(const ArmSettings& settings) {
+  Arm arm;
+  arm.name = settings.name;
+  arm.d1 = settings.d1;
+  arm.a1 = settings.a1;
+  arm.a2 = settings.a2;
+  arm.d4 = settings.d4;
+  arm.dz = settings.dz;
+  arm.d6 = settings.d6;
+  for (size_t i = 0; i < 6; ++i) arm.sign[i] = settings.sign[i];
+  arm.offset = settings.offset;
+  arm.lower = settings.lower;
+  arm.upper = settings.upper;
+  arm.speed = settings.speed;
+  arm.acceleration = settings.acceleration;
+  arm.acceleration_assumed = settings.acceleration_assumed;
+  arm.stiffness = settings.stiffness;
+  return arm;
+}
+
+Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::string>& body_bytes) {
+  Cell cell;
+  cell.name = settings.name;
+  cell.arm = MakeArm(settings.arm);
+  cell.X_WB = MakePose(settings.base_in_world);
+  cell.X_FT = MakeToolPose(settings.tool);
+  cell.home = settings.home;
+  cell.excluded_pairs = settings.excluded_pairs;
+  cell.clearances = {settings.clearance_free, settings.clearance_cutting};
+  AddTool(settings.tool, &cell);
+  for (const BodySettings& body_settings : settings.bodies) {
+    Body body;
+    body.name = body_settings.name;
+    body.body_class = MakeBodyClass(body_settings.body_class);
+    SetMount(body_settings.mount, &body);
+    body.X_MG = MakePose(body_settings.pose);
+    body.shape = MakeShape(body_settings.shape, body_bytes);
+    cell.bodies.push_back(std::move(body));
+  }
+  return cell;
+}
+
+Pose MakeWorkpiecePose(const WorkpieceSettings& settings, const Pose& X_WB) {
+  const Pose pose = MakePose(settings.pose);
+  return settings.frame == "robot_base" ? X_WB * pose : pose;
+}
+
+}  // namespace millpose

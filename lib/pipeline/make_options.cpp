@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/error.hpp"
+#include "pipeline/assemble.hpp"
+
+namespace millpose {
+
+AdmissibleBounds MakeBounds(const JobSettings& job, const Arm& arm) {
+  AdmissibleBounds bounds;
+  bounds.lower = arm.lower;
+  bounds.upper = arm.upper;
+  if (job.task_limits) {
+    bounds.lower = bounds.lower.cwiseMax((*job.task_limits)[0]);
+    bounds.upper = bounds.upper.cwiseMin((*job.task_limits)[1]);
+  }
+  bounds.lower.array() += job.limit_margin;
+  bounds.upper.array() -= job.limit_margin;
+  for (int i = 0; i < 6; ++i)
+    if (bounds.lower[i] >= bounds.upper[i])
+      throw InputError({job.file},
+                       fmt::format("limits: axis {} has no range left: {:.3f}..{:.3f} deg after the margin",
+                                   i + 1, RadToDeg(bounds.lower[i]), RadToDeg(bounds.upper[i])));
+  bounds.dexterity_min = job.dexterity_min;
+  bounds.wrist_min = job.wrist_min;
+  bounds.elbow_min = job.elbow_min;
+  bounds.shoulder_min_mm = job.shoulder_min;
+  return bounds;
+}
+
+PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_settings, const Cell& cell) {
+  PoseProblem problem;
+  problem.arm = cell.arm;
+  problem.X_WB = cell.X_WB;
+  problem.X_FT = cell.X_FT;
+  problem.origin =
+      cell_settings.stiffness_at == "flange" ? StiffnessOrigin::kFlange : StiffnessOrigin::kToolTip;
+  problem.characteristic_length = cell_settings.characteristic_length;
+  problem.bounds = MakeBounds(job, cell.arm);
+  problem.freedoms.push_back(MakeFreedom("rotation"));
+  problem.objective = MakeObjective(job.objective, job.objective_parameters);
+  return problem;
+}
+
+ToolpathOptions MakeToolpathOptions(const JobSettings& job) {
+  const ToolpathSettings& settings = job.toolpath;
+  ToolpathOptions options;
+  options.strategy = settings.strategy;
+  options.region.box = settings.region.box;
+  options.region.facing = settings.region.facing;
+  options.region.facing_within = settings.region.facing_within;
+  options.region.rim_distance = settings.region.rim_distance;
+  options.plane_normal = settings.plane_normal;
+  options.axis_point = settings.axis_point;
+  options.axis_direction = settings.axis_direction;
+  options.stepover = settings.stepover;
+  options.zigzag = settings.direction == "zigzag";
+  options.chord_tolerance = settings.chord_tolerance;
+  options.spacing = settings.spacing;
+  options.crease = settings.crease;
+  options.lead = settings.lead;
+  options.tilt = settings.tilt;
+  options.feed_rate = job.feed;
+  return options;
+}
+
+PathOptions MakePathOptions(const JobSettings& job) {
+  PathOptions options;
+  options.rotation_step = job.rotation_step;
+  options.exhaustive_step = job.exhaustive_step;
+  options.max_joint_step = job.max_joint_step;
+  options.motion_weight = job.motion_weight;
+  options.swept_resolution = job.swept_resolution;
+  options.genetic.population = job.genetic.population;
+  options.genetic.generations = job.genetic.generations;
+  options.genetic.crossover_rate = job.genetic.crossover_rate;
+  options.genetic.mutation_rate = job.genetic.mutation_rate;
+  options.genetic.elite = job.genetic.elite;
+  options.genetic.max_evaluations = job.genetic.max_evaluations;
+  options.seed = job.seed;
+  return options;
+}
+
+GapOptions MakeGapOptions(const JobSettings& job) {
+  GapOptions options;
+  options.retract = job.retract;
+  options.max_iterations = job.gap_iterations;
+  options.swept_resolution = job.swept_resolution;
+  options.limit_margin = job.limit_margin;
+  options.speed_share = job.gap_speed_share;
+  options.seed = job.seed;
+  return options;
+}
+
+VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm) {
+  VerifyOptions options;
+  options.lower = arm.lower;
+  options.upper = arm.upper;
+  options.swept_resolution = job.swept_resolution;
+  return options;
+}
+
+PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
+                              const std::string& controller) {
+  PostSettings post;
+  const auto found = cell.controllers.find(controller);
+  const ControllerSettings settings = found == cell.controllers.end() ? ControllerSettings{} : found->second;
+  for (int i = 0; i < 6; ++i) post.axes.sign[i] = settings.axis_signs[static_cast<size_t>(i)];
+  post.axes.offset = settings.axis_offsets;
+  post.R_TC = ToolAxis(settings.tool_axis);
+  post.X_FT = MakeToolPose(cell.tool);
+  post.tool_name = cell.tool.name;
+  post.blend = job.toolpath.chord_tolerance;
+  post.rotation = settings.rotation;
+  post.max_motions = settings.max_motions;
+  post.texts = settings.texts;
+  return post;
+}
+
+}  // namespace millpose

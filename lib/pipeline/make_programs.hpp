@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <stop_token>
+
+#include "cell/world.hpp"
+#include "pipeline/inputs.hpp"
+#include "plan/plan_result.hpp"
+#include "verify/verify.hpp"
+
+namespace millpose {
+
+/// One controller's program and what its read-back said.
+struct CheckedProgram {
+  std::string controller;
+  ProgramFiles files;               ///< by name
+  std::vector<Finding> findings;    ///< empty: confirmed
+  std::vector<int> pass_of_motion;  ///< −1 for motions of gaps
+};
+
+/// Writes the program of every controller that the job names, reads it back and replays it.
+std::vector<CheckedProgram> MakePrograms(const PlanResult& plan, const JobInputs& inputs, const World& world,
+                                         int threads, std::stop_token stop);
+
+}  // namespace millpose

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/run.hpp"
+
+#include <thread>
+
+#include "base/error.hpp"
+#include "base/hash.hpp"
+#include "config/config.hpp"
+#include "path/job_planner.hpp"
+#include "pipeline/assemble.hpp"
+#include "pipeline/audit.hpp"
+#include "pipeline/make_programs.hpp"
+#include "pipeline/plan_passes.hpp"
+#include "pipeline/stages.hpp"
+#include "pipeline/write_results.hpp"
+#include "surface/mesh_import.hpp"
+
+namespace millpose {
+namespace {
+
+JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
+  stages.Begin("read", 0);
+  JobInputs inputs = LoadJobInputs(arguments.job);
+  if (arguments.seed) inputs.job.seed = *arguments.seed;
+  if (!inputs.cell.programs_allowed && !inputs.job.programs.empty())
+    throw InputError(
+        {inputs.job.file},
+        fmt::format("programs: cell {} is for reproduction only (reproduction_only: true), no programs "
+                    "may be written for it; give `programs: []`",
+                    inputs.cell.name));
+  stages.End(fmt::format("job {}, cell {}", inputs.job.name, inputs.cell.name));
+  return inputs;
+}
+
+// How far the tool tip can come from axis 1, mm: what a part's size is compared with.
+double Reach(const Cell& cell) {
+  return cell.arm.a1 + cell.arm.a2 + std::hypot(cell.arm.d4, cell.arm.dz) + cell.arm.d6 +
+         cell.X_FT.translation().norm();
+}
+
+ImportResult ReadSurface(const JobInputs& inputs, const Cell& cell, Stages& stages) {
+  stages.Begin("surface", 0);
+  ImportOptions options;
+  options.unit = inputs.job.workpiece.unit;
+  options.weld_tolerance = inputs.job.workpiece.weld_tolerance;
+  const std::string& name = inputs.job.workpiece.mesh_file;
+  ImportResult result = ImportMesh(ReadMesh(inputs.workpiece_bytes, name), options, name);
+  stages.End(
+      fmt::format("{} triangles, {} after repair", result.report.triangles_read, result.report.triangles));
+  return result;
+}
+
+Toolpath MakeWorldToolpath(const JobInputs& inputs, const Mesh& mesh, const Pose& X_WP, Stages& stages,
+                           std::stop_token stop) {
+  stages.Begin("toolpath", 0);
+  Toolpath toolpath = Transformed(MakeToolpath(mesh, MakeToolpathOptions(inputs.job), stop), X_WP);
+  size_t points = 0;
+  for (Pass& pass : toolpath.passes) {
+    pass.rotation_reference = inputs.job.toolpath.rotation_reference.normalized();
+    points += pass.points.size();
+  }
+  if (points == 0)
+    throw InputError({inputs.job.file},
+                     "toolpath: the region holds no milling point; look at region and planes");
+  stages.End(fmt::format("{} points in {} passes", points, toolpath.passes.size()));
+  return toolpath;
+}
+
+// What a pass's plan depends on besides its points: everything but what only later stages read.
+std::string PassContext(const JobInputs& inputs) {
+  JobSettings job = inputs.job;
+  const JobSettings later;
+  job.name.clear();
+  job.file.clear();
+  job.toolpath = later.toolpath;
+  job.feed = later.feed;
+  job.spindle_speed = later.spindle_speed;
+  job.retract = later.retract;
+  job.gap_iterations = later.gap_iterations;
+  job.gap_speed_share = later.gap_speed_share;
+  job.programs = later.programs;
+  CellSettings cell = inputs.cell;
+  cell.controllers.clear();
+  std::string context = std::string(MILLPOSE_VERSION) + '\0' + WriteJob(job) + '\0' + WriteCell(cell) + '\0' +
+                        Hash(inputs.workpiece_bytes);
+  for (const auto& [name, bytes] : inputs.body_bytes) context += '\0' + name + '\0' + Hash(bytes);
+  return context;
+}
+
+PlanResult StartPlan(const JobInputs& inputs, const Cell& cell, const PoseProblem& problem) {
+  PlanResult plan;
+  plan.job = inputs.job.name;
+  plan.cell = inputs.cell.name;
+  plan.input_hash = inputs.hash;
+  plan.seed = inputs.job.seed;
+  plan.arm = cell.arm;
+  plan.X_WB = cell.X_WB;
+  plan.X_FT = cell.X_FT;
+  plan.X_WP = cell.X_WP;
+  plan.home = cell.home;
+  plan.spindle_speed = inputs.job.spindle_speed;
+  plan.objective_name = problem.objective->Name();
+  plan.objective_unit = problem.objective->Unit();
+  plan.stiffness_origin = inputs.cell.stiffness_at;
+  return plan;
+}
+
+bool IsComplete(const PlanResult& plan, const ReportInputs& report) {
+  const PlanFigures figures = Figures(plan);
+  return figures.planned == figures.total && figures.gaps_planned == plan.gaps.size() &&
+         report.findings.empty();
+}
+
+size_t CountPoints(const Toolpath& toolpath) {
+  size_t count = 0;
+  for (const Pass& pass : toolpath.passes) count += pass.points.size();
+  return count;
+}
+
+}  // namespace
+
+PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::stop_token stop) {
+  const int threads =
+      arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
+  Stages stages(progress);
+  const JobInputs inputs = ReadInputs(arguments, stages);
+  const OutputFolder folder(arguments.out.value_or(arguments.job.parent_path() / (inputs.job.name + ".out")));
+  if (arguments.fresh) folder.RemoveCheckpoints();
+
+  Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
+  cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
+  const ImportResult surface = ReadSurface(inputs, cell, stages);
+  cell.bodies.push_back({.name = "workpiece",
+                         .body_class = BodyClass::kWorkpiece,
+                         .mount = Mount::kWorkpiece,
+                         .shape = surface.mesh.triangles()});
+  const Toolpath toolpath = MakeWorldToolpath(inputs, surface.mesh, cell.X_WP, stages, stop);
+  const PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, cell);
+  const World world(cell);
+
+  PlanResult plan = StartPlan(inputs, cell, problem);
+  stages.Begin("passes", CountPoints(toolpath));
+  PlannedPasses planned = PlanPasses(problem, world, toolpath, MakePathOptions(inputs.job),
+                                     PassContext(inputs), folder, threads, progress, stop);
+  plan.passes = std::move(planned.passes);
+  stages.End(fmt::format("{} passes, {} of them from checkpoints", plan.passes.size(), planned.resumed));
+
+  stages.Begin("gaps", 0);
+  FixTurns(plan.passes, plan.home, problem.bounds.lower, problem.bounds.upper);
+  plan.gaps = PlanGaps(world, plan.passes, MakeGapOptions(inputs.job), threads, stop);
+  stages.End(fmt::format("{} gaps", plan.gaps.size()));
+
+  stages.Begin("programs", 0);
+  const std::vector<CheckedProgram> programs = MakePrograms(plan, inputs, world, threads, stop);
+  stages.End(fmt::format("{} programs", programs.size()));
+
+  std::optional<AuditFigures> audit;
+  if (arguments.audit) {
+    stages.Begin("audit", 0);
+    audit = Audit(plan, surface.mesh, world, problem.bounds, threads, stop);
+    stages.End(
+        fmt::format("{} interferences, {} limit violations", audit->interferences, audit->limit_violations));
+  }
+
+  stages.Begin("write", 0);
+  const ReportInputs report = WriteResults(plan, inputs, programs, audit, folder);
+  stages.End(folder.path().string());
+  RunFigures run = MeasureRun(threads, MILLPOSE_VERSION);
+  run.resumed_passes = planned.resumed;
+  for (const StageTime& stage : stages.times()) {
+    run.stages.push_back({stage.name, stage.seconds});
+    run.wall_s += stage.seconds;
+  }
+  folder.Write("run.json", RunJson(run));
+  return {IsComplete(plan, report) ? 0 : 1, SummaryText(plan, report, run)};
+}
+
+}  // namespace millpose

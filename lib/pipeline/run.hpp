@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "base/progress.hpp"
+
+namespace millpose {
+
+/// What `millpose plan` was asked for.
+struct PlanArguments {
+  std::filesystem::path job;
+  std::optional<std::filesystem::path> out;  ///< default: `<job name>.out` beside the job
+  int threads = 0;                           ///< 0: all cores
+  std::optional<uint64_t> seed;              ///< instead of the job's
+  bool audit = false;                        ///< recompute the figures of summary.json's `audit`
+  bool fresh = false;                        ///< ignore checkpoints
+};
+
+struct PlanOutcome {
+  int exit_status = 0;  ///< 0 done, 1 done with findings
+  std::string text;     ///< the screenful for the user
+};
+
+/// The whole way from a job file to a folder of programs and reports. Throws InputError for bad input,
+/// Interrupted when `stop` was requested (what was planned stays as checkpoints).
+PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::stop_token stop);
+
+}  // namespace millpose

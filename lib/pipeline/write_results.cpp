@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/write_results.hpp"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "config/config.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr size_t kFindingsKept = 20;  // per program: the rest says the same
+
+// How many motions of a program end on points of each pass.
+std::vector<int> MotionsPerPass(const CheckedProgram& program, size_t passes) {
+  std::vector<int> counts(passes, 0);
+  for (const int pass : program.pass_of_motion)
+    if (pass >= 0) ++counts.at(static_cast<size_t>(pass));
+  return counts;
+}
+
+std::vector<std::string> Explain(const PlanResult& plan, const std::vector<CheckedProgram>& programs) {
+  std::vector<std::string> sentences;
+  const std::string obstacle = WhyNotProgrammable(plan);
+  if (!obstacle.empty()) sentences.push_back("no program was written: " + obstacle);
+  for (const CheckedProgram& program : programs) {
+    for (size_t i = 0; i < std::min(program.findings.size(), kFindingsKept); ++i) {
+      const Finding& finding = program.findings[i];
+      sentences.push_back(
+          fmt::format("{} {}:{}: {}", program.controller, finding.file, finding.line, finding.message));
+    }
+    if (program.findings.size() > kFindingsKept)
+      sentences.push_back(
+          fmt::format("{}: {} findings more", program.controller, program.findings.size() - kFindingsKept));
+  }
+  return sentences;
+}
+
+}  // namespace
+
+ReportInputs WriteResults(const PlanResult& plan, const JobInputs& inputs,
+                          const std::vector<CheckedProgram>& programs,
+                          const std::optional<AuditFigures>& audit, const OutputFolder& folder) {
+  ReportInputs report;
+  report.audit = audit;
+  report.findings = Explain(plan, programs);
+  // One program that its read-back does not confirm casts doubt on the plan: none is written then.
+  bool confirmed = true;
+  for (const CheckedProgram& program : programs) confirmed &= program.findings.empty();
+  std::map<std::string, std::string> files;
+  for (const CheckedProgram& program : programs)
+    for (const auto& [name, bytes] : program.files) {
+      const std::string path = program.controller + "/" + name;
+      files[path] = bytes;
+      report.programs.push_back({"programs/" + path, program.controller,
+                                 MotionsPerPass(program, plan.passes.size()), program.findings.empty()});
+    }
+  folder.RemoveResults();
+  folder.Write("job.yaml", WriteJob(inputs.job));
+  folder.Write("points.csv", PointsCsv(plan));
+  folder.Write("summary.json", SummaryJson(plan, report));
+  if (confirmed) folder.WritePrograms(files);
+  return report;
+}
+
+RunFigures MeasureRun(int threads, const std::string& version) {
+  RunFigures run;
+  run.threads = threads;
+  run.version = version;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  run.peak_memory_MB = static_cast<double>(usage.ru_maxrss) / 1024;
+  char host[256] = "";
+  gethostname(host, sizeof host - 1);
+  run.host = host;
+  return run;
+}
+
+}  // namespace millpose

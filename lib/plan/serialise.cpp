@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// PlanResult and PassResult as CBOR. Each type lists its fields once (Fields); writer and reader both walk
+// that list.
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "plan/plan_result.hpp"
+
+namespace millpose {
+namespace {
+
+using Json = nlohmann::json;
+
+// The type of a field that is neither number, text, matrix nor list must have a Fields() of its own.
+template <class T>
+concept Scalar = std::is_arithmetic_v<T> || std::is_same_v<T, std::string>;
+
+struct Writer {
+  Json json = Json::object();
+
+  template <class T>
+  void operator()(const char* key, const T& value) {
+    json[key] = Write(value);
+  }
+
+  template <Scalar T>
+  static Json Write(const T& value) {
+    return value;
+  }
+  template <class T>
+  requires std::is_enum_v<T>
+  static Json Write(const T& value) { return static_cast<int>(value); }
+  template <int kRows, int kCols>
+  static Json Write(const Eigen::Matrix<double, kRows, kCols>& value) {
+    return std::vector<double>(value.data(), value.data() + value.size());
+  }
+  static Json Write(const Pose& value) { return Write(Eigen::Matrix4d(value.matrix())); }
+  static Json Write(const std::array<double, 6>& value) { return value; }
+  template <class T>
+  static Json Write(const std::vector<T>& values) {
+    Json list = Json::array();
+    for (const T& value : values) list.push_back(Write(value));
+    return list;
+  }
+  template <class T>
+  requires(std::is_class_v<T> && !Scalar<T>) static Json Write(const T& value) {
+    Writer inner;
+    Fields(inner, const_cast<T&>(value));  // Fields is shared with the reader; the writer only reads
+    return std::move(inner.json);
+  }
+};
+
+struct Reader {
+  const Json& json;
+
+  template <class T>
+  void operator()(const char* key, T& value) {
+    Read(json.at(key), value);
+  }
+
+  template <Scalar T>
+  static void Read(const Json& from, T& value) {
+    from.get_to(value);
+  }
+  template <class T>
+  requires std::is_enum_v<T>
+  static void Read(const Json& from, T& value) { value = static_cast<T>(from.get<int>()); }
+  template <int kRows, int kCols>
+  static void Read(const Json& from, Eigen::Matrix<double, kRows, kCols>& value) {
+    if (from.size() != static_cast<size_t>(value.size()))
+      throw std::runtime_error("wrong number of matrix entries");
+    for (Eigen::Index i = 0; i < value.size(); ++i)
+      value.data()[i] = from.at(static_cast<size_t>(i)).get<double>();
+  }
+  static void Read(const Json& from, Pose& value) {
+    Eigen::Matrix4d matrix;
+    Read(from, matrix);
+    value.matrix() = matrix;
+  }
+  static void Read(const Json& from, std::array<double, 6>& value) { from.get_to(value); }
+  template <class T>
+  static void Read(const Json& from, std::vector<T>& values) {
+    values.resize(from.size());
+    for (size_t i = 0; i < values.size(); ++i) Read(from.at(i), values[i]);
+  }
+  template <class T>
+  requires(std::is_class_v<T> && !Scalar<T>) static void Read(const Json& from, T& value) {
+    Reader inner{from};
+    Fields(inner, value);
+  }
+};
+
+template <class Archive>
+void Fields(Archive& a, MillingPoint& p) {
+  a("position", p.position);
+  a("normal", p.normal);
+  a("feed", p.feed);
+  a("tool_axis", p.tool_axis);
+  a("feed_rate", p.feed_rate);
+  a("arc_length", p.arc_length);
+  a("kind", p.kind);
+  a("region", p.region);
+  a("source_line", p.source_line);
+}
+
+template <class Archive>
+void Fields(Archive& a, MillingPlaneIndices& i) {
+  a("lambda_t1", i.lambda_t1);
+  a("lambda_t2", i.lambda_t2);
+  a("lambda_n", i.lambda_n);
+  a("mu", i.mu);
+  a("normal_compliance", i.normal_compliance);
+}
+
+template <class Archive>
+void Fields(Archive& a, PlannedPoint& p) {
+  a("point", p.point);
+  a("skip", p.skip);
+  a("detail", p.detail);
+  a("piece", p.piece);
+  a("freedoms", p.freedoms);
+  a("branch", p.branch);
+  a("q", p.q);
+  a("indices", p.indices);
+  a("dexterity", p.dexterity);
+  a("objective", p.objective);
+  a("genetic_optimum", p.genetic_optimum);
+  a("exhaustive_optimum", p.exhaustive_optimum);
+  a("genetic_evaluations", p.genetic_evaluations);
+  a("from_genetic", p.from_genetic);
+  a("clearance", p.clearance);
+}
+
+template <class Archive>
+void Fields(Archive& a, Piece& p) {
+  a("pass", p.pass);
+  a("piece", p.piece);
+  a("first", p.first);
+  a("last", p.last);
+  a("closed", p.closed);
+}
+
+template <class Archive>
+void Fields(Archive& a, PassResult& p) {
+  a("pass", p.pass);
+  a("rotation_reference", p.rotation_reference);
+  a("points", p.points);
+  a("pieces", p.pieces);
+  a("grid_gap", p.grid_gap);
+  a("poses_checked", p.poses_checked);
+  a("nodes_struck", p.nodes_struck);
+}
+
+template <class Archive>
+void Fields(Archive& a, Gap& g) {
+  a("from_pass", g.from_pass);
+  a("from_piece", g.from_piece);
+  a("to_pass", g.to_pass);
+  a("to_piece", g.to_piece);
+  a("planned", g.planned);
+  a("detail", g.detail);
+  a("X_WT_retracted", g.X_WT_retracted);
+  a("X_WT_approach", g.X_WT_approach);
+  a("joints", g.joints);
+  a("clearance", g.clearance);
+  a("duration", g.duration);
+}
+
+template <class Archive>
+void Fields(Archive& a, Arm& arm) {
+  a("name", arm.name);
+  a("d1", arm.d1);
+  a("a1", arm.a1);
+  a("a2", arm.a2);
+  a("d4", arm.d4);
+  a("dz", arm.dz);
+  a("d6", arm.d6);
+  a("sign", arm.sign);
+  a("offset", arm.offset);
+  a("lower", arm.lower);
+  a("upper", arm.upper);
+  a("speed", arm.speed);
+  a("acceleration", arm.acceleration);
+  a("acceleration_assumed", arm.acceleration_assumed);
+  a("stiffness", arm.stiffness);
+}
+
+template <class Archive>
+void Fields(Archive& a, PlanResult& r) {
+  a("job", r.job);
+  a("cell", r.cell);
+  a("input_hash", r.input_hash);
+  a("seed", r.seed);
+  a("arm", r.arm);
+  a("X_WB", r.X_WB);
+  a("X_FT", r.X_FT);
+  a("X_WP", r.X_WP);
+  a("home", r.home);
+  a("spindle_speed", r.spindle_speed);
+  a("passes", r.passes);
+  a("gaps", r.gaps);
+  a("objective_name", r.objective_name);
+  a("objective_unit", r.objective_unit);
+  a("stiffness_origin", r.stiffness_origin);
+}
+
+// The leading field tells a file of ours from others and one version from the next.
+constexpr const char* kFormat = "millpose 1";
+
+template <class T>
+std::string ToBytes(const T& value) {
+  Json json = Writer::Write(value);
+  json["format"] = kFormat;
+  std::string bytes;
+  Json::to_cbor(json, bytes);
+  return bytes;
+}
+
+template <class T>
+T FromBytes(std::string_view bytes, const std::string& name) {
+  try {
+    const Json json = Json::from_cbor(bytes.begin(), bytes.end());
+    if (json.at("format") != kFormat) throw std::runtime_error("written by another version");
+    T value;
+    Reader::Read(json, value);
+    return value;
+  } catch (const std::exception& error) {
+    throw InputError({name}, fmt::format("not a plan that this version wrote: {}", error.what()));
+  }
+}
+
+}  // namespace
+
+std::string Serialise(const PlanResult& result) { return ToBytes(result); }
+std::string Serialise(const PassResult& result) { return ToBytes(result); }
+
+PlanResult ParsePlanResult(std::string_view bytes, const std::string& name) {
+  return FromBytes<PlanResult>(bytes, name);
+}
+
+PassResult ParsePassResult(std::string_view bytes, const std::string& name) {
+  return FromBytes<PassResult>(bytes, name);
+}
+
+}  // namespace millpose

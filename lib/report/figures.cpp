@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report/report.hpp"
+
+namespace millpose {
+namespace {
+
+std::optional<Spread> SpreadOf(std::vector<double> values) {
+  if (values.empty()) return std::nullopt;
+  std::sort(values.begin(), values.end());
+  const size_t middle = values.size() / 2;
+  const double median = values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+  return Spread{values.front(), median, values.back()};
+}
+
+}  // namespace
+
+PlanFigures Figures(const PlanResult& plan) {
+  PlanFigures figures;
+  std::vector<double> t1, t2, n, f;
+  double on_path = 0, own = 0, clearance = 0;
+  size_t genetic = 0;
+  for (const PassResult& pass : plan.passes) {
+    figures.pieces += pass.pieces.size();
+    for (const PlannedPoint& point : pass.points) {
+      ++figures.total;
+      if (point.skip != SkipReason::kNone) continue;
+      t1.push_back(point.indices.lambda_t1);
+      t2.push_back(point.indices.lambda_t2);
+      n.push_back(point.indices.lambda_n);
+      f.push_back(point.objective);
+      on_path += point.objective;
+      own += point.exhaustive_optimum;
+      genetic += point.from_genetic ? 1 : 0;
+      clearance = figures.planned == 0 ? point.clearance : std::min(clearance, point.clearance);
+      ++figures.planned;
+    }
+  }
+  for (const Gap& gap : plan.gaps) {
+    if (!gap.planned) continue;
+    ++figures.gaps_planned;
+    if (figures.planned > 0) clearance = std::min(clearance, gap.clearance);
+  }
+  figures.lambda_t1 = SpreadOf(std::move(t1));
+  figures.lambda_t2 = SpreadOf(std::move(t2));
+  figures.lambda_n = SpreadOf(std::move(n));
+  figures.objective = SpreadOf(std::move(f));
+  if (figures.planned > 0) {
+    if (own > 0) figures.price_of_continuity = on_path / own;
+    figures.ga_nodes_share = static_cast<double>(genetic) / static_cast<double>(figures.planned);
+    figures.clearance_min = clearance;
+  }
+  return figures;
+}
+
+}  // namespace millpose

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What people and scripts read of a plan. Pure functions of their arguments; nothing here opens files.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "plan/plan_result.hpp"
+
+namespace millpose {
+
+/// One program file as written and confirmed.
+struct ReportedProgram {
+  std::string path;  ///< relative to the output folder
+  std::string controller;
+  std::vector<int> motions_per_pass;
+  bool verified = false;
+};
+
+/// Figures recomputed on request (`--audit`).
+struct AuditFigures {
+  double ga_share_within_0p1_percent = 0;  ///< of the points judged, %
+  double ga_worst_gap_percent = 0;         ///< genetic algorithm above the exhaustive optimum
+  long long limit_violations = 0;          ///< points outside the admissible limits
+  long long interferences = 0;             ///< poses that touch, in steps of at most 0.2 mm of travel
+  double max_slice_distance_mm = 0;        ///< of the cut points from the mesh
+};
+
+/// What a report tells beyond the plan itself.
+struct ReportInputs {
+  std::vector<ReportedProgram> programs;
+  std::vector<std::string> findings;  ///< why programs were not written, one sentence each
+  std::optional<AuditFigures> audit;
+};
+
+/// What differs from run to run; goes into run.json alone.
+struct RunFigures {
+  struct Stage {
+    std::string name;
+    double wall_s = 0;
+  };
+  double wall_s = 0;
+  std::vector<Stage> stages;
+  double peak_memory_MB = 0;
+  int threads = 0;
+  std::string host, version;
+  size_t resumed_passes = 0;
+};
+
+/// Best (smallest), median and worst (largest) of one index over the planned points; empty when there is
+/// none.
+struct Spread {
+  double best = 0, median = 0, worst = 0;
+};
+
+/// Figures that several reports share.
+struct PlanFigures {
+  size_t total = 0, planned = 0, gaps_planned = 0, pieces = 0;
+  std::optional<Spread> lambda_t1, lambda_t2, lambda_n, objective;  ///< mm/N; objective in its own unit
+  std::optional<double> price_of_continuity;  ///< Σ f on the path ÷ Σ of the points' own optima, ≥ 1
+  std::optional<double> ga_nodes_share;       ///< of the path's nodes that came from the genetic algorithm
+  std::optional<double> clearance_min;        ///< mm
+};
+PlanFigures Figures(const PlanResult& plan);
+
+/// One row per point as in docs/outputs.md: positions in W, angles in the arm's convention.
+std::string PointsCsv(const PlanResult& plan);
+
+/// summary.json, schema_version 1.
+std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs);
+
+/// run.json.
+std::string RunJson(const RunFigures& figures);
+
+/// The screenful that `plan` prints.
+std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, const RunFigures& run);
+
+}  // namespace millpose

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nlohmann/json.hpp>
+
+#include "report/report.hpp"
+
+namespace millpose {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json SpreadJson(const std::optional<Spread>& spread) {
+  if (!spread) return {{"best", nullptr}, {"median", nullptr}, {"worst", nullptr}};
+  return {{"best", spread->best}, {"median", spread->median}, {"worst", spread->worst}};
+}
+
+template <class T>
+Json OrNull(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json MatrixJson(const Pose& pose) {
+  Json rows = Json::array();
+  for (int i = 0; i < 4; ++i) {
+    Json row = Json::array();
+    for (int j = 0; j < 4; ++j) row.push_back(pose.matrix()(i, j));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Json SkippedJson(const PlanResult& plan) {
+  Json skipped = Json::array();
+  size_t number = 0;
+  for (const PassResult& pass : plan.passes)
+    for (const PlannedPoint& point : pass.points) {
+      if (point.skip != SkipReason::kNone)
+        skipped.push_back({{"point", number},
+                           {"pass", pass.pass},
+                           {"reason", ToString(point.skip)},
+                           {"detail", point.detail}});
+      ++number;
+    }
+  return skipped;
+}
+
+Json UnplannedGapsJson(const PlanResult& plan) {
+  Json list = Json::array();
+  for (size_t i = 0; i < plan.gaps.size(); ++i)
+    if (!plan.gaps[i].planned) list.push_back({{"gap", i}, {"detail", plan.gaps[i].detail}});
+  return list;
+}
+
+Json AuditJson(const std::optional<AuditFigures>& audit) {
+  if (!audit) return nullptr;
+  return {{"ga_share_within_0p1_percent", audit->ga_share_within_0p1_percent},
+          {"ga_worst_gap_percent", audit->ga_worst_gap_percent},
+          {"limit_violations", audit->limit_violations},
+          {"interferences", audit->interferences},
+          {"max_slice_distance_mm", audit->max_slice_distance_mm}};
+}
+
+Json ProgramsJson(const std::vector<ReportedProgram>& programs) {
+  Json list = Json::array();
+  for (const ReportedProgram& program : programs)
+    list.push_back({{"path", program.path},
+                    {"controller", program.controller},
+                    {"motions_per_pass", program.motions_per_pass},
+                    {"verified", program.verified}});
+  return list;
+}
+
+}  // namespace
+
+std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
+  const PlanFigures figures = Figures(plan);
+  Json json;
+  json["schema_version"] = 1;
+  json["job"] = plan.job;
+  json["input_hash"] = plan.input_hash;
+  json["points"] = {
+      {"total", figures.total}, {"planned", figures.planned}, {"skipped", figures.total - figures.planned}};
+  json["skipped"] = SkippedJson(plan);
+  json["passes"] = plan.passes.size();
+  json["pieces"] = figures.pieces;
+  json["gaps"] = {{"total", plan.gaps.size()}, {"planned", figures.gaps_planned}};
+  json["gaps_not_planned"] = UnplannedGapsJson(plan);
+  json["stiffness"] = {{"origin", plan.stiffness_origin},
+                       {"lambda_t1", SpreadJson(figures.lambda_t1)},
+                       {"lambda_t2", SpreadJson(figures.lambda_t2)},
+                       {"lambda_n", SpreadJson(figures.lambda_n)},
+                       {"objective", SpreadJson(figures.objective)},
+                       {"units",
+                        {{"lambda_t1", "mm/N"},
+                         {"lambda_t2", "mm/N"},
+                         {"lambda_n", "mm/N"},
+                         {"objective", plan.objective_unit}}}};
+  json["objective"] = plan.objective_name;
+  json["price_of_continuity"] = OrNull(figures.price_of_continuity);
+  json["ga_nodes_share"] = OrNull(figures.ga_nodes_share);
+  json["clearance_min_mm"] = OrNull(figures.clearance_min);
+  json["cell"] = {{"name", plan.cell},
+                  {"robot", plan.arm.name},
+                  {"X_WB", MatrixJson(plan.X_WB)},
+                  {"X_FT", MatrixJson(plan.X_FT)},
+                  {"X_WP", MatrixJson(plan.X_WP)}};
+  json["seed"] = plan.seed;
+  json["programs"] = ProgramsJson(inputs.programs);
+  json["findings"] = inputs.findings;
+  json["audit"] = AuditJson(inputs.audit);
+  return json.dump(2) + "\n";
+}
+
+std::string RunJson(const RunFigures& figures) {
+  Json json;
+  json["wall_s"] = figures.wall_s;
+  json["stages"] = Json::object();
+  for (const RunFigures::Stage& stage : figures.stages)
+    json["stages"][stage.name] = {{"wall_s", stage.wall_s}};
+  json["peak_memory_MB"] = figures.peak_memory_MB;
+  json["threads"] = figures.threads;
+  json["host"] = figures.host;
+  json["version"] = figures.version;
+  json["resumed_passes"] = figures.resumed_passes;
+  return json.dump(2) + "\n";
+}
+
+}  // namespace millpose

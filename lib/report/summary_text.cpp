@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <iterator>
+
+#include "report/report.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr size_t kSkippedShown = 8;
+
+void AppendSpread(const char* name, const std::optional<Spread>& spread, const std::string& unit,
+                  std::string* text) {
+  if (!spread) return;
+  fmt::format_to(std::back_inserter(*text), "  {:<10} {:>11.4e} {:>11.4e} {:>11.4e}  {}\n", name,
+                 spread->best, spread->median, spread->worst, unit);
+}
+
+void AppendSkipped(const PlanResult& plan, std::string* text) {
+  std::map<std::string, size_t> by_reason;
+  size_t number = 0, shown = 0, skipped = 0;
+  std::string rows;
+  for (const PassResult& pass : plan.passes)
+    for (const PlannedPoint& point : pass.points) {
+      if (point.skip != SkipReason::kNone) {
+        ++skipped;
+        ++by_reason[ToString(point.skip)];
+        if (shown++ < kSkippedShown)
+          fmt::format_to(std::back_inserter(rows), "  point {} (pass {}): {}: {}\n", number, pass.pass,
+                         ToString(point.skip), point.detail);
+      }
+      ++number;
+    }
+  if (skipped == 0) return;
+  *text += "skipped   ";
+  for (const auto& [reason, count] : by_reason)
+    fmt::format_to(std::back_inserter(*text), " {} {}", count, reason);
+  *text += "\n" + rows;
+  if (skipped > kSkippedShown)
+    fmt::format_to(std::back_inserter(*text), "  … and {} more, all in summary.json\n",
+                   skipped - kSkippedShown);
+}
+
+}  // namespace
+
+std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, const RunFigures& run) {
+  const PlanFigures figures = Figures(plan);
+  std::string text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "job {} on {} ({})\n", plan.job, plan.cell, plan.arm.name);
+  fmt::format_to(out, "points     {} planned of {}, {} skipped\n", figures.planned, figures.total,
+                 figures.total - figures.planned);
+  fmt::format_to(out, "passes     {} in {} pieces\n", plan.passes.size(), figures.pieces);
+  fmt::format_to(out, "gaps       {} planned of {}\n", figures.gaps_planned, plan.gaps.size());
+  for (size_t i = 0; i < plan.gaps.size(); ++i)
+    if (!plan.gaps[i].planned) fmt::format_to(out, "  gap {}: {}\n", i, plan.gaps[i].detail);
+  AppendSkipped(plan, &text);
+  fmt::format_to(out, "stiffness at the {}; compliance, smaller is stiffer\n",
+                 plan.stiffness_origin == "flange" ? "flange centre" : "tool tip");
+  fmt::format_to(out, "  {:<10} {:>11} {:>11} {:>11}\n", "", "best", "median", "worst");
+  AppendSpread("lambda_t1", figures.lambda_t1, "mm/N  larger semi-axis in the milling plane", &text);
+  AppendSpread("lambda_t2", figures.lambda_t2, "mm/N  smaller semi-axis in the milling plane", &text);
+  AppendSpread("lambda_n", figures.lambda_n, "mm/N  radius along the normal", &text);
+  AppendSpread("objective", figures.objective, plan.objective_unit + "  " + plan.objective_name, &text);
+  if (figures.price_of_continuity)
+    fmt::format_to(out, "continuity costs {:.2f} % of the objective against each point's own optimum\n",
+                   100 * (*figures.price_of_continuity - 1));
+  if (figures.clearance_min) fmt::format_to(out, "clearance  at least {:.1f} mm\n", *figures.clearance_min);
+  for (const ReportedProgram& program : inputs.programs)
+    fmt::format_to(out, "program    {} ({})\n", program.path,
+                   program.verified ? "read back and confirmed" : "refused");
+  for (const std::string& finding : inputs.findings) fmt::format_to(out, "finding    {}\n", finding);
+  if (inputs.audit)
+    fmt::format_to(
+        out,
+        "audit      genetic algorithm within 0.1 % at {:.2f} % of the points (worst {:.3f} %), {} limit "
+        "violations, {} interferences, {:.1e} mm off the mesh\n",
+        inputs.audit->ga_share_within_0p1_percent, inputs.audit->ga_worst_gap_percent,
+        inputs.audit->limit_violations, inputs.audit->interferences, inputs.audit->max_slice_distance_mm);
+  fmt::format_to(out, "time       {:.1f} s:", run.wall_s);
+  for (const RunFigures::Stage& stage : run.stages)
+    fmt::format_to(out, " {} {:.1f}", stage.name, stage.wall_s);
+  text += "\n";
+  return text;
+}
+
+}  // namespace millpose
