@@ -18,7 +18,7 @@ struct SineCosine {
 namespace trig {
 
 /// `when_set` where `mask` is all ones, `otherwise` where it is 0.
-inline double Select(uint64_t mask, double when_set, double otherwise) {
+[[gnu::always_inline]] inline double Select(uint64_t mask, double when_set, double otherwise) {
   return std::bit_cast<double>((std::bit_cast<uint64_t>(when_set) & mask) |
                                (std::bit_cast<uint64_t>(otherwise) & ~mask));
 }
@@ -32,7 +32,7 @@ inline constexpr double kAtanCoefficients[] = {
     -0.009215319070924557};
 
 /// Sine and cosine of r + tail, |r| ≤ π/4: Taylor's series, whose first dropped term is below 3e-18.
-inline SineCosine OfReduced(double r, double tail) {
+[[gnu::always_inline]] inline SineCosine OfReduced(double r, double tail) {
   const double z = r * r;
   double s = 1.0 / 355687428096000.0;
   s = s * z - 1.0 / 1307674368000.0;
@@ -59,7 +59,7 @@ inline SineCosine OfReduced(double r, double tail) {
 /// Sine and cosine of `angle` (rad), |angle| ≤ 1e5, within 1 unit in the last place of the larger of the
 /// two's scale (tests/base/trig_test.cpp). Reduction by multiples of π/2 in three parts (Cody and Waite
 /// 1980): the products with the first two are exact.
-inline SineCosine SinCos(double angle) {
+[[gnu::always_inline]] inline SineCosine SinCos(double angle) {
   constexpr double kTwoOverPi = 0x1.45f306dc9c883p-1;
   constexpr double kPart1 = 0x1.921fb544p+0, kPart2 = 0x1.0b4611a6p-34, kPart3 = 0x1.3198a2e037073p-69;
   constexpr double kRound = 0x1.8p52;  // adding it rounds to a whole number that sits in the low bits
@@ -82,7 +82,7 @@ inline SineCosine SinCos(double angle) {
 
 /// The angle of the vector (x, y), rad, in [−π, π], within 2 units in the last place; 0 for the zero vector.
 /// The arguments are finite, below 1e300 in size.
-inline double Atan2(double y, double x) {
+[[gnu::always_inline]] inline double Atan2(double y, double x) {
   constexpr double kQuarterPi = 0x1.921fb54442d18p-1, kQuarterPiRest = 0x1.1a62633145c07p-55;
   const double ax = std::fabs(x), ay = std::fabs(y);
   const bool steep = ay > ax;

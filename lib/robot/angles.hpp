@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/trig.hpp"
+#include "base/units.hpp"
 #include "robot/arm.hpp"
 
 namespace millpose {
@@ -14,8 +15,17 @@ inline Joints InnerAngles(const Arm& arm, const Joints& A) {
   return q;
 }
 
-/// `angle` less full turns, in (−π, π].
-double Principal(double angle);
+/// `angle` less full turns, in (−π, π]; an angle that lies there already stays as it is. |angle| < 1e9.
+[[gnu::always_inline]] inline double Principal(double angle) {
+  constexpr double kRound = 0x1.8p52;  // adding it rounds to a whole number
+  const double turns = (angle * (0.5 / kPi) + kRound) - kRound;
+  const double turned = angle - turns * (2 * kPi);
+  const double lifted = turned <= -kPi ? turned + 2 * kPi : turned;
+  return lifted > kPi ? lifted - 2 * kPi : lifted;
+}
+
+/// The inverse of InnerAngles, each angle principal.
+Joints OuterAngles(const Arm& arm, const Joints& q);
 
 /// Where the wrist centre lies in the vertical plane through the arm, and the angle that decides elbow and
 /// reach.

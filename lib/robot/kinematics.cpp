@@ -37,10 +37,10 @@ Pose PoseOf(const Matrix3d& R, const Vector3d& p) {
 
 }  // namespace
 
-double Principal(double angle) {
-  double turned = angle - 2 * kPi * std::floor(angle / (2 * kPi) + 0.5);
-  if (turned <= -kPi) turned += 2 * kPi;
-  return std::min(turned, kPi);
+Joints OuterAngles(const Arm& arm, const Joints& q) {
+  Joints A;
+  for (int i = 0; i < 6; ++i) A[i] = Principal(arm.sign[i] * (q[i] - arm.offset[i]));
+  return A;
 }
 
 ArmPlane PlaneOf(const Arm& arm, double q2, double q3) {

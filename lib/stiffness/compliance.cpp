@@ -9,15 +9,16 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Below this share of the largest possible determinant (compliance)³, rounding has eaten the shortest
-// semi-axis.
-constexpr double kSingular = 1e-12;
-
 /// adj(c) of a symmetric matrix, so that c⁻¹ = adj(c)/det(c).
 Matrix3d Adjugate(const Matrix3d& c) {
   Matrix3d adjugate;
   adjugate << c.col(1).cross(c.col(2)), c.col(2).cross(c.col(0)), c.col(0).cross(c.col(1));
   return adjugate;
+}
+
+double LargerEigenvalue(const Eigen::Matrix2d& m) {
+  const double half = 0.5 * (m(0, 0) - m(1, 1)), off = 0.5 * (m(0, 1) + m(1, 0));
+  return 0.5 * m.trace() + std::sqrt(half * half + off * off);
 }
 
 }  // namespace
@@ -47,7 +48,7 @@ std::optional<MillingPlaneIndices> IndicesInPlane(const Matrix3d& c, const Vecto
   const Matrix3d adjugate = Adjugate(c);
   const double det = c.col(0).dot(adjugate.col(0));
   const double scale = c.trace();
-  if (!(det > kSingular * scale * scale * scale)) return std::nullopt;
+  if (!(det > kSingularCompliance * scale * scale * scale)) return std::nullopt;
   // Radius along u is 1/‖c⁻¹u‖ = det/‖adj(c)·u‖. The larger eigenvalue e of the section's 2×2 form gives the
   // smaller semi-axis; the larger follows from the product of both, det/‖c·n‖, without cancellation.
   const PlaneBasis basis = BasisOfPlane(normal);
@@ -63,6 +64,18 @@ std::optional<MillingPlaneIndices> IndicesInPlane(const Matrix3d& c, const Vecto
   indices.mu = indices.lambda_t2 / indices.lambda_t1;
   indices.normal_compliance = normal.dot(cn);
   return indices;
+}
+
+PlaneDeflections DeflectionsInPlane(const Matrix3d& c, const Vector3d& normal) {
+  const PlaneBasis basis = BasisOfPlane(normal);
+  Eigen::Matrix<double, 3, 2> B;
+  B << basis.first, basis.second;
+  const Eigen::Matrix<double, 3, 2> cB = c * B;
+  const Eigen::Matrix2d in_plane = B.transpose() * cB, square = cB.transpose() * cB;
+  return {.normal = normal.dot(c * normal),
+          .in_plane = LargerEigenvalue(in_plane),
+          .largest = std::sqrt(LargerEigenvalue(square)),
+          .cross = (cB.transpose() * normal).norm()};
 }
 
 }  // namespace millpose

@@ -30,8 +30,21 @@ struct PlaneBasis {
 };
 PlaneBasis BasisOfPlane(const Eigen::Vector3d& normal);
 
+/// c counts as singular when its determinant is below this share of its trace cubed: rounding has then eaten
+/// the shortest semi-axis.
+inline constexpr double kSingularCompliance = 1e-12;
+
 /// Closed form, without an eigensolver (docs/stiffness.md). `normal` is a unit vector in the frame of c.
 /// Empty when c is singular.
 std::optional<MillingPlaneIndices> IndicesInPlane(const Eigen::Matrix3d& c, const Eigen::Vector3d& normal);
+
+/// Displacements under unit forces, mm/N, which the radii λ are not (docs/stiffness.md).
+struct PlaneDeflections {
+  double normal = 0;    ///< nᵀcn: along n under a force along n
+  double in_plane = 0;  ///< σmax(BᵀcB): largest in the plane under a force in the plane
+  double largest = 0;   ///< σmax(cB): largest of all under a force in the plane
+  double cross = 0;     ///< |nᵀcB|: largest along n under a force in the plane
+};
+PlaneDeflections DeflectionsInPlane(const Eigen::Matrix3d& c, const Eigen::Vector3d& normal);
 
 }  // namespace millpose

@@ -84,6 +84,33 @@ TEST(Indices, AreTheSectionOfTheEllipsoid) {
   }
 }
 
+TEST(Deflections, AreWhatForcesDoInSampledDirections) {
+  RandomStream stream(4, 0);
+  for (int k = 0; k < 20; ++k) {
+    const Matrix3d c = RandomCompliance(stream);
+    const Vector3d n = RandomDirection(stream);
+    const PlaneBasis basis = BasisOfPlane(n);
+    const PlaneDeflections found = DeflectionsInPlane(c, n);
+    double in_plane = 0, largest = 0, cross = 0;
+    for (int step = 0; step < 20000; ++step) {
+      const double angle = kPi * step / 20000;
+      const Vector3d force = std::cos(angle) * basis.first + std::sin(angle) * basis.second;
+      const Vector3d moved = c * force;
+      in_plane = std::max(in_plane, (moved - n.dot(moved) * n).norm());
+      largest = std::max(largest, moved.norm());
+      cross = std::max(cross, std::abs(n.dot(moved)));
+    }
+    EXPECT_NEAR(found.in_plane / in_plane, 1, 1e-6);
+    EXPECT_NEAR(found.largest / largest, 1, 1e-6);
+    EXPECT_NEAR(found.cross / cross, 1, 1e-6);
+    EXPECT_NEAR(found.normal, n.dot(c * n), 1e-18);
+    const auto indices = IndicesInPlane(c, n);
+    ASSERT_TRUE(indices.has_value());
+    EXPECT_GE(found.in_plane, indices->lambda_t1 * (1 - 1e-9));  // facts about radii and displacements
+    EXPECT_GE(found.normal, indices->lambda_n * (1 - 1e-9));
+  }
+}
+
 TEST(Indices, OfAKnownEllipsoid) {
   const Matrix3d c = Vector3d(3e-4, 2e-4, 1e-4).asDiagonal();
   const auto z = IndicesInPlane(c, Vector3d::UnitZ());
