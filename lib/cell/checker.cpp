@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <limits>
+
+#include "cell/motion_bound.hpp"
+#include "cell/world_impl.hpp"
+#include "robot/kinematics.hpp"
+
+namespace millpose {
+namespace {
+
+/// Two bodies nearer than this touch, mm; FCL's own distances are no better.
+constexpr double kTouch = 1e-6;
+
+}  // namespace
+
+struct Checker::Impl {
+  std::shared_ptr<const World::Impl> world;
+  std::vector<Placed> placed;  ///< the bodies at the pose last asked for
+  std::array<Pose, 7> X_WL;    ///< the links at that pose
+  long long poses_checked = 0;
+
+  explicit Impl(std::shared_ptr<const World::Impl> shared) : world(std::move(shared)) {
+    for (const WorldBody& body : world->bodies) placed.push_back(PlacePart(body.part, body.X_LG));
+  }
+
+  void MoveTo(const Joints& q) {
+    ++poses_checked;
+    X_WL = LinkFrames(world->cell.arm, q);
+    for (Pose& X : X_WL) X = world->cell.X_WB * X;
+    for (size_t i = 0; i < placed.size(); ++i) {
+      const WorldBody& body = world->bodies[i];
+      if (body.link > 0) placed[i] = PlacePart(body.part, X_WL[body.link] * body.X_LG);
+    }
+  }
+
+  BoundedDistance Distance(const BodyPair& pair, double bound) const {
+    const Placed &a = placed[pair.first], &b = placed[pair.second];
+    if (BoxDistance(a, b) >= bound) return {bound, Eigen::Vector3d::Zero()};
+    return DistanceUpTo(a, b, bound);
+  }
+
+  Interference Report(const BodyPair& pair, const BoundedDistance& found) const {
+    return {world->bodies[pair.first].name, world->bodies[pair.second].name, found.place, found.distance};
+  }
+
+  std::optional<Interference> Certify(const Joints& middle, const Joints& half_turn, int phase,
+                                      double resolution, const std::vector<int>& pairs,
+                                      std::vector<int>& undecided);
+};
+
+Checker::Checker(const World& world) : impl_(std::make_unique<Impl>(world.impl_)) {}
+Checker::~Checker() = default;
+Checker::Checker(Checker&&) noexcept = default;
+
+long long Checker::poses_checked() const { return impl_->poses_checked; }
+
+std::optional<Interference> Checker::At(const Joints& q, Phase phase) {
+  impl_->MoveTo(q);
+  for (const BodyPair& pair : impl_->world->pairs) {
+    const std::optional<double>& clearance = pair.clearance[static_cast<int>(phase)];
+    if (!clearance) continue;
+    const double bound = std::max(*clearance, kTouch);
+    const BoundedDistance found = impl_->Distance(pair, bound);
+    if (found.distance < bound) return impl_->Report(pair, found);
+  }
+  return std::nullopt;
+}
+
+double Checker::Clearance(const Joints& q, Phase phase, double bound) {
+  impl_->MoveTo(q);
+  std::vector<std::pair<double, const BodyPair*>> nearest;
+  for (const BodyPair& pair : impl_->world->pairs) {
+    if (!pair.clearance[static_cast<int>(phase)]) continue;
+    const double least = BoxDistance(impl_->placed[pair.first], impl_->placed[pair.second]);
+    if (least < bound) nearest.emplace_back(least, &pair);
+  }
+  std::sort(nearest.begin(), nearest.end());
+  double smallest = bound;
+  for (const auto& [least, pair] : nearest) {
+    if (smallest <= kTouch || least >= smallest) break;
+    smallest = std::min(smallest, impl_->Distance(*pair, smallest).distance);
+  }
+  return smallest;
+}
+
+/// Looks at the middle of a motion during which no joint turns by more than `half_turn` from it. Pairs that
+/// this does not settle for the whole motion go to `undecided`.
+std::optional<Interference> Checker::Impl::Certify(const Joints& middle, const Joints& half_turn, int phase,
+                                                   double resolution, const std::vector<int>& pairs,
+                                                   std::vector<int>& undecided) {
+  MoveTo(middle);
+  const JointAxes axes = AxesOf(X_WL);
+  std::vector<std::optional<std::array<double, 7>>> moved(placed.size());
+  for (int index : pairs) {
+    const BodyPair& pair = world->pairs[index];
+    const WorldBody& body = world->bodies[pair.second];
+    auto& bounds = moved[pair.second];
+    if (!bounds) {
+      const Placed& at = placed[pair.second];
+      bounds = MotionBounds(axes, body.link, at.centre, at.half_axes, half_turn);
+    }
+    const double clearance = std::max(*pair.clearance[phase], kTouch);
+    const double motion = (*bounds)[world->bodies[pair.first].link];
+    // What settles the pair for the whole motion: even the worst movement leaves clearance − resolution.
+    const double wanted = std::max(clearance, clearance - resolution + motion);
+    const BoundedDistance found = Distance(pair, wanted);
+    if (found.distance < clearance) return Report(pair, found);
+    if (found.distance < wanted) undecided.push_back(index);
+  }
+  return std::nullopt;
+}
+
+std::optional<Interference> Checker::Between(const Joints& q0, const Joints& q1, Phase phase,
+                                             double resolution) {
+  assert(resolution > 0);
+  struct Interval {
+    double begin, end;  // of the motion's 0..1
+    std::vector<int> pairs;
+  };
+  const int phase_index = static_cast<int>(phase);
+  std::vector<int> all;
+  for (size_t i = 0; i < impl_->world->pairs.size(); ++i) {
+    if (impl_->world->pairs[i].clearance[phase_index]) all.push_back(static_cast<int>(i));
+  }
+  // Halving from the whole motion down: most pairs are settled by one look at its middle.
+  std::vector<Interval> open{{0, 1, std::move(all)}};
+  while (!open.empty()) {
+    const Interval interval = std::move(open.back());
+    open.pop_back();
+    const double middle = 0.5 * (interval.begin + interval.end);
+    const Joints half_turn = 0.5 * (interval.end - interval.begin) * (q1 - q0).cwiseAbs();
+    std::vector<int> undecided;
+    const auto found = impl_->Certify(q0 + middle * (q1 - q0), half_turn, phase_index, resolution,
+                                      interval.pairs, undecided);
+    if (found) return found;
+    if (undecided.empty()) continue;
+    open.push_back({middle, interval.end, undecided});
+    open.push_back({interval.begin, middle, std::move(undecided)});
+  }
+  return std::nullopt;
+}
+
+}  // namespace millpose

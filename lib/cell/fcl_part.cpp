@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cell/fcl_part.hpp"
+
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/geometry/shape/box.h>
+#include <fcl/geometry/shape/capsule.h>
+#include <fcl/geometry/shape/convex.h>
+#include <fcl/geometry/shape/cylinder.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/narrowphase/distance.h>
+
+#include "cell/cutter.hpp"
+
+namespace millpose {
+namespace {
+
+bool Positive(double value) { return std::isfinite(value) && value > 0; }
+
+std::string PointsProblem(const std::vector<Eigen::Vector3d>& points) {
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].allFinite()) return fmt::format("point {} is not finite", i + 1);
+  }
+  return {};
+}
+
+/// Whether the points span a volume: the least extent of their scatter is not negligible.
+bool SpansVolume(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& p : points) mean += p / static_cast<double>(points.size());
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const auto& p : points) scatter += (p - mean) * (p - mean).transpose();
+  const Eigen::Vector3d extent = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvalues();
+  return extent[0] > 1e-12 * extent[2];
+}
+
+struct ProblemOf {
+  std::string operator()(const Box& box) const {
+    if (box.size.array().isFinite().all() && box.size.minCoeff() > 0) return {};
+    return fmt::format("box of {} × {} × {} mm: all three sizes must be positive", box.size.x(), box.size.y(),
+                       box.size.z());
+  }
+  std::string operator()(const Sphere& sphere) const {
+    if (Positive(sphere.radius)) return {};
+    return fmt::format("sphere of radius {} mm: must be positive", sphere.radius);
+  }
+  std::string operator()(const Cylinder& c) const {
+    if (Positive(c.radius) && Positive(c.length)) return {};
+    return fmt::format("cylinder of radius {} mm and length {} mm: both must be positive", c.radius,
+                       c.length);
+  }
+  std::string operator()(const Capsule& c) const {
+    if (Positive(c.radius) && Positive(c.length)) return {};
+    return fmt::format("capsule of radius {} mm and length {} mm: both must be positive", c.radius, c.length);
+  }
+  std::string operator()(const Cone& c) const {
+    const bool radii = std::isfinite(c.radius_bottom) && std::isfinite(c.radius_top) &&
+                       c.radius_bottom >= 0 && c.radius_top >= 0 && c.radius_bottom + c.radius_top > 0;
+    if (radii && Positive(c.length)) return {};
+    return fmt::format(
+        "cone of radii {} mm and {} mm and length {} mm: the length and one radius must be positive",
+        c.radius_bottom, c.radius_top, c.length);
+  }
+  std::string operator()(const Convex& convex) const {
+    if (std::string problem = PointsProblem(convex.points); !problem.empty()) return problem;
+    if (convex.points.size() >= 4 && SpansVolume(convex.points)) return {};
+    return fmt::format("convex shape of {} points: at least four that span a volume are needed",
+                       convex.points.size());
+  }
+  std::string operator()(const Triangles& mesh) const {
+    if (mesh.faces.empty()) return "mesh without triangles";
+    if (std::string problem = PointsProblem(mesh.vertices); !problem.empty()) return problem;
+    for (size_t i = 0; i < mesh.faces.size(); ++i) {
+      for (int v : mesh.faces[i]) {
+        if (v < 0 || v >= static_cast<int>(mesh.vertices.size())) {
+          return fmt::format("triangle {} names vertex {} of {}", i + 1, v, mesh.vertices.size());
+        }
+      }
+    }
+    return {};
+  }
+};
+
+using Geometry = std::shared_ptr<const fcl::CollisionGeometryd>;
+
+Geometry MakeConvex(const std::vector<Eigen::Vector3d>& points) {
+  // No faces: FCL then looks for extreme vertices by going through all of them, which needs no topology.
+  return std::make_shared<fcl::Convexd>(std::make_shared<const std::vector<Eigen::Vector3d>>(points), 0,
+                                        std::make_shared<const std::vector<int>>());
+}
+
+struct GeometryOf {
+  Geometry operator()(const Box& box) const { return std::make_shared<fcl::Boxd>(box.size); }
+  Geometry operator()(const Sphere& s) const { return std::make_shared<fcl::Sphered>(s.radius); }
+  Geometry operator()(const Cylinder& c) const {
+    return std::make_shared<fcl::Cylinderd>(c.radius, c.length);
+  }
+  Geometry operator()(const Capsule& c) const { return std::make_shared<fcl::Capsuled>(c.radius, c.length); }
+  Geometry operator()(const Cone& cone) const { return MakeConvex(AroundFrustum(cone).points); }
+  Geometry operator()(const Convex& convex) const { return MakeConvex(convex.points); }
+  Geometry operator()(const Triangles& mesh) const {
+    auto model = std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>();
+    std::vector<fcl::Triangle> faces;
+    for (const auto& f : mesh.faces) faces.emplace_back(f[0], f[1], f[2]);
+    model->beginModel(static_cast<int>(faces.size()), static_cast<int>(mesh.vertices.size()));
+    model->addSubModel(mesh.vertices, faces);
+    model->endModel();
+    return model;
+  }
+};
+
+/// The farthest point of a convex shape along `d`, shape frame.
+struct SupportOf {
+  Eigen::Vector3d d;
+  Eigen::Vector3d Disc(double radius) const {
+    const double across = d.head<2>().norm();
+    if (across < 1e-300) return Eigen::Vector3d::Zero();
+    return Eigen::Vector3d(d.x() * radius / across, d.y() * radius / across, 0);
+  }
+  Eigen::Vector3d operator()(const Box& box) const {
+    return 0.5 * box.size.cwiseProduct(d.unaryExpr([](double v) { return v < 0 ? -1.0 : 1.0; }));
+  }
+  Eigen::Vector3d operator()(const Sphere& s) const { return s.radius * d.normalized(); }
+  Eigen::Vector3d operator()(const Cylinder& c) const {
+    return Disc(c.radius) + Eigen::Vector3d(0, 0, d.z() < 0 ? -c.length / 2 : c.length / 2);
+  }
+  Eigen::Vector3d operator()(const Capsule& c) const {
+    return c.radius * d.normalized() + Eigen::Vector3d(0, 0, d.z() < 0 ? -c.length / 2 : c.length / 2);
+  }
+  Eigen::Vector3d operator()(const Cone&) const {
+    assert(false && "frusta are kept as convex shapes");
+    return Eigen::Vector3d::Zero();
+  }
+  Eigen::Vector3d operator()(const Convex& convex) const {
+    const auto less = [&](const auto& a, const auto& b) { return a.dot(d) < b.dot(d); };
+    return *std::max_element(convex.points.begin(), convex.points.end(), less);
+  }
+  Eigen::Vector3d operator()(const Triangles&) const {
+    assert(false && "meshes have no support function");
+    return Eigen::Vector3d::Zero();
+  }
+};
+
+double Reach(const Placed& body, const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d local = body.X_WG.linear().transpose() * direction;
+  return direction.dot(body.X_WG * std::visit(SupportOf{local}, body.part->shape));
+}
+
+/// Distance between the supporting planes of two convex parts across `direction` (unit, from a to b): never
+/// more than their distance; negative when their extents overlap.
+double Separation(const Placed& a, const Placed& b, const Eigen::Vector3d& direction) {
+  return -Reach(b, -direction) - Reach(a, direction);
+}
+
+Eigen::Vector3d Interior(const Placed& body) { return body.X_WG * body.part->interior; }
+
+/// Largest separation (so least overlap) over the box axes of both, their cross products and the line of
+/// centres.
+double LeastOverlap(const Placed& a, const Placed& b) {
+  std::vector<Eigen::Vector3d> directions{Interior(b) - Interior(a)};
+  for (int i = 0; i < 3; ++i) {
+    directions.push_back(a.X_WG.linear().col(i));
+    directions.push_back(b.X_WG.linear().col(i));
+    for (int j = 0; j < 3; ++j) directions.push_back(a.X_WG.linear().col(i).cross(b.X_WG.linear().col(j)));
+  }
+  double best = -std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& d : directions) {
+    if (d.norm() < 1e-9) continue;
+    best = std::max({best, Separation(a, b, d.normalized()), Separation(a, b, -d.normalized())});
+  }
+  return best;
+}
+
+/// A point that lies in the world boxes of both, or between them.
+Eigen::Vector3d BetweenBoxes(const Placed& a, const Placed& b) {
+  const auto lower = [](const Placed& p) -> Eigen::Vector3d {
+    return p.centre - p.half_axes.cwiseAbs().rowwise().sum();
+  };
+  const auto upper = [](const Placed& p) -> Eigen::Vector3d {
+    return p.centre + p.half_axes.cwiseAbs().rowwise().sum();
+  };
+  return 0.5 * (lower(a).cwiseMax(lower(b)) + upper(a).cwiseMin(upper(b)));
+}
+
+bool InGrownBox(const Placed& body, const Eigen::Vector3d& p, double by) {
+  const Eigen::Vector3d local = body.X_WG.linear().transpose() * (p - body.centre);
+  return (local.cwiseAbs() - body.part->half).maxCoeff() <= by;
+}
+
+fcl::DistanceResultd FclDistance(const Placed& a, const Placed& b, double bound) {
+  fcl::DistanceRequestd request;
+  request.enable_nearest_points = true;
+  request.enable_signed_distance = false;  // signed distances go through EPA, whose asserts end the process
+  fcl::DistanceResultd result(bound);
+  fcl::distance(a.part->geometry.get(), a.X_WG, b.part->geometry.get(), b.X_WG, request, result);
+  return result;
+}
+
+BoundedDistance ConvexDistance(const Placed& a, const Placed& b, double bound) {
+  const fcl::DistanceResultd result = FclDistance(a, b, std::numeric_limits<double>::max());
+  if (result.min_distance <= 0) return {std::min(0.0, LeastOverlap(a, b)), BetweenBoxes(a, b)};
+  const Eigen::Vector3d &p = result.nearest_points[0], &q = result.nearest_points[1];
+  // GJK stops when it no longer advances, at times early: what two parallel planes show is certain.
+  double distance = 0;
+  if ((q - p).norm() > 0) distance = std::max(0.0, Separation(a, b, (q - p).normalized()));
+  distance = std::min(distance, result.min_distance);
+  return {std::min(distance, bound), 0.5 * (p + q)};
+}
+
+bool Swallows(const Placed& outer, const Placed& inner) {
+  if (!outer.part->mesh() || !outer.part->solid->closed()) return false;
+  const Pose X_OuterInner = outer.X_WG.inverse(Eigen::Isometry) * inner.X_WG;
+  if (!inner.part->mesh()) return outer.part->solid->Contains(X_OuterInner * inner.part->interior);
+  for (const Eigen::Vector3d& p : inner.part->solid->representatives()) {
+    if (outer.part->solid->Contains(X_OuterInner * p)) return true;
+  }
+  return false;
+}
+
+BoundedDistance MeshDistance(const Placed& a, const Placed& b, double bound) {
+  const fcl::DistanceResultd result = FclDistance(a, b, bound);
+  if (result.min_distance < bound) {
+    if (result.min_distance <= 0) return {0, BetweenBoxes(a, b)};
+    const Eigen::Vector3d between = 0.5 * (result.nearest_points[0] + result.nearest_points[1]);
+    // FCL 0.7 leaves nearest points of a mesh and a sphere undefined.
+    const bool plausible = InGrownBox(a, between, bound) && InGrownBox(b, between, bound);
+    return {result.min_distance, plausible ? between : BetweenBoxes(a, b)};
+  }
+  if (Swallows(a, b)) return {0, b.centre};
+  if (Swallows(b, a)) return {0, a.centre};
+  return {bound, Eigen::Vector3d::Zero()};
+}
+
+}  // namespace
+
+std::string ShapeProblem(const Shape& shape) { return std::visit(ProblemOf{}, shape); }
+
+Part MakePart(const Shape& shape) {
+  Part part;
+  part.shape = shape;
+  if (const auto* cone = std::get_if<Cone>(&shape)) part.shape = AroundFrustum(*cone);
+  auto geometry = std::const_pointer_cast<fcl::CollisionGeometryd>(std::visit(GeometryOf{}, part.shape));
+  geometry->computeLocalAABB();
+  part.centre = geometry->aabb_local.center();
+  part.half = 0.5 * (geometry->aabb_local.max_ - geometry->aabb_local.min_);
+  part.radius = part.half.norm();
+  if (const auto* convex = std::get_if<Convex>(&part.shape)) {
+    for (const auto& p : convex->points) part.interior += p / static_cast<double>(convex->points.size());
+    part.radius = 0;
+    for (const auto& p : convex->points) part.radius = std::max(part.radius, (p - part.centre).norm());
+  }
+  if (const auto* mesh = std::get_if<Triangles>(&part.shape)) {
+    part.solid = std::make_shared<const Solid>(*mesh);
+    part.shape = Triangles{};  // FCL and Solid have it
+  }
+  part.geometry = std::move(geometry);
+  return part;
+}
+
+Placed PlacePart(const Part& part, const Pose& X_WG) {
+  return {&part, X_WG, X_WG * part.centre, X_WG.linear() * part.half.asDiagonal()};
+}
+
+double BoxDistance(const Placed& a, const Placed& b) {
+  const Eigen::Vector3d between = b.centre - a.centre;
+  double least = between.norm() - a.part->radius - b.part->radius;
+  for (const Placed* side : {&a, &b}) {
+    const Placed& other = side == &a ? b : a;
+    const Eigen::Matrix3d& axes = side->X_WG.linear();
+    const Eigen::Vector3d gap = (axes.transpose() * between).cwiseAbs() - side->part->half -
+                                (axes.transpose() * other.half_axes).cwiseAbs().rowwise().sum();
+    // Outside of the other box's extent along several axes of one box: its corner region.
+    least = std::max(least, gap.cwiseMax(0.0).norm());
+  }
+  return std::max(least, 0.0);
+}
+
+BoundedDistance DistanceUpTo(const Placed& a, const Placed& b, double bound) {
+  if (a.part->mesh()) return MeshDistance(a, b, bound);
+  if (b.part->mesh()) return MeshDistance(b, a, bound);
+  return ConvexDistance(a, b, bound);
+}
+
+}  // namespace millpose

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The adapter to FCL: shapes as FCL geometry, and the bounded distance of two of them. Only cell/*.cpp
+// include it.
+#pragma once
+
+#include <fcl/geometry/collision_geometry.h>
+
+#include <memory>
+
+#include "cell/cell.hpp"
+#include "cell/solid.hpp"
+
+namespace millpose {
+
+/// One shape as FCL geometry, immutable and shared by all checkers.
+struct Part {
+  std::shared_ptr<const fcl::CollisionGeometryd> geometry;
+  Shape shape;                                         ///< kept for support points of the convex kinds
+  std::shared_ptr<const Solid> solid;                  ///< of a mesh
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();    ///< of the bounding box, mm, shape frame
+  Eigen::Vector3d half = Eigen::Vector3d::Zero();      ///< its half sizes, mm
+  Eigen::Vector3d interior = Eigen::Vector3d::Zero();  ///< a point inside a convex shape
+  double radius = 0;                                   ///< of the bounding sphere about `centre`, mm
+
+  bool mesh() const { return solid != nullptr; }
+};
+
+/// What is wrong with a shape, empty when it can be built: sizes, finite numbers, indices, at least four
+/// points that span a volume.
+std::string ShapeProblem(const Shape& shape);
+
+/// Builds the geometry of a shape without problems. A frustum becomes a polyhedron around it.
+Part MakePart(const Shape& shape);
+
+/// Where a part stands: its pose and its bounding box in W.
+struct Placed {
+  const Part* part = nullptr;
+  Pose X_WG;
+  Eigen::Vector3d centre;     ///< of the box, W, mm
+  Eigen::Matrix3d half_axes;  ///< columns: half axes of the box, W, mm
+};
+Placed PlacePart(const Part& part, const Pose& X_WG);
+
+/// A lower bound of the distance of two parts from their bounding spheres and boxes, mm; 0 when these
+/// overlap.
+double BoxDistance(const Placed& a, const Placed& b);
+
+/// The distance of two parts as far as it was asked for.
+struct BoundedDistance {
+  double distance = 0;  ///< mm; at least the bound when they are not nearer than that; ≤ 0 when they touch
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< W, between the nearest points; when nearer
+};
+
+/// Distance of two parts up to `bound` (> 0, mm). A part wholly inside a closed mesh touches it. Between
+/// convex parts the answer never exceeds the true distance: it is a separation by two parallel planes.
+/// Overlapping convex parts get minus the least overlap along the directions tried (an upper bound of the
+/// depth).
+BoundedDistance DistanceUpTo(const Placed& a, const Placed& b, double bound);
+
+}  // namespace millpose

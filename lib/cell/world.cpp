@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cell/world.hpp"
+
+#include <set>
+
+#include "base/error.hpp"
+#include "cell/cutter.hpp"
+#include "cell/world_impl.hpp"
+
+namespace millpose {
+namespace {
+
+bool OnTool(BodyClass c) {
+  return c == BodyClass::kCutter || c == BodyClass::kHolder || c == BodyClass::kSpindle;
+}
+
+/// The link that a body moves with; 0 for all that stand still.
+int LinkOf(const Body& body) {
+  if (body.mount == Mount::kTool) return 6;
+  return body.mount == Mount::kLink ? body.link : 0;
+}
+
+/// Pose of the body's shape in its link, or in W when it stands still.
+Pose PoseOnLink(const Cell& cell, const Body& body) {
+  switch (body.mount) {
+    case Mount::kTool:
+      return cell.X_FT * body.X_MG;
+    case Mount::kWorkpiece:
+      return cell.X_WP * body.X_MG;
+    case Mount::kLink:
+      return body.link == 0 ? cell.X_WB * body.X_MG : body.X_MG;
+    case Mount::kWorld:
+      break;
+  }
+  return body.X_MG;
+}
+
+/// All that is wrong with the cell's bodies and exclusions.
+std::vector<Problem> FindProblems(const Cell& cell) {
+  std::vector<Problem> problems;
+  const auto report = [&](std::string message) {
+    problems.push_back({Place{fmt::format("cell '{}'", cell.name)}, std::move(message)});
+  };
+  std::vector<std::string> names;
+  for (const Body& body : cell.bodies) {
+    if (std::find(names.begin(), names.end(), body.name) != names.end()) {
+      report(fmt::format("two bodies are named '{}'; names must differ", body.name));
+    }
+    names.push_back(body.name);
+    if (const std::string problem = ShapeProblem(body.shape); !problem.empty()) {
+      report(fmt::format("body '{}': {}", body.name, problem));
+    }
+    if (body.mount == Mount::kLink && (body.link < 0 || body.link > 6)) {
+      report(fmt::format("body '{}' is mounted on link {}; links are 0 (base) to 6 (flange)", body.name,
+                         body.link));
+    }
+    if (body.body_class == BodyClass::kCutter && body.mount != Mount::kTool) {
+      report(fmt::format("body '{}' is a cutter and must be mounted on the tool", body.name));
+    }
+    if (!body.X_MG.matrix().allFinite()) report(fmt::format("body '{}': its pose is not finite", body.name));
+  }
+  for (const auto& [first, second] : cell.excluded_pairs) {
+    for (const std::string& name : {first, second}) {
+      if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+      const std::string nearest = NearestName(name, names);
+      report(fmt::format("excluded_pairs: there is no body '{}'{}", name,
+                         nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
+    }
+  }
+  for (const double clearance : {cell.clearances.free, cell.clearances.cutting}) {
+    if (!(std::isfinite(clearance) && clearance >= 0)) {
+      report(fmt::format("clearance {} mm: must be 0 or more", clearance));
+    }
+  }
+  return problems;
+}
+
+/// Pairs that need no look because of what the bodies are and hang on.
+bool NeverChecked(const Body& a, const Body& b) {
+  const int link_a = LinkOf(a), link_b = LinkOf(b);
+  if (link_a == link_b) return true;  // no relative motion
+  // Neighbouring links meet in their joint.
+  return a.body_class == BodyClass::kLink && b.body_class == BodyClass::kLink &&
+         std::abs(link_a - link_b) == 1;
+}
+
+/// Lower is checked earlier: the tool at the part, the tool elsewhere, outer links, inner links.
+int Rank(const Body& a, const Body& b) {
+  const bool tool = OnTool(a.body_class) || OnTool(b.body_class);
+  const bool part = a.body_class == BodyClass::kWorkpiece || b.body_class == BodyClass::kWorkpiece;
+  return (tool ? 0 : 20) + (part ? 0 : 10) + 6 - std::max(LinkOf(a), LinkOf(b));
+}
+
+}  // namespace
+
+std::shared_ptr<const World::Impl> World::Impl::Build(Cell cell) {
+  auto impl = std::make_shared<Impl>();
+  std::set<std::pair<std::string, std::string>> excluded;
+  for (const auto& [a, b] : cell.excluded_pairs) {
+    excluded.emplace(a, b);
+    excluded.emplace(b, a);
+  }
+  for (const Body& body : cell.bodies) {
+    impl->bodies.push_back({body.name, MakePart(body.shape), LinkOf(body), PoseOnLink(cell, body)});
+  }
+  std::vector<std::pair<int, BodyPair>> ranked;
+  for (size_t i = 0; i < cell.bodies.size(); ++i) {
+    for (size_t j = i + 1; j < cell.bodies.size(); ++j) {
+      const Body &a = cell.bodies[i], &b = cell.bodies[j];
+      if (NeverChecked(a, b) || excluded.contains({a.name, b.name})) continue;
+      for (const BodyPair& pair : impl->PairsOf(cell, static_cast<int>(i), static_cast<int>(j))) {
+        ranked.emplace_back(Rank(a, b), pair);
+      }
+    }
+  }
+  std::stable_sort(ranked.begin(), ranked.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [rank, pair] : ranked) impl->pairs.push_back(pair);
+  impl->cell = std::move(cell);
+  return impl;
+}
+
+std::vector<BodyPair> World::Impl::PairsOf(const Cell& source, int i, int j) {
+  const double free = source.clearances.free, cutting = source.clearances.cutting;
+  const bool swap = bodies[i].link > bodies[j].link;
+  const int first = swap ? j : i, second = swap ? i : j;
+  const Body &still = source.bodies[first], &moving = source.bodies[second];
+  BodyPair pair{first, second, {free, free}};
+  if (still.body_class != BodyClass::kWorkpiece || !OnTool(moving.body_class)) return {pair};
+  if (moving.body_class != BodyClass::kCutter) {
+    pair.clearance[1] = cutting;
+    return {pair};
+  }
+  pair.clearance[1].reset();
+  const Pose X_TG = source.X_FT.inverse(Eigen::Isometry) * bodies[second].X_LG;
+  const std::optional<Convex> above = AboveHeight(moving.shape, X_TG, source.cutter_length);
+  if (!above || !ShapeProblem(*above).empty()) return {pair};  // nothing, or a sliver without volume
+  const BodyPair shank{first, static_cast<int>(bodies.size()), {std::nullopt, cutting}};
+  bodies.push_back(
+      {fmt::format("{} above its cutting length", moving.name), MakePart(*above), 6, source.X_FT});
+  return {pair, shank};
+}
+
+World::World(Cell cell) {
+  std::vector<Problem> problems = FindProblems(cell);
+  if (!problems.empty()) throw InputError(std::move(problems));
+  impl_ = Impl::Build(std::move(cell));
+}
+
+World::~World() = default;
+
+const Cell& World::cell() const { return impl_->cell; }
+
+}  // namespace millpose

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What World builds and Checker reads. Only cell/*.cpp include it.
+#pragma once
+
+#include "cell/fcl_part.hpp"
+#include "cell/world.hpp"
+
+namespace millpose {
+
+/// A body in the world: its part and the link that it moves with.
+struct WorldBody {
+  std::string name;
+  Part part;
+  int link = 0;  ///< 0: does not move; 1..6: moves with that link
+  Pose X_LG;     ///< pose of the shape in its link, or in W when it does not move
+};
+
+/// Two bodies that move relative to each other. `first` hangs on the lower link.
+struct BodyPair {
+  int first = 0, second = 0;  ///< into bodies
+  /// Distance to keep in Phase::kFree and Phase::kCutting, mm; empty: not checked in that phase.
+  std::array<std::optional<double>, 2> clearance;
+};
+
+struct World::Impl {
+  Cell cell;
+  std::vector<WorldBody> bodies;
+  std::vector<BodyPair> pairs;  ///< in the order of checking: what touches most often first
+
+  /// Turns a cell without problems into bodies and pairs.
+  static std::shared_ptr<const Impl> Build(Cell cell);
+
+ private:
+  /// Bodies i and j as a pair; two pairs for a cutter at the workpiece: all of it in the air, the part above
+  /// the cutting length (added to `bodies`) while cutting.
+  std::vector<BodyPair> PairsOf(const Cell& source, int i, int j);
+};
+
+}  // namespace millpose

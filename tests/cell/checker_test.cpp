@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <thread>
+
+#include "cell/world.hpp"
+#include "robot/kinematics.hpp"
+#include "tests/cell/sample_cell.hpp"
+
+namespace millpose::test {
+namespace {
+
+Pose ToolPose(const Cell& cell, const Joints& q) {
+  return cell.X_WB * ForwardFlange(cell.arm, q) * cell.X_FT;
+}
+
+const Joints kMillingPose = Degrees(-4.5, -63.9, 103.3, 18.8, 53.1, 16.2);
+
+TEST(Checker, HomeAndMillingPoseAreFree) {
+  const World world(SampleCell());
+  Checker checker(world);
+  EXPECT_FALSE(checker.At(HomePose(), Phase::kFree));
+  EXPECT_FALSE(checker.At(kMillingPose, Phase::kFree));
+  EXPECT_EQ(checker.poses_checked(), 2);
+}
+
+TEST(Checker, ArmFoldedIntoThePlatformIsNamed) {
+  const World world(SampleCell());
+  const auto found = Checker(world).At(Degrees(0, 0, 120, 0, 0, 0), Phase::kFree);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->first, "platform");
+}
+
+/// The tool with its tip `depth` mm inside a slab, whose face is normal to the tool axis.
+Cell CuttingCell(double depth, bool mesh, double bore_radius = 0) {
+  Cell cell = SampleCell();
+  const Eigen::Vector3d size(300, 300, 100);
+  cell.X_WP = ToolPose(cell, kMillingPose) * At(0, 0, depth - 50);
+  if (bore_radius == 0) {
+    cell.bodies.push_back({"part", BodyClass::kWorkpiece, Mount::kWorkpiece, 0, Pose::Identity(),
+                           mesh ? Shape(BoxMesh(size)) : Shape(Box{size})});
+    return cell;
+  }
+  // Four boxes around a square bore, welded in one mesh by their indices only: overlapping closed shells.
+  Triangles part;
+  for (int side = 0; side < 4; ++side) {
+    const Triangles wall = BoxMesh({300, 100, 100});
+    const Pose X =
+        Pose(Eigen::AngleAxisd(side * kPi / 2, Eigen::Vector3d::UnitZ())) * At(0, 50 + bore_radius, 0);
+    const int first = static_cast<int>(part.vertices.size());
+    for (const auto& v : wall.vertices) part.vertices.push_back(X * v);
+    for (const auto& f : wall.faces) part.faces.push_back({first + f[0], first + f[1], first + f[2]});
+  }
+  cell.bodies.push_back(
+      {"part", BodyClass::kWorkpiece, Mount::kWorkpiece, 0, Pose::Identity(), std::move(part)});
+  return cell;
+}
+
+TEST(Checker, CutterMayTouchThePartOnlyWhileCutting) {
+  for (const bool mesh : {false, true}) {
+    const World world(CuttingCell(5, mesh));
+    Checker checker(world);
+    EXPECT_FALSE(checker.At(kMillingPose, Phase::kCutting));
+    const auto found = checker.At(kMillingPose, Phase::kFree);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->first, "part");
+    EXPECT_EQ(found->second, "cutter");
+  }
+}
+
+TEST(Checker, CutterMayTouchOnlyWithItsCuttingLength) {
+  for (const bool mesh : {false, true}) {
+    // 40 mm of cutting length and 2 mm of clearance: 37.9 mm deep is free, 38.1 mm is not.
+    EXPECT_FALSE(Checker(World(CuttingCell(37.9, mesh))).At(kMillingPose, Phase::kCutting));
+    const auto found = Checker(World(CuttingCell(38.1, mesh))).At(kMillingPose, Phase::kCutting);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->second, "cutter above its cutting length");
+  }
+}
+
+TEST(Checker, HolderTouchesInABoreDeeperThanTheCutter) {
+  // The bore takes the cutter of 10 mm radius with 3 mm to spare, not the holder that begins at 60 mm.
+  EXPECT_FALSE(Checker(World(CuttingCell(55, true, 13))).At(kMillingPose, Phase::kCutting));
+  const auto found = Checker(World(CuttingCell(65, true, 13))).At(kMillingPose, Phase::kCutting);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->second, "holder");
+}
+
+TEST(Checker, FreeClearanceHoldsForEverythingElse) {
+  Cell cell = SampleCell();
+  const Pose X_WT = ToolPose(cell, kMillingPose);
+  // 80 mm radius of the spindle and a wall of 20 mm: 9 mm apart.
+  cell.bodies.push_back(
+      {"wall", BodyClass::kFixture, Mount::kWorld, 0, X_WT * At(99, 0, 280), Box{{20, 100, 100}}});
+  for (const Phase phase : {Phase::kFree, Phase::kCutting}) {
+    const auto found = Checker(World(cell)).At(kMillingPose, phase);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->first, "wall");
+    EXPECT_NEAR(found->distance, 9, 1e-5);
+  }
+  cell.clearances.free = 8.9;
+  EXPECT_FALSE(Checker(World(cell)).At(kMillingPose, Phase::kFree));
+  cell.clearances.free = 0;
+  EXPECT_FALSE(Checker(World(cell)).At(kMillingPose, Phase::kFree));
+  cell.clearances.free = 10;
+  cell.excluded_pairs = {{"wall", "spindle"}};
+  EXPECT_FALSE(Checker(World(cell)).At(kMillingPose, Phase::kFree));
+}
+
+TEST(Checker, LinkSwallowedByASolidIsFound) {
+  Cell cell = SampleCell();
+  // All of the arm is far from the surface of this hall-sized solid.
+  for (const bool mesh : {false, true}) {
+    Cell swallowed = cell;
+    const Eigen::Vector3d size(20000, 20000, 20000);
+    swallowed.bodies.push_back({"rock", BodyClass::kFixture, Mount::kWorld, 0, Pose::Identity(),
+                                mesh ? Shape(BoxMesh(size)) : Shape(Box{size})});
+    EXPECT_TRUE(Checker(World(swallowed)).At(HomePose(), Phase::kFree));
+    EXPECT_LE(Checker(World(swallowed)).Clearance(HomePose(), Phase::kFree, 100), 0);
+  }
+  // Without its lid the box is a room.
+  Triangles room = BoxMesh({20000, 20000, 20000});
+  room.faces.resize(10);
+  cell.bodies.push_back({"room", BodyClass::kFixture, Mount::kWorld, 0, Pose::Identity(), room});
+  EXPECT_FALSE(Checker(World(cell)).At(HomePose(), Phase::kFree));
+}
+
+TEST(Checker, SmallSolidInsideALinkMeshIsFound) {
+  Cell cell = SampleCell();
+  for (Body& body : cell.bodies) {
+    if (body.name == "link3") body.shape = BoxMesh({742, 705, 726});
+  }
+  const Pose X_WL3 = cell.X_WB * LinkFrames(cell.arm, HomePose())[3];
+  cell.bodies.push_back(
+      {"pebble", BodyClass::kFixture, Mount::kWorld, 0, X_WL3 * At(0, 100, 40), BoxMesh({5, 5, 5})});
+  const auto found = Checker(World(cell)).At(HomePose(), Phase::kFree);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->first, "pebble");
+  EXPECT_EQ(found->second, "link3");
+}
+
+TEST(Checker, ClearanceIsBoundedAndAgreesWithAt) {
+  const Cell cell = CuttingCell(-30, true);
+  const World world(cell);
+  Checker checker(world);
+  EXPECT_NEAR(checker.Clearance(kMillingPose, Phase::kFree, 50), 30, 1e-6);
+  EXPECT_EQ(checker.Clearance(kMillingPose, Phase::kFree, 20), 20);
+  RandomStream random(3, 0);
+  for (int i = 0; i < 300; ++i) {
+    const Joints q = RandomJoints(random, cell.arm);
+    // In free motion all pairs have one clearance, so both must tell the same.
+    EXPECT_EQ(checker.At(q, Phase::kFree).has_value(),
+              checker.Clearance(q, Phase::kFree, 100) < cell.clearances.free);
+  }
+}
+
+TEST(Checker, ThreadsAgree) {
+  const World world(CuttingCell(5, true));
+  std::vector<Joints> poses;
+  RandomStream random(11, 0);
+  for (int i = 0; i < 200; ++i) poses.push_back(RandomJoints(random, world.cell().arm));
+  const auto run = [&](std::vector<double>& out) {
+    Checker checker(world);
+    for (const Joints& q : poses) out.push_back(checker.Clearance(q, Phase::kFree, 200));
+  };
+  std::vector<std::vector<double>> results(4);
+  {
+    std::vector<std::jthread> threads;
+    for (auto& result : results) threads.emplace_back([&] { run(result); });
+  }
+  for (const auto& result : results) EXPECT_EQ(result, results[0]);
+}
+
+}  // namespace
+}  // namespace millpose::test
