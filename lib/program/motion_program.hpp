@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plan/plan_result.hpp"
@@ -12,16 +13,19 @@ namespace millpose {
 
 enum class MotionType : uint8_t { kJoint, kLinear };  ///< PTP (all axes together) or LIN (tip on a line)
 
-/// One motion to a target.
+/// One motion to a target. A joint motion goes to `q` where that is known, else to `X_PT` on the arm's branch
+/// `status` with the turns `turn`.
 struct Motion {
   MotionType type = MotionType::kJoint;
-  Pose X_PT = Pose::Identity();  ///< target, tool in the workpiece frame
+  Pose X_PT = Pose::Identity();  ///< target, tool in the workpiece frame; unset when read from joint angles
   std::optional<Joints> q;  ///< target angles, rad; always known when written, only if programmed when read
-  std::optional<int> status, turn;  ///< S and T, where programmed
+  std::optional<int> status, turn;  ///< S and T (bits of the controller's angles), where programmed
   double feed = 0;                  ///< mm/s of the tip, LIN only
+  double duration = 0;              ///< s, joint motions in inverse time; 0: as fast as the axes allow
   bool exact = false;               ///< exact stop (no blending)
-  int pass = -1, point = -1;        ///< which milling point; −1 for gaps
-  int line = 0;                     ///< of the program text, when read
+  double blend = 0;                 ///< mm, largest rounding of the corner, as read; 0 when exact
+  int pass = -1, point = -1;        ///< which milling point; −1 for none
+  int file = 0, line = 0;           ///< of the program text, when read: index into MotionProgram::files
 };
 
 /// What happens before a motion: spindle, marks.
@@ -29,18 +33,39 @@ struct ProgramEvent {
   enum class Kind : uint8_t { kSpindleOn, kSpindleOff, kPassBegin, kPassEnd } kind;
   size_t before_motion = 0;  ///< index into motions; motions.size() for the end
   double value = 0;          ///< spindle speed rev/s, or pass number
-  int line = 0;              ///< of the program text, when read
+  int piece = 0;             ///< of the pass
+  int file = 0, line = 0;    ///< of the program text, when read
+};
+
+/// Controller angle = sign · A + offset: how a controller counts the arm's angles.
+struct AxisConvention {
+  Joints sign = Joints::Ones();
+  Joints offset = Joints::Zero();  ///< rad
 };
 
 struct MotionProgram {
   std::string name;
-  Pose X_BP = Pose::Identity();  ///< workpiece (base) frame in the robot's base
-  Pose X_FT = Pose::Identity();  ///< tool in the flange
+  std::vector<std::pair<std::string, std::string>> header;  ///< key, value: printed as comments
+  std::optional<Pose> X_BP;  ///< workpiece (base) frame in the robot's base; empty when the text has none
+  std::optional<Pose> X_FT;  ///< tool in the flange; empty when the text has none
+  AxisConvention axes;       ///< that `turn` counts in
   std::vector<Motion> motions;
-  std::vector<ProgramEvent> events;
+  std::vector<ProgramEvent> events;  ///< ascending by before_motion
+  std::vector<std::string> files;    ///< names of the texts it was read from
 };
 
-/// The motions of a plan in order: PTP home, gaps as PTP, approaches, cuts and retracts as LIN.
+/// Why no program can be made of a plan (a gap that could not be planned, nothing planned at all); empty when
+/// one can.
+std::string WhyNotProgrammable(const PlanResult& plan);
+
+/// The motions of a plan in order: PTP home; per gap the way-points as PTP, the last one (where the approach
+/// begins) as a pose with S and T; LIN approach, LIN cuts (a closed piece returns to its first point as a
+/// last motion), LIN retract; PTP home. The spindle turns from before the first approach to after the last
+/// retract. The last cut and both ends of approach and retract are exact. Precondition: WhyNotProgrammable()
+/// is empty.
 MotionProgram MakeMotionProgram(const PlanResult& plan);
+
+/// The program's lists are consistent: `before_motion` ascending and in range. For assertions.
+bool IsWellFormed(const MotionProgram& program);
 
 }  // namespace millpose

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 
@@ -10,14 +11,22 @@ namespace millpose {
 
 /// What a controller's program needs to know beyond the motions; from the cell's `controllers:` section.
 struct PostSettings {
-  Joints sign = Joints::Ones();    ///< controller angle = sign·A + offset
-  Joints offset = Joints::Zero();  ///< rad
-  Eigen::Matrix3d R_TC =
-      Eigen::Matrix3d::Identity();  ///< controller's tool frame C in T (KUKA often X along the tool)
-  double blend = 0.01;              ///< mm, $APO.CDIS or CTOL, no larger than the chord tolerance
-  int max_motions = 1400;
-  std::map<std::string, std::string> texts;  ///< templates: spindle_on, spindle_off, …
+  AxisConvention axes;                                 ///< controller angle = sign·A + offset
+  Eigen::Matrix3d R_TC = Eigen::Matrix3d::Identity();  ///< controller's tool frame C in T, see ToolAxis()
+  Pose X_FT = Pose::Identity();                        ///< tool in the flange, for programs that state none
+  std::string tool_name;                               ///< T="…", printed in headers
+  double blend = 0.01;           ///< mm: $APO.CDIS, CTOL or G64 P; no larger than the chord tolerance
+  double ptp_share = 0.3;        ///< of the axes' largest speed, for motions between passes
+  std::string rotation = "rpy";  ///< sinumerik: how A, B, C turn, rpy | euler
+  std::array<std::string, 6> axis_names = {"RA1", "RA2", "RA3", "RA4", "RA5", "RA6"};  ///< sinumerik
+  int max_motions = 1400;                                                              ///< per file
+  std::map<std::string, std::string> texts;  ///< templates by event: spindle_on ({rpm}), spindle_off
 };
+
+/// The controller's tool frame C in T when its axis `name` ("x", "y", "z", "-x", …) lies along T's z (from
+/// tip to holder): the other axes follow by cyclic exchange, so "z" is the identity. InputError for other
+/// names.
+Eigen::Matrix3d ToolAxis(const std::string& name);
 
 /// The files of one program by name, e.g. {"cabin_panel.src", …}.
 using ProgramFiles = std::map<std::string, std::string>;
@@ -27,9 +36,10 @@ class Post {
  public:
   virtual ~Post() = default;
   virtual std::string Name() const = 0;  ///< krl, sinumerik, linuxcnc: also the folder's name
+  /// Precondition: every motion has its q, or is a joint motion with status and turn (as read).
   virtual ProgramFiles Write(const MotionProgram& program, const Arm& arm,
                              const PostSettings& settings) const = 0;
-  /// Reads back what Write() writes. Throws InputError with file:line:column.
+  /// Reads back what Write() writes. Throws InputError with file:line:column, all problems at once.
   virtual MotionProgram Read(const ProgramFiles& files, const Arm& arm,
                              const PostSettings& settings) const = 0;
 };

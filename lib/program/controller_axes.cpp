@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "program/controller_axes.hpp"
+
+#include "base/text.hpp"
+#include "base/trig.hpp"
+#include "base/units.hpp"
+
+namespace millpose {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double kDegenerate = 1e-9;  // below this cosine (or sine) the first angle carries only noise
+
+/// Rotation about axis `axis` (0 x, 1 y, 2 z), the same bits on every machine.
+Matrix3d About(int axis, double angle) {
+  const SineCosine t = SinCos(angle);
+  const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+  Matrix3d R = Matrix3d::Identity();
+  R(next, next) = R(last, last) = t.cos;
+  R(last, next) = t.sin;
+  R(next, last) = -t.sin;
+  return R;
+}
+
+}  // namespace
+
+Vector3d AnglesZyx(const Matrix3d& R) {
+  const double first = std::hypot(R(0, 0), R(1, 0)) > kDegenerate ? Atan2(R(1, 0), R(0, 0)) : 0.0;
+  const Matrix3d rest = About(2, -first) * R;  // = Ry·Rx
+  return {first, Atan2(-rest(2, 0), rest(0, 0)), Atan2(-rest(1, 2), rest(1, 1))};
+}
+
+Matrix3d FromAnglesZyx(const Vector3d& angles) {
+  return About(2, angles[0]) * About(1, angles[1]) * About(0, angles[2]);
+}
+
+Vector3d AnglesZxz(const Matrix3d& R) {
+  // R's third column is (sin v0·sin v1, −cos v0·sin v1, cos v1).
+  const double first = std::hypot(R(0, 2), R(1, 2)) > kDegenerate ? Atan2(R(0, 2), -R(1, 2)) : 0.0;
+  const Matrix3d rest = About(2, -first) * R;  // = Rx·Rz
+  return {first, Atan2(-rest(1, 2), rest(2, 2)), Atan2(-rest(0, 1), rest(0, 0))};
+}
+
+Matrix3d FromAnglesZxz(const Vector3d& angles) {
+  return About(2, angles[0]) * About(0, angles[1]) * About(2, angles[2]);
+}
+
+double AngleBetween(const Matrix3d& a, const Matrix3d& b) {
+  const Matrix3d R = a.transpose() * b;
+  const Vector3d twice_axis_sine(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+  return Atan2(twice_axis_sine.norm(), R.trace() - 1);
+}
+
+Joints ToController(const AxisConvention& axes, const Joints& q) {
+  return axes.sign.cwiseProduct(q) + axes.offset;
+}
+
+Joints FromController(const AxisConvention& axes, const Joints& angles) {
+  return axes.sign.cwiseProduct(angles - axes.offset);
+}
+
+int ControllerTurn(const AxisConvention& axes, const Joints& q) {
+  const Joints angles = ToController(axes, q);
+  int turn = 0;
+  for (int i = 0; i < 6; ++i) turn |= (angles[i] < 0 ? 1 : 0) << i;
+  return turn;
+}
+
+std::optional<Joints> AnglesAt(const Arm& arm, const AxisConvention& axes, const Pose& X_BF, int status,
+                               int turn) {
+  const InverseResult inverse = Inverse(arm, X_BF);
+  for (int s = 0; s < inverse.count; ++s) {
+    if (inverse.solutions[s].branch != status) continue;
+    Joints angles = ToController(axes, inverse.solutions[s].q);
+    for (int i = 0; i < 6; ++i) {
+      angles[i] = std::remainder(angles[i], 2 * kPi);
+      const bool negative = (turn >> i & 1) != 0;
+      if (negative && angles[i] >= 0) angles[i] -= 2 * kPi;
+      if (!negative && angles[i] < 0) angles[i] += 2 * kPi;
+    }
+    return FromController(axes, angles);
+  }
+  return std::nullopt;
+}
+
+int TurnAsWritten(const Arm& arm, const AxisConvention& axes, const Pose& X_BF, int status, const Joints& q) {
+  return ControllerTurn(axes, InverseNear(arm, X_BF, status, q).value_or(q));
+}
+
+double Rounded(double value, int decimals) { return ParseNumber(Fixed(value, decimals)).value(); }
+
+std::string Fixed(double number, int decimals) {
+  std::string text = fmt::format("{:.{}f}", number, decimals);
+  if (text.starts_with('-') && text.find_first_not_of("-0.") == std::string::npos) text.erase(0, 1);
+  return text;
+}
+
+std::string LegalName(const std::string& text, size_t longest, size_t letters) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  std::string name;
+  for (const char c : text) name += is_letter(c) || (c >= '0' && c <= '9') ? c : '_';
+  const auto begins_well = [&] {
+    if (name.size() < letters) return false;
+    return std::all_of(name.begin(), name.begin() + static_cast<long>(letters), is_letter);
+  };
+  if (!begins_well()) name = "mp_" + name;
+  return name.substr(0, longest);
+}
+
+}  // namespace millpose

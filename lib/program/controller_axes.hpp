@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What controllers count with: orientation angles, axis angles, status and turn.
+#pragma once
+
+#include <optional>
+
+#include "program/post.hpp"
+#include "robot/kinematics.hpp"
+
+namespace millpose {
+
+/// Three angles (rad) of R = Rz(v0)·Ry(v1)·Rx(v2): KUKA's A, B, C, and SINUMERIK's C, B, A by RPY. v1 lies in
+/// [−π/2, π/2]; where |v1| = π/2 only v0 ∓ v2 is determined and v0 is set to 0. The third angle is taken
+/// from what the first leaves over, so that the three together are exact near that place too.
+Eigen::Vector3d AnglesZyx(const Eigen::Matrix3d& R);
+Eigen::Matrix3d FromAnglesZyx(const Eigen::Vector3d& angles);
+
+/// Three angles (rad) of R = Rz(v0)·Rx(v1)·Rz(v2) (Euler): v1 in [0, π]; v0 = 0 where v1 is 0 or π.
+Eigen::Vector3d AnglesZxz(const Eigen::Matrix3d& R);
+Eigen::Matrix3d FromAnglesZxz(const Eigen::Vector3d& angles);
+
+/// The angle (rad) of the rotation between two orientations; good for small ones too.
+double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
+
+/// The controller's angles of the arm's angles `q`, and back; rad.
+Joints ToController(const AxisConvention& axes, const Joints& q);
+Joints FromController(const AxisConvention& axes, const Joints& angles);
+
+/// Bit i−1 set where the controller's angle i is negative.
+int ControllerTurn(const AxisConvention& axes, const Joints& q);
+
+/// The joint angles at which the arm reaches flange pose X_BF on branch `status` with the controller's angles
+/// signed as `turn` says, each within one full turn (−360° ≤ negative < 0 ≤ positive < 360°). Empty when the
+/// branch does not reach the pose.
+std::optional<Joints> AnglesAt(const Arm& arm, const AxisConvention& axes, const Pose& X_BF, int status,
+                               int turn);
+
+/// The controller's turn of a PTP target at the pose X_BF that the text states, which rounding has moved off
+/// the planned angles `q` (a joint within the rounding of 0° would else be sent round by a full turn).
+int TurnAsWritten(const Arm& arm, const AxisConvention& axes, const Pose& X_BF, int status, const Joints& q);
+
+/// `value` as Fixed(value, decimals) reads back.
+double Rounded(double value, int decimals);
+
+/// `number` with a fixed number of decimals; never "-0.000".
+std::string Fixed(double number, int decimals);
+
+/// `text` as a program name: ASCII letters, digits and '_', in at most `longest` characters, beginning with a
+/// letter (`letters` of them); other characters become '_'.
+std::string LegalName(const std::string& text, size_t longest, size_t letters);
+
+}  // namespace millpose

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "program/post.hpp"
+
+namespace millpose {
+
+/// LinuxCNC (RS-274/NGC) in joint space: NAME.ngc with the axes X, Y, Z, A, B, C as joints 1..6 in degrees,
+/// docs/linuxcnc.md. Straight lines of the tip become joint motions in inverse time, short enough that the
+/// tip leaves the line by at most kHalfwayDeviation.
+class LinuxCncPost : public Post {
+ public:
+  std::string Name() const override { return "linuxcnc"; }
+  ProgramFiles Write(const MotionProgram& program, const Arm& arm,
+                     const PostSettings& settings) const override;
+  MotionProgram Read(const ProgramFiles& files, const Arm& arm, const PostSettings& settings) const override;
+};
+
+inline constexpr double kHalfwayDeviation = 0.005;  ///< mm
+inline constexpr double kHalfwayAngle = 8.7266e-5;  ///< rad (0.005°)
+
+/// LinuxCNC's texts for events where the cell gives none.
+std::map<std::string, std::string> LinuxCncTexts();
+
+/// The interpreter turns G93's F into a speed of at least this many degrees (or mm) per minute.
+inline constexpr double kInverseTimeFloor = 0.1;
+
+/// G64's tolerance counts in the units of X, Y, Z, here degrees: the tip's tolerance (mm) over the arm's
+/// reach.
+double BlendDegrees(double blend, const Arm& arm, const Pose& X_FT);
+
+/// Length (degrees) that F counts along between two joint positions (degrees): that of X, Y, Z, or, where
+/// they stand still, that of A, B, C.
+double FeedLength(const Joints& from, const Joints& to);
+
+}  // namespace millpose

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Reading a program text line by line, with the place of whatever is wrong.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.hpp"
+
+namespace millpose {
+
+/// The lines of a text without their ends; LF, CRLF, a last line without an end.
+std::vector<std::string_view> SplitLines(std::string_view text);
+
+/// `text` without the white space at both ends.
+std::string_view Trim(std::string_view text);
+
+/// Equal apart from case (ASCII) and the amount of white space.
+bool SameWords(std::string_view a, std::string_view b);
+
+/// A cursor over one line. Words compare without case (ASCII). Expectations that fail throw InputError with
+/// file:line:column.
+class LineScanner {
+ public:
+  LineScanner(std::string_view line, std::string file, int number)
+      : line_(line), file_(std::move(file)), number_(number) {}
+
+  bool AtEnd();  ///< nothing but white space follows
+  char Peek();   ///< the next character that is not white space; '\0' at the end
+  /// Takes `word` when it comes next (after white space); a word that ends in a letter, digit or '_' must not
+  /// be followed by another of them.
+  bool Accept(std::string_view word);
+  void Expect(std::string_view word);
+  void ExpectEnd();
+  /// Takes `letter` when it comes next and begins an address: a digit, sign, point or '=' follows (after
+  /// spaces).
+  bool AcceptAddress(char letter);
+  void Skip() { ++position_; }              ///< over one character
+  double ExpectNumber();                    ///< decimal; a comma as decimal mark is an error
+  int ExpectBits();                         ///< 'B0101'
+  std::optional<std::string> AcceptName();  ///< letters, digits, '_', '$'; upper case as written
+  std::string Rest();                       ///< takes what is left, trimmed
+  [[noreturn]] void Fail(const std::string& message) const;
+  int number() const { return number_; }
+
+ private:
+  void SkipSpace();
+
+  std::string_view line_;
+  std::string file_;
+  int number_;
+  size_t position_ = 0;
+};
+
+}  // namespace millpose

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "base/random.hpp"
+#include "base/units.hpp"
+#include "program/controller_axes.hpp"
+#include "program/sinumerik.hpp"
+#include "tests/program/sample_plan.hpp"
+
+namespace millpose {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+Matrix3d RandomRotation(RandomStream& stream) {
+  Eigen::Quaterniond q(stream.Normal(), stream.Normal(), stream.Normal(), stream.Normal());
+  return q.normalized().toRotationMatrix();
+}
+
+TEST(Angles, KukaFlangeAtTheCalibrationPose) {
+  const Joints q = (Joints() << 0, -90, 90, 0, 0, 0).finished() * kRadPerDeg;
+  const Vector3d abc = AnglesZyx(ForwardFlange(SampleArm(), q).linear()) * kDegPerRad;
+  EXPECT_NEAR(abc[0], 0, 1e-9);
+  EXPECT_NEAR(abc[1], 90, 1e-9);
+  EXPECT_NEAR(abc[2], 0, 1e-9);
+}
+
+TEST(Angles, KukaFlangeTurnsWithA6) {
+  // With A4 = A5 = 0 the flange turns about its own z, the base's x, by Rx(−A6): at B = 90 that shows in C
+  // alone.
+  const Joints q = (Joints() << 0, -90, 90, 0, 0, 30).finished() * kRadPerDeg;
+  const Vector3d abc = AnglesZyx(ForwardFlange(SampleArm(), q).linear()) * kDegPerRad;
+  EXPECT_NEAR(abc[0], -90, 1e-9);
+  EXPECT_NEAR(abc[1], 60, 1e-9);
+  EXPECT_NEAR(abc[2], -90, 1e-9);
+  const Matrix3d expected = Eigen::AngleAxisd(-30 * kRadPerDeg, Vector3d::UnitX()).toRotationMatrix() *
+                            Eigen::AngleAxisd(kPi / 2, Vector3d::UnitY()).toRotationMatrix();
+  EXPECT_LT((FromAnglesZyx(abc * kRadPerDeg) - expected).norm(), 1e-9);
+}
+
+TEST(Angles, BothOrdersRoundTrip) {
+  RandomStream stream(7, 0);
+  for (int i = 0; i < 2000; ++i) {
+    const Matrix3d R = RandomRotation(stream);
+    EXPECT_LT((FromAnglesZyx(AnglesZyx(R)) - R).norm(), 1e-14);
+    EXPECT_LT((FromAnglesZxz(AnglesZxz(R)) - R).norm(), 1e-14);
+    EXPECT_LE(std::abs(AnglesZyx(R)[1]), kPi / 2 + 1e-12);
+  }
+}
+
+TEST(Angles, RoundTripAtAndNearTheDegeneratePlace) {
+  RandomStream stream(8, 0);
+  for (const double off : {0.0, 1e-15, 1e-12, 1e-9, 1e-8, 1e-6, 1e-3}) {
+    for (const double sign : {-1.0, 1.0}) {
+      const double a = stream.Uniform(-3, 3), c = stream.Uniform(-3, 3);
+      const Matrix3d zyx = FromAnglesZyx({a, sign * (kPi / 2 - off), c});
+      EXPECT_LT((FromAnglesZyx(AnglesZyx(zyx)) - zyx).norm(), 2e-9) << off;
+      const Matrix3d zxz = FromAnglesZxz({a, sign > 0 ? off : kPi - off, c});
+      EXPECT_LT((FromAnglesZxz(AnglesZxz(zxz)) - zxz).norm(), 2e-9) << off;
+    }
+  }
+}
+
+TEST(Angles, SinumerikOrdersAreTheManuals) {
+  // RPY: C about Z, B about the new Y, A about the new X. Euler: A about Z, B about the new X, C about the
+  // new Z.
+  const auto about = [](int axis, double angle) {
+    return Eigen::AngleAxisd(angle, Vector3d::Unit(axis)).toRotationMatrix();
+  };
+  const Vector3d abc(0.3, -0.4, 1.1);
+  EXPECT_LT((FromSinumerikAngles("rpy", abc) - about(2, 1.1) * about(1, -0.4) * about(0, 0.3)).norm(), 1e-14);
+  EXPECT_LT((FromSinumerikAngles("euler", abc) - about(2, 0.3) * about(0, -0.4) * about(2, 1.1)).norm(),
+            1e-14);
+  EXPECT_LT((SinumerikAngles("rpy", FromSinumerikAngles("rpy", abc)) - abc).norm(), 1e-14);
+}
+
+TEST(ToolAxis, PutsTheNamedAxisAlongTheTool) {
+  for (const std::string name : {"x", "y", "z", "-x", "-y", "-z"}) {
+    const Matrix3d R_TC = ToolAxis(name);
+    EXPECT_NEAR(R_TC.determinant(), 1, 1e-15) << name;
+    EXPECT_LT((R_TC * R_TC.transpose() - Matrix3d::Identity()).norm(), 1e-15) << name;
+    const double sign = name[0] == '-' ? -1 : 1;
+    const Vector3d along = R_TC.col(name.back() - 'x') * sign;
+    EXPECT_EQ(along, Vector3d::UnitZ()) << name;
+  }
+  EXPECT_EQ(ToolAxis("z"), Matrix3d::Identity());
+  EXPECT_THROW(ToolAxis("w"), InputError);
+}
+
+TEST(Turn, StatusAndTurnNameOneJointPosition) {
+  const Arm arm = SampleArm();
+  AxisConvention axes;
+  axes.sign << 1, -1, 1, 1, -1, 1;
+  axes.offset << 0, 0.5, 0, 0, 0, -1;
+  RandomStream stream(3, 0);
+  int compared = 0;
+  for (int i = 0; i < 500; ++i) {
+    Joints q;
+    for (int j = 0; j < 6; ++j) q[j] = stream.Uniform(arm.lower[j], arm.upper[j]);
+    if ((ToController(axes, q).cwiseAbs().array() > 2 * kPi).any()) continue;
+    if (DistanceToSingularity(arm, q).wrist < 0.01) continue;
+    const auto found = AnglesAt(arm, axes, ForwardFlange(arm, q), Status(arm, q), ControllerTurn(axes, q));
+    ASSERT_TRUE(found);
+    EXPECT_LT((*found - q).norm(), 1e-7);
+    ++compared;
+  }
+  EXPECT_GT(compared, 300);
+}
+
+TEST(Names, AreLegal) {
+  EXPECT_EQ(LegalName("Sample wall-plan", 24, 1), "Sample_wall_plan");
+  EXPECT_EQ(LegalName("7up", 24, 1), "mp_7up");
+  EXPECT_EQ(LegalName("a1", 24, 2), "mp_a1");
+  EXPECT_EQ(LegalName("", 24, 1), "mp_");
+  EXPECT_EQ(LegalName("Übergröße", 24, 1).find_first_not_of("abcdefghijklmnopqrstuvwxyz_"),
+            std::string::npos);
+  EXPECT_EQ(LegalName(std::string(40, 'x'), 24, 1).size(), 24u);
+}
+
+TEST(Numbers, HaveNoNegativeZero) {
+  EXPECT_EQ(Fixed(-0.00001, 4), "0.0000");
+  EXPECT_EQ(Fixed(-0.00005001, 4), "-0.0001");
+  EXPECT_EQ(Fixed(2.5, 0), "2");
+}
+
+}  // namespace
+}  // namespace millpose

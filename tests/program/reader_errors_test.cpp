@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "tests/program/sample_plan.hpp"
+
+namespace millpose {
+namespace {
+
+/// A text of the sample with the first `from` replaced, read again: the problems.
+std::vector<Problem> ProblemsWith(const std::string& controller, const std::string& from,
+                                  const std::string& to) {
+  const auto post = MakePost(controller);
+  const PlanResult plan = SamplePlan();
+  const PostSettings settings = SampleSettings(controller);
+  ProgramFiles files = post->Write(MakeMotionProgram(plan), plan.arm, settings);
+  std::string& text = files.rbegin()->second;  // .src comes after .dat
+  const size_t place = text.find(from);
+  EXPECT_NE(place, std::string::npos) << from;
+  text.replace(place, from.size(), to);
+  try {
+    post->Read(files, plan.arm, settings);
+    return {};
+  } catch (const InputError& error) {
+    return error.problems();
+  }
+}
+
+int LineOf(const std::string& controller, const std::string& part) {
+  const auto post = MakePost(controller);
+  const PlanResult plan = SamplePlan();
+  const std::string text =
+      post->Write(MakeMotionProgram(plan), plan.arm, SampleSettings(controller)).rbegin()->second;
+  return 1 +
+         static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(text.find(part)), '\n'));
+}
+
+TEST(ReaderErrors, KrlNamesLineAndColumn) {
+  auto problems = ProblemsWith("krl", "LIN {X ", "LIN {X 1,");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_EQ(problems[0].place.line, LineOf("krl", "LIN {X "));
+  EXPECT_EQ(problems[0].place.column, 10);
+  EXPECT_NE(problems[0].message.find("one of the fields X, Y, Z"), std::string::npos) << problems[0].message;
+
+  EXPECT_EQ(ProblemsWith("krl", "C_DIS", "C_DUS").size(), 1u);
+  EXPECT_EQ(ProblemsWith("krl", "\nEND\n", "\n").size(), 1u);
+  EXPECT_EQ(ProblemsWith("krl", "\nEND\n", "\nEND\nLIN {X 1}\n").size(), 1u);
+  EXPECT_EQ(ProblemsWith("krl", "$ORI_TYPE = #VAR", "$ORI_TYPE = #CONSTANT").size(), 1u);
+  EXPECT_EQ(ProblemsWith("krl", "S 'B", "S 'C").size(), 1u);
+  EXPECT_EQ(ProblemsWith("krl", "$ADVANCE", "$ADVENCE").size(), 1u);
+  EXPECT_EQ(ProblemsWith("krl", "; job", "; the usual job").size(), 0u);
+}
+
+TEST(ReaderErrors, AllProblemsAtOnce) {
+  const auto post = MakePost("krl");
+  const std::string text = "DEF A ( )\nLIN {X 1}\nPTP {A1 2}\nFOO\nEND\n";
+  try {
+    post->Read({{"a.src", text}}, SampleArm(), SampleSettings("krl"));
+    FAIL();
+  } catch (const InputError& error) {
+    ASSERT_EQ(error.problems().size(), 3u);
+    EXPECT_EQ(error.problems()[0].place.line, 2);
+    EXPECT_EQ(error.problems()[2].place.line, 4);
+  }
+}
+
+TEST(ReaderErrors, SinumerikNamesTheLine) {
+  EXPECT_EQ(ProblemsWith("sinumerik", "ORIWKS", "ORIMKS").size(), 1u);
+  EXPECT_EQ(ProblemsWith("sinumerik", " PTP", "").size(), 1u);  // G0 without PTP: an undefined path
+  EXPECT_EQ(ProblemsWith("sinumerik", "M30", "M17").size(), 2u);
+  EXPECT_EQ(ProblemsWith("sinumerik", "RA1=", "RA1").size(), 1u);
+  EXPECT_EQ(ProblemsWith("sinumerik", "SPINDLE_D20", "SPINDLE_D10").size(), 1u);
+  EXPECT_EQ(ProblemsWith("sinumerik", "CROT", "CROTS").size(), 1u);
+}
+
+TEST(ReaderErrors, LinuxCncNamesTheLine) {
+  EXPECT_EQ(ProblemsWith("linuxcnc", "G93", "G92").size(), 1u);
+  EXPECT_EQ(ProblemsWith("linuxcnc", "M2\n", "").size(), 1u);
+  EXPECT_EQ(ProblemsWith("linuxcnc", "G1 X", "G1 Y").size(), 1u);
+  EXPECT_EQ(ProblemsWith("linuxcnc", "G1 X", "G1 X,").size(), 1u);
+}
+
+}  // namespace
+}  // namespace millpose

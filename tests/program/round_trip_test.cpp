@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "base/units.hpp"
+#include "program/controller_axes.hpp"
+#include "program/linuxcnc.hpp"
+#include "program/scanner.hpp"
+#include "tests/program/sample_plan.hpp"
+
+namespace millpose {
+namespace {
+
+class EachPost : public testing::TestWithParam<std::string> {
+ protected:
+  std::unique_ptr<Post> post = MakePost(GetParam());
+  PostSettings settings = SampleSettings(GetParam());
+  PlanResult plan = SamplePlan();
+  MotionProgram program = MakeMotionProgram(plan);
+  ProgramFiles files = post->Write(program, plan.arm, settings);
+
+  MotionProgram Read(const ProgramFiles& texts) { return post->Read(texts, plan.arm, settings); }
+};
+INSTANTIATE_TEST_SUITE_P(Controllers, EachPost, testing::Values("krl", "sinumerik", "linuxcnc"),
+                         [](const auto& controller) { return controller.param; });
+
+TEST(Posts, RegistryNamesThem) {
+  EXPECT_EQ(PostNames(), (std::vector<std::string>{"krl", "linuxcnc", "sinumerik"}));
+  for (const std::string& name : PostNames()) EXPECT_EQ(MakePost(name)->Name(), name);
+  try {
+    MakePost("krll");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("did you mean 'krl'"), std::string::npos) << error.what();
+  }
+}
+
+TEST(MotionProgram, FollowsThePlan) {
+  const PlanResult plan = SamplePlan();
+  const MotionProgram program = MakeMotionProgram(plan);
+  ASSERT_TRUE(IsWellFormed(program));
+  EXPECT_EQ(program.motions.front().q, plan.home);
+  EXPECT_EQ(program.motions.back().q, plan.home);
+  // Every point of every pass once, in order; a closed pass returns to its first point.
+  for (const PassResult& pass : plan.passes) {
+    std::vector<int> visited;
+    for (const Motion& motion : program.motions) {
+      if (motion.pass == pass.pass && motion.point >= 0) visited.push_back(motion.point);
+    }
+    std::vector<int> expected(pass.points.size());
+    for (size_t i = 0; i < expected.size(); ++i) expected[i] = static_cast<int>(i);
+    if (pass.pieces[0].closed) expected.push_back(0);
+    EXPECT_EQ(visited, expected);
+  }
+  // LIN starts and ends exactly, and the pose before its approach is a PTP with S and T.
+  for (size_t i = 1; i < program.motions.size(); ++i) {
+    const Motion &before = program.motions[i - 1], &motion = program.motions[i];
+    if (motion.type == before.type) continue;
+    EXPECT_TRUE(before.exact);
+    if (motion.type == MotionType::kLinear) {
+      EXPECT_EQ(before.status, Status(plan.arm, *before.q));
+      EXPECT_EQ(before.turn, Turn(*before.q));
+      EXPECT_NEAR((motion.X_PT.translation() - before.X_PT.translation()).norm(), 50, 1e-6);
+    }
+  }
+  ASSERT_EQ(program.events.size(), 8u);
+  EXPECT_EQ(program.events[1].kind, ProgramEvent::Kind::kSpindleOn);
+  EXPECT_EQ(program.events.back().kind, ProgramEvent::Kind::kSpindleOff);
+}
+
+TEST(MotionProgram, SaysWhyThereIsNone) {
+  PlanResult plan = SamplePlan();
+  EXPECT_EQ(WhyNotProgrammable(plan), "");
+  plan.gaps[1].planned = false;
+  plan.gaps[1].detail = "spindle meets fixture";
+  EXPECT_EQ(WhyNotProgrammable(plan),
+            "the way from pass 0 piece 0 to pass 1 piece 0 could not be planned: spindle meets fixture");
+  plan.gaps.clear();
+  EXPECT_EQ(WhyNotProgrammable(plan), "no piece was planned");
+}
+
+TEST_P(EachPost, WritesTheSameAgainAfterReading) {
+  EXPECT_EQ(post->Write(Read(files), plan.arm, settings), files);
+}
+
+TEST_P(EachPost, TextIsPlain) {
+  for (const auto& [name, text] : files) {
+    for (const std::string_view line : SplitLines(text)) EXPECT_LE(line.size(), 100u) << line;
+    for (const char c : text) ASSERT_TRUE(c == '\n' || (c >= ' ' && c <= '~'));
+    EXPECT_TRUE(text.ends_with('\n'));
+  }
+}
+
+TEST_P(EachPost, RoundingKeepsTheTipAndTheMarks) {
+  const MotionProgram read = Read(files);
+  EXPECT_EQ(read.header, program.header);
+  ASSERT_EQ(read.events.size(), program.events.size());
+  for (size_t i = 0; i < read.events.size(); ++i) {
+    EXPECT_EQ(read.events[i].kind, program.events[i].kind);
+    EXPECT_NEAR(read.events[i].value, program.events[i].value, 1e-9);
+    EXPECT_EQ(read.events[i].piece, program.events[i].piece);
+  }
+  if (GetParam() == "linuxcnc") return;  // has more motions, see below
+  ASSERT_EQ(read.motions.size(), program.motions.size());
+  const Pose X_BP = read.X_BP.value_or(*program.X_BP);
+  const Pose X_FT = read.X_FT.value_or(*program.X_FT);
+  int last_line = 0;
+  for (size_t i = 0; i < read.motions.size(); ++i) {
+    const Motion &given = program.motions[i], &motion = read.motions[i];
+    EXPECT_EQ(motion.type, given.type);
+    EXPECT_EQ(motion.exact, given.exact);
+    EXPECT_EQ(motion.status, given.status);
+    EXPECT_EQ(motion.turn, given.turn);
+    EXPECT_EQ(motion.pass, given.pass);
+    EXPECT_GT(std::exchange(last_line, motion.line), -1);
+    EXPECT_GT(motion.line, 0);
+    if (motion.type == MotionType::kLinear) {
+      EXPECT_NEAR(motion.feed, given.feed, 1e-5);
+    }
+    const Pose wanted = *program.X_BP * given.X_PT;
+    const Pose written = motion.q ? ForwardFlange(plan.arm, *motion.q) * X_FT : X_BP * motion.X_PT;
+    EXPECT_LT((wanted.translation() - written.translation()).norm(), 0.001) << motion.line;
+    EXPECT_LT(Eigen::AngleAxisd(wanted.linear().transpose() * written.linear()).angle(), 0.0002 * kRadPerDeg);
+    if (motion.status) {
+      const auto q = AnglesAt(plan.arm, read.axes, written * X_FT.inverse(), *motion.status, *motion.turn);
+      ASSERT_TRUE(q);
+      EXPECT_LT((*q - *given.q).norm(), 1e-4);
+    }
+  }
+}
+
+TEST_P(EachPost, AxisConventionIsUndoneWhenReading) {
+  settings.axes.sign << 1, -1, 1, -1, 1, -1;
+  settings.axes.offset << 0, 0.5, 0, 0, -0.25, 1;
+  const ProgramFiles other = post->Write(program, plan.arm, settings);
+  EXPECT_NE(other, files);
+  const MotionProgram read = Read(other);
+  EXPECT_EQ(post->Write(read, plan.arm, settings), other);
+  EXPECT_LT((*read.motions.front().q - plan.home).norm(), 1e-7);
+}
+
+TEST(LinuxCnc, PointsAreDenseEnough) {
+  const PlanResult plan = SamplePlan({.points = 4, .spacing = 120});
+  const MotionProgram program = MakeMotionProgram(plan);
+  const auto post = MakePost("linuxcnc");
+  const PostSettings settings = SampleSettings("linuxcnc");
+  const MotionProgram read = post->Read(post->Write(program, plan.arm, settings), plan.arm, settings);
+  ASSERT_GT(read.motions.size(), program.motions.size());
+  // Half-way between two points of the text the tip is on the straight lines of the plan.
+  double worst = 0, seconds = 0, planned_seconds = 0;
+  for (size_t i = 1; i < read.motions.size(); ++i) {
+    if (read.motions[i].duration == 0) continue;
+    seconds += read.motions[i].duration;
+    const Joints halfway = (*read.motions[i].q + *read.motions[i - 1].q) / 2;
+    const Eigen::Vector3d tip =
+        (program.X_BP->inverse() * ForwardFlange(plan.arm, halfway) * plan.X_FT).translation();
+    double nearest = 1e9;
+    for (size_t k = 1; k < program.motions.size(); ++k) {
+      if (program.motions[k].type != MotionType::kLinear) continue;
+      const Eigen::Vector3d a = program.motions[k - 1].X_PT.translation(),
+                            b = program.motions[k].X_PT.translation();
+      const double s = std::clamp((tip - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+      nearest = std::min(nearest, (a + s * (b - a) - tip).norm());
+    }
+    worst = std::max(worst, nearest);
+  }
+  for (size_t k = 1; k < program.motions.size(); ++k) {
+    if (program.motions[k].type != MotionType::kLinear) continue;
+    planned_seconds +=
+        (program.motions[k].X_PT.translation() - program.motions[k - 1].X_PT.translation()).norm() /
+        program.motions[k].feed;
+  }
+  EXPECT_LE(worst, kHalfwayDeviation + 1e-4);
+  EXPECT_NEAR(seconds, planned_seconds, 1e-4 * planned_seconds);
+}
+
+}  // namespace
+}  // namespace millpose

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/program/sample_plan.hpp"
+
+#include "base/units.hpp"
+#include "robot/kinematics.hpp"
+
+namespace millpose {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Vector3d;
+
+Joints Degrees(std::array<double, 6> degrees) { return Eigen::Map<Joints>(degrees.data()) * kRadPerDeg; }
+
+/// The tool on a point of P, turned about its axis by `rotation` from the world's up.
+Pose ToolOn(const Pose& X_WP, const Vector3d& p_P, double rotation) {
+  Pose X_WT = Pose::Identity();
+  const Vector3d z = X_WP.linear() * Vector3d::UnitZ();
+  const Vector3d x = (Vector3d::UnitZ() - z * z.z()).normalized();
+  X_WT.linear().col(0) = x;
+  X_WT.linear().col(1) = z.cross(x);
+  X_WT.linear().col(2) = z;
+  X_WT.linear() = X_WT.linear() * AngleAxisd(rotation, Vector3d::UnitZ()).toRotationMatrix();
+  X_WT.translation() = X_WP * p_P;
+  return X_WT;
+}
+
+bool Within(const Arm& arm, const Joints& q) {
+  const Joints margin = Joints::Constant(3 * kRadPerDeg);
+  return ((q - arm.lower - margin).array() >= 0).all() && ((arm.upper - margin - q).array() >= 0).all();
+}
+
+class SampleBuilder {
+ public:
+  explicit SampleBuilder(const SampleShape& shape) {
+    plan_.job = "Sample wall-plan";
+    plan_.cell = "kr500_r2830";
+    plan_.input_hash = "0123456789abcdef";
+    plan_.arm = SampleArm();
+    plan_.X_WB.translation().z() = 100;
+    plan_.X_FT = SampleTool();
+    plan_.X_WP.translation() = Vector3d(2076, 30, 1106);
+    plan_.X_WP.linear() = AngleAxisd(shape.wall_turn_deg * kRadPerDeg, Vector3d::UnitY()).toRotationMatrix();
+    plan_.home = Degrees({0, -90, 90, 0, 0, 0});
+    plan_.spindle_speed = 7000.0 / 60;
+    FindStart();
+  }
+
+  void AddPass(const std::vector<Vector3d>& places, bool closed) {
+    PassResult& pass = plan_.passes.emplace_back();
+    pass.pass = static_cast<int>(plan_.passes.size()) - 1;
+    Joints q = start_;
+    for (size_t i = 0; i < places.size(); ++i) {
+      PlannedPoint& planned = pass.points.emplace_back();
+      const double rotation = rotation_ + 0.01 * std::sin(2 * kPi * static_cast<double>(i) / places.size());
+      const Pose X_WT = ToolOn(plan_.X_WP, places[i], rotation);
+      q = Solve(X_WT, q);
+      planned.q = q;
+      planned.branch = branch_;
+      planned.point.position = X_WT.translation();
+      planned.point.tool_axis = X_WT.linear().col(2);
+      planned.point.normal = planned.point.tool_axis;
+      planned.point.feed_rate = 80.0 / 60;
+      planned.freedoms = {rotation};
+    }
+    pass.pieces.push_back({pass.pass, 0, 0, static_cast<int>(places.size()) - 1, closed});
+  }
+
+  PlanResult Finish() {
+    for (size_t i = 0; i <= plan_.passes.size(); ++i) {
+      Gap& gap = plan_.gaps.emplace_back();
+      gap.planned = true;
+      if (i > 0) {
+        const PassResult& from = plan_.passes[i - 1];
+        gap.from_pass = from.pass;
+        gap.from_piece = 0;
+        const Joints& last = from.pieces[0].closed ? from.points.front().q : from.points.back().q;
+        gap.joints.push_back(Above(last, gap.X_WT_retracted));
+      } else {
+        gap.joints.push_back(plan_.home);
+        gap.joints.push_back(Degrees({5, -95, 100, 10, 20, -10}));
+      }
+      if (i < plan_.passes.size()) {
+        gap.to_pass = plan_.passes[i].pass;
+        gap.to_piece = 0;
+        gap.joints.push_back(Above(plan_.passes[i].points.front().q, gap.X_WT_approach));
+      } else {
+        gap.joints.push_back(plan_.home);
+      }
+    }
+    return std::move(plan_);
+  }
+
+ private:
+  Pose FlangeOf(const Pose& X_WT) const { return plan_.X_WB.inverse() * X_WT * plan_.X_FT.inverse(); }
+
+  void FindStart() {
+    for (int degree = 0; degree < 360; ++degree) {
+      const InverseResult inverse =
+          Inverse(plan_.arm, FlangeOf(ToolOn(plan_.X_WP, Vector3d::Zero(), degree * kRadPerDeg)));
+      for (int s = 0; s < inverse.count; ++s) {
+        const Joints& q = inverse.solutions[s].q;
+        const bool apart =
+            DistanceToSingularity(plan_.arm, q).wrist > 0.3 && (q.cwiseAbs().array() < 2.6).all();
+        if (!Within(plan_.arm, q) || !apart) continue;
+        rotation_ = degree * kRadPerDeg;
+        branch_ = inverse.solutions[s].branch;
+        start_ = q;
+        return;
+      }
+    }
+    throw std::logic_error("the sample is out of reach");
+  }
+
+  Joints Solve(const Pose& X_WT, const Joints& near) const {
+    return InverseNear(plan_.arm, FlangeOf(X_WT), branch_, near).value();
+  }
+
+  Joints Above(const Joints& q, Pose& X_WT) const {
+    X_WT = plan_.X_WB * ForwardFlange(plan_.arm, q) * plan_.X_FT * Eigen::Translation3d(0, 0, 50);
+    return Solve(X_WT, q);
+  }
+
+  PlanResult plan_;
+  double rotation_ = 0;
+  int branch_ = 0;
+  Joints start_;
+};
+
+}  // namespace
+
+Arm SampleArm() {
+  Arm arm;
+  arm.name = "KUKA KR 500 R2830";
+  arm.d1 = 1045, arm.a1 = 500, arm.a2 = 1300, arm.d4 = 1025, arm.dz = -55, arm.d6 = 290;
+  arm.sign = {-1, 1, 1, -1, 1, -1};
+  arm.lower = Degrees({-185, -130, -100, -350, -120, -350});
+  arm.upper = Degrees({185, 20, 144, 350, 120, 350});
+  arm.speed = Degrees({80, 75, 70, 70.5, 70.5, 109.7});
+  arm.acceleration = Degrees({200, 200, 200, 300, 300, 500});
+  return arm;
+}
+
+Pose SampleTool() {
+  Pose X_FT = Pose::Identity();
+  X_FT.translation() = Vector3d(-250, 0, 250);
+  X_FT.linear() << 0, 0, 1, 0, -1, 0, 1, 0, 0;
+  return X_FT;
+}
+
+PlanResult SamplePlan(const SampleShape& shape) {
+  SampleBuilder builder(shape);
+  const double length = shape.spacing * (shape.points - 1);
+  for (int pass = 0; pass < 2; ++pass) {
+    std::vector<Vector3d> places;
+    for (int i = 0; i < shape.points; ++i) {
+      const double along = pass % 2 ? length - i * shape.spacing : i * shape.spacing;
+      places.emplace_back(along - length / 2, 8.0 * pass - 4, 0);
+    }
+    builder.AddPass(places, false);
+  }
+  if (shape.ring) {
+    std::vector<Vector3d> places;
+    for (int i = 0; i < 2 * shape.points; ++i) {
+      const double angle = kPi * i / shape.points;
+      places.emplace_back(20 * std::cos(angle), 20 * std::sin(angle), 0);
+    }
+    builder.AddPass(places, true);
+  }
+  return builder.Finish();
+}
+
+PostSettings SampleSettings(const std::string& controller) {
+  PostSettings settings;
+  settings.X_FT = SampleTool();
+  settings.tool_name = "SPINDLE_D20";
+  if (controller == "krl") {
+    settings.R_TC = ToolAxis("x");
+    settings.texts = {{"spindle_on", "$ANOUT[1]={rpm}\n$OUT[1]=TRUE"}, {"spindle_off", "$OUT[1]=FALSE"}};
+  }
+  return settings;
+}
+
+}  // namespace millpose

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A small plan made by hand: two zigzag passes and one closed ring on a vertical wall, arm and tool of
+// cells/kr500_r2830.yaml.
+#pragma once
+
+#include "plan/plan_result.hpp"
+#include "program/post.hpp"
+
+namespace millpose {
+
+Arm SampleArm();
+Pose SampleTool();
+
+/// What to vary in the sample.
+struct SampleShape {
+  int points = 6;              ///< per pass
+  double spacing = 4;          ///< mm
+  bool ring = true;            ///< a third, closed pass
+  double wall_turn_deg = -90;  ///< B of the workpiece in the world
+};
+PlanResult SamplePlan(const SampleShape& shape = {});
+
+/// Settings as the kr500_r2830 cell gives them for `controller`.
+PostSettings SampleSettings(const std::string& controller);
+
+}  // namespace millpose
