@@ -3,8 +3,13 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "pose/chen2021.hpp"
 #include "pose/objective_parameters.hpp"
+#include "pose/objectives/chen2021.hpp"
+#include "pose/objectives/drilling.hpp"
+#include "pose/objectives/isotropy.hpp"
+#include "pose/objectives/normal_deflection.hpp"
+#include "pose/objectives/process_force.hpp"
+#include "pose/objectives/worst_in_plane.hpp"
 
 namespace millpose {
 namespace {
@@ -21,7 +26,9 @@ struct Registration {
 
 /// One line per objective.
 constexpr Registration kRegistry[] = {
-    {"chen2021", Make<Chen2021>},
+    {"chen2021", Make<Chen2021>},           {"isotropy", Make<Isotropy>},
+    {"drilling", Make<Drilling>},           {"normal_deflection", Make<NormalDeflection>},
+    {"worst_in_plane", Make<WorstInPlane>}, {"process_force", Make<ProcessForce>},
 };
 
 std::string Suggestion(const std::string& given, const std::vector<std::string>& known) {

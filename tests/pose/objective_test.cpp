@@ -62,11 +62,76 @@ TEST(MakeObjective, NamesEveryProblemOfItsParameters) {
   } catch (const InputError& error) {
     ASSERT_EQ(error.problems().size(), 2u);
     EXPECT_EQ(error.problems()[0].message, "objective chen2021: w1 is -1; allowed: at least 0");
-    EXPECT_EQ(error.problems()[1].message,
-              "objective chen2021: no parameter \"w3\"; known: w1, w2; did you mean \"w1\"?");
+    EXPECT_EQ(
+        error.problems()[1].message,
+        "objective chen2021: no parameter \"w3\"; known: w1, w2, reference_t2, reference_n; did you mean "
+        "\"w1\"?");
   }
   EXPECT_THROW(MakeObjective("chen2021", {{"w1", 0}, {"w2", 0}}), InputError);
   EXPECT_THROW(MakeObjective("chen2012", {}), InputError);
+}
+
+TEST(Objectives, AreWhatTheirPagesSay) {
+  RandomStream stream(8, 0);
+  for (int round = 0; round < 300; ++round) {
+    ObjectiveContext context;
+    context.normal = RandomUnit(stream);
+    context.feed = context.normal.cross(RandomUnit(stream)).normalized();
+    context.tool_axis = (context.normal + 0.2 * RandomUnit(stream)).normalized();
+    ComplianceBlock block;
+    std::array<Eigen::Matrix3d, kLanes> all;
+    for (int l = 0; l < kLanes; ++l) {
+      all[l].setZero();
+      for (int i = 0; i < 6; ++i) {
+        const Eigen::Vector3d column = stream.Uniform(0, 0.01) * RandomUnit(stream);
+        all[l] += column * column.transpose();
+      }
+      Put(all[l], l, block);
+    }
+    const auto evaluate = [&](const std::string& name, const ObjectiveParameters& parameters) {
+      Lanes out;
+      MakeObjective(name, parameters)->Evaluate(block, context, out);
+      return out;
+    };
+    const Lanes isotropy = evaluate("isotropy", {}), drilling = evaluate("drilling", {});
+    const Lanes normal = evaluate("normal_deflection", {}), worst = evaluate("worst_in_plane", {});
+    const Lanes process = evaluate("process_force", {{"feed_N", -30}, {"across_N", 50}, {"axial_N", 7}});
+    const Lanes shares = evaluate("chen2021", {{"reference_t2", 2e-4}, {"reference_n", 3e-4}});
+    const Eigen::Vector3d a = context.tool_axis;
+    const Eigen::Vector3d feed = (context.feed - a.dot(context.feed) * a).normalized();
+    const Eigen::Vector3d force = -30 * feed + 50 * a.cross(feed) + 7 * a;
+    for (int l = 0; l < kLanes; ++l) {
+      const Eigen::Matrix3d& c = all[l];
+      const auto indices = IndicesInPlane(c, context.normal);
+      ASSERT_TRUE(indices.has_value());
+      EXPECT_NEAR(isotropy.v[l] * indices->mu, 1, 1e-9);
+      EXPECT_NEAR(drilling.v[l] / a.dot(c * a), 1, 1e-12);
+      EXPECT_NEAR(normal.v[l] / context.normal.dot(c * context.normal), 1, 1e-12);
+      EXPECT_NEAR(worst.v[l] / DeflectionsInPlane(c, context.normal).largest, 1, 1e-12);
+      EXPECT_NEAR(process.v[l] / (c * force).norm(), 1, 1e-12);
+      EXPECT_NEAR(shares.v[l] / (0.5 * indices->lambda_t2 / 2e-4 + 0.5 * indices->lambda_n / 3e-4), 1, 1e-9);
+    }
+  }
+}
+
+TEST(Objectives, RefuseWhatMakesNoSense) {
+  EXPECT_THROW(MakeObjective("process_force", {}), InputError);
+  EXPECT_THROW(MakeObjective("chen2021", {{"reference_n", 1e-4}}), InputError);
+  EXPECT_THROW(MakeObjective("drilling", {{"w1", 1}}), InputError);
+}
+
+TEST(Objectives, OfASingularComplianceAreNeverNan) {
+  const ComplianceBlock block = {};
+  for (const std::string& name : ObjectiveNames()) {
+    Lanes out;
+    const ObjectiveParameters parameters = name == "process_force" ? ObjectiveParameters{{"feed_N", 1}}
+                                           : name == "chen2021"    ? ObjectiveParameters{{"w1", 0}}
+                                                                   : ObjectiveParameters{};
+    MakeObjective(name, parameters)
+        ->Evaluate(block, {Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ()},
+                   out);
+    for (const double value : out.v) EXPECT_FALSE(std::isnan(value)) << name;
+  }
 }
 
 }  // namespace

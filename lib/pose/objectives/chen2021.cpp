@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pose/objectives/chen2021.hpp"
+
+#include "base/error.hpp"
+#include "pose/objective_parameters.hpp"
+#include "stiffness/indices_block.hpp"
+
+namespace millpose {
+
+Chen2021::Chen2021(const ObjectiveParameters& parameters) {
+  const ParameterReader reader(
+      "chen2021", parameters,
+      {{"w1", 0.5, 0.0}, {"w2", 0.5, 0.0}, {"reference_t2", 0.0, 0.0}, {"reference_n", 0.0, 0.0}});
+  w1_ = reader.Value("w1");
+  w2_ = reader.Value("w2");
+  if (w1_ + w2_ <= 0.0)
+    throw InputError(Place{}, "objective chen2021: w1 and w2 are both 0; allowed: one above 0");
+  const double reference_t2 = reader.Value("reference_t2"), reference_n = reader.Value("reference_n");
+  normalised_ = reference_t2 > 0.0 && reference_n > 0.0;
+  if (!normalised_ && reference_t2 + reference_n > 0.0)
+    throw InputError(
+        Place{},
+        "objective chen2021: only one of reference_t2 and reference_n is above 0; allowed: both, or none");
+  if (!normalised_) return;
+  w1_ /= reference_t2;
+  w2_ /= reference_n;
+}
+
+void Chen2021::Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const {
+  PlaneIndicesBlock indices;
+  IndicesInPlane(c, context.normal, indices);
+  for (int i = 0; i < kLanes; ++i) {
+    const double along =
+        indices.lambda_n.v[i];  // +inf where c is singular; a weight of 0 must not make that NaN
+    out.v[i] = std::isfinite(along) ? w1_ * indices.lambda_t2.v[i] + w2_ * along : along;
+  }
+}
+
+}  // namespace millpose
