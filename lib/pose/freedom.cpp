@@ -2,6 +2,7 @@
 #include "pose/freedom.hpp"
 
 #include "base/error.hpp"
+#include "base/trig.hpp"
 #include "base/units.hpp"
 
 namespace millpose {
@@ -16,7 +17,7 @@ class RotationAboutTool final : public Freedom {
   bool Periodic() const override { return true; }
   Pose Apply(const Pose& X_WT, double value) const override {
     // R·Rz(value) written out: this runs once per candidate.
-    const double cosine = std::cos(value), sine = std::sin(value);
+    const auto [sine, cosine] = SinCos(value);
     Pose turned = X_WT;
     turned.linear().col(0) = cosine * X_WT.linear().col(0) + sine * X_WT.linear().col(1);
     turned.linear().col(1) = cosine * X_WT.linear().col(1) - sine * X_WT.linear().col(0);

@@ -22,35 +22,34 @@ Turned TurnInto(double angle, double lower, double upper) {
   return {angle, std::max(0.0, std::min(least - upper, lower - (least - kTurn)))};
 }
 
-/// What `q` misses of the bounds on singularity and dexterity; 0 when nothing.
-double SingularShortfall(const PoseProblem& problem, const Joints& q) {
-  const AdmissibleBounds& bounds = problem.bounds;
-  const SingularityDistance distance = DistanceToSingularity(problem.arm, q);
-  double missing = std::max(0.0, bounds.wrist_min - distance.wrist) +
-                   std::max(0.0, bounds.elbow_min - distance.elbow) +
-                   1e-3 * std::max(0.0, bounds.shoulder_min_mm - distance.shoulder);
-  if (bounds.dexterity_min > 0.0) {
-    const Matrix6 J = Jacobian(problem.arm, q, problem.X_FT.translation());
-    missing += std::max(0.0, bounds.dexterity_min - Dexterity(J, problem.characteristic_length));
-  }
-  return missing;
+/// What is missed of the bounds on singularity and dexterity; 0 when nothing. Less than rounding is nothing:
+/// the same joints come here from the block kernels, from scalar code and with other full turns.
+double SingularShortfall(const AdmissibleBounds& bounds, const SingularityDistance& distance,
+                         double dexterity) {
+  constexpr double kRounding = 1e-10;
+  const double missing = std::max(0.0, bounds.wrist_min - distance.wrist) +
+                         std::max(0.0, bounds.elbow_min - distance.elbow) +
+                         1e-3 * std::max(0.0, bounds.shoulder_min_mm - distance.shoulder) +
+                         std::max(0.0, bounds.dexterity_min - dexterity);
+  return missing > kRounding ? missing : 0.0;
 }
 
-/// Puts the angles within the bounds where full turns can, and judges them.
-Candidate Judge(const PoseProblem& problem, const Joints& principal) {
-  Candidate candidate;
+/// Puts the angles within the bounds where full turns can. Returns what is missed of them.
+double TurnIntoBounds(const AdmissibleBounds& bounds, Joints& q) {
+  double shortfall = 0;
   for (int i = 0; i < 6; ++i) {
-    const Turned turned = TurnInto(principal[i], problem.bounds.lower[i], problem.bounds.upper[i]);
-    candidate.q[i] = turned.angle;
-    candidate.shortfall += turned.shortfall;
+    const Turned turned = TurnInto(q[i], bounds.lower[i], bounds.upper[i]);
+    q[i] = turned.angle;
+    shortfall += turned.shortfall;
   }
-  if (candidate.shortfall > 0.0) {
-    candidate.admissibility = Admissibility::kLimit;
-    return candidate;
-  }
-  candidate.shortfall = SingularShortfall(problem, principal);
-  candidate.admissibility = candidate.shortfall > 0.0 ? Admissibility::kSingular : Admissibility::kAdmissible;
-  return candidate;
+  return shortfall;
+}
+
+Joints LaneOf(const AnglesBlock& angles, bool flipped, int lane) {
+  Joints q;
+  for (int i = 0; i < 6; ++i) q[i] = angles.unflipped[i].v[lane];
+  if (flipped) q.tail<3>() << angles.flipped4.v[lane], angles.flipped5.v[lane], angles.flipped6.v[lane];
+  return q;
 }
 
 }  // namespace
@@ -75,40 +74,47 @@ Pose PointScorer::ToolPose(const double* freedoms) const {
 }
 
 void PointScorer::ScoreBlock(std::span<const double> values, unsigned arm_branches, ScoredBlock& out) const {
+  const Arm& arm = problem_->arm;
   const size_t dimensions = problem_->freedoms.size();
   for (auto& branch : out.admissibility) branch.fill(Admissibility::kUnreachable);
   for (Lanes& branch : out.shortfall) std::fill_n(branch.v, kLanes, std::numeric_limits<double>::infinity());
-  ComplianceBlock compliance[4] = {};
-  for (int l = 0; l < kLanes; ++l) {
-    const Pose X_BF = X_BW_ * ToolPose(values.data() + l * dimensions) * X_TF_;
-    const InverseResult inverse = Inverse(problem_->arm, X_BF);
-    for (int s = 0; s < inverse.count; ++s) {
-      const ArmSolution& solution = inverse.solutions[s];
-      const int arm = solution.branch & 3;
-      if (!(arm_branches >> arm & 1u)) continue;
-      const Candidate candidate = Judge(*problem_, solution.q);
-      out.admissibility[solution.branch][l] = candidate.admissibility;
-      out.shortfall[solution.branch].v[l] = candidate.shortfall;
-      for (int i = 0; i < 6; ++i) out.q[solution.branch][i].v[l] = candidate.q[i];
-      const Matrix6 C = Compliance(Jacobian(problem_->arm, solution.q, p_FO_), problem_->arm.stiffness);
-      ComplianceBlock& c = compliance[arm];
-      c.xx.v[l] = C(0, 0), c.yy.v[l] = C(1, 1), c.zz.v[l] = C(2, 2);
-      c.xy.v[l] = C(0, 1), c.xz.v[l] = C(0, 2), c.yz.v[l] = C(1, 2);
-    }
-  }
-  for (int arm = 0; arm < 4; ++arm) {
-    if (arm_branches >> arm & 1u)
-      problem_->objective->Evaluate(compliance[arm], context_, out.objective[arm]);
-  }
-  // A compliance without an objective's value is singular, whatever the bounds say.
-  for (int branch = 0; branch < 8; ++branch) {
+  FlangeBlock flange;
+  for (int l = 0; l < kLanes; ++l) flange.Set(l, X_BW_ * ToolPose(values.data() + l * dimensions) * X_TF_);
+  ArmBranches branches;
+  InverseBlock(arm, flange, branches);
+  for (int b = 0; b < 4; ++b) {
+    if (!(arm_branches >> b & 1u)) continue;
+    const ArmBranchBlock& branch = branches[b];
+    ComplianceBlock compliance;
+    LinearCompliance(arm, flange, branch, p_FO_, compliance);
+    problem_->objective->Evaluate(compliance, context_, out.objective[b]);
+    AnglesBlock angles;
+    AnglesOfBranch(arm, branch, angles);
+    Lanes dexterity = {};
+    if (problem_->bounds.dexterity_min > 0.0)
+      DexterityOfBlock(arm, flange, branch, problem_->X_FT.translation(), problem_->characteristic_length,
+                       dexterity);
     for (int l = 0; l < kLanes; ++l) {
-      if (out.admissibility[branch][l] != Admissibility::kAdmissible) continue;
-      if (!std::isfinite(out.objective[branch & 3].v[l])) {
-        out.admissibility[branch][l] = Admissibility::kSingular;
-        out.shortfall[branch].v[l] = 1.0;
-      }
+      if (branch.reached.v[l] != 0.0) JudgeLane(branch, angles, dexterity.v[l], b, l, out);
     }
+  }
+}
+
+void PointScorer::JudgeLane(const ArmBranchBlock& branch, const AnglesBlock& angles, double dexterity, int b,
+                            int l, ScoredBlock& out) const {
+  const AdmissibleBounds& bounds = problem_->bounds;
+  double singular =
+      SingularShortfall(bounds, {branch.wrist.v[l], branch.elbow.v[l], branch.shoulder.v[l]}, dexterity);
+  // A compliance without an objective's value is singular, whatever the bounds say.
+  if (!std::isfinite(out.objective[b].v[l])) singular = std::max(singular, 1.0);
+  for (const int status : {b, b + 4}) {
+    Joints q = LaneOf(angles, status >= 4, l);
+    const double beyond = TurnIntoBounds(bounds, q);
+    for (int i = 0; i < 6; ++i) out.q[status][i].v[l] = q[i];
+    out.shortfall[status].v[l] = beyond > 0.0 ? beyond : singular;
+    out.admissibility[status][l] = beyond > 0.0     ? Admissibility::kLimit
+                                   : singular > 0.0 ? Admissibility::kSingular
+                                                    : Admissibility::kAdmissible;
   }
 }
 
@@ -152,7 +158,12 @@ Admissibility CheckAdmissible(const PoseProblem& problem, const Joints& q) {
   for (int i = 0; i < 6; ++i) {
     if (q[i] < problem.bounds.lower[i] || q[i] > problem.bounds.upper[i]) return Admissibility::kLimit;
   }
-  return SingularShortfall(problem, q) > 0.0 ? Admissibility::kSingular : Admissibility::kAdmissible;
+  double dexterity = 0;
+  if (problem.bounds.dexterity_min > 0.0)
+    dexterity =
+        Dexterity(Jacobian(problem.arm, q, problem.X_FT.translation()), problem.characteristic_length);
+  const double missing = SingularShortfall(problem.bounds, DistanceToSingularity(problem.arm, q), dexterity);
+  return missing > 0.0 ? Admissibility::kSingular : Admissibility::kAdmissible;
 }
 
 }  // namespace millpose

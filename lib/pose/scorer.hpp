@@ -84,6 +84,8 @@ class PointScorer {
 
  private:
   Pose ToolPose(const double* freedoms) const;
+  void JudgeLane(const ArmBranchBlock& branch, const AnglesBlock& angles, double dexterity, int b, int l,
+                 ScoredBlock& out) const;
 
   const PoseProblem* problem_;
   Pose X_WT_nominal_;
