@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checks that the sources keep to the architecture. Usage: architecture.py TOP; prints what breaks a rule, status 1."""
+import re
+import sys
+from pathlib import Path
+
+# Libraries whose types stay inside .cpp files; a header that must show one is named after it or an adapter.
+HIDDEN = {"CGAL": "cgal", "OpenMesh": "openmesh", "fcl": "fcl", "ompl": "ompl", "yaml-cpp": "yaml",
+          "nlohmann": "json", "tbb": "tbb"}
+# What opens files; allowed in lib/base alone.
+OPENS = re.compile(r"\bstd::(?:basic_)?[io]?fstream\b|\bfopen\s*\(|::open\s*\(|#include <fstream>")
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
+SOURCE_SUFFIXES = {".cpp", ".hpp", ".py", ".sh", ".cmake", ".js", ".mjs", ".css", ".m"}
+SKIPPED_FOLDERS = {".git", "build", "node_modules", "vendor"}
+
+
+def modules(top):
+    """The modules of lib/ with the modules that their CMake files link (USES)."""
+    uses = {}
+    for cmake in sorted((top / "lib").glob("*/CMakeLists.txt")):
+        text = re.sub(r"#.*", "", cmake.read_text())
+        for name, body in re.findall(r"millpose_module\(\s*(\w+)(.*?)\)", text, re.DOTALL):
+            words = re.search(r"\bUSES\b(.*?)(?=\bLINK\b|\bSOURCES\b|\bOWN_PCH\b|\Z)", body, re.DOTALL)
+            uses[name] = words.group(1).split() if words else []
+    return uses
+
+
+def reachable(uses, name, seen=()):
+    """All modules that `name` may use; raises ValueError on a cycle."""
+    if name in seen:
+        raise ValueError("cycle of modules: " + " -> ".join((*seen, name)))
+    found = set()
+    for other in uses.get(name, []):
+        found |= {other} | reachable(uses, other, (*seen, name))
+    return found
+
+
+def check_modules(top):
+    uses = modules(top)
+    for name in uses:
+        try:
+            allowed = reachable(uses, name) | {name}
+        except ValueError as error:
+            yield str(error)
+            continue
+        for file in sorted((top / "lib" / name).rglob("*.?pp")):
+            for quote, path in INCLUDE.findall(file.read_text()):
+                module = path.split("/")[0]
+                if quote == '"' and module not in allowed:
+                    yield f"{file.relative_to(top)}: includes {path}, but {name} does not use {module}"
+
+
+def check_headers(top):
+    for file in sorted((top / "lib").rglob("*.hpp")):
+        text = file.read_text()
+        if "#pragma once" not in text:
+            yield f"{file.relative_to(top)}: lacks #pragma once"
+        for _, path in INCLUDE.findall(text):
+            library = path.split("/")[0]
+            if library in HIDDEN and not any(word in file.name for word in (HIDDEN[library], "adapter")):
+                yield f"{file.relative_to(top)}: shows {path}; {library} stays inside .cpp files"
+
+
+def check_files(top):
+    for file in sorted((top / "lib").rglob("*.?pp")):
+        if file.parent != top / "lib" / "base" and OPENS.search(file.read_text()):
+            yield f"{file.relative_to(top)}: opens files; only lib/base does"
+
+
+def check_licence(top):
+    for file in sorted(top.rglob("*")):
+        folders = file.relative_to(top).parts[:-1]
+        named = file.suffix in SOURCE_SUFFIXES or file.name == "CMakeLists.txt"
+        if not named or not file.is_file() or SKIPPED_FOLDERS & set(folders):
+            continue
+        head = file.read_text().split("\n", 2)[:2]
+        if "SPDX-License-Identifier: GPL-3.0-or-later" not in (head[1] if head[0].startswith("#!") else head[0]):
+            yield f"{file.relative_to(top)}: the first line is not the SPDX line"
+
+
+CHECKS = [check_modules, check_headers, check_files, check_licence]
+
+
+def problems(top):
+    return [problem for check in CHECKS for problem in check(Path(top))]
+
+
+if __name__ == "__main__":
+    found = problems(sys.argv[1])
+    print("\n".join(found) or "architecture kept")
+    sys.exit(1 if found else 0)

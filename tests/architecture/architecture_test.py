@@ -1,0 +1,74 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Each rule of architecture.py finds its breach in a small made-up tree, and nothing else."""
+import tempfile
+import unittest
+from pathlib import Path
+
+import architecture
+
+SPDX = "// SPDX-License-Identifier: GPL-3.0-or-later\n"
+HEADER = SPDX + "#pragma once\n"
+
+
+def write(top, name, text):
+    path = Path(top) / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+
+
+class Rules(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.top = self.folder.name
+        cmake = "# SPDX-License-Identifier: GPL-3.0-or-later\n"
+        write(self.top, "lib/base/CMakeLists.txt", cmake + "millpose_module(base SOURCES file.cpp LINK tbb)")
+        write(self.top, "lib/base/file.cpp", SPDX + "#include <fstream>\n")
+        write(self.top, "lib/robot/CMakeLists.txt", cmake + "millpose_module(robot SOURCES arm.cpp USES base)")
+        write(self.top, "lib/robot/arm.hpp", HEADER + '#include "base/error.hpp"\n')
+        write(self.top, "lib/pose/CMakeLists.txt", cmake + "millpose_module(pose SOURCES a.cpp USES robot LINK fcl)")
+        write(self.top, "lib/pose/a.cpp", SPDX + '#include <fcl/fcl.h>\n#include "base/error.hpp"\n')
+
+    def expect(self, *messages):
+        found = architecture.problems(self.top)
+        self.assertEqual(len(found), len(messages), found)
+        for problem, message in zip(found, messages):
+            self.assertIn(message, problem)
+
+    def test_good_tree(self):
+        self.expect()
+
+    def test_module_that_is_not_linked(self):
+        write(self.top, "lib/robot/arm.cpp", SPDX + '#include "pose/search.hpp"\n')
+        self.expect("robot does not use pose")
+
+    def test_cycle(self):
+        write(self.top, "lib/base/CMakeLists.txt",
+              "# SPDX-License-Identifier: GPL-3.0-or-later\nmillpose_module(base SOURCES a.cpp USES pose)")
+        self.expect("cycle", "cycle", "cycle")
+
+    def test_hidden_library_in_header(self):
+        write(self.top, "lib/robot/arm.hpp", HEADER + "#include <fcl/fcl.h>\n")
+        self.expect("shows fcl/fcl.h")
+
+    def test_adapter_may_show_its_library(self):
+        write(self.top, "lib/robot/fcl_shapes.hpp", HEADER + "#include <fcl/fcl.h>\n")
+        self.expect()
+
+    def test_file_opened_outside_base(self):
+        for text in ("#include <fstream>\n", "auto f = fopen(name);\n", "std::ofstream out(name);\n"):
+            write(self.top, "lib/robot/arm.cpp", SPDX + text)
+            self.expect("only lib/base does")
+
+    def test_missing_licence_line(self):
+        write(self.top, "tests/x.py", "#!/usr/bin/env python3\nprint()\n")
+        self.expect("SPDX")
+
+    def test_missing_pragma(self):
+        write(self.top, "lib/robot/arm.hpp", SPDX)
+        self.expect("#pragma once")
+
+
+if __name__ == "__main__":
+    unittest.main()
