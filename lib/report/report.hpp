@@ -67,6 +67,10 @@ PlanFigures Figures(const PlanResult& plan);
 /// One row per point as in docs/outputs.md: positions in W, angles in the arm's convention.
 std::string PointsCsv(const PlanResult& plan);
 
+/// VTK XML PolyData: the pieces as lines, skipped points as vertices, all indices as point arrays (0 for the
+/// pose of a skipped point, told apart by the array `planned`); positions in W, mm.
+std::string PathVtp(const PlanResult& plan);
+
 /// summary.json, schema_version 1.
 std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs);
 

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "base/units.hpp"
+#include "report/inspect.hpp"
+
+namespace millpose {
+namespace {
+
+using Json = nlohmann::json;
+constexpr size_t kBins = 12, kBarWidth = 40;
+constexpr int kPlotWidth = 72, kPlotHeight = 14;
+
+void Append(std::string* text, const std::string& line) { *text += line + '\n'; }
+
+void AppendSummary(const std::string& summary_json, const std::string& name, std::string* text) {
+  try {
+    const Json summary = Json::parse(summary_json);
+    const Json &points = summary.at("points"), &gaps = summary.at("gaps");
+    Append(text, fmt::format("job {} on {} ({}); stiffness at the {}", summary.at("job").get<std::string>(),
+                             summary.at("cell").at("name").get<std::string>(),
+                             summary.at("cell").at("robot").get<std::string>(),
+                             summary.at("stiffness").at("origin").get<std::string>()));
+    Append(text, fmt::format("points {} planned of {}, {} skipped; passes {}; gaps {} planned of {}",
+                             points.at("planned").get<size_t>(), points.at("total").get<size_t>(),
+                             points.at("skipped").get<size_t>(), summary.at("passes").get<size_t>(),
+                             gaps.at("planned").get<size_t>(), gaps.at("total").get<size_t>()));
+  } catch (const Json::exception& error) {
+    throw InputError({name}, std::string("is no summary of millpose plan: ") + error.what());
+  }
+}
+
+void AppendHistogram(const PointsTable& points, const std::vector<size_t>& rows, std::string* text) {
+  const Histogram histogram = ObjectiveHistogram(points, rows, kBins);
+  const size_t largest = histogram.counts.empty() ? 0 : std::ranges::max(histogram.counts);
+  Append(text, "objective, smaller is stiffer");
+  for (size_t i = 0; i < histogram.counts.size(); ++i) {
+    const double lower = histogram.lower + static_cast<double>(i) * histogram.width;
+    const size_t bar = (histogram.counts[i] * kBarWidth + largest - 1) / largest;
+    Append(text, fmt::format("  {:.4e} … {:.4e} {:<{}} {}", lower, lower + histogram.width,
+                             std::string(bar, '#'), kBarWidth, histogram.counts[i]));
+  }
+}
+
+void AppendWorst(const PointsTable& points, const std::vector<size_t>& rows, std::string* text) {
+  Append(text, fmt::format("worst {} by objective", rows.size()));
+  Append(text, fmt::format("  {:>7} {:>5} {:>9} {:>9} {:>9} {:>11} {:>11} {:>11} {:>11} {:>6} {:>9} {:>8}",
+                           "point", "pass", "x_mm", "y_mm", "z_mm", "objective", "lt1_mm/N", "lt2_mm/N",
+                           "ln_mm/N", "mu", "clear_mm", "rot_deg"));
+  for (const size_t row : rows) {
+    const auto number = [&](const char* column) { return *points.Number(row, column); };
+    Append(text, fmt::format(
+                     "  {:>7} {:>5} {:>9.2f} {:>9.2f} {:>9.2f} {:>11.4e} {:>11.4e} {:>11.4e} {:>11.4e} "
+                     "{:>6.3f} {:>9.2f} {:>8.2f}",
+                     points.Text(row, "point"), points.Text(row, "pass"), number("x_mm"), number("y_mm"),
+                     number("z_mm"), number("objective"), number("lambda_t1_mm_N"), number("lambda_t2_mm_N"),
+                     number("lambda_n_mm_N"), number("mu"), number("clearance_mm"), number("rotation_deg")));
+  }
+}
+
+// Rows of dots, the largest objective on top; a digit is the branch S, * the pose on the path.
+void AppendPlot(const std::vector<RotationSample>& curve, double chosen_rotation, double chosen_objective,
+                std::string* text) {
+  double lower = chosen_objective, upper = chosen_objective;
+  for (const RotationSample& sample : curve) {
+    lower = std::min(lower, sample.objective);
+    upper = std::max(upper, sample.objective);
+  }
+  const double span = upper > lower ? upper - lower : 1;
+  std::vector<std::string> canvas(kPlotHeight, std::string(kPlotWidth, ' '));
+  const auto draw = [&](double rotation, double objective, char mark) {
+    const double turn = rotation / (2 * kPi) + 0.5;
+    const int column =
+        std::clamp(static_cast<int>((turn - std::floor(turn)) * kPlotWidth), 0, kPlotWidth - 1);
+    const int row = std::clamp(static_cast<int>((upper - objective) / span * (kPlotHeight - 1) + 0.5), 0,
+                               kPlotHeight - 1);
+    canvas[static_cast<size_t>(row)][static_cast<size_t>(column)] = mark;
+  };
+  for (const RotationSample& sample : curve)
+    draw(sample.rotation, sample.objective, static_cast<char>('0' + sample.branch));
+  draw(chosen_rotation, chosen_objective, '*');
+  Append(text, "objective over the rotation about the tool axis; digits: branch S, *: chosen");
+  for (int i = 0; i < kPlotHeight; ++i)
+    Append(text, fmt::format("  {:>11} |{}",
+                             i == 0                 ? fmt::format("{:.4e}", upper)
+                             : i == kPlotHeight - 1 ? fmt::format("{:.4e}", lower)
+                                                    : "",
+                             canvas[static_cast<size_t>(i)]));
+  Append(text, fmt::format("  {:>11} +{}", "", std::string(kPlotWidth, '-')));
+  Append(text, fmt::format("  {:>11}  {:<{}}{:^{}}{:>{}}", "", "-180 deg", kPlotWidth / 3, "0",
+                           kPlotWidth - 2 * (kPlotWidth / 3), "180 deg", kPlotWidth / 3));
+}
+
+void AppendPoint(const PointsTable& points, size_t row, const std::vector<RotationSample>& curve,
+                 std::string* text) {
+  Append(text, fmt::format("point {}", points.Text(row, "point")));
+  for (const std::string& column : points.columns()) {
+    const std::string& cell = points.Text(row, column);
+    if (column != "point" && !cell.empty()) Append(text, fmt::format("  {:<24} {}", column, cell));
+  }
+  if (!curve.empty() && points.IsPlanned(row))
+    AppendPlot(curve, DegToRad(*points.Number(row, "rotation_deg")), *points.Number(row, "objective"), text);
+}
+
+void CheckOptions(const PointsTable& points, const InspectOptions& options) {
+  if (options.point && *options.point >= points.size())
+    throw InputError({}, fmt::format("--point: given {}; allowed: 0…{}", *options.point, points.size() - 1));
+  if (!options.pass) return;
+  for (size_t row = 0; row < points.size(); ++row)
+    if (points.Number(row, "pass") == *options.pass) return;
+  throw InputError({}, fmt::format("--pass: given {}; allowed: 0…{}", *options.pass,
+                                   points.size() > 0 ? points.Text(points.size() - 1, "pass") : "none"));
+}
+
+}  // namespace
+
+std::string InspectText(const PointsTable& points, const std::string& summary_json, const std::string& name,
+                        const InspectOptions& options, const std::vector<RotationSample>& curve) {
+  CheckOptions(points, options);
+  std::string text;
+  AppendSummary(summary_json, name, &text);
+  if (options.point) {
+    AppendPoint(points, *options.point, curve, &text);
+    return text;
+  }
+  const std::vector<size_t> rows = PlannedRows(points, options.pass);
+  if (options.pass) Append(&text, fmt::format("pass {}: {} planned points", *options.pass, rows.size()));
+  AppendHistogram(points, rows, &text);
+  AppendWorst(points, WorstRows(points, rows, options.worst), &text);
+  return text;
+}
+
+}  // namespace millpose

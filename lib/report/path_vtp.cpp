@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// VTK XML PolyData (the VTK file format specification, "vtkPolyData serial"): what ParaView opens.
+#include "base/units.hpp"
+#include "report/report.hpp"
+
+namespace millpose {
+namespace {
+
+// All points of the plan in order; skipped ones have 0 in every array that describes a pose.
+std::vector<const PlannedPoint*> AllPoints(const PlanResult& plan) {
+  std::vector<const PlannedPoint*> points;
+  for (const PassResult& pass : plan.passes)
+    for (const PlannedPoint& point : pass.points) points.push_back(&point);
+  return points;
+}
+
+class ArrayWriter {
+ public:
+  explicit ArrayWriter(const std::vector<const PlannedPoint*>& points) : points_(points) {}
+
+  template <class Get>
+  void Numbers(const char* name, Get get) {
+    Begin("Float64", name, 1);
+    for (const PlannedPoint* point : points_) Add(get(*point));
+    End();
+  }
+  template <class Get>
+  void PoseNumbers(const char* name, Get get) {
+    Numbers(name, [&](const PlannedPoint& point) {
+      return point.skip == SkipReason::kNone ? static_cast<double>(get(point)) : 0.0;
+    });
+  }
+  template <class Get>
+  void Vectors(const char* name, Get get) {
+    Begin("Float64", name, 3);
+    for (const PlannedPoint* point : points_)
+      for (const double value : Eigen::Vector3d(get(*point))) Add(value);
+    End();
+  }
+  void Indices(const char* name, const std::vector<size_t>& values) {
+    Begin("Int64", name, 1);
+    for (const size_t value : values) text_ += fmt::format("{} ", value);
+    End();
+  }
+  void Line(std::string_view line) {
+    text_ += line;
+    text_ += '\n';
+  }
+  std::string& text() { return text_; }
+
+ private:
+  void Begin(const char* type, const char* name, int components) {
+    text_ += fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n",
+                         type, name, components);
+  }
+  void Add(double value) { fmt::format_to(std::back_inserter(text_), "{} ", value); }
+  void End() { text_ += "\n</DataArray>\n"; }
+
+  const std::vector<const PlannedPoint*>& points_;
+  std::string text_;
+};
+
+struct Cells {
+  std::vector<size_t> connectivity, offsets;
+};
+
+Cells Skipped(const std::vector<const PlannedPoint*>& points) {
+  Cells cells;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (points[i]->skip == SkipReason::kNone) continue;
+    cells.connectivity.push_back(i);
+    cells.offsets.push_back(cells.connectivity.size());
+  }
+  return cells;
+}
+
+Cells Pieces(const PlanResult& plan) {
+  Cells cells;
+  size_t first_of_pass = 0;
+  for (const PassResult& pass : plan.passes) {
+    for (const Piece& piece : pass.pieces) {
+      for (int i = piece.first; i <= piece.last; ++i)
+        cells.connectivity.push_back(first_of_pass + static_cast<size_t>(i));
+      if (piece.closed) cells.connectivity.push_back(first_of_pass + static_cast<size_t>(piece.first));
+      cells.offsets.push_back(cells.connectivity.size());
+    }
+    first_of_pass += pass.points.size();
+  }
+  return cells;
+}
+
+void AddCells(const char* tag, const Cells& cells, ArrayWriter* out) {
+  out->Line(fmt::format("<{}>", tag));
+  out->Indices("connectivity", cells.connectivity);
+  out->Indices("offsets", cells.offsets);
+  out->Line(fmt::format("</{}>", tag));
+}
+
+void AddPointData(const PlanResult& plan, ArrayWriter* out) {
+  using P = const PlannedPoint&;
+  out->Line("<PointData Scalars=\"objective\">");
+  std::vector<size_t> passes, numbers;
+  for (const PassResult& pass : plan.passes)
+    for (size_t i = 0; i < pass.points.size(); ++i) {
+      numbers.push_back(numbers.size());
+      passes.push_back(static_cast<size_t>(pass.pass));
+    }
+  out->Indices("point", numbers);
+  out->Indices("pass", passes);
+  out->Numbers("planned", [](P p) { return p.skip == SkipReason::kNone ? 1.0 : 0.0; });
+  out->Numbers("skip_reason", [](P p) { return static_cast<double>(p.skip); });
+  out->PoseNumbers("piece", [](P p) { return p.piece; });
+  out->Numbers("s_mm", [](P p) { return p.point.arc_length; });
+  out->PoseNumbers("objective", [](P p) { return p.objective; });
+  out->PoseNumbers("lambda_t1_mm_N", [](P p) { return p.indices.lambda_t1; });
+  out->PoseNumbers("lambda_t2_mm_N", [](P p) { return p.indices.lambda_t2; });
+  out->PoseNumbers("lambda_n_mm_N", [](P p) { return p.indices.lambda_n; });
+  out->PoseNumbers("normal_compliance_mm_N", [](P p) { return p.indices.normal_compliance; });
+  out->PoseNumbers("mu", [](P p) { return p.indices.mu; });
+  out->PoseNumbers("dexterity", [](P p) { return p.dexterity; });
+  out->PoseNumbers("clearance_mm", [](P p) { return p.clearance; });
+  out->PoseNumbers("rotation_deg", [](P p) { return RadToDeg(p.freedoms.at(0)); });
+  out->PoseNumbers("branch", [](P p) { return p.branch; });
+  for (int i = 0; i < 6; ++i)
+    out->PoseNumbers(fmt::format("a{}_deg", i + 1).c_str(), [i](P p) { return RadToDeg(p.q[i]); });
+  out->Numbers("feed_mm_min", [](P p) { return p.point.feed_rate * 60; });
+  out->Vectors("normal", [](P p) { return p.point.normal; });
+  out->Vectors("tool_axis", [](P p) { return p.point.tool_axis; });
+  out->Vectors("feed_direction", [](P p) { return p.point.feed; });
+  out->Line("</PointData>");
+}
+
+}  // namespace
+
+std::string PathVtp(const PlanResult& plan) {
+  const std::vector<const PlannedPoint*> points = AllPoints(plan);
+  const Cells skipped = Skipped(points), pieces = Pieces(plan);
+  ArrayWriter out(points);
+  out.Line("<?xml version=\"1.0\"?>");
+  out.Line("<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">");
+  out.Line("<PolyData>");
+  out.Line(
+      fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" "
+                  "NumberOfStrips=\"0\" NumberOfPolys=\"0\">",
+                  points.size(), skipped.offsets.size(), pieces.offsets.size()));
+  AddPointData(plan, &out);
+  out.Line("<Points>");
+  out.Vectors("position_mm", [](const PlannedPoint& p) { return p.point.position; });
+  out.Line("</Points>");
+  AddCells("Verts", skipped, &out);
+  AddCells("Lines", pieces, &out);
+  out.Line("</Piece>\n</PolyData>\n</VTKFile>");
+  return std::move(out.text());
+}
+
+}  // namespace millpose
