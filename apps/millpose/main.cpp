@@ -1,9 +1,92 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <pthread.h>
+#include <unistd.h>
 
-int main(int argc, char** argv) {
-  CLI::App app{"millpose: robotic milling in the stiffest pose, without a GUI"};
-  app.require_subcommand(0);
-  CLI11_PARSE(app, argc, argv);
-  return 0;
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <thread>
+
+#include "base/error.hpp"
+#include "commands.hpp"
+#include "terminal_progress.hpp"
+
+namespace millpose {
+namespace {
+
+// Turns SIGINT and SIGTERM into a request to stop. The signals are blocked in every thread and taken by one
+// that waits for them, so that no code runs inside a signal handler. A second signal ends the process at
+// once.
+class SignalWatch {
+ public:
+  SignalWatch() {
+    sigemptyset(&signals_);
+    sigaddset(&signals_, SIGINT);
+    sigaddset(&signals_, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+    std::thread([this] {
+      int signal = 0;
+      sigwait(&signals_, &signal);
+      source_.request_stop();
+      sigwait(&signals_, &signal);
+      _exit(kInterrupted);
+    }).detach();  // lives as long as the process
+  }
+
+  std::stop_token token() const { return source_.get_token(); }
+
+ private:
+  sigset_t signals_{};
+  std::stop_source source_;
+};
+
+void Report(const std::string& text) { fmt::print(stderr, "millpose: {}\n", text); }
+
+int RunGuarded(const Run& run, bool quiet) {
+  static SignalWatch watch;
+  std::unique_ptr<Progress> shown;
+  if (!quiet) shown = std::make_unique<TerminalProgress>(isatty(STDERR_FILENO) != 0);
+  Session session{shown ? *shown : Silent(), watch.token()};
+  try {
+    const int status = run(session);
+    if (std::fflush(stdout) == 0) return status;
+    Report("cannot write to standard output");
+    return kBadInput;
+  } catch (const InputError& error) {
+    Report(error.what());
+    return kBadInput;
+  } catch (const Interrupted&) {
+    Report("interrupted; the same command goes on where it stopped");
+    return kInterrupted;
+  } catch (const std::exception& error) {
+    Report(fmt::format("internal error: {}", error.what()));
+    return kInternalError;
+  }
 }
+
+int Main(int argc, char** argv) {
+  CLI::App app{
+      "millpose: robotic milling in the stiffest pose, without a GUI\n"
+      "Exit status: 0 done; 1 done, with findings; 2 bad input or usage; 3 internal error; 130 interrupted."};
+  app.name("millpose");
+  app.set_version_flag("--version", "millpose " MILLPOSE_VERSION);
+  app.require_subcommand(1);
+  app.option_defaults()->always_capture_default();
+  bool quiet = false;
+  app.add_flag("-q,--quiet", quiet, "No progress on stderr");
+  app.fallthrough();
+  Run run;
+  for (const auto& add : kCommands) add(app, run);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kBadInput;
+  }
+  return RunGuarded(run, quiet);
+}
+
+}  // namespace
+}  // namespace millpose
+
+int main(int argc, char** argv) { return millpose::Main(argc, argv); }

@@ -21,4 +21,7 @@ std::string WriteCell(const CellSettings& cell);
 std::string JobSchema();
 std::string CellSchema();
 
+/// The reference page of all keys (docs/yaml-reference.md), from the same field tables.
+std::string YamlReference();
+
 }  // namespace millpose

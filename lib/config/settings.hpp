@@ -26,11 +26,12 @@ struct ArmSettings {
   std::string name;
   double d1 = 0, a1 = 0, a2 = 0, d4 = 0, dz = 0, d6 = 0;  ///< mm
   std::array<int, 6> sign{};
-  Vector6 offset = Vector6::Zero();           ///< rad
-  Vector6 lower, upper, speed, acceleration;  ///< rad, rad/s, rad/s²
+  Vector6 offset = Vector6::Zero();                                 ///< rad
+  Vector6 lower = Vector6::Zero(), upper = Vector6::Zero();         ///< rad
+  Vector6 speed = Vector6::Zero(), acceleration = Vector6::Zero();  ///< rad/s, rad/s²
   std::string limits_source, stiffness_source;
   bool acceleration_assumed = true;
-  Vector6 stiffness;  ///< N·mm/rad
+  Vector6 stiffness = Vector6::Zero();  ///< N·mm/rad
 };
 
 struct ToolPartSettings {
@@ -43,7 +44,9 @@ struct ToolPartSettings {
 
 struct ToolSettings {
   std::string name;
-  Eigen::Vector3d tip, axis, x;  ///< in F: mm, unit, unit
+  Eigen::Vector3d tip = Eigen::Vector3d::Zero();    ///< in F, mm
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< T's z in F, from tip to holder, unit
+  Eigen::Vector3d x = Eigen::Vector3d::UnitX();     ///< T's x in F (its part normal to z), unit
   std::string cutter_shape = "flat";
   double cutter_diameter = 0, cutting_length = 0, corner_radius = 0;  ///< mm
   std::vector<ToolPartSettings> stack;

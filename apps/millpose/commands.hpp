@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The table of subcommands. Each stands in a file of its own, adds its options and sets `run`.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <stop_token>
+
+#include "base/progress.hpp"
+
+namespace millpose {
+
+/// Exit statuses of every subcommand.
+enum Status : int { kDone = 0, kFindings = 1, kBadInput = 2, kInternalError = 3, kInterrupted = 130 };
+
+/// What a subcommand gets from main.
+struct Session {
+  Progress& progress;
+  std::stop_token stop;
+};
+
+/// What a subcommand leaves to be run after parsing; set by the callback of the chosen one.
+using Run = std::function<int(Session&)>;
+
+void AddSchemaCommand(CLI::App& app, Run& run);
+
+inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
+    AddSchemaCommand,
+};
+
+}  // namespace millpose

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "commands.hpp"
+#include "config/config.hpp"
+
+namespace millpose {
+
+void AddSchemaCommand(CLI::App& app, Run& run) {
+  CLI::App* command =
+      app.add_subcommand("schema", "Print the JSON Schema of job or cell files, or the page of keys");
+  static std::string what;
+  command->add_option("what", what, "job, cell, or reference (Markdown)")
+      ->required()
+      ->check(CLI::IsMember({"job", "cell", "reference"}));
+  command->callback([&run] {
+    run = [](Session&) {
+      const std::string text = what == "job" ? JobSchema() : what == "cell" ? CellSchema() : YamlReference();
+      fmt::print("{}", text);
+      return kDone;
+    };
+  });
+}
+
+}  // namespace millpose

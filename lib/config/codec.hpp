@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The field table: one line per YAML key. From it come strict reading, writing, the JSON Schema and the
+// reference page. A Codec knows one type of value; a Field binds a key to a place in a settings struct.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <array>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+#include "config/value.hpp"
+
+namespace millpose::config {
+
+using Six = Eigen::Matrix<double, 6, 1>;
+
+/// Where the reader is: collects problems and knows the key's path.
+struct Context {
+  const std::string& file;
+  std::vector<Problem>& problems;
+  std::string path;
+
+  Context Child(const std::string& key) const;
+  Context Child(size_t index) const;
+  /// "path: message" at `mark`.
+  void Add(const Mark& mark, const std::string& message) const;
+  /// "path: given …; allowed: …".
+  void AddWrong(const Value& given, const std::string& allowed) const;
+};
+
+/// One key as the reference page shows it.
+struct FieldInfo {
+  std::string key, type, default_text, doc;
+  bool required = false;
+  std::vector<FieldInfo> keys;  ///< of a section
+};
+
+/// How values of type T are read, written and described.
+template <class T>
+struct Codec {
+  std::string type;  ///< what is allowed, for people: "number > 0, mm"
+  std::function<void(const Value&, const Context&, T&)> read;  ///< leaves T alone where a problem is added
+  std::function<Value(const T&)> write;                        ///< null: leave the key out
+  Value schema;                                                ///< JSON Schema
+  std::vector<FieldInfo> keys;                                 ///< of a section
+};
+
+/// External unit: inside = external · factor ÷ divisor (one of them is 1, so that writing can undo it).
+struct Unit {
+  std::string label;
+  double factor = 1, divisor = 1;
+};
+extern const Unit kOne, kMm, kDeg, kDegPerS, kDegPerS2, kNmPerRad, kMmPerMin, kRevPerMin;
+
+/// Allowed numbers in the external unit.
+struct Range {
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+  bool lower_open = false, upper_open = false;
+};
+inline Range Any() { return {}; }
+inline Range Above(double lower) { return {.lower = lower, .lower_open = true}; }
+inline Range AtLeast(double lower) { return {.lower = lower}; }
+inline Range Between(double lower, double upper) { return {.lower = lower, .upper = upper}; }
+
+Codec<double> Real(const Unit& unit, const Range& range);
+Codec<int> Integer(int lower, int upper);
+/// 0 … 2^53, which JSON readers keep exactly.
+Codec<uint64_t> Seed();
+Codec<bool> Flag();
+Codec<std::string> Text();
+/// Text that may hold several lines, for templates.
+Codec<std::string> Lines();
+Codec<std::string> Choice(std::vector<std::string> names);
+Codec<Eigen::Vector3d> Numbers3(const Unit& unit, const Range& range);
+Codec<Six> Numbers6(const Unit& unit, const Range& range);
+/// Three numbers, not all zero; made a unit vector.
+Codec<Eigen::Vector3d> Direction();
+/// Six signs, each 1 or -1.
+Codec<std::array<int, 6>> Signs();
+/// Six pairs [lower, upper], lower < upper, deg.
+Codec<std::array<Six, 2>> Limits();
+/// A pair of texts.
+Codec<std::pair<std::string, std::string>> NamePair();
+
+/// The shortest decimal that Real(unit) reads back to exactly `inside`.
+std::string ShortestIn(const Unit& unit, double inside);
+
+namespace codec_detail {
+Value SchemaOf(const std::string& type);
+Value ListSchema(const Value& item, size_t count);
+void CheckKeys(const Value& map, const Context& context, const std::vector<FieldInfo>& known);
+Value SectionSchema(const std::vector<FieldInfo>& keys, std::vector<Value> schemas,
+                    const std::vector<Value>& defaults);
+}  // namespace codec_detail
+
+/// A key of a section whose settings are an S.
+template <class S>
+struct Field {
+  FieldInfo info;
+  std::function<void(const Value&, const Context&, S&)> read;
+  std::function<Value(const S&)> write;
+  Value schema;
+  Value default_value;
+
+  /// The key must be given.
+  Field Required() && {
+    info.required = true;
+    return std::move(*this);
+  }
+  /// Written only where `is_set` holds; missing by default.
+  Field WhenSet(std::function<bool(const S&)> is_set) && {
+    write = [is_set, inner = write](const S& settings) {
+      return is_set(settings) ? inner(settings) : Value();
+    };
+    return std::move(*this).DefaultText("");
+  }
+  /// What the reference page says in place of the struct's own default.
+  Field DefaultText(std::string text) && {
+    info.default_text = std::move(text);
+    default_value = Value();
+    return std::move(*this);
+  }
+};
+
+/// `access` maps an S& to the place of the value (see MILLPOSE_AT).
+template <class S, class Access, class T>
+Field<S> Key(std::string key, Access access, Codec<T> codec, std::string doc) {
+  Field<S> field;
+  field.info = {std::move(key), codec.type, "", std::move(doc), false, codec.keys};
+  field.schema = codec.schema;
+  field.schema.Put("description", Value::Text(field.info.doc));
+  field.default_value = codec.write(access(static_cast<const S&>(S{})));
+  if (codec.keys.empty() && field.default_value.kind != Value::Kind::kNull)
+    field.info.default_text = WriteYamlLine(field.default_value);
+  field.read = [access, read = codec.read](const Value& value, const Context& context, S& settings) {
+    read(value, context, access(settings));
+  };
+  field.write = [access, write = codec.write](const S& settings) { return write(access(settings)); };
+  return field;
+}
+
+/// As Key(), for values that lie in the settings in another form.
+template <class S, class T>
+Field<S> KeyBy(std::string key, std::function<T(const S&)> get, std::function<void(S&, const T&)> set,
+               Codec<T> codec, std::string doc) {
+  Field<S> field;
+  field.info = {std::move(key), codec.type, "", std::move(doc), false, codec.keys};
+  field.schema = codec.schema;
+  field.schema.Put("description", Value::Text(field.info.doc));
+  field.default_value = codec.write(get(S{}));
+  if (field.default_value.kind != Value::Kind::kNull)
+    field.info.default_text = WriteYamlLine(field.default_value);
+  field.read = [get, set, read = codec.read](const Value& value, const Context& context, S& settings) {
+    const size_t problems_before = context.problems.size();
+    T item = get(settings);
+    read(value, context, item);
+    if (context.problems.size() == problems_before) set(settings, item);
+  };
+  field.write = [get, write = codec.write](const S& settings) { return write(get(settings)); };
+  return field;
+}
+
+/// The key that says which version of the format a file has.
+template <class S>
+Field<S> VersionKey(std::string key, int version) {
+  return KeyBy<S, int>(
+             std::move(key), [version](const S&) { return version; }, [](S&, const int&) {},
+             Integer(version, version), "Version of this format.")
+      .Required();
+}
+
+/// The place `path` of a settings struct: MILLPOSE_AT(toolpath.stepover).
+#define MILLPOSE_AT(path) \
+  [](auto& settings) -> auto& { return settings.path; }
+/// The settings struct itself, for sections whose keys lie in their parent's struct.
+inline constexpr auto kSelf = [](auto& settings) -> auto& { return settings; };
+
+/// A map with these keys. `check` sees the settings when all keys were good.
+template <class S>
+Codec<S> Section(std::vector<Field<S>> fields,
+                 std::function<void(const Value&, const Context&, S&)> check = nullptr) {
+  Codec<S> codec;
+  codec.type = "map";
+  std::vector<Value> schemas, defaults;
+  for (const Field<S>& field : fields) {
+    codec.keys.push_back(field.info);
+    schemas.push_back(field.schema);
+    defaults.push_back(field.info.keys.empty() ? field.default_value : Value());
+  }
+  codec.schema = codec_detail::SectionSchema(codec.keys, schemas, defaults);
+  codec.read = [fields, check, keys = codec.keys](const Value& value, const Context& context, S& settings) {
+    const size_t problems_before = context.problems.size();
+    if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "a map of keys");
+    codec_detail::CheckKeys(value, context, keys);
+    for (const Field<S>& field : fields)
+      if (const Value* item = value.Find(field.info.key))
+        field.read(*item, context.Child(field.info.key), settings);
+    if (check && context.problems.size() == problems_before) check(value, context, settings);
+  };
+  codec.write = [fields](const S& settings) {
+    Value map = Value::Map();
+    for (const Field<S>& field : fields) {
+      Value item = field.write(settings);
+      if (item.kind != Value::Kind::kNull) map.Put(field.info.key, std::move(item));
+    }
+    return map;
+  };
+  return codec;
+}
+
+/// A value that may be missing.
+template <class T>
+Codec<std::optional<T>> Maybe(Codec<T> inner) {
+  Codec<std::optional<T>> codec;
+  codec.type = inner.type;
+  codec.schema = inner.schema;
+  codec.keys = inner.keys;
+  codec.read = [read = inner.read](const Value& value, const Context& context, std::optional<T>& result) {
+    T item{};
+    const size_t problems_before = context.problems.size();
+    read(value, context, item);
+    if (context.problems.size() == problems_before) result = std::move(item);
+  };
+  codec.write = [write = inner.write](const std::optional<T>& item) { return item ? write(*item) : Value(); };
+  return codec;
+}
+
+/// A list of any length; `count` > 0 fixes it.
+template <class T>
+Codec<std::vector<T>> ListOf(Codec<T> inner) {
+  Codec<std::vector<T>> codec;
+  codec.type = "list of: " + inner.type;
+  codec.schema = codec_detail::ListSchema(inner.schema, 0);
+  codec.keys = inner.keys;
+  codec.read = [read = inner.read](const Value& value, const Context& context, std::vector<T>& result) {
+    if (value.kind != Value::Kind::kList) return context.AddWrong(value, "a list");
+    result.assign(value.items.size(), T{});
+    for (size_t i = 0; i < result.size(); ++i) read(value.items[i], context.Child(i), result[i]);
+  };
+  codec.write = [write = inner.write](const std::vector<T>& items) {
+    Value list = Value::List();
+    for (const T& item : items) list.items.push_back(write(item));
+    return list;
+  };
+  return codec;
+}
+
+/// A map whose keys are names: those of `names`, or any when it is empty.
+template <class T>
+Codec<std::map<std::string, T>> MapOf(std::vector<std::string> names, Codec<T> inner) {
+  Codec<std::map<std::string, T>> codec;
+  codec.type = "map of name to " + inner.type;
+  codec.schema = codec_detail::SchemaOf("object");
+  Value properties = Value::Map();
+  for (const std::string& name : names) {
+    properties.Put(name, inner.schema);
+    codec.keys.push_back({name, inner.type, "", "", false, inner.keys});
+  }
+  if (!names.empty()) codec.schema.Put("properties", properties);
+  codec.schema.Put("additionalProperties", names.empty() ? inner.schema : Value::Plain("false"));
+  codec.read = [known = codec.keys, read = inner.read](const Value& value, const Context& context,
+                                                       std::map<std::string, T>& result) {
+    if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "a map of keys");
+    if (!known.empty()) codec_detail::CheckKeys(value, context, known);
+    result.clear();
+    for (size_t i = 0; i < value.items.size(); ++i)
+      read(value.items[i], context.Child(value.keys[i].text), result[value.keys[i].text]);
+  };
+  codec.write = [write = inner.write](const std::map<std::string, T>& items) {
+    Value map = Value::Map();
+    for (const auto& [name, item] : items) map.Put(name, write(item));
+    return map;
+  };
+  return codec;
+}
+
+/// One of several sections by its only key; the key goes to `kind`.
+template <class S>
+Codec<S> OneOf(std::string S::*kind, std::vector<std::pair<std::string, Codec<S>>> choices) {
+  Codec<S> codec;
+  codec.type = "map with one key";
+  codec.schema = codec_detail::SchemaOf("object");
+  Value properties = Value::Map();
+  std::string allowed;
+  for (const auto& [name, choice] : choices) {
+    properties.Put(name, choice.schema);
+    codec.keys.push_back({name, choice.type, "", "", false, choice.keys});
+    allowed += (allowed.empty() ? "" : ", ") + name;
+  }
+  codec.schema.Put("properties", properties);
+  codec.schema.Put("minProperties", Value::Plain("1"));
+  codec.schema.Put("maxProperties", Value::Plain("1"));
+  codec.schema.Put("additionalProperties", Value::Plain("false"));
+  codec.read = [kind, choices, allowed, keys = codec.keys](const Value& value, const Context& context,
+                                                           S& result) {
+    if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "one of the keys " + allowed);
+    codec_detail::CheckKeys(value, context, keys);
+    if (value.items.size() != 1)
+      return context.Add(value.mark,
+                         fmt::format("given {} keys; allowed: one of {}", value.items.size(), allowed));
+    for (const auto& [name, choice] : choices)
+      if (value.keys[0].text == name) {
+        result.*kind = name;
+        choice.read(value.items[0], context.Child(name), result);
+      }
+  };
+  codec.write = [kind, choices](const S& settings) {
+    Value map = Value::Map();
+    for (const auto& [name, choice] : choices)
+      if (settings.*kind == name) map.Put(name, choice.write(settings));
+    return map.items.empty() ? Value() : map;
+  };
+  return codec;
+}
+
+}  // namespace millpose::config

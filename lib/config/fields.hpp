@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "config/codec.hpp"
+#include "config/settings.hpp"
+
+namespace millpose::config {
+
+/// The field tables of the two files.
+const Codec<JobSettings>& JobFields();
+const Codec<CellSettings>& CellFields();
+
+/// Parts that both tables use.
+Codec<PoseSettings> PoseFields();
+const std::vector<std::string>& LengthUnits();
+/// mm per unit of that name.
+double LengthUnit(const std::string& name);
+
+}  // namespace millpose::config

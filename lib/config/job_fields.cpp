@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The keys of a job file: one line each.
+#include "config/fields.hpp"
+
+namespace millpose::config {
+namespace {
+
+Codec<WorkpieceSettings> WorkpieceFields() {
+  using S = WorkpieceSettings;
+  return Section<S>({
+      Key<S>("mesh", MILLPOSE_AT(mesh_file), Text(), "Mesh file, relative to the job file.").Required(),
+      KeyBy<S, std::string>(
+          "unit", [](const S& s) { return s.unit_name; },
+          [](S& s, const std::string& name) {
+            s.unit_name = name;
+            s.unit = LengthUnit(name);
+          },
+          Choice(LengthUnits()), "Unit of the mesh file.")
+          .Required(),
+      Key<S>("frame", MILLPOSE_AT(frame), Choice({"world", "robot_base"}),
+             "Frame that the pose is given in."),
+      Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "Place of the workpiece.").Required(),
+      Key<S>("weld_tolerance_mm", MILLPOSE_AT(weld_tolerance), Real(kMm, AtLeast(0)),
+             "Vertices of the mesh nearer than this become one."),
+  });
+}
+
+Codec<RegionSettings> RegionFields() {
+  using S = RegionSettings;
+  using Box = std::array<Eigen::Vector3d, 2>;
+  const auto corner = [](const char* key, auto access, const char* doc) {
+    return Key<Box>(key, access, Numbers3(kMm, Between(-1e6, 1e6)), doc).Required();
+  };
+  const auto check_box = [](const Value& value, const Context& context, Box& box) {
+    if (!(box[0].array() < box[1].array()).all())
+      context.Add(value.mark, "upper_mm must be greater than lower_mm in each coordinate");
+  };
+  return Section<S>({
+      Key<S>("box", MILLPOSE_AT(box),
+             Maybe(Section<Box>({corner("lower_mm", MILLPOSE_AT(front()), "Lower corner."),
+                                 corner("upper_mm", MILLPOSE_AT(back()), "Upper corner.")},
+                                check_box)),
+             "Only faces within this box, in the workpiece frame."),
+      Key<S>("facing", kSelf,
+             Section<S>({Key<S>("direction", MILLPOSE_AT(facing), Maybe(Direction()),
+                                "Direction in the workpiece frame.")
+                             .Required(),
+                         Key<S>("within_deg", MILLPOSE_AT(facing_within), Real(kDeg, Between(0, 180)),
+                                "Largest angle between a normal and the direction.")}),
+             "Only faces whose normals point this way.")
+          .WhenSet([](const S& s) { return s.facing.has_value(); }),
+      Key<S>("rim_distance_mm", MILLPOSE_AT(rim_distance), Real(kMm, AtLeast(0)),
+             "Distance kept from open rims and from the region's borders."),
+  });
+}
+
+// A strategy's own section must be given with it and with no other.
+void CheckStrategySections(const Value& value, const Context& context, ToolpathSettings& toolpath) {
+  for (const auto& [section, strategy] :
+       {std::pair("planes", "parallel_planes"), std::pair("rings", "rings")}) {
+    const Value::Key* key = value.FindKey(section);
+    if (toolpath.strategy == strategy && !key)
+      context.Child(section).Add(value.mark, fmt::format("missing; required by strategy {}", strategy));
+    if (toolpath.strategy != strategy && key)
+      context.Child(section).Add(
+          key->mark, fmt::format("belongs to strategy {}, given {}", strategy, toolpath.strategy));
+  }
+}
+
+Codec<ToolpathSettings> ToolpathFields() {
+  using S = ToolpathSettings;
+  const auto strategy_is = [](const char* strategy) {
+    return [strategy](const S& s) { return s.strategy == strategy; };
+  };
+  return Section<S>(
+      {
+          Key<S>("strategy", MILLPOSE_AT(strategy), Choice({"parallel_planes", "rings"}),
+                 "How passes are laid on the surface.")
+              .Required(),
+          Key<S>("region", MILLPOSE_AT(region), RegionFields(), "What is milled; everything by default."),
+          Key<S>("planes", kSelf,
+                 Section<S>({Key<S>("normal", MILLPOSE_AT(plane_normal), Direction(),
+                                    "Normal of the planes, in the workpiece frame.")
+                                 .Required()}),
+                 "Strategy parallel_planes.")
+              .WhenSet(strategy_is("parallel_planes")),
+          Key<S>("rings", kSelf,
+                 Section<S>({Key<S>("point_mm", MILLPOSE_AT(axis_point), Numbers3(kMm, Between(-1e6, 1e6)),
+                                    "A point of the axis, in the workpiece frame.")
+                                 .Required(),
+                             Key<S>("axis", MILLPOSE_AT(axis_direction), Direction(),
+                                    "Direction of the axis, in the workpiece frame.")
+                                 .Required()}),
+                 "Strategy rings: coaxial cylinders.")
+              .WhenSet(strategy_is("rings")),
+          Key<S>("stepover_mm", MILLPOSE_AT(stepover), Real(kMm, Above(0)),
+                 "Distance of neighbouring passes.")
+              .Required(),
+          Key<S>("direction", MILLPOSE_AT(direction), Choice({"zigzag", "one_way"}),
+                 "Whether every second pass runs backwards."),
+          Key<S>("chord_tolerance_mm", MILLPOSE_AT(chord_tolerance), Real(kMm, Above(0)),
+                 "Largest distance between the surface's line and the straight line between points."),
+          Key<S>("spacing_mm", MILLPOSE_AT(spacing), Real(kMm, Above(0)),
+                 "Largest distance of neighbouring points."),
+          Key<S>("crease_deg", MILLPOSE_AT(crease), Real(kDeg, Between(0, 180)),
+                 "Normals are not averaged across edges sharper than this."),
+          Key<S>("lead_deg", MILLPOSE_AT(lead), Real(kDeg, Between(-89, 89)),
+                 "Tool axis leans towards the feed direction."),
+          Key<S>("tilt_deg", MILLPOSE_AT(tilt), Real(kDeg, Between(-89, 89)),
+                 "Tool axis leans across the feed direction."),
+          Key<S>("rotation_reference", MILLPOSE_AT(rotation_reference), Direction(),
+                 "Direction in the world from which the rotation about the tool axis counts."),
+      },
+      CheckStrategySections);
+}
+
+Codec<GeneticSettings> GeneticFields() {
+  using S = GeneticSettings;
+  const auto check = [](const Value& value, const Context& context, S& genetic) {
+    if (genetic.elite >= genetic.population)
+      context.Child("elite").Add(value.mark, fmt::format("given {}; allowed: less than population, {}",
+                                                         genetic.elite, genetic.population));
+  };
+  return Section<S>(
+      {
+          Key<S>("population", MILLPOSE_AT(population), Integer(2, 100000), "Candidates of a generation."),
+          Key<S>("generations", MILLPOSE_AT(generations), Integer(1, 100000), "Most generations."),
+          Key<S>("crossover_rate", MILLPOSE_AT(crossover_rate), Real(kOne, Between(0, 1)),
+                 "Share of children with two parents."),
+          Key<S>("mutation_rate", MILLPOSE_AT(mutation_rate), Real(kOne, Between(0, 1)),
+                 "Share of children that are changed at random."),
+          Key<S>("elite", MILLPOSE_AT(elite), Integer(0, 100000), "Best candidates kept as they are."),
+          Key<S>("max_evaluations", MILLPOSE_AT(max_evaluations), Integer(10, 10000000),
+                 "Most evaluations of the objective for one point."),
+      },
+      check);
+}
+
+// {name: …, further keys: numbers}; which keys an objective knows is the objective's own matter.
+using Objective = std::pair<std::string, std::map<std::string, double>>;
+Codec<Objective> ObjectiveFields() {
+  const Codec<std::string> name = Text();
+  const Codec<double> number = Real(kOne, Any());
+  Codec<Objective> codec;
+  codec.type = "map of name and the objective's parameters";
+  codec.schema = codec_detail::SectionSchema({{"name", name.type, "", "Name of the objective.", true, {}}},
+                                             {name.schema}, {Value()});
+  codec.schema.items.back() = number.schema;  // additionalProperties
+  codec.read = [=](const Value& value, const Context& context, Objective& result) {
+    if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "a map of keys");
+    if (!value.Find("name")) context.Child("name").Add(value.mark, "missing; required: " + name.type);
+    result.second.clear();
+    for (size_t i = 0; i < value.items.size(); ++i) {
+      const std::string& key = value.keys[i].text;
+      if (key == "name")
+        name.read(value.items[i], context.Child(key), result.first);
+      else
+        number.read(value.items[i], context.Child(key), result.second[key]);
+    }
+  };
+  codec.write = [=](const Objective& objective) {
+    Value map = Value::Map();
+    map.Put("name", name.write(objective.first));
+    for (const auto& [key, parameter] : objective.second) map.Put(key, number.write(parameter));
+    return map;
+  };
+  return codec;
+}
+
+Codec<JobSettings> PoseSearchFields() {
+  using S = JobSettings;
+  return Section<S>({
+      KeyBy<S, Objective>(
+          "objective",
+          [](const S& s) {
+            return Objective{s.objective, s.objective_parameters};
+          },
+          [](S& s, const Objective& objective) {
+            s.objective = objective.first;
+            s.objective_parameters = objective.second;
+          },
+          ObjectiveFields(), "What is minimised at each point."),
+      Key<S>("genetic", MILLPOSE_AT(genetic), GeneticFields(), "The genetic algorithm per point."),
+      Key<S>("exhaustive_step_deg", MILLPOSE_AT(exhaustive_step), Real(kDeg, Between(0.001, 30)),
+             "Grid of the exhaustive search that judges the genetic algorithm."),
+  });
+}
+
+Codec<JobSettings> LimitFields() {
+  using S = JobSettings;
+  return Section<S>({
+      Key<S>("margin_deg", MILLPOSE_AT(limit_margin), Real(kDeg, Between(0, 45)),
+             "Distance that every axis keeps from its limits."),
+      Key<S>("dexterity_min", MILLPOSE_AT(dexterity_min), Real(kOne, Between(0, 1)), "Least dexterity."),
+      Key<S>("singularity_min", kSelf,
+             Section<S>({
+                 Key<S>("wrist", MILLPOSE_AT(wrist_min), Real(kOne, Between(0, 1)), "Least |sin A5|."),
+                 Key<S>("elbow", MILLPOSE_AT(elbow_min), Real(kOne, Between(0, 1)),
+                        "Least |sin| of the angle between upper arm and forearm."),
+                 Key<S>("shoulder_mm", MILLPOSE_AT(shoulder_min), Real(kMm, AtLeast(0)),
+                        "Least distance of the wrist centre from axis 1."),
+             }),
+             "Distances kept from singularities."),
+      Key<S>("joints_deg", MILLPOSE_AT(task_limits), Maybe(Limits()),
+             "Narrows the arm's own limits for this job."),
+  });
+}
+
+Codec<JobSettings> PathFields() {
+  using S = JobSettings;
+  return Section<S>({
+      Key<S>("rotation_step_deg", MILLPOSE_AT(rotation_step), Real(kDeg, Between(0.01, 45)),
+             "Grid of rotations about the tool axis in the layered search."),
+      Key<S>("max_joint_step_deg", MILLPOSE_AT(max_joint_step), Numbers6(kDeg, Above(0)),
+             "Largest change of each axis between neighbouring points."),
+      Key<S>("motion_weight", MILLPOSE_AT(motion_weight), Real({"objective's unit per rad²"}, AtLeast(0)),
+             "Cost of joint motion beside the objective."),
+  });
+}
+
+Codec<JobSettings> GapFields() {
+  using S = JobSettings;
+  return Section<S>({
+      Key<S>("retract_mm", MILLPOSE_AT(retract), Real(kMm, Above(0)),
+             "Distance along the tool axis by which the tool leaves and approaches the part."),
+      Key<S>("max_iterations", MILLPOSE_AT(gap_iterations), Integer(1, 100000000),
+             "Most iterations of the planner for one gap."),
+      Key<S>("speed_share", MILLPOSE_AT(gap_speed_share), Real(kOne, Between(0.01, 1)),
+             "Share of the axes' largest speeds and accelerations used in gaps."),
+  });
+}
+
+}  // namespace
+
+const Codec<JobSettings>& JobFields() {
+  using S = JobSettings;
+  static const Codec<S> fields = Section<S>({
+      VersionKey<S>("millpose_job", 1),
+      Key<S>("name", MILLPOSE_AT(name), Text(), "Name of the job.").Required(),
+      Key<S>("cell", MILLPOSE_AT(cell_file), Text(), "Cell file, relative to the job file.").Required(),
+      Key<S>("seed", MILLPOSE_AT(seed), Seed(), "Seed of all random numbers."),
+      Key<S>("workpiece", MILLPOSE_AT(workpiece), WorkpieceFields(), "The part and its place.").Required(),
+      Key<S>("toolpath", MILLPOSE_AT(toolpath), ToolpathFields(), "Where the tool goes.").Required(),
+      Key<S>("process", kSelf,
+             Section<S>({
+                 Key<S>("feed_mm_min", MILLPOSE_AT(feed), Real(kMmPerMin, Above(0)), "Feed rate.").Required(),
+                 Key<S>("spindle_rpm", MILLPOSE_AT(spindle_speed), Real(kRevPerMin, AtLeast(0)),
+                        "Spindle speed.")
+                     .Required(),
+             }),
+             "Feed and speed.")
+          .Required(),
+      Key<S>("pose", kSelf, PoseSearchFields(), "How the pose at each point is chosen."),
+      Key<S>("limits", kSelf, LimitFields(), "What makes a pose admissible."),
+      Key<S>("path", kSelf, PathFields(), "How poses are joined along a pass."),
+      Key<S>("interference", kSelf,
+             Section<S>({Key<S>("swept_resolution_mm", MILLPOSE_AT(swept_resolution), Real(kMm, Above(0)),
+                                "What a motion between two points may miss of a clearance.")}),
+             "How interference is checked."),
+      Key<S>("gaps", kSelf, GapFields(), "How the tool moves from one pass to the next."),
+      Key<S>("programs", MILLPOSE_AT(programs), ListOf(Choice({"krl", "sinumerik", "linuxcnc"})),
+             "Controllers to write programs for."),
+  });
+  return fields;
+}
+
+}  // namespace millpose::config

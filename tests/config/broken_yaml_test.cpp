@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every kind of slip in a job or cell file, with the exact place and the key that the message must name.
+#include "base/error.hpp"
+#include "config/config.hpp"
+
+namespace millpose {
+namespace {
+
+// Line numbers of the expectations below count in this text; line 1 is the first key.
+constexpr const char* kJob =
+    R"(millpose_job: 1
+name: part
+cell: cell.yaml
+workpiece:
+  mesh: part.stl
+  unit: mm
+  pose: {xyz_mm: [1, 2, 3], abc_deg: [0, -90, 0]}
+toolpath:
+  strategy: parallel_planes
+  region: {facing: {direction: [0, 0, 1], within_deg: 1}}
+  planes: {normal: [0, 1, 0]}
+  stepover_mm: 8
+process:
+  feed_mm_min: 80
+  spindle_rpm: 7000
+path:
+  max_joint_step_deg: [5, 5, 5, 5, 5, 5]
+programs: [krl]
+)";
+
+constexpr const char* kCell =
+    R"(millpose_cell: 1
+name: cell
+arm:
+  name: arm
+  lengths_mm: {d1: 1045, a1: 500, a2: 1300, d4: 1025, dz: -55, d6: 290}
+  axis_signs: [-1, 1, 1, -1, 1, -1]
+  limits_deg: [[-185, 185], [-130, 20], [-100, 144], [-350, 350], [-120, 120], [-350, 350]]
+  speeds_deg_s: [80, 75, 70, 70.5, 70.5, 109.7]
+  accelerations_deg_s2: [200, 200, 200, 300, 300, 500]
+  joint_stiffness_Nm_per_rad: [8.9e6, 6.78e6, 1.13e7, 2.01e6, 1.65e6, 1.35e6]
+home_deg: [0, -90, 90, 0, 0, 0]
+tool:
+  name: spindle
+  tip_in_flange_mm: [-250, 0, 250]
+  axis_in_flange: [1, 0, 0]
+  x_in_flange: [0, 0, 1]
+  cutter: {diameter_mm: 20, cutting_length_mm: 40}
+  stack:
+    - {name: cutter, class: cutter, length_mm: 60, diameter_mm: 20}
+bodies:
+  - {name: base, class: link, mount: base, shape: {sphere: {diameter_mm: 900}}}
+)";
+
+struct Slip {
+  const char* from;  ///< text to replace
+  const char* to;
+  int line = 0, column = 0;
+  const char* message = "";  ///< beginning of the message
+};
+
+std::string Replaced(std::string text, const Slip& slip) {
+  const size_t at = text.find(slip.from);
+  EXPECT_NE(at, std::string::npos) << slip.from;
+  return text.replace(at, std::string_view(slip.from).size(), slip.to);
+}
+
+template <class Parse>
+void ExpectProblem(const Slip& slip, const std::string& text, Parse parse) {
+  try {
+    parse(text, "f.yaml");
+    ADD_FAILURE() << "accepted: " << slip.to;
+  } catch (const InputError& error) {
+    ASSERT_FALSE(error.problems().empty());
+    const Problem& problem = error.problems().front();
+    EXPECT_EQ(problem.place.line, slip.line) << slip.to << '\n' << error.what();
+    EXPECT_EQ(problem.place.column, slip.column) << slip.to << '\n' << error.what();
+    EXPECT_TRUE(problem.message.starts_with(slip.message)) << slip.to << '\n' << error.what();
+    EXPECT_EQ(error.problems().size(), 1u) << slip.to << '\n' << error.what();
+  }
+}
+
+const Slip kJobSlips[] = {
+    {"stepover_mm: 8", "stepver_mm: 8\n  stepover_mm: 8", 12, 3,
+     "toolpath.stepver_mm: unknown key; nearest known key: stepover_mm"},
+    {"stepover_mm: 8", "stepover: 5\n  stepover_mm: 8", 12, 3,
+     "toolpath.stepover: the key lacks its unit; nearest known key: stepover_mm"},
+    {"stepover_mm: 8", "stepover_mm: 8\n  stepover_mm: 9", 13, 3,
+     "stepover_mm: given twice; the first stands in line 12"},
+    {"stepover_mm: 8", "stepover_mm: 0", 12, 16, "toolpath.stepover_mm: given 0; allowed: number > 0, mm"},
+    {"stepover_mm: 8", "stepover_mm: -1e-3", 12, 16,
+     "toolpath.stepover_mm: given -1e-3; allowed: number > 0, mm"},
+    {"stepover_mm: 8", "stepover_mm: 8 mm", 12, 16,
+     "toolpath.stepover_mm: given 8 mm; allowed: number > 0, mm"},
+    {"stepover_mm: 8", "stepover_mm: \"8\"", 12, 16,
+     "toolpath.stepover_mm: given the text \"8\"; allowed: number"},
+    {"stepover_mm: 8", "stepover_mm: .nan", 12, 16, "toolpath.stepover_mm: given .nan; allowed: number"},
+    {"stepover_mm: 8", "stepover_mm: .inf", 12, 16, "toolpath.stepover_mm: given .inf; allowed: number"},
+    {"stepover_mm: 8", "stepover_mm: 1e999", 12, 16, "toolpath.stepover_mm: given 1e999; allowed: number"},
+    {"stepover_mm: 8", "stepover_mm: 010", 12, 16, "toolpath.stepover_mm: given 010; allowed: number"},
+    {"stepover_mm: 8", "stepover_mm: 0x10", 12, 16, "toolpath.stepover_mm: given 0x10; allowed: number"},
+    {"stepover_mm: 8", "stepover_mm: 1_000", 12, 16, "toolpath.stepover_mm: given 1_000; allowed: number"},
+    {"stepover_mm: 8", "stepover_mm: 8,5", 12, 16, "toolpath.stepover_mm: given 8,5; allowed: number"},
+    {"stepover_mm: 8", "stepover_mm: [8]", 12, 16,
+     "toolpath.stepover_mm: given a list of 1; allowed: number"},
+    {"stepover_mm: 8", "stepover_mm: {mm: 8}", 12, 16, "toolpath.stepover_mm: given a map; allowed: number"},
+    {"stepover_mm: 8", "stepover_mm:", 12, 3, "toolpath.stepover_mm: given nothing; allowed: number"},
+    {"  stepover_mm: 8\n", "", 9, 3, "toolpath.stepover_mm: missing; required: number > 0, mm"},
+    {"process:\n  feed_mm_min: 80\n  spindle_rpm: 7000\n", "", 1, 1, "process: missing; required: map"},
+    {"  strategy: parallel_planes", "  strategy: paralel_planes", 9, 13,
+     "toolpath.strategy: given paralel_planes; allowed: one of parallel_planes, rings; nearest: "
+     "parallel_planes"},
+    {"unit: mm", "unit: millimetre", 6, 9, "workpiece.unit: given millimetre; allowed: one of mm, cm, in, m"},
+    {"[5, 5, 5, 5, 5, 5]", "[5, 5, 5, 5, 5]", 17, 23,
+     "path.max_joint_step_deg: given a list of 5; allowed: list of 6 numbers > 0, deg"},
+    {"[5, 5, 5, 5, 5, 5]", "[5, 5, 5, 5, 0, 5]", 17, 36,
+     "path.max_joint_step_deg[4]: given 0; allowed: number > 0, deg"},
+    {"normal: [0, 1, 0]", "normal: [0, 0, 0]", 11, 20,
+     "toolpath.planes.normal: given a list of 3; allowed: direction of 3 numbers, not all 0"},
+    {"within_deg: 1}", "within_deg: 181}", 10, 55,
+     "toolpath.region.facing.within_deg: given 181; allowed: number 0…180, deg"},
+    {"direction: [0, 0, 1], ", "", 10, 20,
+     "toolpath.region.facing.direction: missing; required: direction of 3 numbers"},
+    {"name: part", "name: 12", 2, 7, "name: given 12; allowed: text of one line"},
+    {"name: part", "name: true", 2, 7, "name: given true; allowed: text of one line"},
+    {"name: part", "name: \"\"", 2, 7, "name: given the text \"\"; allowed: text of one line"},
+    {"name: part", "name: *part", 2, 7, "not YAML: the referenced anchor is not defined"},
+    {"mesh: part.stl\n  unit: mm", "mesh: part.stl\n  unit: mm\n  frame: 1", 7, 10,
+     "workpiece.frame: given 1; allowed: one of world"},
+    {"strategy: parallel_planes", "strategy: rings\n  rings: {point_mm: [0, 0, 0], axis: [0, 0, 1]}", 12, 3,
+     "toolpath.planes: belongs to strategy parallel_planes, given rings"},
+    {"  planes: {normal: [0, 1, 0]}\n", "", 9, 3,
+     "toolpath.planes: missing; required by strategy parallel_planes"},
+    {"name: part", "name: &part part", 2, 7, "anchors (&name) are not allowed"},
+    {"name: part", "name: !!str part", 2, 7, "given the tag tag:yaml.org,2002:str; allowed"},
+    {"name: part", "<<: {name: part}", 2, 1, "merge keys (<<) are not allowed"},
+    {"name: part", "name: part\nGr\u00f6\u00dfe: 1", 3, 1, "Größe: unknown key; allowed: millpose_job, name"},
+    {"name: part", "name: part\nseed: 1.5", 3, 7, "seed: given 1.5; allowed: integer 0…"},
+    {"name: part", "name: part\nseed: -1", 3, 7, "seed: given -1; allowed: integer 0…"},
+    {"name: part", "name: part\nlimits: {margin_deg: 50}", 3, 22,
+     "limits.margin_deg: given 50; allowed: number 0…45, deg"},
+    {"name: part", "name: part\npose: {genetic: {elite: 50}}", 3, 17,
+     "pose.genetic.elite: given 50; allowed: less than population, 40"},
+    {"name: part", "name: part\npose: {objective: {name: chen2021, w1: half}}", 3, 40,
+     "pose.objective.w1: given half; allowed: number"},
+    {"millpose_job: 1", "millpose_job: 2", 1, 15, "millpose_job: given 2; allowed: integer 1"},
+    {"programs: [krl]", "programs: [krl, fanuc]", 18, 17, "programs[1]: given fanuc; allowed: one of krl"},
+    {"programs: [krl]", "programs: krl", 18, 11, "programs: given krl; allowed: a list"},
+    {"programs: [krl]", "programs: [krl", 19, 1, "not YAML: "},
+    {"programs: [krl]", "programs: [krl]\n---\nname: b", 19, 1, "a second document starts here"},
+    {"  spindle_rpm", "\tspindle_rpm", 15, 1, "given a tab in the indentation"},
+    {"name: part", "name: pa\x04rt", 2, 9, "given the control character 0x04"},
+};
+
+const Slip kCellSlips[] = {
+    {"[-130, 20]", "[20, -130]", 7, 29, "arm.limits_deg[1]: given [20, -130]; allowed: [lower, upper]"},
+    {"[-130, 20]", "[-130]", 7, 29, "arm.limits_deg[1]: given a list of 1; allowed: [lower, upper]"},
+    {"[-1, 1, 1, -1, 1, -1]", "[-1, 1, 1, 0, 1, -1]", 6, 26, "arm.axis_signs[3]: given 0; allowed: 1 or -1"},
+    {"x_in_flange: [0, 0, 1]", "x_in_flange: [2, 0, 0]", 13, 3,
+     "tool.x_in_flange: is parallel to axis_in_flange"},
+    {"sphere: {diameter_mm: 900}", "ball: {diameter_mm: 900}", 21, 52, "bodies[0].shape.ball: unknown key"},
+    {"{sphere: {diameter_mm: 900}}", "{sphere: {diameter_mm: 900}, box: {size_mm: [1, 1, 1]}}", 21, 51,
+     "bodies[0].shape: given 2 keys; allowed: one of box"},
+    {"{diameter_mm: 900}", "{length_mm: 900, diameter_mm: 900}", 21, 61,
+     "bodies[0].shape.sphere.length_mm: unknown key"},
+    {"mount: base", "mount: link7", 21, 38, "bodies[0].mount: given link7; allowed: one of world"},
+    {"d6: 290}", "}", 5, 15, "arm.lengths_mm.d6: missing; required: number"},
+    {"cutter: {diameter_mm: 20,", "cutter: {diameter_mm: 20, corner_radius_mm: 11,", 17, 11,
+     "tool.cutter.corner_radius_mm: given 11 mm; allowed: at most half of diameter_mm, 10 mm"},
+};
+
+}  // namespace
+
+TEST(BrokenYaml, JobSlipsAreNamedWithTheirPlace) {
+  ASSERT_NO_THROW(ParseJob(kJob, "f.yaml"));
+  for (const Slip& slip : kJobSlips) ExpectProblem(slip, Replaced(kJob, slip), ParseJob);
+}
+
+TEST(BrokenYaml, CellSlipsAreNamedWithTheirPlace) {
+  ASSERT_NO_THROW(ParseCell(kCell, "f.yaml"));
+  for (const Slip& slip : kCellSlips) ExpectProblem(slip, Replaced(kCell, slip), ParseCell);
+}
+
+TEST(BrokenYaml, AllProblemsAreToldInTheOrderOfTheText) {
+  std::string text = kJob;
+  for (const Slip& slip : {Slip{"stepover_mm: 8", "stepver_mm: 8"},
+                           {"unit: mm", "unit: yard"},
+                           {"feed_mm_min: 80", "feed_mm_min: x"},
+                           {"5, 5]", "0, 5]"}})
+    text = Replaced(text, slip);
+  try {
+    ParseJob(text, "f.yaml");
+    FAIL();
+  } catch (const InputError& error) {
+    ASSERT_EQ(error.problems().size(), 5u) << error.what();
+    for (size_t i = 1; i < error.problems().size(); ++i)
+      EXPECT_LE(error.problems()[i - 1].place.line, error.problems()[i].place.line);
+  }
+}
+
+TEST(BrokenYaml, ColumnsCountCharacters) {
+  try {
+    ParseJob("{millpose_job: 1, name: \"\u00e4\u00f6\u00fc\", seed: x}", "f.yaml");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("f.yaml:1:38: seed: given x"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(BrokenYaml, WhatIsNoMapIsRefused) {
+  for (const char* text :
+       {"", "text", "[1, 2]", "---\n", "# only a comment\n", ": 1", "? [a]\n: 1", "{[a]: 1}"})
+    EXPECT_THROW(ParseJob(text, "f.yaml"), InputError) << text;
+}
+
+TEST(BrokenYaml, DeepNestingBombsAndCyclesAreRefused) {
+  std::string bomb = "a: &a [x, x]\n";
+  for (int i = 0; i < 30; ++i)
+    bomb += fmt::format("{0}: &{0} [*{1}, *{1}]\n", static_cast<char>('b' + i % 20),
+                        static_cast<char>('a' + i % 20));
+  for (const std::string& text : {bomb, std::string("a: &a [*a]"), std::string(100000, '['),
+                                  std::string(100000, '{'), std::string(5 << 20, ' ')})
+    EXPECT_THROW(ParseJob(text, "f.yaml"), InputError) << text.substr(0, 20);
+}
+
+TEST(BrokenYaml, WindowsLineEndsAndByteOrderMarksAreRead) {
+  std::string text = "\xef\xbb\xbf";
+  for (const char c : std::string(kJob)) text += c == '\n' ? "\r\n" : std::string(1, c);
+  EXPECT_EQ(ParseJob(text, "f.yaml").name, "part");
+}
+
+}  // namespace millpose

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <filesystem>
+
+#include "base/file.hpp"
+#include "config/config.hpp"
+
+namespace millpose {
+namespace {
+
+std::vector<std::filesystem::path> Yamls(const std::string& folder, const std::string& first_key) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(std::filesystem::path(MILLPOSE_SOURCE_DIR) / folder))
+    if (entry.path().extension() == ".yaml" &&
+        ReadFile(entry.path()).find(first_key + ": 1") != std::string::npos)
+      files.push_back(entry.path());
+  std::ranges::sort(files);
+  return files;
+}
+
+constexpr const char* kCellWithEverything = R"(
+millpose_cell: 1
+name: "12 #: odd, name"
+arm:
+  name: arm
+  lengths_mm: {d1: 1, a1: 0.1, a2: 1e-3, d4: 7, dz: -5.5, d6: 3}
+  axis_signs: [-1, 1, 1, -1, 1, -1]
+  zero_offsets_deg: [1, 2, 3, 4, 5, 0.7]
+  limits_deg: [[-185, 185], [-130, 20], [-100, 144], [-350, 350], [-120, 120], [-350, 350.1]]
+  speeds_deg_s: [80, 75, 70, 70.5, 70.5, 109.7]
+  accelerations_deg_s2: [200, 200, 200, 300, 300, 500]
+  accelerations_assumed: false
+  joint_stiffness_Nm_per_rad: [8.9e6, 6.78e6, 1.13e7, 2.01e6, 1.65e6, 1.35e6]
+home_deg: [0, -90, 90, 0, 0, 0]
+tool:
+  name: tool
+  tip_in_flange_mm: [-250, 0, 250]
+  axis_in_flange: [1, 2, 3]
+  x_in_flange: [0.1, 0, 1]
+  cutter: {shape: bull, diameter_mm: 20, cutting_length_mm: 40, corner_radius_mm: 2}
+  stack: [{name: cutter, class: cutter, length_mm: 60, diameter_mm: 20, top_diameter_mm: 30}]
+bodies:
+  - {name: a, class: link, mount: link3, shape: {capsule: {diameter_mm: 9, length_mm: 600}}}
+  - {name: b, class: fixture, mount: workpiece, shape: {sphere: {diameter_mm: 9}}, pose: {abc_deg: [1, 2, 3]}}
+  - {name: c, class: fixture, mount: tool, shape: {cone: {diameter_mm: 9, top_diameter_mm: 1, length_mm: 6}}}
+  - {name: d, class: fixture, mount: base, shape: {mesh: {file: "a: b.stl", unit: in}}}
+  - {name: e, class: fixture, mount: world, shape: {convex: {points_mm: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.1]]}}}
+reproduction_only: true
+controllers:
+  krl: {tool_axis: x, texts: {spindle_on: "$OUT[1]=TRUE\nWAIT SEC 2\n", "odd key: #": "true"}}
+)";
+
+}  // namespace
+
+TEST(RoundTrip, EveryJobOfTheProjectReadsBackToTheSame) {
+  const auto files = Yamls("toolpaths", "millpose_job");
+  ASSERT_FALSE(files.empty());
+  for (const auto& file : files) {
+    const JobSettings job = ParseJob(ReadFile(file), file.string());
+    const std::string written = WriteJob(job);
+    const JobSettings again = ParseJob(written, "written");
+    EXPECT_EQ(WriteJob(again), written) << file;
+    EXPECT_EQ(again.feed, job.feed);
+    EXPECT_EQ(again.workpiece.pose.abc, job.workpiece.pose.abc);
+    EXPECT_EQ(again.limit_margin, job.limit_margin);
+    EXPECT_EQ(again.toolpath.region.facing, job.toolpath.region.facing);
+    EXPECT_EQ(again.objective_parameters, job.objective_parameters);
+    EXPECT_EQ(again.max_joint_step, job.max_joint_step);
+  }
+}
+
+TEST(RoundTrip, EveryCellOfTheProjectReadsBackToTheSame) {
+  const auto files = Yamls("cells", "millpose_cell");
+  ASSERT_FALSE(files.empty());
+  for (const auto& file : files) {
+    const CellSettings cell = ParseCell(ReadFile(file), file.string());
+    const std::string written = WriteCell(cell);
+    const CellSettings again = ParseCell(written, "written");
+    EXPECT_EQ(WriteCell(again), written) << file;
+    EXPECT_EQ(again.arm.lower, cell.arm.lower);
+    EXPECT_EQ(again.arm.speed, cell.arm.speed);
+    EXPECT_EQ(again.arm.stiffness, cell.arm.stiffness);
+    EXPECT_EQ(again.tool.axis, cell.tool.axis);
+    EXPECT_EQ(again.controllers.size(), cell.controllers.size());
+  }
+}
+
+TEST(RoundTrip, EveryKindOfKeySurvives) {
+  const CellSettings cell = ParseCell(kCellWithEverything, "cell");
+  const std::string written = WriteCell(cell);
+  const CellSettings again = ParseCell(written, "written");
+  EXPECT_EQ(WriteCell(again), written);
+  EXPECT_EQ(again.name, "12 #: odd, name");
+  EXPECT_EQ(again.arm.offset, cell.arm.offset);
+  EXPECT_EQ(again.tool.axis, cell.tool.axis);
+  EXPECT_EQ(again.tool.x, cell.tool.x);
+  EXPECT_EQ(again.tool.stack.at(0).top_diameter, 30);
+  ASSERT_EQ(again.bodies.size(), 5u);
+  EXPECT_EQ(again.bodies[0].shape.kind, "capsule");
+  EXPECT_EQ(again.bodies[1].pose.abc, cell.bodies[1].pose.abc);
+  EXPECT_EQ(again.bodies[3].shape.unit, 25.4);
+  EXPECT_EQ(again.bodies[3].shape.mesh_file, "a: b.stl");
+  EXPECT_EQ(again.bodies[4].shape.points, cell.bodies[4].shape.points);
+  EXPECT_FALSE(again.programs_allowed);
+  EXPECT_FALSE(again.arm.acceleration_assumed);
+  EXPECT_EQ(again.controllers.at("krl").texts, cell.controllers.at("krl").texts);
+  EXPECT_EQ(again.controllers.at("krl").texts.at("spindle_on"), "$OUT[1]=TRUE\nWAIT SEC 2\n");
+}
+
+TEST(RoundTrip, NumbersStayShort) {
+  const JobSettings job = ParseJob(
+      ReadFile(std::filesystem::path(MILLPOSE_SOURCE_DIR) / "toolpaths/support_pad/job.yaml"), "job");
+  const std::string written = WriteJob(job);
+  EXPECT_NE(written.find("margin_deg: 3\n"), std::string::npos) << written;
+  EXPECT_NE(written.find("max_joint_step_deg: [5, 5, 5, 5, 5, 5]\n"), std::string::npos) << written;
+  EXPECT_NE(written.find("  feed_mm_min: 80\n  spindle_rpm: 7000\n"), std::string::npos) << written;
+}
+
+}  // namespace millpose
