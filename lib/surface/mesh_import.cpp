@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/mesh_import.hpp"
+
+#include "base/error.hpp"
+#include "surface/weld.hpp"
+
+namespace millpose {
+namespace {
+
+// Rims are loops of open sides; each vertex of a manifold starts at most one open side.
+void MeasureRims(const Mesh& mesh, ImportReport& report) {
+  std::vector<int> next(mesh.triangles().vertices.size(), -1);
+  for (int face = 0; face < mesh.face_count(); ++face)
+    for (int k = 0; k < 3; ++k)
+      if (mesh.Neighbour(face, k) < 0) {
+        const auto& corners = mesh.triangles().faces[face];
+        const int from = corners[k], to = corners[(k + 1) % 3];
+        next[from] = to;
+        report.rim_length += (mesh.triangles().vertices[to] - mesh.triangles().vertices[from]).norm();
+      }
+  for (size_t start = 0; start < next.size(); ++start) {
+    if (next[start] < 0) continue;
+    ++report.rims;
+    for (int at = static_cast<int>(start); at >= 0;) at = std::exchange(next[at], -1);
+  }
+}
+
+}  // namespace
+
+ImportResult ImportMesh(const RawMesh& raw, const ImportOptions& options, const std::string& name) {
+  ImportReport report;
+  report.notes = raw.notes;
+  report.triangles_read = raw.triangles.faces.size();
+  Triangles scaled = raw.triangles;
+  for (Eigen::Vector3d& p : scaled.vertices) p *= options.unit;
+  WeldCounts weld;
+  Triangles mesh = Weld(scaled, options.weld_tolerance, &weld);
+  report.welded = weld.welded;
+  RemoveDegenerate(mesh, options.weld_tolerance, report.repairs);
+  RemoveDuplicates(mesh, report.repairs);
+  if (mesh.faces.empty())
+    throw InputError({name},
+                     fmt::format("none of the {} triangles has an area above the weld tolerance of {} mm: is "
+                                 "the unit right?",
+                                 report.triangles_read, options.weld_tolerance));
+  MakeManifold(mesh, report.repairs);
+  DropUnusedVertices(mesh);
+  ImportResult result{Mesh(std::move(mesh)), std::move(report)};
+  const Triangles& done = result.mesh.triangles();
+  result.report.triangles = done.faces.size();
+  result.report.vertices = done.vertices.size();
+  Eigen::AlignedBox3d box;
+  for (const auto& p : done.vertices) box.extend(p);
+  result.report.lower = box.min();
+  result.report.upper = box.max();
+  MeasureRims(result.mesh, result.report);
+  return result;
+}
+
+std::vector<std::string> Findings(const ImportReport& report) {
+  std::vector<std::string> findings = report.notes;
+  const auto tell = [&](size_t count, std::string_view text) {
+    if (count > 0) findings.push_back(fmt::format("{} {}", count, text));
+  };
+  const RepairCounts& repairs = report.repairs;
+  tell(report.welded, "vertices were joined with a neighbour within the weld tolerance");
+  tell(repairs.degenerate, "triangles without area were removed");
+  tell(repairs.duplicate, "triangles that were there twice were removed");
+  tell(repairs.flipped, "triangles were turned to fit their neighbours");
+  tell(repairs.turned_pieces, "closed pieces were inside out and were turned");
+  tell(repairs.non_manifold_edges, "edges of more than two triangles were taken apart");
+  tell(repairs.non_manifold_vertices, "vertices in which several fans of triangles met were doubled");
+  tell(repairs.not_orientable_edges, "edges were cut because no orientation fits both sides");
+  if (report.rims > 0)
+    findings.push_back(fmt::format("{} open rims, {:.1f} mm long together; holes stay open", report.rims,
+                                   report.rim_length));
+  if (repairs.pieces > 1)
+    findings.push_back(
+        fmt::format("{} unconnected pieces, {} of them closed", repairs.pieces, repairs.closed_pieces));
+  return findings;
+}
+
+std::optional<std::string> UnitWarning(double extent, double reach) {
+  // Parts from 1/100 of the reach (25 mm for a large arm) to four times the reach (a cabin that the arm mills
+  // a part of) are plausible.
+  const auto plausible = [&](double length) { return length >= reach / 100 && length <= 4 * reach; };
+  if (plausible(extent)) return std::nullopt;
+  struct Unit {
+    double factor;
+    const char* text;
+  };
+  const std::array<Unit, 6> units{{{1000, "1000 times larger (metres given as mm?)"},
+                                   {25.4, "25.4 times larger (inches given as mm?)"},
+                                   {10, "10 times larger (centimetres given as mm?)"},
+                                   {1.0 / 1000, "1000 times smaller (mm given as metres?)"},
+                                   {1.0 / 25.4, "25.4 times smaller (mm given as inches?)"},
+                                   {1.0 / 10, "10 times smaller (mm given as centimetres?)"}}};
+  std::string warning = fmt::format("the part is {:.4g} mm long, the arm reaches {:.4g} mm", extent, reach);
+  std::string fits;
+  for (const Unit& unit : units)
+    if (plausible(extent * unit.factor))
+      fits += (fits.empty() ? "; it would fit if it were " : " or ") + std::string(unit.text);
+  return warning + (fits.empty() ? "; check the unit" : fits);
+}
+
+}  // namespace millpose

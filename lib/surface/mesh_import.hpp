@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "surface/mesh.hpp"
+#include "surface/raw_mesh.hpp"
+#include "surface/repair.hpp"
+
+namespace millpose {
+
+/// How a file's mesh becomes a workpiece.
+struct ImportOptions {
+  double unit = 1;               ///< mm per unit of the file
+  double weld_tolerance = 1e-4;  ///< mm, ≥ 0: vertices nearer than this are one, flatter triangles none
+};
+
+/// What an import found and did; nothing is repaired without a count here.
+struct ImportReport {
+  size_t triangles_read = 0;
+  size_t triangles = 0;  ///< after repair
+  size_t vertices = 0;   ///< after repair
+  size_t welded = 0;     ///< vertices that differed from the one they were joined with
+  RepairCounts repairs;
+  size_t rims = 0;        ///< closed lines of open edges; holes stay open
+  double rim_length = 0;  ///< mm, all together
+  Eigen::Vector3d lower = Eigen::Vector3d::Zero(), upper = Eigen::Vector3d::Zero();  ///< bounds, mm
+  std::vector<std::string> notes;                                                    ///< of the reader
+};
+
+struct ImportResult {
+  Mesh mesh;
+  ImportReport report;
+};
+
+/// Scales, welds and repairs (weld.hpp, repair.hpp) a mesh as read. Throws InputError naming `name` when no
+/// triangle with area is left.
+ImportResult ImportMesh(const RawMesh& raw, const ImportOptions& options, const std::string& name);
+
+/// One sentence for each thing worth telling: repairs that were made, rims, pieces, notes. Empty for a sound
+/// closed mesh of one piece.
+std::vector<std::string> Findings(const ImportReport& report);
+
+/// A warning when a part whose longest side is `extent` (mm) cannot be meant for an arm of `reach` (mm),
+/// naming the unit that would make it fit (a factor 1000, 25.4 or 10 either way); empty when it may be.
+std::optional<std::string> UnitWarning(double extent, double reach);
+
+}  // namespace millpose

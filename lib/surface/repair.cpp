@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/repair.hpp"
+
+#include "surface/edges.hpp"
+
+namespace millpose {
+namespace {
+
+bool HasRepeatedVertex(const std::array<int, 3>& face) {
+  return face[0] == face[1] || face[1] == face[2] || face[2] == face[0];
+}
+
+// A triangle's longest side and its height over it.
+struct Flatness {
+  int side = 0;
+  double height = 0;
+};
+
+Flatness FlatnessOf(const Triangles& mesh, const std::array<int, 3>& face) {
+  const auto corner = [&](int k) -> const Eigen::Vector3d& { return mesh.vertices[face[k % 3]]; };
+  Flatness flatness;
+  double longest = -1;
+  for (int k = 0; k < 3; ++k) {
+    const double length = (corner(k + 1) - corner(k)).norm();
+    if (length > longest) {
+      longest = length;
+      flatness.side = k;
+    }
+  }
+  const Eigen::Vector3d edge = corner(flatness.side + 1) - corner(flatness.side);
+  flatness.height = edge.cross(corner(flatness.side + 2) - corner(flatness.side)).norm() / longest;
+  return flatness;
+}
+
+// One round over the flat triangles; those whose neighbour was changed in this round wait for the next.
+class FlatRemoval {
+ public:
+  FlatRemoval(Triangles& mesh, double tolerance)
+      : mesh_(mesh), tolerance_(tolerance), count_(mesh.faces.size()), done_(count_, 0) {}
+
+  // Returns the number of triangles removed.
+  size_t Run() {
+    std::vector<std::pair<int, int>> flat;  // face, longest side
+    for (size_t f = 0; f < count_; ++f)
+      if (const Flatness flatness = FlatnessOf(mesh_, mesh_.faces[f]); flatness.height <= tolerance_)
+        flat.emplace_back(static_cast<int>(f), flatness.side);
+    if (flat.empty()) return 0;
+    sides_ = SortedSides(mesh_);
+    std::vector<char> removed(count_, 0);
+    size_t removals = 0;
+    for (const auto& [face, side] : flat)
+      if (done_[face] == 0 && SplitNeighbour(face, side)) {
+        removed[face] = done_[face] = 1;
+        ++removals;
+      }
+    size_t next = 0;
+    for (size_t f = 0; f < mesh_.faces.size(); ++f)
+      if (f >= count_ || removed[f] == 0) mesh_.faces[next++] = mesh_.faces[f];
+    mesh_.faces.resize(next);
+    return removals;
+  }
+
+ private:
+  // Splits the neighbour over the long side of a flat face at the face's middle vertex. False when it must
+  // wait.
+  bool SplitNeighbour(int face, int side) {
+    const std::array<int, 3> flat = mesh_.faces[face];
+    const auto [low, high] = std::minmax(flat[side], flat[(side + 1) % 3]);
+    auto it = std::ranges::lower_bound(sides_, std::pair(low, high), {},
+                                       [](const EdgeSide& s) { return std::pair(s.low, s.high); });
+    Side other = kNoSide;
+    int others = 0;
+    for (; it != sides_.end() && it->low == low && it->high == high; ++it) {
+      if (FaceOf(it->side) == face) continue;
+      if (done_[FaceOf(it->side)] != 0) return false;
+      other = it->side;
+      ++others;
+    }
+    if (others != 1) return true;  // a rim, or an edge that is taken apart anyway
+    const std::array<int, 3> neighbour = mesh_.faces[FaceOf(other)];
+    const int p = neighbour[CornerOf(other)], q = neighbour[(CornerOf(other) + 1) % 3];
+    const int apex = neighbour[(CornerOf(other) + 2) % 3], middle = flat[(side + 2) % 3];
+    done_[FaceOf(other)] = 1;
+    if (apex == middle) return true;  // folded onto itself
+    mesh_.faces[FaceOf(other)] = {p, middle, apex};
+    mesh_.faces.push_back({middle, q, apex});
+    return true;
+  }
+
+  Triangles& mesh_;
+  double tolerance_;
+  size_t count_;
+  std::vector<char> done_;  // removed or changed in this round
+  std::vector<EdgeSide> sides_;
+};
+
+}  // namespace
+
+void RemoveDegenerate(Triangles& mesh, double tolerance, RepairCounts& counts) {
+  counts.degenerate += std::erase_if(mesh.faces, HasRepeatedVertex);
+  constexpr int kRounds = 32;  // chains of flat triangles need one each; what is left then is only removed
+  for (int round = 0; round < kRounds; ++round) {
+    const size_t removed = FlatRemoval(mesh, tolerance).Run();
+    counts.degenerate += removed;
+    if (removed == 0) return;
+  }
+  counts.degenerate +=
+      std::erase_if(mesh.faces, [&](const auto& face) { return FlatnessOf(mesh, face).height <= tolerance; });
+}
+
+void RemoveDuplicates(Triangles& mesh, RepairCounts& counts) {
+  std::vector<std::pair<std::array<int, 3>, int>> sorted;
+  sorted.reserve(mesh.faces.size());
+  for (size_t f = 0; f < mesh.faces.size(); ++f) {
+    std::array<int, 3> key = mesh.faces[f];
+    std::ranges::sort(key);
+    sorted.emplace_back(key, static_cast<int>(f));
+  }
+  std::ranges::sort(sorted);
+  std::vector<char> removed(mesh.faces.size(), 0);
+  for (size_t i = 1; i < sorted.size(); ++i)
+    if (sorted[i].first == sorted[i - 1].first) removed[sorted[i].second] = 1;
+  size_t next = 0;
+  for (size_t f = 0; f < mesh.faces.size(); ++f)
+    if (removed[f] == 0) mesh.faces[next++] = mesh.faces[f];
+  counts.duplicate += mesh.faces.size() - next;
+  mesh.faces.resize(next);
+}
+
+void DropUnusedVertices(Triangles& mesh) {
+  std::vector<int> moved(mesh.vertices.size(), -1);
+  for (const auto& face : mesh.faces)
+    for (const int v : face) moved[v] = 0;
+  int next = 0;
+  for (size_t v = 0; v < moved.size(); ++v)
+    if (moved[v] == 0) {
+      mesh.vertices[next] = mesh.vertices[v];
+      moved[v] = next++;
+    }
+  mesh.vertices.resize(next);
+  for (auto& face : mesh.faces)
+    for (int& v : face) v = moved[v];
+}
+
+}  // namespace millpose

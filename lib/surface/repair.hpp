@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Repairs of a welded triangle soup that make it an oriented manifold (with rims). docs/mesh-import.md.
+#pragma once
+
+#include "surface/triangles.hpp"
+
+namespace millpose {
+
+/// Every repair with its count.
+struct RepairCounts {
+  size_t degenerate = 0;             ///< triangles without area, removed; see RemoveDegenerate
+  size_t duplicate = 0;              ///< triangles with the vertices of an earlier one, removed
+  size_t non_manifold_edges = 0;     ///< edges of more than two triangles, taken apart
+  size_t non_manifold_vertices = 0;  ///< vertices in which several fans met, doubled
+  size_t not_orientable_edges = 0;   ///< edges cut because no orientation fits both sides (Möbius bands)
+  size_t flipped = 0;                ///< triangles turned to fit the majority of their piece
+  size_t turned_pieces = 0;          ///< closed pieces that were inside out as a whole
+  size_t pieces = 0;                 ///< connected pieces
+  size_t closed_pieces = 0;
+};
+
+/// Removes triangles with a repeated vertex or a height of at most `tolerance` (mm). Where the flat triangle
+/// has its middle vertex on the long edge, the neighbour over that edge is split there, so that no crack is
+/// left.
+void RemoveDegenerate(Triangles& mesh, double tolerance, RepairCounts& counts);
+
+/// Removes triangles that have the same three vertices as an earlier one, in any order.
+void RemoveDuplicates(Triangles& mesh, RepairCounts& counts);
+
+/// Makes an oriented manifold of triangles without degenerate ones and duplicates: pairs the sides of the
+/// triangles over edges (at edges of four and more, material by material where the order around the edge is
+/// consistent, else not at all), turns triangles to their piece's majority and closed pieces outside out
+/// (cavities inside), and doubles vertices in which several fans meet. Geometry is never moved.
+void MakeManifold(Triangles& mesh, RepairCounts& counts);
+
+/// Drops vertices that no face uses; the others keep their order.
+void DropUnusedVertices(Triangles& mesh);
+
+}  // namespace millpose

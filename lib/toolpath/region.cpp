@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "toolpath/region.hpp"
+
+#include "surface/triangle.hpp"
+
+namespace millpose {
+namespace {
+
+// Sutherland and Hodgman 1974: the part of a polygon with sign · p[axis] ≤ sign · bound.
+std::vector<Eigen::Vector3d> Clipped(const std::vector<Eigen::Vector3d>& polygon, int axis, double sign,
+                                     double bound) {
+  std::vector<Eigen::Vector3d> clipped;
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector3d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    const double da = sign * (a[axis] - bound), db = sign * (b[axis] - bound);
+    if (da <= 0) clipped.push_back(a);
+    if ((da < 0 && db > 0) || (da > 0 && db < 0)) clipped.push_back(a + da / (da - db) * (b - a));
+  }
+  return clipped;
+}
+
+}  // namespace
+
+Region::Region(const Mesh& mesh, const RegionOptions& options)
+    : mesh_(mesh), options_(options), has_face_(mesh.face_count(), 1) {
+  if (options.facing) {
+    const double least = std::cos(options.facing_within);
+    for (int face = 0; face < mesh.face_count(); ++face)
+      has_face_[face] = mesh.FaceNormal(face).dot(*options.facing) >= least - 1e-12 ? 1 : 0;
+  }
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (int face = 0; face < mesh.face_count(); ++face)
+    for (int k = 0; k < 3 && HasFace(face); ++k) {
+      const int other = mesh.Neighbour(face, k);
+      if (other >= 0 && HasFace(other)) continue;
+      borders_.push_back({mesh.Corner(face, k), mesh.Corner(face, (k + 1) % 3)});
+      boxes.emplace_back(borders_.back()[0]);
+      boxes.back().extend(borders_.back()[1]);
+    }
+  border_tree_ = Bvh(boxes);
+}
+
+double Region::Margin(const Eigen::Vector3d& p) const {
+  double margin = std::numeric_limits<double>::infinity();
+  if (options_.box) {
+    const auto& [lower, upper] = *options_.box;
+    margin = std::min((p - lower).minCoeff(), (upper - p).minCoeff());
+  }
+  if (options_.rim_distance > 0) {
+    const auto [nearest, squared] =
+        border_tree_.Nearest(p, std::numeric_limits<double>::infinity(), [&](int i) {
+          const auto& [a, b] = borders_[i];
+          return (a + ClosestOnSegment(p, a, b) * (b - a) - p).squaredNorm();
+        });
+    margin = std::min(margin, std::sqrt(squared) - options_.rim_distance);
+  }
+  return margin;
+}
+
+std::vector<std::vector<Eigen::Vector3d>> Region::Patches() const {
+  std::vector<std::vector<Eigen::Vector3d>> patches;
+  for (int face = 0; face < mesh_.face_count(); ++face) {
+    if (!HasFace(face)) continue;
+    std::vector<Eigen::Vector3d> polygon{mesh_.Corner(face, 0), mesh_.Corner(face, 1), mesh_.Corner(face, 2)};
+    for (int axis = 0; options_.box && axis < 3; ++axis) {
+      polygon = Clipped(polygon, axis, -1, (*options_.box)[0][axis]);
+      polygon = Clipped(polygon, axis, 1, (*options_.box)[1][axis]);
+    }
+    if (polygon.size() >= 3) patches.push_back(std::move(polygon));
+  }
+  return patches;
+}
+
+Eigen::Vector3d Region::MeanNormal() const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double area = 0;
+  for (int face = 0; face < mesh_.face_count(); ++face) {
+    if (!HasFace(face)) continue;
+    const Eigen::Vector3d a = mesh_.Corner(face, 0);
+    const Eigen::Vector3d twice = (mesh_.Corner(face, 1) - a).cross(mesh_.Corner(face, 2) - a);
+    sum += twice;
+    area += twice.norm();
+  }
+  return sum.norm() > 1e-6 * area ? Eigen::Vector3d(sum.normalized()) : Eigen::Vector3d::Zero();
+}
+
+}  // namespace millpose

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "surface/curve.hpp"
+
+namespace millpose {
+
+/// A point of a curve: piece and parameter, with its length from the curve's start (mm).
+struct CurvePoint {
+  int piece = 0;
+  double t = 0;
+  double arc_length = 0;
+};
+
+/// Points of a curve, first to last, such that the curve stays within `chord_tolerance` (mm) of the chords
+/// between them and neighbours are at most `spacing` (mm along the curve) apart. Of a closed curve the last
+/// point is not the first one again. Corners of the curve that matter come from Douglas and Peucker 1973 (at
+/// half the tolerance, so that points put between them keep the whole); the rest is spread evenly.
+std::vector<CurvePoint> Resample(const Curve& curve, double chord_tolerance, double spacing);
+
+}  // namespace millpose

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "toolpath/strategy.hpp"
+
+#include "base/error.hpp"
+
+namespace millpose {
+namespace {
+
+using Maker = std::unique_ptr<Strategy> (*)();
+
+const std::map<std::string, Maker>& Registry() {
+  static const std::map<std::string, Maker> registry{
+      {"parallel_planes", MakeParallelPlanes},
+      {"rings", MakeRings},
+  };
+  return registry;
+}
+
+}  // namespace
+
+std::vector<std::string> StrategyNames() {
+  std::vector<std::string> names;
+  for (const auto& [name, maker] : Registry()) names.push_back(name);
+  return names;
+}
+
+std::unique_ptr<Strategy> MakeStrategy(const std::string& name) {
+  const auto found = Registry().find(name);
+  if (found != Registry().end()) return found->second();
+  const std::string nearest = NearestName(name, StrategyNames());
+  throw InputError({}, fmt::format("no tool path strategy is called \"{}\"; there are {}{}", name,
+                                   fmt::join(StrategyNames(), ", "),
+                                   nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+}
+
+std::vector<double> SpreadEvenly(double lower, double upper, double stepover) {
+  const double width = upper - lower;
+  const int count = std::max(1, static_cast<int>(std::ceil(width / stepover - 1e-9)));
+  std::vector<double> positions;
+  for (int i = 0; i < count; ++i) positions.push_back(lower + (i + 0.5) * (width / count));
+  return positions;
+}
+
+}  // namespace millpose

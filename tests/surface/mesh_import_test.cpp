@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/mesh_import.hpp"
+
+#include "base/error.hpp"
+#include "base/random.hpp"
+#include "tests/surface/shapes.hpp"
+
+namespace millpose {
+namespace {
+
+ImportResult Import(const Triangles& triangles, ImportOptions options = {}) {
+  return ImportMesh({triangles, {}}, options, "part.stl");
+}
+
+double Volume(const Mesh& mesh) {
+  double volume = 0;
+  for (int f = 0; f < mesh.face_count(); ++f)
+    volume += mesh.Corner(f, 0).dot(mesh.Corner(f, 1).cross(mesh.Corner(f, 2))) / 6;
+  return volume;
+}
+
+const Triangles kBox = BoxShape({0, 0, 0}, {10, 20, 30});
+
+// A second import of what came out finds nothing to repair.
+void ExpectIdempotent(const ImportResult& first) {
+  const ImportResult again = Import(first.mesh.triangles(), {1, 0});
+  EXPECT_EQ(again.report.triangles, first.report.triangles);
+  EXPECT_EQ(again.report.repairs.flipped + again.report.repairs.duplicate + again.report.repairs.degenerate,
+            0);
+  EXPECT_EQ(again.report.repairs.turned_pieces, 0);
+}
+
+TEST(MeshImport, LeavesASoundMeshAlone) {
+  const ImportResult result = Import(Soup(kBox));
+  EXPECT_TRUE(Findings(result.report).empty());
+  EXPECT_EQ(result.report.triangles, 12);
+  EXPECT_EQ(result.report.vertices, 8);
+  EXPECT_EQ(result.report.repairs.pieces, 1);
+  EXPECT_EQ(result.report.repairs.closed_pieces, 1);
+  EXPECT_EQ(result.report.upper, Eigen::Vector3d(10, 20, 30));
+  EXPECT_NEAR(Volume(result.mesh), 6000, 1e-9);
+}
+
+TEST(MeshImport, AppliesTheUnit) {
+  const ImportResult result = Import(Soup(BoxShape({0, 0, 0}, {1, 1, 1})), {25.4, 1e-4});
+  EXPECT_NEAR(Volume(result.mesh), 25.4 * 25.4 * 25.4, 1e-9);
+}
+
+TEST(MeshImport, WeldsWithinTheToleranceAndNotBeyond) {
+  Triangles soup = Soup(kBox);
+  RandomStream random(1, 0);
+  for (auto& p : soup.vertices)
+    p += 2e-5 * Eigen::Vector3d(random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-1, 1));
+  const ImportResult result = Import(soup);
+  EXPECT_EQ(result.report.vertices, 8);
+  EXPECT_EQ(result.report.welded, 36 - 8);
+  EXPECT_EQ(result.report.rims, 0);
+  EXPECT_EQ(Import(soup, {1, 1e-7}).report.vertices, 36);
+}
+
+TEST(MeshImport, CountsDuplicatesOfAnyOrder) {
+  Triangles mesh = kBox;
+  mesh.faces.push_back(kBox.faces[3]);
+  mesh.faces.push_back({kBox.faces[5][1], kBox.faces[5][0], kBox.faces[5][2]});
+  const ImportResult result = Import(mesh);
+  EXPECT_EQ(result.report.repairs.duplicate, 2);
+  EXPECT_EQ(result.report.triangles, 12);
+  EXPECT_EQ(result.report.repairs.closed_pieces, 1);
+  ExpectIdempotent(result);
+}
+
+TEST(MeshImport, TurnsFlippedTriangles) {
+  Triangles mesh = kBox;
+  Flip(mesh, 2);
+  Flip(mesh, 7);
+  const ImportResult result = Import(mesh);
+  EXPECT_EQ(result.report.repairs.flipped, 2);
+  EXPECT_EQ(result.report.repairs.turned_pieces, 0);
+  EXPECT_NEAR(Volume(result.mesh), 6000, 1e-9);
+  ExpectIdempotent(result);
+}
+
+TEST(MeshImport, TurnsClosedPiecesOutsideOutAndKeepsCavities) {
+  Triangles mesh = kBox;
+  for (size_t f = 0; f < mesh.faces.size(); ++f) Flip(mesh, f);
+  const ImportResult turned = Import(mesh);
+  EXPECT_EQ(turned.report.repairs.turned_pieces, 1);
+  EXPECT_EQ(turned.report.repairs.flipped, 0);
+  EXPECT_NEAR(Volume(turned.mesh), 6000, 1e-9);
+
+  Triangles hollow = kBox, cavity = BoxShape({2, 2, 2}, {4, 4, 4});
+  for (size_t f = 0; f < cavity.faces.size(); ++f) Flip(cavity, f);
+  Append(hollow, cavity);
+  const ImportResult kept = Import(hollow);
+  EXPECT_EQ(kept.report.repairs.turned_pieces, 0);
+  EXPECT_EQ(kept.report.repairs.pieces, 2);
+  EXPECT_NEAR(Volume(kept.mesh), 6000 - 8, 1e-9);
+}
+
+TEST(MeshImport, RemovesTrianglesWithoutAreaAndLeavesNoCrack) {
+  // The top of the box is cut at a vertex on the middle of its diagonal; a flat triangle fills the crack.
+  Triangles mesh = kBox;
+  const int middle = 8;
+  mesh.vertices.emplace_back(5, 10, 30);
+  mesh.faces.erase(mesh.faces.begin() + 2);  // {4, 5, 7}
+  mesh.faces.push_back({4, 5, middle});
+  mesh.faces.push_back({5, 7, middle});
+  mesh.faces.push_back({4, middle, 7});
+  mesh.faces.push_back({1, 1, 2});
+  const ImportResult result = Import(mesh);
+  EXPECT_EQ(result.report.repairs.degenerate, 2);
+  EXPECT_EQ(result.report.triangles, 14);
+  EXPECT_EQ(result.report.rims, 0);
+  EXPECT_NEAR(Volume(result.mesh), 6000, 1e-9);
+  ExpectIdempotent(result);
+}
+
+TEST(MeshImport, LeavesHolesOpenAndTellsThem) {
+  Triangles mesh = kBox;
+  mesh.faces.erase(mesh.faces.begin() + 2, mesh.faces.begin() + 4);  // the top
+  mesh.faces.erase(mesh.faces.begin());                              // half the bottom
+  const ImportResult result = Import(mesh);
+  EXPECT_EQ(result.report.rims, 2);
+  EXPECT_NEAR(result.report.rim_length, 60 + 30 + std::hypot(10, 20), 1e-9);
+  EXPECT_EQ(result.report.repairs.closed_pieces, 0);
+}
+
+TEST(MeshImport, TakesBodiesThatShareAnEdgeApart) {
+  Triangles mesh = BoxShape({0, 0, 0}, {1, 1, 1});
+  Append(mesh, BoxShape({1, 1, 0}, {2, 2, 1}));
+  const ImportResult result = Import(mesh);
+  EXPECT_EQ(result.report.repairs.non_manifold_edges, 1);
+  EXPECT_EQ(result.report.repairs.non_manifold_vertices, 2);
+  EXPECT_EQ(result.report.vertices, 16);
+  EXPECT_EQ(result.report.repairs.pieces, 2);
+  EXPECT_EQ(result.report.repairs.closed_pieces, 2);
+  EXPECT_EQ(result.report.rims, 0);
+  EXPECT_NEAR(Volume(result.mesh), 2, 1e-9);
+}
+
+TEST(MeshImport, CutsEdgesOfThreeSheets) {
+  Triangles mesh;
+  mesh.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
+  mesh.faces = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
+  const ImportResult result = Import(mesh);
+  EXPECT_EQ(result.report.repairs.non_manifold_edges, 1);
+  EXPECT_EQ(result.report.repairs.pieces, 3);
+  EXPECT_EQ(result.report.vertices, 9);
+  EXPECT_EQ(result.report.rims, 3);
+}
+
+TEST(MeshImport, DoublesVerticesWhereFansMeet) {
+  Triangles mesh = BoxShape({0, 0, 0}, {1, 1, 1});
+  Append(mesh, BoxShape({1, 1, 1}, {2, 2, 2}));
+  const ImportResult result = Import(mesh);
+  EXPECT_EQ(result.report.repairs.non_manifold_vertices, 1);
+  EXPECT_EQ(result.report.repairs.non_manifold_edges, 0);
+  EXPECT_EQ(result.report.vertices, 16);
+}
+
+TEST(MeshImport, CutsAMoebiusBand) {
+  Triangles mesh;
+  const int count = 12;
+  for (int k = 0; k < count; ++k) {
+    const double angle = 2 * M_PI * k / count;
+    const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0);
+    const Eigen::Vector3d across = std::cos(angle / 2) * out + std::sin(angle / 2) * Eigen::Vector3d::UnitZ();
+    mesh.vertices.push_back(10 * out - 2 * across);
+    mesh.vertices.push_back(10 * out + 2 * across);
+  }
+  for (int k = 0; k < count; ++k) {
+    const int a = 2 * k, b = a + 1;
+    const int c = k + 1 < count ? a + 2 : 1, d = k + 1 < count ? a + 3 : 0;  // the last joins twisted
+    mesh.faces.push_back({a, b, c});
+    mesh.faces.push_back({c, b, d});
+  }
+  const ImportResult result = Import(mesh);
+  EXPECT_EQ(result.report.repairs.not_orientable_edges, 1);
+  EXPECT_EQ(result.report.triangles, 24);
+  EXPECT_EQ(result.report.rims, 1);
+}
+
+TEST(MeshImport, RefusesWhatHasNoArea) {
+  Triangles mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
+  mesh.faces = {{0, 1, 2}};
+  EXPECT_THROW(Import(mesh), InputError);
+}
+
+TEST(MeshImport, RepairsRandomSoupsIntoManifolds) {
+  // Twelve vertices and many triangles among them: every defect at once. Mesh itself refuses what is no
+  // manifold.
+  for (uint64_t seed = 0; seed < 300; ++seed) {
+    RandomStream random(seed, 7);
+    Triangles mesh;
+    for (int i = 0; i < 12; ++i)
+      mesh.vertices.emplace_back(random.Uniform(0, 9), random.Uniform(0, 9), random.Uniform(0, 9));
+    const int count = 1 + random.Below(60);
+    for (int i = 0; i < count; ++i)
+      mesh.faces.push_back({random.Below(12), random.Below(12), random.Below(12)});
+    mesh.faces.push_back({0, 1, 2});
+    const ImportResult result = Import(mesh);
+    EXPECT_LE(result.report.triangles + result.report.repairs.degenerate + result.report.repairs.duplicate,
+              mesh.faces.size() + result.report.repairs.degenerate);
+    const ImportResult again = Import(result.mesh.triangles(), {1, 0});
+    EXPECT_EQ(again.report.triangles, result.report.triangles);
+  }
+}
+
+TEST(MeshImport, CallsOutWrongUnits) {
+  EXPECT_FALSE(UnitWarning(900, 2800));
+  EXPECT_FALSE(UnitWarning(6200, 2800));
+  EXPECT_EQ(UnitWarning(0.9, 2800).value(),
+            "the part is 0.9 mm long, the arm reaches 2800 mm; it would fit if it were 1000 times larger "
+            "(metres given "
+            "as mm?)");
+  EXPECT_NE(UnitWarning(900000, 2800).value().find("1000 times smaller"), std::string::npos);
+  EXPECT_NE(UnitWarning(22, 2800).value().find("25.4 times larger"), std::string::npos);
+  EXPECT_NE(UnitWarning(1e9, 2800).value().find("check the unit"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace millpose

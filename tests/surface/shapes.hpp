@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Meshes made for tests: exact shapes, and ways to spoil them.
+#pragma once
+
+#include <string>
+
+#include "surface/mesh.hpp"
+
+namespace millpose {
+
+/// A box between two corners, 12 triangles, outside out.
+Triangles BoxShape(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper);
+/// A closed cylinder about z from z = 0 to `height`, `count` sides with their corners on the radius; its
+/// lateral surface in `rows` rows of quads.
+Triangles CylinderShape(double radius, double height, int count, int rows = 1);
+/// A flat grid of nx × ny squares of `edge` mm with its corner at the origin, facing +z; open.
+Triangles GridShape(int nx, int ny, double edge);
+/// A sphere of `rows` × 2·`rows` patches about the origin.
+Triangles SphereShape(double radius, int rows);
+
+/// Appends another mesh's triangles.
+void Append(Triangles& mesh, const Triangles& other);
+/// Turns a face round.
+void Flip(Triangles& mesh, size_t face);
+/// Each face with vertices of its own, as STL has them.
+Triangles Soup(const Triangles& mesh);
+/// Moves all vertices.
+Triangles Moved(Triangles mesh, const Eigen::Isometry3d& X);
+
+/// A mesh from triangles that need no repair.
+Mesh SoundMesh(const Triangles& triangles);
+
+/// Bytes of a binary STL with the given header text.
+std::string BinaryStl(const Triangles& mesh, std::string header = "");
+/// An ASCII STL in lower case with LF.
+std::string TextStl(const Triangles& mesh);
+
+}  // namespace millpose

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "toolpath/make_toolpath.hpp"
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "surface/mesh_import.hpp"
+#include "tests/surface/shapes.hpp"
+
+namespace millpose {
+namespace {
+
+Mesh Sample(const std::string& name) {
+  const std::string path = fmt::format("{}/toolpaths/{}/{}.stl", MILLPOSE_SOURCE_DIR, name, name);
+  return ImportMesh(ReadMesh(ReadFile(path), path), {}, path).mesh;
+}
+
+size_t PointsOf(const Toolpath& toolpath) {
+  size_t points = 0;
+  for (const Pass& pass : toolpath.passes) points += pass.points.size();
+  return points;
+}
+
+// What holds for every tool path of a mesh.
+void ExpectSound(const Mesh& mesh, const Toolpath& toolpath, const ToolpathOptions& options) {
+  for (const Pass& pass : toolpath.passes) {
+    ASSERT_GE(pass.points.size(), 2);
+    for (size_t i = 0; i < pass.points.size(); ++i) {
+      const MillingPoint& point = pass.points[i];
+      ASSERT_LT(mesh.Closest(point.position).distance, 1e-6);
+      ASSERT_NEAR(point.normal.norm(), 1, 1e-9);
+      ASSERT_NEAR(point.feed.norm(), 1, 1e-9);
+      ASSERT_NEAR(point.tool_axis.norm(), 1, 1e-9);
+      ASSERT_NEAR(point.feed.dot(point.normal), 0, 1e-9);
+      if (i == 0) continue;
+      const Eigen::Vector3d step = point.position - pass.points[i - 1].position;
+      ASSERT_LE(step.norm(), options.spacing + 1e-9);
+      ASSERT_GT(step.dot(point.feed), 0);
+      ASSERT_NEAR(point.arc_length - pass.points[i - 1].arc_length, step.norm(), options.chord_tolerance * 4);
+    }
+  }
+}
+
+ToolpathOptions PadOptions() {
+  ToolpathOptions options;
+  options.plane_normal = Eigen::Vector3d::UnitY();
+  options.region.facing = Eigen::Vector3d::UnitZ();
+  options.region.facing_within = DegToRad(1);
+  options.stepover = 8;
+  options.spacing = 4;
+  return options;
+}
+
+TEST(MakeToolpath, SupportPadIsCoveredInZigzag) {
+  const Mesh mesh = Sample("support_pad");
+  const ToolpathOptions options = PadOptions();
+  const Toolpath toolpath = MakeToolpath(mesh, options, {});
+  ASSERT_EQ(toolpath.passes.size(), 10);
+  ExpectSound(mesh, toolpath, options);
+  for (int i = 0; i < 10; ++i) {
+    const Pass& pass = toolpath.passes[i];
+    ASSERT_EQ(pass.points.size(), 21);
+    const double sign = i % 2 == 0 ? 1 : -1;
+    for (int k = 0; k < 21; ++k) {
+      const MillingPoint& point = pass.points[k];
+      EXPECT_LT((point.position - Eigen::Vector3d(sign * (-40 + 4 * k), -36 + 8 * i, 0)).norm(), 1e-9);
+      EXPECT_EQ(point.normal, Eigen::Vector3d::UnitZ());
+      EXPECT_LT((point.feed - sign * Eigen::Vector3d::UnitX()).norm(), 1e-12);
+    }
+  }
+}
+
+TEST(MakeToolpath, OneWayKeepsTheDirection) {
+  ToolpathOptions options = PadOptions();
+  options.zigzag = false;
+  for (const Pass& pass : MakeToolpath(Sample("support_pad"), options, {}).passes)
+    EXPECT_NEAR(pass.points.front().position.x(), -40, 1e-9);
+}
+
+TEST(MakeToolpath, LeadLeansForwardAndTiltToTheRight) {
+  ToolpathOptions options = PadOptions();
+  options.lead = DegToRad(10);
+  MillingPoint point = MakeToolpath(Sample("support_pad"), options, {}).passes[0].points[3];
+  EXPECT_LT((point.tool_axis - Eigen::Vector3d(std::sin(options.lead), 0, std::cos(options.lead))).norm(),
+            1e-12);
+  options.lead = 0;
+  options.tilt = DegToRad(5);
+  point = MakeToolpath(Sample("support_pad"), options, {}).passes[0].points[3];
+  EXPECT_LT((point.tool_axis - Eigen::Vector3d(0, -std::sin(options.tilt), std::cos(options.tilt))).norm(),
+            1e-12);
+}
+
+TEST(MakeToolpath, RegionCutsExactly) {
+  ToolpathOptions options = PadOptions();
+  options.region.box = {Eigen::Vector3d(-13.37, -100, -1), Eigen::Vector3d(21.1, 100, 1)};
+  for (const Pass& pass : MakeToolpath(Sample("support_pad"), options, {}).passes) {
+    const auto [low, high] = std::minmax(pass.points.front().position.x(), pass.points.back().position.x());
+    EXPECT_NEAR(low, -13.37, 2e-7);
+    EXPECT_NEAR(high, 21.1, 2e-7);
+    EXPECT_GE(low, -13.37 - 1e-9);
+    EXPECT_LE(high, 21.1 + 1e-9);
+  }
+  options.region.box.reset();
+  options.region.rim_distance = 7.25;
+  const Toolpath inner = MakeToolpath(Sample("support_pad"), options, {});
+  EXPECT_EQ(inner.passes.size(), 9);  // 65.5 mm in steps of at most 8
+  for (const Pass& pass : inner.passes) {
+    EXPECT_NEAR(std::abs(pass.points.front().position.x()), 40 - 7.25, 2e-7);
+    EXPECT_NEAR(std::abs(pass.points.back().position.x()), 40 - 7.25, 2e-7);
+  }
+}
+
+TEST(MakeToolpath, WindowAndPadsInterruptPasses) {
+  const Mesh mesh = Sample("cabin_panel");
+  ToolpathOptions options;
+  options.region.facing = Eigen::Vector3d::UnitZ();
+  options.region.facing_within = DegToRad(30);
+  options.region.rim_distance = 12;
+  options.stepover = 20;
+  options.spacing = 10;
+  const Toolpath toolpath = MakeToolpath(mesh, options, {});
+  ExpectSound(mesh, toolpath, options);
+  EXPECT_GT(toolpath.passes.size(), 50);
+  EXPECT_GE(PointsOf(toolpath), 2000);
+  for (const Pass& pass : toolpath.passes)
+    for (const MillingPoint& point : pass.points) {
+      // The normal is that of the cylinder: creases at pads and window are not averaged across.
+      const Eigen::Vector3d radial =
+          Eigen::Vector3d(0, point.position.y(), point.position.z() + 1500).normalized();
+      ASSERT_LT(std::acos(std::min(1.0, point.normal.dot(radial))), DegToRad(0.4));  // half a facet, at rims
+      const double s = 1500 * std::atan2(point.position.y(), point.position.z() + 1500);
+      const bool in_window = point.position.x() > -110 && point.position.x() < 90 && std::abs(s) < 150;
+      ASSERT_FALSE(in_window && std::abs(s) < 90) << point.position.transpose();
+    }
+  // Parts of an interrupted lane follow each other along the way of travel.
+  for (size_t i = 0; i + 1 < toolpath.passes.size(); ++i) {
+    const MillingPoint &end = toolpath.passes[i].points.back(), &next = toolpath.passes[i + 1].points.front();
+    if (std::abs(end.position.x() - next.position.x()) > 1e-6) continue;
+    EXPECT_GT((next.position - end.position).dot(end.feed), 0);
+  }
+}
+
+TEST(MakeToolpath, RingsAreClosedRoundAndInOrder) {
+  const Mesh mesh = Sample("cabin_ring");
+  ToolpathOptions options;
+  options.strategy = "rings";
+  options.region.facing = Eigen::Vector3d::UnitZ();
+  options.region.facing_within = DegToRad(1);
+  options.region.rim_distance = 2;
+  options.stepover = 10;
+  options.rotation_reference = Eigen::Vector3d::UnitX();
+  const Toolpath toolpath = MakeToolpath(mesh, options, {});
+  ASSERT_EQ(toolpath.passes.size(), 5);
+  ExpectSound(mesh, toolpath, options);
+  double radius = 0;
+  for (const Pass& pass : toolpath.passes) {
+    EXPECT_TRUE(pass.closed);
+    EXPECT_LT((pass.points.front().position.normalized() - Eigen::Vector3d::UnitX()).norm(), 1e-6);
+    const double own = pass.points.front().position.norm();
+    EXPECT_GT(own, radius);
+    radius = own;
+    for (const MillingPoint& point : pass.points) {
+      EXPECT_NEAR(point.position.norm(), own, 1e-9);
+      EXPECT_GT(Eigen::Vector3d::UnitZ().cross(point.position).dot(point.feed), 0.999 * own);
+    }
+    const double gap = (pass.points.front().position - pass.points.back().position).norm();
+    EXPECT_GT(gap, 1);
+    EXPECT_LE(gap, options.spacing + 1e-9);
+  }
+}
+
+TEST(MakeToolpath, ClosedSlicesOfACylinderAreClosedPassesInOrder) {
+  const Mesh mesh = SoundMesh(CylinderShape(60, 40, 72, 2));
+  ToolpathOptions options;
+  options.plane_normal = Eigen::Vector3d::UnitZ();
+  options.stepover = 10;
+  const Toolpath toolpath = MakeToolpath(mesh, options, {});
+  ASSERT_EQ(toolpath.passes.size(), 4);
+  for (size_t i = 0; i < 4; ++i) {
+    EXPECT_TRUE(toolpath.passes[i].closed);
+    EXPECT_NEAR(toolpath.passes[i].points[0].position.z(), 5 + 10.0 * static_cast<double>(i), 1e-9);
+  }
+  ExpectSound(mesh, toolpath, options);
+}
+
+TEST(MakeToolpath, PassesEndAtCreases) {
+  // Sliced along its axis the closed cylinder gives walls and caps as passes of their own.
+  const Mesh mesh = SoundMesh(CylinderShape(60, 40, 72, 2));
+  ToolpathOptions options;
+  options.plane_normal = Eigen::Vector3d::UnitX();
+  options.stepover = 200;
+  const Toolpath toolpath = MakeToolpath(mesh, options, {});
+  EXPECT_EQ(toolpath.passes.size(), 4);
+  for (const Pass& pass : toolpath.passes)
+    for (const MillingPoint& point : pass.points)
+      EXPECT_LT((point.normal - pass.points[0].normal).norm(), 1e-12);
+}
+
+TEST(MakeToolpath, FarFromTheOriginAndTurnedIsTheSame) {
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.translate(Eigen::Vector3d(1e5, -2e5, 3e4));
+  const Mesh near = SoundMesh(CylinderShape(60, 40, 72, 2)), far = SoundMesh(Moved(near.triangles(), X));
+  ToolpathOptions options;
+  options.plane_normal = Eigen::Vector3d(0, 0.6, 0.8);
+  options.stepover = 7;
+  options.region.facing = Eigen::Vector3d::UnitX();
+  options.region.rim_distance = 3;
+  const Toolpath a = MakeToolpath(near, options, {}), b = MakeToolpath(far, options, {});
+  ASSERT_EQ(a.passes.size(), b.passes.size());
+  const Toolpath moved = Transformed(a, X);
+  for (size_t i = 0; i < a.passes.size(); ++i) {
+    ASSERT_EQ(a.passes[i].points.size(), b.passes[i].points.size());
+    for (size_t k = 0; k < a.passes[i].points.size(); ++k)
+      EXPECT_LT((moved.passes[i].points[k].position - b.passes[i].points[k].position).norm(), 1e-6);
+  }
+}
+
+TEST(MakeToolpath, TransformTurnsDirectionsToo) {
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.translate(Eigen::Vector3d(1, 2, 3));
+  X.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()));
+  const Toolpath a = MakeToolpath(Sample("support_pad"), PadOptions(), {}), b = Transformed(a, X);
+  const MillingPoint &p = a.passes[3].points[5], &q = b.passes[3].points[5];
+  EXPECT_LT((q.position - X * p.position).norm(), 1e-12);
+  EXPECT_LT((q.feed - X.linear() * p.feed).norm(), 1e-12);
+  EXPECT_LT((q.tool_axis - X.linear() * p.tool_axis).norm(), 1e-12);
+  EXPECT_LT((b.passes[3].rotation_reference - X.linear() * a.passes[3].rotation_reference).norm(), 1e-12);
+}
+
+TEST(MakeToolpath, SaysWhatIsWrong) {
+  const Mesh mesh = Sample("support_pad");
+  ToolpathOptions options = PadOptions();
+  options.stepover = 0;
+  options.spacing = -1;
+  try {
+    MakeToolpath(mesh, options, {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.problems().size(), 2);
+  }
+  options = PadOptions();
+  options.strategy = "ring";
+  try {
+    MakeToolpath(mesh, options, {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("did you mean \"rings\"?"), std::string::npos) << error.what();
+  }
+  options = PadOptions();
+  options.region.facing = Eigen::Vector3d(1, 1, 1).normalized();
+  EXPECT_THROW(MakeToolpath(mesh, options, {}), InputError);
+  std::stop_source source;
+  source.request_stop();
+  EXPECT_THROW(MakeToolpath(mesh, PadOptions(), source.get_token()), Interrupted);
+}
+
+}  // namespace
+}  // namespace millpose
