@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Straight motion of the tool (LIN, G1): the tip on a line, the orientation about one fixed axis, both in
+// proportion to the way done.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "robot/arm.hpp"
+
+namespace millpose {
+
+/// The tool pose at `share` (0..1) of the way from `from` to `to`; the shorter way round.
+Pose InterpolateLine(const Pose& from, const Pose& to, double share);
+
+/// Angle of the rotation between two poses, rad, 0..π.
+double AngleBetween(const Pose& a, const Pose& b);
+
+/// What carries the tool: the arm in its place, and the tool on its flange.
+struct Carrier {
+  Arm arm;
+  Pose X_WB = Pose::Identity(), X_FT = Pose::Identity();
+
+  Pose ToolPose(const Joints& q) const;     ///< X_WT
+  Pose FlangePose(const Pose& X_WT) const;  ///< X_BF for a tool pose
+};
+
+/// How finely a straight motion is followed.
+struct LineSteps {
+  double distance = 5;      ///< mm of the tip between samples, at most
+  double angle = 0.02;      ///< rad of the tool between samples, at most
+  double joint_jump = 0.2;  ///< rad that a joint may turn between samples; more is a singularity passed
+};
+
+/// A straight motion in joint space, sampled.
+struct LineMotion {
+  std::vector<Joints> joints;  ///< from the start on; the whole motion when `problem` is empty
+  std::string problem;         ///< why it ends early: where, which joint, by how much
+};
+
+/// Follows the straight motion from joint angles `q` to the tool pose `X_WT_end` on q's branch, within
+/// [lower, upper] (rad).
+LineMotion FollowLine(const Carrier& carrier, const Joints& q, const Pose& X_WT_end, const Joints& lower,
+                      const Joints& upper, const LineSteps& steps = {});
+
+/// How far the tool is from a commanded straight motion half-way when the joints turn evenly instead.
+struct Deviation {
+  double position = 0;  ///< mm, of the tip
+  double axis = 0;      ///< rad, of the tool axis
+};
+Deviation HalfwayDeviation(const Carrier& carrier, const Joints& q0, const Joints& q1);
+
+}  // namespace millpose
