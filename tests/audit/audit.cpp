@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/audit/audit.hpp"
+
+#include <fmt/format.h>
+
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+#include "base/parallel.hpp"
+#include "tests/audit/distance.hpp"
+#include "tests/audit/interference.hpp"
+#include "tests/audit/kinematics.hpp"
+#include "tests/audit/programs.hpp"
+
+namespace millpose::audit {
+namespace {
+
+constexpr Real kAngleSlack = 1e-6L * kDegree;  // programs carry six decimals of a degree
+
+class Figures {
+ public:
+  void Declare(const std::string& name, double bound) { verdict_.figures.push_back({name, 0, bound, ""}); }
+  void Raise(const std::string& name, Real value, const std::string& where) {
+    Figure& figure = Find(name);
+    if (static_cast<double>(value) <= figure.value) return;
+    figure.value = static_cast<double>(value);
+    figure.where = where;
+  }
+  void Count(const std::string& name, const std::string& where) {
+    Figure& figure = Find(name);
+    if (figure.value++ == 0) figure.where = where;
+  }
+  void AddPoses(long long count) { verdict_.poses_checked += count; }
+  Verdict Take() { return std::move(verdict_); }
+
+ private:
+  Figure& Find(const std::string& name) {
+    for (Figure& figure : verdict_.figures)
+      if (figure.name == name) return figure;
+    throw std::logic_error("no figure " + name);
+  }
+  Verdict verdict_;
+};
+
+void AuditIndices(const Setup& setup, const Row& row, Figures& figures) {
+  const Indices indices = ComputeIndices(setup, row.angles, row.normal);
+  const auto compare = [&](const char* name, Real given, Real computed) {
+    figures.Raise("max_index_error_relative", std::abs(given / computed - 1),
+                  fmt::format("{} of point {}", name, row.point));
+  };
+  compare("lambda_t1", row.lambda_t1, indices.lambda_t1);
+  compare("lambda_t2", row.lambda_t2, indices.lambda_t2);
+  compare("lambda_n", row.lambda_n, indices.lambda_n);
+  compare("mu", row.mu, indices.mu);
+  compare("dexterity", row.dexterity, indices.dexterity);
+  if (indices.objective > 0) compare("objective", row.objective, indices.objective);
+}
+
+void AuditRows(const Folder& folder, Figures& figures) {
+  const Setup& setup = folder.setup;
+  const Matrix3 R_WP = setup.X_WP.block<3, 3>(0, 0);
+  const Vector3 p_WP = setup.X_WP.block<3, 1>(0, 3);
+  for (const Row& row : folder.rows) {
+    const std::string name = fmt::format("point {}", row.point);
+    figures.Raise("max_slice_distance_mm",
+                  Distance(Vector3(R_WP.transpose() * (row.position - p_WP)), setup.bodies.back().mesh),
+                  name);
+    if (!row.planned) continue;
+    const Matrix4 X_WT = Tool(setup, row.angles);
+    figures.Raise("max_tip_error_mm", (Vector3(X_WT.block<3, 1>(0, 3)) - row.position).norm(), name);
+    figures.Raise("max_axis_error_deg", AngleBetween(Vector3(X_WT.block<3, 1>(0, 2)), row.axis) / kDegree,
+                  name);
+    AuditIndices(setup, row, figures);
+    for (size_t i = 0; i < 6; ++i)
+      if (row.angles[i] < setup.lower[i] - kAngleSlack || row.angles[i] > setup.upper[i] + kAngleSlack)
+        figures.Count("limit_violations", fmt::format("A{} of point {}", i + 1, row.point));
+  }
+}
+
+void AuditSteps(const Setup& setup, const std::vector<Cut>& cuts, Figures& figures) {
+  for (const Cut& cut : cuts)
+    for (size_t k = 1; k < cut.rows.size() + (cut.closed ? 1 : 0); ++k) {
+      const Row &from = *cut.rows[k - 1], &to = *cut.rows[k % cut.rows.size()];
+      for (size_t i = 0; i < 6; ++i)
+        if (std::abs(to.angles[i] - from.angles[i]) > setup.max_step[i] + kAngleSlack)
+          figures.Count("step_violations",
+                        fmt::format("A{} from point {} to {}", i + 1, from.point, to.point));
+    }
+}
+
+/// A straight motion in joint space and what it is for.
+struct JointMotion {
+  Angles from, to;
+  bool cutting;
+  std::string name;
+};
+
+std::vector<JointMotion> CutMotions(const std::vector<Cut>& cuts) {
+  std::vector<JointMotion> motions;
+  for (const Cut& cut : cuts)
+    for (size_t k = 1; k < cut.rows.size() + (cut.closed ? 1 : 0); ++k) {
+      const Row &from = *cut.rows[k - 1], &to = *cut.rows[k % cut.rows.size()];
+      motions.push_back({from.angles, to.angles, true, fmt::format("point {} to {}", from.point, to.point)});
+    }
+  return motions;
+}
+
+/// Whether the tool stands above the end of a cut on its own axis: on the way out of the material or into it.
+bool IsAbove(const Matrix4& X, const Matrix4& end) {
+  const Vector3 p = end.block<3, 3>(0, 0).transpose() * Vector3((X - end).block<3, 1>(0, 3));
+  return p.head<2>().norm() < 0.05L && p.z() > -0.05L &&
+         AngleBetween(Matrix3(X.block<3, 3>(0, 0)), Matrix3(end.block<3, 3>(0, 0))) < 0.05L * kDegree;
+}
+
+/// All motions of a program in joint space that are not cuts; approach and retract may have the cutter in its
+/// cut.
+std::vector<JointMotion> GapMotions(const std::vector<Target>& targets, const std::vector<Cut>& cuts) {
+  std::vector<JointMotion> motions;
+  size_t begin = 0;
+  for (size_t c = 0; c <= cuts.size(); ++c) {
+    const size_t end = c < cuts.size() ? cuts[c].first : targets.size() - 1;
+    size_t retracted = begin, approach = end;
+    if (c > 0)
+      while (retracted < end && IsAbove(targets[retracted + 1].X_WT, targets[begin].X_WT)) ++retracted;
+    if (c < cuts.size())
+      while (approach > retracted && IsAbove(targets[approach - 1].X_WT, targets[end].X_WT)) --approach;
+    for (size_t j = begin; j < end; ++j)
+      motions.push_back({*targets[j].angles, *targets[j + 1].angles, j < retracted || j >= approach,
+                         targets[j + 1].file + ":" + std::to_string(targets[j + 1].line)});
+    if (c < cuts.size()) begin = cuts[c].last;
+  }
+  return motions;
+}
+
+void AuditMotions(const Setup& setup, const std::vector<JointMotion>& motions, const Options& options,
+                  Figures& figures) {
+  std::mutex mutex;
+  const size_t parts = static_cast<size_t>(options.threads) * 8;
+  ParallelFor(parts, options.threads, {}, [&](size_t part) {
+    Judge judge(setup);
+    for (size_t k = part; k < motions.size(); k += parts) {
+      const JointMotion& motion = motions[k];
+      const auto contact = judge.Between(motion.from, motion.to, motion.cutting, options.travel_mm);
+      const std::lock_guard lock(mutex);
+      if (contact)
+        figures.Count("interferences",
+                      fmt::format("{} and {}, {}", contact->first, contact->second, motion.name));
+    }
+    const std::lock_guard lock(mutex);
+    figures.AddPoses(judge.poses);
+  });
+}
+
+void AuditGapLimits(const Setup& setup, const std::vector<JointMotion>& motions, Figures& figures) {
+  for (const JointMotion& motion : motions)
+    for (size_t i = 0; i < 6; ++i)
+      if (motion.to[i] < setup.hard_lower[i] - kAngleSlack ||
+          motion.to[i] > setup.hard_upper[i] + kAngleSlack)
+        figures.Count("limit_violations", fmt::format("A{} at {}", i + 1, motion.name));
+}
+
+}  // namespace
+
+bool Verdict::Holds() const {
+  return std::all_of(figures.begin(), figures.end(), [](const Figure& f) { return f.value <= f.bound; });
+}
+
+const Figure& Verdict::operator[](const std::string& name) const {
+  for (const Figure& figure : figures)
+    if (figure.name == name) return figure;
+  throw std::out_of_range("no figure " + name);
+}
+
+Verdict Audit(const Folder& folder, const Options& options) {
+  Figures figures;
+  figures.Declare("max_tip_error_mm", 1e-6);
+  figures.Declare("max_axis_error_deg", 1e-7);
+  figures.Declare("max_slice_distance_mm", 1e-6);
+  figures.Declare("limit_violations", 0);
+  figures.Declare("step_violations", 0);
+  figures.Declare("max_index_error_relative", 1e-6);
+  figures.Declare("interferences", 0);
+  for (const auto& [controller, files] : folder.programs) {
+    figures.Declare("program_deviation_mm_" + controller, static_cast<double>(kPositionBound));
+    figures.Declare("program_deviation_deg_" + controller, static_cast<double>(kAngleBound / kDegree));
+  }
+
+  std::vector<Cut> cuts = CutsOf(folder.rows, folder.setup);
+  AuditRows(folder, figures);
+  AuditSteps(folder.setup, cuts, figures);
+  std::vector<JointMotion> motions = CutMotions(cuts);
+  for (const auto& [controller, files] : folder.programs) {
+    const std::vector<Target> targets = ReadProgram(controller, files, folder.setup);
+    const Deviation deviation = Compare(targets, cuts, folder.setup);
+    figures.Raise("program_deviation_mm_" + controller, deviation.position, deviation.where);
+    figures.Raise("program_deviation_deg_" + controller, deviation.angle / kDegree, deviation.where);
+    if (controller != "linuxcnc" || targets.empty()) continue;  // the one that is in joint space throughout
+    const std::vector<JointMotion> gaps = GapMotions(targets, cuts);
+    AuditGapLimits(folder.setup, gaps, figures);
+    motions.insert(motions.end(), gaps.begin(), gaps.end());
+  }
+  AuditMotions(folder.setup, motions, options, figures);
+  return figures.Take();
+}
+
+std::string ToJson(const Verdict& verdict) {
+  nlohmann::ordered_json json;
+  nlohmann::ordered_json bounds, broken = nlohmann::ordered_json::object();
+  for (const Figure& figure : verdict.figures) {
+    json[figure.name] = figure.value;
+    bounds[figure.name] = figure.bound;
+    if (figure.value > figure.bound) broken[figure.name] = figure.where;
+  }
+  json["poses_checked"] = verdict.poses_checked;
+  json["bounds"] = bounds;
+  json["broken"] = broken;
+  return json.dump(2) + "\n";
+}
+
+}  // namespace millpose::audit

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The judge is judged: a good folder passes, and one wrong row or line raises exactly the figure that it
+// belongs to.
+#include "tests/audit/audit.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <set>
+#include <sstream>
+
+#include "base/file.hpp"
+#include "tests/audit/distance.hpp"
+#include "tests/audit/good_folder.hpp"
+#include "tests/audit/interference.hpp"
+#include "tests/audit/kinematics.hpp"
+#include "tests/audit/tessellate.hpp"
+
+namespace millpose::audit {
+namespace {
+
+namespace fs = std::filesystem;
+
+class AuditTest : public testing::Test {
+ protected:
+  AuditTest() : top_(fs::temp_directory_path() / ("millpose_audit_test." + std::to_string(getpid()))) {
+    fs::create_directories(top_);
+  }
+  ~AuditTest() override { fs::remove_all(top_); }
+
+  Verdict Judged(const Texts& texts) {
+    for (const auto& [name, text] : texts) {
+      fs::create_directories((top_ / name).parent_path());
+      WriteFileAtomically(top_ / name, text);
+    }
+    Options options;
+    options.travel_mm = 10;
+    return Audit(ReadFolder(top_ / "out"), options);
+  }
+
+  std::set<std::string> Broken(const Texts& texts) {
+    const Verdict verdict = Judged(texts);
+    std::set<std::string> names;
+    for (const Figure& figure : verdict.figures)
+      if (figure.value > figure.bound) names.insert(figure.name);
+    return names;
+  }
+
+ private:
+  fs::path top_;
+};
+
+using Names = std::set<std::string>;
+
+/// Adds `by` to cell `column` of a line of comma-separated values.
+std::string AddTo(const std::string& line, size_t column, double by) {
+  std::istringstream cells(line);
+  std::string cell, result;
+  for (size_t i = 0; std::getline(cells, cell, ','); ++i) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.17g", i == column ? std::stod(cell) + by : 0.0);
+    result += (i ? "," : "") + (i == column ? std::string(text) : cell);
+  }
+  return result;
+}
+
+/// Adds `by` to the number that follows `name` in a line of a program.
+std::string AddAfter(const std::string& line, const std::string& name, double by) {
+  const size_t begin = line.find(name) + name.size();
+  size_t used = 0;
+  const double value = std::stod(line.substr(begin), &used);
+  char text[40];
+  std::snprintf(text, sizeof text, "%.6f", value + by);
+  return line.substr(0, begin) + text + line.substr(begin + used);
+}
+
+TEST_F(AuditTest, AGoodFolderPasses) {
+  const Verdict verdict = Judged(MakeFolder({}));
+  EXPECT_TRUE(verdict.Holds()) << ToJson(verdict);
+  EXPECT_GT(verdict.poses_checked, 1000);
+  EXPECT_LT(verdict["max_tip_error_mm"].value, 1e-9);
+  EXPECT_LT(verdict["program_deviation_mm_linuxcnc"].value, 1e-3);
+  EXPECT_LT(verdict["program_deviation_mm_krl"].value, 1e-3);
+  EXPECT_LT(verdict["program_deviation_mm_sinumerik"].value, 1e-3);
+}
+
+TEST_F(AuditTest, AWrongPositionIsATipError) {
+  Texts texts = MakeFolder({});
+  // Along the block's top, so that the point stays on the surface.
+  const std::vector<Row> rows = ReadPoints(texts["out/points.csv"]);
+  const Vector3 along = (rows[4].position - rows[3].position).normalized() * 0.001L;
+  EditLine(texts["out/points.csv"], 5, [&](std::string line) {
+    for (size_t k = 0; k < 3; ++k)
+      line = AddTo(line, 6 + k, static_cast<double>(along[static_cast<Eigen::Index>(k)]));
+    return line;
+  });
+  EXPECT_EQ(Broken(texts), Names{"max_tip_error_mm"});
+}
+
+TEST_F(AuditTest, AWrongToolAxisIsAnAxisError) {
+  Texts texts = MakeFolder({});
+  EditLine(texts["out/points.csv"], 3, [](const std::string& line) { return AddTo(line, 12, 1e-6); });
+  EXPECT_EQ(Broken(texts), Names{"max_axis_error_deg"});
+}
+
+TEST_F(AuditTest, APointOffTheSurfaceIsASliceDistance) {
+  EXPECT_EQ(Broken(MakeFolder({.lift_mm = 1e-4})), Names{"max_slice_distance_mm"});
+}
+
+TEST_F(AuditTest, AnAngleBeyondTheJobsLimitIsALimitViolation) {
+  EXPECT_EQ(Broken(MakeFolder({.narrow_limits = true})), Names{"limit_violations"});
+}
+
+TEST_F(AuditTest, AJumpIsAStepViolation) {
+  EXPECT_EQ(Broken(MakeFolder({.rotation_deg = 8})), Names{"step_violations"});
+}
+
+TEST_F(AuditTest, AWrongIndexIsAnIndexError) {
+  for (const size_t column : {23u, 24u, 25u, 26u, 27u, 28u}) {
+    Texts texts = MakeFolder({});
+    EditLine(texts["out/points.csv"], 7, [&](const std::string& line) {
+      std::istringstream cells(line);
+      std::string cell;
+      for (size_t i = 0; i <= column; ++i) std::getline(cells, cell, ',');
+      return AddTo(line, column, 1e-5 * std::stod(cell));
+    });
+    EXPECT_EQ(Broken(texts), Names{"max_index_error_relative"}) << column;
+  }
+}
+
+TEST_F(AuditTest, APostInTheWayIsAnInterference) {
+  EXPECT_EQ(Broken(MakeFolder({.fixture_in_way = true})), Names{"interferences"});
+}
+
+TEST_F(AuditTest, AWrongLineOfAProgramIsItsDeviation) {
+  Texts texts = MakeFolder({});
+  EditLine(texts["out/programs/krl/by_hand.src"], 7,
+           [](const std::string& line) { return AddAfter(line, "Y ", 0.05); });
+  EXPECT_EQ(Broken(texts), Names{"program_deviation_mm_krl"});
+
+  texts = MakeFolder({});
+  EditLine(texts["out/programs/sinumerik/by_hand.mpf"], 13,
+           [](const std::string& line) { return AddAfter(line, "B=", 0.05); });
+  EXPECT_EQ(Broken(texts), Names{"program_deviation_deg_sinumerik"});
+
+  texts = MakeFolder({});
+  EditLine(texts["out/programs/linuxcnc/by_hand.ngc"], 6,
+           [](const std::string& line) { return AddAfter(line, "Z", 0.01); });
+  EXPECT_EQ(Broken(texts), Names{"program_deviation_mm_linuxcnc"});
+}
+
+TEST_F(AuditTest, AMissingEndOfAProgramIsADeviation) {
+  Texts texts = MakeFolder({});
+  std::string& krl = texts["out/programs/krl/by_hand.src"];
+  krl.resize(krl.size() / 2);
+  EXPECT_TRUE(Broken(texts).contains("program_deviation_mm_krl"));
+}
+
+TEST(Distance, OfAPointFromATriangle) {
+  const std::array<Vector3, 3> triangle{Vector3(0, 0, 0), Vector3(4, 0, 0), Vector3(0, 4, 0)};
+  EXPECT_NEAR(static_cast<double>(Distance(Vector3(1, 1, 3), triangle)), 3, 1e-15);
+  EXPECT_NEAR(static_cast<double>(Distance(Vector3(2, -5, 0), triangle)), 5, 1e-15);
+  EXPECT_NEAR(static_cast<double>(Distance(Vector3(-3, -4, 0), triangle)), 5, 1e-15);
+  EXPECT_NEAR(static_cast<double>(Distance(Vector3(4, 4, 0), triangle)), 2 * std::sqrt(2.0), 1e-15);
+}
+
+TEST(Shapes, AreClosedAndKnowTheirInside) {
+  const std::vector<Vector3> corners{{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {10, 10, 0}, {5, 5, 8}};
+  for (const Mesh& mesh :
+       {BoxMesh({10, 20, 30}), Frustum(10, 5, 20), CapsuleMesh(10, 20), CapsuleMesh(10, 0)}) {
+    EXPECT_TRUE(IsClosed(mesh));
+    EXPECT_TRUE(IsInside(Vector3(1, 0.5L, 0.3L), mesh));
+    EXPECT_FALSE(IsInside(Vector3(11, 0.5L, 0.3L), mesh));
+  }
+  EXPECT_TRUE(IsClosed(HullMesh(corners)));
+  EXPECT_TRUE(IsInside(Vector3(5, 4, 2), HullMesh(corners)));
+  EXPECT_FALSE(IsInside(Vector3(1, 1, 5), HullMesh(corners)));
+  Mesh open = BoxMesh({1, 1, 1});
+  open.pop_back();
+  EXPECT_FALSE(IsClosed(open));
+}
+
+TEST(Interference, ABodyInsideAnotherTouchesIt) {
+  audit::Setup setup{};
+  setup.X_WB = setup.X_FT = setup.X_WP = Matrix4::Identity();
+  const Matrix4 I = Matrix4::Identity();
+  setup.bodies = {{"link", "link", 3, false, I, BoxMesh({10, 10, 10})},
+                  {"hall", "fixture", -1, false, I, BoxMesh({90, 90, 90})}};
+  Judge judge(setup);
+  EXPECT_FALSE(judge.At({}, false, false));
+  EXPECT_TRUE(judge.At({}, false, true));
+  setup.excluded_pairs = {{"hall", "link"}};
+  EXPECT_FALSE(Judge(setup).At({}, false, true));
+}
+
+TEST(Interference, NothingThatTheArmSweepsIsMissed) {
+  // A plate of 1 mm beside the way of a link that turns through it.
+  audit::Setup setup{};
+  setup.sign.fill(1);
+  setup.X_WB = setup.X_FT = setup.X_WP = Matrix4::Identity();
+  setup.bodies = {{"link", "link", 1, false, Shift(1000, 0, 0), BoxMesh({10, 10, 10})},
+                  {"plate", "fixture", -1, false, Turn(2, 0.5L) * Shift(1000, 0, 0), BoxMesh({200, 1, 200})}};
+  Judge judge(setup);
+  EXPECT_FALSE(judge.At({}, false, true));
+  EXPECT_FALSE(judge.At({1}, false, true));
+  EXPECT_TRUE(judge.Between({}, {1}, false, 0.2));
+  EXPECT_FALSE(judge.Between({1}, {2}, false, 0.2));
+}
+
+TEST(Kinematics, KukaAtHomeLooksAlongX) {
+  audit::Setup setup{};
+  setup.sign = {-1, 1, 1, -1, 1, -1};
+  setup.d1 = 1045, setup.a1 = 500, setup.a2 = 1300, setup.d4 = 1025, setup.dz = -55, setup.d6 = 290;
+  setup.X_WB = setup.X_FT = Matrix4::Identity();
+  // A = (0, −90, 90, 0, 0, 0): flange at (a1 + d4 + d6, 0, d1 + a2 + dz), A, B, C = 0, 90, 0.
+  const Matrix4 X = Tool(setup, {0, -90 * kDegree, 90 * kDegree, 0, 0, 0});
+  EXPECT_LT(static_cast<double>((X - FrameXyzAbc(1815, 0, 2290, 0, 90, 0)).norm()), 1e-12);
+}
+
+}  // namespace
+}  // namespace millpose::audit

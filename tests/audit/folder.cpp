@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/audit/folder.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <sstream>
+
+#include "base/file.hpp"
+#include "tests/audit/tessellate.hpp"
+
+namespace millpose::audit {
+namespace fs = std::filesystem;
+namespace {
+
+std::vector<Real> List(const YAML::Node& node) {
+  std::vector<Real> numbers;
+  for (const auto& entry : node) numbers.push_back(entry.as<double>());
+  return numbers;
+}
+
+Vector3 Triple(const YAML::Node& node) {
+  const std::vector<Real> list = List(node);
+  if (list.size() != 3) throw std::runtime_error("three numbers expected in YAML");
+  return {list[0], list[1], list[2]};
+}
+
+Angles Six(const YAML::Node& node, Real unit) {
+  const std::vector<Real> list = List(node);
+  if (list.size() != 6) throw std::runtime_error("six numbers expected in YAML");
+  Angles angles;
+  for (size_t i = 0; i < 6; ++i) angles[i] = list[i] * unit;
+  return angles;
+}
+
+Matrix4 PoseOf(const YAML::Node& node) {
+  Vector3 xyz = Vector3::Zero(), abc = Vector3::Zero();
+  if (node && node["xyz_mm"]) xyz = Triple(node["xyz_mm"]);
+  if (node && node["abc_deg"]) abc = Triple(node["abc_deg"]);
+  return FrameXyzAbc(xyz[0], xyz[1], xyz[2], abc[0], abc[1], abc[2]);
+}
+
+Real UnitOf(const std::string& name) {
+  static const std::map<std::string, Real> units = {{"mm", 1}, {"cm", 10}, {"in", 25.4L}, {"m", 1000}};
+  return units.at(name);
+}
+
+void ReadArm(const YAML::Node& arm, Setup* setup) {
+  const YAML::Node lengths = arm["lengths_mm"];
+  setup->d1 = lengths["d1"].as<double>();
+  setup->a1 = lengths["a1"].as<double>();
+  setup->a2 = lengths["a2"].as<double>();
+  setup->d4 = lengths["d4"].as<double>();
+  setup->dz = lengths["dz"].as<double>();
+  setup->d6 = lengths["d6"].as<double>();
+  setup->sign = Six(arm["axis_signs"], 1);
+  setup->offset = arm["zero_offsets_deg"] ? Six(arm["zero_offsets_deg"], kDegree) : Angles{};
+  setup->stiffness = Six(arm["joint_stiffness_Nm_per_rad"], 1000);
+  for (size_t i = 0; i < 6; ++i) {
+    setup->hard_lower[i] = arm["limits_deg"][i][0].as<double>() * kDegree;
+    setup->hard_upper[i] = arm["limits_deg"][i][1].as<double>() * kDegree;
+  }
+}
+
+// Columns of T in F: z along the tool, x the part of the given direction across it.
+Matrix4 ToolInFlange(const YAML::Node& tool) {
+  const Vector3 tip = Triple(tool["tip_in_flange_mm"]), z = Triple(tool["axis_in_flange"]).normalized();
+  const Vector3 given = Triple(tool["x_in_flange"]);
+  const Vector3 x = (given - given.dot(z) * z).normalized();
+  Matrix4 X = Matrix4::Identity();
+  X.block<3, 1>(0, 0) = x;
+  X.block<3, 1>(0, 1) = z.cross(x);
+  X.block<3, 1>(0, 2) = z;
+  X.block<3, 1>(0, 3) = tip;
+  return X;
+}
+
+// The stack as frusta; a cutter is cut in two where its cutting length ends.
+void ReadTool(const YAML::Node& tool, Setup* setup) {
+  setup->X_FT = ToolInFlange(tool);
+  const Real cutting_length = tool["cutter"]["cutting_length_mm"].as<double>();
+  Real height = 0;
+  for (const auto& part : tool["stack"]) {
+    const Real length = part["length_mm"].as<double>(), bottom = part["diameter_mm"].as<double>() / 2;
+    const Real top = part["top_diameter_mm"] ? part["top_diameter_mm"].as<double>() / 2 : bottom;
+    const bool is_cutter = part["class"].as<std::string>() == "cutter";
+    const auto add = [&](Real from, Real to, bool in_cut) {
+      if (to <= from) return;
+      Body body;
+      body.name = part["name"].as<std::string>();
+      body.kind = part["class"].as<std::string>();
+      body.link = 6;
+      body.in_cut = in_cut;
+      const auto radius = [&](Real z) { return bottom + (top - bottom) * (z - height) / length; };
+      body.X_LG = setup->X_FT * Shift(0, 0, (from + to) / 2);
+      body.mesh = Frustum(radius(from), radius(to), to - from);
+      setup->bodies.push_back(std::move(body));
+    };
+    const Real split = is_cutter ? std::clamp(cutting_length, height, height + length) : height;
+    add(height, split, true);
+    add(split, height + length, false);
+    height += length;
+  }
+}
+
+Mesh ShapeOf(const YAML::Node& shape, const fs::path& folder) {
+  const std::string kind = shape.begin()->first.as<std::string>();
+  const YAML::Node s = shape.begin()->second;
+  if (kind == "mesh") {
+    const std::string file = s["file"].as<std::string>();
+    return ReadStl(ReadFile(folder / file), UnitOf(s["unit"].as<std::string>()));
+  }
+  if (kind == "box") return BoxMesh(Triple(s["size_mm"]));
+  if (kind == "convex") {
+    std::vector<Vector3> points;
+    for (const auto& p : s["points_mm"]) points.push_back(Triple(p));
+    return HullMesh(points);
+  }
+  const Real radius = s["diameter_mm"].as<double>() / 2;
+  if (kind == "sphere") return CapsuleMesh(radius, 0);
+  const Real length = s["length_mm"].as<double>();
+  if (kind == "capsule") return CapsuleMesh(radius, length);
+  if (kind == "cylinder") return Frustum(radius, radius, length);
+  if (kind == "cone") return Frustum(radius, s["top_diameter_mm"].as<double>() / 2, length);
+  throw std::runtime_error("unknown shape " + kind);
+}
+
+void ReadBodies(const YAML::Node& bodies, const fs::path& folder, Setup* setup) {
+  for (const auto& node : bodies) {
+    Body body;
+    body.name = node["name"].as<std::string>();
+    body.kind = node["class"].as<std::string>();
+    body.mesh = ShapeOf(node["shape"], folder);
+    body.X_LG = PoseOf(node["pose"]);
+    const std::string mount = node["mount"].as<std::string>();
+    if (mount == "base") {
+      body.X_LG = setup->X_WB * body.X_LG;  // the base does not move
+    } else if (mount == "tool") {
+      body.link = 6;
+      body.X_LG = setup->X_FT * body.X_LG;
+    } else if (mount == "workpiece") {
+      body.X_LG = setup->X_WP * body.X_LG;
+    } else if (mount != "world") {
+      body.link = mount.back() - '0';
+    }
+    setup->bodies.push_back(std::move(body));
+  }
+}
+
+void ReadJob(const YAML::Node& job, Setup* setup) {
+  Angles margin;
+  margin.fill(0);
+  if (job["limits"]["margin_deg"]) margin.fill(job["limits"]["margin_deg"].as<double>() * kDegree);
+  const YAML::Node task = job["limits"]["joints_deg"];
+  for (size_t i = 0; i < 6; ++i) {
+    setup->lower[i] = setup->hard_lower[i];
+    setup->upper[i] = setup->hard_upper[i];
+    if (task && task.IsSequence()) {
+      setup->lower[i] = std::max(setup->lower[i], task[i][0].as<double>() * kDegree);
+      setup->upper[i] = std::min(setup->upper[i], task[i][1].as<double>() * kDegree);
+    }
+    setup->lower[i] += margin[i];
+    setup->upper[i] -= margin[i];
+  }
+  setup->max_step = Six(job["path"]["max_joint_step_deg"], kDegree);
+  setup->spacing = job["toolpath"]["spacing_mm"].as<double>();
+  setup->rings = job["toolpath"]["strategy"].as<std::string>() == "rings";
+  const YAML::Node objective = job["pose"]["objective"];
+  if (objective["name"].as<std::string>() == "chen2021") {
+    setup->w1 = objective["w1"].as<double>(0.5);
+    setup->w2 = objective["w2"].as<double>(0.5);
+  }
+}
+
+void ReadControllers(const YAML::Node& controllers, Setup* setup) {
+  if (!controllers) return;
+  const auto text = [&](const char* controller, const char* key, const char* otherwise) {
+    const YAML::Node node = controllers[controller];
+    return node && node[key] ? node[key].as<std::string>() : std::string(otherwise);
+  };
+  setup->krl_tool_axis = text("krl", "tool_axis", "z");
+  setup->sinumerik_tool_axis = text("sinumerik", "tool_axis", "z");
+  setup->sinumerik_rotation = text("sinumerik", "rotation", "rpy");
+}
+
+void ReadCell(const YAML::Node& cell, const fs::path& folder, const YAML::Node& workpiece, Setup* setup) {
+  ReadArm(cell["arm"], setup);
+  setup->X_WB = PoseOf(cell["base_in_world"]);
+  setup->X_WP = PoseOf(workpiece["pose"]);
+  if (workpiece["frame"] && workpiece["frame"].as<std::string>() == "robot_base")
+    setup->X_WP = setup->X_WB * setup->X_WP;
+  setup->home = Six(cell["home_deg"], kDegree);
+  ReadTool(cell["tool"], setup);
+  ReadBodies(cell["bodies"], folder, setup);
+  for (const auto& pair : cell["excluded_pairs"])
+    setup->excluded_pairs.emplace_back(pair[0].as<std::string>(), pair[1].as<std::string>());
+  const YAML::Node stiffness = cell["stiffness"];
+  if (stiffness && stiffness["characteristic_length_mm"])
+    setup->characteristic_length = stiffness["characteristic_length_mm"].as<double>();
+  setup->stiffness_at_flange = stiffness && stiffness["at"] && stiffness["at"].as<std::string>() == "flange";
+  ReadControllers(cell["controllers"], setup);
+}
+
+fs::path Resolve(const std::vector<fs::path>& starts, const std::string& name) {
+  for (const fs::path& start : starts)
+    if (fs::exists(start / name)) return start / name;
+  throw std::runtime_error("cannot find '" + name + "'; say with --inputs where the job was");
+}
+
+}  // namespace
+
+Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
+  Folder folder;
+  const std::vector<fs::path> starts =
+      inputs.empty() ? std::vector<fs::path>{path, path / ".."} : std::vector<fs::path>{inputs};
+  const YAML::Node job = YAML::Load(ReadFile(path / "job.yaml"));
+  const fs::path cell_path = Resolve(starts, job["cell"].as<std::string>());
+  ReadCell(YAML::Load(ReadFile(cell_path)), cell_path.parent_path(), job["workpiece"], &folder.setup);
+  ReadJob(job, &folder.setup);
+  Body workpiece;
+  workpiece.name = workpiece.kind = "workpiece";
+  workpiece.X_LG = folder.setup.X_WP;
+  workpiece.mesh = ReadStl(ReadFile(Resolve(starts, job["workpiece"]["mesh"].as<std::string>())),
+                           UnitOf(job["workpiece"]["unit"].as<std::string>()));
+  folder.setup.bodies.push_back(std::move(workpiece));
+  folder.rows = ReadPoints(ReadFile(path / "points.csv"));
+  if (fs::exists(path / "programs"))
+    for (const auto& controller : fs::directory_iterator(path / "programs"))
+      for (const auto& file : fs::directory_iterator(controller.path()))
+        folder.programs[controller.path().filename()][file.path().filename()] = ReadFile(file.path());
+  return folder;
+}
+
+std::vector<Row> ReadPoints(const std::string& csv) {
+  std::istringstream lines(csv);
+  std::string line;
+  const auto split = [](const std::string& text) {
+    std::vector<std::string> cells(1);
+    for (const char c : text) {
+      if (c == ',')
+        cells.emplace_back();
+      else
+        cells.back() += c;
+    }
+    return cells;
+  };
+  std::getline(lines, line);
+  std::map<std::string, size_t> columns;
+  for (const std::string& name : split(line)) columns.emplace(name, columns.size());
+  std::vector<Row> rows;
+  for (int number = 2; std::getline(lines, line); ++number) {
+    const std::vector<std::string> cells = split(line);
+    const auto at = [&](const char* name) -> const std::string& { return cells.at(columns.at(name)); };
+    const auto real = [&](const char* name) -> Real {
+      size_t used = 0;
+      const Real value = std::stold(at(name), &used);
+      if (used != at(name).size() || !std::isfinite(value))
+        throw std::runtime_error("points.csv:" + std::to_string(number) + ": " + name + " is '" + at(name) +
+                                 "'");
+      return value;
+    };
+    Row row{};
+    row.point = std::stoi(at("point"));
+    row.pass = std::stoi(at("pass"));
+    row.position << real("x_mm"), real("y_mm"), real("z_mm");
+    row.normal << real("nx"), real("ny"), real("nz");
+    row.axis << real("tx"), real("ty"), real("tz");
+    row.planned = !at("a1_deg").empty();
+    if (row.planned) {
+      row.piece = std::stoi(at("piece"));
+      const char* names[] = {"a1_deg", "a2_deg", "a3_deg", "a4_deg", "a5_deg", "a6_deg"};
+      for (size_t i = 0; i < 6; ++i) row.angles[i] = real(names[i]) * kDegree;
+      row.lambda_t1 = real("lambda_t1_mm_N");
+      row.lambda_t2 = real("lambda_t2_mm_N");
+      row.lambda_n = real("lambda_n_mm_N");
+      row.mu = real("mu");
+      row.dexterity = real("dexterity");
+      row.objective = real("objective");
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace millpose::audit

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the judge reads of a plan's output folder. Nothing here is shared with the planner's own modules:
+// formats are read anew, so that a mistake there is not repeated here.
+#pragma once
+
+#include <Eigen/Dense>
+#include <array>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace millpose::audit {
+
+using Real = long double;
+using Vector3 = Eigen::Matrix<Real, 3, 1>;
+using Matrix3 = Eigen::Matrix<Real, 3, 3>;
+using Matrix4 = Eigen::Matrix<Real, 4, 4>;
+using Angles = std::array<Real, 6>;  ///< joint angles A1..A6, rad, as the arm's maker counts them
+
+/// A closed or open surface: corners of triangles, mm.
+using Mesh = std::vector<std::array<Vector3, 3>>;
+
+/// One solid of the cell, tessellated from inside (its corners lie on the true surface).
+struct Body {
+  std::string name, kind;  ///< kind: link, spindle, holder, cutter, fixture, platform, workpiece
+  int link = -1;           ///< 0..6 moves with that frame; −1 stands in the world; the tool moves with 6
+  bool in_cut = false;     ///< part of the cutter within the cutting length: may touch the workpiece in a cut
+  Matrix4 X_LG;            ///< shape in its link's frame, or in the world
+  Mesh mesh;               ///< in the shape's frame
+};
+
+/// The cell and job as far as the laws need them.
+struct Setup {
+  Real d1, a1, a2, d4, dz, d6;        ///< mm
+  Angles sign, offset, lower, upper;  ///< 1, rad
+  Angles hard_lower, hard_upper;      ///< the arm's own limits, rad
+  Angles stiffness;                   ///< N·mm/rad
+  Angles max_step;                    ///< rad
+  Angles home;                        ///< rad
+  Real characteristic_length = 1000;  ///< mm
+  bool stiffness_at_flange = false;
+  Matrix4 X_WB, X_FT, X_WP;
+  Real w1 = 0, w2 = 0;  ///< of objective chen2021; both 0 for others
+  Real spacing = 0;     ///< mm
+  bool rings = false;   ///< passes may be closed
+  std::string krl_tool_axis = "z", sinumerik_tool_axis = "z", sinumerik_rotation = "rpy";
+  std::vector<Body> bodies;  ///< the workpiece last
+  std::vector<std::pair<std::string, std::string>> excluded_pairs;
+};
+
+/// One row of points.csv; a skipped point has no angles.
+struct Row {
+  int point, pass, piece;
+  bool planned;
+  Vector3 position, normal, axis;  ///< in W, mm
+  Angles angles;                   ///< rad
+  Real lambda_t1, lambda_t2, lambda_n, mu, dexterity, objective;
+};
+
+/// A folder as read.
+struct Folder {
+  Setup setup;
+  std::vector<Row> rows;
+  std::map<std::string, std::map<std::string, std::string>> programs;  ///< controller → file name → text
+};
+
+/// Reads `path`. Cell and mesh are named in job.yaml relative to where the job was: `inputs`, else the folder
+/// itself or the one that it lies in. Throws an exception that says what is missing or malformed.
+Folder ReadFolder(const std::filesystem::path& path, const std::filesystem::path& inputs = {});
+
+/// Parts of ReadFolder.
+std::vector<Row> ReadPoints(const std::string& csv);
+Mesh ReadStl(const std::string& bytes, Real unit);
+
+/// Rz(A)·Ry(B)·Rx(C) and a translation; angles in degrees, as KUKA writes frames.
+Matrix4 FrameXyzAbc(Real x, Real y, Real z, Real a_deg, Real b_deg, Real c_deg);
+Matrix4 Turn(int axis, Real angle);
+Matrix4 Shift(Real x, Real y, Real z);
+
+inline constexpr Real kDegree = 3.14159265358979323846264338327950288L / 180;
+
+}  // namespace millpose::audit

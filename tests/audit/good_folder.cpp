@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/audit/good_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "tests/audit/kinematics.hpp"
+
+namespace millpose::audit {
+namespace {
+
+constexpr const char* kCell = R"(millpose_cell: 1
+name: made_by_hand
+arm:
+  name: by hand
+  lengths_mm: {d1: 1045, a1: 500, a2: 1300, d4: 1025, dz: -55, d6: 290}
+  axis_signs: [-1, 1, 1, -1, 1, -1]
+  zero_offsets_deg: [0, 0, 0, 0, 0, 0]
+  limits_deg: [[-185, 185], [-130, 20], [-100, 144], [-350, 350], [-120, 120], [-350, 350]]
+  joint_stiffness_Nm_per_rad: [8.9e6, 6.78e6, 1.13e7, 2.01e6, 1.65e6, 1.35e6]
+base_in_world: {xyz_mm: [100, -50, 300], abc_deg: [10, 0, 0]}
+home_deg: [0, -90, 90, 0, 0, 0]
+tool:
+  tip_in_flange_mm: [-250, 0, 250]
+  axis_in_flange: [1, 0, 0]
+  x_in_flange: [0, 0, 1]
+  cutter: {shape: flat, diameter_mm: 20, cutting_length_mm: 40}
+  stack:
+    - {name: cutter, class: cutter, length_mm: 60, diameter_mm: 20}
+    - {name: spindle, class: spindle, length_mm: 320, diameter_mm: 160}
+bodies:
+  - {name: forearm, class: link, mount: link3, shape: {capsule: {diameter_mm: 300, length_mm: 600}}, pose: {xyz_mm: [500, 0, 0], abc_deg: [0, 90, 0]}}
+  - {name: column, class: link, mount: base, shape: {cylinder: {diameter_mm: 400, length_mm: 500}}, pose: {xyz_mm: [0, 0, 250]}}
+  - {name: post, class: fixture, mount: workpiece, shape: {box: {size_mm: [20, 20, 20]}}, pose: {xyz_mm: [POST, 0, 200]}}
+excluded_pairs: []
+stiffness: {at: tool_tip, characteristic_length_mm: 1000}
+controllers:
+  krl: {tool_axis: x}
+)";
+
+constexpr const char* kJob = R"(millpose_job: 1
+name: by_hand
+cell: cell.yaml
+workpiece: {mesh: block.stl, unit: mm, frame: robot_base, pose: {xyz_mm: [XYZ], abc_deg: [ABC]}}
+toolpath: {strategy: parallel_planes, spacing_mm: 4}
+pose: {objective: {name: chen2021, w1: 0.5, w2: 0.5}}
+limits: {margin_deg: 3LIMITS}
+path: {max_joint_step_deg: [5, 5, 5, 5, 5, 5]}
+)";
+
+const char* const kHeader =
+    "point,pass,piece,kind,status,s_mm,x_mm,y_mm,z_mm,nx,ny,nz,tx,ty,tz,a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,"
+    "a6_deg,"
+    "rotation_deg,branch,lambda_t1_mm_N,lambda_t2_mm_N,lambda_n_mm_N,mu,dexterity,objective,clearance_mm\n";
+
+std::string Join(const Vector3& v) {
+  return fmt::format("{:.17g},{:.17g},{:.17g}", static_cast<double>(v[0]), static_cast<double>(v[1]),
+                     static_cast<double>(v[2]));
+}
+
+std::string Replaced(std::string text, const std::string& what, const std::string& with) {
+  return text.replace(text.find(what), what.size(), with);
+}
+
+/// A, B, C in degrees of Rz(A)·Ry(B)·Rx(C).
+Vector3 AbcOf(const Matrix4& X) {
+  // Where B is ±90° only A ± C counts, and what is left of the first column is noise.
+  const Real a = std::hypot(X(0, 0), X(1, 0)) > 1e-9L ? std::atan2(X(1, 0), X(0, 0)) : 0;
+  const Matrix4 rest = Turn(2, -a) * X;
+  return Vector3(a, std::atan2(-rest(2, 0), rest(0, 0)), std::atan2(-rest(1, 2), rest(1, 1))) / kDegree;
+}
+
+/// Joint angles that bring the tool to X_WT, by Newton's iteration on differences, from a start nearby.
+Angles Solve(const Setup& setup, const Matrix4& X_WT, Angles angles) {
+  const auto error = [&](const Angles& at) {
+    const Matrix4 X = Tool(setup, at);
+    const Matrix3 turn = X_WT.block<3, 3>(0, 0) * X.block<3, 3>(0, 0).transpose();
+    Eigen::Matrix<Real, 6, 1> e;
+    e << Vector3((X_WT - X).block<3, 1>(0, 3)) / 1000, (turn(2, 1) - turn(1, 2)) / 2,
+        (turn(0, 2) - turn(2, 0)) / 2, (turn(1, 0) - turn(0, 1)) / 2;
+    return e;
+  };
+  for (int round = 0; round < 20; ++round) {
+    Eigen::Matrix<Real, 6, 6> slope;
+    for (size_t i = 0; i < 6; ++i) {
+      Angles more = angles;
+      more[i] += 1e-8L;
+      slope.col(static_cast<Eigen::Index>(i)) = (error(more) - error(angles)) / 1e-8L;
+    }
+    const Eigen::Matrix<Real, 6, 1> step = slope.fullPivLu().solve(error(angles));
+    for (size_t i = 0; i < 6; ++i) angles[i] -= step[static_cast<Eigen::Index>(i)];
+  }
+  return angles;
+}
+
+Setup MakeSetup() {
+  Setup s{};
+  s.d1 = 1045, s.a1 = 500, s.a2 = 1300, s.d4 = 1025, s.dz = -55, s.d6 = 290;
+  s.sign = {-1, 1, 1, -1, 1, -1};
+  for (size_t i = 0; i < 6; ++i)
+    s.stiffness[i] = std::array<Real, 6>{8.9e9L, 6.78e9L, 1.13e10L, 2.01e9L, 1.65e9L, 1.35e9L}[i];
+  s.home = {0, -90 * kDegree, 90 * kDegree, 0, 0, 0};
+  s.X_WB = FrameXyzAbc(100, -50, 300, 10, 0, 0);
+  s.X_FT = Matrix4::Identity();
+  s.X_FT.block<3, 3>(0, 0) << 0, 0, 1, 0, -1, 0, 1, 0, 0;
+  s.X_FT.block<3, 1>(0, 3) << -250, 0, 250;
+  s.w1 = s.w2 = 0.5L;
+  return s;
+}
+
+std::string BlockStl() {
+  // 200 × 200 × 50 mm, its top at z = 0; FCL asks for no normals.
+  std::string stl = "solid block\n";
+  const int corner[8][3] = {{-100, -100, -50}, {100, -100, -50}, {100, 100, -50}, {-100, 100, -50},
+                            {-100, -100, 0},   {100, -100, 0},   {100, 100, 0},   {-100, 100, 0}};
+  const int face[12][3] = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4},
+                           {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
+  for (const auto& f : face) {
+    stl += "facet normal 0 0 0\nouter loop\n";
+    for (const int v : f) stl += fmt::format("vertex {} {} {}\n", corner[v][0], corner[v][1], corner[v][2]);
+    stl += "endloop\nendfacet\n";
+  }
+  return stl + "endsolid block\n";
+}
+
+/// Writes the three programs side by side.
+class Programs {
+ public:
+  Programs(const Setup& setup, const Matrix4& X_BP) : setup_(setup), X_BP_(X_BP) {
+    X_TC_ << 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 1;
+    krl_ = fmt::format("DEF BY_HAND( )\n$BASE = {{FRAME: {}}}\n$TOOL = {{FRAME: {}}}\n", Krl(X_BP),
+                       Krl(setup.X_FT * X_TC_));
+    const Vector3 abc = AbcOf(X_BP);
+    sinumerik_ = fmt::format(
+        "G710 "
+        "G90\n$P_UIFR[1]=CTRANS(X,{:.4f},Y,{:.4f},Z,{:.4f}):CROT(X,{:.6f},Y,{:.6f},Z,{:.6f})\nTRAORI\nG54\n",
+        static_cast<double>(X_BP(0, 3)), static_cast<double>(X_BP(1, 3)), static_cast<double>(X_BP(2, 3)),
+        static_cast<double>(abc[2]), static_cast<double>(abc[1]), static_cast<double>(abc[0]));
+    linuxcnc_ = "; joints\nG21 G90\n";
+  }
+
+  void Linear(const Angles& angles) {
+    const Matrix4 X_PT = (setup_.X_WB * X_BP_).inverse() * Tool(setup_, angles);
+    const Vector3 abc = AbcOf(X_PT);
+    krl_ += fmt::format("LIN {{{}}} C_DIS\n", Krl(X_PT * X_TC_));
+    sinumerik_ += fmt::format("G1 X{:.4f} Y{:.4f} Z{:.4f} A={:.6f} B={:.6f} C={:.6f} F80\n",
+                              static_cast<double>(X_PT(0, 3)), static_cast<double>(X_PT(1, 3)),
+                              static_cast<double>(X_PT(2, 3)), static_cast<double>(abc[2]),
+                              static_cast<double>(abc[1]), static_cast<double>(abc[0]));
+    LinuxCnc(angles);
+  }
+
+  void Joint(const Angles& angles) {
+    krl_ += "PTP {";
+    sinumerik_ += "TRAFOOF\nG0";
+    for (size_t i = 0; i < 6; ++i) {
+      const double degrees = static_cast<double>(angles[i] / kDegree);
+      krl_ += fmt::format("{}A{} {:.6f}", i ? "," : "", i + 1, degrees);
+      sinumerik_ += fmt::format(" RA{}={:.6f}", i + 1, degrees);
+    }
+    krl_ += "}\n";
+    sinumerik_ += "\nTRAORI\n";
+    LinuxCnc(angles);
+  }
+
+  void Finish(Texts& texts) {
+    texts["out/programs/krl/by_hand.src"] = krl_ + "END\n";
+    texts["out/programs/sinumerik/by_hand.mpf"] = sinumerik_ + "M30\n";
+    texts["out/programs/linuxcnc/by_hand.ngc"] = linuxcnc_ + "M2\n";
+  }
+
+ private:
+  void LinuxCnc(const Angles& angles) {
+    linuxcnc_ += "G1";
+    for (size_t i = 0; i < 6; ++i)
+      linuxcnc_ += fmt::format(" {}{:.6f}", "XYZABC"[i], static_cast<double>(angles[i] / kDegree));
+    linuxcnc_ += " F1\n";
+  }
+
+  static std::string Krl(const Matrix4& X) {
+    const Vector3 abc = AbcOf(X);
+    return fmt::format("X {:.4f},Y {:.4f},Z {:.4f},A {:.6f},B {:.6f},C {:.6f}", static_cast<double>(X(0, 3)),
+                       static_cast<double>(X(1, 3)), static_cast<double>(X(2, 3)),
+                       static_cast<double>(abc[0]), static_cast<double>(abc[1]), static_cast<double>(abc[2]));
+  }
+
+  const Setup& setup_;
+  Matrix4 X_BP_, X_TC_;
+  std::string krl_, sinumerik_, linuxcnc_;
+};
+
+std::string RowText(const Setup& setup, int point, int pass, const Angles& angles) {
+  const Matrix4 X_WT = Tool(setup, angles);
+  const Vector3 axis = X_WT.block<3, 1>(0, 2);
+  const Indices indices = ComputeIndices(setup, angles, axis);
+  std::string text = fmt::format("{},{},0,cut,planned,0,{},{},{}", point, pass, Join(X_WT.block<3, 1>(0, 3)),
+                                 Join(axis), Join(axis));
+  for (const Real angle : angles) text += fmt::format(",{:.17g}", static_cast<double>(angle / kDegree));
+  return text + fmt::format(",0,2,{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},10\n",
+                            static_cast<double>(indices.lambda_t1), static_cast<double>(indices.lambda_t2),
+                            static_cast<double>(indices.lambda_n), static_cast<double>(indices.mu),
+                            static_cast<double>(indices.dexterity), static_cast<double>(indices.objective));
+}
+
+}  // namespace
+
+Texts MakeFolder(const Fault& fault) {
+  constexpr int kPasses = 2, kPoints = 6;
+  constexpr Real kRetract = 200;  // mm: from there the way home is free
+  Setup setup = MakeSetup();
+  Angles angles{5, -65, 105, 25, 50, -40};
+  for (Real& angle : angles) angle *= kDegree;
+  // The block's place: four decimals of what the tool reaches at those angles, so that programs can state it
+  // exactly.
+  const Matrix4 reached = setup.X_WB.inverse() * Tool(setup, angles);
+  const auto rounded = [](const Vector3& v) -> Vector3 { return (v * 1e4L).array().round() / 1e4L; };
+  const Vector3 xyz = rounded(reached.block<3, 1>(0, 3)), abc = rounded(AbcOf(reached));
+  const Matrix4 X_BP = FrameXyzAbc(xyz[0], xyz[1], xyz[2], abc[0], abc[1], abc[2]);
+
+  Texts texts;
+  Programs programs(setup, X_BP);
+  programs.Joint(setup.home);
+  std::string csv = kHeader;
+  Real largest = -1e9L, second = -1e9L;  // A1
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const auto pose = [&](int k, Real height, Real turn) {
+      return Matrix4(setup.X_WB * X_BP * Shift(4 * k, 8 * pass, height) * Turn(2, turn));
+    };
+    programs.Joint(Solve(setup, pose(0, kRetract, 0), angles));
+    for (int k = 0; k < kPoints; ++k) {
+      const bool faulty = pass == 1 && k == 3;
+      angles = Solve(setup, pose(k, faulty ? fault.lift_mm : 0, faulty ? fault.rotation_deg * kDegree : 0),
+                     angles);
+      csv += RowText(setup, pass * kPoints + k, pass, angles);
+      programs.Linear(angles);
+      second = std::max(std::min(largest, angles[0]), second);
+      largest = std::max(largest, angles[0]);
+    }
+    programs.Linear(Solve(setup, pose(kPoints - 1, kRetract, 0), angles));
+  }
+  programs.Joint(setup.home);
+  programs.Finish(texts);
+  texts["out/points.csv"] = csv;
+
+  const double upper = static_cast<double>((largest + second) / 2 / kDegree) + 3;  // less the margin
+  const std::string limits = fmt::format(
+      ", joints_deg: [[-185, {:.17g}], [-130, 20], [-100, 144], [-350, 350], [-120, 120], [-350, 350]]",
+      upper);
+  texts["out/job.yaml"] = Replaced(Replaced(Replaced(kJob, "XYZ", Join(xyz)), "ABC", Join(abc)), "LIMITS",
+                                   fault.narrow_limits ? limits : "");
+  texts["cell.yaml"] = Replaced(kCell, "POST", fault.fixture_in_way ? "80" : "800");
+  texts["block.stl"] = BlockStl();
+  return texts;
+}
+
+void EditLine(std::string& text, size_t line, const std::function<std::string(std::string)>& edit) {
+  size_t begin = 0;
+  for (; line > 0; --line) begin = text.find('\n', begin) + 1;
+  const size_t length = text.find('\n', begin) - begin;
+  text.replace(begin, length, edit(text.substr(begin, length)));
+}
+
+}  // namespace millpose::audit

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "tests/audit/folder.hpp"
+
+namespace millpose::audit {
+
+/// What a plan made by hand gets wrong in one place; all zero: nothing.
+struct Fault {
+  double lift_mm = 0;           ///< one point off the surface, everything else following it
+  double rotation_deg = 0;      ///< one point's tool turned about its axis, everything else following it
+  bool narrow_limits = false;   ///< the job's limits exclude the point with the largest A1
+  bool fixture_in_way = false;  ///< a post stands where the spindle passes
+};
+
+/// Texts of a folder by name, as `plan` would leave it, with the cell and the mesh beside.
+using Texts = std::map<std::string, std::string>;
+
+/// A plan of two passes of six points on the top of a block, solved by iteration. `fault` is built in
+/// consistently.
+Texts MakeFolder(const Fault& fault);
+
+/// Line `line` (from 0) of a text, changed.
+void EditLine(std::string& text, size_t line, const std::function<std::string(std::string)>& edit);
+
+}  // namespace millpose::audit

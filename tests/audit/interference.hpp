@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "tests/audit/folder.hpp"
+
+namespace millpose::audit {
+
+/// Two bodies that touch, and at which angles.
+struct Contact {
+  std::string first, second;
+  Angles angles;
+};
+
+/// Looks at poses and motions with plain FCL collision of full triangle meshes. Knows no clearance: what it
+/// finds touching touches.
+class Judge {
+ public:
+  explicit Judge(const Setup& setup);
+  ~Judge();
+
+  /// The first pair that touches; with `inside`, also bodies wholly inside another. `cutting`: the cutter may
+  /// be in the workpiece with its cutting length.
+  std::optional<Contact> At(const Angles& angles, bool cutting, bool inside);
+
+  /// Looks at poses on the straight line in joint space so that no point of arm and tool travels more than
+  /// `travel` mm from one to the next; both ends included.
+  std::optional<Contact> Between(const Angles& from, const Angles& to, bool cutting, double travel);
+
+  long long poses = 0;  ///< looked at so far
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace millpose::audit

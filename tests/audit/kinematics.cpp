@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/audit/kinematics.hpp"
+
+#include <Eigen/SVD>
+#include <cmath>
+
+namespace millpose::audit {
+
+Matrix4 Turn(int axis, Real angle) {
+  Matrix4 X = Matrix4::Identity();
+  const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+  X(i, i) = X(j, j) = std::cos(angle);
+  X(j, i) = std::sin(angle);
+  X(i, j) = -std::sin(angle);
+  return X;
+}
+
+Matrix4 Shift(Real x, Real y, Real z) {
+  Matrix4 X = Matrix4::Identity();
+  X(0, 3) = x;
+  X(1, 3) = y;
+  X(2, 3) = z;
+  return X;
+}
+
+Matrix4 FrameXyzAbc(Real x, Real y, Real z, Real a_deg, Real b_deg, Real c_deg) {
+  return Shift(x, y, z) * Turn(2, a_deg * kDegree) * Turn(1, b_deg * kDegree) * Turn(0, c_deg * kDegree);
+}
+
+std::array<Matrix4, 7> Frames(const Setup& s, const Angles& angles) {
+  Angles q;
+  for (size_t i = 0; i < 6; ++i) q[i] = s.sign[i] * angles[i] + s.offset[i];
+  std::array<Matrix4, 7> frame;
+  frame[0] = s.X_WB;
+  frame[1] = frame[0] * Shift(0, 0, s.d1) * Turn(2, q[0]);
+  frame[2] = frame[1] * Shift(s.a1, 0, 0) * Turn(1, q[1]);
+  frame[3] = frame[2] * Shift(s.a2, 0, 0) * Turn(1, q[2]);
+  frame[4] = frame[3] * Shift(s.d4, 0, s.dz) * Turn(0, q[3]);
+  frame[5] = frame[4] * Turn(1, q[4]);
+  frame[6] = frame[5] * Turn(0, q[5]) * Shift(s.d6, 0, 0) * Turn(1, 90 * kDegree);
+  return frame;
+}
+
+Matrix4 Tool(const Setup& setup, const Angles& angles) { return Frames(setup, angles)[6] * setup.X_FT; }
+
+Indices ComputeIndices(const Setup& setup, const Angles& angles, const Vector3& normal_W) {
+  constexpr Real kStep = 1e-5L;  // rad: truncation near 1e-10 of the entries, rounding far below
+  const Matrix4 X_FO = setup.stiffness_at_flange ? Matrix4(Matrix4::Identity()) : setup.X_FT;
+  Eigen::Matrix<Real, 6, 6> J;
+  for (int i = 0; i < 6; ++i) {
+    Angles more = angles, less = angles;
+    more[static_cast<size_t>(i)] += kStep;
+    less[static_cast<size_t>(i)] -= kStep;
+    const Matrix4 after = Frames(setup, more)[6] * X_FO, before = Frames(setup, less)[6] * X_FO;
+    const Matrix4 middle = Frames(setup, angles)[6] * X_FO;
+    J.col(i).head<3>() = (after - before).block<3, 1>(0, 3) / (2 * kStep);
+    const Matrix3 spin =
+        (after - before).block<3, 3>(0, 0) / (2 * kStep) * middle.block<3, 3>(0, 0).transpose();
+    J.col(i).tail<3>() << spin(2, 1), spin(0, 2), spin(1, 0);
+  }
+  Eigen::Matrix<Real, 6, 1> flexibility;
+  for (int i = 0; i < 6; ++i) flexibility[i] = 1 / setup.stiffness[static_cast<size_t>(i)];
+  const Matrix3 c = J.topRows<3>() * flexibility.asDiagonal() * J.topRows<3>().transpose();
+
+  // A point c·f of the ellipsoid with |f| = 1 lies in the plane when it is B·y; so |c⁻¹·B·y| = 1 there.
+  const Vector3 n = normal_W.normalized();
+  Eigen::Index least;
+  n.cwiseAbs().minCoeff(&least);
+  Eigen::Matrix<Real, 3, 2> plane;
+  plane.col(0) = n.cross(Vector3(Vector3::Unit(least))).normalized();
+  plane.col(1) = n.cross(Vector3(plane.col(0)));
+  const Matrix3 inverse = c.fullPivLu().inverse();
+  const Eigen::JacobiSVD<Eigen::Matrix<Real, 3, 2>> section(inverse * plane);
+  Indices indices;
+  indices.lambda_t1 = 1 / section.singularValues()[1];
+  indices.lambda_t2 = 1 / section.singularValues()[0];
+  indices.lambda_n = 1 / (inverse * n).norm();
+  indices.mu = indices.lambda_t2 / indices.lambda_t1;
+  indices.objective = setup.w1 * indices.lambda_t2 + setup.w2 * indices.lambda_n;
+
+  Eigen::Matrix<Real, 6, 6> scaled = J;
+  scaled.topRows<3>() /= setup.characteristic_length;
+  const Eigen::JacobiSVD<Eigen::Matrix<Real, 6, 6>> svd(scaled);
+  const auto squares = svd.singularValues().array().square();
+  indices.dexterity = 6 / std::sqrt(squares.sum() * squares.inverse().sum());
+  return indices;
+}
+
+Real AngleBetween(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+Real AngleBetween(const Matrix3& a, const Matrix3& b) {
+  // |a − b| = 2·√2·sin(angle/2) (Frobenius), exact for small angles where the trace is not.
+  const Real chord = (a - b).norm() / (2 * std::sqrt(Real{2}));
+  return 2 * std::asin(std::min(Real{1}, chord));
+}
+
+}  // namespace millpose::audit

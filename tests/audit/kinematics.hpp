@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "tests/audit/folder.hpp"
+
+namespace millpose::audit {
+
+/// Frames of the base and of links 1..6 in W, by multiplying elementary matrices.
+std::array<Matrix4, 7> Frames(const Setup& setup, const Angles& angles);
+
+/// Tool tip in W.
+Matrix4 Tool(const Setup& setup, const Angles& angles);
+
+/// What points.csv says of stiffness, by another route: Jacobian by central differences of Tool(), and the
+/// ellipsoid's section and radius by singular values of c⁻¹ restricted to the plane and to the normal.
+struct Indices {
+  Real lambda_t1, lambda_t2, lambda_n, mu, dexterity, objective;
+};
+Indices ComputeIndices(const Setup& setup, const Angles& angles, const Vector3& normal_W);
+
+/// Angle between two directions, rad; good for small ones.
+Real AngleBetween(const Vector3& a, const Vector3& b);
+/// Angle of the rotation that takes one frame's axes to the other's, rad.
+Real AngleBetween(const Matrix3& a, const Matrix3& b);
+
+}  // namespace millpose::audit

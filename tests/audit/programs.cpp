@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/audit/programs.hpp"
+
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "tests/audit/kinematics.hpp"
+
+namespace millpose::audit {
+namespace {
+
+using Fields = std::map<std::string, Real>;
+
+Real At(const Fields& fields, const std::string& name, Real otherwise = 0) {
+  const auto found = fields.find(name);
+  return found == fields.end() ? otherwise : found->second;
+}
+
+/// KUKA's way to write axes and frames: names with digits (A1) need a blank before the number.
+Fields KrlFields(const std::string& text) {
+  static const std::regex field(R"(([A-Z][A-Z0-9]*)\s+([-+]?[0-9.]+))");
+  Fields fields;
+  for (std::sregex_iterator it(text.begin(), text.end(), field), end; it != end; ++it)
+    fields[(*it)[1]] = std::stold((*it)[2]);
+  return fields;
+}
+
+Matrix4 Frame(const Fields& f) {
+  return FrameXyzAbc(At(f, "X"), At(f, "Y"), At(f, "Z"), At(f, "A"), At(f, "B"), At(f, "C"));
+}
+
+struct Line {
+  std::string file;
+  int number;
+  std::string text;
+};
+
+/// The lines of a file without comments, called files in place of their calls.
+void Expand(const std::string& name, const std::map<std::string, std::string>& files,
+            const std::string& extension, std::vector<Line>& lines, int depth) {
+  if (depth > 8) throw std::runtime_error(name + ": calls nest too deep");
+  static const std::regex call(
+      R"(^\s*(?:N\d+\s+)?(?:GLOBAL\s+)?\"?([A-Za-z_][A-Za-z0-9_]*)\"?\s*(?:\(\s*\))?\s*$)");
+  std::istringstream stream(files.at(name));
+  std::string text;
+  for (int number = 1; std::getline(stream, text); ++number) {
+    text = text.substr(0, text.find(';'));
+    std::smatch match;
+    if (std::regex_match(text, match, call) && files.contains(match[1].str() + extension)) {
+      Expand(match[1].str() + extension, files, extension, lines, depth + 1);
+    } else {
+      lines.push_back({name, number, text});
+    }
+  }
+}
+
+/// The program that no other calls, with all that it calls.
+std::vector<Line> Whole(const std::map<std::string, std::string>& files, const std::string& extension) {
+  std::vector<Line> longest;
+  for (const auto& [name, text] : files) {
+    if (!name.ends_with(extension)) continue;
+    std::vector<Line> lines;
+    Expand(name, files, extension, lines, 0);
+    std::set<std::string> reached;
+    for (const Line& line : lines) reached.insert(line.file);
+    std::set<std::string> best;
+    for (const Line& line : longest) best.insert(line.file);
+    if (longest.empty() || reached.size() > best.size()) longest = std::move(lines);
+  }
+  return longest;
+}
+
+/// The controller's tool frame in T: its axis `name` lies along T's z, the others follow by cyclic exchange.
+Matrix4 ToolFrame(const std::string& name) {
+  Matrix4 X_TC = Matrix4::Zero();
+  const int k = name[0] - 'x';
+  X_TC(2, k) = X_TC(0, (k + 1) % 3) = X_TC(1, (k + 2) % 3) = X_TC(3, 3) = 1;
+  return X_TC;
+}
+
+Target AtAngles(const Line& line, const Setup& setup, const Angles& angles) {
+  return {line.file, line.number, angles, Tool(setup, angles)};
+}
+
+std::vector<Target> ReadKrl(const std::map<std::string, std::string>& files, const Setup& setup) {
+  static const std::regex motion(R"(^\s*(?:PTP|LIN|SLIN|SPL|SPTP)\s*\{([^}]*)\}.*)");
+  static const std::regex frame(R"(^\s*\$(BASE|TOOL)\s*=\s*\{([^}]*)\}.*)");
+  Matrix4 X_BP = Matrix4::Identity(), X_FC = Matrix4::Identity();
+  std::vector<Target> targets;
+  for (const Line& line : Whole(files, ".src")) {
+    std::smatch match;
+    if (std::regex_match(line.text, match, frame)) {
+      (match[1] == "BASE" ? X_BP : X_FC) = Frame(KrlFields(match[2]));
+    } else if (std::regex_match(line.text, match, motion)) {
+      const Fields fields = KrlFields(match[1]);
+      if (fields.contains("A1")) {
+        Angles angles;
+        for (size_t i = 0; i < 6; ++i) angles[i] = fields.at("A" + std::to_string(i + 1)) * kDegree;
+        targets.push_back(AtAngles(line, setup, angles));
+      } else {
+        const Matrix4 X_CT = X_FC.inverse() * setup.X_FT;
+        targets.push_back({line.file, line.number, std::nullopt, setup.X_WB * X_BP * Frame(fields) * X_CT});
+      }
+    }
+  }
+  return targets;
+}
+
+std::vector<Target> ReadSinumerik(const std::map<std::string, std::string>& files, const Setup& setup) {
+  static const std::regex frame(R"(.*\$P_UIFR\[\d+\]\s*=\s*CTRANS\(([^)]*)\)\s*:\s*CROT\(([^)]*)\).*)");
+  static const std::regex pair(R"(([XYZ])\s*,\s*([-+]?[0-9.]+))");
+  static const std::regex axes(R"(\b(R?A[1-6]|[A-Z]+[1-6])\s*=\s*([-+]?[0-9.]+))");
+  static const std::regex pose(R"(\b([XYZABC])\s*=?\s*([-+]?[0-9]*\.?[0-9]+))");
+  Matrix4 X_BP = Matrix4::Identity();
+  const Matrix4 X_CT = ToolFrame(setup.sinumerik_tool_axis).inverse();
+  bool transformed = false;
+  Fields modal;
+  Angles angles = setup.home;
+  std::vector<Target> targets;
+  for (const Line& line : Whole(files, ".mpf")) {
+    std::smatch match;
+    if (std::regex_match(line.text, match, frame)) {
+      Real numbers[6] = {};
+      for (int group : {1, 2}) {
+        const std::string list = match[group];
+        for (std::sregex_iterator it(list.begin(), list.end(), pair), end; it != end; ++it)
+          numbers[3 * (group - 1) + (*it)[1].str()[0] - 'X'] = std::stold((*it)[2]);
+      }
+      // CROT turns about Z, then the new Y, then the new X.
+      X_BP = FrameXyzAbc(numbers[0], numbers[1], numbers[2], numbers[5], numbers[4], numbers[3]);
+      continue;
+    }
+    if (line.text.find("TRAORI") != std::string::npos) transformed = true;
+    if (line.text.find("TRAFOOF") != std::string::npos) transformed = false;
+    const std::string text =
+        std::regex_replace(line.text.substr(0, line.text.find("STAT")), std::regex(R"("[^"]*")"), "");
+    bool moved = false;
+    if (transformed) {
+      for (std::sregex_iterator it(text.begin(), text.end(), pose), end; it != end; ++it) {
+        modal[(*it)[1]] = std::stold((*it)[2]);
+        moved = true;
+      }
+      if (!moved) continue;
+      const Real a = At(modal, "A"), b = At(modal, "B"), c = At(modal, "C");
+      Matrix4 X_PC = Shift(At(modal, "X"), At(modal, "Y"), At(modal, "Z"));
+      if (setup.sinumerik_rotation == "euler")
+        X_PC *= Turn(2, a * kDegree) * Turn(0, b * kDegree) * Turn(2, c * kDegree);
+      else
+        X_PC *= Turn(2, c * kDegree) * Turn(1, b * kDegree) * Turn(0, a * kDegree);
+      targets.push_back({line.file, line.number, std::nullopt, setup.X_WB * X_BP * X_PC * X_CT});
+    } else {
+      for (std::sregex_iterator it(text.begin(), text.end(), axes), end; it != end; ++it) {
+        angles[static_cast<size_t>((*it)[1].str().back() - '1')] = std::stold((*it)[2]) * kDegree;
+        moved = true;
+      }
+      if (moved) targets.push_back(AtAngles(line, setup, angles));
+    }
+  }
+  return targets;
+}
+
+std::vector<Target> ReadLinuxCnc(const std::map<std::string, std::string>& files, const Setup& setup) {
+  static const std::regex comment(R"(\([^)]*\))");
+  static const std::regex word(R"(([XYZABC])\s*([-+]?[0-9]*\.?[0-9]+))");
+  Angles angles = setup.home;
+  std::vector<Target> targets;
+  for (const Line& line : Whole(files, ".ngc")) {
+    const std::string text = std::regex_replace(line.text, comment, "");
+    bool moved = false;
+    for (std::sregex_iterator it(text.begin(), text.end(), word), end; it != end; ++it) {
+      angles[std::string("XYZABC").find((*it)[1].str())] = std::stold((*it)[2]) * kDegree;
+      moved = true;
+    }
+    if (moved) targets.push_back(AtAngles(line, setup, angles));
+  }
+  return targets;
+}
+
+}  // namespace
+
+std::vector<Target> ReadProgram(const std::string& controller,
+                                const std::map<std::string, std::string>& files, const Setup& setup) {
+  if (controller == "krl") return ReadKrl(files, setup);
+  if (controller == "sinumerik") return ReadSinumerik(files, setup);
+  if (controller == "linuxcnc") return ReadLinuxCnc(files, setup);
+  throw std::runtime_error("programs/" + controller + ": no reader for this controller");
+}
+
+}  // namespace millpose::audit

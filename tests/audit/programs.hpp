@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Programs read back with a tolerance for everything that does not move the arm.
+#pragma once
+
+#include <optional>
+
+#include "tests/audit/folder.hpp"
+
+namespace millpose::audit {
+
+/// Where a motion of a program ends.
+struct Target {
+  std::string file;
+  int line = 0;
+  std::optional<Angles> angles;  ///< rad, where programmed as axes
+  Matrix4 X_WT;                  ///< tool in W; from the angles where those are given
+};
+
+/// All targets of one controller's program in order, sub-programs followed. Throws std::runtime_error for a
+/// controller that it does not know.
+std::vector<Target> ReadProgram(const std::string& controller,
+                                const std::map<std::string, std::string>& files, const Setup& setup);
+
+/// How far a program and points.csv are apart, looked at both ways along every piece.
+struct Deviation {
+  Real position = 0;  ///< mm
+  Real angle = 0;     ///< rad, of the whole tool frame
+  std::string where;  ///< of the larger one, in units of its bound
+};
+
+/// Points that are cut in one go, and where in a program that is.
+struct Cut {
+  std::vector<const Row*> rows;
+  bool closed = false;         ///< returns to its first point
+  size_t first = 0, last = 0;  ///< targets of the program from its first to its last point
+};
+
+/// The pieces of points.csv in their order.
+std::vector<Cut> CutsOf(const std::vector<Row>& rows, const Setup& setup);
+
+/// Compares, and sets `first` and `last` of every cut.
+Deviation Compare(const std::vector<Target>& targets, std::vector<Cut>& cuts, const Setup& setup);
+
+inline constexpr Real kPositionBound = 0.02L;         // mm
+inline constexpr Real kAngleBound = 0.02L * kDegree;  // rad
+
+}  // namespace millpose::audit
