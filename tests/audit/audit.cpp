@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "base/parallel.hpp"
@@ -134,21 +133,20 @@ std::vector<JointMotion> GapMotions(const std::vector<Target>& targets, const st
 
 void AuditMotions(const Setup& setup, const std::vector<JointMotion>& motions, const Options& options,
                   Figures& figures) {
-  std::mutex mutex;
-  const size_t parts = static_cast<size_t>(options.threads) * 8;
+  std::vector<std::optional<Contact>> contacts(motions.size());
+  const size_t parts = static_cast<size_t>(options.threads);
+  std::vector<long long> poses(parts);
   ParallelFor(parts, options.threads, {}, [&](size_t part) {
     Judge judge(setup);
-    for (size_t k = part; k < motions.size(); k += parts) {
-      const JointMotion& motion = motions[k];
-      const auto contact = judge.Between(motion.from, motion.to, motion.cutting, options.travel_mm);
-      const std::lock_guard lock(mutex);
-      if (contact)
-        figures.Count("interferences",
-                      fmt::format("{} and {}, {}", contact->first, contact->second, motion.name));
-    }
-    const std::lock_guard lock(mutex);
-    figures.AddPoses(judge.poses);
+    for (size_t k = part; k < motions.size(); k += parts)
+      contacts[k] = judge.Between(motions[k].from, motions[k].to, motions[k].cutting, options.travel_mm);
+    poses[part] = judge.poses;
   });
+  for (const long long count : poses) figures.AddPoses(count);
+  for (size_t k = 0; k < motions.size(); ++k)
+    if (contacts[k])
+      figures.Count("interferences",
+                    fmt::format("{} and {}, {}", contacts[k]->first, contacts[k]->second, motions[k].name));
 }
 
 void AuditGapLimits(const Setup& setup, const std::vector<JointMotion>& motions, Figures& figures) {
