@@ -22,9 +22,11 @@ struct Session {
 /// What a subcommand leaves to be run after parsing; set by the callback of the chosen one.
 using Run = std::function<int(Session&)>;
 
+void AddFlatnessCommand(CLI::App& app, Run& run);
 void AddSchemaCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
+    AddFlatnessCommand,
     AddSchemaCommand,
 };
 
