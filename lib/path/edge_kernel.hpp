@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "base/lanes.hpp"
+#include "robot/arm.hpp"
+
+namespace millpose {
+
+/// What a step between neighbouring points may be and costs.
+struct StepRule {
+  Joints max_step = Joints::Zero();  ///< rad, hard, per joint
+  double motion_weight = 0;          ///< objective units per rad²
+};
+
+/// Joint angles of many nodes as structure of arrays. `Finish` pads to full blocks, so that kernels may read
+/// beyond the end.
+struct JointRows {
+  std::array<std::vector<double>, 6> q;
+  size_t size = 0;
+
+  void Add(const Joints& joints);
+  void Finish();
+  Joints At(size_t node) const;
+};
+
+/// `angle` less full turns, in [−π, π]: the same bits in the kernel and here (round to nearest by adding and
+/// taking away 1.5·2⁵²).
+double ShortWay(double angle);
+
+/// Cost of the motion from `from` to `to`, joints taken the short way round; +inf where a joint steps too
+/// far.
+double StepCost(const StepRule& rule, const Joints& from, const Joints& to);
+
+/// The predecessor of least cost for one node.
+struct BestPredecessor {
+  double cost = std::numeric_limits<double>::infinity();
+  size_t node = 0;
+};
+
+/// Looks at predecessors first..last−1 with costs `row` (padded like `nodes`) for a node at `to`; keeps the
+/// first of equals, and what `best` holds unless a predecessor is cheaper. Sums are in one order, so that the
+/// result does not depend on the instruction set.
+void RelaxFrom(const StepRule& rule, const JointRows& nodes, const std::vector<double>& row, size_t first,
+               size_t last, const Joints& to, BestPredecessor& best);
+
+}  // namespace millpose

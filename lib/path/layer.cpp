@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/layer.hpp"
+
+namespace millpose {
+
+int Layer::BranchOf(size_t node) const {
+  int branch = 0;
+  while (node >= branch_begin[branch + 1]) ++branch;
+  return branch;
+}
+
+Layer MakeLayer(const PointScorer& scorer, std::vector<NodeSeed> seeds, bool all_turns) {
+  std::erase_if(seeds,
+                [](const NodeSeed& s) { return s.candidate.admissibility != Admissibility::kAdmissible; });
+  std::stable_sort(seeds.begin(), seeds.end(), [](const NodeSeed& a, const NodeSeed& b) {
+    return a.branch != b.branch ? a.branch < b.branch : a.freedoms < b.freedoms;
+  });
+  const PoseProblem& problem = scorer.problem();
+  Layer layer;
+  layer.R_WT = scorer.ToolPose(FreedomValues(problem.freedoms.size(), 0.0)).linear();
+  for (const NodeSeed& seed : seeds) {
+    std::vector<Joints> variants{seed.candidate.q};
+    if (all_turns) variants = FullTurns(seed.candidate.q, problem.bounds.lower, problem.bounds.upper);
+    for (const Joints& q : variants) {
+      layer.joints.Add(q);
+      layer.objective.push_back(seed.candidate.objective);
+      layer.freedoms.push_back(seed.freedoms);
+      layer.genetic.push_back(seed.genetic);
+    }
+    for (int later = seed.branch + 1; later <= 8; ++later) layer.branch_begin[later] = layer.size();
+  }
+  layer.joints.Finish();
+  return layer;
+}
+
+std::vector<NodeSeed> GridSeeds(const PointScorer& scorer, double step) {
+  // All settings: the product of the freedoms' grids.
+  std::vector<FreedomValues> settings{{}};
+  for (const auto& freedom : scorer.problem().freedoms) {
+    const double range = freedom->Upper() - freedom->Lower();
+    const int intervals = std::max(1, static_cast<int>(std::ceil(range / step - 1e-9)));
+    std::vector<FreedomValues> longer;
+    for (const FreedomValues& setting : settings) {
+      for (int i = 0; i < intervals + (freedom->Periodic() ? 0 : 1); ++i) {
+        longer.push_back(setting);
+        longer.back().push_back(freedom->Lower() + i * (range / intervals));
+      }
+    }
+    settings = std::move(longer);
+  }
+  std::vector<Candidate> candidates(8 * settings.size());
+  scorer.Score(settings, candidates);
+  std::vector<NodeSeed> seeds;
+  for (size_t k = 0; k < candidates.size(); ++k) {
+    if (candidates[k].admissibility != Admissibility::kAdmissible) continue;
+    seeds.push_back({settings[k / 8], candidates[k], static_cast<int>(k % 8), false});
+  }
+  return seeds;
+}
+
+}  // namespace millpose

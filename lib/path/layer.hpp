@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+
+#include "path/edge_kernel.hpp"
+#include "pose/search.hpp"
+
+namespace millpose {
+
+/// The admissible candidates of one milling point: branch by branch, in ascending order of the first freedom.
+struct Layer {
+  JointRows joints;
+  std::vector<double> objective;  ///< +inf for a node that was struck out
+  std::vector<FreedomValues> freedoms;
+  std::vector<bool> genetic;             ///< the genetic algorithm's answer
+  std::array<size_t, 9> branch_begin{};  ///< nodes of branch b: branch_begin[b] .. branch_begin[b+1]−1
+  Eigen::Matrix3d R_WT = Eigen::Matrix3d::Identity();  ///< of the tool where all freedoms are 0
+
+  size_t size() const { return joints.size; }
+  int BranchOf(size_t node) const;
+};
+
+/// A candidate to become a node.
+struct NodeSeed {
+  FreedomValues freedoms;
+  Candidate candidate;
+  int branch = 0;
+  bool genetic = false;
+};
+
+/// Sorts the admissible of `seeds` into a layer. `all_turns` makes a node of every full-turn variant within
+/// the bounds, else each stands for all of its own.
+Layer MakeLayer(const PointScorer& scorer, std::vector<NodeSeed> seeds, bool all_turns);
+
+/// The grid of `step` over every freedom, all branches.
+std::vector<NodeSeed> GridSeeds(const PointScorer& scorer, double step);
+
+}  // namespace millpose

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <limits>
+#include <set>
+#include <stop_token>
+
+#include "path/layer.hpp"
+
+namespace millpose {
+
+/// Nodes of neighbouring layers between which the way is barred, although both are free: (from, to).
+using StruckEdges = std::set<std::pair<size_t, size_t>>;
+
+/// Layers of a pass and what a sequence through them may do.
+struct LayeredProblem {
+  std::span<const Layer> layers;
+  StepRule rule;
+  std::span<const StruckEdges> struck;  ///< entry t: from layer t to layer (t+1) mod count; may be empty
+  bool banded = false;  ///< look only at predecessors whose rotation a step can come from (see BandWidth)
+  std::stop_token stop;
+};
+
+inline constexpr size_t kNoNode = std::numeric_limits<size_t>::max();
+
+/// A sequence of nodes, one per layer (kNoNode for an empty layer).
+struct Sequence {
+  std::vector<size_t> nodes;
+  std::vector<bool> break_before;  ///< the tool is lifted before layer t
+  double cost = 0;                 ///< Σ objective + motion, without the breaks
+  bool closed = false;             ///< the step from the last layer to the first is within the rule
+};
+
+/// The sequence with the fewest breaks, and among those of least cost: Σ objective + motion_weight·Σ|Δq|²,
+/// every joint step within the rule modulo full turns, the branch kept. Dynamic programme (Bellman 1957) with
+/// implicit edges, two rolling cost rows and one predecessor per node.
+Sequence SearchOpen(const LayeredProblem& problem);
+
+/// The same for a closed pass: the sequence of least cost that has no break and whose step from the last
+/// layer to the first is one as any other. Empty when there is none. Exact by branch and bound over the nodes
+/// of the first layer: a sequence that starts and ends anywhere in a set of them bounds all closed ones
+/// through it.
+std::optional<Sequence> SearchClosed(const LayeredProblem& problem);
+
+/// How far apart (rad) the rotations about the tool axis of two neighbouring nodes can lie: joints turning by
+/// Δq turn the tool by no more than Σ|Δq|, and the tools' frames at rotation 0 lie `nominal_angle` apart, so
+/// by the triangle inequality of angles |Δrotation| ≤ Σ max_step + nominal_angle.
+double BandWidth(const StepRule& rule, double nominal_angle);
+
+}  // namespace millpose
