@@ -13,8 +13,9 @@ constexpr double kPerTurn = 1 / kTurn;
 constexpr double kRound = 0x1.8p52;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-[[gnu::always_inline]] inline double Short(double angle) {
-  const double turns = (angle * kPerTurn + kRound) - kRound;
+[[gnu::always_inline]] inline double Short(double angle, double per_turn) {
+  // Adding 1.5·2⁵² rounds to a whole number; with per_turn = 0 nothing is taken away.
+  const double turns = (angle * per_turn + kRound) - kRound;
   return angle - turns * kTurn;
 }
 
@@ -33,12 +34,12 @@ Joints JointRows::At(size_t node) const {
   return (Joints() << q[0][node], q[1][node], q[2][node], q[3][node], q[4][node], q[5][node]).finished();
 }
 
-double ShortWay(double angle) { return Short(angle); }
+double ShortWay(double angle) { return Short(angle, kPerTurn); }
 
 double StepCost(const StepRule& rule, const Joints& from, const Joints& to) {
   double sum = 0.0;
   for (int i = 0; i < 6; ++i) {
-    const double step = Short(to[i] - from[i]);
+    const double step = Short(to[i] - from[i], rule.modulo_turns ? kPerTurn : 0.0);
     if (std::fabs(step) > rule.max_step[i]) return kInfinity;
     sum += step * step;
   }
@@ -48,7 +49,7 @@ double StepCost(const StepRule& rule, const Joints& from, const Joints& to) {
 void RelaxFrom(const StepRule& rule, const JointRows& nodes, const std::vector<double>& row, size_t first,
                size_t last, const Joints& to, BestPredecessor& best) {
   static const InstructionSet set = WidestInstructionSet();
-  const double weight = rule.motion_weight;
+  const double weight = rule.motion_weight, turn = rule.modulo_turns ? kPerTurn : 0.0;
   const double t0 = to[0], t1 = to[1], t2 = to[2], t3 = to[3], t4 = to[4], t5 = to[5];
   const double m0 = rule.max_step[0], m1 = rule.max_step[1], m2 = rule.max_step[2], m3 = rule.max_step[3],
                m4 = rule.max_step[4], m5 = rule.max_step[5];
@@ -58,8 +59,8 @@ void RelaxFrom(const StepRule& rule, const JointRows& nodes, const std::vector<d
                  *q3 = &nodes.q[3][block], *q4 = &nodes.q[4][block], *q5 = &nodes.q[5][block];
     const double* costs = &row[block];
     ForEachLane(set, [&](int l) [[gnu::always_inline]] {
-      const double d0 = Short(t0 - q0[l]), d1 = Short(t1 - q1[l]), d2 = Short(t2 - q2[l]);
-      const double d3 = Short(t3 - q3[l]), d4 = Short(t4 - q4[l]), d5 = Short(t5 - q5[l]);
+      const double d0 = Short(t0 - q0[l], turn), d1 = Short(t1 - q1[l], turn), d2 = Short(t2 - q2[l], turn);
+      const double d3 = Short(t3 - q3[l], turn), d4 = Short(t4 - q4[l], turn), d5 = Short(t5 - q5[l], turn);
       const double sum = ((((d0 * d0 + d1 * d1) + d2 * d2) + d3 * d3) + d4 * d4) + d5 * d5;
       const bool within = (std::fabs(d0) <= m0) & (std::fabs(d1) <= m1) & (std::fabs(d2) <= m2) &
                           (std::fabs(d3) <= m3) & (std::fabs(d4) <= m4) & (std::fabs(d5) <= m5);

@@ -14,6 +14,7 @@ namespace millpose {
 struct StepRule {
   Joints max_step = Joints::Zero();  ///< rad, hard, per joint
   double motion_weight = 0;          ///< objective units per rad²
+  bool modulo_turns = true;          ///< joints go the short way round; else angles are taken as they stand
 };
 
 /// Joint angles of many nodes as structure of arrays. `Finish` pads to full blocks, so that kernels may read
@@ -27,12 +28,10 @@ struct JointRows {
   Joints At(size_t node) const;
 };
 
-/// `angle` less full turns, in [−π, π]: the same bits in the kernel and here (round to nearest by adding and
-/// taking away 1.5·2⁵²).
+/// `angle` less full turns, in [−π, π].
 double ShortWay(double angle);
 
-/// Cost of the motion from `from` to `to`, joints taken the short way round; +inf where a joint steps too
-/// far.
+/// Cost of the motion from `from` to `to`; +inf where a joint steps too far.
 double StepCost(const StepRule& rule, const Joints& from, const Joints& to);
 
 /// The predecessor of least cost for one node.

@@ -9,6 +9,10 @@ int Layer::BranchOf(size_t node) const {
   return branch;
 }
 
+bool Layer::usable() const {
+  return std::any_of(objective.begin(), objective.end(), [](double value) { return std::isfinite(value); });
+}
+
 Layer MakeLayer(const PointScorer& scorer, std::vector<NodeSeed> seeds, bool all_turns) {
   std::erase_if(seeds,
                 [](const NodeSeed& s) { return s.candidate.admissibility != Admissibility::kAdmissible; });
@@ -18,13 +22,17 @@ Layer MakeLayer(const PointScorer& scorer, std::vector<NodeSeed> seeds, bool all
   const PoseProblem& problem = scorer.problem();
   Layer layer;
   layer.R_WT = scorer.ToolPose(FreedomValues(problem.freedoms.size(), 0.0)).linear();
+  size_t base = 0;
   for (const NodeSeed& seed : seeds) {
+    ++base;
     std::vector<Joints> variants{seed.candidate.q};
     if (all_turns) variants = FullTurns(seed.candidate.q, problem.bounds.lower, problem.bounds.upper);
     for (const Joints& q : variants) {
       layer.joints.Add(q);
       layer.objective.push_back(seed.candidate.objective);
       layer.freedoms.push_back(seed.freedoms);
+      layer.first.push_back(seed.freedoms[0]);
+      layer.base.push_back(base);
       layer.genetic.push_back(seed.genetic);
     }
     for (int later = seed.branch + 1; later <= 8; ++later) layer.branch_begin[later] = layer.size();

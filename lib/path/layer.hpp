@@ -13,10 +13,14 @@ struct Layer {
   JointRows joints;
   std::vector<double> objective;  ///< +inf for a node that was struck out
   std::vector<FreedomValues> freedoms;
-  std::vector<bool> genetic;             ///< the genetic algorithm's answer
+  std::vector<double> first;  ///< the first freedom again, for the band
+  std::vector<size_t> base;   ///< equal for nodes that differ by full turns only; these are neighbours
+  std::vector<bool> genetic;  ///< the genetic algorithm's answer
   std::array<size_t, 9> branch_begin{};  ///< nodes of branch b: branch_begin[b] .. branch_begin[b+1]−1
   Eigen::Matrix3d R_WT = Eigen::Matrix3d::Identity();  ///< of the tool where all freedoms are 0
 
+  /// Some node is not struck out.
+  bool usable() const;
   size_t size() const { return joints.size; }
   int BranchOf(size_t node) const;
 };

@@ -20,14 +20,12 @@ double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
 /// `value`, round the turn too.
 template <typename Visit>
 void VisitBand(const Layer& layer, int branch, double value, double band, const Visit& visit) {
-  const auto begin = layer.freedoms.begin();
+  const auto begin = layer.first.begin();
   const size_t from = layer.branch_begin[branch], to = layer.branch_begin[branch + 1];
   if (band >= kPi) return visit(from, to);
-  const auto less = [](const FreedomValues& a, double b) { return a[0] < b; };
-  const auto greater = [](double a, const FreedomValues& b) { return a < b[0]; };
   for (const double turn : {-2 * kPi, 0.0, 2 * kPi}) {
-    const auto low = std::lower_bound(begin + from, begin + to, value + turn - band, less);
-    const auto high = std::upper_bound(low, begin + to, value + turn + band, greater);
+    const auto low = std::lower_bound(begin + from, begin + to, value + turn - band);
+    const auto high = std::upper_bound(low, begin + to, value + turn + band);
     if (low != high) visit(static_cast<size_t>(low - begin), static_cast<size_t>(high - begin));
   }
 }
@@ -35,7 +33,8 @@ void VisitBand(const Layer& layer, int branch, double value, double band, const 
 /// One sweep of the dynamic programme.
 class Sweep {
  public:
-  explicit Sweep(const LayeredProblem& problem) : problem_(problem), layers_(problem.layers) {}
+  Sweep(const LayeredProblem& problem, double break_penalty)
+      : problem_(problem), layers_(problem.layers), break_penalty_(break_penalty) {}
 
   /// Starts with the nodes first..last−1 of layer 0. False when the last layer cannot be reached; with
   /// `breaks` it always can.
@@ -44,7 +43,7 @@ class Sweep {
     Start(first, last);
     for (size_t t = 1; t < layers_.size(); ++t) {
       CheckStop(problem_.stop);
-      if (layers_[t].size() == 0) {
+      if (!layers_[t].usable()) {
         must_break_ = true;
         continue;
       }
@@ -58,7 +57,7 @@ class Sweep {
   /// cycle.
   struct Closing {
     BestPredecessor by;
-    size_t start_wanted = kNoNode;
+    size_t into = kNoNode;
   };
   Closing Close(size_t first, size_t last) const {
     Closing best;
@@ -106,7 +105,7 @@ class Sweep {
     last_used_ = kNoNode;
     must_break_ = false;
     least_ = kInfinity;
-    if (layers_[0].size() == 0) return;
+    if (!layers_[0].usable()) return;
     row_.assign(layers_[0].size() + kLanes, kInfinity);
     for (size_t node = first; node < last; ++node) row_[node] = layers_[0].objective[node];
     FindLeast(0);
@@ -125,8 +124,8 @@ class Sweep {
         if (!std::isfinite(layer.objective[node])) continue;
         BestPredecessor by;
         if (!must_break_) Relax(t - 1, t, node, by);
-        if (breaks && least_ + penalty_ < by.cost) {
-          by.cost = least_ + penalty_;
+        if (breaks && least_ + break_penalty_ < by.cost) {
+          by.cost = least_ + break_penalty_;
         } else if (std::isfinite(by.cost)) {
           previous_[t][node] = static_cast<uint32_t>(by.node);
         }
@@ -153,7 +152,7 @@ class Sweep {
     const int branch = target.BranchOf(node);
     const Joints q = target.joints.At(node);
     const double band = Band(from, to);
-    VisitBand(source, branch, target.freedoms[node][0], band, [&](size_t first, size_t last) {
+    VisitBand(source, branch, target.first[node], band, [&](size_t first, size_t last) {
       RelaxFrom(problem_.rule, source.joints, row_, first, last, q, by);
     });
     if (problem_.struck.empty() || !std::isfinite(by.cost)) return;
@@ -161,7 +160,7 @@ class Sweep {
     if (!struck.contains({by.node, node})) return;
     // Rare: the best is barred, so look again, one by one.
     by = {};
-    VisitBand(source, branch, target.freedoms[node][0], band, [&](size_t first, size_t last) {
+    VisitBand(source, branch, target.first[node], band, [&](size_t first, size_t last) {
       for (size_t k = first; k < last; ++k) {
         const double cost = row_[k] + StepCost(problem_.rule, source.joints.At(k), q);
         if (cost < by.cost && !struck.contains({k, node})) by = {cost, k};
@@ -180,6 +179,7 @@ class Sweep {
 
   const LayeredProblem& problem_;
   std::span<const Layer> layers_;
+  double break_penalty_;
   std::vector<double> row_;
   std::vector<std::vector<uint32_t>> previous_;
   std::vector<size_t> used_before_, least_before_;
@@ -188,9 +188,6 @@ class Sweep {
   bool must_break_ = false;
   mutable size_t band_from_ = kNoNode;
   mutable double band_ = 0;
-
- public:
-  double penalty_ = 0;
 };
 
 /// More than any sequence can cost, so that one break less always wins.
@@ -212,8 +209,8 @@ double BreakPenalty(const LayeredProblem& problem) {
 /// A set of first nodes, first..last−1, and what is known about closed sequences through it.
 struct Part {
   size_t first, last;
-  double bound;       ///< no closed sequence through the set costs less
-  size_t start, end;  ///< of the sequence that gives the bound
+  double bound;  ///< no closed sequence through the set costs less
+  size_t start;  ///< of the sequence that gives the bound
 };
 struct Costlier {
   bool operator()(const Part& a, const Part& b) const {
@@ -232,17 +229,17 @@ Sequence SearchOpen(const LayeredProblem& problem) {
   none.nodes.assign(problem.layers.size(), kNoNode);
   none.break_before.assign(problem.layers.size(), false);
   if (problem.layers.empty()) return none;
-  Sweep sweep(problem);
-  sweep.penalty_ = BreakPenalty(problem);
+  Sweep sweep(problem, BreakPenalty(problem));
   if (!sweep.Forward(0, problem.layers[0].size(), true)) return none;
   return sweep.Trace(sweep.least_node());
 }
 
 std::optional<Sequence> SearchClosed(const LayeredProblem& problem) {
   for (const Layer& layer : problem.layers) {
-    if (layer.size() == 0) return std::nullopt;
+    if (!layer.usable()) return std::nullopt;
   }
-  Sweep sweep(problem);
+  Sweep sweep(problem, kInfinity);
+  const std::vector<size_t>& base = problem.layers[0].base;
   std::optional<Sequence> best;
   std::priority_queue<Part, std::vector<Part>, Costlier> open;
   const auto bound = [&](size_t first, size_t last) {
@@ -250,13 +247,14 @@ std::optional<Sequence> SearchClosed(const LayeredProblem& problem) {
     const Sweep::Closing closing = sweep.Close(first, last);
     if (!std::isfinite(closing.by.cost)) return;
     Sequence sequence = sweep.Trace(closing.by.node);
-    const size_t start = sequence.nodes[0], end = closing.start_wanted;
-    if (start == end && (!best || closing.by.cost < best->cost)) {
+    const size_t start = sequence.nodes[0];
+    if (base[start] != base[closing.into]) {
+      open.push({first, last, closing.by.cost, start});
+    } else if (!best || closing.by.cost < best->cost) {
       sequence.cost = closing.by.cost;
       sequence.closed = true;
       best = std::move(sequence);
     }
-    if (start != end) open.push({first, last, closing.by.cost, start, end});
   };
   bound(0, problem.layers[0].size());
   while (!open.empty()) {
@@ -265,9 +263,12 @@ std::optional<Sequence> SearchClosed(const LayeredProblem& problem) {
     if (best && part.bound >= best->cost) break;  // nor can any other part be better
     // The sequence of the bound does not close at its start: that node by itself gives a closed one or none,
     // and what lies to either side is bounded anew.
-    bound(part.start, part.start + 1);
-    bound(part.first, part.start);
-    bound(part.start + 1, part.last);
+    size_t first = part.start, last = part.start + 1;
+    while (first > part.first && base[first - 1] == base[part.start]) --first;
+    while (last < part.last && base[last] == base[part.start]) ++last;
+    bound(first, last);
+    bound(part.first, first);
+    bound(last, part.last);
   }
   return best;
 }

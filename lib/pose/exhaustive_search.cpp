@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <bit>
 #include <limits>
 
+#include "pose/interval_end.hpp"
 #include "pose/search.hpp"
 
 namespace millpose {
@@ -105,29 +107,19 @@ class Line {
   }
 
   void Refine(int branch, int i) {
-    const double lower = std::isfinite(Value(branch, i - 1)) ? At(i - 1) : IntervalEnd(branch, At(i), -step_);
-    const double upper = std::isfinite(Value(branch, i + 1)) ? At(i + 1) : IntervalEnd(branch, At(i), step_);
-    Minimise(branch, lower, upper);
-  }
-
-  /// The last admissible place between `inside` and `inside + step`, where it is not: kLanes-fold section.
-  double IntervalEnd(int branch, double inside, double step) {
-    double outside = inside + step;
-    if (!first_.Periodic()) {
-      outside = std::clamp(outside, first_.Lower(), first_.Upper());
-      if (outside == inside) return inside;
+    double ends[2] = {At(i - 1), At(i + 1)};
+    for (double& end : ends) {
+      const bool before = &end == ends;
+      if (std::isfinite(Value(branch, before ? i - 1 : i + 1))) continue;
+      if (!first_.Periodic()) end = std::clamp(end, first_.Lower(), first_.Upper());
+      others_[0] = At(i);
+      end = IntervalEnd(scorer_, others_, 0, branch, end, kEndTolerance, best_.evaluations);
     }
     double x[kLanes];
-    while (std::abs(outside - inside) > kEndTolerance) {
-      const double part = (outside - inside) / (kLanes + 1);
-      for (int l = 0; l < kLanes; ++l) x[l] = inside + (l + 1) * part;
-      Score(x, 1u << (branch & 3));
-      int within = 0;
-      while (within < kLanes && std::isfinite(Consider(branch, within, x[within]))) ++within;
-      if (within < kLanes) outside = x[within];
-      if (within > 0) inside = x[within - 1];
-    }
-    return inside;
+    for (int l = 0; l < kLanes; ++l) x[l] = ends[l % 2];
+    Score(x, 1u << (branch & 3));
+    for (int l = 0; l < 2; ++l) Consider(branch, l, x[l]);
+    Minimise(branch, ends[0], ends[1]);
   }
 
   /// The minimum between two places: kLanes-fold section.

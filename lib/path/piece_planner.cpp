@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/piece_planner.hpp"
+
+#include <cassert>
+
+#include "base/parallel.hpp"
+#include "base/units.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr double kTurn = 2 * kPi;
+constexpr double kRounding = 1e-12;  // rad: of angles that full turns were added to
+// How often the search runs again over what the checks struck out, before motions that interfere take their
+// nodes with them, and before they take their points with them; after that each round removes a point.
+constexpr int kRoundsOfMotions = 16, kRoundsOfNodes = 48;
+constexpr int kRefineRounds = 8;
+
+/// `q` moved by whole turns to where each joint is nearest to `near`; exact where none is needed.
+Joints Beside(const Joints& near, const Joints& q) {
+  Joints moved = q;
+  for (int j = 0; j < 6; ++j) {
+    const double turns = std::round((near[j] - q[j]) / kTurn);
+    if (turns != 0.0) moved[j] += turns * kTurn;
+  }
+  return moved;
+}
+
+class PiecePlanner {
+ public:
+  PiecePlanner(const PassContext& context, bool all_turns)
+      : context_(context), all_turns_(all_turns), count_(context.scorers.size()) {
+    rule_.max_step = context.options.max_joint_step;
+    rule_.motion_weight = context.options.motion_weight;
+    rule_.modulo_turns = !all_turns;
+    plan_.nodes.resize(count_);
+    plan_.piece.assign(count_, -1);
+    plan_.interference.resize(count_);
+  }
+
+  std::optional<PassPlan> Plan() {
+    MakeLayers();
+    TakeSequence(SearchFree());
+    double coarse = 0.0, refined = 0.0;
+    for (const Piece& piece : plan_.pieces) {
+      coarse += Cost(piece);
+      RefineFree(piece);
+      refined += Cost(piece);
+    }
+    plan_.grid_gap = refined > 0.0 ? (coarse - refined) / refined : 0.0;
+    for (const Piece& piece : plan_.pieces) {
+      const bool fits = Unwind(piece);
+      assert((fits || !all_turns_) && "nodes of single turns lie within the bounds");
+      if (!fits && !all_turns_) return std::nullopt;
+    }
+    return std::move(plan_);
+  }
+
+ private:
+  void MakeLayers() {
+    layers_.resize(count_);
+    ParallelFor(count_, context_.threads, context_.stop, [&](size_t t) {
+      const PointScorer& scorer = context_.scorers[t];
+      std::vector<NodeSeed> seeds = GridSeeds(scorer, context_.options.rotation_step);
+      const auto add = [&](const PointOptimum& optimum, bool genetic) {
+        if (!optimum.found) return;
+        seeds.push_back(
+            {optimum.freedoms, scorer.ScoreOne(optimum.freedoms, optimum.branch), optimum.branch, genetic});
+      };
+      add(context_.genetic[t], true);
+      // Intervals narrower than the grid: better the judge's answer than a skipped point.
+      if (seeds.empty()) add(context_.exhaustive[t], false);
+      layers_[t] = MakeLayer(scorer, std::move(seeds), all_turns_);
+    });
+  }
+
+  /// The layered search, repeated until what it finds is free of interference.
+  Sequence SearchFree() {
+    StrikeOut strike_out(context_.world, layers_, context_.options.swept_resolution, context_.threads,
+                         context_.stop);
+    // The band needs the one freedom to be the rotation (BandWidth).
+    const bool banded = context_.problem.freedoms.size() == 1 && context_.problem.freedoms[0]->Periodic();
+    const LayeredProblem problem{layers_, rule_, strike_out.struck_edges(), banded, context_.stop};
+    Sequence sequence;
+    for (int round = 0;; ++round) {
+      std::optional<Sequence> closed;
+      if (context_.closed) closed = SearchClosed(problem);
+      sequence = closed ? std::move(*closed) : SearchOpen(problem);
+      if (strike_out.Check(sequence)) break;
+      if (round >= kRoundsOfMotions) {
+        strike_out.StrikeBarred(
+            sequence, round < kRoundsOfNodes ? StrikeOut::Extent::kNodes : StrikeOut::Extent::kLayers);
+      }
+    }
+    plan_.poses_checked += strike_out.poses_checked();
+    plan_.nodes_struck = strike_out.nodes_struck();
+    for (size_t t = 0; t < count_; ++t) {
+      if (sequence.nodes[t] == kNoNode) plan_.interference[t] = strike_out.detail(t);
+    }
+    return sequence;
+  }
+
+  /// Cuts the sequence into pieces. A piece of one point is no cut; only a pass of one point keeps it.
+  void TakeSequence(const Sequence& sequence) {
+    for (size_t first = 0; first < count_;) {
+      if (sequence.nodes[first] == kNoNode) {
+        ++first;
+        continue;
+      }
+      size_t last = first;
+      while (last + 1 < count_ && sequence.nodes[last + 1] != kNoNode && !sequence.break_before[last + 1])
+        ++last;
+      if (last > first || count_ == 1) {
+        Piece piece;
+        piece.piece = static_cast<int>(plan_.pieces.size());
+        piece.first = static_cast<int>(first);
+        piece.last = static_cast<int>(last);
+        piece.closed = sequence.closed;
+        for (size_t t = first; t <= last; ++t) {
+          plan_.piece[t] = piece.piece;
+          plan_.nodes[t] = NodeOf(layers_[t], sequence.nodes[t]);
+        }
+        plan_.pieces.push_back(piece);
+      }
+      first = last + 1;
+    }
+  }
+
+  static PathNode NodeOf(const Layer& layer, size_t node) {
+    return {layer.freedoms[node],  layer.BranchOf(node),      layer.joints.At(node),
+            layer.objective[node], bool(layer.genetic[node]), false};
+  }
+
+  std::span<PathNode> NodesOf(const Piece& piece) {
+    return std::span(plan_.nodes).subspan(piece.first, piece.last - piece.first + 1);
+  }
+
+  double Cost(const Piece& piece) { return PathCost(NodesOf(piece), rule_, piece.closed); }
+
+  /// Refines a piece. Where the finer path interferes, its points go back to the coarse one, which is free,
+  /// and the rest is refined again.
+  void RefineFree(const Piece& piece) {
+    RefineOptions options;
+    options.rule = rule_;
+    options.first_step = context_.options.rotation_step;
+    options.last_step = DegToRad(0.002);
+    options.closed = piece.closed;
+    options.all_turns = all_turns_;
+    options.stop = context_.stop;
+    const std::span<PathNode> path = NodesOf(piece);
+    const std::vector<PathNode> coarse(path.begin(), path.end());
+    std::vector<bool> frozen(path.size(), false);
+    for (int round = 0; round < kRefineRounds; ++round) {
+      for (size_t i = 0; i < path.size(); ++i) {
+        path[i] = coarse[i];
+        path[i].frozen = frozen[i];
+      }
+      RefinePath(std::span(context_.scorers).subspan(piece.first, path.size()),
+                 std::span(context_.genetic).subspan(piece.first, path.size()), options, path);
+      if (FreezeWhatInterferes(piece, frozen)) return;
+    }
+    std::copy(coarse.begin(), coarse.end(), path.begin());
+  }
+
+  /// Checks the nodes of a refined piece and the motions between them; marks the points that must go back.
+  /// True when there are none.
+  bool FreezeWhatInterferes(const Piece& piece, std::vector<bool>& frozen) {
+    const std::span<const PathNode> path = NodesOf(piece);
+    std::vector<char> hit(path.size(), 0), hit_after(path.size(), 0);
+    plan_.poses_checked += CheckInParallel(
+        context_.world, path.size(), context_.threads, context_.stop, [&](Checker& checker, size_t i) {
+          if (!frozen[i]) hit[i] = checker.At(path[i].q, Phase::kCutting).has_value();
+          const size_t next = (i + 1) % path.size();
+          if ((next == 0 && !piece.closed) || (frozen[i] && frozen[next])) return;
+          const Joints to = Beside(path[i].q, path[next].q);
+          hit_after[i] =
+              checker.Between(path[i].q, to, Phase::kCutting, context_.options.swept_resolution).has_value();
+        });
+    bool free = true;
+    for (size_t i = 0; i < path.size(); ++i) {
+      if (hit[i] || hit_after[i]) {
+        frozen[i] = true;
+        free = false;
+      }
+      if (hit_after[i]) frozen[(i + 1) % path.size()] = true;
+    }
+    return free;
+  }
+
+  /// Makes the joints of a piece continuous and moves each by as few full turns as bring all of the piece
+  /// within the bounds. False when no number of turns does.
+  bool Unwind(const Piece& piece) {
+    const std::span<PathNode> path = NodesOf(piece);
+    for (size_t i = 1; i < path.size(); ++i) path[i].q = Beside(path[i - 1].q, path[i].q);
+    Joints least = path[0].q, most = path[0].q;
+    for (const PathNode& node : path) {
+      least = least.cwiseMin(node.q);
+      most = most.cwiseMax(node.q);
+    }
+    if (piece.closed) {  // back to the first point, by whatever turns the way round has made
+      const Joints end = Beside(path.back().q, path[0].q);
+      least = least.cwiseMin(end);
+      most = most.cwiseMax(end);
+    }
+    const AdmissibleBounds& bounds = context_.problem.bounds;
+    for (int j = 0; j < 6; ++j) {
+      bool fits = false;
+      for (const int turns : {0, -1, 1, -2, 2}) {
+        const double shift = turns * kTurn;
+        if (least[j] + shift < bounds.lower[j] - kRounding || most[j] + shift > bounds.upper[j] + kRounding) {
+          continue;
+        }
+        for (PathNode& node : path) node.q[j] += shift;
+        fits = true;
+        break;
+      }
+      if (!fits) return false;
+    }
+    return true;
+  }
+
+  const PassContext& context_;
+  bool all_turns_;
+  size_t count_;
+  StepRule rule_;
+  std::vector<Layer> layers_;
+  PassPlan plan_;
+};
+
+}  // namespace
+
+std::optional<PassPlan> PlanPieces(const PassContext& context, bool all_turns) {
+  return PiecePlanner(context, all_turns).Plan();
+}
+
+}  // namespace millpose

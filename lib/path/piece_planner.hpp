@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The inner part of PlanPass: from the points' own optima to pieces without interference.
+#pragma once
+
+#include "path/pass_planner.hpp"
+#include "path/refine.hpp"
+#include "path/strike_out.hpp"
+
+namespace millpose {
+
+/// What the planning of a pass works on.
+struct PassContext {
+  const PoseProblem& problem;
+  const World& world;
+  const PathOptions& options;
+  bool closed;
+  int threads;
+  std::stop_token stop;
+  std::vector<PointScorer> scorers;  ///< one per point, as the following
+  std::vector<PointOptimum> genetic, exhaustive;
+};
+
+/// A pass cut into pieces.
+struct PassPlan {
+  std::vector<PathNode> nodes;  ///< one per point; holds where `piece` is not −1
+  std::vector<int> piece;       ///< per point, −1 for a skipped one
+  std::vector<Piece> pieces;
+  std::vector<std::string> interference;  ///< per point: what barred it; empty when nothing did
+  double grid_gap = 0;
+  long long poses_checked = 0;
+  int nodes_struck = 0;
+};
+
+/// Layered search, strike-out of what interferes, refinement, splits. Empty when, with all_turns false, a
+/// piece winds a joint out of its limits (Layer); with all_turns there is always a plan.
+std::optional<PassPlan> PlanPieces(const PassContext& context, bool all_turns);
+
+}  // namespace millpose

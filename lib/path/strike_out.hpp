@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <stop_token>
+
+#include "cell/world.hpp"
+#include "path/layered_search.hpp"
+
+namespace millpose {
+
+/// Runs `work(checker, i)` for i in 0..count−1 in parallel with a few checkers; returns the poses checked.
+long long CheckInParallel(const World& world, size_t count, int threads, std::stop_token stop,
+                          const std::function<void(Checker&, size_t)>& work);
+
+/// One line: which two bodies, how near, where.
+std::string Describe(const Interference& interference);
+
+/// Interference of the nodes and edges of a layered problem, asked for lazily and remembered.
+class StrikeOut {
+ public:
+  StrikeOut(const World& world, std::vector<Layer>& layers, double swept_resolution, int threads,
+            std::stop_token stop);
+
+  /// Checks the nodes of `sequence` and the motions between them. What interferes is struck out (a node also
+  /// with its neighbours on the grid up to the next free one). True when all is free.
+  bool Check(const Sequence& sequence);
+
+  /// For motions that go on interfering: strikes out the nodes at both ends of those that the last check
+  /// found, or all nodes of the layers that they leave.
+  enum class Extent { kNodes, kLayers };
+  void StrikeBarred(const Sequence& sequence, Extent extent);
+
+  std::span<const StruckEdges> struck_edges() const { return struck_; }
+  long long poses_checked() const { return poses_checked_; }
+  int nodes_struck() const { return nodes_struck_; }
+  /// The last interference found at a layer; empty when there was none.
+  const std::string& detail(size_t layer) const { return detail_[layer]; }
+
+ private:
+  enum class Verdict : uint8_t { kUnknown, kFree, kStruck };
+
+  void CheckNode(Checker& checker, size_t layer, size_t node);
+  bool CheckMotion(Checker& checker, size_t from, size_t to, const Sequence& sequence);
+
+  const World& world_;
+  std::vector<Layer>& layers_;
+  double swept_resolution_;
+  int threads_;
+  std::stop_token stop_;
+  std::vector<std::vector<Verdict>> verdict_;
+  std::vector<StruckEdges> struck_, free_;
+  std::vector<std::string> detail_;
+  std::vector<size_t> barred_;  // layers whose motions interfered in the last check
+  long long poses_checked_ = 0;
+  int nodes_struck_ = 0;
+};
+
+}  // namespace millpose
