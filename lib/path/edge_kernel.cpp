@@ -58,7 +58,7 @@ void RelaxFrom(const StepRule& rule, const JointRows& nodes, const std::vector<d
     const double *q0 = &nodes.q[0][block], *q1 = &nodes.q[1][block], *q2 = &nodes.q[2][block],
                  *q3 = &nodes.q[3][block], *q4 = &nodes.q[4][block], *q5 = &nodes.q[5][block];
     const double* costs = &row[block];
-    ForEachLane(set, [&](int l) [[gnu::always_inline]] {
+    ForEachLane(set, [&] [[gnu::always_inline]] (int l) {
       const double d0 = Short(t0 - q0[l], turn), d1 = Short(t1 - q1[l], turn), d2 = Short(t2 - q2[l], turn);
       const double d3 = Short(t3 - q3[l], turn), d4 = Short(t4 - q4[l], turn), d5 = Short(t5 - q5[l], turn);
       const double sum = ((((d0 * d0 + d1 * d1) + d2 * d2) + d3 * d3) + d4 * d4) + d5 * d5;

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/layered_search.hpp"
+
+#include "tests/pose/problems.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Layers of a row of panel points on a real arm.
+std::vector<Layer> PanelLayers(const PoseProblem& problem, int count, double step, bool all_turns = false,
+                               double spacing = 4) {
+  std::vector<Layer> layers;
+  for (int t = 0; t < count; ++t) {
+    const MillingPoint point = PanelPoint(-0.5 * spacing * count + spacing * t, 60);
+    const PointScorer scorer(problem, point, Eigen::Vector3d::UnitZ());
+    layers.push_back(MakeLayer(scorer, GridSeeds(scorer, step), all_turns));
+  }
+  return layers;
+}
+
+/// Layers without meaning: few branches, joints near one another, so that ties, breaks and detours happen.
+std::vector<Layer> RandomLayers(RandomStream& stream, int count, int most_nodes, double spread) {
+  std::vector<Layer> layers(count);
+  for (Layer& layer : layers) {
+    const int nodes = stream.Below(most_nodes + 1);
+    std::vector<std::pair<int, double>> places;
+    for (int k = 0; k < nodes; ++k) places.emplace_back(stream.Below(2), stream.Uniform(-kPi, kPi));
+    std::sort(places.begin(), places.end());
+    for (const auto& [branch, value] : places) {
+      Joints q;
+      for (int j = 0; j < 6; ++j) q[j] = spread * stream.Normal() + (stream.Below(2) ? 2 * kPi : 0.0);
+      layer.joints.Add(q);
+      layer.objective.push_back(stream.Below(12) == 0 ? kInfinity : stream.Uniform(1, 2));
+      layer.freedoms.push_back({value});
+      layer.first.push_back(value);
+      layer.base.push_back(layer.base.size());
+      layer.genetic.push_back(false);
+      for (int later = branch + 1; later <= 8; ++later) layer.branch_begin[later] = layer.size();
+    }
+    layer.joints.Finish();
+  }
+  return layers;
+}
+
+struct Dense {
+  int breaks;
+  double cost;
+  bool operator<(const Dense& other) const {
+    return breaks != other.breaks ? breaks < other.breaks : cost < other.cost;
+  }
+};
+
+double EdgeCost(const LayeredProblem& problem, size_t from, size_t a, size_t to, size_t b) {
+  const Layer &first = problem.layers[from], &second = problem.layers[to];
+  if (first.BranchOf(a) != second.BranchOf(b)) return kInfinity;
+  if (!problem.struck.empty() && problem.struck[from].contains({a, b})) return kInfinity;
+  return StepCost(problem.rule, first.joints.At(a), second.joints.At(b));
+}
+
+/// The slow way: every edge looked at, breaks counted apart. `start`, when given, is the only first node.
+std::vector<Dense> DenseRow(const LayeredProblem& problem, size_t start = kNoNode, bool breaks = true) {
+  std::vector<Dense> row;
+  size_t previous = kNoNode;
+  bool joined = true;
+  for (size_t t = 0; t < problem.layers.size(); ++t) {
+    const Layer& layer = problem.layers[t];
+    if (!layer.usable()) {
+      joined = false;
+      continue;
+    }
+    std::vector<Dense> next(layer.size(), {1000000, kInfinity});
+    for (size_t b = 0; b < layer.size(); ++b) {
+      if (!std::isfinite(layer.objective[b])) continue;
+      Dense best{1000000, kInfinity};
+      if (previous == kNoNode) {
+        if (start == kNoNode || b == start) best = {0, 0};
+      } else {
+        for (size_t a = 0; a < row.size(); ++a) {
+          if (!std::isfinite(row[a].cost)) continue;
+          if (breaks) best = std::min(best, Dense{row[a].breaks + 1, row[a].cost});
+          const double edge = joined ? EdgeCost(problem, previous, a, t, b) : kInfinity;
+          if (std::isfinite(edge)) best = std::min(best, Dense{row[a].breaks, row[a].cost + edge});
+        }
+      }
+      next[b] = {best.breaks, best.cost + layer.objective[b]};
+    }
+    row = std::move(next);
+    previous = t;
+    joined = true;
+  }
+  return row;
+}
+
+Dense Measure(const LayeredProblem& problem, const Sequence& sequence) {
+  Dense dense{0, 0};
+  size_t previous = kNoNode;
+  for (size_t t = 0; t < sequence.nodes.size(); ++t) {
+    EXPECT_EQ(sequence.nodes[t] == kNoNode, !problem.layers[t].usable()) << t;
+    if (sequence.nodes[t] == kNoNode) continue;
+    dense.cost += problem.layers[t].objective[sequence.nodes[t]];
+    if (sequence.break_before[t]) {
+      ++dense.breaks;
+    } else if (previous != kNoNode) {
+      EXPECT_EQ(previous + 1, t);
+      dense.cost += EdgeCost(problem, previous, sequence.nodes[previous], t, sequence.nodes[t]);
+    }
+    previous = t;
+  }
+  return dense;
+}
+
+StepRule Rule(double step_deg, double weight = 1e-5) {
+  StepRule rule;
+  rule.max_step = Joints::Constant(DegToRad(step_deg));
+  rule.motion_weight = weight;
+  return rule;
+}
+
+TEST(SearchOpen, EqualsTheDenseReferenceOnRandomLayers) {
+  RandomStream stream(2, 0);
+  int broken = 0;
+  for (int round = 0; round < 400; ++round) {
+    const std::vector<Layer> layers = RandomLayers(stream, 1 + stream.Below(9), 12, 0.5);
+    std::vector<StruckEdges> struck(layers.size());
+    for (size_t t = 0; t + 1 < layers.size(); ++t) {
+      for (int k = 0; k < 10 && layers[t].size() && layers[t + 1].size(); ++k) {
+        struck[t].insert({stream.Below(static_cast<int>(layers[t].size())),
+                          stream.Below(static_cast<int>(layers[t + 1].size()))});
+      }
+    }
+    const LayeredProblem problem{layers, Rule(60, 0.3), struck, false, {}};
+    const Sequence sequence = SearchOpen(problem);
+    const Dense found = Measure(problem, sequence);
+    const std::vector<Dense> row = DenseRow(problem);
+    if (row.empty()) continue;
+    const Dense expected = *std::min_element(row.begin(), row.end());
+    EXPECT_EQ(found.breaks, expected.breaks);
+    EXPECT_NEAR(found.cost, expected.cost, 1e-12 * expected.cost);
+    EXPECT_NEAR(sequence.cost, found.cost, 1e-12);
+    broken += found.breaks > 0;
+  }
+  EXPECT_GT(broken, 50);
+}
+
+TEST(SearchClosed, EqualsTheDenseReferenceOnRandomLayers) {
+  RandomStream stream(4, 0);
+  int closed = 0, open = 0;
+  for (int round = 0; round < 400; ++round) {
+    const std::vector<Layer> layers = RandomLayers(stream, 2 + stream.Below(5), 14, 0.4);
+    const LayeredProblem problem{layers, Rule(60, 0.3), {}, false, {}};
+    double expected = kInfinity;
+    const bool usable = std::all_of(layers.begin(), layers.end(), [](const Layer& l) { return l.usable(); });
+    for (size_t start = 0; usable && start < layers[0].size(); ++start) {
+      const std::vector<Dense> row = DenseRow(problem, start, false);
+      for (size_t end = 0; end < row.size(); ++end) {
+        expected = std::min(expected, row[end].cost + EdgeCost(problem, layers.size() - 1, end, 0, start));
+      }
+    }
+    const std::optional<Sequence> found = SearchClosed(problem);
+    EXPECT_EQ(found.has_value(), std::isfinite(expected));
+    ++(found ? closed : open);
+    if (!found) continue;
+    EXPECT_NEAR(found->cost, expected, 1e-12 * expected);
+    const double cycle = Measure(problem, *found).cost +
+                         EdgeCost(problem, layers.size() - 1, found->nodes.back(), 0, found->nodes[0]);
+    EXPECT_NEAR(cycle, expected, 1e-12 * expected);
+    EXPECT_TRUE(found->closed);
+  }
+  EXPECT_GT(closed, 50);
+  EXPECT_GT(open, 50);
+}
+
+TEST(SearchOpen, TheBandLosesNothingOnARealArm) {
+  PoseProblem problem = MakeProblem(Kr500R2830());
+  for (const bool all_turns : {false, true}) {
+    const std::vector<Layer> layers = PanelLayers(problem, 12, DegToRad(2), all_turns, 25);
+    StepRule rule = Rule(4, 1e-3);
+    rule.modulo_turns = !all_turns;
+    const LayeredProblem dense{layers, rule, {}, false, {}}, banded{layers, rule, {}, true, {}};
+    const Sequence a = SearchOpen(dense), b = SearchOpen(banded);
+    EXPECT_EQ(a.nodes, b.nodes);
+    EXPECT_EQ(a.break_before, b.break_before);
+    EXPECT_EQ(a.cost, b.cost);
+    const std::vector<Dense> row = DenseRow(dense);
+    EXPECT_NEAR(a.cost, std::min_element(row.begin(), row.end())->cost, 1e-15);
+    // The law behind the band: within the joint step, rotations lie no farther apart than it says.
+    const Eigen::AngleAxisd turn(layers[0].R_WT.transpose() * layers[1].R_WT);
+    double farthest = 0;
+    for (size_t i = 0; i < layers[0].size(); ++i) {
+      for (size_t j = 0; j < layers[1].size(); ++j) {
+        if (!std::isfinite(EdgeCost(dense, 0, i, 1, j))) continue;
+        farthest = std::max(farthest, std::abs(ShortWay(layers[0].first[i] - layers[1].first[j])));
+      }
+    }
+    EXPECT_LE(farthest, BandWidth(rule, turn.angle()));
+    EXPECT_GT(farthest, DegToRad(1.9));
+  }
+}
+
+TEST(RelaxFrom, EveryNodeOfABlockCounts) {
+  RandomStream stream(9, 0);
+  JointRows nodes;
+  std::vector<double> row;
+  for (int k = 0; k < 37; ++k) {
+    Joints q;
+    for (int j = 0; j < 6; ++j) q[j] = stream.Uniform(-7, 7);
+    nodes.Add(q);
+    row.push_back(stream.Uniform(0, 1));
+  }
+  nodes.Finish();
+  row.resize(row.size() + kLanes, -1e9);  // beyond the end nothing may be taken
+  StepRule rule = Rule(170, 0.01);
+  for (const bool modulo : {true, false}) {
+    rule.modulo_turns = modulo;
+    for (size_t first = 0; first < 37; ++first) {
+      for (size_t last = first; last <= 37; ++last) {
+        const Joints to = Joints::Constant(0.1 * static_cast<double>(last));
+        BestPredecessor found, expected;
+        RelaxFrom(rule, nodes, row, first, last, to, found);
+        for (size_t k = first; k < last; ++k) {
+          const double cost = row[k] + StepCost(rule, nodes.At(k), to);
+          if (cost < expected.cost) expected = {cost, k};
+        }
+        EXPECT_EQ(found.cost, expected.cost);
+        EXPECT_EQ(found.node, expected.node);
+      }
+    }
+  }
+}
+
+TEST(ShortWay, TakesWholeTurnsAway) {
+  EXPECT_NEAR(ShortWay(DegToRad(350)), DegToRad(-10), 1e-15);
+  EXPECT_NEAR(ShortWay(DegToRad(-710)), DegToRad(10), 1e-15);
+  EXPECT_EQ(ShortWay(0.25), 0.25);
+}
+
+}  // namespace
+}  // namespace millpose

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/pass_planner.hpp"
+
+#include "tests/pose/problems.hpp"
+
+namespace millpose {
+namespace {
+
+/// An arm in an otherwise empty cell.
+Cell EmptyCell(const PoseProblem& problem) {
+  Cell cell;
+  cell.name = "test";
+  cell.arm = problem.arm;
+  cell.X_WB = problem.X_WB;
+  cell.X_FT = problem.X_FT;
+  cell.cutter_length = 40;
+  return cell;
+}
+
+PathOptions Options() {
+  PathOptions options;
+  options.rotation_step = DegToRad(2);
+  options.exhaustive_step = DegToRad(1);
+  options.max_joint_step = Joints::Constant(DegToRad(5));
+  options.motion_weight = 1e-5;
+  return options;
+}
+
+Pass Row(double from, double to, int count, double z = 0) {
+  Pass pass;
+  for (int t = 0; t < count; ++t) {
+    pass.points.push_back(PanelPoint(from + (to - from) * t / (count - 1), z));
+    pass.points.back().arc_length = (to - from) * t / (count - 1);
+  }
+  return pass;
+}
+
+/// A ring on a vertical wall in front of the arm, normals towards it.
+Pass Ring(double radius, int count) {
+  Pass pass;
+  pass.closed = true;
+  for (int t = 0; t < count; ++t) {
+    const double angle = 2 * kPi * t / count;
+    MillingPoint point;
+    point.position = Eigen::Vector3d(2000, radius * std::cos(angle), 1150 + radius * std::sin(angle));
+    point.normal = point.tool_axis = -Eigen::Vector3d::UnitX();
+    point.feed = Eigen::Vector3d(0, -std::sin(angle), std::cos(angle));
+    pass.points.push_back(point);
+  }
+  return pass;
+}
+
+/// What holds of every plan: poses meet the points, are admissible, steps are within the bound.
+void ExpectSound(const PoseProblem& problem, const PathOptions& options, const Pass& pass,
+                 const PassResult& result) {
+  ASSERT_EQ(result.points.size(), pass.points.size());
+  std::vector<int> covered(pass.points.size(), 0);
+  for (size_t p = 0; p < result.pieces.size(); ++p) {
+    const Piece& piece = result.pieces[p];
+    EXPECT_EQ(piece.piece, static_cast<int>(p));
+    for (int t = piece.first; t <= piece.last; ++t) {
+      ++covered[t];
+      EXPECT_EQ(result.points[t].piece, piece.piece);
+      EXPECT_EQ(result.points[t].branch, result.points[piece.first].branch);
+      if (t == piece.first) continue;
+      const Joints step = result.points[t].q - result.points[t - 1].q;
+      EXPECT_TRUE((step.cwiseAbs().array() <= options.max_joint_step.array() + 1e-12).all()) << t;
+    }
+    if (piece.closed) {
+      const Joints step =
+          (result.points[piece.first].q - result.points[piece.last].q).unaryExpr([](double d) {
+            return std::remainder(d, 2 * kPi);
+          });
+      EXPECT_TRUE((step.cwiseAbs().array() <= options.max_joint_step.array() + 1e-12).all());
+    }
+  }
+  for (size_t t = 0; t < pass.points.size(); ++t) {
+    const PlannedPoint& point = result.points[t];
+    EXPECT_EQ(covered[t], point.skip == SkipReason::kNone ? 1 : 0) << t;
+    EXPECT_EQ(point.detail.empty(), point.skip == SkipReason::kNone);
+    if (point.skip != SkipReason::kNone) continue;
+    const Pose X_WT = problem.X_WB * ForwardFlange(problem.arm, point.q) * problem.X_FT;
+    EXPECT_LT((X_WT.translation() - pass.points[t].position).norm(), 1e-8);
+    EXPECT_LT((X_WT.linear().col(2) - pass.points[t].tool_axis).norm(), 1e-10);
+    const PointScorer scorer(problem, pass.points[t], pass.rotation_reference);
+    EXPECT_LT((X_WT.linear() - scorer.ToolPose(point.freedoms).linear()).norm(), 1e-10);
+    EXPECT_TRUE((point.q.array() >= problem.bounds.lower.array() - 1e-12).all());
+    EXPECT_TRUE((point.q.array() <= problem.bounds.upper.array() + 1e-12).all());
+    EXPECT_EQ(Status(problem.arm, point.q), point.branch);
+    const double f = 0.5 * point.indices.lambda_t2 + 0.5 * point.indices.lambda_n;
+    EXPECT_NEAR(point.objective / f, 1, 1e-9);
+    EXPECT_GE(point.objective, point.exhaustive_optimum * (1 - 1e-4));
+    EXPECT_GT(point.dexterity, 0);
+  }
+}
+
+TEST(PlanPass, FollowsARow) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const World world(EmptyCell(problem));
+  const Pass pass = Row(-300, 300, 60);
+  const PassResult result = PlanPass(problem, world, pass, 3, 100, Options(), 2, {});
+  ExpectSound(problem, Options(), pass, result);
+  ASSERT_EQ(result.pieces.size(), 1u);
+  EXPECT_EQ(result.pieces[0].pass, 3);
+  double path = 0, own = 0;
+  for (const PlannedPoint& point : result.points) {
+    path += point.objective;
+    own += point.exhaustive_optimum;
+  }
+  EXPECT_LT(path, 1.05 * own);
+  EXPECT_GE(result.grid_gap, 0);
+  EXPECT_LT(result.grid_gap, 0.05);
+}
+
+TEST(PlanPass, SameBytesForAnyNumberOfThreads) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const World world(EmptyCell(problem));
+  const Pass pass = Row(-60, 60, 12);
+  std::vector<PassResult> results;
+  for (const int threads : {1, 2, 4}) {
+    results.push_back(PlanPass(problem, world, pass, 0, 0, Options(), threads, {}));
+  }
+  for (size_t t = 0; t < pass.points.size(); ++t) {
+    for (const PassResult& other : results) {
+      EXPECT_EQ(results[0].points[t].q, other.points[t].q);
+      EXPECT_EQ(results[0].points[t].objective, other.points[t].objective);
+      EXPECT_EQ(results[0].points[t].genetic_optimum, other.points[t].genetic_optimum);
+    }
+  }
+}
+
+TEST(PlanPass, ClosesARing) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const World world(EmptyCell(problem));
+  const Pass pass = Ring(400, 150);
+  const PassResult result = PlanPass(problem, world, pass, 0, 0, Options(), 2, {});
+  ExpectSound(problem, Options(), pass, result);
+  ASSERT_EQ(result.pieces.size(), 1u);
+  EXPECT_TRUE(result.pieces[0].closed);
+}
+
+}  // namespace
+}  // namespace millpose
