@@ -17,15 +17,29 @@ struct Finding {
 };
 
 struct VerifyOptions {
-  double position_tolerance = 0.02;        ///< mm
-  double angle_tolerance = 0.00034906585;  ///< rad (0.02°)
-  double step = 0.5;                       ///< mm of tip travel between replayed poses
-  Joints lower, upper;                     ///< limits, rad
-  double swept_resolution = 0.5;           ///< mm
+  double position_tolerance = 0.02;            ///< mm; also the largest rounding of a corner
+  double angle_tolerance = 0.00034906585;      ///< rad (0.02°)
+  double step = 0.5;                           ///< mm of tip travel between replayed poses
+  Joints lower, upper;                         ///< limits, rad
+  double swept_resolution = 0.5;               ///< mm
+  double feed_least = 0.5, feed_most = 1.001;  ///< share of the planned feed that a program may run
+  double spindle_tolerance = 1.0 / 60;         ///< rev/s
+  /// rad: a joint motion outside cuts that leaves the plan's by more is a deviation.
+  double gap_tolerance = 0.00087266;
+  /// rad: one that leaves it by more is checked for interference again (0.1 mm at 4 m).
+  double gap_proven = 2.5e-5;
+  double wrist_least = 0.01;  ///< |sin A5| in straight motions: below, the wrist axes race
+  bool interference =
+      false;  ///< check every motion, not only what leaves the plan's; always so without a plan
+  size_t most_findings = 200;  ///< the rest is counted
 };
 
-/// Replays `program` as its controller would and compares it with `plan` where one is given: order and count
-/// of points, tip, axis, rotation, configuration, feed, limits, interference. Empty = confirmed.
+/// Replays `program` as its controller would (straight lines with interpolated orientation, joint motions,
+/// inverse time) through the arm and tool of `world` and says where it leaves `plan`, where one is given:
+/// order and completeness of the points, tip, tool axis, rotation about it, configuration, feed, exact stops,
+/// spindle; always: reach, limits, joint speeds, singularity, interference. Detection rests on the replayed
+/// motion alone, not on the text, so edits that change no motion pass. Empty = confirmed. Ordered by file and
+/// line.
 std::vector<Finding> Verify(const MotionProgram& program, const World& world, const MotionProgram* plan,
                             const VerifyOptions& options, int threads, std::stop_token stop);
 

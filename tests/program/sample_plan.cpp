@@ -85,6 +85,7 @@ class SampleBuilder {
         gap.to_piece = 0;
         gap.joints.push_back(Above(plan_.passes[i].points.front().q, gap.X_WT_approach));
       } else {
+        gap.joints.push_back(Degrees({5, -95, 100, 10, 20, -10}));
         gap.joints.push_back(plan_.home);
       }
     }

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "verify/replay.hpp"
+
+#include "base/trig.hpp"
+#include "base/units.hpp"
+#include "program/controller_axes.hpp"
+#include "robot/kinematics.hpp"
+
+namespace millpose {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double kTurnStep = 0.5 * kRadPerDeg;
+constexpr double kTargetStep = 5;  // mm: from target to target full turns must be followed, no more
+
+/// The programmed tool in B of a motion; the tool that the program believes in.
+Pose ProgrammedTool(const MotionProgram& program, const Motion& motion) {
+  return program.X_BP.value_or(Pose::Identity()) * motion.X_PT;
+}
+
+Pose ToolOf(const MotionProgram& program, const Cell& cell) { return program.X_FT.value_or(cell.X_FT); }
+
+int StepsOf(const PoseLine& line, double step) {
+  return std::max(1, static_cast<int>(std::ceil(std::max(line.length() / step, line.angle() / kTurnStep))));
+}
+
+/// The joint positions along a straight line; stops early where the branch ends. True when it came through.
+bool FollowLine(const Arm& arm, const Pose& X_FT, const PoseLine& line, int steps, const Joints& start,
+                std::vector<Joints>& angles) {
+  const int branch = Status(arm, start);
+  const Pose X_TF = X_FT.inverse();
+  Joints q = start;
+  for (int i = 1; i <= steps; ++i) {
+    const auto next = InverseNear(arm, line.At(static_cast<double>(i) / steps) * X_TF, branch, q);
+    if (!next) return false;
+    angles.push_back(q = *next);
+  }
+  return true;
+}
+
+/// The joint target of one motion from `q`; empty with a reason.
+std::optional<Joints> Target(const MotionProgram& program, const Cell& cell, const Motion& motion,
+                             const std::optional<Joints>& q, std::string& reason) {
+  if (motion.type == MotionType::kJoint && motion.q) return motion.q;
+  if (!program.X_BP) {
+    reason = "a pose is approached, but no base frame is set";
+    return std::nullopt;
+  }
+  const Pose X_FT = ToolOf(program, cell);
+  if (motion.type == MotionType::kLinear) {
+    if (!q) {
+      reason = "the program begins with a straight motion from an unknown place";
+      return std::nullopt;
+    }
+    const PoseLine line(ForwardFlange(cell.arm, *q) * X_FT, ProgrammedTool(program, motion));
+    std::vector<Joints> angles;
+    reason = fmt::format("the straight motion leaves the arm's reach in configuration S = {}",
+                         Status(cell.arm, *q));
+    if (!FollowLine(cell.arm, X_FT, line, StepsOf(line, kTargetStep), *q, angles)) return std::nullopt;
+    return angles.back();
+  }
+  if (!q && !(motion.status && motion.turn)) {
+    reason = "the first pose has no S and T (STAT and TU), so the configuration is not defined";
+    return std::nullopt;
+  }
+  const Pose X_BF = ProgrammedTool(program, motion) * X_FT.inverse();
+  const int status = motion.status ? *motion.status : Status(cell.arm, *q);
+  reason = fmt::format("the pose cannot be reached in configuration S = {}", status);
+  return motion.turn ? AnglesAt(cell.arm, program.axes, X_BF, status, *motion.turn)
+                     : InverseNear(cell.arm, X_BF, status, *q);
+}
+
+}  // namespace
+
+PoseLine::PoseLine(const Pose& from, const Pose& to)
+    : from_(from.translation()), to_(to.translation()), R_(from.linear()) {
+  const Matrix3d R = from.linear().transpose() * to.linear();
+  const Vector3d axis(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+  const double sine = axis.norm();  // twice the sine
+  const double angle = Atan2(sine, R.trace() - 1);
+  rotation_ = sine > 1e-12 ? Vector3d(axis * (angle / sine)) : Vector3d::Zero();
+}
+
+Pose PoseLine::At(double share) const {
+  Pose pose = Pose::Identity();
+  pose.translation() = from_ + share * (to_ - from_);
+  pose.linear() = R_;
+  const double angle = rotation_.norm() * share;
+  if (angle > 0) {
+    const Vector3d axis = rotation_.normalized();
+    Matrix3d cross;
+    cross << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
+    const SineCosine t = SinCos(angle);
+    pose.linear() = R_ * (Matrix3d::Identity() + t.sin * cross + (1 - t.cos) * cross * cross);
+  }
+  return pose;
+}
+
+Finding At(const MotionProgram& program, size_t motion, std::string message) {
+  const Motion& at = program.motions[motion];
+  const std::string file = at.file < static_cast<int>(program.files.size())
+                               ? program.files[static_cast<size_t>(at.file)]
+                               : std::string();
+  return {file, at.line, std::move(message)};
+}
+
+Replay ReplayTargets(const MotionProgram& program, const Cell& cell, std::vector<Finding>& findings) {
+  Replay replay;
+  std::optional<Joints> q;
+  for (size_t i = 0; i < program.motions.size(); ++i) {
+    std::string reason;
+    const std::optional<Joints> target = Target(program, cell, program.motions[i], q, reason);
+    if (!target) findings.push_back(At(program, i, reason));
+    if (target) q = target;
+    replay.targets.push_back(q.value_or(cell.home));
+    replay.reached.push_back(target.has_value());
+  }
+  return replay;
+}
+
+void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay& replay, size_t index,
+                    double step, std::vector<Instant>& instants, std::vector<Finding>& findings) {
+  const Motion& motion = program.motions[index];
+  if (index == 0 || !replay.reached[index]) return;
+  const Joints &from = replay.targets[index - 1], &to = replay.targets[index];
+  const Pose X_FT = ToolOf(program, cell);
+  const PoseLine line(ForwardFlange(cell.arm, from) * X_FT, motion.type == MotionType::kLinear
+                                                                ? ProgrammedTool(program, motion)
+                                                                : ForwardFlange(cell.arm, to) * X_FT);
+  const int steps = StepsOf(line, step);
+  std::vector<Joints> angles;
+  if (motion.type == MotionType::kJoint) {
+    for (int i = 1; i <= steps; ++i) angles.push_back(from + (to - from) * (static_cast<double>(i) / steps));
+  } else if (!FollowLine(cell.arm, X_FT, line, steps, from, angles)) {
+    findings.push_back(At(program, index, "the straight motion leaves the arm's reach on its way"));
+  }
+  for (size_t i = 0; i < angles.size(); ++i) {
+    instants.push_back({angles[i], ForwardFlange(cell.arm, angles[i]) * cell.X_FT, index,
+                        static_cast<double>(i + 1) / steps});
+  }
+}
+
+}  // namespace millpose

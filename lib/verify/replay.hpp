@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where a program takes the arm.
+#pragma once
+
+#include "cell/cell.hpp"
+#include "verify/verify.hpp"
+
+namespace millpose {
+
+/// A straight motion of a frame: position on a line, orientation turning evenly about one axis.
+class PoseLine {
+ public:
+  PoseLine(const Pose& from, const Pose& to);
+  Pose At(double share) const;                            ///< 0..1
+  double length() const { return (to_ - from_).norm(); }  ///< mm
+  double angle() const { return rotation_.norm(); }       ///< rad
+  const Eigen::Vector3d& from() const { return from_; }
+  const Eigen::Vector3d& to() const { return to_; }
+
+ private:
+  Eigen::Vector3d from_, to_;
+  Eigen::Matrix3d R_;
+  Eigen::Vector3d rotation_;  // axis times angle, in the frame's start
+};
+
+/// One instant of a replay.
+struct Instant {
+  Joints q;
+  Pose X_BT;          ///< of the cell's real tool
+  size_t motion = 0;  ///< into MotionProgram::motions
+  double share = 0;   ///< of the motion, 0..1
+};
+
+/// The joint position at the end of every motion.
+struct Replay {
+  std::vector<Joints> targets;
+  std::vector<bool> reached;  ///< false where a motion cannot be made; its target is then the one before
+};
+
+/// Goes through all motions in order. Motions that cannot be made become findings.
+Replay ReplayTargets(const MotionProgram& program, const Cell& cell, std::vector<Finding>& findings);
+
+/// Appends the instants of motion `index` after its start, about `step` mm of tip travel (or 0.5° of turning)
+/// apart, the last one its target. A straight motion that leaves its branch or reach becomes a finding and
+/// ends there.
+void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay& replay, size_t index,
+                    double step, std::vector<Instant>& instants, std::vector<Finding>& findings);
+
+/// A finding at a motion of `program`.
+Finding At(const MotionProgram& program, size_t motion, std::string message);
+
+}  // namespace millpose

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "verify/verify.hpp"
+
+#include <cassert>
+
+#include "base/parallel.hpp"
+#include "base/units.hpp"
+#include "robot/kinematics.hpp"
+#include "verify/compare.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr double kLimitSlack = 1e-7;  // rad: rounding of six decimals of a degree
+constexpr double kSpeedSlack = 1.001;
+constexpr size_t kMotionsPerTask = 64;
+constexpr double kInterferenceStep = 5;  // mm between joint motions that stand for a straight one
+
+/// What holds for every motion whatever the plan: limits, speeds, singularity.
+class MotionCheck {
+ public:
+  MotionCheck(const Replayed& replayed, const Cell& cell, const VerifyOptions& options)
+      : replayed_(replayed), cell_(cell), options_(options) {}
+
+  void Check(size_t i, std::vector<Finding>& findings) const {
+    const Motion& motion = replayed_.program.motions[i];
+    if (!replayed_.replay.reached[i]) return;
+    CheckLimits(i, replayed_.replay.targets[i], findings);
+    if (i == 0 || !HasFeed(motion)) return;
+    std::vector<Instant> instants;
+    AppendInstants(replayed_.program, cell_, replayed_.replay, i, options_.step, instants, findings);
+    const double seconds = Seconds(i);
+    Joints before = replayed_.replay.targets[i - 1];
+    double share = 0;
+    for (const Instant& instant : instants) {
+      if (CheckLimits(i, instant.q, findings)) return;
+      const double span = seconds * (instant.share - share);
+      if (span > 0 && CheckSpeed(i, (instant.q - before).cwiseAbs() / span, findings)) return;
+      if (motion.type == MotionType::kLinear && CheckWrist(i, instant.q, findings)) return;
+      before = instant.q;
+      share = instant.share;
+    }
+  }
+
+ private:
+  /// 0 where nothing tells: the motion only turns, or has no feed.
+  double Seconds(size_t i) const {
+    const Motion& motion = replayed_.program.motions[i];
+    if (motion.type == MotionType::kJoint) return motion.duration;
+    const auto tip = [&](size_t k) {
+      return Eigen::Vector3d(
+          (ForwardFlange(cell_.arm, replayed_.replay.targets[k]) * cell_.X_FT).translation());
+    };
+    const double length = (tip(i) - tip(i - 1)).norm();
+    return motion.feed > 0 && length > 1e-3 ? length / motion.feed : 0;
+  }
+
+  bool CheckLimits(size_t i, const Joints& q, std::vector<Finding>& findings) const {
+    for (int j = 0; j < 6; ++j) {
+      if (q[j] >= options_.lower[j] - kLimitSlack && q[j] <= options_.upper[j] + kLimitSlack) continue;
+      findings.push_back(
+          At(replayed_.program, i,
+             fmt::format("A{} at {:.3f} deg leaves its limits {:.3f} to {:.3f} deg", j + 1, q[j] * kDegPerRad,
+                         options_.lower[j] * kDegPerRad, options_.upper[j] * kDegPerRad)));
+      return true;
+    }
+    return false;
+  }
+
+  bool CheckSpeed(size_t i, const Joints& speed, std::vector<Finding>& findings) const {
+    for (int j = 0; j < 6; ++j) {
+      if (speed[j] <= cell_.arm.speed[j] * kSpeedSlack) continue;
+      findings.push_back(At(replayed_.program, i,
+                            fmt::format("A{} would turn at {:.2f} deg/s, it can do {:.2f} deg/s", j + 1,
+                                        speed[j] * kDegPerRad, cell_.arm.speed[j] * kDegPerRad)));
+      return true;
+    }
+    return false;
+  }
+
+  bool CheckWrist(size_t i, const Joints& q, std::vector<Finding>& findings) const {
+    if (DistanceToSingularity(cell_.arm, q).wrist >= options_.wrist_least) return false;
+    findings.push_back(
+        At(replayed_.program, i,
+           fmt::format("A5 at {:.3f} deg: the wrist is singular on a straight motion", q[4] * kDegPerRad)));
+    return true;
+  }
+
+  const Replayed& replayed_;
+  const Cell& cell_;
+  const VerifyOptions& options_;
+};
+
+/// Checks motion `i` for interference on its whole way.
+void CheckInterference(const Replayed& replayed, size_t i, const Cell& cell, Checker& checker,
+                       const VerifyOptions& options, std::vector<Finding>& findings) {
+  const Motion& motion = replayed.program.motions[i];
+  if (!replayed.replay.reached[i]) return;
+  const Phase phase = HasFeed(motion) ? Phase::kCutting : Phase::kFree;
+  std::optional<Interference> hit;
+  if (i == 0) {
+    hit = checker.At(replayed.replay.targets[0], phase);
+  } else {
+    std::vector<Instant> instants;
+    std::vector<Finding> said;
+    if (motion.type == MotionType::kLinear) {
+      AppendInstants(replayed.program, cell, replayed.replay, i, kInterferenceStep, instants, said);
+    } else {
+      instants.push_back({replayed.replay.targets[i], {}, i, 1});
+    }
+    Joints before = replayed.replay.targets[i - 1];
+    for (const Instant& instant : instants) {
+      hit = checker.Between(before, instant.q, phase, options.swept_resolution);
+      before = instant.q;
+      if (hit) break;
+    }
+  }
+  if (!hit) return;
+  findings.push_back(
+      At(replayed.program, i,
+         fmt::format("{} comes within {:.2f} mm of {} at ({:.1f}, {:.1f}, {:.1f}) mm", hit->first,
+                     hit->distance, hit->second, hit->place.x(), hit->place.y(), hit->place.z())));
+}
+
+/// Runs `work` over `count` motions in blocks and appends what it found in order.
+void ForMotions(size_t count, int threads, const std::stop_token& stop, std::vector<Finding>& findings,
+                const std::function<void(size_t first, size_t last, std::vector<Finding>&)>& work) {
+  const size_t tasks = (count + kMotionsPerTask - 1) / kMotionsPerTask;
+  std::vector<std::vector<Finding>> found(tasks);
+  ParallelFor(tasks, threads, stop, [&](size_t task) {
+    work(task * kMotionsPerTask, std::min(count, (task + 1) * kMotionsPerTask), found[task]);
+  });
+  for (const auto& list : found) findings.insert(findings.end(), list.begin(), list.end());
+}
+
+/// By file and line, each once; the list is cut at the options' length and says how many were left out.
+std::vector<Finding> Ordered(std::vector<Finding> findings, const VerifyOptions& options) {
+  std::stable_sort(findings.begin(), findings.end(), [](const Finding& a, const Finding& b) {
+    return std::tie(a.file, a.line, a.message) < std::tie(b.file, b.line, b.message);
+  });
+  const auto same = [](const Finding& a, const Finding& b) {
+    return a.file == b.file && a.line == b.line && a.message == b.message;
+  };
+  findings.erase(std::unique(findings.begin(), findings.end(), same), findings.end());
+  if (findings.size() > options.most_findings) {
+    const size_t left = findings.size() - options.most_findings;
+    findings.resize(options.most_findings);
+    findings.push_back(
+        {findings.back().file, findings.back().line, fmt::format("and {} more findings", left)});
+  }
+  return findings;
+}
+
+}  // namespace
+
+std::vector<Finding> Verify(const MotionProgram& program, const World& world, const MotionProgram* plan,
+                            const VerifyOptions& options, int threads, std::stop_token stop) {
+  assert(IsWellFormed(program));
+  const Cell& cell = world.cell();
+  std::vector<Finding> findings;
+  if (program.motions.empty())
+    return {{program.files.empty() ? "" : program.files[0], 0, "the program moves nothing"}};
+  const Replayed replayed{program, ReplayTargets(program, cell, findings), FeedRuns(program)};
+
+  const MotionCheck check(replayed, cell, options);
+  ForMotions(program.motions.size(), threads, stop, findings,
+             [&](size_t first, size_t last, std::vector<Finding>& found) {
+               for (size_t i = first; i < last; ++i) check.Check(i, found);
+             });
+
+  std::vector<size_t> unproven;
+  if (plan != nullptr) {
+    const Replayed planned{*plan, ReplayTargets(*plan, cell, findings), FeedRuns(*plan)};
+    Compare(replayed, planned, cell, options, threads, stop, findings, unproven);
+  }
+  if (plan == nullptr || options.interference) {
+    unproven.resize(program.motions.size());
+    for (size_t i = 0; i < unproven.size(); ++i) unproven[i] = i;
+  }
+  ForMotions(unproven.size(), threads, stop, findings,
+             [&](size_t first, size_t last, std::vector<Finding>& found) {
+               Checker checker(world);
+               for (size_t i = first; i < last; ++i) {
+                 CheckInterference(replayed, unproven[i], cell, checker, options, found);
+               }
+             });
+  return Ordered(std::move(findings), options);
+}
+
+}  // namespace millpose
