@@ -105,14 +105,12 @@ RawMesh ReadText(std::string_view bytes, const std::string& name) {
 
 }  // namespace
 
+bool IsExactBinaryStl(std::string_view bytes) {
+  return bytes.size() >= kHeader && bytes.size() == kHeader + kFacet * size_t{LittleEndian32(&bytes[80])};
+}
+
 RawMesh ReadStl(std::string_view bytes, const std::string& name) {
-  if (bytes.empty()) throw InputError({name}, "the file is empty");
-  // A count that fits the size exactly settles it; else the words decide.
-  const bool exact =
-      bytes.size() >= kHeader && bytes.size() == kHeader + kFacet * size_t{LittleEndian32(&bytes[80])};
-  RawMesh mesh = !exact && LooksLikeText(bytes) ? ReadText(bytes, name) : ReadBinary(bytes, name);
-  if (mesh.triangles.faces.empty()) throw InputError({name}, "the file holds no triangles");
-  return mesh;
+  return !IsExactBinaryStl(bytes) && LooksLikeText(bytes) ? ReadText(bytes, name) : ReadBinary(bytes, name);
 }
 
 }  // namespace millpose

@@ -10,4 +10,7 @@ namespace millpose {
 /// says what is outside. Errors as ReadMesh.
 RawMesh ReadStl(std::string_view bytes, const std::string& name);
 
+/// Whether the count in a binary STL's header fits the size exactly, which settles what the file is.
+bool IsExactBinaryStl(std::string_view bytes);
+
 }  // namespace millpose

@@ -18,17 +18,28 @@ bool EqualsIgnoringCase(std::string_view a, std::string_view b) {
   return std::ranges::equal(a, b, [](char x, char y) { return Lower(x) == Lower(y); });
 }
 
-TextScanner::TextScanner(std::string_view bytes, std::string name) : bytes_(bytes), name_(std::move(name)) {
+TextScanner::TextScanner(std::string_view bytes, std::string name, char comment)
+    : bytes_(bytes), name_(std::move(name)), comment_(comment) {
   last_ = {name_, 1, 1};
 }
 
+void TextScanner::TakeLineEnd() {
+  at_ += bytes_[at_] == '\r' && at_ + 1 < bytes_.size() && bytes_[at_ + 1] == '\n' ? 2 : 1;
+  ++line_;
+  line_start_ = at_;
+}
+
 void TextScanner::SkipSpace() {
-  while (at_ < bytes_.size() && (IsBlank(bytes_[at_]) || IsLineEnd(bytes_[at_]))) {
-    const char c = bytes_[at_++];
-    const bool first_of_pair = c == '\r' && at_ < bytes_.size() && bytes_[at_] == '\n';
-    if (IsLineEnd(c) && !first_of_pair) {
-      ++line_;
-      line_start_ = at_;
+  while (at_ < bytes_.size()) {
+    const char c = bytes_[at_];
+    if (IsLineEnd(c)) {
+      TakeLineEnd();
+    } else if (comment_ != 0 && c == comment_) {
+      while (at_ < bytes_.size() && !IsLineEnd(bytes_[at_])) ++at_;
+    } else if (IsBlank(c)) {
+      ++at_;
+    } else {
+      return;
     }
   }
 }
@@ -92,19 +103,23 @@ std::string_view TextScanner::Line() {
   last_.line = line_;
   last_.column = static_cast<int>(at_ - line_start_) + 1;
   at_ = end;
-  if (at_ < bytes_.size()) {
-    at_ += bytes_[at_] == '\r' && at_ + 1 < bytes_.size() && bytes_[at_ + 1] == '\n' ? 2 : 1;
-    ++line_;
-    line_start_ = at_;
-  }
+  if (at_ < bytes_.size()) TakeLineEnd();
   return rest;
 }
 
 void TextScanner::SkipLine() { Line(); }
 
 bool TextScanner::MoreInLine() {
-  while (at_ < bytes_.size() && IsBlank(bytes_[at_])) ++at_;
-  return at_ < bytes_.size() && !IsLineEnd(bytes_[at_]);
+  for (; at_ < bytes_.size(); ++at_) {
+    if (bytes_[at_] == '\\' && at_ + 1 < bytes_.size() && IsLineEnd(bytes_[at_ + 1])) {
+      ++at_;
+      TakeLineEnd();
+      --at_;  // the loop goes on with the first character of the joined line
+    } else if (!IsBlank(bytes_[at_])) {
+      break;
+    }
+  }
+  return at_ < bytes_.size() && !IsLineEnd(bytes_[at_]) && (comment_ == 0 || bytes_[at_] != comment_);
 }
 
 Place TextScanner::place() const { return last_; }

@@ -15,8 +15,8 @@ bool EqualsIgnoringCase(std::string_view a, std::string_view b);
 /// CR) separate words. Errors are InputError with line and column.
 class TextScanner {
  public:
-  /// `bytes` must outlive the scanner; `name` is for messages.
-  TextScanner(std::string_view bytes, std::string name);
+  /// `bytes` must outlive the scanner; `name` is for messages; `comment` 0 means that there are no comments.
+  TextScanner(std::string_view bytes, std::string name, char comment = 0);
 
   /// True when no word is left.
   bool AtEnd() { return Peek().empty(); }
@@ -36,19 +36,23 @@ class TextScanner {
   void SkipLine();
   /// The rest of the line that the scanner stands in, without its end; moves to the next line.
   std::string_view Line();
-  /// True when a word is left before the end of this line.
+  /// True when a word is left before the end of this line; a backslash at its end joins the next line to it.
   bool MoreInLine();
   /// Byte at which the scanner stands.
   size_t position() const { return at_; }
+  /// Line in which it stands.
+  int line() const { return line_; }
   /// Place of the word that was peeked at or taken last.
   Place place() const;
 
  private:
   void SkipSpace();
+  void TakeLineEnd();
   std::string Shown(std::string_view word) const;
 
   std::string_view bytes_;
   std::string name_;
+  char comment_;
   size_t at_ = 0;
   int line_ = 1;
   size_t line_start_ = 0;

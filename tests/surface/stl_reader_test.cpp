@@ -20,7 +20,7 @@ void ExpectBox(const RawMesh& mesh) {
 
 std::string ErrorOf(const std::string& bytes) {
   try {
-    ReadStl(bytes, "part.stl");
+    ReadMesh(bytes, "part.stl");
   } catch (const InputError& error) {
     return error.what();
   }
@@ -39,31 +39,31 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
 }
 
 TEST(StlReader, ReadsBinaryAlsoBehindASolidHeader) {
-  ExpectBox(ReadStl(BinaryStl(kBox), "part.stl"));
-  ExpectBox(ReadStl(BinaryStl(kBox, "solid made by a CAD system"), "part.stl"));
-  ExpectBox(ReadStl(BinaryStl(kBox, "solid x\nfacet normal"), "part.stl"));
+  ExpectBox(ReadMesh(BinaryStl(kBox), "part.stl"));
+  ExpectBox(ReadMesh(BinaryStl(kBox, "solid made by a CAD system"), "part.stl"));
+  ExpectBox(ReadMesh(BinaryStl(kBox, "solid x\nfacet normal"), "part.stl"));
 }
 
 TEST(StlReader, ReadsTextInAnyCaseWithAnyLineEnds) {
   const std::string text = TextStl(kBox);
-  ExpectBox(ReadStl(text, "part.stl"));
-  ExpectBox(ReadStl(Upper(text), "part.stl"));
-  ExpectBox(ReadStl(Replaced(text, "\n", "\r\n"), "part.stl"));
-  ExpectBox(ReadStl(Replaced(text, "\n", "\r"), "part.stl"));
-  ExpectBox(ReadStl("\n  " + Replaced(text, "solid test", "solid"), "part.stl"));
+  ExpectBox(ReadMesh(text, "part.stl"));
+  ExpectBox(ReadMesh(Upper(text), "part.stl"));
+  ExpectBox(ReadMesh(Replaced(text, "\n", "\r\n"), "part.stl"));
+  ExpectBox(ReadMesh(Replaced(text, "\n", "\r"), "part.stl"));
+  ExpectBox(ReadMesh("\n  " + Replaced(text, "solid test", "solid"), "part.stl"));
 }
 
 TEST(StlReader, ReadsSeveralSolidsAndNotesAMissingEnd) {
   const std::string text = TextStl(kBox);
-  EXPECT_EQ(ReadStl(text + text, "part.stl").triangles.faces.size(), 24);
-  const RawMesh mesh = ReadStl(text.substr(0, text.find("endsolid")), "part.stl");
+  EXPECT_EQ(ReadMesh(text + text, "part.stl").triangles.faces.size(), 24);
+  const RawMesh mesh = ReadMesh(text.substr(0, text.find("endsolid")), "part.stl");
   ExpectBox(mesh);
   ASSERT_EQ(mesh.notes.size(), 1);
   EXPECT_EQ(mesh.notes[0], "\"endsolid\" is missing at the end");
 }
 
 TEST(StlReader, NotesBytesBehindTheLastFacet) {
-  const RawMesh mesh = ReadStl(BinaryStl(kBox) + "tail", "part.stl");
+  const RawMesh mesh = ReadMesh(BinaryStl(kBox) + "tail", "part.stl");
   ExpectBox(mesh);
   EXPECT_EQ(mesh.notes, std::vector<std::string>{"4 bytes behind the last facet were ignored"});
 }
