@@ -59,21 +59,29 @@ ImportResult ImportMesh(const RawMesh& raw, const ImportOptions& options, const 
 
 std::vector<std::string> Findings(const ImportReport& report) {
   std::vector<std::string> findings = report.notes;
-  const auto tell = [&](size_t count, std::string_view text) {
-    if (count > 0) findings.push_back(fmt::format("{} {}", count, text));
+  const auto tell = [&](size_t count, std::string_view one, std::string_view many) {
+    if (count > 0) findings.push_back(fmt::format("{} {}", count, count == 1 ? one : many));
   };
   const RepairCounts& repairs = report.repairs;
-  tell(report.welded, "vertices were joined with a neighbour within the weld tolerance");
-  tell(repairs.degenerate, "triangles without area were removed");
-  tell(repairs.duplicate, "triangles that were there twice were removed");
-  tell(repairs.flipped, "triangles were turned to fit their neighbours");
-  tell(repairs.turned_pieces, "closed pieces were inside out and were turned");
-  tell(repairs.non_manifold_edges, "edges of more than two triangles were taken apart");
-  tell(repairs.non_manifold_vertices, "vertices in which several fans of triangles met were doubled");
-  tell(repairs.not_orientable_edges, "edges were cut because no orientation fits both sides");
+  tell(report.welded, "vertex was joined with a neighbour within the weld tolerance",
+       "vertices were joined with a neighbour within the weld tolerance");
+  tell(repairs.degenerate, "triangle without area was removed", "triangles without area were removed");
+  tell(repairs.duplicate, "triangle that was there twice was removed",
+       "triangles that were there twice were removed");
+  tell(repairs.flipped, "triangle was turned to fit its neighbours",
+       "triangles were turned to fit their neighbours");
+  tell(repairs.turned_pieces, "closed piece was inside out and was turned",
+       "closed pieces were inside out and were turned");
+  tell(repairs.non_manifold_edges, "edge of more than two triangles was taken apart",
+       "edges of more than two triangles were taken apart");
+  tell(repairs.non_manifold_vertices, "vertex in which several fans of triangles met was doubled",
+       "vertices in which several fans of triangles met were doubled");
+  tell(repairs.not_orientable_edges, "edge was cut because no orientation fits both sides",
+       "edges were cut because no orientation fits both sides");
   if (report.rims > 0)
-    findings.push_back(fmt::format("{} open rims, {:.1f} mm long together; holes stay open", report.rims,
-                                   report.rim_length));
+    findings.push_back(fmt::format("{} open rim{}, {:.1f} mm long{}; holes stay open", report.rims,
+                                   report.rims == 1 ? "" : "s", report.rim_length,
+                                   report.rims == 1 ? "" : " together"));
   if (repairs.pieces > 1)
     findings.push_back(
         fmt::format("{} unconnected pieces, {} of them closed", repairs.pieces, repairs.closed_pieces));

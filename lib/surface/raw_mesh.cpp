@@ -13,6 +13,8 @@ namespace {
 RawMesh Read(std::string_view bytes, const std::string& name) {
   if (bytes.empty()) throw InputError({name}, "the file is empty");
   if (IsExactBinaryStl(bytes)) return ReadStl(bytes, name);  // its header may begin with any word
+  if (bytes.substr(0, 200).find("ISO-10303-21") != std::string_view::npos)
+    throw InputError({name}, "this is a STEP file; mesh formats are STL, OBJ, PLY and OFF");
   if (LooksLikePly(bytes)) return ReadPly(bytes, name);
   if (LooksLikeOff(bytes)) return ReadOff(bytes, name);
   if (LooksLikeObj(bytes)) return ReadObj(bytes, name);

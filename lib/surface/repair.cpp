@@ -35,29 +35,39 @@ Flatness FlatnessOf(const Triangles& mesh, const std::array<int, 3>& face) {
 // One round over the flat triangles; those whose neighbour was changed in this round wait for the next.
 class FlatRemoval {
  public:
-  FlatRemoval(Triangles& mesh, double tolerance)
-      : mesh_(mesh), tolerance_(tolerance), count_(mesh.faces.size()), done_(count_, 0) {}
+  // The first `originals` faces are (what is left of) those that were read; halves made here come behind
+  // them.
+  FlatRemoval(Triangles& mesh, double tolerance, size_t originals)
+      : mesh_(mesh),
+        tolerance_(tolerance),
+        originals_(originals),
+        count_(mesh.faces.size()),
+        done_(count_, 0) {}
 
-  // Returns the number of triangles removed.
-  size_t Run() {
+  struct Outcome {
+    size_t removed = 0, originals_removed = 0;
+  };
+
+  Outcome Run() {
     std::vector<std::pair<int, int>> flat;  // face, longest side
     for (size_t f = 0; f < count_; ++f)
       if (const Flatness flatness = FlatnessOf(mesh_, mesh_.faces[f]); flatness.height <= tolerance_)
         flat.emplace_back(static_cast<int>(f), flatness.side);
-    if (flat.empty()) return 0;
+    if (flat.empty()) return {};
     sides_ = SortedSides(mesh_);
     std::vector<char> removed(count_, 0);
-    size_t removals = 0;
+    Outcome outcome;
     for (const auto& [face, side] : flat)
       if (done_[face] == 0 && SplitNeighbour(face, side)) {
         removed[face] = done_[face] = 1;
-        ++removals;
+        ++outcome.removed;
+        outcome.originals_removed += static_cast<size_t>(face) < originals_ ? 1 : 0;
       }
     size_t next = 0;
     for (size_t f = 0; f < mesh_.faces.size(); ++f)
       if (f >= count_ || removed[f] == 0) mesh_.faces[next++] = mesh_.faces[f];
     mesh_.faces.resize(next);
-    return removals;
+    return outcome;
   }
 
  private:
@@ -89,6 +99,7 @@ class FlatRemoval {
 
   Triangles& mesh_;
   double tolerance_;
+  size_t originals_;
   size_t count_;
   std::vector<char> done_;  // removed or changed in this round
   std::vector<EdgeSide> sides_;
@@ -99,13 +110,20 @@ class FlatRemoval {
 void RemoveDegenerate(Triangles& mesh, double tolerance, RepairCounts& counts) {
   counts.degenerate += std::erase_if(mesh.faces, HasRepeatedVertex);
   constexpr int kRounds = 32;  // chains of flat triangles need one each; what is left then is only removed
+  size_t originals = mesh.faces.size();
   for (int round = 0; round < kRounds; ++round) {
-    const size_t removed = FlatRemoval(mesh, tolerance).Run();
-    counts.degenerate += removed;
+    const auto [removed, originals_removed] = FlatRemoval(mesh, tolerance, originals).Run();
+    counts.degenerate += originals_removed;
+    originals -= originals_removed;
     if (removed == 0) return;
   }
-  counts.degenerate +=
-      std::erase_if(mesh.faces, [&](const auto& face) { return FlatnessOf(mesh, face).height <= tolerance; });
+  size_t face = 0, left = originals;
+  std::erase_if(mesh.faces, [&](const auto& corners) {
+    const bool flat = FlatnessOf(mesh, corners).height <= tolerance;
+    if (face++ < originals && flat) --left;
+    return flat;
+  });
+  counts.degenerate += originals - left;
 }
 
 void RemoveDuplicates(Triangles& mesh, RepairCounts& counts) {

@@ -8,7 +8,7 @@ namespace millpose {
 
 /// Every repair with its count.
 struct RepairCounts {
-  size_t degenerate = 0;             ///< triangles without area, removed; see RemoveDegenerate
+  size_t degenerate = 0;             ///< triangles as read without area, removed; see RemoveDegenerate
   size_t duplicate = 0;              ///< triangles with the vertices of an earlier one, removed
   size_t non_manifold_edges = 0;     ///< edges of more than two triangles, taken apart
   size_t non_manifold_vertices = 0;  ///< vertices in which several fans met, doubled
