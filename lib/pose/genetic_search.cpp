@@ -142,6 +142,7 @@ class Population {
         [&](size_t k, const ScoredBlock& block, int lane) {
           Individual& individual = current_[fresh[k]];
           individual.objective = individual.shortfall = kInfinity;
+          individual.admissibility = Admissibility::kUnreachable;  // not the parent's
           for (const int branch : {individual.arm_branch, individual.arm_branch + 4}) {
             if (block.shortfall[branch].v[lane] >= individual.shortfall) continue;
             individual.branch = branch;

@@ -88,6 +88,17 @@ TEST(GeneticSearch, DependsOnItsStreamAlone) {
   EXPECT_EQ(CheckAdmissible(problem, a.q), Admissibility::kAdmissible);
 }
 
+TEST(GeneticSearch, RecordsOnlyAdmissibleIndividuals) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  for (uint64_t k = 0; k < 20; ++k) {
+    const PointScorer scorer(problem, PanelPoint(-400 + 40.0 * static_cast<double>(k), 450),
+                             Eigen::Vector3d::UnitZ());
+    std::vector<GenerationRecord> history;
+    GeneticSearch(scorer, problem, {}, RandomStream(7, k), &history);
+    for (const GenerationRecord& record : history) EXPECT_TRUE(std::isfinite(record.mean)) << k;
+  }
+}
+
 TEST(GeneticSearch, SaysWhyNothingWasFound) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   const PointScorer scorer(problem, PanelPoint(0, 0, 6000), Eigen::Vector3d::UnitZ());
