@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Sourced by ./millpose and ./run-tests: what a fresh clone on Debian 12 needs before it can run.
 
-# Installs the packages of packages.txt that are missing. Without root it names the command to run instead.
+# Installs what is missing of packages.txt, and of packages-slow.txt when $packages_slow is set. Without root it names
+# the command to run instead.
 millpose_packages() {
   local wanted missing=()
-  mapfile -t wanted < <(grep -Ev '^[[:space:]]*(#|$)' "$top/packages.txt")
+  local lists=("$top/packages.txt")
+  [ -z "${packages_slow:-}" ] || lists+=("$top/packages-slow.txt")
+  mapfile -t wanted < <(grep -hEv '^[[:space:]]*(#|$)' "${lists[@]}")
   local have
   have=$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' "${wanted[@]}" 2>/dev/null | awk '$1 == "ii" {print $2}' || true)
   local package

@@ -33,7 +33,9 @@ PlanResult SmallPlan() {
   Gap gap;
   gap.planned = true;
   gap.clearance = 12;
-  plan.gaps = {gap, Gap{.detail = "link3 against platform"}};
+  Gap blocked;
+  blocked.detail = "link3 against platform";
+  plan.gaps = {gap, blocked};
   return plan;
 }
 

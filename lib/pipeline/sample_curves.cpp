@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/sample_curves.hpp"
+
+#include <limits>
+
+#include "base/parallel.hpp"
+#include "base/units.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr size_t kWorstSampled = 200;  // when not all points are sampled
+
+struct Place {
+  int pass, point;
+  size_t number;  ///< of the job's points, from 0
+  double objective;
+};
+
+std::vector<Place> ChosenPlaces(const PlanResult& plan, size_t most) {
+  std::vector<Place> places;
+  for (size_t p = 0; p < plan.passes.size(); ++p) {
+    const std::vector<PlannedPoint>& points = plan.passes[p].points;
+    for (size_t i = 0; i < points.size(); ++i)
+      places.push_back({static_cast<int>(p), static_cast<int>(i), places.size(), points[i].objective});
+  }
+  if (places.size() <= most) return places;
+  std::vector<Place> worst = places;
+  const size_t kept = std::min(kWorstSampled, most / 2);
+  const auto worse = [](const Place& a, const Place& b) {
+    return a.objective != b.objective ? a.objective > b.objective : a.number < b.number;
+  };
+  std::partial_sort(worst.begin(), worst.begin() + static_cast<std::ptrdiff_t>(kept), worst.end(), worse);
+  worst.resize(kept);
+  const size_t stride = (places.size() + most - kept - 1) / (most - kept);
+  std::vector<char> keep(places.size(), 0);
+  for (size_t i = 0; i < places.size(); i += stride) keep[i] = 1;
+  for (const Place& place : worst) keep[place.number] = 1;
+  std::erase_if(places, [&](const Place& place) { return !keep[place.number]; });
+  return places;
+}
+
+CandidateState StateOf(Admissibility admissibility) {
+  switch (admissibility) {
+    case Admissibility::kAdmissible:
+      return CandidateState::kAdmissible;
+    case Admissibility::kLimit:
+      return CandidateState::kLimit;
+    case Admissibility::kSingular:
+      return CandidateState::kSingular;
+    case Admissibility::kUnreachable:
+      return CandidateState::kUnreachable;
+  }
+  assert(false && "admissibility out of range");
+  return CandidateState::kUnreachable;
+}
+
+void SampleRotations(const PointScorer& scorer, const RotationGrid& grid, PointCurves& curves) {
+  std::vector<FreedomValues> rotations;
+  for (int i = 0; i < grid.count; ++i) rotations.push_back({grid.first + i * grid.step});
+  std::vector<Candidate> candidates(8 * rotations.size());
+  scorer.Score(rotations, candidates);
+  curves.objective.resize(rotations.size());
+  curves.state.resize(rotations.size());
+  for (size_t i = 0; i < rotations.size(); ++i) {
+    for (size_t branch = 0; branch < 8; ++branch) {
+      const Candidate& candidate = candidates[8 * i + branch];
+      curves.state[i][branch] = StateOf(candidate.admissibility);
+      curves.objective[i][branch] = candidate.objective;
+    }
+  }
+}
+
+}  // namespace
+
+RotationGrid CurveGrid() { return {-kPi, DegToRad(3), 120}; }
+
+std::vector<PointCurves> SampleCurves(const PlanResult& plan, const PoseProblem& problem,
+                                      const GeneticOptions& options, size_t most, int threads,
+                                      std::stop_token stop) {
+  assert(problem.freedoms.size() == 1 && "the page shows the rotation about the tool axis alone");
+  const RotationGrid grid = CurveGrid();
+  const std::vector<Place> places = ChosenPlaces(plan, most);
+  std::vector<PointCurves> all(places.size());
+  ParallelFor(places.size(), threads, stop, [&](size_t i) {
+    const Place& place = places[i];
+    const PassResult& pass = plan.passes[place.pass];
+    PointCurves& curves = all[i];
+    curves.pass = place.pass;
+    curves.point = place.point;
+    const PointScorer scorer(problem, pass.points[place.point].point, pass.rotation_reference);
+    SampleRotations(scorer, grid, curves);
+    std::vector<GenerationRecord> history;
+    GeneticSearch(scorer, problem, options, RandomStream(plan.seed, place.number), &history);
+    for (const GenerationRecord& record : history) {
+      // Both 0: no individual of the generation was admissible.
+      const bool none = record.best == 0 && record.mean == 0;
+      curves.best.push_back(none ? std::numeric_limits<double>::quiet_NaN() : record.best);
+      curves.mean.push_back(none ? std::numeric_limits<double>::quiet_NaN() : record.mean);
+    }
+  });
+  return all;
+}
+
+}  // namespace millpose

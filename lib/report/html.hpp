@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// report.html: a plan as one file that any browser opens without a network (docs/report.md).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cell/cell.hpp"
+#include "plan/plan_result.hpp"
+
+namespace millpose {
+
+/// What a sampled candidate of a point was good for.
+enum class CandidateState : uint8_t { kUnreachable, kLimit, kSingular, kAdmissible };
+
+/// How one point's pose was chosen, sampled for two plots: the objective over the rotation about the tool
+/// axis, and the genetic algorithm's convergence. The rotations are first + i·step of the grid.
+struct PointCurves {
+  int pass = 0;   ///< index into PlanResult::passes
+  int point = 0;  ///< index into its points
+  std::vector<std::array<double, 8>>
+      objective;  ///< per rotation and branch, unit of the objective; where reached
+  std::vector<std::array<CandidateState, 8>> state;  ///< per rotation and branch
+  std::vector<double> best, mean;                    ///< per generation, unit of the objective
+};
+
+/// The rotations at which all PointCurves were sampled.
+struct RotationGrid {
+  double first = 0, step = 0;  ///< rad
+  int count = 0;
+};
+
+/// Sizes to which the view is cut down; the plan itself is never changed, and the page says what is not
+/// shown.
+struct HtmlLimits {
+  size_t points = 20000;  ///< shown in 3-D, charts and tables
+  size_t workpiece_triangles = 60000;
+  size_t body_triangles = 5000;  ///< per body of the cell
+  size_t skipped_rows = 2000;    ///< of the table of skipped points
+};
+
+/// All that the page shows.
+struct HtmlInput {
+  const PlanResult& plan;
+  const Cell& cell;  ///< its bodies, the workpiece among them, are drawn
+  RotationGrid grid;
+  std::vector<PointCurves> curves;  ///< of all points or of some; by pass and point
+  std::string settings;             ///< job and cell as resolved, YAML
+};
+
+/// The page as bytes: a pure function of its input, no dates, no times.
+std::string ReportHtml(const HtmlInput& input, const HtmlLimits& limits = {});
+
+}  // namespace millpose

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report/html_columns.hpp"
+
+#include <limits>
+#include <numeric>
+
+#include "base/units.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+constexpr size_t kWorstKept = 50;  // of every column, when points are thinned
+
+/// Speeds of the joints on the way from one point to the next, rad/s; empty where the plan has no such
+/// motion.
+std::optional<Joints> SpeedBetween(const PlannedPoint& from, const PlannedPoint& to) {
+  const double way = to.point.arc_length - from.point.arc_length;
+  const bool joined =
+      from.skip == SkipReason::kNone && to.skip == SkipReason::kNone && from.piece == to.piece;
+  if (!joined || !(way > 0) || !(to.point.feed_rate > 0)) return std::nullopt;
+  return (to.q - from.q) * (to.point.feed_rate / way);
+}
+
+/// The faster of arriving at point `i` and leaving it, per joint, rad/s.
+std::optional<Joints> SpeedAt(const PassResult& pass, size_t i) {
+  std::optional<Joints> speed;
+  const auto take = [&](const std::optional<Joints>& s) {
+    if (s) speed = speed ? Joints(speed->cwiseMax(s->cwiseAbs())) : Joints(s->cwiseAbs());
+  };
+  if (i > 0) take(SpeedBetween(pass.points[i - 1], pass.points[i]));
+  if (i + 1 < pass.points.size()) take(SpeedBetween(pass.points[i], pass.points[i + 1]));
+  return speed;
+}
+
+class Collector {
+ public:
+  explicit Collector(const PlanResult& plan) : plan_(plan) {}
+
+  /// Adds a column; `value(point)` is asked for planned points only, an empty answer is "none".
+  void Add(std::string key, std::string symbol, std::string label, std::string unit, Worse worse,
+           const auto& value) {
+    ReportColumn column{
+        .key = key, .symbol = symbol, .label = label, .unit = unit, .worse = worse, .values = {}};
+    for (const PassResult& pass : plan_.passes) {
+      for (size_t i = 0; i < pass.points.size(); ++i) {
+        const std::optional<double> v =
+            pass.points[i].skip == SkipReason::kNone ? value(pass, i) : std::optional<double>();
+        column.values.push_back(v && std::isfinite(*v) ? static_cast<float>(*v) : kNone);
+      }
+    }
+    columns_.push_back(std::move(column));
+  }
+  std::vector<ReportColumn> Take() { return std::move(columns_); }
+
+ private:
+  const PlanResult& plan_;
+  std::vector<ReportColumn> columns_;
+};
+
+using Value = std::optional<double>;
+
+void AddStiffness(const PlanResult& plan, Collector& c) {
+  const auto compliance = [&](std::string key, std::string symbol, std::string label,
+                              double MillingPlaneIndices::*member) {
+    c.Add(key, symbol, label, "µm/N", Worse::kHigh,
+          [=](const PassResult& pass, size_t i) -> Value { return 1e3 * pass.points[i].indices.*member; });
+  };
+  const double scale = ShownScale(plan.objective_unit);
+  c.Add("objective", "f", "Objective " + plan.objective_name, ShownUnit(plan.objective_unit), Worse::kHigh,
+        [=](const PassResult& pass, size_t i) -> Value { return scale * pass.points[i].objective; });
+  compliance("lambda_t1", "λτ1", "Larger semi-axis in the milling plane", &MillingPlaneIndices::lambda_t1);
+  compliance("lambda_t2", "λτ2", "Smaller semi-axis in the milling plane", &MillingPlaneIndices::lambda_t2);
+  compliance("lambda_n", "λn", "Ellipsoid radius along the normal", &MillingPlaneIndices::lambda_n);
+  compliance("normal_compliance", "nᵀcn", "Displacement along the normal per newton along it",
+             &MillingPlaneIndices::normal_compliance);
+  c.Add("mu", "μ", "Isotropy λτ2/λτ1", "", Worse::kLow,
+        [](const PassResult& pass, size_t i) -> Value { return pass.points[i].indices.mu; });
+  c.Add("dexterity", "D", "Dexterity", "", Worse::kLow,
+        [](const PassResult& pass, size_t i) -> Value { return pass.points[i].dexterity; });
+  c.Add("price", "f/f*", "Objective over the point's own optimum", "", Worse::kHigh,
+        [](const PassResult& pass, size_t i) -> Value {
+          const PlannedPoint& p = pass.points[i];
+          if (p.exhaustive_optimum > 0) return p.objective / p.exhaustive_optimum;
+          return std::nullopt;
+        });
+}
+
+void AddMotion(const PlanResult& plan, Collector& c) {
+  const Arm& arm = plan.arm;
+  c.Add("clearance", "clearance", "Smallest distance of any checked pair", "mm", Worse::kLow,
+        [](const PassResult& pass, size_t i) -> Value { return pass.points[i].clearance; });
+  c.Add("limit_reserve", "reserve", "Distance of the nearest joint from its limit", "°", Worse::kLow,
+        [&](const PassResult& pass, size_t i) -> Value {
+          const Joints& q = pass.points[i].q;
+          return RadToDeg(std::min((q - arm.lower).minCoeff(), (arm.upper - q).minCoeff()));
+        });
+  c.Add("speed_share", "v/vmax", "Fastest joint, share of its limit", "%", Worse::kHigh,
+        [&](const PassResult& pass, size_t i) -> Value {
+          const auto speed = SpeedAt(pass, i);
+          if (!speed || !(arm.speed.minCoeff() > 0)) return std::nullopt;
+          return 100 * speed->cwiseQuotient(arm.speed).maxCoeff();
+        });
+  c.Add("rotation", "rotation", "Rotation about the tool axis", "°", Worse::kNeither,
+        [](const PassResult& pass, size_t i) -> Value {
+          const PlannedPoint& p = pass.points[i];
+          if (p.freedoms.empty()) return std::nullopt;
+          return RadToDeg(p.freedoms[0]);
+        });
+  for (int j = 0; j < 6; ++j) {
+    c.Add(fmt::format("a{}", j + 1), fmt::format("A{}", j + 1), fmt::format("Joint {} angle", j + 1), "°",
+          Worse::kNeither,
+          [=](const PassResult& pass, size_t i) -> Value { return RadToDeg(pass.points[i].q[j]); });
+  }
+  for (int j = 0; j < 6; ++j) {
+    c.Add(fmt::format("v{}", j + 1), fmt::format("V{}", j + 1), fmt::format("Joint {} speed", j + 1), "°/s",
+          Worse::kHigh, [=](const PassResult& pass, size_t i) -> Value {
+            const auto speed = SpeedAt(pass, i);
+            if (!speed) return std::nullopt;
+            return RadToDeg((*speed)[j]);
+          });
+  }
+}
+
+/// Marks the worst points of a column.
+void KeepWorst(const ReportColumn& column, std::vector<char>& keep) {
+  std::vector<uint32_t> order;
+  for (uint32_t i = 0; i < column.values.size(); ++i)
+    if (!std::isnan(column.values[i])) order.push_back(i);
+  const float sign = static_cast<float>(column.worse);
+  const auto worse = [&](uint32_t a, uint32_t b) {
+    const float va = sign * column.values[a], vb = sign * column.values[b];
+    return va != vb ? va > vb : a < b;
+  };
+  const size_t count = std::min(kWorstKept, order.size());
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(), worse);
+  for (size_t i = 0; i < count; ++i) keep[order[i]] = 1;
+}
+
+}  // namespace
+
+std::string ShownUnit(const std::string& unit) { return unit == "mm/N" ? "µm/N" : unit; }
+double ShownScale(const std::string& unit) { return unit == "mm/N" ? 1e3 : 1; }
+
+std::vector<ReportColumn> ReportColumns(const PlanResult& plan) {
+  Collector collector(plan);
+  AddStiffness(plan, collector);
+  AddMotion(plan, collector);
+  return collector.Take();
+}
+
+std::vector<ReportRow> RowsToShow(const PlanResult& plan, const std::vector<ReportColumn>& columns,
+                                  size_t limit) {
+  size_t total = 0;
+  for (const PassResult& pass : plan.passes) total += pass.points.size();
+  const size_t stride = (total + limit - 1) / std::max<size_t>(limit, 1);
+  std::vector<char> keep(total, 0);
+  if (stride > 1) {
+    for (const ReportColumn& column : columns)
+      if (column.worse != Worse::kNeither) KeepWorst(column, keep);
+  }
+  std::vector<ReportRow> rows;
+  uint32_t number = 0;
+  for (size_t p = 0; p < plan.passes.size(); ++p) {
+    const std::vector<PlannedPoint>& points = plan.passes[p].points;
+    for (size_t i = 0; i < points.size(); ++i, ++number) {
+      const bool end = i == 0 || i + 1 == points.size() || points[i].piece != points[i - 1].piece ||
+                       points[i].piece != points[i + 1].piece;
+      if (stride <= 1 || end || i % stride == 0 || keep[number])
+        rows.push_back({static_cast<int>(p), static_cast<int>(i), number});
+    }
+  }
+  return rows;
+}
+
+}  // namespace millpose

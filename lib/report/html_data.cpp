@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report/html_data.hpp"
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "base/units.hpp"
+#include "report/html_columns.hpp"
+#include "report/packed.hpp"
+#include "report/view_mesh.hpp"
+
+namespace millpose {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Objectives beyond this many times the least of a point are drawn at the upper edge.
+constexpr double kCurveSpan = 8;
+constexpr uint16_t kNoValue = 65535;
+
+Json Matrix(const Pose& pose) {
+  Json rows = Json::array();
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) rows.push_back(pose.matrix()(i, j));
+  return rows;
+}
+
+Json Degrees(const Joints& angles) {
+  Json list = Json::array();
+  for (double angle : angles) list.push_back(RadToDeg(angle));
+  return list;
+}
+
+Json ArmJson(const Arm& arm) {
+  return {{"name", arm.name},
+          {"d1", arm.d1},
+          {"a1", arm.a1},
+          {"a2", arm.a2},
+          {"d4", arm.d4},
+          {"dz", arm.dz},
+          {"d6", arm.d6},
+          {"sign", arm.sign},
+          {"offset_deg", Degrees(arm.offset)},
+          {"lower_deg", Degrees(arm.lower)},
+          {"upper_deg", Degrees(arm.upper)},
+          {"speed_deg_s", Degrees(arm.speed)}};
+}
+
+std::string PackVectors(const std::vector<Eigen::Vector3d>& vectors) {
+  std::vector<float> values;
+  values.reserve(3 * vectors.size());
+  for (const Eigen::Vector3d& v : vectors)
+    for (double x : v) values.push_back(static_cast<float>(x));
+  return PackFloats(values);
+}
+
+const char* MountName(Mount mount) {
+  switch (mount) {
+    case Mount::kWorld:
+      return "world";
+    case Mount::kLink:
+      return "link";
+    case Mount::kTool:
+      return "tool";
+    case Mount::kWorkpiece:
+      return "workpiece";
+  }
+  assert(false && "mount out of range");
+  return "";
+}
+
+const char* ClassName(BodyClass body_class) {
+  static constexpr std::array kNames{"link",    "spindle",  "holder",   "cutter",
+                                     "fixture", "platform", "workpiece"};
+  return kNames.at(static_cast<size_t>(body_class));
+}
+
+Json BodyJson(const Body& body, const HtmlLimits& limits) {
+  const bool workpiece = body.body_class == BodyClass::kWorkpiece;
+  const Triangles whole = ViewMesh(body.shape);
+  const Triangles mesh = ThinnedMesh(whole, workpiece ? limits.workpiece_triangles : limits.body_triangles);
+  std::vector<uint32_t> faces;
+  for (const auto& face : mesh.faces)
+    for (int v : face) faces.push_back(static_cast<uint32_t>(v));
+  return {{"name", body.name},
+          {"class", ClassName(body.body_class)},
+          {"mount", MountName(body.mount)},
+          {"link", body.link},
+          {"X_MG", Matrix(body.X_MG)},
+          {"triangles", whole.faces.size()},
+          {"triangles_shown", mesh.faces.size()},
+          {"vertices", PackVectors(mesh.vertices)},
+          {"faces", PackUint32(faces)}};
+}
+
+/// Lengths of the passes, and where each begins when they are laid end to end, mm.
+struct Layout {
+  std::vector<double> begin, length;
+};
+Layout LayEndToEnd(const PlanResult& plan) {
+  Layout layout;
+  double at = 0;
+  for (const PassResult& pass : plan.passes) {
+    const double length = pass.points.empty() ? 0 : pass.points.back().point.arc_length;
+    layout.begin.push_back(at);
+    layout.length.push_back(length);
+    at += length;
+  }
+  return layout;
+}
+
+Json RowsJson(const PlanResult& plan, const std::vector<ReportRow>& rows, const Layout& layout) {
+  std::vector<uint32_t> number, pass, piece, status, branch, kind;
+  std::vector<float> way;
+  std::vector<Eigen::Vector3d> position, normal;
+  for (const ReportRow& row : rows) {
+    const PlannedPoint& p = plan.passes[row.pass].points[row.point];
+    number.push_back(row.number);
+    pass.push_back(static_cast<uint32_t>(row.pass));
+    piece.push_back(static_cast<uint32_t>(p.piece));
+    status.push_back(static_cast<uint32_t>(p.skip));
+    branch.push_back(static_cast<uint32_t>(p.branch));
+    kind.push_back(static_cast<uint32_t>(p.point.kind));
+    way.push_back(static_cast<float>(layout.begin[row.pass] + p.point.arc_length));
+    position.push_back(p.point.position);
+    normal.push_back(p.point.normal);
+  }
+  return {{"number", PackUint32(number)}, {"pass", PackUint32(pass)},
+          {"piece", PackUint32(piece)},   {"status", PackUint32(status)},
+          {"branch", PackUint32(branch)}, {"kind", PackUint32(kind)},
+          {"way_mm", PackFloats(way)},    {"position_mm", PackVectors(position)},
+          {"normal", PackVectors(normal)}};
+}
+
+Json ColumnsJson(const std::vector<ReportColumn>& columns, const std::vector<ReportRow>& rows) {
+  Json list = Json::array();
+  std::vector<float> shown(rows.size());
+  for (const ReportColumn& column : columns) {
+    for (size_t i = 0; i < rows.size(); ++i) shown[i] = column.values[rows[i].number];
+    list.push_back({{"key", column.key},
+                    {"symbol", column.symbol},
+                    {"label", column.label},
+                    {"unit", column.unit},
+                    {"worse", static_cast<int>(column.worse)},
+                    {"values", PackFloats(shown)}});
+  }
+  return list;
+}
+
+Json PassesJson(const PlanResult& plan, const Layout& layout) {
+  Json list = Json::array();
+  for (size_t i = 0; i < plan.passes.size(); ++i) {
+    const PassResult& pass = plan.passes[i];
+    list.push_back({{"pass", pass.pass},
+                    {"begin_mm", layout.begin[i]},
+                    {"length_mm", layout.length[i]},
+                    {"points", pass.points.size()},
+                    {"pieces", pass.pieces.size()}});
+  }
+  return list;
+}
+
+/// Skipped points, the first `limit` of them by number, and how many there are for each reason.
+Json SkippedJson(const PlanResult& plan, size_t limit) {
+  Json list = Json::array();
+  std::map<std::string, size_t> reasons;
+  uint32_t number = 0;
+  for (const PassResult& pass : plan.passes) {
+    for (const PlannedPoint& p : pass.points) {
+      if (p.skip != SkipReason::kNone) {
+        ++reasons[ToString(p.skip)];
+        if (list.size() < limit)
+          list.push_back(
+              {{"point", number}, {"pass", pass.pass}, {"reason", ToString(p.skip)}, {"detail", p.detail}});
+      }
+      ++number;
+    }
+  }
+  return {{"reasons", reasons}, {"rows", list}};
+}
+
+Json GapsJson(const PlanResult& plan) {
+  Json failed = Json::array();
+  size_t planned = 0;
+  for (const Gap& gap : plan.gaps) {
+    if (gap.planned) {
+      ++planned;
+      continue;
+    }
+    failed.push_back({{"from_pass", gap.from_pass},
+                      {"from_piece", gap.from_piece},
+                      {"to_pass", gap.to_pass},
+                      {"to_piece", gap.to_piece},
+                      {"detail", gap.detail}});
+  }
+  return {{"total", plan.gaps.size()}, {"planned", planned}, {"failed", failed}};
+}
+
+Json CountsJson(const PlanResult& plan, size_t shown) {
+  size_t total = 0, skipped = 0;
+  for (const PassResult& pass : plan.passes) {
+    total += pass.points.size();
+    for (const PlannedPoint& p : pass.points) skipped += p.skip != SkipReason::kNone;
+  }
+  return {{"total", total}, {"planned", total - skipped}, {"skipped", skipped}, {"shown", shown}};
+}
+
+/// Quantised values of one point's objective; least and span go with them.
+struct PackedCurve {
+  float least = 0, span = 0;
+  std::vector<uint16_t> values;  ///< arm branch by arm branch: a wrist flip has the same compliance
+  std::vector<uint16_t> states;  ///< two bits a branch
+};
+
+PackedCurve PackCurve(const PointCurves& curves, int count) {
+  PackedCurve packed;
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  std::vector<double> values;
+  for (int arm = 0; arm < 4; ++arm) {
+    for (int i = 0; i < count; ++i) {
+      double value = std::numeric_limits<double>::infinity();
+      for (int branch : {arm, arm + 4})
+        if (curves.state[i][branch] != CandidateState::kUnreachable)
+          value = std::min(value, curves.objective[i][branch]);
+      values.push_back(value);
+      if (!std::isfinite(value)) continue;
+      least = std::min(least, value);
+      most = std::max(most, value);
+    }
+  }
+  if (std::isfinite(least)) {
+    packed.least = static_cast<float>(least);
+    packed.span = static_cast<float>(std::min(most, kCurveSpan * std::abs(least)) - least);
+  }
+  for (double value : values) {
+    const double share = packed.span > 0 ? (value - least) / packed.span : 0;
+    packed.values.push_back(std::isfinite(value)
+                                ? static_cast<uint16_t>(std::lround(65534 * std::clamp(share, 0.0, 1.0)))
+                                : kNoValue);
+  }
+  for (int i = 0; i < count; ++i) {
+    unsigned bits = 0;
+    for (int branch = 0; branch < 8; ++branch)
+      bits |= static_cast<unsigned>(curves.state[i][branch]) << (2 * branch);
+    packed.states.push_back(static_cast<uint16_t>(bits));
+  }
+  return packed;
+}
+
+void AppendPadded(const std::vector<double>& values, size_t size, double scale, std::vector<float>& out) {
+  for (size_t i = 0; i < size; ++i) {
+    const bool known = i < values.size() && std::isfinite(values[i]);
+    out.push_back(known ? static_cast<float>(scale * values[i]) : std::numeric_limits<float>::quiet_NaN());
+  }
+}
+
+Json CurvesJson(const HtmlInput& input) {
+  const double scale = ShownScale(input.plan.objective_unit);
+  std::vector<uint32_t> first_number;
+  uint32_t total = 0;
+  for (const PassResult& pass : input.plan.passes) {
+    first_number.push_back(total);
+    total += static_cast<uint32_t>(pass.points.size());
+  }
+  size_t generations = 0;
+  for (const PointCurves& curves : input.curves) generations = std::max(generations, curves.best.size());
+
+  std::vector<uint32_t> number;
+  std::vector<float> least, span, best, mean;
+  std::vector<uint16_t> values, states;
+  for (const PointCurves& curves : input.curves) {
+    assert(static_cast<int>(curves.state.size()) == input.grid.count);
+    const PackedCurve packed = PackCurve(curves, input.grid.count);
+    number.push_back(first_number[curves.pass] + static_cast<uint32_t>(curves.point));
+    least.push_back(static_cast<float>(scale) * packed.least);
+    span.push_back(static_cast<float>(scale) * packed.span);
+    values.insert(values.end(), packed.values.begin(), packed.values.end());
+    states.insert(states.end(), packed.states.begin(), packed.states.end());
+    AppendPadded(curves.best, generations, scale, best);
+    AppendPadded(curves.mean, generations, scale, mean);
+  }
+  return {{"first_deg", RadToDeg(input.grid.first)},
+          {"step_deg", RadToDeg(input.grid.step)},
+          {"count", input.grid.count},
+          {"generations", generations},
+          {"number", PackUint32(number)},
+          {"least", PackFloats(least)},
+          {"span", PackFloats(span)},
+          {"values", PackUint16(values)},
+          {"states", PackUint16(states)},
+          {"best", PackFloats(best)},
+          {"mean", PackFloats(mean)}};
+}
+
+Json OptimaJson(const PlanResult& plan, const std::vector<ReportRow>& rows) {
+  const double scale = ShownScale(plan.objective_unit);
+  std::vector<float> genetic, exhaustive;
+  for (const ReportRow& row : rows) {
+    const PlannedPoint& p = plan.passes[row.pass].points[row.point];
+    const auto shown = [&](double value) {
+      return value > 0 ? static_cast<float>(scale * value) : std::numeric_limits<float>::quiet_NaN();
+    };
+    genetic.push_back(shown(p.genetic_optimum));
+    exhaustive.push_back(shown(p.exhaustive_optimum));
+  }
+  return {{"genetic", PackFloats(genetic)}, {"exhaustive", PackFloats(exhaustive)}};
+}
+
+}  // namespace
+
+std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
+  const PlanResult& plan = input.plan;
+  const std::vector<ReportColumn> columns = ReportColumns(plan);
+  const std::vector<ReportRow> rows = RowsToShow(plan, columns, limits.points);
+  const Layout layout = LayEndToEnd(plan);
+  Json data{{"format", 1},
+            {"job", plan.job},
+            {"cell", plan.cell},
+            {"seed", plan.seed},
+            {"input_hash", plan.input_hash},
+            {"objective", {{"name", plan.objective_name}, {"unit", ShownUnit(plan.objective_unit)}}},
+            {"stiffness_origin", plan.stiffness_origin},
+            {"counts", CountsJson(plan, rows.size())},
+            {"arm", ArmJson(plan.arm)},
+            {"home_deg", Degrees(plan.home)},
+            {"X_WB", Matrix(plan.X_WB)},
+            {"X_FT", Matrix(plan.X_FT)},
+            {"X_WP", Matrix(plan.X_WP)},
+            {"passes", PassesJson(plan, layout)},
+            {"rows", RowsJson(plan, rows, layout)},
+            {"columns", ColumnsJson(columns, rows)},
+            {"optima", OptimaJson(plan, rows)},
+            {"curves", CurvesJson(input)},
+            {"skipped", SkippedJson(plan, limits.skipped_rows)},
+            {"gaps", GapsJson(plan)},
+            {"settings", input.settings}};
+  Json bodies = Json::array();
+  for (const Body& body : input.cell.bodies) bodies.push_back(BodyJson(body, limits));
+  data["bodies"] = std::move(bodies);
+
+  std::string text;
+  for (char c : data.dump(-1, ' ', false, Json::error_handler_t::replace)) {
+    if (c == '<')
+      text += "\\u003c";
+    else
+      text += c;
+  }
+  return text;
+}
+
+}  // namespace millpose

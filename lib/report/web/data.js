@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Reads the JSON that html_data.cpp wrote: base64 columns become typed arrays, rows get their look-ups.
+(function (m) {
+  "use strict";
+
+  function bytes(text) {
+    const binary = atob(text);
+    const array = new Uint8Array(binary.length);
+    for (let i = 0; i < binary.length; ++i) array[i] = binary.charCodeAt(i);
+    return array.buffer;
+  }
+  const floats = (text) => new Float32Array(bytes(text));
+  const uint32 = (text) => new Uint32Array(bytes(text));
+  const uint16 = (text) => new Uint16Array(bytes(text));
+
+  m.SKIP_REASONS = ["", "unreachable", "limit", "singular", "interference", "step", "source"];
+  m.KINDS = ["cut", "lead-in", "lead-out"];
+
+  // Least and largest finite value, with the shares of the sorted values in between on request.
+  m.spread = function (values) {
+    const sorted = Float32Array.from(values.filter((v) => !Number.isNaN(v))).sort();
+    const at = (share) => sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))];
+    return { count: sorted.length, low: sorted[0], high: sorted[sorted.length - 1], at };
+  };
+
+  function decodeCurves(raw) {
+    const curves = Object.assign({}, raw, { number: uint32(raw.number) });
+    // Large, and of use only when a point is looked at.
+    let parts = null;
+    curves.parts = () =>
+      parts || (parts = {
+        least: floats(raw.least), span: floats(raw.span), values: uint16(raw.values),
+        states: uint16(raw.states), best: floats(raw.best), mean: floats(raw.mean),
+      });
+    return curves;
+  }
+
+  m.readData = function (text) {
+    const raw = JSON.parse(text);
+    const data = Object.assign({}, raw);
+    const r = raw.rows;
+    data.rows = {
+      number: uint32(r.number), pass: uint32(r.pass), piece: uint32(r.piece), status: uint32(r.status),
+      branch: uint32(r.branch), kind: uint32(r.kind), way: floats(r.way_mm),
+      position: floats(r.position_mm), normal: floats(r.normal),
+    };
+    data.count = data.rows.number.length;
+    data.columns = raw.columns.map((c) => Object.assign({}, c, { values: floats(c.values) }));
+    data.column = {};
+    for (const column of data.columns) data.column[column.key] = column;
+    data.optima = { genetic: floats(raw.optima.genetic), exhaustive: floats(raw.optima.exhaustive) };
+    data.curves = decodeCurves(raw.curves);
+    data.bodies = raw.bodies.map((b) => Object.assign({}, b, { vertices: floats(b.vertices), faces: uint32(b.faces) }));
+    return data;
+  };
+
+  // The row that shows point `number`, or the one whose number is nearest.
+  m.rowOf = function (data, number) {
+    const numbers = data.rows.number;
+    let low = 0, high = numbers.length - 1;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (numbers[middle] < number) low = middle + 1;
+      else high = middle;
+    }
+    return low > 0 && number - numbers[low - 1] < Math.abs(numbers[low] - number) ? low - 1 : low;
+  };
+
+  m.place = (data, row) => Array.from(data.rows.position.subarray(3 * row, 3 * row + 3));
+
+  // The curves of a row's point, or of the nearest sampled point by number; null when there are none.
+  m.curveOf = function (data, row) {
+    const numbers = data.curves.number;
+    if (numbers.length === 0) return null;
+    let best = 0;
+    const wanted = data.rows.number[row];
+    for (let i = 1; i < numbers.length; ++i)
+      if (Math.abs(numbers[i] - wanted) < Math.abs(numbers[best] - wanted)) best = i;
+    return { index: best, number: numbers[best], exact: numbers[best] === wanted };
+  };
+
+  // The worst rows of a column, no two of them nearer than `apart` mm: places rather than neighbours.
+  m.worstPlaces = function (data, column, count, apart) {
+    const order = [];
+    for (let i = 0; i < data.count; ++i) if (!Number.isNaN(column.values[i])) order.push(i);
+    order.sort((a, b) => column.worse * (column.values[b] - column.values[a]) || a - b);
+    const places = [];
+    for (const row of order) {
+      const p = m.place(data, row);
+      if (places.every((q) => Math.hypot(p[0] - q.p[0], p[1] - q.p[1], p[2] - q.p[2]) > apart)) {
+        places.push({ row, p });
+        if (places.length === count) break;
+      }
+    }
+    return places.map((q) => q.row);
+  };
+
+  // About four significant digits, without an exponent where that stays short.
+  m.format = function (value, digits = 4) {
+    if (value === null || value === undefined || Number.isNaN(value)) return "–";
+    const size = Math.abs(value);
+    if (size !== 0 && (size >= 1e6 || size < 1e-4)) return value.toExponential(digits - 1);
+    const whole = size >= 1 ? Math.floor(Math.log10(size)) + 1 : 0;
+    return value.toFixed(Math.max(0, Math.min(6, size >= 1 || size === 0 ? digits - whole : digits - 1 - Math.floor(Math.log10(size)) - 1)));
+  };
+  m.withUnit = (value, unit) => (unit && value === value ? `${m.format(value)}${unit === "°" ? "" : "\u202f"}${unit}` : m.format(value));
+
+  m.element = function (tag, attributes, ...children) {
+    const node = document.createElement(tag);
+    for (const [key, value] of Object.entries(attributes || {})) {
+      if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
+      else node.setAttribute(key, value);
+    }
+    node.append(...children);
+    return node;
+  };
+})((window.millpose = window.millpose || {}));

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The charts along the path: which there are, and the cursor and zoom that they share.
+(function (m) {
+  "use strict";
+
+  m.PathCharts = class {
+    constructor(parent, data, actions) {
+      this.data = data;
+      const rows = data.rows;
+      const group = {
+        x: rows.way,
+        bands: data.passes,
+        range: null,
+        selected: 0,
+        hovered: -1,
+        skipped: (i) => rows.status[i] !== 0,
+        broken: (i) => i === 0 || rows.pass[i] !== rows.pass[i - 1] || rows.piece[i] !== rows.piece[i - 1],
+        pick: actions.select,
+        hover: (row) => {
+          group.hovered = row;
+          this.schedule();
+        },
+        zoom: (range) => {
+          group.range = range;
+          this.schedule();
+        },
+      };
+      this.group = group;
+      const chart = (title, keys, height, unit) => {
+        const columns = keys.map((key) => data.column[key]).filter((c) => c && c.values.some((v) => !Number.isNaN(v)));
+        if (columns.length === 0) return null;
+        const series = columns.map((c, i) => ({ symbol: c.symbol, values: c.values, colour: m.SERIES[i] }));
+        return new m.PathChart(parent, group, title, unit === undefined ? columns[0].unit : unit, series, height);
+      };
+      this.chosen = chart("Objective", ["objective"], 150);
+      const six = (letter) => [1, 2, 3, 4, 5, 6].map((j) => letter + j);
+      this.charts = [
+        this.chosen,
+        chart("Compliance indices", ["lambda_t1", "lambda_t2", "lambda_n", "normal_compliance"], 160),
+        chart("Isotropy and dexterity", ["mu", "dexterity"], 120),
+        chart("Clearance", ["clearance"], 110),
+        chart("Joint angles", six("a"), 170),
+        chart("Joint speeds", six("v"), 150),
+        chart("Distance of the nearest joint from its limit", ["limit_reserve"], 110),
+      ].filter((c) => c);
+    }
+    schedule() {
+      if (this.waiting) return;
+      this.waiting = true;
+      requestAnimationFrame(() => {
+        this.waiting = false;
+        this.draw();
+      });
+    }
+    // The first chart shows what the 3-D view is coloured by.
+    show(column) {
+      this.chosen.title.textContent = `${column.symbol}: ${column.label}`;
+      this.chosen.unit = column.unit;
+      this.chosen.series = [{ symbol: column.symbol, values: column.values, colour: m.SERIES[0] }];
+      this.schedule();
+    }
+    select(row) {
+      const group = this.group, x = group.x[row];
+      group.selected = row;
+      if (group.range && (x < group.range[0] || x > group.range[1])) group.range = null;
+      this.schedule();
+    }
+    draw() {
+      for (const chart of this.charts) chart.draw();
+    }
+  };
+})((window.millpose = window.millpose || {}));

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Header, the selected point's figures, worst places, skipped points, gaps and settings.
+(function (m) {
+  "use strict";
+
+  const cell = (text, numeric) => m.element("td", numeric ? { class: "number" } : {}, text);
+
+  m.fillHeader = function (data) {
+    const c = data.counts, gaps = data.gaps;
+    document.getElementById("job").textContent = data.job;
+    document.getElementById("about").textContent =
+      `${data.arm.name} in cell ${data.cell}; objective ${data.objective.name} (${data.objective.unit || "no unit"}), stiffness at the ${data.stiffness_origin.replace("_", " ")}; seed ${data.seed}`;
+    const fact = (value, label, bad) => m.element("div", bad ? { class: "fact bad" } : { class: "fact" }, m.element("b", {}, value), label);
+    document.getElementById("facts").append(
+      fact(c.planned.toLocaleString("en"), `of ${c.total.toLocaleString("en")} points planned`, c.planned < c.total),
+      fact(c.skipped.toLocaleString("en"), "skipped", c.skipped > 0),
+      fact(String(data.passes.length), "passes"),
+      fact(`${gaps.planned}/${gaps.total}`, "gaps planned", gaps.planned < gaps.total));
+    const thinned = [];
+    if (c.shown < c.total) thinned.push(`${c.shown.toLocaleString("en")} of ${c.total.toLocaleString("en")} points are shown; the ends of all pieces and the worst points of every index are among them. All points stand in points.csv.`);
+    for (const body of data.bodies)
+      if (body.triangles_shown < body.triangles) thinned.push(`${body.name} is drawn with ${body.triangles_shown.toLocaleString("en")} of ${body.triangles.toLocaleString("en")} triangles.`);
+    document.getElementById("thinned").textContent = thinned.join(" ");
+  };
+
+  m.PointPanel = class {
+    constructor(data, actions) {
+      this.data = data;
+      this.title = document.getElementById("point-title");
+      this.status = document.getElementById("point-status");
+      this.figures = document.getElementById("point-figures");
+      this.link = document.getElementById("point-link");
+      document.getElementById("previous").addEventListener("click", () => actions.step(-1));
+      document.getElementById("next").addEventListener("click", () => actions.step(1));
+    }
+    select(row) {
+      const { data } = this, rows = data.rows, number = rows.number[row], reason = m.SKIP_REASONS[rows.status[row]];
+      const pass = data.passes[rows.pass[row]];
+      this.title.textContent = `Point ${number}`;
+      this.link.href = `#point=${number}`;
+      this.status.className = reason ? "bad" : "";
+      const skipped = reason && data.skipped.rows.find((s) => s.point === number);
+      this.status.textContent = reason ? `skipped, ${reason}${skipped ? ": " + skipped.detail : ""}` : `pass ${pass.pass}, piece ${rows.piece[row]}, ${m.KINDS[rows.kind[row]]}`;
+      const p = m.place(data, row);
+      const value = (key) => m.withUnit(data.column[key].values[row], data.column[key].unit);
+      const line = (name, ...text) => m.element("tr", {}, m.element("th", {}, name), ...text.map((t) => cell(t, true)));
+      const simple = (key) => line(data.column[key].symbol, value(key));
+      const joints = [1, 2, 3, 4, 5, 6].map((j) =>
+        line("A" + j, value("a" + j), `${m.format(data.arm.lower_deg[j - 1])}…${m.format(data.arm.upper_deg[j - 1])}°`, value("v" + j)));
+      const table = (caption, head, ...lines) => m.element("table", {}, m.element("caption", {}, caption), ...head, ...lines);
+      this.figures.replaceChildren(
+        table("Stiffness", [], ...["objective", "lambda_t1", "lambda_t2", "lambda_n", "normal_compliance", "mu", "dexterity", "price"].map(simple)),
+        table("Place and pose", [], line("x, W", `${p[0].toFixed(2)} mm`), line("y, W", `${p[1].toFixed(2)} mm`), line("z, W", `${p[2].toFixed(2)} mm`),
+          simple("rotation"), line("branch", reason ? "–" : "S" + rows.branch[row]), simple("clearance"), simple("limit_reserve"), simple("speed_share")),
+        table("Joints", [m.element("tr", {}, m.element("th"), ...["angle", "limits", "speed"].map((t) => m.element("th", { class: "number" }, t)))], ...joints));
+    }
+  };
+
+  m.WorstTable = class {
+    constructor(data, actions) {
+      this.data = data;
+      this.actions = actions;
+      this.body = document.querySelector("#worst tbody");
+      const p = data.rows.position, low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+      p.forEach((v, i) => {
+        low[i % 3] = Math.min(low[i % 3], v);
+        high[i % 3] = Math.max(high[i % 3], v);
+      });
+      this.apart = 0.07 * Math.hypot(...[0, 1, 2].map((k) => high[k] - low[k]));
+    }
+    show(column) {
+      const { data } = this;
+      const word = column.worse < 0 ? "lowest" : "highest";
+      document.getElementById("worst-title").textContent = `Worst places: ${word} ${column.symbol}`;
+      document.getElementById("worst-note").textContent = `At least ${m.format(this.apart, 2)} mm apart. ${column.label}.`;
+      document.getElementById("worst-value").textContent = column.unit ? `${column.symbol}, ${column.unit}` : column.symbol;
+      this.places = m.worstPlaces(data, { values: column.values, worse: column.worse || 1 }, 8, this.apart);
+      this.body.replaceChildren(
+        ...this.places.map((row, i) => {
+          const p = m.place(data, row).map((v) => v.toFixed(0));
+          const number = data.rows.number[row];
+          const link = m.element("a", { href: `#point=${number}` }, String(number));
+          return m.element("tr", { "data-row": row, onclick: () => this.actions.select(row) },
+            cell(String(i + 1), true), m.element("td", { class: "number" }, link), cell(data.passes[data.rows.pass[row]].pass, true),
+            cell(m.format(column.values[row]), true), cell(p.join(", "), true));
+        }));
+      return this.places[0];
+    }
+    select(row) {
+      for (const line of this.body.children) line.classList.toggle("selected", Number(line.dataset.row) === row);
+    }
+  };
+
+  m.fillSkipped = function (data) {
+    const section = document.getElementById("skipped"), { reasons, rows } = data.skipped;
+    const summary = section.querySelector("p");
+    if (data.counts.skipped === 0) {
+      summary.textContent = "None: every point is planned.";
+      section.querySelector("table").remove();
+      return;
+    }
+    summary.textContent = Object.entries(reasons).map(([reason, count]) => `${reason}: ${count}`).join(", ") +
+      (rows.length < data.counts.skipped ? `. The first ${rows.length} are listed; all stand in summary.json.` : ".");
+    section.querySelector("tbody").append(...rows.map((s) =>
+      m.element("tr", {}, m.element("td", { class: "number" }, m.element("a", { href: `#point=${s.point}` }, String(s.point))), cell(s.pass, true), cell(s.reason), cell(s.detail))));
+  };
+
+  m.fillGaps = function (data) {
+    const section = document.getElementById("gaps"), end = (pass, piece) => (pass < 0 ? "home" : `pass ${pass}, piece ${piece}`);
+    if (data.gaps.failed.length === 0) {
+      section.remove();
+      return;
+    }
+    section.querySelector("tbody").append(...data.gaps.failed.map((g) =>
+      m.element("tr", {}, cell(end(g.from_pass, g.from_piece)), cell(end(g.to_pass, g.to_piece)), cell(g.detail))));
+  };
+})((window.millpose = window.millpose || {}));

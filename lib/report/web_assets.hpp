@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The front end of report.html: the files of web/ and three.js, compiled in by web/embed.cmake.
+#pragma once
+
+#include <string_view>
+
+namespace millpose {
+
+extern const std::string_view kWebPage;     ///< web/page.html
+extern const std::string_view kWebStyle;    ///< web/style.css
+extern const std::string_view kWebLicense;  ///< web/three-license.txt
+extern const std::string_view kWebThree;    ///< three.min.js
+extern const std::string_view kWebScripts;  ///< web/*.js in the order of CMakeLists.txt
+
+}  // namespace millpose

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report/html.hpp"
+
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "base/units.hpp"
+#include "report/html_columns.hpp"
+#include "report/packed.hpp"
+#include "tests/report/panel_plan.hpp"
+
+namespace millpose {
+namespace {
+
+using Json = nlohmann::json;
+
+const Panel& SmallPanel() {
+  static const Panel panel =
+      MakePanel({.passes = 4, .points = 20}, "</script><script>alert(1)</script> & \"ü\" \xff");
+  return panel;
+}
+const std::string& SmallPage() {
+  static const std::string page = ReportHtml(SmallPanel().Input());
+  return page;
+}
+
+/// The text between `open` and the next `close`.
+std::string Between(const std::string& text, const std::string& open, const std::string& close) {
+  const size_t from = text.find(open);
+  if (from == std::string::npos) return {};
+  const size_t start = from + open.size();
+  return text.substr(start, text.find(close, start) - start);
+}
+
+Json DataOf(const std::string& page) {
+  return Json::parse(Between(page, "<script type=\"application/json\" id=\"plan-data\">", "</script>"));
+}
+
+size_t Count(const std::string& text, const std::string& part) {
+  size_t count = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++count;
+  return count;
+}
+
+std::vector<uint8_t> Decoded(const std::string& text) {
+  static const std::string kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::vector<uint8_t> bytes;
+  uint32_t bits = 0;
+  int held = 0;
+  for (char c : text) {
+    if (c == '=') break;
+    bits = bits << 6 | static_cast<uint32_t>(kDigits.find(c));
+    held += 6;
+    if (held >= 8) bytes.push_back(static_cast<uint8_t>(bits >> (held -= 8)));
+  }
+  return bytes;
+}
+
+std::vector<float> Floats(const Json& text) {
+  const std::vector<uint8_t> bytes = Decoded(text.get<std::string>());
+  std::vector<float> values(bytes.size() / 4);
+  std::memcpy(values.data(), bytes.data(), 4 * values.size());
+  return values;
+}
+std::vector<uint32_t> Uint32s(const Json& text) {
+  const std::vector<uint8_t> bytes = Decoded(text.get<std::string>());
+  std::vector<uint32_t> values(bytes.size() / 4);
+  std::memcpy(values.data(), bytes.data(), 4 * values.size());
+  return values;
+}
+
+std::vector<float> ColumnValues(const Json& data, const std::string& key) {
+  for (const Json& column : data["columns"])
+    if (column["key"] == key) return Floats(column["values"]);
+  ADD_FAILURE() << "no column " << key;
+  return {};
+}
+
+TEST(Packed, Base64IsThatOfRfc4648) {
+  const std::string text = "foobar";
+  const char* expected[] = {"", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy"};
+  for (size_t n = 0; n <= text.size(); ++n)
+    EXPECT_EQ(Base64({reinterpret_cast<const uint8_t*>(text.data()), n}), expected[n]);
+}
+
+TEST(Packed, FloatsAreLittleEndian) {
+  EXPECT_EQ(PackFloats(std::vector<float>{1.0f}), "AACAPw==");
+  EXPECT_EQ(PackUint16(std::vector<uint16_t>{0x0102}), "AgE=");
+}
+
+TEST(ReportHtml, CountsAreThoseOfThePlan) {
+  const Json data = DataOf(SmallPage());
+  EXPECT_EQ(data["counts"]["total"], 80);
+  EXPECT_EQ(data["counts"]["shown"], 80);
+  size_t skipped = 0;
+  for (const PassResult& pass : SmallPanel().plan.passes)
+    for (const PlannedPoint& p : pass.points) skipped += p.skip != SkipReason::kNone;
+  ASSERT_GE(skipped, 2u);
+  EXPECT_EQ(data["counts"]["skipped"], skipped);
+  EXPECT_EQ(data["skipped"]["rows"].size(), skipped);
+  EXPECT_EQ(data["passes"].size(), 4u);
+  EXPECT_EQ(data["gaps"]["failed"][0]["detail"], "link3 against platform");
+  EXPECT_EQ(Uint32s(data["rows"]["number"]).size(), 80u);
+  for (const Json& column : data["columns"]) EXPECT_EQ(Floats(column["values"]).size(), 80u) << column["key"];
+}
+
+TEST(ReportHtml, ColumnsHoldThePlanInTheirUnits) {
+  const Json data = DataOf(SmallPage());
+  const auto lambda = ColumnValues(data, "lambda_t1"), angle = ColumnValues(data, "a5");
+  size_t i = 0;
+  for (const PassResult& pass : SmallPanel().plan.passes) {
+    for (const PlannedPoint& p : pass.points) {
+      if (p.skip == SkipReason::kNone) {
+        EXPECT_FLOAT_EQ(lambda[i], static_cast<float>(1e3 * p.indices.lambda_t1));
+        EXPECT_FLOAT_EQ(angle[i], static_cast<float>(RadToDeg(p.q[4])));
+      } else {
+        EXPECT_TRUE(std::isnan(lambda[i]));
+        EXPECT_TRUE(std::isnan(angle[i]));
+      }
+      ++i;
+    }
+  }
+}
+
+TEST(ReportHtml, SpeedsAreStepsOverTime) {
+  Panel panel = MakePanel({.passes = 1, .points = 5});
+  std::vector<PlannedPoint>& points = panel.plan.passes[0].points;
+  for (size_t i = 0; i < points.size(); ++i) {
+    points[i].skip = SkipReason::kNone;
+    points[i].q = Joints::Constant(DegToRad(2.0 * static_cast<double>(i)));
+    points[i].point.arc_length = 5.0 * static_cast<double>(i);
+    points[i].point.feed_rate = 10;  // half a second a step
+  }
+  const auto columns = ReportColumns(panel.plan);
+  const auto v3 = std::find_if(columns.begin(), columns.end(), [](const auto& c) { return c.key == "v3"; });
+  for (float v : v3->values) EXPECT_NEAR(v, 4, 1e-5);
+}
+
+TEST(ReportHtml, CurvesFollowTheScorer) {
+  const Panel& panel = SmallPanel();
+  const Json curves = DataOf(SmallPage())["curves"];
+  EXPECT_EQ(curves["count"], 120);
+  const auto least = Floats(curves["least"]), span = Floats(curves["span"]);
+  const std::vector<uint8_t> values = Decoded(curves["values"]), states = Decoded(curves["states"]);
+  ASSERT_EQ(values.size(), 80u * 4 * 120 * 2);
+  ASSERT_EQ(states.size(), 80u * 120 * 2);
+  const auto at = [](const std::vector<uint8_t>& bytes, size_t i) {
+    return bytes[2 * i] | bytes[2 * i + 1] << 8;
+  };
+  size_t seen = 0;
+  for (size_t k = 0; k < 80; ++k) {
+    for (size_t i = 0; i < 120; ++i) {
+      for (size_t branch = 0; branch < 8; ++branch) {
+        const CandidateState state = panel.curves[k].state[i][branch];
+        EXPECT_EQ(at(states, 120 * k + i) >> (2 * branch) & 3, static_cast<int>(state));
+        if (state == CandidateState::kUnreachable) continue;
+        const int code = at(values, 480 * k + 120 * (branch & 3) + i);
+        const double truth = 1e3 * panel.curves[k].objective[i][branch];
+        if (code < 65534) {
+          EXPECT_NEAR(least[k] + span[k] * code / 65534.0, truth, 2e-5 * (least[k] + span[k]));
+        }
+        ++seen;
+      }
+    }
+  }
+  EXPECT_GT(seen, 10000u);
+}
+
+TEST(ReportHtml, HostileNamesStayText) {
+  const std::string& page = SmallPage();
+  EXPECT_EQ(page.find("<script>alert"), std::string::npos);
+  EXPECT_EQ(Count(page, "<script"), 3u);
+  EXPECT_EQ(Count(page, "</script>"), 3u);
+  EXPECT_NE(page.find("<title>&lt;/script&gt;"), std::string::npos);
+  const std::string job = DataOf(page)["job"];
+  EXPECT_TRUE(job.starts_with("</script><script>alert(1)</script> & \"ü\""));
+}
+
+TEST(ReportHtml, LoadsNothingFromOutside) {
+  const std::string& page = SmallPage();
+  EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
+  // What follows is ours alone: three.js names addresses in comments and namespaces but loads none.
+  std::string own = page;
+  const size_t three = own.find("(function(global,factory)");
+  ASSERT_NE(three, std::string::npos);
+  own.erase(three, own.find("</script>", three) - three);
+  EXPECT_FALSE(std::regex_search(own, std::regex("https?://|@import|url\\(|fetch\\(|XMLHttpRequest|src=")));
+}
+
+TEST(ReportHtml, HasAllSectionsAndNotices) {
+  const std::string& page = SmallPage();
+  for (const char* id : {"scene", "view", "index", "scale", "point", "worst", "rotation-chart",
+                         "genetic-chart", "path-charts", "skipped", "gaps", "settings"})
+    EXPECT_EQ(Count(page, fmt::format("id=\"{}\"", id)), 1u) << id;
+  EXPECT_NE(page.find("three.js authors"), std::string::npos);
+  EXPECT_EQ(page.find("{{"), std::string::npos);
+}
+
+TEST(ReportHtml, SameInputGivesTheSameBytes) { EXPECT_EQ(ReportHtml(SmallPanel().Input()), SmallPage()); }
+
+TEST(ReportHtml, ThinsLargePlansButKeepsTheWorst) {
+  const Panel panel = MakePanel({.passes = 6, .points = 60});
+  HtmlLimits limits;
+  limits.points = 90;
+  const Json data = DataOf(ReportHtml(panel.Input(), limits));
+  const auto number = Uint32s(data["rows"]["number"]);
+  EXPECT_EQ(data["counts"]["total"], 360);
+  EXPECT_EQ(data["counts"]["shown"], number.size());
+  EXPECT_LT(number.size(), 360u);
+  EXPECT_TRUE(std::is_sorted(number.begin(), number.end()));
+  for (uint32_t pass = 0; pass < 6; ++pass)
+    for (uint32_t end : {60 * pass, 60 * pass + 59})
+      EXPECT_TRUE(std::binary_search(number.begin(), number.end(), end)) << end;
+  for (const ReportColumn& column : ReportColumns(panel.plan)) {
+    if (column.worse == Worse::kNeither) continue;
+    uint32_t worst = 0;
+    float value = -std::numeric_limits<float>::infinity();
+    for (uint32_t i = 0; i < column.values.size(); ++i) {
+      const float v = static_cast<float>(column.worse) * column.values[i];
+      if (v > value) value = v, worst = i;
+    }
+    EXPECT_TRUE(std::binary_search(number.begin(), number.end(), worst)) << column.key;
+  }
+}
+
+TEST(ReportHtml, MeshesAreThinnedForTheViewAlone) {
+  HtmlLimits limits;
+  limits.workpiece_triangles = 300;
+  const Json data = DataOf(ReportHtml(SmallPanel().Input(), limits));
+  for (const Json& body : data["bodies"]) {
+    if (body["class"] != "workpiece") continue;
+    EXPECT_EQ(body["triangles"], 1600);
+    EXPECT_LE(body["triangles_shown"], 300);
+    EXPECT_EQ(Uint32s(body["faces"]).size(), 3 * body["triangles_shown"].get<size_t>());
+  }
+}
+
+TEST(ReportHtml, APlanWithoutAnyPoseIsAPageToo) {
+  Panel panel = MakePanel({.passes = 1, .points = 3});
+  for (PlannedPoint& p : panel.plan.passes[0].points) {
+    p.skip = SkipReason::kUnreachable;
+    p.detail = "too far";
+    p.freedoms.clear();
+  }
+  EXPECT_EQ(DataOf(ReportHtml(panel.Input()))["counts"]["planned"], 0);
+}
+
+}  // namespace
+}  // namespace millpose

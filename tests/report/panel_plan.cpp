@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/report/panel_plan.hpp"
+
+#include "pipeline/sample_curves.hpp"
+#include "tests/cell/sample_cell.hpp"
+#include "tests/pose/problems.hpp"
+
+namespace millpose {
+namespace {
+
+Triangles PanelMesh(const PanelSize& size) {
+  constexpr int kAcross = 40, kUp = 20;
+  Triangles mesh;
+  for (int u = 0; u <= kAcross; ++u)
+    for (int v = 0; v <= kUp; ++v)
+      mesh.vertices.push_back(PanelPoint((double(u) / kAcross - 0.5) * (size.width + 60),
+                                         (double(v) / kUp - 0.5) * (size.height + 60))
+                                  .position);
+  for (int u = 0; u < kAcross; ++u) {
+    for (int v = 0; v < kUp; ++v) {
+      const int at = u * (kUp + 1) + v, next = at + kUp + 1;
+      mesh.faces.push_back({at, at + 1, next});
+      mesh.faces.push_back({next, at + 1, next + 1});
+    }
+  }
+  return mesh;
+}
+
+/// The admissible candidate with the least objective among those whose joints are nearest to `last`: within
+/// 10° when there is one.
+void ChoosePose(const PointScorer& scorer, const RotationGrid& grid, std::optional<Joints>& last,
+                PlannedPoint& point) {
+  std::vector<FreedomValues> rotations;
+  for (int i = 0; i < grid.count; ++i) rotations.push_back({grid.first + i * grid.step});
+  std::vector<Candidate> candidates(8 * rotations.size());
+  scorer.Score(rotations, candidates);
+  double least = std::numeric_limits<double>::infinity(), best = least;
+  size_t chosen = candidates.size();
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const Candidate& c = candidates[i];
+    if (c.admissibility != Admissibility::kAdmissible) continue;
+    least = std::min(least, c.objective);
+    const double jump = last ? (c.q - *last).cwiseAbs().maxCoeff() : 0;
+    const double cost = c.objective * (1 + 20 * std::max(0.0, jump - DegToRad(10)));
+    if (cost < best) best = cost, chosen = i;
+  }
+  if (chosen == candidates.size()) {
+    point.skip = SkipReason::kLimit;
+    point.detail = "no admissible pose on any branch";
+    return;
+  }
+  point.freedoms = rotations[chosen / 8];
+  point.branch = static_cast<int>(chosen % 8);
+  point.q = candidates[chosen].q;
+  point.objective = candidates[chosen].objective;
+  point.exhaustive_optimum = point.genetic_optimum = least;
+  last = point.q;
+}
+
+void FillIndices(const PoseProblem& problem, PlannedPoint& point) {
+  const Matrix6 J = Jacobian(problem.arm, point.q, problem.X_FT.translation());
+  const Eigen::Matrix3d c = Compliance(J, problem.arm.stiffness).topLeftCorner<3, 3>();
+  point.indices = *IndicesInPlane(c, problem.X_WB.linear().transpose() * point.point.normal);
+  point.dexterity = Dexterity(J, problem.characteristic_length);
+}
+
+PassResult MakePass(const PoseProblem& problem, const PanelSize& size, int number,
+                    std::optional<Joints>& last) {
+  PassResult pass;
+  pass.pass = number;
+  const double z = size.height * (size.passes > 1 ? double(number) / (size.passes - 1) - 0.5 : 0);
+  for (int i = 0; i < size.points; ++i) {
+    const double along = size.width * (size.points > 1 ? double(i) / (size.points - 1) : 0);
+    PlannedPoint point;
+    point.point = PanelPoint(number % 2 ? size.width / 2 - along : along - size.width / 2, z);
+    if (number % 2) point.point.feed *= -1;
+    point.point.arc_length = along;
+    const PointScorer scorer(problem, point.point, pass.rotation_reference);
+    ChoosePose(scorer, CurveGrid(), last, point);
+    point.clearance = 20 + 15 * std::cos(0.01 * along) + number % 5;
+    if (number + 1 == size.passes && i % 10 == 9) {
+      point.skip = SkipReason::kInterference;
+      point.detail = "spindle against workpiece </script><b>";
+    }
+    if (point.skip == SkipReason::kNone) FillIndices(problem, point);
+    pass.points.push_back(std::move(point));
+  }
+  pass.pieces = {{number, 0, 0, size.points - 1, false}};
+  return pass;
+}
+
+}  // namespace
+
+HtmlInput Panel::Input() const { return {plan, cell, CurveGrid(), curves, settings}; }
+
+Panel MakePanel(const PanelSize& size, const std::string& job) {
+  Panel panel;
+  panel.cell = test::SampleCell();
+  panel.cell.bodies.push_back(
+      {"panel", BodyClass::kWorkpiece, Mount::kWorkpiece, 0, Pose::Identity(), PanelMesh(size)});
+  panel.problem = MakeProblem(Kr500R2830());
+  panel.problem.arm.speed = panel.cell.arm.speed;
+  PlanResult& plan = panel.plan;
+  plan.job = job;
+  plan.cell = panel.cell.name;
+  plan.seed = 7;
+  plan.arm = panel.problem.arm;
+  plan.X_FT = panel.problem.X_FT;
+  plan.home = panel.cell.home;
+  plan.objective_name = panel.problem.objective->Name();
+  plan.objective_unit = panel.problem.objective->Unit();
+  plan.stiffness_origin = "tool_tip";
+  std::optional<Joints> last;
+  for (int p = 0; p < size.passes; ++p) plan.passes.push_back(MakePass(panel.problem, size, p, last));
+  plan.gaps.resize(2);
+  plan.gaps[0].planned = true;
+  plan.gaps[1].from_pass = 0;
+  plan.gaps[1].from_piece = 0;
+  plan.gaps[1].detail = "link3 against platform";
+  panel.curves = SampleCurves(plan, panel.problem, {}, 4000, 2, {});
+  panel.settings = "job: |\n  " + job + "\ntoolpath: {stepover_mm: 8}\n";
+  return panel;
+}
+
+}  // namespace millpose

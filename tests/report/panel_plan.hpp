@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A plan of a bent vertical panel in front of a KR 500 R2830, in zigzag: real poses and curves, found point
+// by point with the pose module, without the layered search.
+#pragma once
+
+#include "cell/cell.hpp"
+#include "pose/search.hpp"
+#include "report/html.hpp"
+
+namespace millpose {
+
+struct PanelSize {
+  int passes = 8, points = 20;       ///< per pass
+  double width = 900, height = 900;  ///< mm
+};
+
+/// The panel's plan with its cell, problem and curves; every tenth point of the last pass is skipped.
+struct Panel {
+  PlanResult plan;
+  Cell cell;
+  PoseProblem problem;
+  std::vector<PointCurves> curves;
+  std::string settings;
+
+  HtmlInput Input() const;
+};
+Panel MakePanel(const PanelSize& size, const std::string& job = "panel");
+
+}  // namespace millpose

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// usage: write_report_panel PASSES POINTS FILE: writes the report of a panel plan for the browser test.
+#include <cstdlib>
+
+#include "base/file.hpp"
+#include "tests/report/panel_plan.hpp"
+
+int main(int argc, char** argv) {
+  if (argc != 4) return 2;
+  const millpose::Panel panel =
+      millpose::MakePanel({.passes = std::atoi(argv[1]), .points = std::atoi(argv[2])}, "panel <b>&amp;</b>");
+  millpose::WriteFileAtomically(argv[3], millpose::ReportHtml(panel.Input()));
+}
