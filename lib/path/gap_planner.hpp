@@ -11,7 +11,6 @@ namespace millpose {
 struct GapOptions {
   double retract = 50;            ///< mm along the tool axis
   int max_iterations = 20000;     ///< of RRTConnect; never a clock
-  double check_step = 0;          ///< rad, dense re-check
   double swept_resolution = 0.5;  ///< mm
   double limit_margin = 0;        ///< rad
   double speed_share = 0.5;       ///< of the joints' largest speed and acceleration, for the duration
@@ -24,9 +23,9 @@ struct GapEnd {
   Joints q = Joints::Zero();
 };
 
-/// Plans the way from one end to another: LIN retract, OMPL RRTConnect and shortcutting in joint space
-/// against the whole cell, LIN approach, all densely re-checked. A gap that cannot be planned says what
-/// blocked it.
+/// Plans the way from one end to another: LIN retract along the tool axis, the straight joint motion or else
+/// OMPL's RRTConnect and shortcutting against the whole cell, LIN approach, all re-checked. A gap that cannot
+/// be planned says what blocked it. Depends on nothing but its arguments. Throws Interrupted.
 Gap PlanGap(const World& world, const GapEnd& from, const GapEnd& to, const GapOptions& options,
             std::stop_token stop);
 

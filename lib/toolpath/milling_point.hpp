@@ -12,12 +12,12 @@ enum class PointKind : uint8_t { kCut, kLeadIn, kLeadOut };
 /// One milling point. Vectors are unit vectors, lengths mm, in the frame of the list that holds it (P, the
 /// workpiece, as strategies make it; W, the world, from the planner on).
 struct MillingPoint {
-  Eigen::Vector3d position;
-  Eigen::Vector3d normal;     ///< out of the material
-  Eigen::Vector3d feed;       ///< direction of travel, in the tangent plane
-  Eigen::Vector3d tool_axis;  ///< from tip to holder
-  double feed_rate = 0;       ///< mm/s
-  double arc_length = 0;      ///< along its pass, mm
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();     ///< out of the material
+  Eigen::Vector3d feed = Eigen::Vector3d::UnitX();       ///< direction of travel, in the tangent plane
+  Eigen::Vector3d tool_axis = Eigen::Vector3d::UnitZ();  ///< from tip to holder
+  double feed_rate = 0;                                  ///< mm/s
+  double arc_length = 0;                                 ///< along its pass, mm
   PointKind kind = PointKind::kCut;
   int region = 0;
   int source_line = 0;  ///< of an imported tool path; 0 when made here

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/gap_planner.hpp"
+
+#include "base/parallel.hpp"
+#include "base/units.hpp"
+#include "motion/line.hpp"
+#include "motion/time_law.hpp"
+#include "path/joint_route.hpp"
+
+namespace millpose {
+namespace {
+
+/// Retracts tried, as multiples of the one asked for: longer where that does not come clear (a pocket),
+/// shorter where there is no room for it.
+constexpr std::array<double, 4> kRetracts{1, 2, 4, 0.5};
+constexpr double kClearanceBound = 100;  // mm; clearances along a gap are told up to this
+const double kClearanceStep = DegToRad(1);
+
+/// How the tool leaves the material, or comes to it when run backwards.
+struct Retract {
+  std::vector<Joints> joints;        ///< from the piece outwards; one entry at home
+  Pose X_WT_end = Pose::Identity();  ///< tool at its end
+  std::string problem;
+};
+
+std::string Describe(const Interference& found) {
+  if (found.distance <= 0) return fmt::format("{} touches {}", found.second, found.first);
+  return fmt::format("{} is {:.2f} mm from {}", found.second, found.distance, found.first);
+}
+
+std::string Name(const GapEnd& end) {
+  return end.pass < 0 ? "home" : fmt::format("pass {}, piece {}", end.pass, end.piece);
+}
+
+class GapPlanner {
+ public:
+  GapPlanner(const World& world, const GapEnd& from, const GapEnd& to, const GapOptions& options,
+             const std::stop_token& stop)
+      : world_(world),
+        options_(options),
+        stop_(stop),
+        from_(from),
+        to_(to),
+        carrier_{world.cell().arm, world.cell().X_WB, world.cell().X_FT},
+        checker_(world) {
+    const Arm& arm = world.cell().arm;
+    // Ends that were planned closer to a limit stay reachable.
+    lower_ = (arm.lower.array() + options.limit_margin).matrix().cwiseMin(from.q).cwiseMin(to.q);
+    upper_ = (arm.upper.array() - options.limit_margin).matrix().cwiseMax(from.q).cwiseMax(to.q);
+  }
+
+  Gap Plan() {
+    Gap gap;
+    gap.from_pass = from_.pass, gap.from_piece = from_.piece;
+    gap.to_pass = to_.pass, gap.to_piece = to_.piece;
+    const Retract leave = Leave(from_), enter = Leave(to_);
+    gap.X_WT_retracted = leave.X_WT_end;
+    gap.X_WT_approach = enter.X_WT_end;
+    if (!leave.problem.empty() || !enter.problem.empty()) {
+      gap.detail = leave.problem.empty() ? fmt::format("approach to {}: {}", Name(to_), enter.problem)
+                                         : fmt::format("retract from {}: {}", Name(from_), leave.problem);
+      return gap;
+    }
+    const JointRoute route = Route(leave.joints.back(), enter.joints.back());
+    if (route.corners.empty()) {
+      gap.detail = fmt::format("{} to {}: {}", Name(from_), Name(to_), route.problem);
+      return gap;
+    }
+    gap.planned = true;
+    gap.joints = route.corners;
+    gap.clearance = ClearanceAlong(route.corners);
+    gap.duration = Duration(leave.joints) + Duration(route.corners) + Duration(enter.joints);
+    return gap;
+  }
+
+ private:
+  /// The retract from one end; at home there is none.
+  Retract Leave(const GapEnd& end) {
+    CheckStop(stop_);
+    if (end.pass < 0) {
+      Retract stay{{end.q}, carrier_.ToolPose(end.q), {}};
+      if (const auto found = checker_.At(end.q, Phase::kFree)) stay.problem = Describe(*found);
+      return stay;
+    }
+    Retract first;
+    for (const double multiple : kRetracts) {
+      Retract retract = RetractBy(end.q, multiple * options_.retract);
+      if (retract.problem.empty()) return retract;
+      if (multiple == kRetracts[0]) first = std::move(retract);
+    }
+    return first;
+  }
+
+  /// While it leaves, the cutter may still be at the material; at the end the whole tool must be clear of it.
+  Retract RetractBy(const Joints& q, double height) {
+    Retract retract;
+    retract.X_WT_end = carrier_.ToolPose(q) * Pose(Eigen::Translation3d(0, 0, height));
+    LineMotion line = FollowLine(carrier_, q, retract.X_WT_end, lower_, upper_);
+    retract.problem = line.problem;
+    for (size_t i = 1; i < line.joints.size() && retract.problem.empty(); ++i) {
+      const auto found =
+          checker_.Between(line.joints[i - 1], line.joints[i], Phase::kCutting, options_.swept_resolution);
+      if (found) retract.problem = Describe(*found);
+    }
+    if (retract.problem.empty()) {
+      if (const auto found = checker_.At(line.joints.back(), Phase::kFree)) {
+        retract.problem = fmt::format("{:.1f} mm out, {}", height, Describe(*found));
+      }
+    }
+    retract.joints = std::move(line.joints);
+    return retract;
+  }
+
+  JointRoute Route(const Joints& from, const Joints& to) {
+    RouteOptions route;
+    route.lower = lower_;
+    route.upper = upper_;
+    route.max_iterations = options_.max_iterations;
+    route.resolution = options_.swept_resolution;
+    route.speed_share = options_.speed_share;
+    const auto end = [](const GapEnd& e) {
+      return static_cast<uint64_t>(e.pass + 1) * 4096 + static_cast<uint64_t>(e.piece + 1);
+    };
+    const RandomStream random(options_.seed, (end(from_) << 32) + end(to_));
+    return FindRoute(world_, from, to, route, random, stop_);
+  }
+
+  double ClearanceAlong(const std::vector<Joints>& corners) {
+    double smallest = checker_.Clearance(corners.front(), Phase::kFree, kClearanceBound);
+    for (size_t i = 1; i < corners.size(); ++i) {
+      const Joints step = corners[i] - corners[i - 1];
+      const int count = std::max(1, static_cast<int>(std::ceil(step.cwiseAbs().maxCoeff() / kClearanceStep)));
+      for (int k = 1; k <= count; ++k) {
+        const Joints q = corners[i - 1] + static_cast<double>(k) / count * step;
+        smallest = std::min(smallest, checker_.Clearance(q, Phase::kFree, smallest));
+      }
+    }
+    return smallest;
+  }
+
+  double Duration(const std::vector<Joints>& joints) const {
+    const Arm& arm = carrier_.arm;
+    return PathDuration(joints, options_.speed_share * arm.speed, options_.speed_share * arm.acceleration);
+  }
+
+  const World& world_;
+  const GapOptions& options_;
+  const std::stop_token& stop_;
+  GapEnd from_, to_;
+  Carrier carrier_;
+  Checker checker_;
+  Joints lower_, upper_;
+};
+
+}  // namespace
+
+Gap PlanGap(const World& world, const GapEnd& from, const GapEnd& to, const GapOptions& options,
+            std::stop_token stop) {
+  return GapPlanner(world, from, to, options, stop).Plan();
+}
+
+}  // namespace millpose
