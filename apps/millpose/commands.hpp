@@ -23,9 +23,15 @@ struct Session {
 using Run = std::function<int(Session&)>;
 
 void AddFlatnessCommand(CLI::App& app, Run& run);
+void AddInspectCommand(CLI::App& app, Run& run);
+void AddPlanCommand(CLI::App& app, Run& run);
 void AddSchemaCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
+#ifdef MILLPOSE_PIPELINE  // TODO: always, once the pipeline links
+    AddPlanCommand,
+    AddInspectCommand,
+#endif
     AddFlatnessCommand,
     AddSchemaCommand,
 };

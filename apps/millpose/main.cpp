@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <memory>
@@ -65,6 +66,18 @@ int RunGuarded(const Run& run, bool quiet) {
   }
 }
 
+std::vector<std::string> CommandNames(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  return names;
+}
+
+void ReportUnknownCommand(const std::string& given, const std::vector<std::string>& names) {
+  const std::string near = NearestName(given, names);
+  Report(fmt::format("unknown command {}; {}", given,
+                     near.empty() ? fmt::format("allowed: {}", fmt::join(names, ", ")) : "nearest: " + near));
+}
+
 int Main(int argc, char** argv) {
   CLI::App app{
       "millpose: robotic milling in the stiffest pose, without a GUI\n"
@@ -80,6 +93,12 @@ int Main(int argc, char** argv) {
   for (const auto& add : kCommands) add(app, run);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::RequiredError& error) {
+    const std::vector<std::string> names = CommandNames(app);
+    if (argc < 2 || argv[1][0] == '-' || std::ranges::find(names, argv[1]) != names.end())
+      return app.exit(error), kBadInput;
+    ReportUnknownCommand(argv[1], names);
+    return kBadInput;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kBadInput;
   }

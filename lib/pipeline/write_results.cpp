@@ -57,7 +57,9 @@ ReportInputs WriteResults(const PlanResult& plan, const JobInputs& inputs,
     }
   folder.RemoveResults();
   folder.Write("job.yaml", WriteJob(inputs.job));
+  folder.Write("cell.yaml", WriteCell(inputs.cell));
   folder.Write("points.csv", PointsCsv(plan));
+  folder.Write("path.vtp", PathVtp(plan));
   folder.Write("summary.json", SummaryJson(plan, report));
   if (confirmed) folder.WritePrograms(files);
   return report;

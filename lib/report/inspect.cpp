@@ -25,6 +25,16 @@ Json RowJson(const PointsTable& points, size_t row) {
 
 }  // namespace
 
+void CheckInspectOptions(const PointsTable& points, const InspectOptions& options) {
+  if (options.point && *options.point >= points.size())
+    throw InputError({}, fmt::format("--point: given {}; allowed: 0…{}", *options.point, points.size() - 1));
+  if (!options.pass) return;
+  for (size_t row = 0; row < points.size(); ++row)
+    if (points.Number(row, "pass") == *options.pass) return;
+  throw InputError({}, fmt::format("--pass: given {}; allowed: 0…{}", *options.pass,
+                                   points.size() > 0 ? points.Text(points.size() - 1, "pass") : "none"));
+}
+
 std::vector<size_t> PlannedRows(const PointsTable& points, const std::optional<int>& pass) {
   std::vector<size_t> rows;
   for (size_t row = 0; row < points.size(); ++row)
@@ -58,6 +68,7 @@ Histogram ObjectiveHistogram(const PointsTable& points, const std::vector<size_t
 
 std::string InspectJson(const PointsTable& points, const std::string& summary_json, const std::string& name,
                         const InspectOptions& options, const std::vector<RotationSample>& curve) {
+  CheckInspectOptions(points, options);
   Json json;
   try {
     json["summary"] = Json::parse(summary_json);

@@ -31,6 +31,9 @@ std::string InspectText(const PointsTable& points, const std::string& summary_js
 std::string InspectJson(const PointsTable& points, const std::string& summary_json, const std::string& name,
                         const InspectOptions& options, const std::vector<RotationSample>& curve);
 
+/// Throws InputError when the point or pass asked for is not in the table.
+void CheckInspectOptions(const PointsTable& points, const InspectOptions& options);
+
 /// Equal bins from the smallest to the largest objective.
 struct Histogram {
   double lower = 0, width = 0;

@@ -103,21 +103,11 @@ void AppendPoint(const PointsTable& points, size_t row, const std::vector<Rotati
     AppendPlot(curve, DegToRad(*points.Number(row, "rotation_deg")), *points.Number(row, "objective"), text);
 }
 
-void CheckOptions(const PointsTable& points, const InspectOptions& options) {
-  if (options.point && *options.point >= points.size())
-    throw InputError({}, fmt::format("--point: given {}; allowed: 0…{}", *options.point, points.size() - 1));
-  if (!options.pass) return;
-  for (size_t row = 0; row < points.size(); ++row)
-    if (points.Number(row, "pass") == *options.pass) return;
-  throw InputError({}, fmt::format("--pass: given {}; allowed: 0…{}", *options.pass,
-                                   points.size() > 0 ? points.Text(points.size() - 1, "pass") : "none"));
-}
-
 }  // namespace
 
 std::string InspectText(const PointsTable& points, const std::string& summary_json, const std::string& name,
                         const InspectOptions& options, const std::vector<RotationSample>& curve) {
-  CheckOptions(points, options);
+  CheckInspectOptions(points, options);
   std::string text;
   AppendSummary(summary_json, name, &text);
   if (options.point) {

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "base/file.hpp"
+#include "commands.hpp"
+#include "report/inspect.hpp"
+
+namespace millpose {
+namespace {
+
+struct Arguments {
+  std::filesystem::path folder;
+  InspectOptions options;
+  bool json = false;
+};
+
+int Inspect(const Arguments& arguments) {
+  const std::filesystem::path points_file = arguments.folder / "points.csv";
+  const std::filesystem::path summary_file = arguments.folder / "summary.json";
+  const PointsTable points(ReadFile(points_file), points_file.string());
+  const std::string summary = ReadFile(summary_file);
+  const auto show = arguments.json ? InspectJson : InspectText;
+  fmt::print("{}", show(points, summary, summary_file.string(), arguments.options, {}));
+  return kDone;
+}
+
+}  // namespace
+
+void AddInspectCommand(CLI::App& app, Run& run) {
+  CLI::App* command = app.add_subcommand("inspect", "Show the stiffness of a plan, point by point");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("DIR", arguments->folder, "Output folder of millpose plan")->required();
+  command->add_option("--worst", arguments->options.worst, "List this many of the softest points");
+  command->add_option("--point", arguments->options.point,
+                      "Show this point in full (number as in points.csv)");
+  command->add_option("--pass", arguments->options.pass, "Look at this pass alone");
+  command->add_flag("--json", arguments->json, "JSON on standard output");
+  command->callback([&run, arguments] { run = [arguments](Session&) { return Inspect(*arguments); }; });
+}
+
+}  // namespace millpose

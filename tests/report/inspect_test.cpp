@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report/inspect.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "small_plan.hpp"
+
+namespace millpose {
+namespace {
+
+PointsTable SmallTable() { return PointsTable(PointsCsv(SmallPlan()), "points.csv"); }
+
+InspectOptions AtPoint(size_t point, size_t worst = 10) {
+  InspectOptions options;
+  options.point = point;
+  options.worst = worst;
+  return options;
+}
+
+}  // namespace
+
+TEST(PointsTable, ReadsWhatIsWritten) {
+  const PointsTable points = SmallTable();
+  ASSERT_EQ(points.size(), 4u);
+  EXPECT_EQ(points.Number(2, "x_mm"), 2);
+  EXPECT_EQ(points.Number(2, "objective"), 3);
+  EXPECT_TRUE(points.IsPlanned(2));
+  EXPECT_FALSE(points.IsPlanned(3));
+  EXPECT_FALSE(points.Number(3, "objective").has_value());
+}
+
+TEST(PointsTable, NamesTheLineOfDamage) {
+  const std::string good = PointsCsv(SmallPlan());
+  const auto problem_of = [](const std::string& csv) {
+    try {
+      PointsTable(csv, "p.csv");
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(problem_of(good), "accepted");
+  EXPECT_TRUE(problem_of("").starts_with("p.csv: is empty"));
+  EXPECT_TRUE(problem_of("point,pass\n").starts_with("p.csv:1: the column piece is missing"));
+  EXPECT_TRUE(problem_of(good.substr(0, good.size() - 20)).starts_with("p.csv:5: given ")) << "cut off";
+  std::string bad = good;
+  bad.replace(bad.find("\n1,0") + 1, 1, "x");
+  EXPECT_TRUE(problem_of(bad).starts_with("p.csv:3: point: given x; allowed: a number"));
+}
+
+TEST(Inspect, WorstPointsComeInOrder) {
+  const PointsTable points = SmallTable();
+  EXPECT_EQ(WorstRows(points, PlannedRows(points, std::nullopt), 2), (std::vector<size_t>{2, 1}));
+  EXPECT_EQ(WorstRows(points, PlannedRows(points, std::nullopt), 99).size(), 3u);
+  EXPECT_TRUE(PlannedRows(points, 7).empty());
+}
+
+TEST(Inspect, HistogramCountsEveryPlannedPointOnce) {
+  const PointsTable points = SmallTable();
+  for (const size_t bins : {1, 2, 3, 20}) {
+    const Histogram histogram = ObjectiveHistogram(points, PlannedRows(points, std::nullopt), bins);
+    size_t sum = 0;
+    for (const size_t count : histogram.counts) sum += count;
+    EXPECT_EQ(sum, 3u) << bins;
+  }
+  EXPECT_EQ(ObjectiveHistogram(points, {0}, 20).counts, std::vector<size_t>{1});
+}
+
+TEST(Inspect, TextShowsHistogramWorstAndOnePoint) {
+  const std::string summary = SummaryJson(SmallPlan(), {});
+  const std::string all = InspectText(SmallTable(), summary, "summary.json", {}, {});
+  for (const char* part : {"points 3 planned of 4, 1 skipped", "worst 3 by objective", "3.0000e+00"})
+    EXPECT_NE(all.find(part), std::string::npos) << all;
+  const std::vector<RotationSample> curve{{-3, 2, 1.5}, {0, 2, 4}, {3, 6, 9}};
+  const std::string one = InspectText(SmallTable(), summary, "summary.json", AtPoint(1), curve);
+  for (const char* part : {"a5_deg", "clearance_mm             39", "9.0000e+00 |", "*"})
+    EXPECT_NE(one.find(part), std::string::npos) << one;
+}
+
+TEST(Inspect, PointsAndPassesThatAreNotThereAreNamed) {
+  const std::string summary = SummaryJson(SmallPlan(), {});
+  EXPECT_THROW(InspectText(SmallTable(), summary, "s", AtPoint(4), {}), InputError);
+  InspectOptions strange_pass;
+  strange_pass.pass = 1;
+  EXPECT_THROW(InspectText(SmallTable(), summary, "s", strange_pass, {}), InputError);
+  EXPECT_THROW(InspectText(SmallTable(), "no json", "s", {}, {}), InputError);
+  EXPECT_THROW(InspectText(SmallTable(), "{}", "s", {}, {}), InputError);
+  EXPECT_THROW(InspectJson(SmallTable(), summary, "s", AtPoint(4), {}), InputError);
+}
+
+TEST(Inspect, JsonHasWhatTheTextHas) {
+  const auto json =
+      nlohmann::json::parse(InspectJson(SmallTable(), SummaryJson(SmallPlan(), {}), "s", AtPoint(3, 2), {}));
+  EXPECT_EQ(json["worst"].size(), 2u);
+  EXPECT_EQ(json["worst"][0]["objective"], 3);
+  EXPECT_TRUE(json["point"]["objective"].is_null());
+  EXPECT_EQ(json["point"]["reason"], "limit");
+  EXPECT_EQ(json["summary"]["points"]["skipped"], 1);
+}
+
+}  // namespace millpose
