@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stiffness/series.hpp"
+
+#include <cassert>
+
+#include "robot/angles.hpp"
+
+namespace millpose {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+Matrix3d Skew(const Vector3d& v) {
+  Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+constexpr double kNewton = 1e-3;  // N per kg·mm/s²
+
+}  // namespace
+
+Matrix6 SeriesComplianceAt(const Arm& arm, const Joints& q, const Vector3d& p_FT,
+                           const std::vector<SeriesCompliance>& elements) {
+  const std::array<Pose, 7> frames = LinkFrames(arm, q);
+  const Vector3d point = frames[6] * p_FT;
+  Matrix6 sum = Matrix6::Zero();
+  for (const SeriesCompliance& element : elements) {
+    assert(element.link >= 0 && element.link <= 6);
+    const Pose X_BK = frames[element.link] * element.X_LK;
+    Matrix6 adjoint = Matrix6::Zero();
+    adjoint.topLeftCorner<3, 3>() = X_BK.linear();
+    adjoint.topRightCorner<3, 3>() = -Skew(point - X_BK.translation()) * X_BK.linear();
+    adjoint.bottomRightCorner<3, 3>() = X_BK.linear();
+    sum += adjoint * element.C * adjoint.transpose();
+  }
+  return 0.5 * (sum + sum.transpose());
+}
+
+Joints GravityTorques(const Arm& arm, const Joints& q, const std::vector<LinkMass>& masses,
+                      const Counterbalance& counterbalance, const Vector3d& gravity) {
+  const std::array<Pose, 7> frames = LinkFrames(arm, q);
+  Joints torques = Joints::Zero();
+  for (const LinkMass& body : masses) {
+    assert(body.link >= 0 && body.link <= 6);
+    const Vector3d in_flange = frames[6].inverse() * (frames[body.link] * body.centre);
+    const Matrix6 J = Jacobian(arm, q, in_flange);
+    // Only the joints inwards of the link carry it.
+    torques.head(body.link) +=
+        J.topRows<3>().leftCols(body.link).transpose() * (kNewton * body.mass * gravity);
+  }
+  const double lean = InnerAngles(arm, q)[1] - counterbalance.zero;
+  torques[1] -= arm.sign[1] * counterbalance.torque * SinCos(lean).sin;
+  return torques;
+}
+
+Vector3d GravityDeflection(const Arm& arm, const Joints& q, const Joints& reference, const Vector3d& p_FT,
+                           const std::vector<LinkMass>& masses, const Counterbalance& counterbalance,
+                           const Vector3d& gravity) {
+  const Joints difference = GravityTorques(arm, q, masses, counterbalance, gravity) -
+                            GravityTorques(arm, reference, masses, counterbalance, gravity);
+  const Joints give = difference.array() / arm.stiffness.array();
+  return Jacobian(arm, q, p_FT).topRows<3>() * give;
+}
+
+}  // namespace millpose
