@@ -99,8 +99,10 @@ class KrlReader {
   void ReadSetting(LineScanner& scan) {
     in_head_ = false;
     if (scan.Accept("$BASE")) {
+      if (posed_) scan.Fail("one base for all poses of the program expected");
       program_.X_BP = ReadFrame(scan);
     } else if (scan.Accept("$TOOL")) {
+      if (posed_) scan.Fail("one tool for all poses of the program expected");
       Pose X_FT = ReadFrame(scan);
       X_FT.linear() = X_FT.linear() * settings_.R_TC.transpose();
       program_.X_FT = X_FT;
@@ -186,6 +188,9 @@ class KrlReader {
   /// The tool in the workpiece frame of a motion's fields; what it leaves out stays as the motion before had
   /// it.
   Pose Target(LineScanner& scan, Fields fields) {
+    const bool first = !std::exchange(posed_, true);
+    if (first && !program_.X_BP) scan.Fail("$BASE must be set before the first pose");
+    if (first && !program_.X_FT) scan.Fail("$TOOL must be set before the first pose");
     for (const std::string name : {"X", "Y", "Z", "A", "B", "C"}) {
       if (!fields.contains(name) && last_.contains(name)) fields[name] = last_[name];
     }
@@ -245,6 +250,7 @@ class KrlReader {
   double blend_ = kDefaultBlend;
   int pass_ = -1;
   int line_ = 0;
+  bool posed_ = false;  // a pose was approached
   bool in_head_ = true;
   bool ended_ = false;
 };

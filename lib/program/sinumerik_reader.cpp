@@ -207,6 +207,7 @@ class SinumerikReader {
   }
 
   void ReadFrame(LineScanner& scan) {
+    if (posed_) scan.Fail("one frame for all poses of the program expected");
     scan.Expect("=");
     Pose X_BP = Pose::Identity();
     X_BP.translation() = ReadTriple(scan, "CTRANS");
@@ -231,6 +232,8 @@ class SinumerikReader {
   }
 
   void AddPose(const LineScanner& scan, const Block& block) {
+    const bool first = !std::exchange(posed_, true);
+    if (first && !program_.X_BP) scan.Fail("$P_UIFR[1] must be set before the first pose");
     if (!transformed_) scan.Fail("a pose can only be approached while TRAORI holds");
     for (int i = 0; i < 6; ++i) {
       if (block.pose[i]) last_[i] = block.pose[i];
@@ -276,6 +279,7 @@ class SinumerikReader {
   bool transformed_ = false, rapid_ = true, ptp_ = false;
   int pass_ = -1;
   int line_ = 0;
+  bool posed_ = false;  // a pose was approached
   bool in_head_ = true;
   bool ended_ = false;
 };

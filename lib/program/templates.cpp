@@ -44,13 +44,17 @@ bool Matches(const std::string& pattern, std::string_view line, double& rpm) {
   return value.has_value();
 }
 
-bool MatchAll(const std::vector<std::string>& patterns, const std::vector<std::string_view>& lines,
-              size_t first, double& rpm) {
-  if (patterns.empty() || first + patterns.size() > lines.size()) return false;
-  for (size_t i = 0; i < patterns.size(); ++i) {
-    if (!Matches(patterns[i], lines[first + i], rpm)) return false;
+/// How many lines from `first` on hold all patterns, one a line, with blank lines between; 0 when they do
+/// not.
+size_t MatchAll(const std::vector<std::string>& patterns, const std::vector<std::string_view>& lines,
+                size_t first, double& rpm) {
+  size_t line = first;
+  for (const std::string& pattern : patterns) {
+    while (line > first && line < lines.size() && Trim(lines[line]).empty()) ++line;
+    if (line == lines.size() || !Matches(pattern, lines[line], rpm)) return 0;
+    ++line;
   }
-  return true;
+  return line - first;
 }
 
 }  // namespace
@@ -75,8 +79,12 @@ std::vector<std::string> Templates::Lines(const ProgramEvent& event) const {
 std::optional<Templates::Match> Templates::Recognise(const std::vector<std::string_view>& lines,
                                                      size_t first) const {
   double rpm = 0;
-  if (MatchAll(on_, lines, first, rpm)) return Match{ProgramEvent::Kind::kSpindleOn, rpm / 60, on_.size()};
-  if (MatchAll(off_, lines, first, rpm)) return Match{ProgramEvent::Kind::kSpindleOff, rpm / 60, off_.size()};
+  if (const size_t taken = MatchAll(on_, lines, first, rpm)) {
+    return Match{ProgramEvent::Kind::kSpindleOn, rpm / 60, taken};
+  }
+  if (const size_t taken = MatchAll(off_, lines, first, rpm)) {
+    return Match{ProgramEvent::Kind::kSpindleOff, rpm / 60, taken};
+  }
   return std::nullopt;
 }
 

@@ -260,9 +260,9 @@ void CompareSpindle(const Replayed& replayed, const Replayed& plan, const Verify
       return change.on ? fmt::format("on at {:.3f} 1/min after cut {}", change.speed * 60, change.runs)
                        : fmt::format("off after cut {}", change.runs);
     };
-    const size_t motion = replayed.program.motions.empty() ? 0
-                          : replayed.runs.empty()          ? 0
-                                                           : replayed.runs.front().first;
+    // A change that is missing shows where the cut before it ends.
+    const size_t runs = i < wanted.size() ? std::min(wanted[i].runs, replayed.runs.size()) : 0;
+    const size_t motion = runs == 0 ? 0 : replayed.runs[runs - 1].last;
     Finding finding = At(replayed.program, motion, "");
     if (i < given.size()) finding.line = given[i].event->line;
     finding.message = fmt::format("the spindle is switched {}, planned is {}",

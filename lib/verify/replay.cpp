@@ -76,11 +76,10 @@ std::optional<Joints> Target(const MotionProgram& program, const Cell& cell, con
 
 PoseLine::PoseLine(const Pose& from, const Pose& to)
     : from_(from.translation()), to_(to.translation()), R_(from.linear()) {
-  const Matrix3d R = from.linear().transpose() * to.linear();
-  const Vector3d axis(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
-  const double sine = axis.norm();  // twice the sine
-  const double angle = Atan2(sine, R.trace() - 1);
-  rotation_ = sine > 1e-12 ? Vector3d(axis * (angle / sine)) : Vector3d::Zero();
+  Eigen::Quaterniond turn(Matrix3d(from.linear().transpose() * to.linear()));
+  if (turn.w() < 0) turn.coeffs() *= -1;
+  const double sine = turn.vec().norm();  // of half the angle; half a turn has 1
+  rotation_ = sine > 1e-12 ? Vector3d(turn.vec() * (2 * Atan2(sine, turn.w()) / sine)) : Vector3d::Zero();
 }
 
 Pose PoseLine::At(double share) const {

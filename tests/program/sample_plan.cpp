@@ -13,9 +13,9 @@ using Eigen::Vector3d;
 Joints Degrees(std::array<double, 6> degrees) { return Eigen::Map<Joints>(degrees.data()) * kRadPerDeg; }
 
 /// The tool on a point of P, turned about its axis by `rotation` from the world's up.
-Pose ToolOn(const Pose& X_WP, const Vector3d& p_P, double rotation) {
+Pose ToolOn(const Pose& X_WP, const Vector3d& p_P, double tilt, double rotation) {
   Pose X_WT = Pose::Identity();
-  const Vector3d z = X_WP.linear() * Vector3d::UnitZ();
+  const Vector3d z = X_WP.linear() * (AngleAxisd(tilt, Vector3d(1, 2, 0).normalized()) * Vector3d::UnitZ());
   const Vector3d x = (Vector3d::UnitZ() - z * z.z()).normalized();
   X_WT.linear().col(0) = x;
   X_WT.linear().col(1) = z.cross(x);
@@ -32,7 +32,7 @@ bool Within(const Arm& arm, const Joints& q) {
 
 class SampleBuilder {
  public:
-  explicit SampleBuilder(const SampleShape& shape) {
+  explicit SampleBuilder(const SampleShape& shape) : tilt_(shape.tilt_deg * kRadPerDeg) {
     plan_.job = "Sample wall-plan";
     plan_.cell = "kr500_r2830";
     plan_.input_hash = "0123456789abcdef";
@@ -40,7 +40,8 @@ class SampleBuilder {
     plan_.X_WB.translation().z() = 100;
     plan_.X_FT = SampleTool();
     plan_.X_WP.translation() = Vector3d(2076, 30, 1106);
-    plan_.X_WP.linear() = AngleAxisd(shape.wall_turn_deg * kRadPerDeg, Vector3d::UnitY()).toRotationMatrix();
+    plan_.X_WP.linear() = AngleAxisd(shape.wall_yaw_deg * kRadPerDeg, Vector3d::UnitZ()).toRotationMatrix() *
+                          AngleAxisd(shape.wall_turn_deg * kRadPerDeg, Vector3d::UnitY()).toRotationMatrix();
     plan_.home = Degrees({0, -90, 90, 0, 0, 0});
     plan_.spindle_speed = 7000.0 / 60;
     FindStart();
@@ -53,7 +54,7 @@ class SampleBuilder {
     for (size_t i = 0; i < places.size(); ++i) {
       PlannedPoint& planned = pass.points.emplace_back();
       const double rotation = rotation_ + 0.01 * std::sin(2 * kPi * static_cast<double>(i) / places.size());
-      const Pose X_WT = ToolOn(plan_.X_WP, places[i], rotation);
+      const Pose X_WT = ToolOn(plan_.X_WP, places[i], tilt_, rotation);
       q = Solve(X_WT, q);
       planned.q = q;
       planned.branch = branch_;
@@ -98,7 +99,7 @@ class SampleBuilder {
   void FindStart() {
     for (int degree = 0; degree < 360; ++degree) {
       const InverseResult inverse =
-          Inverse(plan_.arm, FlangeOf(ToolOn(plan_.X_WP, Vector3d::Zero(), degree * kRadPerDeg)));
+          Inverse(plan_.arm, FlangeOf(ToolOn(plan_.X_WP, Vector3d::Zero(), tilt_, degree * kRadPerDeg)));
       for (int s = 0; s < inverse.count; ++s) {
         const Joints& q = inverse.solutions[s].q;
         const bool apart =
@@ -123,6 +124,7 @@ class SampleBuilder {
   }
 
   PlanResult plan_;
+  double tilt_;
   double rotation_ = 0;
   int branch_ = 0;
   Joints start_;

@@ -17,6 +17,8 @@ struct SampleShape {
   double spacing = 4;          ///< mm
   bool ring = true;            ///< a third, closed pass
   double wall_turn_deg = -90;  ///< B of the workpiece in the world
+  double wall_yaw_deg = 0;     ///< A
+  double tilt_deg = 0;         ///< of the tool axis against the wall's normal
 };
 PlanResult SamplePlan(const SampleShape& shape = {});
 
