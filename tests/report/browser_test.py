@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""usage: browser_test.py WRITE_REPORT_PANEL [FOLDER]: opens a report from file:// in a headless Chromium without a
+network and uses it as a person would. Screenshots stay in FOLDER when it is given."""
+import pathlib
+import sys
+import tempfile
+import subprocess
+import unittest
+
+from chromium import Chromium, pixels
+
+PASSES, POINTS = 12, 40
+WRITER = sys.argv[1]
+FOLDER = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else None
+
+
+class ReportInBrowser(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.page = pathlib.Path(cls.folder.name) / "report.html"
+        subprocess.run([WRITER, str(PASSES), str(POINTS), str(cls.page)], check=True)
+        cls.browser = Chromium()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.close()
+        cls.folder.cleanup()
+
+    def setUp(self):
+        self.browser.errors.clear()
+        self.browser.requests.clear()
+        self.browser.size(1400, 900)
+        self.open()
+
+    def tearDown(self):
+        self.assertEqual(self.browser.errors, [])
+
+    def open(self, fragment=""):
+        self.browser.open(self.page.as_uri() + fragment)
+
+    def text(self, selector):
+        return self.browser.evaluate(f"document.querySelector('{selector}').textContent")
+
+    def selected(self):
+        return self.browser.evaluate("millpose.selected")
+
+    def keep(self, name, png):
+        if FOLDER:
+            FOLDER.mkdir(parents=True, exist_ok=True)
+            (FOLDER / name).write_bytes(png)
+
+    def assert_all_show(self, row):
+        number = self.browser.evaluate(f"millpose.data.rows.number[{row}]")
+        self.assertEqual(self.selected(), row)
+        self.assertEqual(self.text("#point-title"), f"Point {number}")
+        self.assertEqual(self.browser.evaluate("location.hash"), f"#point={number}")
+        self.assertEqual(self.browser.evaluate("millpose.views.charts.group.selected"), row)
+        self.assertEqual(self.browser.evaluate("millpose.views.poses.row"), row)
+        self.assertEqual(self.browser.evaluate("millpose.views.scene.selected"), row)
+
+    def chart_texts(self):
+        return self.browser.evaluate("[...document.querySelectorAll('.chart .legend')].map(e => e.textContent)")
+
+    def test_opens_at_the_worst_point_and_asks_for_nothing(self):
+        worst = self.browser.evaluate("""(() => { const v = millpose.data.column.objective.values;
+            let best = 0; v.forEach((x, i) => { if (x > v[best] || Number.isNaN(v[best])) best = i; }); return best; })()""")
+        self.assert_all_show(worst)
+        self.assertIn("selected", self.browser.evaluate("document.querySelector('#worst tbody tr').className"))
+        self.assertEqual([u for u in self.browser.requests if not u.startswith(("file:", "about:", "data:"))], [])
+        self.keep("worst_1400.png", self.browser.screenshot())
+
+    def test_view_is_not_blank(self):
+        png = self.browser.screenshot("#view canvas")
+        width, height, rows = pixels(png)
+        colours = {}
+        for row in rows:
+            for colour in row:
+                colours[colour] = colours.get(colour, 0) + 1
+        self.assertGreater(len(colours), 500)
+        viridis = sum(n for (r, g, b), n in colours.items() if max(r, g, b) - min(r, g, b) > 60)
+        self.assertGreater(viridis, 0.01 * width * height)
+
+    def test_click_in_the_view_selects_everywhere(self):
+        before, panel, plots = self.chart_texts(), self.text("#point-figures"), self.browser.screenshot("#rotation-chart")
+        # A point in the middle of a pass near the part's lower rim, clear of the arm.
+        row = 2 * POINTS + 10
+        x, y = self.browser.evaluate(f"""(() => {{ const [x, y] = millpose.views.scene.project({row});
+            const b = document.querySelector('#view').getBoundingClientRect(); return [x + b.x, y + b.y]; }})()""")
+        self.browser.click(x, y)
+        self.assert_all_show(row)
+        self.assertNotEqual(self.chart_texts(), before)
+        self.assertNotEqual(self.text("#point-figures"), panel)
+        self.assertNotEqual(self.browser.screenshot("#rotation-chart"), plots)
+
+    def test_drag_turns_the_view_and_selects_nothing(self):
+        row, view = self.selected(), self.browser.screenshot("#view canvas")
+        call = self.browser.call
+        call("Input.dispatchMouseEvent", type="mousePressed", x=400, y=400, button="left", clickCount=1)
+        call("Input.dispatchMouseEvent", type="mouseMoved", x=480, y=430, button="left", buttons=1)
+        call("Input.dispatchMouseEvent", type="mouseReleased", x=480, y=430, button="left", clickCount=1)
+        self.browser.settle()
+        self.assertEqual(self.selected(), row)
+        self.assertNotEqual(self.browser.screenshot("#view canvas"), view)
+
+    def test_click_in_a_chart_selects_everywhere(self):
+        self.browser.click_on(".chart:nth-of-type(2) canvas")
+        row = self.selected()
+        self.assertAlmostEqual(row, PASSES * POINTS / 2, delta=POINTS)
+        self.assert_all_show(row)
+
+    def test_drag_in_a_chart_zooms_all_and_double_click_goes_back(self):
+        x, y = self.browser.evaluate("""(() => { const e = document.querySelector('.chart canvas');
+            e.scrollIntoView({block: "center"}); const b = e.getBoundingClientRect(); return [b.x, b.y + 60]; })()""")
+        call = self.browser.call
+        call("Input.dispatchMouseEvent", type="mousePressed", x=x + 300, y=y, button="left", clickCount=1)
+        call("Input.dispatchMouseEvent", type="mouseMoved", x=x + 500, y=y, button="left", buttons=1)
+        call("Input.dispatchMouseEvent", type="mouseReleased", x=x + 500, y=y, button="left", clickCount=1)
+        self.browser.settle()
+        low, high = self.browser.evaluate("millpose.views.charts.group.range")
+        self.assertLess(high - low, 0.2 * 900 * PASSES)
+        self.assertGreater(high - low, 0.1 * 900 * PASSES)
+        for clicks in (1, 2):
+            for kind in ("mousePressed", "mouseReleased"):
+                call("Input.dispatchMouseEvent", type=kind, x=x + 400, y=y, button="left", clickCount=clicks)
+        self.browser.settle()
+        self.assertIsNone(self.browser.evaluate("millpose.views.charts.group.range"))
+
+    def test_click_in_the_table_selects_everywhere(self):
+        self.browser.click_on("#worst tbody tr:nth-child(4) td:last-child")
+        row = self.browser.evaluate("Number(document.querySelector('#worst tbody tr:nth-child(4)').dataset.row)")
+        self.assert_all_show(row)
+
+    def test_link_opens_its_point(self):
+        self.open("#point=77")
+        self.assert_all_show(77)
+        self.browser.evaluate("location.hash = '#point=140'")
+        self.browser.settle()
+        self.assert_all_show(140)
+
+    def test_arrow_keys_follow_the_path(self):
+        self.open("#point=100")
+        for key, row in (("ArrowRight", 101), ("ArrowLeft", 100), ("ArrowLeft", 99)):
+            self.browser.call("Input.dispatchKeyEvent", type="keyDown", key=key)
+            self.browser.settle()
+            self.assert_all_show(row)
+
+    def test_skipped_point_says_why(self):
+        number = (PASSES - 1) * POINTS + 9
+        self.browser.click_on("#skipped tbody a")
+        self.assert_all_show(number)
+        self.assertEqual(self.text("#point-status"), "skipped, interference: spindle against workpiece </script><b>")
+        self.assertFalse(self.browser.evaluate("millpose.views.scene.groups.arm.visible"))
+
+    def test_index_recolours_all_views(self):
+        view, label = self.browser.screenshot("#view canvas"), self.text("#scale-label")
+        self.browser.evaluate("""(() => { const s = document.querySelector('#index'); s.value = 'mu';
+            s.dispatchEvent(new Event('change')); })()""")
+        self.browser.settle()
+        self.assertNotEqual(self.text("#scale-label"), label)
+        self.assertIn("bright: low, worse", self.text("#scale-label"))
+        self.assertIn("μ", self.text("#worst-title"))
+        self.assertIn("μ", self.text(".chart h3"))
+        self.assertNotEqual(self.browser.screenshot("#view canvas"), view)
+
+    def test_arm_stands_on_its_point(self):
+        worst = self.browser.evaluate("""(() => { const m = millpose, d = m.data; let worst = 0;
+            for (let row = 0; row < d.count; ++row) {
+              const joints = m.jointsOf(d, row);
+              if (!joints) continue;
+              const tool = m.armFrames(d, joints)[7], p = m.place(d, row);
+              worst = Math.max(worst, Math.hypot(tool[3] - p[0], tool[7] - p[1], tool[11] - p[2]));
+            }
+            return worst; })()""")
+        self.assertLess(worst, 0.02)  # mm: single precision of angles
+
+    def test_fits_narrow_windows(self):
+        for width in (1400, 800):
+            self.browser.size(width, 900)
+            self.open("#point=50")
+            self.assertLessEqual(self.browser.evaluate("document.documentElement.scrollWidth"), width)
+            self.keep(f"point50_{width}.png", self.browser.screenshot())
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
