@@ -90,7 +90,7 @@ void AddMotion(const PlanResult& plan, Collector& c) {
   const Arm& arm = plan.arm;
   c.Add("clearance", "clearance", "Smallest distance of any checked pair", "mm", Worse::kLow,
         [](const PassResult& pass, size_t i) -> Value { return pass.points[i].clearance; });
-  c.Add("limit_reserve", "reserve", "Distance of the nearest joint from its limit", "°", Worse::kLow,
+  c.Add("limit_reserve", "to limit", "Distance of the nearest joint from its limit", "°", Worse::kLow,
         [&](const PassResult& pass, size_t i) -> Value {
           const Joints& q = pass.points[i].q;
           return RadToDeg(std::min((q - arm.lower).minCoeff(), (arm.upper - q).minCoeff()));

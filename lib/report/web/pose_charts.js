@@ -32,6 +32,7 @@
     key() {
       const node = m.element("div", { class: "legend" });
       BRANCHES.forEach((name, i) => node.append(swatch(m.SERIES[i], name)));
+      node.append(m.element("span", {}, "dashed: not admissible"));
       STATES.forEach((state) => node.append(swatch(state.fill, state.name)));
       return node;
     }
@@ -82,22 +83,24 @@
       this.drawChosen(context, axes, sample.exact);
       this.drawStrips(context, axes, sample, degrees);
     }
-    // From a little under the least to where the admissible values end, so that the choice fills the plot.
+    // Room for all admissible values, up to four times the least, and for what lies below them out of bounds.
     valueRange(sample) {
-      let low = Infinity, high = -Infinity;
+      let low = Infinity, least = Infinity, most = -Infinity;
       for (let arm = 0; arm < 4; ++arm)
         for (let i = 0; i < this.data.curves.count; ++i) {
           const v = sample.value(arm, i);
           if (Number.isNaN(v)) continue;
           low = Math.min(low, v);
-          if (sample.state(arm, i) === 3 || sample.state(arm + 4, i) === 3) high = Math.max(high, v);
+          if (sample.state(arm, i) !== 3 && sample.state(arm + 4, i) !== 3) continue;
+          least = Math.min(least, v);
+          most = Math.max(most, v);
         }
-      const own = this.data.column.objective.values[this.row];
       if (!(low < Infinity)) return [0, 1];
-      if (!(high > low)) high = Math.max(sample.top, 1.2 * low);
-      high = Math.min(high, 4 * low);
+      let high = least < Infinity ? Math.min(most, 4 * least) : sample.top;
+      const own = this.data.column.objective.values[this.row];
       if (sample.exact && own === own) [low, high] = [Math.min(low, own), Math.max(high, own)];
-      return [low - 0.08 * (high - low), high + 0.15 * (high - low)];
+      if (!(high > low)) high = 1.2 * low;
+      return [low - 0.08 * (high - low), high + 0.18 * (high - low)];
     }
     drawBranch(context, axes, sample, degrees, arm, dashed) {
       const admissible = (i) => sample.state(arm, i) === 3 || sample.state(arm + 4, i) === 3;
@@ -123,15 +126,15 @@
       m.line(context, x, axes.top, x, axes.bottom + 8 * STRIP + 22);
       m.dot(context, x, y, 5, "#27313b");
       context.fillStyle = "#27313b";
-      context.textBaseline = "bottom";
+      context.textBaseline = "top";
       const right = x > axes.right - 190;
       context.textAlign = right ? "right" : "left";
       const text = `chosen ${m.format(value)} at ${m.format(rotation)}°, S${this.data.rows.branch[this.row]}`;
       context.strokeStyle = "#fff";
       context.lineWidth = 4;
       context.lineJoin = "round";
-      context.strokeText(text, x + (right ? -9 : 9), y - 7);
-      context.fillText(text, x + (right ? -9 : 9), y - 7);
+      context.strokeText(text, x + (right ? -6 : 6), axes.top + 2);
+      context.fillText(text, x + (right ? -6 : 6), axes.top + 2);
     }
     drawStrips(context, axes, sample, degrees) {
       const width = (axes.right - axes.left) / degrees.length, top = axes.bottom + 22;

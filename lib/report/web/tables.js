@@ -44,7 +44,11 @@
       const p = m.place(data, row);
       const value = (key) => m.withUnit(data.column[key].values[row], data.column[key].unit);
       const line = (name, ...text) => m.element("tr", {}, m.element("th", {}, name), ...text.map((t) => cell(t, true)));
-      const simple = (key) => line(data.column[key].symbol, value(key));
+      const simple = (key) => {
+        const node = line(data.column[key].symbol, value(key));
+        node.title = data.column[key].label;
+        return node;
+      };
       const joints = [1, 2, 3, 4, 5, 6].map((j) =>
         line("A" + j, value("a" + j), `${m.format(data.arm.lower_deg[j - 1])}…${m.format(data.arm.upper_deg[j - 1])}°`, value("v" + j)));
       const table = (caption, head, ...lines) => m.element("table", {}, m.element("caption", {}, caption), ...head, ...lines);
