@@ -2,18 +2,19 @@
 #include "toolpath/region.hpp"
 
 #include "surface/triangle.hpp"
+#include "toolpath/region_term.hpp"
 
 namespace millpose {
 namespace {
 
-// Sutherland and Hodgman 1974: the part of a polygon with sign · p[axis] ≤ sign · bound.
-std::vector<Eigen::Vector3d> Clipped(const std::vector<Eigen::Vector3d>& polygon, int axis, double sign,
-                                     double bound) {
+// Sutherland and Hodgman 1974: the part of a polygon with normal · p ≥ offset.
+std::vector<Eigen::Vector3d> Clipped(const std::vector<Eigen::Vector3d>& polygon,
+                                     const Eigen::Vector3d& normal, double offset) {
   std::vector<Eigen::Vector3d> clipped;
   for (size_t i = 0; i < polygon.size(); ++i) {
     const Eigen::Vector3d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-    const double da = sign * (a[axis] - bound), db = sign * (b[axis] - bound);
-    if (da <= 0) clipped.push_back(a);
+    const double da = normal.dot(a) - offset, db = normal.dot(b) - offset;
+    if (da >= 0) clipped.push_back(a);
     if ((da < 0 && db > 0) || (da > 0 && db < 0)) clipped.push_back(a + da / (da - db) * (b - a));
   }
   return clipped;
@@ -22,12 +23,12 @@ std::vector<Eigen::Vector3d> Clipped(const std::vector<Eigen::Vector3d>& polygon
 }  // namespace
 
 Region::Region(const Mesh& mesh, const RegionOptions& options)
-    : mesh_(mesh), options_(options), has_face_(mesh.face_count(), 1) {
-  if (options.facing) {
-    const double least = std::cos(options.facing_within);
-    for (int face = 0; face < mesh.face_count(); ++face)
-      has_face_[face] = mesh.FaceNormal(face).dot(*options.facing) >= least - 1e-12 ? 1 : 0;
-  }
+    : mesh_(mesh),
+      options_(options),
+      term_(std::make_shared<const RegionTerm>(mesh, options)),
+      has_face_(mesh.face_count()) {
+  for (int face = 0; face < mesh.face_count(); ++face)
+    has_face_[face] = term_->Bound(face, true) >= 0 ? 1 : 0;
   std::vector<Eigen::AlignedBox3d> boxes;
   for (int face = 0; face < mesh.face_count(); ++face)
     for (int k = 0; k < 3 && HasFace(face); ++k) {
@@ -40,12 +41,8 @@ Region::Region(const Mesh& mesh, const RegionOptions& options)
   border_tree_ = Bvh(boxes);
 }
 
-double Region::Margin(const Eigen::Vector3d& p) const {
-  double margin = std::numeric_limits<double>::infinity();
-  if (options_.box) {
-    const auto& [lower, upper] = *options_.box;
-    margin = std::min((p - lower).minCoeff(), (upper - p).minCoeff());
-  }
+double Region::Margin(int face, const Eigen::Vector3d& p) const {
+  double margin = term_->Margin(face, p);
   if (options_.rim_distance > 0) {
     const auto [nearest, squared] =
         border_tree_.Nearest(p, std::numeric_limits<double>::infinity(), [&](int i) {
@@ -63,9 +60,13 @@ std::vector<std::vector<Eigen::Vector3d>> Region::Patches() const {
     if (!HasFace(face)) continue;
     std::vector<Eigen::Vector3d> polygon{mesh_.Corner(face, 0), mesh_.Corner(face, 1), mesh_.Corner(face, 2)};
     for (int axis = 0; options_.box && axis < 3; ++axis) {
-      polygon = Clipped(polygon, axis, -1, (*options_.box)[0][axis]);
-      polygon = Clipped(polygon, axis, 1, (*options_.box)[1][axis]);
+      const Eigen::Vector3d unit = Eigen::Vector3d::Unit(axis);
+      polygon = Clipped(polygon, unit, (*options_.box)[0][axis]);
+      polygon = Clipped(polygon, -unit, -(*options_.box)[1][axis]);
     }
+    if (options_.half_space)
+      polygon = Clipped(polygon, options_.half_space->normal,
+                        options_.half_space->normal.dot(options_.half_space->point));
     if (polygon.size() >= 3) patches.push_back(std::move(polygon));
   }
   return patches;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -10,32 +11,67 @@
 
 namespace millpose {
 
-/// What of a part is milled. Everything that is given must hold. Frame P, mm, rad.
-struct RegionOptions {
-  std::optional<std::array<Eigen::Vector3d, 2>> box;  ///< lower and upper corner
-  std::optional<Eigen::Vector3d> facing;              ///< unit direction: only faces whose normal is near it
-  double facing_within = DegToRad(45);                ///< the largest angle between normal and `facing`
-  double rim_distance = 0;  ///< kept from open rims and from the edges to faces that `facing` leaves out
+class RegionTerm;
+
+/// What lies on the side of a plane that its normal points to.
+struct HalfSpace {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< unit vector
 };
 
-/// RegionOptions applied to a mesh: faces are in or out as a whole (facing), points by a margin.
+/// What lies in a polygon that is projected along a direction.
+struct ProjectedPolygon {
+  std::vector<Eigen::Vector3d> points;                   ///< three or more, in order, either way round
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< unit vector
+};
+
+/// The faces that are reached from the one nearest to a seed point over edges that bend by at most `crease`
+/// (rad).
+struct ConnectedFaces {
+  Eigen::Vector3d seed = Eigen::Vector3d::Zero();
+  double crease = DegToRad(20);
+};
+
+/// What of a part is milled. Everything that is given must hold; an empty one holds everywhere. Frame P, mm,
+/// rad.
+struct RegionOptions {
+  std::optional<std::array<Eigen::Vector3d, 2>> box;  ///< lower and upper corner
+  std::optional<HalfSpace> half_space;
+  std::optional<ProjectedPolygon> polygon;
+  std::optional<Eigen::Vector3d> facing;  ///< unit direction: only faces whose normal is near it
+  double facing_within = DegToRad(45);    ///< the largest angle between normal and `facing`
+  std::optional<ConnectedFaces> connected;
+  std::vector<RegionOptions> all;   ///< all of these must hold
+  std::vector<RegionOptions> any;   ///< at least one of these must hold, when there are some
+  std::vector<RegionOptions> none;  ///< none of these may hold
+  /// Kept from open rims and from edges to faces that are out as a whole (facing, connected). Counts in the
+  /// outermost region alone.
+  double rim_distance = 0;
+};
+
+/// RegionOptions applied to a mesh: faces are in or out as a whole (facing, connected), points by a margin.
 class Region {
  public:
+  /// Throws InputError for polygons without area.
   Region(const Mesh& mesh, const RegionOptions& options);
 
+  /// Whether any point of the face can be in.
   bool HasFace(int face) const { return has_face_[face] != 0; }
-  /// How far p lies inside the box and away from rims and borders beyond the wanted distance, mm; negative
-  /// outside. Changes by at most 1 mm per mm (so between two points it cannot pass 0 unseen).
-  double Margin(const Eigen::Vector3d& p) const;
+  /// How far a point p of a face lies inside, mm; negative outside. On one face it changes by at most 1 mm
+  /// per mm (so between two points it cannot pass 0 unseen).
+  double Margin(int face, const Eigen::Vector3d& p) const;
 
-  /// The parts of the region's faces that lie in the box, as convex polygons (for extents).
+  /// The parts of the region's faces within its outermost box and half-space, as convex polygons (for
+  /// extents).
   std::vector<std::vector<Eigen::Vector3d>> Patches() const;
   /// Sum of the region's face normals weighted with area, as a unit vector; zero when they cancel out.
   Eigen::Vector3d MeanNormal() const;
+  const Mesh& mesh() const { return mesh_; }
 
  private:
   Mesh mesh_;
   RegionOptions options_;
+  std::shared_ptr<const RegionTerm> term_;
   std::vector<char> has_face_;
   std::vector<std::array<Eigen::Vector3d, 2>> borders_;  // rims and edges to faces that are out
   Bvh border_tree_;

@@ -11,10 +11,10 @@ class Clipper {
   Clipper(const CurvePiece& piece, const Region& region) : piece_(piece), region_(region) {}
 
   std::vector<std::pair<double, double>> Inside() {
-    const double first = region_.Margin(piece_.At(0));
+    const double first = region_.Margin(piece_.face, piece_.At(0));
     inside_ = IsInside(first);
     if (inside_) begin_ = 0;
-    Search(0, first, 1, region_.Margin(piece_.At(1)));
+    Search(0, first, 1, region_.Margin(piece_.face, piece_.At(1)));
     if (inside_) intervals_.emplace_back(begin_, 1.0);
     std::erase_if(intervals_, [](const auto& interval) { return interval.second <= interval.first; });
     return intervals_;
@@ -32,7 +32,7 @@ class Clipper {
       Toggle(inside_ ? t0 : t1);  // stay on the inner side
       return;
     }
-    const double middle = (t0 + t1) / 2, margin = region_.Margin(piece_.At(middle));
+    const double middle = (t0 + t1) / 2, margin = region_.Margin(piece_.face, piece_.At(middle));
     Search(t0, m0, middle, margin);
     Search(middle, margin, t1, m1);
   }

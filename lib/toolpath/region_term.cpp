@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "toolpath/region_term.hpp"
+
+#include "base/error.hpp"
+#include "surface/corner_normals.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::vector<char> Facing(const Mesh& mesh, const Eigen::Vector3d& direction, double within) {
+  std::vector<char> facing(mesh.face_count());
+  for (int face = 0; face < mesh.face_count(); ++face)
+    facing[face] = mesh.FaceNormal(face).dot(direction) >= std::cos(within) - 1e-12 ? 1 : 0;
+  return facing;
+}
+
+std::vector<char> Connected(const Mesh& mesh, const ConnectedFaces& options) {
+  std::vector<char> reached(mesh.face_count(), 0);
+  std::vector<int> queue{mesh.Closest(options.seed).face};
+  reached[queue[0]] = 1;
+  for (size_t head = 0; head < queue.size(); ++head)
+    for (int k = 0; k < 3; ++k) {
+      const int other = mesh.Neighbour(queue[head], k);
+      if (other < 0 || reached[other] != 0 || BendAngle(mesh, queue[head], k) > options.crease) continue;
+      reached[other] = 1;
+      queue.push_back(other);
+    }
+  return reached;
+}
+
+double Area(const std::vector<Eigen::Vector2d>& corners) {
+  double twice = 0;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector2d &a = corners[i], &b = corners[(i + 1) % corners.size()];
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  return std::abs(twice) / 2;
+}
+
+}  // namespace
+
+RegionTerm::RegionTerm(const Mesh& mesh, const RegionOptions& options) : options_(options) {
+  if (options.facing) facing_ = Facing(mesh, *options.facing, options.facing_within);
+  if (options.connected) connected_ = Connected(mesh, *options.connected);
+  if (options.polygon) {
+    u_ = options.polygon->direction.unitOrthogonal();
+    v_ = options.polygon->direction.cross(u_);
+    for (const Eigen::Vector3d& p : options.polygon->points) corners_.emplace_back(u_.dot(p), v_.dot(p));
+    if (corners_.size() < 3 || !(Area(corners_) > 0))
+      throw InputError({}, "toolpath: a region's polygon has no area seen along its direction");
+  }
+  for (const RegionOptions& child : options.all) all_.emplace_back(mesh, child);
+  for (const RegionOptions& child : options.any) any_.emplace_back(mesh, child);
+  for (const RegionOptions& child : options.none) none_.emplace_back(mesh, child);
+}
+
+double RegionTerm::FaceMargin(int face) const {
+  const bool in = (facing_.empty() || facing_[face] != 0) && (connected_.empty() || connected_[face] != 0);
+  return in ? kInfinity : -kInfinity;
+}
+
+// Distance to the outline, positive inside (even-odd rule).
+double RegionTerm::PolygonMargin(const Eigen::Vector3d& p) const {
+  const Eigen::Vector2d q(u_.dot(p), v_.dot(p));
+  double squared = kInfinity;
+  bool inside = false;
+  for (size_t i = 0; i < corners_.size(); ++i) {
+    const Eigen::Vector2d &a = corners_[i], ab = corners_[(i + 1) % corners_.size()] - a, aq = q - a;
+    const double t = std::clamp(aq.dot(ab) / ab.squaredNorm(), 0.0, 1.0);
+    if (ab.squaredNorm() > 0) squared = std::min(squared, (aq - t * ab).squaredNorm());
+    const double by = a.y() + ab.y();
+    if ((a.y() > q.y()) != (by > q.y()) && aq.x() < ab.x() * aq.y() / ab.y()) inside = !inside;
+  }
+  return inside ? std::sqrt(squared) : -std::sqrt(squared);
+}
+
+double RegionTerm::PointMargin(const Eigen::Vector3d& p) const {
+  double margin = kInfinity;
+  if (options_.box) {
+    const auto& [lower, upper] = *options_.box;
+    margin = std::min((p - lower).minCoeff(), (upper - p).minCoeff());
+  }
+  if (options_.half_space)
+    margin = std::min(margin, options_.half_space->normal.dot(p - options_.half_space->point));
+  if (options_.polygon) margin = std::min(margin, PolygonMargin(p));
+  return margin;
+}
+
+double RegionTerm::Margin(int face, const Eigen::Vector3d& p) const {
+  double margin = std::min(FaceMargin(face), PointMargin(p));
+  for (const RegionTerm& term : all_) margin = std::min(margin, term.Margin(face, p));
+  for (const RegionTerm& term : none_) margin = std::min(margin, -term.Margin(face, p));
+  double best = any_.empty() ? kInfinity : -kInfinity;
+  for (const RegionTerm& term : any_) best = std::max(best, term.Margin(face, p));
+  return std::min(margin, best);
+}
+
+double RegionTerm::Bound(int face, bool upper) const {
+  double margin = FaceMargin(face);
+  if (!upper && HasPointConditions()) margin = -kInfinity;
+  for (const RegionTerm& term : all_) margin = std::min(margin, term.Bound(face, upper));
+  for (const RegionTerm& term : none_) margin = std::min(margin, -term.Bound(face, !upper));
+  double best = any_.empty() ? kInfinity : -kInfinity;
+  for (const RegionTerm& term : any_) best = std::max(best, term.Bound(face, upper));
+  return std::min(margin, best);
+}
+
+}  // namespace millpose

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "toolpath/region.hpp"
+
+namespace millpose {
+
+/// One level of RegionOptions made ready for a mesh. Margins combine as min (all), max (any) and sign (none),
+/// which keeps them 1-Lipschitz; conditions on whole faces count as plus or minus infinity.
+class RegionTerm {
+ public:
+  RegionTerm(const Mesh& mesh, const RegionOptions& options);
+
+  /// As Region::Margin, without rims.
+  double Margin(int face, const Eigen::Vector3d& p) const;
+  /// The largest (`upper`) or smallest margin that any point of the face could have.
+  double Bound(int face, bool upper) const;
+
+ private:
+  double FaceMargin(int face) const;
+  double PointMargin(const Eigen::Vector3d& p) const;
+  bool HasPointConditions() const { return options_.box || options_.half_space || options_.polygon; }
+  double PolygonMargin(const Eigen::Vector3d& p) const;
+
+  RegionOptions options_;
+  std::vector<char> facing_, connected_;  // by face; empty when not asked for
+  Eigen::Vector3d u_ = Eigen::Vector3d::Zero(), v_ = Eigen::Vector3d::Zero();  // the polygon's plane
+  std::vector<Eigen::Vector2d> corners_;
+  std::vector<RegionTerm> all_, any_, none_;
+};
+
+}  // namespace millpose
