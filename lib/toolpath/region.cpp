@@ -54,8 +54,8 @@ double Region::Margin(int face, const Eigen::Vector3d& p) const {
   return margin;
 }
 
-std::vector<std::vector<Eigen::Vector3d>> Region::Patches() const {
-  std::vector<std::vector<Eigen::Vector3d>> patches;
+std::vector<Region::Patch> Region::Patches() const {
+  std::vector<Patch> patches;
   for (int face = 0; face < mesh_.face_count(); ++face) {
     if (!HasFace(face)) continue;
     std::vector<Eigen::Vector3d> polygon{mesh_.Corner(face, 0), mesh_.Corner(face, 1), mesh_.Corner(face, 2)};
@@ -67,7 +67,7 @@ std::vector<std::vector<Eigen::Vector3d>> Region::Patches() const {
     if (options_.half_space)
       polygon = Clipped(polygon, options_.half_space->normal,
                         options_.half_space->normal.dot(options_.half_space->point));
-    if (polygon.size() >= 3) patches.push_back(std::move(polygon));
+    if (polygon.size() >= 3) patches.push_back({face, std::move(polygon)});
   }
   return patches;
 }

@@ -61,9 +61,13 @@ class Region {
   /// per mm (so between two points it cannot pass 0 unseen).
   double Margin(int face, const Eigen::Vector3d& p) const;
 
-  /// The parts of the region's faces within its outermost box and half-space, as convex polygons (for
-  /// extents).
-  std::vector<std::vector<Eigen::Vector3d>> Patches() const;
+  /// The part of one of the region's faces within its outermost box and half-space, a convex polygon.
+  struct Patch {
+    int face = -1;
+    std::vector<Eigen::Vector3d> corners;
+  };
+  /// All of them, for extents.
+  std::vector<Patch> Patches() const;
   /// Sum of the region's face normals weighted with area, as a unit vector; zero when they cancel out.
   Eigen::Vector3d MeanNormal() const;
   const Mesh& mesh() const { return mesh_; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/cylinder_slices.hpp"
 #include "surface/triangle.hpp"
+#include "toolpath/spread.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {
@@ -26,15 +27,31 @@ double LeastRadius(const std::vector<Eigen::Vector3d>& polygon, const Axis& axis
   return left || right ? 0.0 : least;
 }
 
+// How a patch lies to the cylinders: radii, and the least share of a radial step that runs along the surface.
+Stretch StretchOf(const Region::Patch& patch, const Eigen::Vector3d& normal, const Axis& axis) {
+  Stretch stretch{LeastRadius(patch.corners, axis), 0, 1};
+  double rise = 1;
+  for (const Eigen::Vector3d& p : patch.corners) {
+    const double radius = axis.Radius(p);
+    stretch.upper = std::max(stretch.upper, radius);
+    const Eigen::Vector3d d = p - axis.point, radial = d - d.dot(axis.direction) * axis.direction;
+    if (radius > 0) rise = std::min(rise, normal.cross(radial).norm() / radius);
+  }
+  stretch.slope = 1 / std::max(1e-9, rise);
+  return stretch;
+}
+
 class Rings : public Strategy {
  public:
   std::vector<Lane> Lanes(const Mesh& mesh, const Region& region, const ToolpathOptions& options,
                           std::stop_token stop) const override {
     const Axis axis{options.axis_point, options.axis_direction};
     double lower = std::numeric_limits<double>::infinity(), upper = 0;
-    for (const auto& patch : region.Patches()) {
-      lower = std::min(lower, LeastRadius(patch, axis));
-      for (const Eigen::Vector3d& p : patch) upper = std::max(upper, axis.Radius(p));
+    std::vector<Stretch> stretches;
+    for (const Region::Patch& patch : region.Patches()) {
+      stretches.push_back(StretchOf(patch, mesh.FaceNormal(patch.face), axis));
+      lower = std::min(lower, stretches.back().lower);
+      upper = std::max(upper, stretches.back().upper);
     }
     if (lower > upper) return {};
     const double rim = options.region.rim_distance;
@@ -45,7 +62,10 @@ class Rings : public Strategy {
     const Eigen::Vector3d zero = ZeroDirection(options);
     const Eigen::Vector3d quarter = axis.direction.cross(zero);
     std::vector<Lane> lanes;
-    for (auto& curves : SliceByCylinders(mesh, axis, SpreadEvenly(lower, upper, options.stepover), stop)) {
+    const std::vector<double> radii = options.stepover_on_surface
+                                          ? SpreadOnSurface(stretches, lower, upper, options.stepover)
+                                          : SpreadEvenly(lower, upper, options.stepover);
+    for (auto& curves : SliceByCylinders(mesh, axis, radii, stop)) {
       for (Curve& curve : curves) MoveSeam(curve, zero);
       const auto progress = [=](const Eigen::Vector3d& p) {
         const Eigen::Vector3d d = p - axis.point;

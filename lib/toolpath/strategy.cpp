@@ -33,12 +33,4 @@ std::unique_ptr<Strategy> MakeStrategy(const std::string& name) {
                                    nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
 }
 
-std::vector<double> SpreadEvenly(double lower, double upper, double stepover) {
-  const double width = upper - lower;
-  const int count = std::max(1, static_cast<int>(std::ceil(width / stepover - 1e-9)));
-  std::vector<double> positions;
-  for (int i = 0; i < count; ++i) positions.push_back(lower + (i + 0.5) * (width / count));
-  return positions;
-}
-
 }  // namespace millpose

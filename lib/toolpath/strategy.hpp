@@ -38,8 +38,4 @@ std::unique_ptr<Strategy> MakeStrategy(const std::string& name);
 std::unique_ptr<Strategy> MakeParallelPlanes();
 std::unique_ptr<Strategy> MakeRings();
 
-/// Positions spread evenly over lower..upper, `count` = the least that keeps their distance at or below
-/// `stepover`; the first and last lie half a distance inside.
-std::vector<double> SpreadEvenly(double lower, double upper, double stepover);
-
 }  // namespace millpose

@@ -14,13 +14,14 @@ struct ToolpathOptions {
   Eigen::Vector3d plane_normal = Eigen::Vector3d::UnitX();    ///< parallel_planes: unit vector
   Eigen::Vector3d axis_point = Eigen::Vector3d::Zero();       ///< rings
   Eigen::Vector3d axis_direction = Eigen::Vector3d::UnitZ();  ///< rings: unit vector
-  double stepover = 8;            ///< largest distance of neighbouring planes or radii
-  bool zigzag = true;             ///< every other plane (open ring) is milled the other way
-  double chord_tolerance = 0.01;  ///< largest distance of the slice from the chords between points
-  double spacing = 5;             ///< largest distance of neighbouring points along the slice
-  double crease = DegToRad(30);   ///< a pass ends where the surface bends more sharply
-  double lead = 0;                ///< the tool axis leans forward, towards the feed direction
-  double tilt = 0;                ///< then to the right of the feed direction, seen against the normal
+  double stepover = 8;               ///< largest distance of neighbouring planes or radii
+  bool stepover_on_surface = false;  ///< the step-over is measured along the surface instead
+  bool zigzag = true;                ///< every other plane (open ring) is milled the other way
+  double chord_tolerance = 0.01;     ///< largest distance of the slice from the chords between points
+  double spacing = 5;                ///< largest distance of neighbouring points along the slice
+  double crease = DegToRad(30);      ///< a pass ends where the surface bends more sharply
+  double lead = 0;                   ///< the tool axis leans forward, towards the feed direction
+  double tilt = 0;                   ///< then to the right of the feed direction, seen against the normal
   Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();  ///< copied to each pass; unit vector
   double feed_rate = 0;                                           ///< copied to each point
 };
