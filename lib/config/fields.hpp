@@ -10,6 +10,9 @@ namespace millpose::config {
 const Codec<JobSettings>& JobFields();
 const Codec<CellSettings>& CellFields();
 
+/// What of a part is milled.
+Codec<RegionSettings> RegionFields();
+
 /// Parts that both tables use.
 Codec<PoseSettings> PoseFields();
 const std::vector<std::string>& LengthUnits();

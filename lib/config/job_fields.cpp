@@ -25,35 +25,6 @@ Codec<WorkpieceSettings> WorkpieceFields() {
   });
 }
 
-Codec<RegionSettings> RegionFields() {
-  using S = RegionSettings;
-  using Box = std::array<Eigen::Vector3d, 2>;
-  const auto corner = [](const char* key, auto access, const char* doc) {
-    return Key<Box>(key, access, Numbers3(kMm, Between(-1e6, 1e6)), doc).Required();
-  };
-  const auto check_box = [](const Value& value, const Context& context, Box& box) {
-    if (!(box[0].array() < box[1].array()).all())
-      context.Add(value.mark, "upper_mm must be greater than lower_mm in each coordinate");
-  };
-  return Section<S>({
-      Key<S>("box", MILLPOSE_AT(box),
-             Maybe(Section<Box>({corner("lower_mm", MILLPOSE_AT(front()), "Lower corner."),
-                                 corner("upper_mm", MILLPOSE_AT(back()), "Upper corner.")},
-                                check_box)),
-             "Only faces within this box, in the workpiece frame."),
-      Key<S>("facing", kSelf,
-             Section<S>({Key<S>("direction", MILLPOSE_AT(facing), Maybe(Direction()),
-                                "Direction in the workpiece frame.")
-                             .Required(),
-                         Key<S>("within_deg", MILLPOSE_AT(facing_within), Real(kDeg, Between(0, 180)),
-                                "Largest angle between a normal and the direction.")}),
-             "Only faces whose normals point this way.")
-          .WhenSet([](const S& s) { return s.facing.has_value(); }),
-      Key<S>("rim_distance_mm", MILLPOSE_AT(rim_distance), Real(kMm, AtLeast(0)),
-             "Distance kept from open rims and from the region's borders."),
-  });
-}
-
 // A strategy's own section must be given with it and with no other.
 void CheckStrategySections(const Value& value, const Context& context, ToolpathSettings& toolpath) {
   for (const auto& [section, strategy] :
@@ -96,6 +67,8 @@ Codec<ToolpathSettings> ToolpathFields() {
           Key<S>("stepover_mm", MILLPOSE_AT(stepover), Real(kMm, Above(0)),
                  "Distance of neighbouring passes.")
               .Required(),
+          Key<S>("stepover_on", MILLPOSE_AT(stepover_on), Choice({"planes", "surface"}),
+                 "Whether the step-over is the distance of the planes (radii) or the way on the surface."),
           Key<S>("direction", MILLPOSE_AT(direction), Choice({"zigzag", "one_way"}),
                  "Whether every second pass runs backwards."),
           Key<S>("chord_tolerance_mm", MILLPOSE_AT(chord_tolerance), Real(kMm, Above(0)),

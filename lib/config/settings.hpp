@@ -96,11 +96,34 @@ struct CellSettings {
   std::map<std::string, ControllerSettings> controllers;
 };
 
-struct RegionSettings {
+struct HalfSpaceSettings {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();    ///< P, mm
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< P; points to what is in
+};
+
+struct PolygonSettings {
+  std::vector<Eigen::Vector3d> points;                   ///< P, mm
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< P; along it the polygon is projected
+};
+
+struct ConnectedSettings {
+  Eigen::Vector3d seed = Eigen::Vector3d::Zero();  ///< P, mm
+  double crease = DegToRad(20);                    ///< rad
+};
+
+/// Conditions of which all given ones must hold.
+struct ConditionSettings {
   std::optional<std::array<Eigen::Vector3d, 2>> box;  ///< lower and upper corner, P, mm
-  std::optional<Eigen::Vector3d> facing;              ///< unit direction, P
-  double facing_within = DegToRad(45);                ///< rad
-  double rim_distance = 0;                            ///< mm from open rims and region borders
+  std::optional<HalfSpaceSettings> half_space;
+  std::optional<PolygonSettings> polygon;
+  std::optional<Eigen::Vector3d> facing;  ///< unit direction, P
+  double facing_within = DegToRad(45);    ///< rad
+  std::optional<ConnectedSettings> connected;
+};
+
+struct RegionSettings : ConditionSettings {
+  std::vector<ConditionSettings> all, any, none;
+  double rim_distance = 0;  ///< mm from open rims and region borders
 };
 
 struct ToolpathSettings {
@@ -110,11 +133,12 @@ struct ToolpathSettings {
   Eigen::Vector3d axis_point = Eigen::Vector3d::Zero();       ///< rings: a point of the axis, P, mm
   Eigen::Vector3d axis_direction = Eigen::Vector3d::UnitZ();  ///< rings, P
   double stepover = 0;                                        ///< mm
-  std::string direction = "zigzag";                           ///< zigzag | one_way
-  double chord_tolerance = 0.01;                              ///< mm
-  double spacing = 5;                                         ///< largest distance of neighbouring points, mm
-  double crease = DegToRad(30);  ///< normals are kept apart across sharper edges, rad
-  double lead = 0, tilt = 0;     ///< rad
+  std::string stepover_on = "planes";  ///< planes | surface: where the step-over is measured
+  std::string direction = "zigzag";    ///< zigzag | one_way
+  double chord_tolerance = 0.01;       ///< mm
+  double spacing = 5;                  ///< largest distance of neighbouring points, mm
+  double crease = DegToRad(30);        ///< normals are kept apart across sharper edges, rad
+  double lead = 0, tilt = 0;           ///< rad
   Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();  ///< W
 };
 

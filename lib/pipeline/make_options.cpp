@@ -40,18 +40,43 @@ PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_set
   return problem;
 }
 
+namespace {
+
+RegionOptions MakeConditions(const ConditionSettings& settings) {
+  RegionOptions options;
+  options.box = settings.box;
+  if (settings.half_space)
+    options.half_space = HalfSpace{settings.half_space->point, settings.half_space->normal};
+  if (settings.polygon)
+    options.polygon = ProjectedPolygon{settings.polygon->points, settings.polygon->direction};
+  options.facing = settings.facing;
+  options.facing_within = settings.facing_within;
+  if (settings.connected)
+    options.connected = ConnectedFaces{settings.connected->seed, settings.connected->crease};
+  return options;
+}
+
+RegionOptions MakeRegion(const RegionSettings& settings) {
+  RegionOptions options = MakeConditions(settings);
+  for (const ConditionSettings& condition : settings.all) options.all.push_back(MakeConditions(condition));
+  for (const ConditionSettings& condition : settings.any) options.any.push_back(MakeConditions(condition));
+  for (const ConditionSettings& condition : settings.none) options.none.push_back(MakeConditions(condition));
+  options.rim_distance = settings.rim_distance;
+  return options;
+}
+
+}  // namespace
+
 ToolpathOptions MakeToolpathOptions(const JobSettings& job) {
   const ToolpathSettings& settings = job.toolpath;
   ToolpathOptions options;
   options.strategy = settings.strategy;
-  options.region.box = settings.region.box;
-  options.region.facing = settings.region.facing;
-  options.region.facing_within = settings.region.facing_within;
-  options.region.rim_distance = settings.region.rim_distance;
+  options.region = MakeRegion(settings.region);
   options.plane_normal = settings.plane_normal;
   options.axis_point = settings.axis_point;
   options.axis_direction = settings.axis_direction;
   options.stepover = settings.stepover;
+  options.stepover_on_surface = settings.stepover_on == "surface";
   options.zigzag = settings.direction == "zigzag";
   options.chord_tolerance = settings.chord_tolerance;
   options.spacing = settings.spacing;

@@ -85,6 +85,34 @@ TEST(RoundTrip, EveryCellOfTheProjectReadsBackToTheSame) {
   }
 }
 
+TEST(RoundTrip, EveryConditionOfARegionSurvives) {
+  const std::filesystem::path file =
+      std::filesystem::path(MILLPOSE_SOURCE_DIR) / "toolpaths/support_pad/job.yaml";
+  std::string text = ReadFile(file);
+  const std::string given = "region: {facing: {direction: [0, 0, 1], within_deg: 1}}";
+  ASSERT_NE(text.find(given), std::string::npos);
+  text.replace(text.find(given), given.size(), R"(region:
+    half_space: {point_mm: [1, 2, 3], normal: [0, 0.6, 0.8]}
+    connected: {seed_mm: [4, 5, 6], crease_deg: 15}
+    all: [{facing: {direction: [1, 0, 0], within_deg: 7}}]
+    any:
+      - {box: {lower_mm: [0, 0, 0], upper_mm: [1, 1, 1]}}
+      - {polygon: {points_mm: [[0, 0, 0], [1, 0, 0], [0, 1.5, 0]], direction: [0, 0, 1]}}
+    none: [{connected: {seed_mm: [7, 8, 9]}}]
+    rim_distance_mm: 2.5)");
+  const std::string written = WriteJob(ParseJob(text, "job"));
+  const RegionSettings region = ParseJob(written, "written").toolpath.region;
+  EXPECT_EQ(WriteJob(ParseJob(written, "written")), written);
+  EXPECT_EQ(region.half_space->normal, Eigen::Vector3d(0, 0.6, 0.8));
+  EXPECT_EQ(region.connected->crease, DegToRad(15));
+  EXPECT_EQ(region.all.at(0).facing_within, DegToRad(7));
+  ASSERT_EQ(region.any.size(), 2u);
+  EXPECT_EQ(region.any[0].box->back(), Eigen::Vector3d(1, 1, 1));
+  EXPECT_EQ(region.any[1].polygon->points.at(2).y(), 1.5);
+  EXPECT_EQ(region.none.at(0).connected->seed, Eigen::Vector3d(7, 8, 9));
+  EXPECT_EQ(region.rim_distance, 2.5);
+}
+
 TEST(RoundTrip, EveryKindOfKeySurvives) {
   const CellSettings cell = ParseCell(kCellWithEverything, "cell");
   const std::string written = WriteCell(cell);

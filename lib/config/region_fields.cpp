@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "config/fields.hpp"
+
+namespace millpose::config {
+namespace {
+
+Codec<Eigen::Vector3d> Place() { return Numbers3(kMm, Between(-1e6, 1e6)); }
+
+using Box = std::array<Eigen::Vector3d, 2>;
+
+Codec<Box> BoxFields() {
+  const auto corner = [](const char* key, auto access, const char* doc) {
+    return Key<Box>(key, access, Place(), doc).Required();
+  };
+  const auto check = [](const Value& value, const Context& context, Box& box) {
+    if (!(box[0].array() < box[1].array()).all())
+      context.Add(value.mark, "upper_mm must be greater than lower_mm in each coordinate");
+  };
+  return Section<Box>({corner("lower_mm", MILLPOSE_AT(front()), "Lower corner."),
+                       corner("upper_mm", MILLPOSE_AT(back()), "Upper corner.")},
+                      check);
+}
+
+Codec<HalfSpaceSettings> HalfSpaceFields() {
+  using S = HalfSpaceSettings;
+  return Section<S>(
+      {Key<S>("point_mm", MILLPOSE_AT(point), Place(), "A point of the bounding plane.").Required(),
+       Key<S>("normal", MILLPOSE_AT(normal), Direction(), "Points to what is in.").Required()});
+}
+
+Codec<PolygonSettings> PolygonFields() {
+  using S = PolygonSettings;
+  const auto check = [](const Value& value, const Context& context, S& polygon) {
+    if (polygon.points.size() < 3)
+      context.Add(value.mark,
+                  fmt::format("a polygon needs 3 points or more, given {}", polygon.points.size()));
+  };
+  return Section<S>(
+      {Key<S>("points_mm", MILLPOSE_AT(points), ListOf(Place()), "Corners in order, either way round.")
+           .Required(),
+       Key<S>("direction", MILLPOSE_AT(direction), Direction(),
+              "Along it the polygon is projected onto the part.")
+           .Required()},
+      check);
+}
+
+Codec<ConnectedSettings> ConnectedFields() {
+  using S = ConnectedSettings;
+  return Section<S>({Key<S>("seed_mm", MILLPOSE_AT(seed), Place(), "A point at the surface.").Required(),
+                     Key<S>("crease_deg", MILLPOSE_AT(crease), Real(kDeg, Between(0, 180)),
+                            "The faces end at edges that bend more sharply.")});
+}
+
+// The conditions' keys for a struct that has them.
+template <class S>
+std::vector<Field<S>> ConditionKeys() {
+  return {
+      Key<S>("box", MILLPOSE_AT(box), Maybe(BoxFields()),
+             "Only what lies in this box, in the workpiece frame."),
+      Key<S>("half_space", MILLPOSE_AT(half_space), Maybe(HalfSpaceFields()),
+             "Only what lies on one side of a plane."),
+      Key<S>("polygon", MILLPOSE_AT(polygon), Maybe(PolygonFields()),
+             "Only what lies in a projected polygon."),
+      Key<S>("facing", kSelf,
+             Section<S>({Key<S>("direction", MILLPOSE_AT(facing), Maybe(Direction()),
+                                "Direction in the workpiece frame.")
+                             .Required(),
+                         Key<S>("within_deg", MILLPOSE_AT(facing_within), Real(kDeg, Between(0, 180)),
+                                "Largest angle between a normal and the direction.")}),
+             "Only faces whose normals point this way.")
+          .WhenSet([](const S& s) { return s.facing.has_value(); }),
+      Key<S>("connected", MILLPOSE_AT(connected), Maybe(ConnectedFields()),
+             "Only faces reached from a point without passing a crease."),
+  };
+}
+
+}  // namespace
+
+Codec<RegionSettings> RegionFields() {
+  using S = RegionSettings;
+  const auto list = [](const char* key, auto access, const char* doc) {
+    return Key<S>(key, access, ListOf(Section<ConditionSettings>(ConditionKeys<ConditionSettings>())), doc)
+        .WhenSet([access](const S& s) { return !access(s).empty(); });
+  };
+  std::vector<Field<S>> fields = ConditionKeys<S>();
+  fields.push_back(list("all", MILLPOSE_AT(all), "All of these must hold too."));
+  fields.push_back(list("any", MILLPOSE_AT(any), "At least one of these must hold."));
+  fields.push_back(list("none", MILLPOSE_AT(none), "None of these may hold."));
+  fields.push_back(Key<S>("rim_distance_mm", MILLPOSE_AT(rim_distance), Real(kMm, AtLeast(0)),
+                          "Distance kept from open rims and from edges to faces that are out."));
+  return Section<S>(std::move(fields));
+}
+
+}  // namespace millpose::config
