@@ -79,7 +79,8 @@ class PiecePlanner {
     StrikeOut strike_out(context_.world, layers_, context_.options.swept_resolution, context_.threads,
                          context_.stop);
     // The band needs the one freedom to be the rotation (BandWidth).
-    const bool banded = context_.problem.freedoms.size() == 1 && context_.problem.freedoms[0]->Periodic();
+    const bool banded =
+        context_.problem.freedoms.size() == 1 && context_.problem.freedoms[0]->IsToolRotation();
     const LayeredProblem problem{layers_, rule_, strike_out.struck_edges(), banded, context_.stop};
     Sequence sequence;
     for (int round = 0;; ++round) {

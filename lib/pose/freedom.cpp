@@ -15,6 +15,7 @@ class RotationAboutTool final : public Freedom {
   double Lower() const override { return -kPi; }
   double Upper() const override { return kPi; }
   bool Periodic() const override { return true; }
+  bool IsToolRotation() const override { return true; }
   Pose Apply(const Pose& X_WT, double value) const override {
     // R·Rz(value) written out: this runs once per candidate.
     const auto [sine, cosine] = SinCos(value);

@@ -23,6 +23,8 @@ class Freedom {
   virtual double Lower() const = 0;
   virtual double Upper() const = 0;
   virtual bool Periodic() const = 0;
+  /// True for the rotation about the tool axis by the value itself, which the scorer has a fast way for.
+  virtual bool IsToolRotation() const { return false; }
   /// The tool pose after moving by `value` from X_WT.
   virtual Pose Apply(const Pose& X_WT, double value) const = 0;
 };

@@ -3,53 +3,23 @@
 
 #include <limits>
 
-#include "base/units.hpp"
+#include "pose/judge_block.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr double kTurn = 2 * kPi;
+// Less than this is missed by rounding only: the same joints come from the block kernels, from scalar code
+// and with other full turns.
+constexpr double kSingularRounding = 1e-10;
 
-/// `angle` moved by full turns into [lower, upper], by as few as possible; what is missing when none fits.
-struct Turned {
-  double angle, shortfall;
-};
-Turned TurnInto(double angle, double lower, double upper) {
-  if (angle >= lower && angle <= upper) return {angle, 0.0};
-  const double turns = std::ceil((lower - angle) / kTurn);
-  const double least = angle + turns * kTurn;  // the smallest that is not below
-  if (least >= lower && least <= upper) return {least, 0.0};
-  return {angle, std::max(0.0, std::min(least - upper, lower - (least - kTurn)))};
-}
-
-/// What is missed of the bounds on singularity and dexterity; 0 when nothing. Less than rounding is nothing:
-/// the same joints come here from the block kernels, from scalar code and with other full turns.
+/// What is missed of the bounds on singularity and dexterity; 0 when nothing.
 double SingularShortfall(const AdmissibleBounds& bounds, const SingularityDistance& distance,
                          double dexterity) {
-  constexpr double kRounding = 1e-10;
   const double missing = std::max(0.0, bounds.wrist_min - distance.wrist) +
                          std::max(0.0, bounds.elbow_min - distance.elbow) +
                          1e-3 * std::max(0.0, bounds.shoulder_min_mm - distance.shoulder) +
                          std::max(0.0, bounds.dexterity_min - dexterity);
-  return missing > kRounding ? missing : 0.0;
-}
-
-/// Puts the angles within the bounds where full turns can. Returns what is missed of them.
-double TurnIntoBounds(const AdmissibleBounds& bounds, Joints& q) {
-  double shortfall = 0;
-  for (int i = 0; i < 6; ++i) {
-    const Turned turned = TurnInto(q[i], bounds.lower[i], bounds.upper[i]);
-    q[i] = turned.angle;
-    shortfall += turned.shortfall;
-  }
-  return shortfall;
-}
-
-Joints LaneOf(const AnglesBlock& angles, bool flipped, int lane) {
-  Joints q;
-  for (int i = 0; i < 6; ++i) q[i] = angles.unflipped[i].v[lane];
-  if (flipped) q.tail<3>() << angles.flipped4.v[lane], angles.flipped5.v[lane], angles.flipped6.v[lane];
-  return q;
+  return missing > kSingularRounding ? missing : 0.0;
 }
 
 }  // namespace
@@ -65,6 +35,8 @@ PointScorer::PointScorer(const PoseProblem& problem, const MillingPoint& point,
   context_.normal = X_BW_.linear() * point.normal;
   context_.feed = X_BW_.linear() * point.feed;
   context_.tool_axis = X_BW_.linear() * point.tool_axis;
+  rotation_only_ = problem.freedoms.size() == 1 && problem.freedoms[0]->IsToolRotation();
+  rotated_ = RotatedFlange(X_BW_ * X_WT_nominal_, X_TF_);
 }
 
 Pose PointScorer::ToolPose(const double* freedoms) const {
@@ -73,48 +45,72 @@ Pose PointScorer::ToolPose(const double* freedoms) const {
   return X_WT;
 }
 
-void PointScorer::ScoreBlock(std::span<const double> values, unsigned arm_branches, ScoredBlock& out) const {
-  const Arm& arm = problem_->arm;
+void PointScorer::FlangePoses(std::span<const double> values, FlangeBlock& out) const {
+  if (rotation_only_) {
+    Lanes angles;
+    std::copy_n(values.begin(), kLanes, angles.v);
+    rotated_.Set(angles, out);
+    return;
+  }
   const size_t dimensions = problem_->freedoms.size();
+  for (int l = 0; l < kLanes; ++l) out.Set(l, X_BW_ * ToolPose(values.data() + l * dimensions) * X_TF_);
+}
+
+void PointScorer::ScoreBlock(std::span<const double> values, unsigned arm_branches, ScoredBlock& out) const {
   for (auto& branch : out.admissibility) branch.fill(Admissibility::kUnreachable);
   for (Lanes& branch : out.shortfall) std::fill_n(branch.v, kLanes, std::numeric_limits<double>::infinity());
   FlangeBlock flange;
-  for (int l = 0; l < kLanes; ++l) flange.Set(l, X_BW_ * ToolPose(values.data() + l * dimensions) * X_TF_);
-  ArmBranches branches;
-  InverseBlock(arm, flange, branches);
-  for (int b = 0; b < 4; ++b) {
-    if (!(arm_branches >> b & 1u)) continue;
-    const ArmBranchBlock& branch = branches[b];
-    ComplianceBlock compliance;
-    LinearCompliance(arm, flange, branch, p_FO_, compliance);
-    problem_->objective->Evaluate(compliance, context_, out.objective[b]);
-    AnglesBlock angles;
-    AnglesOfBranch(arm, branch, angles);
-    Lanes dexterity = {};
-    if (problem_->bounds.dexterity_min > 0.0)
-      DexterityOfBlock(arm, flange, branch, problem_->X_FT.translation(), problem_->characteristic_length,
-                       dexterity);
-    for (int l = 0; l < kLanes; ++l) {
-      if (branch.reached.v[l] != 0.0) JudgeLane(branch, angles, dexterity.v[l], b, l, out);
-    }
+  FlangePoses(values, flange);
+  ArmBranches solved;
+  InverseBlock(problem_->arm, flange, solved);
+  for (int arm = 0; arm < 4; ++arm) {
+    if (arm_branches >> arm & 1u) ScoreArm(arm, flange, solved[arm], out);
   }
 }
 
-void PointScorer::JudgeLane(const ArmBranchBlock& branch, const AnglesBlock& angles, double dexterity, int b,
-                            int l, ScoredBlock& out) const {
-  const AdmissibleBounds& bounds = problem_->bounds;
-  double singular =
-      SingularShortfall(bounds, {branch.wrist.v[l], branch.elbow.v[l], branch.shoulder.v[l]}, dexterity);
+/// In the order reach, limits, singularities, stiffness: what is cheap first, and no more than is asked for.
+void PointScorer::ScoreArm(int arm, const FlangeBlock& flange, const ArmBranchBlock& solved,
+                           ScoredBlock& out) const {
+  if (std::none_of(solved.reached.v, solved.reached.v + kLanes, [](double r) { return r > 0.0; })) return;
+  AnglesBlock angles;
+  AnglesOfBranch(problem_->arm, solved, angles);
+  JudgedBranch judged;
+  Judge(problem_->bounds, solved, angles, judged);
+  if (problem_->bounds.dexterity_min > 0.0) {
+    Lanes dexterity;
+    DexterityOfBlock(problem_->arm, flange, solved, problem_->X_FT.translation(),
+                     problem_->characteristic_length, dexterity);
+    for (int l = 0; l < kLanes; ++l) {
+      judged.singular.v[l] += std::max(0.0, problem_->bounds.dexterity_min - dexterity.v[l]);
+    }
+  }
+  bool any_admissible = false;
+  for (const int branch : {arm, arm + 4}) {
+    const JudgedWrist& wrist = branch == arm ? judged.unflipped : judged.flipped;
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(solved.reached.v[l] > 0.0)) continue;
+      const double limit = wrist.limit.v[l];
+      const double singular = judged.singular.v[l] > kSingularRounding ? judged.singular.v[l] : 0.0;
+      out.shortfall[branch].v[l] = limit > 0.0 ? limit : singular;
+      out.admissibility[branch][l] = limit > 0.0      ? Admissibility::kLimit
+                                     : singular > 0.0 ? Admissibility::kSingular
+                                                      : Admissibility::kAdmissible;
+      any_admissible |= out.admissibility[branch][l] == Admissibility::kAdmissible;
+    }
+    std::copy(wrist.q.begin(), wrist.q.end(), out.q[branch]);
+  }
+  if (!any_admissible) return;
+  ComplianceBlock compliance;
+  LinearCompliance(problem_->arm, flange, solved, p_FO_, compliance);
+  problem_->objective->Evaluate(compliance, context_, out.objective[arm]);
   // A compliance without an objective's value is singular, whatever the bounds say.
-  if (!std::isfinite(out.objective[b].v[l])) singular = std::max(singular, 1.0);
-  for (const int status : {b, b + 4}) {
-    Joints q = LaneOf(angles, status >= 4, l);
-    const double beyond = TurnIntoBounds(bounds, q);
-    for (int i = 0; i < 6; ++i) out.q[status][i].v[l] = q[i];
-    out.shortfall[status].v[l] = beyond > 0.0 ? beyond : singular;
-    out.admissibility[status][l] = beyond > 0.0     ? Admissibility::kLimit
-                                   : singular > 0.0 ? Admissibility::kSingular
-                                                    : Admissibility::kAdmissible;
+  for (const int branch : {arm, arm + 4}) {
+    for (int l = 0; l < kLanes; ++l) {
+      if (out.admissibility[branch][l] != Admissibility::kAdmissible) continue;
+      if (std::isfinite(out.objective[arm].v[l])) continue;
+      out.admissibility[branch][l] = Admissibility::kSingular;
+      out.shortfall[branch].v[l] = 1.0;
+    }
   }
 }
 
@@ -149,7 +145,9 @@ Candidate CandidateOf(const ScoredBlock& block, int branch, int lane) {
   candidate.admissibility = block.admissibility[branch][lane];
   candidate.shortfall = block.shortfall[branch].v[lane];
   if (candidate.admissibility == Admissibility::kUnreachable) return candidate;
-  candidate.objective = block.objective[branch & 3].v[lane];
+  if (candidate.admissibility == Admissibility::kAdmissible) {
+    candidate.objective = block.objective[branch & 3].v[lane];
+  }
   for (int i = 0; i < 6; ++i) candidate.q[i] = block.q[branch][i].v[lane];
   return candidate;
 }

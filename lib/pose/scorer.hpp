@@ -6,6 +6,7 @@
 
 #include "pose/freedom.hpp"
 #include "pose/objective.hpp"
+#include "pose/rotated_flange.hpp"
 #include "robot/kinematics.hpp"
 #include "stiffness/compliance.hpp"
 
@@ -41,7 +42,7 @@ struct PoseProblem {
 /// One branch of one choice of freedoms.
 struct Candidate {
   Admissibility admissibility = Admissibility::kUnreachable;
-  double objective = 0;       ///< defined where reached
+  double objective = 0;       ///< defined where admissible
   double shortfall = 0;       ///< by how much the bounds are missed (rad, sines, m summed); 0 when admissible
   Joints q = Joints::Zero();  ///< a representative within the bounds where one exists, else principal; rad
 };
@@ -49,7 +50,7 @@ struct Candidate {
 /// kLanes settings of the freedoms × 8 branches as structure of arrays. The wrist flips (branch bit 2) of an
 /// arm branch (bits 0 and 1) share the compliance and so the objective.
 struct ScoredBlock {
-  Lanes objective[4];  ///< per arm branch; defined where reached
+  Lanes objective[4];  ///< per arm branch; defined where a wrist is admissible
   Lanes shortfall[8];  ///< as in Candidate
   Lanes q[8][6];       ///< as in Candidate
   std::array<Admissibility, kLanes> admissibility[8];
@@ -84,14 +85,16 @@ class PointScorer {
 
  private:
   Pose ToolPose(const double* freedoms) const;
-  void JudgeLane(const ArmBranchBlock& branch, const AnglesBlock& angles, double dexterity, int b, int l,
-                 ScoredBlock& out) const;
+  void FlangePoses(std::span<const double> values, FlangeBlock& out) const;
+  void ScoreArm(int arm, const FlangeBlock& flange, const ArmBranchBlock& solved, ScoredBlock& out) const;
 
   const PoseProblem* problem_;
   Pose X_WT_nominal_;
   Pose X_BW_, X_TF_;
   Eigen::Vector3d p_FO_;  ///< the stiffness origin in F, mm
   ObjectiveContext context_;
+  RotatedFlange rotated_;  ///< where the rotation about the tool axis is the only freedom
+  bool rotation_only_;
 };
 
 /// The one predicate for a full joint vector, apart from reach. `q` within the bounds as it stands.
