@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/pass_planner.hpp"
 
+#include "base/error.hpp"
 #include "tests/pose/problems.hpp"
 
 namespace millpose {
@@ -137,6 +138,137 @@ TEST(PlanPass, ClosesARing) {
   ExpectSound(problem, Options(), pass, result);
   ASSERT_EQ(result.pieces.size(), 1u);
   EXPECT_TRUE(result.pieces[0].closed);
+}
+
+TEST(PlanPass, SplitsWhereNoStepIsSmallEnough) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const World world(EmptyCell(problem));
+  Pass pass = Row(-60, 60, 24);
+  for (int t = 10; t < 24; ++t) {  // a crease of 35°
+    const Eigen::AngleAxisd turn(DegToRad(35), Eigen::Vector3d::UnitZ());
+    pass.points[t].normal = pass.points[t].tool_axis = turn * pass.points[t].normal;
+  }
+  const PassResult result = PlanPass(problem, world, pass, 0, 0, Options(), 2, {});
+  ExpectSound(problem, Options(), pass, result);
+  ASSERT_EQ(result.pieces.size(), 2u);
+  EXPECT_EQ(result.pieces[0].last, 9);
+  EXPECT_EQ(result.pieces[1].first, 10);
+}
+
+TEST(PlanPass, OneBadPointDoesNotCostThePass) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const World world(EmptyCell(problem));
+  Pass pass = Row(-40, 40, 16);
+  pass.points[5].position.x() += 9000;
+  pass.points[7].position.x() += 9000;  // leaves point 6 alone
+  const PassResult result = PlanPass(problem, world, pass, 0, 0, Options(), 2, {});
+  ExpectSound(problem, Options(), pass, result);
+  EXPECT_EQ(result.points[5].skip, SkipReason::kUnreachable);
+  EXPECT_EQ(result.points[6].skip, SkipReason::kStep);
+  EXPECT_EQ(result.points[7].skip, SkipReason::kUnreachable);
+  ASSERT_EQ(result.pieces.size(), 2u);
+  EXPECT_EQ(result.pieces[1].first, 8);
+}
+
+/// A ball at the wrist and a ball in its way, where the wrist stood at point `t` of `result`.
+Cell CellWithBallAt(const PoseProblem& problem, const PassResult& result, size_t t, double radius) {
+  Cell cell = EmptyCell(problem);
+  Body wrist{.name = "wrist",
+             .body_class = BodyClass::kLink,
+             .mount = Mount::kLink,
+             .link = 5,
+             .shape = Sphere{100}};
+  Body ball{
+      .name = "ball", .body_class = BodyClass::kFixture, .mount = Mount::kWorld, .shape = Sphere{radius}};
+  ball.X_MG.translation() = (problem.X_WB * LinkFrames(problem.arm, result.points[t].q)[5]).translation();
+  cell.bodies = {wrist, ball};
+  return cell;
+}
+
+TEST(PlanPass, GoesRoundWhatIsInTheWay) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const Pass pass = Row(-60, 60, 24);
+  const PassResult before = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, Options(), 2, {});
+  const World world(CellWithBallAt(problem, before, 12, 30));
+  ASSERT_TRUE(Checker(world).At(before.points[12].q, Phase::kCutting).has_value());
+  const PassResult result = PlanPass(problem, world, pass, 0, 0, Options(), 2, {});
+  ExpectSound(problem, Options(), pass, result);
+  EXPECT_GT(result.nodes_struck, 0);
+  EXPECT_GT(result.poses_checked, 0);
+  double objective = 0, objective_before = 0;
+  Checker checker(world);
+  for (size_t t = 0; t < pass.points.size(); ++t) {
+    ASSERT_EQ(result.points[t].skip, SkipReason::kNone) << t << result.points[t].detail;
+    EXPECT_FALSE(checker.At(result.points[t].q, Phase::kCutting).has_value());
+    objective += result.points[t].objective;
+    objective_before += before.points[t].objective;
+  }
+  for (const Piece& piece : result.pieces) {
+    for (int t = piece.first; t < piece.last; ++t) {
+      EXPECT_FALSE(checker.Between(result.points[t].q, result.points[t + 1].q, Phase::kCutting).has_value());
+    }
+  }
+  EXPECT_GT(objective, objective_before);  // the way round costs stiffness
+}
+
+TEST(PlanPass, SaysWhichBodiesBarAPoint) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  Pass pass = Row(-100, 100, 16);
+  const PassResult before = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, Options(), 2, {});
+  Cell cell = EmptyCell(problem);
+  Body spindle{.name = "spindle",
+               .body_class = BodyClass::kSpindle,
+               .mount = Mount::kTool,
+               .shape = Cylinder{8, 200}};
+  spindle.X_MG.translation().z() = 200;
+  Body rod{.name = "rod", .body_class = BodyClass::kFixture, .mount = Mount::kWorld, .shape = Sphere{2}};
+  rod.X_MG.translation() = pass.points[6].position + 200 * pass.points[6].tool_axis;
+  cell.bodies = {spindle, rod};
+  const PassResult result = PlanPass(problem, World(cell), pass, 0, 0, Options(), 2, {});
+  ExpectSound(problem, Options(), pass, result);
+  EXPECT_EQ(result.points[6].skip, SkipReason::kInterference);
+  EXPECT_NE(result.points[6].detail.find("spindle"), std::string::npos) << result.points[6].detail;
+  EXPECT_NE(result.points[6].detail.find("rod"), std::string::npos) << result.points[6].detail;
+  EXPECT_EQ(result.points[0].skip, SkipReason::kNone);
+  EXPECT_EQ(result.points[15].skip, SkipReason::kNone);
+}
+
+TEST(PlanPass, UnwindsWhereAJointRunsOutOfTurns) {
+  // A ring on the inside of a cabin about the arm: A1 goes round once, its limits allow hardly more.
+  PoseProblem problem = MakeProblem(Kr500R2830(), 1);
+  Pass pass;
+  pass.closed = true;
+  for (int t = 0; t < 120; ++t) {
+    const double angle = 2 * kPi * t / 120;
+    MillingPoint point;
+    const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0);
+    point.position = 1900 * out + 1200 * Eigen::Vector3d::UnitZ();
+    point.normal = point.tool_axis = -out;
+    point.feed = Eigen::Vector3d::UnitZ().cross(out);
+    pass.points.push_back(point);
+  }
+  PathOptions options = Options();
+  options.rotation_step = DegToRad(4);
+  const PassResult result = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, options, 2, {});
+  ExpectSound(problem, options, pass, result);
+  ASSERT_EQ(result.pieces.size(), 2u);
+  EXPECT_FALSE(result.pieces[0].closed);
+  // The same ring with a joint that may turn on needs no split.
+  problem.bounds.lower[0] = DegToRad(-400);
+  problem.bounds.upper[0] = DegToRad(400);
+  const PassResult free = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, options, 2, {});
+  ExpectSound(problem, options, pass, free);
+  ASSERT_EQ(free.pieces.size(), 1u);
+  EXPECT_TRUE(free.pieces[0].closed);
+}
+
+TEST(PlanPass, StopsWhenAsked) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  std::stop_source source;
+  source.request_stop();
+  EXPECT_THROW(
+      PlanPass(problem, World(EmptyCell(problem)), Row(-60, 60, 8), 0, 0, Options(), 1, source.get_token()),
+      Interrupted);
 }
 
 }  // namespace
