@@ -216,10 +216,8 @@ TEST(PlanPass, SaysWhichBodiesBarAPoint) {
   Pass pass = Row(-100, 100, 16);
   const PassResult before = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, Options(), 2, {});
   Cell cell = EmptyCell(problem);
-  Body spindle{.name = "spindle",
-               .body_class = BodyClass::kSpindle,
-               .mount = Mount::kTool,
-               .shape = Cylinder{8, 200}};
+  Body spindle{
+      .name = "spindle", .body_class = BodyClass::kSpindle, .mount = Mount::kTool, .shape = Cylinder{8, 200}};
   spindle.X_MG.translation().z() = 200;
   Body rod{.name = "rod", .body_class = BodyClass::kFixture, .mount = Mount::kWorld, .shape = Sphere{2}};
   rod.X_MG.translation() = pass.points[6].position + 200 * pass.points[6].tool_axis;

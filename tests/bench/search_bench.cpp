@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A point's optimum and the layered search: scorer per candidate, both searches per point, the dynamic
+// programme against a plain dense one on 1,000 layers of 500 nodes.
+#include <benchmark/benchmark.h>
+
+#include "path/layered_search.hpp"
+#include "tests/pose/problems.hpp"
+
+namespace millpose {
+namespace {
+
+void ScoreRotations(benchmark::State& state) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const PointScorer scorer(problem, PanelPoint(0, 0), Eigen::Vector3d::UnitZ());
+  std::vector<double> angles(kLanes);
+  ScoredBlock block;
+  for (auto _ : state) {
+    for (int first = 0; first < 360; first += kLanes) {
+      for (int l = 0; l < kLanes; ++l) angles[l] = DegToRad(first + l);
+      scorer.ScoreBlock(angles, kAllArmBranches, block);
+      benchmark::DoNotOptimize(block);
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * 360 * 8);  // candidates: rotation × branch
+}
+BENCHMARK(ScoreRotations);
+
+void Exhaustive(benchmark::State& state) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const PointScorer scorer(problem, PanelPoint(0, 0), Eigen::Vector3d::UnitZ());
+  for (auto _ : state) benchmark::DoNotOptimize(ExhaustiveSearch(scorer, problem, DegToRad(0.05)));
+}
+BENCHMARK(Exhaustive)->Unit(benchmark::kMicrosecond);
+
+void Genetic(benchmark::State& state) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const PointScorer scorer(problem, PanelPoint(0, 0), Eigen::Vector3d::UnitZ());
+  uint64_t index = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(GeneticSearch(scorer, problem, {}, RandomStream(1, index++)));
+  }
+}
+BENCHMARK(Genetic)->Unit(benchmark::kMicrosecond);
+
+/// 500 nodes a layer on one branch, rotations around the whole turn, joints that follow the rotation.
+std::vector<Layer> MakeLayers(int count) {
+  constexpr int kNodes = 500;
+  std::vector<Layer> layers(count);
+  for (int t = 0; t < count; ++t) {
+    Layer& layer = layers[t];
+    for (int k = 0; k < kNodes; ++k) {
+      const double rotation = -kPi + 2 * kPi * k / kNodes, along = 0.001 * t;
+      Joints q;
+      q << 0.3 * std::sin(rotation) + along, 0.4 * std::cos(rotation), 0.2 * std::sin(2 * rotation), rotation,
+          0.8 + 0.3 * std::cos(rotation + along), -rotation;
+      layer.joints.Add(q);
+      layer.objective.push_back(2e-4 + 1e-4 * std::sin(3 * rotation + 0.01 * t));
+      layer.freedoms.push_back({rotation});
+      layer.first.push_back(rotation);
+      layer.base.push_back(k);
+      layer.genetic.push_back(false);
+    }
+    for (int later = 1; later <= 8; ++later) layer.branch_begin[later] = kNodes;
+    layer.joints.Finish();
+  }
+  return layers;
+}
+
+StepRule BenchRule() {
+  StepRule rule;
+  rule.max_step = Joints::Constant(DegToRad(5));
+  rule.motion_weight = 1e-5;
+  return rule;
+}
+
+void LayeredSearch(benchmark::State& state) {
+  const std::vector<Layer> layers = MakeLayers(1000);
+  const LayeredProblem problem{layers, BenchRule(), {}, state.range(0) != 0, {}};
+  double cost = 0;
+  for (auto _ : state) cost = SearchOpen(problem).cost;
+  state.counters["cost"] = cost;
+}
+BENCHMARK(LayeredSearch)->ArgName("banded")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+
+/// Every edge by the plain function, for comparison; on 50 layers, times 20 for 1,000.
+void DenseReference(benchmark::State& state) {
+  const std::vector<Layer> layers = MakeLayers(50);
+  const StepRule rule = BenchRule();
+  for (auto _ : state) {
+    std::vector<double> row = layers[0].objective;
+    for (size_t t = 1; t < layers.size(); ++t) {
+      std::vector<double> next(row.size(), 1e9);
+      for (size_t b = 0; b < next.size(); ++b) {
+        const Joints to = layers[t].joints.At(b);
+        for (size_t a = 0; a < row.size(); ++a) {
+          next[b] = std::min(next[b], row[a] + StepCost(rule, layers[t - 1].joints.At(a), to));
+        }
+        next[b] += layers[t].objective[b];
+      }
+      row = std::move(next);
+    }
+    benchmark::DoNotOptimize(row);
+  }
+}
+BENCHMARK(DenseReference)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace millpose
