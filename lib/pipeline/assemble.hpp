@@ -8,7 +8,7 @@
 #include "path/pass_planner.hpp"
 #include "pipeline/inputs.hpp"
 #include "program/post.hpp"
-#include "toolpath/strategy.hpp"
+#include "toolpath/toolpath_options.hpp"
 #include "verify/verify.hpp"
 
 namespace millpose {

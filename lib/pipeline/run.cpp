@@ -14,6 +14,7 @@
 #include "pipeline/stages.hpp"
 #include "pipeline/write_results.hpp"
 #include "surface/mesh_import.hpp"
+#include "toolpath/make_toolpath.hpp"
 
 namespace millpose {
 namespace {
@@ -38,15 +39,20 @@ double Reach(const Cell& cell) {
          cell.X_FT.translation().norm();
 }
 
-ImportResult ReadSurface(const JobInputs& inputs, const Cell& cell, Stages& stages) {
+ImportResult ReadSurface(const JobInputs& inputs, const Cell& cell, std::vector<std::string>* warnings,
+                         Stages& stages) {
   stages.Begin("surface", 0);
+  const std::string& name = inputs.job.workpiece.mesh_file;
   ImportOptions options;
   options.unit = inputs.job.workpiece.unit;
   options.weld_tolerance = inputs.job.workpiece.weld_tolerance;
-  const std::string& name = inputs.job.workpiece.mesh_file;
   ImportResult result = ImportMesh(ReadMesh(inputs.workpiece_bytes, name), options, name);
-  stages.End(
-      fmt::format("{} triangles, {} after repair", result.report.triangles_read, result.report.triangles));
+  for (const std::string& finding : Findings(result.report)) warnings->push_back(name + ": " + finding);
+  const Eigen::Vector3d size = result.report.upper - result.report.lower;
+  if (const auto warning = UnitWarning(size.maxCoeff(), Reach(cell)))
+    warnings->push_back(name + ": " + *warning);
+  stages.End(fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} mm", name, result.report.triangles,
+                         size.x(), size.y(), size.z()));
   return result;
 }
 
@@ -129,7 +135,8 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
 
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
   cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
-  const ImportResult surface = ReadSurface(inputs, cell, stages);
+  std::vector<std::string> warnings;
+  const ImportResult surface = ReadSurface(inputs, cell, &warnings, stages);
   cell.bodies.push_back({.name = "workpiece",
                          .body_class = BodyClass::kWorkpiece,
                          .mount = Mount::kWorkpiece,
@@ -163,7 +170,7 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   }
 
   stages.Begin("write", 0);
-  const ReportInputs report = WriteResults(plan, inputs, programs, audit, folder);
+  const ReportInputs report = WriteResults(plan, inputs, programs, audit, warnings, folder);
   stages.End(folder.path().string());
   RunFigures run = MeasureRun(threads, MILLPOSE_VERSION);
   run.resumed_passes = planned.resumed;

@@ -40,9 +40,11 @@ std::vector<std::string> Explain(const PlanResult& plan, const std::vector<Check
 
 ReportInputs WriteResults(const PlanResult& plan, const JobInputs& inputs,
                           const std::vector<CheckedProgram>& programs,
-                          const std::optional<AuditFigures>& audit, const OutputFolder& folder) {
+                          const std::optional<AuditFigures>& audit, const std::vector<std::string>& warnings,
+                          const OutputFolder& folder) {
   ReportInputs report;
   report.audit = audit;
+  report.warnings = warnings;
   report.findings = Explain(plan, programs);
   // One program that its read-back does not confirm casts doubt on the plan: none is written then.
   bool confirmed = true;

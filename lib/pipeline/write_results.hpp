@@ -12,7 +12,8 @@ namespace millpose {
 /// confirmed by its own read-back, the programs. Returns what the reports tell beyond the plan.
 ReportInputs WriteResults(const PlanResult& plan, const JobInputs& inputs,
                           const std::vector<CheckedProgram>& programs,
-                          const std::optional<AuditFigures>& audit, const OutputFolder& folder);
+                          const std::optional<AuditFigures>& audit, const std::vector<std::string>& warnings,
+                          const OutputFolder& folder);
 
 /// Host, memory and the like for run.json.
 RunFigures MeasureRun(int threads, const std::string& version);

@@ -30,6 +30,7 @@ struct AuditFigures {
 /// What a report tells beyond the plan itself.
 struct ReportInputs {
   std::vector<ReportedProgram> programs;
+  std::vector<std::string> warnings;  ///< repairs of the mesh, doubtful units
   std::vector<std::string> findings;  ///< why programs were not written, one sentence each
   std::optional<AuditFigures> audit;
 };

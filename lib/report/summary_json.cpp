@@ -105,6 +105,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
                   {"X_WP", MatrixJson(plan.X_WP)}};
   json["seed"] = plan.seed;
   json["programs"] = ProgramsJson(inputs.programs);
+  json["warnings"] = inputs.warnings;
   json["findings"] = inputs.findings;
   json["audit"] = AuditJson(inputs.audit);
   return json.dump(2) + "\n";

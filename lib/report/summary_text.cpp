@@ -68,6 +68,7 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   for (const ReportedProgram& program : inputs.programs)
     fmt::format_to(out, "program    {} ({})\n", program.path,
                    program.verified ? "read back and confirmed" : "refused");
+  for (const std::string& warning : inputs.warnings) fmt::format_to(out, "warning    {}\n", warning);
   for (const std::string& finding : inputs.findings) fmt::format_to(out, "finding    {}\n", finding);
   if (inputs.audit)
     fmt::format_to(
