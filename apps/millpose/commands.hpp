@@ -28,10 +28,8 @@ void AddPlanCommand(CLI::App& app, Run& run);
 void AddSchemaCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
-#ifdef MILLPOSE_PIPELINE  // TODO: always, once the pipeline links
     AddPlanCommand,
     AddInspectCommand,
-#endif
     AddFlatnessCommand,
     AddSchemaCommand,
 };

@@ -11,6 +11,7 @@
 #include "pipeline/audit.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/plan_passes.hpp"
+#include "pipeline/sample_curves.hpp"
 #include "pipeline/stages.hpp"
 #include "pipeline/write_results.hpp"
 #include "surface/mesh_import.hpp"
@@ -18,6 +19,8 @@
 
 namespace millpose {
 namespace {
+
+constexpr size_t kMostCurves = 3000;  // points whose choice of pose report.html shows
 
 JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
   stages.Begin("read", 0);
@@ -169,8 +172,12 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
         fmt::format("{} interferences, {} limit violations", audit->interferences, audit->limit_violations));
   }
 
-  stages.Begin("write", 0);
-  const ReportInputs report = WriteResults(plan, inputs, programs, audit, warnings, folder);
+  stages.Begin("report", 0);
+  const PathOptions path_options = MakePathOptions(inputs.job);
+  const std::vector<PointCurves> curves =
+      SampleCurves(plan, problem, path_options.genetic, kMostCurves, threads, stop);
+  const ReportInputs report =
+      WriteResults({inputs, cell, plan, programs, audit, warnings, CurveGrid(), curves}, folder);
   stages.End(folder.path().string());
   RunFigures run = MeasureRun(threads, MILLPOSE_VERSION);
   run.resumed_passes = planned.resumed;

@@ -38,31 +38,31 @@ std::vector<std::string> Explain(const PlanResult& plan, const std::vector<Check
 
 }  // namespace
 
-ReportInputs WriteResults(const PlanResult& plan, const JobInputs& inputs,
-                          const std::vector<CheckedProgram>& programs,
-                          const std::optional<AuditFigures>& audit, const std::vector<std::string>& warnings,
-                          const OutputFolder& folder) {
+ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
+  const PlanResult& plan = results.plan;
   ReportInputs report;
-  report.audit = audit;
-  report.warnings = warnings;
-  report.findings = Explain(plan, programs);
+  report.audit = results.audit;
+  report.warnings = results.warnings;
+  report.findings = Explain(plan, results.programs);
   // One program that its read-back does not confirm casts doubt on the plan: none is written then.
   bool confirmed = true;
-  for (const CheckedProgram& program : programs) confirmed &= program.findings.empty();
+  for (const CheckedProgram& program : results.programs) confirmed &= program.findings.empty();
   std::map<std::string, std::string> files;
-  for (const CheckedProgram& program : programs)
+  for (const CheckedProgram& program : results.programs)
     for (const auto& [name, bytes] : program.files) {
       const std::string path = program.controller + "/" + name;
       files[path] = bytes;
       report.programs.push_back({"programs/" + path, program.controller,
                                  MotionsPerPass(program, plan.passes.size()), program.findings.empty()});
     }
+  const std::string job = WriteJob(results.inputs.job);
   folder.RemoveResults();
-  folder.Write("job.yaml", WriteJob(inputs.job));
-  folder.Write("cell.yaml", WriteCell(inputs.cell));
+  folder.Write("job.yaml", job);
   folder.Write("points.csv", PointsCsv(plan));
   folder.Write("path.vtp", PathVtp(plan));
   folder.Write("summary.json", SummaryJson(plan, report));
+  folder.Write("report.html", ReportHtml({plan, results.cell, results.grid, results.curves,
+                                          job + "\n" + WriteCell(results.inputs.cell)}));
   if (confirmed) folder.WritePrograms(files);
   return report;
 }

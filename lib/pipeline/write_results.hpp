@@ -4,16 +4,26 @@
 #include "pipeline/inputs.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/output_folder.hpp"
+#include "report/html.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
 
+/// What the stages made and WriteResults writes.
+struct Results {
+  const JobInputs& inputs;
+  const Cell& cell;  ///< with the workpiece
+  const PlanResult& plan;
+  const std::vector<CheckedProgram>& programs;
+  const std::optional<AuditFigures>& audit;
+  const std::vector<std::string>& warnings;  ///< repairs of the mesh, doubtful units
+  RotationGrid grid;                         ///< of `curves`
+  const std::vector<PointCurves>& curves;    ///< for report.html
+};
+
 /// Writes everything that a plan leaves in its folder: reports first, then, when every one of them was
 /// confirmed by its own read-back, the programs. Returns what the reports tell beyond the plan.
-ReportInputs WriteResults(const PlanResult& plan, const JobInputs& inputs,
-                          const std::vector<CheckedProgram>& programs,
-                          const std::optional<AuditFigures>& audit, const std::vector<std::string>& warnings,
-                          const OutputFolder& folder);
+ReportInputs WriteResults(const Results& results, const OutputFolder& folder);
 
 /// Host, memory and the like for run.json.
 RunFigures MeasureRun(int threads, const std::string& version);
