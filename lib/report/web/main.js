@@ -9,7 +9,10 @@
     const stops = Array.from({ length: 15 }, (_, i) => m.css(m.viridis(scale.flip ? 1 - i / 14 : i / 14)));
     $("scale-bar").style.background = `linear-gradient(to right, ${stops.join(",")})`;
     const values = [0, 0.25, 0.5, 0.75, 1].map((t) => scale.low + t * (scale.high - scale.low));
-    $("scale-ticks").replaceChildren(...values.map((v) => m.element("span", {}, m.format(v, 3))));
+    // As many digits as tell the ticks apart.
+    const digits = (d) => values.map((v) => m.format(v, d));
+    const texts = [3, 4, 5, 6].map(digits).find((t) => new Set(t).size === t.length) || digits(3);
+    $("scale-ticks").replaceChildren(...texts.map((t) => m.element("span", {}, t)));
     const worse = column.worse === 0 ? "" : scale.flip ? "; bright: low, worse" : "; bright: high, worse";
     $("scale-label").textContent = `${column.symbol}${column.unit ? " in " + column.unit : ""}${worse}`;
   }
