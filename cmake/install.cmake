@@ -9,7 +9,7 @@ install(DIRECTORY cells toolpaths DESTINATION ${share} COMPONENT runtime
         PATTERN "*.py" EXCLUDE PATTERN "*.out" EXCLUDE)
 # Where the editor lines of cells and samples look for them.
 install(DIRECTORY docs/schema DESTINATION ${share}/docs COMPONENT runtime)
-install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
+install(FILES README.md CHANGELOG.md lib/report/web/three-license.txt DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT runtime)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime
         FILES_MATCHING PATTERN "*.md" PATTERN schema EXCLUDE)
@@ -37,8 +37,8 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME millpose)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "plans robotic milling in the stiffest pose, without a GUI
- A workpiece YAML in, robot programs for KRL, SINUMERIK and LinuxCNC out: each
- milling point in the pose in which a six-axis arm is stiffest in the milling
- plane.")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
+    "A workpiece YAML in, robot programs for KRL, SINUMERIK and LinuxCNC out: each
+milling point in the pose in which a six-axis arm is stiffest in the milling
+plane.")
 include(CPack)
