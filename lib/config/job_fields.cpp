@@ -220,6 +220,8 @@ const Codec<JobSettings>& JobFields() {
                  Key<S>("spindle_rpm", MILLPOSE_AT(spindle_speed), Real(kRevPerMin, AtLeast(0)),
                         "Spindle speed.")
                      .Required(),
+                 Key<S>("feed", MILLPOSE_AT(feed_policy), Choice({"keep", "reduce"}),
+                        "Where joints cannot hold the feed: keep it (a finding) or reduce it there."),
              }),
              "Feed and speed.")
           .Required(),

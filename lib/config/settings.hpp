@@ -163,8 +163,9 @@ struct JobSettings {
   uint64_t seed = 1;
   WorkpieceSettings workpiece;
   ToolpathSettings toolpath;
-  double feed = 0;           ///< mm/s
-  double spindle_speed = 0;  ///< rev/s
+  double feed = 0;                   ///< mm/s
+  std::string feed_policy = "keep";  ///< keep | reduce, where the joints cannot hold the feed
+  double spindle_speed = 0;          ///< rev/s
   std::string objective = "chen2021";
   std::map<std::string, double> objective_parameters;
   GeneticSettings genetic;

@@ -6,6 +6,7 @@
 namespace millpose {
 namespace {
 
+constexpr double kRounding = 1e-9;  // relative: feeds nearer than this are the same
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// First and second derivative of the joints by arc length, rad/mm and rad/mm².
@@ -59,10 +60,14 @@ double SquareByAcceleration(double second, double acceleration) {
   return second == 0 ? kInfinity : acceleration / std::abs(second);
 }
 
-/// The largest squared feed of one sample, alone.
-double SquareCap(const CutSample& sample, const Joints& first, const Joints& speed) {
+/// The largest squared feed of one sample, alone: what it can hold without slowing down.
+double SquareCap(const CutSample& sample, const Joints& first, const Joints& second, const Joints& speed,
+                 const Joints& acceleration) {
   double cap = sample.feed * sample.feed;
-  for (int j = 0; j < 6; ++j) cap = std::min(cap, SquareBySpeed(first[j], speed[j]));
+  for (int j = 0; j < 6; ++j) {
+    cap =
+        std::min({cap, SquareBySpeed(first[j], speed[j]), SquareByAcceleration(second[j], acceleration[j])});
+  }
   return cap;
 }
 
@@ -121,7 +126,7 @@ std::vector<FeedShortfall> FindShortfalls(std::span<const CutSample> cut, const 
       const double possible = std::min(by_speed, by_acceleration);
       if (possible < worst.feed_possible) worst = {worst.sample, j, by_acceleration < by_speed, possible};
     }
-    if (worst.feed_possible < cut[i].feed) shortfalls.push_back(worst);
+    if (worst.feed_possible < cut[i].feed * (1 - kRounding)) shortfalls.push_back(worst);
   }
   return shortfalls;
 }
@@ -133,7 +138,7 @@ std::vector<double> ReducedFeeds(std::span<const CutSample> cut, const Joints& s
   // Backwards: the largest squared feed from which the rest can still be run.
   std::vector<double> square(count);
   for (size_t i = count; i-- > 0;) {
-    const double cap = SquareCap(cut[i], course.first[i], speed);
+    const double cap = SquareCap(cut[i], course.first[i], course.second[i], speed, acceleration);
     const bool last = i + 1 == count;
     const double ds = last ? 1 : cut[i + 1].arc_length - cut[i].arc_length;
     const double next = last ? kInfinity : square[i + 1];
@@ -149,7 +154,7 @@ std::vector<double> ReducedFeeds(std::span<const CutSample> cut, const Joints& s
   for (size_t i = 0; i < count; ++i) {
     // What is within rounding of the programmed feed is the programmed feed.
     const double feed = std::sqrt(square[i]);
-    feeds.push_back(feed > cut[i].feed * (1 - 1e-9) ? cut[i].feed : feed);
+    feeds.push_back(feed > cut[i].feed * (1 - kRounding) ? cut[i].feed : feed);
   }
   return feeds;
 }

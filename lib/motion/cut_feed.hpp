@@ -40,9 +40,9 @@ struct FeedShortfall {
 std::vector<FeedShortfall> FindShortfalls(std::span<const CutSample> cut, const Joints& speed,
                                           const Joints& acceleration);
 
-/// The fastest feeds, mm/s, none above the programmed one, that keep every joint within speed and
-/// acceleration while the feed itself changes no faster than they allow. Time-optimal along the sampled
-/// course (reachability analysis after Pham and Pham 2018).
+/// The fastest feeds, mm/s, none above the programmed one, that every sample could hold without slowing down
+/// and between which the feed changes no faster than speed and acceleration of the joints allow. Time-optimal
+/// within that (reachability analysis after Pham and Pham 2018).
 std::vector<double> ReducedFeeds(std::span<const CutSample> cut, const Joints& speed,
                                  const Joints& acceleration);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nlohmann/json.hpp>
 
+#include "base/units.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
@@ -50,6 +51,30 @@ Json UnplannedGapsJson(const PlanResult& plan) {
   return list;
 }
 
+Json JointsJson(const Joints& values) { return std::vector<double>(values.begin(), values.end()); }
+
+Json ContinuityJson(const std::optional<ContinuityFigures>& figures, const FeedReduction& reduction) {
+  if (!figures) return nullptr;
+  Json not_held = Json::array();
+  for (const FeedFinding& f : figures->feed_not_held)
+    not_held.push_back({{"point", f.point},
+                        {"pass", f.pass},
+                        {"joint", f.joint + 1},
+                        {"by", f.by_acceleration ? "acceleration" : "speed"},
+                        {"feed_mm_min", 60 * f.feed},
+                        {"feed_possible_mm_min", 60 * f.feed_possible}});
+  return {{"joint_speed_share_max", JointsJson(figures->speed_share)},
+          {"joint_acceleration_share_max", JointsJson(figures->acceleration_share)},
+          {"joint_acceleration_rms_deg_s2", JointsJson(kDegPerRad * figures->acceleration_rms)},
+          {"singularity_min",
+           {{"wrist", figures->wrist}, {"elbow", figures->elbow}, {"shoulder_mm", figures->shoulder}}},
+          {"halfway_deviation_max_mm", figures->halfway_deviation},
+          {"feed_not_held", not_held},
+          {"feed_reduced",
+           {{"points", reduction.points},
+            {"least_mm_min", reduction.points ? Json(60 * reduction.least) : Json(nullptr)}}}};
+}
+
 Json AuditJson(const std::optional<AuditFigures>& audit) {
   if (!audit) return nullptr;
   return {{"ga_share_within_0p1_percent", audit->ga_share_within_0p1_percent},
@@ -97,6 +122,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["objective"] = plan.objective_name;
   json["price_of_continuity"] = OrNull(figures.price_of_continuity);
   json["ga_nodes_share"] = OrNull(figures.ga_nodes_share);
+  json["continuity"] = ContinuityJson(inputs.continuity, inputs.feed_reduction);
   json["clearance_min_mm"] = OrNull(figures.clearance_min);
   json["cell"] = {{"name", plan.cell},
                   {"robot", plan.arm.name},

@@ -64,6 +64,19 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   if (figures.price_of_continuity)
     fmt::format_to(out, "continuity costs {:.2f} % of the objective against each point's own optimum\n",
                    100 * (*figures.price_of_continuity - 1));
+  if (inputs.continuity) {
+    const ContinuityFigures& c = *inputs.continuity;
+    int fastest = 0, jerkiest = 0;
+    c.speed_share.maxCoeff(&fastest);
+    c.acceleration_share.maxCoeff(&jerkiest);
+    fmt::format_to(
+        out, "joints     at most {:.1f} % of the speed (A{}) and {:.1f} % of the acceleration (A{}){}\n",
+        100 * c.speed_share[fastest], fastest + 1, 100 * c.acceleration_share[jerkiest], jerkiest + 1,
+        plan.arm.acceleration_assumed ? ", which is assumed" : "");
+    if (inputs.feed_reduction.points > 0)
+      fmt::format_to(out, "feed       reduced at {} points, to {:.1f} mm/min at the least\n",
+                     inputs.feed_reduction.points, 60 * inputs.feed_reduction.least);
+  }
   if (figures.clearance_min) fmt::format_to(out, "clearance  at least {:.1f} mm\n", *figures.clearance_min);
   for (const ReportedProgram& program : inputs.programs)
     fmt::format_to(out, "program    {} ({})\n", program.path,
