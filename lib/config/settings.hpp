@@ -71,11 +71,17 @@ struct BodySettings {
 };
 
 struct ControllerSettings {
-  std::string tool_axis = "z";   ///< x | y | z: controller's tool frame axis that lies along T's z
+  std::string tool_axis = "z";   ///< x | y | z | -x | -y | -z: controller's tool frame axis along T's z
   std::string rotation = "rpy";  ///< sinumerik: rpy | euler
   std::array<int, 6> axis_signs{1, 1, 1, 1, 1, 1};  ///< controller angle = sign · A + offset
   Vector6 axis_offsets = Vector6::Zero();           ///< rad
+  std::vector<std::string> axis_names = {"RA1", "RA2", "RA3", "RA4", "RA5", "RA6"};  ///< sinumerik
+  std::string motion = "lin";                                                        ///< krl: lin | spline
+  int base_number = 0, tool_number = 0;  ///< krl: BASE_DATA, TOOL_DATA; 0: values are written
+  std::vector<double> external_axes;     ///< krl: E1, E2, …, mm or degrees, constant
+  int ptp_speed_percent = 30;            ///< of the axes' largest speed, between cuts
   int max_motions = 1400;
+  int max_kbytes = 500;
   std::map<std::string, std::string> texts;  ///< templates by event name
   int line = 0;                              ///< of the section, for later errors
 };

@@ -135,7 +135,14 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
   post.tool_name = cell.tool.name;
   post.blend = job.toolpath.chord_tolerance;
   post.rotation = settings.rotation;
+  for (size_t i = 0; i < 6; ++i) post.axis_names[i] = settings.axis_names[i];
+  post.spline = settings.motion == "spline";
+  post.base_number = settings.base_number;
+  post.tool_number = settings.tool_number;
+  post.external = settings.external_axes;
+  post.ptp_share = settings.ptp_speed_percent / 100.0;
   post.max_motions = settings.max_motions;
+  post.max_bytes = static_cast<size_t>(settings.max_kbytes) * 1000;
   post.texts = settings.texts;
   return post;
 }
