@@ -185,6 +185,7 @@ struct JobSettings {
   double motion_weight = 1e-5;                                   ///< objective unit per rad²
   double swept_resolution = 0.5;                                 ///< mm
   double retract = 50;                                           ///< mm
+  double gap_limit_margin = DegToRad(1);                         ///< rad, to the arm's limits
   int gap_iterations = 20000;
   double gap_speed_share = 0.5;
   std::vector<std::string> programs{"krl", "sinumerik", "linuxcnc"};

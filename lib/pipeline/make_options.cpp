@@ -109,7 +109,7 @@ GapOptions MakeGapOptions(const JobSettings& job) {
   options.retract = job.retract;
   options.max_iterations = job.gap_iterations;
   options.swept_resolution = job.swept_resolution;
-  options.limit_margin = job.limit_margin;
+  options.limit_margin = job.gap_limit_margin;
   options.speed_share = job.gap_speed_share;
   options.seed = job.seed;
   return options;

@@ -86,6 +86,7 @@ std::string PassContext(const JobInputs& inputs) {
   job.feed_policy = later.feed_policy;
   job.spindle_speed = later.spindle_speed;
   job.retract = later.retract;
+  job.gap_limit_margin = later.gap_limit_margin;
   job.gap_iterations = later.gap_iterations;
   job.gap_speed_share = later.gap_speed_share;
   job.programs = later.programs;

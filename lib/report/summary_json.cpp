@@ -44,10 +44,12 @@ Json SkippedJson(const PlanResult& plan) {
   return skipped;
 }
 
-Json UnplannedGapsJson(const PlanResult& plan) {
+// Gaps that could not be planned, or only with smaller clearances.
+Json GapRemarksJson(const PlanResult& plan) {
   Json list = Json::array();
   for (size_t i = 0; i < plan.gaps.size(); ++i)
-    if (!plan.gaps[i].planned) list.push_back({{"gap", i}, {"detail", plan.gaps[i].detail}});
+    if (!plan.gaps[i].detail.empty())
+      list.push_back({{"gap", i}, {"planned", plan.gaps[i].planned}, {"detail", plan.gaps[i].detail}});
   return list;
 }
 
@@ -108,7 +110,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["passes"] = plan.passes.size();
   json["pieces"] = figures.pieces;
   json["gaps"] = {{"total", plan.gaps.size()}, {"planned", figures.gaps_planned}};
-  json["gaps_not_planned"] = UnplannedGapsJson(plan);
+  json["gap_remarks"] = GapRemarksJson(plan);
   json["stiffness"] = {{"origin", plan.stiffness_origin},
                        {"lambda_t1", SpreadJson(figures.lambda_t1)},
                        {"lambda_t2", SpreadJson(figures.lambda_t2)},

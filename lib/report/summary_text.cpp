@@ -6,13 +6,25 @@
 namespace millpose {
 namespace {
 
-constexpr size_t kSkippedShown = 8;
+constexpr size_t kShown = 8;  // of each list: the rest stands in summary.json
 
 void AppendSpread(const char* name, const std::optional<Spread>& spread, const std::string& unit,
                   std::string* text) {
   if (!spread) return;
   fmt::format_to(std::back_inserter(*text), "  {:<10} {:>11.4e} {:>11.4e} {:>11.4e}  {}\n", name,
                  spread->best, spread->median, spread->worst, unit);
+}
+
+void AppendGapRemarks(const PlanResult& plan, std::string* text) {
+  size_t remarks = 0;
+  for (size_t i = 0; i < plan.gaps.size(); ++i) {
+    const Gap& gap = plan.gaps[i];
+    if (!gap.detail.empty() && remarks++ < kShown)
+      fmt::format_to(std::back_inserter(*text), "  gap {}{}: {}\n", i, gap.planned ? "" : " not planned",
+                     gap.detail);
+  }
+  if (remarks > kShown)
+    fmt::format_to(std::back_inserter(*text), "  … and {} more, all in summary.json\n", remarks - kShown);
 }
 
 void AppendSkipped(const PlanResult& plan, std::string* text) {
@@ -24,7 +36,7 @@ void AppendSkipped(const PlanResult& plan, std::string* text) {
       if (point.skip != SkipReason::kNone) {
         ++skipped;
         ++by_reason[ToString(point.skip)];
-        if (shown++ < kSkippedShown)
+        if (shown++ < kShown)
           fmt::format_to(std::back_inserter(rows), "  point {} (pass {}): {}: {}\n", number, pass.pass,
                          ToString(point.skip), point.detail);
       }
@@ -35,9 +47,8 @@ void AppendSkipped(const PlanResult& plan, std::string* text) {
   for (const auto& [reason, count] : by_reason)
     fmt::format_to(std::back_inserter(*text), " {} {}", count, reason);
   *text += "\n" + rows;
-  if (skipped > kSkippedShown)
-    fmt::format_to(std::back_inserter(*text), "  … and {} more, all in summary.json\n",
-                   skipped - kSkippedShown);
+  if (skipped > kShown)
+    fmt::format_to(std::back_inserter(*text), "  … and {} more, all in summary.json\n", skipped - kShown);
 }
 
 }  // namespace
@@ -51,8 +62,7 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
                  figures.total - figures.planned);
   fmt::format_to(out, "passes     {} in {} pieces\n", plan.passes.size(), figures.pieces);
   fmt::format_to(out, "gaps       {} planned of {}\n", figures.gaps_planned, plan.gaps.size());
-  for (size_t i = 0; i < plan.gaps.size(); ++i)
-    if (!plan.gaps[i].planned) fmt::format_to(out, "  gap {}: {}\n", i, plan.gaps[i].detail);
+  AppendGapRemarks(plan, &text);
   AppendSkipped(plan, &text);
   fmt::format_to(out, "stiffness at the {}; compliance, smaller is stiffer\n",
                  plan.stiffness_origin == "flange" ? "flange centre" : "tool tip");
