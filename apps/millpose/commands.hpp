@@ -22,16 +22,16 @@ struct Session {
 /// What a subcommand leaves to be run after parsing; set by the callback of the chosen one.
 using Run = std::function<int(Session&)>;
 
-void AddCompletionCommand(CLI::App& app, Run& run);
 void AddFlatnessCommand(CLI::App& app, Run& run);
+void AddIdentifyCommand(CLI::App& app, Run& run);
 void AddInspectCommand(CLI::App& app, Run& run);
-void AddManCommand(CLI::App& app, Run& run);
 void AddPlanCommand(CLI::App& app, Run& run);
 void AddSchemaCommand(CLI::App& app, Run& run);
+void AddStiffnessCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
-    AddPlanCommand,   AddInspectCommand, AddFlatnessCommand,
-    AddSchemaCommand, AddManCommand,     AddCompletionCommand,
+    AddPlanCommand,     AddInspectCommand,  AddStiffnessCommand,
+    AddIdentifyCommand, AddFlatnessCommand, AddSchemaCommand,
 };
 
 }  // namespace millpose

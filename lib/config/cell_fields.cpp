@@ -191,11 +191,81 @@ Codec<BodySettings> BodyFields() {
   });
 }
 
+const Unit kMmPerNewton{"mm/N", 1, 1}, kRadPerNewtonMetre{"rad/(N·m)", 1, 1000}, kKilogram{"kg", 1, 1},
+    kNewtonMetre{"N·m", 1000, 1};
+const std::vector<std::string> kLinks{"link1", "link2", "link3", "link4", "link5", "link6"};
+
+Codec<ComplianceSettings> ComplianceFields() {
+  using S = ComplianceSettings;
+  std::vector<std::string> mounts{"base"};
+  mounts.insert(mounts.end(), kLinks.begin(), kLinks.end());
+  return Section<S>(
+      {
+          Key<S>("name", MILLPOSE_AT(name), Text(), "Name, as in outputs.").Required(),
+          Key<S>("mount", MILLPOSE_AT(mount), Choice(mounts),
+                 "Link whose outer end gives way; link6 is the flange.")
+              .Required(),
+          Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "Frame of the compliance in the mount's frame."),
+          Key<S>("translational_mm_N", MILLPOSE_AT(translational), Numbers3(kMmPerNewton, AtLeast(0)),
+                 "Displacement per force along x, y, z."),
+          Key<S>("rotational_rad_Nm", MILLPOSE_AT(rotational), Numbers3(kRadPerNewtonMetre, AtLeast(0)),
+                 "Rotation per moment about x, y, z."),
+          Key<S>("matrix", MILLPOSE_AT(matrix), ListOf(Numbers6(kOne, Any())),
+                 "Six rows of the full compliance in place of the diagonals: mm/N, 1/N, 1/N, rad/(N·mm).")
+              .WhenSet([](const S& s) { return !s.matrix.empty(); }),
+      },
+      [](const Value& value, const Context& context, S& s) {
+        if (s.matrix.empty()) return;
+        Eigen::Matrix<double, 6, 6> m;
+        for (size_t i = 0; i < 6 && s.matrix.size() == 6; ++i)
+          m.row(static_cast<Eigen::Index>(i)) = s.matrix[i];
+        if (s.matrix.size() != 6)
+          context.Child("matrix").Add(value.mark, fmt::format("given {} rows; allowed: 6", s.matrix.size()));
+        else if ((m - m.transpose()).cwiseAbs().maxCoeff() > 1e-9 * m.cwiseAbs().maxCoeff() ||
+                 (m.diagonal().array() < 0).any())
+          context.Child("matrix").Add(value.mark, "not symmetric, or negative on the diagonal");
+        if (!s.translational.isZero(0.0) || !s.rotational.isZero(0.0))
+          context.Add(value.mark, "given matrix and diagonals; allowed: one of them");
+      });
+}
+
+Codec<GravitySettings> GravityFields() {
+  using S = GravitySettings;
+  using M = MassSettings;
+  const Codec<M> mass = Section<M>({
+      Key<M>("name", MILLPOSE_AT(name), Text(), "Name.").Required(),
+      Key<M>("mount", MILLPOSE_AT(mount), Choice(kLinks), "Link that carries it; link6 is the flange.")
+          .Required(),
+      Key<M>("mass_kg", MILLPOSE_AT(mass), Real(kKilogram, AtLeast(0)), "Mass.").Required(),
+      Key<M>("centre_mm", MILLPOSE_AT(centre), Numbers3(kMm, Between(-10000, 10000)),
+             "Centre of gravity in the link's frame.")
+          .Required(),
+  });
+  using B = S;
+  const Codec<B> counterbalance = Section<B>({
+      Key<B>("torque_Nm", MILLPOSE_AT(counterbalance_torque), Maybe(Real(kNewtonMetre, AtLeast(0))),
+             "Largest torque about axis 2.")
+          .Required(),
+      Key<B>("zero_deg", MILLPOSE_AT(counterbalance_zero), Real(kDeg, Between(-360, 360)),
+             "Inner angle of axis 2 at which it gives nothing; torque = -torque_Nm * sin(q2 - zero).")
+          .Required(),
+  });
+  return Section<S>({
+      Key<S>("reference_deg", MILLPOSE_AT(reference), Numbers6(kDeg, Between(-3600, 3600)),
+             "Pose in which the arm was calibrated: deflections are differences to it.")
+          .Required(),
+      Key<S>("masses", MILLPOSE_AT(masses), ListOf(mass), "Links, spindle, payload.").Required(),
+      Key<S>("counterbalance", kSelf, counterbalance,
+             "Device that carries the arm at axis 2; ignored when not given.")
+          .WhenSet([](const S& s) { return s.counterbalance_torque.has_value(); }),
+  });
+}
+
 Codec<ControllerSettings> ControllerFields() {
   using S = ControllerSettings;
   return Section<S>(
       {
-          Key<S>("tool_axis", MILLPOSE_AT(tool_axis), Choice({"x", "y", "z", "-x", "-y", "-z"}),
+          Key<S>("tool_axis", MILLPOSE_AT(tool_axis), Choice({"x", "y", "z"}),
                  "Axis of the controller's tool frame that lies along the tool, from tip to holder."),
           Key<S>("rotation", MILLPOSE_AT(rotation), Choice({"rpy", "euler"}),
                  "SINUMERIK: how A, B, C are counted (machine data ORI)."),
@@ -203,40 +273,12 @@ Codec<ControllerSettings> ControllerFields() {
                  "Controller's angle = sign × arm's angle + offset."),
           Key<S>("axis_offsets_deg", MILLPOSE_AT(axis_offsets), Numbers6(kDeg, Between(-360, 360)),
                  "Controller's angle = sign × arm's angle + offset."),
-          Key<S>(
-              "axis_names", MILLPOSE_AT(axis_names), ListOf(Text()),
-              "SINUMERIK: names of the six robot axes as channel axes, for motions without transformation."),
-          Key<S>("motion", MILLPOSE_AT(motion), Choice({"lin", "spline"}),
-                 "KRL: cuts as LIN with C_DIS, or as SPLINE blocks of SLIN."),
-          Key<S>("base_number", MILLPOSE_AT(base_number), Integer(0, 32),
-                 "KRL: $BASE = BASE_DATA[number] instead of values; 0: values."),
-          Key<S>("tool_number", MILLPOSE_AT(tool_number), Integer(0, 16),
-                 "KRL: $TOOL = TOOL_DATA[number] instead of values; 0: values."),
-          Key<S>("external_axes", MILLPOSE_AT(external_axes), ListOf(Real({"mm or deg"}, Any())),
-                 "KRL: constant E1, E2, … written with every target."),
-          Key<S>("ptp_speed_percent", MILLPOSE_AT(ptp_speed_percent), Integer(1, 100),
-                 "KRL: share of the axes' largest speed in motions between cuts."),
           Key<S>("max_motions", MILLPOSE_AT(max_motions), Integer(10, 1000000),
-                 "Motions in one program file; larger programs call sub-programs."),
-          Key<S>("max_kbytes", MILLPOSE_AT(max_kbytes), Integer(1, 1000000),
-                 "Size of one program file, kB; larger programs call sub-programs."),
-          Key<S>("texts", MILLPOSE_AT(texts),
-                 MapOf<std::string>({"coolant_off", "coolant_on", "footer", "header", "pass_begin",
-                                     "pass_end", "spindle_off", "spindle_on", "tool_change"},
-                                    Lines()),
-                 "Template lines by event, in place of the built-in ones; {rpm}, {tool}, {pass}, {piece} are "
-                 "filled in."),
+                 "Motions in one program file; longer ones are split."),
+          Key<S>("texts", MILLPOSE_AT(texts), MapOf<std::string>({}, Lines()),
+                 "Template lines by event name, in place of the built-in ones."),
       },
-      [](const Value& value, const Context& context, S& controller) {
-        controller.line = value.mark.line;
-        if (controller.axis_names.size() != 6)
-          context.Child("axis_names")
-              .Add(value.mark, fmt::format("given {} names; allowed: 6", controller.axis_names.size()));
-        if (controller.external_axes.size() > 6)
-          context.Child("external_axes")
-              .Add(value.mark,
-                   fmt::format("given {} values; allowed: at most 6", controller.external_axes.size()));
-      });
+      [](const Value& value, const Context&, S& controller) { controller.line = value.mark.line; });
 }
 
 }  // namespace
@@ -293,6 +335,10 @@ const Codec<CellSettings>& CellFields() {
                         "Point at which stiffness is evaluated; flange only to reproduce the paper."),
                  Key<S>("characteristic_length_mm", MILLPOSE_AT(characteristic_length), Real(kMm, Above(0)),
                         "Length by which the dexterity's translational part is divided."),
+                 Key<S>("compliances", MILLPOSE_AT(compliances), ListOf(ComplianceFields()),
+                        "Platform, links, flange, spindle, tool: compliances in series with the joints'."),
+                 Key<S>("gravity", MILLPOSE_AT(gravity), Maybe(GravityFields()),
+                        "Weights, for the deflection under gravity."),
              }),
              "How stiffness is evaluated."),
       KeyBy<S, bool>(

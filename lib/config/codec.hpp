@@ -243,7 +243,7 @@ Codec<std::vector<T>> ListOf(Codec<T> inner) {
   codec.keys = inner.keys;
   codec.read = [read = inner.read](const Value& value, const Context& context, std::vector<T>& result) {
     if (value.kind != Value::Kind::kList) return context.AddWrong(value, "a list");
-    result.assign(value.items.size(), T{});
+    result = std::vector<T>(value.items.size());
     for (size_t i = 0; i < result.size(); ++i) read(value.items[i], context.Child(i), result[i]);
   };
   codec.write = [write = inner.write](const std::vector<T>& items) {

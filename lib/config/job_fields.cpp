@@ -109,6 +109,29 @@ Codec<GeneticSettings> GeneticFields() {
       check);
 }
 
+Codec<CuttingSettings> CuttingFields() {
+  using S = CuttingSettings;
+  const Unit specific{"N/mm²", 1, 1};
+  return Section<S>(
+      {
+          Key<S>("material", MILLPOSE_AT(material), Text(),
+                 "Material of the built-in table (docs/process-force.md)."),
+          Key<S>("kc11_N_mm2", MILLPOSE_AT(kc11), Real(specific, AtLeast(0)),
+                 "Specific cutting force at 1 mm chip thickness in place of the table's."),
+          Key<S>("mc", MILLPOSE_AT(mc), Real(kOne, Between(0, 1)), "Exponent that goes with kc11_N_mm2."),
+          Key<S>("teeth", MILLPOSE_AT(teeth), Integer(1, 100), "Teeth of the cutter.").Required(),
+          Key<S>("depth_mm", MILLPOSE_AT(depth), Real(kMm, Above(0)), "Axial depth of cut.").Required(),
+          Key<S>("width_mm", MILLPOSE_AT(width), Real(kMm, Above(0)), "Radial width of cut.").Required(),
+          Key<S>("side", MILLPOSE_AT(side), Choice({"up", "down", "slot"}),
+                 "Conventional, climb, or full-width milling."),
+          Key<S>("radial_ratio", MILLPOSE_AT(radial_ratio), Real(kOne, Between(0, 2)),
+                 "Radial ÷ tangential force."),
+          Key<S>("axial_ratio", MILLPOSE_AT(axial_ratio), Real(kOne, Between(-2, 2)),
+                 "Force on the tool towards the holder ÷ tangential force; negative pulls the tool out."),
+      },
+      nullptr);
+}
+
 // {name: …, further keys: numbers}; which keys an objective knows is the objective's own matter.
 using Objective = std::pair<std::string, std::map<std::string, double>>;
 Codec<Objective> ObjectiveFields() {
@@ -196,8 +219,6 @@ Codec<JobSettings> GapFields() {
   return Section<S>({
       Key<S>("retract_mm", MILLPOSE_AT(retract), Real(kMm, Above(0)),
              "Distance along the tool axis by which the tool leaves and approaches the part."),
-      Key<S>("limit_margin_deg", MILLPOSE_AT(gap_limit_margin), Real(kDeg, Between(0, 90)),
-             "Distance kept from the arm's own limits between cuts, on every axis."),
       Key<S>("max_iterations", MILLPOSE_AT(gap_iterations), Integer(1, 100000000),
              "Most iterations of the planner for one gap."),
       Key<S>("speed_share", MILLPOSE_AT(gap_speed_share), Real(kOne, Between(0.01, 1)),
@@ -222,8 +243,8 @@ const Codec<JobSettings>& JobFields() {
                  Key<S>("spindle_rpm", MILLPOSE_AT(spindle_speed), Real(kRevPerMin, AtLeast(0)),
                         "Spindle speed.")
                      .Required(),
-                 Key<S>("feed", MILLPOSE_AT(feed_policy), Choice({"keep", "reduce"}),
-                        "Where joints cannot hold the feed: keep it (a finding) or reduce it there."),
+                 Key<S>("cutting", MILLPOSE_AT(cutting), Maybe(CuttingFields()),
+                        "What the cutter takes off: gives the cutting force and the predicted deflection."),
              }),
              "Feed and speed.")
           .Required(),

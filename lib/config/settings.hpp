@@ -71,19 +71,38 @@ struct BodySettings {
 };
 
 struct ControllerSettings {
-  std::string tool_axis = "z";   ///< x | y | z | -x | -y | -z: controller's tool frame axis along T's z
+  std::string tool_axis = "z";   ///< x | y | z: controller's tool frame axis that lies along T's z
   std::string rotation = "rpy";  ///< sinumerik: rpy | euler
   std::array<int, 6> axis_signs{1, 1, 1, 1, 1, 1};  ///< controller angle = sign · A + offset
   Vector6 axis_offsets = Vector6::Zero();           ///< rad
-  std::vector<std::string> axis_names = {"RA1", "RA2", "RA3", "RA4", "RA5", "RA6"};  ///< sinumerik
-  std::string motion = "lin";                                                        ///< krl: lin | spline
-  int base_number = 0, tool_number = 0;  ///< krl: BASE_DATA, TOOL_DATA; 0: values are written
-  std::vector<double> external_axes;     ///< krl: E1, E2, …, mm or degrees, constant
-  int ptp_speed_percent = 30;            ///< of the axes' largest speed, between cuts
   int max_motions = 1400;
-  int max_kbytes = 500;
   std::map<std::string, std::string> texts;  ///< templates by event name
   int line = 0;                              ///< of the section, for later errors
+};
+
+/// A compliance in series with the joints, at a frame that hangs on a link.
+struct ComplianceSettings {
+  std::string name;
+  std::string mount = "base";  ///< base | link1..link6 (link6 = flange, with what hangs on it)
+  PoseSettings pose;           ///< of its frame in the mount's
+  Eigen::Vector3d translational = Eigen::Vector3d::Zero();  ///< diagonal, mm/N
+  Eigen::Vector3d rotational = Eigen::Vector3d::Zero();     ///< diagonal, rad/(N·mm)
+  std::vector<Vector6> matrix;  ///< six rows in place of the diagonals; mm/N, 1/N, 1/N, rad/(N·mm)
+};
+
+struct MassSettings {
+  std::string name;
+  std::string mount = "link6";                       ///< link1..link6
+  double mass = 0;                                   ///< kg
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of gravity, in the mount's frame, mm
+};
+
+/// What weight bends, against a pose in which the arm was calibrated.
+struct GravitySettings {
+  Vector6 reference = Vector6::Zero();  ///< rad
+  std::vector<MassSettings> masses;
+  std::optional<double> counterbalance_torque;  ///< N·mm
+  double counterbalance_zero = 0;               ///< inner angle of axis 2 where it gives nothing, rad
 };
 
 struct CellSettings {
@@ -98,7 +117,9 @@ struct CellSettings {
   double clearance_free = 10, clearance_cutting = 2;  ///< mm
   std::string stiffness_at = "tool_tip";              ///< tool_tip | flange
   double characteristic_length = 1000;                ///< mm
-  bool programs_allowed = true;                       ///< key `reproduction_only: true` forbids programs
+  std::vector<ComplianceSettings> compliances;        ///< beside the joints
+  std::optional<GravitySettings> gravity;
+  bool programs_allowed = true;  ///< key `reproduction_only: true` forbids programs
   std::map<std::string, ControllerSettings> controllers;
 };
 
@@ -162,6 +183,17 @@ struct GeneticSettings {
   double crossover_rate = 0.9, mutation_rate = 0.2;
 };
 
+/// What the cutter takes off, for the cutting force (docs/process-force.md).
+struct CuttingSettings {
+  std::string material = "5A06";  ///< of the built-in table, unless kc11 is given
+  double kc11 = 0;                ///< N/mm²; 0: from the table
+  double mc = 0.25;
+  int teeth = 0;
+  double depth = 0, width = 0;  ///< axial and radial, mm
+  std::string side = "down";    ///< up | down | slot
+  double radial_ratio = 0.3, axial_ratio = 0;
+};
+
 struct JobSettings {
   std::string file;  ///< as given, for messages
   std::string name;
@@ -169,9 +201,9 @@ struct JobSettings {
   uint64_t seed = 1;
   WorkpieceSettings workpiece;
   ToolpathSettings toolpath;
-  double feed = 0;                   ///< mm/s
-  std::string feed_policy = "keep";  ///< keep | reduce, where the joints cannot hold the feed
-  double spindle_speed = 0;          ///< rev/s
+  double feed = 0;           ///< mm/s
+  double spindle_speed = 0;  ///< rev/s
+  std::optional<CuttingSettings> cutting;
   std::string objective = "chen2021";
   std::map<std::string, double> objective_parameters;
   GeneticSettings genetic;
@@ -185,7 +217,6 @@ struct JobSettings {
   double motion_weight = 1e-5;                                   ///< objective unit per rad²
   double swept_resolution = 0.5;                                 ///< mm
   double retract = 50;                                           ///< mm
-  double gap_limit_margin = DegToRad(1);                         ///< rad, to the arm's limits
   int gap_iterations = 20000;
   double gap_speed_share = 0.5;
   std::vector<std::string> programs{"krl", "sinumerik", "linuxcnc"};

@@ -8,12 +8,33 @@
 #include "path/pass_planner.hpp"
 #include "pipeline/inputs.hpp"
 #include "program/post.hpp"
+#include "stiffness/process_force.hpp"
+#include "stiffness/series.hpp"
 #include "toolpath/toolpath_options.hpp"
 #include "verify/verify.hpp"
 
 namespace millpose {
 
 Arm MakeArm(const ArmSettings& settings);
+
+/// R = Rz(A)·Ry(B)·Rx(C).
+Pose MakePose(const PoseSettings& settings);
+
+/// Compliances beside the joints.
+std::vector<SeriesCompliance> MakeCompliances(const CellSettings& settings);
+
+/// Weights as the cell gives them; empty when it gives none.
+struct GravityModel {
+  Joints reference;  ///< pose in which the arm was calibrated, rad
+  std::vector<LinkMass> masses;
+  Counterbalance counterbalance;
+  bool counterbalance_given = false;
+  Eigen::Vector3d gravity;  ///< in B, mm/s²
+};
+std::optional<GravityModel> MakeGravity(const CellSettings& settings);
+
+/// Mean cutting force of a job that says what the cutter takes off.
+std::optional<CuttingForce> MakeCuttingForce(const JobSettings& job, const CellSettings& cell);
 
 /// X_FT of a tool: z along its axis from tip to holder, x as near to its x as a right angle allows.
 Pose MakeToolPose(const ToolSettings& settings);

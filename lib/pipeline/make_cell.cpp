@@ -19,14 +19,6 @@ Eigen::Matrix3d Rotation(int axis, double angle) {
   return rotation;
 }
 
-// R = Rz(A)·Ry(B)·Rx(C).
-Pose MakePose(const PoseSettings& settings) {
-  Pose pose = Pose::Identity();
-  pose.linear() = Rotation(2, settings.abc[0]) * Rotation(1, settings.abc[1]) * Rotation(0, settings.abc[2]);
-  pose.translation() = settings.position;
-  return pose;
-}
-
 BodyClass MakeBodyClass(const std::string& name) {
   static const std::map<std::string, BodyClass> classes = {
       {"link", BodyClass::kLink},     {"spindle", BodyClass::kSpindle}, {"holder", BodyClass::kHolder},
@@ -84,6 +76,13 @@ void AddTool(const ToolSettings& tool, Cell* cell) {
 }
 
 }  // namespace
+
+Pose MakePose(const PoseSettings& settings) {
+  Pose pose = Pose::Identity();
+  pose.linear() = Rotation(2, settings.abc[0]) * Rotation(1, settings.abc[1]) * Rotation(0, settings.abc[2]);
+  pose.translation() = settings.position;
+  return pose;
+}
 
 Pose MakeToolPose(const ToolSettings& tool) {
   const Eigen::Vector3d z = tool.axis.normalized();

@@ -22,6 +22,19 @@ double SingularShortfall(const AdmissibleBounds& bounds, const SingularityDistan
   return missing > kSingularRounding ? missing : 0.0;
 }
 
+/// Adds the compliances beside the joints, pose by pose: cells that have them are the exception.
+void AddSeries(const PoseProblem& problem, const Eigen::Vector3d& p_FO, const ArmBranchBlock& solved,
+               const AnglesBlock& angles, ComplianceBlock& c) {
+  for (int l = 0; l < kLanes; ++l) {
+    if (!(solved.reached.v[l] > 0.0)) continue;
+    Joints q;
+    for (int i = 0; i < 6; ++i) q[i] = angles.unflipped[i].v[l];
+    const Matrix6 C = SeriesComplianceAt(problem.arm, q, p_FO, problem.compliances);
+    c.xx.v[l] += C(0, 0), c.yy.v[l] += C(1, 1), c.zz.v[l] += C(2, 2);
+    c.xy.v[l] += C(0, 1), c.xz.v[l] += C(0, 2), c.yz.v[l] += C(1, 2);
+  }
+}
+
 }  // namespace
 
 PointScorer::PointScorer(const PoseProblem& problem, const MillingPoint& point,
@@ -102,6 +115,7 @@ void PointScorer::ScoreArm(int arm, const FlangeBlock& flange, const ArmBranchBl
   if (!any_admissible) return;
   ComplianceBlock compliance;
   LinearCompliance(problem_->arm, flange, solved, p_FO_, compliance);
+  if (!problem_->compliances.empty()) AddSeries(*problem_, p_FO_, solved, angles, compliance);
   problem_->objective->Evaluate(compliance, context_, out.objective[arm]);
   // A compliance without an objective's value is singular, whatever the bounds say.
   for (const int branch : {arm, arm + 4}) {

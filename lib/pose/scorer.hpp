@@ -9,6 +9,7 @@
 #include "pose/rotated_flange.hpp"
 #include "robot/kinematics.hpp"
 #include "stiffness/compliance.hpp"
+#include "stiffness/series.hpp"
 
 namespace millpose {
 
@@ -35,6 +36,7 @@ struct PoseProblem {
   StiffnessOrigin origin = StiffnessOrigin::kToolTip;
   double characteristic_length = 1000;  ///< mm, for dexterity
   AdmissibleBounds bounds;
+  std::vector<SeriesCompliance> compliances;  ///< beside the joints'; each makes scoring slower
   std::vector<std::shared_ptr<const Freedom>> freedoms;
   std::shared_ptr<const Objective> objective;
 };

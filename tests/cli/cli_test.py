@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs the real millpose and looks at status, stdout and stderr. Usage: cli_test.py MILLPOSE TOP"""
 import json
-import re
 import subprocess
 import sys
 import unittest
@@ -41,33 +40,6 @@ class Schema(unittest.TestCase):
             self.assertEqual(result.returncode, 0)
             with open(f"{TOP}/docs/schema/{what}.schema.json", encoding="utf-8") as file:
                 self.assertEqual(json.loads(result.stdout), json.load(file))
-
-
-class Documents(unittest.TestCase):
-    def test_manual_names_every_command_and_option(self):
-        page = run("man").stdout
-        self.assertTrue(page.startswith(".TH MILLPOSE 1\n"))
-        names = re.findall(r"^  (\w+)  ", run("--help").stdout.split("Subcommands:")[1], re.M)
-        self.assertIn("schema", names)
-        for name in names:
-            self.assertIn(f".SS {name}\n", page)
-            for option in re.findall(r"--[a-z][a-z-]+", run(name, "--help").stdout):
-                self.assertIn(option.replace("-", "\\-"), page, name)
-        self.assertEqual([line for line in page.splitlines() if re.match(r"[.'](?!TH|SH|SS|TP|br)", line)], [])
-
-    def test_completion_offers_commands_options_and_files(self):
-        def complete(*words):
-            script = run("completion").stdout + f"COMP_WORDS=(millpose {' '.join(words)}); COMP_CWORD={len(words)}; " \
-                "_millpose; printf '%s\\n' ${COMPREPLY[@]}"
-            result = subprocess.run(["bash", "-c", script], capture_output=True, text=True, cwd=TOP, timeout=60)
-            self.assertEqual(result.stderr, "")
-            return result.stdout.split()
-
-        self.assertEqual(complete("sch"), ["schema"])
-        self.assertIn("flatness", complete("''"))
-        self.assertIn("--quiet", complete("--qu"))
-        self.assertIn("--help", complete("schema", "--"))
-        self.assertEqual(complete("flatness", "READ"), ["README.md"])
 
 
 if __name__ == "__main__":

@@ -108,6 +108,32 @@ TEST(PointScorer, FullTurnsBringAJointWithinItsLimits) {
   EXPECT_GT(admissible, 20);
 }
 
+TEST(PointScorer, CountsCompliancesBesideTheJoints) {
+  PoseProblem problem = MakeProblem(Kr500R2830());
+  SeriesCompliance spindle;
+  spindle.link = 6;
+  spindle.X_LK.translation() = Eigen::Vector3d(0, 0, 60);
+  spindle.C.diagonal() << 1e-4, 2e-4, 5e-5, 1e-9, 2e-9, 3e-9;
+  problem.compliances = {spindle};
+  problem.objective = MakeObjective("normal_deflection", {});
+  const MillingPoint point = PanelPoint(100, 50);
+  const PointScorer scorer(problem, point, Eigen::Vector3d::UnitZ());
+  int admissible = 0;
+  for (double rotation = -3; rotation < 3; rotation += 0.1) {
+    for (int branch = 0; branch < 8; ++branch) {
+      const Candidate found = scorer.ScoreOne({rotation}, branch);
+      if (found.admissibility != Admissibility::kAdmissible) continue;
+      ++admissible;
+      const Eigen::Vector3d tip = problem.X_FT.translation();
+      const Matrix6 C = Compliance(Jacobian(problem.arm, found.q, tip), problem.arm.stiffness) +
+                        SeriesComplianceAt(problem.arm, found.q, tip, problem.compliances);
+      const Eigen::Vector3d n = problem.X_WB.linear().transpose() * point.normal;
+      EXPECT_NEAR(found.objective / n.dot(C.topLeftCorner<3, 3>() * n), 1, 1e-9);
+    }
+  }
+  EXPECT_GT(admissible, 10);
+}
+
 TEST(CheckAdmissible, SaysWhatIsMissed) {
   PoseProblem problem = MakeProblem(Kr500R2830());
   EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 45, 0)), Admissibility::kAdmissible);

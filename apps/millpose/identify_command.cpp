@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "base/units.hpp"
+#include "commands.hpp"
+#include "config/measurements.hpp"
+#include "pipeline/assemble.hpp"
+#include "pipeline/inputs.hpp"
+#include "stiffness/identify.hpp"
+
+namespace millpose {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr double kNmPerNmm = 1e-3;
+
+struct Options {
+  std::string file, cell, write_cell;
+  std::vector<double> load_point, measured_point;
+  int propose = -1;
+  bool robust = false, json = false;
+};
+
+struct Task {
+  MeasurementsSettings settings;
+  std::filesystem::path cell_file;
+  Arm arm;
+  IdentifyOptions options;
+};
+
+Task Load(const Options& options) {
+  Task task;
+  const std::string bytes = ReadFile(options.file);
+  const std::filesystem::path path(options.file);
+  const bool csv = path.extension() == ".csv" || path.extension() == ".CSV";
+  task.settings = csv ? ParseMeasurementsCsv(bytes, options.file) : ParseMeasurements(bytes, options.file);
+  const auto point = [](const std::vector<double>& given, Eigen::Vector3d& to) {
+    if (!given.empty()) to = {given[0], given[1], given[2]};
+  };
+  point(options.load_point, task.settings.load_point);
+  point(options.measured_point, task.settings.measured_point);
+  if (options.cell.empty() && task.settings.cell_file.empty())
+    throw InputError({options.file}, "no arm; allowed: the key `cell` in the file, or --cell CELL.yaml");
+  task.cell_file = options.cell.empty() ? path.parent_path() / task.settings.cell_file
+                                        : std::filesystem::path(options.cell);
+  std::map<std::string, std::string> meshes;
+  task.arm = MakeArm(LoadCell(task.cell_file, &meshes).arm);
+  task.options = {task.settings.displacement_deviation, task.settings.rotation_deviation, options.robust};
+  return task;
+}
+
+std::vector<LoadCase> MakeCases(const MeasurementsSettings& settings,
+                                const std::vector<MeasurementSettings>& from) {
+  std::vector<LoadCase> cases;
+  for (const MeasurementSettings& one : from)
+    cases.push_back({.q = one.joints,
+                     .force = one.force,
+                     .moment = one.moment,
+                     .load_point = one.load_point.value_or(settings.load_point),
+                     .measured_point = one.measured_point.value_or(settings.measured_point),
+                     .displacement = one.displacement,
+                     .rotation = one.rotation});
+  return cases;
+}
+
+Json ToJson(const Identification& found, const Task& task) {
+  Json joints = Json::array();
+  const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
+  for (int j = 0; j < 6; ++j) {
+    const JointEstimate& joint = found.joints[j];
+    const bool d = joint.determined;
+    joints.push_back({{"joint", j + 1},
+                      {"determined", d},
+                      {"reason", d ? Json() : Json(joint.reason)},
+                      {"stiffness_Nm_per_rad", d ? number(joint.stiffness * kNmPerNmm) : Json()},
+                      {"deviation_Nm_per_rad", d ? number(joint.deviation * kNmPerNmm) : Json()},
+                      {"lower_95_Nm_per_rad", joint.lower > 0 ? number(joint.lower * kNmPerNmm) : Json()},
+                      {"upper_95_Nm_per_rad", d ? number(joint.upper * kNmPerNmm) : Json()},
+                      {"largest_change", d ? number(joint.largest_change) : Json()},
+                      {"most_influential_pose", d ? Json(joint.most_influential + 1) : Json()}});
+  }
+  Json residuals = Json::array();
+  for (size_t i = 0; i < found.residuals.size(); ++i)
+    residuals.push_back({{"line", task.settings.measurements[i].line},
+                         {"pose", found.pose_of_case[i] + 1},
+                         {"residual_mm", found.residuals[i]}});
+  return {{"schema_version", 1},
+          {"joints", joints},
+          {"condition", found.condition},
+          {"residual_level", found.level},
+          {"residual_rms_mm", found.rms},
+          {"poses", found.poses},
+          {"measurements", found.residuals.size()},
+          {"residuals", residuals}};
+}
+
+void Print(const Identification& found, const Task& task) {
+  fmt::print("joint   stiffness  std. deviation        95 % interval           left out: largest change\n");
+  for (int j = 0; j < 6; ++j) {
+    const JointEstimate& joint = found.joints[j];
+    if (!joint.determined) {
+      const std::string bound =
+          joint.lower > 0 ? fmt::format("; above {:.4g} N·m/rad", joint.lower * kNmPerNmm) : "";
+      fmt::print("A{}      no number: {}{}\n", j + 1, joint.reason, bound);
+      continue;
+    }
+    fmt::print("A{}     {:>10.4g} {:>15.3g} {:>12.4g} .. {:<10.4g} N·m/rad   {:.1f} % by pose {}\n", j + 1,
+               joint.stiffness * kNmPerNmm, joint.deviation * kNmPerNmm, joint.lower * kNmPerNmm,
+               joint.upper * kNmPerNmm, 100 * joint.largest_change, joint.most_influential + 1);
+  }
+  fmt::print("\n{} measurements in {} poses; condition number {:.3g} (columns scaled to 1)\n",
+             found.residuals.size(), found.poses, found.condition);
+  fmt::print(
+      "residual {:.4g} mm RMS per measurement, {:.3g} times the stated deviation\n\nlargest residuals\n",
+      found.rms, found.level);
+  std::vector<size_t> order(found.residuals.size());
+  for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return found.residuals[a] > found.residuals[b]; });
+  for (size_t i = 0; i < std::min<size_t>(5, order.size()); ++i)
+    fmt::print("  line {:<6} pose {:<4} {:.4g} mm\n", task.settings.measurements[order[i]].line,
+               found.pose_of_case[order[i]] + 1, found.residuals[order[i]]);
+}
+
+void WriteCellFile(const Options& options, const Task& task, const Identification& found) {
+  if (task.cell_file.lexically_normal() != std::filesystem::path(options.write_cell).lexically_normal())
+    throw InputError({options.write_cell}, fmt::format("--write-cell: another cell than the one read, {}",
+                                                       task.cell_file.string()));
+  Joints stiffness = task.arm.stiffness;
+  std::string kept;
+  for (int j = 0; j < 6; ++j) {
+    if (found.joints[j].determined)
+      stiffness[j] = found.joints[j].stiffness;
+    else
+      kept += fmt::format(" A{}", j + 1);
+  }
+  // Four digits: no identification carries more.
+  for (int j = 0; j < 6; ++j) stiffness[j] = std::stod(fmt::format("{:.4g}", stiffness[j]));
+  std::string source = "millpose identify " + std::filesystem::path(options.file).filename().string();
+  if (!kept.empty()) source += ", but as before:" + kept;
+  WriteFileAtomically(options.write_cell, ReplaceJointStiffness(ReadFile(options.write_cell),
+                                                                options.write_cell, stiffness, source));
+  fmt::print(stderr, "millpose: {} updated{}\n", options.write_cell,
+             kept.empty() ? "" : "; not determined and kept:" + kept);
+}
+
+int Propose(const Options& options, const Task& task) {
+  const std::vector<LoadCase> candidates = MakeCases(task.settings, task.settings.candidates);
+  if (candidates.empty()) throw InputError({options.file}, "--propose: the file has no `candidates`");
+  const std::vector<size_t> chosen =
+      ProposeLoadCases(task.arm, candidates, static_cast<size_t>(options.propose), task.options);
+  std::vector<LoadCase> cases;
+  for (const size_t i : chosen) cases.push_back(candidates[i]);
+  const Identification quality = IdentifyJointStiffness(task.arm, cases, task.options);
+  std::vector<int> blind;
+  for (int j = 0; j < 6; ++j)
+    if (quality.joints[j].reason.starts_with("not observable")) blind.push_back(j + 1);
+  if (options.json) {
+    Json list = Json::array();
+    for (const size_t i : chosen)
+      list.push_back({{"candidate", i + 1}, {"line", task.settings.candidates[i].line}});
+    fmt::print("{}\n", Json{{"schema_version", 1},
+                            {"chosen", list},
+                            {"condition", quality.condition},
+                            {"not_observable", blind}}
+                           .dump(2));
+  } else {
+    fmt::print("{} of {} candidates, condition number {:.3g}\n", chosen.size(), candidates.size(),
+               quality.condition);
+    for (const size_t i : chosen)
+      fmt::print("  candidate {:<4} line {}\n", i + 1, task.settings.candidates[i].line);
+    for (const int joint : blind) fmt::print("A{} is not observable with any of them\n", joint);
+  }
+  return blind.empty() ? kDone : kFindings;
+}
+
+int Identify(const Options& options) {
+  const Task task = Load(options);
+  if (options.propose >= 0) return Propose(options, task);
+  if (task.settings.measurements.empty())
+    throw InputError({options.file}, "no measurements; allowed: at least one");
+  const Identification found =
+      IdentifyJointStiffness(task.arm, MakeCases(task.settings, task.settings.measurements), task.options);
+  if (options.json)
+    fmt::print("{}\n", ToJson(found, task).dump(2));
+  else
+    Print(found, task);
+  if (!options.write_cell.empty()) WriteCellFile(options, task, found);
+  const auto determined = [](const JointEstimate& joint) { return joint.determined; };
+  return std::all_of(found.joints.begin(), found.joints.end(), determined) ? kDone : kFindings;
+}
+
+}  // namespace
+
+void AddIdentifyCommand(CLI::App& app, Run& run) {
+  CLI::App* command =
+      app.add_subcommand("identify",
+                         "Joint stiffness from measured deflections under load (docs/identification.md).\n"
+                         "Exit status 1: some joint could not be determined.");
+  static Options options;
+  command->add_option("measurements", options.file, "Measurements, YAML or CSV")->required();
+  command->add_option("--cell", options.cell,
+                      "Cell YAML with the arm's geometry; default: the one the file names");
+  command->add_option("--load-point-mm", options.load_point, "Where loads act, flange frame, mm")
+      ->expected(3);
+  command->add_option("--measured-point-mm", options.measured_point, "Measured point, flange frame, mm")
+      ->expected(3);
+  command->add_flag("--robust", options.robust, "Huber's weights against blunders");
+  command
+      ->add_option(
+          "--propose", options.propose,
+          "Choose this many of the file's candidates (D-optimal); 0: the fewest that show all joints")
+      ->check(CLI::Range(0, 1000));
+  command->add_option("--write-cell", options.write_cell,
+                      "Put the result into this cell file, keeping its comments");
+  command->add_flag("--json", options.json, "Results as JSON on stdout");
+  command->callback([&run] { run = [](Session&) { return Identify(options); }; });
+}
+
+}  // namespace millpose

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "stiffness/map.hpp"
+#include "stiffness/pose_stiffness.hpp"
+
+namespace millpose {
+
+/// One evaluated pose, for output. Everything in B.
+struct PoseReport {
+  Joints q;
+  Eigen::Vector3d normal;
+  std::string origin;  ///< tool_tip | flange
+  PoseStiffness stiffness;
+};
+
+std::string ReportAsText(const PoseReport& report);
+std::string ReportAsJson(const PoseReport& report);
+std::string ReportsAsCsv(const std::vector<PoseReport>& reports);
+std::string MapSummary(const MapRequest& request, const std::vector<MapPoint>& points);
+
+}  // namespace millpose

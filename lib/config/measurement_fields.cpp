@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The keys of a measurements file, and the CSV form of it.
+#include "base/csv.hpp"
+#include "config/fields.hpp"
+#include "config/measurements.hpp"
+
+namespace millpose {
+namespace config {
+namespace {
+
+const Unit kNewton{"N", 1, 1}, kNewtonMetre{"N·m", 1000, 1}, kRad{"rad", 1, 1};
+
+std::vector<Field<MeasurementSettings>> LoadFields() {
+  using S = MeasurementSettings;
+  std::vector<Field<S>> fields;
+  fields.push_back(
+      Key<S>("joints_deg", MILLPOSE_AT(joints), Numbers6(kDeg, Between(-3600, 3600)), "Joint angles.")
+          .Required());
+  fields.push_back(
+      Key<S>("force_N", MILLPOSE_AT(force), Numbers3(kNewton, Any()), "Force on the arm, robot base frame."));
+  fields.push_back(Key<S>("moment_Nm", MILLPOSE_AT(moment), Numbers3(kNewtonMetre, Any()),
+                          "Moment on the arm, robot base frame."));
+  fields.push_back(Key<S>("load_point_mm", MILLPOSE_AT(load_point), Maybe(Numbers3(kMm, Any())),
+                          "Where the load acts, flange frame; else as for the file."));
+  fields.push_back(Key<S>("measured_point_mm", MILLPOSE_AT(measured_point), Maybe(Numbers3(kMm, Any())),
+                          "Whose displacement was measured, flange frame; else as for the file."));
+  return fields;
+}
+
+void CheckLoad(const Value& value, const Context& context, MeasurementSettings& load) {
+  load.line = value.mark.line;
+  if (load.force.isZero(0.0) && load.moment.isZero(0.0))
+    context.Add(value.mark, "no load; allowed: force_N or moment_Nm other than 0");
+}
+
+Codec<MeasurementSettings> MeasurementFields() {
+  using S = MeasurementSettings;
+  std::vector<Field<S>> fields = LoadFields();
+  fields.push_back(Key<S>("displacement_mm", MILLPOSE_AT(displacement), Numbers3(kMm, Any()),
+                          "Displacement against the unloaded arm, robot base frame.")
+                       .Required());
+  fields.push_back(Key<S>("rotation_rad", MILLPOSE_AT(rotation), Maybe(Numbers3(kRad, Any())),
+                          "Rotation vector against the unloaded arm, robot base frame."));
+  return Section<S>(std::move(fields), CheckLoad);
+}
+
+const Codec<MeasurementsSettings>& MeasurementsFields() {
+  using S = MeasurementsSettings;
+  static const Codec<S> fields = Section<S>({
+      VersionKey<S>("millpose_measurements", 1),
+      Key<S>("cell", MILLPOSE_AT(cell_file), Text(),
+             "Cell file with the arm's geometry, relative to this file."),
+      Key<S>("load_point_mm", MILLPOSE_AT(load_point), Numbers3(kMm, Any()),
+             "Where loads act, flange frame."),
+      Key<S>("measured_point_mm", MILLPOSE_AT(measured_point), Numbers3(kMm, Any()),
+             "Whose displacement is measured, flange frame."),
+      Key<S>("displacement_deviation_mm", MILLPOSE_AT(displacement_deviation), Real(kMm, Above(0)),
+             "Standard deviation of a displacement's component; weighs it against rotations."),
+      Key<S>("rotation_deviation_rad", MILLPOSE_AT(rotation_deviation), Real(kRad, Above(0)),
+             "Standard deviation of a rotation's component."),
+      Key<S>("measurements", MILLPOSE_AT(measurements), ListOf(MeasurementFields()), "What was measured."),
+      Key<S>("candidates", MILLPOSE_AT(candidates),
+             ListOf(Section<MeasurementSettings>(LoadFields(), CheckLoad)),
+             "Poses and loads from which `identify --propose` chooses."),
+  });
+  return fields;
+}
+
+}  // namespace
+}  // namespace config
+
+MeasurementsSettings ParseMeasurements(std::string_view yaml, const std::string& name) {
+  const config::Value root = config::ReadYaml(yaml, name);
+  std::vector<Problem> problems;
+  MeasurementsSettings settings;
+  settings.file = name;
+  config::MeasurementsFields().read(root, {name, problems, ""}, settings);
+  if (!problems.empty()) throw InputError(std::move(problems));
+  return settings;
+}
+
+MeasurementsSettings ParseMeasurementsCsv(std::string_view csv, const std::string& name) {
+  const CsvTable table = ReadCsv(csv, name,
+                                 {{"a1_deg", "a2_deg", "a3_deg", "a4_deg", "a5_deg", "a6_deg", "fx_N", "fy_N",
+                                   "fz_N", "dx_mm", "dy_mm", "dz_mm"},
+                                  {"mx_Nm", "my_Nm", "mz_Nm", "rx_rad", "ry_rad", "rz_rad"}});
+  MeasurementsSettings settings;
+  settings.file = name;
+  for (size_t row = 0; row < table.size(); ++row) {
+    const auto three = [&](const char* x, const char* y, const char* z) {
+      const auto value = [&](const char* column) { return table.Has(column) ? table.At(row, column) : 0.0; };
+      return Eigen::Vector3d(value(x), value(y), value(z));
+    };
+    MeasurementSettings measurement;
+    for (int j = 0; j < 6; ++j)
+      measurement.joints[j] = DegToRad(table.At(row, fmt::format("a{}_deg", j + 1)));
+    measurement.force = three("fx_N", "fy_N", "fz_N");
+    measurement.moment = 1000 * three("mx_Nm", "my_Nm", "mz_Nm");
+    measurement.displacement = three("dx_mm", "dy_mm", "dz_mm");
+    if (table.Has("rx_rad")) measurement.rotation = three("rx_rad", "ry_rad", "rz_rad");
+    measurement.line = table.line(row);
+    settings.measurements.push_back(measurement);
+  }
+  return settings;
+}
+
+namespace {
+
+/// The offset of (line, column), both from 1, columns in characters.
+size_t OffsetOf(const std::string& text, const config::Mark& mark) {
+  size_t at = 0;
+  for (int line = 1; line < mark.line; ++line) at = text.find('\n', at) + 1;
+  for (int column = 1; column < mark.column; ++at)
+    if ((static_cast<unsigned char>(text[at + 1]) & 0xC0) != 0x80) ++column;
+  return at;
+}
+
+}  // namespace
+
+std::string ReplaceJointStiffness(const std::string& cell_yaml, const std::string& name,
+                                  const Vector6& stiffness, const std::string& source) {
+  const config::Value root = config::ReadYaml(cell_yaml, name);
+  const config::Value* arm = root.Find("arm");
+  const config::Value* values = arm ? arm->Find("joint_stiffness_Nm_per_rad") : nullptr;
+  if (!values) throw InputError({name}, "arm.joint_stiffness_Nm_per_rad is missing");
+  std::string text = cell_yaml;
+  const config::Value* old_source = arm->Find("joint_stiffness_source");
+  // From the back, so that the earlier place stays where it is.
+  const auto replace_source = [&] {
+    if (!old_source) return;
+    const size_t start = OffsetOf(text, old_source->mark);
+    const char first = text[start];
+    if (first == '|' || first == '>')
+      throw InputError({name, old_source->mark.line},
+                       "arm.joint_stiffness_source: allowed: text in one line");
+    const size_t line_end = std::min(text.find('\n', start), text.size());
+    size_t end = first == '"' || first == '\'' ? text.find(first, start + 1) + 1 : text.find(" #", start);
+    end = std::min(end, line_end);
+    while (end > start && text[end - 1] == ' ') --end;
+    text.replace(start, end - start, config::WriteYamlLine(config::Value::Text(source)));
+  };
+  const auto replace_values = [&] {
+    const size_t start = OffsetOf(text, values->mark);
+    const size_t end = text.find(']', start);
+    if (text[start] != '[' || end == std::string::npos)
+      throw InputError({name, values->mark.line},
+                       "arm.joint_stiffness_Nm_per_rad: allowed: a list in [brackets]");
+    std::string list;
+    for (int j = 0; j < 6; ++j)
+      list += (j > 0 ? ", " : "") + config::ShortestIn(config::kNmPerRad, stiffness[j]);
+    text.replace(start, end - start, "[" + list);
+  };
+  const bool source_behind = old_source && old_source->mark.line > values->mark.line;
+  if (source_behind) replace_source();
+  replace_values();
+  if (!source_behind) replace_source();
+  return text;
+}
+
+}  // namespace millpose

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stiffness/map.hpp"
+
+#include "stiffness/pose_stiffness.hpp"
+#include "tests/robot/arms.hpp"
+
+namespace millpose {
+namespace {
+
+using Eigen::Vector3d;
+
+MapRequest SmallMap(const std::string& index) {
+  MapRequest request;
+  request.arm = Kr500R2830();
+  request.lower = request.arm.lower;
+  request.upper = request.arm.upper;
+  request.X_FT.linear() << 0, 0, 1, 0, 1, 0, -1, 0, 0;  // T's z along the flange's x
+  request.X_FT.translation() = Vector3d(-250, 0, 250);
+  request.origin = Vector3d(1200, 0, 200);
+  request.u = Vector3d(300, 0, 0);
+  request.v = Vector3d(0, 0, 400);
+  request.u_count = 8;
+  request.v_count = 5;
+  request.tool_axis = request.normal = -Vector3d::UnitX();
+  request.index = index;
+  request.rotation_step = DegToRad(15);
+  return request;
+}
+
+TEST(Map, ValuesAreThoseOfTheirPoses) {
+  for (const MapIndex& index : MapIndices()) {
+    const MapRequest request = SmallMap(index.name);
+    int reached = 0;
+    for (const MapPoint& at : DrawMap(request)) {
+      if (!at.reached) continue;
+      ++reached;
+      const Pose X_BT = ForwardFlange(request.arm, at.q) * request.X_FT;
+      EXPECT_LT((X_BT.translation() - at.point).norm(), 1e-8);
+      EXPECT_LT((X_BT.linear().col(2) - request.tool_axis).norm(), 1e-10);
+      EXPECT_EQ(Status(request.arm, at.q), at.branch);
+      EXPECT_TRUE((at.q.array() >= request.lower.array()).all() &&
+                  (at.q.array() <= request.upper.array()).all());
+      const PoseStiffness whole = EvaluatePose(request.arm, at.q, request.X_FT.translation(), request.normal,
+                                               request.characteristic_length);
+      const double expected = index.name == "dexterity"             ? whole.dexterity
+                              : index.name == "mu"                  ? whole.indices->mu
+                              : index.name == "lambda_t1"           ? whole.indices->lambda_t1
+                              : index.name == "lambda_t2"           ? whole.indices->lambda_t2
+                              : index.name == "lambda_n"            ? whole.indices->lambda_n
+                              : index.name == "normal_deflection"   ? whole.deflections.normal
+                              : index.name == "in_plane_deflection" ? whole.deflections.in_plane
+                              : index.name == "worst_in_plane"      ? whole.deflections.largest
+                              : index.name == "cross_deflection"
+                                  ? whole.deflections.cross
+                                  : 0.5 * whole.indices->lambda_t2 + 0.5 * whole.indices->lambda_n;
+      EXPECT_NEAR(at.value / expected, 1, 1e-7) << index.name;
+    }
+    EXPECT_GT(reached, 10);
+    EXPECT_LT(reached, 40);  // the far corner is out of reach
+  }
+}
+
+TEST(Map, IsTheBestOfAFinerLook) {
+  const MapRequest coarse = SmallMap("dexterity");
+  MapRequest fine = coarse;
+  fine.rotation_step = coarse.rotation_step / 3;  // holds the coarse grid's rotations
+  const std::vector<MapPoint> a = DrawMap(coarse), b = DrawMap(fine);
+  for (size_t i = 0; i < a.size(); ++i)
+    if (a[i].reached) {
+      EXPECT_GE(b[i].value, a[i].value - 1e-12);
+    }
+}
+
+TEST(Map, TextsHaveOneLineAPoint) {
+  const MapRequest request = SmallMap("mu");
+  const std::vector<MapPoint> points = DrawMap(request);
+  const std::string csv = MapToCsv(request, points), vtk = MapToVtk(request, points);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 41);
+  EXPECT_TRUE(csv.starts_with("x_mm,y_mm,z_mm,mu,rotation_deg,branch,a1_deg"));
+  for (size_t start = 0, end; (end = csv.find('\n', start)) != std::string::npos; start = end + 1)
+    EXPECT_EQ(std::count(csv.begin() + start, csv.begin() + end, ','), 11);
+  EXPECT_NE(vtk.find("DIMENSIONS 8 5 1\nPOINTS 40 double"), std::string::npos);
+  EXPECT_EQ(vtk.find("nan"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace millpose

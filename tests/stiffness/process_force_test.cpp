@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stiffness/process_force.hpp"
+
+#include "base/random.hpp"
+#include "base/units.hpp"
+
+namespace millpose {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+Cut SomeCut(MillingSide side) {
+  Cut cut;
+  cut.material = {"linear", 800, 0,
+                  ""};  // m_c = 0: force proportional to chip thickness, with closed integrals
+  cut.diameter = 20;
+  cut.teeth = 3;
+  cut.depth = 2;
+  cut.width = 10;
+  cut.feed_per_tooth = 0.1;
+  cut.side = side;
+  cut.radial_ratio = 0.3;
+  cut.axial_ratio = -0.1;
+  return cut;
+}
+
+TEST(ProcessForce, AgreesWithAltintasClosedForm) {
+  // Manufacturing Automation, 2nd ed., eq. 2.79 for forces proportional to the chip thickness.
+  for (const MillingSide side : {MillingSide::kUp, MillingSide::kDown, MillingSide::kSlot}) {
+    const Cut cut = SomeCut(side);
+    const double start = side == MillingSide::kDown ? kPi / 2 : 0,
+                 end = side == MillingSide::kUp ? kPi / 2 : kPi;
+    const double K = cut.material.kc11, a = cut.depth, c = cut.feed_per_tooth, N = cut.teeth,
+                 r = cut.radial_ratio;
+    const auto x = [&](double p) {
+      return N * a * c / (8 * kPi) * (K * std::cos(2 * p) - r * K * (2 * p - std::sin(2 * p)));
+    };
+    const auto y = [&](double p) {
+      return N * a * c / (8 * kPi) * (K * (2 * p - std::sin(2 * p)) + r * K * std::cos(2 * p));
+    };
+    const auto z = [&](double p) { return N * a * c / (2 * kPi) * (-cut.axial_ratio * K * std::cos(p)); };
+    const CuttingForce found = MeanCuttingForce(cut);
+    EXPECT_NEAR(found.mean.x(), x(end) - x(start), 1e-5);
+    EXPECT_NEAR(found.mean.y(), y(end) - y(start), 1e-5);
+    EXPECT_NEAR(found.mean.z(), z(end) - z(start), 1e-5);
+    EXPECT_NEAR(found.engaged, N * (end - start) / (2 * kPi), 1e-12);
+    EXPECT_GT(found.peak, found.mean.norm());
+  }
+}
+
+TEST(ProcessForce, GrowsWithDepthAndLessThanProportionallyWithFeed) {
+  Cut cut = SomeCut(MillingSide::kDown);
+  cut.material = CuttingMaterials().front();
+  const double one = MeanCuttingForce(cut).mean.norm();
+  cut.depth *= 2;
+  EXPECT_NEAR(MeanCuttingForce(cut).mean.norm() / one, 2, 1e-9);
+  cut.depth /= 2;
+  cut.feed_per_tooth *= 2;
+  EXPECT_NEAR(MeanCuttingForce(cut).mean.norm() / one, std::pow(2, 0.75), 1e-9);
+}
+
+TEST(ProcessForce, SlottingWithOneToothHasItsPeakInTheChip) {
+  Cut cut = SomeCut(MillingSide::kSlot);
+  cut.teeth = 1;
+  cut.radial_ratio = cut.axial_ratio = 0;
+  EXPECT_NEAR(MeanCuttingForce(cut).peak, 800 * 2 * 0.1, 1e-3);
+}
+
+TEST(PredictedDeflection, SplitsTheVectorWithoutLoss) {
+  RandomStream stream(1, 0);
+  for (int k = 0; k < 100; ++k) {
+    const auto unit = [&] {
+      return Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
+    };
+    const Vector3d n = unit(), feed = n.cross(unit()).normalized();
+    Matrix3d root;
+    for (double& value : root.reshaped()) value = stream.Normal();
+    const Matrix3d c = 1e-4 * root * root.transpose();
+    const Vector3d force(30, -50, 10);
+    const PredictedDeflection d = PredictDeflection(c, force, n, feed, n);
+    const Vector3d whole = c * (30 * feed - 50 * n.cross(feed) + 10 * n);
+    EXPECT_NEAR(d.length, whole.norm(), 1e-15);
+    EXPECT_NEAR(d.normal * d.normal + d.feed * d.feed + d.across * d.across, whole.squaredNorm(), 1e-15);
+    EXPECT_NEAR(d.normal, n.dot(whole), 1e-15);
+    EXPECT_NEAR(d.feed, feed.dot(whole), 1e-15);
+  }
+}
+
+TEST(OverFace, TellsLevelFromVariationAndStep) {
+  std::vector<FacePoint> points;
+  for (int pass = 0; pass < 5; ++pass)
+    for (int i = 0; i < 9; ++i) points.push_back({Vector3d(10 * i, 20 * pass, 0), pass, 0.08 + 1e-4 * i});
+  const auto tilted = OverFace(points);
+  ASSERT_TRUE(tilted.has_value());
+  EXPECT_NEAR(tilted->level, 0.0804, 1e-12);
+  EXPECT_NEAR(tilted->variation, 0, 1e-12);  // a tilt is a plane, too
+  EXPECT_NEAR(tilted->largest_step, 0, 1e-12);
+  for (FacePoint& point : points)
+    if (point.pass % 2 == 1) point.deflection += 0.01;
+  const auto stepped = OverFace(points);
+  EXPECT_NEAR(stepped->largest_step, 0.01, 1e-12);
+  EXPECT_NEAR(stepped->variation, 0.01, 1e-3);
+  EXPECT_FALSE(OverFace({points[0], points[1]}).has_value());
+}
+
+}  // namespace
+}  // namespace millpose
