@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "surface/mesh.hpp"
+
+namespace millpose {
+
+/// A cutter that turns about its axis: a disc of radius R − r with a torus of radius r around it. Flat: r =
+/// 0; ball: r = R; bull-nose: between. mm.
+struct CutterShape {
+  double radius = 0;         ///< R
+  double corner_radius = 0;  ///< r, 0..R
+  double length = 0;         ///< of the part that is looked at, from the tip up
+
+  /// Height of the cutter's bottom over its tip at a distance from the axis (0..R): convex.
+  double Bottom(double distance) const;
+};
+
+/// Where the tip is (the lowest point on the axis) when the cutter touches a surface at `contact` with
+/// outward normal `normal` (unit vectors; `axis` from tip to holder, less than 90° from the normal): contact
+/// + r normal − r axis + (R − r) w, w the unit vector along the normal's part across the axis (0 when there
+/// is none: then the whole flat touches and the tip is put at the contact).
+Eigen::Vector3d TipAtContact(const CutterShape& cutter, const Eigen::Vector3d& contact,
+                             const Eigen::Vector3d& normal, const Eigen::Vector3d& axis);
+
+/// Where a cutter goes deepest into a part.
+struct Gouge {
+  double depth = 0;  ///< along the axis, mm; 0 when nothing lies in the cutter
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  int face = -1;
+};
+
+/// The deepest point of the mesh's surface in the cutter, up to its length; depths of at most `tolerance`
+/// (mm) count as none. On each triangle z − Bottom(ρ) is concave, so nested golden sections find its greatest
+/// value (1e-6 mm).
+Gouge DeepestGouge(const Mesh& mesh, const CutterShape& cutter, const Eigen::Vector3d& tip,
+                   const Eigen::Vector3d& axis, double tolerance);
+
+}  // namespace millpose

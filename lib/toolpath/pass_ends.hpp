@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "base/units.hpp"
+#include "toolpath/milling_point.hpp"
+
+namespace millpose {
+
+enum class LeadShape : uint8_t {
+  kNone,
+  kNormal,  ///< straight down along the normal
+  kRamp,    ///< straight, forwards and down under an angle
+  kArc,     ///< a quarter circle in the plane of feed and normal, tangent to the pass
+};
+
+/// What is added at the ends of each open pass; closed passes have none. mm, rad.
+struct PassEnds {
+  double overrun = 0;  ///< straight on beyond both ends, so that the cutter leaves the material
+  LeadShape lead = LeadShape::kNone;
+  double lead_length = 10;           ///< normal and ramp: its length; arc: its radius
+  double ramp_angle = DegToRad(15);  ///< ramp: against the tangent plane
+};
+
+/// Adds overrun and leads to both ends of the open passes, as points of kind kLeadIn and kLeadOut that keep
+/// normal, tool axis and feed rate of the end they belong to; `spacing` (mm) is the largest distance of the
+/// new points. Arc lengths count from the new start.
+void AddPassEnds(const PassEnds& ends, double spacing, Toolpath& toolpath);
+
+/// Depth of cut: the tool path is repeated at offsets along the normals.
+struct Layers {
+  double total = 0;      ///< material above the surface, mm; 0: one layer on the surface
+  double per_layer = 1;  ///< largest depth of one layer, mm
+  double allowance = 0;  ///< left on the surface, mm
+};
+
+/// The layers from the outermost to the last, each with all passes, in even steps. Offset along the normals,
+/// so creases and concave places tighter than the offset are not looked at.
+Toolpath Layered(const Toolpath& toolpath, const Layers& layers);
+
+}  // namespace millpose

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "toolpath/pass_ends.hpp"
+
+namespace millpose {
+namespace {
+
+Toolpath Straight(bool closed = false) {
+  Pass pass;
+  pass.closed = closed;
+  for (int i = 0; i < 5; ++i) {
+    MillingPoint point;
+    point.position = {10.0 * i, 0, 0};
+    point.normal = point.tool_axis = Eigen::Vector3d::UnitZ();
+    point.feed = Eigen::Vector3d::UnitX();
+    point.feed_rate = 7;
+    point.arc_length = 10.0 * i;
+    pass.points.push_back(point);
+  }
+  Toolpath toolpath;
+  toolpath.passes = {pass};
+  return toolpath;
+}
+
+void ExpectCutBetweenLeads(const Pass& pass, size_t leads) {
+  ASSERT_EQ(pass.points.size(), 5 + 2 * leads);
+  for (size_t i = 0; i < pass.points.size(); ++i) {
+    const PointKind expected = i < leads       ? PointKind::kLeadIn
+                               : i < leads + 5 ? PointKind::kCut
+                                               : PointKind::kLeadOut;
+    EXPECT_EQ(pass.points[i].kind, expected);
+    EXPECT_EQ(pass.points[i].feed_rate, 7);
+    if (i > 0) {
+      EXPECT_NEAR(pass.points[i].arc_length - pass.points[i - 1].arc_length,
+                  (pass.points[i].position - pass.points[i - 1].position).norm(), 1e-12);
+    }
+  }
+}
+
+TEST(PassEnds, OverrunGoesStraightOn) {
+  Toolpath toolpath = Straight();
+  AddPassEnds({12, LeadShape::kNone, 0, 0}, 5, toolpath);
+  const Pass& pass = toolpath.passes[0];
+  ExpectCutBetweenLeads(pass, 3);
+  EXPECT_LT((pass.points.front().position - Eigen::Vector3d(-12, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((pass.points.back().position - Eigen::Vector3d(52, 0, 0)).norm(), 1e-12);
+}
+
+TEST(PassEnds, LeadsHaveTheirShape) {
+  Toolpath normal = Straight(), ramp = Straight(), arc = Straight();
+  AddPassEnds({2, LeadShape::kNormal, 6, 0}, 100, normal);
+  ExpectCutBetweenLeads(normal.passes[0], 2);
+  EXPECT_LT((normal.passes[0].points.front().position - Eigen::Vector3d(-2, 0, 6)).norm(), 1e-12);
+  AddPassEnds({0, LeadShape::kRamp, 6, DegToRad(30)}, 100, ramp);
+  ExpectCutBetweenLeads(ramp.passes[0], 1);
+  EXPECT_LT(
+      (ramp.passes[0].points.back().position - Eigen::Vector3d(40 + 6 * std::cos(DegToRad(30)), 0, 3)).norm(),
+      1e-12);
+  AddPassEnds({0, LeadShape::kArc, 8, 0}, 100, arc);
+  ExpectCutBetweenLeads(arc.passes[0], 12);
+  for (int i = 0; i < 12; ++i)
+    EXPECT_NEAR((arc.passes[0].points[i].position - Eigen::Vector3d(0, 0, 8)).norm(), 8, 1e-12);
+  EXPECT_LT((arc.passes[0].points.front().position - Eigen::Vector3d(-8, 0, 8)).norm(), 1e-12);
+}
+
+TEST(PassEnds, ClosedPassesStayAsTheyAre) {
+  Toolpath toolpath = Straight(true);
+  AddPassEnds({12, LeadShape::kArc, 8, 0}, 5, toolpath);
+  EXPECT_EQ(toolpath.passes[0].points.size(), 5);
+}
+
+TEST(PassEnds, LayersComeFromOutsideInEvenSteps) {
+  const Toolpath layered = Layered(Straight(), {2.5, 1, 0.1});
+  ASSERT_EQ(layered.passes.size(), 3);
+  const std::array<double, 3> heights{0.1 + 2.5 * 2 / 3, 0.1 + 2.5 / 3, 0.1};
+  for (int i = 0; i < 3; ++i)
+    for (const MillingPoint& point : layered.passes[i].points)
+      EXPECT_NEAR(point.position.z(), heights[i], 1e-12);
+  EXPECT_EQ(Layered(Straight(), {}).passes.size(), 1);
+}
+
+}  // namespace
+}  // namespace millpose
