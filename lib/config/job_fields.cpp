@@ -28,7 +28,7 @@ Codec<WorkpieceSettings> WorkpieceFields() {
 // A strategy's own section must be given with it and with no other.
 void CheckStrategySections(const Value& value, const Context& context, ToolpathSettings& toolpath) {
   for (const auto& [section, strategy] :
-       {std::pair("planes", "parallel_planes"), std::pair("rings", "rings")}) {
+       {std::pair("planes", "parallel_planes"), std::pair("rings", "rings"), std::pair("curve", "curve")}) {
     const Value::Key* key = value.FindKey(section);
     if (toolpath.strategy == strategy && !key)
       context.Child(section).Add(value.mark, fmt::format("missing; required by strategy {}", strategy));
@@ -38,6 +38,34 @@ void CheckStrategySections(const Value& value, const Context& context, ToolpathS
   }
 }
 
+void CheckCurve(const Value& value, const Context& context, ToolpathSettings& toolpath) {
+  if (toolpath.curve_points.size() < 2)
+    context.Add(value.mark,
+                fmt::format("a line needs 2 points or more, given {}", toolpath.curve_points.size()));
+}
+
+Codec<DepthSettings> DepthFields() {
+  using S = DepthSettings;
+  return Section<S>({
+      Key<S>("total_mm", MILLPOSE_AT(total), Real(kMm, AtLeast(0)), "Material above the surface."),
+      Key<S>("per_layer_mm", MILLPOSE_AT(per_layer), Real(kMm, Above(0)), "Largest depth of a layer."),
+      Key<S>("allowance_mm", MILLPOSE_AT(allowance), Real(kMm, AtLeast(0)), "Left on the surface."),
+  });
+}
+
+Codec<PassEndSettings> PassEndFields() {
+  using S = PassEndSettings;
+  return Section<S>({
+      Key<S>("overrun_mm", MILLPOSE_AT(overrun), Real(kMm, AtLeast(0)), "Straight on beyond both ends."),
+      Key<S>("lead", MILLPOSE_AT(lead), Choice({"none", "normal", "ramp", "arc"}),
+             "How passes are entered and left."),
+      Key<S>("lead_length_mm", MILLPOSE_AT(lead_length), Real(kMm, Above(0)),
+             "Length of the lead; of an arc its radius."),
+      Key<S>("ramp_deg", MILLPOSE_AT(ramp_angle), Real(kDeg, Between(0.1, 89)),
+             "Angle of a ramp with the surface."),
+  });
+}
+
 Codec<ToolpathSettings> ToolpathFields() {
   using S = ToolpathSettings;
   const auto strategy_is = [](const char* strategy) {
@@ -45,7 +73,7 @@ Codec<ToolpathSettings> ToolpathFields() {
   };
   return Section<S>(
       {
-          Key<S>("strategy", MILLPOSE_AT(strategy), Choice({"parallel_planes", "rings"}),
+          Key<S>("strategy", MILLPOSE_AT(strategy), Choice({"parallel_planes", "rings", "contours", "curve"}),
                  "How passes are laid on the surface.")
               .Required(),
           Key<S>("region", MILLPOSE_AT(region), RegionFields(), "What is milled; everything by default."),
@@ -64,6 +92,17 @@ Codec<ToolpathSettings> ToolpathFields() {
                                  .Required()}),
                  "Strategy rings: coaxial cylinders.")
               .WhenSet(strategy_is("rings")),
+          Key<S>("curve", kSelf,
+                 Section<S>(
+                     {Key<S>("points_mm", MILLPOSE_AT(curve_points),
+                             ListOf(Numbers3(kMm, Between(-1e6, 1e6))), "A polyline, in the workpiece frame.")
+                          .Required(),
+                      Key<S>("direction", MILLPOSE_AT(curve_direction), Direction(),
+                             "Along it the line is projected onto the faces that face it.")
+                          .Required()},
+                     CheckCurve),
+                 "Strategy curve: a single line.")
+              .WhenSet(strategy_is("curve")),
           Key<S>("stepover_mm", MILLPOSE_AT(stepover), Real(kMm, Above(0)),
                  "Distance of neighbouring passes.")
               .Required(),
@@ -77,6 +116,9 @@ Codec<ToolpathSettings> ToolpathFields() {
                  "Largest distance of neighbouring points."),
           Key<S>("crease_deg", MILLPOSE_AT(crease), Real(kDeg, Between(0, 180)),
                  "Normals are not averaged across edges sharper than this."),
+          Key<S>("depth", MILLPOSE_AT(depth), DepthFields(),
+                 "Layers along the normals; one on the surface by default."),
+          Key<S>("ends", MILLPOSE_AT(ends), PassEndFields(), "What is added at the ends of open passes."),
           Key<S>("lead_deg", MILLPOSE_AT(lead), Real(kDeg, Between(-89, 89)),
                  "Tool axis leans towards the feed direction."),
           Key<S>("tilt_deg", MILLPOSE_AT(tilt), Real(kDeg, Between(-89, 89)),

@@ -153,19 +153,34 @@ struct RegionSettings : ConditionSettings {
   double rim_distance = 0;  ///< mm from open rims and region borders
 };
 
+struct PassEndSettings {
+  double overrun = 0;                ///< mm, straight on beyond the ends of open passes
+  std::string lead = "none";         ///< none | normal | ramp | arc
+  double lead_length = 10;           ///< mm; of an arc its radius
+  double ramp_angle = DegToRad(15);  ///< rad
+};
+
+struct DepthSettings {
+  double total = 0, per_layer = 1, allowance = 0;  ///< mm
+};
+
 struct ToolpathSettings {
-  std::string strategy;  ///< parallel_planes | rings
+  std::string strategy;  ///< parallel_planes | rings | contours | curve
   RegionSettings region;
-  Eigen::Vector3d plane_normal = Eigen::Vector3d::UnitX();    ///< parallel_planes, P
-  Eigen::Vector3d axis_point = Eigen::Vector3d::Zero();       ///< rings: a point of the axis, P, mm
-  Eigen::Vector3d axis_direction = Eigen::Vector3d::UnitZ();  ///< rings, P
-  double stepover = 0;                                        ///< mm
+  Eigen::Vector3d plane_normal = Eigen::Vector3d::UnitX();     ///< parallel_planes, P
+  Eigen::Vector3d axis_point = Eigen::Vector3d::Zero();        ///< rings: a point of the axis, P, mm
+  Eigen::Vector3d axis_direction = Eigen::Vector3d::UnitZ();   ///< rings, P
+  std::vector<Eigen::Vector3d> curve_points;                   ///< curve, P, mm
+  Eigen::Vector3d curve_direction = Eigen::Vector3d::UnitZ();  ///< curve, P
+  double stepover = 0;                                         ///< mm
   std::string stepover_on = "planes";  ///< planes | surface: where the step-over is measured
   std::string direction = "zigzag";    ///< zigzag | one_way
   double chord_tolerance = 0.01;       ///< mm
   double spacing = 5;                  ///< largest distance of neighbouring points, mm
   double crease = DegToRad(30);        ///< normals are kept apart across sharper edges, rad
-  double lead = 0, tilt = 0;           ///< rad
+  DepthSettings depth;
+  PassEndSettings ends;
+  double lead = 0, tilt = 0;                                      ///< rad
   Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();  ///< W
 };
 

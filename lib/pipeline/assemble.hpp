@@ -49,7 +49,7 @@ Pose MakeWorkpiecePose(const WorkpieceSettings& settings, const Pose& X_WB);
 AdmissibleBounds MakeBounds(const JobSettings& job, const Arm& arm);
 
 PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_settings, const Cell& cell);
-ToolpathOptions MakeToolpathOptions(const JobSettings& job);
+ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& tool);
 PathOptions MakePathOptions(const JobSettings& job);
 GapOptions MakeGapOptions(const JobSettings& job);
 VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm);

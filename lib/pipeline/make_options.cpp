@@ -70,9 +70,22 @@ RegionOptions MakeRegion(const RegionSettings& settings) {
   return options;
 }
 
+double CornerRadius(const ToolSettings& tool) {
+  if (tool.cutter_shape == "ball") return tool.cutter_diameter / 2;
+  return tool.cutter_shape == "bull" ? tool.corner_radius : 0.0;
+}
+
+PassEnds MakePassEnds(const PassEndSettings& settings) {
+  const std::map<std::string, LeadShape> shapes{{"none", LeadShape::kNone},
+                                                {"normal", LeadShape::kNormal},
+                                                {"ramp", LeadShape::kRamp},
+                                                {"arc", LeadShape::kArc}};
+  return {settings.overrun, shapes.at(settings.lead), settings.lead_length, settings.ramp_angle};
+}
+
 }  // namespace
 
-ToolpathOptions MakeToolpathOptions(const JobSettings& job) {
+ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& tool) {
   const ToolpathSettings& settings = job.toolpath;
   ToolpathOptions options;
   options.strategy = settings.strategy;
@@ -80,6 +93,8 @@ ToolpathOptions MakeToolpathOptions(const JobSettings& job) {
   options.plane_normal = settings.plane_normal;
   options.axis_point = settings.axis_point;
   options.axis_direction = settings.axis_direction;
+  options.curve_points = settings.curve_points;
+  options.curve_direction = settings.curve_direction;
   options.stepover = settings.stepover;
   options.stepover_on_surface = settings.stepover_on == "surface";
   options.zigzag = settings.direction == "zigzag";
@@ -88,6 +103,11 @@ ToolpathOptions MakeToolpathOptions(const JobSettings& job) {
   options.crease = settings.crease;
   options.lead = settings.lead;
   options.tilt = settings.tilt;
+  // With an upright axis the tip is the contact; a leaning cutter touches beside its tip.
+  if (settings.lead != 0 || settings.tilt != 0)
+    options.cutter = CutterShape{tool.cutter_diameter / 2, CornerRadius(tool), tool.cutting_length};
+  options.layers = {settings.depth.total, settings.depth.per_layer, settings.depth.allowance};
+  options.ends = MakePassEnds(settings.ends);
   options.feed_rate = job.feed;
   return options;
 }

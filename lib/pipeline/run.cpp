@@ -62,7 +62,8 @@ ImportResult ReadSurface(const JobInputs& inputs, const Cell& cell, std::vector<
 Toolpath MakeWorldToolpath(const JobInputs& inputs, const Mesh& mesh, const Pose& X_WP, Stages& stages,
                            std::stop_token stop) {
   stages.Begin("toolpath", 0);
-  Toolpath toolpath = Transformed(MakeToolpath(mesh, MakeToolpathOptions(inputs.job), stop), X_WP);
+  Toolpath toolpath =
+      Transformed(MakeToolpath(mesh, MakeToolpathOptions(inputs.job, inputs.cell.tool), stop), X_WP);
   size_t points = 0;
   for (Pass& pass : toolpath.passes) {
     pass.rotation_reference = inputs.job.toolpath.rotation_reference.normalized();

@@ -24,6 +24,10 @@ void CheckOptions(const ToolpathOptions& options) {
           options.plane_normal.norm());
   require(std::abs(options.axis_direction.norm() - 1) < 1e-9, "the rings' axis must have length 1",
           options.axis_direction.norm());
+  require(std::abs(options.curve_direction.norm() - 1) < 1e-9, "the curve's direction must have length 1",
+          options.curve_direction.norm());
+  require(options.layers.total >= 0, "the depth must not be negative (mm)", options.layers.total);
+  require(options.layers.per_layer > 0, "the depth of a layer must be above 0 mm", options.layers.per_layer);
   if (!problems.empty()) throw InputError(std::move(problems));
 }
 
@@ -91,6 +95,12 @@ std::vector<Curve> PartsOf(const Lane& lane, const Mesh& mesh, const Region& reg
   return ordered;
 }
 
+void MoveToTip(const CutterShape& cutter, Toolpath& toolpath) {
+  for (Pass& pass : toolpath.passes)
+    for (MillingPoint& point : pass.points)
+      point.position = TipAtContact(cutter, point.position, point.normal, point.tool_axis);
+}
+
 }  // namespace
 
 Toolpath MakeToolpath(const Mesh& mesh, const ToolpathOptions& options, std::stop_token stop) {
@@ -110,6 +120,9 @@ Toolpath MakeToolpath(const Mesh& mesh, const ToolpathOptions& options, std::sto
         {},
         "toolpath: nothing of the mesh lies in the region; check box, facing direction, rim distance "
         "and the mesh's unit and orientation");
+  toolpath = Layered(toolpath, options.layers);
+  if (options.cutter) MoveToTip(*options.cutter, toolpath);
+  AddPassEnds(options.ends, options.spacing, toolpath);
   return toolpath;
 }
 

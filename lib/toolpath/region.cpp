@@ -41,17 +41,18 @@ Region::Region(const Mesh& mesh, const RegionOptions& options)
   border_tree_ = Bvh(boxes);
 }
 
+double Region::BorderDistance(const Eigen::Vector3d& p) const {
+  const auto [nearest, squared] =
+      border_tree_.Nearest(p, std::numeric_limits<double>::infinity(), [&](int i) {
+        const auto& [a, b] = borders_[i];
+        return (a + ClosestOnSegment(p, a, b) * (b - a) - p).squaredNorm();
+      });
+  return std::sqrt(squared);
+}
+
 double Region::Margin(int face, const Eigen::Vector3d& p) const {
-  double margin = term_->Margin(face, p);
-  if (options_.rim_distance > 0) {
-    const auto [nearest, squared] =
-        border_tree_.Nearest(p, std::numeric_limits<double>::infinity(), [&](int i) {
-          const auto& [a, b] = borders_[i];
-          return (a + ClosestOnSegment(p, a, b) * (b - a) - p).squaredNorm();
-        });
-    margin = std::min(margin, std::sqrt(squared) - options_.rim_distance);
-  }
-  return margin;
+  const double margin = term_->Margin(face, p);
+  return options_.rim_distance > 0 ? std::min(margin, BorderDistance(p) - options_.rim_distance) : margin;
 }
 
 std::vector<Region::Patch> Region::Patches() const {

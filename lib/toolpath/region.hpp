@@ -68,6 +68,10 @@ class Region {
   };
   /// All of them, for extents.
   std::vector<Patch> Patches() const;
+  /// Whether there is any rim or edge to a face that is out as a whole.
+  bool HasBorders() const { return !borders_.empty(); }
+  /// Distance of p from the nearest of them, mm; infinite when there is none.
+  double BorderDistance(const Eigen::Vector3d& p) const;
   /// Sum of the region's face normals weighted with area, as a unit vector; zero when they cancel out.
   Eigen::Vector3d MeanNormal() const;
   const Mesh& mesh() const { return mesh_; }

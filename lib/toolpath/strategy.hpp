@@ -35,7 +35,9 @@ std::vector<std::string> StrategyNames();
 /// Throws InputError with the nearest name for an unknown one.
 std::unique_ptr<Strategy> MakeStrategy(const std::string& name);
 
+std::unique_ptr<Strategy> MakeContours();
 std::unique_ptr<Strategy> MakeParallelPlanes();
 std::unique_ptr<Strategy> MakeRings();
+std::unique_ptr<Strategy> MakeSingleCurve();
 
 }  // namespace millpose

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "toolpath/cutter.hpp"
+#include "toolpath/pass_ends.hpp"
 #include "toolpath/region.hpp"
 
 namespace millpose {
@@ -14,6 +16,9 @@ struct ToolpathOptions {
   Eigen::Vector3d plane_normal = Eigen::Vector3d::UnitX();    ///< parallel_planes: unit vector
   Eigen::Vector3d axis_point = Eigen::Vector3d::Zero();       ///< rings
   Eigen::Vector3d axis_direction = Eigen::Vector3d::UnitZ();  ///< rings: unit vector
+  std::vector<Eigen::Vector3d> curve_points;                  ///< curve: a polyline of two points or more
+  Eigen::Vector3d curve_direction =
+      Eigen::Vector3d::UnitZ();      ///< curve: projected along it onto faces that face it
   double stepover = 8;               ///< largest distance of neighbouring planes or radii
   bool stepover_on_surface = false;  ///< the step-over is measured along the surface instead
   bool zigzag = true;                ///< every other plane (open ring) is milled the other way
@@ -23,7 +28,10 @@ struct ToolpathOptions {
   double lead = 0;                   ///< the tool axis leans forward, towards the feed direction
   double tilt = 0;                   ///< then to the right of the feed direction, seen against the normal
   Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();  ///< copied to each pass; unit vector
-  double feed_rate = 0;                                           ///< copied to each point
+  std::optional<CutterShape> cutter;  ///< moves positions from the contact to the tip where the axis leans
+  Layers layers;
+  PassEnds ends;
+  double feed_rate = 0;  ///< copied to each point
 };
 
 }  // namespace millpose

@@ -226,6 +226,91 @@ TEST(MakeToolpath, TransformTurnsDirectionsToo) {
   EXPECT_LT((b.passes[3].rotation_reference - X.linear() * a.passes[3].rotation_reference).norm(), 1e-12);
 }
 
+TEST(MakeToolpath, ContoursKeepTheirDistanceFromTheRims) {
+  const Mesh mesh = Sample("support_pad");
+  ToolpathOptions options = PadOptions();
+  options.strategy = "contours";
+  options.region.rim_distance = 4;
+  options.stepover = 6;
+  const Toolpath toolpath = MakeToolpath(mesh, options, {});
+  ASSERT_EQ(toolpath.passes.size(), 6);  // 36 mm from the rim's distance to the middle
+  for (size_t i = 0; i < 6; ++i) {
+    EXPECT_TRUE(toolpath.passes[i].closed);
+    const double wanted = 4 + 6 * (static_cast<double>(i) + 0.5);
+    for (const MillingPoint& point : toolpath.passes[i].points) {
+      EXPECT_LT(mesh.Closest(point.position).distance, 1e-6);
+      const double distance = 40 - point.position.head<2>().cwiseAbs().maxCoeff();
+      EXPECT_NEAR(distance, wanted, 0.02);
+      EXPECT_GT(Eigen::Vector3d::UnitZ().cross(point.position).dot(point.feed), 0);  // counter-clockwise
+    }
+  }
+}
+
+TEST(MakeToolpath, ContoursGoRoundIslands) {
+  const Mesh mesh = Sample("cabin_panel");
+  ToolpathOptions options;
+  options.strategy = "contours";
+  options.region.facing = Eigen::Vector3d::UnitZ();
+  options.region.facing_within = DegToRad(30);
+  options.stepover = 25;
+  const Region region(mesh, options.region);
+  const Toolpath toolpath = MakeToolpath(mesh, options, {});
+  ExpectSound(mesh, toolpath, options);
+  EXPECT_GT(toolpath.passes.size(), 8);
+  // Hardly nearer to a rim; farther only where the lines of two rims meet at a corner.
+  size_t points = 0, near = 0;
+  for (const Pass& pass : toolpath.passes) {
+    std::vector<double> distances;
+    for (const MillingPoint& point : pass.points) distances.push_back(region.BorderDistance(point.position));
+    std::ranges::sort(distances);
+    const double level = distances[distances.size() / 2];
+    EXPECT_GT(distances.front(), level - 0.25);
+    points += distances.size();
+    near += std::ranges::count_if(distances, [&](double d) { return std::abs(d - level) < 0.02; });
+  }
+  EXPECT_GT(static_cast<double>(near), 0.99 * static_cast<double>(points));
+}
+
+TEST(MakeToolpath, SingleCurveIsProjectedOntoThePart) {
+  const Mesh mesh = Sample("cabin_panel");
+  ToolpathOptions options;
+  options.strategy = "curve";
+  options.region.facing = Eigen::Vector3d::UnitZ();
+  options.region.facing_within = DegToRad(60);
+  options.curve_points = {{-280, -400, 99}, {-100, -390, 50}, {-100, -200, 0}};
+  const Toolpath toolpath = MakeToolpath(mesh, options, {});
+  ASSERT_EQ(toolpath.passes.size(), 1);
+  ExpectSound(mesh, toolpath, options);
+  const auto& points = toolpath.passes[0].points;
+  EXPECT_LT((points.front().position - options.curve_points.front()).head<2>().norm(), 1e-6);
+  EXPECT_LT((points.back().position - options.curve_points.back()).head<2>().norm(), 1e-6);
+  double nearest = 1e9;
+  for (const MillingPoint& point : points) {
+    nearest = std::min(nearest, (point.position - options.curve_points[1]).head<2>().norm());
+    EXPECT_NEAR(std::hypot(point.position.y(), point.position.z() + 1500), 1500, 0.1);
+  }
+  EXPECT_LT(nearest, 1e-6);
+}
+
+TEST(MakeToolpath, LeaningCutterTouchesTheContactAndDoesNotGouge) {
+  const Mesh mesh = Sample("support_pad");
+  ToolpathOptions options = PadOptions();
+  options.lead = DegToRad(5);
+  options.cutter = CutterShape{10, 2, 40};
+  options.ends.overrun = 12;
+  options.layers = {2, 1, 0};
+  const Toolpath toolpath = MakeToolpath(mesh, options, {});
+  ASSERT_EQ(toolpath.passes.size(), 20);
+  const Pass& pass = toolpath.passes[10];
+  EXPECT_EQ(pass.points.front().kind, PointKind::kLeadIn);
+  for (const MillingPoint& point : pass.points) {
+    EXPECT_EQ(DeepestGouge(mesh, *options.cutter, point.position, point.tool_axis, 1e-6).depth, 0);
+    const Gouge pushed =
+        DeepestGouge(mesh, *options.cutter, point.position - 0.1 * point.tool_axis, point.tool_axis, 1e-6);
+    EXPECT_NEAR(pushed.depth, point.kind == PointKind::kCut ? 0.1 : pushed.depth, 1e-3);
+  }
+}
+
 TEST(MakeToolpath, SaysWhatIsWrong) {
   const Mesh mesh = Sample("support_pad");
   ToolpathOptions options = PadOptions();
