@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "toolpath/apt_scanner.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr size_t kDataColumns = 72;
+constexpr size_t kMaxStatement = 100000;  // characters; nothing sensible is longer
+
+bool IsBlank(char c) { return c == ' ' || c == '\t'; }
+
+// Columns 73 to 80 of a card hold its number.
+std::string_view WithoutSequenceNumber(std::string_view line) {
+  if (line.size() <= kDataColumns || line.size() > 80) return line;
+  const std::string_view tail = line.substr(kDataColumns);
+  const bool number = tail.find_first_not_of("0123456789 ") == std::string_view::npos &&
+                      tail.find_first_of("0123456789") != std::string_view::npos;
+  return number ? line.substr(0, kDataColumns) : line;
+}
+
+std::string_view WithoutTrailingBlanks(std::string_view text) {
+  while (!text.empty() && IsBlank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+// A statement's characters with their places.
+struct Text {
+  std::string characters;
+  std::vector<std::pair<int, int>> places;
+};
+
+AptWord Word(const Text& text, size_t begin, size_t end, const std::string& name) {
+  while (begin < end && IsBlank(text.characters[begin])) ++begin;
+  while (end > begin && IsBlank(text.characters[end - 1])) --end;
+  AptWord word{text.characters.substr(begin, end - begin), {name}};
+  if (!text.places.empty()) {
+    const auto& [line, column] = text.places[std::min(begin, text.places.size() - 1)];
+    word.place.line = line;
+    word.place.column = column;
+  }
+  return word;
+}
+
+}  // namespace
+
+std::string_view AptScanner::TakeLine() {
+  size_t end = at_;
+  while (end < bytes_.size() && bytes_[end] != '\n' && bytes_[end] != '\r') ++end;
+  const std::string_view line = bytes_.substr(at_, end - at_);
+  at_ = std::min(bytes_.size(), end + 1);
+  if (end + 1 < bytes_.size() && bytes_[end] == '\r' && bytes_[end + 1] == '\n') ++at_;
+  ++line_;
+  return line;
+}
+
+bool AptScanner::Next(AptStatement& statement) {
+  Text text;
+  for (bool goes_on = true; goes_on || WithoutTrailingBlanks(text.characters).empty();) {
+    if (at_ >= bytes_.size()) {
+      if (WithoutTrailingBlanks(text.characters).empty()) return false;
+      break;
+    }
+    std::string_view line = WithoutSequenceNumber(TakeLine());
+    line = WithoutTrailingBlanks(line.substr(0, line.find("$$")));
+    goes_on = line.ends_with('$');
+    if (goes_on) line.remove_suffix(1);
+    for (size_t i = 0; i < line.size(); ++i) {
+      const char c = line[i];
+      text.characters += c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+      text.places.emplace_back(line_, static_cast<int>(i) + 1);
+    }
+    if (text.characters.size() > kMaxStatement)
+      throw InputError({name_, line_},
+                       fmt::format("a statement is longer than {} characters", kMaxStatement));
+  }
+  const size_t slash = text.characters.find('/');
+  statement.major = Word(text, 0, std::min(slash, text.characters.size()), name_);
+  statement.minors.clear();
+  for (size_t begin = slash; begin != std::string::npos && begin < text.characters.size();) {
+    const size_t end = std::min(text.characters.find(',', begin + 1), text.characters.size());
+    statement.minors.push_back(Word(text, begin + 1, end, name_));
+    begin = end;
+  }
+  return true;
+}
+
+}  // namespace millpose

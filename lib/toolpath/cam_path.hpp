@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Dense>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "toolpath/milling_point.hpp"
+
+namespace millpose {
+
+/// A point of a tool path from CAM: where the tip goes on a straight line from the point before. mm, mm/s.
+struct CamPoint {
+  Eigen::Vector3d position;
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< unit vector from tip to holder
+  double feed_rate = 0;                             ///< 0: none was given
+  bool rapid = false;                               ///< moved to without cutting
+  bool fresh = false;                               ///< a new tool or operation begins: the way here is none
+  int line = 0;                                     ///< of the file
+};
+
+struct CamPath {
+  std::vector<CamPoint> points;
+  std::vector<std::string> notes;  ///< what was taken over, ignored or converted, one sentence each
+};
+
+/// Reads a CAM tool path: APT CLDATA (CATIA, NX and others) or CSV, told from the content. Circles become
+/// points with chords that deviate by at most `chord_tolerance` (mm). Throws InputError with line and column
+/// for motions that cannot be read; words that are not known are counted in the notes.
+CamPath ReadCamPath(std::string_view bytes, const std::string& name, double chord_tolerance);
+
+/// The formats one by one.
+CamPath ReadApt(std::string_view bytes, const std::string& name, double chord_tolerance);
+CamPath ReadCamCsv(std::string_view bytes, const std::string& name);
+
+/// A tool path as APT or CSV, positions and axes as they are (mm); each pass begins with a rapid to its first
+/// point, a closed one returns to it. Positions with 6, axes with 9 decimals.
+std::string WriteApt(const Toolpath& toolpath, const std::string& name);
+std::string WriteCamCsv(const Toolpath& toolpath);
+
+}  // namespace millpose

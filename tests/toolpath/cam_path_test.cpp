@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "toolpath/cam_path.hpp"
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "surface/mesh_import.hpp"
+#include "tests/surface/shapes.hpp"
+#include "toolpath/cam_import.hpp"
+#include "toolpath/make_toolpath.hpp"
+
+namespace millpose {
+namespace {
+
+CamPath Apt(const std::string& text) { return ReadCamPath(text, "path.cls", 0.01); }
+
+std::string ErrorOf(const std::string& text) {
+  try {
+    Apt(text);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Apt, AxesAreModalAndRapidHoldsOnce) {
+  const CamPath path =
+      Apt("GOTO / 1.0, 2., .5, 0,0,2\r\nrapid/\r\nGoto/4,5,6\r\nGOTO/7,8,9,1,0,0 $$ comment\r\n");
+  ASSERT_EQ(path.points.size(), 3);
+  EXPECT_EQ(path.points[0].position, Eigen::Vector3d(1, 2, 0.5));
+  EXPECT_EQ(path.points[1].axis, Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(path.points[2].axis, Eigen::Vector3d::UnitX());
+  EXPECT_FALSE(path.points[0].rapid);
+  EXPECT_TRUE(path.points[1].rapid);
+  EXPECT_FALSE(path.points[2].rapid);
+  EXPECT_EQ(path.points[2].line, 4);
+}
+
+TEST(Apt, FeedsInAllOrdersAndUnits) {
+  const CamPath path =
+      Apt("FEDRAT/600.0,MMPM\nGOTO/0,0,0\nFEDRAT/MMPM,1200\nGOTO/1,0,0\nFEDRAT/10,IPM\nGOTO/2,0,0\n"
+          "SPINDL/RPM,3000,CLW\nFEDRAT/MMPR,0.1\nGOTO/3,0,0\nFEDRAT/0.01,IPR\nGOTO/4,0,0\nFEDRAT/90\nGOTO/"
+          "5,0,0\n");
+  const std::array<double, 6> expected{10, 20, 254.0 / 60, 5, 12.7, 1.5};
+  for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(path.points[i].feed_rate, expected[i], 1e-12) << i;
+}
+
+TEST(Apt, InchesContinuedLinesSequenceNumbersAndDeltas) {
+  std::string card = "GOTO/1,0,0";
+  card.resize(72, ' ');
+  const CamPath path = Apt("UNITS/INCHES\nGOTO/1,2,$\n3\n" + card + "00000030\nGODLTA/0,0,1\nGODLTA/2\n");
+  EXPECT_EQ(path.points[0].position, 25.4 * Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(path.points[1].position, 25.4 * Eigen::Vector3d(1, 0, 0));
+  EXPECT_LT((path.points[2].position - 25.4 * Eigen::Vector3d(1, 0, 1)).norm(), 1e-12);
+  EXPECT_LT((path.points[3].position - 25.4 * Eigen::Vector3d(1, 0, 3)).norm(), 1e-12);
+}
+
+TEST(Apt, CirclesAreExpandedWithinTheTolerance) {
+  const CamPath path = Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10,0,0,0,0\nGOTO/0,10,4\n");
+  EXPECT_EQ(path.notes, std::vector<std::string>{"1 CIRCLE expanded by the chord tolerance"});
+  ASSERT_GT(path.points.size(), 10);
+  for (size_t i = 0; i < path.points.size(); ++i) {
+    const Eigen::Vector3d& p = path.points[i].position;
+    EXPECT_NEAR(p.head<2>().norm(), 10, 1e-9);
+    EXPECT_GE(p.x(), -1e-9);  // the quarter, not the other three
+    if (i > 0) {
+      EXPECT_GE((p + path.points[i - 1].position).head<2>().norm() / 2, 10 - 0.01);
+    }
+  }
+  EXPECT_GT(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,-1,10\nGOTO/0,10,0\n").points.size(),
+            2.5 * path.points.size());
+  EXPECT_GT(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/10,0,0\n").points.size(), 3.5 * path.points.size());
+}
+
+TEST(Apt, CoordinateSystemsAreApplied) {
+  const CamPath path = Apt("MSYS/100,0,0,0,1,0,-1,0,0\nGOTO/1,2,3,1,0,0\n");
+  EXPECT_LT((path.points[0].position - Eigen::Vector3d(98, 1, 3)).norm(), 1e-12);
+  EXPECT_LT((path.points[0].axis - Eigen::Vector3d(0, 1, 0)).norm(), 1e-12);
+  EXPECT_EQ(path.notes.size(), 1);
+}
+
+TEST(Apt, UnknownWordsAreCountedAndMotionsMustBeReadable) {
+  const CamPath path =
+      Apt("PPRINT OPERATION "
+          "1\nWHATEVER/1\nWHATEVER/2\nGOTO/0,0,0\nCYCLE/DRILL,5\nGOTO/1,1,1\nCYCLE/OFF\nGOTO/2,0,0\n");
+  EXPECT_EQ(path.points.size(), 2);
+  const std::vector<std::string> expected{"1 points within drilling cycles left out",
+                                          "2 \"WHATEVER\" not known, ignored"};
+  EXPECT_EQ(path.notes, expected);
+  EXPECT_EQ(ErrorOf("GOTO/1,2\n"), "path.cls:1:1: GOTO needs 3 to 6 numbers, found 2");
+  EXPECT_EQ(ErrorOf("GOTO/0,0,0\n  GOTO/1, 2x,3\n"), "path.cls:2:11: GOTO needs numbers, found \"2X\"");
+  EXPECT_EQ(ErrorOf("GOTO/0,0,$\n nan\n"), "path.cls:2:2: GOTO needs numbers, found \"NAN\"");
+  EXPECT_EQ(ErrorOf("GOTO/0,0,0,0,0,0\n"), "path.cls:1:12: the tool axis has no length");
+  EXPECT_EQ(ErrorOf("GOTO/0,0,0\nCIRCLE/0,0,0,0,0,1,5\n"),
+            "path.cls:2:1: a CIRCLE is not followed by the GOTO that it leads to");
+  EXPECT_EQ(ErrorOf("FINI\n"), "path.cls: the file holds no GOTO");
+  EXPECT_EQ(ErrorOf("UNITS/FEET\n").substr(0, 14), "path.cls:1:1: ");
+}
+
+TEST(CamCsv, ReadsUnitsSeparatorsAndPasses) {
+  const CamPath path =
+      ReadCamPath("x_in;y_in;z_in;i;j;k;feed_mm_min;pass;note\n1,5;0;0;0;0;2;600;1;7\n2;0;0;0;0;1;600;2;8\n",
+                  "a.csv", 0.01);
+  EXPECT_EQ(path.points[0].position.x(), 1.5 * 25.4);
+  EXPECT_EQ(path.points[0].axis, Eigen::Vector3d::UnitZ());
+  EXPECT_NEAR(path.points[0].feed_rate, 10, 1e-12);
+  EXPECT_TRUE(path.points[1].fresh);
+  EXPECT_EQ(path.notes, std::vector<std::string>{"column \"note\" not known, ignored"});
+}
+
+TEST(CamCsv, TellsThePlaceOfErrors) {
+  EXPECT_EQ(ErrorOf("x_mm,y_mm,z_mm\n1,2,3\n1,b,3\n"), "path.cls:3:3: expected a finite number, found \"b\"");
+  EXPECT_EQ(ErrorOf("x_mm,y_mm,z_mm\n1,2\n"), "path.cls:2:1: 2 values, the header names 3 columns");
+  EXPECT_EQ(ErrorOf("x_mm,y_mm\n1,2\n"), "path.cls:1:1: the header names no column z_mm (or z_m, z_in)");
+  EXPECT_EQ(ErrorOf("x_mm,y_mm,z_mm,i\n"), "path.cls:1:1: the tool axis needs all of the columns i, j, k");
+}
+
+TEST(CamImport, SlicesComeBackFromAptAndCsv) {
+  const std::string file = std::string(MILLPOSE_SOURCE_DIR) + "/toolpaths/cabin_ring/cabin_ring.stl";
+  const Mesh mesh = ImportMesh(ReadMesh(ReadFile(file), file), {}, file).mesh;
+  ToolpathOptions options;
+  options.strategy = "rings";
+  options.region.facing = Eigen::Vector3d::UnitZ();
+  options.region.facing_within = DegToRad(1);
+  options.lead = DegToRad(3);
+  options.feed_rate = 12.5;
+  const Toolpath made = MakeToolpath(mesh, options, {});
+  CamImportOptions import;
+  import.spacing = 100;
+  for (const std::string& text : {WriteApt(made, "ring"), WriteCamCsv(made)}) {
+    CamImportReport report;
+    const Toolpath read = ImportCamPath(ReadCamPath(text, "x", 0.01), &mesh, import, &report);
+    ASSERT_EQ(read.passes.size(), made.passes.size());
+    EXPECT_LT(report.largest_distance.value(), 1e-4);
+    for (size_t i = 0; i < made.passes.size(); ++i) {
+      EXPECT_TRUE(read.passes[i].closed);
+      ASSERT_EQ(read.passes[i].points.size(), made.passes[i].points.size());
+      for (size_t k = 0; k < made.passes[i].points.size(); ++k) {
+        const MillingPoint &a = made.passes[i].points[k], &b = read.passes[i].points[k];
+        EXPECT_LT((a.position - b.position).norm(), 1e-4);
+        EXPECT_LT((a.tool_axis - b.tool_axis).norm(), 1e-8);
+        EXPECT_LT((a.normal - b.normal).norm(), 1e-6);
+        EXPECT_LT((a.feed - b.feed).norm(), 5e-3);  // chords, not tangents
+        EXPECT_NEAR(a.feed_rate, b.feed_rate, 1e-9);
+      }
+    }
+  }
+}
+
+TEST(CamImport, RapidsSplitPassesAndFarEndsAreLeads) {
+  const Mesh mesh = SoundMesh(GridShape(10, 10, 10));
+  CamImportOptions options;
+  options.spacing = 4;
+  options.feed_rate = 3;
+  CamImportReport report;
+  const Toolpath toolpath =
+      ImportCamPath(Apt("RAPID\nGOTO/10,10,20,0,0,1\nGOTO/10,10,0\nGOTO/30,10,0\nGOTO/30,10,20\nRAPID\nGOTO/"
+                        "50,50,0\nGOTO/60,50,0\nRAPID\nGOTO/0,0,90\n"),
+                    &mesh, options, &report);
+  ASSERT_EQ(toolpath.passes.size(), 2);
+  const auto& points = toolpath.passes[0].points;
+  ASSERT_EQ(points.size(), 1 + 5 + 5 + 5);
+  EXPECT_EQ(points[0].kind, PointKind::kLeadIn);
+  EXPECT_EQ(points[4].kind, PointKind::kLeadIn);
+  EXPECT_EQ(points[5].kind, PointKind::kCut);
+  EXPECT_EQ(points[10].kind, PointKind::kCut);
+  EXPECT_EQ(points[11].kind, PointKind::kLeadOut);
+  EXPECT_EQ(report.leads, 10);
+  for (const MillingPoint& point : points) {
+    EXPECT_EQ(point.normal, Eigen::Vector3d::UnitZ());
+    EXPECT_LT((point.feed - Eigen::Vector3d::UnitX()).norm(), 1e-9);
+    EXPECT_EQ(point.feed_rate, 3);
+  }
+  EXPECT_EQ(points[5].source_line, 3);
+}
+
+TEST(CamImport, WithoutAMeshTheAxisIsTheNormal) {
+  const Toolpath toolpath = ImportCamPath(
+      Apt("GOTO/0,0,0,0,0.6,0.8\nGOTO/10,0,0\nGOTO/10,0,0,0,0,1\nGOTO/10,9,0\n"), nullptr, {}, nullptr);
+  ASSERT_EQ(toolpath.passes.size(), 2);  // the axis turns on the spot
+  EXPECT_EQ(toolpath.passes[0].points[0].normal, Eigen::Vector3d(0, 0.6, 0.8));
+  EXPECT_THROW(ImportCamPath(Apt("RAPID\nGOTO/0,0,0\nRAPID\nGOTO/1,0,0\n"), nullptr, {}, nullptr),
+               InputError);
+}
+
+}  // namespace
+}  // namespace millpose
