@@ -5,7 +5,8 @@ import re
 import sys
 from pathlib import Path
 
-# Libraries whose types stay inside .cpp files; a header that must show one is named after it or an adapter.
+# Libraries whose types stay inside .cpp files; a header that must show one is named after it, an adapter, or a
+# module's private *_impl.hpp.
 HIDDEN = {"CGAL": "cgal", "OpenMesh": "openmesh", "fcl": "fcl", "ompl": "ompl", "yaml-cpp": "yaml",
           "nlohmann": "json", "tbb": "tbb"}
 # What opens files; allowed in lib/base alone.
@@ -58,7 +59,7 @@ def check_headers(top):
             yield f"{file.relative_to(top)}: lacks #pragma once"
         for _, path in INCLUDE.findall(text):
             library = path.split("/")[0]
-            if library in HIDDEN and not any(word in file.name for word in (HIDDEN[library], "adapter")):
+            if library in HIDDEN and not any(word in file.name for word in (HIDDEN[library], "adapter", "_impl")):
                 yield f"{file.relative_to(top)}: shows {path}; {library} stays inside .cpp files"
 
 
