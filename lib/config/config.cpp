@@ -6,9 +6,31 @@
 namespace millpose {
 namespace {
 
+// Puts the value at its place, making the maps on the way that are missing.
+void Apply(const Override& change, config::Value* root) {
+  config::Value* place = root;
+  for (size_t begin = 0; begin <= change.path.size();) {
+    const size_t end = std::min(change.path.find('.', begin), change.path.size());
+    const std::string key = change.path.substr(begin, end - begin);
+    begin = end + 1;
+    if (place->kind != config::Value::Kind::kMap) *place = config::Value::Map();
+    auto found = std::ranges::find(place->keys, key, &config::Value::Key::text);
+    if (found == place->keys.end()) {
+      place->Put(key, {});
+      found = place->keys.end() - 1;
+    }
+    place = &place->items[static_cast<size_t>(found - place->keys.begin())];
+  }
+  // A list around it makes any text a document.
+  *place = config::ReadYaml("[" + change.value + "]", "--set " + change.path).items.at(0);
+  place->mark = {};
+}
+
 template <class S>
-S Parse(const config::Codec<S>& fields, std::string_view yaml, const std::string& name) {
-  const config::Value root = config::ReadYaml(yaml, name);
+S Parse(const config::Codec<S>& fields, std::string_view yaml, const std::string& name,
+        const std::vector<Override>& overrides = {}) {
+  config::Value root = config::ReadYaml(yaml, name);
+  for (const Override& change : overrides) Apply(change, &root);
   std::vector<Problem> problems;
   S settings;
   settings.file = name;
@@ -32,8 +54,16 @@ std::string Schema(const config::Value& fields_schema, const std::string& title)
 
 }  // namespace
 
-JobSettings ParseJob(std::string_view yaml, const std::string& name) {
-  return Parse(config::JobFields(), yaml, name);
+JobSettings ParseJob(std::string_view yaml, const std::string& name, const std::vector<Override>& overrides) {
+  return Parse(config::JobFields(), yaml, name, overrides);
+}
+
+Override ParseOverride(const std::string& text) {
+  const size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+    throw InputError(Place{},
+                     fmt::format("--set: given {}; allowed: KEY=VALUE like toolpath.stepover_mm=4", text));
+  return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
 CellSettings ParseCell(std::string_view yaml, const std::string& name) {

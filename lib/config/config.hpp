@@ -8,9 +8,18 @@
 
 namespace millpose {
 
+/// A setting given in place of the file's: key path with dots, value as YAML ("toolpath.stepover_mm", "4").
+struct Override {
+  std::string path, value;
+};
+/// Splits "toolpath.stepover_mm=4"; throws InputError without an equals sign or a key.
+Override ParseOverride(const std::string& text);
+
 /// Reads a job or cell from YAML text. Throws InputError with every problem found (file:line:column, key
-/// path, given, allowed, nearest key). `name` is used in messages; nothing is opened.
-JobSettings ParseJob(std::string_view yaml, const std::string& name);
+/// path, given, allowed, nearest key). `name` is used in messages; nothing is opened. `overrides` replace or
+/// add keys, in their order.
+JobSettings ParseJob(std::string_view yaml, const std::string& name,
+                     const std::vector<Override>& overrides = {});
 CellSettings ParseCell(std::string_view yaml, const std::string& name);
 
 /// The settings as YAML that reads back to the same, every key written, defaults included.

@@ -174,7 +174,8 @@ const Slip kCellSlips[] = {
 
 TEST(BrokenYaml, JobSlipsAreNamedWithTheirPlace) {
   ASSERT_NO_THROW(ParseJob(kJob, "f.yaml"));
-  for (const Slip& slip : kJobSlips) ExpectProblem(slip, Replaced(kJob, slip), ParseJob);
+  const auto parse = [](const std::string& text, const std::string& name) { ParseJob(text, name); };
+  for (const Slip& slip : kJobSlips) ExpectProblem(slip, Replaced(kJob, slip), parse);
 }
 
 TEST(BrokenYaml, CellSlipsAreNamedWithTheirPlace) {

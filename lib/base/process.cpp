@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/process.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+
+#include "base/error.hpp"
+
+extern char** environ;
+
+namespace millpose {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr int kPollMs = 100;
+constexpr std::chrono::seconds kGrace{5};
+
+// One direction of output; both ends are closed on every way out.
+struct Pipe {
+  int ends[2] = {-1, -1};
+  Pipe() {
+    if (::pipe2(ends, O_CLOEXEC) != 0)
+      throw InputError(Place{}, fmt::format("cannot make a pipe: {}", std::strerror(errno)));
+  }
+  ~Pipe() {
+    Close(0);
+    Close(1);
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+  void Close(int end) {
+    if (ends[end] >= 0) ::close(ends[end]);
+    ends[end] = -1;
+  }
+};
+
+pid_t Spawn(const std::vector<std::string>& arguments, const Pipe& output, const Pipe& errors) {
+  std::vector<char*> argv;
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, output.ends[1], 1);
+  posix_spawn_file_actions_adddup2(&actions, errors.ends[1], 2);
+  // The child gets no blocked signals, and a process group of its own: Ctrl-C reaches the parent alone, which
+  // stops its children in order.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none;
+  sigemptyset(&none);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
+  pid_t child = 0;
+  const int error = ::posix_spawnp(&child, argv[0], &actions, &attributes, argv.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0)
+    throw InputError(Place{arguments[0]}, fmt::format("cannot be started: {}", std::strerror(error)));
+  return child;
+}
+
+// Appends what can be read now; false at the end of the stream.
+bool Drain(Pipe* pipe, std::string* text) {
+  char buffer[65536];
+  const ssize_t count = ::read(pipe->ends[0], buffer, sizeof buffer);
+  if (count < 0) return errno == EINTR || errno == EAGAIN;
+  if (count == 0) {
+    pipe->Close(0);
+    return false;
+  }
+  text->append(buffer, static_cast<size_t>(count));
+  return true;
+}
+
+// Reads both streams until the child closed them; passes a stop request on.
+void Follow(pid_t child, Pipe* output, Pipe* errors, const std::stop_token& stop, ProcessResult* result) {
+  bool told = false, killed = false;
+  Clock::time_point told_at;
+  while (output->ends[0] >= 0 || errors->ends[0] >= 0) {
+    pollfd streams[2] = {{output->ends[0], POLLIN, 0}, {errors->ends[0], POLLIN, 0}};
+    ::poll(streams, 2, kPollMs);
+    if (streams[0].revents != 0) Drain(output, &result->output);
+    if (streams[1].revents != 0) Drain(errors, &result->errors);
+    if (stop.stop_requested() && !told) {
+      ::kill(child, SIGTERM);
+      told = true;
+      told_at = Clock::now();
+    }
+    if (told && !killed && Clock::now() - told_at > kGrace) {
+      ::kill(-child, SIGKILL);
+      killed = true;
+    }
+  }
+}
+
+}  // namespace
+
+ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_token stop) {
+  Pipe output, errors;
+  const Clock::time_point start = Clock::now();
+  const pid_t child = Spawn(arguments, output, errors);
+  output.Close(1);
+  errors.Close(1);
+  ProcessResult result;
+  Follow(child, &output, &errors, stop, &result);
+  int status = 0;
+  rusage usage{};
+  while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
+  }
+  result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  result.peak_memory_MB = static_cast<double>(usage.ru_maxrss) / 1024;
+  result.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
+  if (stop.stop_requested()) throw Interrupted();
+  return result;
+}
+
+std::string OwnProgram() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
+
+}  // namespace millpose

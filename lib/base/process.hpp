@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <stop_token>
+#include <string>
+#include <vector>
+
+namespace millpose {
+
+/// How a child process ended.
+struct ProcessResult {
+  int status = 0;              ///< exit status; 128 + signal when a signal ended it, as shells count
+  std::string output, errors;  ///< what it wrote to stdout and stderr
+  double wall_s = 0;           ///< from start to end
+  double peak_memory_MB = 0;   ///< largest resident set
+};
+
+/// Runs `arguments` (the program first, by path or found in PATH) and waits for its end. When `stop` is
+/// requested the child gets SIGTERM, and SIGKILL five seconds later; then Interrupted is thrown. Throws
+/// InputError when the program cannot be started.
+ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_token stop);
+
+/// The path of the running program.
+std::string OwnProgram();
+
+}  // namespace millpose
