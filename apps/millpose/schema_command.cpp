@@ -2,20 +2,23 @@
 #include <fmt/format.h>
 
 #include "commands.hpp"
-#include "config/config.hpp"
+#include "config/batch_settings.hpp"
 
 namespace millpose {
 
 void AddSchemaCommand(CLI::App& app, Run& run) {
   CLI::App* command =
-      app.add_subcommand("schema", "Print the JSON Schema of job or cell files, or the page of keys");
+      app.add_subcommand("schema", "Print the JSON Schema of job, cell or batch files, or the page of keys");
   static std::string what;
-  command->add_option("what", what, "job, cell, or reference (Markdown)")
+  command->add_option("what", what, "job, cell, batch, or reference (Markdown)")
       ->required()
-      ->check(CLI::IsMember({"job", "cell", "reference"}));
+      ->check(CLI::IsMember({"job", "cell", "batch", "reference"}));
   command->callback([&run] {
     run = [](Session&) {
-      const std::string text = what == "job" ? JobSchema() : what == "cell" ? CellSchema() : YamlReference();
+      const std::string text = what == "job"     ? JobSchema()
+                               : what == "cell"  ? CellSchema()
+                               : what == "batch" ? BatchSchema()
+                                                 : YamlReference();
       fmt::print("{}", text);
       return kDone;
     };

@@ -33,7 +33,7 @@ S Parse(const config::Codec<S>& fields, std::string_view yaml, const std::string
   for (const Override& change : overrides) Apply(change, &root);
   std::vector<Problem> problems;
   S settings;
-  settings.file = name;
+  if constexpr (requires { settings.file; }) settings.file = name;
   fields.read(root, {name, problems, ""}, settings);
   if (problems.empty()) return settings;
   std::ranges::stable_sort(problems, {}, [](const Problem& problem) {
@@ -70,6 +70,10 @@ CellSettings ParseCell(std::string_view yaml, const std::string& name) {
   return Parse(config::CellFields(), yaml, name);
 }
 
+BatchSettings ParseBatch(std::string_view yaml, const std::string& name) {
+  return Parse(config::BatchFields(), yaml, name);
+}
+
 std::string WriteJob(const JobSettings& job) { return config::WriteYaml(config::JobFields().write(job)); }
 
 std::string WriteCell(const CellSettings& cell) {
@@ -77,6 +81,8 @@ std::string WriteCell(const CellSettings& cell) {
 }
 
 std::string JobSchema() { return Schema(config::JobFields().schema, "millpose job"); }
+
+std::string BatchSchema() { return Schema(config::BatchFields().schema, "millpose batch"); }
 
 std::string CellSchema() { return Schema(config::CellFields().schema, "millpose cell"); }
 

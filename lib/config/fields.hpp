@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "config/batch_settings.hpp"
 #include "config/codec.hpp"
 #include "config/settings.hpp"
 
 namespace millpose::config {
 
-/// The field tables of the two files.
+/// The field tables of the files.
 const Codec<JobSettings>& JobFields();
 const Codec<CellSettings>& CellFields();
+const Codec<BatchSettings>& BatchFields();
 
 /// What of a part is milled.
 Codec<RegionSettings> RegionFields();

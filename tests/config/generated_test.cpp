@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "base/file.hpp"
-#include "config/config.hpp"
+#include "config/batch_settings.hpp"
 
 namespace millpose {
 namespace {
@@ -19,6 +19,8 @@ std::string Committed(const std::string& file) {
 TEST(Generated, JobSchemaIsUpToDate) { EXPECT_EQ(Committed("schema/job.schema.json"), JobSchema()); }
 
 TEST(Generated, CellSchemaIsUpToDate) { EXPECT_EQ(Committed("schema/cell.schema.json"), CellSchema()); }
+
+TEST(Generated, BatchSchemaIsUpToDate) { EXPECT_EQ(Committed("schema/batch.schema.json"), BatchSchema()); }
 
 TEST(Generated, ReferencePageIsUpToDate) { EXPECT_EQ(Committed("yaml-reference.md"), YamlReference()); }
 

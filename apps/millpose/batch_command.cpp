@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "commands.hpp"
+#include "pipeline/batch.hpp"
+
+namespace millpose {
+
+void AddBatchCommand(CLI::App& app, Run& run) {
+  CLI::App* command = app.add_subcommand("batch", "Plan many jobs; what is done already is left alone");
+  const auto arguments = std::make_shared<BatchArguments>();
+  command->add_option("JOBS", arguments->jobs, "Job files, manifests (millpose_batch: 1), folders, 'patterns*'")
+      ->required();
+  command->add_option("-o,--out", arguments->out, "Folder of all results, batch.json and junit.xml")
+      ->capture_default_str();
+  command->add_option("--threads", arguments->threads, "Threads of all jobs together; 0: all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command->add_option("--parallel", arguments->parallel, "Jobs at a time; 0: as many as threads")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command->add_option("--memory-MB", arguments->memory_MB, "Memory of all jobs together, MB; 0: no bound")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_flag("--fresh", arguments->fresh, "Ignore checkpoints and what is done");
+  command->callback([&run, arguments] {
+    run = [arguments](Session& session) {
+      const BatchOutcome outcome = RunBatch(*arguments, session.progress, session.stop);
+      fmt::print("{}", outcome.text);
+      return outcome.exit_status;
+    };
+  });
+}
+
+}  // namespace millpose

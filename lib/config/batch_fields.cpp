@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The keys of a batch manifest: one line each.
+#include "config/batch_settings.hpp"
+#include "config/fields.hpp"
+
+namespace millpose {
+namespace config {
+namespace {
+
+// Any value, kept as a line of YAML; the job's own fields judge it.
+Codec<std::string> AnyValue() {
+  Codec<std::string> codec;
+  codec.type = "value of that key";
+  codec.schema = Value::Map();
+  codec.read = [](const Value& value, const Context&, std::string& result) { result = WriteYamlLine(value); };
+  codec.write = [](const std::string& text) { return Value::Plain(text); };
+  return codec;
+}
+
+using Changes = std::map<std::string, std::string>;
+
+Codec<BatchEntry> EntryFields() {
+  using S = BatchEntry;
+  return Section<S>({
+      Key<S>("job", MILLPOSE_AT(job_file), Text(), "Job file, relative to the manifest.").Required(),
+      Key<S>("name", MILLPOSE_AT(name), Text(), "Name of the job in this batch.")
+          .DefaultText("the job's own"),
+      KeyBy<S, Changes>(
+          "set",
+          [](const S& s) {
+            Changes changes;
+            for (const Override& change : s.overrides) changes[change.path] = change.value;
+            return changes;
+          },
+          [](S& s, const Changes& changes) {
+            for (const auto& [path, value] : changes) s.overrides.push_back({path, value});
+          },
+          MapOf<std::string>({}, AnyValue()), "Keys of the job with dots, with the values to use instead."),
+  });
+}
+
+}  // namespace
+
+const Codec<BatchSettings>& BatchFields() {
+  using S = BatchSettings;
+  static const Codec<S> fields = Section<S>({
+      VersionKey<S>("millpose_batch", 1),
+      Key<S>("jobs", MILLPOSE_AT(jobs), ListOf(EntryFields()), "The jobs.").Required(),
+  });
+  return fields;
+}
+
+}  // namespace config
+}  // namespace millpose

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/batch.hpp"
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "base/parallel.hpp"
+#include "base/process.hpp"
+#include "pipeline/inputs.hpp"
+#include "pipeline/output_folder.hpp"
+
+namespace millpose {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::json;
+
+// Lets a job start when what the running ones take, each at most the largest peak seen so far, leaves room
+// for one more. Until a job has ended nothing is known, and one runs alone.
+class MemoryGate {
+ public:
+  explicit MemoryGate(double bound_MB) : bound_(bound_MB) {}
+
+  void Enter() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] {
+      if (bound_ <= 0 || running_ == 0) return true;
+      return largest_ > 0 && largest_ * (running_ + 1) <= bound_;
+    });
+    ++running_;
+  }
+  void Leave(double peak_MB) {
+    {
+      const std::lock_guard lock(mutex_);
+      --running_;
+      largest_ = std::max(largest_, peak_MB);
+    }
+    changed_.notify_all();
+  }
+
+ private:
+  const double bound_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  int running_ = 0;
+  double largest_ = 0;
+};
+
+std::string FirstLine(std::string text) {
+  constexpr std::string_view kPrefix = "millpose: ";
+  if (text.starts_with(kPrefix)) text.erase(0, kPrefix.size());
+  const size_t lines = static_cast<size_t>(std::ranges::count(text, '\n'));
+  std::string line = text.substr(0, text.find('\n'));
+  if (lines > 1) line += fmt::format(" (and {} lines more)", lines - 1);
+  return line;
+}
+
+// What summary.json says is missing from a complete plan.
+std::string Shortfall(const Json& summary) {
+  std::vector<std::string> parts;
+  const auto add = [&](size_t count, const char* what) {
+    if (count > 0) parts.push_back(fmt::format("{} {}", count, what));
+  };
+  const Json& gaps = summary.at("gaps");
+  add(summary.at("points").at("skipped").get<size_t>(), "points skipped");
+  add(gaps.at("total").get<size_t>() - gaps.at("planned").get<size_t>(), "gaps not planned");
+  add(summary.at("findings").size(), "findings on programs");
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+JobOutcome RunJob(const BatchJob& job, const fs::path& folder, int threads, bool fresh, MemoryGate* gate,
+                  std::stop_token stop) {
+  if (!fresh)
+    if (const std::optional<JobOutcome> earlier = UpToDate(job, folder)) return *earlier;
+  gate->Enter();
+  ProcessResult result;
+  try {
+    CheckStop(stop);
+    result = RunProcess(PlanCommand(job, folder, threads, fresh), stop);
+  } catch (...) {
+    gate->Leave(0);
+    throw;
+  }
+  gate->Leave(result.peak_memory_MB);
+  JobOutcome outcome = Judge(folder, result.status, result.errors);
+  outcome.wall_s = result.wall_s;
+  outcome.peak_memory_MB = result.peak_memory_MB;
+  return outcome;
+}
+
+}  // namespace
+
+std::vector<std::string> PlanCommand(const BatchJob& job, const fs::path& folder, int threads, bool fresh) {
+  std::vector<std::string> command{OwnProgram(), "plan",      job.file.string(),      "--out",
+                                   folder.string(), "--threads", std::to_string(threads), "--quiet"};
+  for (const Override& change : job.overrides) {
+    command.push_back("--set");
+    command.push_back(change.path + "=" + change.value);
+  }
+  if (fresh) command.push_back("--fresh");
+  return command;
+}
+
+JobOutcome Judge(const fs::path& folder, int status, const std::string& errors) {
+  JobOutcome outcome;
+  outcome.status = status;
+  if (status > 1) {
+    outcome.cause = status > 128 ? fmt::format("ended by signal {}", status - 128) : FirstLine(errors);
+    return outcome;
+  }
+  try {
+    const Json summary = Json::parse(ReadFile(folder / "summary.json"));
+    outcome.points = summary.at("points").at("total").get<size_t>();
+    outcome.planned = summary.at("points").at("planned").get<size_t>();
+    outcome.cause = Shortfall(summary);
+    if (!outcome.cause.empty()) outcome.status = 1;
+  } catch (const std::exception& error) {
+    outcome.status = 3;
+    outcome.cause = std::string("no readable summary: ") + error.what();
+  }
+  return outcome;
+}
+
+std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) {
+  // run.json is written last: with it the folder is complete.
+  if (!fs::exists(folder / "run.json") || !fs::exists(folder / "summary.json")) return std::nullopt;
+  try {
+    const Json summary = Json::parse(ReadFile(folder / "summary.json"));
+    const Json run = Json::parse(ReadFile(folder / "run.json"));
+    if (run.at("version") != MILLPOSE_VERSION) return std::nullopt;
+    if (summary.at("input_hash") != LoadJobInputs(job.file, job.overrides).hash) return std::nullopt;
+    JobOutcome outcome = Judge(folder, 0, "");
+    if (outcome.status > 1) return std::nullopt;
+    outcome.up_to_date = true;
+    return outcome;
+  } catch (const std::exception&) {  // whatever is wrong with the folder or the job: its own run will say
+    return std::nullopt;
+  }
+}
+
+BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::stop_token stop) {
+  const std::vector<BatchJob> jobs = CollectJobs(arguments.jobs);
+  const OutputFolder folder(arguments.out);
+  const int threads = arguments.threads > 0 ? arguments.threads
+                                            : static_cast<int>(std::thread::hardware_concurrency());
+  const int parallel = std::min(static_cast<int>(jobs.size()),
+                                arguments.parallel > 0 ? std::min(arguments.parallel, threads) : threads);
+  const int threads_each = std::max(1, threads / parallel);
+  std::vector<JobOutcome> outcomes(jobs.size());
+  MemoryGate gate(arguments.memory_MB);
+  std::atomic<size_t> next = 0;
+  progress.Begin("batch", jobs.size());
+  const auto work = [&] {
+    for (size_t i = next++; i < jobs.size() && !stop.stop_requested(); i = next++) {
+      try {
+        outcomes[i] =
+            RunJob(jobs[i], folder.path() / jobs[i].name, threads_each, arguments.fresh, &gate, stop);
+      } catch (const Interrupted&) {
+        return;
+      } catch (const InputError& error) {
+        outcomes[i].status = 2;
+        outcomes[i].cause = FirstLine(error.what());
+      }
+      progress.Advance(1);
+    }
+  };
+  {
+    std::vector<std::jthread> workers;
+    for (int i = 0; i < parallel; ++i) workers.emplace_back(work);
+  }
+  if (stop.stop_requested()) throw Interrupted();
+  folder.Write("batch.json", BatchJson(jobs, outcomes));
+  folder.Write("junit.xml", JUnitXml(jobs, outcomes));
+  BatchOutcome outcome{0, BatchText(jobs, outcomes)};
+  for (const JobOutcome& job : outcomes) outcome.exit_status = std::max(outcome.exit_status, job.status);
+  // A job ended by a signal is an internal error of the batch: the statuses stay those of millpose.
+  if (outcome.exit_status > 3) outcome.exit_status = 3;
+  progress.End(fmt::format("{} jobs, {}", jobs.size(), folder.path().string()));
+  return outcome;
+}
+
+}  // namespace millpose

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Many jobs: each in a process of its own, so that one that fails, crashes or runs out of memory stops no
+// other.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "base/progress.hpp"
+#include "config/batch_settings.hpp"
+
+namespace millpose {
+
+/// What `millpose batch` was asked for.
+struct BatchArguments {
+  std::vector<std::string> jobs;         ///< job files, manifests, folders, glob patterns
+  std::filesystem::path out = "batch.out";
+  int threads = 0;       ///< of all jobs together; 0: all cores
+  int parallel = 0;      ///< jobs at a time; 0: as many as there are threads
+  double memory_MB = 0;  ///< of all jobs together; 0: no bound
+  bool fresh = false;    ///< ignore checkpoints and what is done
+};
+
+/// One job of a batch.
+struct BatchJob {
+  std::string name;  ///< unique in the batch; its folder's name
+  std::filesystem::path file;
+  std::vector<Override> overrides;
+};
+
+/// How one job ended.
+struct JobOutcome {
+  int status = 0;           ///< exit status of `millpose plan`
+  bool up_to_date = false;  ///< done by an earlier run with the same inputs
+  std::string cause;        ///< one line, empty when all is well
+  std::optional<size_t> points, planned;
+  double wall_s = 0, peak_memory_MB = 0;
+};
+
+struct BatchOutcome {
+  int exit_status = 0;  ///< the worst of all jobs
+  std::string text;     ///< the table for the user
+};
+
+/// The jobs that the arguments name, in their order, those of a folder sorted by path; output folders are
+/// left out. Throws InputError for arguments that name no job, manifests that cannot be read, names given
+/// twice.
+std::vector<BatchJob> CollectJobs(const std::vector<std::string>& arguments);
+
+/// Plans all jobs, each into `out`/<name>, and writes batch.json and junit.xml into `out`. Throws InputError
+/// when there is nothing to start with, Interrupted when `stop` was requested; jobs keep their checkpoints.
+BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::stop_token stop);
+
+/// The command that plans one job into `folder`.
+std::vector<std::string> PlanCommand(const BatchJob& job, const std::filesystem::path& folder, int threads,
+                                     bool fresh);
+
+/// How a job stands by its folder's files, given how its process ended.
+JobOutcome Judge(const std::filesystem::path& folder, int status, const std::string& errors);
+
+/// The outcome that an earlier run left for the same inputs and version, if it did.
+std::optional<JobOutcome> UpToDate(const BatchJob& job, const std::filesystem::path& folder);
+
+/// batch.json, junit.xml and the table; pure functions.
+std::string BatchJson(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes);
+std::string JUnitXml(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes);
+std::string BatchText(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes);
+
+}  // namespace millpose
