@@ -9,7 +9,8 @@ namespace millpose {
 void AddBatchCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand("batch", "Plan many jobs; what is done already is left alone");
   const auto arguments = std::make_shared<BatchArguments>();
-  command->add_option("JOBS", arguments->jobs, "Job files, manifests (millpose_batch: 1), folders, 'patterns*'")
+  command
+      ->add_option("JOBS", arguments->jobs, "Job files, manifests (millpose_batch: 1), folders, 'patterns*'")
       ->required();
   command->add_option("-o,--out", arguments->out, "Folder of all results, batch.json and junit.xml")
       ->capture_default_str();

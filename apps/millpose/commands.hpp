@@ -22,6 +22,7 @@ struct Session {
 /// What a subcommand leaves to be run after parsing; set by the callback of the chosen one.
 using Run = std::function<int(Session&)>;
 
+void AddBatchCommand(CLI::App& app, Run& run);
 void AddFlatnessCommand(CLI::App& app, Run& run);
 void AddIdentifyCommand(CLI::App& app, Run& run);
 void AddInspectCommand(CLI::App& app, Run& run);
@@ -30,7 +31,7 @@ void AddSchemaCommand(CLI::App& app, Run& run);
 void AddStiffnessCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
-    AddPlanCommand,     AddInspectCommand,  AddStiffnessCommand,
+    AddPlanCommand,     AddBatchCommand,    AddInspectCommand, AddStiffnessCommand,
     AddIdentifyCommand, AddFlatnessCommand, AddSchemaCommand,
 };
 

@@ -30,10 +30,17 @@ void AddPlanCommand(CLI::App& app, Run& run) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   command->add_option("--seed", arguments->seed, "Seed of all random numbers in place of the job's");
+  const auto changes = std::make_shared<std::vector<std::string>>();
+  command->add_option("--set", *changes,
+                      "KEY=VALUE: a setting in place of the job's, like toolpath.stepover_mm=4");
   command->add_flag("--audit", arguments->audit, "Judge the plan by recomputation; figures in summary.json");
   command->add_flag("--fresh", arguments->fresh, "Ignore checkpoints of earlier runs");
-  command->callback(
-      [&run, arguments] { run = [arguments](Session& session) { return Plan(*arguments, session); }; });
+  command->callback([&run, arguments, changes] {
+    run = [arguments, changes](Session& session) {
+      for (const std::string& change : *changes) arguments->overrides.push_back(ParseOverride(change));
+      return Plan(*arguments, session);
+    };
+  });
 }
 
 }  // namespace millpose

@@ -9,16 +9,16 @@ namespace millpose {
 void AddSchemaCommand(CLI::App& app, Run& run) {
   CLI::App* command =
       app.add_subcommand("schema", "Print the JSON Schema of job, cell or batch files, or the page of keys");
-  static std::string what;
-  command->add_option("what", what, "job, cell, batch, or reference (Markdown)")
+  const auto what = std::make_shared<std::string>();
+  command->add_option("what", *what, "job, cell, batch, or reference (Markdown)")
       ->required()
       ->check(CLI::IsMember({"job", "cell", "batch", "reference"}));
-  command->callback([&run] {
-    run = [](Session&) {
-      const std::string text = what == "job"     ? JobSchema()
-                               : what == "cell"  ? CellSchema()
-                               : what == "batch" ? BatchSchema()
-                                                 : YamlReference();
+  command->callback([&run, what] {
+    run = [what](Session&) {
+      const std::string text = *what == "job"     ? JobSchema()
+                               : *what == "cell"  ? CellSchema()
+                               : *what == "batch" ? BatchSchema()
+                                                  : YamlReference();
       fmt::print("{}", text);
       return kDone;
     };

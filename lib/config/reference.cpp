@@ -30,7 +30,8 @@ void AddTable(const std::string& title, const std::vector<config::FieldInfo>& ke
 std::string YamlReference() {
   std::string out =
       "# YAML reference\n\n"
-      "Made from the field tables (`lib/config/job_fields.cpp`, `lib/config/cell_fields.cpp`, …) by `millpose "
+      "Made from the field tables (`lib/config/job_fields.cpp`, `lib/config/cell_fields.cpp`, …) by "
+      "`millpose "
       "schema "
       "reference`.\nNumbers are written like 1, 1.5 or 1e-5; file names are relative to the file that names "
       "them. "

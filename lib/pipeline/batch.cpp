@@ -96,7 +96,7 @@ JobOutcome RunJob(const BatchJob& job, const fs::path& folder, int threads, bool
 }  // namespace
 
 std::vector<std::string> PlanCommand(const BatchJob& job, const fs::path& folder, int threads, bool fresh) {
-  std::vector<std::string> command{OwnProgram(), "plan",      job.file.string(),      "--out",
+  std::vector<std::string> command{OwnProgram(),    "plan",      job.file.string(),       "--out",
                                    folder.string(), "--threads", std::to_string(threads), "--quiet"};
   for (const Override& change : job.overrides) {
     command.push_back("--set");
@@ -146,8 +146,8 @@ std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) 
 BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::stop_token stop) {
   const std::vector<BatchJob> jobs = CollectJobs(arguments.jobs);
   const OutputFolder folder(arguments.out);
-  const int threads = arguments.threads > 0 ? arguments.threads
-                                            : static_cast<int>(std::thread::hardware_concurrency());
+  const int threads =
+      arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
   const int parallel = std::min(static_cast<int>(jobs.size()),
                                 arguments.parallel > 0 ? std::min(arguments.parallel, threads) : threads);
   const int threads_each = std::max(1, threads / parallel);

@@ -16,7 +16,7 @@ namespace millpose {
 
 /// What `millpose batch` was asked for.
 struct BatchArguments {
-  std::vector<std::string> jobs;         ///< job files, manifests, folders, glob patterns
+  std::vector<std::string> jobs;  ///< job files, manifests, folders, glob patterns
   std::filesystem::path out = "batch.out";
   int threads = 0;       ///< of all jobs together; 0: all cores
   int parallel = 0;      ///< jobs at a time; 0: as many as there are threads

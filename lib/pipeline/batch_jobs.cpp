@@ -45,7 +45,8 @@ void AddFile(const fs::path& file, std::vector<BatchJob>* jobs) {
 
 void AddFolder(const fs::path& folder, std::vector<BatchJob>* jobs) {
   std::vector<fs::path> files;
-  for (auto entry = fs::recursive_directory_iterator(folder); entry != fs::recursive_directory_iterator(); ++entry) {
+  for (auto entry = fs::recursive_directory_iterator(folder); entry != fs::recursive_directory_iterator();
+       ++entry) {
     if (entry->is_directory() && IsOutputFolder(entry->path())) entry.disable_recursion_pending();
     if (entry->is_regular_file() && entry->path().extension() == ".yaml") files.push_back(entry->path());
   }
@@ -64,7 +65,8 @@ void AddPattern(const std::string& pattern, std::vector<BatchJob>* jobs) {
   for (size_t i = 0; status == 0 && i < found.gl_pathc; ++i) files.emplace_back(found.gl_pathv[i]);
   ::globfree(&found);
   if (files.empty())
-    throw InputError(Place{pattern}, "names nothing; allowed: job files, manifests, folders, patterns like 'parts/*.yaml'");
+    throw InputError(Place{pattern},
+                     "names nothing; allowed: job files, manifests, folders, patterns like 'parts/*.yaml'");
   for (const std::string& file : files)
     if (fs::is_directory(file))
       AddFolder(file, jobs);
@@ -78,11 +80,14 @@ void RefuseDoubles(const std::vector<BatchJob>& jobs) {
   for (const BatchJob& job : jobs) {
     const auto [first, is_new] = seen.emplace(job.name, job.file);
     if (job.name.empty() || job.name.find('/') != std::string::npos || job.name.starts_with('.'))
-      problems.push_back({Place{job.file.string()}, fmt::format("name: given \"{}\"; allowed in a batch: the name of a folder", job.name)});
+      problems.push_back(
+          {Place{job.file.string()},
+           fmt::format("name: given \"{}\"; allowed in a batch: the name of a folder", job.name)});
     else if (!is_new)
-      problems.push_back({Place{job.file.string()},
-                          fmt::format("name: {} is also the name of {}; give one of them another in a manifest",
-                                      job.name, first->second.string())});
+      problems.push_back(
+          {Place{job.file.string()},
+           fmt::format("name: {} is also the name of {}; give one of them another in a manifest", job.name,
+                       first->second.string())});
   }
   if (!problems.empty()) throw InputError(std::move(problems));
 }

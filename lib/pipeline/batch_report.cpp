@@ -83,12 +83,13 @@ std::string JUnitXml(const std::vector<BatchJob>& jobs, const std::vector<JobOut
   double time = 0;
   for (const JobOutcome& outcome : outcomes) time += outcome.wall_s;
   std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
-  xml += fmt::format("<testsuite name=\"millpose batch\" tests=\"{}\" failures=\"{}\" errors=\"{}\" time=\"{:.3f}\">\n",
-                     jobs.size(), CountStatus(outcomes, 1, 1), CountStatus(outcomes, 2, kWorst), time);
+  xml += fmt::format(
+      "<testsuite name=\"millpose batch\" tests=\"{}\" failures=\"{}\" errors=\"{}\" time=\"{:.3f}\">\n",
+      jobs.size(), CountStatus(outcomes, 1, 1), CountStatus(outcomes, 2, kWorst), time);
   for (size_t i = 0; i < jobs.size(); ++i) {
     const JobOutcome& outcome = outcomes[i];
-    xml += fmt::format("  <testcase classname=\"millpose.plan\" name=\"{}\" time=\"{:.3f}\"", EscapeXml(jobs[i].name),
-                       outcome.wall_s);
+    xml += fmt::format("  <testcase classname=\"millpose.plan\" name=\"{}\" time=\"{:.3f}\"",
+                       EscapeXml(jobs[i].name), outcome.wall_s);
     if (outcome.status == 0)
       xml += "/>\n";
     else
@@ -101,16 +102,17 @@ std::string JUnitXml(const std::vector<BatchJob>& jobs, const std::vector<JobOut
 std::string BatchText(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes) {
   size_t width = 4;
   for (const BatchJob& job : jobs) width = std::max(width, job.name.size());
-  std::string text = fmt::format("{:<{}}  {:<10} {:>8} {:>8} {:>9} {:>9}  {}\n", "job", width, "outcome", "points",
-                                 "planned", "wall_s", "peak_MB", "cause");
+  std::string text = fmt::format("{:<{}}  {:<10} {:>8} {:>8} {:>9} {:>9}  {}\n", "job", width, "outcome",
+                                 "points", "planned", "wall_s", "peak_MB", "cause");
   for (size_t i = 0; i < jobs.size(); ++i) {
     const JobOutcome& outcome = outcomes[i];
     text += fmt::format("{:<{}}  {:<10} {:>8} {:>8} {:>9.1f} {:>9.0f}  {}\n", jobs[i].name, width,
                         StatusName(outcome), Count(outcome.points), Count(outcome.planned), outcome.wall_s,
                         outcome.peak_memory_MB, outcome.cause);
   }
-  text += fmt::format("{} jobs: {} done, {} with findings, {} failed\n", jobs.size(), CountStatus(outcomes, 0, 0),
-                      CountStatus(outcomes, 1, 1), CountStatus(outcomes, 2, kWorst));
+  text +=
+      fmt::format("{} jobs: {} done, {} with findings, {} failed\n", jobs.size(), CountStatus(outcomes, 0, 0),
+                  CountStatus(outcomes, 1, 1), CountStatus(outcomes, 2, kWorst));
   return text;
 }
 

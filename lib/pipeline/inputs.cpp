@@ -35,10 +35,10 @@ CellSettings LoadCell(const std::filesystem::path& cell_file,
   return cell;
 }
 
-JobInputs LoadJobInputs(const std::filesystem::path& job_file) {
+JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector<Override>& overrides) {
   JobInputs inputs;
   inputs.job_file = job_file;
-  inputs.job = ParseJob(ReadFile(job_file), job_file.string());
+  inputs.job = ParseJob(ReadFile(job_file), job_file.string(), overrides);
   const std::filesystem::path folder = job_file.parent_path();
   std::vector<Problem> problems;
   Collect(problems, [&] { inputs.cell = LoadCell(folder / inputs.job.cell_file, &inputs.body_bytes); });

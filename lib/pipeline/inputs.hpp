@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "config/settings.hpp"
+#include "config/config.hpp"
 
 namespace millpose {
 
@@ -21,8 +21,8 @@ struct JobInputs {
 };
 
 /// Reads a job, its cell and their meshes; paths inside a file are relative to that file. Throws InputError
-/// with the problems of job and cell together.
-JobInputs LoadJobInputs(const std::filesystem::path& job_file);
+/// with the problems of job and cell together. `overrides` replace settings of the job file.
+JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector<Override>& overrides = {});
 
 /// Reads a cell and the meshes of its bodies.
 CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::string, std::string>* body_bytes);

@@ -22,10 +22,12 @@ void MakeFolder(const fs::path& folder) {
 
 }  // namespace
 
+bool IsOutputFolder(const fs::path& folder) { return fs::exists(folder / kMark); }
+
 OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
   if (fs::exists(folder_) && !fs::is_directory(folder_))
     throw InputError({folder_.string()}, "exists and is not a folder; choose another with -o DIR");
-  if (fs::exists(folder_) && !fs::exists(folder_ / kMark) && !fs::is_empty(folder_))
+  if (fs::exists(folder_) && !IsOutputFolder(folder_) && !fs::is_empty(folder_))
     throw InputError({folder_.string()},
                      "exists and was not written by millpose; choose another with -o DIR or remove it");
   MakeFolder(folder_);

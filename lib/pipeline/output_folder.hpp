@@ -8,6 +8,9 @@
 
 namespace millpose {
 
+/// Whether `folder` was written by millpose.
+bool IsOutputFolder(const std::filesystem::path& folder);
+
 /// The folder that a plan writes into. It is marked as millpose's own, so that no other folder is ever
 /// overwritten.
 class OutputFolder {

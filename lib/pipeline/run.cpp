@@ -24,8 +24,9 @@ constexpr size_t kMostCurves = 3000;  // points whose choice of pose report.html
 
 JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
   stages.Begin("read", 0);
-  JobInputs inputs = LoadJobInputs(arguments.job);
-  if (arguments.seed) inputs.job.seed = *arguments.seed;
+  std::vector<Override> overrides = arguments.overrides;
+  if (arguments.seed) overrides.push_back({"seed", std::to_string(*arguments.seed)});
+  JobInputs inputs = LoadJobInputs(arguments.job, overrides);
   if (!inputs.cell.programs_allowed && !inputs.job.programs.empty())
     throw InputError(
         {inputs.job.file},

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/progress.hpp"
+#include "config/config.hpp"
 
 namespace millpose {
 
@@ -16,6 +17,7 @@ struct PlanArguments {
   std::optional<std::filesystem::path> out;  ///< default: `<job name>.out` beside the job
   int threads = 0;                           ///< 0: all cores
   std::optional<uint64_t> seed;              ///< instead of the job's
+  std::vector<Override> overrides;           ///< of other settings of the job
   bool audit = false;                        ///< recompute the figures of summary.json's `audit`
   bool fresh = false;                        ///< ignore checkpoints
 };
