@@ -5,7 +5,7 @@
 
 #include "base/file.hpp"
 #include "commands.hpp"
-#include "report/inspect.hpp"
+#include "pipeline/rotation_curve.hpp"
 
 namespace millpose {
 namespace {
@@ -21,8 +21,11 @@ int Inspect(const Arguments& arguments) {
   const std::filesystem::path summary_file = arguments.folder / "summary.json";
   const PointsTable points(ReadFile(points_file), points_file.string());
   const std::string summary = ReadFile(summary_file);
+  CheckInspectOptions(points, arguments.options);
+  std::vector<RotationSample> curve;
+  if (arguments.options.point) curve = RotationCurve(arguments.folder, points, *arguments.options.point);
   const auto show = arguments.json ? InspectJson : InspectText;
-  fmt::print("{}", show(points, summary, summary_file.string(), arguments.options, {}));
+  fmt::print("{}", show(points, summary, summary_file.string(), arguments.options, curve));
   return kDone;
 }
 

@@ -55,14 +55,15 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
       report.programs.push_back({"programs/" + path, program.controller,
                                  MotionsPerPass(program, plan.passes.size()), program.findings.empty()});
     }
-  const std::string job = WriteJob(results.inputs.job);
+  const std::string job = WriteJob(results.inputs.job), cell = WriteCell(results.inputs.cell);
   folder.RemoveResults();
   folder.Write("job.yaml", job);
+  folder.Write("cell.yaml", cell);
   folder.Write("points.csv", PointsCsv(plan));
   folder.Write("path.vtp", PathVtp(plan));
   folder.Write("summary.json", SummaryJson(plan, report));
   folder.Write("report.html", ReportHtml({plan, results.cell, results.grid, results.curves,
-                                          job + "\n" + WriteCell(results.inputs.cell)}));
+                                          job + "\n" + cell}));
   if (confirmed) folder.WritePrograms(files);
   return report;
 }

@@ -1,45 +1,216 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs the real millpose and looks at status, stdout and stderr. Usage: cli_test.py MILLPOSE TOP"""
+"""Runs the real millpose and looks at status, stdout, stderr and files. Usage: cli_test.py MILLPOSE TOP"""
+import csv
 import json
+import shutil
+import signal
 import subprocess
 import sys
+import tempfile
+import time
 import unittest
+import xml.etree.ElementTree as xml
+from pathlib import Path
 
-MILLPOSE, TOP = sys.argv[1:3]
+import json_schema
+
+MILLPOSE, TOP = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
+JOB = TOP / "toolpaths" / "support_pad" / "job.yaml"
+# A few points of the sample: enough to go the whole way.
+FEW = ("toolpath.stepover_mm=40", "toolpath.spacing_mm=40")
 
 
-def run(*arguments):
-    return subprocess.run([MILLPOSE, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+def run(*arguments, cwd=None):
+    return subprocess.run([MILLPOSE, *map(str, arguments)], capture_output=True, text=True, timeout=300, cwd=cwd)
+
+
+def plan(folder, *arguments, changes=FEW):
+    sets = [word for change in changes for word in ("--set", change)]
+    return run("plan", JOB, "-o", folder, *sets, *arguments)
+
+
+def tree(folder):
+    """All results of a plan but what may differ between runs."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(Path(folder).rglob("*"))
+            if path.is_file() and path.name != "run.json" and "checkpoints" not in path.parts}
+
+
+def schema_problems(name, value):
+    schema = json.loads((TOP / "docs" / "schema" / f"{name}.schema.json").read_text())
+    return list(json_schema.problems(value, schema))
+
+
+class InFolder(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
 
 
 class Frame(unittest.TestCase):
     def test_version_and_help_go_to_stdout_with_status_0(self):
         self.assertRegex(run("--version").stdout, r"^millpose \d+\.\d+\.\d+\n$")
-        result = run("--help")
-        self.assertEqual(result.returncode, 0)
-        self.assertIn("Exit status: 0 done", result.stdout)
-        self.assertEqual(result.stderr, "")
+        for arguments in (("--help",), ("plan", "--help"), ("batch", "--help"), ("inspect", "--help")):
+            result = run(*arguments)
+            self.assertEqual(result.returncode, 0)
+            self.assertIn("Usage: millpose", result.stdout)
+            self.assertEqual(result.stderr, "")
+        self.assertIn("Exit status: 0 done", run("--help").stdout)
 
     def test_usage_errors_go_to_stderr_with_status_2(self):
-        for arguments in ((), ("paln",), ("schema",), ("schema", "robot"), ("--no-such-option",)):
+        for arguments in ((), ("paln",), ("schema",), ("schema", "robot"), ("--no-such-option",), ("plan",),
+                          ("plan", JOB, "--threads", "-1"), ("plan", JOB, "--set", "seed"), ("inspect",)):
             result = run(*arguments)
             self.assertEqual(result.returncode, 2, arguments)
             self.assertEqual(result.stdout, "", arguments)
             self.assertNotEqual(result.stderr, "", arguments)
 
     def test_mistyped_command_is_answered_with_the_nearest(self):
+        self.assertIn("unknown command paln; nearest: plan", run("paln", "job").stderr)
         self.assertIn("what is required", run("schema").stderr)
-        self.assertIn("unknown command shema; nearest: schema", run("shema", "job").stderr)
 
 
 class Schema(unittest.TestCase):
     def test_schemas_are_the_committed_ones(self):
-        for what in ("job", "cell"):
+        for what in ("job", "cell", "batch"):
             result = run("schema", what)
             self.assertEqual(result.returncode, 0)
             with open(f"{TOP}/docs/schema/{what}.schema.json", encoding="utf-8") as file:
                 self.assertEqual(json.loads(result.stdout), json.load(file))
+
+
+class Plan(InFolder):
+    def test_whole_way_then_inspect(self):
+        result = plan(self.folder / "out")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("planned of", result.stdout)
+        self.assertNotIn("\x1b", result.stderr, "no terminal, no bar")
+        for stage in ("read", "surface", "toolpath", "passes", "gaps", "programs"):
+            self.assertRegex(result.stderr, rf"(?m)^{stage} ")
+        for name in ("points.csv", "summary.json", "run.json", "job.yaml", "path.vtp", "report.html",
+                     "programs/krl/support_pad.src"):
+            self.assertTrue((self.folder / "out" / name).is_file(), name)
+        summary = json.loads((self.folder / "out" / "summary.json").read_text())
+        with (self.folder / "out" / "points.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(summary["points"]["total"], len(rows))
+        self.assertGreater(len(rows), 3)
+
+        self.assertEqual(schema_problems("summary", summary), [])
+        self.assertEqual(schema_problems("run", json.loads((self.folder / "out" / "run.json").read_text())), [])
+        del summary["audit"]
+        summary["points"]["total"] = "many"
+        self.assertEqual(len(schema_problems("summary", summary)), 2, "the judge of schemas sees damage")
+
+        shown = run("inspect", self.folder / "out", "--worst", 3)
+        self.assertEqual(shown.returncode, 0, shown.stderr)
+        self.assertIn("worst 3 by objective", shown.stdout)
+        shown = json.loads(run("inspect", self.folder / "out", "--point", 1, "--json").stdout)
+        self.assertEqual(shown["point"]["x_mm"], float(rows[1]["x_mm"]))
+        chosen = min(shown["objective_over_rotation"], key=lambda sample: sample["objective"])
+        self.assertLess(abs(chosen["objective"] / shown["point"]["objective"] - 1), 0.05)
+        self.assertIn("digits: branch S, *: chosen", run("inspect", self.folder / "out", "--point", 1).stdout)
+        self.assertEqual(run("inspect", self.folder / "out", "--point", len(rows)).returncode, 2)
+        self.assertEqual(run("inspect", self.folder).returncode, 2)
+
+    def test_quiet_and_threads_change_no_result(self):
+        self.assertEqual(plan(self.folder / "a", "--threads", 1).returncode, 0)
+        quiet = plan(self.folder / "b", "--threads", 4, "--quiet")
+        self.assertEqual((quiet.returncode, quiet.stderr), (0, ""))
+        self.assertEqual(tree(self.folder / "a"), tree(self.folder / "b"))
+        again = plan(self.folder / "a", "--seed", 1)
+        self.assertIn("from checkpoints", again.stderr)
+        self.assertEqual(tree(self.folder / "a"), tree(self.folder / "b"))
+
+    def test_damaged_checkpoint_is_found_and_redone(self):
+        self.assertEqual(plan(self.folder / "a").returncode, 0)
+        before = tree(self.folder / "a")
+        for file in (self.folder / "a" / "checkpoints").iterdir():
+            data = bytearray(file.read_bytes())
+            data[len(data) // 2] ^= 1
+            file.write_bytes(data)
+        again = plan(self.folder / "a")
+        self.assertRegex(again.stderr, r"passes .* 0 (of them )?from checkpoints")
+        self.assertEqual(tree(self.folder / "a"), before)
+
+    def test_killed_runs_go_on_to_the_same_bytes(self):
+        changes = ("toolpath.stepover_mm=20",)
+        self.assertEqual(plan(self.folder / "whole", changes=changes).returncode, 0)
+        command = [MILLPOSE, "plan", JOB, "-o", self.folder / "killed", "--quiet", "--set", *changes]
+        for delay in (0.1, 0.4, 0.8):
+            child = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+            time.sleep(delay)
+            child.kill()
+            child.wait()
+            programs = self.folder / "killed" / "programs"
+            if programs.exists():
+                self.assertEqual(sorted(p.name for p in programs.iterdir()), ["krl", "linuxcnc", "sinumerik"])
+        self.assertEqual(plan(self.folder / "killed", changes=changes).returncode, 0)
+        self.assertEqual(tree(self.folder / "killed"), tree(self.folder / "whole"))
+
+    def test_interrupt_ends_with_130_and_says_how_to_go_on(self):
+        child = subprocess.Popen([MILLPOSE, "plan", JOB, "-o", self.folder / "out", "--set", "toolpath.spacing_mm=0.05"],
+                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(1.5)
+        child.send_signal(signal.SIGINT)
+        _, errors = child.communicate(timeout=60)
+        self.assertEqual(child.returncode, 130, errors)
+        self.assertIn("the same command goes on from there", errors)
+
+    def test_bad_input_is_told_with_its_place(self):
+        (self.folder / "job.yaml").write_text(JOB.read_text().replace("stepover_mm", "stepover"))
+        result = run("plan", self.folder / "job.yaml")
+        self.assertEqual(result.returncode, 2)
+        self.assertRegex(result.stderr, r"job.yaml:\d+:\d+: toolpath.stepover: the key lacks its unit; nearest known key: stepover_mm")
+
+    def test_folder_of_others_is_refused(self):
+        (self.folder / "out").mkdir()
+        (self.folder / "out" / "precious.txt").write_text("mine")
+        self.assertEqual(plan(self.folder / "out").returncode, 2)
+        self.assertEqual([p.name for p in (self.folder / "out").iterdir()], ["precious.txt"])
+
+
+class Batch(InFolder):
+    def test_one_broken_job_stops_no_other(self):
+        jobs = "".join(f"  - {{job: {JOB}, name: {name}, set: {{{changes}}}}}\n" for name, changes in (
+            ("a", "toolpath.stepover_mm: 40, toolpath.spacing_mm: 40"),
+            ("b", "toolpath.stepover_mm: -1"),
+            ("c", "toolpath.stepover_mm: 40, toolpath.spacing_mm: 40, seed: 2")))
+        (self.folder / "batch.yaml").write_text("millpose_batch: 1\njobs:\n" + jobs)
+        result = run("batch", "batch.yaml", cwd=self.folder)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn("3 jobs: 2 done, 0 with findings, 1 failed", result.stdout)
+        report = json.loads((self.folder / "batch.out" / "batch.json").read_text())
+        self.assertEqual(schema_problems("batch-result", report), [])
+        self.assertEqual([job["status"] for job in report["jobs"]], [0, 2, 0])
+        self.assertIn("toolpath.stepover_mm: given -1", report["jobs"][1]["cause"])
+        suite = xml.parse(self.folder / "batch.out" / "junit.xml").getroot()
+        self.assertEqual((suite.get("tests"), suite.get("failures"), suite.get("errors")), ("3", "0", "1"))
+        self.assertIsNotNone(suite[1].find("error"))
+
+        self.assertEqual(plan(self.folder / "single", "--set", "name=a").returncode, 0)
+        self.assertEqual(tree(self.folder / "batch.out" / "a"), tree(self.folder / "single"))
+
+        again = run("batch", "batch.yaml", cwd=self.folder)
+        report = json.loads((self.folder / "batch.out" / "batch.json").read_text())
+        self.assertEqual([job["up_to_date"] for job in report["jobs"]], [True, False, True], again.stdout)
+
+    def test_folders_and_patterns_name_jobs(self):
+        for name in ("x", "y"):
+            shutil.copytree(JOB.parent, self.folder / "parts" / name)
+            job = self.folder / "parts" / name / "job.yaml"
+            job.write_text(job.read_text().replace("name: support_pad", f"name: {name}").replace(
+                "../../cells", str(TOP / "cells")).replace("spacing_mm: 4", "spacing_mm: 40").replace(
+                    "stepover_mm: 8", "stepover_mm: 40"))
+        by_folder = run("batch", "parts", "-o", "one", cwd=self.folder)
+        self.assertIn("2 jobs: 2 done", by_folder.stdout, by_folder.stderr)
+        by_pattern = run("batch", "parts/*/job.yaml", "-o", "one", "--parallel", 1, cwd=self.folder)
+        self.assertEqual(by_pattern.stdout.count("up to date"), 2, by_pattern.stdout)
+        self.assertIn("names nothing", run("batch", "parts/*.yml", cwd=self.folder).stderr)
+        twice = run("batch", "parts", "parts/x/job.yaml", "-o", "two", cwd=self.folder)
+        self.assertEqual(twice.returncode, 2)
+        self.assertIn("is also the name of", twice.stderr)
 
 
 if __name__ == "__main__":
