@@ -62,8 +62,8 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
   folder.Write("points.csv", PointsCsv(plan));
   folder.Write("path.vtp", PathVtp(plan));
   folder.Write("summary.json", SummaryJson(plan, report));
-  folder.Write("report.html", ReportHtml({plan, results.cell, results.grid, results.curves,
-                                          job + "\n" + cell}));
+  folder.Write("report.html",
+               ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell}));
   if (confirmed) folder.WritePrograms(files);
   return report;
 }
