@@ -55,18 +55,31 @@ CandidateState StateOf(Admissibility admissibility) {
   return CandidateState::kUnreachable;
 }
 
-void SampleRotations(const PointScorer& scorer, const RotationGrid& grid, PointCurves& curves) {
+/// The same problem without bounds: an objective is worked out for admissible candidates alone, and the page
+/// shows also what the bounds forbid.
+PoseProblem Unbounded(PoseProblem problem) {
+  problem.bounds = {};
+  problem.bounds.lower.setConstant(-2 * kPi);
+  problem.bounds.upper.setConstant(2 * kPi);
+  return problem;
+}
+
+void SampleRotations(const PointScorer& scorer, const PointScorer& unbounded, const RotationGrid& grid,
+                     PointCurves& curves) {
   std::vector<FreedomValues> rotations;
   for (int i = 0; i < grid.count; ++i) rotations.push_back({grid.first + i * grid.step});
-  std::vector<Candidate> candidates(8 * rotations.size());
+  std::vector<Candidate> candidates(8 * rotations.size()), free(candidates.size());
   scorer.Score(rotations, candidates);
+  unbounded.Score(rotations, free);
   curves.objective.resize(rotations.size());
   curves.state.resize(rotations.size());
   for (size_t i = 0; i < rotations.size(); ++i) {
     for (size_t branch = 0; branch < 8; ++branch) {
-      const Candidate& candidate = candidates[8 * i + branch];
-      curves.state[i][branch] = StateOf(candidate.admissibility);
-      curves.objective[i][branch] = candidate.objective;
+      const size_t k = 8 * i + branch;
+      curves.state[i][branch] = StateOf(candidates[k].admissibility);
+      curves.objective[i][branch] = free[k].admissibility == Admissibility::kAdmissible
+                                        ? free[k].objective
+                                        : std::numeric_limits<double>::infinity();
     }
   }
 }
@@ -80,6 +93,7 @@ std::vector<PointCurves> SampleCurves(const PlanResult& plan, const PoseProblem&
                                       std::stop_token stop) {
   assert(problem.freedoms.size() == 1 && "the page shows the rotation about the tool axis alone");
   const RotationGrid grid = CurveGrid();
+  const PoseProblem free = Unbounded(problem);
   const std::vector<Place> places = ChosenPlaces(plan, most);
   std::vector<PointCurves> all(places.size());
   ParallelFor(places.size(), threads, stop, [&](size_t i) {
@@ -89,7 +103,8 @@ std::vector<PointCurves> SampleCurves(const PlanResult& plan, const PoseProblem&
     curves.pass = place.pass;
     curves.point = place.point;
     const PointScorer scorer(problem, pass.points[place.point].point, pass.rotation_reference);
-    SampleRotations(scorer, grid, curves);
+    SampleRotations(scorer, PointScorer(free, pass.points[place.point].point, pass.rotation_reference), grid,
+                    curves);
     std::vector<GenerationRecord> history;
     GeneticSearch(scorer, problem, options, RandomStream(plan.seed, place.number), &history);
     for (const GenerationRecord& record : history) {

@@ -19,7 +19,7 @@ struct PointCurves {
   int pass = 0;   ///< index into PlanResult::passes
   int point = 0;  ///< index into its points
   std::vector<std::array<double, 8>>
-      objective;  ///< per rotation and branch, unit of the objective; where reached
+      objective;  ///< per rotation and branch, unit of the objective; infinite where there is none
   std::vector<std::array<CandidateState, 8>> state;  ///< per rotation and branch
   std::vector<double> best, mean;                    ///< per generation, unit of the objective
 };

@@ -5,6 +5,7 @@
 #include <regex>
 
 #include "base/units.hpp"
+#include "pipeline/sample_curves.hpp"
 #include "report/html_columns.hpp"
 #include "report/packed.hpp"
 #include "tests/report/panel_plan.hpp"
@@ -156,6 +157,7 @@ TEST(ReportHtml, CurvesFollowTheScorer) {
         if (state == CandidateState::kUnreachable) continue;
         const int code = at(values, 480 * k + 120 * (branch & 3) + i);
         const double truth = 1e3 * panel.curves[k].objective[i][branch];
+        if (!std::isfinite(truth)) continue;
         if (code < 65534) {
           EXPECT_NEAR(least[k] + span[k] * code / 65534.0, truth, 2e-5 * (least[k] + span[k]));
         }
@@ -164,6 +166,50 @@ TEST(ReportHtml, CurvesFollowTheScorer) {
     }
   }
   EXPECT_GT(seen, 10000u);
+}
+
+TEST(SampleCurves, AgreesWithTheSlowWayWithinBoundsAndBeyond) {
+  const Panel& panel = SmallPanel();
+  const PoseProblem& problem = panel.problem;
+  const RotationGrid grid = CurveGrid();
+  std::array<int, 4> seen{};
+  for (size_t k = 0; k < panel.curves.size(); k += 7) {
+    const PointCurves& curves = panel.curves[k];
+    const PassResult& pass = panel.plan.passes[curves.pass];
+    const MillingPoint& point = pass.points[curves.point].point;
+    const PointScorer scorer(problem, point, pass.rotation_reference);
+    for (int i = 0; i < grid.count; i += 5) {
+      const Pose X_WF = scorer.ToolPose({grid.first + i * grid.step}) * problem.X_FT.inverse();
+      const InverseResult inverse = Inverse(problem.arm, problem.X_WB.inverse() * X_WF);
+      for (int s = 0; s < inverse.count; ++s) {
+        const ArmSolution& solution = inverse.solutions[s];
+        const CandidateState state = curves.state[i][solution.branch];
+        ++seen[static_cast<size_t>(state)];
+        const Matrix6 J = Jacobian(problem.arm, solution.q, problem.X_FT.translation());
+        const auto indices =
+            IndicesInPlane(Compliance(J, problem.arm.stiffness).topLeftCorner<3, 3>(), point.normal);
+        ASSERT_TRUE(indices);
+        const double f = 0.5 * indices->lambda_t2 + 0.5 * indices->lambda_n;
+        EXPECT_NEAR(curves.objective[i][solution.branch], f, 1e-9 * f);
+      }
+    }
+  }
+  EXPECT_EQ(seen[0], 0);
+  EXPECT_GT(seen[static_cast<size_t>(CandidateState::kLimit)], 100);
+  EXPECT_GT(seen[static_cast<size_t>(CandidateState::kAdmissible)], 100);
+}
+
+TEST(SampleCurves, TakesTheWorstWhenNotAllAreSampled) {
+  const Panel& panel = SmallPanel();
+  const auto some = SampleCurves(panel.plan, panel.problem, {}, 20, 2, {});
+  EXPECT_LE(some.size(), 20u);
+  EXPECT_GT(some.size(), 10u);
+  double worst = 0;
+  for (const PassResult& pass : panel.plan.passes)
+    for (const PlannedPoint& p : pass.points) worst = std::max(worst, p.objective);
+  EXPECT_TRUE(std::ranges::any_of(some, [&](const PointCurves& c) {
+    return panel.plan.passes[c.pass].points[c.point].objective == worst;
+  }));
 }
 
 TEST(ReportHtml, HostileNamesStayText) {
