@@ -12,7 +12,7 @@ install(DIRECTORY docs/schema DESTINATION ${share}/docs COMPONENT runtime)
 install(FILES README.md CHANGELOG.md lib/report/web/three-license.txt DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT runtime)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime
-        FILES_MATCHING PATTERN "*.md" PATTERN schema EXCLUDE)
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.yml" PATTERN "*.py" PATTERN schema EXCLUDE)
 
 # Headers that show no type of another library than Eigen.
 install(DIRECTORY lib/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/millpose COMPONENT development
