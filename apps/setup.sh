@@ -1,16 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sourced by ./millpose and ./run-tests: what a fresh clone on Debian 12 needs before it can run.
+# Sourced by ./millpose and ./run-tests: what a fresh clone on Debian 12 needs before it can run. Quiet unless there is
+# work or trouble; all it says goes to stderr.
 
-# Installs what is missing of packages.txt, and of packages-slow.txt when $packages_slow is set. Without root it names
-# the command to run instead.
+# millpose_run_logged <what fails> <command…>: runs it with its output in build/setup.log, shown only when it fails.
+millpose_run_logged() {
+  local what=$1 log=$top/build/setup.log
+  shift
+  "$@" >"$log" 2>&1 && return
+  cat "$log" >&2
+  echo "millpose: $what failed (see above, also in $log)" >&2
+  exit 3
+}
+
+# Installs the packages of packages.txt that are missing. Without root it names the command to run instead.
 millpose_packages() {
-  local wanted missing=()
-  local lists=("$top/packages.txt")
-  [ -z "${packages_slow:-}" ] || lists+=("$top/packages-slow.txt")
-  mapfile -t wanted < <(grep -hEv '^[[:space:]]*(#|$)' "${lists[@]}")
-  local have
+  local wanted missing=() have package
+  mapfile -t wanted < <(grep -Ev '^[[:space:]]*(#|$)' "$top/packages.txt")
   have=$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' "${wanted[@]}" 2>/dev/null | awk '$1 == "ii" {print $2}' || true)
-  local package
   for package in "${wanted[@]}"; do
     grep -qxF "$package" <<<"$have" || missing+=("$package")
   done
@@ -21,24 +27,32 @@ millpose_packages() {
     exit 2
   fi
   echo "millpose: installing ${#missing[@]} packages: ${missing[*]}" >&2
-  export DEBIAN_FRONTEND=noninteractive
-  apt-get update -qq >&2
-  apt-get install -y -qq --no-install-recommends "${missing[@]}" >"$log" 2>&1 || { cat "$log" >&2; exit 3; }
+  mkdir -p "$top/build"
+  millpose_run_logged "apt-get update" env DEBIAN_FRONTEND=noninteractive apt-get update -qq
+  millpose_run_logged "apt-get install" env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -y -qq --no-install-recommends "${missing[@]}"
 }
 
-# Configures once and builds the target $1; quiet unless there is work or trouble.
+millpose_up_to_date() {
+  [ -f "$1/build.ninja" ] && [ "$(ninja -C "$1" -n "$2" 2>/dev/null | tail -n 1)" = "ninja: no work to do." ]
+}
+
+# millpose_setup <target> [<preset>]: installs, configures once and builds what is out of date.
 millpose_setup() {
-  local log
-  log=$(mktemp)
-  trap 'rm -f "$log"' RETURN
+  local target=$1 preset=${2:-release}
+  local build=$top/build/$preset
   millpose_packages
-  local build=$top/build/release
+  millpose_up_to_date "$build" "$target" && return
+  mkdir -p "$top/build"
+  exec 9>"$top/build/.lock"  # two that start at once must not build into one folder
+  flock -n 9 || { echo "millpose: waiting for another build" >&2; flock 9; }
   if [ ! -f "$build/build.ninja" ]; then
     echo "millpose: configuring" >&2
-    (cd "$top" && cmake --preset release) >"$log" 2>&1 || { cat "$log" >&2; rm -f "$build/build.ninja"; exit 3; }
+    millpose_run_logged "configuring" env -C "$top" cmake --preset "$preset"
   fi
-  if [ "$(ninja -C "$build" -n "$1" 2>/dev/null | tail -n 1)" != "ninja: no work to do." ]; then
+  if ! millpose_up_to_date "$build" "$target"; then
     echo "millpose: building (the first time takes some minutes)" >&2
-    ninja -C "$build" "$1" >"$log" 2>&1 || { cat "$log" >&2; exit 3; }
+    millpose_run_logged "building" ninja -C "$build" "$target"
   fi
+  exec 9>&-
 }

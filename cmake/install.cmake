@@ -14,6 +14,11 @@ install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPO
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime
         FILES_MATCHING PATTERN "*.md" PATTERN "*.yml" PATTERN "*.py" PATTERN schema EXCLUDE)
 
+set(documents ${PROJECT_BINARY_DIR}/apps/millpose)
+install(FILES ${documents}/millpose.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT runtime)
+install(FILES ${documents}/millpose.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+        RENAME millpose COMPONENT runtime)
+
 # Headers that show no type of another library than Eigen.
 install(DIRECTORY lib/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/millpose COMPONENT development
         FILES_MATCHING PATTERN "*.hpp" PATTERN "*_impl.hpp" EXCLUDE PATTERN fcl_part.hpp EXCLUDE

@@ -23,16 +23,19 @@ struct Session {
 using Run = std::function<int(Session&)>;
 
 void AddBatchCommand(CLI::App& app, Run& run);
+void AddCompletionCommand(CLI::App& app, Run& run);
 void AddFlatnessCommand(CLI::App& app, Run& run);
 void AddIdentifyCommand(CLI::App& app, Run& run);
 void AddInspectCommand(CLI::App& app, Run& run);
+void AddManCommand(CLI::App& app, Run& run);
 void AddPlanCommand(CLI::App& app, Run& run);
 void AddSchemaCommand(CLI::App& app, Run& run);
 void AddStiffnessCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
     AddPlanCommand,     AddBatchCommand,    AddInspectCommand, AddStiffnessCommand,
-    AddIdentifyCommand, AddFlatnessCommand, AddSchemaCommand,
+    AddIdentifyCommand, AddFlatnessCommand, AddSchemaCommand,  AddManCommand,
+    AddCompletionCommand,
 };
 
 }  // namespace millpose

@@ -36,7 +36,8 @@ class World {
 /// Asks a World about poses and motions. One per thread (it holds the moving FCL objects); cheap to make.
 class Checker {
  public:
-  explicit Checker(const World& world);
+  /// `clearance_share`: of every clearance that is kept, 0..1; 1 is what the cell asks for.
+  explicit Checker(const World& world, double clearance_share = 1);
   ~Checker();
   Checker(Checker&&) noexcept;
 

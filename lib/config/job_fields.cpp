@@ -261,6 +261,8 @@ Codec<JobSettings> GapFields() {
   return Section<S>({
       Key<S>("retract_mm", MILLPOSE_AT(retract), Real(kMm, Above(0)),
              "Distance along the tool axis by which the tool leaves and approaches the part."),
+      Key<S>("limit_margin_deg", MILLPOSE_AT(gap_limit_margin), Real(kDeg, Between(0, 90)),
+             "Distance kept from the arm's own limits between cuts, on every axis."),
       Key<S>("max_iterations", MILLPOSE_AT(gap_iterations), Integer(1, 100000000),
              "Most iterations of the planner for one gap."),
       Key<S>("speed_share", MILLPOSE_AT(gap_speed_share), Real(kOne, Between(0.01, 1)),
@@ -285,6 +287,8 @@ const Codec<JobSettings>& JobFields() {
                  Key<S>("spindle_rpm", MILLPOSE_AT(spindle_speed), Real(kRevPerMin, AtLeast(0)),
                         "Spindle speed.")
                      .Required(),
+                 Key<S>("feed", MILLPOSE_AT(feed_policy), Choice({"keep", "reduce"}),
+                        "Where joints cannot hold the feed: keep it (a finding) or reduce it there."),
                  Key<S>("cutting", MILLPOSE_AT(cutting), Maybe(CuttingFields()),
                         "What the cutter takes off: gives the cutting force and the predicted deflection."),
              }),

@@ -71,11 +71,17 @@ struct BodySettings {
 };
 
 struct ControllerSettings {
-  std::string tool_axis = "z";   ///< x | y | z: controller's tool frame axis that lies along T's z
+  std::string tool_axis = "z";   ///< x | y | z | -x | -y | -z: controller's tool frame axis along T's z
   std::string rotation = "rpy";  ///< sinumerik: rpy | euler
   std::array<int, 6> axis_signs{1, 1, 1, 1, 1, 1};  ///< controller angle = sign · A + offset
   Vector6 axis_offsets = Vector6::Zero();           ///< rad
+  std::vector<std::string> axis_names = {"RA1", "RA2", "RA3", "RA4", "RA5", "RA6"};  ///< sinumerik
+  std::string motion = "lin";                                                        ///< krl: lin | spline
+  int base_number = 0, tool_number = 0;  ///< krl: BASE_DATA, TOOL_DATA; 0: values are written
+  std::vector<double> external_axes;     ///< krl: E1, E2, …, mm or degrees, constant
+  int ptp_speed_percent = 30;            ///< of the axes' largest speed, between cuts
   int max_motions = 1400;
+  int max_kbytes = 500;
   std::map<std::string, std::string> texts;  ///< templates by event name
   int line = 0;                              ///< of the section, for later errors
 };
@@ -216,8 +222,9 @@ struct JobSettings {
   uint64_t seed = 1;
   WorkpieceSettings workpiece;
   ToolpathSettings toolpath;
-  double feed = 0;           ///< mm/s
-  double spindle_speed = 0;  ///< rev/s
+  double feed = 0;                   ///< mm/s
+  std::string feed_policy = "keep";  ///< keep | reduce, where the joints cannot hold the feed
+  double spindle_speed = 0;          ///< rev/s
   std::optional<CuttingSettings> cutting;
   std::string objective = "chen2021";
   std::map<std::string, double> objective_parameters;
@@ -232,6 +239,7 @@ struct JobSettings {
   double motion_weight = 1e-5;                                   ///< objective unit per rad²
   double swept_resolution = 0.5;                                 ///< mm
   double retract = 50;                                           ///< mm
+  double gap_limit_margin = DegToRad(1);                         ///< rad, to the arm's limits
   int gap_iterations = 20000;
   double gap_speed_share = 0.5;
   std::vector<std::string> programs{"krl", "sinumerik", "linuxcnc"};

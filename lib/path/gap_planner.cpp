@@ -13,6 +13,8 @@ namespace {
 /// Retracts tried, as multiples of the one asked for: longer where that does not come clear (a pocket),
 /// shorter where there is no room for it.
 constexpr std::array<double, 4> kRetracts{1, 2, 4, 0.5};
+/// Shares of the clearances that are tried one after the other; less than all of it is reported.
+constexpr std::array<double, 3> kClearanceShares{1, 0.5, 0.25};
 constexpr double kClearanceBound = 100;  // mm; clearances along a gap are told up to this
 const double kClearanceStep = DegToRad(1);
 
@@ -35,14 +37,15 @@ std::string Name(const GapEnd& end) {
 class GapPlanner {
  public:
   GapPlanner(const World& world, const GapEnd& from, const GapEnd& to, const GapOptions& options,
-             const std::stop_token& stop)
+             double clearance_share, const std::stop_token& stop)
       : world_(world),
         options_(options),
         stop_(stop),
         from_(from),
         to_(to),
         carrier_{world.cell().arm, world.cell().X_WB, world.cell().X_FT},
-        checker_(world) {
+        clearance_share_(clearance_share),
+        checker_(world, clearance_share) {
     const Arm& arm = world.cell().arm;
     // Ends that were planned closer to a limit stay reachable.
     lower_ = (arm.lower.array() + options.limit_margin).matrix().cwiseMin(from.q).cwiseMin(to.q);
@@ -117,6 +120,7 @@ class GapPlanner {
     route.upper = upper_;
     route.max_iterations = options_.max_iterations;
     route.resolution = options_.swept_resolution;
+    route.clearance_share = clearance_share_;
     route.speed_share = options_.speed_share;
     const auto end = [](const GapEnd& e) {
       return static_cast<uint64_t>(e.pass + 1) * 4096 + static_cast<uint64_t>(e.piece + 1);
@@ -148,6 +152,7 @@ class GapPlanner {
   const std::stop_token& stop_;
   GapEnd from_, to_;
   Carrier carrier_;
+  double clearance_share_;
   Checker checker_;
   Joints lower_, upper_;
 };
@@ -156,7 +161,18 @@ class GapPlanner {
 
 Gap PlanGap(const World& world, const GapEnd& from, const GapEnd& to, const GapOptions& options,
             std::stop_token stop) {
-  return GapPlanner(world, from, to, options, stop).Plan();
+  Gap first;
+  for (const double share : kClearanceShares) {
+    Gap gap = GapPlanner(world, from, to, options, share, stop).Plan();
+    if (gap.planned) {
+      if (share < 1)
+        gap.detail = fmt::format("{} to {}: clearances reduced to {:.0f} % ({})", Name(from), Name(to),
+                                 100 * share, first.detail);
+      return gap;
+    }
+    if (share == 1) first = std::move(gap);
+  }
+  return first;
 }
 
 }  // namespace millpose

@@ -40,7 +40,8 @@ void FromJoints(const Joints& q, ob::State* state) {
 /// Checks poses and motions and counts what was in the way.
 class Judge {
  public:
-  Judge(const World& world, const RouteOptions& options) : checker_(world), options_(options) {}
+  Judge(const World& world, const RouteOptions& options)
+      : checker_(world, options.clearance_share), options_(options) {}
 
   bool Valid(const Joints& q) {
     if ((q.array() < options_.lower.array() - 1e-12).any()) return false;

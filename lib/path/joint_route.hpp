@@ -10,10 +10,11 @@
 namespace millpose {
 
 struct RouteOptions {
-  Joints lower, upper;      ///< rad
-  int max_iterations = 0;   ///< of RRTConnect
-  double resolution = 0.5;  ///< mm, of the swept check
-  double speed_share = 1;   ///< of the joints' speeds and accelerations, for the duration
+  Joints lower, upper;         ///< rad
+  int max_iterations = 0;      ///< of RRTConnect
+  double resolution = 0.5;     ///< mm, of the swept check
+  double clearance_share = 1;  ///< of the clearances, see Checker
+  double speed_share = 1;      ///< of the joints' speeds and accelerations, for the duration
 };
 
 /// Corners of a path of straight joint motions from one pose to another, both included.

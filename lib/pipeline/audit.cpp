@@ -4,13 +4,16 @@
 #include <atomic>
 
 #include "base/parallel.hpp"
+#include "base/units.hpp"
+#include "robot/kinematics.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr double kTravel = 0.2;        // mm between poses that are looked at
-constexpr double kFarthest = 5000;     // mm from any axis to any point of arm and tool, generous
-constexpr double kGoodEnough = 0.001;  // relative: "within 0.1 %"
+constexpr double kTravel = 0.2;              // mm between poses that are looked at
+constexpr double kPortion = 2 * kRadPerDeg;  // of a motion for which one reach holds
+constexpr double kReachGrowth = 1.04;        // of any reach while every joint turns by half a portion
+constexpr double kGoodEnough = 0.001;        // relative: "within 0.1 %"
 
 void AuditGenetic(const PlanResult& plan, AuditFigures* figures) {
   long long judged = 0, good = 0;
@@ -61,14 +64,54 @@ std::vector<Step> StepsOf(const PlanResult& plan) {
   return steps;
 }
 
+// Radius of a sphere about the shape's frame that holds it, mm.
+double Radius(const Shape& shape) {
+  const auto farthest = [](const std::vector<Eigen::Vector3d>& points) {
+    double radius = 0;
+    for (const Eigen::Vector3d& p : points) radius = std::max(radius, p.norm());
+    return radius;
+  };
+  if (const auto* box = std::get_if<Box>(&shape)) return box->size.norm() / 2;
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return sphere->radius;
+  if (const auto* c = std::get_if<Cylinder>(&shape)) return std::hypot(c->radius, c->length / 2);
+  if (const auto* c = std::get_if<Capsule>(&shape)) return c->radius + c->length / 2;
+  if (const auto* c = std::get_if<Cone>(&shape))
+    return std::hypot(std::max(c->radius_bottom, c->radius_top), c->length / 2);
+  if (const auto* convex = std::get_if<Convex>(&shape)) return farthest(convex->points);
+  return farthest(std::get<Triangles>(shape).vertices);
+}
+
+// How far from the axis of each joint the farthest point of anything beyond it can be at q, mm.
+Joints Reach(const Cell& cell, const Joints& q) {
+  const std::array<Pose, 7> X_BL = LinkFrames(cell.arm, q);
+  Joints reach = Joints::Zero();
+  for (const Body& body : cell.bodies) {
+    const bool on_tool = body.mount == Mount::kTool;
+    if (!on_tool && body.mount != Mount::kLink) continue;
+    const size_t link = on_tool ? 6 : static_cast<size_t>(body.link);
+    const Pose X_LG = on_tool ? cell.X_FT * body.X_MG : body.X_MG;
+    const Eigen::Vector3d centre = X_BL[link] * X_LG.translation();
+    for (size_t joint = 0; joint < link; ++joint) {
+      const double distance = (centre - X_BL[joint + 1].translation()).norm() + Radius(body.shape);
+      reach[static_cast<int>(joint)] = std::max(reach[static_cast<int>(joint)], distance);
+    }
+  }
+  return reach;
+}
+
+// Poses on one motion that touch, no point of arm and tool moving by more than kTravel from one to the next.
 long long CountInterferences(const World& world, const Step& step) {
   Checker checker(world);
-  const double turned = (step.to - step.from).cwiseAbs().sum();
-  const int count = std::max(1, static_cast<int>(std::ceil(turned * kFarthest / kTravel)));
+  const Joints way = step.to - step.from;
+  const int portions = std::max(1, static_cast<int>(std::ceil(way.cwiseAbs().maxCoeff() / kPortion)));
   long long found = 0;
-  for (int i = 0; i <= count; ++i) {
-    const Joints q = step.from + (step.to - step.from) * (static_cast<double>(i) / count);
-    if (checker.At(q, step.phase)) ++found;
+  for (int portion = 0; portion < portions; ++portion) {
+    const Joints begin = step.from + way * (static_cast<double>(portion) / portions);
+    const double travel =
+        way.cwiseAbs().dot(Reach(world.cell(), begin + way / (2.0 * portions))) * kReachGrowth / portions;
+    const int count = std::max(1, static_cast<int>(std::ceil(travel / kTravel)));
+    for (int i = portion == 0 ? 0 : 1; i <= count; ++i)
+      if (checker.At(begin + way * (static_cast<double>(i) / count / portions), step.phase)) ++found;
   }
   return found;
 }

@@ -134,7 +134,7 @@ GapOptions MakeGapOptions(const JobSettings& job) {
   options.retract = job.retract;
   options.max_iterations = job.gap_iterations;
   options.swept_resolution = job.swept_resolution;
-  options.limit_margin = job.limit_margin;
+  options.limit_margin = job.gap_limit_margin;
   options.speed_share = job.gap_speed_share;
   options.seed = job.seed;
   return options;
@@ -160,7 +160,14 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
   post.tool_name = cell.tool.name;
   post.blend = job.toolpath.chord_tolerance;
   post.rotation = settings.rotation;
+  for (size_t i = 0; i < 6; ++i) post.axis_names[i] = settings.axis_names[i];
+  post.spline = settings.motion == "spline";
+  post.base_number = settings.base_number;
+  post.tool_number = settings.tool_number;
+  post.external = settings.external_axes;
+  post.ptp_share = settings.ptp_speed_percent / 100.0;
   post.max_motions = settings.max_motions;
+  post.max_bytes = static_cast<size_t>(settings.max_kbytes) * 1000;
   post.texts = settings.texts;
   return post;
 }

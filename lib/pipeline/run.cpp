@@ -85,8 +85,10 @@ std::string PassContext(const JobInputs& inputs) {
   job.file.clear();
   job.toolpath = later.toolpath;
   job.feed = later.feed;
+  job.feed_policy = later.feed_policy;
   job.spindle_speed = later.spindle_speed;
   job.retract = later.retract;
+  job.gap_limit_margin = later.gap_limit_margin;
   job.gap_iterations = later.gap_iterations;
   job.gap_speed_share = later.gap_speed_share;
   job.programs = later.programs;
@@ -160,6 +162,7 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   stages.Begin("gaps", 0);
   FixTurns(plan.passes, plan.home, problem.bounds.lower, problem.bounds.upper);
   plan.gaps = PlanGaps(world, plan.passes, MakeGapOptions(inputs.job), threads, stop);
+  const FeedReduction reduction = inputs.job.feed_policy == "reduce" ? ReduceFeeds(plan) : FeedReduction{};
   stages.End(fmt::format("{} gaps", plan.gaps.size()));
 
   stages.Begin("programs", 0);
@@ -179,7 +182,7 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   const std::vector<PointCurves> curves =
       SampleCurves(plan, problem, path_options.genetic, kMostCurves, threads, stop);
   const ReportInputs report =
-      WriteResults({inputs, cell, plan, programs, audit, warnings, CurveGrid(), curves}, folder);
+      WriteResults({inputs, cell, plan, programs, audit, reduction, warnings, CurveGrid(), curves}, folder);
   stages.End(folder.path().string());
   RunFigures run = MeasureRun(threads, MILLPOSE_VERSION);
   run.resumed_passes = planned.resumed;

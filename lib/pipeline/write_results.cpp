@@ -19,6 +19,17 @@ std::vector<int> MotionsPerPass(const CheckedProgram& program, size_t passes) {
   return counts;
 }
 
+std::string ExplainFeed(const ContinuityFigures& continuity) {
+  const FeedFinding& first = continuity.feed_not_held.front();
+  return fmt::format(
+      "the feed cannot be held at {} points; first at point {} (pass {}): the {} of A{} allows {:.1f} of "
+      "{:.1f} "
+      "mm/min",
+      continuity.feed_not_held.size(), first.point, first.pass,
+      first.by_acceleration ? "acceleration" : "speed", first.joint + 1, 60 * first.feed_possible,
+      60 * first.feed);
+}
+
 std::vector<std::string> Explain(const PlanResult& plan, const std::vector<CheckedProgram>& programs) {
   std::vector<std::string> sentences;
   const std::string obstacle = WhyNotProgrammable(plan);
@@ -44,6 +55,10 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
   report.audit = results.audit;
   report.warnings = results.warnings;
   report.findings = Explain(plan, results.programs);
+  report.continuity = AnalyseContinuity(plan);
+  report.feed_reduction = results.reduction;
+  if (results.inputs.job.feed_policy == "keep" && !report.continuity->feed_not_held.empty())
+    report.findings.push_back(ExplainFeed(*report.continuity));
   // One program that its read-back does not confirm casts doubt on the plan: none is written then.
   bool confirmed = true;
   for (const CheckedProgram& program : results.programs) confirmed &= program.findings.empty();

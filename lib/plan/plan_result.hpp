@@ -57,7 +57,7 @@ struct Gap {
   int from_pass = -1, from_piece = -1;
   int to_pass = -1, to_piece = -1;
   bool planned = false;
-  std::string detail;                      ///< when not planned: what blocked it
+  std::string detail;  ///< what blocked it; of a planned one: by how much clearances were reduced
   Pose X_WT_retracted = Pose::Identity();  ///< tool at the end of the retract (from ≠ home)
   Pose X_WT_approach = Pose::Identity();   ///< tool where the approach begins (to ≠ home)
   std::vector<Joints> joints;  ///< of the joint-space path, from retracted (or home) to approach (or home)

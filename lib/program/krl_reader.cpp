@@ -3,112 +3,94 @@
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
 #include "program/krl.hpp"
-#include "program/scanner.hpp"
-#include "program/templates.hpp"
+#include "program/reader.hpp"
 
 namespace millpose {
 namespace {
 
 using Fields = std::map<std::string, double>;
 
-constexpr double kDefaultFeed = 2000;  // mm/s, $VEL.CP after BAS(#INITMOV,0)
-constexpr double kDefaultBlend = 3;    // mm, $APO.CDIS after BAS(#INITMOV,0)
+constexpr double kDefaultFeed = 2000;    // mm/s, $VEL.CP after BAS(#INITMOV,0)
+constexpr double kExternalSlack = 1e-4;  // mm or degrees
+constexpr double kDefaultBlend = 3;      // mm, $APO.CDIS after BAS(#INITMOV,0)
 
-class KrlReader {
+class KrlReader : public ProgramReader {
  public:
-  KrlReader(const PostSettings& settings, const std::string& file)
-      : settings_(settings), file_(file), templates_(KrlTexts(), settings.texts) {
-    program_.axes = settings.axes;
-    program_.files = {file};
-  }
-
-  MotionProgram Read(std::string_view text) {
-    lines_ = SplitLines(text);
-    for (size_t i = 0; i < lines_.size();) {
-      try {
-        i += ReadAt(i);
-      } catch (const InputError& error) {
-        problems_.insert(problems_.end(), error.problems().begin(), error.problems().end());
-        ++i;
-      }
-    }
-    if (!ended_) problems_.push_back({{file_, static_cast<int>(lines_.size()), 0, -1}, "END is missing"});
-    if (!problems_.empty()) throw InputError(problems_);
-    return std::move(program_);
-  }
+  KrlReader(const ProgramFiles& files, const PostSettings& settings)
+      : ProgramReader(files, settings, Templates(KrlTexts(), settings.texts, settings.tool_name)) {}
 
  private:
-  /// Reads the statement at lines_[i]; how many lines it took.
-  size_t ReadAt(size_t i) {
-    line_ = static_cast<int>(i) + 1;
-    if (const auto match = templates_.Recognise(lines_, i)) {
-      AddEvent(match->kind, match->value, 0);
-      return match->lines;
-    }
-    const std::string_view line = Trim(lines_[i]);
-    if (line.starts_with(';')) {
-      ReadComment(line.substr(1));
-    } else if (!line.empty() && line[0] != '&') {
-      LineScanner scan(lines_[i].substr(0, lines_[i].find(';')), file_, line_);
-      if (ended_) scan.Fail("nothing expected after END");
-      ReadStatement(scan);
-    }
-    return 1;
+  std::optional<std::string_view> Comment(std::string_view line) const override {
+    return line.starts_with('&') ? std::optional(std::string_view()) : ProgramReader::Comment(line);
   }
 
-  void ReadComment(std::string_view comment) {
-    LineScanner scan(comment, file_, line_);
+  void BeginFile() override { defined_ = false; }
+
+  void ReadComment(std::string_view comment) override {
+    LineScanner scan(comment, "", 0);
     const bool begin = scan.Accept("FOLD PASS");
-    if (begin || scan.Accept("ENDFOLD (PASS")) {
-      const int pass = static_cast<int>(scan.ExpectNumber());
-      scan.Expect("PIECE");
-      AddEvent(begin ? ProgramEvent::Kind::kPassBegin : ProgramEvent::Kind::kPassEnd, pass,
-               static_cast<int>(scan.ExpectNumber()));
-      pass_ = begin ? pass : -1;
-      return;
-    }
-    const size_t colon = comment.find(": ");
-    if (!in_head_ || colon == std::string_view::npos) return;
-    const std::string_view key = Trim(comment.substr(0, colon));
-    if (key.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string_view::npos) return;
-    program_.header.emplace_back(key, Trim(comment.substr(colon + 2)));
+    if (!begin && !scan.Accept("ENDFOLD (PASS")) return ProgramReader::ReadComment(comment);
+    ReadPassMark(scan, begin);
   }
 
-  void ReadStatement(LineScanner& scan) {
-    if (program_.name.empty()) {
-      scan.Expect("DEF");
-      const auto name = scan.AcceptName();
-      if (!name) scan.Fail("the program's name expected");
-      program_.name = *name;
-      scan.Expect("(");
-      scan.Expect(")");
+  void ReadCode(LineScanner& scan) override {
+    if (!defined_) {
+      ReadDefinition(scan);
     } else if (scan.Accept("PTP")) {
       ReadPtp(scan);
     } else if (scan.Accept("LIN")) {
-      ReadLin(scan);
+      ReadLin(scan, false);
+    } else if (spline_ && scan.Accept("SLIN")) {
+      ReadLin(scan, true);
+    } else if (scan.Accept("SPLINE")) {
+      spline_ = true;
+    } else if (scan.Accept("ENDSPLINE")) {
+      if (!std::exchange(spline_, false)) scan.Fail("SPLINE expected before");
+      if (!program_.motions.empty()) program_.motions.back().exact = true;
     } else if (scan.Accept("END")) {
-      ended_ = true;
-    } else {
-      ReadSetting(scan);
-      return;
+      EndFile();
+    } else if (!ReadSetting(scan)) {
+      ReadSubprogram(scan);
     }
     scan.ExpectEnd();
-    in_head_ = in_head_ && program_.motions.empty();
   }
 
-  void ReadSetting(LineScanner& scan) {
-    in_head_ = false;
+  void ReadDefinition(LineScanner& scan) {
+    scan.Expect("DEF");
+    const auto name = scan.AcceptName();
+    if (!name || !SameWords(*name, FileStem()))
+      scan.Fail(fmt::format("the file's name {} expected", FileStem()));
+    if (!InSubprogram()) program_.name = *name;
+    scan.Expect("(");
+    scan.Expect(")");
+    defined_ = true;
+  }
+
+  void ReadSubprogram(LineScanner& scan) {
+    const auto name = scan.AcceptName();
+    if (name && scan.Accept("(") && scan.Accept(")") && ReadCall(scan, *name)) {
+      defined_ = true;
+      return;
+    }
+    scan.Fail(
+        "PTP, LIN, $BASE, $TOOL, $VEL.CP, $APO.CDIS, the call of a file of the program or another statement "
+        "of "
+        "a milling program expected");
+  }
+
+  /// Statements that set something, or wait; false when it is another.
+  bool ReadSetting(LineScanner& scan) {
     if (scan.Accept("$BASE")) {
       if (posed_) scan.Fail("one base for all poses of the program expected");
-      program_.X_BP = ReadFrame(scan);
+      program_.X_BP = ReadFrame(scan, "BASE_DATA", settings_.base_number);
+      framed_ = true;
     } else if (scan.Accept("$TOOL")) {
       if (posed_) scan.Fail("one tool for all poses of the program expected");
-      Pose X_FT = ReadFrame(scan);
-      X_FT.linear() = X_FT.linear() * settings_.R_TC.transpose();
-      program_.X_FT = X_FT;
-    } else if (scan.Accept("$VEL.CP")) {
-      scan.Expect("=");
-      feed_ = scan.ExpectNumber() * 1000;
+      program_.X_FT = ReadFrame(scan, "TOOL_DATA", settings_.tool_number);
+      if (program_.X_FT) program_.X_FT->linear() = program_.X_FT->linear() * settings_.R_TC.transpose();
+      tooled_ = true;
+    } else if (!spline_ && scan.Accept("$VEL.CP")) {
+      feed_ = ReadFeed(scan);
     } else if (scan.Accept("$APO.CDIS")) {
       scan.Expect("=");
       blend_ = scan.ExpectNumber();
@@ -125,11 +107,15 @@ class KrlReader {
     } else if (scan.Accept("GLOBAL INTERRUPT DECL 3 WHEN $STOPMESS==TRUE DO IR_STOPM")) {
       scan.Expect("(");
       scan.Expect(")");
-    } else if (!scan.Accept("INTERRUPT ON 3") && !scan.Accept("HALT")) {
-      scan.Fail(
-          "PTP, LIN, $BASE, $TOOL, $VEL.CP, $APO.CDIS or another statement of a milling program expected");
+    } else {
+      return scan.Accept("INTERRUPT ON 3") || scan.Accept("HALT");
     }
-    scan.ExpectEnd();
+    return true;
+  }
+
+  static double ReadFeed(LineScanner& scan) {
+    scan.Expect("=");
+    return scan.ExpectNumber() * 1000;
   }
 
   void ReadBas(LineScanner& scan) {
@@ -177,8 +163,13 @@ class KrlReader {
     }
   }
 
-  Pose ReadFrame(LineScanner& scan) {
+  /// A frame's values, or, where the cell says so, the number of one that the controller holds: empty.
+  std::optional<Pose> ReadFrame(LineScanner& scan, std::string_view list, int number) {
     scan.Expect("=");
+    if (number > 0) {
+      scan.Expect(fmt::format("{}[{}]", list, number));
+      return std::nullopt;
+    }
     const std::vector<std::string> names = {"X", "Y", "Z", "A", "B", "C"};
     const Fields fields = ReadFields(scan, "FRAME", names);
     ExpectAll(scan, fields, names);
@@ -189,8 +180,8 @@ class KrlReader {
   /// it.
   Pose Target(LineScanner& scan, Fields fields) {
     const bool first = !std::exchange(posed_, true);
-    if (first && !program_.X_BP) scan.Fail("$BASE must be set before the first pose");
-    if (first && !program_.X_FT) scan.Fail("$TOOL must be set before the first pose");
+    if (first && !framed_) scan.Fail("$BASE must be set before the first pose");
+    if (first && !tooled_) scan.Fail("$TOOL must be set before the first pose");
     for (const std::string name : {"X", "Y", "Z", "A", "B", "C"}) {
       if (!fields.contains(name) && last_.contains(name)) fields[name] = last_[name];
     }
@@ -201,10 +192,26 @@ class KrlReader {
     return X_PT;
   }
 
+  /// The fields that a target may have, and the external axes that it must have.
+  Fields ReadTarget(LineScanner& scan, std::vector<std::string> allowed) {
+    std::vector<std::string> external;
+    for (size_t i = 0; i < settings_.external.size(); ++i) external.push_back(fmt::format("E{}", i + 1));
+    allowed.insert(allowed.end(), external.begin(), external.end());
+    const Fields fields = ReadFields(scan, allowed.front() == "A1" ? "E6AXIS" : "E6POS", allowed);
+    ExpectAll(scan, fields, external);
+    for (size_t i = 0; i < external.size(); ++i) {
+      if (std::abs(fields.at(external[i]) - settings_.external[i]) > kExternalSlack) {
+        scan.Fail(fmt::format("{} stays at {} in this program; that value expected", external[i],
+                              settings_.external[i]));
+      }
+    }
+    return fields;
+  }
+
   void ReadPtp(LineScanner& scan) {
     Motion& motion = AddMotion(MotionType::kJoint);
-    const Fields fields = ReadFields(
-        scan, "E6POS", {"X", "Y", "Z", "A", "B", "C", "S", "T", "A1", "A2", "A3", "A4", "A5", "A6"});
+    const Fields fields =
+        ReadTarget(scan, {"A1", "A2", "A3", "A4", "A5", "A6", "X", "Y", "Z", "A", "B", "C", "S", "T"});
     if (fields.contains("A1")) {
       ExpectAll(scan, fields, {"A1", "A2", "A3", "A4", "A5", "A6"});
       Joints angles;
@@ -219,49 +226,29 @@ class KrlReader {
     motion.exact = !scan.Accept("C_PTP");
   }
 
-  void ReadLin(LineScanner& scan) {
+  void ReadLin(LineScanner& scan, bool spline) {
     Motion& motion = AddMotion(MotionType::kLinear);
-    motion.X_PT = Target(scan, ReadFields(scan, "E6POS", {"X", "Y", "Z", "A", "B", "C", "S", "T"}));
+    motion.X_PT = Target(scan, ReadTarget(scan, {"X", "Y", "Z", "A", "B", "C", "S", "T"}));
     motion.feed = feed_;
-    motion.exact = !scan.Accept("C_DIS");
-    motion.blend = motion.exact ? 0 : blend_;
+    motion.exact = !spline && !scan.Accept("C_DIS");
+    motion.blend = motion.exact || spline ? 0 : blend_;
+    if (spline && scan.Accept("WITH $VEL.CP")) motion.feed = ReadFeed(scan);
+    if (spline_ && !spline) scan.Fail("SLIN expected within SPLINE");
   }
 
-  Motion& AddMotion(MotionType type) {
-    Motion& motion = program_.motions.emplace_back();
-    motion.type = type;
-    motion.pass = pass_;
-    motion.line = line_;
-    return motion;
-  }
-
-  void AddEvent(ProgramEvent::Kind kind, double value, int piece) {
-    program_.events.push_back({kind, program_.motions.size(), value, piece, 0, line_});
-  }
-
-  const PostSettings& settings_;
-  std::string file_;
-  Templates templates_;
-  MotionProgram program_;
-  std::vector<std::string_view> lines_;
-  std::vector<Problem> problems_;
   Fields last_;  // of the last Cartesian motion
   double feed_ = kDefaultFeed;
   double blend_ = kDefaultBlend;
-  int pass_ = -1;
-  int line_ = 0;
-  bool posed_ = false;  // a pose was approached
-  bool in_head_ = true;
-  bool ended_ = false;
+  bool defined_ = false;                  // DEF was read
+  bool spline_ = false;                   // within SPLINE … ENDSPLINE
+  bool framed_ = false, tooled_ = false;  // $BASE and $TOOL are set
+  bool posed_ = false;                    // a pose was approached
 };
 
 }  // namespace
 
 MotionProgram KrlPost::Read(const ProgramFiles& files, const Arm&, const PostSettings& settings) const {
-  const auto source =
-      std::find_if(files.begin(), files.end(), [](const auto& file) { return file.first.ends_with(".src"); });
-  if (source == files.end()) throw InputError(Place{}, "a KRL program needs a .src file");
-  return KrlReader(settings, source->first).Read(source->second);
+  return KrlReader(files, settings).Read({".src"});
 }
 
 }  // namespace millpose

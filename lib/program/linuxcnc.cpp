@@ -5,6 +5,7 @@
 
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
+#include "program/sections.hpp"
 #include "program/templates.hpp"
 
 namespace millpose {
@@ -29,17 +30,13 @@ class LinuxCncWriter {
         arm_(arm),
         settings_(settings),
         X_FT_(program.X_FT.value_or(settings.X_FT)),
-        templates_(LinuxCncTexts(), settings.texts) {}
+        templates_(LinuxCncTexts(), settings.texts, settings.tool_name) {}
 
   ProgramFiles Write() {
     Head();
-    size_t event = 0;
-    for (size_t i = 0; i <= program_.motions.size(); ++i) {
-      for (; event < program_.events.size() && program_.events[event].before_motion == i; ++event) {
-        Event(program_.events[event]);
-      }
-      if (i < program_.motions.size()) AddMotion(program_.motions[i]);
-    }
+    Walk(program_, {[&] { Begin(); }, [&](const ProgramEvent& event) { Event(event); },
+                    [&](size_t i) { AddMotion(program_.motions[i]); }});
+    for (const std::string& line : templates_.Lines("footer")) Line(line);
     Line("M2");
     return {{LegalName(program_.name, 64, 1) + ".ngc", text_}};
   }
@@ -51,6 +48,14 @@ class LinuxCncWriter {
     Line("; written by millpose for LinuxCNC; X Y Z A B C are the joints 1 to 6, degrees");
     for (const auto& [key, value] : program_.header) Line(fmt::format("; {}: {}", key, value));
     Line("G21 G90 G17 G40 G49 G94");
+    for (const std::string& line : templates_.Lines("header")) Line(line);
+    for (const std::string& line : templates_.Lines("tool_change")) Line(line);
+  }
+
+  /// States every modal setting again, so that a section can be entered.
+  void Begin() {
+    exact_.reset();
+    inverse_time_.reset();
   }
 
   void AddMotion(const Motion& motion) {
@@ -110,7 +115,7 @@ class LinuxCncWriter {
     // G93 floors the speed along that length; slower motions state the speed itself.
     const double per_minute = length / duration * 60;
     const bool inverse = per_minute > kInverseTimeFloor;
-    if (inverse != inverse_time_) Line(inverse ? "G93" : "G94");
+    if (inverse_time_ != inverse) Line(inverse ? "G93" : "G94");
     inverse_time_ = inverse;
     Line(fmt::format("G1 {} F{}", Words(angles), inverse ? Fixed(60 / duration, 6) : Fixed(per_minute, 9)));
     last_ = angles;
@@ -130,18 +135,10 @@ class LinuxCncWriter {
   }
 
   void Event(const ProgramEvent& event) {
-    switch (event.kind) {
-      case ProgramEvent::Kind::kPassBegin:
-        Line(fmt::format("; PASS {} PIECE {}", Fixed(event.value, 0), event.piece));
-        break;
-      case ProgramEvent::Kind::kPassEnd:
-        Line(fmt::format("; END OF PASS {} PIECE {}", Fixed(event.value, 0), event.piece));
-        break;
-      case ProgramEvent::Kind::kSpindleOn:
-      case ProgramEvent::Kind::kSpindleOff:
-        for (const std::string& line : templates_.Lines(event)) Line(line);
-        break;
-    }
+    const std::string place = fmt::format("PASS {} PIECE {}", Fixed(event.value, 0), event.piece);
+    if (event.kind == ProgramEvent::Kind::kPassBegin) Line("; " + place);
+    if (event.kind == ProgramEvent::Kind::kPassEnd) Line("; END OF " + place);
+    for (const std::string& line : templates_.Lines(event)) Line(line);
   }
 
   const MotionProgram& program_;
@@ -151,7 +148,7 @@ class LinuxCncWriter {
   Templates templates_;
   std::string text_;
   Joints last_ = Joints::Zero();  // degrees, as written
-  bool inverse_time_ = false;
+  std::optional<bool> inverse_time_;
   std::optional<bool> exact_;
 };
 

@@ -3,73 +3,31 @@
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
 #include "program/linuxcnc.hpp"
-#include "program/scanner.hpp"
-#include "program/templates.hpp"
+#include "program/reader.hpp"
 
 namespace millpose {
 namespace {
 
-class LinuxCncReader {
+class LinuxCncReader : public ProgramReader {
  public:
-  LinuxCncReader(const Arm& arm, const PostSettings& settings, const std::string& file)
-      : arm_(arm), settings_(settings), file_(file), templates_(LinuxCncTexts(), settings.texts) {
-    program_.name = file.substr(0, file.rfind('.'));
-    program_.axes = settings.axes;
-    program_.files = {file};
-  }
-
-  MotionProgram Read(std::string_view text) {
-    lines_ = SplitLines(text);
-    for (size_t i = 0; i < lines_.size() && !ended_;) {
-      try {
-        i += ReadAt(i);
-      } catch (const InputError& error) {
-        problems_.insert(problems_.end(), error.problems().begin(), error.problems().end());
-        ++i;
-      }
-    }
-    if (!ended_) problems_.push_back({{file_, static_cast<int>(lines_.size()), 0, -1}, "M2 is missing"});
-    if (!problems_.empty()) throw InputError(problems_);
-    return std::move(program_);
-  }
+  LinuxCncReader(const ProgramFiles& files, const Arm& arm, const PostSettings& settings)
+      : ProgramReader(files, settings, Templates(LinuxCncTexts(), settings.texts, settings.tool_name)),
+        arm_(arm) {}
 
  private:
-  size_t ReadAt(size_t i) {
-    line_ = static_cast<int>(i) + 1;
-    if (const auto match = templates_.Recognise(lines_, i)) {
-      AddEvent(match->kind, match->value, 0);
-      return match->lines;
-    }
-    const std::string_view line = Trim(lines_[i]);
-    if (line.starts_with(';')) {
-      ReadComment(line.substr(1));
-    } else if (!line.empty() && !(line.starts_with('(') && line.ends_with(')'))) {
-      LineScanner scan(lines_[i].substr(0, lines_[i].find(';')), file_, line_);
-      ReadBlock(scan);
-      in_head_ = false;
-    }
-    return 1;
+  std::optional<std::string_view> Comment(std::string_view line) const override {
+    const bool bracketed = line.starts_with('(') && line.ends_with(')');
+    return bracketed ? std::optional(line.substr(1, line.size() - 2)) : ProgramReader::Comment(line);
   }
 
-  void ReadComment(std::string_view comment) {
-    LineScanner scan(comment, file_, line_);
+  void ReadComment(std::string_view comment) override {
+    LineScanner scan(comment, "", 0);
     const bool begin = scan.Accept("PASS");
-    if (begin || scan.Accept("END OF PASS")) {
-      const int pass = static_cast<int>(scan.ExpectNumber());
-      scan.Expect("PIECE");
-      AddEvent(begin ? ProgramEvent::Kind::kPassBegin : ProgramEvent::Kind::kPassEnd, pass,
-               static_cast<int>(scan.ExpectNumber()));
-      pass_ = begin ? pass : -1;
-      return;
-    }
-    const size_t colon = comment.find(": ");
-    if (!in_head_ || colon == std::string_view::npos) return;
-    const std::string_view key = Trim(comment.substr(0, colon));
-    if (key.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string_view::npos) return;
-    program_.header.emplace_back(key, Trim(comment.substr(colon + 2)));
+    if (!begin && !scan.Accept("END OF PASS")) return ProgramReader::ReadComment(comment);
+    ReadPassMark(scan, begin);
   }
 
-  void ReadBlock(LineScanner& scan) {
+  void ReadCode(LineScanner& scan) override {
     std::array<std::optional<double>, 6> words;
     std::optional<double> feed, pause;
     bool dwell = false, moves = false;
@@ -87,15 +45,18 @@ class LinuxCncReader {
         scan.ExpectNumber();
       } else if (scan.AcceptAddress('M')) {
         const double m = scan.ExpectNumber();
-        ended_ = m == 2 || m == 30;
-        if (!ended_ && m != 0 && m != 1) scan.Fail("M0, M1, M2 or M30 expected");
+        if (m == 2 || m == 30) {
+          EndFile();
+        } else if (m != 0 && m != 1) {
+          scan.Fail("M0, M1, M2 or M30 expected");
+        }
       } else {
         moves = ReadAxis(scan, words) || moves;
       }
     }
     if (blending_ && pause && !dwell) blend_ = *pause;
     if (feed && !inverse_time_) feed_ = *feed;
-    if (moves) AddMotion(scan, words, feed);
+    if (moves) AddTarget(scan, words, feed);
   }
 
   bool ReadAxis(LineScanner& scan, std::array<std::optional<double>, 6>& words) {
@@ -122,17 +83,15 @@ class LinuxCncReader {
     }
   }
 
-  void AddMotion(const LineScanner& scan, const std::array<std::optional<double>, 6>& words,
+  void AddTarget(const LineScanner& scan, const std::array<std::optional<double>, 6>& words,
                  std::optional<double> feed) {
     Joints angles = last_.value_or(Joints::Zero());
     for (int i = 0; i < 6; ++i) {
       if (words[i]) angles[i] = *words[i];
       if (!words[i] && !last_) scan.Fail(fmt::format("{} is missing in the first motion", "XYZABC"[i]));
     }
-    Motion& motion = program_.motions.emplace_back();
+    Motion& motion = AddMotion(MotionType::kJoint);
     motion.q = FromController(settings_.axes, angles * kRadPerDeg);
-    motion.pass = pass_;
-    motion.line = line_;
     motion.exact = !blending_;
     if (blending_)
       motion.blend = settings_.blend * blend_ / BlendDegrees(settings_.blend, arm_, settings_.X_FT);
@@ -151,35 +110,18 @@ class LinuxCncReader {
     return length / *feed_ * 60;
   }
 
-  void AddEvent(ProgramEvent::Kind kind, double value, int piece) {
-    program_.events.push_back({kind, program_.motions.size(), value, piece, 0, line_});
-  }
-
   const Arm& arm_;
-  const PostSettings& settings_;
-  std::string file_;
-  Templates templates_;
-  MotionProgram program_;
-  std::vector<std::string_view> lines_;
-  std::vector<Problem> problems_;
   std::optional<Joints> last_;  // degrees
   std::optional<double> feed_;  // per minute, G94
   double blend_ = 0;            // degrees
   bool rapid_ = true, inverse_time_ = false, blending_ = true;
-  int pass_ = -1;
-  int line_ = 0;
-  bool in_head_ = true;
-  bool ended_ = false;
 };
 
 }  // namespace
 
 MotionProgram LinuxCncPost::Read(const ProgramFiles& files, const Arm& arm,
                                  const PostSettings& settings) const {
-  const auto source =
-      std::find_if(files.begin(), files.end(), [](const auto& file) { return file.first.ends_with(".ngc"); });
-  if (source == files.end()) throw InputError(Place{}, "a LinuxCNC program needs an .ngc file");
-  return LinuxCncReader(arm, settings, source->first).Read(source->second);
+  return LinuxCncReader(files, arm, settings).Read({".ngc"});
 }
 
 }  // namespace millpose

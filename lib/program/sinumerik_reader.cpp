@@ -2,9 +2,8 @@
 // Reads SINUMERIK programs as far as robot programs of millpose and the usual hand edits go.
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
-#include "program/scanner.hpp"
+#include "program/reader.hpp"
 #include "program/sinumerik.hpp"
-#include "program/templates.hpp"
 
 namespace millpose {
 namespace {
@@ -25,69 +24,31 @@ struct Block {
   }
 };
 
-class SinumerikReader {
+class SinumerikReader : public ProgramReader {
  public:
-  SinumerikReader(const PostSettings& settings, const std::string& file)
-      : settings_(settings), file_(file), templates_(SinumerikTexts(), settings.texts) {
-    program_.name = file.substr(0, file.rfind('.'));
-    program_.axes = settings.axes;
-    program_.files = {file};
-  }
-
-  MotionProgram Read(std::string_view text) {
-    lines_ = SplitLines(text);
-    for (size_t i = 0; i < lines_.size();) {
-      try {
-        i += ReadAt(i);
-      } catch (const InputError& error) {
-        problems_.insert(problems_.end(), error.problems().begin(), error.problems().end());
-        ++i;
-      }
-    }
-    if (!ended_) problems_.push_back({{file_, static_cast<int>(lines_.size()), 0, -1}, "M30 is missing"});
-    if (!problems_.empty()) throw InputError(problems_);
-    return std::move(program_);
-  }
+  SinumerikReader(const ProgramFiles& files, const PostSettings& settings)
+      : ProgramReader(files, settings, Templates(SinumerikTexts(), settings.texts, settings.tool_name)) {}
 
  private:
-  size_t ReadAt(size_t i) {
-    line_ = static_cast<int>(i) + 1;
-    if (const auto match = templates_.Recognise(lines_, i)) {
-      AddEvent(match->kind, match->value, 0);
-      return match->lines;
-    }
-    const std::string_view line = Trim(lines_[i]);
-    if (line.starts_with(';')) {
-      ReadComment(line.substr(1));
-    } else if (!line.empty()) {
-      LineScanner scan(lines_[i].substr(0, lines_[i].find(';')), file_, line_);
-      if (ended_) scan.Fail("nothing expected after M30");
-      ReadBlock(scan);
-      in_head_ = false;
-    }
-    return 1;
-  }
-
-  void ReadComment(std::string_view comment) {
-    const size_t colon = comment.find(": ");
-    if (!in_head_ || colon == std::string_view::npos) return;
-    const std::string_view key = Trim(comment.substr(0, colon));
-    if (key.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string_view::npos) return;
-    program_.header.emplace_back(key, Trim(comment.substr(colon + 2)));
-  }
-
-  void ReadBlock(LineScanner& scan) {
+  void ReadCode(LineScanner& scan) override {
     AcceptAddress(scan, 'N');
     Block block;
     while (!scan.AtEnd()) {
-      if (!ReadMove(scan, block) && !ReadStatement(scan, block)) {
-        scan.Fail("a word of a milling program expected");
-      }
+      if (!ReadMove(scan, block) && !ReadStatement(scan, block)) ReadName(scan);
     }
     if (block.HasAxes()) {
       AddAxes(scan, block);
     } else if (block.HasPose()) {
       AddPose(scan, block);
+    }
+  }
+
+  /// A label or the call of a sub-program.
+  void ReadName(LineScanner& scan) {
+    const auto name = scan.AcceptName();
+    if (name && scan.Accept(":")) return;
+    if (!name || !scan.AtEnd() || !ReadCall(scan, *name)) {
+      scan.Fail("a word of a milling program or the call of a file of the program expected");
     }
   }
 
@@ -154,8 +115,11 @@ class SinumerikReader {
     } else if (const auto g = AcceptAddress(scan, 'G')) {
       ReadG(scan, *g, block);
     } else if (const auto m = AcceptAddress(scan, 'M')) {
-      ended_ = *m == 30;
-      if (*m != 30 && *m != 6 && *m != 0 && *m != 1) scan.Fail("M0, M1, M6 or M30 expected");
+      if (*m == (InSubprogram() ? 17 : 30)) {
+        EndFile();
+      } else if (*m != 6 && *m != 0 && *m != 1) {
+        scan.Fail(fmt::format("M0, M1, M6 or M{} expected", InSubprogram() ? 17 : 30));
+      }
     } else {
       return AcceptAddress(scan, 'D').has_value();
     }
@@ -180,13 +144,7 @@ class SinumerikReader {
     if (scan.Accept(")")) return;
     scan.Expect("\"");
     const bool begin = scan.Accept("PASS");
-    if (begin || scan.Accept("END OF PASS")) {
-      const int pass = static_cast<int>(scan.ExpectNumber());
-      scan.Expect("PIECE");
-      AddEvent(begin ? ProgramEvent::Kind::kPassBegin : ProgramEvent::Kind::kPassEnd, pass,
-               static_cast<int>(scan.ExpectNumber()));
-      pass_ = begin ? pass : -1;
-    }
+    if (begin || scan.Accept("END OF PASS")) ReadPassMark(scan, begin);
     while (scan.Peek() != '"' && scan.Peek() != '\0') scan.Skip();
     scan.Expect("\"");
     scan.Expect(")");
@@ -255,42 +213,17 @@ class SinumerikReader {
     }
   }
 
-  Motion& AddMotion(MotionType type) {
-    Motion& motion = program_.motions.emplace_back();
-    motion.type = type;
-    motion.pass = pass_;
-    motion.line = line_;
-    return motion;
-  }
-
-  void AddEvent(ProgramEvent::Kind kind, double value, int piece) {
-    program_.events.push_back({kind, program_.motions.size(), value, piece, 0, line_});
-  }
-
-  const PostSettings& settings_;
-  std::string file_;
-  Templates templates_;
-  MotionProgram program_;
-  std::vector<std::string_view> lines_;
-  std::vector<Problem> problems_;
   std::array<std::optional<double>, 6> last_;  // X, Y, Z, A, B, C as they hold
   double feed_ = 0;                            // mm/s
   double blend_ = 0;                           // mm
   bool transformed_ = false, rapid_ = true, ptp_ = false;
-  int pass_ = -1;
-  int line_ = 0;
   bool posed_ = false;  // a pose was approached
-  bool in_head_ = true;
-  bool ended_ = false;
 };
 
 }  // namespace
 
 MotionProgram SinumerikPost::Read(const ProgramFiles& files, const Arm&, const PostSettings& settings) const {
-  const auto source =
-      std::find_if(files.begin(), files.end(), [](const auto& file) { return file.first.ends_with(".mpf"); });
-  if (source == files.end()) throw InputError(Place{}, "a SINUMERIK program needs an .mpf file");
-  return SinumerikReader(settings, source->first).Read(source->second);
+  return SinumerikReader(files, settings).Read({".mpf", ".spf"});
 }
 
 }  // namespace millpose

@@ -7,8 +7,6 @@
 namespace millpose {
 namespace {
 
-constexpr std::string_view kRpm = "{rpm}";
-
 std::vector<std::string> LinesOf(const std::string& text) {
   std::vector<std::string> lines;
   for (const std::string_view line : SplitLines(text)) {
@@ -28,20 +26,41 @@ std::string Normalised(std::string_view text) {
   return result;
 }
 
-/// Whether `line` is `pattern` with a number in place of {rpm}, which goes to `rpm`.
-bool Matches(const std::string& pattern, std::string_view line, double& rpm) {
-  const std::string wanted = Normalised(pattern), given = Normalised(line);
-  const size_t hole = wanted.find("{RPM}");
-  if (hole == std::string::npos) return wanted == given;
-  const std::string_view tail = std::string_view(wanted).substr(hole + kRpm.size());
-  if (given.size() < hole + tail.size() || !given.starts_with(wanted.substr(0, hole)) ||
-      !given.ends_with(tail)) {
-    return false;
+constexpr std::array<std::string_view, 3> kHoles = {"{RPM}", "{PASS}", "{PIECE}"};
+
+/// Where the next hole of a pattern begins, and its name; npos when there is none.
+std::pair<size_t, std::string_view> NextHole(std::string_view pattern) {
+  std::pair<size_t, std::string_view> next{std::string_view::npos, {}};
+  for (const std::string_view hole : kHoles) {
+    if (const size_t at = pattern.find(hole); at < next.first) next = {at, hole};
   }
-  const std::optional<double> value =
-      ParseNumber(std::string_view(given).substr(hole, given.size() - hole - tail.size()));
-  if (value) rpm = *value;
-  return value.has_value();
+  return next;
+}
+
+/// Whether `line` is `pattern` with values in place of its holes; the number in place of {rpm} goes to `rpm`.
+bool Matches(std::string_view pattern, std::string_view line, double& rpm) {
+  while (true) {
+    const auto [at, hole] = NextHole(pattern);
+    if (at == std::string_view::npos) return pattern == line;
+    if (!line.starts_with(pattern.substr(0, at))) return false;
+    line.remove_prefix(at);
+    pattern.remove_prefix(at + hole.size());
+    // The value reaches up to the text that follows the hole.
+    const std::string_view next = pattern.substr(0, NextHole(pattern).first);
+    const size_t stop = next.empty() ? line.size() : line.find(next);
+    if (stop == std::string_view::npos || stop == 0) return false;
+    const std::optional<double> value = ParseNumber(line.substr(0, stop));
+    if (!value) return false;
+    if (hole == "{RPM}") rpm = *value;
+    line.remove_prefix(stop);
+  }
+}
+
+/// A line without a block number "N10 " before it.
+std::string_view WithoutNumber(std::string_view line) {
+  if (line.empty() || std::toupper(line[0]) != 'N') return line;
+  const size_t end = line.find_first_not_of("0123456789", 1);
+  return end == std::string_view::npos || end == 1 || line[end] != ' ' ? line : Trim(line.substr(end));
 }
 
 /// How many lines from `first` on hold all patterns, one a line, with blank lines between; 0 when they do
@@ -51,41 +70,81 @@ size_t MatchAll(const std::vector<std::string>& patterns, const std::vector<std:
   size_t line = first;
   for (const std::string& pattern : patterns) {
     while (line > first && line < lines.size() && Trim(lines[line]).empty()) ++line;
-    if (line == lines.size() || !Matches(pattern, lines[line], rpm)) return 0;
+    if (line == lines.size()) return 0;
+    const std::string_view given = WithoutNumber(Trim(lines[line]));
+    const char begin = given.empty() ? '\0' : given.front();
+    if (std::toupper(begin) != std::toupper(pattern.front()) && pattern.front() != '{') return 0;  // cheap
+    if (!Matches(Normalised(pattern), Normalised(given), rpm)) return 0;
     ++line;
   }
   return line - first;
 }
 
+void Fill(std::string& line, const std::string& hole, const std::string& value) {
+  for (size_t at = line.find(hole); at != std::string::npos; at = line.find(hole, at + value.size())) {
+    line.replace(at, hole.size(), value);
+  }
+}
+
+std::vector<std::string> Together(std::vector<std::string> first, const std::vector<std::string>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
 }  // namespace
 
+const std::vector<std::string>& Templates::Names() {
+  static const std::vector<std::string> names = {"coolant_off", "coolant_on", "footer",
+                                                 "header",      "pass_begin", "pass_end",
+                                                 "spindle_off", "spindle_on", "tool_change"};
+  return names;
+}
+
 Templates::Templates(std::map<std::string, std::string> defaults,
-                     const std::map<std::string, std::string>& overrides) {
+                     const std::map<std::string, std::string>& overrides, const std::string& tool) {
   for (const auto& [name, text] : overrides) defaults[name] = text;
-  on_ = LinesOf(defaults["spindle_on"]);
-  off_ = LinesOf(defaults["spindle_off"]);
+  for (const auto& [name, text] : defaults) {
+    texts_[name] = LinesOf(text);
+    for (std::string& line : texts_[name]) Fill(line, "{tool}", tool);
+  }
+  texts_["spindle_on"] = Together(texts_["spindle_on"], texts_["coolant_on"]);
+  texts_["spindle_off"] = Together(texts_["coolant_off"], texts_["spindle_off"]);
+  for (const std::string& name : Names()) texts_[name];  // every name has lines, if none
 }
 
 std::vector<std::string> Templates::Lines(const ProgramEvent& event) const {
-  std::vector<std::string> lines = event.kind == ProgramEvent::Kind::kSpindleOn ? on_ : off_;
+  using Kind = ProgramEvent::Kind;
+  const std::string name = event.kind == Kind::kSpindleOn    ? "spindle_on"
+                           : event.kind == Kind::kSpindleOff ? "spindle_off"
+                           : event.kind == Kind::kPassBegin  ? "pass_begin"
+                                                             : "pass_end";
+  std::vector<std::string> lines = texts_.at(name);
   for (std::string& line : lines) {
-    for (size_t hole = line.find(kRpm); hole != std::string::npos; hole = line.find(kRpm, hole)) {
-      line.replace(hole, kRpm.size(), ShortestNumber(std::round(event.value * 60 * 1000) / 1000));
-    }
+    Fill(line, "{rpm}", ShortestNumber(std::round(event.value * 60 * 1000) / 1000));
+    Fill(line, "{pass}", ShortestNumber(event.value));
+    Fill(line, "{piece}", ShortestNumber(event.piece));
   }
   return lines;
 }
 
+const std::vector<std::string>& Templates::Lines(const std::string& name) const { return texts_.at(name); }
+
 std::optional<Templates::Match> Templates::Recognise(const std::vector<std::string_view>& lines,
                                                      size_t first) const {
   double rpm = 0;
-  if (const size_t taken = MatchAll(on_, lines, first, rpm)) {
+  if (const size_t taken = MatchAll(texts_.at("spindle_on"), lines, first, rpm)) {
     return Match{ProgramEvent::Kind::kSpindleOn, rpm / 60, taken};
   }
-  if (const size_t taken = MatchAll(off_, lines, first, rpm)) {
+  if (const size_t taken = MatchAll(texts_.at("spindle_off"), lines, first, rpm)) {
     return Match{ProgramEvent::Kind::kSpindleOff, rpm / 60, taken};
   }
   return std::nullopt;
+}
+
+size_t Templates::Recognise(const std::string& name, const std::vector<std::string_view>& lines,
+                            size_t first) const {
+  double rpm = 0;
+  return MatchAll(texts_.at(name), lines, first, rpm);
 }
 
 }  // namespace millpose

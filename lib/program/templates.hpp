@@ -12,25 +12,38 @@
 
 namespace millpose {
 
-/// The texts of one controller: its defaults, overridden by the cell's.
+/// The texts of one controller: its defaults, overridden by the cell's. Their names:
+///   header       after the settings               footer       before the end
+///   tool_change  after the header (SINUMERIK: before the frames), {tool}
+///   spindle_on   {rpm}; followed by coolant_on    spindle_off  preceded by coolant_off
+///   pass_begin   {pass} {piece}, after the mark   pass_end     likewise
+/// Lines compare without case and amount of white space; blank lines may stand between them.
 class Templates {
  public:
-  Templates(std::map<std::string, std::string> defaults, const std::map<std::string, std::string>& overrides);
+  /// `tool` fills {tool}.
+  Templates(std::map<std::string, std::string> defaults, const std::map<std::string, std::string>& overrides,
+            const std::string& tool);
 
-  /// The lines of spindle_on or spindle_off, with {rpm} (rev/min) filled in.
+  /// All names that texts may have.
+  static const std::vector<std::string>& Names();
+
+  /// The lines of an event, values filled in.
   std::vector<std::string> Lines(const ProgramEvent& event) const;
+  /// The lines of header, footer or tool_change.
+  const std::vector<std::string>& Lines(const std::string& name) const;
 
   struct Match {
     ProgramEvent::Kind kind;
     double value = 0;  ///< spindle speed, rev/s
     size_t lines = 0;  ///< how many lines the text takes
   };
-  /// The spindle event that begins at lines[first], when one does. Words compare without case and white
-  /// space.
+  /// The spindle event that begins at lines[first], when one does.
   std::optional<Match> Recognise(const std::vector<std::string_view>& lines, size_t first) const;
+  /// How many lines from `first` on are the text `name`; 0 when they are not (or the text is empty).
+  size_t Recognise(const std::string& name, const std::vector<std::string_view>& lines, size_t first) const;
 
  private:
-  std::vector<std::string> on_, off_;
+  std::map<std::string, std::vector<std::string>> texts_;
 };
 
 }  // namespace millpose

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "plan/continuity.hpp"
 #include "plan/plan_result.hpp"
 
 namespace millpose {
@@ -31,8 +32,10 @@ struct AuditFigures {
 struct ReportInputs {
   std::vector<ReportedProgram> programs;
   std::vector<std::string> warnings;  ///< repairs of the mesh, doubtful units
-  std::vector<std::string> findings;  ///< why programs were not written, one sentence each
+  std::vector<std::string> findings;  ///< what stands in the way of trust, one sentence each
   std::optional<AuditFigures> audit;
+  std::optional<ContinuityFigures> continuity;
+  FeedReduction feed_reduction;
 };
 
 /// What differs from run to run; goes into run.json alone.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nlohmann/json.hpp>
 
+#include "base/units.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
@@ -43,11 +44,37 @@ Json SkippedJson(const PlanResult& plan) {
   return skipped;
 }
 
-Json UnplannedGapsJson(const PlanResult& plan) {
+// Gaps that could not be planned, or only with smaller clearances.
+Json GapRemarksJson(const PlanResult& plan) {
   Json list = Json::array();
   for (size_t i = 0; i < plan.gaps.size(); ++i)
-    if (!plan.gaps[i].planned) list.push_back({{"gap", i}, {"detail", plan.gaps[i].detail}});
+    if (!plan.gaps[i].detail.empty())
+      list.push_back({{"gap", i}, {"planned", plan.gaps[i].planned}, {"detail", plan.gaps[i].detail}});
   return list;
+}
+
+Json JointsJson(const Joints& values) { return std::vector<double>(values.begin(), values.end()); }
+
+Json ContinuityJson(const std::optional<ContinuityFigures>& figures, const FeedReduction& reduction) {
+  if (!figures) return nullptr;
+  Json not_held = Json::array();
+  for (const FeedFinding& f : figures->feed_not_held)
+    not_held.push_back({{"point", f.point},
+                        {"pass", f.pass},
+                        {"joint", f.joint + 1},
+                        {"by", f.by_acceleration ? "acceleration" : "speed"},
+                        {"feed_mm_min", 60 * f.feed},
+                        {"feed_possible_mm_min", 60 * f.feed_possible}});
+  return {{"joint_speed_share_max", JointsJson(figures->speed_share)},
+          {"joint_acceleration_share_max", JointsJson(figures->acceleration_share)},
+          {"joint_acceleration_rms_deg_s2", JointsJson(kDegPerRad * figures->acceleration_rms)},
+          {"singularity_min",
+           {{"wrist", figures->wrist}, {"elbow", figures->elbow}, {"shoulder_mm", figures->shoulder}}},
+          {"halfway_deviation_max_mm", figures->halfway_deviation},
+          {"feed_not_held", not_held},
+          {"feed_reduced",
+           {{"points", reduction.points},
+            {"least_mm_min", reduction.points ? Json(60 * reduction.least) : Json(nullptr)}}}};
 }
 
 Json AuditJson(const std::optional<AuditFigures>& audit) {
@@ -83,7 +110,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["passes"] = plan.passes.size();
   json["pieces"] = figures.pieces;
   json["gaps"] = {{"total", plan.gaps.size()}, {"planned", figures.gaps_planned}};
-  json["gaps_not_planned"] = UnplannedGapsJson(plan);
+  json["gap_remarks"] = GapRemarksJson(plan);
   json["stiffness"] = {{"origin", plan.stiffness_origin},
                        {"lambda_t1", SpreadJson(figures.lambda_t1)},
                        {"lambda_t2", SpreadJson(figures.lambda_t2)},
@@ -97,6 +124,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["objective"] = plan.objective_name;
   json["price_of_continuity"] = OrNull(figures.price_of_continuity);
   json["ga_nodes_share"] = OrNull(figures.ga_nodes_share);
+  json["continuity"] = ContinuityJson(inputs.continuity, inputs.feed_reduction);
   json["clearance_min_mm"] = OrNull(figures.clearance_min);
   json["cell"] = {{"name", plan.cell},
                   {"robot", plan.arm.name},

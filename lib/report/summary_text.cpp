@@ -6,13 +6,25 @@
 namespace millpose {
 namespace {
 
-constexpr size_t kSkippedShown = 8;
+constexpr size_t kShown = 8;  // of each list: the rest stands in summary.json
 
 void AppendSpread(const char* name, const std::optional<Spread>& spread, const std::string& unit,
                   std::string* text) {
   if (!spread) return;
   fmt::format_to(std::back_inserter(*text), "  {:<10} {:>11.4e} {:>11.4e} {:>11.4e}  {}\n", name,
                  spread->best, spread->median, spread->worst, unit);
+}
+
+void AppendGapRemarks(const PlanResult& plan, std::string* text) {
+  size_t remarks = 0;
+  for (size_t i = 0; i < plan.gaps.size(); ++i) {
+    const Gap& gap = plan.gaps[i];
+    if (!gap.detail.empty() && remarks++ < kShown)
+      fmt::format_to(std::back_inserter(*text), "  gap {}{}: {}\n", i, gap.planned ? "" : " not planned",
+                     gap.detail);
+  }
+  if (remarks > kShown)
+    fmt::format_to(std::back_inserter(*text), "  … and {} more, all in summary.json\n", remarks - kShown);
 }
 
 void AppendSkipped(const PlanResult& plan, std::string* text) {
@@ -24,7 +36,7 @@ void AppendSkipped(const PlanResult& plan, std::string* text) {
       if (point.skip != SkipReason::kNone) {
         ++skipped;
         ++by_reason[ToString(point.skip)];
-        if (shown++ < kSkippedShown)
+        if (shown++ < kShown)
           fmt::format_to(std::back_inserter(rows), "  point {} (pass {}): {}: {}\n", number, pass.pass,
                          ToString(point.skip), point.detail);
       }
@@ -35,9 +47,8 @@ void AppendSkipped(const PlanResult& plan, std::string* text) {
   for (const auto& [reason, count] : by_reason)
     fmt::format_to(std::back_inserter(*text), " {} {}", count, reason);
   *text += "\n" + rows;
-  if (skipped > kSkippedShown)
-    fmt::format_to(std::back_inserter(*text), "  … and {} more, all in summary.json\n",
-                   skipped - kSkippedShown);
+  if (skipped > kShown)
+    fmt::format_to(std::back_inserter(*text), "  … and {} more, all in summary.json\n", skipped - kShown);
 }
 
 }  // namespace
@@ -51,8 +62,7 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
                  figures.total - figures.planned);
   fmt::format_to(out, "passes     {} in {} pieces\n", plan.passes.size(), figures.pieces);
   fmt::format_to(out, "gaps       {} planned of {}\n", figures.gaps_planned, plan.gaps.size());
-  for (size_t i = 0; i < plan.gaps.size(); ++i)
-    if (!plan.gaps[i].planned) fmt::format_to(out, "  gap {}: {}\n", i, plan.gaps[i].detail);
+  AppendGapRemarks(plan, &text);
   AppendSkipped(plan, &text);
   fmt::format_to(out, "stiffness at the {}; compliance, smaller is stiffer\n",
                  plan.stiffness_origin == "flange" ? "flange centre" : "tool tip");
@@ -64,6 +74,19 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   if (figures.price_of_continuity)
     fmt::format_to(out, "continuity costs {:.2f} % of the objective against each point's own optimum\n",
                    100 * (*figures.price_of_continuity - 1));
+  if (inputs.continuity) {
+    const ContinuityFigures& c = *inputs.continuity;
+    int fastest = 0, jerkiest = 0;
+    c.speed_share.maxCoeff(&fastest);
+    c.acceleration_share.maxCoeff(&jerkiest);
+    fmt::format_to(
+        out, "joints     at most {:.1f} % of the speed (A{}) and {:.1f} % of the acceleration (A{}){}\n",
+        100 * c.speed_share[fastest], fastest + 1, 100 * c.acceleration_share[jerkiest], jerkiest + 1,
+        plan.arm.acceleration_assumed ? ", which is assumed" : "");
+    if (inputs.feed_reduction.points > 0)
+      fmt::format_to(out, "feed       reduced at {} points, to {:.1f} mm/min at the least\n",
+                     inputs.feed_reduction.points, 60 * inputs.feed_reduction.least);
+  }
   if (figures.clearance_min) fmt::format_to(out, "clearance  at least {:.1f} mm\n", *figures.clearance_min);
   for (const ReportedProgram& program : inputs.programs)
     fmt::format_to(out, "program    {} ({})\n", program.path,

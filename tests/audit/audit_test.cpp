@@ -184,7 +184,7 @@ TEST(Interference, ABodyInsideAnotherTouchesIt) {
   audit::Setup setup{};
   setup.X_WB = setup.X_FT = setup.X_WP = Matrix4::Identity();
   const Matrix4 I = Matrix4::Identity();
-  setup.bodies = {{"link", "link", 3, false, I, BoxMesh({10, 10, 10})},
+  setup.bodies = {{"link", "spindle", 6, false, I, BoxMesh({10, 10, 10})},
                   {"hall", "fixture", -1, false, I, BoxMesh({90, 90, 90})}};
   Judge judge(setup);
   EXPECT_FALSE(judge.At({}, false, false));

@@ -133,7 +133,7 @@ void ReadBodies(const YAML::Node& bodies, const fs::path& folder, Setup* setup) 
     body.X_LG = PoseOf(node["pose"]);
     const std::string mount = node["mount"].as<std::string>();
     if (mount == "base") {
-      body.X_LG = setup->X_WB * body.X_LG;  // the base does not move
+      body.link = 0;
     } else if (mount == "tool") {
       body.link = 6;
       body.X_LG = setup->X_FT * body.X_LG;

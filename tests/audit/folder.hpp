@@ -24,7 +24,7 @@ using Mesh = std::vector<std::array<Vector3, 3>>;
 /// One solid of the cell, tessellated from inside (its corners lie on the true surface).
 struct Body {
   std::string name, kind;  ///< kind: link, spindle, holder, cutter, fixture, platform, workpiece
-  int link = -1;           ///< 0..6 moves with that frame; −1 stands in the world; the tool moves with 6
+  int link = -1;           ///< 0 (base) .. 6 (flange, tool): moves with that frame; -1 stands in the world
   bool in_cut = false;     ///< part of the cutter within the cutting length: may touch the workpiece in a cut
   Matrix4 X_LG;            ///< shape in its link's frame, or in the world
   Mesh mesh;               ///< in the shape's frame

@@ -57,12 +57,14 @@ struct Judge::Impl {
     }
     for (size_t i = 0; i < items.size(); ++i)
       for (size_t j = i + 1; j < items.size(); ++j)
-        if (Moves(items[i].body, items[j].body)) pairs.emplace_back(i, j);
+        if (Counts(items[i].body, items[j].body)) pairs.emplace_back(i, j);
   }
 
-  /// Whether the two ever move against each other, and are not excluded by the cell.
-  bool Moves(const Body& a, const Body& b) const {
+  /// Whether a pair is to be looked at: the two move against each other, are not links joined by a joint, and
+  /// are not excluded by the cell.
+  bool Counts(const Body& a, const Body& b) const {
     if (std::max(a.link, 0) == std::max(b.link, 0)) return false;
+    if (a.kind == "link" && b.kind == "link" && std::abs(a.link - b.link) == 1) return false;
     for (const auto& [first, second] : setup.excluded_pairs)
       if ((first == a.name && second == b.name) || (first == b.name && second == a.name)) return false;
     return true;

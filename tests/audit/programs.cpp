@@ -47,8 +47,11 @@ void Expand(const std::string& name, const std::map<std::string, std::string>& f
   for (int number = 1; std::getline(stream, text); ++number) {
     text = text.substr(0, text.find(';'));
     std::smatch match;
-    if (std::regex_match(text, match, call) && files.contains(match[1].str() + extension)) {
+    const bool called = std::regex_match(text, match, call);
+    if (called && files.contains(match[1].str() + extension)) {
       Expand(match[1].str() + extension, files, extension, lines, depth + 1);
+    } else if (called && files.contains(match[1].str() + ".spf")) {
+      Expand(match[1].str() + ".spf", files, extension, lines, depth + 1);
     } else {
       lines.push_back({name, number, text});
     }

@@ -5,6 +5,7 @@ import csv
 import json
 import shutil
 import signal
+import re
 import subprocess
 import sys
 import tempfile
@@ -211,6 +212,33 @@ class Batch(InFolder):
         twice = run("batch", "parts", "parts/x/job.yaml", "-o", "two", cwd=self.folder)
         self.assertEqual(twice.returncode, 2)
         self.assertIn("is also the name of", twice.stderr)
+
+
+class Documents(unittest.TestCase):
+    def test_manual_names_every_command_and_option(self):
+        page = run("man").stdout
+        self.assertTrue(page.startswith(".TH MILLPOSE 1\n"))
+        names = re.findall(r"^  (\w+)  ", run("--help").stdout.split("Subcommands:")[1], re.M)
+        self.assertIn("schema", names)
+        for name in names:
+            self.assertIn(f".SS {name}\n", page)
+            for option in re.findall(r"--[a-z][a-z-]+", run(name, "--help").stdout):
+                self.assertIn(option.replace("-", "\\-"), page, name)
+        self.assertEqual([line for line in page.splitlines() if re.match(r"[.'](?!TH|SH|SS|TP|br)", line)], [])
+
+    def test_completion_offers_commands_options_and_files(self):
+        def complete(*words):
+            script = run("completion").stdout + f"COMP_WORDS=(millpose {' '.join(words)}); COMP_CWORD={len(words)}; " \
+                "_millpose; printf '%s\\n' ${COMPREPLY[@]}"
+            result = subprocess.run(["bash", "-c", script], capture_output=True, text=True, cwd=TOP, timeout=60)
+            self.assertEqual(result.stderr, "")
+            return result.stdout.split()
+
+        self.assertEqual(complete("sch"), ["schema"])
+        self.assertIn("flatness", complete("''"))
+        self.assertIn("--quiet", complete("--qu"))
+        self.assertIn("--help", complete("schema", "--"))
+        self.assertEqual(complete("flatness", "READ"), ["README.md"])
 
 
 if __name__ == "__main__":

@@ -70,7 +70,7 @@ TEST(ReaderErrors, SinumerikNamesTheLine) {
   EXPECT_EQ(ProblemsWith("sinumerik", " PTP", "").size(), 1u);  // G0 without PTP: an undefined path
   EXPECT_EQ(ProblemsWith("sinumerik", "M30", "M17").size(), 2u);
   EXPECT_EQ(ProblemsWith("sinumerik", "RA1=", "RA1").size(), 1u);
-  EXPECT_EQ(ProblemsWith("sinumerik", "SPINDLE_D20", "SPINDLE_D10").size(), 1u);
+  EXPECT_EQ(ProblemsWith("sinumerik", "T=\"SPINDLE_D20", "T=\"SPINDLE_D10").size(), 2u);
   EXPECT_EQ(ProblemsWith("sinumerik", "CROT", "CROTS").size(), 2u);
 }
 

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `man` and `completion`: the option table that parses is the one that is documented.
+#include <fmt/format.h>
+
+#include "commands.hpp"
+
+namespace millpose {
+namespace {
+
+/// Text as roff shows it: backslashes, hyphens that are meant, and no line that begins as a request.
+std::string Roff(const std::string& text) {
+  std::string escaped;
+  for (char c : text) {
+    if ((c == '.' || c == '\'') && (escaped.empty() || escaped.back() == '\n')) escaped += "\\&";
+    if (c == '\\')
+      escaped += "\\e";
+    else if (c == '-')
+      escaped += "\\-";
+    else
+      escaped += c;
+  }
+  return escaped;
+}
+
+/// The options that people give; of one command or of all.
+std::vector<const CLI::Option*> Options(const CLI::App& command) {
+  return command.get_options([](const CLI::Option* option) { return !option->get_group().empty(); });
+}
+
+std::string OptionsOf(const CLI::App& command) {
+  std::string text;
+  for (const CLI::Option* option : Options(command)) {
+    const bool positional = !option->nonpositional();
+    const std::string type = option->get_type_name();
+    const std::string value = positional || type.empty() ? "" : " " + type;
+    std::string rest = option->get_description();
+    if (!option->get_default_str().empty()) rest += fmt::format(" (default {})", option->get_default_str());
+    text += fmt::format(".TP\n\\fB{}\\fR{}\n{}\n", Roff(option->get_name(positional, true)), Roff(value),
+                        Roff(rest));
+  }
+  return text;
+}
+
+/// The command line of a subcommand: options in brackets, then what is required.
+std::string Synopsis(const CLI::App& command) {
+  std::string text = fmt::format("\\fBmillpose {}\\fR [\\fIoptions\\fR]", Roff(command.get_name()));
+  for (const CLI::Option* option : Options(command)) {
+    if (!option->get_positional()) continue;
+    const std::string name = fmt::format("\\fI{}\\fR", Roff(option->get_name(true, false)));
+    text += option->get_required() ? " " + name : " [" + name + "]";
+  }
+  return text + "\n";
+}
+
+std::vector<const CLI::App*> Commands(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App* command) { return !command->get_name().empty(); });
+}
+
+std::string ManPage(const CLI::App& app) {
+  std::string page =
+      ".TH MILLPOSE 1\n.SH NAME\nmillpose \\- robotic milling in the stiffest pose, without a GUI\n"
+      ".SH SYNOPSIS\n";
+  for (const CLI::App* command : Commands(app)) page += Synopsis(*command) + ".br\n";
+  page +=
+      ".SH DESCRIPTION\nReads a job (YAML, with a mesh and a robot cell) and writes robot programs in which "
+      "each "
+      "milling point is cut in the pose in which the six\\-axis arm is stiffest in the milling plane, with "
+      "points.csv, summary.json, path.vtp and report.html beside them. Results go to standard output, "
+      "progress "
+      "and messages to standard error.\n.SH OPTIONS\n" +
+      OptionsOf(app) + ".SH COMMANDS\n";
+  for (const CLI::App* command : Commands(app))
+    page += fmt::format(".SS {}\n{}\n{}", Roff(command->get_name()), Roff(command->get_description()),
+                        OptionsOf(*command));
+  return page +
+         ".SH EXIT STATUS\n.TP\n0\ndone\n.TP\n1\ndone, with findings: points or gaps that could not be "
+         "planned, a "
+         "program that deviates\n.TP\n2\nbad input or usage\n.TP\n3\ninternal error\n.TP\n130\ninterrupted\n";
+}
+
+/// All names of a command's options, "-q --quiet …".
+std::string Flags(const CLI::App& command) {
+  std::vector<std::string> flags;
+  for (const CLI::Option* option : Options(command)) {
+    for (const std::string& name : option->get_snames()) flags.push_back("-" + name);
+    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
+  }
+  return fmt::format("{}", fmt::join(flags, " "));
+}
+
+std::string BashCompletion(const CLI::App& app) {
+  std::vector<std::string> names;
+  std::string cases;
+  for (const CLI::App* command : Commands(app)) {
+    names.push_back(command->get_name());
+    cases += fmt::format("    {}) flags=\"{}\" ;;\n", command->get_name(), Flags(*command));
+  }
+  return fmt::format(R"(# bash completion for millpose; made by `millpose completion`
+_millpose() {{
+  local word=${{COMP_WORDS[COMP_CWORD]}} command= flags= i
+  for ((i = 1; i < COMP_CWORD; ++i)); do
+    [[ ${{COMP_WORDS[i]}} == -* ]] || {{ command=${{COMP_WORDS[i]}}; break; }}
+  done
+  case $command in
+    "") flags="{}" ;;
+{}  esac
+  if [[ -z $command && $word != -* ]]; then
+    COMPREPLY=($(compgen -W "{}" -- "$word"))
+  elif [[ $word == -* ]]; then
+    COMPREPLY=($(compgen -W "$flags {}" -- "$word"))
+  else
+    COMPREPLY=($(compgen -f -- "$word"))
+  fi
+}}
+complete -o filenames -F _millpose millpose
+)",
+                     Flags(app), cases, fmt::join(names, " "), Flags(app));
+}
+
+}  // namespace
+
+void AddManCommand(CLI::App& app, Run& run) {
+  app.add_subcommand("man", "Print the manual page (roff)")->callback([&app, &run] {
+    run = [&app](Session&) {
+      fmt::print("{}", ManPage(app));
+      return kDone;
+    };
+  });
+}
+
+void AddCompletionCommand(CLI::App& app, Run& run) {
+  app.add_subcommand("completion", "Print the completion script for bash")->callback([&app, &run] {
+    run = [&app](Session&) {
+      fmt::print("{}", BashCompletion(app));
+      return kDone;
+    };
+  });
+}
+
+}  // namespace millpose

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How smoothly the joints run along the cuts of a plan, and the feeds that they can hold.
+#pragma once
+
+#include <vector>
+
+#include "plan/plan_result.hpp"
+
+namespace millpose {
+
+/// A point whose programmed feed the joints cannot hold.
+struct FeedFinding {
+  int pass = 0;
+  size_t point = 0;  ///< number in the job
+  int joint = 0;     ///< 0..5
+  bool by_acceleration = false;
+  double feed = 0;           ///< mm/s, programmed
+  double feed_possible = 0;  ///< mm/s, at this point by itself
+};
+
+/// Figures over all pieces of a plan.
+struct ContinuityFigures {
+  Joints speed_share = Joints::Zero();         ///< largest joint speed ÷ the joint's own
+  Joints acceleration_share = Joints::Zero();  ///< largest joint acceleration ÷ the joint's own
+  Joints acceleration_rms = Joints::Zero();    ///< rad/s², over the time of all cuts
+  double wrist = 1, elbow = 1;                 ///< smallest sines, see SingularityDistance
+  double shoulder = 0;                         ///< mm, smallest; 0 without points
+  double halfway_deviation = 0;                ///< mm, largest between joint and straight motion half-way
+  std::vector<FeedFinding> feed_not_held;      ///< in the order of the points
+};
+ContinuityFigures AnalyseContinuity(const PlanResult& plan);
+
+/// What ReduceFeeds did.
+struct FeedReduction {
+  size_t points = 0;  ///< whose feed is lower now
+  double least = 0;   ///< mm/s, the lowest feed; 0 when none was reduced
+};
+
+/// Lowers the feeds of the points to what the joints can hold, changing no faster than they can follow
+/// (ReducedFeeds). Feeds that can be held stay as they are.
+FeedReduction ReduceFeeds(PlanResult& plan);
+
+}  // namespace millpose

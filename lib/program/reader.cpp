@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "program/reader.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr size_t kDeepestCall = 8;
+
+std::string Stem(const std::string& file) { return file.substr(0, file.rfind('.')); }
+
+bool EndsInOneOf(const std::string& file, const std::vector<std::string>& extensions) {
+  return std::any_of(extensions.begin(), extensions.end(), [&](const auto& e) { return file.ends_with(e); });
+}
+
+/// Whether some line of `text` begins with the name `stem`: a call of it.
+bool Calls(std::string_view text, const std::string& stem) {
+  for (const std::string_view line : SplitLines(text)) {
+    LineScanner scan(line, "", 0);
+    if (scan.AcceptAddress('N')) scan.ExpectNumber();
+    if (scan.Accept(stem) && (scan.AtEnd() || scan.Peek() == '(' || scan.Peek() == ';')) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+ProgramReader::ProgramReader(const ProgramFiles& files, const PostSettings& settings, Templates templates)
+    : settings_(settings), files_(files), templates_(std::move(templates)) {
+  program_.axes = settings.axes;
+}
+
+MotionProgram ProgramReader::Read(const std::vector<std::string>& extensions) {
+  extensions_ = extensions;
+  const std::string main = MainFile();
+  program_.name = Stem(main);
+  ReadFile(main);
+  ExpectTexts({"header", "tool_change", "footer"});
+  if (!problems_.empty()) throw InputError(problems_);
+  return std::move(program_);
+}
+
+std::string ProgramReader::MainFile() {
+  std::vector<std::string> mains;
+  for (const auto& [name, text] : files_) {
+    if (!EndsInOneOf(name, extensions_)) continue;
+    const std::string stem = Stem(name);
+    const bool called = std::any_of(files_.begin(), files_.end(), [&](const auto& other) {
+      return other.first != name && EndsInOneOf(other.first, extensions_) && Calls(other.second, stem);
+    });
+    if (!called) mains.push_back(name);
+  }
+  if (mains.size() == 1) return mains[0];
+  if (mains.empty())
+    throw InputError(Place{}, fmt::format("no main program ending in {} given", extensions_[0]));
+  throw InputError(
+      Place{mains[1], 1, 0, -1},
+      fmt::format("one main program expected, but none of {} calls the other", fmt::join(mains, ", ")));
+}
+
+void ProgramReader::ReadFile(const std::string& name) {
+  open_.push_back(name);
+  program_.files.push_back(name);
+  file_ = static_cast<int>(program_.files.size()) - 1;
+  lines_ = SplitLines(files_.at(name));
+  ended_ = false;
+  BeginFile();
+  for (size_t i = 0; i < lines_.size();) {
+    try {
+      i += ReadAt(i);
+    } catch (const InputError& error) {
+      problems_.insert(problems_.end(), error.problems().begin(), error.problems().end());
+      ++i;
+    }
+  }
+  if (!ended_)
+    problems_.push_back(
+        {{name, static_cast<int>(lines_.size()), 0, -1}, "the end of the program is missing"});
+  open_.pop_back();
+}
+
+size_t ProgramReader::ReadAt(size_t i) {
+  line_ = static_cast<int>(i) + 1;
+  if (const size_t taken = ReadTexts(i)) return taken;
+  const std::string_view line = Trim(lines_[i]);
+  if (line.empty()) return 1;
+  if (awaited_) {
+    problems_.push_back(
+        {{open_.back(), line_, 0, -1}, fmt::format("the cell's text {} expected", *awaited_)});
+    awaited_.reset();
+  }
+  if (const auto comment = Comment(line)) {
+    ReadComment(*comment);
+    return 1;
+  }
+  LineScanner scan(lines_[i].substr(0, lines_[i].find(';')), open_.back(), line_);
+  if (ended_) scan.Fail("nothing expected after the end of the program");
+  ReadCode(scan);
+  return 1;
+}
+
+size_t ProgramReader::ReadTexts(size_t i) {
+  if (const auto match = templates_.Recognise(lines_, i)) {
+    AddEvent(match->kind, match->value, 0);
+    return match->lines;
+  }
+  for (const std::string name : {"pass_begin", "pass_end", "header", "tool_change", "footer"}) {
+    const size_t taken = templates_.Recognise(name, lines_, i);
+    if (taken == 0) continue;
+    if (awaited_ == name) awaited_.reset();
+    seen_[name] = true;
+    return taken;
+  }
+  return 0;
+}
+
+void ProgramReader::ExpectTexts(const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (templates_.Lines(name).empty() || seen_[name]) continue;
+    problems_.push_back({{program_.files[0], 1, 0, -1}, fmt::format("the cell's text {} is missing", name)});
+  }
+}
+
+std::optional<std::string_view> ProgramReader::Comment(std::string_view line) const {
+  return line.starts_with(';') ? std::optional(line.substr(1)) : std::nullopt;
+}
+
+void ProgramReader::ReadComment(std::string_view comment) {
+  const size_t colon = comment.find(": ");
+  const bool in_head = program_.motions.empty() && program_.events.empty();
+  if (!in_head || InSubprogram() || colon == std::string_view::npos) return;
+  const std::string_view key = Trim(comment.substr(0, colon));
+  if (key.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string_view::npos) return;
+  program_.header.emplace_back(key, Trim(comment.substr(colon + 2)));
+}
+
+bool ProgramReader::ReadCall(LineScanner& scan, const std::string& name) {
+  std::string file;
+  for (const auto& [other, text] : files_) {
+    if (EndsInOneOf(other, extensions_) && SameWords(Stem(other), name)) file = other;
+  }
+  if (file.empty()) return false;
+  if (open_.size() > kDeepestCall || std::find(open_.begin(), open_.end(), file) != open_.end()) {
+    scan.Fail("programs must not call each other in a circle");
+  }
+  const std::vector<std::string_view> lines = lines_;
+  const int index = file_, line = line_;
+  ReadFile(file);
+  lines_ = lines;
+  file_ = index;
+  line_ = line;
+  ended_ = false;
+  return true;
+}
+
+std::string ProgramReader::FileStem() const { return Stem(open_.back()); }
+
+Motion& ProgramReader::AddMotion(MotionType type) {
+  Motion& motion = program_.motions.emplace_back();
+  motion.type = type;
+  motion.pass = pass_;
+  motion.file = file_;
+  motion.line = line_;
+  return motion;
+}
+
+void ProgramReader::ReadPassMark(LineScanner& scan, bool begin) {
+  int pass = 0, piece = 0;
+  try {
+    pass = static_cast<int>(scan.ExpectNumber());
+    scan.Expect("PIECE");
+    piece = static_cast<int>(scan.ExpectNumber());
+  } catch (const InputError&) {
+    return;
+  }
+  AddEvent(begin ? ProgramEvent::Kind::kPassBegin : ProgramEvent::Kind::kPassEnd, pass, piece);
+  pass_ = begin ? pass : -1;
+  const std::string name = begin ? "pass_begin" : "pass_end";
+  if (!templates_.Lines(name).empty()) awaited_ = name;
+}
+
+void ProgramReader::AddEvent(ProgramEvent::Kind kind, double value, int piece) {
+  program_.events.push_back({kind, program_.motions.size(), value, piece, file_, line_});
+}
+
+}  // namespace millpose

@@ -1,0 +1,232 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`millpose plan` from the outside: a cut-down support_pad. Usage: plan_test.py MILLPOSE MILLPOSE_AUDIT TOP"""
+import csv
+import json
+import os
+import random
+import signal
+import sys
+import time
+import unittest
+
+from plan_fixture import POINT_COLUMNS, Bench, contents, differences, kill_after, started
+
+BENCH = None
+CUT_DOWN = [(r"stepover_mm: [\d.]+", "stepover_mm: 20"), (r"spacing_mm: [\d.]+", "spacing_mm: 12")]
+
+
+def keys(value, prefix=""):
+    """All key paths of nested objects; entries of lists count once."""
+    if isinstance(value, dict):
+        for key, entry in value.items():
+            yield f"{prefix}{key}"
+            yield from keys(entry, f"{prefix}{key}.")
+    elif isinstance(value, list):
+        for entry in value:
+            yield from keys(entry, prefix)
+
+
+class Plan(unittest.TestCase):
+    """One plan, looked at from all sides."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.job = BENCH.job("support_pad", CUT_DOWN, "small")
+        began = time.monotonic()
+        cls.result, cls.folder = BENCH.plan(cls.job, "reference", "--threads", "1")
+        cls.seconds = time.monotonic() - began
+        if cls.result.returncode != 0:
+            raise AssertionError(f"plan ends with {cls.result.returncode}:\n{cls.result.stdout}{cls.result.stderr}")
+        cls.contents = contents(cls.folder)
+        cls.summary = json.loads(cls.contents["summary.json"])
+
+    def test_leaves_every_file_and_nothing_else(self):
+        names = {name for name in self.contents if not name.startswith(("checkpoints/", "."))}
+        self.assertEqual(
+            {name for name in names if name not in ("report.html", "path.vtp")},
+            {"job.yaml", "points.csv", "summary.json", "programs/krl/support_pad.src", "programs/krl/support_pad.dat",
+             "programs/sinumerik/support_pad.mpf", "programs/linuxcnc/support_pad.ngc"})
+        self.assertTrue((self.folder / "run.json").is_file())
+
+    def test_summary_has_every_field(self):
+        wanted = {"schema_version", "points.total", "points.planned", "points.skipped", "skipped", "passes",
+                  "gaps.total", "gaps.planned", "stiffness.units", "price_of_continuity", "ga_nodes_share",
+                  "clearance_min_mm", "cell.robot", "cell.X_WB", "cell.X_FT", "seed", "programs", "programs.path",
+                  "programs.controller", "programs.motions_per_pass", "programs.verified", "audit"}
+        wanted |= {f"stiffness.{index}.{which}" for index in ("lambda_t1", "lambda_t2", "lambda_n", "objective")
+                   for which in ("best", "median", "worst")}
+        self.assertEqual(wanted - set(keys(self.summary)), set())
+        self.assertEqual(self.summary["schema_version"], 1)
+        self.assertGreaterEqual(self.summary["price_of_continuity"], 1)
+        self.assertTrue(all(program["verified"] for program in self.summary["programs"]))
+        self.assertEqual(self.summary["points"]["skipped"], 0)
+        self.assertEqual(self.summary["gaps"]["planned"], self.summary["gaps"]["total"])
+        self.assertIsNone(self.summary["audit"])
+
+    def test_audit_adds_its_figures_and_changes_nothing_else(self):
+        result, folder = BENCH.plan(self.job, "audited", "--audit")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        found = contents(folder)
+        audit = json.loads(found["summary.json"])["audit"]
+        self.assertGreaterEqual(audit.pop("ga_share_within_0p1_percent"), 99)
+        self.assertLessEqual(audit.pop("ga_worst_gap_percent"), 1)
+        self.assertLessEqual(audit.pop("max_slice_distance_mm"), 1e-6)
+        self.assertEqual(audit, {"limit_violations": 0, "interferences": 0})
+        self.assertLessEqual(set(differences(self.contents, found)), {"summary.json", "report.html"})
+
+    def test_run_json_holds_what_may_vary(self):
+        run = json.loads((self.folder / "run.json").read_text(encoding="utf-8"))
+        for key in ("wall_s", "stages", "peak_memory_MB", "threads", "host", "version"):
+            self.assertIn(key, run)
+        self.assertTrue(all("wall_s" in stage for stage in run["stages"].values()))
+
+    def test_points_have_the_documented_columns_and_one_row_each(self):
+        rows = list(csv.reader(self.contents["points.csv"].decode("ascii").splitlines()))
+        self.assertEqual(rows[0][:len(POINT_COLUMNS)], POINT_COLUMNS)
+        self.assertEqual(len(rows) - 1, self.summary["points"]["total"])
+        self.assertEqual({len(row) for row in rows}, {len(rows[0])})
+        self.assertNotIn(b"nan", self.contents["points.csv"].lower())
+        self.assertNotIn(b"\r", self.contents["points.csv"])
+
+    def test_tells_each_stage_on_stderr_and_the_figures_on_stdout(self):
+        for stage in ("read", "surface", "toolpath", "passes", "gaps", "programs"):
+            self.assertRegex(self.result.stderr, rf"(?m)^{stage} ")
+        for word in ("points", "passes", "gaps", "stiffness", "continuity", "clearance", "time"):
+            self.assertRegex(self.result.stdout, rf"(?m)^{word}")
+
+    def test_the_judge_finds_nothing(self):
+        status, verdict = BENCH.audit(self.folder, self.job, "--travel-mm", "2")
+        self.assertEqual(verdict["broken"], {})
+        self.assertEqual(status, 0)
+        self.assertGreater(verdict["poses_checked"], 1000)
+
+    def test_same_bytes_for_any_number_of_threads(self):
+        for threads in ("2", "4"):
+            result, folder = BENCH.plan(self.job, f"threads{threads}", "--threads", threads)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(differences(self.contents, contents(folder)), [])
+
+    def test_same_bytes_on_a_second_run_resumed_or_fresh(self):
+        _, folder = BENCH.plan(self.job, "again")
+        for arguments in ((), ("--fresh",)):
+            result, _ = BENCH.plan(self.job, "again", *arguments)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(differences(self.contents, contents(folder)), [])
+
+    def test_a_damaged_checkpoint_is_found_and_planned_again(self):
+        _, folder = BENCH.plan(self.job, "damaged")
+        checkpoints = sorted((folder / "checkpoints").iterdir())
+        self.assertGreater(len(checkpoints), 1)
+        damaged = bytearray(checkpoints[0].read_bytes())
+        damaged[len(damaged) // 2] ^= 1
+        checkpoints[0].write_bytes(damaged)
+        checkpoints[1].write_bytes(checkpoints[1].read_bytes()[:100])
+        result, _ = BENCH.plan(self.job, "damaged")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(differences(self.contents, contents(folder)), [])
+
+    def test_killed_at_any_moment_it_goes_on_and_leaves_the_same_bytes(self):
+        for attempt in range(3):
+            folder = BENCH.top / f"killed{attempt}"
+            with started(BENCH.millpose, "plan", self.job, "-o", folder, "--threads", "1") as process:
+                status = kill_after(process, random.uniform(0, self.seconds), signal.SIGKILL)
+            if status != 0 and (folder / "programs").exists():
+                left = {name: text for name, text in contents(folder).items() if name.startswith("programs/")}
+                self.assertEqual(left, {n: t for n, t in self.contents.items() if n.startswith("programs/")})
+            result, _ = BENCH.plan(self.job, folder.name)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(differences(self.contents, contents(folder)), [])
+
+    def test_interrupted_it_says_so_and_goes_on(self):
+        folder = BENCH.top / "interrupted"
+        with started(BENCH.millpose, "plan", self.job, "-o", folder, "--threads", "1") as process:
+            while not process.stderr.readline().startswith("toolpath"):  # a stage that has ended
+                self.assertIsNone(process.poll(), "it ended before it could be interrupted")
+            process.send_signal(signal.SIGINT)
+            _, stderr = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, stderr)
+        self.assertIn("interrupted", stderr)
+        self.assertFalse((folder / "programs").exists())
+        result, _ = BENCH.plan(self.job, "interrupted")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(differences(self.contents, contents(folder)), [])
+
+    def test_another_seed_may_find_other_poses_but_never_another_surface(self):
+        _, folder = BENCH.plan(self.job, "seed", "--seed", "7")
+        rows = [row.split(",") for row in (folder / "points.csv").read_text(encoding="ascii").splitlines()]
+        mine = [row.split(",") for row in self.contents["points.csv"].decode("ascii").splitlines()]
+        self.assertEqual([row[6:15] for row in rows], [row[6:15] for row in mine])
+        self.assertEqual(json.loads((folder / "summary.json").read_text(encoding="utf-8"))["seed"], 7)
+
+    def test_quiet_is_quiet(self):
+        result, _ = BENCH.plan(self.job, "quiet", "--quiet")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+
+
+def box(x, y):
+    """ASCII STL of an 80 x 80 x 40 mm block whose top, z = 0, has its centre at x, y."""
+    corner = [(x + 40 * i, y + 40 * j, k) for k in (-40, 0) for j in (-1, 1) for i in (-1, 1)]
+    faces = ((0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (1, 3, 7), (1, 7, 5), (3, 2, 6), (3, 6, 7),
+             (2, 0, 4), (2, 4, 6))
+    return "".join("facet normal 0 0 0\nouter loop\n" + "".join("vertex %g %g %g\n" % corner[v] for v in face) +
+                   "endloop\nendfacet\n" for face in faces)
+
+
+class OutOfReach(unittest.TestCase):
+    def test_points_that_no_pose_reaches_are_skipped_with_the_reason(self):
+        # Two pads on one wall, the second three metres above the first.
+        (BENCH.top / "toolpaths/support_pad/two.stl").write_text("solid\n" + box(0, 0) + box(3000, 0) + "endsolid\n")
+        job = BENCH.job("support_pad", CUT_DOWN + [("mesh: support_pad.stl", "mesh: two.stl")], "far")
+        result, folder = BENCH.plan(job, "far")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        points = summary["points"]
+        self.assertGreater(points["skipped"], 0)
+        self.assertEqual(points["planned"] + points["skipped"], points["total"])
+        self.assertEqual(len(summary["skipped"]), points["skipped"])
+        self.assertEqual(points["skipped"], points["planned"])
+        self.assertEqual({entry["reason"] for entry in summary["skipped"]}, {"unreachable"})
+        self.assertTrue(all(entry["detail"] for entry in summary["skipped"]))
+        status, verdict = BENCH.audit(folder, job, "--travel-mm", "5")
+        self.assertEqual((status, verdict["broken"]), (0, {}))
+
+
+class BadInput(unittest.TestCase):
+    def check(self, job, folder, *words):
+        result, out = BENCH.plan(job, folder)
+        self.assertEqual(result.returncode, 2, result.stdout + result.stderr)
+        self.assertEqual(result.stdout, "")
+        for word in words:
+            self.assertIn(word, result.stderr)
+        return out
+
+    def test_broken_yaml_leaves_nothing(self):
+        job = BENCH.job("support_pad", [("stepover_mm", "stepovr_mm")], "broken")
+        out = self.check(job, "broken", "broken.yaml:", "stepovr_mm", "stepover_mm")
+        self.assertFalse(out.exists())
+
+    def test_a_missing_file_leaves_nothing(self):
+        job = BENCH.job("support_pad", [("mesh: support_pad.stl", "mesh: none.stl")], "missing")
+        self.assertFalse(self.check(job, "missing", "none.stl").exists())
+
+    def test_a_broken_mesh_leaves_no_programs(self):
+        (BENCH.top / "toolpaths/support_pad/empty.stl").write_bytes(b"solid x\nendsolid x\n")
+        job = BENCH.job("support_pad", [("mesh: support_pad.stl", "mesh: empty.stl")], "empty")
+        self.assertFalse((self.check(job, "empty", "empty.stl") / "programs").exists())
+
+    def test_a_folder_of_someone_else_is_left_alone(self):
+        foreign = BENCH.top / "foreign"
+        foreign.mkdir()
+        (foreign / "thesis.txt").write_text("years of work", encoding="utf-8")
+        self.check(BENCH.job("support_pad", CUT_DOWN, "small"), "foreign", "foreign")
+        self.assertEqual(os.listdir(foreign), ["thesis.txt"])
+
+    def test_a_cell_for_reproduction_gets_no_programs(self):
+        job = BENCH.job("support_pad", [("kr500_r2830", "chen2021_table6")], "reproduction")
+        self.check(job, "reproduction", "reproduction")
+
+
+if __name__ == "__main__":
+    BENCH = Bench(*sys.argv[1:4])
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "plan/continuity.hpp"
+
+#include "tests/cell/sample_cell.hpp"
+
+namespace millpose::test {
+namespace {
+
+/// A cut of 200 mm in steps of 1 mm at `feed` (mm/s), A6 swinging by ±0.5 rad, in two pieces.
+PlanResult SwingingPlan(double feed) {
+  PlanResult plan;
+  const Cell cell = EmptyCell();
+  plan.arm = cell.arm;
+  plan.X_FT = cell.X_FT;
+  PassResult empty;
+  empty.points.resize(7);
+  PassResult pass;
+  pass.pass = 1;
+  for (int i = 0; i <= 200; ++i) {
+    PlannedPoint point;
+    point.q = Degrees(-4.5, -63.9, 103.3, 18.8, 53.1, 16.2);
+    point.q[5] += 0.5 * std::sin(i / 20.0);
+    point.point.arc_length = i;
+    point.point.feed_rate = feed;
+    point.point.position.x() = i;
+    pass.points.push_back(point);
+  }
+  pass.pieces = {{1, 0, 0, 99, false}, {1, 1, 100, 200, false}};
+  plan.passes = {empty, pass};
+  return plan;
+}
+
+TEST(Continuity, SlowCutsAreHeld) {
+  const ContinuityFigures figures = AnalyseContinuity(SwingingPlan(2));
+  EXPECT_TRUE(figures.feed_not_held.empty());
+  EXPECT_NEAR(figures.speed_share[5], 0.5 / 20 * 2 / SampleArm().speed[5], 1e-3);
+  EXPECT_NEAR(figures.acceleration_share[5], 0.5 / 400 * 4 / SampleArm().acceleration[5], 1e-4);
+  EXPECT_NEAR(figures.acceleration_rms[5], 0.5 / 400 * 4 / std::sqrt(2), 2e-4);
+  EXPECT_EQ(figures.speed_share[0], 0);
+  EXPECT_NEAR(figures.wrist, std::sin(DegToRad(53.1)), 1e-12);
+  EXPECT_GT(figures.elbow, 0.1);
+  EXPECT_GT(figures.shoulder, 500);
+  EXPECT_GT(figures.halfway_deviation, 0);
+}
+
+TEST(Continuity, FastCutsNameThePointsInTheJobAndReducingMendsThem) {
+  PlanResult plan = SwingingPlan(120);
+  const ContinuityFigures before = AnalyseContinuity(plan);
+  ASSERT_FALSE(before.feed_not_held.empty());
+  const FeedFinding& first = before.feed_not_held.front();
+  EXPECT_EQ(first.pass, 1);
+  EXPECT_EQ(first.point, 7u);  // after the seven of pass 0
+  EXPECT_EQ(first.joint, 5);
+  EXPECT_EQ(first.feed, 120);
+  EXPECT_NEAR(first.feed_possible, SampleArm().speed[5] * 40, 1);
+  const FeedReduction reduction = ReduceFeeds(plan);
+  EXPECT_GE(reduction.points, before.feed_not_held.size());
+  EXPECT_LT(reduction.least, 120);
+  const ContinuityFigures after = AnalyseContinuity(plan);
+  EXPECT_TRUE(after.feed_not_held.empty());
+  EXPECT_LE(after.speed_share.maxCoeff(), 1 + 1e-9);
+  EXPECT_EQ(ReduceFeeds(plan).points, 0u);
+}
+
+TEST(Continuity, AClosedPieceIncludesItsWayBackToTheStart) {
+  PlanResult plan = SwingingPlan(2);
+  PassResult& pass = plan.passes[1];
+  pass.pieces = {{1, 0, 0, 200, true}};
+  for (int i = 0; i <= 200; ++i) {
+    PlannedPoint& point = pass.points[i];
+    point.q[5] = 2 * kPi * i / 201;  // once round, closing modulo a full turn
+    point.point.position =
+        Eigen::Vector3d(std::cos(point.q[5]), std::sin(point.q[5]), 0) / (2 * std::sin(kPi / 201));
+  }
+  const ContinuityFigures figures = AnalyseContinuity(plan);
+  EXPECT_NEAR(figures.speed_share[5], 2 * kPi / 201 * 2 / SampleArm().speed[5], 1e-9);
+  EXPECT_LT(figures.acceleration_share[5], 1e-9);
+}
+
+}  // namespace
+}  // namespace millpose::test
