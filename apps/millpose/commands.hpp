@@ -33,9 +33,8 @@ void AddSchemaCommand(CLI::App& app, Run& run);
 void AddStiffnessCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
-    AddPlanCommand,     AddBatchCommand,    AddInspectCommand, AddStiffnessCommand,
-    AddIdentifyCommand, AddFlatnessCommand, AddSchemaCommand,  AddManCommand,
-    AddCompletionCommand,
+    AddPlanCommand,     AddBatchCommand,  AddInspectCommand, AddStiffnessCommand,  AddIdentifyCommand,
+    AddFlatnessCommand, AddSchemaCommand, AddManCommand,     AddCompletionCommand,
 };
 
 }  // namespace millpose
