@@ -47,7 +47,7 @@ bodies:
   - {name: e, class: fixture, mount: world, shape: {convex: {points_mm: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.1]]}}}
 reproduction_only: true
 controllers:
-  krl: {tool_axis: x, texts: {spindle_on: "$OUT[1]=TRUE\nWAIT SEC 2\n", "odd key: #": "true"}}
+  krl: {tool_axis: x, texts: {spindle_on: "$OUT[1]=TRUE\nWAIT SEC 2\n", footer: "true"}}
 )";
 
 }  // namespace
