@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/edge_kernel.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/units.hpp"
@@ -11,6 +12,7 @@ namespace {
 constexpr double kTurn = 2 * kPi;
 constexpr double kPerTurn = 1 / kTurn;
 constexpr double kRound = 0x1.8p52;
+constexpr double kSlack = 1e-9;  // rad: rounding of the bounds
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 [[gnu::always_inline]] inline double Short(double angle, double per_turn) {
@@ -28,6 +30,15 @@ void JointRows::Add(const Joints& joints) {
 
 void JointRows::Finish() {
   for (auto& row : q) row.resize(size + kLanes, 0.0);
+  blocks.assign((size + kLanes - 1) / kLanes, {});
+  for (size_t node = 0; node < size; ++node) {
+    BlockBound& block = blocks[node / kLanes];
+    for (int i = 0; i < 6; ++i) {
+      if (node % kLanes == 0) block.first[i] = q[i][node];
+      block.radius[i] = std::max(block.radius[i], std::fabs(Short(q[i][node] - block.first[i], kPerTurn)));
+      block.same_turn = block.same_turn && std::fabs(q[i][node] - block.first[i]) < kPi;
+    }
+  }
 }
 
 Joints JointRows::At(size_t node) const {
@@ -46,28 +57,76 @@ double StepCost(const StepRule& rule, const Joints& from, const Joints& to) {
   return rule.motion_weight * sum;
 }
 
+namespace {
+
+struct Target {
+  double t[6], max_step[6], shift[6];
+  double weight;
+};
+
+/// Whether some node of a block may be within the step; sets the turns that all of the block is away by.
+bool MayReach(const JointRows::BlockBound& block, bool modulo_turns, Target& target, bool& one_shift) {
+  one_shift = block.same_turn || !modulo_turns;
+  for (int i = 0; i < 6; ++i) {
+    const double apart = target.t[i] - block.first[i];
+    const double turns = (apart * kPerTurn + kRound) - kRound;
+    if (std::fabs(apart - turns * kTurn) > target.max_step[i] + block.radius[i] + kSlack) return false;
+    target.shift[i] = modulo_turns ? turns * kTurn : 0.0;
+    one_shift = one_shift && (!modulo_turns || block.radius[i] + target.max_step[i] < 3.0);
+  }
+  return true;
+}
+
+/// Costs of a block; `way` gives the signed step of joint i from angle q.
+template <typename Way>
+[[gnu::always_inline]] inline void CostsOfBlock(InstructionSet set, const JointRows& nodes,
+                                                const double* costs, size_t block, const Target& target,
+                                                const Way& way, Lanes& out) {
+  const double *q0 = &nodes.q[0][block], *q1 = &nodes.q[1][block], *q2 = &nodes.q[2][block],
+               *q3 = &nodes.q[3][block], *q4 = &nodes.q[4][block], *q5 = &nodes.q[5][block];
+  const double weight = target.weight;
+  const double m0 = target.max_step[0], m1 = target.max_step[1], m2 = target.max_step[2];
+  const double m3 = target.max_step[3], m4 = target.max_step[4], m5 = target.max_step[5];
+  ForEachLane(set, [&] [[gnu::always_inline]] (int l) {
+    const double d0 = way(0, q0[l]), d1 = way(1, q1[l]), d2 = way(2, q2[l]);
+    const double d3 = way(3, q3[l]), d4 = way(4, q4[l]), d5 = way(5, q5[l]);
+    const double sum = ((((d0 * d0 + d1 * d1) + d2 * d2) + d3 * d3) + d4 * d4) + d5 * d5;
+    const bool within = (std::fabs(d0) <= m0) & (std::fabs(d1) <= m1) & (std::fabs(d2) <= m2) &
+                        (std::fabs(d3) <= m3) & (std::fabs(d4) <= m4) & (std::fabs(d5) <= m5);
+    out.v[l] = within ? costs[l] + weight * sum : kInfinity;
+  });
+}
+
+}  // namespace
+
 void RelaxFrom(const StepRule& rule, const JointRows& nodes, const std::vector<double>& row, size_t first,
                size_t last, const Joints& to, BestPredecessor& best) {
   static const InstructionSet set = WidestInstructionSet();
-  const double weight = rule.motion_weight, turn = rule.modulo_turns ? kPerTurn : 0.0;
-  const double t0 = to[0], t1 = to[1], t2 = to[2], t3 = to[3], t4 = to[4], t5 = to[5];
-  const double m0 = rule.max_step[0], m1 = rule.max_step[1], m2 = rule.max_step[2], m3 = rule.max_step[3],
-               m4 = rule.max_step[4], m5 = rule.max_step[5];
+  Target target;
+  for (int i = 0; i < 6; ++i) {
+    target.t[i] = to[i];
+    target.max_step[i] = rule.max_step[i];
+  }
+  target.weight = rule.motion_weight;
   Lanes out;
-  for (size_t block = first; block < last; block += kLanes) {
-    const double *q0 = &nodes.q[0][block], *q1 = &nodes.q[1][block], *q2 = &nodes.q[2][block],
-                 *q3 = &nodes.q[3][block], *q4 = &nodes.q[4][block], *q5 = &nodes.q[5][block];
-    const double* costs = &row[block];
-    ForEachLane(set, [&] [[gnu::always_inline]] (int l) {
-      const double d0 = Short(t0 - q0[l], turn), d1 = Short(t1 - q1[l], turn), d2 = Short(t2 - q2[l], turn);
-      const double d3 = Short(t3 - q3[l], turn), d4 = Short(t4 - q4[l], turn), d5 = Short(t5 - q5[l], turn);
-      const double sum = ((((d0 * d0 + d1 * d1) + d2 * d2) + d3 * d3) + d4 * d4) + d5 * d5;
-      const bool within = (std::fabs(d0) <= m0) & (std::fabs(d1) <= m1) & (std::fabs(d2) <= m2) &
-                          (std::fabs(d3) <= m3) & (std::fabs(d4) <= m4) & (std::fabs(d5) <= m5);
-      out.v[l] = within ? costs[l] + weight * sum : kInfinity;
-    });
-    const size_t used = last - block < kLanes ? last - block : kLanes;
-    for (size_t l = 0; l < used; ++l) {
+  for (size_t block = first / kLanes * kLanes; block < last; block += kLanes) {
+    bool one_shift;
+    if (!MayReach(nodes.blocks[block / kLanes], rule.modulo_turns, target, one_shift)) continue;
+    // All of the block is as many turns away: that takes less arithmetic and gives the same bits.
+    const auto shifted = [&] [[gnu::always_inline]] (int i, double q) {
+      return (target.t[i] - q) - target.shift[i];
+    };
+    const auto general = [&] [[gnu::always_inline]] (int i, double q) {
+      return Short(target.t[i] - q, kPerTurn);
+    };
+    if (one_shift) {
+      CostsOfBlock(set, nodes, row.data() + block, block, target, shifted, out);
+    } else {
+      CostsOfBlock(set, nodes, row.data() + block, block, target, general, out);
+    }
+    const size_t begin = block < first ? first - block : 0,
+                 end = last - block < kLanes ? last - block : kLanes;
+    for (size_t l = begin; l < end; ++l) {
       if (out.v[l] < best.cost) best = {out.v[l], block + l};
     }
   }

@@ -18,9 +18,15 @@ struct StepRule {
 };
 
 /// Joint angles of many nodes as structure of arrays. `Finish` pads to full blocks, so that kernels may read
-/// beyond the end.
+/// beyond the end, and bounds each block: its first angle and how far the others lie from it, the short way
+/// round.
 struct JointRows {
   std::array<std::vector<double>, 6> q;
+  struct BlockBound {
+    std::array<double, 6> first, radius;
+    bool same_turn = true;  ///< the others lie that near as they stand
+  };
+  std::vector<BlockBound> blocks;
   size_t size = 0;
 
   void Add(const Joints& joints);
@@ -40,9 +46,10 @@ struct BestPredecessor {
   size_t node = 0;
 };
 
-/// Looks at predecessors first..last−1 with costs `row` (padded like `nodes`) for a node at `to`; keeps the
-/// first of equals, and what `best` holds unless a predecessor is cheaper. Sums are in one order, so that the
-/// result does not depend on the instruction set.
+/// Looks at predecessors first..last−1 (whole blocks whose bounds lie too far away are passed over) with
+/// costs `row` (padded like `nodes`) for a node at `to`; keeps the first of equals, and what `best` holds
+/// unless a predecessor is cheaper. Sums are in one order, so that the result does not depend on the
+/// instruction set.
 void RelaxFrom(const StepRule& rule, const JointRows& nodes, const std::vector<double>& row, size_t first,
                size_t last, const Joints& to, BestPredecessor& best);
 

@@ -23,11 +23,14 @@ void VisitBand(const Layer& layer, int branch, double value, double band, const 
   const auto begin = layer.first.begin();
   const size_t from = layer.branch_begin[branch], to = layer.branch_begin[branch + 1];
   if (band >= kPi) return visit(from, to);
-  for (const double turn : {-2 * kPi, 0.0, 2 * kPi}) {
-    const auto low = std::lower_bound(begin + from, begin + to, value + turn - band);
-    const auto high = std::upper_bound(low, begin + to, value + turn + band);
+  const auto part = [&](double low_value, double high_value) {
+    const auto low = std::lower_bound(begin + from, begin + to, low_value);
+    const auto high = std::upper_bound(low, begin + to, high_value);
     if (low != high) visit(static_cast<size_t>(low - begin), static_cast<size_t>(high - begin));
-  }
+  };
+  part(value - band, value + band);
+  if (value - band < -kPi) part(value - band + 2 * kPi, value + band + 2 * kPi);
+  if (value + band > kPi) part(value - band - 2 * kPi, value + band - 2 * kPi);
 }
 
 /// One sweep of the dynamic programme.

@@ -45,14 +45,17 @@ StrikeOut::StrikeOut(const World& world, std::vector<Layer>& layers, double swep
 
 bool StrikeOut::Check(const Sequence& sequence) {
   const size_t count = layers_.size();
-  std::vector<int> struck_here(count, 0);
-  poses_checked_ += CheckInParallel(world_, count, threads_, stop_, [&](Checker& checker, size_t t) {
-    if (sequence.nodes[t] == kNoNode) return;
-    const auto struck = [&] { return std::count(verdict_[t].begin(), verdict_[t].end(), Verdict::kStruck); };
-    const auto before = struck();
-    CheckNode(checker, t, sequence.nodes[t]);
-    struck_here[t] = static_cast<int>(struck() - before);
-  });
+  std::vector<std::pair<size_t, size_t>> nodes;
+  for (size_t t = 0; t < count; ++t) {
+    if (sequence.nodes[t] != kNoNode) nodes.emplace_back(t, sequence.nodes[t]);
+  }
+  std::vector<Interval> struck = CheckNodes(nodes);
+  bool all_free = struck.empty();
+  // An obstacle bars like a wall that runs through many layers. Met one crossing at a time it would take as
+  // many rounds, so it is followed.
+  for (size_t step = 0; step < flood_ && !struck.empty(); ++step) struck = CheckNodes(Beside(struck));
+  flood_ = std::min(2 * flood_, count);
+
   std::vector<char> barred(count, 0);
   poses_checked_ += CheckInParallel(world_, count, threads_, stop_, [&](Checker& checker, size_t t) {
     const size_t to = (t + 1) % count;
@@ -60,36 +63,81 @@ bool StrikeOut::Check(const Sequence& sequence) {
     barred[t] = !CheckMotion(checker, t, to, sequence);
   });
   barred_.clear();
-  bool all_free = true;
   for (size_t t = 0; t < count; ++t) {
-    nodes_struck_ += struck_here[t];
     if (barred[t]) barred_.push_back(t);
-    all_free = all_free && struck_here[t] == 0 && !barred[t];
   }
-  return all_free;
+  return all_free && barred_.empty();
 }
 
-void StrikeOut::CheckNode(Checker& checker, size_t layer, size_t node) {
-  const auto free = [&](size_t k) {
+/// Checks single nodes, (layer, node); no layer twice. What was struck out, in the order of `nodes`.
+std::vector<StrikeOut::Interval> StrikeOut::CheckNodes(const std::vector<std::pair<size_t, size_t>>& nodes) {
+  // Layers are independent of one another; the nodes of one layer come one after the other.
+  std::vector<size_t> begin;
+  for (size_t k = 0; k < nodes.size(); ++k) {
+    if (k == 0 || nodes[k].first != nodes[k - 1].first) begin.push_back(k);
+  }
+  std::vector<std::optional<Interval>> found(nodes.size());
+  poses_checked_ += CheckInParallel(world_, begin.size(), threads_, stop_, [&](Checker& checker, size_t i) {
+    const size_t end = i + 1 < begin.size() ? begin[i + 1] : nodes.size();
+    for (size_t k = begin[i]; k < end; ++k) found[k] = CheckNode(checker, nodes[k].first, nodes[k].second);
+  });
+  std::vector<Interval> struck;
+  for (const std::optional<Interval>& interval : found) {
+    if (!interval) continue;
+    struck.push_back(*interval);
+    nodes_struck_ += static_cast<int>(interval->last - interval->first + 1);
+  }
+  return struck;
+}
+
+/// The nodes beside the middles of `struck` in the layers before and after.
+std::vector<std::pair<size_t, size_t>> StrikeOut::Beside(const std::vector<Interval>& struck) const {
+  std::vector<std::pair<size_t, size_t>> nodes;
+  const size_t count = layers_.size();
+  for (const Interval& interval : struck) {
+    const Layer& layer = layers_[interval.layer];
+    const size_t middle = (interval.first + interval.last) / 2;
+    const int branch = layer.BranchOf(middle);
+    for (const size_t beside : {(interval.layer + count - 1) % count, (interval.layer + 1) % count}) {
+      const Layer& other = layers_[beside];
+      const auto first = other.first.begin() + other.branch_begin[branch];
+      const auto last = other.first.begin() + other.branch_begin[branch + 1];
+      if (first == last) continue;
+      auto nearest = std::lower_bound(first, last, layer.first[middle]);
+      if (nearest == last ||
+          (nearest != first && layer.first[middle] - nearest[-1] < *nearest - layer.first[middle])) {
+        --nearest;
+      }
+      nodes.emplace_back(beside, nearest - other.first.begin());
+    }
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+/// What was struck out now: the node with its neighbours; nothing where it is free or was struck before.
+std::optional<StrikeOut::Interval> StrikeOut::CheckNode(Checker& checker, size_t layer, size_t node) {
+  const auto strikes = [&](size_t k) {
     Verdict& verdict = verdict_[layer][k];
-    if (verdict != Verdict::kUnknown) return verdict == Verdict::kFree;
+    if (verdict != Verdict::kUnknown) return false;
     const auto hit = checker.At(layers_[layer].joints.At(k), Phase::kCutting);
     verdict = hit ? Verdict::kStruck : Verdict::kFree;
     if (hit) {
       detail_[layer] = Describe(*hit);
       layers_[layer].objective[k] = std::numeric_limits<double>::infinity();
     }
-    return !hit.has_value();
+    return hit.has_value();
   };
-  if (free(node)) return;
+  if (!strikes(node)) return std::nullopt;
   // Interference fills intervals: look for its ends now instead of meeting every node of it in a round of its
   // own.
   const int branch = layers_[layer].BranchOf(node);
-  const size_t first = layers_[layer].branch_begin[branch], last = layers_[layer].branch_begin[branch + 1];
-  for (size_t k = node; k > first && !free(k - 1); --k) {
-  }
-  for (size_t k = node + 1; k < last && !free(k); ++k) {
-  }
+  const size_t begin = layers_[layer].branch_begin[branch], end = layers_[layer].branch_begin[branch + 1];
+  Interval interval{layer, node, node};
+  while (interval.first > begin && strikes(interval.first - 1)) --interval.first;
+  while (interval.last + 1 < end && strikes(interval.last + 1)) ++interval.last;
+  return interval;
 }
 
 bool StrikeOut::CheckMotion(Checker& checker, size_t from, size_t to, const Sequence& sequence) {

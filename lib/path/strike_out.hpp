@@ -21,8 +21,9 @@ class StrikeOut {
   StrikeOut(const World& world, std::vector<Layer>& layers, double swept_resolution, int threads,
             std::stop_token stop);
 
-  /// Checks the nodes of `sequence` and the motions between them. What interferes is struck out (a node also
-  /// with its neighbours on the grid up to the next free one). True when all is free.
+  /// Checks the nodes of `sequence` and the motions between them. What interferes is struck out: a node with
+  /// its neighbours on the grid up to the next free ones, and what lies beside these in the layers before and
+  /// after, each time twice as many layers away. True when all is free.
   bool Check(const Sequence& sequence);
 
   /// For motions that go on interfering: strikes out the nodes at both ends of those that the last check
@@ -39,7 +40,14 @@ class StrikeOut {
  private:
   enum class Verdict : uint8_t { kUnknown, kFree, kStruck };
 
-  void CheckNode(Checker& checker, size_t layer, size_t node);
+  /// Nodes of a branch, first..last, that were struck out together.
+  struct Interval {
+    size_t layer, first, last;
+  };
+
+  std::optional<Interval> CheckNode(Checker& checker, size_t layer, size_t node);
+  std::vector<Interval> CheckNodes(const std::vector<std::pair<size_t, size_t>>& nodes);
+  std::vector<std::pair<size_t, size_t>> Beside(const std::vector<Interval>& struck) const;
   bool CheckMotion(Checker& checker, size_t from, size_t to, const Sequence& sequence);
 
   const World& world_;
@@ -51,6 +59,7 @@ class StrikeOut {
   std::vector<StruckEdges> struck_, free_;
   std::vector<std::string> detail_;
   std::vector<size_t> barred_;  // layers whose motions interfered in the last check
+  size_t flood_ = 4;            // layers to follow interference to either side, at the next check
   long long poses_checked_ = 0;
   int nodes_struck_ = 0;
 };
