@@ -2,6 +2,7 @@
 #include "path/layered_search.hpp"
 
 #include <queue>
+#include <tuple>
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
@@ -16,21 +17,37 @@ double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   return Eigen::AngleAxisd(Eigen::Matrix3d(a.transpose() * b)).angle();
 }
 
+/// Nodes between `begin` and `end` that can be reached from the place `at` without leaping over one that was
+/// struck out; where `at` itself is in a struck stretch, from both its sides.
+std::pair<size_t, size_t> WithinWalls(const Layer& layer, size_t begin, size_t end, size_t at) {
+  const auto struck = [&](size_t node) { return !std::isfinite(layer.objective[node]); };
+  size_t first = at, last = at;
+  while (first > begin && struck(first - 1)) --first;
+  while (first > begin && !struck(first - 1)) --first;
+  while (last < end && struck(last)) ++last;
+  while (last < end && !struck(last)) ++last;
+  return {first, last};
+}
+
 /// Calls `visit(first, last)` for the ranges of nodes of `branch` whose first freedom lies within `band` of
-/// `value`, round the turn too.
+/// `value`, round the turn too; with `walls` as LayeredProblem says.
 template <typename Visit>
-void VisitBand(const Layer& layer, int branch, double value, double band, const Visit& visit) {
+void VisitBand(const Layer& layer, int branch, double value, double band, bool walls, const Visit& visit) {
   const auto begin = layer.first.begin();
   const size_t from = layer.branch_begin[branch], to = layer.branch_begin[branch + 1];
-  if (band >= kPi) return visit(from, to);
-  const auto part = [&](double low_value, double high_value) {
-    const auto low = std::lower_bound(begin + from, begin + to, low_value);
-    const auto high = std::upper_bound(low, begin + to, high_value);
-    if (low != high) visit(static_cast<size_t>(low - begin), static_cast<size_t>(high - begin));
+  if (band >= kPi && !walls) return visit(from, to);
+  const auto part = [&](double middle) {
+    size_t first = static_cast<size_t>(std::lower_bound(begin + from, begin + to, middle - band) - begin);
+    size_t last = static_cast<size_t>(std::upper_bound(begin + first, begin + to, middle + band) - begin);
+    if (walls) {
+      const size_t at = static_cast<size_t>(std::lower_bound(begin + first, begin + last, middle) - begin);
+      std::tie(first, last) = WithinWalls(layer, first, last, at);
+    }
+    if (first != last) visit(first, last);
   };
-  part(value - band, value + band);
-  if (value - band < -kPi) part(value - band + 2 * kPi, value + band + 2 * kPi);
-  if (value + band > kPi) part(value - band - 2 * kPi, value + band - 2 * kPi);
+  part(value);
+  if (value - band < -kPi) part(value + 2 * kPi);
+  if (value + band > kPi) part(value - 2 * kPi);
 }
 
 /// One sweep of the dynamic programme.
@@ -155,7 +172,7 @@ class Sweep {
     const int branch = target.BranchOf(node);
     const Joints q = target.joints.At(node);
     const double band = Band(from, to);
-    VisitBand(source, branch, target.first[node], band, [&](size_t first, size_t last) {
+    VisitBand(source, branch, target.first[node], band, problem_.walls, [&](size_t first, size_t last) {
       RelaxFrom(problem_.rule, source.joints, row_, first, last, q, by);
     });
     if (problem_.struck.empty() || !std::isfinite(by.cost)) return;
@@ -163,7 +180,7 @@ class Sweep {
     if (!struck.contains({by.node, node})) return;
     // Rare: the best is barred, so look again, one by one.
     by = {};
-    VisitBand(source, branch, target.first[node], band, [&](size_t first, size_t last) {
+    VisitBand(source, branch, target.first[node], band, problem_.walls, [&](size_t first, size_t last) {
       for (size_t k = first; k < last; ++k) {
         const double cost = row_[k] + StepCost(problem_.rule, source.joints.At(k), q);
         if (cost < by.cost && !struck.contains({k, node})) by = {cost, k};
@@ -212,9 +229,20 @@ double BreakPenalty(const LayeredProblem& problem) {
 /// A set of first nodes, first..last−1, and what is known about closed sequences through it.
 struct Part {
   size_t first, last;
-  double bound;  ///< no closed sequence through the set costs less
-  size_t start;  ///< of the sequence that gives the bound
+  double bound;        ///< no closed sequence through the set costs less
+  size_t start, into;  ///< of the sequence that gives the bound
 };
+/// The nodes that differ from `node` by full turns only: first, and one beyond the last.
+size_t GroupBegin(const std::vector<size_t>& base, size_t node) {
+  while (node > 0 && base[node - 1] == base[node]) --node;
+  return node;
+}
+size_t GroupEnd(const std::vector<size_t>& base, size_t node) {
+  const size_t group = base[node];
+  while (node < base.size() && base[node] == group) ++node;
+  return node;
+}
+
 struct Costlier {
   bool operator()(const Part& a, const Part& b) const {
     return a.bound != b.bound ? a.bound > b.bound : a.first > b.first;
@@ -237,7 +265,7 @@ Sequence SearchOpen(const LayeredProblem& problem) {
   return sweep.Trace(sweep.least_node());
 }
 
-std::optional<Sequence> SearchClosed(const LayeredProblem& problem) {
+std::optional<Sequence> SearchClosed(const LayeredProblem& problem, int max_sweeps) {
   for (const Layer& layer : problem.layers) {
     if (!layer.usable()) return std::nullopt;
   }
@@ -246,13 +274,13 @@ std::optional<Sequence> SearchClosed(const LayeredProblem& problem) {
   std::optional<Sequence> best;
   std::priority_queue<Part, std::vector<Part>, Costlier> open;
   const auto bound = [&](size_t first, size_t last) {
-    if (first >= last || !sweep.Forward(first, last, false)) return;
+    if (first >= last || --max_sweeps < 0 || !sweep.Forward(first, last, false)) return;
     const Sweep::Closing closing = sweep.Close(first, last);
     if (!std::isfinite(closing.by.cost)) return;
     Sequence sequence = sweep.Trace(closing.by.node);
     const size_t start = sequence.nodes[0];
     if (base[start] != base[closing.into]) {
-      open.push({first, last, closing.by.cost, start});
+      open.push({first, last, closing.by.cost, start, closing.into});
     } else if (!best || closing.by.cost < best->cost) {
       sequence.cost = closing.by.cost;
       sequence.closed = true;
@@ -264,14 +292,14 @@ std::optional<Sequence> SearchClosed(const LayeredProblem& problem) {
     const Part part = open.top();
     open.pop();
     if (best && part.bound >= best->cost) break;  // nor can any other part be better
-    // The sequence of the bound does not close at its start: that node by itself gives a closed one or none,
-    // and what lies to either side is bounded anew.
-    size_t first = part.start, last = part.start + 1;
-    while (first > part.first && base[first - 1] == base[part.start]) --first;
-    while (last < part.last && base[last] == base[part.start]) ++last;
-    bound(first, last);
-    bound(part.first, first);
-    bound(last, part.last);
+    // The sequence of the bound starts and ends at different nodes. A closed one has both in the half before
+    // or in the half after a cut between them.
+    if (!best) bound(GroupBegin(base, part.start), GroupEnd(base, part.start));
+    const size_t low = std::min(part.start, part.into), high = std::max(part.start, part.into);
+    size_t cut = GroupBegin(base, (low + high + 1) / 2);
+    if (cut <= GroupBegin(base, low)) cut = GroupBegin(base, high);
+    bound(part.first, cut);
+    bound(cut, part.last);
   }
   return best;
 }

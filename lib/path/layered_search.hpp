@@ -18,6 +18,8 @@ struct LayeredProblem {
   StepRule rule;
   std::span<const StruckEdges> struck;  ///< entry t: from layer t to layer (t+1) mod count; may be empty
   bool banded = false;  ///< look only at predecessors whose rotation a step can come from (see BandWidth)
+  /// No step leaps over struck-out nodes of the layer that it leaves: the motion would pass through them.
+  bool walls = false;
   std::stop_token stop;
 };
 
@@ -40,7 +42,9 @@ Sequence SearchOpen(const LayeredProblem& problem);
 /// layer to the first is one as any other. Empty when there is none. Exact by branch and bound over the nodes
 /// of the first layer: a sequence that starts and ends anywhere in a set of them bounds all closed ones
 /// through it.
-std::optional<Sequence> SearchClosed(const LayeredProblem& problem);
+/// `max_sweeps` ends it early, with the best closed sequence so far.
+std::optional<Sequence> SearchClosed(const LayeredProblem& problem,
+                                     int max_sweeps = std::numeric_limits<int>::max());
 
 /// How far apart (rad) the rotations about the tool axis of two neighbouring nodes can lie: joints turning by
 /// Δq turn the tool by no more than Σ|Δq|, and the tools' frames at rotation 0 lie `nominal_angle` apart, so

@@ -13,7 +13,7 @@ constexpr double kTurn = 2 * kPi;
 constexpr double kRounding = 1e-12;  // rad: of angles that full turns were added to
 // How often the search runs again over what the checks struck out, before motions that interfere take their
 // nodes with them, and before they take their points with them; after that each round removes a point.
-constexpr int kRoundsOfMotions = 16, kRoundsOfNodes = 48;
+constexpr int kRoundsOfMotions = 6, kRoundsOfNodes = 60;
 constexpr int kRefineRounds = 8;
 
 /// `q` moved by whole turns to where each joint is nearest to `near`; exact where none is needed.
@@ -81,13 +81,26 @@ class PiecePlanner {
     // The band needs the one freedom to be the rotation (BandWidth).
     const bool banded =
         context_.problem.freedoms.size() == 1 && context_.problem.freedoms[0]->IsToolRotation();
-    const LayeredProblem problem{layers_, rule_, strike_out.struck_edges(), banded, context_.stop};
+    const LayeredProblem problem{layers_, rule_, strike_out.struck_edges(), banded, banded, context_.stop};
+    // While there is interference to find, any good closed sequence finds it. A free one is kept when the
+    // best of all is hardly cheaper.
+    constexpr int kQuickSweeps = 3;
+    constexpr double kHardlyCheaper = 1e-3;
     Sequence sequence;
     for (int round = 0;; ++round) {
       std::optional<Sequence> closed;
-      if (context_.closed) closed = SearchClosed(problem);
+      if (context_.closed) closed = SearchClosed(problem, kQuickSweeps);
+      if (context_.closed && !closed) closed = SearchClosed(problem);
       sequence = closed ? std::move(*closed) : SearchOpen(problem);
-      if (strike_out.Check(sequence)) break;
+      bool free = strike_out.Check(sequence);
+      if (free && sequence.closed) {
+        std::optional<Sequence> best = SearchClosed(problem);
+        if (best && best->cost < (1 - kHardlyCheaper) * sequence.cost) {
+          sequence = std::move(*best);
+          free = strike_out.Check(sequence);
+        }
+      }
+      if (free) break;
       if (round >= kRoundsOfMotions) {
         strike_out.StrikeBarred(
             sequence, round < kRoundsOfNodes ? StrikeOut::Extent::kNodes : StrikeOut::Extent::kLayers);
