@@ -12,8 +12,9 @@ bool EndsInOneOf(const std::string& file, const std::vector<std::string>& extens
   return std::any_of(extensions.begin(), extensions.end(), [&](const auto& e) { return file.ends_with(e); });
 }
 
-/// Whether some line of `text` begins with the name `stem`: a call of it.
-bool Calls(std::string_view text, const std::string& stem) {
+}  // namespace
+
+bool CallsProgram(std::string_view text, const std::string& stem) {
   for (const std::string_view line : SplitLines(text)) {
     LineScanner scan(line, "", 0);
     if (scan.AcceptAddress('N')) scan.ExpectNumber();
@@ -21,8 +22,6 @@ bool Calls(std::string_view text, const std::string& stem) {
   }
   return false;
 }
-
-}  // namespace
 
 ProgramReader::ProgramReader(const ProgramFiles& files, const PostSettings& settings, Templates templates)
     : settings_(settings), files_(files), templates_(std::move(templates)) {
@@ -45,7 +44,7 @@ std::string ProgramReader::MainFile() {
     if (!EndsInOneOf(name, extensions_)) continue;
     const std::string stem = Stem(name);
     const bool called = std::any_of(files_.begin(), files_.end(), [&](const auto& other) {
-      return other.first != name && EndsInOneOf(other.first, extensions_) && Calls(other.second, stem);
+      return other.first != name && EndsInOneOf(other.first, extensions_) && CallsProgram(other.second, stem);
     });
     if (!called) mains.push_back(name);
   }

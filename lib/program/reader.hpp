@@ -8,6 +8,9 @@
 
 namespace millpose {
 
+/// Whether some line of `text` begins with the name `stem` as the call of a program does.
+bool CallsProgram(std::string_view text, const std::string& stem);
+
 /// Reads the files of one program line by line. A reader of a controller says what its lines mean.
 class ProgramReader {
  public:

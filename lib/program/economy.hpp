@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "program/motion_program.hpp"
+
+namespace millpose {
+
+struct EconomyOptions {
+  double position_tolerance = 0.01;        ///< mm
+  double angle_tolerance = 0.00034906585;  ///< rad (0.02°), of the tool's whole orientation
+  double spacing = 0;                      ///< mm: nearer points starve the controller's look-ahead; 0: any
+};
+
+struct EconomyResult {
+  MotionProgram program;
+  int saved = 0;  ///< points left out
+  int near =
+      0;  ///< points that remain nearer than `spacing` to the one before: dropping them would leave the path
+};
+
+/// Leaves out cut points between which the controller's own straight motion, with evenly turning orientation,
+/// stays within the tolerances of every point left out. First and last point of a piece, exact stops and
+/// changes of the feed remain. Greedy: each motion is as long as it can be.
+EconomyResult Economise(const MotionProgram& program, const EconomyOptions& options);
+
+/// The program with every cut point lifted by `offset` (mm) along the tool axis, to see it run in the air.
+/// Joint angles follow; a point that the arm does not reach then is an InputError naming pass and point.
+MotionProgram Lifted(const MotionProgram& program, const Arm& arm, double offset);
+
+}  // namespace millpose

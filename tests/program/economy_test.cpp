@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "program/economy.hpp"
+
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "base/units.hpp"
+#include "program/controller_axes.hpp"
+#include "robot/kinematics.hpp"
+#include "tests/program/sample_plan.hpp"
+
+namespace millpose {
+namespace {
+
+/// The distance (mm) and angle of a pose from the straight motions between two targets.
+std::pair<double, double> OffLine(const Motion& a, const Motion& b, const Pose& pose) {
+  const Eigen::Vector3d from = a.X_PT.translation(), along = b.X_PT.translation() - from;
+  const double s = std::clamp((pose.translation() - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  const Eigen::Quaterniond first(a.X_PT.linear()), last(b.X_PT.linear());
+  return {(from + s * along - pose.translation()).norm(),
+          AngleBetween(first.slerp(s, last).toRotationMatrix(), pose.linear())};
+}
+
+TEST(Economy, LeavesOutWhatTheMotionPasses) {
+  const MotionProgram program = MakeMotionProgram(SamplePlan({.points = 60, .spacing = 0.5}));
+  const EconomyOptions options;
+  const EconomyResult result = Economise(program, options);
+  ASSERT_TRUE(IsWellFormed(result.program));
+  EXPECT_GT(result.saved, 60);
+  EXPECT_EQ(result.program.motions.size() + static_cast<size_t>(result.saved), program.motions.size());
+  EXPECT_EQ(result.program.events.size(), program.events.size());
+  // Every point left out lies on the motion that stands for it; all else remains in its order.
+  size_t k = 0;
+  for (size_t i = 0; i < program.motions.size(); ++i) {
+    const Motion& motion = program.motions[i];
+    const Motion& kept = result.program.motions[k];
+    if (motion.pass == kept.pass && motion.point == kept.point &&
+        motion.X_PT.matrix() == kept.X_PT.matrix()) {
+      ++k;
+      continue;
+    }
+    ASSERT_FALSE(motion.exact);
+    ASSERT_GE(motion.point, 0);
+    const auto [position, angle] = OffLine(result.program.motions[k - 1], kept, motion.X_PT);
+    EXPECT_LE(position, options.position_tolerance);
+    EXPECT_LE(angle, options.angle_tolerance + 1e-9);
+  }
+  EXPECT_EQ(k, result.program.motions.size());
+}
+
+TEST(Economy, KeepsFeedChangesAndEverythingWithoutTolerance) {
+  MotionProgram program = MakeMotionProgram(SamplePlan({.points = 30, .spacing = 0.5, .ring = false}));
+  EXPECT_EQ(Economise(program, {0, 0, 0}).saved, 0);
+  const int all = Economise(program, {}).saved;
+  for (size_t i = 10; i < program.motions.size(); i += 2) program.motions[i].feed *= 0.9;
+  EXPECT_LT(Economise(program, {}).saved, all);
+}
+
+TEST(Economy, CountsPointsThatStarveTheLookAhead) {
+  const MotionProgram program = MakeMotionProgram(SamplePlan({.points = 30, .spacing = 0.5}));
+  EXPECT_EQ(Economise(program, {0, 0, 0}).near, 0);
+  EXPECT_EQ(Economise(program, {0, 0, 0.6}).near,
+            2 * 29);  // the straight passes; the ring's points are 2 mm apart
+}
+
+TEST(DryRun, LiftsEveryCutAlongTheTool) {
+  const PlanResult plan = SamplePlan({.wall_turn_deg = -75, .tilt_deg = 7});
+  const MotionProgram program = MakeMotionProgram(plan), lifted = Lifted(program, plan.arm, 20);
+  for (size_t i = 0; i < program.motions.size(); ++i) {
+    const Eigen::Vector3d off =
+        program.motions[i].X_PT.linear().transpose() *
+        (lifted.motions[i].X_PT.translation() - program.motions[i].X_PT.translation());
+    EXPECT_LT((off - Eigen::Vector3d(0, 0, program.motions[i].point >= 0 ? 20 : 0)).norm(), 1e-9);
+    const Pose reached = program.X_BP->inverse() * ForwardFlange(plan.arm, *lifted.motions[i].q) * plan.X_FT;
+    EXPECT_LT((reached.translation() - lifted.motions[i].X_PT.translation()).norm(), 1e-6);
+  }
+  EXPECT_THROW(Lifted(program, plan.arm, 5000), InputError);
+}
+
+}  // namespace
+}  // namespace millpose

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The shape of the texts, by expressions written from the controllers' manuals and apart from the readers:
+// block structure, declarations before statements, fields, names, numbers, ASCII.
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "program/scanner.hpp"
+#include "tests/program/sample_plan.hpp"
+
+namespace millpose {
+namespace {
+
+const std::string kReal = "-?[0-9]{1,6}\\.[0-9]{1,9}";
+
+/// What is wrong with a text: "line: text", empty when nothing is.
+using Complaints = std::vector<std::string>;
+
+std::vector<std::string> Lines(const std::string& text) {
+  std::vector<std::string> lines;
+  for (const std::string_view line : SplitLines(text)) lines.emplace_back(line);
+  return lines;
+}
+
+void ComplainAboutCharacters(const std::string& text, Complaints& complaints) {
+  for (const char c : text) {
+    if (c != '\n' && (c < ' ' || c > '~'))
+      complaints.push_back(fmt::format("character {}", static_cast<int>(c)));
+  }
+  for (const std::string& line : Lines(text)) {
+    static const std::regex external(",E[1-6] [-0-9.]+");
+    if (std::regex_replace(line, external, "").size() > 100) complaints.push_back("long: " + line);
+    // A number with a comma, without digits before its point, or with an exponent.
+    static const std::regex odd("(^|[ ={,XYZABCF])(-?\\.[0-9]|-?[0-9.]+[eE][-+0-9]|--)");
+    if (line[0] != ';' && std::regex_search(line, odd)) complaints.push_back("number: " + line);
+  }
+}
+
+Complaints CheckKrl(const std::string& text, const std::string& name) {
+  Complaints complaints;
+  ComplainAboutCharacters(text, complaints);
+  const std::string pose = fmt::format("X {0},Y {0},Z {0},A {0},B {0},C {0}", kReal);
+  const std::string external = fmt::format("(,E[1-6] {})*", kReal);
+  const std::string axes = fmt::format("A1 {0},A2 {0},A3 {0},A4 {0},A5 {0},A6 {0}", kReal);
+  const std::regex motion(
+      fmt::format("PTP \\{{{0},S 'B[01]{{3}}',T 'B[01]{{6}}'{1}\\}}|PTP \\{{{2}{1}\\}}|"
+                  "LIN \\{{{0}{1}\\}}( C_DIS)?|  SLIN \\{{{0}{1}\\}}( WITH \\$VEL\\.CP = {3})?",
+                  pose, external, axes, kReal));
+  const std::regex setting(fmt::format(
+      "\\$(BASE|TOOL) = \\{{FRAME: {}\\}}|\\$(BASE|TOOL) = (BASE|TOOL)_DATA\\[[0-9]+\\]|\\$ORI_TYPE = #VAR|"
+      "\\$ADVANCE = [0-5]|\\$APO\\.CDIS = {}|BAS \\(#VEL_PTP,[0-9]+ \\)",
+      pose, kReal));
+  const std::regex other(fmt::format(
+      "\\$VEL\\.CP = {}|SPLINE|ENDSPLINE|\\$A?N?OUT\\[1\\]=[A-Z0-9]+|[A-Za-z0-9_]+ \\( \\)", kReal));
+  static const std::regex ini(
+      " *(GLOBAL INTERRUPT DECL 3 WHEN \\$STOPMESS==TRUE DO IR_STOPM \\( \\)|INTERRUPT ON 3|"
+      "BAS \\(#INITMOV,0 \\))");
+  const std::regex define(fmt::format("DEF {} \\( \\)", name));
+  if (!std::regex_match(name, std::regex("[A-Za-z][A-Za-z0-9_]{0,23}"))) complaints.push_back("name " + name);
+  enum { kHead, kSettings, kStatements, kEnded } stage = kHead;
+  int folds = 0;
+  bool framed = false, tooled = false;
+  for (const std::string& line : Lines(text)) {
+    if (line.find(";FOLD") != std::string::npos) ++folds;
+    if (line.find(";ENDFOLD") != std::string::npos && --folds < 0) complaints.push_back("fold: " + line);
+    if (line.empty() || line[line.find_first_not_of(' ')] == ';') continue;
+    if (stage == kHead && (line[0] == '&' || std::regex_match(line, define))) {
+      if (line[0] != '&') stage = kSettings;
+    } else if (stage == kSettings && (std::regex_match(line, setting) || std::regex_match(line, ini))) {
+      framed = framed || line.starts_with("$BASE");
+      tooled = tooled || line.starts_with("$TOOL");
+    } else if (stage != kHead && stage != kEnded &&
+               (std::regex_match(line, motion) || std::regex_match(line, other))) {
+      stage = kStatements;
+    } else if (stage == kStatements && line == "END") {
+      stage = kEnded;
+    } else {
+      complaints.push_back(line);
+    }
+  }
+  if (stage != kEnded) complaints.push_back("no END");
+  if (folds != 0) complaints.push_back("folds left open");
+  const bool sub = name.size() > 4 && std::regex_search(name, std::regex("_[0-9]{3}$"));
+  if (!sub && !(framed && tooled)) complaints.push_back("no base or tool");
+  return complaints;
+}
+
+Complaints CheckSinumerik(const std::string& text, const std::string& name) {
+  Complaints complaints;
+  ComplainAboutCharacters(text, complaints);
+  if (!std::regex_match(name, std::regex("[A-Za-z]{2}[A-Za-z0-9_]{0,22}")))
+    complaints.push_back("name " + name);
+  const std::string pose = fmt::format("X{0} Y{0} Z{0} A={0} B={0} C={0}", kReal);
+  const std::regex block(fmt::format(
+      "G0 {0} STAT='B[01]{{3}}' TU='B[01]{{6}}' PTP|(G9 )?G1 {0}( F{1})?( CP)?|"
+      "G0 RA1={1} RA2={1} RA3={1} RA4={1} RA5={1} RA6={1}|TRAORI|TRAFOOF|G54|ORIWKS|G642|M6|S[0-9.]+ M3|M5|"
+      "G17 G710 G40 G90 G94|T=\"[A-Z0-9_]+\" D1|CYCLE832\\({1},_FINISH,0\\.1\\)|CYCLE832\\(0,_OFF,1\\)|"
+      "MSG\\(\"[A-Z0-9 ]*\"\\)|[A-Z]{{2}}[A-Z0-9_]*:|[A-Za-z]{{2}}[A-Za-z0-9_]*_[0-9]{{3}}|"
+      "\\$P_UIFR\\[1\\]=CTRANS\\(X,{1},Y,{1},Z,{1}\\):CROT\\(X,{1},Y,{1},Z,{1}\\)",
+      pose, kReal));
+  bool ended = false, transformed = false, point_to_point = false;
+  for (const std::string& line : Lines(text)) {
+    if (line.empty() || line[0] == ';') continue;
+    if (ended) complaints.push_back("after the end: " + line);
+    if (line == "M30" || line == "M17") {
+      ended = true;
+    } else if (!std::regex_match(line, block)) {
+      complaints.push_back(line);
+    }
+    if (line == "TRAORI" || line == "TRAFOOF") transformed = line == "TRAORI";
+    const bool cartesian = line.find(" X") != std::string::npos && line.starts_with("G");
+    if (cartesian && !transformed) complaints.push_back("without TRAORI: " + line);
+    if (line.find(" RA1") != std::string::npos && transformed) complaints.push_back("with TRAORI: " + line);
+    if (line.ends_with(" PTP")) point_to_point = true;
+    if (line.ends_with(" CP")) point_to_point = false;
+    if (cartesian && point_to_point && line.find("G1") != std::string::npos)
+      complaints.push_back("G1 by PTP: " + line);
+  }
+  if (!ended) complaints.push_back("no end");
+  return complaints;
+}
+
+Complaints CheckLinuxCnc(const std::string& text, const std::string&) {
+  Complaints complaints;
+  ComplainAboutCharacters(text, complaints);
+  const std::string axes = fmt::format("X{0} Y{0} Z{0} A{0} B{0} C{0}", kReal);
+  const std::regex block(fmt::format(
+      "G0 {0}|G1 {0} F{1}|G21 G90 G17 G40 G49 G94|G9[34]|G61\\.1|G64 P{1} Q0|S[0-9.]+ M3|M5", axes, kReal));
+  bool ended = false;
+  for (const std::string& line : Lines(text)) {
+    if (line.empty() || line[0] == ';') continue;
+    if (ended) complaints.push_back("after the end: " + line);
+    ended = line == "M2";
+    if (!ended && !std::regex_match(line, block)) complaints.push_back(line);
+  }
+  if (!ended) complaints.push_back("no end");
+  return complaints;
+}
+
+Complaints Check(const std::string& controller, const std::string& file, const std::string& text) {
+  const std::string name = file.substr(0, file.rfind('.'));
+  if (file.ends_with(".dat")) return {};
+  if (controller == "krl") return CheckKrl(text, name);
+  return controller == "sinumerik" ? CheckSinumerik(text, name) : CheckLinuxCnc(text, name);
+}
+
+TEST(Structure, EveryTextIsWellFormed) {
+  for (const std::string& controller : PostNames()) {
+    for (const int most : {12, 1400}) {
+      for (const bool spline : {false, true}) {
+        PostSettings settings = SampleSettings(controller);
+        settings.max_motions = most;
+        settings.spline = spline;
+        if (spline) settings.external = {100, -20};
+        const PlanResult plan = SamplePlan({.wall_turn_deg = -75, .wall_yaw_deg = 12, .tilt_deg = 7});
+        for (const auto& [file, text] :
+             MakePost(controller)->Write(MakeMotionProgram(plan), plan.arm, settings)) {
+          EXPECT_EQ(Check(controller, file, text), Complaints{}) << file;
+        }
+      }
+    }
+  }
+}
+
+TEST(Structure, TheCheckerSeesFaults) {
+  const PlanResult plan = SamplePlan();
+  const std::vector<std::array<std::string, 3>> faults = {
+      {"krl", "\nEND\n", "\n"},
+      {"krl", "LIN {X ", "LIN {X,"},
+      {"krl", "\n$BASE", "\n; $BASE"},
+      {"krl", "C_DIS", "C_VEL"},
+      {"krl", ";ENDFOLD (PASS", "; ("},
+      {"krl", "A1 0.000000", "A1 .0"},
+      {"krl", "DEF Sample", "DEF Simple"},
+      {"sinumerik", "TRAORI\n", ""},
+      {"sinumerik", " CP", ""},
+      {"sinumerik", "M30", "M2"},
+      {"sinumerik", "STAT='B", "STAT='H"},
+      {"linuxcnc", "M2", ""},
+      {"linuxcnc", "G1 X", "G1 X,"},
+      {"linuxcnc", " F12", " G12"},
+  };
+  for (const auto& [controller, from, to] : faults) {
+    ProgramFiles files =
+        MakePost(controller)->Write(MakeMotionProgram(plan), plan.arm, SampleSettings(controller));
+    std::string& text = files.rbegin()->second;
+    ASSERT_NE(text.find(from), std::string::npos) << from;
+    text.replace(text.find(from), from.size(), to);
+    EXPECT_NE(Check(controller, files.rbegin()->first, text), Complaints{}) << controller << " " << from;
+  }
+}
+
+}  // namespace
+}  // namespace millpose
