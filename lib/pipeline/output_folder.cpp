@@ -20,6 +20,13 @@ void MakeFolder(const fs::path& folder) {
   if (error) throw InputError({folder.string()}, "cannot make this folder: " + error.message());
 }
 
+// What a killed run had not finished writing (see WriteFileAtomically).
+void RemoveUnfinished(const fs::path& folder) {
+  if (!fs::exists(folder)) return;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == ".tmp") fs::remove(entry.path());
+}
+
 }  // namespace
 
 bool IsOutputFolder(const fs::path& folder) { return fs::exists(folder / kMark); }
@@ -31,6 +38,8 @@ OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
     throw InputError({folder_.string()},
                      "exists and was not written by millpose; choose another with -o DIR or remove it");
   MakeFolder(folder_);
+  RemoveUnfinished(folder_);
+  RemoveUnfinished(folder_ / kCheckpoints);
   WriteFileAtomically(folder_ / kMark, "This folder is written by millpose; a new plan overwrites it.\n");
 }
 

@@ -32,6 +32,14 @@ TEST_F(OutputFolderTest, TakesOnlyWhatIsItsOwn) {
   EXPECT_NO_THROW(OutputFolder(base_ / "ours"));
 }
 
+TEST_F(OutputFolderTest, WhatAKilledRunLeftHalfWrittenIsRemoved) {
+  OutputFolder(base_ / "out").WriteCheckpoint("key", "content");
+  const fs::path half = base_ / "out" / "checkpoints" / "other.cbor.123.tmp";
+  WriteFileAtomically(half, "con");
+  EXPECT_EQ(OutputFolder(base_ / "out").ReadCheckpoint("key"), "content");
+  EXPECT_FALSE(fs::exists(half));
+}
+
 TEST_F(OutputFolderTest, ProgramsAppearTogether) {
   const OutputFolder folder(base_ / "out");
   folder.WritePrograms({{"krl/a.src", "x"}, {"krl/a.dat", "y"}, {"linuxcnc/a.ngc", "z"}});
