@@ -38,8 +38,6 @@ OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
     throw InputError({folder_.string()},
                      "exists and was not written by millpose; choose another with -o DIR or remove it");
   MakeFolder(folder_);
-  RemoveUnfinished(folder_);
-  RemoveUnfinished(folder_ / kCheckpoints);
   WriteFileAtomically(folder_ / kMark, "This folder is written by millpose; a new plan overwrites it.\n");
 }
 
@@ -50,6 +48,7 @@ void OutputFolder::Write(const std::string& name, std::string_view bytes) const 
 }
 
 void OutputFolder::RemoveResults() const {
+  RemoveUnfinished(folder_ / kCheckpoints);
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
     if (entry.path().filename() != kMark && entry.path().filename() != kCheckpoints)
       fs::remove_all(entry.path());

@@ -24,7 +24,8 @@ class OutputFolder {
   /// Writes one file (name relative to the folder) atomically.
   void Write(const std::string& name, std::string_view bytes) const;
 
-  /// Removes results of an earlier plan: they must not stand beside new ones that differ. Checkpoints stay.
+  /// Removes results of an earlier plan: they must not stand beside new ones that differ. Checkpoints
+  /// stay, but for what a killed run left half-written; so call it when nothing else writes here any more.
   void RemoveResults() const;
 
   /// Puts all files of programs in place at once, by renaming a folder that was written completely.

@@ -36,6 +36,7 @@ TEST_F(OutputFolderTest, WhatAKilledRunLeftHalfWrittenIsRemoved) {
   OutputFolder(base_ / "out").WriteCheckpoint("key", "content");
   const fs::path half = base_ / "out" / "checkpoints" / "other.cbor.123.tmp";
   WriteFileAtomically(half, "con");
+  OutputFolder(base_ / "out").RemoveResults();
   EXPECT_EQ(OutputFolder(base_ / "out").ReadCheckpoint("key"), "content");
   EXPECT_FALSE(fs::exists(half));
 }
