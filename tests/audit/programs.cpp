@@ -38,40 +38,40 @@ struct Line {
 
 /// The lines of a file without comments, called files in place of their calls.
 void Expand(const std::string& name, const std::map<std::string, std::string>& files,
-            const std::string& extension, std::vector<Line>& lines, int depth) {
+            std::vector<Line>& lines, int depth) {
   if (depth > 8) throw std::runtime_error(name + ": calls nest too deep");
-  static const std::regex call(
-      R"(^\s*(?:N\d+\s+)?(?:GLOBAL\s+)?\"?([A-Za-z_][A-Za-z0-9_]*)\"?\s*(?:\(\s*\))?\s*$)");
+  static const std::regex call(R"(^\s*(?:N\d+\s+)?\"?([A-Za-z_][A-Za-z0-9_]*)\"?\s*(?:\(\s*\))?\s*$)");
   std::istringstream stream(files.at(name));
   std::string text;
   for (int number = 1; std::getline(stream, text); ++number) {
     text = text.substr(0, text.find(';'));
     std::smatch match;
-    const bool called = std::regex_match(text, match, call);
-    if (called && files.contains(match[1].str() + extension)) {
-      Expand(match[1].str() + extension, files, extension, lines, depth + 1);
-    } else if (called && files.contains(match[1].str() + ".spf")) {
-      Expand(match[1].str() + ".spf", files, extension, lines, depth + 1);
-    } else {
+    std::string called;
+    if (std::regex_match(text, match, call))
+      for (const char* extension : {".src", ".spf", ".mpf"})
+        if (files.contains(match[1].str() + extension)) called = match[1].str() + extension;
+    if (called.empty())
       lines.push_back({name, number, text});
-    }
+    else
+      Expand(called, files, lines, depth + 1);
   }
 }
 
-/// The program that no other calls, with all that it calls.
+/// The program that reaches most files, with all that it calls.
 std::vector<Line> Whole(const std::map<std::string, std::string>& files, const std::string& extension) {
-  std::vector<Line> longest;
+  std::vector<Line> whole;
+  size_t most = 0;
   for (const auto& [name, text] : files) {
     if (!name.ends_with(extension)) continue;
     std::vector<Line> lines;
-    Expand(name, files, extension, lines, 0);
+    Expand(name, files, lines, 0);
     std::set<std::string> reached;
     for (const Line& line : lines) reached.insert(line.file);
-    std::set<std::string> best;
-    for (const Line& line : longest) best.insert(line.file);
-    if (longest.empty() || reached.size() > best.size()) longest = std::move(lines);
+    if (reached.size() <= most) continue;
+    most = reached.size();
+    whole = std::move(lines);
   }
-  return longest;
+  return whole;
 }
 
 /// The controller's tool frame in T: its axis `name` lies along T's z, the others follow by cyclic exchange.

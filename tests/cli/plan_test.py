@@ -5,6 +5,7 @@ import csv
 import json
 import os
 import random
+import re
 import signal
 import sys
 import time
@@ -45,8 +46,8 @@ class Plan(unittest.TestCase):
         names = {name for name in self.contents if not name.startswith(("checkpoints/", "."))}
         self.assertEqual(
             {name for name in names if name not in ("report.html", "path.vtp")},
-            {"cell.yaml", "job.yaml", "points.csv", "summary.json", "programs/krl/support_pad.src", "programs/krl/support_pad.dat",
-             "programs/sinumerik/support_pad.mpf", "programs/linuxcnc/support_pad.ngc"})
+            {"cell.yaml", "job.yaml", "points.csv", "summary.json", "programs/krl/support_pad.src",
+             "programs/krl/support_pad.dat", "programs/sinumerik/support_pad.mpf", "programs/linuxcnc/support_pad.ngc"})
         self.assertTrue((self.folder / "run.json").is_file())
 
     def test_summary_has_every_field(self):
@@ -100,6 +101,27 @@ class Plan(unittest.TestCase):
         self.assertEqual(verdict["broken"], {})
         self.assertEqual(status, 0)
         self.assertGreater(verdict["poses_checked"], 1000)
+
+    def test_the_judge_reads_split_programs_and_finds_a_wrong_line_in_a_part(self):
+        cell = BENCH.top / "cells/kr500_r2830.yaml"
+        text = cell.read_text(encoding="utf-8")
+        small = text.replace("tool_axis: x", "max_motions: 10, tool_axis: x").replace(
+            "tool_axis: z", "max_motions: 10, tool_axis: z")
+        cell.with_name("split.yaml").write_text(small, encoding="utf-8")
+        job = BENCH.job("support_pad", CUT_DOWN + [("kr500_r2830", "split")], "split")
+        result, folder = BENCH.plan(job, "split")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for controller, ending, line in (("krl", "src", r"(?m)^(LIN \{X \S+?,Y )(-?)(\d)"),
+                                         ("sinumerik", "spf", r"(?m)^(?:G9 )?(G1 X\S+ Y)(-?)(\d)")):
+            parts = sorted((folder / "programs" / controller).glob(f"*_002.{ending}"))
+            self.assertEqual(len(parts), 1, controller)
+            self.assertEqual(BENCH.audit(folder, job, "--travel-mm", "20")[1]["broken"], {})
+            good = parts[0].read_text(encoding="ascii")
+            parts[0].write_text(re.sub(line, r"\g<1>\g<2>1\g<3>", good, count=1), encoding="ascii")
+            _, verdict = BENCH.audit(folder, job, "--travel-mm", "20")
+            self.assertIn(f"program_deviation_mm_{controller}", verdict["broken"])
+            self.assertTrue(all(controller in name for name in verdict["broken"]), verdict["broken"])
+            parts[0].write_text(good, encoding="ascii")
 
     def test_same_bytes_for_any_number_of_threads(self):
         for threads in ("2", "4"):
