@@ -77,8 +77,10 @@ std::vector<Line> Whole(const std::map<std::string, std::string>& files, const s
 /// The controller's tool frame in T: its axis `name` lies along T's z, the others follow by cyclic exchange.
 Matrix4 ToolFrame(const std::string& name) {
   Matrix4 X_TC = Matrix4::Zero();
-  const int k = name[0] - 'x';
-  X_TC(2, k) = X_TC(0, (k + 1) % 3) = X_TC(1, (k + 2) % 3) = X_TC(3, 3) = 1;
+  const int k = name.back() - 'x';
+  const double along = name.front() == '-' ? -1 : 1;
+  X_TC(2, k) = X_TC(1, (k + 2) % 3) = along;
+  X_TC(0, (k + 1) % 3) = X_TC(3, 3) = 1;
   return X_TC;
 }
 
