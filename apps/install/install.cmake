@@ -25,7 +25,7 @@ install(DIRECTORY lib/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/millpose COMPONEN
         PATTERN pch.hpp EXCLUDE PATTERN web EXCLUDE)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/millpose)
 install(EXPORT millpose NAMESPACE millpose:: FILE millposeTargets.cmake DESTINATION ${package} COMPONENT development)
-configure_package_config_file(cmake/millposeConfig.cmake.in ${PROJECT_BINARY_DIR}/millposeConfig.cmake
+configure_package_config_file(apps/install/millposeConfig.cmake.in ${PROJECT_BINARY_DIR}/millposeConfig.cmake
                               INSTALL_DESTINATION ${package} NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/millposeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/millposeConfig.cmake ${PROJECT_BINARY_DIR}/millposeConfigVersion.cmake
