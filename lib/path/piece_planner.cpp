@@ -14,7 +14,7 @@ constexpr double kRounding = 1e-12;  // rad: of angles that full turns were adde
 // How often the search runs again over what the checks struck out, before motions that interfere take their
 // nodes with them, and before they take their points with them; after that each round removes a point.
 constexpr int kRoundsOfMotions = 6, kRoundsOfNodes = 60;
-constexpr int kRefineRounds = 8;
+constexpr int kRefineRounds = 5;
 
 /// `q` moved by whole turns to where each joint is nearest to `near`; exact where none is needed.
 Joints Beside(const Joints& near, const Joints& q) {
@@ -152,7 +152,7 @@ class PiecePlanner {
   double Cost(const Piece& piece) { return PathCost(NodesOf(piece), rule_, piece.closed); }
 
   /// Refines a piece. Where the finer path interferes, its points go back to the coarse one, which is free,
-  /// and the rest is refined again.
+  /// with ever more of their neighbours, and the rest is refined again.
   void RefineFree(const Piece& piece) {
     RefineOptions options;
     options.rule = rule_;
@@ -171,14 +171,14 @@ class PiecePlanner {
       }
       RefinePath(std::span(context_.scorers).subspan(piece.first, path.size()),
                  std::span(context_.genetic).subspan(piece.first, path.size()), options, path);
-      if (FreezeWhatInterferes(piece, frozen)) return;
+      if (FreezeWhatInterferes(piece, round, frozen)) return;
     }
     std::copy(coarse.begin(), coarse.end(), path.begin());
   }
 
-  /// Checks the nodes of a refined piece and the motions between them; marks the points that must go back.
-  /// True when there are none.
-  bool FreezeWhatInterferes(const Piece& piece, std::vector<bool>& frozen) {
+  /// Checks the nodes of a refined piece and the motions between them; marks the points that must go back,
+  /// with 4^round − 1 neighbours to either side. True when there are none.
+  bool FreezeWhatInterferes(const Piece& piece, int round, std::vector<bool>& frozen) {
     const std::span<const PathNode> path = NodesOf(piece);
     std::vector<char> hit(path.size(), 0), hit_after(path.size(), 0);
     plan_.poses_checked += CheckInParallel(
@@ -190,13 +190,12 @@ class PiecePlanner {
           hit_after[i] =
               checker.Between(path[i].q, to, Phase::kCutting, context_.options.swept_resolution).has_value();
         });
+    const size_t count = path.size(), reach = std::min<size_t>((size_t{1} << (2 * round)) - 1, count - 1);
     bool free = true;
-    for (size_t i = 0; i < path.size(); ++i) {
-      if (hit[i] || hit_after[i]) {
-        frozen[i] = true;
-        free = false;
-      }
-      if (hit_after[i]) frozen[(i + 1) % path.size()] = true;
+    for (size_t i = 0; i < count; ++i) {
+      if (!hit[i] && !hit_after[i]) continue;
+      free = false;
+      for (size_t k = 0; k <= 2 * reach + 1; ++k) frozen[(i + count - reach + k) % count] = true;
     }
     return free;
   }
