@@ -31,10 +31,11 @@ void AddManCommand(CLI::App& app, Run& run);
 void AddPlanCommand(CLI::App& app, Run& run);
 void AddSchemaCommand(CLI::App& app, Run& run);
 void AddStiffnessCommand(CLI::App& app, Run& run);
+void AddVerifyCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
-    AddPlanCommand,     AddBatchCommand,  AddInspectCommand, AddStiffnessCommand,  AddIdentifyCommand,
-    AddFlatnessCommand, AddSchemaCommand, AddManCommand,     AddCompletionCommand,
+    AddPlanCommand,     AddVerifyCommand,   AddBatchCommand,  AddInspectCommand, AddStiffnessCommand,
+    AddIdentifyCommand, AddFlatnessCommand, AddSchemaCommand, AddManCommand,     AddCompletionCommand,
 };
 
 }  // namespace millpose

@@ -35,11 +35,12 @@ CellSettings LoadCell(const std::filesystem::path& cell_file,
   return cell;
 }
 
-JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector<Override>& overrides) {
+JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector<Override>& overrides,
+                        const std::optional<std::filesystem::path>& origin) {
   JobInputs inputs;
   inputs.job_file = job_file;
   inputs.job = ParseJob(ReadFile(job_file), job_file.string(), overrides);
-  const std::filesystem::path folder = job_file.parent_path();
+  const std::filesystem::path folder = origin.value_or(job_file.parent_path());
   std::vector<Problem> problems;
   Collect(problems, [&] { inputs.cell = LoadCell(folder / inputs.job.cell_file, &inputs.body_bytes); });
   Collect(problems, [&] { inputs.workpiece_bytes = ReadFile(folder / inputs.job.workpiece.mesh_file); });

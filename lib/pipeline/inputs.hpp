@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "config/config.hpp"
@@ -22,7 +23,10 @@ struct JobInputs {
 
 /// Reads a job, its cell and their meshes; paths inside a file are relative to that file. Throws InputError
 /// with the problems of job and cell together. `overrides` replace settings of the job file.
-JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector<Override>& overrides = {});
+/// `folder`: what the paths inside the job are relative to, where that is not its own folder (a resolved
+/// job.yaml keeps those of its origin).
+JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector<Override>& overrides = {},
+                        const std::optional<std::filesystem::path>& folder = {});
 
 /// Reads a cell and the meshes of its bodies.
 CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::string, std::string>* body_bytes);

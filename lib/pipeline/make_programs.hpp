@@ -19,6 +19,9 @@ struct CheckedProgram {
   std::vector<int> pass_of_motion;  ///< −1 for motions of gaps
 };
 
+/// The name of the plan in its output folder, from which programs can be verified again.
+inline constexpr const char* kPlanFile = "plan.cbor";
+
 /// Writes the program of every controller that the job names, reads it back and replays it.
 std::vector<CheckedProgram> MakePrograms(const PlanResult& plan, const JobInputs& inputs, const World& world,
                                          int threads, std::stop_token stop);

@@ -74,6 +74,7 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
   folder.RemoveResults();
   folder.Write("job.yaml", job);
   folder.Write("cell.yaml", cell);
+  folder.Write(kPlanFile, Serialise(plan));
   folder.Write("points.csv", PointsCsv(plan));
   folder.Write("path.vtp", PathVtp(plan));
   folder.Write("summary.json", SummaryJson(plan, report));

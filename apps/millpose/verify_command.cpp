@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "commands.hpp"
+#include "pipeline/verify_programs.hpp"
+
+namespace millpose {
+namespace {
+
+struct Arguments : VerifyArguments {
+  bool json = false;
+};
+
+int VerifyAndPrint(const Arguments& arguments, Session& session) {
+  const std::vector<VerifiedProgram> programs = VerifyPrograms(arguments, session.progress, session.stop);
+  fmt::print("{}", arguments.json ? VerifyJson(programs) : VerifyText(programs));
+  for (const VerifiedProgram& program : programs) {
+    if (!program.findings.empty()) return kFindings;
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void AddVerifyCommand(CLI::App& app, Run& run) {
+  CLI::App* command = app.add_subcommand("verify", "Read programs back and replay them through arm and cell");
+  const auto arguments = std::make_shared<Arguments>();
+  command
+      ->add_option(
+          "DIR|PROGRAM", arguments->target,
+          "Output folder of millpose plan: its programs against its plan; or the main file of a program "
+          "(.src, .mpf, .ngc): reach, limits, speeds, singularity, interference")
+      ->required();
+  command->add_option("--cell", arguments->cell, "Cell of a program (YAML)");
+  command->add_option("--job", arguments->job,
+                      "Job of a folder (YAML), where the folder does not stand beside it any more");
+  command->add_flag("--interference", arguments->interference,
+                    "Check every motion for interference again, not only what leaves the plan's");
+  command->add_option("--threads", arguments->threads, "Threads; 0: all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "JSON on standard output");
+  command->callback([&run, arguments] {
+    run = [arguments](Session& session) { return VerifyAndPrint(*arguments, session); };
+  });
+}
+
+}  // namespace millpose

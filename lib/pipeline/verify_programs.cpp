@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/verify_programs.hpp"
+
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "pipeline/assemble.hpp"
+#include "pipeline/make_programs.hpp"
+#include "program/reader.hpp"
+#include "surface/mesh_import.hpp"
+
+namespace millpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+int Threads(const VerifyArguments& arguments) {
+  return arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
+}
+
+std::vector<std::string> SortedFiles(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file()) names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// The controller whose programs end like this file.
+std::string ControllerOf(const fs::path& program) {
+  static const std::map<std::string, std::string> controllers = {
+      {".src", "krl"}, {".mpf", "sinumerik"}, {".ngc", "linuxcnc"}};
+  const auto found = controllers.find(program.extension().string());
+  if (found != controllers.end()) return found->second;
+  throw InputError(Place{program.string(), 0, 0, -1},
+                   "a folder of millpose plan, or a program ending in .src, .mpf or .ngc expected");
+}
+
+/// The main file and what it calls, directly or not, in the same folder.
+ProgramFiles FilesOf(const fs::path& program) {
+  ProgramFiles files = {{program.filename().string(), ReadFile(program)}};
+  const std::vector<std::string> beside =
+      SortedFiles(program.has_parent_path() ? program.parent_path() : ".");
+  for (bool found = true; found;) {
+    found = false;
+    for (const std::string& name : beside) {
+      const std::string extension = fs::path(name).extension().string();
+      const bool may =
+          extension == program.extension() || (program.extension() == ".mpf" && extension == ".spf");
+      if (!may || files.contains(name)) continue;
+      const bool called = std::any_of(files.begin(), files.end(), [&](const auto& file) {
+        return CallsProgram(file.second, fs::path(name).stem().string());
+      });
+      if (!called) continue;
+      files[name] = ReadFile(program.parent_path() / name);
+      found = true;
+    }
+  }
+  return files;
+}
+
+std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::stop_token stop) {
+  if (!arguments.cell) {
+    throw InputError(Place{arguments.target.string(), 0, 0, -1},
+                     "a program needs its cell: --cell CELL.yaml expected");
+  }
+  const std::string controller = ControllerOf(arguments.target);
+  JobInputs inputs;
+  inputs.cell = LoadCell(*arguments.cell, &inputs.body_bytes);
+  const World world(MakeCell(inputs.cell, inputs.body_bytes));
+  const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
+  const Arm& arm = world.cell().arm;
+  const MotionProgram program = MakePost(controller)->Read(FilesOf(arguments.target), arm, settings);
+  const VerifyOptions options = MakeVerifyOptions(inputs.job, arm);
+  return {{controller, arguments.target.string(), program.motions.size(),
+           Verify(program, world, nullptr, options, Threads(arguments), stop)}};
+}
+
+/// The job of an output folder with everything it names: given, or the folder's own job.yaml, whose paths
+/// count from the folder beside which `plan` puts its output.
+JobInputs InputsOf(const VerifyArguments& arguments) {
+  if (arguments.job) return LoadJobInputs(*arguments.job);
+  return LoadJobInputs(arguments.target / "job.yaml", {},
+                       fs::absolute(arguments.target / "").parent_path().parent_path());
+}
+
+World WorldOf(const JobInputs& inputs) {
+  Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
+  cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
+  const std::string& name = inputs.job.workpiece.mesh_file;
+  ImportOptions options;
+  options.unit = inputs.job.workpiece.unit;
+  options.weld_tolerance = inputs.job.workpiece.weld_tolerance;
+  cell.bodies.push_back(
+      {.name = "workpiece",
+       .body_class = BodyClass::kWorkpiece,
+       .mount = Mount::kWorkpiece,
+       .shape = ImportMesh(ReadMesh(inputs.workpiece_bytes, name), options, name).mesh.triangles()});
+  return World(std::move(cell));
+}
+
+std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Progress& progress,
+                                          std::stop_token stop) {
+  const fs::path plan_file = arguments.target / kPlanFile;
+  const PlanResult plan = ParsePlanResult(ReadFile(plan_file), plan_file.string());
+  const JobInputs inputs = InputsOf(arguments);
+  const World world = WorldOf(inputs);
+  VerifyOptions options = MakeVerifyOptions(inputs.job, plan.arm);
+  options.interference = arguments.interference;
+  std::vector<VerifiedProgram> programs;
+  for (const std::string& controller : PostNames()) {
+    const fs::path folder = arguments.target / "programs" / controller;
+    if (!fs::is_directory(folder)) continue;
+    progress.Begin(controller, 0);
+    ProgramFiles files;
+    for (const std::string& name : SortedFiles(folder)) files[name] = ReadFile(folder / name);
+    const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
+    const MotionProgram program = MakePost(controller)->Read(files, plan.arm, settings);
+    const MotionProgram planned = MakeMotionProgram(plan);
+    VerifiedProgram verified{controller, folder.string(), program.motions.size(), {}};
+    verified.findings = Verify(program, world, &planned, options, Threads(arguments), stop);
+    progress.End(fmt::format("{} motions, {} findings", verified.motions, verified.findings.size()));
+    programs.push_back(std::move(verified));
+  }
+  if (programs.empty())
+    throw InputError(Place{arguments.target.string(), 0, 0, -1}, "the folder holds no programs");
+  return programs;
+}
+
+}  // namespace
+
+std::vector<VerifiedProgram> VerifyPrograms(const VerifyArguments& arguments, Progress& progress,
+                                            std::stop_token stop) {
+  return fs::is_directory(arguments.target) ? VerifyFolder(arguments, progress, stop)
+                                            : VerifyAlone(arguments, stop);
+}
+
+std::string VerifyText(const std::vector<VerifiedProgram>& programs) {
+  std::string text;
+  for (const VerifiedProgram& program : programs) {
+    text += fmt::format("{:<10} {:>7} motions  {}  {}\n", program.controller, program.motions,
+                        program.findings.empty() ? "confirmed" : "NOT confirmed", program.file);
+    for (const Finding& finding : program.findings) {
+      text += fmt::format("  {}:{}: {}\n", finding.file, finding.line, finding.message);
+    }
+  }
+  return text;
+}
+
+std::string VerifyJson(const std::vector<VerifiedProgram>& programs) {
+  nlohmann::ordered_json json = {{"schema_version", 1}, {"programs", nlohmann::ordered_json::array()}};
+  for (const VerifiedProgram& program : programs) {
+    nlohmann::ordered_json findings = nlohmann::ordered_json::array();
+    for (const Finding& finding : program.findings) {
+      findings.push_back({{"file", finding.file}, {"line", finding.line}, {"message", finding.message}});
+    }
+    json["programs"].push_back({{"controller", program.controller},
+                                {"file", program.file},
+                                {"motions", program.motions},
+                                {"confirmed", program.findings.empty()},
+                                {"findings", findings}});
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace millpose

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// millpose verify: programs of an output folder against its plan, or one program against a cell alone.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "base/progress.hpp"
+#include "verify/verify.hpp"
+
+namespace millpose {
+
+struct VerifyArguments {
+  std::filesystem::path target;               ///< output folder of plan, or a program's main file
+  std::optional<std::filesystem::path> cell;  ///< for a program
+  std::optional<std::filesystem::path>
+      job;                    ///< for a folder: its job, where it does not stand beside the folder
+  bool interference = false;  ///< check every motion again, not only what leaves the plan's
+  int threads = 0;            ///< 0: all cores
+};
+
+/// One program as replayed.
+struct VerifiedProgram {
+  std::string controller, file;
+  size_t motions = 0;
+  std::vector<Finding> findings;  ///< empty: confirmed
+};
+
+/// Reads the programs and replays them. Throws InputError for what cannot be read (a program among it).
+std::vector<VerifiedProgram> VerifyPrograms(const VerifyArguments& arguments, Progress& progress,
+                                            std::stop_token stop);
+
+/// The outcome for people: one line a program, one a finding.
+std::string VerifyText(const std::vector<VerifiedProgram>& programs);
+/// The same as JSON, schema_version 1.
+std::string VerifyJson(const std::vector<VerifiedProgram>& programs);
+
+}  // namespace millpose
