@@ -40,17 +40,23 @@ struct Subject {
   Pose X_FT;
   bool at_flange;
   std::vector<SeriesCompliance> elements;
+  std::optional<GravityModel> gravity;
   Vector3d Point() const { return at_flange ? Vector3d::Zero() : Vector3d(X_FT.translation()); }
 };
 
 Subject Load(const Options& options) {
   std::map<std::string, std::string> bytes;
-  Subject subject{
-      .cell = LoadCell(options.cell, &bytes), .arm = {}, .X_FT = {}, .at_flange = false, .elements = {}};
+  Subject subject{.cell = LoadCell(options.cell, &bytes),
+                  .arm = {},
+                  .X_FT = {},
+                  .at_flange = false,
+                  .elements = {},
+                  .gravity = {}};
   subject.arm = MakeArm(subject.cell.arm);
   subject.X_FT = MakeToolPose(subject.cell.tool);
   subject.at_flange = (options.at.empty() ? subject.cell.stiffness_at : options.at) == "flange";
   subject.elements = MakeCompliances(subject.cell);
+  subject.gravity = MakeGravity(subject.cell);
   return subject;
 }
 
@@ -62,9 +68,19 @@ PoseReport Evaluate(const Options& options, const Subject& subject, const Joints
                           : options.normal.empty()
                               ? Vector3d((ForwardFlange(subject.arm, q) * subject.X_FT).linear().col(2))
                               : Unit(options.normal, "--normal");
-  return {q, normal, subject.at_flange ? "flange" : "tool_tip",
-          EvaluatePose(subject.arm, q, subject.Point(), normal, subject.cell.characteristic_length,
-                       subject.elements)};
+  PoseReport report{q,
+                    normal,
+                    subject.at_flange ? "flange" : "tool_tip",
+                    EvaluatePose(subject.arm, q, subject.Point(), normal, subject.cell.characteristic_length,
+                                 subject.elements),
+                    std::nullopt,
+                    false};
+  if (const auto& model = subject.gravity) {
+    report.weight = GravityDeflection(subject.arm, q, model->reference, subject.Point(), model->masses,
+                                      model->counterbalance, model->gravity);
+    report.counterbalance_ignored = !model->counterbalance_given;
+  }
+  return report;
 }
 
 Joints FromDegrees(const std::vector<double>& degrees) {

@@ -78,6 +78,10 @@ std::string ReportAsText(const PoseReport& report) {
   text += fmt::format("{:<28} {:.6f}           0 singular, 1 isotropic\n", "dexterity D", s.dexterity);
   text += fmt::format("{:<28} {:.4f} |sin A5|, {:.4f} |sin elbow|, {:.1f} mm wrist centre from axis 1\n\n",
                       "from singularity", s.singularity.wrist, s.singularity.elbow, s.singularity.shoulder);
+  if (report.weight)
+    text += fmt::format("{:<28} {:+.4f} {:+.4f} {:+.4f} mm against the calibration pose{}\n\n",
+                        "weight moves the point", report.weight->x(), report.weight->y(), report.weight->z(),
+                        report.counterbalance_ignored ? "; counterbalance of A2 ignored" : "");
   text += "C (blocks mm/N, 1/N; 1/N, rad/(N mm))\n" + Table(s.C);
   if (s.K)
     text += "K (blocks N/mm, N; N, N mm/rad)\n" + Table(*s.K);
@@ -118,6 +122,8 @@ std::string ReportAsJson(const PoseReport& report) {
   json["singularity"] = {{"wrist", s.singularity.wrist},
                          {"elbow", s.singularity.elbow},
                          {"shoulder_mm", s.singularity.shoulder}};
+  json["weight_deflection_mm"] = report.weight ? Numbers(*report.weight) : Json();
+  json["counterbalance_ignored"] = report.weight ? Json(report.counterbalance_ignored) : Json();
   return json.dump(2) + "\n";
 }
 

@@ -15,6 +15,8 @@ struct PoseReport {
   Eigen::Vector3d normal;
   std::string origin;  ///< tool_tip | flange
   PoseStiffness stiffness;
+  std::optional<Eigen::Vector3d> weight;  ///< deflection by weight against the calibration pose, mm
+  bool counterbalance_ignored = false;    ///< the cell gives none
 };
 
 std::string ReportAsText(const PoseReport& report);

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "config/config.hpp"
+#include "pipeline/assemble.hpp"
 
 namespace millpose {
 namespace {
@@ -59,6 +60,8 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
   report.feed_reduction = results.reduction;
   if (results.inputs.job.feed_policy == "keep" && !report.continuity->feed_not_held.empty())
     report.findings.push_back(ExplainFeed(*report.continuity));
+  if (const auto force = MakeCuttingForce(results.inputs.job, results.inputs.cell))
+    report.deflection = PredictDeflections(plan, *force, MakeCompliances(results.inputs.cell));
   // One program that its read-back does not confirm casts doubt on the plan: none is written then.
   bool confirmed = true;
   for (const CheckedProgram& program : results.programs) confirmed &= program.findings.empty();
@@ -77,6 +80,7 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
   folder.Write(kPlanFile, Serialise(plan));
   folder.Write("points.csv", PointsCsv(plan));
   folder.Write("path.vtp", PathVtp(plan));
+  if (report.deflection) folder.Write("deflection.csv", DeflectionCsv(*report.deflection));
   folder.Write("summary.json", SummaryJson(plan, report));
   folder.Write("report.html",
                ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell}));

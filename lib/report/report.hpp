@@ -8,6 +8,7 @@
 
 #include "plan/continuity.hpp"
 #include "plan/plan_result.hpp"
+#include "report/deflection.hpp"
 
 namespace millpose {
 
@@ -36,6 +37,7 @@ struct ReportInputs {
   std::optional<AuditFigures> audit;
   std::optional<ContinuityFigures> continuity;
   FeedReduction feed_reduction;
+  std::optional<DeflectionReport> deflection;  ///< when the job says what the cutter takes off
 };
 
 /// What differs from run to run; goes into run.json alone.

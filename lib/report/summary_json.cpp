@@ -86,6 +86,23 @@ Json AuditJson(const std::optional<AuditFigures>& audit) {
           {"max_slice_distance_mm", audit->max_slice_distance_mm}};
 }
 
+Json DeflectionJson(const std::optional<DeflectionReport>& report) {
+  if (!report) return nullptr;
+  const CuttingForce& force = report->force;
+  const auto of_face = [&](double FaceDeflection::*field) {
+    return report->face ? Json((*report->face).*field) : Json(nullptr);
+  };
+  return {
+      {"model",
+       "static compliance of what the cell models under the mean cutting force; no dynamics, no chatter, no "
+       "prediction of flatness"},
+      {"mean_force_N", {{"feed", force.mean.x()}, {"across", force.mean.y()}, {"axial", force.mean.z()}}},
+      {"peak_force_N", force.peak},
+      {"level_mm", of_face(&FaceDeflection::level)},
+      {"variation_mm", of_face(&FaceDeflection::variation)},
+      {"largest_step_between_passes_mm", of_face(&FaceDeflection::largest_step)}};
+}
+
 Json ProgramsJson(const std::vector<ReportedProgram>& programs) {
   Json list = Json::array();
   for (const ReportedProgram& program : programs)
@@ -136,6 +153,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["warnings"] = inputs.warnings;
   json["findings"] = inputs.findings;
   json["audit"] = AuditJson(inputs.audit);
+  json["deflection"] = DeflectionJson(inputs.deflection);
   return json.dump(2) + "\n";
 }
 

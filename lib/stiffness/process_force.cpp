@@ -2,8 +2,9 @@
 #include "stiffness/process_force.hpp"
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cassert>
-#include <limits>
+#include <map>
 
 #include "base/trig.hpp"
 #include "base/units.hpp"
@@ -109,15 +110,16 @@ std::optional<FaceDeflection> OverFace(const std::vector<FacePoint>& points) {
   }
   const Eigen::VectorXd rest = b - A * A.completeOrthogonalDecomposition().solve(b);
   result.variation = rest.maxCoeff() - rest.minCoeff();
+  std::map<int, std::vector<const FacePoint*>> passes;
+  for (const FacePoint& point : points) passes[point.pass].push_back(&point);
   for (const FacePoint& point : points) {
-    double nearest = std::numeric_limits<double>::infinity(), step = 0;
-    for (const FacePoint& other : points) {
-      const double distance = (other.position - point.position).squaredNorm();
-      if (std::abs(other.pass - point.pass) != 1 || distance >= nearest) continue;
-      nearest = distance;
-      step = std::abs(other.deflection - point.deflection);
-    }
-    result.largest_step = std::max(result.largest_step, step);
+    const auto next = passes.find(point.pass + 1);
+    if (next == passes.end()) continue;
+    const auto distance = [&](const FacePoint* other) {
+      return (other->position - point.position).squaredNorm();
+    };
+    const FacePoint* nearest = *std::ranges::min_element(next->second, {}, distance);
+    result.largest_step = std::max(result.largest_step, std::abs(nearest->deflection - point.deflection));
   }
   return result;
 }

@@ -70,7 +70,7 @@ Eigen::Vector3d ForceVector(const Eigen::Vector3d& force, const Eigen::Vector3d&
 struct FaceDeflection {
   double level = 0;      ///< mean, mm
   double variation = 0;  ///< eq. 37 of the deflected face: max − min about its own least-squares plane, mm
-  double largest_step = 0;  ///< between points of neighbouring passes that lie nearest to each other, mm
+  double largest_step = 0;  ///< from a point to the nearest one of the next pass, mm
 };
 
 /// One point of a face: where it is (mm), its pass, and its deflection along the normal (mm).

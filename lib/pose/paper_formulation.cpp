@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pose/paper_formulation.hpp"
+
+#include <limits>
+
+#include "base/trig.hpp"
+#include "base/units.hpp"
+
+namespace millpose {
+namespace {
+
+using Eigen::Vector3d;
+
+struct Individual {
+  Joints psi;
+  PaperResult result;
+};
+
+PaperResult Judge(const Arm& arm, const Pose& X_FT, const PaperTarget& target,
+                  const PaperFormulationOptions& options, const Joints& psi) {
+  PaperResult result;
+  for (int i = 0; i < 6; ++i) result.q[i] = FromUnbounded(psi[i], target.lower[i], target.upper[i]);
+  const Pose X_BT = ForwardFlange(arm, result.q) * X_FT;
+  const Vector3d axis = X_BT.linear().col(2);
+  result.position_error = (X_BT.translation() - target.tip).norm();
+  result.angle_error = Atan2(axis.cross(target.axis).norm(), axis.dot(target.axis));
+  result.within_tolerance =
+      result.position_error <= options.position_tolerance && result.angle_error <= options.angle_tolerance;
+  const Matrix6 C = Compliance(Jacobian(arm, result.q, X_FT.translation()), arm.stiffness);
+  const auto indices = IndicesInPlane(C.topLeftCorner<3, 3>(), axis);
+  result.objective = indices ? options.w1 * indices->lambda_t2 + options.w2 * indices->lambda_n
+                             : std::numeric_limits<double>::infinity();
+  const double position = result.position_error / options.position_tolerance;
+  const double angle = result.angle_error / options.angle_tolerance;
+  const double error = result.within_tolerance ? 0.0 : position * position + angle * angle;  // eq. 32
+  result.fitness = std::max(0.0, options.c_max - result.objective) - options.penalty * error;
+  return result;
+}
+
+class Population {
+ public:
+  Population(const Arm& arm, const Pose& X_FT, const PaperTarget& target,
+             const PaperFormulationOptions& options, RandomStream stream)
+      : arm_(arm), X_FT_(X_FT), target_(target), options_(options), stream_(stream) {
+    for (int i = 0; i < options.population; ++i) {
+      Joints psi;
+      for (int k = 0; k < 6; ++k)
+        psi[k] =
+            ToUnbounded(stream_.Uniform(target.lower[k], target.upper[k]), target.lower[k], target.upper[k]);
+      all_.push_back(Made(psi));
+    }
+    Sort();
+  }
+
+  void Advance(double spread) {
+    std::vector<Individual> next(all_.begin(), all_.begin() + options_.elite);
+    while (next.size() < all_.size()) {
+      const Joints& mother = Parent();
+      if (stream_.Uniform() < options_.crossover_rate) {
+        const Joints& father = Parent();
+        Joints child;
+        for (int k = 0; k < 6; ++k) child[k] = stream_.Below(2) == 0 ? mother[k] : father[k];
+        next.push_back(Made(child));
+      } else {
+        next.push_back(Made(Mutated(mother, spread)));
+      }
+    }
+    all_ = std::move(next);
+    Sort();
+  }
+
+  const PaperResult& best() const { return all_.front().result; }
+
+ private:
+  Individual Made(const Joints& psi) const { return {psi, Judge(arm_, X_FT_, target_, options_, psi)}; }
+
+  /// By rank: the square of a uniform number prefers the front.
+  const Joints& Parent() {
+    const double u = stream_.Uniform();
+    return all_[static_cast<size_t>(u * u * static_cast<double>(all_.size()))].psi;
+  }
+
+  /// Moves the joint angles themselves by a normal step, then maps back.
+  Joints Mutated(const Joints& psi, double spread) {
+    Joints mutated;
+    for (int k = 0; k < 6; ++k) {
+      const double lower = target_.lower[k], upper = target_.upper[k];
+      const double theta = FromUnbounded(psi[k], lower, upper) + spread * (upper - lower) * stream_.Normal();
+      const double inside = 1e-9 * (upper - lower);
+      mutated[k] = ToUnbounded(std::clamp(theta, lower + inside, upper - inside), lower, upper);
+    }
+    return mutated;
+  }
+
+  void Sort() {
+    std::stable_sort(all_.begin(), all_.end(), [](const Individual& a, const Individual& b) {
+      return a.result.fitness > b.result.fitness;
+    });
+  }
+
+  const Arm& arm_;
+  const Pose& X_FT_;
+  const PaperTarget& target_;
+  const PaperFormulationOptions& options_;
+  RandomStream stream_;
+  std::vector<Individual> all_;
+};
+
+}  // namespace
+
+double FromUnbounded(double psi, double lower, double upper) {
+  return 0.5 * (lower + upper) + (upper - lower) / kPi * Atan2(psi, 1);
+}
+
+double ToUnbounded(double theta, double lower, double upper) {
+  const auto [sine, cosine] = SinCos((theta - 0.5 * (lower + upper)) * kPi / (upper - lower));
+  return sine / cosine;
+}
+
+PaperResult PaperSearch(const Arm& arm, const Pose& X_FT, const PaperTarget& target,
+                        const PaperFormulationOptions& options, RandomStream stream) {
+  Population population(arm, X_FT, target, options, stream);
+  double spread = 0.2;  // of each joint's range; shrinks to some 1e-6 of it
+  const double shrink = std::pow(5e-6, 1.0 / options.generations);
+  for (int generation = 0; generation < options.generations; ++generation, spread *= shrink)
+    population.Advance(spread);
+  return population.best();
+}
+
+}  // namespace millpose

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report/deflection.hpp"
+
+namespace millpose {
+
+DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& force,
+                                    const std::vector<SeriesCompliance>& compliances) {
+  DeflectionReport report{force, {}, std::nullopt};
+  const Eigen::Vector3d origin =
+      plan.stiffness_origin == "flange" ? Eigen::Vector3d::Zero() : Eigen::Vector3d(plan.X_FT.translation());
+  const Eigen::Matrix3d R_BW = plan.X_WB.linear().transpose();
+  std::vector<FacePoint> face;
+  size_t number = 0;
+  for (const PassResult& pass : plan.passes) {
+    for (const PlannedPoint& planned : pass.points) {
+      const size_t here = number++;
+      const MillingPoint& point = planned.point;
+      if (planned.skip != SkipReason::kNone || point.kind != PointKind::kCut) continue;
+      const Matrix6 C = Compliance(Jacobian(plan.arm, planned.q, origin), plan.arm.stiffness) +
+                        SeriesComplianceAt(plan.arm, planned.q, origin, compliances);
+      const PredictedDeflection deflection =
+          PredictDeflection(C.topLeftCorner<3, 3>(), force.mean, R_BW * point.normal, R_BW * point.feed,
+                            R_BW * point.tool_axis);
+      report.points.push_back({here, pass.pass, deflection});
+      face.push_back({point.position, pass.pass, deflection.normal});
+    }
+  }
+  report.face = OverFace(face);
+  return report;
+}
+
+std::string DeflectionCsv(const DeflectionReport& report) {
+  constexpr double kMicrometres = 1000;
+  std::string csv = "point,pass,normal_um,feed_um,across_um,length_um\n";
+  for (const DeflectedPoint& point : report.points) {
+    const PredictedDeflection& d = point.deflection;
+    csv += fmt::format("{},{},{:.17g},{:.17g},{:.17g},{:.17g}\n", point.number, point.pass,
+                       kMicrometres * d.normal, kMicrometres * d.feed, kMicrometres * d.across,
+                       kMicrometres * d.length);
+  }
+  return csv;
+}
+
+}  // namespace millpose

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the mean cutting force moves at every planned point (docs/process-force.md).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "plan/plan_result.hpp"
+#include "stiffness/process_force.hpp"
+#include "stiffness/series.hpp"
+
+namespace millpose {
+
+/// One planned cut point's predicted deflection.
+struct DeflectedPoint {
+  size_t number = 0;  ///< as in points.csv
+  int pass = 0;
+  PredictedDeflection deflection;  ///< mm
+};
+
+/// The force on a plan's points and what it moves. Deflections hold at the plan's stiffness origin.
+struct DeflectionReport {
+  CuttingForce force;
+  std::vector<DeflectedPoint> points;  ///< planned cut points in the plan's order
+  std::optional<FaceDeflection> face;  ///< over all of them; empty for fewer than 3
+};
+
+DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& force,
+                                    const std::vector<SeriesCompliance>& compliances);
+
+/// point,pass,normal_um,feed_um,across_um,length_um; 17 significant digits.
+std::string DeflectionCsv(const DeflectionReport& report);
+
+}  // namespace millpose

@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs the real millpose's stiffness, identify and flatness. Usage: stiffness_test.py MILLPOSE TOP"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+MILLPOSE, TOP = sys.argv[1:3]
+
+
+def run(*arguments):
+    return subprocess.run([MILLPOSE, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+
+
+HOME = ("--joints-deg", 0, -90, 90, 0, 0, 0)
+POSE1 = ("--joints-deg", -4.512, -63.932, 103.263, 18.839, 53.130, 16.206)
+
+
+class Stiffness(unittest.TestCase):
+    def test_one_pose_as_text_and_json_names_origin_and_units(self):
+        text = run("stiffness", f"{TOP}/cells/chen2021_table6.yaml", *POSE1, "--axis", "tool")
+        self.assertEqual(text.returncode, 0, text.stderr)
+        self.assertIn("tool tip", text.stdout)
+        self.assertIn("mm/N", text.stdout)
+        found = json.loads(run("stiffness", f"{TOP}/cells/chen2021_table6.yaml", *POSE1, "--axis", "tool", "--json").stdout)
+        self.assertEqual(found["stiffness_at"], "tool_tip")
+        self.assertAlmostEqual(found["f"] * 1e4, 2.5833, 3)
+        self.assertEqual((len(found["C"]), len(found["K"][0])), (6, 6))
+
+    def test_singular_pose_is_told_without_a_stiffness_matrix(self):
+        result = run("stiffness", f"{TOP}/cells/kr500_r2830.yaml", *HOME, "--normal", 1, 0, 0, "--json")
+        self.assertEqual(result.returncode, 1)
+        self.assertIsNone(json.loads(result.stdout)["K"])
+        self.assertNotIn("NaN", result.stdout)
+
+    def test_poses_and_map_come_as_csv(self):
+        with tempfile.TemporaryDirectory() as folder:
+            poses = os.path.join(folder, "poses.csv")
+            with open(poses, "w", encoding="utf-8") as file:
+                file.write("a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,nx,ny,nz\n0,-80,100,0,40,0,1,0,0\n5,-80,100,0,40,0,0,0,1\n")
+            result = run("stiffness", f"{TOP}/cells/kr500_r2830.yaml", "--poses", poses)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            lines = result.stdout.splitlines()
+            self.assertEqual(len(lines), 3)
+            self.assertEqual(len({line.count(",") for line in lines}), 1)
+            out = os.path.join(folder, "map")
+            result = run("stiffness", f"{TOP}/cells/kr500_r2830.yaml", "--map", "dexterity", "--plane", 1500, -500, 800, 2200,
+                         -500, 800, 1500, 500, 800, "--steps", 4, 4, "--tool-axis", -1, 0, 0, "-o", out)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            with open(out + ".csv", encoding="utf-8") as file:
+                self.assertEqual(len(file.readlines()), 26)
+            self.assertTrue(os.path.exists(out + ".vtk"))
+
+    def test_bad_input_names_place_and_cause(self):
+        cell = f"{TOP}/cells/kr500_r2830.yaml"
+        for arguments, words in (
+            (("stiffness", cell, *HOME), "--normal"),
+            (("stiffness", cell, *HOME, "--normal", 0, 0, 0), "not all 0"),
+            (("stiffness", cell, "--joints-deg", 0, -90, 90, 0, 0, "nan", "--axis", "tool"), "A6 is nan"),
+            (("stiffness", cell, "--joints-deg", 0, -90, 90), "6"),
+            (("stiffness", cell, "--map", "dexterity"), "--plane"),
+            (("stiffness", cell), "one of --joints-deg"),
+            (("stiffness", "missing.yaml", *HOME, "--axis", "tool"), "missing.yaml"),
+        ):
+            result = run(*arguments)
+            self.assertEqual(result.returncode, 2, arguments)
+            self.assertIn(words, result.stderr)
+            self.assertEqual(result.stdout, "")
+
+
+MEASUREMENTS = """millpose_measurements: 1
+load_point_mm: [200, 0, 200]
+measured_point_mm: [200, 0, 200]
+measurements:
+"""
+
+
+class Identify(unittest.TestCase):
+    def measurements(self, folder, loads):
+        """Deflections as `millpose stiffness` predicts them, at the flange for lack of a tool there."""
+        path = os.path.join(folder, "m.yaml")
+        text = MEASUREMENTS.replace("[200, 0, 200]", "[0, 0, 0]")
+        for joints in ((0, -68.8, 85.8, -34.3, -106.9, 61.2), (-12, -70, 90, -35, 103, 67), (29, -99, 130, -17, -61, 29)):
+            pose = json.loads(run("stiffness", f"{TOP}/cells/quantec_r2700.yaml", "--joints-deg", *joints, "--normal", 1, 0, 0,
+                                  "--at", "flange", "--json").stdout)
+            for force in loads:
+                moved = [sum(pose["C"][i][j] * force[j] for j in range(3)) for i in range(3)]
+                text += f"  - {{joints_deg: {list(joints)}, force_N: {list(force)}, displacement_mm: {moved}}}\n"
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text.replace("e-05", "e-5"))
+        return path
+
+    def test_refuses_numbers_for_joints_1_and_6_and_writes_the_others_into_the_cell(self):
+        with tempfile.TemporaryDirectory() as folder:
+            cell = os.path.join(folder, "cell.yaml")
+            with open(f"{TOP}/cells/quantec_r2700.yaml", encoding="utf-8") as file:
+                before = file.read()
+            with open(cell, "w", encoding="utf-8") as file:
+                file.write(before)
+            path = self.measurements(folder, ((0, 0, -737.8),))
+            result = run("identify", path, "--cell", cell, "--json", "--write-cell", cell)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            joints = json.loads(result.stdout)["joints"]
+            self.assertEqual([j["determined"] for j in joints], [False, True, True, True, True, False])
+            self.assertIsNone(joints[0]["stiffness_Nm_per_rad"])
+            self.assertIn("not observable", joints[5]["reason"])
+            self.assertAlmostEqual(joints[1]["stiffness_Nm_per_rad"] / 6.78e6, 1, 6)
+            with open(cell, encoding="utf-8") as file:
+                after = file.read()
+            changed = [(a, b) for a, b in zip(before.splitlines(), after.splitlines()) if a != b]
+            self.assertEqual(len(before.splitlines()), len(after.splitlines()))
+            self.assertTrue(all("joint_stiffness" in a for a, _ in changed), changed)
+            self.assertIn("as before: A1 A6", after)
+
+    def test_bad_measurements_are_answered_by_place(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "m.yaml")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(MEASUREMENTS + "  - {joints_deg: [0, 1, 2], force_N: [0, 0, 1], displacement: [0, 0, 1]}\n")
+            result = run("identify", path, "--cell", f"{TOP}/cells/quantec_r2700.yaml")
+            self.assertEqual(result.returncode, 2)
+            self.assertIn("m.yaml:5:", result.stderr)
+            self.assertIn("displacement_mm", result.stderr)
+
+
+class Flatness(unittest.TestCase):
+    def test_figures_of_a_known_body(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "p.csv")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write("x_mm,y_mm,z_mm\n1,1,1\n1,-1,-1\n-1,1,-1\n-1,-1,1\n")
+            found = json.loads(run("flatness", path, "--json").stdout)
+            self.assertAlmostEqual(found["minimum_zone_mm"], 2)
+            with open(path, "w", encoding="utf-8") as file:
+                file.write("x_mm,y_mm,z_mm\n1,1,1\n2,2,2\n3,3,x\n")
+            result = run("flatness", path)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn("p.csv:4:5: z_mm: given \"x\"", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

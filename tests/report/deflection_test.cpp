@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report/deflection.hpp"
+
+#include "tests/robot/arms.hpp"
+
+namespace millpose {
+namespace {
+
+PlanResult TwoPasses() {
+  PlanResult plan;
+  plan.arm = Kr500R2830();
+  plan.X_FT.translation() << -250, 0, 250;
+  plan.stiffness_origin = "tool_tip";
+  for (int pass = 0; pass < 2; ++pass) {
+    PassResult result;
+    result.pass = pass;
+    for (int i = 0; i < 4; ++i) {
+      PlannedPoint planned;
+      planned.q = Degrees(3 * i, -80, 100 + pass, 10, 40, 0);
+      planned.point.position = plan.X_WB * ForwardFlange(plan.arm, planned.q) * plan.X_FT.translation();
+      planned.point.normal = planned.point.tool_axis = Eigen::Vector3d(-1, 0, 0);
+      planned.point.feed = Eigen::Vector3d(0, 1, 0);
+      if (i == 1) planned.skip = SkipReason::kLimit;
+      if (i == 3) planned.point.kind = PointKind::kLeadOut;
+      result.points.push_back(planned);
+    }
+    plan.passes.push_back(result);
+  }
+  return plan;
+}
+
+TEST(Deflection, IsComplianceTimesForceAtEveryPlannedCutPoint) {
+  const PlanResult plan = TwoPasses();
+  CuttingForce force;
+  force.mean = Eigen::Vector3d(30, -50, 10);
+  const DeflectionReport report = PredictDeflections(plan, force, {});
+  ASSERT_EQ(report.points.size(), 4u);
+  const std::array<size_t, 4> numbers{0, 2, 4, 6};
+  const Eigen::Vector3d F(-10, 30, 50);  // feed +y, axis −x, across = axis × feed = −z
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_EQ(report.points[k].number, numbers[k]);
+    const Joints& q = plan.passes[k / 2].points[k % 2 == 0 ? 0 : 2].q;
+    const Eigen::Vector3d moved =
+        Compliance(Jacobian(plan.arm, q, plan.X_FT.translation()), plan.arm.stiffness).topLeftCorner<3, 3>() *
+        F;
+    EXPECT_NEAR(report.points[k].deflection.normal, -moved.x(), 1e-12);
+    EXPECT_NEAR(report.points[k].deflection.feed, moved.y(), 1e-12);
+    EXPECT_NEAR(report.points[k].deflection.length, moved.norm(), 1e-12);
+  }
+  ASSERT_TRUE(report.face.has_value());
+  const std::string csv = DeflectionCsv(report);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
+  EXPECT_TRUE(csv.starts_with("point,pass,normal_um,"));
+}
+
+TEST(Deflection, CountsCompliancesBesideTheJoints) {
+  const PlanResult plan = TwoPasses();
+  CuttingForce force;
+  force.mean = Eigen::Vector3d(0, 0, 100);
+  SeriesCompliance soft;
+  soft.link = 0;
+  soft.C.diagonal().head<3>().setConstant(1e-3);
+  const double with = PredictDeflections(plan, force, {soft}).points[0].deflection.normal;
+  const double without = PredictDeflections(plan, force, {}).points[0].deflection.normal;
+  EXPECT_NEAR(with - without, 0.1, 1e-12);
+}
+
+}  // namespace
+}  // namespace millpose
