@@ -11,6 +11,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+constexpr double kZeroAngle = 1e-9;   // rad; nearer to 0 the sign of a computed angle carries only noise
 constexpr double kDegenerate = 1e-9;  // below this cosine (or sine) the first angle carries only noise
 
 /// Rotation about axis `axis` (0 x, 1 y, 2 z), the same bits on every machine.
@@ -76,9 +77,11 @@ std::optional<Joints> AnglesAt(const Arm& arm, const AxisConvention& axes, const
     Joints angles = ToController(axes, inverse.solutions[s].q);
     for (int i = 0; i < 6; ++i) {
       angles[i] = std::remainder(angles[i], 2 * kPi);
+      // At 0 the sign is a matter of the last bit: there either state of the turn bit means 0, not a full
+      // turn.
       const bool negative = (turn >> i & 1) != 0;
-      if (negative && angles[i] >= 0) angles[i] -= 2 * kPi;
-      if (!negative && angles[i] < 0) angles[i] += 2 * kPi;
+      if (negative && angles[i] > kZeroAngle) angles[i] -= 2 * kPi;
+      if (!negative && angles[i] < -kZeroAngle) angles[i] += 2 * kPi;
     }
     return FromController(axes, angles);
   }

@@ -30,8 +30,9 @@ Joints FromController(const AxisConvention& axes, const Joints& angles);
 int ControllerTurn(const AxisConvention& axes, const Joints& q);
 
 /// The joint angles at which the arm reaches flange pose X_BF on branch `status` with the controller's angles
-/// signed as `turn` says, each within one full turn (−360° ≤ negative < 0 ≤ positive < 360°). Empty when the
-/// branch does not reach the pose.
+/// signed as `turn` says, each within one full turn (−360° ≤ negative < 0 ≤ positive < 360°); within 1e-9 rad
+/// of 0, where the sign is noise, an angle is taken as 0 whatever `turn` says. Empty when the branch does not
+/// reach the pose.
 std::optional<Joints> AnglesAt(const Arm& arm, const AxisConvention& axes, const Pose& X_BF, int status,
                                int turn);
 

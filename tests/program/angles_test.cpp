@@ -109,6 +109,19 @@ TEST(Turn, StatusAndTurnNameOneJointPosition) {
   EXPECT_GT(compared, 300);
 }
 
+TEST(Turn, AtZeroTheTurnBitSendsNoJointRound) {
+  const Arm arm = SampleArm();
+  const AxisConvention axes;
+  Joints q;
+  q << 0, -1.2, 1.4, 0, 0.8, 0;
+  for (const int flipped : {0, 1 << 0, 1 << 3, 1 << 5, 1 << 0 | 1 << 3 | 1 << 5}) {
+    const auto found =
+        AnglesAt(arm, axes, ForwardFlange(arm, q), Status(arm, q), ControllerTurn(axes, q) ^ flipped);
+    ASSERT_TRUE(found);
+    EXPECT_LT((*found - q).norm(), 1e-7) << flipped;
+  }
+}
+
 TEST(Names, AreLegal) {
   EXPECT_EQ(LegalName("Sample wall-plan", 24, 1), "Sample_wall_plan");
   EXPECT_EQ(LegalName("7up", 24, 1), "mp_7up");
