@@ -12,12 +12,15 @@ millpose_run_logged() {
   exit 3
 }
 
-# Installs the packages of packages.txt that are missing. Without root it names the command to run instead.
+# Installs what is missing of packages.txt, and of packages-slow.txt when $packages_slow is set. Without root it names
+# the command to run instead. Works without /proc, so no process substitution.
 millpose_packages() {
-  local wanted missing=() have package
-  mapfile -t wanted < <(grep -Ev '^[[:space:]]*(#|$)' "$top/packages.txt")
-  have=$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' "${wanted[@]}" 2>/dev/null | awk '$1 == "ii" {print $2}' || true)
-  for package in "${wanted[@]}"; do
+  local wanted have package missing=() lists=("$top/packages.txt")
+  [ -z "${packages_slow:-}" ] || lists+=("$top/packages-slow.txt")
+  wanted=$(grep -hEv '^[[:space:]]*(#|$)' "${lists[@]}")
+  # shellcheck disable=SC2086  # one word a package
+  have=$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' $wanted 2>/dev/null | awk '$1 == "ii" {print $2}' || true)
+  for package in $wanted; do
     grep -qxF "$package" <<<"$have" || missing+=("$package")
   done
   [ ${#missing[@]} -eq 0 ] && return
