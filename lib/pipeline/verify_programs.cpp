@@ -79,12 +79,13 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::
            Verify(program, world, nullptr, options, Threads(arguments), stop)}};
 }
 
-/// The job of an output folder with everything it names: given, or the folder's own job.yaml, whose paths
-/// count from the folder beside which `plan` puts its output.
+/// The resolved job of an output folder with everything it names. Its paths are those of the job that was
+/// planned: they count from that job's folder, which is the one that holds the output folder unless the user
+/// says otherwise.
 JobInputs InputsOf(const VerifyArguments& arguments) {
-  if (arguments.job) return LoadJobInputs(*arguments.job);
-  return LoadJobInputs(arguments.target / "job.yaml", {},
-                       fs::absolute(arguments.target / "").parent_path().parent_path());
+  const fs::path origin = arguments.job ? fs::absolute(*arguments.job).parent_path()
+                                        : fs::absolute(arguments.target / "").parent_path().parent_path();
+  return LoadJobInputs(arguments.target / "job.yaml", {}, origin);
 }
 
 World WorldOf(const JobInputs& inputs) {

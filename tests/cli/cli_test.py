@@ -81,6 +81,34 @@ class Schema(unittest.TestCase):
                 self.assertEqual(json.loads(result.stdout), json.load(file))
 
 
+class Verify(InFolder):
+    def test_confirms_what_plan_wrote_and_finds_what_was_changed(self):
+        out = self.folder / "out"
+        self.assertEqual(plan(out).returncode, 0)
+        result = run("verify", out, "--job", JOB, "--json")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        programs = json.loads(result.stdout)["programs"]
+        self.assertEqual([p["controller"] for p in programs], ["krl", "linuxcnc", "sinumerik"])
+        self.assertTrue(all(p["confirmed"] for p in programs))
+
+        source = out / "programs" / "krl" / "support_pad.src"
+        text = source.read_text()
+        line = next(l for l in text.splitlines() if l.startswith("LIN "))
+        source.write_text(text.replace(line, line.replace(",Z ", ",Z 1"), 1))
+        result = run("verify", out, "--job", JOB)
+        self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
+        self.assertRegex(result.stdout, r"support_pad\.src:\d+: ")
+        source.write_text(text.replace(line, line.replace("LIN", "LINE"), 1))
+        result = run("verify", out, "--job", JOB)
+        self.assertEqual(result.returncode, 2)
+        self.assertRegex(result.stderr, r"support_pad\.src:\d+:\d+: ")
+
+        source.write_text(text)
+        result = run("verify", source, "--cell", TOP / "cells" / "kr500_r2830.yaml")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertEqual(run("verify", source).returncode, 2)
+
+
 class Plan(InFolder):
     def test_whole_way_then_inspect(self):
         result = plan(self.folder / "out")
