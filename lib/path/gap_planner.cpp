@@ -14,7 +14,7 @@ namespace {
 /// shorter where there is no room for it.
 constexpr std::array<double, 4> kRetracts{1, 2, 4, 0.5};
 /// Shares of the clearances that are tried one after the other; less than all of it is reported.
-constexpr std::array<double, 3> kClearanceShares{1, 0.5, 0.25};
+constexpr std::array<double, 4> kClearanceShares{1, 0.9, 0.5, 0.25};
 constexpr double kClearanceBound = 100;  // mm; clearances along a gap are told up to this
 const double kClearanceStep = DegToRad(1);
 
@@ -162,8 +162,10 @@ class GapPlanner {
 Gap PlanGap(const World& world, const GapEnd& from, const GapEnd& to, const GapOptions& options,
             std::stop_token stop) {
   Gap first;
+  GapOptions fewer = options;  // all retries together have no more iterations than the first try
+  fewer.max_iterations = std::max(1, options.max_iterations / static_cast<int>(kClearanceShares.size() - 1));
   for (const double share : kClearanceShares) {
-    Gap gap = GapPlanner(world, from, to, options, share, stop).Plan();
+    Gap gap = GapPlanner(world, from, to, share == 1 ? options : fewer, share, stop).Plan();
     if (gap.planned) {
       if (share < 1)
         gap.detail = fmt::format("{} to {}: clearances reduced to {:.0f} % ({})", Name(from), Name(to),

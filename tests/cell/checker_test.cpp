@@ -105,6 +105,19 @@ TEST(Checker, FreeClearanceHoldsForEverythingElse) {
   EXPECT_FALSE(Checker(World(cell)).At(kMillingPose, Phase::kFree));
 }
 
+TEST(Checker, KeepsOnlyAShareOfTheClearancesWhenAsked) {
+  Cell cell = SampleCell();
+  const Pose X_WT = ToolPose(cell, kMillingPose);
+  cell.bodies.push_back(
+      {"wall", BodyClass::kFixture, Mount::kWorld, 0, X_WT * At(99, 0, 280), Box{{20, 100, 100}}});
+  const World world(cell);  // 9 mm of 10 mm
+  EXPECT_TRUE(Checker(world, 0.91).At(kMillingPose, Phase::kFree));
+  EXPECT_FALSE(Checker(world, 0.89).At(kMillingPose, Phase::kFree));
+  EXPECT_TRUE(Checker(world, 0.91).Between(kMillingPose, kMillingPose, Phase::kFree));
+  EXPECT_FALSE(Checker(world, 0.89).Between(kMillingPose, kMillingPose, Phase::kFree));
+  EXPECT_FALSE(Checker(world, 0).At(kMillingPose, Phase::kFree));
+}
+
 TEST(Checker, LinkSwallowedByASolidIsFound) {
   Cell cell = SampleCell();
   // All of the arm is far from the surface of this hall-sized solid.

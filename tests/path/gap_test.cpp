@@ -96,6 +96,20 @@ TEST(Gap, BlockedEndsAreNamed) {
       << blocked_home.detail;
 }
 
+TEST(Gap, NarrowPlacesArePassedWithLessClearanceAndSaySo) {
+  Cell cell = SampleCell();
+  const Pose X_WT = ForwardFlange(cell.arm, kLeft) * cell.X_FT;
+  // 7 mm beside the spindle, along the whole way that it retracts.
+  cell.bodies.push_back(
+      {"post", BodyClass::kFixture, Mount::kWorld, 0, X_WT * At(97, 0, 350), Box{{20, 40, 700}}});
+  const World world(cell);
+  const Gap gap = PlanGap(world, Piece0(0, kLeft), Home(), {}, {});
+  ASSERT_TRUE(gap.planned) << gap.detail;
+  EXPECT_NE(gap.detail.find("clearances reduced to 50 %"), std::string::npos) << gap.detail;
+  EXPECT_NE(gap.detail.find("spindle is 7.00 mm from post"), std::string::npos) << gap.detail;
+  EXPECT_GE(gap.clearance, 4.5);
+}
+
 TEST(Gap, WithoutAWayTheObstacleIsNamed) {
   Cell cell = SampleCell();
   // Nothing passes beyond 1.3 m, and the arm cannot fold: its limits lie close about the milling poses.
