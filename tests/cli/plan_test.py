@@ -46,7 +46,7 @@ class Plan(unittest.TestCase):
         names = {name for name in self.contents if not name.startswith(("checkpoints/", "."))}
         self.assertEqual(
             {name for name in names if name not in ("report.html", "path.vtp")},
-            {"cell.yaml", "job.yaml", "points.csv", "summary.json", "programs/krl/support_pad.src",
+            {"cell.yaml", "job.yaml", "plan.cbor", "points.csv", "summary.json", "programs/krl/support_pad.src",
              "programs/krl/support_pad.dat", "programs/sinumerik/support_pad.mpf", "programs/linuxcnc/support_pad.ngc"})
         self.assertTrue((self.folder / "run.json").is_file())
 
