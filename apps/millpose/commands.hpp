@@ -23,6 +23,7 @@ struct Session {
 using Run = std::function<int(Session&)>;
 
 void AddBatchCommand(CLI::App& app, Run& run);
+void AddCheckCommand(CLI::App& app, Run& run);
 void AddCompletionCommand(CLI::App& app, Run& run);
 void AddFlatnessCommand(CLI::App& app, Run& run);
 void AddIdentifyCommand(CLI::App& app, Run& run);
@@ -34,7 +35,7 @@ void AddStiffnessCommand(CLI::App& app, Run& run);
 void AddVerifyCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
-    AddPlanCommand,     AddVerifyCommand,   AddBatchCommand,  AddInspectCommand, AddStiffnessCommand,
+    AddPlanCommand,     AddVerifyCommand,   AddBatchCommand, AddCheckCommand,  AddInspectCommand, AddStiffnessCommand,
     AddIdentifyCommand, AddFlatnessCommand, AddSchemaCommand, AddManCommand,     AddCompletionCommand,
 };
 

@@ -27,8 +27,10 @@ Codec<WorkpieceSettings> WorkpieceFields() {
 
 // A strategy's own section must be given with it and with no other.
 void CheckStrategySections(const Value& value, const Context& context, ToolpathSettings& toolpath) {
-  for (const auto& [section, strategy] :
-       {std::pair("planes", "parallel_planes"), std::pair("rings", "rings"), std::pair("curve", "curve")}) {
+  if (toolpath.strategy != "curve" && toolpath.strategy != "cam" && !value.FindKey("stepover_mm"))
+    context.Child("stepover_mm").Add(value.mark, "missing; required: number > 0, mm");
+  for (const auto& [section, strategy] : {std::pair("planes", "parallel_planes"), std::pair("rings", "rings"),
+                                          std::pair("curve", "curve"), std::pair("cam", "cam")}) {
     const Value::Key* key = value.FindKey(section);
     if (toolpath.strategy == strategy && !key)
       context.Child(section).Add(value.mark, fmt::format("missing; required by strategy {}", strategy));
@@ -73,7 +75,8 @@ Codec<ToolpathSettings> ToolpathFields() {
   };
   return Section<S>(
       {
-          Key<S>("strategy", MILLPOSE_AT(strategy), Choice({"parallel_planes", "rings", "contours", "curve"}),
+          Key<S>("strategy", MILLPOSE_AT(strategy),
+                 Choice({"parallel_planes", "rings", "contours", "curve", "cam"}),
                  "How passes are laid on the surface.")
               .Required(),
           Key<S>("region", MILLPOSE_AT(region), RegionFields(), "What is milled; everything by default."),
@@ -103,9 +106,18 @@ Codec<ToolpathSettings> ToolpathFields() {
                      CheckCurve),
                  "Strategy curve: a single line.")
               .WhenSet(strategy_is("curve")),
+          Key<S>(
+              "cam", kSelf,
+              Section<S>(
+                  {Key<S>("file", MILLPOSE_AT(cam_file), Text(), "APT CLDATA or CSV, in the workpiece frame.")
+                       .Required(),
+                   Key<S>("contact_distance_mm", MILLPOSE_AT(cam_contact_distance), Real(kMm, Above(0)),
+                          "Points farther from the part at a pass's ends are its lead-in and lead-out.")}),
+              "Strategy cam: an imported tool path.")
+              .WhenSet(strategy_is("cam")),
           Key<S>("stepover_mm", MILLPOSE_AT(stepover), Real(kMm, Above(0)),
-                 "Distance of neighbouring passes.")
-              .Required(),
+                 "Distance of neighbouring passes; not for strategies curve and cam.")
+              .WhenSet([](const S& s) { return s.stepover > 0; }),
           Key<S>("stepover_on", MILLPOSE_AT(stepover_on), Choice({"planes", "surface"}),
                  "Whether the step-over is the distance of the planes (radii) or the way on the surface."),
           Key<S>("direction", MILLPOSE_AT(direction), Choice({"zigzag", "one_way"}),

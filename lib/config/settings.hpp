@@ -171,13 +171,15 @@ struct DepthSettings {
 };
 
 struct ToolpathSettings {
-  std::string strategy;  ///< parallel_planes | rings | contours | curve
+  std::string strategy;  ///< parallel_planes | rings | contours | curve | cam
   RegionSettings region;
   Eigen::Vector3d plane_normal = Eigen::Vector3d::UnitX();     ///< parallel_planes, P
   Eigen::Vector3d axis_point = Eigen::Vector3d::Zero();        ///< rings: a point of the axis, P, mm
   Eigen::Vector3d axis_direction = Eigen::Vector3d::UnitZ();   ///< rings, P
   std::vector<Eigen::Vector3d> curve_points;                   ///< curve, P, mm
   Eigen::Vector3d curve_direction = Eigen::Vector3d::UnitZ();  ///< curve, P
+  std::string cam_file;                                        ///< cam: relative to the job file
+  double cam_contact_distance = 1;                             ///< cam, mm
   double stepover = 0;                                         ///< mm
   std::string stepover_on = "planes";  ///< planes | surface: where the step-over is measured
   std::string direction = "zigzag";    ///< zigzag | one_way

@@ -16,6 +16,7 @@ struct JobInputs {
   JobSettings job;
   CellSettings cell;
   std::string workpiece_bytes;  ///< of the workpiece's mesh file
+  std::string cam_bytes;        ///< of the CAM path, where the strategy is cam
   std::map<std::string, std::string>
       body_bytes;    ///< of the mesh files that the cell's bodies name, by that name
   std::string hash;  ///< of all of it, resolved

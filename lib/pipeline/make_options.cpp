@@ -95,7 +95,7 @@ ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& 
   options.axis_direction = settings.axis_direction;
   options.curve_points = settings.curve_points;
   options.curve_direction = settings.curve_direction;
-  options.stepover = settings.stepover;
+  if (settings.stepover > 0) options.stepover = settings.stepover;
   options.stepover_on_surface = settings.stepover_on == "surface";
   options.zigzag = settings.direction == "zigzag";
   options.chord_tolerance = settings.chord_tolerance;

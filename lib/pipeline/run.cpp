@@ -13,9 +13,8 @@
 #include "pipeline/plan_passes.hpp"
 #include "pipeline/sample_curves.hpp"
 #include "pipeline/stages.hpp"
+#include "pipeline/workpiece.hpp"
 #include "pipeline/write_results.hpp"
-#include "surface/mesh_import.hpp"
-#include "toolpath/make_toolpath.hpp"
 
 namespace millpose {
 namespace {
@@ -35,46 +34,6 @@ JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
                     inputs.cell.name));
   stages.End(fmt::format("job {}, cell {}", inputs.job.name, inputs.cell.name));
   return inputs;
-}
-
-// How far the tool tip can come from axis 1, mm: what a part's size is compared with.
-double Reach(const Cell& cell) {
-  return cell.arm.a1 + cell.arm.a2 + std::hypot(cell.arm.d4, cell.arm.dz) + cell.arm.d6 +
-         cell.X_FT.translation().norm();
-}
-
-ImportResult ReadSurface(const JobInputs& inputs, const Cell& cell, std::vector<std::string>* warnings,
-                         Stages& stages) {
-  stages.Begin("surface", 0);
-  const std::string& name = inputs.job.workpiece.mesh_file;
-  ImportOptions options;
-  options.unit = inputs.job.workpiece.unit;
-  options.weld_tolerance = inputs.job.workpiece.weld_tolerance;
-  ImportResult result = ImportMesh(ReadMesh(inputs.workpiece_bytes, name), options, name);
-  for (const std::string& finding : Findings(result.report)) warnings->push_back(name + ": " + finding);
-  const Eigen::Vector3d size = result.report.upper - result.report.lower;
-  if (const auto warning = UnitWarning(size.maxCoeff(), Reach(cell)))
-    warnings->push_back(name + ": " + *warning);
-  stages.End(fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} mm", name, result.report.triangles,
-                         size.x(), size.y(), size.z()));
-  return result;
-}
-
-Toolpath MakeWorldToolpath(const JobInputs& inputs, const Mesh& mesh, const Pose& X_WP, Stages& stages,
-                           std::stop_token stop) {
-  stages.Begin("toolpath", 0);
-  Toolpath toolpath =
-      Transformed(MakeToolpath(mesh, MakeToolpathOptions(inputs.job, inputs.cell.tool), stop), X_WP);
-  size_t points = 0;
-  for (Pass& pass : toolpath.passes) {
-    pass.rotation_reference = inputs.job.toolpath.rotation_reference.normalized();
-    points += pass.points.size();
-  }
-  if (points == 0)
-    throw InputError({inputs.job.file},
-                     "toolpath: the region holds no milling point; look at region and planes");
-  stages.End(fmt::format("{} points in {} passes", points, toolpath.passes.size()));
-  return toolpath;
 }
 
 // What a pass's plan depends on besides its points: everything but what only later stages read.
@@ -124,12 +83,6 @@ bool IsComplete(const PlanResult& plan, const ReportInputs& report) {
          report.findings.empty();
 }
 
-size_t CountPoints(const Toolpath& toolpath) {
-  size_t count = 0;
-  for (const Pass& pass : toolpath.passes) count += pass.points.size();
-  return count;
-}
-
 }  // namespace
 
 PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::stop_token stop) {
@@ -142,13 +95,22 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
 
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
   cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
-  std::vector<std::string> warnings;
-  const ImportResult surface = ReadSurface(inputs, cell, &warnings, stages);
+  stages.Begin("surface", 0);
+  const Part part = ReadPart(inputs, cell);
+  const ImportResult& surface = part.import;
+  const Eigen::Vector3d size = surface.report.upper - surface.report.lower;
+  stages.End(fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} mm", inputs.job.workpiece.mesh_file,
+                         surface.report.triangles, size.x(), size.y(), size.z()));
   cell.bodies.push_back({.name = "workpiece",
                          .body_class = BodyClass::kWorkpiece,
                          .mount = Mount::kWorkpiece,
                          .shape = surface.mesh.triangles()});
-  const Toolpath toolpath = MakeWorldToolpath(inputs, surface.mesh, cell.X_WP, stages, stop);
+  stages.Begin("toolpath", 0);
+  const JobToolpath made = MakeJobToolpath(inputs, surface.mesh, cell.X_WP, stop);
+  const Toolpath& toolpath = made.toolpath;
+  stages.End(fmt::format("{} points in {} passes", CountPoints(toolpath), toolpath.passes.size()));
+  std::vector<std::string> warnings = part.warnings;
+  warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
   const PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, cell);
   const World world(cell);
 

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "commands.hpp"
+#include "pipeline/check.hpp"
+
+namespace millpose {
+namespace {
+
+struct Options {
+  std::filesystem::path file;
+  std::string unit = "mm";
+  double weld_tolerance = 1e-4;
+  double gouge_tolerance = 0.05;
+  int threads = 0;
+  bool json = false;
+};
+
+const std::map<std::string, double> kUnits{{"mm", 1}, {"cm", 10}, {"in", 25.4}, {"m", 1000}};
+
+template <class Check>
+int Tell(const Check& check, bool json) {
+  fmt::print("{}", json ? ToJson(check) : ToText(check));
+  return HasFindings(check) ? kFindings : kDone;
+}
+
+int Check(const Options& options, Session& session) {
+  const std::string extension = options.file.extension().string();
+  if (extension == ".yaml" || extension == ".yml")
+    return Tell(
+        CheckJob({options.file, options.gouge_tolerance, options.threads}, session.progress, session.stop),
+        options.json);
+  return Tell(CheckMesh({options.file, kUnits.at(options.unit), options.weld_tolerance}), options.json);
+}
+
+}  // namespace
+
+void AddCheckCommand(CLI::App& app, Run& run) {
+  CLI::App* command =
+      app.add_subcommand("check", "Describe a mesh, or a job's part, tool path and reach; plans nothing");
+  const auto options = std::make_shared<Options>();
+  command->add_option("FILE", options->file, "Job (.yaml) or mesh (STL, OBJ, PLY, OFF)")->required();
+  command->add_option("--unit", options->unit, "Unit of a mesh: mm, cm, in, m")
+      ->check(CLI::IsMember({"mm", "cm", "in", "m"}))
+      ->capture_default_str();
+  command
+      ->add_option("--weld-tolerance-mm", options->weld_tolerance,
+                   "Vertices of a mesh nearer than this become one")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command
+      ->add_option("--gouge-tolerance-mm", options->gouge_tolerance,
+                   "Depth of the cutter in the part that is let pass")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command->add_option("--threads", options->threads, "Threads; 0: all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Results as JSON on stdout");
+  command->callback(
+      [&run, options] { run = [options](Session& session) { return Check(*options, session); }; });
+}
+
+}  // namespace millpose

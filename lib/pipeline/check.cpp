@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/check.hpp"
+
+#include <thread>
+
+#include "base/file.hpp"
+#include "base/parallel.hpp"
+#include "base/units.hpp"
+#include "pipeline/assemble.hpp"
+#include "pipeline/workpiece.hpp"
+#include "pose/scorer.hpp"
+#include "surface/corner_normals.hpp"
+#include "toolpath/cutter.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr double kLargeArm = 2800;  // mm: what a part is compared with where no cell is given
+
+// Area, closedness and how the edges bend: what the normals can be trusted for.
+void Measure(const Mesh& mesh, MeshCheck& check) {
+  constexpr double kFlat = DegToRad(0.1), kCrease = DegToRad(30);
+  // Pieces with a rim: spread from the open edges.
+  std::vector<char> open(mesh.face_count(), 0);
+  std::vector<int> queue;
+  std::vector<double> bends;
+  for (int face = 0; face < mesh.face_count(); ++face)
+    for (int k = 0; k < 3; ++k) {
+      const int other = mesh.Neighbour(face, k);
+      if (other < 0 && open[face] == 0) {
+        open[face] = 1;
+        queue.push_back(face);
+      }
+      if (other <= face) continue;
+      const double bend = BendAngle(mesh, face, k);
+      if (bend > kCrease) {
+        ++check.creases;
+      } else if (bend > kFlat) {
+        bends.push_back(bend);
+      }
+    }
+  for (size_t head = 0; head < queue.size(); ++head)
+    for (int k = 0; k < 3; ++k)
+      if (const int other = mesh.Neighbour(queue[head], k); other >= 0 && open[other] == 0) {
+        open[other] = 1;
+        queue.push_back(other);
+      }
+  double closed = 0;
+  for (int face = 0; face < mesh.face_count(); ++face) {
+    const Eigen::Vector3d a = mesh.Corner(face, 0);
+    const double area = (mesh.Corner(face, 1) - a).cross(mesh.Corner(face, 2) - a).norm() / 2;
+    check.area += area;
+    closed += open[face] == 0 ? area : 0;
+  }
+  check.closed_area_share = closed / check.area;
+  if (!bends.empty()) {
+    std::ranges::sort(bends);
+    check.median_bend = bends[bends.size() / 2];
+  }
+}
+
+MeshCheck Described(const std::string& file, const ImportResult& import, std::vector<std::string> warnings) {
+  MeshCheck check;
+  check.file = file;
+  check.report = import.report;
+  check.warnings = std::move(warnings);
+  Measure(import.mesh, check);
+  return check;
+}
+
+// The best admissibility over a grid of rotations and all branches.
+Admissibility BestReach(const PoseProblem& problem, const MillingPoint& point,
+                        const Eigen::Vector3d& reference, double step) {
+  const PointScorer scorer(problem, point, reference);
+  const int count = std::max(1, static_cast<int>(std::ceil(2 * kPi / step)));
+  std::vector<FreedomValues> rotations;
+  for (int i = 0; i < count; ++i) rotations.push_back({2 * kPi * i / count});
+  std::vector<Candidate> candidates(8 * rotations.size());
+  scorer.Score(rotations, candidates);
+  // From admissible on, a later reason came nearer to it.
+  const auto rank = [](Admissibility a) { return a == Admissibility::kAdmissible ? 9 : static_cast<int>(a); };
+  Admissibility best = Admissibility::kUnreachable;
+  for (const Candidate& candidate : candidates)
+    if (rank(candidate.admissibility) > rank(best)) best = candidate.admissibility;
+  return best;
+}
+
+struct PointCheck {
+  Admissibility reach = Admissibility::kUnreachable;
+  Gouge gouge;
+};
+
+CutterShape MakeCutter(const ToolSettings& tool) {
+  const double corner = tool.cutter_shape == "ball"   ? tool.cutter_diameter / 2
+                        : tool.cutter_shape == "bull" ? tool.corner_radius
+                                                      : 0.0;
+  return {tool.cutter_diameter / 2, corner, tool.cutting_length};
+}
+
+void Count(const std::vector<PointCheck>& points, JobCheck& check) {
+  constexpr size_t kNamed = 10;
+  check.points = points.size();
+  for (size_t i = 0; i < points.size(); ++i) {
+    ++check.reach[static_cast<size_t>(points[i].reach)];
+    if (points[i].reach != Admissibility::kAdmissible && check.out_of_reach.size() < kNamed)
+      check.out_of_reach.push_back(i);
+    check.gouges += points[i].gouge.face >= 0 ? 1 : 0;
+    if (points[i].gouge.depth > check.deepest_gouge) {
+      check.deepest_gouge = points[i].gouge.depth;
+      check.gouge_place = points[i].gouge.place;
+    }
+  }
+}
+
+}  // namespace
+
+MeshCheck CheckMesh(const CheckMeshArguments& arguments) {
+  const std::string name = arguments.mesh.string();
+  const ImportResult import =
+      ImportMesh(ReadMesh(ReadFile(arguments.mesh), name), {arguments.unit, arguments.weld_tolerance}, name);
+  std::vector<std::string> warnings = Findings(import.report);
+  const Eigen::Vector3d size = import.report.upper - import.report.lower;
+  if (const auto warning = UnitWarning(size.maxCoeff(), kLargeArm)) warnings.push_back(*warning);
+  return Described(name, import, std::move(warnings));
+}
+
+JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::stop_token stop) {
+  const int threads =
+      arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
+  const JobInputs inputs = LoadJobInputs(arguments.job);
+  Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
+  cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
+  const Part part = ReadPart(inputs, cell);
+  const JobToolpath made = MakeJobToolpath(inputs, part.import.mesh, cell.X_WP, stop);
+  const PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, cell);
+
+  JobCheck check;
+  std::vector<std::string> warnings = part.warnings;
+  warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
+  check.mesh = Described(inputs.job.workpiece.mesh_file, part.import, std::move(warnings));
+  check.job = inputs.job.name;
+  check.cell = inputs.cell.name;
+  check.arm = inputs.cell.arm.name;
+  check.passes = made.toolpath.passes.size();
+
+  std::vector<std::pair<const Pass*, const MillingPoint*>> points;
+  for (const Pass& pass : made.toolpath.passes)
+    for (const MillingPoint& point : pass.points) points.emplace_back(&pass, &point);
+  std::vector<PointCheck> found(points.size());
+  const Pose X_PW = cell.X_WP.inverse();
+  const CutterShape cutter = MakeCutter(inputs.cell.tool);
+  progress.Begin("reach", points.size());
+  ParallelFor(points.size(), threads, stop, [&](size_t i) {
+    const auto& [pass, point] = points[i];
+    found[i].reach = BestReach(problem, *point, pass->rotation_reference, inputs.job.rotation_step);
+    if (point->kind == PointKind::kCut)
+      found[i].gouge = DeepestGouge(part.import.mesh, cutter, X_PW * point->position,
+                                    X_PW.linear() * point->tool_axis, arguments.gouge_tolerance);
+    progress.Advance(1);
+  });
+  Count(found, check);
+  progress.End(fmt::format("{} of {} points within reach", check.reach[0], check.points));
+  return check;
+}
+
+bool HasFindings(const MeshCheck& check) { return !check.warnings.empty(); }
+
+bool HasFindings(const JobCheck& check) {
+  return HasFindings(check.mesh) || check.reach[0] < check.points || check.gouges > 0;
+}
+
+}  // namespace millpose

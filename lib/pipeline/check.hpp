@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `millpose check`: reads everything, reaches every point, plans nothing.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "base/progress.hpp"
+#include "surface/mesh_import.hpp"
+
+namespace millpose {
+
+/// What can be said about a mesh.
+struct MeshCheck {
+  std::string file;
+  ImportReport report;
+  double area = 0;               ///< mm²
+  double closed_area_share = 0;  ///< of the area on closed pieces, where outside is certain
+  double median_bend = 0;  ///< of edges that are neither flat (below 0.1°) nor creases, rad; 0 without any
+  size_t creases = 0;      ///< edges that bend by more than 30°
+  std::vector<std::string> warnings;
+};
+
+struct CheckMeshArguments {
+  std::filesystem::path mesh;
+  double unit = 1;               ///< mm per unit of the file
+  double weld_tolerance = 1e-4;  ///< mm
+};
+
+MeshCheck CheckMesh(const CheckMeshArguments& arguments);
+
+/// A job's part and tool path against its arm.
+struct JobCheck {
+  MeshCheck mesh;
+  std::string job, cell, arm;
+  size_t passes = 0, points = 0;
+  /// Points by the best that any rotation about the tool axis and any branch gives: admissible, unreachable,
+  /// outside the limits, near a singularity. Interference is not looked at.
+  std::array<size_t, 4> reach{};
+  std::vector<size_t> out_of_reach;  ///< numbers of the first points that are not admissible
+  size_t gouges = 0;                 ///< cut points where the cutter goes into the part beyond the tolerance
+  double deepest_gouge = 0;          ///< mm
+  Eigen::Vector3d gouge_place = Eigen::Vector3d::Zero();  ///< in P
+};
+
+struct CheckJobArguments {
+  std::filesystem::path job;
+  double gouge_tolerance = 0.05;  ///< mm
+  int threads = 0;                ///< 0: all cores
+};
+
+/// Throws InputError for what cannot be read; Interrupted.
+JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::stop_token stop);
+
+/// For people, and as JSON (keys name their units).
+std::string ToText(const MeshCheck& check);
+std::string ToText(const JobCheck& check);
+std::string ToJson(const MeshCheck& check);
+std::string ToJson(const JobCheck& check);
+
+/// Whether anything was found that a user should look at (exit status 1).
+bool HasFindings(const MeshCheck& check);
+bool HasFindings(const JobCheck& check);
+
+}  // namespace millpose

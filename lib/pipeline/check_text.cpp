@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nlohmann/json.hpp>
+
+#include "base/units.hpp"
+#include "pipeline/check.hpp"
+
+namespace millpose {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string Size(const Eigen::Vector3d& size) {
+  return fmt::format("{:.4g} x {:.4g} x {:.4g} mm", size.x(), size.y(), size.z());
+}
+
+Json ToList(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json MeshJson(const MeshCheck& check) {
+  const ImportReport& report = check.report;
+  const RepairCounts& repairs = report.repairs;
+  return {{"file", check.file},
+          {"triangles_read", report.triangles_read},
+          {"triangles", report.triangles},
+          {"vertices", report.vertices},
+          {"lower_mm", ToList(report.lower)},
+          {"upper_mm", ToList(report.upper)},
+          {"area_mm2", check.area},
+          {"pieces", repairs.pieces},
+          {"closed_pieces", repairs.closed_pieces},
+          {"rims", report.rims},
+          {"rim_length_mm", report.rim_length},
+          {"repairs",
+           {{"welded", report.welded},
+            {"degenerate", repairs.degenerate},
+            {"duplicate", repairs.duplicate},
+            {"flipped", repairs.flipped},
+            {"turned_pieces", repairs.turned_pieces},
+            {"non_manifold_edges", repairs.non_manifold_edges},
+            {"non_manifold_vertices", repairs.non_manifold_vertices},
+            {"not_orientable_edges", repairs.not_orientable_edges}}},
+          {"closed_area_share", check.closed_area_share},
+          {"median_bend_deg", RadToDeg(check.median_bend)},
+          {"creases", check.creases},
+          {"warnings", check.warnings}};
+}
+
+}  // namespace
+
+std::string ToText(const MeshCheck& check) {
+  const ImportReport& report = check.report;
+  std::string text = fmt::format("mesh                {}\n", check.file);
+  text += fmt::format("size                {}\n", Size(report.upper - report.lower));
+  text += fmt::format("triangles           {} read, {} after repair, {} vertices\n", report.triangles_read,
+                      report.triangles, report.vertices);
+  text += fmt::format("area                {:.6g} mm²\n", check.area);
+  text += fmt::format("pieces              {}, {} of them closed\n", report.repairs.pieces,
+                      report.repairs.closed_pieces);
+  text += fmt::format("rims                {}, {:.4g} mm\n", report.rims, report.rim_length);
+  text += fmt::format(
+      "normals             outside is certain on {:.1f} % of the area; facets bend by {:.2g}° in the "
+      "median; {} edges are creases (above 30°)\n",
+      100 * check.closed_area_share, RadToDeg(check.median_bend), check.creases);
+  for (const std::string& warning : check.warnings) text += "  - " + warning + "\n";
+  return text;
+}
+
+std::string ToText(const JobCheck& check) {
+  const auto share = [&](size_t count) {
+    return fmt::format("{} ({:.1f} %)", count,
+                       100.0 * static_cast<double>(count) / static_cast<double>(check.points));
+  };
+  std::string text =
+      fmt::format("job                 {}, cell {}, arm {}\n", check.job, check.cell, check.arm);
+  text += ToText(check.mesh);
+  text += fmt::format("tool path           {} points in {} passes\n", check.points, check.passes);
+  text += fmt::format("within reach        {}\n", share(check.reach[0]));
+  const std::array<const char*, 4> reasons{"", "too far or too near", "outside the joint limits",
+                                           "near a singularity"};
+  for (size_t i = 1; i < 4; ++i)
+    if (check.reach[i] > 0) text += fmt::format("{:<20}{}\n", reasons[i], share(check.reach[i]));
+  if (!check.out_of_reach.empty())
+    text += fmt::format("first of these      points {}\n", fmt::join(check.out_of_reach, ", "));
+  text += fmt::format("gouges              {}", check.gouges);
+  if (check.gouges > 0)
+    text +=
+        fmt::format(", deepest {:.3f} mm at ({:.3f}, {:.3f}, {:.3f}) mm in the workpiece frame",
+                    check.deepest_gouge, check.gouge_place.x(), check.gouge_place.y(), check.gouge_place.z());
+  return text + "\n";
+}
+
+std::string ToJson(const MeshCheck& check) { return MeshJson(check).dump(2) + "\n"; }
+
+std::string ToJson(const JobCheck& check) {
+  Json json{{"job", check.job},
+            {"cell", check.cell},
+            {"arm", check.arm},
+            {"mesh", MeshJson(check.mesh)},
+            {"passes", check.passes},
+            {"points", check.points},
+            {"reach",
+             {{"admissible", check.reach[0]},
+              {"unreachable", check.reach[1]},
+              {"limit", check.reach[2]},
+              {"singular", check.reach[3]}}},
+            {"out_of_reach", check.out_of_reach},
+            {"gouges", check.gouges},
+            {"deepest_gouge_mm", check.deepest_gouge},
+            {"gouge_place_mm", check.gouges > 0 ? ToList(check.gouge_place) : Json()}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace millpose

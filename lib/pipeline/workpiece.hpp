@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The stages "surface" and "toolpath", shared by plan and check.
+#pragma once
+
+#include <stop_token>
+
+#include "cell/cell.hpp"
+#include "pipeline/inputs.hpp"
+#include "surface/mesh_import.hpp"
+#include "toolpath/milling_point.hpp"
+
+namespace millpose {
+
+/// The workpiece's mesh with what is to be told about it.
+struct Part {
+  ImportResult import;
+  std::vector<std::string>
+      warnings;  ///< findings of the import and a doubtful unit, each with the file's name
+};
+
+/// Reads and repairs the workpiece's mesh. Throws InputError.
+Part ReadPart(const JobInputs& inputs, const Cell& cell);
+
+struct JobToolpath {
+  Toolpath toolpath;  ///< in W
+  std::vector<std::string>
+      warnings;  ///< of an imported CAM path: what was ignored, its distance from the part
+};
+
+/// Makes the job's tool path on the mesh, or imports it. Throws InputError when it holds no point;
+/// Interrupted.
+JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, const Pose& X_WP,
+                            std::stop_token stop);
+
+size_t CountPoints(const Toolpath& toolpath);
+
+}  // namespace millpose
