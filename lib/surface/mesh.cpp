@@ -2,7 +2,7 @@
 #include "surface/mesh.hpp"
 
 #include "surface/edges.hpp"
-#include "surface/mesh_impl.hpp"
+#include "surface/openmesh_adapter.hpp"
 #include "surface/triangle.hpp"
 
 namespace millpose {

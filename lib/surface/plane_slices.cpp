@@ -3,7 +3,7 @@
 
 // The OpenMesh adapters of CGAL must come before its algorithms.
 // clang-format off
-#include "surface/mesh_impl.hpp"
+#include "surface/openmesh_adapter.hpp"
 #include <CGAL/boost/graph/graph_traits_TriMesh_ArrayKernelT.h>
 #include <CGAL/boost/graph/properties_TriMesh_ArrayKernelT.h>
 #include <CGAL/AABB_halfedge_graph_segment_primitive.h>

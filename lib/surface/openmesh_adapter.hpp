@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What stands behind Mesh: the OpenMesh mesh (adapters only) and flat arrays.
+// What stands behind Mesh: the OpenMesh mesh, for the adapters of this module alone, and flat arrays.
 #pragma once
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
