@@ -5,24 +5,51 @@
 namespace millpose::config {
 namespace {
 
+Codec<TargetSettings> TargetFields() {
+  using S = TargetSettings;
+  return Section<S>(
+      {Key<S>("nominal_mm", MILLPOSE_AT(nominal), Numbers3(kMm, Between(-1e6, 1e6)),
+              "In the workpiece frame.")
+           .Required(),
+       Key<S>("measured_mm", MILLPOSE_AT(measured), Numbers3(kMm, Between(-1e6, 1e6)), "In `frame`.")
+           .Required()});
+}
+
+void CheckPlacement(const Value& value, const Context& context, WorkpieceSettings& workpiece) {
+  const bool pose = value.FindKey("pose") != nullptr, targets = value.FindKey("targets") != nullptr;
+  if (pose == targets) context.Add(value.mark, "give either pose or targets");
+  if (targets && workpiece.targets.size() < 3)
+    context.Add(value.mark,
+                fmt::format("a best fit needs 3 targets or more, given {}", workpiece.targets.size()));
+}
+
 Codec<WorkpieceSettings> WorkpieceFields() {
   using S = WorkpieceSettings;
-  return Section<S>({
-      Key<S>("mesh", MILLPOSE_AT(mesh_file), Text(), "Mesh file, relative to the job file.").Required(),
-      KeyBy<S, std::string>(
-          "unit", [](const S& s) { return s.unit_name; },
-          [](S& s, const std::string& name) {
-            s.unit_name = name;
-            s.unit = LengthUnit(name);
-          },
-          Choice(LengthUnits()), "Unit of the mesh file.")
-          .Required(),
-      Key<S>("frame", MILLPOSE_AT(frame), Choice({"world", "robot_base"}),
-             "Frame that the pose is given in."),
-      Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "Place of the workpiece.").Required(),
-      Key<S>("weld_tolerance_mm", MILLPOSE_AT(weld_tolerance), Real(kMm, AtLeast(0)),
-             "Vertices of the mesh nearer than this become one."),
-  });
+  return Section<S>(
+      {
+          Key<S>("mesh", MILLPOSE_AT(mesh_file), Text(), "Mesh file, relative to the job file.").Required(),
+          KeyBy<S, std::string>(
+              "unit", [](const S& s) { return s.unit_name; },
+              [](S& s, const std::string& name) {
+                s.unit_name = name;
+                s.unit = LengthUnit(name);
+              },
+              Choice(LengthUnits()), "Unit of the mesh file.")
+              .Required(),
+          Key<S>("frame", MILLPOSE_AT(frame), Choice({"world", "robot_base"}),
+                 "Frame that the pose or the measured points are given in."),
+          Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "Place of the workpiece; this or targets.")
+              .WhenSet([](const S& s) { return s.targets.empty(); }),
+          Key<S>(
+              "targets", MILLPOSE_AT(targets), ListOf(TargetFields()),
+              "Points of the part with where they were measured; the workpiece stands where they fit best.")
+              .WhenSet([](const S& s) { return !s.targets.empty(); }),
+          Key<S>("max_residual_mm", MILLPOSE_AT(max_residual), Real(kMm, Above(0)),
+                 "Largest distance of a measured target from where the fit puts it."),
+          Key<S>("weld_tolerance_mm", MILLPOSE_AT(weld_tolerance), Real(kMm, AtLeast(0)),
+                 "Vertices of the mesh nearer than this become one."),
+      },
+      CheckPlacement);
 }
 
 // A strategy's own section must be given with it and with no other.

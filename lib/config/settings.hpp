@@ -192,13 +192,21 @@ struct ToolpathSettings {
   Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();  ///< W
 };
 
+/// A point of the part and where it was measured.
+struct TargetSettings {
+  Eigen::Vector3d nominal = Eigen::Vector3d::Zero();   ///< P, mm
+  Eigen::Vector3d measured = Eigen::Vector3d::Zero();  ///< in `frame`, mm
+};
+
 struct WorkpieceSettings {
   std::string mesh_file;
   double unit = 1;  ///< mm per unit of the file: 1, 10, 25.4, 1000
   std::string unit_name = "mm";
   std::string frame = "world";  ///< the pose is given in: world | robot_base
   PoseSettings pose;
-  double weld_tolerance = 1e-4;  ///< mm
+  std::vector<TargetSettings> targets;  ///< in place of the pose: best fit
+  double max_residual = 0.5;            ///< mm, of the fit at any target
+  double weld_tolerance = 1e-4;         ///< mm
 };
 
 struct GeneticSettings {

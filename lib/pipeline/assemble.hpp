@@ -42,7 +42,8 @@ Pose MakeToolPose(const ToolSettings& settings);
 /// The cell without a workpiece. `body_bytes` holds the mesh files that bodies name.
 Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::string>& body_bytes);
 
-/// Where the workpiece stands in W.
+/// Where the workpiece stands in W: as given, or where its measured targets fit best. Throws InputError when
+/// they do not determine it or a residual is above the job's bound.
 Pose MakeWorkpiecePose(const WorkpieceSettings& settings, const Pose& X_WB);
 
 /// The admissible limits of a job: the arm's, narrowed by the task's, less the margin.

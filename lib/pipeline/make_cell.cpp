@@ -5,6 +5,7 @@
 #include "base/trig.hpp"
 #include "pipeline/assemble.hpp"
 #include "surface/mesh_import.hpp"
+#include "surface/point_fit.hpp"
 
 namespace millpose {
 namespace {
@@ -137,8 +138,34 @@ Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::str
   return cell;
 }
 
+namespace {
+
+Pose FitTargets(const WorkpieceSettings& settings) {
+  std::vector<Eigen::Vector3d> nominal, measured;
+  for (const TargetSettings& target : settings.targets) {
+    nominal.push_back(target.nominal);
+    measured.push_back(target.measured);
+  }
+  const std::optional<PointFit> fit = FitPoints(nominal, measured);
+  if (!fit)
+    throw InputError({},
+                     "workpiece.targets: the points lie on a line, so the rotation about it is not known");
+  if (fit->largest > settings.max_residual) {
+    std::string residuals;
+    for (const double residual : fit->residuals)
+      residuals += fmt::format("{}{:.3f}", residuals.empty() ? "" : ", ", residual);
+    throw InputError(
+        {}, fmt::format("workpiece.targets: the best fit leaves residuals of {} mm (RMS {:.3f}); allowed: "
+                        "at most max_residual_mm, {}",
+                        residuals, fit->rms, settings.max_residual));
+  }
+  return fit->X;
+}
+
+}  // namespace
+
 Pose MakeWorkpiecePose(const WorkpieceSettings& settings, const Pose& X_WB) {
-  const Pose pose = MakePose(settings.pose);
+  const Pose pose = settings.targets.empty() ? MakePose(settings.pose) : FitTargets(settings);
   return settings.frame == "robot_base" ? X_WB * pose : pose;
 }
 

@@ -269,5 +269,28 @@ class Documents(unittest.TestCase):
         self.assertEqual(complete("flatness", "READ"), ["README.md"])
 
 
+class Check(unittest.TestCase):
+    def test_sound_mesh_is_described_with_status_0(self):
+        result = run("check", f"{TOP}/toolpaths/cabin_ring/cabin_ring.stl")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("1000 x 1000 x 40 mm", result.stdout)
+        self.assertIn("1, 1 of them closed", result.stdout)
+
+    def test_doubtful_unit_is_a_finding(self):
+        result = run("check", f"{TOP}/toolpaths/cabin_ring/cabin_ring.stl", "--unit", "m", "--json")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("1000 times smaller", json.loads(result.stdout)["warnings"][0])
+
+    def test_job_tells_reach_and_gouges(self):
+        result = run("check", f"{TOP}/toolpaths/support_pad/job.yaml", "--json", "-q")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        found = json.loads(result.stdout)
+        self.assertEqual(found["reach"]["admissible"], found["points"])
+        self.assertEqual(found["gouges"], 0)
+
+    def test_unreadable_mesh_has_status_2(self):
+        self.assertEqual(run("check", f"{TOP}/README.md").returncode, 2)
+
+
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])
