@@ -54,8 +54,6 @@ Codec<WorkpieceSettings> WorkpieceFields() {
 
 // A strategy's own section must be given with it and with no other.
 void CheckStrategySections(const Value& value, const Context& context, ToolpathSettings& toolpath) {
-  if (toolpath.strategy != "curve" && toolpath.strategy != "cam" && !value.FindKey("stepover_mm"))
-    context.Child("stepover_mm").Add(value.mark, "missing; required: number > 0, mm");
   for (const auto& [section, strategy] : {std::pair("planes", "parallel_planes"), std::pair("rings", "rings"),
                                           std::pair("curve", "curve"), std::pair("cam", "cam")}) {
     const Value::Key* key = value.FindKey(section);
@@ -100,7 +98,7 @@ Codec<ToolpathSettings> ToolpathFields() {
   const auto strategy_is = [](const char* strategy) {
     return [strategy](const S& s) { return s.strategy == strategy; };
   };
-  return Section<S>(
+  Codec<S> codec = Section<S>(
       {
           Key<S>("strategy", MILLPOSE_AT(strategy),
                  Choice({"parallel_planes", "rings", "contours", "curve", "cam"}),
@@ -166,6 +164,15 @@ Codec<ToolpathSettings> ToolpathFields() {
                  "Direction in the world from which the rotation about the tool axis counts."),
       },
       CheckStrategySections);
+  // Told beside other problems of the section, as keys that are always required are.
+  codec.read = [read = codec.read](const Value& value, const Context& context, S& toolpath) {
+    const Value* strategy = value.Find("strategy");
+    const bool without = strategy != nullptr && (strategy->text == "curve" || strategy->text == "cam");
+    if (value.kind == Value::Kind::kMap && !without && !value.FindKey("stepover_mm"))
+      context.Child("stepover_mm").Add(value.mark, "missing; required: number > 0, mm");
+    read(value, context, toolpath);
+  };
+  return codec;
 }
 
 Codec<GeneticSettings> GeneticFields() {

@@ -12,6 +12,7 @@ namespace millpose {
 namespace {
 
 constexpr double kInch = 25.4;
+constexpr double kMaxRadius = 1e6;  // mm: bounds the number of points that a circle becomes
 
 // Statements that say nothing about where the tool goes.
 const std::vector<std::string_view> kSilent{
@@ -136,6 +137,11 @@ class AptReader {
     }
     std::vector<Eigen::Vector3d> way{to};
     if (circle_ && !path_.points.empty() && !rapid_) {
+      const double radius =
+          std::max((path_.points.back().position - circle_->centre).norm(), (to - circle_->centre).norm());
+      if (!(radius <= kMaxRadius))
+        throw InputError(circle_->place,
+                         fmt::format("the circle's radius of {:.4g} mm is above {} mm", radius, kMaxRadius));
       way = ArcPoints(path_.points.back().position, to, circle_->centre, circle_->axis, tolerance_);
       ++circles_;
     }

@@ -92,6 +92,8 @@ TEST(Apt, UnknownWordsAreCountedAndMotionsMustBeReadable) {
   EXPECT_EQ(ErrorOf("GOTO/0,0,0,0,0,0\n"), "path.cls:1:12: the tool axis has no length");
   EXPECT_EQ(ErrorOf("GOTO/0,0,0\nCIRCLE/0,0,0,0,0,1,5\n"),
             "path.cls:2:1: a CIRCLE is not followed by the GOTO that it leads to");
+  EXPECT_EQ(ErrorOf("GOTO/0,0,0\nCIRCLE/1E9,0,0,0,0,1,1E9\nGOTO/0,0,1\n"),
+            "path.cls:2:1: the circle's radius of 1e+09 mm is above 1000000 mm");
   EXPECT_EQ(ErrorOf("FINI\n"), "path.cls: the file holds no GOTO");
   EXPECT_EQ(ErrorOf("UNITS/FEET\n").substr(0, 14), "path.cls:1:1: ");
 }
