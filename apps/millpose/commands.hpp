@@ -35,8 +35,9 @@ void AddStiffnessCommand(CLI::App& app, Run& run);
 void AddVerifyCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
-    AddPlanCommand,     AddVerifyCommand,   AddBatchCommand, AddCheckCommand,  AddInspectCommand, AddStiffnessCommand,
-    AddIdentifyCommand, AddFlatnessCommand, AddSchemaCommand, AddManCommand,     AddCompletionCommand,
+    AddPlanCommand,    AddVerifyCommand,    AddBatchCommand,      AddCheckCommand,
+    AddInspectCommand, AddStiffnessCommand, AddIdentifyCommand,   AddFlatnessCommand,
+    AddSchemaCommand,  AddManCommand,       AddCompletionCommand,
 };
 
 }  // namespace millpose
