@@ -61,7 +61,8 @@ void Describe(const PoseProblem& problem, const PathNode& node, PlannedPoint& po
   point.from_genetic = node.genetic;
   const Eigen::Vector3d tip = problem.X_FT.translation();
   const Eigen::Vector3d origin = problem.origin == StiffnessOrigin::kToolTip ? tip : Eigen::Vector3d::Zero();
-  const Matrix6 C = Compliance(Jacobian(problem.arm, node.q, origin), problem.arm.stiffness);
+  const Matrix6 C = Compliance(Jacobian(problem.arm, node.q, origin), problem.arm.stiffness) +
+                    SeriesComplianceAt(problem.arm, node.q, origin, problem.compliances);
   const Eigen::Vector3d normal = problem.X_WB.linear().transpose() * point.point.normal;
   if (const auto indices = IndicesInPlane(C.topLeftCorner<3, 3>(), normal)) point.indices = *indices;
   point.dexterity = Dexterity(Jacobian(problem.arm, node.q, tip), problem.characteristic_length);

@@ -6,6 +6,7 @@
 
 #include "config/config.hpp"
 #include "pipeline/assemble.hpp"
+#include "toolpath/pass_ends.hpp"
 
 namespace millpose {
 namespace {
@@ -48,6 +49,13 @@ std::vector<std::string> Explain(const PlanResult& plan, const std::vector<Check
   return sentences;
 }
 
+// The first pass of the last layer: every layer has the same passes, one layer after the other.
+int FinishedFrom(const JobSettings& job, size_t passes) {
+  const DepthSettings& depth = job.toolpath.depth;
+  const int layers = LayerCount({depth.total, depth.per_layer, depth.allowance});
+  return static_cast<int>(passes - passes / static_cast<size_t>(layers));
+}
+
 }  // namespace
 
 ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
@@ -61,7 +69,8 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
   if (results.inputs.job.feed_policy == "keep" && !report.continuity->feed_not_held.empty())
     report.findings.push_back(ExplainFeed(*report.continuity));
   if (const auto force = MakeCuttingForce(results.inputs.job, results.inputs.cell))
-    report.deflection = PredictDeflections(plan, *force, MakeCompliances(results.inputs.cell));
+    report.deflection = PredictDeflections(plan, *force, MakeCompliances(results.inputs.cell),
+                                           FinishedFrom(results.inputs.job, plan.passes.size()));
   // One program that its read-back does not confirm casts doubt on the plan: none is written then.
   bool confirmed = true;
   for (const CheckedProgram& program : results.programs) confirmed &= program.findings.empty();
@@ -82,8 +91,8 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
   folder.Write("path.vtp", PathVtp(plan));
   if (report.deflection) folder.Write("deflection.csv", DeflectionCsv(*report.deflection));
   folder.Write("summary.json", SummaryJson(plan, report));
-  folder.Write("report.html",
-               ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell}));
+  folder.Write("report.html", ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell,
+                                          report.deflection ? &*report.deflection : nullptr}));
   if (confirmed) folder.WritePrograms(files);
   return report;
 }

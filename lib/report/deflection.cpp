@@ -4,11 +4,12 @@
 namespace millpose {
 
 DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& force,
-                                    const std::vector<SeriesCompliance>& compliances) {
+                                    const std::vector<SeriesCompliance>& compliances, int finished_from) {
   DeflectionReport report{force, {}, std::nullopt};
   const Eigen::Vector3d origin =
       plan.stiffness_origin == "flange" ? Eigen::Vector3d::Zero() : Eigen::Vector3d(plan.X_FT.translation());
   const Eigen::Matrix3d R_BW = plan.X_WB.linear().transpose();
+  const Eigen::Matrix3d R_PB = plan.X_WP.linear().transpose() * plan.X_WB.linear();
   std::vector<FacePoint> face;
   size_t number = 0;
   for (const PassResult& pass : plan.passes) {
@@ -18,11 +19,13 @@ DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& 
       if (planned.skip != SkipReason::kNone || point.kind != PointKind::kCut) continue;
       const Matrix6 C = Compliance(Jacobian(plan.arm, planned.q, origin), plan.arm.stiffness) +
                         SeriesComplianceAt(plan.arm, planned.q, origin, compliances);
+      const Eigen::Matrix3d c = C.topLeftCorner<3, 3>();
+      const Eigen::Vector3d feed = R_BW * point.feed, axis = R_BW * point.tool_axis;
       const PredictedDeflection deflection =
-          PredictDeflection(C.topLeftCorner<3, 3>(), force.mean, R_BW * point.normal, R_BW * point.feed,
-                            R_BW * point.tool_axis);
-      report.points.push_back({here, pass.pass, deflection});
-      face.push_back({point.position, pass.pass, deflection.normal});
+          PredictDeflection(c, force.mean, R_BW * point.normal, feed, axis);
+      report.points.push_back(
+          {here, pass.pass, deflection, R_PB * (c * ForceVector(force.mean, feed, axis))});
+      if (pass.pass >= finished_from) face.push_back({point.position, pass.pass, deflection.normal});
     }
   }
   report.face = OverFace(face);
@@ -31,12 +34,13 @@ DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& 
 
 std::string DeflectionCsv(const DeflectionReport& report) {
   constexpr double kMicrometres = 1000;
-  std::string csv = "point,pass,normal_um,feed_um,across_um,length_um\n";
+  std::string csv = "point,pass,x_um,y_um,z_um,normal_um,feed_um,across_um,length_um\n";
   for (const DeflectedPoint& point : report.points) {
     const PredictedDeflection& d = point.deflection;
-    csv += fmt::format("{},{},{:.17g},{:.17g},{:.17g},{:.17g}\n", point.number, point.pass,
-                       kMicrometres * d.normal, kMicrometres * d.feed, kMicrometres * d.across,
-                       kMicrometres * d.length);
+    const Eigen::Vector3d moved = kMicrometres * point.moved;
+    csv += fmt::format("{},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", point.number,
+                       point.pass, moved.x(), moved.y(), moved.z(), kMicrometres * d.normal,
+                       kMicrometres * d.feed, kMicrometres * d.across, kMicrometres * d.length);
   }
   return csv;
 }

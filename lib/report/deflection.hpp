@@ -17,19 +17,27 @@ struct DeflectedPoint {
   size_t number = 0;  ///< as in points.csv
   int pass = 0;
   PredictedDeflection deflection;  ///< mm
+  Eigen::Vector3d moved;           ///< the same vector in P, mm
 };
 
 /// The force on a plan's points and what it moves. Deflections hold at the plan's stiffness origin.
 struct DeflectionReport {
   CuttingForce force;
   std::vector<DeflectedPoint> points;  ///< planned cut points in the plan's order
-  std::optional<FaceDeflection> face;  ///< over all of them; empty for fewer than 3
+  std::optional<FaceDeflection> face;  ///< of the finished face; empty for fewer than 3 points
 };
 
-DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& force,
-                                    const std::vector<SeriesCompliance>& compliances);
+/// What every report says about the figures.
+inline constexpr char kDeflectionModel[] =
+    "static compliance of what the cell models under the mean cutting force; no dynamics, no chatter, no "
+    "prediction of flatness";
 
-/// point,pass,normal_um,feed_um,across_um,length_um; 17 significant digits.
+/// `finished_from` is the first pass of the layer that leaves the finished face: earlier layers are cut away
+/// again and do not count in `face`.
+DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& force,
+                                    const std::vector<SeriesCompliance>& compliances, int finished_from = 0);
+
+/// point,pass,x_um,y_um,z_um (in P),normal_um,feed_um,across_um,length_um; 17 significant digits.
 std::string DeflectionCsv(const DeflectionReport& report);
 
 }  // namespace millpose

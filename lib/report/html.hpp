@@ -7,6 +7,7 @@
 
 #include "cell/cell.hpp"
 #include "plan/plan_result.hpp"
+#include "report/deflection.hpp"
 
 namespace millpose {
 
@@ -44,8 +45,9 @@ struct HtmlInput {
   const PlanResult& plan;
   const Cell& cell;  ///< its bodies, the workpiece among them, are drawn
   RotationGrid grid;
-  std::vector<PointCurves> curves;  ///< of all points or of some; by pass and point
-  std::string settings;             ///< job and cell as resolved, YAML
+  std::vector<PointCurves> curves;               ///< of all points or of some; by pass and point
+  std::string settings;                          ///< job and cell as resolved, YAML
+  const DeflectionReport* deflection = nullptr;  ///< when the job says what the cutter takes off
 };
 
 /// The page as bytes: a pure function of its input, no dates, no times.

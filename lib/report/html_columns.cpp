@@ -122,6 +122,32 @@ void AddMotion(const PlanResult& plan, Collector& c) {
   }
 }
 
+/// Predicted deflections of the planned cut points, µm.
+void AddDeflection(const PlanResult& plan, const DeflectionReport& report,
+                   std::vector<ReportColumn>& columns) {
+  size_t total = 0;
+  for (const PassResult& pass : plan.passes) total += pass.points.size();
+  const auto add = [&](std::string key, std::string symbol, std::string label, Worse worse,
+                       double PredictedDeflection::*member) {
+    ReportColumn column{.key = std::move(key),
+                        .symbol = std::move(symbol),
+                        .label = std::move(label),
+                        .unit = "µm",
+                        .worse = worse,
+                        .values = std::vector<float>(total, kNone)};
+    for (const DeflectedPoint& point : report.points)
+      column.values.at(point.number) = static_cast<float>(1e3 * point.deflection.*member);
+    columns.push_back(std::move(column));
+  };
+  add("deflection", "|d|", "Predicted deflection under the mean cutting force", Worse::kHigh,
+      &PredictedDeflection::length);
+  add("deflection_normal", "d·n", "Its part along the normal, away from the part", Worse::kNeither,
+      &PredictedDeflection::normal);
+  add("deflection_feed", "d·f", "Its part along the feed", Worse::kNeither, &PredictedDeflection::feed);
+  add("deflection_across", "d·(n×f)", "Its part across the feed", Worse::kNeither,
+      &PredictedDeflection::across);
+}
+
 /// Marks the worst points of a column.
 void KeepWorst(const ReportColumn& column, std::vector<char>& keep) {
   std::vector<uint32_t> order;
@@ -142,11 +168,13 @@ void KeepWorst(const ReportColumn& column, std::vector<char>& keep) {
 std::string ShownUnit(const std::string& unit) { return unit == "mm/N" ? "µm/N" : unit; }
 double ShownScale(const std::string& unit) { return unit == "mm/N" ? 1e3 : 1; }
 
-std::vector<ReportColumn> ReportColumns(const PlanResult& plan) {
+std::vector<ReportColumn> ReportColumns(const PlanResult& plan, const DeflectionReport* deflection) {
   Collector collector(plan);
   AddStiffness(plan, collector);
   AddMotion(plan, collector);
-  return collector.Take();
+  std::vector<ReportColumn> columns = collector.Take();
+  if (deflection) AddDeflection(plan, *deflection, columns);
+  return columns;
 }
 
 std::vector<ReportRow> RowsToShow(const PlanResult& plan, const std::vector<ReportColumn>& columns,

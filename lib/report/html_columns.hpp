@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "plan/plan_result.hpp"
+#include "report/deflection.hpp"
 
 namespace millpose {
 
@@ -25,8 +26,9 @@ struct ReportRow {
   uint32_t number = 0;
 };
 
-/// All columns of a plan, one value per point of the job in order.
-std::vector<ReportColumn> ReportColumns(const PlanResult& plan);
+/// All columns of a plan, one value per point of the job in order; those of the deflection where there is
+/// one.
+std::vector<ReportColumn> ReportColumns(const PlanResult& plan, const DeflectionReport* deflection = nullptr);
 
 /// The points to show: all of them, or, where there are more than `limit`, every k-th of a pass with the ends
 /// of its pieces and the worst points of every column.

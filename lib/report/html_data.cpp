@@ -306,11 +306,24 @@ Json OptimaJson(const PlanResult& plan, const std::vector<ReportRow>& rows) {
   return {{"genetic", PackFloats(genetic)}, {"exhaustive", PackFloats(exhaustive)}};
 }
 
+/// Figures of the finished face, µm; null when the job gives no cutting force.
+Json DeflectionJson(const DeflectionReport* report) {
+  if (!report) return nullptr;
+  Json json{{"model", kDeflectionModel},
+            {"mean_force_N", {report->force.mean.x(), report->force.mean.y(), report->force.mean.z()}},
+            {"face", nullptr}};
+  if (report->face)
+    json["face"] = {{"level_um", 1e3 * report->face->level},
+                    {"variation_um", 1e3 * report->face->variation},
+                    {"largest_step_um", 1e3 * report->face->largest_step}};
+  return json;
+}
+
 }  // namespace
 
 std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
   const PlanResult& plan = input.plan;
-  const std::vector<ReportColumn> columns = ReportColumns(plan);
+  const std::vector<ReportColumn> columns = ReportColumns(plan, input.deflection);
   const std::vector<ReportRow> rows = RowsToShow(plan, columns, limits.points);
   const Layout layout = LayEndToEnd(plan);
   Json data{{"format", 1},
@@ -333,6 +346,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"curves", CurvesJson(input)},
             {"skipped", SkippedJson(plan, limits.skipped_rows)},
             {"gaps", GapsJson(plan)},
+            {"deflection", DeflectionJson(input.deflection)},
             {"settings", input.settings}};
   Json bodies = Json::array();
   for (const Body& body : input.cell.bodies) bodies.push_back(BodyJson(body, limits));

@@ -92,15 +92,12 @@ Json DeflectionJson(const std::optional<DeflectionReport>& report) {
   const auto of_face = [&](double FaceDeflection::*field) {
     return report->face ? Json((*report->face).*field) : Json(nullptr);
   };
-  return {
-      {"model",
-       "static compliance of what the cell models under the mean cutting force; no dynamics, no chatter, no "
-       "prediction of flatness"},
-      {"mean_force_N", {{"feed", force.mean.x()}, {"across", force.mean.y()}, {"axial", force.mean.z()}}},
-      {"peak_force_N", force.peak},
-      {"level_mm", of_face(&FaceDeflection::level)},
-      {"variation_mm", of_face(&FaceDeflection::variation)},
-      {"largest_step_between_passes_mm", of_face(&FaceDeflection::largest_step)}};
+  return {{"model", kDeflectionModel},
+          {"mean_force_N", {{"feed", force.mean.x()}, {"across", force.mean.y()}, {"axial", force.mean.z()}}},
+          {"peak_force_N", force.peak},
+          {"level_mm", of_face(&FaceDeflection::level)},
+          {"variation_mm", of_face(&FaceDeflection::variation)},
+          {"largest_step_between_passes_mm", of_face(&FaceDeflection::largest_step)}};
 }
 
 Json ProgramsJson(const std::vector<ReportedProgram>& programs) {

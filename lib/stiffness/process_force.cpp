@@ -4,7 +4,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cassert>
-#include <map>
+#include <limits>
 
 #include "base/trig.hpp"
 #include "base/units.hpp"
@@ -37,18 +37,55 @@ Vector3d EdgeForce(const Cut& cut, const Engagement& engagement, double phi) {
   return {-tangential * c - radial * s, tangential * s - radial * c, cut.axial_ratio * tangential};
 }
 
+/// Largest change of the deflection from a point to the nearest one of any other pass. Points are sorted
+/// along the face's longest side, so that a search ends where that side alone is farther than the best.
+double LargestStep(const std::vector<FacePoint>& points) {
+  Vector3d lower = points.front().position, upper = lower;
+  for (const FacePoint& point : points) {
+    lower = lower.cwiseMin(point.position);
+    upper = upper.cwiseMax(point.position);
+  }
+  int axis = 0;
+  (upper - lower).maxCoeff(&axis);
+  std::vector<const FacePoint*> sorted;
+  for (const FacePoint& point : points) sorted.push_back(&point);
+  std::ranges::stable_sort(sorted, {}, [&](const FacePoint* point) { return point->position[axis]; });
+  double largest = 0;
+  for (size_t i = 0; i < sorted.size(); ++i) {
+    const FacePoint& here = *sorted[i];
+    const FacePoint* nearest = nullptr;
+    double best = std::numeric_limits<double>::infinity();
+    // False where this one and all beyond it are farther than the best.
+    const auto consider = [&](const FacePoint& other) {
+      const double along = other.position[axis] - here.position[axis];
+      if (along * along > best) return false;
+      const double distance = (other.position - here.position).squaredNorm();
+      if (other.pass != here.pass && distance < best) {
+        best = distance;
+        nearest = &other;
+      }
+      return true;
+    };
+    for (size_t j = i + 1; j < sorted.size() && consider(*sorted[j]);) ++j;
+    for (size_t j = i; j > 0 && consider(*sorted[j - 1]);) --j;
+    if (nearest) largest = std::max(largest, std::abs(nearest->deflection - here.deflection));
+  }
+  return largest;
+}
+
 }  // namespace
 
 const std::vector<CuttingMaterial>& CuttingMaterials() {
-  // Typical values of tool makers' catalogues by material group (ISO 513, VDI 3323); see
-  // docs/process-force.md.
+  // ISCAR, Boring Systems catalogue 2022, user guide "Material Groups" (ISO 513, VDI 3323): kc1 and mc by
+  // material group. docs/process-force.md compares them with others.
   static const std::vector<CuttingMaterial> materials{
-      {"5A06", 400, 0.25, "catalogue, wrought aluminium not heat-treatable (AlMg6)"},
-      {"AlMg", 400, 0.25, "catalogue, wrought aluminium not heat-treatable"},
-      {"AlZnMgCu", 650, 0.25, "catalogue, wrought aluminium aged (7075, 2A12)"},
-      {"TiAl6V4", 1400, 0.23, "catalogue, titanium alloy annealed"},
-      {"X5CrNi18-10", 2000, 0.21, "catalogue, austenitic stainless steel"},
-      {"C45", 1600, 0.25, "catalogue, unalloyed steel annealed"},
+      {"5A06", 700, 0.25, "ISCAR 2022, group 21: wrought aluminium, not hardenable (AlMg6)"},
+      {"AlMg", 700, 0.25, "ISCAR 2022, group 21: wrought aluminium, not hardenable"},
+      {"AlZnMgCu", 800, 0.25, "ISCAR 2022, group 22: wrought aluminium, hardened (7075, 2A12)"},
+      {"TiAl6V4", 1245, 0.24, "ISCAR 2022, group 37: titanium alpha+beta alloys, hardened"},
+      {"Inconel718", 3300, 0.24, "ISCAR 2022, group 34: Ni or Co based, hardened"},
+      {"X5CrNi18-10", 2150, 0.20, "ISCAR 2022, group 14: stainless steel, austenitic"},
+      {"C45", 1500, 0.22, "ISCAR 2022, group 2: unalloyed steel with 0.25 % C or more, annealed"},
   };
   return materials;
 }
@@ -110,17 +147,7 @@ std::optional<FaceDeflection> OverFace(const std::vector<FacePoint>& points) {
   }
   const Eigen::VectorXd rest = b - A * A.completeOrthogonalDecomposition().solve(b);
   result.variation = rest.maxCoeff() - rest.minCoeff();
-  std::map<int, std::vector<const FacePoint*>> passes;
-  for (const FacePoint& point : points) passes[point.pass].push_back(&point);
-  for (const FacePoint& point : points) {
-    const auto next = passes.find(point.pass + 1);
-    if (next == passes.end()) continue;
-    const auto distance = [&](const FacePoint* other) {
-      return (other->position - point.position).squaredNorm();
-    };
-    const FacePoint* nearest = *std::ranges::min_element(next->second, {}, distance);
-    result.largest_step = std::max(result.largest_step, std::abs(nearest->deflection - point.deflection));
-  }
+  result.largest_step = LargestStep(points);
   return result;
 }
 

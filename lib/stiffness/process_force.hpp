@@ -18,7 +18,8 @@ struct CuttingMaterial {
   std::string source;
 };
 
-/// The built-in table: typical catalogue values, good to some ±30 %.
+/// The built-in table: a tool maker's values by material group. Other sources differ by up to a factor of 2
+/// (docs/process-force.md).
 const std::vector<CuttingMaterial>& CuttingMaterials();
 
 enum class MillingSide : uint8_t { kUp, kDown, kSlot };  ///< conventional, climb, full width
@@ -70,7 +71,7 @@ Eigen::Vector3d ForceVector(const Eigen::Vector3d& force, const Eigen::Vector3d&
 struct FaceDeflection {
   double level = 0;      ///< mean, mm
   double variation = 0;  ///< eq. 37 of the deflected face: max − min about its own least-squares plane, mm
-  double largest_step = 0;  ///< from a point to the nearest one of the next pass, mm
+  double largest_step = 0;  ///< from a point to the nearest one of any other pass, mm
 };
 
 /// One point of a face: where it is (mm), its pass, and its deflection along the normal (mm).

@@ -67,8 +67,12 @@ void AddPassEnds(const PassEnds& ends, double spacing, Toolpath& toolpath) {
   }
 }
 
+int LayerCount(const Layers& layers) {
+  return std::max(1, static_cast<int>(std::ceil(layers.total / layers.per_layer - 1e-9)));
+}
+
 Toolpath Layered(const Toolpath& toolpath, const Layers& layers) {
-  const int count = std::max(1, static_cast<int>(std::ceil(layers.total / layers.per_layer - 1e-9)));
+  const int count = LayerCount(layers);
   Toolpath layered;
   for (int layer = 1; layer <= count; ++layer) {
     const double offset = layers.allowance + layers.total * (count - layer) / count;

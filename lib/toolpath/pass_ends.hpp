@@ -33,6 +33,9 @@ struct Layers {
   double allowance = 0;  ///< left on the surface, mm
 };
 
+/// How many there are, at least 1.
+int LayerCount(const Layers& layers);
+
 /// The layers from the outermost to the last, each with all passes, in even steps. Offset along the normals,
 /// so creases and concave places tighter than the offset are not looked at.
 Toolpath Layered(const Toolpath& toolpath, const Layers& layers);

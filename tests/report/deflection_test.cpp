@@ -48,9 +48,30 @@ TEST(Deflection, IsComplianceTimesForceAtEveryPlannedCutPoint) {
     EXPECT_NEAR(report.points[k].deflection.length, moved.norm(), 1e-12);
   }
   ASSERT_TRUE(report.face.has_value());
+  EXPECT_NEAR(report.points[0].moved.x(), -report.points[0].deflection.normal, 1e-15);  // P is W here
   const std::string csv = DeflectionCsv(report);
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
-  EXPECT_TRUE(csv.starts_with("point,pass,normal_um,"));
+  EXPECT_TRUE(csv.starts_with("point,pass,x_um,y_um,z_um,normal_um,"));
+}
+
+TEST(Deflection, VectorsAreInThePartsFrame) {
+  PlanResult plan = TwoPasses();
+  CuttingForce force;
+  force.mean = Eigen::Vector3d(30, -50, 10);
+  const Eigen::Vector3d in_world = PredictDeflections(plan, force, {}).points[2].moved;
+  plan.X_WP.linear() = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  plan.X_WP.translation() << 5, 6, 7;
+  const Eigen::Vector3d in_part = PredictDeflections(plan, force, {}).points[2].moved;
+  EXPECT_LT((plan.X_WP.linear() * in_part - in_world).norm(), 1e-15);
+}
+
+TEST(Deflection, OnlyTheLastLayerIsTheFinishedFace) {
+  const PlanResult plan = TwoPasses();
+  CuttingForce force;
+  force.mean = Eigen::Vector3d(30, -50, 10);
+  const DeflectionReport report = PredictDeflections(plan, force, {}, 1);
+  EXPECT_EQ(report.points.size(), 4u);    // every point is predicted,
+  EXPECT_FALSE(report.face.has_value());  // but the second pass alone has two points
 }
 
 TEST(Deflection, CountsCompliancesBesideTheJoints) {

@@ -105,6 +105,27 @@ TEST(ReportHtml, CountsAreThoseOfThePlan) {
   for (const Json& column : data["columns"]) EXPECT_EQ(Floats(column["values"]).size(), 80u) << column["key"];
 }
 
+TEST(ReportHtml, ShowsPredictedDeflectionsWhereThereAreSome) {
+  EXPECT_TRUE(DataOf(SmallPage())["deflection"].is_null());
+  DeflectionReport report;
+  report.force.mean = {1, 2, 3};
+  report.points.push_back(
+      {2, 0, {.normal = 0.001, .feed = -0.002, .across = 0.003, .length = 0.004}, {0, 0, 0}});
+  report.face = FaceDeflection{.level = 0.01, .variation = 0.0002, .largest_step = 0.0001};
+  HtmlInput input = SmallPanel().Input();
+  input.deflection = &report;
+  const std::string page = ReportHtml(input);
+  const Json data = DataOf(page);
+  EXPECT_NEAR(data["deflection"]["face"]["level_um"], 10, 1e-12);
+  EXPECT_NEAR(data["deflection"]["face"]["variation_um"], 0.2, 1e-12);
+  EXPECT_EQ(data["deflection"]["mean_force_N"], Json({1.0, 2.0, 3.0}));
+  EXPECT_NE(data["deflection"]["model"].get<std::string>().find("no chatter"), std::string::npos);
+  const auto length = ColumnValues(data, "deflection");
+  EXPECT_FLOAT_EQ(length[2], 4);
+  EXPECT_FLOAT_EQ(ColumnValues(data, "deflection_normal")[2], 1);
+  EXPECT_TRUE(std::isnan(length[1]));
+}
+
 TEST(ReportHtml, ColumnsHoldThePlanInTheirUnits) {
   const Json data = DataOf(SmallPage());
   const auto lambda = ColumnValues(data, "lambda_t1"), angle = ColumnValues(data, "a5");

@@ -104,5 +104,34 @@ TEST(OverFace, TellsLevelFromVariationAndStep) {
   EXPECT_FALSE(OverFace({points[0], points[1]}).has_value());
 }
 
+TEST(OverFace, StepsAreThoseOfANaiveSearchForTheNearestPointOfAnotherPass) {
+  RandomStream stream(7, 1);
+  for (int run = 0; run < 20; ++run) {
+    std::vector<FacePoint> points;
+    for (int i = 0; i < 200; ++i)
+      points.push_back({Vector3d(stream.Uniform(0, 100), stream.Uniform(0, 900), stream.Uniform(0, 5)),
+                        stream.Below(8), stream.Normal()});
+    double largest = 0;
+    for (const FacePoint& here : points) {
+      const FacePoint* nearest = nullptr;
+      for (const FacePoint& other : points)
+        if (other.pass != here.pass && (!nearest || (other.position - here.position).norm() <
+                                                        (nearest->position - here.position).norm()))
+          nearest = &other;
+      largest = std::max(largest, std::abs(nearest->deflection - here.deflection));
+    }
+    EXPECT_EQ(OverFace(points)->largest_step, largest);
+  }
+}
+
+TEST(OverFace, APassCutByAHoleHasItsNeighboursBesideItNotBeyondTheHole) {
+  // Passes 1 and 2 lie in one line left and right of a hole; the face bends along that line.
+  std::vector<FacePoint> points;
+  for (const auto& [pass, first, last, y] : {std::tuple{0, 0, 20, 0.0}, std::tuple{1, 0, 8, 5.0},
+                                             std::tuple{2, 12, 20, 5.0}, std::tuple{3, 0, 20, 10.0}})
+    for (int i = first; i <= last; ++i) points.push_back({Vector3d(10 * i, y, 0), pass, 1e-4 * i * i});
+  EXPECT_EQ(OverFace(points)->largest_step, 0.0);
+}
+
 }  // namespace
 }  // namespace millpose

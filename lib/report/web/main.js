@@ -36,6 +36,7 @@
     m.fillHeader(data);
     m.fillSkipped(data);
     m.fillGaps(data);
+    m.fillDeflection(data);
     $("settings-text").textContent = data.settings;
     if (data.count === 0) return;
 

@@ -53,7 +53,7 @@
         line("A" + j, value("a" + j), `${m.format(data.arm.lower_deg[j - 1])}…${m.format(data.arm.upper_deg[j - 1])}°`, value("v" + j)));
       const table = (caption, head, ...lines) => m.element("table", {}, m.element("caption", {}, caption), ...head, ...lines);
       this.figures.replaceChildren(
-        table("Stiffness", [], ...["objective", "lambda_t1", "lambda_t2", "lambda_n", "normal_compliance", "mu", "dexterity", "price"].map(simple)),
+        table("Stiffness", [], ...["objective", "lambda_t1", "lambda_t2", "lambda_n", "normal_compliance", "mu", "dexterity", "price", "deflection", "deflection_normal"].filter((key) => data.column[key]).map(simple)),
         table("Place and pose", [], line("x, W", `${p[0].toFixed(2)} mm`), line("y, W", `${p[1].toFixed(2)} mm`), line("z, W", `${p[2].toFixed(2)} mm`),
           simple("rotation"), line("branch", reason ? "–" : "S" + rows.branch[row]), simple("clearance"), simple("limit_reserve"), simple("speed_share")),
         table("Joints", [m.element("tr", {}, m.element("th"), ...["angle", "limits", "speed"].map((t) => m.element("th", { class: "number" }, t)))], ...joints));
@@ -93,6 +93,22 @@
     select(row) {
       for (const line of this.body.children) line.classList.toggle("selected", Number(line.dataset.row) === row);
     }
+  };
+
+  // The finished face: an offset of depth (level) and what is not flat (variation) are different things.
+  m.fillDeflection = function (data) {
+    const section = document.getElementById("deflection"), d = data.deflection;
+    if (!d) {
+      section.remove();
+      return;
+    }
+    const force = d.mean_force_N.map((f) => m.format(f)).join(", ");
+    const face = d.face
+      ? `Over the finished face, along the normal: level ${m.format(d.face.level_um)} µm (mean, an offset of depth; positive away from the part), ` +
+        `variation ${m.format(d.face.variation_um)} µm (largest less smallest distance from its own best plane, eq. 37), ` +
+        `largest step to a neighbouring pass ${m.format(d.face.largest_step_um)} µm.`
+      : "Fewer than three planned cut points: no figures of a face.";
+    section.querySelector("p").textContent = `Mean force on the tool (feed, across, axis): ${force} N. ${face} What it is: ${d.model}.`;
   };
 
   m.fillSkipped = function (data) {
