@@ -24,8 +24,21 @@ void AddBatchCommand(CLI::App& app, Run& run) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_flag("--fresh", arguments->fresh, "Ignore checkpoints and what is done");
-  command->callback([&run, arguments] {
-    run = [arguments](Session& session) {
+  const auto use_slurm = std::make_shared<bool>(false);
+  const auto slurm = std::make_shared<SlurmOptions>();
+  command->add_flag("--slurm", *use_slurm,
+                    "Plan by array jobs of Slurm on a shared folder; --threads per task");
+  command
+      ->add_option("--shares", slurm->shares, "With --slurm: tasks over which each job's passes are spread")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command->add_flag("--detach", slurm->detach,
+                    "With --slurm: submit and end; the same command later gathers");
+  command->add_option("--sbatch", slurm->sbatch,
+                      "With --slurm: a further option of sbatch, like --partition=cpu");
+  command->callback([&run, arguments, use_slurm, slurm] {
+    run = [arguments, use_slurm, slurm](Session& session) {
+      if (*use_slurm) arguments->slurm = *slurm;
       const BatchOutcome outcome = RunBatch(*arguments, session.progress, session.stop);
       fmt::print("{}", outcome.text);
       return outcome.exit_status;

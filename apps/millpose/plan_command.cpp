@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "commands.hpp"
 #include "pipeline/run.hpp"
 
@@ -19,6 +22,18 @@ int Plan(const PlanArguments& arguments, Session& session) {
   }
 }
 
+// "2/8": the second of eight.
+Share ParseShare(const std::string& text) {
+  const size_t slash = text.find('/');
+  const std::optional<double> number = ParseNumber(text.substr(0, slash));
+  const std::optional<double> count =
+      slash == std::string::npos ? std::nullopt : ParseNumber(text.substr(slash + 1));
+  const bool whole = number && count && *number == std::floor(*number) && *count == std::floor(*count);
+  if (!whole || *number < 1 || *number > *count || *count > 1e6)
+    throw InputError(Place{}, fmt::format("--share: given {}; allowed: K/N with K from 1 to N", text));
+  return {static_cast<size_t>(*number) - 1, static_cast<size_t>(*count)};
+}
+
 }  // namespace
 
 void AddPlanCommand(CLI::App& app, Run& run) {
@@ -33,10 +48,14 @@ void AddPlanCommand(CLI::App& app, Run& run) {
   const auto changes = std::make_shared<std::vector<std::string>>();
   command->add_option("--set", *changes,
                       "KEY=VALUE: a setting in place of the job's, like toolpath.stepover_mm=4");
+  const auto share = std::make_shared<std::string>();
+  command->add_option("--share", *share,
+                      "K/N: plan only every N-th pass from the K-th, as checkpoints, and end");
   command->add_flag("--audit", arguments->audit, "Judge the plan by recomputation; figures in summary.json");
   command->add_flag("--fresh", arguments->fresh, "Ignore checkpoints of earlier runs");
-  command->callback([&run, arguments, changes] {
-    run = [arguments, changes](Session& session) {
+  command->callback([&run, arguments, changes, share] {
+    run = [arguments, changes, share](Session& session) {
+      if (!share->empty()) arguments->share = ParseShare(*share);
       for (const std::string& change : *changes) arguments->overrides.push_back(ParseOverride(change));
       return Plan(*arguments, session);
     };

@@ -13,6 +13,7 @@
 #include "base/process.hpp"
 #include "pipeline/inputs.hpp"
 #include "pipeline/output_folder.hpp"
+#include "pipeline/slurm.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -93,11 +94,50 @@ JobOutcome RunJob(const BatchJob& job, const fs::path& folder, int threads, bool
   return outcome;
 }
 
+// Each job in a child process, as many at a time as threads and memory allow.
+std::vector<JobOutcome> RunHere(const std::vector<BatchJob>& jobs, const fs::path& folder,
+                                const BatchArguments& arguments, int threads, Progress& progress,
+                                std::stop_token stop) {
+  const int wanted = arguments.parallel > 0 ? std::min(arguments.parallel, threads) : threads;
+  const int parallel = std::min(static_cast<int>(jobs.size()), wanted);
+  const int threads_each = std::max(1, threads / parallel);
+  std::vector<JobOutcome> outcomes(jobs.size());
+  MemoryGate gate(arguments.memory_MB);
+  std::atomic<size_t> next = 0;
+  progress.Begin("batch", jobs.size());
+  const auto work = [&] {
+    for (size_t i = next++; i < jobs.size() && !stop.stop_requested(); i = next++) {
+      try {
+        outcomes[i] = RunJob(jobs[i], folder / jobs[i].name, threads_each, arguments.fresh, &gate, stop);
+      } catch (const Interrupted&) {
+        return;
+      } catch (const InputError& error) {
+        outcomes[i].status = 2;
+        outcomes[i].cause = FirstLine(error.what());
+      }
+      progress.Advance(1);
+    }
+  };
+  {
+    std::vector<std::jthread> workers;
+    for (int i = 0; i < parallel; ++i) workers.emplace_back(work);
+  }
+  if (stop.stop_requested()) throw Interrupted();
+  progress.End(fmt::format("{} jobs", jobs.size()));
+  return outcomes;
+}
+
 }  // namespace
 
 std::vector<std::string> PlanCommand(const BatchJob& job, const fs::path& folder, int threads, bool fresh) {
-  std::vector<std::string> command{OwnProgram(),    "plan",      job.file.string(),       "--out",
-                                   folder.string(), "--threads", std::to_string(threads), "--quiet"};
+  std::vector<std::string> command{OwnProgram(),
+                                   "plan",
+                                   fs::absolute(job.file).string(),
+                                   "--out",
+                                   fs::absolute(folder).string(),
+                                   "--threads",
+                                   std::to_string(threads),
+                                   "--quiet"};
   for (const Override& change : job.overrides) {
     command.push_back("--set");
     command.push_back(change.path + "=" + change.value);
@@ -148,39 +188,21 @@ BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::
   const OutputFolder folder(arguments.out);
   const int threads =
       arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
-  const int parallel = std::min(static_cast<int>(jobs.size()),
-                                arguments.parallel > 0 ? std::min(arguments.parallel, threads) : threads);
-  const int threads_each = std::max(1, threads / parallel);
-  std::vector<JobOutcome> outcomes(jobs.size());
-  MemoryGate gate(arguments.memory_MB);
-  std::atomic<size_t> next = 0;
-  progress.Begin("batch", jobs.size());
-  const auto work = [&] {
-    for (size_t i = next++; i < jobs.size() && !stop.stop_requested(); i = next++) {
-      try {
-        outcomes[i] =
-            RunJob(jobs[i], folder.path() / jobs[i].name, threads_each, arguments.fresh, &gate, stop);
-      } catch (const Interrupted&) {
-        return;
-      } catch (const InputError& error) {
-        outcomes[i].status = 2;
-        outcomes[i].cause = FirstLine(error.what());
-      }
-      progress.Advance(1);
-    }
-  };
-  {
-    std::vector<std::jthread> workers;
-    for (int i = 0; i < parallel; ++i) workers.emplace_back(work);
+  std::vector<JobOutcome> outcomes;
+  if (arguments.slurm) {
+    std::optional<std::vector<JobOutcome>> gathered =
+        RunOnSlurm(jobs, folder.path(), threads, arguments.fresh, *arguments.slurm, progress, stop);
+    if (!gathered) return {0, "submitted; the same command without --detach gathers the results\n"};
+    outcomes = std::move(*gathered);
+  } else {
+    outcomes = RunHere(jobs, folder.path(), arguments, threads, progress, stop);
   }
-  if (stop.stop_requested()) throw Interrupted();
   folder.Write("batch.json", BatchJson(jobs, outcomes));
   folder.Write("junit.xml", JUnitXml(jobs, outcomes));
   BatchOutcome outcome{0, BatchText(jobs, outcomes)};
   for (const JobOutcome& job : outcomes) outcome.exit_status = std::max(outcome.exit_status, job.status);
   // A job ended by a signal is an internal error of the batch: the statuses stay those of millpose.
   if (outcome.exit_status > 3) outcome.exit_status = 3;
-  progress.End(fmt::format("{} jobs, {}", jobs.size(), folder.path().string()));
   return outcome;
 }
 

@@ -14,14 +14,22 @@
 
 namespace millpose {
 
+/// How a batch uses Slurm.
+struct SlurmOptions {
+  int shares = 1;                   ///< tasks over which the passes of each job are spread
+  bool detach = false;              ///< submit and end; the same command later gathers
+  std::vector<std::string> sbatch;  ///< further options of sbatch
+};
+
 /// What `millpose batch` was asked for.
 struct BatchArguments {
   std::vector<std::string> jobs;  ///< job files, manifests, folders, glob patterns
   std::filesystem::path out = "batch.out";
-  int threads = 0;       ///< of all jobs together; 0: all cores
-  int parallel = 0;      ///< jobs at a time; 0: as many as there are threads
-  double memory_MB = 0;  ///< of all jobs together; 0: no bound
-  bool fresh = false;    ///< ignore checkpoints and what is done
+  int threads = 0;                    ///< of all jobs together; 0: all cores
+  int parallel = 0;                   ///< jobs at a time; 0: as many as there are threads
+  double memory_MB = 0;               ///< of all jobs together; 0: no bound
+  bool fresh = false;                 ///< ignore checkpoints and what is done
+  std::optional<SlurmOptions> slurm;  ///< plan on a cluster; `threads` are those of a task then
 };
 
 /// One job of a batch.

@@ -110,6 +110,7 @@ std::vector<BatchJob> CollectJobs(const std::vector<std::string>& arguments) {
     }
   }
   if (!problems.empty()) throw InputError(std::move(problems));
+  if (jobs.empty()) throw InputError(Place{}, "batch: no job is given");
   RefuseDoubles(jobs);
   return jobs;
 }

@@ -42,7 +42,7 @@ std::optional<PassResult> Resume(const OutputFolder& folder, const std::string& 
 
 PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const Toolpath& toolpath,
                          const PathOptions& options, const std::string& context, const OutputFolder& folder,
-                         int threads, Progress& progress, std::stop_token stop) {
+                         const Share& share, int threads, Progress& progress, std::stop_token stop) {
   const size_t count = toolpath.passes.size();
   std::vector<size_t> first_points(count, 0);
   for (size_t i = 1; i < count; ++i)
@@ -54,6 +54,7 @@ PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const T
   planned.passes.resize(count);
   std::atomic<size_t> resumed = 0;
   ParallelFor(count, threads, stop, [&](size_t i) {
+    if (i % share.count != share.index) return;
     const Pass& pass = toolpath.passes[i];
     const std::string key = CheckpointKey(context, pass, i, first_points[i]);
     if (std::optional<PassResult> earlier = Resume(folder, key)) {

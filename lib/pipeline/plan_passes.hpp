@@ -6,6 +6,7 @@
 #include "base/progress.hpp"
 #include "path/pass_planner.hpp"
 #include "pipeline/output_folder.hpp"
+#include "pipeline/run.hpp"
 
 namespace millpose {
 
@@ -16,9 +17,9 @@ struct PlannedPasses {
 
 /// Plans every pass, in parallel. `context` is all that a pass depends on besides its points, as text: the
 /// key of a pass's checkpoint is the hash of both. Each finished pass is written as a checkpoint at once, and
-/// one whose checkpoint is there is not planned again.
+/// one whose checkpoint is there is not planned again. Passes outside `share` stay empty.
 PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const Toolpath& toolpath,
                          const PathOptions& options, const std::string& context, const OutputFolder& folder,
-                         int threads, Progress& progress, std::stop_token stop);
+                         const Share& share, int threads, Progress& progress, std::stop_token stop);
 
 }  // namespace millpose

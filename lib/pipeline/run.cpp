@@ -116,10 +116,14 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
 
   PlanResult plan = StartPlan(inputs, cell, problem);
   stages.Begin("passes", CountPoints(toolpath));
-  PlannedPasses planned = PlanPasses(problem, world, toolpath, MakePathOptions(inputs.job),
-                                     PassContext(inputs), folder, threads, progress, stop);
+  PlannedPasses planned =
+      PlanPasses(problem, world, toolpath, MakePathOptions(inputs.job), PassContext(inputs), folder,
+                 arguments.share.value_or(Share{}), threads, progress, stop);
   plan.passes = std::move(planned.passes);
   stages.End(fmt::format("{} passes, {} of them from checkpoints", plan.passes.size(), planned.resumed));
+  if (arguments.share)
+    return {0,
+            fmt::format("share {} of {} is planned\n", arguments.share->index + 1, arguments.share->count)};
 
   stages.Begin("gaps", 0);
   FixTurns(plan.passes, plan.home, problem.bounds.lower, problem.bounds.upper);

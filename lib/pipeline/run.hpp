@@ -11,6 +11,11 @@
 
 namespace millpose {
 
+/// Part `index` (from 0) of `count`: every count-th pass of a job, so that several machines can plan one job.
+struct Share {
+  size_t index = 0, count = 1;
+};
+
 /// What `millpose plan` was asked for.
 struct PlanArguments {
   std::filesystem::path job;
@@ -20,6 +25,7 @@ struct PlanArguments {
   std::vector<Override> overrides;           ///< of other settings of the job
   bool audit = false;                        ///< recompute the figures of summary.json's `audit`
   bool fresh = false;                        ///< ignore checkpoints
+  std::optional<Share> share;                ///< plan only these passes, leave them as checkpoints, and end
 };
 
 struct PlanOutcome {

@@ -3,6 +3,7 @@
 """Runs the real millpose and looks at status, stdout, stderr and files. Usage: cli_test.py MILLPOSE TOP"""
 import csv
 import json
+import os
 import shutil
 import signal
 import re
@@ -22,8 +23,9 @@ JOB = TOP / "toolpaths" / "support_pad" / "job.yaml"
 FEW = ("toolpath.stepover_mm=40", "toolpath.spacing_mm=40")
 
 
-def run(*arguments, cwd=None):
-    return subprocess.run([MILLPOSE, *map(str, arguments)], capture_output=True, text=True, timeout=300, cwd=cwd)
+def run(*arguments, cwd=None, env=None):
+    return subprocess.run([MILLPOSE, *map(str, arguments)], capture_output=True, text=True, timeout=300, cwd=cwd,
+                          env=env)
 
 
 def plan(folder, *arguments, changes=FEW):
@@ -241,6 +243,28 @@ class Batch(InFolder):
         self.assertEqual(twice.returncode, 2)
         self.assertIn("is also the name of", twice.stderr)
 
+    def test_slurm_gives_the_same_bytes_and_retries_once(self):
+        (self.folder / "batch.yaml").write_text("millpose_batch: 1\njobs:\n" + "".join(
+            f"  - {{job: {JOB}, name: {name}, set: {{toolpath.stepover_mm: 20, toolpath.spacing_mm: 40}}}}\n"
+            for name in ("a", "b")))
+        (self.folder / "sbatch").symlink_to(Path(__file__).with_name("fake_sbatch.py"))
+        env = {**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}", "FAKE_SBATCH_FOLDER": str(self.folder),
+               "FAKE_SBATCH_FAIL": "1"}
+        result = run("batch", "batch.yaml", "--slurm", "--shares", 2, "--threads", 1, "--sbatch", "--partition=cpu",
+                     cwd=self.folder, env=env)
+        self.assertEqual(result.returncode, 0, result.stderr + result.stdout)
+        log = (self.folder / "sbatch.log").read_text().splitlines()
+        self.assertEqual([line.split()[2] for line in log], ["--array=0,1,2,3", "--array=1", "--array=0,1"])
+        self.assertTrue(all("--wait" in line and "--partition=cpu" in line for line in log))
+        self.assertEqual(plan(self.folder / "single", "--set", "name=a",
+                              changes=("toolpath.stepover_mm=20", "toolpath.spacing_mm=40")).returncode, 0)
+        self.assertEqual(tree(self.folder / "batch.out" / "a"), tree(self.folder / "single"))
+        resumed = json.loads((self.folder / "batch.out" / "a" / "run.json").read_text())["resumed_passes"]
+        self.assertEqual(resumed, 4, "the last task only gathers")
+        again = run("batch", "batch.yaml", "--slurm", cwd=self.folder, env=env)
+        self.assertEqual(again.stdout.count("up to date"), 2)
+        self.assertEqual(len((self.folder / "sbatch.log").read_text().splitlines()), 3)
+
 
 class Documents(unittest.TestCase):
     def test_manual_names_every_command_and_option(self):
@@ -293,4 +317,4 @@ class Check(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
