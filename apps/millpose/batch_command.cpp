@@ -14,7 +14,9 @@ void AddBatchCommand(CLI::App& app, Run& run) {
       ->required();
   command->add_option("-o,--out", arguments->out, "Folder of all results, batch.json and junit.xml")
       ->capture_default_str();
-  command->add_option("--threads", arguments->threads, "Threads of all jobs together; 0: all cores")
+  command
+      ->add_option("--threads", arguments->threads,
+                   "Threads of all jobs together, 0: all cores; with --slurm of each task, 0: one")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   command->add_option("--parallel", arguments->parallel, "Jobs at a time; 0: as many as threads")
@@ -26,8 +28,7 @@ void AddBatchCommand(CLI::App& app, Run& run) {
   command->add_flag("--fresh", arguments->fresh, "Ignore checkpoints and what is done");
   const auto use_slurm = std::make_shared<bool>(false);
   const auto slurm = std::make_shared<SlurmOptions>();
-  command->add_flag("--slurm", *use_slurm,
-                    "Plan by array jobs of Slurm on a shared folder; --threads per task");
+  command->add_flag("--slurm", *use_slurm, "Plan by array jobs of Slurm on a folder that all machines share");
   command
       ->add_option("--shares", slurm->shares, "With --slurm: tasks over which each job's passes are spread")
       ->check(CLI::Range(1, 10000))

@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "base/error.hpp"
@@ -16,53 +18,91 @@
 namespace millpose {
 namespace {
 
+constexpr const char* kClearLine = "\r\x1b[K";  // of a bar that stands there
+
+// What goes to stderr besides progress; JSON when progress is.
+void Report(const std::string& text, int status, bool json) {
+  if (json) {
+    using Json = nlohmann::ordered_json;
+    const Json line{{"event", "error"}, {"status", status}, {"message", text}};
+    fmt::print(stderr, "{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
+  } else {
+    fmt::print(stderr, "{}millpose: {}\n", isatty(STDERR_FILENO) != 0 ? kClearLine : "", text);
+  }
+}
+
+void ReportInterrupted(bool json) {
+  Report("interrupted; what is finished is kept: the same command goes on from there", kInterrupted, json);
+}
+
 // Turns SIGINT and SIGTERM into a request to stop. The signals are blocked in every thread and taken by one
-// that waits for them, so that no code runs inside a signal handler. A second signal ends the process at
-// once.
+// that waits for them, so that no code runs inside a signal handler. What cannot look at the request in time
+// is ended with the process: files are renamed into place when they are whole, so nothing is lost but what
+// was not finished. A second signal ends the process at once.
 class SignalWatch {
  public:
-  SignalWatch() {
+  explicit SignalWatch(bool json) {
     sigemptyset(&signals_);
     sigaddset(&signals_, SIGINT);
     sigaddset(&signals_, SIGTERM);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
-    std::thread([this] {
-      int signal = 0;
-      sigwait(&signals_, &signal);
-      source_.request_stop();
-      sigwait(&signals_, &signal);
-      _exit(kInterrupted);
-    }).detach();  // lives as long as the process
+    std::thread([this, json] { Watch(json); }).detach();  // lives as long as the process
   }
 
   std::stop_token token() const { return source_.get_token(); }
+  /// The first caller reports the end; a second one must not.
+  bool MayReport() { return !reported_.exchange(true); }
 
  private:
+  void Watch(bool json) {
+    int signal = 0;
+    sigwait(&signals_, &signal);
+    source_.request_stop();
+    // A batch stops its jobs by SIGTERM and waits for them: theirs is the shorter time.
+    const timespec grace{0, signal == SIGINT ? 800'000'000 : 500'000'000};
+    sigtimedwait(&signals_, nullptr, &grace);
+    if (MayReport()) ReportInterrupted(json);
+    _exit(kInterrupted);
+  }
+
   sigset_t signals_{};
   std::stop_source source_;
+  std::atomic<bool> reported_ = false;
 };
 
-void Report(const std::string& text) { fmt::print(stderr, "millpose: {}\n", text); }
+// How progress goes to stderr.
+struct Output {
+  bool quiet = false, json = false;
+};
 
-int RunGuarded(const Run& run, bool quiet) {
-  static SignalWatch watch;
-  std::unique_ptr<Progress> shown;
-  if (!quiet) shown = std::make_unique<TerminalProgress>(isatty(STDERR_FILENO) != 0);
+std::unique_ptr<Progress> MakeProgress(const Output& output) {
+  if (output.json) return std::make_unique<TerminalProgress>(ProgressForm::kJson);
+  if (output.quiet) return nullptr;
+  return std::make_unique<TerminalProgress>(isatty(STDERR_FILENO) != 0 ? ProgressForm::kBar
+                                                                       : ProgressForm::kLines);
+}
+
+int RunGuarded(const Run& run, const Output& output) {
+  static SignalWatch watch(output.json);
+  std::unique_ptr<Progress> shown = MakeProgress(output);
   Session session{shown ? *shown : Silent(), watch.token()};
+  const auto fail = [&](const std::string& text, int status) {
+    shown.reset();
+    Report(text, status, output.json);
+    return status;
+  };
   try {
     const int status = run(session);
     if (std::fflush(stdout) == 0) return status;
-    Report("cannot write to standard output");
-    return kBadInput;
+    return fail("cannot write to standard output", kBadInput);
   } catch (const InputError& error) {
-    Report(error.what());
-    return kBadInput;
+    return fail(error.what(), kBadInput);
   } catch (const Interrupted&) {
-    Report("interrupted; the same command goes on where it stopped");
+    shown.reset();
+    if (watch.MayReport()) ReportInterrupted(output.json);
     return kInterrupted;
   } catch (const std::exception& error) {
-    Report(fmt::format("internal error: {}", error.what()));
-    return kInternalError;
+    return fail(fmt::format("internal error: {}", error.what()), kInternalError);
   }
 }
 
@@ -74,8 +114,8 @@ std::vector<std::string> CommandNames(const CLI::App& app) {
 
 void ReportUnknownCommand(const std::string& given, const std::vector<std::string>& names) {
   const std::string near = NearestName(given, names);
-  Report(fmt::format("unknown command {}; {}", given,
-                     near.empty() ? fmt::format("allowed: {}", fmt::join(names, ", ")) : "nearest: " + near));
+  fmt::print(stderr, "millpose: unknown command {}; {}\n", given,
+             near.empty() ? fmt::format("allowed: {}", fmt::join(names, ", ")) : "nearest: " + near);
 }
 
 int Main(int argc, char** argv) {
@@ -86,8 +126,9 @@ int Main(int argc, char** argv) {
   app.set_version_flag("--version", "millpose " MILLPOSE_VERSION);
   app.require_subcommand(1);
   app.option_defaults()->always_capture_default();
-  bool quiet = false;
-  app.add_flag("-q,--quiet", quiet, "No progress on stderr");
+  Output output;
+  app.add_flag("-q,--quiet", output.quiet, "No progress on stderr");
+  app.add_flag("--json-progress", output.json, "Progress and errors on stderr as JSON, one object per line");
   app.fallthrough();
   Run run;
   for (const auto& add : kCommands) add(app, run);
@@ -102,7 +143,7 @@ int Main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kBadInput;
   }
-  return RunGuarded(run, quiet);
+  return RunGuarded(run, output);
 }
 
 }  // namespace

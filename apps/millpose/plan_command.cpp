@@ -12,14 +12,9 @@ namespace millpose {
 namespace {
 
 int Plan(const PlanArguments& arguments, Session& session) {
-  try {
-    const PlanOutcome outcome = RunPlan(arguments, session.progress, session.stop);
-    fmt::print("{}", outcome.text);
-    return outcome.exit_status;
-  } catch (const Interrupted&) {
-    fmt::print(stderr, "millpose: finished passes are kept; the same command goes on from there\n");
-    throw;
-  }
+  const PlanOutcome outcome = RunPlan(arguments, session.progress, session.stop);
+  fmt::print("{}", outcome.text);
+  return outcome.exit_status;
 }
 
 // "2/8": the second of eight.

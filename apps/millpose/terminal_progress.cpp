@@ -4,17 +4,27 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <condition_variable>
 #include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
 
 namespace millpose {
 namespace {
 
 constexpr size_t kBarWidth = 30;
-constexpr std::chrono::milliseconds kBarInterval{100};
-constexpr std::chrono::seconds kLineInterval{10};
+constexpr double kLeastTime = 0.5;  // s before a speed is told: earlier it is noise
 
-double Seconds(std::chrono::steady_clock::duration duration) {
-  return std::chrono::duration<double>(duration).count();
+std::chrono::milliseconds Interval(ProgressForm form) {
+  switch (form) {
+    case ProgressForm::kBar:
+      return std::chrono::milliseconds(100);
+    case ProgressForm::kLines:
+      return std::chrono::seconds(10);
+    case ProgressForm::kJson:
+      break;
+  }
+  return std::chrono::seconds(1);
 }
 
 std::string Bar(double share) {
@@ -29,48 +39,87 @@ void Write(const std::string& text) {
 
 }  // namespace
 
+TerminalProgress::TerminalProgress(ProgressForm form)
+    : form_(form), watch_([this](const std::stop_token& stop) { Watch(stop); }) {}
+
 void TerminalProgress::Begin(std::string_view stage, size_t total) {
   const std::lock_guard lock(mutex_);
   stage_ = stage;
+  running_ = true;
   done_ = 0;
   total_ = total;
   began_ = shown_ = Clock::now();
-  if (bar_) Show(began_);
+  if (form_ == ProgressForm::kBar) Show(began_);
+  if (form_ == ProgressForm::kJson) Write(Json("begin", Now(began_), {}));
 }
 
 void TerminalProgress::Advance(size_t count) {
   const std::lock_guard lock(mutex_);
   done_ += count;
-  const Clock::time_point now = Clock::now();
-  if (bar_ ? now - shown_ >= kBarInterval : now - shown_ >= kLineInterval) Show(now);
 }
 
 void TerminalProgress::End(std::string_view outcome) {
   const std::lock_guard lock(mutex_);
-  Write(fmt::format("{}{:<10} {:6.1f} s  {}\n", bar_ ? "\r\x1b[K" : "", stage_,
-                    Seconds(Clock::now() - began_), outcome));
+  running_ = false;
+  const Figures figures = Now(Clock::now());
+  if (form_ == ProgressForm::kJson) return Write(Json("end", figures, outcome));
+  Write(fmt::format("{}{:<10} {:6.1f} s  {}\n", form_ == ProgressForm::kBar ? "\r\x1b[K" : "", stage_,
+                    figures.elapsed_s, outcome));
+}
+
+TerminalProgress::Figures TerminalProgress::Now(Clock::time_point now) const {
+  Figures figures;
+  figures.elapsed_s = std::chrono::duration<double>(now - began_).count();
+  const auto done = static_cast<double>(done_);
+  if (total_ > 0) figures.share = std::min(1.0, done / static_cast<double>(total_));
+  if (done_ > 0 && figures.elapsed_s > kLeastTime) figures.per_s = done / figures.elapsed_s;
+  if (total_ > 0 && figures.per_s)
+    figures.left_s = static_cast<double>(total_ - std::min(done_, total_)) / *figures.per_s;
+  return figures;
 }
 
 // "1200 of 5000 (24 %), 830/s, 5 s left"
-std::string TerminalProgress::State(Clock::time_point now) const {
-  const double elapsed = Seconds(now - began_);
-  if (total_ == 0)
-    return done_ > 0 ? fmt::format("{} done, {:.0f} s", done_, elapsed) : fmt::format("{:.0f} s", elapsed);
-  const double rate = elapsed > 0 ? static_cast<double>(done_) / elapsed : 0;
-  std::string state = fmt::format("{} of {} ({:.0f} %)", done_, total_,
-                                  100.0 * static_cast<double>(done_) / static_cast<double>(total_));
-  if (done_ > 0 && elapsed > 0.5)
-    state += fmt::format(", {:.3g}/s, {:.0f} s left", rate,
-                         static_cast<double>(total_ - std::min(done_, total_)) / rate);
+std::string TerminalProgress::State(const Figures& figures) const {
+  if (!figures.share)
+    return fmt::format("{}{:.0f} s", done_ > 0 ? fmt::format("{} done, ", done_) : "", figures.elapsed_s);
+  std::string state = fmt::format("{} of {} ({:.0f} %)", done_, total_, 100 * *figures.share);
+  if (figures.left_s) state += fmt::format(", {:.3g}/s, {:.0f} s left", *figures.per_s, *figures.left_s);
   return state;
+}
+
+std::string TerminalProgress::Json(std::string_view event, const Figures& figures,
+                                   std::string_view outcome) const {
+  using Value = nlohmann::ordered_json;
+  const auto number = [](const std::optional<double>& value) { return value ? Value(*value) : Value(); };
+  const Value line{{"event", event},
+                   {"stage", stage_},
+                   {"done", done_},
+                   {"total", total_ > 0 ? Value(total_) : Value()},
+                   {"share", number(figures.share)},
+                   {"per_s", number(figures.per_s)},
+                   {"left_s", number(figures.left_s)},
+                   {"elapsed_s", figures.elapsed_s},
+                   {"outcome", event == "end" ? Value(outcome) : Value()}};
+  return line.dump(-1, ' ', false, Value::error_handler_t::replace) + '\n';
 }
 
 void TerminalProgress::Show(Clock::time_point now) {
   shown_ = now;
-  if (!bar_) return Write(fmt::format("{:<10} {}\n", stage_, State(now)));
-  const double share =
-      total_ > 0 ? std::min(1.0, static_cast<double>(done_) / static_cast<double>(total_)) : 0.0;
-  Write(fmt::format("\r\x1b[K{:<10} {} {}", stage_, total_ > 0 ? Bar(share) : "", State(now)));
+  const Figures figures = Now(now);
+  if (form_ == ProgressForm::kJson) return Write(Json("running", figures, {}));
+  if (form_ == ProgressForm::kLines) return Write(fmt::format("{:<10} {}\n", stage_, State(figures)));
+  Write(
+      fmt::format("\r\x1b[K{:<10} {} {}", stage_, figures.share ? Bar(*figures.share) : "", State(figures)));
+}
+
+void TerminalProgress::Watch(const std::stop_token& stop) {
+  std::condition_variable_any changed;
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    const Clock::time_point now = Clock::now();
+    if (running_ && now - shown_ >= Interval(form_)) Show(now);
+    changed.wait_for(lock, stop, Interval(ProgressForm::kBar), [] { return false; });
+  }
 }
 
 }  // namespace millpose

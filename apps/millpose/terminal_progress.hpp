@@ -4,18 +4,27 @@
 #include <chrono>
 #include <cstddef>
 #include <mutex>
+#include <optional>
+#include <stop_token>
 #include <string>
+#include <thread>
 
 #include "base/progress.hpp"
 
 namespace millpose {
 
-/// Writes progress to stderr: on a terminal a bar that moves, else one line when a stage ends and one every
-/// ten seconds while it runs. Called from many threads.
+/// How progress is written to stderr.
+enum class ProgressForm {
+  kBar,    ///< a bar that moves, for a terminal
+  kLines,  ///< one line when a stage ends and one every ten seconds while it runs
+  kJson    ///< one JSON object per line: when a stage begins, every second, when it ends
+};
+
+/// Writes progress to stderr, on a thread of its own: also while one unit of work takes long. Called from
+/// many threads.
 class TerminalProgress : public Progress {
  public:
-  /// `bar`: stderr is a terminal.
-  explicit TerminalProgress(bool bar) : bar_(bar) {}
+  explicit TerminalProgress(ProgressForm form);
 
   void Begin(std::string_view stage, size_t total) override;
   void Advance(size_t count) override;
@@ -23,14 +32,24 @@ class TerminalProgress : public Progress {
 
  private:
   using Clock = std::chrono::steady_clock;
-  std::string State(Clock::time_point now) const;
+  /// How the stage stands; null where it cannot be known.
+  struct Figures {
+    double elapsed_s = 0;
+    std::optional<double> share, per_s, left_s;
+  };
+  Figures Now(Clock::time_point now) const;
+  std::string State(const Figures& figures) const;
+  std::string Json(std::string_view event, const Figures& figures, std::string_view outcome) const;
   void Show(Clock::time_point now);
+  void Watch(const std::stop_token& stop);
 
-  const bool bar_;
+  const ProgressForm form_;
   std::mutex mutex_;
   std::string stage_;
+  bool running_ = false;
   size_t done_ = 0, total_ = 0;
   Clock::time_point began_, shown_;
+  std::jthread watch_;  // last: it ends before what it reads
 };
 
 }  // namespace millpose

@@ -33,7 +33,7 @@ void AddVerifyCommand(CLI::App& app, Run& run) {
       ->required();
   command->add_option("--cell", arguments->cell, "Cell of a program (YAML)");
   command->add_option("--job", arguments->job,
-                      "Job of a folder (YAML), where the folder does not stand beside it any more");
+                      "Job that a folder was planned from (YAML), where it is not where run.json says");
   command->add_flag("--interference", arguments->interference,
                     "Check every motion for interference again, not only what leaves the plan's");
   command->add_option("--threads", arguments->threads, "Threads; 0: all cores")

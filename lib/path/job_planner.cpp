@@ -3,7 +3,6 @@
 
 #include <limits>
 
-#include "base/parallel.hpp"
 #include "base/units.hpp"
 
 namespace millpose {
@@ -125,9 +124,9 @@ void FixTurns(std::vector<PassResult>& passes, const Joints& home, const Joints&
   }
 }
 
-std::vector<Gap> PlanGaps(const World& world, const std::vector<PassResult>& passes,
-                          const GapOptions& options, int threads, std::stop_token stop) {
-  const GapEnd home{-1, -1, world.cell().home};
+std::vector<std::pair<GapEnd, GapEnd>> GapEnds(const Joints& home_joints,
+                                               const std::vector<PassResult>& passes) {
+  const GapEnd home{-1, -1, home_joints};
   std::vector<std::pair<GapEnd, GapEnd>> gaps;
   GapEnd from = home;
   for (const PassResult& pass : passes) {
@@ -141,12 +140,8 @@ std::vector<Gap> PlanGaps(const World& world, const std::vector<PassResult>& pas
       from = end;
     }
   }
-  if (gaps.empty()) return {};
-  gaps.emplace_back(from, home);
-  std::vector<Gap> planned(gaps.size());
-  ParallelFor(gaps.size(), threads, stop,
-              [&](size_t i) { planned[i] = PlanGap(world, gaps[i].first, gaps[i].second, options, stop); });
-  return planned;
+  if (!gaps.empty()) gaps.emplace_back(from, home);
+  return gaps;
 }
 
 }  // namespace millpose

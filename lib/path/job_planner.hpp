@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <stop_token>
+#include <utility>
+#include <vector>
 
 #include "path/gap_planner.hpp"
 #include "plan/plan_result.hpp"
@@ -13,8 +14,8 @@ namespace millpose {
 /// admissible limits.
 void FixTurns(std::vector<PassResult>& passes, const Joints& home, const Joints& lower, const Joints& upper);
 
-/// Plans all gaps of `passes` in their order, home first and last, in parallel.
-std::vector<Gap> PlanGaps(const World& world, const std::vector<PassResult>& passes,
-                          const GapOptions& options, int threads, std::stop_token stop);
+/// Where each gap begins and ends, in order: from home to the first piece, between pieces, back home. Empty
+/// when there is no piece.
+std::vector<std::pair<GapEnd, GapEnd>> GapEnds(const Joints& home, const std::vector<PassResult>& passes);
 
 }  // namespace millpose

@@ -89,7 +89,7 @@ JobOutcome RunJob(const BatchJob& job, const fs::path& folder, int threads, bool
   }
   gate->Leave(result.peak_memory_MB);
   JobOutcome outcome = Judge(folder, result.status, result.errors);
-  outcome.wall_s = result.wall_s;
+  outcome.wall_s = result.wall_s;  // also of a job that left no figures
   outcome.peak_memory_MB = result.peak_memory_MB;
   return outcome;
 }
@@ -159,9 +159,12 @@ JobOutcome Judge(const fs::path& folder, int status, const std::string& errors) 
     outcome.planned = summary.at("points").at("planned").get<size_t>();
     outcome.cause = Shortfall(summary);
     if (!outcome.cause.empty()) outcome.status = 1;
+    const Json run = Json::parse(ReadFile(folder / "run.json"));
+    outcome.wall_s = run.at("wall_s").get<double>();
+    outcome.peak_memory_MB = run.at("peak_memory_MB").get<double>();
   } catch (const std::exception& error) {
     outcome.status = 3;
-    outcome.cause = std::string("no readable summary: ") + error.what();
+    outcome.cause = std::string("no readable summary.json or run.json: ") + error.what();
   }
   return outcome;
 }
@@ -186,15 +189,15 @@ std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) 
 BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::stop_token stop) {
   const std::vector<BatchJob> jobs = CollectJobs(arguments.jobs);
   const OutputFolder folder(arguments.out);
-  const int threads =
-      arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
   std::vector<JobOutcome> outcomes;
   if (arguments.slurm) {
-    std::optional<std::vector<JobOutcome>> gathered =
-        RunOnSlurm(jobs, folder.path(), threads, arguments.fresh, *arguments.slurm, progress, stop);
-    if (!gathered) return {0, "submitted; the same command without --detach gathers the results\n"};
-    outcomes = std::move(*gathered);
+    auto result = RunOnSlurm(jobs, folder.path(), std::max(1, arguments.threads), arguments.fresh,
+                             *arguments.slurm, progress, stop);
+    if (const auto* submitted = std::get_if<std::string>(&result)) return {0, *submitted};
+    outcomes = std::get<std::vector<JobOutcome>>(std::move(result));
   } else {
+    const int threads =
+        arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
     outcomes = RunHere(jobs, folder.path(), arguments, threads, progress, stop);
   }
   folder.Write("batch.json", BatchJson(jobs, outcomes));

@@ -25,11 +25,11 @@ struct SlurmOptions {
 struct BatchArguments {
   std::vector<std::string> jobs;  ///< job files, manifests, folders, glob patterns
   std::filesystem::path out = "batch.out";
-  int threads = 0;                    ///< of all jobs together; 0: all cores
+  int threads = 0;                    ///< of all jobs together, 0: all cores; with Slurm of a task, 0: one
   int parallel = 0;                   ///< jobs at a time; 0: as many as there are threads
   double memory_MB = 0;               ///< of all jobs together; 0: no bound
   bool fresh = false;                 ///< ignore checkpoints and what is done
-  std::optional<SlurmOptions> slurm;  ///< plan on a cluster; `threads` are those of a task then
+  std::optional<SlurmOptions> slurm;  ///< plan on a cluster
 };
 
 /// One job of a batch.

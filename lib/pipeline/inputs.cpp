@@ -5,6 +5,7 @@
 #include "base/file.hpp"
 #include "base/hash.hpp"
 #include "config/config.hpp"
+#include "pipeline/origin.hpp"
 
 namespace millpose {
 namespace {
@@ -40,7 +41,8 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
   JobInputs inputs;
   inputs.job_file = job_file;
   inputs.job = ParseJob(ReadFile(job_file), job_file.string(), overrides);
-  const std::filesystem::path folder = origin.value_or(job_file.parent_path());
+  inputs.folder = origin ? *origin : OriginOf(job_file, inputs.job.cell_file);
+  const std::filesystem::path& folder = inputs.folder;
   std::vector<Problem> problems;
   Collect(problems, [&] { inputs.cell = LoadCell(folder / inputs.job.cell_file, &inputs.body_bytes); });
   Collect(problems, [&] { inputs.workpiece_bytes = ReadFile(folder / inputs.job.workpiece.mesh_file); });

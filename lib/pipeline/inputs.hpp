@@ -13,6 +13,7 @@ namespace millpose {
 /// Everything that a job names, read into memory: from here on nothing else is opened for reading.
 struct JobInputs {
   std::filesystem::path job_file;
+  std::filesystem::path folder;  ///< what the paths inside the job are relative to
   JobSettings job;
   CellSettings cell;
   std::string workpiece_bytes;  ///< of the workpiece's mesh file
@@ -24,8 +25,8 @@ struct JobInputs {
 
 /// Reads a job, its cell and their meshes; paths inside a file are relative to that file. Throws InputError
 /// with the problems of job and cell together. `overrides` replace settings of the job file.
-/// `folder`: what the paths inside the job are relative to, where that is not its own folder (a resolved
-/// job.yaml keeps those of its origin).
+/// The resolved job.yaml of an output folder keeps the paths of the job that was planned; they count from
+/// that job's folder, or from `folder` when it is given.
 JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector<Override>& overrides = {},
                         const std::optional<std::filesystem::path>& folder = {});
 

@@ -27,6 +27,15 @@ void RemoveUnfinished(const fs::path& folder) {
     if (entry.path().extension() == ".tmp") fs::remove(entry.path());
 }
 
+// Whether nothing stands in the folder, or only a mark that a killed run had not finished writing.
+bool IsUnused(const fs::path& folder) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(kMark) || !name.ends_with(".tmp")) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 bool IsOutputFolder(const fs::path& folder) { return fs::exists(folder / kMark); }
@@ -34,11 +43,12 @@ bool IsOutputFolder(const fs::path& folder) { return fs::exists(folder / kMark);
 OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
   if (fs::exists(folder_) && !fs::is_directory(folder_))
     throw InputError({folder_.string()}, "exists and is not a folder; choose another with -o DIR");
-  if (fs::exists(folder_) && !IsOutputFolder(folder_) && !fs::is_empty(folder_))
+  if (fs::exists(folder_) && !IsOutputFolder(folder_) && !IsUnused(folder_))
     throw InputError({folder_.string()},
                      "exists and was not written by millpose; choose another with -o DIR or remove it");
   MakeFolder(folder_);
-  WriteFileAtomically(folder_ / kMark, "This folder is written by millpose; a new plan overwrites it.\n");
+  if (!IsOutputFolder(folder_))
+    WriteFileAtomically(folder_ / kMark, "This folder is written by millpose; a new plan overwrites it.\n");
 }
 
 void OutputFolder::Write(const std::string& name, std::string_view bytes) const {

@@ -14,7 +14,7 @@ void Append(const Eigen::Vector3d& vector, std::string* bytes) {
   bytes->append(reinterpret_cast<const char*>(vector.data()), sizeof(double) * 3);
 }
 
-std::string CheckpointKey(const std::string& context, const Pass& pass, size_t number, size_t first_point) {
+std::string PassKey(const std::string& context, const Pass& pass, size_t number, size_t first_point) {
   std::string bytes =
       context + fmt::format("\npass {} from {} closed {}\n", number, first_point, pass.closed);
   Append(pass.rotation_reference, &bytes);
@@ -27,18 +27,58 @@ std::string CheckpointKey(const std::string& context, const Pass& pass, size_t n
   return Hash(bytes);
 }
 
-// A checkpoint that cannot be read is as good as none: the pass is planned again.
-std::optional<PassResult> Resume(const OutputFolder& folder, const std::string& key) {
+std::string GapKey(const std::string& context, const GapOptions& options, const GapEnd& from,
+                   const GapEnd& to) {
+  std::string bytes = context + fmt::format("\ngap {} {} {} {} {} {}\n", options.retract,
+                                            options.max_iterations, options.swept_resolution,
+                                            options.limit_margin, options.speed_share, options.seed);
+  for (const GapEnd& end : {from, to}) {
+    bytes += fmt::format("{} {} ", end.pass, end.piece);
+    bytes.append(reinterpret_cast<const char*>(end.q.data()), sizeof(double) * 6);
+  }
+  return Hash(bytes);
+}
+
+// What `parse` reads from the checkpoint, if there is one. One that cannot be read is as good as none.
+template <class Parse>
+auto Resume(const OutputFolder& folder, const std::string& key, const Parse& parse)
+    -> std::optional<decltype(parse(key, key))> {
   const std::optional<std::string> bytes = folder.ReadCheckpoint(key);
   if (!bytes) return std::nullopt;
   try {
-    return ParsePassResult(*bytes, key);
+    return parse(*bytes, key);
   } catch (const InputError&) {
     return std::nullopt;
   }
 }
 
 }  // namespace
+
+// Everything but what only later stages read.
+std::string PlanContext(const JobInputs& inputs) {
+  JobSettings job = inputs.job;
+  const JobSettings later;
+  job.name.clear();
+  job.file.clear();
+  job.cell_file.clear();  // what the files hold counts, not where they stand
+  job.workpiece.mesh_file.clear();
+  job.toolpath = later.toolpath;
+  job.feed = later.feed;
+  job.feed_policy = later.feed_policy;
+  job.spindle_speed = later.spindle_speed;
+  job.retract = later.retract;
+  job.gap_limit_margin = later.gap_limit_margin;
+  job.gap_iterations = later.gap_iterations;
+  job.gap_speed_share = later.gap_speed_share;
+  job.programs = later.programs;
+  CellSettings cell = inputs.cell;
+  cell.name.clear();
+  cell.controllers.clear();
+  std::string context = std::string(MILLPOSE_VERSION) + '\0' + WriteJob(job) + '\0' + WriteCell(cell) + '\0' +
+                        Hash(inputs.workpiece_bytes);
+  for (const auto& [name, bytes] : inputs.body_bytes) context += '\0' + name + '\0' + Hash(bytes);
+  return context;
+}
 
 PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const Toolpath& toolpath,
                          const PathOptions& options, const std::string& context, const OutputFolder& folder,
@@ -56,8 +96,8 @@ PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const T
   ParallelFor(count, threads, stop, [&](size_t i) {
     if (i % share.count != share.index) return;
     const Pass& pass = toolpath.passes[i];
-    const std::string key = CheckpointKey(context, pass, i, first_points[i]);
-    if (std::optional<PassResult> earlier = Resume(folder, key)) {
+    const std::string key = PassKey(context, pass, i, first_points[i]);
+    if (std::optional<PassResult> earlier = Resume(folder, key, ParsePassResult)) {
       planned.passes[i] = std::move(*earlier);
       ++resumed;
     } else {
@@ -66,6 +106,28 @@ PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const T
       folder.WriteCheckpoint(key, Serialise(planned.passes[i]));
     }
     progress.Advance(pass.points.size());
+  });
+  planned.resumed = resumed;
+  return planned;
+}
+
+PlannedGaps PlanGaps(const World& world, const std::vector<std::pair<GapEnd, GapEnd>>& ends,
+                     const GapOptions& options, const std::string& context, const OutputFolder& folder,
+                     int threads, Progress& progress, std::stop_token stop) {
+  PlannedGaps planned;
+  planned.gaps.resize(ends.size());
+  std::atomic<size_t> resumed = 0;
+  ParallelFor(ends.size(), threads, stop, [&](size_t i) {
+    const auto& [from, to] = ends[i];
+    const std::string key = GapKey(context, options, from, to);
+    if (std::optional<Gap> earlier = Resume(folder, key, ParseGap)) {
+      planned.gaps[i] = std::move(*earlier);
+      ++resumed;
+    } else {
+      planned.gaps[i] = PlanGap(world, from, to, options, stop);
+      folder.WriteCheckpoint(key, Serialise(planned.gaps[i]));
+    }
+    progress.Advance(1);
   });
   planned.resumed = resumed;
   return planned;

@@ -4,12 +4,12 @@
 #include <thread>
 
 #include "base/error.hpp"
-#include "base/hash.hpp"
 #include "config/config.hpp"
 #include "path/job_planner.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/audit.hpp"
 #include "pipeline/make_programs.hpp"
+#include "pipeline/origin.hpp"
 #include "pipeline/plan_passes.hpp"
 #include "pipeline/sample_curves.hpp"
 #include "pipeline/stages.hpp"
@@ -36,27 +36,10 @@ JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
   return inputs;
 }
 
-// What a pass's plan depends on besides its points: everything but what only later stages read.
-std::string PassContext(const JobInputs& inputs) {
-  JobSettings job = inputs.job;
-  const JobSettings later;
-  job.name.clear();
-  job.file.clear();
-  job.toolpath = later.toolpath;
-  job.feed = later.feed;
-  job.feed_policy = later.feed_policy;
-  job.spindle_speed = later.spindle_speed;
-  job.retract = later.retract;
-  job.gap_limit_margin = later.gap_limit_margin;
-  job.gap_iterations = later.gap_iterations;
-  job.gap_speed_share = later.gap_speed_share;
-  job.programs = later.programs;
-  CellSettings cell = inputs.cell;
-  cell.controllers.clear();
-  std::string context = std::string(MILLPOSE_VERSION) + '\0' + WriteJob(job) + '\0' + WriteCell(cell) + '\0' +
-                        Hash(inputs.workpiece_bytes);
-  for (const auto& [name, bytes] : inputs.body_bytes) context += '\0' + name + '\0' + Hash(bytes);
-  return context;
+// Beside the job; the resolved job of an output folder is planned there again.
+std::filesystem::path DefaultFolder(const std::filesystem::path& job, const std::string& name) {
+  const std::filesystem::path folder = job.has_parent_path() ? job.parent_path() : ".";
+  return IsOutputFolder(folder) ? folder : folder / (name + ".out");
 }
 
 PlanResult StartPlan(const JobInputs& inputs, const Cell& cell, const PoseProblem& problem) {
@@ -90,7 +73,7 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
       arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
   Stages stages(progress);
   const JobInputs inputs = ReadInputs(arguments, stages);
-  const OutputFolder folder(arguments.out.value_or(arguments.job.parent_path() / (inputs.job.name + ".out")));
+  const OutputFolder folder(arguments.out.value_or(DefaultFolder(arguments.job, inputs.job.name)));
   if (arguments.fresh) folder.RemoveCheckpoints();
 
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
@@ -115,21 +98,24 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   const World world(cell);
 
   PlanResult plan = StartPlan(inputs, cell, problem);
+  const std::string context = PlanContext(inputs);
   stages.Begin("passes", CountPoints(toolpath));
-  PlannedPasses planned =
-      PlanPasses(problem, world, toolpath, MakePathOptions(inputs.job), PassContext(inputs), folder,
-                 arguments.share.value_or(Share{}), threads, progress, stop);
+  PlannedPasses planned = PlanPasses(problem, world, toolpath, MakePathOptions(inputs.job), context, folder,
+                                     arguments.share.value_or(Share{}), threads, progress, stop);
   plan.passes = std::move(planned.passes);
   stages.End(fmt::format("{} passes, {} of them from checkpoints", plan.passes.size(), planned.resumed));
   if (arguments.share)
     return {0,
             fmt::format("share {} of {} is planned\n", arguments.share->index + 1, arguments.share->count)};
 
-  stages.Begin("gaps", 0);
   FixTurns(plan.passes, plan.home, problem.bounds.lower, problem.bounds.upper);
-  plan.gaps = PlanGaps(world, plan.passes, MakeGapOptions(inputs.job), threads, stop);
+  const auto ends = GapEnds(plan.home, plan.passes);
+  stages.Begin("gaps", ends.size());
+  PlannedGaps gaps =
+      PlanGaps(world, ends, MakeGapOptions(inputs.job), context, folder, threads, progress, stop);
+  plan.gaps = std::move(gaps.gaps);
   const FeedReduction reduction = inputs.job.feed_policy == "reduce" ? ReduceFeeds(plan) : FeedReduction{};
-  stages.End(fmt::format("{} gaps", plan.gaps.size()));
+  stages.End(fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), gaps.resumed));
 
   stages.Begin("programs", 0);
   const std::vector<CheckedProgram> programs = MakePrograms(plan, inputs, world, threads, stop);
@@ -152,6 +138,8 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   stages.End(folder.path().string());
   RunFigures run = MeasureRun(threads, MILLPOSE_VERSION);
   run.resumed_passes = planned.resumed;
+  run.resumed_gaps = gaps.resumed;
+  run.job_folder = KeepOrigin(inputs.folder, folder.path());
   for (const StageTime& stage : stages.times()) {
     run.stages.push_back({stage.name, stage.seconds});
     run.wall_s += stage.seconds;

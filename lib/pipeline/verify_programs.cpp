@@ -79,12 +79,10 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::
            Verify(program, world, nullptr, options, Threads(arguments), stop)}};
 }
 
-/// The resolved job of an output folder with everything it names. Its paths are those of the job that was
-/// planned: they count from that job's folder, which is the one that holds the output folder unless the user
-/// says otherwise.
+/// The resolved job of an output folder with everything it names.
 JobInputs InputsOf(const VerifyArguments& arguments) {
-  const fs::path origin = arguments.job ? fs::absolute(*arguments.job).parent_path()
-                                        : fs::absolute(arguments.target / "").parent_path().parent_path();
+  std::optional<fs::path> origin;
+  if (arguments.job) origin = fs::absolute(*arguments.job).parent_path();
   return LoadJobInputs(arguments.target / "job.yaml", {}, origin);
 }
 

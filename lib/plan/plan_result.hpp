@@ -86,5 +86,7 @@ std::string Serialise(const PlanResult& result);
 PlanResult ParsePlanResult(std::string_view bytes, const std::string& name);
 std::string Serialise(const PassResult& result);
 PassResult ParsePassResult(std::string_view bytes, const std::string& name);
+std::string Serialise(const Gap& result);
+Gap ParseGap(std::string_view bytes, const std::string& name);
 
 }  // namespace millpose

@@ -233,6 +233,7 @@ T FromBytes(std::string_view bytes, const std::string& name) {
 
 std::string Serialise(const PlanResult& result) { return ToBytes(result); }
 std::string Serialise(const PassResult& result) { return ToBytes(result); }
+std::string Serialise(const Gap& result) { return ToBytes(result); }
 
 PlanResult ParsePlanResult(std::string_view bytes, const std::string& name) {
   return FromBytes<PlanResult>(bytes, name);
@@ -241,5 +242,7 @@ PlanResult ParsePlanResult(std::string_view bytes, const std::string& name) {
 PassResult ParsePassResult(std::string_view bytes, const std::string& name) {
   return FromBytes<PassResult>(bytes, name);
 }
+
+Gap ParseGap(std::string_view bytes, const std::string& name) { return FromBytes<Gap>(bytes, name); }
 
 }  // namespace millpose

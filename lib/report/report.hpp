@@ -51,7 +51,12 @@ struct RunFigures {
   double peak_memory_MB = 0;
   int threads = 0;
   std::string host, version;
-  size_t resumed_passes = 0;
+  size_t resumed_passes = 0, resumed_gaps = 0;
+  /// The folder that the paths in job.yaml count from: absolute, and as seen from the output folder.
+  struct JobFolder {
+    std::string absolute, relative;
+  };
+  JobFolder job_folder;
 };
 
 /// Best (smallest), median and worst (largest) of one index over the planned points; empty when there is

@@ -165,6 +165,8 @@ std::string RunJson(const RunFigures& figures) {
   json["host"] = figures.host;
   json["version"] = figures.version;
   json["resumed_passes"] = figures.resumed_passes;
+  json["resumed_gaps"] = figures.resumed_gaps;
+  json["job_folder"] = {{"absolute", figures.job_folder.absolute}, {"relative", figures.job_folder.relative}};
   return json.dump(2) + "\n";
 }
 

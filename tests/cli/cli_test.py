@@ -189,6 +189,49 @@ class Plan(InFolder):
         self.assertEqual(child.returncode, 130, errors)
         self.assertIn("the same command goes on from there", errors)
 
+    def test_json_progress_is_one_object_a_line(self):
+        result = plan(self.folder / "out", "--json-progress")
+        lines = [json.loads(line) for line in result.stderr.splitlines()]
+        for line in lines:
+            self.assertEqual(schema_problems("progress", line), [], line)
+        self.assertEqual([line["stage"] for line in lines if line["event"] == "begin"],
+                         [line["stage"] for line in lines if line["event"] == "end"])
+        passes = [line for line in lines if line["stage"] == "passes"]
+        points = json.loads((self.folder / "out" / "summary.json").read_text())["points"]["total"]
+        self.assertEqual((passes[0]["share"], passes[0]["total"]), (0, points))
+        self.assertEqual((passes[-1]["share"], passes[-1]["done"], passes[-1]["event"]), (1, points, "end"))
+        failed = run("plan", self.folder / "none.yaml", "--json-progress")
+        line = json.loads(failed.stderr.splitlines()[-1])
+        self.assertEqual(schema_problems("progress", line), [])
+        self.assertEqual((line["event"], line["status"]), ("error", 2))
+        self.assertIn("none.yaml", line["message"])
+
+    def test_resolved_job_is_planned_again_from_its_folder(self):
+        self.assertEqual(plan(self.folder / "a" / "out").returncode, 0)
+        before = tree(self.folder / "a" / "out")
+        again = run("plan", self.folder / "a" / "out" / "job.yaml")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertEqual(tree(self.folder / "a" / "out"), before)
+        self.assertEqual(run("verify", self.folder / "a" / "out").returncode, 0)
+        elsewhere = run("plan", "job.yaml", "-o", self.folder / "b", cwd=self.folder / "a" / "out")
+        self.assertEqual(elsewhere.returncode, 0, elsewhere.stderr)
+        self.assertEqual(tree(self.folder / "b"), before)
+
+    def test_resolved_job_is_found_after_job_and_results_moved_together(self):
+        shutil.copytree(TOP / "cells", self.folder / "plant" / "cells")
+        shutil.copytree(JOB.parent, self.folder / "plant" / "parts" / "pad")
+        job = self.folder / "plant" / "parts" / "pad" / "job.yaml"
+        sets = [word for change in FEW for word in ("--set", change)]
+        self.assertEqual(run("plan", job, *sets).returncode, 0)
+        (self.folder / "plant").rename(self.folder / "archive")
+        out = self.folder / "archive" / "parts" / "pad" / "support_pad.out"
+        self.assertEqual(run("plan", out / "job.yaml").returncode, 0)
+        out.rename(self.folder / "alone")
+        shutil.rmtree(self.folder / "archive")
+        lost = run("plan", self.folder / "alone" / "job.yaml")
+        self.assertEqual(lost.returncode, 2)
+        self.assertIn("were read from", lost.stderr)
+
     def test_bad_input_is_told_with_its_place(self):
         (self.folder / "job.yaml").write_text(JOB.read_text().replace("stepover_mm", "stepover"))
         result = run("plan", self.folder / "job.yaml")
@@ -243,27 +286,59 @@ class Batch(InFolder):
         self.assertEqual(twice.returncode, 2)
         self.assertIn("is also the name of", twice.stderr)
 
-    def test_slurm_gives_the_same_bytes_and_retries_once(self):
+    def slurm(self, **more):
+        """A folder with a batch of two jobs, and the environment in which sbatch and squeue are fakes."""
         (self.folder / "batch.yaml").write_text("millpose_batch: 1\njobs:\n" + "".join(
             f"  - {{job: {JOB}, name: {name}, set: {{toolpath.stepover_mm: 20, toolpath.spacing_mm: 40}}}}\n"
             for name in ("a", "b")))
-        (self.folder / "sbatch").symlink_to(Path(__file__).with_name("fake_sbatch.py"))
-        env = {**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}", "FAKE_SBATCH_FOLDER": str(self.folder),
-               "FAKE_SBATCH_FAIL": "1"}
-        result = run("batch", "batch.yaml", "--slurm", "--shares", 2, "--threads", 1, "--sbatch", "--partition=cpu",
-                     cwd=self.folder, env=env)
+        for name in ("sbatch", "squeue"):
+            (self.folder / name).symlink_to(Path(__file__).with_name("fake_slurm.py"))
+        return {**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}", "FAKE_SLURM_FOLDER": str(self.folder), **more}
+
+    def submissions(self):
+        return [line.split() for line in (self.folder / "sbatch.log").read_text().splitlines()]
+
+    def test_slurm_gives_the_same_bytes_and_retries_once(self):
+        env = self.slurm(FAKE_SLURM_FAIL="1")
+        command = ("batch", "batch.yaml", "--slurm", "--shares", 2, "--sbatch", "--partition=cpu")
+        result = run(*command, cwd=self.folder, env=env)
         self.assertEqual(result.returncode, 0, result.stderr + result.stdout)
-        log = (self.folder / "sbatch.log").read_text().splitlines()
-        self.assertEqual([line.split()[2] for line in log], ["--array=0,1,2,3", "--array=1", "--array=0,1"])
-        self.assertTrue(all("--wait" in line and "--partition=cpu" in line for line in log))
+        arrays = [next(word for word in words if word.startswith("--array")) for words in self.submissions()]
+        self.assertEqual(arrays, ["--array=0,1,2,3", "--array=1", "--array=0,1"])
+        self.assertTrue(all("--partition=cpu" in words and "--cpus-per-task=1" in words for words in self.submissions()))
         self.assertEqual(plan(self.folder / "single", "--set", "name=a",
                               changes=("toolpath.stepover_mm=20", "toolpath.spacing_mm=40")).returncode, 0)
         self.assertEqual(tree(self.folder / "batch.out" / "a"), tree(self.folder / "single"))
         resumed = json.loads((self.folder / "batch.out" / "a" / "run.json").read_text())["resumed_passes"]
         self.assertEqual(resumed, 4, "the last task only gathers")
-        again = run("batch", "batch.yaml", "--slurm", cwd=self.folder, env=env)
+        again = run(*command, cwd=self.folder, env=env)
         self.assertEqual(again.stdout.count("up to date"), 2)
-        self.assertEqual(len((self.folder / "sbatch.log").read_text().splitlines()), 3)
+        self.assertEqual(len(self.submissions()), 3)
+
+    def test_slurm_detached_submits_all_and_the_next_call_waits_and_gathers(self):
+        env = self.slurm(FAKE_SLURM_FAIL="1")
+        command = ("batch", "batch.yaml", "--slurm", "--shares", 2)
+        first = run(*command, "--detach", cwd=self.folder, env=env)
+        self.assertEqual(first.returncode, 0, first.stderr)
+        self.assertIn("2 jobs submitted as 2; the same command without --detach gathers", first.stdout)
+        orders = [[word for word in words if word.startswith("--dep")] for words in self.submissions()]
+        self.assertEqual(orders, [[], ["--dependency=afterany:1"], ["--dependency=afterany:2"]])
+        (self.folder / "queue").write_text("2_0\n2_0\n2_1\n")
+        self.assertIn("still run", run(*command, "--detach", cwd=self.folder, env=env).stdout)
+        (self.folder / "queue").write_text("2_0\n2_0\n2_1\n")
+        gathered = run(*command, cwd=self.folder, env=env)
+        self.assertEqual((self.folder / "queue").read_text(), "", "it waits until the queue is empty")
+        self.assertEqual(gathered.stdout.count("up to date"), 2, gathered.stdout)
+        self.assertEqual(len(self.submissions()), 3)
+
+    def test_slurm_that_refuses_is_told(self):
+        env = self.slurm()
+        (self.folder / "sbatch").unlink()
+        (self.folder / "sbatch").write_text("#!/bin/sh\necho 'sbatch: error: invalid partition' >&2\nexit 1\n")
+        (self.folder / "sbatch").chmod(0o755)
+        result = run("batch", "batch.yaml", "--slurm", cwd=self.folder, env=env)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("invalid partition", result.stderr)
 
 
 class Documents(unittest.TestCase):

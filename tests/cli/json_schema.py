@@ -4,7 +4,7 @@
 TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None)}
 KNOWN = {"$schema", "title", "description", "default", "type", "enum", "const", "properties", "required",
          "additionalProperties", "items", "minItems", "maxItems", "minLength", "minProperties", "maxProperties",
-         "minimum", "maximum", "exclusiveMinimum"}
+         "minimum", "maximum", "exclusiveMinimum", "oneOf"}
 
 
 def is_type(value, name):
@@ -28,6 +28,10 @@ def problems(value, schema, path="$"):
         yield f"{path}: {value!r} is not {schema['const']!r}"
     if "enum" in schema and value not in schema["enum"]:
         yield f"{path}: {value!r} is none of {schema['enum']}"
+    if "oneOf" in schema:
+        found = [list(problems(value, one, path)) for one in schema["oneOf"]]
+        if sum(not of_one for of_one in found) != 1:
+            yield f"{path}: is not exactly one of {len(found)} kinds: {found}"
     if isinstance(value, dict):
         yield from of_object(value, schema, path)
     elif isinstance(value, list):

@@ -41,6 +41,13 @@ TEST_F(OutputFolderTest, WhatAKilledRunLeftHalfWrittenIsRemoved) {
   EXPECT_FALSE(fs::exists(half));
 }
 
+TEST_F(OutputFolderTest, AFolderWhoseMarkWasNotFinishedIsTaken) {
+  std::filesystem::create_directories(base_ / "killed");
+  WriteFileAtomically(base_ / "killed" / ".millpose.host.1.tmp", "This fol");
+  EXPECT_NO_THROW(OutputFolder(base_ / "killed"));
+  EXPECT_TRUE(IsOutputFolder(base_ / "killed"));
+}
+
 TEST_F(OutputFolderTest, ProgramsAppearTogether) {
   const OutputFolder folder(base_ / "out");
   folder.WritePrograms({{"krl/a.src", "x"}, {"krl/a.dat", "y"}, {"linuxcnc/a.ngc", "z"}});

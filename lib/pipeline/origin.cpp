@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/origin.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "pipeline/output_folder.hpp"
+
+namespace millpose {
+namespace fs = std::filesystem;
+namespace {
+
+RunFigures::JobFolder ReadJobFolder(const fs::path& run_file) {
+  try {
+    const nlohmann::json run = nlohmann::json::parse(ReadFile(run_file));
+    const nlohmann::json& folder = run.at("job_folder");
+    return {folder.at("absolute").get<std::string>(), folder.at("relative").get<std::string>()};
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(Place{run_file.string()},
+                     fmt::format("does not say where the job stood (job_folder): {}", error.what()));
+  }
+}
+
+}  // namespace
+
+fs::path OriginOf(const fs::path& job_file, const fs::path& named) {
+  const fs::path folder = job_file.parent_path();
+  if (job_file.filename() != "job.yaml" || !IsOutputFolder(folder.empty() ? "." : folder)) return folder;
+  const RunFigures::JobFolder kept = ReadJobFolder(folder / "run.json");
+  // The same place by both names, unless something was moved.
+  for (const fs::path& origin : {fs::path(kept.absolute), (folder / kept.relative).lexically_normal()})
+    if (fs::exists(origin / named)) return origin;
+  throw InputError(
+      Place{job_file.string()},
+      fmt::format("the files that it names were read from {}, where {} is not any more; plan the "
+                  "job that made this folder",
+                  kept.absolute, named.string()));
+}
+
+RunFigures::JobFolder KeepOrigin(const fs::path& job_folder, const fs::path& out) {
+  const fs::path from = fs::weakly_canonical(job_folder.empty() ? "." : job_folder);
+  return {from.string(), from.lexically_proximate(fs::weakly_canonical(out)).string()};
+}
+
+}  // namespace millpose
