@@ -15,6 +15,8 @@
 #include <filesystem>
 
 #include "base/error.hpp"
+#include "base/file.hpp"
+#include "base/hash.hpp"
 
 extern char** environ;
 
@@ -125,6 +127,8 @@ ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_to
   if (stop.stop_requested()) throw Interrupted();
   return result;
 }
+
+std::string ProgramId() { return Hash(ReadFile("/proc/self/exe")); }
 
 std::string OwnProgram() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
 

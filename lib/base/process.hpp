@@ -23,4 +23,7 @@ ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_to
 /// The path of the running program.
 std::string OwnProgram();
 
+/// Identifies the running program by what its file holds: another build, another id.
+std::string ProgramId();
+
 }  // namespace millpose

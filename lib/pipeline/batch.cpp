@@ -175,7 +175,7 @@ std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) 
   try {
     const Json summary = Json::parse(ReadFile(folder / "summary.json"));
     const Json run = Json::parse(ReadFile(folder / "run.json"));
-    if (run.at("version") != MILLPOSE_VERSION) return std::nullopt;
+    if (run.at("program_id") != ProgramId()) return std::nullopt;
     if (summary.at("input_hash") != LoadJobInputs(job.file, job.overrides).hash) return std::nullopt;
     JobOutcome outcome = Judge(folder, 0, "");
     if (outcome.status > 1) return std::nullopt;

@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "base/hash.hpp"
 #include "base/parallel.hpp"
+#include "base/process.hpp"
 
 namespace millpose {
 namespace {
@@ -74,8 +75,8 @@ std::string PlanContext(const JobInputs& inputs) {
   CellSettings cell = inputs.cell;
   cell.name.clear();
   cell.controllers.clear();
-  std::string context = std::string(MILLPOSE_VERSION) + '\0' + WriteJob(job) + '\0' + WriteCell(cell) + '\0' +
-                        Hash(inputs.workpiece_bytes);
+  std::string context =
+      ProgramId() + '\0' + WriteJob(job) + '\0' + WriteCell(cell) + '\0' + Hash(inputs.workpiece_bytes);
   for (const auto& [name, bytes] : inputs.body_bytes) context += '\0' + name + '\0' + Hash(bytes);
   return context;
 }

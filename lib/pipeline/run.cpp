@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "base/error.hpp"
+#include "base/process.hpp"
 #include "config/config.hpp"
 #include "path/job_planner.hpp"
 #include "pipeline/assemble.hpp"
@@ -40,6 +41,13 @@ JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
 std::filesystem::path DefaultFolder(const std::filesystem::path& job, const std::string& name) {
   const std::filesystem::path folder = job.has_parent_path() ? job.parent_path() : ".";
   return IsOutputFolder(folder) ? folder : folder / (name + ".out");
+}
+
+size_t PointsOf(const Share& share, const Toolpath& toolpath) {
+  size_t count = 0;
+  for (size_t i = share.index; i < toolpath.passes.size(); i += share.count)
+    count += toolpath.passes[i].points.size();
+  return count;
 }
 
 PlanResult StartPlan(const JobInputs& inputs, const Cell& cell, const PoseProblem& problem) {
@@ -99,14 +107,13 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
 
   PlanResult plan = StartPlan(inputs, cell, problem);
   const std::string context = PlanContext(inputs);
-  stages.Begin("passes", CountPoints(toolpath));
+  const Share share = arguments.share.value_or(Share{});
+  stages.Begin("passes", PointsOf(share, toolpath));
   PlannedPasses planned = PlanPasses(problem, world, toolpath, MakePathOptions(inputs.job), context, folder,
-                                     arguments.share.value_or(Share{}), threads, progress, stop);
+                                     share, threads, progress, stop);
   plan.passes = std::move(planned.passes);
   stages.End(fmt::format("{} passes, {} of them from checkpoints", plan.passes.size(), planned.resumed));
-  if (arguments.share)
-    return {0,
-            fmt::format("share {} of {} is planned\n", arguments.share->index + 1, arguments.share->count)};
+  if (arguments.share) return {0, fmt::format("share {} of {} is planned\n", share.index + 1, share.count)};
 
   FixTurns(plan.passes, plan.home, problem.bounds.lower, problem.bounds.upper);
   const auto ends = GapEnds(plan.home, plan.passes);
@@ -137,6 +144,7 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
       WriteResults({inputs, cell, plan, programs, audit, reduction, warnings, CurveGrid(), curves}, folder);
   stages.End(folder.path().string());
   RunFigures run = MeasureRun(threads, MILLPOSE_VERSION);
+  run.program_id = ProgramId();
   run.resumed_passes = planned.resumed;
   run.resumed_gaps = gaps.resumed;
   run.job_folder = KeepOrigin(inputs.folder, folder.path());

@@ -51,6 +51,7 @@ struct RunFigures {
   double peak_memory_MB = 0;
   int threads = 0;
   std::string host, version;
+  std::string program_id;  ///< of the program's file
   size_t resumed_passes = 0, resumed_gaps = 0;
   /// The folder that the paths in job.yaml count from: absolute, and as seen from the output folder.
   struct JobFolder {

@@ -164,6 +164,7 @@ std::string RunJson(const RunFigures& figures) {
   json["threads"] = figures.threads;
   json["host"] = figures.host;
   json["version"] = figures.version;
+  json["program_id"] = figures.program_id;
   json["resumed_passes"] = figures.resumed_passes;
   json["resumed_gaps"] = figures.resumed_gaps;
   json["job_folder"] = {{"absolute", figures.job_folder.absolute}, {"relative", figures.job_folder.relative}};

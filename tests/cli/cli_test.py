@@ -165,6 +165,38 @@ class Plan(InFolder):
         self.assertRegex(again.stderr, r"passes .* 0 (of them )?from checkpoints")
         self.assertEqual(tree(self.folder / "a"), before)
 
+    def test_changed_parameter_redoes_only_what_depends_on_it(self):
+        changes = ("toolpath.stepover_mm=20", "toolpath.spacing_mm=40")
+
+        def resumed(*more, program=MILLPOSE):
+            out = self.folder / "kept"
+            shutil.rmtree(out, ignore_errors=True)
+            shutil.copytree(self.folder / "out", out)
+            sets = [word for change in changes + more for word in ("--set", change)]
+            result = subprocess.run([program, "plan", JOB, "-o", out, *sets, "-q"], capture_output=True, text=True, timeout=300)
+            self.assertLessEqual(result.returncode, 1, result.stderr)
+            figures = json.loads((out / "run.json").read_text())
+            return figures["resumed_passes"], figures["resumed_gaps"]
+
+        self.assertEqual(plan(self.folder / "out", changes=changes).returncode, 0)
+        summary = json.loads((self.folder / "out" / "summary.json").read_text())
+        passes, gaps = summary["passes"], summary["gaps"]["total"]
+        self.assertGreater(passes, 2)
+        for harmless in ("name=other", "programs=[krl]", "process.spindle_rpm=100"):
+            self.assertEqual(resumed(harmless), (passes, gaps), harmless)
+        self.assertEqual(resumed("gaps.max_iterations=30000"), (passes, 0))
+        self.assertEqual(resumed("gaps.retract_mm=60"), (passes, 0))
+        kept_passes, kept_gaps = resumed("toolpath.stepover_mm=40")
+        self.assertLess(kept_passes, passes)
+        self.assertLess(kept_gaps, gaps)
+        for deep in ("seed=9", "pose.objective.w1=0.4", "limits.margin_deg=3.5", "workpiece.pose.xyz_mm=[2076, 1, 1006]"):
+            self.assertEqual(resumed(deep)[0], 0, deep)
+        other = self.folder / "other_build"
+        shutil.copy(MILLPOSE, other)
+        with other.open("ab") as file:
+            file.write(b"\0")
+        self.assertEqual(resumed(program=other), (0, 0))
+
     def test_killed_runs_go_on_to_the_same_bytes(self):
         changes = ("toolpath.stepover_mm=20",)
         self.assertEqual(plan(self.folder / "whole", changes=changes).returncode, 0)
