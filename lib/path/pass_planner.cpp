@@ -4,11 +4,10 @@
 #include "base/parallel.hpp"
 #include "base/units.hpp"
 #include "path/piece_planner.hpp"
+#include "plan/point_clearance.hpp"
 
 namespace millpose {
 namespace {
-
-constexpr double kClearanceBound = 50;  // mm: farther is far enough
 
 SkipReason ReasonOf(Admissibility admissibility) {
   switch (admissibility) {
@@ -107,13 +106,13 @@ PassResult Assemble(const PoseProblem& problem, const World& world, const Pass& 
     }
   }
   result.poses_checked =
-      plan.poses_checked + CheckInParallel(world, pass.points.size(), context.threads, context.stop,
-                                           [&](Checker& checker, size_t t) {
-                                             PlannedPoint& point = result.points[t];
-                                             if (plan.piece[t] < 0) return;
-                                             point.clearance =
-                                                 checker.Clearance(point.q, Phase::kCutting, kClearanceBound);
-                                           });
+      plan.poses_checked +
+      CheckInParallel(world, pass.points.size(), context.threads, context.stop,
+                      [&](Checker& checker, size_t t) {
+                        PlannedPoint& point = result.points[t];
+                        if (plan.piece[t] < 0) return;
+                        point.clearance = checker.Clearance(point.q, Phase::kCutting, kPointClearanceBound);
+                      });
   return result;
 }
 

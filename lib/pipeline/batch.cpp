@@ -52,13 +52,12 @@ class MemoryGate {
   double largest_ = 0;
 };
 
-std::string FirstLine(std::string text) {
+// What a process wrote to stderr, without the program's name in front and the line end behind.
+std::string Cause(std::string errors) {
   constexpr std::string_view kPrefix = "millpose: ";
-  if (text.starts_with(kPrefix)) text.erase(0, kPrefix.size());
-  const size_t lines = static_cast<size_t>(std::ranges::count(text, '\n'));
-  std::string line = text.substr(0, text.find('\n'));
-  if (lines > 1) line += fmt::format(" (and {} lines more)", lines - 1);
-  return line;
+  if (errors.starts_with(kPrefix)) errors.erase(0, kPrefix.size());
+  while (errors.ends_with('\n')) errors.pop_back();
+  return errors;
 }
 
 // What summary.json says is missing from a complete plan.
@@ -113,7 +112,7 @@ std::vector<JobOutcome> RunHere(const std::vector<BatchJob>& jobs, const fs::pat
         return;
       } catch (const InputError& error) {
         outcomes[i].status = 2;
-        outcomes[i].cause = FirstLine(error.what());
+        outcomes[i].cause = error.what();
       }
       progress.Advance(1);
     }
@@ -150,7 +149,7 @@ JobOutcome Judge(const fs::path& folder, int status, const std::string& errors) 
   JobOutcome outcome;
   outcome.status = status;
   if (status > 1) {
-    outcome.cause = status > 128 ? fmt::format("ended by signal {}", status - 128) : FirstLine(errors);
+    outcome.cause = status > 128 ? fmt::format("ended by signal {}", status - 128) : Cause(errors);
     return outcome;
   }
   try {

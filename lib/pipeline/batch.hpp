@@ -43,7 +43,7 @@ struct BatchJob {
 struct JobOutcome {
   int status = 0;           ///< exit status of `millpose plan`
   bool up_to_date = false;  ///< done by an earlier run with the same inputs
-  std::string cause;        ///< one line, empty when all is well
+  std::string cause;        ///< lines, empty when all is well
   std::optional<size_t> points, planned;
   double wall_s = 0, peak_memory_MB = 0;
 };

@@ -33,7 +33,7 @@ std::string EscapeXml(const std::string& text) {
       result += "&gt;";
     else if (c == '"')
       result += "&quot;";
-    else if (static_cast<unsigned char>(c) < 0x20)  // not allowed in XML 1.0, or a line end
+    else if (static_cast<unsigned char>(c) < 0x20 && c != '\n')  // not allowed in XML 1.0
       result += ' ';
     else
       result += c;
@@ -45,6 +45,13 @@ size_t CountStatus(const std::vector<JobOutcome>& outcomes, int lower, int upper
   return static_cast<size_t>(std::ranges::count_if(outcomes, [&](const JobOutcome& outcome) {
     return outcome.status >= lower && outcome.status <= upper;
   }));
+}
+
+std::string FirstLine(const std::string& text) {
+  const auto more = std::ranges::count(text, '\n');
+  std::string line = text.substr(0, text.find('\n'));
+  if (more > 0) line += fmt::format(" (and {} more line{})", more, more > 1 ? "s" : "");
+  return line;
 }
 
 constexpr int kWorst = 255;
@@ -93,7 +100,8 @@ std::string JUnitXml(const std::vector<BatchJob>& jobs, const std::vector<JobOut
     if (outcome.status == 0)
       xml += "/>\n";
     else
-      xml += fmt::format("><{0} message=\"{1}\"/></testcase>\n", outcome.status == 1 ? "failure" : "error",
+      xml += fmt::format("><{0} message=\"{1}\">{2}</{0}></testcase>\n",
+                         outcome.status == 1 ? "failure" : "error", EscapeXml(FirstLine(outcome.cause)),
                          EscapeXml(outcome.cause));
   }
   return xml + "</testsuite>\n";
@@ -108,7 +116,7 @@ std::string BatchText(const std::vector<BatchJob>& jobs, const std::vector<JobOu
     const JobOutcome& outcome = outcomes[i];
     text += fmt::format("{:<{}}  {:<10} {:>8} {:>8} {:>9.1f} {:>9.0f}  {}\n", jobs[i].name, width,
                         StatusName(outcome), Count(outcome.points), Count(outcome.planned), outcome.wall_s,
-                        outcome.peak_memory_MB, outcome.cause);
+                        outcome.peak_memory_MB, FirstLine(outcome.cause));
   }
   text +=
       fmt::format("{} jobs: {} done, {} with findings, {} failed\n", jobs.size(), CountStatus(outcomes, 0, 0),

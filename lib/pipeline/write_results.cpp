@@ -92,7 +92,8 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
   if (report.deflection) folder.Write("deflection.csv", DeflectionCsv(*report.deflection));
   folder.Write("summary.json", SummaryJson(plan, report));
   folder.Write("report.html", ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell,
-                                          report.deflection ? &*report.deflection : nullptr}));
+                                          report.deflection ? &*report.deflection : nullptr, report.findings,
+                                          report.warnings}));
   if (confirmed) folder.WritePrograms(files);
   return report;
 }

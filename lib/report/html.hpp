@@ -48,6 +48,8 @@ struct HtmlInput {
   std::vector<PointCurves> curves;               ///< of all points or of some; by pass and point
   std::string settings;                          ///< job and cell as resolved, YAML
   const DeflectionReport* deflection = nullptr;  ///< when the job says what the cutter takes off
+  std::vector<std::string> findings = {};        ///< what stands in the way of trust, one sentence each
+  std::vector<std::string> warnings = {};        ///< repairs of the mesh, doubtful units
 };
 
 /// The page as bytes: a pure function of its input, no dates, no times.

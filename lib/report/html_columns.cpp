@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/units.hpp"
+#include "plan/point_clearance.hpp"
 
 namespace millpose {
 namespace {
@@ -40,8 +41,13 @@ class Collector {
   /// Adds a column; `value(point)` is asked for planned points only, an empty answer is "none".
   void Add(std::string key, std::string symbol, std::string label, std::string unit, Worse worse,
            const auto& value) {
-    ReportColumn column{
-        .key = key, .symbol = symbol, .label = label, .unit = unit, .worse = worse, .values = {}};
+    ReportColumn column{.key = key,
+                        .symbol = symbol,
+                        .label = label,
+                        .unit = unit,
+                        .worse = worse,
+                        .values = {},
+                        .bound = {}};
     for (const PassResult& pass : plan_.passes) {
       for (size_t i = 0; i < pass.points.size(); ++i) {
         const std::optional<double> v =
@@ -51,6 +57,8 @@ class Collector {
     }
     columns_.push_back(std::move(column));
   }
+  /// The last column's values are told up to `bound`.
+  void Bound(double bound) { columns_.back().bound = bound; }
   std::vector<ReportColumn> Take() { return std::move(columns_); }
 
  private:
@@ -90,6 +98,7 @@ void AddMotion(const PlanResult& plan, Collector& c) {
   const Arm& arm = plan.arm;
   c.Add("clearance", "clearance", "Smallest distance of any checked pair", "mm", Worse::kLow,
         [](const PassResult& pass, size_t i) -> Value { return pass.points[i].clearance; });
+  c.Bound(kPointClearanceBound);
   c.Add("limit_reserve", "to limit", "Distance of the nearest joint from its limit", "°", Worse::kLow,
         [&](const PassResult& pass, size_t i) -> Value {
           const Joints& q = pass.points[i].q;
@@ -134,7 +143,8 @@ void AddDeflection(const PlanResult& plan, const DeflectionReport& report,
                         .label = std::move(label),
                         .unit = "µm",
                         .worse = worse,
-                        .values = std::vector<float>(total, kNone)};
+                        .values = std::vector<float>(total, kNone),
+                        .bound = {}};
     for (const DeflectedPoint& point : report.points)
       column.values.at(point.number) = static_cast<float>(1e3 * point.deflection.*member);
     columns.push_back(std::move(column));

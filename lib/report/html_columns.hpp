@@ -18,6 +18,7 @@ struct ReportColumn {
   std::string key, symbol, label, unit;
   Worse worse = Worse::kNeither;
   std::vector<float> values;
+  std::optional<double> bound = {};  ///< a value that means "at least that"
 };
 
 /// A point by its place in the plan. `number` counts all points of the job from 0, as in points.csv.

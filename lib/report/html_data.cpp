@@ -142,6 +142,7 @@ Json ColumnsJson(const std::vector<ReportColumn>& columns, const std::vector<Rep
                     {"label", column.label},
                     {"unit", column.unit},
                     {"worse", static_cast<int>(column.worse)},
+                    {"bound", column.bound ? Json(*column.bound) : Json()},
                     {"values", PackFloats(shown)}});
   }
   return list;
@@ -180,20 +181,19 @@ Json SkippedJson(const PlanResult& plan, size_t limit) {
 }
 
 Json GapsJson(const PlanResult& plan) {
-  Json failed = Json::array();
+  Json told = Json::array();
   size_t planned = 0;
   for (const Gap& gap : plan.gaps) {
-    if (gap.planned) {
-      ++planned;
-      continue;
-    }
-    failed.push_back({{"from_pass", gap.from_pass},
-                      {"from_piece", gap.from_piece},
-                      {"to_pass", gap.to_pass},
-                      {"to_piece", gap.to_piece},
-                      {"detail", gap.detail}});
+    planned += gap.planned;
+    if (gap.planned && gap.detail.empty()) continue;
+    told.push_back({{"from_pass", gap.from_pass},
+                    {"from_piece", gap.from_piece},
+                    {"to_pass", gap.to_pass},
+                    {"to_piece", gap.to_piece},
+                    {"planned", gap.planned},
+                    {"detail", gap.detail}});
   }
-  return {{"total", plan.gaps.size()}, {"planned", planned}, {"failed", failed}};
+  return {{"total", plan.gaps.size()}, {"planned", planned}, {"told", told}};
 }
 
 Json CountsJson(const PlanResult& plan, size_t shown) {
@@ -346,6 +346,8 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"curves", CurvesJson(input)},
             {"skipped", SkippedJson(plan, limits.skipped_rows)},
             {"gaps", GapsJson(plan)},
+            {"findings", input.findings},
+            {"warnings", input.warnings},
             {"deflection", DeflectionJson(input.deflection)},
             {"settings", input.settings}};
   Json bodies = Json::array();

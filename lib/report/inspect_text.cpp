@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "plan/point_clearance.hpp"
 #include "report/inspect.hpp"
 
 namespace millpose {
@@ -43,6 +44,10 @@ void AppendHistogram(const PointsTable& points, const std::vector<size_t>& rows,
   }
 }
 
+std::string ClearanceText(double clearance) {
+  return fmt::format("{}{:.2f}", clearance >= kPointClearanceBound ? ">=" : "", clearance);
+}
+
 void AppendWorst(const PointsTable& points, const std::vector<size_t>& rows, std::string* text) {
   Append(text, fmt::format("worst {} by objective", rows.size()));
   Append(text, fmt::format("  {:>7} {:>5} {:>9} {:>9} {:>9} {:>11} {:>11} {:>11} {:>11} {:>6} {:>9} {:>8}",
@@ -50,12 +55,13 @@ void AppendWorst(const PointsTable& points, const std::vector<size_t>& rows, std
                            "ln_mm/N", "mu", "clear_mm", "rot_deg"));
   for (const size_t row : rows) {
     const auto number = [&](const char* column) { return *points.Number(row, column); };
-    Append(text, fmt::format(
-                     "  {:>7} {:>5} {:>9.2f} {:>9.2f} {:>9.2f} {:>11.4e} {:>11.4e} {:>11.4e} {:>11.4e} "
-                     "{:>6.3f} {:>9.2f} {:>8.2f}",
-                     points.Text(row, "point"), points.Text(row, "pass"), number("x_mm"), number("y_mm"),
-                     number("z_mm"), number("objective"), number("lambda_t1_mm_N"), number("lambda_t2_mm_N"),
-                     number("lambda_n_mm_N"), number("mu"), number("clearance_mm"), number("rotation_deg")));
+    Append(text,
+           fmt::format("  {:>7} {:>5} {:>9.2f} {:>9.2f} {:>9.2f} {:>11.4e} {:>11.4e} {:>11.4e} {:>11.4e} "
+                       "{:>6.3f} {:>9} {:>8.2f}",
+                       points.Text(row, "point"), points.Text(row, "pass"), number("x_mm"), number("y_mm"),
+                       number("z_mm"), number("objective"), number("lambda_t1_mm_N"),
+                       number("lambda_t2_mm_N"), number("lambda_n_mm_N"), number("mu"),
+                       ClearanceText(number("clearance_mm")), number("rotation_deg")));
   }
 }
 

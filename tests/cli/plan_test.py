@@ -10,6 +10,7 @@ import signal
 import sys
 import time
 import unittest
+import xml.etree.ElementTree as xml
 
 from plan_fixture import POINT_COLUMNS, Bench, contents, differences, kill_after, started
 
@@ -89,6 +90,22 @@ class Plan(unittest.TestCase):
         self.assertEqual({len(row) for row in rows}, {len(rows[0])})
         self.assertNotIn(b"nan", self.contents["points.csv"].lower())
         self.assertNotIn(b"\r", self.contents["points.csv"])
+
+    def test_path_vtp_says_what_points_csv_says(self):
+        piece = xml.fromstring(self.contents["path.vtp"]).find("PolyData/Piece")
+        arrays = {array.get("Name"): array.text.split() for array in piece.find("PointData")}
+        rows = list(csv.DictReader(self.contents["points.csv"].decode("ascii").splitlines()))
+        self.assertEqual(int(piece.get("NumberOfPoints")), len(rows))
+        names = [name for name in POINT_COLUMNS if name in arrays]
+        self.assertLessEqual({"objective", "lambda_t1_mm_N", "mu", "dexterity", "clearance_mm", "a6_deg", "rotation_deg"},
+                             set(names))
+        for name in names:
+            self.assertEqual([float(row[name]) for row in rows], [float(value) for value in arrays[name]], name)
+        positions = [float(value) for value in piece.find("Points/DataArray").text.split()]
+        self.assertEqual(positions, [float(row[name]) for row in rows for name in ("x_mm", "y_mm", "z_mm")])
+        lines = {array.get("Name"): [int(value) for value in array.text.split()] for array in piece.find("Lines")}
+        self.assertEqual(lines["connectivity"], list(range(len(rows))))
+        self.assertEqual(len(lines["offsets"]), int(piece.get("NumberOfLines")))
 
     def test_tells_each_stage_on_stderr_and_the_figures_on_stdout(self):
         for stage in ("read", "surface", "toolpath", "passes", "gaps", "programs"):

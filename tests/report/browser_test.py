@@ -152,6 +152,21 @@ class ReportInBrowser(unittest.TestCase):
         self.assertEqual(self.text("#point-status"), "skipped, interference: spindle against workpiece </script><b>")
         self.assertFalse(self.browser.evaluate("millpose.views.scene.groups.arm.visible"))
 
+    def test_bounded_clearance_is_shown_as_at_least(self):
+        row = self.browser.evaluate("millpose.data.column.clearance.values.findIndex((v) => v >= 50)")
+        self.assertGreaterEqual(row, 0)
+        self.open(f"#point={row}")
+        self.assertIn("≥\u202f50.00\u202fmm", self.text("#point-figures"))
+        below = self.browser.evaluate("millpose.data.column.clearance.values.findIndex((v) => v < 50)")
+        self.open(f"#point={below}")
+        self.assertNotIn("≥", self.text("#point-figures"))
+
+    def test_gaps_tell_what_was_given_up(self):
+        rows = self.browser.evaluate("[...document.querySelectorAll('#gaps tbody tr')].map((e) => e.textContent)")
+        self.assertEqual(len(rows), 2)
+        self.assertIn("not planned", rows[0])
+        self.assertIn("clearances reduced to 90 %", rows[1])
+
     def test_index_recolours_all_views(self):
         view, label = self.browser.screenshot("#view canvas"), self.text("#scale-label")
         self.browser.evaluate("""(() => { const s = document.querySelector('#index'); s.value = 'mu';

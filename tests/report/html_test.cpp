@@ -5,6 +5,7 @@
 #include <regex>
 
 #include "base/units.hpp"
+#include "plan/point_clearance.hpp"
 #include "pipeline/sample_curves.hpp"
 #include "report/html_columns.hpp"
 #include "report/packed.hpp"
@@ -100,9 +101,31 @@ TEST(ReportHtml, CountsAreThoseOfThePlan) {
   EXPECT_EQ(data["counts"]["skipped"], skipped);
   EXPECT_EQ(data["skipped"]["rows"].size(), skipped);
   EXPECT_EQ(data["passes"].size(), 4u);
-  EXPECT_EQ(data["gaps"]["failed"][0]["detail"], "link3 against platform");
+  EXPECT_EQ(data["gaps"]["planned"], 2);
+  ASSERT_EQ(data["gaps"]["told"].size(), 2u);
+  EXPECT_EQ(data["gaps"]["told"][0]["detail"], "link3 against platform");
+  EXPECT_EQ(data["gaps"]["told"][1]["planned"], true);
   EXPECT_EQ(Uint32s(data["rows"]["number"]).size(), 80u);
   for (const Json& column : data["columns"]) EXPECT_EQ(Floats(column["values"]).size(), 80u) << column["key"];
+}
+
+TEST(ReportHtml, TellsWhichClearancesAreOnlyBounds) {
+  const Json data = DataOf(SmallPage());
+  for (const Json& column : data["columns"]) {
+    if (column["key"] == "clearance")
+      EXPECT_EQ(column["bound"], kPointClearanceBound);
+    else
+      EXPECT_TRUE(column["bound"].is_null()) << column["key"];
+  }
+}
+
+TEST(ReportHtml, CarriesFindingsAndWarnings) {
+  HtmlInput input = SmallPanel().Input();
+  input.findings = {"no program was written: a gap"};
+  input.warnings = {"panel.stl: 3 flat triangles removed"};
+  const Json data = DataOf(ReportHtml(input));
+  EXPECT_EQ(data["findings"], Json({"no program was written: a gap"}));
+  EXPECT_EQ(data["warnings"].size(), 1u);
 }
 
 TEST(ReportHtml, ShowsPredictedDeflectionsWhereThereAreSome) {

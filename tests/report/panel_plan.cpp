@@ -2,6 +2,7 @@
 #include "tests/report/panel_plan.hpp"
 
 #include "pipeline/sample_curves.hpp"
+#include "plan/point_clearance.hpp"
 #include "tests/cell/sample_cell.hpp"
 #include "tests/pose/problems.hpp"
 
@@ -77,7 +78,7 @@ PassResult MakePass(const PoseProblem& problem, const PanelSize& size, int numbe
     point.point.arc_length = along;
     const PointScorer scorer(problem, point.point, pass.rotation_reference);
     ChoosePose(scorer, CurveGrid(), last, point);
-    point.clearance = 20 + 15 * std::cos(0.01 * along) + number % 5;
+    point.clearance = std::min(kPointClearanceBound, 35 + 20 * std::cos(0.01 * along) + number % 5);
     if (number + 1 == size.passes && i % 10 == 9) {
       point.skip = SkipReason::kInterference;
       point.detail = "spindle against workpiece </script><b>";
@@ -112,11 +113,13 @@ Panel MakePanel(const PanelSize& size, const std::string& job) {
   plan.stiffness_origin = "tool_tip";
   std::optional<Joints> last;
   for (int p = 0; p < size.passes; ++p) plan.passes.push_back(MakePass(panel.problem, size, p, last));
-  plan.gaps.resize(2);
+  plan.gaps.resize(3);
   plan.gaps[0].planned = true;
   plan.gaps[1].from_pass = 0;
   plan.gaps[1].from_piece = 0;
   plan.gaps[1].detail = "link3 against platform";
+  plan.gaps[2].planned = true;
+  plan.gaps[2].detail = "clearances reduced to 90 %";
   panel.curves = SampleCurves(plan, panel.problem, {}, 4000, 2, {});
   panel.settings = "job: |\n  " + job + "\ntoolpath: {stepover_mm: 8}\n";
   return panel;

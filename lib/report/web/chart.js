@@ -238,7 +238,7 @@
       this.legend.replaceChildren(
         ...this.series.map((s) =>
           m.element("span", {}, m.element("i", { style: `background:${s.colour}` }), `${s.symbol} `,
-            m.element("b", {}, m.withUnit(s.values[row], this.unit)))));
+            m.element("b", {}, m.withUnit(s.values[row], this.unit, s.bound)))));
     }
     draw() {
       const context = this.canvas.begin(), g = this.group;

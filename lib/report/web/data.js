@@ -103,7 +103,9 @@
     const whole = size >= 1 ? Math.floor(Math.log10(size)) + 1 : 0;
     return value.toFixed(Math.max(0, Math.min(6, size >= 1 || size === 0 ? digits - whole : digits - 1 - Math.floor(Math.log10(size)) - 1)));
   };
-  m.withUnit = (value, unit) => (unit && value === value ? `${m.format(value)}${unit === "°" ? "" : "\u202f"}${unit}` : m.format(value));
+  // `bound`: a value from which on "at least" is all that is known.
+  const atLeast = (value, bound) => (bound !== null && bound !== undefined && value >= bound ? "≥\u202f" : "");
+  m.withUnit = (value, unit, bound) => atLeast(value, bound) + (unit && value === value ? `${m.format(value)}${unit === "°" ? "" : "\u202f"}${unit}` : m.format(value));
 
   m.element = function (tag, attributes, ...children) {
     const node = document.createElement(tag);

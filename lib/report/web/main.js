@@ -72,7 +72,7 @@
       if (m.selected !== undefined) worst.select(m.selected);
       if (scene) {
         scene.colour(column, scale);
-        if (row !== undefined) scene.markWorst(row, `worst ${column.symbol}: ${m.withUnit(column.values[row], column.unit)}`);
+        if (row !== undefined) scene.markWorst(row, `worst ${column.symbol}: ${m.withUnit(column.values[row], column.unit, column.bound)}`);
         else scene.markWorst(-1, "");
       }
       return row;

@@ -29,7 +29,7 @@
       const chart = (title, keys, height, unit) => {
         const columns = keys.map((key) => data.column[key]).filter((c) => c && c.values.some((v) => !Number.isNaN(v)));
         if (columns.length === 0) return null;
-        const series = columns.map((c, i) => ({ symbol: c.symbol, values: c.values, colour: m.SERIES[i] }));
+        const series = columns.map((c, i) => ({ symbol: c.symbol, values: c.values, colour: m.SERIES[i], bound: c.bound }));
         return new m.PathChart(parent, group, title, unit === undefined ? columns[0].unit : unit, series, height);
       };
       this.chosen = chart("Objective", ["objective"], 150);
@@ -57,7 +57,7 @@
     show(column) {
       this.chosen.title.textContent = `${column.symbol}: ${column.label}`;
       this.chosen.unit = column.unit;
-      this.chosen.series = [{ symbol: column.symbol, values: column.values, colour: m.SERIES[0] }];
+      this.chosen.series = [{ symbol: column.symbol, values: column.values, colour: m.SERIES[0], bound: column.bound }];
       this.schedule();
     }
     select(row) {

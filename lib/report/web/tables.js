@@ -21,6 +21,8 @@
     for (const body of data.bodies)
       if (body.triangles_shown < body.triangles) thinned.push(`${body.name} is drawn with ${body.triangles_shown.toLocaleString("en")} of ${body.triangles.toLocaleString("en")} triangles.`);
     document.getElementById("thinned").textContent = thinned.join(" ");
+    const message = (kind) => (text) => m.element("li", { class: kind }, text);
+    document.getElementById("messages").append(...data.findings.map(message("bad")), ...data.warnings.map(message("note")));
   };
 
   m.PointPanel = class {
@@ -42,7 +44,7 @@
       const skipped = reason && data.skipped.rows.find((s) => s.point === number);
       this.status.textContent = reason ? `skipped, ${reason}${skipped ? ": " + skipped.detail : ""}` : `pass ${pass.pass}, piece ${rows.piece[row]}, ${m.KINDS[rows.kind[row]]}`;
       const p = m.place(data, row);
-      const value = (key) => m.withUnit(data.column[key].values[row], data.column[key].unit);
+      const value = (key) => m.withUnit(data.column[key].values[row], data.column[key].unit, data.column[key].bound);
       const line = (name, ...text) => m.element("tr", {}, m.element("th", {}, name), ...text.map((t) => cell(t, true)));
       const simple = (key) => {
         const node = line(data.column[key].symbol, value(key));
@@ -86,7 +88,7 @@
           const link = m.element("a", { href: `#point=${number}` }, String(number));
           return m.element("tr", { "data-row": row, onclick: () => this.actions.select(row) },
             cell(String(i + 1), true), m.element("td", { class: "number" }, link), cell(data.passes[data.rows.pass[row]].pass, true),
-            cell(m.format(column.values[row]), true), cell(p.join(", "), true));
+            cell(m.withUnit(column.values[row], "", column.bound), true), cell(p.join(", "), true));
         }));
       return this.places[0];
     }
@@ -127,11 +129,11 @@
 
   m.fillGaps = function (data) {
     const section = document.getElementById("gaps"), end = (pass, piece) => (pass < 0 ? "home" : `pass ${pass}, piece ${piece}`);
-    if (data.gaps.failed.length === 0) {
+    if (data.gaps.told.length === 0) {
       section.remove();
       return;
     }
-    section.querySelector("tbody").append(...data.gaps.failed.map((g) =>
-      m.element("tr", {}, cell(end(g.from_pass, g.from_piece)), cell(end(g.to_pass, g.to_piece)), cell(g.detail))));
+    section.querySelector("tbody").append(...data.gaps.told.map((g) =>
+      m.element("tr", {}, cell(end(g.from_pass, g.from_piece)), cell(end(g.to_pass, g.to_piece)), cell(g.planned ? "planned" : "not planned"), cell(g.detail))));
   };
 })((window.millpose = window.millpose || {}));

@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A batch of thirty small jobs, five of them broken in different ways. Usage: batch_test.py MILLPOSE TOP"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree as xml
+
+import json_schema
+
+MILLPOSE, TOP = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+SAMPLE = TOP / "toolpaths" / "support_pad"
+# How a job is broken: (text of the job, its replacement, what the cause must say).
+BROKEN = {
+    3: ("stepover_mm", "stepovr_mm", "nearest known key: stepover_mm"),
+    8: ("spacing_mm: 80", "spacing_mm: -80", "spacing_mm: given -80"),
+    13: ("support_pad.stl", "none.stl", "none.stl: cannot open"),
+    21: ("support_pad.stl", "empty.stl", "empty.stl"),
+    29: ("millpose_job: 1", "millpose_job: [", "part29/job.yaml:"),
+}
+
+
+def write_jobs(folder):
+    text = (SAMPLE / "job.yaml").read_text(encoding="utf-8")
+    for old, new in (("../../cells", str(TOP / "cells")), ("stepover_mm: 8", "stepover_mm: 70"),
+                     ("spacing_mm: 4", "spacing_mm: 80"), ("mesh: ", f"mesh: {SAMPLE}/"),
+                     ("exhaustive_step_deg: 0.05", "exhaustive_step_deg: 1"), ("[krl, sinumerik, linuxcnc]", "[krl]")):
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    for i in range(30):
+        job = text.replace("name: support_pad", f"name: part{i}").replace("seed: 1", f"seed: {i}")
+        if i in BROKEN:
+            old, new, _ = BROKEN[i]
+            if new == "empty.stl":
+                (folder / "empty.stl").write_bytes(b"solid x\nendsolid x\n")
+                old, new = f"{SAMPLE}/{old}", f"{folder}/{new}"
+            assert job.count(old) == 1, old
+            job = job.replace(old, new)
+        (folder / f"parts/part{i}").mkdir(parents=True)
+        (folder / f"parts/part{i}/job.yaml").write_text(job, encoding="utf-8")
+
+
+class Thirty(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="millpose-batch-test.")
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = pathlib.Path(folder.name)
+        write_jobs(cls.folder)
+        cls.result, cls.report, cls.suite = cls.run_batch()
+
+    @classmethod
+    def run_batch(cls):
+        result = subprocess.run([MILLPOSE, "batch", "parts/part*/job.yaml", "--memory-MB", "400", "-q"], cwd=cls.folder,
+                                capture_output=True, text=True, timeout=600, check=False)
+        report = json.loads((cls.folder / "batch.out/batch.json").read_text(encoding="utf-8"))
+        return result, report, xml.parse(cls.folder / "batch.out/junit.xml").getroot()
+
+    def test_all_but_the_broken_are_done(self):
+        self.assertEqual(self.result.returncode, 2, "the worst of all")
+        self.assertIn("30 jobs: 25 done, 0 with findings, 5 failed", self.result.stdout)
+        self.assertEqual([self.report[key] for key in ("total", "done", "findings", "failed")], [30, 25, 0, 5])
+        schema = json.loads((TOP / "docs/schema/batch-result.schema.json").read_text(encoding="utf-8"))
+        self.assertEqual(list(json_schema.problems(self.report, schema)), [])
+        for job in self.report["jobs"]:
+            broken = int(job["name"].removeprefix("part")) in BROKEN
+            self.assertEqual(job["status"], 2 if broken else 0, job)
+            programs = self.folder / "batch.out" / job["folder"] / "programs/krl"
+            self.assertEqual(programs.is_dir(), not broken, job)
+
+    def test_every_failure_has_its_cause(self):
+        causes = {job["name"]: job["cause"] for job in self.report["jobs"]}
+        for i, (_, _, words) in BROKEN.items():
+            self.assertIn(words, causes[f"part{i}"])
+            self.assertIn(causes[f"part{i}"].splitlines()[0], self.result.stdout)
+
+    def test_junit_says_the_same(self):
+        self.assertEqual([self.suite.get(key) for key in ("tests", "failures", "errors")], ["30", "0", "5"])
+        errors = {case.get("name"): case.find("error").text for case in self.suite if case.find("error") is not None}
+        self.assertEqual(errors, {job["name"]: job["cause"] for job in self.report["jobs"] if job["status"] == 2})
+
+    def test_zz_again_only_the_broken_are_tried(self):
+        result, report, _ = self.run_batch()
+        self.assertEqual(result.returncode, 2)
+        self.assertEqual(sum(job["up_to_date"] for job in report["jobs"]), 25)
+        self.assertEqual([report[key] for key in ("done", "failed")], [25, 5])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
