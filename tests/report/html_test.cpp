@@ -5,8 +5,8 @@
 #include <regex>
 
 #include "base/units.hpp"
-#include "plan/point_clearance.hpp"
 #include "pipeline/sample_curves.hpp"
+#include "plan/point_clearance.hpp"
 #include "report/html_columns.hpp"
 #include "report/packed.hpp"
 #include "tests/report/panel_plan.hpp"
