@@ -40,7 +40,8 @@ struct Context {
 struct FieldInfo {
   std::string key, type, default_text, doc;
   bool required = false;
-  std::vector<FieldInfo> keys;  ///< of a section
+  std::vector<FieldInfo> keys;       ///< of a section
+  std::string required_unless = {};  ///< required where this key is not given
 };
 
 /// How values of type T are read, written and described.
@@ -115,6 +116,11 @@ struct Field {
   Field Required() && {
     info.required = true;
     return std::move(*this);
+  }
+  /// The key must be given where `other` is not.
+  Field RequiredUnless(std::string other) && {
+    info.required_unless = std::move(other);
+    return std::move(*this).DefaultText("");
   }
   /// Written only where `is_set` holds; missing by default.
   Field WhenSet(std::function<bool(const S&)> is_set) && {

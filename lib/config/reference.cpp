@@ -6,7 +6,9 @@ namespace millpose {
 namespace {
 
 std::string Row(const config::FieldInfo& info, const std::string& path) {
-  const std::string otherwise = info.required               ? "**required**"
+  const std::string otherwise = info.required ? "**required**"
+                                : !info.required_unless.empty()
+                                    ? fmt::format("required without `{}`", info.required_unless)
                                 : info.default_text.empty() ? "–"
                                                             : '`' + info.default_text + '`';
   return fmt::format("| `{}` | {} | {} | {} |\n", path, info.type, otherwise, info.doc);

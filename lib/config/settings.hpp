@@ -22,8 +22,18 @@ struct PoseSettings {
   Eigen::Vector3d abc = Eigen::Vector3d::Zero();       ///< rad
 };
 
+/// A URDF that an arm is derived from (docs/urdf.md).
+struct UrdfSettings {
+  std::string file;                             ///< empty: none
+  std::string base_link, flange_link;           ///< of the URDF
+  std::map<std::string, std::string> packages;  ///< folders that package:// names stand for
+  double tolerance = 0.01;                      ///< mm, between the file's joints and the closed form
+  int line = 0;                                 ///< of the section, for later errors
+};
+
 struct ArmSettings {
   std::string name;
+  UrdfSettings urdf;
   double d1 = 0, a1 = 0, a2 = 0, d4 = 0, dz = 0, d6 = 0;  ///< mm
   std::array<int, 6> sign{};
   Vector6 offset = Vector6::Zero();                                 ///< rad

@@ -6,6 +6,7 @@
 #include "base/hash.hpp"
 #include "config/config.hpp"
 #include "pipeline/origin.hpp"
+#include "pipeline/resolve_urdf.hpp"
 
 namespace millpose {
 namespace {
@@ -25,6 +26,7 @@ void Collect(std::vector<Problem>& problems, Step step) {
 CellSettings LoadCell(const std::filesystem::path& cell_file,
                       std::map<std::string, std::string>* body_bytes) {
   CellSettings cell = ParseCell(ReadFile(cell_file), cell_file.string());
+  ResolveUrdf(cell_file.parent_path(), &cell);
   std::vector<Problem> problems;
   for (const BodySettings& body : cell.bodies) {
     if (body.shape.kind != "mesh" || body_bytes->contains(body.shape.mesh_file)) continue;

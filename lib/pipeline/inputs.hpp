@@ -30,7 +30,7 @@ struct JobInputs {
 JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector<Override>& overrides = {},
                         const std::optional<std::filesystem::path>& folder = {});
 
-/// Reads a cell and the meshes of its bodies.
+/// Reads a cell, with what a URDF that it names says in its place, and the meshes of its bodies.
 CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::string, std::string>* body_bytes);
 
 }  // namespace millpose

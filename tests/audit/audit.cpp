@@ -66,6 +66,10 @@ void AuditRows(const Folder& folder, Figures& figures) {
                   name);
     if (!row.planned) continue;
     const Matrix4 X_WT = Tool(setup, row.angles);
+    if (setup.urdf) {
+      const Matrix4 off = UrdfTool(*setup.urdf, row.angles) - X_WT;
+      figures.Raise("max_urdf_error_mm", off.block<3, 1>(0, 3).norm(), name);
+    }
     figures.Raise("max_tip_error_mm", (Vector3(X_WT.block<3, 1>(0, 3)) - row.position).norm(), name);
     figures.Raise("max_axis_error_deg", AngleBetween(Vector3(X_WT.block<3, 1>(0, 2)), row.axis) / kDegree,
                   name);
@@ -131,6 +135,56 @@ std::vector<JointMotion> GapMotions(const std::vector<Target>& targets, const st
   return motions;
 }
 
+/// Angles equal to `angles` up to full turns, nearest to `near`.
+Angles TurnedNear(Angles angles, const Angles& near) {
+  for (size_t i = 0; i < 6; ++i)
+    angles[i] += 360 * kDegree * std::round((near[i] - angles[i]) / (360 * kDegree));
+  return angles;
+}
+
+/// The straight way of the tool between two poses of the arm that are near each other, as short joint
+/// motions.
+void AddStraight(const Setup& setup, const Angles& from, const Angles& to, const std::string& name,
+                 std::vector<JointMotion>& motions) {
+  constexpr Real kStep = 2;  // mm
+  const Matrix4 X0 = Tool(setup, from), X1 = Tool(setup, to);
+  const int steps = std::max(1, static_cast<int>(std::ceil((X1 - X0).block<3, 1>(0, 3).norm() / kStep)));
+  Angles last = from;
+  for (int k = 1; k <= steps; ++k) {
+    Matrix4 X = X0;
+    X.block<3, 1>(0, 3) += (X1 - X0).block<3, 1>(0, 3) * k / steps;
+    const Angles next = k == steps ? to : Solve(setup, X, last);
+    motions.push_back({last, next, true, name});
+    last = next;
+  }
+}
+
+/// The same from plan.cbor, for a folder without a program that is in joint space throughout.
+std::vector<JointMotion> PlannedGapMotions(const Setup& setup, const std::vector<PlannedGap>& gaps,
+                                           const std::vector<Cut>& cuts) {
+  const auto find = [&](int pass, int piece) -> const Cut* {
+    for (const Cut& cut : cuts)
+      if (cut.rows[0]->pass == pass && cut.rows[0]->piece == piece) return &cut;
+    return nullptr;
+  };
+  std::vector<JointMotion> motions;
+  for (const PlannedGap& gap : gaps) {
+    if (gap.joints.empty()) continue;
+    const std::string name = fmt::format("gap from pass {} piece {} to pass {} piece {}", gap.from_pass,
+                                         gap.from_piece, gap.to_pass, gap.to_piece);
+    if (const Cut* cut = find(gap.from_pass, gap.from_piece)) {
+      const Angles& last = cut->rows.back()->angles;
+      const Angles end = cut->closed ? TurnedNear(cut->rows.front()->angles, last) : last;
+      AddStraight(setup, end, gap.joints.front(), name, motions);
+    }
+    for (size_t k = 1; k < gap.joints.size(); ++k)
+      motions.push_back({gap.joints[k - 1], gap.joints[k], false, name});
+    if (const Cut* cut = find(gap.to_pass, gap.to_piece))
+      AddStraight(setup, gap.joints.back(), cut->rows.front()->angles, name, motions);
+  }
+  return motions;
+}
+
 void AuditMotions(const Setup& setup, const std::vector<JointMotion>& motions, const Options& options,
                   Figures& figures) {
   std::vector<std::optional<Contact>> contacts(motions.size());
@@ -178,6 +232,7 @@ Verdict Audit(const Folder& folder, const Options& options) {
   figures.Declare("step_violations", 0);
   figures.Declare("max_index_error_relative", 1e-6);
   figures.Declare("interferences", 0);
+  if (folder.setup.urdf) figures.Declare("max_urdf_error_mm", 0.01);
   for (const auto& [controller, files] : folder.programs) {
     figures.Declare("program_deviation_mm_" + controller, static_cast<double>(kPositionBound));
     figures.Declare("program_deviation_deg_" + controller, static_cast<double>(kAngleBound / kDegree));
@@ -186,17 +241,18 @@ Verdict Audit(const Folder& folder, const Options& options) {
   std::vector<Cut> cuts = CutsOf(folder.rows, folder.setup);
   AuditRows(folder, figures);
   AuditSteps(folder.setup, cuts, figures);
-  std::vector<JointMotion> motions = CutMotions(cuts);
+  std::vector<JointMotion> motions = CutMotions(cuts), gaps;
   for (const auto& [controller, files] : folder.programs) {
     const std::vector<Target> targets = ReadProgram(controller, files, folder.setup);
     const Deviation deviation = Compare(targets, cuts, folder.setup);
     figures.Raise("program_deviation_mm_" + controller, deviation.position, deviation.where);
     figures.Raise("program_deviation_deg_" + controller, deviation.angle / kDegree, deviation.where);
-    if (controller != "linuxcnc" || targets.empty()) continue;  // the one that is in joint space throughout
-    const std::vector<JointMotion> gaps = GapMotions(targets, cuts);
-    AuditGapLimits(folder.setup, gaps, figures);
-    motions.insert(motions.end(), gaps.begin(), gaps.end());
+    // The one that is in joint space throughout.
+    if (controller == "linuxcnc" && !targets.empty()) gaps = GapMotions(targets, cuts);
   }
+  if (gaps.empty()) gaps = PlannedGapMotions(folder.setup, folder.gaps, cuts);
+  AuditGapLimits(folder.setup, gaps, figures);
+  motions.insert(motions.end(), gaps.begin(), gaps.end());
   AuditMotions(folder.setup, motions, options, figures);
   return figures.Take();
 }

@@ -94,6 +94,8 @@ void CompareCut(const std::vector<Target>& targets, Cut& cut, const Setup& setup
       if (off.Worst() < best.Worst() && (j > segment || off.share >= share)) {
         best = off;
         found = j;
+      } else if (best.Worst() <= 1 && j > found) {
+        break;  // what fits as well further on is another place that the cut comes by
       }
       travelled += (Tip(targets[j + 1].X_WT) - Tip(targets[j].X_WT)).norm();
     }

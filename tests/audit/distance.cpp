@@ -15,7 +15,69 @@ Real DistanceToSegment(const Vector3& p, const Vector3& a, const Vector3& b) {
   return (p - a - t * d).norm();
 }
 
+/// Of two segments where both are nearest to each other between their ends; the ends are looked at elsewhere.
+Real DistanceBetween(const Vector3& p, const Vector3& u, const Vector3& q, const Vector3& v) {
+  const Vector3 n = u.cross(v), w = q - p;
+  const Real square = n.squaredNorm();
+  if (square <= 1e-24L * u.squaredNorm() * v.squaredNorm()) return std::numeric_limits<Real>::infinity();
+  const Real s = w.cross(v).dot(n) / square, t = w.cross(u).dot(n) / square;
+  if (s < 0 || s > 1 || t < 0 || t > 1) return std::numeric_limits<Real>::infinity();
+  return std::abs(w.dot(n)) / std::sqrt(square);
+}
+
+/// Whether the segment from p to q goes through a triangle.
+bool Pierces(const Vector3& p, const Vector3& q, const std::array<Vector3, 3>& t) {
+  const Vector3 normal = (t[1] - t[0]).cross(t[2] - t[0]);
+  const Real from = normal.dot(p - t[0]), to = normal.dot(q - t[0]);
+  if (from == to || (from > 0) == (to > 0)) return false;
+  const Vector3 at = p + (q - p) * (from / (from - to));
+  for (size_t i = 0; i < 3; ++i)
+    if (normal.dot((t[(i + 1) % 3] - t[i]).cross(at - t[i])) < 0) return false;
+  return true;
+}
+
+struct Extent {
+  Vector3 lower, upper;
+  explicit Extent(const std::array<Vector3, 3>& t)
+      : lower(t[0].cwiseMin(t[1]).cwiseMin(t[2])), upper(t[0].cwiseMax(t[1]).cwiseMax(t[2])) {}
+  void Add(const Extent& other) {
+    lower = lower.cwiseMin(other.lower);
+    upper = upper.cwiseMax(other.upper);
+  }
+  Real SquaredGap(const Extent& other) const {
+    return (lower - other.upper).cwiseMax(other.lower - upper).cwiseMax(Real{0}).squaredNorm();
+  }
+};
+
 }  // namespace
+
+Real Distance(const std::array<Vector3, 3>& a, const std::array<Vector3, 3>& b) {
+  Real nearest = std::numeric_limits<Real>::infinity();
+  for (size_t i = 0; i < 3; ++i) {
+    const Vector3 &a0 = a[i], &a1 = a[(i + 1) % 3];
+    if (Pierces(a0, a1, b) || Pierces(b[i], b[(i + 1) % 3], a)) return 0;
+    nearest = std::min({nearest, Distance(a0, b), Distance(b[i], a)});
+    for (size_t j = 0; j < 3; ++j)
+      nearest = std::min(nearest, DistanceBetween(a0, a1 - a0, b[j], b[(j + 1) % 3] - b[j]));
+  }
+  return nearest;
+}
+
+Real Distance(const Mesh& a, const Mesh& b, Real bound) {
+  if (a.empty() || b.empty()) return bound;
+  Extent whole(b[0]);
+  for (const auto& t : b) whole.Add(Extent(t));
+  std::vector<std::pair<Extent, const std::array<Vector3, 3>*>> near;
+  for (const auto& t : a)
+    if (const Extent extent(t); extent.SquaredGap(whole) < bound * bound) near.emplace_back(extent, &t);
+  Real nearest = bound;
+  for (const auto& t : b) {
+    const Extent extent(t);
+    for (const auto& [other, triangle] : near)
+      if (extent.SquaredGap(other) < nearest * nearest) nearest = std::min(nearest, Distance(*triangle, t));
+  }
+  return nearest;
+}
 
 Real Distance(const Vector3& p, const std::array<Vector3, 3>& t) {
   Real nearest = std::numeric_limits<Real>::infinity();

@@ -3,6 +3,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "base/file.hpp"
@@ -196,6 +197,10 @@ void ReadCell(const YAML::Node& cell, const fs::path& folder, const YAML::Node& 
   const YAML::Node stiffness = cell["stiffness"];
   if (stiffness && stiffness["characteristic_length_mm"])
     setup->characteristic_length = stiffness["characteristic_length_mm"].as<double>();
+  if (const YAML::Node clearance = cell["clearance_mm"]) {
+    if (clearance["free"]) setup->clearance_free = clearance["free"].as<double>();
+    if (clearance["cutting"]) setup->clearance_cutting = clearance["cutting"].as<double>();
+  }
   setup->stiffness_at_flange = stiffness && stiffness["at"] && stiffness["at"].as<std::string>() == "flange";
   ReadControllers(cell["controllers"], setup);
 }
@@ -208,26 +213,64 @@ fs::path Resolve(const std::vector<fs::path>& starts, const std::string& name) {
 
 }  // namespace
 
+Setup ReadSetup(const std::string& job_text, const std::vector<fs::path>& starts,
+                const std::string& resolved) {
+  Setup setup{};
+  const YAML::Node job = YAML::Load(job_text);
+  const fs::path cell_path = Resolve(starts, job["cell"].as<std::string>());
+  const YAML::Node stated = YAML::Load(ReadFile(cell_path));
+  const YAML::Node urdf = stated["arm"]["urdf"];
+  if (urdf && resolved.empty())
+    throw std::runtime_error("a cell with a URDF is judged from its cell.yaml only");
+  ReadCell(urdf ? YAML::Load(resolved) : stated, cell_path.parent_path(), job["workpiece"], &setup);
+  if (urdf) {
+    setup.urdf = ReadUrdf(ReadFile(cell_path.parent_path() / urdf["file"].as<std::string>()),
+                          urdf["base_link"].as<std::string>(), urdf["flange_link"].as<std::string>());
+    setup.urdf->X_WS = PoseOf(stated["base_in_world"]);
+    setup.urdf->X_ET = ToolInFlange(stated["tool"]);
+  }
+  ReadJob(job, &setup);
+  Body workpiece;
+  workpiece.name = workpiece.kind = "workpiece";
+  workpiece.X_LG = setup.X_WP;
+  workpiece.mesh = ReadStl(ReadFile(Resolve(starts, job["workpiece"]["mesh"].as<std::string>())),
+                           UnitOf(job["workpiece"]["unit"].as<std::string>()));
+  setup.bodies.push_back(std::move(workpiece));
+  return setup;
+}
+
 Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   Folder folder;
   const std::vector<fs::path> starts =
       inputs.empty() ? std::vector<fs::path>{path, path / ".."} : std::vector<fs::path>{inputs};
-  const YAML::Node job = YAML::Load(ReadFile(path / "job.yaml"));
-  const fs::path cell_path = Resolve(starts, job["cell"].as<std::string>());
-  ReadCell(YAML::Load(ReadFile(cell_path)), cell_path.parent_path(), job["workpiece"], &folder.setup);
-  ReadJob(job, &folder.setup);
-  Body workpiece;
-  workpiece.name = workpiece.kind = "workpiece";
-  workpiece.X_LG = folder.setup.X_WP;
-  workpiece.mesh = ReadStl(ReadFile(Resolve(starts, job["workpiece"]["mesh"].as<std::string>())),
-                           UnitOf(job["workpiece"]["unit"].as<std::string>()));
-  folder.setup.bodies.push_back(std::move(workpiece));
+  const auto optional = [&](const char* name) {
+    return fs::exists(path / name) ? ReadFile(path / name) : std::string();
+  };
+  folder.setup = ReadSetup(ReadFile(path / "job.yaml"), starts, optional("cell.yaml"));
   folder.rows = ReadPoints(ReadFile(path / "points.csv"));
+  if (const std::string cbor = optional("plan.cbor"); !cbor.empty()) folder.gaps = ReadGaps(cbor);
   if (fs::exists(path / "programs"))
     for (const auto& controller : fs::directory_iterator(path / "programs"))
       for (const auto& file : fs::directory_iterator(controller.path()))
         folder.programs[controller.path().filename()][file.path().filename()] = ReadFile(file.path());
   return folder;
+}
+
+std::vector<PlannedGap> ReadGaps(const std::string& cbor) {
+  std::vector<PlannedGap> gaps;
+  const nlohmann::json plan = nlohmann::json::from_cbor(cbor);
+  for (const auto& entry : plan.at("gaps")) {
+    PlannedGap gap{
+        entry.at("from_pass"), entry.at("from_piece"), entry.at("to_pass"), entry.at("to_piece"), {}};
+    if (entry.at("planned").get<bool>())
+      for (const auto& joints : entry.at("joints")) {
+        Angles angles;
+        for (size_t i = 0; i < 6; ++i) angles[i] = joints.at(i).get<double>();
+        gap.joints.push_back(angles);
+      }
+    gaps.push_back(std::move(gap));
+  }
+  return gaps;
 }
 
 std::vector<Row> ReadPoints(const std::string& csv) {

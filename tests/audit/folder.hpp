@@ -7,6 +7,7 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,16 @@ struct Body {
   Mesh mesh;               ///< in the shape's frame
 };
 
+/// The joints of a URDF from base to flange as that file has them, one after the other.
+struct UrdfArm {
+  struct Joint {
+    Matrix4 origin;
+    Vector3 axis;  ///< of a joint that turns; zero: fixed
+  };
+  std::vector<Joint> joints;
+  Matrix4 X_WS, X_ET;  ///< the base link in W, the tool in the flange link, as the cell states them
+};
+
 /// The cell and job as far as the laws need them.
 struct Setup {
   Real d1, a1, a2, d4, dz, d6;        ///< mm
@@ -47,6 +58,8 @@ struct Setup {
   std::string krl_tool_axis = "z", sinumerik_tool_axis = "z", sinumerik_rotation = "rpy";
   std::vector<Body> bodies;  ///< the workpiece last
   std::vector<std::pair<std::string, std::string>> excluded_pairs;
+  std::optional<UrdfArm> urdf;                      ///< of a cell that names one
+  Real clearance_free = 10, clearance_cutting = 2;  ///< mm
 };
 
 /// One row of points.csv; a skipped point has no angles.
@@ -58,10 +71,17 @@ struct Row {
   Real lambda_t1, lambda_t2, lambda_n, mu, dexterity, objective;
 };
 
+/// A planned way between two pieces, from plan.cbor; pass −1 is home.
+struct PlannedGap {
+  int from_pass, from_piece, to_pass, to_piece;
+  std::vector<Angles> joints;  ///< from the retracted tool to where the approach begins
+};
+
 /// A folder as read.
 struct Folder {
   Setup setup;
   std::vector<Row> rows;
+  std::vector<PlannedGap> gaps;
   std::map<std::string, std::map<std::string, std::string>> programs;  ///< controller → file name → text
 };
 
@@ -69,7 +89,14 @@ struct Folder {
 /// itself or the one that it lies in. Throws an exception that says what is missing or malformed.
 Folder ReadFolder(const std::filesystem::path& path, const std::filesystem::path& inputs = {});
 
+/// The cell and job that `job` (the bytes of a resolved job.yaml) names, in the first of `starts` where they
+/// are. `resolved`: bytes of the cell.yaml of an output folder, which a cell with a URDF needs.
+Setup ReadSetup(const std::string& job, const std::vector<std::filesystem::path>& starts,
+                const std::string& resolved = {});
+
 /// Parts of ReadFolder.
+std::vector<PlannedGap> ReadGaps(const std::string& cbor);
+UrdfArm ReadUrdf(const std::string& xml, const std::string& base, const std::string& flange);
 std::vector<Row> ReadPoints(const std::string& csv);
 Mesh ReadStl(const std::string& bytes, Real unit);
 

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <cmath>
 
 #include "tests/audit/kinematics.hpp"
@@ -70,29 +69,6 @@ Vector3 AbcOf(const Matrix4& X) {
   const Real a = std::hypot(X(0, 0), X(1, 0)) > 1e-9L ? std::atan2(X(1, 0), X(0, 0)) : 0;
   const Matrix4 rest = Turn(2, -a) * X;
   return Vector3(a, std::atan2(-rest(2, 0), rest(0, 0)), std::atan2(-rest(1, 2), rest(1, 1))) / kDegree;
-}
-
-/// Joint angles that bring the tool to X_WT, by Newton's iteration on differences, from a start nearby.
-Angles Solve(const Setup& setup, const Matrix4& X_WT, Angles angles) {
-  const auto error = [&](const Angles& at) {
-    const Matrix4 X = Tool(setup, at);
-    const Matrix3 turn = X_WT.block<3, 3>(0, 0) * X.block<3, 3>(0, 0).transpose();
-    Eigen::Matrix<Real, 6, 1> e;
-    e << Vector3((X_WT - X).block<3, 1>(0, 3)) / 1000, (turn(2, 1) - turn(1, 2)) / 2,
-        (turn(0, 2) - turn(2, 0)) / 2, (turn(1, 0) - turn(0, 1)) / 2;
-    return e;
-  };
-  for (int round = 0; round < 20; ++round) {
-    Eigen::Matrix<Real, 6, 6> slope;
-    for (size_t i = 0; i < 6; ++i) {
-      Angles more = angles;
-      more[i] += 1e-8L;
-      slope.col(static_cast<Eigen::Index>(i)) = (error(more) - error(angles)) / 1e-8L;
-    }
-    const Eigen::Matrix<Real, 6, 1> step = slope.fullPivLu().solve(error(angles));
-    for (size_t i = 0; i < 6; ++i) angles[i] -= step[static_cast<Eigen::Index>(i)];
-  }
-  return angles;
 }
 
 Setup MakeSetup() {

@@ -95,6 +95,19 @@ struct Judge::Impl {
     return IsInside(p_G, b.body.mesh);
   }
 
+  static Mesh Placed(const Item& item) {
+    Mesh mesh = item.body.mesh;
+    for (auto& t : mesh)
+      for (Vector3& p : t) p = Apply(item.X_WG, p);
+    return mesh;
+  }
+
+  /// Whether the cut allows the two to touch.
+  static bool MayTouch(const Item& a, const Item& b, bool cutting) {
+    return cutting && (a.body.in_cut || b.body.in_cut) &&
+           (a.body.kind == "workpiece" || b.body.kind == "workpiece");
+  }
+
   /// Bound of how far any point of a moving body travels on a straight joint motion, mm.
   Real Travel(const Angles& from, const Angles& to) {
     Angles middle;
@@ -124,9 +137,7 @@ std::optional<Contact> Judge::At(const Angles& angles, bool cutting, bool inside
   impl_->Place(angles);
   for (const auto& [i, j] : impl_->pairs) {
     const Impl::Item &a = impl_->items[i], &b = impl_->items[j];
-    if (cutting && (a.body.in_cut || b.body.in_cut) &&
-        (a.body.kind == "workpiece" || b.body.kind == "workpiece"))
-      continue;
+    if (Impl::MayTouch(a, b, cutting)) continue;
     if (Impl::Touch(a, b) || (inside && (Impl::Inside(a, b) || Impl::Inside(b, a))))
       return Contact{a.body.name, b.body.name, angles};
   }
@@ -154,6 +165,28 @@ std::optional<Contact> Judge::Between(const Angles& from, const Angles& to, bool
     }
   }
   return std::nullopt;
+}
+
+Real Judge::Distance(const std::string& first, const std::string& second, const Angles& angles, bool cutting,
+                     Real bound) {
+  impl_->Place(angles);
+  Real nearest = bound;
+  for (const auto& [i, j] : impl_->pairs) {
+    const Impl::Item &a = impl_->items[i], &b = impl_->items[j];
+    const bool named =
+        (a.body.name == first && b.body.name == second) || (a.body.name == second && b.body.name == first);
+    if (!named || Impl::MayTouch(a, b, cutting)) continue;
+    if (Impl::Inside(a, b) || Impl::Inside(b, a)) return 0;
+    nearest = std::min(nearest, audit::Distance(Impl::Placed(a), Impl::Placed(b), nearest));
+  }
+  return nearest;
+}
+
+Real Judge::Radius(const std::string& name) const {
+  Real radius = 0;
+  for (const Impl::Item& item : impl_->items)
+    if (item.body.name == name) radius = std::max(radius, item.radius);
+  return radius;
 }
 
 }  // namespace millpose::audit

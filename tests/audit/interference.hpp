@@ -29,6 +29,14 @@ class Judge {
   /// `travel` mm from one to the next; both ends included.
   std::optional<Contact> Between(const Angles& from, const Angles& to, bool cutting, double travel);
 
+  /// Distance of the bodies of these names at a pose, mm, up to `bound`; 0 when they touch or one is inside
+  /// the other. While cutting, the part of the cutter that may be in the workpiece is left out against it.
+  Real Distance(const std::string& first, const std::string& second, const Angles& angles, bool cutting,
+                Real bound);
+
+  /// Radius of the largest of the spheres around the bodies of that name, mm.
+  Real Radius(const std::string& name) const;
+
   long long poses = 0;  ///< looked at so far
 
  private:

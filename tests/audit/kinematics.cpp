@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/audit/kinematics.hpp"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <cmath>
 
@@ -42,6 +44,41 @@ std::array<Matrix4, 7> Frames(const Setup& s, const Angles& angles) {
 }
 
 Matrix4 Tool(const Setup& setup, const Angles& angles) { return Frames(setup, angles)[6] * setup.X_FT; }
+
+Matrix4 UrdfTool(const UrdfArm& arm, const Angles& angles) {
+  Matrix4 X = arm.X_WS;
+  size_t turned = 0;
+  for (const UrdfArm::Joint& joint : arm.joints) {
+    X *= joint.origin;
+    if (joint.axis.isZero(0)) continue;
+    Matrix4 turn = Matrix4::Identity();
+    turn.block<3, 3>(0, 0) = Eigen::AngleAxis<Real>(angles.at(turned++), joint.axis).toRotationMatrix();
+    X *= turn;
+  }
+  return X * arm.X_ET;
+}
+
+Angles Solve(const Setup& setup, const Matrix4& X_WT, Angles angles) {
+  const auto error = [&](const Angles& at) {
+    const Matrix4 X = Tool(setup, at);
+    const Matrix3 turn = X_WT.block<3, 3>(0, 0) * X.block<3, 3>(0, 0).transpose();
+    Eigen::Matrix<Real, 6, 1> e;
+    e << Vector3((X_WT - X).block<3, 1>(0, 3)) / 1000, (turn(2, 1) - turn(1, 2)) / 2,
+        (turn(0, 2) - turn(2, 0)) / 2, (turn(1, 0) - turn(0, 1)) / 2;
+    return e;
+  };
+  for (int round = 0; round < 20; ++round) {
+    Eigen::Matrix<Real, 6, 6> slope;
+    for (size_t i = 0; i < 6; ++i) {
+      Angles more = angles;
+      more[i] += 1e-8L;
+      slope.col(static_cast<Eigen::Index>(i)) = (error(more) - error(angles)) / 1e-8L;
+    }
+    const Eigen::Matrix<Real, 6, 1> step = slope.fullPivLu().solve(error(angles));
+    for (size_t i = 0; i < 6; ++i) angles[i] -= step[static_cast<Eigen::Index>(i)];
+  }
+  return angles;
+}
 
 Indices ComputeIndices(const Setup& setup, const Angles& angles, const Vector3& normal_W) {
   constexpr Real kStep = 1e-5L;  // rad: truncation near 1e-10 of the entries, rounding far below

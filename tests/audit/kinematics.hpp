@@ -11,6 +11,12 @@ std::array<Matrix4, 7> Frames(const Setup& setup, const Angles& angles);
 /// Tool tip in W.
 Matrix4 Tool(const Setup& setup, const Angles& angles);
 
+/// The same by the joints of the URDF that the cell names.
+Matrix4 UrdfTool(const UrdfArm& arm, const Angles& angles);
+
+/// Joint angles that bring the tool to X_WT, by Newton's iteration on differences, from a start nearby.
+Angles Solve(const Setup& setup, const Matrix4& X_WT, Angles angles);
+
 /// What points.csv says of stiffness, by another route: Jacobian by central differences of Tool(), and the
 /// ellipsoid's section and radius by singular values of c⁻¹ restricted to the plane and to the normal.
 struct Indices {

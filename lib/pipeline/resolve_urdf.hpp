@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+
+#include "config/settings.hpp"
+
+namespace millpose {
+
+/// Replaces the URDF that a cell names by what it says: lengths, signs, offsets, limits and speeds of the
+/// arm, and a body of class link for every collision shape, named after its link. Where the URDF's base or
+/// flange is not the closed form's, what hangs on them is moved over. Paths of the cell are relative to
+/// `folder`. Does nothing without a URDF. Throws InputError with the place in the URDF or the cell.
+void ResolveUrdf(const std::filesystem::path& folder, CellSettings* cell);
+
+}  // namespace millpose

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "robot/arm.hpp"
+
+namespace millpose {
+
+/// One collision shape of a URDF link, in mm.
+struct UrdfShape {
+  enum class Kind : uint8_t { kBox, kCylinder, kSphere, kMesh };
+  Kind kind = Kind::kBox;
+  int line = 0;                                     ///< of the element, for messages
+  std::string name;                                 ///< may be empty
+  Pose X_LG = Pose::Identity();                     ///< the shape in its link
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();   ///< box, mm
+  double radius = 0, length = 0;                    ///< cylinder (about z, centred) and sphere, mm
+  std::string mesh_file;                            ///< as written: a path, package:// or file://
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();  ///< of a mesh, whose coordinates are metres
+};
+
+struct UrdfLink {
+  std::string name;
+  int line = 0;
+  std::vector<UrdfShape> collisions;
+};
+
+struct UrdfJoint {
+  enum class Type : uint8_t { kFixed, kRevolute, kContinuous, kOther };
+  std::string name, parent, child;
+  int line = 0;
+  Type type = Type::kFixed;
+  Pose X_PC = Pose::Identity();                     ///< the child in the parent at joint value 0, mm
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< in the child, unit
+  double lower = 0, upper = 0;                      ///< rad; of a revolute joint
+  double speed = 0;                                 ///< rad/s; 0: not given
+};
+
+/// What a URDF says of links, joints and collision geometry. Visuals, inertias and transmissions are left.
+struct UrdfModel {
+  std::string file;  ///< for messages
+  std::string name;
+  std::vector<UrdfLink> links;
+  std::vector<UrdfJoint> joints;
+};
+
+/// Reads a URDF (http://wiki.ros.org/urdf/XML), metres and radians. Throws InputError with every problem
+/// found, with its line: not XML, missing or malformed attributes, names given twice or that name nothing.
+UrdfModel ReadUrdf(std::string_view bytes, const std::string& file);
+
+}  // namespace millpose

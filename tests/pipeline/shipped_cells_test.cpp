@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every cell of the project is free of interference with itself where it should be, and not everywhere.
+#include "base/random.hpp"
+#include "cell/world.hpp"
+#include "pipeline/assemble.hpp"
+
+namespace millpose {
+namespace {
+
+std::vector<std::filesystem::path> Cells() {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(MILLPOSE_SOURCE_DIR) / "cells"))
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+  std::ranges::sort(files);
+  return files;
+}
+
+class ShippedCell : public testing::TestWithParam<std::filesystem::path> {};
+
+TEST_P(ShippedCell, IsFreeAtHomeAndInMostPosesOfItsWorkingRange) {
+  std::map<std::string, std::string> bytes;
+  const World world(MakeCell(LoadCell(GetParam(), &bytes), bytes));
+  const Arm& arm = world.cell().arm;
+  Checker checker(world);
+  const auto home = checker.At(world.cell().home, Phase::kFree);
+  EXPECT_FALSE(home) << home->first << " " << home->second;
+
+  // Where parts are milled: the arm before itself, bent, the wrist not folded back.
+  RandomStream random(5, 0);
+  const auto share = [&](const Joints& lower, const Joints& upper) {
+    constexpr int kPoses = 2000;
+    int free = 0;
+    for (int k = 0; k < kPoses; ++k) {
+      Joints q;
+      for (int i = 0; i < 6; ++i) q[i] = random.Uniform(lower[i], upper[i]);
+      free += !checker.At(q, Phase::kFree);
+    }
+    return static_cast<double>(free) / kPoses;
+  };
+  Joints lower, upper;
+  lower << -45, -100, 60, -180, -60, -180;
+  upper << 45, -50, 115, 180, 60, 180;
+  const double working = share(lower * kRadPerDeg, upper * kRadPerDeg), all = share(arm.lower, arm.upper);
+  EXPECT_GT(working, 0.9);
+  // Over all that the limits allow the arm meets its base, itself and the platform.
+  EXPECT_GT(all, 0.1);
+  EXPECT_LT(all, 0.7);
+  RecordProperty("working", std::to_string(working));
+  RecordProperty("all", std::to_string(all));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ShippedCell, testing::ValuesIn(Cells()),
+                         [](const auto& info) { return info.param.stem().string(); });
+
+}  // namespace
+}  // namespace millpose

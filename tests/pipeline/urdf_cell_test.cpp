@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A cell that names a URDF against the same cell computed joint by joint from that file.
+#include <unistd.h>
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "base/random.hpp"
+#include "pipeline/assemble.hpp"
+#include "robot/joint_chain.hpp"
+#include "robot/kinematics.hpp"
+
+namespace millpose {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr const char* kCell = R"(millpose_cell: 1
+name: own
+arm:
+  name: own
+  urdf: {file: robot/arm.urdf, base_link: base_link, flange_link: tool0}
+  accelerations_deg_s2: [200, 200, 200, 300, 300, 500]
+  joint_stiffness_Nm_per_rad: [8.9e6, 6.78e6, 1.13e7, 2.01e6, 1.65e6, 1.35e6]
+base_in_world: {xyz_mm: [100, 200, 300], abc_deg: [40, 0, 0]}
+home_deg: [0, 0, 0, 0, 0, 0]
+tool:
+  name: spindle
+  tip_in_flange_mm: [10, 20, 150]
+  axis_in_flange: [0, 0, -1]
+  x_in_flange: [1, 0, 0]
+  cutter: {diameter_mm: 20, cutting_length_mm: 40}
+  stack: [{name: cutter, class: cutter, length_mm: 60, diameter_mm: 20}]
+bodies:
+  - {name: plate, class: fixture, mount: base, shape: {box: {size_mm: [400, 400, 20]}}, pose: {xyz_mm: [0, 0, -10]}}
+  - {name: cup, class: spindle, mount: link6, shape: {cylinder: {diameter_mm: 90, length_mm: 40}}, pose: {xyz_mm: [5, 0, 30]}}
+)";
+
+class UrdfCell : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(base_ / "robot");
+    urdf_ = ReadFile(fs::path(MILLPOSE_SOURCE_DIR) / "tests/robot/turned_about.urdf");
+  }
+  void TearDown() override { fs::remove_all(base_); }
+
+  static std::string With(std::string text, const std::string& from, const std::string& to) {
+    const size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+  }
+  CellSettings Load(const std::string& cell, const std::string& urdf) {
+    WriteFileAtomically(base_ / "robot" / "arm.urdf", urdf);
+    WriteFileAtomically(base_ / "cell.yaml", cell);
+    bytes_.clear();
+    return LoadCell(base_ / "cell.yaml", &bytes_);
+  }
+  std::string ErrorOf(const std::string& cell, const std::string& urdf) {
+    try {
+      Load(cell, urdf);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+  static Pose Of(double x, double y, double z) { return Pose(Eigen::Translation3d(x, y, z)); }
+  static Pose PlaceOf(const Cell& cell, const Joints& angles, const std::string& name) {
+    const auto links = LinkFrames(cell.arm, angles);
+    for (const Body& body : cell.bodies) {
+      if (body.name != name) continue;
+      const Pose X_BM = body.mount == Mount::kTool ? links[6] * cell.X_FT : links[body.link];
+      return cell.X_WB * X_BM * body.X_MG;
+    }
+    throw std::runtime_error("no body " + name);
+  }
+
+  const fs::path base_ = fs::temp_directory_path() / fmt::format("millpose_urdf_{}", ::getpid());
+  std::string urdf_;
+  std::map<std::string, std::string> bytes_;
+};
+
+TEST_F(UrdfCell, BodiesAndToolAreWhereTheFilesJointsPutThem) {
+  // As it is, and with base and flange that are not those of a closed form.
+  const std::string tilted =
+      With(With(urdf_, "<origin xyz=\"0 0 0.3\" rpy=\"3.141592653589793 0 1.5707963267948966\"/>",
+                "<origin xyz=\"0.3 0.1 0.2\" rpy=\"3 0.4 1.1\"/>"),
+           "<origin xyz=\"-0.12 0 0\" rpy=\"0 -1.5707963267948966 0\"/>",
+           "<origin xyz=\"-0.12 0.03 0.01\" rpy=\"0.2 1 2\"/>");
+  for (const std::string& urdf : {urdf_, tilted}) {
+    const Cell cell = MakeCell(Load(kCell, urdf), bytes_);
+    const ChainOfLinks found = FindChain(ReadUrdf(urdf, "arm.urdf"), "base_link", "tool0");
+    Pose X_WS = Of(100, 200, 300);
+    X_WS.rotate(Eigen::AngleAxisd(DegToRad(40), Eigen::Vector3d::UnitZ()));
+    RandomStream random(1, 0);
+    for (int k = 0; k < 50; ++k) {
+      Joints angles;
+      for (double& angle : angles) angle = random.Uniform(-3, 3);
+      const auto frames = ChainFrames(found.chain, angles);
+      const auto expect = [&](const Pose& found_at, const Pose& wanted, const std::string& what) {
+        ASSERT_LT((found_at.matrix() - wanted.matrix()).cwiseAbs().maxCoeff(), 1e-8) << what;
+      };
+      for (const AttachedLink& link : found.links) {
+        for (size_t i = 0; i < link.link->collisions.size(); ++i) {
+          const std::string name = link.link->name + (i == 0 ? "" : "_2");
+          expect(PlaceOf(cell, angles, name),
+                 X_WS * frames[link.moves_with] * link.X_ML * link.link->collisions[i].X_LG, name);
+        }
+      }
+      expect(PlaceOf(cell, angles, "plate"), X_WS * Of(0, 0, -10), "plate");
+      expect(PlaceOf(cell, angles, "cup"), X_WS * frames[7] * Of(5, 0, 30), "cup");
+      Pose X_ET = Of(10, 20, 150);
+      X_ET.linear() << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+      expect(cell.X_WB * ForwardFlange(cell.arm, angles) * cell.X_FT, X_WS * frames[7] * X_ET, "tool");
+    }
+    EXPECT_EQ(cell.bodies.size(), 11u);  // cutter, two of the cell, eight of the URDF
+  }
+}
+
+TEST_F(UrdfCell, ResolvedCellReadsBackToTheSame) {
+  const CellSettings cell = Load(kCell, urdf_);
+  EXPECT_TRUE(cell.arm.urdf.file.empty());
+  EXPECT_EQ(cell.arm.limits_source, "robot/arm.urdf");
+  const std::string written = WriteCell(cell);
+  EXPECT_EQ(WriteCell(ParseCell(written, "written")), written);
+  const Cell first = MakeCell(cell, bytes_), second = MakeCell(ParseCell(written, "written"), bytes_);
+  EXPECT_EQ(first.arm.offset, second.arm.offset);
+  EXPECT_EQ(first.arm.d1, second.arm.d1);
+}
+
+TEST_F(UrdfCell, LimitsAndSpeedsOfTheCellGoFirst) {
+  const std::string own =
+      With(kCell, "  accelerations",
+           "  limits_deg: [[-10, 10], [-20, 20], [-30, 30], [-40, 40], [-50, 50], [-60, 60]]\n"
+           "  speeds_deg_s: [1, 2, 3, 4, 5, 6]\n  accelerations");
+  const CellSettings cell = Load(own, urdf_);
+  EXPECT_NEAR(cell.arm.lower[4], DegToRad(-50), 1e-15);
+  EXPECT_NEAR(cell.arm.speed[5], DegToRad(6), 1e-15);
+  EXPECT_EQ(Load(kCell, urdf_).arm.upper[5], 6);
+  const std::string continuous = With(urdf_, "type=\"revolute\"", "type=\"continuous\"");
+  EXPECT_NE(ErrorOf(kCell, continuous).find("cell.yaml:5: arm.urdf: joint 'joint_1' is continuous"),
+            std::string::npos)
+      << ErrorOf(kCell, continuous);
+  EXPECT_EQ(ErrorOf(own, continuous), "accepted");
+}
+
+TEST_F(UrdfCell, MeshesAreFoundInTheirPackages) {
+  const auto with_mesh = [&](const std::string& attributes) {
+    return With(urdf_, "<box size=\"0.36 0.3 0.22\"/>", "<mesh " + attributes + "/>");
+  };
+  fs::create_directories(base_ / "description" / "meshes");
+  WriteFileAtomically(
+      base_ / "description" / "meshes" / "one.stl",
+      "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 0.2 0\nendloop\n"
+      "endfacet\nendsolid s\n");
+  const std::string in_package = with_mesh("filename=\"package://own/meshes/one.stl\"");
+  EXPECT_NE(
+      ErrorOf(kCell, in_package).find("arm.urdf:9: mesh package://own/meshes/one.stl: no folder is known"),
+      std::string::npos)
+      << ErrorOf(kCell, in_package);
+  const std::string cell =
+      With(kCell, "flange_link: tool0", "flange_link: tool0, packages: {own: description}");
+  const Cell made = MakeCell(Load(cell, in_package), bytes_);
+  for (const Body& body : made.bodies) {
+    if (body.name != "link_1") continue;
+    double longest = 0;
+    for (const auto& v : std::get<Triangles>(body.shape).vertices) longest = std::max(longest, v.norm());
+    EXPECT_NEAR(longest, 200, 1e-9);
+  }
+  EXPECT_EQ(
+      ErrorOf(kCell, with_mesh("filename=\"../description/meshes/one.stl\" scale=\"0.001 0.001 0.001\"")),
+      "accepted");
+  EXPECT_NE(
+      ErrorOf(kCell, with_mesh("filename=\"one.stl\" scale=\"1 -1 1\"")).find("mesh scale 1 -1 1; allowed"),
+      std::string::npos);
+  EXPECT_NE(ErrorOf(kCell, with_mesh("filename=\"none.stl\"")).find("none.stl"), std::string::npos);
+}
+
+TEST_F(UrdfCell, LinksWithoutBodiesAndDoubleStatementsAreErrors) {
+  const std::string bare =
+      With(urdf_, "<collision><origin xyz=\"0.1 0 -0.11\" rpy=\"3.141592653589793 0 0\"/>", "<visual>");
+  const std::string without =
+      With(bare, "<geometry><box size=\"0.36 0.3 0.22\"/></geometry></collision>", "</visual>");
+  EXPECT_NE(ErrorOf(kCell, without).find("gives link1 a collision geometry"), std::string::npos)
+      << ErrorOf(kCell, without);
+  EXPECT_NE(ErrorOf(With(kCell, "  urdf:", "  axis_signs: [1, 1, 1, 1, 1, 1]\n  urdf:"), urdf_)
+                .find("cell.yaml:5:3: arm.axis_signs: is derived from the URDF"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(With(kCell, "tool0}", "tol0}"), urdf_).find("nearest: tool0"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace millpose

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "robot/urdf.hpp"
+
+#include <kdl/chain.hpp>
+#include <kdl/chainfksolverpos_recursive.hpp>
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "robot/joint_chain.hpp"
+#include "robot/kinematics.hpp"
+#include "tests/robot/arms.hpp"
+
+namespace millpose {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// A joint as the text of a URDF has it: metres, rad.
+struct SpecJoint {
+  Vector3d xyz, rpy, axis;
+};
+/// Six joints and the flange behind them.
+struct Spec {
+  std::array<SpecJoint, 6> joints;
+  Vector3d flange_xyz = Vector3d::Zero(), flange_rpy = Vector3d::Zero();
+};
+
+std::string Text(const Vector3d& v) { return fmt::format("{:.17g} {:.17g} {:.17g}", v[0], v[1], v[2]); }
+
+std::string UrdfOf(const Spec& spec) {
+  std::string text = "<?xml version=\"1.0\"?>\n<robot name=\"own\">\n";
+  for (int i = 0; i <= 7; ++i) text += fmt::format("<link name=\"l{}\"/>\n", i);
+  for (int i = 0; i < 6; ++i) {
+    const SpecJoint& joint = spec.joints[i];
+    text += fmt::format(
+        "<joint name=\"j{}\" type=\"revolute\"><parent link=\"l{}\"/><child link=\"l{}\"/>\n"
+        "<origin xyz=\"{}\" rpy=\"{}\"/><axis xyz=\"{}\"/><limit lower=\"-3\" upper=\"{}\" "
+        "velocity=\"2\"/></joint>\n",
+        i + 1, i, i + 1, Text(joint.xyz), Text(joint.rpy), Text(joint.axis), 1 + 0.1 * i);
+  }
+  return text + fmt::format(
+                    "<joint name=\"f\" type=\"fixed\"><parent link=\"l6\"/><child link=\"l7\"/>"
+                    "<origin xyz=\"{}\" rpy=\"{}\"/></joint>\n</robot>\n",
+                    Text(spec.flange_xyz), Text(spec.flange_rpy));
+}
+
+/// The same joints for Orocos KDL, in metres.
+KDL::Chain KdlChain(const Spec& spec) {
+  const auto frame = [](const Vector3d& xyz, const Vector3d& rpy) {
+    return KDL::Frame(KDL::Rotation::RPY(rpy[0], rpy[1], rpy[2]), KDL::Vector(xyz[0], xyz[1], xyz[2]));
+  };
+  KDL::Chain chain;
+  for (const SpecJoint& joint : spec.joints) {
+    chain.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::None), frame(joint.xyz, joint.rpy)));
+    chain.addSegment(
+        KDL::Segment(KDL::Joint(KDL::Vector::Zero(), KDL::Vector(joint.axis[0], joint.axis[1], joint.axis[2]),
+                                KDL::Joint::RotAxis),
+                     KDL::Frame::Identity()));
+  }
+  chain.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::None), frame(spec.flange_xyz, spec.flange_rpy)));
+  return chain;
+}
+
+Vector3d RollPitchYaw(const Matrix3d& R) {
+  return {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0))),
+          std::atan2(R(1, 0), R(0, 0))};
+}
+
+Matrix3d RandomRotation(RandomStream& random) {
+  return Eigen::Quaterniond(random.Normal(), random.Normal(), random.Normal(), random.Normal())
+      .normalized()
+      .toRotationMatrix();
+}
+
+/// Joints that move as `arm` does, with frames turned and shifted along their axes at random, on a base S and
+/// with a flange E that are not the arm's. `miss`: axis 6 moved aside by that much, mm; `beside`: the wrist
+/// moved along axis 2.
+Spec TurnedAbout(const Arm& arm, RandomStream& random, double miss = 0, double beside = 0) {
+  constexpr std::array<int, 6> kColumn{2, 1, 1, 0, 1, 2};
+  Pose X_SB = Pose::Identity();
+  X_SB.linear() = RandomRotation(random);
+  X_SB.translation() = 300 * Vector3d(random.Normal(), random.Normal(), random.Normal());
+  const std::array<Pose, 7> frames = LinkFrames(arm, Joints::Zero());
+  Spec spec;
+  Pose before = Pose::Identity();
+  Vector3d aside = Vector3d::Zero();
+  for (int i = 0; i < 6; ++i) {
+    Pose X_SL = X_SB * frames[i + 1];
+    const Vector3d axis = arm.sign[i] * X_SL.linear().col(kColumn[i]);
+    if (i == 3) aside += beside * (X_SB * frames[2]).linear().col(1);
+    if (i == 5) aside += miss * axis.cross((X_SB * frames[5]).linear().col(1));
+    X_SL.translation() += aside + random.Uniform(-400, 400) * axis;
+    X_SL.linear() = RandomRotation(random);
+    const Pose step = before.inverse() * X_SL;
+    spec.joints[i] = {step.translation() / 1000, RollPitchYaw(step.linear()),
+                      X_SL.linear().transpose() * axis};
+    before = X_SL;
+  }
+  Pose X_SE = X_SB * frames[6];
+  X_SE.translation() += 100 * Vector3d(random.Normal(), random.Normal(), random.Normal());
+  X_SE.linear() = RandomRotation(random);
+  const Pose step = before.inverse() * X_SE;
+  spec.flange_xyz = step.translation() / 1000;
+  spec.flange_rpy = RollPitchYaw(step.linear());
+  return spec;
+}
+
+Arm RandomArm(RandomStream& random) {
+  std::array<double, 6> sign;
+  for (double& s : sign) s = random.Uniform(-1, 1) < 0 ? -1 : 1;
+  Arm arm = MakeArm("random", random.Uniform(-200, 900), random.Uniform(-300, 500), random.Uniform(300, 1300),
+                    random.Uniform(-900, 1000), random.Uniform(-300, 300), random.Uniform(-200, 300), sign);
+  for (double& offset : arm.offset) offset = random.Uniform(-kPi, kPi);
+  return arm;
+}
+
+DerivedArm Derive(const std::string& urdf, double tolerance = 1e-6) {
+  return DeriveArm(FindChain(ReadUrdf(urdf, "own.urdf"), "l0", "l7").chain, tolerance, "own.urdf");
+}
+
+std::string ErrorOf(const std::string& urdf, const std::string& base = "l0",
+                    const std::string& flange = "l7") {
+  try {
+    DeriveArm(FindChain(ReadUrdf(urdf, "own.urdf"), base, flange).chain, 0.01, "own.urdf");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+/// Compares with KDL in mm and checks that the closed-form inverse leads back.
+void ExpectSame(const Spec& spec, const DerivedArm& derived, RandomStream& random, int poses) {
+  const KDL::Chain chain = KdlChain(spec);
+  KDL::ChainFkSolverPos_recursive forward(chain);
+  for (int k = 0; k < poses; ++k) {
+    const Joints angles = RandomJoints(random);
+    KDL::JntArray q(6);
+    q.data = angles;
+    KDL::Frame frame;
+    ASSERT_EQ(forward.JntToCart(q, frame), 0);
+    const Pose X_BF = ForwardFlange(derived.arm, angles);
+    const Pose X_SE = derived.X_SB * X_BF * derived.X_FE;
+    for (int row = 0; row < 3; ++row) {
+      ASSERT_NEAR(X_SE.translation()[row], 1000 * frame.p[row], 1e-9);
+      for (int column = 0; column < 3; ++column)
+        ASSERT_NEAR(X_SE.linear()(row, column), frame.M(row, column), 1e-12);
+    }
+    const InverseResult inverse = Inverse(derived.arm, X_BF);
+    double nearest = 10;
+    for (int s = 0; s < inverse.count; ++s) {
+      const ArmSolution& solution = inverse.solutions[s];
+      const Pose again = ForwardFlange(derived.arm, solution.q);
+      ASSERT_LT((again.translation() - X_BF.translation()).norm(), 1e-6);
+      nearest = std::min(nearest, (solution.q - angles).cwiseAbs().maxCoeff());
+    }
+    ASSERT_LT(nearest, 1e-6);
+  }
+}
+
+TEST(Urdf, ArmsTurnedAboutMoveAsInKdl) {
+  RandomStream random(11, 0);
+  for (int k = 0; k < 200; ++k) {
+    const Spec spec = TurnedAbout(RandomArm(random), random);
+    const DerivedArm derived = Derive(UrdfOf(spec));
+    EXPECT_LT(derived.deviation, 1e-8);
+    ExpectSame(spec, derived, random, 20);
+  }
+}
+
+TEST(Urdf, OwnFileIsDerivedWithItsLengths) {
+  const std::string file = std::string(MILLPOSE_SOURCE_DIR) + "/tests/robot/turned_about.urdf";
+  const ChainOfLinks found = FindChain(ReadUrdf(ReadFile(file), file), "base_link", "tool0");
+  const DerivedArm derived = DeriveArm(found.chain, 0.01, file);
+  EXPECT_EQ(derived.X_SB.matrix(), Pose::Identity().matrix());
+  EXPECT_EQ(derived.X_FE.matrix(), Pose::Identity().matrix());
+  const Arm& arm = derived.arm;
+  EXPECT_EQ((std::array<double, 6>{arm.d1, arm.a1, arm.a2, arm.d4, arm.dz, arm.d6}),
+            (std::array<double, 6>{450, 200, 800, 700, 60, 120}));
+  EXPECT_EQ(arm.sign, (std::array<double, 6>{-1, -1, 1, 1, -1, -1}));
+  // At angles 0 the upper arm stands upright, the forearm lies forward, the flange looks down.
+  EXPECT_LT((arm.offset - Degrees(90, -90, 90, 0, 90, 0)).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_EQ(arm.lower[1], -1.5);
+  EXPECT_EQ(arm.speed[5], 4);
+}
+
+TEST(Urdf, RefusesWhatHasNoClosedForm) {
+  RandomStream random(12, 0);
+  const Arm arm = Kr500R2830();
+  EXPECT_EQ(ErrorOf(UrdfOf(TurnedAbout(arm, random))), "accepted");
+  const std::string miss = ErrorOf(UrdfOf(TurnedAbout(arm, random, 20)));
+  EXPECT_NE(miss.find("no spherical wrist"), std::string::npos) << miss;
+  EXPECT_NE(miss.find("miss one point by 20 mm"), std::string::npos) << miss;
+  const std::string beside = ErrorOf(UrdfOf(TurnedAbout(arm, random, 0, 35)));
+  EXPECT_NE(beside.find("35 mm beside the plane"), std::string::npos) << beside;
+
+  // A UR-like arm: axes 2, 3, 4 parallel.
+  Spec parallel;
+  const Vector3d y(0, 1, 0), z(0, 0, 1), none = Vector3d::Zero();
+  parallel.joints = {{{{0, 0, 0.15}, none, z},
+                      {{0, 0.14, 0}, none, y},
+                      {{0.42, -0.12, 0}, none, y},
+                      {{0.39, 0, 0}, none, y},
+                      {{0, 0.09, 0}, none, z},
+                      {{0, 0, 0.0946}, none, y}}};
+  const std::string ur = ErrorOf(UrdfOf(parallel));
+  EXPECT_NE(ur.find("miss one point by 94.6 mm"), std::string::npos) << ur;
+  EXPECT_NE(ur.find("axes 3 (j3) and 4 (j4) must be at right angles"), std::string::npos) << ur;
+}
+
+TEST(Urdf, RoundedAnglesAreToldAndBounded) {
+  RandomStream random(13, 0);
+  Spec spec = TurnedAbout(Kr500R2830(), random);
+  spec.joints[3].rpy[0] += 2e-6;  // a URDF that says 1.5708
+  const DerivedArm derived = Derive(UrdfOf(spec), 0.05);
+  EXPECT_GT(derived.deviation, 1e-4);
+  spec.joints[3].rpy[0] += 5e-4;
+  EXPECT_NE(ErrorOf(UrdfOf(spec)).find("own.urdf"), std::string::npos);
+}
+
+TEST(Urdf, ErrorsHaveTheirLine) {
+  RandomStream random(14, 0);
+  const std::string good = UrdfOf(TurnedAbout(Kr500R2830(), random));
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+  };
+  const auto expect = [](const std::string& error, const std::string& part) {
+    EXPECT_NE(error.find(part), std::string::npos) << error;
+  };
+  expect(ErrorOf("<robot><link name='a'>"), "own.urdf:1: not XML");
+  expect(ErrorOf("<car/>"), "no element <robot>");
+  expect(ErrorOf(with("<parent link=\"l2\"/>", "<parent link=\"l22\"/>")),
+         "own.urdf:15: joint 'j3': there is no link 'l22'; nearest: l2");
+  expect(ErrorOf(with("velocity=\"2\"", "velocity=\"fast\"")), "own.urdf:12: <limit> velocity: given 'fast'");
+  expect(ErrorOf(with("upper=\"1\"", "upper=\"-4\"")), "lower -3 must be below upper -4");
+  expect(ErrorOf(with("<link name=\"l3\"/>", "<link name=\"l2\"/>")), "two links 'l2'");
+  expect(ErrorOf(with("xyz=\"", "xyz=\"1 ")), "allowed: three numbers");
+  expect(ErrorOf(with("type=\"revolute\"", "type=\"fixed\"")),
+         "5 joints move between 'l0' and 'l7'; allowed: six");
+  expect(ErrorOf(with("type=\"revolute\"", "type=\"prismatic\"")),
+         "own.urdf:11: joint 'j1': allowed between");
+  expect(ErrorOf(good, "l0", "l8"), "flange_link: given 'l8'; allowed: l0, l1");
+  expect(ErrorOf(good, "l7", "l0"), "no joints lead from link 'l7' to link 'l0'");
+  expect(
+      ErrorOf(with("</robot>",
+                   "<link name=\"side\"/><joint name=\"s\" type=\"continuous\"><parent link=\"l2\"/><child "
+                   "link=\"side\"/></joint></robot>")),
+      "moves link 'side', which is not between base and flange");
+  expect(ErrorOf(with("<link name=\"l3\"/>",
+                      "<link name=\"l3\"><collision><geometry><cone/></geometry></collision></link>")),
+         "own.urdf:6: <geometry>: given <cone>");
+}
+
+TEST(Urdf, LinksHangOnTheJointThatMovesThem) {
+  const std::string text = R"(<robot name="r"><link name="world"/><link name="l0"/><link name="cover"/>
+)" + [] {
+    RandomStream random(15, 0);
+    const std::string own = UrdfOf(TurnedAbout(Kr500R2830(), random));
+    return own.substr(own.find("<link name=\"l1\"/>"),
+                      own.rfind("</robot>") - own.find("<link name=\"l1\"/>"));
+  }() + R"(
+<joint name="w" type="fixed"><parent link="world"/><child link="l0"/><origin xyz="1 0 0"/></joint>
+<joint name="c" type="fixed"><parent link="l3"/><child link="cover"/><origin xyz="0 0.5 0"/></joint>
+</robot>)";
+  const ChainOfLinks found = FindChain(ReadUrdf(text, "own.urdf"), "l0", "l7");
+  ASSERT_EQ(found.links.size(), 10u);
+  EXPECT_EQ(found.links[0].moves_with, 0);
+  EXPECT_EQ(found.links[0].X_ML.translation(), Vector3d(-1000, 0, 0));
+  EXPECT_EQ(found.links[2].link->name, "cover");
+  EXPECT_EQ(found.links[2].moves_with, 3);
+  EXPECT_EQ(found.links[2].X_ML.translation(), Vector3d(0, 500, 0));
+  EXPECT_EQ(found.links.back().moves_with, 6);
+}
+
+}  // namespace
+}  // namespace millpose
