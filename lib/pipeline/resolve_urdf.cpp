@@ -113,10 +113,10 @@ class Resolver {
     const Pose X_BL = LinkFrames(derived_.arm, Joints::Zero())[k];
     const Pose X_ModelLink = (derived_.X_SB * X_BL).inverse(Eigen::Isometry) *
                              ChainFrames(chain, Joints::Zero())[k] * attached.X_ML;
-    const std::vector<UrdfShape>& shapes = attached.link->collisions;
+    const std::vector<UrdfShape>& shapes = attached.link.collisions;
     for (size_t i = 0; i < shapes.size(); ++i) {
       BodySettings body;
-      body.name = attached.link->name + (i == 0 ? "" : fmt::format("_{}", i + 1));
+      body.name = attached.link.name + (i == 0 ? "" : fmt::format("_{}", i + 1));
       body.body_class = "link";
       body.mount = k == 0 ? "base" : fmt::format("link{}", k);
       body.pose = ToSettings(X_ModelLink * shapes[i].X_LG);

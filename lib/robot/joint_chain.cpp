@@ -105,7 +105,7 @@ class Finder {
   /// Follows fixed joints from a link up to the chain (or to the base's root).
   void Attach(const UrdfLink& link, const std::string& base, const std::vector<const UrdfJoint*>& path,
               std::vector<AttachedLink>& links) {
-    AttachedLink attached{&link, 0, Pose::Identity()};
+    AttachedLink attached{link, 0, Pose::Identity()};
     std::string at = link.name;
     for (size_t steps = 0; at != base && steps <= model_.joints.size(); ++steps) {
       const UrdfJoint* joint = Above(at);

@@ -22,7 +22,7 @@ struct JointChain {
 
 /// A URDF link and what moves it.
 struct AttachedLink {
-  const UrdfLink* link = nullptr;
+  UrdfLink link;
   int moves_with = 0;            ///< 0: stands still; 1..6: behind that joint of the chain
   Pose X_ML = Pose::Identity();  ///< the link in S, or in the moving link that it is fixed to, mm
 };

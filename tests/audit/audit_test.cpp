@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 
@@ -14,6 +15,7 @@
 #include "tests/audit/good_folder.hpp"
 #include "tests/audit/interference.hpp"
 #include "tests/audit/kinematics.hpp"
+#include "tests/audit/programs.hpp"
 #include "tests/audit/tessellate.hpp"
 
 namespace millpose::audit {
@@ -154,6 +156,94 @@ TEST_F(AuditTest, AMissingEndOfAProgramIsADeviation) {
   std::string& krl = texts["out/programs/krl/by_hand.src"];
   krl.resize(krl.size() / 2);
   EXPECT_TRUE(Broken(texts).contains("program_deviation_mm_krl"));
+}
+
+/// plan.cbor with one gap, from home by some joint angles to home.
+std::string PlanWithGap(const std::vector<Angles>& joints) {
+  nlohmann::json gap = {
+      {"from_pass", -1}, {"from_piece", -1}, {"to_pass", -1}, {"to_piece", -1}, {"planned", true}};
+  for (const Angles& angles : joints) {
+    std::array<double, 6> six;
+    for (size_t i = 0; i < 6; ++i) six[i] = static_cast<double>(angles[i]);
+    gap["joints"].push_back(six);
+  }
+  std::string bytes;
+  nlohmann::json::to_cbor(nlohmann::json{{"gaps", {gap}}}, bytes);
+  return bytes;
+}
+
+TEST_F(AuditTest, GapsAreJudgedFromThePlanWhereNoProgramIsInJointSpace) {
+  const Angles home{0, -90 * kDegree, 90 * kDegree, 0, 0, 0};
+  Angles above = home, folded = home;
+  above[0] = 5 * kDegree;
+  folded[1] = -130 * kDegree, folded[2] = 144 * kDegree;  // the spindle through the column
+  for (const bool in_column : {false, true}) {
+    Texts texts = MakeFolder({});
+    texts.erase("out/programs/linuxcnc/by_hand.ngc");
+    texts["out/plan.cbor"] =
+        PlanWithGap(in_column ? std::vector{home, folded, home} : std::vector{home, above, home});
+    EXPECT_EQ(Broken(texts), in_column ? Names{"interferences"} : Names{}) << in_column;
+  }
+}
+
+TEST(Programs, ShortWaysAfterLongOnesAreFollowed) {
+  // An arm of one joint, 1 m long: a step of 6.4 mm, then one of 2.2 mm in four parts.
+  audit::Setup setup{};
+  setup.sign.fill(1);
+  setup.X_WB = setup.X_WP = Matrix4::Identity();
+  setup.X_FT = Shift(0, 0, 1000);
+  const std::vector<Real> way{0, 0.0064L, 0.00695L, 0.0075L, 0.00805L, 0.0086L, 0.015L};
+  std::vector<Target> targets;
+  std::vector<Row> rows;
+  for (const Real angle : way) {
+    const Angles angles{angle};
+    targets.push_back({"way.ngc", static_cast<int>(targets.size()) + 1, angles, Tool(setup, angles)});
+    if (angle > 0.0064L && angle < 0.0086L) continue;
+    Row row{};
+    row.point = static_cast<int>(rows.size());
+    row.planned = true;
+    row.position = row.normal = row.axis = Vector3::Zero();
+    row.angles = angles;
+    rows.push_back(row);
+  }
+  std::vector<Cut> cuts = CutsOf(rows, setup);
+  ASSERT_EQ(cuts.size(), 1u);
+  EXPECT_LT(static_cast<double>(Compare(targets, cuts, setup).position), 1e-3);
+  targets[4].X_WT(2, 3) += 0.05L;
+  std::vector<Cut> again = CutsOf(rows, setup);
+  EXPECT_GT(static_cast<double>(Compare(targets, again, setup).position), 0.04);
+}
+
+TEST(Distance, OfMeshesMatchesWhatIsKnown) {
+  const Mesh cube = BoxMesh({10, 10, 10});
+  const auto moved = [&](const Matrix4& X) {
+    Mesh mesh = cube;
+    for (auto& t : mesh)
+      for (Vector3& p : t) p = X.block<3, 3>(0, 0) * p + X.block<3, 1>(0, 3);
+    return mesh;
+  };
+  EXPECT_NEAR(static_cast<double>(Distance(cube, moved(Shift(13, 4, -2)), 50)), 3, 1e-12);
+  EXPECT_EQ(static_cast<double>(Distance(cube, moved(Shift(9, 4, -2)), 50)), 0);
+  EXPECT_EQ(static_cast<double>(Distance(cube, moved(Shift(90, 4, -2)), 50)), 50);
+  // Edge over edge: both turned by 45° about axes across each other.
+  const Mesh ridge = moved(Turn(0, 45 * kDegree)), across = moved(Shift(0, 0, 20) * Turn(1, 45 * kDegree));
+  EXPECT_NEAR(static_cast<double>(Distance(ridge, across, 50)), 20 - 10 * std::sqrt(2.0), 1e-12);
+}
+
+TEST(Urdf, ReadByTheJudgeMovesAsItsJointsSay) {
+  const UrdfArm arm = ReadUrdf(R"(<robot><!-- <joint name="x" type="fixed"><child link="a"/></joint> -->
+    <joint name="j" type="revolute"><origin xyz="0 0 0.5" rpy="0 1.5707963267948966 0"/>
+      <axis xyz="0 0 2"/><parent link="o"/><child link="a"/></joint>
+    <joint name="f" type="fixed"><parent link="a"/><child link="b"/><origin xyz="0.1 0 0"/></joint></robot>)",
+                               "o", "b");
+  ASSERT_EQ(arm.joints.size(), 2u);
+  UrdfArm placed = arm;
+  placed.X_WS = Shift(1, 0, 0);
+  placed.X_ET = Matrix4::Identity();
+  // z of the joint lies along x; at 90° its x, first downwards, looks along y.
+  const Matrix4 X = UrdfTool(placed, {90 * kDegree});
+  EXPECT_LT(static_cast<double>((X.block<3, 1>(0, 3) - Vector3(1, 100, 500)).norm()), 1e-12);
+  EXPECT_THROW(ReadUrdf("<robot/>", "o", "b"), std::runtime_error);
 }
 
 TEST(Distance, OfAPointFromATriangle) {

@@ -94,10 +94,9 @@ void CompareCut(const std::vector<Target>& targets, Cut& cut, const Setup& setup
       if (off.Worst() < best.Worst() && (j > segment || off.share >= share)) {
         best = off;
         found = j;
-      } else if (best.Worst() <= 1 && j > found) {
-        break;  // what fits as well further on is another place that the cut comes by
       }
-      travelled += (Tip(targets[j + 1].X_WT) - Tip(targets[j].X_WT)).norm();
+      // Of the motion that the last point lies on, only what is left counts.
+      travelled += (j == segment ? 1 - share : 1) * (Tip(targets[j + 1].X_WT) - Tip(targets[j].X_WT)).norm();
     }
     worst.Add(best, Name(*cut.rows[i % cut.rows.size()]));
     for (size_t j = segment + 1; j <= found; ++j)

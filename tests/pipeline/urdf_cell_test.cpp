@@ -98,10 +98,10 @@ TEST_F(UrdfCell, BodiesAndToolAreWhereTheFilesJointsPutThem) {
         ASSERT_LT((found_at.matrix() - wanted.matrix()).cwiseAbs().maxCoeff(), 1e-8) << what;
       };
       for (const AttachedLink& link : found.links) {
-        for (size_t i = 0; i < link.link->collisions.size(); ++i) {
-          const std::string name = link.link->name + (i == 0 ? "" : "_2");
+        for (size_t i = 0; i < link.link.collisions.size(); ++i) {
+          const std::string name = link.link.name + (i == 0 ? "" : "_2");
           expect(PlaceOf(cell, angles, name),
-                 X_WS * frames[link.moves_with] * link.X_ML * link.link->collisions[i].X_LG, name);
+                 X_WS * frames[link.moves_with] * link.X_ML * link.link.collisions[i].X_LG, name);
         }
       }
       expect(PlaceOf(cell, angles, "plate"), X_WS * Of(0, 0, -10), "plate");

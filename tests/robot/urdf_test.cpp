@@ -269,7 +269,7 @@ TEST(Urdf, LinksHangOnTheJointThatMovesThem) {
   ASSERT_EQ(found.links.size(), 10u);
   EXPECT_EQ(found.links[0].moves_with, 0);
   EXPECT_EQ(found.links[0].X_ML.translation(), Vector3d(-1000, 0, 0));
-  EXPECT_EQ(found.links[2].link->name, "cover");
+  EXPECT_EQ(found.links[2].link.name, "cover");
   EXPECT_EQ(found.links[2].moves_with, 3);
   EXPECT_EQ(found.links[2].X_ML.translation(), Vector3d(0, 500, 0));
   EXPECT_EQ(found.links.back().moves_with, 6);
