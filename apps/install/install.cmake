@@ -21,7 +21,7 @@ install(FILES ${documents}/millpose.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/ba
 
 # Headers that show no type of another library than Eigen.
 install(DIRECTORY lib/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/millpose COMPONENT development
-        FILES_MATCHING PATTERN "*.hpp" PATTERN "*_impl.hpp" EXCLUDE PATTERN fcl_part.hpp EXCLUDE
+        FILES_MATCHING PATTERN "*.hpp" PATTERN "*_adapter.hpp" EXCLUDE PATTERN fcl_part.hpp EXCLUDE
         PATTERN pch.hpp EXCLUDE PATTERN web EXCLUDE)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/millpose)
 install(EXPORT millpose NAMESPACE millpose:: FILE millposeTargets.cmake DESTINATION ${package} COMPONENT development)

@@ -9,8 +9,8 @@ namespace {
 
 struct Options {
   std::filesystem::path file;
-  std::string unit = "mm";
-  double weld_tolerance = 1e-4;
+  std::string unit;
+  double weld_tolerance = 1e-4, chord_tolerance = 0.05;
   double gouge_tolerance = 0.05;
   int threads = 0;
   bool json = false;
@@ -30,7 +30,9 @@ int Check(const Options& options, Session& session) {
     return Tell(
         CheckJob({options.file, options.gouge_tolerance, options.threads}, session.progress, session.stop),
         options.json);
-  return Tell(CheckMesh({options.file, kUnits.at(options.unit), options.weld_tolerance}), options.json);
+  std::optional<double> unit;
+  if (!options.unit.empty()) unit = kUnits.at(options.unit);
+  return Tell(CheckMesh({options.file, unit, options.weld_tolerance, options.chord_tolerance}), options.json);
 }
 
 }  // namespace
@@ -39,9 +41,14 @@ void AddCheckCommand(CLI::App& app, Run& run) {
   CLI::App* command =
       app.add_subcommand("check", "Describe a mesh, or a job's part, tool path and reach; plans nothing");
   const auto options = std::make_shared<Options>();
-  command->add_option("FILE", options->file, "Job (.yaml) or mesh (STL, OBJ, PLY, OFF)")->required();
-  command->add_option("--unit", options->unit, "Unit of a mesh: mm, cm, in, m")
-      ->check(CLI::IsMember({"mm", "cm", "in", "m"}))
+  command->add_option("FILE", options->file, "Job (.yaml) or part (STL, OBJ, PLY, OFF, STEP)")->required();
+  command
+      ->add_option("--unit", options->unit, "Unit of a part: mm, cm, in, m; by default the file's, else mm")
+      ->check(CLI::IsMember({"mm", "cm", "in", "m"}));
+  command
+      ->add_option("--chord-tolerance-mm", options->chord_tolerance,
+                   "Of a STEP part: distance between its faces and their triangles")
+      ->check(CLI::Range(1e-4, 100.0))
       ->capture_default_str();
   command
       ->add_option("--weld-tolerance-mm", options->weld_tolerance,

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -46,13 +47,39 @@ struct Pipe {
   }
 };
 
-pid_t Spawn(const std::vector<std::string>& arguments, const Pipe& output, const Pipe& errors) {
+// The child's stdin: bytes in memory, so that nobody waits for it to read them.
+class Input {
+ public:
+  explicit Input(std::string_view bytes) : file_(::memfd_create("input", MFD_CLOEXEC)) {
+    while (file_ >= 0 && !bytes.empty()) {
+      const ssize_t count = ::write(file_, bytes.data(), bytes.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) break;
+      bytes.remove_prefix(static_cast<size_t>(count));
+    }
+    if (file_ < 0 || !bytes.empty() || ::lseek(file_, 0, SEEK_SET) != 0) {
+      const std::string why = std::strerror(errno);
+      if (file_ >= 0) ::close(file_);
+      throw InputError(Place{}, fmt::format("cannot keep a process's input in memory: {}", why));
+    }
+  }
+  ~Input() { ::close(file_); }
+  Input(const Input&) = delete;
+  Input& operator=(const Input&) = delete;
+  int file() const { return file_; }
+
+ private:
+  int file_;
+};
+
+pid_t Spawn(const std::vector<std::string>& arguments, const Input& input, const Pipe& output,
+            const Pipe& errors) {
   std::vector<char*> argv;
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, input.file(), 0);
   posix_spawn_file_actions_adddup2(&actions, output.ends[1], 1);
   posix_spawn_file_actions_adddup2(&actions, errors.ends[1], 2);
   // The child gets no blocked signals, and a process group of its own: Ctrl-C reaches the parent alone, which
@@ -109,10 +136,12 @@ void Follow(pid_t child, Pipe* output, Pipe* errors, const std::stop_token& stop
 
 }  // namespace
 
-ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_token stop) {
+ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_token stop,
+                         std::string_view input) {
+  const Input bytes(input);
   Pipe output, errors;
   const Clock::time_point start = Clock::now();
-  const pid_t child = Spawn(arguments, output, errors);
+  const pid_t child = Spawn(arguments, bytes, output, errors);
   output.Close(1);
   errors.Close(1);
   ProcessResult result;

@@ -3,6 +3,7 @@
 
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace millpose {
@@ -15,10 +16,11 @@ struct ProcessResult {
   double peak_memory_MB = 0;   ///< largest resident set
 };
 
-/// Runs `arguments` (the program first, by path or found in PATH) and waits for its end. When `stop` is
-/// requested the child gets SIGTERM, and SIGKILL five seconds later; then Interrupted is thrown. Throws
-/// InputError when the program cannot be started.
-ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_token stop);
+/// Runs `arguments` (the program first, by path or found in PATH) with `input` on its stdin and waits for its
+/// end. When `stop` is requested the child gets SIGTERM, and SIGKILL five seconds later; then Interrupted is
+/// thrown. Throws InputError when the program cannot be started.
+ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_token stop,
+                         std::string_view input = {});
 
 /// The path of the running program.
 std::string OwnProgram();

@@ -27,14 +27,15 @@ Codec<WorkpieceSettings> WorkpieceFields() {
   using S = WorkpieceSettings;
   return Section<S>(
       {
-          Key<S>("mesh", MILLPOSE_AT(mesh_file), Text(), "Mesh file, relative to the job file.").Required(),
+          Key<S>("mesh", MILLPOSE_AT(mesh_file), Text(), "Mesh or STEP file, relative to the job file.")
+              .Required(),
           KeyBy<S, std::string>(
               "unit", [](const S& s) { return s.unit_name; },
               [](S& s, const std::string& name) {
                 s.unit_name = name;
                 s.unit = LengthUnit(name);
               },
-              Choice(LengthUnits()), "Unit of the mesh file.")
+              Choice(LengthUnits()), "Unit of the mesh file; of a STEP file the one that it states.")
               .Required(),
           Key<S>("frame", MILLPOSE_AT(frame), Choice({"world", "robot_base"}),
                  "Frame that the pose or the measured points are given in."),
@@ -48,8 +49,24 @@ Codec<WorkpieceSettings> WorkpieceFields() {
                  "Largest distance of a measured target from where the fit puts it."),
           Key<S>("weld_tolerance_mm", MILLPOSE_AT(weld_tolerance), Real(kMm, AtLeast(0)),
                  "Vertices of the mesh nearer than this become one."),
+          Key<S>("chord_tolerance_mm", MILLPOSE_AT(chord_tolerance), Real(kMm, Between(1e-4, 100)),
+                 "Of a STEP part: largest distance between its faces and their triangles."),
       },
       CheckPlacement);
+}
+
+Codec<CamRotaryAxisSettings> CamRotaryAxisFields() {
+  using S = CamRotaryAxisSettings;
+  return Section<S>(
+      {Key<S>("axis", MILLPOSE_AT(axis), Choice({"A", "B", "C"}), "Its address in the programme.").Required(),
+       Key<S>("direction", MILLPOSE_AT(direction), Direction(),
+              "Positive angles turn right-handed about it; workpiece frame, all rotary axes at 0.")
+           .Required(),
+       Key<S>("carries", MILLPOSE_AT(carries), Choice({"tool", "workpiece"}), "What it turns."),
+       Key<S>("point_mm", MILLPOSE_AT(point), Numbers3(kMm, Between(-1e6, 1e6)),
+              "A point of the axis: in the workpiece frame, of one that carries the tool from its tip. "
+              "Needed where "
+              "the programme does not name the tip (no TRAORI, no G43.4).")});
 }
 
 // A strategy's own section must be given with it and with no other.
@@ -131,14 +148,18 @@ Codec<ToolpathSettings> ToolpathFields() {
                      CheckCurve),
                  "Strategy curve: a single line.")
               .WhenSet(strategy_is("curve")),
-          Key<S>(
-              "cam", kSelf,
-              Section<S>(
-                  {Key<S>("file", MILLPOSE_AT(cam_file), Text(), "APT CLDATA or CSV, in the workpiece frame.")
-                       .Required(),
-                   Key<S>("contact_distance_mm", MILLPOSE_AT(cam_contact_distance), Real(kMm, Above(0)),
-                          "Points farther from the part at a pass's ends are its lead-in and lead-out.")}),
-              "Strategy cam: an imported tool path.")
+          Key<S>("cam", kSelf,
+                 Section<S>(
+                     {Key<S>("file", MILLPOSE_AT(cam_file), Text(),
+                             "APT CLDATA, G-code or CSV, in the workpiece frame.")
+                          .Required(),
+                      Key<S>("contact_distance_mm", MILLPOSE_AT(cam_contact_distance), Real(kMm, Above(0)),
+                             "Points farther from the part at a pass's ends are its lead-in and lead-out."),
+                      Key<S>("rotary_axes", MILLPOSE_AT(cam_rotary_axes), ListOf(CamRotaryAxisFields()),
+                             "Of the machine that G-code was written for: those that carry the tool from the "
+                             "bed to "
+                             "the tool, those that carry the workpiece from the bed to it.")}),
+                 "Strategy cam: an imported tool path.")
               .WhenSet(strategy_is("cam")),
           Key<S>("stepover_mm", MILLPOSE_AT(stepover), Real(kMm, Above(0)),
                  "Distance of neighbouring passes; not for strategies curve and cam.")

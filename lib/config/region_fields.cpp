@@ -71,6 +71,8 @@ std::vector<Field<S>> ConditionKeys() {
           .WhenSet([](const S& s) { return s.facing.has_value(); }),
       Key<S>("connected", MILLPOSE_AT(connected), Maybe(ConnectedFields()),
              "Only faces reached from a point without passing a crease."),
+      Key<S>("step_faces", MILLPOSE_AT(step_faces), ListOf(Text()),
+             "Only these faces of a STEP part, by number, #id or name (millpose check lists them)."),
   };
 }
 

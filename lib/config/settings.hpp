@@ -162,6 +162,7 @@ struct ConditionSettings {
   std::optional<Eigen::Vector3d> facing;  ///< unit direction, P
   double facing_within = DegToRad(45);    ///< rad
   std::optional<ConnectedSettings> connected;
+  std::vector<std::string> step_faces;  ///< of a STEP part: numbers, "#ids" or names; any by default
 };
 
 struct RegionSettings : ConditionSettings {
@@ -180,6 +181,14 @@ struct DepthSettings {
   double total = 0, per_layer = 1, allowance = 0;  ///< mm
 };
 
+/// A rotary axis of the machine that a G-code programme was written for.
+struct CamRotaryAxisSettings {
+  std::string axis;                                      ///< A | B | C
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< P, all rotary axes at 0
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();       ///< mm
+  std::string carries = "tool";                          ///< tool | workpiece
+};
+
 struct ToolpathSettings {
   std::string strategy;  ///< parallel_planes | rings | contours | curve | cam
   RegionSettings region;
@@ -190,6 +199,7 @@ struct ToolpathSettings {
   Eigen::Vector3d curve_direction = Eigen::Vector3d::UnitZ();  ///< curve, P
   std::string cam_file;                                        ///< cam: relative to the job file
   double cam_contact_distance = 1;                             ///< cam, mm
+  std::vector<CamRotaryAxisSettings> cam_rotary_axes;          ///< cam: of G-code
   double stepover = 0;                                         ///< mm
   std::string stepover_on = "planes";  ///< planes | surface: where the step-over is measured
   std::string direction = "zigzag";    ///< zigzag | one_way
@@ -217,6 +227,7 @@ struct WorkpieceSettings {
   std::vector<TargetSettings> targets;  ///< in place of the pose: best fit
   double max_residual = 0.5;            ///< mm, of the fit at any target
   double weld_tolerance = 1e-4;         ///< mm
+  double chord_tolerance = 0.05;        ///< mm, between a STEP part's faces and their triangles
 };
 
 struct GeneticSettings {

@@ -59,9 +59,13 @@ void Measure(const Mesh& mesh, MeshCheck& check) {
   }
 }
 
-MeshCheck Described(const std::string& file, const ImportResult& import, std::vector<std::string> warnings) {
+MeshCheck Described(const std::string& file, double unit, const ImportResult& import, double reach,
+                    std::vector<std::string> warnings) {
   MeshCheck check;
   check.file = file;
+  check.unit = unit;
+  check.unit_plausible = !UnitWarning((import.report.upper - import.report.lower).maxCoeff(), reach);
+  check.source_faces = import.mesh.triangles().source_faces;
   check.report = import.report;
   check.warnings = std::move(warnings);
   Measure(import.mesh, check);
@@ -116,12 +120,15 @@ void Count(const std::vector<PointCheck>& points, JobCheck& check) {
 
 MeshCheck CheckMesh(const CheckMeshArguments& arguments) {
   const std::string name = arguments.mesh.string();
-  const ImportResult import =
-      ImportMesh(ReadMesh(ReadFile(arguments.mesh), name), {arguments.unit, arguments.weld_tolerance}, name);
+  StepOptions step;
+  step.chord_tolerance = arguments.chord_tolerance;
+  RawMesh raw = ReadMesh(ReadFile(arguments.mesh), name, step);
+  const double unit = arguments.unit.value_or(raw.stated_unit.value_or(1));
+  const ImportResult import = ImportMesh(std::move(raw), {unit, arguments.weld_tolerance}, name);
   std::vector<std::string> warnings = Findings(import.report);
   const Eigen::Vector3d size = import.report.upper - import.report.lower;
   if (const auto warning = UnitWarning(size.maxCoeff(), kLargeArm)) warnings.push_back(*warning);
-  return Described(name, import, std::move(warnings));
+  return Described(name, unit, import, kLargeArm, std::move(warnings));
 }
 
 JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::stop_token stop) {
@@ -137,7 +144,8 @@ JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::s
   JobCheck check;
   std::vector<std::string> warnings = part.warnings;
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
-  check.mesh = Described(inputs.job.workpiece.mesh_file, part.import, std::move(warnings));
+  check.mesh = Described(inputs.job.workpiece.mesh_file, inputs.job.workpiece.unit, part.import, Reach(cell),
+                         std::move(warnings));
   check.job = inputs.job.name;
   check.cell = inputs.cell.name;
   check.arm = inputs.cell.arm.name;

@@ -22,13 +22,17 @@ struct MeshCheck {
   double closed_area_share = 0;  ///< of the area on closed pieces, where outside is certain
   double median_bend = 0;  ///< of edges that are neither flat (below 0.1°) nor creases, rad; 0 without any
   size_t creases = 0;      ///< edges that bend by more than 30°
+  double unit = 1;         ///< mm per unit of the file, as taken
+  bool unit_plausible = true;            ///< for the arm; else a warning names the units that would be
+  std::vector<SourceFace> source_faces;  ///< of a STEP part, in its order
   std::vector<std::string> warnings;
 };
 
 struct CheckMeshArguments {
   std::filesystem::path mesh;
-  double unit = 1;               ///< mm per unit of the file
-  double weld_tolerance = 1e-4;  ///< mm
+  std::optional<double> unit;     ///< mm per unit of the file; by default what the file states, else 1
+  double weld_tolerance = 1e-4;   ///< mm
+  double chord_tolerance = 0.05;  ///< mm, of a STEP part
 };
 
 MeshCheck CheckMesh(const CheckMeshArguments& arguments);

@@ -15,6 +15,13 @@ std::string Size(const Eigen::Vector3d& size) {
 
 Json ToList(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
+Json FacesJson(const std::vector<SourceFace>& faces) {
+  Json list = Json::array();
+  for (const SourceFace& face : faces)
+    list.push_back({{"id", face.id}, {"name", face.name}, {"kind", face.kind}, {"area_mm2", face.area}});
+  return list;
+}
+
 Json MeshJson(const MeshCheck& check) {
   const ImportReport& report = check.report;
   const RepairCounts& repairs = report.repairs;
@@ -22,6 +29,8 @@ Json MeshJson(const MeshCheck& check) {
           {"triangles_read", report.triangles_read},
           {"triangles", report.triangles},
           {"vertices", report.vertices},
+          {"unit_mm", check.unit},
+          {"unit_plausible", check.unit_plausible},
           {"lower_mm", ToList(report.lower)},
           {"upper_mm", ToList(report.upper)},
           {"area_mm2", check.area},
@@ -41,6 +50,9 @@ Json MeshJson(const MeshCheck& check) {
           {"closed_area_share", check.closed_area_share},
           {"median_bend_deg", RadToDeg(check.median_bend)},
           {"creases", check.creases},
+          {"crossings", report.crossings.pairs},
+          {"crossings_complete", report.crossings.complete},
+          {"step_faces", FacesJson(check.source_faces)},
           {"warnings", check.warnings}};
 }
 
@@ -50,6 +62,9 @@ std::string ToText(const MeshCheck& check) {
   const ImportReport& report = check.report;
   std::string text = fmt::format("mesh                {}\n", check.file);
   text += fmt::format("size                {}\n", Size(report.upper - report.lower));
+  text +=
+      fmt::format("unit                {:.6g} mm, {}\n", check.unit,
+                  check.unit_plausible ? "plausible for the arm" : "not plausible for the arm, see below");
   text += fmt::format("triangles           {} read, {} after repair, {} vertices\n", report.triangles_read,
                       report.triangles, report.vertices);
   text += fmt::format("area                {:.6g} mm²\n", check.area);
@@ -60,6 +75,11 @@ std::string ToText(const MeshCheck& check) {
       "normals             outside is certain on {:.1f} % of the area; facets bend by {:.2g}° in the "
       "median; {} edges are creases (above 30°)\n",
       100 * check.closed_area_share, RadToDeg(check.median_bend), check.creases);
+  for (size_t i = 0; i < check.source_faces.size(); ++i) {
+    const SourceFace& face = check.source_faces[i];
+    text += fmt::format("STEP face {:<10}{:<8} {:<10}{:>14.6g} mm²  {}\n", i + 1, face.id, face.kind,
+                        face.area, face.name);
+  }
   for (const std::string& warning : check.warnings) text += "  - " + warning + "\n";
   return text;
 }

@@ -58,6 +58,7 @@ RegionOptions MakeConditions(const ConditionSettings& settings) {
   options.facing_within = settings.facing_within;
   if (settings.connected)
     options.connected = ConnectedFaces{settings.connected->seed, settings.connected->crease};
+  options.source_faces = settings.step_faces;
   return options;
 }
 

@@ -97,7 +97,9 @@ World WorldOf(const JobInputs& inputs) {
       {.name = "workpiece",
        .body_class = BodyClass::kWorkpiece,
        .mount = Mount::kWorkpiece,
-       .shape = ImportMesh(ReadMesh(inputs.workpiece_bytes, name), options, name).mesh.triangles()});
+       .shape = ImportMesh(ReadMesh(inputs.workpiece_bytes, name, {inputs.job.workpiece.chord_tolerance}),
+                           options, name)
+                    .mesh.triangles()});
   return World(std::move(cell));
 }
 

@@ -9,16 +9,24 @@
 namespace millpose {
 namespace {
 
-// How far the tool tip can come from axis 1, mm: what a part's size is compared with.
-double Reach(const Cell& cell) {
-  return cell.arm.a1 + cell.arm.a2 + std::hypot(cell.arm.d4, cell.arm.dz) + cell.arm.d6 +
-         cell.X_FT.translation().norm();
+// Cutters of the file that are not the cell's.
+void TellOtherCutters(const CamPath& path, const ToolSettings& tool, const std::string& file,
+                      std::vector<std::string>& warnings) {
+  constexpr double kSame = 1e-3;  // mm
+  for (const CamCutter& cutter : path.cutters)
+    if (std::abs(cutter.diameter - tool.cutter_diameter) > kSame)
+      warnings.push_back(fmt::format("{}:{}: the path is for a cutter of {:.6g} mm, the cell's has {:.6g} mm",
+                                     file, cutter.line, cutter.diameter, tool.cutter_diameter));
 }
 
 // A CAM path in P, its notes and its distance from the mesh.
 JobToolpath ImportCam(const JobInputs& inputs, const Mesh& mesh) {
   const ToolpathSettings& settings = inputs.job.toolpath;
-  const CamPath path = ReadCamPath(inputs.cam_bytes, settings.cam_file, settings.chord_tolerance);
+  std::vector<RotaryAxis> axes;
+  for (const CamRotaryAxisSettings& axis : settings.cam_rotary_axes)
+    axes.push_back({axis.axis[0], axis.direction.normalized(), axis.point, axis.carries == "workpiece"});
+  const CamPath path = ReadCamPath(inputs.cam_bytes, settings.cam_file,
+                                   {settings.chord_tolerance, RotaryAxes(std::move(axes))});
   CamImportOptions options;
   options.spacing = settings.spacing;
   options.crease = settings.crease;
@@ -28,6 +36,7 @@ JobToolpath ImportCam(const JobInputs& inputs, const Mesh& mesh) {
   CamImportReport report;
   JobToolpath made;
   made.toolpath = ImportCamPath(path, &mesh, options, &report);
+  TellOtherCutters(path, inputs.cell.tool, settings.cam_file, made.warnings);
   for (const std::string& note : path.notes) made.warnings.push_back(settings.cam_file + ": " + note);
   if (report.turns_on_the_spot > 0)
     made.warnings.push_back(fmt::format("{}: the tool turns on the spot {} times; passes end there",
@@ -42,12 +51,19 @@ JobToolpath ImportCam(const JobInputs& inputs, const Mesh& mesh) {
 
 }  // namespace
 
+double Reach(const Cell& cell) {
+  return cell.arm.a1 + cell.arm.a2 + std::hypot(cell.arm.d4, cell.arm.dz) + cell.arm.d6 +
+         cell.X_FT.translation().norm();
+}
+
 Part ReadPart(const JobInputs& inputs, const Cell& cell) {
   const std::string& name = inputs.job.workpiece.mesh_file;
   ImportOptions options;
   options.unit = inputs.job.workpiece.unit;
   options.weld_tolerance = inputs.job.workpiece.weld_tolerance;
-  Part part{ImportMesh(ReadMesh(inputs.workpiece_bytes, name), options, name), {}};
+  Part part{ImportMesh(ReadMesh(inputs.workpiece_bytes, name, {inputs.job.workpiece.chord_tolerance}),
+                       options, name),
+            {}};
   for (const std::string& finding : Findings(part.import.report))
     part.warnings.push_back(name + ": " + finding);
   const Eigen::Vector3d size = part.import.report.upper - part.import.report.lower;

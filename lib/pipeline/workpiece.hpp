@@ -18,6 +18,9 @@ struct Part {
       warnings;  ///< findings of the import and a doubtful unit, each with the file's name
 };
 
+/// How far the tool tip can come from axis 1, mm: what a part's size is compared with.
+double Reach(const Cell& cell);
+
 /// Reads and repairs the workpiece's mesh. Throws InputError.
 Part ReadPart(const JobInputs& inputs, const Cell& cell);
 

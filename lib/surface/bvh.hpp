@@ -50,6 +50,31 @@ class Bvh {
     }
   }
 
+  /// Calls `visit(a, b)` for each two primitives of leaves whose boxes meet, once, until it returns false.
+  template <typename Visit>
+  void ForEachPair(Visit visit) const {
+    std::vector<std::pair<int, int>> stack;
+    if (!nodes_.empty()) stack.emplace_back(0, 0);
+    while (!stack.empty()) {
+      const auto [a, b] = stack.back();
+      stack.pop_back();
+      const Node &left = nodes_[a], &right = nodes_[b];
+      if (a != b && !left.box.intersects(right.box)) continue;
+      if (left.count > 0 && right.count > 0) {
+        if (!VisitLeaves(left, right, a == b, visit)) return;
+      } else if (a == b) {
+        stack.insert(
+            stack.end(),
+            {{left.first, left.first}, {left.first + 1, left.first + 1}, {left.first, left.first + 1}});
+      } else if (right.count > 0 || (left.count == 0 && left.box.diagonal().squaredNorm() >
+                                                            right.box.diagonal().squaredNorm())) {
+        stack.insert(stack.end(), {{left.first, b}, {left.first + 1, b}});
+      } else {
+        stack.insert(stack.end(), {{a, right.first}, {a, right.first + 1}});
+      }
+    }
+  }
+
  private:
   static constexpr int kMaxDepth =
       128;  // a median split halves 2^31 primitives 31 times, two entries a level
@@ -59,6 +84,14 @@ class Bvh {
     int first = 0;  // leaf: into order_; else the left child, the right one follows it
     int count = 0;  // primitives of a leaf; 0 for an inner node
   };
+
+  template <typename Visit>
+  bool VisitLeaves(const Node& left, const Node& right, bool same, Visit& visit) const {
+    for (int i = 0; i < left.count; ++i)
+      for (int k = same ? i + 1 : 0; k < right.count; ++k)
+        if (!visit(order_[left.first + i], order_[right.first + k])) return false;
+    return true;
+  }
 
   void Build(int node, int first, int count, const std::vector<Eigen::AlignedBox3d>& boxes);
 

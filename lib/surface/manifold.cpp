@@ -211,6 +211,8 @@ class ManifoldMaker {
     Triangles apart;
     apart.vertices = mesh_.vertices;
     apart.faces = mesh_.faces;
+    apart.source = mesh_.source;
+    apart.source_faces = mesh_.source_faces;
     for (Side s = 0; s < static_cast<Side>(partner_.size()); ++s) {
       int& vertex = vertex_of_fan[Root(s)];
       if (vertex < 0) {

@@ -25,16 +25,32 @@ void MeasureRims(const Mesh& mesh, ImportReport& report) {
   }
 }
 
+// Coordinates are bounded so that no product of four of them overflows.
+void Scale(Triangles& triangles, double unit, const std::string& name) {
+  constexpr double kLargest = 1e9;  // mm
+  for (Eigen::Vector3d& p : triangles.vertices) {
+    p *= unit;
+    if (!(p.cwiseAbs().maxCoeff() <= kLargest))
+      throw InputError(
+          {name},
+          fmt::format("a vertex at ({:.6g}, {:.6g}, {:.6g}) mm lies beyond ±{} mm: is the unit right?", p.x(),
+                      p.y(), p.z(), kLargest));
+  }
+}
+
 }  // namespace
 
-ImportResult ImportMesh(const RawMesh& raw, const ImportOptions& options, const std::string& name) {
+ImportResult ImportMesh(RawMesh raw, const ImportOptions& options, const std::string& name) {
+  if (raw.stated_unit && *raw.stated_unit != options.unit)
+    throw InputError({name}, fmt::format("the file states that its unit is {:.6g} mm, given {:.6g} mm",
+                                         *raw.stated_unit, options.unit));
   ImportReport report;
-  report.notes = raw.notes;
+  report.notes = std::move(raw.notes);
   report.triangles_read = raw.triangles.faces.size();
-  Triangles scaled = raw.triangles;
-  for (Eigen::Vector3d& p : scaled.vertices) p *= options.unit;
+  Scale(raw.triangles, options.unit, name);
   WeldCounts weld;
-  Triangles mesh = Weld(scaled, options.weld_tolerance, &weld);
+  Triangles mesh = Weld(raw.triangles, options.weld_tolerance, &weld);
+  raw = {};
   report.welded = weld.welded;
   RemoveDegenerate(mesh, options.weld_tolerance, report.repairs);
   RemoveDuplicates(mesh, report.repairs);
@@ -54,6 +70,7 @@ ImportResult ImportMesh(const RawMesh& raw, const ImportOptions& options, const 
   result.report.lower = box.min();
   result.report.upper = box.max();
   MeasureRims(result.mesh, result.report);
+  result.report.crossings = FindSelfCrossings(result.mesh);
   return result;
 }
 
@@ -78,6 +95,11 @@ std::vector<std::string> Findings(const ImportReport& report) {
        "vertices in which several fans of triangles met were doubled");
   tell(repairs.not_orientable_edges, "edge was cut because no orientation fits both sides",
        "edges were cut because no orientation fits both sides");
+  if (const SelfCrossings& crossings = report.crossings; crossings.pairs > 0 || !crossings.complete)
+    findings.push_back(fmt::format(
+        "{}{} pair{} of triangles cross or touch each other, first at ({:.6g}, {:.6g}, {:.6g}) mm",
+        crossings.complete ? "" : "search given up: at least ", crossings.pairs,
+        crossings.pairs == 1 ? "" : "s", crossings.place.x(), crossings.place.y(), crossings.place.z()));
   if (report.rims > 0)
     findings.push_back(fmt::format("{} open rim{}, {:.1f} mm long{}; holes stay open", report.rims,
                                    report.rims == 1 ? "" : "s", report.rim_length,

@@ -6,6 +6,7 @@
 #include "surface/mesh.hpp"
 #include "surface/raw_mesh.hpp"
 #include "surface/repair.hpp"
+#include "surface/self_crossings.hpp"
 
 namespace millpose {
 
@@ -22,6 +23,7 @@ struct ImportReport {
   size_t vertices = 0;   ///< after repair
   size_t welded = 0;     ///< vertices that differed from the one they were joined with
   RepairCounts repairs;
+  SelfCrossings crossings;
   size_t rims = 0;        ///< closed lines of open edges; holes stay open
   double rim_length = 0;  ///< mm, all together
   Eigen::Vector3d lower = Eigen::Vector3d::Zero(), upper = Eigen::Vector3d::Zero();  ///< bounds, mm
@@ -34,8 +36,8 @@ struct ImportResult {
 };
 
 /// Scales, welds and repairs (weld.hpp, repair.hpp) a mesh as read. Throws InputError naming `name` when no
-/// triangle with area is left.
-ImportResult ImportMesh(const RawMesh& raw, const ImportOptions& options, const std::string& name);
+/// triangle with area is left, or when the file states another unit. Give `raw` away to spare its memory.
+ImportResult ImportMesh(RawMesh raw, const ImportOptions& options, const std::string& name);
 
 /// One sentence for each thing worth telling: repairs that were made, rims, pieces, notes. Empty for a sound
 /// closed mesh of one piece.

@@ -5,16 +5,16 @@
 #include "surface/obj_reader.hpp"
 #include "surface/off_reader.hpp"
 #include "surface/ply_reader.hpp"
+#include "surface/step_reader.hpp"
 #include "surface/stl_reader.hpp"
 
 namespace millpose {
 namespace {
 
-RawMesh Read(std::string_view bytes, const std::string& name) {
+RawMesh Read(std::string_view bytes, const std::string& name, const StepOptions& step) {
   if (bytes.empty()) throw InputError({name}, "the file is empty");
   if (IsExactBinaryStl(bytes)) return ReadStl(bytes, name);  // its header may begin with any word
-  if (bytes.substr(0, 200).find("ISO-10303-21") != std::string_view::npos)
-    throw InputError({name}, "this is a STEP file; mesh formats are STL, OBJ, PLY and OFF");
+  if (LooksLikeStep(bytes)) return ReadStep(bytes, name, step);
   if (LooksLikePly(bytes)) return ReadPly(bytes, name);
   if (LooksLikeOff(bytes)) return ReadOff(bytes, name);
   if (LooksLikeObj(bytes)) return ReadObj(bytes, name);
@@ -23,8 +23,8 @@ RawMesh Read(std::string_view bytes, const std::string& name) {
 
 }  // namespace
 
-RawMesh ReadMesh(std::string_view bytes, const std::string& name) {
-  RawMesh mesh = Read(bytes, name);
+RawMesh ReadMesh(std::string_view bytes, const std::string& name, const StepOptions& step) {
+  RawMesh mesh = Read(bytes, name, step);
   if (mesh.triangles.faces.empty()) throw InputError({name}, "the file holds no triangles");
   return mesh;
 }

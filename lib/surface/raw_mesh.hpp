@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "surface/step_options.hpp"
 #include "surface/triangles.hpp"
 
 namespace millpose {
@@ -13,13 +15,14 @@ namespace millpose {
 /// range.
 struct RawMesh {
   Triangles triangles;
-  std::vector<std::string> notes;  ///< oddities that were accepted, one sentence each
+  std::optional<double> stated_unit{};  ///< mm per unit, where the file states it (STEP)
+  std::vector<std::string> notes;       ///< oddities that were accepted, one sentence each
 };
 
-/// Reads a mesh file of any supported format; the format is told from the content, not from the name. `name`
-/// is for messages. Throws InputError (line and column, or byte) for what cannot be read, for numbers that
-/// are not finite and for files without triangles. Never takes memory for counts that the file's size cannot
-/// hold.
-RawMesh ReadMesh(std::string_view bytes, const std::string& name);
+/// Reads a mesh file (STL, OBJ, PLY, OFF) or a STEP file (step_reader.hpp); the format is told from the
+/// content, not from the name. `name` is for messages. Throws InputError (line and column, or byte) for what
+/// cannot be read, for numbers that are not finite and for files without triangles. Never takes memory for
+/// counts that the file's size cannot hold.
+RawMesh ReadMesh(std::string_view bytes, const std::string& name, const StepOptions& step = {});
 
 }  // namespace millpose

@@ -6,6 +6,22 @@
 namespace millpose {
 namespace {
 
+// Removes the faces for which `out(face)` holds, asked in ascending order; keeps the order of the others.
+template <typename Out>
+size_t EraseFaces(Triangles& mesh, Out out) {
+  size_t next = 0;
+  const size_t count = mesh.faces.size();
+  for (size_t f = 0; f < count; ++f)
+    if (!out(f)) {
+      mesh.faces[next] = mesh.faces[f];
+      if (!mesh.source.empty()) mesh.source[next] = mesh.source[f];
+      ++next;
+    }
+  mesh.faces.resize(next);
+  if (!mesh.source.empty()) mesh.source.resize(next);
+  return count - next;
+}
+
 bool HasRepeatedVertex(const std::array<int, 3>& face) {
   return face[0] == face[1] || face[1] == face[2] || face[2] == face[0];
 }
@@ -63,10 +79,7 @@ class FlatRemoval {
         ++outcome.removed;
         outcome.originals_removed += static_cast<size_t>(face) < originals_ ? 1 : 0;
       }
-    size_t next = 0;
-    for (size_t f = 0; f < mesh_.faces.size(); ++f)
-      if (f >= count_ || removed[f] == 0) mesh_.faces[next++] = mesh_.faces[f];
-    mesh_.faces.resize(next);
+    EraseFaces(mesh_, [&](size_t f) { return f < count_ && removed[f] != 0; });
     return outcome;
   }
 
@@ -94,6 +107,7 @@ class FlatRemoval {
     if (apex == middle) return true;  // folded onto itself
     mesh_.faces[FaceOf(other)] = {p, middle, apex};
     mesh_.faces.push_back({middle, q, apex});
+    if (!mesh_.source.empty()) mesh_.source.push_back(mesh_.source[FaceOf(other)]);
     return true;
   }
 
@@ -108,7 +122,7 @@ class FlatRemoval {
 }  // namespace
 
 void RemoveDegenerate(Triangles& mesh, double tolerance, RepairCounts& counts) {
-  counts.degenerate += std::erase_if(mesh.faces, HasRepeatedVertex);
+  counts.degenerate += EraseFaces(mesh, [&](size_t f) { return HasRepeatedVertex(mesh.faces[f]); });
   constexpr int kRounds = 32;  // chains of flat triangles need one each; what is left then is only removed
   size_t originals = mesh.faces.size();
   for (int round = 0; round < kRounds; ++round) {
@@ -117,10 +131,10 @@ void RemoveDegenerate(Triangles& mesh, double tolerance, RepairCounts& counts) {
     originals -= originals_removed;
     if (removed == 0) return;
   }
-  size_t face = 0, left = originals;
-  std::erase_if(mesh.faces, [&](const auto& corners) {
-    const bool flat = FlatnessOf(mesh, corners).height <= tolerance;
-    if (face++ < originals && flat) --left;
+  size_t left = originals;
+  EraseFaces(mesh, [&](size_t f) {
+    const bool flat = FlatnessOf(mesh, mesh.faces[f]).height <= tolerance;
+    if (f < originals && flat) --left;
     return flat;
   });
   counts.degenerate += originals - left;
@@ -138,11 +152,7 @@ void RemoveDuplicates(Triangles& mesh, RepairCounts& counts) {
   std::vector<char> removed(mesh.faces.size(), 0);
   for (size_t i = 1; i < sorted.size(); ++i)
     if (sorted[i].first == sorted[i - 1].first) removed[sorted[i].second] = 1;
-  size_t next = 0;
-  for (size_t f = 0; f < mesh.faces.size(); ++f)
-    if (removed[f] == 0) mesh.faces[next++] = mesh.faces[f];
-  counts.duplicate += mesh.faces.size() - next;
-  mesh.faces.resize(next);
+  counts.duplicate += EraseFaces(mesh, [&](size_t f) { return removed[f] != 0; });
 }
 
 void DropUnusedVertices(Triangles& mesh) {

@@ -78,30 +78,33 @@ Triangles Weld(const Triangles& soup, double tolerance, WeldCounts* counts) {
   Grid grid(soup.vertices.size() / 2 + 1, edge, box.min());
   std::vector<int> target(soup.vertices.size(), -1);
   welded.faces.reserve(soup.faces.size());
-  Grid exact(soup.vertices.size() / 2 + 1, edge, box.min());
-  std::vector<Eigen::Vector3d> distinct;
+  welded.source = soup.source;
+  welded.source_faces = soup.source_faces;
+  std::vector<Eigen::Vector3d> moved;  // what differs in some bit from the vertex it goes to
   for (const auto& face : soup.faces) {
     std::array<int, 3> out{};
     for (int corner = 0; corner < 3; ++corner) {
       int& to = target[face[corner]];
       const Eigen::Vector3d& p = soup.vertices[face[corner]];
       if (to < 0) {
-        if (exact.Nearest(p, 0, distinct) < 0) {
-          exact.Add(static_cast<int>(distinct.size()), p);
-          distinct.push_back(p);
-        }
         to = grid.Nearest(p, tolerance, welded.vertices);
         if (to < 0) {
           to = static_cast<int>(welded.vertices.size());
           grid.Add(to, p);
           welded.vertices.push_back(p);
+        } else if (welded.vertices[to] != p) {
+          moved.push_back(p);
         }
       }
       out[corner] = to;
     }
     welded.faces.push_back(out);
   }
-  if (counts != nullptr) *counts = {distinct.size(), distinct.size() - welded.vertices.size()};
+  const auto key = [](const Eigen::Vector3d& p) { return std::tuple(p.x(), p.y(), p.z()); };
+  std::ranges::sort(moved, {}, key);
+  const auto same = std::ranges::unique(moved);
+  const size_t joined = moved.size() - same.size();
+  if (counts != nullptr) *counts = {welded.vertices.size() + joined, joined};
   return welded;
 }
 

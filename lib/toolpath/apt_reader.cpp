@@ -4,22 +4,23 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "toolpath/apt_circle.hpp"
 #include "toolpath/apt_scanner.hpp"
-#include "toolpath/arc.hpp"
 #include "toolpath/cam_path.hpp"
 
 namespace millpose {
 namespace {
 
 constexpr double kInch = 25.4;
-constexpr double kMaxRadius = 1e6;  // mm: bounds the number of points that a circle becomes
+constexpr size_t kMaxPoints = 10'000'000;  // bounds what circles of a small file can become
+constexpr size_t kMostListed = 50;         // unknown words
 
 // Statements that say nothing about where the tool goes.
 const std::vector<std::string_view> kSilent{
-    "PARTNO", "PPRINT", "REMARK",      "MACHIN", "PAINT",     "COOLNT", "MULTAX", "FINI",   "INSERT",
-    "STOP",   "OPSTOP", "DELAY",       "CUTCOM", "TOOL PATH", "CUTTER", "TLDATA", "AUXFUN", "PREFUN",
-    "HEAD",   "MODE",   "END-OF-PATH", "CLDIST", "TPRINT",    "SELECT", "CLEARP", "AUTOPS", "NOPOST",
-    "DISPLY", "REWIND", "END",         "LEADER", "SEQNO",     "TOLER",  "INTOL",  "OUTTOL"};
+    "PARTNO",      "PPRINT", "REMARK", "MACHIN", "PAINT",     "COOLNT", "MULTAX", "FINI",   "INSERT",
+    "STOP",        "OPSTOP", "DELAY",  "CUTCOM", "TOOL PATH", "AUXFUN", "PREFUN", "HEAD",   "MODE",
+    "END-OF-PATH", "CLDIST", "TPRINT", "SELECT", "CLEARP",    "AUTOPS", "NOPOST", "DISPLY", "REWIND",
+    "END",         "LEADER", "SEQNO",  "TOLER",  "INTOL",     "OUTTOL"};
 
 bool IsSilent(const std::string& major) {
   return std::ranges::any_of(kSilent, [&](std::string_view word) {
@@ -28,6 +29,13 @@ bool IsSilent(const std::string& major) {
            (major.starts_with(word) && major.size() > word.size() && major[word.size()] == ' ');
   });
 }
+
+// Motions along surfaces, which only an APT processor can resolve.
+const std::vector<std::string_view> kUnreadable{"TLON",  "TLLFT",  "TLRGT", "TLONPS", "TLOFPS",
+                                                "GOFWD", "GOBACK", "GOLFT", "GORGT",  "GODOWN",
+                                                "GOUP",  "GO",     "GOCLER"};
+
+std::string_view FirstWord(std::string_view major) { return major.substr(0, major.find_first_of(", ")); }
 
 class AptReader {
  public:
@@ -44,11 +52,6 @@ class AptReader {
   }
 
  private:
-  struct Circle {
-    Eigen::Vector3d centre, axis;
-    Place place;
-  };
-
   void Take(const AptStatement& statement) {
     const std::string& major = statement.major.text;
     if (major == "GOTO") {
@@ -65,12 +68,16 @@ class AptReader {
     } else if (major == "SPINDL") {
       Spindle(statement);
     } else if (major == "CIRCLE") {
-      const std::vector<double> v = Numbers(statement, 6, 11);
-      const Eigen::Vector3d axis(v[3], v[4], v[5]);
-      if (!(axis.norm() > 0)) throw InputError(statement.minors[3].place, "the circle's axis has no length");
-      circle_ = Circle{Placed({v[0], v[1], v[2]}), (rotation_ * axis).normalized(), statement.major.place};
+      Circle(statement);
+    } else if (major == "INDIRV") {
+      const std::vector<double> v = Numbers(statement, 3, 3);
+      tangent_ = Direction(v, 0, statement);
+    } else if (std::ranges::find(kUnreadable, FirstWord(major)) != kUnreadable.end()) {
+      TakeDriveMotion(statement);
+    } else if (major == "CUTTER" || major == "TLDATA") {
+      Cutter(statement);
     } else if (major == "TLAXIS") {
-      axis_ = Axis(Numbers(statement, 3, 3), 0, statement);
+      axis_ = Direction(Numbers(statement, 3, 3), 0, statement);
     } else if (major == "MSYS") {
       CoordinateSystem(statement);
     } else if (major == "UNITS" || major == "UNIT") {
@@ -103,10 +110,81 @@ class AptReader {
 
   Eigen::Vector3d Placed(const Eigen::Vector3d& p) const { return origin_ + rotation_ * (unit_ * p); }
 
-  Eigen::Vector3d Axis(const std::vector<double>& v, size_t first, const AptStatement& statement) const {
-    const Eigen::Vector3d axis(v[first], v[first + 1], v[first + 2]);
-    if (!(axis.norm() > 1e-6)) throw InputError(statement.minors[first].place, "the tool axis has no length");
-    return (rotation_ * axis).normalized();
+  Eigen::Vector3d Direction(const std::vector<double>& v, size_t first, const AptStatement& statement) const {
+    const Eigen::Vector3d direction(v[first], v[first + 1], v[first + 2]);
+    if (!(direction.norm() > 1e-6 && direction.norm() < 1e6))
+      throw InputError(statement.minors[first].place, "the direction has no length");
+    return (rotation_ * direction).normalized();
+  }
+
+  // "xc,yc,zc,i,j,k[,r]"; NX adds total tolerance, ratio, diameter and corner radius of the tool and means a
+  // clockwise turn about the axis, "TIMES,n" with n turns begun.
+  void Circle(const AptStatement& statement) {
+    AptStatement plain = statement;
+    AptCircle circle;
+    const size_t words = plain.minors.size();
+    if (words > 2 && plain.minors[words - 2].text == "TIMES") {
+      const auto times = ParseNumber(plain.minors[words - 1].text);
+      if (!times || *times < 1 || *times > 1000 || *times != std::floor(*times))
+        throw InputError(plain.minors[words - 1].place, "TIMES needs a whole number from 1 to 1000");
+      circle.full_turns = static_cast<int>(*times) - 1;
+      plain.minors.resize(words - 2);
+    }
+    const std::vector<double> v = Numbers(plain, 6, 11);
+    circle.centre = Placed({v[0], v[1], v[2]});
+    circle.axis = Direction(v, 3, plain);
+    if (v.size() > 6) circle.radius = unit_ * v[6];
+    circle.clockwise = v.size() == 11;
+    circle.place = statement.major.place;
+    circle_ = circle;
+  }
+
+  // CATIA: "TLON,GOFWD/ (CIRCLE/ xc,yc,zc,r),ON,(LINE/ xc,yc,zc,xe,ye,ze)" after INDIRV, "ON,2,INTOF" for the
+  // whole circle.
+  void TakeDriveMotion(const AptStatement& statement) {
+    std::vector<double> circle, line;
+    std::vector<double>* list = nullptr;
+    for (const AptWord& word : statement.minors) {
+      std::string_view text = word.text;
+      for (const auto& [head, numbers] : {std::pair("(CIRCLE/", &circle), std::pair("(LINE/", &line)})
+        if (text.starts_with(head)) {
+          list = numbers;
+          text.remove_prefix(std::string_view(head).size());
+        }
+      const bool last = text.ends_with(')');
+      if (last) text.remove_suffix(1);
+      while (text.starts_with(' ')) text.remove_prefix(1);
+      while (text.ends_with(' ')) text.remove_suffix(1);
+      const auto number = ParseNumber(std::string(text));
+      const bool between = list == nullptr && (text == "ON" || text == "2" || text == "INTOF");
+      if (!between && (list == nullptr || !number)) throw Unreadable(word.place, statement);
+      if (!between) list->push_back(*number);
+      if (last) list = nullptr;
+    }
+    if (statement.major.text != "TLON,GOFWD" || circle.size() != 4 || line.size() != 6)
+      throw Unreadable(statement.major.place, statement);
+    AptCircle arc;
+    arc.centre = Placed({circle[0], circle[1], circle[2]});
+    arc.radius = unit_ * circle[3];
+    arc.place = statement.major.place;
+    circle_ = arc;
+    if (path_.points.empty()) throw InputError(arc.place, "the circle needs a point before it");
+    MoveTo(Placed({line[3], line[4], line[5]}), axis_, arc.place.line);
+  }
+
+  static InputError Unreadable(const Place& place, const AptStatement& statement) {
+    return {place, fmt::format("the motion \"{}\" cannot be read; known are GOTO, GODLTA, CIRCLE with a GOTO "
+                               "and TLON,GOFWD/(CIRCLE/x,y,z,r),ON,(LINE/x,y,z,x,y,z)",
+                               statement.major.text.substr(0, 40))};
+  }
+
+  // CUTTER/d[,r] and NX's TLDATA/MILL,d,r,length,….
+  void Cutter(const AptStatement& statement) {
+    std::vector<double> numbers;
+    for (const AptWord& word : statement.minors)
+      if (const auto number = ParseNumber(word.text)) numbers.push_back(unit_ * *number);
+    if (numbers.empty() || !(numbers[0] > 0)) return;
+    path_.cutters.push_back({numbers[0], numbers.size() > 1 ? numbers[1] : 0, statement.major.place.line});
   }
 
   void Goto(const AptStatement& statement) {
@@ -115,18 +193,22 @@ class AptReader {
       throw InputError(statement.major.place,
                        fmt::format("{} needs 3 or 6 numbers, found {}", statement.major.text, v.size()));
     const Eigen::Vector3d before = axis_;
-    if (v.size() == 6) axis_ = Axis(v, 3, statement);
+    if (v.size() == 6) axis_ = Direction(v, 3, statement);
     MoveTo(Placed({v[0], v[1], v[2]}), before, statement.major.place.line);
   }
 
   void GoDelta(const AptStatement& statement) {
-    const std::vector<double> v = Numbers(statement, 1, 3);
+    const std::vector<double> v = Numbers(statement, 1, 6);
     if (path_.points.empty()) throw InputError(statement.major.place, "GODLTA needs a point before it");
-    if (v.size() == 2) throw InputError(statement.major.place, "GODLTA needs 1 or 3 numbers, found 2");
+    if (v.size() != 1 && v.size() != 3 && v.size() != 6)
+      throw InputError(statement.major.place,
+                       fmt::format("GODLTA needs 1, 3 or 6 numbers, found {}", v.size()));
+    const Eigen::Vector3d before = axis_;
     const Eigen::Vector3d step =
         v.size() == 1 ? Eigen::Vector3d(unit_ * v[0] * axis_)
                       : Eigen::Vector3d(rotation_ * (unit_ * Eigen::Vector3d(v[0], v[1], v[2])));
-    MoveTo(path_.points.back().position + step, axis_, statement.major.place.line);
+    if (v.size() == 6) axis_ = Direction(v, 3, statement);
+    MoveTo(path_.points.back().position + step, before, statement.major.place.line);
   }
 
   void MoveTo(const Eigen::Vector3d& to, const Eigen::Vector3d& axis_before, int line) {
@@ -137,19 +219,19 @@ class AptReader {
     }
     std::vector<Eigen::Vector3d> way{to};
     if (circle_ && !path_.points.empty() && !rapid_) {
-      const double radius =
-          std::max((path_.points.back().position - circle_->centre).norm(), (to - circle_->centre).norm());
-      if (!(radius <= kMaxRadius))
-        throw InputError(circle_->place,
-                         fmt::format("the circle's radius of {:.4g} mm is above {} mm", radius, kMaxRadius));
-      way = ArcPoints(path_.points.back().position, to, circle_->centre, circle_->axis, tolerance_);
+      circle_->tangent = tangent_;
+      way = CirclePoints(*circle_, path_.points.back().position, to, arriving_, tolerance_);
       ++circles_;
     }
+    if (path_.points.size() + way.size() > kMaxPoints)
+      throw InputError({name_, line}, fmt::format("the path has more than {} points", kMaxPoints));
     circle_.reset();
+    tangent_.reset();
     for (size_t i = 0; i < way.size(); ++i) {
       const double share = static_cast<double>(i + 1) / static_cast<double>(way.size());
       Eigen::Vector3d axis = axis_before + share * (axis_ - axis_before);
       axis = i + 1 < way.size() && axis.norm() > 1e-6 ? Eigen::Vector3d(axis.normalized()) : axis_;
+      if (!path_.points.empty()) arriving_ = way[i] - path_.points.back().position;
       path_.points.push_back({way[i], axis, Feed(), rapid_, fresh_, line});
       fresh_ = false;
     }
@@ -164,18 +246,19 @@ class AptReader {
     double unit = unit_ / 60;
     bool per_revolution = false;
     for (const AptWord& word : statement.minors) {
-      if (const auto number = ParseNumber(word.text); number && !value) {
+      const std::string& text = word.text;
+      if (const auto number = ParseNumber(text); number && !value) {
         value = number;
-      } else if (word.text == "MMPM" || word.text == "IPM") {
-        unit = (word.text == "IPM" ? kInch : 1.0) / 60;
-      } else if (word.text == "MMPR" || word.text == "IPR") {
-        unit = word.text == "IPR" ? kInch : 1.0;
+      } else if (text == "MMPM" || text == "IPM" || text == "PERMIN") {
+        unit = (text == "IPM" ? kInch : text == "MMPM" ? 1.0 : unit_) / 60;
+      } else if (text == "MMPR" || text == "IPR" || text == "PERREV") {
+        unit = text == "IPR" ? kInch : text == "MMPR" ? 1.0 : unit_;
         per_revolution = true;
-      } else if (word.text == "RAPID") {
+      } else if (text == "RAPID") {
         rapid_ = true;
         return;
       } else {
-        ++unknown_["FEDRAT/" + word.text.substr(0, 40)];
+        ++unknown_["FEDRAT/" + text.substr(0, 40)];
       }
     }
     if (!value || !(*value > 0)) throw InputError(statement.major.place, "FEDRAT needs a feed above 0");
@@ -183,9 +266,19 @@ class AptReader {
     per_revolution_ = per_revolution;
   }
 
+  // Speeds of the cutting edge (feet or metres per minute) become revolutions by the cutter's diameter.
   void Spindle(const AptStatement& statement) {
-    for (const AptWord& word : statement.minors)
-      if (const auto number = ParseNumber(word.text); number && *number > 0) revolutions_ = *number / 60;
+    constexpr double kFoot = 304.8, kMetre = 1000;
+    std::optional<double> value;
+    double edge = 0;
+    for (const AptWord& word : statement.minors) {
+      if (const auto number = ParseNumber(word.text); number && !value) value = number;
+      if (word.text == "SFM") edge = kFoot;
+      if (word.text == "SMM") edge = kMetre;
+    }
+    if (!value || !(*value > 0)) return;
+    revolutions_ = *value / 60;
+    if (edge > 0) revolutions_ *= path_.cutters.empty() ? 0 : edge / (kPi * path_.cutters.back().diameter);
   }
 
   void Units(const AptStatement& statement) {
@@ -224,7 +317,10 @@ class AptReader {
     if (tools_ > 1) note(tools_, "tool changes; all are taken as passes of one job");
     if (moved_)
       path_.notes.emplace_back("coordinates were moved from MSYS into the system that it refers to");
-    for (const auto& [word, count] : unknown_) note(count, fmt::format("\"{}\" not known, ignored", word));
+    size_t listed = 0;
+    for (const auto& [word, count] : unknown_)
+      if (++listed <= kMostListed) note(count, fmt::format("\"{}\" not known, ignored", word));
+    if (listed > kMostListed) note(listed - kMostListed, "further kinds of words not known, ignored");
   }
 
   AptScanner scanner_;
@@ -235,7 +331,9 @@ class AptReader {
   Eigen::Matrix3d rotation_ = Eigen::Matrix3d::Identity();
   double unit_ = 1, feed_ = 0, revolutions_ = 0;
   bool per_revolution_ = false, rapid_ = false, fresh_ = false, cycle_ = false, moved_ = false;
-  std::optional<Circle> circle_;
+  std::optional<AptCircle> circle_;
+  std::optional<Eigen::Vector3d> tangent_;              // INDIRV, for the next motion
+  Eigen::Vector3d arriving_ = Eigen::Vector3d::Zero();  // the motion before
   size_t circles_ = 0, in_cycles_ = 0, tools_ = 0;
   std::map<std::string, size_t> unknown_;
 };

@@ -1,32 +1,35 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/arc.hpp"
 
+#include "base/trig.hpp"
 #include "base/units.hpp"
 
 namespace millpose {
 
 std::vector<Eigen::Vector3d> ArcPoints(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                                        const Eigen::Vector3d& centre, const Eigen::Vector3d& axis,
-                                       double tolerance) {
+                                       int full_turns, double tolerance) {
   const auto flat = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
     return p - centre - axis.dot(p - centre) * axis;
   };
   const Eigen::Vector3d a = flat(from), b = flat(to);
   const double radius = a.norm(), end_radius = b.norm();
   if (radius < 1e-9 || end_radius < 1e-9) return {to};
-  double angle = std::atan2(axis.dot(a.cross(b)), a.dot(b));
+  double angle = Atan2(axis.dot(a.cross(b)), a.dot(b));
   // Ends that coincide within rounding of the file (1e-4 mm) are a full turn.
   if (angle <= 1e-4 / radius) angle += 2 * kPi;
-  const double step = 2 * std::acos(std::max(0.5, 1 - tolerance / std::max(radius, end_radius)));
+  angle += 2 * kPi * full_turns;
+  const double cosine = std::max(0.5, 1 - tolerance / std::max(radius, end_radius));
+  const double step = 2 * Atan2(std::sqrt(1 - cosine * cosine), cosine);
   const int count = std::max(1, static_cast<int>(std::ceil(angle / step)));
   const Eigen::Vector3d u = a / radius, v = axis.cross(u);
   const double low = axis.dot(from - centre), high = axis.dot(to - centre);
   std::vector<Eigen::Vector3d> points;
   for (int k = 1; k < count; ++k) {
     const double share = static_cast<double>(k) / count, turned = share * angle;
-    points.push_back(
-        centre + (radius + share * (end_radius - radius)) * (std::cos(turned) * u + std::sin(turned) * v) +
-        (low + share * (high - low)) * axis);
+    const SineCosine turn = SinCos(turned);
+    points.push_back(centre + (radius + share * (end_radius - radius)) * (turn.cos * u + turn.sin * v) +
+                     (low + share * (high - low)) * axis);
   }
   points.push_back(to);
   return points;

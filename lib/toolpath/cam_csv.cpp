@@ -157,16 +157,4 @@ class CsvReader {
 
 CamPath ReadCamCsv(std::string_view bytes, const std::string& name) { return CsvReader(bytes, name).Read(); }
 
-CamPath ReadCamPath(std::string_view bytes, const std::string& name, double chord_tolerance) {
-  // A CSV's first line that is no comment names its x column; APT has statements with slashes.
-  size_t at = 0;
-  while (at < bytes.size() && (bytes[at] == '#' || bytes[at] == '\n' || bytes[at] == '\r'))
-    at = bytes[at] == '#' ? std::min(bytes.find('\n', at), bytes.size()) : at + 1;
-  const std::string_view first = bytes.substr(at, bytes.substr(at).find_first_of("\r\n"));
-  const bool csv = first.find("x_mm") != std::string_view::npos ||
-                   first.find("x_m") != std::string_view::npos ||
-                   first.find("x_in") != std::string_view::npos;
-  return csv ? ReadCamCsv(bytes, name) : ReadApt(bytes, name, chord_tolerance);
-}
-
 }  // namespace millpose

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "toolpath/milling_point.hpp"
+#include "toolpath/rotary_axes.hpp"
 
 namespace millpose {
 
@@ -20,19 +21,34 @@ struct CamPoint {
   int line = 0;                                     ///< of the file
 };
 
+/// A cutter that the file names. mm.
+struct CamCutter {
+  double diameter = 0, corner_radius = 0;
+  int line = 0;  ///< of the file
+};
+
 struct CamPath {
   std::vector<CamPoint> points;
+  std::vector<CamCutter> cutters;  ///< in the file's order
   std::vector<std::string> notes;  ///< what was taken over, ignored or converted, one sentence each
 };
 
-/// Reads a CAM tool path: APT CLDATA (CATIA, NX and others) or CSV, told from the content. Circles become
-/// points with chords that deviate by at most `chord_tolerance` (mm). Throws InputError with line and column
-/// for motions that cannot be read; words that are not known are counted in the notes.
-CamPath ReadCamPath(std::string_view bytes, const std::string& name, double chord_tolerance);
+/// How a CAM path is read.
+struct CamReadOptions {
+  double chord_tolerance =
+      0.01;                ///< mm: how far arcs and the ways under turning rotary axes may bend from chords
+  RotaryAxes rotary_axes;  ///< of the machine that a G-code programme was written for
+};
+
+/// Reads a CAM tool path: APT CLDATA (CATIA, NX and others), G-code (ISO, SINUMERIK 840D) or CSV, told from
+/// the content. Throws InputError with line and column for motions that cannot be read; words that are not
+/// known are counted in the notes.
+CamPath ReadCamPath(std::string_view bytes, const std::string& name, const CamReadOptions& options);
 
 /// The formats one by one.
 CamPath ReadApt(std::string_view bytes, const std::string& name, double chord_tolerance);
 CamPath ReadCamCsv(std::string_view bytes, const std::string& name);
+CamPath ReadGcode(std::string_view bytes, const std::string& name, const CamReadOptions& options);
 
 /// A tool path as APT or CSV, positions and axes as they are (mm); each pass begins with a rapid to its first
 /// point, a closed one returns to it. Positions with 6, axes with 9 decimals.

@@ -41,6 +41,9 @@ struct RegionOptions {
   std::optional<Eigen::Vector3d> facing;  ///< unit direction: only faces whose normal is near it
   double facing_within = DegToRad(45);    ///< the largest angle between normal and `facing`
   std::optional<ConnectedFaces> connected;
+  /// Faces of the solid model that the triangles come from (STEP), each by number, "#id" or name; any when
+  /// empty.
+  std::vector<std::string> source_faces;
   std::vector<RegionOptions> all;   ///< all of these must hold
   std::vector<RegionOptions> any;   ///< at least one of these must hold, when there are some
   std::vector<RegionOptions> none;  ///< none of these may hold

@@ -30,6 +30,35 @@ std::vector<char> Connected(const Mesh& mesh, const ConnectedFaces& options) {
   return reached;
 }
 
+std::vector<char> FromSource(const Mesh& mesh, const std::vector<std::string>& wanted) {
+  const Triangles& triangles = mesh.triangles();
+  if (triangles.source_faces.empty())
+    throw InputError({}, "toolpath: a region names step_faces, and the part comes from no STEP file");
+  std::vector<char> chosen(triangles.source_faces.size(), 0);
+  std::vector<std::string> known;
+  for (const SourceFace& face : triangles.source_faces) {
+    known.push_back(face.id);
+    if (!face.name.empty()) known.push_back(face.name);
+  }
+  std::vector<Problem> problems;
+  for (const std::string& name : wanted) {
+    bool found = false;
+    for (size_t i = 0; i < chosen.size(); ++i)
+      if (const SourceFace& face = triangles.source_faces[i];
+          name == std::to_string(i + 1) || name == face.id || name == face.name)
+        chosen[i] = found = true;
+    if (!found)
+      problems.push_back(
+          {{},
+           fmt::format("toolpath: the part has no STEP face \"{}\"; there are 1 to {}, nearest known: {}",
+                       name, chosen.size(), NearestName(name, known))});
+  }
+  if (!problems.empty()) throw InputError(std::move(problems));
+  std::vector<char> in(mesh.face_count());
+  for (int face = 0; face < mesh.face_count(); ++face) in[face] = chosen[triangles.source[face]];
+  return in;
+}
+
 double Area(const std::vector<Eigen::Vector2d>& corners) {
   double twice = 0;
   for (size_t i = 0; i < corners.size(); ++i) {
@@ -44,6 +73,7 @@ double Area(const std::vector<Eigen::Vector2d>& corners) {
 RegionTerm::RegionTerm(const Mesh& mesh, const RegionOptions& options) : options_(options) {
   if (options.facing) facing_ = Facing(mesh, *options.facing, options.facing_within);
   if (options.connected) connected_ = Connected(mesh, *options.connected);
+  if (!options.source_faces.empty()) source_ = FromSource(mesh, options.source_faces);
   if (options.polygon) {
     u_ = options.polygon->direction.unitOrthogonal();
     v_ = options.polygon->direction.cross(u_);
@@ -57,7 +87,8 @@ RegionTerm::RegionTerm(const Mesh& mesh, const RegionOptions& options) : options
 }
 
 double RegionTerm::FaceMargin(int face) const {
-  const bool in = (facing_.empty() || facing_[face] != 0) && (connected_.empty() || connected_[face] != 0);
+  const bool in = (facing_.empty() || facing_[face] != 0) && (connected_.empty() || connected_[face] != 0) &&
+                  (source_.empty() || source_[face] != 0);
   return in ? kInfinity : -kInfinity;
 }
 

@@ -23,7 +23,7 @@ class RegionTerm {
   double PolygonMargin(const Eigen::Vector3d& p) const;
 
   RegionOptions options_;
-  std::vector<char> facing_, connected_;  // by face; empty when not asked for
+  std::vector<char> facing_, connected_, source_;  // by face; empty when not asked for
   Eigen::Vector3d u_ = Eigen::Vector3d::Zero(), v_ = Eigen::Vector3d::Zero();  // the polygon's plane
   std::vector<Eigen::Vector2d> corners_;
   std::vector<RegionTerm> all_, any_, none_;

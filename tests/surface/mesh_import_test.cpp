@@ -9,7 +9,7 @@ namespace millpose {
 namespace {
 
 ImportResult Import(const Triangles& triangles, ImportOptions options = {}) {
-  return ImportMesh({triangles, {}}, options, "part.stl");
+  return ImportMesh({triangles, {}, {}}, options, "part.stl");
 }
 
 double Volume(const Mesh& mesh) {

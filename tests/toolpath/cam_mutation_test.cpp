@@ -16,11 +16,11 @@ TEST(CamMutation, SpoiltPathsAreReadOrRefused) {
       "x_mm,y_mm,z_mm,i,j,k,feed_mm_min,pass\n0,0,0,0,0,1,100,1\n5,0,0,0,0,1,100,1\n9,0,0,0,0,1,100,2\n";
   size_t read = 0, refused = 0;
   for (const std::string& seed : {apt, csv}) {
-    ASSERT_NO_THROW(ReadCamPath(seed, "seed", 0.01));
+    ASSERT_NO_THROW(ReadCamPath(seed, "seed", {}));
     for (uint64_t i = 0; i < 3000; ++i) {
       RandomStream random(i, 29);
       try {
-        const CamPath path = ReadCamPath(Mutated(seed, random), "spoilt", 0.01);
+        const CamPath path = ReadCamPath(Mutated(seed, random), "spoilt", {});
         ++read;
         for (const CamPoint& point : path.points) {
           ASSERT_TRUE(point.position.allFinite() && std::isfinite(point.feed_rate));

@@ -11,7 +11,7 @@
 namespace millpose {
 namespace {
 
-CamPath Apt(const std::string& text) { return ReadCamPath(text, "path.cls", 0.01); }
+CamPath Apt(const std::string& text) { return ReadCamPath(text, "path.cls", {}); }
 
 std::string ErrorOf(const std::string& text) {
   try {
@@ -39,9 +39,9 @@ TEST(Apt, FeedsInAllOrdersAndUnits) {
   const CamPath path =
       Apt("FEDRAT/600.0,MMPM\nGOTO/0,0,0\nFEDRAT/MMPM,1200\nGOTO/1,0,0\nFEDRAT/10,IPM\nGOTO/2,0,0\n"
           "SPINDL/RPM,3000,CLW\nFEDRAT/MMPR,0.1\nGOTO/3,0,0\nFEDRAT/0.01,IPR\nGOTO/4,0,0\nFEDRAT/90\nGOTO/"
-          "5,0,0\n");
-  const std::array<double, 6> expected{10, 20, 254.0 / 60, 5, 12.7, 1.5};
-  for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(path.points[i].feed_rate, expected[i], 1e-12) << i;
+          "5,0,0\nFEDRAT/60,PERMIN\nGOTO/6,0,0\n");
+  const std::array<double, 7> expected{10, 20, 254.0 / 60, 5, 12.7, 1.5, 1};
+  for (size_t i = 0; i < 7; ++i) EXPECT_NEAR(path.points[i].feed_rate, expected[i], 1e-12) << i;
 }
 
 TEST(Apt, InchesContinuedLinesSequenceNumbersAndDeltas) {
@@ -54,8 +54,18 @@ TEST(Apt, InchesContinuedLinesSequenceNumbersAndDeltas) {
   EXPECT_LT((path.points[3].position - 25.4 * Eigen::Vector3d(1, 0, 3)).norm(), 1e-12);
 }
 
+// The angle that the path sweeps about the z axis through the origin, rad.
+double Swept(const CamPath& path) {
+  double angle = 0;
+  for (size_t i = 1; i < path.points.size(); ++i) {
+    const Eigen::Vector3d &a = path.points[i - 1].position, &b = path.points[i].position;
+    angle += std::atan2(a.x() * b.y() - a.y() * b.x(), a.x() * b.x() + a.y() * b.y());
+  }
+  return angle;
+}
+
 TEST(Apt, CirclesAreExpandedWithinTheTolerance) {
-  const CamPath path = Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10,0,0,0,0\nGOTO/0,10,4\n");
+  const CamPath path = Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/0,10,4\n");
   EXPECT_EQ(path.notes, std::vector<std::string>{"1 CIRCLE expanded by the chord tolerance"});
   ASSERT_GT(path.points.size(), 10);
   for (size_t i = 0; i < path.points.size(); ++i) {
@@ -66,9 +76,65 @@ TEST(Apt, CirclesAreExpandedWithinTheTolerance) {
       EXPECT_GE((p + path.points[i - 1].position).head<2>().norm() / 2, 10 - 0.01);
     }
   }
-  EXPECT_GT(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,-1,10\nGOTO/0,10,0\n").points.size(),
-            2.5 * path.points.size());
-  EXPECT_GT(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/10,0,0\n").points.size(), 3.5 * path.points.size());
+}
+
+TEST(Apt, CirclesGoTheWayThatTheirSystemMeans) {
+  const double quarter = kPi / 2;
+  // The plain form says nothing: the shorter way, whatever the axis.
+  EXPECT_NEAR(Swept(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/0,10,0\n")), quarter, 1e-9);
+  EXPECT_NEAR(Swept(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,-1,10\nGOTO/0,10,0\n")), quarter, 1e-9);
+  // NX's form is clockwise about its axis.
+  EXPECT_NEAR(Swept(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,-1,10,0.06,0.5,30,0\nGOTO/0,10,0\n")), quarter, 1e-9);
+  EXPECT_NEAR(Swept(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10,0.06,0.5,30,0\nGOTO/0,10,0\n")), -3 * quarter,
+              1e-9);
+  EXPECT_NEAR(Swept(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10,0.06,0.5,30,0\nGOTO/10,0,0\n")), -4 * quarter,
+              1e-9);
+  EXPECT_NEAR(Swept(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,-1,10,0.06,0.5,30,0,TIMES,2\nGOTO/10,0,-2\n")),
+              8 * quarter, 1e-9);
+  // INDIRV is the tangent at the start, also for the plain form.
+  EXPECT_NEAR(Swept(Apt("GOTO/10,0,0\nINDIRV/0,-1,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/0,10,0\n")), -3 * quarter,
+              1e-9);
+  // Half a turn goes on as the motion before went.
+  EXPECT_NEAR(Swept(Apt("GOTO/10,5,0\nGOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/-10,0,0\n")),
+              -std::atan2(5, 10) - 2 * quarter, 1e-9);
+  EXPECT_EQ(
+      ErrorOf("GOTO/20,0,0\nGOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/-10,0,0\n"),
+      "path.cls:3:1: half a turn or a full one, and neither INDIRV nor the motion before tells which way "
+      "round");
+  EXPECT_EQ(
+      ErrorOf("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/0,12,0\n"),
+      "path.cls:2:1: the points before and after the circle lie 10 mm and 12 mm from its axis, its radius "
+      "is 10 mm");
+  EXPECT_EQ(ErrorOf("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10,0.06,0.5,30,0,TIMES,0\nGOTO/10,0,0\n"),
+            "path.cls:2:43: TIMES needs a whole number from 1 to 1000");
+}
+
+TEST(Apt, ReadsTheCirclesOfCatia) {
+  const double quarter = kPi / 2;
+  const std::string start =
+      "GOTO/10,0,5\nINDIRV/ 0.0, -1.0, 0.0\nTLON,GOFWD/ (CIRCLE/ 0.0, 0.0, 5.0,$\n  10.0)";
+  EXPECT_NEAR(Swept(Apt(start + ",ON,(LINE/ 0,0,5,$\n -10,0,5)\nGOTO/-10,8,5\n")),
+              -2 * quarter - std::atan2(8, 10), 1e-9);
+  const CamPath whole = Apt(start + ",ON,2,INTOF,$\n(LINE/ 0,0,5,10,0,5)\n");
+  EXPECT_NEAR(Swept(whole), -4 * quarter, 1e-9);
+  EXPECT_EQ(whole.points.back().position, Eigen::Vector3d(10, 0, 5));
+  EXPECT_EQ(ErrorOf("GOTO/10,0,0\nTLON,GOFWD/(CIRCLE/0,0,0,10),ON,(LINE/0,0,0,0,10,0)\n"),
+            "path.cls:2:1: the circle needs an INDIRV before it that is not radial");
+  EXPECT_EQ(ErrorOf("GOTO/10,0,0\nINDIRV/0,1,0\nTLON,GOFWD/(CYLNDR/0,0,0,10),ON,(LINE/0,0,0,0,10,0)\n")
+                .substr(0, 49),
+            "path.cls:3:12: the motion \"TLON,GOFWD\" cannot be ");
+  EXPECT_EQ(ErrorOf("GOTO/10,0,0\nGOLFT/L1,PAST,L2\n").substr(0, 34), "path.cls:2:7: the motion \"GOLFT\" c");
+}
+
+TEST(Apt, NamesItsCutters) {
+  const CamPath path =
+      Apt("TLDATA/MILL,30.0,2.0,75.0,0,0\nGOTO/0,0,0\nUNITS/INCHES\nCUTTER/1.0\nSPINDL/SMM,120,CLW\n"
+          "FEDRAT/PERREV,0.01\nGOTO/1,0,0\n");
+  ASSERT_EQ(path.cutters.size(), 2);
+  EXPECT_EQ(path.cutters[0].diameter, 30);
+  EXPECT_EQ(path.cutters[0].corner_radius, 2);
+  EXPECT_EQ(path.cutters[1].diameter, 25.4);
+  EXPECT_NEAR(path.points[1].feed_rate, 0.254 * 120e3 / (kPi * 25.4) / 60, 1e-9);
 }
 
 TEST(Apt, CoordinateSystemsAreApplied) {
@@ -89,7 +155,7 @@ TEST(Apt, UnknownWordsAreCountedAndMotionsMustBeReadable) {
   EXPECT_EQ(ErrorOf("GOTO/1,2\n"), "path.cls:1:1: GOTO needs 3 to 6 numbers, found 2");
   EXPECT_EQ(ErrorOf("GOTO/0,0,0\n  GOTO/1, 2x,3\n"), "path.cls:2:11: GOTO needs numbers, found \"2X\"");
   EXPECT_EQ(ErrorOf("GOTO/0,0,$\n nan\n"), "path.cls:2:2: GOTO needs numbers, found \"NAN\"");
-  EXPECT_EQ(ErrorOf("GOTO/0,0,0,0,0,0\n"), "path.cls:1:12: the tool axis has no length");
+  EXPECT_EQ(ErrorOf("GOTO/0,0,0,0,0,0\n"), "path.cls:1:12: the direction has no length");
   EXPECT_EQ(ErrorOf("GOTO/0,0,0\nCIRCLE/0,0,0,0,0,1,5\n"),
             "path.cls:2:1: a CIRCLE is not followed by the GOTO that it leads to");
   EXPECT_EQ(ErrorOf("GOTO/0,0,0\nCIRCLE/1E9,0,0,0,0,1,1E9\nGOTO/0,0,1\n"),
@@ -101,7 +167,7 @@ TEST(Apt, UnknownWordsAreCountedAndMotionsMustBeReadable) {
 TEST(CamCsv, ReadsUnitsSeparatorsAndPasses) {
   const CamPath path =
       ReadCamPath("x_in;y_in;z_in;i;j;k;feed_mm_min;pass;note\n1,5;0;0;0;0;2;600;1;7\n2;0;0;0;0;1;600;2;8\n",
-                  "a.csv", 0.01);
+                  "a.csv", {});
   EXPECT_EQ(path.points[0].position.x(), 1.5 * 25.4);
   EXPECT_EQ(path.points[0].axis, Eigen::Vector3d::UnitZ());
   EXPECT_NEAR(path.points[0].feed_rate, 10, 1e-12);
@@ -130,7 +196,7 @@ TEST(CamImport, SlicesComeBackFromAptAndCsv) {
   import.spacing = 100;
   for (const std::string& text : {WriteApt(made, "ring"), WriteCamCsv(made)}) {
     CamImportReport report;
-    const Toolpath read = ImportCamPath(ReadCamPath(text, "x", 0.01), &mesh, import, &report);
+    const Toolpath read = ImportCamPath(ReadCamPath(text, "x", {}), &mesh, import, &report);
     ASSERT_EQ(read.passes.size(), made.passes.size());
     EXPECT_LT(report.largest_distance.value(), 1e-4);
     for (size_t i = 0; i < made.passes.size(); ++i) {

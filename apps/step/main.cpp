@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// millpose-step CHORD_MM MEMORY_MB SECONDS: STEP on stdin, triangles on stdout (lib/surface/step_reader.hpp).
+// Exit status 2: the file cannot be read (why on stderr); 3: out of memory. Signals end it at its other
+// limits.
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
+#include <Standard_Failure.hxx>
+#include <Standard_OutOfMemory.hxx>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <new>
+#include <string>
+
+#include "base/text.hpp"
+#include "step_file.hpp"
+#include "surface/step_reader.hpp"
+
+namespace {
+
+constexpr int kOutOfMemory = 3;
+
+void Limit(int resource, rlim_t most) {
+  const rlimit limit{most, most};
+  ::setrlimit(static_cast<__rlimit_resource>(resource), &limit);
+}
+
+std::string Stdin() {
+  std::string bytes;
+  char buffer[65536];
+  for (ssize_t count = 0; (count = ::read(0, buffer, sizeof buffer)) > 0;)
+    bytes.append(buffer, static_cast<size_t>(count));
+  return bytes;
+}
+
+bool Write(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(file, bytes.data(), bytes.size());
+    if (count <= 0) return false;
+    bytes.remove_prefix(static_cast<size_t>(count));
+  }
+  return true;
+}
+
+// OpenCASCADE lets allocations fail where nobody can catch.
+[[noreturn]] void Terminate() {
+  try {
+    if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
+  } catch (const std::bad_alloc&) {
+    ::_exit(kOutOfMemory);
+  } catch (const Standard_OutOfMemory&) {
+    ::_exit(kOutOfMemory);
+  } catch (...) {
+  }
+  std::abort();
+}
+
+int Read(double chord_tolerance) {
+  // Whatever OpenCASCADE prints goes to stderr; stdout is for the answer.
+  const int answer = ::dup(1);
+  ::dup2(2, 1);
+  Message::DefaultMessenger()->ChangePrinters().Clear();
+  try {
+    return Write(answer, millpose::WriteStepTriangles(millpose::TessellateStep(Stdin(), chord_tolerance)))
+               ? 0
+               : 1;
+  } catch (const std::bad_alloc&) {
+    return kOutOfMemory;
+  } catch (const Standard_OutOfMemory&) {
+    return kOutOfMemory;
+  } catch (const Standard_Failure& failure) {
+    std::fprintf(stderr, "the STEP file cannot be read: %s\n", failure.GetMessageString());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+  }
+  return 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto number = [&](int i) { return i < argc ? millpose::ParseNumber(argv[i]).value_or(0) : 0; };
+  const double chord = number(1), memory = number(2), seconds = number(3);
+  if (argc != 4 || chord <= 0 || memory < 1 || seconds < 1) {
+    std::fprintf(stderr, "usage: millpose-step CHORD_MM MEMORY_MB SECONDS <STEP\n");
+    return 1;
+  }
+  std::set_new_handler([] { ::_exit(kOutOfMemory); });
+  std::set_terminate(Terminate);
+  Limit(RLIMIT_CORE, 0);
+  Limit(RLIMIT_AS, static_cast<rlim_t>(memory) << 20);
+  Limit(RLIMIT_CPU, static_cast<rlim_t>(seconds));
+  ::alarm(static_cast<unsigned>(seconds) + 1);
+  return Read(chord);
+}

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/step_reader.hpp"
+
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+
+#include "base/error.hpp"
+#include "base/process.hpp"
+#include "base/text.hpp"
+#include "surface/text_scanner.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr const char* kProgram = "millpose-step";
+constexpr const char* kMagic = "millpose-step-1";
+
+std::filesystem::path FindProgram() {
+  const std::filesystem::path folder = std::filesystem::path(OwnProgram()).parent_path();
+  for (const auto& path : {folder / kProgram, folder / ".." / "libexec" / "millpose" / kProgram})
+    if (std::filesystem::exists(path)) return path;
+  return {};
+}
+
+// What the child said last, for the user.
+std::string LastLine(const std::string& text) {
+  std::string_view rest(text);
+  while (!rest.empty() && (rest.back() == '\n' || rest.back() == ' ')) rest.remove_suffix(1);
+  const size_t line = rest.rfind('\n');
+  std::string last;
+  for (const char c : rest.substr(line == std::string_view::npos ? 0 : line + 1).substr(0, 300))
+    last += c >= ' ' && c <= '~' ? c : '?';
+  return last;
+}
+
+[[noreturn]] void TellFailure(const ProcessResult& result, const std::string& name,
+                              const StepOptions& options) {
+  const int signal = result.status - 128;
+  if (result.status == 2) throw InputError({name}, LastLine(result.errors));
+  if (result.status == 3)
+    throw InputError({name},
+                     fmt::format("reading the STEP file takes more than {} MB of memory", options.memory_MB));
+  if (signal == SIGXCPU || signal == SIGALRM || signal == SIGKILL)
+    throw InputError({name}, fmt::format("reading the STEP file took more than {} s", options.seconds));
+  throw InputError({name}, signal > 0
+                               ? fmt::format("the STEP reader crashed on this file (signal {})", signal)
+                               : fmt::format("the STEP reader failed (status {}): {}", result.status,
+                                             LastLine(result.errors)));
+}
+
+template <typename T>
+void Append(std::string& bytes, const T* values, size_t count) {
+  bytes.append(reinterpret_cast<const char*>(values), count * sizeof(T));
+}
+
+// Values behind the header, in the machine's own order: both processes run on one machine.
+class Values {
+ public:
+  Values(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
+  template <typename T>
+  T Next() {
+    if (bytes_.size() < sizeof(T)) throw InputError({name_}, "the STEP reader's answer is cut off");
+    T value;
+    std::memcpy(&value, bytes_.data(), sizeof(T));
+    bytes_.remove_prefix(sizeof(T));
+    return value;
+  }
+
+ private:
+  std::string_view bytes_;
+  const std::string& name_;
+};
+
+}  // namespace
+
+bool LooksLikeStep(std::string_view bytes) {
+  return bytes.substr(0, 200).find("ISO-10303-21") != std::string_view::npos;
+}
+
+RawMesh ReadStep(std::string_view bytes, const std::string& name, const StepOptions& options) {
+  const std::filesystem::path program = options.program.empty() ? FindProgram() : options.program;
+  if (program.empty())
+    throw InputError({name},
+                     "this is a STEP file, and this millpose was built without its reader: install "
+                     "libocct-data-exchange-dev and build again, or export STL, OBJ, PLY or OFF");
+  const ProcessResult result =
+      RunProcess({program.string(), ShortestNumber(options.chord_tolerance),
+                  std::to_string(options.memory_MB), std::to_string(options.seconds)},
+                 {}, bytes);
+  if (result.status != 0) TellFailure(result, name, options);
+  return ReadStepTriangles(result.output, name);
+}
+
+std::string WriteStepTriangles(const RawMesh& mesh) {
+  const Triangles& triangles = mesh.triangles;
+  const auto plain = [](std::string text) {
+    for (char& c : text)
+      if (c < ' ' || c > '~') c = '?';
+    return text;
+  };
+  std::string bytes =
+      fmt::format("{}\n{} {} {} {} {}\n", kMagic, mesh.stated_unit.value_or(0), triangles.vertices.size(),
+                  triangles.faces.size(), triangles.source_faces.size(), mesh.notes.size());
+  for (const SourceFace& face : triangles.source_faces)
+    bytes += fmt::format("{} {} {} {}\n", plain(face.id), face.kind, face.area, plain(face.name));
+  for (const std::string& note : mesh.notes) bytes += plain(note) + "\n";
+  for (const Eigen::Vector3d& p : triangles.vertices) Append(bytes, p.data(), 3);
+  for (size_t f = 0; f < triangles.faces.size(); ++f) {
+    Append(bytes, triangles.faces[f].data(), 3);
+    Append(bytes, &triangles.source[f], 1);
+  }
+  return bytes;
+}
+
+RawMesh ReadStepTriangles(std::string_view bytes, const std::string& name) {
+  TextScanner scanner(bytes, name);
+  scanner.Expect(kMagic);
+  RawMesh mesh;
+  if (const double unit = scanner.Number(); unit > 0) mesh.stated_unit = unit;
+  const auto size = static_cast<long long>(bytes.size());
+  const long long vertices = scanner.Integer(0, size / 24, "vertices"),
+                  faces = scanner.Integer(0, size / 16, "faces");
+  const long long sources = scanner.Integer(0, size / 4, "faces of the model"),
+                  notes = scanner.Integer(0, size, "notes");
+  scanner.SkipLine();
+  Triangles& triangles = mesh.triangles;
+  for (long long i = 0; i < sources; ++i) {
+    SourceFace& face = triangles.source_faces.emplace_back();
+    face.id = scanner.Next();
+    face.kind = scanner.Next();
+    face.area = scanner.Number();
+    std::string_view rest = scanner.Line();
+    while (rest.starts_with(' ')) rest.remove_prefix(1);
+    face.name = rest;
+  }
+  for (long long i = 0; i < notes; ++i) mesh.notes.emplace_back(scanner.Line());
+  Values values(bytes.substr(scanner.position()), name);
+  triangles.vertices.reserve(vertices);
+  for (long long i = 0; i < vertices; ++i) {
+    const double x = values.Next<double>(), y = values.Next<double>(), z = values.Next<double>();
+    triangles.vertices.emplace_back(x, y, z);
+    if (!triangles.vertices.back().allFinite())
+      throw InputError({name}, "the STEP file gives a point that is not finite");
+  }
+  triangles.faces.reserve(faces);
+  triangles.source.reserve(faces);
+  for (long long i = 0; i < faces; ++i) {
+    std::array<int, 3>& face = triangles.faces.emplace_back();
+    for (int& corner : face) corner = values.Next<int>();
+    triangles.source.push_back(values.Next<int>());
+    if (std::ranges::min(face) < 0 || std::ranges::max(face) >= vertices || triangles.source.back() < 0 ||
+        triangles.source.back() >= sources)
+      throw InputError({name}, "the STEP reader's answer is damaged");
+  }
+  return mesh;
+}
+
+}  // namespace millpose

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// STEP is read by a process of its own, millpose-step (apps/step), so that what OpenCASCADE does with a
+// broken file ends as an error and nothing else. docs/mesh-import.md.
+#pragma once
+
+#include "surface/raw_mesh.hpp"
+
+namespace millpose {
+
+bool LooksLikeStep(std::string_view bytes);
+
+/// The triangles of all faces of a STEP file, with the faces that they come from and the unit that the file
+/// states. Throws InputError when the file holds no face that can be read, when the process crashes or
+/// exceeds its limits, and when it is not installed.
+RawMesh ReadStep(std::string_view bytes, const std::string& name, const StepOptions& options);
+
+/// What passes between the two processes: triangles in the file's unit. The reader trusts nothing in it.
+std::string WriteStepTriangles(const RawMesh& mesh);
+RawMesh ReadStepTriangles(std::string_view bytes, const std::string& name);
+
+}  // namespace millpose

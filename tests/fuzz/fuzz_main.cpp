@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// libFuzzer's entry for one reader, MILLPOSE_FUZZ_ENTRY.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "tests/fuzz/entries.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  static const millpose::FuzzEntry& entry =
+      *std::ranges::find(millpose::FuzzEntries(), MILLPOSE_FUZZ_ENTRY, &millpose::FuzzEntry::name);
+  entry.run({reinterpret_cast<const char*>(data), size});
+  return 0;
+}
