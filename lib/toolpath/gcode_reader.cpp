@@ -4,22 +4,19 @@
 #include <set>
 
 #include "base/text.hpp"
-#include "base/trig.hpp"
 #include "base/units.hpp"
-#include "toolpath/arc.hpp"
 #include "toolpath/cam_path.hpp"
+#include "toolpath/gcode_arc.hpp"
 #include "toolpath/gcode_block.hpp"
 #include "toolpath/gcode_frame.hpp"
+#include "toolpath/gcode_way.hpp"
 #include "toolpath/gcode_words.hpp"
 
 namespace millpose {
 namespace {
 
 constexpr double kInch = 25.4;
-constexpr double kMaxRadius = 1e6;         // mm
-constexpr double kMaxLength = 1e7;         // mm
-constexpr size_t kMaxPoints = 10'000'000;  // bounds what arcs of a small file can become
-constexpr double kTurnStep = DegToRad(3);  // of rotary axes between two points of a cut
+constexpr double kMaxLength = 1e7;  // mm
 
 using Kind = GcodeWord::Kind;
 using Vector = Eigen::Vector3d;
@@ -230,8 +227,8 @@ class GcodeReader {
     if (on == tip_programmed_) return;
     const bool known = known_[0] && known_[1] && known_[2];
     if (known) {
-      const Vector machine = tip_programmed_ ? options_.rotary_axes.Machine(base_, angles_) : base_;
-      base_ = on ? options_.rotary_axes.Tip(machine, angles_) : machine;
+      const Vector machine = tip_programmed_ ? options_.rotary_axes.Machine(base_, direction_.angles) : base_;
+      base_ = on ? options_.rotary_axes.Tip(machine, direction_.angles) : machine;
       at_ = frame_.ToProgrammed(base_);
     } else {
       known_ = {};
@@ -242,10 +239,10 @@ class GcodeReader {
   void SetFeed() {
     if (!feed_word_) return;
     const double unit = inch_feed_ ? kInch : 1;
-    inverse_time_ = 0;
     if (feed_mode_ == 93) {
       inverse_time_ = *feed_word_ / 60;
       feed_ = 0;
+      feed_word_.reset();  // holds for its block
     } else {
       feed_ = *feed_word_ * unit * (feed_mode_ == 95 ? revolutions_ : 1.0 / 60);
     }
@@ -253,8 +250,9 @@ class GcodeReader {
 
   void Move(const Block& block, const GcodeBlock& source) {
     if (block.machine || block.reference) return LeaveWorkpiece(block);
-    const std::array<double, 3> angles_before = angles_;
-    const Vector axis_before = axis_;
+    GcodeWay way;
+    way.start = direction_;
+    way.place = source.words[0].place;
     if (block.HasTurn()) TakeDirection(block);
     if (!block.HasLinear() && !block.HasTurn() && !block.centre[0] && !block.centre[1] && !block.centre[2])
       return;
@@ -269,14 +267,15 @@ class GcodeReader {
       at_ = to;
       return;
     }
-    Way way{at_, to, angles_before, axis_before, {}};
+    way.from = at_;
+    way.cut_from_known = was_known;
     if (motion_ > 1) {
-      if (!was_known) throw InputError(source.words[0].place, "an arc needs a point before it");
+      if (!was_known) throw InputError(way.place, "an arc needs a point before it");
       way.points = Arc(block, source, to);
     } else {
       way.points = {to};
     }
-    Append(way, was_known);
+    Append(std::move(way));
     at_ = to;
     base_ = frame_.ToBase(at_);
     lost_ = false;
@@ -287,7 +286,7 @@ class GcodeReader {
     for (int i = 0; i < 3; ++i)
       if (block.linear[i] || block.reference) known_[i] = false;
     for (int i = 0; i < 3; ++i)
-      if (block.rotary[i]) angles_[i] = DegToRad(ValueOf(*block.rotary[i]));
+      if (block.rotary[i]) direction_.angles[i] = DegToRad(ValueOf(*block.rotary[i]));
     SetAxis();
     if (block.HasLinear() || block.reference || block.HasTurn()) lost_ = fresh_ = true;
   }
@@ -315,8 +314,8 @@ class GcodeReader {
         }
       if (!(vector.norm() > 1e-6 && vector.norm() < 1e6))
         throw InputError(any->place, "the tool vector has no length");
-      axis_ = (frame_.linear() * vector).normalized();
-      by_vector_ = true;
+      direction_.axis = (frame_.linear() * vector).normalized();
+      direction_.by_vector = true;
       return;
     }
     for (size_t i = 0; i < 3; ++i) {
@@ -325,149 +324,53 @@ class GcodeReader {
       const double value = ValueOf(*word);
       if (!(std::abs(value) <= 1e5)) throw InputError(word->place, "an angle beyond ±100000 degrees");
       const bool step = word->kind == Kind::kIncremental || (incremental_ && word->kind != Kind::kAbsolute);
-      angles_[i] = DegToRad(value) + (step ? angles_[i] : 0);
+      double& angle = direction_.angles[i];
+      angle = DegToRad(value) + (step ? angle : 0);
       const char letter = "ABC"[i];
-      if (angles_[i] != 0 && !options_.rotary_axes.Has(letter))
+      if (angle != 0 && !options_.rotary_axes.Has(letter))
         throw InputError(word->place,
                          fmt::format("the programme turns axis {0}, and toolpath.cam.rotary_axes does not "
                                      "state an axis {0}",
                                      letter));
     }
-    by_vector_ = false;
+    direction_.by_vector = false;
     SetAxis();
   }
 
   void SetAxis() {
-    if (!by_vector_) axis_ = options_.rotary_axes.ToolAxis(angles_);
+    if (!direction_.by_vector) direction_.axis = options_.rotary_axes.ToolAxis(direction_.angles);
   }
-
-  // One motion: its points in programmed coordinates, and the direction at its start.
-  struct Way {
-    Vector from, to;
-    std::array<double, 3> angles_before;
-    Vector axis_before;
-    std::vector<Vector> points;
-  };
 
   std::vector<Vector> Arc(const Block& block, const GcodeBlock& source, const Vector& to) {
-    const std::array<int, 3> axes = plane_ == 0   ? std::array{0, 1, 2}
-                                    : plane_ == 1 ? std::array{2, 0, 1}
-                                                  : std::array{1, 2, 0};
-    const Place& place = source.words[0].place;
-    Vector axis = Vector::Zero();
-    axis[axes[2]] = motion_ == 3 ? 1 : -1;
-    const Vector centre = block.radius ? CentreOf(block, place, to, axis) : CentreGiven(block, place, axes);
-    const auto off = [&](const Vector& p) {
-      const Vector d = p - centre;
-      return (d - axis.dot(d) * axis).norm();
-    };
-    const double start = off(at_), end = off(to);
-    if (!(std::max(start, end) <= kMaxRadius && start > 1e-9 && end > 1e-9))
-      throw InputError(
-          place, fmt::format("an arc's radius must be above 0 and at most {} mm, found {:.4g} mm", kMaxRadius,
-                             std::max(start, end)));
-    if (std::abs(start - end) > std::max(0.1, 1e-3 * start))
-      throw InputError(place,
-                       fmt::format("the arc's ends lie {:.4g} mm and {:.4g} mm from its centre", start, end));
-    double turns = block.turns ? ValueOf(*block.turns) : 0;
-    if (turns < 0 || turns > 1000 || turns != std::floor(turns))
-      throw InputError(place, "TURN needs a whole number from 0 to 1000");
-    ++arcs_;
-    return ArcPoints(at_, to, centre, axis, static_cast<int>(turns), options_.chord_tolerance);
-  }
-
-  Vector CentreGiven(const Block& block, const Place& place, const std::array<int, 3>& axes) const {
-    if (!block.centre[axes[0]] && !block.centre[axes[1]])
-      throw InputError(place, "an arc needs its centre (I, J, K) or its radius (R, CR)");
-    Vector centre = at_;
-    for (int k = 0; k < 2; ++k)
-      if (const GcodeWord* word = block.centre[axes[k]]) {
-        const bool absolute =
+    GcodeArc arc;
+    arc.from = at_;
+    arc.to = to;
+    arc.plane = plane_;
+    arc.counter_clockwise = motion_ == 3;
+    for (size_t i = 0; i < 3; ++i)
+      if (const GcodeWord* word = block.centre[i]) {
+        arc.centre[i] = ValueOf(*word) * Unit();
+        arc.absolute[i] =
             word->kind == Kind::kAbsolute || (absolute_centre_ && word->kind != Kind::kIncremental);
-        centre[axes[k]] = ValueOf(*word) * Unit() + (absolute ? 0 : at_[axes[k]]);
       }
-    return centre;
+    if (block.radius) arc.radius = ValueOf(*block.radius) * Unit();
+    if (block.turns) arc.full_turns = ValueOf(*block.turns);
+    arc.place = source.words[0].place;
+    ++arcs_;
+    return PointsOf(arc, options_.chord_tolerance);
   }
 
-  // A negative radius means the longer arc.
-  Vector CentreOf(const Block& block, const Place& place, const Vector& to, const Vector& axis) const {
-    const double radius = ValueOf(*block.radius) * Unit();
-    Vector chord = to - at_;
-    chord -= axis.dot(chord) * axis;
-    const double half = chord.norm() / 2;
-    if (!(half > 1e-6)) throw InputError(place, "an arc by its radius needs an end that is not its start");
-    if (half > std::abs(radius) + std::max(0.01, 1e-4 * half))
-      throw InputError(place,
-                       fmt::format("a radius of {:.6g} mm does not span the {:.6g} mm from start to end",
-                                   std::abs(radius), 2 * half));
-    const double height = std::sqrt(std::max(0.0, radius * radius - half * half));
-    const Vector left = axis.cross(chord).normalized();  // the centre of the shorter right-hand arc
-    return at_ + chord / 2 + (radius > 0 ? height : -height) * left;
-  }
-
-  // Adds the tip's points; rotary axes turn evenly over the motion, and the tip's way bends with them.
-  void Append(const Way& way, bool was_known) {
-    std::vector<Vector> points = way.points;
-    const bool rapid = motion_ == 0;
-    if (!rapid && was_known) Refine(way, points);
-    if (path_.points.size() + points.size() > kMaxPoints)
-      throw InputError({name_, line_}, fmt::format("the path has more than {} points", kMaxPoints));
+  void Append(GcodeWay way) {
+    way.end = direction_;
+    way.tip_programmed = tip_programmed_;
+    way.rapid = motion_ == 0;
+    way.feed = feed_;
+    way.inverse_time = std::exchange(inverse_time_, 0);
+    if (feed_mode_ == 93 && !way.rapid && way.inverse_time == 0)
+      throw InputError(way.place, "under G93 each cut needs its F");
     const size_t first = path_.points.size();
-    double length = 0;
-    for (size_t i = 0; i < points.size(); ++i) {
-      const double share = static_cast<double>(i + 1) / static_cast<double>(points.size());
-      std::array<double, 3> angles{};
-      for (size_t k = 0; k < 3; ++k)
-        angles[k] = way.angles_before[k] + share * (angles_[k] - way.angles_before[k]);
-      const Vector base = frame_.ToBase(points[i]);
-      CamPoint point;
-      point.position = tip_programmed_ ? base : options_.rotary_axes.Tip(base, angles);
-      point.axis = AxisAt(way, share, angles);
-      point.feed_rate = feed_;
-      point.rapid = rapid;
-      point.fresh = std::exchange(fresh_, false) && first > 0;
-      point.line = line_;
-      if (!path_.points.empty()) length += (point.position - path_.points.back().position).norm();
-      path_.points.push_back(point);
-    }
-    if (inverse_time_ > 0)
-      for (size_t i = first; i < path_.points.size(); ++i) path_.points[i].feed_rate = length * inverse_time_;
-    if (feed_mode_ == 93) feed_word_.reset();  // holds for its block
-    if (feed_mode_ == 93 && !rapid) inverse_time_ = 0;
-  }
-
-  Vector AxisAt(const Way& way, double share, const std::array<double, 3>& angles) const {
-    if (share == 1) return axis_;
-    if (!by_vector_) return options_.rotary_axes.ToolAxis(angles);
-    const Vector axis = way.axis_before + share * (axis_ - way.axis_before);
-    return axis.norm() > 1e-6 ? Vector(axis.normalized()) : axis_;
-  }
-
-  void Refine(const Way& way, std::vector<Vector>& points) const {
-    if (by_vector_) return;
-    double turn = 0;
-    for (size_t k = 0; k < 3; ++k) turn = std::max(turn, std::abs(angles_[k] - way.angles_before[k]));
-    if (turn == 0) return;
-    double step = kTurnStep;
-    if (!tip_programmed_) {
-      const double lever = std::max(options_.rotary_axes.Lever(frame_.ToBase(way.to)), 1.0);
-      const double cosine = std::max(0.5, 1 - options_.chord_tolerance / lever);
-      step = std::min(step, 2 * Atan2(std::sqrt(1 - cosine * cosine), cosine));
-    }
-    const auto wanted = static_cast<size_t>(std::ceil(turn / step - 1e-9));
-    const size_t each = (wanted + points.size() - 1) / points.size();
-    if (each < 2) return;
-    if (each * points.size() > kMaxPoints)
-      throw InputError({name_, line_}, fmt::format("a motion becomes more than {} points", kMaxPoints));
-    std::vector<Vector> fine;
-    Vector from = way.from;
-    for (const Vector& to : points) {
-      for (size_t k = 1; k <= each; ++k)
-        fine.push_back(
-            k == each ? to : Vector(from + static_cast<double>(k) / static_cast<double>(each) * (to - from)));
-      from = to;
-    }
-    points = std::move(fine);
+    AppendWay(way, frame_, options_, path_);
+    path_.points[first].fresh = std::exchange(fresh_, false) && first > 0;
   }
 
   void AddNotes() {
@@ -492,7 +395,7 @@ class GcodeReader {
   GcodeFrame frame_;
   int motion_ = 0, plane_ = 0, feed_mode_ = 94, line_ = 0;
   bool incremental_ = false, absolute_centre_ = false, inch_ = false, inch_feed_ = false;
-  bool tip_programmed_ = false, by_vector_ = false, ended_ = false;
+  bool tip_programmed_ = false, ended_ = false;
   bool lost_ = false;   // the tool left the part for a place that is not known
   bool fresh_ = false;  // the next point is reached in a way that is no cut
   std::optional<double> feed_word_;
@@ -500,8 +403,7 @@ class GcodeReader {
   Vector at_ = Vector::Zero();                            // programmed coordinates
   Vector base_ = Vector::Zero();                          // the same without frames
   std::array<bool, 3> known_{};                           // of X, Y, Z
-  std::array<double, 3> angles_{};                        // A, B, C, rad
-  Vector axis_ = Vector::UnitZ();
+  GcodeDirection direction_;
   std::map<std::string, double> variables_;
   std::map<std::string, size_t> unknown_;
   std::set<double> offsets_;

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdlib>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "base/error.hpp"
 
 namespace millpose {
 
@@ -14,7 +17,23 @@ struct FuzzEntry {
   void (*run)(std::string_view bytes);
 };
 
-/// Every own reader.
-const std::vector<FuzzEntry>& FuzzEntries();
+/// Every own reader, by what it links.
+std::vector<FuzzEntry> YamlEntries();
+std::vector<FuzzEntry> MeshEntries();
+std::vector<FuzzEntry> CamEntries();
+std::vector<FuzzEntry> ProgramEntries();
+
+inline void Demand(bool holds) {
+  if (!holds) std::abort();
+}
+
+template <class Read>
+void LetRefuse(Read read) {
+  try {
+    read();
+  } catch (const InputError& error) {
+    Demand(!error.problems().empty());
+  }
+}
 
 }  // namespace millpose

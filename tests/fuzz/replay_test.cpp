@@ -30,6 +30,13 @@ std::vector<std::string> SeedsOf(const std::string& name) {
   return seeds;
 }
 
+std::vector<FuzzEntry> AllEntries() {
+  std::vector<FuzzEntry> entries = YamlEntries();
+  for (const auto& more : {MeshEntries(), CamEntries(), ProgramEntries()})
+    entries.insert(entries.end(), more.begin(), more.end());
+  return entries;
+}
+
 class Replay : public testing::TestWithParam<FuzzEntry> {};
 
 TEST_P(Replay, SeedsAndSpoiltSeedsAreReadOrRefused) {
@@ -44,12 +51,12 @@ TEST_P(Replay, SeedsAndSpoiltSeedsAreReadOrRefused) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Fuzz, Replay, testing::ValuesIn(FuzzEntries()),
-                         [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(Fuzz, Replay, testing::ValuesIn(AllEntries()),
+                         [](const auto& entry) { return entry.param.name; });
 
 TEST(Seeds, EveryFolderBelongsToAnEntry) {
   std::set<std::string> names;
-  for (const FuzzEntry& entry : FuzzEntries()) names.insert(entry.name);
+  for (const FuzzEntry& entry : AllEntries()) names.insert(entry.name);
   for (const auto& folder :
        std::filesystem::directory_iterator(std::filesystem::path(MILLPOSE_SOURCE_DIR) / "tests/fuzz/seeds"))
     EXPECT_TRUE(names.contains(folder.path().filename().string())) << folder.path();

@@ -248,6 +248,7 @@ TEST(Gcode, WhatCannotBeReadIsToldWithItsPlace) {
     EXPECT_EQ(error.substr(0, 9 + std::string(place).size()), "part.mpf:" + std::string(place))
         << text << error;
   }
+  EXPECT_EQ(ErrorOf("G93 G0 X0 Y0 Z0\nG1 X1\n"), "part.mpf:2:1: under G93 each cut needs its F");
   EXPECT_EQ(ErrorOf("G1 X1 F5\n"), "part.mpf:1:1: a cut before X, Y and Z have been given in this system");
   EXPECT_EQ(ErrorOf("G91 G0 X1\n"), "part.mpf:1:8: a step from a place that is not known");
   EXPECT_EQ(ErrorOf("G21\nM30\n"), "part.mpf: the programme holds no motion");
