@@ -25,6 +25,9 @@ Codec<BatchEntry> EntryFields() {
       Key<S>("job", MILLPOSE_AT(job_file), Text(), "Job file, relative to the manifest.").Required(),
       Key<S>("name", MILLPOSE_AT(name), Text(), "Name of the job in this batch.")
           .DefaultText("the job's own"),
+      Key<S>("shares", MILLPOSE_AT(shares), Integer(1, 10000),
+             "On a cluster: tasks over which the passes of this job are spread.")
+          .DefaultText("that of --shares"),
       KeyBy<S, Changes>(
           "set",
           [](const S& s) {

@@ -16,7 +16,7 @@ namespace millpose {
 
 /// How a batch uses Slurm.
 struct SlurmOptions {
-  int shares = 1;                   ///< tasks over which the passes of each job are spread
+  int shares = 1;                   ///< tasks over which the passes of a job are spread
   bool detach = false;              ///< submit and end; the same command later gathers
   std::vector<std::string> sbatch;  ///< further options of sbatch
 };
@@ -37,6 +37,7 @@ struct BatchJob {
   std::string name;  ///< unique in the batch; its folder's name
   std::filesystem::path file;
   std::vector<Override> overrides;
+  int shares = 0;  ///< tasks over which its passes are spread; 0: SlurmOptions::shares
 };
 
 /// How one job ended.

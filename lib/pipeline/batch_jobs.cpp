@@ -30,11 +30,11 @@ std::string OwnName(const fs::path& file, const std::vector<Override>& overrides
 void AddFile(const fs::path& file, std::vector<BatchJob>* jobs) {
   const std::string text = ReadFile(file);
   if (!HasKey(text, "millpose_batch")) {
-    jobs->push_back({OwnName(file, {}), file, {}});
+    jobs->push_back({OwnName(file, {}), file, {}, 0});
     return;
   }
   for (const BatchEntry& entry : ParseBatch(text, file.string()).jobs) {
-    BatchJob job{entry.name, file.parent_path() / entry.job_file, entry.overrides};
+    BatchJob job{entry.name, file.parent_path() / entry.job_file, entry.overrides, entry.shares};
     if (entry.name.empty())
       job.name = OwnName(job.file, job.overrides);
     else

@@ -10,15 +10,13 @@ namespace {
 
 using Command = SlurmArray::Command;
 
-std::vector<Command> ShareCommands(const std::vector<Command>& whole, int shares) {
-  std::vector<Command> commands;
-  for (const Command& command : whole)
-    for (int share = 1; share <= shares; ++share) {
-      commands.push_back(command);
-      commands.back().push_back("--share");
-      commands.back().push_back(fmt::format("{}/{}", share, shares));
-    }
-  return commands;
+// The command with `--share K/N` for each K; nothing where there is one share.
+void AddShares(const Command& command, int shares, std::vector<Command>* commands) {
+  for (int share = 1; share <= shares && shares > 1; ++share) {
+    commands->push_back(command);
+    commands->back().push_back("--share");
+    commands->back().push_back(fmt::format("{}/{}", share, shares));
+  }
 }
 
 // What an earlier call of the same command submitted must have ended before two tasks write into one folder.
@@ -63,7 +61,7 @@ std::variant<std::vector<JobOutcome>, std::string> RunOnSlurm(const std::vector<
 
   std::vector<JobOutcome> outcomes(jobs.size());
   std::vector<size_t> open;
-  std::vector<Command> whole;
+  std::vector<Command> whole, parts;
   for (size_t i = 0; i < jobs.size(); ++i) {
     const fs::path out = folder / jobs[i].name;
     const std::optional<JobOutcome> earlier = fresh ? std::nullopt : UpToDate(jobs[i], out);
@@ -75,13 +73,14 @@ std::variant<std::vector<JobOutcome>, std::string> RunOnSlurm(const std::vector<
     if (fresh) OutputFolder(out).RemoveCheckpoints();
     open.push_back(i);
     whole.push_back(PlanCommand(jobs[i], out, threads, false));
+    AddShares(whole.back(), jobs[i].shares > 0 ? jobs[i].shares : options.shares, &parts);
   }
   if (open.empty()) return outcomes;
 
   std::vector<std::string> extra = options.sbatch;
   extra.push_back(fmt::format("--cpus-per-task={}", threads));
   std::optional<SlurmArray> shares;
-  if (options.shares > 1) shares.emplace(place / "shares", ShareCommands(whole, options.shares));
+  if (!parts.empty()) shares.emplace(place / "shares", std::move(parts));
   const SlurmArray finish(place / "jobs", std::move(whole));
   if (options.detach) return SubmitAll(shares, finish, extra, stop);
   const auto run = [&](const char* name, const SlurmArray& array) {

@@ -321,8 +321,8 @@ class Batch(InFolder):
     def slurm(self, **more):
         """A folder with a batch of two jobs, and the environment in which sbatch and squeue are fakes."""
         (self.folder / "batch.yaml").write_text("millpose_batch: 1\njobs:\n" + "".join(
-            f"  - {{job: {JOB}, name: {name}, set: {{toolpath.stepover_mm: 20, toolpath.spacing_mm: 40}}}}\n"
-            for name in ("a", "b")))
+            f"  - {{job: {JOB}, name: {name}, {more}set: {{toolpath.stepover_mm: 20, toolpath.spacing_mm: 40}}}}\n"
+            for name, more in (("a", ""), ("b", "shares: 1, "))))
         for name in ("sbatch", "squeue"):
             (self.folder / name).symlink_to(Path(__file__).with_name("fake_slurm.py"))
         return {**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}", "FAKE_SLURM_FOLDER": str(self.folder), **more}
@@ -332,11 +332,11 @@ class Batch(InFolder):
 
     def test_slurm_gives_the_same_bytes_and_retries_once(self):
         env = self.slurm(FAKE_SLURM_FAIL="1")
-        command = ("batch", "batch.yaml", "--slurm", "--shares", 2, "--sbatch", "--partition=cpu")
+        command = ("batch", "batch.yaml", "--slurm", "--shares", 3, "--sbatch", "--partition=cpu")
         result = run(*command, cwd=self.folder, env=env)
         self.assertEqual(result.returncode, 0, result.stderr + result.stdout)
         arrays = [next(word for word in words if word.startswith("--array")) for words in self.submissions()]
-        self.assertEqual(arrays, ["--array=0,1,2,3", "--array=1", "--array=0,1"])
+        self.assertEqual(arrays, ["--array=0,1,2", "--array=1", "--array=0,1"])
         self.assertTrue(all("--partition=cpu" in words and "--cpus-per-task=1" in words for words in self.submissions()))
         self.assertEqual(plan(self.folder / "single", "--set", "name=a",
                               changes=("toolpath.stepover_mm=20", "toolpath.spacing_mm=40")).returncode, 0)
@@ -371,6 +371,34 @@ class Batch(InFolder):
         result = run("batch", "batch.yaml", "--slurm", cwd=self.folder, env=env)
         self.assertEqual(result.returncode, 2)
         self.assertIn("invalid partition", result.stderr)
+
+
+    def test_interrupted_it_stops_its_jobs(self):
+        (self.folder / "batch.yaml").write_text(
+            f"millpose_batch: 1\njobs:\n  - {{job: {JOB}, name: long, set: {{toolpath.spacing_mm: 0.05}}}}\n")
+        with subprocess.Popen([MILLPOSE, "batch", "batch.yaml", "-q"], cwd=self.folder, stderr=subprocess.PIPE,
+                              text=True) as process:
+            while not (self.folder / "batch.out/long/.millpose").exists():
+                self.assertIsNone(process.poll())
+                time.sleep(0.02)
+            child = next(int(path.name) for path in Path("/proc").iterdir() if path.name.isdigit()
+                         and str(self.folder / "batch.out/long") in self.command_line(path))
+            process.send_signal(signal.SIGINT)
+            _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130)
+        self.assertIn("the same command goes on from there", errors)
+        for _ in range(100):  # it may outlive its parent by a moment
+            if "batch.out/long" not in self.command_line(Path(f"/proc/{child}")):
+                break
+            time.sleep(0.1)
+        self.assertNotIn("batch.out/long", self.command_line(Path(f"/proc/{child}")))
+
+    @staticmethod
+    def command_line(process):
+        try:
+            return (process / "cmdline").read_bytes().decode(errors="replace")
+        except OSError:
+            return ""
 
 
 class Documents(unittest.TestCase):

@@ -152,6 +152,17 @@ class ReportInBrowser(unittest.TestCase):
         self.assertEqual(self.text("#point-status"), "skipped, interference: spindle against workpiece </script><b>")
         self.assertFalse(self.browser.evaluate("millpose.views.scene.groups.arm.visible"))
 
+    def test_fit_arm_shows_every_joint(self):
+        seen = """millpose.armFrames(millpose.data, millpose.jointsOf(millpose.data, millpose.selected)).map((f) => {
+            const p = new THREE.Vector3(f[3], f[7], f[11]).project(millpose.views.scene.camera);
+            return Math.max(Math.abs(p.x), Math.abs(p.y)); })"""
+        self.assertGreater(max(self.browser.evaluate(seen)), 1)
+        self.browser.click_on("#fit-arm")
+        self.assertLess(max(self.browser.evaluate(seen)), 1)
+        self.keep("arm_1400.png", self.browser.screenshot())
+        self.browser.click_on("#fit")
+        self.assertGreater(max(self.browser.evaluate(seen)), 1)
+
     def test_bounded_clearance_is_shown_as_at_least(self):
         row = self.browser.evaluate("millpose.data.column.clearance.values.findIndex((v) => v >= 50)")
         self.assertGreaterEqual(row, 0)

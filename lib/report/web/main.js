@@ -81,7 +81,8 @@
     $("robust").addEventListener("change", recolour);
     $("to-worst").addEventListener("click", () => worst.places.length && actions.select(worst.places[0]));
     if (scene) {
-      $("fit").addEventListener("click", () => scene.fit());
+      $("fit").addEventListener("click", () => scene.fit(false));
+      $("fit-arm").addEventListener("click", () => scene.fit(true));
       for (const name of ["part", "cell", "arm"]) $("show-" + name).addEventListener("change", (e) => scene.show(name, e.target.checked));
     }
 

@@ -86,7 +86,7 @@
       this.worst = m.element("div", { class: "marker worst" }, m.element("span"));
       parent.append(this.worst, this.marker);
       this.orbit = new m.Orbit(this.renderer.domElement, () => this.schedule(), (x, y) => this.pick(x, y));
-      this.fit();
+      this.fit(false);
     }
 
     addPath() {
@@ -200,9 +200,12 @@
     }
 
     // Looks at the part from the side its points face, from a little above and aside, so that the arm does not hide it.
-    fit() {
+    // Shows the path, or the path and the arm as it stands.
+    fit(withArm) {
       const { rows, count } = this.data;
       const box = new THREE.Box3().setFromBufferAttribute(new THREE.BufferAttribute(rows.position, 3));
+      const joints = withArm ? m.jointsOf(this.data, this.selected) : null;
+      if (joints) for (const frame of m.armFrames(this.data, joints)) box.expandByPoint(new THREE.Vector3(frame[3], frame[7], frame[11]));
       const n = [0, 1, 2].map((k) => {
         let sum = 0;
         for (let i = 0; i < count; ++i) sum += rows.normal[3 * i + k];
