@@ -2,6 +2,7 @@
 #include "base/process.hpp"
 
 #include <fcntl.h>
+#include <link.h>
 #include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
@@ -113,6 +114,21 @@ bool Drain(Pipe* pipe, std::string* text) {
   return true;
 }
 
+// The content of the note NT_GNU_BUILD_ID among the notes at an address; empty when there is none.
+std::string BuildId(uintptr_t at, size_t size) {
+  const auto padded = [](size_t length) { return (length + 3) & ~size_t{3}; };
+  for (const uintptr_t end = at + size; at + sizeof(ElfW(Nhdr)) <= end;) {
+    const auto* note = reinterpret_cast<const ElfW(Nhdr)*>(at);
+    const char* name = reinterpret_cast<const char*>(note + 1);
+    const char* content = name + padded(note->n_namesz);
+    if (note->n_type == NT_GNU_BUILD_ID &&
+        std::string_view(name, note->n_namesz) == std::string_view("GNU", 4))
+      return {content, note->n_descsz};
+    at = reinterpret_cast<uintptr_t>(content) + padded(note->n_descsz);
+  }
+  return {};
+}
+
 // Reads both streams until the child closed them; passes a stop request on.
 void Follow(pid_t child, Pipe* output, Pipe* errors, const std::stop_token& stop, ProcessResult* result) {
   bool told = false, killed = false;
@@ -157,7 +173,20 @@ ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_to
   return result;
 }
 
-std::string ProgramId() { return Hash(ReadFile("/proc/self/exe")); }
+// Memory rather than the file: there may be no /proc.
+std::string ProgramId() {
+  std::string id;
+  ::dl_iterate_phdr(
+      [](dl_phdr_info* object, size_t /*size*/, void* result) {
+        for (int i = 0; i < object->dlpi_phnum; ++i)
+          if (object->dlpi_phdr[i].p_type == PT_NOTE)
+            *static_cast<std::string*>(result) +=
+                BuildId(object->dlpi_addr + object->dlpi_phdr[i].p_vaddr, object->dlpi_phdr[i].p_memsz);
+        return 1;  // the first object is the program itself
+      },
+      &id);
+  return Hash(id.empty() ? ReadFile("/proc/self/exe") : id);
+}
 
 std::string OwnProgram() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
 

@@ -25,7 +25,8 @@ ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_to
 /// The path of the running program.
 std::string OwnProgram();
 
-/// Identifies the running program by what its file holds: another build, another id.
+/// Identifies the running program: another build, another id. The linker's build id; the hash of the
+/// program's file where it was linked without one.
 std::string ProgramId();
 
 }  // namespace millpose
