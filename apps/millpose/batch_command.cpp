@@ -30,7 +30,9 @@ void AddBatchCommand(CLI::App& app, Run& run) {
   const auto slurm = std::make_shared<SlurmOptions>();
   command->add_flag("--slurm", *use_slurm, "Plan by array jobs of Slurm on a folder that all machines share");
   command
-      ->add_option("--shares", slurm->shares, "With --slurm: tasks over which a job's passes are spread, where the manifest does not say")
+      ->add_option(
+          "--shares", slurm->shares,
+          "With --slurm: tasks over which a job's passes are spread, where the manifest does not say")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   command->add_flag("--detach", slurm->detach,

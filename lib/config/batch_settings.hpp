@@ -14,7 +14,7 @@ struct BatchEntry {
   std::string job_file;             ///< relative to the manifest
   std::string name;                 ///< in place of the job's own; empty: the job's own
   std::vector<Override> overrides;  ///< in the order of key paths
-  int shares = 0;                   ///< tasks of a cluster over which its passes are spread; 0: as for all jobs
+  int shares = 0;  ///< tasks of a cluster over which its passes are spread; 0: as for all jobs
 };
 
 /// A manifest: jobs with overrides of their own (key `millpose_batch: 1`).
