@@ -46,6 +46,11 @@ struct Checker::Impl {
     return {world->bodies[pair.first].name, world->bodies[pair.second].name, found.place, found.distance};
   }
 
+  Interference Nearest(int index) const {
+    const BodyPair& pair = world->pairs[index];
+    return Report(pair, Distance(pair, std::numeric_limits<double>::infinity()));
+  }
+
   std::optional<Interference> Certify(const Joints& middle, const Joints& half_turn, int phase,
                                       double resolution, const std::vector<int>& pairs,
                                       std::vector<int>& undecided);
@@ -115,7 +120,7 @@ std::optional<Interference> Checker::Impl::Certify(const Joints& middle, const J
 }
 
 std::optional<Interference> Checker::Between(const Joints& q0, const Joints& q1, Phase phase,
-                                             double resolution) {
+                                             double resolution, const Joints& tube) {
   assert(resolution > 0);
   struct Interval {
     double begin, end;  // of the motion's 0..1
@@ -134,10 +139,13 @@ std::optional<Interference> Checker::Between(const Joints& q0, const Joints& q1,
     const double middle = 0.5 * (interval.begin + interval.end);
     const Joints half_turn = 0.5 * (interval.end - interval.begin) * (q1 - q0).cwiseAbs();
     std::vector<int> undecided;
-    const auto found = impl_->Certify(q0 + middle * (q1 - q0), half_turn, phase_index, resolution,
+    const auto found = impl_->Certify(q0 + middle * (q1 - q0), half_turn + tube, phase_index, resolution,
                                       interval.pairs, undecided);
     if (found) return found;
     if (undecided.empty()) continue;
+    // Once the interval is small against the tube, halving it settles nothing more.
+    constexpr double kSmall = 0.05;
+    if (half_turn.maxCoeff() < kSmall * tube.maxCoeff()) return impl_->Nearest(undecided.front());
     open.push_back({middle, interval.end, undecided});
     open.push_back({interval.begin, middle, std::move(undecided)});
   }

@@ -91,6 +91,22 @@ LineMotion FollowLine(const Carrier& carrier, const Joints& q, const Pose& X_WT_
   return motion;
 }
 
+std::optional<Joints> OnLine(const Carrier& carrier, const Joints& q0, const Joints& q1, double share) {
+  const Pose X_WT = InterpolateLine(carrier.ToolPose(q0), carrier.ToolPose(q1), share);
+  return InverseNear(carrier.arm, carrier.FlangePose(X_WT), Status(carrier.arm, q0), q0 + share * (q1 - q0));
+}
+
+std::optional<Joints> JointDeviation(const Carrier& carrier, const Joints& q0, const Joints& q1) {
+  constexpr double kBetween = 1.25;
+  Joints most = Joints::Zero();
+  for (const double share : {0.25, 0.5, 0.75}) {
+    const std::optional<Joints> q = OnLine(carrier, q0, q1, share);
+    if (!q) return std::nullopt;
+    most = most.cwiseMax((*q - q0 - share * (q1 - q0)).cwiseAbs());
+  }
+  return kBetween * most;
+}
+
 Deviation HalfwayDeviation(const Carrier& carrier, const Joints& q0, const Joints& q1) {
   const Pose commanded = InterpolateLine(carrier.ToolPose(q0), carrier.ToolPose(q1), 0.5);
   const Pose real = carrier.ToolPose(0.5 * (q0 + q1));

@@ -3,6 +3,7 @@
 // proportion to the way done.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,16 @@ struct LineMotion {
 /// [lower, upper] (rad).
 LineMotion FollowLine(const Carrier& carrier, const Joints& q, const Pose& X_WT_end, const Joints& lower,
                       const Joints& upper, const LineSteps& steps = {});
+
+/// Joint angles at `share` (0..1) of the straight motion between the tool poses of q0 and q1, on q0's branch;
+/// empty where that branch has none.
+std::optional<Joints> OnLine(const Carrier& carrier, const Joints& q0, const Joints& q1, double share);
+
+/// How far, joint by joint (rad), the straight motion between two tool poses leaves the motion in which the
+/// joints turn evenly from q0 to q1: the largest of ¼, ½ and ¾ of the way and a quarter of it for what lies
+/// between, which covers terms up to the third order in the turn. Empty where the straight motion leaves q0's
+/// branch.
+std::optional<Joints> JointDeviation(const Carrier& carrier, const Joints& q0, const Joints& q1);
 
 /// How far the tool is from a commanded straight motion half-way when the joints turn evenly instead.
 struct Deviation {

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/parallel.hpp"
+#include "path/cut_check.hpp"
 
 namespace millpose {
 
@@ -29,9 +30,10 @@ std::string Describe(const Interference& interference) {
                      interference.place.x(), interference.place.y(), interference.place.z());
 }
 
-StrikeOut::StrikeOut(const World& world, std::vector<Layer>& layers, double swept_resolution, int threads,
+StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::vector<Layer>& layers, double swept_resolution, int threads,
                      std::stop_token stop)
     : world_(world),
+      carrier_(carrier),
       layers_(layers),
       swept_resolution_(swept_resolution),
       threads_(threads),
@@ -147,10 +149,10 @@ bool StrikeOut::CheckMotion(Checker& checker, size_t from, size_t to, const Sequ
   if (free_[from].contains({a, b})) return true;
   const Joints q0 = layers_[from].joints.At(a);
   const Joints q1 = q0 + (layers_[to].joints.At(b) - q0).unaryExpr(&ShortWay);
-  const auto hit = checker.Between(q0, q1, Phase::kCutting, swept_resolution_);
-  (hit ? struck_ : free_)[from].insert({a, b});
-  if (hit) detail_[from] = Describe(*hit);
-  return !hit.has_value();
+  const std::string problem = CheckCut(checker, carrier_, q0, q1, swept_resolution_);
+  (problem.empty() ? free_ : struck_)[from].insert({a, b});
+  if (!problem.empty()) detail_[from] = problem;
+  return problem.empty();
 }
 
 void StrikeOut::StrikeBarred(const Sequence& sequence, Extent extent) {

@@ -4,6 +4,7 @@
 #include <stop_token>
 
 #include "cell/world.hpp"
+#include "motion/line.hpp"
 #include "path/layered_search.hpp"
 
 namespace millpose {
@@ -18,7 +19,7 @@ std::string Describe(const Interference& interference);
 /// Interference of the nodes and edges of a layered problem, asked for lazily and remembered.
 class StrikeOut {
  public:
-  StrikeOut(const World& world, std::vector<Layer>& layers, double swept_resolution, int threads,
+  StrikeOut(const World& world, const Carrier& carrier, std::vector<Layer>& layers, double swept_resolution, int threads,
             std::stop_token stop);
 
   /// Checks the nodes of `sequence` and the motions between them. What interferes is struck out: a node with
@@ -51,6 +52,7 @@ class StrikeOut {
   bool CheckMotion(Checker& checker, size_t from, size_t to, const Sequence& sequence);
 
   const World& world_;
+  const Carrier& carrier_;
   std::vector<Layer>& layers_;
   double swept_resolution_;
   int threads_;

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/cut_check.hpp"
+
+#include "path/strike_out.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr int kDeepest = 8;             // halvings of one motion
+constexpr double kTubeShare = 0.4;      // of the resolution: how far the tube may reach, about
+constexpr double kBeyondFlange = 1.25;  // bodies on the flange, in lengths from the wrist to the tip
+
+/// How far a deviation of the joints can move a body, mm, nearly: decides how finely to look, no more.
+double Movement(const Carrier& carrier, const Joints& deviation) {
+  const Arm& arm = carrier.arm;
+  const double hand = kBeyondFlange * (std::abs(arm.d6) + carrier.X_FT.translation().norm());
+  const double whole = arm.a1 + arm.a2 + std::hypot(arm.d4, arm.dz) + hand;
+  return whole * deviation.head<3>().sum() + hand * deviation.tail<3>().sum();
+}
+
+std::string CheckPart(Checker& checker, const Carrier& carrier, const Joints& q0, const Joints& q1,
+                      double resolution, int depth) {
+  const std::optional<Joints> deviation = JointDeviation(carrier, q0, q1);
+  const std::optional<Joints> middle = deviation ? OnLine(carrier, q0, q1, 0.5) : std::nullopt;
+  if (!middle) return "the straight motion to the next point leaves the arm's configuration";
+  if (depth == kDeepest || Movement(carrier, *deviation) <= kTubeShare * resolution) {
+    const auto found = checker.Between(q0, q1, Phase::kCutting, resolution, *deviation);
+    return found ? Describe(*found) : std::string();
+  }
+  const std::string first = CheckPart(checker, carrier, q0, *middle, resolution, depth + 1);
+  return first.empty() ? CheckPart(checker, carrier, *middle, q1, resolution, depth + 1) : first;
+}
+
+}  // namespace
+
+std::string CheckCut(Checker& checker, const Carrier& carrier, const Joints& q0, const Joints& q1,
+                     double resolution) {
+  return CheckPart(checker, carrier, q0, q1, resolution, 0);
+}
+
+}  // namespace millpose
