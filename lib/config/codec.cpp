@@ -8,7 +8,7 @@ namespace millpose::config {
 
 const Unit kOne{"", 1, 1}, kMm{"mm", 1, 1}, kDeg{"deg", kRadPerDeg, 1}, kDegPerS{"deg/s", kRadPerDeg, 1},
     kDegPerS2{"deg/s²", kRadPerDeg, 1}, kNmPerRad{"N·m/rad", 1000, 1}, kMmPerMin{"mm/min", 1, 60},
-    kRevPerMin{"rev/min", 1, 60};
+    kRevPerMin{"rev/min", 1, 60}, kPercent{"%", 1, 100};
 
 namespace {
 

@@ -59,7 +59,7 @@ struct Unit {
   std::string label;
   double factor = 1, divisor = 1;
 };
-extern const Unit kOne, kMm, kDeg, kDegPerS, kDegPerS2, kNmPerRad, kMmPerMin, kRevPerMin;
+extern const Unit kOne, kMm, kDeg, kDegPerS, kDegPerS2, kNmPerRad, kMmPerMin, kRevPerMin, kPercent;
 
 /// Allowed numbers in the external unit.
 struct Range {

@@ -320,6 +320,14 @@ Codec<JobSettings> PathFields() {
              "Largest change of each axis between neighbouring points."),
       Key<S>("motion_weight", MILLPOSE_AT(motion_weight), Real({"objective's unit per rad²"}, AtLeast(0)),
              "Cost of joint motion beside the objective."),
+      Key<S>("smoothing_loss_percent", MILLPOSE_AT(smoothing_loss), Real(kPercent, Between(0, 100)),
+             "Share of a piece's objective that may be given up for smoother joints; 0: none."),
+      Key<S>("split_overlap_mm", MILLPOSE_AT(overlap), Real(kMm, AtLeast(0)),
+             "Way that is cut again where a pass has to be split; at least up to the next point."),
+      Key<S>(
+          "max_halfway_deviation_mm", MILLPOSE_AT(max_deviation), Real(kMm, AtLeast(0.001)),
+          "Largest distance half-way between points of the tip from its straight line when the joints turn "
+          "evenly."),
   });
 }
 

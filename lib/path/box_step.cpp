@@ -8,53 +8,83 @@ namespace millpose {
 
 BoxLeastSquares::BoxLeastSquares(size_t count) : gradient_(count, 0.0) {}
 
-std::vector<double> BoxLeastSquares::Solve(const std::vector<double>& lower,
-                                           const std::vector<double>& upper) const {
-  constexpr int kRounds = 8;         // after these, what still leaves its bounds is cut off there
-  constexpr double kLeast = 1e-12;   // relative to the largest diagonal entry: keeps the matrix definite
+/// Least sum over the numbers that are not held, the others where they are. False when to rounding there is
+/// no single least.
+bool BoxLeastSquares::SolveFree(const std::vector<bool>& held, double damping,
+                                std::vector<double>& delta) const {
+  const auto size = static_cast<Eigen::Index>(delta.size());
+  std::vector<Eigen::Triplet<double>> triplets;
+  Eigen::VectorXd right(size);
+  for (Eigen::Index t = 0; t < size; ++t) {
+    const bool fixed = held[static_cast<size_t>(t)];
+    right[t] = fixed ? delta[static_cast<size_t>(t)] : -gradient_[static_cast<size_t>(t)];
+    triplets.emplace_back(t, t, fixed ? 1.0 : damping);
+  }
+  for (const Entry& e : entries_) {
+    const auto row = static_cast<Eigen::Index>(e.row), column = static_cast<Eigen::Index>(e.column);
+    if (!held[e.row] && !held[e.column]) {
+      triplets.emplace_back(row, column, e.value);
+    } else if (!held[e.row]) {
+      right[row] -= e.value * delta[e.column];
+    } else if (!held[e.column]) {
+      right[column] -= e.value * delta[e.row];
+    }
+  }
+  Eigen::SparseMatrix<double> matrix(size, size);
+  matrix.setFromTriplets(triplets.begin(), triplets.end());
+  // In the natural order the matrix is a band, and its factor too.
+  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> solver(
+      matrix);
+  if (solver.info() != Eigen::Success) return false;
+  const Eigen::VectorXd solved = solver.solve(right);
+  std::copy(solved.begin(), solved.end(), delta.begin());
+  return true;
+}
+
+std::vector<double> BoxLeastSquares::Slopes(const std::vector<double>& delta, double damping) const {
+  std::vector<double> slopes = gradient_;
+  for (size_t t = 0; t < delta.size(); ++t) slopes[t] += damping * delta[t];
+  for (const Entry& e : entries_) {
+    slopes[e.row] += e.value * delta[e.column];
+    if (e.row != e.column) slopes[e.column] += e.value * delta[e.row];
+  }
+  return slopes;
+}
+
+std::vector<double> BoxLeastSquares::Solve(const std::vector<double>& lower, const std::vector<double>& upper,
+                                           double damping) const {
+  constexpr int kRounds = 12;  // of the active set; then what leaves its bounds is cut off there
   const size_t count = gradient_.size();
   assert(lower.size() == count && upper.size() == count);
-  double largest = 0;
-  std::vector<double> diagonal(count, 0.0);
+  std::vector<double> diagonal(count, 0.0), delta(count, 0.0);
   for (const Entry& e : entries_) {
     if (e.row == e.column) diagonal[e.row] += e.value;
   }
-  for (const double value : diagonal) largest = std::max(largest, value);
-  if (largest == 0) return std::vector<double>(count, 0.0);
-
-  std::vector<double> delta(count, 0.0);
+  const double largest = *std::max_element(diagonal.begin(), diagonal.end());
+  if (largest == 0) return delta;
+  damping *= largest;
   std::vector<bool> held(count);
   for (size_t t = 0; t < count; ++t) held[t] = !(lower[t] < upper[t]);
   for (int round = 0; round < kRounds; ++round) {
-    std::vector<Eigen::Triplet<double>> triplets;
-    Eigen::VectorXd right(count);
+    std::vector<double> solved = delta;
+    if (!SolveFree(held, damping, solved)) break;
+    bool done = true;
     for (size_t t = 0; t < count; ++t) {
-      right[static_cast<Eigen::Index>(t)] = held[t] ? delta[t] : -gradient_[t];
-      triplets.emplace_back(t, t, held[t] ? 1.0 : kLeast * largest);
+      delta[t] = std::clamp(solved[t], lower[t], upper[t]);
+      if (held[t] || delta[t] == solved[t]) continue;
+      held[t] = true;
+      done = false;
     }
-    for (const Entry& e : entries_) {
-      if (!held[e.row] && !held[e.column]) {
-        triplets.emplace_back(e.row, e.column, e.value);
-      } else if (e.row != e.column && held[e.row] != held[e.column]) {
-        const size_t free = held[e.row] ? e.column : e.row, fixed = held[e.row] ? e.row : e.column;
-        right[static_cast<Eigen::Index>(free)] -= e.value * delta[fixed];
-      }
-    }
-    const auto size = static_cast<Eigen::Index>(count);
-    Eigen::SparseMatrix<double> matrix(size, size);
-    matrix.setFromTriplets(triplets.begin(), triplets.end());
-    const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> solver(
-        matrix);
-    if (solver.info() != Eigen::Success) break;  // to rounding not definite: stay where it was definite
-    const Eigen::VectorXd solved = solver.solve(right);
-    bool inside = true;
+    if (!done) continue;
+    // Those that are held but would rather come back are let go.
+    const std::vector<double> slopes = Slopes(delta, damping);
     for (size_t t = 0; t < count; ++t) {
-      if (held[t]) continue;
-      const double value = solved[static_cast<Eigen::Index>(t)];
-      delta[t] = std::clamp(value, lower[t], upper[t]);
-      if (delta[t] != value) inside = false, held[t] = true;
+      if (!held[t] || !(lower[t] < upper[t])) continue;
+      if (delta[t] == upper[t] ? slopes[t] <= 0 : slopes[t] >= 0) continue;
+      held[t] = false;
+      done = false;
     }
-    if (inside) break;
+    if (done) break;
   }
   return delta;
 }

@@ -53,6 +53,13 @@ class GapPlanner {
   }
 
   Gap Plan() {
+    Gap gap = PlanWay();
+    gap.poses_checked = checker_.poses_checked() + route_poses_;
+    return gap;
+  }
+
+ private:
+  Gap PlanWay() {
     Gap gap;
     gap.from_pass = from_.pass, gap.from_piece = from_.piece;
     gap.to_pass = to_.pass, gap.to_piece = to_.piece;
@@ -76,7 +83,6 @@ class GapPlanner {
     return gap;
   }
 
- private:
   /// The retract from one end; at home there is none.
   Retract Leave(const GapEnd& end) {
     CheckStop(stop_);
@@ -126,7 +132,9 @@ class GapPlanner {
       return static_cast<uint64_t>(e.pass + 1) * 4096 + static_cast<uint64_t>(e.piece + 1);
     };
     const RandomStream random(options_.seed, (end(from_) << 32) + end(to_));
-    return FindRoute(world_, from, to, route, random, stop_);
+    JointRoute found = FindRoute(world_, from, to, route, random, stop_);
+    route_poses_ += found.poses_checked;
+    return found;
   }
 
   double ClearanceAlong(const std::vector<Joints>& corners) {
@@ -155,6 +163,7 @@ class GapPlanner {
   double clearance_share_;
   Checker checker_;
   Joints lower_, upper_;
+  long long route_poses_ = 0;
 };
 
 }  // namespace
@@ -162,10 +171,13 @@ class GapPlanner {
 Gap PlanGap(const World& world, const GapEnd& from, const GapEnd& to, const GapOptions& options,
             std::stop_token stop) {
   Gap first;
+  long long poses = 0;
   GapOptions fewer = options;  // all retries together have no more iterations than the first try
   fewer.max_iterations = std::max(1, options.max_iterations / static_cast<int>(kClearanceShares.size() - 1));
   for (const double share : kClearanceShares) {
     Gap gap = GapPlanner(world, from, to, share == 1 ? options : fewer, share, stop).Plan();
+    poses += gap.poses_checked;
+    gap.poses_checked = poses;
     if (gap.planned) {
       if (share < 1)
         gap.detail = fmt::format("{} to {}: clearances reduced to {:.0f} % ({})", Name(from), Name(to),
@@ -174,6 +186,7 @@ Gap PlanGap(const World& world, const GapEnd& from, const GapEnd& to, const GapO
     }
     if (share == 1) first = std::move(gap);
   }
+  first.poses_checked = poses;
   return first;
 }
 

@@ -52,26 +52,37 @@ class Judge {
   bool ValidMotion(const Joints& from, const Joints& to) {
     return Valid(to) && Count(checker_.Between(from, to, Phase::kFree, options_.resolution));
   }
+  long long poses_checked() const { return checker_.poses_checked(); }
   /// The pairs found most often, for the report of a gap that cannot be planned.
   std::string Blockers() const {
     std::vector<std::pair<int, std::string>> sorted;
-    for (const auto& [pair, count] : blocked_) sorted.emplace_back(-count, pair);
+    for (const auto& [pair, met] : blocked_) sorted.emplace_back(-met.count, pair);
     std::sort(sorted.begin(), sorted.end());
     std::string text;
     for (size_t i = 0; i < std::min<size_t>(3, sorted.size()); ++i) {
-      text += fmt::format("{}{} ({} times)", i ? ", " : "", sorted[i].second, -sorted[i].first);
+      const double nearest = blocked_.at(sorted[i].second).nearest;
+      text += fmt::format(
+          "{}{} ({} times, {})", i ? ", " : "", sorted[i].second, -sorted[i].first,
+          nearest > 0 ? fmt::format("{:.1f} mm apart at the nearest", nearest) : std::string("touching"));
     }
     return text;
   }
 
  private:
   bool Count(const std::optional<Interference>& found) {
-    if (found) ++blocked_[fmt::format("{} and {}", found->first, found->second)];
+    if (found) {
+      Met& met = blocked_[fmt::format("{} and {}", found->first, found->second)];
+      met.nearest = met.count++ == 0 ? found->distance : std::min(met.nearest, found->distance);
+    }
     return !found;
   }
   Checker checker_;
   const RouteOptions& options_;
-  std::map<std::string, int> blocked_;
+  struct Met {
+    int count = 0;
+    double nearest = 0;  // mm
+  };
+  std::map<std::string, Met> blocked_;
 };
 
 /// OMPL's own samplers draw from a process-wide generator of seeds; this one from the gap's own stream, so
@@ -210,22 +221,27 @@ bool Recheck(Judge& judge, const std::vector<Joints>& corners) {
 
 JointRoute FindRoute(const World& world, const Joints& from, const Joints& to, const RouteOptions& options,
                      RandomStream random, const std::stop_token& stop) {
-  Judge judge(world, options);
-  if (!judge.Valid(from)) return {{}, fmt::format("the start is blocked: {}", judge.Blockers())};
-  if (!judge.Valid(to)) return {{}, fmt::format("the goal is blocked: {}", judge.Blockers())};
-  if (judge.ValidMotion(from, to)) return {{from, to}, {}};
+  Judge judge(world, options), fresh(world, options);
+  JointRoute route;
+  const auto done = [&](std::vector<Joints> corners, std::string problem) {
+    route.corners = std::move(corners);
+    route.problem = std::move(problem);
+    route.poses_checked = judge.poses_checked() + fresh.poses_checked();
+    return route;
+  };
+  if (!judge.Valid(from)) return done({}, fmt::format("the start is blocked: {}", judge.Blockers()));
+  if (!judge.Valid(to)) return done({}, fmt::format("the goal is blocked: {}", judge.Blockers()));
+  if (judge.ValidMotion(from, to)) return done({from, to}, {});
   std::vector<Joints> corners = Connect(judge, from, to, options, random, stop);
   if (corners.empty()) {
-    return {{},
-            fmt::format("no way found in {} iterations; most often in the way: {}", options.max_iterations,
-                        judge.Blockers())};
+    return done({}, fmt::format("no way found in {} iterations; most often in the way: {}",
+                                options.max_iterations, judge.Blockers()));
   }
   const std::vector<Joints> unshortened = corners;
   Shorten(judge, world, options, random, stop, corners);
-  Judge fresh(world, options);
-  if (Recheck(fresh, corners)) return {corners, {}};
-  if (Recheck(fresh, unshortened)) return {unshortened, {}};
-  return {{}, fmt::format("the way found did not stand its re-check: {}", fresh.Blockers())};
+  if (Recheck(fresh, corners)) return done(corners, {});
+  if (Recheck(fresh, unshortened)) return done(unshortened, {});
+  return done({}, fmt::format("the way found did not stand its re-check: {}", fresh.Blockers()));
 }
 
 }  // namespace millpose

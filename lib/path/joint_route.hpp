@@ -21,6 +21,7 @@ struct RouteOptions {
 struct JointRoute {
   std::vector<Joints> corners;  ///< empty when there is none
   std::string problem;          ///< then: what was in the way
+  long long poses_checked = 0;  ///< for interference
 };
 
 /// A way from `from` to `to` in Phase::kFree: every corner keeps the clearances, every motion between them as

@@ -67,6 +67,7 @@ class Sweep {
         must_break_ = true;
         continue;
       }
+      must_break_ = must_break_ || (!problem_.break_before.empty() && problem_.break_before[t]);
       Advance(t, breaks);
       if (!breaks && !std::isfinite(least_)) return false;
     }

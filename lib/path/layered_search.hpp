@@ -21,6 +21,7 @@ struct LayeredProblem {
   /// No step leaps over struck-out nodes of the layer that it leaves: the motion would pass through them.
   bool walls = false;
   std::stop_token stop;
+  std::span<const char> break_before;  ///< layers before which the tool is lifted in any case; may be empty
 };
 
 inline constexpr size_t kNoNode = std::numeric_limits<size_t>::max();

@@ -3,7 +3,8 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
-#include "path/piece_planner.hpp"
+#include "path/split_planner.hpp"
+#include "plan/continuity.hpp"
 #include "plan/point_clearance.hpp"
 
 namespace millpose {
@@ -29,19 +30,6 @@ std::string DetailOf(Admissibility admissibility) {
     default:
       return "the arm reaches the point in no rotation about the tool axis";
   }
-}
-
-/// Each point's own optima by both searches.
-void FindOptima(const PoseProblem& problem, const PathOptions& options, size_t first_point, int threads,
-                const std::stop_token& stop, PassContext& context) {
-  const size_t count = context.scorers.size();
-  context.genetic.resize(count);
-  context.exhaustive.resize(count);
-  ParallelFor(count, threads, stop, [&](size_t t) {
-    context.exhaustive[t] = ExhaustiveSearch(context.scorers[t], problem, options.exhaustive_step);
-    context.genetic[t] = GeneticSearch(context.scorers[t], problem, options.genetic,
-                                       RandomStream(options.seed, first_point + t));
-  });
 }
 
 /// What a planned point says about itself.
@@ -82,19 +70,38 @@ void Skip(const PassContext& context, const PassPlan& plan, size_t t, PlannedPoi
   }
 }
 
-PassResult Assemble(const PoseProblem& problem, const World& world, const Pass& pass, int pass_number,
-                    const PassContext& context, const PassPlan& plan) {
+/// What smoothing made of the pieces, as the report measures accelerations.
+void MeasureSmoothing(const PassPlan& plan, PassResult& result) {
+  Smoothing& smoothing = result.smoothing;
+  smoothing.square_after = SquaredAcceleration(result);
+  PassResult before = result;
+  for (size_t t = 0; t < before.points.size(); ++t) {
+    if (plan.piece[t] < 0) continue;
+    before.points[t].q = plan.unsmoothed[t].q;
+    smoothing.objective_before += plan.unsmoothed[t].objective;
+    smoothing.objective_after += plan.nodes[t].objective;
+  }
+  smoothing.square_before = SquaredAcceleration(before);
+}
+
+PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned) {
+  const PassContext& context = *planned.points->context;
+  const PassPlan& plan = planned.plan;
+  const size_t count = planned.points->points.size();
   PassResult result;
   result.pass = pass_number;
   result.rotation_reference = pass.rotation_reference;
   result.grid_gap = plan.grid_gap;
   result.nodes_struck = plan.nodes_struck;
+  result.nodes = plan.candidates;
+  result.nodes_checked = plan.candidates_checked;
+  result.uncut = planned.uncut;
   result.pieces = plan.pieces;
   for (Piece& piece : result.pieces) piece.pass = pass_number;
-  result.points.resize(pass.points.size());
-  for (size_t t = 0; t < pass.points.size(); ++t) {
+  result.points.resize(count);
+  for (size_t t = 0; t < count; ++t) {
     PlannedPoint& point = result.points[t];
-    point.point = pass.points[t];
+    point.point = planned.points->points[t].point;
     point.genetic_optimum = context.genetic[t].found ? context.genetic[t].objective : 0.0;
     point.exhaustive_optimum = context.exhaustive[t].found ? context.exhaustive[t].objective : 0.0;
     point.genetic_evaluations = context.genetic[t].evaluations;
@@ -102,17 +109,17 @@ PassResult Assemble(const PoseProblem& problem, const World& world, const Pass& 
       Skip(context, plan, t, point);
     } else {
       point.piece = plan.piece[t];
-      Describe(problem, plan.nodes[t], point);
+      Describe(context.problem, plan.nodes[t], point);
     }
   }
   result.poses_checked =
       plan.poses_checked +
-      CheckInParallel(world, pass.points.size(), context.threads, context.stop,
-                      [&](Checker& checker, size_t t) {
-                        PlannedPoint& point = result.points[t];
-                        if (plan.piece[t] < 0) return;
-                        point.clearance = checker.Clearance(point.q, Phase::kCutting, kPointClearanceBound);
-                      });
+      CheckInParallel(context.world, count, context.threads, context.stop, [&](Checker& checker, size_t t) {
+        PlannedPoint& point = result.points[t];
+        if (plan.piece[t] < 0) return;
+        point.clearance = checker.Clearance(point.q, Phase::kCutting, kPointClearanceBound);
+      });
+  MeasureSmoothing(plan, result);
   return result;
 }
 
@@ -120,17 +127,21 @@ PassResult Assemble(const PoseProblem& problem, const World& world, const Pass& 
 
 PassResult PlanPass(const PoseProblem& problem, const World& world, const Pass& pass, int pass_number,
                     size_t first_point, const PathOptions& options, int threads, std::stop_token stop) {
-  PassContext context{problem, world, options, pass.closed, threads, stop, {}, {}, {}};
-  for (const MillingPoint& point : pass.points) {
-    context.scorers.emplace_back(problem, point, pass.rotation_reference);
+  auto own = std::make_shared<SplitPoints>();
+  own->milling = pass.points;
+  own->context = std::make_unique<PassContext>(
+      PassContext{problem, world, options, own->milling, pass.closed, threads, stop, {}, {}, {}, {}});
+  PassContext& context = *own->context;
+  std::vector<size_t> all;
+  for (size_t t = 0; t < pass.points.size(); ++t) {
+    own->points.push_back({pass.points[t], t, -1, false});
+    context.scorers.emplace_back(problem, pass.points[t], pass.rotation_reference);
+    all.push_back(t);
   }
-  FindOptima(problem, options, first_point, threads, stop, context);
-
-  // Full turns hardly ever matter, so first every node stands for all of its own; where the joints then wind
-  // out of their limits, each turn becomes a node.
-  std::optional<PassPlan> plan = PlanPieces(context, false);
-  if (!plan) plan = PlanPieces(context, true);
-  return Assemble(problem, world, pass, pass_number, context, *plan);
+  context.genetic.resize(all.size());
+  context.exhaustive.resize(all.size());
+  FindOptima(all, first_point, context);
+  return Assemble(pass, pass_number, PlanSplit(pass, std::move(own), first_point));
 }
 
 }  // namespace millpose

@@ -6,6 +6,7 @@
 #include "cell/world.hpp"
 #include "plan/plan_result.hpp"
 #include "pose/search.hpp"
+#include "toolpath/pass_ends.hpp"
 
 namespace millpose {
 
@@ -15,15 +16,21 @@ struct PathOptions {
   double exhaustive_step = 0;     ///< grid of the exhaustive search, rad
   Joints max_joint_step;          ///< hard bound between neighbouring points, rad
   double motion_weight = 0;       ///< objective units per rad² of joint motion
+  double smoothing_loss = 0.01;   ///< share of a piece's objective that smoothing may give up
+  double max_deviation = 0.5;     ///< mm, of the tip half-way between points, see HalfwayDeviation
   double swept_resolution = 0.5;  ///< mm
+  double overlap = 10;            ///< mm that the parts of a split pass share
+  PassEnds ends;                  ///< their leads, without overrun
+  double lead_spacing = 10;       ///< mm, of the leads' points
   GeneticOptions genetic;
   uint64_t seed = 1;
 };
 
 /// Plans one pass: own optima by both searches, layered search with hard joint steps, lazy strike-out of
-/// interfering nodes, refinement, splits. Depends on nothing but its arguments; the same result for any
-/// thread count. `pass` in W; `first_point` is the index of its first point in the job (random streams).
-/// `threads` bounds its own parallelism.
+/// interfering nodes, refinement, splits, smoothing. Where it has to be split between two points, its parts
+/// overlap: the result then holds points more than once (WithOverlaps). Depends on nothing but its arguments;
+/// the same result for any thread count. `pass` in W; `first_point` is the index of its first point in the
+/// job (random streams). `threads` bounds its own parallelism.
 PassResult PlanPass(const PoseProblem& problem, const World& world, const Pass& pass, int pass_number,
                     size_t first_point, const PathOptions& options, int threads, std::stop_token stop);
 

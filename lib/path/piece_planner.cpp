@@ -2,9 +2,12 @@
 #include "path/piece_planner.hpp"
 
 #include <cassert>
+#include <limits>
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "path/cut_check.hpp"
+#include "path/smoothing.hpp"
 
 namespace millpose {
 namespace {
@@ -15,6 +18,10 @@ constexpr double kRounding = 1e-12;  // rad: of angles that full turns were adde
 // nodes with them, and before they take their points with them; after that each round removes a point.
 constexpr int kRoundsOfMotions = 6, kRoundsOfNodes = 60;
 constexpr int kRefineRounds = 5;
+// Where a smoothed path interferes it goes back, half-way in the first round, then all the way, and turns no
+// farther to that side, later to neither; so many points to either side may follow.
+constexpr int kSmoothRounds = 9, kHalfwayRounds = 1, kOneSidedRounds = 6;
+constexpr size_t kFollow = 40;
 
 /// `q` moved by whole turns to where each joint is nearest to `near`; exact where none is needed.
 Joints Beside(const Joints& near, const Joints& q) {
@@ -29,7 +36,10 @@ Joints Beside(const Joints& near, const Joints& q) {
 class PiecePlanner {
  public:
   PiecePlanner(const PassContext& context, bool all_turns)
-      : context_(context), all_turns_(all_turns), count_(context.scorers.size()) {
+      : context_(context),
+        carrier_{context.problem.arm, context.problem.X_WB, context.problem.X_FT},
+        all_turns_(all_turns),
+        count_(context.scorers.size()) {
     rule_.max_step = context.options.max_joint_step;
     rule_.motion_weight = context.options.motion_weight;
     rule_.modulo_turns = !all_turns;
@@ -53,6 +63,8 @@ class PiecePlanner {
       assert((fits || !all_turns_) && "nodes of single turns lie within the bounds");
       if (!fits && !all_turns_) return std::nullopt;
     }
+    plan_.unsmoothed = plan_.nodes;
+    for (const Piece& piece : plan_.pieces) SmoothFree(piece);
     return std::move(plan_);
   }
 
@@ -76,12 +88,13 @@ class PiecePlanner {
 
   /// The layered search, repeated until what it finds is free of interference.
   Sequence SearchFree() {
-    StrikeOut strike_out(context_.world, layers_, context_.options.swept_resolution, context_.threads,
-                         context_.stop);
+    StrikeOut strike_out(context_.world, carrier_, layers_, context_.options.swept_resolution,
+                         context_.threads, context_.stop);
     // The band needs the one freedom to be the rotation (BandWidth).
     const bool banded =
         context_.problem.freedoms.size() == 1 && context_.problem.freedoms[0]->IsToolRotation();
-    const LayeredProblem problem{layers_, rule_, strike_out.struck_edges(), banded, banded, context_.stop};
+    const LayeredProblem problem{layers_, rule_,         strike_out.struck_edges(), banded,
+                                 banded,  context_.stop, context_.break_before};
     // While there is interference to find, any good closed sequence finds it. A free one is kept when the
     // best of all is hardly cheaper.
     constexpr int kQuickSweeps = 3;
@@ -108,6 +121,8 @@ class PiecePlanner {
     }
     plan_.poses_checked += strike_out.poses_checked();
     plan_.nodes_struck = strike_out.nodes_struck();
+    plan_.candidates_checked = strike_out.nodes_checked();
+    for (const Layer& layer : layers_) plan_.candidates += static_cast<long long>(layer.size());
     for (size_t t = 0; t < count_; ++t) {
       if (sequence.nodes[t] == kNoNode) plan_.interference[t] = strike_out.detail(t);
     }
@@ -176,28 +191,103 @@ class PiecePlanner {
     std::copy(coarse.begin(), coarse.end(), path.begin());
   }
 
-  /// Checks the nodes of a refined piece and the motions between them; marks the points that must go back,
-  /// with 4^round − 1 neighbours to either side. True when there are none.
-  bool FreezeWhatInterferes(const Piece& piece, int round, std::vector<bool>& frozen) {
+  /// Points of a piece that interfere, or are at an end of a motion that does. Points whose pose is `known`
+  /// to be free are not looked at, nor are motions between two of them.
+  std::vector<bool> Interfering(const Piece& piece, const std::vector<bool>& known) {
     const std::span<const PathNode> path = NodesOf(piece);
     std::vector<char> hit(path.size(), 0), hit_after(path.size(), 0);
     plan_.poses_checked += CheckInParallel(
         context_.world, path.size(), context_.threads, context_.stop, [&](Checker& checker, size_t i) {
-          if (!frozen[i]) hit[i] = checker.At(path[i].q, Phase::kCutting).has_value();
+          if (!known[i]) hit[i] = checker.At(path[i].q, Phase::kCutting).has_value();
           const size_t next = (i + 1) % path.size();
-          if ((next == 0 && !piece.closed) || (frozen[i] && frozen[next])) return;
-          const Joints to = Beside(path[i].q, path[next].q);
-          hit_after[i] =
-              checker.Between(path[i].q, to, Phase::kCutting, context_.options.swept_resolution).has_value();
+          if ((next == 0 && !piece.closed) || (known[i] && known[next])) return;
+          hit_after[i] = !CheckCut(checker, carrier_, path[i].q, Beside(path[i].q, path[next].q),
+                                   context_.options.swept_resolution)
+                              .empty();
         });
-    const size_t count = path.size(), reach = std::min<size_t>((size_t{1} << (2 * round)) - 1, count - 1);
-    bool free = true;
-    for (size_t i = 0; i < count; ++i) {
-      if (!hit[i] && !hit_after[i]) continue;
-      free = false;
-      for (size_t k = 0; k <= 2 * reach + 1; ++k) frozen[(i + count - reach + k) % count] = true;
+    std::vector<bool> interfering(path.size(), false);
+    for (size_t i = 0; i < path.size(); ++i) {
+      if (hit[i] || hit_after[i]) interfering[i] = true;
+      if (hit_after[i]) interfering[(i + 1) % path.size()] = true;
     }
-    return free;
+    return interfering;
+  }
+
+  /// The points of `marked` and `reach` more to either side, round the end of a closed piece.
+  static std::vector<bool> Widened(const std::vector<bool>& marked, size_t reach, bool closed) {
+    const size_t count = marked.size();
+    reach = std::min(reach, count - 1);
+    std::vector<bool> wide(count, false);
+    for (size_t i = 0; i < count; ++i) {
+      for (size_t k = 0; marked[i] && k <= 2 * reach; ++k) {
+        const size_t at = i + k;  // reach too far
+        if (closed || (at >= reach && at - reach < count)) wide[(at + count - reach) % count] = true;
+      }
+    }
+    return wide;
+  }
+
+  /// Checks the nodes of a refined piece and the motions between them; marks the points that must go back,
+  /// with 4^round − 1 neighbours to either side. True when there are none.
+  bool FreezeWhatInterferes(const Piece& piece, int round, std::vector<bool>& frozen) {
+    const std::vector<bool> hit = Interfering(piece, frozen);
+    const std::vector<bool> wide = Widened(hit, (size_t{1} << (2 * round)) - 1, piece.closed);
+    for (size_t i = 0; i < wide.size(); ++i) frozen[i] = frozen[i] || wide[i];
+    return std::find(hit.begin(), hit.end(), true) == hit.end();
+  }
+
+  /// Smooths a piece. Where the smoothed path interferes its points go back towards where they were, which is
+  /// free, with ever more of their neighbours, and those beside them are smoothed again.
+  void SmoothFree(const Piece& piece) {
+    const std::span<PathNode> path = NodesOf(piece);
+    const std::vector<PathNode> origin(path.begin(), path.end());
+    const auto points = context_.points.subspan(piece.first, path.size());
+    const auto scorers = std::span(context_.scorers).subspan(piece.first, path.size());
+    SmoothOptions options;
+    for (const PathNode& node : origin) options.objective += node.objective;
+    options.loss = context_.options.smoothing_loss;
+    options.max_step = context_.options.max_joint_step;
+    options.max_deviation = context_.options.max_deviation;
+    options.closed = piece.closed;
+    options.stop = context_.stop;
+    const Freedom& freedom = *context_.problem.freedoms[0];
+    const double wide = freedom.Periodic() ? std::numeric_limits<double>::infinity() : 0;
+    std::vector<FreedomRange> ranges(path.size(), {freedom.Lower() - wide, freedom.Upper() + wide});
+    std::vector<FreedomRange> fixed = ranges;  // as ranges, but where nothing interferes for now
+    std::vector<PathNode> checked = origin;
+    for (int round = 0; round < kSmoothRounds; ++round) {
+      SmoothPath(scorers, points, fixed, options, path);
+      if (!Fits(piece)) break;
+      std::vector<bool> known(path.size());
+      for (size_t i = 0; i < path.size(); ++i) known[i] = path[i].q == checked[i].q;
+      const std::vector<bool> hit = Interfering(piece, known);
+      if (std::find(hit.begin(), hit.end(), true) == hit.end()) return;
+      std::copy(path.begin(), path.end(), checked.begin());
+      const std::vector<bool> back = Widened(hit, (size_t{1} << round) - 1, piece.closed);
+      const std::vector<bool> beside = Widened(back, kFollow, piece.closed);
+      for (size_t i = 0; i < path.size(); ++i) {
+        const double now = path[i].freedoms[0], was = origin[i].freedoms[0];
+        if (back[i]) {
+          path[i] = GoneBack(scorers[i], origin[i], path[i], round < kHalfwayRounds ? 0.5 : 0);
+          if (now >= was || round >= kOneSidedRounds) ranges[i].upper = path[i].freedoms[0];
+          if (now <= was || round >= kOneSidedRounds) ranges[i].lower = path[i].freedoms[0];
+        }
+        fixed[i] = {beside[i] ? ranges[i].lower : now, beside[i] ? ranges[i].upper : now};
+      }
+    }
+    std::copy(origin.begin(), origin.end(), path.begin());
+  }
+
+  /// A point on `share` of its way from where it was; there itself where that pose is not admissible.
+  static PathNode GoneBack(const PointScorer& scorer, const PathNode& was, const PathNode& now,
+                           double share) {
+    PathNode node = was;
+    node.freedoms[0] += share * (now.freedoms[0] - was.freedoms[0]);
+    const Candidate candidate = scorer.ScoreOne(node.freedoms, node.branch);
+    if (share == 0 || candidate.admissibility != Admissibility::kAdmissible) return was;
+    node.q = Beside(was.q, candidate.q);
+    node.objective = candidate.objective;
+    return node;
   }
 
   /// Makes the joints of a piece continuous and moves each by as few full turns as bring all of the piece
@@ -205,16 +295,7 @@ class PiecePlanner {
   bool Unwind(const Piece& piece) {
     const std::span<PathNode> path = NodesOf(piece);
     for (size_t i = 1; i < path.size(); ++i) path[i].q = Beside(path[i - 1].q, path[i].q);
-    Joints least = path[0].q, most = path[0].q;
-    for (const PathNode& node : path) {
-      least = least.cwiseMin(node.q);
-      most = most.cwiseMax(node.q);
-    }
-    if (piece.closed) {  // back to the first point, by whatever turns the way round has made
-      const Joints end = Beside(path.back().q, path[0].q);
-      least = least.cwiseMin(end);
-      most = most.cwiseMax(end);
-    }
+    const auto [least, most] = Extent(piece);
     const AdmissibleBounds& bounds = context_.problem.bounds;
     for (int j = 0; j < 6; ++j) {
       bool fits = false;
@@ -232,7 +313,31 @@ class PiecePlanner {
     return true;
   }
 
+  /// Least and largest angles along a piece whose joints are continuous.
+  std::pair<Joints, Joints> Extent(const Piece& piece) {
+    const std::span<const PathNode> path = NodesOf(piece);
+    Joints least = path[0].q, most = path[0].q;
+    for (const PathNode& node : path) {
+      least = least.cwiseMin(node.q);
+      most = most.cwiseMax(node.q);
+    }
+    if (piece.closed) {  // back to the first point, by whatever turns the way round has made
+      const Joints end = Beside(path.back().q, path[0].q);
+      least = least.cwiseMin(end);
+      most = most.cwiseMax(end);
+    }
+    return {least, most};
+  }
+
+  bool Fits(const Piece& piece) {
+    const auto [least, most] = Extent(piece);
+    const AdmissibleBounds& bounds = context_.problem.bounds;
+    return (least.array() >= bounds.lower.array() - kRounding).all() &&
+           (most.array() <= bounds.upper.array() + kRounding).all();
+  }
+
   const PassContext& context_;
+  Carrier carrier_;
   bool all_turns_;
   size_t count_;
   StepRule rule_;

@@ -13,26 +13,30 @@ struct PassContext {
   const PoseProblem& problem;
   const World& world;
   const PathOptions& options;
+  std::span<const MillingPoint> points;
   bool closed;
   int threads;
   std::stop_token stop;
   std::vector<PointScorer> scorers;  ///< one per point, as the following
   std::vector<PointOptimum> genetic, exhaustive;
+  std::vector<char> break_before;  ///< where the tool is lifted in any case
 };
 
 /// A pass cut into pieces.
 struct PassPlan {
-  std::vector<PathNode> nodes;  ///< one per point; holds where `piece` is not −1
-  std::vector<int> piece;       ///< per point, −1 for a skipped one
+  std::vector<PathNode> nodes;       ///< one per point; holds where `piece` is not −1
+  std::vector<PathNode> unsmoothed;  ///< the same before smoothing
+  std::vector<int> piece;            ///< per point, −1 for a skipped one
   std::vector<Piece> pieces;
   std::vector<std::string> interference;  ///< per point: what barred it; empty when nothing did
   double grid_gap = 0;
   long long poses_checked = 0;
   int nodes_struck = 0;
+  long long candidates = 0, candidates_checked = 0;  ///< nodes of the layers
 };
 
-/// Layered search, strike-out of what interferes, refinement, splits. Empty when, with all_turns false, a
-/// piece winds a joint out of its limits (Layer); with all_turns there is always a plan.
+/// Layered search, strike-out of what interferes, refinement, splits, smoothing. Empty when, with all_turns
+/// false, a piece winds a joint out of its limits (Layer); with all_turns there is always a plan.
 std::optional<PassPlan> PlanPieces(const PassContext& context, bool all_turns);
 
 }  // namespace millpose

@@ -92,7 +92,7 @@ void RefinePath(std::span<const PointScorer> scorers, std::span<const PointOptim
         layers[t] =
             MakeLayer(scorers[t], WindowSeeds(scorers[t], genetic[t], path[t], step), options.all_turns);
       }
-      const LayeredProblem problem{layers, options.rule, {}, false, false, options.stop};
+      const LayeredProblem problem{layers, options.rule, {}, false, false, options.stop, {}};
       const std::optional<Sequence> found = options.closed ? SearchClosed(problem) : SearchOpen(problem);
       if (!found || !(found->cost < before)) break;
       for (size_t t = 0; t < path.size(); ++t) {

@@ -10,7 +10,9 @@
 namespace millpose {
 namespace {
 
-constexpr double kFirstReach = 1 * kRadPerDeg, kMostReach = 4 * kRadPerDeg, kLeastReach = 0.002 * kRadPerDeg;
+/// What is looked at to either side of a value: for derivatives, and for how far it may go.
+constexpr double kNear = 0.03 * kRadPerDeg, kFarther = 8 * kNear, kFar = 64 * kNear;
+constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-8, kMostDamping = 1e2;
 constexpr double kSamePlace = 1e-9;  // mm
 constexpr int kMostSteps = 10;       // for one weight of the objective
 constexpr int kBisections = 3;       // of that weight
@@ -30,9 +32,9 @@ struct Place {
   double x = 0;  ///< the first freedom
   Joints q = Joints::Zero();
   double objective = 0;
-  Joints turn = Joints::Zero();      ///< dq/dx
-  double slope = 0, curvature = 0;   ///< of the objective; never curved downwards
-  double lower = 0, upper = 0;       ///< how far x may move: admissible as far as it was looked at
+  Joints turn = Joints::Zero();     ///< dq/dx
+  double slope = 0, curvature = 0;  ///< of the objective; never curved downwards
+  double lower = 0, upper = 0;      ///< how far x may move: admissible as far as it was looked at
 };
 
 /// What a course is judged by.
@@ -40,7 +42,8 @@ struct Merit {
   double square = 0;     ///< mean square of the joint accelerations, rad²/s⁴
   double objective = 0;  ///< summed
   double violation = 0;  ///< of the bounds between points, with reserve; relative squares
-  bool within = true;    ///< the bounds themselves are kept
+  bool within = true;    ///< the bound of the deviation itself is kept
+  bool steps = true;     ///< the bounds of the joint steps are kept
 };
 
 class Smoother {
@@ -130,8 +133,7 @@ class Smoother {
     for (AccelerationRow& row : rows_) row.share /= time;
   }
 
-  /// The points at the values `x`, looked at up to reach_ to either side. One that is not admissible there
-  /// stays as it is in `from`.
+  /// The points at the values `x`. One that is not admissible there stays as it is in `from`.
   std::vector<Place> Probed(const std::vector<double>& x, std::vector<Place> from) const {
     for (size_t t = 0; t < x.size(); ++t) {
       if (!Probe(t, x[t], from[t])) Probe(t, from[t].x, from[t]);
@@ -140,9 +142,7 @@ class Smoother {
   }
 
   bool Probe(size_t t, double x, Place& place) const {
-    // Near, farther, far, to either side: for derivatives, and for how far it may go.
-    const std::array<double, kLanes> offsets{0,          reach_ / 16, -reach_ / 16, reach_ / 4,
-                                             -reach_ / 4, reach_,      -reach_,      0};
+    constexpr std::array<double, kLanes> offsets{0, kNear, -kNear, kFarther, -kFarther, kFar, -kFar, 0};
     const size_t dimensions = path_[t].freedoms.size();
     std::vector<double> lanes(kLanes * dimensions);
     for (size_t l = 0; l < kLanes; ++l) {
@@ -175,20 +175,19 @@ class Smoother {
 
   void Derive(Place& place, const std::array<Candidate, kLanes>& at,
               const std::array<bool, kLanes>& good) const {
-    const double h = reach_ / 16;
-    place.upper = !good[1] ? 0 : !good[3] ? h : !good[5] ? reach_ / 4 : reach_;
-    place.lower = !good[2] ? 0 : !good[4] ? -h : !good[6] ? -reach_ / 4 : -reach_;
+    place.upper = !good[1] ? 0 : !good[3] ? kNear : !good[5] ? kFarther : kFar;
+    place.lower = !good[2] ? 0 : !good[4] ? -kNear : !good[6] ? -kFarther : -kFar;
     place.turn = Joints::Zero();
     place.slope = place.curvature = 0;
     if (!good[1] && !good[2]) return;
     const Joints up = good[1] ? at[1].q : place.q, down = good[2] ? at[2].q : place.q;
     const double f_up = good[1] ? at[1].objective : place.objective,
                  f_down = good[2] ? at[2].objective : place.objective;
-    const double width = (good[1] ? h : 0) + (good[2] ? h : 0);
+    const double width = kNear * (good[1] + good[2]);
     place.turn = (up - down) / width;
     place.slope = (f_up - f_down) / width;
     if (good[1] && good[2]) {
-      place.curvature = std::max(0.0, (f_up - 2 * place.objective + f_down) / (h * h));
+      place.curvature = std::max(0.0, (f_up - 2 * place.objective + f_down) / (kNear * kNear));
     }
   }
 
@@ -203,7 +202,8 @@ class Smoother {
 
   Merit Judge(const std::vector<Place>& places) const {
     Merit merit;
-    for (const AccelerationRow& row : rows_) merit.square += row.share * Acceleration(places, row).squaredNorm();
+    for (const AccelerationRow& row : rows_)
+      merit.square += row.share * Acceleration(places, row).squaredNorm();
     for (const Place& place : places) merit.objective += place.objective;
     for (size_t t = 0; t < edges_; ++t) {
       const Joints step = Step(places[t], places[Next(t)]);
@@ -214,7 +214,7 @@ class Smoother {
       for (int j = 0; j < 6; ++j) {
         const double share = std::abs(step[j]) / options_.max_step[j], over = std::max(0.0, share - 1);
         merit.violation += over * over;
-        merit.within = merit.within && over == 0;
+        merit.steps = merit.steps && over < kRounding;
       }
     }
     return merit;
@@ -226,18 +226,17 @@ class Smoother {
   }
 
   double Total(const Merit& merit, double weight) const {
-    return merit.square / start_.square +
-           weight * PerObjective() * (merit.objective - start_.objective) +
+    return merit.square / start_.square + weight * PerObjective() * (merit.objective - start_.objective) +
            kViolationWeight * merit.violation;
   }
 
   /// Turns objective into shares of what may be lost.
-  double PerObjective() const { return 1 / (std::max(options_.loss, kLeastLoss) * start_.objective); }
+  double PerObjective() const { return 1 / (std::max(options_.loss, kLeastLoss) * options_.objective); }
 
   /// Gauss-Newton steps towards the least total. False when the answer loses more than it may.
   bool Minimise(double weight) {
     Merit merit = Judge(places_);
-    for (int step = 0; step < kMostSteps && reach_ >= kLeastReach; ++step) {
+    for (int step = 0; step < kMostSteps && damping_ <= kMostDamping; ++step) {
       CheckStop(options_.stop);
       const double before = Total(merit, weight);
       const std::vector<double> delta = StepFrom(places_, weight);
@@ -247,29 +246,23 @@ class Smoother {
       const Merit reached = Judge(trial);
       const double gain = before - Total(reached, weight);
       if (!(gain > 0)) {
-        reach_ /= 4;
-        places_ = Probed(CurrentValues(), std::move(places_));
+        damping_ *= 10;
         continue;
       }
       places_ = std::move(trial);
       merit = reached;
-      reach_ = std::min(1.5 * reach_, kMostReach);
+      damping_ = std::max(damping_ / 4, kLeastDamping);
       if (gain < kConverged * std::abs(before)) break;
     }
-    reach_ = std::max(reach_, kFirstReach / 16);
-    const bool affordable = merit.objective <= (1 + options_.loss) * start_.objective;
+    damping_ = std::min(damping_, kFirstDamping);
+    const bool affordable = merit.objective <= (1 + options_.loss) * options_.objective;
     if (Better(merit, affordable)) best_ = merit, best_places_ = places_;
     return affordable;
   }
 
-  std::vector<double> CurrentValues() const {
-    std::vector<double> x;
-    for (const Place& place : places_) x.push_back(place.x);
-    return x;
-  }
-
   /// Bounds between points go first, then what may be lost, then smoothness.
   bool Better(const Merit& merit, bool affordable) const {
+    if (!merit.steps) return false;
     if (merit.within != best_.within) return merit.within;
     if (!merit.within && merit.violation < best_.violation) return true;
     return affordable && merit.square < best_.square && merit.violation <= std::max(best_.violation, 1e-6);
@@ -294,7 +287,7 @@ class Smoother {
     for (size_t t = 0; t < edges_; ++t) AddViolations(places, t, squares);
     std::vector<double> lower, upper;
     for (const Place& place : places) lower.push_back(place.lower), upper.push_back(place.upper);
-    return squares.Solve(lower, upper);
+    return squares.Solve(lower, upper, damping_);
   }
 
   void AddViolations(const std::vector<Place>& places, size_t t, BoxLeastSquares& squares) const {
@@ -332,7 +325,7 @@ class Smoother {
   const PoseProblem& problem_;
   size_t edges_;
   std::vector<AccelerationRow> rows_;
-  double reach_ = kFirstReach;
+  double damping_ = kFirstDamping;
   std::vector<Place> places_, best_places_;
   Merit start_, best_;
 };

@@ -10,7 +10,8 @@ namespace millpose {
 
 /// What the smoothing of a piece goes by.
 struct SmoothOptions {
-  double loss = 0;           ///< share of the objective's sum along the piece that may be given up
+  double objective = 0;      ///< summed along the piece before smoothing
+  double loss = 0;           ///< share of it that may be given up
   Joints max_step;           ///< rad, between neighbouring points
   double max_deviation = 0;  ///< mm, of the tip half-way between points (HalfwayDeviation)
   bool closed = false;

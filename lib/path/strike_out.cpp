@@ -30,8 +30,8 @@ std::string Describe(const Interference& interference) {
                      interference.place.x(), interference.place.y(), interference.place.z());
 }
 
-StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::vector<Layer>& layers, double swept_resolution, int threads,
-                     std::stop_token stop)
+StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::vector<Layer>& layers,
+                     double swept_resolution, int threads, std::stop_token stop)
     : world_(world),
       carrier_(carrier),
       layers_(layers),
@@ -43,6 +43,14 @@ StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::vector<Lay
       free_(layers.size()),
       detail_(layers.size()) {
   for (size_t t = 0; t < layers.size(); ++t) verdict_[t].assign(layers[t].size(), Verdict::kUnknown);
+}
+
+long long StrikeOut::nodes_checked() const {
+  long long checked = 0;
+  for (const std::vector<Verdict>& layer : verdict_) {
+    checked += std::count_if(layer.begin(), layer.end(), [](Verdict v) { return v != Verdict::kUnknown; });
+  }
+  return checked;
 }
 
 bool StrikeOut::Check(const Sequence& sequence) {

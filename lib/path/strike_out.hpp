@@ -19,8 +19,8 @@ std::string Describe(const Interference& interference);
 /// Interference of the nodes and edges of a layered problem, asked for lazily and remembered.
 class StrikeOut {
  public:
-  StrikeOut(const World& world, const Carrier& carrier, std::vector<Layer>& layers, double swept_resolution, int threads,
-            std::stop_token stop);
+  StrikeOut(const World& world, const Carrier& carrier, std::vector<Layer>& layers, double swept_resolution,
+            int threads, std::stop_token stop);
 
   /// Checks the nodes of `sequence` and the motions between them. What interferes is struck out: a node with
   /// its neighbours on the grid up to the next free ones, and what lies beside these in the layers before and
@@ -35,6 +35,8 @@ class StrikeOut {
   std::span<const StruckEdges> struck_edges() const { return struck_; }
   long long poses_checked() const { return poses_checked_; }
   int nodes_struck() const { return nodes_struck_; }
+  /// Nodes whose interference was asked for.
+  long long nodes_checked() const;
   /// The last interference found at a layer; empty when there was none.
   const std::string& detail(size_t layer) const { return detail_[layer]; }
 

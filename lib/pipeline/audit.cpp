@@ -5,6 +5,7 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "motion/line.hpp"
 #include "robot/kinematics.hpp"
 
 namespace millpose {
@@ -45,19 +46,34 @@ void AuditPoints(const PlanResult& plan, const Mesh& mesh, const AdmissibleBound
     }
 }
 
+constexpr int kLineParts = 8;  // joint motions for one straight motion of the tool in a cut
+
 // One straight motion in joint space.
 struct Step {
   Joints from, to;
   Phase phase;
 };
 
+// A straight motion of the tool as programs run it in cuts.
+void AddLine(const Carrier& carrier, const Joints& from, const Joints& to, std::vector<Step>* steps) {
+  Joints q = from;
+  for (int k = 1; k <= kLineParts; ++k) {
+    // Where the arm leaves its branch the line is no motion; read-back says so.
+    const Joints next =
+        k == kLineParts ? to : OnLine(carrier, from, to, static_cast<double>(k) / kLineParts).value_or(q);
+    steps->push_back({q, next, Phase::kCutting});
+    q = next;
+  }
+}
+
 std::vector<Step> StepsOf(const PlanResult& plan) {
+  const Carrier carrier{plan.arm, plan.X_WB, plan.X_FT};
   std::vector<Step> steps;
   for (const PassResult& pass : plan.passes)
     for (const Piece& piece : pass.pieces)
       for (int i = piece.first; i < piece.last; ++i)
-        steps.push_back({pass.points[static_cast<size_t>(i)].q, pass.points[static_cast<size_t>(i) + 1].q,
-                         Phase::kCutting});
+        AddLine(carrier, pass.points[static_cast<size_t>(i)].q, pass.points[static_cast<size_t>(i) + 1].q,
+                &steps);
   for (const Gap& gap : plan.gaps)
     for (size_t i = 1; i < gap.joints.size(); ++i)
       steps.push_back({gap.joints[i - 1], gap.joints[i], Phase::kFree});

@@ -119,7 +119,12 @@ PathOptions MakePathOptions(const JobSettings& job) {
   options.exhaustive_step = job.exhaustive_step;
   options.max_joint_step = job.max_joint_step;
   options.motion_weight = job.motion_weight;
+  options.smoothing_loss = job.smoothing_loss;
+  options.max_deviation = job.max_deviation;
   options.swept_resolution = job.swept_resolution;
+  options.overlap = job.overlap;
+  options.ends = MakePassEnds(job.toolpath.ends);
+  options.lead_spacing = job.toolpath.spacing;
   options.genetic.population = job.genetic.population;
   options.genetic.generations = job.genetic.generations;
   options.genetic.crossover_rate = job.genetic.crossover_rate;

@@ -64,6 +64,8 @@ std::string PlanContext(const JobInputs& inputs) {
   job.cell_file.clear();  // what the files hold counts, not where they stand
   job.workpiece.mesh_file.clear();
   job.toolpath = later.toolpath;
+  job.toolpath.ends = inputs.job.toolpath.ends;  // of the leads where a pass is split
+  job.toolpath.spacing = inputs.job.toolpath.spacing;
   job.feed = later.feed;
   job.feed_policy = later.feed_policy;
   job.spindle_speed = later.spindle_speed;

@@ -7,6 +7,7 @@
 #include "base/process.hpp"
 #include "config/config.hpp"
 #include "path/job_planner.hpp"
+#include "path/turns.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/audit.hpp"
 #include "pipeline/make_programs.hpp"
@@ -48,6 +49,16 @@ size_t PointsOf(const Share& share, const Toolpath& toolpath) {
   for (size_t i = share.index; i < toolpath.passes.size(); i += share.count)
     count += toolpath.passes[i].points.size();
   return count;
+}
+
+// Whether a pass may be run the other way round: a zigzag mills up and down in turns anyway, and nothing that
+// the poses depend on knows the feed's direction.
+bool FreeDirections(const JobSettings& job) {
+  const ToolpathSettings& toolpath = job.toolpath;
+  const bool laid = toolpath.strategy != "curve" && toolpath.strategy != "cam";
+  const bool upright = toolpath.lead == 0 && toolpath.tilt == 0;
+  const bool either_side = !job.cutting || job.cutting->side == "slot";
+  return laid && upright && either_side && toolpath.direction == "zigzag" && job.objective != "process_force";
 }
 
 PlanResult StartPlan(const JobInputs& inputs, const Cell& cell, const PoseProblem& problem) {
@@ -115,7 +126,7 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   stages.End(fmt::format("{} passes, {} of them from checkpoints", plan.passes.size(), planned.resumed));
   if (arguments.share) return {0, fmt::format("share {} of {} is planned\n", share.index + 1, share.count)};
 
-  FixTurns(plan.passes, plan.home, problem.bounds.lower, problem.bounds.upper);
+  FixTurns(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper, FreeDirections(inputs.job)});
   const auto ends = GapEnds(plan.home, plan.passes);
   stages.Begin("gaps", ends.size());
   PlannedGaps gaps =

@@ -32,10 +32,24 @@ std::string ExplainFeed(const ContinuityFigures& continuity) {
       60 * first.feed);
 }
 
+// Splits whose parts could not overlap.
+std::string ExplainUncut(const PassResult& pass) {
+  std::vector<std::string> steps;
+  for (const int t : pass.uncut) {
+    const Eigen::Vector3d& p = pass.points[static_cast<size_t>(t)].point.position;
+    steps.push_back(fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p.x(), p.y(), p.z()));
+  }
+  return fmt::format(
+      "pass {} is split and not cut from the point at {} to the next: no pose of either part reaches over",
+      pass.pass, fmt::join(steps, ", "));
+}
+
 std::vector<std::string> Explain(const PlanResult& plan, const std::vector<CheckedProgram>& programs) {
   std::vector<std::string> sentences;
   const std::string obstacle = WhyNotProgrammable(plan);
   if (!obstacle.empty()) sentences.push_back("no program was written: " + obstacle);
+  for (const PassResult& pass : plan.passes)
+    if (!pass.uncut.empty()) sentences.push_back(ExplainUncut(pass));
   for (const CheckedProgram& program : programs) {
     for (size_t i = 0; i < std::min(program.findings.size(), kFindingsKept); ++i) {
       const Finding& finding = program.findings[i];

@@ -38,6 +38,16 @@ Cut CutOf(const PassResult& pass, const Piece& piece) {
   return cut;
 }
 
+/// s, at the points' feeds.
+double TimeOf(const Cut& cut) {
+  double time = 0;
+  for (size_t i = 1; i < cut.samples.size(); ++i) {
+    const CutSample &from = cut.samples[i - 1], &to = cut.samples[i];
+    time += (to.arc_length - from.arc_length) / (0.5 * (from.feed + to.feed));
+  }
+  return time;
+}
+
 /// Squares of the accelerations summed over time, for the mean over all cuts.
 struct SquareSum {
   Joints sum = Joints::Zero();
@@ -47,7 +57,7 @@ struct SquareSum {
 void AddCut(const Cut& cut, const Carrier& carrier, ContinuityFigures& figures, SquareSum& squares) {
   const Arm& arm = carrier.arm;
   const JointRates rates = RatesAlong(cut.samples);
-  double time = 0;
+  const double time = TimeOf(cut);
   for (size_t i = 0; i < cut.samples.size(); ++i) {
     const Joints& q = cut.samples[i].q;
     figures.speed_share = figures.speed_share.cwiseMax(rates.speed[i].cwiseAbs().cwiseQuotient(arm.speed));
@@ -61,8 +71,7 @@ void AddCut(const Cut& cut, const Carrier& carrier, ContinuityFigures& figures, 
     if (i == 0) continue;
     const Deviation deviation = HalfwayDeviation(carrier, cut.samples[i - 1].q, q);
     figures.halfway_deviation = std::max(figures.halfway_deviation, deviation.position);
-    const double feed = 0.5 * (cut.samples[i - 1].feed + cut.samples[i].feed);
-    time += (cut.samples[i].arc_length - cut.samples[i - 1].arc_length) / feed;
+    figures.halfway_axis = std::max(figures.halfway_axis, deviation.axis);
   }
   squares.sum += time * TimeRms(cut.samples, rates.acceleration).cwiseAbs2();
   squares.time += time;
@@ -89,6 +98,16 @@ ContinuityFigures AnalyseContinuity(const PlanResult& plan) {
   }
   if (squares.time > 0) figures.acceleration_rms = (squares.sum / squares.time).cwiseSqrt();
   return figures;
+}
+
+double SquaredAcceleration(const PassResult& pass) {
+  double square = 0;
+  for (const Piece& piece : pass.pieces) {
+    const Cut cut = CutOf(pass, piece);
+    const Joints rms = TimeRms(cut.samples, RatesAlong(cut.samples).acceleration);
+    square += TimeOf(cut) * rms.squaredNorm();
+  }
+  return square;
 }
 
 FeedReduction ReduceFeeds(PlanResult& plan) {

@@ -29,7 +29,7 @@ struct PlannedPoint {
   double genetic_optimum = 0;     ///< of this point alone; 0 when it has none
   double exhaustive_optimum = 0;  ///< of this point alone; 0 when it has none
   int genetic_evaluations = 0;
-  bool from_genetic = false;  ///< the node on the path came from the genetic algorithm
+  bool from_genetic = false;  ///< its node came from the genetic algorithm (and may have been smoothed since)
   double clearance = 0;       ///< mm, bounded
 };
 
@@ -41,6 +41,12 @@ struct Piece {
   bool closed = false;      ///< cut from first round to first again
 };
 
+/// What smoothing did to a pass.
+struct Smoothing {
+  double square_before = 0, square_after = 0;  ///< SquaredAcceleration, rad²/s³
+  double objective_before = 0, objective_after = 0;  ///< summed over the planned points
+};
+
 /// One pass, planned on its own.
 struct PassResult {
   int pass = 0;
@@ -50,6 +56,10 @@ struct PassResult {
   double grid_gap = 0;          ///< relative: (coarse path cost − refined path cost) ÷ refined
   long long poses_checked = 0;  ///< interference
   int nodes_struck = 0;         ///< struck out for interference
+  long long nodes = 0;          ///< candidates of the layered search
+  long long nodes_checked = 0;  ///< of them, for interference: the others never had to be
+  Smoothing smoothing;
+  std::vector<int> uncut;  ///< points after which the pass is split and the step to the next is not cut
 };
 
 /// The way between two pieces: retract along the tool axis, joint-space path, approach. −1 is home.
@@ -63,6 +73,7 @@ struct Gap {
   std::vector<Joints> joints;  ///< of the joint-space path, from retracted (or home) to approach (or home)
   double clearance = 0;        ///< mm, smallest on the way, bounded
   double duration = 0;         ///< s, by the joints' speeds and accelerations
+  long long poses_checked = 0;  ///< interference
 };
 
 /// The whole plan of a job.

@@ -141,6 +141,14 @@ void Fields(Archive& a, Piece& p) {
 }
 
 template <class Archive>
+void Fields(Archive& a, Smoothing& s) {
+  a("square_before", s.square_before);
+  a("square_after", s.square_after);
+  a("objective_before", s.objective_before);
+  a("objective_after", s.objective_after);
+}
+
+template <class Archive>
 void Fields(Archive& a, PassResult& p) {
   a("pass", p.pass);
   a("rotation_reference", p.rotation_reference);
@@ -149,6 +157,10 @@ void Fields(Archive& a, PassResult& p) {
   a("grid_gap", p.grid_gap);
   a("poses_checked", p.poses_checked);
   a("nodes_struck", p.nodes_struck);
+  a("nodes", p.nodes);
+  a("nodes_checked", p.nodes_checked);
+  a("smoothing", p.smoothing);
+  a("uncut", p.uncut);
 }
 
 template <class Archive>
@@ -164,6 +176,7 @@ void Fields(Archive& a, Gap& g) {
   a("joints", g.joints);
   a("clearance", g.clearance);
   a("duration", g.duration);
+  a("poses_checked", g.poses_checked);
 }
 
 template <class Archive>

@@ -19,7 +19,15 @@ PlanFigures Figures(const PlanResult& plan) {
   std::vector<double> t1, t2, n, f;
   double on_path = 0, own = 0, clearance = 0;
   size_t genetic = 0;
+  Smoothing smoothing;
   for (const PassResult& pass : plan.passes) {
+    smoothing.square_before += pass.smoothing.square_before;
+    smoothing.square_after += pass.smoothing.square_after;
+    smoothing.objective_before += pass.smoothing.objective_before;
+    smoothing.objective_after += pass.smoothing.objective_after;
+    figures.poses_checked += pass.poses_checked;
+    figures.candidates += pass.nodes;
+    figures.candidates_checked += pass.nodes_checked;
     figures.pieces += pass.pieces.size();
     for (const PlannedPoint& point : pass.points) {
       ++figures.total;
@@ -36,10 +44,15 @@ PlanFigures Figures(const PlanResult& plan) {
     }
   }
   for (const Gap& gap : plan.gaps) {
+    figures.poses_checked += gap.poses_checked;
     if (!gap.planned) continue;
     ++figures.gaps_planned;
     if (figures.planned > 0) clearance = std::min(clearance, gap.clearance);
   }
+  if (smoothing.square_before > 0)
+    figures.acceleration_ratio = std::sqrt(smoothing.square_after / smoothing.square_before);
+  if (smoothing.objective_before > 0)
+    figures.smoothing_loss = smoothing.objective_after / smoothing.objective_before - 1;
   figures.lambda_t1 = SpreadOf(std::move(t1));
   figures.lambda_t2 = SpreadOf(std::move(t2));
   figures.lambda_n = SpreadOf(std::move(n));

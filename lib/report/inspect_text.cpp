@@ -27,6 +27,14 @@ void AppendSummary(const std::string& summary_json, const std::string& name, std
                              points.at("planned").get<size_t>(), points.at("total").get<size_t>(),
                              points.at("skipped").get<size_t>(), summary.at("passes").get<size_t>(),
                              gaps.at("planned").get<size_t>(), gaps.at("total").get<size_t>()));
+    const Json& continuity = summary.at("continuity");
+    if (continuity.is_null() || continuity.at("smoothing").at("acceleration_rms_ratio").is_null()) return;
+    const Json& smoothing = continuity.at("smoothing");
+    Append(text,
+           fmt::format("smoothing: joint accelerations (RMS) at {:.1f} % of before, for {:.2f} % of the "
+                       "objective",
+                       100 * smoothing.at("acceleration_rms_ratio").get<double>(),
+                       smoothing.at("objective_lost_percent").get<double>()));
   } catch (const Json::exception& error) {
     throw InputError({name}, std::string("is no summary of millpose plan: ") + error.what());
   }

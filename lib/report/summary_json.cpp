@@ -55,7 +55,9 @@ Json GapRemarksJson(const PlanResult& plan) {
 
 Json JointsJson(const Joints& values) { return std::vector<double>(values.begin(), values.end()); }
 
-Json ContinuityJson(const std::optional<ContinuityFigures>& figures, const FeedReduction& reduction) {
+Json ContinuityJson(const ReportInputs& inputs, const PlanFigures& plan) {
+  const std::optional<ContinuityFigures>& figures = inputs.continuity;
+  const FeedReduction& reduction = inputs.feed_reduction;
   if (!figures) return nullptr;
   Json not_held = Json::array();
   for (const FeedFinding& f : figures->feed_not_held)
@@ -65,16 +67,21 @@ Json ContinuityJson(const std::optional<ContinuityFigures>& figures, const FeedR
                         {"by", f.by_acceleration ? "acceleration" : "speed"},
                         {"feed_mm_min", 60 * f.feed},
                         {"feed_possible_mm_min", 60 * f.feed_possible}});
-  return {{"joint_speed_share_max", JointsJson(figures->speed_share)},
-          {"joint_acceleration_share_max", JointsJson(figures->acceleration_share)},
-          {"joint_acceleration_rms_deg_s2", JointsJson(kDegPerRad * figures->acceleration_rms)},
-          {"singularity_min",
-           {{"wrist", figures->wrist}, {"elbow", figures->elbow}, {"shoulder_mm", figures->shoulder}}},
-          {"halfway_deviation_max_mm", figures->halfway_deviation},
-          {"feed_not_held", not_held},
-          {"feed_reduced",
-           {{"points", reduction.points},
-            {"least_mm_min", reduction.points ? Json(60 * reduction.least) : Json(nullptr)}}}};
+  return {
+      {"joint_speed_share_max", JointsJson(figures->speed_share)},
+      {"joint_acceleration_share_max", JointsJson(figures->acceleration_share)},
+      {"joint_acceleration_rms_deg_s2", JointsJson(kDegPerRad * figures->acceleration_rms)},
+      {"singularity_min",
+       {{"wrist", figures->wrist}, {"elbow", figures->elbow}, {"shoulder_mm", figures->shoulder}}},
+      {"smoothing",
+       {{"acceleration_rms_ratio", OrNull(plan.acceleration_ratio)},
+        {"objective_lost_percent", plan.smoothing_loss ? Json(100 * *plan.smoothing_loss) : Json(nullptr)}}},
+      {"halfway_deviation_max_mm", figures->halfway_deviation},
+      {"halfway_axis_deviation_max_deg", RadToDeg(figures->halfway_axis)},
+      {"feed_not_held", not_held},
+      {"feed_reduced",
+       {{"points", reduction.points},
+        {"least_mm_min", reduction.points ? Json(60 * reduction.least) : Json(nullptr)}}}};
 }
 
 Json AuditJson(const std::optional<AuditFigures>& audit) {
@@ -138,7 +145,11 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["objective"] = plan.objective_name;
   json["price_of_continuity"] = OrNull(figures.price_of_continuity);
   json["ga_nodes_share"] = OrNull(figures.ga_nodes_share);
-  json["continuity"] = ContinuityJson(inputs.continuity, inputs.feed_reduction);
+  json["continuity"] = ContinuityJson(inputs, figures);
+  json["interference"] = {{"poses_checked", figures.poses_checked},
+                          {"candidates", figures.candidates},
+                          {"candidates_checked", figures.candidates_checked},
+                          {"candidates_never_checked", figures.candidates - figures.candidates_checked}};
   json["clearance_min_mm"] = OrNull(figures.clearance_min);
   json["cell"] = {{"name", plan.cell},
                   {"robot", plan.arm.name},

@@ -83,10 +83,16 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
         out, "joints     at most {:.1f} % of the speed (A{}) and {:.1f} % of the acceleration (A{}){}\n",
         100 * c.speed_share[fastest], fastest + 1, 100 * c.acceleration_share[jerkiest], jerkiest + 1,
         plan.arm.acceleration_assumed ? ", which is assumed" : "");
+    if (figures.acceleration_ratio)
+      fmt::format_to(
+          out, "smoothing  joint accelerations (RMS) at {:.1f} % of before, for {:.2f} % of the objective\n",
+          100 * *figures.acceleration_ratio, 100 * figures.smoothing_loss.value_or(0));
     if (inputs.feed_reduction.points > 0)
       fmt::format_to(out, "feed       reduced at {} points, to {:.1f} mm/min at the least\n",
                      inputs.feed_reduction.points, 60 * inputs.feed_reduction.least);
   }
+  fmt::format_to(out, "interference {} poses checked; {} of {} candidates never had to be\n",
+                 figures.poses_checked, figures.candidates - figures.candidates_checked, figures.candidates);
   if (figures.clearance_min) fmt::format_to(out, "clearance  at least {:.1f} mm\n", *figures.clearance_min);
   for (const ReportedProgram& program : inputs.programs)
     fmt::format_to(out, "program    {} ({})\n", program.path,

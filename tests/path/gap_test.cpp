@@ -180,6 +180,45 @@ TEST(Gaps, SameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(bytes(4), one);
 }
 
+TEST(Gaps, OneGapDoesNotDependOnOthersPlannedBefore) {
+  const World world(WallCell());
+  const auto bytes = [&](int pass) {
+    const Gap gap = PlanGap(world, Piece0(pass, kLeft), Piece0(pass + 1, kRight), {}, {});
+    std::string text = fmt::format("{} {}\n", gap.planned, gap.duration);
+    for (const Joints& q : gap.joints) {
+      for (double v : q) text += fmt::format("{} ", v);
+    }
+    return text;
+  };
+  const std::string alone = bytes(7);
+  const std::string other = bytes(1);
+  EXPECT_NE(other, alone);  // a stream of its own
+  EXPECT_EQ(bytes(7), alone);
+}
+
+TEST(Gaps, HomeInCollisionCostsItsOwnGapsAlone) {
+  Cell cell = SampleCell();
+  const Pose X_WT = ForwardFlange(cell.arm, HomePose()) * cell.X_FT;
+  cell.bodies.push_back(
+      {"clamp", BodyClass::kFixture, Mount::kWorld, 0, X_WT * At(90, 0, 280), Box{{40, 40, 40}}});
+  std::vector<PassResult> passes(2);
+  for (int p = 0; p < 2; ++p) {
+    passes[p].pass = p;
+    passes[p].points.resize(2);
+    for (PlannedPoint& point : passes[p].points) point.q = p ? kRight : kLeft;
+    passes[p].pieces.push_back({p, 0, 0, 1, false});
+  }
+  const World world(cell);
+  std::vector<Gap> gaps;
+  for (const auto& [from, to] : GapEnds(HomePose(), passes)) gaps.push_back(PlanGap(world, from, to, {}, {}));
+  ASSERT_EQ(gaps.size(), 3u);
+  EXPECT_FALSE(gaps[0].planned);
+  EXPECT_NE(gaps[0].detail.find("home: spindle touches clamp"), std::string::npos) << gaps[0].detail;
+  EXPECT_TRUE(gaps[1].planned) << gaps[1].detail;
+  EXPECT_FALSE(gaps[2].planned);
+  EXPECT_GT(gaps[1].poses_checked, 0);
+}
+
 TEST(Gaps, StopIsHeard) {
   std::stop_source source;
   source.request_stop();

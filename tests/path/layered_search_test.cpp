@@ -130,7 +130,7 @@ TEST(SearchOpen, EqualsTheDenseReferenceOnRandomLayers) {
                           stream.Below(static_cast<int>(layers[t + 1].size()))});
       }
     }
-    const LayeredProblem problem{layers, Rule(60, 0.3), struck, false, false, {}};
+    const LayeredProblem problem{layers, Rule(60, 0.3), struck, false, false, {}, {}};
     const Sequence sequence = SearchOpen(problem);
     const Dense found = Measure(problem, sequence);
     const std::vector<Dense> row = DenseRow(problem);
@@ -149,7 +149,7 @@ TEST(SearchClosed, EqualsTheDenseReferenceOnRandomLayers) {
   int closed = 0, open = 0;
   for (int round = 0; round < 400; ++round) {
     const std::vector<Layer> layers = RandomLayers(stream, 2 + stream.Below(5), 14, 0.4);
-    const LayeredProblem problem{layers, Rule(60, 0.3), {}, false, false, {}};
+    const LayeredProblem problem{layers, Rule(60, 0.3), {}, false, false, {}, {}};
     double expected = kInfinity;
     const bool usable = std::all_of(layers.begin(), layers.end(), [](const Layer& l) { return l.usable(); });
     for (size_t start = 0; usable && start < layers[0].size(); ++start) {
@@ -178,7 +178,8 @@ TEST(SearchOpen, TheBandLosesNothingOnARealArm) {
     const std::vector<Layer> layers = PanelLayers(problem, 12, DegToRad(2), all_turns, 25);
     StepRule rule = Rule(4, 1e-3);
     rule.modulo_turns = !all_turns;
-    const LayeredProblem dense{layers, rule, {}, false, false, {}}, banded{layers, rule, {}, true, false, {}};
+    const LayeredProblem dense{layers, rule, {}, false, false, {}, {}},
+        banded{layers, rule, {}, true, false, {}, {}};
     const Sequence a = SearchOpen(dense), b = SearchOpen(banded);
     EXPECT_EQ(a.nodes, b.nodes);
     EXPECT_EQ(a.break_before, b.break_before);

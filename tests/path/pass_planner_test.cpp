@@ -54,8 +54,11 @@ Pass Ring(double radius, int count) {
 /// What holds of every plan: poses meet the points, are admissible, steps are within the bound.
 void ExpectSound(const PoseProblem& problem, const PathOptions& options, const Pass& pass,
                  const PassResult& result) {
-  ASSERT_EQ(result.points.size(), pass.points.size());
-  std::vector<int> covered(pass.points.size(), 0);
+  ASSERT_GE(result.points.size(), pass.points.size());  // more where parts of a split pass overlap
+  std::vector<int> covered(result.points.size(), 0);
+  EXPECT_EQ(std::count_if(result.points.begin(), result.points.end(),
+                          [](const PlannedPoint& p) { return p.point.kind == PointKind::kCut; }),
+            std::ssize(pass.points));
   for (size_t p = 0; p < result.pieces.size(); ++p) {
     const Piece& piece = result.pieces[p];
     EXPECT_EQ(piece.piece, static_cast<int>(p));
@@ -75,15 +78,16 @@ void ExpectSound(const PoseProblem& problem, const PathOptions& options, const P
       EXPECT_TRUE((step.cwiseAbs().array() <= options.max_joint_step.array() + 1e-12).all());
     }
   }
-  for (size_t t = 0; t < pass.points.size(); ++t) {
+  for (size_t t = 0; t < result.points.size(); ++t) {
     const PlannedPoint& point = result.points[t];
+    const MillingPoint& asked = point.point;
     EXPECT_EQ(covered[t], point.skip == SkipReason::kNone ? 1 : 0) << t;
     EXPECT_EQ(point.detail.empty(), point.skip == SkipReason::kNone);
     if (point.skip != SkipReason::kNone) continue;
     const Pose X_WT = problem.X_WB * ForwardFlange(problem.arm, point.q) * problem.X_FT;
-    EXPECT_LT((X_WT.translation() - pass.points[t].position).norm(), 1e-8);
-    EXPECT_LT((X_WT.linear().col(2) - pass.points[t].tool_axis).norm(), 1e-10);
-    const PointScorer scorer(problem, pass.points[t], pass.rotation_reference);
+    EXPECT_LT((X_WT.translation() - asked.position).norm(), 1e-8);
+    EXPECT_LT((X_WT.linear().col(2) - asked.tool_axis).norm(), 1e-10);
+    const PointScorer scorer(problem, asked, pass.rotation_reference);
     EXPECT_LT((X_WT.linear() - scorer.ToolPose(point.freedoms).linear()).norm(), 1e-10);
     EXPECT_TRUE((point.q.array() >= problem.bounds.lower.array() - 1e-12).all());
     EXPECT_TRUE((point.q.array() <= problem.bounds.upper.array() + 1e-12).all());
@@ -93,6 +97,21 @@ void ExpectSound(const PoseProblem& problem, const PathOptions& options, const P
     EXPECT_GE(point.objective, point.exhaustive_optimum * (1 - 1e-4));
     EXPECT_GT(point.dexterity, 0);
   }
+}
+
+/// Whether the tool runs from point t of `pass` to the next without being lifted.
+bool IsCut(const Pass& pass, const PassResult& result, size_t t) {
+  const size_t next = (t + 1) % pass.points.size();
+  for (size_t i = 0; i < result.points.size(); ++i) {
+    const PlannedPoint& a = result.points[i];
+    if (a.skip != SkipReason::kNone || a.point.position != pass.points[t].position) continue;
+    const Piece& piece = result.pieces[static_cast<size_t>(a.piece)];
+    const bool ends = static_cast<int>(i) == piece.last;
+    if (ends && !piece.closed) continue;
+    const PlannedPoint& b = result.points[ends ? static_cast<size_t>(piece.first) : i + 1];
+    if (b.point.position == pass.points[next].position) return true;
+  }
+  return false;
 }
 
 TEST(PlanPass, FollowsARow) {
@@ -153,6 +172,7 @@ TEST(PlanPass, SplitsWhereNoStepIsSmallEnough) {
   ASSERT_EQ(result.pieces.size(), 2u);
   EXPECT_EQ(result.pieces[0].last, 9);
   EXPECT_EQ(result.pieces[1].first, 10);
+  EXPECT_EQ(result.uncut, std::vector<int>{9});  // no pose on either side reaches over the crease
 }
 
 TEST(PlanPass, OneBadPointDoesNotCostThePass) {
@@ -251,6 +271,8 @@ TEST(PlanPass, UnwindsWhereAJointRunsOutOfTurns) {
   ExpectSound(problem, options, pass, result);
   ASSERT_EQ(result.pieces.size(), 2u);
   EXPECT_FALSE(result.pieces[0].closed);
+  EXPECT_TRUE(result.uncut.empty());
+  for (size_t t = 0; t < pass.points.size(); ++t) EXPECT_TRUE(IsCut(pass, result, t)) << t;
   // The same ring with a joint that may turn on needs no split.
   problem.bounds.lower[0] = DegToRad(-400);
   problem.bounds.upper[0] = DegToRad(400);
@@ -258,6 +280,126 @@ TEST(PlanPass, UnwindsWhereAJointRunsOutOfTurns) {
   ExpectSound(problem, options, pass, free);
   ASSERT_EQ(free.pieces.size(), 1u);
   EXPECT_TRUE(free.pieces[0].closed);
+}
+
+/// The arm's first joints held near the course of `result`, so that rotations are too.
+void HoldArm(PoseProblem& problem, const PassResult& result, double margin_deg) {
+  for (int j = 0; j < 3; ++j) {
+    double least = 1e9, most = -1e9;
+    for (const PlannedPoint& point : result.points) {
+      least = std::min(least, point.q[j]);
+      most = std::max(most, point.q[j]);
+    }
+    problem.bounds.lower[j] = std::max(problem.bounds.lower[j], least - DegToRad(margin_deg));
+    problem.bounds.upper[j] = std::min(problem.bounds.upper[j], most + DegToRad(margin_deg));
+  }
+}
+
+TEST(PlanPass, PostsThatForceAnotherBranchInMidPassSplitItWithAnOverlap) {
+  PoseProblem problem = MakeProblem(Kr500R2830());
+  const Pass pass = Row(-115, 115, 24);
+  const PassResult before = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, Options(), 2, {});
+  ASSERT_EQ(before.pieces.size(), 1u);
+  HoldArm(problem, before, 2);
+  // A motor beside the forearm changes sides when the wrist flips. Posts bar one side in one half of the row,
+  // the other side in the other.
+  Cell cell = EmptyCell(problem);
+  const Eigen::Vector3d motor(-300, 0, 260);
+  cell.bodies.push_back({.name = "motor",
+                         .body_class = BodyClass::kLink,
+                         .mount = Mount::kLink,
+                         .link = 4,
+                         .shape = Sphere{60}});
+  cell.bodies.back().X_MG.translation() = motor;
+  for (size_t t = 0; t < pass.points.size(); ++t) {
+    if (t > 8 && t < 15) continue;
+    Joints q = before.points[t].q;
+    if (t <= 8) q[3] += q[3] > 0 ? -kPi : kPi, q[4] = -q[4];
+    Body post{.name = "post", .body_class = BodyClass::kFixture, .mount = Mount::kWorld, .shape = Sphere{90}};
+    post.name += std::to_string(t);
+    post.X_MG.translation() = problem.X_WB * (LinkFrames(problem.arm, q)[4] * motor);
+    cell.bodies.push_back(post);
+  }
+  const World world(cell);
+  const PassResult result = PlanPass(problem, world, pass, 0, 0, Options(), 2, {});
+  ExpectSound(problem, Options(), pass, result);
+  ASSERT_EQ(result.pieces.size(), 2u);
+  EXPECT_TRUE(result.uncut.empty());
+  EXPECT_GT(result.points.size(), pass.points.size());
+  const auto branch = [&](int piece) {
+    return result.points[static_cast<size_t>(result.pieces[piece].first)].branch;
+  };
+  EXPECT_EQ(branch(0) ^ branch(1), 4) << "the wrist flips between the pieces";
+  for (size_t t = 0; t + 1 < pass.points.size(); ++t) EXPECT_TRUE(IsCut(pass, result, t)) << t;
+  Checker checker(world);
+  for (const PlannedPoint& point : result.points) EXPECT_FALSE(checker.At(point.q, Phase::kCutting));
+}
+
+TEST(PlanPass, NeverRunsThroughTheWristSingularity) {
+  PoseProblem problem = MakeProblem(Kr500R2830());
+  // A course of A5 from 15° to −15°, nothing else moving: held near it, no rotation leads round A5 = 0.
+  Pass pass;
+  PassResult course;
+  for (int t = 0; t <= 40; ++t) {
+    const Joints q = Degrees(-4.5, -63.9, 103.3, 18.8, 15 - 0.75 * t, 16.2);
+    const Pose X_WT = problem.X_WB * ForwardFlange(problem.arm, q) * problem.X_FT;
+    MillingPoint point;
+    point.position = X_WT.translation();
+    point.normal = point.tool_axis = X_WT.linear().col(2);
+    point.feed = X_WT.linear().col(0);
+    point.feed_rate = 10;
+    point.arc_length = 8.0 * t;
+    pass.points.push_back(point);
+    course.points.emplace_back().q = q;
+  }
+  HoldArm(problem, course, 0.2);
+  PathOptions options = Options();
+  options.rotation_step = DegToRad(0.25);
+  const PassResult result = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, options, 2, {});
+  ExpectSound(problem, options, pass, result);  // every piece keeps its branch
+  EXPECT_GE(result.pieces.size(), 2u);
+  int singular = 0, before = 0, after = 0;
+  for (size_t t = 0; t < result.points.size(); ++t) {
+    const PlannedPoint& point = result.points[t];
+    singular += point.skip == SkipReason::kSingular;
+    if (point.skip != SkipReason::kNone) continue;
+    EXPECT_GE(DistanceToSingularity(problem.arm, point.q).wrist, 0.05 - 1e-9);
+    ++(t < 20 ? before : after);
+  }
+  EXPECT_GE(singular, 1);
+  EXPECT_LE(singular, 10);
+  EXPECT_GE(before, 14);
+  EXPECT_GE(after, 14);
+}
+
+TEST(PlanPass, HalfThePartOutOfReachLeavesTheOtherHalf) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const World world(EmptyCell(problem));
+  Pass pass = Row(-60, 60, 24);
+  for (int t = 12; t < 24; ++t) pass.points[t].position.x() += 3000;
+  const PassResult result = PlanPass(problem, world, pass, 0, 0, Options(), 2, {});
+  ExpectSound(problem, Options(), pass, result);
+  ASSERT_EQ(result.pieces.size(), 1u);
+  for (int t = 0; t < 24; ++t) {
+    EXPECT_EQ(result.points[t].skip, t < 12 ? SkipReason::kNone : SkipReason::kUnreachable) << t;
+  }
+  EXPECT_TRUE(result.uncut.empty());
+}
+
+TEST(PlanPass, SmoothsWhatItFinds) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const World world(EmptyCell(problem));
+  const Pass pass = Row(-300, 300, 60);
+  PathOptions options = Options(), rough = Options();
+  rough.smoothing_loss = 0;
+  const PassResult smooth = PlanPass(problem, world, pass, 0, 0, options, 2, {});
+  ExpectSound(problem, options, pass, smooth);
+  const PassResult before = PlanPass(problem, world, pass, 0, 0, rough, 2, {});
+  const Smoothing& figures = smooth.smoothing;
+  EXPECT_LT(figures.square_after, 0.25 * figures.square_before);
+  EXPECT_LE(figures.objective_after, 1.01 * figures.objective_before);
+  EXPECT_NEAR(figures.square_before, before.smoothing.square_after, 1e-12 * figures.square_before);
+  EXPECT_EQ(before.smoothing.square_after, before.smoothing.square_before);
 }
 
 TEST(PlanPass, StopsWhenAsked) {

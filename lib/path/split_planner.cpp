@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/split_planner.hpp"
+
+#include "base/parallel.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr uint64_t kLeadStreams = uint64_t{1} << 40;  // beyond those of any job's own points
+constexpr int kRounds = 40;                           // then what still fails stays without overlap
+
+/// Full turns hardly ever matter, so first every node stands for all of its own; where the joints then wind
+/// out of their limits, each turn becomes a node.
+PassPlan PlanTurned(const PassContext& context) {
+  std::optional<PassPlan> plan = PlanPieces(context, false);
+  if (!plan) plan = PlanPieces(context, true);
+  return std::move(*plan);
+}
+
+class SplitPlanner {
+ public:
+  SplitPlanner(const Pass& pass, std::shared_ptr<const SplitPoints> own, size_t first_point)
+      : pass_(pass),
+        own_(std::move(own)),
+        first_point_(first_point),
+        choices_(OverlapChoices(own_->context->options.overlap)) {}
+
+  SplitPass Plan() {
+    SplitPass planned{own_, PlanTurned(*own_->context), {}};
+    for (int round = 0; Revise(planned, round); ++round) {
+      const long long poses = planned.plan.poses_checked;
+      planned.points = Points();
+      planned.plan = PlanTurned(*planned.points->context);
+      planned.plan.poses_checked += poses;
+    }
+    const std::vector<SplitPoint>& points = planned.points->points;
+    for (const Tried& tried : splits_) {
+      if (tried.split.overlap.by != OverlapChoice::By::kNone) continue;
+      for (size_t i = 0; i < points.size(); ++i) {
+        if (points[i].source == tried.split.after && points[i].added_by < 0)
+          planned.uncut.push_back(static_cast<int>(i));
+      }
+    }
+    return planned;
+  }
+
+ private:
+  struct Tried {
+    Split split;
+    size_t choice = 0;
+  };
+
+  /// Notes new splits, and the next choice for those that failed. True when there is something to plan again.
+  bool Revise(const SplitPass& planned, int round) {
+    const std::vector<SplitPoint>& points = planned.points->points;
+    const std::vector<int>& piece = planned.plan.piece;
+    std::vector<bool> failed(splits_.size(), false), cut(splits_.size(), false);
+    std::vector<size_t> found;
+    for (size_t i = 0; i < points.size(); ++i) {
+      if (points[i].added_by >= 0 && piece[i] < 0) failed[points[i].added_by] = true;
+      if (i + 1 < points.size()) {
+        Look(points[i], points[i + 1], piece[i], piece[i + 1], failed, cut, found);
+      } else if (pass_.closed && splits_.empty() && piece[i] >= 0 && piece[0] >= 0) {
+        if (planned.plan.pieces.empty() || !planned.plan.pieces.front().closed) found.push_back(i);
+      }
+    }
+    bool changed = !found.empty();
+    for (size_t k = 0; k < splits_.size(); ++k) {
+      Tried& tried = splits_[k];
+      if (tried.split.overlap.by == OverlapChoice::By::kNone || (cut[k] && !failed[k])) continue;
+      tried.choice = round < kRounds ? tried.choice + 1 : choices_.size() - 1;
+      tried.split.overlap = choices_[tried.choice];
+      changed = true;
+    }
+    for (const size_t after : found) splits_.push_back({{after, choices_[0]}, 0});
+    std::sort(splits_.begin(), splits_.end(),
+              [](const Tried& a, const Tried& b) { return a.split.after < b.split.after; });
+    return changed;
+  }
+
+  /// What two neighbours say about the splits: whether they cut the step of one, or are apart where no split
+  /// is known.
+  void Look(const SplitPoint& a, const SplitPoint& b, int piece_a, int piece_b, std::vector<bool>& failed,
+            std::vector<bool>& cut, std::vector<size_t>& found) const {
+    if (piece_a < 0 || piece_b < 0) return;
+    if (piece_a == piece_b) {
+      for (size_t k = 0; k < splits_.size(); ++k) {
+        const size_t after = splits_[k].split.after;
+        cut[k] = cut[k] || (a.source == after && b.source == (after + 1) % pass_.points.size());
+      }
+    } else if (!b.break_before) {
+      if (a.added_by >= 0) failed[a.added_by] = true;
+      if (b.added_by >= 0) failed[b.added_by] = true;
+      if (a.added_by < 0 && b.added_by < 0) found.push_back(a.source);
+    }
+  }
+
+  std::shared_ptr<const SplitPoints> Points() const {
+    const PassContext& from = *own_->context;
+    std::vector<Split> splits;
+    for (const Tried& tried : splits_) splits.push_back(tried.split);
+    auto made = std::make_shared<SplitPoints>();
+    made->points = WithOverlaps(pass_, splits, from.options.ends, from.options.lead_spacing);
+    for (const SplitPoint& point : made->points) made->milling.push_back(point.point);
+    made->context = std::make_unique<PassContext>(PassContext{from.problem,
+                                                              from.world,
+                                                              from.options,
+                                                              made->milling,
+                                                              false,
+                                                              from.threads,
+                                                              from.stop,
+                                                              {},
+                                                              {},
+                                                              {},
+                                                              {}});
+    PassContext& context = *made->context;
+    std::vector<size_t> leads;
+    for (size_t i = 0; i < made->points.size(); ++i) {
+      const SplitPoint& point = made->points[i];
+      const bool own = point.point.position == pass_.points[point.source].position;
+      if (!own) leads.push_back(i);
+      context.scorers.push_back(own ? from.scorers[point.source]
+                                    : PointScorer(from.problem, point.point, pass_.rotation_reference));
+      context.genetic.push_back(own ? from.genetic[point.source] : PointOptimum{});
+      context.exhaustive.push_back(own ? from.exhaustive[point.source] : PointOptimum{});
+      context.break_before.push_back(point.break_before);
+    }
+    FindOptima(leads, kLeadStreams + (first_point_ << 10), context);
+    return made;
+  }
+
+  const Pass& pass_;
+  std::shared_ptr<const SplitPoints> own_;
+  size_t first_point_;
+  std::vector<OverlapChoice> choices_;
+  std::vector<Tried> splits_;
+};
+
+}  // namespace
+
+SplitPass PlanSplit(const Pass& pass, std::shared_ptr<const SplitPoints> own, size_t first_point) {
+  return SplitPlanner(pass, std::move(own), first_point).Plan();
+}
+
+void FindOptima(std::span<const size_t> points, uint64_t stream, PassContext& context) {
+  const PathOptions& options = context.options;
+  ParallelFor(points.size(), context.threads, context.stop, [&](size_t i) {
+    const size_t t = points[i];
+    context.exhaustive[t] = ExhaustiveSearch(context.scorers[t], context.problem, options.exhaustive_step);
+    context.genetic[t] = GeneticSearch(context.scorers[t], context.problem, options.genetic,
+                                       RandomStream(options.seed, stream + i));
+  });
+}
+
+}  // namespace millpose

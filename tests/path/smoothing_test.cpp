@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/smoothing.hpp"
+
+#include <limits>
+
+#include "motion/cut_feed.hpp"
+#include "path/box_step.hpp"
+#include "tests/pose/problems.hpp"
+
+namespace millpose {
+namespace {
+
+/// A row of points with a path along it that turns about the tool axis as `rotation` says.
+struct Course {
+  PoseProblem problem = MakeProblem(Kr500R2830());
+  std::vector<MillingPoint> points;
+  std::vector<PointScorer> scorers;
+  std::vector<PathNode> path;
+  std::vector<FreedomRange> ranges;
+
+  /// `turned` is added to the rotation and branch of least objective at which all points are admissible.
+  template <typename Rotation>
+  Course(int count, double spacing, const Rotation& turned) {
+    for (int t = 0; t < count; ++t) {
+      points.push_back(PanelPoint(spacing * (t - 0.5 * count), 100));
+      points.back().arc_length = spacing * t;
+      scorers.emplace_back(problem, points.back(), Eigen::Vector3d::UnitZ());
+      ranges.push_back({-10, 10});
+    }
+    for (int place = 0; place < 72 * 8; ++place) {
+      std::vector<PathNode> tried;
+      double objective = 0;
+      for (int t = 0; t < count; ++t) {
+        PathNode node;
+        node.branch = place % 8;
+        node.freedoms = {DegToRad(5.0 * (place / 8)) - kPi + turned(t)};
+        const Candidate candidate = scorers[t].ScoreOne(node.freedoms, node.branch);
+        if (candidate.admissibility != Admissibility::kAdmissible) break;
+        node.q = candidate.q;
+        objective += node.objective = candidate.objective;
+        tried.push_back(node);
+      }
+      if (std::ssize(tried) == count && (path.empty() || objective < Objective())) path = std::move(tried);
+    }
+    EXPECT_FALSE(path.empty());
+  }
+
+  SmoothOptions Options() const {
+    SmoothOptions options;
+    options.objective = Objective();
+    options.loss = 0.01;
+    options.max_step = Joints::Constant(DegToRad(5));
+    options.max_deviation = 0.5;
+    return options;
+  }
+  double Objective() const {
+    double sum = 0;
+    for (const PathNode& node : path) sum += node.objective;
+    return sum;
+  }
+  /// Root mean square of the joint accelerations, rad/s².
+  double Rms() const {
+    std::vector<CutSample> cut;
+    for (size_t t = 0; t < path.size(); ++t) {
+      cut.push_back({path[t].q, points[t].arc_length, points[t].feed_rate});
+    }
+    return TimeRms(cut, RatesAlong(cut).acceleration).norm();
+  }
+};
+
+/// Steps of a grid, as the search leaves them along an obstacle.
+double Stairs(int t) { return DegToRad(std::round(0.23 * t)); }
+
+TEST(SmoothPath, HalvesTheAccelerationsOfStairsAtLittleLoss) {
+  Course course(60, 10, Stairs);
+  const double before = course.Rms(), objective = course.Objective();
+  const std::vector<PathNode> start = course.path;
+  SmoothPath(course.scorers, course.points, course.ranges, course.Options(), course.path);
+  EXPECT_LT(course.Rms(), 0.25 * before);
+  EXPECT_LE(course.Objective(), 1.01 * objective);
+  for (size_t t = 0; t < start.size(); ++t) {
+    const PathNode& node = course.path[t];
+    const Candidate candidate = course.scorers[t].ScoreOne(node.freedoms, node.branch);
+    EXPECT_EQ(candidate.admissibility, Admissibility::kAdmissible);
+    EXPECT_LT((candidate.q - node.q).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_EQ(candidate.objective, node.objective);
+    if (t > 0) {
+      EXPECT_LE((node.q - course.path[t - 1].q).cwiseAbs().maxCoeff(), DegToRad(5));
+    }
+  }
+  // The same again gives the same bits.
+  std::vector<PathNode> again = start;
+  SmoothPath(course.scorers, course.points, course.ranges, course.Options(), again);
+  for (size_t t = 0; t < start.size(); ++t) EXPECT_EQ(again[t].q, course.path[t].q);
+}
+
+TEST(SmoothPath, LosesNoMoreThanAllowed) {
+  double last = std::numeric_limits<double>::infinity();
+  for (const double loss : {0.0, 0.001, 0.01, 0.1}) {
+    // A jump that is cheaper to keep than to spread.
+    Course course(40, 10, [](int t) { return DegToRad(t < 20 ? 0 : 3); });
+    SmoothOptions options = course.Options();
+    options.loss = loss;
+    SmoothPath(course.scorers, course.points, course.ranges, options, course.path);
+    EXPECT_LE(course.Objective(), (1 + loss) * options.objective * (1 + 1e-12));
+    EXPECT_LE(course.Rms(), last * 1.05);  // more may be given, more is gained
+    last = course.Rms();
+  }
+}
+
+TEST(SmoothPath, KeepsToItsRanges) {
+  Course course(60, 10, Stairs);
+  for (size_t t = 0; t < course.path.size(); ++t) {
+    const double value = course.path[t].freedoms[0];
+    course.ranges[t] = t % 10 == 0 ? FreedomRange{value, value} : FreedomRange{value, 10};  // one side only
+  }
+  const std::vector<PathNode> start = course.path;
+  const double before = course.Rms();
+  SmoothPath(course.scorers, course.points, course.ranges, course.Options(), course.path);
+  for (size_t t = 0; t < start.size(); ++t) {
+    EXPECT_GE(course.path[t].freedoms[0], start[t].freedoms[0]);
+    if (t % 10 == 0) {
+      EXPECT_EQ(course.path[t].q, start[t].q);
+    }
+  }
+  EXPECT_LT(course.Rms(), before);
+}
+
+TEST(SmoothPath, MendsMotionsThatDeviateHalfway) {
+  Course course(60, 10, [](int t) { return DegToRad(std::clamp(4.0 * (t - 28), 0.0, 16.0)); });
+  const auto deviation = [&] {
+    const Carrier carrier{course.problem.arm, course.problem.X_WB, course.problem.X_FT};
+    double most = 0;
+    for (size_t t = 1; t < course.path.size(); ++t) {
+      most = std::max(most, HalfwayDeviation(carrier, course.path[t - 1].q, course.path[t].q).position);
+    }
+    return most;
+  };
+  SmoothOptions options = course.Options();
+  options.max_deviation = 0.25 * deviation();
+  options.loss = 0;  // the bound goes first
+  SmoothPath(course.scorers, course.points, course.ranges, options, course.path);
+  EXPECT_LE(deviation(), options.max_deviation);
+}
+
+TEST(BoxLeastSquares, MeetsTheConditionsOfItsLeast) {
+  RandomStream random(5, 0);
+  int bound = 0;
+  for (int round = 0; round < 200; ++round) {
+    const size_t count = 3 + random.Below(20);
+    BoxLeastSquares squares(count);
+    Eigen::MatrixXd H = Eigen::MatrixXd::Zero(count, count);
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(count);
+    for (size_t t = 0; t < count; ++t) {  // round the end
+      const std::array<size_t, 3> at{t, (t + 1) % count, (t + 2) % count};
+      const std::array<double, 3> c{random.Normal(), random.Normal(), random.Normal()};
+      const double weight = random.Uniform(0.5, 2), residual = random.Normal();
+      squares.Add<3>(weight, residual, {{{at[0], c[0]}, {at[1], c[1]}, {at[2], c[2]}}});
+      for (int i = 0; i < 3; ++i) {
+        g[at[i]] += 2 * weight * residual * c[i];
+        for (int k = 0; k < 3; ++k) H(at[i], at[k]) += 2 * weight * c[i] * c[k];
+      }
+      squares.AddCurve(t, 0.1, 1);
+      g[t] += 0.1, H(t, t) += 1;
+    }
+    H.diagonal().array() += 1e-9 * H.diagonal().maxCoeff();
+    std::vector<double> lower, upper;
+    for (size_t t = 0; t < count; ++t) {
+      lower.push_back(-random.Uniform(0, 0.4));
+      upper.push_back(random.Below(4) ? random.Uniform(0, 0.4) : 0.0);
+    }
+    const std::vector<double> delta = squares.Solve(lower, upper, 1e-9);
+    const Eigen::VectorXd slopes = H * Eigen::Map<const Eigen::VectorXd>(delta.data(), count) + g;
+    for (size_t t = 0; t < count; ++t) {
+      EXPECT_GE(delta[t], lower[t]);
+      EXPECT_LE(delta[t], upper[t]);
+      const bool below = delta[t]<upper[t], above = delta[t]> lower[t];
+      bound += below != above;
+      if (below && above) {
+        EXPECT_NEAR(slopes[t], 0, 1e-7);
+      } else if (above) {
+        EXPECT_LE(slopes[t], 1e-7);
+      } else if (below) {
+        EXPECT_GE(slopes[t], -1e-7);
+      }
+    }
+  }
+  EXPECT_GT(bound, 200);
+}
+
+}  // namespace
+}  // namespace millpose
