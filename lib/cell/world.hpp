@@ -51,7 +51,8 @@ class Checker {
   /// Conservative check of the straight joint-space motion from q0 to q1: empty means that no pair comes
   /// nearer than its clearance less `resolution` (mm) anywhere on it. Steps by distance ÷ bound of each
   /// body's motion. The same holds of every motion whose joints leave that one by at most `tube` (rad, per
-  /// joint); where the tube is so wide that a pair at its clearance cannot be told free, the pair is reported.
+  /// joint); where the tube is so wide that a pair at its clearance cannot be told free, the pair is
+  /// reported.
   std::optional<Interference> Between(const Joints& q0, const Joints& q1, Phase phase,
                                       double resolution = 0.5, const Joints& tube = Joints::Zero());
 

@@ -25,9 +25,9 @@ struct ContinuityFigures {
   Joints acceleration_rms = Joints::Zero();    ///< rad/s², over the time of all cuts
   double wrist = 1, elbow = 1;                 ///< smallest sines, see SingularityDistance
   double shoulder = 0;                         ///< mm, smallest; 0 without points
-  double halfway_deviation = 0;                ///< mm, tip, largest between joint and straight motion half-way
-  double halfway_axis = 0;                     ///< rad, tool axis, likewise
-  std::vector<FeedFinding> feed_not_held;      ///< in the order of the points
+  double halfway_deviation = 0;            ///< mm, tip, largest between joint and straight motion half-way
+  double halfway_axis = 0;                 ///< rad, tool axis, likewise
+  std::vector<FeedFinding> feed_not_held;  ///< in the order of the points
 };
 ContinuityFigures AnalyseContinuity(const PlanResult& plan);
 

@@ -43,7 +43,7 @@ struct Piece {
 
 /// What smoothing did to a pass.
 struct Smoothing {
-  double square_before = 0, square_after = 0;  ///< SquaredAcceleration, rad²/s³
+  double square_before = 0, square_after = 0;        ///< SquaredAcceleration, rad²/s³
   double objective_before = 0, objective_after = 0;  ///< summed over the planned points
 };
 
@@ -70,9 +70,9 @@ struct Gap {
   std::string detail;  ///< what blocked it; of a planned one: by how much clearances were reduced
   Pose X_WT_retracted = Pose::Identity();  ///< tool at the end of the retract (from ≠ home)
   Pose X_WT_approach = Pose::Identity();   ///< tool where the approach begins (to ≠ home)
-  std::vector<Joints> joints;  ///< of the joint-space path, from retracted (or home) to approach (or home)
-  double clearance = 0;        ///< mm, smallest on the way, bounded
-  double duration = 0;         ///< s, by the joints' speeds and accelerations
+  std::vector<Joints> joints;   ///< of the joint-space path, from retracted (or home) to approach (or home)
+  double clearance = 0;         ///< mm, smallest on the way, bounded
+  double duration = 0;          ///< s, by the joints' speeds and accelerations
   long long poses_checked = 0;  ///< interference
 };
 

@@ -73,9 +73,9 @@ struct PlanFigures {
   std::optional<double> price_of_continuity;  ///< Σ f on the path ÷ Σ of the points' own optima, ≥ 1
   std::optional<double> ga_nodes_share;       ///< of the path's nodes that came from the genetic algorithm
   std::optional<double> clearance_min;        ///< mm
-  std::optional<double> acceleration_ratio;   ///< RMS of joint accelerations in cuts after ÷ before smoothing
-  std::optional<double> smoothing_loss;       ///< Σ f after ÷ before smoothing − 1
-  long long poses_checked = 0;                ///< for interference, in passes and gaps
+  std::optional<double> acceleration_ratio;  ///< RMS of joint accelerations in cuts after ÷ before smoothing
+  std::optional<double> smoothing_loss;      ///< Σ f after ÷ before smoothing − 1
+  long long poses_checked = 0;               ///< for interference, in passes and gaps
   long long candidates = 0, candidates_checked = 0;  ///< of the layered search; the rest was never asked for
 };
 PlanFigures Figures(const PlanResult& plan);
