@@ -75,7 +75,8 @@ TEST(SmoothPath, HalvesTheAccelerationsOfStairsAtLittleLoss) {
   Course course(60, 10, Stairs);
   const double before = course.Rms(), objective = course.Objective();
   const std::vector<PathNode> start = course.path;
-  SmoothPath(course.scorers, course.points, course.ranges, course.Options(), course.path);
+  const SmoothOptions options = course.Options();
+  SmoothPath(course.scorers, course.points, course.ranges, options, course.path);
   EXPECT_LT(course.Rms(), 0.25 * before);
   EXPECT_LE(course.Objective(), 1.01 * objective);
   for (size_t t = 0; t < start.size(); ++t) {
@@ -90,7 +91,7 @@ TEST(SmoothPath, HalvesTheAccelerationsOfStairsAtLittleLoss) {
   }
   // The same again gives the same bits.
   std::vector<PathNode> again = start;
-  SmoothPath(course.scorers, course.points, course.ranges, course.Options(), again);
+  SmoothPath(course.scorers, course.points, course.ranges, options, again);
   for (size_t t = 0; t < start.size(); ++t) EXPECT_EQ(again[t].q, course.path[t].q);
 }
 
