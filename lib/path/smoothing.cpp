@@ -19,7 +19,7 @@ constexpr int kBisections = 3;       // of that weight
 constexpr double kConverged = 3e-3;  // relative
 constexpr double kLeastLoss = 1e-3;  // the scale of the objective when less than this may be lost
 /// Bounds are aimed at with this reserve, and their violation weighs as much against smoothness.
-constexpr double kReserve = 0.95, kViolationWeight = 100;
+constexpr double kReserve = 0.95, kStepReserve = 0.97, kViolationWeight = 100;
 
 /// The joint accelerations at one point: left·(q_m − q_{m−1}) + right·(q_{m+1} − q_m), and its share of time.
 struct AccelerationRow {
@@ -212,9 +212,10 @@ class Smoother {
       merit.violation += beyond * beyond;
       merit.within = merit.within && off <= 1;
       for (int j = 0; j < 6; ++j) {
-        const double share = std::abs(step[j]) / options_.max_step[j], over = std::max(0.0, share - 1);
+        const double share = std::abs(step[j]) / options_.max_step[j],
+                     over = std::max(0.0, share - kStepReserve);
         merit.violation += over * over;
-        merit.steps = merit.steps && over < kRounding;
+        merit.steps = merit.steps && share <= 1 + kRounding;
       }
     }
     return merit;
@@ -308,9 +309,9 @@ class Smoother {
     }
     for (int j = 0; j < 6; ++j) {
       const double share = step[j] / options_.max_step[j];
-      if (std::abs(share) <= 1) continue;
+      if (std::abs(share) <= kStepReserve) continue;
       const double sign = share > 0 ? 1 : -1, scale = sign / options_.max_step[j];
-      squares.Add<2>(kViolationWeight, std::abs(share) - 1,
+      squares.Add<2>(kViolationWeight, std::abs(share) - kStepReserve,
                      {{{t, -scale * places[t].turn[j]}, {next, scale * places[next].turn[j]}}});
     }
   }

@@ -35,23 +35,17 @@ Cell BallCell(const Joints& at, const Eigen::Vector3d& p_TB) {
 TEST(CheckCut, WhatItCallsFreeIsFreeOnTheStraightMotion) {
   RandomStream random(31, 0);
   const Carrier carrier = CarrierOf(SampleCell());
-  int free = 0, blocked = 0, only_line = 0;
-  for (int trial = 0; trial < 200; ++trial) {
+  int free = 0, blocked = 0, different = 0;
+  for (int trial = 0; trial < 400; ++trial) {
     Joints q0 = kMiddle, q1 = kMiddle;
     for (int i = 0; i < 6; ++i) {
       const double most = i < 3 ? 0.01 : 0.12;  // the wrist turns fast: the two motions differ by millimetres
       q0[i] += random.Uniform(-most, most);
       q1[i] += random.Uniform(-most, most);
     }
-    // A ball beside the spindle half-way, on the side to which the straight motion leaves the other.
-    const auto middle = OnLine(carrier, q0, q1, 0.5);
-    ASSERT_TRUE(middle.has_value());
-    const Pose X_WT = carrier.ToolPose(*middle);
-    const Eigen::Vector3d on_axis(0, 0, 300);
-    Eigen::Vector3d side = X_WT * on_axis - carrier.ToolPose(0.5 * (q0 + q1)) * on_axis;
-    side = X_WT.linear().transpose() * side;
-    side.z() = 0;
-    const World world(BallCell(*middle, on_axis + (80 + 20 + random.Uniform(8, 13)) * side.normalized()));
+    // A ball somewhere beside the spindle, away from its bracket.
+    const double around = random.Uniform(-0.8, 0.8), off = 80 + 20 + random.Uniform(0, 70);
+    const World world(BallCell(kMiddle, {off * std::cos(around), off * std::sin(around), 300}));
     const double clearance = world.cell().clearances.free;
     Checker checker(world);
     const std::string problem = CheckCut(checker, carrier, q0, q1, 0.5);
@@ -62,12 +56,12 @@ TEST(CheckCut, WhatItCallsFreeIsFreeOnTheStraightMotion) {
     } else {
       EXPECT_LT(truth, clearance + 0.5) << problem;
       ++blocked;
-      only_line += !checker.Between(q0, q1, Phase::kCutting, 0.5).has_value();
     }
+    different += problem.empty() == checker.Between(q0, q1, Phase::kCutting, 0.5).has_value();
   }
-  EXPECT_GT(free, 20);
-  EXPECT_GT(blocked, 20);
-  EXPECT_GT(only_line, 0) << "no motion whose joints could turn evenly but whose straight line is barred";
+  EXPECT_GT(free, 50);
+  EXPECT_GT(blocked, 50);
+  EXPECT_GT(different, 0) << "even turning of the joints and the straight motion always agree here";
 }
 
 TEST(CheckCut, NamesWhatIsInTheWayAndWhereTheBranchEnds) {
