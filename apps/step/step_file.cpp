@@ -85,6 +85,7 @@ SourceFace Described(const STEPControl_Reader& reader, const TopoDS_Face& face) 
   if (!model.IsNull()) source.id = "#" + std::to_string(model->IdentLabel(entity));
   const Handle(StepRepr_RepresentationItem) item = Handle(StepRepr_RepresentationItem)::DownCast(entity);
   if (!item.IsNull() && !item->Name().IsNull()) source.name = item->Name()->ToCString();
+  if (source.name == "NONE") source.name.clear();  // what writers put where there is none
   return source;
 }
 
@@ -109,7 +110,8 @@ bool Append(const TopoDS_Face& face, int source, Triangles& triangles) {
   return true;
 }
 
-// How far the face lies from its triangles, in the middle of each and of its sides, mm.
+// How far the face lies from its triangles, in the middle of each and of its sides, mm. Corners count as
+// lying on the face: at its rim they lie on the rim's own curve, as near as the file is exact.
 double DeviationOf(const TopoDS_Face& face) {
   TopLoc_Location location;
   const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(face, location);
@@ -122,8 +124,8 @@ double DeviationOf(const TopoDS_Face& face) {
     std::array<gp_Pnt, 3> p;
     std::array<gp_Pnt2d, 3> uv;
     for (int k = 0; k < 3; ++k) {
-      p[k] = mesh->Node(corner[k]).Transformed(location.Transformation());
       uv[k] = mesh->UVNode(corner[k]);
+      p[k] = surface.Value(uv[k].X(), uv[k].Y());
     }
     gp_XYZ normal = (p[1].XYZ() - p[0].XYZ()).Crossed(p[2].XYZ() - p[0].XYZ());
     if (!(normal.Modulus() > 1e-9)) continue;
@@ -136,21 +138,22 @@ double DeviationOf(const TopoDS_Face& face) {
   return deviation;
 }
 
-// OpenCASCADE's deflection is no bound on faces that bend in two directions: measured, and cut finer where it
-// is exceeded. Returns the deviation that is left.
-double Tessellate(const TopoDS_Shape& shape, double chord_tolerance) {
-  constexpr int kRounds = 4;
-  double deflection = chord_tolerance, deviation = 0;
-  for (int round = 0; round < kRounds; ++round) {
-    if (round > 0) BRepTools::Clean(shape);
-    BRepMesh_IncrementalMesh mesher(shape, deflection, Standard_False, kAngle, Standard_False);
-    deviation = 0;
-    for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next())
-      deviation = std::max(deviation, DeviationOf(TopoDS::Face(it.Current())));
-    if (deviation <= chord_tolerance) break;
-    deflection *= 0.9 * chord_tolerance / deviation;
-  }
+double Cut(const TopoDS_Shape& shape, double deflection) {
+  BRepTools::Clean(shape);
+  BRepMesh_IncrementalMesh mesher(shape, deflection, Standard_False, kAngle, Standard_False);
+  double deviation = 0;
+  for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next())
+    deviation = std::max(deviation, DeviationOf(TopoDS::Face(it.Current())));
   return deviation;
+}
+
+// OpenCASCADE's deflection is no bound on faces that bend in two directions: measured, and cut finer once
+// where it is exceeded, unless that does not help. Returns the deviation that is left.
+double Tessellate(const TopoDS_Shape& shape, double chord_tolerance) {
+  const double coarse = Cut(shape, chord_tolerance);
+  if (coarse <= chord_tolerance) return coarse;
+  const double fine = Cut(shape, 0.9 * chord_tolerance * std::max(0.1, chord_tolerance / coarse));
+  return fine < 0.9 * coarse ? fine : Cut(shape, chord_tolerance);
 }
 
 }  // namespace
