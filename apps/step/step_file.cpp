@@ -6,7 +6,6 @@
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepGProp.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
-#include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
 #include <Interface_Static.hxx>
@@ -23,9 +22,11 @@
 #include <XSControl_WorkSession.hxx>
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
+
+#include "refine.hpp"
 
 namespace millpose {
 namespace {
@@ -89,71 +90,40 @@ SourceFace Described(const STEPControl_Reader& reader, const TopoDS_Face& face) 
   return source;
 }
 
-// Appends the face's triangles, in mm, seen from outside.
-bool Append(const TopoDS_Face& face, int source, Triangles& triangles) {
+// Appends the face's triangles, in mm, seen from outside. Returns how far the face lies from them at most, or
+// nothing when it has none.
+std::optional<double> Append(const TopoDS_Face& face, int source, double tolerance, Triangles& triangles) {
   TopLoc_Location location;
   const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(face, location);
-  if (mesh.IsNull() || mesh->NbTriangles() == 0) return false;
-  const auto first = static_cast<int>(triangles.vertices.size());
+  if (mesh.IsNull() || mesh->NbTriangles() == 0) return std::nullopt;
+  FaceTriangles cut;
   for (int i = 1; i <= mesh->NbNodes(); ++i) {
     const gp_Pnt p = mesh->Node(i).Transformed(location.Transformation());
-    triangles.vertices.emplace_back(p.X(), p.Y(), p.Z());
+    cut.points.emplace_back(p.X(), p.Y(), p.Z());
+    if (mesh->HasUVNodes()) cut.parameters.emplace_back(mesh->UVNode(i).X(), mesh->UVNode(i).Y());
   }
   const bool inverted = face.Orientation() == TopAbs_REVERSED;
   for (int i = 1; i <= mesh->NbTriangles(); ++i) {
-    int a = 0, b = 0, c = 0;
-    mesh->Triangle(i).Get(a, b, c);
-    if (inverted) std::swap(b, c);
-    triangles.faces.push_back({first + a - 1, first + b - 1, first + c - 1});
+    std::array<int, 3> corners{};
+    mesh->Triangle(i).Get(corners[0], corners[1], corners[2]);
+    if (inverted) std::swap(corners[1], corners[2]);
+    cut.faces.push_back({corners[0] - 1, corners[1] - 1, corners[2] - 1});
+  }
+  double deviation = 0;
+  if (mesh->HasUVNodes()) {
+    const BRepAdaptor_Surface surface(face, Standard_False);
+    deviation = Refine(cut, tolerance, [&](const Eigen::Vector2d& at) -> Eigen::Vector3d {
+      const gp_Pnt p = surface.Value(at.x(), at.y());
+      return {p.X(), p.Y(), p.Z()};
+    });
+  }
+  const auto first = static_cast<int>(triangles.vertices.size());
+  triangles.vertices.insert(triangles.vertices.end(), cut.points.begin(), cut.points.end());
+  for (const auto& [a, b, c] : cut.faces) {
+    triangles.faces.push_back({first + a, first + b, first + c});
     triangles.source.push_back(source);
   }
-  return true;
-}
-
-// How far the face lies from its triangles, in the middle of each and of its sides, mm. Corners count as
-// lying on the face: at its rim they lie on the rim's own curve, as near as the file is exact.
-double DeviationOf(const TopoDS_Face& face) {
-  TopLoc_Location location;
-  const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(face, location);
-  if (mesh.IsNull() || !mesh->HasUVNodes()) return 0;
-  const BRepAdaptor_Surface surface(face, Standard_False);
-  double deviation = 0;
-  for (int i = 1; i <= mesh->NbTriangles(); ++i) {
-    std::array<int, 3> corner{};
-    mesh->Triangle(i).Get(corner[0], corner[1], corner[2]);
-    std::array<gp_Pnt, 3> p;
-    std::array<gp_Pnt2d, 3> uv;
-    for (int k = 0; k < 3; ++k) {
-      uv[k] = mesh->UVNode(corner[k]);
-      p[k] = surface.Value(uv[k].X(), uv[k].Y());
-    }
-    gp_XYZ normal = (p[1].XYZ() - p[0].XYZ()).Crossed(p[2].XYZ() - p[0].XYZ());
-    if (!(normal.Modulus() > 1e-9)) continue;
-    normal.Normalize();
-    for (const auto& [a, b, c] : {std::array{1., 1., 1.}, {1., 1., 0.}, {0., 1., 1.}, {1., 0., 1.}}) {
-      const gp_XY at = (uv[0].XY() * a + uv[1].XY() * b + uv[2].XY() * c) / (a + b + c);
-      deviation = std::max(deviation, std::abs(normal.Dot(surface.Value(at.X(), at.Y()).XYZ() - p[0].XYZ())));
-    }
-  }
   return deviation;
-}
-
-double Cut(const TopoDS_Shape& shape, double deflection) {
-  BRepTools::Clean(shape);
-  BRepMesh_IncrementalMesh mesher(shape, deflection, Standard_False, kAngle, Standard_False);
-  double deviation = 0;
-  for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next())
-    deviation = std::max(deviation, DeviationOf(TopoDS::Face(it.Current())));
-  return deviation;
-}
-
-// OpenCASCADE's deflection is no bound on faces that bend in two directions: measured, and cut finer once
-// where it is exceeded, unless that does not help. Returns the deviation that is left.
-double Tessellate(const TopoDS_Shape& shape, double chord_tolerance) {
-  const double coarse = Cut(shape, chord_tolerance);
-  if (coarse <= chord_tolerance) return coarse;
-  const double fine = Cut(shape, 0.9 * chord_tolerance * std::max(0.1, chord_tolerance / coarse));
-  return fine < 0.9 * coarse ? fine : Cut(shape, chord_tolerance);
 }
 
 }  // namespace
@@ -166,18 +136,21 @@ RawMesh TessellateStep(const std::string& bytes, double chord_tolerance) {
     throw std::runtime_error("the STEP file cannot be parsed");
   if (reader.TransferRoots() == 0) throw std::runtime_error("the STEP file holds no shape that can be read");
   const TopoDS_Shape shape = reader.OneShape();
-  const double deviation = Tessellate(shape, chord_tolerance);
+  const BRepMesh_IncrementalMesh mesher(shape, chord_tolerance, Standard_False, kAngle, Standard_False);
   const Unit unit = UnitOf(reader);
   RawMesh mesh;
   int solids = 0;
   for (TopExp_Explorer it(shape, TopAbs_SOLID); it.More(); it.Next()) ++solids;
   // Each face where it stands: a part used twice in an assembly has its faces twice.
   size_t lost = 0;
+  double deviation = 0;
   for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next()) {
     const TopoDS_Face face = TopoDS::Face(it.Current());
     const auto number = static_cast<int>(mesh.triangles.source_faces.size());
     mesh.triangles.source_faces.push_back(Described(reader, face));
-    lost += Append(face, number, mesh.triangles) ? 0 : 1;
+    const std::optional<double> left = Append(face, number, chord_tolerance, mesh.triangles);
+    lost += left ? 0 : 1;
+    deviation = std::max(deviation, left.value_or(0));
   }
   if (mesh.triangles.faces.empty())
     throw std::runtime_error("the STEP file holds no face that can be cut into triangles");
