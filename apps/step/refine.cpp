@@ -16,11 +16,33 @@ struct Inner {
   double deviation;
 };
 
+// Whether a parameter has no effect at a place (the longitude at a pole).
+bool IsSingular(const Eigen::Vector2d& at, int k, const Surface& surface) {
+  Eigen::Vector2d beside = at;
+  beside[k] += 1e-3;
+  return (surface(beside) - surface(at)).norm() < 1e-9;
+}
+
+// The parameter between two points; where one has no effect at an end, that of the other end counts.
+Eigen::Vector2d Between(const FaceTriangles& cut, int a, int b, const Surface& surface) {
+  const Eigen::Vector2d &p = cut.parameters[a], &q = cut.parameters[b];
+  Eigen::Vector2d middle = (p + q) / 2;
+  for (int k = 0; k < 2; ++k) {
+    if (p[k] == q[k]) continue;
+    if (IsSingular(p, k, surface)) {
+      middle[k] = q[k];
+    } else if (IsSingular(q, k, surface)) {
+      middle[k] = p[k];
+    }
+  }
+  return middle;
+}
+
 // The distance of the surface from the middle of a side, seen across the side. Both ends count as lying on
 // the surface: those on the rim lie as near as the file is exact.
 double DeviationOf(const FaceTriangles& cut, int a, int b, const Surface& surface) {
   const Eigen::Vector3d p = surface(cut.parameters[a]), q = surface(cut.parameters[b]);
-  const Eigen::Vector3d middle = surface((cut.parameters[a] + cut.parameters[b]) / 2);
+  const Eigen::Vector3d middle = surface(Between(cut, a, b, surface));
   const Eigen::Vector3d along = q - p;
   const double length = along.norm();
   return length > 0 ? along.cross(middle - p).norm() / length : 0;
@@ -65,7 +87,7 @@ double Refine(FaceTriangles& cut, double tolerance, const Surface& surface) {
       const auto& face = cut.faces[FaceOf(first)];
       const int a = face[CornerOf(first)], b = face[(CornerOf(first) + 1) % 3];
       const auto middle = static_cast<int>(cut.points.size());
-      cut.parameters.emplace_back((cut.parameters[a] + cut.parameters[b]) / 2);
+      cut.parameters.push_back(Between(cut, a, b, surface));
       cut.points.push_back(surface(cut.parameters.back()));
       SplitFace(cut, first, middle);
       SplitFace(cut, second, middle);

@@ -60,7 +60,7 @@ class CylinderCut {
 
   // The roots of |q + s d|² = r² over the edge, q and d seen along the axis, in the order from → to.
   void AddCrossings(int from, int to, std::vector<Crossing>& crossings) const {
-    const auto [low, high] = std::minmax(from, to);
+    const int low = std::min(from, to), high = std::max(from, to);
     const bool low_inside = Inside(low), high_inside = Inside(high);
     if (low_inside && high_inside) return;
     const Eigen::Vector3d &p = mesh_.triangles().vertices[low], &q = mesh_.triangles().vertices[high];
