@@ -72,10 +72,32 @@ class SplitPlanner {
       tried.split.overlap = choices_[tried.choice];
       changed = true;
     }
-    for (const size_t after : found) splits_.push_back({{after, choices_[0]}, 0});
+    for (const size_t after : found) {
+      const size_t choice = Joinable(after) ? 0 : choices_.size() - 1;
+      splits_.push_back({{after, choices_[choice]}, choice});
+    }
     std::sort(splits_.begin(), splits_.end(),
               [](const Tried& a, const Tried& b) { return a.split.after < b.split.after; });
     return changed;
+  }
+
+  /// Whether any poses of a point and its next are a step apart: across a crease there are none, and every
+  /// overlap would be tried in vain.
+  bool Joinable(size_t after) const {
+    const PassContext& context = *own_->context;
+    const double step = context.options.rotation_step;
+    const PointScorer &a = context.scorers[after], &b = context.scorers[(after + 1) % context.scorers.size()];
+    const Layer from = MakeLayer(a, GridSeeds(a, step), false), to = MakeLayer(b, GridSeeds(b, step), false);
+    const StepRule rule{context.options.max_joint_step, 0, true};
+    const std::vector<double> row(from.size() + kLanes, 0.0);
+    for (size_t node = 0; node < to.size(); ++node) {
+      const int branch = to.BranchOf(node);
+      BestPredecessor by;
+      RelaxFrom(rule, from.joints, row, from.branch_begin[branch], from.branch_begin[branch + 1],
+                to.joints.At(node), by);
+      if (std::isfinite(by.cost)) return true;
+    }
+    return false;
   }
 
   /// What two neighbours say about the splits: whether they cut the step of one, or are apart where no split
