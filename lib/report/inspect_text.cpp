@@ -27,6 +27,9 @@ void AppendSummary(const std::string& summary_json, const std::string& name, std
                              points.at("planned").get<size_t>(), points.at("total").get<size_t>(),
                              points.at("skipped").get<size_t>(), summary.at("passes").get<size_t>(),
                              gaps.at("planned").get<size_t>(), gaps.at("total").get<size_t>()));
+    const std::string unit = summary.at("stiffness").at("units").at("objective").get<std::string>();
+    Append(text, fmt::format("objective {}{}, smaller is stiffer", summary.at("objective").get<std::string>(),
+                             unit.empty() ? "" : " in " + unit));
     const Json& continuity = summary.at("continuity");
     if (continuity.is_null() || continuity.at("smoothing").at("acceleration_rms_ratio").is_null()) return;
     const Json& smoothing = continuity.at("smoothing");
@@ -43,7 +46,7 @@ void AppendSummary(const std::string& summary_json, const std::string& name, std
 void AppendHistogram(const PointsTable& points, const std::vector<size_t>& rows, std::string* text) {
   const Histogram histogram = ObjectiveHistogram(points, rows, kBins);
   const size_t largest = histogram.counts.empty() ? 0 : std::ranges::max(histogram.counts);
-  Append(text, "objective, smaller is stiffer");
+  Append(text, "histogram of the objective, points");
   for (size_t i = 0; i < histogram.counts.size(); ++i) {
     const double lower = histogram.lower + static_cast<double>(i) * histogram.width;
     const size_t bar = (histogram.counts[i] * kBarWidth + largest - 1) / largest;

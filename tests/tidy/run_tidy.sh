@@ -6,10 +6,10 @@ set -euo pipefail
 top=$1 build=$2 only=${3:-.}
 # A configuration of its own: clang cannot read the precompiled headers of g++, so their source is included.
 cmake -S "$top" -B "$build" -G Ninja -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON \
-  -DCMAKE_CXX_FLAGS="-include $top/lib/base/pch.hpp" -DMILLPOSE_TESTS=OFF >/dev/null
+  -DMILLPOSE_TESTS=OFF >/dev/null
 mapfile -t files < <(cd "$top" && git ls-files 'lib/*.cpp' 'apps/*.cpp' | grep -E "$only" |
   xargs grep -LE '#include <(CGAL|ompl|fcl)/')
 [ ${#files[@]} -gt 0 ] || { echo "no file matches $only"; exit 1; }
 cd "$top"
-run-clang-tidy -quiet -p "$build" -j "$(nproc)" -extra-arg=-Wno-unknown-warning-option -extra-arg=-Wno-unknown-pragmas \
+run-clang-tidy -quiet -p "$build" -j "$(nproc)" "-extra-arg=-include$top/lib/base/pch.hpp" -extra-arg=-Wno-unknown-warning-option -extra-arg=-Wno-unknown-pragmas \
   -extra-arg=-Wno-ignored-attributes "${files[@]/#/^$top/}" 2>/dev/null
