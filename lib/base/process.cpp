@@ -76,6 +76,7 @@ class Input {
 pid_t Spawn(const std::vector<std::string>& arguments, const Input& input, const Pipe& output,
             const Pipe& errors) {
   std::vector<char*> argv;
+  argv.reserve(arguments.size() + 1);
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions;
@@ -115,16 +116,16 @@ bool Drain(Pipe* pipe, std::string* text) {
 }
 
 // The content of the note NT_GNU_BUILD_ID among the notes at an address; empty when there is none.
-std::string BuildId(uintptr_t at, size_t size) {
+std::string BuildId(const char* at, size_t size) {
   const auto padded = [](size_t length) { return (length + 3) & ~size_t{3}; };
-  for (const uintptr_t end = at + size; at + sizeof(ElfW(Nhdr)) <= end;) {
-    const auto* note = reinterpret_cast<const ElfW(Nhdr)*>(at);
-    const char* name = reinterpret_cast<const char*>(note + 1);
-    const char* content = name + padded(note->n_namesz);
-    if (note->n_type == NT_GNU_BUILD_ID &&
-        std::string_view(name, note->n_namesz) == std::string_view("GNU", 4))
-      return {content, note->n_descsz};
-    at = reinterpret_cast<uintptr_t>(content) + padded(note->n_descsz);
+  for (const char* const end = at + size; at + sizeof(ElfW(Nhdr)) <= end;) {
+    ElfW(Nhdr) note;
+    std::memcpy(&note, at, sizeof note);
+    const char* name = at + sizeof note;
+    const char* content = name + padded(note.n_namesz);
+    if (note.n_type == NT_GNU_BUILD_ID && note.n_namesz == 4 && std::memcmp(name, "GNU", 4) == 0)
+      return {content, note.n_descsz};
+    at = content + padded(note.n_descsz);
   }
   return {};
 }
@@ -178,10 +179,13 @@ std::string ProgramId() {
   std::string id;
   ::dl_iterate_phdr(
       [](dl_phdr_info* object, size_t /*size*/, void* result) {
-        for (int i = 0; i < object->dlpi_phnum; ++i)
-          if (object->dlpi_phdr[i].p_type == PT_NOTE)
-            *static_cast<std::string*>(result) +=
-                BuildId(object->dlpi_addr + object->dlpi_phdr[i].p_vaddr, object->dlpi_phdr[i].p_memsz);
+        for (int i = 0; i < object->dlpi_phnum; ++i) {
+          const ElfW(Phdr)& part = object->dlpi_phdr[i];
+          if (part.p_type != PT_NOTE) continue;
+          // NOLINTNEXTLINE(performance-no-int-to-ptr): the loader tells addresses as numbers
+          const auto* notes = reinterpret_cast<const char*>(object->dlpi_addr + part.p_vaddr);
+          *static_cast<std::string*>(result) += BuildId(notes, part.p_memsz);
+        }
         return 1;  // the first object is the program itself
       },
       &id);
