@@ -25,7 +25,7 @@ RunFigures::JobFolder ReadJobFolder(const fs::path& run_file) {
 }  // namespace
 
 fs::path OriginOf(const fs::path& job_file, const fs::path& named) {
-  const fs::path folder = job_file.parent_path();
+  fs::path folder = job_file.parent_path();
   if (job_file.filename() != "job.yaml" || !IsOutputFolder(folder.empty() ? "." : folder)) return folder;
   const RunFigures::JobFolder kept = ReadJobFolder(folder / "run.json");
   // The same place by both names, unless something was moved.

@@ -222,6 +222,25 @@ class Plan(InFolder):
         self.assertEqual(child.returncode, 130, errors)
         self.assertIn("the same command goes on from there", errors)
 
+    def test_on_a_terminal_progress_is_a_bar(self):
+        master, terminal = os.openpty()
+        command = [MILLPOSE, "plan", JOB, "-o", self.folder / "out", "--set", "toolpath.stepover_mm=20"]
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=terminal) as process:
+            os.close(terminal)
+            shown = b""
+            while True:
+                try:
+                    piece = os.read(master, 65536)
+                except OSError:  # the other end is closed
+                    break
+                if not piece:
+                    break
+                shown += piece
+        os.close(master)
+        self.assertEqual(process.returncode, 0)
+        self.assertRegex(shown.decode(), r"\r\x1b\[Kpasses +\[[#.]{30}\] \d+ of \d+ \(\d+ %\)")
+        self.assertRegex(shown.decode(), r"\r\x1b\[Kpasses +\d+\.\d s  \d+ passes")
+
     def test_json_progress_is_one_object_a_line(self):
         result = plan(self.folder / "out", "--json-progress")
         lines = [json.loads(line) for line in result.stderr.splitlines()]
