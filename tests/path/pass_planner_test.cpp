@@ -2,6 +2,8 @@
 #include "path/pass_planner.hpp"
 
 #include "base/error.hpp"
+#include "path/edge_kernel.hpp"
+#include "path/turns.hpp"
 #include "tests/pose/problems.hpp"
 
 namespace millpose {
@@ -447,6 +449,67 @@ TEST(PlanPass, SmoothsWhatItFinds) {
   EXPECT_LE(figures.objective_after, 1.01 * figures.objective_before);
   EXPECT_NEAR(figures.square_before, before.smoothing.square_after, 1e-12 * figures.square_before);
   EXPECT_EQ(before.smoothing.square_after, before.smoothing.square_before);
+}
+
+TEST(PlanPass, RingsInsideACabinWindAJointAndTheNextRunsTheOtherWay) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const World world(EmptyCell(problem));
+  // The inner skin of a cabin that lies along the arm's reach, the tool radial: once round turns it by 360°.
+  const auto ring = [](double x) {
+    constexpr int kPoints = 100;
+    constexpr double kRadius = 450;
+    Pass pass;
+    pass.closed = true;
+    pass.rotation_reference = Eigen::Vector3d::UnitX();
+    for (int t = 0; t < kPoints; ++t) {
+      const double angle = 2 * kPi * t / kPoints;
+      const Eigen::Vector3d out(0, std::sin(angle), std::cos(angle));
+      MillingPoint point;
+      point.position = Eigen::Vector3d(x, 0, 1300) + kRadius * out;
+      point.normal = point.tool_axis = -out;
+      point.feed = Eigen::Vector3d(0, std::cos(angle), -std::sin(angle));
+      point.feed_rate = 10;
+      point.arc_length = kRadius * angle;
+      pass.points.push_back(point);
+    }
+    return pass;
+  };
+  std::vector<PassResult> as_laid;
+  for (int p = 0; p < 3; ++p) {
+    const Pass pass = ring(1900 + 20 * p);
+    as_laid.push_back(PlanPass(problem, world, pass, p, 100 * p, Options(), 2, {}));
+    ExpectSound(problem, Options(), pass, as_laid.back());
+    ASSERT_EQ(as_laid.back().pieces.size(), 1u);
+    ASSERT_TRUE(as_laid.back().pieces[0].closed);
+  }
+  const auto end = [](const PassResult& pass) -> Joints {  // back at the first point, turns counted
+    const Joints &first = pass.points.front().q, &last = pass.points.back().q;
+    return last + (first - last).unaryExpr(&ShortWay);
+  };
+  const Joints winding = end(as_laid[0]) - as_laid[0].points.front().q;
+  EXPECT_NEAR(winding.cwiseAbs().sum(), 2 * kPi, 1e-9) << "one joint, once round";
+  const Joints home = Degrees(0, -90, 90, 0, 0, 0);
+  const auto turning = [&](const std::vector<PassResult>& passes) {
+    double sum = 0;
+    Joints at = home;
+    for (const PassResult& pass : passes) {
+      sum += (pass.points.front().q - at).cwiseAbs().sum();
+      at = end(pass);
+    }
+    return sum + (home - at).cwiseAbs().sum();
+  };
+  std::vector<PassResult> free = as_laid;
+  FixTurns(as_laid, {home, problem.bounds.lower, problem.bounds.upper, false});
+  FixTurns(free, {home, problem.bounds.lower, problem.bounds.upper, true});
+  EXPECT_LT(turning(free), turning(as_laid) - DegToRad(600)) << "two unwindings saved";
+  for (const PassResult& pass : free) {
+    for (size_t t = 1; t < pass.points.size(); ++t) {
+      const Joints step = pass.points[t].q - pass.points[t - 1].q;
+      EXPECT_LE(step.cwiseAbs().maxCoeff(), DegToRad(5) + 1e-9);
+    }
+    EXPECT_TRUE((end(pass).array() >= problem.bounds.lower.array() - 1e-9).all());
+    EXPECT_TRUE((end(pass).array() <= problem.bounds.upper.array() + 1e-9).all());
+  }
 }
 
 TEST(PlanPass, StopsWhenAsked) {
