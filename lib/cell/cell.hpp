@@ -31,8 +31,9 @@ struct Convex {
 };  ///< convex hull of the points, mm
 using Shape = std::variant<Box, Sphere, Cylinder, Capsule, Cone, Convex, Triangles>;
 
-/// What a body is; decides which pairs are checked and with which clearance.
-enum class BodyClass : uint8_t { kLink, kSpindle, kHolder, kCutter, kFixture, kPlatform, kWorkpiece };
+/// What a body is; decides which pairs are checked and with which clearance. The stock is the raw part, of
+/// which the workpiece is what will be left.
+enum class BodyClass : uint8_t { kLink, kSpindle, kHolder, kCutter, kFixture, kPlatform, kWorkpiece, kStock };
 
 /// What a body hangs on: the world W, the arm's link frames 0..6 (kinematics.hpp), the tool T, or the
 /// workpiece P.
@@ -62,7 +63,8 @@ struct Cell {
   Pose X_WP = Pose::Identity();  ///< the workpiece of the job
   std::vector<Body> bodies;      ///< the workpiece among them
   std::vector<std::pair<std::string, std::string>>
-      excluded_pairs;  ///< by body name, declared in the cell YAML
+      excluded_pairs;    ///< by body name, declared in the cell YAML
+  double allowance = 0;  ///< material on the workpiece's surface, mm: added to every clearance from it
   double cutter_length =
       0;  ///< cutting length from the tip, mm: the part of the cutter that may touch while cutting
   Clearances clearances;

@@ -67,7 +67,7 @@ std::vector<Problem> FindProblems(const Cell& cell) {
                          nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
     }
   }
-  for (const double clearance : {cell.clearances.free, cell.clearances.cutting}) {
+  for (const double clearance : {cell.clearances.free, cell.clearances.cutting, cell.allowance}) {
     if (!(std::isfinite(clearance) && clearance >= 0)) {
       report(fmt::format("clearance {} mm: must be 0 or more", clearance));
     }
@@ -87,7 +87,10 @@ bool NeverChecked(const Body& a, const Body& b) {
 /// Lower is checked earlier: the tool at the part, the tool elsewhere, outer links, inner links.
 int Rank(const Body& a, const Body& b) {
   const bool tool = OnTool(a.body_class) || OnTool(b.body_class);
-  const bool part = a.body_class == BodyClass::kWorkpiece || b.body_class == BodyClass::kWorkpiece;
+  const auto of_part = [](const Body& body) {
+    return body.body_class == BodyClass::kWorkpiece || body.body_class == BodyClass::kStock;
+  };
+  const bool part = of_part(a) || of_part(b);
   return (tool ? 0 : 20) + (part ? 0 : 10) + 6 - std::max(LinkOf(a), LinkOf(b));
 }
 
@@ -121,12 +124,16 @@ std::shared_ptr<const World::Impl> World::Impl::Build(Cell cell) {
 }
 
 std::vector<BodyPair> World::Impl::PairsOf(const Cell& source, int i, int j) {
-  const double free = source.clearances.free, cutting = source.clearances.cutting;
+  const double free = source.clearances.free, cutting = source.clearances.cutting + source.allowance;
   const bool swap = bodies[i].link > bodies[j].link;
   const int first = swap ? j : i, second = swap ? i : j;
   const Body &still = source.bodies[first], &moving = source.bodies[second];
   BodyPair pair{first, second, {free, free}};
-  if (still.body_class != BodyClass::kWorkpiece || !OnTool(moving.body_class)) return {pair};
+  // What of the stock stands around the tool in a cut, the cuts before have taken off.
+  if (still.body_class == BodyClass::kStock && OnTool(moving.body_class)) pair.clearance[1].reset();
+  if (still.body_class != BodyClass::kWorkpiece) return {pair};
+  pair.clearance = {free + source.allowance, free + source.allowance};
+  if (!OnTool(moving.body_class)) return {pair};
   if (moving.body_class != BodyClass::kCutter) {
     pair.clearance[1] = cutting;
     return {pair};

@@ -201,12 +201,7 @@ Codec<ShapeSettings> ShapeFields() {
                                       "Mesh file, relative to the file that names it.")
                                    .Required(),
                                KeyBy<S, std::string>(
-                                   "unit",
-                                   [](const S& s) {
-                                     for (const auto& unit : kLengthUnits)
-                                       if (unit.mm == s.unit) return std::string(unit.name);
-                                     return std::string("mm");
-                                   },
+                                   "unit", [](const S& s) { return LengthUnitName(s.unit); },
                                    [](S& s, const std::string& name) { s.unit = LengthUnit(name); },
                                    Choice(LengthUnits()), "Unit of the mesh file.")
                                    .Required()})},
@@ -364,6 +359,12 @@ double LengthUnit(const std::string& name) {
   for (const auto& unit : kLengthUnits)
     if (name == unit.name) return unit.mm;
   return 1;
+}
+
+std::string LengthUnitName(double mm) {
+  for (const auto& unit : kLengthUnits)
+    if (unit.mm == mm) return unit.name;
+  return "mm";
 }
 
 Codec<PoseSettings> PoseFields() {

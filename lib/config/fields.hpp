@@ -20,5 +20,7 @@ Codec<PoseSettings> PoseFields();
 const std::vector<std::string>& LengthUnits();
 /// mm per unit of that name.
 double LengthUnit(const std::string& name);
+/// Name of the unit of that many mm; "mm" for none.
+std::string LengthUnitName(double mm);
 
 }  // namespace millpose::config

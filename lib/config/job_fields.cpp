@@ -23,6 +23,18 @@ void CheckPlacement(const Value& value, const Context& context, WorkpieceSetting
                 fmt::format("a best fit needs 3 targets or more, given {}", workpiece.targets.size()));
 }
 
+Codec<WorkpieceSettings> StockFields() {
+  using S = WorkpieceSettings;
+  return Section<S>({
+      Key<S>("mesh", MILLPOSE_AT(stock_file), Text(), "Mesh file, relative to the job file.").Required(),
+      KeyBy<S, std::string>(
+          "unit", [](const S& s) { return LengthUnitName(s.stock_unit); },
+          [](S& s, const std::string& name) { s.stock_unit = LengthUnit(name); }, Choice(LengthUnits()),
+          "Unit of the mesh file.")
+          .Required(),
+  });
+}
+
 Codec<WorkpieceSettings> WorkpieceFields() {
   using S = WorkpieceSettings;
   return Section<S>(
@@ -51,6 +63,12 @@ Codec<WorkpieceSettings> WorkpieceFields() {
                  "Vertices of the mesh nearer than this become one."),
           Key<S>("chord_tolerance_mm", MILLPOSE_AT(chord_tolerance), Real(kMm, Between(1e-4, 100)),
                  "Of a STEP part: largest distance between its faces and their triangles."),
+          Key<S>("allowance_mm", MILLPOSE_AT(allowance), Maybe(Real(kMm, AtLeast(0))),
+                 "Material on the part's surface, added to every clearance from it.")
+              .DefaultText("toolpath.depth.total_mm"),
+          Key<S>("stock", kSelf, StockFields(),
+                 "The raw part, kept clear of between the cuts; in the workpiece's frame.")
+              .WhenSet([](const S& s) { return !s.stock_file.empty(); }),
       },
       CheckPlacement);
 }

@@ -228,6 +228,9 @@ struct WorkpieceSettings {
   double max_residual = 0.5;            ///< mm, of the fit at any target
   double weld_tolerance = 1e-4;         ///< mm
   double chord_tolerance = 0.05;        ///< mm, between a STEP part's faces and their triangles
+  std::string stock_file;               ///< mesh of the raw part; empty: none
+  double stock_unit = 1;                ///< mm per unit of it
+  std::optional<double> allowance;      ///< material on the part's surface, mm; else toolpath.depth.total
 };
 
 struct GeneticSettings {

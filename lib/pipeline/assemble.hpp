@@ -42,6 +42,13 @@ Pose MakeToolPose(const ToolSettings& settings);
 /// The cell without a workpiece. `body_bytes` holds the mesh files that bodies name.
 Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::string>& body_bytes);
 
+/// Material on the part's surface, mm.
+double AllowanceOf(const JobSettings& job);
+
+/// Puts the workpiece into the cell: the finished part with its allowance, and the stock where the job has
+/// one.
+void AddWorkpiece(const JobInputs& inputs, Triangles finished, Cell* cell);
+
 /// Where the workpiece stands in W: as given, or where its measured targets fit best. Throws InputError when
 /// they do not determine it or a residual is above the job's bound.
 Pose MakeWorkpiecePose(const WorkpieceSettings& settings, const Pose& X_WB);

@@ -48,12 +48,15 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
   std::vector<Problem> problems;
   Collect(problems, [&] { inputs.cell = LoadCell(folder / inputs.job.cell_file, &inputs.body_bytes); });
   Collect(problems, [&] { inputs.workpiece_bytes = ReadFile(folder / inputs.job.workpiece.mesh_file); });
+  if (!inputs.job.workpiece.stock_file.empty())
+    Collect(problems, [&] { inputs.stock_bytes = ReadFile(folder / inputs.job.workpiece.stock_file); });
   if (inputs.job.toolpath.strategy == "cam")
     Collect(problems, [&] { inputs.cam_bytes = ReadFile(folder / inputs.job.toolpath.cam_file); });
   if (!problems.empty()) throw InputError(std::move(problems));
 
   std::string all = WriteJob(inputs.job) + '\0' + WriteCell(inputs.cell) + '\0' +
-                    Hash(inputs.workpiece_bytes) + '\0' + Hash(inputs.cam_bytes);
+                    Hash(inputs.workpiece_bytes) + '\0' + Hash(inputs.stock_bytes) + '\0' +
+                    Hash(inputs.cam_bytes);
   for (const auto& [name, bytes] : inputs.body_bytes) all += '\0' + name + '\0' + Hash(bytes);
   inputs.hash = Hash(all);
   return inputs;

@@ -17,6 +17,7 @@ struct JobInputs {
   JobSettings job;
   CellSettings cell;
   std::string workpiece_bytes;  ///< of the workpiece's mesh file
+  std::string stock_bytes;      ///< of the stock's, where there is one
   std::string cam_bytes;        ///< of the CAM path, where the strategy is cam
   std::map<std::string, std::string>
       body_bytes;    ///< of the mesh files that the cell's bodies name, by that name

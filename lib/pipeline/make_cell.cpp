@@ -164,6 +164,28 @@ Pose FitTargets(const WorkpieceSettings& settings) {
 
 }  // namespace
 
+double AllowanceOf(const JobSettings& job) {
+  return job.workpiece.allowance.value_or(job.toolpath.depth.total);
+}
+
+void AddWorkpiece(const JobInputs& inputs, Triangles finished, Cell* cell) {
+  const WorkpieceSettings& workpiece = inputs.job.workpiece;
+  cell->allowance = AllowanceOf(inputs.job);
+  cell->bodies.push_back({.name = "workpiece",
+                          .body_class = BodyClass::kWorkpiece,
+                          .mount = Mount::kWorkpiece,
+                          .shape = std::move(finished)});
+  if (workpiece.stock_file.empty()) return;
+  ImportOptions options;
+  options.unit = workpiece.stock_unit;
+  options.weld_tolerance = workpiece.weld_tolerance;
+  const RawMesh raw = ReadMesh(inputs.stock_bytes, workpiece.stock_file, {workpiece.chord_tolerance});
+  cell->bodies.push_back({.name = "stock",
+                          .body_class = BodyClass::kStock,
+                          .mount = Mount::kWorkpiece,
+                          .shape = ImportMesh(raw, options, workpiece.stock_file).mesh.triangles()});
+}
+
 Pose MakeWorkpiecePose(const WorkpieceSettings& settings, const Pose& X_WB) {
   const Pose pose = settings.targets.empty() ? MakePose(settings.pose) : FitTargets(settings);
   return settings.frame == "robot_base" ? X_WB * pose : pose;

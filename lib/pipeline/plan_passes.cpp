@@ -63,6 +63,8 @@ std::string PlanContext(const JobInputs& inputs) {
   job.file.clear();
   job.cell_file.clear();  // what the files hold counts, not where they stand
   job.workpiece.mesh_file.clear();
+  job.workpiece.stock_file.clear();
+  job.workpiece.allowance = AllowanceOf(inputs.job);
   job.toolpath = later.toolpath;
   job.toolpath.ends = inputs.job.toolpath.ends;  // of the leads where a pass is split
   job.toolpath.spacing = inputs.job.toolpath.spacing;
@@ -77,8 +79,8 @@ std::string PlanContext(const JobInputs& inputs) {
   CellSettings cell = inputs.cell;
   cell.name.clear();
   cell.controllers.clear();
-  std::string context =
-      ProgramId() + '\0' + WriteJob(job) + '\0' + WriteCell(cell) + '\0' + Hash(inputs.workpiece_bytes);
+  std::string context = ProgramId() + '\0' + WriteJob(job) + '\0' + WriteCell(cell) + '\0' +
+                        Hash(inputs.workpiece_bytes) + '\0' + Hash(inputs.stock_bytes);
   for (const auto& [name, bytes] : inputs.body_bytes) context += '\0' + name + '\0' + Hash(bytes);
   return context;
 }

@@ -7,6 +7,7 @@
 #include "base/process.hpp"
 #include "config/config.hpp"
 #include "path/job_planner.hpp"
+#include "path/strike_out.hpp"
 #include "path/turns.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/audit.hpp"
@@ -103,10 +104,7 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   const Eigen::Vector3d size = surface.report.upper - surface.report.lower;
   stages.End(fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} mm", inputs.job.workpiece.mesh_file,
                          surface.report.triangles, size.x(), size.y(), size.z()));
-  cell.bodies.push_back({.name = "workpiece",
-                         .body_class = BodyClass::kWorkpiece,
-                         .mount = Mount::kWorkpiece,
-                         .shape = surface.mesh.triangles()});
+  AddWorkpiece(inputs, surface.mesh.triangles(), &cell);
   stages.Begin("toolpath", 0);
   const JobToolpath made = MakeJobToolpath(inputs, surface.mesh, cell.X_WP, stop);
   const Toolpath& toolpath = made.toolpath;
@@ -115,6 +113,9 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
   const PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, cell);
   const World world(cell);
+  if (const auto found = Checker(world).At(cell.home, Phase::kFree))
+    warnings.push_back(fmt::format("{}: home_deg: {}; no way from or to home can be planned",
+                                   inputs.cell.file, Describe(*found)));
 
   PlanResult plan = StartPlan(inputs, cell, problem);
   const std::string context = PlanContext(inputs);

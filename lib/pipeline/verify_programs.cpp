@@ -93,13 +93,11 @@ World WorldOf(const JobInputs& inputs) {
   ImportOptions options;
   options.unit = inputs.job.workpiece.unit;
   options.weld_tolerance = inputs.job.workpiece.weld_tolerance;
-  cell.bodies.push_back(
-      {.name = "workpiece",
-       .body_class = BodyClass::kWorkpiece,
-       .mount = Mount::kWorkpiece,
-       .shape = ImportMesh(ReadMesh(inputs.workpiece_bytes, name, {inputs.job.workpiece.chord_tolerance}),
-                           options, name)
-                    .mesh.triangles()});
+  AddWorkpiece(inputs,
+               ImportMesh(ReadMesh(inputs.workpiece_bytes, name, {inputs.job.workpiece.chord_tolerance}),
+                          options, name)
+                   .mesh.triangles(),
+               &cell);
   return World(std::move(cell));
 }
 

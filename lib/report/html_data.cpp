@@ -70,8 +70,8 @@ const char* MountName(Mount mount) {
 }
 
 const char* ClassName(BodyClass body_class) {
-  static constexpr std::array kNames{"link",    "spindle",  "holder",   "cutter",
-                                     "fixture", "platform", "workpiece"};
+  static constexpr std::array kNames{"link",    "spindle",  "holder",    "cutter",
+                                     "fixture", "platform", "workpiece", "stock"};
   return kNames.at(static_cast<size_t>(body_class));
 }
 
@@ -351,7 +351,10 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"deflection", DeflectionJson(input.deflection)},
             {"settings", input.settings}};
   Json bodies = Json::array();
-  for (const Body& body : input.cell.bodies) bodies.push_back(BodyJson(body, limits));
+  for (const Body& body : input.cell.bodies) {
+    // The stock would hide the path.
+    if (body.body_class != BodyClass::kStock) bodies.push_back(BodyJson(body, limits));
+  }
   data["bodies"] = std::move(bodies);
 
   std::string text;

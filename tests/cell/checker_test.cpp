@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <thread>
 
+#include "base/error.hpp"
 #include "cell/world.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/cell/sample_cell.hpp"
@@ -82,6 +83,63 @@ TEST(Checker, HolderTouchesInABoreDeeperThanTheCutter) {
   const auto found = Checker(World(CuttingCell(65, true, 13))).At(kMillingPose, Phase::kCutting);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->second, "holder");
+}
+
+TEST(Checker, CutterIsKeptFromFixturesInTheCutToo) {
+  for (const bool cutting_length : {true, false}) {
+    Cell cell = CuttingCell(5, true);
+    // A clamp of 20 mm beside the cutter of 10 mm radius, 4 mm away, at its cutting length or above.
+    const Pose X_WT = ToolPose(cell, kMillingPose);
+    cell.bodies.push_back({"clamp", BodyClass::kFixture, Mount::kWorld, 0,
+                           X_WT * At(24, 0, cutting_length ? 10 : 50), Box{{20, 20, 10}}});
+    for (const Phase phase : {Phase::kFree, Phase::kCutting}) {
+      cell.clearances.free = 10;
+      cell.excluded_pairs = {{"part", "cutter"}, {"part", "holder"}, {"part", "spindle"}};
+      const auto found = Checker(World(cell)).At(kMillingPose, phase);
+      ASSERT_TRUE(found);
+      EXPECT_EQ(found->first, "clamp");
+      EXPECT_EQ(found->second, "cutter");
+      EXPECT_NEAR(found->distance, 4, 1e-5);
+      cell.clearances.free = 3.9;
+      EXPECT_FALSE(Checker(World(cell)).At(kMillingPose, phase));
+    }
+  }
+}
+
+TEST(Checker, AllowanceAddsToEveryClearanceFromThePart) {
+  // 40 mm of cutting length, 2 mm of clearance, 6 mm of material on the part: 31.9 mm deep is free.
+  Cell cell = CuttingCell(31.9, true);
+  cell.allowance = 6;
+  EXPECT_FALSE(Checker(World(cell)).At(kMillingPose, Phase::kCutting));
+  cell = CuttingCell(32.1, true);
+  EXPECT_FALSE(Checker(World(cell)).At(kMillingPose, Phase::kCutting));
+  cell.allowance = 6;
+  EXPECT_TRUE(Checker(World(cell)).At(kMillingPose, Phase::kCutting));
+  // In the air 10 mm and 6 mm.
+  cell = CuttingCell(-15, true);
+  EXPECT_FALSE(Checker(World(cell)).At(kMillingPose, Phase::kFree));
+  cell.allowance = 6;
+  EXPECT_TRUE(Checker(World(cell)).At(kMillingPose, Phase::kFree));
+  cell.allowance = -1;
+  EXPECT_THROW(World{cell}, InputError);
+}
+
+TEST(Checker, StockIsKeptClearOfBetweenCutsOnly) {
+  for (const bool mesh : {false, true}) {
+    Cell cell = CuttingCell(5, mesh);
+    const Eigen::Vector3d size(400, 400, 200);  // 50 mm of it on the part's top
+    cell.bodies.push_back({"stock", BodyClass::kStock, Mount::kWorkpiece, 0, Pose::Identity(),
+                           mesh ? Shape(BoxMesh(size)) : Shape(Box{size})});
+    EXPECT_FALSE(Checker(World(cell)).At(kMillingPose, Phase::kCutting));
+    const auto found = Checker(World(cell)).At(kMillingPose, Phase::kFree);
+    ASSERT_TRUE(found);
+    EXPECT_LE(found->distance, 0);
+    // 20 mm over the part and in the stock; 65 mm over it and clear of both.
+    cell.X_WP = cell.X_WP * At(0, 0, -25);
+    EXPECT_EQ(Checker(World(cell)).At(kMillingPose, Phase::kFree)->first, "stock");
+    cell.X_WP = cell.X_WP * At(0, 0, -45);
+    EXPECT_FALSE(Checker(World(cell)).At(kMillingPose, Phase::kFree));
+  }
 }
 
 TEST(Checker, FreeClearanceHoldsForEverythingElse) {
