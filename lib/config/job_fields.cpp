@@ -26,11 +26,12 @@ void CheckPlacement(const Value& value, const Context& context, WorkpieceSetting
 Codec<WorkpieceSettings> StockFields() {
   using S = WorkpieceSettings;
   return Section<S>({
-      Key<S>("mesh", MILLPOSE_AT(stock_file), Text(), "Mesh file, relative to the job file.").Required(),
+      Key<S>("mesh", MILLPOSE_AT(stock_file), Text(), "Mesh or STEP file, relative to the job file.")
+          .Required(),
       KeyBy<S, std::string>(
           "unit", [](const S& s) { return LengthUnitName(s.stock_unit); },
           [](S& s, const std::string& name) { s.stock_unit = LengthUnit(name); }, Choice(LengthUnits()),
-          "Unit of the mesh file.")
+          "Unit of the mesh file; of a STEP file the one that it states.")
           .Required(),
   });
 }

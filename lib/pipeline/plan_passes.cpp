@@ -7,6 +7,7 @@
 #include "base/hash.hpp"
 #include "base/parallel.hpp"
 #include "base/process.hpp"
+#include "pipeline/assemble.hpp"
 
 namespace millpose {
 namespace {
