@@ -35,7 +35,7 @@ double Length(double mm) { return std::round(mm * 1e11) / 1e11 + 0.0; }
 double Offset(double y, double x) {
   const double degrees = RadToDeg(Atan2(y, x));
   const double rounded = std::round(degrees * 1e6) / 1e6;  // most are whole quarter turns
-  return DegToRad(std::abs(degrees - rounded) < 1e-12 ? rounded : degrees);
+  return DegToRad(std::abs(degrees - rounded) < 1e-12 ? rounded : degrees) + 0.0;
 }
 
 Vector3d Across(const Vector3d& v, const Vector3d& unit) { return v - v.dot(unit) * unit; }

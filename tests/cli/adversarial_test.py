@@ -1,0 +1,190 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cells made to be hard, each with its known answer, planned from the outside and judged.
+
+Usage: adversarial_test.py MILLPOSE MILLPOSE_AUDIT TOP [TEST…]. MILLPOSE_JUDGE_TRAVEL_MM: travel between the judge's poses.
+"""
+import csv
+import json
+import math
+import os
+import pathlib
+import re
+import sys
+import unittest
+
+from plan_fixture import Bench
+
+BENCH = None
+TRAVEL_MM = os.environ.get("MILLPOSE_JUDGE_TRAVEL_MM", "5")
+FEW_POINTS = [(r"stepover_mm: [\d.]+", "stepover_mm: 40"), (r"spacing_mm: [\d.]+", "spacing_mm: 20")]
+
+
+def box(name, size, xyz, kind="fixture"):
+    """A body of the cell that stands in the world."""
+    return (f"  - {{name: {name}, class: {kind}, mount: world, shape: {{box: {{size_mm: {list(size)}}}}}, "
+            f"pose: {{xyz_mm: {list(xyz)}}}}}\n")
+
+
+def stl(triangles):
+    """Triangles, counter-clockwise from outside, as ASCII STL."""
+    corners = ["".join(f"vertex {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in t) for t in triangles]
+    return "solid s\n" + "".join(f"facet normal 0 0 0\nouter loop\n{c}endloop\nendfacet\n" for c in corners) + "endsolid s\n"
+
+
+def quad(a, b, c, d):
+    return [(a, b, c), (a, c, d)]
+
+
+def block(lower, upper):
+    (x0, y0, z0), (x1, y1, z1) = lower, upper
+    p = [(x, y, z) for z in (z0, z1) for y in (y0, y1) for x in (x0, x1)]
+    return (quad(p[0], p[2], p[3], p[1]) + quad(p[4], p[5], p[7], p[6]) + quad(p[0], p[1], p[5], p[4]) +
+            quad(p[2], p[6], p[7], p[3]) + quad(p[0], p[4], p[6], p[2]) + quad(p[1], p[3], p[7], p[5]))
+
+
+def bored_block(half, radius, depth, sides=32):
+    """A square block, its top at z = 0, with a blind bore of that depth about z."""
+    bottom = -depth - 20
+    ring = [(radius * math.cos(2 * math.pi * i / sides), radius * math.sin(2 * math.pi * i / sides)) for i in range(sides)]
+
+    def outer(x, y):  # the ring's point pushed out to the square
+        scale = half / max(abs(x), abs(y))
+        return x * scale, y * scale
+
+    triangles = []
+    for i in range(sides):
+        (ax, ay), (bx, by) = ring[i], ring[(i + 1) % sides]
+        (cx, cy), (dx, dy) = outer(ax, ay), outer(bx, by)
+        triangles += quad((ax, ay, 0), (cx, cy, 0), (dx, dy, 0), (bx, by, 0))          # top
+        triangles += quad((ax, ay, -depth), (ax, ay, 0), (bx, by, 0), (bx, by, -depth))  # the bore's wall
+        triangles.append(((0, 0, -depth), (ax, ay, -depth), (bx, by, -depth)))           # its bottom
+        triangles += quad((cx, cy, bottom), (dx, dy, bottom), (dx, dy, 0), (cx, cy, 0))  # outside
+        triangles.append(((0, 0, bottom), (dx, dy, bottom), (cx, cy, bottom)))           # below
+    return triangles
+
+
+class Adversarial(unittest.TestCase):
+    def plan(self, name, bodies="", changes=(), mesh=None, cell_changes=(), status=0):
+        """Plans a changed support_pad; returns (summary, rows of points.csv, text), judged clean."""
+        cell = (BENCH.top / "cells/kr500_r2830.yaml").read_text(encoding="utf-8").replace(
+            "excluded_pairs: []", bodies + "excluded_pairs: []")
+        for old, new in cell_changes:
+            self.assertEqual(cell.count(old), 1, old)
+            cell = cell.replace(old, new)
+        (BENCH.top / f"cells/{name}.yaml").write_text(cell, encoding="utf-8")
+        if mesh:
+            (BENCH.top / f"toolpaths/support_pad/{name}.stl").write_text(stl(mesh), encoding="utf-8")
+            changes = [(r"mesh: support_pad.stl", f"mesh: {name}.stl"), *changes]
+        job = BENCH.job("support_pad", [(r"name: support_pad\n", f"name: {name}\n"),
+                                        (r"kr500_r2830.yaml", f"{name}.yaml"), *changes], name)
+        result, folder = BENCH.plan(job, name, "--threads", "2")
+        self.assertEqual(result.returncode, status, result.stdout + result.stderr)
+        judged, verdict = BENCH.audit(folder, job, "--travel-mm", TRAVEL_MM)
+        self.assertEqual((judged, verdict["broken"]), (0, {}))
+        with open(folder / "points.csv", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        return json.loads((folder / "summary.json").read_text(encoding="utf-8")), rows, result.stdout + result.stderr
+
+    def window(self, close=False):
+        """A wall across x = 1800 mm with a window 900 mm wide and from 500 to 1900 mm high, before the pad at 1006."""
+        bodies = box("left", (20, 1050, 3000), (1800, 975, 1500)) + box("right", (20, 1050, 3000), (1800, -975, 1500))
+        bodies += box("over", (20, 900, 1100), (1800, 0, 2450)) + box("under", (20, 900, 500), (1800, 0, 250))
+        return bodies + (box("shutter", (20, 900, 1400), (1800, 0, 1200)) if close else "")
+
+    def test_reaches_through_a_window_frame_and_not_through_a_closed_one(self):
+        home = [("home_deg: [0, -90, 90, 0, 0, 0]", "home_deg: [0, -120, 130, 0, 0, 0]")]
+        summary, rows, _ = self.plan("window", self.window(), FEW_POINTS, cell_changes=home)
+        self.assertEqual(summary["points"]["skipped"], 0)
+        self.assertEqual(summary["gaps"]["planned"], summary["gaps"]["total"])
+        self.assertLess(min(float(row["clearance_mm"]) for row in rows), 50)  # told up to 50 mm
+        summary, _, _ = self.plan("shutter", self.window(close=True), FEW_POINTS, cell_changes=home, status=1)
+        self.assertEqual(summary["points"]["planned"], 0)
+        self.assertEqual({entry["reason"] for entry in summary["skipped"]}, {"interference"})
+        self.assertTrue(all("shutter" in entry["detail"] for entry in summary["skipped"]))
+
+    def bore(self, depth, status):
+        """A short line on the bottom of a bore of 36 mm diameter; the cutter is 20 mm thick, 60 mm long."""
+        curve = (r"strategy: parallel_planes\n  region: .*\n  planes: .*\n",
+                 f"strategy: curve\n  curve: {{points_mm: [[-2, 0, {-depth}], [2, 0, {-depth}]], direction: [0, 0, 1]}}\n")
+        return self.plan(f"bore_{depth}", changes=[curve], mesh=bored_block(100, 18, depth), status=status)
+
+    def test_the_holder_touches_in_a_bore_deeper_than_the_cutter(self):
+        summary, _, _ = self.bore(50, 0)  # 10 mm of air between holder and part
+        self.assertEqual(summary["points"]["skipped"], 0)
+        summary, _, _ = self.bore(70, 1)
+        self.assertEqual(summary["points"]["planned"], 0)
+        self.assertEqual({entry["reason"] for entry in summary["skipped"]}, {"interference"})
+        self.assertTrue(all("holder" in entry["detail"] and "workpiece" in entry["detail"] for entry in summary["skipped"]))
+
+    def test_a_link_swallowed_by_a_solid_is_seen(self):
+        rock = block((-9000, -9000, -9000), (9000, 9000, 9000))  # no surface comes near the arm
+        (BENCH.top / "cells/rock.stl").write_text(stl(rock), encoding="utf-8")
+        body = "  - {name: rock, class: fixture, mount: world, shape: {mesh: {file: rock.stl, unit: mm}}}\n"
+        summary, _, text = self.plan("swallowed", body, FEW_POINTS, status=1)
+        self.assertEqual(summary["points"]["planned"], 0)
+        self.assertEqual({entry["reason"] for entry in summary["skipped"]}, {"interference"})
+        self.assertTrue(all("rock" in entry["detail"] for entry in summary["skipped"]))
+        self.assertIn("home_deg: rock and", text)
+
+    def test_half_the_part_out_of_reach_costs_only_that_half(self):
+        plate = block((-40, -1600, -20), (40, 1600, 0))  # y is the world's y: from the arm's front far to its sides
+        changes = [(r"stepover_mm: [\d.]+", "stepover_mm: 60"), (r"spacing_mm: [\d.]+", "spacing_mm: 100"),
+                   (r"planes: .*", "planes: {normal: [1, 0, 0]}"), (r"  joints_deg: .*\n", ""),
+                   (r"xyz_mm: \[2076, 0, 1006\]", "xyz_mm: [1900, 1900, 1006]")]
+        summary, rows, _ = self.plan("half", changes=changes, mesh=plate, status=1)
+        planned = [float(row["y_mm"]) for row in rows if row["a1_deg"]]
+        skipped = [float(row["y_mm"]) for row in rows if not row["a1_deg"]]
+        self.assertGreater(len(planned), 10)
+        self.assertGreater(len(skipped), 10)
+        self.assertLess(max(planned), min(skipped) + 150)  # the near part is kept as a whole
+        self.assertEqual(summary["points"]["planned"] + summary["points"]["skipped"], summary["points"]["total"])
+        self.assertTrue(all(e["reason"] in ("unreachable", "limit", "singular", "step") for e in summary["skipped"]))
+        self.assertIn("unreachable", {e["reason"] for e in summary["skipped"]})
+        self.assertEqual(len(summary["programs"]), 4)
+        self.assertTrue(all(program["verified"] for program in summary["programs"]))
+
+    def test_a_start_pose_in_collision_is_told_and_the_cuts_are_planned(self):
+        home = [("home_deg: [0, -90, 90, 0, 0, 0]", "home_deg: [0, 0, 120, 0, 0, 0]")]
+        summary, _, text = self.plan("start", changes=FEW_POINTS, cell_changes=home, status=1)
+        self.assertIn("home_deg: platform and", text)
+        self.assertIn("no way from or to home can be planned", text)
+        self.assertEqual(summary["points"]["skipped"], 0)
+        self.assertEqual(summary["gaps"]["total"] - summary["gaps"]["planned"], 2)
+
+    def test_an_arm_from_a_urdf_is_planned_and_judged_by_its_own_joints(self):
+        urdf = pathlib.Path(sys.argv[3], "tests/robot/turned_about.urdf")
+        (BENCH.top / "cells/turned_about.urdf").write_text(urdf.read_text(encoding="utf-8"), encoding="utf-8")
+        cell = (BENCH.top / "cells/kr500_r2830.yaml").read_text(encoding="utf-8")
+        cell = re.sub(r"  lengths_mm: .*\n(  .*\n)*?  accelerations_deg_s2",
+                      "  urdf: {file: turned_about.urdf, base_link: base_link, flange_link: tool0}\n  accelerations_deg_s2", cell)
+        cell = re.sub(r"home_deg: .*", "home_deg: [90, 0, 0, 0, 0, 0]", cell)
+        cell = re.sub(r"  - \{name: \w+, class: link, .*\n", "", cell)
+        cell = cell.replace("length_mm: 320, diameter_mm: 160", "length_mm: 200, diameter_mm: 120")
+        cell = re.sub(r"  - \{name: bracket, .*\n", "", cell)
+        (BENCH.top / "cells/own.yaml").write_text(cell, encoding="utf-8")
+        job = BENCH.job("support_pad", [(r"kr500_r2830.yaml", "own.yaml"), (r"  joints_deg: .*\n", ""),
+                                        (r"xyz_mm: \[2076, 0, 1006\]", "xyz_mm: [1200, 0, 700]"), *FEW_POINTS], "own")
+        result, folder = BENCH.plan(job, "own", "--threads", "2")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        judged, verdict = BENCH.audit(folder, job, "--travel-mm", TRAVEL_MM)
+        self.assertEqual((judged, verdict["broken"]), (0, {}))
+        self.assertLess(verdict["max_urdf_error_mm"], 1e-9)
+        self.assertIn("zero_offsets_deg: [90, -90, 90, 0, 90, 0]", (folder / "cell.yaml").read_text(encoding="utf-8"))
+
+    def test_the_stock_is_kept_clear_of_between_the_cuts(self):
+        (BENCH.top / "toolpaths/support_pad/raw.stl").write_text(
+            stl(block((-60, -60, -60), (60, 60, 40))), encoding="utf-8")
+        raw = [*FEW_POINTS, (r"  unit: mm\n", "  unit: mm\n  stock: {mesh: raw.stl, unit: mm}\n"),
+               (r"retract_mm: 50", "retract_mm: 30")]
+        bare = [change for change in raw if "stock" not in change[1]]
+        _, without, _ = self.plan("bare", changes=bare)
+        summary, with_stock, _ = self.plan("stock", changes=raw)
+        self.assertEqual(summary["gaps"]["planned"], summary["gaps"]["total"])
+        angles = [f"a{i}_deg" for i in range(1, 7)]
+        self.assertEqual([[row[a] for a in angles] for row in without], [[row[a] for a in angles] for row in with_stock])
+
+
+if __name__ == "__main__":
+    BENCH = Bench(*sys.argv[1:4])
+    unittest.main(argv=[sys.argv[0], *sys.argv[4:]])
