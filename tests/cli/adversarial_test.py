@@ -184,6 +184,14 @@ class Adversarial(unittest.TestCase):
         angles = [f"a{i}_deg" for i in range(1, 7)]
         self.assertEqual([[row[a] for a in angles] for row in without], [[row[a] for a in angles] for row in with_stock])
 
+        def motions(name):
+            program = (BENCH.top / name / f"programs/linuxcnc/{name}.ngc").read_text(encoding="utf-8")
+            return [line for line in program.splitlines() if line.startswith("G1")]
+
+        # 30 mm out is clear of the part, not of 40 mm of stock: twice as far.
+        self.assertGreater(len(motions("stock")), 0)
+        self.assertNotEqual(motions("bare"), motions("stock"))
+
 
 if __name__ == "__main__":
     BENCH = Bench(*sys.argv[1:4])
