@@ -18,9 +18,10 @@ constexpr double kRounding = 1e-12;  // rad: of angles that full turns were adde
 // nodes with them, and before they take their points with them; after that each round removes a point.
 constexpr int kRoundsOfMotions = 6, kRoundsOfNodes = 60;
 constexpr int kRefineRounds = 5;
-// Where a smoothed path interferes it goes back, half-way in the first round, then all the way, and turns no
-// farther to that side, later to neither; so many points to either side may follow.
-constexpr int kSmoothRounds = 9, kHalfwayRounds = 1, kOneSidedRounds = 6;
+// Where a smoothed path interferes it goes back, half-way when met first, then all the way, and turns no
+// farther to that side, after so many times, or in the last rounds, to neither; so many points to either side
+// may follow.
+constexpr int kSmoothRounds = 16, kOneSided = 5, kOneSidedRounds = 12;
 constexpr size_t kFollow = 40;
 
 /// `q` moved by whole turns to where each joint is nearest to `near`; exact where none is needed.
@@ -255,6 +256,7 @@ class PiecePlanner {
     std::vector<FreedomRange> ranges(path.size(), {freedom.Lower() - wide, freedom.Upper() + wide});
     std::vector<FreedomRange> fixed = ranges;  // as ranges, but where nothing interferes for now
     std::vector<PathNode> checked = origin;
+    std::vector<int> met(path.size(), 0);  // how often a point interfered
     for (int round = 0; round < kSmoothRounds; ++round) {
       SmoothPath(scorers, points, fixed, options, path);
       if (!Fits(piece)) break;
@@ -263,19 +265,39 @@ class PiecePlanner {
       const std::vector<bool> hit = Interfering(piece, known);
       if (std::find(hit.begin(), hit.end(), true) == hit.end()) return;
       std::copy(path.begin(), path.end(), checked.begin());
-      const std::vector<bool> back = Widened(hit, (size_t{1} << round) - 1, piece.closed);
+      for (size_t i = 0; i < path.size(); ++i) met[i] += hit[i];
+      const std::vector<int> level = Levels(hit, met, piece.closed);
+      std::vector<bool> back(path.size());
+      for (size_t i = 0; i < path.size(); ++i) back[i] = level[i] > 0;
       const std::vector<bool> beside = Widened(back, kFollow, piece.closed);
       for (size_t i = 0; i < path.size(); ++i) {
         const double now = path[i].freedoms[0], was = origin[i].freedoms[0];
         if (back[i]) {
-          path[i] = GoneBack(scorers[i], origin[i], path[i], round < kHalfwayRounds ? 0.5 : 0);
-          if (now >= was || round >= kOneSidedRounds) ranges[i].upper = path[i].freedoms[0];
-          if (now <= was || round >= kOneSidedRounds) ranges[i].lower = path[i].freedoms[0];
+          const bool both = level[i] > kOneSided || round >= kOneSidedRounds;
+          path[i] = GoneBack(scorers[i], origin[i], path[i], level[i] > 1 || both ? 0 : 0.5);
+          if (now >= was || both) ranges[i].upper = path[i].freedoms[0];
+          if (now <= was || both) ranges[i].lower = path[i].freedoms[0];
         }
         fixed[i] = {beside[i] ? ranges[i].lower : now, beside[i] ? ranges[i].upper : now};
       }
     }
     std::copy(origin.begin(), origin.end(), path.begin());
+  }
+
+  /// For points that go back, how often what takes them along was met: a point met k times takes 2^(k−1) − 1
+  /// neighbours to either side. 0 for points that stay.
+  static std::vector<int> Levels(const std::vector<bool>& hit, const std::vector<int>& met, bool closed) {
+    std::vector<int> level(hit.size(), 0);
+    const int most = *std::max_element(met.begin(), met.end());
+    for (int k = 1; k <= most; ++k) {
+      std::vector<bool> marked(hit.size());
+      for (size_t i = 0; i < hit.size(); ++i) marked[i] = hit[i] && met[i] == k;
+      const std::vector<bool> wide = Widened(marked, (size_t{1} << (k - 1)) - 1, closed);
+      for (size_t i = 0; i < hit.size(); ++i) {
+        if (wide[i]) level[i] = k;
+      }
+    }
+    return level;
   }
 
   /// A point on `share` of its way from where it was; there itself where that pose is not admissible.

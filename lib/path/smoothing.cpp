@@ -14,7 +14,7 @@ namespace {
 constexpr double kNear = 0.03 * kRadPerDeg, kFarther = 8 * kNear, kFar = 64 * kNear;
 constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-8, kMostDamping = 1e2;
 constexpr double kSamePlace = 1e-9;  // mm
-constexpr int kMostSteps = 10;       // for one weight of the objective
+constexpr int kMostSteps = 15;       // for one weight of the objective
 constexpr int kBisections = 3;       // of that weight
 constexpr double kConverged = 3e-3;  // relative
 constexpr double kLeastLoss = 1e-3;  // the scale of the objective when less than this may be lost
@@ -61,9 +61,29 @@ class Smoother {
   }
 
   void Run() {
-    places_ = Probed(Values(), Start());
+    const std::vector<Place> start = Probed(Values(), Start());
+    limits_.assign(edges_, options_.max_deviation);
+    Smooth(start);
+    // Where mending the deviations costs too much, or cannot be done, they only may not grow.
+    if (!start_.within && !(best_.within && Affordable(best_))) {
+      for (size_t t = 0; t < edges_; ++t) {
+        const double off = Deviation(t, start[t].q, Step(start[t], start[Next(t)])).norm();
+        limits_[t] = std::max(options_.max_deviation, off / kReserve);
+      }
+      Smooth(start);
+    }
+    for (size_t t = 0; t < path_.size(); ++t) {
+      path_[t].freedoms[0] = best_places_[t].x;
+      path_[t].q = best_places_[t].q;
+      path_[t].objective = best_places_[t].objective;
+    }
+  }
+
+ private:
+  void Smooth(const std::vector<Place>& start) {
+    places_ = best_places_ = start;
     start_ = best_ = Judge(places_);
-    best_places_ = places_;
+    damping_ = kFirstDamping;
     if (start_.square <= 0) return;
     // Ever more of the objective is given for smoothness, until the loss allowed is used up.
     double enough = 128, too_little = 0;
@@ -80,14 +100,12 @@ class Smoother {
       const double weight = std::sqrt(enough * too_little);
       (Minimise(weight) ? enough : too_little) = weight;
     }
-    for (size_t t = 0; t < path_.size(); ++t) {
-      path_[t].freedoms[0] = best_places_[t].x;
-      path_[t].q = best_places_[t].q;
-      path_[t].objective = best_places_[t].objective;
-    }
   }
 
- private:
+  bool Affordable(const Merit& merit) const {
+    return merit.objective <= (1 + options_.loss) * options_.objective;
+  }
+
   std::vector<double> Values() const {
     std::vector<double> values;
     for (const PathNode& node : path_) values.push_back(node.freedoms[0]);
@@ -136,6 +154,7 @@ class Smoother {
   /// The points at the values `x`. One that is not admissible there stays as it is in `from`.
   std::vector<Place> Probed(const std::vector<double>& x, std::vector<Place> from) const {
     for (size_t t = 0; t < x.size(); ++t) {
+      if (ranges_[t].lower == ranges_[t].upper) continue;  // stays where it is
       if (!Probe(t, x[t], from[t])) Probe(t, from[t].x, from[t]);
     }
     return from;
@@ -207,7 +226,7 @@ class Smoother {
     for (const Place& place : places) merit.objective += place.objective;
     for (size_t t = 0; t < edges_; ++t) {
       const Joints step = Step(places[t], places[Next(t)]);
-      const double off = Deviation(t, places[t].q, step).norm() / options_.max_deviation;
+      const double off = Deviation(t, places[t].q, step).norm() / limits_[t];
       const double beyond = std::max(0.0, off - kReserve);
       merit.violation += beyond * beyond;
       merit.within = merit.within && off <= 1;
@@ -256,7 +275,7 @@ class Smoother {
       if (gain < kConverged * std::abs(before)) break;
     }
     damping_ = std::min(damping_, kFirstDamping);
-    const bool affordable = merit.objective <= (1 + options_.loss) * options_.objective;
+    const bool affordable = Affordable(merit);
     if (Better(merit, affordable)) best_ = merit, best_places_ = places_;
     return affordable;
   }
@@ -294,15 +313,15 @@ class Smoother {
   void AddViolations(const std::vector<Place>& places, size_t t, BoxLeastSquares& squares) const {
     const size_t next = Next(t);
     const Joints step = Step(places[t], places[next]);
-    const Eigen::Vector3d off = Deviation(t, places[t].q, step) / options_.max_deviation;
+    const Eigen::Vector3d off = Deviation(t, places[t].q, step) / limits_[t];
     if (const double size = off.norm(); size > kReserve) {
       // The deviation's own derivatives, along its present direction.
       constexpr double kSmall = 1e-6;
-      const Eigen::Vector3d along = off / (size * options_.max_deviation * kSmall);
+      const Eigen::Vector3d along = off / (size * limits_[t] * kSmall);
       const auto derivative = [&](double first, double second) {
         const Joints from = places[t].q + first * places[t].turn;
         const Joints moved = step + second * places[next].turn - first * places[t].turn;
-        return along.dot(Deviation(t, from, moved) - off * options_.max_deviation);
+        return along.dot(Deviation(t, from, moved) - off * limits_[t]);
       };
       squares.Add<2>(kViolationWeight, size - kReserve,
                      {{{t, derivative(kSmall, 0)}, {next, derivative(0, kSmall)}}});
@@ -326,6 +345,7 @@ class Smoother {
   const PoseProblem& problem_;
   size_t edges_;
   std::vector<AccelerationRow> rows_;
+  std::vector<double> limits_;  // mm, of the deviation of each motion
   double damping_ = kFirstDamping;
   std::vector<Place> places_, best_places_;
   Merit start_, best_;

@@ -26,8 +26,9 @@ struct FreedomRange {
 /// Shifts the first freedom (the rotation about the tool axis) along a piece so that the mean square of the
 /// joint accelerations at the points' feeds (RatesAlong, all joints alike, weighted by time) becomes small:
 /// Gauss-Newton on the closed-form inverse, branches and full turns kept, every point admissible and within
-/// `ranges`. The objective's sum rises by no more than the share `loss`, except where a motion deviates by
-/// more than `max_deviation` half-way: that is mended first. Joint angles of `path` are continuous. Never
+/// `ranges`. The objective's sum rises by no more than the share `loss`. Where motions deviate by more than
+/// `max_deviation` half-way that is mended, if it can be for the loss allowed, else they may not deviate
+/// more than they did. Joint angles of `path` are continuous. Never
 /// worsens mean square or deviation beyond the bound. Interference is not looked at.
 void SmoothPath(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
                 std::span<const FreedomRange> ranges, const SmoothOptions& options, std::span<PathNode> path);

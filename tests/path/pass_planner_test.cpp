@@ -438,7 +438,6 @@ TEST(PlanPass, SmoothsWhatItFinds) {
   const World world(EmptyCell(problem));
   const Pass pass = Row(-300, 300, 60);
   PathOptions options = Options();
-  options.max_deviation = 100;  // which would go first
   PathOptions rough = options;
   rough.smoothing_loss = 0;
   const PassResult smooth = PlanPass(problem, world, pass, 0, 0, options, 2, {});

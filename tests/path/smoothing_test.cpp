@@ -139,9 +139,29 @@ TEST(SmoothPath, MendsMotionsThatDeviateHalfway) {
   };
   SmoothOptions options = course.Options();
   options.max_deviation = 0.25 * deviation();
-  options.loss = 0;  // the bound goes first
+  options.loss = 0.5;
   SmoothPath(course.scorers, course.points, course.ranges, options, course.path);
   EXPECT_LE(deviation(), options.max_deviation);
+}
+
+TEST(SmoothPath, LetsNoDeviationGrowThatItCannotMend) {
+  Course course(40, 10, [](int t) { return DegToRad(std::clamp(4.0 * (t - 18), 0.0, 16.0)); });
+  const Carrier carrier{course.problem.arm, course.problem.X_WB, course.problem.X_FT};
+  const auto deviation = [&](size_t t) {
+    return HalfwayDeviation(carrier, course.path[t].q, course.path[t + 1].q).position;
+  };
+  std::vector<double> before;
+  for (size_t t = 0; t + 1 < course.path.size(); ++t) before.push_back(deviation(t));
+  SmoothOptions options = course.Options();
+  options.max_deviation = 0.01;
+  options.loss = 0.001;
+  const double rms = course.Rms();
+  SmoothPath(course.scorers, course.points, course.ranges, options, course.path);
+  for (size_t t = 0; t + 1 < course.path.size(); ++t) {
+    EXPECT_LE(deviation(t), std::max(options.max_deviation, before[t] / 0.95) + 1e-9) << t;
+  }
+  EXPECT_LE(course.Objective(), 1.001 * options.objective * (1 + 1e-12));
+  EXPECT_LE(course.Rms(), rms);
 }
 
 TEST(BoxLeastSquares, MeetsTheConditionsOfItsLeast) {
