@@ -39,11 +39,15 @@ Task Load(const Options& options) {
   const std::filesystem::path path(options.file);
   const bool csv = path.extension() == ".csv" || path.extension() == ".CSV";
   task.settings = csv ? ParseMeasurementsCsv(bytes, options.file) : ParseMeasurements(bytes, options.file);
-  const auto point = [](const std::vector<double>& given, Eigen::Vector3d& to) {
-    if (!given.empty()) to = {given[0], given[1], given[2]};
+  const auto point = [](const char* option, const std::vector<double>& given, Eigen::Vector3d& to) {
+    if (given.empty()) return;
+    to = {given[0], given[1], given[2]};
+    if (!to.allFinite() || to.norm() > 1e6)
+      throw InputError({}, fmt::format("{}: given {} {} {}; allowed: three numbers, -1000000 to 1000000 mm",
+                                       option, to.x(), to.y(), to.z()));
   };
-  point(options.load_point, task.settings.load_point);
-  point(options.measured_point, task.settings.measured_point);
+  point("--load-point-mm", options.load_point, task.settings.load_point);
+  point("--measured-point-mm", options.measured_point, task.settings.measured_point);
   if (options.cell.empty() && task.settings.cell_file.empty())
     throw InputError({options.file}, "no arm; allowed: the key `cell` in the file, or --cell CELL.yaml");
   task.cell_file = options.cell.empty() ? path.parent_path() / task.settings.cell_file
@@ -115,16 +119,24 @@ void Print(const Identification& found, const Task& task) {
   }
   fmt::print("\n{} measurements in {} poses; condition number {:.3g} (columns scaled to 1)\n",
              found.residuals.size(), found.poses, found.condition);
-  fmt::print(
-      "residual {:.4g} mm RMS per measurement, {:.3g} times the stated deviation\n\nlargest residuals\n",
-      found.rms, found.level);
-  std::vector<size_t> order(found.residuals.size());
-  for (size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](size_t a, size_t b) { return found.residuals[a] > found.residuals[b]; });
-  for (size_t i = 0; i < std::min<size_t>(5, order.size()); ++i)
-    fmt::print("  line {:<6} pose {:<4} {:.4g} mm\n", task.settings.measurements[order[i]].line,
-               found.pose_of_case[order[i]] + 1, found.residuals[order[i]]);
+  fmt::print("residual {:.4g} mm RMS per measurement, {:.3g} times the stated deviation\n\n", found.rms,
+             found.level);
+  fmt::print("pose   measurements   residual, mm RMS   largest, mm\n");
+  for (size_t pose = 0; pose < found.poses; ++pose) {
+    size_t count = 0, worst = 0;
+    double square = 0, largest = -1;
+    for (size_t i = 0; i < found.residuals.size(); ++i) {
+      if (found.pose_of_case[i] != pose) continue;
+      ++count;
+      square += found.residuals[i] * found.residuals[i];
+      if (found.residuals[i] <= largest) continue;
+      largest = found.residuals[i];
+      worst = i;
+    }
+    fmt::print("{:<6} {:>12} {:>18.4g} {:>13.4g}  in line {}\n", pose + 1, count,
+               std::sqrt(square / static_cast<double>(count)), largest,
+               task.settings.measurements[worst].line);
+  }
 }
 
 void WriteCellFile(const Options& options, const Task& task, const Identification& found) {
@@ -198,10 +210,10 @@ int Identify(const Options& options) {
 }  // namespace
 
 void AddIdentifyCommand(CLI::App& app, Run& run) {
-  CLI::App* command =
-      app.add_subcommand("identify",
-                         "Joint stiffness from measured deflections under load (docs/identification.md).\n"
-                         "Exit status 1: some joint could not be determined.");
+  CLI::App* command = app.add_subcommand(
+      "identify",
+      "Joint stiffness, N·m/rad, from measured deflections under load (docs/identification.md).\n"
+      "Exit status 1: some joint could not be determined.");
   static Options options;
   command->add_option("measurements", options.file, "Measurements, YAML or CSV")->required();
   command->add_option("--cell", options.cell,

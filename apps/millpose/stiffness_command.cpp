@@ -20,16 +20,17 @@ using Eigen::Vector3d;
 
 struct Options {
   std::string cell, at, poses, axis, map_index, output;
-  std::vector<double> joints, normal, plane, steps, tool_axis;
+  std::vector<double> joints, normal, plane, tool_axis;
+  std::vector<int> steps;
   double rotation_step_deg = 5;
   bool json = false;
 };
 
-Vector3d Unit(const std::vector<double>& numbers, const char* option) {
+Vector3d Unit(const std::vector<double>& numbers, const char* option, const Place& place = {}) {
   const Vector3d v(numbers[0], numbers[1], numbers[2]);
   if (!v.allFinite() || v.norm() < 1e-9)
-    throw InputError({}, fmt::format("{}: given {} {} {}; allowed: three finite numbers, not all 0", option,
-                                     v.x(), v.y(), v.z()));
+    throw InputError(place, fmt::format("{}: given {} {} {}; allowed: three finite numbers, not all 0",
+                                        option, v.x(), v.y(), v.z()));
   return v.normalized();
 }
 
@@ -63,7 +64,7 @@ Subject Load(const Options& options) {
 PoseReport Evaluate(const Options& options, const Subject& subject, const Joints& q,
                     const std::optional<Vector3d>& given) {
   if (!given && options.axis.empty() && options.normal.empty())
-    throw InputError({}, "no milling plane; allowed: --normal X Y Z, or --axis tool");
+    throw InputError({}, "no milling plane; allowed: --normal X Y Z, --axis tool, or nx,ny,nz in --poses");
   const Vector3d normal = given ? *given
                           : options.normal.empty()
                               ? Vector3d((ForwardFlange(subject.arm, q) * subject.X_FT).linear().col(2))
@@ -83,18 +84,20 @@ PoseReport Evaluate(const Options& options, const Subject& subject, const Joints
   return report;
 }
 
-Joints FromDegrees(const std::vector<double>& degrees) {
+Joints FromDegrees(const std::vector<double>& degrees, const char* source, const Place& place = {}) {
   Joints q;
   for (int i = 0; i < 6; ++i) {
     if (!std::isfinite(degrees[i]) || std::abs(degrees[i]) > 3600)
-      throw InputError({}, fmt::format("--joints-deg: A{} is {}; allowed: -3600 to 3600", i + 1, degrees[i]));
+      throw InputError(place,
+                       fmt::format("{}: A{} is {}; allowed: -3600 to 3600 deg", source, i + 1, degrees[i]));
     q[i] = DegToRad(degrees[i]);
   }
   return q;
 }
 
 int OnePose(const Options& options, const Subject& subject) {
-  const PoseReport report = Evaluate(options, subject, FromDegrees(options.joints), std::nullopt);
+  const PoseReport report =
+      Evaluate(options, subject, FromDegrees(options.joints, "--joints-deg"), std::nullopt);
   fmt::print("{}", options.json ? ReportAsJson(report) : ReportAsText(report));
   return report.stiffness.indices && report.stiffness.K ? kDone : kFindings;
 }
@@ -103,16 +106,21 @@ int ManyPoses(const Options& options, const Subject& subject) {
   const CsvTable table =
       ReadCsv(ReadFile(options.poses), options.poses,
               {{"a1_deg", "a2_deg", "a3_deg", "a4_deg", "a5_deg", "a6_deg"}, {"nx", "ny", "nz"}});
+  const int given = table.Has("nx") + table.Has("ny") + table.Has("nz");
+  if (given != 0 && given != 3)
+    throw InputError({options.poses, 1}, "only part of nx,ny,nz; allowed: all three, or none");
+  if (table.size() == 0) throw InputError({options.poses}, "no poses; allowed: at least one row");
   std::vector<PoseReport> reports;
   for (size_t row = 0; row < table.size(); ++row) {
+    const Place place{options.poses, table.line(row)};
     std::vector<double> degrees;
     for (int i = 0; i < 6; ++i) degrees.push_back(table.At(row, fmt::format("a{}_deg", i + 1)));
     std::optional<Vector3d> normal;
-    if (table.Has("nx") && table.Has("ny") && table.Has("nz"))
-      normal = Unit({table.At(row, "nx"), table.At(row, "ny"), table.At(row, "nz")}, "nx, ny, nz");
-    reports.push_back(Evaluate(options, subject, FromDegrees(degrees), normal));
+    if (given == 3)
+      normal = Unit({table.At(row, "nx"), table.At(row, "ny"), table.At(row, "nz")}, "nx,ny,nz", place);
+    reports.push_back(Evaluate(options, subject, FromDegrees(degrees, "a1_deg..a6_deg", place), normal));
   }
-  fmt::print("{}", ReportsAsCsv(reports));
+  fmt::print("{}", options.json ? ReportsAsJson(reports) : ReportsAsCsv(reports));
   const auto regular = [](const PoseReport& report) { return report.stiffness.indices.has_value(); };
   return std::all_of(reports.begin(), reports.end(), regular) ? kDone : kFindings;
 }
@@ -121,6 +129,9 @@ MapRequest MakeRequest(const Options& options, const Subject& subject) {
   if (options.plane.empty() || options.steps.empty())
     throw InputError(
         {}, "--map needs --plane (9 numbers: corner, end of the first edge, end of the second) and --steps");
+  for (const double number : options.plane)
+    if (!std::isfinite(number) || std::abs(number) > 1e6)
+      throw InputError({}, fmt::format("--plane: given {}; allowed: -1000000 to 1000000 mm", number));
   const auto point = [&](int i) {
     return Vector3d(options.plane[i], options.plane[i + 1], options.plane[i + 2]);
   };
@@ -131,12 +142,14 @@ MapRequest MakeRequest(const Options& options, const Subject& subject) {
   request.X_FT = subject.X_FT;
   request.at_flange = subject.at_flange;
   request.characteristic_length = subject.cell.characteristic_length;
-  request.u_count = static_cast<int>(options.steps[0]) + 1;
-  request.v_count = static_cast<int>(options.steps[1]) + 1;
-  if (request.u_count < 2 || request.v_count < 2 || double(request.u_count) * request.v_count > 1e6)
+  if (options.steps[0] < 1 || options.steps[1] < 1 ||
+      (double(options.steps[0]) + 1) * (double(options.steps[1]) + 1) > 1e6)
     throw InputError({},
                      fmt::format("--steps: given {} {}; allowed: at least 1 each, at most a million points",
                                  options.steps[0], options.steps[1]));
+  request.u_count = options.steps[0] + 1;
+  request.v_count = options.steps[1] + 1;
+  request.elements = subject.elements;
   request.origin = point(0);
   request.u = (point(3) - point(0)) / (request.u_count - 1);
   request.v = (point(6) - point(0)) / (request.v_count - 1);
@@ -148,23 +161,22 @@ MapRequest MakeRequest(const Options& options, const Subject& subject) {
           : Unit(options.tool_axis, "--tool-axis");
   request.normal = options.normal.empty() ? request.tool_axis : Unit(options.normal, "--normal");
   request.index = options.map_index;
+  if (!std::isfinite(options.rotation_step_deg))
+    throw InputError({}, "--rotation-step-deg: given nan; allowed: 0.1 to 90");
   request.rotation_step = DegToRad(options.rotation_step_deg);
   return request;
 }
 
 int Map(const Options& options, const Subject& subject) {
-  if (!subject.elements.empty())
-    throw InputError({options.cell},
-                     "--map knows the joints' compliance only; the cell has compliances beside them");
   const MapRequest request = MakeRequest(options, subject);
   const std::vector<MapPoint> points = DrawMap(request);
-  if (options.output.empty()) {
-    fmt::print("{}", MapToCsv(request, points));
-  } else {
+  if (!options.output.empty()) {
     WriteFileAtomically(options.output + ".csv", MapToCsv(request, points));
     WriteFileAtomically(options.output + ".vtk", MapToVtk(request, points));
-    fmt::print("{}", MapSummary(request, points));
   }
+  fmt::print("{}", options.json             ? MapAsJson(request, points)
+                   : options.output.empty() ? MapToCsv(request, points)
+                                            : MapSummary(request, points));
   const auto reached = [](const MapPoint& at) { return at.reached; };
   return std::any_of(points.begin(), points.end(), reached) ? kDone : kFindings;
 }
@@ -191,27 +203,30 @@ void AddStiffnessCommand(CLI::App& app, Run& run) {
   command->add_option("cell", options.cell, "Cell YAML")->required();
   command->add_option("--joints-deg", options.joints, "A1 … A6 in the arm's convention, deg")->expected(6);
   command->add_option("--poses", options.poses,
-                      "CSV of poses: a1_deg … a6_deg, optionally nx,ny,nz; results as CSV");
+                      "CSV of poses: a1_deg … a6_deg, optionally nx,ny,nz; results as CSV or JSON");
   command->add_option("--normal", options.normal, "Normal of the milling plane, robot base frame")
       ->expected(3);
   command->add_option("--axis", options.axis, "tool: the milling plane is normal to the tool axis")
       ->check(CLI::IsMember({"tool"}));
   command->add_option("--at", options.at, "Where stiffness holds; default: as the cell says")
       ->check(CLI::IsMember({"tool_tip", "flange"}));
-  command->add_flag("--json", options.json, "One pose's results as JSON on stdout");
-  command->add_option("--map", options.map_index, "Draw this index over a plane, each point in its best pose")
+  command->add_flag("--json", options.json, "Results as JSON on stdout");
+  command
+      ->add_option("--map", options.map_index,
+                   "Draw this index over a plane of tool tips, each point in its best pose")
       ->check(CLI::IsMember(names));
   command
-      ->add_option("--plane", options.plane, "Corner, end of first edge, end of second edge: 9 numbers, mm")
+      ->add_option("--plane", options.plane,
+                   "Map: corner, end of first edge, end of second edge: 9 numbers, robot base frame, mm")
       ->expected(9);
-  command->add_option("--steps", options.steps, "Steps along the two edges")->expected(2);
+  command->add_option("--steps", options.steps, "Map: steps along the two edges")->expected(2);
   command
       ->add_option("--tool-axis", options.tool_axis,
-                   "Tool axis over the map, from tip to holder; default: as at home")
+                   "Map: tool axis, from tip to holder, robot base frame; default: as at home")
       ->expected(3);
   command
       ->add_option("--rotation-step-deg", options.rotation_step_deg,
-                   "Grid of rotations about the tool axis, deg")
+                   "Map: grid of rotations about the tool axis, deg")
       ->check(CLI::Range(0.1, 90.0));
   command->add_option("-o,--output", options.output, "Map: write OUTPUT.csv and OUTPUT.vtk, print a summary");
   command->callback([&run] { run = [](Session&) { return Stiffness(options); }; });

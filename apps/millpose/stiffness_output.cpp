@@ -44,6 +44,42 @@ std::string Table(const Matrix& m) {
 
 double Objective(const MillingPlaneIndices& at) { return 0.5 * at.lambda_t2 + 0.5 * at.lambda_n; }
 
+Json ToJson(const PoseReport& report) {
+  const PoseStiffness& s = report.stiffness;
+  Json json;
+  json["joints_deg"] = Numbers(report.q * kDegPerRad);
+  json["stiffness_at"] = report.origin;
+  json["origin_mm"] = Numbers(s.origin);
+  json["frame"] = "robot_base";
+  json["normal"] = Numbers(report.normal);
+  json["units"] = {{"compliance", "mm/N"},
+                   {"C", {"mm/N", "1/N", "1/N", "rad/(N*mm)"}},
+                   {"K", {"N/mm", "N", "N", "N*mm/rad"}}};
+  json["C"] = Rows(s.C);
+  json["K"] = s.K ? Rows(*s.K) : Json();
+  json["lambda"] = Numbers(s.lambda);
+  json["lambda_directions"] = Rows(s.directions.transpose());
+  const auto maybe = [&](auto value) { return s.indices ? Json(value(*s.indices)) : Json(); };
+  json["lambda_t1"] = maybe([](const auto& at) { return at.lambda_t1; });
+  json["lambda_t2"] = maybe([](const auto& at) { return at.lambda_t2; });
+  json["lambda_t1_direction"] = s.indices ? Numbers(s.t1_direction) : Json();
+  json["lambda_t2_direction"] = s.indices ? Numbers(s.t2_direction) : Json();
+  json["lambda_n"] = maybe([](const auto& at) { return at.lambda_n; });
+  json["mu"] = maybe([](const auto& at) { return at.mu; });
+  json["f"] = maybe(Objective);
+  json["normal_deflection"] = s.deflections.normal;
+  json["in_plane_deflection"] = s.deflections.in_plane;
+  json["worst_in_plane"] = s.deflections.largest;
+  json["cross_deflection"] = s.deflections.cross;
+  json["dexterity"] = s.dexterity;
+  json["singularity"] = {{"wrist", s.singularity.wrist},
+                         {"elbow", s.singularity.elbow},
+                         {"shoulder_mm", s.singularity.shoulder}};
+  json["weight_deflection_mm"] = report.weight ? Numbers(*report.weight) : Json();
+  json["counterbalance_ignored"] = report.weight ? Json(report.counterbalance_ignored) : Json();
+  return json;
+}
+
 }  // namespace
 
 std::string ReportAsText(const PoseReport& report) {
@@ -91,39 +127,14 @@ std::string ReportAsText(const PoseReport& report) {
 }
 
 std::string ReportAsJson(const PoseReport& report) {
-  const PoseStiffness& s = report.stiffness;
-  Json json;
-  json["schema_version"] = 1;
-  json["joints_deg"] = Numbers(report.q * kDegPerRad);
-  json["stiffness_at"] = report.origin;
-  json["origin_mm"] = Numbers(s.origin);
-  json["frame"] = "robot_base";
-  json["normal"] = Numbers(report.normal);
-  json["units"] = {{"compliance", "mm/N"},
-                   {"C", {"mm/N", "1/N", "1/N", "rad/(N*mm)"}},
-                   {"K", {"N/mm", "N", "N", "N*mm/rad"}}};
-  json["C"] = Rows(s.C);
-  json["K"] = s.K ? Rows(*s.K) : Json();
-  json["lambda"] = Numbers(s.lambda);
-  json["lambda_directions"] = Rows(s.directions.transpose());
-  const auto maybe = [&](auto value) { return s.indices ? Json(value(*s.indices)) : Json(); };
-  json["lambda_t1"] = maybe([](const auto& at) { return at.lambda_t1; });
-  json["lambda_t2"] = maybe([](const auto& at) { return at.lambda_t2; });
-  json["lambda_t1_direction"] = s.indices ? Numbers(s.t1_direction) : Json();
-  json["lambda_t2_direction"] = s.indices ? Numbers(s.t2_direction) : Json();
-  json["lambda_n"] = maybe([](const auto& at) { return at.lambda_n; });
-  json["mu"] = maybe([](const auto& at) { return at.mu; });
-  json["f"] = maybe(Objective);
-  json["normal_deflection"] = s.deflections.normal;
-  json["in_plane_deflection"] = s.deflections.in_plane;
-  json["worst_in_plane"] = s.deflections.largest;
-  json["cross_deflection"] = s.deflections.cross;
-  json["dexterity"] = s.dexterity;
-  json["singularity"] = {{"wrist", s.singularity.wrist},
-                         {"elbow", s.singularity.elbow},
-                         {"shoulder_mm", s.singularity.shoulder}};
-  json["weight_deflection_mm"] = report.weight ? Numbers(*report.weight) : Json();
-  json["counterbalance_ignored"] = report.weight ? Json(report.counterbalance_ignored) : Json();
+  Json json{{"schema_version", 1}};
+  json.update(ToJson(report));
+  return json.dump(2) + "\n";
+}
+
+std::string ReportsAsJson(const std::vector<PoseReport>& reports) {
+  Json json{{"schema_version", 1}, {"poses", Json::array()}};
+  for (const PoseReport& report : reports) json["poses"].push_back(ToJson(report));
   return json.dump(2) + "\n";
 }
 
@@ -156,6 +167,26 @@ std::string ReportsAsCsv(const std::vector<PoseReport>& reports) {
     text += fmt::format("{}\n", fmt::join(cells, ","));
   }
   return text;
+}
+
+std::string MapAsJson(const MapRequest& request, const std::vector<MapPoint>& points) {
+  const auto entry = std::ranges::find(MapIndices(), request.index, &MapIndex::name);
+  Json json{{"schema_version", 1},
+            {"index", request.index},
+            {"unit", entry->unit},
+            {"stiffness_at", request.at_flange ? "flange" : "tool_tip"},
+            {"frame", "robot_base"},
+            {"tool_axis", Numbers(request.tool_axis)},
+            {"normal", Numbers(request.normal)},
+            {"steps", {request.u_count - 1, request.v_count - 1}},
+            {"points", Json::array()}};
+  for (const MapPoint& at : points)
+    json["points"].push_back({{"point_mm", Numbers(at.point)},
+                              {"value", at.reached ? Json(at.value) : Json()},
+                              {"rotation_deg", at.reached ? Json(RadToDeg(at.rotation)) : Json()},
+                              {"branch", at.reached ? Json(at.branch) : Json()},
+                              {"joints_deg", at.reached ? Numbers(at.q * kDegPerRad) : Json()}});
+  return json.dump(2) + "\n";
 }
 
 std::string MapSummary(const MapRequest& request, const std::vector<MapPoint>& points) {

@@ -21,7 +21,9 @@ struct PoseReport {
 
 std::string ReportAsText(const PoseReport& report);
 std::string ReportAsJson(const PoseReport& report);
+std::string ReportsAsJson(const std::vector<PoseReport>& reports);
 std::string ReportsAsCsv(const std::vector<PoseReport>& reports);
+std::string MapAsJson(const MapRequest& request, const std::vector<MapPoint>& points);
 std::string MapSummary(const MapRequest& request, const std::vector<MapPoint>& points);
 
 }  // namespace millpose

@@ -237,6 +237,29 @@ Codec<GeneticSettings> GeneticFields() {
       check);
 }
 
+Codec<PaperSettings> PaperFields() {
+  using S = PaperSettings;
+  const Unit compliance{"mm/N", 1, 1};
+  const auto check = [](const Value& value, const Context& context, S& paper) {
+    if (paper.elite >= paper.population)
+      context.Child("elite").Add(value.mark, fmt::format("given {}; allowed: less than population, {}",
+                                                         paper.elite, paper.population));
+  };
+  return Section<S>(
+      {
+          Key<S>("population", MILLPOSE_AT(population), Integer(2, 100000), "Candidates of a generation."),
+          Key<S>("generations", MILLPOSE_AT(generations), Integer(1, 100000), "Generations."),
+          Key<S>("elite", MILLPOSE_AT(elite), Integer(1, 100000), "Best candidates kept as they are."),
+          Key<S>("crossover_rate", MILLPOSE_AT(crossover_rate), Real(kOne, Between(0, 1)),
+                 "Share of children with two parents; the others are changed at random."),
+          Key<S>("c_max_mm_N", MILLPOSE_AT(c_max), Real(compliance, Above(0)),
+                 "Objective at which the fitness begins (eq. 29)."),
+          Key<S>("penalty_mm_N", MILLPOSE_AT(penalty), Real(compliance, AtLeast(0)),
+                 "Loss of fitness per squared error, errors in units of the tolerance (eq. 32-35)."),
+      },
+      check);
+}
+
 Codec<CuttingSettings> CuttingFields() {
   using S = CuttingSettings;
   const Unit specific{"N/mm²", 1, 1};
@@ -291,23 +314,43 @@ Codec<Objective> ObjectiveFields() {
   return codec;
 }
 
+// The paper's fitness knows eq. 23 alone.
+void CheckFormulation(const Value& value, const Context& context, JobSettings& job) {
+  if (job.formulation != "paper") return;
+  const Value::Key* key = value.FindKey("formulation");
+  const bool normalised =
+      job.objective_parameters.contains("reference_t2") || job.objective_parameters.contains("reference_n");
+  if (job.objective != "chen2021" || normalised)
+    context.Child("formulation")
+        .Add(key ? key->mark : value.mark,
+             fmt::format("given paper; allowed only with objective chen2021 without references, given {}{}",
+                         job.objective, normalised ? " with references" : ""));
+}
+
 Codec<JobSettings> PoseSearchFields() {
   using S = JobSettings;
-  return Section<S>({
-      KeyBy<S, Objective>(
-          "objective",
-          [](const S& s) {
-            return Objective{s.objective, s.objective_parameters};
-          },
-          [](S& s, const Objective& objective) {
-            s.objective = objective.first;
-            s.objective_parameters = objective.second;
-          },
-          ObjectiveFields(), "What is minimised at each point."),
-      Key<S>("genetic", MILLPOSE_AT(genetic), GeneticFields(), "The genetic algorithm per point."),
-      Key<S>("exhaustive_step_deg", MILLPOSE_AT(exhaustive_step), Real(kDeg, Between(0.001, 30)),
-             "Grid of the exhaustive search that judges the genetic algorithm."),
-  });
+  return Section<S>(
+      {
+          KeyBy<S, Objective>(
+              "objective",
+              [](const S& s) {
+                return Objective{s.objective, s.objective_parameters};
+              },
+              [](S& s, const Objective& objective) {
+                s.objective = objective.first;
+                s.objective_parameters = objective.second;
+              },
+              ObjectiveFields(), "What is minimised at each point."),
+          Key<S>("formulation", MILLPOSE_AT(formulation), Choice({"freedoms", "paper"}),
+                 "What the genetic algorithm varies: the freedoms of a point, or, to compare, the six joint "
+                 "angles "
+                 "of Chen et al. 2021."),
+          Key<S>("genetic", MILLPOSE_AT(genetic), GeneticFields(), "The genetic algorithm per point."),
+          Key<S>("paper", MILLPOSE_AT(paper), PaperFields(), "Formulation paper."),
+          Key<S>("exhaustive_step_deg", MILLPOSE_AT(exhaustive_step), Real(kDeg, Between(0.001, 30)),
+                 "Grid of the exhaustive search that judges the genetic algorithm."),
+      },
+      CheckFormulation);
 }
 
 Codec<JobSettings> LimitFields() {

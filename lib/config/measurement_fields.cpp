@@ -84,6 +84,15 @@ MeasurementsSettings ParseMeasurementsCsv(std::string_view csv, const std::strin
                                  {{"a1_deg", "a2_deg", "a3_deg", "a4_deg", "a5_deg", "a6_deg", "fx_N", "fy_N",
                                    "fz_N", "dx_mm", "dy_mm", "dz_mm"},
                                   {"mx_Nm", "my_Nm", "mz_Nm", "rx_rad", "ry_rad", "rz_rad"}});
+  std::vector<Problem> problems;
+  for (const auto& [first, second, third] :
+       {std::array{"mx_Nm", "my_Nm", "mz_Nm"}, std::array{"rx_rad", "ry_rad", "rz_rad"}}) {
+    const int given = table.Has(first) + table.Has(second) + table.Has(third);
+    if (given != 0 && given != 3)
+      problems.push_back(
+          {{name, 1},
+           fmt::format("only part of {},{},{}; allowed: all three, or none", first, second, third)});
+  }
   MeasurementsSettings settings;
   settings.file = name;
   for (size_t row = 0; row < table.size(); ++row) {
@@ -92,15 +101,24 @@ MeasurementsSettings ParseMeasurementsCsv(std::string_view csv, const std::strin
       return Eigen::Vector3d(value(x), value(y), value(z));
     };
     MeasurementSettings measurement;
-    for (int j = 0; j < 6; ++j)
-      measurement.joints[j] = DegToRad(table.At(row, fmt::format("a{}_deg", j + 1)));
+    for (int j = 0; j < 6; ++j) {
+      const std::string column = fmt::format("a{}_deg", j + 1);
+      const double degrees = table.At(row, column);
+      measurement.joints[j] = DegToRad(degrees);
+      if (std::abs(degrees) > 3600)
+        problems.push_back(
+            {{name, table.line(row)}, fmt::format("{}: given {}; allowed: -3600 to 3600", column, degrees)});
+    }
     measurement.force = three("fx_N", "fy_N", "fz_N");
     measurement.moment = 1000 * three("mx_Nm", "my_Nm", "mz_Nm");
     measurement.displacement = three("dx_mm", "dy_mm", "dz_mm");
     if (table.Has("rx_rad")) measurement.rotation = three("rx_rad", "ry_rad", "rz_rad");
     measurement.line = table.line(row);
+    if (measurement.force.isZero(0.0) && measurement.moment.isZero(0.0))
+      problems.push_back({{name, measurement.line}, "no load; allowed: a force or a moment other than 0"});
     settings.measurements.push_back(measurement);
   }
+  if (!problems.empty()) throw InputError(std::move(problems));
   return settings;
 }
 

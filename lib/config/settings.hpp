@@ -238,6 +238,14 @@ struct GeneticSettings {
   double crossover_rate = 0.9, mutation_rate = 0.2;
 };
 
+/// The paper's own genetic algorithm; it gives none of these numbers.
+struct PaperSettings {
+  int population = 200, generations = 1500, elite = 10;
+  double crossover_rate = 0.3;
+  double c_max = 1e-3;    ///< mm/N
+  double penalty = 1e-5;  ///< mm/N per squared tolerance
+};
+
 /// What the cutter takes off, for the cutting force (docs/process-force.md).
 struct CuttingSettings {
   std::string material = "5A06";  ///< of the built-in table, unless kc11 is given
@@ -262,7 +270,9 @@ struct JobSettings {
   std::optional<CuttingSettings> cutting;
   std::string objective = "chen2021";
   std::map<std::string, double> objective_parameters;
+  std::string formulation = "freedoms";  ///< freedoms | paper
   GeneticSettings genetic;
+  PaperSettings paper;
   double exhaustive_step = DegToRad(0.05);            ///< rad
   std::optional<std::array<Vector6, 2>> task_limits;  ///< lower, upper, rad
   double limit_margin = DegToRad(3);                  ///< rad

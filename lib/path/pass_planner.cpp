@@ -6,6 +6,7 @@
 #include "path/split_planner.hpp"
 #include "plan/continuity.hpp"
 #include "plan/point_clearance.hpp"
+#include "stiffness/pose_stiffness.hpp"
 
 namespace millpose {
 namespace {
@@ -48,10 +49,12 @@ void Describe(const PoseProblem& problem, const PathNode& node, PlannedPoint& po
   point.from_genetic = node.genetic;
   const Eigen::Vector3d tip = problem.X_FT.translation();
   const Eigen::Vector3d origin = problem.origin == StiffnessOrigin::kToolTip ? tip : Eigen::Vector3d::Zero();
-  const Matrix6 C = Compliance(Jacobian(problem.arm, node.q, origin), problem.arm.stiffness) +
-                    SeriesComplianceAt(problem.arm, node.q, origin, problem.compliances);
   const Eigen::Vector3d normal = problem.X_WB.linear().transpose() * point.point.normal;
-  if (const auto indices = IndicesInPlane(C.topLeftCorner<3, 3>(), normal)) point.indices = *indices;
+  const PoseStiffness stiffness =
+      EvaluatePose(problem.arm, node.q, origin, normal, problem.characteristic_length, problem.compliances);
+  if (stiffness.indices) point.indices = *stiffness.indices;
+  point.lambda_3 = stiffness.lambda[2];
+  point.lambda_3_direction = problem.X_WB.linear() * stiffness.directions.col(2);
   point.dexterity = Dexterity(Jacobian(problem.arm, node.q, tip), problem.characteristic_length);
 }
 
@@ -105,6 +108,10 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
     point.genetic_optimum = context.genetic[t].found ? context.genetic[t].objective : 0.0;
     point.exhaustive_optimum = context.exhaustive[t].found ? context.exhaustive[t].objective : 0.0;
     point.genetic_evaluations = context.genetic[t].evaluations;
+    if (!context.paper.empty()) {
+      const PaperResult& paper = context.paper[t];
+      point.paper = {{paper.within_tolerance, paper.position_error, paper.angle_error, paper.objective}};
+    }
     if (plan.piece[t] < 0) {
       Skip(context, plan, t, point);
     } else {

@@ -5,7 +5,7 @@
 
 #include "cell/world.hpp"
 #include "plan/plan_result.hpp"
-#include "pose/search.hpp"
+#include "pose/paper_formulation.hpp"
 #include "toolpath/pass_ends.hpp"
 
 namespace millpose {
@@ -23,6 +23,7 @@ struct PathOptions {
   PassEnds ends;                  ///< their leads, without overrun
   double lead_spacing = 10;       ///< mm, of the leads' points
   GeneticOptions genetic;
+  std::optional<PaperFormulationOptions> paper;  ///< in place of the genetic algorithm over the freedoms
   uint64_t seed = 1;
 };
 

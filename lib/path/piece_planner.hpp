@@ -19,7 +19,8 @@ struct PassContext {
   std::stop_token stop;
   std::vector<PointScorer> scorers;  ///< one per point, as the following
   std::vector<PointOptimum> genetic, exhaustive;
-  std::vector<char> break_before;  ///< where the tool is lifted in any case
+  std::vector<char> break_before;       ///< where the tool is lifted in any case
+  std::vector<PaperResult> paper = {};  ///< per point with formulation paper, else empty
 };
 
 /// A pass cut into pieces.

@@ -146,6 +146,7 @@ class SplitPlanner {
       context.genetic.push_back(own ? from.genetic[point.source] : PointOptimum{});
       context.exhaustive.push_back(own ? from.exhaustive[point.source] : PointOptimum{});
       context.break_before.push_back(point.break_before);
+      if (from.options.paper) context.paper.push_back(own ? from.paper[point.source] : PaperResult{});
     }
     FindOptima(leads, kLeadStreams + (first_point_ << 10), context);
     return made;
@@ -166,11 +167,19 @@ SplitPass PlanSplit(const Pass& pass, std::shared_ptr<const SplitPoints> own, si
 
 void FindOptima(std::span<const size_t> points, uint64_t stream, PassContext& context) {
   const PathOptions& options = context.options;
+  const PoseProblem& problem = context.problem;
+  if (options.paper) context.paper.resize(context.scorers.size());
   ParallelFor(points.size(), context.threads, context.stop, [&](size_t i) {
     const size_t t = points[i];
-    context.exhaustive[t] = ExhaustiveSearch(context.scorers[t], context.problem, options.exhaustive_step);
-    context.genetic[t] = GeneticSearch(context.scorers[t], context.problem, options.genetic,
-                                       RandomStream(options.seed, stream + i));
+    const PointScorer& scorer = context.scorers[t];
+    const RandomStream own(options.seed, stream + i);
+    context.exhaustive[t] = ExhaustiveSearch(scorer, problem, options.exhaustive_step);
+    if (!options.paper) {
+      context.genetic[t] = GeneticSearch(scorer, problem, options.genetic, own);
+      return;
+    }
+    context.paper[t] = PaperSearch(problem, MakePaperTarget(problem, context.points[t]), *options.paper, own);
+    context.genetic[t] = OnExactPose(scorer, context.paper[t]);
   });
 }
 

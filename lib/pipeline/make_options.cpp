@@ -131,6 +131,21 @@ PathOptions MakePathOptions(const JobSettings& job) {
   options.genetic.mutation_rate = job.genetic.mutation_rate;
   options.genetic.elite = job.genetic.elite;
   options.genetic.max_evaluations = job.genetic.max_evaluations;
+  if (job.formulation == "paper") {
+    const auto weight = [&](const char* name) {
+      const auto given = job.objective_parameters.find(name);
+      return given == job.objective_parameters.end() ? 0.5 : given->second;
+    };
+    PaperFormulationOptions& paper = options.paper.emplace();
+    paper.population = job.paper.population;
+    paper.generations = job.paper.generations;
+    paper.elite = job.paper.elite;
+    paper.crossover_rate = job.paper.crossover_rate;
+    paper.c_max = job.paper.c_max;
+    paper.penalty = job.paper.penalty;
+    paper.w1 = weight("w1");
+    paper.w2 = weight("w2");
+  }
   options.seed = job.seed;
   return options;
 }

@@ -14,6 +14,14 @@ namespace millpose {
 enum class SkipReason : uint8_t { kNone, kUnreachable, kLimit, kSingular, kInterference, kStep, kSource };
 std::string ToString(SkipReason reason);
 
+/// What the paper's own formulation found at a point, before it is put on the exact pose.
+struct PaperAnswer {
+  bool within_tolerance = false;
+  double position_error = 0;  ///< mm
+  double angle_error = 0;     ///< rad
+  double objective = 0;       ///< f at the angles found; +inf in a singular pose
+};
+
 /// A milling point as planned (vectors in W), or why it was skipped.
 struct PlannedPoint {
   MillingPoint point;
@@ -24,11 +32,14 @@ struct PlannedPoint {
   int branch = 0;                ///< status bits S
   Joints q = Joints::Zero();     ///< absolute, full turns fixed, rad
   MillingPlaneIndices indices;   ///< at the stiffness origin
+  double lambda_3 = 0;           ///< shortest semi-axis of the ellipsoid of c, mm/N
+  Eigen::Vector3d lambda_3_direction = Eigen::Vector3d::Zero();  ///< along it, in W: the stiffest direction
   double dexterity = 0;
   double objective = 0;
   double genetic_optimum = 0;     ///< of this point alone; 0 when it has none
   double exhaustive_optimum = 0;  ///< of this point alone; 0 when it has none
   int genetic_evaluations = 0;
+  std::vector<PaperAnswer> paper;  ///< one with formulation paper, else none
   bool from_genetic = false;  ///< its node came from the genetic algorithm (and may have been smoothed since)
   double clearance = 0;       ///< mm, bounded
 };

@@ -113,6 +113,14 @@ void Fields(Archive& a, MillingPlaneIndices& i) {
 }
 
 template <class Archive>
+void Fields(Archive& a, PaperAnswer& p) {
+  a("within_tolerance", p.within_tolerance);
+  a("position_error", p.position_error);
+  a("angle_error", p.angle_error);
+  a("objective", p.objective);
+}
+
+template <class Archive>
 void Fields(Archive& a, PlannedPoint& p) {
   a("point", p.point);
   a("skip", p.skip);
@@ -122,11 +130,14 @@ void Fields(Archive& a, PlannedPoint& p) {
   a("branch", p.branch);
   a("q", p.q);
   a("indices", p.indices);
+  a("lambda_3", p.lambda_3);
+  a("lambda_3_direction", p.lambda_3_direction);
   a("dexterity", p.dexterity);
   a("objective", p.objective);
   a("genetic_optimum", p.genetic_optimum);
   a("exhaustive_optimum", p.exhaustive_optimum);
   a("genetic_evaluations", p.genetic_evaluations);
+  a("paper", p.paper);
   a("from_genetic", p.from_genetic);
   a("clearance", p.clearance);
 }

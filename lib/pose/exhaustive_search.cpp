@@ -74,7 +74,7 @@ class Line {
       if (!best_.found && admissibility > best_.reason) best_.reason = admissibility;
       return kInfinity;
     }
-    const double value = block_.objective[branch & 3].v[lane];
+    const double value = block_.objective[branch].v[lane];
     if (!best_.found || value < best_.objective) {
       best_.found = true;
       best_.reason = Admissibility::kAdmissible;

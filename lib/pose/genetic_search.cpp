@@ -15,8 +15,8 @@ constexpr double kGenerationShare = 0.6;
 // Refined places lie at least this share of a freedom's range apart.
 constexpr double kNicheSize = 1.0 / 60.0;
 
-/// The genome is the freedoms and the arm branch (shoulder and elbow). The two wrist flips of an individual
-/// have the same objective; it stands for the one that is admissible, or nearer to it.
+/// The genome is the freedoms and the arm branch (shoulder and elbow). Of the two wrist flips it stands for
+/// the one that is admissible, or nearer to it, and of two admissible ones for the better.
 struct Individual {
   FreedomValues freedoms;
   int arm_branch = 0;
@@ -73,7 +73,7 @@ class Evaluator {
       if (!best_.found && admissibility > best_.reason) best_.reason = admissibility;
       return;
     }
-    const double value = block_.objective[branch & 3].v[lane];
+    const double value = block_.objective[branch].v[lane];
     if (best_.found && value >= best_.objective) return;
     best_.found = true;
     best_.reason = Admissibility::kAdmissible;
@@ -144,13 +144,17 @@ class Population {
           individual.objective = individual.shortfall = kInfinity;
           individual.admissibility = Admissibility::kUnreachable;  // not the parent's
           for (const int branch : {individual.arm_branch, individual.arm_branch + 4}) {
-            if (block.shortfall[branch].v[lane] >= individual.shortfall) continue;
+            const Admissibility admissibility = block.admissibility[branch][lane];
+            const double shortfall = block.shortfall[branch].v[lane];
+            const double objective =
+                admissibility == Admissibility::kAdmissible ? block.objective[branch].v[lane] : kInfinity;
+            if (shortfall > individual.shortfall ||
+                (shortfall == individual.shortfall && objective >= individual.objective))
+              continue;
             individual.branch = branch;
-            individual.admissibility = block.admissibility[branch][lane];
-            individual.shortfall = block.shortfall[branch].v[lane];
-            if (individual.admissibility == Admissibility::kAdmissible) {
-              individual.objective = block.objective[individual.arm_branch].v[lane];
-            }
+            individual.admissibility = admissibility;
+            individual.shortfall = shortfall;
+            individual.objective = objective;
           }
           archive.push_back(individual);
         });
@@ -306,7 +310,7 @@ void Climb(std::vector<Climber>& climbers, Evaluator& evaluator, int max_evaluat
         [&](size_t k, const ScoredBlock& block, int lane) {
           const int branch = running[k]->branch();
           const bool admissible = block.admissibility[branch][lane] == Admissibility::kAdmissible;
-          running[k]->Tell(admissible ? block.objective[branch & 3].v[lane] : kInfinity);
+          running[k]->Tell(admissible ? block.objective[branch].v[lane] : kInfinity);
         });
   }
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Chen 2021 section 5.2 as printed: six joint angles as variables, the pose held by a penalty. Kept to
-// compare; the planner's own genetic algorithm (search.hpp) works in the freedoms and holds the pose exactly.
+// compare (formulation: paper); the planner's own genetic algorithm (search.hpp) works in the freedoms and
+// holds the pose exactly.
 #pragma once
 
 #include "base/random.hpp"
-#include "pose/scorer.hpp"
+#include "pose/search.hpp"
 
 namespace millpose {
 
@@ -21,19 +22,21 @@ struct PaperFormulationOptions {
   double penalty = 1e-5;                                ///< eq. 33, mm/N per squared tolerance
 };
 
-/// What is to be reached: tip (mm) and direction of the tool axis (unit), both in B.
+/// What is to be reached, in B: tip (mm), direction of the tool axis and normal of the milling plane (unit).
+/// The bounds of eq. 24 are the problem's.
 struct PaperTarget {
-  Eigen::Vector3d tip, axis;
-  Joints lower, upper;  ///< bounds of eq. 24, rad
+  Eigen::Vector3d tip, axis, normal;
 };
+PaperTarget MakePaperTarget(const PoseProblem& problem, const MillingPoint& point);
 
 struct PaperResult {
   Joints q;
-  double objective = 0;       ///< f of eq. 23 with n = the tool axis reached, mm/N; +inf in a singular pose
+  double objective = 0;       ///< f of eq. 23 at q, mm/N; +inf in a singular pose
   double position_error = 0;  ///< mm
   double angle_error = 0;     ///< of the tool axis, rad
   bool within_tolerance = false;
   double fitness = 0;  ///< G of eq. 32
+  int evaluations = 0;
 };
 
 /// θ = mid + (range/π)·atan ψ and its inverse (eq. 30, 31 with the sign of θ3 corrected: the paper's own maps
@@ -43,7 +46,12 @@ double ToUnbounded(double theta, double lower, double upper);
 
 /// Genetic algorithm on ψ ∈ R⁶ with G = max(0, c_max − f) − penalty·‖E‖² (eq. 29, 32-35), E in units of the
 /// tolerances: roulette by rank, scattered crossover, Gaussian mutation that shrinks, elitism.
-PaperResult PaperSearch(const Arm& arm, const Pose& X_FT, const PaperTarget& target,
+PaperResult PaperSearch(const PoseProblem& problem, const PaperTarget& target,
                         const PaperFormulationOptions& options, RandomStream stream);
+
+/// The answer as the planner may use it: on the exact pose, with the rotation about the tool axis and the
+/// branch of the angles found. Not found when the answer misses the tolerances or that exact pose is not
+/// admissible: what misses is never milled. The problem has the rotation as its only freedom.
+PointOptimum OnExactPose(const PointScorer& scorer, const PaperResult& result);
 
 }  // namespace millpose

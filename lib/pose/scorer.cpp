@@ -22,19 +22,6 @@ double SingularShortfall(const AdmissibleBounds& bounds, const SingularityDistan
   return missing > kSingularRounding ? missing : 0.0;
 }
 
-/// Adds the compliances beside the joints, pose by pose: cells that have them are the exception.
-void AddSeries(const PoseProblem& problem, const Eigen::Vector3d& p_FO, const ArmBranchBlock& solved,
-               const AnglesBlock& angles, ComplianceBlock& c) {
-  for (int l = 0; l < kLanes; ++l) {
-    if (!(solved.reached.v[l] > 0.0)) continue;
-    Joints q;
-    for (int i = 0; i < 6; ++i) q[i] = angles.unflipped[i].v[l];
-    const Matrix6 C = SeriesComplianceAt(problem.arm, q, p_FO, problem.compliances);
-    c.xx.v[l] += C(0, 0), c.yy.v[l] += C(1, 1), c.zz.v[l] += C(2, 2);
-    c.xy.v[l] += C(0, 1), c.xz.v[l] += C(0, 2), c.yz.v[l] += C(1, 2);
-  }
-}
-
 }  // namespace
 
 PointScorer::PointScorer(const PoseProblem& problem, const MillingPoint& point,
@@ -113,15 +100,21 @@ void PointScorer::ScoreArm(int arm, const FlangeBlock& flange, const ArmBranchBl
     std::copy(wrist.q.begin(), wrist.q.end(), out.q[branch]);
   }
   if (!any_admissible) return;
-  ComplianceBlock compliance;
-  LinearCompliance(problem_->arm, flange, solved, p_FO_, compliance);
-  if (!problem_->compliances.empty()) AddSeries(*problem_, p_FO_, solved, angles, compliance);
-  problem_->objective->Evaluate(compliance, context_, out.objective[arm]);
-  // A compliance without an objective's value is singular, whatever the bounds say.
+  ComplianceBlock joints;
+  LinearCompliance(problem_->arm, flange, solved, p_FO_, joints);
+  problem_->objective->Evaluate(joints, context_, out.objective[arm]);
+  out.objective[arm + 4] = out.objective[arm];
   for (const int branch : {arm, arm + 4}) {
+    if (!problem_->compliances.empty()) {
+      ComplianceBlock whole = joints;
+      AddSeriesCompliance(problem_->arm, problem_->compliances, p_FO_, solved.reached,
+                          branch == arm ? judged.unflipped.q : judged.flipped.q, whole);
+      problem_->objective->Evaluate(whole, context_, out.objective[branch]);
+    }
+    // A compliance without an objective's value is singular, whatever the bounds say.
     for (int l = 0; l < kLanes; ++l) {
       if (out.admissibility[branch][l] != Admissibility::kAdmissible) continue;
-      if (std::isfinite(out.objective[arm].v[l])) continue;
+      if (std::isfinite(out.objective[branch].v[l])) continue;
       out.admissibility[branch][l] = Admissibility::kSingular;
       out.shortfall[branch].v[l] = 1.0;
     }
@@ -160,7 +153,7 @@ Candidate CandidateOf(const ScoredBlock& block, int branch, int lane) {
   candidate.shortfall = block.shortfall[branch].v[lane];
   if (candidate.admissibility == Admissibility::kUnreachable) return candidate;
   if (candidate.admissibility == Admissibility::kAdmissible) {
-    candidate.objective = block.objective[branch & 3].v[lane];
+    candidate.objective = block.objective[branch].v[lane];
   }
   for (int i = 0; i < 6; ++i) candidate.q[i] = block.q[branch][i].v[lane];
   return candidate;

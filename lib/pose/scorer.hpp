@@ -50,9 +50,9 @@ struct Candidate {
 };
 
 /// kLanes settings of the freedoms × 8 branches as structure of arrays. The wrist flips (branch bit 2) of an
-/// arm branch (bits 0 and 1) share the compliance and so the objective.
+/// arm branch (bits 0 and 1) share the joints' compliance, but not that of elements on links 4 and 5.
 struct ScoredBlock {
-  Lanes objective[4];  ///< per arm branch; defined where a wrist is admissible
+  Lanes objective[8];  ///< defined where admissible
   Lanes shortfall[8];  ///< as in Candidate
   Lanes q[8][6];       ///< as in Candidate
   std::array<Admissibility, kLanes> admissibility[8];

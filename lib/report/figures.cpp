@@ -12,6 +12,30 @@ std::optional<Spread> SpreadOf(std::vector<double> values) {
   return Spread{values.front(), median, values.back()};
 }
 
+std::optional<PaperFigures> FiguresOfPaper(const PlanResult& plan) {
+  PaperFigures figures;
+  std::vector<double> position, angle, above;
+  for (const PassResult& pass : plan.passes) {
+    for (const PlannedPoint& point : pass.points) {
+      for (const PaperAnswer& answer : point.paper) {
+        ++figures.searched;
+        figures.within_tolerance += answer.within_tolerance;
+        figures.usable += point.genetic_optimum > 0;
+        figures.on_path += point.skip == SkipReason::kNone && point.from_genetic;
+        position.push_back(answer.position_error);
+        angle.push_back(answer.angle_error);
+        if (answer.within_tolerance && point.exhaustive_optimum > 0 && std::isfinite(answer.objective))
+          above.push_back(answer.objective / point.exhaustive_optimum - 1);
+      }
+    }
+  }
+  if (figures.searched == 0) return std::nullopt;
+  figures.position_error = *SpreadOf(std::move(position));
+  figures.angle_error = *SpreadOf(std::move(angle));
+  figures.above_exhaustive = SpreadOf(std::move(above));
+  return figures;
+}
+
 }  // namespace
 
 PlanFigures Figures(const PlanResult& plan) {
@@ -57,6 +81,7 @@ PlanFigures Figures(const PlanResult& plan) {
   figures.lambda_t2 = SpreadOf(std::move(t2));
   figures.lambda_n = SpreadOf(std::move(n));
   figures.objective = SpreadOf(std::move(f));
+  figures.paper = FiguresOfPaper(plan);
   if (figures.planned > 0) {
     if (own > 0) figures.price_of_continuity = on_path / own;
     figures.ga_nodes_share = static_cast<double>(genetic) / static_cast<double>(figures.planned);

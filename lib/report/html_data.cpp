@@ -7,6 +7,7 @@
 #include "base/units.hpp"
 #include "report/html_columns.hpp"
 #include "report/packed.hpp"
+#include "report/report.hpp"
 #include "report/view_mesh.hpp"
 
 namespace millpose {
@@ -319,6 +320,22 @@ Json DeflectionJson(const DeflectionReport* report) {
   return json;
 }
 
+/// How the paper's own formulation did; null where it did not run.
+Json PaperJson(const PlanResult& plan) {
+  const std::optional<PaperFigures> paper = Figures(plan).paper;
+  if (!paper) return nullptr;
+  Json json{{"searched", paper->searched},
+            {"within_tolerance", paper->within_tolerance},
+            {"usable", paper->usable},
+            {"on_path", paper->on_path},
+            {"position_error_mm", paper->position_error.worst},
+            {"angle_error_deg", RadToDeg(paper->angle_error.worst)},
+            {"above_percent", nullptr}};
+  if (const auto& above = paper->above_exhaustive)
+    json["above_percent"] = {100 * above->best, 100 * above->median, 100 * above->worst};
+  return json;
+}
+
 }  // namespace
 
 std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
@@ -349,6 +366,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"findings", input.findings},
             {"warnings", input.warnings},
             {"deflection", DeflectionJson(input.deflection)},
+            {"paper", PaperJson(plan)},
             {"settings", input.settings}};
   Json bodies = Json::array();
   for (const Body& body : input.cell.bodies) {

@@ -30,6 +30,19 @@ void AppendSummary(const std::string& summary_json, const std::string& name, std
     const std::string unit = summary.at("stiffness").at("units").at("objective").get<std::string>();
     Append(text, fmt::format("objective {}{}, smaller is stiffer", summary.at("objective").get<std::string>(),
                              unit.empty() ? "" : " in " + unit));
+    const Json paper = summary.value("paper_formulation", Json());
+    if (!paper.is_null())
+      Append(text, fmt::format("paper's formulation: {} of {} points within its tolerance, {} on the path",
+                               paper.at("within_tolerance").get<size_t>(), paper.at("points").get<size_t>(),
+                               paper.at("on_path").get<size_t>()));
+    const Json deflection = summary.value("deflection", Json());
+    if (!deflection.is_null() && !deflection.at("level_mm").is_null())
+      Append(text,
+             fmt::format("deflection along the normal: level {:.4g} mm, variation {:.4g} mm, step "
+                         "between passes {:.4g} mm; {}",
+                         deflection.at("level_mm").get<double>(), deflection.at("variation_mm").get<double>(),
+                         deflection.at("largest_step_between_passes_mm").get<double>(),
+                         deflection.at("model").get<std::string>()));
     const Json& continuity = summary.at("continuity");
     if (continuity.is_null() || continuity.at("smoothing").at("acceleration_rms_ratio").is_null()) return;
     const Json& smoothing = continuity.at("smoothing");

@@ -9,7 +9,8 @@ constexpr const char* kHeader =
     "point,pass,piece,kind,status,s_mm,x_mm,y_mm,z_mm,nx,ny,nz,tx,ty,tz,a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,"
     "a6_deg,"
     "rotation_deg,branch,lambda_t1_mm_N,lambda_t2_mm_N,lambda_n_mm_N,mu,dexterity,objective,clearance_mm,"
-    "normal_compliance_mm_N,fx,fy,fz,feed_mm_min,genetic_optimum,exhaustive_optimum,reason\n";
+    "normal_compliance_mm_N,fx,fy,fz,feed_mm_min,genetic_optimum,exhaustive_optimum,reason,"
+    "lambda_3_mm_N,l3x,l3y,l3z\n";
 constexpr int kPlannedColumns = 16;  // a1_deg … normal_compliance_mm_N: empty for a skipped point
 
 const char* KindName(PointKind kind) {
@@ -75,6 +76,10 @@ std::string PointsCsv(const PlanResult& plan) {
       row.Text(planned.genetic_optimum > 0 ? fmt::format("{:.17g}", planned.genetic_optimum) : "");
       row.Text(planned.exhaustive_optimum > 0 ? fmt::format("{:.17g}", planned.exhaustive_optimum) : "");
       row.Text(skipped ? ToString(planned.skip) : "");
+      if (skipped)
+        row.Empty(4);
+      else
+        row.Number(planned.lambda_3).Vector(planned.lambda_3_direction);
       csv += row.line() + '\n';
     }
   return csv;

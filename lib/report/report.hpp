@@ -66,6 +66,18 @@ struct Spread {
   double best = 0, median = 0, worst = 0;
 };
 
+/// How the paper's own formulation did over the points where it ran.
+struct PaperFigures {
+  size_t searched = 0;
+  size_t within_tolerance = 0;  ///< of eq. 26: 0.1 mm and 0.1°
+  size_t usable = 0;            ///< and admissible on the exact pose
+  size_t on_path = 0;           ///< and chosen by the layered search
+  Spread position_error;        ///< mm
+  Spread angle_error;           ///< rad
+  std::optional<Spread>
+      above_exhaustive;  ///< relative, of those within the tolerance; below 0: error used up
+};
+
 /// Figures that several reports share.
 struct PlanFigures {
   size_t total = 0, planned = 0, gaps_planned = 0, pieces = 0;
@@ -77,6 +89,7 @@ struct PlanFigures {
   std::optional<double> smoothing_loss;      ///< Σ f after ÷ before smoothing − 1
   long long poses_checked = 0;               ///< for interference, in passes and gaps
   long long candidates = 0, candidates_checked = 0;  ///< of the layered search; the rest was never asked for
+  std::optional<PaperFigures> paper;                 ///< with formulation paper
 };
 PlanFigures Figures(const PlanResult& plan);
 

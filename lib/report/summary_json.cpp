@@ -93,6 +93,21 @@ Json AuditJson(const std::optional<AuditFigures>& audit) {
           {"max_slice_distance_mm", audit->max_slice_distance_mm}};
 }
 
+Json PaperJson(const std::optional<PaperFigures>& figures) {
+  if (!figures) return nullptr;
+  const auto spread = [](const Spread& s, double scale) {
+    return Json{{"best", scale * s.best}, {"median", scale * s.median}, {"worst", scale * s.worst}};
+  };
+  return {{"points", figures->searched},
+          {"within_tolerance", figures->within_tolerance},
+          {"admissible_on_exact_pose", figures->usable},
+          {"on_path", figures->on_path},
+          {"position_error_mm", spread(figures->position_error, 1)},
+          {"angle_error_deg", spread(figures->angle_error, kDegPerRad)},
+          {"above_exhaustive_percent",
+           figures->above_exhaustive ? spread(*figures->above_exhaustive, 100) : Json(nullptr)}};
+}
+
 Json DeflectionJson(const std::optional<DeflectionReport>& report) {
   if (!report) return nullptr;
   const CuttingForce& force = report->force;
@@ -145,6 +160,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["objective"] = plan.objective_name;
   json["price_of_continuity"] = OrNull(figures.price_of_continuity);
   json["ga_nodes_share"] = OrNull(figures.ga_nodes_share);
+  json["paper_formulation"] = PaperJson(figures.paper);
   json["continuity"] = ContinuityJson(inputs, figures);
   json["interference"] = {{"poses_checked", figures.poses_checked},
                           {"candidates", figures.candidates},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <iterator>
 
+#include "base/units.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
@@ -51,6 +52,30 @@ void AppendSkipped(const PlanResult& plan, std::string* text) {
     fmt::format_to(std::back_inserter(*text), "  … and {} more, all in summary.json\n", skipped - kShown);
 }
 
+void AppendPaper(const PaperFigures& paper, std::string* text) {
+  fmt::format_to(std::back_inserter(*text),
+                 "paper's formulation: {} of {} points meet 0.1 mm and 0.1 deg, {} of them admissible on the "
+                 "exact pose, {} on the path; errors at worst {:.3g} mm, {:.3g} deg\n",
+                 paper.within_tolerance, paper.searched, paper.usable, paper.on_path,
+                 paper.position_error.worst, RadToDeg(paper.angle_error.worst));
+  if (paper.above_exhaustive)
+    fmt::format_to(std::back_inserter(*text),
+                   "  where met, {:+.2f} % to {:+.2f} % against the exhaustive optimum, median {:+.2f} %\n",
+                   100 * paper.above_exhaustive->best, 100 * paper.above_exhaustive->worst,
+                   100 * paper.above_exhaustive->median);
+}
+
+void AppendDeflection(const DeflectionReport& report, std::string* text) {
+  const auto out = std::back_inserter(*text);
+  if (report.face)
+    fmt::format_to(out,
+                   "deflection of the finished face along its normal: level {:.1f} um, variation {:.2f} um, "
+                   "step between passes {:.2f} um\n",
+                   1e3 * report.face->level, 1e3 * report.face->variation, 1e3 * report.face->largest_step);
+  fmt::format_to(out, "  under a mean force of {:.1f} N (peak {:.1f} N): {}\n", report.force.mean.norm(),
+                 report.force.peak, kDeflectionModel);
+}
+
 }  // namespace
 
 std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, const RunFigures& run) {
@@ -91,6 +116,8 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
       fmt::format_to(out, "feed       reduced at {} points, to {:.1f} mm/min at the least\n",
                      inputs.feed_reduction.points, 60 * inputs.feed_reduction.least);
   }
+  if (figures.paper) AppendPaper(*figures.paper, &text);
+  if (inputs.deflection) AppendDeflection(*inputs.deflection, &text);
   fmt::format_to(out, "interference {} poses checked; {} of {} candidates never had to be\n",
                  figures.poses_checked, figures.candidates - figures.candidates_checked, figures.candidates);
   if (figures.clearance_min) fmt::format_to(out, "clearance  at least {:.1f} mm\n", *figures.clearance_min);

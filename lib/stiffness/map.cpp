@@ -36,14 +36,17 @@ size_t IndexOf(const std::string& name) {
   return static_cast<size_t>(found - all.begin());
 }
 
-/// The index of every lane of one arm branch.
+/// The index of every lane of one branch, `q` its joints.
 void Evaluate(const MapRequest& request, size_t index, const FlangeBlock& flange,
-              const ArmBranchBlock& branch, Lanes& out) {
+              const ArmBranchBlock& branch, const std::array<Lanes, 6>& q, Lanes& out) {
   const Vector3d tip = request.X_FT.translation();
   if (index == kDexterity)
     return DexterityOfBlock(request.arm, flange, branch, tip, request.characteristic_length, out);
+  const Vector3d point = request.at_flange ? Vector3d::Zero() : tip;
   ComplianceBlock c;
-  LinearCompliance(request.arm, flange, branch, request.at_flange ? Vector3d::Zero() : tip, c);
+  LinearCompliance(request.arm, flange, branch, point, c);
+  if (!request.elements.empty())
+    AddSeriesCompliance(request.arm, request.elements, point, branch.reached, q, c);
   PlaneIndicesBlock indices;
   PlaneDeflectionsBlock deflections;
   IndicesInPlane(c, request.normal, indices);
@@ -87,23 +90,25 @@ MapPoint BestPose(const MapRequest& request, size_t index, const Vector3d& point
     }
     ArmBranches branches;
     InverseBlock(request.arm, flange, branches);
-    for (int b = 0; b < 4; ++b) {
-      Lanes values;
-      Evaluate(request, index, flange, branches[b], values);
+    for (int branch = 0; branch < 8; ++branch) {
+      const ArmBranchBlock& solved = branches[branch & 3];
       AnglesBlock angles;
-      AnglesOfBranch(request.arm, branches[b], angles);
+      AnglesOfBranch(request.arm, solved, angles);
+      if (branch >= 4) {
+        angles.unflipped[3] = angles.flipped4;
+        angles.unflipped[4] = angles.flipped5;
+        angles.unflipped[5] = angles.flipped6;
+      }
+      Lanes values;
+      Evaluate(request, index, flange, solved, angles.unflipped, values);
       for (int lane = 0; lane < kLanes; ++lane) {
-        if (branches[b].reached.v[lane] == 0 || branches[b].wrist.v[lane] < 1e-6) continue;
-        for (const bool flipped : {false, true}) {
-          Joints q;
-          for (int k = 0; k < 6; ++k) q[k] = angles.unflipped[k].v[lane];
-          if (flipped)
-            q.tail<3>() << angles.flipped4.v[lane], angles.flipped5.v[lane], angles.flipped6.v[lane];
-          const std::vector<Joints> within = FullTurns(q, request.lower, request.upper);
-          if (within.empty()) continue;
-          Offer(GreaterIsBetter(index),
-                {point, true, values.v[lane], rotation[lane], b + (flipped ? 4 : 0), within.front()}, best);
-        }
+        if (solved.reached.v[lane] == 0 || solved.wrist.v[lane] < 1e-6) continue;
+        Joints q;
+        for (int k = 0; k < 6; ++k) q[k] = angles.unflipped[k].v[lane];
+        const std::vector<Joints> within = FullTurns(q, request.lower, request.upper);
+        if (within.empty()) continue;
+        Offer(GreaterIsBetter(index), {point, true, values.v[lane], rotation[lane], branch, within.front()},
+              best);
       }
     }
   }

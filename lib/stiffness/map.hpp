@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "robot/kinematics.hpp"
+#include "stiffness/series.hpp"
 
 namespace millpose {
 
@@ -16,8 +16,9 @@ struct MapRequest {
   Pose X_FT = Pose::Identity();
   bool at_flange =
       false;  ///< compliance at the flange's origin, to reproduce the paper; dexterity is at the tip
-  double characteristic_length = 1000;  ///< mm, for dexterity
-  Eigen::Vector3d origin, u, v;         ///< mm
+  double characteristic_length = 1000;     ///< mm, for dexterity
+  std::vector<SeriesCompliance> elements;  ///< beside the joints
+  Eigen::Vector3d origin, u, v;            ///< mm
   int u_count = 0, v_count = 0;
   Eigen::Vector3d tool_axis, normal;  ///< unit, in B; T's z, and the milling plane's normal
   std::string index = "dexterity";    ///< one of MapIndices()

@@ -38,6 +38,18 @@ Matrix6 SeriesComplianceAt(const Arm& arm, const Joints& q, const Vector3d& p_FT
   return 0.5 * (sum + sum.transpose());
 }
 
+void AddSeriesCompliance(const Arm& arm, const std::vector<SeriesCompliance>& elements, const Vector3d& p_FT,
+                         const Lanes& reached, const std::array<Lanes, 6>& q, ComplianceBlock& c) {
+  for (int l = 0; l < kLanes; ++l) {
+    if (!(reached.v[l] > 0.0)) continue;
+    Joints pose;
+    for (int i = 0; i < 6; ++i) pose[i] = q[static_cast<size_t>(i)].v[l];
+    const Matrix6 C = SeriesComplianceAt(arm, pose, p_FT, elements);
+    c.xx.v[l] += C(0, 0), c.yy.v[l] += C(1, 1), c.zz.v[l] += C(2, 2);
+    c.xy.v[l] += C(0, 1), c.xz.v[l] += C(0, 2), c.yz.v[l] += C(1, 2);
+  }
+}
+
 Joints GravityTorques(const Arm& arm, const Joints& q, const std::vector<LinkMass>& masses,
                       const Counterbalance& counterbalance, const Vector3d& gravity) {
   const std::array<Pose, 7> frames = LinkFrames(arm, q);

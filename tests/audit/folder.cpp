@@ -183,6 +183,28 @@ void ReadControllers(const YAML::Node& controllers, Setup* setup) {
   setup->sinumerik_rotation = text("sinumerik", "rotation", "rpy");
 }
 
+void ReadSprings(const YAML::Node& compliances, Setup* setup) {
+  for (const auto& node : compliances) {
+    Spring spring;
+    const std::string mount = node["mount"].as<std::string>();
+    spring.link = mount == "base" ? 0 : mount.back() - '0';
+    spring.X_LK = PoseOf(node["pose"]);
+    spring.C.setZero();
+    for (size_t i = 0; i < 3; ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      if (node["translational_mm_N"]) spring.C(k, k) = node["translational_mm_N"][i].as<double>();
+      if (node["rotational_rad_Nm"])
+        spring.C(k + 3, k + 3) = node["rotational_rad_Nm"][i].as<double>() / 1000;
+    }
+    if (node["matrix"] && node["matrix"].size() == 6)
+      for (size_t i = 0; i < 6; ++i)
+        for (size_t j = 0; j < 6; ++j)
+          spring.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+              node["matrix"][i][j].as<double>();
+    setup->springs.push_back(spring);
+  }
+}
+
 void ReadCell(const YAML::Node& cell, const fs::path& folder, const YAML::Node& workpiece, Setup* setup) {
   ReadArm(cell["arm"], setup);
   setup->X_WB = PoseOf(cell["base_in_world"]);
@@ -202,6 +224,7 @@ void ReadCell(const YAML::Node& cell, const fs::path& folder, const YAML::Node& 
     if (clearance["cutting"]) setup->clearance_cutting = clearance["cutting"].as<double>();
   }
   setup->stiffness_at_flange = stiffness && stiffness["at"] && stiffness["at"].as<std::string>() == "flange";
+  if (stiffness && stiffness["compliances"]) ReadSprings(stiffness["compliances"], setup);
   ReadControllers(cell["controllers"], setup);
 }
 

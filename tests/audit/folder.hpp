@@ -41,6 +41,13 @@ struct UrdfArm {
   Matrix4 X_WS, X_ET;  ///< the base link in W, the tool in the flange link, as the cell states them
 };
 
+/// A spring beside the joints: it gives way by C·wrench, both in its own frame.
+struct Spring {
+  int link = 0;  ///< 0 (base) .. 6 (flange)
+  Matrix4 X_LK;
+  Eigen::Matrix<Real, 6, 6> C;  ///< mm/N, 1/N, 1/N, rad/(N·mm)
+};
+
 /// The cell and job as far as the laws need them.
 struct Setup {
   Real d1, a1, a2, d4, dz, d6;        ///< mm
@@ -51,6 +58,7 @@ struct Setup {
   Angles home;                        ///< rad
   Real characteristic_length = 1000;  ///< mm
   bool stiffness_at_flange = false;
+  std::vector<Spring> springs;
   Matrix4 X_WB, X_FT, X_WP;
   Real w1 = 0, w2 = 0;  ///< of objective chen2021; both 0 for others
   Real spacing = 0;     ///< mm

@@ -80,6 +80,27 @@ Angles Solve(const Setup& setup, const Matrix4& X_WT, Angles angles) {
   return angles;
 }
 
+namespace {
+
+/// How far `origin` moves in W when the spring gives way under a unit force there along x, y and z.
+Matrix3 GiveOf(const Spring& spring, const Matrix4& X_WL, const Vector3& origin) {
+  const Matrix4 X_WK = X_WL * spring.X_LK;
+  const Matrix3 R = X_WK.block<3, 3>(0, 0);
+  const Vector3 arm = origin - X_WK.block<3, 1>(0, 3);
+  Matrix3 moved;
+  for (int i = 0; i < 3; ++i) {
+    const Vector3 force = Vector3::Unit(i), moment = arm.cross(force);
+    Eigen::Matrix<Real, 6, 1> wrench;
+    wrench << R.transpose() * force, R.transpose() * moment;
+    const Eigen::Matrix<Real, 6, 1> twist = spring.C * wrench;
+    const Vector3 shift = R * twist.head<3>(), turn = R * twist.tail<3>();
+    moved.col(i) = shift + turn.cross(arm);
+  }
+  return moved;
+}
+
+}  // namespace
+
 Indices ComputeIndices(const Setup& setup, const Angles& angles, const Vector3& normal_W) {
   constexpr Real kStep = 1e-5L;  // rad: truncation near 1e-10 of the entries, rounding far below
   const Matrix4 X_FO = setup.stiffness_at_flange ? Matrix4(Matrix4::Identity()) : setup.X_FT;
@@ -97,7 +118,11 @@ Indices ComputeIndices(const Setup& setup, const Angles& angles, const Vector3& 
   }
   Eigen::Matrix<Real, 6, 1> flexibility;
   for (int i = 0; i < 6; ++i) flexibility[i] = 1 / setup.stiffness[static_cast<size_t>(i)];
-  const Matrix3 c = J.topRows<3>() * flexibility.asDiagonal() * J.topRows<3>().transpose();
+  Matrix3 c = J.topRows<3>() * flexibility.asDiagonal() * J.topRows<3>().transpose();
+  const std::array<Matrix4, 7> frames = Frames(setup, angles);
+  const Vector3 origin = (frames[6] * X_FO).block<3, 1>(0, 3);
+  for (const Spring& spring : setup.springs)
+    c += GiveOf(spring, frames[static_cast<size_t>(spring.link)], origin);
 
   // A point c·f of the ellipsoid with |f| = 1 lies in the plane when it is B·y; so |c⁻¹·B·y| = 1 there.
   const Vector3 n = normal_W.normalized();

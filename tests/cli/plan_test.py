@@ -119,6 +119,48 @@ class Plan(unittest.TestCase):
         self.assertEqual(status, 0)
         self.assertGreater(verdict["poses_checked"], 1000)
 
+    def test_the_papers_formulation_is_judged_and_milled_only_on_exact_poses(self):
+        """With springs beside the joints and a cutting force: the deflection's figures are recomputed, too."""
+        cell = BENCH.top / "cells/kr500_r2830.yaml"
+        text = cell.read_text(encoding="utf-8")
+        springs = ("compliances: [{name: platform, mount: base, translational_mm_N: [1.0e-4, 2.0e-4, 5.0e-5], "
+                   "rotational_rad_Nm: [1.0e-8, 2.0e-8, 3.0e-8]}, {name: hand, mount: link5, "
+                   "pose: {xyz_mm: [10, 20, 30], abc_deg: [20, 30, 40]}, translational_mm_N: [1.0e-5, 2.0e-5, 3.0e-5]}], ")
+        self.assertIn("stiffness: {at: tool_tip, ", text)
+        cell.with_name("springs.yaml").write_text(text.replace("stiffness: {", "stiffness: {" + springs), encoding="utf-8")
+        job = BENCH.job("support_pad", CUT_DOWN + [
+            ("kr500_r2830", "springs"),
+            (r"spindle_rpm: 7000", "spindle_rpm: 7000\n  cutting: {teeth: 2, depth_mm: 1, width_mm: 6}"),
+            (r"pose:\n  objective", "pose:\n  formulation: paper\n  paper: {generations: 250}\n  objective")], "paper")
+        result, folder = BENCH.plan(job, "paper")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertIn("paper's formulation:", result.stdout)
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        paper = summary["paper_formulation"]
+        self.assertEqual(paper["points"], summary["points"]["total"])
+        self.assertLessEqual(paper["on_path"], paper["admissible_on_exact_pose"])
+        self.assertLessEqual(paper["admissible_on_exact_pose"], paper["within_tolerance"])
+        self.assertLess(paper["within_tolerance"], paper["points"])  # so short a search misses some
+        self.assertGreater(paper["position_error_mm"]["worst"], 0.1)
+        with open(folder / "points.csv", encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(sum(row["genetic_optimum"] != "" for row in rows), paper["admissible_on_exact_pose"])
+        for row in rows:
+            if row["genetic_optimum"]:
+                self.assertGreaterEqual(float(row["genetic_optimum"]) / float(row["exhaustive_optimum"]), 1 - 1e-9)
+        status, verdict = BENCH.audit(folder, job, "--travel-mm", "5")
+        self.assertEqual(verdict["broken"], {})
+        self.assertEqual(status, 0)
+        with open(folder / "deflection.csv", encoding="ascii") as file:
+            moved = list(csv.DictReader(file))
+        self.assertEqual(len(moved), sum(row["status"] == "planned" and row["kind"] == "cut" for row in rows))
+        level = sum(float(row["normal_um"]) for row in moved) / len(moved) / 1000
+        self.assertAlmostEqual(level, summary["deflection"]["level_mm"], 12)
+        self.assertIn("no chatter", summary["deflection"]["model"])
+        for row in moved:
+            squares = [sum(float(row[key]) ** 2 for key in keys) for keys in (("x_um", "y_um", "z_um"), ("normal_um", "feed_um", "across_um"))]
+            self.assertAlmostEqual(squares[0] / squares[1], 1, 9)
+
     def test_the_judge_reads_split_programs_and_finds_a_wrong_line_in_a_part(self):
         cell = BENCH.top / "cells/kr500_r2830.yaml"
         text = cell.read_text(encoding="utf-8")

@@ -54,6 +54,64 @@ class Stiffness(unittest.TestCase):
                 self.assertEqual(len(file.readlines()), 26)
             self.assertTrue(os.path.exists(out + ".vtk"))
 
+    PLANE = ("--plane", 1500, -500, 800, 2200, -500, 800, 1500, 500, 800, "--steps", 3, 3, "--tool-axis", -1, 0, 0)
+
+    def test_json_of_poses_and_maps(self):
+        cell = f"{TOP}/cells/kr500_r2830.yaml"
+        with tempfile.TemporaryDirectory() as folder:
+            poses = os.path.join(folder, "poses.csv")
+            with open(poses, "w", encoding="utf-8") as file:
+                file.write("a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,nx,ny,nz\n0,-80,100,0,40,0,1,0,0\n5,-80,100,0,40,0,0,0,1\n")
+            found = json.loads(run("stiffness", cell, "--poses", poses, "--json").stdout)
+            one = json.loads(run("stiffness", cell, "--joints-deg", 5, -80, 100, 0, 40, 0, "--normal", 0, 0, 1, "--json").stdout)
+            self.assertEqual(one.pop("schema_version"), 1)
+            self.assertEqual(found["poses"][1], one)
+            self.assertLess(one["singularity"]["wrist"], 1)
+        drawn = json.loads(run("stiffness", cell, "--map", "lambda_n", *self.PLANE, "--json").stdout)
+        self.assertEqual((drawn["unit"], len(drawn["points"])), ("mm/N", 16))
+        self.assertTrue(any(point["value"] for point in drawn["points"]))
+
+    def test_maps_know_compliances_beside_the_joints(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with open(f"{TOP}/cells/kr500_r2830.yaml", encoding="utf-8") as file:
+                text = file.read()
+            self.assertIn("stiffness: {at: tool_tip, ", text)
+            soft = os.path.join(folder, "soft.yaml")
+            with open(soft, "w", encoding="utf-8") as file:
+                file.write(text.replace("stiffness: {at: tool_tip, ", "stiffness: {at: tool_tip, compliances: [{name: platform, mount: base, "
+                                        "translational_mm_N: [1.0e-4, 1.0e-4, 1.0e-4]}], ", 1))
+            plain = json.loads(run("stiffness", f"{TOP}/cells/kr500_r2830.yaml", "--map", "normal_deflection", *self.PLANE, "--json").stdout)
+            result = run("stiffness", soft, "--map", "normal_deflection", *self.PLANE, "--json")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            for a, b in zip(plain["points"], json.loads(result.stdout)["points"]):
+                if a["value"]:
+                    self.assertAlmostEqual(b["value"] - a["value"], 1e-4, 10)
+
+    def test_help_names_units(self):
+        for command, words in (("stiffness", ("mm/N", "deg", "mm")), ("identify", ("mm", "N·m/rad")), ("flatness", ("mm",))):
+            result = run(command, "--help")
+            self.assertEqual(result.returncode, 0)
+            for word in words:
+                self.assertIn(word, result.stdout, command)
+
+    def test_bad_poses_are_answered_by_line(self):
+        cell = f"{TOP}/cells/kr500_r2830.yaml"
+        head = "a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg"
+        with tempfile.TemporaryDirectory() as folder:
+            poses = os.path.join(folder, "poses.csv")
+            for text, words in ((f"{head},nx,ny,nz\n0,-80,100,0,40,0,1,0,0\n0,-80,100,0,40,0,0,0,0\n", "poses.csv:3: nx,ny,nz: given 0 0 0"),
+                                (f"{head},nx\n0,-80,100,0,40,0,1\n", "poses.csv:1: only part of nx,ny,nz"),
+                                (f"{head}\n0,-80,100,0,40,9000\n", "poses.csv:2: a1_deg..a6_deg: A6 is 9000"),
+                                (f"{head}\n0,-80,100,0,40,inf\n", "poses.csv:2:"),
+                                (f"{head}\n", "no poses"),
+                                ("a1_rad,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg\n", "a1_deg")):
+                with open(poses, "w", encoding="utf-8") as file:
+                    file.write(text)
+                result = run("stiffness", cell, "--poses", poses, "--axis", "tool")
+                self.assertEqual(result.returncode, 2, text)
+                self.assertIn(words, result.stderr)
+                self.assertEqual(result.stdout, "")
+
     def test_bad_input_names_place_and_cause(self):
         cell = f"{TOP}/cells/kr500_r2830.yaml"
         for arguments, words in (
@@ -62,6 +120,14 @@ class Stiffness(unittest.TestCase):
             (("stiffness", cell, "--joints-deg", 0, -90, 90, 0, 0, "nan", "--axis", "tool"), "A6 is nan"),
             (("stiffness", cell, "--joints-deg", 0, -90, 90), "6"),
             (("stiffness", cell, "--map", "dexterity"), "--plane"),
+            (("stiffness", cell, "--map", "dexterity", "--plane", 0, 0, 0, 1, 0, 0, 2, 0, 0, "--steps", 2, 2), "on a line"),
+            (("stiffness", cell, "--map", "dexterity", "--plane", 0, 0, "nan", 1, 0, 0, 2, 1, 0, "--steps", 2, 2), "--plane: given nan"),
+            (("stiffness", cell, "--map", "dexterity", *self.PLANE[:11], 0, 3), "--steps: given 0 3"),
+            (("stiffness", cell, "--map", "dexterity", *self.PLANE[:11], 2.5, 3), "--steps"),
+            (("stiffness", cell, "--map", "dexterity", *self.PLANE, "--rotation-step-deg", "nan"), "--rotation-step-deg"),
+            (("stiffness", cell, "--map", "stiffnes", *self.PLANE), "lambda_n"),
+            (("stiffness", cell, *HOME, "--normal", 1, 0), "3"),
+            (("stiffness", cell, *HOME, "--axis", "tool", "--at", "elbow"), "tool_tip"),
             (("stiffness", cell), "one of --joints-deg"),
             (("stiffness", "missing.yaml", *HOME, "--axis", "tool"), "missing.yaml"),
         ):
@@ -114,6 +180,48 @@ class Identify(unittest.TestCase):
             self.assertEqual(len(before.splitlines()), len(after.splitlines()))
             self.assertTrue(all("joint_stiffness" in a for a, _ in changed), changed)
             self.assertIn("as before: A1 A6", after)
+
+    def test_bad_csv_measurements_are_answered_by_line(self):
+        head = "a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,fx_N,fy_N,fz_N,dx_mm,dy_mm,dz_mm"
+        cell = f"{TOP}/cells/quantec_r2700.yaml"
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "m.csv")
+            for text, words in ((f"{head}\n0,1,2,3,4,5,0,0,0,0,0,1\n", "m.csv:2: no load"),
+                                (f"{head},mx_Nm\n0,1,2,3,4,5,0,0,9,0,0,1,7\n", "m.csv:1: only part of mx_Nm"),
+                                (f"{head}\n0,1,2,3,4,5e4,0,0,9,0,0,1\n", "a6_deg: given 50000"),
+                                (f"{head}\n0,1,2,3,4,5,0,0,nan,0,0,1\n", "m.csv:2:"),
+                                (f"{head}\n0,1,2,3,4,5,0,0,9,0,0\n", "m.csv:2")):
+                with open(path, "w", encoding="utf-8") as file:
+                    file.write(text)
+                result = run("identify", path, "--cell", cell)
+                self.assertEqual(result.returncode, 2, text)
+                self.assertIn(words, result.stderr)
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(f"{head}\n0,1,2,3,4,5,0,0,9,0,0,1\n")
+            result = run("identify", path, "--cell", cell, "--load-point-mm", 0, "inf", 0)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn("--load-point-mm: given 0 inf 0", result.stderr)
+
+    def test_proposes_load_cases_that_show_every_joint(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "m.yaml")
+            text = MEASUREMENTS.replace("\nmeasurements:", "\ncandidates:")
+            for joints in ((0, -68.8, 85.8, -34.3, -106.9, 61.2), (-12, -70, 90, -35, 103, 67)):
+                for force in ((0, 0, -700), (700, 0, 0), (0, 700, 0)):
+                    text += f"  - {{joints_deg: {list(joints)}, force_N: {list(force)}}}\n"
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+            result = run("identify", path, "--cell", f"{TOP}/cells/quantec_r2700.yaml", "--propose", 3, "--json")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            found = json.loads(result.stdout)
+            self.assertEqual((len(found["chosen"]), found["not_observable"]), (3, []))
+            self.assertGreater(found["condition"], 1)
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text.replace("[200, 0, 200]", "[0, 0, 0]").replace("[700, 0, 0]", "[0, 0, 700]").replace("[0, 700, 0]", "[0, 0, 500]"))
+            result = run("identify", path, "--cell", f"{TOP}/cells/quantec_r2700.yaml", "--propose", 0)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertIn("A1 is not observable", result.stdout)
+            self.assertIn("A6 is not observable", result.stdout)
 
     def test_bad_measurements_are_answered_by_place(self):
         with tempfile.TemporaryDirectory() as folder:

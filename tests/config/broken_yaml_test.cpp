@@ -81,6 +81,15 @@ void ExpectProblem(const Slip& slip, const std::string& text, Parse parse) {
 }
 
 const Slip kJobSlips[] = {
+    {"programs:", "pose:\n  formulation: paper\n  objective: {name: isotropy}\nprograms:", 19, 3,
+     "pose.formulation: given paper; allowed only with objective chen2021 without references, given "
+     "isotropy"},
+    {"programs:",
+     "pose:\n  formulation: paper\n  objective: {name: chen2021, reference_t2: 1.0e-4}\nprograms:", 19, 3,
+     "pose.formulation: given paper; allowed only with objective chen2021 without references"},
+    {"programs:", "pose: {formulation: papr}\nprograms:", 18, 21, "pose.formulation: given papr; allowed: "},
+    {"programs:", "pose: {paper: {population: 10, elite: 10}}\nprograms:", 18, 15,
+     "pose.paper.elite: given 10; allowed: less than population, 10"},
     {"stepover_mm: 8", "stepver_mm: 8\n  stepover_mm: 8", 12, 3,
      "toolpath.stepver_mm: unknown key; nearest known key: stepover_mm"},
     {"stepover_mm: 8", "stepover: 5\n  stepover_mm: 8", 12, 3,

@@ -60,15 +60,57 @@ TEST(Map, ValuesAreThoseOfTheirPoses) {
   }
 }
 
-TEST(Map, IsTheBestOfAFinerLook) {
-  const MapRequest coarse = SmallMap("dexterity");
-  MapRequest fine = coarse;
-  fine.rotation_step = coarse.rotation_step / 3;  // holds the coarse grid's rotations
-  const std::vector<MapPoint> a = DrawMap(coarse), b = DrawMap(fine);
-  for (size_t i = 0; i < a.size(); ++i)
-    if (a[i].reached) {
-      EXPECT_GE(b[i].value, a[i].value - 1e-12);
+TEST(Map, CountsCompliancesBesideTheJoints) {
+  for (const int link : {0, 4, 6}) {
+    MapRequest request = SmallMap("normal_deflection");
+    SeriesCompliance element;
+    element.link = link;
+    element.X_LK.linear() = Eigen::AngleAxisd(0.5, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+    element.C.diagonal() << 1e-4, 2e-4, 5e-5, 1e-9, 2e-9, 3e-9;
+    request.elements = {element};
+    const std::vector<MapPoint> plain = DrawMap(SmallMap("normal_deflection"));
+    const std::vector<MapPoint> with = DrawMap(request);
+    int reached = 0;
+    for (size_t i = 0; i < with.size(); ++i) {
+      ASSERT_EQ(with[i].reached, plain[i].reached);
+      if (!with[i].reached) continue;
+      ++reached;
+      const PoseStiffness whole =
+          EvaluatePose(request.arm, with[i].q, request.X_FT.translation(), request.normal,
+                       request.characteristic_length, request.elements);
+      EXPECT_NEAR(with[i].value / whole.deflections.normal, 1, 1e-7);
+      EXPECT_GT(with[i].value, plain[i].value + 4e-5);
     }
+    EXPECT_GT(reached, 10);
+  }
+}
+
+TEST(Map, IsTheBestOfAFinerLook) {
+  for (const MapIndex& index : MapIndices()) {
+    const bool greatest = index.name == "dexterity" || index.name == "mu";
+    const MapRequest coarse = SmallMap(index.name);
+    MapRequest fine = coarse;
+    fine.rotation_step = coarse.rotation_step / 3;  // holds the coarse grid's rotations
+    const std::vector<MapPoint> a = DrawMap(coarse), b = DrawMap(fine);
+    for (size_t i = 0; i < a.size(); ++i) {
+      if (!a[i].reached) continue;
+      const double better = greatest ? b[i].value - a[i].value : a[i].value - b[i].value;
+      EXPECT_GE(better, -1e-12 * std::abs(a[i].value)) << index.name;
+    }
+  }
+}
+
+TEST(Map, HoldsAtTheFlangeWhereAsked) {
+  MapRequest request = SmallMap("normal_deflection");
+  request.at_flange = true;
+  int reached = 0;
+  for (const MapPoint& at : DrawMap(request)) {
+    if (!at.reached) continue;
+    ++reached;
+    const PoseStiffness flange = EvaluatePose(request.arm, at.q, Vector3d::Zero(), request.normal, 1000);
+    EXPECT_NEAR(at.value / flange.deflections.normal, 1, 1e-7);
+  }
+  EXPECT_GT(reached, 10);
 }
 
 TEST(Map, TextsHaveOneLineAPoint) {

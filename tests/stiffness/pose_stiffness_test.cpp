@@ -164,6 +164,51 @@ TEST(Series, AgreesWithAnElastostaticSolveByDifferences) {
   }
 }
 
+TEST(Series, JointsAndElementsTogetherMinimiseTheEnergy) {
+  // Give x of all joints and elements that minimises ½xᵀKx − w·u(x), with du/dx from differences of the
+  // deformed arm alone: no Jacobian, no adjoint, no statics.
+  const Arm arm = Kr500R2830();
+  const Vector3d p_FT(-250, 31, 250);
+  RandomStream stream(6, 0);
+  for (int k = 0; k < 10; ++k) {
+    const Joints q = RegularJoints(arm, stream);
+    std::vector<SeriesCompliance> elements;
+    for (const int link : {0, 1, 3, 5, 6}) {
+      SeriesCompliance element;
+      element.link = link;
+      element.X_LK =
+          Eigen::Translation3d(100 * RandomUnit(stream)) * Eigen::AngleAxisd(1.0, RandomUnit(stream));
+      element.C.diagonal() << 1e-5, 2e-5, 3e-5, 1e-11, 2e-11, 3e-11;
+      elements.push_back(element);
+    }
+    const auto n = static_cast<Eigen::Index>(6 + 6 * elements.size());
+    const auto tip = [&](const Eigen::VectorXd& x) {
+      std::vector<Eigen::Matrix<double, 6, 1>> twists;
+      for (Eigen::Index i = 6; i < n; i += 6) twists.push_back(x.segment<6>(i));
+      const Pose joints = ForwardFlange(arm, q + x.head<6>()) * ForwardFlange(arm, q).inverse();
+      return joints * Deformed(arm, q, p_FT, elements, twists);
+    };
+    Eigen::MatrixXd G(6, n);
+    Eigen::VectorXd compliance(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const bool translation = i >= 6 && i % 6 < 3;
+      const double h = translation ? 1e-3 : 1e-6;
+      const Pose before = tip(-h * Eigen::VectorXd::Unit(n, i)), after = tip(h * Eigen::VectorXd::Unit(n, i));
+      G.col(i) << (after.translation() - before.translation()) / (2 * h),
+          RotationVector(after.linear() * before.linear().transpose()) / (2 * h);
+      compliance[i] = i < 6 ? 1 / arm.stiffness[i] : elements[static_cast<size_t>(i) / 6 - 1].C(i % 6, i % 6);
+    }
+    const Matrix6 C = EvaluatePose(arm, q, p_FT, Vector3d::UnitX(), 1000, elements).C;
+    for (int i = 0; i < 6; ++i) {
+      const Eigen::Matrix<double, 6, 1> w = Eigen::Matrix<double, 6, 1>::Unit(i);
+      const Eigen::VectorXd x = compliance.cwiseProduct(G.transpose() * w);
+      const Eigen::Matrix<double, 6, 1> u = G * x;
+      EXPECT_LT((C.col(i) - u).head<3>().norm(), 1e-6 * u.head<3>().norm());
+      EXPECT_LT((C.col(i) - u).tail<3>().norm(), 1e-6 * u.tail<3>().norm());
+    }
+  }
+}
+
 TEST(Gravity, TorquesAreTheGradientOfThePotential) {
   const Arm arm = Kr500R2830();
   const std::vector<LinkMass> masses{{"upper arm", 2, 400, {600, 0, 30}},
@@ -200,6 +245,33 @@ TEST(Gravity, CounterbalanceCarriesTheArmAndTheReferenceHidesItself) {
   EXPECT_NEAR(GravityTorques(arm, forward, masses, exact, gravity)[1], 0, 1e-6);
   EXPECT_EQ(GravityDeflection(arm, upright, upright, p_FT, masses, {}, gravity).norm(), 0);
   EXPECT_LT(GravityDeflection(arm, forward, upright, p_FT, masses, {}, gravity).z(), 0);
+}
+
+TEST(Gravity, CounterbalanceActsInTheArmsOwnSigns) {
+  for (const Arm& arm : AllArms()) {  // one of them counts A2 the other way, with an offset
+    const Counterbalance device{4e6, 0.3};
+    const auto potential = [&](double A2) {  // of a torque −T·sin(q2 − zero) on the inner angle
+      return -device.torque * std::cos(arm.sign[1] * A2 + arm.offset[1] - device.zero);
+    };
+    for (double A2 = -2; A2 < 2; A2 += 0.37) {
+      Joints q = Joints::Zero();
+      q[1] = A2;
+      EXPECT_NEAR(GravityTorques(arm, q, {}, device, {0, 0, -9810})[1],
+                  -(potential(A2 + 1e-5) - potential(A2 - 1e-5)) / 2e-5, 1e-2);
+    }
+  }
+}
+
+TEST(PoseStiffness, DirectionsAreGivenWithTheirLargestComponentPositive) {
+  const Arm arm = Kr500R2830();
+  RandomStream stream(8, 0);
+  for (int k = 0; k < 20; ++k) {
+    const PoseStiffness at =
+        EvaluatePose(arm, RegularJoints(arm, stream), {-250, 31, 250}, RandomUnit(stream), 1000);
+    for (const Vector3d& direction : {Vector3d(at.directions.col(0)), Vector3d(at.directions.col(1)),
+                                      Vector3d(at.directions.col(2)), at.t1_direction, at.t2_direction})
+      EXPECT_EQ(direction.maxCoeff(), direction.cwiseAbs().maxCoeff());
+  }
 }
 
 }  // namespace

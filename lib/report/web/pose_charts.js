@@ -161,7 +161,9 @@
       const levels = sample.exact ? [found, optimum].filter((v) => v === v) : [];
       const finite = [...sample.best, ...sample.mean, ...levels].filter((v) => v === v);
       if (count === 0 || finite.length === 0) {
-        this.geneticNote.textContent ||= "No admissible individual in any generation.";
+        this.geneticNote.textContent ||= this.data.paper
+          ? "The paper's formulation searched the six joint angles: it has no generations over the rotation."
+          : "No admissible individual in any generation.";
         return;
       }
       const low = Math.min(...finite), high = Math.max(...finite), span = high - low || low || 1;
