@@ -164,31 +164,5 @@ TEST(CheckAdmissible, SaysWhatIsMissed) {
   EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 45, 0)), Admissibility::kSingular);
 }
 
-TEST(PointScorer, ShortfallIsWhatTheBoundsAreMissedBy) {
-  PoseProblem problem = MakeProblem(Kr500R2830(), 0);
-  problem.bounds.lower.setConstant(-2 * kPi);
-  problem.bounds.upper.setConstant(2 * kPi);
-  problem.bounds.wrist_min = 0.9;
-  problem.bounds.elbow_min = 0.9;
-  problem.bounds.shoulder_min_mm = 2500;
-  problem.bounds.dexterity_min = 0.6;
-  const PointScorer scorer(problem, PanelPoint(0, 0), Eigen::Vector3d::UnitZ());
-  int singular = 0;
-  for (double rotation = -3; rotation < 3; rotation += 0.1) {
-    for (int branch = 0; branch < 8; ++branch) {
-      const Candidate found = scorer.ScoreOne({rotation}, branch);
-      if (found.admissibility != Admissibility::kSingular) continue;
-      ++singular;
-      const SingularityDistance distance = DistanceToSingularity(problem.arm, found.q);
-      const double D = Dexterity(Jacobian(problem.arm, found.q, problem.X_FT.translation()), 1000);
-      EXPECT_NEAR(found.shortfall,
-                  std::max(0.0, 0.9 - distance.wrist) + std::max(0.0, 0.9 - distance.elbow) +
-                      std::max(0.0, 2.5 - distance.shoulder / 1000) + std::max(0.0, 0.6 - D),
-                  1e-9);
-    }
-  }
-  EXPECT_GT(singular, 30);
-}
-
 }  // namespace
 }  // namespace millpose
