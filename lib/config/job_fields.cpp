@@ -40,8 +40,9 @@ Codec<WorkpieceSettings> WorkpieceFields() {
   using S = WorkpieceSettings;
   return Section<S>(
       {
-          Key<S>("mesh", MILLPOSE_AT(mesh_file), Text(), "Mesh or STEP file, relative to the job file.")
-              .Required(),
+          Key<S>("mesh", MILLPOSE_AT(mesh_file), Text(),
+                 "Mesh or STEP file, relative to the job file; strategy cam alone goes without.")
+              .WhenSet([](const S& w) { return !w.mesh_file.empty(); }),
           KeyBy<S, std::string>(
               "unit", [](const S& s) { return s.unit_name; },
               [](S& s, const std::string& name) {
@@ -407,41 +408,55 @@ Codec<JobSettings> GapFields() {
   });
 }
 
+// Only a path from CAM has points without a surface.
+void CheckPart(const Value& value, const Context& context, JobSettings& job) {
+  const Value::Key* workpiece = value.FindKey("workpiece");
+  if (workpiece && job.workpiece.mesh_file.empty() && job.toolpath.strategy != "cam")
+    context.Child("workpiece")
+        .Child("mesh")
+        .Add(workpiece->mark, "missing; only strategy cam goes without a part");
+}
+
 }  // namespace
 
 const Codec<JobSettings>& JobFields() {
   using S = JobSettings;
-  static const Codec<S> fields = Section<S>({
-      VersionKey<S>("millpose_job", 1),
-      Key<S>("name", MILLPOSE_AT(name), Text(), "Name of the job.").Required(),
-      Key<S>("cell", MILLPOSE_AT(cell_file), Text(), "Cell file, relative to the job file.").Required(),
-      Key<S>("seed", MILLPOSE_AT(seed), Seed(), "Seed of all random numbers."),
-      Key<S>("workpiece", MILLPOSE_AT(workpiece), WorkpieceFields(), "The part and its place.").Required(),
-      Key<S>("toolpath", MILLPOSE_AT(toolpath), ToolpathFields(), "Where the tool goes.").Required(),
-      Key<S>("process", kSelf,
-             Section<S>({
-                 Key<S>("feed_mm_min", MILLPOSE_AT(feed), Real(kMmPerMin, Above(0)), "Feed rate.").Required(),
-                 Key<S>("spindle_rpm", MILLPOSE_AT(spindle_speed), Real(kRevPerMin, AtLeast(0)),
-                        "Spindle speed.")
-                     .Required(),
-                 Key<S>("feed", MILLPOSE_AT(feed_policy), Choice({"keep", "reduce"}),
-                        "Where joints cannot hold the feed: keep it (a finding) or reduce it there."),
-                 Key<S>("cutting", MILLPOSE_AT(cutting), Maybe(CuttingFields()),
-                        "What the cutter takes off: gives the cutting force and the predicted deflection."),
-             }),
-             "Feed and speed.")
-          .Required(),
-      Key<S>("pose", kSelf, PoseSearchFields(), "How the pose at each point is chosen."),
-      Key<S>("limits", kSelf, LimitFields(), "What makes a pose admissible."),
-      Key<S>("path", kSelf, PathFields(), "How poses are joined along a pass."),
-      Key<S>("interference", kSelf,
-             Section<S>({Key<S>("swept_resolution_mm", MILLPOSE_AT(swept_resolution), Real(kMm, Above(0)),
-                                "What a motion between two points may miss of a clearance.")}),
-             "How interference is checked."),
-      Key<S>("gaps", kSelf, GapFields(), "How the tool moves from one pass to the next."),
-      Key<S>("programs", MILLPOSE_AT(programs), ListOf(Choice({"krl", "sinumerik", "linuxcnc"})),
-             "Controllers to write programs for."),
-  });
+  static const Codec<S> fields = Section<S>(
+      {
+          VersionKey<S>("millpose_job", 1),
+          Key<S>("name", MILLPOSE_AT(name), Text(), "Name of the job.").Required(),
+          Key<S>("cell", MILLPOSE_AT(cell_file), Text(), "Cell file, relative to the job file.").Required(),
+          Key<S>("seed", MILLPOSE_AT(seed), Seed(), "Seed of all random numbers."),
+          Key<S>("workpiece", MILLPOSE_AT(workpiece), WorkpieceFields(), "The part and its place.")
+              .Required(),
+          Key<S>("toolpath", MILLPOSE_AT(toolpath), ToolpathFields(), "Where the tool goes.").Required(),
+          Key<S>(
+              "process", kSelf,
+              Section<S>({
+                  Key<S>("feed_mm_min", MILLPOSE_AT(feed), Real(kMmPerMin, Above(0)), "Feed rate.")
+                      .Required(),
+                  Key<S>("spindle_rpm", MILLPOSE_AT(spindle_speed), Real(kRevPerMin, AtLeast(0)),
+                         "Spindle speed.")
+                      .Required(),
+                  Key<S>("feed", MILLPOSE_AT(feed_policy), Choice({"keep", "reduce"}),
+                         "Where joints cannot hold the feed: keep it (a finding) or reduce it there."),
+                  Key<S>("cutting", MILLPOSE_AT(cutting), Maybe(CuttingFields()),
+                         "What the cutter takes off: gives the cutting force and the predicted deflection."),
+              }),
+              "Feed and speed.")
+              .Required(),
+          Key<S>("pose", kSelf, PoseSearchFields(), "How the pose at each point is chosen."),
+          Key<S>("limits", kSelf, LimitFields(), "What makes a pose admissible."),
+          Key<S>("path", kSelf, PathFields(), "How poses are joined along a pass."),
+          Key<S>("interference", kSelf,
+                 Section<S>({Key<S>("swept_resolution_mm", MILLPOSE_AT(swept_resolution), Real(kMm, Above(0)),
+                                    "What a motion between two points may miss of a clearance.")}),
+                 "How interference is checked."),
+          Key<S>("gaps", kSelf, GapFields(), "How the tool moves from one pass to the next."),
+          Key<S>("programs", MILLPOSE_AT(programs), ListOf(Choice({"krl", "sinumerik", "linuxcnc"})),
+                 "Controllers to write programs for."),
+      },
+      CheckPart);
   return fields;
 }
 

@@ -36,7 +36,7 @@ void AuditPoints(const PlanResult& plan, const Mesh& mesh, const AdmissibleBound
   const Pose X_PW = plan.X_WP.inverse();
   for (const PassResult& pass : plan.passes)
     for (const PlannedPoint& point : pass.points) {
-      if (point.point.kind == PointKind::kCut)
+      if (point.point.kind == PointKind::kCut && mesh.face_count() > 0)
         figures->max_slice_distance_mm =
             std::max(figures->max_slice_distance_mm, mesh.Closest(X_PW * point.point.position).distance);
       if (point.skip != SkipReason::kNone) continue;

@@ -52,7 +52,7 @@ void Measure(const Mesh& mesh, MeshCheck& check) {
     check.area += area;
     closed += open[face] == 0 ? area : 0;
   }
-  check.closed_area_share = closed / check.area;
+  check.closed_area_share = check.area > 0 ? closed / check.area : 0;
   if (!bends.empty()) {
     std::ranges::sort(bends);
     check.median_bend = bends[bends.size() / 2];
@@ -64,7 +64,8 @@ MeshCheck Described(const std::string& file, double unit, const ImportResult& im
   MeshCheck check;
   check.file = file;
   check.unit = unit;
-  check.unit_plausible = !UnitWarning((import.report.upper - import.report.lower).maxCoeff(), reach);
+  check.unit_plausible = import.mesh.face_count() == 0 ||
+                         !UnitWarning((import.report.upper - import.report.lower).maxCoeff(), reach);
   check.source_faces = import.mesh.triangles().source_faces;
   check.report = import.report;
   check.warnings = std::move(warnings);
@@ -161,7 +162,7 @@ JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::s
   ParallelFor(points.size(), threads, stop, [&](size_t i) {
     const auto& [pass, point] = points[i];
     found[i].reach = BestReach(problem, *point, pass->rotation_reference, inputs.job.rotation_step);
-    if (point->kind == PointKind::kCut)
+    if (point->kind == PointKind::kCut && part.import.mesh.face_count() > 0)
       found[i].gouge = DeepestGouge(part.import.mesh, cutter, X_PW * point->position,
                                     X_PW.linear() * point->tool_axis, arguments.gouge_tolerance);
     progress.Advance(1);

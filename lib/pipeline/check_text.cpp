@@ -60,7 +60,7 @@ Json MeshJson(const MeshCheck& check) {
 
 std::string ToText(const MeshCheck& check) {
   const ImportReport& report = check.report;
-  std::string text = fmt::format("mesh                {}\n", check.file);
+  std::string text = fmt::format("mesh                {}\n", check.file.empty() ? "none" : check.file);
   text += fmt::format("size                {}\n", Size(report.upper - report.lower));
   text +=
       fmt::format("unit                {:.6g} mm, {}\n", check.unit,
@@ -94,7 +94,7 @@ std::string ToText(const JobCheck& check) {
   text += ToText(check.mesh);
   text += fmt::format("tool path           {} points in {} passes\n", check.points, check.passes);
   text += fmt::format("within reach        {}\n", share(check.reach[0]));
-  const std::array<const char*, 4> reasons{"", "too far or too near", "outside the joint limits",
+  const std::array<const char*, 4> reasons{"", "too far or too near", "outside the limits",
                                            "near a singularity"};
   for (size_t i = 1; i < 4; ++i)
     if (check.reach[i] > 0) text += fmt::format("{:<20}{}\n", reasons[i], share(check.reach[i]));

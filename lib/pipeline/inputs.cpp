@@ -47,7 +47,8 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
   const std::filesystem::path& folder = inputs.folder;
   std::vector<Problem> problems;
   Collect(problems, [&] { inputs.cell = LoadCell(folder / inputs.job.cell_file, &inputs.body_bytes); });
-  Collect(problems, [&] { inputs.workpiece_bytes = ReadFile(folder / inputs.job.workpiece.mesh_file); });
+  if (!inputs.job.workpiece.mesh_file.empty())
+    Collect(problems, [&] { inputs.workpiece_bytes = ReadFile(folder / inputs.job.workpiece.mesh_file); });
   if (!inputs.job.workpiece.stock_file.empty())
     Collect(problems, [&] { inputs.stock_bytes = ReadFile(folder / inputs.job.workpiece.stock_file); });
   if (inputs.job.toolpath.strategy == "cam")

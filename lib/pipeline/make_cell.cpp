@@ -171,10 +171,11 @@ double AllowanceOf(const JobSettings& job) {
 void AddWorkpiece(const JobInputs& inputs, Triangles finished, Cell* cell) {
   const WorkpieceSettings& workpiece = inputs.job.workpiece;
   cell->allowance = AllowanceOf(inputs.job);
-  cell->bodies.push_back({.name = "workpiece",
-                          .body_class = BodyClass::kWorkpiece,
-                          .mount = Mount::kWorkpiece,
-                          .shape = std::move(finished)});
+  if (!finished.faces.empty())
+    cell->bodies.push_back({.name = "workpiece",
+                            .body_class = BodyClass::kWorkpiece,
+                            .mount = Mount::kWorkpiece,
+                            .shape = std::move(finished)});
   if (workpiece.stock_file.empty()) return;
   ImportOptions options;
   options.unit = workpiece.stock_unit;

@@ -90,6 +90,10 @@ World WorldOf(const JobInputs& inputs) {
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
   cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
   const std::string& name = inputs.job.workpiece.mesh_file;
+  if (name.empty()) {
+    AddWorkpiece(inputs, {}, &cell);
+    return World(std::move(cell));
+  }
   ImportOptions options;
   options.unit = inputs.job.workpiece.unit;
   options.weld_tolerance = inputs.job.workpiece.weld_tolerance;

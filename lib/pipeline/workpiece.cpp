@@ -35,7 +35,7 @@ JobToolpath ImportCam(const JobInputs& inputs, const Mesh& mesh) {
   if (inputs.cell.tool.cutter_shape == "ball") options.ball_radius = inputs.cell.tool.cutter_diameter / 2;
   CamImportReport report;
   JobToolpath made;
-  made.toolpath = ImportCamPath(path, &mesh, options, &report);
+  made.toolpath = ImportCamPath(path, mesh.face_count() > 0 ? &mesh : nullptr, options, &report);
   TellOtherCutters(path, inputs.cell.tool, settings.cam_file, made.warnings);
   for (const std::string& note : path.notes) made.warnings.push_back(settings.cam_file + ": " + note);
   if (report.turns_on_the_spot > 0)
@@ -58,6 +58,10 @@ double Reach(const Cell& cell) {
 
 Part ReadPart(const JobInputs& inputs, const Cell& cell) {
   const std::string& name = inputs.job.workpiece.mesh_file;
+  if (name.empty())
+    return {{Mesh(Triangles{}), {}},
+            {"no part is given: the tool axes serve as normals, and interference with the part is not looked "
+             "at"}};
   ImportOptions options;
   options.unit = inputs.job.workpiece.unit;
   options.weld_tolerance = inputs.job.workpiece.weld_tolerance;

@@ -448,6 +448,30 @@ class Documents(unittest.TestCase):
         self.assertEqual(complete("flatness", "READ"), ["README.md"])
 
 
+class CamWithoutPart(InFolder):
+    def test_tool_axes_serve_as_normals(self):
+        job = JOB.read_text().replace("../../cells", str(TOP / "cells"))
+        start, end = job.index("toolpath:"), job.index("process:")
+        job = job[:start] + "toolpath: {strategy: cam, cam: {file: path.csv}, spacing_mm: 20}\n" + job[end:]
+        (self.folder / "path.csv").write_text("x_mm,y_mm,z_mm,i,j,k\n-30,0,0,0,0,1\n30,0,0,0,0.1,1\n")
+        (self.folder / "job.yaml").write_text(job.replace("  mesh: support_pad.stl\n", ""))
+        result = run("plan", self.folder / "job.yaml", "-o", self.folder / "out", "--quiet")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with (self.folder / "out" / "points.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([row["status"] for row in rows], ["planned"] * 4)
+        normals = [[float(row[n]) for n in ("nx", "ny", "nz")] for row in rows]
+        cosine = sum(a * b for a, b in zip(normals[0], normals[-1]))
+        self.assertAlmostEqual(cosine, 1 / 1.01 ** 0.5, 12, "the axes' angle is that of the normals")
+        warnings = json.loads((self.folder / "out" / "summary.json").read_text())["warnings"]
+        self.assertTrue(any(w.startswith("no part is given") for w in warnings), warnings)
+        result = run("verify", self.folder / "out", "--job", self.folder / "job.yaml")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        (self.folder / "job.yaml").write_text(JOB.read_text().replace("  mesh: support_pad.stl\n", ""))
+        self.assertIn("workpiece.mesh: missing; only strategy cam goes without a part",
+                      run("plan", self.folder / "job.yaml").stderr)
+
+
 class Check(unittest.TestCase):
     def test_sound_mesh_is_described_with_status_0(self):
         result = run("check", f"{TOP}/toolpaths/cabin_ring/cabin_ring.stl")
