@@ -43,8 +43,8 @@ std::string ProgramReader::MainFile() {
   for (const auto& [name, text] : files_) {
     if (!EndsInOneOf(name, extensions_)) continue;
     const std::string stem = Stem(name);
-    const bool called = std::any_of(files_.begin(), files_.end(), [&](const auto& other) {
-      return other.first != name && EndsInOneOf(other.first, extensions_) && CallsProgram(other.second, stem);
+    const bool called = std::any_of(files_.begin(), files_.end(), [&, &own = name](const auto& other) {
+      return other.first != own && EndsInOneOf(other.first, extensions_) && CallsProgram(other.second, stem);
     });
     if (!called) mains.push_back(name);
   }
