@@ -151,8 +151,7 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   stages.Begin("report", 0);
   const PathOptions path_options = MakePathOptions(inputs.job);
   const std::vector<PointCurves> curves =
-      SampleCurves(plan, problem, path_options.paper ? std::nullopt : std::optional(path_options.genetic),
-                   kMostCurves, threads, stop);
+      SampleCurves(plan, problem, path_options.genetic, kMostCurves, threads, stop);
   const ReportInputs report =
       WriteResults({inputs, cell, plan, programs, audit, reduction, warnings, CurveGrid(), curves}, folder);
   stages.End(folder.path().string());

@@ -89,7 +89,7 @@ void SampleRotations(const PointScorer& scorer, const PointScorer& unbounded, co
 RotationGrid CurveGrid() { return {-kPi, DegToRad(3), 120}; }
 
 std::vector<PointCurves> SampleCurves(const PlanResult& plan, const PoseProblem& problem,
-                                      const std::optional<GeneticOptions>& options, size_t most, int threads,
+                                      const GeneticOptions& options, size_t most, int threads,
                                       std::stop_token stop) {
   assert(problem.freedoms.size() == 1 && "the page shows the rotation about the tool axis alone");
   const RotationGrid grid = CurveGrid();
@@ -105,9 +105,10 @@ std::vector<PointCurves> SampleCurves(const PlanResult& plan, const PoseProblem&
     const PointScorer scorer(problem, pass.points[place.point].point, pass.rotation_reference);
     SampleRotations(scorer, PointScorer(free, pass.points[place.point].point, pass.rotation_reference), grid,
                     curves);
-    if (!options) return;
+    // The paper's formulation has no generations over the rotation.
+    if (!pass.points[place.point].paper.empty()) return;
     std::vector<GenerationRecord> history;
-    GeneticSearch(scorer, problem, *options, RandomStream(plan.seed, place.number), &history);
+    GeneticSearch(scorer, problem, options, RandomStream(plan.seed, place.number), &history);
     for (const GenerationRecord& record : history) {
       // Both 0: no individual of the generation was admissible.
       const bool none = record.best == 0 && record.mean == 0;

@@ -12,11 +12,10 @@ namespace millpose {
 RotationGrid CurveGrid();
 
 /// For report.html: the objective over the rotation on all branches, and the genetic algorithm run once more
-/// with each point's own stream of `seed` (so its generations are those of the plan); no generations without
-/// `options`. At most `most` points:
+/// with each point's own stream of `seed` (so its generations are those of the plan). At most `most` points:
 /// all of them, or every k-th with the worst by objective. The same for any number of threads.
 std::vector<PointCurves> SampleCurves(const PlanResult& plan, const PoseProblem& problem,
-                                      const std::optional<GeneticOptions>& options, size_t most, int threads,
+                                      const GeneticOptions& options, size_t most, int threads,
                                       std::stop_token stop);
 
 }  // namespace millpose
