@@ -6,6 +6,7 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "motion/cut_feed.hpp"
 #include "path/cut_check.hpp"
 #include "path/smoothing.hpp"
 
@@ -21,7 +22,7 @@ constexpr int kRefineRounds = 5;
 // Where a smoothed path interferes it goes back, half-way when met first, then all the way, and turns no
 // farther to that side, after so many times, or in the last rounds, to neither; so many points to either side
 // may follow.
-constexpr int kSmoothRounds = 16, kOneSided = 5, kOneSidedRounds = 12;
+constexpr int kSmoothRounds = 24, kOneSided = 5, kOneSidedRounds = 12;
 constexpr size_t kFollow = 40;
 
 /// `q` moved by whole turns to where each joint is nearest to `near`; exact where none is needed.
@@ -262,8 +263,12 @@ class PiecePlanner {
       if (!Fits(piece)) break;
       std::vector<bool> known(path.size());
       for (size_t i = 0; i < path.size(); ++i) known[i] = path[i].q == checked[i].q;
-      const std::vector<bool> hit = Interfering(piece, known);
-      if (std::find(hit.begin(), hit.end(), true) == hit.end()) return;
+      std::vector<bool> hit = Interfering(piece, known);
+      MarkLongSteps(piece, hit);
+      if (std::find(hit.begin(), hit.end(), true) == hit.end()) {
+        if (SquareOf(points, path) <= SquareOf(points, origin)) return;
+        break;
+      }
       std::copy(path.begin(), path.end(), checked.begin());
       for (size_t i = 0; i < path.size(); ++i) met[i] += hit[i];
       const std::vector<int> level = Levels(hit, met, piece.closed);
@@ -278,10 +283,36 @@ class PiecePlanner {
           if (now >= was || both) ranges[i].upper = path[i].freedoms[0];
           if (now <= was || both) ranges[i].lower = path[i].freedoms[0];
         }
-        fixed[i] = {beside[i] ? ranges[i].lower : now, beside[i] ? ranges[i].upper : now};
+        // In the last rounds nothing else moves any more, so that these end.
+        const bool moves = beside[i] && round < kOneSidedRounds;
+        const double stays = path[i].freedoms[0];
+        fixed[i] = {moves ? ranges[i].lower : stays, moves ? ranges[i].upper : stays};
       }
     }
     std::copy(origin.begin(), origin.end(), path.begin());
+  }
+
+  /// Points at the ends of joint steps beyond the bounds, as where some went back and others did not.
+  void MarkLongSteps(const Piece& piece, std::vector<bool>& marked) {
+    const std::span<const PathNode> path = NodesOf(piece);
+    for (size_t i = 0; i < path.size(); ++i) {
+      const size_t next = (i + 1) % path.size();
+      if (next == 0 && !piece.closed) continue;
+      const Joints step = (path[next].q - path[i].q).unaryExpr(&ShortWay);
+      bool long_step = false;
+      for (int j = 0; j < 6; ++j) long_step = long_step || std::abs(step[j]) > rule_.max_step[j] + kRounding;
+      if (long_step) marked[i] = marked[next] = true;
+    }
+  }
+
+  /// Mean square of the joint accelerations along a path, as the report has it.
+  static double SquareOf(std::span<const MillingPoint> points, std::span<const PathNode> path) {
+    std::vector<CutSample> cut;
+    for (size_t i = 0; i < path.size(); ++i) {
+      if (i > 0 && points[i].arc_length <= cut.back().arc_length) continue;
+      cut.push_back({path[i].q, points[i].arc_length, points[i].feed_rate});
+    }
+    return TimeRms(cut, RatesAlong(cut).acceleration).squaredNorm();
   }
 
   /// For points that go back, how often what takes them along was met: a point met k times takes 2^(k−1) − 1
