@@ -157,5 +157,15 @@ TEST(Inverse, FullTurnsAreAllWithinLimits) {
   EXPECT_TRUE(FullTurns(Degrees(0, 30, 0, 0, 0, 0), lower, upper).empty());
 }
 
+TEST(Inverse, FullTurnsReachTheLimitsThemselves) {
+  Joints lower = Joints::Constant(-1), upper = Joints::Constant(1);
+  lower[3] = -2 * kPi;
+  upper[3] = 2 * kPi;
+  const std::vector<Joints> all = FullTurns(Joints::Zero(), lower, upper);
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_EQ(all.front()[3], lower[3]);
+  EXPECT_EQ(all.back()[3], upper[3]);
+}
+
 }  // namespace
 }  // namespace millpose

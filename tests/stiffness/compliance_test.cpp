@@ -126,6 +126,9 @@ TEST(Indices, OfAKnownEllipsoid) {
 TEST(Indices, OfASingularComplianceAreEmpty) {
   EXPECT_FALSE(IndicesInPlane(Vector3d(3e-4, 2e-4, 0).asDiagonal(), Vector3d::UnitZ()).has_value());
   EXPECT_FALSE(IndicesInPlane(Matrix3d::Zero(), Vector3d::UnitZ()).has_value());
+  // Rounding has eaten an axis of 1e-18 beside 1e-4, not one of 1e-10.
+  EXPECT_FALSE(IndicesInPlane(Vector3d(3e-4, 2e-4, 1e-18).asDiagonal(), Vector3d::UnitZ()).has_value());
+  EXPECT_TRUE(IndicesInPlane(Vector3d(3e-4, 2e-4, 1e-10).asDiagonal(), Vector3d::UnitZ()).has_value());
 }
 
 }  // namespace

@@ -49,6 +49,7 @@ TEST(Flatness, LeastSquaresPlaneAgreesWithTheCovariance) {
     for (const Vector3d& point : points) covariance += (point - mean) * (point - mean).transpose() / 8;
     const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance);
     EXPECT_LT(found->normal.cross(solver.eigenvectors().col(0)).norm(), 1e-9);
+    EXPECT_EQ(found->normal.maxCoeff(), found->normal.cwiseAbs().maxCoeff());
     EXPECT_NEAR(found->rms, std::sqrt(solver.eigenvalues()[0]), 1e-9);
     EXPECT_NEAR(found->flatness, Extent(points, solver.eigenvectors().col(0)), 1e-8);
     EXPECT_LE(found->minimum_zone, found->flatness * (1 + 1e-12));
@@ -113,6 +114,18 @@ TEST(Flatness, ListsOutliersAndRefusesLines) {
   ASSERT_TRUE(flat.has_value());
   EXPECT_EQ(flat->minimum_zone, 0);
   EXPECT_LT(flat->flatness, 1e-15);
+}
+
+TEST(Flatness, OutliersBeginAtThreeAndAHalfRobustDeviations) {
+  Points points;  // every distance 0.01 from the plane, so the bound is 3.5/0.6745·0.01 = 0.0519
+  for (int i = 0; i < 20; ++i)
+    for (int j = 0; j < 20; ++j) points.emplace_back(10.0 * i, 10.0 * j, (i + j) % 2 == 0 ? 0.01 : -0.01);
+  points.emplace_back(95, 95, 0.045);
+  points.emplace_back(95, 95, -0.045);
+  EXPECT_TRUE(MeasureFlatness(points)->outliers.empty());
+  points.emplace_back(95, 95, 0.06);
+  points.emplace_back(95, 95, -0.06);
+  EXPECT_EQ(MeasureFlatness(points)->outliers, (std::vector<size_t>{402, 403}));
 }
 
 }  // namespace

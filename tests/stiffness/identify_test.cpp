@@ -2,6 +2,7 @@
 #include "stiffness/identify.hpp"
 
 #include "stiffness/compliance.hpp"
+#include "stiffness/identify_system.hpp"
 #include "tests/robot/arms.hpp"
 
 namespace millpose {
@@ -119,6 +120,41 @@ TEST(Identify, RefusesNumbersForJointsThatVerticalLoadsAtTheFlangeDoNotReach) {
   }
 }
 
+TEST(Identify, RefusesAJointWhoseTorqueIsRoundingAlone) {
+  const Arm arm = KrQuantecR2700();
+  std::vector<LoadCase> cases = WellPosed(arm);
+  for (LoadCase& load : cases) {
+    load.load_point = load.measured_point = Vector3d(0, 0, 123.4);  // on axis 6: no lever about it
+    load.displacement = Predict(arm, load).head<3>();
+  }
+  const Identification found = IdentifyJointStiffness(arm, cases, {});
+  for (int j = 0; j < 5; ++j) EXPECT_NEAR(found.joints[j].stiffness / arm.stiffness[j], 1, 1e-9) << j;
+  EXPECT_FALSE(found.joints[5].determined);
+  EXPECT_TRUE(found.joints[5].reason.starts_with("not observable: no load case")) << found.joints[5].reason;
+}
+
+TEST(Identify, FewNumbersWidenTheIntervalAndCountAgainstTheLevel) {
+  // 9 measured numbers, 6 unknown: Student's t for 3 degrees of freedom is 3.182, not 1.96.
+  const Arm arm = KrQuantecR2700();
+  const std::vector<LoadCase> all = WellPosed(arm);
+  RandomStream stream(9, 0);
+  double square = 0;
+  constexpr int kRuns = 300;
+  for (int run = 0; run < kRuns; ++run) {
+    std::vector<LoadCase> cases{all[0], all[5], all[10]};
+    for (LoadCase& load : cases)
+      load.displacement += 1e-5 * Vector3d(stream.Normal(), stream.Normal(), stream.Normal());
+    const Identification found = IdentifyJointStiffness(arm, cases, {});
+    square += found.level * found.level / kRuns;
+    for (const JointEstimate& joint : found.joints) {
+      ASSERT_TRUE(joint.determined) << joint.reason;
+      const double c = 1 / joint.stiffness;
+      EXPECT_NEAR((1 / joint.lower - c) / (joint.deviation * c * c), 3.182, 0.06);
+    }
+  }
+  EXPECT_NEAR(std::sqrt(square), 1e-5 / IdentifyOptions{}.displacement_deviation, 1e-4);
+}
+
 TEST(Identify, NamesJointsThatOnlyShowTogether) {
   // With A5 = 0 in every pose, axes 4 and 6 are one line.
   const Arm arm = Kr500R2830();
@@ -197,6 +233,65 @@ TEST(Propose, FewCasesMakeAllJointsObservable) {
   };
   EXPECT_LT(condition(six), condition({0, 1, 2, 3, 4, 5}));
   EXPECT_LT(condition(six), condition({18, 19, 20, 21, 22, 23}));
+}
+
+TEST(Identify, SaysWhichPoseChangesAJointMostWhenLeftOut) {
+  const Arm arm = KrQuantecR2700();
+  std::vector<LoadCase> cases = WellPosed(arm);
+  RandomStream stream(10, 0);
+  for (LoadCase& load : cases)
+    load.displacement += 0.01 * Vector3d(stream.Normal(), stream.Normal(), stream.Normal());
+  const Identification found = IdentifyJointStiffness(arm, cases, {});
+  std::array<double, 6> largest{};
+  std::array<size_t, 6> most{};
+  for (size_t pose = 0; pose < 6; ++pose) {
+    std::vector<LoadCase> rest;
+    for (const LoadCase& load : cases)
+      if (load.q != kTable2[pose]) rest.push_back(load);
+    const Identification without = IdentifyJointStiffness(arm, rest, {});
+    for (int j = 0; j < 6; ++j) {
+      const double change = std::abs(without.joints[j].stiffness / found.joints[j].stiffness - 1);
+      if (change > largest[j]) {
+        largest[j] = change;
+        most[j] = pose;
+      }
+    }
+  }
+  for (int j = 0; j < 6; ++j) {
+    EXPECT_NEAR(found.joints[j].largest_change / largest[j], 1, 1e-6);
+    EXPECT_EQ(found.joints[j].most_influential, most[j]);
+  }
+}
+
+TEST(Propose, NoExchangeOfOneCandidateTellsMore) {
+  const Arm arm = KrQuantecR2700();
+  RandomStream stream(11, 0);
+  for (int run = 0; run < 10; ++run) {
+    std::vector<LoadCase> candidates(25);
+    for (LoadCase& load : candidates) {
+      load.q = RandomJoints(stream);
+      load.force = 700 * Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
+      load.load_point = load.measured_point = Vector3d(200, 0, 200);
+    }
+    const auto information = [&](const std::vector<size_t>& chosen) {
+      std::vector<LoadCase> cases;
+      for (const size_t i : chosen) cases.push_back(candidates[i]);
+      const auto L = identify::MakeSystem(arm, cases, {}).L;
+      return (L.transpose() * L).determinant();
+    };
+    const std::vector<size_t> chosen = ProposeLoadCases(arm, candidates, 4, {});
+    ASSERT_EQ(chosen.size(), 4u);
+    const double best = information(chosen);
+    for (size_t slot = 0; slot < 4; ++slot) {
+      for (size_t i = 0; i < candidates.size(); ++i) {
+        std::vector<size_t> other = chosen;
+        other[slot] = i;
+        if (std::count(chosen.begin(), chosen.end(), i) == 0) {
+          EXPECT_LE(information(other), best * (1 + 1e-6));
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

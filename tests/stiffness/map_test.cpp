@@ -86,14 +86,31 @@ TEST(Map, CountsCompliancesBesideTheJoints) {
 }
 
 TEST(Map, IsTheBestOfAFinerLook) {
-  const MapRequest coarse = SmallMap("dexterity");
-  MapRequest fine = coarse;
-  fine.rotation_step = coarse.rotation_step / 3;  // holds the coarse grid's rotations
-  const std::vector<MapPoint> a = DrawMap(coarse), b = DrawMap(fine);
-  for (size_t i = 0; i < a.size(); ++i)
-    if (a[i].reached) {
-      EXPECT_GE(b[i].value, a[i].value - 1e-12);
+  for (const MapIndex& index : MapIndices()) {
+    const bool greatest = index.name == "dexterity" || index.name == "mu";
+    const MapRequest coarse = SmallMap(index.name);
+    MapRequest fine = coarse;
+    fine.rotation_step = coarse.rotation_step / 3;  // holds the coarse grid's rotations
+    const std::vector<MapPoint> a = DrawMap(coarse), b = DrawMap(fine);
+    for (size_t i = 0; i < a.size(); ++i) {
+      if (!a[i].reached) continue;
+      const double better = greatest ? b[i].value - a[i].value : a[i].value - b[i].value;
+      EXPECT_GE(better, -1e-12 * std::abs(a[i].value)) << index.name;
     }
+  }
+}
+
+TEST(Map, HoldsAtTheFlangeWhereAsked) {
+  MapRequest request = SmallMap("normal_deflection");
+  request.at_flange = true;
+  int reached = 0;
+  for (const MapPoint& at : DrawMap(request)) {
+    if (!at.reached) continue;
+    ++reached;
+    const PoseStiffness flange = EvaluatePose(request.arm, at.q, Vector3d::Zero(), request.normal, 1000);
+    EXPECT_NEAR(at.value / flange.deflections.normal, 1, 1e-7);
+  }
+  EXPECT_GT(reached, 10);
 }
 
 TEST(Map, TextsHaveOneLineAPoint) {

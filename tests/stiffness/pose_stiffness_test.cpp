@@ -247,5 +247,32 @@ TEST(Gravity, CounterbalanceCarriesTheArmAndTheReferenceHidesItself) {
   EXPECT_LT(GravityDeflection(arm, forward, upright, p_FT, masses, {}, gravity).z(), 0);
 }
 
+TEST(Gravity, CounterbalanceActsInTheArmsOwnSigns) {
+  for (const Arm& arm : AllArms()) {  // one of them counts A2 the other way, with an offset
+    const Counterbalance device{4e6, 0.3};
+    const auto potential = [&](double A2) {  // of a torque −T·sin(q2 − zero) on the inner angle
+      return -device.torque * std::cos(arm.sign[1] * A2 + arm.offset[1] - device.zero);
+    };
+    for (double A2 = -2; A2 < 2; A2 += 0.37) {
+      Joints q = Joints::Zero();
+      q[1] = A2;
+      EXPECT_NEAR(GravityTorques(arm, q, {}, device, {0, 0, -9810})[1],
+                  -(potential(A2 + 1e-5) - potential(A2 - 1e-5)) / 2e-5, 1e-2);
+    }
+  }
+}
+
+TEST(PoseStiffness, DirectionsAreGivenWithTheirLargestComponentPositive) {
+  const Arm arm = Kr500R2830();
+  RandomStream stream(8, 0);
+  for (int k = 0; k < 20; ++k) {
+    const PoseStiffness at =
+        EvaluatePose(arm, RegularJoints(arm, stream), {-250, 31, 250}, RandomUnit(stream), 1000);
+    for (const Vector3d& direction : {Vector3d(at.directions.col(0)), Vector3d(at.directions.col(1)),
+                                      Vector3d(at.directions.col(2)), at.t1_direction, at.t2_direction})
+      EXPECT_EQ(direction.maxCoeff(), direction.cwiseAbs().maxCoeff());
+  }
+}
+
 }  // namespace
 }  // namespace millpose

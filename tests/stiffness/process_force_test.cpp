@@ -133,5 +133,24 @@ TEST(OverFace, APassCutByAHoleHasItsNeighboursBesideItNotBeyondTheHole) {
   EXPECT_EQ(OverFace(points)->largest_step, 0.0);
 }
 
+TEST(ProcessForce, PeakIsTheLargestSumOverAllTeeth) {
+  for (const int teeth : {1, 3, 5}) {
+    Cut cut = SomeCut(MillingSide::kSlot);
+    cut.teeth = teeth;
+    double largest = 0;
+    for (int i = 0; i < 20000; ++i) {
+      Vector3d sum = Vector3d::Zero();
+      for (int tooth = 0; tooth < teeth; ++tooth) {
+        const double phi = 2 * kPi * (i / 20000.0 + tooth) / teeth;
+        if (phi > kPi) continue;
+        const double t = 800 * 2 * 0.1 * std::sin(phi);
+        sum += t * Vector3d(-std::cos(phi) - 0.3 * std::sin(phi), std::sin(phi) - 0.3 * std::cos(phi), -0.1);
+      }
+      largest = std::max(largest, sum.norm());
+    }
+    EXPECT_NEAR(MeanCuttingForce(cut).peak / largest, 1, 1e-4) << teeth;
+  }
+}
+
 }  // namespace
 }  // namespace millpose
