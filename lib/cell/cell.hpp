@@ -31,6 +31,9 @@ struct Convex {
 };  ///< convex hull of the points, mm
 using Shape = std::variant<Box, Sphere, Cylinder, Capsule, Cone, Convex, Triangles>;
 
+/// Radius of a sphere about the shape's frame that holds it, mm.
+double Radius(const Shape& shape);
+
 /// What a body is; decides which pairs are checked and with which clearance. The stock is the raw part, of
 /// which the workpiece is what will be left.
 enum class BodyClass : uint8_t { kLink, kSpindle, kHolder, kCutter, kFixture, kPlatform, kWorkpiece, kStock };

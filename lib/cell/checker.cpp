@@ -21,10 +21,10 @@ struct Checker::Impl {
   std::array<Pose, 7> X_WL;    ///< the links at that pose
   long long poses_checked = 0;
 
-  const double share;  ///< of the clearances
+  const double share, reserve;  ///< of the clearances; mm less than that
 
-  Impl(std::shared_ptr<const World::Impl> shared, double clearance_share)
-      : world(std::move(shared)), share(clearance_share) {
+  Impl(std::shared_ptr<const World::Impl> shared, double clearance_share, double clearance_reserve)
+      : world(std::move(shared)), share(clearance_share), reserve(clearance_reserve) {
     for (const WorldBody& body : world->bodies) placed.push_back(PlacePart(body.part, body.X_LG));
   }
 
@@ -58,8 +58,8 @@ struct Checker::Impl {
                                       std::vector<int>& undecided);
 };
 
-Checker::Checker(const World& world, double clearance_share)
-    : impl_(std::make_unique<Impl>(world.impl_, clearance_share)) {}
+Checker::Checker(const World& world, double clearance_share, double reserve)
+    : impl_(std::make_unique<Impl>(world.impl_, clearance_share, reserve)) {}
 Checker::~Checker() = default;
 Checker::Checker(Checker&&) noexcept = default;
 
@@ -70,7 +70,7 @@ std::optional<Interference> Checker::At(const Joints& q, Phase phase) {
   for (const BodyPair& pair : impl_->world->pairs) {
     const std::optional<double>& clearance = pair.clearance[static_cast<int>(phase)];
     if (!clearance) continue;
-    const double bound = std::max(impl_->share * *clearance, kTouch);
+    const double bound = std::max(impl_->share * *clearance - impl_->reserve, kTouch);
     const BoundedDistance found = impl_->Distance(pair, bound);
     if (found.distance < bound) return impl_->Report(pair, found);
   }
@@ -110,7 +110,7 @@ std::optional<Interference> Checker::Impl::Certify(const Joints& middle, const J
       const Placed& at = placed[pair.second];
       bounds = MotionBounds(axes, body.link, at.centre, at.half_axes, half_turn);
     }
-    const double clearance = std::max(share * *pair.clearance[phase], kTouch);
+    const double clearance = std::max(share * *pair.clearance[phase] - reserve, kTouch);
     const double motion = (*bounds)[world->bodies[pair.first].link];
     // What settles the pair for the whole motion: even the worst movement leaves clearance − resolution.
     const double wanted = std::max(clearance, clearance - resolution + motion);

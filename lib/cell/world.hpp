@@ -36,8 +36,9 @@ class World {
 /// Asks a World about poses and motions. One per thread (it holds the moving FCL objects); cheap to make.
 class Checker {
  public:
-  /// `clearance_share`: of every clearance that is kept, 0..1; 1 is what the cell asks for.
-  explicit Checker(const World& world, double clearance_share = 1);
+  /// `clearance_share`: of every clearance that is kept, 0..1; 1 is what the cell asks for. `reserve`: mm
+  /// that it may fall short of that.
+  explicit Checker(const World& world, double clearance_share = 1, double reserve = 0);
   ~Checker();
   Checker(Checker&&) noexcept;
 

@@ -296,54 +296,6 @@ Codec<GravitySettings> GravityFields() {
   });
 }
 
-Codec<ControllerSettings> ControllerFields() {
-  using S = ControllerSettings;
-  return Section<S>(
-      {
-          Key<S>("tool_axis", MILLPOSE_AT(tool_axis), Choice({"x", "y", "z", "-x", "-y", "-z"}),
-                 "Axis of the controller's tool frame that lies along the tool, from tip to holder."),
-          Key<S>("rotation", MILLPOSE_AT(rotation), Choice({"rpy", "euler"}),
-                 "SINUMERIK: how A, B, C are counted (machine data ORI)."),
-          Key<S>("axis_signs", MILLPOSE_AT(axis_signs), Signs(),
-                 "Controller's angle = sign × arm's angle + offset."),
-          Key<S>("axis_offsets_deg", MILLPOSE_AT(axis_offsets), Numbers6(kDeg, Between(-360, 360)),
-                 "Controller's angle = sign × arm's angle + offset."),
-          Key<S>(
-              "axis_names", MILLPOSE_AT(axis_names), ListOf(Text()),
-              "SINUMERIK: names of the six robot axes as channel axes, for motions without transformation."),
-          Key<S>("motion", MILLPOSE_AT(motion), Choice({"lin", "spline"}),
-                 "KRL: cuts as LIN with C_DIS, or as SPLINE blocks of SLIN."),
-          Key<S>("base_number", MILLPOSE_AT(base_number), Integer(0, 32),
-                 "KRL: $BASE = BASE_DATA[number] instead of values; 0: values."),
-          Key<S>("tool_number", MILLPOSE_AT(tool_number), Integer(0, 16),
-                 "KRL: $TOOL = TOOL_DATA[number] instead of values; 0: values."),
-          Key<S>("external_axes", MILLPOSE_AT(external_axes), ListOf(Real({"mm or deg"}, Any())),
-                 "KRL: constant E1, E2, … written with every target."),
-          Key<S>("ptp_speed_percent", MILLPOSE_AT(ptp_speed_percent), Integer(1, 100),
-                 "KRL: share of the axes' largest speed in motions between cuts."),
-          Key<S>("max_motions", MILLPOSE_AT(max_motions), Integer(10, 1000000),
-                 "Motions in one program file; larger programs call sub-programs."),
-          Key<S>("max_kbytes", MILLPOSE_AT(max_kbytes), Integer(1, 1000000),
-                 "Size of one program file, kB; larger programs call sub-programs."),
-          Key<S>("texts", MILLPOSE_AT(texts),
-                 MapOf<std::string>({"coolant_off", "coolant_on", "footer", "header", "pass_begin",
-                                     "pass_end", "spindle_off", "spindle_on", "tool_change"},
-                                    Lines()),
-                 "Template lines by event, in place of the built-in ones; {rpm}, {tool}, {pass}, {piece} are "
-                 "filled in."),
-      },
-      [](const Value& value, const Context& context, S& controller) {
-        controller.line = value.mark.line;
-        if (controller.axis_names.size() != 6)
-          context.Child("axis_names")
-              .Add(value.mark, fmt::format("given {} names; allowed: 6", controller.axis_names.size()));
-        if (controller.external_axes.size() > 6)
-          context.Child("external_axes")
-              .Add(value.mark,
-                   fmt::format("given {} values; allowed: at most 6", controller.external_axes.size()));
-      });
-}
-
 }  // namespace
 
 const std::vector<std::string>& LengthUnits() {
@@ -414,8 +366,7 @@ const Codec<CellSettings>& CellFields() {
           "reproduction_only", [](const S& s) { return !s.programs_allowed; },
           [](S& s, const bool& only) { s.programs_allowed = !only; }, Flag(),
           "The arm's convention is no real controller's: programs are refused."),
-      Key<S>("controllers", MILLPOSE_AT(controllers),
-             MapOf<ControllerSettings>({"krl", "sinumerik", "linuxcnc"}, ControllerFields()),
+      Key<S>("controllers", MILLPOSE_AT(controllers), ControllersFields(),
              "What each controller's programs need to know."),
   });
   return fields;

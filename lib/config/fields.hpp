@@ -15,6 +15,9 @@ const Codec<BatchSettings>& BatchFields();
 /// What of a part is milled.
 Codec<RegionSettings> RegionFields();
 
+/// What each controller's programs need to know; keys that a controller cannot follow are errors.
+Codec<std::map<std::string, ControllerSettings>> ControllersFields();
+
 /// Parts that both tables use.
 Codec<PoseSettings> PoseFields();
 const std::vector<std::string>& LengthUnits();

@@ -408,8 +408,38 @@ Codec<JobSettings> GapFields() {
   });
 }
 
+Codec<ProgramOptionSettings> ProgramOptionFields() {
+  using S = ProgramOptionSettings;
+  return Section<S>({
+      Key<S>("point_economy", kSelf,
+             Section<S>({
+                 Key<S>("chord_mm", MILLPOSE_AT(chord_tolerance), Real(kMm, Between(0, 0.015)),
+                        "A point is left out where the controller's own motion passes it this near; 0 keeps "
+                        "every point."),
+                 Key<S>("angle_deg", MILLPOSE_AT(angle_tolerance), Real(kDeg, Between(0, 0.02)),
+                        "Likewise for the tool's orientation."),
+                 Key<S>("spacing_mm", MILLPOSE_AT(spacing), Real(kMm, AtLeast(0)),
+                        "Least distance of points, where the tolerances allow it; nearer ones are counted."),
+             }),
+             "Points that the controller's own interpolation makes needless are left out."),
+      Key<S>("dry_run_offset_mm", MILLPOSE_AT(dry_run_offset), Real(kMm, AtLeast(0)),
+             "Lifts every cut along the tool axis, to see the program run in the air."),
+      Key<S>("base_window", kSelf,
+             Section<S>({
+                 Key<S>("shift_mm", MILLPOSE_AT(base_shift), Real(kMm, AtLeast(0)), "Along X, Y and Z."),
+                 Key<S>("turn_deg", MILLPOSE_AT(base_turn), Real(kDeg, Between(0, 5)), "About X, Y and Z."),
+             }),
+             "With workpiece.targets: how far $BASE may be shifted; reach and clearance are re-verified for "
+             "it."),
+      Key<S>("date", MILLPOSE_AT(date), Text(), "Printed in the programs' headers; none by default.")
+          .WhenSet([](const S& s) { return !s.date.empty(); }),
+  });
+}
+
 // Only a path from CAM has points without a surface.
 void CheckPart(const Value& value, const Context& context, JobSettings& job) {
+  const Value::Key* programs = value.FindKey("programs");
+  job.programs_line = programs ? programs->mark.line : 0;
   const Value::Key* workpiece = value.FindKey("workpiece");
   if (workpiece && job.workpiece.mesh_file.empty() && job.toolpath.strategy != "cam")
     context.Child("workpiece")
@@ -438,6 +468,12 @@ const Codec<JobSettings>& JobFields() {
                   Key<S>("spindle_rpm", MILLPOSE_AT(spindle_speed), Real(kRevPerMin, AtLeast(0)),
                          "Spindle speed.")
                       .Required(),
+                  Key<S>("approach_feed_mm_min", MILLPOSE_AT(approach_feed), Real(kMmPerMin, Above(0)),
+                         "Feed of the straight approach, where it is above the feed rate."),
+                  Key<S>("approach_slow_mm", MILLPOSE_AT(approach_slow), Real(kMm, AtLeast(0)),
+                         "Last part of the approach that runs at the feed rate."),
+                  Key<S>("retract_feed_mm_min", MILLPOSE_AT(retract_feed), Real(kMmPerMin, Above(0)),
+                         "Feed of the straight retract, where it is above the feed rate."),
                   Key<S>("feed", MILLPOSE_AT(feed_policy), Choice({"keep", "reduce"}),
                          "Where joints cannot hold the feed: keep it (a finding) or reduce it there."),
                   Key<S>("cutting", MILLPOSE_AT(cutting), Maybe(CuttingFields()),
@@ -455,6 +491,8 @@ const Codec<JobSettings>& JobFields() {
           Key<S>("gaps", kSelf, GapFields(), "How the tool moves from one pass to the next."),
           Key<S>("programs", MILLPOSE_AT(programs), ListOf(Choice({"krl", "sinumerik", "linuxcnc"})),
                  "Controllers to write programs for."),
+          Key<S>("program_options", MILLPOSE_AT(program_options), ProgramOptionFields(),
+                 "What becomes of the planned points in programs."),
       },
       CheckPart);
   return fields;

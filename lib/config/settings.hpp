@@ -80,20 +80,33 @@ struct BodySettings {
   PoseSettings pose;
 };
 
+/// An output that programs switch on the path, where every cut begins or ends.
+struct PathOutputSettings {
+  int number = 0;
+  std::string at;    ///< cut_begin | cut_end
+  bool on = true;    ///< what it is switched to
+  double delay = 0;  ///< s after that place; krl
+};
+
 struct ControllerSettings {
   std::string tool_axis = "z";   ///< x | y | z | -x | -y | -z: controller's tool frame axis along T's z
-  std::string rotation = "rpy";  ///< sinumerik: rpy | euler
+  std::string rotation = "rpy";  ///< sinumerik, linuxcnc: rpy | euler
   std::array<int, 6> axis_signs{1, 1, 1, 1, 1, 1};  ///< controller angle = sign · A + offset
   Vector6 axis_offsets = Vector6::Zero();           ///< rad
   std::vector<std::string> axis_names = {"RA1", "RA2", "RA3", "RA4", "RA5", "RA6"};  ///< sinumerik
-  std::string motion = "lin";                                                        ///< krl: lin | spline
-  int base_number = 0, tool_number = 0;  ///< krl: BASE_DATA, TOOL_DATA; 0: values are written
-  std::vector<double> external_axes;     ///< krl: E1, E2, …, mm or degrees, constant
-  int ptp_speed_percent = 30;            ///< of the axes' largest speed, between cuts
+  std::string coordinates = "joint";               ///< linuxcnc: joint | cartesian
+  std::string motion = "lin";                      ///< krl: lin | spline
+  int base_number = 0, tool_number = 0;            ///< krl: BASE_DATA, TOOL_DATA; 0: values are written
+  std::vector<double> external_axes;               ///< krl: E1, E2, …, mm or degrees, constant
+  int ptp_speed_percent = 30;                      ///< krl: of the axes' largest speed, between cuts
+  int advance = 5;                                 ///< krl: motions that are computed ahead
+  std::optional<double> path_acceleration;         ///< krl: mm/s²; the controller's own where not given
+  double orientation_speed = DegToRad(200);        ///< krl: rad/s, as BAS(#INITMOV) sets it
+  std::optional<double> orientation_acceleration;  ///< krl: rad/s²; the controller's own where not given
   int max_motions = 1400;
   int max_kbytes = 500;
+  std::vector<PathOutputSettings> outputs;
   std::map<std::string, std::string> texts;  ///< templates by event name
-  int line = 0;                              ///< of the section, for later errors
 };
 
 /// A compliance in series with the joints, at a frame that hangs on a link.
@@ -257,6 +270,17 @@ struct CuttingSettings {
   double radial_ratio = 0.3, axial_ratio = 0;
 };
 
+/// What becomes of a plan's points in programs.
+struct ProgramOptionSettings {
+  double chord_tolerance = 0.01;            ///< mm; of points that are left out
+  double angle_tolerance = DegToRad(0.02);  ///< rad; of points that are left out
+  double spacing = 0.5;                     ///< mm, least distance of points
+  double dry_run_offset = 0;                ///< mm along the tool axis, away from the part
+  double base_shift = 1;                    ///< mm; half the width of the window for $BASE
+  double base_turn = DegToRad(0.05);        ///< rad; likewise about X, Y, Z
+  std::string date;                         ///< printed in the header where given
+};
+
 struct JobSettings {
   std::string file;  ///< as given, for messages
   std::string name;
@@ -264,9 +288,12 @@ struct JobSettings {
   uint64_t seed = 1;
   WorkpieceSettings workpiece;
   ToolpathSettings toolpath;
-  double feed = 0;                   ///< mm/s
-  std::string feed_policy = "keep";  ///< keep | reduce, where the joints cannot hold the feed
-  double spindle_speed = 0;          ///< rev/s
+  double feed = 0;                     ///< mm/s
+  std::string feed_policy = "keep";    ///< keep | reduce, where the joints cannot hold the feed
+  double approach_feed = 1000.0 / 60;  ///< mm/s, down to the last `approach_slow`
+  double approach_slow = 5;            ///< mm before the first point that run at the cutting feed
+  double retract_feed = 3000.0 / 60;   ///< mm/s
+  double spindle_speed = 0;            ///< rev/s
   std::optional<CuttingSettings> cutting;
   std::string objective = "chen2021";
   std::map<std::string, double> objective_parameters;
@@ -290,6 +317,8 @@ struct JobSettings {
   int gap_iterations = 20000;
   double gap_speed_share = 0.5;
   std::vector<std::string> programs{"krl", "sinumerik", "linuxcnc"};
+  ProgramOptionSettings program_options;
+  int programs_line = 0;  ///< of the key, for later errors
 };
 
 }  // namespace millpose

@@ -179,6 +179,7 @@ Gap PlanGap(const World& world, const GapEnd& from, const GapEnd& to, const GapO
     poses += gap.poses_checked;
     gap.poses_checked = poses;
     if (gap.planned) {
+      gap.clearance_share = share;
       if (share < 1)
         gap.detail = fmt::format("{} to {}: clearances reduced to {:.0f} % ({})", Name(from), Name(to),
                                  100 * share, first.detail);

@@ -62,7 +62,7 @@ PathOptions MakePathOptions(const JobSettings& job);
 GapOptions MakeGapOptions(const JobSettings& job);
 VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm);
 
-/// Settings of one post; defaults when the cell has no section for it.
+/// Settings of one post. InputError when the cell has no section for it.
 PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
                               const std::string& controller);
 

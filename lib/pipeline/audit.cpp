@@ -80,23 +80,6 @@ std::vector<Step> StepsOf(const PlanResult& plan) {
   return steps;
 }
 
-// Radius of a sphere about the shape's frame that holds it, mm.
-double Radius(const Shape& shape) {
-  const auto farthest = [](const std::vector<Eigen::Vector3d>& points) {
-    double radius = 0;
-    for (const Eigen::Vector3d& p : points) radius = std::max(radius, p.norm());
-    return radius;
-  };
-  if (const auto* box = std::get_if<Box>(&shape)) return box->size.norm() / 2;
-  if (const auto* sphere = std::get_if<Sphere>(&shape)) return sphere->radius;
-  if (const auto* c = std::get_if<Cylinder>(&shape)) return std::hypot(c->radius, c->length / 2);
-  if (const auto* c = std::get_if<Capsule>(&shape)) return c->radius + c->length / 2;
-  if (const auto* c = std::get_if<Cone>(&shape))
-    return std::hypot(std::max(c->radius_bottom, c->radius_top), c->length / 2);
-  if (const auto* convex = std::get_if<Convex>(&shape)) return farthest(convex->points);
-  return farthest(std::get<Triangles>(shape).vertices);
-}
-
 // How far from the axis of each joint the farthest point of anything beyond it can be at q, mm.
 Joints Reach(const Cell& cell, const Joints& q) {
   const std::array<Pose, 7> X_BL = LinkFrames(cell.arm, q);

@@ -166,27 +166,50 @@ VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm) {
   options.lower = arm.lower;
   options.upper = arm.upper;
   options.swept_resolution = job.swept_resolution;
+  options.clearance_reserve = job.swept_resolution;
+  options.interference = job.program_options.dry_run_offset > 0;  // the lifted motions were never checked
   return options;
 }
 
+namespace {
+
+// Rounding of corners that verification confirms, mm: $APO.CDIS is where it may begin, a control's tolerance
+// how far it may go.
+constexpr double kLargestDistance = 0.05, kLargestRounding = 0.01;
+
+}  // namespace
+
 PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
                               const std::string& controller) {
-  PostSettings post;
   const auto found = cell.controllers.find(controller);
-  const ControllerSettings settings = found == cell.controllers.end() ? ControllerSettings{} : found->second;
+  if (found == cell.controllers.end()) {
+    const Place place{job.file.empty() ? cell.file : job.file, job.programs_line};
+    throw InputError(place,
+                     fmt::format("programs: {} needs a section controllers.{} in cell {}: how its tool is "
+                                 "measured must be stated, never assumed",
+                                 controller, controller, cell.name));
+  }
+  const ControllerSettings& settings = found->second;
+  PostSettings post;
   for (int i = 0; i < 6; ++i) post.axes.sign[i] = settings.axis_signs[static_cast<size_t>(i)];
   post.axes.offset = settings.axis_offsets;
   post.R_TC = ToolAxis(settings.tool_axis);
   post.X_FT = MakeToolPose(cell.tool);
   post.tool_name = cell.tool.name;
-  post.blend = job.toolpath.chord_tolerance;
+  post.blend =
+      std::min(job.toolpath.chord_tolerance, controller == "krl" ? kLargestDistance : kLargestRounding);
   post.rotation = settings.rotation;
+  post.cartesian = settings.coordinates == "cartesian";
   for (size_t i = 0; i < 6; ++i) post.axis_names[i] = settings.axis_names[i];
   post.spline = settings.motion == "spline";
   post.base_number = settings.base_number;
   post.tool_number = settings.tool_number;
   post.external = settings.external_axes;
   post.ptp_share = settings.ptp_speed_percent / 100.0;
+  post.advance = settings.advance;
+  post.orientation_speed = settings.orientation_speed;
+  post.orientation_acceleration = settings.orientation_acceleration;
+  post.path_acceleration = settings.path_acceleration;
   post.max_motions = settings.max_motions;
   post.max_bytes = static_cast<size_t>(settings.max_kbytes) * 1000;
   post.texts = settings.texts;

@@ -3,25 +3,36 @@
 
 #include "base/error.hpp"
 #include "pipeline/assemble.hpp"
+#include "pipeline/program_motions.hpp"
 
 namespace millpose {
 
+void CompleteFrames(MotionProgram& program, const MotionProgram& planned) {
+  if (!program.X_BP) program.X_BP = planned.X_BP;
+  if (!program.X_FT) program.X_FT = planned.X_FT;
+}
+
 std::vector<CheckedProgram> MakePrograms(const PlanResult& plan, const JobInputs& inputs, const World& world,
-                                         int threads, std::stop_token stop) {
+                                         const std::optional<BaseWindow>& window, int threads,
+                                         std::stop_token stop) {
   if (!WhyNotProgrammable(plan).empty()) return {};
-  const MotionProgram motions = MakeMotionProgram(plan);
   const VerifyOptions options = MakeVerifyOptions(inputs.job, plan.arm);
   std::vector<CheckedProgram> programs;
   for (const std::string& controller : inputs.job.programs) {
     const std::unique_ptr<Post> post = MakePost(controller);
     const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
+    const ProgramMotions motions = MakeProgramMotions(plan, inputs, controller, window);
     CheckedProgram program;
     program.controller = controller;
-    program.files = post->Write(motions, plan.arm, settings);
-    for (const Motion& motion : motions.motions) program.pass_of_motion.push_back(motion.pass);
+    program.saved = motions.saved;
+    program.near = motions.near;
+    program.warnings = motions.warnings;
+    program.files = post->Write(motions.written, plan.arm, settings);
+    for (const Motion& motion : motions.written.motions) program.pass_of_motion.push_back(motion.pass);
     try {
-      const MotionProgram back = post->Read(program.files, plan.arm, settings);
-      program.findings = Verify(back, world, &motions, options, threads, stop);
+      MotionProgram back = post->Read(program.files, plan.arm, settings);
+      CompleteFrames(back, motions.planned);
+      program.findings = Verify(back, world, &motions.planned, options, threads, stop);
     } catch (
         const InputError& error) {  // our own program must be readable: a finding, not the user's mistake
       for (const Problem& problem : error.problems())

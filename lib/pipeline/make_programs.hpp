@@ -7,6 +7,7 @@
 #include "cell/world.hpp"
 #include "pipeline/inputs.hpp"
 #include "plan/plan_result.hpp"
+#include "report/report.hpp"
 #include "verify/verify.hpp"
 
 namespace millpose {
@@ -17,13 +18,20 @@ struct CheckedProgram {
   ProgramFiles files;               ///< by name
   std::vector<Finding> findings;    ///< empty: confirmed
   std::vector<int> pass_of_motion;  ///< −1 for motions of gaps
+  int saved = 0;                    ///< points left out, see Economise()
+  int near = 0;                     ///< points that remain nearer than the least spacing
+  std::vector<std::string> warnings;
 };
 
 /// The name of the plan in its output folder, from which programs can be verified again.
 inline constexpr const char* kPlanFile = "plan.cbor";
 
+/// Fills in the frames that a program leaves to the controller (numbered ones) from the plan.
+void CompleteFrames(MotionProgram& program, const MotionProgram& planned);
+
 /// Writes the program of every controller that the job names, reads it back and replays it.
 std::vector<CheckedProgram> MakePrograms(const PlanResult& plan, const JobInputs& inputs, const World& world,
-                                         int threads, std::stop_token stop);
+                                         const std::optional<BaseWindow>& window, int threads,
+                                         std::stop_token stop);
 
 }  // namespace millpose

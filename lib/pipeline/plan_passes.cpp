@@ -76,6 +76,11 @@ std::string PlanContext(const JobInputs& inputs) {
   job.gap_limit_margin = later.gap_limit_margin;
   job.gap_iterations = later.gap_iterations;
   job.gap_speed_share = later.gap_speed_share;
+  job.approach_feed = later.approach_feed;
+  job.approach_slow = later.approach_slow;
+  job.retract_feed = later.retract_feed;
+  job.program_options = later.program_options;
+  job.programs_line = later.programs_line;
   job.programs = later.programs;
   CellSettings cell = inputs.cell;
   cell.name.clear();

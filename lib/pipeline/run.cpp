@@ -11,6 +11,7 @@
 #include "path/turns.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/audit.hpp"
+#include "pipeline/base_window.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/origin.hpp"
 #include "pipeline/plan_passes.hpp"
@@ -35,6 +36,8 @@ JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
         fmt::format("programs: cell {} is for reproduction only (reproduction_only: true), no programs "
                     "may be written for it; give `programs: []`",
                     inputs.cell.name));
+  for (const std::string& controller : inputs.job.programs)
+    MakePostSettings(inputs.job, inputs.cell, controller);  // refuses now what programs cannot be written for
   stages.End(fmt::format("job {}, cell {}", inputs.job.name, inputs.cell.name));
   return inputs;
 }
@@ -137,7 +140,8 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   stages.End(fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), gaps.resumed));
 
   stages.Begin("programs", 0);
-  const std::vector<CheckedProgram> programs = MakePrograms(plan, inputs, world, threads, stop);
+  const std::optional<BaseWindow> window = FindBaseWindow(plan, inputs, world.cell(), threads, stop);
+  const std::vector<CheckedProgram> programs = MakePrograms(plan, inputs, world, window, threads, stop);
   stages.End(fmt::format("{} programs", programs.size()));
 
   std::optional<AuditFigures> audit;
@@ -152,8 +156,8 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   const PathOptions path_options = MakePathOptions(inputs.job);
   const std::vector<PointCurves> curves =
       SampleCurves(plan, problem, path_options.genetic, kMostCurves, threads, stop);
-  const ReportInputs report =
-      WriteResults({inputs, cell, plan, programs, audit, reduction, warnings, CurveGrid(), curves}, folder);
+  const ReportInputs report = WriteResults(
+      {inputs, cell, plan, programs, audit, reduction, window, warnings, CurveGrid(), curves}, folder);
   stages.End(folder.path().string());
   RunFigures run = MeasureRun(threads, MILLPOSE_VERSION);
   run.program_id = ProgramId();

@@ -8,8 +8,9 @@
 #include "base/file.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/make_programs.hpp"
+#include "pipeline/program_motions.hpp"
+#include "pipeline/workpiece.hpp"
 #include "program/reader.hpp"
-#include "surface/mesh_import.hpp"
 
 namespace millpose {
 namespace {
@@ -86,33 +87,14 @@ JobInputs InputsOf(const VerifyArguments& arguments) {
   return LoadJobInputs(arguments.target / "job.yaml", {}, origin);
 }
 
-World WorldOf(const JobInputs& inputs) {
-  Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
-  cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
-  const std::string& name = inputs.job.workpiece.mesh_file;
-  if (name.empty()) {
-    AddWorkpiece(inputs, {}, &cell);
-    return World(std::move(cell));
-  }
-  ImportOptions options;
-  options.unit = inputs.job.workpiece.unit;
-  options.weld_tolerance = inputs.job.workpiece.weld_tolerance;
-  AddWorkpiece(inputs,
-               ImportMesh(ReadMesh(inputs.workpiece_bytes, name, {inputs.job.workpiece.chord_tolerance}),
-                          options, name)
-                   .mesh.triangles(),
-               &cell);
-  return World(std::move(cell));
-}
-
 std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Progress& progress,
                                           std::stop_token stop) {
   const fs::path plan_file = arguments.target / kPlanFile;
   const PlanResult plan = ParsePlanResult(ReadFile(plan_file), plan_file.string());
   const JobInputs inputs = InputsOf(arguments);
-  const World world = WorldOf(inputs);
+  const World world(MakeJobCell(inputs));
   VerifyOptions options = MakeVerifyOptions(inputs.job, plan.arm);
-  options.interference = arguments.interference;
+  options.interference |= arguments.interference;
   std::vector<VerifiedProgram> programs;
   for (const std::string& controller : PostNames()) {
     const fs::path folder = arguments.target / "programs" / controller;
@@ -121,8 +103,9 @@ std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Prog
     ProgramFiles files;
     for (const std::string& name : SortedFiles(folder)) files[name] = ReadFile(folder / name);
     const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
-    const MotionProgram program = MakePost(controller)->Read(files, plan.arm, settings);
-    const MotionProgram planned = MakeMotionProgram(plan);
+    MotionProgram program = MakePost(controller)->Read(files, plan.arm, settings);
+    const MotionProgram planned = MakeProgramMotions(plan, inputs, controller, {}).planned;
+    CompleteFrames(program, planned);
     VerifiedProgram verified{controller, folder.string(), program.motions.size(), {}};
     verified.findings = Verify(program, world, &planned, options, Threads(arguments), stop);
     progress.End(fmt::format("{} motions, {} findings", verified.motions, verified.findings.size()));

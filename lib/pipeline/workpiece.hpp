@@ -24,6 +24,9 @@ double Reach(const Cell& cell);
 /// Reads and repairs the workpiece's mesh. Throws InputError.
 Part ReadPart(const JobInputs& inputs, const Cell& cell);
 
+/// The job's cell with the workpiece in its place. Throws InputError.
+Cell MakeJobCell(const JobInputs& inputs);
+
 struct JobToolpath {
   Toolpath toolpath;  ///< in W
   std::vector<std::string>

@@ -77,9 +77,14 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
   ReportInputs report;
   report.audit = results.audit;
   report.warnings = results.warnings;
+  for (const CheckedProgram& program : results.programs) {
+    for (const std::string& warning : program.warnings)
+      report.warnings.push_back(program.controller + ": " + warning);
+  }
   report.findings = Explain(plan, results.programs);
   report.continuity = AnalyseContinuity(plan);
   report.feed_reduction = results.reduction;
+  report.base_window = results.window;
   if (results.inputs.job.feed_policy == "keep" && !report.continuity->feed_not_held.empty())
     report.findings.push_back(ExplainFeed(*report.continuity));
   if (const auto force = MakeCuttingForce(results.inputs.job, results.inputs.cell))
@@ -94,7 +99,8 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
       const std::string path = program.controller + "/" + name;
       files[path] = bytes;
       report.programs.push_back({"programs/" + path, program.controller,
-                                 MotionsPerPass(program, plan.passes.size()), program.findings.empty()});
+                                 MotionsPerPass(program, plan.passes.size()), program.saved, program.near,
+                                 program.findings.empty()});
     }
   const std::string job = WriteJob(results.inputs.job), cell = WriteCell(results.inputs.cell);
   folder.RemoveResults();

@@ -83,6 +83,7 @@ struct Gap {
   Pose X_WT_approach = Pose::Identity();   ///< tool where the approach begins (to ≠ home)
   std::vector<Joints> joints;   ///< of the joint-space path, from retracted (or home) to approach (or home)
   double clearance = 0;         ///< mm, smallest on the way, bounded
+  double clearance_share = 1;   ///< of the cell's clearances, with which it was planned
   double duration = 0;          ///< s, by the joints' speeds and accelerations
   long long poses_checked = 0;  ///< interference
 };

@@ -186,6 +186,7 @@ void Fields(Archive& a, Gap& g) {
   a("X_WT_approach", g.X_WT_approach);
   a("joints", g.joints);
   a("clearance", g.clearance);
+  a("clearance_share", g.clearance_share);
   a("duration", g.duration);
   a("poses_checked", g.poses_checked);
 }

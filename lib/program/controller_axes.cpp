@@ -48,6 +48,35 @@ Matrix3d FromAnglesZxz(const Vector3d& angles) {
   return About(2, angles[0]) * About(0, angles[1]) * About(2, angles[2]);
 }
 
+Vector3d ToolAngles(const std::string& rotation, const Matrix3d& R) {
+  return rotation == "rpy" ? Vector3d(AnglesZyx(R).reverse()) : AnglesZxz(R);
+}
+
+Matrix3d FromToolAngles(const std::string& rotation, const Vector3d& abc) {
+  return rotation == "rpy" ? FromAnglesZyx(abc.reverse()) : FromAnglesZxz(abc);
+}
+
+Vector3d ToolAnglesNear(const std::string& rotation, const Matrix3d& R, const Vector3d& near) {
+  const bool rpy = rotation == "rpy";
+  const int outer = rpy ? 2 : 0, inner = 2 - outer;
+  Vector3d first = ToolAngles(rotation, R);
+  if (std::abs(rpy ? std::cos(first[1]) : std::sin(first[1])) < kDegenerate) {
+    // The outer angle is free: with it held the inner one is what is left over.
+    const Matrix3d rest = FromToolAngles(rotation, Vector3d(rpy ? 0 : near[0], first[1], rpy ? near[2] : 0));
+    const Matrix3d left = rest.transpose() * R;
+    first[outer] = near[outer];
+    first[inner] = rpy ? Atan2(left(2, 1), left(2, 2)) : Atan2(left(1, 0), left(0, 0));
+  }
+  const Vector3d second = rpy ? Vector3d(first[0] + kPi, kPi - first[1], first[2] + kPi)
+                              : Vector3d(first[0] + kPi, -first[1], first[2] + kPi);
+  const auto nearest = [&](Vector3d abc) {
+    for (int i = 0; i < 3; ++i) abc[i] = near[i] + std::remainder(abc[i] - near[i], 2 * kPi);
+    return abc;
+  };
+  const Vector3d a = nearest(first), b = nearest(second);
+  return (b - near).cwiseAbs().maxCoeff() < (a - near).cwiseAbs().maxCoeff() ? b : a;
+}
+
 double AngleBetween(const Matrix3d& a, const Matrix3d& b) {
   const Matrix3d R = a.transpose() * b;
   const Vector3d twice_axis_sine(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));

@@ -10,12 +10,22 @@ namespace millpose {
 namespace {
 
 constexpr size_t kLongest = 512;  // points that one motion may stand for: bounds the work
+// Of the tolerances: the rest is for rounding in the text and for places between the points.
+constexpr double kUsed = 0.95;
 
-/// Points of a cut that may be left out: blended, between two others at one feed.
-bool MayGo(const std::vector<Motion>& motions, size_t i) {
-  return i > 0 && i + 1 < motions.size() && motions[i].type == MotionType::kLinear && !motions[i].exact &&
-         motions[i].point >= 0 && motions[i + 1].type == MotionType::kLinear &&
-         motions[i + 1].feed == motions[i].feed && motions[i + 1].point >= 0;
+/// Which points may be left out: of a cut, blended, between two others at one feed, without an event.
+std::vector<bool> MayGo(const MotionProgram& program) {
+  const std::vector<Motion>& motions = program.motions;
+  std::vector<bool> may(motions.size(), false);
+  for (size_t i = 1; i + 1 < motions.size(); ++i) {
+    may[i] = motions[i].type == MotionType::kLinear && !motions[i].exact && motions[i].point >= 0 &&
+             motions[i + 1].type == MotionType::kLinear && motions[i + 1].feed == motions[i].feed &&
+             motions[i + 1].point >= 0;
+  }
+  for (const ProgramEvent& event : program.events) {
+    if (event.before_motion > 0) may[event.before_motion - 1] = false;
+  }
+  return may;
 }
 
 /// Whether the straight motion from pose `a` to pose `b` passes the targets first..last−1 within tolerance,
@@ -31,41 +41,124 @@ bool Passes(const Pose& a, const Pose& b, const std::vector<Motion>& motions, si
     if (share < before || share > 1) return false;
     before = share;
     const Pose pose = line.At(share);
-    if ((pose.translation() - motions[i].X_PT.translation()).norm() > options.position_tolerance)
-      return false;
-    if (AngleBetween(pose.linear(), motions[i].X_PT.linear()) > options.angle_tolerance) return false;
+    const double off = (pose.translation() - motions[i].X_PT.translation()).norm();
+    if (off > kUsed * options.position_tolerance) return false;
+    const double turned = AngleBetween(pose.linear(), motions[i].X_PT.linear());
+    if (turned > kUsed * options.angle_tolerance) return false;
   }
   return true;
 }
 
+/// Which motions of a program remain.
+class Thinning {
+ public:
+  Thinning(const MotionProgram& program, const EconomyOptions& options)
+      : motions_(program.motions), options_(options), may_go_(MayGo(program)) {}
+
+  std::vector<size_t> Kept() {
+    for (size_t i = 0; i < motions_.size();) {
+      const size_t end = i > 0 && options_.position_tolerance > 0 ? Farthest(i) : i;
+      kept_.push_back(end);
+      if (!may_go_[end]) SpreadLast();
+      i = end + 1;
+    }
+    return std::move(kept_);
+  }
+
+  double Length(size_t from, size_t to) const {
+    return (motions_[to].X_PT.translation() - motions_[from].X_PT.translation()).norm();
+  }
+
+ private:
+  /// Whether one motion from the end of `from` to that of `to` passes everything between.
+  bool Stands(size_t from, size_t to) const {
+    return Passes(motions_[from].X_PT, motions_[to].X_PT, motions_, from + 1, to, options_);
+  }
+
+  /// The farthest motion found that can stand for those from `i` on: steps of twice the length each, then
+  /// halved.
+  size_t Farthest(size_t i) const {
+    size_t limit = i;
+    while (may_go_[limit] && limit - i < kLongest) ++limit;
+    size_t good = i, step = 1;
+    while (good < limit && Stands(i - 1, std::min(good + step, limit))) {
+      good = std::min(good + step, limit);
+      step *= 2;
+    }
+    for (; step > 0; step /= 2) {
+      if (good + step <= limit && Stands(i - 1, good + step)) good += step;
+    }
+    return good;
+  }
+
+  /// Moves the last point but one back where the last stretch is shorter than the spacing.
+  void SpreadLast() {
+    if (kept_.size() < 3) return;
+    const size_t before = kept_[kept_.size() - 3], last = kept_.back();
+    size_t& moved = kept_[kept_.size() - 2];
+    if (!may_go_[moved] || Length(moved, last) >= options_.spacing) return;
+    for (size_t k = moved; k-- > before + 1;) {
+      if (Length(k, last) < options_.spacing) continue;
+      if (Length(before, k) >= options_.spacing && Stands(before, k) && Stands(k, last)) moved = k;
+      return;
+    }
+  }
+
+  const std::vector<Motion>& motions_;
+  const EconomyOptions& options_;
+  std::vector<bool> may_go_;
+  std::vector<size_t> kept_;
+};
+
 }  // namespace
 
 EconomyResult Economise(const MotionProgram& program, const EconomyOptions& options) {
-  const std::vector<Motion>& motions = program.motions;
+  Thinning thinning(program, options);
   EconomyResult result;
+  result.origin = thinning.Kept();
+  result.saved = static_cast<int>(program.motions.size() - result.origin.size());
   result.program = program;
   result.program.motions.clear();
-  std::vector<size_t> place(motions.size() + 1);  // new index of each old motion, or of the next that remains
-  for (size_t i = 0; i < motions.size();) {
-    size_t end = i;  // the motion that stands for i..end
-    if (i > 0) {
-      while (end - i < kLongest && MayGo(motions, end) &&
-             Passes(motions[i - 1].X_PT, motions[end + 1].X_PT, motions, i, end + 1, options)) {
-        ++end;
-      }
-    }
-    for (size_t k = i; k <= end; ++k) place[k] = result.program.motions.size();
-    result.saved += static_cast<int>(end - i);
-    if (i > 0 && motions[end].point >= 0 && options.spacing > 0) {
-      const double step = (motions[end].X_PT.translation() - motions[i - 1].X_PT.translation()).norm();
-      if (step < options.spacing) ++result.near;
-    }
-    result.program.motions.push_back(motions[end]);
-    i = end + 1;
+  std::vector<size_t> place(program.motions.size() + 1, result.origin.size());  // new index of each motion
+  for (size_t k = 0; k < result.origin.size(); ++k) {
+    const size_t from = k == 0 ? 0 : result.origin[k - 1] + 1, i = result.origin[k];
+    for (size_t old = from; old <= i; ++old) place[old] = k;
+    const Motion& motion = program.motions[i];
+    result.program.motions.push_back(motion);
+    const bool cut = k > 0 && motion.point >= 0 && program.motions[result.origin[k - 1]].point >= 0;
+    if (cut && thinning.Length(result.origin[k - 1], i) < options.spacing) ++result.near;
   }
-  place[motions.size()] = result.program.motions.size();
   for (ProgramEvent& event : result.program.events) event.before_motion = place[event.before_motion];
   return result;
+}
+
+std::vector<size_t> AddHandovers(MotionProgram& program, int most) {
+  std::vector<size_t> places;
+  size_t begin = 0;  // of the motions since the last place where a file may end
+  std::vector<size_t> ends;
+  for (const ProgramEvent& event : program.events) {
+    if (event.kind == ProgramEvent::Kind::kPassEnd) ends.push_back(event.before_motion);
+  }
+  ends.push_back(program.motions.size());
+  for (const size_t end : ends) {
+    // Equal parts, so that no short rest remains.
+    const size_t parts = (end - begin + static_cast<size_t>(most) - 1) / static_cast<size_t>(most);
+    for (size_t part = 1; part < parts; ++part) {
+      size_t place = begin + part * (end - begin) / parts;
+      while (place < end && (program.motions[place].point < 0 || program.motions[place - 1].point < 0))
+        ++place;
+      if (place == end) continue;
+      program.motions[place - 1].exact = true;
+      places.push_back(place);
+    }
+    begin = end;
+  }
+  for (const size_t place : places) {
+    const auto after = std::find_if(program.events.begin(), program.events.end(),
+                                    [&](const ProgramEvent& event) { return event.before_motion > place; });
+    program.events.insert(after, {ProgramEvent::Kind::kHandover, place, 0, 0, {}, 0, 0});
+  }
+  return places;
 }
 
 MotionProgram Lifted(const MotionProgram& program, const Arm& arm, double offset) {

@@ -13,15 +13,21 @@ struct EconomyOptions {
 
 struct EconomyResult {
   MotionProgram program;
-  int saved = 0;  ///< points left out
-  int near =
-      0;  ///< points that remain nearer than `spacing` to the one before: dropping them would leave the path
+  std::vector<size_t> origin;  ///< of each motion that remains: its index before
+  int saved = 0;               ///< points left out
+  int near = 0;  ///< points that remain nearer than `spacing` to the one before: the tolerances need them
 };
 
 /// Leaves out cut points between which the controller's own straight motion, with evenly turning orientation,
-/// stays within the tolerances of every point left out. First and last point of a piece, exact stops and
-/// changes of the feed remain. Greedy: each motion is as long as it can be.
+/// stays within the tolerances of every point left out. First and last point of a piece, exact stops, changes
+/// of the feed and places where something happens remain. Greedy: each motion is about as long as it can be,
+/// but where the last one before a point that must remain came out shorter than the spacing, the point before
+/// is moved back if the tolerances allow it.
 EconomyResult Economise(const MotionProgram& program, const EconomyOptions& options);
+
+/// Makes exact stops of cut points so that no more than `most` motions follow each other without one, and
+/// marks the places as handovers, where another file may go on. Returns the motions before which they are.
+std::vector<size_t> AddHandovers(MotionProgram& program, int most);
 
 /// The program with every cut point lifted by `offset` (mm) along the tool axis, to see it run in the air.
 /// Joint angles follow; a point that the arm does not reach then is an InputError naming pass and point.

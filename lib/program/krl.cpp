@@ -5,13 +5,13 @@
 
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
-#include "program/sections.hpp"
-#include "program/templates.hpp"
+#include "program/writer.hpp"
 
 namespace millpose {
 namespace {
 
 constexpr size_t kLongestName = 24;
+constexpr size_t kWidth = 100;
 constexpr int kLengthDecimals = 4;  // 0.00005 mm per coordinate
 constexpr int kAngleDecimals = 6;   // of a degree: 0.00005 mm at 3 m
 constexpr int kEntryDecimals = 4;   // A, B, C of a PTP with S and T: the line stays within 100 columns
@@ -30,40 +30,31 @@ constexpr const char* kIni =
 
 std::string Binary(int bits, int digits) { return fmt::format("'B{:0{}b}'", bits, digits); }
 
-class KrlWriter {
+class KrlWriter : public ProgramWriter {
  public:
   KrlWriter(const MotionProgram& program, const Arm& arm, const PostSettings& settings)
-      : program_(program),
-        arm_(arm),
-        settings_(settings),
-        templates_(KrlTexts(), settings.texts, settings.tool_name) {}
+      : ProgramWriter(program, arm, settings, KrlTexts()) {}
 
   ProgramFiles Write() {
-    Walk(program_, {[&] { Begin(); }, [&](const ProgramEvent& event) { Event(event); },
-                    [&](size_t i) { AddMotion(i); }});
+    WriteSections();
     const std::string name = LegalName(program_.name, kLongestName, 1);
     ProgramFiles files;
     std::string main = Head(name);
-    const std::vector<std::string> parts = Pack(sections_, settings_.max_motions, settings_.max_bytes);
+    const std::vector<std::string> parts = Parts();
     for (size_t i = 0; i < parts.size(); ++i) {
       const std::string part = SubprogramName(name, i, kLongestName);
       files[part + ".src"] = fmt::format("{}DEF {} ( )\n{}END\n", kHead, part, parts[i]);
       main += part + " ( )\n";
     }
-    for (size_t i = parts.empty() ? 0 : sections_.size() - 1; i < sections_.size(); ++i)
-      main += sections_[i].text;
-    for (const std::string& line : templates_.Lines("footer")) main += line + "\n";
-    files[name + ".src"] = main + "END\n";
+    files[name + ".src"] = main + MainText(parts) + TextLines("footer") + "END\n";
     files[name + ".dat"] = Data(name);
     return files;
   }
 
  private:
-  void Line(const std::string& line) { sections_.back().text += line + "\n"; }
-
-  void Begin() {
-    sections_.emplace_back();
+  void Begin() override {
     feed_.clear();
+    if (std::exchange(within_pass_, false)) Line(";FOLD PART OF A PASS");
   }
 
   std::string Head(const std::string& name) const {
@@ -71,8 +62,16 @@ class KrlWriter {
     const auto add = [&](const std::string& line) { head += line + "\n"; };
     add(fmt::format("DEF {} ( )", name));
     add("; written by millpose for KUKA KRC4; mm, degrees; A about Z, B about new Y, C about new X");
-    for (const auto& [key, value] : program_.header) add(fmt::format("; {}: {}", key, value));
+    for (const std::string& text : HeaderTexts(kWidth - 2)) add("; " + text);
     head += kIni;
+    AddFrames(add);
+    AddDynamics(add);
+    return head + TextLines("header") + TextLines("tool_change");
+  }
+
+  /// A numbered frame is the controller's own; the header says which values it must hold.
+  template <class Add>
+  void AddFrames(const Add& add) const {
     if (settings_.base_number > 0) {
       add(fmt::format("$BASE = BASE_DATA[{}]", settings_.base_number));
     } else if (program_.X_BP) {
@@ -85,13 +84,20 @@ class KrlWriter {
       X_FC.linear() = X_FC.linear() * settings_.R_TC;
       add(fmt::format("$TOOL = {{FRAME: {}}}", PoseFields(X_FC, kAngleDecimals)));
     }
+  }
+
+  template <class Add>
+  void AddDynamics(const Add& add) const {
     add("$ORI_TYPE = #VAR");
-    add("$ADVANCE = 5");
+    add(fmt::format("$ADVANCE = {}", settings_.advance));
     add(fmt::format("$APO.CDIS = {}", Fixed(settings_.blend, 4)));
     add(fmt::format("BAS (#VEL_PTP,{} )", Fixed(settings_.ptp_share * 100, 0)));
-    for (const std::string& line : templates_.Lines("header")) add(line);
-    for (const std::string& line : templates_.Lines("tool_change")) add(line);
-    return head;
+    const auto both = [&](const char* what, double value) {
+      for (const int i : {1, 2}) add(fmt::format("{}.ORI{} = {}", what, i, Fixed(value * kDegPerRad, 4)));
+    };
+    both("$VEL", settings_.orientation_speed);
+    if (settings_.path_acceleration) add("$ACC.CP = " + Fixed(*settings_.path_acceleration / 1000, 4));
+    if (settings_.orientation_acceleration) both("$ACC", *settings_.orientation_acceleration);
   }
 
   static std::string PoseFields(const Pose& pose, int decimals) {
@@ -108,12 +114,11 @@ class KrlWriter {
     return X_PC;
   }
 
-  void AddMotion(size_t i) {
+  void AddMotion(size_t i) override {
     const Motion& motion = program_.motions[i];
-    ++sections_.back().motions;
-    if (motion.type == MotionType::kLinear) {
-      AddLinear(motion);
-    } else if (motion.status) {
+    if (motion.type == MotionType::kLinear) return AddLinear(motion);
+    AddTriggers();
+    if (motion.status) {
       Line(fmt::format("PTP {{{},S {},T {}{}}}", PoseFields(ToolInBase(motion), kEntryDecimals),
                        Binary(*motion.status, 3), Binary(TurnOf(motion), 6), External()));
     } else {
@@ -133,8 +138,9 @@ class KrlWriter {
       Line("SPLINE");
       in_spline_ = true;
     }
+    if (!in_spline_) Feed(motion.feed);
+    AddTriggers();
     if (!in_spline_) {
-      Feed(motion.feed);
       Line(fmt::format("LIN {}{}", target, motion.exact ? "" : " C_DIS"));
       return;
     }
@@ -144,6 +150,16 @@ class KrlWriter {
     if (!motion.exact) return;
     Line("ENDSPLINE");
     in_spline_ = false;
+  }
+
+  /// What is switched where this motion begins. Within a spline block the place is a path length.
+  void AddTriggers() {
+    for (const PathOutput& output : outputs_) {
+      Line(fmt::format("{} DELAY={} DO $OUT[{}]={}",
+                       in_spline_ ? "  TRIGGER WHEN PATH=0 ONSTART" : "TRIGGER WHEN DISTANCE=0",
+                       Fixed(output.delay * 1000, 0), output.number, output.on ? "TRUE" : "FALSE"));
+    }
+    outputs_.clear();
   }
 
   /// The constant external axes, as fields.
@@ -156,16 +172,14 @@ class KrlWriter {
   }
 
   int TurnOf(const Motion& motion) const {
-    if (!motion.q || !program_.X_BP) return *motion.turn;
-    Pose X_PT = ToolInBase(motion);
-    Eigen::Vector3d abc = AnglesZyx(X_PT.linear()) * kDegPerRad;
+    Pose X_PC = ToolInBase(motion);
+    Eigen::Vector3d abc = AnglesZyx(X_PC.linear()) * kDegPerRad;
     for (int i = 0; i < 3; ++i) {
-      X_PT.translation()[i] = Rounded(X_PT.translation()[i], kLengthDecimals);
+      X_PC.translation()[i] = Rounded(X_PC.translation()[i], kLengthDecimals);
       abc[i] = Rounded(abc[i], kEntryDecimals) * kRadPerDeg;
     }
-    X_PT.linear() = FromAnglesZyx(abc) * settings_.R_TC.transpose();
-    const Pose X_BF = *program_.X_BP * X_PT * program_.X_FT.value_or(settings_.X_FT).inverse();
-    return TurnAsWritten(arm_, settings_.axes, X_BF, *motion.status, *motion.q);
+    X_PC.linear() = FromAnglesZyx(abc);
+    return TurnAt(motion, X_PC);
   }
 
   static std::string FeedText(double feed) { return Fixed(feed / 1000, 8); }  // $VEL.CP is in m/s
@@ -177,13 +191,20 @@ class KrlWriter {
     Line("$VEL.CP = " + text);
   }
 
-  void Event(const ProgramEvent& event) {
-    if (event.kind == ProgramEvent::Kind::kPassBegin) {
-      Line(fmt::format(";FOLD PASS {} PIECE {}", Fixed(event.value, 0), event.piece));
+  void Event(const ProgramEvent& event) override {
+    const std::string pass = Fixed(event.value, 0);
+    if (event.kind == ProgramEvent::Kind::kOutput) {
+      outputs_.push_back(event.output);
+    } else if (event.kind == ProgramEvent::Kind::kHandover) {
+      Line(";ENDFOLD (PART OF A PASS)");
+      within_pass_ = true;
+    } else if (event.kind == ProgramEvent::Kind::kPassBegin) {
+      Line(fmt::format("PASS_{}_{}:", pass, event.piece));
+      Line(fmt::format(";FOLD PASS {} PIECE {}", pass, event.piece));
     } else if (event.kind == ProgramEvent::Kind::kPassEnd) {
-      Line(fmt::format(";ENDFOLD (PASS {} PIECE {})", Fixed(event.value, 0), event.piece));
+      Line(fmt::format(";ENDFOLD (PASS {} PIECE {})", pass, event.piece));
     }
-    for (const std::string& line : templates_.Lines(event)) Line(line);
+    AddTexts(event);
   }
 
   static std::string Data(const std::string& name) {
@@ -195,13 +216,10 @@ class KrlWriter {
         kHead, name);
   }
 
-  const MotionProgram& program_;
-  const Arm& arm_;
-  const PostSettings& settings_;
-  Templates templates_;
-  std::vector<Section> sections_;
+  std::vector<PathOutput> outputs_;  // to be switched with the next straight motion
   std::string feed_;
   bool in_spline_ = false;
+  bool within_pass_ = false;  // the next section goes on with a pass
 };
 
 }  // namespace

@@ -10,14 +10,17 @@ namespace {
 
 using Fields = std::map<std::string, double>;
 
-constexpr double kDefaultFeed = 2000;    // mm/s, $VEL.CP after BAS(#INITMOV,0)
-constexpr double kExternalSlack = 1e-4;  // mm or degrees
-constexpr double kDefaultBlend = 3;      // mm, $APO.CDIS after BAS(#INITMOV,0)
+constexpr double kDefaultFeed = 2000;                   // mm/s, $VEL.CP after BAS(#INITMOV,0)
+constexpr double kExternalSlack = 1e-4;                 // mm or degrees
+constexpr double kDefaultBlend = 3;                     // mm, $APO.CDIS after BAS(#INITMOV,0)
+constexpr double kDefaultTurnSpeed = 200 * kRadPerDeg;  // rad/s, $VEL.ORI1 and 2 after BAS(#INITMOV,0)
 
 class KrlReader : public ProgramReader {
  public:
   KrlReader(const ProgramFiles& files, const PostSettings& settings)
-      : ProgramReader(files, settings, Templates(KrlTexts(), settings.texts, settings.tool_name)) {}
+      : ProgramReader(files, settings, Templates(KrlTexts(), settings.texts, settings.tool_name)) {
+    program_.blend_is_distance = true;
+  }
 
  private:
   std::optional<std::string_view> Comment(std::string_view line) const override {
@@ -68,14 +71,14 @@ class KrlReader : public ProgramReader {
 
   void ReadSubprogram(LineScanner& scan) {
     const auto name = scan.AcceptName();
+    if (name && scan.Accept(":")) return;  // a label
     if (name && scan.Accept("(") && scan.Accept(")") && ReadCall(scan, *name)) {
       defined_ = true;
       return;
     }
     scan.Fail(
-        "PTP, LIN, $BASE, $TOOL, $VEL.CP, $APO.CDIS, the call of a file of the program or another statement "
-        "of "
-        "a milling program expected");
+        "PTP, LIN, $BASE, $TOOL, $VEL.CP, $APO.CDIS, TRIGGER, a label, the call of a file of the program or "
+        "another statement of a milling program expected");
   }
 
   /// Statements that set something, or wait; false when it is another.
@@ -94,9 +97,18 @@ class KrlReader : public ProgramReader {
     } else if (scan.Accept("$APO.CDIS")) {
       scan.Expect("=");
       blend_ = scan.ExpectNumber();
+    } else if (scan.Accept("$VEL.ORI1")) {
+      turn_speed_[0] = ReadPositive(scan) * kRadPerDeg;
+    } else if (scan.Accept("$VEL.ORI2")) {
+      turn_speed_[1] = ReadPositive(scan) * kRadPerDeg;
+    } else if (scan.Accept("$ACC.CP") || scan.Accept("$ACC.ORI1") || scan.Accept("$ACC.ORI2")) {
+      ReadPositive(scan);
+    } else if (scan.Accept("TRIGGER WHEN")) {
+      ReadTrigger(scan);
     } else if (scan.Accept("$ADVANCE")) {
       scan.Expect("=");
-      scan.ExpectNumber();
+      const double motions = scan.ExpectNumber();
+      if (motions < 0 || motions > 5 || motions != std::round(motions)) scan.Fail("0 to 5 expected before");
     } else if (scan.Accept("$ORI_TYPE")) {
       scan.Expect("=");
       scan.Expect("#VAR");
@@ -113,9 +125,35 @@ class KrlReader : public ProgramReader {
     return true;
   }
 
-  static double ReadFeed(LineScanner& scan) {
+  static double ReadPositive(LineScanner& scan) {
     scan.Expect("=");
-    return scan.ExpectNumber() * 1000;
+    const double value = scan.ExpectNumber();
+    if (!(value > 0)) scan.Fail("a number above 0 expected before");
+    return value;
+  }
+
+  static double ReadFeed(LineScanner& scan) { return ReadPositive(scan) * 1000; }
+
+  /// DISTANCE=0 DELAY=0 DO $OUT[3]=TRUE, or PATH=0 ONSTART … within a spline block: at the start of the next
+  /// motion.
+  void ReadTrigger(LineScanner& scan) {
+    scan.Expect(spline_ ? "PATH" : "DISTANCE");
+    scan.Expect("=");
+    if (scan.ExpectNumber() != 0) scan.Fail("0 expected before: switching where the next motion begins");
+    if (spline_) scan.Expect("ONSTART");
+    PathOutput output;
+    scan.Expect("DELAY");
+    scan.Expect("=");
+    output.delay = scan.ExpectNumber() / 1000;
+    scan.Expect("DO");
+    scan.Expect("$OUT");
+    scan.Expect("[");
+    output.number = static_cast<int>(scan.ExpectNumber());
+    scan.Expect("]");
+    scan.Expect("=");
+    output.on = scan.Accept("TRUE");
+    if (!output.on) scan.Expect("FALSE");
+    AddOutput(output);
   }
 
   void ReadBas(LineScanner& scan) {
@@ -230,6 +268,7 @@ class KrlReader : public ProgramReader {
     Motion& motion = AddMotion(MotionType::kLinear);
     motion.X_PT = Target(scan, ReadTarget(scan, {"X", "Y", "Z", "A", "B", "C", "S", "T"}));
     motion.feed = feed_;
+    motion.turn_speed = std::min(turn_speed_[0], turn_speed_[1]);
     motion.exact = !spline && !scan.Accept("C_DIS");
     motion.blend = motion.exact || spline ? 0 : blend_;
     if (spline && scan.Accept("WITH $VEL.CP")) motion.feed = ReadFeed(scan);
@@ -239,6 +278,7 @@ class KrlReader : public ProgramReader {
   Fields last_;  // of the last Cartesian motion
   double feed_ = kDefaultFeed;
   double blend_ = kDefaultBlend;
+  std::array<double, 2> turn_speed_ = {kDefaultTurnSpeed, kDefaultTurnSpeed};
   bool defined_ = false;                  // DEF was read
   bool spline_ = false;                   // within SPLINE … ENDSPLINE
   bool framed_ = false, tooled_ = false;  // $BASE and $TOOL are set

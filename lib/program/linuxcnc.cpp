@@ -5,12 +5,14 @@
 
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
-#include "program/sections.hpp"
-#include "program/templates.hpp"
+#include "program/pose_line.hpp"
+#include "program/writer.hpp"
 
 namespace millpose {
 namespace {
 
+constexpr size_t kWidth = 100;
+constexpr int kLengthDecimals = 4;
 constexpr int kAngleDecimals = 6;
 constexpr int kDeepest = 12;  // halvings of one line
 // X, Y, Z that move by less than this (degrees; 0.001 mm at 3 m) are held, so that F counts along A, B, C.
@@ -23,44 +25,52 @@ Joints AsWritten(const AxisConvention& axes, const Joints& q) {
   return angles;
 }
 
-class LinuxCncWriter {
+class LinuxCncWriter : public ProgramWriter {
  public:
   LinuxCncWriter(const MotionProgram& program, const Arm& arm, const PostSettings& settings)
-      : program_(program),
-        arm_(arm),
-        settings_(settings),
-        X_FT_(program.X_FT.value_or(settings.X_FT)),
-        templates_(LinuxCncTexts(), settings.texts, settings.tool_name) {}
+      : ProgramWriter(program, arm, settings, LinuxCncTexts()) {}
 
   ProgramFiles Write() {
-    Head();
-    Walk(program_, {[&] { Begin(); }, [&](const ProgramEvent& event) { Event(event); },
-                    [&](size_t i) { AddMotion(program_.motions[i]); }});
-    for (const std::string& line : templates_.Lines("footer")) Line(line);
-    Line("M2");
-    return {{LegalName(program_.name, 64, 1) + ".ngc", text_}};
+    WriteSections();
+    return {{LegalName(program_.name, 64, 1) + ".ngc", Head() + MainText({}) + TextLines("footer") + "M2\n"}};
   }
 
  private:
-  void Line(const std::string& line) { text_ += line + "\n"; }
-
-  void Head() {
-    Line("; written by millpose for LinuxCNC; X Y Z A B C are the joints 1 to 6, degrees");
-    for (const auto& [key, value] : program_.header) Line(fmt::format("; {}: {}", key, value));
-    Line("G21 G90 G17 G40 G49 G94");
-    for (const std::string& line : templates_.Lines("header")) Line(line);
-    for (const std::string& line : templates_.Lines("tool_change")) Line(line);
+  std::string Head() const {
+    std::string head = "; written by millpose for LinuxCNC; X Y Z A B C are the joints 1 to 6, degrees\n";
+    if (settings_.cartesian) {
+      head += "; in cuts: the tool in the robot's base, mm, degrees; ";
+      head += settings_.rotation == "rpy" ? "C about Z, B about new Y, A about new X\n"
+                                          : "A about Z, B about new X, C about new Z\n";
+    }
+    for (const std::string& text : HeaderTexts(kWidth - 2)) head += "; " + text + "\n";
+    head += fmt::format("G21 G90 G17 G40 G49 G94\n{}\nG59.3 G92.1\n", kNoOffsets);
+    return head + TextLines("header") + TextLines("tool_change");
   }
 
-  /// States every modal setting again, so that a section can be entered.
-  void Begin() {
+  void Begin() override { Restate(); }
+
+  /// Modal settings are to be stated again.
+  void Restate() {
     exact_.reset();
     inverse_time_.reset();
+    feed_.clear();
   }
 
-  void AddMotion(const Motion& motion) {
+  /// Switches between joints and tool poses, where the program has both.
+  void Coordinates(bool cartesian) {
+    if (!settings_.cartesian || cartesian_ == cartesian) return;
+    AddText(cartesian ? "cartesian_on" : "joints_on");
+    cartesian_ = cartesian;
+    Restate();
+  }
+
+  void AddMotion(size_t i) override {
+    const Motion& motion = program_.motions[i];
+    if (motion.type == MotionType::kLinear && settings_.cartesian) return AddPose(i);
+    Coordinates(false);
     if (motion.type == MotionType::kLinear) {
-      const Motion& before = *(&motion - 1);
+      const Motion& before = program_.motions[i - 1];
       const double share = LinearDuration(before, motion);
       AddLine(before.X_PT, *before.q, motion.X_PT, *motion.q, share, motion.exact, 0);
     } else if (motion.duration > 0) {
@@ -115,10 +125,77 @@ class LinuxCncWriter {
     // G93 floors the speed along that length; slower motions state the speed itself.
     const double per_minute = length / duration * 60;
     const bool inverse = per_minute > kInverseTimeFloor;
-    if (inverse_time_ != inverse) Line(inverse ? "G93" : "G94");
-    inverse_time_ = inverse;
+    FeedMode(inverse);
     Line(fmt::format("G1 {} F{}", Words(angles), inverse ? Fixed(60 / duration, 6) : Fixed(per_minute, 9)));
     last_ = angles;
+  }
+
+  Pose ToolInBase(const Motion& motion) const {
+    Pose X_BC = program_.X_BP.value_or(Pose::Identity()) * motion.X_PT;
+    X_BC.linear() = X_BC.linear() * settings_.R_TC;
+    return X_BC;
+  }
+
+  /// A straight motion as tool poses.
+  void AddPose(size_t i) {
+    const Motion& motion = program_.motions[i];
+    const Pose X_BC = ToolInBase(motion);
+    if (cartesian_ != true) {
+      // The interpreter takes the pose from the kinematics: angles within half a turn.
+      const Pose start = ToolInBase(program_.motions[i - 1]);
+      pose_words_ << start.translation(), ToolAngles(settings_.rotation, start.linear()) * kDegPerRad;
+      Coordinates(true);
+    }
+    if (motion.angles) {  // as read: short enough already
+      AddPoseBlock(X_BC.translation(), *motion.angles, motion.feed, motion.duration, motion.exact);
+      return;
+    }
+    const Motion& before = program_.motions[i - 1];
+    const double length = (motion.X_PT.translation() - before.X_PT.translation()).norm();
+    const double duration = LinearDuration(before, motion);
+    const double feed = length / motion.feed < duration ? length / duration : motion.feed;
+    AddPoses(ToolInBase(before), X_BC, {feed, duration, motion.exact}, 0);
+  }
+
+  struct Pace {
+    double feed, duration;  // mm/s, s
+    bool exact;
+  };
+
+  /// A straight line, halved until A, B, C that run evenly stay near the even turn about one axis.
+  void AddPoses(const Pose& from, const Pose& to, const Pace& pace, int depth) {
+    const Eigen::Vector3d first = pose_words_.tail<3>() * kRadPerDeg;
+    const Eigen::Vector3d last = ToolAnglesNear(settings_.rotation, to.linear(), first);
+    const Pose middle = PoseLine(from, to).At(0.5);
+    const Eigen::Matrix3d halfway = FromToolAngles(settings_.rotation, (first + last) / 2);
+    if (AngleBetween(halfway, middle.linear()) <= kHalfwayAngle || depth == kDeepest) {
+      AddPoseBlock(to.translation(), last, pace.feed, pace.duration, pace.exact);
+      return;
+    }
+    AddPoses(from, middle, {pace.feed, pace.duration / 2, false}, depth + 1);
+    AddPoses(middle, to, {pace.feed, pace.duration / 2, pace.exact}, depth + 1);
+  }
+
+  void AddPoseBlock(const Eigen::Vector3d& place, const Eigen::Vector3d& angles, double feed, double duration,
+                    bool exact) {
+    Joints words;
+    words << place, angles * kDegPerRad;
+    for (int i = 0; i < 6; ++i) words[i] = Rounded(words[i], i < 3 ? kLengthDecimals : kAngleDecimals);
+    const bool moves = (words - pose_words_).head<3>().cwiseAbs().maxCoeff() > 0.5e-4;
+    const bool turns = (words - pose_words_).tail<3>().cwiseAbs().maxCoeff() > 0.5e-6;
+    pose_words_ = words;
+    if (!moves && !turns) return;
+    PathMode(exact);
+    FeedMode(!moves);
+    std::string line = fmt::format("G1 X{} Y{} Z{} A{} B{} C{}", Fixed(words[0], kLengthDecimals),
+                                   Fixed(words[1], kLengthDecimals), Fixed(words[2], kLengthDecimals),
+                                   Fixed(words[3], kAngleDecimals), Fixed(words[4], kAngleDecimals),
+                                   Fixed(words[5], kAngleDecimals));
+    // F counts along X, Y, Z; a motion that only turns states its time.
+    const std::string feed_text = moves ? Fixed(feed * 60, 4) : Fixed(60 / duration, 6);
+    if (!moves || feed_text != feed_) line += " F" + feed_text;
+    feed_ = moves ? feed_text : "";
+    Line(line);
   }
 
   static std::string Words(const Joints& angles) {
@@ -128,34 +205,45 @@ class LinuxCncWriter {
     return words;
   }
 
+  void FeedMode(bool inverse) {
+    if (inverse_time_ != inverse) Line(inverse ? "G93" : "G94");
+    if (inverse_time_ != inverse) feed_.clear();
+    inverse_time_ = inverse;
+  }
+
   void PathMode(bool exact) {
     if (exact_ == exact) return;
     exact_ = exact;
-    Line(exact ? "G61.1" : fmt::format("G64 P{} Q0", Fixed(BlendDegrees(settings_.blend, arm_, X_FT_), 6)));
+    const double tolerance =
+        cartesian_ == true ? settings_.blend : BlendDegrees(settings_.blend, arm_, X_FT_);
+    Line(exact ? "G61.1" : fmt::format("G64 P{} Q0", Fixed(tolerance, 6)));
   }
 
-  void Event(const ProgramEvent& event) {
+  void Event(const ProgramEvent& event) override {
     const std::string place = fmt::format("PASS {} PIECE {}", Fixed(event.value, 0), event.piece);
     if (event.kind == ProgramEvent::Kind::kPassBegin) Line("; " + place);
     if (event.kind == ProgramEvent::Kind::kPassEnd) Line("; END OF " + place);
-    for (const std::string& line : templates_.Lines(event)) Line(line);
+    // Switched when the next motion begins, without a stop.
+    if (event.kind == ProgramEvent::Kind::kOutput)
+      Line(fmt::format("{} P{}", event.output.on ? "M62" : "M63", event.output.number));
+    AddTexts(event);
   }
 
-  const MotionProgram& program_;
-  const Arm& arm_;
-  const PostSettings& settings_;
-  Pose X_FT_;
-  Templates templates_;
-  std::string text_;
-  Joints last_ = Joints::Zero();  // degrees, as written
+  Joints last_ = Joints::Zero();        // degrees, as written
+  Joints pose_words_ = Joints::Zero();  // X, Y, Z, A, B, C of the last tool pose, mm and degrees, as written
+  std::optional<bool> cartesian_;       // tool poses, not joints
   std::optional<bool> inverse_time_;
   std::optional<bool> exact_;
+  std::string feed_;  // of G94, as written
 };
 
 }  // namespace
 
 std::map<std::string, std::string> LinuxCncTexts() {
-  return {{"spindle_on", "S{rpm} M3"}, {"spindle_off", "M5"}};
+  return {{"spindle_on", "S{rpm} M3"},
+          {"spindle_off", "M5"},
+          {"cartesian_on", "M68 E3 Q0\nM66 E0 L0"},
+          {"joints_on", "M68 E3 Q1\nM66 E0 L0"}};
 }
 
 double BlendDegrees(double blend, const Arm& arm, const Pose& X_FT) {

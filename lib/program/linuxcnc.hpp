@@ -5,9 +5,11 @@
 
 namespace millpose {
 
-/// LinuxCNC (RS-274/NGC) in joint space: NAME.ngc with the axes X, Y, Z, A, B, C as joints 1..6 in degrees,
-/// docs/linuxcnc.md. Straight lines of the tip become joint motions in inverse time, short enough that the
-/// tip leaves the line by at most kHalfwayDeviation.
+/// LinuxCNC (RS-274/NGC): NAME.ngc, docs/linuxcnc.md. In joint space X, Y, Z, A, B, C are the joints 1..6 in
+/// degrees; straight lines of the tip become joint motions in inverse time, short enough that the tip leaves
+/// the line by at most kHalfwayDeviation. Cartesian, cuts are poses of the tool in the robot's base with A,
+/// B, C running evenly, short enough that the orientation stays within kHalfwayAngle of an even turn; motions
+/// between cuts remain joint positions, between two switches of the kinematics.
 class LinuxCncPost : public Post {
  public:
   std::string Name() const override { return "linuxcnc"; }
@@ -21,6 +23,9 @@ inline constexpr double kHalfwayAngle = 8.7266e-5;  ///< rad (0.005°)
 
 /// LinuxCNC's texts for events where the cell gives none.
 std::map<std::string, std::string> LinuxCncTexts();
+
+/// Selects a coordinate system without offsets, whatever the machine's others hold.
+inline constexpr const char* kNoOffsets = "G10 L2 P9 X0 Y0 Z0 A0 B0 C0 R0";
 
 /// The interpreter turns G93's F into a speed of at least this many degrees (or mm) per minute.
 inline constexpr double kInverseTimeFloor = 0.1;

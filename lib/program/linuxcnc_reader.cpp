@@ -12,7 +12,11 @@ class LinuxCncReader : public ProgramReader {
  public:
   LinuxCncReader(const ProgramFiles& files, const Arm& arm, const PostSettings& settings)
       : ProgramReader(files, settings, Templates(LinuxCncTexts(), settings.texts, settings.tool_name)),
-        arm_(arm) {}
+        arm_(arm) {
+    program_.rotation = settings.rotation;
+    program_.R_TC = settings.R_TC;
+    if (settings.cartesian) program_.X_BP = Pose::Identity();  // poses are stated in the robot's base
+  }
 
  private:
   std::optional<std::string_view> Comment(std::string_view line) const override {
@@ -27,11 +31,18 @@ class LinuxCncReader : public ProgramReader {
     ReadPassMark(scan, begin);
   }
 
+  void TextRead(const std::string& name) override {
+    if (name != "cartesian_on" && name != "joints_on") return;
+    cartesian_ = name == "cartesian_on";
+    last_.reset();
+  }
+
   void ReadCode(LineScanner& scan) override {
     std::array<std::optional<double>, 6> words;
     std::optional<double> feed, pause;
     bool dwell = false, moves = false;
     if (scan.AcceptAddress('N')) scan.ExpectNumber();
+    if (scan.Accept(kNoOffsets)) return scan.ExpectEnd();
     while (!scan.AtEnd()) {
       if (scan.AcceptAddress('G')) {
         const double g = scan.ExpectNumber();
@@ -47,8 +58,11 @@ class LinuxCncReader : public ProgramReader {
         const double m = scan.ExpectNumber();
         if (m == 2 || m == 30) {
           EndFile();
+        } else if (m == 62 || m == 63) {
+          if (!scan.AcceptAddress('P')) scan.Fail("P and the number of an output expected");
+          AddOutput({static_cast<int>(scan.ExpectNumber()), m == 62, 0, true});
         } else if (m != 0 && m != 1) {
-          scan.Fail("M0, M1, M2 or M30 expected");
+          scan.Fail("M0, M1, M2, M30, M62 or M63 expected");
         }
       } else {
         moves = ReadAxis(scan, words) || moves;
@@ -56,7 +70,8 @@ class LinuxCncReader : public ProgramReader {
     }
     if (blending_ && pause && !dwell) blend_ = *pause;
     if (feed && !inverse_time_) feed_ = *feed;
-    if (moves) AddTarget(scan, words, feed);
+    if (moves && cartesian_) AddPose(scan, words, feed);
+    if (moves && !cartesian_) AddTarget(scan, words, feed);
   }
 
   bool ReadAxis(LineScanner& scan, std::array<std::optional<double>, 6>& words) {
@@ -70,7 +85,7 @@ class LinuxCncReader : public ProgramReader {
   }
 
   void ReadG(const LineScanner& scan, double g) {
-    static const std::vector<double> neutral = {4, 17, 21, 40, 49, 90};
+    static const std::vector<double> neutral = {4, 17, 21, 40, 49, 59.3, 90, 92.1};
     if (g == 0 || g == 1) {
       rapid_ = g == 0;
     } else if (g == 93 || g == 94) {
@@ -79,17 +94,23 @@ class LinuxCncReader : public ProgramReader {
     } else if (g == 64 || g == 61.1 || g == 61) {
       blending_ = g == 64;
     } else if (std::find(neutral.begin(), neutral.end(), g) == neutral.end()) {
-      scan.Fail("G0, G1, G4, G17, G21, G40, G49, G61, G61.1, G64, G90, G93 or G94 expected");
+      scan.Fail("G0, G1, G4, G17, G21, G40, G49, G59.3, G61, G61.1, G64, G90, G92.1, G93 or G94 expected");
     }
+  }
+
+  /// The six words as they hold: those of this block, else the last ones.
+  Joints Complete(const LineScanner& scan, const std::array<std::optional<double>, 6>& words) const {
+    Joints values = last_.value_or(Joints::Zero());
+    for (int i = 0; i < 6; ++i) {
+      if (words[i]) values[i] = *words[i];
+      if (!words[i] && !last_) scan.Fail(fmt::format("{} is missing in the first motion", "XYZABC"[i]));
+    }
+    return values;
   }
 
   void AddTarget(const LineScanner& scan, const std::array<std::optional<double>, 6>& words,
                  std::optional<double> feed) {
-    Joints angles = last_.value_or(Joints::Zero());
-    for (int i = 0; i < 6; ++i) {
-      if (words[i]) angles[i] = *words[i];
-      if (!words[i] && !last_) scan.Fail(fmt::format("{} is missing in the first motion", "XYZABC"[i]));
-    }
+    const Joints angles = Complete(scan, words);
     Motion& motion = AddMotion(MotionType::kJoint);
     motion.q = FromController(settings_.axes, angles * kRadPerDeg);
     motion.exact = !blending_;
@@ -97,6 +118,30 @@ class LinuxCncReader : public ProgramReader {
       motion.blend = settings_.blend * blend_ / BlendDegrees(settings_.blend, arm_, settings_.X_FT);
     if (!rapid_) motion.duration = Duration(scan, last_ ? FeedLength(*last_, angles) : 0, feed);
     last_ = angles;
+  }
+
+  /// A pose of the tool in the robot's base, mm and degrees.
+  void AddPose(const LineScanner& scan, const std::array<std::optional<double>, 6>& words,
+               std::optional<double> feed) {
+    const Joints values = Complete(scan, words);
+    if (rapid_) scan.Fail("tool poses are approached at a feed: G1 expected");
+    const bool moves = !last_ || (values - *last_).head<3>().norm() > 0;
+    if (!last_ && inverse_time_) scan.Fail("the first pose of a cut at a feed expected: G94");
+    Motion& motion = AddMotion(MotionType::kLinear);
+    motion.angles = values.tail<3>() * kRadPerDeg;
+    motion.X_PT.translation() = values.head<3>();
+    motion.X_PT.linear() = FromToolAngles(settings_.rotation, *motion.angles) * settings_.R_TC.transpose();
+    motion.exact = !blending_;
+    motion.blend = blending_ ? blend_ : 0;
+    const double length = last_ ? FeedLength(*last_, values) : 0;
+    if (moves && !inverse_time_) {
+      if (!feed_ || *feed_ <= 0) scan.Fail("G1 needs F");
+      motion.feed = *feed_ / 60;
+    } else {
+      motion.duration = Duration(scan, length, feed);
+      if (moves) motion.feed = length / std::exchange(motion.duration, 0);
+    }
+    last_ = values;
   }
 
   /// s, as the interpreter makes it of F.
@@ -111,9 +156,10 @@ class LinuxCncReader : public ProgramReader {
   }
 
   const Arm& arm_;
-  std::optional<Joints> last_;  // degrees
+  std::optional<Joints> last_;  // degrees, or mm and degrees of a tool pose
   std::optional<double> feed_;  // per minute, G94
-  double blend_ = 0;            // degrees
+  double blend_ = 0;            // degrees; mm of tool poses
+  bool cartesian_ = false;      // tool poses, not joints
   bool rapid_ = true, inverse_time_ = false, blending_ = true;
 };
 

@@ -3,26 +3,34 @@
 
 #include <cassert>
 
+#include "program/pose_line.hpp"
 #include "robot/kinematics.hpp"
 
 namespace millpose {
 namespace {
 
+constexpr double kSpeedShare = 0.5;  // of the joints' largest speeds that approach and retract may use
+
 /// Appends motions and events of one plan.
 class ProgramBuilder {
  public:
-  explicit ProgramBuilder(const PlanResult& plan) : plan_(plan), X_PB_(plan.X_WP.inverse() * plan.X_WB) {
+  ProgramBuilder(const PlanResult& plan, const MotionOptions& options)
+      : plan_(plan), options_(options), X_PB_(plan.X_WP.inverse() * plan.X_WB) {
     program_.name = plan.job;
     program_.header = {{"job", plan.job}, {"cell", plan.cell}, {"inputs", plan.input_hash}};
+    program_.header.insert(program_.header.end(), options.header.begin(), options.header.end());
     program_.X_BP = plan.X_WB.inverse() * plan.X_WP;
     program_.X_FT = plan.X_FT;
   }
 
   void AddGap(const Gap& gap) {
     assert(!gap.joints.empty());
+    clearance_share_ = gap.clearance_share;
     if (gap.from_pass >= 0) {
-      Add(MotionType::kLinear, gap.joints.front(), gap.from_pass, -1).exact = true;
-      program_.motions.back().feed = last_feed_;
+      const Motion last = program_.motions.back();
+      Motion& retract = Add(MotionType::kLinear, gap.joints.front(), gap.from_pass, -1);
+      retract.exact = true;
+      retract.feed = FeedOf(last, retract, last.feed, options_.retract_feed);
       AddEvent(ProgramEvent::Kind::kPassEnd, gap.from_pass, gap.from_piece);
     } else {
       Add(MotionType::kJoint, gap.joints.front(), -1, -1).exact = true;
@@ -36,14 +44,19 @@ class ProgramBuilder {
   }
 
   void AddPiece(const PassResult& pass, const Piece& piece) {
-    const size_t approach = program_.motions.size();
-    for (int i = piece.first; i <= piece.last; ++i) {
+    int first = piece.first;
+    while (pass.points[first].skip != SkipReason::kNone) ++first;
+    assert(first <= piece.last);
+    AddApproach(pass, first);
+    AddCut(pass, first).exact = true;
+    AddOutputs(true);
+    clearance_share_ = 1;
+    for (int i = first + 1; i <= piece.last; ++i) {
       if (pass.points[i].skip == SkipReason::kNone) AddCut(pass, i);
     }
-    assert(program_.motions.size() > approach);
-    if (piece.closed) AddCut(pass, program_.motions[approach].point);
-    program_.motions[approach].exact = true;
+    if (piece.closed) AddCut(pass, first);
     program_.motions.back().exact = true;
+    AddOutputs(false);
   }
 
   MotionProgram Take() { return std::move(program_); }
@@ -56,13 +69,39 @@ class ProgramBuilder {
     motion.X_PT = X_PB_ * ForwardFlange(plan_.arm, q) * plan_.X_FT;
     motion.pass = pass;
     motion.point = point;
+    motion.clearance_share = clearance_share_;
     return motion;
   }
 
   Motion& AddCut(const PassResult& pass, int i) {
     Motion& motion = Add(MotionType::kLinear, pass.points[i].q, pass.pass, i);
-    motion.feed = last_feed_ = pass.points[i].point.feed_rate;
+    motion.feed = pass.points[i].point.feed_rate;
     return motion;
+  }
+
+  /// The faster part of the approach to a pass's point, which ends `approach_slow` before it.
+  void AddApproach(const PassResult& pass, int point) {
+    const Motion entry = program_.motions.back();
+    const PlannedPoint& target = pass.points[point];
+    const PoseLine line(entry.X_PT, X_PB_ * ForwardFlange(plan_.arm, target.q) * plan_.X_FT);
+    const double fast = line.length() - options_.approach_slow;
+    if (options_.approach_feed <= target.point.feed_rate || fast <= 0) return;
+    const auto q =
+        InverseNear(plan_.arm, X_PB_.inverse() * line.At(fast / line.length()) * plan_.X_FT.inverse(),
+                    Status(plan_.arm, target.q), target.q);
+    if (!q) return;
+    Motion& approach = Add(MotionType::kLinear, *q, pass.pass, -1);
+    approach.exact = true;
+    approach.feed = FeedOf(entry, approach, target.point.feed_rate, options_.approach_feed);
+  }
+
+  /// The feed of a straight motion out of the cut: `wanted`, as far as the joints can follow, never less than
+  /// the cut's.
+  double FeedOf(const Motion& from, const Motion& to, double cut, double wanted) const {
+    const double share = (*to.q - *from.q).cwiseAbs().cwiseQuotient(plan_.arm.speed).maxCoeff();
+    const double length = (to.X_PT.translation() - from.X_PT.translation()).norm();
+    const double possible = share > 0 ? kSpeedShare * length / share : wanted;
+    return std::max(cut, std::min(wanted, possible));
   }
 
   /// Where the approach of a piece begins: a PTP with S and T, from which the piece can be entered.
@@ -76,13 +115,22 @@ class ProgramBuilder {
   }
 
   void AddEvent(ProgramEvent::Kind kind, double value, int piece) {
-    program_.events.push_back({kind, program_.motions.size(), value, piece, 0, 0});
+    program_.events.push_back({kind, program_.motions.size(), value, piece, {}, 0, 0});
+  }
+
+  void AddOutputs(bool at_begin) {
+    for (const PathOutput& output : options_.outputs) {
+      if (output.at_begin != at_begin) continue;
+      AddEvent(ProgramEvent::Kind::kOutput, 0, 0);
+      program_.events.back().output = output;
+    }
   }
 
   const PlanResult& plan_;
+  const MotionOptions& options_;
   Pose X_PB_;
   MotionProgram program_;
-  double last_feed_ = 0;
+  double clearance_share_ = 1;
 };
 
 const Piece& FindPiece(const PassResult& pass, int number) {
@@ -107,9 +155,9 @@ std::string WhyNotProgrammable(const PlanResult& plan) {
   return {};
 }
 
-MotionProgram MakeMotionProgram(const PlanResult& plan) {
+MotionProgram MakeMotionProgram(const PlanResult& plan, const MotionOptions& options) {
   assert(WhyNotProgrammable(plan).empty());
-  ProgramBuilder builder(plan);
+  ProgramBuilder builder(plan, options);
   for (const Gap& gap : plan.gaps) {
     builder.AddGap(gap);
     if (gap.to_pass >= 0) {

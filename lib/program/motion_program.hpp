@@ -22,18 +22,35 @@ struct Motion {
   std::optional<int> status, turn;  ///< S and T (bits of the controller's angles), where programmed
   double feed = 0;                  ///< mm/s of the tip, LIN only
   double duration = 0;              ///< s, joint motions in inverse time; 0: as fast as the axes allow
-  bool exact = false;               ///< exact stop (no blending)
-  double blend = 0;                 ///< mm, largest rounding of the corner, as read; 0 when exact
-  int pass = -1, point = -1;        ///< which milling point; −1 for none
-  int file = 0, line = 0;           ///< of the program text, when read: index into MotionProgram::files
+  /// Orientation as programmed in three angles that run evenly from those of the motion before (Cartesian
+  /// LinuxCNC), rad, not wrapped; else it turns evenly about one axis.
+  std::optional<Eigen::Vector3d> angles;
+  double turn_speed = 0;       ///< rad/s, largest turning of the tool, LIN only; 0: no such limit
+  double clearance_share = 1;  ///< of the cell's clearances, with which a planned motion was checked
+  bool exact = false;          ///< exact stop (no blending)
+  double blend = 0;            ///< mm, as read; 0 when exact: how far the path may leave the corner, or see
+                               ///< MotionProgram::blend_is_distance
+  double angle_blend = 0;      ///< rad, as read: how far the orientation may leave it (SINUMERIK)
+  int pass = -1, point = -1;   ///< which milling point; −1 for none
+  int file = 0, line = 0;      ///< of the program text, when read: index into MotionProgram::files
 };
 
-/// What happens before a motion: spindle, marks.
+/// An output that a cut switches on its path, without a stop.
+struct PathOutput {
+  int number = 0;
+  bool on = true;
+  double delay = 0;      ///< s after the place; negative: before
+  bool at_begin = true;  ///< at the cut's first point, else at its last
+};
+
+/// What happens before a motion, at the place where the one before ends: spindle, marks, outputs; a handover
+/// is where a long piece goes on in another file.
 struct ProgramEvent {
-  enum class Kind : uint8_t { kSpindleOn, kSpindleOff, kPassBegin, kPassEnd } kind;
+  enum class Kind : uint8_t { kSpindleOn, kSpindleOff, kPassBegin, kPassEnd, kOutput, kHandover } kind;
   size_t before_motion = 0;  ///< index into motions; motions.size() for the end
   double value = 0;          ///< spindle speed rev/s, or pass number
   int piece = 0;             ///< of the pass
+  PathOutput output;         ///< of kOutput
   int file = 0, line = 0;    ///< of the program text, when read
 };
 
@@ -46,12 +63,24 @@ struct AxisConvention {
 struct MotionProgram {
   std::string name;
   std::vector<std::pair<std::string, std::string>> header;  ///< key, value: printed as comments
-  std::optional<Pose> X_BP;  ///< workpiece (base) frame in the robot's base; empty when the text has none
-  std::optional<Pose> X_FT;  ///< tool in the flange; empty when the text has none
-  AxisConvention axes;       ///< that `turn` counts in
+  std::optional<Pose> X_BP;      ///< workpiece (base) frame in the robot's base; empty when the text has none
+  std::optional<Pose> X_FT;      ///< tool in the flange; empty when the text has none
+  AxisConvention axes;           ///< that `turn` counts in
+  std::string rotation = "rpy";  ///< how `angles` of motions turn, see ToolAngles()
+  Eigen::Matrix3d R_TC = Eigen::Matrix3d::Identity();  ///< controller's tool frame, whose `angles` these are
+  bool blend_is_distance = false;  ///< of motions: from the corner to where its rounding may begin
   std::vector<Motion> motions;
   std::vector<ProgramEvent> events;  ///< ascending by before_motion
   std::vector<std::string> files;    ///< names of the texts it was read from
+};
+
+/// What a program says beyond its plan.
+struct MotionOptions {
+  std::vector<std::pair<std::string, std::string>> header;  ///< after job, cell and inputs
+  double approach_feed = 0;                                 ///< mm/s where above the feed of the first point
+  double approach_slow = 0;  ///< mm before the first point that run at its feed
+  double retract_feed = 0;   ///< mm/s where above the feed of the last point
+  std::vector<PathOutput> outputs;
 };
 
 /// Why no program can be made of a plan (a gap that could not be planned, nothing planned at all); empty when
@@ -59,11 +88,11 @@ struct MotionProgram {
 std::string WhyNotProgrammable(const PlanResult& plan);
 
 /// The motions of a plan in order: PTP home; per gap the way-points as PTP, the last one (where the approach
-/// begins) as a pose with S and T; LIN approach, LIN cuts (a closed piece returns to its first point as a
-/// last motion), LIN retract; PTP home. The spindle turns from before the first approach to after the last
-/// retract. The last cut and both ends of approach and retract are exact. Precondition: WhyNotProgrammable()
-/// is empty.
-MotionProgram MakeMotionProgram(const PlanResult& plan);
+/// begins) as a pose with S and T; LIN approach (in two parts where it has a feed of its own), LIN cuts (a
+/// closed piece returns to its first point as a last motion), LIN retract; PTP home. The spindle turns from
+/// before the first approach to after the last retract. The last cut and both ends of approach and retract
+/// are exact. Precondition: WhyNotProgrammable() is empty.
+MotionProgram MakeMotionProgram(const PlanResult& plan, const MotionOptions& options = {});
 
 /// The program's lists are consistent: `before_motion` ascending and in range. For assertions.
 bool IsWellFormed(const MotionProgram& program);

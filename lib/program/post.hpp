@@ -15,11 +15,17 @@ struct PostSettings {
   Eigen::Matrix3d R_TC = Eigen::Matrix3d::Identity();  ///< controller's tool frame C in T, see ToolAxis()
   Pose X_FT = Pose::Identity();                        ///< tool in the flange, for programs that state none
   std::string tool_name;                               ///< T="…", printed in headers
-  double blend = 0.01;           ///< mm: $APO.CDIS, CTOL or G64 P; no larger than the chord tolerance
-  double ptp_share = 0.3;        ///< of the axes' largest speed, for motions between passes
-  std::string rotation = "rpy";  ///< sinumerik: how A, B, C turn, rpy | euler
+  double blend = 0.01;  ///< mm: $APO.CDIS, CTOL or G64 P; no larger than the chord tolerance
+  double orientation_blend = 0.00017453293;  ///< rad (0.01°), sinumerik: tolerance of the orientation
+  double ptp_share = 0.3;                    ///< krl: of the axes' largest speed, for motions between passes
+  int advance = 5;                           ///< krl: $ADVANCE
+  double orientation_speed = 3.490658504;    ///< krl: rad/s, $VEL.ORI1 and $VEL.ORI2
+  std::optional<double> path_acceleration;   ///< krl: mm/s², $ACC.CP
+  std::optional<double> orientation_acceleration;  ///< krl: rad/s², $ACC.ORI1 and $ACC.ORI2
+  std::string rotation = "rpy";                    ///< sinumerik, linuxcnc: how A, B, C turn, rpy | euler
+  bool cartesian = false;                          ///< linuxcnc: cuts as tool poses, not joints
   std::array<std::string, 6> axis_names = {"RA1", "RA2", "RA3", "RA4", "RA5", "RA6"};  ///< sinumerik
-  int max_motions = 1400;                    ///< per file; larger programs call sub-programs
+  int max_motions = 1400;                    ///< per file; larger programs call sub-programs; not linuxcnc
   size_t max_bytes = 500000;                 ///< per file
   bool spline = false;                       ///< krl: cuts as SPLINE blocks of SLIN, not LIN with C_DIS
   int base_number = 0, tool_number = 0;      ///< krl: BASE_DATA and TOOL_DATA to use; 0: the values
@@ -34,6 +40,9 @@ Eigen::Matrix3d ToolAxis(const std::string& name);
 
 /// The files of one program by name, e.g. {"cabin_panel.src", …}.
 using ProgramFiles = std::map<std::string, std::string>;
+
+/// Longest line (bytes) of a motion with what may stand before it: how many fit into a file for certain.
+inline constexpr size_t kBytesPerMotion = 140;
 
 /// Writes and reads one controller's programs. One file and one registry line per controller.
 class Post {

@@ -102,11 +102,13 @@ size_t ProgramReader::ReadTexts(size_t i) {
     AddEvent(match->kind, match->value, 0);
     return match->lines;
   }
-  for (const std::string name : {"pass_begin", "pass_end", "header", "tool_change", "footer"}) {
+  for (const std::string name :
+       {"pass_begin", "pass_end", "header", "tool_change", "footer", "cartesian_on", "joints_on"}) {
     const size_t taken = templates_.Recognise(name, lines_, i);
     if (taken == 0) continue;
     if (awaited_ == name) awaited_.reset();
     seen_[name] = true;
+    TextRead(name);
     return taken;
   }
   return 0;
@@ -143,6 +145,7 @@ bool ProgramReader::ReadCall(LineScanner& scan, const std::string& name) {
   }
   const std::vector<std::string_view> lines = lines_;
   const int index = file_, line = line_;
+  if (pass_ >= 0 && !program_.motions.empty()) AddEvent(ProgramEvent::Kind::kHandover, 0, 0);
   ReadFile(file);
   lines_ = lines;
   file_ = index;
@@ -177,8 +180,13 @@ void ProgramReader::ReadPassMark(LineScanner& scan, bool begin) {
   if (!templates_.Lines(name).empty()) awaited_ = name;
 }
 
+void ProgramReader::AddOutput(const PathOutput& output) {
+  AddEvent(ProgramEvent::Kind::kOutput, 0, 0);
+  program_.events.back().output = output;
+}
+
 void ProgramReader::AddEvent(ProgramEvent::Kind kind, double value, int piece) {
-  program_.events.push_back({kind, program_.motions.size(), value, piece, file_, line_});
+  program_.events.push_back({kind, program_.motions.size(), value, piece, {}, file_, line_});
 }
 
 }  // namespace millpose

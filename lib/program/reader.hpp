@@ -30,6 +30,8 @@ class ProgramReader {
   virtual void ReadComment(std::string_view comment);
   /// A file of the program begins or has ended.
   virtual void BeginFile() {}
+  /// The cell's text `name` was read.
+  virtual void TextRead(const std::string& /*name*/) {}
 
   /// Reads the sub-program `name`; Fail()s when there is no such file. Returns false when it is no call of
   /// one.
@@ -40,6 +42,7 @@ class ProgramReader {
   std::string FileStem() const;
 
   Motion& AddMotion(MotionType type);
+  void AddOutput(const PathOutput& output);
   /// What follows a pass mark, "3 PIECE 0"; the cell's text for it must come next, where there is one. Words
   /// that are no mark after all are somebody's comment.
   void ReadPassMark(LineScanner& scan, bool begin);

@@ -5,51 +5,39 @@
 
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
-#include "program/sections.hpp"
-#include "program/templates.hpp"
+#include "program/writer.hpp"
 
 namespace millpose {
 namespace {
 
 constexpr size_t kLongestName = 24;
+constexpr size_t kWidth = 100;
 constexpr int kLengthDecimals = 4;
 constexpr int kAngleDecimals = 6;
 
-class SinumerikWriter {
+class SinumerikWriter : public ProgramWriter {
  public:
   SinumerikWriter(const MotionProgram& program, const Arm& arm, const PostSettings& settings)
-      : program_(program),
-        arm_(arm),
-        settings_(settings),
-        templates_(SinumerikTexts(), settings.texts, settings.tool_name) {}
+      : ProgramWriter(program, arm, settings, SinumerikTexts()) {}
 
   ProgramFiles Write() {
-    Walk(program_, {[&] { Begin(); }, [&](const ProgramEvent& event) { Event(event); },
-                    [&](size_t i) { AddMotion(program_.motions[i]); }});
+    WriteSections();
+    Transform(false);
     const std::string name = LegalName(program_.name, kLongestName, 2);
     ProgramFiles files;
     std::string main = Head();
-    const std::vector<std::string> parts = Pack(sections_, settings_.max_motions, settings_.max_bytes);
+    const std::vector<std::string> parts = Parts();
     for (size_t i = 0; i < parts.size(); ++i) {
       const std::string part = SubprogramName(name, i, kLongestName);
       files[part + ".spf"] = parts[i] + "M17\n";
       main += part + "\n";
     }
-    Transform(false);
-    for (size_t i = parts.empty() ? 0 : sections_.size() - 1; i < sections_.size(); ++i)
-      main += sections_[i].text;
-    main += "CYCLE832(0,_OFF,1)\n";
-    for (const std::string& line : templates_.Lines("footer")) main += line + "\n";
-    files[name + ".mpf"] = main + "M30\n";
+    files[name + ".mpf"] = main + MainText(parts) + "CYCLE832(0,_OFF,1)\n" + TextLines("footer") + "M30\n";
     return files;
   }
 
  private:
-  void Line(const std::string& line) { sections_.back().text += line + "\n"; }
-
-  /// States every modal setting again, so that a section can be entered.
-  void Begin() {
-    sections_.emplace_back();
+  void Begin() override {
     feed_.clear();
     transformed_.reset();
     cartesian_ = false;
@@ -61,23 +49,23 @@ class SinumerikWriter {
     add("; written by millpose for SINUMERIK 840D sl with robot transformation; mm, degrees");
     add(settings_.rotation == "rpy" ? "; orientation rpy: C about Z, B about new Y, A about new X"
                                     : "; orientation euler: A about Z, B about new X, C about new Z");
-    for (const auto& [key, value] : program_.header) add(fmt::format("; {}: {}", key, value));
-    Pose X_FC = program_.X_FT.value_or(settings_.X_FT);
+    for (const std::string& text : HeaderTexts(kWidth - 2)) add("; " + text);
+    Pose X_FC = X_FT_;
     X_FC.linear() = X_FC.linear() * settings_.R_TC;
     const Eigen::Vector3d t = X_FC.translation();
-    const Eigen::Vector3d abc = SinumerikAngles(settings_.rotation, X_FC.linear()) * kDegPerRad;
+    const Eigen::Vector3d abc = ToolAngles(settings_.rotation, X_FC.linear()) * kDegPerRad;
     add(fmt::format("; TOOL {} in the flange: X{} Y{} Z{} A={} B={} C={}", settings_.tool_name,
                     Fixed(t.x(), 4), Fixed(t.y(), 4), Fixed(t.z(), 4), Fixed(abc[0], 4), Fixed(abc[1], 4),
                     Fixed(abc[2], 4)));
     add("G17 G710 G40 G90 G94");
-    for (const std::string& line : templates_.Lines("tool_change")) add(line);
+    head += TextLines("tool_change");
     if (program_.X_BP) add(Frame(*program_.X_BP));
     add("G54");
     add("ORIWKS");
-    add(fmt::format("CYCLE832({},_FINISH,0.1)", Fixed(settings_.blend, 4)));
+    add(fmt::format("CYCLE832({},_FINISH,{})", Fixed(settings_.blend, 4),
+                    Fixed(settings_.orientation_blend * kDegPerRad, 4)));
     add("G642");
-    for (const std::string& line : templates_.Lines("header")) add(line);
-    return head;
+    return head + TextLines("header");
   }
 
   static std::string Frame(const Pose& X_BP) {
@@ -89,8 +77,8 @@ class SinumerikWriter {
                        Fixed(zyx[1], kAngleDecimals), Fixed(zyx[0], kAngleDecimals));
   }
 
-  void AddMotion(const Motion& motion) {
-    ++sections_.back().motions;
+  void AddMotion(size_t i) override {
+    const Motion& motion = program_.motions[i];
     if (motion.type == MotionType::kLinear) {
       AddLinear(motion);
     } else if (motion.status) {
@@ -142,38 +130,34 @@ class SinumerikWriter {
   }
 
   Eigen::Vector3d Angles(const Motion& motion) const {
-    return SinumerikAngles(settings_.rotation, motion.X_PT.linear() * settings_.R_TC) * kDegPerRad;
+    return ToolAngles(settings_.rotation, motion.X_PT.linear() * settings_.R_TC) * kDegPerRad;
   }
 
   int TurnOf(const Motion& motion) const {
-    if (!motion.q) return *motion.turn;
-    Pose X_PT = motion.X_PT;
+    Pose X_PC = motion.X_PT;
     Eigen::Vector3d abc = Angles(motion);
     for (int i = 0; i < 3; ++i) {
-      X_PT.translation()[i] = Rounded(X_PT.translation()[i], kLengthDecimals);
+      X_PC.translation()[i] = Rounded(X_PC.translation()[i], kLengthDecimals);
       abc[i] = Rounded(abc[i], kAngleDecimals) * kRadPerDeg;
     }
-    X_PT.linear() = FromSinumerikAngles(settings_.rotation, abc) * settings_.R_TC.transpose();
-    const Pose X_BF = *program_.X_BP * X_PT * program_.X_FT.value_or(settings_.X_FT).inverse();
-    return TurnAsWritten(arm_, settings_.axes, X_BF, *motion.status, *motion.q);
+    X_PC.linear() = FromToolAngles(settings_.rotation, abc);
+    return TurnAt(motion, X_PC);
   }
 
-  void Event(const ProgramEvent& event) {
+  void Event(const ProgramEvent& event) override {
     const std::string place = fmt::format("PASS {} PIECE {}", Fixed(event.value, 0), event.piece);
     if (event.kind == ProgramEvent::Kind::kPassBegin) {
       Line(fmt::format("PASS_{}_{}:", Fixed(event.value, 0), event.piece));
       Line(fmt::format("MSG(\"{}\")", place));
     } else if (event.kind == ProgramEvent::Kind::kPassEnd) {
       Line(fmt::format("MSG(\"END OF {}\")", place));
+    } else if (event.kind == ProgramEvent::Kind::kOutput) {
+      // A synchronised action of one block: done when the next motion begins, without a stop.
+      Line(fmt::format("WHEN TRUE DO $A_OUT[{}]={}", event.output.number, event.output.on ? 1 : 0));
     }
-    for (const std::string& line : templates_.Lines(event)) Line(line);
+    AddTexts(event);
   }
 
-  const MotionProgram& program_;
-  const Arm& arm_;
-  const PostSettings& settings_;
-  Templates templates_;
-  std::vector<Section> sections_;
   std::string feed_;
   std::optional<bool> transformed_;  // TRAORI holds
   bool cartesian_ = false;           // CP holds, not PTP
@@ -183,14 +167,6 @@ class SinumerikWriter {
 
 std::map<std::string, std::string> SinumerikTexts() {
   return {{"spindle_on", "S{rpm} M3"}, {"spindle_off", "M5"}, {"tool_change", "T=\"{tool}\" D1\nM6"}};
-}
-
-Eigen::Vector3d SinumerikAngles(const std::string& rotation, const Eigen::Matrix3d& R) {
-  return rotation == "rpy" ? Eigen::Vector3d(AnglesZyx(R).reverse()) : AnglesZxz(R);
-}
-
-Eigen::Matrix3d FromSinumerikAngles(const std::string& rotation, const Eigen::Vector3d& abc) {
-  return rotation == "rpy" ? FromAnglesZyx(abc.reverse()) : FromAnglesZxz(abc);
 }
 
 ProgramFiles SinumerikPost::Write(const MotionProgram& program, const Arm& arm,

@@ -17,8 +17,4 @@ class SinumerikPost : public Post {
 /// SINUMERIK's texts for events where the cell gives none.
 std::map<std::string, std::string> SinumerikTexts();
 
-/// Angles A, B, C (rad) of R as the machine counts: rpy R = Rz(C)·Ry(B)·Rx(A), euler R = Rz(A)·Rx(B)·Rz(C).
-Eigen::Vector3d SinumerikAngles(const std::string& rotation, const Eigen::Matrix3d& R);
-Eigen::Matrix3d FromSinumerikAngles(const std::string& rotation, const Eigen::Vector3d& abc);
-
 }  // namespace millpose

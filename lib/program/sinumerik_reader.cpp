@@ -99,10 +99,12 @@ class SinumerikReader : public ProgramReader {
       scan.Expect(",");
       if (!scan.Accept("_FINISH")) scan.Expect("_OFF");
       scan.Expect(",");
-      scan.ExpectNumber();
+      orientation_blend_ = scan.ExpectNumber() * kRadPerDeg;
       scan.Expect(")");
     } else if (scan.Accept("MSG")) {
       ReadMessage(scan);
+    } else if (scan.Accept("WHEN TRUE DO")) {
+      ReadOutput(scan);
     } else if (scan.Accept("$P_UIFR[1]")) {
       ReadFrame(scan);
     } else if (scan.Accept("T=\"")) {
@@ -148,6 +150,17 @@ class SinumerikReader : public ProgramReader {
     while (scan.Peek() != '"' && scan.Peek() != '\0') scan.Skip();
     scan.Expect("\"");
     scan.Expect(")");
+  }
+
+  void ReadOutput(LineScanner& scan) {
+    PathOutput output;
+    scan.Expect("$A_OUT");
+    scan.Expect("[");
+    output.number = static_cast<int>(scan.ExpectNumber());
+    scan.Expect("]");
+    scan.Expect("=");
+    output.on = scan.ExpectNumber() != 0;
+    AddOutput(output);
   }
 
   Eigen::Vector3d ReadTriple(LineScanner& scan, std::string_view function) {
@@ -201,8 +214,7 @@ class SinumerikReader : public ProgramReader {
     Motion& motion = AddMotion(ptp_ ? MotionType::kJoint : MotionType::kLinear);
     motion.X_PT.translation() = Eigen::Vector3d(*last_[0], *last_[1], *last_[2]);
     const Eigen::Vector3d abc(*last_[3], *last_[4], *last_[5]);
-    motion.X_PT.linear() =
-        FromSinumerikAngles(settings_.rotation, abc * kRadPerDeg) * settings_.R_TC.transpose();
+    motion.X_PT.linear() = FromToolAngles(settings_.rotation, abc * kRadPerDeg) * settings_.R_TC.transpose();
     motion.exact = ptp_ || block.exact;
     if (ptp_) {
       motion.status = block.status;
@@ -210,12 +222,14 @@ class SinumerikReader : public ProgramReader {
     } else {
       motion.feed = feed_;
       motion.blend = motion.exact ? 0 : blend_;
+      motion.angle_blend = motion.exact ? 0 : orientation_blend_;
     }
   }
 
   std::array<std::optional<double>, 6> last_;  // X, Y, Z, A, B, C as they hold
   double feed_ = 0;                            // mm/s
   double blend_ = 0;                           // mm
+  double orientation_blend_ = 0;               // rad
   bool transformed_ = false, rapid_ = true, ptp_ = false;
   bool posed_ = false;  // a pose was approached
 };

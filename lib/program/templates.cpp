@@ -94,9 +94,9 @@ std::vector<std::string> Together(std::vector<std::string> first, const std::vec
 }  // namespace
 
 const std::vector<std::string>& Templates::Names() {
-  static const std::vector<std::string> names = {"coolant_off", "coolant_on", "footer",
-                                                 "header",      "pass_begin", "pass_end",
-                                                 "spindle_off", "spindle_on", "tool_change"};
+  static const std::vector<std::string> names = {"cartesian_on", "coolant_off", "coolant_on", "footer",
+                                                 "header",       "joints_on",   "pass_begin", "pass_end",
+                                                 "spindle_off",  "spindle_on",  "tool_change"};
   return names;
 }
 
@@ -114,6 +114,7 @@ Templates::Templates(std::map<std::string, std::string> defaults,
 
 std::vector<std::string> Templates::Lines(const ProgramEvent& event) const {
   using Kind = ProgramEvent::Kind;
+  if (event.kind == Kind::kOutput || event.kind == Kind::kHandover) return {};
   const std::string name = event.kind == Kind::kSpindleOn    ? "spindle_on"
                            : event.kind == Kind::kSpindleOff ? "spindle_off"
                            : event.kind == Kind::kPassBegin  ? "pass_begin"

@@ -16,6 +16,7 @@ namespace millpose {
 ///   header       after the settings               footer       before the end
 ///   tool_change  after the header (SINUMERIK: before the frames), {tool}
 ///   spindle_on   {rpm}; followed by coolant_on    spindle_off  preceded by coolant_off
+///   cartesian_on, joints_on   Cartesian LinuxCNC: switches its kinematics before and after a cut
 ///   pass_begin   {pass} {piece}, after the mark   pass_end     likewise
 /// Lines compare without case and amount of white space; blank lines may stand between them.
 class Templates {

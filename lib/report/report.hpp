@@ -17,6 +17,8 @@ struct ReportedProgram {
   std::string path;  ///< relative to the output folder
   std::string controller;
   std::vector<int> motions_per_pass;
+  int points_saved = 0;  ///< of the whole program: left out, the controller's own motion passes them
+  int points_near = 0;   ///< of the whole program: nearer to the one before than the least spacing
   bool verified = false;
 };
 
@@ -29,6 +31,14 @@ struct AuditFigures {
   double max_slice_distance_mm = 0;        ///< of the cut points from the mesh
 };
 
+/// How far $BASE may be shifted together with a part whose place was measured, along and about X, Y, Z of the
+/// base, to either side; 0: not at all.
+struct BaseWindow {
+  double shift = 0;      ///< mm
+  double turn = 0;       ///< rad
+  std::string obstacle;  ///< what kept it from being larger; empty when it is as large as asked
+};
+
 /// What a report tells beyond the plan itself.
 struct ReportInputs {
   std::vector<ReportedProgram> programs;
@@ -37,6 +47,7 @@ struct ReportInputs {
   std::optional<AuditFigures> audit;
   std::optional<ContinuityFigures> continuity;
   FeedReduction feed_reduction;
+  std::optional<BaseWindow> base_window;
   std::optional<DeflectionReport> deflection;  ///< when the job says what the cutter takes off
 };
 

@@ -128,8 +128,17 @@ Json ProgramsJson(const std::vector<ReportedProgram>& programs) {
     list.push_back({{"path", program.path},
                     {"controller", program.controller},
                     {"motions_per_pass", program.motions_per_pass},
+                    {"points_saved", program.points_saved},
+                    {"points_near", program.points_near},
                     {"verified", program.verified}});
   return list;
+}
+
+Json BaseWindowJson(const std::optional<BaseWindow>& window) {
+  if (!window) return nullptr;
+  return {{"shift_mm", window->shift},
+          {"turn_deg", window->turn * kDegPerRad},
+          {"obstacle", window->obstacle.empty() ? Json(nullptr) : Json(window->obstacle)}};
 }
 
 }  // namespace
@@ -174,6 +183,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
                   {"X_WP", MatrixJson(plan.X_WP)}};
   json["seed"] = plan.seed;
   json["programs"] = ProgramsJson(inputs.programs);
+  json["base_window"] = BaseWindowJson(inputs.base_window);
   json["warnings"] = inputs.warnings;
   json["findings"] = inputs.findings;
   json["audit"] = AuditJson(inputs.audit);

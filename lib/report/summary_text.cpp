@@ -122,8 +122,13 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
                  figures.poses_checked, figures.candidates - figures.candidates_checked, figures.candidates);
   if (figures.clearance_min) fmt::format_to(out, "clearance  at least {:.1f} mm\n", *figures.clearance_min);
   for (const ReportedProgram& program : inputs.programs)
-    fmt::format_to(out, "program    {} ({})\n", program.path,
-                   program.verified ? "read back and confirmed" : "refused");
+    fmt::format_to(out, "program    {} ({}; {} points left out that its motions pass)\n", program.path,
+                   program.verified ? "read back and confirmed" : "refused", program.points_saved);
+  if (inputs.base_window)
+    fmt::format_to(
+        out, "base       may be shifted by {:.3f} mm and turned by {:.4f} deg together with the part{}\n",
+        inputs.base_window->shift, RadToDeg(inputs.base_window->turn),
+        inputs.base_window->obstacle.empty() ? "" : "; no more: " + inputs.base_window->obstacle);
   for (const std::string& warning : inputs.warnings) fmt::format_to(out, "warning    {}\n", warning);
   for (const std::string& finding : inputs.findings) fmt::format_to(out, "finding    {}\n", finding);
   if (inputs.audit)

@@ -25,11 +25,16 @@ struct Replayed {
   std::vector<FeedRun> runs;
 };
 
-/// Compares the feed runs in their order (tip, axis, rotation, feed, exact stops), the joint motions between
-/// them and the spindle. `unproven` receives the motions whose joints leave the plan's by more than the
-/// options' gap_proven.
-void Compare(const Replayed& replayed, const Replayed& plan, const Cell& cell, const VerifyOptions& options,
-             int threads, std::stop_token stop, std::vector<Finding>& findings,
-             std::vector<size_t>& unproven);
+/// What is known of a motion's clearance.
+struct Proof {
+  bool proven = true;          ///< as planned, within the options' clearance_reserve
+  double clearance_share = 1;  ///< of the cell's clearances, with which the plan made it
+};
+
+/// Compares the feed runs in their order (tip, axis, rotation, feed, exact stops, corners), the joint motions
+/// between them, spindle and outputs. Returns what is known of every motion of `replayed`.
+std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const Cell& cell,
+                           const VerifyOptions& options, int threads, std::stop_token stop,
+                           std::vector<Finding>& findings);
 
 }  // namespace millpose

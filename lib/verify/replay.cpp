@@ -22,6 +22,17 @@ int StepsOf(const PoseLine& line, double step) {
   return std::max(1, static_cast<int>(std::ceil(std::max(line.length() / step, line.angle() / kTurnStep))));
 }
 
+/// The straight motion `index` of a program from where the tool stands.
+PoseLine LineOf(const MotionProgram& program, size_t index, const Pose& X_BT) {
+  const Motion& motion = program.motions[index];
+  const Pose target = ProgrammedTool(program, motion);
+  if (!motion.angles) return {X_BT, target};
+  const Motion* before = index > 0 ? &program.motions[index - 1] : nullptr;
+  const Eigen::Vector3d first =
+      before && before->angles ? *before->angles : ToolAngles(program.rotation, X_BT.linear() * program.R_TC);
+  return {X_BT.translation(), target.translation(), program.rotation, program.R_TC, first, *motion.angles};
+}
+
 /// The joint positions along a straight line; stops early where the branch ends. True when it came through.
 bool FollowLine(const Arm& arm, const Pose& X_FT, const PoseLine& line, int steps, const Joints& start,
                 std::vector<Joints>& angles) {
@@ -37,8 +48,9 @@ bool FollowLine(const Arm& arm, const Pose& X_FT, const PoseLine& line, int step
 }
 
 /// The joint target of one motion from `q`; empty with a reason.
-std::optional<Joints> Target(const MotionProgram& program, const Cell& cell, const Motion& motion,
+std::optional<Joints> Target(const MotionProgram& program, const Cell& cell, size_t index,
                              const std::optional<Joints>& q, std::string& reason) {
+  const Motion& motion = program.motions[index];
   if (motion.type == MotionType::kJoint && motion.q) return motion.q;
   if (!program.X_BP) {
     reason = "a pose is approached, but no base frame is set";
@@ -50,7 +62,7 @@ std::optional<Joints> Target(const MotionProgram& program, const Cell& cell, con
       reason = "the program begins with a straight motion from an unknown place";
       return std::nullopt;
     }
-    const PoseLine line(ForwardFlange(cell.arm, *q) * X_FT, ProgrammedTool(program, motion));
+    const PoseLine line = LineOf(program, index, ForwardFlange(cell.arm, *q) * X_FT);
     std::vector<Joints> angles;
     reason = fmt::format("the straight motion leaves the arm's reach in configuration S = {}",
                          Status(cell.arm, *q));
@@ -83,7 +95,7 @@ Replay ReplayTargets(const MotionProgram& program, const Cell& cell, std::vector
   std::optional<Joints> q;
   for (size_t i = 0; i < program.motions.size(); ++i) {
     std::string reason;
-    const std::optional<Joints> target = Target(program, cell, program.motions[i], q, reason);
+    const std::optional<Joints> target = Target(program, cell, i, q, reason);
     if (!target) findings.push_back(At(program, i, reason));
     if (target) q = target;
     replay.targets.push_back(q.value_or(cell.home));
@@ -98,9 +110,10 @@ void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay
   if (index == 0 || !replay.reached[index]) return;
   const Joints &from = replay.targets[index - 1], &to = replay.targets[index];
   const Pose X_FT = ToolOf(program, cell);
-  const PoseLine line(ForwardFlange(cell.arm, from) * X_FT, motion.type == MotionType::kLinear
-                                                                ? ProgrammedTool(program, motion)
-                                                                : ForwardFlange(cell.arm, to) * X_FT);
+  const Pose start = ForwardFlange(cell.arm, from) * X_FT;
+  const PoseLine line = motion.type == MotionType::kLinear
+                            ? LineOf(program, index, start)
+                            : PoseLine(start, ForwardFlange(cell.arm, to) * X_FT);
   const int steps = StepsOf(line, step);
   std::vector<Joints> angles;
   if (motion.type == MotionType::kJoint) {

@@ -2,6 +2,7 @@
 #include "verify/verify.hpp"
 
 #include <cassert>
+#include <map>
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
@@ -19,8 +20,9 @@ constexpr double kInterferenceStep = 5;  // mm between joint motions that stand 
 /// What holds for every motion whatever the plan: limits, speeds, singularity.
 class MotionCheck {
  public:
-  MotionCheck(const Replayed& replayed, const Cell& cell, const VerifyOptions& options)
-      : replayed_(replayed), cell_(cell), options_(options) {}
+  /// `jumps`: report jumps of the speed too.
+  MotionCheck(const Replayed& replayed, const Cell& cell, const VerifyOptions& options, bool jumps)
+      : replayed_(replayed), cell_(cell), options_(options), jumps_(jumps) {}
 
   void Check(size_t i, std::vector<Finding>& findings) const {
     const Motion& motion = replayed_.program.motions[i];
@@ -40,13 +42,53 @@ class MotionCheck {
       before = instant.q;
       share = instant.share;
     }
+    if (jumps_) CheckJump(i, instants, findings);
   }
 
  private:
+  /// Whether the speeds of tip and joints go on at the corner between motion i and the next.
+  void CheckJump(size_t i, const std::vector<Instant>& instants, std::vector<Finding>& findings) const {
+    const std::vector<Motion>& motions = replayed_.program.motions;
+    if (motions[i].exact || i + 1 >= motions.size() || !HasFeed(motions[i + 1])) return;
+    if (!replayed_.replay.reached[i + 1] || Seconds(i) <= 0 || Seconds(i + 1) <= 0) return;
+    std::vector<Instant> next;
+    std::vector<Finding> said;
+    AppendInstants(replayed_.program, cell_, replayed_.replay, i + 1, options_.step, next, said);
+    if (next.empty() || instants.empty()) return;
+    const Joints& corner = replayed_.replay.targets[i];
+    const bool single = instants.size() == 1;
+    const Joints& last = single ? replayed_.replay.targets[i - 1] : instants[instants.size() - 2].q;
+    const double span = 1 - (single ? 0 : instants[instants.size() - 2].share);
+    const Joints jump =
+        (next[0].q - corner) / (next[0].share * Seconds(i + 1)) - (corner - last) / (span * Seconds(i));
+    for (int j = 0; j < 6; ++j) {
+      if (std::abs(jump[j]) <= cell_.arm.acceleration[j] * options_.jump_time) continue;
+      findings.push_back(At(replayed_.program, i,
+                            fmt::format("A{} would have to change its speed by {:.2f} deg/s at a corner that "
+                                        "is passed without a stop",
+                                        j + 1, std::abs(jump[j]) * kDegPerRad)));
+      return;
+    }
+    const double feed = Feed(i), after = Feed(i + 1);
+    if (std::max(feed, after) <= options_.feed_jump * std::min(feed, after)) return;
+    findings.push_back(
+        At(replayed_.program, i + 1,
+           fmt::format("the feed jumps from {:.1f} to {:.1f} mm/min without a stop", feed * 60, after * 60)));
+  }
+
+  /// mm/s along a motion that takes Seconds().
+  double Feed(size_t i) const {
+    const auto tip = [&](size_t k) {
+      return Eigen::Vector3d(
+          (ForwardFlange(cell_.arm, replayed_.replay.targets[k]) * cell_.X_FT).translation());
+    };
+    return (tip(i) - tip(i - 1)).norm() / Seconds(i);
+  }
+
   /// 0 where nothing tells: the motion only turns, or has no feed.
   double Seconds(size_t i) const {
     const Motion& motion = replayed_.program.motions[i];
-    if (motion.type == MotionType::kJoint) return motion.duration;
+    if (motion.duration > 0 || motion.type == MotionType::kJoint) return motion.duration;
     const auto tip = [&](size_t k) {
       return Eigen::Vector3d(
           (ForwardFlange(cell_.arm, replayed_.replay.targets[k]) * cell_.X_FT).translation());
@@ -89,9 +131,10 @@ class MotionCheck {
   const Replayed& replayed_;
   const Cell& cell_;
   const VerifyOptions& options_;
+  const bool jumps_;
 };
 
-/// Checks motion `i` for interference on its whole way.
+/// Checks motion `i` for interference on its whole way, with the clearances of `checker`.
 void CheckInterference(const Replayed& replayed, size_t i, const Cell& cell, Checker& checker,
                        const VerifyOptions& options, std::vector<Finding>& findings) {
   const Motion& motion = replayed.program.motions[i];
@@ -162,28 +205,30 @@ std::vector<Finding> Verify(const MotionProgram& program, const World& world, co
     return {{program.files.empty() ? "" : program.files[0], 0, "the program moves nothing"}};
   const Replayed replayed{program, ReplayTargets(program, cell, findings), FeedRuns(program)};
 
-  const MotionCheck check(replayed, cell, options);
+  const MotionCheck check(replayed, cell, options, plan == nullptr);
   ForMotions(program.motions.size(), threads, stop, findings,
              [&](size_t first, size_t last, std::vector<Finding>& found) {
                for (size_t i = first; i < last; ++i) check.Check(i, found);
              });
 
-  std::vector<size_t> unproven;
+  std::vector<Proof> proofs(program.motions.size(), Proof{false, 1});
   if (plan != nullptr) {
     const Replayed planned{*plan, ReplayTargets(*plan, cell, findings), FeedRuns(*plan)};
-    Compare(replayed, planned, cell, options, threads, stop, findings, unproven);
+    proofs = Compare(replayed, planned, cell, options, threads, stop, findings);
   }
-  if (plan == nullptr || options.interference) {
-    unproven.resize(program.motions.size());
-    for (size_t i = 0; i < unproven.size(); ++i) unproven[i] = i;
+  std::vector<size_t> unproven;
+  for (size_t i = 0; i < proofs.size(); ++i) {
+    if (options.interference || !proofs[i].proven) unproven.push_back(i);
   }
-  ForMotions(unproven.size(), threads, stop, findings,
-             [&](size_t first, size_t last, std::vector<Finding>& found) {
-               Checker checker(world);
-               for (size_t i = first; i < last; ++i) {
-                 CheckInterference(replayed, unproven[i], cell, checker, options, found);
-               }
-             });
+  ForMotions(
+      unproven.size(), threads, stop, findings, [&](size_t first, size_t last, std::vector<Finding>& found) {
+        std::map<double, Checker> checkers;  // by share of the clearances
+        for (size_t k = first; k < last; ++k) {
+          const double share = proofs[unproven[k]].clearance_share;
+          const auto checker = checkers.try_emplace(share, world, share, options.clearance_reserve).first;
+          CheckInterference(replayed, unproven[k], cell, checker->second, options, found);
+        }
+      });
   return Ordered(std::move(findings), options);
 }
 

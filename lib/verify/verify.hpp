@@ -17,11 +17,14 @@ struct Finding {
 };
 
 struct VerifyOptions {
-  double position_tolerance = 0.02;        ///< mm; also the largest rounding of a corner
-  double angle_tolerance = 0.00034906585;  ///< rad (0.02°)
+  double position_tolerance = 0.02;        ///< mm; likewise of a rounded corner
+  double angle_tolerance = 0.00034906585;  ///< rad (0.02°); likewise
   double step = 0.5;                       ///< mm of tip travel between replayed poses
   Joints lower, upper;                     ///< limits, rad
   double swept_resolution = 0.5;           ///< mm
+  /// mm by which the replay may leave the motion whose clearance was proven before it is checked again, and
+  /// by which it may then fall short of that clearance.
+  double clearance_reserve = 0.5;
   /// Share of the planned feed that a program may run. Above 1 because joint motions in inverse time have
   /// their mean speed right and swing about it by a percent where a wrist turns fast.
   double feed_least = 0.5, feed_most = 1.02;
@@ -30,6 +33,8 @@ struct VerifyOptions {
   double gap_tolerance = 0.00087266;
   /// rad: one that leaves it by more is checked for interference again (0.1 mm at 4 m).
   double gap_proven = 2.5e-5;
+  double jump_time = 0.1;     ///< s in which a joint must be able to change its speed at a rounded corner
+  double feed_jump = 3;       ///< largest ratio of the feeds before and after a rounded corner
   double wrist_least = 0.01;  ///< |sin A5| in straight motions: below, the wrist axes race
   bool interference =
       false;  ///< check every motion, not only what leaves the plan's; always so without a plan
@@ -37,11 +42,11 @@ struct VerifyOptions {
 };
 
 /// Replays `program` as its controller would (straight lines with interpolated orientation, joint motions,
-/// inverse time) through the arm and tool of `world` and says where it leaves `plan`, where one is given:
-/// order and completeness of the points, tip, tool axis, rotation about it, configuration, feed, exact stops,
-/// spindle; always: reach, limits, joint speeds, singularity, interference. Detection rests on the replayed
-/// motion alone, not on the text, so edits that change no motion pass. Empty = confirmed. Ordered by file and
-/// line.
+/// inverse time, the envelope of rounded corners) through the arm and tool of `world` and says where it
+/// leaves `plan`, where one is given: order and completeness of the points, tip, tool axis, rotation about
+/// it, configuration, feed, exact stops, spindle, outputs; without one: jumps of the speed; always: reach,
+/// limits, joint speeds, singularity, interference. Detection rests on the replayed motion alone, not on the
+/// text, so edits that change no motion pass. Empty = confirmed. Ordered by file and line.
 std::vector<Finding> Verify(const MotionProgram& program, const World& world, const MotionProgram* plan,
                             const VerifyOptions& options, int threads, std::stop_token stop);
 

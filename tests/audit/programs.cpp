@@ -172,6 +172,7 @@ std::vector<Target> ReadLinuxCnc(const std::map<std::string, std::string>& files
   std::vector<Target> targets;
   for (const Line& line : Whole(files, ".ngc")) {
     const std::string text = std::regex_replace(line.text, comment, "");
+    if (text.starts_with("G10 ")) continue;  // sets an offset, moves nothing
     bool moved = false;
     for (std::sregex_iterator it(text.begin(), text.end(), word), end; it != end; ++it) {
       angles[std::string("XYZABC").find((*it)[1].str())] = std::stold((*it)[2]) * kDegree;

@@ -219,6 +219,36 @@ TEST(BrokenYaml, ColumnsCountCharacters) {
   }
 }
 
+TEST(BrokenYaml, WhatAControllerCannotFollowIsNamedWithItsLine) {
+  const std::string cell = kCell;
+  const int line = 1 + static_cast<int>(std::ranges::count(cell, '\n'));
+  const std::array<std::pair<const char*, const char*>, 7> slips = {{
+      {"  sinumerik: {motion: spline}\n",
+       "controllers.sinumerik.motion: sinumerik programs do not know this"},
+      {"  linuxcnc: {external_axes: [1]}\n",
+       "controllers.linuxcnc.external_axes: linuxcnc programs do not know"},
+      {"  krl: {rotation: euler}\n",
+       "controllers.krl.rotation: krl programs do not know this; allowed for: sinum"},
+      {"  krl: {coordinates: cartesian}\n", "controllers.krl.coordinates: krl programs do not know this"},
+      {"  linuxcnc: {outputs: [{number: 1, at: cut_end, set: true, delay_ms: 5}]}\n",
+       "controllers.linuxcnc.outputs[0].delay_ms: linuxcnc programs do not know this; allowed for: krl"},
+      {"  sinumerik: {texts: {joints_on: M5}}\n",
+       "controllers.sinumerik.texts.joints_on: sinumerik programs"},
+      {"  krl: {texts: {header: \"; gr\u00fcn\"}}\n",
+       "controllers.krl.texts.header: programs are plain ASCII"},
+  }};
+  for (const auto& [text, message] : slips) {
+    try {
+      ParseCell(cell + "controllers:\n" + text, "f.yaml");
+      ADD_FAILURE() << "accepted: " << text;
+    } catch (const InputError& error) {
+      ASSERT_EQ(error.problems().size(), 1u) << error.what();
+      EXPECT_EQ(error.problems()[0].place.line, line + 1) << error.what();
+      EXPECT_TRUE(error.problems()[0].message.starts_with(message)) << error.what();
+    }
+  }
+}
+
 TEST(BrokenYaml, WhatIsNoMapIsRefused) {
   for (const char* text :
        {"", "text", "[1, 2]", "---\n", "# only a comment\n", ": 1", "? [a]\n: 1", "{[a]: 1}"})

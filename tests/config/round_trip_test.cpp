@@ -47,7 +47,12 @@ bodies:
   - {name: e, class: fixture, mount: world, shape: {convex: {points_mm: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.1]]}}}
 reproduction_only: true
 controllers:
-  krl: {tool_axis: x, texts: {spindle_on: "$OUT[1]=TRUE\nWAIT SEC 2\n", footer: "true"}}
+  krl:
+    tool_axis: x
+    texts: {spindle_on: "$OUT[1]=TRUE\nWAIT SEC 2\n", footer: "true"}
+    path_acceleration_m_s2: 1.5
+    outputs: [{number: 3, at: cut_begin, set: true, delay_ms: -20}, {number: 3, at: cut_end, set: false}]
+  linuxcnc: {coordinates: cartesian, rotation: euler, outputs: [{number: 0, at: cut_end, set: true}]}
 )";
 
 }  // namespace
@@ -133,6 +138,23 @@ TEST(RoundTrip, EveryKindOfKeySurvives) {
   EXPECT_FALSE(again.arm.acceleration_assumed);
   EXPECT_EQ(again.controllers.at("krl").texts, cell.controllers.at("krl").texts);
   EXPECT_EQ(again.controllers.at("krl").texts.at("spindle_on"), "$OUT[1]=TRUE\nWAIT SEC 2\n");
+}
+
+TEST(RoundTrip, WhatProgramsAreMadeOfSurvives) {
+  const std::string written = WriteCell(ParseCell(kCellWithEverything, "cell"));
+  const CellSettings cell = ParseCell(written, "written");
+  const ControllerSettings& krl = cell.controllers.at("krl");
+  EXPECT_EQ(krl.path_acceleration, 1500);
+  ASSERT_EQ(krl.outputs.size(), 2u);
+  EXPECT_EQ(krl.outputs[0].delay, -0.02);
+  EXPECT_FALSE(krl.outputs[1].on);
+  EXPECT_EQ(cell.controllers.at("linuxcnc").coordinates, "cartesian");
+  std::string text = ReadFile(std::filesystem::path(MILLPOSE_SOURCE_DIR) / "toolpaths/support_pad/job.yaml");
+  text += "program_options: {point_economy: {chord_mm: 0}, dry_run_offset_mm: 20, date: today}\n";
+  const JobSettings job = ParseJob(WriteJob(ParseJob(text, "job")), "written");
+  EXPECT_EQ(job.program_options.chord_tolerance, 0);
+  EXPECT_EQ(job.program_options.dry_run_offset, 20);
+  EXPECT_EQ(job.program_options.date, "today");
 }
 
 TEST(RoundTrip, NumbersStayShort) {

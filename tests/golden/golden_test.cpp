@@ -26,16 +26,17 @@ void ExpectGolden(const std::string& controller, const std::string& folder, cons
   }
 }
 
-TEST(Golden, Krl) { ExpectGolden("krl", "krl", SamplePlan(), SampleSettings("krl")); }
-TEST(Golden, Sinumerik) { ExpectGolden("sinumerik", "sinumerik", SamplePlan(), SampleSettings("sinumerik")); }
-TEST(Golden, LinuxCnc) {
-  ExpectGolden("linuxcnc", "linuxcnc", SamplePlan({.ring = false}), SampleSettings("linuxcnc"));
-}
+class Golden : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Variants, Golden,
+                         testing::Values("krl", "krl_spline", "sinumerik", "sinumerik_euler", "linuxcnc",
+                                         "linuxcnc_cartesian"),
+                         [](const auto& variant) { return variant.param; });
 
-TEST(Golden, SinumerikEuler) {
-  PostSettings settings = SampleSettings("sinumerik");
-  settings.rotation = "euler";
-  ExpectGolden("sinumerik", "sinumerik_euler", SamplePlan({.points = 3, .ring = false}), settings);
+TEST_P(Golden, WholeText) {
+  const PostSettings settings = SampleSettings(GetParam());
+  const bool long_one = GetParam() == "krl" || GetParam() == "sinumerik";
+  ExpectGolden(ControllerOf(GetParam()), GetParam(),
+               SamplePlan({.points = long_one ? 6 : 4, .ring = long_one}), settings);
 }
 
 }  // namespace

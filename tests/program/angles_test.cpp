@@ -5,7 +5,6 @@
 #include "base/random.hpp"
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
-#include "program/sinumerik.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {
@@ -70,10 +69,9 @@ TEST(Angles, SinumerikOrdersAreTheManuals) {
     return Eigen::AngleAxisd(angle, Vector3d::Unit(axis)).toRotationMatrix();
   };
   const Vector3d abc(0.3, -0.4, 1.1);
-  EXPECT_LT((FromSinumerikAngles("rpy", abc) - about(2, 1.1) * about(1, -0.4) * about(0, 0.3)).norm(), 1e-14);
-  EXPECT_LT((FromSinumerikAngles("euler", abc) - about(2, 0.3) * about(0, -0.4) * about(2, 1.1)).norm(),
-            1e-14);
-  EXPECT_LT((SinumerikAngles("rpy", FromSinumerikAngles("rpy", abc)) - abc).norm(), 1e-14);
+  EXPECT_LT((FromToolAngles("rpy", abc) - about(2, 1.1) * about(1, -0.4) * about(0, 0.3)).norm(), 1e-14);
+  EXPECT_LT((FromToolAngles("euler", abc) - about(2, 0.3) * about(0, -0.4) * about(2, 1.1)).norm(), 1e-14);
+  EXPECT_LT((ToolAngles("rpy", FromToolAngles("rpy", abc)) - abc).norm(), 1e-14);
 }
 
 TEST(ToolAxis, PutsTheNamedAxisAlongTheTool) {

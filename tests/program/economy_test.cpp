@@ -56,6 +56,40 @@ TEST(Economy, KeepsFeedChangesAndEverythingWithoutTolerance) {
   EXPECT_LT(Economise(program, {}).saved, all);
 }
 
+TEST(Economy, KeepsWhereAnOutputIsSwitched) {
+  MotionProgram program = MakeMotionProgram(SamplePlan({.points = 30, .spacing = 0.5, .ring = false}));
+  const size_t middle = 20;
+  ASSERT_EQ(program.motions[middle - 1].pass, 0);
+  const auto after = std::find_if(program.events.begin(), program.events.end(),
+                                  [&](const ProgramEvent& event) { return event.before_motion > middle; });
+  program.events.insert(after, {ProgramEvent::Kind::kOutput, middle, 0, 0, {3, true, 0, true}, 0, 0});
+  const EconomyResult result = Economise(program, {});
+  ASSERT_TRUE(IsWellFormed(result.program));
+  const ProgramEvent* output = nullptr;
+  for (const ProgramEvent& event : result.program.events)
+    if (event.kind == ProgramEvent::Kind::kOutput) output = &event;
+  ASSERT_NE(output, nullptr);
+  EXPECT_EQ(result.program.motions[output->before_motion - 1].X_PT.matrix(),
+            program.motions[middle - 1].X_PT.matrix());
+}
+
+TEST(Economy, MovesPointsApart) {
+  // With wide tolerances a motion stands for 512 points, which leaves a short rest of the 600.
+  const MotionProgram program =
+      MakeMotionProgram(SamplePlan({.points = 600, .spacing = 0.5, .ring = false, .passes = 1}));
+  const auto shortest = [&](double spacing) {
+    const std::vector<Motion> motions = Economise(program, {1, 0.1, spacing}).program.motions;
+    double least = 1e9;
+    for (size_t i = 1; i < motions.size(); ++i) {
+      if (motions[i].point < 0 || motions[i - 1].point < 0) continue;
+      least = std::min(least, (motions[i].X_PT.translation() - motions[i - 1].X_PT.translation()).norm());
+    }
+    return least;
+  };
+  EXPECT_LT(shortest(0), 50);
+  EXPECT_GE(shortest(100), 100);
+}
+
 TEST(Economy, CountsPointsThatStarveTheLookAhead) {
   const MotionProgram program = MakeMotionProgram(SamplePlan({.points = 30, .spacing = 0.5}));
   EXPECT_EQ(Economise(program, {0, 0, 0}).near, 0);

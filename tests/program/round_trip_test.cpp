@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <regex>
+
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
+#include "program/economy.hpp"
 #include "program/linuxcnc.hpp"
 #include "program/scanner.hpp"
 #include "tests/program/sample_plan.hpp"
@@ -13,7 +16,7 @@ namespace {
 
 class EachPost : public testing::TestWithParam<std::string> {
  protected:
-  std::unique_ptr<Post> post = MakePost(GetParam());
+  std::unique_ptr<Post> post = MakePost(ControllerOf(GetParam()));
   PostSettings settings = SampleSettings(GetParam());
   PlanResult plan = SamplePlan();
   MotionProgram program = MakeMotionProgram(plan);
@@ -21,7 +24,9 @@ class EachPost : public testing::TestWithParam<std::string> {
 
   MotionProgram Read(const ProgramFiles& texts) { return post->Read(texts, plan.arm, settings); }
 };
-INSTANTIATE_TEST_SUITE_P(Controllers, EachPost, testing::Values("krl", "sinumerik", "linuxcnc"),
+INSTANTIATE_TEST_SUITE_P(Controllers, EachPost,
+                         testing::Values("krl", "krl_spline", "sinumerik", "sinumerik_euler", "linuxcnc",
+                                         "linuxcnc_cartesian"),
                          [](const auto& controller) { return controller.param; });
 
 TEST(Posts, RegistryNamesThem) {
@@ -100,7 +105,7 @@ TEST_P(EachPost, RoundingKeepsTheTipAndTheMarks) {
     EXPECT_NEAR(read.events[i].value, program.events[i].value, 1e-9);
     EXPECT_EQ(read.events[i].piece, program.events[i].piece);
   }
-  if (GetParam() == "linuxcnc") return;  // has more motions, see below
+  if (ControllerOf(GetParam()) == "linuxcnc") return;  // has more motions, see below
   ASSERT_EQ(read.motions.size(), program.motions.size());
   const Pose X_BP = read.X_BP.value_or(*program.X_BP);
   const Pose X_FT = read.X_FT.value_or(*program.X_FT);
@@ -142,7 +147,7 @@ TEST_P(EachPost, AxisConventionIsUndoneWhenReading) {
 TEST_P(EachPost, SplitsBehindRetractsOnly) {
   settings.max_motions = 12;
   const ProgramFiles parts = post->Write(program, plan.arm, settings);
-  if (GetParam() == "linuxcnc") {
+  if (ControllerOf(GetParam()) == "linuxcnc") {
     EXPECT_EQ(parts, files);  // reads from disk, has no such limit
     return;
   }
@@ -168,24 +173,25 @@ TEST_P(EachPost, SplitsBehindRetractsOnly) {
 
 TEST_P(EachPost, ReadsSubprogramsAsCalled) {
   settings.max_motions = 12;
-  if (GetParam() == "linuxcnc") return;
+  if (ControllerOf(GetParam()) == "linuxcnc") return;
   ProgramFiles parts = post->Write(program, plan.arm, settings);
-  const std::string stem = "Sample_wall_plan", extension = GetParam() == "krl" ? ".src" : ".spf";
+  const std::string stem = "Sample_wall_plan",
+                    extension = ControllerOf(GetParam()) == "krl" ? ".src" : ".spf";
   ProgramFiles lost = parts;
   lost.erase(stem + "_002" + extension);
   EXPECT_THROW(Read(lost), InputError);
   ProgramFiles uncalled = parts;
-  std::string& main = uncalled[stem + (GetParam() == "krl" ? ".src" : ".mpf")];
+  std::string& main = uncalled[stem + (ControllerOf(GetParam()) == "krl" ? ".src" : ".mpf")];
   main.replace(main.find(stem + "_002"), 20, "; ");
   EXPECT_THROW(Read(uncalled), InputError);
   ProgramFiles circle = parts;
   std::string& part = circle[stem + "_002" + extension];
-  part.insert(part.rfind(GetParam() == "krl" ? "END" : "M17"),
-              GetParam() == "krl" ? stem + "_003 ( )\n" : stem + "_003\n");
+  part.insert(part.rfind(ControllerOf(GetParam()) == "krl" ? "END" : "M17"),
+              ControllerOf(GetParam()) == "krl" ? stem + "_003 ( )\n" : stem + "_003\n");
   EXPECT_GT(Read(circle).motions.size(), Read(parts).motions.size());  // called twice
   std::string& other = circle[stem + "_003" + extension];
-  other.insert(other.rfind(GetParam() == "krl" ? "END" : "M17"),
-               GetParam() == "krl" ? stem + "_002 ( )\n" : stem + "_002\n");
+  other.insert(other.rfind(ControllerOf(GetParam()) == "krl" ? "END" : "M17"),
+               ControllerOf(GetParam()) == "krl" ? stem + "_002 ( )\n" : stem + "_002\n");
   EXPECT_THROW(Read(circle), InputError);
 }
 
@@ -212,6 +218,75 @@ TEST_P(EachPost, CellTextsAreWrittenAndExpected) {
       }
     } else {
       EXPECT_THROW(Read(without), InputError) << line;
+    }
+  }
+}
+
+MotionOptions RichOptions() {
+  MotionOptions options;
+  options.header = {{"version", "millpose 0.0.0"}, {"tool_pose", "X -250.000 Y 0.000"}};
+  options.approach_feed = 1000.0 / 60;
+  options.approach_slow = 5;
+  options.retract_feed = 3000.0 / 60;
+  options.outputs = {{3, true, 0, true}, {4, true, 0, false}, {3, false, 0, false}};
+  return options;
+}
+
+TEST_P(EachPost, OutputsAndFeedsOfApproachAndRetract) {
+  program = MakeMotionProgram(plan, RichOptions());
+  ASSERT_TRUE(IsWellFormed(program));
+  files = post->Write(program, plan.arm, settings);
+  const MotionProgram read = Read(files);
+  EXPECT_EQ(post->Write(read, plan.arm, settings), files);
+  const auto outputs_of = [](const MotionProgram& from) {
+    std::vector<const ProgramEvent*> list;
+    for (const ProgramEvent& event : from.events)
+      if (event.kind == ProgramEvent::Kind::kOutput) list.push_back(&event);
+    return list;
+  };
+  const std::vector<const ProgramEvent*> given = outputs_of(read), wanted = outputs_of(program);
+  ASSERT_EQ(given.size(), 9u);
+  ASSERT_EQ(wanted.size(), 9u);
+  for (size_t i = 0; i < given.size(); ++i) {
+    EXPECT_EQ(given[i]->output.number, wanted[i]->output.number);
+    EXPECT_EQ(given[i]->output.on, wanted[i]->output.on);
+    EXPECT_GT(given[i]->line, 0);
+    if (ControllerOf(GetParam()) != "linuxcnc") {
+      EXPECT_EQ(given[i]->before_motion, wanted[i]->before_motion);
+    }
+  }
+  // Down fast, the last 5 mm at the cutting feed; up fast.
+  for (size_t i = 2; i < program.motions.size(); ++i) {
+    const Motion& motion = program.motions[i];
+    if (motion.type != MotionType::kLinear || motion.point >= 0) continue;
+    const double length = (motion.X_PT.translation() - program.motions[i - 1].X_PT.translation()).norm();
+    const bool approach = program.motions[i - 1].status.has_value();
+    EXPECT_NEAR(length, approach ? 45 : 50, 1e-6);
+    EXPECT_NEAR(motion.feed * 60, approach ? 1000 : 3000, 1e-6);
+    EXPECT_TRUE(motion.exact);
+  }
+}
+
+TEST_P(EachPost, LongPiecesAreHandedOverAtAStop) {
+  if (ControllerOf(GetParam()) == "linuxcnc") return;
+  EconomyResult whole = Economise(program, {0, 0, 0});
+  const std::vector<size_t> places = AddHandovers(whole.program, 5);
+  EXPECT_GE(places.size(), 4u);
+  settings.max_motions = 5;
+  files = post->Write(whole.program, plan.arm, settings);
+  for (const auto& [name, text] : files) {
+    const std::regex motion("(^|\n)( *S?LIN|PTP|G0|G1|G9 G1) ");
+    const auto count = std::distance(std::sregex_iterator(text.begin(), text.end(), motion), {});
+    if (name.find("_0") != std::string::npos) {
+      EXPECT_LE(count, 5) << name;
+    }
+  }
+  const MotionProgram read = Read(files);
+  EXPECT_EQ(post->Write(read, plan.arm, settings), files);
+  ASSERT_EQ(read.motions.size(), program.motions.size());
+  for (size_t i = 1; i < read.motions.size(); ++i) {
+    if (read.motions[i].file != read.motions[i - 1].file) {
+      EXPECT_TRUE(read.motions[i - 1].exact);
     }
   }
 }

@@ -154,11 +154,11 @@ Pose SampleTool() {
 PlanResult SamplePlan(const SampleShape& shape) {
   SampleBuilder builder(shape);
   const double length = shape.spacing * (shape.points - 1);
-  for (int pass = 0; pass < 2; ++pass) {
+  for (int pass = 0; pass < shape.passes; ++pass) {
     std::vector<Vector3d> places;
     for (int i = 0; i < shape.points; ++i) {
       const double along = pass % 2 ? length - i * shape.spacing : i * shape.spacing;
-      places.emplace_back(along - length / 2, 8.0 * pass - 4, 0);
+      places.emplace_back(along - length / 2, shape.stepover * (pass - (shape.passes - 1) / 2.0), 0);
     }
     builder.AddPass(places, false);
   }
@@ -173,15 +173,20 @@ PlanResult SamplePlan(const SampleShape& shape) {
   return builder.Finish();
 }
 
-PostSettings SampleSettings(const std::string& controller) {
+PostSettings SampleSettings(const std::string& variant) {
   PostSettings settings;
   settings.X_FT = SampleTool();
   settings.tool_name = "SPINDLE_D20";
-  if (controller == "krl") {
+  if (ControllerOf(variant) == "krl") {
     settings.R_TC = ToolAxis("x");
     settings.texts = {{"spindle_on", "$ANOUT[1]={rpm}\n$OUT[1]=TRUE"}, {"spindle_off", "$OUT[1]=FALSE"}};
   }
+  settings.spline = variant == "krl_spline";
+  settings.cartesian = variant == "linuxcnc_cartesian";
+  if (variant == "sinumerik_euler") settings.rotation = "euler";
   return settings;
 }
+
+std::string ControllerOf(const std::string& variant) { return variant.substr(0, variant.find('_')); }
 
 }  // namespace millpose

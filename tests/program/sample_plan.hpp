@@ -19,10 +19,15 @@ struct SampleShape {
   double wall_turn_deg = -90;  ///< B of the workpiece in the world
   double wall_yaw_deg = 0;     ///< A
   double tilt_deg = 0;         ///< of the tool axis against the wall's normal
+  int passes = 2;              ///< straight ones
+  double stepover = 8;         ///< mm, of these
 };
 PlanResult SamplePlan(const SampleShape& shape = {});
 
-/// Settings as the kr500_r2830 cell gives them for `controller`.
-PostSettings SampleSettings(const std::string& controller);
+/// Settings as the kr500_r2830 cell gives them for a controller, or for a variant of it: krl, krl_spline,
+/// sinumerik, sinumerik_euler, linuxcnc, linuxcnc_cartesian.
+PostSettings SampleSettings(const std::string& variant);
+/// The controller of a variant.
+std::string ControllerOf(const std::string& variant);
 
 }  // namespace millpose

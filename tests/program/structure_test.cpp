@@ -5,6 +5,7 @@
 
 #include <regex>
 
+#include "program/economy.hpp"
 #include "program/scanner.hpp"
 #include "tests/program/sample_plan.hpp"
 
@@ -47,11 +48,16 @@ Complaints CheckKrl(const std::string& text, const std::string& name) {
                   "LIN \\{{{0}{1}\\}}( C_DIS)?|  SLIN \\{{{0}{1}\\}}( WITH \\$VEL\\.CP = {3})?",
                   pose, external, axes, kReal));
   const std::regex setting(fmt::format(
-      "\\$(BASE|TOOL) = \\{{FRAME: {}\\}}|\\$(BASE|TOOL) = (BASE|TOOL)_DATA\\[[0-9]+\\]|\\$ORI_TYPE = #VAR|"
-      "\\$ADVANCE = [0-5]|\\$APO\\.CDIS = {}|BAS \\(#VEL_PTP,[0-9]+ \\)",
+      "\\$(BASE|TOOL) = \\{{FRAME: {0}\\}}|\\$(BASE|TOOL) = (BASE|TOOL)_DATA\\[[0-9]+\\]|\\$ORI_TYPE = #VAR|"
+      "\\$ADVANCE = [0-5]|\\$APO\\.CDIS = {1}|BAS \\(#VEL_PTP,[0-9]+ \\)|"
+      "\\$(VEL|ACC)\\.ORI[12] = {1}|\\$ACC\\.CP = {1}",
       pose, kReal));
-  const std::regex other(fmt::format(
-      "\\$VEL\\.CP = {}|SPLINE|ENDSPLINE|\\$A?N?OUT\\[1\\]=[A-Z0-9]+|[A-Za-z0-9_]+ \\( \\)", kReal));
+  const std::regex other(
+      fmt::format("\\$VEL\\.CP = {}|SPLINE|ENDSPLINE|PASS_[0-9]+_[0-9]+:|"
+                  "(TRIGGER WHEN DISTANCE=0|  TRIGGER WHEN PATH=0 ONSTART) DELAY=-?[0-9]+ DO "
+                  "\\$OUT\\[[0-9]+\\]=(TRUE|FALSE)|"
+                  "\\$A?N?OUT\\[1\\]=[A-Z0-9]+|[A-Za-z0-9_]+ \\( \\)",
+                  kReal));
   static const std::regex ini(
       " *(GLOBAL INTERRUPT DECL 3 WHEN \\$STOPMESS==TRUE DO IR_STOPM \\( \\)|INTERRUPT ON 3|"
       "BAS \\(#INITMOV,0 \\))");
@@ -85,6 +91,25 @@ Complaints CheckKrl(const std::string& text, const std::string& name) {
   return complaints;
 }
 
+Complaints CheckKrlData(const std::string& text, const std::string& name) {
+  Complaints complaints;
+  ComplainAboutCharacters(text, complaints);
+  static const std::regex declaration(
+      "&[A-Z]+ .*| *;(FOLD|ENDFOLD).*| *EXT BAS \\(BAS_COMMAND :IN,REAL :IN \\)| *DECL INT SUCCESS");
+  std::vector<std::string> lines = Lines(text);
+  int folds = 0;
+  const auto begin = std::find(lines.begin(), lines.end(), "DEFDAT " + name);
+  if (begin == lines.end() || lines.back() != "ENDDAT") return {"DEFDAT " + name + " … ENDDAT"};
+  for (auto line = lines.begin(); line != lines.end() - 1; ++line) {
+    if (line->find(";FOLD") != std::string::npos) ++folds;
+    if (line->find(";ENDFOLD") != std::string::npos) --folds;
+    const bool before = line < begin && line->front() != '&';
+    if (line != begin && (before || !std::regex_match(*line, declaration))) complaints.push_back(*line);
+  }
+  if (folds != 0) complaints.push_back("folds left open");
+  return complaints;
+}
+
 Complaints CheckSinumerik(const std::string& text, const std::string& name) {
   Complaints complaints;
   ComplainAboutCharacters(text, complaints);
@@ -94,8 +119,9 @@ Complaints CheckSinumerik(const std::string& text, const std::string& name) {
   const std::regex block(fmt::format(
       "G0 {0} STAT='B[01]{{3}}' TU='B[01]{{6}}' PTP|(G9 )?G1 {0}( F{1})?( CP)?|"
       "G0 RA1={1} RA2={1} RA3={1} RA4={1} RA5={1} RA6={1}|TRAORI|TRAFOOF|G54|ORIWKS|G642|M6|S[0-9.]+ M3|M5|"
-      "G17 G710 G40 G90 G94|T=\"[A-Z0-9_]+\" D1|CYCLE832\\({1},_FINISH,0\\.1\\)|CYCLE832\\(0,_OFF,1\\)|"
-      "MSG\\(\"[A-Z0-9 ]*\"\\)|[A-Z]{{2}}[A-Z0-9_]*:|[A-Za-z]{{2}}[A-Za-z0-9_]*_[0-9]{{3}}|"
+      "G17 G710 G40 G90 G94|T=\"[A-Z0-9_]+\" D1|CYCLE832\\({1},_FINISH,{1}\\)|CYCLE832\\(0,_OFF,1\\)|"
+      "WHEN TRUE DO \\$A_OUT\\[[0-9]+\\]=[01]|MSG\\(\"[A-Z0-9 "
+      "]*\"\\)|[A-Z]{{2}}[A-Z0-9_]*:|[A-Za-z]{{2}}[A-Za-z0-9_]*_[0-9]{{3}}|"
       "\\$P_UIFR\\[1\\]=CTRANS\\(X,{1},Y,{1},Z,{1}\\):CROT\\(X,{1},Y,{1},Z,{1}\\)",
       pose, kReal));
   bool ended = false, transformed = false, point_to_point = false;
@@ -125,7 +151,9 @@ Complaints CheckLinuxCnc(const std::string& text, const std::string&) {
   ComplainAboutCharacters(text, complaints);
   const std::string axes = fmt::format("X{0} Y{0} Z{0} A{0} B{0} C{0}", kReal);
   const std::regex block(fmt::format(
-      "G0 {0}|G1 {0} F{1}|G21 G90 G17 G40 G49 G94|G9[34]|G61\\.1|G64 P{1} Q0|S[0-9.]+ M3|M5", axes, kReal));
+      "G0 {0}|G1 {0}( F{1})?|G10 L2 P9 X0 Y0 Z0 A0 B0 C0 R0|G59\\.3 G92\\.1|M6[23] P[0-9]+|M68 E3 Q[01]|"
+      "M66 E0 L0|G21 G90 G17 G40 G49 G94|G9[34]|G61\\.1|G64 P{1} Q0|S[0-9.]+ M3|M5",
+      axes, kReal));
   bool ended = false;
   for (const std::string& line : Lines(text)) {
     if (line.empty() || line[0] == ';') continue;
@@ -139,24 +167,31 @@ Complaints CheckLinuxCnc(const std::string& text, const std::string&) {
 
 Complaints Check(const std::string& controller, const std::string& file, const std::string& text) {
   const std::string name = file.substr(0, file.rfind('.'));
-  if (file.ends_with(".dat")) return {};
+  if (file.ends_with(".dat")) return CheckKrlData(text, name);
   if (controller == "krl") return CheckKrl(text, name);
   return controller == "sinumerik" ? CheckSinumerik(text, name) : CheckLinuxCnc(text, name);
 }
 
 TEST(Structure, EveryTextIsWellFormed) {
-  for (const std::string& controller : PostNames()) {
-    for (const int most : {12, 1400}) {
-      for (const bool spline : {false, true}) {
-        PostSettings settings = SampleSettings(controller);
-        settings.max_motions = most;
-        settings.spline = spline;
-        if (spline) settings.external = {100, -20};
-        const PlanResult plan = SamplePlan({.wall_turn_deg = -75, .wall_yaw_deg = 12, .tilt_deg = 7});
-        for (const auto& [file, text] :
-             MakePost(controller)->Write(MakeMotionProgram(plan), plan.arm, settings)) {
-          EXPECT_EQ(Check(controller, file, text), Complaints{}) << file;
-        }
+  const PlanResult plan = SamplePlan({.wall_turn_deg = -75, .wall_yaw_deg = 12, .tilt_deg = 7});
+  MotionOptions options;
+  options.header = {{"tool", "spindle \xc3\xbc"}, {"base", std::string(200, 'x')}};
+  options.approach_feed = options.retract_feed = 20;
+  options.approach_slow = 5;
+  options.outputs = {{3, true, 0.02, true}, {3, false, 0, false}};
+  for (const std::string variant :
+       {"krl", "krl_spline", "sinumerik", "sinumerik_euler", "linuxcnc", "linuxcnc_cartesian"}) {
+    for (const int most : {5, 12, 1400}) {
+      PostSettings settings = SampleSettings(variant);
+      settings.max_motions = most;
+      if (variant == "krl_spline") settings.external = {100, -20};
+      settings.path_acceleration = 2000;
+      settings.orientation_acceleration = 10;
+      MotionProgram program = MakeMotionProgram(plan, options);
+      if (most == 5) AddHandovers(program, most);
+      const std::string controller = ControllerOf(variant);
+      for (const auto& [file, text] : MakePost(controller)->Write(program, plan.arm, settings)) {
+        EXPECT_EQ(Check(controller, file, text), Complaints{}) << variant << " " << file;
       }
     }
   }
@@ -172,6 +207,7 @@ TEST(Structure, TheCheckerSeesFaults) {
       {"krl", ";ENDFOLD (PASS", "; ("},
       {"krl", "A1 0.000000", "A1 .0"},
       {"krl", "DEF Sample", "DEF Simple"},
+      {"krl", "$VEL.ORI1", "$VEL.ORI3"},
       {"sinumerik", "TRAORI\n", ""},
       {"sinumerik", " CP", ""},
       {"sinumerik", "M30", "M2"},

@@ -12,7 +12,7 @@ namespace {
 using Lines = std::vector<std::string>;
 using Edit = std::function<std::optional<std::string>(const std::string&)>;
 
-const std::string kCut = "^(N[0-9]+ )?(LIN |G9 G1 |G1 )";
+const std::string kCut = "^ *(N[0-9]+ )?(S?LIN |G9 G1 |G1 )";
 const std::string kEntry = "(PTP \\{X|STAT=)";
 const std::string kNumber = "(-?[0-9]+(?:\\.[0-9]*)?)";
 
@@ -172,11 +172,11 @@ std::vector<TextEdit> Damages() {
       {"cut lines swapped", "KSL", Swap(kCut, 2, 3)},
       {"curved cut lines swapped", "KSL", Swap(kCut, -5, -6)},
       {"cut lines reversed", "KSL", ReverseCuts()},
-      {"0.05 mm in X of a point", "KS", Number(kCut, 2, "\\bX ?", Plus(0.05))},
-      {"0.05 mm in Y of a point", "KS", Number(kCut, 2, "\\bY ?", Plus(0.05))},
-      {"0.05 mm in Z of a point", "KS", Number(kCut, 2, "\\bZ ?", Plus(-0.05))},
-      {"0.05 degrees in C of a point", "KS", Number(kCut, 3, "\\bC[ =]", Plus(0.05))},
-      {"0.05 degrees in B of a point", "KS", Number(kCut, 3, "\\bB[ =]", Plus(0.05))},
+      {"0.05 mm in X of a point", "KSC", Number(kCut, 2, "\\bX ?", Plus(0.05))},
+      {"0.05 mm in Y of a point", "KSC", Number(kCut, 2, "\\bY ?", Plus(0.05))},
+      {"0.05 mm in Z of a point", "KSC", Number(kCut, 2, "\\bZ ?", Plus(-0.05))},
+      {"0.05 degrees in C of a point", "KSC", Number(kCut, 3, "\\bC[ =]?", Plus(0.05))},
+      {"0.05 degrees in B of a point", "KSC", Number(kCut, 3, "\\bB[ =]?", Plus(0.05))},
       {"0.01 degrees in a joint of a point", "L", Number(kCut, 2, "\\bX", Plus(0.01))},
       {"0.05 degrees in the last joint of a point", "L", Number(kCut, 2, "\\bC", Plus(0.05))},
       {"A and C exchanged", "K", ReplaceAll(",A ([-0-9.]+),B ([-0-9.]+),C ([-0-9.]+)", ",A $3,B $2,C $1")},

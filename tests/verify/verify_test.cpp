@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "base/units.hpp"
+#include "robot/kinematics.hpp"
 #include "tests/verify/sample_cell.hpp"
+#include "verify/arm_bodies.hpp"
 
 namespace millpose {
 namespace {
@@ -18,7 +20,7 @@ std::string Text(const std::vector<Finding>& findings) {
 
 class VerifyPost : public testing::TestWithParam<std::string> {
  protected:
-  std::unique_ptr<Post> post = MakePost(GetParam());
+  std::unique_ptr<Post> post = MakePost(ControllerOf(GetParam()));
   PostSettings settings = SampleSettings(GetParam());
   PlanResult plan = SamplePlan();
   MotionProgram program = MakeMotionProgram(plan);
@@ -29,7 +31,9 @@ class VerifyPost : public testing::TestWithParam<std::string> {
     return post->Read(post->Write(program, plan.arm, settings), plan.arm, settings);
   }
 };
-INSTANTIATE_TEST_SUITE_P(Controllers, VerifyPost, testing::Values("krl", "sinumerik", "linuxcnc"),
+INSTANTIATE_TEST_SUITE_P(Controllers, VerifyPost,
+                         testing::Values("krl", "krl_spline", "sinumerik", "sinumerik_euler", "linuxcnc",
+                                         "linuxcnc_cartesian"),
                          [](const auto& controller) { return controller.param; });
 
 TEST_P(VerifyPost, ConfirmsWhatWasWritten) {
@@ -62,7 +66,7 @@ TEST_P(VerifyPost, SeesAnotherTool) {
   moved.X_FT.translation().x() += 0.05;
   const std::string text = Text(Verify(WrittenAndRead(), World(moved), &program, options, 2, {}));
   // SINUMERIK takes the tool from the control's own data, so the program says nothing about it.
-  EXPECT_EQ(text.empty(), GetParam() == "sinumerik") << text;
+  EXPECT_EQ(text.empty(), ControllerOf(GetParam()) == "sinumerik") << text;
 }
 
 TEST_P(VerifyPost, SeesLimits) {
@@ -80,6 +84,154 @@ TEST_P(VerifyPost, SeesInterference) {
   narrow.bodies.push_back(post_body);
   const std::string text = Text(Verify(WrittenAndRead(), World(narrow), nullptr, options, 2, {}));
   EXPECT_NE(text.find("post"), std::string::npos) << text;
+}
+
+TEST(Verify, CornersThatAreHardlyAnyMayBeRounded) {
+  const PlanResult plan = SamplePlan();
+  const MotionProgram program = MakeMotionProgram(plan);
+  const World world(SampleCell(plan));
+  MotionProgram rounded = program;
+  rounded.blend_is_distance = true;
+  for (Motion& motion : rounded.motions)
+    if (!motion.exact) motion.blend = 1;
+  // The straight passes have no corners; the ring's turn by 30°: 1/2·sin(15°) = 0.129 mm.
+  const std::vector<Finding> findings = Verify(rounded, world, &program, SampleOptions(plan), 2, {});
+  EXPECT_NE(Text(findings).find("rounded by 0.129 mm"), std::string::npos) << Text(findings);
+  EXPECT_EQ(Text(findings).find("rounded by 0.13"), std::string::npos) << Text(findings);
+  for (Motion& motion : rounded.motions) motion.blend = motion.exact ? 0 : 0.1;
+  EXPECT_EQ(Text(Verify(rounded, world, &program, SampleOptions(plan), 2, {})), "");
+}
+
+TEST(Verify, SlowTurningSlowsTheFeed) {
+  const PlanResult plan = SamplePlan();
+  const MotionProgram program = MakeMotionProgram(plan);
+  const World world(SampleCell(plan));
+  MotionProgram slow = program;
+  for (Motion& motion : slow.motions) motion.turn_speed = 200 * kRadPerDeg;
+  EXPECT_EQ(Text(Verify(slow, world, &program, SampleOptions(plan), 2, {})), "");
+  for (Motion& motion : slow.motions) motion.turn_speed = 0.01 * kRadPerDeg;
+  EXPECT_NE(Text(Verify(slow, world, &program, SampleOptions(plan), 2, {})).find("runs at"),
+            std::string::npos);
+}
+
+TEST(Verify, SeesOutputsElsewhere) {
+  const PlanResult plan = SamplePlan();
+  MotionOptions options;
+  options.outputs = {{3, true, 0, true}, {3, false, 0, false}};
+  const MotionProgram program = MakeMotionProgram(plan, options);
+  const World world(SampleCell(plan));
+  const auto verified = [&](const std::function<void(std::vector<ProgramEvent>&)>& edit) {
+    MotionProgram other = program;
+    edit(other.events);
+    return Text(Verify(other, world, &program, SampleOptions(plan), 2, {}));
+  };
+  const auto output = [](std::vector<ProgramEvent>& events) {
+    return std::find_if(events.begin(), events.end(),
+                        [](const ProgramEvent& e) { return e.kind == ProgramEvent::Kind::kOutput; });
+  };
+  EXPECT_EQ(verified([](auto&) {}), "");
+  EXPECT_NE(verified([&](auto& events) { output(events)->output.number = 4; }), "");
+  EXPECT_NE(verified([&](auto& events) { output(events)->output.on = false; }), "");
+  EXPECT_NE(verified([&](auto& events) { output(events)->output.delay = 0.01; }), "");
+  EXPECT_NE(verified([&](auto& events) { events.erase(output(events)); }), "");
+  EXPECT_NE(verified([&](auto& events) { output(events)->before_motion += 1; }), "");
+}
+
+TEST(ArmBodies, BoundHowFarTheArmIs) {
+  const PlanResult plan = SamplePlan();
+  const Cell cell = SampleCell(plan);
+  const ArmBodies bodies(cell);
+  const Joints q = plan.passes[0].points[0].q;
+  for (int joint = 0; joint < 6; ++joint) {
+    Joints p = q;
+    p[joint] += 0.002;
+    // No point of a body is left out: corners of the tool's cylinders are within the bound found by halving.
+    double lower = 0, upper = 100;
+    while (upper - lower > 1e-3) {
+      const double middle = (lower + upper) / 2;
+      (bodies.MovesFurther(q, p, middle) ? lower : upper) = middle;
+    }
+    const Pose a = ForwardFlange(cell.arm, q) * cell.X_FT, b = ForwardFlange(cell.arm, p) * cell.X_FT;
+    for (const Eigen::Vector3d& corner : {Eigen::Vector3d(80, 0, 320), Eigen::Vector3d(-80, 0, 120),
+                                          Eigen::Vector3d(0, 80, 320), Eigen::Vector3d(0, 0, 0)}) {
+      EXPECT_LE((a * corner - b * corner).norm(), upper + 1e-3) << joint;
+    }
+  }
+  EXPECT_FALSE(bodies.MovesFurther(q, q, 1e-9));
+}
+
+/// A body beside the spindle, `distance` mm from it at joint angles q.
+Cell WithBlock(const PlanResult& plan, const Joints& q, double distance) {
+  Cell cell = SampleCell(plan);
+  Body block;
+  block.name = "block";
+  block.body_class = BodyClass::kFixture;
+  block.X_MG.translation() =
+      plan.X_WB * ForwardFlange(plan.arm, q) * plan.X_FT * Eigen::Vector3d(80 + 20 + distance, 0, 250);
+  block.shape = Sphere{20};
+  cell.bodies.push_back(block);
+  return cell;
+}
+
+TEST(Verify, ChecksAgainWhatLeavesTheProvenMotion) {
+  // A cut of 2.5 mm, 8 mm from a body: 10 mm are asked.
+  const PlanResult plan = SamplePlan({.points = 6, .spacing = 0.5, .ring = false, .passes = 1});
+  const MotionProgram program = MakeMotionProgram(plan);
+  const World world(WithBlock(plan, plan.passes[0].points[3].q, 8));
+  VerifyOptions options = SampleOptions(plan);
+  const auto sees_block = [&] {
+    return Text(Verify(program, world, &program, options, 2, {})).find("block") != std::string::npos;
+  };
+  // As far as verification knows the planner has proven that: it looks only at what leaves the proof.
+  EXPECT_FALSE(sees_block());
+  options.clearance_reserve = 1e-9;  // the straight motion leaves the joint motion by more than that
+  EXPECT_TRUE(sees_block());
+  options.interference = true;
+  options.clearance_reserve = 0.5;
+  EXPECT_TRUE(sees_block());
+}
+
+TEST(Verify, AReducedGapKeepsItsShareOfTheClearance) {
+  PlanResult plan = SamplePlan();
+  const std::vector<Joints>& way = plan.gaps[0].joints;
+  // A body from which the first gap keeps between 5.5 and 8.5 mm.
+  std::optional<World> world;
+  for (double distance = 0; distance < 300 && !world; distance += 1) {
+    const World candidate(WithBlock(plan, way[1], distance));
+    Checker checker(candidate);
+    double least = 100;
+    for (int i = 0; i <= 400; ++i) {
+      const size_t leg = i < 200 ? 0 : 1;
+      const Joints q = way[leg] + (way[leg + 1] - way[leg]) * ((i - 200.0 * leg) / 200);
+      least = std::min(least, checker.Clearance(q, Phase::kFree, least));
+    }
+    if (least > 5.5 && least < 8.5) world = candidate;
+  }
+  ASSERT_TRUE(world);
+  VerifyOptions options = SampleOptions(plan);
+  options.interference = true;
+  const auto sees_block = [&] {
+    const MotionProgram program = MakeMotionProgram(plan);
+    return Text(Verify(program, *world, &program, options, 2, {})).find("block") != std::string::npos;
+  };
+  EXPECT_TRUE(sees_block());
+  // The last gap runs by the same way-point.
+  plan.gaps.front().clearance_share = plan.gaps.back().clearance_share = 0.9;
+  EXPECT_TRUE(sees_block());
+  plan.gaps.front().clearance_share = plan.gaps.back().clearance_share = 0.5;
+  EXPECT_FALSE(sees_block());
+}
+
+TEST(Verify, SeesJumpsOfTheSpeedWithoutAPlan) {
+  const PlanResult plan = SamplePlan();
+  const World world(SampleCell(plan));
+  MotionProgram program = MakeMotionProgram(plan);
+  EXPECT_EQ(Text(Verify(program, world, nullptr, SampleOptions(plan), 2, {})), "");
+  const auto cut = std::find_if(program.motions.begin(), program.motions.end(),
+                                [](const Motion& motion) { return motion.point >= 3 && !motion.exact; });
+  cut->feed *= 20;
+  const std::string text = Text(Verify(program, world, nullptr, SampleOptions(plan), 2, {}));
+  EXPECT_NE(text.find("the feed jumps from"), std::string::npos) << text;
 }
 
 }  // namespace

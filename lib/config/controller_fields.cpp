@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The keys of a cell's `controllers:` section, and which controller knows which of them.
+#include "config/fields.hpp"
+
+namespace millpose::config {
+namespace {
+
+const Unit kMillisecond{"ms", 1, 1000};
+const Unit kMetrePerS2{"m/s²", 1000, 1};
+
+Codec<PathOutputSettings> OutputFields() {
+  using S = PathOutputSettings;
+  return Section<S>({
+      Key<S>("number", MILLPOSE_AT(number), Integer(0, 8192), "Number of the digital output.").Required(),
+      Key<S>("at", MILLPOSE_AT(at), Choice({"cut_begin", "cut_end"}),
+             "First or last point of every cut (lead-in and lead-out belong to it).")
+          .Required(),
+      Key<S>("set", MILLPOSE_AT(on), Flag(), "What it is switched to.").Required(),
+      Key<S>("delay_ms", MILLPOSE_AT(delay), Real(kMillisecond, Between(-1000, 1000)),
+             "KRL: later than at that place; negative: before.")
+          .WhenSet([](const S& s) { return s.delay != 0; }),
+  });
+}
+
+const std::vector<std::string> kTexts = {"cartesian_on", "coolant_off", "coolant_on", "footer",
+                                         "header",       "joints_on",   "pass_begin", "pass_end",
+                                         "spindle_off",  "spindle_on",  "tool_change"};
+
+Codec<ControllerSettings> ControllerFields() {
+  using S = ControllerSettings;
+  return Section<S>(
+      {
+          Key<S>("tool_axis", MILLPOSE_AT(tool_axis), Choice({"x", "y", "z", "-x", "-y", "-z"}),
+                 "Axis of the controller's tool frame that lies along the tool, from tip to holder."),
+          Key<S>("rotation", MILLPOSE_AT(rotation), Choice({"rpy", "euler"}),
+                 "SINUMERIK (machine data ORI), Cartesian LinuxCNC: how A, B, C are counted."),
+          Key<S>("axis_signs", MILLPOSE_AT(axis_signs), Signs(),
+                 "Controller's angle = sign × arm's angle + offset."),
+          Key<S>("axis_offsets_deg", MILLPOSE_AT(axis_offsets), Numbers6(kDeg, Between(-360, 360)),
+                 "Controller's angle = sign × arm's angle + offset."),
+          Key<S>("axis_names", MILLPOSE_AT(axis_names), ListOf(Text()),
+                 "SINUMERIK: names of the six robot axes as channel axes, for motions without "
+                 "transformation."),
+          Key<S>("coordinates", MILLPOSE_AT(coordinates), Choice({"joint", "cartesian"}),
+                 "LinuxCNC: X Y Z A B C are joints throughout, or the tool's pose in cuts."),
+          Key<S>("motion", MILLPOSE_AT(motion), Choice({"lin", "spline"}),
+                 "KRL: cuts as LIN with C_DIS, or as SPLINE blocks of SLIN."),
+          Key<S>("base_number", MILLPOSE_AT(base_number), Integer(0, 32),
+                 "KRL: $BASE = BASE_DATA[number] instead of values; 0: values."),
+          Key<S>("tool_number", MILLPOSE_AT(tool_number), Integer(0, 16),
+                 "KRL: $TOOL = TOOL_DATA[number] instead of values; 0: values."),
+          Key<S>("external_axes", MILLPOSE_AT(external_axes), ListOf(Real({"mm or deg"}, Any())),
+                 "KRL: constant E1, E2, … written with every target."),
+          Key<S>("ptp_speed_percent", MILLPOSE_AT(ptp_speed_percent), Integer(1, 100),
+                 "KRL: share of the axes' largest speed in motions between cuts."),
+          Key<S>("advance", MILLPOSE_AT(advance), Integer(1, 5), "KRL: $ADVANCE, motions computed ahead."),
+          Key<S>("path_acceleration_m_s2", MILLPOSE_AT(path_acceleration), Maybe(Real(kMetrePerS2, Above(0))),
+                 "KRL: $ACC.CP; the controller's own by default."),
+          Key<S>("orientation_speed_deg_s", MILLPOSE_AT(orientation_speed), Real(kDegPerS, Above(0)),
+                 "KRL: $VEL.ORI1 and $VEL.ORI2."),
+          Key<S>("orientation_acceleration_deg_s2", MILLPOSE_AT(orientation_acceleration),
+                 Maybe(Real(kDegPerS2, Above(0))),
+                 "KRL: $ACC.ORI1 and $ACC.ORI2; the controller's own by default."),
+          Key<S>("max_motions", MILLPOSE_AT(max_motions), Integer(10, 1000000),
+                 "KRL, SINUMERIK: motions in one program file; larger programs call sub-programs."),
+          Key<S>("max_kbytes", MILLPOSE_AT(max_kbytes), Integer(4, 1000000),
+                 "KRL, SINUMERIK: size of one program file, kB; larger programs call sub-programs."),
+          Key<S>("outputs", MILLPOSE_AT(outputs), ListOf(OutputFields()),
+                 "Digital outputs that are switched on the path, without a stop."),
+          Key<S>("texts", MILLPOSE_AT(texts), MapOf<std::string>(kTexts, Lines()),
+                 "Template lines by event, in place of the built-in ones; {rpm}, {tool}, {pass}, {piece} are "
+                 "filled in."),
+      },
+      [](const Value& value, const Context& context, S& controller) {
+        if (controller.axis_names.size() != 6)
+          context.Child("axis_names")
+              .Add(value.mark, fmt::format("given {} names; allowed: 6", controller.axis_names.size()));
+        if (controller.external_axes.size() > 6)
+          context.Child("external_axes")
+              .Add(value.mark,
+                   fmt::format("given {} values; allowed: at most 6", controller.external_axes.size()));
+      });
+}
+
+/// A key that not every controller can follow.
+struct Support {
+  const char* key;
+  std::vector<std::string> controllers;
+};
+const std::vector<Support>& Supports() {
+  static const std::vector<Support> supports = {
+      {"rotation", {"sinumerik", "linuxcnc"}},
+      {"axis_names", {"sinumerik"}},
+      {"coordinates", {"linuxcnc"}},
+      {"motion", {"krl"}},
+      {"base_number", {"krl"}},
+      {"tool_number", {"krl"}},
+      {"external_axes", {"krl"}},
+      {"ptp_speed_percent", {"krl"}},
+      {"advance", {"krl"}},
+      {"path_acceleration_m_s2", {"krl"}},
+      {"orientation_speed_deg_s", {"krl"}},
+      {"orientation_acceleration_deg_s2", {"krl"}},
+      {"max_motions", {"krl", "sinumerik"}},
+      {"max_kbytes", {"krl", "sinumerik"}},
+      {"delay_ms", {"krl"}},
+      {"cartesian_on", {"linuxcnc"}},
+      {"joints_on", {"linuxcnc"}},
+  };
+  return supports;
+}
+
+/// Keys anywhere in a controller's section that this controller cannot follow.
+void CheckSupport(const Value& value, const Context& context, const std::string& controller) {
+  for (size_t i = 0; i < value.items.size(); ++i) {
+    if (value.kind == Value::Kind::kList) CheckSupport(value.items[i], context.Child(i), controller);
+    if (value.kind != Value::Kind::kMap) continue;
+    const Context child = context.Child(value.keys[i].text);
+    for (const Support& support : Supports()) {
+      const bool known = std::ranges::find(support.controllers, controller) != support.controllers.end();
+      if (value.keys[i].text != support.key || known) continue;
+      child.Add(value.keys[i].mark, fmt::format("{} programs do not know this; allowed for: {}", controller,
+                                                fmt::join(support.controllers, ", ")));
+    }
+    CheckSupport(value.items[i], child, controller);
+  }
+}
+
+/// Programs are ASCII: what a text puts into them must be so too.
+void CheckTexts(const Value& controller, const Context& context) {
+  const Value* texts = controller.Find("texts");
+  if (!texts) return;
+  for (size_t i = 0; i < texts->items.size(); ++i) {
+    const std::string& text = texts->items[i].text;
+    const auto odd = std::ranges::find_if(text, [](char c) { return c != '\n' && (c < ' ' || c > '~'); });
+    if (odd == text.end()) continue;
+    context.Child("texts")
+        .Child(texts->keys[i].text)
+        .Add(texts->items[i].mark, "programs are plain ASCII: letters, digits, blanks and !…~ allowed");
+  }
+}
+
+}  // namespace
+
+Codec<std::map<std::string, ControllerSettings>> ControllersFields() {
+  auto codec = MapOf<ControllerSettings>({"krl", "sinumerik", "linuxcnc"}, ControllerFields());
+  codec.read = [read = codec.read](const Value& value, const Context& context,
+                                   std::map<std::string, ControllerSettings>& controllers) {
+    const size_t problems_before = context.problems.size();
+    read(value, context, controllers);
+    if (context.problems.size() != problems_before) return;
+    for (size_t i = 0; i < value.items.size(); ++i) {
+      const Context child = context.Child(value.keys[i].text);
+      CheckSupport(value.items[i], child, value.keys[i].text);
+      CheckTexts(value.items[i], child);
+    }
+  };
+  // A resolved cell gives no controller a key that it cannot follow.
+  codec.write = [write = codec.write](const std::map<std::string, ControllerSettings>& controllers) {
+    Value map = write(controllers);
+    for (size_t i = 0; i < map.items.size(); ++i) {
+      Value kept = Value::Map();
+      for (size_t k = 0; k < map.items[i].items.size(); ++k) {
+        const std::string& key = map.items[i].keys[k].text;
+        const bool unsupported = std::ranges::any_of(Supports(), [&](const Support& support) {
+          return key == support.key &&
+                 std::ranges::find(support.controllers, map.keys[i].text) == support.controllers.end();
+        });
+        if (!unsupported) kept.Put(key, map.items[i].items[k]);
+      }
+      map.items[i] = kept;
+    }
+    return map;
+  };
+  return codec;
+}
+
+}  // namespace millpose::config

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/program_motions.hpp"
+
+#include "base/units.hpp"
+#include "pipeline/assemble.hpp"
+#include "pipeline/base_window.hpp"
+#include "program/controller_axes.hpp"
+
+namespace millpose {
+namespace {
+
+std::string PoseText(const Pose& pose) {
+  const Eigen::Vector3d p = pose.translation(), abc = AnglesZyx(pose.linear()) * kDegPerRad;
+  return fmt::format("X {} Y {} Z {}, A {} B {} C {} (about Z, new Y, new X)", Fixed(p.x(), 3),
+                     Fixed(p.y(), 3), Fixed(p.z(), 3), Fixed(abc[0], 4), Fixed(abc[1], 4), Fixed(abc[2], 4));
+}
+
+MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
+                                const ControllerSettings& controller,
+                                const std::optional<BaseWindow>& window) {
+  const JobSettings& job = inputs.job;
+  MotionOptions options;
+  Pose X_FC = plan.X_FT;
+  X_FC.linear() = X_FC.linear() * ToolAxis(controller.tool_axis);
+  options.header = {{"version", std::string("millpose ") + MILLPOSE_VERSION},
+                    {"tool", inputs.cell.tool.name + " in the flange"},
+                    {"tool_pose", PoseText(X_FC)},
+                    {"base", "workpiece in the robot base"},
+                    {"base_pose", PoseText(plan.X_WB.inverse() * plan.X_WP)},
+                    {"units", "mm, degrees"}};
+  if (window) options.header.emplace_back("base_window", BaseWindowText(*window));
+  const double lift = job.program_options.dry_run_offset;
+  if (lift > 0)
+    options.header.emplace_back("dry_run",
+                                fmt::format("cuts are lifted by {} mm along the tool axis", Fixed(lift, 3)));
+  if (!job.program_options.date.empty()) options.header.emplace_back("date", job.program_options.date);
+  options.approach_feed = job.approach_feed;
+  options.approach_slow = job.approach_slow;
+  options.retract_feed = job.retract_feed;
+  for (const PathOutputSettings& output : controller.outputs)
+    options.outputs.push_back({output.number, output.on, output.delay, output.at == "cut_begin"});
+  return options;
+}
+
+/// Stops in long pieces, where another file goes on; the plan's motions stop there too.
+void HandOver(const PostSettings& settings, ProgramMotions& motions, const std::vector<size_t>& origin) {
+  const size_t fitting = settings.max_bytes / (kBytesPerMotion + 16 * settings.external.size());
+  const int most = std::min(settings.max_motions, std::max(1, static_cast<int>(fitting)));
+  for (const size_t place : AddHandovers(motions.written, most)) {
+    motions.planned.motions[origin[place - 1]].exact = true;
+    const Motion& motion = motions.written.motions[place - 1];
+    motions.warnings.push_back(
+        fmt::format("pass {} is longer than one file may be: the tool stops at its point {} while the next "
+                    "file takes over; max_motions and max_kbytes of the cell say how long a file may be",
+                    motion.pass, motion.point));
+  }
+}
+
+}  // namespace
+
+ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& inputs,
+                                  const std::string& controller, const std::optional<BaseWindow>& window) {
+  const JobSettings& job = inputs.job;
+  const auto found = inputs.cell.controllers.find(controller);
+  const ControllerSettings settings =
+      found == inputs.cell.controllers.end() ? ControllerSettings{} : found->second;
+  ProgramMotions motions;
+  motions.planned = MakeMotionProgram(plan, MakeMotionOptions(plan, inputs, settings, window));
+  if (job.program_options.dry_run_offset > 0)
+    motions.planned = Lifted(motions.planned, plan.arm, job.program_options.dry_run_offset);
+  const ProgramOptionSettings& economy = job.program_options;
+  EconomyResult thinned =
+      Economise(motions.planned, {economy.chord_tolerance, economy.angle_tolerance, economy.spacing});
+  motions.written = std::move(thinned.program);
+  motions.saved = thinned.saved;
+  motions.near = thinned.near;
+  if (controller != "linuxcnc")  // which reads from disk
+    HandOver(MakePostSettings(job, inputs.cell, controller), motions, thinned.origin);
+  return motions;
+}
+
+}  // namespace millpose

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "pipeline/inputs.hpp"
+#include "program/economy.hpp"
+#include "report/report.hpp"
+
+namespace millpose {
+
+/// The motions of a plan for one controller.
+struct ProgramMotions {
+  MotionProgram planned;              ///< every point of the plan: what a program is verified against
+  MotionProgram written;              ///< what is given to the post: without needless points
+  int saved = 0;                      ///< points that `written` leaves out
+  int near = 0;                       ///< points that remain nearer than the least spacing
+  std::vector<std::string> warnings;  ///< handovers in a cut
+};
+
+/// Makes them with the job's options and the cell's settings for `controller`; `window` is printed in the
+/// header. Precondition: WhyNotProgrammable() is empty. Throws InputError when a dry run's lifted points are
+/// out of reach.
+ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& inputs,
+                                  const std::string& controller, const std::optional<BaseWindow>& window);
+
+}  // namespace millpose

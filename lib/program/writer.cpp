@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "program/writer.hpp"
+
+#include "program/controller_axes.hpp"
+#include "program/scanner.hpp"
+
+namespace millpose {
+
+ProgramWriter::ProgramWriter(const MotionProgram& program, const Arm& arm, const PostSettings& settings,
+                             std::map<std::string, std::string> texts)
+    : program_(program),
+      arm_(arm),
+      settings_(settings),
+      X_FT_(program.X_FT.value_or(settings.X_FT)),
+      templates_(std::move(texts), settings.texts, settings.tool_name) {}
+
+void ProgramWriter::WriteSections() {
+  const auto begin = [&] {
+    sections_.emplace_back();
+    Begin();
+  };
+  begin();
+  size_t event = 0;
+  for (size_t i = 0; i <= program_.motions.size(); ++i) {
+    for (; event < program_.events.size() && program_.events[event].before_motion == i; ++event) {
+      const ProgramEvent::Kind kind = program_.events[event].kind;
+      Event(program_.events[event]);
+      if (kind == ProgramEvent::Kind::kPassEnd || kind == ProgramEvent::Kind::kHandover) begin();
+    }
+    if (i == program_.motions.size()) return;
+    ++sections_.back().motions;
+    AddMotion(i);
+  }
+}
+
+std::vector<std::string> ProgramWriter::Parts() const {
+  int all_motions = 0;
+  size_t all_bytes = 0;
+  for (const Section& section : sections_) {
+    all_motions += section.motions;
+    all_bytes += section.text.size();
+  }
+  if (all_motions <= settings_.max_motions && all_bytes <= settings_.max_bytes) return {};
+  std::vector<std::string> texts;
+  int motions = 0;
+  for (size_t i = 0; i + 1 < sections_.size(); ++i) {
+    const Section& section = sections_[i];
+    const bool fits = !texts.empty() && motions + section.motions <= settings_.max_motions &&
+                      texts.back().size() + section.text.size() <= settings_.max_bytes;
+    if (!fits) {
+      texts.emplace_back();
+      motions = 0;
+    }
+    texts.back() += section.text;
+    motions += section.motions;
+  }
+  return texts;
+}
+
+std::string ProgramWriter::MainText(const std::vector<std::string>& parts) const {
+  std::string text;
+  for (size_t i = parts.empty() ? 0 : sections_.size() - 1; i < sections_.size(); ++i)
+    text += sections_[i].text;
+  return text;
+}
+
+std::vector<std::string> ProgramWriter::HeaderTexts(size_t width) const {
+  std::vector<std::string> texts;
+  for (const auto& [key, value] : program_.header) {
+    std::string text = key + ": " + value;
+    for (char& c : text) c = c < ' ' || c > '~' ? '?' : c;
+    texts.emplace_back(Trim(std::string_view(text).substr(0, width)));
+  }
+  return texts;
+}
+
+std::string ProgramWriter::TextLines(const std::string& name) const {
+  std::string text;
+  for (const std::string& line : templates_.Lines(name)) text += line + "\n";
+  return text;
+}
+
+void ProgramWriter::AddText(const std::string& name) {
+  for (const std::string& line : templates_.Lines(name)) Line(line);
+}
+
+void ProgramWriter::AddTexts(const ProgramEvent& event) {
+  for (const std::string& line : templates_.Lines(event)) Line(line);
+}
+
+int ProgramWriter::TurnAt(const Motion& motion, const Pose& X_PC_as_written) const {
+  if (!motion.q || !program_.X_BP) return *motion.turn;
+  Pose X_PT = X_PC_as_written;
+  X_PT.linear() = X_PT.linear() * settings_.R_TC.transpose();
+  const Pose X_BF = *program_.X_BP * X_PT * X_FT_.inverse();
+  return TurnAsWritten(arm_, settings_.axes, X_BF, *motion.status, *motion.q);
+}
+
+std::string SubprogramName(const std::string& name, size_t index, size_t longest) {
+  const std::string number = fmt::format("_{:03}", index + 1);
+  return name.substr(0, longest - number.size()) + number;
+}
+
+}  // namespace millpose

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "verify/run_comparison.hpp"
+
+#include "base/units.hpp"
+#include "program/controller_axes.hpp"
+#include "robot/kinematics.hpp"
+#include "verify/corner.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr size_t kLookAhead = 64;  // planned points that a program may leave out in one step
+
+}  // namespace
+
+RunComparison::RunComparison(const Replayed& replayed, const FeedRun& run, const Replayed& plan,
+                             const FeedRun& plan_run, const ArmBodies& bodies, const VerifyOptions& options,
+                             std::vector<Proof>& proofs)
+    : replayed_(replayed),
+      run_(run),
+      plan_(plan),
+      plan_run_(plan_run),
+      cell_(bodies.cell()),
+      bodies_(bodies),
+      options_(options),
+      proofs_(proofs),
+      X_PB_(cell_.X_WP.inverse() * cell_.X_WB) {}
+
+std::vector<Finding> RunComparison::Compare() {
+  if (!ReachedAll()) return {};  // said already
+  for (size_t i = plan_run_.first - 1; i <= plan_run_.last; ++i)
+    path_.push_back(plan_.program.motions[i].X_PT);
+  Sample();
+  CompareForward();
+  CompareBackward();
+  CompareStops();
+  return std::move(findings_);
+}
+
+Pose RunComparison::Tool(const Joints& q) const { return X_PB_ * ForwardFlange(cell_.arm, q) * cell_.X_FT; }
+
+bool RunComparison::ReachedAll() const {
+  for (size_t i = run_.first - 1; i <= run_.last; ++i) {
+    if (!replayed_.replay.reached[i]) return false;
+  }
+  return true;
+}
+
+void RunComparison::Sample() {
+  Instant start;
+  start.q = replayed_.replay.targets[run_.first - 1];
+  start.X_BT = ForwardFlange(cell_.arm, start.q) * cell_.X_FT;
+  start.motion = run_.first;
+  instants_.push_back(start);
+  for (size_t i = run_.first; i <= run_.last; ++i) {
+    AppendInstants(replayed_.program, cell_, replayed_.replay, i, options_.step, instants_, findings_);
+  }
+  for (const Instant& instant : instants_) driven_.push_back(X_PB_ * instant.X_BT);
+}
+
+/// Every instant of the program lies on the plan's path, in order, and runs at the plan's feed.
+void RunComparison::CompareForward() {
+  PathFollower follower(path_, kLookAhead, options_);
+  std::optional<size_t> reported, slow;
+  for (size_t i = 0; i < instants_.size(); ++i) {
+    const Instant& instant = instants_[i];
+    const PathDeviation deviation = follower.Follow(driven_[i]);
+    if (!deviation.Within(options_) && reported != instant.motion) {
+      reported = instant.motion;
+      findings_.push_back(
+          At(replayed_.program, instant.motion,
+             fmt::format("{} leaves the plan: {}", Name(deviation.segment), deviation.Text())));
+    }
+    // Feed is a property of a motion; the middle of it tells which planned one it belongs to.
+    if (i > 0 && instant.share >= 0.5 && slow != instant.motion) {
+      slow = instant.motion;
+      CompareFeed(instants_[i - 1], instant, follower.segment());
+    }
+    Proof& proof = proofs_[instant.motion];
+    proof.clearance_share = std::min(proof.clearance_share, PlanMotion(follower.segment()).clearance_share);
+    if (proof.proven && LeavesProven(instant.q, follower.segment())) proof.proven = false;
+  }
+}
+
+/// What was proven of a cut is the joint motion between its points; of approach and retract the straight
+/// motion itself.
+bool RunComparison::LeavesProven(const Joints& q, size_t segment) const {
+  const size_t end = plan_run_.first + segment;
+  if (plan_.program.motions[end].point < 0 || plan_.program.motions[end - 1].point < 0) return false;
+  const Joints &a = plan_.replay.targets[end - 1], &b = plan_.replay.targets[end];
+  const Joints along = b - a;
+  const double squared = along.squaredNorm();
+  const double share = squared > 0 ? std::clamp((q - a).dot(along) / squared, 0.0, 1.0) : 1.0;
+  return bodies_.MovesFurther(a + share * along, q, options_.clearance_reserve);
+}
+
+void RunComparison::CompareFeed(const Instant& before, const Instant& instant, size_t segment) {
+  const Motion& motion = replayed_.program.motions[instant.motion];
+  const double span = instant.share - (before.motion == instant.motion ? before.share : 0);
+  const double step = (instant.X_BT.translation() - before.X_BT.translation()).norm();
+  const double length = step / span;
+  if (length < options_.position_tolerance) return;  // turns only
+  double feed = motion.feed;
+  if (motion.type == MotionType::kJoint) {
+    feed = length / motion.duration;
+  } else if (motion.turn_speed > 0) {
+    const double turned = AngleBetween(before.X_BT.linear(), instant.X_BT.linear()) / span;
+    feed = std::min(feed, length * motion.turn_speed / std::max(turned, 1e-12));
+  }
+  const double wanted = PlanMotion(segment).feed;
+  if (feed > wanted * options_.feed_most || feed < wanted * options_.feed_least) {
+    findings_.push_back(At(replayed_.program, instant.motion,
+                           fmt::format("{} runs at {:.3f} mm/min, planned are {:.3f} mm/min", Name(segment),
+                                       feed * 60, wanted * 60)));
+  }
+}
+
+/// Every planned point is visited, in order.
+void RunComparison::CompareBackward() {
+  PathFollower follower(driven_, driven_.size(), options_);
+  for (size_t k = 0; k < path_.size(); ++k) {
+    const PathDeviation deviation = follower.Follow(path_[k]);
+    if (deviation.Within(options_)) continue;
+    const Instant& nearest = instants_[std::min(deviation.segment + 1, instants_.size() - 1)];
+    findings_.push_back(At(replayed_.program, nearest.motion,
+                           fmt::format("{} is not reached: {}", Name(k == 0 ? 0 : k - 1), deviation.Text())));
+    return;
+  }
+}
+
+/// No stop and no repeated place within the cut: both end the motion at once and mark the surface.
+void RunComparison::CompareStops() {
+  for (size_t i = run_.first; i < run_.last; ++i) {
+    const Motion& motion = replayed_.program.motions[i];
+    CompareCorner(i);
+    const bool stands =
+        (Tool(replayed_.replay.targets[i]).matrix() - Tool(replayed_.replay.targets[i - 1]).matrix())
+            .cwiseAbs()
+            .maxCoeff() < 1e-6;
+    if (stands && i > run_.first) {
+      findings_.push_back(At(replayed_.program, i, "the motion goes nowhere: the tool stops in the cut"));
+    } else if (motion.exact && !PlannedStop(i)) {
+      findings_.push_back(At(replayed_.program, i, "exact stop within the cut"));
+    }
+  }
+}
+
+/// How far the rounding of the corner behind motion i may leave it.
+void RunComparison::CompareCorner(size_t i) {
+  const Motion& motion = replayed_.program.motions[i];
+  if (motion.exact || motion.blend <= 0) return;
+  const Pose before = Tool(replayed_.replay.targets[i - 1]), corner = Tool(replayed_.replay.targets[i]),
+             after = Tool(replayed_.replay.targets[i + 1]);
+  const CornerRounding rounding =
+      RoundingOf(before, corner, after, motion, replayed_.program.blend_is_distance);
+  if (rounding.position <= options_.position_tolerance && rounding.angle <= options_.angle_tolerance) return;
+  findings_.push_back(At(replayed_.program, i,
+                         fmt::format("the corner is rounded by {:.3f} mm and {:.4f} deg", rounding.position,
+                                     rounding.angle * kDegPerRad)));
+}
+
+bool RunComparison::PlannedStop(size_t i) const {
+  const Pose tool = Tool(replayed_.replay.targets[i]);
+  for (size_t k = 0; k + 1 < path_.size(); ++k) {
+    const bool near = (path_[k + 1].translation() - tool.translation()).norm() <= options_.position_tolerance;
+    if (near && PlanMotion(k).exact) return true;
+  }
+  return false;
+}
+
+std::string RunComparison::Name(size_t segment) const {
+  const size_t i = std::min(segment, plan_run_.last - plan_run_.first);
+  const Motion& motion = PlanMotion(i);
+  if (motion.point >= 0) return fmt::format("pass {}, point {}", motion.pass, motion.point);
+  return fmt::format("pass {}, {}", motion.pass,
+                     plan_run_.first + i < plan_run_.last ? "approach" : "retract");
+}
+
+}  // namespace millpose
