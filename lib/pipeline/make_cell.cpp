@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/trig.hpp"
 #include "pipeline/assemble.hpp"
+#include "pipeline/workpiece.hpp"
 #include "surface/mesh_import.hpp"
 #include "surface/point_fit.hpp"
 
@@ -190,6 +191,13 @@ void AddWorkpiece(const JobInputs& inputs, Triangles finished, Cell* cell) {
 Pose MakeWorkpiecePose(const WorkpieceSettings& settings, const Pose& X_WB) {
   const Pose pose = settings.targets.empty() ? MakePose(settings.pose) : FitTargets(settings);
   return settings.frame == "robot_base" ? X_WB * pose : pose;
+}
+
+Cell MakeJobCell(const JobInputs& inputs) {
+  Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
+  cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
+  AddWorkpiece(inputs, ReadPart(inputs, cell).import.mesh.triangles(), &cell);
+  return cell;
 }
 
 }  // namespace millpose

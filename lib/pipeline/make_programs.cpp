@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "pipeline/assemble.hpp"
+#include "pipeline/base_window.hpp"
 #include "pipeline/program_motions.hpp"
 
 namespace millpose {
@@ -13,10 +14,10 @@ void CompleteFrames(MotionProgram& program, const MotionProgram& planned) {
 }
 
 std::vector<CheckedProgram> MakePrograms(const PlanResult& plan, const JobInputs& inputs, const World& world,
-                                         const std::optional<BaseWindow>& window, int threads,
-                                         std::stop_token stop) {
+                                         int threads, std::stop_token stop) {
   if (!WhyNotProgrammable(plan).empty()) return {};
   const VerifyOptions options = MakeVerifyOptions(inputs.job, plan.arm);
+  const std::optional<BaseWindow> window = FindBaseWindow(plan, inputs, world.cell(), threads, stop);
   std::vector<CheckedProgram> programs;
   for (const std::string& controller : inputs.job.programs) {
     const std::unique_ptr<Post> post = MakePost(controller);
@@ -24,6 +25,7 @@ std::vector<CheckedProgram> MakePrograms(const PlanResult& plan, const JobInputs
     const ProgramMotions motions = MakeProgramMotions(plan, inputs, controller, window);
     CheckedProgram program;
     program.controller = controller;
+    program.base_window = window;
     program.saved = motions.saved;
     program.near = motions.near;
     program.warnings = motions.warnings;

@@ -21,6 +21,7 @@ struct CheckedProgram {
   int saved = 0;                    ///< points left out, see Economise()
   int near = 0;                     ///< points that remain nearer than the least spacing
   std::vector<std::string> warnings;
+  std::optional<BaseWindow> base_window;  ///< the same of all programs, see FindBaseWindow()
 };
 
 /// The name of the plan in its output folder, from which programs can be verified again.
@@ -31,7 +32,6 @@ void CompleteFrames(MotionProgram& program, const MotionProgram& planned);
 
 /// Writes the program of every controller that the job names, reads it back and replays it.
 std::vector<CheckedProgram> MakePrograms(const PlanResult& plan, const JobInputs& inputs, const World& world,
-                                         const std::optional<BaseWindow>& window, int threads,
-                                         std::stop_token stop);
+                                         int threads, std::stop_token stop);
 
 }  // namespace millpose

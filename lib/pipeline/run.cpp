@@ -11,7 +11,6 @@
 #include "path/turns.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/audit.hpp"
-#include "pipeline/base_window.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/origin.hpp"
 #include "pipeline/plan_passes.hpp"
@@ -140,8 +139,7 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   stages.End(fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), gaps.resumed));
 
   stages.Begin("programs", 0);
-  const std::optional<BaseWindow> window = FindBaseWindow(plan, inputs, world.cell(), threads, stop);
-  const std::vector<CheckedProgram> programs = MakePrograms(plan, inputs, world, window, threads, stop);
+  const std::vector<CheckedProgram> programs = MakePrograms(plan, inputs, world, threads, stop);
   stages.End(fmt::format("{} programs", programs.size()));
 
   std::optional<AuditFigures> audit;
@@ -156,8 +154,8 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   const PathOptions path_options = MakePathOptions(inputs.job);
   const std::vector<PointCurves> curves =
       SampleCurves(plan, problem, path_options.genetic, kMostCurves, threads, stop);
-  const ReportInputs report = WriteResults(
-      {inputs, cell, plan, programs, audit, reduction, window, warnings, CurveGrid(), curves}, folder);
+  const ReportInputs report =
+      WriteResults({inputs, cell, plan, programs, audit, reduction, warnings, CurveGrid(), curves}, folder);
   stages.End(folder.path().string());
   RunFigures run = MeasureRun(threads, MILLPOSE_VERSION);
   run.program_id = ProgramId();

@@ -76,13 +76,6 @@ Part ReadPart(const JobInputs& inputs, const Cell& cell) {
   return part;
 }
 
-Cell MakeJobCell(const JobInputs& inputs) {
-  Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
-  cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
-  AddWorkpiece(inputs, ReadPart(inputs, cell).import.mesh.triangles(), &cell);
-  return cell;
-}
-
 JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, const Pose& X_WP,
                             std::stop_token stop) {
   JobToolpath made;

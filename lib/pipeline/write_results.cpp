@@ -77,14 +77,14 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
   ReportInputs report;
   report.audit = results.audit;
   report.warnings = results.warnings;
-  for (const CheckedProgram& program : results.programs) {
-    for (const std::string& warning : program.warnings)
-      report.warnings.push_back(program.controller + ": " + warning);
-  }
   report.findings = Explain(plan, results.programs);
   report.continuity = AnalyseContinuity(plan);
   report.feed_reduction = results.reduction;
-  report.base_window = results.window;
+  for (const CheckedProgram& program : results.programs) {
+    report.base_window = program.base_window;
+    for (const std::string& warning : program.warnings)
+      report.warnings.push_back(program.controller + ": " + warning);
+  }
   if (results.inputs.job.feed_policy == "keep" && !report.continuity->feed_not_held.empty())
     report.findings.push_back(ExplainFeed(*report.continuity));
   if (const auto force = MakeCuttingForce(results.inputs.job, results.inputs.cell))

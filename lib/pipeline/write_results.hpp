@@ -17,7 +17,6 @@ struct Results {
   const std::vector<CheckedProgram>& programs;
   const std::optional<AuditFigures>& audit;
   const FeedReduction& reduction;
-  const std::optional<BaseWindow>& window;
   const std::vector<std::string>& warnings;  ///< repairs of the mesh, doubtful units
   RotationGrid grid;                         ///< of `curves`
   const std::vector<PointCurves>& curves;    ///< for report.html
