@@ -11,7 +11,6 @@ struct Options {
   std::filesystem::path file;
   std::string unit;
   double weld_tolerance = 1e-4, chord_tolerance = 0.05;
-  double gouge_tolerance = 0.05;
   int threads = 0;
   bool json = false;
 };
@@ -27,9 +26,7 @@ int Tell(const Check& check, bool json) {
 int Check(const Options& options, Session& session) {
   const std::string extension = options.file.extension().string();
   if (extension == ".yaml" || extension == ".yml")
-    return Tell(
-        CheckJob({options.file, options.gouge_tolerance, options.threads}, session.progress, session.stop),
-        options.json);
+    return Tell(CheckJob({options.file, options.threads}, session.progress, session.stop), options.json);
   std::optional<double> unit;
   if (!options.unit.empty()) unit = kUnits.at(options.unit);
   return Tell(CheckMesh({options.file, unit, options.weld_tolerance, options.chord_tolerance}), options.json);
@@ -53,11 +50,6 @@ void AddCheckCommand(CLI::App& app, Run& run) {
   command
       ->add_option("--weld-tolerance-mm", options->weld_tolerance,
                    "Vertices of a mesh nearer than this become one")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->capture_default_str();
-  command
-      ->add_option("--gouge-tolerance-mm", options->gouge_tolerance,
-                   "Depth of the cutter in the part that is let pass")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   command->add_option("--threads", options->threads, "Threads; 0: all cores")

@@ -91,8 +91,9 @@ Codec<CamRotaryAxisSettings> CamRotaryAxisFields() {
 
 // A strategy's own section must be given with it and with no other.
 void CheckStrategySections(const Value& value, const Context& context, ToolpathSettings& toolpath) {
-  for (const auto& [section, strategy] : {std::pair("planes", "parallel_planes"), std::pair("rings", "rings"),
-                                          std::pair("curve", "curve"), std::pair("cam", "cam")}) {
+  for (const auto& [section, strategy] :
+       {std::pair("planes", "parallel_planes"), std::pair("rings", "rings"), std::pair("pad", "pad"),
+        std::pair("curve", "curve"), std::pair("cam", "cam")}) {
     const Value::Key* key = value.FindKey(section);
     if (toolpath.strategy == strategy && !key)
       context.Child(section).Add(value.mark, fmt::format("missing; required by strategy {}", strategy));
@@ -114,6 +115,19 @@ Codec<DepthSettings> DepthFields() {
       Key<S>("total_mm", MILLPOSE_AT(total), Real(kMm, AtLeast(0)), "Material above the surface."),
       Key<S>("per_layer_mm", MILLPOSE_AT(per_layer), Real(kMm, Above(0)), "Largest depth of a layer."),
       Key<S>("allowance_mm", MILLPOSE_AT(allowance), Real(kMm, AtLeast(0)), "Left on the surface."),
+      Key<S>("finishing_mm", MILLPOSE_AT(finishing), Real(kMm, AtLeast(0)),
+             "Depth of the last layer, of the total; 0: as deep as the others."),
+  });
+}
+
+Codec<GougeSettings> GougeFields() {
+  using S = GougeSettings;
+  return Section<S>({
+      Key<S>(
+          "action", MILLPOSE_AT(action), Choice({"skip", "lift", "report"}),
+          "Skip such points, lift them along the tool axis until the cutter is clear, or only report them."),
+      Key<S>("tolerance_mm", MILLPOSE_AT(tolerance), Real(kMm, AtLeast(0.001)),
+             "How deep the cutter may go into the part."),
   });
 }
 
@@ -138,7 +152,7 @@ Codec<ToolpathSettings> ToolpathFields() {
   Codec<S> codec = Section<S>(
       {
           Key<S>("strategy", MILLPOSE_AT(strategy),
-                 Choice({"parallel_planes", "rings", "contours", "curve", "cam"}),
+                 Choice({"parallel_planes", "rings", "pad", "contours", "curve", "cam"}),
                  "How passes are laid on the surface.")
               .Required(),
           Key<S>("region", MILLPOSE_AT(region), RegionFields(), "What is milled; everything by default."),
@@ -154,9 +168,26 @@ Codec<ToolpathSettings> ToolpathFields() {
                                  .Required(),
                              Key<S>("axis", MILLPOSE_AT(axis_direction), Direction(),
                                     "Direction of the axis, in the workpiece frame.")
-                                 .Required()}),
-                 "Strategy rings: coaxial cylinders.")
+                                 .Required(),
+                             Key<S>("on", MILLPOSE_AT(ring_surface), Choice({"auto", "faces", "walls"}),
+                                    "Rings by radius (faces across the axis) or by height (walls around it); "
+                                    "auto: what suits most of the region."),
+                             Key<S>("path", MILLPOSE_AT(ring_path), Choice({"closed", "spiral"}),
+                                    "A pass per ring, or one pass that winds on from ring to ring."),
+                             Key<S>("seam_step_deg", MILLPOSE_AT(seam_step), Real(kDeg, Between(-360, 360)),
+                                    "Angle by which each ring begins after the one before.")}),
+                 "Strategy rings: around an axis.")
               .WhenSet(strategy_is("rings")),
+          Key<S>("pad", kSelf,
+                 Section<S>({Key<S>("pattern", MILLPOSE_AT(pad_pattern), Choice({"zigzag", "spiral"}),
+                                    "Lines joined along the border, or rings from the border inwards."),
+                             Key<S>("along", MILLPOSE_AT(pad_direction), Direction(),
+                                    "Direction of the zigzag's lines, in the workpiece frame."),
+                             Key<S>("offset_mm", MILLPOSE_AT(pad_offset), Maybe(Real(kMm, AtLeast(0))),
+                                    "Distance of the tool from borders and islands; the cutter's radius by "
+                                    "default.")}),
+                 "Strategy pad: a plane region.")
+              .WhenSet(strategy_is("pad")),
           Key<S>("curve", kSelf,
                  Section<S>(
                      {Key<S>("points_mm", MILLPOSE_AT(curve_points),
@@ -186,17 +217,29 @@ Codec<ToolpathSettings> ToolpathFields() {
               .WhenSet([](const S& s) { return s.stepover > 0; }),
           Key<S>("stepover_on", MILLPOSE_AT(stepover_on), Choice({"planes", "surface"}),
                  "Whether the step-over is the distance of the planes (radii) or the way on the surface."),
-          Key<S>("direction", MILLPOSE_AT(direction), Choice({"zigzag", "one_way"}),
-                 "Whether every second pass runs backwards."),
+          Key<S>(
+              "scallop_mm", MILLPOSE_AT(scallop), Real(kMm, AtLeast(0)),
+              "Height of what neighbouring passes leave between them; above 0 the step-over follows from it "
+              "and from cutter and surface, stepover_mm at most."),
+          Key<S>("direction", MILLPOSE_AT(direction), Choice({"zigzag", "one_way", "climb", "conventional"}),
+                 "Every second pass backwards, all the same way, or with the unmilled material on the right "
+                 "(climb) or left of a cutter that turns clockwise seen from its holder."),
+          Key<S>("order", MILLPOSE_AT(order), Choice({"laid", "travel"}),
+                 "Passes as the strategy lays them, or by short ways from each to the next."),
           Key<S>("chord_tolerance_mm", MILLPOSE_AT(chord_tolerance), Real(kMm, Above(0)),
                  "Largest distance between the surface's line and the straight line between points."),
           Key<S>("spacing_mm", MILLPOSE_AT(spacing), Real(kMm, Above(0)),
                  "Largest distance of neighbouring points."),
           Key<S>("crease_deg", MILLPOSE_AT(crease), Real(kDeg, Between(0, 180)),
                  "Normals are not averaged across edges sharper than this."),
+          Key<S>("normal_smoothing_mm", MILLPOSE_AT(normal_smoothing), Real(kMm, AtLeast(0)),
+                 "Length over which normals are averaged, for noisy meshes; creases are kept."),
+          Key<S>("gouges", MILLPOSE_AT(gouges), GougeFields(),
+                 "What is done where the cutter would go into the part."),
           Key<S>("depth", MILLPOSE_AT(depth), DepthFields(),
                  "Layers along the normals; one on the surface by default."),
-          Key<S>("ends", MILLPOSE_AT(ends), PassEndFields(), "What is added at the ends of open passes."),
+          Key<S>("ends", MILLPOSE_AT(ends), PassEndFields(),
+                 "What is added at the ends of passes; closed ones are opened for a lead."),
           Key<S>("lead_deg", MILLPOSE_AT(lead), Real(kDeg, Between(-89, 89)),
                  "Tool axis leans towards the feed direction."),
           Key<S>("tilt_deg", MILLPOSE_AT(tilt), Real(kDeg, Between(-89, 89)),

@@ -73,6 +73,8 @@ std::vector<Field<S>> ConditionKeys() {
              "Only faces reached from a point without passing a crease."),
       Key<S>("step_faces", MILLPOSE_AT(step_faces), ListOf(Text()),
              "Only these faces of a STEP part, by number, #id or name (millpose check lists them)."),
+      Key<S>("rim_distance_mm", MILLPOSE_AT(rim_distance), Real(kMm, AtLeast(0)),
+             "Distance kept from open rims and from edges to faces that are out."),
   };
 }
 
@@ -88,8 +90,6 @@ Codec<RegionSettings> RegionFields() {
   fields.push_back(list("all", MILLPOSE_AT(all), "All of these must hold too."));
   fields.push_back(list("any", MILLPOSE_AT(any), "At least one of these must hold."));
   fields.push_back(list("none", MILLPOSE_AT(none), "None of these may hold."));
-  fields.push_back(Key<S>("rim_distance_mm", MILLPOSE_AT(rim_distance), Real(kMm, AtLeast(0)),
-                          "Distance kept from open rims and from edges to faces that are out."));
   return Section<S>(std::move(fields));
 }
 

@@ -176,11 +176,11 @@ struct ConditionSettings {
   double facing_within = DegToRad(45);    ///< rad
   std::optional<ConnectedSettings> connected;
   std::vector<std::string> step_faces;  ///< of a STEP part: numbers, "#ids" or names; any by default
+  double rim_distance = 0;              ///< mm from open rims and from edges to faces that are out
 };
 
 struct RegionSettings : ConditionSettings {
   std::vector<ConditionSettings> all, any, none;
-  double rim_distance = 0;  ///< mm from open rims and region borders
 };
 
 struct PassEndSettings {
@@ -191,7 +191,13 @@ struct PassEndSettings {
 };
 
 struct DepthSettings {
-  double total = 0, per_layer = 1, allowance = 0;  ///< mm
+  double total = 0, per_layer = 1, allowance = 0, finishing = 0;  ///< mm
+};
+
+/// What happens at points where the cutter would go into the part.
+struct GougeSettings {
+  std::string action = "skip";  ///< skip | lift | report
+  double tolerance = 0.05;      ///< depth that is allowed, mm
 };
 
 /// A rotary axis of the machine that a G-code programme was written for.
@@ -203,11 +209,17 @@ struct CamRotaryAxisSettings {
 };
 
 struct ToolpathSettings {
-  std::string strategy;  ///< parallel_planes | rings | contours | curve | cam
+  std::string strategy;  ///< parallel_planes | rings | pad | contours | curve | cam
   RegionSettings region;
   Eigen::Vector3d plane_normal = Eigen::Vector3d::UnitX();     ///< parallel_planes, P
   Eigen::Vector3d axis_point = Eigen::Vector3d::Zero();        ///< rings: a point of the axis, P, mm
   Eigen::Vector3d axis_direction = Eigen::Vector3d::UnitZ();   ///< rings, P
+  std::string ring_surface = "auto";                           ///< rings: auto | faces | walls
+  std::string ring_path = "closed";                            ///< rings: closed | spiral
+  double seam_step = 0;                                        ///< rings: from each to the next, rad
+  std::string pad_pattern = "zigzag";                          ///< pad: zigzag | spiral
+  Eigen::Vector3d pad_direction = Eigen::Vector3d::UnitX();    ///< pad: of the zigzag's lines, P
+  std::optional<double> pad_offset;                            ///< pad: the cutter's radius, mm
   std::vector<Eigen::Vector3d> curve_points;                   ///< curve, P, mm
   Eigen::Vector3d curve_direction = Eigen::Vector3d::UnitZ();  ///< curve, P
   std::string cam_file;                                        ///< cam: relative to the job file
@@ -215,10 +227,14 @@ struct ToolpathSettings {
   std::vector<CamRotaryAxisSettings> cam_rotary_axes;          ///< cam: of G-code
   double stepover = 0;                                         ///< mm
   std::string stepover_on = "planes";  ///< planes | surface: where the step-over is measured
-  std::string direction = "zigzag";    ///< zigzag | one_way
+  double scallop = 0;                  ///< mm; above 0 the step-over follows from it, stepover at most
+  std::string direction = "zigzag";    ///< zigzag | one_way | climb | conventional
+  std::string order = "laid";          ///< laid | travel
   double chord_tolerance = 0.01;       ///< mm
   double spacing = 5;                  ///< largest distance of neighbouring points, mm
   double crease = DegToRad(30);        ///< normals are kept apart across sharper edges, rad
+  double normal_smoothing = 0;         ///< length over which normals are averaged, mm
+  GougeSettings gouges;
   DepthSettings depth;
   PassEndSettings ends;
   double lead = 0, tilt = 0;                                      ///< rad

@@ -46,7 +46,8 @@ std::vector<SplitPoint> Added(const Round& round, int from, int step, double len
   if (added.empty() || ends.lead == LeadShape::kNone) return added;
   PassEnds lead = ends;
   lead.overrun = 0;
-  Toolpath end{{Pass{{added.back().point}, false, Eigen::Vector3d::UnitZ()}}};
+  Toolpath end;
+  end.passes.push_back(Pass{{added.back().point}, false, Eigen::Vector3d::UnitZ()});
   AddPassEnds(lead, spacing, end);
   const std::vector<MillingPoint>& points = end.passes[0].points;  // in, the point, out
   const size_t at = points.size() / 2;

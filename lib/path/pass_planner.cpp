@@ -61,7 +61,10 @@ void Describe(const PoseProblem& problem, const PathNode& node, PlannedPoint& po
 /// A point of which no piece has taken hold.
 void Skip(const PassContext& context, const PassPlan& plan, size_t t, PlannedPoint& point) {
   const PointOptimum& optimum = context.exhaustive[t];
-  if (!optimum.found && !context.genetic[t].found) {
+  if (context.points[t].gouge > 0) {
+    point.skip = SkipReason::kGouge;
+    point.detail = fmt::format("the cutter would go {:.3f} mm into the part", point.point.gouge);
+  } else if (!optimum.found && !context.genetic[t].found) {
     point.skip = ReasonOf(optimum.reason);
     point.detail = DetailOf(optimum.reason);
   } else if (plan.interference[t].empty()) {

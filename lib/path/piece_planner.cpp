@@ -75,7 +75,8 @@ class PiecePlanner {
     layers_.resize(count_);
     ParallelFor(count_, context_.threads, context_.stop, [&](size_t t) {
       const PointScorer& scorer = context_.scorers[t];
-      std::vector<NodeSeed> seeds = GridSeeds(scorer, context_.options.rotation_step);
+      std::vector<NodeSeed> seeds;
+      if (!(context_.points[t].gouge > 0)) seeds = GridSeeds(scorer, context_.options.rotation_step);
       const auto add = [&](const PointOptimum& optimum, bool genetic) {
         if (!optimum.found) return;
         seeds.push_back(

@@ -171,6 +171,7 @@ void FindOptima(std::span<const size_t> points, uint64_t stream, PassContext& co
   if (options.paper) context.paper.resize(context.scorers.size());
   ParallelFor(points.size(), context.threads, context.stop, [&](size_t i) {
     const size_t t = points[i];
+    if (context.points[t].gouge > 0) return;  // not to be milled
     const PointScorer& scorer = context.scorers[t];
     const RandomStream own(options.seed, stream + i);
     context.exhaustive[t] = ExhaustiveSearch(scorer, problem, options.exhaustive_step);

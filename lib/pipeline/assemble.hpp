@@ -10,6 +10,7 @@
 #include "program/post.hpp"
 #include "stiffness/process_force.hpp"
 #include "stiffness/series.hpp"
+#include "toolpath/gouge.hpp"
 #include "toolpath/toolpath_options.hpp"
 #include "verify/verify.hpp"
 
@@ -57,7 +58,9 @@ Pose MakeWorkpiecePose(const WorkpieceSettings& settings, const Pose& X_WB);
 AdmissibleBounds MakeBounds(const JobSettings& job, const Arm& arm);
 
 PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_settings, const Cell& cell);
+CutterShape MakeCutterShape(const ToolSettings& tool);
 ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& tool);
+GougeOptions MakeGougeOptions(const JobSettings& job);
 PathOptions MakePathOptions(const JobSettings& job);
 GapOptions MakeGapOptions(const JobSettings& job);
 VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm);

@@ -10,7 +10,6 @@
 #include "pipeline/workpiece.hpp"
 #include "pose/scorer.hpp"
 #include "surface/corner_normals.hpp"
-#include "toolpath/cutter.hpp"
 
 namespace millpose {
 namespace {
@@ -90,30 +89,13 @@ Admissibility BestReach(const PoseProblem& problem, const MillingPoint& point,
   return best;
 }
 
-struct PointCheck {
-  Admissibility reach = Admissibility::kUnreachable;
-  Gouge gouge;
-};
-
-CutterShape MakeCutter(const ToolSettings& tool) {
-  const double corner = tool.cutter_shape == "ball"   ? tool.cutter_diameter / 2
-                        : tool.cutter_shape == "bull" ? tool.corner_radius
-                                                      : 0.0;
-  return {tool.cutter_diameter / 2, corner, tool.cutting_length};
-}
-
-void Count(const std::vector<PointCheck>& points, JobCheck& check) {
+void Count(const std::vector<Admissibility>& reach, JobCheck& check) {
   constexpr size_t kNamed = 10;
-  check.points = points.size();
-  for (size_t i = 0; i < points.size(); ++i) {
-    ++check.reach[static_cast<size_t>(points[i].reach)];
-    if (points[i].reach != Admissibility::kAdmissible && check.out_of_reach.size() < kNamed)
+  check.points = reach.size();
+  for (size_t i = 0; i < reach.size(); ++i) {
+    ++check.reach[static_cast<size_t>(reach[i])];
+    if (reach[i] != Admissibility::kAdmissible && check.out_of_reach.size() < kNamed)
       check.out_of_reach.push_back(i);
-    check.gouges += points[i].gouge.face >= 0 ? 1 : 0;
-    if (points[i].gouge.depth > check.deepest_gouge) {
-      check.deepest_gouge = points[i].gouge.depth;
-      check.gouge_place = points[i].gouge.place;
-    }
   }
 }
 
@@ -139,7 +121,9 @@ JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::s
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
   cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
   const Part part = ReadPart(inputs, cell);
-  const JobToolpath made = MakeJobToolpath(inputs, part.import.mesh, cell.X_WP, stop);
+  JobToolpath made = MakeJobToolpath(inputs, part.import.mesh, stop);
+  CheckJobGouges(inputs, part.import.mesh, threads, made, stop);
+  const Toolpath toolpath = PlacedToolpath(inputs, made.toolpath, cell.X_WP);
   const PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, cell);
 
   JobCheck check;
@@ -150,24 +134,22 @@ JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::s
   check.job = inputs.job.name;
   check.cell = inputs.cell.name;
   check.arm = inputs.cell.arm.name;
-  check.passes = made.toolpath.passes.size();
+  check.passes = toolpath.passes.size();
 
   std::vector<std::pair<const Pass*, const MillingPoint*>> points;
-  for (const Pass& pass : made.toolpath.passes)
+  for (const Pass& pass : toolpath.passes)
     for (const MillingPoint& point : pass.points) points.emplace_back(&pass, &point);
-  std::vector<PointCheck> found(points.size());
-  const Pose X_PW = cell.X_WP.inverse();
-  const CutterShape cutter = MakeCutter(inputs.cell.tool);
+  std::vector<Admissibility> reach(points.size());
   progress.Begin("reach", points.size());
   ParallelFor(points.size(), threads, stop, [&](size_t i) {
     const auto& [pass, point] = points[i];
-    found[i].reach = BestReach(problem, *point, pass->rotation_reference, inputs.job.rotation_step);
-    if (point->kind == PointKind::kCut && part.import.mesh.face_count() > 0)
-      found[i].gouge = DeepestGouge(part.import.mesh, cutter, X_PW * point->position,
-                                    X_PW.linear() * point->tool_axis, arguments.gouge_tolerance);
+    reach[i] = BestReach(problem, *point, pass->rotation_reference, inputs.job.rotation_step);
     progress.Advance(1);
   });
-  Count(found, check);
+  Count(reach, check);
+  check.gouges = made.gouges.points;
+  check.deepest_gouge = made.gouges.deepest.depth;
+  check.gouge_place = made.gouges.deepest.place;
   progress.End(fmt::format("{} of {} points within reach", check.reach[0], check.points));
   return check;
 }

@@ -46,15 +46,14 @@ struct JobCheck {
   /// outside the limits, near a singularity. Interference is not looked at.
   std::array<size_t, 4> reach{};
   std::vector<size_t> out_of_reach;  ///< numbers of the first points that are not admissible
-  size_t gouges = 0;                 ///< cut points where the cutter goes into the part beyond the tolerance
-  double deepest_gouge = 0;          ///< mm
+  size_t gouges = 0;         ///< points where the cutter would go into the part beyond the job's tolerance
+  double deepest_gouge = 0;  ///< mm
   Eigen::Vector3d gouge_place = Eigen::Vector3d::Zero();  ///< in P
 };
 
 struct CheckJobArguments {
   std::filesystem::path job;
-  double gouge_tolerance = 0.05;  ///< mm
-  int threads = 0;                ///< 0: all cores
+  int threads = 0;  ///< 0: all cores
 };
 
 /// Throws InputError for what cannot be read; Interrupted.

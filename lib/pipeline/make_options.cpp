@@ -59,6 +59,7 @@ RegionOptions MakeConditions(const ConditionSettings& settings) {
   if (settings.connected)
     options.connected = ConnectedFaces{settings.connected->seed, settings.connected->crease};
   options.source_faces = settings.step_faces;
+  options.rim_distance = settings.rim_distance;
   return options;
 }
 
@@ -67,13 +68,7 @@ RegionOptions MakeRegion(const RegionSettings& settings) {
   for (const ConditionSettings& condition : settings.all) options.all.push_back(MakeConditions(condition));
   for (const ConditionSettings& condition : settings.any) options.any.push_back(MakeConditions(condition));
   for (const ConditionSettings& condition : settings.none) options.none.push_back(MakeConditions(condition));
-  options.rim_distance = settings.rim_distance;
   return options;
-}
-
-double CornerRadius(const ToolSettings& tool) {
-  if (tool.cutter_shape == "ball") return tool.cutter_diameter / 2;
-  return tool.cutter_shape == "bull" ? tool.corner_radius : 0.0;
 }
 
 PassEnds MakePassEnds(const PassEndSettings& settings) {
@@ -84,7 +79,28 @@ PassEnds MakePassEnds(const PassEndSettings& settings) {
   return {settings.overrun, shapes.at(settings.lead), settings.lead_length, settings.ramp_angle};
 }
 
+Direction MakeDirection(const std::string& name) {
+  if (name == "one_way") return Direction::kOneWay;
+  if (name == "climb") return Direction::kClimb;
+  return name == "conventional" ? Direction::kConventional : Direction::kZigzag;
+}
+
 }  // namespace
+
+CutterShape MakeCutterShape(const ToolSettings& tool) {
+  const double corner = tool.cutter_shape == "ball"   ? tool.cutter_diameter / 2
+                        : tool.cutter_shape == "bull" ? tool.corner_radius
+                                                      : 0.0;
+  return {tool.cutter_diameter / 2, corner, tool.cutting_length};
+}
+
+GougeOptions MakeGougeOptions(const JobSettings& job) {
+  const std::string& action = job.toolpath.gouges.action;
+  return {action == "lift"     ? GougeAction::kLift
+          : action == "report" ? GougeAction::kReport
+                               : GougeAction::kSkip,
+          job.toolpath.gouges.tolerance};
+}
 
 ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& tool) {
   const ToolpathSettings& settings = job.toolpath;
@@ -94,20 +110,30 @@ ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& 
   options.plane_normal = settings.plane_normal;
   options.axis_point = settings.axis_point;
   options.axis_direction = settings.axis_direction;
+  options.ring_surface = settings.ring_surface == "faces"   ? RingSurface::kFaces
+                         : settings.ring_surface == "walls" ? RingSurface::kWalls
+                                                            : RingSurface::kAuto;
+  options.spiral =
+      settings.strategy == "pad" ? settings.pad_pattern == "spiral" : settings.ring_path == "spiral";
+  options.seam_step = settings.seam_step;
+  options.pad_direction = settings.pad_direction;
+  options.pad_offset = settings.pad_offset;
   options.curve_points = settings.curve_points;
   options.curve_direction = settings.curve_direction;
   if (settings.stepover > 0) options.stepover = settings.stepover;
   options.stepover_on_surface = settings.stepover_on == "surface";
-  options.zigzag = settings.direction == "zigzag";
+  options.scallop = settings.scallop;
+  options.direction = MakeDirection(settings.direction);
+  options.order_by_travel = settings.order == "travel";
   options.chord_tolerance = settings.chord_tolerance;
   options.spacing = settings.spacing;
   options.crease = settings.crease;
   options.lead = settings.lead;
   options.tilt = settings.tilt;
-  // With an upright axis the tip is the contact; a leaning cutter touches beside its tip.
-  if (settings.lead != 0 || settings.tilt != 0)
-    options.cutter = CutterShape{tool.cutter_diameter / 2, CornerRadius(tool), tool.cutting_length};
-  options.layers = {settings.depth.total, settings.depth.per_layer, settings.depth.allowance};
+  options.normal_smoothing = settings.normal_smoothing;
+  options.cutter = MakeCutterShape(tool);
+  options.layers = {settings.depth.total, settings.depth.per_layer, settings.depth.allowance,
+                    settings.depth.finishing};
   options.ends = MakePassEnds(settings.ends);
   options.feed_rate = job.feed;
   return options;

@@ -23,8 +23,8 @@ std::string PassKey(const std::string& context, const Pass& pass, size_t number,
   for (const MillingPoint& point : pass.points) {
     for (const Eigen::Vector3d& vector : {point.position, point.normal, point.feed, point.tool_axis})
       Append(vector, &bytes);
-    bytes += fmt::format("{} {} {} {} {};", point.feed_rate, point.arc_length, static_cast<int>(point.kind),
-                         point.region, point.source_line);
+    bytes += fmt::format("{} {} {} {} {} {};", point.feed_rate, point.arc_length,
+                         static_cast<int>(point.kind), point.region, point.source_line, point.gouge);
   }
   return Hash(bytes);
 }

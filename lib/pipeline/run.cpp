@@ -108,9 +108,12 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
                          surface.report.triangles, size.x(), size.y(), size.z()));
   AddWorkpiece(inputs, surface.mesh.triangles(), &cell);
   stages.Begin("toolpath", 0);
-  const JobToolpath made = MakeJobToolpath(inputs, surface.mesh, cell.X_WP, stop);
-  const Toolpath& toolpath = made.toolpath;
-  stages.End(fmt::format("{} points in {} passes", CountPoints(toolpath), toolpath.passes.size()));
+  JobToolpath made = MakeJobToolpath(inputs, surface.mesh, stop);
+  stages.End(fmt::format("{} points in {} passes", CountPoints(made.toolpath), made.toolpath.passes.size()));
+  stages.Begin("gouges", 0);
+  CheckJobGouges(inputs, surface.mesh, threads, made, stop);
+  stages.End(fmt::format("{} points", made.gouges.points));
+  const Toolpath toolpath = PlacedToolpath(inputs, made.toolpath, cell.X_WP);
   std::vector<std::string> warnings = part.warnings;
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
   const PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, cell);
@@ -154,8 +157,8 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   const PathOptions path_options = MakePathOptions(inputs.job);
   const std::vector<PointCurves> curves =
       SampleCurves(plan, problem, path_options.genetic, kMostCurves, threads, stop);
-  const ReportInputs report =
-      WriteResults({inputs, cell, plan, programs, audit, reduction, warnings, CurveGrid(), curves}, folder);
+  const ReportInputs report = WriteResults(
+      {inputs, cell, plan, programs, audit, reduction, warnings, made.findings, CurveGrid(), curves}, folder);
   stages.End(folder.path().string());
   RunFigures run = MeasureRun(threads, MILLPOSE_VERSION);
   run.program_id = ProgramId();

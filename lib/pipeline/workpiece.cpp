@@ -76,18 +76,46 @@ Part ReadPart(const JobInputs& inputs, const Cell& cell) {
   return part;
 }
 
-JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, const Pose& X_WP,
-                            std::stop_token stop) {
+JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop_token stop) {
+  if (inputs.job.toolpath.strategy == "cam") return ImportCam(inputs, mesh);
   JobToolpath made;
-  if (inputs.job.toolpath.strategy == "cam") {
-    made = ImportCam(inputs, mesh);
-  } else {
-    made.toolpath = MakeToolpath(mesh, MakeToolpathOptions(inputs.job, inputs.cell.tool), stop);
-  }
-  made.toolpath = Transformed(made.toolpath, X_WP);
-  for (Pass& pass : made.toolpath.passes)
-    pass.rotation_reference = inputs.job.toolpath.rotation_reference.normalized();
+  made.toolpath = MakeToolpath(mesh, MakeToolpathOptions(inputs.job, inputs.cell.tool), stop);
+  for (const std::string& note : made.toolpath.notes) made.warnings.push_back("toolpath: " + note);
   return made;
+}
+
+void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, int threads, JobToolpath& made,
+                    std::stop_token stop) {
+  const GougeOptions options = MakeGougeOptions(inputs.job);
+  made.gouges =
+      CheckGouges(mesh, MakeCutterShape(inputs.cell.tool), options, threads, made.toolpath, std::move(stop));
+  const GougeReport& found = made.gouges;
+  if (found.points == 0) return;
+  const Eigen::Vector3d& place = found.deepest.place;
+  std::string sentence = fmt::format(
+      "toolpath: the cutter would go up to {:.3f} mm into the part at {} points (deepest at {:.3f}, {:.3f}, "
+      "{:.3f} mm in the workpiece frame; allowed: {} mm)",
+      found.deepest.depth, found.points, place.x(), place.y(), place.z(), options.tolerance);
+  if (found.leads_left_out > 0)
+    made.warnings.push_back(
+        fmt::format("toolpath: {} leads are left out, because the cutter would go into the "
+                    "part on them",
+                    found.leads_left_out));
+  if (options.action == GougeAction::kReport) {
+    made.findings.push_back(sentence + "; they stay in the path (gouges: {action: report})");
+  } else if (options.action == GougeAction::kLift) {
+    made.warnings.push_back(sentence +
+                            fmt::format("; the tool is lifted there by up to {:.3f} mm", found.largest_lift));
+  } else {
+    made.warnings.push_back(sentence + "; they are skipped");
+  }
+}
+
+Toolpath PlacedToolpath(const JobInputs& inputs, const Toolpath& toolpath, const Pose& X_WP) {
+  Toolpath placed = Transformed(toolpath, X_WP);
+  for (Pass& pass : placed.passes)
+    pass.rotation_reference = inputs.job.toolpath.rotation_reference.normalized();
+  return placed;
 }
 
 size_t CountPoints(const Toolpath& toolpath) {

@@ -7,7 +7,7 @@
 #include "cell/cell.hpp"
 #include "pipeline/inputs.hpp"
 #include "surface/mesh_import.hpp"
-#include "toolpath/milling_point.hpp"
+#include "toolpath/gouge.hpp"
 
 namespace millpose {
 
@@ -28,15 +28,23 @@ Part ReadPart(const JobInputs& inputs, const Cell& cell);
 Cell MakeJobCell(const JobInputs& inputs);
 
 struct JobToolpath {
-  Toolpath toolpath;  ///< in W
-  std::vector<std::string>
-      warnings;  ///< of an imported CAM path: what was ignored, its distance from the part
+  Toolpath toolpath;  ///< in P
+  GougeReport gouges;
+  std::vector<std::string> warnings;  ///< of the strategy, of an imported CAM path, of the gouge check
+  std::vector<std::string> findings;  ///< gouges that stay in the path
 };
 
 /// Makes the job's tool path on the mesh, or imports it. Throws InputError when it holds no point;
 /// Interrupted.
-JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, const Pose& X_WP,
-                            std::stop_token stop);
+JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop_token stop);
+
+/// Checks the cutter against the whole part and does what the job asks for where it would go into it. Throws
+/// Interrupted.
+void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, int threads, JobToolpath& made,
+                    std::stop_token stop);
+
+/// The tool path in W.
+Toolpath PlacedToolpath(const JobInputs& inputs, const Toolpath& toolpath, const Pose& X_WP);
 
 size_t CountPoints(const Toolpath& toolpath);
 

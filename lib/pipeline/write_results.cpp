@@ -66,8 +66,8 @@ std::vector<std::string> Explain(const PlanResult& plan, const std::vector<Check
 // The first pass of the last layer: every layer has the same passes, one layer after the other.
 int FinishedFrom(const JobSettings& job, size_t passes) {
   const DepthSettings& depth = job.toolpath.depth;
-  const int layers = LayerCount({depth.total, depth.per_layer, depth.allowance});
-  return static_cast<int>(passes - passes / static_cast<size_t>(layers));
+  const size_t layers = LayerOffsets({depth.total, depth.per_layer, depth.allowance, depth.finishing}).size();
+  return static_cast<int>(passes - passes / layers);
 }
 
 }  // namespace
@@ -77,7 +77,9 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
   ReportInputs report;
   report.audit = results.audit;
   report.warnings = results.warnings;
-  report.findings = Explain(plan, results.programs);
+  report.findings = results.findings;
+  for (std::string& sentence : Explain(plan, results.programs))
+    report.findings.push_back(std::move(sentence));
   report.continuity = AnalyseContinuity(plan);
   report.feed_reduction = results.reduction;
   for (const CheckedProgram& program : results.programs) {

@@ -18,6 +18,7 @@ struct Results {
   const std::optional<AuditFigures>& audit;
   const FeedReduction& reduction;
   const std::vector<std::string>& warnings;  ///< repairs of the mesh, doubtful units
+  const std::vector<std::string>& findings;  ///< of earlier stages
   RotationGrid grid;                         ///< of `curves`
   const std::vector<PointCurves>& curves;    ///< for report.html
 };

@@ -19,6 +19,8 @@ std::string ToString(SkipReason reason) {
       return "step";
     case SkipReason::kSource:
       return "source";
+    case SkipReason::kGouge:
+      return "gouge";
   }
   return "unknown";
 }

@@ -11,7 +11,16 @@
 
 namespace millpose {
 
-enum class SkipReason : uint8_t { kNone, kUnreachable, kLimit, kSingular, kInterference, kStep, kSource };
+enum class SkipReason : uint8_t {
+  kNone,
+  kUnreachable,
+  kLimit,
+  kSingular,
+  kInterference,
+  kStep,
+  kSource,
+  kGouge
+};
 std::string ToString(SkipReason reason);
 
 /// What the paper's own formulation found at a point, before it is put on the exact pose.

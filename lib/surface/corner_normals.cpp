@@ -32,6 +32,47 @@ class Fans {
   std::vector<int> parent_;
 };
 
+// Means over the faces around a corner.
+class SmoothNormals {
+ public:
+  SmoothNormals(const Mesh& mesh, double crease, double radius)
+      : mesh_(mesh), crease_(crease), radius_(radius), seen_(mesh.face_count(), -1) {
+    for (int face = 0; face < mesh.face_count(); ++face)
+      centres_.push_back((mesh.Corner(face, 0) + mesh.Corner(face, 1) + mesh.Corner(face, 2)) / 3);
+  }
+
+  /// The mean normal around the corner 3·face + k; zero when no face's centre is near.
+  Eigen::Vector3d At(int corner) {
+    const Eigen::Vector3d p = mesh_.Corner(corner / 3, corner % 3);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    queue_.assign(1, corner / 3);
+    seen_[corner / 3] = corner;
+    for (size_t head = 0; head < queue_.size(); ++head) {
+      const int at = queue_[head];
+      const double share = (centres_[at] - p).norm() / radius_;
+      const Eigen::Vector3d a = mesh_.Corner(at, 0);
+      if (share < 1) sum += (1 - share * share) * (mesh_.Corner(at, 1) - a).cross(mesh_.Corner(at, 2) - a);
+      for (int side = 0; side < 3; ++side) {
+        const int other = mesh_.Neighbour(at, side);
+        if (other < 0 || seen_[other] == corner || (centres_[other] - p).norm() >= radius_ ||
+            BendAngle(mesh_, at, side) > crease_)
+          continue;
+        seen_[other] = corner;
+        queue_.push_back(other);
+      }
+    }
+    return sum.norm() > 1e-9 * radius_ * radius_ ? Eigen::Vector3d(sum.normalized())
+                                                 : Eigen::Vector3d::Zero();
+  }
+
+ private:
+  const Mesh& mesh_;
+  double crease_, radius_;
+  std::vector<Eigen::Vector3d> centres_;
+  std::vector<int> seen_;  // by face: for which corner last
+  std::vector<int> queue_;
+};
+
 }  // namespace
 
 double BendAngle(const Mesh& mesh, int face, int k) {
@@ -39,7 +80,8 @@ double BendAngle(const Mesh& mesh, int face, int k) {
   return other < 0 ? 0.0 : Angle(mesh.FaceNormal(face), mesh.FaceNormal(other));
 }
 
-CornerNormals::CornerNormals(const Mesh& mesh, double crease) : normals_(mesh.face_count()) {
+CornerNormals::CornerNormals(const Mesh& mesh, double crease, double smoothing)
+    : normals_(mesh.face_count()) {
   const auto& faces = mesh.triangles().faces;
   Fans fans(3 * faces.size());
   for (int face = 0; face < mesh.face_count(); ++face)
@@ -62,6 +104,15 @@ CornerNormals::CornerNormals(const Mesh& mesh, double crease) : normals_(mesh.fa
       // Around a spike the normals can cancel out; then the face's own is the only one that means anything.
       normals_[face][k] = sum.norm() > 1e-9 ? Eigen::Vector3d(sum.normalized()) : mesh.FaceNormal(face);
     }
+  if (smoothing <= 0) return;
+  SmoothNormals smooth(mesh, crease, smoothing / 2);
+  std::vector<Eigen::Vector3d> means(3 * faces.size(), Eigen::Vector3d::Zero());
+  for (int corner = 0; corner < static_cast<int>(means.size()); ++corner) {
+    const int root = fans.Root(corner);
+    if (root == corner) means[corner] = smooth.At(corner);
+    // Where the faces are larger than the length there is nothing to smooth.
+    if (means[root].norm() > 0.5) normals_[corner / 3][corner % 3] = means[root];
+  }
 }
 
 Eigen::Vector3d CornerNormals::At(int face, const Eigen::Vector3d& barycentric) const {

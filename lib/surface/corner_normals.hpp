@@ -14,7 +14,10 @@ namespace millpose {
 /// normal never mixes both sides of a crease.
 class CornerNormals {
  public:
-  CornerNormals(const Mesh& mesh, double crease);
+  /// `smoothing` (mm): above 0, each normal is the mean over the faces whose centres lie within half of it,
+  /// reached without passing a crease, weighted with their areas and 1 − (distance ÷ half)²: for noisy
+  /// meshes.
+  CornerNormals(const Mesh& mesh, double crease, double smoothing = 0);
 
   /// The unit normal at a point of a face, interpolated from its corners.
   Eigen::Vector3d At(int face, const Eigen::Vector3d& barycentric) const;

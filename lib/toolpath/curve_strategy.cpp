@@ -40,20 +40,18 @@ std::vector<Placed> Under(const Mesh& mesh, const Eigen::Vector3d& a, const Eige
 
 class SingleCurve : public Strategy {
  public:
-  std::vector<Lane> Lanes(const Mesh& mesh, const Region&, const ToolpathOptions& options,
-                          std::stop_token stop) const override {
+  Layout Lay(const Region& region, const ToolpathOptions& options, std::stop_token stop) const override {
     std::vector<Curve> curves;
     for (size_t i = 0; i + 1 < options.curve_points.size(); ++i)
-      for (Placed& placed :
-           Under(mesh, options.curve_points[i], options.curve_points[i + 1], options.curve_direction, stop))
+      for (Placed& placed : Under(region.mesh(), options.curve_points[i], options.curve_points[i + 1],
+                                  options.curve_direction, stop))
         Append(placed.piece, curves);
     for (Curve& curve : curves)
       curve.closed = curve.pieces.size() > 2 && Meet(curve.pieces.back(), curve.pieces.front());
-    // Numbered in the order of travel: progress must not sort what follows the user's line.
-    std::vector<Lane> lanes;
-    for (Curve& curve : curves)
-      lanes.push_back({{std::move(curve)}, [](const Eigen::Vector3d&) { return 0.0; }, false});
-    return lanes;
+    // A lane each: progress must not sort what follows the user's line.
+    Layout layout;
+    for (Curve& curve : curves) layout.lanes.emplace_back().curves.push_back(std::move(curve));
+    return layout;
   }
 
  private:

@@ -11,9 +11,6 @@ struct CutterShape {
   double radius = 0;         ///< R
   double corner_radius = 0;  ///< r, 0..R
   double length = 0;         ///< of the part that is looked at, from the tip up
-
-  /// Height of the cutter's bottom over its tip at a distance from the axis (0..R): convex.
-  double Bottom(double distance) const;
 };
 
 /// Where the tip is (the lowest point on the axis) when the cutter touches a surface at `contact` with
@@ -22,18 +19,5 @@ struct CutterShape {
 /// is none: then the whole flat touches and the tip is put at the contact).
 Eigen::Vector3d TipAtContact(const CutterShape& cutter, const Eigen::Vector3d& contact,
                              const Eigen::Vector3d& normal, const Eigen::Vector3d& axis);
-
-/// Where a cutter goes deepest into a part.
-struct Gouge {
-  double depth = 0;  ///< along the axis, mm; 0 when nothing lies in the cutter
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  int face = -1;
-};
-
-/// The deepest point of the mesh's surface in the cutter, up to its length; depths of at most `tolerance`
-/// (mm) count as none. On each triangle z − Bottom(ρ) is concave, so nested golden sections find its greatest
-/// value (1e-6 mm).
-Gouge DeepestGouge(const Mesh& mesh, const CutterShape& cutter, const Eigen::Vector3d& tip,
-                   const Eigen::Vector3d& axis, double tolerance);
 
 }  // namespace millpose

@@ -26,6 +26,13 @@ void CheckOptions(const ToolpathOptions& options) {
           options.axis_direction.norm());
   require(std::abs(options.curve_direction.norm() - 1) < 1e-9, "the curve's direction must have length 1",
           options.curve_direction.norm());
+  require(options.scallop >= 0, "the scallop height must not be negative (mm)", options.scallop);
+  require(options.scallop == 0 || options.cutter.radius > 0,
+          "a scallop height needs a cutter; its radius must be above 0 mm", options.cutter.radius);
+  require(options.normal_smoothing >= 0, "the length of smoothing must not be negative (mm)",
+          options.normal_smoothing);
+  require(options.layers.finishing >= 0, "the depth of the last layer must not be negative (mm)",
+          options.layers.finishing);
   require(options.layers.total >= 0, "the depth must not be negative (mm)", options.layers.total);
   require(options.layers.per_layer > 0, "the depth of a layer must be above 0 mm", options.layers.per_layer);
   if (!problems.empty()) throw InputError(std::move(problems));
@@ -77,22 +84,84 @@ class PassMaker {
   const CornerNormals& normals_;
 };
 
+// A part of a curve to be milled without lifting the tool.
+struct Cut {
+  Curve curve;
+  bool reversible = false;  ///< may be milled from either end
+};
+
+// Whether unmilled material lies on the right of the way, seen against the normal.
+bool IsClimb(const Mesh& mesh, const Lane& lane, const Curve& curve) {
+  constexpr double kAside = 0.01;  // mm
+  double sum = 0;
+  for (const CurvePiece& piece : curve.pieces) {
+    const Eigen::Vector3d right = kAside * piece.Direction(0.5).cross(mesh.FaceNormal(piece.face));
+    const Eigen::Vector3d p = piece.At(0.5);
+    sum += piece.LengthBound(0, 1) * (lane.advance(p + right) - lane.advance(p - right));
+  }
+  return sum > 0;
+}
+
 // The parts of a lane that lie in the region, in the order and direction of milling.
-std::vector<Curve> PartsOf(const Lane& lane, const Mesh& mesh, const Region& region,
-                           const CornerNormals& normals, const ToolpathOptions& options) {
+std::vector<Cut> CutsOf(const Lane& lane, const Region& region, const CornerNormals& normals,
+                        const ToolpathOptions& options) {
+  const Mesh& mesh = region.mesh();
   std::vector<Curve> parts;
-  for (const Curve& curve : lane.curves)
+  for (const Curve& curve : lane.curves) {
+    if (lane.clipped) {
+      parts.push_back(curve);
+      continue;
+    }
     for (Curve& part : ClipToRegion(mesh, curve, region, normals, options.crease, options.chord_tolerance))
       parts.push_back(std::move(part));
+  }
   std::vector<std::pair<double, size_t>> order;
   for (size_t i = 0; i < parts.size(); ++i)
-    order.emplace_back(lane.progress(parts[i].pieces.front().start), i);
+    order.emplace_back(lane.progress ? lane.progress(parts[i].pieces.front().start) : 0.0, i);
   std::ranges::sort(order);
-  if (lane.backwards) std::ranges::reverse(order);
-  std::vector<Curve> ordered;
-  for (const auto& [progress, i] : order)
-    ordered.push_back(lane.backwards && !parts[i].closed ? Reversed(parts[i]) : std::move(parts[i]));
-  return ordered;
+  const bool zigzag = options.direction == Direction::kZigzag, backwards = zigzag && lane.backwards;
+  const bool sided = options.direction == Direction::kClimb || options.direction == Direction::kConventional;
+  if (sided && !lane.advance && !parts.empty())
+    throw InputError({}, fmt::format("toolpath: direction climb or conventional needs passes side by side; "
+                                     "strategy {} has none",
+                                     options.strategy));
+  if (backwards) std::ranges::reverse(order);
+  std::vector<Cut> cuts;
+  for (const auto& [progress, i] : order) {
+    const Curve& part = parts[i];
+    const bool turned = sided ? IsClimb(mesh, lane, part) != (options.direction == Direction::kClimb)
+                              : backwards && !part.closed;
+    cuts.push_back({turned ? Reversed(part) : part, zigzag && !part.closed});
+  }
+  return cuts;
+}
+
+double TravelLength(const std::vector<Cut>& cuts) {
+  double length = 0;
+  for (size_t i = 1; i < cuts.size(); ++i)
+    length += (cuts[i].curve.pieces.front().start - cuts[i - 1].curve.pieces.back().end).norm();
+  return length;
+}
+
+// From the first on always the nearest one, from its nearer end where it may be turned; as it was when that
+// is no shorter.
+std::vector<Cut> OrderedByTravel(std::vector<Cut> cuts) {
+  std::vector<Cut> ordered;
+  std::vector<char> used(cuts.size(), 0);
+  for (size_t next = 0, turn = 0; ordered.size() < cuts.size();) {
+    used[next] = 1;
+    ordered.push_back({turn != 0 ? Reversed(cuts[next].curve) : cuts[next].curve, cuts[next].reversible});
+    const Eigen::Vector3d& end = ordered.back().curve.pieces.back().end;
+    double best = std::numeric_limits<double>::infinity();
+    for (size_t i = 0; i < cuts.size(); ++i) {
+      if (used[i] != 0) continue;
+      const double ahead = (cuts[i].curve.pieces.front().start - end).norm();
+      const double behind = (cuts[i].curve.pieces.back().end - end).norm();
+      if (ahead < best) best = ahead, next = i, turn = 0;
+      if (cuts[i].reversible && behind < best) best = behind, next = i, turn = 1;
+    }
+  }
+  return TravelLength(ordered) < TravelLength(cuts) ? ordered : cuts;
 }
 
 void MoveToTip(const CutterShape& cutter, Toolpath& toolpath) {
@@ -101,27 +170,40 @@ void MoveToTip(const CutterShape& cutter, Toolpath& toolpath) {
       point.position = TipAtContact(cutter, point.position, point.normal, point.tool_axis);
 }
 
+// What the strategy has to keep from borders counts as rim distance.
+ToolpathOptions Effective(ToolpathOptions options) {
+  if (options.strategy == "pad")
+    options.region.rim_distance =
+        std::max(options.region.rim_distance, options.pad_offset.value_or(options.cutter.radius));
+  return options;
+}
+
 }  // namespace
 
-Toolpath MakeToolpath(const Mesh& mesh, const ToolpathOptions& options, std::stop_token stop) {
-  CheckOptions(options);
+Toolpath MakeToolpath(const Mesh& mesh, const ToolpathOptions& given, std::stop_token stop) {
+  CheckOptions(given);
+  const ToolpathOptions options = Effective(given);
   const std::unique_ptr<Strategy> strategy = MakeStrategy(options.strategy);
   const Region region(mesh, options.region);
-  const CornerNormals normals(mesh, options.crease);
+  const CornerNormals normals(mesh, options.crease, options.normal_smoothing);
   const PassMaker maker(mesh, options, normals);
-  Toolpath toolpath;
-  for (const Lane& lane : strategy->Lanes(mesh, region, options, stop)) {
+  Layout layout = strategy->Lay(region, options, stop);
+  std::vector<Cut> cuts;
+  for (const Lane& lane : layout.lanes) {
     CheckStop(stop);
-    for (const Curve& part : PartsOf(lane, mesh, region, normals, options))
-      toolpath.passes.push_back(maker.Make(part));
+    std::ranges::move(CutsOf(lane, region, normals, options), std::back_inserter(cuts));
   }
-  if (toolpath.passes.empty())
+  if (cuts.empty())
     throw InputError(
         {},
         "toolpath: nothing of the mesh lies in the region; check box, facing direction, rim distance "
         "and the mesh's unit and orientation");
+  if (options.order_by_travel) cuts = OrderedByTravel(std::move(cuts));
+  Toolpath toolpath;
+  toolpath.notes = std::move(layout.notes);
+  for (const Cut& cut : cuts) toolpath.passes.push_back(maker.Make(cut.curve));
   toolpath = Layered(toolpath, options.layers);
-  if (options.cutter) MoveToTip(*options.cutter, toolpath);
+  if (options.lead != 0 || options.tilt != 0) MoveToTip(options.cutter, toolpath);
   AddPassEnds(options.ends, options.spacing, toolpath);
   return toolpath;
 }

@@ -21,6 +21,7 @@ struct MillingPoint {
   PointKind kind = PointKind::kCut;
   int region = 0;
   int source_line = 0;  ///< of an imported tool path; 0 when made here
+  double gouge = 0;     ///< how deep the cutter would go into the part, mm; above 0: not to be milled
 };
 
 /// A cut without lifting the tool. A closed pass ends where it starts: its first point is not repeated at its
@@ -35,6 +36,7 @@ struct Pass {
 
 struct Toolpath {
   std::vector<Pass> passes;
+  std::vector<std::string> notes;  ///< what the user should know of it, one sentence each
 };
 
 }  // namespace millpose

@@ -1,42 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/plane_slices.hpp"
 #include "toolpath/spread.hpp"
+#include "toolpath/stepover.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {
 namespace {
 
-// Where the region begins and ends along the planes' normal, and how its faces lie to the planes.
-struct Extent {
-  double lower = std::numeric_limits<double>::infinity(), upper = -std::numeric_limits<double>::infinity();
-  std::vector<Stretch> stretches;
-};
-
-Extent ExtentOf(const Mesh& mesh, const Region& region, const Eigen::Vector3d& normal) {
-  Extent extent;
-  for (const Region::Patch& patch : region.Patches()) {
-    Stretch stretch{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 1};
-    for (const Eigen::Vector3d& p : patch.corners) {
-      stretch.lower = std::min(stretch.lower, normal.dot(p));
-      stretch.upper = std::max(stretch.upper, normal.dot(p));
-    }
-    // Across the planes a face rises by the sine of its angle with them.
-    stretch.slope = 1 / std::max(1e-9, mesh.FaceNormal(patch.face).cross(normal).norm());
-    extent.lower = std::min(extent.lower, stretch.lower);
-    extent.upper = std::max(extent.upper, stretch.upper);
-    extent.stretches.push_back(stretch);
-  }
-  return extent;
-}
-
 class ParallelPlanes : public Strategy {
  public:
-  std::vector<Lane> Lanes(const Mesh& mesh, const Region& region, const ToolpathOptions& options,
-                          std::stop_token stop) const override {
+  Layout Lay(const Region& region, const ToolpathOptions& options, std::stop_token stop) const override {
     const Eigen::Vector3d normal = options.plane_normal;
-    const Extent extent = ExtentOf(mesh, region, normal);
-    double lower = extent.lower, upper = extent.upper;
-    if (lower > upper) return {};
+    Layout layout;
+    StepoverRule rule(region.mesh(), options);
+    double lower = std::numeric_limits<double>::infinity(), upper = -lower;
+    std::vector<Stretch> stretches;
+    for (const Region::Patch& patch : region.Patches()) {
+      const auto [from, to] = Range(patch, normal);
+      stretches.push_back({from, to, rule.Density(patch.face, normal)});
+      lower = std::min(lower, from);
+      upper = std::max(upper, to);
+    }
+    if (lower > upper) return layout;
+    rule.AddNotes(layout.notes);
     if (upper - lower > 2 * options.region.rim_distance) {
       lower += options.region.rim_distance;
       upper -= options.region.rim_distance;
@@ -44,16 +30,26 @@ class ParallelPlanes : public Strategy {
     // The way that slices run where the surface faces as most of the region does.
     Eigen::Vector3d along = normal.cross(region.MeanNormal());
     if (along.norm() < 1e-6) along = normal.unitOrthogonal();
-    const std::vector<double> offsets =
-        options.stepover_on_surface ? SpreadOnSurface(extent.stretches, lower, upper, options.stepover)
-                                    : SpreadEvenly(lower, upper, options.stepover);
-    std::vector<Lane> lanes;
-    for (auto& curves : SliceByPlanes(mesh, normal, offsets, stop)) {
-      const bool backwards = options.zigzag && lanes.size() % 2 == 1;
-      lanes.push_back(
-          {std::move(curves), [along](const Eigen::Vector3d& p) { return along.dot(p); }, backwards});
+    for (auto& curves :
+         SliceByPlanes(region.mesh(), normal, PassScale(stretches, lower, upper).Positions(), stop)) {
+      Lane lane;
+      lane.curves = std::move(curves);
+      lane.progress = [along](const Eigen::Vector3d& p) { return along.dot(p); };
+      lane.advance = [normal](const Eigen::Vector3d& p) { return normal.dot(p); };
+      lane.backwards = layout.lanes.size() % 2 == 1;
+      layout.lanes.push_back(std::move(lane));
     }
-    return lanes;
+    return layout;
+  }
+
+ private:
+  static std::pair<double, double> Range(const Region::Patch& patch, const Eigen::Vector3d& normal) {
+    double from = std::numeric_limits<double>::infinity(), to = -from;
+    for (const Eigen::Vector3d& p : patch.corners) {
+      from = std::min(from, normal.dot(p));
+      to = std::max(to, normal.dot(p));
+    }
+    return {from, to};
   }
 };
 

@@ -50,15 +50,34 @@ void CountArcLength(Pass& pass) {
         pass.points[i - 1].arc_length + (pass.points[i].position - pass.points[i - 1].position).norm();
 }
 
+// Goes round to the start and on over it by at least `overlap` (mm).
+void Open(double overlap, Pass& pass) {
+  const size_t count = pass.points.size();
+  const double round =
+      pass.points.back().arc_length + (pass.points.front().position - pass.points.back().position).norm();
+  for (size_t i = 0; i < count; ++i) {
+    MillingPoint again = pass.points[i];
+    again.arc_length += round;
+    pass.points.push_back(again);
+    if (pass.points[i].arc_length >= overlap - 1e-9) break;
+  }
+  pass.closed = false;
+}
+
 }  // namespace
 
 void AddPassEnds(const PassEnds& ends, double spacing, Toolpath& toolpath) {
   const std::vector<Eigen::Vector2d> way = LeadWay(ends, spacing);
+  PassEnds after_overlap = ends;
+  after_overlap.overrun = 0;
+  const std::vector<Eigen::Vector2d> closed_way = LeadWay(after_overlap, spacing);
   if (way.empty()) return;
   for (Pass& pass : toolpath.passes) {
-    if (pass.closed || pass.points.empty()) continue;
-    std::vector<MillingPoint> in = Lead(pass.points.front(), way, -1, PointKind::kLeadIn);
-    const std::vector<MillingPoint> out = Lead(pass.points.back(), way, 1, PointKind::kLeadOut);
+    if (pass.points.empty() || (pass.closed && ends.lead == LeadShape::kNone)) continue;
+    const std::vector<Eigen::Vector2d>& own = pass.closed ? closed_way : way;
+    if (pass.closed) Open(ends.overrun, pass);
+    std::vector<MillingPoint> in = Lead(pass.points.front(), own, -1, PointKind::kLeadIn);
+    const std::vector<MillingPoint> out = Lead(pass.points.back(), own, 1, PointKind::kLeadOut);
     std::ranges::reverse(in);
     in.insert(in.end(), pass.points.begin(), pass.points.end());
     in.insert(in.end(), out.begin(), out.end());
@@ -67,20 +86,26 @@ void AddPassEnds(const PassEnds& ends, double spacing, Toolpath& toolpath) {
   }
 }
 
-int LayerCount(const Layers& layers) {
-  return std::max(1, static_cast<int>(std::ceil(layers.total / layers.per_layer - 1e-9)));
+std::vector<double> LayerOffsets(const Layers& layers) {
+  const double last = std::min(layers.finishing, layers.total), roughing = layers.total - last;
+  const int count = last > 0 && roughing <= 0
+                        ? 0
+                        : std::max(1, static_cast<int>(std::ceil(roughing / layers.per_layer - 1e-9)));
+  std::vector<double> offsets;
+  for (int layer = 1; layer <= count; ++layer)
+    offsets.push_back(layers.allowance + last + roughing * (count - layer) / count);
+  if (last > 0) offsets.push_back(layers.allowance);
+  return offsets;
 }
 
 Toolpath Layered(const Toolpath& toolpath, const Layers& layers) {
-  const int count = LayerCount(layers);
   Toolpath layered;
-  for (int layer = 1; layer <= count; ++layer) {
-    const double offset = layers.allowance + layers.total * (count - layer) / count;
+  layered.notes = toolpath.notes;
+  for (const double offset : LayerOffsets(layers))
     for (const Pass& pass : toolpath.passes) {
       Pass& added = layered.passes.emplace_back(pass);
       for (MillingPoint& point : added.points) point.position += offset * point.normal;
     }
-  }
   return layered;
 }
 

@@ -13,7 +13,8 @@ enum class LeadShape : uint8_t {
   kArc,     ///< a quarter circle in the plane of feed and normal, tangent to the pass
 };
 
-/// What is added at the ends of each open pass; closed passes have none. mm, rad.
+/// What is added at the ends of each pass; mm, rad. With a lead, a closed pass is opened where it starts: it
+/// runs on over its start by the overrun before it is left. Without one, closed passes stay as they are.
 struct PassEnds {
   double overrun = 0;  ///< straight on beyond both ends, so that the cutter leaves the material
   LeadShape lead = LeadShape::kNone;
@@ -21,7 +22,7 @@ struct PassEnds {
   double ramp_angle = DegToRad(15);  ///< ramp: against the tangent plane
 };
 
-/// Adds overrun and leads to both ends of the open passes, as points of kind kLeadIn and kLeadOut that keep
+/// Adds overrun and leads to both ends of the passes, as points of kind kLeadIn and kLeadOut that keep
 /// normal, tool axis and feed rate of the end they belong to; `spacing` (mm) is the largest distance of the
 /// new points. Arc lengths count from the new start.
 void AddPassEnds(const PassEnds& ends, double spacing, Toolpath& toolpath);
@@ -31,12 +32,14 @@ struct Layers {
   double total = 0;      ///< material above the surface, mm; 0: one layer on the surface
   double per_layer = 1;  ///< largest depth of one layer, mm
   double allowance = 0;  ///< left on the surface, mm
+  double finishing = 0;  ///< depth of the last layer, of the total, mm; 0: as the others
 };
 
-/// How many there are, at least 1.
-int LayerCount(const Layers& layers);
+/// Offsets of the layers from the surface, from the outermost to the last, in even steps down to the last; at
+/// least one.
+std::vector<double> LayerOffsets(const Layers& layers);
 
-/// The layers from the outermost to the last, each with all passes, in even steps. Offset along the normals,
+/// The layers in the order of LayerOffsets, each with all passes. Offset along the normals,
 /// so creases and concave places tighter than the offset are not looked at.
 Toolpath Layered(const Toolpath& toolpath, const Layers& layers);
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/region.hpp"
 
-#include "surface/triangle.hpp"
 #include "toolpath/region_term.hpp"
 
 namespace millpose {
@@ -25,29 +24,11 @@ std::vector<Eigen::Vector3d> Clipped(const std::vector<Eigen::Vector3d>& polygon
 Region::Region(const Mesh& mesh, const RegionOptions& options)
     : mesh_(mesh),
       options_(options),
-      term_(std::make_shared<const RegionTerm>(mesh, options)),
+      term_(std::make_shared<const RegionTerm>(mesh, options, true)),
       has_face_(mesh.face_count()) {
   for (int face = 0; face < mesh.face_count(); ++face)
     has_face_[face] = term_->Bound(face, true) >= 0 ? 1 : 0;
-  std::vector<Eigen::AlignedBox3d> boxes;
-  for (int face = 0; face < mesh.face_count(); ++face)
-    for (int k = 0; k < 3 && HasFace(face); ++k) {
-      const int other = mesh.Neighbour(face, k);
-      if (other >= 0 && HasFace(other)) continue;
-      borders_.push_back({mesh.Corner(face, k), mesh.Corner(face, (k + 1) % 3)});
-      boxes.emplace_back(borders_.back()[0]);
-      boxes.back().extend(borders_.back()[1]);
-    }
-  border_tree_ = Bvh(boxes);
-}
-
-double Region::BorderDistance(const Eigen::Vector3d& p) const {
-  const auto [nearest, squared] =
-      border_tree_.Nearest(p, std::numeric_limits<double>::infinity(), [&](int i) {
-        const auto& [a, b] = borders_[i];
-        return (a + ClosestOnSegment(p, a, b) * (b - a) - p).squaredNorm();
-      });
-  return std::sqrt(squared);
+  borders_ = RegionBorders(mesh, [&](int face) { return HasFace(face); });
 }
 
 double Region::Margin(int face, const Eigen::Vector3d& p) const {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/units.hpp"
-#include "surface/bvh.hpp"
 #include "surface/mesh.hpp"
+#include "toolpath/region_borders.hpp"
 
 namespace millpose {
 
@@ -47,8 +47,8 @@ struct RegionOptions {
   std::vector<RegionOptions> all;   ///< all of these must hold
   std::vector<RegionOptions> any;   ///< at least one of these must hold, when there are some
   std::vector<RegionOptions> none;  ///< none of these may hold
-  /// Kept from open rims and from edges to faces that are out as a whole (facing, connected). Counts in the
-  /// outermost region alone.
+  /// Kept from open rims and from edges to faces that are out of this set of conditions as a whole (facing,
+  /// connected).
   double rim_distance = 0;
 };
 
@@ -74,7 +74,7 @@ class Region {
   /// Whether there is any rim or edge to a face that is out as a whole.
   bool HasBorders() const { return !borders_.empty(); }
   /// Distance of p from the nearest of them, mm; infinite when there is none.
-  double BorderDistance(const Eigen::Vector3d& p) const;
+  double BorderDistance(const Eigen::Vector3d& p) const { return borders_.Distance(p); }
   /// Sum of the region's face normals weighted with area, as a unit vector; zero when they cancel out.
   Eigen::Vector3d MeanNormal() const;
   const Mesh& mesh() const { return mesh_; }
@@ -84,8 +84,7 @@ class Region {
   RegionOptions options_;
   std::shared_ptr<const RegionTerm> term_;
   std::vector<char> has_face_;
-  std::vector<std::array<Eigen::Vector3d, 2>> borders_;  // rims and edges to faces that are out
-  Bvh border_tree_;
+  RegionBorders borders_;
 };
 
 }  // namespace millpose

@@ -70,7 +70,7 @@ double Area(const std::vector<Eigen::Vector2d>& corners) {
 
 }  // namespace
 
-RegionTerm::RegionTerm(const Mesh& mesh, const RegionOptions& options) : options_(options) {
+RegionTerm::RegionTerm(const Mesh& mesh, const RegionOptions& options, bool outermost) : options_(options) {
   if (options.facing) facing_ = Facing(mesh, *options.facing, options.facing_within);
   if (options.connected) connected_ = Connected(mesh, *options.connected);
   if (!options.source_faces.empty()) source_ = FromSource(mesh, options.source_faces);
@@ -84,6 +84,8 @@ RegionTerm::RegionTerm(const Mesh& mesh, const RegionOptions& options) : options
   for (const RegionOptions& child : options.all) all_.emplace_back(mesh, child);
   for (const RegionOptions& child : options.any) any_.emplace_back(mesh, child);
   for (const RegionOptions& child : options.none) none_.emplace_back(mesh, child);
+  if (options.rim_distance > 0 && !outermost)
+    borders_ = RegionBorders(mesh, [&](int face) { return Bound(face, true) >= 0; });
 }
 
 double RegionTerm::FaceMargin(int face) const {
@@ -116,6 +118,7 @@ double RegionTerm::PointMargin(const Eigen::Vector3d& p) const {
   if (options_.half_space)
     margin = std::min(margin, options_.half_space->normal.dot(p - options_.half_space->point));
   if (options_.polygon) margin = std::min(margin, PolygonMargin(p));
+  if (!borders_.empty()) margin = std::min(margin, borders_.Distance(p) - options_.rim_distance);
   return margin;
 }
 

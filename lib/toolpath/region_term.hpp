@@ -9,9 +9,10 @@ namespace millpose {
 /// which keeps them 1-Lipschitz; conditions on whole faces count as plus or minus infinity.
 class RegionTerm {
  public:
-  RegionTerm(const Mesh& mesh, const RegionOptions& options);
+  /// `outermost`: its rim distance is left to Region.
+  RegionTerm(const Mesh& mesh, const RegionOptions& options, bool outermost = false);
 
-  /// As Region::Margin, without rims.
+  /// As Region::Margin, without the outermost rims.
   double Margin(int face, const Eigen::Vector3d& p) const;
   /// The largest (`upper`) or smallest margin that any point of the face could have.
   double Bound(int face, bool upper) const;
@@ -19,7 +20,9 @@ class RegionTerm {
  private:
   double FaceMargin(int face) const;
   double PointMargin(const Eigen::Vector3d& p) const;
-  bool HasPointConditions() const { return options_.box || options_.half_space || options_.polygon; }
+  bool HasPointConditions() const {
+    return options_.box || options_.half_space || options_.polygon || !borders_.empty();
+  }
   double PolygonMargin(const Eigen::Vector3d& p) const;
 
   RegionOptions options_;
@@ -27,6 +30,7 @@ class RegionTerm {
   Eigen::Vector3d u_ = Eigen::Vector3d::Zero(), v_ = Eigen::Vector3d::Zero();  // the polygon's plane
   std::vector<Eigen::Vector2d> corners_;
   std::vector<RegionTerm> all_, any_, none_;
+  RegionBorders borders_;  // empty without rim distance
 };
 
 }  // namespace millpose

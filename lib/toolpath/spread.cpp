@@ -4,68 +4,66 @@
 #include <set>
 
 namespace millpose {
-namespace {
 
-int CountFor(double length, double stepover) {
-  return std::max(1, static_cast<int>(std::ceil(length / stepover - 1e-9)));
-}
-
-}  // namespace
-
-std::vector<double> SpreadEvenly(double lower, double upper, double stepover) {
-  const int count = CountFor(upper - lower, stepover);
-  std::vector<double> positions;
-  for (int i = 0; i < count; ++i) positions.push_back(lower + (i + 0.5) * ((upper - lower) / count));
-  return positions;
-}
-
-std::vector<double> SpreadOnSurface(const std::vector<Stretch>& stretches, double lower, double upper,
-                                    double stepover) {
-  constexpr double kMaxSlope = 20;
+PassScale::PassScale(const std::vector<Stretch>& stretches, double lower, double upper)
+    : ways_{{lower, 0.0}} {
   struct Event {
-    double at, slope;
+    double at, density;
     bool begins;
   };
   std::vector<Event> events;
   for (const Stretch& stretch : stretches) {
     const double from = std::max(stretch.lower, lower), to = std::min(stretch.upper, upper);
     if (from >= to) continue;
-    const double slope = std::clamp(stretch.slope, 1.0, kMaxSlope);
-    events.push_back({from, slope, true});
-    events.push_back({to, slope, false});
+    events.push_back({from, stretch.density, true});
+    events.push_back({to, stretch.density, false});
   }
   std::ranges::sort(events, [](const Event& a, const Event& b) {
-    return std::tie(a.at, a.begins, a.slope) < std::tie(b.at, b.begins, b.slope);
+    return std::tie(a.at, a.begins, a.density) < std::tie(b.at, b.begins, b.density);
   });
-  // Lengths on the surface up to each position; where there is no surface, positions pass for free.
-  std::vector<std::pair<double, double>> ways{{lower, 0.0}};
-  std::multiset<double> slopes;
+  std::multiset<double> densities;
   for (const Event& event : events) {
-    const auto [at, way] = ways.back();
+    const auto [at, way] = ways_.back();
     if (event.at > at)
-      ways.emplace_back(event.at, way + (slopes.empty() ? 0.0 : *slopes.rbegin() * (event.at - at)));
+      ways_.emplace_back(event.at, way + (densities.empty() ? 0.0 : *densities.rbegin() * (event.at - at)));
     if (event.begins) {
-      slopes.insert(event.slope);
+      densities.insert(event.density);
     } else {
-      slopes.erase(slopes.find(event.slope));
+      densities.erase(densities.find(event.density));
     }
   }
-  const double total = ways.back().second;
-  const int count = CountFor(total, stepover);
-  std::vector<double> positions;
+}
+
+int PassScale::count() const { return std::max(1, static_cast<int>(std::ceil(total() - 1e-9))); }
+
+double PassScale::PassesAt(double position) const {
+  const auto above = std::ranges::upper_bound(ways_, position, {}, &std::pair<double, double>::first);
+  if (above == ways_.begin() || total() == 0) return 0;
+  const auto& [from, passes] = *std::prev(above);
+  const double here = above == ways_.end()
+                          ? passes
+                          : passes + (above->second - passes) * (position - from) / (above->first - from);
+  return here * count() / total();
+}
+
+double PassScale::PositionAt(double passes) const {
+  if (ways_.size() == 1) return ways_[0].first;
+  const double wanted = passes * total() / count();
   size_t k = 1;
-  for (int i = 0; i < count && total > 0; ++i) {
-    const double wanted = (i + 0.5) * total / count;
-    while (k + 1 < ways.size() && ways[k].second < wanted) ++k;
-    const auto& [a, from] = ways[k - 1];
-    const auto& [b, to] = ways[k];
-    positions.push_back(a + (wanted - from) / (to - from) * (b - a));
-  }
+  while (k + 1 < ways_.size() && ways_[k].second < wanted) ++k;
+  const auto& [a, from] = ways_[k - 1];
+  const auto& [b, to] = ways_[k];
+  return to > from ? a + (wanted - from) / (to - from) * (b - a) : b;
+}
+
+std::vector<double> PassScale::Positions() const {
+  std::vector<double> positions;
+  for (int i = 0; i < count(); ++i) positions.push_back(PositionAt(i + 0.5));
   return positions;
 }
 
-double StepoverForScallop(double radius, double height) {
-  return height < radius ? 2 * std::sqrt(2 * radius * height - height * height) : 2 * radius;
+std::vector<double> SpreadEvenly(double lower, double upper, double stepover) {
+  return PassScale({{lower, upper, 1 / stepover}}, lower, upper).Positions();
 }
 
 }  // namespace millpose

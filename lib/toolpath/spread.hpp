@@ -5,24 +5,32 @@
 
 namespace millpose {
 
-/// Positions spread evenly over lower..upper, `count` = the least that keeps their distance at or below
-/// `stepover`; the first and last lie half a distance inside.
-std::vector<double> SpreadEvenly(double lower, double upper, double stepover);
-
-/// A stretch of surface that spans lower..upper of the position (of planes or radii); from one to the other
-/// the way on the surface is `slope` (≥ 1) times as long.
+/// A stretch of surface that spans lower..upper of the position (of planes or radii) and wants at least
+/// `density` passes per mm of it.
 struct Stretch {
-  double lower = 0, upper = 0, slope = 1;
+  double lower = 0, upper = 0, density = 1;
 };
 
-/// Positions over lower..upper such that the way on the surface between neighbours is the same everywhere and
-/// at most `stepover`: even steps of the integral of the largest slope at each position. Slopes count up to
-/// 20 (a surface nearly along the planes has no useful step-over).
-std::vector<double> SpreadOnSurface(const std::vector<Stretch>& stretches, double lower, double upper,
-                                    double stepover);
+/// Counts passes along a position: the integral of the largest density at each place. Where there is no
+/// surface, positions pass for free.
+class PassScale {
+ public:
+  PassScale(const std::vector<Stretch>& stretches, double lower, double upper);
+  /// Passes that the whole range wants, rounded up, at least 1.
+  int count() const;
+  /// Passes from the lower end to a position, of count().
+  double PassesAt(double position) const;
+  double PositionAt(double passes) const;
+  /// One position per pass, the first and last half a pass inside.
+  std::vector<double> Positions() const;
 
-/// The step-over at which a ball of radius `radius` (mm) leaves scallops of height `height` (mm) on a flat:
-/// 2 √(2 R h − h²); the width of the ball where h ≥ R.
-double StepoverForScallop(double radius, double height);
+ private:
+  double total() const { return ways_.back().second; }
+  std::vector<std::pair<double, double>> ways_;  // position, passes up to it; ascending
+};
+
+/// Positions spread evenly over lower..upper, their number the least that keeps their distance at or below
+/// `stepover`; the first and last lie half a distance inside.
+std::vector<double> SpreadEvenly(double lower, double upper, double stepover);
 
 }  // namespace millpose

@@ -10,9 +10,8 @@ using Maker = std::unique_ptr<Strategy> (*)();
 
 const std::map<std::string, Maker>& Registry() {
   static const std::map<std::string, Maker> registry{
-      {"contours", MakeContours},
-      {"curve", MakeSingleCurve},
-      {"parallel_planes", MakeParallelPlanes},
+      {"contours", MakeContours}, {"curve", MakeSingleCurve},
+      {"pad", MakePad},           {"parallel_planes", MakeParallelPlanes},
       {"rings", MakeRings},
   };
   return registry;

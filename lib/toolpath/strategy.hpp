@@ -14,19 +14,29 @@ namespace millpose {
 
 /// The curves of one plane, radius or contour, milled one after the other.
 struct Lane {
-  std::vector<Curve> curves;  ///< on the mesh, not yet clipped to the region
-  /// What grows along the lane: parts that the region cuts off are milled in ascending order of it.
+  std::vector<Curve> curves;  ///< on the mesh
+  /// What grows along the lane: parts that the region cuts off are milled in ascending order of it. Empty: in
+  /// the order of `curves`.
   std::function<double(const Eigen::Vector3d&)> progress;
-  bool backwards = false;  ///< mill against the curves' direction (zigzag); closed passes keep theirs
+  /// What grows from lane to lane, from milled to unmilled: tells climb from conventional milling. Empty
+  /// where a lane has no neighbours.
+  std::function<double(const Eigen::Vector3d&)> advance;
+  bool backwards = false;  ///< in a zigzag: against the curves' direction; closed passes keep theirs
+  bool clipped = false;    ///< the curves lie in the region as they are
+};
+
+/// What a strategy makes of a region.
+struct Layout {
+  std::vector<Lane> lanes;         ///< in the order of milling
+  std::vector<std::string> notes;  ///< what the user should know, one sentence each
 };
 
 /// A way to cover a region with curves. An implementation is one file and one line in strategy.cpp.
 class Strategy {
  public:
   virtual ~Strategy() = default;
-  /// The lanes in the order of milling. Throws Interrupted.
-  virtual std::vector<Lane> Lanes(const Mesh& mesh, const Region& region, const ToolpathOptions& options,
-                                  std::stop_token stop) const = 0;
+  /// Throws InputError for a region that the strategy cannot cover; Interrupted.
+  virtual Layout Lay(const Region& region, const ToolpathOptions& options, std::stop_token stop) const = 0;
 };
 
 /// All strategies by name, sorted.
@@ -36,6 +46,7 @@ std::vector<std::string> StrategyNames();
 std::unique_ptr<Strategy> MakeStrategy(const std::string& name);
 
 std::unique_ptr<Strategy> MakeContours();
+std::unique_ptr<Strategy> MakePad();
 std::unique_ptr<Strategy> MakeParallelPlanes();
 std::unique_ptr<Strategy> MakeRings();
 std::unique_ptr<Strategy> MakeSingleCurve();

@@ -62,14 +62,31 @@ TEST(PassEnds, LeadsHaveTheirShape) {
   EXPECT_LT((arc.passes[0].points.front().position - Eigen::Vector3d(-8, 0, 8)).norm(), 1e-12);
 }
 
-TEST(PassEnds, ClosedPassesStayAsTheyAre) {
+TEST(PassEnds, ClosedPassesAreOpenedForALeadAlone) {
   Toolpath toolpath = Straight(true);
-  AddPassEnds({12, LeadShape::kArc, 8, 0}, 5, toolpath);
+  AddPassEnds({12, LeadShape::kNone, 8, 0}, 5, toolpath);
   EXPECT_EQ(toolpath.passes[0].points.size(), 5);
+  EXPECT_TRUE(toolpath.passes[0].closed);
+  // Round to the start and 12 mm on over it: the points at 0, 10 and 20 mm again.
+  AddPassEnds({12, LeadShape::kNormal, 8, 0}, 100, toolpath);
+  const Pass& pass = toolpath.passes[0];
+  EXPECT_FALSE(pass.closed);
+  ASSERT_EQ(pass.points.size(), 1 + 5 + 3 + 1);
+  EXPECT_EQ(pass.points[8].position, Eigen::Vector3d(20, 0, 0));
+  EXPECT_EQ(pass.points[9].position, Eigen::Vector3d(20, 0, 8));
+  EXPECT_EQ(pass.points[9].kind, PointKind::kLeadOut);
+}
+
+TEST(PassEnds, TheFinishingLayerHasItsOwnDepth) {
+  const Toolpath layered = Layered(Straight(), {2.5, 1, 0.1, 0.4});
+  ASSERT_EQ(layered.passes.size(), 4);
+  const std::array<double, 4> heights{0.5 + 1.4, 0.5 + 0.7, 0.5, 0.1};
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(layered.passes[i].points[0].position.z(), heights[i], 1e-12);
+  EXPECT_EQ(Layered(Straight(), {2.5, 1, 0, 2.5}).passes.size(), 1);
 }
 
 TEST(PassEnds, LayersComeFromOutsideInEvenSteps) {
-  const Toolpath layered = Layered(Straight(), {2.5, 1, 0.1});
+  const Toolpath layered = Layered(Straight(), {2.5, 1, 0.1, 0});
   ASSERT_EQ(layered.passes.size(), 3);
   const std::array<double, 3> heights{0.1 + 2.5 * 2 / 3, 0.1 + 2.5 / 3, 0.1};
   for (int i = 0; i < 3; ++i)

@@ -100,6 +100,19 @@ TEST(Region, RimDistanceCountsFromBordersOfFaceSets) {
   EXPECT_NEAR(wall.Margin(cylinder.Closest(p).face, p), 6, 1e-9);
 }
 
+TEST(Region, RimDistanceIsAConditionAsOthers) {
+  // The strip within 10 mm of the grid's rim: not what is farther.
+  const Mesh grid = SoundMesh(GridShape(10, 10, 10));
+  RegionOptions inner, options;
+  inner.rim_distance = 10;
+  options.none = {inner};
+  const Region strip(grid, options);
+  for (const auto& [x, margin] : {std::pair(5.0, 5.0), std::pair(12.0, -2.0), std::pair(50.0, -40.0)}) {
+    const Eigen::Vector3d p(x, 50, 0);
+    EXPECT_NEAR(strip.Margin(grid.Closest(p).face, p), margin, 1e-9);
+  }
+}
+
 TEST(Region, RefusesPolygonsWithoutArea) {
   RegionOptions options;
   options.polygon = {{{0, 0, 0}, {1, 0, 0}, {1, 0, 5}}, Eigen::Vector3d::UnitZ()};
