@@ -507,11 +507,12 @@ TEST(MakeToolpath, OrderByTravelIsAPermutationWithShorterWays) {
 }
 
 TEST(MakeToolpath, ScaledFromMetresIsTheSame) {
-  Triangles millimetres = CylinderShape(60, 40, 72, 2), metres = millimetres;
-  for (Eigen::Vector3d& p : metres.vertices) p /= 1000;
+  RawMesh millimetres, metres;
+  millimetres.triangles = metres.triangles = CylinderShape(60, 40, 72, 2);
+  for (Eigen::Vector3d& p : metres.triangles.vertices) p /= 1000;
   ImportOptions scale;
   scale.unit = 1000;
-  const Mesh a = ImportMesh({millimetres, {}}, {}, "a").mesh, b = ImportMesh({metres, {}}, scale, "b").mesh;
+  const Mesh a = ImportMesh(millimetres, {}, "a").mesh, b = ImportMesh(metres, scale, "b").mesh;
   ToolpathOptions options = WallRings();
   const Toolpath first = MakeToolpath(a, options, {}), second = MakeToolpath(b, options, {});
   ASSERT_EQ(PointsOf(first), PointsOf(second));
