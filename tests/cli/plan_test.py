@@ -167,7 +167,8 @@ class Plan(unittest.TestCase):
         small = text.replace("tool_axis: -x", "max_motions: 10, tool_axis: -x").replace(
             "tool_axis: z", "max_motions: 10, tool_axis: z")
         cell.with_name("split.yaml").write_text(small, encoding="utf-8")
-        job = BENCH.job("support_pad", CUT_DOWN + [("kr500_r2830", "split")], "split")
+        every_point = (r"(?m)^programs: ", "program_options: {point_economy: {chord_mm: 0}}\nprograms: ")
+        job = BENCH.job("support_pad", CUT_DOWN + [("kr500_r2830", "split"), every_point], "split")
         result, folder = BENCH.plan(job, "split")
         self.assertEqual(result.returncode, 0, result.stderr)
         for controller, ending, line in (("krl", "src", r"(?m)^(LIN \{X \S+?,Y )(-?)(\d)"),

@@ -117,7 +117,8 @@ const Slip kJobSlips[] = {
     {"  stepover_mm: 8\n", "", 9, 3, "toolpath.stepover_mm: missing; required: number > 0, mm"},
     {"process:\n  feed_mm_min: 80\n  spindle_rpm: 7000\n", "", 1, 1, "process: missing; required: map"},
     {"  strategy: parallel_planes", "  strategy: paralel_planes", 9, 13,
-     "toolpath.strategy: given paralel_planes; allowed: one of parallel_planes, rings, contours, curve, cam; "
+     "toolpath.strategy: given paralel_planes; allowed: one of parallel_planes, rings, pad, contours, curve, "
+     "cam; "
      "nearest: "
      "parallel_planes"},
     {"unit: mm", "unit: millimetre", 6, 9, "workpiece.unit: given millimetre; allowed: one of mm, cm, in, m"},

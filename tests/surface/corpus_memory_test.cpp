@@ -85,7 +85,7 @@ TEST(CorpusMemory, StaysBelowFourTimesWhatFileAndMeshNeed) {
       const double file = static_cast<double>(bytes.size()) / (1 << 20);
       const Use use = InChild(bytes);
       EXPECT_FALSE(use.refused);
-      EXPECT_GT(use.kept_MB, 1);
+      EXPECT_GT(use.kept_MB, 0.5);
       EXPECT_LE(use.peak_MB, 4 * (file + use.kept_MB));
       const Use cut = InChild(bytes.substr(0, bytes.size() / 2));
       EXPECT_TRUE(cut.refused || format == "obj");
