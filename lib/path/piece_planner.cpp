@@ -271,8 +271,9 @@ class PiecePlanner {
         break;
       }
       std::copy(path.begin(), path.end(), checked.begin());
-      for (size_t i = 0; i < path.size(); ++i) met[i] += hit[i];
+      Count(hit, met);
       const std::vector<int> level = Levels(hit, met, piece.closed);
+      for (size_t i = 0; i < path.size(); ++i) met[i] = std::max(met[i], level[i]);
       std::vector<bool> back(path.size());
       for (size_t i = 0; i < path.size(); ++i) back[i] = level[i] > 0;
       const std::vector<bool> beside = Widened(back, kFollow, piece.closed);
@@ -291,6 +292,19 @@ class PiecePlanner {
       }
     }
     std::copy(origin.begin(), origin.end(), path.begin());
+  }
+
+  /// Counts hits. A point beside others that were met before counts with them: where the border of what went
+  /// back interferes next, it must not begin anew.
+  static void Count(const std::vector<bool>& hit, std::vector<int>& met) {
+    constexpr size_t kBeside = 2;
+    const std::vector<int> before = met;
+    for (size_t i = 0; i < hit.size(); ++i) {
+      if (!hit[i]) continue;
+      const size_t first = i - std::min(i, kBeside), last = std::min(i + kBeside, hit.size() - 1);
+      met[i] = 1 + *std::max_element(before.begin() + static_cast<std::ptrdiff_t>(first),
+                                     before.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+    }
   }
 
   /// Points at the ends of joint steps beyond the bounds, as where some went back and others did not.
@@ -324,7 +338,7 @@ class PiecePlanner {
     for (int k = 1; k <= most; ++k) {
       std::vector<bool> marked(hit.size());
       for (size_t i = 0; i < hit.size(); ++i) marked[i] = hit[i] && met[i] == k;
-      const std::vector<bool> wide = Widened(marked, (size_t{1} << (k - 1)) - 1, closed);
+      const std::vector<bool> wide = Widened(marked, (size_t{1} << std::min(k - 1, 30)) - 1, closed);
       for (size_t i = 0; i < hit.size(); ++i) {
         if (wide[i]) level[i] = k;
       }
