@@ -66,7 +66,7 @@ std::vector<Eigen::Vector3d> CirclePoints(const AptCircle& circle, const Eigen::
   if (Across(from - circle.centre, axis).norm() < 1e-9 || Across(to - circle.centre, axis).norm() < 1e-9)
     return {to};
   if (!TurnsRight(circle, axis, from, to, arriving)) axis = -axis;
-  return ArcPoints(from, to, circle.centre, axis, circle.full_turns, tolerance);
+  return ArcPoints(from, to, circle.centre, axis, circle.full_turns, tolerance, circle.place);
 }
 
 }  // namespace millpose

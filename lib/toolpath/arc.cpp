@@ -8,7 +8,7 @@ namespace millpose {
 
 std::vector<Eigen::Vector3d> ArcPoints(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                                        const Eigen::Vector3d& centre, const Eigen::Vector3d& axis,
-                                       int full_turns, double tolerance) {
+                                       int full_turns, double tolerance, const Place& place) {
   const auto flat = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
     return p - centre - axis.dot(p - centre) * axis;
   };
@@ -21,6 +21,11 @@ std::vector<Eigen::Vector3d> ArcPoints(const Eigen::Vector3d& from, const Eigen:
   angle += 2 * kPi * full_turns;
   const double cosine = std::max(0.5, 1 - tolerance / std::max(radius, end_radius));
   const double step = 2 * Atan2(std::sqrt(1 - cosine * cosine), cosine);
+  constexpr double kMost = 1e6;  // bounds the memory that a short line can ask for
+  if (!(angle / step <= kMost))
+    throw InputError(
+        place, fmt::format("an arc of more than {} points: is the chord tolerance of {} mm meant?", kMost,
+                           tolerance));
   const int count = std::max(1, static_cast<int>(std::ceil(angle / step)));
   const Eigen::Vector3d u = a / radius, v = axis.cross(u);
   const double low = axis.dot(from - centre), high = axis.dot(to - centre);

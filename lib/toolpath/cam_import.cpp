@@ -7,7 +7,8 @@
 namespace millpose {
 namespace {
 
-constexpr double kSame = 1e-6;  // mm: points nearer than this are one
+constexpr double kSame = 1e-6;       // mm: points nearer than this are one
+constexpr double kMostPoints = 2e6;  // bounds the memory that a short file can ask for
 
 class CamImporter {
  public:
@@ -56,6 +57,11 @@ class CamImporter {
     for (size_t i = 0; i < way.size(); ++i) {
       const CamPoint &from = way[i == 0 ? 0 : i - 1], &to = way[i];
       const double length = (to.position - from.position).norm();
+      if (!(length / options_.spacing + static_cast<double>(total_) <= kMostPoints))
+        throw InputError(
+            {}, fmt::format("toolpath: the CAM path's line {} is {:.6g} mm long: more than {} points of "
+                            "spacing {:.6g} mm",
+                            to.line, length, kMostPoints, options_.spacing));
       const int steps =
           i == 0 ? 1 : std::max(1, static_cast<int>(std::ceil(length / options_.spacing - 1e-9)));
       for (int k = 1; k <= steps; ++k) {
@@ -74,6 +80,7 @@ class CamImporter {
               pass.points.back().arc_length + (point.position - pass.points.back().position).norm();
         pass_distances_.push_back(SetNormal(point));
         pass.points.push_back(point);
+        ++total_;
       }
     }
   }
@@ -137,6 +144,7 @@ class CamImporter {
   const CamImportOptions& options_;
   std::optional<CornerNormals> normals_;
   Toolpath toolpath_;
+  size_t total_ = 0;  // points
   std::vector<double> pass_distances_, distances_;
 };
 

@@ -60,7 +60,7 @@ std::vector<Vector> PointsOf(const GcodeArc& arc, double tolerance) {
                      fmt::format("the arc's ends lie {:.4g} mm and {:.4g} mm from its centre", start, end));
   if (!(arc.full_turns >= 0 && arc.full_turns <= 1000 && arc.full_turns == std::floor(arc.full_turns)))
     throw InputError(arc.place, "TURN needs a whole number from 0 to 1000");
-  return ArcPoints(arc.from, arc.to, centre, axis, static_cast<int>(arc.full_turns), tolerance);
+  return ArcPoints(arc.from, arc.to, centre, axis, static_cast<int>(arc.full_turns), tolerance, arc.place);
 }
 
 }  // namespace millpose

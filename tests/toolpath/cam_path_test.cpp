@@ -160,6 +160,11 @@ TEST(Apt, UnknownWordsAreCountedAndMotionsMustBeReadable) {
             "path.cls:2:1: a CIRCLE is not followed by the GOTO that it leads to");
   EXPECT_EQ(ErrorOf("GOTO/0,0,0\nCIRCLE/1E9,0,0,0,0,1,1E9\nGOTO/0,0,1\n"),
             "path.cls:2:1: the circle's radius of 1e+09 mm is above 1000000 mm");
+  EXPECT_EQ(ErrorOf("GOTO/1E6,0,0\nCIRCLE/0,0,0,0,0,1,1E6,0.06,0.5,30,0,TIMES,1000\nGOTO/1E6,0,9\n"),
+            "path.cls:2:1: an arc of more than 1000000 points: is the chord tolerance of 0.01 mm meant?");
+  std::string many = "GOTO/1E6,0,0\n";
+  for (int i = 0; i < 200; ++i) many += "CIRCLE/0,0,0,0,0,1,1E6,0.06,0.5,30,0\nGOTO/1E6,0,0\n";
+  EXPECT_NE(ErrorOf(many).find("the path has more than 2000000 points"), std::string::npos);
   EXPECT_EQ(ErrorOf("FINI\n"), "path.cls: the file holds no GOTO");
   EXPECT_EQ(ErrorOf("UNITS/FEET\n").substr(0, 14), "path.cls:1:1: ");
 }
@@ -239,6 +244,15 @@ TEST(CamImport, RapidsSplitPassesAndFarEndsAreLeads) {
     EXPECT_EQ(point.feed_rate, 3);
   }
   EXPECT_EQ(points[5].source_line, 3);
+}
+
+TEST(CamImport, LongWaysAreBounded) {
+  try {
+    ImportCamPath(Apt("GOTO/0,0,0\nGOTO/0,0,9999999999999999\n"), nullptr, {}, nullptr);
+    FAIL() << "let pass";
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).substr(0, 40), "toolpath: the CAM path's line 2 is 1e+16");
+  }
 }
 
 TEST(CamImport, WithoutAMeshTheAxisIsTheNormal) {
