@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/level_lines.hpp"
 
+#include "base/error.hpp"
 #include "base/parallel.hpp"
 
 namespace millpose {
 namespace {
+
+constexpr size_t kMostTriangles = 4'000'000;  // half a gigabyte
 
 uint64_t KeyOf(int a, int b) {
   const auto [low, high] = std::minmax(a, b);
@@ -256,6 +259,12 @@ void LevelLines::Halve(const double* level, const std::stop_token& stop) {
       if (far || !Split(triangle, level, middles, halves)) triangles_.push_back(triangle);
     }
     pending = std::move(halves);
+    if (triangles_.size() + pending.size() > kMostTriangles)
+      throw InputError({},
+                       fmt::format("toolpath: passes this close need more than {} triangles (edges of {:.3f} "
+                                   "mm) on the region; give a larger step-over, measure it on planes "
+                                   "(stepover_on), move the axis, or narrow the region",
+                                   kMostTriangles, longest_));
   }
 }
 

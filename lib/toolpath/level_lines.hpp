@@ -23,7 +23,8 @@ struct LevelField {
 /// through these triangles, crossings are found on the edges by bisection of the function itself.
 class LevelLines {
  public:
-  /// `tolerance` (mm): how far lines may lie from the level between their points. Throws Interrupted.
+  /// `tolerance` (mm): how far lines may lie from the level between their points. Throws InputError when
+  /// `longest` asks for too many triangles; Interrupted.
   LevelLines(const Region& region, LevelField field, double longest, double tolerance, std::stop_token stop);
 
   double largest() const { return largest_; }    ///< value at any vertex; -∞ without faces

@@ -387,6 +387,20 @@ TEST(MakeToolpath, SpiralIsOnePassWithEvenTurns) {
   }
 }
 
+TEST(MakeToolpath, SpiralsTooFineForMemoryAreRefused) {
+  // Turns 0.05 mm apart on a plate of 400 mm.
+  ToolpathOptions options;
+  options.strategy = "rings";
+  options.spiral = true;
+  options.stepover = 0.05;
+  try {
+    MakeToolpath(SoundMesh(GridShape(20, 20, 20)), options, {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("larger step-over"), std::string::npos);
+  }
+}
+
 // A plate of 100 mm with a square hole of 20 mm in its middle.
 Mesh Plate() {
   Triangles grid = GridShape(10, 10, 10);
