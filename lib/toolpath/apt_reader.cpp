@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kInch = 25.4;
 constexpr size_t kMaxPoints = 2'000'000;  // bounds what circles of a small file can become
-constexpr size_t kMostListed = 50;         // unknown words
+constexpr size_t kMostListed = 50;        // unknown words
 
 // Statements that say nothing about where the tool goes.
 const std::vector<std::string_view> kSilent{

@@ -8,7 +8,7 @@ namespace millpose {
 namespace {
 
 using Vector = Eigen::Vector3d;
-constexpr size_t kMaxPoints = 2'000'000;  // bounds what arcs of a small file can become
+constexpr size_t kMaxPoints = 2'000'000;   // bounds what arcs of a small file can become
 constexpr double kTurnStep = DegToRad(3);  // of rotary axes between two points of a cut
 
 Vector AxisAt(const GcodeWay& way, double share, const std::array<double, 3>& angles,
