@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/samples/program_case.hpp"
+
+#include "pipeline/assemble.hpp"
+#include "pipeline/make_programs.hpp"
+
+namespace millpose {
+
+std::vector<std::string> Variants() {
+  return {"krl", "krl_spline", "sinumerik", "linuxcnc", "linuxcnc_cartesian"};
+}
+
+MotionProgram ProgramCase::Read(const Arm& arm, const std::string& text) const {
+  ProgramFiles edited = files;
+  edited[name] = text;
+  MotionProgram program = MakePost(controller)->Read(edited, arm, settings);
+  CompleteFrames(program, motions.planned);
+  return program;
+}
+
+ProgramCase MakeCase(const Sample& sample, const std::string& variant) {
+  ProgramCase made;
+  made.controller = variant.substr(0, variant.find('_'));
+  JobInputs inputs = sample.inputs;
+  ControllerSettings& settings = inputs.cell.controllers.at(made.controller);
+  if (variant == "krl_spline") settings.motion = "spline";
+  if (variant == "linuxcnc_cartesian") settings.coordinates = "cartesian";
+  if (made.controller == "krl") {
+    settings.texts = {{"spindle_on", "$ANOUT[1]={rpm}\n$OUT[1]=TRUE"}, {"spindle_off", "$OUT[1]=FALSE"}};
+  }
+  settings.outputs = {{5, "cut_begin", true, 0}, {5, "cut_end", false, 0}};
+  made.settings = MakePostSettings(inputs.job, inputs.cell, made.controller);
+  made.options = MakeVerifyOptions(inputs.job, sample.plan.arm);
+  made.motions = MakeProgramMotions(sample.plan, inputs, made.controller, {});
+  // Golden files do not change with the version.
+  for (MotionProgram* program : {&made.motions.planned, &made.motions.written}) {
+    for (auto& [key, value] : program->header)
+      if (key == "version") value = "millpose 0.0.0";
+  }
+  made.files = MakePost(made.controller)->Write(made.motions.written, sample.plan.arm, made.settings);
+  for (const auto& [name, text] : made.files) {
+    if (made.name.empty() || text.size() > made.files.at(made.name).size()) made.name = name;
+  }
+  return made;
+}
+
+std::string Text(const std::vector<Finding>& findings) {
+  std::string text;
+  for (const Finding& finding : findings)
+    text += fmt::format("{}:{}: {}\n", finding.file, finding.line, finding.message);
+  return text;
+}
+
+}  // namespace millpose

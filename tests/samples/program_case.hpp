@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A sample's program for one variant of a controller, with everything to replay it.
+#pragma once
+
+#include "cell/world.hpp"
+#include "pipeline/program_motions.hpp"
+#include "tests/samples/frozen_plan.hpp"
+#include "verify/verify.hpp"
+
+namespace millpose {
+
+/// krl, krl_spline, sinumerik, linuxcnc, linuxcnc_cartesian.
+std::vector<std::string> Variants();
+
+struct ProgramCase {
+  std::string controller;
+  PostSettings settings;
+  VerifyOptions options;
+  ProgramMotions motions;
+  ProgramFiles files;
+  std::string name;  ///< of the file that holds the motions
+
+  /// The program with the text of `name` replaced.
+  MotionProgram Read(const Arm& arm, const std::string& text) const;
+};
+
+/// As `plan` makes it of the sample; `set` changes the cell's settings for the variant.
+ProgramCase MakeCase(const Sample& sample, const std::string& variant);
+
+/// "file:line: message" of each.
+std::string Text(const std::vector<Finding>& findings);
+
+}  // namespace millpose

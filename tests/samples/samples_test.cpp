@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Programs of the sample jobs: golden texts, the same tip path by every controller, damage, the real
+// interpreter of LinuxCNC. Quick: cut-down plans kept as text. Slow (MILLPOSE_WHOLE_SAMPLES): the jobs
+// planned in full.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "base/units.hpp"
+#include "pipeline/base_window.hpp"
+#include "pipeline/make_programs.hpp"
+#include "pipeline/run.hpp"
+#include "pipeline/workpiece.hpp"
+#include "program/controller_axes.hpp"
+#include "robot/kinematics.hpp"
+#include "tests/program/interpreter.hpp"
+#include "tests/samples/program_case.hpp"
+#include "tests/verify/damage.hpp"
+#include "tests/verify/same_motions.hpp"
+#include "verify/compare.hpp"
+
+namespace millpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+#ifdef MILLPOSE_WHOLE_SAMPLES
+Sample WholeSample(const std::string& name) {
+  const fs::path folder = fs::path(testing::TempDir()) / ("millpose-whole-" + name);
+  PlanArguments arguments;
+  arguments.job = fs::path(MILLPOSE_SOURCE_DIR) / "toolpaths" / name / "job.yaml";
+  arguments.out = folder;
+  RunPlan(arguments, Silent(), {});
+  Sample sample;
+  sample.inputs = LoadJobInputs(arguments.job, {});
+  sample.cell = MakeJobCell(sample.inputs);
+  sample.plan = ParsePlanResult(ReadFile(folder / kPlanFile), kPlanFile);
+  fs::remove_all(folder);
+  return sample;
+}
+#endif
+
+const Sample& SampleOf(const std::string& name) {
+  static std::map<std::string, Sample> samples;
+  const auto found = samples.find(name);
+  if (found != samples.end()) return found->second;
+#ifdef MILLPOSE_WHOLE_SAMPLES
+  return samples[name] = WholeSample(name);
+#else
+  return samples[name] = LoadSample(name);
+#endif
+}
+
+class SampleProgram : public testing::TestWithParam<std::tuple<std::string, std::string>> {
+ protected:
+  const std::string sample_name = std::get<0>(GetParam()), variant = std::get<1>(GetParam());
+  const Sample& sample = SampleOf(sample_name);
+  const PlanResult& plan = sample.plan;
+  const ProgramCase made = MakeCase(sample, variant);
+  const std::string text = made.files.at(made.name);
+
+  bool Applies(const TextEdit& edit) const {
+    const std::string letters = made.controller == "krl"         ? "K"
+                                : made.controller == "sinumerik" ? "S"
+                                : made.settings.cartesian        ? "LC"
+                                                                 : "L";
+    return edit.controllers.find_first_of(letters) != std::string::npos;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(All, SampleProgram,
+                         testing::Combine(testing::ValuesIn(SampleNames()), testing::ValuesIn(Variants())),
+                         [](const auto& one) {
+                           return std::get<0>(one.param) + "_" + std::get<1>(one.param);
+                         });
+
+#ifndef MILLPOSE_WHOLE_SAMPLES
+TEST_P(SampleProgram, IsTheGoldenText) {
+  for (const auto& [name, written] : made.files) {
+    const fs::path golden =
+        fs::path(MILLPOSE_SOURCE_DIR) / "tests/golden/samples" / sample_name / variant / name;
+    if (std::getenv("MILLPOSE_UPDATE_GOLDEN") != nullptr) {
+      fs::create_directories(golden.parent_path());
+      WriteFileAtomically(golden, written);
+    }
+    EXPECT_EQ(written, ReadFile(golden)) << golden;
+  }
+}
+#endif
+
+TEST_P(SampleProgram, IsConfirmed) {
+  const World world(sample.cell);
+  const MotionProgram read = made.Read(plan.arm, text);
+  EXPECT_EQ(Text(Verify(read, world, &made.motions.planned, made.options, 2, {})), "");
+  EXPECT_EQ(MakePost(made.controller)->Write(read, plan.arm, made.settings), made.files);
+}
+
+/// The tool's poses in P along the cuts of a program, about every 0.2 mm.
+std::vector<std::vector<Pose>> CutsOf(const MotionProgram& program, const Cell& cell) {
+  std::vector<Finding> findings;
+  const Replay replay = ReplayTargets(program, cell, findings);
+  std::vector<std::vector<Pose>> cuts;
+  for (const FeedRun& run : FeedRuns(program)) {
+    std::vector<Instant> instants;
+    for (size_t i = run.first; i <= run.last; ++i)
+      AppendInstants(program, cell, replay, i, 0.2, instants, findings);
+    cuts.emplace_back();
+    for (const Instant& instant : instants)
+      cuts.back().push_back(cell.X_WP.inverse() * cell.X_WB * instant.X_BT);
+  }
+  EXPECT_EQ(Text(findings), "");
+  return cuts;
+}
+
+/// The largest distance (mm, rad) of the poses of `path` from the straight pieces of `other`, walked in
+/// order.
+std::pair<double, double> Apart(const std::vector<Pose>& path, const std::vector<Pose>& other) {
+  std::pair<double, double> worst{0, 0};
+  size_t k = 0;
+  for (const Pose& pose : path) {
+    double best = 1e9, angle = 0;
+    for (size_t j = k; j + 1 < other.size() && j < k + 40; ++j) {
+      const PoseLine line(other[j], other[j + 1]);
+      const Eigen::Vector3d along = line.to() - line.from();
+      const double share =
+          along.norm() > 1e-9
+              ? std::clamp((pose.translation() - line.from()).dot(along) / along.squaredNorm(), 0.0, 1.0)
+              : 1.0;
+      const Pose at = line.At(share);
+      const double off = (at.translation() - pose.translation()).norm();
+      const double turned = AngleBetween(at.linear(), pose.linear());
+      // Where the tool turns on the spot the nearest orientation counts.
+      if (off < best - 1e-6 || (off < best + 1e-6 && turned < angle)) {
+        best = off;
+        angle = turned;
+        k = j;
+      }
+    }
+    worst.first = std::max(worst.first, best);
+    worst.second = std::max(worst.second, angle);
+  }
+  return worst;
+}
+
+TEST(Samples, EveryControllerTakesTheSamePath) {
+  for (const std::string& name : SampleNames()) {
+    const Sample& sample = SampleOf(name);
+    const ProgramCase first = MakeCase(sample, "krl");
+    const auto reference = CutsOf(first.Read(sample.plan.arm, first.files.at(first.name)), sample.cell);
+    for (const std::string& variant : Variants()) {
+      const ProgramCase made = MakeCase(sample, variant);
+      const auto cuts = CutsOf(made.Read(sample.plan.arm, made.files.at(made.name)), sample.cell);
+      ASSERT_EQ(cuts.size(), reference.size()) << variant;
+      for (size_t i = 0; i < cuts.size(); ++i) {
+        for (const auto& [position, angle] : {Apart(cuts[i], reference[i]), Apart(reference[i], cuts[i])}) {
+          EXPECT_LE(position, 0.01) << name << " " << variant << " cut " << i;
+          EXPECT_LE(angle, 0.01 * kRadPerDeg) << name << " " << variant << " cut " << i;
+        }
+      }
+    }
+  }
+}
+
+TEST_P(SampleProgram, DamageIsCaughtWithItsLine) {
+#ifndef MILLPOSE_WHOLE_SAMPLES
+  if (sample_name == "cabin_panel") GTEST_SKIP() << "takes long: in the slow tier";
+#endif
+  const World world(sample.cell);
+  const MotionProgram written = made.Read(plan.arm, text);
+  int kinds = 0;
+  for (const TextEdit& damage : Damages()) {
+    const auto edited = Applies(damage) ? damage.apply(text) : std::nullopt;
+    if (!edited) continue;
+    ++kinds;
+    try {
+      const MotionProgram read = made.Read(plan.arm, *edited);
+      const auto findings = Verify(read, world, &made.motions.planned, made.options, 2, {});
+      if (findings.empty()) {
+        EXPECT_TRUE(SameMotions(written, read, plan)) << damage.name << " is not caught";
+      } else {
+        EXPECT_GT(findings.front().line, 0) << damage.name << ": " << findings.front().message;
+      }
+    } catch (const InputError& error) {
+      EXPECT_GT(error.problems().front().place.line, 0) << damage.name;
+    }
+  }
+  EXPECT_GE(kinds, 38);
+}
+
+TEST_P(SampleProgram, HarmlessEditsPass) {
+  const World world(sample.cell);
+  int kinds = 0;
+  for (const TextEdit& edit : HarmlessEdits()) {
+    const auto edited = Applies(edit) ? edit.apply(text) : std::nullopt;
+    if (!edited) continue;
+    ++kinds;
+    try {
+      EXPECT_EQ(Text(Verify(made.Read(plan.arm, *edited), world, &made.motions.planned, made.options, 2, {})),
+                "")
+          << edit.name;
+    } catch (const InputError& error) {
+      ADD_FAILURE() << edit.name << ": " << error.what();
+    }
+  }
+  EXPECT_GE(kinds, 10);
+}
+
+TEST_P(SampleProgram, TheRealInterpreterAgrees) {
+  if (made.controller != "linuxcnc") return;
+  ExpectInterpreted(text, MakePost("linuxcnc")->Read(made.files, plan.arm, made.settings));
+}
+
+#ifndef MILLPOSE_WHOLE_SAMPLES
+TEST(BaseWindow, IsReplayedAtItsCorners) {
+  Sample sample = SampleOf("support_pad");
+  const auto window = [&] { return FindBaseWindow(sample.plan, sample.inputs, sample.cell, 2, {}); };
+  EXPECT_FALSE(window());  // the place was not measured
+  sample.inputs.job.workpiece.targets.resize(3);
+  const std::optional<BaseWindow> found = window();
+  ASSERT_TRUE(found);
+  // Half of what is asked: a gap passes the part with the 10 mm that it must keep and not a millimetre more.
+  EXPECT_EQ(found->shift, 0.5);
+  EXPECT_NE(found->obstacle.find("comes within"), std::string::npos);
+  EXPECT_NE(BaseWindowText(*found).find("+-0.500 mm"), std::string::npos);
+  // A metre to every side is out of reach, a quarter of that too.
+  sample.inputs.job.program_options.base_shift = 4000;
+  const std::optional<BaseWindow> none = window();
+  ASSERT_TRUE(none);
+  EXPECT_EQ(none->shift, 0);
+  EXPECT_NE(none->obstacle, "");
+}
+
+/// MILLPOSE_FREEZE=FOLDER: prints the plan of an output folder as kept in plans/.
+TEST(Samples, FreezeOnRequest) {
+  const char* folder = std::getenv("MILLPOSE_FREEZE");
+  if (folder == nullptr) return;
+  fmt::print("{}", Freeze(ParsePlanResult(ReadFile(fs::path(folder) / kPlanFile), kPlanFile)));
+}
+#endif
+
+}  // namespace
+}  // namespace millpose
