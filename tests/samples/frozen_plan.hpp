@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Plans of the sample jobs, cut down and kept as text: programs are tested on them without planning, and a
-// planner that finds other poses changes no golden file.
+// planner that finds other poses changes no golden file. They are input data and need not be what the jobs
+// are planned to today (they are of a version before smoothing); the slow tests plan the jobs themselves.
 #pragma once
 
 #include "cell/cell.hpp"

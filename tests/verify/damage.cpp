@@ -14,6 +14,7 @@ using Edit = std::function<std::optional<std::string>(const std::string&)>;
 
 const std::string kCut = "^ *(N[0-9]+ )?(S?LIN |G9 G1 |G1 )";
 const std::string kEntry = "(PTP \\{X|STAT=)";
+const std::string kOutput = "(TRIGGER .*OUT\\[5\\]|A_OUT\\[5\\]|M6[23] P5)";
 const std::string kNumber = "(-?[0-9]+(?:\\.[0-9]*)?)";
 
 Lines Split(const std::string& text) {
@@ -49,6 +50,15 @@ Edit AtLine(const std::string& pattern, int nth, const std::function<bool(Lines&
     if (!line || !edit(lines, *line)) return std::nullopt;
     return Join(lines);
   };
+}
+
+/// The nth line that matches put `by` lines further on.
+Edit Move(const std::string& pattern, int nth, int by) {
+  return AtLine(pattern, nth, [=](Lines& lines, size_t i) {
+    const auto line = lines.begin() + static_cast<long>(i);
+    std::rotate(line, line + 1, line + 1 + by);
+    return true;
+  });
 }
 
 Edit Drop(const std::string& pattern, int nth) {
@@ -241,6 +251,14 @@ std::vector<TextEdit> Damages() {
          lines.insert(lines.begin() + static_cast<long>(*cut), line);
          return Join(lines);
        }},
+      {"output not switched", "KSL", Drop(kOutput, 0)},
+      {"output left on", "KSL", Drop(kOutput, 1)},
+      {"output's state inverted", "K", ReplaceIn(kOutput, 0, "TRUE", "FALSE")},
+      {"output's state inverted", "S", ReplaceIn(kOutput, 0, "=1$", "=0")},
+      {"output's state inverted", "L", ReplaceIn(kOutput, 0, "M62", "M63")},
+      {"another output", "KSL", ReplaceIn(kOutput, 0, "(OUT.|P)5", "$016")},
+      {"output later", "KSL", Move(kOutput, 0, 2)},
+      {"output delayed", "K", ReplaceIn(kOutput, 0, "DELAY=0", "DELAY=20")},
       {"end lost", "KSL", Drop("^(END|M30|M2)$", -1)},
       {"text cut off", "KSL",
        [](const std::string& text) { return std::optional(text.substr(0, text.size() * 2 / 3)); }},

@@ -13,12 +13,18 @@
 namespace millpose {
 namespace {
 
+MotionProgram WithOutputs(const PlanResult& plan) {
+  MotionOptions options;
+  options.outputs = {{5, true, 0, true}, {5, false, 0, false}};
+  return MakeMotionProgram(plan, options);
+}
+
 class DamagedProgram : public testing::TestWithParam<std::string> {
  protected:
   std::unique_ptr<Post> post = MakePost(ControllerOf(GetParam()));
   PostSettings settings = SampleSettings(GetParam());
   PlanResult plan = SamplePlan({.wall_turn_deg = -75, .wall_yaw_deg = 12, .tilt_deg = 7});
-  MotionProgram program = MakeMotionProgram(plan);
+  MotionProgram program = WithOutputs(plan);
   World world{SampleCell(plan)};
   VerifyOptions options = SampleOptions(plan);
   ProgramFiles files = post->Write(program, plan.arm, settings);
