@@ -62,9 +62,8 @@ Joints WordsOf(const Motion& motion) {
 }  // namespace
 
 Interpreted Interpret(const std::string& program) {
-  const fs::path folder =
-      fs::path(testing::TempDir()) /
-      fmt::format("millpose-rs274-{}", getpid());  // several binaries run at once
+  const fs::path folder = fs::path(testing::TempDir()) /
+                          fmt::format("millpose-rs274-{}", getpid());  // several binaries run at once
   fs::create_directories(folder);
   WriteFileAtomically(folder / "machine.ini", kMachine);
   WriteFileAtomically(folder / "machine.var", "");

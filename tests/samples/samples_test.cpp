@@ -30,8 +30,7 @@ namespace fs = std::filesystem;
 
 #ifdef MILLPOSE_WHOLE_SAMPLES
 Sample WholeSample(const std::string& name) {
-  const fs::path folder =
-      fs::path(testing::TempDir()) / fmt::format("millpose-whole-{}-{}", getpid(), name);
+  const fs::path folder = fs::path(testing::TempDir()) / fmt::format("millpose-whole-{}-{}", getpid(), name);
   PlanArguments arguments;
   arguments.job = fs::path(MILLPOSE_SOURCE_DIR) / "toolpaths" / name / "job.yaml";
   arguments.out = folder;
