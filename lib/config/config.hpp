@@ -4,7 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "config/settings.hpp"
+#include "config/cell_settings.hpp"
+#include "config/job_settings.hpp"
 
 namespace millpose {
 

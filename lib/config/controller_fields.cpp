@@ -38,9 +38,9 @@ Codec<ControllerSettings> ControllerFields() {
                  "Controller's angle = sign × arm's angle + offset."),
           Key<S>("axis_offsets_deg", MILLPOSE_AT(axis_offsets), Numbers6(kDeg, Between(-360, 360)),
                  "Controller's angle = sign × arm's angle + offset."),
-          Key<S>("axis_names", MILLPOSE_AT(axis_names), ListOf(Text()),
-                 "SINUMERIK: names of the six robot axes as channel axes, for motions without "
-                 "transformation."),
+          Key<S>(
+              "axis_names", MILLPOSE_AT(axis_names), ListOf(Text()),
+              "SINUMERIK: names of the six robot axes as channel axes, for motions without transformation."),
           Key<S>("coordinates", MILLPOSE_AT(coordinates), Choice({"joint", "cartesian"}),
                  "LinuxCNC: X Y Z A B C are joints throughout, or the tool's pose in cuts."),
           Key<S>("motion", MILLPOSE_AT(motion), Choice({"lin", "spline"}),

@@ -2,28 +2,51 @@
 #pragma once
 
 #include "config/batch_settings.hpp"
-#include "config/codec.hpp"
-#include "config/settings.hpp"
+#include "config/cell_settings.hpp"
+#include "config/job_settings.hpp"
+#include "config/section.hpp"
 
 namespace millpose::config {
 
-/// The field tables of the files.
+/// The files.
 const Codec<JobSettings>& JobFields();
 const Codec<CellSettings>& CellFields();
 const Codec<BatchSettings>& BatchFields();
 
-/// What of a part is milled.
+/// The sections of a job.
+Codec<WorkpieceSettings> WorkpieceFields();
+Codec<ToolpathSettings> ToolpathFields();
+Codec<JobSettings> ProcessFields();
+Codec<JobSettings> PoseSearchFields();
+Codec<JobSettings> LimitFields();
+Codec<JobSettings> PathFields();
+Codec<JobSettings> InterferenceFields();
+Codec<JobSettings> GapFields();
+Codec<ProgramOptionSettings> ProgramOptionFields();
+/// A strategy's name and the section of `toolpath` that belongs to it alone; empty where it needs none.
+struct StrategySection {
+  std::string strategy, section;
+  Codec<ToolpathSettings> fields;
+  std::string doc;
+};
+/// One line per strategy.
+const std::vector<StrategySection>& StrategySections();
+/// `region` of a toolpath: what of a part is milled.
 Codec<RegionSettings> RegionFields();
 
+/// The sections of a cell.
+Codec<ArmSettings> ArmFields();
+Codec<ToolSettings> ToolFields();
+Codec<BodySettings> BodyFields();
+Codec<CellSettings> StiffnessFields();
 /// What each controller's programs need to know; keys that a controller cannot follow are errors.
 Codec<std::map<std::string, ControllerSettings>> ControllersFields();
 
-/// Parts that both tables use.
+/// What several tables use.
 Codec<PoseSettings> PoseFields();
-const std::vector<std::string>& LengthUnits();
-/// mm per unit of that name.
-double LengthUnit(const std::string& name);
-/// Name of the unit of that many mm; "mm" for none.
-std::string LengthUnitName(double mm);
+/// A point, mm, within a kilometre.
+Codec<Eigen::Vector3d> Place();
+/// Name of a unit of length; mm per unit in the settings.
+Codec<double> LengthUnit();
 
 }  // namespace millpose::config

@@ -32,12 +32,9 @@ void AddTable(const std::string& title, const std::vector<config::FieldInfo>& ke
 std::string YamlReference() {
   std::string out =
       "# YAML reference\n\n"
-      "Made from the field tables (`lib/config/job_fields.cpp`, `lib/config/cell_fields.cpp`, …) by "
-      "`millpose "
-      "schema "
-      "reference`.\nNumbers are written like 1, 1.5 or 1e-5; file names are relative to the file that names "
-      "them. "
-      "Unknown and duplicate\nkeys, anchors, aliases and tags are errors.\n";
+      "Made from the field tables (`lib/config/*_fields.cpp`) by `millpose schema reference`.\nNumbers are "
+      "written like 1, 1.5 or 1e-5; file names are relative to the file that names them. Unknown and "
+      "duplicate\nkeys, anchors, aliases and tags are errors.\n";
   AddTable("Job", config::JobFields().keys, out);
   AddTable("Cell", config::CellFields().keys, out);
   AddTable("Batch manifest", config::BatchFields().keys, out);

@@ -4,8 +4,6 @@
 namespace millpose::config {
 namespace {
 
-Codec<Eigen::Vector3d> Place() { return Numbers3(kMm, Between(-1e6, 1e6)); }
-
 using Box = std::array<Eigen::Vector3d, 2>;
 
 Codec<Box> BoxFields() {

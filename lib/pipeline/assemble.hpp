@@ -3,7 +3,8 @@
 #pragma once
 
 #include "cell/cell.hpp"
-#include "config/settings.hpp"
+#include "config/cell_settings.hpp"
+#include "config/job_settings.hpp"
 #include "path/gap_planner.hpp"
 #include "path/pass_planner.hpp"
 #include "pipeline/inputs.hpp"

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "config/settings.hpp"
+#include "config/cell_settings.hpp"
 
 namespace millpose {
 

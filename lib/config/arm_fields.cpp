@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The keys of a cell's `arm:`, one line each.
+#include "config/fields.hpp"
+
+namespace millpose::config {
+namespace {
+
+Codec<UrdfSettings> UrdfFields() {
+  using S = UrdfSettings;
+  return Section<S>(
+      {
+          Key<S>("file", MILLPOSE_AT(file), Text(), "URDF, relative to the cell file.").Required(),
+          Key<S>("base_link", MILLPOSE_AT(base_link), Text(), "Link whose frame is the robot base.")
+              .Required(),
+          Key<S>("flange_link", MILLPOSE_AT(flange_link), Text(),
+                 "Link whose frame is the flange; six joints lead to it from the base.")
+              .Required(),
+          Key<S>("packages", MILLPOSE_AT(packages), MapOf<std::string>({}, Text()),
+                 "Folders that `package://NAME/` stands for, relative to the cell file."),
+          Key<S>("tolerance_mm", MILLPOSE_AT(tolerance), Real(kMm, Above(0)),
+                 "Largest deviation of the closed form from the file's joints."),
+      },
+      [](const Value& value, const Context&, S& urdf) { urdf.line = value.mark.line; });
+}
+
+/// With a URDF, what it says is not said again; what it does not say must be.
+void CheckArm(const Value& value, const Context& context, ArmSettings& arm) {
+  if (arm.urdf.file.empty()) return;
+  for (const char* key : {"lengths_mm", "axis_signs", "zero_offsets_deg"})
+    if (const auto* given = value.FindKey(key))
+      context.Child(key).Add(given->mark, "is derived from the URDF; allowed: one of the two");
+}
+
+}  // namespace
+
+Codec<ArmSettings> ArmFields() {
+  using S = ArmSettings;
+  const auto explicit_arm = [](const S& s) { return s.urdf.file.empty(); };
+  const auto length = [](const char* key, auto access, const char* doc) {
+    return Key<S>(key, access, Real(kMm, Between(-10000, 10000)), doc).Required();
+  };
+  return Section<S>(
+      {
+          Key<S>("name", MILLPOSE_AT(name), Text(), "Maker and model.").Required(),
+          Key<S>(
+              "urdf", MILLPOSE_AT(urdf), UrdfFields(),
+              "A URDF from which lengths, signs, offsets, limits, speeds and bodies of the links are taken.")
+              .WhenSet([](const S& s) { return !s.urdf.file.empty(); }),
+          Key<S>("lengths_mm", kSelf,
+                 Section<S>({
+                     length("d1", MILLPOSE_AT(d1), "Height of axis 2 above the base."),
+                     length("a1", MILLPOSE_AT(a1), "Axis 1 to axis 2, horizontally."),
+                     length("a2", MILLPOSE_AT(a2), "Axis 2 to axis 3."),
+                     length("d4", MILLPOSE_AT(d4), "Axis 3 to the wrist centre, along the forearm."),
+                     length("dz", MILLPOSE_AT(dz), "Axis 3 to the wrist centre, across the forearm."),
+                     length("d6", MILLPOSE_AT(d6), "Wrist centre to the flange."),
+                 }),
+                 "Lengths of the arm as in the formula of docs/kinematics.md.")
+              .WhenSet(explicit_arm)
+              .RequiredUnless("urdf"),
+          Key<S>("axis_signs", MILLPOSE_AT(sign), Signs(), "Sense of each axis; KUKA: [-1, 1, 1, -1, 1, -1].")
+              .WhenSet(explicit_arm)
+              .RequiredUnless("urdf"),
+          Key<S>("zero_offsets_deg", MILLPOSE_AT(offset), Numbers6(kDeg, Between(-360, 360)),
+                 "Inner angle where the arm's own angle is 0.")
+              .WhenSet(explicit_arm)
+              .DefaultText("[0, 0, 0, 0, 0, 0]"),
+          KeyBy<S, std::array<Six, 2>>(
+              "limits_deg",
+              [](const S& s) {
+                return std::array<Six, 2>{s.lower, s.upper};
+              },
+              [](S& s, const std::array<Six, 2>& limits) {
+                s.lower = limits[0];
+                s.upper = limits[1];
+              },
+              Limits(), "Limits of the axes; with a URDF, in place of its own.")
+              .WhenSet([](const S& s) { return s.lower != s.upper; })
+              .RequiredUnless("urdf"),
+          Key<S>("speeds_deg_s", MILLPOSE_AT(speed), Numbers6(kDegPerS, Above(0)),
+                 "Largest speeds of the axes; with a URDF, in place of its own.")
+              .WhenSet([](const S& s) { return !s.speed.isZero(0.0); })
+              .RequiredUnless("urdf"),
+          Key<S>("limits_source", MILLPOSE_AT(limits_source), Lines(), "Where limits and speeds come from."),
+          Key<S>("accelerations_deg_s2", MILLPOSE_AT(acceleration), Numbers6(kDegPerS2, Above(0)),
+                 "Largest accelerations of the axes.")
+              .Required(),
+          Key<S>("accelerations_assumed", MILLPOSE_AT(acceleration_assumed), Flag(),
+                 "Whether the accelerations are an assumption without a source."),
+          Key<S>("joint_stiffness_Nm_per_rad", MILLPOSE_AT(stiffness), Numbers6(kNmPerRad, Above(0)),
+                 "Stiffness of the joints.")
+              .Required(),
+          Key<S>("joint_stiffness_source", MILLPOSE_AT(stiffness_source), Lines(),
+                 "Where the stiffness comes from."),
+      },
+      CheckArm);
+}
+
+}  // namespace millpose::config

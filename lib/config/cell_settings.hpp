@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Settings of a cell as read: plain data in inside units (mm, N, rad, s), every default here and only here.
+// The keys of the YAML stand in the field tables (CONTRIBUTING.md says which).
+#pragma once
+
+#include <Eigen/Dense>
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/units.hpp"
+
+namespace millpose {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// {xyz_mm, abc_deg}: R = Rz(A)·Ry(B)·Rx(C), as KUKA counts.
+struct PoseSettings {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< mm
+  Eigen::Vector3d abc = Eigen::Vector3d::Zero();       ///< rad
+};
+
+/// A URDF that an arm is derived from (docs/urdf.md).
+struct UrdfSettings {
+  std::string file;                             ///< empty: none
+  std::string base_link, flange_link;           ///< of the URDF
+  std::map<std::string, std::string> packages;  ///< folders that package:// names stand for
+  double tolerance = 0.01;                      ///< mm, between the file's joints and the closed form
+  int line = 0;                                 ///< of the section, for later errors
+};
+
+struct ArmSettings {
+  std::string name;
+  UrdfSettings urdf;
+  double d1 = 0, a1 = 0, a2 = 0, d4 = 0, dz = 0, d6 = 0;  ///< mm
+  std::array<int, 6> sign{};
+  Vector6 offset = Vector6::Zero();                                 ///< rad
+  Vector6 lower = Vector6::Zero(), upper = Vector6::Zero();         ///< rad
+  Vector6 speed = Vector6::Zero(), acceleration = Vector6::Zero();  ///< rad/s, rad/s²
+  std::string limits_source, stiffness_source;
+  bool acceleration_assumed = true;
+  Vector6 stiffness = Vector6::Zero();  ///< N·mm/rad
+};
+
+struct ToolPartSettings {
+  std::string name;
+  std::string body_class;   ///< cutter | holder | spindle
+  double length = 0;        ///< mm
+  double diameter = 0;      ///< mm, at the lower end
+  double top_diameter = 0;  ///< mm, at the upper end; same as `diameter` unless given
+};
+
+struct ToolSettings {
+  std::string name;
+  Eigen::Vector3d tip = Eigen::Vector3d::Zero();    ///< in F, mm
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< T's z in F, from tip to holder, unit
+  Eigen::Vector3d x = Eigen::Vector3d::UnitX();     ///< T's x in F (its part normal to z), unit
+  std::string cutter_shape = "flat";
+  double cutter_diameter = 0, cutting_length = 0, corner_radius = 0;  ///< mm
+  std::vector<ToolPartSettings> stack;
+};
+
+/// One shape; which fields hold depends on `kind`.
+struct ShapeSettings {
+  std::string kind;  ///< box | sphere | cylinder | capsule | cone | convex | mesh
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();     ///< box, mm
+  double diameter = 0, top_diameter = 0, length = 0;  ///< mm
+  std::vector<Eigen::Vector3d> points;                ///< convex, mm
+  std::string mesh_file;                              ///< relative to the file that names it
+  double unit = 1;                                    ///< mm per unit of the mesh file
+};
+
+struct BodySettings {
+  std::string name;
+  std::string body_class;  ///< link | spindle | holder | cutter | fixture | platform
+  std::string mount;       ///< world | base | link1..link6 | tool | workpiece
+  ShapeSettings shape;
+  PoseSettings pose;
+};
+
+/// An output that programs switch on the path, where every cut begins or ends.
+struct PathOutputSettings {
+  int number = 0;
+  std::string at;    ///< cut_begin | cut_end
+  bool on = true;    ///< what it is switched to
+  double delay = 0;  ///< s after that place; krl
+};
+
+struct ControllerSettings {
+  std::string tool_axis = "z";   ///< x | y | z | -x | -y | -z: controller's tool frame axis along T's z
+  std::string rotation = "rpy";  ///< sinumerik, linuxcnc: rpy | euler
+  std::array<int, 6> axis_signs{1, 1, 1, 1, 1, 1};  ///< controller angle = sign · A + offset
+  Vector6 axis_offsets = Vector6::Zero();           ///< rad
+  std::vector<std::string> axis_names = {"RA1", "RA2", "RA3", "RA4", "RA5", "RA6"};  ///< sinumerik
+  std::string coordinates = "joint";               ///< linuxcnc: joint | cartesian
+  std::string motion = "lin";                      ///< krl: lin | spline
+  int base_number = 0, tool_number = 0;            ///< krl: BASE_DATA, TOOL_DATA; 0: values are written
+  std::vector<double> external_axes;               ///< krl: E1, E2, …, mm or degrees, constant
+  int ptp_speed_percent = 30;                      ///< krl: of the axes' largest speed, between cuts
+  int advance = 5;                                 ///< krl: motions that are computed ahead
+  std::optional<double> path_acceleration;         ///< krl: mm/s²; the controller's own where not given
+  double orientation_speed = DegToRad(200);        ///< krl: rad/s, as BAS(#INITMOV) sets it
+  std::optional<double> orientation_acceleration;  ///< krl: rad/s²; the controller's own where not given
+  int max_motions = 1400;
+  int max_kbytes = 500;
+  std::vector<PathOutputSettings> outputs;
+  std::map<std::string, std::string> texts;  ///< templates by event name
+};
+
+/// A compliance in series with the joints, at a frame that hangs on a link.
+struct ComplianceSettings {
+  std::string name;
+  std::string mount = "base";  ///< base | link1..link6 (link6 = flange, with what hangs on it)
+  PoseSettings pose;           ///< of its frame in the mount's
+  Eigen::Vector3d translational = Eigen::Vector3d::Zero();  ///< diagonal, mm/N
+  Eigen::Vector3d rotational = Eigen::Vector3d::Zero();     ///< diagonal, rad/(N·mm)
+  std::vector<Vector6> matrix;  ///< six rows in place of the diagonals; mm/N, 1/N, 1/N, rad/(N·mm)
+};
+
+struct MassSettings {
+  std::string name;
+  std::string mount = "link6";                       ///< link1..link6
+  double mass = 0;                                   ///< kg
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of gravity, in the mount's frame, mm
+};
+
+/// What weight bends, against a pose in which the arm was calibrated.
+struct GravitySettings {
+  Vector6 reference = Vector6::Zero();  ///< rad
+  std::vector<MassSettings> masses;
+  std::optional<double> counterbalance_torque;  ///< N·mm
+  double counterbalance_zero = 0;               ///< inner angle of axis 2 where it gives nothing, rad
+};
+
+struct CellSettings {
+  std::string file;  ///< as given, for messages
+  std::string name;
+  ArmSettings arm;
+  PoseSettings base_in_world;
+  Vector6 home = Vector6::Zero();  ///< rad
+  ToolSettings tool;
+  std::vector<BodySettings> bodies;
+  std::vector<std::pair<std::string, std::string>> excluded_pairs;
+  double clearance_free = 10, clearance_cutting = 2;  ///< mm
+  std::string stiffness_at = "tool_tip";              ///< tool_tip | flange
+  double characteristic_length = 1000;                ///< mm
+  std::vector<ComplianceSettings> compliances;        ///< beside the joints
+  std::optional<GravitySettings> gravity;
+  bool programs_allowed = true;  ///< key `reproduction_only: true` forbids programs
+  std::map<std::string, ControllerSettings> controllers;
+};
+
+}  // namespace millpose

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Settings of a job as read: plain data in inside units (mm, N, rad, s), every default here and only here.
+#pragma once
+
+#include <Eigen/Dense>
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/units.hpp"
+#include "config/cell_settings.hpp"
+#include "config/toolpath_settings.hpp"
+
+namespace millpose {
+
+/// A point of the part and where it was measured.
+struct TargetSettings {
+  Eigen::Vector3d nominal = Eigen::Vector3d::Zero();   ///< P, mm
+  Eigen::Vector3d measured = Eigen::Vector3d::Zero();  ///< in `frame`, mm
+};
+
+struct WorkpieceSettings {
+  std::string mesh_file;
+  double unit = 1;              ///< mm per unit of the file: 1, 10, 25.4, 1000
+  std::string frame = "world";  ///< the pose is given in: world | robot_base
+  PoseSettings pose;
+  std::vector<TargetSettings> targets;  ///< in place of the pose: best fit
+  double max_residual = 0.5;            ///< mm, of the fit at any target
+  double weld_tolerance = 1e-4;         ///< mm
+  double chord_tolerance = 0.05;        ///< mm, between a STEP part's faces and their triangles
+  std::string stock_file;               ///< mesh of the raw part; empty: none
+  double stock_unit = 1;                ///< mm per unit of it
+  std::optional<double> allowance;      ///< material on the part's surface, mm; else toolpath.depth.total
+};
+
+struct GeneticSettings {
+  int population = 40, generations = 30, elite = 2, max_evaluations = 2000;
+  double crossover_rate = 0.9, mutation_rate = 0.2;
+};
+
+/// The paper's own genetic algorithm; it gives none of these numbers.
+struct PaperSettings {
+  int population = 200, generations = 1500, elite = 10;
+  double crossover_rate = 0.3;
+  double c_max = 1e-3;    ///< mm/N
+  double penalty = 1e-5;  ///< mm/N per squared tolerance
+};
+
+/// What the cutter takes off, for the cutting force (docs/process-force.md).
+struct CuttingSettings {
+  std::string material = "5A06";  ///< of the built-in table, unless kc11 is given
+  double kc11 = 0;                ///< N/mm²; 0: from the table
+  double mc = 0.25;
+  int teeth = 0;
+  double depth = 0, width = 0;  ///< axial and radial, mm
+  std::string side = "down";    ///< up | down | slot
+  double radial_ratio = 0.3, axial_ratio = 0;
+};
+
+/// What becomes of a plan's points in programs.
+struct ProgramOptionSettings {
+  double chord_tolerance = 0.01;            ///< mm; of points that are left out
+  double angle_tolerance = DegToRad(0.02);  ///< rad; of points that are left out
+  double spacing = 0.5;                     ///< mm, least distance of points
+  double dry_run_offset = 0;                ///< mm along the tool axis, away from the part
+  double base_shift = 1;                    ///< mm; half the width of the window for $BASE
+  double base_turn = DegToRad(0.05);        ///< rad; likewise about X, Y, Z
+  std::string date;                         ///< printed in the header where given
+};
+
+struct JobSettings {
+  std::string file;  ///< as given, for messages
+  std::string name;
+  std::string cell_file;
+  uint64_t seed = 1;
+  WorkpieceSettings workpiece;
+  ToolpathSettings toolpath;
+  double feed = 0;                     ///< mm/s
+  std::string feed_policy = "keep";    ///< keep | reduce, where the joints cannot hold the feed
+  double approach_feed = 1000.0 / 60;  ///< mm/s, down to the last `approach_slow`
+  double approach_slow = 5;            ///< mm before the first point that run at the cutting feed
+  double retract_feed = 3000.0 / 60;   ///< mm/s
+  double spindle_speed = 0;            ///< rev/s
+  std::optional<CuttingSettings> cutting;
+  std::string objective = "chen2021";
+  std::map<std::string, double> objective_parameters;
+  std::string formulation = "freedoms";  ///< freedoms | paper
+  GeneticSettings genetic;
+  PaperSettings paper;
+  double exhaustive_step = DegToRad(0.05);            ///< rad
+  std::optional<std::array<Vector6, 2>> task_limits;  ///< lower, upper, rad
+  double limit_margin = DegToRad(3);                  ///< rad
+  double dexterity_min = 0;
+  double wrist_min = 0.05, elbow_min = 0.05, shoulder_min = 50;  ///< 1, 1, mm
+  double rotation_step = DegToRad(1);                            ///< rad
+  Vector6 max_joint_step = Vector6::Constant(DegToRad(5));       ///< rad
+  double motion_weight = 1e-5;                                   ///< objective unit per rad²
+  double smoothing_loss = 0.01;                                  ///< share of the objective
+  double max_deviation = 0.5;                                    ///< mm, half-way between points
+  double overlap = 10;                                           ///< mm, where a pass is split
+  double swept_resolution = 0.5;                                 ///< mm
+  double retract = 50;                                           ///< mm
+  double gap_limit_margin = DegToRad(1);                         ///< rad, to the arm's limits
+  int gap_iterations = 20000;
+  double gap_speed_share = 0.5;
+  std::vector<std::string> programs{"krl", "sinumerik", "linuxcnc"};
+  ProgramOptionSettings program_options;
+  int programs_line = 0;  ///< of the key, for later errors
+};
+
+}  // namespace millpose

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The keys of a job's `process:`, one line each.
+#include "config/fields.hpp"
+
+namespace millpose::config {
+namespace {
+
+Codec<CuttingSettings> CuttingFields() {
+  using S = CuttingSettings;
+  const Unit specific{"N/mm²", 1, 1};
+  return Section<S>({
+      Key<S>("material", MILLPOSE_AT(material), Text(),
+             "Material of the built-in table (docs/process-force.md)."),
+      Key<S>("kc11_N_mm2", MILLPOSE_AT(kc11), Real(specific, AtLeast(0)),
+             "Specific cutting force at 1 mm chip thickness in place of the table's."),
+      Key<S>("mc", MILLPOSE_AT(mc), Real(kOne, Between(0, 1)), "Exponent that goes with kc11_N_mm2."),
+      Key<S>("teeth", MILLPOSE_AT(teeth), Integer(1, 100), "Teeth of the cutter.").Required(),
+      Key<S>("depth_mm", MILLPOSE_AT(depth), Real(kMm, Above(0)), "Axial depth of cut.").Required(),
+      Key<S>("width_mm", MILLPOSE_AT(width), Real(kMm, Above(0)), "Radial width of cut.").Required(),
+      Key<S>("side", MILLPOSE_AT(side), Choice({"up", "down", "slot"}),
+             "Conventional, climb, or full-width milling."),
+      Key<S>("radial_ratio", MILLPOSE_AT(radial_ratio), Real(kOne, Between(0, 2)),
+             "Radial ÷ tangential force."),
+      Key<S>("axial_ratio", MILLPOSE_AT(axial_ratio), Real(kOne, Between(-2, 2)),
+             "Force on the tool towards the holder ÷ tangential force; negative pulls the tool out."),
+  });
+}
+
+}  // namespace
+
+Codec<JobSettings> ProcessFields() {
+  using S = JobSettings;
+  return Section<S>({
+      Key<S>("feed_mm_min", MILLPOSE_AT(feed), Real(kMmPerMin, Above(0)), "Feed rate.").Required(),
+      Key<S>("spindle_rpm", MILLPOSE_AT(spindle_speed), Real(kRevPerMin, AtLeast(0)), "Spindle speed.")
+          .Required(),
+      Key<S>("approach_feed_mm_min", MILLPOSE_AT(approach_feed), Real(kMmPerMin, Above(0)),
+             "Feed of the straight approach, where it is above the feed rate."),
+      Key<S>("approach_slow_mm", MILLPOSE_AT(approach_slow), Real(kMm, AtLeast(0)),
+             "Last part of the approach that runs at the feed rate."),
+      Key<S>("retract_feed_mm_min", MILLPOSE_AT(retract_feed), Real(kMmPerMin, Above(0)),
+             "Feed of the straight retract, where it is above the feed rate."),
+      Key<S>("feed", MILLPOSE_AT(feed_policy), Choice({"keep", "reduce"}),
+             "Where joints cannot hold the feed: keep it (a finding) or reduce it there."),
+      Key<S>("cutting", MILLPOSE_AT(cutting), Maybe(CuttingFields()),
+             "What the cutter takes off: gives the cutting force and the predicted deflection."),
+  });
+}
+
+}  // namespace millpose::config

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What several tables use.
+#include "config/fields.hpp"
+
+namespace millpose::config {
+namespace {
+
+constexpr struct {
+  const char* name;
+  double mm;
+} kLengthUnits[] = {{"mm", 1}, {"cm", 10}, {"in", 25.4}, {"m", 1000}};
+
+}  // namespace
+
+Codec<Eigen::Vector3d> Place() { return Numbers3(kMm, Between(-1e6, 1e6)); }
+
+Codec<double> LengthUnit() {
+  std::vector<std::string> names;
+  for (const auto& unit : kLengthUnits) names.emplace_back(unit.name);
+  const Codec<std::string> name = Choice(names);
+  Codec<double> codec;
+  codec.type = name.type;
+  codec.schema = name.schema;
+  codec.read = [name](const Value& value, const Context& context, double& result) {
+    std::string given;
+    name.read(value, context, given);
+    for (const auto& unit : kLengthUnits)
+      if (given == unit.name) result = unit.mm;
+  };
+  codec.write = [name](double mm) {
+    const auto* unit = std::ranges::find(kLengthUnits, mm, [](const auto& known) { return known.mm; });
+    return unit == std::end(kLengthUnits) ? Value() : name.write(unit->name);
+  };
+  return codec;
+}
+
+Codec<PoseSettings> PoseFields() {
+  using S = PoseSettings;
+  return Section<S>({
+      Key<S>("xyz_mm", MILLPOSE_AT(position), Place(), "Origin."),
+      Key<S>("abc_deg", MILLPOSE_AT(abc), Numbers3(kDeg, Between(-360, 360)),
+             "A about Z, then B about the new Y, then C about the new X."),
+  });
+}
+
+}  // namespace millpose::config

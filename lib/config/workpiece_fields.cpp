@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The keys of a job's `workpiece:`, one line each.
+#include "config/fields.hpp"
+
+namespace millpose::config {
+namespace {
+
+Codec<TargetSettings> TargetFields() {
+  using S = TargetSettings;
+  return Section<S>(
+      {Key<S>("nominal_mm", MILLPOSE_AT(nominal), Place(), "In the workpiece frame.").Required(),
+       Key<S>("measured_mm", MILLPOSE_AT(measured), Place(), "In `frame`.").Required()});
+}
+
+void CheckPlacement(const Value& value, const Context& context, WorkpieceSettings& workpiece) {
+  const bool pose = value.FindKey("pose") != nullptr, targets = value.FindKey("targets") != nullptr;
+  if (pose == targets) context.Add(value.mark, "give either pose or targets");
+  if (targets && workpiece.targets.size() < 3)
+    context.Add(value.mark,
+                fmt::format("a best fit needs 3 targets or more, given {}", workpiece.targets.size()));
+}
+
+Codec<WorkpieceSettings> StockFields() {
+  using S = WorkpieceSettings;
+  return Section<S>({
+      Key<S>("mesh", MILLPOSE_AT(stock_file), Text(), "Mesh or STEP file, relative to the job file.")
+          .Required(),
+      Key<S>("unit", MILLPOSE_AT(stock_unit), LengthUnit(),
+             "Unit of the mesh file; of a STEP file the one that it states.")
+          .Required(),
+  });
+}
+
+}  // namespace
+
+Codec<WorkpieceSettings> WorkpieceFields() {
+  using S = WorkpieceSettings;
+  return Section<S>(
+      {
+          Key<S>("mesh", MILLPOSE_AT(mesh_file), Text(),
+                 "Mesh or STEP file, relative to the job file; strategy cam alone goes without.")
+              .WhenSet([](const S& w) { return !w.mesh_file.empty(); }),
+          Key<S>("unit", MILLPOSE_AT(unit), LengthUnit(),
+                 "Unit of the mesh file; of a STEP file the one that it states.")
+              .Required(),
+          Key<S>("frame", MILLPOSE_AT(frame), Choice({"world", "robot_base"}),
+                 "Frame that the pose or the measured points are given in."),
+          Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "Place of the workpiece; this or targets.")
+              .WhenSet([](const S& s) { return s.targets.empty(); }),
+          Key<S>(
+              "targets", MILLPOSE_AT(targets), ListOf(TargetFields()),
+              "Points of the part with where they were measured; the workpiece stands where they fit best.")
+              .WhenSet([](const S& s) { return !s.targets.empty(); }),
+          Key<S>("max_residual_mm", MILLPOSE_AT(max_residual), Real(kMm, Above(0)),
+                 "Largest distance of a measured target from where the fit puts it."),
+          Key<S>("weld_tolerance_mm", MILLPOSE_AT(weld_tolerance), Real(kMm, AtLeast(0)),
+                 "Vertices of the mesh nearer than this become one."),
+          Key<S>("chord_tolerance_mm", MILLPOSE_AT(chord_tolerance), Real(kMm, Between(1e-4, 100)),
+                 "Of a STEP part: largest distance between its faces and their triangles."),
+          Key<S>("allowance_mm", MILLPOSE_AT(allowance), Maybe(Real(kMm, AtLeast(0))),
+                 "Material on the part's surface, added to every clearance from it.")
+              .DefaultText("toolpath.depth.total_mm"),
+          Key<S>("stock", kSelf, StockFields(),
+                 "The raw part, kept clear of between the cuts; in the workpiece's frame.")
+              .WhenSet([](const S& s) { return !s.stock_file.empty(); }),
+      },
+      CheckPlacement);
+}
+
+}  // namespace millpose::config
