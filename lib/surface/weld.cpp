@@ -102,8 +102,7 @@ Triangles Weld(const Triangles& soup, double tolerance, WeldCounts* counts) {
   }
   const auto key = [](const Eigen::Vector3d& p) { return std::tuple(p.x(), p.y(), p.z()); };
   std::ranges::sort(moved, {}, key);
-  const auto same = std::ranges::unique(moved);
-  const size_t joined = moved.size() - same.size();
+  const auto joined = static_cast<size_t>(std::unique(moved.begin(), moved.end()) - moved.begin());
   if (counts != nullptr) *counts = {welded.vertices.size() + joined, joined};
   return welded;
 }

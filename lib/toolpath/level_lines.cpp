@@ -225,8 +225,8 @@ bool LevelLines::Split(const Triangle& triangle, const double* level, EdgeMap& m
   // Turn it so that side 0 is halved and, of two, side 1 is the other.
   for (int turn = 0;
        halved < 3 && halved > 0 && turn < 3 && !(middle[0] >= 0 && (halved == 1 || middle[1] >= 0)); ++turn) {
-    std::ranges::rotate(corner, corner.begin() + 1);
-    std::ranges::rotate(middle, middle.begin() + 1);
+    std::rotate(corner.begin(), corner.begin() + 1, corner.end());
+    std::rotate(middle.begin(), middle.begin() + 1, middle.end());
   }
   const auto [a, b, c] = corner;
   const auto add = [&](int p, int q, int r) { halves.push_back({{p, q, r}, triangle.face}); };
