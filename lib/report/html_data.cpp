@@ -2,97 +2,17 @@
 #include "report/html_data.hpp"
 
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "base/units.hpp"
 #include "report/html_columns.hpp"
+#include "report/html_json.hpp"
 #include "report/packed.hpp"
 #include "report/report.hpp"
-#include "report/view_mesh.hpp"
 
 namespace millpose {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-/// Objectives beyond this many times the least of a point are drawn at the upper edge.
-constexpr double kCurveSpan = 8;
-constexpr uint16_t kNoValue = 65535;
-
-Json Matrix(const Pose& pose) {
-  Json rows = Json::array();
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) rows.push_back(pose.matrix()(i, j));
-  return rows;
-}
-
-Json Degrees(const Joints& angles) {
-  Json list = Json::array();
-  for (double angle : angles) list.push_back(RadToDeg(angle));
-  return list;
-}
-
-Json ArmJson(const Arm& arm) {
-  return {{"name", arm.name},
-          {"d1", arm.d1},
-          {"a1", arm.a1},
-          {"a2", arm.a2},
-          {"d4", arm.d4},
-          {"dz", arm.dz},
-          {"d6", arm.d6},
-          {"sign", arm.sign},
-          {"offset_deg", Degrees(arm.offset)},
-          {"lower_deg", Degrees(arm.lower)},
-          {"upper_deg", Degrees(arm.upper)},
-          {"speed_deg_s", Degrees(arm.speed)}};
-}
-
-std::string PackVectors(const std::vector<Eigen::Vector3d>& vectors) {
-  std::vector<float> values;
-  values.reserve(3 * vectors.size());
-  for (const Eigen::Vector3d& v : vectors)
-    for (double x : v) values.push_back(static_cast<float>(x));
-  return PackFloats(values);
-}
-
-const char* MountName(Mount mount) {
-  switch (mount) {
-    case Mount::kWorld:
-      return "world";
-    case Mount::kLink:
-      return "link";
-    case Mount::kTool:
-      return "tool";
-    case Mount::kWorkpiece:
-      return "workpiece";
-  }
-  assert(false && "mount out of range");
-  return "";
-}
-
-const char* ClassName(BodyClass body_class) {
-  static constexpr std::array kNames{"link",    "spindle",  "holder",    "cutter",
-                                     "fixture", "platform", "workpiece", "stock"};
-  return kNames.at(static_cast<size_t>(body_class));
-}
-
-Json BodyJson(const Body& body, const HtmlLimits& limits) {
-  const bool workpiece = body.body_class == BodyClass::kWorkpiece;
-  const Triangles whole = ViewMesh(body.shape);
-  const Triangles mesh = ThinnedMesh(whole, workpiece ? limits.workpiece_triangles : limits.body_triangles);
-  std::vector<uint32_t> faces;
-  for (const auto& face : mesh.faces)
-    for (int v : face) faces.push_back(static_cast<uint32_t>(v));
-  return {{"name", body.name},
-          {"class", ClassName(body.body_class)},
-          {"mount", MountName(body.mount)},
-          {"link", body.link},
-          {"X_MG", Matrix(body.X_MG)},
-          {"triangles", whole.faces.size()},
-          {"triangles_shown", mesh.faces.size()},
-          {"vertices", PackVectors(mesh.vertices)},
-          {"faces", PackUint32(faces)}};
-}
+using namespace html;
 
 /// Lengths of the passes, and where each begins when they are laid end to end, mm.
 struct Layout {
@@ -206,93 +126,6 @@ Json CountsJson(const PlanResult& plan, size_t shown) {
   return {{"total", total}, {"planned", total - skipped}, {"skipped", skipped}, {"shown", shown}};
 }
 
-/// Quantised values of one point's objective; least and span go with them.
-struct PackedCurve {
-  float least = 0, span = 0;
-  std::vector<uint16_t> values;  ///< arm branch by arm branch: a wrist flip has the same compliance
-  std::vector<uint16_t> states;  ///< two bits a branch
-};
-
-PackedCurve PackCurve(const PointCurves& curves, int count) {
-  PackedCurve packed;
-  double least = std::numeric_limits<double>::infinity(), most = 0;
-  std::vector<double> values;
-  for (int arm = 0; arm < 4; ++arm) {
-    for (int i = 0; i < count; ++i) {
-      double value = std::numeric_limits<double>::infinity();
-      for (int branch : {arm, arm + 4})
-        if (curves.state[i][branch] != CandidateState::kUnreachable)
-          value = std::min(value, curves.objective[i][branch]);
-      values.push_back(value);
-      if (!std::isfinite(value)) continue;
-      least = std::min(least, value);
-      most = std::max(most, value);
-    }
-  }
-  if (std::isfinite(least)) {
-    packed.least = static_cast<float>(least);
-    packed.span = static_cast<float>(std::min(most, kCurveSpan * std::abs(least)) - least);
-  }
-  for (double value : values) {
-    const double share = packed.span > 0 ? (value - least) / packed.span : 0;
-    packed.values.push_back(std::isfinite(value)
-                                ? static_cast<uint16_t>(std::lround(65534 * std::clamp(share, 0.0, 1.0)))
-                                : kNoValue);
-  }
-  for (int i = 0; i < count; ++i) {
-    unsigned bits = 0;
-    for (int branch = 0; branch < 8; ++branch)
-      bits |= static_cast<unsigned>(curves.state[i][branch]) << (2 * branch);
-    packed.states.push_back(static_cast<uint16_t>(bits));
-  }
-  return packed;
-}
-
-void AppendPadded(const std::vector<double>& values, size_t size, double scale, std::vector<float>& out) {
-  for (size_t i = 0; i < size; ++i) {
-    const bool known = i < values.size() && std::isfinite(values[i]);
-    out.push_back(known ? static_cast<float>(scale * values[i]) : std::numeric_limits<float>::quiet_NaN());
-  }
-}
-
-Json CurvesJson(const HtmlInput& input) {
-  const double scale = ShownScale(input.plan.objective_unit);
-  std::vector<uint32_t> first_number;
-  uint32_t total = 0;
-  for (const PassResult& pass : input.plan.passes) {
-    first_number.push_back(total);
-    total += static_cast<uint32_t>(pass.points.size());
-  }
-  size_t generations = 0;
-  for (const PointCurves& curves : input.curves) generations = std::max(generations, curves.best.size());
-
-  std::vector<uint32_t> number;
-  std::vector<float> least, span, best, mean;
-  std::vector<uint16_t> values, states;
-  for (const PointCurves& curves : input.curves) {
-    assert(static_cast<int>(curves.state.size()) == input.grid.count);
-    const PackedCurve packed = PackCurve(curves, input.grid.count);
-    number.push_back(first_number[curves.pass] + static_cast<uint32_t>(curves.point));
-    least.push_back(static_cast<float>(scale) * packed.least);
-    span.push_back(static_cast<float>(scale) * packed.span);
-    values.insert(values.end(), packed.values.begin(), packed.values.end());
-    states.insert(states.end(), packed.states.begin(), packed.states.end());
-    AppendPadded(curves.best, generations, scale, best);
-    AppendPadded(curves.mean, generations, scale, mean);
-  }
-  return {{"first_deg", RadToDeg(input.grid.first)},
-          {"step_deg", RadToDeg(input.grid.step)},
-          {"count", input.grid.count},
-          {"generations", generations},
-          {"number", PackUint32(number)},
-          {"least", PackFloats(least)},
-          {"span", PackFloats(span)},
-          {"values", PackUint16(values)},
-          {"states", PackUint16(states)},
-          {"best", PackFloats(best)},
-          {"mean", PackFloats(mean)}};
-}
-
 Json OptimaJson(const PlanResult& plan, const std::vector<ReportRow>& rows) {
   const double scale = ShownScale(plan.objective_unit);
   std::vector<float> genetic, exhaustive;
@@ -368,12 +201,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"deflection", DeflectionJson(input.deflection)},
             {"paper", PaperJson(plan)},
             {"settings", input.settings}};
-  Json bodies = Json::array();
-  for (const Body& body : input.cell.bodies) {
-    // The stock would hide the path.
-    if (body.body_class != BodyClass::kStock) bodies.push_back(BodyJson(body, limits));
-  }
-  data["bodies"] = std::move(bodies);
+  data["bodies"] = BodiesJson(input.cell, limits);
 
   std::string text;
   for (char c : data.dump(-1, ' ', false, Json::error_handler_t::replace)) {

@@ -94,26 +94,4 @@
     }
     return places.map((q) => q.row);
   };
-
-  // About four significant digits, without an exponent where that stays short.
-  m.format = function (value, digits = 4) {
-    if (value === null || value === undefined || Number.isNaN(value)) return "–";
-    const size = Math.abs(value);
-    if (size !== 0 && (size >= 1e6 || size < 1e-4)) return value.toExponential(digits - 1);
-    const whole = size >= 1 ? Math.floor(Math.log10(size)) + 1 : 0;
-    return value.toFixed(Math.max(0, Math.min(6, size >= 1 || size === 0 ? digits - whole : digits - 1 - Math.floor(Math.log10(size)) - 1)));
-  };
-  // `bound`: a value from which on "at least" is all that is known.
-  const atLeast = (value, bound) => (bound !== null && bound !== undefined && value >= bound ? "≥\u202f" : "");
-  m.withUnit = (value, unit, bound) => atLeast(value, bound) + (unit && value === value ? `${m.format(value)}${unit === "°" ? "" : "\u202f"}${unit}` : m.format(value));
-
-  m.element = function (tag, attributes, ...children) {
-    const node = document.createElement(tag);
-    for (const [key, value] of Object.entries(attributes || {})) {
-      if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
-      else node.setAttribute(key, value);
-    }
-    node.append(...children);
-    return node;
-  };
 })((window.millpose = window.millpose || {}));

@@ -6,6 +6,7 @@
   m.PathCharts = class {
     constructor(parent, data, actions) {
       this.data = data;
+      this.schedule = m.atNextFrame(() => this.draw());
       const rows = data.rows;
       const group = {
         x: rows.way,
@@ -44,14 +45,6 @@
         chart("Joint speeds", six("v"), 150),
         chart("Distance of the nearest joint from its limit", ["limit_reserve"], 110),
       ].filter((c) => c);
-    }
-    schedule() {
-      if (this.waiting) return;
-      this.waiting = true;
-      requestAnimationFrame(() => {
-        this.waiting = false;
-        this.draw();
-      });
     }
     // The first chart shows what the 3-D view is coloured by.
     show(column) {

@@ -4,41 +4,6 @@
   "use strict";
 
   const COLOURS = { workpiece: 0xc9d0d6, link: 0x7f8b96, spindle: 0x4f6d8f, holder: 0x4f6d8f, cutter: 0xb03a2e, fixture: 0x8fa1ae, platform: 0xa9b4bc };
-  const CREASE = Math.cos((35 * Math.PI) / 180);
-
-  // Triangles with a normal per corner: the mean of its neighbours' that lie within the crease angle.
-  function geometryOf(vertices, faces) {
-    const count = faces.length / 3;
-    const position = new Float32Array(9 * count), faceNormal = new Float32Array(3 * count);
-    for (let f = 0; f < count; ++f) {
-      const p = [0, 1, 2].map((k) => vertices.subarray(3 * faces[3 * f + k], 3 * faces[3 * f + k] + 3));
-      p.forEach((q, k) => position.set(q, 9 * f + 3 * k));
-      const u = [0, 1, 2].map((k) => p[1][k] - p[0][k]), v = [0, 1, 2].map((k) => p[2][k] - p[0][k]);
-      const n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-      const length = Math.hypot(...n) || 1;
-      faceNormal.set(n.map((x) => x / length), 3 * f);
-    }
-    const start = new Uint32Array(vertices.length / 3 + 1);
-    for (const v of faces) ++start[v + 1];
-    for (let v = 1; v < start.length; ++v) start[v] += start[v - 1];
-    const around = new Uint32Array(faces.length), fill = start.slice();
-    faces.forEach((v, corner) => (around[fill[v]++] = Math.floor(corner / 3)));
-    const normal = new Float32Array(9 * count);
-    for (let corner = 0; corner < faces.length; ++corner) {
-      const own = faceNormal.subarray(3 * Math.floor(corner / 3), 3 * Math.floor(corner / 3) + 3);
-      let sum = [0, 0, 0];
-      for (let a = start[faces[corner]]; a < start[faces[corner] + 1]; ++a) {
-        const n = faceNormal.subarray(3 * around[a], 3 * around[a] + 3);
-        if (n[0] * own[0] + n[1] * own[1] + n[2] * own[2] > CREASE) sum = sum.map((x, k) => x + n[k]);
-      }
-      const length = Math.hypot(...sum) || 1;
-      normal.set(sum.map((x) => x / length), 3 * corner);
-    }
-    const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", new THREE.BufferAttribute(position, 3));
-    geometry.setAttribute("normal", new THREE.BufferAttribute(normal, 3));
-    return geometry;
-  }
 
   const matrix = (rows) => new THREE.Matrix4().set(...rows);
 
@@ -70,6 +35,7 @@
       this.parent = parent;
       this.data = data;
       this.actions = actions;
+      this.schedule = m.atNextFrame(() => this.draw());
       this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true });
       parent.prepend(this.renderer.domElement);
       this.renderer.domElement.setAttribute("aria-label", "3-D view of the part, the path and the arm");
@@ -85,7 +51,7 @@
       this.marker = m.element("div", { class: "marker" }, m.element("span"));
       this.worst = m.element("div", { class: "marker worst" }, m.element("span"));
       parent.append(this.worst, this.marker);
-      this.orbit = new m.Orbit(this.renderer.domElement, () => this.schedule(), (x, y) => this.pick(x, y));
+      this.orbit = new m.Orbit(this.renderer.domElement, this.schedule, (x, y) => this.pick(x, y));
       this.fit(false);
     }
 
@@ -141,7 +107,7 @@
           transparent: moves, opacity: moves ? 0.28 : 1, depthWrite: !moves,
           polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 2,
         });
-        const mesh = new THREE.Mesh(geometryOf(body.vertices, body.faces), material);
+        const mesh = new THREE.Mesh(m.geometryOf(body.vertices, body.faces), material);
         mesh.matrixAutoUpdate = false;
         this.groups[workpiece ? "part" : moves || body.mount === "link" ? "arm" : "cell"].add(mesh);
         if (moves) {
@@ -219,15 +185,6 @@
       this.schedule();
     }
 
-    schedule() {
-      if (this.waiting) return;
-      this.waiting = true;
-      requestAnimationFrame(() => {
-        this.waiting = false;
-        this.draw();
-      });
-    }
-
     draw() {
       const width = this.parent.clientWidth, height = this.parent.clientHeight;
       const ratio = window.devicePixelRatio || 1;
@@ -281,69 +238,6 @@
         if (score < bestScore) [best, bestScore] = [i, score];
       }
       if (best >= 0) this.actions.select(best);
-    }
-  };
-
-  // Turn (drag), shift (right button or shift-drag), near and far (wheel) about a target, z up.
-  m.Orbit = class {
-    constructor(node, changed, clicked) {
-      this.target = new THREE.Vector3();
-      this.changed = changed;
-      let drag = null;
-      node.style.touchAction = "none";
-      node.addEventListener("contextmenu", (e) => e.preventDefault());
-      node.addEventListener("pointerdown", (e) => {
-        drag = { x: e.clientX, y: e.clientY, moved: 0, pan: e.button === 2 || e.shiftKey };
-        node.setPointerCapture(e.pointerId);
-      });
-      node.addEventListener("pointermove", (e) => {
-        if (!drag) return;
-        const dx = e.clientX - drag.x, dy = e.clientY - drag.y;
-        drag.moved += Math.abs(dx) + Math.abs(dy);
-        [drag.x, drag.y] = [e.clientX, e.clientY];
-        if (drag.pan) this.pan(dx, dy, node.clientHeight);
-        else this.turn(dx, dy);
-      });
-      node.addEventListener("pointerup", (e) => {
-        if (drag && drag.moved < 5) {
-          const box = node.getBoundingClientRect();
-          clicked(e.clientX - box.left, e.clientY - box.top);
-        }
-        drag = null;
-      });
-      node.addEventListener("wheel", (e) => {
-        e.preventDefault();
-        this.distance *= Math.exp(0.0012 * Math.max(-200, Math.min(200, e.deltaY)));
-        changed();
-      }, { passive: false });
-    }
-    set(target, distance, azimuth, height) {
-      this.target.copy(target);
-      Object.assign(this, { distance, azimuth, height });
-    }
-    turn(dx, dy) {
-      this.azimuth -= 0.006 * dx;
-      this.height = Math.max(-1.5, Math.min(1.5, this.height + 0.006 * dy));
-      this.changed();
-    }
-    pan(dx, dy, pixels) {
-      const scale = (this.distance * 0.63) / pixels;
-      const right = new THREE.Vector3(-Math.sin(this.azimuth), Math.cos(this.azimuth), 0);
-      const up = new THREE.Vector3().crossVectors(this.direction(), right);
-      this.target.addScaledVector(right, -dx * scale).addScaledVector(up, dy * scale);
-      this.changed();
-    }
-    direction() {
-      const c = Math.cos(this.height);
-      return new THREE.Vector3(c * Math.cos(this.azimuth), c * Math.sin(this.azimuth), Math.sin(this.height));
-    }
-    aim(camera) {
-      camera.near = this.distance / 100;
-      camera.far = this.distance * 100;
-      camera.position.copy(this.target).addScaledVector(this.direction(), this.distance);
-      camera.lookAt(this.target);
-      camera.updateProjectionMatrix();
-      camera.updateMatrixWorld();
     }
   };
 })((window.millpose = window.millpose || {}));

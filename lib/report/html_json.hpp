@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Parts of the data of report.html that html_data.cpp puts together.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "report/html.hpp"
+
+namespace millpose::html {
+
+using Json = nlohmann::ordered_json;
+
+/// 4x4, row by row, mm.
+Json Matrix(const Pose& pose);
+Json Degrees(const Joints& angles);
+/// x, y, z of each in turn, packed as floats.
+std::string PackVectors(const std::vector<Eigen::Vector3d>& vectors);
+
+/// What the page needs to draw the arm at any joint angles.
+Json ArmJson(const Arm& arm);
+/// All bodies but the stock, which would hide the path; meshes thinned to the limits.
+Json BodiesJson(const Cell& cell, const HtmlLimits& limits);
+/// The objective over the rotation and the genetic algorithm's generations at the points that have curves.
+Json CurvesJson(const HtmlInput& input);
+
+}  // namespace millpose::html

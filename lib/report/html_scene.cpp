@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The arm and the bodies of report.html.
+#include "base/units.hpp"
+#include "report/html_json.hpp"
+#include "report/packed.hpp"
+#include "report/view_mesh.hpp"
+
+namespace millpose::html {
+namespace {
+
+const char* MountName(Mount mount) {
+  switch (mount) {
+    case Mount::kWorld:
+      return "world";
+    case Mount::kLink:
+      return "link";
+    case Mount::kTool:
+      return "tool";
+    case Mount::kWorkpiece:
+      return "workpiece";
+  }
+  assert(false && "mount out of range");
+  return "";
+}
+
+const char* ClassName(BodyClass body_class) {
+  static constexpr std::array kNames{"link",    "spindle",  "holder",    "cutter",
+                                     "fixture", "platform", "workpiece", "stock"};
+  return kNames.at(static_cast<size_t>(body_class));
+}
+
+Json BodyJson(const Body& body, const HtmlLimits& limits) {
+  const bool workpiece = body.body_class == BodyClass::kWorkpiece;
+  const Triangles whole = ViewMesh(body.shape);
+  const Triangles mesh = ThinnedMesh(whole, workpiece ? limits.workpiece_triangles : limits.body_triangles);
+  std::vector<uint32_t> faces;
+  for (const auto& face : mesh.faces)
+    for (int v : face) faces.push_back(static_cast<uint32_t>(v));
+  return {{"name", body.name},
+          {"class", ClassName(body.body_class)},
+          {"mount", MountName(body.mount)},
+          {"link", body.link},
+          {"X_MG", Matrix(body.X_MG)},
+          {"triangles", whole.faces.size()},
+          {"triangles_shown", mesh.faces.size()},
+          {"vertices", PackVectors(mesh.vertices)},
+          {"faces", PackUint32(faces)}};
+}
+
+}  // namespace
+
+Json Matrix(const Pose& pose) {
+  Json rows = Json::array();
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) rows.push_back(pose.matrix()(i, j));
+  return rows;
+}
+
+Json Degrees(const Joints& angles) {
+  Json list = Json::array();
+  for (double angle : angles) list.push_back(RadToDeg(angle));
+  return list;
+}
+
+std::string PackVectors(const std::vector<Eigen::Vector3d>& vectors) {
+  std::vector<float> values;
+  values.reserve(3 * vectors.size());
+  for (const Eigen::Vector3d& v : vectors)
+    for (double x : v) values.push_back(static_cast<float>(x));
+  return PackFloats(values);
+}
+
+Json ArmJson(const Arm& arm) {
+  return {{"name", arm.name},
+          {"d1", arm.d1},
+          {"a1", arm.a1},
+          {"a2", arm.a2},
+          {"d4", arm.d4},
+          {"dz", arm.dz},
+          {"d6", arm.d6},
+          {"sign", arm.sign},
+          {"offset_deg", Degrees(arm.offset)},
+          {"lower_deg", Degrees(arm.lower)},
+          {"upper_deg", Degrees(arm.upper)},
+          {"speed_deg_s", Degrees(arm.speed)}};
+}
+
+Json BodiesJson(const Cell& cell, const HtmlLimits& limits) {
+  Json bodies = Json::array();
+  for (const Body& body : cell.bodies)
+    if (body.body_class != BodyClass::kStock) bodies.push_back(BodyJson(body, limits));
+  return bodies;
+}
+
+}  // namespace millpose::html
