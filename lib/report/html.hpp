@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// report.html: a plan as one file that any browser opens without a network (docs/report.md).
+// report.html: a plan as one file that any browser opens without a network (docs/report-html.md).
 #pragma once
 
 #include <string>

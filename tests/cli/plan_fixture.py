@@ -15,6 +15,8 @@ POINT_COLUMNS = (
     "point,pass,piece,kind,status,s_mm,x_mm,y_mm,z_mm,nx,ny,nz,tx,ty,tz,a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,"
     "rotation_deg,branch,lambda_t1_mm_N,lambda_t2_mm_N,lambda_n_mm_N,mu,dexterity,objective,clearance_mm"
 ).split(",")
+# Changes of support_pad's job for Bench.job().
+CUT_DOWN = [(r"stepover_mm: [\d.]+", "stepover_mm: 20"), (r"spacing_mm: [\d.]+", "spacing_mm: 12")]
 
 
 class Bench:

@@ -15,11 +15,23 @@ def run(*arguments):
     return subprocess.run([MILLPOSE, *map(str, arguments)], capture_output=True, text=True, timeout=120)
 
 
+def write(path, text):
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+
+
+class Answers(unittest.TestCase):
+    def assert_refused(self, words, *arguments):
+        result = run(*arguments)
+        self.assertEqual((result.returncode, result.stdout), (2, ""), arguments)
+        self.assertIn(words, result.stderr)
+
+
 HOME = ("--joints-deg", 0, -90, 90, 0, 0, 0)
 POSE1 = ("--joints-deg", -4.512, -63.932, 103.263, 18.839, 53.130, 16.206)
 
 
-class Stiffness(unittest.TestCase):
+class Stiffness(Answers):
     def test_one_pose_as_text_and_json_names_origin_and_units(self):
         text = run("stiffness", f"{TOP}/cells/chen2021_table6.yaml", *POSE1, "--axis", "tool")
         self.assertEqual(text.returncode, 0, text.stderr)
@@ -39,8 +51,7 @@ class Stiffness(unittest.TestCase):
     def test_poses_and_map_come_as_csv(self):
         with tempfile.TemporaryDirectory() as folder:
             poses = os.path.join(folder, "poses.csv")
-            with open(poses, "w", encoding="utf-8") as file:
-                file.write("a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,nx,ny,nz\n0,-80,100,0,40,0,1,0,0\n5,-80,100,0,40,0,0,0,1\n")
+            write(poses, "a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,nx,ny,nz\n0,-80,100,0,40,0,1,0,0\n5,-80,100,0,40,0,0,0,1\n")
             result = run("stiffness", f"{TOP}/cells/kr500_r2830.yaml", "--poses", poses)
             self.assertEqual(result.returncode, 0, result.stderr)
             lines = result.stdout.splitlines()
@@ -60,8 +71,7 @@ class Stiffness(unittest.TestCase):
         cell = f"{TOP}/cells/kr500_r2830.yaml"
         with tempfile.TemporaryDirectory() as folder:
             poses = os.path.join(folder, "poses.csv")
-            with open(poses, "w", encoding="utf-8") as file:
-                file.write("a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,nx,ny,nz\n0,-80,100,0,40,0,1,0,0\n5,-80,100,0,40,0,0,0,1\n")
+            write(poses, "a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,nx,ny,nz\n0,-80,100,0,40,0,1,0,0\n5,-80,100,0,40,0,0,0,1\n")
             found = json.loads(run("stiffness", cell, "--poses", poses, "--json").stdout)
             one = json.loads(run("stiffness", cell, "--joints-deg", 5, -80, 100, 0, 40, 0, "--normal", 0, 0, 1, "--json").stdout)
             self.assertEqual(one.pop("schema_version"), 1)
@@ -105,12 +115,8 @@ class Stiffness(unittest.TestCase):
                                 (f"{head}\n0,-80,100,0,40,inf\n", "poses.csv:2:"),
                                 (f"{head}\n", "no poses"),
                                 ("a1_rad,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg\n", "a1_deg")):
-                with open(poses, "w", encoding="utf-8") as file:
-                    file.write(text)
-                result = run("stiffness", cell, "--poses", poses, "--axis", "tool")
-                self.assertEqual(result.returncode, 2, text)
-                self.assertIn(words, result.stderr)
-                self.assertEqual(result.stdout, "")
+                write(poses, text)
+                self.assert_refused(words, "stiffness", cell, "--poses", poses, "--axis", "tool")
 
     def test_bad_input_names_place_and_cause(self):
         cell = f"{TOP}/cells/kr500_r2830.yaml"
@@ -144,7 +150,7 @@ measurements:
 """
 
 
-class Identify(unittest.TestCase):
+class Identify(Answers):
     def measurements(self, folder, loads):
         """Deflections as `millpose stiffness` predicts them, at the flange for lack of a tool there."""
         path = os.path.join(folder, "m.yaml")
@@ -155,8 +161,7 @@ class Identify(unittest.TestCase):
             for force in loads:
                 moved = [sum(pose["C"][i][j] * force[j] for j in range(3)) for i in range(3)]
                 text += f"  - {{joints_deg: {list(joints)}, force_N: {list(force)}, displacement_mm: {moved}}}\n"
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text.replace("e-05", "e-5"))
+        write(path, text.replace("e-05", "e-5"))
         return path
 
     def test_refuses_numbers_for_joints_1_and_6_and_writes_the_others_into_the_cell(self):
@@ -164,8 +169,7 @@ class Identify(unittest.TestCase):
             cell = os.path.join(folder, "cell.yaml")
             with open(f"{TOP}/cells/quantec_r2700.yaml", encoding="utf-8") as file:
                 before = file.read()
-            with open(cell, "w", encoding="utf-8") as file:
-                file.write(before)
+            write(cell, before)
             path = self.measurements(folder, ((0, 0, -737.8),))
             result = run("identify", path, "--cell", cell, "--json", "--write-cell", cell)
             self.assertEqual(result.returncode, 1, result.stderr)
@@ -191,16 +195,10 @@ class Identify(unittest.TestCase):
                                 (f"{head}\n0,1,2,3,4,5e4,0,0,9,0,0,1\n", "a6_deg: given 50000"),
                                 (f"{head}\n0,1,2,3,4,5,0,0,nan,0,0,1\n", "m.csv:2:"),
                                 (f"{head}\n0,1,2,3,4,5,0,0,9,0,0\n", "m.csv:2")):
-                with open(path, "w", encoding="utf-8") as file:
-                    file.write(text)
-                result = run("identify", path, "--cell", cell)
-                self.assertEqual(result.returncode, 2, text)
-                self.assertIn(words, result.stderr)
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(f"{head}\n0,1,2,3,4,5,0,0,9,0,0,1\n")
-            result = run("identify", path, "--cell", cell, "--load-point-mm", 0, "inf", 0)
-            self.assertEqual(result.returncode, 2)
-            self.assertIn("--load-point-mm: given 0 inf 0", result.stderr)
+                write(path, text)
+                self.assert_refused(words, "identify", path, "--cell", cell)
+            write(path, f"{head}\n0,1,2,3,4,5,0,0,9,0,0,1\n")
+            self.assert_refused("--load-point-mm: given 0 inf 0", "identify", path, "--cell", cell, "--load-point-mm", 0, "inf", 0)
 
     def test_proposes_load_cases_that_show_every_joint(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -209,15 +207,13 @@ class Identify(unittest.TestCase):
             for joints in ((0, -68.8, 85.8, -34.3, -106.9, 61.2), (-12, -70, 90, -35, 103, 67)):
                 for force in ((0, 0, -700), (700, 0, 0), (0, 700, 0)):
                     text += f"  - {{joints_deg: {list(joints)}, force_N: {list(force)}}}\n"
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(text)
+            write(path, text)
             result = run("identify", path, "--cell", f"{TOP}/cells/quantec_r2700.yaml", "--propose", 3, "--json")
             self.assertEqual(result.returncode, 0, result.stderr)
             found = json.loads(result.stdout)
             self.assertEqual((len(found["chosen"]), found["not_observable"]), (3, []))
             self.assertGreater(found["condition"], 1)
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(text.replace("[200, 0, 200]", "[0, 0, 0]").replace("[700, 0, 0]", "[0, 0, 700]").replace("[0, 700, 0]", "[0, 0, 500]"))
+            write(path, text.replace("[200, 0, 200]", "[0, 0, 0]").replace("[700, 0, 0]", "[0, 0, 700]").replace("[0, 700, 0]", "[0, 0, 500]"))
             result = run("identify", path, "--cell", f"{TOP}/cells/quantec_r2700.yaml", "--propose", 0)
             self.assertEqual(result.returncode, 1, result.stderr)
             self.assertIn("A1 is not observable", result.stdout)
@@ -226,8 +222,7 @@ class Identify(unittest.TestCase):
     def test_bad_measurements_are_answered_by_place(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "m.yaml")
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(MEASUREMENTS + "  - {joints_deg: [0, 1, 2], force_N: [0, 0, 1], displacement: [0, 0, 1]}\n")
+            write(path, MEASUREMENTS + "  - {joints_deg: [0, 1, 2], force_N: [0, 0, 1], displacement: [0, 0, 1]}\n")
             result = run("identify", path, "--cell", f"{TOP}/cells/quantec_r2700.yaml")
             self.assertEqual(result.returncode, 2)
             self.assertIn("m.yaml:5:", result.stderr)
@@ -238,12 +233,10 @@ class Flatness(unittest.TestCase):
     def test_figures_of_a_known_body(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "p.csv")
-            with open(path, "w", encoding="utf-8") as file:
-                file.write("x_mm,y_mm,z_mm\n1,1,1\n1,-1,-1\n-1,1,-1\n-1,-1,1\n")
+            write(path, "x_mm,y_mm,z_mm\n1,1,1\n1,-1,-1\n-1,1,-1\n-1,-1,1\n")
             found = json.loads(run("flatness", path, "--json").stdout)
             self.assertAlmostEqual(found["minimum_zone_mm"], 2)
-            with open(path, "w", encoding="utf-8") as file:
-                file.write("x_mm,y_mm,z_mm\n1,1,1\n2,2,2\n3,3,x\n")
+            write(path, "x_mm,y_mm,z_mm\n1,1,1\n2,2,2\n3,3,x\n")
             result = run("flatness", path)
             self.assertEqual(result.returncode, 2)
             self.assertIn("p.csv:4:5: z_mm: given \"x\"", result.stderr)

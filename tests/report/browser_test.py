@@ -178,6 +178,28 @@ class ReportInBrowser(unittest.TestCase):
         self.assertIn("not planned", rows[0])
         self.assertIn("clearances reduced to 90 %", rows[1])
 
+    def test_deflection_has_section_chart_and_colours(self):
+        self.assertEqual(self.browser.evaluate("getComputedStyle(document.querySelector('#deflection')).display"), "block")
+        self.assertIn("40", self.text("#deflection"))
+        chart = """[...document.querySelectorAll('.chart')].find(
+            (e) => e.querySelector('h3').textContent.startsWith('Predicted deflection'))"""
+        self.assertEqual(self.browser.evaluate(f"{chart}.querySelectorAll('.legend span').length"), 4)
+        row = 3 * POINTS + 5
+        self.open(f"#point={row}")
+        length = self.browser.evaluate(f"millpose.format(millpose.data.column.deflection.values[{row}])")
+        self.assertIn(length, self.browser.evaluate(f"{chart}.querySelector('.legend').textContent"))
+        self.assertIn(length, self.text("#point-figures"))
+        self.browser.evaluate(f"{chart}.id = 'deflection-chart'")
+        colours = {colour for line in pixels(self.browser.screenshot("#deflection-chart canvas"))[2] for colour in line}
+        for wanted in self.browser.evaluate(f"{chart}.querySelectorAll('.legend i').length && millpose.SERIES.slice(0, 4)"):
+            self.assertIn(tuple(int(wanted[k:k + 2], 16) for k in (1, 3, 5)), colours)
+        view = self.browser.screenshot("#view canvas")
+        self.browser.evaluate("""(() => { const s = document.querySelector('#index'); s.value = 'deflection';
+            s.dispatchEvent(new Event('change')); })()""")
+        self.browser.settle()
+        self.assertIn("|d| in µm", self.text("#scale-label"))
+        self.assertNotEqual(self.browser.screenshot("#view canvas"), view)
+
     def test_index_recolours_all_views(self):
         view, label = self.browser.screenshot("#view canvas"), self.text("#scale-label")
         self.browser.evaluate("""(() => { const s = document.querySelector('#index'); s.value = 'mu';

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <set>
 
 #include "base/units.hpp"
 #include "pipeline/sample_curves.hpp"
@@ -147,6 +148,26 @@ TEST(ReportHtml, ShowsPredictedDeflectionsWhereThereAreSome) {
   EXPECT_FLOAT_EQ(length[2], 4);
   EXPECT_FLOAT_EQ(ColumnValues(data, "deflection_normal")[2], 1);
   EXPECT_TRUE(std::isnan(length[1]));
+}
+
+// A key that the page looks up and no column has would leave its chart out without a word.
+TEST(ReportHtml, EveryChartFindsItsColumns) {
+  DeflectionReport report;
+  HtmlInput input = SmallPanel().Input();
+  input.deflection = &report;
+  const std::string page = ReportHtml(input);
+  std::set<std::string> known;
+  const Json data = DataOf(page);
+  for (const Json& column : data["columns"]) known.insert(column["key"]);
+  static const std::regex kChart("chart\\(\"[^\"]*\", \\[([^\\]]*)\\]"), kKey("\"([a-z0-9_]+)\"");
+  size_t charts = 0, keys = 0;
+  for (std::sregex_iterator chart(page.begin(), page.end(), kChart), none; chart != none; ++chart, ++charts) {
+    const std::string list = (*chart)[1];
+    for (std::sregex_iterator key(list.begin(), list.end(), kKey); key != none; ++key, ++keys)
+      EXPECT_TRUE(known.contains((*key)[1])) << (*key)[1];
+  }
+  EXPECT_EQ(charts, 6u);
+  EXPECT_EQ(keys, 13u);
 }
 
 TEST(ReportHtml, ColumnsHoldThePlanInTheirUnits) {

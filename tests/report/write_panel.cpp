@@ -9,5 +9,10 @@ int main(int argc, char** argv) {
   if (argc != 4) return 2;
   const millpose::Panel panel =
       millpose::MakePanel({.passes = std::atoi(argv[1]), .points = std::atoi(argv[2])}, "panel <b>&amp;</b>");
-  millpose::WriteFileAtomically(argv[3], millpose::ReportHtml(panel.Input()));
+  millpose::CuttingForce force;
+  force.mean = {40, 60, -20};
+  const millpose::DeflectionReport deflections = millpose::PredictDeflections(panel.plan, force, {});
+  millpose::HtmlInput input = panel.Input();
+  input.deflection = &deflections;
+  millpose::WriteFileAtomically(argv[3], millpose::ReportHtml(input));
 }

@@ -5,6 +5,7 @@
 
 #include "stiffness/indices_block.hpp"
 #include "tests/robot/arms.hpp"
+#include "tests/stiffness/random_vectors.hpp"
 
 namespace millpose {
 namespace {
@@ -91,7 +92,7 @@ TEST(IndicesBlock, AgreeWithTheScalarReference) {
   RandomStream stream(3, 0);
   for (int round = 0; round < 2000; ++round) {
     const Block block = RandomBlock(arm, stream);
-    const Vector3d n = Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
+    const Vector3d n = RandomUnit(stream);
     ComplianceBlock c;
     LinearCompliance(arm, block.flange, block.branches[2], Vector3d(-250, 31, 250), c);
     PlaneIndicesBlock indices;
@@ -140,7 +141,7 @@ TEST(Blocks, AreTheSameForEveryInstructionSet) {
   RandomStream stream(4, 0);
   for (int round = 0; round < 300; ++round) {
     const Block block = RandomBlock(arm, stream);
-    const Vector3d n = Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
+    const Vector3d n = RandomUnit(stream);
     struct Results {
       ComplianceBlock c;
       Lanes dexterity;

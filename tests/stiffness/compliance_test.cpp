@@ -4,16 +4,13 @@
 #include <Eigen/Eigenvalues>
 
 #include "tests/robot/arms.hpp"
+#include "tests/stiffness/random_vectors.hpp"
 
 namespace millpose {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-Vector3d RandomDirection(RandomStream& stream) {
-  return Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
-}
 
 Matrix3d RandomCompliance(RandomStream& stream) {
   const Arm arm = Kr500R2830();
@@ -43,7 +40,7 @@ TEST(Compliance, IsWhatJointsGiveWayUnderASmallForce) {
   for (int k = 0; k < 200; ++k) {
     const Joints q = RandomJoints(stream);
     const Matrix6 J = Jacobian(arm, q, tip);
-    const Vector3d force = RandomDirection(stream);  // 1 N
+    const Vector3d force = RandomUnit(stream);  // 1 N
     const Joints torque = J.topRows<3>().transpose() * force;
     const Joints give = torque.array() / arm.stiffness.array();
     const Vector3d moved = ForwardFlange(arm, q + give) * tip - ForwardFlange(arm, q) * tip;
@@ -65,7 +62,7 @@ TEST(Indices, AreTheSectionOfTheEllipsoid) {
   RandomStream stream(3, 0);
   for (int k = 0; k < 1000; ++k) {
     const Matrix3d c = RandomCompliance(stream);
-    const Vector3d n = RandomDirection(stream);
+    const Vector3d n = RandomUnit(stream);
     const auto indices = IndicesInPlane(c, n);
     ASSERT_TRUE(indices.has_value());
     // Chen 2021 eq. 19 and 21 literally: M = (c·cᵀ)⁻¹, eigenvalues of BᵀMB.
@@ -88,7 +85,7 @@ TEST(Deflections, AreWhatForcesDoInSampledDirections) {
   RandomStream stream(4, 0);
   for (int k = 0; k < 20; ++k) {
     const Matrix3d c = RandomCompliance(stream);
-    const Vector3d n = RandomDirection(stream);
+    const Vector3d n = RandomUnit(stream);
     const PlaneBasis basis = BasisOfPlane(n);
     const PlaneDeflections found = DeflectionsInPlane(c, n);
     double in_plane = 0, largest = 0, cross = 0;

@@ -5,6 +5,7 @@
 
 #include "base/random.hpp"
 #include "stiffness/minimum_zone.hpp"
+#include "tests/stiffness/random_vectors.hpp"
 
 namespace millpose {
 namespace {
@@ -12,10 +13,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Points = std::vector<Vector3d>;
-
-Vector3d RandomUnit(RandomStream& stream) {
-  return Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
-}
 
 /// Points scattered about a random plane, `noise` mm high.
 Points RandomFace(RandomStream& stream, int count, double noise) {

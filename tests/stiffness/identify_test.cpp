@@ -3,22 +3,14 @@
 
 #include "stiffness/compliance.hpp"
 #include "stiffness/identify_system.hpp"
+#include "tests/paper/paper_data.hpp"
 #include "tests/robot/arms.hpp"
+#include "tests/stiffness/random_vectors.hpp"
 
 namespace millpose {
 namespace {
 
 using Eigen::Vector3d;
-
-/// Table 2 of Chen 2021.
-const std::array<Joints, 6> kTable2{
-    Degrees(0, -68.844, 85.789, -34.262, -106.945, 61.237),
-    Degrees(-12.242, -69.876, 90.090, -34.696, 103.227, 66.995),
-    Degrees(-15.601, -74.773, 86.168, -82.851, -96.728, 82.051),
-    Degrees(8.250, -110.623, 121.625, 46.524, 44.622, 99.971),
-    Degrees(29.126, -98.598, 135.896, -17.061, -61.474, 29.061),
-    Degrees(-8.860, -83.924, 73.785, -81.996, -115.880, 98.603),
-};
 
 /// What the model says: displacement and rotation of the measured point.
 Eigen::Matrix<double, 6, 1> Predict(const Arm& arm, const LoadCase& load) {
@@ -45,6 +37,11 @@ std::vector<LoadCase> WellPosed(const Arm& arm) {
     }
   }
   return cases;
+}
+
+/// Adds noise of that standard deviation, mm, to every coordinate measured.
+void AddNoise(double deviation, RandomStream& stream, std::vector<LoadCase>& cases) {
+  for (LoadCase& load : cases) load.displacement += deviation * RandomNormal3(stream);
 }
 
 TEST(Identify, FindsTheStiffnessOfExactData) {
@@ -81,8 +78,7 @@ TEST(Identify, NinetyFivePercentIntervalsHoldTheTruth) {
   std::array<int, 6> inside{};
   for (int run = 0; run < runs; ++run) {
     std::vector<LoadCase> noisy = exact;
-    for (LoadCase& load : noisy)
-      load.displacement += 0.01 * Vector3d(stream.Normal(), stream.Normal(), stream.Normal());
+    for (LoadCase& load : noisy) load.displacement += 0.01 * RandomNormal3(stream);
     const Identification found = IdentifyJointStiffness(arm, noisy, {});
     for (int j = 0; j < 6; ++j)
       inside[j] += found.joints[j].lower <= arm.stiffness[j] && arm.stiffness[j] <= found.joints[j].upper;
@@ -142,8 +138,7 @@ TEST(Identify, FewNumbersWidenTheIntervalAndCountAgainstTheLevel) {
   constexpr int kRuns = 300;
   for (int run = 0; run < kRuns; ++run) {
     std::vector<LoadCase> cases{all[0], all[5], all[10]};
-    for (LoadCase& load : cases)
-      load.displacement += 1e-5 * Vector3d(stream.Normal(), stream.Normal(), stream.Normal());
+    AddNoise(1e-5, stream, cases);
     const Identification found = IdentifyJointStiffness(arm, cases, {});
     square += found.level * found.level / kRuns;
     for (const JointEstimate& joint : found.joints) {
@@ -176,8 +171,7 @@ TEST(Identify, NeverGivesANegativeStiffness) {
   int refused = 0;
   for (int run = 0; run < 50; ++run) {
     for (LoadCase& load : cases)  // noise as large as the deflections themselves
-      load.displacement =
-          Predict(arm, load).head<3>() + 0.5 * Vector3d(stream.Normal(), stream.Normal(), stream.Normal());
+      load.displacement = Predict(arm, load).head<3>() + 0.5 * RandomNormal3(stream);
     const Identification found = IdentifyJointStiffness(arm, cases, {});
     for (const JointEstimate& joint : found.joints) {
       if (joint.determined) {
@@ -196,8 +190,7 @@ TEST(Identify, HuberShrugsOffABlunder) {
   const Arm arm = KrQuantecR2700();
   std::vector<LoadCase> cases = WellPosed(arm);
   RandomStream stream(3, 0);
-  for (LoadCase& load : cases)
-    load.displacement += 0.005 * Vector3d(stream.Normal(), stream.Normal(), stream.Normal());
+  AddNoise(0.005, stream, cases);
   cases[9].displacement += Vector3d(3, -2, 4);
   IdentifyOptions robust;
   robust.robust = true;
@@ -239,8 +232,7 @@ TEST(Identify, SaysWhichPoseChangesAJointMostWhenLeftOut) {
   const Arm arm = KrQuantecR2700();
   std::vector<LoadCase> cases = WellPosed(arm);
   RandomStream stream(10, 0);
-  for (LoadCase& load : cases)
-    load.displacement += 0.01 * Vector3d(stream.Normal(), stream.Normal(), stream.Normal());
+  AddNoise(0.01, stream, cases);
   const Identification found = IdentifyJointStiffness(arm, cases, {});
   std::array<double, 6> largest{};
   std::array<size_t, 6> most{};
@@ -270,7 +262,7 @@ TEST(Propose, NoExchangeOfOneCandidateTellsMore) {
     std::vector<LoadCase> candidates(25);
     for (LoadCase& load : candidates) {
       load.q = RandomJoints(stream);
-      load.force = 700 * Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
+      load.force = 700 * RandomUnit(stream);
       load.load_point = load.measured_point = Vector3d(200, 0, 200);
     }
     const auto information = [&](const std::vector<size_t>& chosen) {

@@ -2,16 +2,13 @@
 #include "stiffness/pose_stiffness.hpp"
 
 #include "tests/robot/arms.hpp"
+#include "tests/stiffness/random_vectors.hpp"
 
 namespace millpose {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-Vector3d RandomUnit(RandomStream& stream) {
-  return Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
-}
 
 Joints RegularJoints(const Arm& arm, RandomStream& stream) {
   while (true) {
@@ -117,24 +114,30 @@ Pose Deformed(const Arm& arm, const Joints& q, const Vector3d& p_FT,
   return moved * frames[6] * Eigen::Translation3d(p_FT);
 }
 
+/// Elements at random frames on these links, without a compliance yet.
+std::vector<SeriesCompliance> RandomElements(const std::vector<int>& links, RandomStream& stream) {
+  std::vector<SeriesCompliance> elements(links.size());
+  for (size_t i = 0; i < links.size(); ++i) {
+    elements[i].link = links[i];
+    elements[i].X_LK =
+        Eigen::Translation3d(100 * RandomUnit(stream)) * Eigen::AngleAxisd(1.0, RandomUnit(stream));
+  }
+  return elements;
+}
+
 TEST(Series, AgreesWithAnElastostaticSolveByDifferences) {
   const Arm arm = Kr500R2830();
   const Vector3d p_FT(-250, 31, 250);
   RandomStream stream(4, 0);
   for (int k = 0; k < 20; ++k) {
     const Joints q = RegularJoints(arm, stream);
-    std::vector<SeriesCompliance> elements;
-    for (const int link : {0, 2, 4, 6}) {
-      SeriesCompliance element;
-      element.link = link;
-      element.X_LK =
-          Eigen::Translation3d(100 * RandomUnit(stream)) * Eigen::AngleAxisd(1.0, RandomUnit(stream));
+    std::vector<SeriesCompliance> elements = RandomElements({0, 2, 4, 6}, stream);
+    for (SeriesCompliance& element : elements) {
       Matrix6 root;
       for (double& value : root.reshaped()) value = stream.Normal();
       Eigen::Matrix<double, 6, 1> scale;
       scale << Vector3d::Constant(1e-2), Vector3d::Constant(2e-5);
       element.C = scale.asDiagonal() * (root * root.transpose()) * scale.asDiagonal();
-      elements.push_back(element);
     }
     Eigen::Matrix<double, 6, 1> wrench;
     wrench << RandomUnit(stream), 300 * RandomUnit(stream);
@@ -172,14 +175,9 @@ TEST(Series, JointsAndElementsTogetherMinimiseTheEnergy) {
   RandomStream stream(6, 0);
   for (int k = 0; k < 10; ++k) {
     const Joints q = RegularJoints(arm, stream);
-    std::vector<SeriesCompliance> elements;
-    for (const int link : {0, 1, 3, 5, 6}) {
-      SeriesCompliance element;
-      element.link = link;
-      element.X_LK =
-          Eigen::Translation3d(100 * RandomUnit(stream)) * Eigen::AngleAxisd(1.0, RandomUnit(stream));
+    std::vector<SeriesCompliance> elements = RandomElements({0, 1, 3, 5, 6}, stream);
+    for (SeriesCompliance& element : elements) {
       element.C.diagonal() << 1e-5, 2e-5, 3e-5, 1e-11, 2e-11, 3e-11;
-      elements.push_back(element);
     }
     const auto n = static_cast<Eigen::Index>(6 + 6 * elements.size());
     const auto tip = [&](const Eigen::VectorXd& x) {

@@ -3,6 +3,7 @@
 
 #include "base/random.hpp"
 #include "base/units.hpp"
+#include "tests/stiffness/random_vectors.hpp"
 
 namespace millpose {
 namespace {
@@ -70,9 +71,7 @@ TEST(ProcessForce, SlottingWithOneToothHasItsPeakInTheChip) {
 TEST(PredictedDeflection, SplitsTheVectorWithoutLoss) {
   RandomStream stream(1, 0);
   for (int k = 0; k < 100; ++k) {
-    const auto unit = [&] {
-      return Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
-    };
+    const auto unit = [&] { return RandomUnit(stream); };
     const Vector3d n = unit(), feed = n.cross(unit()).normalized();
     Matrix3d root;
     for (double& value : root.reshaped()) value = stream.Normal();

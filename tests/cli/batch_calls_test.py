@@ -1,0 +1,143 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How `batch` is called: manifests, folders, patterns, Slurm, interrupts. Usage: batch_calls_test.py MILLPOSE TOP"""
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import unittest
+import xml.etree.ElementTree as xml
+from pathlib import Path
+
+from cli_fixture import JOB, MILLPOSE, TOP, InFolder, plan, run, schema_problems, tree
+
+
+class BatchCalls(InFolder):
+    def test_one_broken_job_stops_no_other(self):
+        jobs = "".join(f"  - {{job: {JOB}, name: {name}, set: {{{changes}}}}}\n" for name, changes in (
+            ("a", "toolpath.stepover_mm: 40, toolpath.spacing_mm: 40"),
+            ("b", "toolpath.stepover_mm: -1"),
+            ("c", "toolpath.stepover_mm: 40, toolpath.spacing_mm: 40, seed: 2")))
+        (self.folder / "batch.yaml").write_text("millpose_batch: 1\njobs:\n" + jobs)
+        result = run("batch", "batch.yaml", cwd=self.folder)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn("3 jobs: 2 done, 0 with findings, 1 failed", result.stdout)
+        report = json.loads((self.folder / "batch.out" / "batch.json").read_text())
+        self.assertEqual(schema_problems("batch-result", report), [])
+        self.assertEqual([job["status"] for job in report["jobs"]], [0, 2, 0])
+        self.assertIn("toolpath.stepover_mm: given -1", report["jobs"][1]["cause"])
+        suite = xml.parse(self.folder / "batch.out" / "junit.xml").getroot()
+        self.assertEqual((suite.get("tests"), suite.get("failures"), suite.get("errors")), ("3", "0", "1"))
+        self.assertIsNotNone(suite[1].find("error"))
+
+        self.assertEqual(plan(self.folder / "single", "--set", "name=a").returncode, 0)
+        self.assertEqual(tree(self.folder / "batch.out" / "a"), tree(self.folder / "single"))
+
+        again = run("batch", "batch.yaml", cwd=self.folder)
+        report = json.loads((self.folder / "batch.out" / "batch.json").read_text())
+        self.assertEqual([job["up_to_date"] for job in report["jobs"]], [True, False, True], again.stdout)
+
+    def test_folders_and_patterns_name_jobs(self):
+        for name in ("x", "y"):
+            shutil.copytree(JOB.parent, self.folder / "parts" / name)
+            job = self.folder / "parts" / name / "job.yaml"
+            job.write_text(job.read_text().replace("name: support_pad", f"name: {name}").replace(
+                "../../cells", str(TOP / "cells")).replace("spacing_mm: 4", "spacing_mm: 40").replace(
+                    "stepover_mm: 8", "stepover_mm: 40"))
+        by_folder = run("batch", "parts", "-o", "one", cwd=self.folder)
+        self.assertIn("2 jobs: 2 done", by_folder.stdout, by_folder.stderr)
+        by_pattern = run("batch", "parts/*/job.yaml", "-o", "one", "--parallel", 1, cwd=self.folder)
+        self.assertEqual(by_pattern.stdout.count("up to date"), 2, by_pattern.stdout)
+        self.assertIn("names nothing", run("batch", "parts/*.yml", cwd=self.folder).stderr)
+        twice = run("batch", "parts", "parts/x/job.yaml", "-o", "two", cwd=self.folder)
+        self.assertEqual(twice.returncode, 2)
+        self.assertIn("is also the name of", twice.stderr)
+
+    def slurm(self, **more):
+        """A folder with a batch of two jobs, and the environment in which sbatch and squeue are fakes."""
+        (self.folder / "batch.yaml").write_text("millpose_batch: 1\njobs:\n" + "".join(
+            f"  - {{job: {JOB}, name: {name}, {more}set: {{toolpath.stepover_mm: 20, toolpath.spacing_mm: 40}}}}\n"
+            for name, more in (("a", ""), ("b", "shares: 1, "))))
+        for name in ("sbatch", "squeue"):
+            (self.folder / name).symlink_to(Path(__file__).with_name("fake_slurm.py"))
+        return {**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}", "FAKE_SLURM_FOLDER": str(self.folder), **more}
+
+    def submissions(self):
+        return [line.split() for line in (self.folder / "sbatch.log").read_text().splitlines()]
+
+    def test_slurm_gives_the_same_bytes_and_retries_once(self):
+        env = self.slurm(FAKE_SLURM_FAIL="1")
+        command = ("batch", "batch.yaml", "--slurm", "--shares", 3, "--sbatch", "--partition=cpu")
+        result = run(*command, cwd=self.folder, env=env)
+        self.assertEqual(result.returncode, 0, result.stderr + result.stdout)
+        arrays = [next(word for word in words if word.startswith("--array")) for words in self.submissions()]
+        self.assertEqual(arrays, ["--array=0,1,2", "--array=1", "--array=0,1"])
+        self.assertTrue(all("--partition=cpu" in words and "--cpus-per-task=1" in words for words in self.submissions()))
+        self.assertEqual(plan(self.folder / "single", "--set", "name=a",
+                              changes=("toolpath.stepover_mm=20", "toolpath.spacing_mm=40")).returncode, 0)
+        self.assertEqual(tree(self.folder / "batch.out" / "a"), tree(self.folder / "single"))
+        resumed = json.loads((self.folder / "batch.out" / "a" / "run.json").read_text())["resumed_passes"]
+        self.assertEqual(resumed, 4, "the last task only gathers")
+        again = run(*command, cwd=self.folder, env=env)
+        self.assertEqual(again.stdout.count("up to date"), 2)
+        self.assertEqual(len(self.submissions()), 3)
+
+    def test_slurm_detached_submits_all_and_the_next_call_waits_and_gathers(self):
+        env = self.slurm(FAKE_SLURM_FAIL="1")
+        command = ("batch", "batch.yaml", "--slurm", "--shares", 2)
+        first = run(*command, "--detach", cwd=self.folder, env=env)
+        self.assertEqual(first.returncode, 0, first.stderr)
+        self.assertIn("2 jobs submitted as 2; the same command without --detach gathers", first.stdout)
+        orders = [[word for word in words if word.startswith("--dep")] for words in self.submissions()]
+        self.assertEqual(orders, [[], ["--dependency=afterany:1"], ["--dependency=afterany:2"]])
+        (self.folder / "queue").write_text("2_0\n2_0\n2_1\n")
+        self.assertIn("still run", run(*command, "--detach", cwd=self.folder, env=env).stdout)
+        (self.folder / "queue").write_text("2_0\n2_0\n2_1\n")
+        gathered = run(*command, cwd=self.folder, env=env)
+        self.assertEqual((self.folder / "queue").read_text(), "", "it waits until the queue is empty")
+        self.assertEqual(gathered.stdout.count("up to date"), 2, gathered.stdout)
+        self.assertEqual(len(self.submissions()), 3)
+
+    def test_slurm_that_refuses_is_told(self):
+        env = self.slurm()
+        (self.folder / "sbatch").unlink()
+        (self.folder / "sbatch").write_text("#!/bin/sh\necho 'sbatch: error: invalid partition' >&2\nexit 1\n")
+        (self.folder / "sbatch").chmod(0o755)
+        result = run("batch", "batch.yaml", "--slurm", cwd=self.folder, env=env)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("invalid partition", result.stderr)
+
+
+    def test_interrupted_it_stops_its_jobs(self):
+        (self.folder / "batch.yaml").write_text(
+            f"millpose_batch: 1\njobs:\n  - {{job: {JOB}, name: long, set: {{toolpath.spacing_mm: 0.05}}}}\n")
+        with subprocess.Popen([MILLPOSE, "batch", "batch.yaml", "-q"], cwd=self.folder, stderr=subprocess.PIPE,
+                              text=True) as process:
+            while not (self.folder / "batch.out/long/.millpose").exists():
+                self.assertIsNone(process.poll())
+                time.sleep(0.02)
+            child = next(int(path.name) for path in Path("/proc").iterdir() if path.name.isdigit()
+                         and str(self.folder / "batch.out/long") in self.command_line(path))
+            process.send_signal(signal.SIGINT)
+            _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130)
+        self.assertIn("the same command goes on from there", errors)
+        for _ in range(100):  # it may outlive its parent by a moment
+            if "batch.out/long" not in self.command_line(Path(f"/proc/{child}")):
+                break
+            time.sleep(0.1)
+        self.assertNotIn("batch.out/long", self.command_line(Path(f"/proc/{child}")))
+
+    @staticmethod
+    def command_line(process):
+        try:
+            return (process / "cmdline").read_bytes().decode(errors="replace")
+        except OSError:
+            return ""
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
