@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "base/parallel.hpp"
+#include "surface/link_chains.hpp"
 #include "surface/triangle.hpp"
 
 namespace millpose {
@@ -148,30 +149,15 @@ class CylinderCut {
 
   // Pieces end to end; open chains first found first, then closed ones.
   std::vector<Curve> Chains() const {
-    std::map<std::tuple<int, int, int>, int> starting;
-    std::map<std::tuple<int, int, int>, int> ending;
-    for (size_t i = 0; i < pieces_.size(); ++i) {
-      starting[pieces_[i].from] = static_cast<int>(i);
-      ending[pieces_[i].to] = static_cast<int>(i);
-    }
-    std::vector<char> used(pieces_.size(), 0);
     std::vector<Curve> curves;
-    const auto follow = [&](size_t first, bool closed) {
+    for (const LinkChain& chain : ChainLinks<std::map<std::tuple<int, int, int>, size_t>>(pieces_)) {
       Curve curve;
-      curve.closed = closed;
-      for (size_t at = first; used[at] == 0;) {
-        used[at] = 1;
-        if (pieces_[at].piece.arc || pieces_[at].piece.start != pieces_[at].piece.end)
-          curve.pieces.push_back(pieces_[at].piece);
-        const auto next = starting.find(pieces_[at].to);
-        if (next != starting.end()) at = next->second;
-      }
+      curve.closed = chain.closed;
+      for (const size_t i : chain.links)
+        if (pieces_[i].piece.arc || pieces_[i].piece.start != pieces_[i].piece.end)
+          curve.pieces.push_back(pieces_[i].piece);
       if (!curve.pieces.empty()) curves.push_back(std::move(curve));
-    };
-    for (size_t i = 0; i < pieces_.size(); ++i)
-      if (!ending.contains(pieces_[i].from)) follow(i, false);
-    for (size_t i = 0; i < pieces_.size(); ++i)
-      if (used[i] == 0) follow(i, true);
+    }
     return curves;
   }
 

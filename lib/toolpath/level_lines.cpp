@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "surface/link_chains.hpp"
 
 namespace millpose {
 namespace {
@@ -69,29 +70,14 @@ class March {
 
   /// The pieces end to end: open lines first, then closed ones.
   std::vector<Curve> Chains() const {
-    std::unordered_map<uint64_t, size_t> starting, ending;
-    for (size_t i = 0; i < parts_.size(); ++i) {
-      starting[parts_[i].from] = i;
-      ending[parts_[i].to] = i;
-    }
-    std::vector<char> used(parts_.size(), 0);
     std::vector<Curve> curves;
-    const auto follow = [&](size_t at, bool closed) {
+    for (const LinkChain& chain : ChainLinks<std::unordered_map<uint64_t, size_t>>(parts_)) {
       Curve curve;
-      curve.closed = closed;
-      while (used[at] == 0) {
-        used[at] = 1;
-        const CurvePiece& piece = parts_[at].piece;
-        AddRefined(piece.face, piece.start, piece.end, 8, curve);
-        const auto next = starting.find(parts_[at].to);
-        if (next != starting.end()) at = next->second;
-      }
+      curve.closed = chain.closed;
+      for (const size_t i : chain.links)
+        AddRefined(parts_[i].piece.face, parts_[i].piece.start, parts_[i].piece.end, 8, curve);
       if (!curve.pieces.empty()) curves.push_back(std::move(curve));
-    };
-    for (size_t i = 0; i < parts_.size(); ++i)
-      if (!ending.contains(parts_[i].from)) follow(i, false);
-    for (size_t i = 0; i < parts_.size(); ++i)
-      if (used[i] == 0) follow(i, true);
+    }
     return curves;
   }
 
@@ -160,6 +146,7 @@ LevelLines::LevelLines(const Region& region, LevelField field, double longest, d
     : region_(region), field_(std::move(field)), longest_(longest), tolerance_(tolerance) {
   const Triangles& mesh = region.mesh().triangles();
   std::vector<int> numbers(mesh.vertices.size(), -1);
+  double area = 0;
   for (int face = 0; face < region.mesh().face_count(); ++face) {
     if (!region.HasFace(face)) continue;
     Triangle triangle{{}, face};
@@ -169,7 +156,13 @@ LevelLines::LevelLines(const Region& region, LevelField field, double longest, d
       triangle.corners[k] = number;
     }
     triangles_.push_back(triangle);
+    area += (region.mesh().Corner(face, 1) - region.mesh().Corner(face, 0))
+                .cross(region.mesh().Corner(face, 2) - region.mesh().Corner(face, 0))
+                .norm() /
+            2;
   }
+  // None will be larger than an equilateral one.
+  if (area > std::sqrt(3) / 4 * longest_ * longest_ * kMostTriangles) Refuse();
   Halve(nullptr, stop);
 }
 
@@ -183,7 +176,6 @@ int LevelLines::AddVertex(const Eigen::Vector3d& p, int face) {
   vertices_.push_back(p);
   values_.push_back(field_.value(face, p));
   largest_ = std::max(largest_, values_.back());
-  smallest_ = std::min(smallest_, values_.back());
   return static_cast<int>(vertices_.size()) - 1;
 }
 
@@ -204,13 +196,22 @@ bool LevelLines::Bends(int a, int b, const Eigen::Vector3d& middle, int face, do
   return error > tolerance_ && std::min(at_a, at_b) <= 2 * error && std::max(at_a, at_b) >= -2 * error;
 }
 
+// Whether a spiral winds on by so much along an edge that its turns could be mistaken for each other.
+bool LevelLines::Winds(int a, int b, const Eigen::Vector3d& middle) const {
+  if (!field_.winding) return false;
+  const double at_a = field_.winding(vertices_[a]), at_b = field_.winding(vertices_[b]);
+  const double at_middle = field_.winding(middle);
+  const auto [low, high] = std::minmax({at_a, at_middle, at_b});
+  return high - low > field_.period / 4;
+}
+
 // The vertex in the middle of a side, or -1 when the side is short enough.
 int LevelLines::Middle(const Triangle& triangle, int k, const double* level, EdgeMap& middles) {
   const int a = triangle.corners[k], b = triangle.corners[(k + 1) % 3];
   const auto [entry, added] = middles.try_emplace(KeyOf(a, b), -1);
   if (added) {
     const Eigen::Vector3d middle = (vertices_[a] + vertices_[b]) / 2;
-    if ((vertices_[a] - vertices_[b]).norm() > longest_ ||
+    if ((vertices_[a] - vertices_[b]).norm() > longest_ || Winds(a, b, middle) ||
         (level != nullptr && Bends(a, b, middle, triangle.face, *level)))
       entry->second = AddVertex(middle, triangle.face);
   }
@@ -244,6 +245,13 @@ bool LevelLines::Split(const Triangle& triangle, const double* level, EdgeMap& m
   return halved > 0;
 }
 
+void LevelLines::Refuse() const {
+  throw InputError({}, fmt::format("toolpath: passes this close need more than {} triangles (edges of {:.3f} mm) "
+                                   "on the region; give a larger step-over, measure it on planes "
+                                   "(stepover_on), move the axis, or narrow the region",
+                                   kMostTriangles, longest_));
+}
+
 void LevelLines::Halve(const double* level, const std::stop_token& stop) {
   EdgeMap middles;
   std::vector<Triangle> pending;
@@ -260,11 +268,7 @@ void LevelLines::Halve(const double* level, const std::stop_token& stop) {
     }
     pending = std::move(halves);
     if (triangles_.size() + pending.size() > kMostTriangles)
-      throw InputError({},
-                       fmt::format("toolpath: passes this close need more than {} triangles (edges of {:.3f} "
-                                   "mm) on the region; give a larger step-over, measure it on planes "
-                                   "(stepover_on), move the axis, or narrow the region",
-                                   kMostTriangles, longest_));
+      Refuse();
   }
 }
 

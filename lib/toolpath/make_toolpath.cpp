@@ -38,15 +38,27 @@ void CheckOptions(const ToolpathOptions& options) {
   if (!problems.empty()) throw InputError(std::move(problems));
 }
 
-// The direction of travel where a piece ends and the next begins lies between both.
-Eigen::Vector3d Travel(const Curve& curve, const CurvePoint& at) {
+// The direction of travel at an end of a piece, from there along the curve (`step` 1) or up to there (−1): that
+// of the next piece which is long enough to have one. Zero where the curve ends.
+Eigen::Vector3d Beside(const Curve& curve, int piece, int step, double least_length) {
   const int count = static_cast<int>(curve.pieces.size());
-  Eigen::Vector3d direction = curve.pieces[at.piece].Direction(at.t);
-  int other = at.t >= 1 ? at.piece + 1 : at.t <= 0 ? at.piece - 1 : at.piece;
-  if (curve.closed) other = (other + count) % count;
-  if (other == at.piece || other < 0 || other >= count) return direction;
-  const Eigen::Vector3d beside = curve.pieces[other].Direction(at.t >= 1 ? 0 : 1);
-  return (direction + beside).norm() > 1e-6 ? Eigen::Vector3d((direction + beside).normalized()) : direction;
+  for (int i = 0; i < count; ++i, piece += step) {
+    if (curve.closed) piece = (piece + count) % count;
+    if (piece < 0 || piece >= count) break;
+    if (curve.pieces[piece].LengthBound(0, 1) > least_length)
+      return curve.pieces[piece].Direction(step > 0 ? 0 : 1);
+  }
+  return Eigen::Vector3d::Zero();
+}
+
+// The direction of travel; where a piece ends and the next begins it lies between both.
+Eigen::Vector3d Travel(const Curve& curve, const CurvePoint& at, double least_length) {
+  const CurvePiece& piece = curve.pieces[at.piece];
+  if (at.t > 0 && at.t < 1 && piece.LengthBound(0, 1) > least_length) return piece.Direction(at.t);
+  const Eigen::Vector3d before = Beside(curve, at.t > 0 ? at.piece : at.piece - 1, -1, least_length);
+  const Eigen::Vector3d after = Beside(curve, at.t < 1 ? at.piece : at.piece + 1, 1, least_length);
+  const Eigen::Vector3d sum = before + after;
+  return sum.norm() > 1e-6 ? Eigen::Vector3d(sum.normalized()) : piece.Direction(at.t);
 }
 
 class PassMaker {
@@ -69,7 +81,7 @@ class PassMaker {
     MillingPoint point;
     point.position = piece.At(at.t);
     point.normal = NormalOn(mesh_, normals_, piece, point.position);
-    const Eigen::Vector3d travel = Travel(curve, at);
+    const Eigen::Vector3d travel = Travel(curve, at, options_.chord_tolerance);
     point.feed = (travel - travel.dot(point.normal) * point.normal).normalized();
     const Eigen::Vector3d leaning =
         std::cos(options_.lead) * point.normal + std::sin(options_.lead) * point.feed;
@@ -120,7 +132,8 @@ std::vector<Cut> CutsOf(const Lane& lane, const Region& region, const CornerNorm
     order.emplace_back(lane.progress ? lane.progress(parts[i].pieces.front().start) : 0.0, i);
   std::ranges::sort(order);
   const bool zigzag = options.direction == Direction::kZigzag, backwards = zigzag && lane.backwards;
-  const bool sided = options.direction == Direction::kClimb || options.direction == Direction::kConventional;
+  const bool sided = !lane.oriented && (options.direction == Direction::kClimb ||
+                                        options.direction == Direction::kConventional);
   if (sided && !lane.advance && !parts.empty())
     throw InputError({}, fmt::format("toolpath: direction climb or conventional needs passes side by side; "
                                      "strategy {} has none",

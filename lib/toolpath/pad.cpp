@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Facing of a plane pad: a zigzag whose lines are joined along the border, or rings from the border inwards
+// Facing of a plane pad: a zigzag whose lines are joined along the borders, or rings from the borders inwards
 // joined to a spiral. The tool keeps its offset from border and islands.
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "surface/plane_slices.hpp"
 #include "toolpath/level_lines.hpp"
+#include "toolpath/pad_rings.hpp"
 #include "toolpath/spread.hpp"
 #include "toolpath/strategy.hpp"
 #include "toolpath/track.hpp"
@@ -14,72 +15,13 @@ namespace {
 
 constexpr double kPlaneWithin = 0.1;  // mm
 
-// A closed line with lengths along it.
-class Loop {
- public:
-  explicit Loop(Curve curve) : curve_(std::move(curve)) {
-    for (const CurvePiece& piece : curve_.pieces) begins_.push_back(begins_.back() + piece.LengthBound(0, 1));
-  }
-  const Curve& curve() const { return curve_; }
-  double length() const { return begins_.back(); }
-
-  /// Distance of p from the line and where along it the nearest point lies.
-  std::pair<double, double> Nearest(const Eigen::Vector3d& p) const {
-    std::pair<double, double> nearest{std::numeric_limits<double>::infinity(), 0};
-    for (size_t i = 0; i < curve_.pieces.size(); ++i) {
-      const CurvePiece& piece = curve_.pieces[i];
-      const Eigen::Vector3d way = piece.end - piece.start;
-      const double t = std::clamp((p - piece.start).dot(way) / way.squaredNorm(), 0.0, 1.0);
-      const double distance = (piece.start + t * way - p).norm();
-      if (distance < nearest.first) nearest = {distance, begins_[i] + t * way.norm()};
-    }
-    return nearest;
-  }
-
-  /// The way from one length to another in the line's direction, over its start where needed.
-  std::vector<CurvePiece> Part(double from, double to) const {
-    std::vector<CurvePiece> part;
-    if (to < from) {
-      part = Part(from, length());
-      from = 0;
-    }
-    for (size_t i = 0; i < curve_.pieces.size(); ++i) {
-      const double begin = begins_[i], own = begins_[i + 1] - begin;
-      const double t0 = std::max(0.0, (from - begin) / own), t1 = std::min(1.0, (to - begin) / own);
-      if (t1 > t0 + 1e-12) part.push_back(curve_.pieces[i].Part(t0, t1));
-    }
-    return part;
-  }
-
-  /// The whole line from a length round to it again.
-  std::vector<CurvePiece> Round(double from) const {
-    std::vector<CurvePiece> round = Part(from, length());
-    const std::vector<CurvePiece> rest = from > 0 ? Part(0, from) : std::vector<CurvePiece>{};
-    round.insert(round.end(), rest.begin(), rest.end());
-    return round;
-  }
-
- private:
-  Curve curve_;
-  std::vector<double> begins_{0.0};
-};
-
-void Append(Curve& curve, const std::vector<CurvePiece>& pieces) {
-  if (pieces.empty()) return;
-  if (!curve.pieces.empty()) {
-    const Eigen::Vector3d &end = curve.pieces.back().end, &start = pieces.front().start;
-    if ((start - end).norm() > 1e-9) curve.pieces.push_back(LinePiece(pieces.front().face, end, start));
-  }
-  curve.pieces.insert(curve.pieces.end(), pieces.begin(), pieces.end());
-}
-
 class PadMaker {
  public:
   PadMaker(const Region& region, const ToolpathOptions& options, std::stop_token stop)
       : region_(region),
         options_(options),
         stop_(std::move(stop)),
-        lines_(region, Field(region), options.stepover / 2, options.chord_tolerance, stop_) {}
+        lines_(region, Field(region, options.region.rim_distance), options.stepover / 2, options.chord_tolerance, stop_) {}
 
   Layout Run() {
     if (!(lines_.largest() > 0)) return {};
@@ -94,9 +36,12 @@ class PadMaker {
 
  private:
   // How far inside the region less its distance from the borders.
-  static LevelField Field(const Region& region) {
+  static LevelField Field(const Region& region, double rim) {
     LevelField field;
-    field.value = [&region](int face, const Eigen::Vector3d& p) { return region.Margin(face, p); };
+    field.value = [&region, rim](int face, const Eigen::Vector3d& p) {
+      const double margin = region.Margin(face, p);
+      return rim > 0 ? margin : std::min(margin, region.BorderDistance(p));  // else it is in the margin
+    };
     return field;
   }
 
@@ -126,52 +71,59 @@ class PadMaker {
     return loops;
   }
 
-  void AddLane(Curve curve) {
-    Lane lane;
+  Lane& AddLane(Curve curve) {
+    Lane& lane = layout_.lanes.emplace_back();
     lane.curves.push_back(std::move(curve));
-    lane.advance = Inwards();
     lane.clipped = true;
-    layout_.lanes.push_back(std::move(lane));
+    return lane;
   }
 
-  // Rings, outermost first; each goes on where the next one in is nearest. The innermost lies half a
-  // step-over from the middle line, where the rings of both sides meet.
+  // The innermost ring lies half a step-over from the middle line, where the rings of both sides meet.
   void AddSpiral() {
     const int count =
         std::max(1, static_cast<int>(std::ceil(lines_.largest() / options_.stepover + 0.5 - 1e-9)));
     const double step = lines_.largest() / (count - 0.5);
-    std::vector<std::vector<Loop>> rings;
-    for (int i = 0; i < count; ++i) rings.push_back(Loops(i * step));
-    for (size_t level = 0; level < rings.size(); ++level)
-      while (!rings[level].empty()) AddChain(rings, level, 1.5 * step);
+    std::vector<PadRing> rings;
+    for (int level = 0; level < count; ++level)
+      for (Loop& loop : Loops(level * step)) rings.push_back({std::move(loop), level});
+    const bool climb = options_.direction == Direction::kClimb;
+    for (Curve& curve : JoinRings(std::move(rings), step, climb,
+                                  [this](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+                                    return IsFree(a, Inside(a), b, Inside(b));
+                                  }))
+      AddLane(std::move(curve)).oriented = true;
   }
 
-  void AddChain(std::vector<std::vector<Loop>>& rings, size_t level, double reach) {
-    Curve curve;
-    size_t ring = 0;
-    double from = 0;
-    for (;;) {
-      Append(curve, rings[level][ring].Round(from));
-      rings[level].erase(rings[level].begin() + static_cast<std::ptrdiff_t>(ring));
-      if (++level == rings.size()) break;
-      const Eigen::Vector3d end = curve.pieces.back().end;
-      double nearest = reach;
-      for (size_t i = 0; i < rings[level].size(); ++i)
-        if (const auto [distance, at] = rings[level][i].Nearest(end); distance < nearest) {
-          nearest = distance;
-          ring = i;
-          from = at;
-        }
-      if (!(nearest < reach)) break;
-    }
-    curve.closed = (curve.pieces.back().end - curve.pieces.front().start).norm() < 1e-9;
-    AddLane(std::move(curve));
+  // How far inside a point near the pad's plane lies; negative over openings.
+  double Inside(const Eigen::Vector3d& p) const {
+    const SurfacePoint below = region_.mesh().Closest(p);
+    if (below.distance > kPlaneWithin || !region_.HasFace(below.face)) return -kPlaneWithin;
+    return std::min(region_.Margin(below.face, below.position),
+                    region_.BorderDistance(below.position) - options_.region.rim_distance);
   }
+
+  // Whether the straight way between two points stays inside: between places that are farther inside than the
+  // way is long there is nothing to find.
+  bool IsFree(const Eigen::Vector3d& a, double at_a, const Eigen::Vector3d& b, double at_b) const {
+    const double tolerance = 2 * options_.chord_tolerance;
+    if (std::min(at_a, at_b) < -tolerance) return false;
+    if (at_a + at_b + 2 * tolerance > (b - a).norm()) return true;
+    const Eigen::Vector3d middle = (a + b) / 2;
+    const double at_middle = Inside(middle);
+    return IsFree(a, at_a, middle, at_middle) && IsFree(middle, at_middle, b, at_b);
+  }
+
+  // Where an end of a line lies on a border.
+  struct End {
+    size_t border = std::numeric_limits<size_t>::max();
+    double at = 0;
+  };
 
   struct Line {
     Curve curve;
-    size_t row;
+    size_t row = 0;
     bool used = false;
+    std::array<End, 2> ends;  // of its start and its end
   };
 
   std::vector<Line> CutLines() const {
@@ -197,7 +149,7 @@ class PadMaker {
       for (const Curve& curve : slice)
         for (Curve& part :
              ClipToRegion(region_.mesh(), curve, region_, normals, options_.crease, options_.chord_tolerance))
-          own.push_back({std::move(part), row, false});
+          own.push_back({std::move(part), row, false, {}});
       std::ranges::sort(own, {}, [&](const Line& line) { return along.dot(line.curve.pieces[0].start); });
       std::ranges::move(own, std::back_inserter(lines));
       ++row;
@@ -205,65 +157,78 @@ class PadMaker {
     return lines;
   }
 
-  // Lines joined along the border, then the border itself, where the lines have left a saw's edge.
+  // Lines joined along the borders, then the borders themselves, where the lines have left a saw's edge.
   void AddLines() {
     if ((normal_.cross(options_.pad_direction)).norm() < 1e-6)
       throw InputError({}, "toolpath: the pad's direction must not be normal to it");
-    const std::vector<Loop> borders = Loops(0);
-    std::vector<Line> lines = CutLines();
-    for (Line& first : lines) {
+    borders_ = Loops(0);
+    std::vector<char> done(borders_.size(), 0);
+    rows_ = CutLines();
+    FindEnds();
+    const bool zigzag = options_.direction == Direction::kZigzag;
+    for (Line& first : rows_) {
       if (first.used) continue;
-      first.used = true;
-      const bool backwards = first.row % 2 == 1 && options_.direction == Direction::kZigzag;
-      Curve curve = backwards ? Reversed(first.curve) : first.curve;
-      size_t row = first.row;
-      while (options_.direction == Direction::kZigzag && JoinNext(borders, lines, row, curve)) {
+      Curve curve;
+      End end = Take(first, zigzag && first.row % 2 == 1, curve);
+      while (zigzag && JoinNext(end, curve)) {
       }
-      AddLane(std::move(curve));
-      layout_.lanes.back().advance = [across = normal_.cross(options_.pad_direction)](
-                                         const Eigen::Vector3d& p) { return across.dot(p); };
+      if (zigzag && end.border < borders_.size() && done[end.border] == 0) {
+        done[end.border] = 1;
+        const Loop& border = borders_[end.border];
+        Append(curve, border.Way(end.at, border.length()));
+      }
+      AddLane(std::move(curve)).advance = [across = normal_.cross(options_.pad_direction)](
+                                              const Eigen::Vector3d& p) { return across.dot(p); };
     }
-    for (const Loop& border : borders) {
-      AddLane(border.curve());  // what is left lies outwards
-      layout_.lanes.back().advance = [inwards = Inwards()](const Eigen::Vector3d& p) { return -inwards(p); };
-    }
+    for (size_t i = 0; i < borders_.size(); ++i)
+      if (done[i] == 0)  // what is left lies outwards
+        AddLane(borders_[i].curve()).advance = [&region = region_](const Eigen::Vector3d& p) {
+          return -region.BorderDistance(p);
+        };
   }
 
-  // Goes along the border to the nearest end of a line in the next row.
-  bool JoinNext(const std::vector<Loop>& borders, std::vector<Line>& lines, size_t& row, Curve& curve) const {
-    const double near = 4 * options_.chord_tolerance, longest = 3 * options_.stepover;
-    const Eigen::Vector3d end = curve.pieces.back().end;
-    Line* next = nullptr;
-    bool next_turned = false;
-    std::vector<CurvePiece> link;
-    double best = longest;
-    for (const Loop& border : borders) {
-      const auto [off, from] = border.Nearest(end);
-      if (off > near) continue;
-      for (Line& line : lines) {
-        if (line.used || line.row != row + 1) continue;
-        for (const bool turned : {false, true}) {
-          const auto [other_off, to] =
-              border.Nearest(turned ? line.curve.pieces.back().end : line.curve.pieces.front().start);
-          if (other_off > near) continue;
-          const double ahead = to >= from ? to - from : to - from + border.length();
-          const bool forwards = ahead <= border.length() - ahead;
-          const double way = forwards ? ahead : border.length() - ahead;
-          if (way >= best) continue;
-          best = way;
-          next = &line;
-          next_turned = turned;
-          Curve part;
-          part.pieces = forwards ? border.Part(from, to) : border.Part(to, from);
-          link = (forwards ? part : Reversed(part)).pieces;
+  void FindEnds() {
+    const double near = 4 * options_.chord_tolerance;
+    for (Line& line : rows_)
+      for (size_t i = 0; i < borders_.size(); ++i)
+        for (const int k : {0, 1}) {
+          const auto [off, at] = borders_[i].Nearest(k == 0 ? line.curve.pieces.front().start
+                                                            : line.curve.pieces.back().end);
+          if (off <= near) line.ends[k] = {i, at};
         }
+  }
+
+  // Appends a line to the way; returns where that ends.
+  static End Take(Line& line, bool turned, Curve& curve) {
+    line.used = true;
+    Append(curve, (turned ? Reversed(line.curve) : line.curve).pieces);
+    return line.ends[turned ? 0 : 1];
+  }
+
+  // Goes along the border to the nearest end of a line that is left. Along the border there is material that
+  // has to go anyway: a way of some step-overs there is shorter than lifting the tool.
+  bool JoinNext(End& end, Curve& curve) {
+    constexpr double kLongest = 10;  // step-overs
+    if (end.border >= borders_.size()) return false;
+    const Loop& border = borders_[end.border];
+    double best = kLongest * options_.stepover;
+    Line* next = nullptr;
+    bool turned = false, forwards = false;
+    for (Line& line : rows_)
+      for (const int k : {0, 1}) {
+        if (line.used || line.ends[k].border != end.border) continue;
+        const double way = line.ends[k].at - end.at, ahead = way < 0 ? way + border.length() : way;
+        if (std::min(ahead, border.length() - ahead) >= best - 1e-6) continue;
+        forwards = ahead <= border.length() - ahead;
+        best = forwards ? ahead : border.length() - ahead;
+        next = &line;
+        turned = k == 1;
       }
-    }
     if (next == nullptr) return false;
-    next->used = true;
-    row = next->row;
-    Append(curve, link);
-    Append(curve, (next_turned ? Reversed(next->curve) : next->curve).pieces);
+    Curve link;
+    link.pieces = border.Way(forwards ? end.at : next->ends[turned ? 1 : 0].at, best);
+    Append(curve, (forwards ? link : Reversed(link)).pieces);
+    end = Take(*next, turned, curve);
     return true;
   }
 
@@ -271,6 +236,8 @@ class PadMaker {
   const ToolpathOptions& options_;
   std::stop_token stop_;
   LevelLines lines_;
+  std::vector<Loop> borders_;
+  std::vector<Line> rows_;
   Eigen::Vector3d normal_ = Eigen::Vector3d::Zero();
   Layout layout_;
 };

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "surface/corner_normals.hpp"
+#include "surface/triangle.hpp"
 
 namespace millpose {
 namespace {
@@ -59,6 +60,15 @@ std::vector<char> FromSource(const Mesh& mesh, const std::vector<std::string>& w
   return in;
 }
 
+// The way on a face with the given normal to a plane that lies `distance` away in the direction of `limit`.
+double OnFace(double distance, const Eigen::Vector3d& limit, const Eigen::Vector3d& face_normal) {
+  constexpr double kParallel = 1e-6;  // sine
+  constexpr double kFar = 1e9;        // mm
+  const double sine = limit.cross(face_normal).norm();
+  if (sine > kParallel) return distance / sine;
+  return distance >= -1e-9 ? kFar : -kFar;
+}
+
 double Area(const std::vector<Eigen::Vector2d>& corners) {
   double twice = 0;
   for (size_t i = 0; i < corners.size(); ++i) {
@@ -70,15 +80,17 @@ double Area(const std::vector<Eigen::Vector2d>& corners) {
 
 }  // namespace
 
-RegionTerm::RegionTerm(const Mesh& mesh, const RegionOptions& options, bool outermost) : options_(options) {
+RegionTerm::RegionTerm(const Mesh& mesh, const RegionOptions& options, bool outermost)
+    : mesh_(mesh), options_(options) {
   if (options.facing) facing_ = Facing(mesh, *options.facing, options.facing_within);
   if (options.connected) connected_ = Connected(mesh, *options.connected);
   if (!options.source_faces.empty()) source_ = FromSource(mesh, options.source_faces);
   if (options.polygon) {
     u_ = options.polygon->direction.unitOrthogonal();
     v_ = options.polygon->direction.cross(u_);
-    for (const Eigen::Vector3d& p : options.polygon->points) corners_.emplace_back(u_.dot(p), v_.dot(p));
-    if (corners_.size() < 3 || !(Area(corners_) > 0))
+    std::vector<Eigen::Vector2d> corners;
+    for (const Eigen::Vector3d& p : options.polygon->points) corners.emplace_back(u_.dot(p), v_.dot(p));
+    if (corners.size() < 3 || !(Area(corners) > 0))
       throw InputError({}, "toolpath: a region's polygon has no area seen along its direction");
   }
   for (const RegionOptions& child : options.all) all_.emplace_back(mesh, child);
@@ -94,36 +106,47 @@ double RegionTerm::FaceMargin(int face) const {
   return in ? kInfinity : -kInfinity;
 }
 
-// Distance to the outline, positive inside (even-odd rule).
-double RegionTerm::PolygonMargin(const Eigen::Vector3d& p) const {
-  const Eigen::Vector2d q(u_.dot(p), v_.dot(p));
+// Distance to the outline as it lies on the face's plane, positive inside (even-odd rule across the polygon's
+// direction). On a face along that direction the distance counts across it.
+double RegionTerm::PolygonMargin(const Eigen::Vector3d& p, const Eigen::Vector3d& face_normal) const {
+  const ProjectedPolygon& polygon = *options_.polygon;
+  const double slope = face_normal.dot(polygon.direction);
+  const auto projected = [&](const Eigen::Vector3d& corner) -> Eigen::Vector3d {
+    const double way =
+        std::abs(slope) > 1e-6 ? face_normal.dot(p - corner) / slope : polygon.direction.dot(p - corner);
+    return corner + way * polygon.direction - p;
+  };
   double squared = kInfinity;
   bool inside = false;
-  for (size_t i = 0; i < corners_.size(); ++i) {
-    const Eigen::Vector2d &a = corners_[i], ab = corners_[(i + 1) % corners_.size()] - a, aq = q - a;
-    const double t = std::clamp(aq.dot(ab) / ab.squaredNorm(), 0.0, 1.0);
-    if (ab.squaredNorm() > 0) squared = std::min(squared, (aq - t * ab).squaredNorm());
-    const double by = a.y() + ab.y();
-    if ((a.y() > q.y()) != (by > q.y()) && aq.x() < ab.x() * aq.y() / ab.y()) inside = !inside;
+  for (size_t i = 0; i < polygon.points.size(); ++i) {
+    const Eigen::Vector3d a = projected(polygon.points[i]);
+    const Eigen::Vector3d b = projected(polygon.points[(i + 1) % polygon.points.size()]);
+    const double t = (b - a).squaredNorm() > 0 ? ClosestOnSegment(Eigen::Vector3d::Zero(), a, b) : 0.0;
+    squared = std::min(squared, (a + t * (b - a)).squaredNorm());
+    const double ax = u_.dot(a), ay = v_.dot(a), bx = u_.dot(b), by = v_.dot(b);
+    if ((ay > 0) != (by > 0) && ax - ay * (bx - ax) / (by - ay) > 0) inside = !inside;
   }
   return inside ? std::sqrt(squared) : -std::sqrt(squared);
 }
 
-double RegionTerm::PointMargin(const Eigen::Vector3d& p) const {
+double RegionTerm::PointMargin(int face, const Eigen::Vector3d& p) const {
+  const Eigen::Vector3d& normal = mesh_.FaceNormal(face);
   double margin = kInfinity;
-  if (options_.box) {
-    const auto& [lower, upper] = *options_.box;
-    margin = std::min((p - lower).minCoeff(), (upper - p).minCoeff());
-  }
-  if (options_.half_space)
-    margin = std::min(margin, options_.half_space->normal.dot(p - options_.half_space->point));
-  if (options_.polygon) margin = std::min(margin, PolygonMargin(p));
+  if (options_.box)
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto& [lower, upper] = *options_.box;
+      const double inside = std::min(p[axis] - lower[axis], upper[axis] - p[axis]);
+      margin = std::min(margin, OnFace(inside, Eigen::Vector3d::Unit(axis), normal));
+    }
+  if (const auto& half = options_.half_space)
+    margin = std::min(margin, OnFace(half->normal.dot(p - half->point), half->normal, normal));
+  if (options_.polygon) margin = std::min(margin, PolygonMargin(p, normal));
   if (!borders_.empty()) margin = std::min(margin, borders_.Distance(p) - options_.rim_distance);
   return margin;
 }
 
 double RegionTerm::Margin(int face, const Eigen::Vector3d& p) const {
-  double margin = std::min(FaceMargin(face), PointMargin(p));
+  double margin = std::min(FaceMargin(face), PointMargin(face, p));
   for (const RegionTerm& term : all_) margin = std::min(margin, term.Margin(face, p));
   for (const RegionTerm& term : none_) margin = std::min(margin, -term.Margin(face, p));
   double best = any_.empty() ? kInfinity : -kInfinity;

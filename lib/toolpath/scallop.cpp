@@ -59,7 +59,8 @@ double Scallops::Reach(double height, double curvature, double side) const {
 }
 
 double Scallops::Stepover(double height, double curvature) const {
-  return Reach(height, curvature, 1) + Reach(height, curvature, -1);
+  const double left = Reach(height, curvature, 1), right = Reach(height, curvature, -1);
+  return back_and_forth_ ? 2 * std::min(left, right) : left + right;
 }
 
 }  // namespace millpose

@@ -33,7 +33,9 @@ double Curvature(const Mesh& mesh, const CornerNormals& normals, int face, const
 }
 
 StepoverRule::StepoverRule(const Mesh& mesh, const ToolpathOptions& options)
-    : mesh_(mesh), options_(options), scallops_(options.cutter, options.lead, options.tilt) {
+    : mesh_(mesh),
+      options_(options),
+      scallops_(options.cutter, options.lead, options.tilt, options.direction == Direction::kZigzag) {
   if (options.scallop > 0) normals_.emplace(mesh, options.crease, options.normal_smoothing);
 }
 

@@ -23,6 +23,7 @@ struct Lane {
   std::function<double(const Eigen::Vector3d&)> advance;
   bool backwards = false;  ///< in a zigzag: against the curves' direction; closed passes keep theirs
   bool clipped = false;    ///< the curves lie in the region as they are
+  bool oriented = false;   ///< the curves run as climb or conventional asks for
 };
 
 /// What a strategy makes of a region.

@@ -5,9 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "base/file.hpp"
 #include "surface/corner_normals.hpp"
-#include "surface/mesh_import.hpp"
 #include "tests/surface/shapes.hpp"
 #include "toolpath/gouge.hpp"
 #include "toolpath/make_toolpath.hpp"
@@ -22,22 +20,9 @@ struct Picture {
   Eigen::Vector3d eye = Eigen::Vector3d(-0.5, -1, 1.1);  ///< direction from which it is seen
 };
 
-Mesh Sample(const std::string& name) {
-  const std::string path = fmt::format("{}/toolpaths/{}/{}.stl", MILLPOSE_SOURCE_DIR, name, name);
-  return ImportMesh(ReadMesh(ReadFile(path), path), {}, path).mesh;
-}
-
 // A plate of 200 × 140 mm with two openings.
 Mesh Plate() {
-  Triangles grid = GridShape(20, 14, 10);
-  std::erase_if(grid.faces, [&](const std::array<int, 3>& face) {
-    return std::ranges::all_of(face, [&](int v) {
-      const Eigen::Vector3d& p = grid.vertices[v];
-      const bool square = std::abs(p.x() - 60) < 21 && std::abs(p.y() - 70) < 21;
-      return square || (std::abs(p.x() - 140) < 11 && std::abs(p.y() - 90) < 31);
-    });
-  });
-  return SoundMesh(grid);
+  return SoundMesh(PlateShape(20, 14, 10, {{{{40, 50}, {80, 90}}}, {{{130, 60}, {150, 120}}}}));
 }
 
 ToolpathOptions Panel() {
@@ -75,7 +60,7 @@ std::vector<Picture> Pictures() {
   const auto add = [&](const char* name, const Mesh& mesh, const ToolpathOptions& options) {
     pictures.push_back({name, mesh, MakeToolpath(mesh, options, {})});
   };
-  const Mesh panel = Sample("cabin_panel"), wall = SoundMesh(CylinderShape(60, 50, 120, 2)), plate = Plate();
+  const Mesh panel = SampleMesh("cabin_panel"), wall = SoundMesh(CylinderShape(60, 50, 120, 2)), plate = Plate();
   ToolpathOptions options = Panel();
   add("parallel_planes", panel, options);
   options.ends = {10, LeadShape::kArc, 25, 0};

@@ -4,6 +4,9 @@
 #include <cstring>
 #include <numbers>
 
+#include "base/file.hpp"
+#include "surface/mesh_import.hpp"
+
 namespace millpose {
 
 Triangles BoxShape(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper) {
@@ -50,6 +53,20 @@ Triangles GridShape(int nx, int ny, double edge) {
       mesh.faces.push_back({a, c, d});
     }
   return mesh;
+}
+
+Triangles PlateShape(int nx, int ny, double edge,
+                     const std::vector<std::array<Eigen::Vector2d, 2>>& openings) {
+  Triangles plate = GridShape(nx, ny, edge);
+  std::erase_if(plate.faces, [&](const std::array<int, 3>& face) {
+    return std::ranges::any_of(openings, [&](const auto& opening) {
+      return std::ranges::all_of(face, [&](int v) {
+        const Eigen::Vector2d p = plate.vertices[v].head<2>();
+        return ((p - opening[0]).array() > -edge / 2).all() && ((opening[1] - p).array() > -edge / 2).all();
+      });
+    });
+  });
+  return plate;
 }
 
 Triangles SphereShape(double radius, int rows) {
@@ -100,6 +117,11 @@ Triangles Moved(Triangles mesh, const Eigen::Isometry3d& X) {
 }
 
 Mesh SoundMesh(const Triangles& triangles) { return Mesh(triangles); }
+
+Mesh SampleMesh(const std::string& name) {
+  const std::string path = fmt::format("{}/toolpaths/{}/{}.stl", MILLPOSE_SOURCE_DIR, name, name);
+  return ImportMesh(ReadMesh(ReadFile(path), path), {}, path).mesh;
+}
 
 std::string BinaryStl(const Triangles& mesh, std::string header) {
   header.resize(80, ' ');

@@ -15,6 +15,9 @@ Triangles BoxShape(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper);
 Triangles CylinderShape(double radius, double height, int count, int rows = 1);
 /// A flat grid of nx × ny squares of `edge` mm with its corner at the origin, facing +z; open.
 Triangles GridShape(int nx, int ny, double edge);
+/// A grid of nx × ny squares of `edge` mm without the squares that lie within one of the openings (lower and
+/// upper corner in x and y; on lines of the grid).
+Triangles PlateShape(int nx, int ny, double edge, const std::vector<std::array<Eigen::Vector2d, 2>>& openings);
 /// A sphere of `rows` × 2·`rows` patches about the origin.
 Triangles SphereShape(double radius, int rows);
 
@@ -29,6 +32,9 @@ Triangles Moved(Triangles mesh, const Eigen::Isometry3d& X);
 
 /// A mesh from triangles that need no repair.
 Mesh SoundMesh(const Triangles& triangles);
+
+/// The mesh of a sample job of toolpaths/.
+Mesh SampleMesh(const std::string& name);
 
 /// Bytes of a binary STL with the given header text.
 std::string BinaryStl(const Triangles& mesh, std::string header = "");

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What holds for every strategy alike: where the part lies and in what unit it comes changes nothing.
+#include "surface/mesh_import.hpp"
+#include "tests/surface/shapes.hpp"
+#include "tests/toolpath/toolpath_laws.hpp"
+#include "toolpath/gouge.hpp"
+
+namespace millpose {
+namespace {
+
+struct Given {
+  std::string name;
+  Triangles part;
+  ToolpathOptions options;
+};
+
+// Every strategy on a part that suits it; with the ways of milling it that are laid by code of their own.
+std::vector<Given> Everything() {
+  const Triangles cylinder = CylinderShape(60, 40, 72, 2);
+  const Triangles plate = PlateShape(10, 10, 10, {{{{40, 40}, {60, 60}}}});
+  ToolpathOptions planes;
+  planes.plane_normal = Eigen::Vector3d(0, 0.6, 0.8);
+  planes.stepover = 7;
+  planes.region.facing = Eigen::Vector3d::UnitX();
+  planes.region.rim_distance = 3;
+  ToolpathOptions scallops = planes;
+  scallops.scallop = 0.05;
+  scallops.cutter = {6, 0, 30};
+  ToolpathOptions closed;
+  closed.plane_normal = Eigen::Vector3d::UnitZ();
+  closed.stepover = 9;
+  ToolpathOptions walls = WallRings(), wall_spiral = WallRings(), faces = WallRings();
+  wall_spiral.spiral = true;
+  wall_spiral.direction = Direction::kClimb;
+  faces.region.connected.reset();
+  faces.region.facing = Eigen::Vector3d::UnitZ();
+  faces.region.facing_within = DegToRad(1);
+  ToolpathOptions face_spiral = faces;
+  face_spiral.spiral = true;
+  ToolpathOptions zigzag;
+  zigzag.strategy = "pad";
+  zigzag.cutter = {6, 0, 30};
+  zigzag.stepover = 5;
+  zigzag.pad_direction = Eigen::Vector3d(1, 0.2, 0).normalized();
+  ToolpathOptions pad_spiral = zigzag;
+  pad_spiral.spiral = true;
+  ToolpathOptions contours = zigzag;
+  contours.strategy = "contours";
+  contours.region.rim_distance = 2;
+  ToolpathOptions curve;
+  curve.strategy = "curve";
+  curve.curve_points = {{10, 12, 5}, {80, 17, 5}, {90, 90, 5}};
+  return {{"planes", cylinder, planes},         {"scallops", cylinder, scallops},
+          {"closed slices", cylinder, closed},  {"rings on a wall", cylinder, walls},
+          {"wall spiral", cylinder, wall_spiral}, {"rings on a face", cylinder, faces},
+          {"face spiral", cylinder, face_spiral}, {"pad zigzag", plate, zigzag},
+          {"pad spiral", plate, pad_spiral},    {"contours", plate, contours},
+          {"curve", plate, curve}};
+}
+
+void ExpectSame(const Toolpath& a, const Toolpath& b, double within) {
+  ASSERT_EQ(a.passes.size(), b.passes.size());
+  for (size_t i = 0; i < a.passes.size(); ++i) {
+    EXPECT_EQ(a.passes[i].closed, b.passes[i].closed);
+    ASSERT_EQ(a.passes[i].points.size(), b.passes[i].points.size()) << i;
+    for (size_t k = 0; k < a.passes[i].points.size(); ++k) {
+      const MillingPoint &p = a.passes[i].points[k], &q = b.passes[i].points[k];
+      ASSERT_LE((p.position - q.position).norm(), within) << i << " " << k;
+      ASSERT_LE((p.normal - q.normal).norm(), within) << i << " " << k;
+      ASSERT_LE((p.feed - q.feed).norm(), 1e3 * within) << i << " " << k;
+    }
+  }
+}
+
+TEST(StrategyLaws, FarFromTheOriginIsTheSame) {
+  const Eigen::Vector3d d(1e5, -2e5, 3e4);
+  const Eigen::Isometry3d X(Eigen::Translation3d{d});
+  for (const Given& given : Everything()) {
+    SCOPED_TRACE(given.name);
+    ToolpathOptions options = given.options;
+    options.axis_point += d;
+    if (options.region.connected) options.region.connected->seed += d;
+    for (Eigen::Vector3d& p : options.curve_points) p += d;
+    ExpectSame(Transformed(MakeToolpath(SoundMesh(given.part), given.options, {}), X),
+               MakeToolpath(SoundMesh(Moved(given.part, X)), options, {}), 1e-6);
+  }
+}
+
+TEST(StrategyLaws, FromMetresIsTheSame) {
+  for (const Given& given : Everything()) {
+    SCOPED_TRACE(given.name);
+    RawMesh millimetres, metres;
+    millimetres.triangles = metres.triangles = given.part;
+    for (Eigen::Vector3d& p : metres.triangles.vertices) p /= 1000;
+    ImportOptions scale;
+    scale.unit = 1000;
+    ExpectSame(MakeToolpath(ImportMesh(millimetres, {}, "a").mesh, given.options, {}),
+               MakeToolpath(ImportMesh(metres, scale, "b").mesh, given.options, {}), 1e-6);
+  }
+}
+
+// The gouge check included: the only stage that shares its work.
+TEST(StrategyLaws, SameForAnyNumberOfThreads) {
+  for (Given& given : Everything()) {
+    if (given.name != "planes" && given.name != "wall spiral" && given.name != "pad zigzag") continue;
+    SCOPED_TRACE(given.name);
+    given.options.spacing = 8;
+    const Mesh mesh = SoundMesh(given.part);
+    for (const GougeAction action : {GougeAction::kSkip, GougeAction::kLift}) {
+      std::vector<Toolpath> toolpaths;
+      std::vector<GougeReport> reports;
+      for (const int threads : {1, 2, 4}) {
+        Toolpath toolpath = MakeToolpath(mesh, given.options, {});
+        for (Pass& pass : toolpath.passes)  // into the part on purpose
+          for (MillingPoint& point : pass.points) point.position -= 0.3 * point.normal;
+        reports.push_back(CheckGouges(mesh, {6, 0, 30}, {action, 0.05}, threads, toolpath, {}));
+        toolpaths.push_back(std::move(toolpath));
+      }
+      EXPECT_GT(reports[0].points, 0);
+      for (const size_t i : {1, 2}) {
+        ExpectSame(toolpaths[0], toolpaths[i], 0);
+        EXPECT_EQ(reports[0].points, reports[i].points);
+        EXPECT_EQ(reports[0].deepest.depth, reports[i].deepest.depth);
+        EXPECT_EQ(reports[0].deepest.place, reports[i].deepest.place);
+        EXPECT_EQ(reports[0].largest_lift, reports[i].largest_lift);
+        for (size_t k = 0; k < toolpaths[0].passes.size(); ++k)
+          for (size_t p = 0; p < toolpaths[0].passes[k].points.size(); ++p)
+            ASSERT_EQ(toolpaths[0].passes[k].points[p].gouge, toolpaths[i].passes[k].points[p].gouge);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace millpose
