@@ -11,8 +11,8 @@ struct LinkChain {
   bool closed = false;
 };
 
-/// Orders directed links (with members `from` and `to`, keys of `Map`; at most one link begins and one ends at
-/// each key) end to end: open chains first, then closed ones.
+/// Orders directed links (with members `from` and `to`, keys of `Map`; at most one link begins and one ends
+/// at each key) end to end: open chains first, then closed ones.
 template <typename Map, typename Link>
 std::vector<LinkChain> ChainLinks(const std::vector<Link>& links) {
   Map starting, ending;

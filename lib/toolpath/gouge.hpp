@@ -25,7 +25,8 @@ struct GougeReport {
   size_t points = 0;          ///< at which or next to which the cutter goes into the part, leads included
   size_t leads_left_out = 0;  ///< with kSkip
   double largest_lift = 0;    ///< with kLift, mm
-  Gouge deepest;  ///< before anything was done; of a cutter wholly inside, how far its tip is from the surface
+  Gouge
+      deepest;  ///< before anything was done; of a cutter wholly inside, how far its tip is from the surface
 };
 
 /// Checks a tool path in frame P against the whole part, at its points and between them in steps of a tenth

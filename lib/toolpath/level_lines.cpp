@@ -246,10 +246,11 @@ bool LevelLines::Split(const Triangle& triangle, const double* level, EdgeMap& m
 }
 
 void LevelLines::Refuse() const {
-  throw InputError({}, fmt::format("toolpath: passes this close need more than {} triangles (edges of {:.3f} mm) "
-                                   "on the region; give a larger step-over, measure it on planes "
-                                   "(stepover_on), move the axis, or narrow the region",
-                                   kMostTriangles, longest_));
+  throw InputError({},
+                   fmt::format("toolpath: passes this close need more than {} triangles (edges of {:.3f} mm) "
+                               "on the region; give a larger step-over, measure it on planes "
+                               "(stepover_on), move the axis, or narrow the region",
+                               kMostTriangles, longest_));
 }
 
 void LevelLines::Halve(const double* level, const std::stop_token& stop) {
@@ -267,8 +268,7 @@ void LevelLines::Halve(const double* level, const std::stop_token& stop) {
       if (far || !Split(triangle, level, middles, halves)) triangles_.push_back(triangle);
     }
     pending = std::move(halves);
-    if (triangles_.size() + pending.size() > kMostTriangles)
-      Refuse();
+    if (triangles_.size() + pending.size() > kMostTriangles) Refuse();
   }
 }
 

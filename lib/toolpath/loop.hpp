@@ -13,11 +13,11 @@ class Loop {
   const Curve& curve() const { return curve_; }
   double length() const { return begins_.back(); }
 
-  /// Distance of p from the line and where along it the nearest point lies; of points that are as near to 1e-7
-  /// mm the first.
+  /// Distance of p from the line and where along it the nearest point lies; of points that are as near to
+  /// 1e-7 mm the first.
   std::pair<double, double> Nearest(const Eigen::Vector3d& p) const;
-  /// The way that begins at a length and goes on for `ahead` (at most the whole length), over the loop's start
-  /// where needed.
+  /// The way that begins at a length and goes on for `ahead` (at most the whole length), over the loop's
+  /// start where needed.
   std::vector<CurvePiece> Way(double from, double ahead) const;
   /// The point at a length.
   Eigen::Vector3d At(double length) const;

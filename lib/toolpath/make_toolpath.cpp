@@ -38,8 +38,8 @@ void CheckOptions(const ToolpathOptions& options) {
   if (!problems.empty()) throw InputError(std::move(problems));
 }
 
-// The direction of travel at an end of a piece, from there along the curve (`step` 1) or up to there (−1): that
-// of the next piece which is long enough to have one. Zero where the curve ends.
+// The direction of travel at an end of a piece, from there along the curve (`step` 1) or up to there (−1):
+// that of the next piece which is long enough to have one. Zero where the curve ends.
 Eigen::Vector3d Beside(const Curve& curve, int piece, int step, double least_length) {
   const int count = static_cast<int>(curve.pieces.size());
   for (int i = 0; i < count; ++i, piece += step) {

@@ -21,7 +21,8 @@ class PadMaker {
       : region_(region),
         options_(options),
         stop_(std::move(stop)),
-        lines_(region, Field(region, options.region.rim_distance), options.stepover / 2, options.chord_tolerance, stop_) {}
+        lines_(region, Field(region, options.region.rim_distance), options.stepover / 2,
+               options.chord_tolerance, stop_) {}
 
   Layout Run() {
     if (!(lines_.largest() > 0)) return {};
@@ -87,10 +88,10 @@ class PadMaker {
     for (int level = 0; level < count; ++level)
       for (Loop& loop : Loops(level * step)) rings.push_back({std::move(loop), level});
     const bool climb = options_.direction == Direction::kClimb;
-    for (Curve& curve : JoinRings(std::move(rings), step, climb,
-                                  [this](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-                                    return IsFree(a, Inside(a), b, Inside(b));
-                                  }))
+    for (Curve& curve :
+         JoinRings(std::move(rings), step, climb, [this](const Eigen::Vector3d&a, const Eigen::Vector3d&b) {
+           return IsFree(a, Inside(a), b, Inside(b));
+         }))
       AddLane(std::move(curve)).oriented = true;
   }
 
@@ -192,8 +193,8 @@ class PadMaker {
     for (Line& line : rows_)
       for (size_t i = 0; i < borders_.size(); ++i)
         for (const int k : {0, 1}) {
-          const auto [off, at] = borders_[i].Nearest(k == 0 ? line.curve.pieces.front().start
-                                                            : line.curve.pieces.back().end);
+          const auto [off, at] =
+              borders_[i].Nearest(k == 0 ? line.curve.pieces.front().start : line.curve.pieces.back().end);
           if (off <= near) line.ends[k] = {i, at};
         }
   }

@@ -94,7 +94,8 @@ class RingForest {
       size_t next = nodes_.size();
       for (size_t i = 0; i < nodes_.size(); ++i) {
         if (nodes_[i].used) continue;
-        if (const Meeting meeting = LinkOf(added, i, best[i].distance); meeting.distance < best[i].distance - kTie) {
+        if (const Meeting meeting = LinkOf(added, i, best[i].distance);
+            meeting.distance < best[i].distance - kTie) {
           best[i] = meeting;
           parent[i] = added;
         }

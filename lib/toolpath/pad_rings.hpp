@@ -16,8 +16,8 @@ struct PadRing {
 
 /// Joins rings to as few curves as can be: each ring is gone round once, then the way steps on to a neighbour
 /// that is near; to neighbours that lie elsewhere it steps from the ring on its way round, and back when they
-/// and theirs are done. `step` (mm): distance of neighbouring levels. What is not milled lies on the right with
-/// `climb`, else on the left. `free` tells whether the tool may go straight between two points.
+/// and theirs are done. `step` (mm): distance of neighbouring levels. What is not milled lies on the right
+/// with `climb`, else on the left. `free` tells whether the tool may go straight between two points.
 std::vector<Curve> JoinRings(std::vector<PadRing> rings, double step, bool climb,
                              const std::function<bool(const Eigen::Vector3d&, const Eigen::Vector3d&)>& free);
 

@@ -60,8 +60,9 @@ class Region {
 
   /// Whether any point of the face can be in.
   bool HasFace(int face) const { return has_face_[face] != 0; }
-  /// How far a point p of a face lies inside, mm on the face (±1e9 where a plane limit runs along it); negative
-  /// outside. On one face it changes by at most 1 mm per mm (so between two points it cannot pass 0 unseen).
+  /// How far a point p of a face lies inside, mm on the face (±1e9 where a plane limit runs along it);
+  /// negative outside. On one face it changes by at most 1 mm per mm (so between two points it cannot pass 0
+  /// unseen).
   double Margin(int face, const Eigen::Vector3d& p) const;
 
   /// The part of one of the region's faces within its outermost box and half-space, a convex polygon.

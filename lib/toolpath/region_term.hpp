@@ -5,9 +5,9 @@
 
 namespace millpose {
 
-/// One level of RegionOptions made ready for a mesh. Margins are ways on the face (or its plane), so that they
-/// do not end at a limit that a face runs along. They combine as min (all), max (any) and sign (none), which
-/// keeps them 1-Lipschitz; conditions on whole faces count as plus or minus infinity.
+/// One level of RegionOptions made ready for a mesh. Margins are ways on the face (or its plane), so that
+/// they do not end at a limit that a face runs along. They combine as min (all), max (any) and sign (none),
+/// which keeps them 1-Lipschitz; conditions on whole faces count as plus or minus infinity.
 class RegionTerm {
  public:
   /// `outermost`: its rim distance is left to Region.
@@ -29,7 +29,8 @@ class RegionTerm {
   Mesh mesh_;
   RegionOptions options_;
   std::vector<char> facing_, connected_, source_;  // by face; empty when not asked for
-  Eigen::Vector3d u_ = Eigen::Vector3d::Zero(), v_ = Eigen::Vector3d::Zero();  // across the polygon's direction
+  Eigen::Vector3d u_ = Eigen::Vector3d::Zero(),
+                  v_ = Eigen::Vector3d::Zero();  // across the polygon's direction
   std::vector<RegionTerm> all_, any_, none_;
   RegionBorders borders_;  // empty without rim distance
 };

@@ -32,8 +32,7 @@ class SpiralMaker {
 
   // Where passes = ½ + turns + angle ÷ 2π, as a function in mm, so that tolerances mean what they say.
   std::vector<Curve> Lines(const std::stop_token& stop) const {
-    const double pitch =
-        (plan_.scale.PositionAt(count_ - 0.5) - plan_.scale.PositionAt(0.5)) / (count_ - 1);
+    const double pitch = (plan_.scale.PositionAt(count_ - 0.5) - plan_.scale.PositionAt(0.5)) / (count_ - 1);
     LevelField field;
     field.period = pitch;
     field.winding = [this, pitch](const Eigen::Vector3d& p) { return pitch * Passes(p); };

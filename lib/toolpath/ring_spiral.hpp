@@ -16,9 +16,7 @@ struct SpiralPlan {
   const PassScale& scale;  ///< two passes or more
   std::function<std::vector<Curve>(double position)> slice;
 
-  double Position(const Eigen::Vector3d& p) const {
-    return walls ? frame.Height(p) : frame.axis().Radius(p);
-  }
+  double Position(const Eigen::Vector3d& p) const { return walls ? frame.Height(p) : frame.axis().Radius(p); }
 };
 
 /// A ring, turns with even pitch (of passes), a ring: without the rings the first and last turn would leave a

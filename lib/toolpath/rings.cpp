@@ -26,10 +26,11 @@ bool OnWalls(const Region& region, const ToolpathOptions& options) {
   return walls > faces;
 }
 
-// Whether a spiral must turn left-handed about the axis to have what is not milled on the wanted side: it winds
-// on to greater radii or heights, so its sense decides. (Rings are turned one by one.)
+// Whether a spiral must turn left-handed about the axis to have what is not milled on the wanted side: it
+// winds on to greater radii or heights, so its sense decides. (Rings are turned one by one.)
 bool IsLeftHanded(const Region& region, const ToolpathOptions& options, bool walls) {
-  if (!options.spiral || (options.direction != Direction::kClimb && options.direction != Direction::kConventional))
+  if (!options.spiral ||
+      (options.direction != Direction::kClimb && options.direction != Direction::kConventional))
     return false;
   const RingFrame frame(options, false);
   const Eigen::Vector3d& axis = options.axis_direction;
@@ -56,9 +57,8 @@ class RingMaker {
   Layout Run() {
     if (!Measure()) return std::move(layout_);
     if (options_.spiral && scale_->count() > 1) {
-      layout_.lanes.push_back(MakeSpiral({region_, options_, frame_, walls_, *scale_, [this](double position) {
-                                            return Slices({position})[0];
-                                          }},
+      layout_.lanes.push_back(MakeSpiral({region_, options_, frame_, walls_, *scale_,
+                                          [this](double position) { return Slices({position})[0]; }},
                                          stop_));
     } else {
       double seam = 0;

@@ -12,14 +12,14 @@ namespace millpose {
 /// radius around it. docs/step-over.md.
 class Scallops {
  public:
-  /// `back_and_forth`: every other pass runs the other way, so that a tilted cutter leans away from one of its
-  /// neighbours and towards the other.
+  /// `back_and_forth`: every other pass runs the other way, so that a tilted cutter leans away from one of
+  /// its neighbours and towards the other.
   Scallops(const CutterShape& cutter, double lead, double tilt, bool back_and_forth)
       : cutter_(cutter), lead_(lead), tilt_(tilt), back_and_forth_(back_and_forth) {}
 
   /// The step-over along the surface (mm) that leaves scallops of `height` (mm > 0) on a surface that bends
-  /// across the passes by `curvature` (1/mm, positive where it is convex). At most what the cutter covers. Back
-  /// and forth: the smaller one of the two that alternate.
+  /// across the passes by `curvature` (1/mm, positive where it is convex). At most what the cutter covers.
+  /// Back and forth: the smaller one of the two that alternate.
   double Stepover(double height, double curvature) const;
 
  private:

@@ -60,7 +60,8 @@ std::vector<Picture> Pictures() {
   const auto add = [&](const char* name, const Mesh& mesh, const ToolpathOptions& options) {
     pictures.push_back({name, mesh, MakeToolpath(mesh, options, {})});
   };
-  const Mesh panel = SampleMesh("cabin_panel"), wall = SoundMesh(CylinderShape(60, 50, 120, 2)), plate = Plate();
+  const Mesh panel = SampleMesh("cabin_panel"), wall = SoundMesh(CylinderShape(60, 50, 120, 2)),
+             plate = Plate();
   ToolpathOptions options = Panel();
   add("parallel_planes", panel, options);
   options.ends = {10, LeadShape::kArc, 25, 0};

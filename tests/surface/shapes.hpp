@@ -17,7 +17,8 @@ Triangles CylinderShape(double radius, double height, int count, int rows = 1);
 Triangles GridShape(int nx, int ny, double edge);
 /// A grid of nx × ny squares of `edge` mm without the squares that lie within one of the openings (lower and
 /// upper corner in x and y; on lines of the grid).
-Triangles PlateShape(int nx, int ny, double edge, const std::vector<std::array<Eigen::Vector2d, 2>>& openings);
+Triangles PlateShape(int nx, int ny, double edge,
+                     const std::vector<std::array<Eigen::Vector2d, 2>>& openings);
 /// A sphere of `rows` × 2·`rows` patches about the origin.
 Triangles SphereShape(double radius, int rows);
 

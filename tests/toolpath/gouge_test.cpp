@@ -183,10 +183,12 @@ TEST(Gouge, ACutterWhollyInsideIsFound) {
   for (const Triangles& part : {hollow, with_open}) {
     Toolpath toolpath;
     Pass& pass = toolpath.passes.emplace_back();
-    for (const double z : {-50.0, -45.0}) pass.points.emplace_back().position = {30, 50, z};  // in the material
+    for (const double z : {-50.0, -45.0})
+      pass.points.emplace_back().position = {30, 50, z};  // in the material
     Pass& hole = toolpath.passes.emplace_back();
     for (const double z : {-50.0, -45.0}) hole.points.emplace_back().position = {75, 50, z};  // in the cavity
-    const GougeReport report = CheckGouges(SoundMesh(part), small, {GougeAction::kSkip, 0.05}, 2, toolpath, {});
+    const GougeReport report =
+        CheckGouges(SoundMesh(part), small, {GougeAction::kSkip, 0.05}, 2, toolpath, {});
     EXPECT_EQ(report.points, 2);
     EXPECT_NEAR(report.deepest.depth, 30, 1e-9);
     EXPECT_GT(toolpath.passes[0].points[0].gouge, 29);
@@ -202,7 +204,8 @@ TEST(Gouge, ACutterWhollyInsideIsFound) {
 }
 
 TEST(Gouge, BallsAreLiftedOntoSpheres) {
-  // Over a sphere of radius ρ a ball of radius R is clear when the centres are ρ + R less the tolerance apart.
+  // Over a sphere of radius ρ a ball of radius R is clear when the centres are ρ + R less the tolerance
+  // apart.
   const double rho = 40, tolerance = 0.1;
   const CutterShape ball{8, 8, 60};
   const Mesh mesh = SoundMesh(SphereShape(rho, 90));

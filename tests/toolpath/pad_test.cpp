@@ -48,8 +48,8 @@ TEST(Pad, IsFacedAroundAnIslandWithoutAirMoves) {
 }
 
 TEST(Pad, LobesAreReachedWithoutAirMoves) {
-  // A dumbbell: two squares of 40 mm, joined by a bridge of 20 mm; rings split where it is too narrow. Lines cut
-  // it into five cells without gaps across them; lifting between all of them would be the plain way.
+  // A dumbbell: two squares of 40 mm, joined by a bridge of 20 mm; rings split where it is too narrow. Lines
+  // cut it into five cells without gaps across them; lifting between all of them would be the plain way.
   const Mesh dumbbell = SoundMesh(PlateShape(10, 4, 10, {{{{40, 0}, {60, 10}}}, {{{40, 30}, {60, 40}}}}));
   for (const bool spiral : {false, true}) {
     SCOPED_TRACE(spiral);
@@ -79,7 +79,8 @@ TEST(Pad, SpiralsAreNoLongerThanTheirRings) {
   const ToolpathOptions options = Facing(true);
   double length = 0;
   for (const Pass& pass : MakeToolpath(Plate(), options, {}).passes) length += pass.points.back().arc_length;
-  EXPECT_LT(length, 1.3 * (100 * 100 - 20 * 20) / options.stepover);  // the area over the step-over, and links
+  EXPECT_LT(length,
+            1.3 * (100 * 100 - 20 * 20) / options.stepover);  // the area over the step-over, and links
 }
 
 TEST(Pad, ClimbAndConventionalHoldOnRingsAndLines) {
@@ -88,9 +89,11 @@ TEST(Pad, ClimbAndConventionalHoldOnRingsAndLines) {
     ToolpathOptions options = Facing(spiral);
     options.spacing = 1;
     options.direction = Direction::kClimb;
-    EXPECT_GT(ClimbShare(MakeToolpath(Plate(), options, {}), options.stepover), spiral ? 0.92 : 0.99) << spiral;
+    EXPECT_GT(ClimbShare(MakeToolpath(Plate(), options, {}), options.stepover), spiral ? 0.92 : 0.99)
+        << spiral;
     options.direction = Direction::kConventional;
-    EXPECT_LT(ClimbShare(MakeToolpath(Plate(), options, {}), options.stepover), spiral ? 0.08 : 0.01) << spiral;
+    EXPECT_LT(ClimbShare(MakeToolpath(Plate(), options, {}), options.stepover), spiral ? 0.08 : 0.01)
+        << spiral;
   }
 }
 

@@ -80,8 +80,8 @@ void ExpectScallops(const Case& given, double wanted, Direction direction, int g
   }
   const Scallops scallops(given.cutter, options.lead, options.tilt, false);
   const bool alternating = direction == Direction::kZigzag && given.tilt_deg != 0;
-  const double widest = Scallops(given.cutter, options.lead, options.tilt, alternating)
-                            .Stepover(wanted, given.curvature);
+  const double widest =
+      Scallops(given.cutter, options.lead, options.tilt, alternating).Stepover(wanted, given.curvature);
   const size_t count = tools.size(), every = std::max<size_t>(1, count / static_cast<size_t>(gaps));
   double highest = 0;
   for (size_t i = 2; i + 3 < count; i += i % 2 == 0 ? 1 : every / 2 * 2 + 1) {  // two after each other
@@ -89,8 +89,9 @@ void ExpectScallops(const Case& given, double wanted, Direction direction, int g
     EXPECT_LE(laid, std::min(widest, options.stepover) * 1.002);
     double left = 0;
     for (int k = 0; k <= rays; ++k)
-      left = std::max(left, LeftStanding(given.cutter, {tools.begin() + i - 1, tools.begin() + i + 3},
-                                         given.curvature, angles[i] + (angles[i + 1] - angles[i]) * k / rays));
+      left =
+          std::max(left, LeftStanding(given.cutter, {tools.begin() + i - 1, tools.begin() + i + 3},
+                                      given.curvature, angles[i] + (angles[i + 1] - angles[i]) * k / rays));
     if (!alternating) {
       const double predicted = HeightOf(scallops, laid, given.curvature);
       EXPECT_NEAR(left, predicted, 0.05 * predicted) << i;

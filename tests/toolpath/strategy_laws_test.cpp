@@ -50,11 +50,16 @@ std::vector<Given> Everything() {
   ToolpathOptions curve;
   curve.strategy = "curve";
   curve.curve_points = {{10, 12, 5}, {80, 17, 5}, {90, 90, 5}};
-  return {{"planes", cylinder, planes},         {"scallops", cylinder, scallops},
-          {"closed slices", cylinder, closed},  {"rings on a wall", cylinder, walls},
-          {"wall spiral", cylinder, wall_spiral}, {"rings on a face", cylinder, faces},
-          {"face spiral", cylinder, face_spiral}, {"pad zigzag", plate, zigzag},
-          {"pad spiral", plate, pad_spiral},    {"contours", plate, contours},
+  return {{"planes", cylinder, planes},
+          {"scallops", cylinder, scallops},
+          {"closed slices", cylinder, closed},
+          {"rings on a wall", cylinder, walls},
+          {"wall spiral", cylinder, wall_spiral},
+          {"rings on a face", cylinder, faces},
+          {"face spiral", cylinder, face_spiral},
+          {"pad zigzag", plate, zigzag},
+          {"pad spiral", plate, pad_spiral},
+          {"contours", plate, contours},
           {"curve", plate, curve}};
 }
 

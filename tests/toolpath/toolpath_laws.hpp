@@ -19,8 +19,9 @@ void ExpectSound(const Mesh& mesh, const Toolpath& toolpath, const ToolpathOptio
 /// Distance of a point from the nearest pass, mm.
 double DistanceFromPath(const Toolpath& toolpath, const Eigen::Vector3d& p);
 
-/// Of the places where the cutter passes what it has milled before on one side alone, the share (by points) at
-/// which that is on its left, so that unmilled material is on its right. `aside` (mm): where it is looked for.
+/// Of the places where the cutter passes what it has milled before on one side alone, the share (by points)
+/// at which that is on its left, so that unmilled material is on its right. `aside` (mm): where it is looked
+/// for.
 double ClimbShare(const Toolpath& toolpath, double aside);
 
 }  // namespace millpose
