@@ -10,6 +10,8 @@ namespace {
 
 using Fields = std::map<std::string, double>;
 
+constexpr const char* kDefaults = "BAS (#INITMOV,0 )";
+constexpr const char* kPtpSpeed = "BAS (#VEL_PTP,…)";
 constexpr double kDefaultFeed = 2000;                   // mm/s, $VEL.CP after BAS(#INITMOV,0)
 constexpr double kExternalSlack = 1e-4;                 // mm or degrees
 constexpr double kDefaultBlend = 3;                     // mm, $APO.CDIS after BAS(#INITMOV,0)
@@ -28,6 +30,8 @@ class KrlReader : public ProgramReader {
   }
 
   void BeginFile() override { defined_ = false; }
+
+  std::vector<std::string> Needed() const override { return {kDefaults, kPtpSpeed}; }
 
   void ReadComment(std::string_view comment) override {
     LineScanner scan(comment, "", 0);
@@ -158,10 +162,15 @@ class KrlReader : public ProgramReader {
 
   void ReadBas(LineScanner& scan) {
     scan.Expect("(");
-    if (!scan.Accept("#INITMOV")) scan.Expect("#VEL_PTP");
+    const bool speed = scan.Accept("#VEL_PTP");
+    if (!speed) scan.Expect("#INITMOV");
     scan.Expect(",");
-    scan.ExpectNumber();
+    const double value = scan.ExpectNumber();
     scan.Expect(")");
+    Stated(speed ? kPtpSpeed : kDefaults);
+    const double most = std::round(settings_.ptp_share * 100);
+    if (speed && (value <= 0 || value > most))
+      scan.Fail(fmt::format("at most {} % before (the cell's ptp_speed_percent)", most));
   }
 
   /// {X 1,Y 2,…} or {FRAME: X 1,…}: the fields by name in upper case.

@@ -31,6 +31,10 @@ class LinuxCncReader : public ProgramReader {
     ReadPassMark(scan, begin);
   }
 
+  std::vector<std::string> Needed() const override {
+    return {"G21", "G40", "G49", "G90", kNoOffsets, "G59.3", "G92.1"};
+  }
+
   void TextRead(const std::string& name) override {
     if (name != "cartesian_on" && name != "joints_on") return;
     cartesian_ = name == "cartesian_on";
@@ -40,13 +44,17 @@ class LinuxCncReader : public ProgramReader {
   void ReadCode(LineScanner& scan) override {
     std::array<std::optional<double>, 6> words;
     std::optional<double> feed, pause;
-    bool dwell = false, moves = false;
+    bool dwell = false, moves = false, rounds = false;
     if (scan.AcceptAddress('N')) scan.ExpectNumber();
-    if (scan.Accept(kNoOffsets)) return scan.ExpectEnd();
+    if (scan.Accept(kNoOffsets)) {
+      Stated(kNoOffsets);
+      return scan.ExpectEnd();
+    }
     while (!scan.AtEnd()) {
       if (scan.AcceptAddress('G')) {
         const double g = scan.ExpectNumber();
         dwell = dwell || g == 4;
+        rounds = rounds || g == 64;
         ReadG(scan, g);
       } else if (scan.AcceptAddress('F')) {
         feed = scan.ExpectNumber();
@@ -68,7 +76,11 @@ class LinuxCncReader : public ProgramReader {
         moves = ReadAxis(scan, words) || moves;
       }
     }
-    if (blending_ && pause && !dwell) blend_ = *pause;
+    if (rounds) {
+      if (!pause || *pause <= 0)
+        scan.Fail("G64 needs P above 0: without it corners are rounded without bound");
+      blend_ = *pause;
+    }
     if (feed && !inverse_time_) feed_ = *feed;
     if (moves && cartesian_) AddPose(scan, words, feed);
     if (moves && !cartesian_) AddTarget(scan, words, feed);
@@ -86,6 +98,7 @@ class LinuxCncReader : public ProgramReader {
 
   void ReadG(const LineScanner& scan, double g) {
     static const std::vector<double> neutral = {4, 17, 21, 40, 49, 59.3, 90, 92.1};
+    Stated(fmt::format("G{}", g));
     if (g == 0 || g == 1) {
       rapid_ = g == 0;
     } else if (g == 93 || g == 94) {

@@ -121,6 +121,14 @@ void ProgramReader::ExpectTexts(const std::vector<std::string>& names) {
   }
 }
 
+void ProgramReader::ExpectStated() {
+  for (const std::string& setting : Needed()) {
+    if (stated_.contains(setting)) continue;
+    problems_.push_back(
+        {{open_.back(), line_, 0, -1}, fmt::format("{} must be stated before the first motion", setting)});
+  }
+}
+
 std::optional<std::string_view> ProgramReader::Comment(std::string_view line) const {
   return line.starts_with(';') ? std::optional(line.substr(1)) : std::nullopt;
 }
@@ -157,6 +165,7 @@ bool ProgramReader::ReadCall(LineScanner& scan, const std::string& name) {
 std::string ProgramReader::FileStem() const { return Stem(open_.back()); }
 
 Motion& ProgramReader::AddMotion(MotionType type) {
+  if (program_.motions.empty()) ExpectStated();
   Motion& motion = program_.motions.emplace_back();
   motion.type = type;
   motion.pass = pass_;

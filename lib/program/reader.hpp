@@ -2,6 +2,8 @@
 // What the readers of all controllers share: files that call each other, problems, marks, the cell's texts.
 #pragma once
 
+#include <set>
+
 #include "program/post.hpp"
 #include "program/scanner.hpp"
 #include "program/templates.hpp"
@@ -30,6 +32,8 @@ class ProgramReader {
   virtual void ReadComment(std::string_view comment);
   /// A file of the program begins or has ended.
   virtual void BeginFile() {}
+  /// What must be stated before the first motion: without it the motions depend on what ran before.
+  virtual std::vector<std::string> Needed() const { return {}; }
   /// The cell's text `name` was read.
   virtual void TextRead(const std::string& /*name*/) {}
 
@@ -41,6 +45,8 @@ class ProgramReader {
   bool InSubprogram() const { return open_.size() > 1; }
   std::string FileStem() const;
 
+  /// One of Needed() was read.
+  void Stated(const std::string& setting) { stated_.insert(setting); }
   Motion& AddMotion(MotionType type);
   void AddOutput(const PathOutput& output);
   /// What follows a pass mark, "3 PIECE 0"; the cell's text for it must come next, where there is one. Words
@@ -56,6 +62,7 @@ class ProgramReader {
   size_t ReadTexts(size_t i);
   std::string MainFile();
   void AddEvent(ProgramEvent::Kind kind, double value, int piece);
+  void ExpectStated();
   void ExpectTexts(const std::vector<std::string>& names);
 
   const ProgramFiles& files_;
@@ -65,6 +72,7 @@ class ProgramReader {
   std::vector<Problem> problems_;
   std::vector<std::string_view> lines_;
   std::map<std::string, bool> seen_;    // texts of the cell
+  std::set<std::string> stated_;        // settings
   std::optional<std::string> awaited_;  // the text that must come next
   int file_ = 0, line_ = 0;
   int pass_ = -1;

@@ -30,6 +30,10 @@ class SinumerikReader : public ProgramReader {
       : ProgramReader(files, settings, Templates(SinumerikTexts(), settings.texts, settings.tool_name)) {}
 
  private:
+  std::vector<std::string> Needed() const override {
+    return {"G40", "G54", "G90", "G94", "G642", "G710", "ORIWKS"};
+  }
+
   void ReadCode(LineScanner& scan) override {
     AcceptAddress(scan, 'N');
     Block block;
@@ -94,13 +98,7 @@ class SinumerikReader : public ProgramReader {
     } else if (scan.Accept("TRAFOOF")) {
       transformed_ = false;
     } else if (scan.Accept("CYCLE832")) {
-      scan.Expect("(");
-      blend_ = scan.ExpectNumber();
-      scan.Expect(",");
-      if (!scan.Accept("_FINISH")) scan.Expect("_OFF");
-      scan.Expect(",");
-      orientation_blend_ = scan.ExpectNumber() * kRadPerDeg;
-      scan.Expect(")");
+      ReadTolerances(scan);
     } else if (scan.Accept("MSG")) {
       ReadMessage(scan);
     } else if (scan.Accept("WHEN TRUE DO")) {
@@ -112,6 +110,7 @@ class SinumerikReader : public ProgramReader {
       if (tool != settings_.tool_name) scan.Fail(fmt::format("tool {} expected", settings_.tool_name));
       scan.Expect("\"");
     } else if (scan.Accept("ORIWKS")) {
+      Stated("ORIWKS");
     } else if (const auto feed = AcceptAddress(scan, 'F')) {
       if (!block.dwell) feed_ = *feed / 60;
     } else if (const auto g = AcceptAddress(scan, 'G')) {
@@ -128,8 +127,23 @@ class SinumerikReader : public ProgramReader {
     return true;
   }
 
+  /// CYCLE832(0.01,_FINISH,0.01): mm and degrees; with _OFF the machine data hold, which nobody knows here.
+  void ReadTolerances(LineScanner& scan) {
+    scan.Expect("(");
+    const double position = scan.ExpectNumber();
+    scan.Expect(",");
+    const bool off = scan.Accept("_OFF");
+    if (!off) scan.Expect("_FINISH");
+    scan.Expect(",");
+    const double orientation = scan.ExpectNumber() * kRadPerDeg;
+    scan.Expect(")");
+    tolerances_.reset();
+    if (!off) tolerances_ = {position, orientation};
+  }
+
   void ReadG(LineScanner& scan, double g, Block& block) {
     static const std::vector<double> allowed = {17, 40, 54, 90, 94, 642, 710};
+    Stated(fmt::format("G{}", g));
     if (g == 0 || g == 1) {
       rapid_ = g == 0;
     } else if (g == 9) {
@@ -221,15 +235,19 @@ class SinumerikReader : public ProgramReader {
       motion.turn = block.turn;
     } else {
       motion.feed = feed_;
-      motion.blend = motion.exact ? 0 : blend_;
-      motion.angle_blend = motion.exact ? 0 : orientation_blend_;
+      if (motion.exact) return;
+      if (!tolerances_) scan.Fail("a CYCLE832 with the tolerances of rounded corners expected before");
+      motion.blend = tolerances_->position;
+      motion.angle_blend = tolerances_->orientation;
     }
   }
 
   std::array<std::optional<double>, 6> last_;  // X, Y, Z, A, B, C as they hold
   double feed_ = 0;                            // mm/s
-  double blend_ = 0;                           // mm
-  double orientation_blend_ = 0;               // rad
+  struct Tolerances {
+    double position, orientation;  // mm, rad
+  };
+  std::optional<Tolerances> tolerances_;  // of rounded corners
   bool transformed_ = false, rapid_ = true, ptp_ = false;
   bool posed_ = false;  // a pose was approached
 };

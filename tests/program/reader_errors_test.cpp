@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "program/linuxcnc.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {
@@ -53,21 +54,22 @@ TEST(ReaderErrors, KrlNamesLineAndColumn) {
 
 TEST(ReaderErrors, AllProblemsAtOnce) {
   const auto post = MakePost("krl");
-  const std::string text = "DEF A ( )\nLIN {X 1}\nPTP {A1 2}\nFOO\nEND\n";
+  const std::string text =
+      "DEF A ( )\nBAS (#INITMOV,0 )\nBAS (#VEL_PTP,30 )\nLIN {X 1}\nPTP {A1 2}\nFOO\nEND\n";
   try {
     post->Read({{"a.src", text}}, SampleArm(), SampleSettings("krl"));
     FAIL();
   } catch (const InputError& error) {
     ASSERT_EQ(error.problems().size(), 3u);
-    EXPECT_EQ(error.problems()[0].place.line, 2);
-    EXPECT_EQ(error.problems()[1].place.line, 3);
-    EXPECT_EQ(error.problems()[2].place.line, 4);
+    EXPECT_EQ(error.problems()[0].place.line, 4);
+    EXPECT_EQ(error.problems()[1].place.line, 5);
+    EXPECT_EQ(error.problems()[2].place.line, 6);
   }
 }
 
 TEST(ReaderErrors, SinumerikNamesTheLine) {
-  EXPECT_EQ(ProblemsWith("sinumerik", "ORIWKS", "ORIMKS").size(), 1u);
-  EXPECT_EQ(ProblemsWith("sinumerik", " PTP", "").size(), 1u);  // G0 without PTP: an undefined path
+  EXPECT_EQ(ProblemsWith("sinumerik", "ORIWKS", "ORIMKS").size(), 2u);  // and ORIWKS is missing
+  EXPECT_EQ(ProblemsWith("sinumerik", " PTP", "").size(), 1u);          // G0 without PTP: an undefined path
   EXPECT_EQ(ProblemsWith("sinumerik", "M30", "M17").size(), 2u);
   EXPECT_EQ(ProblemsWith("sinumerik", "RA1=", "RA1").size(), 1u);
   EXPECT_EQ(ProblemsWith("sinumerik", "T=\"SPINDLE_D20", "T=\"SPINDLE_D10").size(), 2u);
@@ -79,6 +81,37 @@ TEST(ReaderErrors, LinuxCncNamesTheLine) {
   EXPECT_EQ(ProblemsWith("linuxcnc", "M2\n", "").size(), 1u);
   EXPECT_EQ(ProblemsWith("linuxcnc", "G1 X", "G1 Y").size(), 1u);
   EXPECT_EQ(ProblemsWith("linuxcnc", "G1 X", "G1 X,").size(), 1u);
+}
+
+/// What ran before a program must not decide where it goes.
+TEST(ReaderErrors, SettingsAreStatedBeforeTheFirstMotion) {
+  struct Case {
+    const char *controller, *text, *without, *name;
+  };
+  for (const auto& [controller, text, without, name] : {
+           Case{"krl", "    BAS (#INITMOV,0 )\n", "", "BAS (#INITMOV,0 )"},
+           Case{"krl", "BAS (#VEL_PTP,30 )\n", "", "BAS (#VEL_PTP,…)"},
+           Case{"sinumerik", "G54\n", "", "G54"},
+           Case{"sinumerik", "ORIWKS\n", "", "ORIWKS"},
+           Case{"sinumerik", "G17 G710", "G17", "G710"},
+           Case{"linuxcnc", "G59.3 ", "", "G59.3"},
+           Case{"linuxcnc", "G21 G90", "G21", "G90"},
+           Case{"linuxcnc", kNoOffsets, "", kNoOffsets},
+       }) {
+    const std::vector<Problem> problems = ProblemsWith(controller, text, without);
+    ASSERT_EQ(problems.size(), 1u) << controller << " without " << name;
+    EXPECT_EQ(problems[0].message, fmt::format("{} must be stated before the first motion", name));
+    EXPECT_GT(problems[0].place.line, 1);
+  }
+}
+
+TEST(ReaderErrors, RoundingHasABound) {
+  EXPECT_EQ(ProblemsWith("krl", "VEL_PTP,30", "VEL_PTP,31").size(), 1u);
+  EXPECT_EQ(ProblemsWith("krl", "VEL_PTP,30", "VEL_PTP,10").size(), 0u);
+  EXPECT_FALSE(ProblemsWith("sinumerik", "_FINISH", "_OFF").empty());
+  EXPECT_EQ(ProblemsWith("linuxcnc", " Q0", "").size(), 0u);
+  EXPECT_EQ(ProblemsWith("linuxcnc", "G64 P", "G64 Q0 ; P").size(), 1u);
+  EXPECT_EQ(ProblemsWith("linuxcnc", "G64 P", "G64 P0 Q").size(), 1u);
 }
 
 }  // namespace

@@ -118,12 +118,14 @@ std::vector<std::vector<Pose>> CutsOf(const MotionProgram& program, const Cell& 
 /// The largest distance (mm, rad) of the poses of `path` from the straight pieces of `other`, walked in
 /// order.
 std::pair<double, double> Apart(const std::vector<Pose>& path, const std::vector<Pose>& other) {
+  std::vector<PoseLine> lines;
+  for (size_t i = 1; i < other.size(); ++i) lines.emplace_back(other[i - 1], other[i]);
   std::pair<double, double> worst{0, 0};
   size_t k = 0;
   for (const Pose& pose : path) {
     double best = 1e9, angle = 0;
-    for (size_t j = k; j + 1 < other.size() && j < k + 40; ++j) {
-      const PoseLine line(other[j], other[j + 1]);
+    for (size_t j = k; j < std::min(lines.size(), k + 40); ++j) {
+      const PoseLine& line = lines[j];
       const Eigen::Vector3d along = line.to() - line.from();
       const double share =
           along.norm() > 1e-9
