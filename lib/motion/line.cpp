@@ -8,26 +8,7 @@
 namespace millpose {
 namespace {
 
-/// Rotation as a unit axis and an angle of 0..π.
-struct AxisAngle {
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
-  double angle = 0;
-};
-
-AxisAngle ToAxisAngle(const Eigen::Matrix3d& R) {
-  const Eigen::Quaterniond quaternion(R);
-  const double sign = quaternion.w() < 0 ? -1 : 1, length = quaternion.vec().norm();
-  if (length < 1e-300) return {};
-  return {sign * quaternion.vec() / length, 2 * Atan2(length, sign * quaternion.w())};
-}
-
-/// Rodrigues' formula, with sine and cosine that are the same on every machine.
-Eigen::Matrix3d RotationAbout(const Eigen::Vector3d& axis, double angle) {
-  const SineCosine t = SinCos(angle);
-  Eigen::Matrix3d cross;
-  cross << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
-  return Eigen::Matrix3d::Identity() + t.sin * cross + (1 - t.cos) * cross * cross;
-}
+constexpr double kNoTurn = 1e-300;  // sine of half an angle below which there is no axis
 
 /// What is wrong with a sample that follows `previous`; empty when nothing.
 std::string SampleProblem(const Joints& q, const Joints& previous, const Joints& lower, const Joints& upper,
@@ -47,16 +28,31 @@ std::string SampleProblem(const Joints& q, const Joints& previous, const Joints&
 
 }  // namespace
 
-Pose InterpolateLine(const Pose& from, const Pose& to, double share) {
-  const AxisAngle turn = ToAxisAngle(from.linear().transpose() * to.linear());
-  Pose X = Pose::Identity();
-  X.linear() = from.linear() * RotationAbout(turn.axis, share * turn.angle);
-  X.translation() = from.translation() + share * (to.translation() - from.translation());
-  return X;
+PoseLine::PoseLine(const Pose& from, const Pose& to)
+    : from_(from.translation()), to_(to.translation()), R_(from.linear()) {
+  Eigen::Quaterniond turn(Eigen::Matrix3d(from.linear().transpose() * to.linear()));
+  if (turn.w() < 0) turn.coeffs() *= -1;
+  const double sine = turn.vec().norm();  // of half the angle; half a turn has 1
+  if (sine < kNoTurn) return;
+  axis_ = turn.vec() / sine;
+  angle_ = 2 * Atan2(sine, turn.w());
 }
 
-double AngleBetween(const Pose& a, const Pose& b) {
-  return ToAxisAngle(a.linear().transpose() * b.linear()).angle;
+Pose PoseLine::At(double share) const {
+  // Rodrigues' formula, with sine and cosine that are the same on every machine.
+  const SineCosine t = SinCos(share * angle_);
+  Eigen::Matrix3d cross;
+  cross << 0, -axis_.z(), axis_.y(), axis_.z(), 0, -axis_.x(), -axis_.y(), axis_.x(), 0;
+  Pose pose = Pose::Identity();
+  pose.linear() = R_ * (Eigen::Matrix3d::Identity() + t.sin * cross + (1 - t.cos) * cross * cross);
+  pose.translation() = from_ + share * (to_ - from_);
+  return pose;
+}
+
+double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  const Eigen::Matrix3d R = a.transpose() * b;
+  const Eigen::Vector3d twice_axis_sine(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+  return Atan2(twice_axis_sine.norm(), R.trace() - 1);
 }
 
 Pose Carrier::ToolPose(const Joints& q) const { return X_WB * ForwardFlange(arm, q) * X_FT; }
@@ -68,15 +64,15 @@ Pose Carrier::FlangePose(const Pose& X_WT) const {
 LineMotion FollowLine(const Carrier& carrier, const Joints& q, const Pose& X_WT_end, const Joints& lower,
                       const Joints& upper, const LineSteps& steps) {
   const Pose X_WT_start = carrier.ToolPose(q);
-  const double length = (X_WT_end.translation() - X_WT_start.translation()).norm();
-  const double angle = AngleBetween(X_WT_start, X_WT_end);
+  const PoseLine line(X_WT_start, X_WT_end);
+  const double length = line.length();
   const int count = std::max({1, static_cast<int>(std::ceil(length / steps.distance)),
-                              static_cast<int>(std::ceil(angle / steps.angle))});
+                              static_cast<int>(std::ceil(line.angle() / steps.angle))});
   const int branch = Status(carrier.arm, q);
   LineMotion motion{{q}, {}};
   for (int i = 1; i <= count; ++i) {
     const double share = static_cast<double>(i) / count;
-    const Pose X_BF = carrier.FlangePose(InterpolateLine(X_WT_start, X_WT_end, share));
+    const Pose X_BF = carrier.FlangePose(line.At(share));
     const std::optional<Joints> next = InverseNear(carrier.arm, X_BF, branch, motion.joints.back());
     const std::string problem =
         next ? SampleProblem(*next, motion.joints.back(), lower, upper, steps.joint_jump)
@@ -92,7 +88,7 @@ LineMotion FollowLine(const Carrier& carrier, const Joints& q, const Pose& X_WT_
 }
 
 std::optional<Joints> OnLine(const Carrier& carrier, const Joints& q0, const Joints& q1, double share) {
-  const Pose X_WT = InterpolateLine(carrier.ToolPose(q0), carrier.ToolPose(q1), share);
+  const Pose X_WT = PoseLine(carrier.ToolPose(q0), carrier.ToolPose(q1)).At(share);
   return InverseNear(carrier.arm, carrier.FlangePose(X_WT), Status(carrier.arm, q0), q0 + share * (q1 - q0));
 }
 
@@ -108,7 +104,7 @@ std::optional<Joints> JointDeviation(const Carrier& carrier, const Joints& q0, c
 }
 
 Deviation HalfwayDeviation(const Carrier& carrier, const Joints& q0, const Joints& q1) {
-  const Pose commanded = InterpolateLine(carrier.ToolPose(q0), carrier.ToolPose(q1), 0.5);
+  const Pose commanded = PoseLine(carrier.ToolPose(q0), carrier.ToolPose(q1)).At(0.5);
   const Pose real = carrier.ToolPose(0.5 * (q0 + q1));
   const Eigen::Vector3d a = commanded.linear().col(2), b = real.linear().col(2);
   return {(real.translation() - commanded.translation()).norm(), Atan2(a.cross(b).norm(), a.dot(b))};

@@ -11,11 +11,26 @@
 
 namespace millpose {
 
-/// The tool pose at `share` (0..1) of the way from `from` to `to`; the shorter way round.
-Pose InterpolateLine(const Pose& from, const Pose& to, double share);
+/// A straight motion of a frame, the shorter way round.
+class PoseLine {
+ public:
+  PoseLine(const Pose& from, const Pose& to);
 
-/// Angle of the rotation between two poses, rad, 0..π.
-double AngleBetween(const Pose& a, const Pose& b);
+  Pose At(double share) const;                            ///< 0..1 of the way
+  double length() const { return (to_ - from_).norm(); }  ///< mm
+  double angle() const { return angle_; }                 ///< rad, 0..π
+  const Eigen::Vector3d& from() const { return from_; }
+  const Eigen::Vector3d& to() const { return to_; }
+
+ private:
+  Eigen::Vector3d from_, to_;
+  Eigen::Matrix3d R_;                                // at the start
+  Eigen::Vector3d axis_ = Eigen::Vector3d::UnitZ();  // unit, in the frame's start
+  double angle_ = 0;
+};
+
+/// Angle of the rotation between two orientations, rad, 0..π; good for small ones too.
+double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
 
 /// What carries the tool: the arm in its place, and the tool on its flange.
 struct Carrier {

@@ -77,12 +77,6 @@ Vector3d ToolAnglesNear(const std::string& rotation, const Matrix3d& R, const Ve
   return (b - near).cwiseAbs().maxCoeff() < (a - near).cwiseAbs().maxCoeff() ? b : a;
 }
 
-double AngleBetween(const Matrix3d& a, const Matrix3d& b) {
-  const Matrix3d R = a.transpose() * b;
-  const Vector3d twice_axis_sine(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
-  return Atan2(twice_axis_sine.norm(), R.trace() - 1);
-}
-
 Joints ToController(const AxisConvention& axes, const Joints& q) {
   return axes.sign.cwiseProduct(q) + axes.offset;
 }

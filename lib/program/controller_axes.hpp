@@ -29,9 +29,6 @@ Eigen::Matrix3d FromToolAngles(const std::string& rotation, const Eigen::Vector3
 Eigen::Vector3d ToolAnglesNear(const std::string& rotation, const Eigen::Matrix3d& R,
                                const Eigen::Vector3d& near);
 
-/// The angle (rad) of the rotation between two orientations; good for small ones too.
-double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
-
 /// The controller's angles of the arm's angles `q`, and back; rad.
 Joints ToController(const AxisConvention& axes, const Joints& q);
 Joints FromController(const AxisConvention& axes, const Joints& angles);

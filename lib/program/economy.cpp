@@ -2,8 +2,7 @@
 #include "program/economy.hpp"
 
 #include "base/error.hpp"
-#include "program/controller_axes.hpp"
-#include "program/pose_line.hpp"
+#include "motion/line.hpp"
 #include "robot/kinematics.hpp"
 
 namespace millpose {

@@ -4,8 +4,8 @@
 #include <cassert>
 
 #include "base/units.hpp"
+#include "motion/line.hpp"
 #include "program/controller_axes.hpp"
-#include "program/pose_line.hpp"
 #include "program/writer.hpp"
 
 namespace millpose {

@@ -3,7 +3,7 @@
 
 #include <cassert>
 
-#include "program/pose_line.hpp"
+#include "motion/line.hpp"
 #include "robot/kinematics.hpp"
 
 namespace millpose {

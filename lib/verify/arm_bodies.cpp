@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "verify/arm_bodies.hpp"
 
-#include "program/controller_axes.hpp"
+#include "motion/line.hpp"
 #include "robot/kinematics.hpp"
 
 namespace millpose {

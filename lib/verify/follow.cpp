@@ -3,7 +3,7 @@
 
 #include "base/trig.hpp"
 #include "base/units.hpp"
-#include "program/controller_axes.hpp"
+#include "motion/line.hpp"
 
 namespace millpose {
 namespace {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "motion/line.hpp"
 #include "verify/replay.hpp"
 
 namespace millpose {

@@ -4,6 +4,7 @@
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
 #include "robot/kinematics.hpp"
+#include "verify/programmed_line.hpp"
 
 namespace millpose {
 namespace {
@@ -18,12 +19,12 @@ Pose ProgrammedTool(const MotionProgram& program, const Motion& motion) {
 
 Pose ToolOf(const MotionProgram& program, const Cell& cell) { return program.X_FT.value_or(cell.X_FT); }
 
-int StepsOf(const PoseLine& line, double step) {
+int StepsOf(const ProgrammedLine& line, double step) {
   return std::max(1, static_cast<int>(std::ceil(std::max(line.length() / step, line.angle() / kTurnStep))));
 }
 
 /// The straight motion `index` of a program from where the tool stands.
-PoseLine LineOf(const MotionProgram& program, size_t index, const Pose& X_BT) {
+ProgrammedLine LineOf(const MotionProgram& program, size_t index, const Pose& X_BT) {
   const Motion& motion = program.motions[index];
   const Pose target = ProgrammedTool(program, motion);
   if (!motion.angles) return {X_BT, target};
@@ -34,7 +35,7 @@ PoseLine LineOf(const MotionProgram& program, size_t index, const Pose& X_BT) {
 }
 
 /// The joint positions along a straight line; stops early where the branch ends. True when it came through.
-bool FollowLine(const Arm& arm, const Pose& X_FT, const PoseLine& line, int steps, const Joints& start,
+bool FollowLine(const Arm& arm, const Pose& X_FT, const ProgrammedLine& line, int steps, const Joints& start,
                 std::vector<Joints>& angles) {
   const int branch = Status(arm, start);
   const Pose X_TF = X_FT.inverse();
@@ -62,7 +63,7 @@ std::optional<Joints> Target(const MotionProgram& program, const Cell& cell, siz
       reason = "the program begins with a straight motion from an unknown place";
       return std::nullopt;
     }
-    const PoseLine line = LineOf(program, index, ForwardFlange(cell.arm, *q) * X_FT);
+    const ProgrammedLine line = LineOf(program, index, ForwardFlange(cell.arm, *q) * X_FT);
     std::vector<Joints> angles;
     reason = fmt::format("the straight motion leaves the arm's reach in configuration S = {}",
                          Status(cell.arm, *q));
@@ -111,9 +112,9 @@ void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay
   const Joints &from = replay.targets[index - 1], &to = replay.targets[index];
   const Pose X_FT = ToolOf(program, cell);
   const Pose start = ForwardFlange(cell.arm, from) * X_FT;
-  const PoseLine line = motion.type == MotionType::kLinear
-                            ? LineOf(program, index, start)
-                            : PoseLine(start, ForwardFlange(cell.arm, to) * X_FT);
+  const ProgrammedLine line = motion.type == MotionType::kLinear
+                                  ? LineOf(program, index, start)
+                                  : ProgrammedLine(start, ForwardFlange(cell.arm, to) * X_FT);
   const int steps = StepsOf(line, step);
   std::vector<Joints> angles;
   if (motion.type == MotionType::kJoint) {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "cell/cell.hpp"
-#include "program/pose_line.hpp"
 #include "verify/verify.hpp"
 
 namespace millpose {

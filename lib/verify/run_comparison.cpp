@@ -2,7 +2,7 @@
 #include "verify/run_comparison.hpp"
 
 #include "base/units.hpp"
-#include "program/controller_axes.hpp"
+#include "motion/line.hpp"
 #include "robot/kinematics.hpp"
 #include "verify/corner.hpp"
 

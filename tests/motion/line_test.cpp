@@ -17,22 +17,22 @@ TEST(Line, InterpolationAgreesWithSlerp) {
   for (int i = 0; i < 200; ++i) {
     const Pose a = RandomPose(random, 100), b = RandomPose(random, 100);
     const double share = random.Uniform();
-    const Pose X = InterpolateLine(a, b, share);
+    const Pose X = PoseLine(a, b).At(share);
     const Eigen::Quaterniond expected =
         Eigen::Quaterniond(a.linear()).slerp(share, Eigen::Quaterniond(b.linear()));
     EXPECT_LT((X.linear() - expected.toRotationMatrix()).norm(), 1e-9);
     EXPECT_LT((X.translation() - (1 - share) * a.translation() - share * b.translation()).norm(), 1e-9);
-    EXPECT_NEAR(AngleBetween(a, X), share * AngleBetween(a, b), 1e-9);
-    EXPECT_LT((InterpolateLine(a, b, 1).matrix() - b.matrix()).norm(), 1e-9);
-    EXPECT_LT((InterpolateLine(a, a, share).matrix() - a.matrix()).norm(), 1e-12);
+    EXPECT_NEAR(AngleBetween(a.linear(), X.linear()), share * PoseLine(a, b).angle(), 1e-9);
+    EXPECT_LT((PoseLine(a, b).At(1).matrix() - b.matrix()).norm(), 1e-9);
+    EXPECT_LT((PoseLine(a, a).At(share).matrix() - a.matrix()).norm(), 1e-12);
   }
 }
 
 TEST(Line, HalfATurnIsInterpolatedToo) {
   Pose half = Pose::Identity();
   half.linear() = Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitY()).toRotationMatrix();
-  const Pose X = InterpolateLine(Pose::Identity(), half, 0.5);
-  EXPECT_NEAR(AngleBetween(Pose::Identity(), X), kPi / 2, 1e-9);
+  const Pose X = PoseLine(Pose::Identity(), half).At(0.5);
+  EXPECT_NEAR(AngleBetween(Eigen::Matrix3d::Identity(), X.linear()), kPi / 2, 1e-9);
 }
 
 TEST(Line, FollowedTipStaysOnTheLineAndOnTheBranch) {
@@ -45,7 +45,7 @@ TEST(Line, FollowedTipStaysOnTheLineAndOnTheBranch) {
   ASSERT_GE(motion.joints.size(), 27u);  // 130 mm in steps of at most 5 mm
   const double count = static_cast<double>(motion.joints.size() - 1);
   for (size_t i = 0; i < motion.joints.size(); ++i) {
-    const Pose expected = InterpolateLine(start, end, static_cast<double>(i) / count);
+    const Pose expected = PoseLine(start, end).At(static_cast<double>(i) / count);
     EXPECT_LT((carrier.ToolPose(motion.joints[i]).matrix() - expected.matrix()).norm(), 1e-6);
     EXPECT_EQ(Status(carrier.arm, motion.joints[i]), Status(carrier.arm, q));
   }

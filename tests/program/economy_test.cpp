@@ -5,7 +5,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "program/controller_axes.hpp"
+#include "motion/line.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
 

@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "base/units.hpp"
+#include "motion/line.hpp"
 #include "pipeline/base_window.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/run.hpp"

@@ -2,7 +2,7 @@
 #include "tests/verify/same_motions.hpp"
 
 #include "base/units.hpp"
-#include "program/controller_axes.hpp"
+#include "motion/line.hpp"
 
 namespace millpose {
 namespace {
