@@ -13,19 +13,22 @@ void CompleteFrames(MotionProgram& program, const MotionProgram& planned) {
   if (!program.X_FT) program.X_FT = planned.X_FT;
 }
 
-std::vector<CheckedProgram> MakePrograms(const PlanResult& plan, const JobInputs& inputs, const World& world,
-                                         int threads, std::stop_token stop) {
+bool JobPrograms::Confirmed() const {
+  return std::ranges::all_of(programs,
+                             [](const CheckedProgram& program) { return program.findings.empty(); });
+}
+
+JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs, const World& world, int threads,
+                         std::stop_token stop) {
   if (!WhyNotProgrammable(plan).empty()) return {};
   const VerifyOptions options = MakeVerifyOptions(inputs.job, plan.arm);
-  const std::optional<BaseWindow> window = FindBaseWindow(plan, inputs, world.cell(), threads, stop);
-  std::vector<CheckedProgram> programs;
+  JobPrograms made{{}, FindBaseWindow(plan, inputs, world.cell(), threads, stop)};
   for (const std::string& controller : inputs.job.programs) {
     const std::unique_ptr<Post> post = MakePost(controller);
     const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
-    const ProgramMotions motions = MakeProgramMotions(plan, inputs, controller, window);
+    const ProgramMotions motions = MakeProgramMotions(plan, inputs, controller, made.base_window);
     CheckedProgram program;
     program.controller = controller;
-    program.base_window = window;
     program.saved = motions.saved;
     program.near = motions.near;
     program.warnings = motions.warnings;
@@ -40,9 +43,9 @@ std::vector<CheckedProgram> MakePrograms(const PlanResult& plan, const JobInputs
       for (const Problem& problem : error.problems())
         program.findings.push_back({problem.place.file, problem.place.line, problem.message});
     }
-    programs.push_back(std::move(program));
+    made.programs.push_back(std::move(program));
   }
-  return programs;
+  return made;
 }
 
 }  // namespace millpose

@@ -21,7 +21,14 @@ struct CheckedProgram {
   int saved = 0;                    ///< points left out, see Economise()
   int near = 0;                     ///< points that remain nearer than the least spacing
   std::vector<std::string> warnings;
-  std::optional<BaseWindow> base_window;  ///< the same of all programs, see FindBaseWindow()
+};
+
+/// The programs of a job.
+struct JobPrograms {
+  std::vector<CheckedProgram> programs;
+  std::optional<BaseWindow> base_window;  ///< of all of them, see FindBaseWindow()
+
+  bool Confirmed() const;  ///< none has findings
 };
 
 /// The name of the plan in its output folder, from which programs can be verified again.
@@ -31,7 +38,7 @@ inline constexpr const char* kPlanFile = "plan.cbor";
 void CompleteFrames(MotionProgram& program, const MotionProgram& planned);
 
 /// Writes the program of every controller that the job names, reads it back and replays it.
-std::vector<CheckedProgram> MakePrograms(const PlanResult& plan, const JobInputs& inputs, const World& world,
-                                         int threads, std::stop_token stop);
+JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs, const World& world, int threads,
+                         std::stop_token stop);
 
 }  // namespace millpose

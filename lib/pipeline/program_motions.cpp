@@ -5,14 +5,14 @@
 #include "pipeline/assemble.hpp"
 #include "pipeline/base_window.hpp"
 #include "program/controller_axes.hpp"
+#include "program/scanner.hpp"
 
 namespace millpose {
 namespace {
 
-std::string PoseText(const Pose& pose) {
-  const Eigen::Vector3d p = pose.translation(), abc = AnglesZyx(pose.linear()) * kDegPerRad;
-  return fmt::format("X {} Y {} Z {}, A {} B {} C {} (about Z, new Y, new X)", Fixed(p.x(), 3),
-                     Fixed(p.y(), 3), Fixed(p.z(), 3), Fixed(abc[0], 4), Fixed(abc[1], 4), Fixed(abc[2], 4));
+/// Which of the controller's own frames the program uses, where it uses one.
+std::string Numbered(const char* list, int number) {
+  return number > 0 ? fmt::format("{}[{}] must hold: ", list, number) : std::string();
 }
 
 MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
@@ -22,12 +22,13 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
   MotionOptions options;
   Pose X_FC = plan.X_FT;
   X_FC.linear() = X_FC.linear() * ToolAxis(controller.tool_axis);
-  options.header = {{"version", std::string("millpose ") + MILLPOSE_VERSION},
-                    {"tool", inputs.cell.tool.name + " in the flange"},
-                    {"tool_pose", PoseText(X_FC)},
-                    {"base", "workpiece in the robot base"},
-                    {"base_pose", PoseText(plan.X_WB.inverse() * plan.X_WP)},
-                    {"units", "mm, degrees"}};
+  options.header = {
+      {"version", std::string("millpose ") + MILLPOSE_VERSION},
+      {"tool", Numbered("TOOL_DATA", controller.tool_number) + inputs.cell.tool.name + " in the flange"},
+      {"tool_pose", PoseText(X_FC)},
+      {"base", Numbered("BASE_DATA", controller.base_number) + "workpiece in the robot base"},
+      {"base_pose", PoseText(plan.X_WB.inverse() * plan.X_WP)},
+      {"units", "mm, degrees"}};
   if (window) options.header.emplace_back("base_window", BaseWindowText(*window));
   const double lift = job.program_options.dry_run_offset;
   if (lift > 0)
@@ -58,6 +59,32 @@ void HandOver(const PostSettings& settings, ProgramMotions& motions, const std::
 
 }  // namespace
 
+std::string PoseText(const Pose& pose) {
+  const Eigen::Vector3d p = pose.translation(), abc = AnglesZyx(pose.linear()) * kDegPerRad;
+  return fmt::format("X {} Y {} Z {}, A {} B {} C {} (Z Y' X'')", Fixed(p.x(), 3), Fixed(p.y(), 3),
+                     Fixed(p.z(), 3), Fixed(abc[0], 4), Fixed(abc[1], 4), Fixed(abc[2], 4));
+}
+
+std::optional<Pose> ReadPoseText(const std::string& text) {
+  LineScanner scan(text, "", 0);
+  std::array<double, 6> values{};
+  try {
+    for (size_t i = 0; i < 6; ++i) {
+      if (i == 3) scan.Expect(",");
+      scan.Expect(std::string(1, "XYZABC"[i]));
+      values[i] = scan.ExpectNumber();
+    }
+    scan.Expect("(Z Y' X'')");
+    scan.ExpectEnd();
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+  Pose pose = Pose::Identity();
+  pose.translation() = Eigen::Vector3d(values[0], values[1], values[2]);
+  pose.linear() = FromAnglesZyx(Eigen::Vector3d(values[3], values[4], values[5]) * kRadPerDeg);
+  return pose;
+}
+
 ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& inputs,
                                   const std::string& controller, const std::optional<BaseWindow>& window) {
   const JobSettings& job = inputs.job;
@@ -65,9 +92,9 @@ ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& input
   const ControllerSettings settings =
       found == inputs.cell.controllers.end() ? ControllerSettings{} : found->second;
   ProgramMotions motions;
-  motions.planned = MakeMotionProgram(plan, MakeMotionOptions(plan, inputs, settings, window));
-  if (job.program_options.dry_run_offset > 0)
-    motions.planned = Lifted(motions.planned, plan.arm, job.program_options.dry_run_offset);
+  const double lift = job.program_options.dry_run_offset;
+  motions.planned = MakeMotionProgram(lift > 0 ? Lifted(plan, lift) : plan,
+                                      MakeMotionOptions(plan, inputs, settings, window));
   const ProgramOptionSettings& economy = job.program_options;
   EconomyResult thinned =
       Economise(motions.planned, {economy.chord_tolerance, economy.angle_tolerance, economy.spacing});

@@ -142,8 +142,8 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   stages.End(fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), gaps.resumed));
 
   stages.Begin("programs", 0);
-  const std::vector<CheckedProgram> programs = MakePrograms(plan, inputs, world, threads, stop);
-  stages.End(fmt::format("{} programs", programs.size()));
+  const JobPrograms programs = MakePrograms(plan, inputs, world, threads, stop);
+  stages.End(fmt::format("{} programs", programs.programs.size()));
 
   std::optional<AuditFigures> audit;
   if (arguments.audit) {

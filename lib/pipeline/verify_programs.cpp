@@ -63,6 +63,26 @@ ProgramFiles FilesOf(const fs::path& program) {
   return files;
 }
 
+/// Frames that the program leaves to the controller, as far as its own header and the cell tell them. Returns
+/// what is assumed thereby.
+std::vector<std::string> AssumeFrames(MotionProgram& program) {
+  std::vector<std::string> assumptions = {"the part is not there: clearance from it is not checked"};
+  const auto is_pose = [](const Motion& motion) { return !motion.q; };
+  if (std::ranges::none_of(program.motions, is_pose)) return assumptions;
+  if (!program.X_FT) assumptions.push_back("the controller's tool is the cell's");
+  if (program.X_BP) return assumptions;
+  for (const auto& [key, value] : program.header) {
+    if (key != "base_pose") continue;
+    program.X_BP = ReadPoseText(value);
+    assumptions.push_back("the controller's base is as the header's base_pose says: " + value);
+  }
+  if (!program.X_BP)
+    throw InputError(Place{program.files.front(), 1, 0, -1},
+                     "the base is a frame that the controller holds; a line 'base_pose: " +
+                         PoseText(Pose::Identity()) + "' with its values expected in the header");
+  return assumptions;
+}
+
 std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::stop_token stop) {
   if (!arguments.cell) {
     throw InputError(Place{arguments.target.string(), 0, 0, -1},
@@ -74,10 +94,11 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::
   const World world(MakeCell(inputs.cell, inputs.body_bytes));
   const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
   const Arm& arm = world.cell().arm;
-  const MotionProgram program = MakePost(controller)->Read(FilesOf(arguments.target), arm, settings);
+  MotionProgram program = MakePost(controller)->Read(FilesOf(arguments.target), arm, settings);
+  const std::vector<std::string> assumptions = AssumeFrames(program);
   const VerifyOptions options = MakeVerifyOptions(inputs.job, arm);
   return {{controller, arguments.target.string(), program.motions.size(),
-           Verify(program, world, nullptr, options, Threads(arguments), stop)}};
+           Verify(program, world, nullptr, options, Threads(arguments), stop), assumptions}};
 }
 
 /// The resolved job of an output folder with everything it names.
@@ -106,7 +127,7 @@ std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Prog
     MotionProgram program = MakePost(controller)->Read(files, plan.arm, settings);
     const MotionProgram planned = MakeProgramMotions(plan, inputs, controller, {}).planned;
     CompleteFrames(program, planned);
-    VerifiedProgram verified{controller, folder.string(), program.motions.size(), {}};
+    VerifiedProgram verified{controller, folder.string(), program.motions.size(), {}, {}};
     verified.findings = Verify(program, world, &planned, options, Threads(arguments), stop);
     progress.End(fmt::format("{} motions, {} findings", verified.motions, verified.findings.size()));
     programs.push_back(std::move(verified));
@@ -129,6 +150,7 @@ std::string VerifyText(const std::vector<VerifiedProgram>& programs) {
   for (const VerifiedProgram& program : programs) {
     text += fmt::format("{:<10} {:>7} motions  {}  {}\n", program.controller, program.motions,
                         program.findings.empty() ? "confirmed" : "NOT confirmed", program.file);
+    for (const std::string& assumption : program.assumptions) text += "  assumed: " + assumption + "\n";
     for (const Finding& finding : program.findings) {
       text += fmt::format("  {}:{}: {}\n", finding.file, finding.line, finding.message);
     }
@@ -147,7 +169,8 @@ std::string VerifyJson(const std::vector<VerifiedProgram>& programs) {
                                 {"file", program.file},
                                 {"motions", program.motions},
                                 {"confirmed", program.findings.empty()},
-                                {"findings", findings}});
+                                {"findings", findings},
+                                {"assumptions", program.assumptions}});
   }
   return json.dump(2) + "\n";
 }

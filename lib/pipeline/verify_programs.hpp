@@ -27,6 +27,8 @@ struct VerifiedProgram {
   std::string controller, file;
   size_t motions = 0;
   std::vector<Finding> findings;  ///< empty: confirmed
+  /// What the verdict rests on beyond program and cell, where there is no plan.
+  std::vector<std::string> assumptions;
 };
 
 /// Reads the programs and replays them. Throws InputError for what cannot be read (a program among it).

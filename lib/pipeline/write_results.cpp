@@ -74,16 +74,16 @@ int FinishedFrom(const JobSettings& job, size_t passes) {
 
 ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
   const PlanResult& plan = results.plan;
+  const std::vector<CheckedProgram>& programs = results.programs.programs;
   ReportInputs report;
+  report.base_window = results.programs.base_window;
   report.audit = results.audit;
   report.warnings = results.warnings;
   report.findings = results.findings;
-  for (std::string& sentence : Explain(plan, results.programs))
-    report.findings.push_back(std::move(sentence));
+  for (std::string& sentence : Explain(plan, programs)) report.findings.push_back(std::move(sentence));
   report.continuity = AnalyseContinuity(plan);
   report.feed_reduction = results.reduction;
-  for (const CheckedProgram& program : results.programs) {
-    report.base_window = program.base_window;
+  for (const CheckedProgram& program : programs) {
     for (const std::string& warning : program.warnings)
       report.warnings.push_back(program.controller + ": " + warning);
   }
@@ -92,11 +92,8 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
   if (const auto force = MakeCuttingForce(results.inputs.job, results.inputs.cell))
     report.deflection = PredictDeflections(plan, *force, MakeCompliances(results.inputs.cell),
                                            FinishedFrom(results.inputs.job, plan.passes.size()));
-  // One program that its read-back does not confirm casts doubt on the plan: none is written then.
-  bool confirmed = true;
-  for (const CheckedProgram& program : results.programs) confirmed &= program.findings.empty();
   std::map<std::string, std::string> files;
-  for (const CheckedProgram& program : results.programs)
+  for (const CheckedProgram& program : programs)
     for (const auto& [name, bytes] : program.files) {
       const std::string path = program.controller + "/" + name;
       files[path] = bytes;
@@ -116,7 +113,8 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
   folder.Write("report.html", ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell,
                                           report.deflection ? &*report.deflection : nullptr, report.findings,
                                           report.warnings}));
-  if (confirmed) folder.WritePrograms(files);
+  // One program that its read-back does not confirm casts doubt on the plan: none is written then.
+  if (results.programs.Confirmed()) folder.WritePrograms(files);
   return report;
 }
 

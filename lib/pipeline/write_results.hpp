@@ -14,7 +14,7 @@ struct Results {
   const JobInputs& inputs;
   const Cell& cell;  ///< with the workpiece
   const PlanResult& plan;
-  const std::vector<CheckedProgram>& programs;
+  const JobPrograms& programs;
   const std::optional<AuditFigures>& audit;
   const FeedReduction& reduction;
   const std::vector<std::string>& warnings;  ///< repairs of the mesh, doubtful units

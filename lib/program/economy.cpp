@@ -160,24 +160,4 @@ std::vector<size_t> AddHandovers(MotionProgram& program, int most) {
   return places;
 }
 
-MotionProgram Lifted(const MotionProgram& program, const Arm& arm, double offset) {
-  MotionProgram lifted = program;
-  std::vector<Problem> problems;
-  for (Motion& motion : lifted.motions) {
-    if (motion.point < 0) continue;
-    motion.X_PT = motion.X_PT * Eigen::Translation3d(0, 0, offset);
-    const Pose X_BF = program.X_BP.value() * motion.X_PT * program.X_FT.value().inverse();
-    const auto q = InverseNear(arm, X_BF, Status(arm, *motion.q), *motion.q);
-    if (q) {
-      motion.q = q;
-    } else {
-      problems.push_back(
-          {Place{}, fmt::format("dry run: pass {} point {} is out of reach when lifted by {} mm", motion.pass,
-                                motion.point, offset)});
-    }
-  }
-  if (!problems.empty()) throw InputError(problems);
-  return lifted;
-}
-
 }  // namespace millpose

@@ -29,8 +29,4 @@ EconomyResult Economise(const MotionProgram& program, const EconomyOptions& opti
 /// marks the places as handovers, where another file may go on. Returns the motions before which they are.
 std::vector<size_t> AddHandovers(MotionProgram& program, int most);
 
-/// The program with every cut point lifted by `offset` (mm) along the tool axis, to see it run in the air.
-/// Joint angles follow; a point that the arm does not reach then is an InputError naming pass and point.
-MotionProgram Lifted(const MotionProgram& program, const Arm& arm, double offset);
-
 }  // namespace millpose

@@ -3,6 +3,7 @@
 
 #include <cassert>
 
+#include "base/error.hpp"
 #include "motion/line.hpp"
 #include "robot/kinematics.hpp"
 
@@ -153,6 +154,28 @@ std::string WhyNotProgrammable(const PlanResult& plan) {
                        name(gap.to_pass, gap.to_piece), gap.detail);
   }
   return {};
+}
+
+PlanResult Lifted(PlanResult plan, double offset) {
+  const Pose lift = plan.X_FT * Eigen::Translation3d(0, 0, offset) * plan.X_FT.inverse();
+  std::vector<Problem> problems;
+  for (PassResult& pass : plan.passes) {
+    for (size_t i = 0; i < pass.points.size(); ++i) {
+      PlannedPoint& point = pass.points[i];
+      if (point.skip != SkipReason::kNone) continue;
+      const auto q =
+          InverseNear(plan.arm, ForwardFlange(plan.arm, point.q) * lift, Status(plan.arm, point.q), point.q);
+      if (q) {
+        point.q = *q;
+      } else {
+        problems.push_back(
+            {Place{}, fmt::format("dry run: pass {} point {} is out of reach when lifted by {} mm", pass.pass,
+                                  i, offset)});
+      }
+    }
+  }
+  if (!problems.empty()) throw InputError(problems);
+  return plan;
 }
 
 MotionProgram MakeMotionProgram(const PlanResult& plan, const MotionOptions& options) {

@@ -87,6 +87,11 @@ struct MotionOptions {
 /// one can.
 std::string WhyNotProgrammable(const PlanResult& plan);
 
+/// The plan with every point lifted by `offset` (mm) along the tool axis, to see its program run in the air;
+/// no more than what a program is made of follows. A point that the arm does not reach then is an InputError
+/// naming pass and point.
+PlanResult Lifted(PlanResult plan, double offset);
+
 /// The motions of a plan in order: PTP home; per gap the way-points as PTP, the last one (where the approach
 /// begins) as a pose with S and T; LIN approach (in two parts where it has a feed of its own), LIN cuts (a
 /// closed piece returns to its first point as a last motion), LIN retract; PTP home. The spindle turns from

@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Programs as an operator gets them: dry run, numbered frames, $BASE window, edits by hand, all from the outside.
+Usage: programs_test.py MILLPOSE TOP"""
+import json
+import math
+import re
+import sys
+import unittest
+
+from plan_fixture import Bench
+
+BENCH = None
+CUT_DOWN = [(r"stepover_mm: [\d.]+", "stepover_mm: 30"), (r"spacing_mm: [\d.]+", "spacing_mm: 20")]
+EVERY_POINT = (r"(?m)^programs: ", "program_options: {point_economy: {chord_mm: 0}}\nprograms: ")
+NUMBER = r"(-?[\d.]+)"
+
+
+def matrix(a, b, c):
+    """Rz(a)·Ry(b)·Rx(c), degrees: rows."""
+    (sa, ca), (sb, cb), (sc, cc) = ((math.sin(math.radians(w)), math.cos(math.radians(w))) for w in (a, b, c))
+    return [[ca * cb, ca * sb * sc - sa * cc, ca * sb * cc + sa * sc],
+            [sa * cb, sa * sb * sc + ca * cc, sa * sb * cc - ca * sc],
+            [-sb, cb * sc, cb * cc]]
+
+
+def header(text):
+    return dict(re.findall(r"(?m)^; ([a-z_]+): (.*)$", text))
+
+
+def straight(text):
+    """X, Y, Z, A, B, C of every LIN, in order."""
+    fields = ",".join(f"{name} {NUMBER}" for name in "XYZABC")
+    return [[float(value) for value in match] for match in re.findall(rf"(?m)^LIN \{{{fields}", text)]
+
+
+def cell(name, krl):
+    """A copy of the sample's cell with other settings for KRL."""
+    path = BENCH.top / "cells/kr500_r2830.yaml"
+    text = path.read_text(encoding="utf-8")
+    assert "krl: {tool_axis: -x}" in text
+    path.with_name(name + ".yaml").write_text(text.replace("krl: {tool_axis: -x}", f"krl: {{tool_axis: -x, {krl}}}"),
+                                              encoding="utf-8")
+    return path.with_name(name + ".yaml")
+
+
+class Planned(unittest.TestCase):
+    def plan(self, name, changes):
+        job = BENCH.job("support_pad", CUT_DOWN + changes, name)
+        result, folder = BENCH.plan(job, name)
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertNotIn("NOT", result.stdout)
+        programs = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["programs"]
+        self.assertTrue(programs and all(program["verified"] for program in programs))
+        self.assertEqual(BENCH.run("verify", folder, "--job", job).returncode, 0)
+        return job, folder, (folder / "programs/krl/support_pad.src").read_text(encoding="ascii")
+
+
+class Options(Planned):
+    def test_a_dry_run_is_the_program_lifted_and_goes_nowhere_deeper(self):
+        _, _, plain = self.plan("plain", [])
+        _, _, dry = self.plan("dry", [(r"(?m)^programs: ", "program_options: {dry_run_offset_mm: 25}\nprograms: ")])
+        self.assertEqual(header(dry)["dry_run"], "cuts are lifted by 25.000 mm along the tool axis")
+        self.assertNotIn("dry_run", header(plain))
+        lines, lifted = straight(plain), straight(dry)
+        self.assertEqual(len(lines), len(lifted))
+        # The part's surface is z = 0 of the base, the tool stands on it: only retracts (at 50 mm) stay.
+        self.assertEqual({round(z[2], 3) for z in lines}, {0, 5, 50})
+        for line, up in zip(lines, lifted):
+            self.assertLess(max(abs(a - b) for a, b in zip(line[:2] + line[3:], up[:2] + up[3:])), 1e-3)
+            self.assertAlmostEqual(up[2] - line[2], 0 if line[2] > 49 else 25, 3)
+
+    def test_numbered_frames_are_confirmed_with_the_values_that_they_must_hold(self):
+        numbered = cell("numbered", "base_number: 3, tool_number: 2, max_motions: 15")
+        job, folder, text = self.plan("numbered", [("kr500_r2830", "numbered"), EVERY_POINT])
+        self.assertIn("\n$BASE = BASE_DATA[3]\n$TOOL = TOOL_DATA[2]\n", text)
+        self.assertNotIn("FRAME", text)
+        head = header(text)
+        self.assertEqual(head["base"], "BASE_DATA[3] must hold: workpiece in the robot base")
+        self.assertEqual(head["base_pose"], "X 2076.000 Y 0.000 Z 1006.000, A 0.0000 B -90.0000 C 0.0000 (Z Y' X'')")
+        self.assertEqual(head["tool"], "TOOL_DATA[2] must hold: spindle_d20 in the flange")
+        self.assertEqual(head["tool_pose"], "X -250.000 Y 0.000 Z 250.000, A 180.0000 B 0.0000 C 90.0000 (Z Y' X'')")
+        parts = sorted((folder / "programs/krl").glob("support_pad_*.src"))
+        self.assertGreaterEqual(len(parts), 2)
+        # Split over files, without its plan: the header stands for what the controller holds, and that is told.
+        main = folder / "programs/krl/support_pad.src"
+        result = BENCH.run("verify", main, "--cell", numbered)
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertIn("assumed: the controller's base is as the header's base_pose says: X 2076.000", result.stdout)
+        main.write_text(text.replace("X 2076.000", "X 4076.000"), encoding="ascii")
+        result = BENCH.run("verify", main, "--cell", numbered)
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(result.stdout, r"support_pad_001\.src:\d+: the pose cannot be reached")
+        # Against its plan the header counts for nothing.
+        self.assertEqual(BENCH.run("verify", folder, "--job", job).returncode, 0)
+        main.write_text(re.sub("; base_pose.*\n", "", text), encoding="ascii")
+        result = BENCH.run("verify", main, "--cell", numbered)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("support_pad.src:1: the base is a frame that the controller holds", result.stderr)
+        main.write_text(text.replace("BASE_DATA[3]", "BASE_DATA[4]"), encoding="ascii")
+        result = BENCH.run("verify", folder, "--job", job)
+        self.assertEqual(result.returncode, 2)
+        self.assertRegex(result.stderr, r"support_pad\.src:\d+:\d+: .*BASE_DATA\[3\]")
+
+    def test_a_measured_part_gets_a_window_for_its_base(self):
+        # Four targets measured where A 0.02, B -90.03 puts them, with residuals of some hundredths.
+        turn, place = matrix(0.02, -90.03, 0), (2076.3, 0.2, 1006.1)
+        targets = "targets:"
+        for i, (x, y) in enumerate(((-40, -40), (40, -40), (40, 40), (-40, 40))):
+            at = [row[0] * x + row[1] * y + p + (0.01, -0.01, 0.02)[k] * (-1) ** i
+                  for k, (row, p) in enumerate(zip(turn, place))]
+            targets += "\n    - {nominal_mm: [%g, %g, 0], measured_mm: [%.3f, %.3f, %.3f]}" % (x, y, *at)
+        measured = [(r"pose: \{xyz_mm: \[2076, 0, 1006\].*", targets)]
+        _, folder, text = self.plan("measured", measured)
+        found = re.fullmatch(rf"\+-{NUMBER} mm along and \+-{NUMBER} deg about X, Y, Z, reach and clearance verified",
+                             header(text)["base_window"])
+        window = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["base_window"]
+        self.assertAlmostEqual(float(found[1]), window["shift_mm"], 3)
+        self.assertAlmostEqual(float(found[2]), window["turn_deg"], 4)
+        self.assertGreater(window["shift_mm"], 0)
+        # More is asked than the gaps allow: the window shrinks, and what stands in the way is named.
+        wide = (r"(?m)^programs: ", "program_options: {base_window: {shift_mm: 1000, turn_deg: 1}}\nprograms: ")
+        _, folder, text = self.plan("wide", measured + [wide])
+        self.assertIn("must not be shifted", header(text)["base_window"])
+        window = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["base_window"]
+        self.assertEqual((window["shift_mm"], window["turn_deg"]), (0, 0))
+        self.assertTrue(window["obstacle"])
+        # A part that was not measured has none.
+        _, folder, text = self.plan("unmeasured", [])
+        self.assertNotIn("base_window", header(text))
+        self.assertIsNone(json.loads((folder / "summary.json").read_text(encoding="utf-8"))["base_window"])
+
+
+if __name__ == "__main__":
+    BENCH = Bench(sys.argv[1], None, sys.argv[2])
+    unittest.main(argv=[sys.argv[0]] + sys.argv[3:])
