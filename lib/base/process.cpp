@@ -5,6 +5,7 @@
 #include <link.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/auxv.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -192,6 +193,14 @@ std::string ProgramId() {
   return Hash(id.empty() ? ReadFile("/proc/self/exe") : id);
 }
 
-std::string OwnProgram() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
+std::string OwnProgram() {
+  std::error_code none;
+  const std::filesystem::path link = std::filesystem::read_symlink("/proc/self/exe", none);
+  if (!none) return link.string();
+  // Without /proc: as the kernel was told to start it.
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): the kernel tells addresses as numbers
+  const auto* told = reinterpret_cast<const char*>(::getauxval(AT_EXECFN));
+  return std::filesystem::absolute(told ? told : "").string();
+}
 
 }  // namespace millpose

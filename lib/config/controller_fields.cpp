@@ -142,8 +142,10 @@ void CheckTexts(const Value& controller, const Context& context) {
 
 }  // namespace
 
+std::vector<std::string> ControllerNames() { return {"krl", "sinumerik", "linuxcnc"}; }
+
 Codec<std::map<std::string, ControllerSettings>> ControllersFields() {
-  auto codec = MapOf<ControllerSettings>({"krl", "sinumerik", "linuxcnc"}, ControllerFields());
+  auto codec = MapOf<ControllerSettings>(ControllerNames(), ControllerFields());
   codec.read = [read = codec.read](const Value& value, const Context& context,
                                    std::map<std::string, ControllerSettings>& controllers) {
     const size_t problems_before = context.problems.size();

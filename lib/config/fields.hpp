@@ -39,6 +39,8 @@ Codec<ArmSettings> ArmFields();
 Codec<ToolSettings> ToolFields();
 Codec<BodySettings> BodyFields();
 Codec<CellSettings> StiffnessFields();
+/// The controllers that programs are written for.
+std::vector<std::string> ControllerNames();
 /// What each controller's programs need to know; keys that a controller cannot follow are errors.
 Codec<std::map<std::string, ControllerSettings>> ControllersFields();
 

@@ -4,31 +4,23 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "pose/objective_parameters.hpp"
-#include "pose/objectives/chen2021.hpp"
-#include "pose/objectives/drilling.hpp"
-#include "pose/objectives/isotropy.hpp"
-#include "pose/objectives/normal_deflection.hpp"
-#include "pose/objectives/process_force.hpp"
-#include "pose/objectives/worst_in_plane.hpp"
 
 namespace millpose {
+
+/// Defined in objectives/<name>.cpp.
+using ObjectiveMaker = std::unique_ptr<Objective>(const ObjectiveParameters&);
+ObjectiveMaker MakeChen2021, MakeDrilling, MakeIsotropy, MakeNormalDeflection, MakeProcessForce,
+    MakeWorstInPlane;
+
 namespace {
 
-template <typename Implementation>
-std::unique_ptr<Objective> Make(const ObjectiveParameters& parameters) {
-  return std::make_unique<Implementation>(parameters);
-}
-
-struct Registration {
+constexpr struct {
   const char* name;
-  std::unique_ptr<Objective> (*make)(const ObjectiveParameters&);
-};
-
-/// One line per objective.
-constexpr Registration kRegistry[] = {
-    {"chen2021", Make<Chen2021>},           {"isotropy", Make<Isotropy>},
-    {"drilling", Make<Drilling>},           {"normal_deflection", Make<NormalDeflection>},
-    {"worst_in_plane", Make<WorstInPlane>}, {"process_force", Make<ProcessForce>},
+  ObjectiveMaker* make;
+} kRegistry[] = {
+    {"chen2021", MakeChen2021},          {"drilling", MakeDrilling},
+    {"isotropy", MakeIsotropy},          {"normal_deflection", MakeNormalDeflection},
+    {"process_force", MakeProcessForce}, {"worst_in_plane", MakeWorstInPlane},
 };
 
 std::string Suggestion(const std::string& given, const std::vector<std::string>& known) {
@@ -39,7 +31,7 @@ std::string Suggestion(const std::string& given, const std::vector<std::string>&
 }  // namespace
 
 std::unique_ptr<Objective> MakeObjective(const std::string& name, const ObjectiveParameters& parameters) {
-  for (const Registration& entry : kRegistry) {
+  for (const auto& entry : kRegistry) {
     if (name == entry.name) return entry.make(parameters);
   }
   const std::vector<std::string> known = ObjectiveNames();
@@ -49,7 +41,7 @@ std::unique_ptr<Objective> MakeObjective(const std::string& name, const Objectiv
 
 std::vector<std::string> ObjectiveNames() {
   std::vector<std::string> names;
-  for (const Registration& entry : kRegistry) names.emplace_back(entry.name);
+  for (const auto& entry : kRegistry) names.emplace_back(entry.name);
   return names;
 }
 

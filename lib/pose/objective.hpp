@@ -16,7 +16,8 @@ struct ObjectiveContext {
   Eigen::Vector3d normal, feed, tool_axis;
 };
 
-/// What is minimised over the freedoms of a point. One file and one registry line per implementation.
+/// What is minimised over the freedoms of a point. An implementation is a file in objectives/ and an entry in
+/// objective.cpp.
 class Objective {
  public:
   virtual ~Objective() = default;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// What implementations of Objective share.
 #pragma once
 
 #include <string>
@@ -25,6 +26,21 @@ class ParameterReader {
 
  private:
   std::map<std::string, double> values_;
+};
+
+/// An objective without parameters; `unit` as reports show it.
+class PlainObjective : public Objective {
+ public:
+  /// Throws InputError for any parameter given.
+  PlainObjective(const char* name, const char* unit, const ObjectiveParameters& parameters)
+      : name_(name), unit_(unit) {
+    ParameterReader(name, parameters, {});
+  }
+  std::string Name() const override { return name_; }
+  std::string Unit() const override { return unit_; }
+
+ private:
+  const char *name_, *unit_;
 };
 
 }  // namespace millpose

@@ -56,6 +56,15 @@ class BatchCalls(InFolder):
         self.assertEqual(twice.returncode, 2)
         self.assertIn("is also the name of", twice.stderr)
 
+    def test_it_finds_its_own_program_where_there_is_no_proc(self):
+        bare = ["unshare", "--mount", "sh", "-c", 'mount -t tmpfs none /proc && exec "$@"', "sh"]
+        if subprocess.run([*bare, "true"], capture_output=True).returncode != 0:
+            self.skipTest("may not hide /proc here")
+        (self.folder / "batch.yaml").write_text(
+            f"millpose_batch: 1\njobs:\n  - {{job: {JOB}, set: {{toolpath.stepover_mm: 40, toolpath.spacing_mm: 40}}}}\n")
+        result = subprocess.run([*bare, MILLPOSE, "batch", "batch.yaml"], capture_output=True, text=True, cwd=self.folder)
+        self.assertIn("1 jobs: 1 done", result.stdout, result.stderr)
+
     def slurm(self, **more):
         """A folder with a batch of two jobs, and the environment in which sbatch and squeue are fakes."""
         (self.folder / "batch.yaml").write_text("millpose_batch: 1\njobs:\n" + "".join(

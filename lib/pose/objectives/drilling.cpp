@@ -1,17 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pose/objectives/drilling.hpp"
-
 #include "pose/objective_parameters.hpp"
 #include "stiffness/indices_block.hpp"
 
 namespace millpose {
+namespace {
 
-Drilling::Drilling(const ObjectiveParameters& parameters) { ParameterReader("drilling", parameters, {}); }
+/// aᵀca, mm/N: displacement along the tool axis a under 1 N along it, for drilling and plunging. No
+/// parameters.
+class Drilling final : public PlainObjective {
+ public:
+  using PlainObjective::PlainObjective;
+  void Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const override;
+};
 
 void Drilling::Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const {
   PlaneDeflectionsBlock deflections;
   DeflectionsInPlane(c, context.tool_axis, deflections);
   out = deflections.normal;
+}
+
+}  // namespace
+
+std::unique_ptr<Objective> MakeDrilling(const ObjectiveParameters& parameters) {
+  return std::make_unique<Drilling>("drilling", "mm/N", parameters);
 }
 
 }  // namespace millpose

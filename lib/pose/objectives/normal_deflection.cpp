@@ -1,19 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pose/objectives/normal_deflection.hpp"
-
 #include "pose/objective_parameters.hpp"
 #include "stiffness/indices_block.hpp"
 
 namespace millpose {
+namespace {
 
-NormalDeflection::NormalDeflection(const ObjectiveParameters& parameters) {
-  ParameterReader("normal_deflection", parameters, {});
-}
+/// nᵀcn, mm/N: displacement along the surface normal n under 1 N along it. Unlike λn it is a displacement
+/// (docs/stiffness.md). No parameters.
+class NormalDeflection final : public PlainObjective {
+ public:
+  using PlainObjective::PlainObjective;
+  void Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const override;
+};
 
 void NormalDeflection::Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const {
   PlaneDeflectionsBlock deflections;
   DeflectionsInPlane(c, context.normal, deflections);
   out = deflections.normal;
+}
+
+}  // namespace
+
+std::unique_ptr<Objective> MakeNormalDeflection(const ObjectiveParameters& parameters) {
+  return std::make_unique<NormalDeflection>("normal_deflection", "mm/N", parameters);
 }
 
 }  // namespace millpose

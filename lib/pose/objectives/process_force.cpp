@@ -1,12 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pose/objectives/process_force.hpp"
-
 #include <limits>
 
 #include "base/error.hpp"
 #include "pose/objective_parameters.hpp"
 
 namespace millpose {
+namespace {
+
+/// |c·F|, mm: how far the mean cutting force F moves the tip. Parameters in N, on the tool: `feed_N` along
+/// the feed, `across_N` along axis × feed, `axial_N` along the tool axis towards the holder; at least one is
+/// not 0. They come from the job's process section (docs/process-force.md) or are given directly.
+class ProcessForce final : public Objective {
+ public:
+  explicit ProcessForce(const ObjectiveParameters& parameters);
+  std::string Name() const override { return "process_force"; }
+  std::string Unit() const override { return "mm"; }
+  void Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const override;
+
+ private:
+  Eigen::Vector3d force_;  // along feed, across, axis, N
+};
 
 ProcessForce::ProcessForce(const ObjectiveParameters& parameters) {
   constexpr double kAny = -std::numeric_limits<double>::max();
@@ -32,6 +45,12 @@ void ProcessForce::Evaluate(const ComplianceBlock& c, const ObjectiveContext& co
     const double z = c.xz.v[i] * fx + c.yz.v[i] * fy + c.zz.v[i] * fz;
     out.v[i] = std::sqrt(x * x + y * y + z * z);
   }
+}
+
+}  // namespace
+
+std::unique_ptr<Objective> MakeProcessForce(const ObjectiveParameters& parameters) {
+  return std::make_unique<ProcessForce>(parameters);
 }
 
 }  // namespace millpose
