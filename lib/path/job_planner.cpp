@@ -1,19 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/job_planner.hpp"
 
-#include "base/units.hpp"
+#include "robot/angles.hpp"
 
 namespace millpose {
-namespace {
-
-constexpr double kTurn = 2 * kPi;
-
-/// `angle` plus full turns, as near to `reference` as they bring it.
-double Near(double angle, double reference) {
-  return angle + kTurn * std::round((reference - angle) / kTurn);
-}
-
-}  // namespace
 
 std::vector<std::pair<GapEnd, GapEnd>> GapEnds(const Joints& home_joints,
                                                const std::vector<PassResult>& passes) {
@@ -24,9 +14,7 @@ std::vector<std::pair<GapEnd, GapEnd>> GapEnds(const Joints& home_joints,
     for (const Piece& piece : pass.pieces) {
       GapEnd start{pass.pass, piece.piece, pass.points[piece.first].q};
       GapEnd end{pass.pass, piece.piece, pass.points[piece.last].q};
-      if (piece.closed) {  // the cut goes on from the last point round to the first
-        for (int j = 0; j < 6; ++j) end.q[j] = Near(start.q[j], end.q[j]);
-      }
+      if (piece.closed) end.q = Beside(end.q, start.q);  // the cut goes on round to the first point
       gaps.emplace_back(from, start);
       from = end;
     }

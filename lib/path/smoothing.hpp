@@ -3,34 +3,43 @@
 
 #include <stop_token>
 
-#include "motion/line.hpp"
-#include "path/refine.hpp"
+#include "path/freedom_course.hpp"
 
 namespace millpose {
 
+/// The path before smoothing, which the smoothed one is held against.
+struct SmoothReference {
+  double square = 0;              ///< mean square of the joint accelerations, rad²/s⁴
+  double objective = 0;           ///< summed
+  std::vector<double> deviation;  ///< mm, of each motion half-way (HalfwayDeviation); the last closes a ring
+};
+
 /// What the smoothing of a piece goes by.
 struct SmoothOptions {
-  double objective = 0;      ///< summed along the piece before smoothing
-  double loss = 0;           ///< share of it that may be given up
+  SmoothReference before;
+  double loss = 0;           ///< share of the objective that may be given up
   Joints max_step;           ///< rad, between neighbouring points
-  double max_deviation = 0;  ///< mm, of the tip half-way between points (HalfwayDeviation)
+  double max_deviation = 0;  ///< mm, of the tip half-way between points
+  bool mend = true;          ///< motions that deviate by more are mended; else they only may not get worse
   bool closed = false;
   std::stop_token stop;
 };
 
-/// Values that the first freedom of a point may take.
-struct FreedomRange {
-  double lower, upper;
-};
+SmoothReference MeasurePath(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
+                            const SmoothOptions& options, std::span<const PathNode> path);
+
+/// How far each motion may deviate half-way, mm.
+std::vector<double> DeviationLimits(const SmoothOptions& options);
 
 /// Shifts the first freedom (the rotation about the tool axis) along a piece so that the mean square of the
 /// joint accelerations at the points' feeds (RatesAlong, all joints alike, weighted by time) becomes small:
 /// Gauss-Newton on the closed-form inverse, branches and full turns kept, every point admissible and within
-/// `ranges`. The objective's sum rises by no more than the share `loss`. Where motions deviate by more than
-/// `max_deviation` half-way that is mended, if it can be for the loss allowed, else they may not deviate
-/// more than they did. Joint angles of `path` are continuous. Never
-/// worsens mean square or deviation beyond the bound. Interference is not looked at.
-void SmoothPath(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
+/// `ranges`, which hold the path. Joint steps stay within their bound, the objective's sum within `loss` of
+/// what it was before, deviations half-way within `max_deviation`; where these cannot all be mended for the
+/// loss allowed they only may not grow beyond what they were before: then false. A path that keeps to its
+/// bounds stays within them and gets no rougher; one that does not comes as near to them as is found. Joint
+/// angles of `path` are continuous. Interference is not looked at.
+bool SmoothPath(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
                 std::span<const FreedomRange> ranges, const SmoothOptions& options, std::span<PathNode> path);
 
 }  // namespace millpose

@@ -4,16 +4,12 @@
 #include <limits>
 
 #include "base/units.hpp"
+#include "robot/angles.hpp"
 
 namespace millpose {
 namespace {
 
 constexpr double kTurn = 2 * kPi;
-
-/// `angle` plus full turns, as near to `reference` as they bring it.
-double Near(double angle, double reference) {
-  return angle + kTurn * std::round((reference - angle) / kTurn);
-}
 
 /// A piece as the search over turns sees it: the course of its joints, made continuous.
 struct Course {
@@ -29,15 +25,10 @@ std::vector<Course> Courses(std::vector<PassResult>& passes, bool free_direction
     for (const Piece& piece : pass.pieces) {
       Course course{&pass, &piece, {}, free_directions && pass.pieces.size() == 1};
       for (int i = piece.first; i <= piece.last; ++i) {
-        Joints q = pass.points[i].q;
-        for (int j = 0; j < 6 && !course.joints.empty(); ++j) q[j] = Near(q[j], course.joints.back()[j]);
-        course.joints.push_back(q);
+        const Joints& q = pass.points[i].q;
+        course.joints.push_back(course.joints.empty() ? q : Beside(course.joints.back(), q));
       }
-      if (piece.closed) {
-        Joints q = course.joints.front();
-        for (int j = 0; j < 6; ++j) q[j] = Near(q[j], course.joints.back()[j]);
-        course.joints.push_back(q);
-      }
+      if (piece.closed) course.joints.push_back(Beside(course.joints.back(), course.joints.front()));
       courses.push_back(std::move(course));
     }
   }

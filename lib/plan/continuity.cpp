@@ -4,6 +4,7 @@
 #include "base/units.hpp"
 #include "motion/cut_feed.hpp"
 #include "motion/line.hpp"
+#include "robot/angles.hpp"
 #include "robot/kinematics.hpp"
 
 namespace millpose {
@@ -29,8 +30,7 @@ Cut CutOf(const PassResult& pass, const Piece& piece) {
     const PlannedPoint &first = pass.points[piece.first], &last = pass.points[piece.last];
     const double way = (first.point.position - last.point.position).norm();
     if (way > kSamePlace) {
-      Joints q = first.q;
-      for (int j = 0; j < 6; ++j) q[j] += 2 * kPi * std::round((last.q[j] - q[j]) / (2 * kPi));
+      const Joints q = Beside(last.q, first.q);
       cut.samples.push_back({q, cut.samples.back().arc_length + way, first.point.feed_rate});
       cut.points.push_back(piece.first);
     }

@@ -27,6 +27,9 @@ inline Joints InnerAngles(const Arm& arm, const Joints& A) {
 /// The inverse of InnerAngles, each angle principal.
 Joints OuterAngles(const Arm& arm, const Joints& q);
 
+/// `q` moved by whole turns to where each joint is nearest to `near`; exact where none is needed.
+Joints Beside(const Joints& near, const Joints& q);
+
 /// Where the wrist centre lies in the vertical plane through the arm, and the angle that decides elbow and
 /// reach.
 struct ArmPlane {

@@ -43,6 +43,15 @@ Joints OuterAngles(const Arm& arm, const Joints& q) {
   return A;
 }
 
+Joints Beside(const Joints& near, const Joints& q) {
+  Joints moved = q;
+  for (int i = 0; i < 6; ++i) {
+    const double turns = std::round((near[i] - q[i]) / (2 * kPi));
+    if (turns != 0.0) moved[i] += turns * (2 * kPi);
+  }
+  return moved;
+}
+
 ArmPlane PlaneOf(const Arm& arm, double q2, double q3) {
   const SineCosine second = SinCos(q2), third = SinCos(q3);
   const SineCosine sum{second.sin * third.cos + second.cos * third.sin,

@@ -129,7 +129,7 @@ TEST(PlanPass, FollowsARow) {
     path += point.objective;
     own += point.exhaustive_optimum;
   }
-  EXPECT_LT(path, 1.06 * own);
+  EXPECT_LT(path, 1.05 * own);
   EXPECT_GE(result.grid_gap, 0);
   EXPECT_LT(result.grid_gap, 0.05);
 }

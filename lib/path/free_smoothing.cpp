@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/free_smoothing.hpp"
+
+#include <limits>
+
+#include "base/units.hpp"
+#include "robot/angles.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr int kRounds = 32;                    // of smoothing; then what still interferes goes back
+constexpr double kWorthwhile = 0.97;           // of the mean square: go on
+constexpr int kHalvings = 6;                   // of the way back to where a point was
+constexpr double kMargin = 0.05 * kRadPerDeg;  // a range ends this much before what interferes
+constexpr double kScan = 1 * kRadPerDeg;       // between looks on the way from there
+constexpr size_t kFollow = 40;                 // points to either side that are smoothed again
+constexpr double kRounding = 1e-12;            // rad: of angles that full turns were added to
+
+class FreeSmoother {
+ public:
+  FreeSmoother(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
+               SmoothOptions options, PieceChecker& checker, std::span<PathNode> path)
+      : scorers_(scorers),
+        points_(points),
+        options_(std::move(options)),
+        checker_(checker),
+        path_(path),
+        origin_(path.begin(), path.end()) {
+    const Freedom& freedom = *scorers[0].problem().freedoms[0];
+    const double wide = freedom.Periodic() ? std::numeric_limits<double>::infinity() : 0;
+    ranges_.assign(path.size(), {freedom.Lower() - wide, freedom.Upper() + wide});
+    options_.before = MeasurePath(scorers, points, options_, path);
+    for (const PathNode& node : origin_) looked_at_.push_back(node.q);
+    doubtful_.assign(path.size(), false);
+    for (size_t i = 0; i < path.size(); ++i) seen_free_.push_back({Was(i), Was(i)});
+    if (options_.closed) closing_ = Beside(path.back().q, path[0].q) - path[0].q;
+  }
+
+  void Run() {
+    std::vector<PathNode> best = origin_;
+    double least = options_.before.square;
+    std::vector<FreedomRange> moving = ranges_;
+    PieceHits hits;
+    for (int round = 0; round < kRounds; ++round) {
+      options_.mend = SmoothPath(scorers_, points_, moving, options_, path_);
+      hits = Check();
+      const SmoothReference now = MeasurePath(scorers_, points_, options_, path_);
+      if (hits.any()) {
+        Bound(hits);
+        moving = Clamped(hits.Points());
+        continue;
+      }
+      if (!(now.square < kWorthwhile * least) || !Keeps(now)) break;
+      // Free: once more, all points at once, between the bounds that were found.
+      least = now.square;
+      best.assign(path_.begin(), path_.end());
+      moving = ranges_;
+    }
+    if (least == options_.before.square) {
+      for (size_t reach = 0; hits.any() && reach < 2 * path_.size(); reach = 2 * reach + 1) {
+        GoBack(hits, reach);
+      }
+      const SmoothReference now = MeasurePath(scorers_, points_, options_, path_);
+      if (!hits.any() && now.square < least && Keeps(now)) return;
+    }
+    std::copy(best.begin(), best.end(), path_.begin());
+  }
+
+ private:
+  size_t Next(size_t i) const { return i + 1 == path_.size() ? 0 : i + 1; }
+
+  /// Whether a path gives up no more than it may and deviates half-way no more than it may.
+  bool Keeps(const SmoothReference& path) const {
+    const std::vector<double> limits = DeviationLimits(options_);
+    for (size_t i = 0; i < limits.size(); ++i) {
+      if (path.deviation[i] > limits[i]) return false;
+    }
+    return path.objective <= (1 + options_.loss) * options_.before.objective;
+  }
+
+  /// Interference, steps beyond the bound and a ring whose end leaves the limits.
+  PieceHits Check() {
+    std::vector<bool> known(path_.size());
+    for (size_t i = 0; i < path_.size(); ++i) known[i] = !doubtful_[i] && path_[i].q == looked_at_[i];
+    PieceHits hits = checker_.Check(path_, options_.closed, known);
+    hits.pose[0] |= !EndsWithin(path_[0].q);
+    for (size_t i = 0; i < path_.size(); ++i) {
+      if (options_.closed || i + 1 < path_.size())
+        hits.motion[i] |= !StepWithin(path_[i].q, path_[Next(i)].q);
+    }
+    doubtful_ = hits.Points();
+    for (size_t i = 0; i < path_.size(); ++i) looked_at_[i] = path_[i].q;
+    return hits;
+  }
+
+  bool StepWithin(const Joints& from, const Joints& to) const {
+    const Joints step = (to - from).unaryExpr(&ShortWay);
+    return (step.cwiseAbs().array() <= options_.max_step.array() + kRounding).all();
+  }
+
+  /// A ring comes back to its first point with the turns that it made.
+  bool EndsWithin(const Joints& first) const {
+    const AdmissibleBounds& bounds = scorers_[0].problem().bounds;
+    const Joints end = first + closing_;
+    return (end.array() >= bounds.lower.array() - kRounding).all() &&
+           (end.array() <= bounds.upper.array() + kRounding).all();
+  }
+
+  /// Point `i` at a value of its first freedom; empty where it is not admissible there.
+  std::optional<PathNode> At(size_t i, double x) const {
+    PathNode node = origin_[i];
+    if (x == node.freedoms[0]) return node;
+    node.freedoms[0] = x;
+    const Candidate candidate = scorers_[i].ScoreOne(node.freedoms, node.branch);
+    if (candidate.admissibility != Admissibility::kAdmissible) return std::nullopt;
+    node.q = Beside(node.q, candidate.q);
+    node.objective = candidate.objective;
+    const AdmissibleBounds& bounds = scorers_[i].problem().bounds;
+    if ((node.q.array() < bounds.lower.array() - kRounding).any()) return std::nullopt;
+    if ((node.q.array() > bounds.upper.array() + kRounding).any()) return std::nullopt;
+    return node;
+  }
+  double Was(size_t i) const { return origin_[i].freedoms[0]; }
+
+  bool PoseFree(Checker& checker, size_t i, double x) const {
+    const std::optional<PathNode> node = At(i, x);
+    return node && (i > 0 || EndsWithin(node->q)) && checker_.PoseFree(checker, node->q);
+  }
+  bool MotionFree(Checker& checker, size_t i, double x, double x_next) const {
+    const std::optional<PathNode> from = At(i, x), to = At(Next(i), x_next);
+    return from && to && StepWithin(from->q, to->q) && checker_.MotionFree(checker, from->q, to->q);
+  }
+
+  /// The largest share of 0..1 that was found free, 1 not being; 0 is.
+  template <typename Free>
+  static double FreeShare(const Free& free) {
+    double good = 0, bad = 1;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double share = 0.5 * (good + bad);
+      (free(share) ? good : bad) = share;
+    }
+    return good;
+  }
+
+  /// How far point `i` can go towards where it stands, in steps from where it was: beyond what interferes in
+  /// between it may be free again, but it would have to pass through.
+  double ReachOf(Checker& checker, size_t i, bool interferes) {
+    const double x = path_[i].freedoms[0];
+    FreedomRange& seen = seen_free_[i];
+    double& good = x > Was(i) ? seen.upper : seen.lower;
+    if (interferes && std::abs(x - Was(i)) <= std::abs(good - Was(i))) good = Was(i);  // between two looks
+    while (std::abs(x - Was(i)) > std::abs(good - Was(i))) {
+      const double next = x > good ? std::min(good + kScan, x) : std::max(good - kScan, x);
+      if (!PoseFree(checker, i, next)) {
+        good += (next - good) *
+                FreeShare([&](double share) { return PoseFree(checker, i, good + share * (next - good)); });
+        return good;
+      }
+      good = next;
+    }
+    return x;
+  }
+
+  /// Ends the ranges of the points beside what interferes where they are not free.
+  void Bound(const PieceHits& hits) {
+    const size_t count = path_.size();
+    const std::vector<bool> beside = Widened(hits.Points(), kFollow, options_.closed);
+    std::vector<double> reach(count);
+    checker_.Each(count, [&](Checker& checker, size_t i) {
+      reach[i] = beside[i] ? ReachOf(checker, i, hits.pose[i]) : path_[i].freedoms[0];
+    });
+    const auto whole = [&](size_t i) { return reach[i] == path_[i].freedoms[0]; };
+    std::vector<double> share(count, 1);
+    checker_.Each(count, [&](Checker& checker, size_t i) {
+      const size_t next = Next(i);
+      if (!hits.motion[i] || !whole(i) || !whole(next)) return;
+      const auto at = [&](size_t k, double part) { return Was(k) + part * (reach[k] - Was(k)); };
+      share[i] = FreeShare([&](double part) { return MotionFree(checker, i, at(i, part), at(next, part)); });
+    });
+    for (size_t i = 0; i < count; ++i) {
+      End(i, reach[i], share[i]);
+      End(Next(i), reach[Next(i)], share[i]);
+    }
+  }
+
+  /// Ends the range of point `i` at `share` of the way from where it was to `reach`, less the margin; not
+  /// where it may stand as it does.
+  void End(size_t i, double reach, double share) {
+    if (share == 1 && reach == path_[i].freedoms[0]) return;
+    const double shift = share * (reach - Was(i)), kept = std::max(std::abs(shift) - kMargin, 0.0);
+    if (path_[i].freedoms[0] >= Was(i)) ranges_[i].upper = std::min(ranges_[i].upper, Was(i) + kept);
+    if (path_[i].freedoms[0] <= Was(i)) ranges_[i].lower = std::max(ranges_[i].lower, Was(i) - kept);
+  }
+
+  /// Brings all points into their ranges; the ranges of those that may move now: beside what was hit.
+  std::vector<FreedomRange> Clamped(const std::vector<bool>& hit) {
+    const std::vector<bool> beside = Widened(hit, kFollow, options_.closed);
+    std::vector<FreedomRange> moving = ranges_;
+    for (size_t i = 0; i < path_.size(); ++i) {
+      const double x = path_[i].freedoms[0], kept = std::clamp(x, ranges_[i].lower, ranges_[i].upper);
+      if (x != kept) {
+        std::optional<PathNode> node = At(i, kept);
+        if (!node) {
+          node = origin_[i];
+          (x > kept ? ranges_[i].upper : ranges_[i].lower) = node->freedoms[0];
+          moving[i] = ranges_[i];
+        }
+        path_[i] = *node;
+      }
+      if (!beside[i]) moving[i] = {kept, kept};
+    }
+    return moving;
+  }
+
+  /// What interferes goes back to where it was, with `reach` points to either side.
+  void GoBack(PieceHits& hits, size_t reach) {
+    const std::vector<bool> back = Widened(hits.Points(), reach, options_.closed);
+    for (size_t i = 0; i < path_.size(); ++i) {
+      if (back[i]) path_[i] = origin_[i];
+    }
+    hits = Check();
+  }
+
+  std::span<const PointScorer> scorers_;
+  std::span<const MillingPoint> points_;
+  SmoothOptions options_;
+  PieceChecker& checker_;
+  std::span<PathNode> path_;
+  std::vector<PathNode> origin_;  ///< free
+  std::vector<FreedomRange> ranges_;
+  std::vector<FreedomRange> seen_free_;  ///< looked at in steps
+  std::vector<Joints> looked_at_;        ///< where the points stood when last looked at
+  std::vector<bool> doubtful_;           ///< and met something
+  Joints closing_ = Joints::Zero();      ///< the turns of a ring, rad
+};
+
+}  // namespace
+
+void SmoothFree(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
+                SmoothOptions options, PieceChecker& checker, std::span<PathNode> path) {
+  if (path.size() < 3 || options.loss <= 0) return;
+  FreeSmoother(scorers, points, std::move(options), checker, path).Run();
+}
+
+}  // namespace millpose

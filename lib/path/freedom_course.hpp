@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The path along a piece as a function of one number per point, the first freedom: what smoothing minimises.
+#pragma once
+
+#include "path/box_step.hpp"
+#include "path/refine.hpp"
+
+namespace millpose {
+
+/// Values that the first freedom of a point may take.
+struct FreedomRange {
+  double lower, upper;
+};
+
+/// A point where it stands, and what is known around it.
+struct CoursePlace {
+  double x = 0;  ///< the first freedom
+  Joints q = Joints::Zero();
+  double objective = 0;
+  Joints turn = Joints::Zero();     ///< dq/dx
+  double slope = 0, curvature = 0;  ///< of the objective; never curved downwards
+  double lower = 0, upper = 0;      ///< how far x may move: admissible as far as it was looked at
+};
+
+/// What a course is judged by.
+struct Merit {
+  double square = 0;     ///< mean square of the joint accelerations, rad²/s⁴
+  double objective = 0;  ///< summed
+  double violation = 0;  ///< of the bounds between points, with a reserve; relative squares
+  bool within = true;    ///< the bounds of the deviations themselves are kept
+  bool steps = true;     ///< the bounds of the joint steps are kept
+};
+
+/// One piece: its points, and the bounds between them. Branches and full turns are those of `path`, whose
+/// joint angles are continuous. All spans have one entry per point and outlive the course.
+class FreedomCourse {
+ public:
+  FreedomCourse(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
+                std::span<const PathNode> path, bool closed, const Joints& max_step);
+
+  /// Bounds of the deviations half-way (HalfwayDeviation), mm, one per motion; the last closes a ring.
+  void set_limits(std::vector<double> limits) { limits_ = std::move(limits); }
+  size_t motions() const { return motions_; }
+
+  /// The path as it is, with what is known around its points. Those of an empty range stay.
+  std::vector<CoursePlace> Start(std::span<const FreedomRange> ranges) const;
+  /// The points of `from` at the values `x`. One that is not admissible there stays as it is.
+  std::vector<CoursePlace> Moved(const std::vector<double>& x, std::span<const FreedomRange> ranges,
+                                 std::vector<CoursePlace> from) const;
+  Merit Judge(const std::vector<CoursePlace>& places) const;
+  /// Tip half-way of each joint motion less that of the straight line, mm.
+  double Deviation(const std::vector<CoursePlace>& places, size_t motion) const;
+
+  /// Adds what changes with the places: `square_weight` · mean square, `objective_weight` · objective and
+  /// `violation_weight` · violation, linear in dq.
+  void AddTo(BoxLeastSquares& squares, const std::vector<CoursePlace>& places, double square_weight,
+             double objective_weight, double violation_weight) const;
+
+ private:
+  /// The joint accelerations at one point: left·(q_m − q_{m−1}) + right·(q_{m+1} − q_m), and its share of
+  /// time.
+  struct AccelerationRow {
+    size_t before, middle, after;
+    double left, right, share;
+  };
+
+  void MakeRows();
+  size_t Next(size_t t) const { return t + 1 == path_.size() ? 0 : t + 1; }
+  size_t Before(size_t t) const { return t == 0 ? path_.size() - 1 : t - 1; }
+  double Way(size_t t) const;
+  bool Probe(size_t t, double x, const FreedomRange& range, CoursePlace& place) const;
+  Joints Acceleration(const std::vector<CoursePlace>& places, const AccelerationRow& row) const;
+  Eigen::Vector3d Off(size_t t, const Joints& from, const Joints& step) const;
+  void AddViolations(BoxLeastSquares& squares, const std::vector<CoursePlace>& places, size_t t,
+                     double weight) const;
+
+  std::span<const PointScorer> scorers_;
+  std::span<const MillingPoint> points_;
+  std::span<const PathNode> path_;
+  const PoseProblem& problem_;
+  Joints max_step_;
+  bool closed_;
+  size_t motions_;
+  std::vector<AccelerationRow> rows_;
+  std::vector<double> limits_;
+};
+
+}  // namespace millpose
