@@ -5,13 +5,13 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "toolpath/apt_circle.hpp"
+#include "toolpath/apt_feed.hpp"
 #include "toolpath/apt_scanner.hpp"
 #include "toolpath/cam_path.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr double kInch = 25.4;
 constexpr size_t kMaxPoints = 2'000'000;  // bounds what circles of a small file can become
 constexpr size_t kMostListed = 50;        // unknown words
 
@@ -47,6 +47,7 @@ class AptReader {
     while (scanner_.Next(statement)) Take(statement);
     if (circle_) throw InputError(circle_->place, "a CIRCLE is not followed by the GOTO that it leads to");
     if (path_.points.empty()) throw InputError({name_}, "the file holds no GOTO");
+    CheckReach(path_, name_);
     AddNotes();
     return std::move(path_);
   }
@@ -64,9 +65,9 @@ class AptReader {
     } else if (major == "RAPID") {
       rapid_ = true;
     } else if (major == "FEDRAT") {
-      Feed(statement);
+      if (!feed_.Take(statement, unit_, unknown_)) rapid_ = true;
     } else if (major == "SPINDL") {
-      Spindle(statement);
+      feed_.TakeSpindle(statement, path_.cutters.empty() ? 0 : path_.cutters.back().diameter);
     } else if (major == "CIRCLE") {
       Circle(statement);
     } else if (major == "INDIRV") {
@@ -82,6 +83,12 @@ class AptReader {
       CoordinateSystem(statement);
     } else if (major == "UNITS" || major == "UNIT") {
       Units(statement);
+    } else if (major == "ORIGIN" || major == "TRANS") {
+      machine_zeros_ += Numbers(statement, 1, 6).empty() ? 0 : 1;
+    } else if (major == "TRACUT") {
+      if (statement.minors.empty() || statement.minors.back().text != "NOMORE")
+        throw InputError(statement.major.place,
+                         "TRACUT is not read: let the CAM system write the points as they are milled");
     } else if (major == "LOADTL" || major == "TOOLNO") {
       fresh_ = true;
       ++tools_;
@@ -90,22 +97,6 @@ class AptReader {
     } else if (!IsSilent(major)) {
       ++unknown_[major.substr(0, 40)];
     }
-  }
-
-  // The statement's numbers, `least` to `most` of them.
-  std::vector<double> Numbers(const AptStatement& statement, size_t least, size_t most) const {
-    std::vector<double> numbers;
-    for (const AptWord& word : statement.minors) {
-      const std::optional<double> number = ParseNumber(word.text);
-      if (!number)
-        throw InputError(word.place, fmt::format("{} needs numbers, found \"{}\"", statement.major.text,
-                                                 word.text.substr(0, 40)));
-      numbers.push_back(*number);
-    }
-    if (numbers.size() < least || numbers.size() > most)
-      throw InputError(statement.major.place, fmt::format("{} needs {} to {} numbers, found {}",
-                                                          statement.major.text, least, most, numbers.size()));
-    return numbers;
   }
 
   Eigen::Vector3d Placed(const Eigen::Vector3d& p) const { return origin_ + rotation_ * (unit_ * p); }
@@ -232,53 +223,10 @@ class AptReader {
       Eigen::Vector3d axis = axis_before + share * (axis_ - axis_before);
       axis = i + 1 < way.size() && axis.norm() > 1e-6 ? Eigen::Vector3d(axis.normalized()) : axis_;
       if (!path_.points.empty()) arriving_ = way[i] - path_.points.back().position;
-      path_.points.push_back({way[i], axis, Feed(), rapid_, fresh_, line});
+      path_.points.push_back({way[i], axis, feed_.Rate(), rapid_, fresh_, line});
       fresh_ = false;
     }
     rapid_ = false;  // RAPID holds for the next motion only
-  }
-
-  double Feed() const { return per_revolution_ ? feed_ * revolutions_ : feed_; }
-
-  // "250.0,MMPM", "MMPM,250.0", "250.0".
-  void Feed(const AptStatement& statement) {
-    std::optional<double> value;
-    double unit = unit_ / 60;
-    bool per_revolution = false;
-    for (const AptWord& word : statement.minors) {
-      const std::string& text = word.text;
-      if (const auto number = ParseNumber(text); number && !value) {
-        value = number;
-      } else if (text == "MMPM" || text == "IPM" || text == "PERMIN") {
-        unit = (text == "IPM" ? kInch : text == "MMPM" ? 1.0 : unit_) / 60;
-      } else if (text == "MMPR" || text == "IPR" || text == "PERREV") {
-        unit = text == "IPR" ? kInch : text == "MMPR" ? 1.0 : unit_;
-        per_revolution = true;
-      } else if (text == "RAPID") {
-        rapid_ = true;
-        return;
-      } else {
-        ++unknown_["FEDRAT/" + text.substr(0, 40)];
-      }
-    }
-    if (!value || !(*value > 0)) throw InputError(statement.major.place, "FEDRAT needs a feed above 0");
-    feed_ = *value * unit;
-    per_revolution_ = per_revolution;
-  }
-
-  // Speeds of the cutting edge (feet or metres per minute) become revolutions by the cutter's diameter.
-  void Spindle(const AptStatement& statement) {
-    constexpr double kFoot = 304.8, kMetre = 1000;
-    std::optional<double> value;
-    double edge = 0;
-    for (const AptWord& word : statement.minors) {
-      if (const auto number = ParseNumber(word.text); number && !value) value = number;
-      if (word.text == "SFM") edge = kFoot;
-      if (word.text == "SMM") edge = kMetre;
-    }
-    if (!value || !(*value > 0)) return;
-    revolutions_ = *value / 60;
-    if (edge > 0) revolutions_ *= path_.cutters.empty() ? 0 : edge / (kPi * path_.cutters.back().diameter);
   }
 
   void Units(const AptStatement& statement) {
@@ -286,7 +234,7 @@ class AptReader {
     if (unit == "MM") {
       unit_ = 1;
     } else if (unit == "INCHES" || unit == "INCH" || unit == "IN") {
-      unit_ = kInch;
+      unit_ = 25.4;
     } else if (unit == "CM") {
       unit_ = 10;
     } else {
@@ -315,6 +263,9 @@ class AptReader {
     note(circles_, "CIRCLE expanded by the chord tolerance");
     note(in_cycles_, "points within drilling cycles left out");
     if (tools_ > 1) note(tools_, "tool changes; all are taken as passes of one job");
+    note(
+        machine_zeros_,
+        "ORIGIN or TRANS: where the machine's zero lies; the points are taken in the part's system as given");
     if (moved_)
       path_.notes.emplace_back("coordinates were moved from MSYS into the system that it refers to");
     size_t listed = 0;
@@ -329,12 +280,13 @@ class AptReader {
   CamPath path_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(), axis_ = Eigen::Vector3d::UnitZ();
   Eigen::Matrix3d rotation_ = Eigen::Matrix3d::Identity();
-  double unit_ = 1, feed_ = 0, revolutions_ = 0;
-  bool per_revolution_ = false, rapid_ = false, fresh_ = false, cycle_ = false, moved_ = false;
+  double unit_ = 1;
+  AptFeed feed_;
+  bool rapid_ = false, fresh_ = false, cycle_ = false, moved_ = false;
   std::optional<AptCircle> circle_;
   std::optional<Eigen::Vector3d> tangent_;              // INDIRV, for the next motion
   Eigen::Vector3d arriving_ = Eigen::Vector3d::Zero();  // the motion before
-  size_t circles_ = 0, in_cycles_ = 0, tools_ = 0;
+  size_t circles_ = 0, in_cycles_ = 0, tools_ = 0, machine_zeros_ = 0;
   std::map<std::string, size_t> unknown_;
 };
 

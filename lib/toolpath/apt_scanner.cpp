@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/apt_scanner.hpp"
 
+#include <optional>
+
+#include "base/text.hpp"
+
 namespace millpose {
 namespace {
 
@@ -82,6 +86,21 @@ bool AptScanner::Next(AptStatement& statement) {
     begin = end;
   }
   return true;
+}
+
+std::vector<double> Numbers(const AptStatement& statement, size_t least, size_t most) {
+  std::vector<double> numbers;
+  for (const AptWord& word : statement.minors) {
+    const std::optional<double> number = ParseNumber(word.text);
+    if (!number)
+      throw InputError(word.place, fmt::format("{} needs numbers, found \"{}\"", statement.major.text,
+                                               word.text.substr(0, 40)));
+    numbers.push_back(*number);
+  }
+  if (numbers.size() < least || numbers.size() > most)
+    throw InputError(statement.major.place, fmt::format("{} needs {} to {} numbers, found {}",
+                                                        statement.major.text, least, most, numbers.size()));
+  return numbers;
 }
 
 }  // namespace millpose

@@ -21,6 +21,9 @@ struct AptStatement {
   std::vector<AptWord> minors;
 };
 
+/// The statement's minors as numbers, `least` to `most` of them. Throws InputError.
+std::vector<double> Numbers(const AptStatement& statement, size_t least, size_t most);
+
 /// Splits CLDATA into statements: `$$` begins a comment, a `$` at the end of a line continues it, columns 73
 /// to 80 are dropped where they hold a sequence number, letters become upper case.
 class AptScanner {

@@ -55,6 +55,7 @@ class CsvReader {
     if (path_.points.empty()) throw InputError({name_}, "the file holds no points");
     for (const std::string& column : unknown_)
       path_.notes.push_back(fmt::format("column \"{}\" not known, ignored", column));
+    CheckReach(path_, name_);
     return std::move(path_);
   }
 

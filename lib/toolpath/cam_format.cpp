@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/error.hpp"
 #include "toolpath/cam_path.hpp"
 
 namespace millpose {
@@ -50,6 +51,16 @@ bool LooksLikeGcode(std::string_view bytes) {
 }
 
 }  // namespace
+
+void CheckReach(const CamPath& path, const std::string& name) {
+  constexpr double kLargest = 1e9;  // mm
+  for (const CamPoint& point : path.points)
+    if (!(point.position.cwiseAbs().maxCoeff() <= kLargest))
+      throw InputError(
+          {name, point.line},
+          fmt::format("the point ({:.6g}, {:.6g}, {:.6g}) mm lies beyond ±{} mm: is the unit right?",
+                      point.position.x(), point.position.y(), point.position.z(), kLargest));
+}
 
 CamPath ReadCamPath(std::string_view bytes, const std::string& name, const CamReadOptions& options) {
   if (LooksLikeCsv(bytes)) return ReadCamCsv(bytes, name);

@@ -45,6 +45,10 @@ struct CamReadOptions {
 /// known are counted in the notes.
 CamPath ReadCamPath(std::string_view bytes, const std::string& name, const CamReadOptions& options);
 
+/// Refuses points beyond ±1e9 mm (a wrong unit, or nonsense that would become endless ways). Every reader
+/// calls it with what it read. Throws InputError with the line.
+void CheckReach(const CamPath& path, const std::string& name);
+
 /// The formats one by one.
 CamPath ReadApt(std::string_view bytes, const std::string& name, double chord_tolerance);
 CamPath ReadCamCsv(std::string_view bytes, const std::string& name);

@@ -44,6 +44,7 @@ class GcodeReader {
       Take(block);
     }
     if (path_.points.empty()) throw InputError({name_}, "the programme holds no motion");
+    CheckReach(path_, name_);
     AddNotes();
     return std::move(path_);
   }

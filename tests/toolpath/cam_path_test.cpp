@@ -54,6 +54,48 @@ TEST(Apt, InchesContinuedLinesSequenceNumbersAndDeltas) {
   EXPECT_LT((path.points[3].position - 25.4 * Eigen::Vector3d(1, 0, 3)).norm(), 1e-12);
 }
 
+TEST(Apt, InverseTimesAreRefusedOriginsAreTheMachinesAndTracutMustBeOver) {
+  EXPECT_EQ(ErrorOf("GOTO/0,0,0\nFEDRAT/INVERS,12.5\nGOTO/1,0,0\n"),
+            "path.cls:2:8: FEDRAT/INVERS with a value is not read: let the CAM system write feeds per minute "
+            "or per "
+            "revolution (MMPM, IPM, MMPR, IPR)");
+  EXPECT_EQ(ErrorOf("GOTO/0,0,0\nFEDRAT/12.5,INVERS\nGOTO/1,0,0\n").substr(0, 13), "path.cls:2:13");
+  const CamPath path =
+      Apt("FEDRAT/600,MMPM\nFEDRAT/INVERS,AUTO\nORIGIN/100,200,300\nTRACUT/NOMORE\nGOTO/1,2,3\n"
+          "TRANS/0,0,5\nGOTO/4,5,6\n");
+  EXPECT_EQ(path.points[0].feed_rate, 10);
+  EXPECT_EQ(path.points[0].position, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(path.points[1].position, Eigen::Vector3d(4, 5, 6));
+  const std::vector<std::string> notes{
+      "2 ORIGIN or TRANS: where the machine's zero lies; the points are taken in the part's system as given",
+      "1 \"FEDRAT/AUTO\" not known, ignored"};
+  EXPECT_EQ(path.notes, notes);
+  EXPECT_EQ(ErrorOf("ORIGIN/A,B\nGOTO/1,2,3\n"), "path.cls:1:8: ORIGIN needs numbers, found \"A\"");
+  EXPECT_EQ(ErrorOf("TRACUT/1,0,0,5,0,1,0,0,0,0,1,0\nGOTO/1,2,3\n"),
+            "path.cls:1:1: TRACUT is not read: let the CAM system write the points as they are milled");
+}
+
+TEST(Apt, LoadedToolsCommentsAndSilentWords) {
+  const CamPath path =
+      Apt("$$ a comment / GOTO/9,9,9\nPARTNO/P1\nLOADTL/1\nMULTAX/ON\nCOOLNT/ON\nGOTO/0,0,0 $$ GOTO/8,8,8\n"
+          "UNITS/MM\nTOOLNO/2\nGOTO/5,0,0\nSTOP\nFINI\n");
+  ASSERT_EQ(path.points.size(), 2);
+  EXPECT_FALSE(path.points[0].rapid);
+  EXPECT_TRUE(path.points[1].fresh);  // the way to another tool is no cut
+  EXPECT_EQ(path.notes, std::vector<std::string>{"2 tool changes; all are taken as passes of one job"});
+}
+
+TEST(CamPath, PointsBeyondReachAreRefusedInEveryFormat) {
+  const auto error = [](const std::string& text) {
+    const std::string what = ErrorOf(text);
+    return what.substr(0, what.find(" (") + 2);
+  };
+  EXPECT_EQ(error("GOTO/0,0,0\nGOTO/0,0,1.1E9\n"), "path.cls:2: the point (");
+  EXPECT_EQ(error("GOTO/0,0,0\nGODLTA/0,0,1E9\nGODLTA/0,0,1E9\n"), "path.cls:3: the point (");
+  EXPECT_EQ(error("x_m,y_m,z_m\n1,2,3\n1E7,0,0\n"), "path.cls:3: the point (");
+  EXPECT_EQ(ErrorOf("G1 X0 Y0 Z0 F100\nX9999999999\n").substr(0, 13), "path.cls:2:1:");
+}
+
 // The angle that the path sweeps about the z axis through the origin, rad.
 double Swept(const CamPath& path) {
   double angle = 0;
@@ -248,10 +290,10 @@ TEST(CamImport, RapidsSplitPassesAndFarEndsAreLeads) {
 
 TEST(CamImport, LongWaysAreBounded) {
   try {
-    ImportCamPath(Apt("GOTO/0,0,0\nGOTO/0,0,9999999999999999\n"), nullptr, {}, nullptr);
+    ImportCamPath(Apt("GOTO/0,0,0\nGOTO/0,0,999999999\n"), nullptr, {}, nullptr);
     FAIL() << "let pass";
   } catch (const InputError& error) {
-    EXPECT_EQ(std::string(error.what()).substr(0, 40), "toolpath: the CAM path's line 2 is 1e+16");
+    EXPECT_EQ(std::string(error.what()).substr(0, 40), "toolpath: the CAM path's line 2 is 1e+09");
   }
 }
 
