@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "base/error.hpp"
 #include "base/file.hpp"
 #include "commands.hpp"
 #include "pipeline/rotation_curve.hpp"
@@ -19,6 +20,9 @@ struct Arguments {
 int Inspect(const Arguments& arguments) {
   const std::filesystem::path points_file = arguments.folder / "points.csv";
   const std::filesystem::path summary_file = arguments.folder / "summary.json";
+  if (!std::filesystem::exists(points_file))
+    throw InputError({arguments.folder.string()},
+                     "holds no points.csv; allowed: a folder that millpose plan wrote");
   const PointsTable points(ReadFile(points_file), points_file.string());
   const std::string summary = ReadFile(summary_file);
   CheckInspectOptions(points, arguments.options);

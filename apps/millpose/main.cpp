@@ -118,6 +118,24 @@ void ReportUnknownCommand(const std::string& given, const std::vector<std::strin
              near.empty() ? fmt::format("allowed: {}", fmt::join(names, ", ")) : "nearest: " + near);
 }
 
+// What the chosen subcommand does not know: a mistyped option with the nearest one, or a word too many.
+void ReportUnknownArgument(const CLI::App& app) {
+  std::vector<std::string> words = app.remaining(true), known;
+  const auto option =
+      std::ranges::find_if(words, [](const std::string& word) { return word.starts_with('-'); });
+  const std::string given = option != words.end() ? *option : words.front();
+  std::string command = "millpose";
+  for (const CLI::App* chosen : app.get_subcommands()) {
+    command += ' ' + chosen->get_name();
+    for (const CLI::Option* knows : chosen->get_options())
+      for (const std::string& name : knows->get_lnames()) known.push_back("--" + name);
+  }
+  const std::string near = option != words.end() ? NearestName(given.substr(0, given.find('=')), known) : "";
+  fmt::print(stderr, "millpose: {} {} is not known to {}; {}\n",
+             option != words.end() ? "option" : "argument", given, command,
+             near.empty() ? fmt::format("{} --help lists what is", command) : "nearest: " + near);
+}
+
 int Main(int argc, char** argv) {
   CLI::App app{
       "millpose: robotic milling in the stiffest pose, without a GUI\n"
@@ -139,6 +157,9 @@ int Main(int argc, char** argv) {
     if (argc < 2 || argv[1][0] == '-' || std::ranges::find(names, argv[1]) != names.end())
       return app.exit(error), kBadInput;
     ReportUnknownCommand(argv[1], names);
+    return kBadInput;
+  } catch (const CLI::ExtrasError&) {
+    ReportUnknownArgument(app);
     return kBadInput;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kBadInput;

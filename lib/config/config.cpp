@@ -26,10 +26,23 @@ void Apply(const Override& change, config::Value* root) {
   place->mark = {};
 }
 
+// A file of another kind is told as such, not key by key. The first key of each table says the kind.
+void RefuseOtherKind(const config::Value& root, const std::string& name, const std::string& own_key) {
+  static const std::map<std::string, std::string> kKinds{
+      {"millpose_job", "job"}, {"millpose_cell", "cell"}, {"millpose_batch", "batch"}};
+  if (root.FindKey(own_key) != nullptr) return;
+  for (const auto& [key, kind] : kKinds)
+    if (const config::Value::Key* given = root.FindKey(key))
+      throw InputError(
+          {name, given->mark.line, given->mark.column},
+          fmt::format("this is a {} file; a {} file is expected here", kind, kKinds.at(own_key)));
+}
+
 template <class S>
 S Parse(const config::Codec<S>& fields, std::string_view yaml, const std::string& name,
         const std::vector<Override>& overrides = {}) {
   config::Value root = config::ReadYaml(yaml, name);
+  RefuseOtherKind(root, name, fields.keys.front().key);
   for (const Override& change : overrides) Apply(change, &root);
   std::vector<Problem> problems;
   S settings;

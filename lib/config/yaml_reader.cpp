@@ -40,6 +40,8 @@ class Source {
   void RefuseOddCharacters() const {
     if (text_.size() > kMaxBytes)
       Fail({}, fmt::format("the file has {} bytes; allowed: at most {}", text_.size(), kMaxBytes));
+    if (text_.starts_with("\xff\xfe") || text_.starts_with("\xfe\xff"))
+      Fail({1, 1}, "the text is in UTF-16; allowed: UTF-8");
     for (size_t line = 0; line < lines_.size(); ++line) {
       const size_t end = line + 1 < lines_.size() ? lines_[line + 1] : text_.size();
       bool indentation = true;

@@ -29,6 +29,14 @@ class Frame(unittest.TestCase):
             self.assertEqual(result.stdout, "", arguments)
             self.assertNotEqual(result.stderr, "", arguments)
 
+    def test_mistyped_option_is_answered_with_the_nearest(self):
+        for arguments, words in ((("plan", JOB, "--thread", "2"), "option --thread is not known to millpose plan; nearest: --threads"),
+                                 (("inspect", "x", "y"), "argument y is not known to millpose inspect; millpose inspect --help"),
+                                 (("inspect", TOP), "holds no points.csv; allowed: a folder that millpose plan wrote")):
+            result = run(*arguments)
+            self.assertEqual((result.returncode, result.stdout), (2, ""))
+            self.assertIn(words, result.stderr)
+
     def test_mistyped_command_is_answered_with_the_nearest(self):
         self.assertIn("unknown command paln; nearest: plan", run("paln", "job").stderr)
         self.assertIn("what is required", run("schema").stderr)

@@ -272,4 +272,23 @@ TEST(BrokenYaml, WindowsLineEndsAndByteOrderMarksAreRead) {
   EXPECT_EQ(ParseJob(text, "f.yaml").name, "part");
 }
 
+TEST(BrokenYaml, AFileOfAnotherKindIsToldAsSuch) {
+  const auto told = [](const auto& parse) -> std::string {
+    try {
+      parse();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  EXPECT_EQ(told([] { ParseJob(kCell, "x.yaml"); }),
+            "x.yaml:1:1: this is a cell file; a job file is expected here");
+  EXPECT_EQ(told([] { ParseCell(kJob, "x.yaml"); }),
+            "x.yaml:1:1: this is a job file; a cell file is expected here");
+  EXPECT_EQ(told([] { ParseJob("# all parts\nmillpose_batch: 1\n", "x.yaml"); }),
+            "x.yaml:2:1: this is a batch file; a job file is expected here");
+  EXPECT_EQ(told([] { ParseJob(std::string("\xff\xfem\0", 4), "x.yaml"); }),
+            "x.yaml:1:1: the text is in UTF-16; allowed: UTF-8");
+}
+
 }  // namespace millpose
