@@ -63,8 +63,10 @@ Eigen::Vector3d Travel(const Curve& curve, const CurvePoint& at, double least_le
 
 class PassMaker {
  public:
-  PassMaker(const Mesh& mesh, const ToolpathOptions& options, const CornerNormals& normals)
-      : mesh_(mesh), options_(options), normals_(normals) {}
+  /// `normal`: of all points, where the region is plane.
+  PassMaker(const Mesh& mesh, const ToolpathOptions& options, const CornerNormals& normals,
+            const std::optional<Eigen::Vector3d>& normal)
+      : mesh_(mesh), options_(options), normals_(normals), normal_(normal) {}
 
   Pass Make(const Curve& curve) const {
     Pass pass;
@@ -80,7 +82,7 @@ class PassMaker {
     const CurvePiece& piece = curve.pieces[at.piece];
     MillingPoint point;
     point.position = piece.At(at.t);
-    point.normal = NormalOn(mesh_, normals_, piece, point.position);
+    point.normal = normal_ ? *normal_ : NormalOn(mesh_, normals_, piece, point.position);
     const Eigen::Vector3d travel = Travel(curve, at, options_.chord_tolerance);
     point.feed = (travel - travel.dot(point.normal) * point.normal).normalized();
     const Eigen::Vector3d leaning =
@@ -94,6 +96,7 @@ class PassMaker {
   const Mesh& mesh_;
   const ToolpathOptions& options_;
   const CornerNormals& normals_;
+  std::optional<Eigen::Vector3d> normal_;
 };
 
 // A part of a curve to be milled without lifting the tool.
@@ -199,7 +202,6 @@ Toolpath MakeToolpath(const Mesh& mesh, const ToolpathOptions& given, std::stop_
   const std::unique_ptr<Strategy> strategy = MakeStrategy(options.strategy);
   const Region region(mesh, options.region);
   const CornerNormals normals(mesh, options.crease, options.normal_smoothing);
-  const PassMaker maker(mesh, options, normals);
   Layout layout = strategy->Lay(region, options, stop);
   std::vector<Cut> cuts;
   for (const Lane& lane : layout.lanes) {
@@ -214,6 +216,7 @@ Toolpath MakeToolpath(const Mesh& mesh, const ToolpathOptions& given, std::stop_
   if (options.order_by_travel) cuts = OrderedByTravel(std::move(cuts));
   Toolpath toolpath;
   toolpath.notes = std::move(layout.notes);
+  const PassMaker maker(mesh, options, normals, layout.normal);
   for (const Cut& cut : cuts) toolpath.passes.push_back(maker.Make(cut.curve));
   toolpath = Layered(toolpath, options.layers);
   if (options.lead != 0 || options.tilt != 0) MoveToTip(options.cutter, toolpath);

@@ -27,6 +27,7 @@ class PadMaker {
   Layout Run() {
     if (!(lines_.largest() > 0)) return {};
     CheckPlane();
+    layout_.normal = normal_;
     if (options_.spiral) {
       AddSpiral();
     } else {

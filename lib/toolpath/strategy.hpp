@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -29,6 +30,9 @@ struct Lane {
 /// What a strategy makes of a region.
 struct Layout {
   std::vector<Lane> lanes;         ///< in the order of milling
+  /// Of a plane region: the normal of all its points. Else they have the surface's, which near a fillet lean
+  /// towards it.
+  std::optional<Eigen::Vector3d> normal;
   std::vector<std::string> notes;  ///< what the user should know, one sentence each
 };
 

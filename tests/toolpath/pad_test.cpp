@@ -97,6 +97,25 @@ TEST(Pad, ClimbAndConventionalHoldOnRingsAndLines) {
   }
 }
 
+TEST(Pad, StandsUprightBesideAFillet) {
+  // A floor of 60 mm whose edge bends up by 15°: normals averaged over the edge would lean over the whole floor.
+  Triangles floor = GridShape(1, 1, 60);
+  const int first = static_cast<int>(floor.vertices.size());
+  for (const double y : {0.0, 60.0})
+    floor.vertices.emplace_back(60 + 2 * std::cos(DegToRad(15)), y, 2 * std::sin(DegToRad(15)));
+  floor.faces.push_back({1, first, first + 1});
+  floor.faces.push_back({1, first + 1, 3});
+  const Mesh mesh = SoundMesh(floor);
+  for (const bool spiral : {false, true}) {
+    ToolpathOptions options = Facing(spiral);
+    options.region.facing = Eigen::Vector3d::UnitZ();
+    options.region.facing_within = DegToRad(1);
+    for (const Pass& pass : MakeToolpath(mesh, options, {}).passes)
+      for (const MillingPoint& point : pass.points)
+        ASSERT_LT((point.tool_axis - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+  }
+}
+
 TEST(Pad, PadsMustBePlane) {
   ToolpathOptions options;
   options.strategy = "pad";
