@@ -29,7 +29,7 @@ struct Lane {
 
 /// What a strategy makes of a region.
 struct Layout {
-  std::vector<Lane> lanes;         ///< in the order of milling
+  std::vector<Lane> lanes;  ///< in the order of milling
   /// Of a plane region: the normal of all its points. Else they have the surface's, which near a fillet lean
   /// towards it.
   std::optional<Eigen::Vector3d> normal;

@@ -98,7 +98,8 @@ TEST(Pad, ClimbAndConventionalHoldOnRingsAndLines) {
 }
 
 TEST(Pad, StandsUprightBesideAFillet) {
-  // A floor of 60 mm whose edge bends up by 15°: normals averaged over the edge would lean over the whole floor.
+  // A floor of 60 mm whose edge bends up by 15°: normals averaged over the edge would lean over the whole
+  // floor.
   Triangles floor = GridShape(1, 1, 60);
   const int first = static_cast<int>(floor.vertices.size());
   for (const double y : {0.0, 60.0})
