@@ -26,7 +26,7 @@ std::string ExplainFeed(const ContinuityFigures& continuity) {
   return fmt::format(
       "the feed cannot be held at {} points; first at point {} (pass {}): the {} of A{} allows {:.1f} of "
       "{:.1f} "
-      "mm/min",
+      "mm/min; `process.feed: reduce` runs such points as fast as the joints can",
       continuity.feed_not_held.size(), first.point, first.pass,
       first.by_acceleration ? "acceleration" : "speed", first.joint + 1, 60 * first.feed_possible,
       60 * first.feed);
