@@ -19,7 +19,7 @@ struct Checker::Impl {
   std::shared_ptr<const World::Impl> world;
   std::vector<Placed> placed;  ///< the bodies at the pose last asked for
   std::array<Pose, 7> X_WL;    ///< the links at that pose
-  long long poses_checked = 0;
+  CheckCounts counts;
 
   const double share, reserve;  ///< of the clearances; mm less than that
 
@@ -29,7 +29,7 @@ struct Checker::Impl {
   }
 
   void MoveTo(const Joints& q) {
-    ++poses_checked;
+    ++counts.poses;
     X_WL = LinkFrames(world->cell.arm, q);
     for (Pose& X : X_WL) X = world->cell.X_WB * X;
     for (size_t i = 0; i < placed.size(); ++i) {
@@ -42,6 +42,16 @@ struct Checker::Impl {
     const Placed &a = placed[pair.first], &b = placed[pair.second];
     if (BoxDistance(a, b) >= bound) return {bound, Eigen::Vector3d::Zero()};
     return DistanceUpTo(a, b, bound);
+  }
+
+  /// A pair at the pose moved to; empty when it keeps its clearance or is not checked.
+  std::optional<Interference> Look(const BodyPair& pair, Phase phase) const {
+    const std::optional<double>& clearance = pair.clearance[static_cast<int>(phase)];
+    if (!clearance) return std::nullopt;
+    const double bound = std::max(share * *clearance - reserve, kTouch);
+    const BoundedDistance found = Distance(pair, bound);
+    if (found.distance < bound) return Report(pair, found);
+    return std::nullopt;
   }
 
   Interference Report(const BodyPair& pair, const BoundedDistance& found) const {
@@ -63,16 +73,45 @@ Checker::Checker(const World& world, double clearance_share, double reserve)
 Checker::~Checker() = default;
 Checker::Checker(Checker&&) noexcept = default;
 
-long long Checker::poses_checked() const { return impl_->poses_checked; }
+const CheckCounts& Checker::counts() const { return impl_->counts; }
+
+CheckCounts& CheckCounts::operator+=(const CheckCounts& other) {
+  poses += other.poses;
+  pairs += other.pairs;
+  pairs_saved += other.pairs_saved;
+  return *this;
+}
 
 std::optional<Interference> Checker::At(const Joints& q, Phase phase) {
   impl_->MoveTo(q);
   for (const BodyPair& pair : impl_->world->pairs) {
-    const std::optional<double>& clearance = pair.clearance[static_cast<int>(phase)];
-    if (!clearance) continue;
-    const double bound = std::max(impl_->share * *clearance - impl_->reserve, kTouch);
-    const BoundedDistance found = impl_->Distance(pair, bound);
-    if (found.distance < bound) return impl_->Report(pair, found);
+    if (const auto found = impl_->Look(pair, phase)) return found;
+  }
+  return std::nullopt;
+}
+
+std::optional<Interference> Checker::At(const Joints& q, Phase phase, const std::vector<double>& freedoms,
+                                        PointMemory& memory) {
+  impl_->MoveTo(q);
+  const std::array<PointMemory::Entry*, 4> entries = memory.Entries(freedoms, q);
+  const std::vector<BodyPair>& pairs = impl_->world->pairs;
+  for (int index = 0; index < static_cast<int>(pairs.size()); ++index) {
+    if (!pairs[index].clearance[static_cast<int>(phase)]) continue;
+    PointMemory::Entry* entry = entries[static_cast<size_t>(pairs[index].kind)];
+    if (entry && entry->known) {
+      ++impl_->counts.pairs_saved;
+      if (entry->pair == index) return entry->found;
+      continue;
+    }
+    ++impl_->counts.pairs;
+    const auto found = impl_->Look(pairs[index], phase);
+    if (!found) continue;
+    // The first of its kind: those before were looked at.
+    if (entry) *entry = {true, index, *found};
+    return found;
+  }
+  for (PointMemory::Entry* entry : entries) {
+    if (entry) entry->known = true;
   }
   return std::nullopt;
 }

@@ -113,6 +113,7 @@ std::shared_ptr<const World::Impl> World::Impl::Build(Cell cell) {
       if (NeverChecked(a, b) || excluded.contains({a.name, b.name})) continue;
       for (const BodyPair& pair : impl->PairsOf(cell, static_cast<int>(i), static_cast<int>(j))) {
         ranked.emplace_back(Rank(a, b), pair);
+        ranked.back().second.kind = impl->KindOf(cell, pair);
       }
     }
   }
@@ -146,6 +147,23 @@ std::vector<BodyPair> World::Impl::PairsOf(const Cell& source, int i, int j) {
   bodies.push_back(
       {fmt::format("{} above its cutting length", moving.name), MakePart(*above), 6, source.X_FT});
   return {pair, shank};
+}
+
+PointMemory::Kind World::Impl::KindOf(const Cell& source, const BodyPair& pair) const {
+  using Kind = PointMemory::Kind;
+  const WorldBody &first = bodies[pair.first], &second = bodies[pair.second];
+  if (second.link <= 3) return Kind::kArm;
+  if (second.link < 6 || first.link > 0) return Kind::kOther;
+  // A frustum counts as the polyhedron that it is checked as: not round.
+  const Shape& shape = second.part.shape;
+  const bool round = std::holds_alternative<Sphere>(shape) || std::holds_alternative<Cylinder>(shape) ||
+                     std::holds_alternative<Capsule>(shape);
+  const Pose X_TG = source.X_FT.inverse(Eigen::Isometry) * second.X_LG;
+  constexpr double kOnAxis = 1e-9;  // mm, and of a direction
+  const bool about_axis =
+      X_TG.translation().head<2>().norm() < kOnAxis &&
+      (std::holds_alternative<Sphere>(shape) || X_TG.linear().col(2).head<2>().norm() < kOnAxis);
+  return round && about_axis ? Kind::kTool : Kind::kFlange;
 }
 
 World::World(Cell cell) {

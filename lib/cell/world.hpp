@@ -19,6 +19,8 @@ struct Interference {
   double distance = 0;  ///< mm; ≤ 0 when they touch (then minus the depth where known)
 };
 
+class PointMemory;
+
 /// The cell as an FCL world, immutable and shared between threads.
 class World {
  public:
@@ -33,6 +35,14 @@ class World {
   std::shared_ptr<const Impl> impl_;
 };
 
+/// What checks took.
+struct CheckCounts {
+  long long poses = 0;
+  long long pairs = 0,
+            pairs_saved = 0;  ///< of bodies, at poses with a PointMemory: looked at, and not for its sake
+  CheckCounts& operator+=(const CheckCounts& other);
+};
+
 /// Asks a World about poses and motions. One per thread (it holds the moving FCL objects); cheap to make.
 class Checker {
  public:
@@ -44,6 +54,11 @@ class Checker {
 
   /// The first pair found to touch or to be nearer than its clearance at joint angles q; empty when free.
   std::optional<Interference> At(const Joints& q, Phase phase);
+
+  /// The same for a pose at a milling point, with what is known of others there: pairs that `memory` knows to
+  /// be free are not looked at again. The answer is the same to the accuracy of distances (1e-6 mm).
+  std::optional<Interference> At(const Joints& q, Phase phase, const std::vector<double>& freedoms,
+                                 PointMemory& memory);
 
   /// The smallest distance of any checked pair, mm, never more than `bound` (so `bound` means "at least
   /// that").
@@ -57,8 +72,9 @@ class Checker {
   std::optional<Interference> Between(const Joints& q0, const Joints& q1, Phase phase,
                                       double resolution = 0.5, const Joints& tube = Joints::Zero());
 
-  /// Numbers of pose checks made so far, for the summary.
-  long long poses_checked() const;
+  /// What was done so far, for the summary.
+  const CheckCounts& counts() const;
+  long long poses_checked() const { return counts().poses; }
 
  private:
   struct Impl;

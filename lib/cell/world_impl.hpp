@@ -3,7 +3,7 @@
 #pragma once
 
 #include "cell/fcl_part.hpp"
-#include "cell/world.hpp"
+#include "cell/point_memory.hpp"
 
 namespace millpose {
 
@@ -20,6 +20,7 @@ struct BodyPair {
   int first = 0, second = 0;  ///< into bodies
   /// Distance to keep in Phase::kFree and Phase::kCutting, mm; empty: not checked in that phase.
   std::array<std::optional<double>, 2> clearance;
+  PointMemory::Kind kind = PointMemory::Kind::kOther;
 };
 
 struct World::Impl {
@@ -34,6 +35,7 @@ struct World::Impl {
   /// Bodies i and j as a pair; two pairs for a cutter at the workpiece: all of it in the air, the part above
   /// the cutting length (added to `bodies`) while cutting.
   std::vector<BodyPair> PairsOf(const Cell& source, int i, int j);
+  PointMemory::Kind KindOf(const Cell& source, const BodyPair& pair) const;
 };
 
 }  // namespace millpose

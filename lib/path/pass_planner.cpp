@@ -101,6 +101,8 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
   result.nodes_struck = plan.nodes_struck;
   result.nodes = plan.candidates;
   result.nodes_checked = plan.candidates_checked;
+  result.pairs_checked = plan.pairs_checked;
+  result.pairs_saved = plan.pairs_saved;
   result.uncut = planned.uncut;
   result.pieces = plan.pieces;
   for (Piece& piece : result.pieces) piece.pass = pass_number;
@@ -122,13 +124,13 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
       Describe(context.problem, plan.nodes[t], point);
     }
   }
-  result.poses_checked =
-      plan.poses_checked +
+  const CheckCounts counts =
       CheckInParallel(context.world, count, context.threads, context.stop, [&](Checker& checker, size_t t) {
         PlannedPoint& point = result.points[t];
         if (plan.piece[t] < 0) return;
         point.clearance = checker.Clearance(point.q, Phase::kCutting, kPointClearanceBound);
       });
+  result.poses_checked = plan.poses_checked + counts.poses;
   MeasureSmoothing(plan, result);
   return result;
 }

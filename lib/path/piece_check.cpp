@@ -39,7 +39,7 @@ bool PieceChecker::MotionFree(Checker& checker, const Joints& from, const Joints
 }
 
 void PieceChecker::Each(size_t count, const std::function<void(Checker&, size_t)>& work) {
-  poses_checked_ += CheckInParallel(world_, count, threads_, stop_, work);
+  poses_checked_ += CheckInParallel(world_, count, threads_, stop_, work).poses;
 }
 
 std::vector<bool> Widened(const std::vector<bool>& marked, size_t reach, bool closed) {

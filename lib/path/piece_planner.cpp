@@ -108,7 +108,9 @@ class PiecePlanner {
             sequence, round < kRoundsOfNodes ? StrikeOut::Extent::kNodes : StrikeOut::Extent::kLayers);
       }
     }
-    plan_.poses_checked += strike_out.poses_checked();
+    plan_.poses_checked += strike_out.counts().poses;
+    plan_.pairs_checked = strike_out.counts().pairs;
+    plan_.pairs_saved = strike_out.counts().pairs_saved;
     plan_.nodes_struck = strike_out.nodes_struck();
     plan_.candidates_checked = strike_out.nodes_checked();
     for (const Layer& layer : layers_) plan_.candidates += static_cast<long long>(layer.size());

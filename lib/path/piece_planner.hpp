@@ -34,6 +34,7 @@ struct PassPlan {
   long long poses_checked = 0;
   int nodes_struck = 0;
   long long candidates = 0, candidates_checked = 0;  ///< nodes of the layers
+  long long pairs_checked = 0, pairs_saved = 0;      ///< of bodies, at these nodes
 };
 
 /// Layered search, strike-out of what interferes, refinement, splits, smoothing. Empty when, with all_turns

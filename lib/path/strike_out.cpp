@@ -2,25 +2,26 @@
 #include "path/strike_out.hpp"
 
 #include <limits>
-#include <numeric>
 
 #include "base/parallel.hpp"
 #include "path/cut_check.hpp"
 
 namespace millpose {
 
-long long CheckInParallel(const World& world, size_t count, int threads, std::stop_token stop,
-                          const std::function<void(Checker&, size_t)>& work) {
+CheckCounts CheckInParallel(const World& world, size_t count, int threads, std::stop_token stop,
+                            const std::function<void(Checker&, size_t)>& work) {
   // Chunks of fixed size, a checker each: what a checker remembers cannot depend on the number of threads.
   constexpr size_t kChunk = 16;
   const size_t chunks = (count + kChunk - 1) / kChunk;
-  std::vector<long long> poses(chunks, 0);
+  std::vector<CheckCounts> counts(chunks);
   ParallelFor(chunks, threads, stop, [&](size_t chunk) {
     Checker checker(world);
     for (size_t i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) work(checker, i);
-    poses[chunk] = checker.poses_checked();
+    counts[chunk] = checker.counts();
   });
-  return std::accumulate(poses.begin(), poses.end(), 0LL);
+  CheckCounts sum;
+  for (const CheckCounts& chunk : counts) sum += chunk;
+  return sum;
 }
 
 std::string Describe(const Interference& interference) {
@@ -39,6 +40,7 @@ StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::vector<Lay
       threads_(threads),
       stop_(std::move(stop)),
       verdict_(layers.size()),
+      memory_(layers.size()),
       struck_(layers.size()),
       free_(layers.size()),
       detail_(layers.size()) {
@@ -67,7 +69,7 @@ bool StrikeOut::Check(const Sequence& sequence) {
   flood_ = std::min(2 * flood_, count);
 
   std::vector<char> barred(count, 0);
-  poses_checked_ += CheckInParallel(world_, count, threads_, stop_, [&](Checker& checker, size_t t) {
+  counts_ += CheckInParallel(world_, count, threads_, stop_, [&](Checker& checker, size_t t) {
     const size_t to = (t + 1) % count;
     if (to == 0 ? !sequence.closed : bool(sequence.break_before[to])) return;
     barred[t] = !CheckMotion(checker, t, to, sequence);
@@ -87,7 +89,7 @@ std::vector<StrikeOut::Interval> StrikeOut::CheckNodes(const std::vector<std::pa
     if (k == 0 || nodes[k].first != nodes[k - 1].first) begin.push_back(k);
   }
   std::vector<std::optional<Interval>> found(nodes.size());
-  poses_checked_ += CheckInParallel(world_, begin.size(), threads_, stop_, [&](Checker& checker, size_t i) {
+  counts_ += CheckInParallel(world_, begin.size(), threads_, stop_, [&](Checker& checker, size_t i) {
     const size_t end = i + 1 < begin.size() ? begin[i + 1] : nodes.size();
     for (size_t k = begin[i]; k < end; ++k) found[k] = CheckNode(checker, nodes[k].first, nodes[k].second);
   });
@@ -131,7 +133,8 @@ std::optional<StrikeOut::Interval> StrikeOut::CheckNode(Checker& checker, size_t
   const auto strikes = [&](size_t k) {
     Verdict& verdict = verdict_[layer][k];
     if (verdict != Verdict::kUnknown) return false;
-    const auto hit = checker.At(layers_[layer].joints.At(k), Phase::kCutting);
+    const auto hit =
+        checker.At(layers_[layer].joints.At(k), Phase::kCutting, layers_[layer].freedoms[k], memory_[layer]);
     verdict = hit ? Verdict::kStruck : Verdict::kFree;
     if (hit) {
       detail_[layer] = Describe(*hit);

@@ -3,15 +3,15 @@
 
 #include <stop_token>
 
-#include "cell/world.hpp"
+#include "cell/point_memory.hpp"
 #include "motion/line.hpp"
 #include "path/layered_search.hpp"
 
 namespace millpose {
 
-/// Runs `work(checker, i)` for i in 0..count−1 in parallel with a few checkers; returns the poses checked.
-long long CheckInParallel(const World& world, size_t count, int threads, std::stop_token stop,
-                          const std::function<void(Checker&, size_t)>& work);
+/// Runs `work(checker, i)` for i in 0..count−1 in parallel with a few checkers.
+CheckCounts CheckInParallel(const World& world, size_t count, int threads, std::stop_token stop,
+                            const std::function<void(Checker&, size_t)>& work);
 
 /// One line: which two bodies, how near, where.
 std::string Describe(const Interference& interference);
@@ -33,7 +33,7 @@ class StrikeOut {
   void StrikeBarred(const Sequence& sequence, Extent extent);
 
   std::span<const StruckEdges> struck_edges() const { return struck_; }
-  long long poses_checked() const { return poses_checked_; }
+  const CheckCounts& counts() const { return counts_; }
   int nodes_struck() const { return nodes_struck_; }
   /// Nodes whose interference was asked for.
   long long nodes_checked() const;
@@ -60,11 +60,12 @@ class StrikeOut {
   int threads_;
   std::stop_token stop_;
   std::vector<std::vector<Verdict>> verdict_;
+  std::vector<PointMemory> memory_;  // per layer
   std::vector<StruckEdges> struck_, free_;
   std::vector<std::string> detail_;
   std::vector<size_t> barred_;  // layers whose motions interfered in the last check
   size_t flood_ = 4;            // layers to follow interference to either side, at the next check
-  long long poses_checked_ = 0;
+  CheckCounts counts_;
   int nodes_struck_ = 0;
 };
 

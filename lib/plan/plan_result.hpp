@@ -78,6 +78,8 @@ struct PassResult {
   int nodes_struck = 0;         ///< struck out for interference
   long long nodes = 0;          ///< candidates of the layered search
   long long nodes_checked = 0;  ///< of them, for interference: the others never had to be
+  long long pairs_checked = 0;  ///< pairs of bodies looked at for these candidates
+  long long pairs_saved = 0;    ///< and not looked at again: known from another pose of the point
   Smoothing smoothing;
   std::vector<int> uncut;  ///< points after which the pass is split and the step to the next is not cut
 };

@@ -170,6 +170,8 @@ void Fields(Archive& a, PassResult& p) {
   a("nodes_struck", p.nodes_struck);
   a("nodes", p.nodes);
   a("nodes_checked", p.nodes_checked);
+  a("pairs_checked", p.pairs_checked);
+  a("pairs_saved", p.pairs_saved);
   a("smoothing", p.smoothing);
   a("uncut", p.uncut);
 }

@@ -52,6 +52,8 @@ PlanFigures Figures(const PlanResult& plan) {
     figures.poses_checked += pass.poses_checked;
     figures.candidates += pass.nodes;
     figures.candidates_checked += pass.nodes_checked;
+    figures.pairs_checked += pass.pairs_checked;
+    figures.pairs_saved += pass.pairs_saved;
     figures.pieces += pass.pieces.size();
     for (const PlannedPoint& point : pass.points) {
       ++figures.total;

@@ -100,7 +100,9 @@ struct PlanFigures {
   std::optional<double> smoothing_loss;      ///< Σ f after ÷ before smoothing − 1
   long long poses_checked = 0;               ///< for interference, in passes and gaps
   long long candidates = 0, candidates_checked = 0;  ///< of the layered search; the rest was never asked for
-  std::optional<PaperFigures> paper;                 ///< with formulation paper
+  long long pairs_checked = 0,
+            pairs_saved = 0;          ///< of bodies, for them; saved: known from another pose there
+  std::optional<PaperFigures> paper;  ///< with formulation paper
 };
 PlanFigures Figures(const PlanResult& plan);
 

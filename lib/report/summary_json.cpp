@@ -174,7 +174,9 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["interference"] = {{"poses_checked", figures.poses_checked},
                           {"candidates", figures.candidates},
                           {"candidates_checked", figures.candidates_checked},
-                          {"candidates_never_checked", figures.candidates - figures.candidates_checked}};
+                          {"candidates_never_checked", figures.candidates - figures.candidates_checked},
+                          {"pairs_checked", figures.pairs_checked},
+                          {"pairs_saved", figures.pairs_saved}};
   json["clearance_min_mm"] = OrNull(figures.clearance_min);
   json["cell"] = {{"name", plan.cell},
                   {"robot", plan.arm.name},
