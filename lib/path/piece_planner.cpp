@@ -50,8 +50,6 @@ class PiecePlanner {
       assert((fits || !all_turns_) && "nodes of single turns lie within the bounds");
       if (!fits && !all_turns_) return std::nullopt;
     }
-    plan_.unsmoothed = plan_.nodes;
-    for (const Piece& piece : plan_.pieces) Smooth(piece);
     plan_.poses_checked += checker_.poses_checked();
     return std::move(plan_);
   }
@@ -191,18 +189,6 @@ class PiecePlanner {
     return !hits.any();
   }
 
-  void Smooth(const Piece& piece) {
-    const std::span<PathNode> path = NodesOf(piece);
-    SmoothOptions options;
-    options.loss = context_.options.smoothing_loss;
-    options.max_step = context_.options.max_joint_step;
-    options.max_deviation = context_.options.max_deviation;
-    options.closed = piece.closed;
-    options.stop = context_.stop;
-    SmoothFree(std::span(context_.scorers).subspan(piece.first, path.size()),
-               context_.points.subspan(piece.first, path.size()), options, checker_, path);
-  }
-
   /// Makes the joints of a piece continuous and moves each by as few full turns as bring all of the piece
   /// within the bounds. False when no number of turns does.
   bool Unwind(const Piece& piece) {
@@ -256,6 +242,25 @@ class PiecePlanner {
 
 std::optional<PassPlan> PlanPieces(const PassContext& context, bool all_turns) {
   return PiecePlanner(context, all_turns).Plan();
+}
+
+void SmoothPieces(const PassContext& context, PassPlan& plan) {
+  const Carrier carrier{context.problem.arm, context.problem.X_WB, context.problem.X_FT};
+  PieceChecker checker(context.world, carrier, context.options.swept_resolution, context.threads,
+                       context.stop);
+  plan.unsmoothed = plan.nodes;
+  for (const Piece& piece : plan.pieces) {
+    const auto first = static_cast<size_t>(piece.first), count = static_cast<size_t>(piece.last) - first + 1;
+    SmoothOptions options;
+    options.loss = context.options.smoothing_loss;
+    options.max_step = context.options.max_joint_step;
+    options.max_deviation = context.options.max_deviation;
+    options.closed = piece.closed;
+    options.stop = context.stop;
+    SmoothFree(std::span(context.scorers).subspan(first, count), context.points.subspan(first, count),
+               std::move(options), checker, std::span(plan.nodes).subspan(first, count));
+  }
+  plan.poses_checked += checker.poses_checked();
 }
 
 }  // namespace millpose

@@ -26,7 +26,7 @@ struct PassContext {
 /// A pass cut into pieces.
 struct PassPlan {
   std::vector<PathNode> nodes;       ///< one per point; holds where `piece` is not −1
-  std::vector<PathNode> unsmoothed;  ///< the same before smoothing
+  std::vector<PathNode> unsmoothed;  ///< the same before SmoothPieces
   std::vector<int> piece;            ///< per point, −1 for a skipped one
   std::vector<Piece> pieces;
   std::vector<std::string> interference;  ///< per point: what barred it; empty when nothing did
@@ -37,8 +37,11 @@ struct PassPlan {
   long long pairs_checked = 0, pairs_saved = 0;      ///< of bodies, at these nodes
 };
 
-/// Layered search, strike-out of what interferes, refinement, splits, smoothing. Empty when, with all_turns
+/// Layered search, strike-out of what interferes, refinement, splits. Empty when, with all_turns
 /// false, a piece winds a joint out of its limits (Layer); with all_turns there is always a plan.
 std::optional<PassPlan> PlanPieces(const PassContext& context, bool all_turns);
+
+/// Smooths every piece of a plan; it stays free of interference.
+void SmoothPieces(const PassContext& context, PassPlan& plan);
 
 }  // namespace millpose

@@ -33,6 +33,7 @@ class SplitPlanner {
       planned.plan = PlanTurned(*planned.points->context);
       planned.plan.poses_checked += poses;
     }
+    SmoothPieces(*planned.points->context, planned.plan);  // once: what is tried and given up stays rough
     const std::vector<SplitPoint>& points = planned.points->points;
     for (const Tried& tried : splits_) {
       if (tried.split.overlap.by != OverlapChoice::By::kNone) continue;

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Passes with something in the way.
+#include "tests/path/pass_problem.hpp"
+
+namespace millpose {
+namespace {
+
+/// A ball at the wrist and a ball in its way, where the wrist stood at point `t` of `result`.
+Cell CellWithBallAt(const PoseProblem& problem, const PassResult& result, size_t t, double radius) {
+  Cell cell = EmptyCell(problem);
+  Body wrist{.name = "wrist",
+             .body_class = BodyClass::kLink,
+             .mount = Mount::kLink,
+             .link = 5,
+             .shape = Sphere{100}};
+  Body ball{
+      .name = "ball", .body_class = BodyClass::kFixture, .mount = Mount::kWorld, .shape = Sphere{radius}};
+  ball.X_MG.translation() = (problem.X_WB * LinkFrames(problem.arm, result.points[t].q)[5]).translation();
+  cell.bodies = {wrist, ball};
+  return cell;
+}
+
+TEST(PlanPass, GoesRoundWhatIsInTheWay) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const Pass pass = Row(-60, 60, 24);
+  const PassResult before = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, Options(), 2, {});
+  const World world(CellWithBallAt(problem, before, 12, 30));
+  ASSERT_TRUE(Checker(world).At(before.points[12].q, Phase::kCutting).has_value());
+  const PassResult result = PlanPass(problem, world, pass, 0, 0, Options(), 2, {});
+  ExpectSound(problem, Options(), pass, result);
+  EXPECT_GT(result.nodes_struck, 0);
+  EXPECT_GT(result.poses_checked, 0);
+  double objective = 0, objective_before = 0;
+  Checker checker(world);
+  for (size_t t = 0; t < pass.points.size(); ++t) {
+    ASSERT_EQ(result.points[t].skip, SkipReason::kNone) << t << result.points[t].detail;
+    EXPECT_FALSE(checker.At(result.points[t].q, Phase::kCutting).has_value());
+    objective += result.points[t].objective;
+    objective_before += before.points[t].objective;
+  }
+  for (const Piece& piece : result.pieces) {
+    for (int t = piece.first; t < piece.last; ++t) {
+      EXPECT_FALSE(checker.Between(result.points[t].q, result.points[t + 1].q, Phase::kCutting).has_value());
+    }
+  }
+  EXPECT_GT(objective, objective_before);  // the way round costs stiffness
+}
+
+TEST(PlanPass, SaysWhichBodiesBarAPoint) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  Pass pass = Row(-100, 100, 16);
+  const PassResult before = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, Options(), 2, {});
+  Cell cell = EmptyCell(problem);
+  Body spindle{
+      .name = "spindle", .body_class = BodyClass::kSpindle, .mount = Mount::kTool, .shape = Cylinder{8, 200}};
+  spindle.X_MG.translation().z() = 200;
+  Body rod{.name = "rod", .body_class = BodyClass::kFixture, .mount = Mount::kWorld, .shape = Sphere{2}};
+  rod.X_MG.translation() = pass.points[6].position + 200 * pass.points[6].tool_axis;
+  cell.bodies = {spindle, rod};
+  const PassResult result = PlanPass(problem, World(cell), pass, 0, 0, Options(), 2, {});
+  ExpectSound(problem, Options(), pass, result);
+  EXPECT_EQ(result.points[6].skip, SkipReason::kInterference);
+  EXPECT_NE(result.points[6].detail.find("spindle"), std::string::npos) << result.points[6].detail;
+  EXPECT_NE(result.points[6].detail.find("rod"), std::string::npos) << result.points[6].detail;
+  EXPECT_EQ(result.points[0].skip, SkipReason::kNone);
+  EXPECT_EQ(result.points[15].skip, SkipReason::kNone);
+}
+
+}  // namespace
+}  // namespace millpose
