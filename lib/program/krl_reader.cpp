@@ -74,15 +74,25 @@ class KrlReader : public ProgramReader {
   }
 
   void ReadSubprogram(LineScanner& scan) {
+    static const std::vector<std::string> statements = {
+        "PTP",       "LIN",       "SPLINE",    "SLIN",      "ENDSPLINE", "TRIGGER WHEN",
+        "WAIT SEC",  "WAIT FOR",  "HALT",      "$BASE",     "$TOOL",     "$VEL.CP",
+        "$VEL.ORI1", "$VEL.ORI2", "$ACC.CP",   "BAS",       "$ACC.ORI1", "$ACC.ORI2",
+        "$APO.CDIS", "$ADVANCE",  "$ORI_TYPE", "INTERRUPT", "END"};
+    const size_t start = scan.Next();
     const auto name = scan.AcceptName();
     if (name && scan.Accept(":")) return;  // a label
     if (name && scan.Accept("(") && scan.Accept(")") && ReadCall(scan, *name)) {
       defined_ = true;
       return;
     }
-    scan.Fail(
-        "PTP, LIN, $BASE, $TOOL, $VEL.CP, $APO.CDIS, TRIGGER, a label, the call of a file of the program or "
-        "another statement of a milling program expected");
+    const std::string word =
+        name.value_or("") + (scan.Accept(".") ? "." + scan.AcceptName().value_or("") : "");
+    const std::string nearest = NearestName(word, statements);
+    scan.FailFrom(start, fmt::format("{}, a label or the call of a file of the program expected (spindle and "
+                                     "outputs: the cell's texts, TRIGGER){}",
+                                     fmt::join(statements, ", "),
+                                     nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest)));
   }
 
   /// Statements that set something, or wait; false when it is another.
@@ -111,8 +121,10 @@ class KrlReader : public ProgramReader {
       ReadTrigger(scan);
     } else if (scan.Accept("$ADVANCE")) {
       scan.Expect("=");
+      const size_t start = scan.Next();
       const double motions = scan.ExpectNumber();
-      if (motions < 0 || motions > 5 || motions != std::round(motions)) scan.Fail("0 to 5 expected before");
+      if (motions < 0 || motions > 5 || motions != std::round(motions))
+        scan.FailFrom(start, "0 to 5 expected");
     } else if (scan.Accept("$ORI_TYPE")) {
       scan.Expect("=");
       scan.Expect("#VAR");
@@ -120,6 +132,8 @@ class KrlReader : public ProgramReader {
       ReadBas(scan);
     } else if (scan.Accept("WAIT SEC")) {
       scan.ExpectNumber();
+    } else if (scan.Accept("WAIT FOR")) {
+      if (scan.Rest().empty()) scan.Fail("what to wait for expected");
     } else if (scan.Accept("GLOBAL INTERRUPT DECL 3 WHEN $STOPMESS==TRUE DO IR_STOPM")) {
       scan.Expect("(");
       scan.Expect(")");
@@ -131,8 +145,9 @@ class KrlReader : public ProgramReader {
 
   static double ReadPositive(LineScanner& scan) {
     scan.Expect("=");
+    const size_t start = scan.Next();
     const double value = scan.ExpectNumber();
-    if (!(value > 0)) scan.Fail("a number above 0 expected before");
+    if (!(value > 0)) scan.FailFrom(start, "a number above 0 expected");
     return value;
   }
 
@@ -143,7 +158,8 @@ class KrlReader : public ProgramReader {
   void ReadTrigger(LineScanner& scan) {
     scan.Expect(spline_ ? "PATH" : "DISTANCE");
     scan.Expect("=");
-    if (scan.ExpectNumber() != 0) scan.Fail("0 expected before: switching where the next motion begins");
+    const size_t start = scan.Next();
+    if (scan.ExpectNumber() != 0) scan.FailFrom(start, "0 expected (switching where the next motion begins)");
     if (spline_) scan.Expect("ONSTART");
     PathOutput output;
     scan.Expect("DELAY");
@@ -165,12 +181,13 @@ class KrlReader : public ProgramReader {
     const bool speed = scan.Accept("#VEL_PTP");
     if (!speed) scan.Expect("#INITMOV");
     scan.Expect(",");
+    const size_t start = scan.Next();
     const double value = scan.ExpectNumber();
-    scan.Expect(")");
     Stated(speed ? kPtpSpeed : kDefaults);
     const double most = std::round(settings_.ptp_share * 100);
     if (speed && (value <= 0 || value > most))
-      scan.Fail(fmt::format("at most {} % before (the cell's ptp_speed_percent)", most));
+      scan.FailFrom(start, fmt::format("1 to {} % expected (the cell's ptp_speed_percent)", most));
+    scan.Expect(")");
   }
 
   /// {X 1,Y 2,…} or {FRAME: X 1,…}: the fields by name in upper case.

@@ -51,11 +51,14 @@ class LinuxCncReader : public ProgramReader {
       return scan.ExpectEnd();
     }
     while (!scan.AtEnd()) {
-      if (scan.AcceptAddress('G')) {
+      const size_t start = scan.Next();
+      if (scan.Accept("(")) {
+        SkipComment(scan);
+      } else if (scan.AcceptAddress('G')) {
         const double g = scan.ExpectNumber();
         dwell = dwell || g == 4;
         rounds = rounds || g == 64;
-        ReadG(scan, g);
+        ReadG(scan, g, start);
       } else if (scan.AcceptAddress('F')) {
         feed = scan.ExpectNumber();
       } else if (scan.AcceptAddress('P')) {
@@ -70,7 +73,8 @@ class LinuxCncReader : public ProgramReader {
           if (!scan.AcceptAddress('P')) scan.Fail("P and the number of an output expected");
           AddOutput({static_cast<int>(scan.ExpectNumber()), m == 62, 0, true});
         } else if (m != 0 && m != 1) {
-          scan.Fail("M0, M1, M2, M30, M62 or M63 expected");
+          scan.FailFrom(start,
+                        "M0, M1, M2, M30, M62 or M63 expected (spindle and coolant: the cell's texts)");
         }
       } else {
         moves = ReadAxis(scan, words) || moves;
@@ -86,6 +90,11 @@ class LinuxCncReader : public ProgramReader {
     if (moves && !cartesian_) AddTarget(scan, words, feed);
   }
 
+  static void SkipComment(LineScanner& scan) {
+    while (scan.Peek() != ')' && scan.Peek() != '\0') scan.Skip();
+    scan.Expect(")");
+  }
+
   bool ReadAxis(LineScanner& scan, std::array<std::optional<double>, 6>& words) {
     for (int i = 0; i < 6; ++i) {
       if (!scan.AcceptAddress("XYZABC"[i])) continue;
@@ -96,7 +105,7 @@ class LinuxCncReader : public ProgramReader {
     scan.Fail("a word of a milling program expected");
   }
 
-  void ReadG(const LineScanner& scan, double g) {
+  void ReadG(const LineScanner& scan, double g, size_t start) {
     static const std::vector<double> neutral = {4, 17, 21, 40, 49, 59.3, 90, 92.1};
     Stated(fmt::format("G{}", g));
     if (g == 0 || g == 1) {
@@ -107,7 +116,8 @@ class LinuxCncReader : public ProgramReader {
     } else if (g == 64 || g == 61.1 || g == 61) {
       blending_ = g == 64;
     } else if (std::find(neutral.begin(), neutral.end(), g) == neutral.end()) {
-      scan.Fail("G0, G1, G4, G17, G21, G40, G49, G59.3, G61, G61.1, G64, G90, G92.1, G93 or G94 expected");
+      scan.FailFrom(
+          start, "G0, G1, G4, G17, G21, G40, G49, G59.3, G61, G61.1, G64, G90, G92.1, G93 or G94 expected");
     }
   }
 

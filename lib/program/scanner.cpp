@@ -143,6 +143,16 @@ std::string LineScanner::Rest() {
   return rest;
 }
 
+size_t LineScanner::Next() {
+  SkipSpace();
+  return position_;
+}
+
+void LineScanner::FailFrom(size_t start, const std::string& message) const {
+  throw InputError(Place{file_, number_, static_cast<int>(start) + 1, -1},
+                   fmt::format("{}, but '{}' given", message, Trim(line_.substr(start, position_ - start))));
+}
+
 void LineScanner::Fail(const std::string& message) const {
   const std::string given(Trim(line_.substr(std::min(position_, line_.size()))));
   throw InputError(

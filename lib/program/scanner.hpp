@@ -42,7 +42,12 @@ class LineScanner {
   int ExpectBits();                         ///< 'B0101'
   std::optional<std::string> AcceptName();  ///< letters, digits, '_', '$'; upper case as written
   std::string Rest();                       ///< takes what is left, trimmed
+  /// Where the next word begins, for FailFrom().
+  size_t Next();
+  /// What comes next is wrong.
   [[noreturn]] void Fail(const std::string& message) const;
+  /// What was taken from `start` (Next() before) on is wrong.
+  [[noreturn]] void FailFrom(size_t start, const std::string& message) const;
   int number() const { return number_; }
 
  private:

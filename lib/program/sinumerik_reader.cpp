@@ -49,11 +49,12 @@ class SinumerikReader : public ProgramReader {
 
   /// A label or the call of a sub-program.
   void ReadName(LineScanner& scan) {
+    const size_t start = scan.Next();
     const auto name = scan.AcceptName();
     if (name && scan.Accept(":")) return;
-    if (!name || !scan.AtEnd() || !ReadCall(scan, *name)) {
-      scan.Fail("a word of a milling program or the call of a file of the program expected");
-    }
+    const char* message = "a word of a milling program or the call of a file of the program expected";
+    if (!name) scan.Fail(message);
+    if (!scan.AtEnd() || !ReadCall(scan, *name)) scan.FailFrom(start, message);
   }
 
   /// A letter directly followed by a number (X1.5) or by '=' and a number (A=1.5).
@@ -93,6 +94,7 @@ class SinumerikReader : public ProgramReader {
   }
 
   bool ReadStatement(LineScanner& scan, Block& block) {
+    const size_t start = scan.Next();
     if (scan.Accept("TRAORI")) {
       transformed_ = true;
     } else if (scan.Accept("TRAFOOF")) {
@@ -114,12 +116,13 @@ class SinumerikReader : public ProgramReader {
     } else if (const auto feed = AcceptAddress(scan, 'F')) {
       if (!block.dwell) feed_ = *feed / 60;
     } else if (const auto g = AcceptAddress(scan, 'G')) {
-      ReadG(scan, *g, block);
+      ReadG(scan, *g, start, block);
     } else if (const auto m = AcceptAddress(scan, 'M')) {
       if (*m == (InSubprogram() ? 17 : 30)) {
         EndFile();
       } else if (*m != 6 && *m != 0 && *m != 1) {
-        scan.Fail(fmt::format("M0, M1, M6 or M{} expected", InSubprogram() ? 17 : 30));
+        scan.FailFrom(start, fmt::format("M0, M1, M6 or M{} expected (spindle and coolant: the cell's texts)",
+                                         InSubprogram() ? 17 : 30));
       }
     } else {
       return AcceptAddress(scan, 'D').has_value();
@@ -141,7 +144,7 @@ class SinumerikReader : public ProgramReader {
     if (!off) tolerances_ = {position, orientation};
   }
 
-  void ReadG(LineScanner& scan, double g, Block& block) {
+  void ReadG(const LineScanner& scan, double g, size_t start, Block& block) {
     static const std::vector<double> allowed = {17, 40, 54, 90, 94, 642, 710};
     Stated(fmt::format("G{}", g));
     if (g == 0 || g == 1) {
@@ -151,7 +154,7 @@ class SinumerikReader : public ProgramReader {
     } else if (g == 4) {
       block.dwell = true;
     } else if (std::find(allowed.begin(), allowed.end(), g) == allowed.end()) {
-      scan.Fail("G0, G1, G4, G9, G17, G40, G54, G90, G94, G642 or G710 expected");
+      scan.FailFrom(start, "G0, G1, G4, G9, G17, G40, G54, G90, G94, G642 or G710 expected");
     }
   }
 

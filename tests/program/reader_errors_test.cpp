@@ -52,6 +52,31 @@ TEST(ReaderErrors, KrlNamesLineAndColumn) {
   EXPECT_EQ(ProblemsWith("krl", "; job", "; the usual job").size(), 0u);
 }
 
+TEST(ReaderErrors, SaysWhatWasGivenWhereItStands) {
+  struct Case {
+    const char *controller, *text, *with, *given, *hint;
+  };
+  for (const auto& [controller, text, with, given, hint] : {
+           Case{"krl", "LIN {X", "LINN {X", "'LINN'", "did you mean LIN?"},
+           Case{"krl", "$VEL.CP", "$VEL.PC", "'$VEL.PC'", "did you mean $VEL.CP?"},
+           Case{"krl", "LIN {X", "$OUT[7]=TRUE\nLIN {X", "'$OUT'", "outputs: the cell's texts"},
+           Case{"krl", "$VEL.CP = ", "$VEL.CP = -", "'-0.", "a number above 0"},
+           Case{"sinumerik", "\nG1 X", "\nG91 G1 X", "'G91'", "G90"},
+           Case{"sinumerik", "\nG1 X", "\nM8\nG1 X", "'M8'", "coolant: the cell's texts"},
+           Case{"sinumerik", "\nG1 X", "\nSTOPRE\nG1 X", "'STOPRE'", "a word of a milling program"},
+           Case{"linuxcnc", "\nG1 X", "\nG2 X", "'G2'", "G1"},
+           Case{"linuxcnc", "\nG1 X", "\nM8\nG1 X", "'M8'", "coolant: the cell's texts"},
+       }) {
+    const std::vector<Problem> problems = ProblemsWith(controller, text, with);
+    ASSERT_GE(problems.size(), 1u) << with;
+    EXPECT_NE(problems[0].message.find(std::string(", but ") + given), std::string::npos)
+        << problems[0].message;
+    EXPECT_NE(problems[0].message.find(hint), std::string::npos) << problems[0].message;
+    EXPECT_GT(problems[0].place.line, 1);
+    EXPECT_EQ(problems[0].place.column, with[0] == '$' && given[1] == '-' ? 11 : 1) << problems[0].message;
+  }
+}
+
 TEST(ReaderErrors, AllProblemsAtOnce) {
   const auto post = MakePost("krl");
   const std::string text =

@@ -304,6 +304,9 @@ std::vector<TextEdit> HarmlessEdits() {
   return {
       {"comment added", "KSL", ReplaceAll("\n((LIN|G1|G9) [^\n]*)\n", "\n; checked by hand\n$1\n")},
       {"comment behind a block", "KSL", ReplaceIn(kCut, 2, "$", " ; here")},
+      {"comment in a block", "L", ReplaceIn(kCut, 2, "^G1", "G1 (checked by hand)")},
+      {"comment after a block", "L", ReplaceIn(kCut, 2, "$", " (here)")},
+      {"wait for an input", "K", ReplaceAll("\n(PTP \\{X)", "\nWAIT FOR $$IN[3]\n$1")},
       {"comments removed", "KSL", ReplaceAll("\n; [^\n]*", "")},
       {"pass marks removed", "KSL", ReplaceAll("\n(;|MSG)[^\n]*PASS[^\n]*", "")},
       {"blank lines", "KSL", ReplaceAll("\n", "\n\n")},
