@@ -19,6 +19,7 @@
 #include "program/controller_axes.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/program/interpreter.hpp"
+#include "tests/program/left_out.hpp"
 #include "tests/samples/program_case.hpp"
 #include "tests/verify/damage.hpp"
 #include "tests/verify/same_motions.hpp"
@@ -164,6 +165,18 @@ TEST(Samples, EveryControllerTakesTheSamePath) {
         }
       }
     }
+  }
+}
+
+TEST(Samples, WhatIsLeftOutStaysWithinItsTolerances) {
+  for (const std::string& name : SampleNames()) {
+    const ProgramMotions motions = MakeCase(SampleOf(name), "krl").motions;
+    const LeftOut left = MeasureLeftOut(motions.planned, motions.written);
+    EXPECT_EQ(left.count, motions.saved) << name;
+    EXPECT_LE(left.position, 0.01) << name;
+    EXPECT_LE(left.angle, 0.02 * kRadPerDeg) << name;
+    fmt::print("{}: {} points left out, at most {:.4f} mm and {:.4f} deg\n", name, left.count, left.position,
+               left.angle * kDegPerRad);
   }
 }
 
