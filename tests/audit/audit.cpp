@@ -247,8 +247,10 @@ Verdict Audit(const Folder& folder, const Options& options) {
     const Deviation deviation = Compare(targets, cuts, folder.setup);
     figures.Raise("program_deviation_mm_" + controller, deviation.position, deviation.where);
     figures.Raise("program_deviation_deg_" + controller, deviation.angle / kDegree, deviation.where);
-    // The one that is in joint space throughout.
-    if (controller == "linuxcnc" && !targets.empty()) gaps = GapMotions(targets, cuts);
+    // The one that may be in joint space throughout.
+    const bool joints =
+        std::ranges::all_of(targets, [](const Target& target) { return target.angles.has_value(); });
+    if (controller == "linuxcnc" && joints && !targets.empty()) gaps = GapMotions(targets, cuts);
   }
   if (gaps.empty()) gaps = PlannedGapMotions(folder.setup, folder.gaps, cuts);
   AuditGapLimits(folder.setup, gaps, figures);

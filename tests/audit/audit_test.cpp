@@ -151,6 +151,24 @@ TEST_F(AuditTest, AWrongLineOfAProgramIsItsDeviation) {
   EXPECT_EQ(Broken(texts), Names{"program_deviation_mm_linuxcnc"});
 }
 
+TEST_F(AuditTest, ToolPosesOfLinuxCncAreReadToo) {
+  const Verdict verdict = Judged(MakeFolder({.cartesian = true}));
+  EXPECT_TRUE(verdict.Holds()) << ToJson(verdict);
+  EXPECT_LT(verdict["program_deviation_mm_linuxcnc"].value, 1e-3);
+  EXPECT_LT(verdict["program_deviation_deg_linuxcnc"].value, 1e-3);
+  const std::string name = "out/programs/linuxcnc/by_hand.ngc";
+  for (const auto& [word, by, figure] : {std::tuple{"Y", 0.05, "program_deviation_mm_linuxcnc"},
+                                         std::tuple{"A", 0.05, "program_deviation_deg_linuxcnc"}}) {
+    Texts texts = MakeFolder({.cartesian = true});
+    size_t line = 0, poses = 0;
+    std::istringstream stream(texts[name]);
+    for (std::string text; std::getline(stream, text) && poses < 3; ++line)
+      poses += text.find(" F80") != std::string::npos;
+    EditLine(texts[name], line - 1, [&](const std::string& text) { return AddAfter(text, word, by); });
+    EXPECT_EQ(Broken(texts), Names{figure});
+  }
+}
+
 TEST_F(AuditTest, AMissingEndOfAProgramIsADeviation) {
   Texts texts = MakeFolder({});
   std::string& krl = texts["out/programs/krl/by_hand.src"];

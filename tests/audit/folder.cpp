@@ -181,6 +181,8 @@ void ReadControllers(const YAML::Node& controllers, Setup* setup) {
   setup->krl_tool_axis = text("krl", "tool_axis", "z");
   setup->sinumerik_tool_axis = text("sinumerik", "tool_axis", "z");
   setup->sinumerik_rotation = text("sinumerik", "rotation", "rpy");
+  setup->linuxcnc_tool_axis = text("linuxcnc", "tool_axis", "z");
+  setup->linuxcnc_rotation = text("linuxcnc", "rotation", "rpy");
 }
 
 void ReadSprings(const YAML::Node& compliances, Setup* setup) {

@@ -64,7 +64,8 @@ struct Setup {
   Real spacing = 0;     ///< mm
   bool rings = false;   ///< passes may be closed
   std::string krl_tool_axis = "z", sinumerik_tool_axis = "z", sinumerik_rotation = "rpy";
-  std::vector<Body> bodies;  ///< the workpiece last
+  std::string linuxcnc_tool_axis = "z", linuxcnc_rotation = "rpy";  ///< of tool poses
+  std::vector<Body> bodies;                                         ///< the workpiece last
   std::vector<std::pair<std::string, std::string>> excluded_pairs;
   std::optional<UrdfArm> urdf;                      ///< of a cell that names one
   Real clearance_free = 10, clearance_cutting = 2;  ///< mm

@@ -104,7 +104,8 @@ std::string BlockStl() {
 /// Writes the three programs side by side.
 class Programs {
  public:
-  Programs(const Setup& setup, const Matrix4& X_BP) : setup_(setup), X_BP_(X_BP) {
+  Programs(const Setup& setup, const Matrix4& X_BP, bool cartesian)
+      : setup_(setup), X_BP_(X_BP), cartesian_(cartesian) {
     X_TC_ << 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 1;
     krl_ = fmt::format("DEF BY_HAND( )\n$BASE = {{FRAME: {}}}\n$TOOL = {{FRAME: {}}}\n", Krl(X_BP),
                        Krl(setup.X_FT * X_TC_));
@@ -125,7 +126,13 @@ class Programs {
                               static_cast<double>(X_PT(0, 3)), static_cast<double>(X_PT(1, 3)),
                               static_cast<double>(X_PT(2, 3)), static_cast<double>(abc[2]),
                               static_cast<double>(abc[1]), static_cast<double>(abc[0]));
-    LinuxCnc(angles);
+    if (!cartesian_) return LinuxCnc(angles);
+    const Matrix4 X_BT = setup_.X_WB.inverse() * Tool(setup_, angles);
+    const Vector3 turned = AbcOf(X_BT);
+    linuxcnc_ += fmt::format("M68 E3 Q0\nG1 X{:.4f} Y{:.4f} Z{:.4f} A{:.6f} B{:.6f} C{:.6f} F80\n",
+                             static_cast<double>(X_BT(0, 3)), static_cast<double>(X_BT(1, 3)),
+                             static_cast<double>(X_BT(2, 3)), static_cast<double>(turned[2]),
+                             static_cast<double>(turned[1]), static_cast<double>(turned[0]));
   }
 
   void Joint(const Angles& angles) {
@@ -149,6 +156,7 @@ class Programs {
 
  private:
   void LinuxCnc(const Angles& angles) {
+    if (cartesian_) linuxcnc_ += "M68 E3 Q1\n";
     linuxcnc_ += "G1";
     for (size_t i = 0; i < 6; ++i)
       linuxcnc_ += fmt::format(" {}{:.6f}", "XYZABC"[i], static_cast<double>(angles[i] / kDegree));
@@ -164,6 +172,7 @@ class Programs {
 
   const Setup& setup_;
   Matrix4 X_BP_, X_TC_;
+  bool cartesian_;
   std::string krl_, sinumerik_, linuxcnc_;
 };
 
@@ -196,7 +205,7 @@ Texts MakeFolder(const Fault& fault) {
   const Matrix4 X_BP = FrameXyzAbc(xyz[0], xyz[1], xyz[2], abc[0], abc[1], abc[2]);
 
   Texts texts;
-  Programs programs(setup, X_BP);
+  Programs programs(setup, X_BP, fault.cartesian);
   programs.Joint(setup.home);
   std::string csv = kHeader;
   Real largest = -1e9L, second = -1e9L;  // A1

@@ -15,6 +15,7 @@ struct Fault {
   double rotation_deg = 0;      ///< one point's tool turned about its axis, everything else following it
   bool narrow_limits = false;   ///< the job's limits exclude the point with the largest A1
   bool fixture_in_way = false;  ///< a post stands where the spindle passes
+  bool cartesian = false;       ///< no fault: LinuxCNC's cuts as tool poses
 };
 
 /// Texts of a folder by name, as `plan` would leave it, with the cell and the mesh beside.

@@ -112,6 +112,14 @@ std::vector<Target> ReadKrl(const std::map<std::string, std::string>& files, con
   return targets;
 }
 
+/// Words X, Y, Z, A, B, C as a frame.
+Matrix4 Placed(const Fields& words, const std::string& rotation) {
+  const Real a = At(words, "A") * kDegree, b = At(words, "B") * kDegree, c = At(words, "C") * kDegree;
+  const Matrix4 place = Shift(At(words, "X"), At(words, "Y"), At(words, "Z"));
+  return rotation == "euler" ? Matrix4(place * Turn(2, a) * Turn(0, b) * Turn(2, c))
+                             : Matrix4(place * Turn(2, c) * Turn(1, b) * Turn(0, a));
+}
+
 std::vector<Target> ReadSinumerik(const std::map<std::string, std::string>& files, const Setup& setup) {
   static const std::regex frame(R"(.*\$P_UIFR\[\d+\]\s*=\s*CTRANS\(([^)]*)\)\s*:\s*CROT\(([^)]*)\).*)");
   static const std::regex pair(R"(([XYZ])\s*,\s*([-+]?[0-9.]+))");
@@ -147,12 +155,7 @@ std::vector<Target> ReadSinumerik(const std::map<std::string, std::string>& file
         moved = true;
       }
       if (!moved) continue;
-      const Real a = At(modal, "A"), b = At(modal, "B"), c = At(modal, "C");
-      Matrix4 X_PC = Shift(At(modal, "X"), At(modal, "Y"), At(modal, "Z"));
-      if (setup.sinumerik_rotation == "euler")
-        X_PC *= Turn(2, a * kDegree) * Turn(0, b * kDegree) * Turn(2, c * kDegree);
-      else
-        X_PC *= Turn(2, c * kDegree) * Turn(1, b * kDegree) * Turn(0, a * kDegree);
+      const Matrix4 X_PC = Placed(modal, setup.sinumerik_rotation);
       targets.push_back({line.file, line.number, std::nullopt, setup.X_WB * X_BP * X_PC * X_CT});
     } else {
       for (std::sregex_iterator it(text.begin(), text.end(), axes), end; it != end; ++it) {
@@ -165,20 +168,33 @@ std::vector<Target> ReadSinumerik(const std::map<std::string, std::string>& file
   return targets;
 }
 
+/// Six joints, or, between the default texts that switch the kinematics, the tool in the robot's base.
 std::vector<Target> ReadLinuxCnc(const std::map<std::string, std::string>& files, const Setup& setup) {
   static const std::regex comment(R"(\([^)]*\))");
   static const std::regex word(R"(([XYZABC])\s*([-+]?[0-9]*\.?[0-9]+))");
-  Angles angles = setup.home;
+  const Matrix4 X_CT = ToolFrame(setup.linuxcnc_tool_axis).inverse();
+  bool cartesian = false;
+  Fields joints, pose;
   std::vector<Target> targets;
   for (const Line& line : Whole(files, ".ngc")) {
     const std::string text = std::regex_replace(line.text, comment, "");
     if (text.starts_with("G10 ")) continue;  // sets an offset, moves nothing
+    if (text.starts_with("M68 E3")) cartesian = text.find("Q0") != std::string::npos;
+    Fields& modal = cartesian ? pose : joints;
     bool moved = false;
     for (std::sregex_iterator it(text.begin(), text.end(), word), end; it != end; ++it) {
-      angles[std::string("XYZABC").find((*it)[1].str())] = std::stold((*it)[2]) * kDegree;
+      modal[(*it)[1]] = std::stold((*it)[2]);
       moved = true;
     }
-    if (moved) targets.push_back(AtAngles(line, setup, angles));
+    if (!moved) continue;
+    if (cartesian) {
+      targets.push_back(
+          {line.file, line.number, std::nullopt, setup.X_WB * Placed(pose, setup.linuxcnc_rotation) * X_CT});
+      continue;
+    }
+    Angles angles = setup.home;
+    for (const auto& [name, value] : joints) angles[std::string("XYZABC").find(name)] = value * kDegree;
+    targets.push_back(AtAngles(line, setup, angles));
   }
   return targets;
 }
