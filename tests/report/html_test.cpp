@@ -150,6 +150,14 @@ TEST(ReportHtml, ShowsPredictedDeflectionsWhereThereAreSome) {
   EXPECT_TRUE(std::isnan(length[1]));
 }
 
+// The page names what the plan has as a number.
+TEST(ReportHtml, KnowsEveryReasonForSkipping) {
+  std::string reasons = "[\"\"";
+  for (int i = 1; i <= static_cast<int>(SkipReason::kGouge); ++i)
+    reasons += fmt::format(", \"{}\"", ToString(static_cast<SkipReason>(i)));
+  EXPECT_NE(SmallPage().find("m.SKIP_REASONS = " + reasons + "];"), std::string::npos) << reasons;
+}
+
 // A key that the page looks up and no column has would leave its chart out without a word.
 TEST(ReportHtml, EveryChartFindsItsColumns) {
   DeflectionReport report;
