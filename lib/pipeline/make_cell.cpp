@@ -2,24 +2,14 @@
 #include <map>
 
 #include "base/error.hpp"
-#include "base/trig.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/workpiece.hpp"
+#include "program/controller_axes.hpp"
 #include "surface/mesh_import.hpp"
 #include "surface/point_fit.hpp"
 
 namespace millpose {
 namespace {
-
-Eigen::Matrix3d Rotation(int axis, double angle) {
-  const SineCosine t = SinCos(angle);
-  const int j = (axis + 1) % 3, k = (axis + 2) % 3;
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  rotation(j, j) = rotation(k, k) = t.cos;
-  rotation(k, j) = t.sin;
-  rotation(j, k) = -t.sin;
-  return rotation;
-}
 
 BodyClass MakeBodyClass(const std::string& name) {
   static const std::map<std::string, BodyClass> classes = {
@@ -81,7 +71,7 @@ void AddTool(const ToolSettings& tool, Cell* cell) {
 
 Pose MakePose(const PoseSettings& settings) {
   Pose pose = Pose::Identity();
-  pose.linear() = Rotation(2, settings.abc[0]) * Rotation(1, settings.abc[1]) * Rotation(0, settings.abc[2]);
+  pose.linear() = FromAnglesZyx(settings.abc);
   pose.translation() = settings.position;
   return pose;
 }

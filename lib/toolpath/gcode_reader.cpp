@@ -1,41 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <map>
-#include <optional>
 #include <set>
 
 #include "base/text.hpp"
-#include "base/units.hpp"
-#include "toolpath/cam_path.hpp"
-#include "toolpath/gcode_arc.hpp"
-#include "toolpath/gcode_block.hpp"
-#include "toolpath/gcode_frame.hpp"
-#include "toolpath/gcode_way.hpp"
+#include "toolpath/gcode_motion.hpp"
 #include "toolpath/gcode_words.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr double kInch = 25.4;
-constexpr double kMaxLength = 1e7;  // mm
-
 using Kind = GcodeWord::Kind;
-using Vector = Eigen::Vector3d;
-
-// What stands in one block besides modal state.
-struct Block {
-  std::array<const GcodeWord*, 3> linear{}, rotary{}, centre{}, vector{};
-  const GcodeWord *radius = nullptr, *turns = nullptr;
-  bool machine = false;    // SUPA, G53: machine coordinates
-  bool reference = false;  // G28, G30
-  bool dwell = false;
-  bool HasLinear() const { return linear[0] || linear[1] || linear[2]; }
-  bool HasTurn() const { return rotary[0] || rotary[1] || rotary[2] || vector[0] || vector[1] || vector[2]; }
-};
 
 class GcodeReader {
  public:
   GcodeReader(std::string_view bytes, const std::string& name, const CamReadOptions& options)
-      : scanner_(bytes, name), name_(name), options_(options) {}
+      : scanner_(bytes, name),
+        name_(name),
+        motion_(options, modes_, path_, [this](const GcodeWord& word) { return ValueOf(word); }) {}
 
   CamPath Read() {
     GcodeBlock block;
@@ -51,23 +32,17 @@ class GcodeReader {
 
  private:
   void Take(const GcodeBlock& source) {
-    Block block;
-    line_ = source.line;
-    const GcodeWord& first = source.words[0];
     if (TakeDefinition(source)) return;
-    if (GcodeFrame::IsFrameWord(first.address)) {
-      frame_.Take(source, Unit(), [&](const GcodeWord& word) { return ValueOf(word); });
-      if (!(known_[0] && known_[1] && known_[2])) known_ = {};
-      if (known_[0]) at_ = frame_.ToProgrammed(base_);
-      return;
-    }
+    if (GcodeFrame::IsFrameWord(source.words[0].address)) return motion_.TakeFrame(source);
+    GcodeMove move;
+    move.place = source.words[0].place;
     for (const GcodeWord& word : source.words)
-      if (word.address == "G") TakeG(word, block);
+      if (word.address == "G") TakeG(word, move);
     for (const GcodeWord& word : source.words)
-      if (word.address != "G") TakeWord(word, block);
-    if (block.dwell) return;
-    SetFeed();
-    Move(block, source);
+      if (word.address != "G") TakeWord(word, move);
+    if (move.dwell) return;
+    modes_.SetFeed();
+    motion_.Move(move);
   }
 
   // DEF lines and assignments to variables.
@@ -99,39 +74,37 @@ class GcodeReader {
     return word.negative ? -found->second : found->second;
   }
 
-  double Unit() const { return inch_ ? kInch : 1; }
-
-  void TakeG(const GcodeWord& word, Block& block) {
+  void TakeG(const GcodeWord& word, GcodeMove& move) {
     const double g = ValueOf(word);
     const auto is = [&](std::initializer_list<double> list) {
       return std::ranges::find(list, g) != list.end();
     };
     if (is({0, 1, 2, 3})) {
-      motion_ = static_cast<int>(g);
+      modes_.motion = static_cast<int>(g);
     } else if (is({17, 18, 19})) {
-      plane_ = static_cast<int>(g) - 17;
+      modes_.plane = static_cast<int>(g) - 17;
     } else if (is({20, 70, 700})) {
-      inch_ = true;
-      inch_feed_ = g != 70;
+      modes_.inch = true;
+      modes_.inch_feed = g != 70;
     } else if (is({21, 71, 710})) {
-      inch_ = inch_feed_ = false;
+      modes_.inch = modes_.inch_feed = false;
     } else if (is({90, 91})) {
-      incremental_ = g == 91;
+      modes_.incremental = g == 91;
     } else if (is({90.1, 91.1})) {
-      absolute_centre_ = g == 90.1;
+      modes_.absolute_centre = g == 90.1;
     } else if (is({93, 94, 95})) {
-      feed_mode_ = static_cast<int>(g);
-      feed_word_.reset();
+      modes_.feed_mode = static_cast<int>(g);
+      modes_.feed_word.reset();
     } else if (is({43.4})) {
-      SetTipProgramming(true);
+      motion_.SetTipProgramming(true);
     } else if (is({49})) {
-      SetTipProgramming(false);
+      motion_.SetTipProgramming(false);
     } else if (is({53, 153})) {
-      block.machine = true;
+      move.machine = true;
     } else if (is({28, 30})) {
-      block.reference = true;
+      move.reference = true;
     } else if (is({4})) {
-      block.dwell = true;
+      move.dwell = true;
     } else {
       TakeOtherG(word, g);
     }
@@ -146,31 +119,31 @@ class GcodeReader {
     if ((g >= 54 && g < 60) || (g >= 505 && g <= 599)) offsets_.insert(g);
   }
 
-  void TakeWord(const GcodeWord& word, Block& block) {
+  void TakeWord(const GcodeWord& word, GcodeMove& move) {
     const std::string& address = word.address;
     const auto slot = [&](std::string_view letters) { return letters.find(address[0]); };
-    if (word.kind == Kind::kName || word.kind == Kind::kCall) return TakeName(word, block);
+    if (word.kind == Kind::kName || word.kind == Kind::kCall) return TakeName(word, move);
     if (address.size() == 1 && slot("XYZ") != std::string::npos) {
-      block.linear[slot("XYZ")] = &word;
+      move.linear[slot("XYZ")] = &word;
     } else if (address.size() == 1 && slot("ABC") != std::string::npos) {
-      block.rotary[slot("ABC")] = &word;
+      move.rotary[slot("ABC")] = &word;
     } else if (address.size() == 1 && slot("IJK") != std::string::npos) {
-      block.centre[slot("IJK")] = &word;
+      move.centre[slot("IJK")] = &word;
     } else if (address.size() == 2 && address[1] == '3' && slot("ABC") != std::string::npos) {
-      block.vector[slot("ABC")] = &word;
+      move.vector[slot("ABC")] = &word;
     } else if (address == "CR" || address == "R") {
-      block.radius = &word;
+      move.radius = &word;
     } else if (address == "TURN") {
-      block.turns = &word;
+      move.turns = &word;
     } else if (address == "F") {
-      if (!block.dwell) feed_word_ = ValueOf(word);
+      if (!move.dwell) modes_.feed_word = ValueOf(word);
     } else if (address == "S") {
-      if (!block.dwell && word.kind != Kind::kText) revolutions_ = ValueOf(word) / 60;
+      if (!move.dwell && word.kind != Kind::kText) modes_.revolutions = ValueOf(word) / 60;
     } else if (address == "M") {
       TakeM(word);
     } else if (address == "T") {
       ++tools_;
-      fresh_ = true;
+      motion_.SetFresh();
     } else {
       TakeOther(word);
     }
@@ -192,14 +165,14 @@ class GcodeReader {
       ++unknown_[word.address.substr(0, 40)];
   }
 
-  void TakeName(const GcodeWord& word, Block& block) {
+  void TakeName(const GcodeWord& word, GcodeMove& move) {
     const std::string& name = word.address;
     if (name == "SUPA") {
-      block.machine = true;
+      move.machine = true;
     } else if (name == "TRAORI") {
-      SetTipProgramming(true);
+      motion_.SetTipProgramming(true);
     } else if (name == "TRAFOOF") {
-      SetTipProgramming(false);
+      motion_.SetTipProgramming(false);
     } else if (name == "RET") {
       ended_ = true;
     } else if (name == "CYCLE800" && word.text.find_first_not_of(" ,\t") == std::string::npos) {
@@ -220,165 +193,14 @@ class GcodeReader {
     if (m == 97 || m == 98)
       throw InputError(word.place, fmt::format("M{}: subprogrammes are not read: write their blocks out", m));
     if (m == 2 || m == 30 || m == 17 || m == 99) ended_ = true;
-    if (m == 6) fresh_ = true;
-  }
-
-  // The tip stays where it is; what X, Y, Z mean changes.
-  void SetTipProgramming(bool on) {
-    if (on == tip_programmed_) return;
-    const bool known = known_[0] && known_[1] && known_[2];
-    if (known) {
-      const Vector machine = tip_programmed_ ? options_.rotary_axes.Machine(base_, direction_.angles) : base_;
-      base_ = on ? options_.rotary_axes.Tip(machine, direction_.angles) : machine;
-      at_ = frame_.ToProgrammed(base_);
-    } else {
-      known_ = {};
-    }
-    tip_programmed_ = on;
-  }
-
-  void SetFeed() {
-    if (!feed_word_) return;
-    const double unit = inch_feed_ ? kInch : 1;
-    if (feed_mode_ == 93) {
-      inverse_time_ = *feed_word_ / 60;
-      feed_ = 0;
-      feed_word_.reset();  // holds for its block
-    } else {
-      feed_ = *feed_word_ * unit * (feed_mode_ == 95 ? revolutions_ : 1.0 / 60);
-    }
-  }
-
-  void Move(const Block& block, const GcodeBlock& source) {
-    if (block.machine || block.reference) return LeaveWorkpiece(block);
-    GcodeWay way;
-    way.start = direction_;
-    way.place = source.words[0].place;
-    if (block.HasTurn()) TakeDirection(block);
-    if (!block.HasLinear() && !block.HasTurn() && !block.centre[0] && !block.centre[1] && !block.centre[2])
-      return;
-    Vector to = at_;
-    for (int i = 0; i < 3; ++i) TakeCoordinate(block.linear[i], i, to);
-    const bool placed = known_[0] && known_[1] && known_[2];
-    const bool was_known = !path_.points.empty() && !lost_;
-    if (motion_ > 0 && !placed)
-      throw InputError(source.words[0].place, "a cut before X, Y and Z have been given in this system");
-    const bool travels = block.HasLinear() || motion_ > 1;
-    if (!placed || (!travels && !block.HasTurn())) {
-      at_ = to;
-      return;
-    }
-    way.from = at_;
-    way.cut_from_known = was_known;
-    if (motion_ > 1) {
-      if (!was_known) throw InputError(way.place, "an arc needs a point before it");
-      way.points = Arc(block, source, to);
-    } else {
-      way.points = {to};
-    }
-    Append(std::move(way));
-    at_ = to;
-    base_ = frame_.ToBase(at_);
-    lost_ = false;
-  }
-
-  // Motions in machine coordinates lead away from the part: where, only the machine knows.
-  void LeaveWorkpiece(const Block& block) {
-    for (int i = 0; i < 3; ++i)
-      if (block.linear[i] || block.reference) known_[i] = false;
-    for (int i = 0; i < 3; ++i)
-      if (block.rotary[i]) direction_.angles[i] = DegToRad(ValueOf(*block.rotary[i]));
-    SetAxis();
-    if (block.HasLinear() || block.reference || block.HasTurn()) lost_ = fresh_ = true;
-  }
-
-  void TakeCoordinate(const GcodeWord* word, int i, Vector& to) {
-    if (!word) return;
-    const double value = ValueOf(*word) * Unit();
-    if (!(std::abs(value) <= kMaxLength))
-      throw InputError(word->place, fmt::format("{} mm is beyond ±{} mm", value, kMaxLength));
-    const bool step = word->kind == Kind::kIncremental || (incremental_ && word->kind != Kind::kAbsolute);
-    if (step && !known_[i]) throw InputError(word->place, "a step from a place that is not known");
-    to[i] = step ? at_[i] + value : value;
-    known_[i] = true;
-  }
-
-  // Rotary axes and tool vectors; either replaces the other.
-  void TakeDirection(const Block& block) {
-    if (block.vector[0] || block.vector[1] || block.vector[2]) {
-      Vector vector = Vector::Zero();
-      const GcodeWord* any = nullptr;
-      for (int i = 0; i < 3; ++i)
-        if (block.vector[i]) {
-          vector[i] = ValueOf(*block.vector[i]);
-          any = block.vector[i];
-        }
-      if (!(vector.norm() > 1e-6 && vector.norm() < 1e6))
-        throw InputError(any->place, "the tool vector has no length");
-      direction_.axis = (frame_.linear() * vector).normalized();
-      direction_.by_vector = true;
-      return;
-    }
-    for (size_t i = 0; i < 3; ++i) {
-      const GcodeWord* word = block.rotary[i];
-      if (!word) continue;
-      const double value = ValueOf(*word);
-      if (!(std::abs(value) <= 1e5)) throw InputError(word->place, "an angle beyond ±100000 degrees");
-      const bool step = word->kind == Kind::kIncremental || (incremental_ && word->kind != Kind::kAbsolute);
-      double& angle = direction_.angles[i];
-      angle = DegToRad(value) + (step ? angle : 0);
-      const char letter = "ABC"[i];
-      if (angle != 0 && !options_.rotary_axes.Has(letter))
-        throw InputError(word->place,
-                         fmt::format("the programme turns axis {0}, and toolpath.cam.rotary_axes does not "
-                                     "state an axis {0}",
-                                     letter));
-    }
-    direction_.by_vector = false;
-    SetAxis();
-  }
-
-  void SetAxis() {
-    if (!direction_.by_vector) direction_.axis = options_.rotary_axes.ToolAxis(direction_.angles);
-  }
-
-  std::vector<Vector> Arc(const Block& block, const GcodeBlock& source, const Vector& to) {
-    GcodeArc arc;
-    arc.from = at_;
-    arc.to = to;
-    arc.plane = plane_;
-    arc.counter_clockwise = motion_ == 3;
-    for (size_t i = 0; i < 3; ++i)
-      if (const GcodeWord* word = block.centre[i]) {
-        arc.centre[i] = ValueOf(*word) * Unit();
-        arc.absolute[i] =
-            word->kind == Kind::kAbsolute || (absolute_centre_ && word->kind != Kind::kIncremental);
-      }
-    if (block.radius) arc.radius = ValueOf(*block.radius) * Unit();
-    if (block.turns) arc.full_turns = ValueOf(*block.turns);
-    arc.place = source.words[0].place;
-    ++arcs_;
-    return PointsOf(arc, options_.chord_tolerance);
-  }
-
-  void Append(GcodeWay way) {
-    way.end = direction_;
-    way.tip_programmed = tip_programmed_;
-    way.rapid = motion_ == 0;
-    way.feed = feed_;
-    way.inverse_time = std::exchange(inverse_time_, 0);
-    if (feed_mode_ == 93 && !way.rapid && way.inverse_time == 0)
-      throw InputError(way.place, "under G93 each cut needs its F");
-    const size_t first = path_.points.size();
-    AppendWay(way, frame_, options_, path_);
-    path_.points[first].fresh = std::exchange(fresh_, false) && first > 0;
+    if (m == 6) motion_.SetFresh();
   }
 
   void AddNotes() {
     const auto note = [&](size_t count, std::string_view text) {
       if (count > 0) path_.notes.push_back(fmt::format("{} {}", count, text));
     };
-    note(arcs_, "arcs expanded by the chord tolerance");
+    note(motion_.arcs(), "arcs expanded by the chord tolerance");
     if (tools_ > 1) note(tools_, "tool changes; all are taken as passes of one job");
     if (offsets_.size() > 1)
       note(offsets_.size(), "zero offsets are named; all are taken as the workpiece frame");
@@ -391,24 +213,14 @@ class GcodeReader {
 
   GcodeScanner scanner_;
   const std::string& name_;
-  const CamReadOptions& options_;
   CamPath path_;
-  GcodeFrame frame_;
-  int motion_ = 0, plane_ = 0, feed_mode_ = 94, line_ = 0;
-  bool incremental_ = false, absolute_centre_ = false, inch_ = false, inch_feed_ = false;
-  bool tip_programmed_ = false, ended_ = false;
-  bool lost_ = false;   // the tool left the part for a place that is not known
-  bool fresh_ = false;  // the next point is reached in a way that is no cut
-  std::optional<double> feed_word_;
-  double feed_ = 0, inverse_time_ = 0, revolutions_ = 0;  // mm/s, 1/s, 1/s
-  Vector at_ = Vector::Zero();                            // programmed coordinates
-  Vector base_ = Vector::Zero();                          // the same without frames
-  std::array<bool, 3> known_{};                           // of X, Y, Z
-  GcodeDirection direction_;
+  GcodeModes modes_;
+  GcodeMotion motion_;
+  bool ended_ = false;
   std::map<std::string, double> variables_;
   std::map<std::string, size_t> unknown_;
   std::set<double> offsets_;
-  size_t arcs_ = 0, tools_ = 0, skippable_ = 0;
+  size_t tools_ = 0, skippable_ = 0;
 };
 
 }  // namespace

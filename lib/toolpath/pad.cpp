@@ -21,7 +21,7 @@ class PadMaker {
       : region_(region),
         options_(options),
         stop_(std::move(stop)),
-        lines_(region, Field(region, options.region.rim_distance), options.stepover / 2,
+        lines_(region, Field(region), options.stepover / 2,
                options.chord_tolerance, stop_) {}
 
   Layout Run() {
@@ -38,12 +38,9 @@ class PadMaker {
 
  private:
   // How far inside the region less its distance from the borders.
-  static LevelField Field(const Region& region, double rim) {
+  static LevelField Field(const Region& region) {
     LevelField field;
-    field.value = [&region, rim](int face, const Eigen::Vector3d& p) {
-      const double margin = region.Margin(face, p);
-      return rim > 0 ? margin : std::min(margin, region.BorderDistance(p));  // else it is in the margin
-    };
+    field.value = [&region](int face, const Eigen::Vector3d& p) { return region.Margin(face, p); };
     return field;
   }
 
@@ -100,8 +97,7 @@ class PadMaker {
   double Inside(const Eigen::Vector3d& p) const {
     const SurfacePoint below = region_.mesh().Closest(p);
     if (below.distance > kPlaneWithin || !region_.HasFace(below.face)) return -kPlaneWithin;
-    return std::min(region_.Margin(below.face, below.position),
-                    region_.BorderDistance(below.position) - options_.region.rim_distance);
+    return region_.Margin(below.face, below.position);
   }
 
   // Whether the straight way between two points stays inside: between places that are farther inside than the

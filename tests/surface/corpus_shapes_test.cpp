@@ -41,24 +41,6 @@ Triangles Inverted(Triangles mesh) {
   return mesh;
 }
 
-Triangles Moebius() {
-  Triangles mesh;
-  const int count = 12;
-  for (int k = 0; k < count; ++k) {
-    const double angle = 2 * M_PI * k / count;
-    const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0);
-    const Eigen::Vector3d across = std::cos(angle / 2) * out + std::sin(angle / 2) * Eigen::Vector3d::UnitZ();
-    mesh.vertices.push_back(10 * out - 2 * across);
-    mesh.vertices.push_back(10 * out + 2 * across);
-  }
-  for (int k = 0; k < count; ++k) {
-    const int a = 2 * k, b = a + 1, c = k + 1 < count ? a + 2 : 1, d = k + 1 < count ? a + 3 : 0;
-    mesh.faces.push_back({a, b, c});
-    mesh.faces.push_back({c, b, d});
-  }
-  return mesh;
-}
-
 // The box's top {4, 5, 7}, {4, 7, 6} cut at a vertex on its diagonal, the crack filled by a flat triangle.
 Triangles FlatFiller() {
   Triangles mesh = kBox;
@@ -178,7 +160,7 @@ std::vector<Defect> Open() {
        }),
        {.triangles = 9, .closed = 0, .rims = 2}},
       {"a Möbius band",
-       Polygons(Moebius()),
+       Polygons(MoebiusShape()),
        {.triangles = 24,
         .vertices = 26,
         .closed = 0,

@@ -175,21 +175,7 @@ TEST(MeshImport, DoublesVerticesWhereFansMeet) {
 }
 
 TEST(MeshImport, CutsAMoebiusBand) {
-  Triangles mesh;
-  const int count = 12;
-  for (int k = 0; k < count; ++k) {
-    const double angle = 2 * M_PI * k / count;
-    const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0);
-    const Eigen::Vector3d across = std::cos(angle / 2) * out + std::sin(angle / 2) * Eigen::Vector3d::UnitZ();
-    mesh.vertices.push_back(10 * out - 2 * across);
-    mesh.vertices.push_back(10 * out + 2 * across);
-  }
-  for (int k = 0; k < count; ++k) {
-    const int a = 2 * k, b = a + 1;
-    const int c = k + 1 < count ? a + 2 : 1, d = k + 1 < count ? a + 3 : 0;  // the last joins twisted
-    mesh.faces.push_back({a, b, c});
-    mesh.faces.push_back({c, b, d});
-  }
+  const Triangles mesh = MoebiusShape();
   const ImportResult result = Import(mesh);
   EXPECT_EQ(result.report.repairs.not_orientable_edges, 1);
   EXPECT_EQ(result.report.triangles, 24);

@@ -93,6 +93,24 @@ Triangles SphereShape(double radius, int rows) {
   return mesh;
 }
 
+Triangles MoebiusShape() {
+  Triangles mesh;
+  const int count = 12;
+  for (int k = 0; k < count; ++k) {
+    const double angle = 2 * std::numbers::pi * k / count;
+    const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0);
+    const Eigen::Vector3d across = std::cos(angle / 2) * out + std::sin(angle / 2) * Eigen::Vector3d::UnitZ();
+    mesh.vertices.push_back(10 * out - 2 * across);
+    mesh.vertices.push_back(10 * out + 2 * across);
+  }
+  for (int k = 0; k < count; ++k) {
+    const int a = 2 * k, b = a + 1, c = k + 1 < count ? a + 2 : 1, d = k + 1 < count ? a + 3 : 0;
+    mesh.faces.push_back({a, b, c});
+    mesh.faces.push_back({c, b, d});
+  }
+  return mesh;
+}
+
 void Append(Triangles& mesh, const Triangles& other) {
   const int offset = static_cast<int>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());

@@ -22,6 +22,9 @@ Triangles PlateShape(int nx, int ny, double edge,
 /// A sphere of `rows` × 2·`rows` patches about the origin.
 Triangles SphereShape(double radius, int rows);
 
+/// A band of 12 quads about z that joins itself twisted: it has one side.
+Triangles MoebiusShape();
+
 /// Appends another mesh's triangles.
 void Append(Triangles& mesh, const Triangles& other);
 /// Turns a face round.

@@ -97,6 +97,14 @@ TEST(Pad, ClimbAndConventionalHoldOnRingsAndLines) {
   }
 }
 
+TEST(Pad, IsNotLinkedAcrossGaps) {
+  // Two plates, 10 mm apart: nearer than two step-overs and a half, but there is nothing between them.
+  const Mesh plates = SoundMesh(PlateShape(7, 3, 10, {{{{30, 0}, {40, 30}}}}));
+  ToolpathOptions options = Facing(true);
+  options.pad_offset = 0;
+  EXPECT_EQ(MakeToolpath(plates, options, {}).passes.size(), 2);
+}
+
 TEST(Pad, StandsUprightBesideAFillet) {
   // A floor of 60 mm whose edge bends up by 15°: normals averaged over the edge would lean over the whole
   // floor.

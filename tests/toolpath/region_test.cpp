@@ -43,6 +43,25 @@ TEST(Region, HalfSpace) {
   ExpectSame(options, [](double x, double y) { return 0.6 * (x - 30) + 0.8 * (y - 40) >= 0; });
 }
 
+TEST(Region, MarginsAreWaysOnTheFace) {
+  const Eigen::Vector3d p(50, 50, 0);
+  const int face = kGrid.Closest(p).face;
+  RegionOptions slanted;
+  slanted.half_space = {{30, 0, 0}, Eigen::Vector3d(1, 0, 1).normalized()};
+  EXPECT_NEAR(Region(kGrid, slanted).Margin(face, p), 20, 1e-9);
+  RegionOptions flat;  // a box that the face runs along
+  flat.box = {Eigen::Vector3d(10, -500, -0.01), Eigen::Vector3d(500, 500, 0.01)};
+  EXPECT_NEAR(Region(kGrid, flat).Margin(face, p), 40, 1e-9);
+  flat.box = {Eigen::Vector3d(10, -500, 0), Eigen::Vector3d(500, 500, 1)};  // and ends in it
+  EXPECT_NEAR(Region(kGrid, flat).Margin(face, p), 40, 1e-9);
+  flat.box = {Eigen::Vector3d(10, -500, 0.01), Eigen::Vector3d(500, 500, 1)};
+  EXPECT_LT(Region(kGrid, flat).Margin(face, p), -1e6);
+  RegionOptions projected;  // its corners lie 10 mm over the face and come down slanted, at x = 20 and 120
+  projected.polygon = {{{30, -500, 10}, {130, -500, 10}, {130, 500, 10}, {30, 500, 10}},
+                       Eigen::Vector3d(1, 0, 1).normalized()};
+  EXPECT_NEAR(Region(kGrid, projected).Margin(face, p), 30, 1e-9);
+}
+
 TEST(Region, ConcavePolygonAlongADirection) {
   RegionOptions options;
   options.polygon = {{{10, 10, 5}, {80, 10, -7}, {80, 30, 0}, {30, 30, 0}, {30, 90, 3}, {10, 90, 0}},
