@@ -186,13 +186,13 @@ void MoveToTip(const CutterShape& cutter, Toolpath& toolpath) {
       point.position = TipAtContact(cutter, point.position, point.normal, point.tool_axis);
 }
 
-// What the strategy has to keep from borders counts as rim distance; of a pad it is never quite 0, so that there
-// are lines along its borders.
+// What the strategy has to keep from borders counts as rim distance; of a pad it is never quite 0, so that
+// there are lines along its borders.
 ToolpathOptions Effective(ToolpathOptions options) {
   constexpr double kLeastOffset = 1e-3;  // mm
   if (options.strategy == "pad")
-    options.region.rim_distance = std::max({options.region.rim_distance, kLeastOffset,
-                                            options.pad_offset.value_or(options.cutter.radius)});
+    options.region.rim_distance = std::max(
+        {options.region.rim_distance, kLeastOffset, options.pad_offset.value_or(options.cutter.radius)});
   return options;
 }
 

@@ -21,8 +21,7 @@ class PadMaker {
       : region_(region),
         options_(options),
         stop_(std::move(stop)),
-        lines_(region, Field(region), options.stepover / 2,
-               options.chord_tolerance, stop_) {}
+        lines_(region, Field(region), options.stepover / 2, options.chord_tolerance, stop_) {}
 
   Layout Run() {
     if (!(lines_.largest() > 0)) return {};
