@@ -15,6 +15,7 @@ class LinuxCncReader : public ProgramReader {
         arm_(arm) {
     program_.rotation = settings.rotation;
     program_.R_TC = settings.R_TC;
+    program_.blend_overlaps = true;
     if (settings.cartesian) program_.X_BP = Pose::Identity();  // poses are stated in the robot's base
   }
 
@@ -137,8 +138,10 @@ class LinuxCncReader : public ProgramReader {
     Motion& motion = AddMotion(MotionType::kJoint);
     motion.q = FromController(settings_.axes, angles * kRadPerDeg);
     motion.exact = !blending_;
-    if (blending_)
+    if (blending_) {
       motion.blend = settings_.blend * blend_ / BlendDegrees(settings_.blend, arm_, settings_.X_FT);
+      motion.angle_blend = blend_ * kRadPerDeg;
+    }
     if (!rapid_) motion.duration = Duration(scan, last_ ? FeedLength(*last_, angles) : 0, feed);
     last_ = angles;
   }

@@ -30,9 +30,11 @@ struct Motion {
   bool exact = false;          ///< exact stop (no blending)
   double blend = 0;            ///< mm, as read; 0 when exact: how far the path may leave the corner, or see
                                ///< MotionProgram::blend_is_distance
-  double angle_blend = 0;      ///< rad, as read: how far the orientation may leave it (SINUMERIK)
-  int pass = -1, point = -1;   ///< which milling point; −1 for none
-  int file = 0, line = 0;      ///< of the program text, when read: index into MotionProgram::files
+  /// rad, as read: how far the orientation may leave it (SINUMERIK), or the joints 1 to 3 (LinuxCNC's
+  /// joints).
+  double angle_blend = 0;
+  int pass = -1, point = -1;  ///< which milling point; −1 for none
+  int file = 0, line = 0;     ///< of the program text, when read: index into MotionProgram::files
 };
 
 /// An output that a cut switches on its path, without a stop.
@@ -69,6 +71,7 @@ struct MotionProgram {
   std::string rotation = "rpy";  ///< how `angles` of motions turn, see ToolAngles()
   Eigen::Matrix3d R_TC = Eigen::Matrix3d::Identity();  ///< controller's tool frame, whose `angles` these are
   bool blend_is_distance = false;  ///< of motions: from the corner to where its rounding may begin
+  bool blend_overlaps = false;     ///< motions overlap at corners; `blend` bounds the tip alone
   std::vector<Motion> motions;
   std::vector<ProgramEvent> events;  ///< ascending by before_motion
   std::vector<std::string> files;    ///< names of the texts it was read from

@@ -44,9 +44,9 @@ std::unique_ptr<Post> MakePost(const std::string& name) {
   const auto found = Registry().find(name);
   if (found != Registry().end()) return found->second();
   const std::string nearest = NearestName(name, PostNames());
-  throw InputError(Place{},
-                   fmt::format("there is no post named '{}'; allowed: {}{}", name, "krl, linuxcnc, sinumerik",
-                               nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
+  throw InputError(
+      Place{}, fmt::format("there is no post named '{}'; allowed: {}{}", name, fmt::join(PostNames(), ", "),
+                           nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
 }
 
 std::vector<std::string> PostNames() {

@@ -37,4 +37,10 @@ CornerRounding RoundingOf(const Pose& before, const Pose& corner, const Pose& af
   return rounding;
 }
 
+Joints OverlapRounding(const Joints& before, const Joints& after, const Joints& acceleration,
+                       double shorter) {
+  const double stop = before.cwiseAbs().cwiseMax(after.cwiseAbs()).cwiseQuotient(acceleration).maxCoeff();
+  return std::min(stop, shorter) / 8 * (after - before);
+}
+
 }  // namespace millpose

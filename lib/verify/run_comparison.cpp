@@ -4,7 +4,6 @@
 #include "base/units.hpp"
 #include "motion/line.hpp"
 #include "robot/kinematics.hpp"
-#include "verify/corner.hpp"
 
 namespace millpose {
 namespace {
@@ -151,12 +150,39 @@ void RunComparison::CompareCorner(size_t i) {
   if (motion.exact || motion.blend <= 0) return;
   const Pose before = Tool(replayed_.replay.targets[i - 1]), corner = Tool(replayed_.replay.targets[i]),
              after = Tool(replayed_.replay.targets[i + 1]);
-  const CornerRounding rounding =
-      RoundingOf(before, corner, after, motion, replayed_.program.blend_is_distance);
+  CornerRounding rounding = RoundingOf(before, corner, after, motion, replayed_.program.blend_is_distance);
+  if (replayed_.program.blend_overlaps) {
+    const CornerRounding overlap = OverlapAt(i);
+    rounding = {std::max(rounding.position, overlap.position), std::max(rounding.angle, overlap.angle)};
+  }
   if (rounding.position <= options_.position_tolerance && rounding.angle <= options_.angle_tolerance) return;
   findings_.push_back(At(replayed_.program, i,
                          fmt::format("the corner is rounded by {:.3f} mm and {:.4f} deg", rounding.position,
                                      rounding.angle * kDegPerRad)));
+}
+
+/// What the overlap of motions i and i + 1 makes of the corner between them.
+CornerRounding RunComparison::OverlapAt(size_t i) const {
+  const std::vector<Joints>& targets = replayed_.replay.targets;
+  const auto seconds = [&](size_t k) {
+    const Motion& motion = replayed_.program.motions[k];
+    if (motion.duration > 0 || motion.feed <= 0) return motion.duration;
+    return (Tool(targets[k]).translation() - Tool(targets[k - 1]).translation()).norm() / motion.feed;
+  };
+  const double first = seconds(i), second = seconds(i + 1);
+  if (first <= 0 || second <= 0) return {};
+  const Motion& motion = replayed_.program.motions[i];
+  Joints rounded =
+      OverlapRounding((targets[i] - targets[i - 1]) / first, (targets[i + 1] - targets[i]) / second,
+                      cell_.arm.acceleration, std::min(first, second));
+  // All axes overlap for the same time, which the bound of X, Y, Z shortens.
+  const double xyz = rounded.head<3>().norm();
+  if (motion.type == MotionType::kJoint && xyz > motion.angle_blend) rounded *= motion.angle_blend / xyz;
+  const Pose corner = Tool(targets[i]), passed = Tool(targets[i] + rounded);
+  const CornerRounding overlap{(passed.translation() - corner.translation()).norm(),
+                               AngleBetween(corner.linear(), passed.linear())};
+  if (motion.type == MotionType::kJoint || overlap.position <= motion.blend) return overlap;
+  return {motion.blend, overlap.angle * motion.blend / overlap.position};
 }
 
 bool RunComparison::PlannedStop(size_t i) const {

@@ -3,6 +3,7 @@
 
 #include "verify/arm_bodies.hpp"
 #include "verify/compare.hpp"
+#include "verify/corner.hpp"
 #include "verify/follow.hpp"
 
 namespace millpose {
@@ -28,6 +29,7 @@ class RunComparison {
   void CompareBackward();
   void CompareStops();
   void CompareCorner(size_t i);
+  CornerRounding OverlapAt(size_t i) const;
   bool PlannedStop(size_t i) const;
   std::string Name(size_t segment) const;
 

@@ -7,6 +7,7 @@
 #include "robot/kinematics.hpp"
 #include "tests/verify/sample_cell.hpp"
 #include "verify/arm_bodies.hpp"
+#include "verify/corner.hpp"
 
 namespace millpose {
 namespace {
@@ -100,6 +101,42 @@ TEST(Verify, CornersThatAreHardlyAnyMayBeRounded) {
   EXPECT_EQ(Text(findings).find("rounded by 0.13"), std::string::npos) << Text(findings);
   for (Motion& motion : rounded.motions) motion.blend = motion.exact ? 0 : 0.1;
   EXPECT_EQ(Text(Verify(rounded, world, &program, SampleOptions(plan), 2, {})), "");
+}
+
+TEST(Verify, OverlappingMotionsRoundTheOrientation) {
+  // Straight and even for the tip, while the tool turns to and fro about its axis.
+  PlanResult plan = SamplePlan({.points = 6, .spacing = 0.5, .ring = false, .passes = 1});
+  const Pose turn =
+      plan.X_FT * Eigen::AngleAxisd(1 * kRadPerDeg, Eigen::Vector3d::UnitZ()) * plan.X_FT.inverse();
+  for (size_t i = 1; i < 5; i += 2) {
+    Joints& q = plan.passes[0].points[i].q;
+    q = InverseNear(plan.arm, ForwardFlange(plan.arm, q) * turn, Status(plan.arm, q), q).value();
+  }
+  for (PlannedPoint& point : plan.passes[0].points) point.point.feed_rate = 5;
+  const MotionProgram program = MakeMotionProgram(plan);
+  const auto rounded = [&](const std::string& variant, double acceleration) {
+    const auto post = MakePost("linuxcnc");
+    const PostSettings settings = SampleSettings(variant);
+    const MotionProgram read = post->Read(post->Write(program, plan.arm, settings), plan.arm, settings);
+    Cell cell = SampleCell(plan);
+    cell.arm.acceleration.setConstant(acceleration);
+    const std::string text = Text(Verify(read, World(cell), &program, SampleOptions(plan), 2, {}));
+    return text.find("the corner is rounded by") != std::string::npos;
+  };
+  EXPECT_FALSE(rounded("linuxcnc_cartesian", 1e5));
+  EXPECT_TRUE(rounded("linuxcnc_cartesian", 3));
+  // The tool's turn moves the joints 1 to 3 too: G64 P bounds these, and with them how long motions overlap.
+  EXPECT_FALSE(rounded("linuxcnc", 3));
+}
+
+TEST(Verify, OverlapIsAParabola) {
+  const Joints before = Joints::Constant(0.1), acceleration = Joints::Constant(2);
+  Joints after = before;
+  after[4] = -0.3;
+  // 0.3 rad/s at 2 rad/s²: 0.15 s, an eighth of which times a change by 0.4 rad/s.
+  EXPECT_NEAR(OverlapRounding(before, after, acceleration, 1)[4], -0.0075, 1e-12);
+  EXPECT_EQ(OverlapRounding(before, after, acceleration, 1)[0], 0);
+  EXPECT_NEAR(OverlapRounding(before, after, acceleration, 0.05)[4], -0.0025, 1e-12);
 }
 
 TEST(Verify, SlowTurningSlowsTheFeed) {
