@@ -64,6 +64,43 @@ def bored_block(half, radius, depth, sides=32):
     return triangles
 
 
+def ribbon(points, normals):
+    """A sheet through points, 20 mm to either side."""
+    edges = []
+    for t, normal in enumerate(normals):
+        a, b = points[max(t - 1, 0)], points[min(t + 1, len(points) - 1)]
+        d = [y - x for x, y in zip(a, b)]
+        across = [normal[1] * d[2] - normal[2] * d[1], normal[2] * d[0] - normal[0] * d[2], normal[0] * d[1] - normal[1] * d[0]]
+        scale = 20 / math.hypot(*across)
+        edges.append([[p + side * scale * c for p, c in zip(points[t], across)] for side in (-1, 1)])
+    triangles = []
+    for t in range(len(points) - 1):
+        triangles += quad(points[t], points[t + 1], edges[t + 1][1], edges[t][1])
+        triangles += quad(edges[t][0], edges[t + 1][0], points[t + 1], points[t])
+    return triangles
+
+
+def tool_pose(angles):
+    """Tip and tool axis of the KR 500 R2830 with its spindle at angles (KUKA's, degrees): the formula of docs/kinematics.md."""
+    q = [math.radians(sign * angle) for sign, angle in zip((-1, 1, 1, -1, 1, -1), angles)]
+    tip, axis = [-250.0, 0.0, 250.0], [1.0, 0.0, 0.0]  # in the flange
+
+    def turn(vector, about, angle):
+        i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[about]
+        a, b = vector[i], vector[j]
+        vector[i], vector[j] = a * math.cos(angle) - b * math.sin(angle), a * math.sin(angle) + b * math.cos(angle)
+
+    steps = [("y", math.pi / 2), (290, 0, 0), ("x", q[5]), ("y", q[4]), ("x", q[3]), (1025, 0, -55), ("y", q[2]), (1300, 0, 0),
+             ("y", q[1]), (500, 0, 0), ("z", q[0]), (0, 0, 1045)]
+    for step in steps:
+        if len(step) == 2:
+            turn(tip, *step)
+            turn(axis, *step)
+        else:
+            tip = [a + b for a, b in zip(tip, step)]
+    return tip, axis
+
+
 class Adversarial(unittest.TestCase):
     def plan(self, name, bodies="", changes=(), mesh=None, cell_changes=(), status=0):
         """Plans a changed support_pad; returns (summary, rows of points.csv, text), judged clean."""
@@ -116,6 +153,49 @@ class Adversarial(unittest.TestCase):
         self.assertEqual(summary["points"]["planned"], 0)
         self.assertEqual({entry["reason"] for entry in summary["skipped"]}, {"interference"})
         self.assertTrue(all("holder" in entry["detail"] and "workpiece" in entry["detail"] for entry in summary["skipped"]))
+
+    def test_a_wall_across_every_straight_gap_is_gone_round(self):
+        """A plate with three passes 260 mm apart; between them fins of 160 mm stand out of it."""
+        plate = block((-60, -390, -20), (60, 390, 0))
+        fins = "".join(box(f"fin_{side}", (160, 4, 160), (1900, y, 1006)) for side, y in (("left", 130), ("right", -130)))
+        changes = [(r"stepover_mm: [\d.]+", "stepover_mm: 260"), (r"spacing_mm: [\d.]+", "spacing_mm: 30"),
+                   (r"xyz_mm: \[2076, 0, 1006\]", "xyz_mm: [2000, 0, 1006]")]
+
+        def gap_motions(name, *arguments):
+            summary, _, _ = self.plan(name, *arguments, mesh=plate)
+            self.assertEqual(summary["points"]["skipped"], 0)
+            self.assertEqual((summary["passes"], summary["gaps"]["planned"], summary["gaps"]["total"]), (3, 4, 4))
+            program = (BENCH.top / name / f"programs/linuxcnc/{name}.ngc").read_text(encoding="utf-8")
+            return sum(line.startswith("G0") for line in program.splitlines())
+
+        self.assertGreater(gap_motions("fins", fins, changes), gap_motions("no_fins", "", changes))
+
+    def test_a_path_through_the_wrist_singularity_is_broken_there(self):
+        """A course of A5 from 6° to −6°; the first three joints are held near it, so that no rotation leads round."""
+        home = [2000.0, 0.0, 1000.0]
+        course = [tool_pose([-4.5, -63.9, 103.3, 18.8, 6 - 0.4 * t, 16.2]) for t in range(31)]
+        tips = [[a - b for a, b in zip(tip, home)] for tip, _ in course]
+        text = "".join(",".join(f"{value:.12g}" for value in (*tip, *axis)) + "\n" for tip, (_, axis) in zip(tips, course))
+        (BENCH.top / "toolpaths/support_pad/course.csv").write_text("x_mm,y_mm,z_mm,i,j,k\n" + text, encoding="utf-8")
+        (BENCH.top / "toolpaths/support_pad/ribbon.stl").write_text(stl(ribbon(tips, [axis for _, axis in course])), encoding="utf-8")
+        held = "joints_deg: [[-4.7, -4.3], [-64.1, -63.7], [103.1, 103.5], [-350, 350], [-118, 106], [-350, 350]]"
+        job = BENCH.job("support_pad", [
+            (r"name: support_pad\n", "name: singular\n"), (r"mesh: support_pad.stl", "mesh: ribbon.stl"),
+            (r"pose: \{xyz_mm: .*", f"pose: {{xyz_mm: {home}, abc_deg: [0, 0, 0]}}"),
+            (r"strategy: parallel_planes\n  region: .*\n  planes: .*\n  stepover_mm: .*\n",
+             "strategy: cam\n  cam: {file: course.csv}\n"), (r"spacing_mm: [\d.]+", "spacing_mm: 30\n  gouges: {action: report}"),
+            (r"  margin_deg: 3", "  margin_deg: 0"), (r"joints_deg: .*", held)], "singular")
+        result, folder = BENCH.plan(job, "singular", "--threads", "2")
+        self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
+        judged, verdict = BENCH.audit(folder, job, "--travel-mm", TRAVEL_MM)
+        self.assertEqual((judged, verdict["broken"]), (0, {}))
+        with open(folder / "points.csv", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        planned = [row for row in rows if row["a1_deg"]]
+        self.assertGreater(len(planned), 5, result.stdout)
+        for row in planned:
+            self.assertGreaterEqual(abs(math.sin(math.radians(float(row["a5_deg"])))), 0.05 - 1e-9)
+        self.assertTrue(any(row["reason"] == "singular" for row in rows if not row["a1_deg"]))
 
     def test_a_link_swallowed_by_a_solid_is_seen(self):
         rock = block((-9000, -9000, -9000), (9000, 9000, 9000))  # no surface comes near the arm
