@@ -41,6 +41,7 @@ TEST(PoseStiffness, EllipsoidAgreesWithSampledDirections) {
   for (int k = 0; k < 3; ++k) {
     const Joints q = RegularJoints(arm, stream);
     const PoseStiffness at = EvaluatePose(arm, q, {-250, 31, 250}, RandomUnit(stream), 1000);
+    EXPECT_LT((at.origin - ForwardFlange(arm, q) * Vector3d(-250, 31, 250)).norm(), 1e-9);
     const Matrix3d c = at.C.topLeftCorner<3, 3>();
     const int samples = k == 0 ? 1000000 : 20000;  // a million once
     EXPECT_NEAR(Polish(stream, samples, [&](const Vector3d& u) { return (c * u).norm(); }) / at.lambda[0], 1,
