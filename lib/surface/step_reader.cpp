@@ -81,9 +81,11 @@ bool LooksLikeStep(std::string_view bytes) {
 RawMesh ReadStep(std::string_view bytes, const std::string& name, const StepOptions& options) {
   const std::filesystem::path program = options.program.empty() ? FindProgram() : options.program;
   if (program.empty())
-    throw InputError({name},
-                     "this is a STEP file, and this millpose was built without its reader: install "
-                     "libocct-data-exchange-dev and build again, or export STL, OBJ, PLY or OFF");
+    throw InputError(
+        {name},
+        "this is a STEP file, and the program that reads it, millpose-step, is not beside millpose: "
+        "keep both together, or install libocct-data-exchange-dev and build again, or export STL, OBJ, "
+        "PLY or OFF");
   const ProcessResult result =
       RunProcess({program.string(), ShortestNumber(options.chord_tolerance),
                   std::to_string(options.memory_MB), std::to_string(options.seconds)},
