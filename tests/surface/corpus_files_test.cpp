@@ -162,6 +162,11 @@ std::vector<File> PlyFiles() {
            Ply(std::string("format ascii 1.0\nelement vertex 3\n") + kXyz + "element face 1\n" + kCorners,
                "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n"),
            "part:13:7: a face's vertex must be from 0 to 2, found -1"},
+          {"half an index",
+           Ply(std::string("format ascii 1.0\nelement vertex 3\n") + kXyz +
+                   "element face 1\nproperty list uchar float vertex_indices\n",
+               "0 0 0\n1 0 0\n0 1 0\n3 0 0.5 2\n"),
+           "part:13:5: a face's vertex must be from 0 to 2, found 0.5"},
           {"a face of too many corners",
            Ply(std::string("format ascii 1.0\nelement vertex 3\n") + kXyz +
                    "element face 1\nproperty list int int vertex_indices\n",
