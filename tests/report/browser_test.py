@@ -200,6 +200,12 @@ class ReportInBrowser(unittest.TestCase):
         self.assertIn("|d| in µm", self.text("#scale-label"))
         self.assertNotEqual(self.browser.screenshot("#view canvas"), view)
 
+    def test_many_findings_leave_the_views_on_the_first_screen(self):
+        self.assertEqual(self.browser.evaluate("document.querySelectorAll('#messages > .bad').length"), 6)
+        self.assertIn("3 more", self.text("#messages summary"))
+        self.assertEqual(self.browser.evaluate("document.querySelectorAll('#messages details .bad').length"), 3)
+        self.assertLess(self.browser.evaluate("document.querySelector('#view').getBoundingClientRect().top"), 450)
+
     def test_index_recolours_all_views(self):
         view, label = self.browser.screenshot("#view canvas"), self.text("#scale-label")
         self.browser.evaluate("""(() => { const s = document.querySelector('#index'); s.value = 'mu';

@@ -3,6 +3,8 @@
 (function (m) {
   "use strict";
 
+  const MESSAGES_SHOWN = 6;
+
   const cell = (text, numeric) => m.element("td", numeric ? { class: "number" } : {}, text);
 
   m.fillHeader = function (data) {
@@ -22,7 +24,11 @@
       if (body.triangles_shown < body.triangles) thinned.push(`${body.name} is drawn with ${body.triangles_shown.toLocaleString("en")} of ${body.triangles.toLocaleString("en")} triangles.`);
     document.getElementById("thinned").textContent = thinned.join(" ");
     const message = (kind) => (text) => m.element("li", { class: kind }, text);
-    document.getElementById("messages").append(...data.findings.map(message("bad")), ...data.warnings.map(message("note")));
+    const messages = [...data.findings.map(message("bad")), ...data.warnings.map(message("note"))];
+    // The views must stay on the first screen, however much there is to tell.
+    const rest = messages.splice(MESSAGES_SHOWN);
+    if (rest.length > 0) messages.push(m.element("li", {}, m.element("details", {}, m.element("summary", {}, `${rest.length} more`), m.element("ul", {}, ...rest))));
+    document.getElementById("messages").append(...messages);
   };
 
   m.PointPanel = class {
