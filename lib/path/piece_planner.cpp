@@ -75,11 +75,11 @@ class PiecePlanner {
 
   /// The layered search, repeated until what it finds is free of interference.
   Sequence SearchFree() {
-    StrikeOut strike_out(context_.world, carrier_, layers_, context_.options.swept_resolution,
+    const bool rotates_first = context_.problem.freedoms[0]->IsToolRotation();
+    StrikeOut strike_out(context_.world, carrier_, layers_, context_.options.swept_resolution, rotates_first,
                          context_.threads, context_.stop);
     // The band needs the one freedom to be the rotation (BandWidth).
-    const bool banded =
-        context_.problem.freedoms.size() == 1 && context_.problem.freedoms[0]->IsToolRotation();
+    const bool banded = context_.problem.freedoms.size() == 1 && rotates_first;
     const LayeredProblem problem{layers_, rule_,         strike_out.struck_edges(), banded,
                                  banded,  context_.stop, context_.break_before};
     // While there is interference to find, any good closed sequence finds it. A free one is kept when the

@@ -32,10 +32,11 @@ std::string Describe(const Interference& interference) {
 }
 
 StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::vector<Layer>& layers,
-                     double swept_resolution, int threads, std::stop_token stop)
+                     double swept_resolution, bool rotates_first, int threads, std::stop_token stop)
     : world_(world),
       carrier_(carrier),
       layers_(layers),
+      rotates_first_(rotates_first),
       swept_resolution_(swept_resolution),
       threads_(threads),
       stop_(std::move(stop)),
@@ -133,8 +134,10 @@ std::optional<StrikeOut::Interval> StrikeOut::CheckNode(Checker& checker, size_t
   const auto strikes = [&](size_t k) {
     Verdict& verdict = verdict_[layer][k];
     if (verdict != Verdict::kUnknown) return false;
-    const auto hit =
-        checker.At(layers_[layer].joints.At(k), Phase::kCutting, layers_[layer].freedoms[k], memory_[layer]);
+    const Joints q = layers_[layer].joints.At(k);
+    const auto hit = rotates_first_
+                         ? checker.At(q, Phase::kCutting, layers_[layer].freedoms[k], memory_[layer])
+                         : checker.At(q, Phase::kCutting);
     verdict = hit ? Verdict::kStruck : Verdict::kFree;
     if (hit) {
       detail_[layer] = Describe(*hit);

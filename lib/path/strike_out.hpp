@@ -19,8 +19,9 @@ std::string Describe(const Interference& interference);
 /// Interference of the nodes and edges of a layered problem, asked for lazily and remembered.
 class StrikeOut {
  public:
+  /// `rotates_first`: the first freedom is the rotation about the tool axis, as PointMemory needs it.
   StrikeOut(const World& world, const Carrier& carrier, std::vector<Layer>& layers, double swept_resolution,
-            int threads, std::stop_token stop);
+            bool rotates_first, int threads, std::stop_token stop);
 
   /// Checks the nodes of `sequence` and the motions between them. What interferes is struck out: a node with
   /// its neighbours on the grid up to the next free ones, and what lies beside these in the layers before and
@@ -56,6 +57,7 @@ class StrikeOut {
   const World& world_;
   const Carrier& carrier_;
   std::vector<Layer>& layers_;
+  bool rotates_first_;
   double swept_resolution_;
   int threads_;
   std::stop_token stop_;
