@@ -20,7 +20,7 @@ bool IsTaken(const CutterShape& cutter, const MillingPoint& tool, const Eigen::V
     return std::hypot(std::max(0.0, rho - (cutter.radius - r)), std::max(0.0, r - z)) - r;
   };
   double low = -3 * cutter.radius, high = 3 * cutter.radius;
-  for (int i = 0; i < 70; ++i) {
+  for (int i = 0; i < 45; ++i) {
     const double a = low + (high - low) / 3, b = high - (high - low) / 3;
     (distance(a) < distance(b) ? high : low) = distance(a) < distance(b) ? b : a;
   }
