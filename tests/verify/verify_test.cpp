@@ -129,6 +129,39 @@ TEST(Verify, OverlappingMotionsRoundTheOrientation) {
   EXPECT_FALSE(rounded("linuxcnc", 3));
 }
 
+TEST(Verify, SeesAPointLeftOutOnAWayThereAndBack) {
+  // Out to the last point and back on the same line: without the turning point no place is off the plan's
+  // path.
+  PlanResult plan = SamplePlan({.points = 6, .ring = false, .passes = 1});
+  std::vector<PlannedPoint>& points = plan.passes[0].points;
+  points = {points[0], points[1], points[4], points[5], points[3], points[2]};
+  const MotionProgram program = MakeMotionProgram(plan);
+  const World world(SampleCell(plan));
+  EXPECT_EQ(Text(Verify(program, world, &program, SampleOptions(plan), 2, {})), "");
+  MotionProgram shorter = program;
+  std::erase_if(shorter.motions, [](const Motion& motion) { return motion.point == 3; });
+  for (ProgramEvent& event : shorter.events)
+    if (event.before_motion == program.motions.size() || event.before_motion > 4) event.before_motion -= 1;
+  ASSERT_EQ(shorter.motions.size() + 1, program.motions.size());
+  const std::string text = Text(Verify(shorter, world, &program, SampleOptions(plan), 2, {}));
+  EXPECT_NE(text.find("is not reached"), std::string::npos) << text;
+}
+
+TEST(Verify, SeesAWristThatIsSingularAndJointsThatAreTooFast) {
+  const PlanResult plan = SamplePlan();
+  const MotionProgram program = MakeMotionProgram(plan);
+  VerifyOptions options = SampleOptions(plan);
+  EXPECT_EQ(Text(Verify(program, World(SampleCell(plan)), &program, options, 2, {})), "");
+  options.wrist_least = 2;  // no angle has so large a sine
+  EXPECT_NE(
+      Text(Verify(program, World(SampleCell(plan)), &program, options, 2, {})).find("wrist is singular"),
+      std::string::npos);
+  Cell slow = SampleCell(plan);
+  slow.arm.speed *= 1e-4;
+  EXPECT_NE(Text(Verify(program, World(slow), &program, SampleOptions(plan), 2, {})).find("would turn at"),
+            std::string::npos);
+}
+
 TEST(Verify, OverlapIsAParabola) {
   const Joints before = Joints::Constant(0.1), acceleration = Joints::Constant(2);
   Joints after = before;
