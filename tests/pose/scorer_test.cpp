@@ -36,8 +36,14 @@ TEST(PointScorer, EqualsThePlainReference) {
     PoseProblem problem = MakeProblem(arm);
     problem.X_WB = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()) * Eigen::Translation3d(50, 20, 400);
     problem.bounds.dexterity_min = 0.2;
+    const AdmissibleBounds usual = problem.bounds;
     for (int k = 0; k < 40; ++k) {
       if (k == 20) problem.origin = StiffnessOrigin::kFlange;
+      // Every bound binds at some of the points.
+      problem.bounds = usual;
+      if (k % 4 == 1) problem.bounds.wrist_min = 0.7;
+      if (k % 4 == 2) problem.bounds.elbow_min = 0.9;
+      if (k % 4 == 3) problem.bounds.shoulder_min_mm = 1800;
       const MillingPoint point = PanelPoint(stream.Uniform(-700, 700), stream.Uniform(-600, 900));
       const PointScorer scorer(problem, point, Eigen::Vector3d::UnitZ());
       std::vector<FreedomValues> rotations;
@@ -68,6 +74,42 @@ TEST(PointScorer, EqualsThePlainReference) {
   }
   EXPECT_GT(admissible, 500);
   EXPECT_GT(reached, 3 * admissible);
+}
+
+// Turning the cell and the point together changes nothing for the arm: normal, feed and tool axis reach the
+// objective in the arm's own frame.
+TEST(PointScorer, TheWorldsDirectionsDoNotMatter) {
+  const Pose turn = Eigen::Translation3d(300, -200, 100) *
+                    Pose(Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, -1).normalized()));
+  const std::map<std::string, ObjectiveParameters> objectives{
+      {"normal_deflection", {}},
+      {"drilling", {}},
+      {"process_force", {{"feed_N", 30}, {"across_N", 50}, {"axial_N", -7}}}};
+  for (const auto& [name, parameters] : objectives) {
+    PoseProblem problem = MakeProblem(Kr500R2830());
+    problem.objective = MakeObjective(name, parameters);
+    MillingPoint point = PanelPoint(100, 50);
+    point.tool_axis = (point.normal + 0.3 * point.feed).normalized();
+    const PointScorer here(problem, point, Eigen::Vector3d::UnitZ());
+    PoseProblem turned = MakeProblem(Kr500R2830());
+    turned.objective = MakeObjective(name, parameters);
+    turned.X_WB = turn * problem.X_WB;
+    MillingPoint there = point;
+    there.position = turn * point.position;
+    for (Eigen::Vector3d* v : {&there.normal, &there.feed, &there.tool_axis}) *v = turn.linear() * *v;
+    const PointScorer elsewhere(turned, there, turn.linear() * Eigen::Vector3d::UnitZ());
+    int compared = 0;
+    for (int i = 0; i < 24; ++i) {
+      for (int branch = 0; branch < 8; ++branch) {
+        const Candidate a = here.ScoreOne({DegToRad(15.0 * i - 180)}, branch);
+        const Candidate b = elsewhere.ScoreOne({DegToRad(15.0 * i - 180)}, branch);
+        if (a.admissibility != Admissibility::kAdmissible || b.admissibility != a.admissibility) continue;
+        ++compared;
+        EXPECT_NEAR(b.objective / a.objective, 1, 1e-9) << name;
+      }
+    }
+    EXPECT_GT(compared, 5) << name;
+  }
 }
 
 TEST(PointScorer, AnEntryDoesNotDependOnItsNeighbours) {

@@ -38,6 +38,7 @@ TEST(Map, ValuesAreThoseOfTheirPoses) {
       EXPECT_LT((X_BT.translation() - at.point).norm(), 1e-8);
       EXPECT_LT((X_BT.linear().col(2) - request.tool_axis).norm(), 1e-10);
       EXPECT_EQ(Status(request.arm, at.q), at.branch);
+      EXPECT_TRUE(at.rotation >= -kPi && at.rotation < kPi) << at.rotation;
       EXPECT_TRUE((at.q.array() >= request.lower.array()).all() &&
                   (at.q.array() <= request.upper.array()).all());
       const PoseStiffness whole = EvaluatePose(request.arm, at.q, request.X_FT.translation(), request.normal,
