@@ -2,6 +2,7 @@
 #include "pose/freedom.hpp"
 
 #include "base/error.hpp"
+#include "pose/evaluator.hpp"
 #include "tests/pose/problems.hpp"
 
 namespace millpose {
@@ -59,6 +60,19 @@ TEST(Freedom, UnknownNameIsAnErrorWithTheNearest) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(), "no freedom \"rotatoin\"; known: rotation; did you mean \"rotation\"?");
+  }
+}
+
+TEST(Freedom, ValuesAreBroughtIntoTheRangeAndComparedTheShortWay) {
+  const auto rotation = MakeFreedom("rotation");
+  for (double value = -20; value < 20; value += 0.37) {
+    const double inside = Confine(*rotation, value);
+    EXPECT_GE(inside, -kPi - 1e-12);
+    EXPECT_LE(inside, kPi + 1e-12);
+    EXPECT_NEAR(std::remainder(inside - value, 2 * kPi), 0, 1e-12);
+    const double apart = Difference(*rotation, 0.3, value);
+    EXPECT_LE(std::abs(apart), kPi + 1e-12);
+    EXPECT_NEAR(std::remainder(0.3 + apart - value, 2 * kPi), 0, 1e-12);
   }
 }
 

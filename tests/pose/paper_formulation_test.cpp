@@ -47,6 +47,20 @@ TEST(PaperFormulation, ComesNearItsTargetAndRepeats) {
   EXPECT_NEAR(found.objective, 0.5 * whole.indices->lambda_t2 + 0.5 * whole.indices->lambda_n, 1e-15);
 }
 
+TEST(PaperFormulation, TargetsAreInTheArmsFrame) {
+  PaperCase paper = MakePaperCase();
+  const PaperTarget here = MakePaperTarget(paper.problem, paper.point);
+  const Pose turn =
+      Eigen::Translation3d(3, -2, 1) * Pose(Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, -1).normalized()));
+  paper.problem.X_WB = turn * paper.problem.X_WB;
+  paper.point.position = turn * paper.point.position;
+  for (Eigen::Vector3d* v : {&paper.point.normal, &paper.point.tool_axis}) *v = turn.linear() * *v;
+  const PaperTarget there = MakePaperTarget(paper.problem, paper.point);
+  EXPECT_LT((there.tip - here.tip).norm(), 1e-9);
+  EXPECT_LT((there.axis - here.axis).norm(), 1e-12);
+  EXPECT_LT((there.normal - here.normal).norm(), 1e-12);
+}
+
 TEST(PaperFormulation, FitnessIsThatOfEquations29To35) {
   PaperCase paper = MakePaperCase();
   const PaperTarget target = MakePaperTarget(paper.problem, paper.point);
