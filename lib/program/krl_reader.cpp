@@ -261,7 +261,7 @@ class KrlReader : public ProgramReader {
     std::vector<std::string> external;
     for (size_t i = 0; i < settings_.external.size(); ++i) external.push_back(fmt::format("E{}", i + 1));
     allowed.insert(allowed.end(), external.begin(), external.end());
-    const Fields fields = ReadFields(scan, allowed.front() == "A1" ? "E6AXIS" : "E6POS", allowed);
+    Fields fields = ReadFields(scan, allowed.front() == "A1" ? "E6AXIS" : "E6POS", allowed);
     ExpectAll(scan, fields, external);
     for (size_t i = 0; i < external.size(); ++i) {
       if (std::abs(fields.at(external[i]) - settings_.external[i]) > kExternalSlack) {
