@@ -95,7 +95,6 @@ struct ControllerSettings {
   Vector6 axis_offsets = Vector6::Zero();           ///< rad
   std::vector<std::string> axis_names = {"RA1", "RA2", "RA3", "RA4", "RA5", "RA6"};  ///< sinumerik
   std::string coordinates = "joint";               ///< linuxcnc: joint | cartesian
-  std::string motion = "lin";                      ///< krl: lin | spline
   int base_number = 0, tool_number = 0;            ///< krl: BASE_DATA, TOOL_DATA; 0: values are written
   std::vector<double> external_axes;               ///< krl: E1, E2, …, mm or degrees, constant
   int ptp_speed_percent = 30;                      ///< krl: of the axes' largest speed, between cuts

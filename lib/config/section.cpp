@@ -1,9 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/section.hpp"
 
+#include <map>
+
 #include "base/text.hpp"
 
 namespace millpose::config::codec_detail {
+
+namespace {
+
+/// Keys of earlier versions, and what stands in their place.
+const std::map<std::string, std::string>& FormerKeys() {
+  static const std::map<std::string, std::string> keys = {
+      {"motion",
+       "is no longer a key: KRL cuts are LIN with C_DIS, SLINs stop at every corner of a SPLINE block"},
+  };
+  return keys;
+}
+
+}  // namespace
 
 void CheckKeys(const Value& map, const Context& context, const std::vector<FieldInfo>& known) {
   std::vector<std::string> names;
@@ -14,7 +29,10 @@ void CheckKeys(const Value& map, const Context& context, const std::vector<Field
         names, [&](const std::string& name) { return name.starts_with(key.text + '_'); });
     const std::string near = NearestName(key.text, names);
     const Context at_key = context.Child(key.text);
-    if (with_unit != names.end())
+    const auto former = FormerKeys().find(key.text);
+    if (former != FormerKeys().end())
+      at_key.Add(key.mark, former->second);
+    else if (with_unit != names.end())
       at_key.Add(key.mark, fmt::format("the key lacks its unit; nearest known key: {}", *with_unit));
     else if (!near.empty())
       at_key.Add(key.mark, "unknown key; nearest known key: " + near);

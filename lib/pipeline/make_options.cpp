@@ -227,7 +227,6 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
   post.rotation = settings.rotation;
   post.cartesian = settings.coordinates == "cartesian";
   for (size_t i = 0; i < 6; ++i) post.axis_names[i] = settings.axis_names[i];
-  post.spline = settings.motion == "spline";
   post.base_number = settings.base_number;
   post.tool_number = settings.tool_number;
   post.external = settings.external_axes;

@@ -133,31 +133,16 @@ class KrlWriter : public ProgramWriter {
   void AddLinear(const Motion& motion) {
     const std::string target =
         fmt::format("{{{}{}}}", PoseFields(ToolInBase(motion), kAngleDecimals), External());
-    if (settings_.spline && !motion.exact && !in_spline_) {
-      Feed(motion.feed);
-      Line("SPLINE");
-      in_spline_ = true;
-    }
-    if (!in_spline_) Feed(motion.feed);
+    Feed(motion.feed);
     AddTriggers();
-    if (!in_spline_) {
-      Line(fmt::format("LIN {}{}", target, motion.exact ? "" : " C_DIS"));
-      return;
-    }
-    // Within the block the feed is that set before it, or the segment's own.
-    const std::string feed = FeedText(motion.feed);
-    Line(fmt::format("  SLIN {}{}", target, feed == feed_ ? "" : " WITH $VEL.CP = " + feed));
-    if (!motion.exact) return;
-    Line("ENDSPLINE");
-    in_spline_ = false;
+    Line(fmt::format("LIN {}{}", target, motion.exact ? "" : " C_DIS"));
   }
 
-  /// What is switched where this motion begins. Within a spline block the place is a path length.
+  /// What is switched where this motion begins.
   void AddTriggers() {
     for (const PathOutput& output : outputs_) {
-      Line(fmt::format("{} DELAY={} DO $OUT[{}]={}",
-                       in_spline_ ? "  TRIGGER WHEN PATH=0 ONSTART" : "TRIGGER WHEN DISTANCE=0",
-                       Fixed(output.delay * 1000, 0), output.number, output.on ? "TRUE" : "FALSE"));
+      Line(fmt::format("TRIGGER WHEN DISTANCE=0 DELAY={} DO $OUT[{}]={}", Fixed(output.delay * 1000, 0),
+                       output.number, output.on ? "TRUE" : "FALSE"));
     }
     outputs_.clear();
   }
@@ -182,10 +167,8 @@ class KrlWriter : public ProgramWriter {
     return TurnAt(motion, X_PC);
   }
 
-  static std::string FeedText(double feed) { return Fixed(feed / 1000, 8); }  // $VEL.CP is in m/s
-
   void Feed(double feed) {
-    const std::string text = FeedText(feed);
+    const std::string text = Fixed(feed / 1000, 8);  // $VEL.CP is in m/s
     if (text == feed_) return;
     feed_ = text;
     Line("$VEL.CP = " + text);
@@ -218,7 +201,6 @@ class KrlWriter : public ProgramWriter {
 
   std::vector<PathOutput> outputs_;  // to be switched with the next straight motion
   std::string feed_;
-  bool in_spline_ = false;
   bool within_pass_ = false;  // the next section goes on with a pass
 };
 

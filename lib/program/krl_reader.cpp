@@ -46,14 +46,7 @@ class KrlReader : public ProgramReader {
     } else if (scan.Accept("PTP")) {
       ReadPtp(scan);
     } else if (scan.Accept("LIN")) {
-      ReadLin(scan, false);
-    } else if (spline_ && scan.Accept("SLIN")) {
-      ReadLin(scan, true);
-    } else if (scan.Accept("SPLINE")) {
-      spline_ = true;
-    } else if (scan.Accept("ENDSPLINE")) {
-      if (!std::exchange(spline_, false)) scan.Fail("SPLINE expected before");
-      if (!program_.motions.empty()) program_.motions.back().exact = true;
+      ReadLin(scan);
     } else if (scan.Accept("END")) {
       EndFile();
     } else if (!ReadSetting(scan)) {
@@ -75,10 +68,9 @@ class KrlReader : public ProgramReader {
 
   void ReadSubprogram(LineScanner& scan) {
     static const std::vector<std::string> statements = {
-        "PTP",       "LIN",       "SPLINE",    "SLIN",      "ENDSPLINE", "TRIGGER WHEN",
-        "WAIT SEC",  "WAIT FOR",  "HALT",      "$BASE",     "$TOOL",     "$VEL.CP",
-        "$VEL.ORI1", "$VEL.ORI2", "$ACC.CP",   "BAS",       "$ACC.ORI1", "$ACC.ORI2",
-        "$APO.CDIS", "$ADVANCE",  "$ORI_TYPE", "INTERRUPT", "END"};
+        "PTP",       "LIN",       "TRIGGER WHEN", "WAIT SEC",  "WAIT FOR",  "HALT", "$BASE",
+        "$TOOL",     "$VEL.CP",   "$VEL.ORI1",    "$VEL.ORI2", "$ACC.CP",   "BAS",  "$ACC.ORI1",
+        "$ACC.ORI2", "$APO.CDIS", "$ADVANCE",     "$ORI_TYPE", "INTERRUPT", "END"};
     const size_t start = scan.Next();
     const auto name = scan.AcceptName();
     if (name && scan.Accept(":")) return;  // a label
@@ -106,8 +98,8 @@ class KrlReader : public ProgramReader {
       program_.X_FT = ReadFrame(scan, "TOOL_DATA", settings_.tool_number);
       if (program_.X_FT) program_.X_FT->linear() = program_.X_FT->linear() * settings_.R_TC.transpose();
       tooled_ = true;
-    } else if (!spline_ && scan.Accept("$VEL.CP")) {
-      feed_ = ReadFeed(scan);
+    } else if (scan.Accept("$VEL.CP")) {
+      feed_ = ReadPositive(scan) * 1000;
     } else if (scan.Accept("$APO.CDIS")) {
       scan.Expect("=");
       blend_ = scan.ExpectNumber();
@@ -151,16 +143,12 @@ class KrlReader : public ProgramReader {
     return value;
   }
 
-  static double ReadFeed(LineScanner& scan) { return ReadPositive(scan) * 1000; }
-
-  /// DISTANCE=0 DELAY=0 DO $OUT[3]=TRUE, or PATH=0 ONSTART … within a spline block: at the start of the next
-  /// motion.
+  /// DISTANCE=0 DELAY=0 DO $OUT[3]=TRUE: at the start of the next motion.
   void ReadTrigger(LineScanner& scan) {
-    scan.Expect(spline_ ? "PATH" : "DISTANCE");
+    scan.Expect("DISTANCE");
     scan.Expect("=");
     const size_t start = scan.Next();
     if (scan.ExpectNumber() != 0) scan.FailFrom(start, "0 expected (switching where the next motion begins)");
-    if (spline_) scan.Expect("ONSTART");
     PathOutput output;
     scan.Expect("DELAY");
     scan.Expect("=");
@@ -290,15 +278,13 @@ class KrlReader : public ProgramReader {
     motion.exact = !scan.Accept("C_PTP");
   }
 
-  void ReadLin(LineScanner& scan, bool spline) {
+  void ReadLin(LineScanner& scan) {
     Motion& motion = AddMotion(MotionType::kLinear);
     motion.X_PT = Target(scan, ReadTarget(scan, {"X", "Y", "Z", "A", "B", "C", "S", "T"}));
     motion.feed = feed_;
     motion.turn_speed = std::min(turn_speed_[0], turn_speed_[1]);
-    motion.exact = !spline && !scan.Accept("C_DIS");
-    motion.blend = motion.exact || spline ? 0 : blend_;
-    if (spline && scan.Accept("WITH $VEL.CP")) motion.feed = ReadFeed(scan);
-    if (spline_ && !spline) scan.Fail("SLIN expected within SPLINE");
+    motion.exact = !scan.Accept("C_DIS");
+    motion.blend = motion.exact ? 0 : blend_;
   }
 
   Fields last_;  // of the last Cartesian motion
@@ -306,7 +292,6 @@ class KrlReader : public ProgramReader {
   double blend_ = kDefaultBlend;
   std::array<double, 2> turn_speed_ = {kDefaultTurnSpeed, kDefaultTurnSpeed};
   bool defined_ = false;                  // DEF was read
-  bool spline_ = false;                   // within SPLINE … ENDSPLINE
   bool framed_ = false, tooled_ = false;  // $BASE and $TOOL are set
   bool posed_ = false;                    // a pose was approached
 };

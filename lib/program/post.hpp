@@ -27,7 +27,6 @@ struct PostSettings {
   std::array<std::string, 6> axis_names = {"RA1", "RA2", "RA3", "RA4", "RA5", "RA6"};  ///< sinumerik
   int max_motions = 1400;                    ///< per file; larger programs call sub-programs; not linuxcnc
   size_t max_bytes = 500000;                 ///< per file
-  bool spline = false;                       ///< krl: cuts as SPLINE blocks of SLIN, not LIN with C_DIS
   int base_number = 0, tool_number = 0;      ///< krl: BASE_DATA and TOOL_DATA to use; 0: the values
   std::vector<double> external;              ///< krl: constant E1, E2, … of every target, mm or degrees
   std::map<std::string, std::string> texts;  ///< see Templates

@@ -223,9 +223,10 @@ TEST(BrokenYaml, ColumnsCountCharacters) {
 TEST(BrokenYaml, WhatAControllerCannotFollowIsNamedWithItsLine) {
   const std::string cell = kCell;
   const int line = 1 + static_cast<int>(std::ranges::count(cell, '\n'));
-  const std::array<std::pair<const char*, const char*>, 7> slips = {{
-      {"  sinumerik: {motion: spline}\n",
-       "controllers.sinumerik.motion: sinumerik programs do not know this"},
+  const std::array<std::pair<const char*, const char*>, 8> slips = {{
+      {"  sinumerik: {base_number: 2}\n",
+       "controllers.sinumerik.base_number: sinumerik programs do not know this"},
+      {"  krl: {motion: spline}\n", "controllers.krl.motion: is no longer a key: KRL cuts are LIN"},
       {"  linuxcnc: {external_axes: [1]}\n",
        "controllers.linuxcnc.external_axes: linuxcnc programs do not know"},
       {"  krl: {rotation: euler}\n",

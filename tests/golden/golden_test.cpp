@@ -28,7 +28,7 @@ void ExpectGolden(const std::string& controller, const std::string& folder, cons
 
 class Golden : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Variants, Golden,
-                         testing::Values("krl", "krl_spline", "sinumerik", "sinumerik_euler", "linuxcnc",
+                         testing::Values("krl", "sinumerik", "sinumerik_euler", "linuxcnc",
                                          "linuxcnc_cartesian"),
                          [](const auto& variant) { return variant.param; });
 

@@ -25,7 +25,7 @@ class EachPost : public testing::TestWithParam<std::string> {
   MotionProgram Read(const ProgramFiles& texts) { return post->Read(texts, plan.arm, settings); }
 };
 INSTANTIATE_TEST_SUITE_P(Controllers, EachPost,
-                         testing::Values("krl", "krl_spline", "sinumerik", "sinumerik_euler", "linuxcnc",
+                         testing::Values("krl", "sinumerik", "sinumerik_euler", "linuxcnc",
                                          "linuxcnc_cartesian"),
                          [](const auto& controller) { return controller.param; });
 
@@ -288,26 +288,6 @@ TEST_P(EachPost, LongPiecesAreHandedOverAtAStop) {
     if (read.motions[i].file != read.motions[i - 1].file) {
       EXPECT_TRUE(read.motions[i - 1].exact);
     }
-  }
-}
-
-TEST(Krl, SplineBlocks) {
-  const PlanResult plan = SamplePlan();
-  PostSettings settings = SampleSettings("krl");
-  settings.spline = true;
-  const auto post = MakePost("krl");
-  MotionProgram program = MakeMotionProgram(plan);
-  program.motions[6].feed *= 0.9;
-  const ProgramFiles files = post->Write(program, plan.arm, settings);
-  const std::string& text = files.rbegin()->second;
-  EXPECT_EQ(text.find("C_DIS\n"), std::string::npos);
-  EXPECT_NE(text.find("WITH $VEL.CP"), std::string::npos);
-  const MotionProgram read = post->Read(files, plan.arm, settings);
-  EXPECT_EQ(post->Write(read, plan.arm, settings), files);
-  ASSERT_EQ(read.motions.size(), program.motions.size());
-  for (size_t i = 0; i < read.motions.size(); ++i) {
-    EXPECT_EQ(read.motions[i].exact, program.motions[i].exact) << i;
-    EXPECT_NEAR(read.motions[i].feed, program.motions[i].feed, 1e-5) << i;
   }
 }
 

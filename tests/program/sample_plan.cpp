@@ -181,7 +181,6 @@ PostSettings SampleSettings(const std::string& variant) {
     settings.R_TC = ToolAxis("x");
     settings.texts = {{"spindle_on", "$ANOUT[1]={rpm}\n$OUT[1]=TRUE"}, {"spindle_off", "$OUT[1]=FALSE"}};
   }
-  settings.spline = variant == "krl_spline";
   settings.cartesian = variant == "linuxcnc_cartesian";
   if (variant == "sinumerik_euler") settings.rotation = "euler";
   return settings;

@@ -24,7 +24,7 @@ struct SampleShape {
 };
 PlanResult SamplePlan(const SampleShape& shape = {});
 
-/// Settings as the kr500_r2830 cell gives them for a controller, or for a variant of it: krl, krl_spline,
+/// Settings as the kr500_r2830 cell gives them for a controller, or for a variant of it: krl,
 /// sinumerik, sinumerik_euler, linuxcnc, linuxcnc_cartesian.
 PostSettings SampleSettings(const std::string& variant);
 /// The controller of a variant.

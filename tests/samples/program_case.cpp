@@ -6,9 +6,7 @@
 
 namespace millpose {
 
-std::vector<std::string> Variants() {
-  return {"krl", "krl_spline", "sinumerik", "linuxcnc", "linuxcnc_cartesian"};
-}
+std::vector<std::string> Variants() { return {"krl", "sinumerik", "linuxcnc", "linuxcnc_cartesian"}; }
 
 MotionProgram ProgramCase::Read(const Arm& arm, const std::string& text) const {
   ProgramFiles edited = files;
@@ -23,7 +21,6 @@ ProgramCase MakeCase(const Sample& sample, const std::string& variant) {
   made.controller = variant.substr(0, variant.find('_'));
   JobInputs inputs = sample.inputs;
   ControllerSettings& settings = inputs.cell.controllers.at(made.controller);
-  if (variant == "krl_spline") settings.motion = "spline";
   if (variant == "linuxcnc_cartesian") settings.coordinates = "cartesian";
   if (made.controller == "krl") {
     settings.texts = {{"spindle_on", "$ANOUT[1]={rpm}\n$OUT[1]=TRUE"}, {"spindle_off", "$OUT[1]=FALSE"}};

@@ -9,7 +9,7 @@
 
 namespace millpose {
 
-/// krl, krl_spline, sinumerik, linuxcnc, linuxcnc_cartesian.
+/// krl, sinumerik, linuxcnc, linuxcnc_cartesian.
 std::vector<std::string> Variants();
 
 struct ProgramCase {

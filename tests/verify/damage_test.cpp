@@ -58,7 +58,7 @@ class DamagedProgram : public testing::TestWithParam<std::string> {
   }
 };
 INSTANTIATE_TEST_SUITE_P(Controllers, DamagedProgram,
-                         testing::Values("krl", "krl_spline", "sinumerik", "sinumerik_euler", "linuxcnc",
+                         testing::Values("krl", "sinumerik", "sinumerik_euler", "linuxcnc",
                                          "linuxcnc_cartesian"),
                          [](const auto& controller) { return controller.param; });
 

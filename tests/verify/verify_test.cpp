@@ -33,7 +33,7 @@ class VerifyPost : public testing::TestWithParam<std::string> {
   }
 };
 INSTANTIATE_TEST_SUITE_P(Controllers, VerifyPost,
-                         testing::Values("krl", "krl_spline", "sinumerik", "sinumerik_euler", "linuxcnc",
+                         testing::Values("krl", "sinumerik", "sinumerik_euler", "linuxcnc",
                                          "linuxcnc_cartesian"),
                          [](const auto& controller) { return controller.param; });
 
