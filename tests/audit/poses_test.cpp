@@ -12,6 +12,7 @@
 #include "robot/kinematics.hpp"
 #include "surface/mesh_import.hpp"
 #include "tests/audit/interference.hpp"
+#include "tests/base/source_dir.hpp"
 
 namespace millpose {
 namespace {
@@ -24,7 +25,7 @@ struct Sample {
 };
 
 Sample ReadSample(const std::string& name) {
-  const fs::path folder = fs::path(MILLPOSE_SOURCE_DIR) / "toolpaths" / name;
+  const fs::path folder = fs::path(SourceDir()) / "toolpaths" / name;
   const JobInputs inputs = LoadJobInputs(folder / "job.yaml");
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
   cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);

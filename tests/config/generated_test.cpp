@@ -6,12 +6,13 @@
 
 #include "base/file.hpp"
 #include "config/batch_settings.hpp"
+#include "tests/base/source_dir.hpp"
 
 namespace millpose {
 namespace {
 
 std::string Committed(const std::string& file) {
-  return ReadFile(std::filesystem::path(MILLPOSE_SOURCE_DIR) / "docs" / file);
+  return ReadFile(std::filesystem::path(SourceDir()) / "docs" / file);
 }
 
 }  // namespace

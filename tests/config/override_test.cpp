@@ -4,13 +4,14 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "config/config.hpp"
+#include "tests/base/source_dir.hpp"
 
 namespace millpose {
 namespace {
 
 JobSettings With(const std::vector<std::string>& changes) {
   static const std::string yaml =
-      ReadFile(std::filesystem::path(MILLPOSE_SOURCE_DIR) / "toolpaths/support_pad/job.yaml");
+      ReadFile(std::filesystem::path(SourceDir()) / "toolpaths/support_pad/job.yaml");
   std::vector<Override> overrides;
   for (const std::string& change : changes) overrides.push_back(ParseOverride(change));
   return ParseJob(yaml, "job.yaml", overrides);

@@ -3,6 +3,7 @@
 
 #include "base/file.hpp"
 #include "config/config.hpp"
+#include "tests/base/source_dir.hpp"
 
 namespace millpose {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 std::vector<std::filesystem::path> Yamls(const std::string& folder, const std::string& first_key) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry :
-       std::filesystem::recursive_directory_iterator(std::filesystem::path(MILLPOSE_SOURCE_DIR) / folder))
+       std::filesystem::recursive_directory_iterator(std::filesystem::path(SourceDir()) / folder))
     if (entry.path().extension() == ".yaml" &&
         ReadFile(entry.path()).find(first_key + ": 1") != std::string::npos)
       files.push_back(entry.path());
@@ -91,8 +92,7 @@ TEST(RoundTrip, EveryCellOfTheProjectReadsBackToTheSame) {
 }
 
 TEST(RoundTrip, EveryConditionOfARegionSurvives) {
-  const std::filesystem::path file =
-      std::filesystem::path(MILLPOSE_SOURCE_DIR) / "toolpaths/support_pad/job.yaml";
+  const std::filesystem::path file = std::filesystem::path(SourceDir()) / "toolpaths/support_pad/job.yaml";
   std::string text = ReadFile(file);
   const std::string given = "region: {facing: {direction: [0, 0, 1], within_deg: 1}}";
   ASSERT_NE(text.find(given), std::string::npos);
@@ -149,7 +149,7 @@ TEST(RoundTrip, WhatProgramsAreMadeOfSurvives) {
   EXPECT_EQ(krl.outputs[0].delay, -0.02);
   EXPECT_FALSE(krl.outputs[1].on);
   EXPECT_EQ(cell.controllers.at("linuxcnc").coordinates, "cartesian");
-  std::string text = ReadFile(std::filesystem::path(MILLPOSE_SOURCE_DIR) / "toolpaths/support_pad/job.yaml");
+  std::string text = ReadFile(std::filesystem::path(SourceDir()) / "toolpaths/support_pad/job.yaml");
   text += "program_options: {point_economy: {chord_mm: 0}, dry_run_offset_mm: 20, date: today}\n";
   const JobSettings job = ParseJob(WriteJob(ParseJob(text, "job")), "written");
   EXPECT_EQ(job.program_options.chord_tolerance, 0);
@@ -158,8 +158,8 @@ TEST(RoundTrip, WhatProgramsAreMadeOfSurvives) {
 }
 
 TEST(RoundTrip, NumbersStayShort) {
-  const JobSettings job = ParseJob(
-      ReadFile(std::filesystem::path(MILLPOSE_SOURCE_DIR) / "toolpaths/support_pad/job.yaml"), "job");
+  const JobSettings job =
+      ParseJob(ReadFile(std::filesystem::path(SourceDir()) / "toolpaths/support_pad/job.yaml"), "job");
   const std::string written = WriteJob(job);
   EXPECT_NE(written.find("margin_deg: 3\n"), std::string::npos) << written;
   EXPECT_NE(written.find("max_joint_step_deg: [5, 5, 5, 5, 5, 5]\n"), std::string::npos) << written;

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/file.hpp"
+#include "tests/base/source_dir.hpp"
 #include "tests/fuzz/entries.hpp"
 #include "tests/surface/mutate.hpp"
 
@@ -23,7 +24,7 @@ std::vector<std::filesystem::path> FilesIn(const std::filesystem::path& folder) 
 }
 
 std::vector<std::string> SeedsOf(const std::string& name) {
-  const std::filesystem::path tests = std::filesystem::path(MILLPOSE_SOURCE_DIR) / "tests";
+  const std::filesystem::path tests = std::filesystem::path(SourceDir()) / "tests";
   std::vector<std::string> seeds;
   for (const auto& folder : {tests / "fuzz" / "seeds" / name, tests / "golden" / name})
     for (const auto& file : FilesIn(folder)) seeds.push_back(ReadFile(file));
@@ -58,7 +59,7 @@ TEST(Seeds, EveryFolderBelongsToAnEntry) {
   std::set<std::string> names;
   for (const FuzzEntry& entry : AllEntries()) names.insert(entry.name);
   for (const auto& folder :
-       std::filesystem::directory_iterator(std::filesystem::path(MILLPOSE_SOURCE_DIR) / "tests/fuzz/seeds"))
+       std::filesystem::directory_iterator(std::filesystem::path(SourceDir()) / "tests/fuzz/seeds"))
     EXPECT_TRUE(names.contains(folder.path().filename().string())) << folder.path();
 }
 

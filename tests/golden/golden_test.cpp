@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "base/file.hpp"
+#include "tests/base/source_dir.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {
@@ -16,8 +17,7 @@ void ExpectGolden(const std::string& controller, const std::string& folder, cons
                   const PostSettings& settings) {
   const ProgramFiles files = MakePost(controller)->Write(MakeMotionProgram(plan), plan.arm, settings);
   for (const auto& [name, text] : files) {
-    const std::filesystem::path golden =
-        std::filesystem::path(MILLPOSE_SOURCE_DIR) / "tests/golden" / folder / name;
+    const std::filesystem::path golden = std::filesystem::path(SourceDir()) / "tests/golden" / folder / name;
     if (std::getenv("MILLPOSE_UPDATE_GOLDEN") != nullptr) {
       std::filesystem::create_directories(golden.parent_path());
       WriteFileAtomically(golden, text);

@@ -3,14 +3,14 @@
 #include "base/random.hpp"
 #include "cell/world.hpp"
 #include "pipeline/assemble.hpp"
+#include "tests/base/source_dir.hpp"
 
 namespace millpose {
 namespace {
 
 std::vector<std::filesystem::path> Cells() {
   std::vector<std::filesystem::path> files;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(MILLPOSE_SOURCE_DIR) / "cells"))
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(SourceDir()) / "cells"))
     if (entry.path().extension() == ".yaml") files.push_back(entry.path());
   std::ranges::sort(files);
   return files;

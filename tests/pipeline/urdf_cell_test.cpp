@@ -8,6 +8,7 @@
 #include "pipeline/assemble.hpp"
 #include "robot/joint_chain.hpp"
 #include "robot/kinematics.hpp"
+#include "tests/base/source_dir.hpp"
 
 namespace millpose {
 namespace {
@@ -38,7 +39,7 @@ class UrdfCell : public testing::Test {
  protected:
   void SetUp() override {
     fs::create_directories(base_ / "robot");
-    urdf_ = ReadFile(fs::path(MILLPOSE_SOURCE_DIR) / "tests/robot/turned_about.urdf");
+    urdf_ = ReadFile(fs::path(SourceDir()) / "tests/robot/turned_about.urdf");
   }
   void TearDown() override { fs::remove_all(base_); }
 

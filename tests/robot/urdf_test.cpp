@@ -8,6 +8,7 @@
 #include "base/file.hpp"
 #include "robot/joint_chain.hpp"
 #include "robot/kinematics.hpp"
+#include "tests/base/source_dir.hpp"
 #include "tests/robot/arms.hpp"
 
 namespace millpose {
@@ -169,7 +170,7 @@ TEST(Urdf, ArmsTurnedAboutMoveAsInKdl) {
 }
 
 TEST(Urdf, OwnFileIsDerivedWithItsLengths) {
-  const std::string file = std::string(MILLPOSE_SOURCE_DIR) + "/tests/robot/turned_about.urdf";
+  const std::string file = std::string(SourceDir()) + "/tests/robot/turned_about.urdf";
   const ChainOfLinks found = FindChain(ReadUrdf(ReadFile(file), file), "base_link", "tool0");
   const DerivedArm derived = DeriveArm(found.chain, 0.01, file);
   EXPECT_EQ(derived.X_SB.matrix(), Pose::Identity().matrix());

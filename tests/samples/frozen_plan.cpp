@@ -7,6 +7,7 @@
 #include "pipeline/assemble.hpp"
 #include "pipeline/workpiece.hpp"
 #include "robot/kinematics.hpp"
+#include "tests/base/source_dir.hpp"
 
 namespace millpose {
 namespace {
@@ -87,7 +88,7 @@ PlanResult Thaw(const std::string& text, const JobInputs& inputs, const Cell& ce
 }
 
 Sample LoadSample(const std::string& name) {
-  const std::filesystem::path source = MILLPOSE_SOURCE_DIR;
+  const std::filesystem::path source = SourceDir();
   Sample sample;
   sample.inputs = LoadJobInputs(source / "toolpaths" / name / "job.yaml", {});
   sample.cell = MakeJobCell(sample.inputs);

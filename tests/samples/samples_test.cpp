@@ -18,6 +18,7 @@
 #include "pipeline/workpiece.hpp"
 #include "program/controller_axes.hpp"
 #include "robot/kinematics.hpp"
+#include "tests/base/source_dir.hpp"
 #include "tests/program/interpreter.hpp"
 #include "tests/program/left_out.hpp"
 #include "tests/samples/program_case.hpp"
@@ -34,7 +35,7 @@ namespace fs = std::filesystem;
 Sample WholeSample(const std::string& name) {
   const fs::path folder = fs::path(testing::TempDir()) / fmt::format("millpose-whole-{}-{}", getpid(), name);
   PlanArguments arguments;
-  arguments.job = fs::path(MILLPOSE_SOURCE_DIR) / "toolpaths" / name / "job.yaml";
+  arguments.job = fs::path(SourceDir()) / "toolpaths" / name / "job.yaml";
   arguments.out = folder;
   RunPlan(arguments, Silent(), {});
   Sample sample;
@@ -82,8 +83,7 @@ INSTANTIATE_TEST_SUITE_P(All, SampleProgram,
 #ifndef MILLPOSE_WHOLE_SAMPLES
 TEST_P(SampleProgram, IsTheGoldenText) {
   for (const auto& [name, written] : made.files) {
-    const fs::path golden =
-        fs::path(MILLPOSE_SOURCE_DIR) / "tests/golden/samples" / sample_name / variant / name;
+    const fs::path golden = fs::path(SourceDir()) / "tests/golden/samples" / sample_name / variant / name;
     if (std::getenv("MILLPOSE_UPDATE_GOLDEN") != nullptr) {
       fs::create_directories(golden.parent_path());
       WriteFileAtomically(golden, written);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/file.hpp"
 #include "surface/mesh_import.hpp"
+#include "tests/base/source_dir.hpp"
 
 namespace millpose {
 namespace {
 
 ImportResult Sample(const std::string& name) {
-  const std::string path = fmt::format("{}/toolpaths/{}/{}.stl", MILLPOSE_SOURCE_DIR, name, name);
+  const std::string path = fmt::format("{}/toolpaths/{}/{}.stl", SourceDir(), name, name);
   return ImportMesh(ReadMesh(ReadFile(path), path), {}, path);
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/file.hpp"
 #include "surface/mesh_import.hpp"
+#include "tests/base/source_dir.hpp"
 
 namespace millpose {
 
@@ -137,7 +138,7 @@ Triangles Moved(Triangles mesh, const Eigen::Isometry3d& X) {
 Mesh SoundMesh(const Triangles& triangles) { return Mesh(triangles); }
 
 Mesh SampleMesh(const std::string& name) {
-  const std::string path = fmt::format("{}/toolpaths/{}/{}.stl", MILLPOSE_SOURCE_DIR, name, name);
+  const std::string path = fmt::format("{}/toolpaths/{}/{}.stl", SourceDir(), name, name);
   return ImportMesh(ReadMesh(ReadFile(path), path), {}, path).mesh;
 }
 

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "surface/mesh_import.hpp"
+#include "tests/base/source_dir.hpp"
 #include "tests/surface/shapes.hpp"
 #include "toolpath/cam_import.hpp"
 #include "toolpath/make_toolpath.hpp"
@@ -230,7 +231,7 @@ TEST(CamCsv, TellsThePlaceOfErrors) {
 }
 
 TEST(CamImport, SlicesComeBackFromAptAndCsv) {
-  const std::string file = std::string(MILLPOSE_SOURCE_DIR) + "/toolpaths/cabin_ring/cabin_ring.stl";
+  const std::string file = std::string(SourceDir()) + "/toolpaths/cabin_ring/cabin_ring.stl";
   const Mesh mesh = ImportMesh(ReadMesh(ReadFile(file), file), {}, file).mesh;
   ToolpathOptions options;
   options.strategy = "rings";
