@@ -36,7 +36,7 @@ class AuditTest : public testing::Test {
       WriteFileAtomically(top_ / name, text);
     }
     Options options;
-    options.travel_mm = 10;
+    options.travel_mm = 25;
     return Audit(ReadFolder(top_ / "out"), options);
   }
 

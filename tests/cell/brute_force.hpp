@@ -115,13 +115,32 @@ inline Triangles Moved(Triangles mesh, const Pose& X) {
   return mesh;
 }
 
+/// A triangle's corners and a ball that holds it.
+struct BalledTriangle {
+  std::array<Eigen::Vector3d, 3> corners;
+  Eigen::Vector3d centre;
+  double radius;
+};
+
+inline std::vector<BalledTriangle> Balled(const Triangles& mesh) {
+  std::vector<BalledTriangle> triangles;
+  for (const auto& f : mesh.faces) {
+    BalledTriangle one{{mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]}, {}, 0};
+    one.centre = (one.corners[0] + one.corners[1] + one.corners[2]) / 3;
+    for (const auto& corner : one.corners) one.radius = std::max(one.radius, (corner - one.centre).norm());
+    triangles.push_back(one);
+  }
+  return triangles;
+}
+
 /// Distance of two closed meshes in one frame, 0 when they touch or one lies in the other.
 inline double BruteDistance(const Triangles& a, const Triangles& b) {
   double best = std::numeric_limits<double>::infinity();
-  for (const auto& f : a.faces) {
-    for (const auto& g : b.faces) {
-      best = std::min(best, TriangleTriangle({a.vertices[f[0]], a.vertices[f[1]], a.vertices[f[2]]},
-                                             {b.vertices[g[0]], b.vertices[g[1]], b.vertices[g[2]]}));
+  const std::vector<BalledTriangle> first = Balled(a), second = Balled(b);
+  for (const BalledTriangle& f : first) {
+    for (const BalledTriangle& g : second) {
+      if ((f.centre - g.centre).norm() > best + f.radius + g.radius) continue;
+      best = std::min(best, TriangleTriangle(f.corners, g.corners));
       if (best == 0) return 0;
     }
   }

@@ -2,6 +2,7 @@
 // The bounded distance against a brute-force oracle over all kinds of shapes.
 #include "cell/world.hpp"
 #include "robot/kinematics.hpp"
+#include "tests/base/tier.hpp"
 #include "tests/cell/brute_force.hpp"
 #include "tests/cell/sample_cell.hpp"
 
@@ -47,13 +48,14 @@ Cell PairCell(const Shape& still, const Pose& X_W, const Shape& moving, const Po
 
 TEST(Distance, MatchesBruteForceForAllKindsOfShapes) {
   constexpr double kBound = 150;
+  const int trials = OfTier(2, 12);
   RandomStream random(7, 0);
   const std::vector<Case> cases = Cases();
   const Pose X_WF = ForwardFlange(SampleArm(), HomePose());
   int touching = 0, near = 0;
   for (size_t i = 0; i < cases.size(); ++i) {
     for (size_t j = 0; j < cases.size(); ++j) {
-      for (int k = 0; k < 6; ++k) {
+      for (int k = 0; k < trials; ++k) {
         const Pose X_W = X_WF * RandomPose(random, 110), X_F = RandomPose(random, 30);
         const World world(PairCell(cases[i].shape, X_W, cases[j].shape, X_F));
         Checker checker(world);
@@ -70,8 +72,8 @@ TEST(Distance, MatchesBruteForceForAllKindsOfShapes) {
       }
     }
   }
-  EXPECT_GT(touching, 50);
-  EXPECT_GT(near, 50);
+  EXPECT_GT(touching, 8 * trials);
+  EXPECT_GT(near, 8 * trials);
 }
 
 TEST(Distance, PlaceLiesBetweenTheBodies) {

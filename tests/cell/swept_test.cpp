@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Checker::Between keeps its promise: what it calls free is free at every sample of a dense walk.
-#include <cstdlib>
-
 #include "cell/world.hpp"
 #include "robot/kinematics.hpp"
+#include "tests/base/tier.hpp"
 #include "tests/cell/sample_cell.hpp"
 
 namespace millpose::test {
@@ -41,8 +40,7 @@ TEST(Between, MissesNoInterferenceAtAThinSheet) {
   const Joints middle = Degrees(-4.5, -63.9, 103.3, 18.8, 53.1, 16.2);
   RandomStream random(17, 0);
   int free = 0, blocked = 0;
-  const char* wanted = std::getenv("MILLPOSE_MOTIONS");
-  const int sheets = (wanted ? std::atoi(wanted) : 500) / 25;
+  const int sheets = OfTier(9, 400);
   for (int sheet = 0; sheet < sheets; ++sheet) {
     const World world(SheetCell(middle, At(0, 0, 100) * RandomPose(random, 120), sheet % 3));
     for (int trial = 0; trial < 25; ++trial) {

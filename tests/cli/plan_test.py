@@ -129,7 +129,7 @@ class Plan(unittest.TestCase):
         job = BENCH.job("support_pad", CUT_DOWN + [
             ("kr500_r2830", "springs"),
             (r"spindle_rpm: 7000", "spindle_rpm: 7000\n  cutting: {teeth: 2, depth_mm: 1, width_mm: 6}"),
-            (r"pose:\n  objective", "pose:\n  formulation: paper\n  paper: {generations: 250}\n  objective")], "paper")
+            (r"pose:\n  objective", "pose:\n  formulation: paper\n  paper: {generations: 120}\n  objective")], "paper")
         result, folder = BENCH.plan(job, "paper")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
         self.assertIn("paper's formulation:", result.stdout)

@@ -60,7 +60,7 @@ class Run(InFolder):
         self.assertEqual(tree(self.folder / "a"), before)
 
     def test_changed_parameter_redoes_only_what_depends_on_it(self):
-        changes = ("toolpath.stepover_mm=20", "toolpath.spacing_mm=40")
+        changes = ("toolpath.stepover_mm=30", "toolpath.spacing_mm=80")
 
         def resumed(*more, program=MILLPOSE):
             out = self.folder / "kept"

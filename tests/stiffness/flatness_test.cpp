@@ -5,6 +5,7 @@
 
 #include "base/random.hpp"
 #include "stiffness/minimum_zone.hpp"
+#include "tests/base/tier.hpp"
 #include "tests/stiffness/random_vectors.hpp"
 
 namespace millpose {
@@ -36,7 +37,7 @@ double Extent(const Points& points, const Vector3d& direction) {
 
 TEST(Flatness, LeastSquaresPlaneAgreesWithTheCovariance) {
   RandomStream stream(1, 0);
-  for (int k = 0; k < 1000; ++k) {
+  for (int k = 0; k < OfTier(60, 1000); ++k) {
     const Points points = RandomFace(stream, 8, 1);
     const auto found = MeasureFlatness(points);
     ASSERT_TRUE(found.has_value());

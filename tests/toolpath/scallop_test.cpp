@@ -2,6 +2,7 @@
 #include "toolpath/scallop.hpp"
 
 #include "surface/mesh.hpp"
+#include "tests/base/tier.hpp"
 #include "tests/toolpath/vault.hpp"
 #include "toolpath/make_toolpath.hpp"
 
@@ -121,7 +122,7 @@ TEST(Scallops, StandAsHighAsPredictedOnConvexAndConcaveVaults) {
                                                          {flat, 6, 3, 1 / kRadius}}) {
       SCOPED_TRACE(fmt::format("r {} lead {} tilt {} curvature {} H {}", given.cutter.corner_radius,
                                given.lead_deg, given.tilt_deg, given.curvature, wanted));
-      ExpectScallops(given, wanted, Direction::kOneWay, 4, 60);
+      ExpectScallops(given, wanted, Direction::kOneWay, OfTier(2, 4), 60);
     }
 }
 

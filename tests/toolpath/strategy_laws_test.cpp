@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What holds for every strategy alike: where the part lies and in what unit it comes changes nothing.
 #include "surface/mesh_import.hpp"
+#include "tests/base/tier.hpp"
 #include "tests/surface/shapes.hpp"
 #include "tests/toolpath/toolpath_laws.hpp"
 #include "toolpath/gouge.hpp"
@@ -109,12 +110,14 @@ TEST(StrategyLaws, SameForAnyNumberOfThreads) {
   for (Given& given : Everything()) {
     if (given.name != "planes" && given.name != "wall spiral" && given.name != "pad zigzag") continue;
     SCOPED_TRACE(given.name);
-    given.options.spacing = 8;
+    given.options.spacing = OfTier(40, 8);
+    given.options.stepover *= OfTier(3, 1);
+    given.options.chord_tolerance *= OfTier(20, 1);
     const Mesh mesh = SoundMesh(given.part);
     for (const GougeAction action : {GougeAction::kSkip, GougeAction::kLift}) {
       std::vector<Toolpath> toolpaths;
       std::vector<GougeReport> reports;
-      for (const int threads : {1, 2, 4}) {
+      for (const int threads : {1, 3}) {
         Toolpath toolpath = MakeToolpath(mesh, given.options, {});
         for (Pass& pass : toolpath.passes)  // into the part on purpose
           for (MillingPoint& point : pass.points) point.position -= 0.3 * point.normal;
@@ -122,7 +125,7 @@ TEST(StrategyLaws, SameForAnyNumberOfThreads) {
         toolpaths.push_back(std::move(toolpath));
       }
       EXPECT_GT(reports[0].points, 0);
-      for (const size_t i : {1, 2}) {
+      for (size_t i = 1; i < toolpaths.size(); ++i) {
         ExpectSame(toolpaths[0], toolpaths[i], 0);
         EXPECT_EQ(reports[0].points, reports[i].points);
         EXPECT_EQ(reports[0].deepest.depth, reports[i].deepest.depth);
