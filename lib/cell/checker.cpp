@@ -38,10 +38,15 @@ struct Checker::Impl {
     }
   }
 
-  BoundedDistance Distance(const BodyPair& pair, double bound) const {
+  /// A lower bound at most `bound`; meaningless below `enough`.
+  double Least(const BodyPair& pair, double bound, double enough) const {
     const Placed &a = placed[pair.first], &b = placed[pair.second];
-    if (BoxDistance(a, b) >= bound) return {bound, Eigen::Vector3d::Zero()};
-    return DistanceUpTo(a, b, bound);
+    return BoxDistance(a, b) >= bound ? bound : ProvenDistance(a, b, bound, enough);
+  }
+
+  BoundedDistance Distance(const BodyPair& pair, double bound) const {
+    if (Least(pair, bound, bound) >= bound) return {bound, Eigen::Vector3d::Zero()};
+    return DistanceUpTo(placed[pair.first], placed[pair.second], bound);
   }
 
   /// A pair at the pose moved to; empty when it keeps its clearance or is not checked.
@@ -154,10 +159,15 @@ std::optional<Interference> Checker::Impl::Certify(const Joints& middle, const J
     // What settles the pair for the whole motion: even the worst movement leaves clearance − resolution.
     const double wanted = std::max(clearance, clearance - resolution + motion);
     if (BoxDistance(placed[pair.first], placed[pair.second]) >= wanted) continue;
-    // Exact distances to far meshes cost more than looking at shorter parts of the motion.
-    const BoundedDistance found = Distance(pair, std::min(wanted, clearance + kNearby));
-    if (found.distance < clearance) return Report(pair, found);
-    if (found.distance < wanted) undecided.push_back(index);
+    // Distances to far meshes cost more than looking at shorter parts of the motion.
+    const double bound = std::min(wanted, clearance + kNearby);
+    double distance = ProvenDistance(placed[pair.first], placed[pair.second], bound, clearance);
+    if (distance < clearance) {
+      const BoundedDistance found = DistanceUpTo(placed[pair.first], placed[pair.second], bound);
+      if (found.distance < clearance) return Report(pair, found);
+      distance = found.distance;
+    }
+    if (distance < wanted) undecided.push_back(index);
   }
   return std::nullopt;
 }

@@ -170,6 +170,27 @@ double LeastOverlap(const Placed& a, const Placed& b) {
   return best;
 }
 
+/// The widest gap between two convex parts along the same directions, as soon as it reaches `enough`.
+double WidestGap(const Placed& a, const Placed& b, double enough) {
+  double widest = -std::numeric_limits<double>::infinity();
+  const auto along = [&](const Eigen::Vector3d& d) {
+    const double length = d.norm();
+    if (length < 1e-9) return false;
+    widest = std::max({widest, Separation(a, b, d / length), Separation(a, b, -d / length)});
+    return widest >= enough;
+  };
+  if (along(Interior(b) - Interior(a))) return widest;
+  for (int i = 0; i < 3; ++i) {
+    if (along(a.X_WG.linear().col(i)) || along(b.X_WG.linear().col(i))) return widest;
+  }
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      if (along(a.X_WG.linear().col(i).cross(b.X_WG.linear().col(j)))) return widest;
+    }
+  }
+  return widest;
+}
+
 /// A point that lies in the world boxes of both, or between them.
 Eigen::Vector3d BetweenBoxes(const Placed& a, const Placed& b) {
   const auto lower = [](const Placed& p) -> Eigen::Vector3d {
@@ -248,6 +269,7 @@ Part MakePart(const Shape& shape) {
     part.radius = 0;
     for (const auto& p : convex->points) part.radius = std::max(part.radius, (p - part.centre).norm());
   }
+  part.envelope = EnvelopeOf(part.shape, part.centre, part.half);
   if (const auto* mesh = std::get_if<Triangles>(&part.shape)) {
     part.solid = std::make_shared<const Solid>(*mesh);
     part.shape = Triangles{};  // FCL and Solid have it
@@ -272,6 +294,15 @@ double BoxDistance(const Placed& a, const Placed& b) {
     least = std::max(least, gap.cwiseMax(0.0).norm());
   }
   return std::max(least, 0.0);
+}
+
+double ProvenDistance(const Placed& a, const Placed& b, double bound, double enough) {
+  if (a.part->mesh() && b.part->mesh()) return 0;
+  if (!a.part->mesh() && !b.part->mesh()) return std::clamp(WidestGap(a, b, bound), 0.0, bound);
+  const Placed &mesh = a.part->mesh() ? a : b, &body = a.part->mesh() ? b : a;
+  const Pose X_MG = mesh.X_WG.inverse(Eigen::Isometry) * body.X_WG;
+  const double least = LeastDistance(body.part->envelope, X_MG, mesh.part->solid->tree(), bound, enough);
+  return least >= enough && Swallows(mesh, body) ? 0 : least;
 }
 
 BoundedDistance DistanceUpTo(const Placed& a, const Placed& b, double bound) {

@@ -7,7 +7,7 @@
 
 #include <memory>
 
-#include "cell/cell.hpp"
+#include "cell/apart.hpp"
 #include "cell/solid.hpp"
 
 namespace millpose {
@@ -21,6 +21,7 @@ struct Part {
   Eigen::Vector3d half = Eigen::Vector3d::Zero();      ///< its half sizes, mm
   Eigen::Vector3d interior = Eigen::Vector3d::Zero();  ///< a point inside a convex shape
   double radius = 0;                                   ///< of the bounding sphere about `centre`, mm
+  Envelope envelope;                                   ///< of a convex shape
 
   bool mesh() const { return solid != nullptr; }
 };
@@ -44,6 +45,11 @@ Placed PlacePart(const Part& part, const Pose& X_WG);
 /// A lower bound of the distance of two parts from their bounding spheres and boxes, mm; 0 when these
 /// overlap.
 double BoxDistance(const Placed& a, const Placed& b);
+
+/// A lower bound of the distance of two parts from planes between them, mm, at most `bound` (> 0): never more
+/// than DistanceUpTo, at a fraction of its cost. Below `enough` nothing is proven but that it may be so near;
+/// the search stops there. 0 for two meshes and for a part wholly inside a closed mesh.
+double ProvenDistance(const Placed& a, const Placed& b, double bound, double enough);
 
 /// The distance of two parts as far as it was asked for.
 struct BoundedDistance {

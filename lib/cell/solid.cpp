@@ -7,8 +7,6 @@
 namespace millpose {
 namespace {
 
-constexpr int kLeafSize = 4;
-
 struct LessPoint {
   bool operator()(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const {
     return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
@@ -42,19 +40,15 @@ bool RayMeetsBox(const Eigen::Vector3d& p, const Eigen::Vector3d& inverse, const
 
 }  // namespace
 
-Solid::Solid(const Triangles& mesh) {
-  const std::vector<std::array<int, 3>> faces = Weld(mesh, vertices_);
-  FindTopology(faces, vertices_.size());
-  if (!closed_) return;
-  std::vector<int> order(faces.size());
-  std::iota(order.begin(), order.end(), 0);
-  faces_ = faces;
-  nodes_.reserve(faces.size());
-  Build(order, 0, static_cast<int>(order.size()));
-  for (size_t i = 0; i < order.size(); ++i) faces_[i] = faces[order[i]];
+Solid::Solid(const Triangles& mesh) : tree_(mesh.vertices, mesh.faces) {
+  std::vector<Eigen::Vector3d> vertices;
+  const std::vector<std::array<int, 3>> faces = Weld(mesh, vertices);
+  FindTopology(faces, vertices);
 }
 
-void Solid::FindTopology(const std::vector<std::array<int, 3>>& faces, size_t vertex_count) {
+void Solid::FindTopology(const std::vector<std::array<int, 3>>& faces,
+                         const std::vector<Eigen::Vector3d>& vertices) {
+  const size_t vertex_count = vertices.size();
   std::vector<int> parent(vertex_count);
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int v) {
@@ -75,7 +69,7 @@ void Solid::FindTopology(const std::vector<std::array<int, 3>>& faces, size_t ve
   for (size_t v = 0; v < vertex_count; ++v) {
     if (!used[v] || named[root(static_cast<int>(v))]) continue;
     named[root(static_cast<int>(v))] = true;
-    representatives_.push_back(vertices_[v]);
+    representatives_.push_back(vertices[v]);
   }
   std::sort(edges.begin(), edges.end());
   closed_ = !edges.empty();
@@ -87,38 +81,6 @@ void Solid::FindTopology(const std::vector<std::array<int, 3>>& faces, size_t ve
   }
 }
 
-int Solid::Build(std::vector<int>& order, int first, int count) {
-  Node node;
-  node.lower.setConstant(std::numeric_limits<double>::infinity());
-  node.upper = -node.lower;
-  for (int i = first; i < first + count; ++i) {
-    for (int v : faces_[order[i]]) {
-      node.lower = node.lower.cwiseMin(vertices_[v]);
-      node.upper = node.upper.cwiseMax(vertices_[v]);
-    }
-  }
-  const int index = static_cast<int>(nodes_.size());
-  if (count <= kLeafSize) {
-    node.first = first;
-    node.count = count;
-    nodes_.push_back(node);
-    return index;
-  }
-  nodes_.push_back(node);
-  int axis = 0;
-  (node.upper - node.lower).maxCoeff(&axis);
-  const auto centre = [&](int f) {
-    return vertices_[faces_[f][0]][axis] + vertices_[faces_[f][1]][axis] + vertices_[faces_[f][2]][axis];
-  };
-  const int half = count / 2;
-  std::sort(order.begin() + first, order.begin() + first + count,
-            [&](int a, int b) { return std::pair(centre(a), a) < std::pair(centre(b), b); });
-  Build(order, first, half);
-  const int right = Build(order, first + half, count - half);
-  nodes_[index].right = right;
-  return index;
-}
-
 Solid::Crossings Solid::Count(const Eigen::Vector3d& p, const Eigen::Vector3d& direction) const {
   constexpr double kEdge = 1e-10;  // relative: barycentric coordinates nearer to 0 than this are in doubt
   Crossings crossings;
@@ -126,7 +88,7 @@ Solid::Crossings Solid::Count(const Eigen::Vector3d& p, const Eigen::Vector3d& d
   std::vector<int> stack{0};
   while (!stack.empty()) {
     const int index = stack.back();
-    const Node& node = nodes_[index];
+    const TriangleTree::Node& node = tree_.nodes()[index];
     stack.pop_back();
     if (!RayMeetsBox(p, inverse, node.lower, node.upper)) continue;
     if (node.count == 0) {
@@ -135,8 +97,9 @@ Solid::Crossings Solid::Count(const Eigen::Vector3d& p, const Eigen::Vector3d& d
       continue;
     }
     for (int i = node.first; i < node.first + node.count; ++i) {
-      const Eigen::Vector3d a = vertices_[faces_[i][0]] - p, b = vertices_[faces_[i][1]] - p,
-                            c = vertices_[faces_[i][2]] - p;
+      const TriangleTree::Corners& corners = tree_.triangles()[i];
+      if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
+      const Eigen::Vector3d a = corners[0] - p, b = corners[1] - p, c = corners[2] - p;
       // Signed volumes of the ray with the edges: all of one sign where it meets the triangle.
       const double u = direction.dot(b.cross(c)), v = direction.dot(c.cross(a)),
                    w = direction.dot(a.cross(b));
@@ -156,8 +119,8 @@ Solid::Crossings Solid::Count(const Eigen::Vector3d& p, const Eigen::Vector3d& d
 
 bool Solid::Contains(const Eigen::Vector3d& p) const {
   if (!closed_) return false;
-  if ((p.array() < nodes_[0].lower.array()).any() || (p.array() > nodes_[0].upper.array()).any())
-    return false;
+  const TriangleTree::Node& root = tree_.nodes()[0];
+  if ((p.array() < root.lower.array()).any() || (p.array() > root.upper.array()).any()) return false;
   // Directions without a pattern; another one is taken where a ray grazes an edge.
   static const std::array<Eigen::Vector3d, 4> kDirections{
       Eigen::Vector3d(0.8017, 0.2673, 0.5345), Eigen::Vector3d(-0.3371, 0.9013, 0.2719),

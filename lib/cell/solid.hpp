@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "cell/triangle_tree.hpp"
 #include "surface/triangles.hpp"
 
 namespace millpose {
@@ -16,6 +17,8 @@ class Solid {
   explicit Solid(const Triangles& mesh);
 
   bool closed() const { return closed_; }
+  /// All triangles, those without area too.
+  const TriangleTree& tree() const { return tree_; }
   /// One vertex of every connected component.
   const std::vector<Eigen::Vector3d>& representatives() const { return representatives_; }
   /// Whether `p` (mm, mesh frame) lies inside: the winding number counted along a ray is not 0. Always false
@@ -23,22 +26,15 @@ class Solid {
   bool Contains(const Eigen::Vector3d& p) const;
 
  private:
-  struct Node {
-    Eigen::Vector3d lower, upper;
-    int first = 0, count = 0;  ///< triangles of a leaf
-    int right = 0;             ///< second child of an inner node; the first follows its parent
-  };
   struct Crossings {
     int winding = 0;
     bool doubtful = false;  ///< the ray passed too near an edge to be sure
   };
-  void FindTopology(const std::vector<std::array<int, 3>>& faces, size_t vertex_count);
-  int Build(std::vector<int>& order, int first, int count);
+  void FindTopology(const std::vector<std::array<int, 3>>& faces,
+                    const std::vector<Eigen::Vector3d>& vertices);
   Crossings Count(const Eigen::Vector3d& p, const Eigen::Vector3d& direction) const;
 
-  std::vector<Eigen::Vector3d> vertices_;
-  std::vector<std::array<int, 3>> faces_;  ///< in the order of the leaves
-  std::vector<Node> nodes_;
+  TriangleTree tree_;
   std::vector<Eigen::Vector3d> representatives_;
   bool closed_ = false;
 };

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How far a convex body is from a mesh at least: proven by planes between them, far cheaper than the
+// distance.
+#pragma once
+
+#include "cell/cell.hpp"
+#include "cell/triangle_tree.hpp"
+
+namespace millpose {
+
+/// A convex body as what bounds it: a box, and a cylinder about the box's z axis where the shape is round.
+struct Envelope {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of the box, mm, shape frame
+  Eigen::Vector3d half = Eigen::Vector3d::Zero();    ///< its half sizes, mm
+  double radius = 0;  ///< of the cylinder, mm, about the line through the centre along z; 0: none
+};
+
+/// The envelope of a convex shape (anything but Triangles) whose bounding box is given, mm.
+Envelope EnvelopeOf(const Shape& shape, const Eigen::Vector3d& centre, const Eigen::Vector3d& half);
+
+/// A lower bound, mm, of the distance between the body and every triangle of the mesh: never more than the
+/// true distance, at most `bound`; 0 or more. The search ends as soon as it has fallen below `enough`: what
+/// is returned then is below `enough`, and still a lower bound. `X_MG`: the body's frame in the mesh's. Only
+/// surfaces count: a body wholly inside a closed mesh is as far from it as from its skin.
+double LeastDistance(const Envelope& body, const Pose& X_MG, const TriangleTree& mesh, double bound,
+                     double enough);
+
+}  // namespace millpose

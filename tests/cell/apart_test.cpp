@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Proven lower bounds of distances against a brute-force oracle.
+#include "cell/apart.hpp"
+
+#include "cell/fcl_part.hpp"
+#include "tests/cell/brute_force.hpp"
+#include "tests/cell/sample_cell.hpp"
+
+namespace millpose::test {
+namespace {
+
+constexpr int kSides = 24;
+constexpr double kBound = 300;
+
+/// A convex shape, and a mesh inscribed in it.
+struct Body {
+  Shape shape;
+  Triangles mesh;
+};
+
+std::vector<Body> Bodies() {
+  const Triangles box = BoxMesh({100, 60, 20});
+  return {{Box{{100, 60, 20}}, box},
+          {Convex{box.vertices}, box},
+          {Sphere{50}, CapsuleMesh(50, 0, kSides)},
+          {Cylinder{40, 200}, Revolve({{-100, 40}, {100, 40}}, kSides)},
+          {Capsule{30, 100}, CapsuleMesh(30, 100, kSides)},
+          {Cone{50, 20, 80}, Revolve({{-40, 50}, {40, 20}}, kSides)}};
+}
+
+double Least(const Part& body, const Pose& X_MG, const TriangleTree& tree, double bound, double enough) {
+  return LeastDistance(body.envelope, X_MG, tree, bound, enough);
+}
+
+TEST(Apart, NeverExceedsTheDistanceAndComesNearIt) {
+  RandomStream random(11, 0);
+  const std::vector<Triangles> meshes{Revolve({{-30, 60}, {40, 90}}, 16), BoxMesh({80, 200, 5})};
+  double proven = 0, distances = 0;
+  for (const Body& body : Bodies()) {
+    const Part part = MakePart(body.shape);
+    for (const Triangles& mesh : meshes) {
+      const TriangleTree tree(mesh.vertices, mesh.faces);
+      for (int trial = 0; trial < 15; ++trial) {
+        const Pose X_MG = RandomPose(random, 180);
+        const double truth = BruteDistance(mesh, Moved(body.mesh, X_MG));
+        const double least = Least(part, X_MG, tree, kBound, 0);
+        EXPECT_LE(least, truth + 1e-9) << "shape " << body.shape.index() << ", trial " << trial;
+        EXPECT_GE(least, 0);
+        proven += std::min(least, kBound), distances += std::min(truth, kBound);
+      }
+    }
+  }
+  EXPECT_GT(proven, 0.85 * distances);
+}
+
+TEST(Apart, StopsWhereThereIsNotEnough) {
+  RandomStream random(12, 0);
+  const Triangles mesh = Revolve({{-30, 60}, {40, 90}}, 16);
+  const TriangleTree tree(mesh.vertices, mesh.faces);
+  const Part part = MakePart(Cylinder{40, 200});
+  int enough = 0, less = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Pose X_MG = RandomPose(random, 180);
+    const double all = Least(part, X_MG, tree, kBound, 0), some = Least(part, X_MG, tree, 40, 15);
+    if (all >= 15) {
+      EXPECT_DOUBLE_EQ(some, std::min(all, 40.0));
+      ++enough;
+    } else {
+      EXPECT_LT(some, 15);
+      ++less;
+    }
+  }
+  EXPECT_GT(enough, 30);
+  EXPECT_GT(less, 30);
+}
+
+TEST(Apart, WhatAClosedMeshSwallowsIsNotFree) {
+  Triangles skin = BoxMesh({400, 400, 400});
+  const Part block = MakePart(skin);
+  skin.faces.pop_back();
+  const Part open = MakePart(skin);
+  for (const Body& body : Bodies()) {
+    const Part part = MakePart(body.shape);
+    const Placed inside = PlacePart(part, Pose::Identity());
+    EXPECT_EQ(ProvenDistance(PlacePart(block, Pose::Identity()), inside, 10, 10), 0) << body.shape.index();
+    EXPECT_EQ(ProvenDistance(inside, PlacePart(block, Pose::Identity()), 10, 10), 0) << body.shape.index();
+    EXPECT_EQ(ProvenDistance(PlacePart(open, Pose::Identity()), inside, 10, 10), 10) << body.shape.index();
+  }
+}
+
+TEST(Apart, ProvesNoMoreThanTheDistanceOfTwoConvexParts) {
+  RandomStream random(13, 0);
+  double proven = 0, distances = 0;
+  for (const Body& a : Bodies()) {
+    const Part first = MakePart(a.shape);
+    for (const Body& b : Bodies()) {
+      const Part second = MakePart(b.shape);
+      for (int trial = 0; trial < 4; ++trial) {
+        const Pose X_A = RandomPose(random, 150), X_B = RandomPose(random, 150);
+        const double truth = std::min(kBound, BruteDistance(Moved(a.mesh, X_A), Moved(b.mesh, X_B)));
+        const double least = ProvenDistance(PlacePart(first, X_A), PlacePart(second, X_B), kBound, 0);
+        EXPECT_LE(least, truth + 1e-9);
+        proven += least, distances += truth;
+      }
+    }
+  }
+  EXPECT_GT(proven, 0.8 * distances);
+}
+
+}  // namespace
+}  // namespace millpose::test
