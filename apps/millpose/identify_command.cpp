@@ -157,8 +157,8 @@ void WriteCellFile(const Options& options, const Task& task, const Identificatio
   if (!kept.empty()) source += ", but as before:" + kept;
   WriteFileAtomically(options.write_cell, ReplaceJointStiffness(ReadFile(options.write_cell),
                                                                 options.write_cell, stiffness, source));
-  fmt::print(stderr, "millpose: {} updated{}\n", options.write_cell,
-             kept.empty() ? "" : "; not determined and kept:" + kept);
+  const std::string note = kept.empty() ? "" : "; not determined and kept:" + kept;
+  std::fputs(fmt::format("millpose: {} updated{}\n", options.write_cell, note).c_str(), stderr);
 }
 
 int Propose(const Options& options, const Task& task) {

@@ -7,8 +7,11 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <new>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <thread>
 
 #include "base/error.hpp"
@@ -18,16 +21,26 @@
 namespace millpose {
 namespace {
 
+constexpr const char* kNoMemory =
+    "out of memory: the job needs more than this machine, or a limit set on it, gives";
+constexpr const char* kNoOutput = "cannot write to standard output";
 constexpr const char* kClearLine = "\r\x1b[K";  // of a bar that stands there
+
+// As fmt::print, for stderr: where nobody can read it, the work goes on.
+template <class... T>
+void Tell(fmt::format_string<T...> format, T&&... values) {
+  const std::string text = fmt::format(format, std::forward<T>(values)...);
+  std::fwrite(text.data(), 1, text.size(), stderr);
+}
 
 // What goes to stderr besides progress; JSON when progress is.
 void Report(const std::string& text, int status, bool json) {
   if (json) {
     using Json = nlohmann::ordered_json;
     const Json line{{"event", "error"}, {"status", status}, {"message", text}};
-    fmt::print(stderr, "{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
+    Tell("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
   } else {
-    fmt::print(stderr, "{}millpose: {}\n", isatty(STDERR_FILENO) != 0 ? kClearLine : "", text);
+    Tell("{}millpose: {}\n", isatty(STDERR_FILENO) != 0 ? kClearLine : "", text);
   }
 }
 
@@ -94,14 +107,23 @@ int RunGuarded(const Run& run, const Output& output) {
   try {
     const int status = run(session);
     if (std::fflush(stdout) == 0) return status;
-    return fail("cannot write to standard output", kBadInput);
+    return fail(kNoOutput, kBadInput);
   } catch (const InputError& error) {
     return fail(error.what(), kBadInput);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(fmt::format("{}: {}", error.path1().string(), error.code().message()), kBadInput);
   } catch (const Interrupted&) {
     shown.reset();
     if (watch.MayReport()) ReportInterrupted(output.json);
     return kInterrupted;
+  } catch (const std::bad_alloc&) {
+    return fail(kNoMemory, kInternalError);
   } catch (const std::exception& error) {
+    const auto* system = dynamic_cast<const std::system_error*>(&error);
+    if (system && system->code() == std::errc::resource_unavailable_try_again)  // no room for a thread
+      return fail(kNoMemory, kInternalError);
+    // fmt tells of a stream that cannot be written by an exception.
+    if (std::ferror(stdout) != 0) return fail(kNoOutput, kBadInput);
     return fail(fmt::format("internal error: {}", error.what()), kInternalError);
   }
 }
@@ -114,8 +136,8 @@ std::vector<std::string> CommandNames(const CLI::App& app) {
 
 void ReportUnknownCommand(const std::string& given, const std::vector<std::string>& names) {
   const std::string near = NearestName(given, names);
-  fmt::print(stderr, "millpose: unknown command {}; {}\n", given,
-             near.empty() ? fmt::format("allowed: {}", fmt::join(names, ", ")) : "nearest: " + near);
+  Tell("millpose: unknown command {}; {}\n", given,
+       near.empty() ? fmt::format("allowed: {}", fmt::join(names, ", ")) : "nearest: " + near);
 }
 
 // What the chosen subcommand does not know: a mistyped option with the nearest one, or a word too many.
@@ -131,12 +153,13 @@ void ReportUnknownArgument(const CLI::App& app) {
       for (const std::string& name : knows->get_lnames()) known.push_back("--" + name);
   }
   const std::string near = option != words.end() ? NearestName(given.substr(0, given.find('=')), known) : "";
-  fmt::print(stderr, "millpose: {} {} is not known to {}; {}\n",
-             option != words.end() ? "option" : "argument", given, command,
-             near.empty() ? fmt::format("{} --help lists what is", command) : "nearest: " + near);
+  Tell("millpose: {} {} is not known to {}; {}\n", option != words.end() ? "option" : "argument", given,
+       command, near.empty() ? fmt::format("{} --help lists what is", command) : "nearest: " + near);
 }
 
 int Main(int argc, char** argv) {
+  // A reader of stdout or stderr who goes away must not end a plan: writing then fails, and says so.
+  std::signal(SIGPIPE, SIG_IGN);
   CLI::App app{
       "millpose: robotic milling in the stiffest pose, without a GUI\n"
       "Exit status: 0 done; 1 done, with findings; 2 bad input or usage; 3 internal error; 130 interrupted."};

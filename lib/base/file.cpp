@@ -7,15 +7,20 @@
 
 #include <cerrno>
 #include <climits>
-#include <cstring>
+#include <system_error>
 
 #include "base/error.hpp"
 
 namespace millpose {
+namespace fs = std::filesystem;
 namespace {
 
-[[noreturn]] void Fail(const std::filesystem::path& path, std::string_view what) {
-  throw InputError({path.string()}, fmt::format("{}: {}", what, std::strerror(errno)));
+[[noreturn]] void Fail(const fs::path& path, std::string_view what, std::error_code cause) {
+  throw InputError({path.string()}, fmt::format("{}: {}", what, cause.message()));
+}
+
+[[noreturn]] void Fail(const fs::path& path, std::string_view what) {
+  Fail(path, what, {errno, std::generic_category()});
 }
 
 // Closes the descriptor when the scope ends.
@@ -26,9 +31,22 @@ struct Descriptor {
   }
 };
 
+// Makes the file with these bytes; false with errno where a step fails.
+bool WriteAndSync(const std::string& path, std::string_view bytes) {
+  const Descriptor file{::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
+  if (file.value < 0) return false;
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(file.value, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return false;
+    bytes.remove_prefix(static_cast<size_t>(count));
+  }
+  return ::fsync(file.value) == 0;
+}
+
 }  // namespace
 
-std::string ReadFile(const std::filesystem::path& path, size_t max_bytes) {
+std::string ReadFile(const fs::path& path, size_t max_bytes) {
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file.value < 0) Fail(path, "cannot open");
   struct stat info {};
@@ -50,30 +68,58 @@ std::string ReadFile(const std::filesystem::path& path, size_t max_bytes) {
   return bytes;
 }
 
-void WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes) {
+void WriteFileAtomically(const fs::path& path, std::string_view bytes) {
   // Unique also among machines that share the folder.
   char host[HOST_NAME_MAX + 1] = "";
   ::gethostname(host, sizeof host - 1);
   const std::string temporary = fmt::format("{}.{}.{}.tmp", path.string(), host, ::getpid());
-  {
-    const Descriptor file{::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
-    if (file.value < 0) Fail(path, "cannot write");
-    size_t done = 0;
-    while (done < bytes.size()) {
-      const ssize_t count = ::write(file.value, bytes.data() + done, bytes.size() - done);
-      if (count < 0 && errno == EINTR) continue;
-      if (count < 0) {
-        ::unlink(temporary.c_str());
-        Fail(path, "cannot write");
-      }
-      done += static_cast<size_t>(count);
-    }
-    if (::fsync(file.value) != 0) Fail(path, "cannot write");
-  }
-  if (::rename(temporary.c_str(), path.c_str()) != 0) {
-    ::unlink(temporary.c_str());
-    Fail(path, "cannot write");
-  }
+  if (WriteAndSync(temporary, bytes) && ::rename(temporary.c_str(), path.c_str()) == 0) return;
+  const int cause = errno;
+  ::unlink(temporary.c_str());
+  errno = cause;
+  Fail(path, "cannot write");
+}
+
+bool Exists(const fs::path& path) {
+  std::error_code error;
+  const bool exists = fs::exists(path, error);
+  if (error) Fail(path, "cannot look for it", error);
+  return exists;
+}
+
+void MakeFolders(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) Fail(folder, "cannot make this folder", error);
+}
+
+void Rename(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (error) Fail(from, fmt::format("cannot rename to {}", to.string()), error);
+}
+
+void RemoveAll(const fs::path& path) {
+  std::error_code error;
+  fs::remove_all(path, error);
+  if (error) Fail(path, "cannot remove", error);
+}
+
+std::vector<fs::path> EntriesOf(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    entries.push_back(entry->path());
+  if (error && error != std::errc::no_such_file_or_directory) Fail(folder, "cannot read this folder", error);
+  std::ranges::sort(entries);
+  return entries;
+}
+
+void SyncFolder(const fs::path& folder) {
+  const Descriptor file{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  if (file.value < 0) Fail(folder, "cannot open");
+  // Some file systems know no sync of folders and say so.
+  if (::fsync(file.value) != 0 && errno != EINVAL && errno != ENOTSUP) Fail(folder, "cannot write");
 }
 
 }  // namespace millpose

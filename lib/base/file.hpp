@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace millpose {
 
@@ -13,7 +14,18 @@ namespace millpose {
 std::string ReadFile(const std::filesystem::path& path, size_t max_bytes = size_t{4} << 30);
 
 /// Writes `bytes` to a temporary file beside `path` and renames it: readers see the old content or the new,
-/// never a part. Throws InputError when the folder cannot be written.
+/// never a part. The bytes are on the disk when it returns; where it fails no temporary file stays.
 void WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes);
+
+/// Steps on the file system. All throw InputError with the path and the system's reason.
+bool Exists(const std::filesystem::path& path);
+void MakeFolders(const std::filesystem::path& folder);
+void Rename(const std::filesystem::path& from, const std::filesystem::path& to);
+/// The file, or the folder with all that it holds; nothing where there is none.
+void RemoveAll(const std::filesystem::path& path);
+/// What stands in a folder, sorted; nothing where there is no such folder.
+std::vector<std::filesystem::path> EntriesOf(const std::filesystem::path& folder);
+/// Waits until names that were made, renamed or removed in the folder are on the disk.
+void SyncFolder(const std::filesystem::path& folder);
 
 }  // namespace millpose

@@ -14,4 +14,8 @@ std::string ShortestNumber(double value);
 /// std::from_chars and so free of the locale; empty when it is not one.
 std::optional<double> ParseNumber(std::string_view text);
 
+/// The text with every byte that is not part of valid UTF-8 replaced by U+FFFD: names of files need not be,
+/// JSON and XML must be.
+std::string ValidUtf8(std::string_view text);
+
 }  // namespace millpose

@@ -23,7 +23,7 @@ Codec<BatchEntry> EntryFields() {
   using S = BatchEntry;
   return Section<S>({
       Key<S>("job", MILLPOSE_AT(job_file), Text(), "Job file, relative to the manifest.").Required(),
-      Key<S>("name", MILLPOSE_AT(name), Text(), "Name of the job in this batch.")
+      Key<S>("name", MILLPOSE_AT(name), FileName(), "Name of the job in this batch, and of its folder.")
           .DefaultText("the job's own"),
       Key<S>("shares", MILLPOSE_AT(shares), Integer(1, 10000),
              "On a cluster: tasks over which the passes of this job are spread.")

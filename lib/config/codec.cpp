@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/codec.hpp"
 
+#include <algorithm>
+
 #include "base/text.hpp"
 #include "base/units.hpp"
 
@@ -168,12 +170,40 @@ Codec<std::string> TextOf(std::string type, bool lines) {
   return codec;
 }
 
+constexpr size_t kLongestName = 100;  // with what is put behind it, file systems allow 255
+
+bool IsFileName(const std::string& name) {
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
+  return name.size() <= kLongestName && name.find_first_of("/\\") == std::string::npos &&
+         !name.starts_with('-') && !name.starts_with('.') && std::ranges::none_of(name, is_control) &&
+         ValidUtf8(name) == name;
+}
+
 }  // namespace
 
 Codec<int> Integer(int lower, int upper) { return WholeNumber<int>(lower, upper); }
 Codec<uint64_t> Seed() { return WholeNumber<uint64_t>(0, 9007199254740992.0); }
 Codec<std::string> Text() { return TextOf("text of one line", false); }
 Codec<std::string> Lines() { return TextOf("text", true); }
+
+Codec<std::string> FileName() {
+  Codec<std::string> codec = TextOf("name that a file can have", false);
+  codec.schema.Put("maxLength", Value::Plain(std::to_string(kLongestName)));
+  codec.schema.Put("pattern", Value::Text(R"(^[^-./\\][^/\\]*$)"));
+  codec.read = [text = codec.read](const Value& value, const Context& context, std::string& result) {
+    std::string name;
+    const size_t problems_before = context.problems.size();
+    text(value, context, name);
+    if (context.problems.size() != problems_before) return;
+    if (!IsFileName(name))
+      return context.AddWrong(
+          value, fmt::format("a name that a file can have: at most {} bytes of UTF-8, no / or \\, no "
+                             "control characters, no - or . in front",
+                             kLongestName));
+    result = name;
+  };
+  return codec;
+}
 
 Codec<bool> Flag() {
   Codec<bool> codec;

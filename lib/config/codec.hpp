@@ -80,6 +80,8 @@ Codec<bool> Flag();
 Codec<std::string> Text();
 /// Text that may hold several lines, for templates.
 Codec<std::string> Lines();
+/// A name that files are called by: what would lead out of their folder, or be taken for an option, is none.
+Codec<std::string> FileName();
 Codec<std::string> Choice(std::vector<std::string> names);
 Codec<Eigen::Vector3d> Numbers3(const Unit& unit, const Range& range);
 Codec<Six> Numbers6(const Unit& unit, const Range& range);

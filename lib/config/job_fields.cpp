@@ -23,7 +23,7 @@ const Codec<JobSettings>& JobFields() {
   static const Codec<S> fields = Section<S>(
       {
           VersionKey<S>("millpose_job", 1),
-          Key<S>("name", MILLPOSE_AT(name), Text(), "Name of the job.").Required(),
+          Key<S>("name", MILLPOSE_AT(name), FileName(), "Name of the job, and of its files.").Required(),
           Key<S>("cell", MILLPOSE_AT(cell_file), Text(), "Cell file, relative to the job file.").Required(),
           Key<S>("seed", MILLPOSE_AT(seed), Seed(), "Seed of all random numbers."),
           Key<S>("workpiece", MILLPOSE_AT(workpiece), WorkpieceFields(), "The part and its place.")

@@ -13,6 +13,7 @@
 #include "base/process.hpp"
 #include "pipeline/inputs.hpp"
 #include "pipeline/output_folder.hpp"
+#include "pipeline/result_swap.hpp"
 #include "pipeline/slurm.hpp"
 
 namespace millpose {
@@ -110,7 +111,7 @@ std::vector<JobOutcome> RunHere(const std::vector<BatchJob>& jobs, const fs::pat
         outcomes[i] = RunJob(jobs[i], folder / jobs[i].name, threads_each, arguments.fresh, &gate, stop);
       } catch (const Interrupted&) {
         return;
-      } catch (const InputError& error) {
+      } catch (const std::exception& error) {  // what cannot be read or started: the other jobs go on
         outcomes[i].status = 2;
         outcomes[i].cause = error.what();
       }
@@ -153,29 +154,28 @@ JobOutcome Judge(const fs::path& folder, int status, const std::string& errors) 
     return outcome;
   }
   try {
+    CheckManifest(folder);
     const Json summary = Json::parse(ReadFile(folder / "summary.json"));
     outcome.points = summary.at("points").at("total").get<size_t>();
     outcome.planned = summary.at("points").at("planned").get<size_t>();
     outcome.cause = Shortfall(summary);
     if (!outcome.cause.empty()) outcome.status = 1;
-    const Json run = Json::parse(ReadFile(folder / "run.json"));
+    const Json run = Json::parse(ReadFile(folder / kRunFile));
     outcome.wall_s = run.at("wall_s").get<double>();
     outcome.peak_memory_MB = run.at("peak_memory_MB").get<double>();
   } catch (const std::exception& error) {
     outcome.status = 3;
-    outcome.cause = std::string("no readable summary.json or run.json: ") + error.what();
+    outcome.cause = std::string("its results cannot be used: ") + error.what();
   }
   return outcome;
 }
 
 std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) {
-  // run.json is written last: with it the folder is complete.
-  if (!fs::exists(folder / "run.json") || !fs::exists(folder / "summary.json")) return std::nullopt;
   try {
-    const Json summary = Json::parse(ReadFile(folder / "summary.json"));
-    const Json run = Json::parse(ReadFile(folder / "run.json"));
+    if (!Exists(folder / kManifestFile) || IsSwapOpen(folder)) return std::nullopt;
+    const Json run = Json::parse(ReadFile(folder / kRunFile));
     if (run.at("program_id") != ProgramId()) return std::nullopt;
-    if (summary.at("input_hash") != LoadJobInputs(job.file, job.overrides).hash) return std::nullopt;
+    if (CheckManifest(folder).key != LoadJobInputs(job.file, job.overrides).hash) return std::nullopt;
     JobOutcome outcome = Judge(folder, 0, "");
     if (outcome.status > 1) return std::nullopt;
     outcome.up_to_date = true;
@@ -187,7 +187,7 @@ std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) 
 
 BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::stop_token stop) {
   const std::vector<BatchJob> jobs = CollectJobs(arguments.jobs);
-  const OutputFolder folder(arguments.out);
+  const OutputFolder folder(arguments.out, FolderUse::kResults);
   std::vector<JobOutcome> outcomes;
   if (arguments.slurm) {
     auto result = RunOnSlurm(jobs, folder.path(), std::max(1, arguments.threads), arguments.fresh,
@@ -202,6 +202,7 @@ BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::
   folder.Write("batch.json", BatchJson(jobs, outcomes));
   folder.Write("junit.xml", JUnitXml(jobs, outcomes));
   BatchOutcome outcome{0, BatchText(jobs, outcomes)};
+  if (!folder.warning().empty()) outcome.text += folder.warning() + '\n';
   for (const JobOutcome& job : outcomes) outcome.exit_status = std::max(outcome.exit_status, job.status);
   // A job ended by a signal is an internal error of the batch: the statuses stay those of millpose.
   if (outcome.exit_status > 3) outcome.exit_status = 3;

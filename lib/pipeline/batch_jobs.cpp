@@ -79,10 +79,12 @@ void RefuseDoubles(const std::vector<BatchJob>& jobs) {
   std::map<std::string, fs::path> seen;
   for (const BatchJob& job : jobs) {
     const auto [first, is_new] = seen.emplace(job.name, job.file);
-    if (job.name.empty() || job.name.find('/') != std::string::npos || job.name.starts_with('.'))
-      problems.push_back(
-          {Place{job.file.string()},
-           fmt::format("name: given \"{}\"; allowed in a batch: the name of a folder", job.name)});
+    // What stands in the batch's own folder besides those of its jobs.
+    if (job.name == "slurm" || job.name == "batch.json" || job.name == "junit.xml")
+      problems.push_back({Place{job.file.string()},
+                          fmt::format("name: {} is what the batch calls a file of its own; give the "
+                                      "job another in a manifest",
+                                      job.name)});
     else if (!is_new)
       problems.push_back(
           {Place{job.file.string()},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nlohmann/json.hpp>
 
+#include "base/text.hpp"
 #include "pipeline/batch.hpp"
 
 namespace millpose {
@@ -24,7 +25,7 @@ const char* StatusName(const JobOutcome& outcome) {
 
 std::string EscapeXml(const std::string& text) {
   std::string result;
-  for (const char c : text) {
+  for (const char c : ValidUtf8(text)) {
     if (c == '&')
       result += "&amp;";
     else if (c == '<')
@@ -83,7 +84,7 @@ std::string BatchJson(const std::vector<BatchJob>& jobs, const std::vector<JobOu
                             {"wall_s", outcome.wall_s},
                             {"peak_memory_MB", outcome.peak_memory_MB}});
   }
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string JUnitXml(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes) {

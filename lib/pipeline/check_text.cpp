@@ -108,7 +108,9 @@ std::string ToText(const JobCheck& check) {
   return text + "\n";
 }
 
-std::string ToJson(const MeshCheck& check) { return MeshJson(check).dump(2) + "\n"; }
+std::string ToJson(const MeshCheck& check) {
+  return MeshJson(check).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
 
 std::string ToJson(const JobCheck& check) {
   Json json{{"job", check.job},
@@ -126,7 +128,7 @@ std::string ToJson(const JobCheck& check) {
             {"gouges", check.gouges},
             {"deepest_gouge_mm", check.deepest_gouge},
             {"gouge_place_mm", check.gouges > 0 ? ToList(check.gouge_place) : Json()}};
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace millpose

@@ -16,4 +16,11 @@ std::filesystem::path OriginOf(const std::filesystem::path& job_file, const std:
 /// and results may be moved together.
 RunFigures::JobFolder KeepOrigin(const std::filesystem::path& job_folder, const std::filesystem::path& out);
 
+/// What run.json of the output folder `out` is to say of the job `file` called `name`; where it is that
+/// folder's own resolved job.yaml, what the folder says already. Throws InputError where the folder holds the
+/// plan of another job of that name, which still stands where it stood: programs of one would pass for the
+/// other's.
+RunFigures::JobFile JobFileFor(const std::filesystem::path& file, const std::string& name,
+                               const std::filesystem::path& out);
+
 }  // namespace millpose

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/output_folder.hpp"
 
+#include <set>
+
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "base/hash.hpp"
+#include "pipeline/result_swap.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -11,81 +14,134 @@ namespace {
 
 constexpr const char* kMark = ".millpose";
 constexpr const char* kCheckpoints = "checkpoints";
-constexpr const char* kPrograms = "programs";
-constexpr const char* kProgramsUnfinished = "programs.unfinished";
-
-void MakeFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw InputError({folder.string()}, "cannot make this folder: " + error.message());
-}
 
 // What a killed run had not finished writing (see WriteFileAtomically).
 void RemoveUnfinished(const fs::path& folder) {
-  if (!fs::exists(folder)) return;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-    if (entry.path().extension() == ".tmp") fs::remove(entry.path());
+  for (const fs::path& entry : EntriesOf(folder))
+    if (entry.extension() == ".tmp") RemoveAll(entry);
 }
 
 // Whether nothing stands in the folder, or only a mark that a killed run had not finished writing.
 bool IsUnused(const fs::path& folder) {
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.starts_with(kMark) || !name.ends_with(".tmp")) return false;
+  return std::ranges::all_of(EntriesOf(folder), [](const fs::path& entry) {
+    const std::string name = entry.filename().string();
+    return name.starts_with(kMark) && name.ends_with(".tmp");
+  });
+}
+
+void MakeOwn(const fs::path& folder) {
+  if (Exists(folder) && !fs::is_directory(folder))
+    throw InputError({folder.string()}, "exists and is not a folder; choose another with -o DIR");
+  // In this order: another run may be making it just now.
+  if (!IsUnused(folder) && !IsOutputFolder(folder))
+    throw InputError({folder.string()},
+                     "exists and was not written by millpose; choose another with -o DIR or remove it");
+  MakeFolders(folder);
+  if (!IsOutputFolder(folder))
+    WriteFileAtomically(folder / kMark, "This folder is written by millpose; a new plan overwrites it.\n");
+}
+
+// The names that make up the set which stands in the folder. Without a manifest, as earlier versions left it,
+// all but what never belongs to a set.
+std::vector<std::string> NamesOfSet(const fs::path& folder) {
+  std::set<std::string> names;
+  if (Exists(folder / kManifestFile)) {
+    const fs::path file = folder / kManifestFile;
+    for (const auto& [name, content] : ParseManifest(ReadFile(file), file.string()).files)
+      names.insert(fs::path(name).begin()->string());
+    names.insert({kManifestFile, kRunFile, kProgramsFolder});
+    for (const fs::path& entry : EntriesOf(StagingOf(folder))) names.insert(entry.filename().string());
+    return {names.begin(), names.end()};
   }
-  return true;
+  for (const fs::path& entry : EntriesOf(folder)) {
+    const std::string name = entry.filename().string();
+    if (name != kMark && name != kCheckpoints && !IsOfLock(name) && !IsOfSwap(name)) names.insert(name);
+  }
+  return {names.begin(), names.end()};
 }
 
 }  // namespace
 
-bool IsOutputFolder(const fs::path& folder) { return fs::exists(folder / kMark); }
+bool IsOutputFolder(const fs::path& folder) { return Exists(folder / kMark); }
 
-OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
-  if (fs::exists(folder_) && !fs::is_directory(folder_))
-    throw InputError({folder_.string()}, "exists and is not a folder; choose another with -o DIR");
-  if (fs::exists(folder_) && !IsOutputFolder(folder_) && !IsUnused(folder_))
-    throw InputError({folder_.string()},
-                     "exists and was not written by millpose; choose another with -o DIR or remove it");
-  MakeFolder(folder_);
-  if (!IsOutputFolder(folder_))
-    WriteFileAtomically(folder_ / kMark, "This folder is written by millpose; a new plan overwrites it.\n");
+void MendOutputFolder(const fs::path& folder) {
+  if (IsOutputFolder(folder) && IsSwapOpen(folder)) OutputFolder(folder, FolderUse::kResults);
+}
+
+OutputFolder::OutputFolder(fs::path folder, FolderUse use) : folder_(std::move(folder)) {
+  MakeOwn(folder_);
+  const bool alone = use == FolderUse::kResults;
+  lock_.emplace(folder_, alone ? FileLock::Kind::kExclusive : FileLock::Kind::kShared);
+  if (!alone) return;
+  MendResults(folder_);
+  RemoveUnfinished(folder_);
+  RemoveUnfinished(folder_ / kCheckpoints);
 }
 
 void OutputFolder::Write(const std::string& name, std::string_view bytes) const {
   const fs::path path = folder_ / name;
-  MakeFolder(path.parent_path());
+  MakeFolders(path.parent_path());
   WriteFileAtomically(path, bytes);
 }
 
-void OutputFolder::RemoveResults() const {
-  RemoveUnfinished(folder_ / kCheckpoints);
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
-    if (entry.path().filename() != kMark && entry.path().filename() != kCheckpoints)
-      fs::remove_all(entry.path());
-}
-
-void OutputFolder::WritePrograms(const std::map<std::string, std::string>& files) const {
-  const fs::path unfinished = folder_ / kProgramsUnfinished;
-  fs::remove_all(unfinished);
-  for (const auto& [name, bytes] : files) Write((fs::path(kProgramsUnfinished) / name).string(), bytes);
-  if (!files.empty()) fs::rename(unfinished, folder_ / kPrograms);
-}
-
-// A checkpoint begins with the hash of the rest, so that damage is found.
+// A checkpoint begins with the hash of its key and the rest, so that damage is found, and one that stands
+// under another's name.
 std::optional<std::string> OutputFolder::ReadCheckpoint(const std::string& key) const {
   const fs::path path = folder_ / kCheckpoints / (key + ".cbor");
-  if (!fs::exists(path)) return std::nullopt;
-  std::string bytes = ReadFile(path);
+  if (!Exists(path)) return std::nullopt;
+  const std::string bytes = ReadFile(path);
   const size_t digits = Hash({}).size();
-  if (bytes.size() < digits || Hash(std::string_view(bytes).substr(digits)) != bytes.substr(0, digits))
+  if (bytes.size() < digits || Hash(key + bytes.substr(digits)) != bytes.substr(0, digits))
     return std::nullopt;
   return bytes.substr(digits);
 }
 
 void OutputFolder::WriteCheckpoint(const std::string& key, std::string_view bytes) const {
-  Write((fs::path(kCheckpoints) / (key + ".cbor")).string(), Hash(bytes) + std::string(bytes));
+  const std::string content(bytes);
+  Write((fs::path(kCheckpoints) / (key + ".cbor")).string(), Hash(key + content) + content);
 }
 
-void OutputFolder::RemoveCheckpoints() const { fs::remove_all(folder_ / kCheckpoints); }
+void OutputFolder::RemoveCheckpoints() const { RemoveAll(folder_ / kCheckpoints); }
+
+ResultSet::ResultSet(const OutputFolder& folder) : folder_(folder) {
+  RemoveAll(StagingOf(folder.path()));
+  MakeFolders(StagingOf(folder.path()));
+}
+
+// A swap that could not be ended needs its files: they are left to whoever mends it.
+ResultSet::~ResultSet() {
+  std::error_code ignored;
+  if (!published_) fs::remove_all(StagingOf(folder_.path()), ignored);
+}
+
+void ResultSet::Stage(const std::string& name, std::string_view bytes) const {
+  const fs::path path = StagingOf(folder_.path()) / name;
+  MakeFolders(path.parent_path());
+  WriteFileAtomically(path, bytes);
+}
+
+void ResultSet::Add(const std::string& name, std::string_view bytes) {
+  Stage(name, bytes);
+  manifest_.files[name] = {bytes.size(), Hash(bytes)};
+}
+
+std::string ResultSet::AddManifest(const std::string& key) {
+  manifest_.key = key;
+  const std::string text = ManifestJson(manifest_);
+  Stage(kManifestFile, text);
+  return Hash(text);
+}
+
+void ResultSet::Publish() {
+  const fs::path staging = StagingOf(folder_.path());
+  std::set<fs::path> folders{staging};
+  for (const auto& [name, file] : manifest_.files)
+    for (fs::path path = (staging / name).parent_path(); path != staging; path = path.parent_path())
+      folders.insert(path);
+  for (const fs::path& folder : folders) SyncFolder(folder);
+  const std::vector<std::string> old = NamesOfSet(folder_.path());
+  published_ = true;
+  SwapResults(folder_.path(), old);
+}
 
 }  // namespace millpose

@@ -2,42 +2,78 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
+
+#include "pipeline/folder_lock.hpp"
+#include "pipeline/manifest.hpp"
 
 namespace millpose {
 
 /// Whether `folder` was written by millpose.
 bool IsOutputFolder(const std::filesystem::path& folder);
 
+/// Finishes what a run that was ended while it put its results in place had begun, where there is any.
+/// Throws InputError where that cannot be done, or another run works there.
+void MendOutputFolder(const std::filesystem::path& folder);
+
+/// What a run does in an output folder.
+enum class FolderUse : uint8_t {
+  kCheckpoints,  ///< adds checkpoints, beside other runs that do
+  kResults,      ///< alone: writes results, and may remove checkpoints
+};
+
 /// The folder that a plan writes into. It is marked as millpose's own, so that no other folder is ever
-/// overwritten.
+/// overwritten, and locked as long as this object lives.
 class OutputFolder {
  public:
-  /// Makes the folder, or takes it over when it carries the mark. Throws InputError when it exists, is not
-  /// empty and is not millpose's.
-  explicit OutputFolder(std::filesystem::path folder);
+  /// Makes the folder, or takes it over when it carries the mark; one who is to write results first mends it
+  /// (MendOutputFolder). Throws InputError when it exists, is not empty and is not millpose's, and when
+  /// another run works there.
+  OutputFolder(std::filesystem::path folder, FolderUse use);
 
   const std::filesystem::path& path() const { return folder_; }
+  /// What is to be told about the lock; empty when all is well.
+  const std::string& warning() const { return lock_->warning(); }
 
   /// Writes one file (name relative to the folder) atomically.
   void Write(const std::string& name, std::string_view bytes) const;
 
-  /// Removes results of an earlier plan: they must not stand beside new ones that differ. Checkpoints
-  /// stay, but for what a killed run left half-written; so call it when nothing else writes here any more.
-  void RemoveResults() const;
-
-  /// Puts all files of programs in place at once, by renaming a folder that was written completely.
-  void WritePrograms(const std::map<std::string, std::string>& files) const;
-
-  /// A checkpoint's bytes, or empty when there is none.
+  /// A checkpoint's bytes; empty when there is none, or none that was written under this key.
   std::optional<std::string> ReadCheckpoint(const std::string& key) const;
   void WriteCheckpoint(const std::string& key, std::string_view bytes) const;
   void RemoveCheckpoints() const;
 
  private:
   std::filesystem::path folder_;
+  std::optional<FolderLock> lock_;
+};
+
+/// The files of one plan, collected beside those of the last one and put in their place all at once.
+class ResultSet {
+ public:
+  /// `folder` is used for results and outlives this.
+  explicit ResultSet(const OutputFolder& folder);
+  /// Removes what was not published.
+  ~ResultSet();
+  ResultSet(const ResultSet&) = delete;
+  ResultSet& operator=(const ResultSet&) = delete;
+
+  /// Adds a file; it is on the disk when this returns. Throws InputError.
+  void Add(const std::string& name, std::string_view bytes);
+
+  /// Writes the manifest of all files added so far; returns its hash, which run.json is to hold.
+  std::string AddManifest(const std::string& key);
+
+  /// Puts the set in the place of the one before. Where it throws (InputError), that one stands as it was.
+  void Publish();
+
+ private:
+  void Stage(const std::string& name, std::string_view bytes) const;
+
+  const OutputFolder& folder_;
+  Manifest manifest_;
+  bool published_ = false;
 };
 
 }  // namespace millpose

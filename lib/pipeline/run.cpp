@@ -25,6 +25,8 @@ namespace {
 constexpr size_t kMostCurves = 3000;  // points whose choice of pose report.html shows
 
 JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
+  // The job may be the resolved one of a folder that a killed run left between two plans.
+  if (arguments.job.has_parent_path()) MendOutputFolder(arguments.job.parent_path());
   stages.Begin("read", 0);
   std::vector<Override> overrides = arguments.overrides;
   if (arguments.seed) overrides.push_back({"seed", std::to_string(*arguments.seed)});
@@ -82,6 +84,20 @@ PlanResult StartPlan(const JobInputs& inputs, const Cell& cell, const PoseProble
   return plan;
 }
 
+// What run.json says of a run that has ended, but for what it took from checkpoints.
+RunFigures TellRun(const JobInputs& inputs, const OutputFolder& folder, const RunFigures::JobFile& job,
+                   const Stages& stages, int threads) {
+  RunFigures run = MeasureRun(threads, MILLPOSE_VERSION);
+  run.program_id = ProgramId();
+  run.job_folder = KeepOrigin(inputs.folder, folder.path());
+  run.job = job;
+  for (const StageTime& stage : stages.times()) {
+    run.stages.push_back({stage.name, stage.seconds});
+    run.wall_s += stage.seconds;
+  }
+  return run;
+}
+
 bool IsComplete(const PlanResult& plan, const ReportInputs& report) {
   const PlanFigures figures = Figures(plan);
   return figures.planned == figures.total && figures.gaps_planned == plan.gaps.size() &&
@@ -95,8 +111,10 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
       arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
   Stages stages(progress);
   const JobInputs inputs = ReadInputs(arguments, stages);
-  const OutputFolder folder(arguments.out.value_or(DefaultFolder(arguments.job, inputs.job.name)));
-  if (arguments.fresh) folder.RemoveCheckpoints();
+  const OutputFolder folder(arguments.out.value_or(DefaultFolder(arguments.job, inputs.job.name)),
+                            arguments.share ? FolderUse::kCheckpoints : FolderUse::kResults);
+  const RunFigures::JobFile job_file = JobFileFor(arguments.job, inputs.job.name, folder.path());
+  if (arguments.fresh && !arguments.share) folder.RemoveCheckpoints();
 
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
   cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
@@ -123,20 +141,21 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
                                    inputs.cell.file, Describe(*found)));
 
   PlanResult plan = StartPlan(inputs, cell, problem);
-  const std::string context = PlanContext(inputs);
+  const CheckpointUse checkpoints{folder, !arguments.fresh};
   const Share share = arguments.share.value_or(Share{});
   stages.Begin("passes", PointsOf(share, toolpath));
-  PlannedPasses planned = PlanPasses(problem, world, toolpath, MakePathOptions(inputs.job), context, folder,
+  PlannedPasses planned = PlanPasses(problem, world, toolpath, MakePathOptions(inputs.job), checkpoints,
                                      share, threads, progress, stop);
   plan.passes = std::move(planned.passes);
   stages.End(fmt::format("{} passes, {} of them from checkpoints", plan.passes.size(), planned.resumed));
-  if (arguments.share) return {0, fmt::format("share {} of {} is planned\n", share.index + 1, share.count)};
+  const std::string lock_warning = folder.warning().empty() ? "" : "warning    " + folder.warning() + '\n';
+  if (arguments.share)
+    return {0, fmt::format("share {} of {} is planned\n{}", share.index + 1, share.count, lock_warning)};
 
   FixTurns(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper, FreeDirections(inputs.job)});
   const auto ends = GapEnds(plan.home, plan.passes);
   stages.Begin("gaps", ends.size());
-  PlannedGaps gaps =
-      PlanGaps(world, ends, MakeGapOptions(inputs.job), context, folder, threads, progress, stop);
+  PlannedGaps gaps = PlanGaps(world, ends, MakeGapOptions(inputs.job), checkpoints, threads, progress, stop);
   plan.gaps = std::move(gaps.gaps);
   const FeedReduction reduction = inputs.job.feed_policy == "reduce" ? ReduceFeeds(plan) : FeedReduction{};
   stages.End(fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), gaps.resumed));
@@ -157,20 +176,18 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   const PathOptions path_options = MakePathOptions(inputs.job);
   const std::vector<PointCurves> curves =
       SampleCurves(plan, problem, path_options.genetic, kMostCurves, threads, stop);
+  ResultSet results(folder);
   const ReportInputs report = WriteResults(
-      {inputs, cell, plan, programs, audit, reduction, warnings, made.findings, CurveGrid(), curves}, folder);
+      {inputs, cell, plan, programs, audit, reduction, warnings, made.findings, CurveGrid(), curves},
+      results);
   stages.End(folder.path().string());
-  RunFigures run = MeasureRun(threads, MILLPOSE_VERSION);
-  run.program_id = ProgramId();
+  RunFigures run = TellRun(inputs, folder, job_file, stages, threads);
   run.resumed_passes = planned.resumed;
   run.resumed_gaps = gaps.resumed;
-  run.job_folder = KeepOrigin(inputs.folder, folder.path());
-  for (const StageTime& stage : stages.times()) {
-    run.stages.push_back({stage.name, stage.seconds});
-    run.wall_s += stage.seconds;
-  }
-  folder.Write("run.json", RunJson(run));
-  return {IsComplete(plan, report) ? 0 : 1, SummaryText(plan, report, run)};
+  run.manifest = results.AddManifest(inputs.hash);
+  results.Add(kRunFile, RunJson(run));
+  results.Publish();
+  return {IsComplete(plan, report) ? 0 : 1, SummaryText(plan, report, run) + lock_warning};
 }
 
 }  // namespace millpose

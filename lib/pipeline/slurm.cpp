@@ -70,7 +70,7 @@ std::variant<std::vector<JobOutcome>, std::string> RunOnSlurm(const std::vector<
       continue;
     }
     // Here and not by the tasks: one task must not remove what another has just planned.
-    if (fresh) OutputFolder(out).RemoveCheckpoints();
+    if (fresh) OutputFolder(out, FolderUse::kResults).RemoveCheckpoints();
     open.push_back(i);
     whole.push_back(PlanCommand(jobs[i], out, threads, false));
     AddShares(whole.back(), jobs[i].shares > 0 ? jobs[i].shares : options.shares, &parts);

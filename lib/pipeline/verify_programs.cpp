@@ -8,6 +8,7 @@
 #include "base/file.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/make_programs.hpp"
+#include "pipeline/output_folder.hpp"
 #include "pipeline/program_motions.hpp"
 #include "pipeline/workpiece.hpp"
 #include "program/reader.hpp"
@@ -110,6 +111,8 @@ JobInputs InputsOf(const VerifyArguments& arguments) {
 
 std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Progress& progress,
                                           std::stop_token stop) {
+  MendOutputFolder(arguments.target);
+  CheckManifest(arguments.target);
   const fs::path plan_file = arguments.target / kPlanFile;
   const PlanResult plan = ParsePlanResult(ReadFile(plan_file), plan_file.string());
   const JobInputs inputs = InputsOf(arguments);
@@ -172,7 +175,7 @@ std::string VerifyJson(const std::vector<VerifiedProgram>& programs) {
                                 {"findings", findings},
                                 {"assumptions", program.assumptions}});
   }
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace millpose

@@ -72,7 +72,7 @@ int FinishedFrom(const JobSettings& job, size_t passes) {
 
 }  // namespace
 
-ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
+ReportInputs WriteResults(const Results& results, ResultSet& set) {
   const PlanResult& plan = results.plan;
   const std::vector<CheckedProgram>& programs = results.programs.programs;
   ReportInputs report;
@@ -102,19 +102,19 @@ ReportInputs WriteResults(const Results& results, const OutputFolder& folder) {
                                  program.findings.empty()});
     }
   const std::string job = WriteJob(results.inputs.job), cell = WriteCell(results.inputs.cell);
-  folder.RemoveResults();
-  folder.Write("job.yaml", job);
-  folder.Write("cell.yaml", cell);
-  folder.Write(kPlanFile, Serialise(plan));
-  folder.Write("points.csv", PointsCsv(plan));
-  folder.Write("path.vtp", PathVtp(plan));
-  if (report.deflection) folder.Write("deflection.csv", DeflectionCsv(*report.deflection));
-  folder.Write("summary.json", SummaryJson(plan, report));
-  folder.Write("report.html", ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell,
-                                          report.deflection ? &*report.deflection : nullptr, report.findings,
-                                          report.warnings}));
+  set.Add("job.yaml", job);
+  set.Add("cell.yaml", cell);
+  set.Add(kPlanFile, Serialise(plan));
+  set.Add("points.csv", PointsCsv(plan));
+  set.Add("path.vtp", PathVtp(plan));
+  if (report.deflection) set.Add("deflection.csv", DeflectionCsv(*report.deflection));
+  set.Add("summary.json", SummaryJson(plan, report));
+  set.Add("report.html",
+          ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell,
+                      report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings}));
   // One program that its read-back does not confirm casts doubt on the plan: none is written then.
-  if (results.programs.Confirmed()) folder.WritePrograms(files);
+  if (results.programs.Confirmed())
+    for (const auto& [name, bytes] : files) set.Add(fmt::format("{}/{}", kProgramsFolder, name), bytes);
   return report;
 }
 

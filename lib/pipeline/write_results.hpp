@@ -23,9 +23,10 @@ struct Results {
   const std::vector<PointCurves>& curves;    ///< for report.html
 };
 
-/// Writes everything that a plan leaves in its folder: reports first, then, when every one of them was
-/// confirmed by its own read-back, the programs. Returns what the reports tell beyond the plan.
-ReportInputs WriteResults(const Results& results, const OutputFolder& folder);
+/// Adds everything that a plan leaves in its folder, but for what differs from run to run: reports, and the
+/// programs when every one of them was confirmed by its own read-back. Returns what the reports tell beyond
+/// the plan.
+ReportInputs WriteResults(const Results& results, ResultSet& set);
 
 /// Host, memory and the like for run.json.
 RunFigures MeasureRun(int threads, const std::string& version);

@@ -101,6 +101,7 @@ void Fields(Archive& a, MillingPoint& p) {
   a("kind", p.kind);
   a("region", p.region);
   a("source_line", p.source_line);
+  a("gouge", p.gouge);
 }
 
 template <class Archive>

@@ -32,7 +32,10 @@ std::string Suggestion(const std::string& given, const std::vector<std::string>&
 
 std::unique_ptr<Objective> MakeObjective(const std::string& name, const ObjectiveParameters& parameters) {
   for (const auto& entry : kRegistry) {
-    if (name == entry.name) return entry.make(parameters);
+    if (name != entry.name) continue;
+    std::unique_ptr<Objective> objective = entry.make(parameters);
+    objective->parameters_ = parameters;
+    return objective;
   }
   const std::vector<std::string> known = ObjectiveNames();
   throw InputError(Place{}, fmt::format("no objective \"{}\"; known: {}{}", name, fmt::join(known, ", "),

@@ -88,7 +88,7 @@ std::string InspectJson(const PointsTable& points, const std::string& summary_js
     json["objective_over_rotation"].push_back({{"rotation_deg", RadToDeg(sample.rotation)},
                                                {"branch", sample.branch},
                                                {"objective", sample.objective}});
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace millpose

@@ -69,6 +69,12 @@ struct RunFigures {
     std::string absolute, relative;
   };
   JobFolder job_folder;
+  /// The job that was planned: its name, and its file as seen from the output folder.
+  struct JobFile {
+    std::string name, file;
+  };
+  JobFile job;
+  std::string manifest;  ///< hash of manifest.json: whose plan this run.json belongs to
 };
 
 /// Best (smallest), median and worst (largest) of one index over the planned points; empty when there is

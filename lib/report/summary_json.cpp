@@ -190,7 +190,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["findings"] = inputs.findings;
   json["audit"] = AuditJson(inputs.audit);
   json["deflection"] = DeflectionJson(inputs.deflection);
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string RunJson(const RunFigures& figures) {
@@ -207,7 +207,10 @@ std::string RunJson(const RunFigures& figures) {
   json["resumed_passes"] = figures.resumed_passes;
   json["resumed_gaps"] = figures.resumed_gaps;
   json["job_folder"] = {{"absolute", figures.job_folder.absolute}, {"relative", figures.job_folder.relative}};
-  return json.dump(2) + "\n";
+  json["job"] = {{"name", figures.job.name}, {"file", figures.job.file}};
+  json["manifest"] = figures.manifest;
+  // Folders need not be named in UTF-8.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace millpose

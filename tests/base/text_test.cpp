@@ -14,4 +14,16 @@ TEST(Text, OnlyWholeFiniteDecimalsAreNumbers) {
     EXPECT_FALSE(ParseNumber(text)) << text;
 }
 
+TEST(ValidUtf8, KeepsWhatIsAndReplacesWhatIsNot) {
+  for (const char* text : {"", "abc", "gr\xC3\xB6\xC3\x9F", "\xE2\x80\x93", "\xF0\x9F\x94\xA7"})
+    EXPECT_EQ(ValidUtf8(text), text);
+  const std::string mark = "\xEF\xBF\xBD";
+  EXPECT_EQ(ValidUtf8("gro\xDF/x"), "gro" + mark + "/x");
+  // Longer than needed, half of a pair, above the last code point, cut off.
+  EXPECT_EQ(ValidUtf8("\xC0\xAF"), mark + mark);
+  EXPECT_EQ(ValidUtf8("\xED\xA0\x80"), mark + mark + mark);
+  EXPECT_EQ(ValidUtf8("\xF5\x80"), mark + mark);
+  EXPECT_EQ(ValidUtf8("\xE2\x80"), mark + mark);
+}
+
 }  // namespace millpose

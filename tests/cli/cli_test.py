@@ -52,7 +52,7 @@ class Schema(unittest.TestCase):
 
 
 class Verify(InFolder):
-    def test_confirms_what_plan_wrote_and_finds_what_was_changed(self):
+    def test_confirms_what_plan_wrote_and_refuses_what_was_changed(self):
         out = self.folder / "out"
         self.assertEqual(plan(out).returncode, 0)
         result = run("verify", out, "--job", JOB, "--json")
@@ -66,10 +66,10 @@ class Verify(InFolder):
         line = next(l for l in text.splitlines() if l.startswith("LIN "))
         source.write_text(text.replace(line, line.replace(",Z ", ",Z 1"), 1))
         result = run("verify", out, "--job", JOB)
-        self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
-        self.assertRegex(result.stdout, r"support_pad\.src:\d+: ")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn(f"{source}: was changed or is of another plan", result.stderr)
         source.write_text(text.replace(line, line.replace("LIN", "LINE"), 1))
-        result = run("verify", out, "--job", JOB)
+        result = run("verify", source, "--cell", TOP / "cells" / "kr500_r2830.yaml")
         self.assertEqual(result.returncode, 2)
         self.assertRegex(result.stderr, r"support_pad\.src:\d+:\d+: ")
 

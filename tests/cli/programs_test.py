@@ -91,14 +91,16 @@ class Options(Planned):
         result = BENCH.run("verify", main, "--cell", numbered)
         self.assertEqual(result.returncode, 1)
         self.assertRegex(result.stdout, r"support_pad_001\.src:\d+: the pose cannot be reached")
-        # Against its plan the header counts for nothing.
-        self.assertEqual(BENCH.run("verify", folder, "--job", job).returncode, 0)
+        # It is none of its folder's set any more.
+        result = BENCH.run("verify", folder, "--job", job)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("support_pad.src: was changed or is of another plan", result.stderr)
         main.write_text(re.sub("; base_pose.*\n", "", text), encoding="ascii")
         result = BENCH.run("verify", main, "--cell", numbered)
         self.assertEqual(result.returncode, 2)
         self.assertIn("support_pad.src:1: the base is a frame that the controller holds", result.stderr)
         main.write_text(text.replace("BASE_DATA[3]", "BASE_DATA[4]"), encoding="ascii")
-        result = BENCH.run("verify", folder, "--job", job)
+        result = BENCH.run("verify", main, "--cell", numbered)
         self.assertEqual(result.returncode, 2)
         self.assertRegex(result.stderr, r"support_pad\.src:\d+:\d+: .*BASE_DATA\[3\]")
 

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The bytes of a value with every field that it has, found by the compiler: a field that is added later is
+// part of them without a line here, so nothing that keys are made from can be forgotten.
+#pragma once
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace millpose {
+namespace value_bytes_detail {
+
+// Stands for any value while fields are counted; never made.
+struct AnyField {
+  template <class T>
+  operator T() const;  // NOLINT(google-explicit-constructor): that is its purpose
+};
+
+template <class T, class... Given>
+consteval size_t CountFields() {
+  if constexpr (requires { T{Given{}..., AnyField{}}; })
+    return CountFields<T, Given..., AnyField>();
+  else
+    return sizeof...(Given);
+}
+
+/// References to the fields of an aggregate, in their order.
+template <class T>
+auto FieldsOf(const T& value) {
+  constexpr size_t kCount = CountFields<T>();
+  static_assert(kCount >= 1 && kCount <= 16, "add a line below");
+#define MILLPOSE_FIELDS(count, ...)    \
+  if constexpr (kCount == (count)) {   \
+    const auto& [__VA_ARGS__] = value; \
+    return std::tie(__VA_ARGS__);      \
+  }
+  MILLPOSE_FIELDS(1, a)
+  MILLPOSE_FIELDS(2, a, b)
+  MILLPOSE_FIELDS(3, a, b, c)
+  MILLPOSE_FIELDS(4, a, b, c, d)
+  MILLPOSE_FIELDS(5, a, b, c, d, e)
+  MILLPOSE_FIELDS(6, a, b, c, d, e, f)
+  MILLPOSE_FIELDS(7, a, b, c, d, e, f, g)
+  MILLPOSE_FIELDS(8, a, b, c, d, e, f, g, h)
+  MILLPOSE_FIELDS(9, a, b, c, d, e, f, g, h, i)
+  MILLPOSE_FIELDS(10, a, b, c, d, e, f, g, h, i, j)
+  MILLPOSE_FIELDS(11, a, b, c, d, e, f, g, h, i, j, k)
+  MILLPOSE_FIELDS(12, a, b, c, d, e, f, g, h, i, j, k, l)
+  MILLPOSE_FIELDS(13, a, b, c, d, e, f, g, h, i, j, k, l, m)
+  MILLPOSE_FIELDS(14, a, b, c, d, e, f, g, h, i, j, k, l, m, n)
+  MILLPOSE_FIELDS(15, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o)
+  MILLPOSE_FIELDS(16, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p)
+#undef MILLPOSE_FIELDS
+}
+
+template <class T>
+inline constexpr bool kIsNumber = std::is_arithmetic_v<T> || std::is_enum_v<T>;
+
+}  // namespace value_bytes_detail
+
+/// Collects the bytes of values: numbers bit for bit, lists and texts with their length in front. Classes
+/// with an interface (no aggregates) need a function `void AppendTo(ValueBytes&, const T&)` beside them.
+class ValueBytes {
+ public:
+  template <class... T>
+  ValueBytes& Add(const T&... values) {
+    (Append(values), ...);
+    return *this;
+  }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  void AppendRaw(const void* at, size_t size) { bytes_.append(static_cast<const char*>(at), size); }
+
+  void Append(const std::string& text) {
+    Append(text.size());
+    bytes_ += text;
+  }
+  template <class T, int kRows, int kCols>
+  void Append(const Eigen::Matrix<T, kRows, kCols>& matrix) {
+    Append(matrix.size());
+    AppendRaw(matrix.data(), sizeof(T) * static_cast<size_t>(matrix.size()));
+  }
+  void Append(const Eigen::Isometry3d& pose) { Append(Eigen::Matrix4d(pose.matrix())); }
+  template <class T>
+  void Append(const std::vector<T>& list) {
+    AppendList(list);
+  }
+  template <class T, size_t kSize>
+  void Append(const std::array<T, kSize>& list) {
+    AppendList(list);
+  }
+  template <class Key, class T>
+  void Append(const std::map<Key, T>& map) {
+    AppendList(map);
+  }
+  template <class A, class B>
+  void Append(const std::pair<A, B>& pair) {
+    Add(pair.first, pair.second);
+  }
+  template <class T>
+  void Append(const std::optional<T>& value) {
+    Append(value.has_value());
+    if (value) Append(*value);
+  }
+  template <class... T>
+  void Append(const std::variant<T...>& value) {
+    Append(value.index());
+    std::visit([this](const auto& held) { Append(held); }, value);
+  }
+  template <class T>
+  void Append(const std::shared_ptr<const T>& value) {
+    AppendTo(*this, *value);
+  }
+  template <class T>
+  requires value_bytes_detail::kIsNumber<T>
+  void Append(const T& number) { AppendRaw(&number, sizeof number); }
+  template <class T>
+  requires std::is_aggregate_v<T>
+  void Append(const T& value) {
+    std::apply([this](const auto&... field) { Add(field...); }, value_bytes_detail::FieldsOf(value));
+  }
+
+  template <class List>
+  void AppendList(const List& list) {
+    Append(list.size());
+    for (const auto& item : list) Append(item);
+  }
+
+  std::string bytes_;
+};
+
+}  // namespace millpose

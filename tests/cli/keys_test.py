@@ -1,0 +1,240 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every key of job and cell, changed once: a plan over the checkpoints of the job before the change is byte for byte
+that of --fresh. A few keys; all with MILLPOSE_KEYS=all. Usage: keys_test.py MILLPOSE TOP"""
+import copy
+import json
+import os
+import shutil
+import sys
+import unittest
+
+import resolved_yaml
+from cli_fixture import FEW, JOB, MILLPOSE, TOP, InFolder, plan, run, tree
+
+ALL = os.environ.get("MILLPOSE_KEYS") == "all"
+FEW_KEYS = {"process.spindle_rpm", "process.cutting.width_mm", "gaps.retract_mm", "path.rotation_step_deg",
+            "arm.joint_stiffness_Nm_per_rad", "bodies[].pose.xyz_mm", "controllers.krl.advance"}
+# Keys that no change is made to, and why.
+LEFT_OUT = {
+    "millpose_job": "the version", "millpose_cell": "the version",
+    "toolpath.region.step_faces": "of STEP parts",
+    "toolpath.region.all[].step_faces": "of STEP parts", "toolpath.region.any[].step_faces": "of STEP parts",
+    "toolpath.region.none[].step_faces": "of STEP parts",
+    "toolpath.cam.rotary_axes[].axis": "of G-code", "toolpath.cam.rotary_axes[].carries": "of G-code",
+    "toolpath.cam.rotary_axes[].direction": "of G-code", "toolpath.cam.rotary_axes[].point_mm": "of G-code",
+    "arm.urdf.base_link": "an arm like any other once derived", "arm.urdf.file": "an arm like any other once derived",
+    "arm.urdf.flange_link": "an arm like any other once derived",
+    "arm.urdf.packages.*": "an arm like any other once derived",
+    "arm.urdf.tolerance_mm": "an arm like any other once derived",
+    "reproduction_only": "such cells get no programs", "cell": "another name of the same file",
+    "workpiece.stock.unit": "a stock of another size touches at home",
+}
+TEXTS = ("coolant_off", "coolant_on", "footer", "header", "pass_begin", "pass_end", "spindle_off", "spindle_on",
+         "tool_change")
+WIDE = {
+    "box": {"lower_mm": [-900, -900, -900], "upper_mm": [900, 900, 900]},
+    "half_space": {"point_mm": [0, 0, -900], "normal": [0, 0, 1]},
+    "polygon": {"points_mm": [[-900, -900, 0], [900, -900, 0], [900, 900, 0], [-900, 900, 0]], "direction": [0, 0, 1]},
+    "facing": {"direction": [0, 0, 1], "within_deg": 1}, "rim_distance_mm": 0.5}
+FAR = {
+    "box": {"lower_mm": [900, 900, 900], "upper_mm": [901, 901, 901]},
+    "half_space": {"point_mm": [0, 0, 900], "normal": [0, 0, 1]},
+    "polygon": {"points_mm": [[900, 900, 0], [901, 900, 0], [901, 901, 0]], "direction": [0, 0, 1]},
+    "facing": {"direction": [0, 0, 1], "within_deg": 1}, "rim_distance_mm": 0.5}
+
+
+def numbers(value):
+    """Other numbers near this one, the likeliest to be allowed first."""
+    if isinstance(value, int):
+        return [value + 1, value - 1, value * 2, value + 0.5, value - 0.5]
+    return [value * 1.04, value * 0.96, value + 0.25, value - 0.25]
+
+
+def changes(value, schema):
+    """What a value may be changed to, in the order in which it is tried."""
+    if "enum" in schema:
+        return [name for name in schema["enum"] if name != value]
+    if isinstance(value, bool):
+        return [not value]
+    if isinstance(value, (int, float)):
+        return numbers(value)
+    if isinstance(value, list) and value:
+        found = []
+        for i, item in list(enumerate(value))[::-1]:
+            found += [value[:i] + [other] + value[i + 1:] for other in changes(item, schema.get("items", {}))]
+        return found
+    if isinstance(value, list):
+        return []
+    return [f"{value}_2", f"{value} ; 2", f"copy_of_{value}"]
+
+
+class Keys(InFolder):
+    def base(self):
+        """Resolved job and cell of the sample, cut down, with a body of every shape, springs, weights, texts."""
+        self.assertEqual(plan(self.folder / "sample").returncode, 0)
+        job, cell = (resolved_yaml.parse((self.folder / "sample" / name).read_text()) for name in ("job.yaml", "cell.yaml"))
+        for mesh in ("support_pad", "cabin_ring"):
+            source = TOP / "toolpaths" / mesh / f"{mesh}.stl"
+            for name in (f"{mesh}.stl", f"copy_of_{mesh}.stl"):
+                shutil.copy(source, self.folder / name)
+        job["cell"] = "cell.yaml"
+        shapes = ({"sphere": {"diameter_mm": 9}}, {"capsule": {"diameter_mm": 9, "length_mm": 60}},
+                  {"cone": {"diameter_mm": 9, "top_diameter_mm": 1, "length_mm": 6}},
+                  {"convex": {"points_mm": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.1]]}},
+                  {"mesh": {"file": "support_pad.stl", "unit": "mm"}})
+        for i, shape in enumerate(shapes):
+            cell["bodies"].append({"name": f"far{i}", "class": "fixture", "mount": "world", "shape": shape,
+                                   "pose": {"xyz_mm": [-3000, 500 * i, 100.5], "abc_deg": [0, 0, 0]}})
+        cell["excluded_pairs"] = [["far0", "far1"]]
+        springs = {"mount": "base", "pose": {"xyz_mm": [0, 0, 1], "abc_deg": [0, 0, 0]}}
+        cell["stiffness"]["compliances"] = [
+            {"name": "platform", "translational_mm_N": [1.0e-4, 2.0e-4, 5.0e-5], "rotational_rad_Nm": [1e-9, 1e-9, 1e-9],
+             **springs}]
+        return job, cell
+
+    def write(self, job, cell):
+        (self.folder / "job.yaml").write_text(json.dumps(job))
+        (self.folder / "cell.yaml").write_text(json.dumps(cell))
+
+    def plan(self, out, *arguments):
+        return run("plan", self.folder / "job.yaml", "-o", self.folder / out, "-q", *arguments)
+
+    def check(self, key):
+        """Plans the changed job over the base's checkpoints and afresh; what was refused, if it was."""
+        shutil.rmtree(self.folder / "again", ignore_errors=True)
+        shutil.copytree(self.folder / "base", self.folder / "again")
+        again = self.plan("again")
+        if again.returncode == 2:
+            return again.stderr
+        self.assertLess(again.returncode, 2, f"{key}: {again.stderr}")
+        figures = json.loads((self.folder / "again" / "run.json").read_text())
+        self.resumed[key] = (figures["resumed_passes"], figures["resumed_gaps"])
+        if any(self.resumed[key]):
+            shutil.rmtree(self.folder / "fresh", ignore_errors=True)
+            self.assertLess(self.plan("fresh", "--fresh").returncode, 2)
+            again, fresh = tree(self.folder / "again"), tree(self.folder / "fresh")
+            with self.subTest(key=key):
+                self.assertEqual([name for name in again.keys() | fresh.keys() if again.get(name) != fresh.get(name)], [])
+        return None
+
+    def change_each(self, job, cell, wanted):
+        """Changes each of the wanted keys that job and cell hold; those that could be changed."""
+        self.write(job, cell)
+        shutil.rmtree(self.folder / "base", ignore_errors=True)
+        planned = self.plan("base")
+        self.assertLess(planned.returncode, 2, planned.stderr)
+        changed, refusals = set(), {}
+        for name in ("job", "cell"):
+            schema = json.loads((TOP / "docs" / "schema" / f"{name}.schema.json").read_text())
+            document = {"job": job, "cell": cell}[name]
+            for key, container, inner_key, inner in resolved_yaml.places(schema, document):
+                if key in changed or key not in wanted:
+                    continue
+                before = copy.deepcopy(container[inner_key])
+                for other in changes(before, inner):
+                    container[inner_key] = other
+                    self.write(job, cell)
+                    refused = self.check(key)
+                    container[inner_key] = before
+                    if refused is None:
+                        changed.add(key)
+                        break
+                    refusals[key] = refused
+        self.refusals.update({key: text for key, text in refusals.items() if key not in changed})
+        return changed
+
+    def variants(self):
+        """(job, cell) by (job, cell): together they hold every key."""
+        job, cell = self.base()
+        job["pose"]["objective"] = {"name": "process_force"}
+        job["process"]["feed"] = "reduce"
+        job["process"]["cutting"] = {"teeth": 2, "depth_mm": 1, "width_mm": 6, "side": "slot", "material": "5A06",
+                                     "radial_ratio": 0.3, "axial_ratio": 0.1}
+        yield job, cell
+        if not ALL:
+            return
+        job, cell = self.base()
+        job["toolpath"]["region"] = {**copy.deepcopy(WIDE), "all": [copy.deepcopy(WIDE)], "any": [copy.deepcopy(WIDE)],
+                                     "none": [copy.deepcopy(FAR)]}
+        job["toolpath"]["ends"] = {"overrun_mm": 1, "lead": "ramp", "lead_length_mm": 10, "ramp_deg": 15}
+        job["toolpath"]["depth"] = {"total_mm": 1, "per_layer_mm": 0.5, "allowance_mm": 0.1, "finishing_mm": 0.2}
+        job["process"]["cutting"] = {"teeth": 2, "depth_mm": 1, "width_mm": 6, "kc11_N_mm2": 700, "mc": 0.2}
+        for region in (job["toolpath"]["region"], *(job["toolpath"]["region"][name][0] for name in ("all", "any"))):
+            region["connected"] = {"seed_mm": [0, 0, 0], "crease_deg": 60}
+        yield job, cell
+
+        job, cell = self.base()
+        place = job["workpiece"].pop("pose")["xyz_mm"]
+        # Turned by B = -90 degrees: x of the part is z of the robot base, z is -x.
+        job["workpiece"]["targets"] = [
+            {"nominal_mm": [x, y, 0], "measured_mm": [place[0], place[1] + y, place[2] + x]}
+            for x, y in ((0, 0), (100, 0), (0, 100), (100, 110.5))]
+        job["workpiece"]["allowance_mm"] = 0.1
+        job["program_options"]["date"] = "2026-01-02"
+        cell["stiffness"]["compliances"] = [
+            {"name": "platform", "mount": "base", "pose": {"xyz_mm": [0, 0, 1], "abc_deg": [0, 0, 0]},
+             "matrix": [[1e-4 if i == j < 3 else 1e-9 if i == j else 0 for i in range(6)] for j in range(6)]}]
+        cell["stiffness"]["gravity"] = {
+            "reference_deg": [0, -90, 90, 0, 0, 0], "counterbalance": {"torque_Nm": 100, "zero_deg": -90},
+            "masses": [{"name": "spindle", "mount": "link6", "mass_kg": 30, "centre_mm": [0, 0, 100.5]}]}
+        krl = cell["controllers"]["krl"]
+        krl["texts"] = {name: f"; {name}" for name in TEXTS}
+        krl["outputs"] = [{"number": 3, "at": "cut_begin", "set": True, "delay_ms": -20}]
+        krl.update(orientation_acceleration_deg_s2=500, path_acceleration_m_s2=2)
+        cell["controllers"]["linuxcnc"]["texts"] = {"header": "; header"}
+        cell["controllers"]["sinumerik"]["texts"] = {"header": "; header"}
+        yield job, cell
+
+        job, cell = self.base()
+        job["workpiece"]["stock"] = {"mesh": "support_pad.stl", "unit": "mm"}
+        self.strategy(job, "pad", {"pattern": "zigzag", "along": [1, 0, 0], "offset_mm": 20})
+        yield job, cell
+
+        (self.folder / "path.csv").write_text("x_mm,y_mm,z_mm,i,j,k\n-50,0,0,0,0,1\n50,0,0,0,0,1\n")
+        shutil.copy(self.folder / "path.csv", self.folder / "copy_of_path.csv")
+        for name, keys in (("curve", {"points_mm": [[-50, 0, 0], [50, 0, 0]], "direction": [0, 0, 1]}),
+                           ("cam", {"file": "path.csv", "contact_distance_mm": 0.2})):
+            job, cell = self.base()
+            self.strategy(job, name, keys)
+            yield job, cell
+
+        job, cell = self.base()
+        job["workpiece"].update(mesh="cabin_ring.stl", pose={"xyz_mm": [2000, 0, 1150], "abc_deg": [0, -90, 0]})
+        self.strategy(job, "rings", {"point_mm": [0, 0, 0], "axis": [0, 0, 1], "on": "auto", "path": "closed",
+                                     "seam_step_deg": 0})
+        job["toolpath"].update(spacing_mm=150, chord_tolerance_mm=20)
+        yield job, cell
+
+    @staticmethod
+    def strategy(job, name, keys):
+        """Takes another strategy, without what belongs to the sample's alone."""
+        toolpath = job["toolpath"]
+        toolpath.pop("planes")
+        toolpath.update({"strategy": name, name: keys})
+        if name in ("curve", "cam"):
+            for key in ("stepover_mm", "stepover_on", "scallop_mm", "order", "direction", "region"):
+                toolpath.pop(key, None)
+
+
+class All(Keys):
+    def test_a_plan_over_earlier_checkpoints_is_that_of_fresh(self):
+        wanted, changed = set(), set()
+        for name in ("job", "cell"):
+            schema = json.loads((TOP / "docs" / "schema" / f"{name}.schema.json").read_text())
+            wanted |= set(resolved_yaml.leaves(schema))
+        wanted = wanted - LEFT_OUT.keys() if ALL else FEW_KEYS
+        self.resumed, self.refusals = {}, {}
+        for job, cell in self.variants():
+            changed |= self.change_each(job, cell, wanted - changed)
+        # A controller refuses keys that it does not know; no stage with checkpoints is handed any of them.
+        controllers = {key for key in changed if key.startswith("controllers.")}
+        self.assertGreater(len(controllers), 30 if ALL else 0)
+        missing = sorted(key for key in wanted - changed if not key.startswith("controllers."))
+        self.assertEqual(missing, [], "not changed: " + "\n".join(f"{key}: {self.refusals.get(key, 'absent')}" for key in missing))
+        self.assertEqual(self.resumed["process.spindle_rpm"][0], 0, "the force depends on it")
+        self.assertGreater(self.resumed["controllers.krl.advance"][0], 0, "no stage is handed it")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

@@ -1,0 +1,48 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The output folder with a small set of files, under kills and failing operations at 20 places, or at all with
+MILLPOSE_FAULT_PLACES=all. Usage: folder_swap_test.py MILLPOSE TOP FAULTS DRIVER"""
+import subprocess
+
+from fault_fixture import ALL, CAUSES, DRIVER, Faults, main, places, results, run
+
+
+class Swap(Faults):
+    def write(self, folder, letter):
+        return DRIVER, folder, letter
+
+    def mend(self, folder):
+        return DRIVER, folder, "-"
+
+    def test_a_kill_at_any_operation_leaves_one_whole_set(self):
+        count = self.prepare()
+        self.assertGreater(count, 60)
+        mended = self.kill_at(places(count, 20), again=lambda at: at % 3 == 0)
+        self.assertGreater(mended, 10 if ALL else 2, "the journal was never open")
+
+    def test_the_first_set_appears_whole_or_not_at_all(self):
+        self.prepare()
+        self.new = results(self.a)
+        for at in range(1, 200, 1 if ALL else 11):
+            with self.subTest(killed_at=at):
+                subprocess.run(["rm", "-rf", self.out], check=True)
+                killed = run(self.write(self.out, "A"), self.out, at)
+                if killed.returncode == 0:
+                    self.assertGreater(at, 40)
+                    return
+                if (self.out / ".journal").exists():
+                    self.assertEqual(subprocess.run([DRIVER, self.out, "-"], capture_output=True).returncode, 0)
+                self.assertIn(results(self.out) if self.out.exists() else {}, ({}, self.new))
+
+    def test_an_operation_that_fails_leaves_the_old_set(self):
+        count = self.prepare()
+        for fault in CAUSES:
+            self.fail_at(places(count, 6), fault, stays=False)
+
+    def test_a_disk_that_stays_full_leaves_the_old_set_or_one_that_is_mended(self):
+        count = self.prepare()
+        self.fail_at(places(count, 6), "ENOSPC", stays=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`millpose plan` over an earlier plan, killed or failing at its N-th file operation: 20 places, or all with
+MILLPOSE_FAULT_PLACES=all. Usage: replan_test.py MILLPOSE TOP FAULTS DRIVER"""
+import json
+import os
+import socket
+import subprocess
+
+from fault_fixture import ALL, DRIVER, FAULTS, MILLPOSE, TOP, Faults, main, places
+
+SETS = ("toolpath.stepover_mm=60", "toolpath.spacing_mm=60", "programs=[krl, linuxcnc]")
+
+
+class Replan(Faults):
+    def write(self, folder, letter):
+        sets = SETS + (("process.spindle_rpm=100",) if letter == "B" else ())
+        return (MILLPOSE, "plan", TOP / "toolpaths" / "support_pad" / "job.yaml", "-o", folder, "-q",
+                *(word for change in sets for word in ("--set", change)))
+
+    def mend(self, folder):
+        return MILLPOSE, "verify", folder
+
+    def test_killed(self):
+        count = self.prepare()
+        self.assertGreater(count, 60)
+        self.kill_at(places(count, 14), again=lambda at: ALL or at % 40 == 0)
+
+    def test_failing(self):
+        count = self.prepare()
+        self.fail_at(places(count, 3), "ENOSPC", stays=False)
+        self.fail_at(places(count, 3), "EACCES", stays=True)
+
+    def test_without_locks_owner_files_keep_runs_apart(self):
+        env = dict(os.environ, LD_PRELOAD=str(FAULTS), MILLPOSE_FAULT_NO_LOCKS="1")
+
+        def plan():
+            return subprocess.run(self.write(self.a, "A"), capture_output=True, text=True, env=env)
+
+        first = plan()
+        self.assertEqual(first.returncode, 0, first.stderr)
+        self.assertIn("the file system has no locks", first.stdout)
+        owner = {"host": socket.gethostname(), "process": 2**22 + 1, "since": "2026-01-02T03:04:05Z", "alone": True}
+        (self.a / ".owner.dead").write_text(json.dumps(owner))  # larger than any process number
+        self.assertEqual(plan().returncode, 0)
+        self.assertFalse((self.a / ".owner.dead").exists())
+        (self.a / ".owner.other").write_text(json.dumps({**owner, "host": "other"}))
+        refused = plan()
+        self.assertEqual(refused.returncode, 2)
+        self.assertRegex(refused.stderr, r"on other since 2026-01-02T03:04:05Z \(if it has ended, remove .*\.owner\.other\)")
+        (self.a / ".owner.other").write_text(json.dumps({**owner, "host": "other", "alone": False}))
+        self.assertEqual(plan().returncode, 2, "a share plans there")
+
+    def test_an_edited_program_that_is_in_the_manifest_is_compared_with_the_plan(self):
+        self.assertEqual(subprocess.run(self.write(self.a, "A"), capture_output=True).returncode, 0)
+        source = self.a / "programs" / "krl" / "support_pad.src"
+        text = source.read_text()
+        line = next(line for line in text.splitlines() if line.startswith("LIN "))
+        source.write_text(text.replace(line, line.replace(",Z ", ",Z 1"), 1))
+        verify = [MILLPOSE, "verify", self.a]
+        self.assertEqual(subprocess.run(verify, capture_output=True).returncode, 2)
+        subprocess.run([DRIVER, self.a, "sign"], check=True)
+        found = subprocess.run(verify, capture_output=True, text=True)
+        self.assertEqual(found.returncode, 1, found.stderr)
+        self.assertRegex(found.stdout, r"support_pad\.src:\d+: ")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/checkpoint_key.hpp"
+
+#include "pipeline/value_bytes.hpp"
+
+namespace millpose {
+namespace {
+
+struct Inner {
+  int a = 1;
+  std::vector<double> list{1, 2};
+};
+struct Outer {
+  std::string text = "x";
+  Inner inner;
+  std::optional<double> maybe;
+  std::variant<int, Inner> one = 3;
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();
+};
+
+std::string BytesOf(const auto& value) { return ValueBytes().Add(value).bytes(); }
+
+TEST(ValueBytes, EveryFieldCounts) {
+  std::vector<Outer> values(8);
+  values[1].text = "";
+  values[2].inner.a = 2;
+  values[3].inner.list = {1, 2, 0};
+  values[4].maybe = 0;
+  values[5].one = Inner{};
+  values[6].vector.z() = 1e-300;
+  values[7].one = 4;
+  for (size_t i = 0; i < values.size(); ++i)
+    for (size_t j = 0; j < values.size(); ++j)
+      EXPECT_EQ(BytesOf(values[i]) == BytesOf(values[j]), i == j) << i << " " << j;
+}
+
+TEST(ValueBytes, WhatIsCutElsewhereIsNotTheSame) {
+  const std::vector<std::string> a{"ab", "c"}, b{"a", "bc"};
+  EXPECT_NE(BytesOf(a), BytesOf(b));
+}
+
+TEST(ValueBytes, SeesAllFieldsOfWhatStagesAreHanded) {
+  using value_bytes_detail::CountFields;
+  static_assert(CountFields<Arm>() == 15);
+  static_assert(CountFields<PathOptions>() == 13);
+  static_assert(CountFields<GapOptions>() == 6);
+  static_assert(CountFields<PoseProblem>() == 9);
+  static_assert(CountFields<MillingPoint>() == 10);
+  static_assert(CountFields<Body>() == 6);
+}
+
+PoseProblem Problem(const ObjectiveParameters& parameters) {
+  PoseProblem problem;
+  problem.freedoms.push_back(MakeFreedom("rotation"));
+  problem.objective = MakeObjective("process_force", parameters);
+  return problem;
+}
+
+TEST(CheckpointKey, AForceThatTheObjectiveIsMadeWithCounts) {
+  const World world{Cell{}};
+  const std::string one = PassContext(Problem({{"feed_N", 10}}), world, {});
+  EXPECT_EQ(PassContext(Problem({{"feed_N", 10}}), world, {}), one);
+  EXPECT_NE(PassContext(Problem({{"feed_N", 11}}), world, {}), one);
+}
+
+TEST(CheckpointKey, APlanIsOfItsPassWhateverSplitsAddToIt) {
+  Pass pass;
+  for (int i = 0; i < 3; ++i) pass.points.emplace_back().position.x() = i;
+  PassResult plan;
+  plan.pass = 4;
+  for (const int i : {0, 1, 2, 1, 2}) plan.points.emplace_back().point = pass.points[static_cast<size_t>(i)];
+  EXPECT_TRUE(IsPlanOf(plan, pass, 4));
+  EXPECT_FALSE(IsPlanOf(plan, pass, 3));
+  pass.points[2].position.y() = 1;
+  EXPECT_FALSE(IsPlanOf(plan, pass, 4));
+}
+
+}  // namespace
+}  // namespace millpose
