@@ -29,7 +29,10 @@ LEFT_OUT = {
     "arm.urdf.tolerance_mm": "an arm like any other once derived",
     "reproduction_only": "such cells get no programs", "cell": "another name of the same file",
     "workpiece.stock.unit": "a stock of another size touches at home",
+    "toolpath.strategy": "each has keys of its own: the variants",
 }
+# What a name may be changed to where it has to be one that is known.
+OTHER_NAMES = {"pose.objective.name": "isotropy", "process.cutting.material": "TiAl6V4", "excluded_pairs": [["far0", "far2"]]}
 TEXTS = ("coolant_off", "coolant_on", "footer", "header", "pass_begin", "pass_end", "spindle_off", "spindle_on",
          "tool_change")
 WIDE = {
@@ -132,7 +135,7 @@ class Keys(InFolder):
                 if key in changed or key not in wanted:
                     continue
                 before = copy.deepcopy(container[inner_key])
-                for other in changes(before, inner):
+                for other in [OTHER_NAMES[key]] if key in OTHER_NAMES else changes(before, inner):
                     container[inner_key] = other
                     self.write(job, cell)
                     refused = self.check(key)
@@ -160,7 +163,7 @@ class Keys(InFolder):
         job["toolpath"]["ends"] = {"overrun_mm": 1, "lead": "ramp", "lead_length_mm": 10, "ramp_deg": 15}
         job["toolpath"]["depth"] = {"total_mm": 1, "per_layer_mm": 0.5, "allowance_mm": 0.1, "finishing_mm": 0.2}
         job["process"]["cutting"] = {"teeth": 2, "depth_mm": 1, "width_mm": 6, "kc11_N_mm2": 700, "mc": 0.2}
-        for region in (job["toolpath"]["region"], *(job["toolpath"]["region"][name][0] for name in ("all", "any"))):
+        for region in (job["toolpath"]["region"], *(job["toolpath"]["region"][name][0] for name in ("all", "any", "none"))):
             region["connected"] = {"seed_mm": [0, 0, 0], "crease_deg": 60}
         yield job, cell
 
