@@ -24,9 +24,13 @@ namespace {
 
 constexpr size_t kMostCurves = 3000;  // points whose choice of pose report.html shows
 
+std::filesystem::path FolderOf(const std::filesystem::path& job) {
+  return job.has_parent_path() ? job.parent_path() : ".";
+}
+
 JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
   // The job may be the resolved one of a folder that a killed run left between two plans.
-  if (arguments.job.has_parent_path()) MendOutputFolder(arguments.job.parent_path());
+  MendOutputFolder(FolderOf(arguments.job));
   stages.Begin("read", 0);
   std::vector<Override> overrides = arguments.overrides;
   if (arguments.seed) overrides.push_back({"seed", std::to_string(*arguments.seed)});
@@ -45,7 +49,7 @@ JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
 
 // Beside the job; the resolved job of an output folder is planned there again.
 std::filesystem::path DefaultFolder(const std::filesystem::path& job, const std::string& name) {
-  const std::filesystem::path folder = job.has_parent_path() ? job.parent_path() : ".";
+  const std::filesystem::path folder = FolderOf(job);
   return IsOutputFolder(folder) ? folder : folder / (name + ".out");
 }
 
