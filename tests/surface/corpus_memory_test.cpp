@@ -8,7 +8,6 @@
 
 #include "base/error.hpp"
 #include "surface/mesh_import.hpp"
-#include "tests/base/tier.hpp"
 #include "tests/surface/formats.hpp"
 #include "tests/surface/shapes.hpp"
 
@@ -74,7 +73,7 @@ TEST(CorpusMemory, StaysBelowFourTimesWhatFileAndMeshNeed) {
   GTEST_SKIP() << "sanitizers hold memory back";
 #endif
   ::mallopt(M_MMAP_THRESHOLD, 65536);
-  const Triangles sphere = SphereShape(500, OfTier(50, 90));  // 10,000 or 32,000 triangles
+  const Triangles sphere = SphereShape(500, 90);  // 32,000 triangles
   Triangles sound = sphere, damaged = sphere;
   Append(damaged, sphere);
   for (size_t f = 0; f < sphere.faces.size(); f += 2) Flip(damaged, f);
