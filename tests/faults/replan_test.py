@@ -4,10 +4,11 @@
 MILLPOSE_FAULT_PLACES=all. Usage: replan_test.py MILLPOSE TOP FAULTS DRIVER"""
 import json
 import os
+import shutil
 import socket
 import subprocess
 
-from fault_fixture import ALL, DRIVER, FAULTS, MILLPOSE, TOP, Faults, main, places
+from fault_fixture import ALL, DRIVER, FAULTS, MILLPOSE, TOP, Faults, is_clean, main, places, programs, results, run
 
 SETS = ("toolpath.stepover_mm=60", "toolpath.spacing_mm=60", "programs=[krl, linuxcnc]")
 
@@ -24,7 +25,22 @@ class Replan(Faults):
     def test_killed(self):
         count = self.prepare()
         self.assertGreater(count, 60)
-        self.kill_at(places(count, 14), again=lambda at: ALL or at % 40 == 0)
+        self.kill_at(places(count, 10), again=lambda at: ALL or at % 40 == 0)
+
+    def test_a_first_plan_killed(self):
+        done = run(self.write(self.a, "A"), self.a, count=self.top / "count")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        whole = results(self.a)
+        for at in places(int((self.top / "count").read_text()), 4):
+            with self.subTest(killed_at=at):
+                shutil.rmtree(self.out, ignore_errors=True)
+                self.assertEqual(run(self.write(self.out, "A"), self.out, at).returncode, -9)
+                left = programs(results(self.out)) if self.out.exists() else {}
+                self.assertIn(left, ({}, programs(whole)))
+                done = run(self.write(self.out, "A"), self.top)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual(results(self.out), whole)
+                self.assertTrue(is_clean(self.out))
 
     def test_failing(self):
         count = self.prepare()
