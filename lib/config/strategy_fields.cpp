@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The keys of a job's `toolpath:` that belong to one strategy: a function per strategy, a line per key.
+#include "base/text.hpp"
 #include "config/fields.hpp"
 
 namespace millpose::config {
@@ -69,6 +70,15 @@ Codec<CamRotaryAxisSettings> CamRotaryAxisFields() {
                  "Needed where the programme does not name the tip (no TRAORI, no G43.4).")});
 }
 
+// Every key is "M" with a number, and keys that hold for another format are told when the file is read.
+void CheckCam(const Value& value, const Context& context, ToolpathSettings& toolpath) {
+  for (const auto& [code, meaning] : toolpath.cam_kinematics_codes) {
+    const auto number = code.size() > 1 && code[0] == 'M' ? ParseNumber(code.substr(1)) : std::nullopt;
+    if (!number || !(*number >= 0 && *number <= 9999 && *number == std::floor(*number)))
+      context.Add(value.mark, fmt::format("kinematics_codes needs codes like M428, given \"{}\"", code));
+  }
+}
+
 Codec<S> CamFields() {
   return Section<S>(
       {Key<S>("file", MILLPOSE_AT(cam_file), Text(), "APT CLDATA, G-code or CSV, in the workpiece frame.")
@@ -77,7 +87,19 @@ Codec<S> CamFields() {
               "Points farther from the part at a pass's ends are its lead-in and lead-out."),
        Key<S>("rotary_axes", MILLPOSE_AT(cam_rotary_axes), ListOf(CamRotaryAxisFields()),
               "Of the machine that G-code was written for: those that carry the tool from the "
-              "bed to the tool, those that carry the workpiece from the bed to it.")});
+              "bed to the tool, those that carry the workpiece from the bed to it."),
+       Key<S>(
+           "tip_programming", MILLPOSE_AT(cam_tip_programming), Maybe(Flag()),
+           "Of G-code: whether X, Y, Z are the tip's in the workpiece frame where the file begins (else the "
+           "machine's linear axes), and what M codes of the kinematics (M128, M428 to M430) that "
+           "kinematics_codes does not name stand for."),
+       Key<S>("kinematics_codes", MILLPOSE_AT(cam_kinematics_codes),
+              MapOf<std::string>({}, Choice({"tip", "joints"})),
+              "Of G-code: what X, Y, Z are from such an M code on, e.g. {M428: tip, M429: joints}."),
+       Key<S>("circle", MILLPOSE_AT(cam_circle), Choice({"both", "tangent", "axis"}),
+              "Of APT: what decides which way round a CIRCLE with an axis goes where the cut before and the "
+              "axis's sign contradict; both: the file is refused there.")},
+      CheckCam);
 }
 
 }  // namespace

@@ -86,6 +86,9 @@ struct ToolpathSettings {
   std::string cam_file;                                        ///< cam: relative to the job file
   double cam_contact_distance = 1;                             ///< cam, mm
   std::vector<CamRotaryAxisSettings> cam_rotary_axes;          ///< cam: of G-code
+  std::optional<bool> cam_tip_programming;                     ///< cam: of G-code, at its beginning
+  std::map<std::string, std::string> cam_kinematics_codes;     ///< cam: "M428" to tip | joints
+  std::string cam_circle = "both";                             ///< cam: of APT, both | tangent | axis
   double stepover = 0;                                         ///< mm
   std::string stepover_on = "planes";  ///< planes | surface: where the step-over is measured
   double scallop = 0;                  ///< mm; above 0 the step-over follows from it, stepover at most

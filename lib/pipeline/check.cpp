@@ -129,8 +129,10 @@ JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::s
   JobCheck check;
   std::vector<std::string> warnings = part.warnings;
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
+  for (const std::string& hole : made.holes_left_out) warnings.push_back("NOT MACHINED: " + hole);
   check.mesh = Described(inputs.job.workpiece.mesh_file, inputs.job.workpiece.unit, part.import, Reach(cell),
                          std::move(warnings));
+  check.mesh.notes = made.notes;
   check.job = inputs.job.name;
   check.cell = inputs.cell.name;
   check.arm = inputs.cell.arm.name;

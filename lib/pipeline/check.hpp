@@ -26,6 +26,7 @@ struct MeshCheck {
   bool unit_plausible = true;            ///< for the arm; else a warning names the units that would be
   std::vector<SourceFace> source_faces;  ///< of a STEP part, in its order
   std::vector<std::string> warnings;
+  std::vector<std::string> notes;  ///< how a CAM path was read; no findings
 };
 
 struct CheckMeshArguments {

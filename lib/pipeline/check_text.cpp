@@ -53,7 +53,8 @@ Json MeshJson(const MeshCheck& check) {
           {"crossings", report.crossings.pairs},
           {"crossings_complete", report.crossings.complete},
           {"step_faces", FacesJson(check.source_faces)},
-          {"warnings", check.warnings}};
+          {"warnings", check.warnings},
+          {"notes", check.notes}};
 }
 
 }  // namespace
@@ -81,6 +82,7 @@ std::string ToText(const MeshCheck& check) {
                         face.area, face.name);
   }
   for (const std::string& warning : check.warnings) text += "  - " + warning + "\n";
+  for (const std::string& note : check.notes) text += "  - note: " + note + "\n";
   return text;
 }
 

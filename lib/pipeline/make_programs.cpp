@@ -18,7 +18,8 @@ bool JobPrograms::Confirmed() const {
                              [](const CheckedProgram& program) { return program.findings.empty(); });
 }
 
-JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs, const World& world, int threads,
+JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
+                         const std::vector<std::string>& not_machined, const World& world, int threads,
                          std::stop_token stop) {
   if (!WhyNotProgrammable(plan).empty()) return {};
   const VerifyOptions options = MakeVerifyOptions(inputs.job, plan.arm);
@@ -26,7 +27,8 @@ JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs, const 
   for (const std::string& controller : inputs.job.programs) {
     const std::unique_ptr<Post> post = MakePost(controller);
     const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
-    const ProgramMotions motions = MakeProgramMotions(plan, inputs, controller, made.base_window);
+    ProgramMotions motions = MakeProgramMotions(plan, inputs, controller, made.base_window);
+    for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
     CheckedProgram program;
     program.controller = controller;
     program.saved = motions.saved;

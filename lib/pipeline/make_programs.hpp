@@ -37,8 +37,10 @@ inline constexpr const char* kPlanFile = "plan.cbor";
 /// Fills in the frames that a program leaves to the controller (numbered ones) from the plan.
 void CompleteFrames(MotionProgram& program, const MotionProgram& planned);
 
-/// Writes the program of every controller that the job names, reads it back and replays it.
-JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs, const World& world, int threads,
+/// Writes the program of every controller that the job names, reads it back and replays it. `not_machined`:
+/// holes of the tool path that are left out, named in the head.
+JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
+                         const std::vector<std::string>& not_machined, const World& world, int threads,
                          std::stop_token stop);
 
 }  // namespace millpose

@@ -138,6 +138,8 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   const Toolpath toolpath = PlacedToolpath(inputs, made.toolpath, cell.X_WP);
   std::vector<std::string> warnings = part.warnings;
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
+  warnings.insert(warnings.end(), made.notes.begin(), made.notes.end());
+  for (const std::string& hole : made.holes_left_out) made.findings.push_back("NOT MACHINED: " + hole);
   const PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, cell);
   const World world(cell);
   if (const auto found = Checker(world).At(cell.home, Phase::kFree))
@@ -165,7 +167,7 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   stages.End(fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), gaps.resumed));
 
   stages.Begin("programs", 0);
-  const JobPrograms programs = MakePrograms(plan, inputs, world, threads, stop);
+  const JobPrograms programs = MakePrograms(plan, inputs, made.holes_left_out, world, threads, stop);
   stages.End(fmt::format("{} programs", programs.programs.size()));
 
   std::optional<AuditFigures> audit;

@@ -19,14 +19,27 @@ void TellOtherCutters(const CamPath& path, const ToolSettings& tool, const std::
                                      file, cutter.line, cutter.diameter, tool.cutter_diameter));
 }
 
+std::string NotMachined(const CamHole& hole) {
+  return fmt::format("{} in line {} at ({:.3f}, {:.3f}, {:.3f}) mm of the workpiece: {}", hole.cycle,
+                     hole.line, hole.position.x(), hole.position.y(), hole.position.z(), hole.why);
+}
+
 // A CAM path in P, its notes and its distance from the mesh.
 JobToolpath ImportCam(const JobInputs& inputs, const Mesh& mesh) {
   const ToolpathSettings& settings = inputs.job.toolpath;
   std::vector<RotaryAxis> axes;
   for (const CamRotaryAxisSettings& axis : settings.cam_rotary_axes)
     axes.push_back({axis.axis[0], axis.direction.normalized(), axis.point, axis.carries == "workpiece"});
-  const CamPath path = ReadCamPath(inputs.cam_bytes, settings.cam_file,
-                                   {settings.chord_tolerance, RotaryAxes(std::move(axes))});
+  CamReadOptions read;
+  read.chord_tolerance = settings.chord_tolerance;
+  read.rotary_axes = RotaryAxes(std::move(axes));
+  read.circle = settings.cam_circle == "axis"      ? CircleWay::kAxis
+                : settings.cam_circle == "tangent" ? CircleWay::kTangent
+                                                   : CircleWay::kBoth;
+  read.tip_programming = settings.cam_tip_programming;
+  for (const auto& [code, meaning] : settings.cam_kinematics_codes)
+    read.kinematics_codes[std::stoi(code.substr(1))] = meaning == "tip";
+  const CamPath path = ReadCamPath(inputs.cam_bytes, settings.cam_file, read);
   CamImportOptions options;
   options.spacing = settings.spacing;
   options.crease = settings.crease;
@@ -37,7 +50,8 @@ JobToolpath ImportCam(const JobInputs& inputs, const Mesh& mesh) {
   JobToolpath made;
   made.toolpath = ImportCamPath(path, mesh.face_count() > 0 ? &mesh : nullptr, options, &report);
   TellOtherCutters(path, inputs.cell.tool, settings.cam_file, made.warnings);
-  for (const std::string& note : path.notes) made.warnings.push_back(settings.cam_file + ": " + note);
+  for (const std::string& note : path.notes) made.notes.push_back(settings.cam_file + ": " + note);
+  for (const CamHole& hole : path.holes_left_out) made.holes_left_out.push_back(NotMachined(hole));
   if (report.turns_on_the_spot > 0)
     made.warnings.push_back(fmt::format("{}: the tool turns on the spot {} times; passes end there",
                                         settings.cam_file, report.turns_on_the_spot));

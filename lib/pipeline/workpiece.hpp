@@ -30,8 +30,10 @@ Cell MakeJobCell(const JobInputs& inputs);
 struct JobToolpath {
   Toolpath toolpath;  ///< in P
   GougeReport gouges;
-  std::vector<std::string> warnings;  ///< of the strategy, of an imported CAM path, of the gouge check
-  std::vector<std::string> findings;  ///< gouges that stay in the path
+  std::vector<std::string> warnings;        ///< of the strategy, of an imported CAM path, of the gouge check
+  std::vector<std::string> findings;        ///< gouges that stay in the path
+  std::vector<std::string> notes;           ///< how a CAM path was read
+  std::vector<std::string> holes_left_out;  ///< of a CAM path's cycles: not machined, one sentence each
 };
 
 /// Makes the job's tool path on the mesh, or imports it. Throws InputError when it holds no point;

@@ -8,7 +8,7 @@
 
 namespace millpose {
 
-bool AptFeed::Take(const AptStatement& statement, double unit, std::map<std::string, size_t>& unknown) {
+bool AptFeed::Take(const AptStatement& statement, double unit) {
   constexpr double kInch = 25.4;
   std::optional<double> value;
   double factor = unit / 60;
@@ -27,8 +27,8 @@ bool AptFeed::Take(const AptStatement& statement, double unit, std::map<std::str
       return false;
     } else if (text == "INVERS") {
       inverse = &word;
-    } else {
-      ++unknown["FEDRAT/" + text.substr(0, 40)];
+    } else if (text != "AUTO" && text != "ON" && text != "OFF") {
+      throw InputError(word.place, fmt::format("FEDRAT/\"{}\" is not known", text.substr(0, 40)));
     }
   }
   if (inverse != nullptr) {

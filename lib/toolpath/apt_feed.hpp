@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <map>
-
 #include "toolpath/apt_scanner.hpp"
 
 namespace millpose {
@@ -11,9 +9,9 @@ namespace millpose {
 class AptFeed {
  public:
   /// FEDRAT with its value and unit in any order; `unit` (mm) is the file's length unit, for feeds without
-  /// one of their own. False for FEDRAT/RAPID, which makes the next motion a rapid. Words that are not known
-  /// are counted. Throws InputError for what gives no feed, and for inverse times.
-  bool Take(const AptStatement& statement, double unit, std::map<std::string, size_t>& unknown);
+  /// one of their own. False for FEDRAT/RAPID, which makes the next motion a rapid. Throws InputError for
+  /// words that are not known, for what gives no feed, and for inverse times.
+  bool Take(const AptStatement& statement, double unit);
   /// SPINDL: revolutions, or a speed of the cutting edge (SFM: feet, SMM: metres per minute) on a cutter of
   /// `diameter` mm (0: none is known).
   void TakeSpindle(const AptStatement& statement, double diameter);

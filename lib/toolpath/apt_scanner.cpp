@@ -13,18 +13,20 @@ constexpr size_t kMaxStatement = 100000;  // characters; nothing sensible is lon
 
 bool IsBlank(char c) { return c == ' ' || c == '\t'; }
 
-// Columns 73 to 80 of a card hold its number.
-std::string_view WithoutSequenceNumber(std::string_view line) {
-  if (line.size() <= kDataColumns || line.size() > 80) return line;
-  const std::string_view tail = line.substr(kDataColumns);
-  const bool number = tail.find_first_not_of("0123456789 ") == std::string_view::npos &&
-                      tail.find_first_of("0123456789") != std::string_view::npos;
-  return number ? line.substr(0, kDataColumns) : line;
-}
-
 std::string_view WithoutTrailingBlanks(std::string_view text) {
   while (!text.empty() && IsBlank(text.back())) text.remove_suffix(1);
   return text;
+}
+
+// Creo's remarks begin with "$$->" and go on like statements: the rows of a matrix.
+bool IsCreoComment(std::string_view line) {
+  while (!line.empty() && IsBlank(line.front())) line.remove_prefix(1);
+  return line.starts_with("$$->");
+}
+
+bool IsDigits(std::string_view text) {
+  return text.find_first_not_of("0123456789 ") == std::string_view::npos &&
+         text.find_first_of("0123456789") != std::string_view::npos;
 }
 
 // A statement's characters with their places.
@@ -57,6 +59,22 @@ std::string_view AptScanner::TakeLine() {
   return line;
 }
 
+// Columns 73 to 80 of a card hold its number. A long line without cards looks alike where its last number
+// reaches over column 72: there is a number only behind a blank or a "$", and none behind an open comma.
+std::string_view AptScanner::WithoutSequenceNumber(std::string_view line) {
+  if (line.size() <= kDataColumns || line.size() > 80 || !IsDigits(line.substr(kDataColumns))) return line;
+  const char last = line[kDataColumns - 1];
+  const std::string_view data = WithoutTrailingBlanks(line.substr(0, kDataColumns));
+  if ((last == ' ' || last == '$') && !data.ends_with(',')) {
+    cards_ = true;
+    return line.substr(0, kDataColumns);
+  }
+  if (cards_ && line.size() == 80)
+    throw InputError({name_, line_, static_cast<int>(kDataColumns) + 1},
+                     "columns 73 to 80 may be the card's number or belong to the data before them");
+  return line;
+}
+
 bool AptScanner::Next(AptStatement& statement) {
   Text text;
   for (bool goes_on = true; goes_on || WithoutTrailingBlanks(text.characters).empty();) {
@@ -65,6 +83,10 @@ bool AptScanner::Next(AptStatement& statement) {
       break;
     }
     std::string_view line = WithoutSequenceNumber(TakeLine());
+    if (IsCreoComment(line)) {
+      while (WithoutTrailingBlanks(line).ends_with('$') && at_ < bytes_.size()) line = TakeLine();
+      continue;
+    }
     line = WithoutTrailingBlanks(line.substr(0, line.find("$$")));
     goes_on = line.ends_with('$');
     if (goes_on) line.remove_suffix(1);

@@ -34,11 +34,13 @@ class AptScanner {
 
  private:
   std::string_view TakeLine();
+  std::string_view WithoutSequenceNumber(std::string_view line);
 
   std::string_view bytes_;
   std::string name_;
   size_t at_ = 0;
   int line_ = 0;
+  bool cards_ = false;  // a line with a number in columns 73 to 80 was seen
 };
 
 }  // namespace millpose

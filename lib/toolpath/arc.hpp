@@ -8,6 +8,11 @@
 
 namespace millpose {
 
+/// The angle of the right-hand turn about `axis` (unit vector) from `from` to `to`, with `full_turns` more:
+/// above 0, a full turn where both coincide within 1e-4 mm. Precondition: neither lies on the axis.
+double ArcAngle(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::Vector3d& centre,
+                const Eigen::Vector3d& axis, int full_turns);
+
 /// Points after `from` up to and with `to` on the arc about `axis` (unit vector, right-hand turn) through
 /// `centre`, after `full_turns` more; the part along the axis grows evenly (a helix). from = to is a full
 /// turn. Chords deviate by at most `tolerance` (mm). Radii at both ends that differ are blended evenly.

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <optional>
+#include <set>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "toolpath/cam_path.hpp"
+#include "toolpath/word_tally.hpp"
 
 namespace millpose {
 namespace {
@@ -38,6 +40,12 @@ std::optional<Named> ColumnOf(const std::string& name) {
   return found == names.end() ? std::nullopt : std::optional(found->second);
 }
 
+// Columns that say nothing about the path; their cells may hold anything.
+bool IsHarmlessColumn(const std::string& name) {
+  static const std::set<std::string> names{"line", "point", "index", "comment", "note", "name", "operation"};
+  return names.contains(name);
+}
+
 class CsvReader {
  public:
   CsvReader(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
@@ -53,8 +61,7 @@ class CsvReader {
     }
     if (columns_.empty()) throw InputError({name_}, "the file is empty");
     if (path_.points.empty()) throw InputError({name_}, "the file holds no points");
-    for (const std::string& column : unknown_)
-      path_.notes.push_back(fmt::format("column \"{}\" not known, ignored", column));
+    tally_.AddNote(path_.notes);
     CheckReach(path_, name_);
     return std::move(path_);
   }
@@ -102,17 +109,25 @@ class CsvReader {
     for (size_t i = 0; i < cells.size(); ++i) {
       columns_.push_back(ColumnOf(cells[i]));
       if (!columns_.back()) {
-        unknown_.push_back(cells[i].substr(0, 40));
+        TakeOtherColumn(cells[i], At(i));
       } else if (++count[columns_.back()->column] > 1) {
         throw InputError(At(i), fmt::format("column \"{}\" is there twice", cells[i]));
       }
     }
+    tally_.RefuseUnknown({});
     for (const auto& [column, name] : {std::pair(kX, "x"), std::pair(kY, "y"), std::pair(kZ, "z")})
       if (count[column] == 0)
         throw InputError(At(0), fmt::format("the header names no column {0}_mm (or {0}_m, {0}_in)", name));
     const int axes = count[kI] + count[kJ] + count[kK];
     if (axes != 0 && axes != 3) throw InputError(At(0), "the tool axis needs all of the columns i, j, k");
     has_axis_ = axes == 3;
+  }
+
+  void TakeOtherColumn(const std::string& name, const Place& place) {
+    if (IsHarmlessColumn(name))
+      tally_.CountHarmless("column " + name);
+    else
+      tally_.AddUnknown("column " + name, place);
   }
 
   void TakeRow(const std::vector<std::string>& cells) {
@@ -134,6 +149,9 @@ class CsvReader {
     if (!(point.axis.norm() > 1e-6)) throw InputError(At(0), "the tool axis has no length");
     point.axis.normalize();
     point.feed_rate = values[kFeed];
+    if (values[kRapid] != 0 && values[kRapid] != 1)
+      throw InputError(At(0), fmt::format("rapid is 0 or 1, found {}", values[kRapid]));
+    if (!(values[kFeed] >= 0)) throw InputError(At(0), fmt::format("a feed below 0: {} mm/s", values[kFeed]));
     point.rapid = values[kRapid] != 0;
     point.fresh = !path_.points.empty() && values[kPass] != pass_;
     pass_ = values[kPass];
@@ -148,7 +166,7 @@ class CsvReader {
   char separator_ = ',';
   std::vector<int> starts_;  // column of each cell of the line
   std::vector<std::optional<Named>> columns_;
-  std::vector<std::string> unknown_;
+  WordTally tally_;
   bool has_axis_ = false;
   double pass_ = 0;
   CamPath path_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.hpp"
+#include "toolpath/cam_guess.hpp"
 #include "toolpath/cam_path.hpp"
 
 namespace millpose {
@@ -50,6 +51,21 @@ bool LooksLikeGcode(std::string_view bytes) {
   return false;
 }
 
+// A key of the job that another format alone uses is an error.
+void CheckKeys(const CamReadOptions& options, bool apt, bool gcode, const std::string& name) {
+  const auto check = [&](bool given, bool used, std::string_view key, std::string_view format) {
+    if (given && !used)
+      throw InputError({name},
+                       fmt::format("toolpath.cam.{} holds for {} alone, and the file is {}", key, format,
+                                   apt     ? "APT CLDATA"
+                                   : gcode ? "G-code"
+                                           : "CSV"));
+  };
+  check(options.circle != CircleWay::kBoth, apt, "circle", "APT CLDATA");
+  check(options.tip_programming.has_value(), gcode, "tip_programming", "G-code");
+  check(!options.kinematics_codes.empty(), gcode, "kinematics_codes", "G-code");
+}
+
 }  // namespace
 
 void CheckReach(const CamPath& path, const std::string& name) {
@@ -63,9 +79,19 @@ void CheckReach(const CamPath& path, const std::string& name) {
 }
 
 CamPath ReadCamPath(std::string_view bytes, const std::string& name, const CamReadOptions& options) {
-  if (LooksLikeCsv(bytes)) return ReadCamCsv(bytes, name);
-  if (LooksLikeGcode(bytes)) return ReadGcode(bytes, name, options);
-  return ReadApt(bytes, name, options.chord_tolerance);
+  if (LooksLikeCsv(bytes)) {
+    CheckKeys(options, false, false, name);
+    return ReadCamCsv(bytes, name);
+  }
+  if (const auto guess = GuessFormat(bytes))
+    throw InputError({name},
+                     fmt::format("no tool path: the file seems to be {}; read are APT CLDATA, G-code and "
+                                 "CSV with a header that names x_mm",
+                                 *guess));
+  const bool gcode = LooksLikeGcode(bytes);
+  CheckKeys(options, !gcode, gcode, name);
+  if (gcode) return ReadGcode(bytes, name, options);
+  return ReadApt(bytes, name, options);
 }
 
 }  // namespace millpose

@@ -45,7 +45,6 @@ bool GcodeScanner::Next(GcodeBlock& block) {
 void GcodeScanner::Split(GcodeBlock& block) {
   at_ = line_ == 1 && text_.starts_with("\xEF\xBB\xBF") ? 3 : 0;
   SkipBlanks();
-  if (At(at_) == '%') return;
   if (At(at_) == '/') {
     block.skippable = true;
     ++at_;
@@ -60,8 +59,14 @@ void GcodeScanner::Split(GcodeBlock& block) {
     const char c = At(at_);
     if (c == '(') {
       Parentheses();  // a comment
-    } else if (c == ',') {
+    } else if (c == '%') {
+      return TakeTapeMark(block);
+    } else if (c == '*') {  // Heidenhain: the block's end
       ++at_;
+      SkipBlanks();
+      if (at_ < text_.size() && At(at_) != ';' && At(at_) != '(') Refuse(at_, "\"*\" ends a block");
+    } else if (c == ',') {
+      TakeComma(block);
     } else if (c == '#' || c == '[') {
       Refuse(at_, "parameters and expressions are not read: let the CAM system write plain numbers");
     } else if (IsLetter(c)) {
@@ -71,6 +76,35 @@ void GcodeScanner::Split(GcodeBlock& block) {
       Refuse(at_, fmt::format("\"{}\" begins no word", c > ' ' && c <= '~' ? c : '?'));
     }
   }
+}
+
+// ",R5" and ",C2" round and bevel a corner; else a comma says nothing.
+void GcodeScanner::TakeComma(GcodeBlock& block) {
+  const size_t begin = at_++;
+  SkipBlanks();
+  const bool corner = At(at_) == 'R' || At(at_) == 'C' || At(at_) == 'A';
+  if (!corner || IsLetter(At(at_ + 1))) return;
+  GcodeWord word = Word();
+  word.address.insert(0, ",");
+  word.place = Here(begin);
+  block.words.push_back(std::move(word));
+}
+
+// "%", "%100", "%_N_PART_MPF": nothing. "%PART G71 *" begins a programme of Heidenhain's, and ends it behind
+// a number.
+void GcodeScanner::TakeTapeMark(GcodeBlock& block) {
+  std::string_view rest = std::string_view(text_).substr(at_);
+  rest = rest.substr(0, rest.find(';'));
+  while (!rest.empty() && IsBlank(rest.back())) rest.remove_suffix(1);
+  at_ = text_.size();
+  const bool inch = rest.ends_with(" G70 *") || rest.ends_with(" G70*");
+  if (!inch && !rest.ends_with(" G71 *") && !rest.ends_with(" G71*")) return;
+  heidenhain_ = true;
+  GcodeWord unit;
+  unit.address = "G";
+  unit.value = inch ? 70 : 71;
+  unit.place = Here(0);
+  block.words.push_back(unit);
 }
 
 void GcodeScanner::SkipBlanks() {

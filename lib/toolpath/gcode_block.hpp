@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,9 +43,13 @@ class GcodeScanner {
   GcodeScanner(std::string_view bytes, std::string name) : bytes_(bytes), name_(std::move(name)) {}
   /// False at the end. Blocks without words are passed over.
   bool Next(GcodeBlock& block);
+  /// The head is "%NAME G71 *": Heidenhain's DIN/ISO, whose blocks end with "*".
+  bool heidenhain() const { return heidenhain_; }
 
  private:
   void Split(GcodeBlock& block);
+  void TakeTapeMark(GcodeBlock& block);
+  void TakeComma(GcodeBlock& block);
   GcodeWord Word();
   void Value(GcodeWord& word);
   bool TakeWrapped(GcodeWord& word);
@@ -63,6 +68,7 @@ class GcodeScanner {
   int line_ = 0;
   std::string text_;  // the line, upper case outside of quotes
   size_t at_ = 0;
+  bool heidenhain_ = false;
 };
 
 }  // namespace millpose

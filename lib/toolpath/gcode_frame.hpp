@@ -17,6 +17,9 @@ class GcodeFrame {
   /// gives a word's number. Throws InputError.
   void Take(const GcodeBlock& block, double unit, const std::function<double(const GcodeWord&)>& value_of);
 
+  /// Heidenhain's G54 X Y Z: the datum lies there (mm).
+  void Shift(const Eigen::Vector3d& datum) { frame_ = Eigen::Translation3d(datum); }
+
   Eigen::Vector3d ToBase(const Eigen::Vector3d& programmed) const { return frame_ * programmed; }
   Eigen::Vector3d ToProgrammed(const Eigen::Vector3d& base) const { return frame_.inverse() * base; }
   Eigen::Matrix3d linear() const { return frame_.linear(); }

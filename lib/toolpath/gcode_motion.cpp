@@ -32,6 +32,16 @@ void GcodeMotion::TakeFrame(const GcodeBlock& block) {
   if (known_[0]) at_ = frame_.ToProgrammed(base_);
 }
 
+void GcodeMotion::ShiftDatum(const GcodeMove& move) {
+  if (modes_.incremental) throw InputError(move.place, "a datum shift in steps (G91) is not read");
+  for (int i = 0; i < 3; ++i)
+    if (const GcodeWord* word = move.linear[static_cast<size_t>(i)])
+      datum_[i] = value_of_(*word) * modes_.Unit();
+  frame_.Shift(datum_);
+  if (!IsPlaced()) known_ = {};
+  if (known_[0]) at_ = frame_.ToProgrammed(base_);
+}
+
 void GcodeMotion::SetTipProgramming(bool on) {
   if (on == tip_programmed_) return;
   if (IsPlaced()) {
@@ -50,13 +60,14 @@ void GcodeMotion::Move(const GcodeMove& move) {
   way.start = direction_;
   way.place = move.place;
   if (move.HasTurn()) TakeDirection(move);
-  if (!move.HasLinear() && !move.HasTurn() && !move.centre[0] && !move.centre[1] && !move.centre[2]) return;
+  const bool arc = modes_.motion > 1 && (move.HasCentre() || move.pole || move.radius);
+  if (!move.HasLinear() && !move.HasTurn() && !arc) return;
   Vector to = at_;
   for (int i = 0; i < 3; ++i) TakeCoordinate(move.linear[i], i, to);
   const bool was_known = !path_.points.empty() && !lost_;
   if (modes_.motion > 0 && !IsPlaced())
     throw InputError(move.place, "a cut before X, Y and Z have been given in this system");
-  const bool travels = move.HasLinear() || modes_.motion > 1;
+  const bool travels = move.HasLinear() || arc;
   if (!IsPlaced() || (!travels && !move.HasTurn())) {
     at_ = to;
     return;
@@ -69,10 +80,66 @@ void GcodeMotion::Move(const GcodeMove& move) {
   } else {
     way.points = {to};
   }
-  Append(std::move(way));
+  Append(std::move(way), modes_.motion == 0);
   at_ = to;
   base_ = frame_.ToBase(at_);
   lost_ = false;
+}
+
+void GcodeMotion::Turn(const GcodeMove& move) { TakeDirection(move); }
+
+Vector GcodeMotion::TipAt(const Vector& programmed) const {
+  const Vector base = frame_.ToBase(programmed);
+  return tip_programmed_ ? base : options_.rotary_axes.Tip(base, direction_.angles);
+}
+
+void GcodeMotion::AppendStraight(const Vector& to, bool rapid, const Place& place) {
+  GcodeWay way;
+  way.start = direction_;
+  way.place = place;
+  way.from = at_;
+  way.points = {to};
+  Append(std::move(way), rapid);
+  at_ = to;
+  base_ = frame_.ToBase(at_);
+}
+
+void GcodeMotion::Drill(const GcodeMove& move, const GcodeHole& hole) {
+  constexpr double kAlong = 0.9999984769132877;  // cosine of 0.1 degrees
+  const int k = DrillingAxis();
+  Vector to = at_;
+  for (int i = 0; i < 3; ++i)
+    if (i != k) TakeCoordinate(move.linear[static_cast<size_t>(i)], i, to);
+  if (!IsPlaced()) throw InputError(hole.place, "a cycle before X, Y and Z have been given in this system");
+  if (modes_.feed_mode == 93) throw InputError(hole.place, "a cycle under G93 is not read");
+  const auto at_height = [&](double height) {
+    Vector p = to;
+    p[k] = height;
+    return p;
+  };
+  Vector below = at_height(hole.clearance);
+  below[k] -= 1;
+  const Vector out = TipAt(at_height(hole.clearance)) - TipAt(below);
+  std::string why = hole.left_out;
+  if (why.empty() && !(out.normalized().dot(direction_.axis) >= kAlong))
+    why = "the tool does not stand along the hole";
+  if (!why.empty()) {
+    path_.holes_left_out.push_back({TipAt(at_height(hole.clearance)), hole.name, why, hole.place.line});
+    fresh_ = true;
+  } else {
+    AppendStraight(at_height(hole.clearance), true, hole.place);
+    const double feed = modes_.feed;
+    modes_.feed = feed * hole.first_feed_share;
+    for (const double height : hole.strokes) {
+      AppendStraight(at_height(height), false, hole.place);
+      modes_.feed = feed;
+    }
+    ++holes_;
+    lost_ = false;
+  }
+  if (why.empty() && hole.retract > hole.clearance) AppendStraight(at_height(hole.retract), true, hole.place);
+  at_ = at_height(hole.retract);
+  base_ = frame_.ToBase(at_);
 }
 
 // Motions in machine coordinates lead away from the part: where, only the machine knows.
@@ -152,6 +219,11 @@ std::vector<Vector> GcodeMotion::Arc(const GcodeMove& move, const Vector& to) {
       arc.absolute[i] =
           word->kind == Kind::kAbsolute || (modes_.absolute_centre && word->kind != Kind::kIncremental);
     }
+  if (move.pole)
+    for (size_t i = 0; i < 3; ++i) {
+      arc.centre[i] = (*move.pole)[static_cast<int>(i)];
+      arc.absolute[i] = true;
+    }
   if (move.radius) arc.radius = value_of_(*move.radius) * modes_.Unit();
   if (move.turns) arc.full_turns = value_of_(*move.turns);
   arc.place = move.place;
@@ -159,10 +231,10 @@ std::vector<Vector> GcodeMotion::Arc(const GcodeMove& move, const Vector& to) {
   return PointsOf(arc, options_.chord_tolerance);
 }
 
-void GcodeMotion::Append(GcodeWay way) {
+void GcodeMotion::Append(GcodeWay way, bool rapid) {
   way.end = direction_;
   way.tip_programmed = tip_programmed_;
-  way.rapid = modes_.motion == 0;
+  way.rapid = rapid;
   way.feed = modes_.feed;
   way.inverse_time = std::exchange(modes_.inverse_time, 0);
   if (modes_.feed_mode == 93 && !way.rapid && way.inverse_time == 0)

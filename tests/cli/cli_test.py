@@ -130,6 +130,31 @@ class CamWithoutPart(InFolder):
                       run("plan", self.folder / "job.yaml").stderr)
 
 
+    def test_holes_that_are_left_out_are_told_in_report_and_program_head(self):
+        job = JOB.read_text().replace("../../cells", str(TOP / "cells"))
+        start, end = job.index("toolpath:"), job.index("process:")
+        job = job[:start] + "toolpath: {strategy: cam, cam: {file: path.nc}, spacing_mm: 20}\n" + job[end:]
+        (self.folder / "path.nc").write_text("G90 G21\nG0 X-30 Y0 Z20\nG84 Z-5 R5 F100\nX0\nG80\nG0 X-30 Z0\n"
+                                             "G1 X30 F600 M77\n")
+        (self.folder / "job.yaml").write_text(job.replace("  mesh: support_pad.stl\n", ""))
+        result = run("plan", self.folder / "job.yaml", "-o", self.folder / "out", "--quiet")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        summary = json.loads((self.folder / "out" / "summary.json").read_text())
+        why = "the cycle stops, orients or synchronises the spindle"
+        holes = [f"NOT MACHINED: G84 in line {n} at ({x}, 0.000, 5.000) mm of the workpiece: {why}"
+                 for n, x in ((3, "-30.000"), (4, "0.000"))]
+        self.assertEqual(summary["findings"], holes)
+        self.assertIn("path.nc: M codes that are not known, taken for no motion: M77 (1)", summary["warnings"])
+        programs = [file for file in (self.folder / "out" / "programs").rglob("*") if file.suffix in (".src", ".mpf", ".ngc")]
+        self.assertTrue(programs)
+        for program in programs:
+            text = program.read_text(encoding="ascii")
+            self.assertEqual(text.count("; NOT MACHINED: G84 in line "), 2, program)
+        result = run("check", self.folder / "job.yaml")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn(holes[1], result.stdout)
+
+
 class Check(unittest.TestCase):
     def test_sound_mesh_is_described_with_status_0(self):
         result = run("check", f"{TOP}/toolpaths/cabin_ring/cabin_ring.stl")

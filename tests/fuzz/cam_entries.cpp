@@ -8,7 +8,7 @@ namespace millpose {
 namespace {
 
 void Path(const CamPath& path) {
-  Demand(!path.points.empty());
+  Demand(!path.points.empty() || !path.holes_left_out.empty());
   for (const CamPoint& point : path.points) {
     Demand(point.position.allFinite() && std::isfinite(point.feed_rate));
     Demand(std::abs(point.axis.norm() - 1) < 1e-6);
@@ -17,6 +17,12 @@ void Path(const CamPath& path) {
   CamImportOptions options;
   options.spacing = 1e9;
   ImportCamPath(path, nullptr, options, nullptr);
+}
+
+void Apt(std::string_view bytes) {
+  CamReadOptions options;
+  options.chord_tolerance = 0.1;
+  LetRefuse([&] { Path(ReadApt(bytes, "fuzz", options)); });
 }
 
 void Gcode(std::string_view bytes) {
@@ -30,9 +36,9 @@ void Gcode(std::string_view bytes) {
 }  // namespace
 
 std::vector<FuzzEntry> CamEntries() {
-  return {{"apt", [](std::string_view bytes) { LetRefuse([&] { Path(ReadApt(bytes, "fuzz", 0.1)); }); }},
-          {"gcode", Gcode},
-          {"cam_csv", [](std::string_view bytes) { LetRefuse([&] { Path(ReadCamCsv(bytes, "fuzz")); }); }}};
+  return {{"apt", Apt}, {"gcode", Gcode}, {"cam_csv", [](std::string_view bytes) {
+                                             LetRefuse([&] { Path(ReadCamCsv(bytes, "fuzz")); });
+                                           }}};
 }
 
 }  // namespace millpose

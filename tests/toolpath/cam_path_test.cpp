@@ -69,7 +69,7 @@ TEST(Apt, InverseTimesAreRefusedOriginsAreTheMachinesAndTracutMustBeOver) {
   EXPECT_EQ(path.points[1].position, Eigen::Vector3d(4, 5, 6));
   const std::vector<std::string> notes{
       "2 ORIGIN or TRANS: where the machine's zero lies; the points are taken in the part's system as given",
-      "1 \"FEDRAT/AUTO\" not known, ignored"};
+      "skipped, as they say nothing about the motion: 1 TRACUT"};
   EXPECT_EQ(path.notes, notes);
   EXPECT_EQ(ErrorOf("ORIGIN/A,B\nGOTO/1,2,3\n"), "path.cls:1:8: ORIGIN needs numbers, found \"A\"");
   EXPECT_EQ(ErrorOf("TRACUT/1,0,0,5,0,1,0,0,0,0,1,0\nGOTO/1,2,3\n"),
@@ -83,7 +83,10 @@ TEST(Apt, LoadedToolsCommentsAndSilentWords) {
   ASSERT_EQ(path.points.size(), 2);
   EXPECT_FALSE(path.points[0].rapid);
   EXPECT_TRUE(path.points[1].fresh);  // the way to another tool is no cut
-  EXPECT_EQ(path.notes, std::vector<std::string>{"2 tool changes; all are taken as passes of one job"});
+  const std::vector<std::string> notes{
+      "2 tool changes; all are taken as passes of one job",
+      "skipped, as they say nothing about the motion: 1 COOLNT, 1 FINI, 1 MULTAX, 1 PARTNO, 1 STOP"};
+  EXPECT_EQ(path.notes, notes);
 }
 
 TEST(CamPath, PointsBeyondReachAreRefusedInEveryFormat) {
@@ -123,9 +126,9 @@ TEST(Apt, CirclesAreExpandedWithinTheTolerance) {
 
 TEST(Apt, CirclesGoTheWayThatTheirSystemMeans) {
   const double quarter = kPi / 2;
-  // The plain form says nothing: the shorter way, whatever the axis.
+  // The plain form is right-handed about its axis.
   EXPECT_NEAR(Swept(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/0,10,0\n")), quarter, 1e-9);
-  EXPECT_NEAR(Swept(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,-1,10\nGOTO/0,10,0\n")), quarter, 1e-9);
+  EXPECT_NEAR(Swept(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,-1\nGOTO/0,10,0\n")), -3 * quarter, 1e-9);
   // NX's form is clockwise about its axis.
   EXPECT_NEAR(Swept(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,-1,10,0.06,0.5,30,0\nGOTO/0,10,0\n")), quarter, 1e-9);
   EXPECT_NEAR(Swept(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10,0.06,0.5,30,0\nGOTO/0,10,0\n")), -3 * quarter,
@@ -137,19 +140,46 @@ TEST(Apt, CirclesGoTheWayThatTheirSystemMeans) {
   // INDIRV is the tangent at the start, also for the plain form.
   EXPECT_NEAR(Swept(Apt("GOTO/10,0,0\nINDIRV/0,-1,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/0,10,0\n")), -3 * quarter,
               1e-9);
-  // Half a turn goes on as the motion before went.
-  EXPECT_NEAR(Swept(Apt("GOTO/10,5,0\nGOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/-10,0,0\n")),
-              -std::atan2(5, 10) - 2 * quarter, 1e-9);
-  EXPECT_EQ(
-      ErrorOf("GOTO/20,0,0\nGOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/-10,0,0\n"),
-      "path.cls:3:1: half a turn or a full one, and neither INDIRV nor the motion before tells which way "
-      "round");
+  // A bore of 355 degrees is no short straight way.
+  EXPECT_NEAR(Swept(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/9.961947,-0.871557,0\n")), DegToRad(355),
+              1e-6);
   EXPECT_EQ(
       ErrorOf("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/0,12,0\n"),
       "path.cls:2:1: the points before and after the circle lie 10 mm and 12 mm from its axis, its radius "
       "is 10 mm");
   EXPECT_EQ(ErrorOf("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10,0.06,0.5,30,0,TIMES,0\nGOTO/10,0,0\n"),
             "path.cls:2:43: TIMES needs a whole number from 1 to 1000");
+}
+
+TEST(Apt, TangentAndSignOfACircleMustAgree) {
+  const double quarter = kPi / 2;
+  // The cut before runs on clockwise, within 5 degrees or not.
+  const std::string within = "GOTO/10.8,10,0\nGOTO/10,0,0\n", beside = "GOTO/11,10,0\nGOTO/10,0,0\n";
+  const std::string circle = "CIRCLE/0,0,0,0,0,1,10\n", to = "GOTO/0,-10,0\n";
+  const auto from = [](const std::string& start) { return Swept(Apt(start)); };
+  EXPECT_NEAR(Swept(Apt(beside + circle + to)) - from(beside), 3 * quarter, 1e-9);
+  EXPECT_EQ(
+      ErrorOf(within + circle + to),
+      "path.cls:3:1: the cut before runs on into the clockwise turn about the circle's axis, the axis's "
+      "sign says counter-clockwise: state toolpath.cam.circle: tangent or axis, whichever holds in this "
+      "file");
+  CamReadOptions options;
+  options.circle = CircleWay::kTangent;
+  EXPECT_NEAR(Swept(ReadCamPath(within + circle + to, "x", options)) - from(within), -quarter, 1e-9);
+  options.circle = CircleWay::kAxis;
+  EXPECT_NEAR(Swept(ReadCamPath(within + circle + to, "x", options)) - from(within), 3 * quarter, 1e-9);
+  // A rapid to the start says nothing, and neither does the tangent of half and full turns.
+  EXPECT_NEAR(Swept(Apt("RAPID\nGOTO/10,5,0\nRAPID\nGOTO/10,0,0\n" + circle + to)) + std::atan2(5, 10),
+              3 * quarter, 1e-9);
+  for (const double sign : {1.0, -1.0})
+    for (const auto& [end, angle] : {std::pair("-10,0,0", 2 * quarter), std::pair("10,0,0", 4 * quarter)})
+      EXPECT_NEAR(
+          Swept(Apt(fmt::format("{}CIRCLE/0,0,0,0,0,{},10\nGOTO/{}\n", within, sign, end))) - from(within),
+          sign * angle, 1e-9);
+  // The direction at an arc's end, not that of its last chord.
+  EXPECT_NEAR(
+      Swept(Apt("GOTO/0,1,0\nCIRCLE/0,0,0,0,0,-1,1\nGOTO/1,0,0\nCIRCLE/0,0,0,0,0,-1,1\nGOTO/0,-1,0\n")),
+      -2 * quarter, 1e-9);
 }
 
 TEST(Apt, ReadsTheCirclesOfCatia) {
@@ -190,11 +220,21 @@ TEST(Apt, CoordinateSystemsAreApplied) {
 TEST(Apt, UnknownWordsAreCountedAndMotionsMustBeReadable) {
   const CamPath path =
       Apt("PPRINT OPERATION "
-          "1\nWHATEVER/1\nWHATEVER/2\nGOTO/0,0,0\nCYCLE/DRILL,5\nGOTO/1,1,1\nCYCLE/OFF\nGOTO/2,0,0\n");
+          "1\nPAINT/PATH\nPAINT/TOOL\nGOTO/0,0,0\nGOTO/2,0,0\n");
   EXPECT_EQ(path.points.size(), 2);
-  const std::vector<std::string> expected{"1 points within drilling cycles left out",
-                                          "2 \"WHATEVER\" not known, ignored"};
-  EXPECT_EQ(path.notes, expected);
+  EXPECT_EQ(path.notes,
+            std::vector<std::string>{"skipped, as they say nothing about the motion: 2 PAINT, 1 PPRINT"});
+  // All unknown words are told at once, with the error that ended the reading.
+  EXPECT_EQ(
+      ErrorOf("WHATEVER/1\nGOTO/0,0,0\nMOVARC/1\nWHATEVER/2\nGOTO/1\n"),
+      "path.cls:1:1: \"WHATEVER\" is not known (2 in the file), and a word that is not known may change the "
+      "path: take it out if it says nothing about the motion\n"
+      "path.cls:3:1: \"MOVARC\" is not known (1 in the file), and a word that is not known may change the "
+      "path: take it out if it says nothing about the motion\n"
+      "path.cls:5:1: GOTO needs 3 to 6 numbers, found 1");
+  for (const std::string word :
+       {"CUTCOM/LEFT,1", "INSERT/G01 X5", "INSERT/M428", "PREFUN/41", "ROTABL/45", "COPY/1"})
+    EXPECT_EQ(ErrorOf("GOTO/0,0,0\n" + std::string(word) + "\n").substr(0, 13), "path.cls:2:1:") << word;
   EXPECT_EQ(ErrorOf("GOTO/1,2\n"), "path.cls:1:1: GOTO needs 3 to 6 numbers, found 2");
   EXPECT_EQ(ErrorOf("GOTO/0,0,0\n  GOTO/1, 2x,3\n"), "path.cls:2:11: GOTO needs numbers, found \"2X\"");
   EXPECT_EQ(ErrorOf("GOTO/0,0,$\n nan\n"), "path.cls:2:2: GOTO needs numbers, found \"NAN\"");
@@ -220,14 +260,70 @@ TEST(CamCsv, ReadsUnitsSeparatorsAndPasses) {
   EXPECT_EQ(path.points[0].axis, Eigen::Vector3d::UnitZ());
   EXPECT_NEAR(path.points[0].feed_rate, 10, 1e-12);
   EXPECT_TRUE(path.points[1].fresh);
-  EXPECT_EQ(path.notes, std::vector<std::string>{"column \"note\" not known, ignored"});
+  EXPECT_EQ(path.notes,
+            std::vector<std::string>{"skipped, as they say nothing about the motion: 1 column note"});
 }
 
 TEST(CamCsv, TellsThePlaceOfErrors) {
+  EXPECT_EQ(ErrorOf("x_mm,y_mm,z_mm,a_deg,b_deg\n1,2,3,4,5\n"),
+            "path.cls:1:16: \"column a_deg\" is not known (1 in the file), and a word that is not known may "
+            "change the "
+            "path: take it out if it says nothing about the motion\n"
+            "path.cls:1:22: \"column b_deg\" is not known (1 in the file), and a word that is not known may "
+            "change the "
+            "path: take it out if it says nothing about the motion");
+  EXPECT_EQ(ErrorOf("x_mm,y_mm,z_mm,rapid\n1,2,3,2\n"), "path.cls:2:1: rapid is 0 or 1, found 2");
   EXPECT_EQ(ErrorOf("x_mm,y_mm,z_mm\n1,2,3\n1,b,3\n"), "path.cls:3:3: expected a finite number, found \"b\"");
   EXPECT_EQ(ErrorOf("x_mm,y_mm,z_mm\n1,2\n"), "path.cls:2:1: 2 values, the header names 3 columns");
   EXPECT_EQ(ErrorOf("x_mm,y_mm\n1,2\n"), "path.cls:1:1: the header names no column z_mm (or z_m, z_in)");
   EXPECT_EQ(ErrorOf("x_mm,y_mm,z_mm,i\n"), "path.cls:1:1: the tool axis needs all of the columns i, j, k");
+}
+
+TEST(CamPath, FilesThatAreNoToolPathSayWhatTheySeemToBe) {
+  const auto guess = [](const std::string& text) {
+    const std::string what = ErrorOf(text);
+    const size_t at = what.find("seems to be ");
+    return at == std::string::npos ? what : what.substr(at + 12, what.find(';') - at - 12);
+  };
+  EXPECT_EQ(guess("&ACCESS RVP\nDEF PART( )\nLIN {X 1,Y 2,Z 3}\nEND\n"), "a KRL program (KUKA)");
+  EXPECT_EQ(guess("DEF PART( )\nPTP HOME\n  SLIN {X 1,Y 2,Z 3}\nEND\n"), "a KRL program (KUKA)");
+  EXPECT_EQ(guess("MODULE M\n PROC main()\n MoveL p10;\n ENDPROC\nENDMODULE\n"), "a RAPID program (ABB)");
+  EXPECT_EQ(guess("0 BEGIN PGM PART MM\n1 L X+0 FMAX\n"), "a Heidenhain program in conversational form");
+  EXPECT_EQ(guess("ISO-10303-21;\nHEADER;\n"), "a STEP model");
+  EXPECT_EQ(guess("solid x\n facet normal 0 0 1\n"), "an STL mesh");
+  EXPECT_EQ(guess("<?xml version=\"1.0\"?>\n"), "an XML file");
+  EXPECT_EQ(guess(std::string("PK\x03\x04\0\0", 6)), "a ZIP archive");
+  EXPECT_EQ(guess(std::string("\x01\0\x02", 3)), "a binary file");
+  EXPECT_EQ(guess(" \n"), "an empty file");
+  EXPECT_EQ(guess("L1=LINE/P1,P2\nGOLFT/L1,PAST,L2\n"),
+            "an APT part program, which an APT processor has to turn into CLDATA first");
+  EXPECT_EQ(guess("PARTNO/X\nFINI\n"), "path.cls: the file holds no GOTO");
+  // A definition line of SINUMERIK and its PTP are no KRL.
+  EXPECT_EQ(guess("DEF REAL _A\nG0 X0 Y0 Z0\nPTP G0 X1\n").substr(0, 13), "path.cls:3:1:");
+}
+
+TEST(CamPath, KeysOfTheJobThatHoldForAnotherFormatAreErrors) {
+  CamReadOptions options;
+  options.circle = CircleWay::kAxis;
+  const auto error = [&](const std::string& text) {
+    try {
+      ReadCamPath(text, "x", options);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(error("GOTO/1,2,3\n"), "");
+  EXPECT_EQ(error("G0 X0 Y0 Z0\n"),
+            "x: toolpath.cam.circle holds for APT CLDATA alone, and the file is G-code");
+  options = {};
+  options.tip_programming = true;
+  EXPECT_EQ(error("x_mm,y_mm,z_mm\n1,2,3\n"),
+            "x: toolpath.cam.tip_programming holds for G-code alone, and the file is CSV");
+  options = {};
+  options.kinematics_codes = {{428, true}};
+  EXPECT_EQ(error("GOTO/1,2,3\n"),
+            "x: toolpath.cam.kinematics_codes holds for G-code alone, and the file is APT CLDATA");
 }
 
 TEST(CamImport, SlicesComeBackFromAptAndCsv) {

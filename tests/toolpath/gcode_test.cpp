@@ -205,24 +205,44 @@ TEST(Gcode, VariablesWithPlainNumbersAndMachineCoordinates) {
 
 TEST(Gcode, UnknownWordsAreCountedOnce) {
   const CamPath path = Read(
-      "G0 X0 Y0 Z0 Q5\nG1 X1 F5 Q6 G123\nMSG(\"a/b; c\")\nCYCLE832(0.1,1,1)\nG64 T=\"MILL\" D1 "
-      "M6\nCYCLE800()\n");
+      "G0 X0 Y0 Z0\nG1 X1 F5 M123\nMSG(\"a/b; c\")\nCYCLE832(0.1,1,1)\nG64 P0.1 T=\"MILL\" D1 "
+      "M6\nCYCLE800() M123 M57\n");
   EXPECT_EQ(path.points.size(), 2u);
-  EXPECT_EQ(path.notes,
-            (std::vector<std::string>{"1 \"G123\" not known, ignored", "2 \"Q\" not known, ignored"}));
+  EXPECT_EQ(path.notes, (std::vector<std::string>{
+                            "M codes that are not known, taken for no motion: M57 (1), M123 (2)",
+                            "skipped, as they say nothing about the motion: 1 CYCLE800, 1 CYCLE832, "
+                            "1 D, 1 G64, 1 MSG"}));
+  // All unknown words are told at once.
+  const std::string why =
+      " in the file), and a word that is not known may change the path: take it out if it says nothing about "
+      "the "
+      "motion";
+  EXPECT_EQ(ErrorOf("G0 X0 Y0 Z0 Q5\nG1 X1 F5 Q6 G123\nX2 E5\n"),
+            "part.mpf:1:13: \"Q\" is not known (2" + why + "\npart.mpf:2:13: \"G123\" is not known (1" + why +
+                "\npart.mpf:3:4: \"E\" is not known (1" + why);
 }
 
 TEST(Gcode, WhatCannotBeReadIsToldWithItsPlace) {
   const std::string start = "G0 X0 Y0 Z0\n";
   for (const auto& [text, place] :
        {std::pair("G41 X1\n", "2:1: G41 is not read"),
-        std::pair("G1 X1 G81 Z-5\n", "2:7: G81 is not read"),
+        std::pair("G1 X1 G81 Z-5\n", "2:1: G81 needs R and the hole's depth"),
+        std::pair("G1 X1 R5\n", "2:7: a radius without an arc"),
+        std::pair("G1 X1 I5\n", "2:7: I without an arc"),
+        std::pair("G1 X1 ,R5\n", "2:7: ,R is not read"),
+        std::pair("G1 X1 X2\n", "2:7: X is there twice"),
+        std::pair("G5 X1 I1 J1 P1 Q1\n", "2:1: G5 is a spline"),
+        std::pair("LEAD=5 X1\n", "2:1: LEAD is not read"),
+        std::pair("THETA=5 X1\n", "2:1: \"THETA\" is not known"),
+        std::pair("TRAORI(1,0,0,1)\n", "2:1: TRAORI with a basic orientation"),
+        std::pair("DIAMON\n", "2:1: \"DIAMON\" is not known"),
+        std::pair("X5 M428\n", "2:4: M428 switches the machine's kinematics"),
         std::pair("  CIP X1 Y1\n", "2:3: CIP is not read"),
         std::pair("M98 P100\n", "2:1: M98: subprogrammes"),
         std::pair("HOLES(1)\n", "2:1: \"HOLES\" is not known: subprogrammes"),
         std::pair("IF R1==2 GOTOF A\n", "2:7: R1 needs a value"),
         std::pair("GOTOF MARK\n", "2:1: \"GOTOF\" is not known"),
-        std::pair("L100\n", "2:1: L is not read"),
+        std::pair("L100\n", "2:1: \"L\" is not known"),
         std::pair("#1=5\n", "2:1: parameters"),
         std::pair("G1 X#1\n", "2:5: parameters"),
         std::pair("G1 X[1+2]\n", "2:5: parameters"),
@@ -252,6 +272,42 @@ TEST(Gcode, WhatCannotBeReadIsToldWithItsPlace) {
   EXPECT_EQ(ErrorOf("G1 X1 F5\n"), "part.mpf:1:1: a cut before X, Y and Z have been given in this system");
   EXPECT_EQ(ErrorOf("G91 G0 X1\n"), "part.mpf:1:8: a step from a place that is not known");
   EXPECT_EQ(ErrorOf("G21\nM30\n"), "part.mpf: the programme holds no motion");
+}
+
+TEST(Gcode, HarmlessWordsOfPostprocessors) {
+  const CamPath path = Read(
+      "%\nONONAME\n%\nG05 P10000\nG0 X0 Y0 Z0\nMCALL\nG05.1 Q1\nG8 P1\nG28 U0 W0\nG5 P0\nG61.1\nG187 P3 "
+      "E0.01\n"
+      "M66 P0 L0 Q1\nM30 %\n");
+  EXPECT_EQ(path.points.size(), 1u);
+  EXPECT_EQ(ErrorOf("G0 X0 Y0 Z0\nONONAME\n").substr(0, 33), "part.mpf:2:1: \"ONONAME\" is not kn");
+}
+
+TEST(Gcode, CodesOfTheKinematicsAreStatedByTheJob) {
+  const std::string text = "G0 X0 Y0 Z0 B0\nM429\nG0 B90 Z0\nM428\nG1 X1 F100\n";
+  CamReadOptions options = TableAndHead();
+  options.kinematics_codes = {{428, true}, {429, false}};
+  const CamPath coded = Read(text, options);
+  ExpectNear(coded.points[1].position, {-200, 0, 200});
+  ExpectNear(coded.points[2].position, {1, 0, 200});  // the switch keeps the tip's place
+  options.kinematics_codes.clear();
+  options.tip_programming = true;
+  ExpectNear(Read(text, options).points[1].position, {0, 0, 0});
+  ExpectNear(Read("G1 X5 Y0 Z0 B90 F100\n", options).points[0].position, {5, 0, 0});
+  options.tip_programming = false;
+  ExpectNear(Read(text, options).points[1].position, {-200, 0, 200});
+  // Only one of two codes is stated.
+  options.tip_programming.reset();
+  options.kinematics_codes = {{429, false}};
+  EXPECT_EQ(ErrorOf(text, options).substr(0, 19), "part.mpf:4:1: M428 ");
+}
+
+TEST(Gcode, ToolVectorsInIJK) {
+  const CamPath path = Read("G43.5 H1\nG1 F100 X0 Y0 Z0 I0 J0.6 K0.8\nX10\nI1 J0 K0 X20\nG49\n");
+  ExpectNear(path.points[0].axis, {0, 0.6, 0.8});
+  ExpectNear(path.points[1].axis, {0, 0.6, 0.8});
+  ExpectNear(path.points[2].axis, {1, 0, 0});
+  EXPECT_EQ(ErrorOf("G43.5\nG1 X0 Y0 Z0 K1 F1\nG2 X5 I1\n"), "part.mpf:3:1: arcs under G43.5 are not read");
 }
 
 }  // namespace
