@@ -88,6 +88,13 @@ struct PathOutputSettings {
   double delay = 0;  ///< s after that place; krl
 };
 
+/// A program of the plant that texts may call.
+struct CallSettings {
+  std::string name;
+  bool moves = false;
+  std::optional<Vector6> from, to;  ///< rad, where it moves
+};
+
 struct ControllerSettings {
   std::string tool_axis = "z";   ///< x | y | z | -x | -y | -z: controller's tool frame axis along T's z
   std::string rotation = "rpy";  ///< sinumerik, linuxcnc: rpy | euler
@@ -106,6 +113,8 @@ struct ControllerSettings {
   int max_kbytes = 500;
   std::vector<PathOutputSettings> outputs;
   std::map<std::string, std::string> texts;  ///< templates by event name
+  std::map<std::string, int> text_lines;     ///< of the YAML, by event name, for later errors
+  std::vector<CallSettings> calls;
 };
 
 /// A compliance in series with the joints, at a frame that hangs on a link.

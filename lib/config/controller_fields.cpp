@@ -22,6 +22,37 @@ Codec<PathOutputSettings> OutputFields() {
   });
 }
 
+/// A name that programs can hold as a word.
+bool IsWord(const std::string& name) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  return !name.empty() && name.size() <= 31 && letter(name[0]) &&
+         std::ranges::all_of(name, [&](char c) { return letter(c) || (c >= '0' && c <= '9'); });
+}
+
+Codec<CallSettings> CallFields() {
+  using S = CallSettings;
+  return Section<S>(
+      {
+          Key<S>("name", MILLPOSE_AT(name), Text(), "Name of the program (LinuxCNC: or M100 to M199).")
+              .Required(),
+          Key<S>("moves", MILLPOSE_AT(moves), Flag(), "Whether it moves the arm.").Required(),
+          Key<S>("from_deg", MILLPOSE_AT(from), Maybe(Numbers6(kDeg, Between(-3600, 3600))),
+                 "Axes A1 to A6 (as home_deg) at which a call that moves begins."),
+          Key<S>("to_deg", MILLPOSE_AT(to), Maybe(Numbers6(kDeg, Between(-3600, 3600))),
+                 "Axes A1 to A6 at which a call that moves ends."),
+      },
+      [](const Value& value, const Context& context, S& call) {
+        if (!IsWord(call.name))
+          context.Child("name").Add(value.mark,
+                                    fmt::format("given '{}'; allowed: letters, digits and '_', at most 31, "
+                                                "beginning with a letter",
+                                                call.name));
+        if (call.moves != (call.from && call.to) || call.moves != (call.from || call.to))
+          context.Add(value.mark, call.moves ? "a call that moves needs from_deg and to_deg"
+                                             : "from_deg and to_deg have no effect where moves is false");
+      });
+}
+
 const std::vector<std::string> kTexts = {"cartesian_on", "coolant_off", "coolant_on", "footer",
                                          "header",       "joints_on",   "pass_begin", "pass_end",
                                          "spindle_off",  "spindle_on",  "tool_change"};
@@ -68,6 +99,9 @@ Codec<ControllerSettings> ControllerFields() {
           Key<S>("texts", MILLPOSE_AT(texts), MapOf<std::string>(kTexts, Lines()),
                  "Template lines by event, in place of the built-in ones; {rpm}, {tool}, {pass}, {piece} are "
                  "filled in."),
+          Key<S>("calls", MILLPOSE_AT(calls), ListOf(CallFields()),
+                 "Programs of the plant that texts may call. What they do to settings counts as unknown.")
+              .WhenSet([](const S& s) { return !s.calls.empty(); }),
       },
       [](const Value& value, const Context& context, S& controller) {
         if (controller.axis_names.size() != 6)
@@ -77,6 +111,11 @@ Codec<ControllerSettings> ControllerFields() {
           context.Child("external_axes")
               .Add(value.mark,
                    fmt::format("given {} values; allowed: at most 6", controller.external_axes.size()));
+        for (const std::string& name : controller.axis_names) {
+          if (!IsWord(name))
+            context.Child("axis_names")
+                .Add(value.mark, fmt::format("given '{}'; allowed: letters, digits and '_'", name));
+        }
       });
 }
 
@@ -137,6 +176,13 @@ void CheckTexts(const Value& controller, const Context& context) {
   }
 }
 
+/// Where the texts stand, for what only a controller's reader sees.
+void NoteTextLines(const Value& controller, ControllerSettings& settings) {
+  const Value* texts = controller.Find("texts");
+  for (size_t i = 0; texts && i < texts->items.size(); ++i)
+    settings.text_lines[texts->keys[i].text] = texts->keys[i].mark.line;
+}
+
 }  // namespace
 
 std::vector<std::string> ControllerNames() { return {"krl", "sinumerik", "linuxcnc"}; }
@@ -152,6 +198,7 @@ Codec<std::map<std::string, ControllerSettings>> ControllersFields() {
       const Context child = context.Child(value.keys[i].text);
       CheckSupport(value.items[i], child, value.keys[i].text);
       CheckTexts(value.items[i], child);
+      NoteTextLines(value.items[i], controllers[value.keys[i].text]);
     }
   };
   // A resolved cell gives no controller a key that it cannot follow.

@@ -5,6 +5,7 @@
 #include "base/file.hpp"
 #include "base/hash.hpp"
 #include "config/config.hpp"
+#include "pipeline/cell_texts.hpp"
 #include "pipeline/origin.hpp"
 #include "pipeline/resolve_urdf.hpp"
 
@@ -27,7 +28,7 @@ CellSettings LoadCell(const std::filesystem::path& cell_file,
                       std::map<std::string, std::string>* body_bytes) {
   CellSettings cell = ParseCell(ReadFile(cell_file), cell_file.string());
   ResolveUrdf(cell_file.parent_path(), &cell);
-  std::vector<Problem> problems;
+  std::vector<Problem> problems = CheckCellTexts(cell);
   for (const BodySettings& body : cell.bodies) {
     if (body.shape.kind != "mesh" || body_bytes->contains(body.shape.mesh_file)) continue;
     Collect(problems, [&] {

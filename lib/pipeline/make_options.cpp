@@ -238,6 +238,9 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
   post.max_motions = settings.max_motions;
   post.max_bytes = static_cast<size_t>(settings.max_kbytes) * 1000;
   post.texts = settings.texts;
+  for (const CallSettings& call : settings.calls)
+    post.calls.push_back(
+        {call.name, call.moves, call.from.value_or(Joints::Zero()), call.to.value_or(Joints::Zero())});
   return post;
 }
 

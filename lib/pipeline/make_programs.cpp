@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/base_window.hpp"
+#include "pipeline/cell_texts.hpp"
 #include "pipeline/program_motions.hpp"
 
 namespace millpose {
@@ -27,10 +28,18 @@ JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
   for (const std::string& controller : inputs.job.programs) {
     const std::unique_ptr<Post> post = MakePost(controller);
     const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
-    ProgramMotions motions = MakeProgramMotions(plan, inputs, controller, made.base_window);
-    for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
     CheckedProgram program;
     program.controller = controller;
+    std::vector<CallWay> calls;
+    try {
+      calls = PlanCallWays(world, inputs, controller, stop);
+    } catch (const InputError& error) {
+      program.findings.push_back({"", 0, error.problems().front().message});
+      made.programs.push_back(std::move(program));
+      continue;
+    }
+    ProgramMotions motions = MakeProgramMotions(plan, inputs, controller, made.base_window, calls);
+    for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
     program.saved = motions.saved;
     program.near = motions.near;
     program.warnings = motions.warnings;

@@ -4,11 +4,15 @@
 #include "base/units.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/base_window.hpp"
+#include "pipeline/cell_texts.hpp"
 #include "program/controller_axes.hpp"
 #include "program/scanner.hpp"
 
 namespace millpose {
 namespace {
+
+// rad: twice what verification asks for; joints nearer to 0 are no matter for turn bits.
+constexpr double kTurnLeast = 2 * kUncertainTurn;
 
 /// Which of the controller's own frames the program uses, where it uses one.
 std::string Numbered(const char* list, int number) {
@@ -16,9 +20,11 @@ std::string Numbered(const char* list, int number) {
 }
 
 MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
-                                const ControllerSettings& controller,
-                                const std::optional<BaseWindow>& window) {
+                                const std::string& controller_name, const std::optional<BaseWindow>& window) {
   const JobSettings& job = inputs.job;
+  const auto found = inputs.cell.controllers.find(controller_name);
+  const ControllerSettings controller =
+      found == inputs.cell.controllers.end() ? ControllerSettings{} : found->second;
   MotionOptions options;
   Pose X_FC = plan.X_FT;
   X_FC.linear() = X_FC.linear() * ToolAxis(controller.tool_axis);
@@ -35,6 +41,8 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
     options.header.emplace_back("dry_run",
                                 fmt::format("cuts are lifted by {} mm along the tool axis", Fixed(lift, 3)));
   if (!job.program_options.date.empty()) options.header.emplace_back("date", job.program_options.date);
+  for (const std::string& call : AssumedCalls(inputs.cell, controller_name))
+    options.header.emplace_back("call", call);
   options.approach_feed = job.approach_feed;
   options.approach_slow = job.approach_slow;
   options.retract_feed = job.retract_feed;
@@ -54,6 +62,21 @@ void HandOver(const PostSettings& settings, ProgramMotions& motions, const std::
         fmt::format("pass {} is longer than one file may be: the tool stops at its point {} while the next "
                     "file takes over; max_motions and max_kbytes of the cell say how long a file may be",
                     motion.pass, motion.point));
+  }
+}
+
+/// Where T or TU could be read either way the entry is stated by its joints; somebody should know.
+void StateEntries(const PostSettings& settings, ProgramMotions& motions) {
+  for (const size_t i : StateEntriesByJoints(motions.written, settings.axes, kTurnLeast)) {
+    const Motion& entry = motions.written.motions[i];
+    const Joints angles = ToController(settings.axes, *entry.q) * kDegPerRad;
+    for (int j = 0; j < 6; ++j) {
+      if (std::abs(std::remainder(angles[j], 360)) >= kTurnLeast * kDegPerRad) continue;
+      motions.warnings.push_back(fmt::format(
+          "pass {}: A{} stands at {:.4f} deg where the approach begins; its turn bit could be read "
+          "either way, so the entry is written as joint angles",
+          entry.pass, j + 1, angles[j]));
+    }
   }
 }
 
@@ -86,21 +109,23 @@ std::optional<Pose> ReadPoseText(const std::string& text) {
 }
 
 ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& inputs,
-                                  const std::string& controller, const std::optional<BaseWindow>& window) {
+                                  const std::string& controller, const std::optional<BaseWindow>& window,
+                                  const std::vector<CallWay>& calls) {
   const JobSettings& job = inputs.job;
-  const auto found = inputs.cell.controllers.find(controller);
-  const ControllerSettings settings =
-      found == inputs.cell.controllers.end() ? ControllerSettings{} : found->second;
   ProgramMotions motions;
   const double lift = job.program_options.dry_run_offset;
-  motions.planned = MakeMotionProgram(lift > 0 ? Lifted(plan, lift) : plan,
-                                      MakeMotionOptions(plan, inputs, settings, window));
+  MotionOptions options = MakeMotionOptions(plan, inputs, controller, window);
+  options.calls = calls;
+  motions.planned = MakeMotionProgram(lift > 0 ? Lifted(plan, lift) : plan, options);
   const ProgramOptionSettings& economy = job.program_options;
   EconomyResult thinned =
       Economise(motions.planned, {economy.chord_tolerance, economy.angle_tolerance, economy.spacing});
   motions.written = std::move(thinned.program);
   motions.saved = thinned.saved;
   motions.near = thinned.near;
+  for (const std::string& call : AssumedCalls(inputs.cell, controller))
+    motions.warnings.push_back("assumed: " + call);
+  if (controller != "linuxcnc") StateEntries(MakePostSettings(job, inputs.cell, controller), motions);
   if (controller != "linuxcnc")  // which reads from disk
     HandOver(MakePostSettings(job, inputs.cell, controller), motions, thinned.origin);
   return motions;

@@ -23,9 +23,10 @@ std::string PoseText(const Pose& pose);
 std::optional<Pose> ReadPoseText(const std::string& text);
 
 /// Makes them with the job's options and the cell's settings for `controller`; `window` is printed in the
-/// header. Precondition: WhyNotProgrammable() is empty. Throws InputError when a dry run's lifted points are
-/// out of reach.
+/// header; `calls` are those of PlanCallWays(). Precondition: WhyNotProgrammable() is empty. Throws
+/// InputError when a dry run's lifted points are out of reach.
 ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& inputs,
-                                  const std::string& controller, const std::optional<BaseWindow>& window);
+                                  const std::string& controller, const std::optional<BaseWindow>& window,
+                                  const std::vector<CallWay>& calls = {});
 
 }  // namespace millpose

@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "pipeline/assemble.hpp"
+#include "pipeline/cell_texts.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/output_folder.hpp"
 #include "pipeline/program_motions.hpp"
@@ -96,7 +97,8 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::
   const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
   const Arm& arm = world.cell().arm;
   MotionProgram program = MakePost(controller)->Read(FilesOf(arguments.target), arm, settings);
-  const std::vector<std::string> assumptions = AssumeFrames(program);
+  std::vector<std::string> assumptions = AssumeFrames(program);
+  for (const DeclaredCall& call : program.calls) assumptions.push_back(AssumptionOf(call));
   const VerifyOptions options = MakeVerifyOptions(inputs.job, arm);
   return {{controller, arguments.target.string(), program.motions.size(),
            Verify(program, world, nullptr, options, Threads(arguments), stop), assumptions}};
@@ -128,9 +130,11 @@ std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Prog
     for (const std::string& name : SortedFiles(folder)) files[name] = ReadFile(folder / name);
     const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
     MotionProgram program = MakePost(controller)->Read(files, plan.arm, settings);
-    const MotionProgram planned = MakeProgramMotions(plan, inputs, controller, {}).planned;
+    const std::vector<CallWay> calls = PlanCallWays(world, inputs, controller, stop);
+    const MotionProgram planned = MakeProgramMotions(plan, inputs, controller, {}, calls).planned;
     CompleteFrames(program, planned);
     VerifiedProgram verified{controller, folder.string(), program.motions.size(), {}, {}};
+    for (const DeclaredCall& call : program.calls) verified.assumptions.push_back(AssumptionOf(call));
     verified.findings = Verify(program, world, &planned, options, Threads(arguments), stop);
     progress.End(fmt::format("{} motions, {} findings", verified.motions, verified.findings.size()));
     programs.push_back(std::move(verified));

@@ -33,6 +33,9 @@ Eigen::Vector3d ToolAnglesNear(const std::string& rotation, const Eigen::Matrix3
 Joints ToController(const AxisConvention& axes, const Joints& q);
 Joints FromController(const AxisConvention& axes, const Joints& angles);
 
+/// rad (0.001°): nearer to 0 the controller's own arithmetic decides what a turn bit means, 0 or a full turn.
+inline constexpr double kUncertainTurn = 1.7453293e-5;
+
 /// Bit i−1 set where the controller's angle i is negative.
 int ControllerTurn(const AxisConvention& axes, const Joints& q);
 

@@ -2,7 +2,9 @@
 #include "program/economy.hpp"
 
 #include "base/error.hpp"
+#include "base/units.hpp"
 #include "motion/line.hpp"
+#include "program/controller_axes.hpp"
 #include "robot/kinematics.hpp"
 
 namespace millpose {
@@ -158,6 +160,21 @@ std::vector<size_t> AddHandovers(MotionProgram& program, int most) {
     program.events.insert(after, {ProgramEvent::Kind::kHandover, place, 0, 0, {}, 0, 0});
   }
   return places;
+}
+
+std::vector<size_t> StateEntriesByJoints(MotionProgram& program, const AxisConvention& axes, double least) {
+  std::vector<size_t> changed;
+  for (size_t i = 0; i < program.motions.size(); ++i) {
+    Motion& motion = program.motions[i];
+    if (!motion.q || !motion.turn) continue;
+    const Joints angles = ToController(axes, *motion.q);
+    if (std::ranges::none_of(angles, [&](double a) { return std::abs(std::remainder(a, 2 * kPi)) < least; }))
+      continue;
+    motion.status.reset();
+    motion.turn.reset();
+    changed.push_back(i);
+  }
+  return changed;
 }
 
 }  // namespace millpose

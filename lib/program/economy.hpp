@@ -29,4 +29,8 @@ EconomyResult Economise(const MotionProgram& program, const EconomyOptions& opti
 /// marks the places as handovers, where another file may go on. Returns the motions before which they are.
 std::vector<size_t> AddHandovers(MotionProgram& program, int most);
 
+/// Entries at which a joint stands nearer to 0 than `least` (rad, controller's angles) become joint angles:
+/// there a turn bit does not say for certain which way the joint goes. Returns their indices.
+std::vector<size_t> StateEntriesByJoints(MotionProgram& program, const AxisConvention& axes, double least);
+
 }  // namespace millpose

@@ -63,10 +63,15 @@ class KrlWriter : public ProgramWriter {
     add(fmt::format("DEF {} ( )", name));
     add("; written by millpose for KUKA KRC4; mm, degrees; A about Z, B about new Y, C about new X");
     for (const std::string& text : HeaderTexts(kWidth - 2)) add("; " + text);
-    head += kIni;
+    return head + kIni + Settings() + TextLines("header") + TextLines("tool_change");
+  }
+
+  std::string Settings() const override {
+    std::string settings;
+    const auto add = [&](const std::string& line) { settings += line + "\n"; };
     AddFrames(add);
     AddDynamics(add);
-    return head + TextLines("header") + TextLines("tool_change");
+    return settings;
   }
 
   /// A numbered frame is the controller's own; the header says which values it must hold.

@@ -12,6 +12,7 @@ class KrlPost : public Post {
   ProgramFiles Write(const MotionProgram& program, const Arm& arm,
                      const PostSettings& settings) const override;
   MotionProgram Read(const ProgramFiles& files, const Arm& arm, const PostSettings& settings) const override;
+  std::vector<Problem> CheckTexts(const Arm& arm, const PostSettings& settings) const override;
 };
 
 /// KRL's texts for events where the cell gives none: the operator switches the spindle by hand.

@@ -3,35 +3,45 @@
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
 #include "program/krl.hpp"
+#include "program/krl_words.hpp"
 #include "program/reader.hpp"
 
 namespace millpose {
 namespace {
 
-using Fields = std::map<std::string, double>;
+using krl::ExpectAll;
+using krl::Fields;
+using krl::ReadPositive;
 
 constexpr const char* kDefaults = "BAS (#INITMOV,0 )";
 constexpr const char* kPtpSpeed = "BAS (#VEL_PTP,…)";
-constexpr double kDefaultFeed = 2000;                   // mm/s, $VEL.CP after BAS(#INITMOV,0)
-constexpr double kExternalSlack = 1e-4;                 // mm or degrees
-constexpr double kDefaultBlend = 3;                     // mm, $APO.CDIS after BAS(#INITMOV,0)
-constexpr double kDefaultTurnSpeed = 200 * kRadPerDeg;  // rad/s, $VEL.ORI1 and 2 after BAS(#INITMOV,0)
+constexpr double kExternalSlack = 1e-4;  // mm or degrees
+constexpr double kSameSetting = 1e-6;    // relative: written with four decimals and more
+constexpr double kSamePlace = 1e-9;      // of a frame stated again
 
 class KrlReader : public ProgramReader {
  public:
   KrlReader(const ProgramFiles& files, const PostSettings& settings)
-      : ProgramReader(files, settings, Templates(KrlTexts(), settings.texts, settings.tool_name)) {
+      : ProgramReader(files, settings, Templates(KrlTexts(), settings.texts, settings.tool_name, false)) {
     program_.blend_is_distance = true;
   }
 
  private:
+  /// Lines such as &ACCESS stand before DEF alone.
   std::optional<std::string_view> Comment(std::string_view line) const override {
-    return line.starts_with('&') ? std::optional(std::string_view()) : ProgramReader::Comment(line);
+    if (line.starts_with('&') && !defined_) return std::string_view();
+    return ProgramReader::Comment(line);
   }
 
   void BeginFile() override { defined_ = false; }
 
-  std::vector<std::string> Needed() const override { return {kDefaults, kPtpSpeed}; }
+  std::vector<std::string> Needed() const override { return {kDefaults, "$ADVANCE"}; }
+
+  /// Defaults count for nothing once each setting must be stated by itself.
+  void Forgotten() override {
+    Stated(kDefaults);
+    last_.clear();
+  }
 
   void ReadComment(std::string_view comment) override {
     LineScanner scan(comment, "", 0);
@@ -41,15 +51,17 @@ class KrlReader : public ProgramReader {
   }
 
   void ReadCode(LineScanner& scan) override {
-    if (!defined_) {
+    if (!defined_ && !InText()) {
       ReadDefinition(scan);
+    } else if (InText() && ReadTextWord(scan)) {
+      return scan.ExpectEnd();
     } else if (scan.Accept("PTP")) {
       ReadPtp(scan);
     } else if (scan.Accept("LIN")) {
       ReadLin(scan);
     } else if (scan.Accept("END")) {
       EndFile();
-    } else if (!ReadSetting(scan)) {
+    } else if (!ReadFrames(scan) && !ReadSetting(scan) && !ReadPause(scan)) {
       ReadSubprogram(scan);
     }
     scan.ExpectEnd();
@@ -66,6 +78,8 @@ class KrlReader : public ProgramReader {
     defined_ = true;
   }
 
+  bool ReadTextWord(LineScanner& scan) override { return krl::ReadOutput(scan); }
+
   void ReadSubprogram(LineScanner& scan) {
     static const std::vector<std::string> statements = {
         "PTP",       "LIN",       "TRIGGER WHEN", "WAIT SEC",  "WAIT FOR",  "HALT", "$BASE",
@@ -73,7 +87,13 @@ class KrlReader : public ProgramReader {
         "$ACC.ORI2", "$APO.CDIS", "$ADVANCE",     "$ORI_TYPE", "INTERRUPT", "END"};
     const size_t start = scan.Next();
     const auto name = scan.AcceptName();
-    if (name && scan.Accept(":")) return;  // a label
+    if (name && scan.Accept(":")) return AddLabel(scan, start, *name);
+    if (name && IsDeclared(*name)) {
+      scan.Expect("(");
+      SkipArguments(scan);
+      ReadDeclaredCall(scan, start, *name);
+      return;
+    }
     if (name && scan.Accept("(") && scan.Accept(")") && ReadCall(scan, *name)) {
       defined_ = true;
       return;
@@ -87,83 +107,98 @@ class KrlReader : public ProgramReader {
                                      nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest)));
   }
 
-  /// Statements that set something, or wait; false when it is another.
-  bool ReadSetting(LineScanner& scan) {
+  /// $BASE and $TOOL: one of each for all poses; stated again, they say the same.
+  bool ReadFrames(LineScanner& scan) {
+    const size_t start = scan.Next();
     if (scan.Accept("$BASE")) {
-      if (posed_) scan.Fail("one base for all poses of the program expected");
-      program_.X_BP = ReadFrame(scan, "BASE_DATA", settings_.base_number);
-      framed_ = true;
+      const std::optional<Pose> X_BP = ReadFrame(scan, "BASE_DATA", settings_.base_number);
+      if (posed_ && !Same(X_BP, program_.X_BP))
+        scan.FailFrom(start, "one base for all poses of the program expected");
+      program_.X_BP = X_BP;
+      Stated("$BASE");
     } else if (scan.Accept("$TOOL")) {
-      if (posed_) scan.Fail("one tool for all poses of the program expected");
-      program_.X_FT = ReadFrame(scan, "TOOL_DATA", settings_.tool_number);
-      if (program_.X_FT) program_.X_FT->linear() = program_.X_FT->linear() * settings_.R_TC.transpose();
-      tooled_ = true;
-    } else if (scan.Accept("$VEL.CP")) {
+      std::optional<Pose> X_FT = ReadFrame(scan, "TOOL_DATA", settings_.tool_number);
+      if (X_FT) X_FT->linear() = X_FT->linear() * settings_.R_TC.transpose();
+      if (posed_ && !Same(X_FT, program_.X_FT))
+        scan.FailFrom(start, "one tool for all poses of the program expected");
+      program_.X_FT = X_FT;
+      Stated("$TOOL");
+    } else {
+      return false;
+    }
+    Allow(scan, start, kAtStops);
+    return true;
+  }
+
+  static bool Same(const std::optional<Pose>& a, const std::optional<Pose>& b) {
+    return a.has_value() == b.has_value() && (!a || a->matrix().isApprox(b->matrix(), kSamePlace));
+  }
+
+  /// Speeds, rounding, look-ahead: each is replayed, or must be what the cell says.
+  bool ReadSetting(LineScanner& scan) {
+    const size_t start = scan.Next();
+    if (scan.Accept("$VEL.CP")) {  // a feed: anywhere
+      Stated("$VEL.CP");
       feed_ = ReadPositive(scan) * 1000;
-    } else if (scan.Accept("$APO.CDIS")) {
-      scan.Expect("=");
-      blend_ = scan.ExpectNumber();
+      return true;
+    }
+    if (scan.Accept("TRIGGER WHEN")) {
+      AddOutput(krl::ReadTrigger(scan));
+      return true;
+    }
+    Places places = kAtStops;
+    if (scan.Accept("$APO.CDIS")) {
+      Stated("$APO.CDIS");
+      blend_ = ReadPositive(scan);
     } else if (scan.Accept("$VEL.ORI1")) {
       turn_speed_[0] = ReadPositive(scan) * kRadPerDeg;
+      Stated("$VEL.ORI1");
     } else if (scan.Accept("$VEL.ORI2")) {
       turn_speed_[1] = ReadPositive(scan) * kRadPerDeg;
-    } else if (scan.Accept("$ACC.CP") || scan.Accept("$ACC.ORI1") || scan.Accept("$ACC.ORI2")) {
-      ReadPositive(scan);
-    } else if (scan.Accept("TRIGGER WHEN")) {
-      ReadTrigger(scan);
+      Stated("$VEL.ORI2");
+    } else if (scan.Accept("$ACC.CP")) {
+      ExpectCells(scan, settings_.path_acceleration, 1000, "path_acceleration_m_s2");
+    } else if (scan.Accept("$ACC.ORI1") || scan.Accept("$ACC.ORI2")) {
+      ExpectCells(scan, settings_.orientation_acceleration, kRadPerDeg, "orientation_acceleration_deg_s2");
     } else if (scan.Accept("$ADVANCE")) {
-      scan.Expect("=");
-      const size_t start = scan.Next();
-      const double motions = scan.ExpectNumber();
-      if (motions < 0 || motions > 5 || motions != std::round(motions))
-        scan.FailFrom(start, "0 to 5 expected");
+      ReadAdvance(scan);
+      places = kOutsideCuts;
     } else if (scan.Accept("$ORI_TYPE")) {
+      Stated("$ORI_TYPE");
       scan.Expect("=");
       scan.Expect("#VAR");
     } else if (scan.Accept("BAS")) {
       ReadBas(scan);
-    } else if (scan.Accept("WAIT SEC")) {
-      scan.ExpectNumber();
-    } else if (scan.Accept("WAIT FOR")) {
-      if (scan.Rest().empty()) scan.Fail("what to wait for expected");
-    } else if (scan.Accept("GLOBAL INTERRUPT DECL 3 WHEN $STOPMESS==TRUE DO IR_STOPM")) {
-      scan.Expect("(");
-      scan.Expect(")");
+      places = kOutsideCuts;
     } else {
-      return scan.Accept("INTERRUPT ON 3") || scan.Accept("HALT");
+      return false;
     }
+    Allow(scan, start, places);
     return true;
   }
 
-  static double ReadPositive(LineScanner& scan) {
+  /// An acceleration changes when the arm is where; it is not replayed, so it must be the cell's.
+  static void ExpectCells(LineScanner& scan, const std::optional<double>& cells, double unit,
+                          const char* key) {
     scan.Expect("=");
     const size_t start = scan.Next();
-    const double value = scan.ExpectNumber();
-    if (!(value > 0)) scan.FailFrom(start, "a number above 0 expected");
-    return value;
+    const double value = scan.ExpectNumber() * unit;
+    if (!cells) scan.FailFrom(start, fmt::format("no value expected: the cell gives no {}", key));
+    if (std::abs(value - *cells) > kSameSetting * *cells)
+      scan.FailFrom(start, fmt::format("{} expected (the cell's {})", *cells / unit, key));
   }
 
-  /// DISTANCE=0 DELAY=0 DO $OUT[3]=TRUE: at the start of the next motion.
-  void ReadTrigger(LineScanner& scan) {
-    scan.Expect("DISTANCE");
+  /// With 0 nothing is computed ahead and every motion stops.
+  void ReadAdvance(LineScanner& scan) {
+    Stated("$ADVANCE");
     scan.Expect("=");
     const size_t start = scan.Next();
-    if (scan.ExpectNumber() != 0) scan.FailFrom(start, "0 expected (switching where the next motion begins)");
-    PathOutput output;
-    scan.Expect("DELAY");
-    scan.Expect("=");
-    output.delay = scan.ExpectNumber() / 1000;
-    scan.Expect("DO");
-    scan.Expect("$OUT");
-    scan.Expect("[");
-    output.number = static_cast<int>(scan.ExpectNumber());
-    scan.Expect("]");
-    scan.Expect("=");
-    output.on = scan.Accept("TRUE");
-    if (!output.on) scan.Expect("FALSE");
-    AddOutput(output);
+    const double motions = scan.ExpectNumber();
+    if (motions < 1 || motions > 5 || motions != std::round(motions))
+      scan.FailFrom(start, "1 to 5 expected (with 0 the arm stops at every point)");
   }
 
+  /// #INITMOV resets what the controller's own bas.src has: from here on nothing is known.
   void ReadBas(LineScanner& scan) {
     scan.Expect("(");
     const bool speed = scan.Accept("#VEL_PTP");
@@ -171,75 +206,62 @@ class KrlReader : public ProgramReader {
     scan.Expect(",");
     const size_t start = scan.Next();
     const double value = scan.ExpectNumber();
-    Stated(speed ? kPtpSpeed : kDefaults);
     const double most = std::round(settings_.ptp_share * 100);
-    if (speed && (value <= 0 || value > most))
+    if (!speed) Forget(kDefaults);
+    Stated(speed ? kPtpSpeed : kDefaults);
+    if (speed && (value < 1 || value > most))
       scan.FailFrom(start, fmt::format("1 to {} % expected (the cell's ptp_speed_percent)", most));
+    if (!speed && value != 0) scan.FailFrom(start, "0 expected");
     scan.Expect(")");
   }
 
-  /// {X 1,Y 2,…} or {FRAME: X 1,…}: the fields by name in upper case.
-  Fields ReadFields(LineScanner& scan, const std::string& type, const std::vector<std::string>& allowed) {
-    Fields fields;
-    scan.Expect("{");
-    if (scan.Accept(type)) scan.Expect(":");
-    do {
-      const std::string* field = nullptr;
-      for (const std::string& name : allowed) {
-        if (scan.Accept(name)) field = &name;
-        if (field) break;
-      }
-      if (!field) scan.Fail(fmt::format("one of the fields {} expected", fmt::join(allowed, ", ")));
-      if (fields.contains(*field)) scan.Fail(fmt::format("field {} is given twice", *field));
-      fields[*field] = *field == "S" || *field == "T" ? ReadBits(scan) : scan.ExpectNumber();
-    } while (scan.Accept(","));
-    scan.Expect("}");
-    return fields;
-  }
-
-  static int ReadBits(LineScanner& scan) {
-    return scan.Peek() == '\'' ? scan.ExpectBits() : static_cast<int>(scan.ExpectNumber());
-  }
-
-  static Pose PoseOf(const Fields& fields) {
-    Pose pose = Pose::Identity();
-    pose.translation() = Eigen::Vector3d(fields.at("X"), fields.at("Y"), fields.at("Z"));
-    pose.linear() =
-        FromAnglesZyx(Eigen::Vector3d(fields.at("A"), fields.at("B"), fields.at("C")) * kRadPerDeg);
-    return pose;
-  }
-
-  static void ExpectAll(LineScanner& scan, const Fields& fields, const std::vector<std::string>& names) {
-    for (const std::string& name : names) {
-      if (!fields.contains(name)) scan.Fail(fmt::format("field {} is missing", name));
+  /// What stops the program for a while, and what handles its stops.
+  bool ReadPause(LineScanner& scan) {
+    const size_t start = scan.Next();
+    Places places = kOutsideCuts;
+    if (scan.Accept("WAIT SEC")) {
+      const size_t number = scan.Next();
+      if (scan.ExpectNumber() < 0) scan.FailFrom(number, "0 or more seconds expected");
+    } else if (scan.Accept("WAIT FOR")) {
+      krl::ReadCondition(scan);
+    } else if (scan.Accept("GLOBAL INTERRUPT DECL 3 WHEN $STOPMESS==TRUE DO IR_STOPM")) {
+      scan.Expect("(");
+      scan.Expect(")");
+      places = kHeadOnly;
+    } else if (scan.Accept("INTERRUPT ON 3")) {
+      places = kHeadOnly;
+    } else if (!scan.Accept("HALT")) {
+      return false;
     }
+    Allow(scan, start, places);
+    return true;
   }
 
   /// A frame's values, or, where the cell says so, the number of one that the controller holds: empty.
-  std::optional<Pose> ReadFrame(LineScanner& scan, std::string_view list, int number) {
+  static std::optional<Pose> ReadFrame(LineScanner& scan, std::string_view list, int number) {
     scan.Expect("=");
     if (number > 0) {
       scan.Expect(fmt::format("{}[{}]", list, number));
       return std::nullopt;
     }
     const std::vector<std::string> names = {"X", "Y", "Z", "A", "B", "C"};
-    const Fields fields = ReadFields(scan, "FRAME", names);
+    const Fields fields = krl::ReadFields(scan, "FRAME", names);
     ExpectAll(scan, fields, names);
-    return PoseOf(fields);
+    return krl::PoseOf(fields);
   }
 
   /// The tool in the workpiece frame of a motion's fields; what it leaves out stays as the motion before had
   /// it.
   Pose Target(LineScanner& scan, Fields fields) {
-    const bool first = !std::exchange(posed_, true);
-    if (first && !framed_) scan.Fail("$BASE must be set before the first pose");
-    if (first && !tooled_) scan.Fail("$TOOL must be set before the first pose");
+    posed_ = true;
+    Require("$BASE");
+    Require("$TOOL");
     for (const std::string name : {"X", "Y", "Z", "A", "B", "C"}) {
       if (!fields.contains(name) && last_.contains(name)) fields[name] = last_[name];
     }
     ExpectAll(scan, fields, {"X", "Y", "Z", "A", "B", "C"});
     last_ = fields;
-    Pose X_PT = PoseOf(fields);
+    Pose X_PT = krl::PoseOf(fields);
     X_PT.linear() = X_PT.linear() * settings_.R_TC.transpose();
     return X_PT;
   }
@@ -249,7 +271,7 @@ class KrlReader : public ProgramReader {
     std::vector<std::string> external;
     for (size_t i = 0; i < settings_.external.size(); ++i) external.push_back(fmt::format("E{}", i + 1));
     allowed.insert(allowed.end(), external.begin(), external.end());
-    Fields fields = ReadFields(scan, allowed.front() == "A1" ? "E6AXIS" : "E6POS", allowed);
+    Fields fields = krl::ReadFields(scan, allowed.front() == "A1" ? "E6AXIS" : "E6POS", allowed);
     ExpectAll(scan, fields, external);
     for (size_t i = 0; i < external.size(); ++i) {
       if (std::abs(fields.at(external[i]) - settings_.external[i]) > kExternalSlack) {
@@ -262,10 +284,16 @@ class KrlReader : public ProgramReader {
 
   void ReadPtp(LineScanner& scan) {
     Motion& motion = AddMotion(MotionType::kJoint);
-    const Fields fields =
-        ReadTarget(scan, {"A1", "A2", "A3", "A4", "A5", "A6", "X", "Y", "Z", "A", "B", "C", "S", "T"});
-    if (fields.contains("A1")) {
-      ExpectAll(scan, fields, {"A1", "A2", "A3", "A4", "A5", "A6"});
+    Require(kPtpSpeed);
+    const std::vector<std::string> axes = {"A1", "A2", "A3", "A4", "A5", "A6"};
+    const std::vector<std::string> place = {"X", "Y", "Z", "A", "B", "C", "S", "T"};
+    std::vector<std::string> both = axes;
+    both.insert(both.end(), place.begin(), place.end());
+    const Fields fields = ReadTarget(scan, both);
+    const auto given = [&](const std::string& name) { return fields.contains(name); };
+    if (std::any_of(axes.begin(), axes.end(), given)) {
+      ExpectAll(scan, fields, axes);
+      if (std::any_of(place.begin(), place.end(), given)) scan.Fail("axes or a pose expected, not both");
       Joints angles;
       for (int i = 0; i < 6; ++i) angles[i] = fields.at(fmt::format("A{}", i + 1)) * kRadPerDeg;
       motion.q = FromController(settings_.axes, angles);
@@ -280,23 +308,29 @@ class KrlReader : public ProgramReader {
 
   void ReadLin(LineScanner& scan) {
     Motion& motion = AddMotion(MotionType::kLinear);
+    for (const char* setting : {"$VEL.CP", "$VEL.ORI1", "$VEL.ORI2", "$ORI_TYPE"}) Require(setting);
     motion.X_PT = Target(scan, ReadTarget(scan, {"X", "Y", "Z", "A", "B", "C", "S", "T"}));
     motion.feed = feed_;
     motion.turn_speed = std::min(turn_speed_[0], turn_speed_[1]);
     motion.exact = !scan.Accept("C_DIS");
-    motion.blend = motion.exact ? 0 : blend_;
+    if (motion.exact) return;
+    Require("$APO.CDIS");
+    motion.blend = blend_;
   }
 
-  Fields last_;  // of the last Cartesian motion
-  double feed_ = kDefaultFeed;
-  double blend_ = kDefaultBlend;
-  std::array<double, 2> turn_speed_ = {kDefaultTurnSpeed, kDefaultTurnSpeed};
-  bool defined_ = false;                  // DEF was read
-  bool framed_ = false, tooled_ = false;  // $BASE and $TOOL are set
-  bool posed_ = false;                    // a pose was approached
+  Fields last_;                             // of the last Cartesian motion
+  double feed_ = 0;                         // mm/s
+  double blend_ = 0;                        // mm
+  std::array<double, 2> turn_speed_{0, 0};  // rad/s
+  bool defined_ = false;                    // DEF was read
+  bool posed_ = false;                      // a pose was approached
 };
 
 }  // namespace
+
+std::vector<Problem> KrlPost::CheckTexts(const Arm&, const PostSettings& settings) const {
+  return KrlReader({}, settings).CheckTexts();
+}
 
 MotionProgram KrlPost::Read(const ProgramFiles& files, const Arm&, const PostSettings& settings) const {
   return KrlReader(files, settings).Read({".src"});

@@ -44,11 +44,19 @@ class LinuxCncWriter : public ProgramWriter {
                                           : "A about Z, B about new X, C about new Z\n";
     }
     for (const std::string& text : HeaderTexts(kWidth - 2)) head += "; " + text + "\n";
-    head += fmt::format("G21 G90 G17 G40 G49 G94\n{}\nG59.3 G92.1\n", kNoOffsets);
-    return head + TextLines("header") + TextLines("tool_change");
+    return head + Settings() + TextLines("header") + TextLines("tool_change");
+  }
+
+  std::string Settings() const override {
+    return fmt::format("G21 G90 G17 G40 G49 G94\n{}\nG59.3 G92.1\n", kNoOffsets);
   }
 
   void Begin() override { Restate(); }
+
+  void Forget() override {
+    Restate();
+    cartesian_.reset();
+  }
 
   /// Modal settings are to be stated again.
   void Restate() {

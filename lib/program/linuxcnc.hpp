@@ -16,6 +16,7 @@ class LinuxCncPost : public Post {
   ProgramFiles Write(const MotionProgram& program, const Arm& arm,
                      const PostSettings& settings) const override;
   MotionProgram Read(const ProgramFiles& files, const Arm& arm, const PostSettings& settings) const override;
+  std::vector<Problem> CheckTexts(const Arm& arm, const PostSettings& settings) const override;
 };
 
 inline constexpr double kHalfwayDeviation = 0.005;  ///< mm

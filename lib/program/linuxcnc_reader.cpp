@@ -8,6 +8,10 @@
 namespace millpose {
 namespace {
 
+constexpr const char* kPathMode = "G61, G61.1 or G64";
+constexpr const char* kFeedMode = "G93 or G94";
+constexpr const char* kKinematics = "the cell's text joints_on or cartesian_on";
+
 class LinuxCncReader : public ProgramReader {
  public:
   LinuxCncReader(const ProgramFiles& files, const Arm& arm, const PostSettings& settings)
@@ -33,12 +37,20 @@ class LinuxCncReader : public ProgramReader {
   }
 
   std::vector<std::string> Needed() const override {
-    return {"G21", "G40", "G49", "G90", kNoOffsets, "G59.3", "G92.1"};
+    std::vector<std::string> needed = {"G21", "G40", "G49", "G90", kNoOffsets, "G59.3", "G92.1", kPathMode};
+    if (settings_.cartesian) needed.emplace_back(kKinematics);
+    return needed;
+  }
+
+  void Forgotten() override {
+    last_.reset();
+    feed_.reset();
   }
 
   void TextRead(const std::string& name) override {
     if (name != "cartesian_on" && name != "joints_on") return;
     cartesian_ = name == "cartesian_on";
+    Stated(kKinematics);
     last_.reset();
   }
 
@@ -53,7 +65,11 @@ class LinuxCncReader : public ProgramReader {
     }
     while (!scan.AtEnd()) {
       const size_t start = scan.Next();
-      if (scan.Accept("(")) {
+      if (InText() && ReadTextWord(scan)) continue;
+      if (const auto name = AcceptCall(scan)) {
+        if (!ReadDeclaredCall(scan, start, *name))
+          scan.FailFrom(start, "a call that the cell declares expected");
+      } else if (scan.Accept("(")) {
         SkipComment(scan);
       } else if (scan.AcceptAddress('G')) {
         const double g = scan.ExpectNumber();
@@ -91,6 +107,40 @@ class LinuxCncReader : public ProgramReader {
     if (moves && !cartesian_) AddTarget(scan, words, feed);
   }
 
+  /// Spindle, coolant, outputs, waits: what a text of the cell may switch.
+  bool ReadTextWord(LineScanner& scan) override {
+    for (const std::string_view word :
+         {"M3", "M4", "M5", "M7", "M8", "M9", "M62", "M63", "M64", "M65", "M66", "M67", "M68"}) {
+      if (scan.Accept(word)) return true;
+    }
+    for (const char letter : {'S', 'E', 'L'}) {
+      if (!scan.AcceptAddress(letter)) continue;
+      scan.ExpectNumber();
+      return true;
+    }
+    return false;
+  }
+
+  /// O<name> CALL [1] [2], or a user's M101: the name.
+  static std::optional<std::string> AcceptCall(LineScanner& scan) {
+    if (scan.Accept("O<")) {
+      auto name = scan.AcceptName();
+      if (!name) scan.Fail("the name of a program expected");
+      scan.Expect(">");
+      scan.Expect("CALL");
+      while (scan.Accept("[")) {
+        scan.ExpectNumber();
+        scan.Expect("]");
+      }
+      return name;
+    }
+    for (int code = 100; code < 200; ++code) {
+      const std::string word = fmt::format("M{}", code);
+      if (scan.Accept(word)) return word;
+    }
+    return std::nullopt;
+  }
+
   static void SkipComment(LineScanner& scan) {
     while (scan.Peek() != ')' && scan.Peek() != '\0') scan.Skip();
     scan.Expect(")");
@@ -113,9 +163,11 @@ class LinuxCncReader : public ProgramReader {
       rapid_ = g == 0;
     } else if (g == 93 || g == 94) {
       inverse_time_ = g == 93;
+      Stated(kFeedMode);
       feed_.reset();
     } else if (g == 64 || g == 61.1 || g == 61) {
       blending_ = g == 64;
+      Stated(kPathMode);
     } else if (std::find(neutral.begin(), neutral.end(), g) == neutral.end()) {
       scan.FailFrom(
           start, "G0, G1, G4, G17, G21, G40, G49, G59.3, G61, G61.1, G64, G90, G92.1, G93 or G94 expected");
@@ -142,6 +194,7 @@ class LinuxCncReader : public ProgramReader {
       motion.blend = settings_.blend * blend_ / BlendDegrees(settings_.blend, arm_, settings_.X_FT);
       motion.angle_blend = blend_ * kRadPerDeg;
     }
+    if (!rapid_) Require(kFeedMode);
     if (!rapid_) motion.duration = Duration(scan, last_ ? FeedLength(*last_, angles) : 0, feed);
     last_ = angles;
   }
@@ -151,6 +204,7 @@ class LinuxCncReader : public ProgramReader {
                std::optional<double> feed) {
     const Joints values = Complete(scan, words);
     if (rapid_) scan.Fail("tool poses are approached at a feed: G1 expected");
+    Require(kFeedMode);
     const bool moves = !last_ || (values - *last_).head<3>().norm() > 0;
     if (!last_ && inverse_time_) scan.Fail("the first pose of a cut at a feed expected: G94");
     Motion& motion = AddMotion(MotionType::kLinear);
@@ -190,6 +244,10 @@ class LinuxCncReader : public ProgramReader {
 };
 
 }  // namespace
+
+std::vector<Problem> LinuxCncPost::CheckTexts(const Arm& arm, const PostSettings& settings) const {
+  return LinuxCncReader({}, arm, settings).CheckTexts();
+}
 
 MotionProgram LinuxCncPost::Read(const ProgramFiles& files, const Arm& arm,
                                  const PostSettings& settings) const {

@@ -24,6 +24,21 @@ class ProgramBuilder {
     program_.X_FT = plan.X_FT;
   }
 
+  /// From home by a call's way to where it begins, the call, and back.
+  void AddCalls(bool at_end) {
+    for (const CallWay& way : options_.calls) {
+      if ((way.call.text == "footer") != at_end) continue;
+      clearance_share_ = way.clearance_share;
+      for (size_t i = program_.motions.empty() ? 0 : 1; i < way.there.size(); ++i)
+        Add(MotionType::kJoint, way.there[i], -1, -1).exact = true;
+      Motion& call = Add(MotionType::kJoint, way.call.to, -1, -1);
+      call.exact = true;
+      call.call = static_cast<int>(program_.calls.size());
+      program_.calls.push_back(way.call);
+      for (size_t i = 1; i < way.back.size(); ++i) Add(MotionType::kJoint, way.back[i], -1, -1).exact = true;
+    }
+  }
+
   void AddGap(const Gap& gap) {
     assert(!gap.joints.empty());
     clearance_share_ = gap.clearance_share;
@@ -33,7 +48,7 @@ class ProgramBuilder {
       retract.exact = true;
       retract.feed = FeedOf(last, retract, last.feed, options_.retract_feed);
       AddEvent(ProgramEvent::Kind::kPassEnd, gap.from_pass, gap.from_piece);
-    } else {
+    } else if (program_.motions.empty()) {
       Add(MotionType::kJoint, gap.joints.front(), -1, -1).exact = true;
     }
     if (gap.to_pass < 0) AddEvent(ProgramEvent::Kind::kSpindleOff, 0, 0);
@@ -181,14 +196,18 @@ PlanResult Lifted(PlanResult plan, double offset) {
 MotionProgram MakeMotionProgram(const PlanResult& plan, const MotionOptions& options) {
   assert(WhyNotProgrammable(plan).empty());
   ProgramBuilder builder(plan, options);
+  builder.AddCalls(false);
   for (const Gap& gap : plan.gaps) {
     builder.AddGap(gap);
     if (gap.to_pass >= 0) {
       builder.AddPiece(plan.passes[gap.to_pass], FindPiece(plan.passes[gap.to_pass], gap.to_piece));
     }
   }
+  builder.AddCalls(true);
   return builder.Take();
 }
+
+bool HasFeed(const Motion& motion) { return motion.type == MotionType::kLinear || motion.duration > 0; }
 
 bool IsWellFormed(const MotionProgram& program) {
   size_t last = 0;

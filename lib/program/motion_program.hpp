@@ -13,6 +13,15 @@ namespace millpose {
 
 enum class MotionType : uint8_t { kJoint, kLinear };  ///< PTP (all axes together) or LIN (tip on a line)
 
+/// A call of a program of the plant that the cell declares: what it does to settings is unknown; it moves
+/// nothing, or the arm from `from` to `to`.
+struct DeclaredCall {
+  std::string name;
+  bool moves = false;
+  Joints from = Joints::Zero(), to = Joints::Zero();  ///< rad, where it moves
+  std::string text = {};                              ///< of the cell that makes it, where it moves
+};
+
 /// One motion to a target. A joint motion goes to `q` where that is known, else to `X_PT` on the arm's branch
 /// `status` with the turns `turn`.
 struct Motion {
@@ -33,6 +42,8 @@ struct Motion {
   /// rad, as read: how far the orientation may leave it (SINUMERIK), or the joints 1 to 3 (LinuxCNC's
   /// joints).
   double angle_blend = 0;
+  /// Index into MotionProgram::calls: what this call does, taken from the cell's word; −1 for none.
+  int call = -1;
   int pass = -1, point = -1;  ///< which milling point; −1 for none
   int file = 0, line = 0;     ///< of the program text, when read: index into MotionProgram::files
 };
@@ -74,7 +85,15 @@ struct MotionProgram {
   bool blend_overlaps = false;     ///< motions overlap at corners; `blend` bounds the tip alone
   std::vector<Motion> motions;
   std::vector<ProgramEvent> events;  ///< ascending by before_motion
+  std::vector<DeclaredCall> calls;   ///< that it makes, each once
   std::vector<std::string> files;    ///< names of the texts it was read from
+};
+
+/// A call that moves the arm, made from home and back to home.
+struct CallWay {
+  DeclaredCall call;
+  std::vector<Joints> there, back;  ///< from home to where the call begins, and from where it ends to home
+  double clearance_share = 1;       ///< of the cell's clearances, with which both were planned
 };
 
 /// What a program says beyond its plan.
@@ -84,6 +103,7 @@ struct MotionOptions {
   double approach_slow = 0;  ///< mm before the first point that run at its feed
   double retract_feed = 0;   ///< mm/s where above the feed of the last point
   std::vector<PathOutput> outputs;
+  std::vector<CallWay> calls;  ///< that of text footer at the end, the others at the beginning
 };
 
 /// Why no program can be made of a plan (a gap that could not be planned, nothing planned at all); empty when
@@ -95,12 +115,15 @@ std::string WhyNotProgrammable(const PlanResult& plan);
 /// naming pass and point.
 PlanResult Lifted(PlanResult plan, double offset);
 
-/// The motions of a plan in order: PTP home; per gap the way-points as PTP, the last one (where the approach
-/// begins) as a pose with S and T; LIN approach (in two parts where it has a feed of its own), LIN cuts (a
-/// closed piece returns to its first point as a last motion), LIN retract; PTP home. The spindle turns from
-/// before the first approach to after the last retract. The last cut and both ends of approach and retract
-/// are exact. Precondition: WhyNotProgrammable() is empty.
+/// The motions of a plan in order: PTP home, from there the calls that move; per gap the way-points as PTP,
+/// the last one (where the approach begins) as a pose with S and T; LIN approach (in two parts where it has a
+/// feed of its own), LIN cuts (a closed piece returns to its first point as a last motion), LIN retract; PTP
+/// home. The spindle turns from before the first approach to after the last retract. The last cut and both
+/// ends of approach and retract are exact. Precondition: WhyNotProgrammable() is empty.
 MotionProgram MakeMotionProgram(const PlanResult& plan, const MotionOptions& options = {});
+
+/// Straight and timed motions; the others move as fast as the axes allow.
+bool HasFeed(const Motion& motion);
 
 /// The program's lists are consistent: `before_motion` ascending and in range. For assertions.
 bool IsWellFormed(const MotionProgram& program);

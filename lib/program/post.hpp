@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 
+#include "base/error.hpp"
 #include "program/motion_program.hpp"
 
 namespace millpose {
@@ -30,6 +31,7 @@ struct PostSettings {
   int base_number = 0, tool_number = 0;      ///< krl: BASE_DATA and TOOL_DATA to use; 0: the values
   std::vector<double> external;              ///< krl: constant E1, E2, … of every target, mm or degrees
   std::map<std::string, std::string> texts;  ///< see Templates
+  std::vector<DeclaredCall> calls;           ///< that texts may make
 };
 
 /// The controller's tool frame C in T when its axis `name` ("x", "y", "z", "-x", …) lies along T's z (from
@@ -54,6 +56,9 @@ class Post {
   /// Reads back what Write() writes. Throws InputError with file:line:column, all problems at once.
   virtual MotionProgram Read(const ProgramFiles& files, const Arm& arm,
                              const PostSettings& settings) const = 0;
+  /// What the reader would refuse of the settings' texts wherever they stood, see
+  /// ProgramReader::CheckTexts().
+  virtual std::vector<Problem> CheckTexts(const Arm& arm, const PostSettings& settings) const = 0;
 };
 
 /// The post registered under `name`; InputError with the nearest name when there is none.

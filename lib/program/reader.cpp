@@ -5,6 +5,7 @@ namespace millpose {
 namespace {
 
 constexpr size_t kDeepestCall = 8;
+constexpr size_t kMostCalls = 10000;  // in all: programs that call others twice each grow without end
 
 std::string Stem(const std::string& file) { return file.substr(0, file.rfind('.')); }
 
@@ -34,8 +35,17 @@ MotionProgram ProgramReader::Read(const std::vector<std::string>& extensions) {
   program_.name = Stem(main);
   ReadFile(main);
   ExpectTexts({"header", "tool_change", "footer"});
-  if (!problems_.empty()) throw InputError(problems_);
-  return std::move(program_);
+  const std::vector<Problem> broken = rules_.Broken(program_);
+  problems_.insert(problems_.end(), broken.begin(), broken.end());
+  if (problems_.empty()) return std::move(program_);
+  const auto order = [&](const Problem& problem) {
+    const auto& files = program_.files;
+    return std::pair(std::find(files.begin(), files.end(), problem.place.file) - files.begin(),
+                     problem.place.line);
+  };
+  std::stable_sort(problems_.begin(), problems_.end(),
+                   [&](const Problem& a, const Problem& b) { return order(a) < order(b); });
+  throw InputError(problems_);
 }
 
 std::string ProgramReader::MainFile() {
@@ -62,6 +72,7 @@ void ProgramReader::ReadFile(const std::string& name) {
   file_ = static_cast<int>(program_.files.size()) - 1;
   lines_ = SplitLines(files_.at(name));
   ended_ = false;
+  const std::set<std::string> labels_outside = std::exchange(labels_, {});
   BeginFile();
   for (size_t i = 0; i < lines_.size();) {
     try {
@@ -74,6 +85,7 @@ void ProgramReader::ReadFile(const std::string& name) {
   if (!ended_)
     problems_.push_back(
         {{name, static_cast<int>(lines_.size()), 0, -1}, "the end of the program is missing"});
+  labels_ = labels_outside;
   open_.pop_back();
 }
 
@@ -91,46 +103,18 @@ size_t ProgramReader::ReadAt(size_t i) {
     ReadComment(*comment);
     return 1;
   }
-  LineScanner scan(lines_[i].substr(0, lines_[i].find(';')), open_.back(), line_);
+  LineScanner scan(WithoutComment(lines_[i]), open_.back(), line_);
   if (ended_) scan.Fail("nothing expected after the end of the program");
   ReadCode(scan);
   return 1;
 }
 
-size_t ProgramReader::ReadTexts(size_t i) {
-  if (const auto match = templates_.Recognise(lines_, i)) {
-    AddEvent(match->kind, match->value, 0);
-    return match->lines;
-  }
-  for (const std::string name :
-       {"pass_begin", "pass_end", "header", "tool_change", "footer", "cartesian_on", "joints_on"}) {
-    const size_t taken = templates_.Recognise(name, lines_, i);
-    if (taken == 0) continue;
-    if (awaited_ == name) awaited_.reset();
-    seen_[name] = true;
-    TextRead(name);
-    return taken;
-  }
-  return 0;
-}
-
-void ProgramReader::ExpectTexts(const std::vector<std::string>& names) {
-  for (const std::string& name : names) {
-    if (templates_.Lines(name).empty() || seen_[name]) continue;
-    problems_.push_back({{program_.files[0], 1, 0, -1}, fmt::format("the cell's text {} is missing", name)});
-  }
-}
-
-void ProgramReader::ExpectStated() {
-  for (const std::string& setting : Needed()) {
-    if (stated_.contains(setting)) continue;
-    problems_.push_back(
-        {{open_.back(), line_, 0, -1}, fmt::format("{} must be stated before the first motion", setting)});
-  }
-}
-
 std::optional<std::string_view> ProgramReader::Comment(std::string_view line) const {
   return line.starts_with(';') ? std::optional(line.substr(1)) : std::nullopt;
+}
+
+std::string_view ProgramReader::WithoutComment(std::string_view line) const {
+  return line.substr(0, line.find(';'));
 }
 
 void ProgramReader::ReadComment(std::string_view comment) {
@@ -151,6 +135,9 @@ bool ProgramReader::ReadCall(LineScanner& scan, const std::string& name) {
   if (open_.size() > kDeepestCall || std::find(open_.begin(), open_.end(), file) != open_.end()) {
     scan.Fail("programs must not call each other in a circle");
   }
+  if (program_.files.size() > kMostCalls) scan.Fail("fewer calls of programs expected");
+  rules_.Add({open_.back(), line_, 0, -1}, fmt::format("the call of {}", name), program_.motions.size(),
+             kAtStops);
   const std::vector<std::string_view> lines = lines_;
   const int index = file_, line = line_;
   if (pass_ >= 0 && !program_.motions.empty()) AddEvent(ProgramEvent::Kind::kHandover, 0, 0);
@@ -164,8 +151,35 @@ bool ProgramReader::ReadCall(LineScanner& scan, const std::string& name) {
 
 std::string ProgramReader::FileStem() const { return Stem(open_.back()); }
 
+void ProgramReader::Allow(const LineScanner& scan, size_t start, Places places) {
+  rules_.Add(scan.PlaceOf(start), fmt::format("'{}'", scan.TakenFrom(start)), program_.motions.size(),
+             places);
+}
+
+void ProgramReader::AddLabel(const LineScanner& scan, size_t start, const std::string& name) {
+  std::string upper = name;
+  for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  if (!labels_.insert(upper).second)
+    scan.FailFrom(start, "a label that this file does not have yet expected");
+}
+
+void ProgramReader::Forget(const std::string& by) {
+  stated_.clear();
+  forgotten_by_ = InHead() ? "" : by;
+  Forgotten();
+}
+
+void ProgramReader::Require(const std::string& setting) {
+  if (checking_ || !stated_.insert(setting).second) return;  // told once
+  problems_.push_back({{open_.back(), line_, 0, -1},
+                       forgotten_by_.empty()
+                           ? fmt::format("{} must be stated before the first motion", setting)
+                           : fmt::format("{} must be stated again before this motion: {} left it unknown",
+                                         setting, forgotten_by_)});
+}
+
 Motion& ProgramReader::AddMotion(MotionType type) {
-  if (program_.motions.empty()) ExpectStated();
+  for (const std::string& setting : Needed()) Require(setting);
   Motion& motion = program_.motions.emplace_back();
   motion.type = type;
   motion.pass = pass_;

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "program/post.hpp"
+#include "program/program_place.hpp"
 #include "program/scanner.hpp"
 #include "program/templates.hpp"
 
@@ -13,7 +14,9 @@ namespace millpose {
 /// Whether some line of `text` begins with the name `stem` as the call of a program does.
 bool CallsProgram(std::string_view text, const std::string& stem);
 
-/// Reads the files of one program line by line. A reader of a controller says what its lines mean.
+/// Reads the files of one program line by line. A reader of a controller says what its lines mean, where
+/// among the motions each statement may stand (Allow), and what a motion needs to be stated before it
+/// (Needed, Require): whatever is neither modelled nor allowed at its place is a problem with its line.
 class ProgramReader {
  public:
   ProgramReader(const ProgramFiles& files, const PostSettings& settings, Templates templates);
@@ -23,17 +26,28 @@ class ProgramReader {
   /// calls. Throws InputError with every problem found.
   MotionProgram Read(const std::vector<std::string>& extensions);
 
+  /// What no program may hold of the cell's texts: a statement that is neither modelled nor a word of texts
+  /// nor a declared call. `place.file` is the text's name, line and column count within it.
+  std::vector<Problem> CheckTexts();
+
  protected:
   /// A line that is a comment as a whole: its text.
   virtual std::optional<std::string_view> Comment(std::string_view line) const;
+  /// A line without the comment at its end. Base: from ';' on.
+  virtual std::string_view WithoutComment(std::string_view line) const;
   /// The statements of a line; `scan` ends before a comment.
   virtual void ReadCode(LineScanner& scan) = 0;
   /// A comment, without what makes it one. Base: "key: value" in the head of the main program.
   virtual void ReadComment(std::string_view comment);
   /// A file of the program begins or has ended.
   virtual void BeginFile() {}
-  /// What must be stated before the first motion: without it the motions depend on what ran before.
+  /// What must be stated before any motion: without it the motions depend on what ran before.
   virtual std::vector<std::string> Needed() const { return {}; }
+  /// Nothing of what the program has set holds any longer, see Forget().
+  virtual void Forgotten() {}
+  /// Takes a word that only texts of the cell may hold (outputs, waits, spindle, coolant); false when another
+  /// comes next. ReadCode() asks it while InText().
+  virtual bool ReadTextWord(LineScanner& scan) = 0;
   /// The cell's text `name` was read.
   virtual void TextRead(const std::string& /*name*/) {}
 
@@ -45,8 +59,30 @@ class ProgramReader {
   bool InSubprogram() const { return open_.size() > 1; }
   std::string FileStem() const;
 
-  /// One of Needed() was read.
+  /// Whether the cell declares a call of this name.
+  bool IsDeclared(const std::string& name) const;
+  /// What stands in brackets behind the name of a declared call, '(' taken: numbers, words, texts in quotes.
+  static void SkipArguments(LineScanner& scan);
+  /// A call that the cell declares: what it does to settings is unknown, where it leaves the arm is known.
+  /// False when `name` is no such call. The scanner stands behind name and arguments.
+  bool ReadDeclaredCall(const LineScanner& scan, size_t start, const std::string& name);
+  /// The line is one of a text of the cell.
+  bool InText() const { return in_text_; }
+
+  /// What was read from `start` on may stand at `places` alone; told at the end, when it is known where it
+  /// stands.
+  void Allow(const LineScanner& scan, size_t start, Places places);
+  /// A label of the present file; each may stand once.
+  void AddLabel(const LineScanner& scan, size_t start, const std::string& name);
+
+  /// A setting was read: it holds from here on.
   void Stated(const std::string& setting) { stated_.insert(setting); }
+  /// Nothing of what was stated holds any longer, because of `by` (a call, a reset).
+  void Forget(const std::string& by);
+  /// The motion that is being read needs `setting` to be stated. Told once.
+  void Require(const std::string& setting);
+  /// No motion was read so far.
+  bool InHead() const { return program_.motions.empty(); }
   Motion& AddMotion(MotionType type);
   void AddOutput(const PathOutput& output);
   /// What follows a pass mark, "3 PIECE 0"; the cell's text for it must come next, where there is one. Words
@@ -60,9 +96,12 @@ class ProgramReader {
   void ReadFile(const std::string& name);
   size_t ReadAt(size_t i);
   size_t ReadTexts(size_t i);
+  size_t ReadText(const std::string& name, size_t i);
+  bool MayComeNext(const std::string& name) const;
+  void ReadTextLines(size_t i, size_t count);
+  void AllowText(const std::string& name);
   std::string MainFile();
   void AddEvent(ProgramEvent::Kind kind, double value, int piece);
-  void ExpectStated();
   void ExpectTexts(const std::vector<std::string>& names);
 
   const ProgramFiles& files_;
@@ -71,12 +110,17 @@ class ProgramReader {
   std::vector<std::string> open_;  // files being read, the innermost last
   std::vector<Problem> problems_;
   std::vector<std::string_view> lines_;
-  std::map<std::string, bool> seen_;    // texts of the cell
-  std::set<std::string> stated_;        // settings
+  std::map<std::string, bool> seen_;  // texts of the cell
+  std::set<std::string> stated_;      // settings
+  std::set<std::string> labels_;      // of the present file, upper case
+  std::string forgotten_by_;          // what made the settings unknown, where something did
+  PlaceRules rules_;
   std::optional<std::string> awaited_;  // the text that must come next
   int file_ = 0, line_ = 0;
   int pass_ = -1;
   bool ended_ = false;
+  bool in_text_ = false;
+  bool checking_ = false;  // texts alone, without a program
 };
 
 }  // namespace millpose

@@ -6,6 +6,8 @@
 namespace millpose {
 namespace {
 
+constexpr double kLargestNumber = 1e9;  // no length, angle, feed or speed of a robot's program reaches it
+
 bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool IsWordCharacter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '$';
@@ -108,6 +110,7 @@ double LineScanner::ExpectNumber() {
   }
   const std::optional<double> value = ParseNumber(line_.substr(position_, end - position_));
   if (!value) Fail("a decimal number expected");
+  if (std::abs(*value) > kLargestNumber) Fail("a number that a program may hold (up to 1e9) expected");
   position_ = end;
   return *value;
 }
@@ -148,9 +151,14 @@ size_t LineScanner::Next() {
   return position_;
 }
 
+Place LineScanner::PlaceOf(size_t start) const { return {file_, number_, static_cast<int>(start) + 1, -1}; }
+
+std::string LineScanner::TakenFrom(size_t start) const {
+  return std::string(Trim(line_.substr(start, position_ - start)));
+}
+
 void LineScanner::FailFrom(size_t start, const std::string& message) const {
-  throw InputError(Place{file_, number_, static_cast<int>(start) + 1, -1},
-                   fmt::format("{}, but '{}' given", message, Trim(line_.substr(start, position_ - start))));
+  throw InputError(PlaceOf(start), fmt::format("{}, but '{}' given", message, TakenFrom(start)));
 }
 
 void LineScanner::Fail(const std::string& message) const {

@@ -49,6 +49,9 @@ class LineScanner {
   /// What was taken from `start` (Next() before) on is wrong.
   [[noreturn]] void FailFrom(size_t start, const std::string& message) const;
   int number() const { return number_; }
+  /// The place of column `start` (Next() before), and what was taken from there on.
+  Place PlaceOf(size_t start) const;
+  std::string TakenFrom(size_t start) const;
 
  private:
   void SkipSpace();

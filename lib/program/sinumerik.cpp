@@ -57,15 +57,19 @@ class SinumerikWriter : public ProgramWriter {
     add(fmt::format("; TOOL {} in the flange: X{} Y{} Z{} A={} B={} C={}", settings_.tool_name,
                     Fixed(t.x(), 4), Fixed(t.y(), 4), Fixed(t.z(), 4), Fixed(abc[0], 4), Fixed(abc[1], 4),
                     Fixed(abc[2], 4)));
-    add("G17 G710 G40 G90 G94");
-    head += TextLines("tool_change");
-    if (program_.X_BP) add(Frame(*program_.X_BP));
-    add("G54");
-    add("ORIWKS");
-    add(fmt::format("CYCLE832({},_FINISH,{})", Fixed(settings_.blend, 4),
-                    Fixed(settings_.orientation_blend * kDegPerRad, 4)));
-    add("G642");
-    return head + TextLines("header");
+    const std::string settings = Settings();
+    const size_t codes = settings.find('\n') + 1;  // the tool is changed before its frames are set
+    return head + settings.substr(0, codes) + TextLines("tool_change") + settings.substr(codes) +
+           TextLines("header");
+  }
+
+  std::string Settings() const override {
+    std::string settings = "G17 G710 G40 G90 G94\n";
+    if (program_.X_BP) settings += Frame(*program_.X_BP) + "\n";
+    settings += "G54\nORIWKS\n";
+    settings += fmt::format("CYCLE832({},_FINISH,{})\nG642\n", Fixed(settings_.blend, 4),
+                            Fixed(settings_.orientation_blend * kDegPerRad, 4));
+    return settings;
   }
 
   static std::string Frame(const Pose& X_BP) {

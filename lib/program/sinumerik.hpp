@@ -12,6 +12,7 @@ class SinumerikPost : public Post {
   ProgramFiles Write(const MotionProgram& program, const Arm& arm,
                      const PostSettings& settings) const override;
   MotionProgram Read(const ProgramFiles& files, const Arm& arm, const PostSettings& settings) const override;
+  std::vector<Problem> CheckTexts(const Arm& arm, const PostSettings& settings) const override;
 };
 
 /// SINUMERIK's texts for events where the cell gives none.

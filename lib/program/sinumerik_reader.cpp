@@ -8,6 +8,10 @@
 namespace millpose {
 namespace {
 
+constexpr const char* kTransformation = "TRAORI or TRAFOOF";
+constexpr const char* kFrame = "$P_UIFR[1]";
+constexpr double kSamePlace = 1e-9;  // of a frame stated again
+
 /// What one block programs.
 struct Block {
   std::array<std::optional<double>, 6> pose;  ///< X, Y, Z mm, A, B, C degrees
@@ -31,13 +35,20 @@ class SinumerikReader : public ProgramReader {
 
  private:
   std::vector<std::string> Needed() const override {
-    return {"G40", "G54", "G90", "G94", "G642", "G710", "ORIWKS"};
+    return {"G40", "G54", "G90", "G94", "G642", "G710", "ORIWKS", kTransformation};
+  }
+
+  void Forgotten() override {
+    tolerances_.reset();
+    feed_ = 0;
+    last_ = {};
   }
 
   void ReadCode(LineScanner& scan) override {
     AcceptAddress(scan, 'N');
     Block block;
     while (!scan.AtEnd()) {
+      if (InText() && ReadTextWord(scan)) continue;
       if (!ReadMove(scan, block) && !ReadStatement(scan, block)) ReadName(scan);
     }
     if (block.HasAxes()) {
@@ -51,10 +62,31 @@ class SinumerikReader : public ProgramReader {
   void ReadName(LineScanner& scan) {
     const size_t start = scan.Next();
     const auto name = scan.AcceptName();
-    if (name && scan.Accept(":")) return;
+    if (name && scan.Accept(":")) return AddLabel(scan, start, *name);
+    if (name && IsDeclared(*name)) {
+      if (scan.Accept("(")) SkipArguments(scan);
+      ReadDeclaredCall(scan, start, *name);
+      return scan.ExpectEnd();
+    }
     const char* message = "a word of a milling program or the call of a file of the program expected";
     if (!name) scan.Fail(message);
     if (!scan.AtEnd() || !ReadCall(scan, *name)) scan.FailFrom(start, message);
+  }
+
+  /// Spindle, coolant, outputs: what a text of the cell may switch.
+  bool ReadTextWord(LineScanner& scan) override {
+    for (const std::string_view word : {"M3", "M4", "M5", "M7", "M8", "M9", "STOPRE"}) {
+      if (scan.Accept(word)) return true;
+    }
+    if (scan.Accept("$A_OUT") || scan.Accept("$A_OUTA")) {
+      scan.Expect("[");
+      scan.ExpectNumber();
+      scan.Expect("]");
+      scan.Expect("=");
+      scan.ExpectNumber();
+      return true;
+    }
+    return AcceptAddress(scan, 'S').has_value();
   }
 
   /// A letter directly followed by a number (X1.5) or by '=' and a number (A=1.5).
@@ -97,8 +129,10 @@ class SinumerikReader : public ProgramReader {
     const size_t start = scan.Next();
     if (scan.Accept("TRAORI")) {
       transformed_ = true;
+      Stated(kTransformation);
     } else if (scan.Accept("TRAFOOF")) {
       transformed_ = false;
+      Stated(kTransformation);
     } else if (scan.Accept("CYCLE832")) {
       ReadTolerances(scan);
     } else if (scan.Accept("MSG")) {
@@ -162,8 +196,8 @@ class SinumerikReader : public ProgramReader {
     scan.Expect("(");
     if (scan.Accept(")")) return;
     scan.Expect("\"");
-    const bool begin = scan.Accept("PASS");
-    if (begin || scan.Accept("END OF PASS")) ReadPassMark(scan, begin);
+    const bool begin = !InText() && scan.Accept("PASS");
+    if (begin || (!InText() && scan.Accept("END OF PASS"))) ReadPassMark(scan, begin);
     while (scan.Peek() != '"' && scan.Peek() != '\0') scan.Skip();
     scan.Expect("\"");
     scan.Expect(")");
@@ -195,13 +229,16 @@ class SinumerikReader : public ProgramReader {
   }
 
   void ReadFrame(LineScanner& scan) {
-    if (posed_) scan.Fail("one frame for all poses of the program expected");
+    const size_t start = scan.Next();
     scan.Expect("=");
     Pose X_BP = Pose::Identity();
     X_BP.translation() = ReadTriple(scan, "CTRANS");
     scan.Expect(":");
     X_BP.linear() = FromAnglesZyx(ReadTriple(scan, "CROT").reverse() * kRadPerDeg);
+    if (posed_ && program_.X_BP && !X_BP.matrix().isApprox(program_.X_BP->matrix(), kSamePlace))
+      scan.FailFrom(start, "one frame for all poses of the program expected");
     program_.X_BP = X_BP;
+    Stated(kFrame);
   }
 
   void AddAxes(const LineScanner& scan, const Block& block) {
@@ -220,8 +257,8 @@ class SinumerikReader : public ProgramReader {
   }
 
   void AddPose(const LineScanner& scan, const Block& block) {
-    const bool first = !std::exchange(posed_, true);
-    if (first && !program_.X_BP) scan.Fail("$P_UIFR[1] must be set before the first pose");
+    posed_ = true;
+    Require(kFrame);
     if (!transformed_) scan.Fail("a pose can only be approached while TRAORI holds");
     for (int i = 0; i < 6; ++i) {
       if (block.pose[i]) last_[i] = block.pose[i];
@@ -237,6 +274,7 @@ class SinumerikReader : public ProgramReader {
       motion.status = block.status;
       motion.turn = block.turn;
     } else {
+      if (feed_ <= 0) scan.Fail("G1 needs F");
       motion.feed = feed_;
       if (motion.exact) return;
       if (!tolerances_) scan.Fail("a CYCLE832 with the tolerances of rounded corners expected before");
@@ -256,6 +294,10 @@ class SinumerikReader : public ProgramReader {
 };
 
 }  // namespace
+
+std::vector<Problem> SinumerikPost::CheckTexts(const Arm&, const PostSettings& settings) const {
+  return SinumerikReader({}, settings).CheckTexts();
+}
 
 MotionProgram SinumerikPost::Read(const ProgramFiles& files, const Arm&, const PostSettings& settings) const {
   return SinumerikReader(files, settings).Read({".mpf", ".spf"});

@@ -63,21 +63,18 @@ std::string_view WithoutNumber(std::string_view line) {
   return end == std::string_view::npos || end == 1 || line[end] != ' ' ? line : Trim(line.substr(end));
 }
 
-/// How many lines from `first` on hold all patterns, one a line, with blank lines between; 0 when they do
-/// not.
-size_t MatchAll(const std::vector<std::string>& patterns, const std::vector<std::string_view>& lines,
-                size_t first, double& rpm) {
-  size_t line = first;
-  for (const std::string& pattern : patterns) {
-    while (line > first && line < lines.size() && Trim(lines[line]).empty()) ++line;
-    if (line == lines.size()) return 0;
-    const std::string_view given = WithoutNumber(Trim(lines[line]));
-    const char begin = given.empty() ? '\0' : given.front();
-    if (std::toupper(begin) != std::toupper(pattern.front()) && pattern.front() != '{') return 0;  // cheap
-    if (!Matches(Normalised(pattern), Normalised(given), rpm)) return 0;
-    ++line;
+bool IsWordCharacter(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '$'; }
+
+/// Whether `name` stands in `line` as a word, outside a comment that takes the whole line.
+bool HoldsWord(const std::string& line, const std::string& name) {
+  if (line.starts_with(';') || line.starts_with('(')) return false;
+  const std::string text = Normalised(line), word = Normalised(name);
+  for (size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
+    const size_t end = at + word.size();
+    if ((at == 0 || !IsWordCharacter(text[at - 1])) && (end == text.size() || !IsWordCharacter(text[end])))
+      return true;
   }
-  return line - first;
+  return false;
 }
 
 void Fill(std::string& line, const std::string& hole, const std::string& value) {
@@ -101,7 +98,9 @@ const std::vector<std::string>& Templates::Names() {
 }
 
 Templates::Templates(std::map<std::string, std::string> defaults,
-                     const std::map<std::string, std::string>& overrides, const std::string& tool) {
+                     const std::map<std::string, std::string>& overrides, const std::string& tool,
+                     bool block_numbers)
+    : block_numbers_(block_numbers) {
   for (const auto& [name, text] : overrides) defaults[name] = text;
   for (const auto& [name, text] : defaults) {
     texts_[name] = LinesOf(text);
@@ -112,13 +111,17 @@ Templates::Templates(std::map<std::string, std::string> defaults,
   for (const std::string& name : Names()) texts_[name];  // every name has lines, if none
 }
 
-std::vector<std::string> Templates::Lines(const ProgramEvent& event) const {
+std::string Templates::NameOf(ProgramEvent::Kind kind) {
   using Kind = ProgramEvent::Kind;
-  if (event.kind == Kind::kOutput || event.kind == Kind::kHandover) return {};
-  const std::string name = event.kind == Kind::kSpindleOn    ? "spindle_on"
-                           : event.kind == Kind::kSpindleOff ? "spindle_off"
-                           : event.kind == Kind::kPassBegin  ? "pass_begin"
-                                                             : "pass_end";
+  if (kind == Kind::kOutput || kind == Kind::kHandover) return {};
+  if (kind == Kind::kSpindleOn) return "spindle_on";
+  if (kind == Kind::kSpindleOff) return "spindle_off";
+  return kind == Kind::kPassBegin ? "pass_begin" : "pass_end";
+}
+
+std::vector<std::string> Templates::Lines(const ProgramEvent& event) const {
+  const std::string name = NameOf(event.kind);
+  if (name.empty()) return {};
   std::vector<std::string> lines = texts_.at(name);
   for (std::string& line : lines) {
     Fill(line, "{rpm}", ShortestNumber(std::round(event.value * 60 * 1000) / 1000));
@@ -130,13 +133,30 @@ std::vector<std::string> Templates::Lines(const ProgramEvent& event) const {
 
 const std::vector<std::string>& Templates::Lines(const std::string& name) const { return texts_.at(name); }
 
+/// How many lines from `first` on are the lines of the text, with blank lines between; 0 when they are not.
+size_t Templates::MatchAll(const std::string& name, const std::vector<std::string_view>& lines, size_t first,
+                           double& rpm) const {
+  size_t line = first;
+  for (const std::string& pattern : texts_.at(name)) {
+    while (line > first && line < lines.size() && Trim(lines[line]).empty()) ++line;
+    if (line == lines.size()) return 0;
+    const std::string_view text = Trim(lines[line]);
+    const std::string_view given = block_numbers_ ? WithoutNumber(text) : text;
+    const char begin = given.empty() ? '\0' : given.front();
+    if (std::toupper(begin) != std::toupper(pattern.front()) && pattern.front() != '{') return 0;  // cheap
+    if (!Matches(Normalised(pattern), Normalised(given), rpm)) return 0;
+    ++line;
+  }
+  return line - first;
+}
+
 std::optional<Templates::Match> Templates::Recognise(const std::vector<std::string_view>& lines,
                                                      size_t first) const {
   double rpm = 0;
-  if (const size_t taken = MatchAll(texts_.at("spindle_on"), lines, first, rpm)) {
+  if (const size_t taken = MatchAll("spindle_on", lines, first, rpm)) {
     return Match{ProgramEvent::Kind::kSpindleOn, rpm / 60, taken};
   }
-  if (const size_t taken = MatchAll(texts_.at("spindle_off"), lines, first, rpm)) {
+  if (const size_t taken = MatchAll("spindle_off", lines, first, rpm)) {
     return Match{ProgramEvent::Kind::kSpindleOff, rpm / 60, taken};
   }
   return std::nullopt;
@@ -145,7 +165,24 @@ std::optional<Templates::Match> Templates::Recognise(const std::vector<std::stri
 size_t Templates::Recognise(const std::string& name, const std::vector<std::string_view>& lines,
                             size_t first) const {
   double rpm = 0;
-  return MatchAll(texts_.at(name), lines, first, rpm);
+  return MatchAll(name, lines, first, rpm);
+}
+
+bool Templates::Calls(const std::string& name, const std::vector<DeclaredCall>& calls, bool moving) const {
+  for (const std::string& line : texts_.at(name)) {
+    for (const DeclaredCall& call : calls) {
+      if ((call.moves || !moving) && HoldsWord(line, call.name)) return true;
+    }
+  }
+  return false;
+}
+
+std::string Templates::WithSamples(std::string text, const std::string& tool) {
+  Fill(text, "{rpm}", "1000");
+  Fill(text, "{pass}", "0");
+  Fill(text, "{piece}", "0");
+  Fill(text, "{tool}", tool);
+  return text;
 }
 
 }  // namespace millpose

@@ -22,12 +22,15 @@ namespace millpose {
 class Templates {
  public:
   /// `tool` fills {tool}.
+  /// `block_numbers`: "N10 " may stand before a line of a text.
   Templates(std::map<std::string, std::string> defaults, const std::map<std::string, std::string>& overrides,
-            const std::string& tool);
+            const std::string& tool, bool block_numbers = true);
 
   /// All names that texts may have.
   static const std::vector<std::string>& Names();
 
+  /// The text that belongs to an event; empty where none does.
+  static std::string NameOf(ProgramEvent::Kind kind);
   /// The lines of an event, values filled in.
   std::vector<std::string> Lines(const ProgramEvent& event) const;
   /// The lines of header, footer or tool_change.
@@ -43,8 +46,17 @@ class Templates {
   /// How many lines from `first` on are the text `name`; 0 when they are not (or the text is empty).
   size_t Recognise(const std::string& name, const std::vector<std::string_view>& lines, size_t first) const;
 
+  /// Whether the text `name` holds the call of one of `calls`; `moving`: of one that moves the arm.
+  bool Calls(const std::string& name, const std::vector<DeclaredCall>& calls, bool moving) const;
+  /// A text with values such as every program has in place of its holes, line by line.
+  static std::string WithSamples(std::string text, const std::string& tool);
+
  private:
+  size_t MatchAll(const std::string& name, const std::vector<std::string_view>& lines, size_t first,
+                  double& rpm) const;
+
   std::map<std::string, std::vector<std::string>> texts_;
+  bool block_numbers_;
 };
 
 }  // namespace millpose

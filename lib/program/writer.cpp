@@ -28,6 +28,12 @@ void ProgramWriter::WriteSections() {
       if (kind == ProgramEvent::Kind::kPassEnd || kind == ProgramEvent::Kind::kHandover) begin();
     }
     if (i == program_.motions.size()) return;
+    const int call = program_.motions[i].call;
+    if (call >= 0) {
+      const std::string& text = program_.calls[static_cast<size_t>(call)].text;
+      AddLines(templates_.Lines(text), text);
+      continue;
+    }
     ++sections_.back().motions;
     AddMotion(i);
   }
@@ -75,17 +81,25 @@ std::vector<std::string> ProgramWriter::HeaderTexts(size_t width) const {
 }
 
 std::string ProgramWriter::TextLines(const std::string& name) const {
+  if (templates_.Calls(name, settings_.calls, true)) return {};
   std::string text;
   for (const std::string& line : templates_.Lines(name)) text += line + "\n";
+  if (name != "footer" && templates_.Calls(name, settings_.calls, false)) text += Settings();
   return text;
 }
 
-void ProgramWriter::AddText(const std::string& name) {
-  for (const std::string& line : templates_.Lines(name)) Line(line);
-}
+void ProgramWriter::AddText(const std::string& name) { AddLines(templates_.Lines(name), name); }
 
 void ProgramWriter::AddTexts(const ProgramEvent& event) {
-  for (const std::string& line : templates_.Lines(event)) Line(line);
+  const std::string name = Templates::NameOf(event.kind);
+  if (!name.empty()) AddLines(templates_.Lines(event), name);
+}
+
+void ProgramWriter::AddLines(const std::vector<std::string>& lines, const std::string& name) {
+  for (const std::string& line : lines) Line(line);
+  if (!templates_.Calls(name, settings_.calls, false)) return;
+  sections_.back().text += Settings();
+  Forget();
 }
 
 int ProgramWriter::TurnAt(const Motion& motion, const Pose& X_PC_as_written) const {

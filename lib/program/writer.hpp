@@ -20,7 +20,12 @@ class ProgramWriter {
 
   /// A section begins: modal settings are to be stated again, so that it can be entered.
   virtual void Begin() = 0;
+  /// Nothing that was stated holds any longer: a text of the cell made a call.
+  virtual void Forget() { Begin(); }
   virtual void Event(const ProgramEvent& event) = 0;
+  /// Everything that a program states before its first motion: a declared call leaves it unknown. Each line
+  /// with its end.
+  virtual std::string Settings() const = 0;
   virtual void AddMotion(size_t i) = 0;
 
   /// Goes through motions and events in order. Sections end behind each kPassEnd and kHandover; the last one,
@@ -38,7 +43,8 @@ class ProgramWriter {
 
   /// "key: value" of the header, plain ASCII, at most `width` characters each.
   std::vector<std::string> HeaderTexts(size_t width) const;
-  /// The lines of a text of the cell, each with its end.
+  /// The lines of a text of the cell, each with its end, and the settings again behind a call. Empty for one
+  /// whose call moves the arm: it is written in its place among the motions.
   std::string TextLines(const std::string& name) const;
   void AddText(const std::string& name);
   void AddTexts(const ProgramEvent& event);
@@ -51,6 +57,8 @@ class ProgramWriter {
   Pose X_FT_;  ///< as the program states it, else as the cell does
 
  private:
+  void AddLines(const std::vector<std::string>& lines, const std::string& name);
+
   struct Section {
     std::string text;
     int motions = 0;

@@ -4,6 +4,7 @@
 #include "base/parallel.hpp"
 #include "base/units.hpp"
 #include "robot/kinematics.hpp"
+#include "verify/corner.hpp"
 #include "verify/run_comparison.hpp"
 
 namespace millpose {
@@ -77,6 +78,35 @@ void CompareGap(const Replayed& replayed, const Replayed& plan, const GapRange& 
   for (size_t i = plan_first; i < plan_last; ++i)
     proof.clearance_share = std::min(proof.clearance_share, plan.program.motions[i].clearance_share);
   for (size_t i = first; i < last; ++i) proofs[i] = proof;
+}
+
+/// Corners of ways that no stop ends: a controller rounds them, at most from half-way to half-way.
+void CompareWayStops(const Replayed& replayed, size_t first, size_t last, const VerifyOptions& options,
+                     std::vector<Finding>& findings, std::vector<Proof>& proofs) {
+  const std::vector<Motion>& motions = replayed.program.motions;
+  for (size_t i = first == 0 ? 0 : first - 1; i < last; ++i) {
+    if (motions[i].exact || i + 1 >= motions.size()) continue;
+    if (HasFeed(motions[i]) != HasFeed(motions[i + 1])) {
+      findings.push_back(At(replayed.program, i,
+                            "no stop between a way and a cut: a stop is planned here, but not programmed"));
+      continue;
+    }
+    if (i == 0 || !replayed.replay.reached[i] || !replayed.replay.reached[i + 1]) continue;
+    const auto& q = replayed.replay.targets;
+    Joints rounding = RoundingOfWay(q[i - 1], q[i], q[i + 1]);
+    const double xyz =
+        rounding.head<3>().norm();  // LinuxCNC: the tolerance of G64 bounds them, and the time with them
+    if (replayed.program.blend_overlaps && xyz > motions[i].angle_blend)
+      rounding *= motions[i].angle_blend / xyz;
+    const double off = rounding.cwiseAbs().maxCoeff();
+    if (off > options.gap_tolerance)
+      findings.push_back(
+          At(replayed.program, i,
+             fmt::format("the way between cuts is rounded here and may leave the planned one by "
+                         "{:.3f} deg of a joint",
+                         off * kDegPerRad)));
+    if (off > options.gap_proven) proofs[i].proven = proofs[i + 1].proven = false;
+  }
 }
 
 /// The spindle's changes: after how many feed motions' runs, and within one or not.
@@ -179,8 +209,6 @@ void CompareOutputs(const Replayed& replayed, const Replayed& plan, const Cell& 
 
 }  // namespace
 
-bool HasFeed(const Motion& motion) { return motion.type == MotionType::kLinear || motion.duration > 0; }
-
 std::vector<FeedRun> FeedRuns(const MotionProgram& program) {
   std::vector<FeedRun> runs;
   for (size_t i = 1; i < program.motions.size(); ++i) {
@@ -218,6 +246,7 @@ std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const
     };
     CompareGap(replayed, plan, {first(replayed), last(replayed), first(plan), last(plan)}, options, findings,
                proofs);
+    CompareWayStops(replayed, first(replayed), last(replayed), options, findings, proofs);
   }
   CompareSpindle(replayed, plan, options, findings);
   CompareOutputs(replayed, plan, cell, options, findings);

@@ -14,8 +14,6 @@ struct FeedRun {
   size_t first = 0, last = 0;
 };
 
-/// Straight and timed motions; the others move as fast as the axes allow.
-bool HasFeed(const Motion& motion);
 std::vector<FeedRun> FeedRuns(const MotionProgram& program);
 
 /// A program with its replay.

@@ -17,4 +17,18 @@ Joints OverlapRounding(const Joints& before, const Joints& after, const Joints& 
   return std::min(stop, shorter) / 8 * (after - before);
 }
 
+std::vector<Joints> LargestRounding(const Joints& before, const Joints& q, const Joints& after, int count) {
+  const Joints first = (before + q) / 2, last = (q + after) / 2;
+  std::vector<Joints> places;
+  for (int i = 0; i < count; ++i) {
+    const double t = static_cast<double>(i) / (count - 1);
+    places.emplace_back((1 - t) * (1 - t) * first + 2 * t * (1 - t) * q + t * t * last);
+  }
+  return places;
+}
+
+Joints RoundingOfWay(const Joints& before, const Joints& q, const Joints& after) {
+  return ((after - q) / 2 - (q - before) / 2) / 4;
+}
+
 }  // namespace millpose

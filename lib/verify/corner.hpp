@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <vector>
+
 #include "motion/corner.hpp"
 #include "program/motion_program.hpp"
 
@@ -17,5 +19,12 @@ CornerRounding RoundingOf(const Pose& before, const Pose& corner, const Pose& af
 /// the slowest joint needs to stop, no longer than the shorter motion takes, leaves it by t/8 of the change
 /// of speed. Speeds in rad/s, `shorter` in s.
 Joints OverlapRounding(const Joints& before, const Joints& after, const Joints& acceleration, double shorter);
+
+/// The largest rounding of a joint motion at q that no stop ends (C_PTP): a parabola from half-way before to
+/// half-way behind, in joint space, `count` places of it from its begin to its end. How a controller rounds
+/// is its own; none begins earlier or ends later.
+std::vector<Joints> LargestRounding(const Joints& before, const Joints& q, const Joints& after, int count);
+/// How far (rad, joint by joint) that parabola stays from q.
+Joints RoundingOfWay(const Joints& before, const Joints& q, const Joints& after);
 
 }  // namespace millpose

@@ -10,7 +10,10 @@ namespace millpose {
 namespace {
 
 constexpr double kTurnStep = 0.5 * kRadPerDeg;
-constexpr double kTargetStep = 5;  // mm: from target to target full turns must be followed, no more
+constexpr double kLargestTurn = 4 * kPi;  // rad that a straight motion may turn; more is no program of ours
+constexpr double kFarOutside = 2 * kPi;   // rad beyond the limits: not sampled, the arm stays where it was
+constexpr double kCallSlack = 1e-4;       // rad: six decimals of a degree, and turns counted exactly
+constexpr double kTargetStep = 5;         // mm: from target to target full turns must be followed, no more
 
 /// The programmed tool in B of a motion; the tool that the program believes in.
 Pose ProgrammedTool(const MotionProgram& program, const Motion& motion) {
@@ -48,33 +51,72 @@ bool FollowLine(const Arm& arm, const Pose& X_FT, const ProgrammedLine& line, in
   return true;
 }
 
+/// The axis that is farther outside its limits than any slip of rounding or turns, 0 for none.
+int FarOutside(const Arm& arm, const Joints& q) {
+  for (int i = 0; i < 6; ++i) {
+    const bool inside = q[i] >= arm.lower[i] - kFarOutside && q[i] <= arm.upper[i] + kFarOutside;
+    if (!inside) return i + 1;
+  }
+  return 0;
+}
+
+/// The joint target of a straight motion from `q`. Its end and its turn are tested before anything is
+/// sampled.
+std::optional<Joints> StraightTarget(const MotionProgram& program, const Cell& cell, size_t index,
+                                     const Joints& q, std::string& reason) {
+  const Pose X_FT = ToolOf(program, cell);
+  const ProgrammedLine line = LineOf(program, index, ForwardFlange(cell.arm, q) * X_FT);
+  const int branch = Status(cell.arm, q);
+  reason = fmt::format("the straight motion leaves the arm's reach in configuration S = {}", branch);
+  if (!InverseNear(cell.arm, line.At(1) * X_FT.inverse(), branch, q)) return std::nullopt;
+  if (line.angle() > kLargestTurn) {
+    reason = fmt::format("the straight motion turns by {:.0f} deg", line.angle() * kDegPerRad);
+    return std::nullopt;
+  }
+  std::vector<Joints> angles;
+  if (!FollowLine(cell.arm, X_FT, line, StepsOf(line, kTargetStep), q, angles)) return std::nullopt;
+  return angles.back();
+}
+
+/// What a call that the cell declares leaves behind; it must begin where the cell says.
+std::optional<Joints> CallTarget(const MotionProgram& program, const Motion& motion,
+                                 const std::optional<Joints>& q, std::string& reason) {
+  const DeclaredCall& call = program.calls[static_cast<size_t>(motion.call)];
+  const double off = q ? (*q - call.from).cwiseAbs().maxCoeff() : 0;
+  if (q && off <= kCallSlack) return call.to;
+  reason = q ? fmt::format("{} must be called at its from_deg; a joint is off by {:.3f} deg", call.name,
+                           off * kDegPerRad)
+             : fmt::format("{} is called at an unknown place", call.name);
+  return std::nullopt;
+}
+
 /// The joint target of one motion from `q`; empty with a reason.
 std::optional<Joints> Target(const MotionProgram& program, const Cell& cell, size_t index,
                              const std::optional<Joints>& q, std::string& reason) {
   const Motion& motion = program.motions[index];
-  if (motion.type == MotionType::kJoint && motion.q) return motion.q;
+  if (motion.call >= 0) return CallTarget(program, motion, q, reason);
+  if (motion.type == MotionType::kJoint && motion.q) {
+    const int axis = FarOutside(cell.arm, *motion.q);
+    if (axis == 0) return motion.q;
+    reason = fmt::format("A{} at {:.3f} deg leaves its limits", axis, (*motion.q)[axis - 1] * kDegPerRad);
+    return std::nullopt;
+  }
   if (!program.X_BP) {
     reason = "a pose is approached, but no base frame is set";
     return std::nullopt;
   }
-  const Pose X_FT = ToolOf(program, cell);
   if (motion.type == MotionType::kLinear) {
     if (!q) {
       reason = "the program begins with a straight motion from an unknown place";
       return std::nullopt;
     }
-    const ProgrammedLine line = LineOf(program, index, ForwardFlange(cell.arm, *q) * X_FT);
-    std::vector<Joints> angles;
-    reason = fmt::format("the straight motion leaves the arm's reach in configuration S = {}",
-                         Status(cell.arm, *q));
-    if (!FollowLine(cell.arm, X_FT, line, StepsOf(line, kTargetStep), *q, angles)) return std::nullopt;
-    return angles.back();
+    return StraightTarget(program, cell, index, *q, reason);
   }
   if (!q && !(motion.status && motion.turn)) {
     reason = "the first pose has no S and T (STAT and TU), so the configuration is not defined";
     return std::nullopt;
   }
-  const Pose X_BF = ProgrammedTool(program, motion) * X_FT.inverse();
+  const Pose X_BF = ProgrammedTool(program, motion) * ToolOf(program, cell).inverse();
   const int status = motion.status ? *motion.status : Status(cell.arm, *q);
   reason = fmt::format("the pose cannot be reached in configuration S = {}", status);
   return motion.turn ? AnglesAt(cell.arm, program.axes, X_BF, status, *motion.turn)
@@ -108,7 +150,7 @@ Replay ReplayTargets(const MotionProgram& program, const Cell& cell, std::vector
 void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay& replay, size_t index,
                     double step, std::vector<Instant>& instants, std::vector<Finding>& findings) {
   const Motion& motion = program.motions[index];
-  if (index == 0 || !replay.reached[index]) return;
+  if (index == 0 || !replay.reached[index] || motion.call >= 0) return;
   const Joints &from = replay.targets[index - 1], &to = replay.targets[index];
   const Pose X_FT = ToolOf(program, cell);
   const Pose start = ForwardFlange(cell.arm, from) * X_FT;

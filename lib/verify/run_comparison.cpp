@@ -8,7 +8,8 @@
 namespace millpose {
 namespace {
 
-constexpr size_t kLookAhead = 64;  // planned points that a program may leave out in one step
+constexpr size_t kLookAhead = 64;    // planned points that a program may leave out in one step
+constexpr double kSpareLength = 10;  // mm beyond the planned length of a cut that are sampled in any case
 
 }  // namespace
 
@@ -29,6 +30,7 @@ std::vector<Finding> RunComparison::Compare() {
   if (!ReachedAll()) return {};  // said already
   for (size_t i = plan_run_.first - 1; i <= plan_run_.last; ++i)
     path_.push_back(plan_.program.motions[i].X_PT);
+  if (!LengthsFit()) return std::move(findings_);
   Sample();
   CompareForward();
   CompareBackward();
@@ -41,6 +43,32 @@ Pose RunComparison::Tool(const Joints& q) const { return X_PB_ * ForwardFlange(c
 bool RunComparison::ReachedAll() const {
   for (size_t i = run_.first - 1; i <= run_.last; ++i) {
     if (!replayed_.replay.reached[i]) return false;
+  }
+  return true;
+}
+
+/// Motions far longer than any that was planned are told before they are sampled.
+bool RunComparison::LengthsFit() {
+  double planned = 0, longest = 0;
+  for (size_t k = 1; k < path_.size(); ++k) {
+    const double length = (path_[k].translation() - path_[k - 1].translation()).norm();
+    planned += length;
+    longest = std::max(longest, length);
+  }
+  double driven = 0;
+  for (size_t i = run_.first; i <= run_.last; ++i) {
+    const double length = (Tool(replayed_.replay.targets[i]).translation() -
+                           Tool(replayed_.replay.targets[i - 1]).translation())
+                              .norm();
+    driven += length;
+    const bool fits = length <= 2 * planned + kSpareLength && driven <= 3 * planned + kSpareLength;
+    if (fits) continue;
+    findings_.push_back(
+        At(replayed_.program, i,
+           fmt::format("leaves the plan: a motion of {:.1f} mm, {:.1f} mm from the start of the "
+                       "cut on; the longest planned has {:.1f} mm, the cut {:.1f} mm",
+                       length, driven, longest, planned)));
+    return false;
   }
   return true;
 }
@@ -63,8 +91,9 @@ void RunComparison::CompareForward() {
   std::optional<size_t> reported, slow;
   for (size_t i = 0; i < instants_.size(); ++i) {
     const Instant& instant = instants_[i];
+    if (reported == instant.motion) continue;  // it has left the plan: the rest of it tells no more
     const PathDeviation deviation = follower.Follow(driven_[i]);
-    if (!deviation.Within(options_) && reported != instant.motion) {
+    if (!deviation.Within(options_)) {
       reported = instant.motion;
       findings_.push_back(
           At(replayed_.program, instant.motion,
@@ -141,6 +170,31 @@ void RunComparison::CompareStops() {
     } else if (motion.exact && !PlannedStop(i)) {
       findings_.push_back(At(replayed_.program, i, "exact stop within the cut"));
     }
+  }
+  ComparePlannedStops();
+}
+
+/// Every planned stop is one in the program too, in order: at the ends of approach and cut the feed and what
+/// is switched rely on it.
+void RunComparison::ComparePlannedStops() {
+  size_t i = run_.first;
+  for (size_t k = 0; k < path_.size() - 1; ++k) {
+    if (!PlanMotion(k).exact) continue;
+    const Pose& stop = path_[k + 1];
+    const auto here = [&](size_t motion) {
+      const Pose tool = Tool(replayed_.replay.targets[motion]);
+      return (tool.translation() - stop.translation()).norm() <= options_.position_tolerance;
+    };
+    size_t found = i;
+    while (found <= run_.last && !(here(found) && replayed_.program.motions[found].exact)) ++found;
+    if (found <= run_.last) {
+      i = found + 1;
+      continue;
+    }
+    for (found = i; found < run_.last && !here(found);) ++found;
+    findings_.push_back(
+        At(replayed_.program, found, fmt::format("{}: a stop is planned here, but not programmed", Name(k))));
+    return;
   }
 }
 

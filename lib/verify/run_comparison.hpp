@@ -22,12 +22,14 @@ class RunComparison {
   /// The real tool in the real workpiece's frame: what the plan states is compared there.
   Pose Tool(const Joints& q) const;
   bool ReachedAll() const;
+  bool LengthsFit();
   void Sample();
   void CompareForward();
   void CompareFeed(const Instant& before, const Instant& instant, size_t segment);
   bool LeavesProven(const Joints& q, size_t segment) const;
   void CompareBackward();
   void CompareStops();
+  void ComparePlannedStops();
   void CompareCorner(size_t i);
   CornerRounding OverlapAt(size_t i) const;
   bool PlannedStop(size_t i) const;

@@ -3,11 +3,14 @@
 
 #include <cassert>
 #include <map>
+#include <set>
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "program/controller_axes.hpp"
 #include "robot/kinematics.hpp"
 #include "verify/compare.hpp"
+#include "verify/corner.hpp"
 
 namespace millpose {
 namespace {
@@ -15,6 +18,7 @@ namespace {
 constexpr double kLimitSlack = 1e-7;  // rad: rounding of six decimals of a degree
 constexpr double kSpeedSlack = 1.001;
 constexpr size_t kMotionsPerTask = 64;
+constexpr int kRoundingPlaces = 9;       // of the largest rounding of a way
 constexpr double kInterferenceStep = 5;  // mm between joint motions that stand for a straight one
 
 /// What holds for every motion whatever the plan: limits, speeds, singularity.
@@ -27,8 +31,8 @@ class MotionCheck {
   void Check(size_t i, std::vector<Finding>& findings) const {
     const Motion& motion = replayed_.program.motions[i];
     if (!replayed_.replay.reached[i]) return;
-    CheckLimits(i, replayed_.replay.targets[i], findings);
-    if (i == 0 || !HasFeed(motion)) return;
+    CheckTurn(i, findings);
+    if (CheckLimits(i, replayed_.replay.targets[i], findings) || i == 0 || !HasFeed(motion)) return;
     std::vector<Instant> instants;
     AppendInstants(replayed_.program, cell_, replayed_.replay, i, options_.step, instants, findings);
     const double seconds = Seconds(i);
@@ -74,6 +78,22 @@ class MotionCheck {
     findings.push_back(
         At(replayed_.program, i + 1,
            fmt::format("the feed jumps from {:.1f} to {:.1f} mm/min without a stop", feed * 60, after * 60)));
+  }
+
+  /// A turn bit says on which side of 0 a joint stands: nothing, where its own arithmetic decides that.
+  void CheckTurn(size_t i, std::vector<Finding>& findings) const {
+    const Motion& motion = replayed_.program.motions[i];
+    if (motion.q || !motion.turn || motion.type != MotionType::kJoint) return;
+    const Joints angles = ToController(replayed_.program.axes, replayed_.replay.targets[i]);
+    for (int j = 0; j < 6; ++j) {
+      if (std::abs(std::remainder(angles[j], 2 * kPi)) >= kUncertainTurn) continue;
+      findings.push_back(
+          At(replayed_.program, i,
+             fmt::format("A{} stands at {:.5f} deg, where a turn bit does not say whether it goes "
+                         "there directly or by a full turn; joint angles expected",
+                         j + 1, angles[j] * kDegPerRad)));
+      return;
+    }
   }
 
   /// mm/s along a motion that takes Seconds().
@@ -134,11 +154,18 @@ class MotionCheck {
   const bool jumps_;
 };
 
+/// A joint motion as fast as the axes allow that goes on into the next one without a stop.
+bool IsRounded(const Replayed& replayed, size_t i) {
+  const std::vector<Motion>& motions = replayed.program.motions;
+  return i + 1 < motions.size() && !motions[i].exact && !HasFeed(motions[i]) &&
+         replayed.replay.reached[i + 1];
+}
+
 /// Checks motion `i` for interference on its whole way, with the clearances of `checker`.
 void CheckInterference(const Replayed& replayed, size_t i, const Cell& cell, Checker& checker,
                        const VerifyOptions& options, std::vector<Finding>& findings) {
   const Motion& motion = replayed.program.motions[i];
-  if (!replayed.replay.reached[i]) return;
+  if (!replayed.replay.reached[i] || motion.call >= 0) return;
   const Phase phase = HasFeed(motion) ? Phase::kCutting : Phase::kFree;
   std::optional<Interference> hit;
   if (i == 0) {
@@ -157,12 +184,31 @@ void CheckInterference(const Replayed& replayed, size_t i, const Cell& cell, Che
       before = instant.q;
       if (hit) break;
     }
+    if (!hit && IsRounded(replayed, i)) {
+      const auto& q = replayed.replay.targets;
+      const std::vector<Joints> places = LargestRounding(q[i - 1], q[i], q[i + 1], kRoundingPlaces);
+      for (size_t k = 1; k < places.size() && !hit; ++k)
+        hit = checker.Between(places[k - 1], places[k], phase, options.swept_resolution);
+    }
   }
   if (!hit) return;
   findings.push_back(
       At(replayed.program, i,
          fmt::format("{} comes within {:.2f} mm of {} at ({:.1f}, {:.1f}, {:.1f}) mm", hit->first,
                      hit->distance, hit->second, hit->place.x(), hit->place.y(), hit->place.z())));
+}
+
+/// Which motions have findings, by their lines. They and what starts from them are not checked for
+/// interference: their places are not where the program is meant to go, and may be anywhere.
+std::vector<bool> WithFindings(const Replayed& replayed, const std::vector<Finding>& findings) {
+  std::set<std::pair<std::string, int>> lines;
+  for (const Finding& finding : findings) lines.insert({finding.file, finding.line});
+  std::vector<bool> faulty;
+  for (size_t i = 0; i < replayed.program.motions.size(); ++i) {
+    const Finding here = At(replayed.program, i, "");
+    faulty.push_back(lines.contains({here.file, here.line}));
+  }
+  return faulty;
 }
 
 /// Runs `work` over `count` motions in blocks and appends what it found in order.
@@ -216,9 +262,11 @@ std::vector<Finding> Verify(const MotionProgram& program, const World& world, co
     const Replayed planned{*plan, ReplayTargets(*plan, cell, findings), FeedRuns(*plan)};
     proofs = Compare(replayed, planned, cell, options, threads, stop, findings);
   }
+  const std::vector<bool> faulty = WithFindings(replayed, findings);
   std::vector<size_t> unproven;
   for (size_t i = 0; i < proofs.size(); ++i) {
-    if (options.interference || !proofs[i].proven) unproven.push_back(i);
+    const bool needed = options.interference || !proofs[i].proven;
+    if (needed && !faulty[i] && (i == 0 || !faulty[i - 1])) unproven.push_back(i);
   }
   ForMotions(
       unproven.size(), threads, stop, findings, [&](size_t first, size_t last, std::vector<Finding>& found) {
