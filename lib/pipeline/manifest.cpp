@@ -75,7 +75,7 @@ Manifest CheckManifest(const fs::path& folder) {
   if (!Exists(file))
     throw InputError({file.string()}, "is missing: what the folder holds cannot be told apart; plan again");
   const std::string text = ReadFile(file);
-  const Manifest manifest = ParseManifest(text, file.string());
+  Manifest manifest = ParseManifest(text, file.string());
   std::vector<Problem> problems;
   for (const auto& [name, expected] : manifest.files) {
     const std::string difference = Difference(folder / name, expected);

@@ -71,7 +71,7 @@ PlannedGaps PlanGaps(const World& world, const std::vector<std::pair<GapEnd, Gap
   planned.gaps.resize(ends.size());
   std::atomic<size_t> resumed = 0;
   ParallelFor(ends.size(), threads, stop, [&](size_t i) {
-    const auto& [from, to] = ends[i];
+    const GapEnd &from = ends[i].first, &to = ends[i].second;
     const std::string key = GapKey(context, from, to);
     const auto fits = [&](const Gap& gap) { return IsGapOf(gap, from, to); };
     if (auto earlier = Resume<Gap>(checkpoints, key, ParseGap, fits)) {

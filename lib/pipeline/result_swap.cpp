@@ -58,7 +58,8 @@ class Swap {
     return std::ranges::find(names, name) != names.end();
   }
   static std::vector<std::string> ProgramsFirst(std::vector<std::string> names) {
-    std::ranges::stable_partition(names, [](const std::string& name) { return name == kProgramsFolder; });
+    std::stable_partition(names.begin(), names.end(),
+                          [](const std::string& name) { return name == kProgramsFolder; });
     return names;
   }
   static void Move(const fs::path& from, const fs::path& to) {
