@@ -176,7 +176,7 @@ class Folder(InFolder):
 
     def test_memory_that_runs_out_is_said_plainly(self):
         result = subprocess.run([MILLPOSE, "check", JOB], capture_output=True, text=True,
-                                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (100 << 20, 100 << 20)))
+                                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (64 << 20, 64 << 20)))
         self.assertEqual((result.returncode, result.stderr[:24]), (3, "millpose: out of memory:"), result.stderr)
 
     def test_a_folder_name_that_is_no_utf_8_ends_no_batch(self):
