@@ -14,7 +14,6 @@ inline constexpr Side kNoSide = -1;
 inline int FaceOf(Side side) { return side / 3; }
 inline int CornerOf(Side side) { return side % 3; }
 inline Side NextSide(Side side) { return side % 3 == 2 ? side - 2 : side + 1; }
-inline Side PreviousSide(Side side) { return side % 3 == 0 ? side + 2 : side - 1; }
 
 /// A side with the vertices of its edge in ascending order.
 struct EdgeSide {

@@ -1,47 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <numeric>
 
-#include "surface/edges.hpp"
+#include "surface/edge_pairs.hpp"
 #include "surface/repair.hpp"
 #include "surface/triangle.hpp"
 
 namespace millpose {
 namespace {
-
-// Turns the sides of one edge that lie around it in a consistent order into pairs that bound the same
-// material: seen along low→high, material lies ahead (by angle) of a side that runs high→low and behind one
-// that runs low→high.
-bool PairByMaterial(const Triangles& mesh, const EdgeSide* begin, const EdgeSide* end,
-                    std::vector<Side>& partner) {
-  struct Spoke {
-    double angle;
-    bool forward;
-    Side side;
-  };
-  const Eigen::Vector3d& origin = mesh.vertices[begin->low];
-  const Eigen::Vector3d axis = (mesh.vertices[begin->high] - origin).normalized();
-  const Eigen::Vector3d u = axis.unitOrthogonal(), v = axis.cross(u);
-  std::vector<Spoke> spokes;
-  for (const EdgeSide* it = begin; it != end; ++it) {
-    const auto& face = mesh.faces[FaceOf(it->side)];
-    const Eigen::Vector3d apex = mesh.vertices[face[(CornerOf(it->side) + 2) % 3]] - origin;
-    spokes.push_back({std::atan2(apex.dot(v), apex.dot(u)), face[CornerOf(it->side)] == it->low, it->side});
-  }
-  std::ranges::sort(spokes, {}, &Spoke::angle);
-  const size_t count = spokes.size();
-  for (size_t i = 0; i < count; ++i) {
-    const Spoke& next = spokes[(i + 1) % count];
-    const double step = next.angle - spokes[i].angle;
-    if (spokes[i].forward == next.forward || std::abs(step) < 1e-6) return false;
-  }
-  for (size_t i = 0; i < count; ++i)
-    if (!spokes[i].forward) {
-      const Spoke& next = spokes[(i + 1) % count];
-      partner[spokes[i].side] = next.side;
-      partner[next.side] = spokes[i].side;
-    }
-  return true;
-}
 
 const Eigen::Vector3d kSkew(0.5773, 0.2113, 0.7887);  // unlikely to lie in a face of a part
 
@@ -54,24 +19,32 @@ class ManifoldMaker {
         piece_(mesh.faces.size(), -1) {}
 
   void Run() {
-    Pair();
-    std::vector<char> flip = Orientations();
-    Turn(flip);
+    const std::vector<EdgeSide> sides = SortedSides(mesh_);
+    // What hangs together over plain edges is oriented first: only then edges of more triangles can tell
+    // material.
+    PairPlain(sides);
+    Turn(Orientations());
+    PairOthers();
+    Turn(Orientations());
     TurnPiecesOutside();
     SplitVertices();
   }
 
  private:
-  void Pair() {
+  void PairPlain(const std::vector<EdgeSide>& sides) {
+    ForEachEdge(sides, [&](size_t begin, size_t end) {
+      if (end - begin != 2) return;
+      partner_[sides[begin].side] = sides[begin + 1].side;
+      partner_[sides[begin + 1].side] = sides[begin].side;
+    });
+  }
+
+  void PairOthers() {
     const std::vector<EdgeSide> sides = SortedSides(mesh_);
     ForEachEdge(sides, [&](size_t begin, size_t end) {
-      if (end - begin == 2) {
-        partner_[sides[begin].side] = sides[begin + 1].side;
-        partner_[sides[begin + 1].side] = sides[begin].side;
-      } else if (end - begin > 2) {
-        ++counts_.non_manifold_edges;
-        PairByMaterial(mesh_, &sides[begin], &sides[0] + end, partner_);
-      }
+      if (end - begin <= 2) return;
+      ++counts_.non_manifold_edges;
+      PairAround(mesh_, std::span(sides).subspan(begin, end - begin), piece_, partner_);
     });
   }
 
@@ -85,6 +58,8 @@ class ManifoldMaker {
   // Finds the pieces; says which faces must turn so that each piece is oriented as most of it is.
   std::vector<char> Orientations() {
     std::vector<char> flip(mesh_.faces.size(), 0);
+    std::ranges::fill(piece_, -1);
+    counts_.pieces = 0;
     std::vector<int> queue;
     for (size_t seed = 0; seed < mesh_.faces.size(); ++seed) {
       if (piece_[seed] >= 0) continue;
@@ -230,25 +205,66 @@ class ManifoldMaker {
     return apart;
   }
 
-  // A fan can pass the same edge twice; then that edge is cut and the fans are found again.
+  // A fan can pass the same edge twice: two vertices then share two edges, which a mesh cannot hold. All
+  // pairs of sides there but the first get a vertex in their middle, so that nothing opens, and the fans are
+  // found again.
   void SplitVertices() {
     const size_t doubled_before = counts_.non_manifold_vertices;
     for (;;) {
       counts_.non_manifold_vertices = doubled_before;
       Triangles apart = WithFansApart();
-      bool cut = false;
+      std::vector<Side> crowded;
       const std::vector<EdgeSide> sides = SortedSides(apart);
       ForEachEdge(sides, [&](size_t begin, size_t end) {
-        for (size_t i = begin; end - begin > 2 && i < end; ++i)
-          if (partner_[sides[i].side] != kNoSide) {
-            Cut(sides[i].side);
-            cut = true;
-          }
+        if (end - begin <= 2) return;
+        bool keeps = true;  // the edge is the first pair's, or an open side's
+        for (size_t i = begin; i < end; ++i) keeps = keeps && partner_[sides[i].side] != kNoSide;
+        for (size_t i = begin; i < end; ++i) {
+          const Side side = sides[i].side;
+          if (partner_[side] == kNoSide || partner_[side] < side) continue;
+          if (!keeps) crowded.push_back(side);
+          keeps = false;
+        }
       });
-      if (cut) continue;
-      mesh_ = std::move(apart);
-      return;
+      if (crowded.empty()) {
+        mesh_ = std::move(apart);
+        return;
+      }
+      for (const Side side : crowded) SplitPair(side);
     }
+  }
+
+  // A vertex in the middle of an edge, for one pair of sides only: (a, b, c) and (b, a, d) become (a, m, c),
+  // (m, b, c), (b, m, d) and (m, a, d).
+  void SplitPair(Side side) {
+    const int middle = static_cast<int>(mesh_.vertices.size());
+    mesh_.vertices.emplace_back(0.5 * (mesh_.vertices[Start(side)] + mesh_.vertices[Start(NextSide(side))]));
+    const Side other = partner_[side];
+    const Side beyond = SplitFace(side, middle), beyond_other = SplitFace(other, middle);
+    Link(side, beyond_other);
+    Link(other, beyond);
+  }
+
+  // The near half (up to `middle`) keeps the face's number; returns the side of the far half along the same
+  // edge.
+  Side SplitFace(Side side, int middle) {
+    const int face = FaceOf(side), k = CornerOf(side), far = static_cast<int>(mesh_.faces.size());
+    std::array<int, 3> half = mesh_.faces[face];
+    half[k] = middle;
+    mesh_.faces.push_back(half);
+    mesh_.faces[face][(k + 1) % 3] = middle;
+    piece_.push_back(piece_[face]);
+    if (!mesh_.source.empty()) mesh_.source.push_back(mesh_.source[face]);
+    partner_.resize(partner_.size() + 3, kNoSide);
+    const Side far_side = 3 * far + k, next = NextSide(side), far_next = NextSide(far_side);
+    if (const Side old = partner_[next]; old != kNoSide) Link(far_next, old);
+    Link(next, NextSide(far_next));
+    return far_side;
+  }
+
+  void Link(Side a, Side b) {
+    partner_[a] = b;
+    partner_[b] = a;
   }
 
   Triangles& mesh_;

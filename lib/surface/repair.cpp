@@ -58,7 +58,8 @@ class FlatRemoval {
         tolerance_(tolerance),
         originals_(originals),
         count_(mesh.faces.size()),
-        done_(count_, 0) {}
+        done_(count_, 0),
+        removed_(count_, 0) {}
 
   struct Outcome {
     size_t removed = 0, originals_removed = 0;
@@ -71,15 +72,14 @@ class FlatRemoval {
         flat.emplace_back(static_cast<int>(f), flatness.side);
     if (flat.empty()) return {};
     sides_ = SortedSides(mesh_);
-    std::vector<char> removed(count_, 0);
-    Outcome outcome;
     for (const auto& [face, side] : flat)
-      if (done_[face] == 0 && SplitNeighbour(face, side)) {
-        removed[face] = done_[face] = 1;
-        ++outcome.removed;
-        outcome.originals_removed += static_cast<size_t>(face) < originals_ ? 1 : 0;
-      }
-    EraseFaces(mesh_, [&](size_t f) { return f < count_ && removed[f] != 0; });
+      if (done_[face] == 0 && SplitNeighbour(face, side)) removed_[face] = done_[face] = 1;
+    Outcome outcome;
+    for (size_t f = 0; f < count_; ++f) {
+      outcome.removed += removed_[f];
+      outcome.originals_removed += f < originals_ ? removed_[f] : 0;
+    }
+    EraseFaces(mesh_, [&](size_t f) { return f < count_ && removed_[f] != 0; });
     return outcome;
   }
 
@@ -91,20 +91,27 @@ class FlatRemoval {
     const auto [low, high] = std::minmax(flat[side], flat[(side + 1) % 3]);
     auto it = std::ranges::lower_bound(sides_, std::pair(low, high), {},
                                        [](const EdgeSide& s) { return std::pair(s.low, s.high); });
+    // A neighbour that runs the other way bounds the same material: splitting it keeps a closed mesh closed,
+    // at edges of more than two triangles as well.
     Side other = kNoSide;
-    int others = 0;
+    bool opposite = false;
     for (; it != sides_.end() && it->low == low && it->high == high; ++it) {
       if (FaceOf(it->side) == face) continue;
       if (done_[FaceOf(it->side)] != 0) return false;
+      const bool runs_back = mesh_.faces[FaceOf(it->side)][CornerOf(it->side)] != flat[side];
+      if (other != kNoSide && (opposite || !runs_back)) continue;
       other = it->side;
-      ++others;
+      opposite = runs_back;
     }
-    if (others != 1) return true;  // a rim, or an edge that is taken apart anyway
+    if (other == kNoSide) return true;  // a rim
     const std::array<int, 3> neighbour = mesh_.faces[FaceOf(other)];
     const int p = neighbour[CornerOf(other)], q = neighbour[(CornerOf(other) + 1) % 3];
     const int apex = neighbour[(CornerOf(other) + 2) % 3], middle = flat[(side + 2) % 3];
     done_[FaceOf(other)] = 1;
-    if (apex == middle) return true;  // folded onto itself
+    if (apex == middle) {  // folded onto itself: both go
+      removed_[FaceOf(other)] = 1;
+      return true;
+    }
     mesh_.faces[FaceOf(other)] = {p, middle, apex};
     mesh_.faces.push_back({middle, q, apex});
     if (!mesh_.source.empty()) mesh_.source.push_back(mesh_.source[FaceOf(other)]);
@@ -115,7 +122,8 @@ class FlatRemoval {
   double tolerance_;
   size_t originals_;
   size_t count_;
-  std::vector<char> done_;  // removed or changed in this round
+  std::vector<char> done_;     // removed or changed in this round
+  std::vector<char> removed_;  // in this round
   std::vector<EdgeSide> sides_;
 };
 
@@ -123,7 +131,7 @@ class FlatRemoval {
 
 void RemoveDegenerate(Triangles& mesh, double tolerance, RepairCounts& counts) {
   counts.degenerate += EraseFaces(mesh, [&](size_t f) { return HasRepeatedVertex(mesh.faces[f]); });
-  constexpr int kRounds = 32;  // chains of flat triangles need one each; what is left then is only removed
+  constexpr int kRounds = 256;  // chains of flat triangles need one each; what is left then is only removed
   size_t originals = mesh.faces.size();
   for (int round = 0; round < kRounds; ++round) {
     const auto [removed, originals_removed] = FlatRemoval(mesh, tolerance, originals).Run();
@@ -140,7 +148,10 @@ void RemoveDegenerate(Triangles& mesh, double tolerance, RepairCounts& counts) {
   counts.degenerate += originals - left;
 }
 
-void RemoveDuplicates(Triangles& mesh, RepairCounts& counts) {
+namespace {
+
+// The faces with three vertices in common, by number.
+std::vector<std::vector<int>> SameFaces(const Triangles& mesh) {
   std::vector<std::pair<std::array<int, 3>, int>> sorted;
   sorted.reserve(mesh.faces.size());
   for (size_t f = 0; f < mesh.faces.size(); ++f) {
@@ -149,9 +160,37 @@ void RemoveDuplicates(Triangles& mesh, RepairCounts& counts) {
     sorted.emplace_back(key, static_cast<int>(f));
   }
   std::ranges::sort(sorted);
+  std::vector<std::vector<int>> same;
+  for (size_t i = 1; i < sorted.size(); ++i) {
+    if (sorted[i].first != sorted[i - 1].first) continue;
+    if (same.empty() || same.back().back() != sorted[i - 1].second) same.push_back({sorted[i - 1].second});
+    same.back().push_back(sorted[i].second);
+  }
+  return same;
+}
+
+// Whether every edge has an even number of triangles: then the triangles bound something everywhere.
+bool IsClosed(const Triangles& mesh) {
+  bool closed = true;
+  ForEachEdge(SortedSides(mesh),
+              [&](size_t begin, size_t end) { closed = closed && (end - begin) % 2 == 0; });
+  return closed;
+}
+
+}  // namespace
+
+void RemoveDuplicates(Triangles& mesh, RepairCounts& counts) {
+  const std::vector<std::vector<int>> same = SameFaces(mesh);
+  if (same.empty()) return;
+  // In a closed mesh two triangles in one place are a wall without thickness: both go, or the mesh would
+  // open. A mesh that is hardly anything else was written twice, or is a sheet drawn from both sides: one of
+  // each is enough.
+  const bool walls = 3 * same.size() < mesh.faces.size() && IsClosed(mesh);
   std::vector<char> removed(mesh.faces.size(), 0);
-  for (size_t i = 1; i < sorted.size(); ++i)
-    if (sorted[i].first == sorted[i - 1].first) removed[sorted[i].second] = 1;
+  for (const std::vector<int>& faces : same) {
+    const bool cancels = walls && faces.size() % 2 == 0;
+    for (size_t i = cancels ? 0 : 1; i < faces.size(); ++i) removed[faces[i]] = 1;
+  }
   counts.duplicate += EraseFaces(mesh, [&](size_t f) { return removed[f] != 0; });
 }
 

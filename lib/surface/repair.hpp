@@ -20,11 +20,12 @@ struct RepairCounts {
 };
 
 /// Removes triangles with a repeated vertex or a height of at most `tolerance` (mm). Where the flat triangle
-/// has its middle vertex on the long edge, the neighbour over that edge is split there, so that no crack is
-/// left.
+/// has its middle vertex on the long edge, the neighbour over that edge is split there, so that a closed mesh
+/// stays closed.
 void RemoveDegenerate(Triangles& mesh, double tolerance, RepairCounts& counts);
 
-/// Removes triangles that have the same three vertices as an earlier one, in any order.
+/// Removes triangles that have the same three vertices as an earlier one, in any order. In a closed mesh two
+/// that are back to back both go, so that it stays closed.
 void RemoveDuplicates(Triangles& mesh, RepairCounts& counts);
 
 /// Makes an oriented manifold of triangles without degenerate ones and duplicates: pairs the sides of the
