@@ -47,6 +47,11 @@ void AddPlanCommand(CLI::App& app, Run& run) {
   command->add_option("--share", *share,
                       "K/N: plan only every N-th pass from the K-th, as checkpoints, and end");
   command->add_flag("--audit", arguments->audit, "Judge the plan by recomputation; figures in summary.json");
+  command
+      ->add_option("--trajectory", arguments->trajectory,
+                   "Write trajectory-<controller>.csv too, a row every so many s and at every point")
+      ->check(CLI::Range(1e-3, 1e4))
+      ->type_name("SECONDS");
   command->add_flag("--fresh", arguments->fresh, "Ignore checkpoints of earlier runs");
   command->callback([&run, arguments, changes, share] {
     run = [arguments, changes, share](Session& session) {

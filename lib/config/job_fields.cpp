@@ -16,6 +16,25 @@ void CheckPart(const Value& value, const Context& context, JobSettings& job) {
         .Add(workpiece->mark, "missing; only strategy cam goes without a part");
 }
 
+// Keys of the process that nothing would follow.
+void CheckFeeds(const Value& value, const Context& context, const JobSettings& job) {
+  const Value* process = value.Find("process");
+  const auto useless = [&](const char* key, const std::string& why) {
+    if (const Value::Key* found = process->FindKey(key))
+      context.Child("process").Child(key).Add(found->mark, "has no effect here: " + why);
+  };
+  if (job.feed_policy != "reduce") useless("min_feed_share", "process.feed: keep reduces no feed");
+  if (job.approach_slow >= job.retract)
+    useless("approach_feed_mm_min", fmt::format("the last {} mm of the approach run at the plunge feed, and "
+                                                "gaps.retract_mm makes it {} mm long",
+                                                job.approach_slow, job.retract));
+}
+
+void Check(const Value& value, const Context& context, JobSettings& job) {
+  CheckPart(value, context, job);
+  CheckFeeds(value, context, job);
+}
+
 }  // namespace
 
 const Codec<JobSettings>& JobFields() {
@@ -40,7 +59,7 @@ const Codec<JobSettings>& JobFields() {
           Key<S>("program_options", MILLPOSE_AT(program_options), ProgramOptionFields(),
                  "What becomes of the planned points in programs."),
       },
-      CheckPart);
+      Check);
   return fields;
 }
 

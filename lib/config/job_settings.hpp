@@ -78,9 +78,11 @@ struct JobSettings {
   WorkpieceSettings workpiece;
   ToolpathSettings toolpath;
   double feed = 0;                     ///< mm/s
-  std::string feed_policy = "keep";    ///< keep | reduce, where the joints cannot hold the feed
+  std::string feed_policy = "reduce";  ///< keep | reduce, where the joints cannot hold the feed
+  double min_feed_share = 0.5;         ///< of the programmed feed: less is a finding
+  std::optional<double> plunge_feed;   ///< mm/s, of every motion towards material; else the cutting feed
   double approach_feed = 1000.0 / 60;  ///< mm/s, down to the last `approach_slow`
-  double approach_slow = 5;            ///< mm before the first point that run at the cutting feed
+  double approach_slow = 5;            ///< mm before the first point that run at the plunge feed
   double retract_feed = 3000.0 / 60;   ///< mm/s
   double spindle_speed = 0;            ///< rev/s
   std::optional<CuttingSettings> cutting;

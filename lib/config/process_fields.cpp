@@ -34,14 +34,22 @@ Codec<JobSettings> ProcessFields() {
       Key<S>("feed_mm_min", MILLPOSE_AT(feed), Real(kMmPerMin, Above(0)), "Feed rate.").Required(),
       Key<S>("spindle_rpm", MILLPOSE_AT(spindle_speed), Real(kRevPerMin, AtLeast(0)), "Spindle speed.")
           .Required(),
+      Key<S>("plunge_feed_mm_min", MILLPOSE_AT(plunge_feed), Maybe(Real(kMmPerMin, Above(0))),
+             "Feed of every motion towards material: the last part of the straight approach, and lead-ins "
+             "where theirs is higher; the feed rate by default."),
       Key<S>("approach_feed_mm_min", MILLPOSE_AT(approach_feed), Real(kMmPerMin, Above(0)),
-             "Feed of the straight approach, where it is above the feed rate."),
-      Key<S>("approach_slow_mm", MILLPOSE_AT(approach_slow), Real(kMm, AtLeast(0)),
-             "Last part of the approach that runs at the feed rate."),
+             "Feed of the straight approach before its last part.")
+          .WhenSet([](const S& s) { return s.approach_slow < s.retract; }),
+      Key<S>("approach_slow_mm", MILLPOSE_AT(approach_slow), Real(kMm, Above(0)),
+             "Last part of the approach, which runs at the plunge feed."),
       Key<S>("retract_feed_mm_min", MILLPOSE_AT(retract_feed), Real(kMmPerMin, Above(0)),
-             "Feed of the straight retract, where it is above the feed rate."),
+             "Feed of the straight retract."),
       Key<S>("feed", MILLPOSE_AT(feed_policy), Choice({"keep", "reduce"}),
-             "Where joints cannot hold the feed: keep it (a finding) or reduce it there."),
+             "Where joints cannot hold the feed: reduce it there, or keep it (a finding)."),
+      Key<S>("min_feed_share", MILLPOSE_AT(min_feed_share), Real(kOne, Between(0.01, 1)),
+             "Share of the feed below which a reduced one is a finding: the edge rubs, and the force model "
+             "no longer holds.")
+          .WhenSet([](const S& s) { return s.feed_policy == "reduce"; }),
       Key<S>("cutting", MILLPOSE_AT(cutting), Maybe(CuttingFields()),
              "What the cutter takes off: gives the cutting force and the predicted deflection."),
   });

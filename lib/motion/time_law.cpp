@@ -8,11 +8,19 @@ namespace millpose {
 double TimeLaw::Share(double time) const {
   if (time <= 0) return 0;
   if (time >= duration) return 1;
-  const double rise = speed / acceleration;
+  const double rise = from_rest && acceleration > 0 ? speed / acceleration : 0;
+  const double fall = to_rest && acceleration > 0 ? speed / acceleration : 0;
   if (time < rise) return 0.5 * acceleration * time * time;
   const double left = duration - time;
-  if (left < rise) return 1 - 0.5 * acceleration * left * left;
+  if (left < fall) return 1 - 0.5 * acceleration * left * left;
   return speed * (time - 0.5 * rise);
+}
+
+double TimeLaw::Rate(double time) const {
+  if (duration <= 0) return 0;
+  const double rising = from_rest && acceleration > 0 ? acceleration * std::max(0.0, time) : speed;
+  const double falling = to_rest && acceleration > 0 ? acceleration * std::max(0.0, duration - time) : speed;
+  return std::min({speed, rising, falling});
 }
 
 TimeLaw FastestLaw(const Joints& delta, const Joints& speed, const Joints& acceleration) {
@@ -28,6 +36,20 @@ TimeLaw FastestLaw(const Joints& delta, const Joints& speed, const Joints& accel
   law.acceleration = a;
   law.speed = std::min(v, std::sqrt(a));  // a short way is over before the full speed is reached
   law.duration = 1 / law.speed + law.speed / a;
+  return law;
+}
+
+TimeLaw FeedLaw(double seconds, double ramp, bool from_rest, bool to_rest) {
+  assert(seconds > 0 && ramp >= 0);
+  TimeLaw law{1 / seconds, ramp > 0 ? 1 / (seconds * ramp) : 0, seconds, from_rest, to_rest};
+  const int ramps = ramp > 0 ? int{from_rest} + int{to_rest} : 0;
+  if (ramps == 0) return law;
+  if (0.5 * ramp * ramps <= seconds) {
+    law.duration = seconds + 0.5 * ramp * ramps;
+  } else {  // it never reaches its speed: each ramp has its part of the way, speed²/2 ÷ acceleration
+    law.speed = std::sqrt(2 * law.acceleration / ramps);
+    law.duration = ramps * law.speed / law.acceleration;
+  }
   return law;
 }
 

@@ -6,6 +6,7 @@
 #include "pipeline/base_window.hpp"
 #include "pipeline/cell_texts.hpp"
 #include "pipeline/program_motions.hpp"
+#include "verify/causes.hpp"
 
 namespace millpose {
 
@@ -14,14 +15,17 @@ void CompleteFrames(MotionProgram& program, const MotionProgram& planned) {
   if (!program.X_FT) program.X_FT = planned.X_FT;
 }
 
-bool JobPrograms::Confirmed() const {
-  return std::ranges::all_of(programs,
-                             [](const CheckedProgram& program) { return program.findings.empty(); });
+std::string CheckedProgram::WhyWithheld() const {
+  if (Confirmed()) return {};
+  std::vector<std::string> causes;
+  for (const CauseGroup& group : GroupByCause(findings)) causes.push_back(Describe(group));
+  return fmt::format("no {} program is written, its read-back does not confirm it: {}", controller,
+                     fmt::join(causes, ", "));
 }
 
 JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
-                         const std::vector<std::string>& not_machined, const World& world, int threads,
-                         std::stop_token stop) {
+                         const std::vector<std::string>& not_machined, const World& world,
+                         std::optional<double> trajectory, int threads, std::stop_token stop) {
   if (!WhyNotProgrammable(plan).empty()) return {};
   const VerifyOptions options = MakeVerifyOptions(inputs.job, plan.arm);
   JobPrograms made{{}, FindBaseWindow(plan, inputs, world.cell(), threads, stop)};
@@ -34,15 +38,20 @@ JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
     try {
       calls = PlanCallWays(world, inputs, controller, stop);
     } catch (const InputError& error) {
-      program.findings.push_back({"", 0, error.problems().front().message});
+      program.findings.push_back({"", 0, error.problems().front().message, Cause::kText});
       made.programs.push_back(std::move(program));
       continue;
     }
     ProgramMotions motions = MakeProgramMotions(plan, inputs, controller, made.base_window, calls);
+    motions.written.header.emplace_back("cycle_time", TimeText(motions.time.all) + " h:min:s, as replayed");
     for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
     program.saved = motions.saved;
     program.near = motions.near;
     program.warnings = motions.warnings;
+    program.time = motions.time;
+    if (trajectory)
+      program.trajectory = TrajectoryCsv(motions.written, plan.arm, plan.X_WB, settings.external,
+                                         MakeTimeOptions(inputs, controller), *trajectory);
     program.files = post->Write(motions.written, plan.arm, settings);
     for (const Motion& motion : motions.written.motions) program.pass_of_motion.push_back(motion.pass);
     try {
@@ -52,7 +61,7 @@ JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
     } catch (
         const InputError& error) {  // our own program must be readable: a finding, not the user's mistake
       for (const Problem& problem : error.problems())
-        program.findings.push_back({problem.place.file, problem.place.line, problem.message});
+        program.findings.push_back({problem.place.file, problem.place.line, problem.message, Cause::kText});
     }
     made.programs.push_back(std::move(program));
   }

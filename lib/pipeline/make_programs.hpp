@@ -6,6 +6,7 @@
 
 #include "cell/world.hpp"
 #include "pipeline/inputs.hpp"
+#include "plan/cycle_time.hpp"
 #include "plan/plan_result.hpp"
 #include "report/report.hpp"
 #include "verify/verify.hpp"
@@ -21,14 +22,18 @@ struct CheckedProgram {
   int saved = 0;                    ///< points left out, see Economise()
   int near = 0;                     ///< points that remain nearer than the least spacing
   std::vector<std::string> warnings;
+  ProgramTime time;
+  std::string trajectory;  ///< as CSV, where asked for
+
+  bool Confirmed() const { return findings.empty(); }
+  /// Why it is not written, in one sentence; empty when it is confirmed.
+  std::string WhyWithheld() const;
 };
 
-/// The programs of a job.
+/// The programs of a job. Each stands by itself: one that is not confirmed withholds no other.
 struct JobPrograms {
   std::vector<CheckedProgram> programs;
   std::optional<BaseWindow> base_window;  ///< of all of them, see FindBaseWindow()
-
-  bool Confirmed() const;  ///< none has findings
 };
 
 /// The name of the plan in its output folder, from which programs can be verified again.
@@ -38,9 +43,10 @@ inline constexpr const char* kPlanFile = "plan.cbor";
 void CompleteFrames(MotionProgram& program, const MotionProgram& planned);
 
 /// Writes the program of every controller that the job names, reads it back and replays it. `not_machined`:
-/// holes of the tool path that are left out, named in the head.
+/// holes of the tool path that are left out, named in the head; with `trajectory` (s) also
+/// where the arm is at these steps.
 JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
-                         const std::vector<std::string>& not_machined, const World& world, int threads,
-                         std::stop_token stop);
+                         const std::vector<std::string>& not_machined, const World& world,
+                         std::optional<double> trajectory, int threads, std::stop_token stop);
 
 }  // namespace millpose

@@ -28,13 +28,13 @@ std::string Difference(const fs::path& file, const Manifest::File& expected) {
 }
 
 // Programs that stand in the folder and not in the manifest.
-void FindForeignPrograms(const fs::path& folder, const Manifest& manifest, std::vector<Problem>* problems) {
-  for (const fs::path& controller : EntriesOf(folder / kProgramsFolder)) {
-    const std::vector<fs::path> programs =
-        fs::is_directory(controller) ? EntriesOf(controller) : std::vector<fs::path>{controller};
-    for (const fs::path& program : programs)
-      if (!manifest.files.contains(program.lexically_relative(folder).string()))
-        problems->push_back({Place{program.string()}, "is not of this plan"});
+void FindForeignPrograms(const fs::path& folder, const fs::path& at, const Manifest& manifest,
+                         std::vector<Problem>* problems) {
+  for (const fs::path& entry : EntriesOf(at)) {
+    if (fs::is_directory(entry))
+      FindForeignPrograms(folder, entry, manifest, problems);
+    else if (!manifest.files.contains(entry.lexically_relative(folder).string()))
+      problems->push_back({Place{entry.string()}, "is not of this plan"});
   }
 }
 
@@ -82,7 +82,7 @@ Manifest CheckManifest(const fs::path& folder) {
     if (!difference.empty())
       problems.push_back({Place{(folder / name).string()}, difference + " (manifest.json)"});
   }
-  FindForeignPrograms(folder, manifest, &problems);
+  FindForeignPrograms(folder, folder / kProgramsFolder, manifest, &problems);
   const std::string run = WrongRun(folder / kRunFile, text);
   if (!run.empty()) problems.push_back({Place{(folder / kRunFile).string()}, run + " (manifest.json)"});
   if (!problems.empty()) throw InputError(std::move(problems));

@@ -45,6 +45,7 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
     options.header.emplace_back("call", call);
   options.approach_feed = job.approach_feed;
   options.approach_slow = job.approach_slow;
+  options.plunge_feed = job.plunge_feed.value_or(0);
   options.retract_feed = job.retract_feed;
   for (const PathOutputSettings& output : controller.outputs)
     options.outputs.push_back({output.number, output.on, output.delay, output.at == "cut_begin"});
@@ -108,6 +109,12 @@ std::optional<Pose> ReadPoseText(const std::string& text) {
   return pose;
 }
 
+TimeOptions MakeTimeOptions(const JobInputs& inputs, const std::string& controller) {
+  const auto found = inputs.cell.controllers.find(controller);
+  if (controller != "krl" || found == inputs.cell.controllers.end()) return {};
+  return {found->second.ptp_speed_percent / 100.0, found->second.orientation_speed};
+}
+
 ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& inputs,
                                   const std::string& controller, const std::optional<BaseWindow>& window,
                                   const std::vector<CallWay>& calls) {
@@ -128,6 +135,7 @@ ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& input
   if (controller != "linuxcnc") StateEntries(MakePostSettings(job, inputs.cell, controller), motions);
   if (controller != "linuxcnc")  // which reads from disk
     HandOver(MakePostSettings(job, inputs.cell, controller), motions, thinned.origin);
+  motions.time = MeasureTime(motions.written, plan.arm, MakeTimeOptions(inputs, controller));
   return motions;
 }
 

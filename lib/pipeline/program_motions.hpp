@@ -3,6 +3,7 @@
 
 #include "pipeline/inputs.hpp"
 #include "program/economy.hpp"
+#include "program/program_time.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
@@ -14,7 +15,11 @@ struct ProgramMotions {
   int saved = 0;                      ///< points that `written` leaves out
   int near = 0;                       ///< points that remain nearer than the least spacing
   std::vector<std::string> warnings;  ///< handovers in a cut
+  ProgramTime time;                   ///< of `written`
 };
+
+/// How fast a controller runs what the program leaves to it.
+TimeOptions MakeTimeOptions(const JobInputs& inputs, const std::string& controller);
 
 /// A pose as headers print it: "X 1.000 Y 2.000 Z 3.000, A 0.0000 B 90.0000 C 0.0000 (Z Y' X'')", angles
 /// about Z, then the new Y, then the new X, whatever the controller's own are; mm, degrees.

@@ -16,6 +16,7 @@
 #include "pipeline/plan_passes.hpp"
 #include "pipeline/sample_curves.hpp"
 #include "pipeline/stages.hpp"
+#include "pipeline/start_programs.hpp"
 #include "pipeline/workpiece.hpp"
 #include "pipeline/write_results.hpp"
 
@@ -160,14 +161,23 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
 
   FixTurns(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper, FreeDirections(inputs.job)});
   const auto ends = GapEnds(plan.home, plan.passes);
-  stages.Begin("gaps", ends.size());
+  const auto start_ends = inputs.job.programs.empty() ? decltype(ends){} : StartEnds(ends);
+  stages.Begin("gaps", ends.size() + start_ends.size());
   PlannedGaps gaps = PlanGaps(world, ends, MakeGapOptions(inputs.job), checkpoints, threads, progress, stop);
   plan.gaps = std::move(gaps.gaps);
+  JobStarts starts;
+  starts.ways.gaps =
+      PlanGaps(world, start_ends, MakeGapOptions(inputs.job), checkpoints, threads, progress, stop).gaps;
   const FeedReduction reduction = inputs.job.feed_policy == "reduce" ? ReduceFeeds(plan) : FeedReduction{};
   stages.End(fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), gaps.resumed));
 
   stages.Begin("programs", 0);
-  const JobPrograms programs = MakePrograms(plan, inputs, made.holes_left_out, world, threads, stop);
+  const JobPrograms programs =
+      MakePrograms(plan, inputs, made.holes_left_out, world, arguments.trajectory, threads, stop);
+  for (const CheckedProgram& program : programs.programs)
+    if (program.Confirmed())
+      starts.programs[program.controller] = MakeStartPrograms(plan, starts.ways, inputs, made.holes_left_out,
+                                                              program.controller, world, threads, stop);
   stages.End(fmt::format("{} programs", programs.programs.size()));
 
   std::optional<AuditFigures> audit;
@@ -184,7 +194,7 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
       SampleCurves(plan, problem, path_options.genetic, kMostCurves, threads, stop);
   ResultSet results(folder);
   const ReportInputs report = WriteResults(
-      {inputs, cell, plan, programs, audit, reduction, warnings, made.findings, CurveGrid(), curves},
+      {inputs, cell, plan, programs, starts, audit, reduction, warnings, made.findings, CurveGrid(), curves},
       results);
   stages.End(folder.path().string());
   RunFigures run = TellRun(inputs, folder, job_file, stages, threads);

@@ -25,6 +25,7 @@ struct PlanArguments {
   std::vector<Override> overrides;           ///< of other settings of the job
   bool audit = false;                        ///< recompute the figures of summary.json's `audit`
   bool fresh = false;                        ///< ignore checkpoints
+  std::optional<double> trajectory;          ///< s between the rows of trajectory-<controller>.csv
   std::optional<Share> share;                ///< plan only these passes, leave them as checkpoints, and end
 };
 

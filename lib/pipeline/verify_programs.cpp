@@ -11,8 +11,10 @@
 #include "pipeline/make_programs.hpp"
 #include "pipeline/output_folder.hpp"
 #include "pipeline/program_motions.hpp"
+#include "pipeline/start_programs.hpp"
 #include "pipeline/workpiece.hpp"
 #include "program/reader.hpp"
+#include "verify/causes.hpp"
 
 namespace millpose {
 namespace {
@@ -111,6 +113,33 @@ JobInputs InputsOf(const VerifyArguments& arguments) {
   return LoadJobInputs(arguments.target / "job.yaml", {}, origin);
 }
 
+/// The programs of single pieces, where the folder holds some.
+void VerifyStarts(const PlanResult& plan, const JobInputs& inputs, const std::string& controller,
+                  const World& world, const VerifyOptions& options, const VerifyArguments& arguments,
+                  std::stop_token stop, std::vector<VerifiedProgram>& programs) {
+  const fs::path folder = arguments.target / "programs" / controller / kStarts;
+  const fs::path ways_file = arguments.target / kStartWays;
+  if (!fs::is_directory(folder)) return;
+  const PlanResult ways = ParsePlanResult(ReadFile(ways_file), ways_file.string());
+  const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
+  const std::vector<CallWay> calls = PlanCallWays(world, inputs, controller, stop);
+  for (size_t i = 0; i + 1 < plan.gaps.size(); ++i) {
+    const PlanResult single = SingleStart(plan, ways, i);
+    fs::path file;
+    for (const char* ending : {".src", ".mpf", ".ngc"})
+      if (fs::exists(folder / (single.job + ending))) file = folder / (single.job + ending);
+    if (file.empty()) continue;  // withheld
+    MotionProgram program = MakePost(controller)->Read(FilesOf(file), plan.arm, settings);
+    const MotionProgram planned = MakeProgramMotions(single, inputs, controller, {}, calls).planned;
+    CompleteFrames(program, planned);
+    programs.push_back({controller,
+                        file.string(),
+                        program.motions.size(),
+                        Verify(program, world, &planned, options, Threads(arguments), stop),
+                        {}});
+  }
+}
+
 std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Progress& progress,
                                           std::stop_token stop) {
   MendOutputFolder(arguments.target);
@@ -138,6 +167,7 @@ std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Prog
     verified.findings = Verify(program, world, &planned, options, Threads(arguments), stop);
     progress.End(fmt::format("{} motions, {} findings", verified.motions, verified.findings.size()));
     programs.push_back(std::move(verified));
+    VerifyStarts(plan, inputs, controller, world, options, arguments, stop, programs);
   }
   if (programs.empty())
     throw InputError(Place{arguments.target.string(), 0, 0, -1}, "the folder holds no programs");
@@ -158,8 +188,12 @@ std::string VerifyText(const std::vector<VerifiedProgram>& programs) {
     text += fmt::format("{:<10} {:>7} motions  {}  {}\n", program.controller, program.motions,
                         program.findings.empty() ? "confirmed" : "NOT confirmed", program.file);
     for (const std::string& assumption : program.assumptions) text += "  assumed: " + assumption + "\n";
-    for (const Finding& finding : program.findings) {
-      text += fmt::format("  {}:{}: {}\n", finding.file, finding.line, finding.message);
+    for (const CauseGroup& group : GroupByCause(program.findings)) {
+      text += fmt::format("  {}; what helps: {}\n", Describe(group), Cure(group.cause, program.controller));
+      for (const Finding& finding : program.findings) {
+        if (finding.cause != group.cause) continue;
+        text += fmt::format("  {}:{}: {}\n", finding.file, finding.line, finding.message);
+      }
     }
   }
   return text;

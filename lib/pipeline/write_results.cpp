@@ -7,11 +7,12 @@
 #include "config/config.hpp"
 #include "pipeline/assemble.hpp"
 #include "toolpath/pass_ends.hpp"
+#include "verify/causes.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr size_t kFindingsKept = 20;  // per program: the rest says the same
+constexpr size_t kExamples = 4;  // of each cause: the rest says the same
 
 // How many motions of a program end on points of each pass.
 std::vector<int> MotionsPerPass(const CheckedProgram& program, size_t passes) {
@@ -32,6 +33,53 @@ std::string ExplainFeed(const ContinuityFigures& continuity) {
       60 * first.feed);
 }
 
+// Where reduced feeds fall far below the programmed one: below the job's least share a finding, else a
+// warning.
+void ExplainSlow(const FeedReduction& reduction, double least_share, ReportInputs& report) {
+  constexpr size_t kTold = 8;  // of each, the slowest
+  std::vector<SlowStretch> slow = reduction.slow;
+  std::ranges::stable_sort(slow, {}, &SlowStretch::Share);
+  std::array<size_t, 2> told{};
+  for (const SlowStretch& s : slow) {
+    const bool rubs = s.Share() < least_share;
+    std::vector<std::string>& list = rubs ? report.findings : report.warnings;
+    if (++told[rubs] > kTold) continue;
+    list.push_back(fmt::format(
+        "the feed falls to {:.0f} % ({:.1f} of {:.1f} mm/min) at point{} of pass {}: the {} of A{} allows no "
+        "more{}",
+        100 * s.Share(), 60 * s.feed, 60 * s.wanted,
+        s.first == s.last ? fmt::format(" {}", s.first) : fmt::format("s {} to {}", s.first, s.last), s.pass,
+        s.by_acceleration ? "acceleration" : "speed", s.joint + 1,
+        rubs ? fmt::format("; below {:.0f} % (`process.min_feed_share`) the edge rubs and the force model no "
+                           "longer holds; a lower `process.feed_mm_min` or smaller "
+                           "`path.max_joint_step_deg` helps",
+                           100 * least_share)
+             : ""));
+  }
+  for (const bool rubs : {false, true})
+    if (told[rubs] > kTold)
+      (rubs ? report.findings : report.warnings)
+          .push_back(fmt::format("the feed falls like this in {} stretches more", told[rubs] - kTold));
+}
+
+// What pieces cannot be started by themselves, and the files of the others.
+void AddStarts(const JobStarts& starts, ReportInputs& report, std::map<std::string, std::string>& files) {
+  for (const auto& [controller, programs] : starts.programs)
+    for (const StartProgram& start : programs) {
+      if (start.Confirmed()) {
+        for (const auto& [name, bytes] : start.files)
+          files[fmt::format("{}/{}/{}", controller, kStarts, name)] = bytes;
+        continue;
+      }
+      const std::string what = fmt::format("{}: pass {} piece {} cannot be started by itself: ", controller,
+                                           start.pass, start.piece);
+      if (!start.obstacle.empty())
+        report.warnings.push_back(what + start.obstacle);
+      else
+        report.findings.push_back(what + Describe(GroupByCause(start.findings).front()));
+    }
+}
+
 // Splits whose parts could not overlap.
 std::string ExplainUncut(const PassResult& pass) {
   std::vector<std::string> steps;
@@ -44,22 +92,33 @@ std::string ExplainUncut(const PassResult& pass) {
       pass.pass, fmt::join(steps, ", "));
 }
 
+// The causes of a program that is withheld, each with what cures it and the first places.
+void ExplainCauses(const CheckedProgram& program, std::vector<std::string>& sentences) {
+  for (const CauseGroup& group : GroupByCause(program.findings)) {
+    sentences.push_back(fmt::format("{}: {}; what helps: {}", program.controller, Describe(group),
+                                    Cure(group.cause, program.controller)));
+    size_t shown = 0;
+    for (const Finding& finding : program.findings) {
+      if (finding.cause != group.cause || finding.count > 1 || shown == kExamples) continue;
+      ++shown;
+      sentences.push_back(
+          fmt::format("{} {}:{}: {}", program.controller, finding.file, finding.line, finding.message));
+    }
+    if (group.count > shown)
+      sentences.push_back(fmt::format("{}: {} more like these", program.controller, group.count - shown));
+  }
+}
+
+// What is withheld comes first, then why.
 std::vector<std::string> Explain(const PlanResult& plan, const std::vector<CheckedProgram>& programs) {
   std::vector<std::string> sentences;
   const std::string obstacle = WhyNotProgrammable(plan);
   if (!obstacle.empty()) sentences.push_back("no program was written: " + obstacle);
+  for (const CheckedProgram& program : programs)
+    if (!program.Confirmed()) sentences.push_back(program.WhyWithheld());
+  for (const CheckedProgram& program : programs) ExplainCauses(program, sentences);
   for (const PassResult& pass : plan.passes)
     if (!pass.uncut.empty()) sentences.push_back(ExplainUncut(pass));
-  for (const CheckedProgram& program : programs) {
-    for (size_t i = 0; i < std::min(program.findings.size(), kFindingsKept); ++i) {
-      const Finding& finding = program.findings[i];
-      sentences.push_back(
-          fmt::format("{} {}:{}: {}", program.controller, finding.file, finding.line, finding.message));
-    }
-    if (program.findings.size() > kFindingsKept)
-      sentences.push_back(
-          fmt::format("{}: {} findings more", program.controller, program.findings.size() - kFindingsKept));
-  }
   return sentences;
 }
 
@@ -79,14 +138,16 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   report.base_window = results.programs.base_window;
   report.audit = results.audit;
   report.warnings = results.warnings;
-  report.findings = results.findings;
-  for (std::string& sentence : Explain(plan, programs)) report.findings.push_back(std::move(sentence));
+  report.findings = Explain(plan, programs);
+  report.findings.insert(report.findings.end(), results.findings.begin(), results.findings.end());
   report.continuity = AnalyseContinuity(plan);
   report.feed_reduction = results.reduction;
   for (const CheckedProgram& program : programs) {
+    report.times.push_back({program.controller, program.time});
     for (const std::string& warning : program.warnings)
       report.warnings.push_back(program.controller + ": " + warning);
   }
+  ExplainSlow(results.reduction, results.inputs.job.min_feed_share, report);
   if (results.inputs.job.feed_policy == "keep" && !report.continuity->feed_not_held.empty())
     report.findings.push_back(ExplainFeed(*report.continuity));
   if (const auto force = MakeCuttingForce(results.inputs.job, results.inputs.cell))
@@ -96,25 +157,28 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   for (const CheckedProgram& program : programs)
     for (const auto& [name, bytes] : program.files) {
       const std::string path = program.controller + "/" + name;
-      files[path] = bytes;
+      if (program.Confirmed()) files[path] = bytes;
       report.programs.push_back({"programs/" + path, program.controller,
                                  MotionsPerPass(program, plan.passes.size()), program.saved, program.near,
-                                 program.findings.empty()});
+                                 program.Confirmed(), program.WhyWithheld()});
     }
+  AddStarts(results.starts, report, files);
   const std::string job = WriteJob(results.inputs.job), cell = WriteCell(results.inputs.cell);
   set.Add("job.yaml", job);
   set.Add("cell.yaml", cell);
   set.Add(kPlanFile, Serialise(plan));
+  if (!results.starts.ways.gaps.empty()) set.Add(kStartWays, Serialise(results.starts.ways));
   set.Add("points.csv", PointsCsv(plan));
   set.Add("path.vtp", PathVtp(plan));
   if (report.deflection) set.Add("deflection.csv", DeflectionCsv(*report.deflection));
   set.Add("summary.json", SummaryJson(plan, report));
-  set.Add("report.html",
-          ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell,
-                      report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings}));
-  // One program that its read-back does not confirm casts doubt on the plan: none is written then.
-  if (results.programs.Confirmed())
-    for (const auto& [name, bytes] : files) set.Add(fmt::format("{}/{}", kProgramsFolder, name), bytes);
+  set.Add("report.html", ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell,
+                                     report.deflection ? &*report.deflection : nullptr, report.findings,
+                                     report.warnings, report.times}));
+  for (const CheckedProgram& program : programs)
+    if (program.Confirmed() && !program.trajectory.empty())
+      set.Add("trajectory-" + program.controller + ".csv", program.trajectory);
+  for (const auto& [name, bytes] : files) set.Add(fmt::format("{}/{}", kProgramsFolder, name), bytes);
   return report;
 }
 

@@ -4,6 +4,7 @@
 #include "pipeline/inputs.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/output_folder.hpp"
+#include "pipeline/start_programs.hpp"
 #include "report/html.hpp"
 #include "report/report.hpp"
 
@@ -15,6 +16,7 @@ struct Results {
   const Cell& cell;  ///< with the workpiece
   const PlanResult& plan;
   const JobPrograms& programs;
+  const JobStarts& starts;
   const std::optional<AuditFigures>& audit;
   const FeedReduction& reduction;
   const std::vector<std::string>& warnings;  ///< repairs of the mesh, doubtful units
@@ -24,8 +26,8 @@ struct Results {
 };
 
 /// Adds everything that a plan leaves in its folder, but for what differs from run to run: reports, and the
-/// programs when every one of them was confirmed by its own read-back. Returns what the reports tell beyond
-/// the plan.
+/// programs of every controller whose read-back confirmed them. Returns what the reports tell beyond the
+/// plan.
 ReportInputs WriteResults(const Results& results, ResultSet& set);
 
 /// Host, memory and the like for run.json.

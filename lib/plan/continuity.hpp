@@ -34,14 +34,30 @@ ContinuityFigures AnalyseContinuity(const PlanResult& plan);
 /// ∫ Σ_joints (d²q/dt²)² dt over the pieces of a pass at their feeds, rad²/s³.
 double SquaredAcceleration(const PassResult& pass);
 
+/// Neighbouring points of one piece whose feed was reduced to less than kSlowShare.
+struct SlowStretch {
+  int pass = 0;
+  size_t first = 0, last = 0;  ///< numbers in the job
+  int joint = 0;               ///< 0..5: the one that limits most
+  bool by_acceleration = false;
+  double feed = 0;    ///< mm/s, the lowest of them
+  double wanted = 0;  ///< mm/s, programmed there
+
+  double Share() const { return feed / wanted; }
+};
+
+inline constexpr double kSlowShare = 0.7;  ///< of the programmed feed: less is worth telling
+
 /// What ReduceFeeds did.
 struct FeedReduction {
-  size_t points = 0;  ///< whose feed is lower now
-  double least = 0;   ///< mm/s, the lowest feed; 0 when none was reduced
+  size_t points = 0;              ///< whose feed is lower now
+  double least = 0;               ///< mm/s, the lowest feed; 0 when none was reduced
+  std::vector<SlowStretch> slow;  ///< in the order of the points
 };
 
 /// Lowers the feeds of the points to what the joints can hold, changing no faster than they can follow
-/// (ReducedFeeds). Feeds that can be held stay as they are.
+/// (ReducedFeeds), and so that no joint exceeds 99 % of its speed on the straight motion to the point. Feeds
+/// that can be held stay as they are.
 FeedReduction ReduceFeeds(PlanResult& plan);
 
 }  // namespace millpose

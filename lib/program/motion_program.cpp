@@ -46,7 +46,7 @@ class ProgramBuilder {
       const Motion last = program_.motions.back();
       Motion& retract = Add(MotionType::kLinear, gap.joints.front(), gap.from_pass, -1);
       retract.exact = true;
-      retract.feed = FeedOf(last, retract, last.feed, options_.retract_feed);
+      retract.feed = FeedOf(last, retract, options_.retract_feed > 0 ? options_.retract_feed : last.feed);
       AddEvent(ProgramEvent::Kind::kPassEnd, gap.from_pass, gap.from_piece);
     } else if (program_.motions.empty()) {
       Add(MotionType::kJoint, gap.joints.front(), -1, -1).exact = true;
@@ -64,7 +64,7 @@ class ProgramBuilder {
     while (pass.points[first].skip != SkipReason::kNone) ++first;
     assert(first <= piece.last);
     AddApproach(pass, first);
-    AddCut(pass, first).exact = true;
+    AddPlunge(pass, first);
     AddOutputs(true);
     clearance_share_ = 1;
     for (int i = first + 1; i <= piece.last; ++i) {
@@ -90,34 +90,48 @@ class ProgramBuilder {
   }
 
   Motion& AddCut(const PassResult& pass, int i) {
+    const MillingPoint& point = pass.points[i].point;
     Motion& motion = Add(MotionType::kLinear, pass.points[i].q, pass.pass, i);
-    motion.feed = pass.points[i].point.feed_rate;
+    motion.feed = point.feed_rate;
+    if (point.kind == PointKind::kLeadIn) motion.feed = std::min(motion.feed, PlungeFeed(point));
     return motion;
   }
 
-  /// The faster part of the approach to a pass's point, which ends `approach_slow` before it.
+  /// mm/s of motions towards material that end at a cut's point.
+  double PlungeFeed(const MillingPoint& point) const {
+    return options_.plunge_feed > 0 ? options_.plunge_feed : point.feed_rate;
+  }
+
+  /// The part of the approach to a pass's point before its last `approach_slow`.
   void AddApproach(const PassResult& pass, int point) {
     const Motion entry = program_.motions.back();
     const PlannedPoint& target = pass.points[point];
     const PoseLine line(entry.X_PT, X_PB_ * ForwardFlange(plan_.arm, target.q) * plan_.X_FT);
-    const double fast = line.length() - options_.approach_slow;
-    if (options_.approach_feed <= target.point.feed_rate || fast <= 0) return;
+    const double before = line.length() - options_.approach_slow;
+    const double feed = options_.approach_feed;
+    if (feed <= 0 || feed == PlungeFeed(target.point) || options_.approach_slow <= 0 || before <= 0) return;
     const auto q =
-        InverseNear(plan_.arm, X_PB_.inverse() * line.At(fast / line.length()) * plan_.X_FT.inverse(),
+        InverseNear(plan_.arm, X_PB_.inverse() * line.At(before / line.length()) * plan_.X_FT.inverse(),
                     Status(plan_.arm, target.q), target.q);
     if (!q) return;
     Motion& approach = Add(MotionType::kLinear, *q, pass.pass, -1);
     approach.exact = true;
-    approach.feed = FeedOf(entry, approach, target.point.feed_rate, options_.approach_feed);
+    approach.feed = FeedOf(entry, approach, feed);
   }
 
-  /// The feed of a straight motion out of the cut: `wanted`, as far as the joints can follow, never less than
-  /// the cut's.
-  double FeedOf(const Motion& from, const Motion& to, double cut, double wanted) const {
+  /// The last part of the approach, into the material.
+  void AddPlunge(const PassResult& pass, int point) {
+    const Motion before = program_.motions.back();
+    Motion& plunge = AddCut(pass, point);
+    plunge.exact = true;
+    plunge.feed = FeedOf(before, plunge, PlungeFeed(pass.points[point].point));
+  }
+
+  /// The feed of a straight motion beside the cut: `wanted`, as far as the joints can follow.
+  double FeedOf(const Motion& from, const Motion& to, double wanted) const {
     const double share = (*to.q - *from.q).cwiseAbs().cwiseQuotient(plan_.arm.speed).maxCoeff();
     const double length = (to.X_PT.translation() - from.X_PT.translation()).norm();
-    const double possible = share > 0 ? kSpeedShare * length / share : wanted;
-    return std::max(cut, std::min(wanted, possible));
+    return share > 0 ? std::min(wanted, kSpeedShare * length / share) : wanted;
   }
 
   /// Where the approach of a piece begins: a PTP with S and T, from which the piece can be entered.

@@ -99,9 +99,10 @@ struct CallWay {
 /// What a program says beyond its plan.
 struct MotionOptions {
   std::vector<std::pair<std::string, std::string>> header;  ///< after job, cell and inputs
-  double approach_feed = 0;                                 ///< mm/s where above the feed of the first point
-  double approach_slow = 0;  ///< mm before the first point that run at its feed
-  double retract_feed = 0;   ///< mm/s where above the feed of the last point
+  double approach_feed = 0;                                 ///< mm/s; 0: none of its own
+  double approach_slow = 0;  ///< mm before the first point that run at the plunge feed
+  double plunge_feed = 0;    ///< mm/s towards material; 0: the feed of the first point
+  double retract_feed = 0;   ///< mm/s; 0: the feed of the last point
   std::vector<PathOutput> outputs;
   std::vector<CallWay> calls;  ///< that of text footer at the end, the others at the beginning
 };

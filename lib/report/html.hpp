@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cell/cell.hpp"
+#include "plan/cycle_time.hpp"
 #include "plan/plan_result.hpp"
 #include "report/deflection.hpp"
 
@@ -50,6 +51,7 @@ struct HtmlInput {
   const DeflectionReport* deflection = nullptr;  ///< when the job says what the cutter takes off
   std::vector<std::string> findings = {};        ///< what stands in the way of trust, one sentence each
   std::vector<std::string> warnings = {};        ///< repairs of the mesh, doubtful units
+  std::vector<ControllerTime> times = {};        ///< of every program
 };
 
 /// The page as bytes: a pure function of its input, no dates, no times.

@@ -169,6 +169,18 @@ Json PaperJson(const PlanResult& plan) {
   return json;
 }
 
+/// How long every program takes: all of it as a text, and s per pass.
+Json TimesJson(const HtmlInput& input) {
+  Json times = Json::array();
+  for (const ControllerTime& program : input.times) {
+    Json passes = Json::array();
+    for (const CycleTime& pass : program.time.passes) passes.push_back(std::round(10 * pass.Total()) / 10);
+    times.push_back(
+        {{"controller", program.controller}, {"text", TimeText(program.time.all)}, {"passes_s", passes}});
+  }
+  return times;
+}
+
 }  // namespace
 
 std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
@@ -198,6 +210,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"gaps", GapsJson(plan)},
             {"findings", input.findings},
             {"warnings", input.warnings},
+            {"times", TimesJson(input)},
             {"deflection", DeflectionJson(input.deflection)},
             {"paper", PaperJson(plan)},
             {"settings", input.settings}};

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "plan/continuity.hpp"
+#include "plan/cycle_time.hpp"
 #include "plan/plan_result.hpp"
 #include "report/deflection.hpp"
 
@@ -17,9 +18,10 @@ struct ReportedProgram {
   std::string path;  ///< relative to the output folder
   std::string controller;
   std::vector<int> motions_per_pass;
-  int points_saved = 0;  ///< of the whole program: left out, the controller's own motion passes them
-  int points_near = 0;   ///< of the whole program: nearer to the one before than the least spacing
-  bool verified = false;
+  int points_saved = 0;   ///< of the whole program: left out, the controller's own motion passes them
+  int points_near = 0;    ///< of the whole program: nearer to the one before than the least spacing
+  bool verified = false;  ///< and so written
+  std::string withheld;   ///< why it is not
 };
 
 /// Figures recomputed on request (`--audit`).
@@ -47,6 +49,7 @@ struct ReportInputs {
   std::optional<AuditFigures> audit;
   std::optional<ContinuityFigures> continuity;
   FeedReduction feed_reduction;
+  std::vector<ControllerTime> times;  ///< of every program
   std::optional<BaseWindow> base_window;
   std::optional<DeflectionReport> deflection;  ///< when the job says what the cutter takes off
 };

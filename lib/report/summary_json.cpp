@@ -55,6 +55,20 @@ Json GapRemarksJson(const PlanResult& plan) {
 
 Json JointsJson(const Joints& values) { return std::vector<double>(values.begin(), values.end()); }
 
+// Stretches below 70 % of the programmed feed.
+Json SlowJson(const FeedReduction& reduction) {
+  Json list = Json::array();
+  for (const SlowStretch& s : reduction.slow)
+    list.push_back({{"pass", s.pass},
+                    {"first_point", s.first},
+                    {"last_point", s.last},
+                    {"joint", s.joint + 1},
+                    {"by", s.by_acceleration ? "acceleration" : "speed"},
+                    {"feed_mm_min", 60 * s.feed},
+                    {"feed_wanted_mm_min", 60 * s.wanted}});
+  return list;
+}
+
 Json ContinuityJson(const ReportInputs& inputs, const PlanFigures& plan) {
   const std::optional<ContinuityFigures>& figures = inputs.continuity;
   const FeedReduction& reduction = inputs.feed_reduction;
@@ -81,7 +95,8 @@ Json ContinuityJson(const ReportInputs& inputs, const PlanFigures& plan) {
       {"feed_not_held", not_held},
       {"feed_reduced",
        {{"points", reduction.points},
-        {"least_mm_min", reduction.points ? Json(60 * reduction.least) : Json(nullptr)}}}};
+        {"least_mm_min", reduction.points ? Json(60 * reduction.least) : Json(nullptr)},
+        {"slow", SlowJson(reduction)}}}};
 }
 
 Json AuditJson(const std::optional<AuditFigures>& audit) {
@@ -130,7 +145,28 @@ Json ProgramsJson(const std::vector<ReportedProgram>& programs) {
                     {"motions_per_pass", program.motions_per_pass},
                     {"points_saved", program.points_saved},
                     {"points_near", program.points_near},
-                    {"verified", program.verified}});
+                    {"verified", program.verified},
+                    {"withheld", program.withheld.empty() ? Json(nullptr) : Json(program.withheld)}});
+  return list;
+}
+
+Json TimeJson(const CycleTime& time) {
+  return {{"total_s", time.Total()},
+          {"cuts_s", time.cuts},
+          {"approaches_s", time.approaches},
+          {"gaps_s", time.gaps},
+          {"stops_s", time.stops}};
+}
+
+Json TimesJson(const std::vector<ControllerTime>& times) {
+  Json list = Json::array();
+  for (const ControllerTime& program : times) {
+    Json item{{"controller", program.controller}};
+    item.update(TimeJson(program.time.all));
+    item["passes"] = Json::array();
+    for (const CycleTime& pass : program.time.passes) item["passes"].push_back(TimeJson(pass));
+    list.push_back(std::move(item));
+  }
   return list;
 }
 
@@ -185,6 +221,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
                   {"X_WP", MatrixJson(plan.X_WP)}};
   json["seed"] = plan.seed;
   json["programs"] = ProgramsJson(inputs.programs);
+  json["cycle_times"] = TimesJson(inputs.times);
   json["base_window"] = BaseWindowJson(inputs.base_window);
   json["warnings"] = inputs.warnings;
   json["findings"] = inputs.findings;

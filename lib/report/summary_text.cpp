@@ -123,7 +123,9 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   if (figures.clearance_min) fmt::format_to(out, "clearance  at least {:.1f} mm\n", *figures.clearance_min);
   for (const ReportedProgram& program : inputs.programs)
     fmt::format_to(out, "program    {} ({}; {} points left out that its motions pass)\n", program.path,
-                   program.verified ? "read back and confirmed" : "refused", program.points_saved);
+                   program.verified ? "read back and confirmed" : "withheld", program.points_saved);
+  for (const ControllerTime& program : inputs.times)
+    fmt::format_to(out, "cycle      {} {}\n", program.controller, TimeText(program.time.all));
   if (inputs.base_window)
     fmt::format_to(
         out, "base       may be shifted by {:.3f} mm and turned by {:.4f} deg together with the part{}\n",

@@ -65,12 +65,12 @@ void CompareGap(const Replayed& replayed, const Replayed& plan, const GapRange& 
   const auto [missed, unused] = FarthestFrom(way, planned);
   const size_t motion = std::min((first == 0 ? 0 : first - 1) + index, replayed.program.motions.size() - 1);
   if (off > options.gap_tolerance) {
-    findings.push_back(At(replayed.program, motion,
+    findings.push_back(At(replayed.program, motion, Cause::kWay,
                           fmt::format("the way between cuts leaves the planned one by {:.3f} deg of a joint",
                                       off * kDegPerRad)));
   } else if (missed > options.gap_tolerance) {
     findings.push_back(
-        At(replayed.program, last > first ? last - 1 : motion,
+        At(replayed.program, last > first ? last - 1 : motion, Cause::kWay,
            fmt::format("the way between cuts leaves out a planned one by {:.3f} deg of a joint",
                        missed * kDegPerRad)));
   }
@@ -87,7 +87,7 @@ void CompareWayStops(const Replayed& replayed, size_t first, size_t last, const 
   for (size_t i = first == 0 ? 0 : first - 1; i < last; ++i) {
     if (motions[i].exact || i + 1 >= motions.size()) continue;
     if (HasFeed(motions[i]) != HasFeed(motions[i + 1])) {
-      findings.push_back(At(replayed.program, i,
+      findings.push_back(At(replayed.program, i, Cause::kStop,
                             "no stop between a way and a cut: a stop is planned here, but not programmed"));
       continue;
     }
@@ -101,7 +101,7 @@ void CompareWayStops(const Replayed& replayed, size_t first, size_t last, const 
     const double off = rounding.cwiseAbs().maxCoeff();
     if (off > options.gap_tolerance)
       findings.push_back(
-          At(replayed.program, i,
+          At(replayed.program, i, Cause::kWay,
              fmt::format("the way between cuts is rounded here and may leave the planned one by "
                          "{:.3f} deg of a joint",
                          off * kDegPerRad)));
@@ -150,7 +150,7 @@ void CompareSpindle(const Replayed& replayed, const Replayed& plan, const Verify
     // A change that is missing shows where the cut before it ends.
     const size_t runs = i < wanted.size() ? std::min(wanted[i].runs, replayed.runs.size()) : 0;
     const size_t motion = runs == 0 ? 0 : replayed.runs[runs - 1].last;
-    Finding finding = At(replayed.program, motion, "");
+    Finding finding = At(replayed.program, motion, Cause::kSwitching, "");
     if (i < given.size()) finding.line = given[i].event->line;
     finding.message = fmt::format("the spindle is switched {}, planned is {}",
                                   i < given.size() ? name(given[i]) : "no more",
@@ -197,7 +197,7 @@ void CompareOutputs(const Replayed& replayed, const Replayed& plan, const Cell& 
     Finding finding = At(replayed.program,
                          event ? std::min(event->before_motion, replayed.program.motions.size() - 1)
                                : replayed.program.motions.size() - 1,
-                         "");
+                         Cause::kSwitching, "");
     if (event) finding.line = event->line;
     finding.message =
         fmt::format("{} is switched here, planned is {}", event ? name(given[i].output) : "no output",
@@ -228,7 +228,7 @@ std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const
     const size_t motion = replayed.runs.empty()           ? replayed.program.motions.size() - 1
                           : common < replayed.runs.size() ? replayed.runs[common].first
                                                           : replayed.runs.back().last;
-    findings.push_back(At(replayed.program, motion,
+    findings.push_back(At(replayed.program, motion, Cause::kPath,
                           fmt::format("{} cuts, planned are {}", replayed.runs.size(), plan.runs.size())));
   }
   const ArmBodies bodies(cell);

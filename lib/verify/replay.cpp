@@ -125,12 +125,12 @@ std::optional<Joints> Target(const MotionProgram& program, const Cell& cell, siz
 
 }  // namespace
 
-Finding At(const MotionProgram& program, size_t motion, std::string message) {
+Finding At(const MotionProgram& program, size_t motion, Cause cause, std::string message) {
   const Motion& at = program.motions[motion];
   const std::string file = at.file < static_cast<int>(program.files.size())
                                ? program.files[static_cast<size_t>(at.file)]
                                : std::string();
-  return {file, at.line, std::move(message)};
+  return {file, at.line, std::move(message), cause};
 }
 
 Replay ReplayTargets(const MotionProgram& program, const Cell& cell, std::vector<Finding>& findings) {
@@ -139,7 +139,7 @@ Replay ReplayTargets(const MotionProgram& program, const Cell& cell, std::vector
   for (size_t i = 0; i < program.motions.size(); ++i) {
     std::string reason;
     const std::optional<Joints> target = Target(program, cell, i, q, reason);
-    if (!target) findings.push_back(At(program, i, reason));
+    if (!target) findings.push_back(At(program, i, Cause::kReach, reason));
     if (target) q = target;
     replay.targets.push_back(q.value_or(cell.home));
     replay.reached.push_back(target.has_value());
@@ -162,7 +162,8 @@ void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay
   if (motion.type == MotionType::kJoint) {
     for (int i = 1; i <= steps; ++i) angles.push_back(from + (to - from) * (static_cast<double>(i) / steps));
   } else if (!FollowLine(cell.arm, X_FT, line, steps, from, angles)) {
-    findings.push_back(At(program, index, "the straight motion leaves the arm's reach on its way"));
+    findings.push_back(
+        At(program, index, Cause::kReach, "the straight motion leaves the arm's reach on its way"));
   }
   for (size_t i = 0; i < angles.size(); ++i) {
     instants.push_back({angles[i], ForwardFlange(cell.arm, angles[i]) * cell.X_FT, index,

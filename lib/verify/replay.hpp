@@ -31,6 +31,6 @@ void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay
                     double step, std::vector<Instant>& instants, std::vector<Finding>& findings);
 
 /// A finding at a motion of `program`.
-Finding At(const MotionProgram& program, size_t motion, std::string message);
+Finding At(const MotionProgram& program, size_t motion, Cause cause, std::string message);
 
 }  // namespace millpose

@@ -64,7 +64,7 @@ bool RunComparison::LengthsFit() {
     const bool fits = length <= 2 * planned + kSpareLength && driven <= 3 * planned + kSpareLength;
     if (fits) continue;
     findings_.push_back(
-        At(replayed_.program, i,
+        At(replayed_.program, i, Cause::kPath,
            fmt::format("leaves the plan: a motion of {:.1f} mm, {:.1f} mm from the start of the "
                        "cut on; the longest planned has {:.1f} mm, the cut {:.1f} mm",
                        length, driven, longest, planned)));
@@ -96,7 +96,7 @@ void RunComparison::CompareForward() {
     if (!deviation.Within(options_)) {
       reported = instant.motion;
       findings_.push_back(
-          At(replayed_.program, instant.motion,
+          At(replayed_.program, instant.motion, Cause::kPath,
              fmt::format("{} leaves the plan: {}", Name(deviation.segment), deviation.Text())));
     }
     // Feed is a property of a motion; the middle of it tells which planned one it belongs to.
@@ -137,7 +137,7 @@ void RunComparison::CompareFeed(const Instant& before, const Instant& instant, s
   }
   const double wanted = PlanMotion(segment).feed;
   if (feed > wanted * options_.feed_most || feed < wanted * options_.feed_least) {
-    findings_.push_back(At(replayed_.program, instant.motion,
+    findings_.push_back(At(replayed_.program, instant.motion, Cause::kFeed,
                            fmt::format("{} runs at {:.3f} mm/min, planned are {:.3f} mm/min", Name(segment),
                                        feed * 60, wanted * 60)));
   }
@@ -150,7 +150,7 @@ void RunComparison::CompareBackward() {
     const PathDeviation deviation = follower.Follow(path_[k]);
     if (deviation.Within(options_)) continue;
     const Instant& nearest = instants_[std::min(deviation.segment + 1, instants_.size() - 1)];
-    findings_.push_back(At(replayed_.program, nearest.motion,
+    findings_.push_back(At(replayed_.program, nearest.motion, Cause::kPath,
                            fmt::format("{} is not reached: {}", Name(k == 0 ? 0 : k - 1), deviation.Text())));
     return;
   }
@@ -166,9 +166,10 @@ void RunComparison::CompareStops() {
             .cwiseAbs()
             .maxCoeff() < 1e-6;
     if (stands && i > run_.first) {
-      findings_.push_back(At(replayed_.program, i, "the motion goes nowhere: the tool stops in the cut"));
+      findings_.push_back(
+          At(replayed_.program, i, Cause::kStop, "the motion goes nowhere: the tool stops in the cut"));
     } else if (motion.exact && !PlannedStop(i)) {
-      findings_.push_back(At(replayed_.program, i, "exact stop within the cut"));
+      findings_.push_back(At(replayed_.program, i, Cause::kStop, "exact stop within the cut"));
     }
   }
   ComparePlannedStops();
@@ -192,8 +193,8 @@ void RunComparison::ComparePlannedStops() {
       continue;
     }
     for (found = i; found < run_.last && !here(found);) ++found;
-    findings_.push_back(
-        At(replayed_.program, found, fmt::format("{}: a stop is planned here, but not programmed", Name(k))));
+    findings_.push_back(At(replayed_.program, found, Cause::kStop,
+                           fmt::format("{}: a stop is planned here, but not programmed", Name(k))));
     return;
   }
 }
@@ -210,7 +211,7 @@ void RunComparison::CompareCorner(size_t i) {
     rounding = {std::max(rounding.position, overlap.position), std::max(rounding.angle, overlap.angle)};
   }
   if (rounding.position <= options_.position_tolerance && rounding.angle <= options_.angle_tolerance) return;
-  findings_.push_back(At(replayed_.program, i,
+  findings_.push_back(At(replayed_.program, i, Cause::kCorner,
                          fmt::format("the corner is rounded by {:.3f} mm and {:.4f} deg", rounding.position,
                                      rounding.angle * kDegPerRad)));
 }

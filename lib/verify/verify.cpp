@@ -67,7 +67,7 @@ class MotionCheck {
         (next[0].q - corner) / (next[0].share * Seconds(i + 1)) - (corner - last) / (span * Seconds(i));
     for (int j = 0; j < 6; ++j) {
       if (std::abs(jump[j]) <= cell_.arm.acceleration[j] * options_.jump_time) continue;
-      findings.push_back(At(replayed_.program, i,
+      findings.push_back(At(replayed_.program, i, Cause::kCorner,
                             fmt::format("A{} would have to change its speed by {:.2f} deg/s at a corner that "
                                         "is passed without a stop",
                                         j + 1, std::abs(jump[j]) * kDegPerRad)));
@@ -76,7 +76,7 @@ class MotionCheck {
     const double feed = Feed(i), after = Feed(i + 1);
     if (std::max(feed, after) <= options_.feed_jump * std::min(feed, after)) return;
     findings.push_back(
-        At(replayed_.program, i + 1,
+        At(replayed_.program, i + 1, Cause::kCorner,
            fmt::format("the feed jumps from {:.1f} to {:.1f} mm/min without a stop", feed * 60, after * 60)));
   }
 
@@ -88,7 +88,7 @@ class MotionCheck {
     for (int j = 0; j < 6; ++j) {
       if (std::abs(std::remainder(angles[j], 2 * kPi)) >= kUncertainTurn) continue;
       findings.push_back(
-          At(replayed_.program, i,
+          At(replayed_.program, i, Cause::kReach,
              fmt::format("A{} stands at {:.5f} deg, where a turn bit does not say whether it goes "
                          "there directly or by a full turn; joint angles expected",
                          j + 1, angles[j] * kDegPerRad)));
@@ -121,7 +121,7 @@ class MotionCheck {
     for (int j = 0; j < 6; ++j) {
       if (q[j] >= options_.lower[j] - kLimitSlack && q[j] <= options_.upper[j] + kLimitSlack) continue;
       findings.push_back(
-          At(replayed_.program, i,
+          At(replayed_.program, i, Cause::kReach,
              fmt::format("A{} at {:.3f} deg leaves its limits {:.3f} to {:.3f} deg", j + 1, q[j] * kDegPerRad,
                          options_.lower[j] * kDegPerRad, options_.upper[j] * kDegPerRad)));
       return true;
@@ -132,7 +132,7 @@ class MotionCheck {
   bool CheckSpeed(size_t i, const Joints& speed, std::vector<Finding>& findings) const {
     for (int j = 0; j < 6; ++j) {
       if (speed[j] <= cell_.arm.speed[j] * kSpeedSlack) continue;
-      findings.push_back(At(replayed_.program, i,
+      findings.push_back(At(replayed_.program, i, Cause::kJointSpeed,
                             fmt::format("A{} would turn at {:.2f} deg/s, it can do {:.2f} deg/s", j + 1,
                                         speed[j] * kDegPerRad, cell_.arm.speed[j] * kDegPerRad)));
       return true;
@@ -143,7 +143,7 @@ class MotionCheck {
   bool CheckWrist(size_t i, const Joints& q, std::vector<Finding>& findings) const {
     if (DistanceToSingularity(cell_.arm, q).wrist >= options_.wrist_least) return false;
     findings.push_back(
-        At(replayed_.program, i,
+        At(replayed_.program, i, Cause::kReach,
            fmt::format("A5 at {:.3f} deg: the wrist is singular on a straight motion", q[4] * kDegPerRad)));
     return true;
   }
@@ -193,7 +193,7 @@ void CheckInterference(const Replayed& replayed, size_t i, const Cell& cell, Che
   }
   if (!hit) return;
   findings.push_back(
-      At(replayed.program, i,
+      At(replayed.program, i, Cause::kInterference,
          fmt::format("{} comes within {:.2f} mm of {} at ({:.1f}, {:.1f}, {:.1f}) mm", hit->first,
                      hit->distance, hit->second, hit->place.x(), hit->place.y(), hit->place.z())));
 }
@@ -205,7 +205,7 @@ std::vector<bool> WithFindings(const Replayed& replayed, const std::vector<Findi
   for (const Finding& finding : findings) lines.insert({finding.file, finding.line});
   std::vector<bool> faulty;
   for (size_t i = 0; i < replayed.program.motions.size(); ++i) {
-    const Finding here = At(replayed.program, i, "");
+    const Finding here = At(replayed.program, i, Cause::kOther, "");
     faulty.push_back(lines.contains({here.file, here.line}));
   }
   return faulty;
@@ -222,7 +222,8 @@ void ForMotions(size_t count, int threads, const std::stop_token& stop, std::vec
   for (const auto& list : found) findings.insert(findings.end(), list.begin(), list.end());
 }
 
-/// By file and line, each once; the list is cut at the options' length and says how many were left out.
+/// By file and line, each once; of each cause the list is cut at the options' length and says how many were
+/// left out.
 std::vector<Finding> Ordered(std::vector<Finding> findings, const VerifyOptions& options) {
   std::stable_sort(findings.begin(), findings.end(), [](const Finding& a, const Finding& b) {
     return std::tie(a.file, a.line, a.message) < std::tie(b.file, b.line, b.message);
@@ -231,13 +232,21 @@ std::vector<Finding> Ordered(std::vector<Finding> findings, const VerifyOptions&
     return a.file == b.file && a.line == b.line && a.message == b.message;
   };
   findings.erase(std::unique(findings.begin(), findings.end(), same), findings.end());
-  if (findings.size() > options.most_findings) {
-    const size_t left = findings.size() - options.most_findings;
-    findings.resize(options.most_findings);
-    findings.push_back(
-        {findings.back().file, findings.back().line, fmt::format("and {} more findings", left)});
+  std::vector<Finding> listed;
+  std::map<Cause, std::vector<Finding>> more;
+  std::map<Cause, size_t> kept;
+  for (Finding& finding : findings) {
+    const Cause cause = finding.cause;
+    if (++kept[cause] <= options.most_findings)
+      listed.push_back(std::move(finding));
+    else
+      more[cause].push_back(std::move(finding));
   }
-  return findings;
+  for (const auto& [cause, rest] : more) {
+    listed.push_back({rest.back().file, rest.back().line, fmt::format("and {} more findings", rest.size()),
+                      cause, rest.size()});
+  }
+  return listed;
 }
 
 }  // namespace
@@ -248,7 +257,7 @@ std::vector<Finding> Verify(const MotionProgram& program, const World& world, co
   const Cell& cell = world.cell();
   std::vector<Finding> findings;
   if (program.motions.empty())
-    return {{program.files.empty() ? "" : program.files[0], 0, "the program moves nothing"}};
+    return {{program.files.empty() ? "" : program.files[0], 0, "the program moves nothing", Cause::kPath}};
   const Replayed replayed{program, ReplayTargets(program, cell, findings), FeedRuns(program)};
 
   const MotionCheck check(replayed, cell, options, plan == nullptr);

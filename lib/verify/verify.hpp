@@ -9,11 +9,28 @@
 
 namespace millpose {
 
+/// What kind of thing is wrong with a program: findings of one cause have one cure.
+enum class Cause : uint8_t {
+  kOther,
+  kText,          ///< what its own reader refuses
+  kPath,          ///< tip, axis or rotation leave the plan, points left out
+  kFeed,          ///< of a cut, approach or retract
+  kJointSpeed,    ///< faster than the arm can turn
+  kCorner,        ///< rounded by too much, or passed too fast
+  kStop,          ///< stands in the cut
+  kReach,         ///< not reached, limits, configuration, singularity
+  kWay,           ///< between cuts
+  kInterference,  ///< or too near
+  kSwitching      ///< spindle and outputs
+};
+
 /// Something that a program does and must not do.
 struct Finding {
   std::string file;
   int line = 0;
   std::string message;  ///< what, by how much, with units
+  Cause cause = Cause::kOther;
+  size_t count = 1;  ///< findings that it stands for: more for the one that tells how many are not listed
 };
 
 struct VerifyOptions {
@@ -40,7 +57,7 @@ struct VerifyOptions {
   double wrist_least = 0.01;  ///< |sin A5| in straight motions: below, the wrist axes race
   bool interference =
       false;  ///< check every motion, not only what leaves the plan's; always so without a plan
-  size_t most_findings = 200;  ///< the rest is counted
+  size_t most_findings = 200;  ///< of each cause; the rest is counted
 };
 
 /// Replays `program` as its controller would (straight lines with interpolated orientation, joint motions,

@@ -44,9 +44,11 @@ class Plan(unittest.TestCase):
     def test_leaves_every_file_and_nothing_else(self):
         names = {name for name in self.contents if not name.startswith(("checkpoints/", "."))}
         self.assertEqual(
-            {name for name in names if name not in ("report.html", "path.vtp")},
+            {name for name in names if name not in ("report.html", "path.vtp", "starts.cbor") and "/starts/" not in name},
             {"cell.yaml", "job.yaml", "manifest.json", "plan.cbor", "points.csv", "summary.json", "programs/krl/support_pad.src",
              "programs/krl/support_pad.dat", "programs/sinumerik/support_pad.mpf", "programs/linuxcnc/support_pad.ngc"})
+        starts = {name.split("/")[1] for name in names if "/starts/" in name}
+        self.assertEqual(starts, {"krl", "sinumerik", "linuxcnc"} if self.summary["pieces"] > 1 else set())
         self.assertTrue((self.folder / "run.json").is_file())
 
     def test_summary_has_every_field(self):

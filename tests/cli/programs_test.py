@@ -104,6 +104,59 @@ class Options(Planned):
         self.assertEqual(result.returncode, 2)
         self.assertRegex(result.stderr, r"support_pad\.src:\d+:\d+: .*BASE_DATA\[3\]")
 
+    def test_a_program_that_is_not_confirmed_withholds_no_other(self):
+        # $VEL.ORI so low that motions which turn the tool a little fall far below their feed, in KRL alone.
+        cell("slow", "orientation_speed_deg_s: 0.0001")
+        job = BENCH.job("support_pad", CUT_DOWN + [("kr500_r2830", "slow"), EVERY_POINT], "slow")
+        result, folder = BENCH.plan(job, "slow")
+        self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
+        self.assertEqual(sorted(path.name for path in (folder / "programs").iterdir()), ["linuxcnc", "sinumerik"])
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        self.assertRegex(summary["findings"][0], r"^no krl program is written, its read-back does not confirm it: \d+ "
+                                                 r"motions? whose feed is not the planned one")
+        self.assertRegex(summary["findings"][1], r"^krl: \d+ motions? whose feed .*; what helps: .*orientation_speed_deg_s")
+        # A cause is told once, with a few places: not every finding.
+        self.assertLess(len(summary["findings"]), 10)
+        self.assertRegex(summary["findings"][2], r"^krl support_pad\.src:\d+: .* runs at .* mm/min, planned are")
+        self.assertEqual({p["controller"]: p["verified"] for p in summary["programs"]},
+                         {"krl": False, "linuxcnc": True, "sinumerik": True})
+        self.assertEqual({p["withheld"] for p in summary["programs"] if p["controller"] == "krl"},
+                         {summary["findings"][0]})
+        self.assertEqual(BENCH.run("verify", folder, "--job", job).returncode, 0)
+
+    def test_every_piece_starts_by_itself(self):
+        job, folder, text = self.plan("single", [])
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        pieces = summary["pieces"]
+        self.assertGreater(pieces, 1)
+        starts = sorted((folder / "programs/krl/starts").glob("*.src"))
+        self.assertEqual(len(starts), pieces)
+        home = re.search(r"(?m)^PTP \{A1 .*$", text)[0]
+        cuts = []
+        for start in starts:
+            single = start.read_text(encoding="ascii")
+            motions = re.findall(r"(?m)^(?:PTP|LIN) .*$", single)
+            self.assertEqual((motions[0], motions[-1]), (home, home))
+            self.assertIn("\n$BASE = ", single)  # nothing is left to what ran before
+            cuts += straight(single)
+        # Together they cut what the whole program cuts, no more.
+        self.assertEqual(sorted(cuts), sorted(straight(text)))
+        for name, ending in (("sinumerik", "mpf"), ("linuxcnc", "ngc")):
+            programs = list((folder / f"programs/{name}/starts").glob("*." + ending))
+            self.assertEqual(len(programs), pieces)
+            for program in programs:  # the spindle turns before the approach
+                single = program.read_text(encoding="ascii")
+                self.assertLess(single.index(" M3"), single.index("G1 "))
+        result = BENCH.run("verify", folder, "--job", job)
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertEqual(result.stdout.count("  confirmed"), 3 * (pieces + 1), result.stdout)
+        # One that was changed is found.
+        damaged = starts[-1].read_text(encoding="ascii").replace("\nLIN {X ", "\nLIN {X 1", 1)
+        starts[-1].write_text(damaged, encoding="ascii")
+        result = BENCH.run("verify", folder, "--job", job)
+        self.assertEqual(result.returncode, 2, result.stdout + result.stderr)
+        self.assertIn(starts[-1].name + ": was changed", result.stderr)
+
     def test_a_measured_part_gets_a_window_for_its_base(self):
         # Four targets measured where A 0.02, B -90.03 puts them, with residuals of some hundredths.
         turn, place = matrix(0.02, -90.03, 0), (2076.3, 0.2, 1006.1)

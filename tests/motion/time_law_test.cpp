@@ -45,5 +45,35 @@ TEST(TimeLaw, KnownDurations) {
   EXPECT_DOUBLE_EQ(PathDuration(corners, Joints::Ones(), Joints::Constant(2)), 1.0);
 }
 
+TEST(FeedLaw, GoesTheWholeWayWithinItsSpeedAndAcceleration) {
+  for (const double ramp : {0.0, 0.3, 1.0, 9.0}) {
+    for (const bool from : {false, true}) {
+      for (const bool to : {false, true}) {
+        const TimeLaw law = FeedLaw(2, ramp, from, to);
+        EXPECT_GE(law.duration, 2 - 1e-12);
+        double way = 0;
+        const int steps = 20000;
+        for (int i = 0; i < steps; ++i) {
+          const double time = law.duration * (i + 0.5) / steps;
+          const double rate = law.Rate(time);
+          EXPECT_LE(rate, 0.5 + 1e-12);
+          way += rate * law.duration / steps;
+          if (i % 1000 == 0) {
+            ASSERT_NEAR(law.Share(time), way, 1e-4) << ramp << from << to;
+          }
+        }
+        EXPECT_NEAR(way, 1, 1e-4);
+        EXPECT_EQ(law.Share(law.duration), 1);
+        EXPECT_NEAR(law.Rate(law.duration), ramp > 0 && to ? 0 : law.speed, 1e-12);
+        EXPECT_NEAR(law.Rate(0), ramp > 0 && from ? 0 : law.speed, 1e-12);
+        if (ramp == 0 || (!from && !to)) {
+          EXPECT_EQ(law.duration, 2);
+        }
+      }
+    }
+  }
+  EXPECT_DOUBLE_EQ(FeedLaw(2, 0.5, true, true).duration, 2.5);
+}
+
 }  // namespace
 }  // namespace millpose::test

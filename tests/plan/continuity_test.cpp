@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "plan/continuity.hpp"
 
+#include "motion/line.hpp"
 #include "tests/cell/sample_cell.hpp"
 
 namespace millpose::test {
@@ -60,6 +61,49 @@ TEST(Continuity, FastCutsNameThePointsInTheJobAndReducingMendsThem) {
   EXPECT_TRUE(after.feed_not_held.empty());
   EXPECT_LE(after.speed_share.maxCoeff(), 1 + 1e-9);
   EXPECT_EQ(ReduceFeeds(plan).points, 0u);
+}
+
+TEST(Continuity, ReducedFeedsHoldInTheReplayOfStraightMotions) {
+  PlanResult plan = SwingingPlan(120);
+  ReduceFeeds(plan);
+  const Carrier carrier{plan.arm, plan.X_WB, plan.X_FT};
+  const Joints any = Joints::Constant(100);
+  double most = 0;
+  for (const Piece& piece : plan.passes[1].pieces)
+    for (int i = piece.first + 1; i <= piece.last; ++i) {
+      const PlannedPoint &from = plan.passes[1].points[i - 1], &to = plan.passes[1].points[i];
+      const LineMotion line =
+          FollowLine(carrier, from.q, carrier.ToolPose(to.q), -any, any, {0.05, 0.0005, 10});
+      ASSERT_EQ(line.problem, "");
+      const double way = (to.point.arc_length - from.point.arc_length) / (line.joints.size() - 1.0);
+      for (size_t k = 1; k < line.joints.size(); ++k) {
+        const Joints speed = (line.joints[k] - line.joints[k - 1]).cwiseAbs() / (way / to.point.feed_rate);
+        most = std::max(most, speed.cwiseQuotient(plan.arm.speed).maxCoeff());
+      }
+    }
+  EXPECT_LE(most, 1);
+  EXPECT_GT(most, 0.9);  // and are no lower than need be
+}
+
+TEST(Continuity, TellsWhereReducedFeedsFallFarAndWhichJointIsToBlame) {
+  PlanResult plan = SwingingPlan(120);
+  const FeedReduction reduction = ReduceFeeds(plan);
+  ASSERT_FALSE(reduction.slow.empty());
+  for (const SlowStretch& s : reduction.slow) {
+    EXPECT_EQ(s.pass, 1);
+    EXPECT_EQ(s.joint, 5);
+    EXPECT_EQ(s.wanted, 120);
+    EXPECT_LT(s.Share(), kSlowShare);
+    double least = 120;
+    for (size_t point = s.first; point <= s.last; ++point) {
+      const double feed = plan.passes[1].points[point - 7].point.feed_rate;  // after the seven of pass 0
+      EXPECT_LT(feed, kSlowShare * 120);
+      least = std::min(least, feed);
+    }
+    EXPECT_EQ(s.feed, least);
+  }
+  PlanResult slow = SwingingPlan(2);
+  EXPECT_TRUE(ReduceFeeds(slow).slow.empty());
 }
 
 TEST(Continuity, AClosedPieceIncludesItsWayBackToTheStart) {

@@ -7,6 +7,7 @@
 
 #include "program/economy.hpp"
 #include "program/scanner.hpp"
+#include "robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {
@@ -192,6 +193,54 @@ TEST(Structure, EveryTextIsWellFormed) {
       const std::string controller = ControllerOf(variant);
       for (const auto& [file, text] : MakePost(controller)->Write(program, plan.arm, settings)) {
         EXPECT_EQ(Check(controller, file, text), Complaints{}) << variant << " " << file;
+      }
+    }
+  }
+}
+
+/// The tool in the program's base at joint angles.
+Pose PoseOf(const MotionProgram& program, const PlanResult& plan, const Joints& q) {
+  return program.X_BP->inverse() * ForwardFlange(plan.arm, q) * plan.X_FT;
+}
+
+/// s that the motions with a feed take as a reader returns them.
+double FeedSeconds(const MotionProgram& program) {
+  double seconds = 0;
+  for (size_t i = 1; i < program.motions.size(); ++i) {
+    const Motion &from = program.motions[i - 1], &to = program.motions[i];
+    if (to.duration > 0) seconds += to.duration;
+    if (to.duration == 0 && to.feed > 0)
+      seconds += (to.X_PT.translation() - from.X_PT.translation()).norm() / to.feed;
+  }
+  return seconds;
+}
+
+TEST(Structure, ThePlungeFeedHoldsTowardsTheMaterial) {
+  PlanResult plan = SamplePlan({.points = 6, .spacing = 4, .ring = false, .passes = 1});
+  for (const int lead_in : {0, 1}) plan.passes[0].points[lead_in].point.kind = PointKind::kLeadIn;
+  const double cut = plan.passes[0].points[0].point.feed_rate;
+  for (const double plunge : {0.0, 0.3 * cut, 4 * cut}) {
+    for (const double approach : {0.5 * cut, 20 * cut}) {  // slower than the cut is honoured too
+      MotionOptions options;
+      options.plunge_feed = plunge;
+      options.approach_feed = approach;
+      options.approach_slow = 5;
+      options.retract_feed = 10 * cut;
+      const double towards = plunge > 0 ? plunge : cut;
+      const double wanted =
+          45 / approach + 5 / towards + 4 / std::min(cut, towards) + 16 / cut + 50 / (10 * cut);
+      for (const std::string variant :
+           {"krl", "sinumerik", "sinumerik_euler", "linuxcnc", "linuxcnc_cartesian"}) {
+        const PostSettings settings = SampleSettings(variant);
+        const auto post = MakePost(ControllerOf(variant));
+        const ProgramFiles files = post->Write(MakeMotionProgram(plan, options), plan.arm, settings);
+        MotionProgram read = post->Read(files, plan.arm, settings);
+        // Where poses follow joints the way begins above the first point, 50 mm out.
+        for (size_t i = 1; i < read.motions.size(); ++i)
+          if (read.motions[i - 1].q && read.motions[i].type == MotionType::kLinear)
+            read.motions[i - 1].X_PT = PoseOf(read, plan, *read.motions[i - 1].q);
+        EXPECT_NEAR(FeedSeconds(read), wanted, 1e-3 * wanted)
+            << variant << " plunge " << plunge / cut << " approach " << approach / cut;
       }
     }
   }

@@ -18,6 +18,12 @@
       fact(c.skipped.toLocaleString("en"), "skipped", c.skipped > 0),
       fact(String(data.passes.length), "passes"),
       fact(`${gaps.planned}/${gaps.total}`, "gaps planned", gaps.planned < gaps.total));
+    for (const time of data.times) {
+      const [total, ...parts] = time.text.split(" ");
+      const node = fact(total, `h:min:s on ${time.controller} ${parts.join(" ")}`);
+      node.title = time.passes_s.map((s, pass) => `pass ${pass}: ${s} s`).slice(0, 40).join("\n");
+      document.getElementById("facts").append(node);
+    }
     const thinned = [];
     if (c.shown < c.total) thinned.push(`${c.shown.toLocaleString("en")} of ${c.total.toLocaleString("en")} points are shown; the ends of all pieces and the worst points of every index are among them. All points stand in points.csv.`);
     for (const body of data.bodies)

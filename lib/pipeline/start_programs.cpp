@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/start_programs.hpp"
+
+#include <cassert>
+
+#include "base/error.hpp"
+#include "pipeline/assemble.hpp"
+#include "pipeline/cell_texts.hpp"
+#include "pipeline/make_programs.hpp"
+#include "pipeline/program_motions.hpp"
+#include "program/controller_axes.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr size_t kLongestName = 20;  // names have 24 characters, of which sub-programs take four
+
+std::string StartName(const std::string& job, int pass, int piece) {
+  const std::string suffix = fmt::format("_P{}_{}", pass, piece);
+  return LegalName(job, kLongestName - suffix.size(), 2) + suffix;
+}
+
+/// Home from a piece: on to the next one's entry, and back along that one's way from home.
+Gap WayHome(Gap out, const Gap& next) {
+  if (!next.planned) out.detail = next.detail;
+  out.planned = out.planned && next.planned;
+  if (out.planned) out.joints.insert(out.joints.end(), std::next(next.joints.rbegin()), next.joints.rend());
+  out.clearance_share = std::min(out.clearance_share, next.clearance_share);
+  out.to_pass = out.to_piece = -1;
+  return out;
+}
+
+std::vector<Finding> ReadBack(const ProgramFiles& files, const MotionProgram& planned, const Post& post,
+                              const PostSettings& settings, const VerifyOptions& options, const World& world,
+                              int threads, const std::stop_token& stop) {
+  try {
+    MotionProgram back = post.Read(files, world.cell().arm, settings);
+    CompleteFrames(back, planned);
+    return Verify(back, world, &planned, options, threads, stop);
+  } catch (const InputError& error) {
+    std::vector<Finding> findings;
+    for (const Problem& problem : error.problems())
+      findings.push_back({problem.place.file, problem.place.line, problem.message, Cause::kText});
+    return findings;
+  }
+}
+
+}  // namespace
+
+std::vector<std::pair<GapEnd, GapEnd>> StartEnds(const std::vector<std::pair<GapEnd, GapEnd>>& gaps) {
+  std::vector<std::pair<GapEnd, GapEnd>> starts;
+  for (size_t i = 1; i + 1 < gaps.size(); ++i) starts.emplace_back(gaps.front().first, gaps[i].second);
+  return starts;
+}
+
+PlanResult SingleStart(const PlanResult& plan, const PlanResult& ways, size_t index) {
+  assert(index + 1 < plan.gaps.size() && ways.gaps.size() + 2 == plan.gaps.size());
+  const Gap& in = index == 0 ? plan.gaps[0] : ways.gaps[index - 1];
+  const Gap& out = plan.gaps[index + 1];
+  PlanResult single;
+  single.job = StartName(plan.job, in.to_pass, in.to_piece);
+  single.cell = plan.cell;
+  single.input_hash = plan.input_hash;
+  single.seed = plan.seed;
+  single.arm = plan.arm;
+  single.X_WB = plan.X_WB;
+  single.X_FT = plan.X_FT;
+  single.X_WP = plan.X_WP;
+  single.home = plan.home;
+  single.spindle_speed = plan.spindle_speed;
+  single.gaps = {in, out.to_pass < 0 ? out : WayHome(out, ways.gaps[index])};
+  single.passes.resize(plan.passes.size());
+  single.passes[in.to_pass] = plan.passes[in.to_pass];
+  return single;
+}
+
+std::vector<StartProgram> MakeStartPrograms(const PlanResult& plan, const PlanResult& ways,
+                                            const JobInputs& inputs,
+                                            const std::vector<std::string>& not_machined,
+                                            const std::string& controller, const World& world, int threads,
+                                            std::stop_token stop) {
+  std::vector<StartProgram> starts;
+  if (ways.gaps.empty()) return starts;
+  const std::unique_ptr<Post> post = MakePost(controller);
+  const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
+  const VerifyOptions options = MakeVerifyOptions(inputs.job, plan.arm);
+  const std::vector<CallWay> calls = PlanCallWays(world, inputs, controller, stop);
+  for (size_t i = 0; i + 1 < plan.gaps.size(); ++i) {
+    const PlanResult single = SingleStart(plan, ways, i);
+    StartProgram& start = starts.emplace_back();
+    start.pass = single.gaps[0].to_pass;
+    start.piece = single.gaps[0].to_piece;
+    start.name = single.job;
+    start.obstacle = WhyNotProgrammable(single);
+    if (!start.obstacle.empty()) continue;
+    ProgramMotions motions = MakeProgramMotions(single, inputs, controller, {}, calls);
+    motions.written.header.emplace_back("cycle_time", TimeText(motions.time.all) + " h:min:s, as replayed");
+    for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
+    start.files = post->Write(motions.written, single.arm, settings);
+    start.findings = ReadBack(start.files, motions.planned, *post, settings, options, world, threads, stop);
+  }
+  return starts;
+}
+
+}  // namespace millpose

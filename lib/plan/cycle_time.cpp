@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "plan/cycle_time.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace millpose {
+namespace {
+
+std::string Clock(double seconds) {
+  const long long whole = std::llround(seconds);
+  return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+}  // namespace
+
+CycleTime& CycleTime::operator+=(const CycleTime& other) {
+  cuts += other.cuts;
+  approaches += other.approaches;
+  gaps += other.gaps;
+  stops += other.stops;
+  return *this;
+}
+
+std::string TimeText(const CycleTime& time) {
+  return fmt::format("{} (cuts {}, approaches {}, gaps {}, stops {})", Clock(time.Total()), Clock(time.cuts),
+                     Clock(time.approaches), Clock(time.gaps), Clock(time.stops));
+}
+
+}  // namespace millpose

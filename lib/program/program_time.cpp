@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "program/program_time.hpp"
+
+#include <cassert>
+#include <iterator>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/units.hpp"
+#include "motion/line.hpp"
+#include "program/controller_axes.hpp"
+#include "robot/kinematics.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr double kTurnShare = 0.5;  // of the axes' speeds, in straight motions that only turn
+
+bool IsWay(const Motion& motion) { return motion.type == MotionType::kJoint && motion.duration == 0; }
+
+/// s, running evenly.
+double EvenSeconds(const Motion& from, const Motion& to, const Arm& arm, const TimeOptions& options) {
+  if (to.duration > 0) return to.duration;
+  const PoseLine line(from.X_PT, to.X_PT);
+  double seconds = to.feed > 0 ? line.length() / to.feed : 0;
+  if (options.orientation_speed > 0) seconds = std::max(seconds, line.angle() / options.orientation_speed);
+  const double turning = (*to.q - *from.q).cwiseAbs().cwiseQuotient(arm.speed).maxCoeff() / kTurnShare;
+  return line.length() > 0 ? seconds : std::max(seconds, turning);
+}
+
+TimeLaw LawOf(const Motion& from, const Motion& to, const Arm& arm, const TimeOptions& options) {
+  const Joints delta = *to.q - *from.q;
+  if (IsWay(to)) return FastestLaw(delta, options.way_speed_share * arm.speed, arm.acceleration);
+  const double seconds = EvenSeconds(from, to, arm, options);
+  if (seconds <= 0) return {};
+  const double ramp = (delta.cwiseAbs() / seconds).cwiseQuotient(arm.acceleration).maxCoeff();
+  return FeedLaw(seconds, ramp, from.exact, to.exact);
+}
+
+/// A motion from one point of a cut to the next; the one that ends at its first point is the plunge.
+bool IsCut(const std::vector<Motion>& motions, size_t i) {
+  if (motions[i].point < 0 || i == 0) return false;
+  return motions[i - 1].point >= 0 && motions[i - 1].pass == motions[i].pass &&
+         motions[i - 1].type == MotionType::kLinear;
+}
+
+class TrajectoryWriter {
+ public:
+  TrajectoryWriter(const MotionProgram& program, const Arm& arm, const Pose& X_WB,
+                   const std::vector<double>& external)
+      : program_(program), arm_(arm), X_WB_(X_WB), external_(external) {}
+
+  std::string Write(const std::vector<TimeLaw>& laws, double step) {
+    Head();
+    double start = 0;
+    long long next = 0;  // number of the next time on the grid
+    for (size_t i = 0; i < laws.size(); ++i) {
+      const double end = start + laws[i].duration;
+      for (; static_cast<double>(next) * step < end; ++next) {
+        const double time = static_cast<double>(next) * step;
+        if (time > start && i > 0) Row(time, i, laws[i].Share(time - start), laws[i].Rate(time - start));
+      }
+      Row(end, i, 1, laws[i].Rate(laws[i].duration));
+      start = end;
+    }
+    return std::move(text_);
+  }
+
+ private:
+  void Head() {
+    text_ = "t_s,a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg";
+    for (size_t i = 0; i < external_.size(); ++i) text_ += fmt::format(",e{}", i + 1);
+    text_ += ",x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,speed_mm_s,pass,point\n";
+  }
+
+  Pose Tip(size_t i, double share) const {
+    const Motion& motion = program_.motions[i];
+    if (i == 0 || share >= 1) return motion.X_PT;
+    if (motion.type == MotionType::kLinear)
+      return PoseLine(program_.motions[i - 1].X_PT, motion.X_PT).At(share);
+    return program_.X_BP->inverse() * ForwardFlange(arm_, At(i, share)) * *program_.X_FT;
+  }
+
+  Joints At(size_t i, double share) const {
+    const Motion& motion = program_.motions[i];
+    if (i == 0 || share >= 1) return *motion.q;
+    const Joints& from = *program_.motions[i - 1].q;
+    const Joints even = from + share * (*motion.q - from);
+    if (motion.type == MotionType::kJoint) return even;
+    const Pose X_BF = *program_.X_BP * Tip(i, share) * program_.X_FT->inverse();
+    return InverseNear(arm_, X_BF, Status(arm_, from), even).value_or(even);
+  }
+
+  void Row(double time, size_t i, double share, double rate) {
+    constexpr double kNear = 1e-6;  // of the way, for the tip's speed in joint motions
+    const Joints q = At(i, share) * kDegPerRad;
+    const Pose tip = Tip(i, share), X_WT = X_WB_ * *program_.X_BP * tip;
+    const double back = std::max(0.0, share - kNear);
+    const double speed =
+        i == 0 || rate == 0 ? 0
+                            : (tip.translation() - Tip(i, back).translation()).norm() / (share - back) * rate;
+    const Eigen::Vector3d p = X_WT.translation(), abc = AnglesZyx(X_WT.linear()) * kDegPerRad;
+    const auto out = std::back_inserter(text_);
+    fmt::format_to(out, "{}", Fixed(time, 4));
+    for (int k = 0; k < 6; ++k) fmt::format_to(out, ",{}", Fixed(q[k], 6));
+    for (const double value : external_) fmt::format_to(out, ",{}", Fixed(value, 4));
+    for (int k = 0; k < 3; ++k) fmt::format_to(out, ",{}", Fixed(p[k], 4));
+    for (int k = 0; k < 3; ++k) fmt::format_to(out, ",{}", Fixed(abc[k], 6));
+    const Motion& motion = program_.motions[i];
+    fmt::format_to(out, ",{},{},{}\n", Fixed(speed, 4), motion.pass < 0 ? "" : fmt::format("{}", motion.pass),
+                   share < 1 || motion.point < 0 ? "" : fmt::format("{}", motion.point));
+  }
+
+  const MotionProgram& program_;
+  const Arm& arm_;
+  const Pose& X_WB_;
+  const std::vector<double>& external_;
+  std::string text_;
+};
+
+}  // namespace
+
+std::vector<TimeLaw> TimeMotions(const MotionProgram& program, const Arm& arm, const TimeOptions& options) {
+  std::vector<TimeLaw> laws(program.motions.size());
+  for (size_t i = 1; i < laws.size(); ++i)
+    laws[i] = LawOf(program.motions[i - 1], program.motions[i], arm, options);
+  return laws;
+}
+
+ProgramTime MeasureTime(const MotionProgram& program, const Arm& arm, const TimeOptions& options) {
+  const std::vector<TimeLaw> laws = TimeMotions(program, arm, options);
+  ProgramTime time;
+  CycleTime way;  // since the last pass
+  for (size_t i = 1; i < laws.size(); ++i) {
+    const Motion& motion = program.motions[i];
+    CycleTime part;
+    if (IsWay(motion)) {
+      part.gaps = laws[i].duration;
+    } else if (laws[i].duration > 0) {
+      const double even = EvenSeconds(program.motions[i - 1], motion, arm, options);
+      (IsCut(program.motions, i) ? part.cuts : part.approaches) = even;
+      part.stops = laws[i].duration - even;
+    }
+    time.all += part;
+    way += part;
+    if (motion.pass < 0) continue;
+    const size_t pass = static_cast<size_t>(motion.pass);
+    if (time.passes.size() <= pass) time.passes.resize(pass + 1);
+    time.passes[pass] += std::exchange(way, {});
+  }
+  return time;
+}
+
+std::string TrajectoryCsv(const MotionProgram& program, const Arm& arm, const Pose& X_WB,
+                          const std::vector<double>& external, const TimeOptions& options, double seconds) {
+  assert(seconds > 0 && program.X_BP && program.X_FT);
+  return TrajectoryWriter(program, arm, X_WB, external).Write(TimeMotions(program, arm, options), seconds);
+}
+
+}  // namespace millpose

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How long a program takes, and where the arm is at every time of it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "motion/time_law.hpp"
+#include "plan/cycle_time.hpp"
+#include "program/motion_program.hpp"
+
+namespace millpose {
+
+/// What a controller adds to the arm's own limits.
+struct TimeOptions {
+  double way_speed_share = 1;    ///< of the axes' largest speeds, in joint motions between cuts
+  double orientation_speed = 0;  ///< rad/s, largest turning of the tool in straight motions; 0: no such limit
+};
+
+/// The time law of every motion: joint motions between cuts as fast as the axes allow (FastestLaw), motions
+/// with a feed at it, no faster than the tool or, where it only turns, half of the axes' speeds allow.
+/// Each speeds up after and slows down before an exact stop with the slowest joint's acceleration. Corners
+/// that are rounded are passed at the feed. Precondition: every motion has its q.
+std::vector<TimeLaw> TimeMotions(const MotionProgram& program, const Arm& arm, const TimeOptions& options);
+
+/// What TimeMotions adds up to.
+ProgramTime MeasureTime(const MotionProgram& program, const Arm& arm, const TimeOptions& options);
+
+/// CSV of the whole program: time, joints, external axes, tip in W, speed, pass, piece; a row at the end of
+/// every motion and every `seconds` s between. Angles deg, arm's convention; tip A, B, C about Z, Y', X''.
+std::string TrajectoryCsv(const MotionProgram& program, const Arm& arm, const Pose& X_WB,
+                          const std::vector<double>& external, const TimeOptions& options, double seconds);
+
+}  // namespace millpose
