@@ -101,7 +101,9 @@ struct ControllerSettings {
   std::array<int, 6> axis_signs{1, 1, 1, 1, 1, 1};  ///< controller angle = sign · A + offset
   Vector6 axis_offsets = Vector6::Zero();           ///< rad
   std::vector<std::string> axis_names = {"RA1", "RA2", "RA3", "RA4", "RA5", "RA6"};  ///< sinumerik
-  std::string coordinates = "joint";               ///< linuxcnc: joint | cartesian
+  std::optional<int> settable_frame;                             ///< sinumerik: 505…599, always given
+  std::optional<bool> ori_ipo_with_g_code, ori_def_with_g_code;  ///< sinumerik: MD21104, MD21102
+  std::string coordinates = "joint";                             ///< linuxcnc: joint | cartesian
   int base_number = 0, tool_number = 0;            ///< krl: BASE_DATA, TOOL_DATA; 0: values are written
   std::vector<double> external_axes;               ///< krl: E1, E2, …, mm or degrees, constant
   int ptp_speed_percent = 30;                      ///< krl: of the axes' largest speed, between cuts

@@ -72,6 +72,14 @@ Codec<ControllerSettings> ControllerFields() {
           Key<S>(
               "axis_names", MILLPOSE_AT(axis_names), ListOf(Text()),
               "SINUMERIK: names of the six robot axes as channel axes, for motions without transformation."),
+          Key<S>("settable_frame", MILLPOSE_AT(settable_frame), Maybe(Integer(505, 599)),
+                 "SINUMERIK: G505 to G599, the settable frame that programs overwrite with the workpiece's "
+                 "place; needed."),
+          Key<S>("ori_ipo_with_g_code", MILLPOSE_AT(ori_ipo_with_g_code), Maybe(Flag()),
+                 "SINUMERIK: MD21104; where it is not given, blocks are so short that every way to turn the "
+                 "tool will do."),
+          Key<S>("ori_def_with_g_code", MILLPOSE_AT(ori_def_with_g_code), Maybe(Flag()),
+                 "SINUMERIK: MD21102; whether the program's ORIRPY or ORIEULER counts, or MD21100."),
           Key<S>("coordinates", MILLPOSE_AT(coordinates), Choice({"joint", "cartesian"}),
                  "LinuxCNC: X Y Z A B C are joints throughout, or the tool's pose in cuts."),
           Key<S>("base_number", MILLPOSE_AT(base_number), Integer(0, 32),
@@ -128,6 +136,9 @@ const std::vector<Support>& Supports() {
   static const std::vector<Support> supports = {
       {"rotation", {"sinumerik", "linuxcnc"}},
       {"axis_names", {"sinumerik"}},
+      {"settable_frame", {"sinumerik"}},
+      {"ori_ipo_with_g_code", {"sinumerik"}},
+      {"ori_def_with_g_code", {"sinumerik"}},
       {"coordinates", {"linuxcnc"}},
       {"base_number", {"krl"}},
       {"tool_number", {"krl"}},
@@ -160,6 +171,15 @@ void CheckSupport(const Value& value, const Context& context, const std::string&
     }
     CheckSupport(value.items[i], child, controller);
   }
+}
+
+/// What a program may not take for granted.
+void CheckNeeded(const Value& value, const Context& context, const std::string& controller) {
+  if (controller != "sinumerik" || value.Find("settable_frame")) return;
+  context.Add(
+      value.mark,
+      "settable_frame is missing: a whole number 505…599, the settable frame (G505…) that programs may "
+      "overwrite with the workpiece's place; needed");
 }
 
 /// Programs are ASCII: what a text puts into them must be so too.
@@ -199,6 +219,7 @@ Codec<std::map<std::string, ControllerSettings>> ControllersFields() {
       CheckSupport(value.items[i], child, value.keys[i].text);
       CheckTexts(value.items[i], child);
       NoteTextLines(value.items[i], controllers[value.keys[i].text]);
+      CheckNeeded(value.items[i], child, value.keys[i].text);
     }
   };
   // A resolved cell gives no controller a key that it cannot follow.

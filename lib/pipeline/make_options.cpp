@@ -227,6 +227,9 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
   post.rotation = settings.rotation;
   post.cartesian = settings.coordinates == "cartesian";
   for (size_t i = 0; i < 6; ++i) post.axis_names[i] = settings.axis_names[i];
+  post.frame = settings.settable_frame.value_or(post.frame);
+  post.ori_ipo_with_g_code = settings.ori_ipo_with_g_code;
+  post.ori_def_with_g_code = settings.ori_def_with_g_code;
   post.base_number = settings.base_number;
   post.tool_number = settings.tool_number;
   post.external = settings.external_axes;

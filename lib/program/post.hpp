@@ -26,6 +26,9 @@ struct PostSettings {
   std::string rotation = "rpy";                    ///< sinumerik, linuxcnc: how A, B, C turn, rpy | euler
   bool cartesian = false;                          ///< linuxcnc: cuts as tool poses, not joints
   std::array<std::string, 6> axis_names = {"RA1", "RA2", "RA3", "RA4", "RA5", "RA6"};  ///< sinumerik
+  int frame = 505;                           ///< sinumerik: G505…G599, which holds the workpiece
+  std::optional<bool> ori_ipo_with_g_code;   ///< sinumerik: MD21104; how the tool turns, see SetTurning()
+  std::optional<bool> ori_def_with_g_code;   ///< sinumerik: MD21102; whether ORIRPY and ORIEULER count
   int max_motions = 1400;                    ///< per file; larger programs call sub-programs; not linuxcnc
   size_t max_bytes = 500000;                 ///< per file
   int base_number = 0, tool_number = 0;      ///< krl: BASE_DATA and TOOL_DATA to use; 0: the values

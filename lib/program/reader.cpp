@@ -93,6 +93,10 @@ size_t ProgramReader::ReadAt(size_t i) {
   line_ = static_cast<int>(i) + 1;
   if (const size_t taken = ReadTexts(i)) return taken;
   const std::string_view line = Trim(lines_[i]);
+  if (LongestLine() > 0 && lines_[i].size() > LongestLine())
+    problems_.push_back(
+        {{open_.back(), line_, 0, -1},
+         fmt::format("lines of at most {} characters expected, comments included", LongestLine())});
   if (line.empty()) return 1;
   if (awaited_) {
     problems_.push_back(
@@ -104,7 +108,7 @@ size_t ProgramReader::ReadAt(size_t i) {
     return 1;
   }
   LineScanner scan(WithoutComment(lines_[i]), open_.back(), line_);
-  if (ended_) scan.Fail("nothing expected after the end of the program");
+  if (ended_ && !MayFollowEnd(line)) scan.Fail("nothing expected after the end of the program");
   ReadCode(scan);
   return 1;
 }

@@ -48,6 +48,10 @@ class ProgramReader {
   /// Takes a word that only texts of the cell may hold (outputs, waits, spindle, coolant); false when another
   /// comes next. ReadCode() asks it while InText().
   virtual bool ReadTextWord(LineScanner& scan) = 0;
+  /// Whether a line may stand behind the end of a file.
+  virtual bool MayFollowEnd(std::string_view /*line*/) const { return false; }
+  /// Most characters of a line, its comment included; 0: any number.
+  virtual size_t LongestLine() const { return 0; }
   /// The cell's text `name` was read.
   virtual void TextRead(const std::string& /*name*/) {}
 

@@ -115,6 +115,23 @@ double LineScanner::ExpectNumber() {
   return *value;
 }
 
+double LineScanner::ExpectDecimal(bool blanks) {
+  SkipSpace();
+  std::string digits;
+  size_t end = position_;
+  for (size_t i = position_; i < line_.size(); ++i) {
+    if (blanks && IsSpace(line_[i])) continue;
+    const bool sign = digits.empty() && (line_[i] == '+' || line_[i] == '-');
+    if (!sign && line_[i] != '.' && (line_[i] < '0' || line_[i] > '9')) break;
+    digits += line_[i];
+    end = i + 1;
+  }
+  const std::optional<double> value = ParseNumber(digits);
+  if (!value) Fail("a decimal number without an exponent expected");
+  position_ = end;
+  return *value;
+}
+
 int LineScanner::ExpectBits() {
   SkipSpace();
   const size_t end = line_.find('\'', std::min(position_ + 1, line_.size()));

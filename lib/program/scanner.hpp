@@ -37,8 +37,11 @@ class LineScanner {
   /// Takes `letter` when it comes next and begins an address: a digit, sign, point or '=' follows (after
   /// spaces).
   bool AcceptAddress(char letter);
-  void Skip() { ++position_; }              ///< over one character
-  double ExpectNumber();                    ///< decimal; a comma as decimal mark is an error
+  void Skip() { ++position_; }  ///< over one character
+  double ExpectNumber();        ///< decimal; a comma as decimal mark is an error
+  /// Digits with at most one point and one sign, no exponent. `blanks`: may stand between them and count for
+  /// nothing (RS-274).
+  double ExpectDecimal(bool blanks = false);
   int ExpectBits();                         ///< 'B0101'
   std::optional<std::string> AcceptName();  ///< letters, digits, '_', '$'; upper case as written
   std::string Rest();                       ///< takes what is left, trimmed

@@ -40,7 +40,6 @@ class SinumerikWriter : public ProgramWriter {
   void Begin() override {
     feed_.clear();
     transformed_.reset();
-    cartesian_ = false;
   }
 
   std::string Head() const {
@@ -49,6 +48,7 @@ class SinumerikWriter : public ProgramWriter {
     add("; written by millpose for SINUMERIK 840D sl with robot transformation; mm, degrees");
     add(settings_.rotation == "rpy" ? "; orientation rpy: C about Z, B about new Y, A about new X"
                                     : "; orientation euler: A about Z, B about new X, C about new Z");
+    for (const std::string& line : MachineData()) add("; " + line);
     for (const std::string& text : HeaderTexts(kWidth - 2)) add("; " + text);
     Pose X_FC = X_FT_;
     X_FC.linear() = X_FC.linear() * settings_.R_TC;
@@ -58,7 +58,7 @@ class SinumerikWriter : public ProgramWriter {
                     Fixed(t.x(), 4), Fixed(t.y(), 4), Fixed(t.z(), 4), Fixed(abc[0], 4), Fixed(abc[1], 4),
                     Fixed(abc[2], 4)));
     const std::string settings = Settings();
-    const size_t codes = settings.find('\n') + 1;  // the tool is changed before its frames are set
+    const size_t codes = settings.find('\n') + 1;  // the tool is changed before its frame is set
     return head + settings.substr(0, codes) + TextLines("tool_change") + settings.substr(codes) +
            TextLines("header");
   }
@@ -66,16 +66,41 @@ class SinumerikWriter : public ProgramWriter {
   std::string Settings() const override {
     std::string settings = "G17 G710 G40 G90 G94\n";
     if (program_.X_BP) settings += Frame(*program_.X_BP) + "\n";
-    settings += "G54\nORIWKS\n";
-    settings += fmt::format("CYCLE832({},_FINISH,{})\nG642\n", Fixed(settings_.blend, 4),
-                            Fixed(settings_.orientation_blend * kDegPerRad, 4));
     return settings;
   }
 
-  static std::string Frame(const Pose& X_BP) {
+  /// What the program takes for granted, to be compared with the control's machine data.
+  std::vector<std::string> MachineData() const {
+    const bool rpy = settings_.rotation == "rpy";
+    const std::string angles = rpy ? "ORIRPY" : "ORIEULER";
+    const std::string by_data = fmt::format("MD21100 = {}", rpy ? 0 : 1);
+    const std::string counting = !settings_.ori_def_with_g_code   ? fmt::format("MD21102 = 1 or {}", by_data)
+                                 : *settings_.ori_def_with_g_code ? "MD21102 = 1"
+                                                                  : "MD21102 = 0 and " + by_data;
+    return {fmt::format("ASSUMED {}: angles as {}; MD10600 = 1: frame angles Z, Y', X''", counting, angles),
+            settings_.ori_ipo_with_g_code
+                ? fmt::format("ASSUMED MD21104 = {}: the tool turns as {} says, on a great circle",
+                              *settings_.ori_ipo_with_g_code ? 1 : 0,
+                              *settings_.ori_ipo_with_g_code ? "ORIVECT" : "ORIWKS")
+                : "MD21104 not known: the tool is taken to turn evenly between two blocks",
+            fmt::format("ASSUMED G{} is for this program and overwritten; no basic frame; its origin is the "
+                        "robot base",
+                        settings_.frame)};
+  }
+
+  /// What holds after each TRAORI anew: the control then deselects the frame, and rounding ends.
+  void AddSettings() {
+    Line(fmt::format("G{} {} ORIVECT ORIWKS", settings_.frame,
+                     settings_.rotation == "rpy" ? "ORIRPY" : "ORIEULER"));
+    Line(fmt::format("CYCLE832({},_ORI_FINISH,{})", Fixed(settings_.blend, 4),
+                     Fixed(settings_.orientation_blend * kDegPerRad, 4)));
+    Line("COMPOF G642");
+  }
+
+  std::string Frame(const Pose& X_BP) const {
     const Eigen::Vector3d p = X_BP.translation();
     const Eigen::Vector3d zyx = AnglesZyx(X_BP.linear()) * kDegPerRad;
-    return fmt::format("$P_UIFR[1]=CTRANS(X,{},Y,{},Z,{}):CROT(X,{},Y,{},Z,{})",
+    return fmt::format("$P_UIFR[{}]=CTRANS(X,{},Y,{},Z,{}):CROT(X,{},Y,{},Z,{})", settings_.frame - 500,
                        Fixed(p.x(), kLengthDecimals), Fixed(p.y(), kLengthDecimals),
                        Fixed(p.z(), kLengthDecimals), Fixed(zyx[2], kAngleDecimals),
                        Fixed(zyx[1], kAngleDecimals), Fixed(zyx[0], kAngleDecimals));
@@ -109,7 +134,7 @@ class SinumerikWriter : public ProgramWriter {
   void AddJoint(const Motion& motion) {
     Transform(false);
     const Joints angles = ToController(settings_.axes, *motion.q) * kDegPerRad;
-    std::string line = "G0";
+    std::string line = "G0 SUPA";  // neither frame nor, where MD10760 says so, tool length act on the joints
     for (int i = 0; i < 6; ++i) {
       line += fmt::format(" {}={}", settings_.axis_names[i], Fixed(angles[i], kAngleDecimals));
     }
@@ -122,6 +147,7 @@ class SinumerikWriter : public ProgramWriter {
     Line(on ? "TRAORI" : "TRAFOOF");
     transformed_ = on;
     cartesian_ = false;
+    if (on) AddSettings();
   }
 
   std::string Words(const Motion& motion) const {

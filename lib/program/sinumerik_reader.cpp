@@ -4,29 +4,12 @@
 #include "program/controller_axes.hpp"
 #include "program/reader.hpp"
 #include "program/sinumerik.hpp"
+#include "program/sinumerik_block.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr const char* kTransformation = "TRAORI or TRAFOOF";
-constexpr const char* kFrame = "$P_UIFR[1]";
 constexpr double kSamePlace = 1e-9;  // of a frame stated again
-
-/// What one block programs.
-struct Block {
-  std::array<std::optional<double>, 6> pose;  ///< X, Y, Z mm, A, B, C degrees
-  std::array<std::optional<double>, 6> axes;  ///< degrees
-  std::optional<int> status, turn;
-  bool exact = false;
-  bool dwell = false;
-
-  bool HasPose() const {
-    return std::any_of(pose.begin(), pose.end(), [](const auto& word) { return word.has_value(); });
-  }
-  bool HasAxes() const {
-    return std::any_of(axes.begin(), axes.end(), [](const auto& word) { return word.has_value(); });
-  }
-};
 
 class SinumerikReader : public ProgramReader {
  public:
@@ -34,32 +17,40 @@ class SinumerikReader : public ProgramReader {
       : ProgramReader(files, settings, Templates(SinumerikTexts(), settings.texts, settings.tool_name)) {}
 
  private:
-  std::vector<std::string> Needed() const override {
-    return {"G40", "G54", "G90", "G94", "G642", "G710", "ORIWKS", kTransformation};
-  }
+  std::vector<std::string> Needed() const override { return {"G40", "G90", "G94", "G710"}; }
+
+  size_t LongestLine() const override { return kLongestBlock; }
 
   void Forgotten() override {
-    tolerances_.reset();
-    feed_ = 0;
+    frame_known_ = false;
+    transformed_.reset();
+    SinceTransformation();
     last_ = {};
+    feed_ = 0;
+    motion_ = -1;
+    ptp_.reset();
+  }
+
+  /// TRAORI and TRAFOOF deselect the frame and end rounding (Transformations, Function Manual); which of the
+  /// words of orientation outlive them is machine data.
+  void SinceTransformation() {
+    settings_since_.clear();
+    tolerances_ = {};
   }
 
   void ReadCode(LineScanner& scan) override {
-    AcceptAddress(scan, 'N');
-    Block block;
+    const size_t start = scan.Next();
+    SinumerikBlock block(settings_.axis_names);
+    if (scan.AcceptAddress('N')) scan.ExpectDecimal();
     while (!scan.AtEnd()) {
       if (InText() && ReadTextWord(scan)) continue;
-      if (!ReadMove(scan, block) && !ReadStatement(scan, block)) ReadName(scan);
+      if (!block.Accept(scan) && !ReadStatement(scan, block)) ReadName(scan, block);
     }
-    if (block.HasAxes()) {
-      AddAxes(scan, block);
-    } else if (block.HasPose()) {
-      AddPose(scan, block);
-    }
+    Apply(scan, start, block);
   }
 
   /// A label or the call of a sub-program.
-  void ReadName(LineScanner& scan) {
+  void ReadName(LineScanner& scan, const SinumerikBlock& block) {
     const size_t start = scan.Next();
     const auto name = scan.AcceptName();
     if (name && scan.Accept(":")) return AddLabel(scan, start, *name);
@@ -70,7 +61,7 @@ class SinumerikReader : public ProgramReader {
     }
     const char* message = "a word of a milling program or the call of a file of the program expected";
     if (!name) scan.Fail(message);
-    if (!scan.AtEnd() || !ReadCall(scan, *name)) scan.FailFrom(start, message);
+    if (!scan.AtEnd() || !block.IsEmpty() || !ReadCall(scan, *name)) scan.FailFrom(start, message);
   }
 
   /// Spindle, coolant, outputs: what a text of the cell may switch.
@@ -80,116 +71,56 @@ class SinumerikReader : public ProgramReader {
     }
     if (scan.Accept("$A_OUT") || scan.Accept("$A_OUTA")) {
       scan.Expect("[");
-      scan.ExpectNumber();
+      scan.ExpectDecimal();
       scan.Expect("]");
       scan.Expect("=");
-      scan.ExpectNumber();
+      scan.ExpectDecimal();
       return true;
     }
-    return AcceptAddress(scan, 'S').has_value();
-  }
-
-  /// A letter directly followed by a number (X1.5) or by '=' and a number (A=1.5).
-  static std::optional<double> AcceptAddress(LineScanner& scan, char letter) {
-    if (!scan.AcceptAddress(letter)) return std::nullopt;
+    if (!scan.AcceptAddress('S')) return false;
     scan.Accept("=");
-    return scan.ExpectNumber();
-  }
-
-  bool ReadMove(LineScanner& scan, Block& block) {
-    for (int i = 0; i < 6; ++i) {
-      if (scan.Accept(settings_.axis_names[i])) {
-        scan.Expect("=");
-        block.axes[i] = scan.ExpectNumber();
-        return true;
-      }
-    }
-    for (int i = 0; i < 6; ++i) {
-      if (const auto value = AcceptAddress(scan, "XYZABC"[i])) {
-        if (block.pose[i]) scan.Fail(fmt::format("{} is given twice", "XYZABC"[i]));
-        block.pose[i] = value;
-        return true;
-      }
-    }
-    if (scan.Accept("STAT=")) {
-      block.status = scan.ExpectBits();
-    } else if (scan.Accept("TU=")) {
-      block.turn = scan.ExpectBits();
-    } else if (scan.Accept("PTP")) {
-      ptp_ = true;
-    } else if (scan.Accept("CP")) {
-      ptp_ = false;
-    } else {
-      return false;
-    }
+    scan.ExpectDecimal();
     return true;
   }
 
-  bool ReadStatement(LineScanner& scan, Block& block) {
+  /// Statements that stand in a block of their own.
+  bool ReadStatement(LineScanner& scan, SinumerikBlock& block) {
     const size_t start = scan.Next();
-    if (scan.Accept("TRAORI")) {
-      transformed_ = true;
-      Stated(kTransformation);
-    } else if (scan.Accept("TRAFOOF")) {
-      transformed_ = false;
-      Stated(kTransformation);
+    if (scan.Accept("TRAORI") || scan.Accept("TRAFOOF")) {
+      transformed_ = scan.TakenFrom(start).size() == 6;
+      SinceTransformation();
+      Allow(scan, start, kAtStops);
     } else if (scan.Accept("CYCLE832")) {
       ReadTolerances(scan);
+      Allow(scan, start, kAtStops);
     } else if (scan.Accept("MSG")) {
       ReadMessage(scan);
     } else if (scan.Accept("WHEN TRUE DO")) {
       ReadOutput(scan);
-    } else if (scan.Accept("$P_UIFR[1]")) {
-      ReadFrame(scan);
-    } else if (scan.Accept("T=\"")) {
-      const auto tool = scan.AcceptName();
-      if (tool != settings_.tool_name) scan.Fail(fmt::format("tool {} expected", settings_.tool_name));
-      scan.Expect("\"");
-    } else if (scan.Accept("ORIWKS")) {
-      Stated("ORIWKS");
-    } else if (const auto feed = AcceptAddress(scan, 'F')) {
-      if (!block.dwell) feed_ = *feed / 60;
-    } else if (const auto g = AcceptAddress(scan, 'G')) {
-      ReadG(scan, *g, start, block);
-    } else if (const auto m = AcceptAddress(scan, 'M')) {
-      if (*m == (InSubprogram() ? 17 : 30)) {
-        EndFile();
-      } else if (*m != 6 && *m != 0 && *m != 1) {
-        scan.FailFrom(start, fmt::format("M0, M1, M6 or M{} expected (spindle and coolant: the cell's texts)",
-                                         InSubprogram() ? 17 : 30));
-      }
+    } else if (scan.Accept("$P_UIFR")) {
+      ReadFrame(scan, start);
+      Allow(scan, start, kOutsideCuts);
     } else {
-      return AcceptAddress(scan, 'D').has_value();
+      return false;
     }
+    block.StandsAlone(scan, start);
     return true;
   }
 
-  /// CYCLE832(0.01,_FINISH,0.01): mm and degrees; with _OFF the machine data hold, which nobody knows here.
+  /// CYCLE832(0.01,_ORI_FINISH,0.01): mm and degrees. With _FINISH the third value counts for nothing: the
+  /// orientation's tolerance is then a setting datum's (SD55443); with _OFF both are the machine's.
   void ReadTolerances(LineScanner& scan) {
     scan.Expect("(");
-    const double position = scan.ExpectNumber();
+    const double position = scan.ExpectDecimal();
     scan.Expect(",");
-    const bool off = scan.Accept("_OFF");
-    if (!off) scan.Expect("_FINISH");
+    const bool off = scan.Accept("_OFF"), both = !off && scan.Accept("_ORI_FINISH");
+    if (!off && !both) scan.Expect("_FINISH");
     scan.Expect(",");
-    const double orientation = scan.ExpectNumber() * kRadPerDeg;
+    const double orientation = scan.ExpectDecimal() * kRadPerDeg;
     scan.Expect(")");
-    tolerances_.reset();
-    if (!off) tolerances_ = {position, orientation};
-  }
-
-  void ReadG(const LineScanner& scan, double g, size_t start, Block& block) {
-    static const std::vector<double> allowed = {17, 40, 54, 90, 94, 642, 710};
-    Stated(fmt::format("G{}", g));
-    if (g == 0 || g == 1) {
-      rapid_ = g == 0;
-    } else if (g == 9) {
-      block.exact = true;
-    } else if (g == 4) {
-      block.dwell = true;
-    } else if (std::find(allowed.begin(), allowed.end(), g) == allowed.end()) {
-      scan.FailFrom(start, "G0, G1, G4, G9, G17, G40, G54, G90, G94, G642 or G710 expected");
-    }
+    tolerances_ = {};
+    if (!off) tolerances_.position = position;
+    if (both) tolerances_.orientation = orientation;
   }
 
   void ReadMessage(LineScanner& scan) {
@@ -207,14 +138,14 @@ class SinumerikReader : public ProgramReader {
     PathOutput output;
     scan.Expect("$A_OUT");
     scan.Expect("[");
-    output.number = static_cast<int>(scan.ExpectNumber());
+    output.number = static_cast<int>(scan.ExpectDecimal());
     scan.Expect("]");
     scan.Expect("=");
-    output.on = scan.ExpectNumber() != 0;
+    output.on = scan.ExpectDecimal() != 0;
     AddOutput(output);
   }
 
-  Eigen::Vector3d ReadTriple(LineScanner& scan, std::string_view function) {
+  static Eigen::Vector3d ReadTriple(LineScanner& scan, std::string_view function) {
     scan.Expect(function);
     scan.Expect("(");
     Eigen::Vector3d values;
@@ -222,14 +153,20 @@ class SinumerikReader : public ProgramReader {
       if (i) scan.Expect(",");
       scan.Expect(std::string(1, "XYZ"[i]));
       scan.Expect(",");
-      values[i] = scan.ExpectNumber();
+      values[i] = scan.ExpectDecimal();
     }
     scan.Expect(")");
     return values;
   }
 
-  void ReadFrame(LineScanner& scan) {
-    const size_t start = scan.Next();
+  /// $P_UIFR[5]=…: takes effect with the next G505.
+  void ReadFrame(LineScanner& scan, size_t start) {
+    scan.Expect("[");
+    const double index = scan.ExpectDecimal();
+    scan.Expect("]");
+    if (index != settings_.frame - 500)
+      scan.FailFrom(start, fmt::format("$P_UIFR[{}] expected: the cell's settable frame is G{}",
+                                       settings_.frame - 500, settings_.frame));
     scan.Expect("=");
     Pose X_BP = Pose::Identity();
     X_BP.translation() = ReadTriple(scan, "CTRANS");
@@ -238,17 +175,115 @@ class SinumerikReader : public ProgramReader {
     if (posed_ && program_.X_BP && !X_BP.matrix().isApprox(program_.X_BP->matrix(), kSamePlace))
       scan.FailFrom(start, "one frame for all poses of the program expected");
     program_.X_BP = X_BP;
-    Stated(kFrame);
+    frame_known_ = true;
+    settings_since_.erase(FrameWord());
   }
 
-  void AddAxes(const LineScanner& scan, const Block& block) {
-    if (transformed_)
-      scan.Fail("axes cannot be moved by themselves while TRAORI holds: TRAFOOF expected before");
-    if (!rapid_) scan.Fail("axes are moved with G0 here, G1");
+  std::string FrameWord() const { return fmt::format("G{}", settings_.frame); }
+
+  /// The words of a block, in the order in which they take effect: settings, then the motion.
+  void Apply(LineScanner& scan, size_t start, const SinumerikBlock& block) {
+    for (const std::string& word : block.g_words()) Setting(scan, start, word);
+    if (const auto tool = block.tool()) {
+      if (*tool != settings_.tool_name)
+        scan.FailFrom(start, fmt::format("tool {} expected", settings_.tool_name));
+      Allow(scan, start, kHeadOnly);
+    }
+    if (const auto edge = block.Word("D")) {
+      if (*edge != 1) scan.FailFrom(start, "D1 expected: another edge or none puts the tip elsewhere");
+      Allow(scan, start, kHeadOnly);
+    }
+    Tolerances(scan, start, block);
+    if (block.Has("G4")) {
+      Allow(scan, start, kOutsideCuts);
+      if (block.HasPose() || block.HasAxes()) scan.FailFrom(start, "G4 in a block of its own expected");
+    } else if (const auto feed = block.Word("F")) {
+      if (*feed <= 0) scan.FailFrom(start, "F above 0 expected");
+      feed_ = *feed / 60;
+    }
+    if (block.HasAxes()) {
+      AddAxes(scan, start, block);
+    } else if (block.HasPose()) {
+      AddPose(scan, start, block);
+    } else if (block.Has("SUPA") || block.Has("G9") || block.Word("STAT") || block.Word("TU")) {
+      scan.FailFrom(start, "a motion in the block of G9, SUPA, STAT or TU expected");
+    }
+    for (const int m : block.m_codes()) Miscellaneous(scan, start, m);
+  }
+
+  void Tolerances(const LineScanner& scan, size_t start, const SinumerikBlock& block) {
+    const auto position = block.Word("CTOL"), orientation = block.Word("OTOL");
+    if (!position && !orientation) return;
+    if (position.value_or(1) <= 0 || orientation.value_or(1) <= 0)
+      scan.FailFrom(start, "CTOL and OTOL above 0 expected");
+    if (position) tolerances_.position = *position;
+    if (orientation) tolerances_.orientation = *orientation * kRadPerDeg;
+    Allow(scan, start, kAtStops);
+  }
+
+  void Setting(const LineScanner& scan, size_t start, const std::string& word) {
+    if (word == "G0" || word == "G1") {
+      motion_ = word == "G0" ? 0 : 1;
+    } else if (word == "PTP" || word == "CP") {
+      ptp_ = word == "PTP";
+    } else if (word == FrameWord()) {
+      settings_since_.insert(word);
+      if (!std::exchange(frame_known_, true)) {  // told once
+        if (!program_.X_BP) program_.X_BP = Pose::Identity();
+        scan.FailFrom(start, fmt::format("$P_UIFR[{}] before {} expected", settings_.frame - 500, word));
+      }
+      Allow(scan, start, kAtStops);
+    } else if (SinumerikBlock::GroupOf(word) == SinumerikBlock::kFrameGroup) {
+      scan.FailFrom(start, fmt::format("{} expected, the cell's settable frame", FrameWord()));
+    } else if (word == "ORIRPY" || word == "ORIEULER") {
+      const bool right = (word == "ORIRPY") == (settings_.rotation == "rpy");
+      if (!right)
+        scan.FailFrom(start,
+                      fmt::format("{} expected: the cell's rotation is {}", AngleWord(), settings_.rotation));
+      settings_since_.insert(word);
+      Allow(scan, start, kAtStops);
+    } else if (word == "ORIVECT" || word == "ORIWKS" || word == "G642" || word == "COMPOF") {
+      settings_since_.insert(word);
+      Allow(scan, start, kAtStops);
+    } else {
+      Stated(word);
+    }
+  }
+
+  std::string AngleWord() const { return settings_.rotation == "rpy" ? "ORIRPY" : "ORIEULER"; }
+
+  void Miscellaneous(const LineScanner& scan, size_t start, int m) {
+    const int end = InSubprogram() ? 17 : 30;
+    if (m == 0 || m == 1) return Allow(scan, start, kOutsideCuts);
+    if (m == 6) return Allow(scan, start, kHeadOnly);
+    if (m != end)
+      scan.FailFrom(start,
+                    fmt::format("M0, M1, M6 or M{} expected (spindle and coolant: the cell's texts)", end));
+    EndFile();
+  }
+
+  /// What must have been stated since the last TRAORI; told once after each.
+  void ExpectSince(const LineScanner& scan, size_t start, const std::vector<std::string>& words) {
+    std::vector<std::string> missing;
+    for (const std::string& word : words) {
+      if (settings_since_.insert(word).second) missing.push_back(word);
+    }
+    if (missing.empty()) return;
+    scan.FailFrom(
+        start, fmt::format("{} between the last TRAORI and this motion expected", fmt::join(missing, ", ")));
+  }
+
+  void AddAxes(const LineScanner& scan, size_t start, const SinumerikBlock& block) {
+    if (transformed_ != false)
+      scan.FailFrom(start, "axes cannot be moved by themselves while TRAORI holds: TRAFOOF expected before");
+    if (motion_ != 0) scan.FailFrom(start, "axes are moved with G0 here");
+    if (!block.Has("SUPA"))
+      scan.FailFrom(start, "SUPA expected: without it a frame, and the tool's length, may act on the axes");
+    if (block.HasPose()) scan.FailFrom(start, "axes or a pose expected");
     Joints angles;
     for (int i = 0; i < 6; ++i) {
-      if (!block.axes[i]) scan.Fail(fmt::format("{} is missing", settings_.axis_names[i]));
-      angles[i] = *block.axes[i] * kRadPerDeg;
+      if (!block.axis(i)) scan.FailFrom(start, fmt::format("{} is missing", settings_.axis_names[i]));
+      angles[i] = *block.axis(i) * kRadPerDeg;
     }
     Motion& motion = AddMotion(MotionType::kJoint);
     motion.q = FromController(settings_.axes, angles);
@@ -256,41 +291,59 @@ class SinumerikReader : public ProgramReader {
     last_ = {};
   }
 
-  void AddPose(const LineScanner& scan, const Block& block) {
-    posed_ = true;
-    Require(kFrame);
-    if (!transformed_) scan.Fail("a pose can only be approached while TRAORI holds");
+  void AddPose(const LineScanner& scan, size_t start, const SinumerikBlock& block) {
+    if (transformed_ != true) scan.FailFrom(start, "a pose can only be approached while TRAORI holds");
+    if (block.Has("SUPA"))
+      scan.FailFrom(start, "a pose without SUPA expected: it would count from elsewhere");
     for (int i = 0; i < 6; ++i) {
-      if (block.pose[i]) last_[i] = block.pose[i];
-      if (!last_[i]) scan.Fail(fmt::format("{} is missing", "XYZABC"[i]));
+      if (block.pose(i)) last_[i] = block.pose(i);
+      if (!last_[i]) scan.FailFrom(start, fmt::format("{} is missing", "XYZABC"[i]));
     }
-    if (rapid_ && !ptp_) scan.Fail("G0 without PTP: the path to the pose is not defined; PTP expected");
-    Motion& motion = AddMotion(ptp_ ? MotionType::kJoint : MotionType::kLinear);
+    posed_ = true;
+    ExpectSince(scan, start, {FrameWord(), AngleWord(), "ORIVECT", "ORIWKS"});
+    if (!ptp_) scan.FailFrom(start, "PTP or CP expected");
+    if (*ptp_ != (motion_ == 0)) scan.FailFrom(start, "G0 with PTP or G1 with CP expected");
+    if (!*ptp_ && (block.Word("STAT") || block.Word("TU")))
+      scan.FailFrom(start, "STAT and TU with PTP alone expected");
+    const bool rounds = !*ptp_ && !block.Has("G9");
+    if (rounds) {
+      ExpectSince(scan, start, {"COMPOF", "G642"});
+      if (!tolerances_.position || !tolerances_.orientation) {
+        tolerances_.position = tolerances_.orientation = 0;  // told once
+        scan.FailFrom(
+            start,
+            "the tolerances of rounded corners expected before, since TRAORI: CYCLE832 with _ORI_FINISH, or "
+            "_FINISH and OTOL=");
+      }
+    }
+    Motion& motion = AddMotion(*ptp_ ? MotionType::kJoint : MotionType::kLinear);
     motion.X_PT.translation() = Eigen::Vector3d(*last_[0], *last_[1], *last_[2]);
-    const Eigen::Vector3d abc(*last_[3], *last_[4], *last_[5]);
-    motion.X_PT.linear() = FromToolAngles(settings_.rotation, abc * kRadPerDeg) * settings_.R_TC.transpose();
-    motion.exact = ptp_ || block.exact;
-    if (ptp_) {
-      motion.status = block.status;
-      motion.turn = block.turn;
-    } else {
-      if (feed_ <= 0) scan.Fail("G1 needs F");
-      motion.feed = feed_;
-      if (motion.exact) return;
-      if (!tolerances_) scan.Fail("a CYCLE832 with the tolerances of rounded corners expected before");
-      motion.blend = tolerances_->position;
-      motion.angle_blend = tolerances_->orientation;
+    const Eigen::Vector3d angles = Eigen::Vector3d(*last_[3], *last_[4], *last_[5]) * kRadPerDeg;
+    motion.X_PT.linear() = FromToolAngles(settings_.rotation, angles) * settings_.R_TC.transpose();
+    motion.exact = !rounds;
+    if (*ptp_) {
+      motion.status = block.bits("STAT");
+      motion.turn = block.bits("TU");
+      return;
     }
+    if (feed_ <= 0) scan.FailFrom(start, "G1 needs F");
+    motion.feed = feed_;
+    if (!rounds) return;
+    motion.blend = *tolerances_.position;
+    motion.angle_blend = *tolerances_.orientation;
   }
 
   std::array<std::optional<double>, 6> last_;  // X, Y, Z, A, B, C as they hold
   double feed_ = 0;                            // mm/s
-  struct Tolerances {
-    double position, orientation;  // mm, rad
-  };
-  std::optional<Tolerances> tolerances_;  // of rounded corners
-  bool transformed_ = false, rapid_ = true, ptp_ = false;
-  bool posed_ = false;  // a pose was approached
+  struct {
+    std::optional<double> position, orientation;  // mm, rad
+  } tolerances_;                                  // of rounded corners
+  std::set<std::string> settings_since_;          // the last TRAORI or TRAFOOF
+  bool frame_known_ = false;                      // the settable frame was set, and no call came since
+  bool posed_ = false;                            // a pose was approached
+  std::optional<bool> transformed_;               // TRAORI holds
+  std::optional<bool> ptp_;                       // PTP holds, not CP
+  int motion_ = -1;                               // of G0 and G1 the one that holds; −1: unknown
 };
 
 }  // namespace

@@ -224,8 +224,11 @@ TEST(BrokenYaml, ColumnsCountCharacters) {
 TEST(BrokenYaml, WhatAControllerCannotFollowIsNamedWithItsLine) {
   const std::string cell = kCell;
   const int line = 1 + static_cast<int>(std::ranges::count(cell, '\n'));
-  const std::array<std::pair<const char*, const char*>, 8> slips = {{
-      {"  sinumerik: {base_number: 2}\n",
+  const std::array<std::pair<const char*, const char*>, 10> slips = {{
+      {"  sinumerik: {rotation: rpy}\n", "controllers.sinumerik: settable_frame is missing"},
+      {"  krl: {ori_ipo_with_g_code: true}\n",
+       "controllers.krl.ori_ipo_with_g_code: krl programs do not know this"},
+      {"  sinumerik: {settable_frame: 505, base_number: 2}\n",
        "controllers.sinumerik.base_number: sinumerik programs do not know this"},
       {"  krl: {motion: spline}\n", "controllers.krl.motion: is no longer a key: KRL cuts are LIN"},
       {"  linuxcnc: {external_axes: [1]}\n",
@@ -235,7 +238,7 @@ TEST(BrokenYaml, WhatAControllerCannotFollowIsNamedWithItsLine) {
       {"  krl: {coordinates: cartesian}\n", "controllers.krl.coordinates: krl programs do not know this"},
       {"  linuxcnc: {outputs: [{number: 1, at: cut_end, set: true, delay_ms: 5}]}\n",
        "controllers.linuxcnc.outputs[0].delay_ms: linuxcnc programs do not know this; allowed for: krl"},
-      {"  sinumerik: {texts: {joints_on: M5}}\n",
+      {"  sinumerik: {settable_frame: 505, texts: {joints_on: M5}}\n",
        "controllers.sinumerik.texts.joints_on: sinumerik programs"},
       {"  krl: {texts: {header: \"; gr\u00fcn\"}}\n",
        "controllers.krl.texts.header: programs are plain ASCII"},

@@ -119,13 +119,14 @@ Complaints CheckSinumerik(const std::string& text, const std::string& name) {
   const std::string pose = fmt::format("X{0} Y{0} Z{0} A={0} B={0} C={0}", kReal);
   const std::regex block(fmt::format(
       "G0 {0} STAT='B[01]{{3}}' TU='B[01]{{6}}' PTP|(G9 )?G1 {0}( F{1})?( CP)?|"
-      "G0 RA1={1} RA2={1} RA3={1} RA4={1} RA5={1} RA6={1}|TRAORI|TRAFOOF|G54|ORIWKS|G642|M6|S[0-9.]+ M3|M5|"
-      "G17 G710 G40 G90 G94|T=\"[A-Z0-9_]+\" D1|CYCLE832\\({1},_FINISH,{1}\\)|CYCLE832\\(0,_OFF,1\\)|"
+      "G0 SUPA RA1={1} RA2={1} RA3={1} RA4={1} RA5={1} RA6={1}|TRAORI|TRAFOOF|COMPOF G642|M6|S[0-9.]+ M3|M5|"
+      "G505 ORI(RPY|EULER) ORIVECT ORIWKS|"
+      "G17 G710 G40 G90 G94|T=\"[A-Z0-9_]+\" D1|CYCLE832\\({1},_ORI_FINISH,{1}\\)|CYCLE832\\(0,_OFF,1\\)|"
       "WHEN TRUE DO \\$A_OUT\\[[0-9]+\\]=[01]|MSG\\(\"[A-Z0-9 "
       "]*\"\\)|[A-Z]{{2}}[A-Z0-9_]*:|[A-Za-z]{{2}}[A-Za-z0-9_]*_[0-9]{{3}}|"
-      "\\$P_UIFR\\[1\\]=CTRANS\\(X,{1},Y,{1},Z,{1}\\):CROT\\(X,{1},Y,{1},Z,{1}\\)",
+      "\\$P_UIFR\\[5\\]=CTRANS\\(X,{1},Y,{1},Z,{1}\\):CROT\\(X,{1},Y,{1},Z,{1}\\)",
       pose, kReal));
-  bool ended = false, transformed = false, point_to_point = false;
+  bool ended = false, transformed = false, point_to_point = false, framed = false;
   for (const std::string& line : Lines(text)) {
     if (line.empty() || line[0] == ';') continue;
     if (ended) complaints.push_back("after the end: " + line);
@@ -135,8 +136,11 @@ Complaints CheckSinumerik(const std::string& text, const std::string& name) {
       complaints.push_back(line);
     }
     if (line == "TRAORI" || line == "TRAFOOF") transformed = line == "TRAORI";
+    if (line == "TRAORI" || line == "TRAFOOF") framed = false;
+    if (line.starts_with("G505 ")) framed = true;
     const bool cartesian = line.find(" X") != std::string::npos && line.starts_with("G");
     if (cartesian && !transformed) complaints.push_back("without TRAORI: " + line);
+    if (cartesian && !framed) complaints.push_back("without its frame: " + line);
     if (line.find(" RA1") != std::string::npos && transformed) complaints.push_back("with TRAORI: " + line);
     if (line.ends_with(" PTP")) point_to_point = true;
     if (line.ends_with(" CP")) point_to_point = false;
@@ -259,6 +263,8 @@ TEST(Structure, TheCheckerSeesFaults) {
       {"krl", "$VEL.ORI1", "$VEL.ORI3"},
       {"sinumerik", "TRAORI\n", ""},
       {"sinumerik", " CP", ""},
+      {"sinumerik", "G505 ORIRPY ORIVECT ORIWKS\n", ""},
+      {"sinumerik", "G0 SUPA", "G0"},
       {"sinumerik", "M30", "M2"},
       {"sinumerik", "STAT='B", "STAT='H"},
       {"linuxcnc", "M2", ""},

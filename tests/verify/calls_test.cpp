@@ -74,7 +74,9 @@ TEST_P(CallingProgram, IsReplayedThroughItsCalls) {
 }
 
 TEST_P(CallingProgram, IsNotConfirmedWithoutTheWays) {
-  const std::string way = GetParam() == "krl" ? "PTP {A1" : GetParam() == "sinumerik" ? "G0 RA1" : "G0 X";
+  const std::string way = GetParam() == "krl"         ? "PTP {A1"
+                          : GetParam() == "sinumerik" ? "G0 SUPA RA1"
+                                                      : "G0 X";
   // To where the first call begins: between, from_deg; away from where it ends: home.
   EXPECT_NE(Said(Without(way, 2), &planned).find("must be called at its from_deg"), std::string::npos);
   EXPECT_NE(Said(Without(way, 2), nullptr).find("must be called at its from_deg"), std::string::npos);
