@@ -51,6 +51,7 @@ controllers:
   krl:
     tool_axis: x
     texts: {spindle_on: "$OUT[1]=TRUE\nWAIT SEC 2\n", footer: "true"}
+    calls: [{name: WASH, moves: false}, {name: PARK, moves: true, from_deg: [1, 2, 3, 4, 5, 6], to_deg: [0, 0, 0, 0, 0, 0.1]}]
     path_acceleration_m_s2: 1.5
     outputs: [{number: 3, at: cut_begin, set: true, delay_ms: -20}, {number: 3, at: cut_end, set: false}]
   linuxcnc: {coordinates: cartesian, rotation: euler, outputs: [{number: 0, at: cut_end, set: true}]}
@@ -148,6 +149,9 @@ TEST(RoundTrip, WhatProgramsAreMadeOfSurvives) {
   ASSERT_EQ(krl.outputs.size(), 2u);
   EXPECT_EQ(krl.outputs[0].delay, -0.02);
   EXPECT_FALSE(krl.outputs[1].on);
+  ASSERT_EQ(krl.calls.size(), 2u);
+  EXPECT_FALSE(krl.calls[0].moves);
+  EXPECT_DOUBLE_EQ((*krl.calls[1].to)[5], DegToRad(0.1));
   EXPECT_EQ(cell.controllers.at("linuxcnc").coordinates, "cartesian");
   std::string text = ReadFile(std::filesystem::path(SourceDir()) / "toolpaths/support_pad/job.yaml");
   text += "program_options: {point_economy: {chord_mm: 0}, dry_run_offset_mm: 20, date: today}\n";
