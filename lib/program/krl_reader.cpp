@@ -27,12 +27,6 @@ class KrlReader : public ProgramReader {
   }
 
  private:
-  /// Lines such as &ACCESS stand before DEF alone.
-  std::optional<std::string_view> Comment(std::string_view line) const override {
-    if (line.starts_with('&') && !defined_) return std::string_view();
-    return ProgramReader::Comment(line);
-  }
-
   void BeginFile() override { defined_ = false; }
 
   std::vector<std::string> Needed() const override { return {kDefaults, "$ADVANCE"}; }
@@ -67,7 +61,13 @@ class KrlReader : public ProgramReader {
     scan.ExpectEnd();
   }
 
+  /// Lines such as &ACCESS, from their first column on, stand before DEF alone.
   void ReadDefinition(LineScanner& scan) {
+    if (scan.Peek() == '&') {
+      if (scan.Next() != 0) scan.Fail("& in the first column expected");
+      scan.Rest();
+      return;
+    }
     scan.Expect("DEF");
     const auto name = scan.AcceptName();
     if (!name || !SameWords(*name, FileStem()))

@@ -8,16 +8,23 @@ namespace millpose::krl {
 namespace {
 
 constexpr int kDeepestBrackets = 16;
+constexpr double kMostBits = 63, kLongestDelay = 10000;  // of S and T; ms
+
+double ReadWhole(LineScanner& scan, double least, double most) {
+  const size_t start = scan.Next();
+  const double number = scan.ExpectNumber();
+  if (number < least || number > most || number != std::floor(number))
+    scan.FailFrom(start, fmt::format("a whole number {} to {} expected", least, most));
+  return number;
+}
 
 int ReadBits(LineScanner& scan) {
-  return scan.Peek() == '\'' ? scan.ExpectBits() : static_cast<int>(scan.ExpectNumber());
+  return scan.Peek() == '\'' ? scan.ExpectBits() : static_cast<int>(ReadWhole(scan, 0, kMostBits));
 }
 
 int ReadIndex(LineScanner& scan) {
   scan.Expect("[");
-  const size_t start = scan.Next();
-  const double number = scan.ExpectNumber();
-  if (number < 1 || number > 8192 || number != std::floor(number)) scan.FailFrom(start, "1 to 8192 expected");
+  const double number = ReadWhole(scan, 1, 8192);
   scan.Expect("]");
   return static_cast<int>(number);
 }
@@ -94,7 +101,7 @@ PathOutput ReadTrigger(LineScanner& scan) {
   PathOutput output;
   scan.Expect("DELAY");
   scan.Expect("=");
-  output.delay = scan.ExpectNumber() / 1000;
+  output.delay = ReadWhole(scan, -kLongestDelay, kLongestDelay) / 1000;
   scan.Expect("DO");
   scan.Expect("$OUT");
   output.number = ReadIndex(scan);

@@ -65,11 +65,16 @@ char LineScanner::Peek() {
 
 bool LineScanner::Accept(std::string_view word) {
   SkipSpace();
-  if (line_.size() - position_ < word.size()) return false;
-  for (size_t i = 0; i < word.size(); ++i) {
-    if (Upper(line_[position_ + i]) != Upper(word[i])) return false;
+  size_t end = position_;
+  for (const char c : word) {
+    if (end >= line_.size()) return false;
+    if (c == ' ') {  // any amount of white space
+      if (!IsSpace(line_[end])) return false;
+      while (end < line_.size() && IsSpace(line_[end])) ++end;
+    } else if (Upper(line_[end++]) != Upper(c)) {
+      return false;
+    }
   }
-  const size_t end = position_ + word.size();
   if (IsWordCharacter(word.back()) && end < line_.size() && IsWordCharacter(line_[end])) return false;
   position_ = end;
   return true;

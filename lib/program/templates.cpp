@@ -15,13 +15,24 @@ std::vector<std::string> LinesOf(const std::string& text) {
   return lines;
 }
 
-/// Upper case, white space single: two texts that differ in neither are the same.
+bool IsWordCharacter(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '$'; }
+
+/// Characters that a blank keeps apart: of words, and of the holes that words take.
+bool KeepsBlank(char c) { return IsWordCharacter(c) || c == '{' || c == '}' || c == '.' || c == '"'; }
+
+/// Upper case, white space single and only where it parts words, no remark behind a statement: two texts that
+/// differ in nothing else are the same.
 std::string Normalised(std::string_view text) {
+  text = Trim(text);
+  if (!text.starts_with(';')) text = Trim(text.substr(0, text.find(';')));
   std::string result;
-  for (const char c : Trim(text)) {
-    const char plain = c == '\t' ? ' ' : c;
-    if (plain == ' ' && result.ends_with(' ')) continue;
-    result += plain >= 'a' && plain <= 'z' ? static_cast<char>(plain - 'a' + 'A') : plain;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i] == '\t' ? ' ' : text[i];
+    const bool parts =
+        i + 1 < text.size() && !result.empty() && KeepsBlank(result.back()) && KeepsBlank(text[i + 1]);
+    const bool comment = text.starts_with(';') || text.starts_with('(');
+    if (c == ' ' && (result.ends_with(' ') || (!comment && !parts))) continue;
+    result += c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
   }
   return result;
 }
@@ -62,8 +73,6 @@ std::string_view WithoutNumber(std::string_view line) {
   const size_t end = line.find_first_not_of("0123456789", 1);
   return end == std::string_view::npos || end == 1 || line[end] != ' ' ? line : Trim(line.substr(end));
 }
-
-bool IsWordCharacter(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '$'; }
 
 /// Whether `name` stands in `line` as a word, outside a comment that takes the whole line.
 bool HoldsWord(const std::string& line, const std::string& name) {

@@ -169,6 +169,26 @@ TEST(ReaderPlaces, KrlNames) {
   EXPECT_TRUE(RefusedAt(both, target));
 }
 
+TEST(ReaderPlaces, KrlSpelling) {
+  const auto problems = [](const std::string& line, const std::string& from, const std::string& to) {
+    Sample sample("krl");
+    const size_t at = sample.Find(line);
+    const std::string before = sample.lines[at];
+    sample.lines[at] = std::regex_replace(before, std::regex(from), to);
+    EXPECT_NE(sample.lines[at], before) << line;
+    return sample.Problems().size();
+  };
+  EXPECT_EQ(problems("^&REL", "^&", " &"), 1u);
+  EXPECT_EQ(problems(kKrlEntry, "T 'B[01]+'", "T 10.5"), 1u);
+  EXPECT_EQ(problems(kKrlEntry, "T 'B[01]+'", "T 64"), 1u);
+  EXPECT_EQ(problems("^\\$OUT\\[1\\]=TRUE", "$", " ; checked"), 0u);
+  EXPECT_EQ(problems("^\\$OUT\\[1\\]=TRUE", "=", " = "), 0u);
+  EXPECT_GE(problems("^\\$OUT\\[1\\]=TRUE", "TRUE", "TR UE"), 1u);
+  EXPECT_EQ(problems("^BAS \\(#VEL", "BAS ", "BAS  "), 0u);
+  EXPECT_TRUE(ReadBefore("krl", kKrlEntry, 1, "WAIT  SEC 1"));
+  EXPECT_TRUE(RefusedBefore("krl", kKrlEntry, 1, "WAITSEC 1"));
+}
+
 TEST(ReaderPlaces, NoRoundingThatNobodyPlanned) {
   for (const char* word : {" C_VEL", " C_SPL", " C_ORI", " C_PTP C_DIS"}) {
     for (const char* line : {"^LIN .*C_DIS", "^PTP \\{A1", kKrlEntry}) {
