@@ -78,11 +78,10 @@ std::vector<Owner> OthersIn(const fs::path& folder, const fs::path& own_file) {
     who.push_back(
         fmt::format("process {} on {} since {}{}", owner.process, owner.host, owner.since,
                     locks ? "" : fmt::format(" (if it has ended, remove {})", owner.file.string())));
-  throw InputError(
-      {folder.string()},
-      fmt::format("another run works in this folder: {}; wait for its end or choose another "
-                  "with -o DIR",
-                  who.empty() ? "it has not said who it is yet" : fmt::format("{}", fmt::join(who, ", "))));
+  throw InputError({folder.string()},
+                   fmt::format("another run works in this folder: {}; wait for its end or choose another "
+                               "with -o DIR",
+                               who.empty() ? "who is not known" : fmt::format("{}", fmt::join(who, ", "))));
 }
 
 // What runs that were killed left; only for one who is alone here.
@@ -100,21 +99,22 @@ bool IsOfLock(const std::string& name) { return name == kLockFile || name.starts
 
 FolderLock::FolderLock(const fs::path& folder, FileLock::Kind kind) : lock_(folder / kLockFile) {
   const Owner self = Self(folder, kind);
-  const FileLock::Outcome outcome = lock_.Take(kind);
-  if (outcome == FileLock::Outcome::kBusy) Refuse(folder, OthersIn(folder, self.file), true);
-  // Before the others are looked at: of two that come at once at least one sees the other.
-  Write(self);
   owner_file_ = self.file;
+  // Before the lock is asked for: who has it has always said so, and of two that come at once where there are
+  // no locks at least one sees the other.
+  Write(self);
+  const FileLock::Outcome outcome = lock_.Take(kind);
+  std::vector<Owner> others;
+  if (outcome != FileLock::Outcome::kHeld) others = OthersIn(folder, self.file);
   if (outcome == FileLock::Outcome::kNoLocksHere) {
     warning_ = fmt::format(
         "{}: the file system has no locks: two runs in this folder know of each other by {} alone",
         folder.string(), self.file.filename().string());
-    std::vector<Owner> others = OthersIn(folder, self.file);
     std::erase_if(others, [&](const Owner& other) { return !other.alone && !self.alone; });
-    if (!others.empty()) {
-      RemoveAll(owner_file_);
-      Refuse(folder, others, false);
-    }
+  }
+  if (outcome == FileLock::Outcome::kBusy || !others.empty()) {
+    RemoveAll(owner_file_);
+    Refuse(folder, others, outcome == FileLock::Outcome::kBusy);
   }
   if (self.alone) RemoveOwners(folder, self.file);
 }

@@ -37,8 +37,12 @@ void MakeOwn(const fs::path& folder) {
     throw InputError({folder.string()},
                      "exists and was not written by millpose; choose another with -o DIR or remove it");
   MakeFolders(folder);
-  if (!IsOutputFolder(folder))
+  if (IsOutputFolder(folder)) return;
+  try {
     WriteFileAtomically(folder / kMark, "This folder is written by millpose; a new plan overwrites it.\n");
+  } catch (const InputError&) {
+    if (!IsOutputFolder(folder)) throw;  // else a run that came at the same time has marked and tidied it
+  }
 }
 
 // The names that make up the set which stands in the folder. Without a manifest, as earlier versions left it,
