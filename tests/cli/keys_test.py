@@ -151,7 +151,7 @@ class Keys(InFolder):
         """(job, cell) by (job, cell): together they hold every key."""
         job, cell = self.base()
         job["pose"]["objective"] = {"name": "process_force"}
-        job["process"]["feed"] = "reduce"
+        job["process"].update(feed="reduce", min_feed_share=0.5, plunge_feed_mm_min=60, approach_feed_mm_min=900)
         job["process"]["cutting"] = {"teeth": 2, "depth_mm": 1, "width_mm": 6, "side": "slot", "material": "5A06",
                                      "radial_ratio": 0.3, "axial_ratio": 0.1}
         yield job, cell
