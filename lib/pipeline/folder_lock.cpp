@@ -48,6 +48,16 @@ void Write(const Owner& owner) {
   WriteFileAtomically(owner.file, json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
+// False where it cannot be written just now: one who has the folder may be tidying it.
+bool TryWrite(const Owner& owner) {
+  try {
+    Write(owner);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 // Whether a process of this machine is known to have ended. Of another machine nothing can be known.
 bool HasEnded(const Owner& owner) {
   return owner.host == HostName() && ::kill(owner.process, 0) != 0 && errno == ESRCH;
@@ -102,7 +112,7 @@ FolderLock::FolderLock(const fs::path& folder, FileLock::Kind kind) : lock_(fold
   owner_file_ = self.file;
   // Before the lock is asked for: who has it has always said so, and of two that come at once where there are
   // no locks at least one sees the other.
-  Write(self);
+  const bool said = TryWrite(self);
   const FileLock::Outcome outcome = lock_.Take(kind);
   std::vector<Owner> others;
   if (outcome != FileLock::Outcome::kHeld) others = OthersIn(folder, self.file);
@@ -116,6 +126,7 @@ FolderLock::FolderLock(const fs::path& folder, FileLock::Kind kind) : lock_(fold
     RemoveAll(owner_file_);
     Refuse(folder, others, outcome == FileLock::Outcome::kBusy);
   }
+  if (!said) Write(self);
   if (self.alone) RemoveOwners(folder, self.file);
 }
 

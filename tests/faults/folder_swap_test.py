@@ -4,7 +4,7 @@
 MILLPOSE_FAULT_PLACES=all. Usage: folder_swap_test.py MILLPOSE TOP FAULTS DRIVER"""
 import subprocess
 
-from fault_fixture import ALL, CAUSES, DRIVER, Faults, main, places, results, run
+from fault_fixture import ALL, CAUSES, DRIVER, Faults, is_clean, main, places, results, run
 
 
 class Swap(Faults):
@@ -42,6 +42,19 @@ class Swap(Faults):
     def test_a_disk_that_stays_full_leaves_the_old_set_or_one_that_is_mended(self):
         count = self.prepare()
         self.fail_at(places(count, 6), "ENOSPC", stays=True)
+
+    def test_of_three_at_once_in_a_new_folder_those_refused_are_told_by_whom(self):
+        for attempt in range(200 if ALL else 8):
+            out = self.top / f"new{attempt}"
+            runs = [subprocess.Popen(self.write(out, letter), stderr=subprocess.PIPE, text=True) for letter in "ABA"]
+            errors = [process.communicate(timeout=60)[1] for process in runs]
+            self.assertIn(0, [process.returncode for process in runs], errors)
+            for process, error in zip(runs, errors):
+                if process.returncode != 0:
+                    self.assertEqual(process.returncode, 2, error)
+                    self.assertRegex(error, r"another run works in this folder: process \d+ on ")
+            self.assertTrue(is_clean(out))
+            self.assertEqual(subprocess.run(self.mend(out), stdout=subprocess.DEVNULL).returncode, 0)
 
 
 if __name__ == "__main__":
