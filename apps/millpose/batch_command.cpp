@@ -39,8 +39,13 @@ void AddBatchCommand(CLI::App& app, Run& run) {
                     "With --slurm: submit and end; the same command later gathers");
   command->add_option("--sbatch", slurm->sbatch,
                       "With --slurm: a further option of sbatch, like --partition=cpu");
-  command->callback([&run, arguments, use_slurm, slurm] {
-    run = [arguments, use_slurm, slurm](Session& session) {
+  command->add_option("--max-points", arguments->max_points, "Points that the tool path of a job may have")
+      ->check(CLI::Range(1.0, 1e9))
+      ->capture_default_str();
+  const RootOption root = AddRootOption(*command);
+  command->callback([&run, arguments, use_slurm, slurm, root] {
+    run = [arguments, use_slurm, slurm, root](Session& session) {
+      arguments->root = FileRoot::Of(*root);
       if (*use_slurm) arguments->slurm = *slurm;
       const BatchOutcome outcome = RunBatch(*arguments, session.progress, session.stop);
       fmt::print("{}", outcome.text);

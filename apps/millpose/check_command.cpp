@@ -12,7 +12,9 @@ struct Options {
   std::string unit;
   double weld_tolerance = 1e-4, chord_tolerance = 0.05;
   int threads = 0;
+  double max_points = 2e6;
   bool json = false;
+  RootOption root;
 };
 
 const std::map<std::string, double> kUnits{{"mm", 1}, {"cm", 10}, {"in", 25.4}, {"m", 1000}};
@@ -25,11 +27,15 @@ int Tell(const Check& check, bool json) {
 
 int Check(const Options& options, Session& session) {
   const std::string extension = options.file.extension().string();
+  const FileRoot root = FileRoot::Of(*options.root);
   if (extension == ".yaml" || extension == ".yml")
-    return Tell(CheckJob({options.file, options.threads}, session.progress, session.stop), options.json);
+    return Tell(
+        CheckJob({options.file, options.threads, root, options.max_points}, session.progress, session.stop),
+        options.json);
   std::optional<double> unit;
   if (!options.unit.empty()) unit = kUnits.at(options.unit);
-  return Tell(CheckMesh({options.file, unit, options.weld_tolerance, options.chord_tolerance}), options.json);
+  return Tell(CheckMesh({options.file, unit, options.weld_tolerance, options.chord_tolerance, root}),
+              options.json);
 }
 
 }  // namespace
@@ -56,6 +62,10 @@ void AddCheckCommand(CLI::App& app, Run& run) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   command->add_flag("--json", options->json, "Results as JSON on stdout");
+  command->add_option("--max-points", options->max_points, "Points that the tool path of a job may have")
+      ->check(CLI::Range(1.0, 1e9))
+      ->capture_default_str();
+  options->root = AddRootOption(*command);
   command->callback(
       [&run, options] { run = [options](Session& session) { return Check(*options, session); }; });
 }

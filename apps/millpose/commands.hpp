@@ -3,7 +3,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <stop_token>
 
 #include "base/progress.hpp"
@@ -21,6 +24,10 @@ struct Session {
 
 /// What a subcommand leaves to be run after parsing; set by the callback of the chosen one.
 using Run = std::function<int(Session&)>;
+
+/// The option --root of the commands that run other people's jobs; empty when it is not given.
+using RootOption = std::shared_ptr<std::optional<std::filesystem::path>>;
+RootOption AddRootOption(CLI::App& command);
 
 void AddBatchCommand(CLI::App& app, Run& run);
 void AddCheckCommand(CLI::App& app, Run& run);

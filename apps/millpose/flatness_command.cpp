@@ -52,6 +52,10 @@ int Measure(const Options& options) {
   std::vector<Eigen::Vector3d> points;
   for (size_t i = 0; i < table.size(); ++i)
     points.emplace_back(table.At(i, "x_mm"), table.At(i, "y_mm"), table.At(i, "z_mm"));
+  constexpr double kMost = 1e6;  // mm, of any coordinate
+  for (size_t i = 0; i < points.size(); ++i)
+    if (points[i].cwiseAbs().maxCoeff() > kMost)
+      throw InputError({options.file, table.line(i)}, "a point beyond a kilometre; allowed: within ±1e6 mm");
   const std::optional<Flatness> found = MeasureFlatness(points);
   if (!found)
     throw InputError(

@@ -12,6 +12,7 @@
 #include "pipeline/assemble.hpp"
 #include "pipeline/inputs.hpp"
 #include "stiffness/identify.hpp"
+#include "stiffness/plausibility.hpp"
 
 namespace millpose {
 namespace {
@@ -72,7 +73,7 @@ std::vector<LoadCase> MakeCases(const MeasurementsSettings& settings,
   return cases;
 }
 
-Json ToJson(const Identification& found, const Task& task) {
+Json ToJson(const Identification& found, const Plausibility& judged, const Task& task) {
   Json joints = Json::array();
   const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
   for (int j = 0; j < 6; ++j) {
@@ -93,34 +94,22 @@ Json ToJson(const Identification& found, const Task& task) {
     residuals.push_back({{"line", task.settings.measurements[i].line},
                          {"pose", found.pose_of_case[i] + 1},
                          {"residual_mm", found.residuals[i]}});
+  const bool solved = !found.residuals.empty();
   return {{"schema_version", 1},
           {"joints", joints},
           {"condition", found.condition},
-          {"residual_level", found.level},
-          {"residual_rms_mm", found.rms},
+          {"residual_level", solved ? Json(found.level) : Json()},
+          {"residual_rms_mm", solved ? Json(found.rms) : Json()},
+          {"residual_verdict", solved ? Json(judged.residual) : Json()},
           {"poses", found.poses},
-          {"measurements", found.residuals.size()},
-          {"residuals", residuals}};
+          {"measurements", found.pose_of_case.size()},
+          {"residuals", residuals},
+          {"findings", judged.findings},
+          {"warnings", judged.warnings}};
 }
 
-void Print(const Identification& found, const Task& task) {
-  fmt::print("joint   stiffness  std. deviation        95 % interval           left out: largest change\n");
-  for (int j = 0; j < 6; ++j) {
-    const JointEstimate& joint = found.joints[j];
-    if (!joint.determined) {
-      const std::string bound =
-          joint.lower > 0 ? fmt::format("; above {:.4g} N·m/rad", joint.lower * kNmPerNmm) : "";
-      fmt::print("A{}      no number: {}{}\n", j + 1, joint.reason, bound);
-      continue;
-    }
-    fmt::print("A{}     {:>10.4g} {:>15.3g} {:>12.4g} .. {:<10.4g} N·m/rad   {:.1f} % by pose {}\n", j + 1,
-               joint.stiffness * kNmPerNmm, joint.deviation * kNmPerNmm, joint.lower * kNmPerNmm,
-               joint.upper * kNmPerNmm, 100 * joint.largest_change, joint.most_influential + 1);
-  }
-  fmt::print("\n{} measurements in {} poses; condition number {:.3g} (columns scaled to 1)\n",
-             found.residuals.size(), found.poses, found.condition);
-  fmt::print("residual {:.4g} mm RMS per measurement, {:.3g} times the stated deviation\n\n", found.rms,
-             found.level);
+void PrintResiduals(const Identification& found, const Plausibility& judged, const Task& task) {
+  fmt::print("residual {:.4g} mm RMS per measurement, {}\n\n", found.rms, judged.residual);
   fmt::print("pose   measurements   residual, mm RMS   largest, mm\n");
   for (size_t pose = 0; pose < found.poses; ++pose) {
     size_t count = 0, worst = 0;
@@ -137,6 +126,27 @@ void Print(const Identification& found, const Task& task) {
                std::sqrt(square / static_cast<double>(count)), largest,
                task.settings.measurements[worst].line);
   }
+}
+
+void Print(const Identification& found, const Plausibility& judged, const Task& task) {
+  fmt::print("joint   stiffness  std. deviation        95 % interval           left out: largest change\n");
+  for (int j = 0; j < 6; ++j) {
+    const JointEstimate& joint = found.joints[j];
+    if (!joint.determined) {
+      const std::string bound =
+          joint.lower > 0 ? fmt::format("; above {:.4g} N·m/rad", joint.lower * kNmPerNmm) : "";
+      fmt::print("A{}      no number: {}{}\n", j + 1, joint.reason, bound);
+      continue;
+    }
+    fmt::print("A{}     {:>10.4g} {:>15.3g} {:>12.4g} .. {:<10.4g} N·m/rad   {:.1f} % by pose {}\n", j + 1,
+               joint.stiffness * kNmPerNmm, joint.deviation * kNmPerNmm, joint.lower * kNmPerNmm,
+               joint.upper * kNmPerNmm, 100 * joint.largest_change, joint.most_influential + 1);
+  }
+  fmt::print("\n{} measurements in {} poses; condition number {:.3g} (columns scaled to 1)\n",
+             found.pose_of_case.size(), found.poses, found.condition);
+  if (!found.residuals.empty()) PrintResiduals(found, judged, task);
+  for (const std::string& warning : judged.warnings) fmt::print("warning    {}\n", warning);
+  for (const std::string& finding : judged.findings) fmt::print("finding    {}\n", finding);
 }
 
 void WriteCellFile(const Options& options, const Task& task, const Identification& found) {
@@ -196,15 +206,19 @@ int Identify(const Options& options) {
   if (options.propose >= 0) return Propose(options, task);
   if (task.settings.measurements.empty())
     throw InputError({options.file}, "no measurements; allowed: at least one");
-  const Identification found =
-      IdentifyJointStiffness(task.arm, MakeCases(task.settings, task.settings.measurements), task.options);
+  const std::vector<LoadCase> cases = MakeCases(task.settings, task.settings.measurements);
+  const Identification found = IdentifyJointStiffness(task.arm, cases, task.options);
+  const Plausibility judged = JudgeIdentification(task.arm, cases, task.options, found);
   if (options.json)
-    fmt::print("{}\n", ToJson(found, task).dump(2));
+    fmt::print("{}\n", ToJson(found, judged, task).dump(2));
   else
-    Print(found, task);
-  if (!options.write_cell.empty()) WriteCellFile(options, task, found);
+    Print(found, judged, task);
+  if (!options.write_cell.empty() && !judged.usable)
+    fmt::print(stderr, "millpose: {} is left as it was: the measurements cannot be believed\n",
+               options.write_cell);
+  if (!options.write_cell.empty() && judged.usable) WriteCellFile(options, task, found);
   const auto determined = [](const JointEstimate& joint) { return joint.determined; };
-  return std::all_of(found.joints.begin(), found.joints.end(), determined) ? kDone : kFindings;
+  return std::ranges::all_of(found.joints, determined) && judged.findings.empty() ? kDone : kFindings;
 }
 
 }  // namespace
@@ -213,7 +227,7 @@ void AddIdentifyCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand(
       "identify",
       "Joint stiffness, N·m/rad, from measured deflections under load (docs/identification.md).\n"
-      "Exit status 1: some joint could not be determined.");
+      "Exit status 1: some joint could not be determined, or a finding on readings, stiffness or residual.");
   static Options options;
   command->add_option("measurements", options.file, "Measurements, YAML or CSV")->required();
   command->add_option("--cell", options.cell,

@@ -39,7 +39,8 @@ void AddPlanCommand(CLI::App& app, Run& run) {
   command->add_option("--threads", arguments->threads, "Threads; 0: all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "Seed of all random numbers in place of the job's");
+  command->add_option("--seed", arguments->seed, "Seed of all random numbers in place of the job's")
+      ->check(CLI::Range(0.0, 9007199254740992.0));
   const auto changes = std::make_shared<std::vector<std::string>>();
   command->add_option("--set", *changes,
                       "KEY=VALUE: a setting in place of the job's, like toolpath.stepover_mm=4");
@@ -53,8 +54,13 @@ void AddPlanCommand(CLI::App& app, Run& run) {
       ->check(CLI::Range(1e-3, 1e4))
       ->type_name("SECONDS");
   command->add_flag("--fresh", arguments->fresh, "Ignore checkpoints of earlier runs");
-  command->callback([&run, arguments, changes, share] {
-    run = [arguments, changes, share](Session& session) {
+  command->add_option("--max-points", arguments->max_points, "Points that the tool path may have")
+      ->check(CLI::Range(1.0, 1e9))
+      ->capture_default_str();
+  const RootOption root = AddRootOption(*command);
+  command->callback([&run, arguments, changes, share, root] {
+    run = [arguments, changes, share, root](Session& session) {
+      arguments->root = FileRoot::Of(*root);
       if (!share->empty()) arguments->share = ParseShare(*share);
       for (const std::string& change : *changes) arguments->overrides.push_back(ParseOverride(change));
       return Plan(*arguments, session);

@@ -40,8 +40,12 @@ void AddVerifyCommand(CLI::App& app, Run& run) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "JSON on standard output");
-  command->callback([&run, arguments] {
-    run = [arguments](Session& session) { return VerifyAndPrint(*arguments, session); };
+  const RootOption root = AddRootOption(*command);
+  command->callback([&run, arguments, root] {
+    run = [arguments, root](Session& session) {
+      arguments->root = FileRoot::Of(*root);
+      return VerifyAndPrint(*arguments, session);
+    };
   });
 }
 

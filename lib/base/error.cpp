@@ -3,6 +3,8 @@
 
 #include <cctype>
 
+#include "base/shown.hpp"
+
 namespace millpose {
 
 std::string ToString(const Place& place) {
@@ -14,6 +16,15 @@ std::string ToString(const Place& place) {
 }
 
 InputError::InputError(std::vector<Problem> problems) : problems_(std::move(problems)) {
+  // Whatever a message repeats of a foreign file, it must not print that file.
+  constexpr size_t kLongest = 2000;
+  const size_t more = problems_.size() > kMostProblems ? problems_.size() - kMostProblems : 0;
+  if (more > 0) {
+    problems_.resize(kMostProblems);
+    problems_.push_back({Place{problems_.back().place.file}, "more problems follow that are not listed"});
+  }
+  for (Problem& problem : problems_)
+    if (problem.message.size() > kLongest) problem.message = Shown(problem.message, kLongest);
   for (const Problem& problem : problems_) {
     if (!text_.empty()) text_ += '\n';
     const std::string place = ToString(problem.place);
@@ -50,6 +61,7 @@ std::string NearestName(std::string_view given, const std::vector<std::string>& 
   std::string nearest;
   size_t best = given.size() / 2 + 2;  // farther than this is another word, not a slip
   for (const std::string& name : known) {
+    if (given.size() >= name.size() + best || name.size() >= given.size() + best) continue;
     const size_t distance = EditDistance(given, name);
     if (distance < best) {
       best = distance;

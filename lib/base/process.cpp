@@ -180,6 +180,15 @@ ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_to
   return result;
 }
 
+double MachineMemory() {
+  const double pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES));
+  double bytes = pages * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+    bytes = std::min(bytes, static_cast<double>(limit.rlim_cur));
+  return bytes;
+}
+
 // Memory rather than the file: there may be no /proc.
 std::string ProgramId() {
   std::string id;

@@ -22,6 +22,9 @@ struct ProcessResult {
 ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_token stop,
                          std::string_view input = {});
 
+/// Memory that this process may come to have, bytes: the machine's, or its own limit where that is lower.
+double MachineMemory();
+
 /// The path of the running program.
 std::string OwnProgram();
 

@@ -17,7 +17,7 @@ Codec<UrdfSettings> UrdfFields() {
               .Required(),
           Key<S>("packages", MILLPOSE_AT(packages), MapOf<std::string>({}, Text()),
                  "Folders that `package://NAME/` stands for, relative to the cell file."),
-          Key<S>("tolerance_mm", MILLPOSE_AT(tolerance), Real(kMm, Above(0)),
+          Key<S>("tolerance_mm", MILLPOSE_AT(tolerance), Real(kMm, Positive(10)),
                  "Largest deviation of the closed form from the file's joints."),
       },
       [](const Value& value, const Context&, S& urdf) { urdf.line = value.mark.line; });
@@ -77,18 +77,18 @@ Codec<ArmSettings> ArmFields() {
               Limits(), "Limits of the axes; with a URDF, in place of its own.")
               .WhenSet([](const S& s) { return s.lower != s.upper; })
               .RequiredUnless("urdf"),
-          Key<S>("speeds_deg_s", MILLPOSE_AT(speed), Numbers6(kDegPerS, Above(0)),
+          Key<S>("speeds_deg_s", MILLPOSE_AT(speed), Numbers6(kDegPerS, Positive(3600)),
                  "Largest speeds of the axes; with a URDF, in place of its own.")
               .WhenSet([](const S& s) { return !s.speed.isZero(0.0); })
               .RequiredUnless("urdf"),
           Key<S>("limits_source", MILLPOSE_AT(limits_source), Lines(), "Where limits and speeds come from."),
-          Key<S>("accelerations_deg_s2", MILLPOSE_AT(acceleration), Numbers6(kDegPerS2, Above(0)),
+          Key<S>("accelerations_deg_s2", MILLPOSE_AT(acceleration), Numbers6(kDegPerS2, Positive(1e5)),
                  "Largest accelerations of the axes.")
               .Required(),
           Key<S>("accelerations_assumed", MILLPOSE_AT(acceleration_assumed), Flag(),
                  "Whether the accelerations are an assumption without a source."),
-          Key<S>("joint_stiffness_Nm_per_rad", MILLPOSE_AT(stiffness), Numbers6(kNmPerRad, Above(0)),
-                 "Stiffness of the joints.")
+          Key<S>("joint_stiffness_Nm_per_rad", MILLPOSE_AT(stiffness),
+                 Numbers6(kNmPerRad, Between(100, 1e10)), "Stiffness of the joints.")
               .Required(),
           Key<S>("joint_stiffness_source", MILLPOSE_AT(stiffness_source), Lines(),
                  "Where the stiffness comes from."),

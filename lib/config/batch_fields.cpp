@@ -48,6 +48,8 @@ const Codec<BatchSettings>& BatchFields() {
   using S = BatchSettings;
   static const Codec<S> fields = Section<S>({
       VersionKey<S>("millpose_batch", 1),
+      Key<S>("untrusted", MILLPOSE_AT(untrusted), Flag(),
+             "Jobs of others: they read and write nothing outside of the manifest's folder."),
       Key<S>("jobs", MILLPOSE_AT(jobs), ListOf(EntryFields()), "The jobs.").Required(),
   });
   return fields;

@@ -19,6 +19,7 @@ struct BatchEntry {
 
 /// A manifest: jobs with overrides of their own (key `millpose_batch: 1`).
 struct BatchSettings {
+  bool untrusted = false;  ///< its jobs see no file outside of the manifest's folder
   std::vector<BatchEntry> jobs;
 };
 

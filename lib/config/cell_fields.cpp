@@ -8,14 +8,14 @@ namespace {
 Codec<ShapeSettings> ShapeFields() {
   using S = ShapeSettings;
   const auto size = [](const char* key, auto access, const char* doc) {
-    return Key<S>(key, access, Real(kMm, Above(0)), doc).Required();
+    return Key<S>(key, access, Real(kMm, Positive(1e5)), doc).Required();
   };
   const auto diameter = size("diameter_mm", MILLPOSE_AT(diameter), "Diameter.");
   const auto length = size("length_mm", MILLPOSE_AT(length), "Length along z.");
   return OneOf<S>(
       &S::kind,
       {
-          {"box", Section<S>({Key<S>("size_mm", MILLPOSE_AT(size), Numbers3(kMm, Above(0)),
+          {"box", Section<S>({Key<S>("size_mm", MILLPOSE_AT(size), Numbers3(kMm, Positive(1e5)),
                                      "Edges along x, y, z; centred.")
                                   .Required()})},
           {"sphere", Section<S>({diameter})},
@@ -63,36 +63,58 @@ Codec<BodySettings> BodyFields() {
   });
 }
 
+namespace {
+
+Codec<CellSettings> CheckedFields() {
+  using S = CellSettings;
+  return Section<S>({
+      Key<S>(
+          "unchecked_links", MILLPOSE_AT(unchecked_links),
+          ListOf(Choice({"base", "link1", "link2", "link3", "link4", "link5"})),
+          "Links that have no body on purpose, so that nothing sees them touch: a warning in every output.")
+          .Required(),
+  });
+}
+
+}  // namespace
+
 const Codec<CellSettings>& CellFields() {
   using S = CellSettings;
-  static const Codec<S> fields = Section<S>({
-      VersionKey<S>("millpose_cell", 1),
-      Key<S>("name", MILLPOSE_AT(name), Text(), "Name of the cell.").Required(),
-      Key<S>("arm", MILLPOSE_AT(arm), ArmFields(), "The robot arm.").Required(),
-      Key<S>("base_in_world", MILLPOSE_AT(base_in_world), PoseFields(), "Robot base in the world."),
-      Key<S>("home_deg", MILLPOSE_AT(home), Numbers6(kDeg, Between(-3600, 3600)),
-             "Where programs start and end.")
-          .Required(),
-      Key<S>("tool", MILLPOSE_AT(tool), ToolFields(), "Tool tip, cutter, holder and spindle.").Required(),
-      Key<S>("bodies", MILLPOSE_AT(bodies), ListOf(BodyFields()), "What must not be touched."),
-      Key<S>("excluded_pairs", MILLPOSE_AT(excluded_pairs), ListOf(NamePair()),
-             "Pairs of bodies that touch by design and are not checked."),
-      Key<S>("clearance_mm", kSelf,
-             Section<S>({
-                 Key<S>("free", MILLPOSE_AT(clearance_free), Real(kMm, AtLeast(0)),
-                        "Least distance of all bodies while the tool is out of the material."),
-                 Key<S>("cutting", MILLPOSE_AT(clearance_cutting), Real(kMm, AtLeast(0)),
-                        "Least distance of spindle and holder from the workpiece while cutting."),
-             }),
-             "Distances to keep."),
-      Key<S>("stiffness", kSelf, StiffnessFields(), "How stiffness is evaluated."),
-      KeyBy<S, bool>(
-          "reproduction_only", [](const S& s) { return !s.programs_allowed; },
-          [](S& s, const bool& only) { s.programs_allowed = !only; }, Flag(),
-          "The arm's convention is no real controller's: programs are refused."),
-      Key<S>("controllers", MILLPOSE_AT(controllers), ControllersFields(),
-             "What each controller's programs need to know."),
-  });
+  static const Codec<S> fields = Section<S>(
+      {
+          VersionKey<S>("millpose_cell", 1),
+          Key<S>("name", MILLPOSE_AT(name), Text(), "Name of the cell.").Required(),
+          Key<S>("arm", MILLPOSE_AT(arm), ArmFields(), "The robot arm.").Required(),
+          Key<S>("base_in_world", MILLPOSE_AT(base_in_world), PoseFields(), "Robot base in the world."),
+          Key<S>("home_deg", MILLPOSE_AT(home), Numbers6(kDeg, Between(-3600, 3600)),
+                 "Where programs start and end.")
+              .Required(),
+          Key<S>("tool", MILLPOSE_AT(tool), ToolFields(), "Tool tip, cutter, holder and spindle.").Required(),
+          Key<S>("bodies", MILLPOSE_AT(bodies), ListOf(BodyFields()), "What must not be touched."),
+          Key<S>("excluded_pairs", MILLPOSE_AT(excluded_pairs), ListOf(NamePair()),
+                 "Pairs of bodies that touch by design and are not checked."),
+          Key<S>("interference", kSelf, CheckedFields(), "What interference is not checked for.")
+              .WhenSet([](const S& s) { return !s.unchecked_links.empty(); }),
+          Key<S>("clearance_mm", kSelf,
+                 Section<S>({
+                     Key<S>("free", MILLPOSE_AT(clearance_free), Real(kMm, UpTo(1000)),
+                            "Least distance of all bodies while the tool is out of the material."),
+                     Key<S>("cutting", MILLPOSE_AT(clearance_cutting), Real(kMm, UpTo(1000)),
+                            "Least distance of spindle and holder from the workpiece while cutting."),
+                 }),
+                 "Distances to keep."),
+          Key<S>("stiffness", kSelf, StiffnessFields(), "How stiffness is evaluated."),
+          KeyBy<S, bool>(
+              "reproduction_only", [](const S& s) { return !s.programs_allowed; },
+              [](S& s, const bool& only) { s.programs_allowed = !only; }, Flag(),
+              "The arm's convention is no real controller's: programs are refused."),
+          Key<S>("controllers", MILLPOSE_AT(controllers), ControllersFields(),
+                 "What each controller's programs need to know."),
+      },
+      [](const Value& value, const Context&, S& cell) {
+        const Value::Key* bodies = value.FindKey("bodies");
+        cell.bodies_line = (bodies ? bodies->mark : value.mark).line;
+      });
   return fields;
 }
 

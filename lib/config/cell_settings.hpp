@@ -62,6 +62,9 @@ struct ToolSettings {
   std::vector<ToolPartSettings> stack;
 };
 
+/// Radius of the cutter's rounded corner, by its shape, mm.
+double CornerRadius(const ToolSettings& tool);
+
 /// One shape; which fields hold depends on `kind`.
 struct ShapeSettings {
   std::string kind;  ///< box | sphere | cylinder | capsule | cone | convex | mesh
@@ -153,6 +156,8 @@ struct CellSettings {
   ToolSettings tool;
   std::vector<BodySettings> bodies;
   std::vector<std::pair<std::string, std::string>> excluded_pairs;
+  int bodies_line = 0;                                ///< of the key, for later errors
+  std::vector<std::string> unchecked_links;           ///< base | link1..link5: without a body on purpose
   double clearance_free = 10, clearance_cutting = 2;  ///< mm
   std::string stiffness_at = "tool_tip";              ///< tool_tip | flange
   double characteristic_length = 1000;                ///< mm

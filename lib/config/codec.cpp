@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/shown.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 
@@ -19,7 +20,7 @@ std::string Given(const Value& value) {
     case Value::Kind::kNull:
       return "nothing";
     case Value::Kind::kScalar:
-      return value.plain ? value.text : fmt::format("the text \"{}\"", value.text);
+      return value.plain ? Shown(value.text) : fmt::format("the text \"{}\"", Shown(value.text));
     case Value::Kind::kList:
       return fmt::format("a list of {}", value.items.size());
     case Value::Kind::kMap:
@@ -63,11 +64,9 @@ bool LooksLikeOtherType(std::string_view text) {
 }
 
 std::string Describe(const Range& range) {
-  const bool lower = std::isfinite(range.lower), upper = std::isfinite(range.upper);
-  if (lower && range.lower == range.upper) return fmt::format(" {}", range.lower);
-  if (lower && upper) return fmt::format(" {}…{}", range.lower, range.upper);
-  if (lower) return fmt::format(" {} {}", range.lower_open ? ">" : "≥", range.lower);
-  return "";
+  if (range.lower == range.upper) return fmt::format(" {}", range.lower);
+  if (range.lower_open) return fmt::format(" > {}, ≤ {}", range.lower, range.upper);
+  return fmt::format(" {}…{}", range.lower, range.upper);
 }
 
 bool Contains(const Range& range, double value) {
@@ -80,22 +79,22 @@ std::string NumberType(const std::string& noun, const Unit& unit, const Range& r
 
 Value NumberSchema(const std::string& type, const Range& range) {
   Value schema = codec_detail::SchemaOf(type);
-  if (std::isfinite(range.lower))
-    schema.Put(range.lower_open ? "exclusiveMinimum" : "minimum", Value::Plain(ShortestNumber(range.lower)));
-  if (std::isfinite(range.upper)) schema.Put("maximum", Value::Plain(ShortestNumber(range.upper)));
+  schema.Put(range.lower_open ? "exclusiveMinimum" : "minimum", Value::Plain(ShortestNumber(range.lower)));
+  schema.Put("maximum", Value::Plain(ShortestNumber(range.upper)));
   return schema;
 }
 
 }  // namespace
 
 Context Context::Child(const std::string& key) const {
-  return {file, problems, path.empty() ? key : path + '.' + key};
+  return {file, problems, path.empty() ? Shown(key) : path + '.' + Shown(key)};
 }
 
 Context Context::Child(size_t index) const { return {file, problems, fmt::format("{}[{}]", path, index)}; }
 
 void Context::Add(const Mark& mark, const std::string& message) const {
   problems.push_back({{file, mark.line, mark.column}, path.empty() ? message : path + ": " + message});
+  if (problems.size() > kMostProblems) throw InputError(std::move(problems));
 }
 
 void Context::AddWrong(const Value& given, const std::string& allowed) const {

@@ -61,16 +61,15 @@ struct Unit {
 };
 extern const Unit kOne, kMm, kDeg, kDegPerS, kDegPerS2, kNmPerRad, kMmPerMin, kRevPerMin, kPercent;
 
-/// Allowed numbers in the external unit.
+/// Allowed numbers in the external unit. Every number has two ends: what no machine, part or process can
+/// have is a slip of the keyboard or of the unit.
 struct Range {
-  double lower = -std::numeric_limits<double>::infinity();
-  double upper = std::numeric_limits<double>::infinity();
-  bool lower_open = false, upper_open = false;
+  double lower, upper;
+  bool lower_open = false;  ///< the lower end itself is not allowed
 };
-inline Range Any() { return {}; }
-inline Range Above(double lower) { return {.lower = lower, .lower_open = true}; }
-inline Range AtLeast(double lower) { return {.lower = lower}; }
-inline Range Between(double lower, double upper) { return {.lower = lower, .upper = upper}; }
+inline Range Between(double lower, double upper) { return {lower, upper}; }
+inline Range UpTo(double upper) { return {0, upper}; }
+inline Range Positive(double upper) { return {0, upper, true}; }
 
 Codec<double> Real(const Unit& unit, const Range& range);
 Codec<int> Integer(int lower, int upper);
@@ -130,8 +129,9 @@ Codec<std::vector<T>> ListOf(Codec<T> inner) {
   codec.keys = inner.keys;
   codec.read = [read = inner.read](const Value& value, const Context& context, std::vector<T>& result) {
     if (value.kind != Value::Kind::kList) return context.AddWrong(value, "a list");
-    result = std::vector<T>(value.items.size());
-    for (size_t i = 0; i < result.size(); ++i) read(value.items[i], context.Child(i), result[i]);
+    result.clear();
+    for (size_t i = 0; i < value.items.size(); ++i)
+      read(value.items[i], context.Child(i), result.emplace_back());
   };
   codec.write = [write = inner.write](const std::vector<T>& items) {
     Value list = Value::List();

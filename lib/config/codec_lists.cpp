@@ -37,7 +37,7 @@ Codec<Eigen::Vector3d> Numbers3(const Unit& unit, const Range& range) { return N
 Codec<Six> Numbers6(const Unit& unit, const Range& range) { return NumberList<6>(unit, range); }
 
 Codec<Eigen::Vector3d> Direction() {
-  Codec<Eigen::Vector3d> codec = Numbers3(kOne, Any());
+  Codec<Eigen::Vector3d> codec = Numbers3(kOne, Between(-1e6, 1e6));
   codec.type = "direction of 3 numbers, not all 0";
   codec.read = [numbers = codec.read, type = codec.type](const Value& value, const Context& context,
                                                          Eigen::Vector3d& result) {

@@ -30,6 +30,8 @@ struct WorkpieceSettings {
   double max_residual = 0.5;            ///< mm, of the fit at any target
   double weld_tolerance = 1e-4;         ///< mm
   double chord_tolerance = 0.05;        ///< mm, between a STEP part's faces and their triangles
+  int step_seconds = 120;               ///< of processor time for reading a STEP part
+  int step_memory = 2048;               ///< MB, likewise
   std::string stock_file;               ///< mesh of the raw part; empty: none
   double stock_unit = 1;                ///< mm per unit of it
   std::optional<double> allowance;      ///< material on the part's surface, mm; else toolpath.depth.total

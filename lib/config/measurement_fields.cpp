@@ -9,6 +9,7 @@ namespace config {
 namespace {
 
 const Unit kNewton{"N", 1, 1}, kNewtonMetre{"N·m", 1000, 1}, kRad{"rad", 1, 1};
+const Range kNearFlange = Between(-10000, 10000);
 
 std::vector<Field<MeasurementSettings>> LoadFields() {
   using S = MeasurementSettings;
@@ -16,13 +17,13 @@ std::vector<Field<MeasurementSettings>> LoadFields() {
   fields.push_back(
       Key<S>("joints_deg", MILLPOSE_AT(joints), Numbers6(kDeg, Between(-3600, 3600)), "Joint angles.")
           .Required());
-  fields.push_back(
-      Key<S>("force_N", MILLPOSE_AT(force), Numbers3(kNewton, Any()), "Force on the arm, robot base frame."));
-  fields.push_back(Key<S>("moment_Nm", MILLPOSE_AT(moment), Numbers3(kNewtonMetre, Any()),
+  fields.push_back(Key<S>("force_N", MILLPOSE_AT(force), Numbers3(kNewton, Between(-1e9, 1e9)),
+                          "Force on the arm, robot base frame."));
+  fields.push_back(Key<S>("moment_Nm", MILLPOSE_AT(moment), Numbers3(kNewtonMetre, Between(-1e9, 1e9)),
                           "Moment on the arm, robot base frame."));
-  fields.push_back(Key<S>("load_point_mm", MILLPOSE_AT(load_point), Maybe(Numbers3(kMm, Any())),
+  fields.push_back(Key<S>("load_point_mm", MILLPOSE_AT(load_point), Maybe(Numbers3(kMm, kNearFlange)),
                           "Where the load acts, flange frame; else as for the file."));
-  fields.push_back(Key<S>("measured_point_mm", MILLPOSE_AT(measured_point), Maybe(Numbers3(kMm, Any())),
+  fields.push_back(Key<S>("measured_point_mm", MILLPOSE_AT(measured_point), Maybe(Numbers3(kMm, kNearFlange)),
                           "Whose displacement was measured, flange frame; else as for the file."));
   return fields;
 }
@@ -36,10 +37,10 @@ void CheckLoad(const Value& value, const Context& context, MeasurementSettings& 
 Codec<MeasurementSettings> MeasurementFields() {
   using S = MeasurementSettings;
   std::vector<Field<S>> fields = LoadFields();
-  fields.push_back(Key<S>("displacement_mm", MILLPOSE_AT(displacement), Numbers3(kMm, Any()),
+  fields.push_back(Key<S>("displacement_mm", MILLPOSE_AT(displacement), Numbers3(kMm, Between(-1e6, 1e6)),
                           "Displacement against the unloaded arm, robot base frame.")
                        .Required());
-  fields.push_back(Key<S>("rotation_rad", MILLPOSE_AT(rotation), Maybe(Numbers3(kRad, Any())),
+  fields.push_back(Key<S>("rotation_rad", MILLPOSE_AT(rotation), Maybe(Numbers3(kRad, Between(-7, 7))),
                           "Rotation vector against the unloaded arm, robot base frame."));
   return Section<S>(std::move(fields), CheckLoad);
 }
@@ -50,13 +51,13 @@ const Codec<MeasurementsSettings>& MeasurementsFields() {
       VersionKey<S>("millpose_measurements", 1),
       Key<S>("cell", MILLPOSE_AT(cell_file), Text(),
              "Cell file with the arm's geometry, relative to this file."),
-      Key<S>("load_point_mm", MILLPOSE_AT(load_point), Numbers3(kMm, Any()),
+      Key<S>("load_point_mm", MILLPOSE_AT(load_point), Numbers3(kMm, kNearFlange),
              "Where loads act, flange frame."),
-      Key<S>("measured_point_mm", MILLPOSE_AT(measured_point), Numbers3(kMm, Any()),
+      Key<S>("measured_point_mm", MILLPOSE_AT(measured_point), Numbers3(kMm, kNearFlange),
              "Whose displacement is measured, flange frame."),
-      Key<S>("displacement_deviation_mm", MILLPOSE_AT(displacement_deviation), Real(kMm, Above(0)),
+      Key<S>("displacement_deviation_mm", MILLPOSE_AT(displacement_deviation), Real(kMm, Between(1e-6, 100)),
              "Standard deviation of a displacement's component; weighs it against rotations."),
-      Key<S>("rotation_deviation_rad", MILLPOSE_AT(rotation_deviation), Real(kRad, Above(0)),
+      Key<S>("rotation_deviation_rad", MILLPOSE_AT(rotation_deviation), Real(kRad, Between(1e-9, 1)),
              "Standard deviation of a rotation's component."),
       Key<S>("measurements", MILLPOSE_AT(measurements), ListOf(MeasurementFields()), "What was measured."),
       Key<S>("candidates", MILLPOSE_AT(candidates),
@@ -114,6 +115,13 @@ MeasurementsSettings ParseMeasurementsCsv(std::string_view csv, const std::strin
     measurement.displacement = three("dx_mm", "dy_mm", "dz_mm");
     if (table.Has("rx_rad")) measurement.rotation = three("rx_rad", "ry_rad", "rz_rad");
     measurement.line = table.line(row);
+    constexpr double kMost = 1e9;  // of any number in its unit, as in the YAML form
+    if (measurement.force.cwiseAbs().maxCoeff() > kMost ||
+        measurement.moment.cwiseAbs().maxCoeff() > 1000 * kMost ||
+        measurement.displacement.cwiseAbs().maxCoeff() > kMost ||
+        (measurement.rotation && measurement.rotation->cwiseAbs().maxCoeff() > 7))
+      problems.push_back({{name, measurement.line},
+                          "a number beyond all measure; allowed: within ±1e9 N, N·m, mm and within ±7 rad"});
     if (measurement.force.isZero(0.0) && measurement.moment.isZero(0.0))
       problems.push_back({{name, measurement.line}, "no load; allowed: a force or a moment other than 0"});
     settings.measurements.push_back(measurement);

@@ -9,16 +9,16 @@ Codec<JobSettings> PathFields() {
   return Section<S>({
       Key<S>("rotation_step_deg", MILLPOSE_AT(rotation_step), Real(kDeg, Between(0.01, 45)),
              "Grid of rotations about the tool axis in the layered search."),
-      Key<S>("max_joint_step_deg", MILLPOSE_AT(max_joint_step), Numbers6(kDeg, Above(0)),
+      Key<S>("max_joint_step_deg", MILLPOSE_AT(max_joint_step), Numbers6(kDeg, Positive(360)),
              "Largest change of each axis between neighbouring points."),
-      Key<S>("motion_weight", MILLPOSE_AT(motion_weight), Real({"objective's unit per rad²"}, AtLeast(0)),
+      Key<S>("motion_weight", MILLPOSE_AT(motion_weight), Real({"objective's unit per rad²"}, UpTo(1e9)),
              "Cost of joint motion beside the objective."),
       Key<S>("smoothing_loss_percent", MILLPOSE_AT(smoothing_loss), Real(kPercent, Between(0, 100)),
              "Share of a piece's objective that may be given up for smoother joints; 0: none."),
-      Key<S>("split_overlap_mm", MILLPOSE_AT(overlap), Real(kMm, AtLeast(0)),
+      Key<S>("split_overlap_mm", MILLPOSE_AT(overlap), Real(kMm, UpTo(1e4)),
              "Way that is cut again where a pass has to be split; at least up to the next point."),
       Key<S>(
-          "max_halfway_deviation_mm", MILLPOSE_AT(max_deviation), Real(kMm, AtLeast(0.001)),
+          "max_halfway_deviation_mm", MILLPOSE_AT(max_deviation), Real(kMm, Between(0.001, 1000)),
           "Aim of smoothing, no bound: half-way between points, with the joints turning evenly, the tip's "
           "distance from its straight line. Larger ones are mended where the loss allows; none grows by more "
           "than 6 %."),
@@ -27,14 +27,15 @@ Codec<JobSettings> PathFields() {
 
 Codec<JobSettings> InterferenceFields() {
   using S = JobSettings;
-  return Section<S>({Key<S>("swept_resolution_mm", MILLPOSE_AT(swept_resolution), Real(kMm, Above(0)),
-                            "What a motion between two points may miss of a clearance.")});
+  return Section<S>(
+      {Key<S>("swept_resolution_mm", MILLPOSE_AT(swept_resolution), Real(kMm, Between(0.001, 100)),
+              "What a motion between two points may miss of a clearance.")});
 }
 
 Codec<JobSettings> GapFields() {
   using S = JobSettings;
   return Section<S>({
-      Key<S>("retract_mm", MILLPOSE_AT(retract), Real(kMm, Above(0)),
+      Key<S>("retract_mm", MILLPOSE_AT(retract), Real(kMm, Positive(1e4)),
              "Distance along the tool axis by which the tool leaves and approaches the part."),
       Key<S>("limit_margin_deg", MILLPOSE_AT(gap_limit_margin), Real(kDeg, Between(0, 90)),
              "Distance kept from the arm's own limits between cuts, on every axis."),

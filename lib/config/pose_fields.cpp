@@ -39,9 +39,9 @@ Codec<PaperSettings> PaperFields() {
           Key<S>("elite", MILLPOSE_AT(elite), Integer(1, 100000), "Best candidates kept as they are."),
           Key<S>("crossover_rate", MILLPOSE_AT(crossover_rate), Real(kOne, Between(0, 1)),
                  "Share of children with two parents; the others are changed at random."),
-          Key<S>("c_max_mm_N", MILLPOSE_AT(c_max), Real(compliance, Above(0)),
+          Key<S>("c_max_mm_N", MILLPOSE_AT(c_max), Real(compliance, Positive(1)),
                  "Objective at which the fitness begins (eq. 29)."),
-          Key<S>("penalty_mm_N", MILLPOSE_AT(penalty), Real(compliance, AtLeast(0)),
+          Key<S>("penalty_mm_N", MILLPOSE_AT(penalty), Real(compliance, UpTo(1)),
                  "Loss of fitness per squared error, errors in units of the tolerance (eq. 32-35)."),
       },
       CheckElite<S>);
@@ -51,7 +51,7 @@ Codec<PaperSettings> PaperFields() {
 using Objective = std::pair<std::string, std::map<std::string, double>>;
 Codec<Objective> ObjectiveFields() {
   const Codec<std::string> name = Text();
-  const Codec<double> number = Real(kOne, Any());
+  const Codec<double> number = Real(kOne, Between(-1e6, 1e6));
   Codec<Objective> codec;
   codec.type = "map of name and the objective's parameters";
   codec.schema = codec_detail::SectionSchema({{"name", name.type, "", "Name of the objective.", true, {}}},
@@ -129,7 +129,7 @@ Codec<JobSettings> LimitFields() {
                  Key<S>("wrist", MILLPOSE_AT(wrist_min), Real(kOne, Between(0, 1)), "Least |sin A5|."),
                  Key<S>("elbow", MILLPOSE_AT(elbow_min), Real(kOne, Between(0, 1)),
                         "Least |sin| of the angle between upper arm and forearm."),
-                 Key<S>("shoulder_mm", MILLPOSE_AT(shoulder_min), Real(kMm, AtLeast(0)),
+                 Key<S>("shoulder_mm", MILLPOSE_AT(shoulder_min), Real(kMm, UpTo(1e4)),
                         "Least distance of the wrist centre from axis 1."),
              }),
              "Distances kept from singularities."),

@@ -11,12 +11,12 @@ Codec<CuttingSettings> CuttingFields() {
   return Section<S>({
       Key<S>("material", MILLPOSE_AT(material), Text(),
              "Material of the built-in table (docs/process-force.md)."),
-      Key<S>("kc11_N_mm2", MILLPOSE_AT(kc11), Real(specific, AtLeast(0)),
+      Key<S>("kc11_N_mm2", MILLPOSE_AT(kc11), Real(specific, UpTo(1e5)),
              "Specific cutting force at 1 mm chip thickness in place of the table's."),
       Key<S>("mc", MILLPOSE_AT(mc), Real(kOne, Between(0, 1)), "Exponent that goes with kc11_N_mm2."),
       Key<S>("teeth", MILLPOSE_AT(teeth), Integer(1, 100), "Teeth of the cutter.").Required(),
-      Key<S>("depth_mm", MILLPOSE_AT(depth), Real(kMm, Above(0)), "Axial depth of cut.").Required(),
-      Key<S>("width_mm", MILLPOSE_AT(width), Real(kMm, Above(0)), "Radial width of cut.").Required(),
+      Key<S>("depth_mm", MILLPOSE_AT(depth), Real(kMm, Positive(1000)), "Axial depth of cut.").Required(),
+      Key<S>("width_mm", MILLPOSE_AT(width), Real(kMm, Positive(1000)), "Radial width of cut.").Required(),
       Key<S>("side", MILLPOSE_AT(side), Choice({"up", "down", "slot"}),
              "Conventional, climb, or full-width milling."),
       Key<S>("radial_ratio", MILLPOSE_AT(radial_ratio), Real(kOne, Between(0, 2)),
@@ -31,18 +31,18 @@ Codec<CuttingSettings> CuttingFields() {
 Codec<JobSettings> ProcessFields() {
   using S = JobSettings;
   return Section<S>({
-      Key<S>("feed_mm_min", MILLPOSE_AT(feed), Real(kMmPerMin, Above(0)), "Feed rate.").Required(),
-      Key<S>("spindle_rpm", MILLPOSE_AT(spindle_speed), Real(kRevPerMin, AtLeast(0)), "Spindle speed.")
+      Key<S>("feed_mm_min", MILLPOSE_AT(feed), Real(kMmPerMin, Between(0.1, 2e5)), "Feed rate.").Required(),
+      Key<S>("spindle_rpm", MILLPOSE_AT(spindle_speed), Real(kRevPerMin, UpTo(5e5)), "Spindle speed.")
           .Required(),
-      Key<S>("plunge_feed_mm_min", MILLPOSE_AT(plunge_feed), Maybe(Real(kMmPerMin, Above(0))),
+      Key<S>("plunge_feed_mm_min", MILLPOSE_AT(plunge_feed), Maybe(Real(kMmPerMin, Between(0.1, 2e5))),
              "Feed of every motion towards material: the last part of the straight approach, and lead-ins "
              "where theirs is higher; the feed rate by default."),
-      Key<S>("approach_feed_mm_min", MILLPOSE_AT(approach_feed), Real(kMmPerMin, Above(0)),
+      Key<S>("approach_feed_mm_min", MILLPOSE_AT(approach_feed), Real(kMmPerMin, Between(0.1, 2e5)),
              "Feed of the straight approach before its last part.")
           .WhenSet([](const S& s) { return s.approach_slow < s.retract; }),
-      Key<S>("approach_slow_mm", MILLPOSE_AT(approach_slow), Real(kMm, Above(0)),
+      Key<S>("approach_slow_mm", MILLPOSE_AT(approach_slow), Real(kMm, Positive(1e4)),
              "Last part of the approach, which runs at the plunge feed."),
-      Key<S>("retract_feed_mm_min", MILLPOSE_AT(retract_feed), Real(kMmPerMin, Above(0)),
+      Key<S>("retract_feed_mm_min", MILLPOSE_AT(retract_feed), Real(kMmPerMin, Between(0.1, 2e5)),
              "Feed of the straight retract."),
       Key<S>("feed", MILLPOSE_AT(feed_policy), Choice({"keep", "reduce"}),
              "Where joints cannot hold the feed: reduce it there, or keep it (a finding)."),

@@ -14,15 +14,15 @@ Codec<ProgramOptionSettings> ProgramOptionFields() {
                         "every point."),
                  Key<S>("angle_deg", MILLPOSE_AT(angle_tolerance), Real(kDeg, Between(0, 0.02)),
                         "Likewise for the tool's orientation."),
-                 Key<S>("spacing_mm", MILLPOSE_AT(spacing), Real(kMm, AtLeast(0)),
+                 Key<S>("spacing_mm", MILLPOSE_AT(spacing), Real(kMm, UpTo(1000)),
                         "Least distance of points, where the tolerances allow it; nearer ones are counted."),
              }),
              "Points that the controller's own interpolation makes needless are left out."),
-      Key<S>("dry_run_offset_mm", MILLPOSE_AT(dry_run_offset), Real(kMm, AtLeast(0)),
+      Key<S>("dry_run_offset_mm", MILLPOSE_AT(dry_run_offset), Real(kMm, UpTo(1000)),
              "Lifts every cut along the tool axis, to see the program run in the air."),
       Key<S>("base_window", kSelf,
              Section<S>({
-                 Key<S>("shift_mm", MILLPOSE_AT(base_shift), Real(kMm, AtLeast(0)), "Along X, Y and Z."),
+                 Key<S>("shift_mm", MILLPOSE_AT(base_shift), Real(kMm, UpTo(100)), "Along X, Y and Z."),
                  Key<S>("turn_deg", MILLPOSE_AT(base_turn), Real(kDeg, Between(0, 5)), "About X, Y and Z."),
              }),
              "With workpiece.targets: how far $BASE may be shifted; reach and clearance are re-verified for "

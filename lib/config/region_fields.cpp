@@ -71,7 +71,7 @@ std::vector<Field<S>> ConditionKeys() {
              "Only faces reached from a point without passing a crease."),
       Key<S>("step_faces", MILLPOSE_AT(step_faces), ListOf(Text()),
              "Only these faces of a STEP part, by number, #id or name (millpose check lists them)."),
-      Key<S>("rim_distance_mm", MILLPOSE_AT(rim_distance), Real(kMm, AtLeast(0)),
+      Key<S>("rim_distance_mm", MILLPOSE_AT(rim_distance), Real(kMm, UpTo(1e5)),
              "Distance kept from open rims and from edges to faces that are out."),
   };
 }

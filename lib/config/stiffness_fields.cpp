@@ -20,11 +20,11 @@ Codec<ComplianceSettings> ComplianceFields() {
                  "Link whose outer end gives way; link6 is the flange.")
               .Required(),
           Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "Frame of the compliance in the mount's frame."),
-          Key<S>("translational_mm_N", MILLPOSE_AT(translational), Numbers3(kMmPerNewton, AtLeast(0)),
+          Key<S>("translational_mm_N", MILLPOSE_AT(translational), Numbers3(kMmPerNewton, UpTo(1)),
                  "Displacement per force along x, y, z."),
-          Key<S>("rotational_rad_Nm", MILLPOSE_AT(rotational), Numbers3(kRadPerNewtonMetre, AtLeast(0)),
+          Key<S>("rotational_rad_Nm", MILLPOSE_AT(rotational), Numbers3(kRadPerNewtonMetre, UpTo(1)),
                  "Rotation per moment about x, y, z."),
-          Key<S>("matrix", MILLPOSE_AT(matrix), ListOf(Numbers6(kOne, Any())),
+          Key<S>("matrix", MILLPOSE_AT(matrix), ListOf(Numbers6(kOne, Between(-1, 1))),
                  "Six rows of the full compliance in place of the diagonals: mm/N, 1/N, 1/N, rad/(N·mm).")
               .WhenSet([](const S& s) { return !s.matrix.empty(); }),
       },
@@ -50,13 +50,13 @@ Codec<GravitySettings> GravityFields() {
       Key<M>("name", MILLPOSE_AT(name), Text(), "Name.").Required(),
       Key<M>("mount", MILLPOSE_AT(mount), Choice(kLinks), "Link that carries it; link6 is the flange.")
           .Required(),
-      Key<M>("mass_kg", MILLPOSE_AT(mass), Real(kKilogram, AtLeast(0)), "Mass.").Required(),
+      Key<M>("mass_kg", MILLPOSE_AT(mass), Real(kKilogram, UpTo(1e5)), "Mass.").Required(),
       Key<M>("centre_mm", MILLPOSE_AT(centre), Numbers3(kMm, Between(-10000, 10000)),
              "Centre of gravity in the link's frame.")
           .Required(),
   });
   const Codec<S> counterbalance = Section<S>({
-      Key<S>("torque_Nm", MILLPOSE_AT(counterbalance_torque), Maybe(Real(kNewtonMetre, AtLeast(0))),
+      Key<S>("torque_Nm", MILLPOSE_AT(counterbalance_torque), Maybe(Real(kNewtonMetre, UpTo(1e7))),
              "Largest torque about axis 2.")
           .Required(),
       Key<S>("zero_deg", MILLPOSE_AT(counterbalance_zero), Real(kDeg, Between(-360, 360)),
@@ -81,7 +81,7 @@ Codec<CellSettings> StiffnessFields() {
   return Section<S>({
       Key<S>("at", MILLPOSE_AT(stiffness_at), Choice({"tool_tip", "flange"}),
              "Point at which stiffness is evaluated; flange only to reproduce the paper."),
-      Key<S>("characteristic_length_mm", MILLPOSE_AT(characteristic_length), Real(kMm, Above(0)),
+      Key<S>("characteristic_length_mm", MILLPOSE_AT(characteristic_length), Real(kMm, Between(1, 1e5)),
              "Length by which the dexterity's translational part is divided."),
       Key<S>("compliances", MILLPOSE_AT(compliances), ListOf(ComplianceFields()),
              "Platform, links, flange, spindle, tool: compliances in series with the joints'."),

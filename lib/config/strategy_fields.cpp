@@ -36,7 +36,7 @@ Codec<S> PadFields() {
               "Lines joined along the border, or rings from the border inwards."),
        Key<S>("along", MILLPOSE_AT(pad_direction), Direction(),
               "Direction of the zigzag's lines, in the workpiece frame."),
-       Key<S>("offset_mm", MILLPOSE_AT(pad_offset), Maybe(Real(kMm, AtLeast(0))),
+       Key<S>("offset_mm", MILLPOSE_AT(pad_offset), Maybe(Real(kMm, UpTo(1000))),
               "Distance of the tool from borders and islands; the cutter's radius by default.")});
 }
 
@@ -83,7 +83,7 @@ Codec<S> CamFields() {
   return Section<S>(
       {Key<S>("file", MILLPOSE_AT(cam_file), Text(), "APT CLDATA, G-code or CSV, in the workpiece frame.")
            .Required(),
-       Key<S>("contact_distance_mm", MILLPOSE_AT(cam_contact_distance), Real(kMm, Above(0)),
+       Key<S>("contact_distance_mm", MILLPOSE_AT(cam_contact_distance), Real(kMm, Positive(1000)),
               "Points farther from the part at a pass's ends are its lead-in and lead-out."),
        Key<S>("rotary_axes", MILLPOSE_AT(cam_rotary_axes), ListOf(CamRotaryAxisFields()),
               "Of the machine that G-code was written for: those that carry the tool from the "

@@ -2,7 +2,15 @@
 // The keys of a cell's `tool:`, one line each.
 #include "config/fields.hpp"
 
-namespace millpose::config {
+namespace millpose {
+
+double CornerRadius(const ToolSettings& tool) {
+  return tool.cutter_shape == "ball"   ? tool.cutter_diameter / 2
+         : tool.cutter_shape == "bull" ? tool.corner_radius
+                                       : 0;
+}
+
+namespace config {
 namespace {
 
 Codec<ToolPartSettings> ToolPartFields() {
@@ -13,17 +21,69 @@ Codec<ToolPartSettings> ToolPartFields() {
           Key<S>("class", MILLPOSE_AT(body_class), Choice({"cutter", "holder", "spindle"}),
                  "Decides the clearance and whether the part may touch the workpiece while cutting.")
               .Required(),
-          Key<S>("length_mm", MILLPOSE_AT(length), Real(kMm, Above(0)), "Length along the tool axis.")
+          Key<S>("length_mm", MILLPOSE_AT(length), Real(kMm, Positive(5000)), "Length along the tool axis.")
               .Required(),
-          Key<S>("diameter_mm", MILLPOSE_AT(diameter), Real(kMm, Above(0)), "Diameter at the lower end.")
+          Key<S>("diameter_mm", MILLPOSE_AT(diameter), Real(kMm, Positive(5000)),
+                 "Diameter at the lower end.")
               .Required(),
-          Key<S>("top_diameter_mm", MILLPOSE_AT(top_diameter), Real(kMm, Above(0)),
+          Key<S>("top_diameter_mm", MILLPOSE_AT(top_diameter), Real(kMm, Positive(5000)),
                  "Diameter at the upper end.")
               .DefaultText("as `diameter_mm`"),
       },
       [](const Value& value, const Context&, S& part) {
         if (!value.Find("top_diameter_mm")) part.top_diameter = part.diameter;
       });
+}
+
+/// Radius of the cutter's own outline at height z above the tip.
+double OutlineRadius(const ToolSettings& tool, double z) {
+  const double radius = tool.cutter_diameter / 2, corner = CornerRadius(tool);
+  const double below = std::max(0.0, corner - z);  // the centre of the corner's circle
+  return radius - corner + std::sqrt(std::max(0.0, corner * corner - below * below));
+}
+
+/// How much thinner a part is than the cutter's outline, at the worst height between `bottom` (of the part)
+/// and `top`, mm.
+double Lack(const ToolSettings& tool, const ToolPartSettings& part, double bottom, double top) {
+  const double corner = CornerRadius(tool);
+  const double slope = (part.top_diameter - part.diameter) / 2 / part.length;
+  // The outline is straight or bulges outwards, so that the worst height is an end, where its corner begins,
+  // or where both rise alike.
+  const double alike = corner - corner * slope / std::sqrt(1 + slope * slope);
+  double worst = 0;
+  for (const double z : {bottom, std::clamp(corner, bottom, top), std::clamp(alike, bottom, top), top})
+    worst = std::max(worst, OutlineRadius(tool, z) - (part.diameter / 2 + slope * (z - bottom)));
+  return worst;
+}
+
+/// What is milled with must be what interference is checked with: where the cutter may be in the material the
+/// stack has a cutter there, at least as thick.
+void CheckStack(const Value& value, const Context& context, const ToolSettings& tool) {
+  constexpr double kSame = 1e-6;  // mm
+  const Value& stack = *value.Find("stack");
+  const Context at_stack = context.Child("stack");
+  double bottom = 0;
+  for (size_t i = 0; i < tool.stack.size() && bottom < tool.cutting_length; ++i) {
+    const ToolPartSettings& part = tool.stack[i];
+    const double top = std::min(bottom + part.length, tool.cutting_length);
+    const Context at_part = at_stack.Child(i);
+    if (part.body_class != "cutter") {
+      at_part.Add(
+          stack.items[i].mark,
+          fmt::format("a {} from {:.6g} mm above the tip; allowed within cutting_length_mm, {:.6g}: class "
+                      "cutter",
+                      part.body_class, bottom, tool.cutting_length));
+    } else if (const double lack = Lack(tool, part, bottom, top); lack > kSame) {
+      at_part.Add(stack.items[i].mark,
+                  fmt::format("up to {:.6g} mm thinner than the cutter of diameter_mm {:.6g}; allowed within "
+                              "cutting_length_mm: at least as thick",
+                              2 * lack, tool.cutter_diameter));
+    }
+    bottom += part.length;
+  }
+  if (bottom + kSame < tool.cutting_length)
+    at_stack.Add(stack.mark, fmt::format("{:.6g} mm long; allowed: at least cutter.cutting_length_mm, {:.6g}",
+                                         bottom, tool.cutting_length));
 }
 
 }  // namespace
@@ -36,7 +96,8 @@ Codec<ToolSettings> ToolFields() {
           .Add(value.mark, fmt::format("given {} mm; allowed: at most half of diameter_mm, {} mm",
                                        tool.corner_radius, tool.cutter_diameter / 2));
   };
-  const auto check_frame = [](const Value& value, const Context& context, S& tool) {
+  const auto check = [](const Value& value, const Context& context, S& tool) {
+    CheckStack(value, context, tool);
     if (tool.axis.cross(tool.x).norm() < 1e-3)
       context.Child("x_in_flange").Add(value.mark, "is parallel to axis_in_flange; allowed: across it");
   };
@@ -57,13 +118,13 @@ Codec<ToolSettings> ToolFields() {
                      {
                          Key<S>("shape", MILLPOSE_AT(cutter_shape), Choice({"flat", "ball", "bull"}),
                                 "Shape of the tip: flat end mill, ball, or corner radius."),
-                         Key<S>("diameter_mm", MILLPOSE_AT(cutter_diameter), Real(kMm, Above(0)),
+                         Key<S>("diameter_mm", MILLPOSE_AT(cutter_diameter), Real(kMm, Between(0.01, 1000)),
                                 "Diameter of the cutter.")
                              .Required(),
-                         Key<S>("cutting_length_mm", MILLPOSE_AT(cutting_length), Real(kMm, Above(0)),
+                         Key<S>("cutting_length_mm", MILLPOSE_AT(cutting_length), Real(kMm, Positive(5000)),
                                 "Length from the tip that may be in the material while cutting.")
                              .Required(),
-                         Key<S>("corner_radius_mm", MILLPOSE_AT(corner_radius), Real(kMm, AtLeast(0)),
+                         Key<S>("corner_radius_mm", MILLPOSE_AT(corner_radius), Real(kMm, UpTo(500)),
                                 "Corner radius of a bull cutter."),
                      },
                      check_cutter),
@@ -73,7 +134,8 @@ Codec<ToolSettings> ToolFields() {
                  "Cutter, holder and spindle as cones from the tip upwards.")
               .Required(),
       },
-      check_frame);
+      check);
 }
 
-}  // namespace millpose::config
+}  // namespace config
+}  // namespace millpose

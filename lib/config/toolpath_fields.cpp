@@ -5,6 +5,8 @@
 namespace millpose::config {
 namespace {
 
+Codec<double> Stepover() { return Real(kMm, Between(0.001, 1e4)); }
+
 // A strategy's own section must be given with it and with no other.
 void CheckStrategySections(const Value& value, const Context& context, ToolpathSettings& toolpath) {
   for (const auto& [strategy, section, fields, doc] : StrategySections()) {
@@ -21,10 +23,11 @@ void CheckStrategySections(const Value& value, const Context& context, ToolpathS
 Codec<DepthSettings> DepthFields() {
   using S = DepthSettings;
   return Section<S>({
-      Key<S>("total_mm", MILLPOSE_AT(total), Real(kMm, AtLeast(0)), "Material above the surface."),
-      Key<S>("per_layer_mm", MILLPOSE_AT(per_layer), Real(kMm, Above(0)), "Largest depth of a layer."),
-      Key<S>("allowance_mm", MILLPOSE_AT(allowance), Real(kMm, AtLeast(0)), "Left on the surface."),
-      Key<S>("finishing_mm", MILLPOSE_AT(finishing), Real(kMm, AtLeast(0)),
+      Key<S>("total_mm", MILLPOSE_AT(total), Real(kMm, UpTo(1000)), "Material above the surface."),
+      Key<S>("per_layer_mm", MILLPOSE_AT(per_layer), Real(kMm, Between(0.001, 1000)),
+             "Largest depth of a layer."),
+      Key<S>("allowance_mm", MILLPOSE_AT(allowance), Real(kMm, UpTo(1000)), "Left on the surface."),
+      Key<S>("finishing_mm", MILLPOSE_AT(finishing), Real(kMm, UpTo(1000)),
              "Depth of the last layer, of the total; 0: as deep as the others."),
   });
 }
@@ -35,7 +38,7 @@ Codec<GougeSettings> GougeFields() {
       Key<S>(
           "action", MILLPOSE_AT(action), Choice({"skip", "lift", "report"}),
           "Skip such points, lift them along the tool axis until the cutter is clear, or only report them."),
-      Key<S>("tolerance_mm", MILLPOSE_AT(tolerance), Real(kMm, AtLeast(0.001)),
+      Key<S>("tolerance_mm", MILLPOSE_AT(tolerance), Real(kMm, Between(0.001, 100)),
              "How deep the cutter may go into the part."),
   });
 }
@@ -43,10 +46,10 @@ Codec<GougeSettings> GougeFields() {
 Codec<PassEndSettings> PassEndFields() {
   using S = PassEndSettings;
   return Section<S>({
-      Key<S>("overrun_mm", MILLPOSE_AT(overrun), Real(kMm, AtLeast(0)), "Straight on beyond both ends."),
+      Key<S>("overrun_mm", MILLPOSE_AT(overrun), Real(kMm, UpTo(1000)), "Straight on beyond both ends."),
       Key<S>("lead", MILLPOSE_AT(lead), Choice({"none", "normal", "ramp", "arc"}),
              "How passes are entered and left."),
-      Key<S>("lead_length_mm", MILLPOSE_AT(lead_length), Real(kMm, Above(0)),
+      Key<S>("lead_length_mm", MILLPOSE_AT(lead_length), Real(kMm, Positive(1000)),
              "Length of the lead; of an arc its radius."),
       Key<S>("ramp_deg", MILLPOSE_AT(ramp_angle), Real(kDeg, Between(0.1, 89)),
              "Angle of a ramp with the surface."),
@@ -57,12 +60,12 @@ Codec<PassEndSettings> PassEndFields() {
 std::vector<Field<ToolpathSettings>> CommonKeys() {
   using S = ToolpathSettings;
   return {
-      Key<S>("stepover_mm", MILLPOSE_AT(stepover), Real(kMm, Above(0)),
+      Key<S>("stepover_mm", MILLPOSE_AT(stepover), Stepover(),
              "Distance of neighbouring passes; not for strategies curve and cam.")
           .WhenSet([](const S& s) { return s.stepover > 0; }),
       Key<S>("stepover_on", MILLPOSE_AT(stepover_on), Choice({"planes", "surface"}),
              "Whether the step-over is the distance of the planes (radii) or the way on the surface."),
-      Key<S>("scallop_mm", MILLPOSE_AT(scallop), Real(kMm, AtLeast(0)),
+      Key<S>("scallop_mm", MILLPOSE_AT(scallop), Real(kMm, UpTo(100)),
              "Height of what neighbouring passes leave between them; above 0 the step-over follows from "
              "it and from cutter and surface, stepover_mm at most."),
       Key<S>("direction", MILLPOSE_AT(direction), Choice({"zigzag", "one_way", "climb", "conventional"}),
@@ -70,13 +73,13 @@ std::vector<Field<ToolpathSettings>> CommonKeys() {
              "(climb) or left of a cutter that turns clockwise seen from its holder."),
       Key<S>("order", MILLPOSE_AT(order), Choice({"laid", "travel"}),
              "Passes as the strategy lays them, or by short ways from each to the next."),
-      Key<S>("chord_tolerance_mm", MILLPOSE_AT(chord_tolerance), Real(kMm, Above(0)),
+      Key<S>("chord_tolerance_mm", MILLPOSE_AT(chord_tolerance), Real(kMm, Between(1e-5, 100)),
              "Largest distance between the surface's line and the straight line between points."),
-      Key<S>("spacing_mm", MILLPOSE_AT(spacing), Real(kMm, Above(0)),
+      Key<S>("spacing_mm", MILLPOSE_AT(spacing), Real(kMm, Between(0.001, 1e4)),
              "Largest distance of neighbouring points."),
       Key<S>("crease_deg", MILLPOSE_AT(crease), Real(kDeg, Between(0, 180)),
              "Normals are not averaged across edges sharper than this."),
-      Key<S>("normal_smoothing_mm", MILLPOSE_AT(normal_smoothing), Real(kMm, AtLeast(0)),
+      Key<S>("normal_smoothing_mm", MILLPOSE_AT(normal_smoothing), Real(kMm, UpTo(1000)),
              "Length over which normals are averaged, for noisy meshes; creases are kept."),
       Key<S>("gouges", MILLPOSE_AT(gouges), GougeFields(),
              "What is done where the cutter would go into the part."),
@@ -121,7 +124,7 @@ Codec<ToolpathSettings> ToolpathFields() {
     const Value* strategy = value.Find("strategy");
     const bool without = strategy != nullptr && (strategy->text == "curve" || strategy->text == "cam");
     if (value.kind == Value::Kind::kMap && !without && !value.FindKey("stepover_mm"))
-      context.Child("stepover_mm").Add(value.mark, "missing; required: number > 0, mm");
+      context.Child("stepover_mm").Add(value.mark, "missing; required: " + Stepover().type);
     read(value, context, toolpath);
   };
   return codec;

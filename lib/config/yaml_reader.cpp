@@ -6,8 +6,10 @@
 #include <yaml-cpp/yaml.h>
 
 #include <sstream>
+#include <unordered_map>
 
 #include "base/error.hpp"
+#include "base/shown.hpp"
 #include "config/value.hpp"
 
 namespace millpose::config {
@@ -105,12 +107,12 @@ class TreeBuilder : public YAML::EventHandler {
                        YAML::EmitterStyle::value /*style*/) override {
     Open(Value::List(), mark, tag, anchor);
   }
-  void OnSequenceEnd() override { open_.pop_back(); }
+  void OnSequenceEnd() override { Close(); }
   void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                   YAML::EmitterStyle::value /*style*/) override {
     Open(Value::Map(), mark, tag, anchor);
   }
-  void OnMapEnd() override { open_.pop_back(); }
+  void OnMapEnd() override { Close(); }
 
  private:
   void RefuseAnchor(const YAML::Mark& mark, YAML::anchor_t anchor) const {
@@ -118,7 +120,8 @@ class TreeBuilder : public YAML::EventHandler {
   }
   void RefuseTag(const YAML::Mark& mark, const std::string& tag) const {
     if (tag.empty() || tag == "?" || tag == "!") return;
-    source_.Fail(source_.At(mark), fmt::format("given the tag {}; allowed: plain values without tags", tag));
+    source_.Fail(source_.At(mark),
+                 fmt::format("given the tag {}; allowed: plain values without tags", Shown(tag)));
   }
 
   void Open(Value value, const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor) {
@@ -128,6 +131,11 @@ class TreeBuilder : public YAML::EventHandler {
     if (open_.size() >= kMaxDepth)
       source_.Fail(value.mark, fmt::format("nested deeper than {} levels", kMaxDepth));
     open_.push_back(&Add(std::move(value), true));
+    key_lines_.emplace_back();
+  }
+  void Close() {
+    open_.pop_back();
+    key_lines_.pop_back();
   }
 
   // Adds a node to what is open: in a map, keys and values come in turn. References into the innermost open
@@ -151,16 +159,17 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   void AddKey(Value& parent, const Value& key) {
-    const auto first = std::ranges::find(parent.keys, key.text, &Value::Key::text);
-    if (first != parent.keys.end())
-      duplicates_.emplace_back(
-          key.mark, fmt::format("{}: given twice; the first stands in line {}", key.text, first->mark.line));
+    const auto [first, is_new] = key_lines_.back().emplace(key.text, key.mark.line);
+    if (!is_new)
+      duplicates_.emplace_back(key.mark, fmt::format("{}: given twice; the first stands in line {}",
+                                                     Shown(key.text), first->second));
     parent.keys.push_back({key.text, key.mark});
   }
 
   const Source& source_;
   Value root_;
   std::vector<Value*> open_;
+  std::vector<std::unordered_map<std::string, int>> key_lines_;  ///< of what is open, if a map
   std::vector<std::pair<Mark, std::string>> duplicates_;
   int documents_ = 0;
 };

@@ -11,6 +11,7 @@
 #include "program/post.hpp"
 #include "stiffness/process_force.hpp"
 #include "stiffness/series.hpp"
+#include "surface/step_options.hpp"
 #include "toolpath/gouge.hpp"
 #include "toolpath/toolpath_options.hpp"
 #include "verify/verify.hpp"
@@ -43,6 +44,9 @@ Pose MakeToolPose(const ToolSettings& settings);
 
 /// The cell without a workpiece. `body_bytes` holds the mesh files that bodies name.
 Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::string>& body_bytes);
+
+/// How a part's STEP file is read, and what that may take.
+StepOptions MakeStepOptions(const WorkpieceSettings& workpiece);
 
 /// Material on the part's surface, mm.
 double AllowanceOf(const JobSettings& job);

@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/audit.hpp"
 
-#include <atomic>
-
 #include "base/parallel.hpp"
-#include "base/units.hpp"
+#include "judge/interference.hpp"
 #include "motion/line.hpp"
-#include "robot/kinematics.hpp"
+#include "path/job_planner.hpp"
+#include "pipeline/judge_setup.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr double kTravel = 0.2;              // mm between poses that are looked at
-constexpr double kPortion = 2 * kRadPerDeg;  // of a motion for which one reach holds
-constexpr double kReachGrowth = 1.04;        // of any reach while every joint turns by half a portion
-constexpr double kGoodEnough = 0.001;        // relative: "within 0.1 %"
+constexpr double kTravel = 0.2;        // mm between poses that are looked at for contact
+constexpr double kNearTravel = 2;      // and for clearances
+constexpr double kGoodEnough = 0.001;  // relative: "within 0.1 %"
 
 void AuditGenetic(const PlanResult& plan, AuditFigures* figures) {
   long long judged = 0, good = 0;
@@ -46,88 +44,147 @@ void AuditPoints(const PlanResult& plan, const Mesh& mesh, const AdmissibleBound
     }
 }
 
-constexpr int kLineParts = 8;  // joint motions for one straight motion of the tool in a cut
+constexpr int kLineParts = 8;  // joint motions for one straight motion of the tool
 
 // One straight motion in joint space.
 struct Step {
   Joints from, to;
-  Phase phase;
+  bool cutting;
+  double share;  // of the clearances, with which it was planned
+  std::string name;
 };
 
 // A straight motion of the tool as programs run it in cuts.
-void AddLine(const Carrier& carrier, const Joints& from, const Joints& to, std::vector<Step>* steps) {
-  Joints q = from;
+void AddLine(const Carrier& carrier, const Step& line, std::vector<Step>& steps) {
+  Step part = line;
   for (int k = 1; k <= kLineParts; ++k) {
     // Where the arm leaves its branch the line is no motion; read-back says so.
-    const Joints next =
-        k == kLineParts ? to : OnLine(carrier, from, to, static_cast<double>(k) / kLineParts).value_or(q);
-    steps->push_back({q, next, Phase::kCutting});
-    q = next;
+    part.to =
+        k == kLineParts
+            ? line.to
+            : OnLine(carrier, line.from, line.to, static_cast<double>(k) / kLineParts).value_or(part.from);
+    steps.push_back(part);
+    part.from = part.to;
   }
+}
+
+std::string NameOf(const GapEnd& end) {
+  return end.pass < 0 ? "home" : fmt::format("pass {} piece {}", end.pass, end.piece);
+}
+
+void AddCuts(const Carrier& carrier, const PassResult& pass, size_t& first_number, std::vector<Step>& steps) {
+  for (const Piece& piece : pass.pieces)
+    for (int i = piece.first; i < piece.last; ++i) {
+      const size_t at = static_cast<size_t>(i), number = first_number + at;
+      AddLine(carrier,
+              {pass.points[at].q, pass.points[at + 1].q, true, 1,
+               fmt::format("point {} to {}", number, number + 1)},
+              steps);
+    }
+  first_number += pass.points.size();
+}
+
+void AddGap(const Carrier& carrier, const Gap& gap, const std::pair<GapEnd, GapEnd>& ends,
+            std::vector<Step>& steps) {
+  if (!gap.planned || gap.joints.empty()) return;
+  const auto& [from, to] = ends;
+  const double share = gap.clearance_share;
+  const std::string name = fmt::format("the way from {} to {}", NameOf(from), NameOf(to));
+  if (from.pass >= 0) AddLine(carrier, {from.q, gap.joints.front(), true, share, name}, steps);
+  for (size_t i = 1; i < gap.joints.size(); ++i)
+    steps.push_back({gap.joints[i - 1], gap.joints[i], false, share, name});
+  if (to.pass >= 0) AddLine(carrier, {gap.joints.back(), to.q, true, share, name}, steps);
 }
 
 std::vector<Step> StepsOf(const PlanResult& plan) {
   const Carrier carrier{plan.arm, plan.X_WB, plan.X_FT};
   std::vector<Step> steps;
-  for (const PassResult& pass : plan.passes)
-    for (const Piece& piece : pass.pieces)
-      for (int i = piece.first; i < piece.last; ++i)
-        AddLine(carrier, pass.points[static_cast<size_t>(i)].q, pass.points[static_cast<size_t>(i) + 1].q,
-                &steps);
-  for (const Gap& gap : plan.gaps)
-    for (size_t i = 1; i < gap.joints.size(); ++i)
-      steps.push_back({gap.joints[i - 1], gap.joints[i], Phase::kFree});
+  size_t number = 0;
+  for (const PassResult& pass : plan.passes) AddCuts(carrier, pass, number, steps);
+  const auto ends = GapEnds(plan.home, plan.passes);
+  for (size_t i = 0; i < std::min(plan.gaps.size(), ends.size()); ++i)
+    AddGap(carrier, plan.gaps[i], ends[i], steps);
   return steps;
 }
 
-// How far from the axis of each joint the farthest point of anything beyond it can be at q, mm.
-Joints Reach(const Cell& cell, const Joints& q) {
-  const std::array<Pose, 7> X_BL = LinkFrames(cell.arm, q);
-  Joints reach = Joints::Zero();
-  for (const Body& body : cell.bodies) {
-    const bool on_tool = body.mount == Mount::kTool;
-    if (!on_tool && body.mount != Mount::kLink) continue;
-    const size_t link = on_tool ? 6 : static_cast<size_t>(body.link);
-    const Pose X_LG = on_tool ? cell.X_FT * body.X_MG : body.X_MG;
-    const Eigen::Vector3d centre = X_BL[link] * X_LG.translation();
-    for (size_t joint = 0; joint < link; ++joint) {
-      const double distance = (centre - X_BL[joint + 1].translation()).norm() + Radius(body.shape);
-      reach[static_cast<int>(joint)] = std::max(reach[static_cast<int>(joint)], distance);
+// What the judge finds on one step.
+struct Found {
+  std::optional<audit::Contact> contact;
+  std::vector<audit::Near> near;
+};
+
+// Every pair of bodies with what became of it, in the order of the steps.
+void Collect(const std::vector<Step>& steps, const std::vector<Found>& found, AuditFigures* figures) {
+  const auto entry = [&](const std::string& first, const std::string& second,
+                         const std::string& where) -> AuditPair& {
+    for (AuditPair& pair : figures->pairs)
+      if (pair.first == first && pair.second == second) return pair;
+    figures->pairs.push_back({first, second, 0, 0, std::numeric_limits<double>::infinity(), 0, where});
+    return figures->pairs.back();
+  };
+  for (size_t i = 0; i < steps.size(); ++i) {
+    if (const auto& contact = found[i].contact) {
+      ++entry(contact->first, contact->second, steps[i].name).contacts;
+      ++figures->interferences;
+    }
+    for (const audit::Near& near : found[i].near) {
+      if (near.distance <= 0) continue;  // a contact
+      AuditPair& pair = entry(near.first, near.second, steps[i].name);
+      ++pair.too_near;
+      ++figures->clearance_violations;
+      if (near.distance >= pair.least_mm) continue;
+      pair.least_mm = near.distance;
+      pair.wanted_mm = near.wanted;
     }
   }
-  return reach;
 }
 
-// Poses on one motion that touch, no point of arm and tool moving by more than kTravel from one to the next.
-long long CountInterferences(const World& world, const Step& step) {
-  Checker checker(world);
-  const Joints way = step.to - step.from;
-  const int portions = std::max(1, static_cast<int>(std::ceil(way.cwiseAbs().maxCoeff() / kPortion)));
-  long long found = 0;
-  for (int portion = 0; portion < portions; ++portion) {
-    const Joints begin = step.from + way * (static_cast<double>(portion) / portions);
-    const double travel =
-        way.cwiseAbs().dot(Reach(world.cell(), begin + way / (2.0 * portions))) * kReachGrowth / portions;
-    const int count = std::max(1, static_cast<int>(std::ceil(travel / kTravel)));
-    for (int i = portion == 0 ? 0 : 1; i <= count; ++i)
-      if (checker.At(begin + way * (static_cast<double>(i) / count / portions), step.phase)) ++found;
-  }
-  return found;
+void AuditMotions(const PlanResult& plan, const Cell& cell, double resolution, int threads,
+                  std::stop_token stop, AuditFigures* figures) {
+  const audit::Setup setup = MakeJudgeSetup(cell);
+  const std::vector<Step> steps = StepsOf(plan);
+  std::vector<Found> found(steps.size());
+  // A judge has a state of its own: one for each share of the steps.
+  const auto parts = static_cast<size_t>(std::max(1, threads));
+  ParallelFor(parts, threads, stop, [&](size_t part) {
+    audit::Judge judge(setup);
+    for (size_t i = part; i < steps.size(); i += parts) {
+      CheckStop(stop);
+      const Step& step = steps[i];
+      const audit::Angles from = ToJudge(step.from), to = ToJudge(step.to);
+      found[i].contact = judge.Between(from, to, step.cutting, kTravel);
+      found[i].near = judge.TooNear(from, to, step.cutting, step.share, resolution, kNearTravel);
+    }
+  });
+  Collect(steps, found, figures);
 }
 
 }  // namespace
 
-AuditFigures Audit(const PlanResult& plan, const Mesh& mesh, const World& world,
-                   const AdmissibleBounds& bounds, int threads, std::stop_token stop) {
+AuditFigures Audit(const PlanResult& plan, const Mesh& mesh, const Cell& cell, const AdmissibleBounds& bounds,
+                   double resolution, int threads, std::stop_token stop) {
   AuditFigures figures;
   AuditGenetic(plan, &figures);
   AuditPoints(plan, mesh, bounds, &figures);
-  const std::vector<Step> steps = StepsOf(plan);
-  std::atomic<long long> interferences = 0;
-  ParallelFor(steps.size(), threads, stop,
-              [&](size_t i) { interferences += CountInterferences(world, steps[i]); });
-  figures.interferences = interferences;
+  AuditMotions(plan, cell, resolution, threads, std::move(stop), &figures);
   return figures;
+}
+
+std::vector<std::string> Findings(const AuditFigures& figures) {
+  std::vector<std::string> findings;
+  for (const AuditPair& pair : figures.pairs) {
+    if (pair.contacts > 0)
+      findings.push_back(fmt::format("audit: {} touches {} on {} motions, first on {}", pair.second,
+                                     pair.first, pair.contacts, pair.where));
+    if (pair.too_near > 0)
+      findings.push_back(
+          fmt::format("audit: {} comes within {:.2f} mm of {}, {:.2f} mm are to be kept, on {} motions, "
+                      "first on {}",
+                      pair.second, pair.least_mm, pair.first, pair.wanted_mm, pair.too_near, pair.where));
+  }
+  if (figures.limit_violations > 0)
+    findings.push_back(fmt::format("audit: {} points beyond the limits", figures.limit_violations));
+  return findings;
 }
 
 }  // namespace millpose

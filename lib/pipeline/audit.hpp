@@ -4,7 +4,7 @@
 #include <optional>
 #include <stop_token>
 
-#include "cell/world.hpp"
+#include "cell/cell.hpp"
 #include "plan/plan_result.hpp"
 #include "pose/scorer.hpp"
 #include "report/report.hpp"
@@ -12,9 +12,15 @@
 
 namespace millpose {
 
-/// Recomputes the figures of summary.json's `audit` from the finished plan. `mesh` is the workpiece in P.
-/// Interference is looked for again, pose by pose, with nothing remembered.
-AuditFigures Audit(const PlanResult& plan, const Mesh& mesh, const World& world,
-                   const AdmissibleBounds& bounds, int threads, std::stop_token stop);
+/// Recomputes the figures of summary.json's `audit` from the finished plan. `mesh` is the workpiece in P,
+/// `cell` has it among its bodies. Contact and clearance are looked for by the judge (lib/judge), which
+/// shares nothing with the checker that the plan was made with; each motion is held to the share of the
+/// clearances that the plan states for it, less `resolution` (mm), what a motion between two points may miss
+/// of them.
+AuditFigures Audit(const PlanResult& plan, const Mesh& mesh, const Cell& cell, const AdmissibleBounds& bounds,
+                   double resolution, int threads, std::stop_token stop);
+
+/// What of it is wrong, one sentence each; empty when all is well.
+std::vector<std::string> Findings(const AuditFigures& figures);
 
 }  // namespace millpose

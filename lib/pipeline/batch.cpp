@@ -11,6 +11,7 @@
 #include "base/file.hpp"
 #include "base/parallel.hpp"
 #include "base/process.hpp"
+#include "base/text.hpp"
 #include "pipeline/inputs.hpp"
 #include "pipeline/output_folder.hpp"
 #include "pipeline/result_swap.hpp"
@@ -143,6 +144,14 @@ std::vector<std::string> PlanCommand(const BatchJob& job, const fs::path& folder
     command.push_back(change.path + "=" + change.value);
   }
   if (fresh) command.push_back("--fresh");
+  if (job.max_points != BatchJob{}.max_points) {
+    command.push_back("--max-points");
+    command.push_back(ShortestNumber(job.max_points));
+  }
+  if (const auto& root = job.root.folder()) {
+    command.push_back("--root");
+    command.push_back(root->string());
+  }
   return command;
 }
 
@@ -175,7 +184,8 @@ std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) 
     if (!Exists(folder / kManifestFile) || IsSwapOpen(folder)) return std::nullopt;
     const Json run = Json::parse(ReadFile(folder / kRunFile));
     if (run.at("program_id") != ProgramId()) return std::nullopt;
-    if (CheckManifest(folder).key != LoadJobInputs(job.file, job.overrides).hash) return std::nullopt;
+    if (CheckManifest(folder).key != LoadJobInputs(job.file, job.overrides, {}, job.root).hash)
+      return std::nullopt;
     JobOutcome outcome = Judge(folder, 0, "");
     if (outcome.status > 1) return std::nullopt;
     outcome.up_to_date = true;
@@ -186,7 +196,8 @@ std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) 
 }
 
 BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::stop_token stop) {
-  const std::vector<BatchJob> jobs = CollectJobs(arguments.jobs);
+  std::vector<BatchJob> jobs = CollectJobs(arguments.jobs, arguments.root);
+  for (BatchJob& job : jobs) job.max_points = arguments.max_points;
   const OutputFolder folder(arguments.out, FolderUse::kResults);
   std::vector<JobOutcome> outcomes;
   if (arguments.slurm) {

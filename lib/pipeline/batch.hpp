@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/file_root.hpp"
 #include "base/progress.hpp"
 #include "config/batch_settings.hpp"
 
@@ -30,6 +31,8 @@ struct BatchArguments {
   double memory_MB = 0;               ///< of all jobs together; 0: no bound
   bool fresh = false;                 ///< ignore checkpoints and what is done
   std::optional<SlurmOptions> slurm;  ///< plan on a cluster
+  double max_points = 2e6;            ///< that the tool path of a job may have
+  FileRoot root;                      ///< that all files must lie in which jobs and manifests name
 };
 
 /// One job of a batch.
@@ -37,7 +40,9 @@ struct BatchJob {
   std::string name;  ///< unique in the batch; its folder's name
   std::filesystem::path file;
   std::vector<Override> overrides;
-  int shares = 0;  ///< tasks over which its passes are spread; 0: SlurmOptions::shares
+  int shares = 0;   ///< tasks over which its passes are spread; 0: SlurmOptions::shares
+  FileRoot root{};  ///< that all its files must lie in
+  double max_points = 2e6;
 };
 
 /// How one job ended.
@@ -56,8 +61,9 @@ struct BatchOutcome {
 
 /// The jobs that the arguments name, in their order, those of a folder sorted by path; output folders are
 /// left out. Throws InputError for arguments that name no job, manifests that cannot be read, names given
-/// twice.
-std::vector<BatchJob> CollectJobs(const std::vector<std::string>& arguments);
+/// twice, files outside of `root`. A manifest with `untrusted: true` bounds its own jobs by its folder; one
+/// in a folder that is given, all jobs of that folder.
+std::vector<BatchJob> CollectJobs(const std::vector<std::string>& arguments, const FileRoot& root);
 
 /// Plans all jobs, each into `out`/<name>, and writes batch.json and junit.xml into `out`. Throws InputError
 /// when there is nothing to start with, Interrupted when `stop` was requested; jobs keep their checkpoints.

@@ -4,7 +4,6 @@
 #include <set>
 
 #include "base/error.hpp"
-#include "base/file.hpp"
 #include "pipeline/batch.hpp"
 #include "pipeline/output_folder.hpp"
 
@@ -18,32 +17,53 @@ bool HasKey(const std::string& text, const std::string& key) {
 }
 
 // The name that a job gives itself; its file's name when it cannot be read (its own run will say why).
-std::string OwnName(const fs::path& file, const std::vector<Override>& overrides) {
+std::string OwnName(const fs::path& file, const std::vector<Override>& overrides, const FileRoot& root) {
   try {
-    return ParseJob(ReadFile(file), file.string(), overrides).name;
+    return ParseJob(root.Read(file), file.string(), overrides).name;
   } catch (const InputError&) {
     const std::string stem = file.stem().string();
     return stem == "job" && file.has_parent_path() ? file.parent_path().filename().string() : stem;
   }
 }
 
-void AddFile(const fs::path& file, std::vector<BatchJob>* jobs) {
-  const std::string text = ReadFile(file);
+FileRoot RootOf(const BatchSettings& manifest, const fs::path& file, const FileRoot& root) {
+  return manifest.untrusted ? FileRoot(file.has_parent_path() ? file.parent_path() : ".") : root;
+}
+
+void AddFile(const fs::path& file, const FileRoot& root, std::vector<BatchJob>* jobs) {
+  const std::string text = root.Read(file);
   if (!HasKey(text, "millpose_batch")) {
-    jobs->push_back({OwnName(file, {}), file, {}, 0});
+    jobs->push_back({OwnName(file, {}, root), file, {}, 0, root});
     return;
   }
-  for (const BatchEntry& entry : ParseBatch(text, file.string()).jobs) {
-    BatchJob job{entry.name, file.parent_path() / entry.job_file, entry.overrides, entry.shares};
+  const BatchSettings manifest = ParseBatch(text, file.string());
+  const FileRoot own_root = RootOf(manifest, file, root);
+  for (const BatchEntry& entry : manifest.jobs) {
+    BatchJob job{entry.name, file.parent_path() / entry.job_file, entry.overrides, entry.shares, own_root};
+    own_root.Check(job.file);
     if (entry.name.empty())
-      job.name = OwnName(job.file, job.overrides);
+      job.name = OwnName(job.file, job.overrides, own_root);
     else
       job.overrides.push_back({"name", '"' + entry.name + '"'});
     jobs->push_back(std::move(job));
   }
 }
 
-void AddFolder(const fs::path& folder, std::vector<BatchJob>* jobs) {
+// The bound of a folder's jobs: the folder itself where a manifest in it says that they are not trusted.
+FileRoot RootOfFolder(const fs::path& folder, const FileRoot& root) {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && entry.path().extension() == ".yaml") files.push_back(entry.path());
+  std::ranges::sort(files);
+  for (const fs::path& file : files)
+    if (const std::string text = root.Read(file); HasKey(text, "millpose_batch"))
+      if (const BatchSettings manifest = ParseBatch(text, file.string()); manifest.untrusted)
+        return RootOf(manifest, file, root);
+  return root;
+}
+
+void AddFolder(const fs::path& folder, const FileRoot& outer_root, std::vector<BatchJob>* jobs) {
+  const FileRoot root = RootOfFolder(folder, outer_root);
   std::vector<fs::path> files;
   for (auto entry = fs::recursive_directory_iterator(folder); entry != fs::recursive_directory_iterator();
        ++entry) {
@@ -53,12 +73,12 @@ void AddFolder(const fs::path& folder, std::vector<BatchJob>* jobs) {
   std::ranges::sort(files);
   const size_t before = jobs->size();
   for (const fs::path& file : files)
-    if (HasKey(ReadFile(file), "millpose_job")) AddFile(file, jobs);
+    if (HasKey(root.Read(file), "millpose_job")) AddFile(file, root, jobs);
   if (jobs->size() == before)
     throw InputError(Place{folder.string()}, "holds no job file (*.yaml with the key millpose_job)");
 }
 
-void AddPattern(const std::string& pattern, std::vector<BatchJob>* jobs) {
+void AddPattern(const std::string& pattern, const FileRoot& root, std::vector<BatchJob>* jobs) {
   glob_t found{};
   const int status = ::glob(pattern.c_str(), 0, nullptr, &found);
   std::vector<std::string> files;
@@ -69,9 +89,9 @@ void AddPattern(const std::string& pattern, std::vector<BatchJob>* jobs) {
                      "names nothing; allowed: job files, manifests, folders, patterns like 'parts/*.yaml'");
   for (const std::string& file : files)
     if (fs::is_directory(file))
-      AddFolder(file, jobs);
+      AddFolder(file, root, jobs);
     else
-      AddFile(file, jobs);
+      AddFile(file, root, jobs);
 }
 
 void RefuseDoubles(const std::vector<BatchJob>& jobs) {
@@ -96,17 +116,17 @@ void RefuseDoubles(const std::vector<BatchJob>& jobs) {
 
 }  // namespace
 
-std::vector<BatchJob> CollectJobs(const std::vector<std::string>& arguments) {
+std::vector<BatchJob> CollectJobs(const std::vector<std::string>& arguments, const FileRoot& root) {
   std::vector<BatchJob> jobs;
   std::vector<Problem> problems;
   for (const std::string& argument : arguments) {
     try {
       if (fs::is_directory(argument))
-        AddFolder(argument, &jobs);
+        AddFolder(argument, root, &jobs);
       else if (fs::exists(argument))
-        AddFile(argument, &jobs);
+        AddFile(argument, root, &jobs);
       else
-        AddPattern(argument, &jobs);
+        AddPattern(argument, root, &jobs);
     } catch (const InputError& error) {
       problems.insert(problems.end(), error.problems().begin(), error.problems().end());
     }

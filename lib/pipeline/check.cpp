@@ -105,7 +105,7 @@ MeshCheck CheckMesh(const CheckMeshArguments& arguments) {
   const std::string name = arguments.mesh.string();
   StepOptions step;
   step.chord_tolerance = arguments.chord_tolerance;
-  RawMesh raw = ReadMesh(ReadFile(arguments.mesh), name, step);
+  RawMesh raw = ReadMesh(arguments.root.Read(arguments.mesh), name, step);
   const double unit = arguments.unit.value_or(raw.stated_unit.value_or(1));
   const ImportResult import = ImportMesh(std::move(raw), {unit, arguments.weld_tolerance}, name);
   std::vector<std::string> warnings = Findings(import.report);
@@ -117,10 +117,13 @@ MeshCheck CheckMesh(const CheckMeshArguments& arguments) {
 JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::stop_token stop) {
   const int threads =
       arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
-  const JobInputs inputs = LoadJobInputs(arguments.job);
+  JobInputs inputs = LoadJobInputs(arguments.job, {}, {}, arguments.root);
+  inputs.max_points = arguments.max_points;
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
   cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
+  progress.Begin(SurfaceStage(inputs), 0);
   const Part part = ReadPart(inputs, cell);
+  progress.End(fmt::format("{} triangles", part.import.report.triangles));
   JobToolpath made = MakeJobToolpath(inputs, part.import.mesh, stop);
   CheckJobGouges(inputs, part.import.mesh, threads, made, stop);
   const Toolpath toolpath = PlacedToolpath(inputs, made.toolpath, cell.X_WP);

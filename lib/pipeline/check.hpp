@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/file_root.hpp"
 #include "base/progress.hpp"
 #include "surface/mesh_import.hpp"
 
@@ -34,6 +35,7 @@ struct CheckMeshArguments {
   std::optional<double> unit;     ///< mm per unit of the file; by default what the file states, else 1
   double weld_tolerance = 1e-4;   ///< mm
   double chord_tolerance = 0.05;  ///< mm, of a STEP part
+  FileRoot root{};                ///< that the file must lie in
 };
 
 MeshCheck CheckMesh(const CheckMeshArguments& arguments);
@@ -55,6 +57,8 @@ struct JobCheck {
 struct CheckJobArguments {
   std::filesystem::path job;
   int threads = 0;  ///< 0: all cores
+  FileRoot root{};  ///< that all files must lie in
+  double max_points = 2e6;
 };
 
 /// Throws InputError for what cannot be read; Interrupted.

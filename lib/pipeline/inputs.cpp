@@ -2,7 +2,6 @@
 #include "pipeline/inputs.hpp"
 
 #include "base/error.hpp"
-#include "base/file.hpp"
 #include "base/hash.hpp"
 #include "config/config.hpp"
 #include "pipeline/cell_texts.hpp"
@@ -22,17 +21,58 @@ void Collect(std::vector<Problem>& problems, Step step) {
   }
 }
 
+// A link without a body would never be seen to touch. Link 6 carries the tool's stack.
+void CheckLinks(const CellSettings& cell, std::vector<Problem>& problems) {
+  for (const std::string mount : {"base", "link1", "link2", "link3", "link4", "link5"}) {
+    const bool named = std::ranges::find(cell.unchecked_links, mount) != cell.unchecked_links.end();
+    const bool has_body = std::ranges::find(cell.bodies, mount, &BodySettings::mount) != cell.bodies.end();
+    if (named && has_body)
+      problems.push_back(
+          {{cell.file, cell.bodies_line},
+           fmt::format("interference.unchecked_links: {0} has a body; allowed: links without", mount)});
+    if (!named && !has_body)
+      problems.push_back(
+          {{cell.file, cell.bodies_line},
+           fmt::format("bodies: {0} has no body and would never be seen to touch; add one with mount: "
+                       "{0}, or name it in interference.unchecked_links",
+                       mount)});
+  }
+}
+
+// The largest depth of cut that a job asks for must be one that the cutter has edges for.
+void CheckDepth(const JobInputs& inputs, std::vector<Problem>& problems) {
+  const JobSettings& job = inputs.job;
+  const double length = inputs.cell.tool.cutting_length;
+  const auto check = [&](const char* key, double depth) {
+    if (depth > length)
+      problems.push_back(
+          {{job.file},
+           fmt::format("{}: given {:.6g}; allowed: at most tool.cutter.cutting_length_mm of cell {}, "
+                       "{:.6g}, above which the cutter does not cut",
+                       key, depth, inputs.cell.name, length)});
+  };
+  if (job.cutting) check("process.cutting.depth_mm", job.cutting->depth);
+  check("toolpath.depth.per_layer_mm", std::min(job.toolpath.depth.total, job.toolpath.depth.per_layer));
+}
+
 }  // namespace
 
-CellSettings LoadCell(const std::filesystem::path& cell_file,
-                      std::map<std::string, std::string>* body_bytes) {
-  CellSettings cell = ParseCell(ReadFile(cell_file), cell_file.string());
-  ResolveUrdf(cell_file.parent_path(), &cell);
+std::vector<std::string> CellWarnings(const CellSettings& cell) {
+  if (cell.unchecked_links.empty()) return {};
+  return {fmt::format("{}: interference of {} is not checked (interference.unchecked_links)", cell.name,
+                      fmt::join(cell.unchecked_links, ", "))};
+}
+
+CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::string, std::string>* body_bytes,
+                      const FileRoot& root) {
+  CellSettings cell = ParseCell(root.Read(cell_file), cell_file.string());
+  ResolveUrdf(cell_file.parent_path(), root, &cell);
   std::vector<Problem> problems = CheckCellTexts(cell);
+  CheckLinks(cell, problems);
   for (const BodySettings& body : cell.bodies) {
     if (body.shape.kind != "mesh" || body_bytes->contains(body.shape.mesh_file)) continue;
     Collect(problems, [&] {
-      (*body_bytes)[body.shape.mesh_file] = ReadFile(cell_file.parent_path() / body.shape.mesh_file);
+      (*body_bytes)[body.shape.mesh_file] = root.Read(cell_file.parent_path() / body.shape.mesh_file);
     });
   }
   if (!problems.empty()) throw InputError(std::move(problems));
@@ -40,20 +80,21 @@ CellSettings LoadCell(const std::filesystem::path& cell_file,
 }
 
 JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector<Override>& overrides,
-                        const std::optional<std::filesystem::path>& origin) {
+                        const std::optional<std::filesystem::path>& origin, const FileRoot& root) {
   JobInputs inputs;
   inputs.job_file = job_file;
-  inputs.job = ParseJob(ReadFile(job_file), job_file.string(), overrides);
-  inputs.folder = origin ? *origin : OriginOf(job_file, inputs.job.cell_file);
+  inputs.job = ParseJob(root.Read(job_file), job_file.string(), overrides);
+  inputs.folder = origin ? *origin : OriginOf(job_file, inputs.job.cell_file, root);
   const std::filesystem::path& folder = inputs.folder;
   std::vector<Problem> problems;
-  Collect(problems, [&] { inputs.cell = LoadCell(folder / inputs.job.cell_file, &inputs.body_bytes); });
+  Collect(problems, [&] { inputs.cell = LoadCell(folder / inputs.job.cell_file, &inputs.body_bytes, root); });
   if (!inputs.job.workpiece.mesh_file.empty())
-    Collect(problems, [&] { inputs.workpiece_bytes = ReadFile(folder / inputs.job.workpiece.mesh_file); });
+    Collect(problems, [&] { inputs.workpiece_bytes = root.Read(folder / inputs.job.workpiece.mesh_file); });
   if (!inputs.job.workpiece.stock_file.empty())
-    Collect(problems, [&] { inputs.stock_bytes = ReadFile(folder / inputs.job.workpiece.stock_file); });
+    Collect(problems, [&] { inputs.stock_bytes = root.Read(folder / inputs.job.workpiece.stock_file); });
   if (inputs.job.toolpath.strategy == "cam")
-    Collect(problems, [&] { inputs.cam_bytes = ReadFile(folder / inputs.job.toolpath.cam_file); });
+    Collect(problems, [&] { inputs.cam_bytes = root.Read(folder / inputs.job.toolpath.cam_file); });
+  if (problems.empty()) CheckDepth(inputs, problems);
   if (!problems.empty()) throw InputError(std::move(problems));
 
   std::string all = WriteJob(inputs.job) + '\0' + WriteCell(inputs.cell) + '\0' +

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "base/file_root.hpp"
 #include "config/config.hpp"
 
 namespace millpose {
@@ -20,18 +21,24 @@ struct JobInputs {
   std::string stock_bytes;      ///< of the stock's, where there is one
   std::string cam_bytes;        ///< of the CAM path, where the strategy is cam
   std::map<std::string, std::string>
-      body_bytes;    ///< of the mesh files that the cell's bodies name, by that name
-  std::string hash;  ///< of all of it, resolved
+      body_bytes;           ///< of the mesh files that the cell's bodies name, by that name
+  std::string hash;         ///< of all of it, resolved
+  double max_points = 2e6;  ///< that the tool path may have
 };
 
 /// Reads a job, its cell and their meshes; paths inside a file are relative to that file. Throws InputError
 /// with the problems of job and cell together. `overrides` replace settings of the job file.
 /// The resolved job.yaml of an output folder keeps the paths of the job that was planned; they count from
-/// that job's folder, or from `folder` when it is given.
+/// that job's folder, or from `folder` when it is given. Nothing outside of `root` is opened.
 JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector<Override>& overrides = {},
-                        const std::optional<std::filesystem::path>& folder = {});
+                        const std::optional<std::filesystem::path>& folder = {}, const FileRoot& root = {});
 
-/// Reads a cell, with what a URDF that it names says in its place, and the meshes of its bodies.
-CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::string, std::string>* body_bytes);
+/// What every output has to say of a cell: links that nothing sees touch.
+std::vector<std::string> CellWarnings(const CellSettings& cell);
+
+/// Reads a cell, with what a URDF that it names says in its place, and the meshes of its bodies. Throws
+/// InputError, also for a link without a body that the cell does not name in `interference.unchecked_links`.
+CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::string, std::string>* body_bytes,
+                      const FileRoot& root = {});
 
 }  // namespace millpose

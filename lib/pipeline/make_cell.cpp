@@ -155,6 +155,10 @@ Pose FitTargets(const WorkpieceSettings& settings) {
 
 }  // namespace
 
+StepOptions MakeStepOptions(const WorkpieceSettings& workpiece) {
+  return {workpiece.chord_tolerance, workpiece.step_memory, workpiece.step_seconds};
+}
+
 double AllowanceOf(const JobSettings& job) {
   return job.workpiece.allowance.value_or(job.toolpath.depth.total);
 }
@@ -171,7 +175,7 @@ void AddWorkpiece(const JobInputs& inputs, Triangles finished, Cell* cell) {
   ImportOptions options;
   options.unit = workpiece.stock_unit;
   options.weld_tolerance = workpiece.weld_tolerance;
-  const RawMesh raw = ReadMesh(inputs.stock_bytes, workpiece.stock_file, {workpiece.chord_tolerance});
+  const RawMesh raw = ReadMesh(inputs.stock_bytes, workpiece.stock_file, MakeStepOptions(workpiece));
   cell->bodies.push_back({.name = "stock",
                           .body_class = BodyClass::kStock,
                           .mount = Mount::kWorkpiece,

@@ -88,10 +88,7 @@ Direction MakeDirection(const std::string& name) {
 }  // namespace
 
 CutterShape MakeCutterShape(const ToolSettings& tool) {
-  const double corner = tool.cutter_shape == "ball"   ? tool.cutter_diameter / 2
-                        : tool.cutter_shape == "bull" ? tool.corner_radius
-                                                      : 0.0;
-  return {tool.cutter_diameter / 2, corner, tool.cutting_length};
+  return {tool.cutter_diameter / 2, CornerRadius(tool), tool.cutting_length};
 }
 
 GougeOptions MakeGougeOptions(const JobSettings& job) {

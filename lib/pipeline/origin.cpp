@@ -12,9 +12,9 @@ namespace millpose {
 namespace fs = std::filesystem;
 namespace {
 
-RunFigures::JobFolder ReadJobFolder(const fs::path& run_file) {
+RunFigures::JobFolder ReadJobFolder(const fs::path& run_file, const FileRoot& root) {
   try {
-    const nlohmann::json run = nlohmann::json::parse(ReadFile(run_file));
+    const nlohmann::json run = nlohmann::json::parse(root.Read(run_file));
     const nlohmann::json& folder = run.at("job_folder");
     return {folder.at("absolute").get<std::string>(), folder.at("relative").get<std::string>()};
   } catch (const nlohmann::json::exception& error) {
@@ -34,10 +34,10 @@ std::optional<RunFigures::JobFile> PlannedThere(const fs::path& out) {
 
 }  // namespace
 
-fs::path OriginOf(const fs::path& job_file, const fs::path& named) {
+fs::path OriginOf(const fs::path& job_file, const fs::path& named, const FileRoot& root) {
   fs::path folder = job_file.parent_path();
   if (job_file.filename() != "job.yaml" || !IsOutputFolder(folder.empty() ? "." : folder)) return folder;
-  const RunFigures::JobFolder kept = ReadJobFolder(folder / kRunFile);
+  const RunFigures::JobFolder kept = ReadJobFolder(folder / kRunFile, root);
   // The same place by both names, unless something was moved.
   for (const fs::path& origin : {fs::path(kept.absolute), (folder / kept.relative).lexically_normal()})
     if (fs::exists(origin / named)) return origin;

@@ -35,6 +35,8 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
       {"base", Numbered("BASE_DATA", controller.base_number) + "workpiece in the robot base"},
       {"base_pose", PoseText(plan.X_WB.inverse() * plan.X_WP)},
       {"units", "mm, degrees"}};
+  for (const std::string& warning : CellWarnings(inputs.cell))
+    options.header.emplace_back("unchecked", warning);
   if (window) options.header.emplace_back("base_window", BaseWindowText(*window));
   const double lift = job.program_options.dry_run_offset;
   if (lift > 0)

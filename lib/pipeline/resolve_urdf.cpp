@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/resolve_urdf.hpp"
 
-#include <set>
-
 #include "base/error.hpp"
-#include "base/file.hpp"
 #include "base/trig.hpp"
 #include "pipeline/assemble.hpp"
 #include "robot/joint_chain.hpp"
@@ -31,17 +28,16 @@ PoseSettings ToSettings(const Pose& X) {
 
 class Resolver {
  public:
-  Resolver(const fs::path& folder, CellSettings& cell)
-      : cell_(cell), urdf_(cell.arm.urdf), file_((folder / urdf_.file).string()) {}
+  Resolver(const fs::path& folder, const FileRoot& root, CellSettings& cell)
+      : cell_(cell), root_(root), urdf_(cell.arm.urdf), file_((folder / urdf_.file).string()) {}
 
   void Resolve() {
-    const UrdfModel model = ReadUrdf(ReadFile(file_, kMaxBytes), file_);
+    const UrdfModel model = ReadUrdf(root_.Read(file_, kMaxBytes), file_);
     const ChainOfLinks found = FindChain(model, urdf_.base_link, urdf_.flange_link);
     derived_ = DeriveArm(found.chain, urdf_.tolerance, file_);
     FillArm(found.chain);
     MoveToModel();
     for (const AttachedLink& link : found.links) AddBodies(found.chain, link);
-    CheckLinks();
     if (!problems_.empty()) throw InputError(std::move(problems_));
     cell_.arm.urdf = {};
   }
@@ -182,18 +178,8 @@ class Resolver {
     return true;
   }
 
-  /// A link without any body would never be seen to touch.
-  void CheckLinks() {
-    std::set<std::string> mounts;
-    for (const BodySettings& body : cell_.bodies) mounts.insert(body.mount);
-    for (const char* mount : {"base", "link1", "link2", "link3", "link4", "link5"}) {
-      if (mounts.contains(mount)) continue;
-      AddToCell(fmt::format("nothing in {} gives {} a collision geometry; add a body with mount: {}",
-                            urdf_.file, mount, mount));
-    }
-  }
-
   CellSettings& cell_;
+  const FileRoot& root_;
   const UrdfSettings urdf_;
   std::string file_;
   DerivedArm derived_;
@@ -202,8 +188,8 @@ class Resolver {
 
 }  // namespace
 
-void ResolveUrdf(const std::filesystem::path& folder, CellSettings* cell) {
-  if (!cell->arm.urdf.file.empty()) Resolver(folder, *cell).Resolve();
+void ResolveUrdf(const std::filesystem::path& folder, const FileRoot& root, CellSettings* cell) {
+  if (!cell->arm.urdf.file.empty()) Resolver(folder, root, *cell).Resolve();
 }
 
 }  // namespace millpose

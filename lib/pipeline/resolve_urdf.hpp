@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "base/file_root.hpp"
 #include "config/cell_settings.hpp"
 
 namespace millpose {
@@ -10,7 +11,8 @@ namespace millpose {
 /// Replaces the URDF that a cell names by what it says: lengths, signs, offsets, limits and speeds of the
 /// arm, and a body of class link for every collision shape, named after its link. Where the URDF's base or
 /// flange is not the closed form's, what hangs on them is moved over. Paths of the cell are relative to
-/// `folder`. Does nothing without a URDF. Throws InputError with the place in the URDF or the cell.
-void ResolveUrdf(const std::filesystem::path& folder, CellSettings* cell);
+/// `folder`; the URDF is read within `root`. Does nothing without a URDF. Throws InputError with the place in
+/// the URDF or the cell.
+void ResolveUrdf(const std::filesystem::path& folder, const FileRoot& root, CellSettings* cell);
 
 }  // namespace millpose

@@ -35,7 +35,8 @@ JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
   stages.Begin("read", 0);
   std::vector<Override> overrides = arguments.overrides;
   if (arguments.seed) overrides.push_back({"seed", std::to_string(*arguments.seed)});
-  JobInputs inputs = LoadJobInputs(arguments.job, overrides);
+  JobInputs inputs = LoadJobInputs(arguments.job, overrides, {}, arguments.root);
+  inputs.max_points = arguments.max_points;
   if (!inputs.cell.programs_allowed && !inputs.job.programs.empty())
     throw InputError(
         {inputs.job.file},
@@ -116,14 +117,15 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
       arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
   Stages stages(progress);
   const JobInputs inputs = ReadInputs(arguments, stages);
-  const OutputFolder folder(arguments.out.value_or(DefaultFolder(arguments.job, inputs.job.name)),
-                            arguments.share ? FolderUse::kCheckpoints : FolderUse::kResults);
+  const std::filesystem::path out = arguments.out.value_or(DefaultFolder(arguments.job, inputs.job.name));
+  if (!arguments.out) arguments.root.CheckFolder(out);
+  const OutputFolder folder(out, arguments.share ? FolderUse::kCheckpoints : FolderUse::kResults);
   const RunFigures::JobFile job_file = JobFileFor(arguments.job, inputs.job.name, folder.path());
   if (arguments.fresh && !arguments.share) folder.RemoveCheckpoints();
 
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
   cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
-  stages.Begin("surface", 0);
+  stages.Begin("surface", 0, SurfaceStage(inputs));
   const Part part = ReadPart(inputs, cell);
   const ImportResult& surface = part.import;
   const Eigen::Vector3d size = surface.report.upper - surface.report.lower;
@@ -183,9 +185,10 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   std::optional<AuditFigures> audit;
   if (arguments.audit) {
     stages.Begin("audit", 0);
-    audit = Audit(plan, surface.mesh, world, problem.bounds, threads, stop);
-    stages.End(
-        fmt::format("{} interferences, {} limit violations", audit->interferences, audit->limit_violations));
+    audit = Audit(plan, surface.mesh, cell, problem.bounds, inputs.job.swept_resolution, threads, stop);
+    std::ranges::copy(Findings(*audit), std::back_inserter(made.findings));
+    stages.End(fmt::format("{} contacts, {} clearances not kept, {} limit violations", audit->interferences,
+                           audit->clearance_violations, audit->limit_violations));
   }
 
   stages.Begin("report", 0);

@@ -6,6 +6,7 @@
 #include <stop_token>
 #include <string>
 
+#include "base/file_root.hpp"
 #include "base/progress.hpp"
 #include "config/config.hpp"
 
@@ -24,8 +25,10 @@ struct PlanArguments {
   std::optional<uint64_t> seed;              ///< instead of the job's
   std::vector<Override> overrides;           ///< of other settings of the job
   bool audit = false;                        ///< recompute the figures of summary.json's `audit`
+  double max_points = 2e6;                   ///< that the tool path may have
   bool fresh = false;                        ///< ignore checkpoints
   std::optional<double> trajectory;          ///< s between the rows of trajectory-<controller>.csv
+  FileRoot root;                             ///< that all files must lie in; with it also a folder by default
   std::optional<Share> share;                ///< plan only these passes, leave them as checkpoints, and end
 };
 

@@ -9,6 +9,7 @@
 #include "base/file.hpp"
 #include "base/parallel.hpp"
 #include "base/process.hpp"
+#include "base/shown.hpp"
 #include "base/text.hpp"
 
 namespace millpose {
@@ -21,7 +22,12 @@ constexpr auto kFirstPause = 200ms, kLongestPause = 5000ms;
 constexpr int kLooksAfterEnd = 3;  // a shared folder may show a file a little late
 constexpr const char* kSubmitted = "submitted";
 
+// A word of a command for the shell. A line of commands.txt is a task: what would break the line is refused.
 std::string Quoted(const std::string& word) {
+  if (std::ranges::any_of(word, [](char c) { return (c >= 0 && c < ' ') || c == 0x7f; }))
+    throw InputError(
+        Place{Shown(word)},
+        "holds a control character (a line feed, a tab, …); allowed with --slurm: names without");
   std::string quoted = "'";
   for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return quoted + "'";

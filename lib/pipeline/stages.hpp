@@ -20,10 +20,11 @@ class Stages {
  public:
   explicit Stages(Progress& progress) : progress_(progress) {}
 
-  void Begin(const std::string& name, size_t total) {
+  /// `shown`: the name for who watches, where it says more.
+  void Begin(const std::string& name, size_t total, const std::string& shown = {}) {
     times_.push_back({name, 0});
     start_ = std::chrono::steady_clock::now();
-    progress_.Begin(name, total);
+    progress_.Begin(shown.empty() ? name : shown, total);
   }
   void Advance(size_t count) { progress_.Advance(count); }
   void End(const std::string& outcome) {

@@ -5,7 +5,6 @@
 #include <thread>
 
 #include "base/error.hpp"
-#include "base/file.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/cell_texts.hpp"
 #include "pipeline/make_programs.hpp"
@@ -45,8 +44,8 @@ std::string ControllerOf(const fs::path& program) {
 }
 
 /// The main file and what it calls, directly or not, in the same folder.
-ProgramFiles FilesOf(const fs::path& program) {
-  ProgramFiles files = {{program.filename().string(), ReadFile(program)}};
+ProgramFiles FilesOf(const fs::path& program, const FileRoot& root) {
+  ProgramFiles files = {{program.filename().string(), root.Read(program)}};
   const std::vector<std::string> beside =
       SortedFiles(program.has_parent_path() ? program.parent_path() : ".");
   for (bool found = true; found;) {
@@ -60,7 +59,7 @@ ProgramFiles FilesOf(const fs::path& program) {
         return CallsProgram(file.second, fs::path(name).stem().string());
       });
       if (!called) continue;
-      files[name] = ReadFile(program.parent_path() / name);
+      files[name] = root.Read(program.parent_path() / name);
       found = true;
     }
   }
@@ -94,13 +93,15 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::
   }
   const std::string controller = ControllerOf(arguments.target);
   JobInputs inputs;
-  inputs.cell = LoadCell(*arguments.cell, &inputs.body_bytes);
+  inputs.cell = LoadCell(*arguments.cell, &inputs.body_bytes, arguments.root);
   const World world(MakeCell(inputs.cell, inputs.body_bytes));
   const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
   const Arm& arm = world.cell().arm;
-  MotionProgram program = MakePost(controller)->Read(FilesOf(arguments.target), arm, settings);
+  MotionProgram program =
+      MakePost(controller)->Read(FilesOf(arguments.target, arguments.root), arm, settings);
   std::vector<std::string> assumptions = AssumeFrames(program);
   for (const DeclaredCall& call : program.calls) assumptions.push_back(AssumptionOf(call));
+  std::ranges::copy(CellWarnings(inputs.cell), std::back_inserter(assumptions));
   const VerifyOptions options = MakeVerifyOptions(inputs.job, arm);
   return {{controller, arguments.target.string(), program.motions.size(),
            Verify(program, world, nullptr, options, Threads(arguments), stop), assumptions}};
@@ -110,7 +111,7 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::
 JobInputs InputsOf(const VerifyArguments& arguments) {
   std::optional<fs::path> origin;
   if (arguments.job) origin = fs::absolute(*arguments.job).parent_path();
-  return LoadJobInputs(arguments.target / "job.yaml", {}, origin);
+  return LoadJobInputs(arguments.target / "job.yaml", {}, origin, arguments.root);
 }
 
 /// The programs of single pieces, where the folder holds some.
@@ -120,7 +121,7 @@ void VerifyStarts(const PlanResult& plan, const JobInputs& inputs, const std::st
   const fs::path folder = arguments.target / "programs" / controller / kStarts;
   const fs::path ways_file = arguments.target / kStartWays;
   if (!fs::is_directory(folder)) return;
-  const PlanResult ways = ParsePlanResult(ReadFile(ways_file), ways_file.string());
+  const PlanResult ways = ParsePlanResult(arguments.root.Read(ways_file), ways_file.string());
   const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
   const std::vector<CallWay> calls = PlanCallWays(world, inputs, controller, stop);
   for (size_t i = 0; i + 1 < plan.gaps.size(); ++i) {
@@ -129,23 +130,22 @@ void VerifyStarts(const PlanResult& plan, const JobInputs& inputs, const std::st
     for (const char* ending : {".src", ".mpf", ".ngc"})
       if (fs::exists(folder / (single.job + ending))) file = folder / (single.job + ending);
     if (file.empty()) continue;  // withheld
-    MotionProgram program = MakePost(controller)->Read(FilesOf(file), plan.arm, settings);
+    MotionProgram program = MakePost(controller)->Read(FilesOf(file, arguments.root), plan.arm, settings);
     const MotionProgram planned = MakeProgramMotions(single, inputs, controller, {}, calls).planned;
     CompleteFrames(program, planned);
-    programs.push_back({controller,
-                        file.string(),
-                        program.motions.size(),
+    programs.push_back({controller, file.string(), program.motions.size(),
                         Verify(program, world, &planned, options, Threads(arguments), stop),
-                        {}});
+                        CellWarnings(inputs.cell)});
   }
 }
 
 std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Progress& progress,
                                           std::stop_token stop) {
+  arguments.root.CheckFolder(arguments.target);
   MendOutputFolder(arguments.target);
   CheckManifest(arguments.target);
   const fs::path plan_file = arguments.target / kPlanFile;
-  const PlanResult plan = ParsePlanResult(ReadFile(plan_file), plan_file.string());
+  const PlanResult plan = ParsePlanResult(arguments.root.Read(plan_file), plan_file.string());
   const JobInputs inputs = InputsOf(arguments);
   const World world(MakeJobCell(inputs));
   VerifyOptions options = MakeVerifyOptions(inputs.job, plan.arm);
@@ -156,13 +156,14 @@ std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Prog
     if (!fs::is_directory(folder)) continue;
     progress.Begin(controller, 0);
     ProgramFiles files;
-    for (const std::string& name : SortedFiles(folder)) files[name] = ReadFile(folder / name);
+    for (const std::string& name : SortedFiles(folder)) files[name] = arguments.root.Read(folder / name);
     const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
     MotionProgram program = MakePost(controller)->Read(files, plan.arm, settings);
     const std::vector<CallWay> calls = PlanCallWays(world, inputs, controller, stop);
     const MotionProgram planned = MakeProgramMotions(plan, inputs, controller, {}, calls).planned;
     CompleteFrames(program, planned);
-    VerifiedProgram verified{controller, folder.string(), program.motions.size(), {}, {}};
+    VerifiedProgram verified{
+        controller, folder.string(), program.motions.size(), {}, CellWarnings(inputs.cell)};
     for (const DeclaredCall& call : program.calls) verified.assumptions.push_back(AssumptionOf(call));
     verified.findings = Verify(program, world, &planned, options, Threads(arguments), stop);
     progress.End(fmt::format("{} motions, {} findings", verified.motions, verified.findings.size()));

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/file_root.hpp"
 #include "base/progress.hpp"
 #include "verify/verify.hpp"
 
@@ -20,6 +21,7 @@ struct VerifyArguments {
       job;                    ///< for a folder: its job, where it does not stand beside the folder
   bool interference = false;  ///< check every motion again, not only what leaves the plan's
   int threads = 0;            ///< 0: all cores
+  FileRoot root{};            ///< that all files must lie in
 };
 
 /// One program as replayed.

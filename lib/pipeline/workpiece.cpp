@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/workpiece.hpp"
 
+#include <Eigen/Geometry>
+
 #include "base/error.hpp"
+#include "base/process.hpp"
 #include "pipeline/assemble.hpp"
+#include "surface/step_reader.hpp"
 #include "toolpath/cam_import.hpp"
 #include "toolpath/make_toolpath.hpp"
 
@@ -22,6 +26,24 @@ void TellOtherCutters(const CamPath& path, const ToolSettings& tool, const std::
 std::string NotMachined(const CamHole& hole) {
   return fmt::format("{} in line {} at ({:.3f}, {:.3f}, {:.3f}) mm of the workpiece: {}", hole.cycle,
                      hole.line, hole.position.x(), hole.position.y(), hole.position.z(), hole.why);
+}
+
+// Points that the path may have: as asked for, and no more than the machine's memory holds.
+PointBudget MakeBudget(const JobInputs& inputs, const Mesh& mesh) {
+  constexpr double kBytesPerPoint = 5e3;  // docs/cluster.md measured 4.4 kB
+  PointBudget budget;
+  budget.most = inputs.max_points;
+  const double memory = MachineMemory();
+  if (memory / kBytesPerPoint < budget.most) {
+    budget.most = memory / kBytesPerPoint;
+    budget.set_by = fmt::format("{:.0f} MB of memory", memory / 1e6);
+  }
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : mesh.triangles().vertices) box.extend(p);
+  const double size = box.isEmpty() ? 0 : box.sizes().maxCoeff();
+  const double reach = Reach(MakeArm(inputs.cell.arm), inputs.cell.tool.tip);
+  if (const auto doubt = UnitWarning(size, reach); doubt && size > reach) budget.unit_doubt = *doubt;
+  return budget;
 }
 
 // A CAM path in P, its notes and its distance from the mesh.
@@ -46,6 +68,7 @@ JobToolpath ImportCam(const JobInputs& inputs, const Mesh& mesh) {
   options.contact_distance = settings.cam_contact_distance;
   options.feed_rate = inputs.job.feed;
   if (inputs.cell.tool.cutter_shape == "ball") options.ball_radius = inputs.cell.tool.cutter_diameter / 2;
+  options.budget = MakeBudget(inputs, mesh);
   CamImportReport report;
   JobToolpath made;
   made.toolpath = ImportCamPath(path, mesh.face_count() > 0 ? &mesh : nullptr, options, &report);
@@ -65,23 +88,32 @@ JobToolpath ImportCam(const JobInputs& inputs, const Mesh& mesh) {
 
 }  // namespace
 
-double Reach(const Cell& cell) {
-  return cell.arm.a1 + cell.arm.a2 + std::hypot(cell.arm.d4, cell.arm.dz) + cell.arm.d6 +
-         cell.X_FT.translation().norm();
+double Reach(const Arm& arm, const Eigen::Vector3d& p_FT) {
+  return arm.a1 + arm.a2 + std::sqrt(arm.d4 * arm.d4 + arm.dz * arm.dz) + arm.d6 + p_FT.norm();
+}
+
+double Reach(const Cell& cell) { return Reach(cell.arm, cell.X_FT.translation()); }
+
+std::string SurfaceStage(const JobInputs& inputs) {
+  const WorkpieceSettings& workpiece = inputs.job.workpiece;
+  if (!LooksLikeStep(inputs.workpiece_bytes)) return "surface";
+  return fmt::format("surface (STEP: at most {} s, {} MB)", workpiece.step_seconds, workpiece.step_memory);
 }
 
 Part ReadPart(const JobInputs& inputs, const Cell& cell) {
   const std::string& name = inputs.job.workpiece.mesh_file;
-  if (name.empty())
-    return {{Mesh(Triangles{}), {}},
-            {"no part is given: the tool axes serve as normals, and interference with the part is not looked "
-             "at"}};
+  if (name.empty()) {
+    Part none{{Mesh(Triangles{}), {}}, CellWarnings(inputs.cell)};
+    none.warnings.emplace_back(
+        "no part is given: the tool axes serve as normals, and interference with the part is not looked at");
+    return none;
+  }
   ImportOptions options;
   options.unit = inputs.job.workpiece.unit;
   options.weld_tolerance = inputs.job.workpiece.weld_tolerance;
-  Part part{ImportMesh(ReadMesh(inputs.workpiece_bytes, name, {inputs.job.workpiece.chord_tolerance}),
-                       options, name),
-            {}};
+  Part part{ImportMesh(ReadMesh(inputs.workpiece_bytes, name, MakeStepOptions(inputs.job.workpiece)), options,
+                       name),
+            CellWarnings(inputs.cell)};
   for (const std::string& finding : Findings(part.import.report))
     part.warnings.push_back(name + ": " + finding);
   const Eigen::Vector3d size = part.import.report.upper - part.import.report.lower;
@@ -93,7 +125,9 @@ Part ReadPart(const JobInputs& inputs, const Cell& cell) {
 JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop_token stop) {
   if (inputs.job.toolpath.strategy == "cam") return ImportCam(inputs, mesh);
   JobToolpath made;
-  made.toolpath = MakeToolpath(mesh, MakeToolpathOptions(inputs.job, inputs.cell.tool), stop);
+  ToolpathOptions options = MakeToolpathOptions(inputs.job, inputs.cell.tool);
+  options.budget = MakeBudget(inputs, mesh);
+  made.toolpath = MakeToolpath(mesh, options, stop);
   for (const std::string& note : made.toolpath.notes) made.warnings.push_back("toolpath: " + note);
   return made;
 }

@@ -20,6 +20,10 @@ struct Part {
 
 /// How far the tool tip can come from axis 1, mm: what a part's size is compared with.
 double Reach(const Cell& cell);
+double Reach(const Arm& arm, const Eigen::Vector3d& p_FT);
+
+/// The stage's name for who watches it run; of a STEP part with what its reading may take.
+std::string SurfaceStage(const JobInputs& inputs);
 
 /// Reads and repairs the workpiece's mesh. Throws InputError.
 Part ReadPart(const JobInputs& inputs, const Cell& cell);

@@ -24,12 +24,22 @@ struct ReportedProgram {
   std::string withheld;   ///< why it is not
 };
 
+/// What the audit found on a pair of bodies.
+struct AuditPair {
+  std::string first, second;
+  long long contacts = 0, too_near = 0;  ///< motions on which they touch; come nearer than is to be kept
+  double least_mm = 0, wanted_mm = 0;    ///< where they come nearest, and what is to be kept there
+  std::string where;                     ///< the first of these motions
+};
+
 /// Figures recomputed on request (`--audit`).
 struct AuditFigures {
   double ga_share_within_0p1_percent = 0;  ///< of the points judged, %
   double ga_worst_gap_percent = 0;         ///< genetic algorithm above the exhaustive optimum
   long long limit_violations = 0;          ///< points outside the admissible limits
-  long long interferences = 0;             ///< poses that touch, in steps of at most 0.2 mm of travel
+  long long interferences = 0;             ///< motions on which bodies touch
+  long long clearance_violations = 0;      ///< motions times pairs that come nearer than is to be kept
+  std::vector<AuditPair> pairs;            ///< of both
   double max_slice_distance_mm = 0;        ///< of the cut points from the mesh
 };
 

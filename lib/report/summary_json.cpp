@@ -101,10 +101,21 @@ Json ContinuityJson(const ReportInputs& inputs, const PlanFigures& plan) {
 
 Json AuditJson(const std::optional<AuditFigures>& audit) {
   if (!audit) return nullptr;
+  Json pairs = Json::array();
+  for (const AuditPair& pair : audit->pairs)
+    pairs.push_back({{"first", pair.first},
+                     {"second", pair.second},
+                     {"contacts", pair.contacts},
+                     {"too_near", pair.too_near},
+                     {"least_mm", pair.too_near > 0 ? Json(pair.least_mm) : Json()},
+                     {"wanted_mm", pair.too_near > 0 ? Json(pair.wanted_mm) : Json()},
+                     {"first_on", pair.where}});
   return {{"ga_share_within_0p1_percent", audit->ga_share_within_0p1_percent},
           {"ga_worst_gap_percent", audit->ga_worst_gap_percent},
           {"limit_violations", audit->limit_violations},
           {"interferences", audit->interferences},
+          {"clearance_violations", audit->clearance_violations},
+          {"pairs", pairs},
           {"max_slice_distance_mm", audit->max_slice_distance_mm}};
 }
 

@@ -137,9 +137,10 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
     fmt::format_to(
         out,
         "audit      genetic algorithm within 0.1 % at {:.2f} % of the points (worst {:.3f} %), {} limit "
-        "violations, {} interferences, {:.1e} mm off the mesh\n",
+        "violations, {} contacts, {} clearances not kept, {:.1e} mm off the mesh\n",
         inputs.audit->ga_share_within_0p1_percent, inputs.audit->ga_worst_gap_percent,
-        inputs.audit->limit_violations, inputs.audit->interferences, inputs.audit->max_slice_distance_mm);
+        inputs.audit->limit_violations, inputs.audit->interferences, inputs.audit->clearance_violations,
+        inputs.audit->max_slice_distance_mm);
   fmt::format_to(out, "time       {:.1f} s:", run.wall_s);
   for (const RunFigures::Stage& stage : run.stages)
     fmt::format_to(out, " {} {:.1f}", stage.name, stage.wall_s);

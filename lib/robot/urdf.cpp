@@ -16,6 +16,7 @@ namespace {
 using tinyxml2::XMLElement;
 
 constexpr double kMmPerMetre = 1000;
+constexpr size_t kMostLinks = 1000, kMostShapes = 1000;  // an arm has a dozen
 
 /// Rz(yaw)·Ry(pitch)·Rx(roll).
 Eigen::Matrix3d RollPitchYaw(const Eigen::Vector3d& rpy) {
@@ -51,9 +52,11 @@ class Reader {
     model_.name = Attribute(robot, "name");
     for (const XMLElement* e = robot.FirstChildElement("link"); e; e = e->NextSiblingElement("link")) {
       ReadLink(*e);
+      if (Exceeds(model_.links.size(), kMostLinks, "links", e->GetLineNum())) return;
     }
     for (const XMLElement* e = robot.FirstChildElement("joint"); e; e = e->NextSiblingElement("joint")) {
       ReadJoint(*e);
+      if (Exceeds(model_.joints.size(), kMostLinks, "joints", e->GetLineNum())) return;
     }
     CheckNames();
   }
@@ -119,6 +122,7 @@ class Reader {
     for (const XMLElement* e = element.FirstChildElement("collision"); e;
          e = e->NextSiblingElement("collision")) {
       ReadCollision(*e, link);
+      if (Exceeds(++shapes_, kMostShapes, "collision shapes", e->GetLineNum())) break;
     }
     model_.links.push_back(std::move(link));
   }
@@ -221,7 +225,14 @@ class Reader {
     }
   }
 
+  bool Exceeds(size_t count, size_t most, const char* what, int line) {
+    if (count <= most) return false;
+    Add(line, fmt::format("more than {} {}; allowed: at most {}", most, what, most));
+    return true;
+  }
+
   UrdfModel model_;
+  size_t shapes_ = 0;
   std::vector<Problem> problems_;
 };
 

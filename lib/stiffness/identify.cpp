@@ -110,6 +110,14 @@ System Without(const System& system, const std::vector<size_t>& pose_of_case, si
   return {system.L(keep, Eigen::all), system.x(keep), {}};
 }
 
+void CountPoses(const std::vector<LoadCase>& cases, Identification& result) {
+  for (size_t i = 0; i < cases.size(); ++i) {
+    if (i > 0 && cases[i].q != cases[i - 1].q) ++result.poses;
+    result.pose_of_case.push_back(result.poses);
+  }
+  ++result.poses;
+}
+
 void FillResiduals(const Arm& arm, const std::vector<LoadCase>& cases, const Six& c, Identification& result) {
   IdentifyOptions unweighted;
   unweighted.displacement_deviation = 1;
@@ -120,10 +128,7 @@ void FillResiduals(const Arm& arm, const std::vector<LoadCase>& cases, const Six
     const System one = identify::MakeSystem(arm, {load}, unweighted);
     result.residuals.push_back((one.L * c - one.x).norm());
     square += result.residuals.back() * result.residuals.back();
-    if (i > 0 && cases[i].q != cases[i - 1].q) ++result.poses;
-    result.pose_of_case.push_back(result.poses);
   }
-  ++result.poses;
   result.rms = std::sqrt(square / static_cast<double>(cases.size()));
 }
 
@@ -173,6 +178,7 @@ void FillInfluence(const System& system, unsigned free, bool robust, Identificat
 Identification IdentifyJointStiffness(const Arm& arm, const std::vector<LoadCase>& cases,
                                       const IdentifyOptions& options) {
   Identification result;
+  CountPoses(cases, result);
   const System system = identify::MakeSystem(arm, cases, options);
   const std::array<std::string, 6> reasons = identify::Observability(system.L);
   unsigned free = 0;

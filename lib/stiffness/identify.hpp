@@ -47,7 +47,8 @@ struct Identification {
   double condition = 0;  ///< of the weighted L with columns scaled to 1, observable joints only
   double level = 0;  ///< standard deviation of a weighted residual: 1 where the stated deviations are right
   double rms = 0;    ///< of the displacements' residuals, per case, mm
-  std::vector<double> residuals;     ///< length of each case's displacement residual, mm
+  std::vector<double> residuals;     ///< length of each case's displacement residual, mm; empty when nothing
+                                     ///< could be determined
   std::vector<size_t> pose_of_case;  ///< cases with equal joint angles that follow each other are one pose
   size_t poses = 0;
 };

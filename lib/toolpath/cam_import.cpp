@@ -7,8 +7,7 @@
 namespace millpose {
 namespace {
 
-constexpr double kSame = 1e-6;       // mm: points nearer than this are one
-constexpr double kMostPoints = 2e6;  // bounds the memory that a short file can ask for
+constexpr double kSame = 1e-6;  // mm: points nearer than this are one
 
 class CamImporter {
  public:
@@ -57,11 +56,13 @@ class CamImporter {
     for (size_t i = 0; i < way.size(); ++i) {
       const CamPoint &from = way[i == 0 ? 0 : i - 1], &to = way[i];
       const double length = (to.position - from.position).norm();
-      if (!(length / options_.spacing + static_cast<double>(total_) <= kMostPoints))
+      if (!(length / options_.spacing + static_cast<double>(total_) <= options_.budget.most))
         throw InputError(
-            {}, fmt::format("toolpath: the CAM path's line {} is {:.6g} mm long: more than {} points of "
-                            "spacing {:.6g} mm",
-                            to.line, length, kMostPoints, options_.spacing));
+            {},
+            fmt::format(
+                "toolpath.spacing_mm: given {:.6g}; with line {} of the CAM path, {:.6g} mm long, the tool "
+                "path has too many points; allowed: at most {:.7g} points ({})",
+                options_.spacing, to.line, length, options_.budget.most, options_.budget.set_by));
       const int steps =
           i == 0 ? 1 : std::max(1, static_cast<int>(std::ceil(length / options_.spacing - 1e-9)));
       for (int k = 1; k <= steps; ++k) {

@@ -5,6 +5,7 @@
 
 #include "base/units.hpp"
 #include "surface/mesh.hpp"
+#include "toolpath/budget.hpp"
 #include "toolpath/cam_path.hpp"
 
 namespace millpose {
@@ -18,6 +19,7 @@ struct CamImportOptions {
       1;                 ///< with a mesh: points farther from it at a pass's ends are lead-in and lead-out
   double feed_rate = 0;  ///< where the path gives none
   Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();
+  PointBudget budget;
 };
 
 struct CamImportReport {

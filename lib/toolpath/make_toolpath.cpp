@@ -186,6 +186,13 @@ void MoveToTip(const CutterShape& cutter, Toolpath& toolpath) {
       point.position = TipAtContact(cutter, point.position, point.normal, point.tool_axis);
 }
 
+// What is laid by distances from borders: neighbouring passes are a step-over apart everywhere.
+void CheckArea(const Region& region, const ToolpathOptions& options) {
+  double area = 0;
+  for (const Region::Patch& patch : region.Patches()) area += AreaInside(region, patch);
+  CheckBudget(options, {std::sqrt(area) / options.stepover, area / options.stepover});
+}
+
 // What the strategy has to keep from borders counts as rim distance; of a pad it is never quite 0, so that
 // there are lines along its borders.
 ToolpathOptions Effective(ToolpathOptions options) {
@@ -203,6 +210,7 @@ Toolpath MakeToolpath(const Mesh& mesh, const ToolpathOptions& given, std::stop_
   const ToolpathOptions options = Effective(given);
   const std::unique_ptr<Strategy> strategy = MakeStrategy(options.strategy);
   const Region region(mesh, options.region);
+  if (options.strategy == "pad" || options.strategy == "contours") CheckArea(region, options);
   const CornerNormals normals(mesh, options.crease, options.normal_smoothing);
   Layout layout = strategy->Lay(region, options, stop);
   std::vector<Cut> cuts;
@@ -215,11 +223,22 @@ Toolpath MakeToolpath(const Mesh& mesh, const ToolpathOptions& given, std::stop_
         {},
         "toolpath: nothing of the mesh lies in the region; check box, facing direction, rim distance "
         "and the mesh's unit and orientation");
+  PathCount count{static_cast<double>(cuts.size()), 0};
+  for (const Cut& cut : cuts)
+    for (const CurvePiece& piece : cut.curve.pieces) {
+      const Eigen::Vector3d middle = piece.At(0.5);
+      count.way += (middle - piece.start).norm() + (piece.end - middle).norm();
+    }
+  CheckBudget(options, count);
   if (options.order_by_travel) cuts = OrderedByTravel(std::move(cuts));
   Toolpath toolpath;
   toolpath.notes = std::move(layout.notes);
   const PassMaker maker(mesh, options, normals, layout.normal);
-  for (const Cut& cut : cuts) toolpath.passes.push_back(maker.Make(cut.curve));
+  for (const Cut& cut : cuts) {
+    toolpath.passes.push_back(maker.Make(cut.curve));
+    count.covered += static_cast<double>(toolpath.passes.back().points.size());
+    CheckBudget(options, count);
+  }
   toolpath = Layered(toolpath, options.layers);
   if (options.lead != 0 || options.tilt != 0) MoveToTip(options.cutter, toolpath);
   AddPassEnds(options.ends, options.spacing, toolpath);

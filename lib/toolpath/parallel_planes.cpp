@@ -15,9 +15,13 @@ class ParallelPlanes : public Strategy {
     StepoverRule rule(region.mesh(), options);
     double lower = std::numeric_limits<double>::infinity(), upper = -lower;
     std::vector<Stretch> stretches;
+    double rising =
+        0;  // area times the position's rise on it: the way of all passes is as long, by their density
     for (const Region::Patch& patch : region.Patches()) {
       const auto [from, to] = Range(patch, normal);
       stretches.push_back({from, to, rule.Density(patch.face, normal)});
+      const double across = normal.dot(region.mesh().FaceNormal(patch.face));
+      rising += AreaInside(region, patch) * std::sqrt(std::max(0.0, 1 - across * across));
       lower = std::min(lower, from);
       upper = std::max(upper, to);
     }
@@ -27,11 +31,12 @@ class ParallelPlanes : public Strategy {
       lower += options.region.rim_distance;
       upper -= options.region.rim_distance;
     }
+    const PassScale scale(stretches, lower, upper);
+    CheckBudget(options, {scale.wanted(), upper > lower ? rising * scale.wanted() / (upper - lower) : 0});
     // The way that slices run where the surface faces as most of the region does.
     Eigen::Vector3d along = normal.cross(region.MeanNormal());
     if (along.norm() < 1e-6) along = normal.unitOrthogonal();
-    for (auto& curves :
-         SliceByPlanes(region.mesh(), normal, PassScale(stretches, lower, upper).Positions(), stop)) {
+    for (auto& curves : SliceByPlanes(region.mesh(), normal, scale.Positions(), stop)) {
       Lane lane;
       lane.curves = std::move(curves);
       lane.progress = [along](const Eigen::Vector3d& p) { return along.dot(p); };

@@ -79,6 +79,7 @@ class RingMaker {
     StepoverRule rule(region_.mesh(), options_);
     std::vector<Stretch> stretches;
     double lower = std::numeric_limits<double>::infinity(), upper = -lower;
+    double rising = 0;  // area times the position's rise on it
     for (const Region::Patch& patch : region_.Patches()) {
       Stretch stretch{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 0};
       for (const Eigen::Vector3d& p : patch.corners) {
@@ -91,6 +92,9 @@ class RingMaker {
       }
       if (!walls_) stretch.lower = frame_.LeastRadius(patch.corners);
       stretches.push_back(stretch);
+      const double across = std::abs(region_.mesh().FaceNormal(patch.face).dot(options_.axis_direction));
+      rising +=
+          AreaInside(region_, patch) * (walls_ ? std::sqrt(std::max(0.0, 1 - across * across)) : across);
       lower = std::min(lower, stretch.lower);
       upper = std::max(upper, stretch.upper);
     }
@@ -102,6 +106,8 @@ class RingMaker {
       upper -= rim;
     }
     scale_.emplace(stretches, lower, upper);
+    CheckBudget(options_,
+                {scale_->wanted(), upper > lower ? rising * scale_->wanted() / (upper - lower) : 0});
     return true;
   }
 

@@ -16,11 +16,14 @@ struct Stretch {
 class PassScale {
  public:
   PassScale(const std::vector<Stretch>& stretches, double lower, double upper);
-  /// Passes that the whole range wants, rounded up, at least 1.
+  /// Passes that the whole range wants, rounded up, at least 1; the budget is checked before (see
+  /// budget.hpp).
   int count() const;
   /// Passes from the lower end to a position, of count().
   double PassesAt(double position) const;
   double PositionAt(double passes) const;
+  /// Passes that the range wants, as a number that may exceed any integer.
+  double wanted() const { return total(); }
   /// One position per pass, the first and last half a pass inside.
   std::vector<double> Positions() const;
 

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "toolpath/budget.hpp"
 #include "toolpath/cutter.hpp"
 #include "toolpath/pass_ends.hpp"
 #include "toolpath/region.hpp"
@@ -56,6 +57,7 @@ struct ToolpathOptions {
   Layers layers;
   PassEnds ends;
   double feed_rate = 0;  ///< copied to each point
+  PointBudget budget;
 };
 
 }  // namespace millpose

@@ -52,6 +52,13 @@ def check_modules(top):
                     yield f"{file.relative_to(top)}: includes {path}, but {name} does not use {module}"
 
 
+def check_judge(top):
+    """The judge says whether the planner is right: it may share nothing with it but base."""
+    shared = reachable(modules(top), "judge") - {"base"}
+    if shared:
+        yield f"judge uses {', '.join(sorted(shared))}; allowed: base alone"
+
+
 def check_headers(top):
     for file in sorted((top / "lib").rglob("*.hpp")):
         text = file.read_text()
@@ -80,7 +87,7 @@ def check_licence(top):
             yield f"{file.relative_to(top)}: the first line is not the SPDX line"
 
 
-CHECKS = [check_modules, check_headers, check_files, check_licence]
+CHECKS = [check_modules, check_judge, check_headers, check_files, check_licence]
 
 
 def problems(top):

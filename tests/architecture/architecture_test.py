@@ -48,6 +48,11 @@ class Rules(unittest.TestCase):
               "# SPDX-License-Identifier: GPL-3.0-or-later\nmillpose_module(base SOURCES a.cpp USES pose)")
         self.expect("cycle", "cycle", "cycle")
 
+    def test_judge_that_knows_the_planner(self):
+        write(self.top, "lib/judge/CMakeLists.txt",
+              "# SPDX-License-Identifier: GPL-3.0-or-later\nmillpose_module(judge SOURCES a.cpp USES base pose)")
+        self.expect("judge uses pose, robot; allowed: base alone")
+
     def test_hidden_library_in_header(self):
         write(self.top, "lib/robot/arm.hpp", HEADER + "#include <fcl/fcl.h>\n")
         self.expect("shows fcl/fcl.h")

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/parallel.hpp"
-#include "tests/audit/distance.hpp"
-#include "tests/audit/interference.hpp"
+#include "judge/distance.hpp"
+#include "judge/interference.hpp"
 #include "tests/audit/kinematics.hpp"
 #include "tests/audit/programs.hpp"
 

@@ -11,12 +11,12 @@
 #include <sstream>
 
 #include "base/file.hpp"
-#include "tests/audit/distance.hpp"
+#include "judge/distance.hpp"
+#include "judge/interference.hpp"
+#include "judge/tessellate.hpp"
 #include "tests/audit/good_folder.hpp"
-#include "tests/audit/interference.hpp"
 #include "tests/audit/kinematics.hpp"
 #include "tests/audit/programs.hpp"
-#include "tests/audit/tessellate.hpp"
 
 namespace millpose::audit {
 namespace {

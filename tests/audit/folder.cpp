@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "base/file.hpp"
-#include "tests/audit/tessellate.hpp"
+#include "judge/tessellate.hpp"
 
 namespace millpose::audit {
 namespace fs = std::filesystem;

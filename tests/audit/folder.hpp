@@ -3,73 +3,14 @@
 // formats are read anew, so that a mistake there is not repeated here.
 #pragma once
 
-#include <Eigen/Dense>
-#include <array>
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "judge/setup.hpp"
+
 namespace millpose::audit {
-
-using Real = long double;
-using Vector3 = Eigen::Matrix<Real, 3, 1>;
-using Matrix3 = Eigen::Matrix<Real, 3, 3>;
-using Matrix4 = Eigen::Matrix<Real, 4, 4>;
-using Angles = std::array<Real, 6>;  ///< joint angles A1..A6, rad, as the arm's maker counts them
-
-/// A closed or open surface: corners of triangles, mm.
-using Mesh = std::vector<std::array<Vector3, 3>>;
-
-/// One solid of the cell, tessellated from inside (its corners lie on the true surface).
-struct Body {
-  std::string name, kind;  ///< kind: link, spindle, holder, cutter, fixture, platform, workpiece
-  int link = -1;           ///< 0 (base) .. 6 (flange, tool): moves with that frame; -1 stands in the world
-  bool in_cut = false;     ///< part of the cutter within the cutting length: may touch the workpiece in a cut
-  Matrix4 X_LG;            ///< shape in its link's frame, or in the world
-  Mesh mesh;               ///< in the shape's frame
-};
-
-/// The joints of a URDF from base to flange as that file has them, one after the other.
-struct UrdfArm {
-  struct Joint {
-    Matrix4 origin;
-    Vector3 axis;  ///< of a joint that turns; zero: fixed
-  };
-  std::vector<Joint> joints;
-  Matrix4 X_WS, X_ET;  ///< the base link in W, the tool in the flange link, as the cell states them
-};
-
-/// A spring beside the joints: it gives way by C·wrench, both in its own frame.
-struct Spring {
-  int link = 0;  ///< 0 (base) .. 6 (flange)
-  Matrix4 X_LK;
-  Eigen::Matrix<Real, 6, 6> C;  ///< mm/N, 1/N, 1/N, rad/(N·mm)
-};
-
-/// The cell and job as far as the laws need them.
-struct Setup {
-  Real d1, a1, a2, d4, dz, d6;        ///< mm
-  Angles sign, offset, lower, upper;  ///< 1, rad
-  Angles hard_lower, hard_upper;      ///< the arm's own limits, rad
-  Angles stiffness;                   ///< N·mm/rad
-  Angles max_step;                    ///< rad
-  Angles home;                        ///< rad
-  Real characteristic_length = 1000;  ///< mm
-  bool stiffness_at_flange = false;
-  std::vector<Spring> springs;
-  Matrix4 X_WB, X_FT, X_WP;
-  Real w1 = 0, w2 = 0;  ///< of objective chen2021; both 0 for others
-  Real spacing = 0;     ///< mm
-  bool rings = false;   ///< passes may be closed
-  std::string krl_tool_axis = "z", sinumerik_tool_axis = "z", sinumerik_rotation = "rpy";
-  std::string linuxcnc_tool_axis = "z", linuxcnc_rotation = "rpy";  ///< of tool poses
-  std::vector<Body> bodies;                                         ///< the workpiece last
-  std::vector<std::pair<std::string, std::string>> excluded_pairs;
-  std::optional<UrdfArm> urdf;                      ///< of a cell that names one
-  Real clearance_free = 10, clearance_cutting = 2;  ///< mm
-};
 
 /// One row of points.csv; a skipped point has no angles.
 struct Row {
@@ -108,12 +49,5 @@ std::vector<PlannedGap> ReadGaps(const std::string& cbor);
 UrdfArm ReadUrdf(const std::string& xml, const std::string& base, const std::string& flange);
 std::vector<Row> ReadPoints(const std::string& csv);
 Mesh ReadStl(const std::string& bytes, Real unit);
-
-/// Rz(A)·Ry(B)·Rx(C) and a translation; angles in degrees, as KUKA writes frames.
-Matrix4 FrameXyzAbc(Real x, Real y, Real z, Real a_deg, Real b_deg, Real c_deg);
-Matrix4 Turn(int axis, Real angle);
-Matrix4 Shift(Real x, Real y, Real z);
-
-inline constexpr Real kDegree = 3.14159265358979323846264338327950288L / 180;
 
 }  // namespace millpose::audit

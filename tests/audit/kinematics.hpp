@@ -5,9 +5,6 @@
 
 namespace millpose::audit {
 
-/// Frames of the base and of links 1..6 in W, by multiplying elementary matrices.
-std::array<Matrix4, 7> Frames(const Setup& setup, const Angles& angles);
-
 /// Tool tip in W.
 Matrix4 Tool(const Setup& setup, const Angles& angles);
 

@@ -8,10 +8,10 @@
 #include "base/parallel.hpp"
 #include "base/random.hpp"
 #include "cell/world.hpp"
+#include "judge/interference.hpp"
 #include "pipeline/assemble.hpp"
 #include "robot/kinematics.hpp"
 #include "surface/mesh_import.hpp"
-#include "tests/audit/interference.hpp"
 #include "tests/base/source_dir.hpp"
 
 namespace millpose {

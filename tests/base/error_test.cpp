@@ -16,6 +16,11 @@ TEST(Error, AllProblemsAreInTheText) {
   EXPECT_EQ(error.problems().size(), 2u);
 }
 
+TEST(Error, NeitherManyProblemsNorLongOnesFillTheLog) {
+  const std::vector<Problem> many(1000, {{"a", 1}, std::string(10000, 'x')});
+  EXPECT_LT(std::string(InputError(many).what()).size(), 500000u);
+}
+
 TEST(Error, NearestNameFindsSlipsAndLeavesStrangersAlone) {
   EXPECT_EQ(NearestName("stepver_mm", {"stepover_mm", "spacing_mm"}), "stepover_mm");
   EXPECT_EQ(NearestName("Seed", {"name", "seed"}), "seed");

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/text.hpp"
 
+#include "base/shown.hpp"
+
 namespace millpose {
 
 TEST(Text, NumbersReadBackToTheSame) {
   for (const double value : {0.0, 0.1, -3.0, 1e-300, 12345678.9, 2.0 / 3.0})
     EXPECT_EQ(ParseNumber(ShortestNumber(value)), value);
+}
+
+TEST(Text, ForeignTextIsShownShortAndInOneLine) {
+  EXPECT_EQ(Shown("a\nb\x1b[31m", 60), "a?b?[31m");
+  EXPECT_EQ(Shown("12345678", 4), "1234…");
+  EXPECT_EQ(Shown("123\u00e4", 4), "123…");  // no half a character
 }
 
 TEST(Text, OnlyWholeFiniteDecimalsAreNumbers) {

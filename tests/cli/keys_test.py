@@ -30,6 +30,7 @@ LEFT_OUT = {
     "reproduction_only": "such cells get no programs", "cell": "another name of the same file",
     "workpiece.stock.unit": "a stock of another size touches at home",
     "toolpath.strategy": "each has keys of its own: the variants",
+    "interference.unchecked_links": "links that have bodies are refused there",
 }
 # What a name may be changed to where it has to be one that is known.
 OTHER_NAMES = {"pose.objective.name": "isotropy", "process.cutting.material": "TiAl6V4", "excluded_pairs": [["far0", "far2"]]}

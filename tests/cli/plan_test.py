@@ -74,7 +74,7 @@ class Plan(unittest.TestCase):
         self.assertGreaterEqual(audit.pop("ga_share_within_0p1_percent"), 99)
         self.assertLessEqual(audit.pop("ga_worst_gap_percent"), 1)
         self.assertLessEqual(audit.pop("max_slice_distance_mm"), 1e-6)
-        self.assertEqual(audit, {"limit_violations": 0, "interferences": 0})
+        self.assertEqual(audit, {"limit_violations": 0, "interferences": 0, "clearance_violations": 0, "pairs": []})
         self.assertLessEqual(set(differences(self.contents, found)), {"summary.json", "report.html", "manifest.json"})
 
     def test_run_json_holds_what_may_vary(self):

@@ -3,6 +3,7 @@
 """Runs the real millpose's stiffness, identify and flatness. Usage: stiffness_test.py MILLPOSE TOP"""
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -185,6 +186,37 @@ class Identify(Answers):
             self.assertTrue(all("joint_stiffness" in a for a, _ in changed), changed)
             self.assertIn("as before: A1 A6", after)
 
+    def test_readings_that_no_arm_gives_are_findings_and_leave_the_cell_alone(self):
+        with tempfile.TemporaryDirectory() as folder:
+            cell = os.path.join(folder, "cell.yaml")
+            with open(f"{TOP}/cells/quantec_r2700.yaml", encoding="utf-8") as file:
+                before = file.read()
+            write(cell, before)
+            path = self.measurements(folder, ((0, 0, -737.8), (737.8, 0, 0)))
+            with open(path, encoding="utf-8") as file:
+                good = file.read()
+            self.assertIn("as the stated deviation lets expect", run("identify", path, "--cell", cell).stdout)
+            # Kilonewtons and metres together: the same stiffness.
+            both = re.sub(r"force_N: \[(.*?)\], displacement_mm: \[(.*?)\]", lambda m: "force_N: [{}], displacement_mm: [{}]".format(
+                *(", ".join(repr(float(x) / 1000) for x in group.split(",")) for group in m.groups())), good)
+            write(path, both)
+            result = run("identify", path, "--cell", cell, "--json", "--write-cell", cell)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            findings = "; ".join(json.loads(result.stdout)["findings"])
+            self.assertIn("largest force is 0.7378 N", findings)
+            self.assertIn("largest displacement is", findings)
+            self.assertIn("left as it was", result.stderr)
+            with open(cell, encoding="utf-8") as file:
+                self.assertEqual(file.read(), before)
+            # Two readings determine nothing, but they are two.
+            lines = good.splitlines(keepends=True)
+            loads = [i for i, line in enumerate(lines) if "joints_deg" in line]
+            write(path, "".join(line for i, line in enumerate(lines) if i not in loads or i in (loads[0], loads[2])))
+            result = run("identify", path, "--cell", cell)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertIn("2 measurements in 2 poses", result.stdout)
+            self.assertNotIn("nan", result.stdout)
+
     def test_bad_csv_measurements_are_answered_by_line(self):
         head = "a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,fx_N,fy_N,fz_N,dx_mm,dy_mm,dz_mm"
         cell = f"{TOP}/cells/quantec_r2700.yaml"
@@ -240,6 +272,10 @@ class Flatness(unittest.TestCase):
             result = run("flatness", path)
             self.assertEqual(result.returncode, 2)
             self.assertIn("p.csv:4:5: z_mm: given \"x\"", result.stderr)
+            write(path, "x_mm,y_mm,z_mm\n1,1,1\n2,2,1e300\n3,3,2\n")
+            result = run("flatness", path)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn("p.csv:3: a point beyond a kilometre", result.stderr)
 
 
 if __name__ == "__main__":

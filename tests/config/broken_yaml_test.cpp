@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every kind of slip in a job or cell file, with the exact place and the key that the message must name.
+#include <ctime>
+
 #include "base/error.hpp"
+#include "base/shown.hpp"
 #include "config/config.hpp"
 
 namespace millpose {
@@ -96,11 +99,16 @@ const Slip kJobSlips[] = {
      "toolpath.stepover: the key lacks its unit; nearest known key: stepover_mm"},
     {"stepover_mm: 8", "stepover_mm: 8\n  stepover_mm: 9", 13, 3,
      "stepover_mm: given twice; the first stands in line 12"},
-    {"stepover_mm: 8", "stepover_mm: 0", 12, 16, "toolpath.stepover_mm: given 0; allowed: number > 0, mm"},
+    {"stepover_mm: 8", "stepover_mm: 0", 12, 16,
+     "toolpath.stepover_mm: given 0; allowed: number 0.001…10000, mm"},
+    {"stepover_mm: 8", "stepover_mm: 1e-8", 12, 16,
+     "toolpath.stepover_mm: given 1e-8; allowed: number 0.001…10000, mm"},
+    {"spindle_rpm: 7000", "spindle_rpm: 1e300", 15, 16,
+     "process.spindle_rpm: given 1e300; allowed: number 0…500000, rev/min"},
     {"stepover_mm: 8", "stepover_mm: -1e-3", 12, 16,
-     "toolpath.stepover_mm: given -1e-3; allowed: number > 0, mm"},
+     "toolpath.stepover_mm: given -1e-3; allowed: number 0.001…10000, mm"},
     {"stepover_mm: 8", "stepover_mm: 8 mm", 12, 16,
-     "toolpath.stepover_mm: given 8 mm; allowed: number > 0, mm"},
+     "toolpath.stepover_mm: given 8 mm; allowed: number 0.001…10000, mm"},
     {"stepover_mm: 8", "stepover_mm: \"8\"", 12, 16,
      "toolpath.stepover_mm: given the text \"8\"; allowed: number"},
     {"stepover_mm: 8", "stepover_mm: .nan", 12, 16, "toolpath.stepover_mm: given .nan; allowed: number"},
@@ -114,7 +122,7 @@ const Slip kJobSlips[] = {
      "toolpath.stepover_mm: given a list of 1; allowed: number"},
     {"stepover_mm: 8", "stepover_mm: {mm: 8}", 12, 16, "toolpath.stepover_mm: given a map; allowed: number"},
     {"stepover_mm: 8", "stepover_mm:", 12, 3, "toolpath.stepover_mm: given nothing; allowed: number"},
-    {"  stepover_mm: 8\n", "", 9, 3, "toolpath.stepover_mm: missing; required: number > 0, mm"},
+    {"  stepover_mm: 8\n", "", 9, 3, "toolpath.stepover_mm: missing; required: number 0.001…10000, mm"},
     {"process:\n  feed_mm_min: 80\n  spindle_rpm: 7000\n", "", 1, 1, "process: missing; required: map"},
     {"  strategy: parallel_planes", "  strategy: paralel_planes", 9, 13,
      "toolpath.strategy: given paralel_planes; allowed: one of parallel_planes, rings, pad, contours, curve, "
@@ -123,9 +131,9 @@ const Slip kJobSlips[] = {
      "parallel_planes"},
     {"unit: mm", "unit: millimetre", 6, 9, "workpiece.unit: given millimetre; allowed: one of mm, cm, in, m"},
     {"[5, 5, 5, 5, 5, 5]", "[5, 5, 5, 5, 5]", 17, 23,
-     "path.max_joint_step_deg: given a list of 5; allowed: list of 6 numbers > 0, deg"},
+     "path.max_joint_step_deg: given a list of 5; allowed: list of 6 numbers > 0, ≤ 360, deg"},
     {"[5, 5, 5, 5, 5, 5]", "[5, 5, 5, 5, 0, 5]", 17, 36,
-     "path.max_joint_step_deg[4]: given 0; allowed: number > 0, deg"},
+     "path.max_joint_step_deg[4]: given 0; allowed: number > 0, ≤ 360, deg"},
     {"normal: [0, 1, 0]", "normal: [0, 0, 0]", 11, 20,
      "toolpath.planes.normal: given a list of 3; allowed: direction of 3 numbers, not all 0"},
     {"within_deg: 1}", "within_deg: 181}", 10, 55,
@@ -269,6 +277,35 @@ TEST(BrokenYaml, DeepNestingBombsAndCyclesAreRefused) {
   for (const std::string& text : {bomb, std::string("a: &a [*a]"), std::string(100000, '['),
                                   std::string(100000, '{'), std::string(5 << 20, ' ')})
     EXPECT_THROW(ParseJob(text, "f.yaml"), InputError) << text.substr(0, 20);
+}
+
+// A job may name any file of the system as its cell: what the message repeats of it is a few words.
+TEST(BrokenYaml, OfAForeignFileOnlyAFewWordsAreRepeated) {
+  std::string secret;
+  for (int i = 0; i < 100; ++i) secret += fmt::format("secret word {} of a foreign file ", i);
+  std::string lines;
+  for (int i = 0; i < 300; ++i) lines += fmt::format("key{}: {}\n", i, secret);
+  for (const std::string& text : {secret, "name: " + secret, secret + ": 1", "name: !" + secret, lines,
+                                  "seed: " + secret, "\"" + secret + "\": {\"" + secret + "\": 1}"}) {
+    try {
+      ParseCell(text, "f.yaml");
+      ADD_FAILURE() << text.substr(0, 20);
+    } catch (const InputError& error) {
+      EXPECT_LE(error.problems().size(), kMostProblems + 1);
+      for (const Problem& problem : error.problems()) {
+        EXPECT_EQ(problem.message.find("word 9"), std::string::npos) << problem.message;
+      }
+    }
+  }
+}
+
+// Quadratic in their number once: 350,000 took minutes.
+TEST(BrokenYaml, ManyUnknownKeysAreToldQuickly) {
+  std::string text = kJob;
+  for (int i = 0; i < 350000; ++i) text += fmt::format("k{}: 1\n", i);
+  const std::clock_t start = std::clock();
+  EXPECT_THROW(ParseJob(text, "f.yaml"), InputError);
+  EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 5.0);
 }
 
 TEST(BrokenYaml, WindowsLineEndsAndByteOrderMarksAreRead) {

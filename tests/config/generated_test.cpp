@@ -3,6 +3,7 @@
 //   millpose schema job > docs/schema/job.schema.json        (likewise cell; reference >
 //   docs/yaml-reference.md)
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "base/file.hpp"
 #include "config/batch_settings.hpp"
@@ -15,7 +16,27 @@ std::string Committed(const std::string& file) {
   return ReadFile(std::filesystem::path(SourceDir()) / "docs" / file);
 }
 
+using Json = nlohmann::json;
+
+// Paths of the numbers in a schema that have no lower or no upper end.
+void FindEndless(const Json& schema, const std::string& path, std::vector<std::string>& endless) {
+  if (!schema.is_structured()) return;
+  if (schema.is_object() && schema.contains("type") &&
+      (schema["type"] == "number" || schema["type"] == "integer"))
+    if (!schema.contains("enum") &&
+        !(schema.contains("maximum") && (schema.contains("minimum") || schema.contains("exclusiveMinimum"))))
+      endless.push_back(path);
+  for (const auto& [key, value] : schema.items()) FindEndless(value, path + '/' + key, endless);
+}
+
 }  // namespace
+
+TEST(Generated, EveryNumberHasTwoEnds) {
+  std::vector<std::string> endless;
+  for (const std::string& schema : {JobSchema(), CellSchema(), BatchSchema()})
+    FindEndless(Json::parse(schema), "", endless);
+  EXPECT_EQ(endless, std::vector<std::string>{});
+}
 
 TEST(Generated, JobSchemaIsUpToDate) { EXPECT_EQ(Committed("schema/job.schema.json"), JobSchema()); }
 

@@ -44,7 +44,7 @@ TEST(Override, WhatIsWrongIsNamedAsInTheFile) {
   EXPECT_EQ(Refusal("toolpath.stepover=4"),
             "job.yaml: toolpath.stepover: the key lacks its unit; nearest known key: stepover_mm");
   EXPECT_EQ(Refusal("toolpath.stepover_mm=-4"),
-            "job.yaml: toolpath.stepover_mm: given -4; allowed: number > 0, mm");
+            "job.yaml: toolpath.stepover_mm: given -4; allowed: number 0.001…10000, mm");
   EXPECT_TRUE(
       Refusal("name.first=4").starts_with("job.yaml: name: given a map; allowed: name that a file can have"));
   EXPECT_TRUE(Refusal("seed=[").starts_with("--set seed:"));

@@ -179,8 +179,15 @@ TEST_F(UrdfCell, LinksWithoutBodiesAndDoubleStatementsAreErrors) {
       With(urdf_, "<collision><origin xyz=\"0.1 0 -0.11\" rpy=\"3.141592653589793 0 0\"/>", "<visual>");
   const std::string without =
       With(bare, "<geometry><box size=\"0.36 0.3 0.22\"/></geometry></collision>", "</visual>");
-  EXPECT_NE(ErrorOf(kCell, without).find("gives link1 a collision geometry"), std::string::npos)
+  EXPECT_NE(ErrorOf(kCell, without).find("cell.yaml:17: bodies: link1 has no body"), std::string::npos)
       << ErrorOf(kCell, without);
+  const std::string on_purpose = kCell + std::string("interference: {unchecked_links: [link1]}\n");
+  EXPECT_EQ(
+      CellWarnings(Load(on_purpose, without)),
+      std::vector<std::string>{"own: interference of link1 is not checked (interference.unchecked_links)"});
+  EXPECT_NE(ErrorOf(on_purpose, urdf_).find("interference.unchecked_links: link1 has a body"),
+            std::string::npos)
+      << ErrorOf(on_purpose, urdf_);
   EXPECT_NE(ErrorOf(With(kCell, "  urdf:", "  axis_signs: [1, 1, 1, 1, 1, 1]\n  urdf:"), urdf_)
                 .find("cell.yaml:5:3: arm.axis_signs: is derived from the URDF"),
             std::string::npos);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "robot/urdf.hpp"
 
+#include <ctime>
 #include <kdl/chain.hpp>
 #include <kdl/chainfksolverpos_recursive.hpp>
 
@@ -274,6 +275,25 @@ TEST(Urdf, LinksHangOnTheJointThatMovesThem) {
   EXPECT_EQ(found.links[2].moves_with, 3);
   EXPECT_EQ(found.links[2].X_ML.translation(), Vector3d(0, 500, 0));
   EXPECT_EQ(found.links.back().moves_with, 6);
+}
+
+// Quadratic in the links once: a chain of 20,000 fixed ones took minutes.
+TEST(Urdf, MoreLinksThanAnyArmHasAreRefused) {
+  std::string text = "<robot name=\"r\"><link name=\"l0\"/>";
+  for (int i = 1; i <= 20000; ++i)
+    text += fmt::format(
+        "<link name=\"l{0}\"/><joint name=\"j{0}\" type=\"fixed\"><parent link=\"l{1}\"/>"
+        "<child link=\"l{0}\"/></joint>",
+        i, i - 1);
+  const std::clock_t start = std::clock();
+  try {
+    ReadUrdf(text + "</robot>", "r.urdf");
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("more than 1000 links; allowed: at most 1000"),
+              std::string::npos);
+  }
+  EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 5);
 }
 
 }  // namespace

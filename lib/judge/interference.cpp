@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tests/audit/interference.hpp"
+#include "judge/interference.hpp"
 
 #include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/distance.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
-#include "tests/audit/distance.hpp"
-#include "tests/audit/kinematics.hpp"
+#include "judge/distance.hpp"
 
 namespace millpose::audit {
 
@@ -33,7 +35,8 @@ struct Judge::Impl {
     Body body;
     std::shared_ptr<Model> model;
     bool closed;
-    Vector3 centre;  ///< of a sphere around the mesh, in the shape's frame
+    Vector3 centre;  ///< of a box and of a sphere around the mesh, in the shape's frame
+    Vector3 half;    ///< sizes of the box
     Real radius;
     Matrix4 X_WG;  ///< at the pose that is looked at
   };
@@ -43,7 +46,8 @@ struct Judge::Impl {
 
   explicit Impl(const Setup& given) : setup(given) {
     for (const Body& body : setup.bodies) {
-      Item item{body, MakeModel(body.mesh), IsClosed(body.mesh), Vector3::Zero(), 0, body.X_LG};
+      Item item{body,     MakeModel(body.mesh), IsClosed(body.mesh), Vector3::Zero(), Vector3::Zero(), 0,
+                body.X_LG};
       Vector3 lower = body.mesh[0][0], upper = lower;
       for (const auto& t : body.mesh)
         for (const Vector3& p : t) {
@@ -51,6 +55,7 @@ struct Judge::Impl {
           upper = upper.cwiseMax(p);
         }
       item.centre = (lower + upper) / 2;
+      item.half = (upper - lower) / 2;
       for (const auto& t : body.mesh)
         for (const Vector3& p : t) item.radius = std::max(item.radius, (p - item.centre).norm());
       items.push_back(std::move(item));
@@ -102,10 +107,70 @@ struct Judge::Impl {
     return mesh;
   }
 
-  /// Whether the cut allows the two to touch.
+  static bool OnTool(const Body& body) {
+    return body.kind == "cutter" || body.kind == "holder" || body.kind == "spindle";
+  }
+
+  /// Whether the cut allows the two to touch: cutter and part, the tool and the raw part around it.
   static bool MayTouch(const Item& a, const Item& b, bool cutting) {
-    return cutting && (a.body.in_cut || b.body.in_cut) &&
-           (a.body.kind == "workpiece" || b.body.kind == "workpiece");
+    const auto allowed = [](const Body& x, const Body& y) {
+      return (x.in_cut && y.kind == "workpiece") || (OnTool(x) && y.kind == "stock");
+    };
+    return cutting && (allowed(a.body, b.body) || allowed(b.body, a.body));
+  }
+
+  /// The clearance that the cell asks for (docs/interference.md), mm.
+  Real Clearance(const Body& a, const Body& b, bool cutting) const {
+    if (a.kind != "workpiece" && b.kind != "workpiece") return setup.clearance_free;
+    const bool tool = OnTool(a) || OnTool(b);
+    return (cutting && tool ? setup.clearance_cutting : setup.clearance_free) + setup.allowance;
+  }
+
+  /// Distance of the boxes around two bodies along the axes of either: never more than the bodies'.
+  static Real BoxGap(const Item& a, const Item& b) {
+    const Vector3 between = Apply(b.X_WG, b.centre) - Apply(a.X_WG, a.centre);
+    Real gap = 0;
+    for (const auto& [x, y] : {std::pair(&a, &b), std::pair(&b, &a)}) {
+      const Matrix3 axes = x->X_WG.block<3, 3>(0, 0);
+      const Matrix3 other = (axes.transpose() * y->X_WG.block<3, 3>(0, 0)).cwiseAbs();
+      const Vector3 apart = (axes.transpose() * between).cwiseAbs() - x->half - other * y->half;
+      gap = std::max(gap, apart.cwiseMax(Real{0}).norm());
+    }
+    return gap;
+  }
+
+  /// Distance of two surfaces up to `bound`, mm.
+  static double Apart(const Item& a, const Item& b, double bound) {
+    fcl::Transform3d X_a, X_b;
+    X_a.matrix() = a.X_WG.cast<double>();
+    X_b.matrix() = b.X_WG.cast<double>();
+    const fcl::DistanceRequestd request;
+    fcl::DistanceResultd result(bound);
+    fcl::distance(a.model.get(), X_a, b.model.get(), X_b, request, result);
+    return std::clamp(result.min_distance, 0.0, bound);
+  }
+
+  /// Calls `look` at poses on a straight joint motion, no point of arm and tool travelling more than `travel`
+  /// mm from one to the next, until it returns true. It is told whether the pose ends a piece of the motion.
+  template <class Look>
+  void Walk(const Angles& from, const Angles& to, double travel, Look look) {
+    // Pieces of at most 2° keep the reach taken at a piece's middle within 4 % of the reach anywhere on it.
+    Real widest = 0;
+    for (size_t i = 0; i < 6; ++i) widest = std::max(widest, std::abs(to[i] - from[i]));
+    const int pieces = std::max(1, static_cast<int>(std::ceil(widest / (2 * kDegree))));
+    const auto point = [&](Real share) {
+      Angles angles;
+      for (size_t i = 0; i < 6; ++i) angles[i] = from[i] + (to[i] - from[i]) * share;
+      return angles;
+    };
+    for (int piece = 0; piece < pieces; ++piece) {
+      const Angles start = point(static_cast<Real>(piece) / pieces),
+                   end = point(static_cast<Real>(piece + 1) / pieces);
+      const int steps = std::max(1, static_cast<int>(std::ceil(Travel(start, end) * 1.04L / travel)));
+      for (int step = piece > 0 ? 1 : 0; step <= steps; ++step)
+        if (look(point((piece + static_cast<Real>(step) / steps) / pieces), step == 0 || step == steps))
+          return;
+    }
   }
 
   /// Bound of how far any point of a moving body travels on a straight joint motion, mm.
@@ -145,26 +210,37 @@ std::optional<Contact> Judge::At(const Angles& angles, bool cutting, bool inside
 }
 
 std::optional<Contact> Judge::Between(const Angles& from, const Angles& to, bool cutting, double travel) {
-  // Pieces of at most 2° keep the reach taken at a piece's middle within 4 % of the reach anywhere on it.
-  Real widest = 0;
-  for (size_t i = 0; i < 6; ++i) widest = std::max(widest, std::abs(to[i] - from[i]));
-  const int pieces = std::max(1, static_cast<int>(std::ceil(widest / (2 * kDegree))));
-  const auto point = [&](Real share) {
-    Angles angles;
-    for (size_t i = 0; i < 6; ++i) angles[i] = from[i] + (to[i] - from[i]) * share;
-    return angles;
-  };
-  for (int piece = 0; piece < pieces; ++piece) {
-    const Angles start = point(static_cast<Real>(piece) / pieces),
-                 end = point(static_cast<Real>(piece + 1) / pieces);
-    const int steps = std::max(1, static_cast<int>(std::ceil(impl_->Travel(start, end) * 1.04L / travel)));
-    for (int step = 0; step <= steps; ++step) {
-      if (step == 0 && piece > 0) continue;
-      const Angles angles = point((piece + static_cast<Real>(step) / steps) / pieces);
-      if (const auto contact = At(angles, cutting, step == 0 || step == steps)) return contact;
+  std::optional<Contact> contact;
+  impl_->Walk(from, to, travel, [&](const Angles& angles, bool ends) {
+    contact = At(angles, cutting, ends);
+    return contact.has_value();
+  });
+  return contact;
+}
+
+std::vector<Near> Judge::TooNear(const Angles& from, const Angles& to, bool cutting, double share,
+                                 double slack, double travel) {
+  std::map<std::pair<size_t, size_t>, Near> nearest;
+  impl_->Walk(from, to, travel, [&](const Angles& angles, bool) {
+    ++poses;
+    impl_->Place(angles);
+    for (const auto& [i, j] : impl_->pairs) {
+      const Impl::Item &a = impl_->items[i], &b = impl_->items[j];
+      if (Impl::MayTouch(a, b, cutting)) continue;
+      const double wanted = share * static_cast<double>(impl_->Clearance(a.body, b.body, cutting));
+      double bound = wanted - slack;
+      const auto known = nearest.find({i, j});
+      if (known != nearest.end()) bound = known->second.distance;
+      if (bound <= 0 || Impl::BoxGap(a, b) >= bound) continue;
+      const double distance = Impl::Apart(a, b, bound);
+      if (distance < bound)
+        nearest.insert_or_assign({i, j}, Near{a.body.name, b.body.name, distance, wanted});
     }
-  }
-  return std::nullopt;
+    return false;
+  });
+  std::vector<Near> near;
+  for (const auto& [pair, found] : nearest) near.push_back(found);
+  return near;
 }
 
 Real Judge::Distance(const std::string& first, const std::string& second, const Angles& angles, bool cutting,

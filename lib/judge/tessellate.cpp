@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tests/audit/tessellate.hpp"
+#include "judge/tessellate.hpp"
 
-#include <cmath>
-#include <cstring>
-#include <sstream>
+#include <algorithm>
+
+#include "base/trig.hpp"
 
 namespace millpose::audit {
 namespace {
@@ -15,8 +15,8 @@ constexpr int kLatitudes = 24;  // of a half sphere
 std::vector<Vector3> Ring(Real radius, Real z) {
   std::vector<Vector3> ring;
   for (int i = 0; i <= kSides; ++i) {
-    const Real angle = 360 * kDegree * (i % kSides) / kSides;
-    ring.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
+    const SineCosine turn = SinCos(static_cast<double>(360 * kDegree * (i % kSides) / kSides));
+    ring.push_back({radius * turn.cos, radius * turn.sin, z});
   }
   return ring;
 }
@@ -40,32 +40,16 @@ Mesh Revolve(const std::vector<std::pair<Real, Real>>& radius_and_z) {
   return mesh;
 }
 
-Real Number(const std::string& text) { return std::stold(text); }
-
-Mesh ReadAsciiStl(const std::string& bytes, Real unit) {
-  std::istringstream words(bytes);
-  std::string word;
-  std::vector<Vector3> corners;
-  while (words >> word) {
-    if (word != "vertex" && word != "VERTEX") continue;
-    std::string x, y, z;
-    words >> x >> y >> z;
-    corners.push_back({Number(x) * unit, Number(y) * unit, Number(z) * unit});
-  }
-  Mesh mesh;
-  for (size_t i = 0; i + 2 < corners.size(); i += 3)
-    mesh.push_back({corners[i], corners[i + 1], corners[i + 2]});
-  return mesh;
-}
-
 /// Corners of a convex face in order around its normal; corners inside the rim's edges do no harm.
 std::vector<Vector3> Around(std::vector<Vector3> face, const Vector3& normal) {
   Vector3 centre = Vector3::Zero();
   for (const Vector3& p : face) centre += p / static_cast<Real>(face.size());
   const Vector3 u = (face[0] - centre).normalized(), v = normal.cross(u);
   std::sort(face.begin(), face.end(), [&](const Vector3& a, const Vector3& b) {
-    return std::atan2(v.dot(a - centre), u.dot(a - centre)) <
-           std::atan2(v.dot(b - centre), u.dot(b - centre));
+    const auto angle = [&](const Vector3& p) {
+      return Atan2(static_cast<double>(v.dot(p - centre)), static_cast<double>(u.dot(p - centre)));
+    };
+    return angle(a) < angle(b);
   });
   return face;
 }
@@ -100,8 +84,9 @@ Mesh CapsuleMesh(Real radius, Real length) {
     for (int i = 0; i < kLatitudes; ++i) {
       if (length == 0 && side > 0 && i == 0) continue;  // a sphere has one equator
       const int step = side < 0 ? i + 1 : i;
-      const Real latitude = 90 * kDegree * (side < 0 ? step - kLatitudes : step) / kLatitudes;
-      outline.push_back({radius * std::cos(latitude), side * length / 2 + radius * std::sin(latitude)});
+      const SineCosine latitude =
+          SinCos(static_cast<double>(90 * kDegree * (side < 0 ? step - kLatitudes : step) / kLatitudes));
+      outline.push_back({radius * latitude.cos, side * length / 2 + radius * latitude.sin});
     }
   return Revolve(outline);
 }
@@ -118,10 +103,10 @@ Mesh HullMesh(const std::vector<Vector3>& points) {
           normal.normalize();
           std::vector<Vector3> face;
           bool outermost = true, known = false;
-          for (const Vector3& p : points) {
-            const Real height = normal.dot(p - points[i]);
-            outermost = outermost && height < 1e-7L;
-            if (std::abs(height) < 1e-7L) face.push_back(p);
+          for (size_t m = 0; m < points.size() && outermost; ++m) {
+            const Real height = normal.dot(points[m] - points[i]);
+            outermost = height < 1e-7L;
+            if (std::abs(height) < 1e-7L) face.push_back(points[m]);
           }
           for (const Vector3& other : seen) known = known || (other - normal).norm() < 1e-7L;
           if (!outermost || known) continue;
@@ -129,20 +114,6 @@ Mesh HullMesh(const std::vector<Vector3>& points) {
           const std::vector<Vector3> rim = Around(face, normal);
           for (size_t c = 1; c + 1 < rim.size(); ++c) mesh.push_back({rim[0], rim[c], rim[c + 1]});
         }
-  return mesh;
-}
-
-Mesh ReadStl(const std::string& bytes, Real unit) {
-  uint32_t count = 0;
-  if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, 4);
-  if (bytes.size() != 84 + size_t{50} * count) return ReadAsciiStl(bytes, unit);
-  Mesh mesh(count);
-  for (size_t i = 0; i < count; ++i)
-    for (size_t corner = 0; corner < 3; ++corner) {
-      float xyz[3];
-      std::memcpy(xyz, bytes.data() + 84 + 50 * i + 12 * (corner + 1), 12);
-      mesh[i][corner] = Vector3(xyz[0], xyz[1], xyz[2]) * unit;
-    }
   return mesh;
 }
 

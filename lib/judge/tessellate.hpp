@@ -3,7 +3,7 @@
 // touches in truth.
 #pragma once
 
-#include "tests/audit/folder.hpp"
+#include "judge/setup.hpp"
 
 namespace millpose::audit {
 

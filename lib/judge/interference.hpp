@@ -3,8 +3,9 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
-#include "tests/audit/folder.hpp"
+#include "judge/setup.hpp"
 
 namespace millpose::audit {
 
@@ -14,8 +15,14 @@ struct Contact {
   Angles angles;
 };
 
-/// Looks at poses and motions with plain FCL collision of full triangle meshes. Knows no clearance: what it
-/// finds touching touches.
+/// Two bodies that are nearer than the cell asks for.
+struct Near {
+  std::string first, second;
+  double distance, wanted;  ///< mm
+};
+
+/// Looks at poses and motions with plain FCL collision of full triangle meshes. What it finds touching
+/// touches; clearances are looked at apart.
 class Judge {
  public:
   explicit Judge(const Setup& setup);
@@ -28,6 +35,12 @@ class Judge {
   /// Looks at poses on the straight line in joint space so that no point of arm and tool travels more than
   /// `travel` mm from one to the next; both ends included.
   std::optional<Contact> Between(const Angles& from, const Angles& to, bool cutting, double travel);
+
+  /// Pairs that come nearer than `share` of their clearance less `slack` (mm) at poses on the straight line
+  /// in joint space, no point travelling more than `travel` mm from one to the next: each with its least
+  /// distance.
+  std::vector<Near> TooNear(const Angles& from, const Angles& to, bool cutting, double share, double slack,
+                            double travel);
 
   /// Distance of the bodies of these names at a pose, mm, up to `bound`; 0 when they touch or one is inside
   /// the other. While cutting, the part of the cutter that may be in the workpiece is left out against it.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "tests/audit/folder.hpp"
+#include "judge/setup.hpp"
 
 namespace millpose::audit {
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tests/audit/distance.hpp"
+#include "judge/distance.hpp"
 
 #include <cassert>
 #include <cmath>
 #include <limits>
+
+#include "base/trig.hpp"
 
 namespace millpose::audit {
 namespace {
@@ -118,7 +120,9 @@ bool IsClosed(const Mesh& mesh) {
 bool IsInside(const Vector3& p, const Mesh& mesh) {
   // Möller and Trumbore 1997; directions without any symmetry that a part may have.
   for (Real turn = 0.1L; turn < 10; turn += 0.7L) {
-    const Vector3 d = Vector3(std::cos(turn), 0.377L, std::sin(turn * 1.3L)).normalized();
+    const Vector3 d =
+        Vector3(SinCos(static_cast<double>(turn)).cos, 0.377L, SinCos(static_cast<double>(turn * 1.3L)).sin)
+            .normalized();
     bool odd = false, doubtful = false;
     for (const auto& t : mesh) {
       const Vector3 e1 = t[1] - t[0], e2 = t[2] - t[0], h = d.cross(e2);

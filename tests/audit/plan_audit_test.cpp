@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The audit of `plan --audit`: the cell that it hands to the judge, and what it makes of the judge's answers.
+#include "base/file.hpp"
+#include "base/random.hpp"
+#include "judge/interference.hpp"
+#include "pipeline/assemble.hpp"
+#include "pipeline/audit.hpp"
+#include "pipeline/judge_setup.hpp"
+#include "pipeline/workpiece.hpp"
+#include "robot/kinematics.hpp"
+#include "tests/audit/folder.hpp"
+#include "tests/base/source_dir.hpp"
+
+namespace millpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Joint angles about home, where the tool comes near the part and the arm near itself.
+Joints SomePose(const Cell& cell, RandomStream& random) {
+  Joints q;
+  for (int i = 0; i < 6; ++i) q[i] = random.Uniform(cell.arm.lower[i], cell.arm.upper[i]);
+  return q;
+}
+
+TEST(PlanAudit, TheJudgeSeesTheCellAsItReadsItItself) {
+  const fs::path folder = fs::path(SourceDir()) / "toolpaths/support_pad";
+  const Cell cell = MakeJobCell(LoadJobInputs(folder / "job.yaml"));
+  audit::Judge given(MakeJudgeSetup(cell)), read(audit::ReadSetup(ReadFile(folder / "job.yaml"), {folder}));
+  RandomStream random(3, 0);
+  int touching = 0, near = 0;
+  for (int k = 0; k < 60; ++k) {
+    const audit::Angles q = ToJudge(SomePose(cell, random));
+    const bool cutting = k % 2 == 1;
+    const auto contact = given.At(q, cutting, true), same = read.At(q, cutting, true);
+    EXPECT_EQ(contact.has_value(), same.has_value()) << k;
+    touching += contact.has_value();
+    for (const audit::Near& pair : given.TooNear(q, q, cutting, 1, 0, 1)) {
+      // Every pair of triangles measured, body by body of that name: never farther than told.
+      const double distance = static_cast<double>(read.Distance(pair.first, pair.second, q, cutting, 20));
+      EXPECT_LE(distance, pair.distance + 1e-3) << pair.first << " " << pair.second;
+      EXPECT_LT(pair.distance, pair.wanted);
+      near += pair.distance > 0;
+    }
+  }
+  EXPECT_GT(touching, 3);
+  EXPECT_GT(near, 0);
+}
+
+/// A plan of one cut that stands still at home, beside a fixture that is `gap` mm from the holder.
+AuditFigures AuditBeside(double gap, double share_of_angle = 1e-4) {
+  std::map<std::string, std::string> bytes;
+  Cell cell = MakeCell(LoadCell(fs::path(SourceDir()) / "cells/quantec_r2700.yaml", &bytes), bytes);
+  const Pose X_WT = cell.X_WB * ForwardFlange(cell.arm, cell.home) * cell.X_FT;
+  Body post{"post", BodyClass::kFixture, Mount::kWorld, 0, Pose::Identity(), Box{{10, 10, 10}}};
+  post.X_MG = X_WT * Pose(Eigen::Translation3d(-63.0 / 2 - 5 - gap, 0, 90));  // beside the holder
+  cell.bodies.push_back(post);
+  PlanResult plan;
+  plan.arm = cell.arm, plan.X_WB = cell.X_WB, plan.X_FT = cell.X_FT, plan.home = cell.home;
+  PassResult& pass = plan.passes.emplace_back();
+  pass.points.resize(2);
+  pass.points[0].q = pass.points[1].q = cell.home;
+  pass.points[1].q[5] += share_of_angle;
+  pass.pieces.push_back({0, 0, 0, 1, false});
+  AdmissibleBounds bounds;
+  bounds.lower = cell.arm.lower, bounds.upper = cell.arm.upper;
+  return Audit(plan, Mesh(Triangles{}), cell, bounds, 0.5, 2, {});
+}
+
+TEST(PlanAudit, TellsContactAndClearanceApartByPair) {
+  const AuditFigures free = AuditBeside(12), near = AuditBeside(4), touching = AuditBeside(-2);
+  EXPECT_EQ(free.interferences + free.clearance_violations, 0);
+  EXPECT_TRUE(Findings(free).empty());
+
+  EXPECT_EQ(near.interferences, 0);
+  EXPECT_GT(near.clearance_violations, 0);
+  ASSERT_EQ(near.pairs.size(), 1u);
+  EXPECT_NEAR(near.pairs[0].least_mm, 4, 0.1);
+  EXPECT_EQ(near.pairs[0].wanted_mm, 10);
+  ASSERT_EQ(Findings(near).size(), 1u);
+  EXPECT_NE(Findings(near)[0].find("post"), std::string::npos);
+  EXPECT_NE(Findings(near)[0].find("holder"), std::string::npos);
+
+  EXPECT_GT(touching.interferences, 0);
+  EXPECT_EQ(touching.clearance_violations, 0);
+  ASSERT_EQ(Findings(touching).size(), 1u);
+  EXPECT_NE(Findings(touching)[0].find("touches"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace millpose
