@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Two traces against each other, block by block: ways between cuts as joint motions, cuts by their tips.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/units.hpp"
+#include "tests/campaign/polyline.hpp"
+#include "tests/campaign/trace.hpp"
+
+namespace millpose::campaign {
+namespace {
+
+constexpr double kTolerance = 0.02;  // mm, of verification
+constexpr double kAngleTolerance = 0.02 * kRadPerDeg;
+constexpr double kClear = 1.6, kHarmless = 0.25;  // of these: clearly changed, hardly anything
+constexpr double kWayClear = 0.1 * kRadPerDeg, kWayHarmless = 0.005 * kRadPerDeg;  // verification: 0.05 deg
+
+/// The worst that was said so far.
+struct Verdict {
+  Judgement judgement;
+  void Say(Effect effect, const std::string& why) {
+    if (effect > judgement.effect) judgement = {effect, why};
+  }
+  /// By how far `value` is from harmless and from clear.
+  void Grade(double value, double harmless, double clear, const std::string& why) {
+    if (value > harmless)
+      Say(value > clear ? Effect::kChanged : Effect::kBorder, fmt::format("{} {:.4g}", why, value));
+  }
+};
+
+/// Motions of one kind that follow each other, with where they begin.
+struct Block {
+  Step::Kind kind = Step::Kind::kWay;
+  Joints start = Joints::Zero();
+  std::vector<Step> steps;
+};
+
+std::vector<Block> BlocksOf(const Trace& trace) {
+  std::vector<Block> blocks;
+  Joints last = Joints::Zero();
+  for (const Step& step : trace.steps) {
+    if (step.kind != Step::Kind::kWay && step.kind != Step::Kind::kCut) continue;
+    if (blocks.empty() || blocks.back().kind != step.kind)
+      blocks.push_back({step.kind, blocks.empty() ? step.q : last, {}});
+    blocks.back().steps.push_back(step);
+    last = step.q;
+  }
+  return blocks;
+}
+
+void JudgeWay(const Block& original, const Block& mutant, Verdict& verdict) {
+  const auto course = [](const Block& block) {
+    std::vector<Joints> way = {block.start};
+    for (const Step& step : block.steps) way.push_back(step.q);
+    return way;
+  };
+  const std::vector<Joints> a = course(original), b = course(mutant);
+  verdict.Grade(std::max(FarthestOf(a, b), FarthestOf(b, a)), kWayHarmless, kWayClear, "way off by rad");
+  Joints before = mutant.start;
+  for (const Step& step : mutant.steps) {
+    if ((step.q - std::exchange(before, step.q)).norm() < 1e-7) continue;  // goes nowhere
+    const auto same_words = [&](const Step& other) { return other.words == step.words; };
+    if (std::none_of(original.steps.begin(), original.steps.end(), same_words))
+      verdict.Say(Effect::kChanged, "words of a way: " + step.words);
+    if (!step.exact) verdict.Say(Effect::kChanged, "a way-point is rounded");
+    verdict.Grade(step.way_speed / original.steps[0].way_speed, 1 + 1e-12, 1.05, "ways faster by");
+    if (step.way_speed < original.steps[0].way_speed) verdict.Say(Effect::kBorder, "slower ways");
+  }
+}
+
+/// mm/min of the tip.
+double FeedOf(const Step& step, double length, double angle) {
+  double feed = step.seconds > 0 ? length / step.seconds * 60 : step.feed;
+  if (step.turn_speed > 0 && angle > 1e-9) feed = std::min(feed, length * step.turn_speed / angle * 60);
+  return feed;
+}
+
+/// Every sample of `moved` lies on `fixed`, in order.
+void JudgeFollow(const Polyline& fixed, const Polyline& moved, Verdict& verdict) {
+  Follower follower(fixed, kTolerance, kAngleTolerance);
+  for (const Sample& sample : moved.samples)
+    verdict.Grade(follower.Follow(sample), kHarmless, kClear, "tip off by tolerances");
+}
+
+void JudgeFeeds(const Block& original, const Polyline& fixed, const Block& mutant, const Polyline& moved,
+                Verdict& verdict) {
+  Follower follower(fixed, kTolerance, kAngleTolerance);
+  for (size_t i = 1; i < moved.samples.size(); ++i) {
+    const Sample &from = moved.samples[i - 1], &to = moved.samples[i];
+    const size_t at = to.step;
+    follower.Follow(Between(from, to));
+    const size_t planned = fixed.samples[follower.segment() + 1].step;
+    if (moved.lengths[at] < 2 * kTolerance || fixed.lengths[planned] < 2 * kTolerance)
+      continue;  // turns only
+    const double feed = FeedOf(mutant.steps[at], moved.lengths[at], moved.angles[at]);
+    const double wanted = FeedOf(original.steps[planned], fixed.lengths[planned], fixed.angles[planned]);
+    verdict.Grade(feed / wanted, 1.005, 1.06, "faster by");
+    verdict.Grade(wanted / feed, 1.005, 1 / 0.45, "slower by");
+    if (mutant.steps[at].words != original.steps[planned].words)
+      verdict.Say(Effect::kChanged, "words of a cut: " + mutant.steps[at].words);
+  }
+}
+
+/// How far the corner behind step i is rounded at most, in tolerances.
+double RoundingAt(const Step& step, const Polyline& line, size_t i) {
+  const Corner corner = CornerAt(line, i);
+  double reach = std::min(line.lengths[i], line.lengths[i + 1]) / 2;
+  if (step.from_corner) reach = std::min(reach, step.blend);
+  double off = reach / 4 * corner.turn, turned = reach / 4 * corner.twist;
+  if (!step.from_corner) off = std::min(off, step.blend);
+  if (step.angle_blend > 0) turned = std::min(turned, step.angle_blend);
+  return std::max(off / kTolerance, turned / kAngleTolerance);
+}
+
+/// How far corners are rounded, against the worst of the original, and whether there is a stop that was none.
+void JudgeCorners(const Block& original, const Polyline& fixed, const Block& mutant, const Polyline& moved,
+                  Verdict& verdict) {
+  double worst = 1;
+  for (size_t i = 0; i + 1 < original.steps.size(); ++i)
+    if (!original.steps[i].exact) worst = std::max(worst, RoundingAt(original.steps[i], fixed, i));
+  for (size_t i = 0; i + 1 < mutant.steps.size(); ++i) {
+    const Step& step = mutant.steps[i];
+    if (!step.exact) {
+      verdict.Grade(RoundingAt(step, moved, i) / worst, 1.02, kClear, "corner rounded by tolerances");
+      continue;
+    }
+    const bool planned = std::any_of(original.steps.begin(), original.steps.end(), [&](const Step& other) {
+      return other.exact && (other.X_BT.translation() - step.X_BT.translation()).norm() < 1.5 * kTolerance;
+    });
+    if (!planned) verdict.Say(Effect::kChanged, "stops in a cut");
+  }
+  // A stop that was planned and is none now.
+  for (size_t k = 0; k + 1 < original.steps.size(); ++k) {
+    if (!original.steps[k].exact) continue;
+    const auto here = [&](const Step& step) {
+      return (step.X_BT.translation() - original.steps[k].X_BT.translation()).norm() < kTolerance;
+    };
+    const auto stops = [&](const Step& step) { return step.exact && here(step); };
+    if (std::any_of(mutant.steps.begin(), mutant.steps.end(), here) &&
+        std::none_of(mutant.steps.begin(), mutant.steps.end(), stops))
+      verdict.Say(Effect::kBorder, "a planned stop is passed");
+  }
+}
+
+void JudgeCut(const Block& original, const Block& mutant, const Machine& machine, Verdict& verdict) {
+  const Polyline fixed = Sampled(original.steps, original.start, machine);
+  const Polyline moved = Sampled(mutant.steps, mutant.start, machine);
+  JudgeFollow(fixed, moved, verdict);
+  JudgeFollow(moved, fixed, verdict);
+  if (verdict.judgement.effect == Effect::kChanged) return;
+  JudgeFeeds(original, fixed, mutant, moved, verdict);
+  JudgeCorners(original, fixed, mutant, moved, verdict);
+  for (size_t i = 0; i < mutant.steps.size(); ++i)
+    if (moved.lengths[i] < 1e-6 && moved.angles[i] < 1e-7)
+      verdict.Say(Effect::kBorder, "goes nowhere in a cut");
+}
+
+/// Outputs and the like in their order, at their places; waits.
+void JudgeEvents(const Trace& original, const Trace& mutant, Verdict& verdict) {
+  const auto of = [](const Trace& trace, Step::Kind kind) {
+    std::vector<size_t> events;
+    for (size_t i = 0; i < trace.steps.size(); ++i)
+      if (trace.steps[i].kind == kind) events.push_back(i);
+    return events;
+  };
+  // Between two cuts the place of a switch counts little: how many cuts are before it does.
+  const auto cuts_before = [](const Trace& trace, size_t i) {
+    return std::count_if(trace.steps.begin(), trace.steps.begin() + static_cast<long>(i),
+                         [](const Step& step) { return step.kind == Step::Kind::kCut; });
+  };
+  const auto in_way = [](const Trace& trace, size_t i) {
+    return i == 0 || i + 1 == trace.steps.size() || trace.steps[i - 1].kind == Step::Kind::kWay ||
+           trace.steps[i + 1].kind == Step::Kind::kWay;
+  };
+  for (const Step::Kind kind : {Step::Kind::kSwitch, Step::Kind::kStop}) {
+    const std::vector<size_t> a = of(original, kind), b = of(mutant, kind);
+    size_t i = 0, k = 0;
+    for (; i < a.size() && k < b.size(); ++k) {
+      const Step &planned = original.steps[a[i]], &given = mutant.steps[b[k]];
+      const double off = (planned.X_BT.translation() - given.X_BT.translation()).norm();
+      const bool way = in_way(original, a[i]) && in_way(mutant, b[k]) &&
+                       cuts_before(original, a[i]) == cuts_before(mutant, b[k]);
+      if (planned.words == given.words && (way || off <= kClear * kTolerance)) {
+        if (off > kTolerance && given.words != "end")
+          verdict.Say(Effect::kBorder, "switched elsewhere on a way");
+        ++i;
+        continue;
+      }
+      if (kind == Step::Kind::kSwitch) return verdict.Say(Effect::kChanged, "switched: " + given.words);
+      // A wait that is not planned marks the cut where the tool would have gone on.
+      const bool cutting = b[k] > 0 && b[k] + 1 < mutant.steps.size() &&
+                           mutant.steps[b[k] - 1].kind == Step::Kind::kCut && !mutant.steps[b[k] - 1].exact;
+      verdict.Say(cutting ? Effect::kChanged : Effect::kBorder, "waits: " + given.words);
+    }
+    if (i < a.size()) return verdict.Say(Effect::kChanged, "not switched: " + original.steps[a[i]].words);
+    for (; k < b.size(); ++k) {
+      const bool cutting =
+          b[k] > 0 && mutant.steps[b[k] - 1].kind == Step::Kind::kCut && !mutant.steps[b[k] - 1].exact;
+      verdict.Say(kind == Step::Kind::kSwitch || cutting ? Effect::kChanged : Effect::kBorder,
+                  "more: " + mutant.steps[b[k]].words);
+    }
+  }
+}
+
+bool SameBlock(const Block& a, const Block& b) {
+  const auto same = [](const Step& x, const Step& y) {
+    return x.q == y.q && x.straight == y.straight && x.angles == y.angles && x.feed == y.feed &&
+           x.seconds == y.seconds && x.turn_speed == y.turn_speed && x.way_speed == y.way_speed &&
+           x.exact == y.exact && x.blend == y.blend && x.angle_blend == y.angle_blend && x.words == y.words;
+  };
+  return a.kind == b.kind && a.start == b.start &&
+         std::equal(a.steps.begin(), a.steps.end(), b.steps.begin(), b.steps.end(), same);
+}
+
+}  // namespace
+
+Judgement Judge(const Trace& original, const Trace& mutant, const Machine& machine) {
+  if (!mutant.refused.empty()) return {Effect::kRefused, mutant.refused};
+  Verdict verdict;
+  JudgeEvents(original, mutant, verdict);
+  const std::vector<Block> a = BlocksOf(original), b = BlocksOf(mutant);
+  if (a.size() != b.size())
+    return {Effect::kChanged, fmt::format("{} blocks of motions for {}", b.size(), a.size())};
+  for (size_t i = 0; i < a.size() && verdict.judgement.effect != Effect::kChanged; ++i) {
+    if (SameBlock(a[i], b[i])) continue;
+    if (a[i].kind != b[i].kind) return {Effect::kChanged, "another kind of motion"};
+    if (a[i].kind == Step::Kind::kWay)
+      JudgeWay(a[i], b[i], verdict);
+    else
+      JudgeCut(a[i], b[i], machine, verdict);
+  }
+  return verdict.judgement;
+}
+
+}  // namespace millpose::campaign

@@ -1,0 +1,411 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// KRL as the KRC4 runs it, after KUKA System Software 8.3, Operating and Programming Instructions for System
+// Integrators (KSS 8.3 SI V4), chapter "Programming for user group Expert (KRL syntax)"; its sections are
+// named at each rule. What BAS does: bas.src of the controller, as the issue's facts have it.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/units.hpp"
+#include "tests/campaign/runner.hpp"
+
+namespace millpose::campaign {
+namespace {
+
+using Fields = std::map<std::string, double>;
+
+class Krl : public Mover {
+ public:
+  Krl(const Files& files, const Machine& machine) : Mover(machine) {
+    for (const auto& [name, text] : files)
+      if (name.ends_with(".src")) files_[Upper(name.substr(0, name.size() - 4))] = text;
+  }
+
+  Trace Run() {
+    try {
+      RunFile(Main());
+      Event(Step::Kind::kSwitch, "end");
+    } catch (const Refusal& refusal) {
+      trace.refused = fmt::format("{}: {}", line, refusal.why);
+    }
+    return std::move(trace);
+  }
+
+ private:
+  std::string Main() const {
+    for (const auto& [name, text] : files_) {
+      bool called = false;
+      for (const auto& [other, body] : files_)
+        called = called || (other != name && Upper(body).find("\n" + name + " (") != std::string::npos);
+      if (!called) return name;
+    }
+    throw Refusal{"no main program"};
+  }
+
+  /// "Structure of a KRL program": & lines, DEF NAME ( ), declarations, statements, END; nothing behind it.
+  void RunFile(const std::string& name) {
+    if (++depth_ > 8) throw Refusal{"calls too deep"};
+    const std::vector<std::string> lines = LinesOf(files_.at(name));
+    CheckLabels(lines);
+    bool defined = false, ended = false;
+    for (size_t i = 0; i < lines.size(); ++i) {
+      line = static_cast<int>(i) + 1;
+      const std::string text = lines[i];
+      if (!defined && text.starts_with("&")) continue;
+      const std::string code = Upper(text.substr(0, text.find(';')));
+      Cursor at(code);
+      if (at.Done()) continue;
+      if (ended) throw Refusal{"a statement after END"};
+      if (!defined) {
+        at.Need(at.Take("DEF"), "DEF");
+        at.Need(at.Name() == name, "the file's name");
+        at.Need(at.TakeChar('(') && at.TakeChar(')') && at.Done(), "( )");
+        defined = true;
+      } else if (at.Take("END")) {
+        at.Need(at.Done(), "the end of the line");
+        ended = true;
+      } else {
+        Statement(at, code);
+        line = static_cast<int>(i) + 1;
+      }
+    }
+    if (!ended) throw Refusal{"END is missing"};
+    if (spline_) throw Refusal{"ENDSPLINE is missing"};
+    --depth_;
+  }
+
+  /// "GOTO": a label is defined once in its program.
+  static void CheckLabels(const std::vector<std::string>& lines) {
+    std::set<std::string> labels;
+    for (const std::string& text : lines) {
+      Cursor at(Upper(text.substr(0, text.find(';'))));
+      const std::string name = at.Name();
+      if (!name.empty() && at.TakeChar(':') && at.Done() && !labels.insert(name).second)
+        throw Refusal{"label " + name + " is defined twice"};
+    }
+  }
+
+  void Statement(Cursor& at, const std::string& code) {
+    const Cursor start = at;
+    if (spline_ && !(at.Take("SLIN") || at.Take("ENDSPLINE") || at.Take("TRIGGER")))
+      throw Refusal{"not allowed within SPLINE"};  // "SPLINE … ENDSPLINE"
+    at = start;
+    if (at.Take("PTP")) return Ptp(at);
+    if (at.Take("LIN")) return Lin(at, false);
+    if (at.Take("SLIN")) return Lin(at, true);
+    if (at.Take("SPLINE")) return BeginSpline(at);
+    if (at.Take("ENDSPLINE")) return EndSpline(at);
+    if (at.Take("TRIGGER")) return Trigger(at);
+    if (at.Take("BAS")) return Bas(at);
+    if (at.Take("HALT") || at.Take("WAIT")) return Wait(at, code);
+    if (at.Take("GLOBAL") || at.Take("INTERRUPT")) return Interrupt(at, code);
+    if (at.Peek() == '$') return Assign(at, code);
+    // Valid statements that change what runs ("Program execution control", "Motion programming").
+    for (const char* word : {"GOTO", "LOOP", "ENDLOOP", "RETURN", "EXIT", "CONTINUE", "LIN_REL", "PTP_REL",
+                             "CIRC", "SPL", "SCIRC", "SPTP", "IF", "PULSE", "BRAKE"}) {
+      if (!at.Take(word)) continue;
+      Event(Step::Kind::kSwitch, code);
+      return;
+    }
+    const std::string name = at.Name();
+    at.Need(!name.empty(), "a statement");
+    if (name.size() > 24) throw Refusal{"a name of more than 24 characters"};
+    if (name.find('.') != std::string::npos) throw Refusal{"no name"};
+    if (at.TakeChar(':')) return at.Need(at.Done(), "the end of the line");
+    at.Need(at.TakeChar('(') && at.TakeChar(')') && at.Done(), "( )");
+    if (!files_.contains(name)) throw Refusal{"unknown program " + name};
+    RunFile(name);
+  }
+
+  /// "WAIT SEC", "WAIT FOR", "HALT": all stop the advance run, so the motion before ends exactly.
+  void Wait(Cursor& at, const std::string& code) {
+    if (code.find("HALT") != std::string::npos) {
+      at.Need(at.Done(), "the end of the line");
+    } else if (at.Take("SEC")) {
+      const auto seconds = at.Number(true);
+      at.Need(seconds.has_value() && at.Done(), "seconds");
+      if (*seconds <= 0) return;  // "values ≤ 0 have no effect"
+    } else {
+      at.Need(at.Take("FOR") && !at.Done(), "FOR and a condition");
+    }
+    Event(Step::Kind::kStop, Squeezed(code));
+  }
+
+  /// "Interrupt programming": no motion; what runs on a stop message is the controller's own.
+  void Interrupt(Cursor& at, const std::string& code) {
+    const std::string text = Squeezed(code);
+    const bool known =
+        text == "GLOBALINTERRUPTDECL3WHEN$STOPMESS==TRUEDOIR_STOPM()" || text == "INTERRUPTON3";
+    if (!known) Event(Step::Kind::kSwitch, text);
+    at.Rest();
+  }
+
+  static std::string Squeezed(const std::string& code) {
+    std::string text;
+    for (const char c : code)
+      if (c != ' ' && c != '\t') text += c;
+    return text;
+  }
+
+  void Bas(Cursor& at) {
+    at.Need(at.TakeChar('(') && at.TakeChar('#'), "(#");
+    const std::string command = at.Name();
+    at.Need(at.TakeChar(','), ",");
+    const auto value = at.Number(true);
+    at.Need(value.has_value() && at.TakeChar(')') && at.Done(), "a number and )");
+    if (command == "INITMOV") {  // bas.src: all of these as delivered, base and tool by the plant
+      base_.reset();
+      tool_.reset();
+      modal_ = {{"$ORI_TYPE", "#VAR"}};
+      feed_ = 2;
+      turn_ = {200, 200};
+      blend_ = 3;
+      advance_ = 3;
+      way_speed_ = 1;
+    } else if (command == "VEL_PTP") {
+      if (*value <= 0 || *value > 100) throw Refusal{"a speed of 1 to 100 % expected"};
+      way_speed_ = *value / 100;
+    } else {
+      modal_["BAS " + command] = fmt::format("{}", *value);
+    }
+  }
+
+  /// "Variables and declarations", system variables.
+  void Assign(Cursor& at, const std::string& code) {
+    const std::string name = at.Name();
+    const bool indexed = at.Peek() == '[';
+    if (indexed || name == "$OUT" || name == "$ANOUT") {  // "Inputs/outputs": stops the advance run
+      if (code.find('=') == std::string::npos) throw Refusal{"= expected"};
+      Output(at, name);
+      return;
+    }
+    static const std::set<std::string> known = {
+        "$BASE",     "$TOOL",      "$ORI_TYPE", "$VEL.CP",   "$VEL.ORI1", "$VEL.ORI2", "$APO.CDIS",
+        "$APO.CVEL", "$APO.CORI",  "$APO.CPTP", "$ADVANCE",  "$ACC.CP",   "$ACC.ORI1", "$ACC.ORI2",
+        "$OV_PRO",   "$CIRC_TYPE", "$IPO_MODE", "$ACT_TOOL", "$ACT_BASE", "$LOAD.M"};
+    if (!known.contains(name)) throw Refusal{"an unknown variable " + name};
+    at.Need(at.TakeChar('='), "=");
+    if (name == "$BASE" || name == "$TOOL") {
+      (name == "$BASE" ? base_ : tool_) = FrameOf(at);
+      return;
+    }
+    if (name == "$ORI_TYPE" || name == "$CIRC_TYPE" || name == "$IPO_MODE") {
+      modal_[name] = at.Rest();
+      return;
+    }
+    const auto value = at.Number(true);
+    at.Need(value.has_value() && at.Done(), "a number");
+    if (name == "$VEL.CP")
+      feed_ = Positive(*value);
+    else if (name == "$VEL.ORI1" || name == "$VEL.ORI2")
+      turn_[name.back() - '1'] = Positive(*value);
+    else if (name == "$APO.CDIS")
+      blend_ = *value;
+    else if (name == "$ADVANCE")
+      SetAdvance(*value);
+    else
+      Set(name, *value);  // $ACC, $APO.CVEL, …: as they are for every motion after
+  }
+
+  /// "Inputs/outputs": a whole number in brackets; stops the advance run.
+  void Output(Cursor& at, const std::string& name) {
+    at.Need(at.TakeChar('['), "[");
+    const auto number = at.Number();
+    at.Need(number && *number == static_cast<int>(*number) && at.TakeChar(']'), "a whole number and ]");
+    at.Need(at.TakeChar('='), "=");
+    const auto value = at.Number(true);
+    const std::string word = value ? fmt::format("{:.0f}", *value) : at.Name();
+    at.Need(!word.empty() && at.Done(), "a value");
+    Event(Step::Kind::kSwitch, fmt::format("{}[{}]={}", name, *number, word));
+  }
+
+  /// What is set and not modelled. $ACC changes times at stops alone, by v/2a, which is far below a tenth of
+  /// a second at milling feeds: no more than its being there counts.
+  void Set(const std::string& name, double value) {
+    if (name.starts_with("$ACC") && !(value > 0)) throw Refusal{"an acceleration above 0 expected"};
+    modal_[name] = name.starts_with("$ACC") ? "set" : fmt::format("{:.4f}", value);
+  }
+
+  static double Positive(double value) {
+    if (!(value > 0)) throw Refusal{"a speed above 0 expected"};
+    return value;
+  }
+
+  void SetAdvance(double value) {
+    if (value < 0 || value > 5 || value != static_cast<int>(value))
+      throw Refusal{"$ADVANCE of 0 to 5 expected"};
+    advance_ = static_cast<int>(value);
+  }
+
+  Fields FieldsOf(Cursor& at, std::initializer_list<const char*> types) {
+    at.Need(at.TakeChar('{'), "{");
+    const Cursor start = at;
+    const std::string type = at.Name();
+    bool typed = false;
+    for (const char* known : types) typed = typed || type == known;
+    if (!typed || !at.TakeChar(':')) at = start;
+    Fields fields;
+    do {
+      const std::string name = at.Name();
+      const auto bits = at.Bits();
+      const auto value = bits ? std::optional<double>(*bits) : at.Number(true);
+      at.Need(!name.empty() && value.has_value(), "a field with its value");
+      if (!fields.emplace(name, *value).second) throw Refusal{"a field twice: " + name};
+    } while (at.TakeChar(','));
+    at.Need(at.TakeChar('}'), "}");
+    return fields;
+  }
+
+  Pose PoseOf(const Fields& f) const {
+    return Frame(f.at("X"), f.at("Y"), f.at("Z"), Zyx(f.at("A"), f.at("B"), f.at("C")));
+  }
+
+  std::optional<Pose> FrameOf(Cursor& at) {
+    if (at.Peek() != '{') {  // a frame that the controller holds
+      modal_["frame"] += at.Rest();
+      return std::nullopt;
+    }
+    Fields fields = FieldsOf(at, {"FRAME"});
+    at.Need(at.Done(), "the end of the line");
+    Allow(fields, "XYZABC", false);
+    for (const char* name : {"X", "Y", "Z", "A", "B", "C"})
+      if (!fields.contains(name)) throw Refusal{"an incomplete frame"};
+    return PoseOf(fields);
+  }
+
+  static void Allow(const Fields& fields, const std::string& letters, bool target) {
+    for (const auto& [name, value] : fields) {
+      const bool letter = name.size() == 1 && letters.find(name[0]) != std::string::npos;
+      const bool extra = target && (name == "S" || name == "T" ||
+                                    (name.size() == 2 && name[0] == 'E' && name[1] >= '1' && name[1] <= '6'));
+      if (!letter && !extra) throw Refusal{"no such field: " + name};
+    }
+  }
+
+  /// The flange for a target's fields; what is not given stays as it is ("PTP", "LIN": components may be left
+  /// out).
+  Pose Flange(Fields& fields) {
+    Allow(fields, "XYZABC", true);
+    if (!base_ || !tool_) {
+      Event(Step::Kind::kSwitch, "base or tool are not known");
+      return Pose::Identity();
+    }
+    for (const char* name : {"X", "Y", "Z", "A", "B", "C"})
+      if (!fields.contains(name)) {
+        if (!last_.contains(name)) throw Refusal{"a component that was never given"};
+        fields[name] = last_[name];
+      }
+    last_ = fields;
+    return *base_ * PoseOf(fields) * tool_->inverse();
+  }
+
+  std::string Words(const Fields& fields) const {
+    std::string words;
+    for (const auto& [name, value] : modal_)
+      if (!name.starts_with("$ACC")) words += name + "=" + value + " ";
+    for (const auto& [name, value] : fields)
+      if (name[0] == 'E') words += fmt::format("{}={:.3f} ", name, value);
+    return words;
+  }
+
+  /// "PTP": axes or a pose with S and T; C_PTP rounds.
+  void Ptp(Cursor& at) {
+    Fields fields = FieldsOf(at, {"E6AXIS", "AXIS", "E6POS", "POS", "FRAME"});
+    const bool rounded = at.Take("C_PTP");
+    if (rounded && (at.Take("C_DIS") || at.Take("C_VEL") || at.Take("C_ORI"))) {
+    }
+    at.Need(at.Done(), "the end of the line");
+    Step* step = nullptr;
+    if (fields.contains("A1") || fields.contains("A2") || fields.contains("A3")) {
+      Joints q = this->q().value_or(Joints::Zero());
+      for (const auto& [name, value] : fields) {
+        if (name.size() == 2 && name[0] == 'A' && name[1] >= '1' && name[1] <= '6')
+          q[name[1] - '1'] = value * kRadPerDeg;
+        else if (name[0] != 'E')
+          throw Refusal{"no such field: " + name};
+      }
+      if (!this->q() && fields.size() < 6) throw Refusal{"the first motion must be complete"};
+      last_.clear();
+      step = &WayTo(q);
+    } else {
+      const Pose X_BF = Flange(fields);
+      const auto bits = [&](const char* name) {
+        return fields.contains(name) ? std::optional<int>(static_cast<int>(fields.at(name))) : std::nullopt;
+      };
+      step = &WayTo(X_BF, bits("S"), bits("T"));
+    }
+    step->way_speed = way_speed_;
+    step->exact = !rounded || advance_ == 0;
+    step->words = Words(fields);
+  }
+
+  /// "LIN", "SLIN", "Approximate positioning": C_DIS by $APO.CDIS; without the advance run every point is
+  /// exact.
+  void Lin(Cursor& at, bool spline) {
+    Fields fields = FieldsOf(at, {"E6POS", "POS", "FRAME"});
+    std::string how;
+    if (!spline || !spline_)
+      for (const char* word : {"C_DIS", "C_VEL", "C_ORI", "C_SPL"})
+        if (at.Take(word)) how = word;
+    double feed = feed_;
+    if (spline && at.Take("WITH")) {
+      at.Need(at.Take("$VEL.CP") && at.TakeChar('='), "$VEL.CP =");
+      feed = Positive(at.Number(true).value_or(0));
+    }
+    at.Need(at.Done(), "the end of the line");
+    const Pose X_BF = Flange(fields);
+    Step& step = CutTo(X_BF);
+    step.feed = feed * 60000;
+    step.turn_speed = std::min(turn_[0], turn_[1]) * kRadPerDeg;
+    step.from_corner = true;
+    step.blend = blend_;
+    step.exact = (how.empty() && !spline_) || advance_ == 0 || (!spline_ && blend_ <= 0);
+    if (spline_) step.blend = 0;
+    step.words = Words(fields) + (how == "C_VEL" || how == "C_ORI" ? how : "");
+  }
+
+  void BeginSpline(Cursor& at) {
+    at.Need(at.Done() && !spline_, "the end of the line");
+    spline_ = true;
+  }
+
+  void EndSpline(Cursor& at) {
+    at.Need(at.Done() && spline_, "SPLINE before");
+    spline_ = false;
+    if (!trace.steps.empty()) trace.steps.back().exact = true;
+  }
+
+  /// "Path-related switching actions (=Trigger)": DISTANCE=0 where the motion begins, 1 where it ends.
+  void Trigger(Cursor& at) {
+    at.Need(at.Take("WHEN"), "WHEN");
+    const bool path = at.Take("PATH");
+    at.Need((path || at.Take("DISTANCE")) && at.TakeChar('='), "DISTANCE=");
+    const auto distance = at.Number(true);
+    at.Need(distance.has_value(), "a number");
+    if (path) at.Take("ONSTART");
+    at.Need(at.Take("DELAY") && at.TakeChar('='), "DELAY=");
+    const auto delay = at.Number(true);
+    at.Need(delay.has_value() && at.Take("DO"), "a number and DO");
+    if (!path && *distance != 0 && *distance != 1) throw Refusal{"DISTANCE of 0 or 1 expected"};
+    const std::string name = at.Name();
+    if (name.empty()) throw Refusal{"an action expected"};
+    Output(at, name);
+    const long delayed = std::lround(*delay);
+    trace.steps.back().words += fmt::format(" after {} at {}", delayed, *distance);
+  }
+
+  std::map<std::string, std::string> files_;
+  std::map<std::string, std::string> modal_;  // what is set and not modelled: must be as it was
+  Fields last_;
+  std::optional<Pose> base_, tool_;
+  double feed_ = 2, blend_ = 3, way_speed_ = 1;
+  std::array<double, 2> turn_ = {200, 200};
+  int advance_ = 3, depth_ = 0;
+  bool spline_ = false;
+};
+
+}  // namespace
+
+Trace RunKrl(const Files& files, const Machine& machine) { return Krl(files, machine).Run(); }
+
+}  // namespace millpose::campaign

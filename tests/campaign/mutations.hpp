@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Random changes of program texts: what transfers, edits by hand and misunderstandings make of them.
+#pragma once
+
+#include <string>
+
+#include "base/random.hpp"
+#include "tests/campaign/trace.hpp"
+
+namespace millpose::campaign {
+
+struct Mutant {
+  Files files;
+  std::string kind;  ///< "digit", "line dropped", "insert WAIT SEC 0.5", …
+  std::string file;
+  int line = 0;  ///< from 1
+  std::string before, after;
+
+  /// Whether it must pass where it changes nothing on the machine: numbers and looks. Statements that stand
+  /// elsewhere or are new may be refused: readers know where each may stand.
+  bool MustPass() const;
+};
+
+/// One random change of one file; `controller` says which statements are inserted.
+Mutant Mutate(const Files& files, const std::string& controller, RandomStream& random);
+
+}  // namespace millpose::campaign

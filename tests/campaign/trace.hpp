@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a program makes the machine do, as an interpreter of the campaign says: apart from lib/program, so
+// that one misunderstanding of a manual does not hide another.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "robot/kinematics.hpp"
+
+namespace millpose::campaign {
+
+using Files = std::map<std::string, std::string>;
+
+/// The machine that runs a program. The controller counts the arm's own angles.
+struct Machine {
+  Arm arm;
+  Pose X_FT = Pose::Identity();                        ///< the real tool
+  Eigen::Matrix3d R_TC = Eigen::Matrix3d::Identity();  ///< the controller's tool frame
+  std::string rotation = "rpy";                        ///< how A, B, C turn (SINUMERIK, LinuxCNC)
+  bool cartesian = false;                              ///< LinuxCNC with tool poses in cuts
+  std::string tool_name;
+};
+
+/// One thing that the machine does.
+struct Step {
+  enum class Kind { kWay, kCut, kSwitch, kStop } kind = Kind::kWay;
+  Joints q = Joints::Zero();              ///< where a motion ends, rad
+  Pose X_BT = Pose::Identity();           ///< the real tip there
+  bool straight = false;                  ///< the tip on a line, else the joints together
+  std::optional<Eigen::Vector3d> angles;  ///< rad, of a straight motion whose three angles run evenly
+  double feed = 0;                        ///< of cuts, mm/min along the tip's way; 0: see seconds
+  double seconds = 0;                     ///< of cuts in inverse time, or that only turn
+  double turn_speed = 0;                  ///< rad/s, of straight cuts; 0: none
+  double way_speed = 1;                   ///< share, of ways
+  bool exact = true;                      ///< stops at its end
+  double blend = 0;                       ///< where it does not: mm from the corner (KRL), or from the path
+  bool from_corner = false;               ///< which of the two
+  double angle_blend = 0;                 ///< bound of the orientation, rad; 0: none
+  std::optional<Joints> programmed;       ///< six words as given, where a text gives six (LinuxCNC)
+  std::string words;                      ///< all else that counts: what is switched, modes, external axes
+  int line = 0;
+};
+
+struct Trace {
+  std::string refused;  ///< why the control would not run it; empty: it does
+  std::vector<Step> steps;
+};
+
+/// What becomes of a program when a text is changed.
+enum class Effect { kSame, kBorder, kChanged, kRefused };
+struct Judgement {
+  Effect effect = Effect::kSame;
+  std::string why;
+};
+
+/// Compares what two programs do. kSame is far within the tolerances of verification, kChanged clearly
+/// outside; between them and where a manual leaves it open stands kBorder.
+Judgement Judge(const Trace& original, const Trace& mutant, const Machine& machine);
+
+Trace RunKrl(const Files& files, const Machine& machine);
+Trace RunSinumerik(const Files& files, const Machine& machine);
+Trace RunLinuxCnc(const Files& files, const Machine& machine);
+
+}  // namespace millpose::campaign
