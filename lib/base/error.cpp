@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.hpp"
 
+#include <algorithm>
 #include <cctype>
 
 #include "base/shown.hpp"
@@ -30,6 +31,7 @@ InputError::InputError(std::vector<Problem> problems) : problems_(std::move(prob
     const std::string place = ToString(problem.place);
     text_ += place.empty() ? problem.message : place + ": " + problem.message;
   }
+  std::ranges::replace(text_, '\0', '?');  // what() ends at the first
 }
 
 InputError::InputError(Place place, std::string message)

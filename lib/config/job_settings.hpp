@@ -29,6 +29,7 @@ struct WorkpieceSettings {
   std::vector<TargetSettings> targets;  ///< in place of the pose: best fit
   double max_residual = 0.5;            ///< mm, of the fit at any target
   double weld_tolerance = 1e-4;         ///< mm
+  bool flip = false;                    ///< open sheets the other way round
   double chord_tolerance = 0.05;        ///< mm, between a STEP part's faces and their triangles
   int step_seconds = 120;               ///< of processor time for reading a STEP part
   int step_memory = 2048;               ///< MB, likewise

@@ -126,6 +126,13 @@ Codec<ToolpathSettings> ToolpathFields() {
     if (value.kind == Value::Kind::kMap && !without && !value.FindKey("stepover_mm"))
       context.Child("stepover_mm").Add(value.mark, "missing; required: " + Stepover().type);
     read(value, context, toolpath);
+    const Value* chord = value.Find("chord_tolerance_mm");
+    if (chord != nullptr && toolpath.chord_tolerance > toolpath.gouges.tolerance)
+      context.Child("chord_tolerance_mm")
+          .Add(chord->mark,
+               fmt::format("given {} mm; at most gouges.tolerance_mm, {} mm: beyond it the chords themselves "
+                           "count as gouges",
+                           toolpath.chord_tolerance, toolpath.gouges.tolerance));
   };
   return codec;
 }

@@ -55,6 +55,8 @@ Codec<WorkpieceSettings> WorkpieceFields() {
                  "Largest distance of a measured target from where the fit puts it."),
           Key<S>("weld_tolerance_mm", MILLPOSE_AT(weld_tolerance), Real(kMm, UpTo(100)),
                  "Vertices of the mesh nearer than this become one."),
+          Key<S>("flip", MILLPOSE_AT(flip), Flag(),
+                 "Turn open sheets the other way round: of these nobody can tell outside from inside."),
           Key<S>("chord_tolerance_mm", MILLPOSE_AT(chord_tolerance), Real(kMm, Between(1e-4, 100)),
                  "Of a STEP part: largest distance between its faces and their triangles."),
           Key<S>("step", kSelf,

@@ -107,7 +107,7 @@ MeshCheck CheckMesh(const CheckMeshArguments& arguments) {
   step.chord_tolerance = arguments.chord_tolerance;
   RawMesh raw = ReadMesh(arguments.root.Read(arguments.mesh), name, step);
   const double unit = arguments.unit.value_or(raw.stated_unit.value_or(1));
-  const ImportResult import = ImportMesh(std::move(raw), {unit, arguments.weld_tolerance}, name);
+  const ImportResult import = ImportMesh(std::move(raw), {unit, arguments.weld_tolerance, false}, name);
   std::vector<std::string> warnings = Findings(import.report);
   const Eigen::Vector3d size = import.report.upper - import.report.lower;
   if (const auto warning = UnitWarning(size.maxCoeff(), kLargeArm)) warnings.push_back(*warning);

@@ -111,6 +111,7 @@ Part ReadPart(const JobInputs& inputs, const Cell& cell) {
   ImportOptions options;
   options.unit = inputs.job.workpiece.unit;
   options.weld_tolerance = inputs.job.workpiece.weld_tolerance;
+  options.flip = inputs.job.workpiece.flip;
   Part part{ImportMesh(ReadMesh(inputs.workpiece_bytes, name, MakeStepOptions(inputs.job.workpiece)), options,
                        name),
             CellWarnings(inputs.cell)};

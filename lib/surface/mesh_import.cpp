@@ -60,6 +60,9 @@ ImportResult ImportMesh(RawMesh raw, const ImportOptions& options, const std::st
                                  "the unit right?",
                                  report.triangles_read, options.weld_tolerance));
   MakeManifold(mesh, report.repairs);
+  if (options.flip && FlipOpenPieces(mesh) == 0)
+    throw InputError({name},
+                     "flip: every piece is closed, so its outside is known; only open sheets can be flipped");
   DropUnusedVertices(mesh);
   ImportResult result{Mesh(std::move(mesh)), std::move(report)};
   const Triangles& done = result.mesh.triangles();

@@ -14,6 +14,7 @@ namespace millpose {
 struct ImportOptions {
   double unit = 1;               ///< mm per unit of the file
   double weld_tolerance = 1e-4;  ///< mm, ≥ 0: vertices nearer than this are one, flatter triangles none
+  bool flip = false;  ///< turns the open pieces, whose outside nobody can tell, the other way round
 };
 
 /// What an import found and did; nothing is repaired without a count here.
@@ -36,7 +37,8 @@ struct ImportResult {
 };
 
 /// Scales, welds and repairs (weld.hpp, repair.hpp) a mesh as read. Throws InputError naming `name` when no
-/// triangle with area is left, or when the file states another unit. Give `raw` away to spare its memory.
+/// triangle with area is left, when the file states another unit, or when there is
+/// no open piece to flip. Give `raw` away to spare its memory.
 ImportResult ImportMesh(RawMesh raw, const ImportOptions& options, const std::string& name);
 
 /// One sentence for each thing worth telling: repairs that were made, rims, pieces, notes. Empty for a sound

@@ -1,24 +1,54 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/raw_mesh.hpp"
 
+#include <algorithm>
+
 #include "base/error.hpp"
 #include "surface/obj_reader.hpp"
 #include "surface/off_reader.hpp"
 #include "surface/ply_reader.hpp"
 #include "surface/step_reader.hpp"
 #include "surface/stl_reader.hpp"
+#include "surface/text_scanner.hpp"
 
 namespace millpose {
 namespace {
 
+constexpr const char* kFormats = "STL, OBJ, PLY, OFF and STEP are read";
+
+bool IsUtf16(std::string_view bytes) {
+  return bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff");
+}
+
+// Text throughout its first part: no binary STL, whose numbers hold bytes that no text has.
+bool LooksLikeText(std::string_view bytes) {
+  return std::ranges::all_of(bytes.substr(0, 512), [](char c) {
+    const auto b = static_cast<unsigned char>(c);
+    return b >= 0x20 || c == '\t' || c == '\n' || c == '\r' || c == '\f';
+  });
+}
+
+RawMesh ReadLastResort(std::string_view bytes, const std::string& name) {
+  TextScanner scanner(bytes, name);
+  const std::string_view word = scanner.Peek();
+  if (LooksLikeText(bytes) && !EqualsIgnoringCase(word, "solid"))
+    throw InputError(scanner.place(), fmt::format("text of no known mesh format begins with {}; {}",
+                                                  scanner.Shown(word), kFormats));
+  return ReadStl(bytes, name);
+}
+
 RawMesh Read(std::string_view bytes, const std::string& name, const StepOptions& step) {
   if (bytes.empty()) throw InputError({name}, "the file is empty");
   if (IsExactBinaryStl(bytes)) return ReadStl(bytes, name);  // its header may begin with any word
+  if (IsUtf16(bytes))
+    throw InputError({name}, fmt::format("the file is text in UTF-16; save it as UTF-8. {}", kFormats));
+  if (bytes.starts_with("\xef\xbb\xbf"))
+    bytes.remove_prefix(3);  // the mark that some editors put before UTF-8
   if (LooksLikeStep(bytes)) return ReadStep(bytes, name, step);
   if (LooksLikePly(bytes)) return ReadPly(bytes, name);
   if (LooksLikeOff(bytes)) return ReadOff(bytes, name);
   if (LooksLikeObj(bytes)) return ReadObj(bytes, name);
-  return ReadStl(bytes, name);
+  return ReadLastResort(bytes, name);
 }
 
 }  // namespace

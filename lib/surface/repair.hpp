@@ -34,6 +34,10 @@ void RemoveDuplicates(Triangles& mesh, RepairCounts& counts);
 /// (cavities inside), and doubles vertices in which several fans meet. Geometry is never moved.
 void MakeManifold(Triangles& mesh, RepairCounts& counts);
 
+/// Turns every piece of a manifold that is open at a rim, of which nobody can tell outside from inside, the
+/// other way round. How many triangles were turned.
+size_t FlipOpenPieces(Triangles& mesh);
+
 /// Drops vertices that no face uses; the others keep their order.
 void DropUnusedVertices(Triangles& mesh);
 

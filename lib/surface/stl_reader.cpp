@@ -69,8 +69,8 @@ RawMesh ReadBinary(std::string_view bytes, const std::string& name) {
   return mesh;
 }
 
-// One "facet … endfacet"; the word "facet" is already taken.
-void ReadFacet(TextScanner& scanner, RawMesh& mesh) {
+// One "facet … endfacet"; the word "facet" is already taken. 1 when words behind it were passed over, else 0.
+size_t ReadFacet(TextScanner& scanner, RawMesh& mesh) {
   if (scanner.Accept("normal"))
     for (int i = 0; i < 3; ++i) scanner.Next();  // ignored, so they may be anything
   scanner.Expect("outer");
@@ -84,15 +84,22 @@ void ReadFacet(TextScanner& scanner, RawMesh& mesh) {
   mesh.triangles.faces.push_back({first, first + 1, first + 2});
   scanner.Expect("endloop");
   scanner.Expect("endfacet");
+  // Some programs write an attribute behind it; files on one line go on with a word of their own.
+  if (!scanner.MoreInLine()) return 0;
+  const std::string_view next = scanner.Peek();
+  if (EqualsIgnoringCase(next, "facet") || EqualsIgnoringCase(next, "endsolid")) return 0;
+  scanner.SkipLine();
+  return 1;
 }
 
 RawMesh ReadText(std::string_view bytes, const std::string& name) {
   TextScanner scanner(bytes, name);
   RawMesh mesh;
+  size_t attributes = 0;
   while (!scanner.AtEnd()) {
     scanner.Expect("solid");
     scanner.SkipLine();  // the solid's name
-    while (scanner.Accept("facet")) ReadFacet(scanner, mesh);
+    while (scanner.Accept("facet")) attributes += ReadFacet(scanner, mesh);
     if (scanner.AtEnd()) {
       mesh.notes.emplace_back("\"endsolid\" is missing at the end");
     } else {
@@ -100,6 +107,8 @@ RawMesh ReadText(std::string_view bytes, const std::string& name) {
       scanner.SkipLine();
     }
   }
+  if (attributes > 0)
+    mesh.notes.push_back(fmt::format("words behind {} \"endfacet\" were ignored", attributes));
   return mesh;
 }
 

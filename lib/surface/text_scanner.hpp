@@ -42,13 +42,14 @@ class TextScanner {
   size_t position() const { return at_; }
   /// Line in which it stands.
   int line() const { return line_; }
+  /// A word as messages quote it: 40 characters at most, none that a terminal would not show.
+  std::string Shown(std::string_view word) const;
   /// Place of the word that was peeked at or taken last.
   Place place() const;
 
  private:
   void SkipSpace();
   void TakeLineEnd();
-  std::string Shown(std::string_view word) const;
 
   std::string_view bytes_;
   std::string name_;

@@ -141,6 +141,20 @@ TEST(MeshImport, LeavesHolesOpenAndTellsThem) {
   EXPECT_EQ(result.report.repairs.closed_pieces, 0);
 }
 
+TEST(MeshImport, FlipsOpenSheetsAndNothingElse) {
+  Triangles mesh = kBox;
+  Append(mesh, Moved(GridShape(2, 2, 5), Eigen::Isometry3d(Eigen::Translation3d(100, 0, 0))));
+  const Mesh plain = Import(mesh).mesh, flipped = Import(mesh, {.flip = true}).mesh;
+  int turned = 0;
+  for (int f = 0; f < plain.face_count(); ++f) {
+    const bool sheet = plain.Corner(f, 0).x() > 50;
+    EXPECT_NEAR(plain.FaceNormal(f).dot(flipped.FaceNormal(f)), sheet ? -1 : 1, 1e-12);
+    turned += sheet;
+  }
+  EXPECT_EQ(turned, 8);
+  EXPECT_THROW(Import(kBox, {.flip = true}), InputError);
+}
+
 TEST(MeshImport, TakesBodiesThatShareAnEdgeApart) {
   Triangles mesh = BoxShape({0, 0, 0}, {1, 1, 1});
   Append(mesh, BoxShape({1, 1, 0}, {2, 2, 1}));

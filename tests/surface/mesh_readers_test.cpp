@@ -175,5 +175,30 @@ TEST(Polygon, ConcaveOnesKeepTheirArea) {
   }
 }
 
+const std::string kTetrahedron = "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+TEST(ReadMesh, TakesTheMarkOfUtf8Away) {
+  EXPECT_EQ(ReadMesh("\xef\xbb\xbf" + kTetrahedron, "part").triangles.faces.size(), 4);
+  EXPECT_EQ(ReadMesh("\xef\xbb\xbfOFF 3 1 0\n0 0 0 1 0 0 0 1 0\n3 0 1 2\n", "part").triangles.faces.size(),
+            1);
+}
+
+TEST(ReadMesh, SaysWhatTextIsNoMesh) {
+  std::string wide = "\xff\xfe";
+  for (const char c : kTetrahedron) wide += std::string{c, '\0'};
+  EXPECT_EQ(ErrorOf(wide),
+            "part: the file is text in UTF-16; save it as UTF-8. STL, OBJ, PLY, OFF and STEP are read");
+  std::string prose;
+  for (int i = 0; i < 20; ++i) prose += "This part is milled from 5A06.\n";
+  EXPECT_EQ(
+      ErrorOf(prose),
+      "part:1:1: text of no known mesh format begins with \"This\"; STL, OBJ, PLY, OFF and STEP are read");
+}
+
+TEST(ReadMesh, MessagesSurviveZeroBytes) {
+  EXPECT_EQ(ErrorOf(Replaced(kTetrahedron, "f 1 3 2", std::string("f 1 \0q 2", 8))),
+            "part:5:5: a face needs vertices from 1 to 4 (or -1 to -4), found \"?q\"");
+}
+
 }  // namespace
 }  // namespace millpose

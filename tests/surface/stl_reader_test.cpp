@@ -102,5 +102,23 @@ TEST(StlReader, TellsThePlaceOfWhatItCannotRead) {
             "part.stl:4:13: expected a finite number, found the end of the file");
 }
 
+std::string Joined(std::string lines) {
+  std::ranges::replace(lines, '\n', ' ');
+  return lines;
+}
+
+TEST(StlReader, PassesOverWordsBehindAFacet) {
+  const std::string facet =
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n";
+  const RawMesh mesh =
+      ReadStl("solid a\n" + facet + "endfacet 0.5 red\n" + facet + "endfacet\nendsolid a\n", "part");
+  EXPECT_EQ(mesh.triangles.faces.size(), 2);
+  EXPECT_EQ(mesh.notes, std::vector<std::string>{"words behind 1 \"endfacet\" were ignored"});
+  const RawMesh line =
+      ReadStl("solid a\n" + Joined(facet) + "endfacet " + Joined(facet) + "endfacet endsolid", "part");
+  EXPECT_EQ(line.triangles.faces.size(), 2);
+  EXPECT_TRUE(line.notes.empty());
+}
+
 }  // namespace
 }  // namespace millpose
