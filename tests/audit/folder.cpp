@@ -277,7 +277,8 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   if (fs::exists(path / "programs"))
     for (const auto& controller : fs::directory_iterator(path / "programs"))
       for (const auto& file : fs::directory_iterator(controller.path()))
-        folder.programs[controller.path().filename()][file.path().filename()] = ReadFile(file.path());
+        if (file.is_regular_file())  // starts/ holds programs of single pieces: the whole one is judged
+          folder.programs[controller.path().filename()][file.path().filename()] = ReadFile(file.path());
   return folder;
 }
 
