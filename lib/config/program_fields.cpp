@@ -22,7 +22,7 @@ Codec<ProgramOptionSettings> ProgramOptionFields() {
              "Lifts every cut along the tool axis, to see the program run in the air."),
       Key<S>("base_window", kSelf,
              Section<S>({
-                 Key<S>("shift_mm", MILLPOSE_AT(base_shift), Real(kMm, UpTo(100)), "Along X, Y and Z."),
+                 Key<S>("shift_mm", MILLPOSE_AT(base_shift), Real(kMm, UpTo(1000)), "Along X, Y and Z."),
                  Key<S>("turn_deg", MILLPOSE_AT(base_turn), Real(kDeg, Between(0, 5)), "About X, Y and Z."),
              }),
              "With workpiece.targets: how far $BASE may be shifted; reach and clearance are re-verified for "

@@ -12,6 +12,7 @@
 #include "pipeline/assemble.hpp"
 #include "robot/kinematics.hpp"
 #include "surface/mesh_import.hpp"
+#include "tests/audit/folder.hpp"
 #include "tests/base/source_dir.hpp"
 
 namespace millpose {

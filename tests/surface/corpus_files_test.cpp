@@ -101,8 +101,8 @@ std::vector<File> Stl() {
        "part:8:1: expected \"endfacet\", found the end of the file"},
       {"text without facets", "solid part\nendsolid part\n", "part: the file holds no triangles"},
       {"rubbish", std::string(200, 'x'),
-       "part, byte 80: the header promises 2021161080 facets, the 200 bytes of the file hold 2: the file is "
-       "cut off or not an STL"}};
+       "part:1:1: text of no known mesh format begins with \"" + std::string(40, 'x') +
+           "…\"; STL, OBJ, PLY, OFF and STEP are read"}};
 }
 
 std::vector<File> Obj() {

@@ -179,7 +179,7 @@ const std::string kTetrahedron = "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf
 
 TEST(ReadMesh, TakesTheMarkOfUtf8Away) {
   EXPECT_EQ(ReadMesh("\xef\xbb\xbf" + kTetrahedron, "part").triangles.faces.size(), 4);
-  EXPECT_EQ(ReadMesh("\xef\xbb\xbfOFF 3 1 0\n0 0 0 1 0 0 0 1 0\n3 0 1 2\n", "part").triangles.faces.size(),
+  EXPECT_EQ(ReadMesh("\xef\xbb\xbfOFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "part").triangles.faces.size(),
             1);
 }
 

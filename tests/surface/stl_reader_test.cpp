@@ -79,7 +79,9 @@ TEST(StlReader, RefusesWhatTheSizeCannotHold) {
   EXPECT_EQ(ErrorOf(""), "part.stl: the file is empty");
   EXPECT_EQ(ErrorOf("solid nothing\nendsolid nothing\n"), "part.stl: the file holds no triangles");
   EXPECT_EQ(ErrorOf(BinaryStl({})), "part.stl: the file holds no triangles");
-  EXPECT_EQ(ErrorOf("short"), "part.stl, byte 5: the file ends after 5 bytes; a binary STL has at least 84");
+  EXPECT_EQ(ErrorOf("short"),
+            "part.stl:1:1: text of no known mesh format begins with \"short\"; STL, OBJ, PLY, OFF and STEP "
+            "are read");
 }
 
 TEST(StlReader, RefusesNumbersThatAreNotFinite) {
