@@ -42,7 +42,7 @@ TEST(ToolStack, WhatHoldsTheCutterIsTaken) {
   EXPECT_EQ(ProblemOf("shape: ball, diameter_mm: 20, cutting_length_mm: 40", Part("cutter", 60, 20, 20)), "");
   EXPECT_EQ(ProblemOf("shape: bull, diameter_mm: 20, corner_radius_mm: 5, cutting_length_mm: 40",
                       Part("cutter", 5, 10, 30) + ", " + Part("cutter", 60, 20, 20)),
-            "tool.stack[0]: up to 8.28427 mm thinner than the cutter of diameter_mm 20; allowed within "
+            "tool.stack[0]: up to 2.36068 mm thinner than the cutter of diameter_mm 20; allowed within "
             "cutting_length_mm: at least as thick");
 }
 
