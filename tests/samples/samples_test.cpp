@@ -135,9 +135,11 @@ std::pair<double, double> Apart(const std::vector<Pose>& path, const std::vector
     for (size_t j = k; j < std::min(lines.size(), k + 40); ++j) {
       const PoseLine& line = lines[j];
       const Eigen::Vector3d along = line.to() - line.from();
+      // Walks of one path begin and end up to a step apart: the first line and the last go on.
+      const double least = j == 0 ? -1.0 : 0.0, most = j + 1 == lines.size() ? 2.0 : 1.0;
       const double share =
           along.norm() > 1e-9
-              ? std::clamp((pose.translation() - line.from()).dot(along) / along.squaredNorm(), 0.0, 1.0)
+              ? std::clamp((pose.translation() - line.from()).dot(along) / along.squaredNorm(), least, most)
               : 1.0;
       const Pose at = line.At(share);
       const double off = (at.translation() - pose.translation()).norm();
