@@ -11,7 +11,7 @@ namespace millpose {
 inline constexpr size_t kMostProblems = 50;
 
 /// Text of a foreign file as messages show it: one line, at most `most` bytes (then "…"), control characters
-/// as "?".
+/// and what is no UTF-8 as "?".
 std::string Shown(std::string_view text, size_t most = 60);
 
 }  // namespace millpose

@@ -16,21 +16,13 @@ namespace {
 
 constexpr double kLargeArm = 2800;  // mm: what a part is compared with where no cell is given
 
-// Area, closedness and how the edges bend: what the normals can be trusted for.
-void Measure(const Mesh& mesh, MeshCheck& check) {
+// How the edges bend: what the normals can be trusted for.
+void MeasureBends(const Mesh& mesh, MeshCheck& check) {
   constexpr double kFlat = DegToRad(0.1), kCrease = DegToRad(30);
-  // Pieces with a rim: spread from the open edges.
-  std::vector<char> open(mesh.face_count(), 0);
-  std::vector<int> queue;
   std::vector<double> bends;
   for (int face = 0; face < mesh.face_count(); ++face)
     for (int k = 0; k < 3; ++k) {
-      const int other = mesh.Neighbour(face, k);
-      if (other < 0 && open[face] == 0) {
-        open[face] = 1;
-        queue.push_back(face);
-      }
-      if (other <= face) continue;
+      if (mesh.Neighbour(face, k) <= face) continue;
       const double bend = BendAngle(mesh, face, k);
       if (bend > kCrease) {
         ++check.creases;
@@ -38,24 +30,9 @@ void Measure(const Mesh& mesh, MeshCheck& check) {
         bends.push_back(bend);
       }
     }
-  for (size_t head = 0; head < queue.size(); ++head)
-    for (int k = 0; k < 3; ++k)
-      if (const int other = mesh.Neighbour(queue[head], k); other >= 0 && open[other] == 0) {
-        open[other] = 1;
-        queue.push_back(other);
-      }
-  double closed = 0;
-  for (int face = 0; face < mesh.face_count(); ++face) {
-    const Eigen::Vector3d a = mesh.Corner(face, 0);
-    const double area = (mesh.Corner(face, 1) - a).cross(mesh.Corner(face, 2) - a).norm() / 2;
-    check.area += area;
-    closed += open[face] == 0 ? area : 0;
-  }
-  check.closed_area_share = check.area > 0 ? closed / check.area : 0;
-  if (!bends.empty()) {
-    std::ranges::sort(bends);
-    check.median_bend = bends[bends.size() / 2];
-  }
+  if (bends.empty()) return;
+  std::ranges::sort(bends);
+  check.median_bend = bends[bends.size() / 2];
 }
 
 MeshCheck Described(const std::string& file, double unit, const ImportResult& import, double reach,
@@ -68,7 +45,7 @@ MeshCheck Described(const std::string& file, double unit, const ImportResult& im
   check.source_faces = import.mesh.triangles().source_faces;
   check.report = import.report;
   check.warnings = std::move(warnings);
-  Measure(import.mesh, check);
+  MeasureBends(import.mesh, check);
   return check;
 }
 

@@ -19,8 +19,6 @@ namespace millpose {
 struct MeshCheck {
   std::string file;
   ImportReport report;
-  double area = 0;               ///< mm²
-  double closed_area_share = 0;  ///< of the area on closed pieces, where outside is certain
   double median_bend = 0;  ///< of edges that are neither flat (below 0.1°) nor creases, rad; 0 without any
   size_t creases = 0;      ///< edges that bend by more than 30°
   double unit = 1;         ///< mm per unit of the file, as taken

@@ -22,6 +22,11 @@ Json FacesJson(const std::vector<SourceFace>& faces) {
   return list;
 }
 
+// Of the area, on closed pieces: where outside is certain.
+double ClosedShare(const ImportReport& report) {
+  return report.area > 0 ? report.closed_area / report.area : 0;
+}
+
 Json MeshJson(const MeshCheck& check) {
   const ImportReport& report = check.report;
   const RepairCounts& repairs = report.repairs;
@@ -33,9 +38,9 @@ Json MeshJson(const MeshCheck& check) {
           {"unit_plausible", check.unit_plausible},
           {"lower_mm", ToList(report.lower)},
           {"upper_mm", ToList(report.upper)},
-          {"area_mm2", check.area},
-          {"pieces", repairs.pieces},
-          {"closed_pieces", repairs.closed_pieces},
+          {"area_mm2", report.area},
+          {"pieces", report.pieces},
+          {"closed_pieces", report.closed_pieces},
           {"rims", report.rims},
           {"rim_length_mm", report.rim_length},
           {"repairs",
@@ -47,7 +52,7 @@ Json MeshJson(const MeshCheck& check) {
             {"non_manifold_edges", repairs.non_manifold_edges},
             {"non_manifold_vertices", repairs.non_manifold_vertices},
             {"not_orientable_edges", repairs.not_orientable_edges}}},
-          {"closed_area_share", check.closed_area_share},
+          {"closed_area_share", ClosedShare(report)},
           {"median_bend_deg", RadToDeg(check.median_bend)},
           {"creases", check.creases},
           {"crossings", report.crossings.pairs},
@@ -68,14 +73,13 @@ std::string ToText(const MeshCheck& check) {
                   check.unit_plausible ? "plausible for the arm" : "not plausible for the arm, see below");
   text += fmt::format("triangles           {} read, {} after repair, {} vertices\n", report.triangles_read,
                       report.triangles, report.vertices);
-  text += fmt::format("area                {:.6g} mm²\n", check.area);
-  text += fmt::format("pieces              {}, {} of them closed\n", report.repairs.pieces,
-                      report.repairs.closed_pieces);
+  text += fmt::format("area                {:.6g} mm²\n", report.area);
+  text += fmt::format("pieces              {}, {} of them closed\n", report.pieces, report.closed_pieces);
   text += fmt::format("rims                {}, {:.4g} mm\n", report.rims, report.rim_length);
   text += fmt::format(
       "normals             outside is certain on {:.1f} % of the area; facets bend by {:.2g}° in the "
       "median; {} edges are creases (above 30°)\n",
-      100 * check.closed_area_share, RadToDeg(check.median_bend), check.creases);
+      100 * ClosedShare(report), RadToDeg(check.median_bend), check.creases);
   for (size_t i = 0; i < check.source_faces.size(); ++i) {
     const SourceFace& face = check.source_faces[i];
     text += fmt::format("STEP face {:<10}{:<8} {:<10}{:>14.6g} mm²  {}\n", i + 1, face.id, face.kind,

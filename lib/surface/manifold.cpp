@@ -2,13 +2,11 @@
 #include <numeric>
 
 #include "surface/edge_pairs.hpp"
+#include "surface/pieces.hpp"
 #include "surface/repair.hpp"
-#include "surface/triangle.hpp"
 
 namespace millpose {
 namespace {
-
-const Eigen::Vector3d kSkew(0.5773, 0.2113, 0.7887);  // unlikely to lie in a face of a part
 
 class ManifoldMaker {
  public:
@@ -26,7 +24,6 @@ class ManifoldMaker {
     Turn(Orientations());
     PairOthers();
     Turn(Orientations());
-    TurnPiecesOutside();
     SplitVertices();
   }
 
@@ -59,11 +56,11 @@ class ManifoldMaker {
   std::vector<char> Orientations() {
     std::vector<char> flip(mesh_.faces.size(), 0);
     std::ranges::fill(piece_, -1);
-    counts_.pieces = 0;
+    int pieces = 0;
     std::vector<int> queue;
     for (size_t seed = 0; seed < mesh_.faces.size(); ++seed) {
       if (piece_[seed] >= 0) continue;
-      const int piece = static_cast<int>(counts_.pieces++);
+      const int piece = pieces++;
       queue.assign(1, static_cast<int>(seed));
       piece_[seed] = piece;
       size_t turned = 0;
@@ -105,61 +102,6 @@ class ManifoldMaker {
     partner_ = std::move(partner);
     for (size_t f = 0; f < mesh_.faces.size(); ++f)
       if (flip[f] != 0) std::swap(mesh_.faces[f][1], mesh_.faces[f][2]);
-  }
-
-  struct Piece {
-    bool closed = true;
-    double volume = 0;  // six times
-    Eigen::AlignedBox3d box;
-    std::vector<int> faces;
-  };
-
-  std::vector<Piece> Pieces() const {
-    std::vector<Piece> pieces(counts_.pieces);
-    for (size_t f = 0; f < mesh_.faces.size(); ++f) {
-      Piece& piece = pieces[piece_[f]];
-      piece.faces.push_back(static_cast<int>(f));
-      const auto& [a, b, c] = mesh_.faces[f];
-      const Eigen::Vector3d& origin = mesh_.vertices[mesh_.faces[piece.faces[0]][0]];
-      const Eigen::Vector3d pa = mesh_.vertices[a] - origin, pb = mesh_.vertices[b] - origin,
-                            pc = mesh_.vertices[c] - origin;
-      piece.volume += pa.dot(pb.cross(pc));
-      for (int k = 0; k < 3; ++k) {
-        piece.box.extend(mesh_.vertices[mesh_.faces[f][k]]);
-        piece.closed = piece.closed && partner_[3 * f + k] != kNoSide;
-      }
-    }
-    return pieces;
-  }
-
-  // How many other closed pieces hold the piece's first triangle.
-  int Depth(const std::vector<Piece>& pieces, size_t inner) const {
-    const auto& [a, b, c] = mesh_.faces[pieces[inner].faces[0]];
-    const Eigen::Vector3d p = (mesh_.vertices[a] + mesh_.vertices[b] + mesh_.vertices[c]) / 3;
-    int depth = 0;
-    for (size_t outer = 0; outer < pieces.size(); ++outer) {
-      if (outer == inner || !pieces[outer].closed || !pieces[outer].box.contains(p)) continue;
-      int crossings = 0;
-      for (const int face : pieces[outer].faces) {
-        const auto& [oa, ob, oc] = mesh_.faces[face];
-        crossings += RayCrosses(p, kSkew, mesh_.vertices[oa], mesh_.vertices[ob], mesh_.vertices[oc]) ? 1 : 0;
-      }
-      depth += crossings % 2;
-    }
-    return depth;
-  }
-
-  // Closed pieces get their outside out, cavities (in a body, facing inwards) stay.
-  void TurnPiecesOutside() {
-    const std::vector<Piece> pieces = Pieces();
-    std::vector<char> flip(mesh_.faces.size(), 0);
-    for (size_t i = 0; i < pieces.size(); ++i) {
-      counts_.closed_pieces += pieces[i].closed ? 1 : 0;
-      if (!pieces[i].closed || pieces[i].volume >= 0 || Depth(pieces, i) % 2 == 1) continue;
-      ++counts_.turned_pieces;
-      for (const int face : pieces[i].faces) flip[face] = 1;
-    }
-    if (counts_.turned_pieces > 0) Turn(flip);
   }
 
   int Root(int corner) {
@@ -276,6 +218,9 @@ class ManifoldMaker {
 
 }  // namespace
 
-void MakeManifold(Triangles& mesh, RepairCounts& counts) { ManifoldMaker(mesh, counts).Run(); }
+void MakeManifold(Triangles& mesh, RepairCounts& counts) {
+  ManifoldMaker(mesh, counts).Run();
+  counts.turned_pieces += TurnPiecesOutside(mesh);
+}
 
 }  // namespace millpose

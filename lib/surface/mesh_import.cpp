@@ -2,6 +2,7 @@
 #include "surface/mesh_import.hpp"
 
 #include "base/error.hpp"
+#include "surface/pieces.hpp"
 #include "surface/weld.hpp"
 
 namespace millpose {
@@ -22,6 +23,21 @@ void MeasureRims(const Mesh& mesh, ImportReport& report) {
     if (next[start] < 0) continue;
     ++report.rims;
     for (int at = static_cast<int>(start); at >= 0;) at = std::exchange(next[at], -1);
+  }
+}
+
+void MeasurePieces(const Triangles& mesh, ImportReport& report) {
+  for (const Piece& piece : PiecesOf(mesh)) {
+    double area = 0;
+    for (const int face : piece.faces) {
+      const auto& [a, b, c] = mesh.faces[face];
+      area += (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]).norm() / 2;
+    }
+    ++report.pieces;
+    report.area += area;
+    if (!piece.closed) continue;
+    ++report.closed_pieces;
+    report.closed_area += area;
   }
 }
 
@@ -73,6 +89,7 @@ ImportResult ImportMesh(RawMesh raw, const ImportOptions& options, const std::st
   result.report.lower = box.min();
   result.report.upper = box.max();
   MeasureRims(result.mesh, result.report);
+  MeasurePieces(done, result.report);
   result.report.crossings = FindSelfCrossings(result.mesh);
   return result;
 }
@@ -107,9 +124,9 @@ std::vector<std::string> Findings(const ImportReport& report) {
     findings.push_back(fmt::format("{} open rim{}, {:.1f} mm long{}; holes stay open", report.rims,
                                    report.rims == 1 ? "" : "s", report.rim_length,
                                    report.rims == 1 ? "" : " together"));
-  if (repairs.pieces > 1)
+  if (report.pieces > 1)
     findings.push_back(
-        fmt::format("{} unconnected pieces, {} of them closed", repairs.pieces, repairs.closed_pieces));
+        fmt::format("{} unconnected pieces, {} of them closed", report.pieces, report.closed_pieces));
   return findings;
 }
 

@@ -25,8 +25,12 @@ struct ImportReport {
   size_t welded = 0;     ///< vertices that differed from the one they were joined with
   RepairCounts repairs;
   SelfCrossings crossings;
-  size_t rims = 0;        ///< closed lines of open edges; holes stay open
-  double rim_length = 0;  ///< mm, all together
+  size_t pieces = 0;  ///< connected ones, of the mesh as it came out
+  size_t closed_pieces = 0;
+  double area = 0;         ///< mm²
+  double closed_area = 0;  ///< of closed pieces, where outside is certain, mm²
+  size_t rims = 0;         ///< closed lines of open edges; holes stay open
+  double rim_length = 0;   ///< mm, all together
   Eigen::Vector3d lower = Eigen::Vector3d::Zero(), upper = Eigen::Vector3d::Zero();  ///< bounds, mm
   std::vector<std::string> notes;                                                    ///< of the reader
 };

@@ -20,8 +20,8 @@ bool IsUtf16(std::string_view bytes) {
   return bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff");
 }
 
-// Text throughout its first part: no binary STL, whose numbers hold bytes that no text has.
-bool LooksLikeText(std::string_view bytes) {
+// No binary STL: its numbers hold bytes that no text has.
+bool HoldsNoControls(std::string_view bytes) {
   return std::ranges::all_of(bytes.substr(0, 512), [](char c) {
     const auto b = static_cast<unsigned char>(c);
     return b >= 0x20 || c == '\t' || c == '\n' || c == '\r' || c == '\f';
@@ -31,9 +31,9 @@ bool LooksLikeText(std::string_view bytes) {
 RawMesh ReadLastResort(std::string_view bytes, const std::string& name) {
   TextScanner scanner(bytes, name);
   const std::string_view word = scanner.Peek();
-  if (LooksLikeText(bytes) && !EqualsIgnoringCase(word, "solid"))
-    throw InputError(scanner.place(), fmt::format("text of no known mesh format begins with {}; {}",
-                                                  scanner.Shown(word), kFormats));
+  if (HoldsNoControls(bytes) && !EqualsIgnoringCase(word, "solid"))
+    throw InputError(scanner.place(),
+                     fmt::format("text of no known mesh format begins with {}; {}", Quoted(word), kFormats));
   return ReadStl(bytes, name);
 }
 

@@ -194,37 +194,6 @@ void RemoveDuplicates(Triangles& mesh, RepairCounts& counts) {
   counts.duplicate += EraseFaces(mesh, [&](size_t f) { return removed[f] != 0; });
 }
 
-size_t FlipOpenPieces(Triangles& mesh) {
-  const std::vector<EdgeSide> sides = SortedSides(mesh);
-  std::vector<Side> partner(3 * mesh.faces.size(), kNoSide);
-  ForEachEdge(sides, [&](size_t begin, size_t end) {
-    if (end - begin != 2) return;
-    partner[sides[begin].side] = sides[begin + 1].side;
-    partner[sides[begin + 1].side] = sides[begin].side;
-  });
-  std::vector<char> seen(mesh.faces.size(), 0);
-  size_t flipped = 0;
-  for (size_t seed = 0; seed < mesh.faces.size(); ++seed) {
-    if (seen[seed] != 0) continue;
-    std::vector<int> piece{static_cast<int>(seed)};
-    seen[seed] = 1;
-    bool open = false;
-    for (size_t head = 0; head < piece.size(); ++head) {
-      for (int k = 0; k < 3; ++k) {
-        const Side other = partner[3 * piece[head] + k];
-        open = open || other == kNoSide;
-        if (other == kNoSide || seen[FaceOf(other)] != 0) continue;
-        seen[FaceOf(other)] = 1;
-        piece.push_back(FaceOf(other));
-      }
-    }
-    if (!open) continue;
-    for (const int face : piece) std::swap(mesh.faces[face][1], mesh.faces[face][2]);
-    flipped += piece.size();
-  }
-  return flipped;
-}
-
 void DropUnusedVertices(Triangles& mesh) {
   std::vector<int> moved(mesh.vertices.size(), -1);
   for (const auto& face : mesh.faces)

@@ -15,8 +15,6 @@ struct RepairCounts {
   size_t not_orientable_edges = 0;   ///< edges cut because no orientation fits both sides (Möbius bands)
   size_t flipped = 0;                ///< triangles turned to fit the majority of their piece
   size_t turned_pieces = 0;          ///< closed pieces that were inside out as a whole
-  size_t pieces = 0;                 ///< connected pieces
-  size_t closed_pieces = 0;
 };
 
 /// Removes triangles with a repeated vertex or a height of at most `tolerance` (mm). Where the flat triangle
@@ -30,13 +28,9 @@ void RemoveDuplicates(Triangles& mesh, RepairCounts& counts);
 
 /// Makes an oriented manifold of triangles without degenerate ones and duplicates: pairs the sides of the
 /// triangles over edges (at edges of four and more, material by material where the order around the edge is
-/// consistent, else not at all), turns triangles to their piece's majority and closed pieces outside out
-/// (cavities inside), and doubles vertices in which several fans meet. Geometry is never moved.
+/// consistent, else not at all), turns triangles to their piece's majority, doubles vertices in which several
+/// fans meet, and turns closed pieces outside out (pieces.hpp). Geometry is never moved.
 void MakeManifold(Triangles& mesh, RepairCounts& counts);
-
-/// Turns every piece of a manifold that is open at a rim, of which nobody can tell outside from inside, the
-/// other way round. How many triangles were turned.
-size_t FlipOpenPieces(Triangles& mesh);
 
 /// Drops vertices that no face uses; the others keep their order.
 void DropUnusedVertices(Triangles& mesh);

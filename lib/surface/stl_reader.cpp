@@ -22,7 +22,7 @@ uint32_t LittleEndian32(const char* bytes) {
 float LittleEndianFloat(const char* bytes) { return std::bit_cast<float>(LittleEndian32(bytes)); }
 
 // Files written as text are told by their second word: binary headers may begin with "solid" too.
-bool LooksLikeText(std::string_view bytes) {
+bool IsTextStl(std::string_view bytes) {
   TextScanner scanner(bytes.substr(0, std::min<size_t>(bytes.size(), 4096)), "");
   if (!scanner.Accept("solid")) return false;
   scanner.SkipLine();
@@ -119,7 +119,7 @@ bool IsExactBinaryStl(std::string_view bytes) {
 }
 
 RawMesh ReadStl(std::string_view bytes, const std::string& name) {
-  return !IsExactBinaryStl(bytes) && LooksLikeText(bytes) ? ReadText(bytes, name) : ReadBinary(bytes, name);
+  return !IsExactBinaryStl(bytes) && IsTextStl(bytes) ? ReadText(bytes, name) : ReadBinary(bytes, name);
 }
 
 }  // namespace millpose

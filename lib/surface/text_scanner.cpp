@@ -3,6 +3,7 @@
 
 #include <charconv>
 
+#include "base/shown.hpp"
 #include "base/text.hpp"
 
 namespace millpose {
@@ -65,23 +66,20 @@ bool TextScanner::Accept(std::string_view word) {
   return true;
 }
 
-std::string TextScanner::Shown(std::string_view word) const {
-  if (word.empty()) return "the end of the file";
-  std::string shown = "\"";
-  for (const char c : word.substr(0, 40)) shown += c >= ' ' && c <= '~' ? c : '?';
-  return shown + (word.size() > 40 ? "…\"" : "\"");
+std::string Quoted(std::string_view word) {
+  return word.empty() ? "the end of the file" : '"' + Shown(word) + '"';
 }
 
 void TextScanner::Expect(std::string_view word) {
   const std::string_view found = Next();
   if (!EqualsIgnoringCase(found, word))
-    throw InputError(place(), fmt::format("expected \"{}\", found {}", word, Shown(found)));
+    throw InputError(place(), fmt::format("expected \"{}\", found {}", word, Quoted(found)));
 }
 
 double TextScanner::Number() {
   const std::string_view word = Next();
   const std::optional<double> value = ParseNumber(word);
-  if (!value) throw InputError(place(), fmt::format("expected a finite number, found {}", Shown(word)));
+  if (!value) throw InputError(place(), fmt::format("expected a finite number, found {}", Quoted(word)));
   return *value;
 }
 
@@ -92,7 +90,7 @@ long long TextScanner::Integer(long long lower, long long upper, std::string_vie
   if (word.empty() || error != std::errc() || end != word.data() + word.size() || value < lower ||
       value > upper)
     throw InputError(place(), fmt::format("{} must be a whole number from {} to {}, found {}", what, lower,
-                                          upper, Shown(word)));
+                                          upper, Quoted(word)));
   return value;
 }
 

@@ -11,6 +11,9 @@ namespace millpose {
 /// Equality of ASCII texts, letters compared without case.
 bool EqualsIgnoringCase(std::string_view a, std::string_view b);
 
+/// A word as messages quote it (base/shown.hpp); an empty one is the end of the file.
+std::string Quoted(std::string_view word);
+
 /// Words of a text, one after the other, with their place. Spaces, tabs and line ends of any kind (LF, CRLF,
 /// CR) separate words. Errors are InputError with line and column.
 class TextScanner {
@@ -42,8 +45,6 @@ class TextScanner {
   size_t position() const { return at_; }
   /// Line in which it stands.
   int line() const { return line_; }
-  /// A word as messages quote it: 40 characters at most, none that a terminal would not show.
-  std::string Shown(std::string_view word) const;
   /// Place of the word that was peeked at or taken last.
   Place place() const;
 

@@ -14,6 +14,9 @@ TEST(Text, ForeignTextIsShownShortAndInOneLine) {
   EXPECT_EQ(Shown("a\nb\x1b[31m", 60), "a?b?[31m");
   EXPECT_EQ(Shown("12345678", 4), "1234…");
   EXPECT_EQ(Shown("123\u00e4", 4), "123…");  // no half a character
+  EXPECT_EQ(Shown("a\xff\xc3(\xed\xa0\x80", 60),
+            "a??"
+            "(???");  // no UTF-8
 }
 
 TEST(Text, OnlyWholeFiniteDecimalsAreNumbers) {

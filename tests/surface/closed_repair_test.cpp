@@ -122,7 +122,7 @@ TEST(ClosedRepair, OpensNothing) {
     const ImportReport& report = result.report;
     EXPECT_EQ(report.rims, 0) << "mesh " << i << ": " << report.rim_length << " mm open; "
                               << fmt::format("{}", fmt::join(Findings(report), "; "));
-    EXPECT_EQ(report.repairs.closed_pieces, report.repairs.pieces) << "mesh " << i;
+    EXPECT_EQ(report.closed_pieces, report.pieces) << "mesh " << i;
     EXPECT_NEAR(Volume(result.mesh.triangles()), volume, 1e-2 * volume) << "mesh " << i;
     repaired += report.repairs.degenerate > 0 ? 1 : 0;
   }
@@ -137,8 +137,8 @@ TEST(ClosedRepair, AFlapLeavesTheBodyClosedAndOutsideCertain) {
   mesh.vertices.emplace_back(-5, -5, -5);
   mesh.faces.push_back({face[0], face[1], static_cast<int>(mesh.vertices.size()) - 1});
   const ImportResult result = ImportMesh({mesh, {}, {}}, {}, "part.stl");
-  EXPECT_EQ(result.report.repairs.pieces, 2);
-  EXPECT_EQ(result.report.repairs.closed_pieces, 1);
+  EXPECT_EQ(result.report.pieces, 2);
+  EXPECT_EQ(result.report.closed_pieces, 1);
   EXPECT_EQ(result.report.repairs.turned_pieces, 1);
   EXPECT_EQ(result.report.rims, 1);
 }
@@ -148,7 +148,7 @@ TEST(ClosedRepair, AnEdgeOfTwoBodiesStopsNoOrientation) {
   for (size_t f = 0; f < inside_out.faces.size(); ++f) Flip(inside_out, static_cast<int>(f));
   Append(mesh, inside_out);
   const ImportResult result = ImportMesh({mesh, {}, {}}, {}, "part.stl");
-  EXPECT_EQ(result.report.repairs.closed_pieces, 2);
+  EXPECT_EQ(result.report.closed_pieces, 2);
   EXPECT_EQ(result.report.repairs.turned_pieces, 1);
   EXPECT_NEAR(Volume(result.mesh.triangles()), 2, 1e-9);
 }

@@ -101,7 +101,7 @@ std::vector<File> Stl() {
        "part:8:1: expected \"endfacet\", found the end of the file"},
       {"text without facets", "solid part\nendsolid part\n", "part: the file holds no triangles"},
       {"rubbish", std::string(200, 'x'),
-       "part:1:1: text of no known mesh format begins with \"" + std::string(40, 'x') +
+       "part:1:1: text of no known mesh format begins with \"" + std::string(60, 'x') +
            "…\"; STL, OBJ, PLY, OFF and STEP are read"}};
 }
 

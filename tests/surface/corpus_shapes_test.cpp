@@ -200,8 +200,8 @@ std::vector<Defect> OfPolygons() {
 void ExpectReport(const ImportReport& report, const Expected& expected) {
   EXPECT_EQ(report.triangles, expected.triangles);
   EXPECT_EQ(report.vertices, expected.vertices);
-  EXPECT_EQ(report.repairs.pieces, expected.pieces);
-  EXPECT_EQ(report.repairs.closed_pieces, expected.closed);
+  EXPECT_EQ(report.pieces, expected.pieces);
+  EXPECT_EQ(report.closed_pieces, expected.closed);
   EXPECT_EQ(report.rims, expected.rims);
   EXPECT_EQ(report.repairs.degenerate, expected.degenerate);
   EXPECT_EQ(report.repairs.duplicate, expected.duplicate);

@@ -35,8 +35,8 @@ TEST(MeshImport, LeavesASoundMeshAlone) {
   EXPECT_TRUE(Findings(result.report).empty());
   EXPECT_EQ(result.report.triangles, 12);
   EXPECT_EQ(result.report.vertices, 8);
-  EXPECT_EQ(result.report.repairs.pieces, 1);
-  EXPECT_EQ(result.report.repairs.closed_pieces, 1);
+  EXPECT_EQ(result.report.pieces, 1);
+  EXPECT_EQ(result.report.closed_pieces, 1);
   EXPECT_EQ(result.report.upper, Eigen::Vector3d(10, 20, 30));
   EXPECT_NEAR(Volume(result.mesh), 6000, 1e-9);
 }
@@ -65,7 +65,7 @@ TEST(MeshImport, CountsDuplicatesOfAnyOrder) {
   const ImportResult result = Import(mesh);
   EXPECT_EQ(result.report.repairs.duplicate, 2);
   EXPECT_EQ(result.report.triangles, 12);
-  EXPECT_EQ(result.report.repairs.closed_pieces, 1);
+  EXPECT_EQ(result.report.closed_pieces, 1);
   ExpectIdempotent(result);
 }
 
@@ -93,7 +93,7 @@ TEST(MeshImport, TurnsClosedPiecesOutsideOutAndKeepsCavities) {
   Append(hollow, cavity);
   const ImportResult kept = Import(hollow);
   EXPECT_EQ(kept.report.repairs.turned_pieces, 0);
-  EXPECT_EQ(kept.report.repairs.pieces, 2);
+  EXPECT_EQ(kept.report.pieces, 2);
   EXPECT_NEAR(Volume(kept.mesh), 6000 - 8, 1e-9);
 }
 
@@ -138,7 +138,7 @@ TEST(MeshImport, LeavesHolesOpenAndTellsThem) {
   const ImportResult result = Import(mesh);
   EXPECT_EQ(result.report.rims, 2);
   EXPECT_NEAR(result.report.rim_length, 60 + 30 + std::hypot(10, 20), 1e-9);
-  EXPECT_EQ(result.report.repairs.closed_pieces, 0);
+  EXPECT_EQ(result.report.closed_pieces, 0);
 }
 
 TEST(MeshImport, FlipsOpenSheetsAndNothingElse) {
@@ -162,8 +162,8 @@ TEST(MeshImport, TakesBodiesThatShareAnEdgeApart) {
   EXPECT_EQ(result.report.repairs.non_manifold_edges, 1);
   EXPECT_EQ(result.report.repairs.non_manifold_vertices, 2);
   EXPECT_EQ(result.report.vertices, 16);
-  EXPECT_EQ(result.report.repairs.pieces, 2);
-  EXPECT_EQ(result.report.repairs.closed_pieces, 2);
+  EXPECT_EQ(result.report.pieces, 2);
+  EXPECT_EQ(result.report.closed_pieces, 2);
   EXPECT_EQ(result.report.rims, 0);
   EXPECT_NEAR(Volume(result.mesh), 2, 1e-9);
 }
@@ -174,7 +174,7 @@ TEST(MeshImport, CutsEdgesOfThreeSheets) {
   mesh.faces = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
   const ImportResult result = Import(mesh);
   EXPECT_EQ(result.report.repairs.non_manifold_edges, 1);
-  EXPECT_EQ(result.report.repairs.pieces, 3);
+  EXPECT_EQ(result.report.pieces, 3);
   EXPECT_EQ(result.report.vertices, 9);
   EXPECT_EQ(result.report.rims, 3);
 }
@@ -203,6 +203,51 @@ TEST(MeshImport, RefusesWhatHasNoArea) {
   EXPECT_THROW(Import(mesh), InputError);
 }
 
+// What the report says of pieces and outside against the mesh, face by face.
+void ExpectAgreement(const ImportResult& result) {
+  const Mesh& mesh = result.mesh;
+  std::vector<int> piece(mesh.face_count(), -1);
+  size_t pieces = 0, closed_pieces = 0;
+  double area = 0, closed_area = 0;
+  for (int seed = 0; seed < mesh.face_count(); ++seed) {
+    if (piece[seed] >= 0) continue;
+    std::vector<int> faces{seed};
+    piece[seed] = static_cast<int>(pieces++);
+    bool closed = true;
+    double own = 0;
+    for (size_t head = 0; head < faces.size(); ++head) {
+      const Eigen::Vector3d a = mesh.Corner(faces[head], 0);
+      own += (mesh.Corner(faces[head], 1) - a).cross(mesh.Corner(faces[head], 2) - a).norm() / 2;
+      for (int k = 0; k < 3; ++k) {
+        const int next = mesh.Neighbour(faces[head], k);
+        closed = closed && next >= 0;
+        if (next < 0 || piece[next] >= 0) continue;
+        piece[next] = piece[seed];
+        faces.push_back(next);
+      }
+    }
+    area += own;
+    closed_pieces += closed ? 1 : 0;
+    closed_area += closed ? own : 0;
+  }
+  EXPECT_EQ(result.report.pieces, pieces);
+  EXPECT_EQ(result.report.closed_pieces, closed_pieces);
+  EXPECT_NEAR(result.report.area, area, 1e-9 * area);
+  EXPECT_NEAR(result.report.closed_area, closed_area, 1e-9 * area);
+  EXPECT_EQ(result.report.rims > 0, closed_pieces < pieces);
+}
+
+TEST(MeshImport, ATouchingBodyIsNoCavity) {
+  // Inside out under a larger body, its first face (the top) in the plane of that one's bottom.
+  Triangles mesh = BoxShape({2, 2, -2}, {4, 4, 0});
+  std::ranges::rotate(mesh.faces, mesh.faces.begin() + 2);
+  for (size_t f = 0; f < mesh.faces.size(); ++f) Flip(mesh, f);
+  Append(mesh, BoxShape({0, 0, 0}, {10, 10, 10}));
+  const ImportResult result = Import(mesh);
+  EXPECT_EQ(result.report.repairs.turned_pieces, 1);
+  EXPECT_NEAR(Volume(result.mesh), 1008, 1e-9);
+}
+
 TEST(MeshImport, RepairsRandomSoupsIntoManifolds) {
   // Twelve vertices and many triangles among them: every defect at once. Mesh itself refuses what is no
   // manifold.
@@ -218,6 +263,7 @@ TEST(MeshImport, RepairsRandomSoupsIntoManifolds) {
     const ImportResult result = Import(mesh);
     EXPECT_LE(result.report.triangles + result.report.repairs.duplicate, mesh.faces.size());
     EXPECT_LE(result.report.repairs.degenerate, mesh.faces.size());
+    ExpectAgreement(result);
     const ImportResult again = Import(result.mesh.triangles(), {1, 0});
     EXPECT_EQ(again.report.triangles, result.report.triangles);
   }

@@ -15,7 +15,7 @@ TEST(SampleMeshes, AreClosedSolidsThatNeedNoRepair) {
   for (const char* name : {"support_pad", "cabin_panel", "cabin_ring"}) {
     const ImportReport report = Sample(name).report;
     EXPECT_EQ(Findings(report), std::vector<std::string>{}) << name;
-    EXPECT_EQ(report.repairs.closed_pieces, 1) << name;
+    EXPECT_EQ(report.closed_pieces, 1) << name;
   }
 }
 

@@ -49,8 +49,8 @@ TEST(Step, PartsInMillimetresAndInchesAreTheSame) {
   for (const auto& [name, unit] : {std::pair("MM", 1.0), std::pair("INCH", 25.4)}) {
     const ImportResult import = Imported(DrilledBlockStep(name), unit);
     EXPECT_EQ(import.report.rims, 0u) << name;
-    EXPECT_EQ(import.report.repairs.pieces, 1u);
-    EXPECT_EQ(import.report.repairs.closed_pieces, 1u);
+    EXPECT_EQ(import.report.pieces, 1u);
+    EXPECT_EQ(import.report.closed_pieces, 1u);
     EXPECT_EQ(import.report.repairs.flipped + import.report.repairs.turned_pieces, 0u);
     EXPECT_LT((import.report.lower - Eigen::Vector3d(0, 0, 0)).norm(), 1e-6);
     EXPECT_LT((import.report.upper - Eigen::Vector3d(100, 60, 20)).norm(), 1e-6);
