@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/split_planner.hpp"
 
+#include "base/cpu_time.hpp"
 #include "base/parallel.hpp"
 
 namespace millpose {
@@ -171,6 +172,7 @@ void FindOptima(std::span<const size_t> points, uint64_t stream, PassContext& co
   const PoseProblem& problem = context.problem;
   if (options.paper) context.paper.resize(context.scorers.size());
   ParallelFor(points.size(), context.threads, context.stop, [&](size_t i) {
+    const CpuTimer timer(CpuPart::kOptima);
     const size_t t = points[i];
     if (context.points[t].gouge > 0) return;  // not to be milled
     const PointScorer& scorer = context.scorers[t];

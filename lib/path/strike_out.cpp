@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "base/cpu_time.hpp"
 #include "base/parallel.hpp"
 #include "path/cut_check.hpp"
 
@@ -15,6 +16,7 @@ CheckCounts CheckInParallel(const World& world, size_t count, int threads, std::
   const size_t chunks = (count + kChunk - 1) / kChunk;
   std::vector<CheckCounts> counts(chunks);
   ParallelFor(chunks, threads, stop, [&](size_t chunk) {
+    const CpuTimer timer(CpuPart::kInterference);
     Checker checker(world);
     for (size_t i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) work(checker, i);
     counts[chunk] = checker.counts();

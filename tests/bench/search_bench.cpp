@@ -75,7 +75,7 @@ StepRule BenchRule() {
 
 void LayeredSearch(benchmark::State& state) {
   const std::vector<Layer> layers = MakeLayers(1000);
-  const LayeredProblem problem{layers, BenchRule(), {}, state.range(0) != 0, false, {}};
+  const LayeredProblem problem{layers, BenchRule(), {}, state.range(0) != 0, false, {}, {}};
   double cost = 0;
   for (auto _ : state) cost = SearchOpen(problem).cost;
   state.counters["cost"] = cost;
