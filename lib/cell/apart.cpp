@@ -2,7 +2,9 @@
 #include "cell/apart.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace millpose {
 namespace {
@@ -32,6 +34,78 @@ double FlatDistance(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Ei
   return std::sqrt(std::min({SegmentSquare(a, b), SegmentSquare(b, c), SegmentSquare(c, a)}));
 }
 
+/// The point of a triangle that is nearest to `p` (Ericson 2005, section 5.1.5).
+Eigen::Vector3d NearestOfTriangle(const TriangleTree::Corners& corners, const Eigen::Vector3d& p) {
+  const auto& [a, b, c] = corners;
+  const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp),
+               d6 = ac.dot(cp);
+  if (d1 <= 0 && d2 <= 0) return a;
+  if (d3 >= 0 && d4 <= d3) return b;
+  if (d6 >= 0 && d5 <= d6) return c;
+  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
+  if (va <= 0 && d4 >= d3 && d5 >= d6) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
+  return a + vb / (va + vb + vc) * ab + vc / (va + vb + vc) * ac;
+}
+
+/// The point of a body that is nearest to `p`, about the body's centre.
+Eigen::Vector3d NearestOfBody(const Envelope& body, const Eigen::Vector3d& p) {
+  if (body.kind == Envelope::Kind::kBox) return p.cwiseMax(-body.half).cwiseMin(body.half);
+  if (body.kind == Envelope::Kind::kCylinder) {
+    Eigen::Vector3d q(p.x(), p.y(), std::clamp(p.z(), -body.half.z(), body.half.z()));
+    if (const double away = q.head<2>().norm(); away > body.radius) q.head<2>() *= body.radius / away;
+    return q;
+  }
+  const Eigen::Vector3d on_core(0, 0, std::clamp(p.z(), -body.core, body.core));
+  const double away = (p - on_core).norm();
+  return away > body.radius ? Eigen::Vector3d(on_core + body.radius / away * (p - on_core)) : p;
+}
+
+/// The farthest point of a body along `n` (unit), about the body's centre.
+Eigen::Vector3d FarthestOfBody(const Envelope& body, const Eigen::Vector3d& n) {
+  const auto along_z = [&](double half) { return n.z() < 0 ? -half : half; };
+  if (body.kind == Envelope::Kind::kBox)
+    return body.half.cwiseProduct(n.unaryExpr([](double v) { return v < 0 ? -1.0 : 1.0; }));
+  if (body.kind == Envelope::Kind::kCylinder) {
+    const double across = n.head<2>().norm(), scale = across > 0 ? body.radius / across : 0;
+    return {scale * n.x(), scale * n.y(), along_z(body.half.z())};
+  }
+  return body.radius * n + Eigen::Vector3d(0, 0, along_z(body.core));
+}
+
+/// Brackets the distance of one triangle (about the body's centre) from a body: nearest points are carried to
+/// and fro, and each pair of them says how far it is at most, and the planes square to it how far at least.
+DistanceBracket BracketTriangle(const Envelope& body, const TriangleTree::Corners& triangle) {
+  constexpr int kRounds = 8;
+  constexpr double kTight = 1e-7;  // mm
+  DistanceBracket found{0, std::numeric_limits<double>::infinity()};
+  Eigen::Vector3d p = NearestOfTriangle(triangle, Eigen::Vector3d::Zero()), q = NearestOfBody(body, p);
+  for (int round = 0; round < kRounds; ++round) {
+    const double apart = (p - q).norm();
+    found.most = std::min(found.most, apart);
+    if (apart < kTight) return found;
+    const Eigen::Vector3d n = (p - q) / apart, farthest = FarthestOfBody(body, n);
+    const Eigen::Vector3d* nearest = &triangle[0];
+    for (const Eigen::Vector3d& corner : triangle) {
+      if (n.dot(corner) < n.dot(*nearest)) nearest = &corner;
+    }
+    found.least = std::max(found.least, n.dot(*nearest) - n.dot(farthest));
+    if (found.most - found.least < kTight) break;
+    // From where the planes touch, or on from where the points are: whatever is nearer.
+    const Eigen::Vector3d on_body = NearestOfBody(body, *nearest),
+                          on_triangle = NearestOfTriangle(triangle, farthest);
+    const Eigen::Vector3d next = NearestOfTriangle(triangle, q);
+    const double by_corner = (*nearest - on_body).norm(), by_farthest = (on_triangle - farthest).norm();
+    p = next, q = NearestOfBody(body, next);
+    double least = (p - q).norm();
+    if (by_corner < least) p = *nearest, q = on_body, least = by_corner;
+    if (by_farthest < least) p = on_triangle, q = farthest;
+  }
+  return found;
+}
+
 /// Looks for planes between one body and the triangles of a mesh.
 class Search {
  public:
@@ -48,6 +122,14 @@ class Search {
   double Run() {
     if (!mesh_.empty()) Visit(0, NodeBound(mesh_.nodes()[0]));
     return std::max(0.0, best_ - kRounding);
+  }
+
+  /// As BracketDistance; `enough` is its `near`.
+  DistanceBracket RunBracket() {
+    const double bound = best_;
+    if (!mesh_.empty()) VisitBracket(0, NodeBound(mesh_.nodes()[0]));
+    const double least = most_ < enough_ ? 0 : std::min(least_, bound);
+    return {std::max(0.0, least - kRounding), most_ + kRounding};
   }
 
  private:
@@ -76,6 +158,28 @@ class Search {
     // The nearer first: it lowers the bound that the other is held against.
     Visit(a <= b ? left : right, std::min(a, b));
     Visit(a <= b ? right : left, std::max(a, b));
+  }
+
+  /// Here best_ is the smaller of the bound and what the distance is at most.
+  void VisitBracket(int index, double node_bound) {
+    if (node_bound >= best_ || most_ < enough_) return;
+    const TriangleTree::Node& node = mesh_.nodes()[index];
+    if (node.count > 0) {
+      for (int i = node.first; i < node.first + node.count && most_ >= enough_; ++i) {
+        TriangleTree::Corners corners = mesh_.triangles()[i];
+        if (TriangleBound(corners) >= best_) continue;
+        for (Eigen::Vector3d& corner : corners) corner = R_GM_ * (corner - centre_);
+        const DistanceBracket found = BracketTriangle(body_, corners);
+        least_ = std::min(least_, found.least);
+        most_ = std::min(most_, found.most);
+        best_ = std::min(best_, most_);
+      }
+      return;
+    }
+    const int left = index + 1, right = node.right;
+    const double a = NodeBound(mesh_.nodes()[left]), b = NodeBound(mesh_.nodes()[right]);
+    VisitBracket(a <= b ? left : right, std::min(a, b));
+    VisitBracket(a <= b ? right : left, std::max(a, b));
   }
 
   /// The widest gap found between the body and a triangle, 0 or more; no further than what is better than the
@@ -134,6 +238,7 @@ class Search {
   const Eigen::Vector3d centre_, extent_;  // mesh frame; of the body's box along the mesh's axes
   const Eigen::Matrix3d abs_R_GM_;
   double best_, enough_;
+  double least_ = std::numeric_limits<double>::infinity(), most_ = least_;
 };
 
 struct RadiusOf {
@@ -159,12 +264,26 @@ Envelope EnvelopeOf(const Shape& shape, const Eigen::Vector3d& centre, const Eig
   // A hull is taken as round only where the cylinder is the smaller one.
   const bool hull = std::holds_alternative<Convex>(shape);
   if (hull && 3 * envelope.radius * envelope.radius > 4 * half.x() * half.y()) envelope.radius = 0;
+  using Kind = Envelope::Kind;
+  if (std::holds_alternative<Box>(shape)) envelope.kind = Kind::kBox;
+  if (std::holds_alternative<Cylinder>(shape)) envelope.kind = Kind::kCylinder;
+  if (std::holds_alternative<Sphere>(shape)) envelope.kind = Kind::kRounded;
+  if (const auto* capsule = std::get_if<Capsule>(&shape)) {
+    envelope.kind = Kind::kRounded;
+    envelope.core = 0.5 * capsule->length;
+  }
   return envelope;
 }
 
 double LeastDistance(const Envelope& body, const Pose& X_MG, const TriangleTree& mesh, double bound,
                      double enough) {
   return Search(body, X_MG, mesh, bound, enough).Run();
+}
+
+DistanceBracket BracketDistance(const Envelope& body, const Pose& X_MG, const TriangleTree& mesh,
+                                double bound, double near) {
+  assert(body.kind != Envelope::Kind::kHull);
+  return Search(body, X_MG, mesh, bound, near).RunBracket();
 }
 
 }  // namespace millpose

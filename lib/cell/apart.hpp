@@ -13,6 +13,10 @@ struct Envelope {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of the box, mm, shape frame
   Eigen::Vector3d half = Eigen::Vector3d::Zero();    ///< its half sizes, mm
   double radius = 0;  ///< of the cylinder, mm, about the line through the centre along z; 0: none
+  /// What the body is: for all but kHull the nearest point to any other is known in closed form.
+  enum class Kind : uint8_t { kHull, kBox, kCylinder, kRounded };
+  Kind kind = Kind::kHull;
+  double core = 0;  ///< of kRounded (sphere, capsule): half the length of its segment along z, mm
 };
 
 /// The envelope of a convex shape (anything but Triangles) whose bounding box is given, mm.
@@ -24,5 +28,17 @@ Envelope EnvelopeOf(const Shape& shape, const Eigen::Vector3d& centre, const Eig
 /// surfaces count: a body wholly inside a closed mesh is as far from it as from its skin.
 double LeastDistance(const Envelope& body, const Pose& X_MG, const TriangleTree& mesh, double bound,
                      double enough);
+
+/// What is certain of a distance, mm: least ≤ distance ≤ most.
+struct DistanceBracket {
+  double least, most;
+};
+
+/// Brackets the distance between the body (not kHull) and the triangles of the mesh by points of both and
+/// planes between them, at a fraction of the cost of the distance; `least` is at most `bound`, `most` is
+/// infinite where nothing so near was found. Ends as soon as `most` has fallen below `near`: then `least` is
+/// 0. Only surfaces count.
+DistanceBracket BracketDistance(const Envelope& body, const Pose& X_MG, const TriangleTree& mesh,
+                                double bound, double near);
 
 }  // namespace millpose

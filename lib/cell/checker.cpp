@@ -10,6 +10,8 @@ namespace {
 
 /// Two bodies nearer than this touch, mm; FCL's own distances are no better.
 constexpr double kTouch = 1e-6;
+/// What is seen to be nearer than wanted by this much, mm, needs no distance: FCL would find the same.
+constexpr double kSure = 1e-5;
 /// Between poses, distances are asked for up to this much more than the clearance, mm.
 constexpr double kNearby = 15;
 
@@ -30,6 +32,10 @@ struct Checker::Impl {
 
   void MoveTo(const Joints& q) {
     ++counts.poses;
+    Place(q);
+  }
+
+  void Place(const Joints& q) {
     X_WL = LinkFrames(world->cell.arm, q);
     for (Pose& X : X_WL) X = world->cell.X_WB * X;
     for (size_t i = 0; i < placed.size(); ++i) {
@@ -49,28 +55,26 @@ struct Checker::Impl {
     return DistanceUpTo(placed[pair.first], placed[pair.second], bound);
   }
 
-  /// A pair at the pose moved to; empty when it keeps its clearance or is not checked.
-  std::optional<Interference> Look(const BodyPair& pair, Phase phase) const {
-    const std::optional<double>& clearance = pair.clearance[static_cast<int>(phase)];
-    if (!clearance) return std::nullopt;
-    const double bound = std::max(share * *clearance - reserve, kTouch);
-    const BoundedDistance found = Distance(pair, bound);
-    if (found.distance < bound) return Report(pair, found);
-    return std::nullopt;
+  double Wanted(const BodyPair& pair, int phase) const {
+    return std::max(share * *pair.clearance[phase] - reserve, kTouch);
+  }
+
+  /// Whether a pair is nearer than `bound` at the pose moved to.
+  bool Nearer(const BodyPair& pair, double bound) const {
+    if (Least(pair, bound, bound) >= bound) return false;
+    const Placed &a = placed[pair.first], &b = placed[pair.second];
+    const DistanceBracket certain = BracketOf(a, b, bound, bound - kSure);
+    if (certain.most < bound - kSure) return true;
+    if (certain.least >= bound) return false;
+    return DistanceUpTo(a, b, bound).distance < bound;
   }
 
   Interference Report(const BodyPair& pair, const BoundedDistance& found) const {
     return {world->bodies[pair.first].name, world->bodies[pair.second].name, found.place, found.distance};
   }
 
-  Interference Nearest(int index) const {
-    const BodyPair& pair = world->pairs[index];
-    return Report(pair, Distance(pair, std::numeric_limits<double>::infinity()));
-  }
-
-  std::optional<Interference> Certify(const Joints& middle, const Joints& half_turn, int phase,
-                                      double resolution, const std::vector<int>& pairs,
-                                      std::vector<int>& undecided);
+  std::optional<Sighting> Certify(const Joints& middle, const Joints& half_turn, int phase, double resolution,
+                                  const std::vector<int>& pairs, std::vector<int>& undecided);
 };
 
 Checker::Checker(const World& world, double clearance_share, double reserve)
@@ -87,16 +91,30 @@ CheckCounts& CheckCounts::operator+=(const CheckCounts& other) {
   return *this;
 }
 
+Interference Checker::Measure(const Sighting& sighting) {
+  impl_->Place(sighting.q);
+  const BodyPair& pair = impl_->world->pairs[sighting.pair];
+  return impl_->Report(pair, impl_->Distance(pair, sighting.bound));
+}
+
 std::optional<Interference> Checker::At(const Joints& q, Phase phase) {
+  const std::optional<Sighting> found = Blocked(q, phase);
+  return found ? std::optional(Measure(*found)) : std::nullopt;
+}
+
+std::optional<Sighting> Checker::Blocked(const Joints& q, Phase phase) {
   impl_->MoveTo(q);
-  for (const BodyPair& pair : impl_->world->pairs) {
-    if (const auto found = impl_->Look(pair, phase)) return found;
+  const std::vector<BodyPair>& pairs = impl_->world->pairs;
+  for (int index = 0; index < static_cast<int>(pairs.size()); ++index) {
+    if (!pairs[index].clearance[static_cast<int>(phase)]) continue;
+    const double wanted = impl_->Wanted(pairs[index], static_cast<int>(phase));
+    if (impl_->Nearer(pairs[index], wanted)) return Sighting{q, index, wanted};
   }
   return std::nullopt;
 }
 
-std::optional<Interference> Checker::At(const Joints& q, Phase phase, const std::vector<double>& freedoms,
-                                        PointMemory& memory) {
+std::optional<Sighting> Checker::Blocked(const Joints& q, Phase phase, const std::vector<double>& freedoms,
+                                         PointMemory& memory) {
   impl_->MoveTo(q);
   const std::array<PointMemory::Entry*, 4> entries = memory.Entries(freedoms, q);
   const std::vector<BodyPair>& pairs = impl_->world->pairs;
@@ -105,14 +123,15 @@ std::optional<Interference> Checker::At(const Joints& q, Phase phase, const std:
     PointMemory::Entry* entry = entries[static_cast<size_t>(pairs[index].kind)];
     if (entry && entry->known) {
       ++impl_->counts.pairs_saved;
-      if (entry->pair == index) return entry->found;
+      if (entry->found.pair == index) return entry->found;
       continue;
     }
     ++impl_->counts.pairs;
-    const auto found = impl_->Look(pairs[index], phase);
-    if (!found) continue;
+    const double wanted = impl_->Wanted(pairs[index], static_cast<int>(phase));
+    if (!impl_->Nearer(pairs[index], wanted)) continue;
+    const Sighting found{q, index, wanted};
     // The first of its kind: those before were looked at.
-    if (entry) *entry = {true, index, *found};
+    if (entry) *entry = {true, found};
     return found;
   }
   for (PointMemory::Entry* entry : entries) {
@@ -124,15 +143,20 @@ std::optional<Interference> Checker::At(const Joints& q, Phase phase, const std:
 double Checker::Clearance(const Joints& q, Phase phase, double bound) {
   impl_->MoveTo(q);
   std::vector<std::pair<double, const BodyPair*>> nearest;
+  double most = bound;  // of the smallest distance
   for (const BodyPair& pair : impl_->world->pairs) {
     if (!pair.clearance[static_cast<int>(phase)]) continue;
-    const double least = BoxDistance(impl_->placed[pair.first], impl_->placed[pair.second]);
-    if (least < bound) nearest.emplace_back(least, &pair);
+    const Placed &a = impl_->placed[pair.first], &b = impl_->placed[pair.second];
+    const double apart = BoxDistance(a, b);
+    if (apart >= most) continue;
+    const DistanceBracket certain = BracketOf(a, b, most, 0);
+    most = std::min(most, certain.most + kSure);
+    nearest.emplace_back(std::max(apart, certain.least), &pair);
   }
   std::sort(nearest.begin(), nearest.end());
   double smallest = bound;
   for (const auto& [least, pair] : nearest) {
-    if (smallest <= kTouch || least >= smallest) break;
+    if (smallest <= kTouch || least >= std::min(smallest, most)) break;
     smallest = std::min(smallest, impl_->Distance(*pair, smallest).distance);
   }
   return smallest;
@@ -140,9 +164,9 @@ double Checker::Clearance(const Joints& q, Phase phase, double bound) {
 
 /// Looks at the middle of a motion during which no joint turns by more than `half_turn` from it. Pairs that
 /// this does not settle for the whole motion go to `undecided`.
-std::optional<Interference> Checker::Impl::Certify(const Joints& middle, const Joints& half_turn, int phase,
-                                                   double resolution, const std::vector<int>& pairs,
-                                                   std::vector<int>& undecided) {
+std::optional<Sighting> Checker::Impl::Certify(const Joints& middle, const Joints& half_turn, int phase,
+                                               double resolution, const std::vector<int>& pairs,
+                                               std::vector<int>& undecided) {
   MoveTo(middle);
   const JointAxes axes = AxesOf(X_WL);
   std::vector<std::optional<std::array<double, 7>>> moved(placed.size());
@@ -154,7 +178,7 @@ std::optional<Interference> Checker::Impl::Certify(const Joints& middle, const J
       const Placed& at = placed[pair.second];
       bounds = MotionBounds(axes, body.link, at.centre, at.half_axes, half_turn);
     }
-    const double clearance = std::max(share * *pair.clearance[phase] - reserve, kTouch);
+    const double clearance = Wanted(pair, phase);
     const double motion = (*bounds)[world->bodies[pair.first].link];
     // What settles the pair for the whole motion: even the worst movement leaves clearance − resolution.
     const double wanted = std::max(clearance, clearance - resolution + motion);
@@ -163,9 +187,16 @@ std::optional<Interference> Checker::Impl::Certify(const Joints& middle, const J
     const double bound = std::min(wanted, clearance + kNearby);
     double distance = ProvenDistance(placed[pair.first], placed[pair.second], bound, clearance);
     if (distance < clearance) {
-      const BoundedDistance found = DistanceUpTo(placed[pair.first], placed[pair.second], bound);
-      if (found.distance < clearance) return Report(pair, found);
-      distance = found.distance;
+      const DistanceBracket certain =
+          BracketOf(placed[pair.first], placed[pair.second], bound, clearance - kSure);
+      if (certain.most < clearance - kSure) return Sighting{middle, index, bound};
+      // Where the bracket leaves open what follows from the distance, that is asked for.
+      if (certain.least >= clearance && (certain.least >= wanted || certain.most < wanted)) {
+        distance = certain.least;
+      } else {
+        distance = DistanceUpTo(placed[pair.first], placed[pair.second], bound).distance;
+        if (distance < clearance) return Sighting{middle, index, bound};
+      }
     }
     if (distance < wanted) undecided.push_back(index);
   }
@@ -174,6 +205,12 @@ std::optional<Interference> Checker::Impl::Certify(const Joints& middle, const J
 
 std::optional<Interference> Checker::Between(const Joints& q0, const Joints& q1, Phase phase,
                                              double resolution, const Joints& tube) {
+  const std::optional<Sighting> found = BlockedBetween(q0, q1, phase, resolution, tube);
+  return found ? std::optional(Measure(*found)) : std::nullopt;
+}
+
+std::optional<Sighting> Checker::BlockedBetween(const Joints& q0, const Joints& q1, Phase phase,
+                                                double resolution, const Joints& tube) {
   assert(resolution > 0);
   struct Interval {
     double begin, end;  // of the motion's 0..1
@@ -198,7 +235,10 @@ std::optional<Interference> Checker::Between(const Joints& q0, const Joints& q1,
     if (undecided.empty()) continue;
     // Once the interval is small against the tube, halving it settles nothing more.
     constexpr double kSmall = 0.05;
-    if (half_turn.maxCoeff() < kSmall * tube.maxCoeff()) return impl_->Nearest(undecided.front());
+    if (half_turn.maxCoeff() < kSmall * tube.maxCoeff()) {
+      const Joints q = q0 + middle * (q1 - q0);
+      return Sighting{q, undecided.front(), std::numeric_limits<double>::infinity()};
+    }
     open.push_back({middle, interval.end, undecided});
     open.push_back({interval.begin, middle, std::move(undecided)});
   }

@@ -305,6 +305,17 @@ double ProvenDistance(const Placed& a, const Placed& b, double bound, double eno
   return least >= enough && Swallows(mesh, body) ? 0 : least;
 }
 
+DistanceBracket BracketOf(const Placed& a, const Placed& b, double bound, double near) {
+  const Placed &mesh = a.part->mesh() ? a : b, &body = a.part->mesh() ? b : a;
+  if (!mesh.part->mesh() || body.part->mesh() || body.part->envelope.kind == Envelope::Kind::kHull)
+    return {0, std::numeric_limits<double>::infinity()};
+  const Pose X_MG = mesh.X_WG.inverse(Eigen::Isometry) * body.X_WG;
+  const DistanceBracket found =
+      BracketDistance(body.part->envelope, X_MG, mesh.part->solid->tree(), bound, near);
+  if (found.least >= bound && Swallows(mesh, body)) return {0, 0};
+  return found;
+}
+
 BoundedDistance DistanceUpTo(const Placed& a, const Placed& b, double bound) {
   if (a.part->mesh()) return MeshDistance(a, b, bound);
   if (b.part->mesh()) return MeshDistance(b, a, bound);

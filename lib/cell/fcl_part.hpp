@@ -51,6 +51,11 @@ double BoxDistance(const Placed& a, const Placed& b);
 /// the search stops there. 0 for two meshes and for a part wholly inside a closed mesh.
 double ProvenDistance(const Placed& a, const Placed& b, double bound, double enough);
 
+/// What is certain of the distance of two parts, as BracketDistance; {0, infinite} where they are not a mesh
+/// and a shape whose nearest points are known in closed form. A part wholly inside a closed mesh and farther
+/// than `bound` from its surface touches it.
+DistanceBracket BracketOf(const Placed& a, const Placed& b, double bound, double near);
+
 /// The distance of two parts as far as it was asked for.
 struct BoundedDistance {
   double distance = 0;  ///< mm; at least the bound when they are not nearer than that; ≤ 0 when they touch

@@ -24,8 +24,7 @@ class PointMemory {
   /// What is known of the pairs of one kind; until then nothing.
   struct Entry {
     bool known = false;
-    int pair = -1;  ///< the first that interferes, −1: none does
-    Interference found;
+    Sighting found;  ///< the first that interferes; no pair when none does
   };
 
   /// `freedoms`: the pose's, the first the rotation about the tool axis. Entries by kind; null for kOther.

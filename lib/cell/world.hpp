@@ -19,6 +19,13 @@ struct Interference {
   double distance = 0;  ///< mm; ≤ 0 when they touch (then minus the depth where known)
 };
 
+/// Where a pair was found too near, not yet measured: Checker::Measure says how near.
+struct Sighting {
+  Joints q = Joints::Zero();  ///< the pose, rad
+  int pair = -1;
+  double bound = 0;  ///< up to which the distance is wanted, mm
+};
+
 class PointMemory;
 
 /// The cell as an FCL world, immutable and shared between threads.
@@ -55,10 +62,14 @@ class Checker {
   /// The first pair found to touch or to be nearer than its clearance at joint angles q; empty when free.
   std::optional<Interference> At(const Joints& q, Phase phase);
 
+  /// The same without the distance: far cheaper, since it is hardly ever needed to know that it is too small.
+  std::optional<Sighting> Blocked(const Joints& q, Phase phase);
+
   /// The same for a pose at a milling point, with what is known of others there: pairs that `memory` knows to
-  /// be free are not looked at again. The answer is the same to the accuracy of distances (1e-6 mm).
-  std::optional<Interference> At(const Joints& q, Phase phase, const std::vector<double>& freedoms,
-                                 PointMemory& memory);
+  /// be free are not looked at again, and what it knows to interfere is answered with the pose where that was
+  /// seen.
+  std::optional<Sighting> Blocked(const Joints& q, Phase phase, const std::vector<double>& freedoms,
+                                  PointMemory& memory);
 
   /// The smallest distance of any checked pair, mm, never more than `bound` (so `bound` means "at least
   /// that").
@@ -71,6 +82,12 @@ class Checker {
   /// reported.
   std::optional<Interference> Between(const Joints& q0, const Joints& q1, Phase phase,
                                       double resolution = 0.5, const Joints& tube = Joints::Zero());
+
+  std::optional<Sighting> BlockedBetween(const Joints& q0, const Joints& q1, Phase phase,
+                                         double resolution = 0.5, const Joints& tube = Joints::Zero());
+
+  /// What was sighted by a checker of the same world, clearances and reserve.
+  Interference Measure(const Sighting& sighting);
 
   /// What was done so far, for the summary.
   const CheckCounts& counts() const;

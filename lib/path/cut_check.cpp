@@ -18,24 +18,29 @@ double Movement(const Carrier& carrier, const Joints& deviation) {
   return whole * deviation.head<3>().sum() + hand * deviation.tail<3>().sum();
 }
 
-std::string CheckPart(Checker& checker, const Carrier& carrier, const Joints& q0, const Joints& q1,
-                      double resolution, int depth) {
+std::optional<CutProblem> CheckPart(Checker& checker, const Carrier& carrier, const Joints& q0,
+                                    const Joints& q1, double resolution, int depth) {
   const std::optional<Joints> deviation = JointDeviation(carrier, q0, q1);
   const std::optional<Joints> middle = deviation ? OnLine(carrier, q0, q1, 0.5) : std::nullopt;
-  if (!middle) return "the straight motion to the next point leaves the arm's configuration";
+  if (!middle) return CutProblem{};
   if (depth == kDeepest || Movement(carrier, *deviation) <= kTubeShare * resolution) {
-    const auto found = checker.Between(q0, q1, Phase::kCutting, resolution, *deviation);
-    return found ? Describe(*found) : std::string();
+    const auto found = checker.BlockedBetween(q0, q1, Phase::kCutting, resolution, *deviation);
+    return found ? std::optional(CutProblem{found}) : std::nullopt;
   }
-  const std::string first = CheckPart(checker, carrier, q0, *middle, resolution, depth + 1);
-  return first.empty() ? CheckPart(checker, carrier, *middle, q1, resolution, depth + 1) : first;
+  const auto first = CheckPart(checker, carrier, q0, *middle, resolution, depth + 1);
+  return first ? first : CheckPart(checker, carrier, *middle, q1, resolution, depth + 1);
 }
 
 }  // namespace
 
-std::string CheckCut(Checker& checker, const Carrier& carrier, const Joints& q0, const Joints& q1,
-                     double resolution) {
+std::optional<CutProblem> CheckCut(Checker& checker, const Carrier& carrier, const Joints& q0,
+                                   const Joints& q1, double resolution) {
   return CheckPart(checker, carrier, q0, q1, resolution, 0);
+}
+
+std::string Describe(Checker& checker, const CutProblem& problem) {
+  if (!problem.sighting) return "the straight motion to the next point leaves the arm's configuration";
+  return Describe(checker.Measure(*problem.sighting));
 }
 
 }  // namespace millpose

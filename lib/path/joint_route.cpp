@@ -46,21 +46,31 @@ class Judge {
   bool Valid(const Joints& q) {
     if ((q.array() < options_.lower.array() - 1e-12).any()) return false;
     if ((q.array() > options_.upper.array() + 1e-12).any()) return false;
-    return Count(checker_.At(q, Phase::kFree));
+    return Count(checker_.Blocked(q, Phase::kFree));
   }
   /// The motion to `to`, with `to` itself, from a valid pose.
   bool ValidMotion(const Joints& from, const Joints& to) {
-    return Valid(to) && Count(checker_.Between(from, to, Phase::kFree, options_.resolution));
+    return Valid(to) && Count(checker_.BlockedBetween(from, to, Phase::kFree, options_.resolution));
   }
   long long poses_checked() const { return checker_.poses_checked(); }
   /// The pairs found most often, for the report of a gap that cannot be planned.
-  std::string Blockers() const {
+  std::string Blockers() {
+    struct Met {
+      int count = 0;
+      double nearest = 0;  // mm
+    };
+    std::map<std::string, Met> blocked;
+    for (const Sighting& sighting : sightings_) {
+      const Interference found = checker_.Measure(sighting);
+      Met& met = blocked[fmt::format("{} and {}", found.first, found.second)];
+      met.nearest = met.count++ == 0 ? found.distance : std::min(met.nearest, found.distance);
+    }
     std::vector<std::pair<int, std::string>> sorted;
-    for (const auto& [pair, met] : blocked_) sorted.emplace_back(-met.count, pair);
+    for (const auto& [pair, met] : blocked) sorted.emplace_back(-met.count, pair);
     std::sort(sorted.begin(), sorted.end());
     std::string text;
     for (size_t i = 0; i < std::min<size_t>(3, sorted.size()); ++i) {
-      const double nearest = blocked_.at(sorted[i].second).nearest;
+      const double nearest = blocked.at(sorted[i].second).nearest;
       text += fmt::format(
           "{}{} ({} times, {})", i ? ", " : "", sorted[i].second, -sorted[i].first,
           nearest > 0 ? fmt::format("{:.1f} mm apart at the nearest", nearest) : std::string("touching"));
@@ -69,20 +79,13 @@ class Judge {
   }
 
  private:
-  bool Count(const std::optional<Interference>& found) {
-    if (found) {
-      Met& met = blocked_[fmt::format("{} and {}", found->first, found->second)];
-      met.nearest = met.count++ == 0 ? found->distance : std::min(met.nearest, found->distance);
-    }
+  bool Count(const std::optional<Sighting>& found) {
+    if (found) sightings_.push_back(*found);
     return !found;
   }
   Checker checker_;
   const RouteOptions& options_;
-  struct Met {
-    int count = 0;
-    double nearest = 0;  // mm
-  };
-  std::map<std::string, Met> blocked_;
+  std::vector<Sighting> sightings_;
 };
 
 /// OMPL's own samplers draw from a process-wide generator of seeds; this one from the gap's own stream, so

@@ -31,11 +31,11 @@ PieceHits PieceChecker::Check(std::span<const PathNode> path, bool closed, const
 }
 
 bool PieceChecker::PoseFree(Checker& checker, const Joints& q) const {
-  return !checker.At(q, Phase::kCutting);
+  return !checker.Blocked(q, Phase::kCutting);
 }
 
 bool PieceChecker::MotionFree(Checker& checker, const Joints& from, const Joints& to) const {
-  return CheckCut(checker, carrier_, from, Beside(from, to), resolution_).empty();
+  return !CheckCut(checker, carrier_, from, Beside(from, to), resolution_);
 }
 
 void PieceChecker::Each(size_t count, const std::function<void(Checker&, size_t)>& work) {

@@ -113,7 +113,7 @@ class PiecePlanner {
     plan_.candidates_checked = strike_out.nodes_checked();
     for (const Layer& layer : layers_) plan_.candidates += static_cast<long long>(layer.size());
     for (size_t t = 0; t < count_; ++t) {
-      if (sequence.nodes[t] == kNoNode) plan_.interference[t] = strike_out.detail(t);
+      if (sequence.nodes[t] == kNoNode) plan_.interference[t] = strike_out.Detail(t);
     }
     return sequence;
   }

@@ -5,7 +5,6 @@
 
 #include "base/cpu_time.hpp"
 #include "base/parallel.hpp"
-#include "path/cut_check.hpp"
 
 namespace millpose {
 
@@ -46,7 +45,7 @@ StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::vector<Lay
       memory_(layers.size()),
       struck_(layers.size()),
       free_(layers.size()),
-      detail_(layers.size()) {
+      last_problem_(layers.size()) {
   for (size_t t = 0; t < layers.size(); ++t) verdict_[t].assign(layers[t].size(), Verdict::kUnknown);
 }
 
@@ -56,6 +55,12 @@ long long StrikeOut::nodes_checked() const {
     checked += std::count_if(layer.begin(), layer.end(), [](Verdict v) { return v != Verdict::kUnknown; });
   }
   return checked;
+}
+
+std::string StrikeOut::Detail(size_t layer) const {
+  if (!last_problem_[layer]) return {};
+  Checker checker(world_);
+  return Describe(checker, *last_problem_[layer]);
 }
 
 bool StrikeOut::Check(const Sequence& sequence) {
@@ -138,11 +143,11 @@ std::optional<StrikeOut::Interval> StrikeOut::CheckNode(Checker& checker, size_t
     if (verdict != Verdict::kUnknown) return false;
     const Joints q = layers_[layer].joints.At(k);
     const auto hit = rotates_first_
-                         ? checker.At(q, Phase::kCutting, layers_[layer].freedoms[k], memory_[layer])
-                         : checker.At(q, Phase::kCutting);
+                         ? checker.Blocked(q, Phase::kCutting, layers_[layer].freedoms[k], memory_[layer])
+                         : checker.Blocked(q, Phase::kCutting);
     verdict = hit ? Verdict::kStruck : Verdict::kFree;
     if (hit) {
-      detail_[layer] = Describe(*hit);
+      last_problem_[layer] = CutProblem{hit};
       layers_[layer].objective[k] = std::numeric_limits<double>::infinity();
     }
     return hit.has_value();
@@ -165,10 +170,10 @@ bool StrikeOut::CheckMotion(Checker& checker, size_t from, size_t to, const Sequ
   if (free_[from].contains({a, b})) return true;
   const Joints q0 = layers_[from].joints.At(a);
   const Joints q1 = q0 + (layers_[to].joints.At(b) - q0).unaryExpr(&ShortWay);
-  const std::string problem = CheckCut(checker, carrier_, q0, q1, swept_resolution_);
-  (problem.empty() ? free_ : struck_)[from].insert({a, b});
-  if (!problem.empty()) detail_[from] = problem;
-  return problem.empty();
+  const std::optional<CutProblem> problem = CheckCut(checker, carrier_, q0, q1, swept_resolution_);
+  (problem ? struck_ : free_)[from].insert({a, b});
+  if (problem) last_problem_[from] = problem;
+  return !problem;
 }
 
 void StrikeOut::StrikeBarred(const Sequence& sequence, Extent extent) {
@@ -182,7 +187,7 @@ void StrikeOut::StrikeBarred(const Sequence& sequence, Extent extent) {
     if (extent == Extent::kNodes) {
       strike(t, sequence.nodes[t]);
       strike(to, sequence.nodes[to]);
-      detail_[to] = detail_[t];
+      last_problem_[to] = last_problem_[t];
     } else {
       for (size_t k = 0; k < layers_[t].size(); ++k) strike(t, k);
     }

@@ -5,6 +5,7 @@
 
 #include "cell/point_memory.hpp"
 #include "motion/line.hpp"
+#include "path/cut_check.hpp"
 #include "path/layered_search.hpp"
 
 namespace millpose {
@@ -39,7 +40,7 @@ class StrikeOut {
   /// Nodes whose interference was asked for.
   long long nodes_checked() const;
   /// The last interference found at a layer; empty when there was none.
-  const std::string& detail(size_t layer) const { return detail_[layer]; }
+  std::string Detail(size_t layer) const;
 
  private:
   enum class Verdict : uint8_t { kUnknown, kFree, kStruck };
@@ -64,9 +65,9 @@ class StrikeOut {
   std::vector<std::vector<Verdict>> verdict_;
   std::vector<PointMemory> memory_;  // per layer
   std::vector<StruckEdges> struck_, free_;
-  std::vector<std::string> detail_;
-  std::vector<size_t> barred_;  // layers whose motions interfered in the last check
-  size_t flood_ = 4;            // layers to follow interference to either side, at the next check
+  std::vector<std::optional<CutProblem>> last_problem_;  // per layer
+  std::vector<size_t> barred_;                           // layers whose motions interfered in the last check
+  size_t flood_ = 4;  // layers to follow interference to either side, at the next check
   CheckCounts counts_;
   int nodes_struck_ = 0;
 };

@@ -74,6 +74,39 @@ TEST(Apart, StopsWhereThereIsNotEnough) {
   EXPECT_GT(less, 30);
 }
 
+TEST(Bracket, HoldsTheDistanceAndIsNarrow) {
+  RandomStream random(14, 0);
+  const std::vector<Triangles> meshes{Revolve({{-30, 60}, {40, 90}}, 16), BoxMesh({80, 200, 5})};
+  int narrow = 0, trials = 0, near = 0;
+  for (const Body& body : Bodies()) {
+    const Part part = MakePart(body.shape);
+    if (part.envelope.kind == Envelope::Kind::kHull) continue;
+    // The other shapes' meshes are inscribed.
+    const double farther = std::holds_alternative<Box>(body.shape) ? 1e-7 : 2;
+    for (const Triangles& mesh : meshes) {
+      const TriangleTree tree(mesh.vertices, mesh.faces);
+      for (int trial = 0; trial < 40; ++trial) {
+        const Pose X_MG = RandomPose(random, 180);
+        const double truth = BruteDistance(mesh, Moved(body.mesh, X_MG));
+        const DistanceBracket found = BracketDistance(part.envelope, X_MG, tree, kBound, 0);
+        EXPECT_LE(found.least, std::min(truth, kBound) + 1e-7);
+        EXPECT_GE(found.most, truth - farther);
+        EXPECT_GE(found.least, 0);
+        narrow += found.most - found.least < 1e-3;
+        ++trials;
+        // What is nearer than asked for is seen to be, and no more is said.
+        const DistanceBracket early = BracketDistance(part.envelope, X_MG, tree, kBound, 40);
+        if (early.most >= 40) continue;
+        ++near;
+        EXPECT_GE(early.most, truth - farther);
+        EXPECT_EQ(early.least, 0);
+      }
+    }
+  }
+  EXPECT_GT(narrow, 0.75 * trials) << trials;
+  EXPECT_GT(near, trials / 10);
+}
+
 TEST(Apart, WhatAClosedMeshSwallowsIsNotFree) {
   Triangles skin = BoxMesh({400, 400, 400});
   const Part block = MakePart(skin);

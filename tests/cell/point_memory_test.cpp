@@ -32,10 +32,12 @@ void Compare(const World& world, const Eigen::Vector3d& near, Phase phase, uint6
           Inverse(cell.arm, cell.X_WB.inverse(Eigen::Isometry) * turned * cell.X_FT.inverse(Eigen::Isometry));
       for (int s = 0; s < found.count; ++s) {
         const Joints& q = found.solutions[s].q;
-        const auto expected = plain.At(q, phase), got = remembering.At(q, phase, {rotation, 0.5}, memory);
-        ASSERT_EQ(got.has_value(), expected.has_value());
-        ++(got ? tally.blocked : tally.free);
-        if (!got) continue;
+        const auto expected = plain.At(q, phase);
+        const auto sighting = remembering.Blocked(q, phase, {rotation, 0.5}, memory);
+        ASSERT_EQ(sighting.has_value(), expected.has_value());
+        ++(sighting ? tally.blocked : tally.free);
+        if (!sighting) continue;
+        const auto got = std::optional(remembering.Measure(*sighting));
         EXPECT_EQ(got->first, expected->first);
         EXPECT_EQ(got->second, expected->second);
         if (expected->distance > 0) {
@@ -77,13 +79,13 @@ TEST(PointMemory, KnowsWhatDependsOnWhat) {
   const World world(cell);
   Checker checker(world);
   PointMemory memory;
-  EXPECT_TRUE(checker.At(cell.home, Phase::kFree, {0.0}, memory));
+  EXPECT_TRUE(checker.Blocked(cell.home, Phase::kFree, {0.0}, memory));
   const Pose turned = X_WT * Eigen::AngleAxisd(1, Eigen::Vector3d::UnitZ());
   const InverseResult found =
       Inverse(cell.arm, cell.X_WB.inverse(Eigen::Isometry) * turned * cell.X_FT.inverse(Eigen::Isometry));
   ASSERT_GT(found.count, 0);
   for (int s = 0; s < found.count; ++s)
-    EXPECT_FALSE(checker.At(found.solutions[s].q, Phase::kFree, {1.0}, memory));
+    EXPECT_FALSE(checker.Blocked(found.solutions[s].q, Phase::kFree, {1.0}, memory));
 }
 
 }  // namespace

@@ -48,16 +48,16 @@ TEST(CheckCut, WhatItCallsFreeIsFreeOnTheStraightMotion) {
     const World world(BallCell(kMiddle, {off * std::cos(around), off * std::sin(around), 300}));
     const double clearance = world.cell().clearances.free;
     Checker checker(world);
-    const std::string problem = CheckCut(checker, carrier, q0, q1, 0.5);
+    const std::optional<CutProblem> problem = CheckCut(checker, carrier, q0, q1, 0.5);
     const double truth = WalkLine(world, q0, q1, 100, clearance + 5);
-    if (problem.empty()) {
+    if (!problem) {
       EXPECT_GE(truth, clearance - 0.5 - 1e-9);
       ++free;
     } else {
-      EXPECT_LT(truth, clearance + 0.5) << problem;
+      EXPECT_LT(truth, clearance + 0.5) << Describe(checker, *problem);
       ++blocked;
     }
-    different += problem.empty() == checker.Between(q0, q1, Phase::kCutting, 0.5).has_value();
+    different += !problem == checker.Between(q0, q1, Phase::kCutting, 0.5).has_value();
   }
   EXPECT_GT(free, 50);
   EXPECT_GT(blocked, 50);
@@ -68,14 +68,16 @@ TEST(CheckCut, NamesWhatIsInTheWayAndWhereTheBranchEnds) {
   const World world(BallCell(kMiddle, {70, 0, 250}));
   Checker checker(world);
   const Carrier carrier = CarrierOf(world.cell());
-  const std::string problem = CheckCut(checker, carrier, kMiddle, kMiddle, 0.5);
+  const auto found = CheckCut(checker, carrier, kMiddle, kMiddle, 0.5);
+  ASSERT_TRUE(found);
+  const std::string problem = Describe(checker, *found);
   EXPECT_NE(problem.find("ball"), std::string::npos) << problem;
   // A5 changes its sign: no straight motion keeps the branch.
   Joints below = kMiddle, above = kMiddle;
   below[4] = DegToRad(-2), above[4] = DegToRad(2);
   const World empty(SampleCell());
   Checker free(empty);
-  EXPECT_NE(CheckCut(free, carrier, below, above, 0.5), "");
+  EXPECT_TRUE(CheckCut(free, carrier, below, above, 0.5));
 }
 
 TEST(Between, HoldsForEveryMotionInTheTube) {

@@ -54,7 +54,7 @@ struct Swerve {
     Checker checker(world);
     for (size_t t = 0; t + 1 < path.size(); ++t) {
       if (checker.At(path[t].q, Phase::kCutting)) return false;
-      if (!CheckCut(checker, carrier, path[t].q, path[t + 1].q, kResolution).empty()) return false;
+      if (CheckCut(checker, carrier, path[t].q, path[t + 1].q, kResolution)) return false;
     }
     return !checker.At(path.back().q, Phase::kCutting);
   }
