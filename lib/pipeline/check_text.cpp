@@ -45,6 +45,7 @@ Json MeshJson(const MeshCheck& check) {
           {"rim_length_mm", report.rim_length},
           {"repairs",
            {{"welded", report.welded},
+            {"t_junctions", repairs.t_junctions},
             {"degenerate", repairs.degenerate},
             {"duplicate", repairs.duplicate},
             {"flipped", repairs.flipped},

@@ -102,6 +102,8 @@ std::vector<std::string> Findings(const ImportReport& report) {
   const RepairCounts& repairs = report.repairs;
   tell(report.welded, "vertex was joined with a neighbour within the weld tolerance",
        "vertices were joined with a neighbour within the weld tolerance");
+  tell(repairs.t_junctions, "triangle was split at a vertex on its open edge",
+       "triangles were split at a vertex on their open edge");
   tell(repairs.degenerate, "triangle without area was removed", "triangles without area were removed");
   tell(repairs.duplicate, "triangle that was there twice was removed",
        "triangles that were there twice were removed");

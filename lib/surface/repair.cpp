@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/repair.hpp"
 
+#include <span>
+
 #include "surface/edges.hpp"
+#include "surface/t_junctions.hpp"
 
 namespace millpose {
 namespace {
@@ -73,7 +76,7 @@ class FlatRemoval {
     if (flat.empty()) return {};
     sides_ = SortedSides(mesh_);
     for (const auto& [face, side] : flat)
-      if (done_[face] == 0 && SplitNeighbour(face, side)) removed_[face] = done_[face] = 1;
+      if (done_[face] == 0 && Prepare(face, side)) removed_[face] = done_[face] = 1;
     Outcome outcome;
     for (size_t f = 0; f < count_; ++f) {
       outcome.removed += removed_[f];
@@ -84,23 +87,43 @@ class FlatRemoval {
   }
 
  private:
+  // The sides on the edge of a face's side.
+  std::span<const EdgeSide> SidesOn(int face, int side) const {
+    const std::array<int, 3>& f = mesh_.faces[face];
+    const auto [low, high] = std::minmax(f[side], f[(side + 1) % 3]);
+    return std::ranges::equal_range(sides_, std::pair(low, high), {},
+                                    [](const EdgeSide& s) { return std::pair(s.low, s.high); });
+  }
+
+  // Whether the mesh is closed better without the face: its long edge and another one have a side too many.
+  bool IsFlap(int face, int side) const {
+    const auto odd = [&](int k) { return SidesOn(face, k % 3).size() % 2 == 1; };
+    return odd(side) && (odd(side + 1) || odd(side + 2));
+  }
+
+  // Prepares for the removal of a flat face. False when it must wait.
+  bool Prepare(int face, int side) {
+    if (!IsFlap(face, side)) return SplitNeighbour(face, side);
+    for (int k = 0; k < 3; ++k)
+      for (const EdgeSide& other : SidesOn(face, k))
+        if (done_[FaceOf(other.side)] != 0) return false;
+    return true;
+  }
+
   // Splits the neighbour over the long side of a flat face at the face's middle vertex. False when it must
   // wait.
   bool SplitNeighbour(int face, int side) {
     const std::array<int, 3> flat = mesh_.faces[face];
-    const auto [low, high] = std::minmax(flat[side], flat[(side + 1) % 3]);
-    auto it = std::ranges::lower_bound(sides_, std::pair(low, high), {},
-                                       [](const EdgeSide& s) { return std::pair(s.low, s.high); });
     // A neighbour that runs the other way bounds the same material: splitting it keeps a closed mesh closed,
     // at edges of more than two triangles as well.
     Side other = kNoSide;
     bool opposite = false;
-    for (; it != sides_.end() && it->low == low && it->high == high; ++it) {
-      if (FaceOf(it->side) == face) continue;
-      if (done_[FaceOf(it->side)] != 0) return false;
-      const bool runs_back = mesh_.faces[FaceOf(it->side)][CornerOf(it->side)] != flat[side];
+    for (const EdgeSide& beside : SidesOn(face, side)) {
+      if (FaceOf(beside.side) == face) continue;
+      if (done_[FaceOf(beside.side)] != 0) return false;
+      const bool runs_back = mesh_.faces[FaceOf(beside.side)][CornerOf(beside.side)] != flat[side];
       if (other != kNoSide && (opposite || !runs_back)) continue;
-      other = it->side;
+      other = beside.side;
       opposite = runs_back;
     }
     if (other == kNoSide) return true;  // a rim
@@ -127,17 +150,17 @@ class FlatRemoval {
   std::vector<EdgeSide> sides_;
 };
 
-}  // namespace
-
-void RemoveDegenerate(Triangles& mesh, double tolerance, RepairCounts& counts) {
-  counts.degenerate += EraseFaces(mesh, [&](size_t f) { return HasRepeatedVertex(mesh.faces[f]); });
+// Removes flat triangles in rounds. The first `originals` faces are those that were read.
+void RemoveFlat(Triangles& mesh, double tolerance, size_t& originals, RepairCounts& counts) {
   constexpr int kRounds = 256;  // chains of flat triangles need one each; what is left then is only removed
-  size_t originals = mesh.faces.size();
+  const size_t before = originals;
   for (int round = 0; round < kRounds; ++round) {
     const auto [removed, originals_removed] = FlatRemoval(mesh, tolerance, originals).Run();
-    counts.degenerate += originals_removed;
     originals -= originals_removed;
-    if (removed == 0) return;
+    if (removed == 0) {
+      counts.degenerate += before - originals;
+      return;
+    }
   }
   size_t left = originals;
   EraseFaces(mesh, [&](size_t f) {
@@ -145,7 +168,22 @@ void RemoveDegenerate(Triangles& mesh, double tolerance, RepairCounts& counts) {
     if (f < originals && flat) --left;
     return flat;
   });
-  counts.degenerate += originals - left;
+  originals = left;
+  counts.degenerate += before - originals;
+}
+
+}  // namespace
+
+void RemoveDegenerate(Triangles& mesh, double tolerance, RepairCounts& counts) {
+  counts.degenerate += EraseFaces(mesh, [&](size_t f) { return HasRepeatedVertex(mesh.faces[f]); });
+  constexpr int kPasses = 8;  // a crack may show when the flat triangles beside it are gone
+  size_t originals = mesh.faces.size();
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const size_t split = CloseTJunctions(mesh, tolerance);
+    counts.t_junctions += split;
+    if (pass > 0 && split == 0) return;
+    RemoveFlat(mesh, tolerance, originals, counts);
+  }
 }
 
 namespace {

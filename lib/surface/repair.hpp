@@ -8,6 +8,7 @@ namespace millpose {
 
 /// Every repair with its count.
 struct RepairCounts {
+  size_t t_junctions = 0;            ///< triangles split at a vertex on their open edge; see CloseTJunctions
   size_t degenerate = 0;             ///< triangles as read without area, removed; see RemoveDegenerate
   size_t duplicate = 0;              ///< triangles with the vertices of an earlier one, removed
   size_t non_manifold_edges = 0;     ///< edges of more than two triangles, taken apart
@@ -17,9 +18,9 @@ struct RepairCounts {
   size_t turned_pieces = 0;          ///< closed pieces that were inside out as a whole
 };
 
-/// Removes triangles with a repeated vertex or a height of at most `tolerance` (mm). Where the flat triangle
-/// has its middle vertex on the long edge, the neighbour over that edge is split there, so that a closed mesh
-/// stays closed.
+/// Closes cracks without width (t_junctions.hpp) and removes triangles with a repeated vertex or a height of
+/// at most `tolerance` (mm). Where a flat triangle has its middle vertex on the long edge, the neighbour over
+/// that edge is split there, so that a closed mesh stays closed; one that hangs on it as a flap only goes.
 void RemoveDegenerate(Triangles& mesh, double tolerance, RepairCounts& counts);
 
 /// Removes triangles that have the same three vertices as an earlier one, in any order. In a closed mesh two
