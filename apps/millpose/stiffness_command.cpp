@@ -10,7 +10,7 @@
 #include "commands.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/inputs.hpp"
-#include "stiffness/map.hpp"
+#include "pose/map.hpp"
 #include "stiffness_output.hpp"
 
 namespace millpose {

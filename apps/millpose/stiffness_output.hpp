@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "stiffness/map.hpp"
+#include "pose/map.hpp"
 #include "stiffness/pose_stiffness.hpp"
 
 namespace millpose {

@@ -73,4 +73,12 @@ std::string NearestName(std::string_view given, const std::vector<std::string>& 
   return nearest;
 }
 
+std::string UnknownName(const std::string& kind, const std::string& name,
+                        const std::vector<std::string>& known) {
+  if (known.empty()) return fmt::format("no {} \"{}\"; there are none", kind, name);
+  const std::string nearest = NearestName(name, known);
+  return fmt::format("no {} \"{}\"; known: {}{}", kind, name, fmt::join(known, ", "),
+                     nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest));
+}
+
 }  // namespace millpose

@@ -49,4 +49,9 @@ class Interrupted : public std::exception {
 /// The entry of `known` that is nearest to `given` by edit distance, or empty when none is near.
 std::string NearestName(std::string_view given, const std::vector<std::string>& known);
 
+/// The message for a `name` that no `kind` of thing has, with the known names and the nearest: no objective
+/// "chen2012"; known: chen2021, drilling; did you mean "chen2021"?
+std::string UnknownName(const std::string& kind, const std::string& name,
+                        const std::vector<std::string>& known);
+
 }  // namespace millpose

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The keys of a job's `pose:` and `limits:`, one line each.
 #include "config/fields.hpp"
+#include "pose/objective.hpp"
 
 namespace millpose::config {
 namespace {
@@ -47,10 +48,25 @@ Codec<PaperSettings> PaperFields() {
       CheckElite<S>);
 }
 
-// {name: …, further keys: numbers}; which keys an objective knows is the objective's own matter.
-using Objective = std::pair<std::string, std::map<std::string, double>>;
+// {name: …, further keys: numbers}: the parameters that the objective's entry names.
+using Objective = std::pair<std::string, ObjectiveParameters>;
+
+// What the objective does not know, and values below what it allows.
+void CheckParameters(const Value& value, const Context& context, const Objective& objective) {
+  std::vector<std::string> known;
+  for (const ParameterRule& rule : Objectives().At(objective.first).parameters) {
+    known.push_back(rule.name);
+    const Value* given = value.Find(rule.name);
+    if (given != nullptr && objective.second.at(rule.name) < rule.minimum)
+      context.Child(rule.name).AddWrong(*given, fmt::format("at least {}", rule.minimum));
+  }
+  for (const Value::Key& key : value.keys)
+    if (key.text != "name" && std::ranges::find(known, key.text) == known.end())
+      context.Child(key.text).Add(key.mark, UnknownName("parameter", key.text, known));
+}
+
 Codec<Objective> ObjectiveFields() {
-  const Codec<std::string> name = Text();
+  const Codec<std::string> name = Choice(Objectives().Names());
   const Codec<double> number = Real(kOne, Between(-1e6, 1e6));
   Codec<Objective> codec;
   codec.type = "map of name and the objective's parameters";
@@ -60,6 +76,7 @@ Codec<Objective> ObjectiveFields() {
   codec.read = [=](const Value& value, const Context& context, Objective& result) {
     if (value.kind != Value::Kind::kMap) return context.AddWrong(value, "a map of keys");
     if (!value.Find("name")) context.Child("name").Add(value.mark, "missing; required: " + name.type);
+    const size_t problems_before = context.problems.size();
     result.second.clear();
     for (size_t i = 0; i < value.items.size(); ++i) {
       const std::string& key = value.keys[i].text;
@@ -68,6 +85,7 @@ Codec<Objective> ObjectiveFields() {
       else
         number.read(value.items[i], context.Child(key), result.second[key]);
     }
+    if (context.problems.size() == problems_before) CheckParameters(value, context, result);
   };
   codec.write = [=](const Objective& objective) {
     Value map = Value::Map();

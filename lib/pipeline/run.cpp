@@ -64,12 +64,12 @@ size_t PointsOf(const Share& share, const Toolpath& toolpath) {
 
 // Whether a pass may be run the other way round: a zigzag mills up and down in turns anyway, and nothing that
 // the poses depend on knows the feed's direction.
-bool FreeDirections(const JobSettings& job) {
+bool FreeDirections(const JobSettings& job, const Objective& objective) {
   const ToolpathSettings& toolpath = job.toolpath;
   const bool laid = toolpath.strategy != "curve" && toolpath.strategy != "cam";
   const bool upright = toolpath.lead == 0 && toolpath.tilt == 0;
   const bool either_side = !job.cutting || job.cutting->side == "slot";
-  return laid && upright && either_side && toolpath.direction == "zigzag" && job.objective != "process_force";
+  return laid && upright && either_side && toolpath.direction == "zigzag" && !objective.DependsOnFeed();
 }
 
 PlanResult StartPlan(const JobInputs& inputs, const Cell& cell, const PoseProblem& problem) {
@@ -161,7 +161,8 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   if (arguments.share)
     return {0, fmt::format("share {} of {} is planned\n{}", share.index + 1, share.count, lock_warning)};
 
-  FixTurns(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper, FreeDirections(inputs.job)});
+  FixTurns(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
+                         FreeDirections(inputs.job, *problem.objective)});
   const auto ends = GapEnds(plan.home, plan.passes);
   const auto start_ends = inputs.job.programs.empty() ? decltype(ends){} : StartEnds(ends);
   stages.Begin("gaps", ends.size() + start_ends.size());

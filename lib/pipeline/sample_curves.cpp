@@ -11,23 +11,23 @@ namespace {
 
 constexpr size_t kWorstSampled = 200;  // when not all points are sampled
 
-struct Place {
+struct PlanPlace {
   int pass, point;
   size_t number;  ///< of the job's points, from 0
   double objective;
 };
 
-std::vector<Place> ChosenPlaces(const PlanResult& plan, size_t most) {
-  std::vector<Place> places;
+std::vector<PlanPlace> ChosenPlaces(const PlanResult& plan, size_t most) {
+  std::vector<PlanPlace> places;
   for (size_t p = 0; p < plan.passes.size(); ++p) {
     const std::vector<PlannedPoint>& points = plan.passes[p].points;
     for (size_t i = 0; i < points.size(); ++i)
       places.push_back({static_cast<int>(p), static_cast<int>(i), places.size(), points[i].objective});
   }
   if (places.size() <= most) return places;
-  std::vector<Place> worst = places;
+  std::vector<PlanPlace> worst = places;
   const size_t kept = std::min(kWorstSampled, most / 2);
-  const auto worse = [](const Place& a, const Place& b) {
+  const auto worse = [](const PlanPlace& a, const PlanPlace& b) {
     return a.objective != b.objective ? a.objective > b.objective : a.number < b.number;
   };
   std::partial_sort(worst.begin(), worst.begin() + static_cast<std::ptrdiff_t>(kept), worst.end(), worse);
@@ -35,8 +35,8 @@ std::vector<Place> ChosenPlaces(const PlanResult& plan, size_t most) {
   const size_t stride = (places.size() + most - kept - 1) / (most - kept);
   std::vector<char> keep(places.size(), 0);
   for (size_t i = 0; i < places.size(); i += stride) keep[i] = 1;
-  for (const Place& place : worst) keep[place.number] = 1;
-  std::erase_if(places, [&](const Place& place) { return !keep[place.number]; });
+  for (const PlanPlace& place : worst) keep[place.number] = 1;
+  std::erase_if(places, [&](const PlanPlace& place) { return !keep[place.number]; });
   return places;
 }
 
@@ -94,10 +94,10 @@ std::vector<PointCurves> SampleCurves(const PlanResult& plan, const PoseProblem&
   assert(problem.freedoms.size() == 1 && "the page shows the rotation about the tool axis alone");
   const RotationGrid grid = CurveGrid();
   const PoseProblem free = Unbounded(problem);
-  const std::vector<Place> places = ChosenPlaces(plan, most);
+  const std::vector<PlanPlace> places = ChosenPlaces(plan, most);
   std::vector<PointCurves> all(places.size());
   ParallelFor(places.size(), threads, stop, [&](size_t i) {
-    const Place& place = places[i];
+    const PlanPlace& place = places[i];
     const PassResult& pass = plan.passes[place.pass];
     PointCurves& curves = all[i];
     curves.pass = place.pass;

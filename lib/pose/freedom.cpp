@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pose/freedom.hpp"
 
-#include "base/error.hpp"
 #include "base/trig.hpp"
 #include "base/units.hpp"
 
@@ -26,34 +25,15 @@ class RotationAboutTool final : public Freedom {
   }
 };
 
-template <typename Implementation>
-std::unique_ptr<Freedom> Make() {
-  return std::make_unique<Implementation>();
-}
-
-struct Registration {
-  const char* name;
-  std::unique_ptr<Freedom> (*make)();
-};
-
-/// One line per freedom.
-constexpr Registration kRegistry[] = {
-    {"rotation", Make<RotationAboutTool>},
-};
-
 }  // namespace
 
-std::unique_ptr<Freedom> MakeFreedom(const std::string& name) {
-  std::vector<std::string> known;
-  for (const Registration& entry : kRegistry) {
-    if (name == entry.name) return entry.make();
-    known.emplace_back(entry.name);
-  }
-  const std::string nearest = NearestName(name, known);
-  throw InputError(Place{},
-                   fmt::format("no freedom \"{}\"; known: {}{}", name, fmt::join(known, ", "),
-                               nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest)));
+Registry<FreedomEntry>& Freedoms() {
+  static Registry<FreedomEntry> freedoms{
+      "freedom", {{"rotation", [] { return std::make_unique<RotationAboutTool>(); }}}};
+  return freedoms;
 }
+
+std::unique_ptr<Freedom> MakeFreedom(const std::string& name) { return Freedoms().At(name).make(); }
 
 Pose NominalToolPose(const MillingPoint& point, const Eigen::Vector3d& rotation_reference) {
   const Eigen::Vector3d z = point.tool_axis.normalized();

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "base/registry.hpp"
 #include "robot/arm.hpp"
 #include "toolpath/milling_point.hpp"
 
@@ -28,6 +30,14 @@ class Freedom {
   /// The tool pose after moving by `value` from X_WT.
   virtual Pose Apply(const Pose& X_WT, double value) const = 0;
 };
+
+struct FreedomEntry {
+  std::string name;
+  std::function<std::unique_ptr<Freedom>()> make;
+};
+
+/// All freedoms; programs that link the library may add theirs.
+Registry<FreedomEntry>& Freedoms();
 
 /// The freedom registered under `name`; InputError with the nearest name when there is none.
 std::unique_ptr<Freedom> MakeFreedom(const std::string& name);

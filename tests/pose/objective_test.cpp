@@ -120,9 +120,38 @@ TEST(Objectives, RefuseWhatMakesNoSense) {
   EXPECT_THROW(MakeObjective("drilling", {{"w1", 1}}), InputError);
 }
 
+// One that forgot to say so would be milled backwards where it was planned forwards.
+TEST(Objectives, SayWhenTheyDependOnTheFeedsDirection) {
+  RandomStream stream(9, 0);
+  for (const std::string& name : Objectives().Names()) {
+    const auto objective =
+        MakeObjective(name, name == "process_force" ? ObjectiveParameters{{"across_N", 50}, {"axial_N", 7}}
+                                                    : ObjectiveParameters{});
+    bool depends = false;
+    for (int round = 0; round < 20; ++round) {
+      ObjectiveContext context;
+      context.normal = RandomUnit(stream);
+      context.feed = context.normal.cross(RandomUnit(stream)).normalized();
+      context.tool_axis = (context.normal + 0.2 * RandomUnit(stream)).normalized();
+      ComplianceBlock block;
+      for (int l = 0; l < kLanes; ++l)
+        Put(Eigen::Matrix3d(Eigen::Vector3d(1e-4, 2e-4, 3e-4).asDiagonal()) +
+                1e-4 * RandomUnit(stream) * Eigen::RowVector3d(0.1, 0.2, 0.3),
+            l, block);
+      Lanes there, back;
+      objective->Evaluate(block, context, there);
+      context.feed = -context.feed;
+      objective->Evaluate(block, context, back);
+      for (int l = 0; l < kLanes; ++l)
+        depends = depends || std::abs(there.v[l] - back.v[l]) > 1e-9 * there.v[l];
+    }
+    EXPECT_EQ(objective->DependsOnFeed(), depends) << name;
+  }
+}
+
 TEST(Objectives, OfASingularComplianceAreNeverNan) {
   const ComplianceBlock block = {};
-  for (const std::string& name : ObjectiveNames()) {
+  for (const std::string& name : Objectives().Names()) {
     Lanes out;
     const ObjectiveParameters parameters = name == "process_force" ? ObjectiveParameters{{"feed_N", 1}}
                                            : name == "chen2021"    ? ObjectiveParameters{{"w1", 0}}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.hpp"
-#include "pose/objective_parameters.hpp"
+#include "pose/objective.hpp"
 #include "stiffness/indices_block.hpp"
 
 namespace millpose {
@@ -16,6 +16,7 @@ class Chen2021 final : public Objective {
  public:
   explicit Chen2021(const ObjectiveParameters& parameters);
   std::string Name() const override { return "chen2021"; }
+  bool DependsOnFeed() const override { return false; }
   std::string Unit() const override { return normalised_ ? "1" : "mm/N"; }
   void Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const override;
 
@@ -24,15 +25,11 @@ class Chen2021 final : public Objective {
   bool normalised_;
 };
 
-Chen2021::Chen2021(const ObjectiveParameters& parameters) {
-  const ParameterReader reader(
-      "chen2021", parameters,
-      {{"w1", 0.5, 0.0}, {"w2", 0.5, 0.0}, {"reference_t2", 0.0, 0.0}, {"reference_n", 0.0, 0.0}});
-  w1_ = reader.Value("w1");
-  w2_ = reader.Value("w2");
+Chen2021::Chen2021(const ObjectiveParameters& parameters)
+    : w1_(parameters.at("w1")), w2_(parameters.at("w2")) {
   if (w1_ + w2_ <= 0.0)
     throw InputError(Place{}, "objective chen2021: w1 and w2 are both 0; allowed: one above 0");
-  const double reference_t2 = reader.Value("reference_t2"), reference_n = reader.Value("reference_n");
+  const double reference_t2 = parameters.at("reference_t2"), reference_n = parameters.at("reference_n");
   normalised_ = reference_t2 > 0.0 && reference_n > 0.0;
   if (!normalised_ && reference_t2 + reference_n > 0.0)
     throw InputError(
@@ -55,8 +52,10 @@ void Chen2021::Evaluate(const ComplianceBlock& c, const ObjectiveContext& contex
 
 }  // namespace
 
-std::unique_ptr<Objective> MakeChen2021(const ObjectiveParameters& parameters) {
-  return std::make_unique<Chen2021>(parameters);
+ObjectiveEntry Chen2021Entry() {
+  return {"chen2021",
+          {{"w1", 0.5, 0.0}, {"w2", 0.5, 0.0}, {"reference_t2", 0.0, 0.0}, {"reference_n", 0.0, 0.0}},
+          [](const ObjectiveParameters& all) { return std::make_unique<Chen2021>(all); }};
 }
 
 }  // namespace millpose

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pose/objective_parameters.hpp"
+#include "pose/objective.hpp"
 #include "stiffness/indices_block.hpp"
 
 namespace millpose {
@@ -21,8 +21,10 @@ void Drilling::Evaluate(const ComplianceBlock& c, const ObjectiveContext& contex
 
 }  // namespace
 
-std::unique_ptr<Objective> MakeDrilling(const ObjectiveParameters& parameters) {
-  return std::make_unique<Drilling>("drilling", "mm/N", parameters);
+ObjectiveEntry DrillingEntry() {
+  return {"drilling", {}, [](const ObjectiveParameters&) {
+            return std::make_unique<Drilling>("drilling", "mm/N");
+          }};
 }
 
 }  // namespace millpose

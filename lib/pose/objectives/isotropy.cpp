@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <limits>
 
-#include "pose/objective_parameters.hpp"
+#include "pose/objective.hpp"
 #include "stiffness/indices_block.hpp"
 
 namespace millpose {
@@ -24,8 +24,9 @@ void Isotropy::Evaluate(const ComplianceBlock& c, const ObjectiveContext& contex
 
 }  // namespace
 
-std::unique_ptr<Objective> MakeIsotropy(const ObjectiveParameters& parameters) {
-  return std::make_unique<Isotropy>("isotropy", "1", parameters);
+ObjectiveEntry IsotropyEntry() {
+  return {
+      "isotropy", {}, [](const ObjectiveParameters&) { return std::make_unique<Isotropy>("isotropy", "1"); }};
 }
 
 }  // namespace millpose

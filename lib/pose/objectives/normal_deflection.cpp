@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pose/objective_parameters.hpp"
+#include "pose/objective.hpp"
 #include "stiffness/indices_block.hpp"
 
 namespace millpose {
@@ -21,8 +21,10 @@ void NormalDeflection::Evaluate(const ComplianceBlock& c, const ObjectiveContext
 
 }  // namespace
 
-std::unique_ptr<Objective> MakeNormalDeflection(const ObjectiveParameters& parameters) {
-  return std::make_unique<NormalDeflection>("normal_deflection", "mm/N", parameters);
+ObjectiveEntry NormalDeflectionEntry() {
+  return {"normal_deflection", {}, [](const ObjectiveParameters&) {
+            return std::make_unique<NormalDeflection>("normal_deflection", "mm/N");
+          }};
 }
 
 }  // namespace millpose

@@ -2,7 +2,7 @@
 #include <limits>
 
 #include "base/error.hpp"
-#include "pose/objective_parameters.hpp"
+#include "pose/objective.hpp"
 
 namespace millpose {
 namespace {
@@ -15,17 +15,15 @@ class ProcessForce final : public Objective {
   explicit ProcessForce(const ObjectiveParameters& parameters);
   std::string Name() const override { return "process_force"; }
   std::string Unit() const override { return "mm"; }
+  bool DependsOnFeed() const override { return true; }
   void Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const override;
 
  private:
   Eigen::Vector3d force_;  // along feed, across, axis, N
 };
 
-ProcessForce::ProcessForce(const ObjectiveParameters& parameters) {
-  constexpr double kAny = -std::numeric_limits<double>::max();
-  const ParameterReader reader("process_force", parameters,
-                               {{"feed_N", 0.0, kAny}, {"across_N", 0.0, kAny}, {"axial_N", 0.0, kAny}});
-  force_ = {reader.Value("feed_N"), reader.Value("across_N"), reader.Value("axial_N")};
+ProcessForce::ProcessForce(const ObjectiveParameters& parameters)
+    : force_(parameters.at("feed_N"), parameters.at("across_N"), parameters.at("axial_N")) {
   if (force_.isZero(0.0))
     throw InputError(Place{},
                      "objective process_force: no force; give the job a process section, or feed_N, across_N "
@@ -49,8 +47,11 @@ void ProcessForce::Evaluate(const ComplianceBlock& c, const ObjectiveContext& co
 
 }  // namespace
 
-std::unique_ptr<Objective> MakeProcessForce(const ObjectiveParameters& parameters) {
-  return std::make_unique<ProcessForce>(parameters);
+ObjectiveEntry ProcessForceEntry() {
+  constexpr double kAny = -std::numeric_limits<double>::max();
+  return {"process_force",
+          {{"feed_N", 0.0, kAny}, {"across_N", 0.0, kAny}, {"axial_N", 0.0, kAny}},
+          [](const ObjectiveParameters& all) { return std::make_unique<ProcessForce>(all); }};
 }
 
 }  // namespace millpose

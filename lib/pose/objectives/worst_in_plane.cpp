@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pose/objective_parameters.hpp"
+#include "pose/objective.hpp"
 #include "stiffness/indices_block.hpp"
 
 namespace millpose {
@@ -22,8 +22,10 @@ void WorstInPlane::Evaluate(const ComplianceBlock& c, const ObjectiveContext& co
 
 }  // namespace
 
-std::unique_ptr<Objective> MakeWorstInPlane(const ObjectiveParameters& parameters) {
-  return std::make_unique<WorstInPlane>("worst_in_plane", "mm/N", parameters);
+ObjectiveEntry WorstInPlaneEntry() {
+  return {"worst_in_plane", {}, [](const ObjectiveParameters&) {
+            return std::make_unique<WorstInPlane>("worst_in_plane", "mm/N");
+          }};
 }
 
 }  // namespace millpose

@@ -25,9 +25,10 @@ struct MapRequest {
   double rotation_step = 0.1;         ///< grid of rotations about the tool axis, rad
 };
 
-/// Name and unit of an index that can be drawn.
+/// Name and unit of what can be drawn: the indices of docs/stiffness.md and the objectives (with the
+/// parameters that they have by default) that do not depend on the feed.
 struct MapIndex {
-  std::string name, unit, meaning;
+  std::string name, unit;
 };
 const std::vector<MapIndex>& MapIndices();
 

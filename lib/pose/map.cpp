@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stiffness/map.hpp"
+#include "pose/map.hpp"
 
 #include <cassert>
 
+#include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/trig.hpp"
 #include "base/units.hpp"
+#include "pose/objective.hpp"
 #include "stiffness/indices_block.hpp"
 
 namespace millpose {
@@ -13,40 +15,40 @@ namespace {
 
 using Eigen::Vector3d;
 
-enum Index : size_t {
-  kDexterity,
-  kMu,
-  kLambdaT1,
-  kLambdaT2,
-  kLambdaN,
-  kNormal,
-  kInPlane,
-  kLargest,
-  kCross,
-  kChen2021
+enum Index : size_t { kDexterity, kMu, kLambdaT1, kLambdaT2, kLambdaN, kNormal, kInPlane, kLargest, kCross };
+
+/// What is drawn: an index of the stiffness, or an objective.
+struct Drawn {
+  Index index = kDexterity;
+  std::unique_ptr<Objective> objective;
+
+  bool greater_is_better() const { return !objective && (index == kDexterity || index == kMu); }
 };
 
-bool GreaterIsBetter(size_t index) { return index == kDexterity || index == kMu; }
-
-size_t IndexOf(const std::string& name) {
-  const auto& all = MapIndices();
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](const MapIndex& entry) { return entry.name == name; });
+Drawn DrawnBy(const std::string& name) {
+  const std::vector<MapIndex>& all = MapIndices();
+  const auto found = std::ranges::find(all, name, &MapIndex::name);
   assert(found != all.end());
-  return static_cast<size_t>(found - all.begin());
+  const auto place = static_cast<size_t>(found - all.begin());
+  if (place > kCross) return {kDexterity, MakeObjective(name, {})};
+  return {static_cast<Index>(place), nullptr};
 }
 
-/// The index of every lane of one branch, `q` its joints.
-void Evaluate(const MapRequest& request, size_t index, const FlangeBlock& flange,
+/// The value of every lane of one branch, `q` its joints.
+void Evaluate(const MapRequest& request, const Drawn& drawn, const FlangeBlock& flange,
               const ArmBranchBlock& branch, const std::array<Lanes, 6>& q, Lanes& out) {
   const Vector3d tip = request.X_FT.translation();
-  if (index == kDexterity)
+  if (!drawn.objective && drawn.index == kDexterity)
     return DexterityOfBlock(request.arm, flange, branch, tip, request.characteristic_length, out);
   const Vector3d point = request.at_flange ? Vector3d::Zero() : tip;
   ComplianceBlock c;
   LinearCompliance(request.arm, flange, branch, point, c);
   if (!request.elements.empty())
     AddSeriesCompliance(request.arm, request.elements, point, branch.reached, q, c);
+  if (drawn.objective) {
+    const Vector3d feed = BasisOfPlane(request.tool_axis).first;  // any: values do not depend on it
+    return drawn.objective->Evaluate(c, {request.normal, feed, request.tool_axis}, out);
+  }
   PlaneIndicesBlock indices;
   PlaneDeflectionsBlock deflections;
   IndicesInPlane(c, request.normal, indices);
@@ -54,11 +56,7 @@ void Evaluate(const MapRequest& request, size_t index, const FlangeBlock& flange
   const Lanes* from[] = {nullptr,           &indices.mu,         &indices.lambda_t1,    &indices.lambda_t2,
                          &indices.lambda_n, &deflections.normal, &deflections.in_plane, &deflections.largest,
                          &deflections.cross};
-  if (index != kChen2021) {
-    out = *from[index];
-    return;
-  }
-  for (int i = 0; i < kLanes; ++i) out.v[i] = 0.5 * indices.lambda_t2.v[i] + 0.5 * indices.lambda_n.v[i];
+  out = *from[drawn.index];
 }
 
 /// Keeps `candidate` when it beats what the point has.
@@ -69,7 +67,7 @@ void Offer(bool greater, const MapPoint& candidate, MapPoint& best) {
   best.reached = true;
 }
 
-MapPoint BestPose(const MapRequest& request, size_t index, const Vector3d& point) {
+MapPoint BestPose(const MapRequest& request, const Drawn& drawn, const Vector3d& point) {
   const PlaneBasis basis = BasisOfPlane(request.tool_axis);
   const int rotations = std::max(1, static_cast<int>(std::ceil(2 * kPi / request.rotation_step - 1e-9)));
   const Pose X_TF = request.X_FT.inverse();
@@ -100,50 +98,63 @@ MapPoint BestPose(const MapRequest& request, size_t index, const Vector3d& point
         angles.unflipped[5] = angles.flipped6;
       }
       Lanes values;
-      Evaluate(request, index, flange, solved, angles.unflipped, values);
+      Evaluate(request, drawn, flange, solved, angles.unflipped, values);
       for (int lane = 0; lane < kLanes; ++lane) {
         if (solved.reached.v[lane] == 0 || solved.wrist.v[lane] < 1e-6) continue;
         Joints q;
         for (int k = 0; k < 6; ++k) q[k] = angles.unflipped[k].v[lane];
         const std::vector<Joints> within = FullTurns(q, request.lower, request.upper);
         if (within.empty()) continue;
-        Offer(GreaterIsBetter(index), {point, true, values.v[lane], rotation[lane], branch, within.front()},
-              best);
+        Offer(drawn.greater_is_better(),
+              {point, true, values.v[lane], rotation[lane], branch, within.front()}, best);
       }
     }
   }
   return best;
 }
 
+// Objectives that need no numbers from a job and no feed, and that are no index by another way.
+void AddObjectives(std::vector<MapIndex>& indices) {
+  for (const std::string& name : Objectives().Names()) {
+    if (std::ranges::find(indices, name, &MapIndex::name) != indices.end()) continue;
+    try {
+      const std::unique_ptr<Objective> objective = MakeObjective(name, {});
+      if (!objective->DependsOnFeed()) indices.push_back({name, objective->Unit()});
+    } catch (const InputError&) {
+    }
+  }
+}
+
 }  // namespace
 
 const std::vector<MapIndex>& MapIndices() {
-  static const std::vector<MapIndex> indices{
-      {"dexterity", "1", "D of eq. 3 with the characteristic length; greatest"},
-      {"mu", "1", "isotropy of the section; greatest"},
-      {"lambda_t1", "mm/N", "longer semi-axis of the section"},
-      {"lambda_t2", "mm/N", "shorter semi-axis of the section"},
-      {"lambda_n", "mm/N", "radius along the normal"},
-      {"normal_deflection", "mm/N", "displacement along the normal per force along it"},
-      {"in_plane_deflection", "mm/N", "largest in-plane displacement per in-plane force"},
-      {"worst_in_plane", "mm/N", "largest displacement per in-plane force"},
-      {"cross_deflection", "mm/N", "largest displacement along the normal per in-plane force"},
-      {"chen2021", "mm/N", "0.5 lambda_t2 + 0.5 lambda_n, eq. 23"},
-  };
+  static const std::vector<MapIndex> indices = [] {
+    std::vector<MapIndex> all{{"dexterity", "1"},
+                              {"mu", "1"},
+                              {"lambda_t1", "mm/N"},
+                              {"lambda_t2", "mm/N"},
+                              {"lambda_n", "mm/N"},
+                              {"normal_deflection", "mm/N"},
+                              {"in_plane_deflection", "mm/N"},
+                              {"worst_in_plane", "mm/N"},
+                              {"cross_deflection", "mm/N"}};
+    AddObjectives(all);
+    return all;
+  }();
   return indices;
 }
 
 std::vector<MapPoint> DrawMap(const MapRequest& request) {
-  const size_t index = IndexOf(request.index);
+  const Drawn drawn = DrawnBy(request.index);
   std::vector<MapPoint> points;
   for (int j = 0; j < request.v_count; ++j)
     for (int i = 0; i < request.u_count; ++i)
-      points.push_back(BestPose(request, index, request.origin + i * request.u + j * request.v));
+      points.push_back(BestPose(request, drawn, request.origin + i * request.u + j * request.v));
   return points;
 }
 
 std::string MapToCsv(const MapRequest& request, const std::vector<MapPoint>& points) {
-  const std::string& unit = MapIndices()[IndexOf(request.index)].unit;
+  const std::string& unit = std::ranges::find(MapIndices(), request.index, &MapIndex::name)->unit;
   std::string text =
       fmt::format("x_mm,y_mm,z_mm,{}{},rotation_deg,branch,a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg\n",
                   request.index, unit == "1" ? "" : "_mm_N");

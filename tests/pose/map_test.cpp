@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "stiffness/map.hpp"
+#include "pose/map.hpp"
 
 #include "stiffness/pose_stiffness.hpp"
 #include "tests/robot/arms.hpp"
@@ -51,8 +51,10 @@ TEST(Map, ValuesAreThoseOfTheirPoses) {
                               : index.name == "normal_deflection"   ? whole.deflections.normal
                               : index.name == "in_plane_deflection" ? whole.deflections.in_plane
                               : index.name == "worst_in_plane"      ? whole.deflections.largest
-                              : index.name == "cross_deflection"
-                                  ? whole.deflections.cross
+                              : index.name == "cross_deflection"    ? whole.deflections.cross
+                              : index.name == "isotropy"            ? 1 / whole.indices->mu
+                              : index.name == "drilling"
+                                  ? whole.deflections.normal  // the axis is the normal here
                                   : 0.5 * whole.indices->lambda_t2 + 0.5 * whole.indices->lambda_n;
       EXPECT_NEAR(at.value / expected, 1, 1e-7) << index.name;
     }
