@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sine, cosine and arc tangent of our own. The C library picks other code on other processors (with FMA,
-// without), so its last bits differ between machines; these use only +, −, ×, ÷ and comparisons and give the
-// same bits everywhere. They are in the header, without branches, because loops over lanes must inline and
-// vectorise them.
+// Trigonometry, powers and logarithms of our own. The C library picks other code on other processors (with
+// FMA, without), so its last bits differ between machines; these use only +, −, ×, ÷, square roots, which are
+// rounded rightly everywhere, and comparisons, and give the same bits on every machine (decision 0041). Sine,
+// cosine and Atan2 have no branches, because loops over lanes must inline and vectorise them.
 #pragma once
 
 #include <bit>
@@ -104,5 +104,47 @@ inline constexpr double kAtanCoefficients[] = {
   quarters = behind ? 4.0 - quarters : quarters;
   return std::copysign(quarters * kQuarterPi + (quarters * kQuarterPiRest + angle), y);
 }
+
+/// √(x² + y²) within 1.5 units in the last place; |x| and |y| are below 1e150, and below 1e-150 count as 0.
+[[gnu::always_inline]] inline double Hypot(double x, double y) { return std::sqrt(x * x + y * y); }
+
+/// Arc sine and arc cosine, rad, within 3 units in the last place; |x| ≤ 1.
+inline double Asin(double x) { return Atan2(x, std::sqrt((1 - x) * (1 + x))); }
+inline double Acos(double x) { return Atan2(std::sqrt((1 - x) * (1 + x)), x); }
+
+/// Natural logarithm of a finite x > 0, within 1 unit in the last place. With x = 2ᵏ·m and s = (m − 1)/(m +
+/// 1) it is k·ln 2 + 2·artanh s, as a series of s² ≤ 0.0295 whose first dropped term is below 1e-19 of s.
+inline double Log(double x) {
+  constexpr double kLn2Head = 0x1.62e42fefa38p-1;  // its last bits are 0: exact times a power's exponent
+  constexpr double kLn2Rest = 0x1.ef35793c7673p-45;
+  int k = 0;
+  double m = std::frexp(x, &k);
+  if (m < 0x1.6a09e667f3bcdp-1) {  // √½
+    m *= 2;
+    --k;
+  }
+  const double f = m - 1, s = f / (2 + f), z = s * s;
+  double p = 2.0 / 25;
+  for (int odd = 23; odd >= 3; odd -= 2) p = p * z + 2.0 / odd;
+  // 2·s = f − s·f, and s·f = f²/2 − s·f²/2: what is left of f is small, so that little is rounded away.
+  const double half = 0.5 * f * f;
+  return k * kLn2Head - ((half - (s * (half + z * p) + k * kLn2Rest)) - f);
+}
+
+/// eˣ within 1 unit in the last place, |x| ≤ 700: Taylor's series on x − k·ln 2, |x − k·ln 2| ≤ 0.35, whose
+/// first dropped term is below 4e-18.
+inline double Exp(double x) {
+  constexpr double kLn2Head = 0x1.62e42fefa38p-1, kLn2Rest = 0x1.ef35793c7673p-45,
+                   kLog2E = 0x1.71547652b82fep+0;
+  const double k = std::floor(x * kLog2E + 0.5);
+  const double head = x - k * kLn2Head, rest = k * kLn2Rest;
+  const double r = head - rest, tail = (head - r) - rest;
+  double p = 1;
+  for (int n = 13; n >= 3; --n) p = 1 + r * p / n;
+  return std::ldexp(1 + (r + (tail + 0.5 * r * r * p)), static_cast<int>(k));
+}
+
+/// xʸ of x > 0 within 2 + 2·|y·ln x| units in the last place, |y·ln x| ≤ 700.
+inline double Pow(double x, double y) { return Exp(y * Log(x)); }
 
 }  // namespace millpose

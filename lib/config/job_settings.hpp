@@ -57,8 +57,9 @@ struct CuttingSettings {
   double kc11 = 0;                ///< N/mm²; 0: from the table
   double mc = 0.25;
   int teeth = 0;
-  double depth = 0, width = 0;  ///< axial and radial, mm
-  std::string side = "down";    ///< up | down | slot
+  std::optional<double> depth;      ///< axial, mm; else that of the layers
+  std::optional<double> width;      ///< radial, mm; else the step-over
+  std::optional<std::string> side;  ///< up | down | slot; else from path and stock
   double radial_ratio = 0.3, axial_ratio = 0;
 };
 
@@ -89,6 +90,7 @@ struct JobSettings {
   double retract_feed = 3000.0 / 60;   ///< mm/s
   double spindle_speed = 0;            ///< rev/s
   std::optional<CuttingSettings> cutting;
+  std::string stock = "region";  ///< region | mesh: what `cutting` finds standing before the first pass
   std::string objective = "chen2021";
   std::map<std::string, double> objective_parameters;
   std::string formulation = "freedoms";  ///< freedoms | paper

@@ -15,10 +15,14 @@ Codec<CuttingSettings> CuttingFields() {
              "Specific cutting force at 1 mm chip thickness in place of the table's."),
       Key<S>("mc", MILLPOSE_AT(mc), Real(kOne, Between(0, 1)), "Exponent that goes with kc11_N_mm2."),
       Key<S>("teeth", MILLPOSE_AT(teeth), Integer(1, 100), "Teeth of the cutter.").Required(),
-      Key<S>("depth_mm", MILLPOSE_AT(depth), Real(kMm, Positive(1000)), "Axial depth of cut.").Required(),
-      Key<S>("width_mm", MILLPOSE_AT(width), Real(kMm, Positive(1000)), "Radial width of cut.").Required(),
-      Key<S>("side", MILLPOSE_AT(side), Choice({"up", "down", "slot"}),
-             "Conventional, climb, or full-width milling."),
+      Key<S>("depth_mm", MILLPOSE_AT(depth), Maybe(Real(kMm, Positive(1000))),
+             "Axial depth of cut: what stands on the surface; by default that of the layers of "
+             "`toolpath.depth`, which it must equal."),
+      Key<S>("width_mm", MILLPOSE_AT(width), Maybe(Real(kMm, Positive(1000))),
+             "Radial width of cut, with `side`; the step-over by default, which it must equal."),
+      Key<S>("side", MILLPOSE_AT(side), Maybe(Choice({"up", "down", "slot"})),
+             "Conventional, climb, or full-width milling at every point, in place of what path and stock say "
+             "(docs/engagement.md)."),
       Key<S>("radial_ratio", MILLPOSE_AT(radial_ratio), Real(kOne, Between(0, 2)),
              "Radial ÷ tangential force."),
       Key<S>("axial_ratio", MILLPOSE_AT(axial_ratio), Real(kOne, Between(-2, 2)),
@@ -52,6 +56,11 @@ Codec<JobSettings> ProcessFields() {
           .WhenSet([](const S& s) { return s.feed_policy == "reduce"; }),
       Key<S>("cutting", MILLPOSE_AT(cutting), Maybe(CuttingFields()),
              "What the cutter takes off: gives the cutting force and the predicted deflection."),
+      Key<S>(
+          "stock", MILLPOSE_AT(stock), Choice({"region", "mesh"}),
+          "What stands before the first pass: the region raised by the depth of all layers, or the mesh of "
+          "`workpiece.stock`.")
+          .WhenSet([](const S& s) { return s.cutting.has_value(); }),
   });
 }
 

@@ -9,7 +9,6 @@
 #include "path/pass_planner.hpp"
 #include "pipeline/inputs.hpp"
 #include "program/post.hpp"
-#include "stiffness/process_force.hpp"
 #include "stiffness/series.hpp"
 #include "surface/step_options.hpp"
 #include "toolpath/gouge.hpp"
@@ -35,9 +34,6 @@ struct GravityModel {
   Eigen::Vector3d gravity;  ///< in B, mm/s²
 };
 std::optional<GravityModel> MakeGravity(const CellSettings& settings);
-
-/// Mean cutting force of a job that says what the cutter takes off.
-std::optional<CuttingForce> MakeCuttingForce(const JobSettings& job, const CellSettings& cell);
 
 /// X_FT of a tool: z along its axis from tip to holder, x as near to its x as a right angle allows.
 Pose MakeToolPose(const ToolSettings& settings);

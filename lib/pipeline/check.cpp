@@ -7,6 +7,7 @@
 #include "base/parallel.hpp"
 #include "base/units.hpp"
 #include "pipeline/assemble.hpp"
+#include "pipeline/job_engagement.hpp"
 #include "pipeline/workpiece.hpp"
 #include "pose/scorer.hpp"
 #include "surface/corner_normals.hpp"
@@ -103,6 +104,7 @@ JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::s
   progress.End(fmt::format("{} triangles", part.import.report.triangles));
   JobToolpath made = MakeJobToolpath(inputs, part.import.mesh, stop);
   CheckJobGouges(inputs, part.import.mesh, threads, made, stop);
+  SetJobEngagement(inputs, part.import.mesh, threads, stop, made.toolpath);
   const Toolpath toolpath = PlacedToolpath(inputs, made.toolpath, cell.X_WP);
   const PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, cell);
 

@@ -51,7 +51,7 @@ void CheckDepth(const JobInputs& inputs, std::vector<Problem>& problems) {
                        "{:.6g}, above which the cutter does not cut",
                        key, depth, inputs.cell.name, length)});
   };
-  if (job.cutting) check("process.cutting.depth_mm", job.cutting->depth);
+  if (job.cutting) check("process.cutting.depth_mm", job.cutting->depth.value_or(0));
   check("toolpath.depth.per_layer_mm", std::min(job.toolpath.depth.total, job.toolpath.depth.per_layer));
 }
 

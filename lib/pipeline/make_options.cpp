@@ -37,11 +37,14 @@ PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_set
   problem.bounds = MakeBounds(job, cell.arm);
   problem.freedoms.push_back(MakeFreedom("rotation"));
   problem.compliances = MakeCompliances(cell_settings);
-  ObjectiveParameters parameters = job.objective_parameters;
-  const std::optional<CuttingForce> force = MakeCuttingForce(job, cell_settings);
-  if (job.objective == "process_force" && parameters.empty() && force)
-    parameters = {{"feed_N", force->mean.x()}, {"across_N", force->mean.y()}, {"axial_N", force->mean.z()}};
-  problem.objective = MakeObjective(job.objective, parameters);
+  const bool own_force = job.objective == "process_force" && !job.objective_parameters.empty();
+  if (!job.cutting && !own_force && (job.objective == "surface_error" || job.objective == "process_force"))
+    throw InputError(
+        {job.file},
+        fmt::format(
+            "objective {}: no force; give the job process.cutting{}", job.objective,
+            job.objective == "process_force" ? ", or the objective feed_N, across_N or axial_N" : ""));
+  problem.objective = MakeObjective(job.objective, job.objective_parameters);
   return problem;
 }
 

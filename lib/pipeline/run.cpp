@@ -11,6 +11,7 @@
 #include "path/turns.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/audit.hpp"
+#include "pipeline/job_engagement.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/origin.hpp"
 #include "pipeline/plan_passes.hpp"
@@ -62,14 +63,13 @@ size_t PointsOf(const Share& share, const Toolpath& toolpath) {
   return count;
 }
 
-// Whether a pass may be run the other way round: a zigzag mills up and down in turns anyway, and nothing that
-// the poses depend on knows the feed's direction.
+// Whether a pass may be run the other way round: where nothing that the poses depend on knows the feed's
+// direction. A force does.
 bool FreeDirections(const JobSettings& job, const Objective& objective) {
   const ToolpathSettings& toolpath = job.toolpath;
   const bool laid = toolpath.strategy != "curve" && toolpath.strategy != "cam";
   const bool upright = toolpath.lead == 0 && toolpath.tilt == 0;
-  const bool either_side = !job.cutting || job.cutting->side == "slot";
-  return laid && upright && either_side && toolpath.direction == "zigzag" && !objective.DependsOnFeed();
+  return laid && upright && !job.cutting && toolpath.direction == "zigzag" && !objective.DependsOnFeed();
 }
 
 PlanResult StartPlan(const JobInputs& inputs, const Cell& cell, const PoseProblem& problem) {
@@ -138,6 +138,8 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   stages.Begin("gouges", 0);
   CheckJobGouges(inputs, surface.mesh, threads, made, stop);
   stages.End(fmt::format("{} points", made.gouges.points));
+  const std::optional<CuttingForce> heaviest =
+      SetJobEngagement(inputs, surface.mesh, threads, stop, made.toolpath);
   const Toolpath toolpath = PlacedToolpath(inputs, made.toolpath, cell.X_WP);
   std::vector<std::string> warnings = part.warnings;
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
@@ -197,9 +199,9 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   const std::vector<PointCurves> curves =
       SampleCurves(plan, problem, path_options.genetic, kMostCurves, threads, stop);
   ResultSet results(folder);
-  const ReportInputs report = WriteResults(
-      {inputs, cell, plan, programs, starts, audit, reduction, warnings, made.findings, CurveGrid(), curves},
-      results);
+  const ReportInputs report = WriteResults({inputs, cell, plan, programs, starts, audit, reduction, warnings,
+                                            made.findings, CurveGrid(), curves, heaviest},
+                                           results);
   stages.End(folder.path().string());
   RunFigures run = TellRun(inputs, folder, job_file, stages, threads);
   run.resumed_passes = planned.resumed;

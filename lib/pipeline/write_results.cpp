@@ -150,8 +150,8 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   ExplainSlow(results.reduction, results.inputs.job.min_feed_share, report);
   if (results.inputs.job.feed_policy == "keep" && !report.continuity->feed_not_held.empty())
     report.findings.push_back(ExplainFeed(*report.continuity));
-  if (const auto force = MakeCuttingForce(results.inputs.job, results.inputs.cell))
-    report.deflection = PredictDeflections(plan, *force, MakeCompliances(results.inputs.cell),
+  if (results.heaviest)
+    report.deflection = PredictDeflections(plan, *results.heaviest, MakeCompliances(results.inputs.cell),
                                            FinishedFrom(results.inputs.job, plan.passes.size()));
   std::map<std::string, std::string> files;
   for (const CheckedProgram& program : programs)

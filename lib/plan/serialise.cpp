@@ -91,6 +91,14 @@ struct Reader {
 };
 
 template <class Archive>
+void Fields(Archive& a, Engagement& e) {
+  a("force", e.force);
+  a("width", e.width);
+  a("depth", e.depth);
+  a("side", e.side);
+}
+
+template <class Archive>
 void Fields(Archive& a, MillingPoint& p) {
   a("position", p.position);
   a("normal", p.normal);
@@ -102,6 +110,7 @@ void Fields(Archive& a, MillingPoint& p) {
   a("region", p.region);
   a("source_line", p.source_line);
   a("gouge", p.gouge);
+  a("engagement", p.engagement);
 }
 
 template <class Archive>

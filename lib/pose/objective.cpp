@@ -7,13 +7,13 @@ namespace millpose {
 
 /// Defined in objectives/<name>.cpp.
 ObjectiveEntry Chen2021Entry(), DrillingEntry(), IsotropyEntry(), NormalDeflectionEntry(),
-    ProcessForceEntry(), WorstInPlaneEntry();
+    ProcessForceEntry(), SurfaceErrorEntry(), WorstInPlaneEntry();
 
 Registry<ObjectiveEntry>& Objectives() {
   static Registry<ObjectiveEntry> objectives{
       "objective",
       {Chen2021Entry(), DrillingEntry(), IsotropyEntry(), NormalDeflectionEntry(), ProcessForceEntry(),
-       WorstInPlaneEntry()}};
+       SurfaceErrorEntry(), WorstInPlaneEntry()}};
   return objectives;
 }
 

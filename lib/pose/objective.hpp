@@ -13,9 +13,11 @@
 
 namespace millpose {
 
-/// What an objective may know of the milling point; unit vectors in the frame of the compliance.
+/// What an objective may know of the milling point; unit vectors and force in the frame of the
+/// compliance.
 struct ObjectiveContext {
   Eigen::Vector3d normal, feed, tool_axis;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< mean, on the tool, N; zero where it is not known
 };
 
 /// Numbers that an objective takes from the job, by key (w1, w2, …).

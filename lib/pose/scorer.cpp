@@ -35,6 +35,7 @@ PointScorer::PointScorer(const PoseProblem& problem, const MillingPoint& point,
   context_.normal = X_BW_.linear() * point.normal;
   context_.feed = X_BW_.linear() * point.feed;
   context_.tool_axis = X_BW_.linear() * point.tool_axis;
+  context_.force = X_BW_.linear() * point.engagement.force;
   rotation_only_ = problem.freedoms.size() == 1 && problem.freedoms[0]->IsToolRotation();
   rotated_ = RotatedFlange(X_BW_ * X_WT_nominal_, X_TF_);
 }

@@ -3,9 +3,9 @@
 
 namespace millpose {
 
-DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& force,
+DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& heaviest,
                                     const std::vector<SeriesCompliance>& compliances, int finished_from) {
-  DeflectionReport report{force, {}, std::nullopt};
+  DeflectionReport report{heaviest, {}, std::nullopt};
   const Eigen::Vector3d origin =
       plan.stiffness_origin == "flange" ? Eigen::Vector3d::Zero() : Eigen::Vector3d(plan.X_FT.translation());
   const Eigen::Matrix3d R_BW = plan.X_WB.linear().transpose();
@@ -20,12 +20,13 @@ DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& 
       const Matrix6 C = Compliance(Jacobian(plan.arm, planned.q, origin), plan.arm.stiffness) +
                         SeriesComplianceAt(plan.arm, planned.q, origin, compliances);
       const Eigen::Matrix3d c = C.topLeftCorner<3, 3>();
-      const Eigen::Vector3d feed = R_BW * point.feed, axis = R_BW * point.tool_axis;
+      const Eigen::Vector3d force = R_BW * point.engagement.force;
       const PredictedDeflection deflection =
-          PredictDeflection(c, force.mean, R_BW * point.normal, feed, axis);
+          PredictDeflection(c, force, R_BW * point.normal, R_BW * point.feed);
       report.points.push_back(
-          {here, pass.pass, deflection, R_PB * (c * ForceVector(force.mean, feed, axis))});
-      if (pass.pass >= finished_from) face.push_back({point.position, pass.pass, deflection.normal});
+          {here, pass.pass, point.engagement, R_PB * force, deflection, R_PB * (c * force)});
+      if (pass.pass >= finished_from && point.engagement.side != CutSide::kAir)
+        face.push_back({point.position, pass.pass, deflection.normal});
     }
   }
   report.face = OverFace(face);
@@ -34,13 +35,19 @@ DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& 
 
 std::string DeflectionCsv(const DeflectionReport& report) {
   constexpr double kMicrometres = 1000;
-  std::string csv = "point,pass,x_um,y_um,z_um,normal_um,feed_um,across_um,length_um\n";
+  std::string csv =
+      "point,pass,side,width_mm,depth_mm,force_x_N,force_y_N,force_z_N,x_um,y_um,z_um,normal_um,feed_um,"
+      "across_um,length_um\n";
   for (const DeflectedPoint& point : report.points) {
     const PredictedDeflection& d = point.deflection;
     const Eigen::Vector3d moved = kMicrometres * point.moved;
-    csv += fmt::format("{},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", point.number,
-                       point.pass, moved.x(), moved.y(), moved.z(), kMicrometres * d.normal,
-                       kMicrometres * d.feed, kMicrometres * d.across, kMicrometres * d.length);
+    const Engagement& cut = point.engagement;
+    csv +=
+        fmt::format("{},{},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}", point.number, point.pass,
+                    Name(cut.side), cut.width, cut.depth, point.force.x(), point.force.y(), point.force.z());
+    csv += fmt::format(",{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", moved.x(), moved.y(),
+                       moved.z(), kMicrometres * d.normal, kMicrometres * d.feed, kMicrometres * d.across,
+                       kMicrometres * d.length);
   }
   return csv;
 }

@@ -16,13 +16,15 @@ namespace millpose {
 struct DeflectedPoint {
   size_t number = 0;  ///< as in points.csv
   int pass = 0;
+  Engagement engagement;
+  Eigen::Vector3d force;           ///< the engagement's, in P, N
   PredictedDeflection deflection;  ///< mm
   Eigen::Vector3d moved;           ///< the same vector in P, mm
 };
 
 /// The force on a plan's points and what it moves. Deflections hold at the plan's stiffness origin.
 struct DeflectionReport {
-  CuttingForce force;
+  CuttingForce force;                  ///< where the mean force is greatest
   std::vector<DeflectedPoint> points;  ///< planned cut points in the plan's order
   std::optional<FaceDeflection> face;  ///< of the finished face; empty for fewer than 3 points
 };
@@ -33,11 +35,12 @@ inline constexpr char kDeflectionModel[] =
     "prediction of flatness";
 
 /// `finished_from` is the first pass of the layer that leaves the finished face: earlier layers are cut away
-/// again and do not count in `face`.
-DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& force,
+/// again and do not count in `face`, nor do points in air. `heaviest` is passed on.
+DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& heaviest,
                                     const std::vector<SeriesCompliance>& compliances, int finished_from = 0);
 
-/// point,pass,x_um,y_um,z_um (in P),normal_um,feed_um,across_um,length_um; 17 significant digits.
+/// point,pass,side,width_mm,depth_mm,force_x_N … (in P),x_um … (in P),normal_um,feed_um,across_um,length_um;
+/// 17 significant digits.
 std::string DeflectionCsv(const DeflectionReport& report);
 
 }  // namespace millpose

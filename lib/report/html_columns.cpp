@@ -136,18 +136,23 @@ void AddDeflection(const PlanResult& plan, const DeflectionReport& report,
                    std::vector<ReportColumn>& columns) {
   size_t total = 0;
   for (const PassResult& pass : plan.passes) total += pass.points.size();
-  const auto add = [&](std::string key, std::string symbol, std::string label, Worse worse,
-                       double PredictedDeflection::*member) {
+  const auto add_column = [&](std::string key, std::string symbol, std::string label, std::string unit,
+                              Worse worse, const auto& value) {
     ReportColumn column{.key = std::move(key),
                         .symbol = std::move(symbol),
                         .label = std::move(label),
-                        .unit = "µm",
+                        .unit = std::move(unit),
                         .worse = worse,
                         .values = std::vector<float>(total, kNone),
                         .bound = {}};
     for (const DeflectedPoint& point : report.points)
-      column.values.at(point.number) = static_cast<float>(1e3 * point.deflection.*member);
+      column.values.at(point.number) = static_cast<float>(value(point));
     columns.push_back(std::move(column));
+  };
+  const auto add = [&](std::string key, std::string symbol, std::string label, Worse worse,
+                       double PredictedDeflection::*member) {
+    add_column(std::move(key), std::move(symbol), std::move(label), "µm", worse,
+               [&](const DeflectedPoint& point) { return 1e3 * point.deflection.*member; });
   };
   add("deflection", "|d|", "Predicted deflection under the mean cutting force", Worse::kHigh,
       &PredictedDeflection::length);
@@ -156,6 +161,16 @@ void AddDeflection(const PlanResult& plan, const DeflectionReport& report,
   add("deflection_feed", "d·f", "Its part along the feed", Worse::kNeither, &PredictedDeflection::feed);
   add("deflection_across", "d·(n×f)", "Its part across the feed", Worse::kNeither,
       &PredictedDeflection::across);
+  add_column("cut_force", "|F|", "Mean cutting force", "N", Worse::kHigh,
+             [](const DeflectedPoint& point) { return point.force.norm(); });
+  // Above 0 where the cutter mills up, below where down, so that a zigzag shows; a slot is wide either way.
+  add_column("cut_width", "a_e", "Radial width of cut: above 0 up milling, below 0 down milling", "mm",
+             Worse::kNeither, [](const DeflectedPoint& point) {
+               const Engagement& cut = point.engagement;
+               return cut.side == CutSide::kDown ? -cut.width : cut.width;
+             });
+  add_column("cut_depth", "a_p", "Axial depth of cut", "mm", Worse::kHigh,
+             [](const DeflectedPoint& point) { return point.engagement.depth; });
 }
 
 /// Marks the worst points of a column.

@@ -140,9 +140,15 @@ Json DeflectionJson(const std::optional<DeflectionReport>& report) {
   const auto of_face = [&](double FaceDeflection::*field) {
     return report->face ? Json((*report->face).*field) : Json(nullptr);
   };
+  Json sides{{"up", 0}, {"down", 0}, {"slot", 0}, {"air", 0}};
+  for (const DeflectedPoint& point : report->points) {
+    Json& count = sides[Name(point.engagement.side)];
+    count = count.get<int>() + 1;
+  }
   return {{"model", kDeflectionModel},
           {"mean_force_N", {{"feed", force.mean.x()}, {"across", force.mean.y()}, {"axial", force.mean.z()}}},
           {"peak_force_N", force.peak},
+          {"points", sides},
           {"level_mm", of_face(&FaceDeflection::level)},
           {"variation_mm", of_face(&FaceDeflection::variation)},
           {"largest_step_between_passes_mm", of_face(&FaceDeflection::largest_step)}};

@@ -113,14 +113,9 @@ CuttingForce MeanCuttingForce(const Cut& cut) {
   return result;
 }
 
-Vector3d ForceVector(const Vector3d& force, const Vector3d& feed, const Vector3d& tool_axis) {
-  const Vector3d across = tool_axis.cross(feed).normalized();
-  return force.x() * across.cross(tool_axis) + force.y() * across + force.z() * tool_axis;
-}
-
 PredictedDeflection PredictDeflection(const Eigen::Matrix3d& c, const Vector3d& force, const Vector3d& normal,
-                                      const Vector3d& feed, const Vector3d& tool_axis) {
-  const Vector3d moved = c * ForceVector(force, feed, tool_axis);
+                                      const Vector3d& feed) {
+  const Vector3d moved = c * force;
   const Vector3d across = normal.cross(feed).normalized();
   return {.normal = normal.dot(moved),
           .feed = across.cross(normal).dot(moved),

@@ -57,14 +57,9 @@ struct PredictedDeflection {
   double length = 0;  ///< of the whole vector
 };
 
-/// `c` in mm/N; `force` as in CuttingForce; all unit vectors in the frame of c.
+/// `c` in mm/N; `force` on the tool, N; all in one frame, directions as unit vectors.
 PredictedDeflection PredictDeflection(const Eigen::Matrix3d& c, const Eigen::Vector3d& force,
-                                      const Eigen::Vector3d& normal, const Eigen::Vector3d& feed,
-                                      const Eigen::Vector3d& tool_axis);
-
-/// `force` (feed, across, axis) as a vector: the feed's part normal to the axis carries x.
-Eigen::Vector3d ForceVector(const Eigen::Vector3d& force, const Eigen::Vector3d& feed,
-                            const Eigen::Vector3d& tool_axis);
+                                      const Eigen::Vector3d& normal, const Eigen::Vector3d& feed);
 
 /// Deflections along the normal over one face: a constant level is an offset of depth, only the variation is
 /// flatness.

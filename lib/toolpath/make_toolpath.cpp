@@ -251,7 +251,8 @@ Toolpath Transformed(const Toolpath& toolpath, const Eigen::Isometry3d& X) {
     pass.rotation_reference = X.linear() * pass.rotation_reference;
     for (MillingPoint& point : pass.points) {
       point.position = X * point.position;
-      for (Eigen::Vector3d* direction : {&point.normal, &point.feed, &point.tool_axis})
+      for (Eigen::Vector3d* direction :
+           {&point.normal, &point.feed, &point.tool_axis, &point.engagement.force})
         *direction = X.linear() * *direction;
     }
   }

@@ -9,6 +9,23 @@ namespace millpose {
 
 enum class PointKind : uint8_t { kCut, kLeadIn, kLeadOut };
 
+/// Which way the edge meets the material: from thin to thick chips (up, conventional), from thick to thin
+/// (down, climb), on both sides, or not at all.
+enum class CutSide : uint8_t { kAir, kUp, kDown, kSlot };
+
+/// air | up | down | slot
+inline const char* Name(CutSide side) {
+  constexpr const char* kNames[] = {"air", "up", "down", "slot"};
+  return kNames[static_cast<size_t>(side)];
+}
+
+/// What the cutter takes off at a point, and what that does to it (docs/engagement.md).
+struct Engagement {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< mean over a revolution, on the tool, N
+  double width = 0, depth = 0;                      ///< mm, across the feed and along the normal
+  CutSide side = CutSide::kAir;
+};
+
 /// One milling point. Vectors are unit vectors, lengths mm, in the frame of the list that holds it (P, the
 /// workpiece, as strategies make it; W, the world, from the planner on).
 struct MillingPoint {
@@ -20,8 +37,9 @@ struct MillingPoint {
   double arc_length = 0;                                 ///< along its pass, mm
   PointKind kind = PointKind::kCut;
   int region = 0;
-  int source_line = 0;  ///< of an imported tool path; 0 when made here
-  double gouge = 0;     ///< how deep the cutter would go into the part, mm; above 0: not to be milled
+  int source_line = 0;    ///< of an imported tool path; 0 when made here
+  double gouge = 0;       ///< how deep the cutter would go into the part, mm; above 0: not to be milled
+  Engagement engagement;  ///< where the job says what is cut
 };
 
 /// A cut without lifting the tool. A closed pass ends where it starts: its first point is not repeated at its

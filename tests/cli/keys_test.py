@@ -163,7 +163,7 @@ class Keys(InFolder):
                                      "none": [copy.deepcopy(FAR)]}
         job["toolpath"]["ends"] = {"overrun_mm": 1, "lead": "ramp", "lead_length_mm": 10, "ramp_deg": 15}
         job["toolpath"]["depth"] = {"total_mm": 1, "per_layer_mm": 0.5, "allowance_mm": 0.1, "finishing_mm": 0.2}
-        job["process"]["cutting"] = {"teeth": 2, "depth_mm": 1, "width_mm": 6, "kc11_N_mm2": 700, "mc": 0.2}
+        job["process"]["cutting"] = {"teeth": 2, "kc11_N_mm2": 700, "mc": 0.2}
         for region in (job["toolpath"]["region"], *(job["toolpath"]["region"][name][0] for name in ("all", "any", "none"))):
             region["connected"] = {"seed_mm": [0, 0, 0], "crease_deg": 60}
         yield job, cell

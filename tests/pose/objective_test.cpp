@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/random.hpp"
+#include "base/units.hpp"
 #include "stiffness/compliance.hpp"
 
 namespace millpose {
@@ -115,7 +116,7 @@ TEST(Objectives, AreWhatTheirPagesSay) {
 }
 
 TEST(Objectives, RefuseWhatMakesNoSense) {
-  EXPECT_THROW(MakeObjective("process_force", {}), InputError);
+  EXPECT_THROW(MakeObjective("surface_error", {{"force_direction_deg", 91}}), InputError);
   EXPECT_THROW(MakeObjective("chen2021", {{"reference_n", 1e-4}}), InputError);
   EXPECT_THROW(MakeObjective("drilling", {{"w1", 1}}), InputError);
 }
@@ -138,14 +139,59 @@ TEST(Objectives, SayWhenTheyDependOnTheFeedsDirection) {
         Put(Eigen::Matrix3d(Eigen::Vector3d(1e-4, 2e-4, 3e-4).asDiagonal()) +
                 1e-4 * RandomUnit(stream) * Eigen::RowVector3d(0.1, 0.2, 0.3),
             l, block);
+      // A point's own force turns with the feed.
+      const auto force = [&] { return Eigen::Vector3d(30 * context.feed + 20 * context.normal); };
       Lanes there, back;
+      context.force = force();
       objective->Evaluate(block, context, there);
       context.feed = -context.feed;
+      context.force = force();
       objective->Evaluate(block, context, back);
       for (int l = 0; l < kLanes; ++l)
         depends = depends || std::abs(there.v[l] - back.v[l]) > 1e-9 * there.v[l];
     }
     EXPECT_EQ(objective->DependsOnFeed(), depends) << name;
+  }
+}
+
+/// c·F and nᵀcF′ over forces near the point's own.
+TEST(SurfaceError, IsTheLargestOverAllForcesThatTheUncertaintyAllows) {
+  RandomStream stream(9, 0);
+  for (int round = 0; round < 40; ++round) {
+    ObjectiveContext context;
+    context.normal = RandomUnit(stream);
+    context.feed = context.normal.unitOrthogonal();
+    context.tool_axis = context.normal;
+    context.force = 40 * RandomUnit(stream);
+    Eigen::Matrix3d c = Eigen::Matrix3d::Zero();
+    for (int i = 0; i < 6; ++i) {
+      const Eigen::Vector3d column = stream.Uniform(0, 0.01) * RandomUnit(stream);
+      c += column * column.transpose();
+    }
+    ComplianceBlock block;
+    for (int l = 0; l < kLanes; ++l) Put(c, l, block);
+    const double direction = 5.0 + round, uncertainty = 10.0 + round;
+    Lanes out, whole;
+    MakeObjective("surface_error",
+                  {{"force_direction_deg", direction}, {"force_uncertainty_percent", uncertainty}})
+        ->Evaluate(block, context, out);
+    MakeObjective("process_force", {})->Evaluate(block, context, whole);
+    EXPECT_NEAR(whole.v[3], (c * context.force).norm(), 1e-15);
+    // Forces on the rim of the cone, and F itself.
+    const Eigen::Vector3d F = context.force, u = F.unitOrthogonal(), v = F.normalized().cross(u);
+    const double delta = DegToRad(direction), longer = 1 + 0.01 * uncertainty;
+    double largest = 0;
+    for (int i = 0; i <= 2000; ++i) {
+      for (const double off : {0.0, 0.25 * delta, 0.5 * delta, 0.75 * delta, delta}) {
+        const double around = 2 * kPi * i / 2000;
+        const Eigen::Vector3d other =
+            longer * F.norm() *
+            (std::cos(off) * F.normalized() + std::sin(off) * (std::cos(around) * u + std::sin(around) * v));
+        largest = std::max(largest, std::abs(context.normal.dot(c * other)));
+      }
+    }
+    EXPECT_LE(largest, out.v[0] * (1 + 1e-12));
+    EXPECT_GT(largest, out.v[0] * 0.99);
   }
 }
 

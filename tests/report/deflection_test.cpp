@@ -20,6 +20,7 @@ PlanResult TwoPasses() {
       planned.point.position = plan.X_WB * ForwardFlange(plan.arm, planned.q) * plan.X_FT.translation();
       planned.point.normal = planned.point.tool_axis = Eigen::Vector3d(-1, 0, 0);
       planned.point.feed = Eigen::Vector3d(0, 1, 0);
+      planned.point.engagement = {Eigen::Vector3d(-10, 30, 50), 6, 1, CutSide::kUp};
       if (i == 1) planned.skip = SkipReason::kLimit;
       if (i == 3) planned.point.kind = PointKind::kLeadOut;
       result.points.push_back(planned);
@@ -31,12 +32,10 @@ PlanResult TwoPasses() {
 
 TEST(Deflection, IsComplianceTimesForceAtEveryPlannedCutPoint) {
   const PlanResult plan = TwoPasses();
-  CuttingForce force;
-  force.mean = Eigen::Vector3d(30, -50, 10);
-  const DeflectionReport report = PredictDeflections(plan, force, {});
+  const DeflectionReport report = PredictDeflections(plan, {}, {});
   ASSERT_EQ(report.points.size(), 4u);
   const std::array<size_t, 4> numbers{0, 2, 4, 6};
-  const Eigen::Vector3d F(-10, 30, 50);  // feed +y, axis −x, across = axis × feed = −z
+  const Eigen::Vector3d F(-10, 30, 50);
   for (int k = 0; k < 4; ++k) {
     EXPECT_EQ(report.points[k].number, numbers[k]);
     const Joints& q = plan.passes[k / 2].points[k % 2 == 0 ? 0 : 2].q;
@@ -51,39 +50,47 @@ TEST(Deflection, IsComplianceTimesForceAtEveryPlannedCutPoint) {
   EXPECT_NEAR(report.points[0].moved.x(), -report.points[0].deflection.normal, 1e-15);  // P is W here
   const std::string csv = DeflectionCsv(report);
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
-  EXPECT_TRUE(csv.starts_with("point,pass,x_um,y_um,z_um,normal_um,"));
+  EXPECT_TRUE(csv.starts_with("point,pass,side,width_mm,depth_mm,force_x_N,"));
+  EXPECT_NE(csv.find("\n2,0,up,6,1,-10,30,50,"), std::string::npos) << csv;
 }
 
 TEST(Deflection, VectorsAreInThePartsFrame) {
   PlanResult plan = TwoPasses();
-  CuttingForce force;
-  force.mean = Eigen::Vector3d(30, -50, 10);
-  const Eigen::Vector3d in_world = PredictDeflections(plan, force, {}).points[2].moved;
+  const Eigen::Vector3d in_world = PredictDeflections(plan, {}, {}).points[2].moved;
   plan.X_WP.linear() = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   plan.X_WP.translation() << 5, 6, 7;
-  const Eigen::Vector3d in_part = PredictDeflections(plan, force, {}).points[2].moved;
+  const Eigen::Vector3d in_part = PredictDeflections(plan, {}, {}).points[2].moved;
   EXPECT_LT((plan.X_WP.linear() * in_part - in_world).norm(), 1e-15);
 }
 
 TEST(Deflection, OnlyTheLastLayerIsTheFinishedFace) {
   const PlanResult plan = TwoPasses();
-  CuttingForce force;
-  force.mean = Eigen::Vector3d(30, -50, 10);
-  const DeflectionReport report = PredictDeflections(plan, force, {}, 1);
+  const DeflectionReport report = PredictDeflections(plan, {}, {}, 1);
   EXPECT_EQ(report.points.size(), 4u);    // every point is predicted,
   EXPECT_FALSE(report.face.has_value());  // but the second pass alone has two points
 }
 
+TEST(Deflection, PointsInAirAreNotPartOfTheFace) {
+  PlanResult plan = TwoPasses();
+  plan.passes[0].points[0].point.engagement = {};
+  const DeflectionReport report = PredictDeflections(plan, {}, {});
+  ASSERT_EQ(report.points.size(), 4u);
+  EXPECT_EQ(report.points[0].deflection.length, 0);
+  ASSERT_TRUE(report.face.has_value());
+  double level = 0;
+  for (size_t i = 1; i < 4; ++i) level += report.points[i].deflection.normal / 3;
+  EXPECT_NEAR(report.face->level, level, 1e-15);
+}
+
 TEST(Deflection, CountsCompliancesBesideTheJoints) {
-  const PlanResult plan = TwoPasses();
-  CuttingForce force;
-  force.mean = Eigen::Vector3d(0, 0, 100);
+  PlanResult plan = TwoPasses();
+  plan.passes[0].points[0].point.engagement.force = -100 * plan.passes[0].points[0].point.normal;
   SeriesCompliance soft;
   soft.link = 0;
   soft.C.diagonal().head<3>().setConstant(1e-3);
-  const double with = PredictDeflections(plan, force, {soft}).points[0].deflection.normal;
-  const double without = PredictDeflections(plan, force, {}).points[0].deflection.normal;
-  EXPECT_NEAR(with - without, 0.1, 1e-12);
+  const double with = PredictDeflections(plan, {}, {soft}).points[0].deflection.normal;
+  const double without = PredictDeflections(plan, {}, {}).points[0].deflection.normal;
+  EXPECT_NEAR(with - without, -0.1, 1e-12);
 }
 
 }  // namespace

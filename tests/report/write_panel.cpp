@@ -7,10 +7,17 @@
 
 int main(int argc, char** argv) {
   if (argc != 4) return 2;
-  const millpose::Panel panel =
+  millpose::Panel panel =
       millpose::MakePanel({.passes = std::atoi(argv[1]), .points = std::atoi(argv[2])}, "panel <b>&amp;</b>");
   millpose::CuttingForce force;
   force.mean = {40, 60, -20};
+  for (millpose::PassResult& pass : panel.plan.passes)
+    for (millpose::PlannedPoint& planned : pass.points) {
+      const millpose::MillingPoint& point = planned.point;
+      const Eigen::Vector3d across = point.tool_axis.cross(point.feed);
+      planned.point.engagement = {40 * point.feed + 60 * across - 20 * point.tool_axis, 6, 1,
+                                  pass.pass % 2 == 0 ? millpose::CutSide::kUp : millpose::CutSide::kDown};
+    }
   const millpose::DeflectionReport deflections = millpose::PredictDeflections(panel.plan, force, {});
   millpose::HtmlInput input = panel.Input();
   input.deflection = &deflections;

@@ -77,8 +77,8 @@ TEST(PredictedDeflection, SplitsTheVectorWithoutLoss) {
     for (double& value : root.reshaped()) value = stream.Normal();
     const Matrix3d c = 1e-4 * root * root.transpose();
     const Vector3d force(30, -50, 10);
-    const PredictedDeflection d = PredictDeflection(c, force, n, feed, n);
-    const Vector3d whole = c * (30 * feed - 50 * n.cross(feed) + 10 * n);
+    const PredictedDeflection d = PredictDeflection(c, force, n, feed);
+    const Vector3d whole = c * force;
     EXPECT_NEAR(d.length, whole.norm(), 1e-15);
     EXPECT_NEAR(d.normal * d.normal + d.feed * d.feed + d.across * d.across, whole.squaredNorm(), 1e-15);
     EXPECT_NEAR(d.normal, n.dot(whole), 1e-15);

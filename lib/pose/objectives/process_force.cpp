@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <limits>
+#include <optional>
 
-#include "base/error.hpp"
 #include "pose/objective.hpp"
 
 namespace millpose {
 namespace {
 
-/// |c·F|, mm: how far the mean cutting force F moves the tip. Parameters in N, on the tool: `feed_N` along
-/// the feed, `across_N` along axis × feed, `axial_N` along the tool axis towards the holder; at least one is
-/// not 0. They come from the job's process section (docs/process-force.md) or are given directly.
+/// |c·F|, mm: how far the mean cutting force F moves the tip. F is that of the point (docs/engagement.md), or
+/// the same at all points where it is given: in N, on the tool, `feed_N` along the feed, `across_N` along
+/// axis × feed, `axial_N` along the tool axis towards the holder.
 class ProcessForce final : public Objective {
  public:
   explicit ProcessForce(const ObjectiveParameters& parameters);
@@ -19,23 +19,23 @@ class ProcessForce final : public Objective {
   void Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const override;
 
  private:
-  Eigen::Vector3d force_;  // along feed, across, axis, N
+  std::optional<Eigen::Vector3d> given_;  // along feed, across, axis, N
 };
 
-ProcessForce::ProcessForce(const ObjectiveParameters& parameters)
-    : force_(parameters.at("feed_N"), parameters.at("across_N"), parameters.at("axial_N")) {
-  if (force_.isZero(0.0))
-    throw InputError(Place{},
-                     "objective process_force: no force; give the job a process section, or feed_N, across_N "
-                     "or axial_N");
+ProcessForce::ProcessForce(const ObjectiveParameters& parameters) {
+  const Eigen::Vector3d force(parameters.at("feed_N"), parameters.at("across_N"), parameters.at("axial_N"));
+  if (!force.isZero(0.0)) given_ = force;
 }
 
 void ProcessForce::Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const {
-  // The feed need not be normal to a tilted tool: "along the feed" means its part in the plane normal to the
-  // axis.
-  const Eigen::Vector3d across = context.tool_axis.cross(context.feed).normalized();
-  const Eigen::Vector3d F =
-      force_.x() * across.cross(context.tool_axis) + force_.y() * across + force_.z() * context.tool_axis;
+  Eigen::Vector3d F = context.force;
+  if (given_) {
+    // The feed need not be normal to a tilted tool: "along the feed" means its part in the plane normal to
+    // the axis.
+    const Eigen::Vector3d across = context.tool_axis.cross(context.feed).normalized();
+    F = given_->x() * across.cross(context.tool_axis) + given_->y() * across +
+        given_->z() * context.tool_axis;
+  }
   const double fx = F.x(), fy = F.y(), fz = F.z();
   for (int i = 0; i < kLanes; ++i) {
     const double x = c.xx.v[i] * fx + c.xy.v[i] * fy + c.xz.v[i] * fz;

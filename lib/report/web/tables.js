@@ -135,7 +135,7 @@
         `variation ${m.format(d.face.variation_um)} µm (largest less smallest distance from its own best plane, eq. 37), ` +
         `largest step to a neighbouring pass ${m.format(d.face.largest_step_um)} µm.`
       : "Fewer than three planned cut points: no figures of a face.";
-    section.querySelector("p").textContent = `Mean force on the tool (feed, across, axis): ${force} N. ${face} What it is: ${d.model}.`;
+    section.querySelector("p").textContent = `Heaviest mean force on the tool (feed, across, axis): ${force} N. ${face} What it is: ${d.model}.`;
   };
 
   m.fillSkipped = function (data) {

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <stop_token>
+
+#include "pipeline/inputs.hpp"
+#include "stiffness/process_force.hpp"
+#include "surface/mesh.hpp"
+#include "toolpath/milling_point.hpp"
+
+namespace millpose {
+
+/// Sets what every point of a job's tool path (in P, gouges known) takes off, and the mean force there;
+/// returns the heaviest cut. Nothing where the job has no `process.cutting`. Throws InputError for a
+/// material, depth, width or stock that cannot be or that contradicts the tool path; Interrupted.
+std::optional<CuttingForce> SetJobEngagement(const JobInputs& inputs, const Mesh& mesh, int threads,
+                                             const std::stop_token& stop, Toolpath& toolpath);
+
+}  // namespace millpose
