@@ -41,6 +41,15 @@ void JointRows::Finish() {
   }
 }
 
+CostRow::CostRow(std::vector<double> of_nodes) : count(of_nodes.size()), costs(std::move(of_nodes)) {
+  costs.resize(count + kLanes, kInfinity);
+  block_least.assign((count + kLanes - 1) / kLanes, kInfinity);
+  for (size_t node = 0; node < count; ++node) {
+    double& least = block_least[node / kLanes];
+    least = std::min(least, costs[node]);
+  }
+}
+
 Joints JointRows::At(size_t node) const {
   return (Joints() << q[0][node], q[1][node], q[2][node], q[3][node], q[4][node], q[5][node]).finished();
 }
@@ -65,12 +74,17 @@ struct Target {
 };
 
 /// Whether some node of a block may be within the step; sets the turns that all of the block is away by.
-bool MayReach(const JointRows::BlockBound& block, bool modulo_turns, Target& target, bool& one_shift) {
+/// `square` is the least that the joints turn by, squared and summed.
+bool MayReach(const JointRows::BlockBound& block, bool modulo_turns, Target& target, bool& one_shift,
+              double& square) {
   one_shift = block.same_turn || !modulo_turns;
+  square = 0;
   for (int i = 0; i < 6; ++i) {
     const double apart = target.t[i] - block.first[i];
     const double turns = (apart * kPerTurn + kRound) - kRound;
-    if (std::fabs(apart - turns * kTurn) > target.max_step[i] + block.radius[i] + kSlack) return false;
+    const double least = std::fabs(apart - turns * kTurn) - block.radius[i] - kSlack;
+    if (least > target.max_step[i]) return false;
+    if (least > 0) square += least * least;
     target.shift[i] = modulo_turns ? turns * kTurn : 0.0;
     one_shift = one_shift && (!modulo_turns || block.radius[i] + target.max_step[i] < 3.0);
   }
@@ -99,8 +113,9 @@ template <typename Way>
 
 }  // namespace
 
-void RelaxFrom(const StepRule& rule, const JointRows& nodes, const std::vector<double>& row, size_t first,
-               size_t last, const Joints& to, BestPredecessor& best) {
+void RelaxFrom(const StepRule& rule, const JointRows& nodes, const CostRow& row, size_t first, size_t last,
+               const Joints& to, double at_most, BestPredecessor& best) {
+  constexpr double kLess = 1 - 1e-12;  // rounding of a lower bound
   static const InstructionSet set = WidestInstructionSet();
   Target target;
   for (int i = 0; i < 6; ++i) {
@@ -110,8 +125,12 @@ void RelaxFrom(const StepRule& rule, const JointRows& nodes, const std::vector<d
   target.weight = rule.motion_weight;
   Lanes out;
   for (size_t block = first / kLanes * kLanes; block < last; block += kLanes) {
+    const double least = row.block_least[block / kLanes];
+    if (least > at_most || least >= best.cost) continue;
     bool one_shift;
-    if (!MayReach(nodes.blocks[block / kLanes], rule.modulo_turns, target, one_shift)) continue;
+    double square;
+    if (!MayReach(nodes.blocks[block / kLanes], rule.modulo_turns, target, one_shift, square)) continue;
+    if (least + kLess * rule.motion_weight * square > at_most) continue;
     // All of the block is as many turns away: that takes less arithmetic and gives the same bits.
     const auto shifted = [&] [[gnu::always_inline]] (int i, double q) {
       return (target.t[i] - q) - target.shift[i];
@@ -120,9 +139,9 @@ void RelaxFrom(const StepRule& rule, const JointRows& nodes, const std::vector<d
       return Short(target.t[i] - q, kPerTurn);
     };
     if (one_shift) {
-      CostsOfBlock(set, nodes, row.data() + block, block, target, shifted, out);
+      CostsOfBlock(set, nodes, row.costs.data() + block, block, target, shifted, out);
     } else {
-      CostsOfBlock(set, nodes, row.data() + block, block, target, general, out);
+      CostsOfBlock(set, nodes, row.costs.data() + block, block, target, general, out);
     }
     const size_t begin = block < first ? first - block : 0,
                  end = last - block < kLanes ? last - block : kLanes;

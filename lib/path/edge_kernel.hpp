@@ -40,17 +40,27 @@ double ShortWay(double angle);
 /// Cost of the motion from `from` to `to`; +inf where a joint steps too far.
 double StepCost(const StepRule& rule, const Joints& from, const Joints& to);
 
+/// Costs of the ways to the nodes of a layer, padded like JointRows, and the least of each block.
+struct CostRow {
+  CostRow() = default;
+  explicit CostRow(std::vector<double> of_nodes);
+  size_t size() const { return count; }
+
+  size_t count = 0;
+  std::vector<double> costs, block_least;
+};
+
 /// The predecessor of least cost for one node.
 struct BestPredecessor {
   double cost = std::numeric_limits<double>::infinity();
   size_t node = 0;
 };
 
-/// Looks at predecessors first..last−1 (whole blocks whose bounds lie too far away are passed over) with
-/// costs `row` (padded like `nodes`) for a node at `to`; keeps the first of equals, and what `best` holds
-/// unless a predecessor is cheaper. Sums are in one order, so that the result does not depend on the
-/// instruction set.
-void RelaxFrom(const StepRule& rule, const JointRows& nodes, const std::vector<double>& row, size_t first,
-               size_t last, const Joints& to, BestPredecessor& best);
+/// Looks at predecessors first..last−1 with costs `row` for a node at `to`; keeps the first of equals, and
+/// what `best` holds unless a predecessor is cheaper. `at_most`: the best is known to cost no more than that.
+/// Whole blocks that lie too far away or cost too much are passed over. Sums are in one order, so that the
+/// result does not depend on the instruction set, nor on what was passed over.
+void RelaxFrom(const StepRule& rule, const JointRows& nodes, const CostRow& row, size_t first, size_t last,
+               const Joints& to, double at_most, BestPredecessor& best);
 
 }  // namespace millpose

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <limits>
+#include <list>
+#include <memory>
 #include <set>
 #include <stop_token>
 
@@ -11,6 +13,26 @@ namespace millpose {
 
 /// Nodes of neighbouring layers between which the way is barred, although both are free: (from, to).
 using StruckEdges = std::set<std::pair<size_t, size_t>>;
+
+struct SweepRows;
+
+/// What sweeps over the layers of a pass have found, for the searches to come over the same layers.
+class SweepMemory {
+ public:
+  SweepMemory();
+  ~SweepMemory();
+  /// Rows to sweep with from the nodes first..last−1 of layer 0: those of the last such sweep, else a copy of
+  /// those of the widest.
+  SweepRows& RowsFor(size_t first, size_t last);
+
+ private:
+  static constexpr size_t kMostKept = 4;
+  struct Kept {
+    size_t first, last;
+    std::unique_ptr<SweepRows> rows;
+  };
+  std::list<Kept> kept_;  ///< the last used first
+};
 
 /// Layers of a pass and what a sequence through them may do.
 struct LayeredProblem {
@@ -22,6 +44,12 @@ struct LayeredProblem {
   bool walls = false;
   std::stop_token stop;
   std::span<const char> break_before;  ///< layers before which the tool is lifted in any case; may be empty
+  /// Searches over the same layers with ever more struck out keep what they find here; null: each starts
+  /// anew.
+  SweepMemory* memory = nullptr;
+  /// With `memory`: entry t differs from what it was whenever nodes of layer t or edges from it were struck
+  /// out since.
+  std::span<const uint64_t> versions = {};
 };
 
 inline constexpr size_t kNoNode = std::numeric_limits<size_t>::max();

@@ -80,8 +80,16 @@ class PiecePlanner {
                          context_.threads, context_.stop);
     // The band needs the one freedom to be the rotation (BandWidth).
     const bool banded = context_.problem.freedoms.size() == 1 && rotates_first;
-    const LayeredProblem problem{layers_, rule_,         strike_out.struck_edges(), banded,
-                                 banded,  context_.stop, context_.break_before};
+    SweepMemory memory;
+    const LayeredProblem problem{layers_,
+                                 rule_,
+                                 strike_out.struck_edges(),
+                                 banded,
+                                 banded,
+                                 context_.stop,
+                                 context_.break_before,
+                                 &memory,
+                                 strike_out.versions()};
     // While there is interference to find, any good closed sequence finds it. A free one is kept when the
     // best of all is hardly cheaper.
     constexpr int kQuickSweeps = 3;

@@ -91,12 +91,12 @@ class SplitPlanner {
     const PointScorer &a = context.scorers[after], &b = context.scorers[(after + 1) % context.scorers.size()];
     const Layer from = MakeLayer(a, GridSeeds(a, step), false), to = MakeLayer(b, GridSeeds(b, step), false);
     const StepRule rule{context.options.max_joint_step, 0, true};
-    const std::vector<double> row(from.size() + kLanes, 0.0);
+    const CostRow row(std::vector<double>(from.size(), 0.0));
     for (size_t node = 0; node < to.size(); ++node) {
       const int branch = to.BranchOf(node);
       BestPredecessor by;
       RelaxFrom(rule, from.joints, row, from.branch_begin[branch], from.branch_begin[branch + 1],
-                to.joints.At(node), by);
+                to.joints.At(node), std::numeric_limits<double>::infinity(), by);
       if (std::isfinite(by.cost)) return true;
     }
     return false;

@@ -45,6 +45,7 @@ StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::vector<Lay
       memory_(layers.size()),
       struck_(layers.size()),
       free_(layers.size()),
+      versions_(layers.size(), 0),
       last_problem_(layers.size()) {
   for (size_t t = 0; t < layers.size(); ++t) verdict_[t].assign(layers[t].size(), Verdict::kUnknown);
 }
@@ -148,6 +149,7 @@ std::optional<StrikeOut::Interval> StrikeOut::CheckNode(Checker& checker, size_t
     verdict = hit ? Verdict::kStruck : Verdict::kFree;
     if (hit) {
       last_problem_[layer] = CutProblem{hit};
+      ++versions_[layer];
       layers_[layer].objective[k] = std::numeric_limits<double>::infinity();
     }
     return hit.has_value();
@@ -172,14 +174,17 @@ bool StrikeOut::CheckMotion(Checker& checker, size_t from, size_t to, const Sequ
   const Joints q1 = q0 + (layers_[to].joints.At(b) - q0).unaryExpr(&ShortWay);
   const std::optional<CutProblem> problem = CheckCut(checker, carrier_, q0, q1, swept_resolution_);
   (problem ? struck_ : free_)[from].insert({a, b});
-  if (problem) last_problem_[from] = problem;
-  return !problem;
+  if (!problem) return true;
+  last_problem_[from] = problem;
+  ++versions_[from];
+  return false;
 }
 
 void StrikeOut::StrikeBarred(const Sequence& sequence, Extent extent) {
   const auto strike = [&](size_t t, size_t node) {
     nodes_struck_ += verdict_[t][node] != Verdict::kStruck;
     verdict_[t][node] = Verdict::kStruck;
+    ++versions_[t];
     layers_[t].objective[node] = std::numeric_limits<double>::infinity();
   };
   for (const size_t t : barred_) {

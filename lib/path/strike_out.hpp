@@ -35,6 +35,8 @@ class StrikeOut {
   void StrikeBarred(const Sequence& sequence, Extent extent);
 
   std::span<const StruckEdges> struck_edges() const { return struck_; }
+  /// Per layer: rises with what is struck out of its nodes and of the edges from it.
+  std::span<const uint64_t> versions() const { return versions_; }
   const CheckCounts& counts() const { return counts_; }
   int nodes_struck() const { return nodes_struck_; }
   /// Nodes whose interference was asked for.
@@ -65,6 +67,7 @@ class StrikeOut {
   std::vector<std::vector<Verdict>> verdict_;
   std::vector<PointMemory> memory_;  // per layer
   std::vector<StruckEdges> struck_, free_;
+  std::vector<uint64_t> versions_;
   std::vector<std::optional<CutProblem>> last_problem_;  // per layer
   std::vector<size_t> barred_;                           // layers whose motions interfered in the last check
   size_t flood_ = 4;  // layers to follow interference to either side, at the next check

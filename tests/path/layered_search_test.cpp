@@ -172,6 +172,53 @@ TEST(SearchClosed, EqualsTheDenseReferenceOnRandomLayers) {
   EXPECT_GT(open, 50);
 }
 
+/// Strikes out a few nodes and edges, as interference does.
+void StrikeSome(RandomStream& stream, std::vector<Layer>& layers, std::vector<StruckEdges>& struck,
+                std::vector<uint64_t>& versions) {
+  for (int k = 0; k < 3; ++k) {
+    const auto t = static_cast<size_t>(stream.Below(static_cast<int>(layers.size())));
+    if (layers[t].size() == 0) continue;
+    const auto node = static_cast<size_t>(stream.Below(static_cast<int>(layers[t].size())));
+    ++versions[t];
+    if (stream.Below(3) > 0) {
+      layers[t].objective[node] = kInfinity;
+    } else if (const size_t next = layers[(t + 1) % layers.size()].size(); next > 0) {
+      struck[t].insert({node, static_cast<size_t>(stream.Below(static_cast<int>(next)))});
+    }
+  }
+}
+
+void ExpectSame(const Sequence& a, const Sequence& b) {
+  EXPECT_EQ(a.nodes, b.nodes);
+  EXPECT_EQ(a.break_before, b.break_before);
+  EXPECT_EQ(a.cost, b.cost);
+}
+
+TEST(SweepMemory, WhatSweepsKeepChangesNoBit) {
+  int closed = 0, open = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    RandomStream stream(21, static_cast<uint64_t>(trial));
+    const bool walls = trial % 2 == 0;
+    std::vector<Layer> layers = RandomLayers(stream, 12, 60, 0.5);
+    std::vector<StruckEdges> struck(layers.size());
+    std::vector<uint64_t> versions(layers.size(), 0);
+    SweepMemory memory;
+    const LayeredProblem anew{layers, Rule(60, 0.3), struck, false, walls, {}, {}},
+        keeping{layers, Rule(60, 0.3), struck, false, walls, {}, {}, &memory, versions};
+    for (int round = 0; round < 12; ++round) {
+      const int sweeps = round % 3 == 2 ? std::numeric_limits<int>::max() : 3;
+      const auto a = SearchClosed(anew, sweeps), b = SearchClosed(keeping, sweeps);
+      ASSERT_EQ(a.has_value(), b.has_value());
+      if (a) ExpectSame(*a, *b);
+      ++(a ? closed : open);
+      if (round % 2) ExpectSame(SearchOpen(anew), SearchOpen(keeping));
+      StrikeSome(stream, layers, struck, versions);
+    }
+  }
+  EXPECT_GT(closed, 100);
+  EXPECT_GT(open, 100);
+}
+
 TEST(SearchOpen, TheBandLosesNothingOnARealArm) {
   PoseProblem problem = MakeProblem(Kr500R2830());
   for (const bool all_turns : {false, true}) {
@@ -203,29 +250,34 @@ TEST(SearchOpen, TheBandLosesNothingOnARealArm) {
 TEST(RelaxFrom, EveryNodeOfABlockCounts) {
   RandomStream stream(9, 0);
   JointRows nodes;
-  std::vector<double> row;
+  std::vector<double> costs;
   for (int k = 0; k < 37; ++k) {
     Joints q;
     for (int j = 0; j < 6; ++j) q[j] = stream.Uniform(-7, 7);
     nodes.Add(q);
-    row.push_back(stream.Uniform(0, 1));
+    costs.push_back(stream.Uniform(0, 1));
   }
   nodes.Finish();
-  row.resize(row.size() + kLanes, -1e9);  // beyond the end nothing may be taken
+  CostRow row(costs);
+  std::fill(row.costs.begin() + 37, row.costs.end(), -1e9);  // beyond the end nothing may be taken
   StepRule rule = Rule(170, 0.01);
   for (const bool modulo : {true, false}) {
     rule.modulo_turns = modulo;
     for (size_t first = 0; first < 37; ++first) {
       for (size_t last = first; last <= 37; ++last) {
         const Joints to = Joints::Constant(0.1 * static_cast<double>(last));
-        BestPredecessor found, expected;
-        RelaxFrom(rule, nodes, row, first, last, to, found);
+        BestPredecessor found, known, expected;
+        RelaxFrom(rule, nodes, row, first, last, to, kInfinity, found);
         for (size_t k = first; k < last; ++k) {
-          const double cost = row[k] + StepCost(rule, nodes.At(k), to);
+          const double cost = row.costs[k] + StepCost(rule, nodes.At(k), to);
           if (cost < expected.cost) expected = {cost, k};
         }
         EXPECT_EQ(found.cost, expected.cost);
         EXPECT_EQ(found.node, expected.node);
+        // Knowing a bound passes over more and changes nothing.
+        RelaxFrom(rule, nodes, row, first, last, to, expected.cost, known);
+        EXPECT_EQ(known.cost, expected.cost);
+        EXPECT_EQ(known.node, expected.node);
       }
     }
   }

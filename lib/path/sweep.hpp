@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One sweep of the layered search's dynamic programme, which keeps what it finds for the next.
+#pragma once
+
+#include "path/layered_search.hpp"
+
+namespace millpose {
+
+/// What a sweep has found, layer by layer.
+struct SweepRows {
+  struct OfLayer {
+    CostRow row;                           ///< of the cheapest way to each node
+    std::vector<BestPredecessor> relaxed;  ///< per node, without breaks
+    std::vector<uint32_t> previous;        ///< on the cheapest way
+    uint64_t version = 0;                  ///< of the layer before, when relaxed
+    bool after_break = false;              ///< no step into this layer was asked for
+  };
+  std::vector<OfLayer> layers;
+};
+
+/// One sweep. It gives the same costs and nodes, bit by bit, whatever the rows that it starts from have kept
+/// from an earlier sweep over the same layers with less struck out or other first nodes.
+class Sweep {
+ public:
+  Sweep(const LayeredProblem& problem, double break_penalty)
+      : problem_(problem), layers_(problem.layers), break_penalty_(break_penalty) {}
+
+  /// Starts with the nodes first..last−1 of layer 0. False when the last layer cannot be reached; with
+  /// `breaks` it always can. `rows` outlive what is asked of this sweep.
+  bool Forward(SweepRows& rows, size_t first, size_t last, bool breaks);
+
+  /// Cheapest way to close into one of the nodes first..last−1 of layer 0; its cost is that of the whole
+  /// cycle.
+  struct Closing {
+    BestPredecessor by;
+    size_t into = kNoNode;
+  };
+  Closing Close(size_t first, size_t last) const;
+
+  size_t least_node() const { return least_node_; }
+
+  /// The sequence that ends in `node` of the last layer that has nodes.
+  Sequence Trace(size_t node) const;
+
+ private:
+  /// What of the row of the layer before is not as it was.
+  struct Changes {
+    bool known = false, some = false, some_less = false;
+    std::vector<char> changed;
+  };
+
+  void Start(size_t first, size_t last);
+  void Advance(size_t t, bool breaks, bool must_break);
+  void RelaxAll(size_t t, bool must_break);
+  void Take(size_t t, std::vector<double> row);
+  void Relax(size_t from, size_t to, size_t node, size_t guess, BestPredecessor& by) const;
+  double Band(size_t from, size_t to) const;
+
+  const LayeredProblem& problem_;
+  std::span<const Layer> layers_;
+  double break_penalty_;
+  SweepRows* rows_ = nullptr;
+  Changes changes_;
+  std::vector<size_t> used_before_, least_before_;
+  size_t last_used_ = kNoNode, least_node_ = 0;
+  double least_ = std::numeric_limits<double>::infinity();
+  mutable size_t band_from_ = kNoNode;
+  mutable double band_ = 0;
+};
+
+}  // namespace millpose
