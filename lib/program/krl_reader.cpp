@@ -22,7 +22,8 @@ constexpr double kSamePlace = 1e-9;      // of a frame stated again
 class KrlReader : public ProgramReader {
  public:
   KrlReader(const ProgramFiles& files, const PostSettings& settings)
-      : ProgramReader(files, settings, Templates(KrlTexts(), settings.texts, settings.tool_name, false)) {
+      : ProgramReader(files, settings,
+                      Templates(KrlTexts(), settings.texts, settings.tool_name, {.numbers = false})) {
     program_.blend_is_distance = true;
   }
 

@@ -13,8 +13,15 @@ constexpr const char* kFeedMode = "G93 or G94";
 constexpr const char* kKinematics = "the cell's text joints_on or cartesian_on";
 // rs274 of LinuxCNC 2.9 takes 252 characters and says "Command too long" from 253 on, comments included.
 constexpr size_t kLongestLine = 250;
-constexpr bool kBlanks = true;     // count for nothing, also within numbers
-constexpr double kFarthest = 1e5;  // mm or degrees: nothing that an arm can mean is larger
+constexpr double kWholeSlack = 0.99e-4;  // of the interpreter's 0.0001
+constexpr bool kBlanks = true;           // count for nothing, also within numbers
+constexpr double kFarthest = 1e5;        // mm or degrees: nothing that an arm can mean is larger
+
+/// A number of a code, in parts of `parts`: the interpreter takes what is off by up to 0.0001 for it.
+double Whole(double value, double parts) {
+  const double whole = std::round(value * parts) / parts;
+  return std::abs(value - whole) < kWholeSlack ? whole : value;
+}
 
 /// What one block programs. Every letter but G and M stands once.
 struct Block {
@@ -43,7 +50,8 @@ int GroupOf(double g) {
 class LinuxCncReader : public ProgramReader {
  public:
   LinuxCncReader(const ProgramFiles& files, const Arm& arm, const PostSettings& settings)
-      : ProgramReader(files, settings, Templates(LinuxCncTexts(), settings.texts, settings.tool_name)),
+      : ProgramReader(files, settings,
+                      Templates(LinuxCncTexts(), settings.texts, settings.tool_name, {.blanks = false})),
         arm_(arm) {
     program_.rotation = settings.rotation;
     program_.R_TC = settings.R_TC;
@@ -142,8 +150,8 @@ class LinuxCncReader : public ProgramReader {
       block.calls = true;
       return;
     }
-    if (scan.AcceptAddress('G')) return AddG(scan, start, scan.ExpectDecimal(kBlanks), block);
-    if (scan.AcceptAddress('M')) return AddM(scan, start, scan.ExpectDecimal(kBlanks), block);
+    if (scan.AcceptAddress('G')) return AddG(scan, start, Whole(scan.ExpectDecimal(kBlanks), 10), block);
+    if (scan.AcceptAddress('M')) return AddM(scan, start, Whole(scan.ExpectDecimal(kBlanks), 1), block);
     for (const char letter : std::string_view("XYZABCFPQLR")) {
       if (!scan.AcceptAddress(letter)) continue;
       const double value = scan.ExpectDecimal(kBlanks);
@@ -179,9 +187,14 @@ class LinuxCncReader : public ProgramReader {
 
   /// Spindle, coolant, outputs, waits: what a text of the cell may switch.
   bool ReadTextWord(LineScanner& scan) override {
-    for (const std::string_view word :
-         {"M3", "M4", "M5", "M7", "M8", "M9", "M62", "M63", "M64", "M65", "M66", "M67", "M68"}) {
-      if (scan.Accept(word)) return true;
+    LineScanner ahead = scan;
+    if (ahead.AcceptAddress('M')) {
+      const double code = ahead.ExpectDecimal(kBlanks);
+      for (const double known : {3, 4, 5, 7, 8, 9, 62, 63, 64, 65, 66, 67, 68}) {
+        if (code != known) continue;
+        scan = ahead;
+        return true;
+      }
     }
     for (const char letter : {'S', 'E', 'L', 'P', 'Q'}) {
       if (!scan.AcceptAddress(letter)) continue;
@@ -219,15 +232,21 @@ class LinuxCncReader : public ProgramReader {
     if (const auto feed = block.Word('F'); feed && inverse_time_ != true) feed_ = *feed;
     for (const double m : block.m) Miscellaneous(scan, start, m, block);
     for (const double g : block.g) Setting(scan, start, g, block);
+    if (inverse_time_ == true && block.HasG(1) && !block.Has('F'))
+      scan.FailFrom(start, "G93 needs F in every block with G1");
     const bool moves = std::ranges::any_of(std::string_view("XYZABC"), [&](char c) { return block.Has(c); });
     if (moves && !block.HasG(10)) Move(scan, block);
     if (block.HasM(2) || block.HasM(30)) EndFile();
   }
 
   /// Words that belong to a code must not stand without it: the interpreter stops there.
-  static void CheckParameters(const LineScanner& scan, size_t start, const Block& block) {
+  void CheckParameters(const LineScanner& scan, size_t start, const Block& block) const {
     const bool output = block.HasM(62) || block.HasM(63);
-    if (output && !block.Has('P')) scan.FailFrom(start, "P and the number of an output expected");
+    const auto number = block.Word('P');
+    if (output && (!number || *number < 0 || *number != std::floor(*number)))
+      scan.FailFrom(start, "P and the whole number of an output expected");
+    if (block.HasG(4) && !InText() && (!number || *number < 0))
+      scan.FailFrom(start, "G4 needs P and 0 or more seconds");
     const int uses =
         (output ? 1 : 0) + (block.HasG(4) ? 1 : 0) + (block.HasG(10) ? 1 : 0) + (block.HasG(64) ? 1 : 0);
     if (block.Has('P') && uses != 1) scan.FailFrom(start, "P for one of G4, G10, G64, M62 and M63 expected");
@@ -312,8 +331,17 @@ class LinuxCncReader : public ProgramReader {
     return values;
   }
 
+  /// The joints (degrees) where the arm stands; also behind a call, which leaves them where it is said to.
+  std::optional<Joints> Place() const {
+    if (last_) return last_;
+    if (program_.motions.empty() || !program_.motions.back().q) return std::nullopt;
+    return ToController(settings_.axes, *program_.motions.back().q) * kDegPerRad;
+  }
+
   void AddTarget(const LineScanner& scan, const Block& block) {
     const Joints angles = Complete(scan, block);
+    const std::optional<Joints> before = Place();
+    if (motion_ == 1 && !before) scan.Fail("G0 expected: where this motion begins is not known");
     Motion& motion = AddMotion(MotionType::kJoint);
     motion.q = FromController(settings_.axes, angles * kRadPerDeg);
     motion.exact = !rounds_;
@@ -322,8 +350,7 @@ class LinuxCncReader : public ProgramReader {
       motion.angle_blend = blend_ * kRadPerDeg;
     }
     if (motion_ == 1) Require(kFeedMode);
-    if (motion_ == 1)
-      motion.duration = Duration(scan, last_ ? FeedLength(*last_, angles) : 0, block.Word('F'));
+    if (motion_ == 1) motion.duration = Duration(scan, FeedLength(*before, angles), block.Word('F'));
     last_ = angles;
   }
 

@@ -88,11 +88,11 @@ void LineScanner::ExpectEnd() {
   if (!AtEnd()) Fail("the end of the statement expected");
 }
 
-bool LineScanner::AcceptAddress(char letter) {
+bool LineScanner::AcceptAddress(char letter, bool blanks) {
   SkipSpace();
   if (position_ >= line_.size() || Upper(line_[position_]) != letter) return false;
   size_t next = position_ + 1;
-  while (next < line_.size() && IsSpace(line_[next])) ++next;
+  while (blanks && next < line_.size() && IsSpace(line_[next])) ++next;
   if (next >= line_.size() ||
       std::string_view("0123456789+-.=").find(line_[next]) == std::string_view::npos) {
     return false;

@@ -35,8 +35,8 @@ class LineScanner {
   void Expect(std::string_view word);
   void ExpectEnd();
   /// Takes `letter` when it comes next and begins an address: a digit, sign, point or '=' follows (after
-  /// spaces).
-  bool AcceptAddress(char letter);
+  /// spaces, where `blanks`).
+  bool AcceptAddress(char letter, bool blanks = true);
   void Skip() { ++position_; }  ///< over one character
   double ExpectNumber();        ///< decimal; a comma as decimal mark is an error
   /// Digits with at most one point and one sign, no exponent. `blanks`: may stand between them and count for

@@ -9,6 +9,7 @@
 namespace millpose {
 namespace {
 
+constexpr bool kBlanks = false;    // between a letter and its number: the manual shows none
 constexpr double kFarthest = 1e5;  // mm or degrees: nothing that an arm can mean is larger
 
 /// G words that a milling program may hold, with their groups (SINUMERIK ONE, Programming Manual, tables:
@@ -49,7 +50,7 @@ bool SinumerikBlock::AcceptG(LineScanner& scan) {
     AddG(scan, start, word);
     return true;
   }
-  if (!scan.AcceptAddress('G')) return false;
+  if (!scan.AcceptAddress('G', kBlanks)) return false;
   const std::string word = fmt::format("G{}", scan.ExpectDecimal());
   if (GroupOf(word) == 0)
     scan.FailFrom(start, "G0, G1, G4, G9, G17, G40, G90, G94, G505 to G599, G642 or G710 expected");
@@ -67,7 +68,7 @@ void SinumerikBlock::AddG(const LineScanner& scan, size_t start, const std::stri
 
 bool SinumerikBlock::AcceptM(LineScanner& scan) {
   const size_t start = scan.Next();
-  if (!scan.AcceptAddress('M')) return false;
+  if (!scan.AcceptAddress('M', kBlanks)) return false;
   scan.Accept("=");
   const double code = scan.ExpectDecimal();
   const int m = static_cast<int>(code);
@@ -80,7 +81,9 @@ bool SinumerikBlock::AcceptM(LineScanner& scan) {
 
 bool SinumerikBlock::AcceptAddress(LineScanner& scan) {
   const size_t start = scan.Next();
-  if (scan.Accept("T=\"")) {
+  if (scan.Accept("T")) {
+    scan.Expect("=");
+    scan.Expect("\"");
     const auto name = scan.AcceptName();
     scan.Expect("\"");
     if (tool_ || !name) scan.FailFrom(start, "one tool with a name in a block expected");
@@ -102,7 +105,7 @@ bool SinumerikBlock::AcceptAddress(LineScanner& scan) {
     return true;
   }
   for (const char letter : std::string_view("XYZABCFD")) {
-    if (!scan.AcceptAddress(letter)) continue;
+    if (!scan.AcceptAddress(letter, kBlanks)) continue;
     scan.Accept("=");
     Add(scan, start, std::string(1, letter), scan.ExpectDecimal());
     return true;

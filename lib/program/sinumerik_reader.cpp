@@ -10,6 +10,7 @@ namespace millpose {
 namespace {
 
 constexpr double kSamePlace = 1e-9;  // of a frame stated again
+constexpr int kMostOutputs = 1024;   // $A_OUT[n]
 
 class SinumerikReader : public ProgramReader {
  public:
@@ -17,7 +18,7 @@ class SinumerikReader : public ProgramReader {
       : ProgramReader(files, settings, Templates(SinumerikTexts(), settings.texts, settings.tool_name)) {}
 
  private:
-  std::vector<std::string> Needed() const override { return {"G40", "G90", "G94", "G710"}; }
+  std::vector<std::string> Needed() const override { return {"G17", "G40", "G90", "G94", "G710"}; }
 
   size_t LongestLine() const override { return kLongestBlock; }
 
@@ -41,7 +42,8 @@ class SinumerikReader : public ProgramReader {
   void ReadCode(LineScanner& scan) override {
     const size_t start = scan.Next();
     SinumerikBlock block(settings_.axis_names);
-    if (scan.AcceptAddress('N')) scan.ExpectDecimal();
+    if (scan.AcceptAddress('N', false)) scan.ExpectDecimal();
+    ReadLabel(scan);
     while (!scan.AtEnd()) {
       if (InText() && ReadTextWord(scan)) continue;
       if (!block.Accept(scan) && !ReadStatement(scan, block)) ReadName(scan, block);
@@ -49,11 +51,20 @@ class SinumerikReader : public ProgramReader {
     Apply(scan, start, block);
   }
 
-  /// A label or the call of a sub-program.
+  /// A label stands first in its block.
+  void ReadLabel(LineScanner& scan) {
+    LineScanner ahead = scan;
+    const size_t start = ahead.Next();
+    const auto name = ahead.AcceptName();
+    if (!name || !ahead.Accept(":")) return;
+    AddLabel(ahead, start, *name);
+    scan = ahead;
+  }
+
+  /// The call of a sub-program.
   void ReadName(LineScanner& scan, const SinumerikBlock& block) {
     const size_t start = scan.Next();
     const auto name = scan.AcceptName();
-    if (name && scan.Accept(":")) return AddLabel(scan, start, *name);
     if (name && IsDeclared(*name)) {
       if (scan.Accept("(")) SkipArguments(scan);
       ReadDeclaredCall(scan, start, *name);
@@ -108,9 +119,11 @@ class SinumerikReader : public ProgramReader {
   }
 
   /// CYCLE832(0.01,_ORI_FINISH,0.01): mm and degrees. With _FINISH the third value counts for nothing: the
-  /// orientation's tolerance is then a setting datum's (SD55443); with _OFF both are the machine's.
+  /// orientation's tolerance is then a setting datum's (SD55443); with _OFF both are the machine's. Which
+  /// compressor and which rounding the cycle switches on is the machine's CUST_832.
   void ReadTolerances(LineScanner& scan) {
     scan.Expect("(");
+    const size_t start = scan.Next();
     const double position = scan.ExpectDecimal();
     scan.Expect(",");
     const bool off = scan.Accept("_OFF"), both = !off && scan.Accept("_ORI_FINISH");
@@ -118,6 +131,9 @@ class SinumerikReader : public ProgramReader {
     scan.Expect(",");
     const double orientation = scan.ExpectDecimal() * kRadPerDeg;
     scan.Expect(")");
+    if ((!off && position <= 0) || (both && orientation <= 0))
+      scan.FailFrom(start, "tolerances above 0 expected");
+    for (const char* word : {"COMPOF", "G642"}) settings_since_.erase(word);
     tolerances_ = {};
     if (!off) tolerances_.position = position;
     if (both) tolerances_.orientation = orientation;
@@ -134,14 +150,22 @@ class SinumerikReader : public ProgramReader {
     scan.Expect(")");
   }
 
+  static int ReadWhole(LineScanner& scan, int least, int most) {
+    const size_t start = scan.Next();
+    const double number = scan.ExpectDecimal();
+    if (number < least || number > most || number != std::floor(number))
+      scan.FailFrom(start, fmt::format("a whole number {} to {} expected", least, most));
+    return static_cast<int>(number);
+  }
+
   void ReadOutput(LineScanner& scan) {
     PathOutput output;
     scan.Expect("$A_OUT");
     scan.Expect("[");
-    output.number = static_cast<int>(scan.ExpectDecimal());
+    output.number = ReadWhole(scan, 1, kMostOutputs);
     scan.Expect("]");
     scan.Expect("=");
-    output.on = scan.ExpectDecimal() != 0;
+    output.on = ReadWhole(scan, 0, 1) == 1;
     AddOutput(output);
   }
 
@@ -197,6 +221,7 @@ class SinumerikReader : public ProgramReader {
     if (block.Has("G4")) {
       Allow(scan, start, kOutsideCuts);
       if (block.HasPose() || block.HasAxes()) scan.FailFrom(start, "G4 in a block of its own expected");
+      if (block.Word("F").value_or(-1) < 0) scan.FailFrom(start, "G4 needs F and 0 or more seconds");
     } else if (const auto feed = block.Word("F")) {
       if (*feed <= 0) scan.FailFrom(start, "F above 0 expected");
       feed_ = *feed / 60;

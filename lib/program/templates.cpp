@@ -20,19 +20,35 @@ bool IsWordCharacter(char c) { return std::isalnum(static_cast<unsigned char>(c)
 /// Characters that a blank keeps apart: of words, and of the holes that words take.
 bool KeepsBlank(char c) { return IsWordCharacter(c) || c == '{' || c == '}' || c == '.' || c == '"'; }
 
-/// Upper case, white space single and only where it parts words, no remark behind a statement: two texts that
-/// differ in nothing else are the same.
-std::string Normalised(std::string_view text) {
+/// Upper case, white space single and only where it parts words (`blanks`), no remark behind a statement: two
+/// texts that differ in nothing else are the same.
+std::string Normalised(std::string_view text, bool blanks = true) {
   text = Trim(text);
   if (!text.starts_with(';')) text = Trim(text.substr(0, text.find(';')));
   std::string result;
   for (size_t i = 0; i < text.size(); ++i) {
     const char c = text[i] == '\t' ? ' ' : text[i];
-    const bool parts =
-        i + 1 < text.size() && !result.empty() && KeepsBlank(result.back()) && KeepsBlank(text[i + 1]);
+    const bool parts = blanks && i + 1 < text.size() && !result.empty() && KeepsBlank(result.back()) &&
+                       KeepsBlank(text[i + 1]);
     const bool comment = text.starts_with(';') || text.starts_with('(');
     if (c == ' ' && (result.ends_with(' ') || (!comment && !parts))) continue;
     result += c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  }
+  return result;
+}
+
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
+/// Numbers of an upper-case text without zeros in front of others: M03 is M3, L-0 is L0.
+std::string WithoutZeros(const std::string& text) {
+  std::string result;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char before = result.empty() ? ' ' : result.back(), next = i + 1 < text.size() ? text[i + 1] : ' ';
+    const bool begins = !IsDigit(before) && before != '.' && before != '_';
+    if (text[i] == '0' && begins && IsDigit(next)) continue;
+    const char behind = i + 2 < text.size() ? text[i + 2] : ' ';
+    if (text[i] == '-' && next == '0' && !IsDigit(behind) && behind != '.') continue;
+    result += text[i];
   }
   return result;
 }
@@ -108,8 +124,8 @@ const std::vector<std::string>& Templates::Names() {
 
 Templates::Templates(std::map<std::string, std::string> defaults,
                      const std::map<std::string, std::string>& overrides, const std::string& tool,
-                     bool block_numbers)
-    : block_numbers_(block_numbers) {
+                     Spelling spelling)
+    : spelling_(spelling) {
   for (const auto& [name, text] : overrides) defaults[name] = text;
   for (const auto& [name, text] : defaults) {
     texts_[name] = LinesOf(text);
@@ -150,13 +166,17 @@ size_t Templates::MatchAll(const std::string& name, const std::vector<std::strin
     while (line > first && line < lines.size() && Trim(lines[line]).empty()) ++line;
     if (line == lines.size()) return 0;
     const std::string_view text = Trim(lines[line]);
-    const std::string_view given = block_numbers_ ? WithoutNumber(text) : text;
+    const std::string_view given = spelling_.numbers ? WithoutNumber(text) : text;
     const char begin = given.empty() ? '\0' : given.front();
     if (std::toupper(begin) != std::toupper(pattern.front()) && pattern.front() != '{') return 0;  // cheap
-    if (!Matches(Normalised(pattern), Normalised(given), rpm)) return 0;
+    if (!Matches(Spelled(pattern), Spelled(given), rpm)) return 0;
     ++line;
   }
   return line - first;
+}
+
+std::string Templates::Spelled(std::string_view line) const {
+  return spelling_.blanks ? Normalised(line) : WithoutZeros(Normalised(line, false));
 }
 
 std::optional<Templates::Match> Templates::Recognise(const std::vector<std::string_view>& lines,

@@ -21,10 +21,15 @@ namespace millpose {
 /// Lines compare without case and amount of white space; blank lines may stand between them.
 class Templates {
  public:
+  /// What counts for nothing where texts are compared.
+  struct Spelling {
+    bool numbers = true;  ///< "N10 " may stand before a line of a text
+    bool blanks =
+        true;  ///< blanks part words; without it they mean nothing, as zeros before a number (RS-274)
+  };
   /// `tool` fills {tool}.
-  /// `block_numbers`: "N10 " may stand before a line of a text.
   Templates(std::map<std::string, std::string> defaults, const std::map<std::string, std::string>& overrides,
-            const std::string& tool, bool block_numbers = true);
+            const std::string& tool, Spelling spelling = {true, true});
 
   /// All names that texts may have.
   static const std::vector<std::string>& Names();
@@ -52,11 +57,12 @@ class Templates {
   static std::string WithSamples(std::string text, const std::string& tool);
 
  private:
+  std::string Spelled(std::string_view line) const;
   size_t MatchAll(const std::string& name, const std::vector<std::string_view>& lines, size_t first,
                   double& rpm) const;
 
   std::map<std::string, std::vector<std::string>> texts_;
-  bool block_numbers_;
+  Spelling spelling_;
 };
 
 }  // namespace millpose

@@ -22,13 +22,17 @@ PostSettings SettingsOf(const std::string& variant) {
   return settings;
 }
 
-/// Speeds of their own for every part of a pass, outputs, a lead-in.
+/// No program has more than 100 lines: some need more of them for a pass.
+PlanResult PlanOf(const std::string& variant) {
+  const bool long_texts = variant == "linuxcnc" || variant == "krl_split";
+  PlanResult plan =
+      long_texts ? SamplePlan({.points = 3, .passes = 1, .lift = 20}) : SamplePlan({.points = 4});
+  plan.passes[0].points[0].point.kind = PointKind::kLeadIn;
+  return plan;
+}
+
 MotionOptions OptionsOf() {
-  MotionOptions options;
-  options.approach_feed = 1000.0 / 60;
-  options.approach_slow = 10;
-  options.plunge_feed = 40.0 / 60;
-  options.retract_feed = 2000.0 / 60;
+  MotionOptions options = SampleFeeds();
   options.outputs = {{5, true, 0, true}, {5, false, 0, false}};
   return options;
 }
@@ -36,8 +40,7 @@ MotionOptions OptionsOf() {
 }  // namespace
 
 Bed::Bed(const std::string& variant)
-    : variant_(variant), controller_(ControllerOf(variant)), plan_(SamplePlan({.points = 4, .passes = 2})) {
-  plan_.passes[0].points[0].point.kind = PointKind::kLeadIn;
+    : variant_(variant), controller_(ControllerOf(variant)), plan_(PlanOf(variant)) {
   settings_ = SettingsOf(variant);
   program_ = MakeMotionProgram(plan_, OptionsOf());
   post_ = MakePost(controller_);
@@ -66,6 +69,17 @@ Answer Bed::Ask(const Files& files) const {
   } catch (const InputError& error) {
     return {false, error.what()};
   }
+}
+
+const std::vector<std::unique_ptr<Bed>>& Beds() {
+  static const std::vector<std::unique_ptr<Bed>> beds = [] {
+    std::vector<std::unique_ptr<Bed>> list;
+    for (const char* variant : {"krl", "krl_more", "krl_split", "sinumerik", "sinumerik_euler",
+                                "sinumerik_split", "linuxcnc", "linuxcnc_cartesian"})
+      list.push_back(std::make_unique<Bed>(variant));
+    return list;
+  }();
+  return beds;
 }
 
 }  // namespace millpose::campaign

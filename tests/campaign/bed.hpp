@@ -41,4 +41,7 @@ class Bed {
   Trace trace_;
 };
 
+/// One of each kind of program that the posts write; the two of LinuxCNC last.
+const std::vector<std::unique_ptr<Bed>>& Beds();
+
 }  // namespace millpose::campaign

@@ -16,6 +16,7 @@ namespace {
 constexpr double kTolerance = 0.02;  // mm, of verification
 constexpr double kAngleTolerance = 0.02 * kRadPerDeg;
 constexpr double kClear = 1.6, kHarmless = 0.25;  // of these: clearly changed, hardly anything
+constexpr double kSpindleClear = 1.6;             // 1/min; verification: 1
 constexpr double kWayClear = 0.1 * kRadPerDeg, kWayHarmless = 0.005 * kRadPerDeg;  // verification: 0.05 deg
 
 /// The worst that was said so far.
@@ -36,6 +37,7 @@ struct Block {
   Step::Kind kind = Step::Kind::kWay;
   Joints start = Joints::Zero();
   std::vector<Step> steps;
+  bool first = false;  // of the program: where it starts is where its first motion ends
 };
 
 std::vector<Block> BlocksOf(const Trace& trace) {
@@ -44,7 +46,7 @@ std::vector<Block> BlocksOf(const Trace& trace) {
   for (const Step& step : trace.steps) {
     if (step.kind != Step::Kind::kWay && step.kind != Step::Kind::kCut) continue;
     if (blocks.empty() || blocks.back().kind != step.kind)
-      blocks.push_back({step.kind, blocks.empty() ? step.q : last, {}});
+      blocks.push_back({step.kind, blocks.empty() ? step.q : last, {}, blocks.empty()});
     blocks.back().steps.push_back(step);
     last = step.q;
   }
@@ -61,10 +63,14 @@ void JudgeWay(const Block& original, const Block& mutant, Verdict& verdict) {
   verdict.Grade(std::max(FarthestOf(a, b), FarthestOf(b, a)), kWayHarmless, kWayClear, "way off by rad");
   Joints before = mutant.start;
   for (const Step& step : mutant.steps) {
-    if ((step.q - std::exchange(before, step.q)).norm() < 1e-7) continue;  // goes nowhere
+    const bool stands = (step.q - std::exchange(before, step.q)).norm() < 1e-7;
+    if (stands && !(mutant.first && &step == &mutant.steps[0])) continue;
     const auto same_words = [&](const Step& other) { return other.words == step.words; };
+    const auto same = [&](const Step& other) { return same_words(other) && other.aside == step.aside; };
     if (std::none_of(original.steps.begin(), original.steps.end(), same_words))
       verdict.Say(Effect::kChanged, "words of a way: " + step.words);
+    if (std::none_of(original.steps.begin(), original.steps.end(), same))
+      verdict.Say(Effect::kBorder, "holds on a way: " + step.aside);
     if (!step.exact) verdict.Say(Effect::kChanged, "a way-point is rounded");
     verdict.Grade(step.way_speed / original.steps[0].way_speed, 1 + 1e-12, 1.05, "ways faster by");
     if (step.way_speed < original.steps[0].way_speed) verdict.Say(Effect::kBorder, "slower ways");
@@ -101,6 +107,8 @@ void JudgeFeeds(const Block& original, const Polyline& fixed, const Block& mutan
     verdict.Grade(wanted / feed, 1.005, 1 / 0.45, "slower by");
     if (mutant.steps[at].words != original.steps[planned].words)
       verdict.Say(Effect::kChanged, "words of a cut: " + mutant.steps[at].words);
+    if (mutant.steps[at].aside != original.steps[planned].aside)
+      verdict.Say(Effect::kBorder, "holds in a cut: " + mutant.steps[at].aside);
   }
 }
 
@@ -109,8 +117,11 @@ double RoundingAt(const Step& step, const Polyline& line, size_t i) {
   const Corner corner = CornerAt(line, i);
   double reach = std::min(line.lengths[i], line.lengths[i + 1]) / 2;
   if (step.from_corner) reach = std::min(reach, step.blend);
-  double off = reach / 4 * corner.turn, turned = reach / 4 * corner.twist;
+  const bool together = !step.from_corner && step.angle_blend == 0;  // one bound for the whole motion
+  if (together && corner.turn > 0) reach = std::min(reach, 4 * step.blend / corner.turn);
+  double off = reach / 4 * corner.turn;
   if (!step.from_corner) off = std::min(off, step.blend);
+  double turned = reach / 4 * corner.twist;
   if (step.angle_blend > 0) turned = std::min(turned, step.angle_blend);
   return std::max(off / kTolerance, turned / kAngleTolerance);
 }
@@ -124,7 +135,8 @@ void JudgeCorners(const Block& original, const Polyline& fixed, const Block& mut
   for (size_t i = 0; i + 1 < mutant.steps.size(); ++i) {
     const Step& step = mutant.steps[i];
     if (!step.exact) {
-      verdict.Grade(RoundingAt(step, moved, i) / worst, 1.02, kClear, "corner rounded by tolerances");
+      verdict.Grade(RoundingAt(step, moved, i) / worst, worst > 1 ? 1.02 : 0.95, kClear,
+                    "corner rounded by tolerances");
       continue;
     }
     const bool planned = std::any_of(original.steps.begin(), original.steps.end(), [&](const Step& other) {
@@ -158,6 +170,14 @@ void JudgeCut(const Block& original, const Block& mutant, const Machine& machine
       verdict.Say(Effect::kBorder, "goes nowhere in a cut");
 }
 
+/// Words of a switch that differ by at most 1 in the number at their end: revolutions per minute.
+bool HardlyDiffer(const std::string& a, const std::string& b) {
+  const size_t i = a.find_last_not_of("0123456789.-") + 1, k = b.find_last_not_of("0123456789.-") + 1;
+  if (i == a.size() || k == b.size() || a.substr(0, i) != b.substr(0, k)) return false;
+  const bool speed = a.find("$ANOUT") != std::string::npos || a[i - 1] == 'S';
+  return speed && std::abs(std::stod(a.substr(i)) - std::stod(b.substr(k))) < kSpindleClear;
+}
+
 /// Outputs and the like in their order, at their places; waits.
 void JudgeEvents(const Trace& original, const Trace& mutant, Verdict& verdict) {
   const auto of = [](const Trace& trace, Step::Kind kind) {
@@ -172,8 +192,13 @@ void JudgeEvents(const Trace& original, const Trace& mutant, Verdict& verdict) {
                          [](const Step& step) { return step.kind == Step::Kind::kCut; });
   };
   const auto in_way = [](const Trace& trace, size_t i) {
-    return i == 0 || i + 1 == trace.steps.size() || trace.steps[i - 1].kind == Step::Kind::kWay ||
-           trace.steps[i + 1].kind == Step::Kind::kWay;
+    const auto moves = [&](size_t k) {
+      return trace.steps[k].kind == Step::Kind::kWay || trace.steps[k].kind == Step::Kind::kCut;
+    };
+    size_t before = i, behind = i;
+    while (before > 0 && !moves(before)) --before;
+    while (behind + 1 < trace.steps.size() && !moves(behind)) ++behind;
+    return trace.steps[before].kind != Step::Kind::kCut || trace.steps[behind].kind != Step::Kind::kCut;
   };
   for (const Step::Kind kind : {Step::Kind::kSwitch, Step::Kind::kStop}) {
     const std::vector<size_t> a = of(original, kind), b = of(mutant, kind);
@@ -183,7 +208,9 @@ void JudgeEvents(const Trace& original, const Trace& mutant, Verdict& verdict) {
       const double off = (planned.X_BT.translation() - given.X_BT.translation()).norm();
       const bool way = in_way(original, a[i]) && in_way(mutant, b[k]) &&
                        cuts_before(original, a[i]) == cuts_before(mutant, b[k]);
-      if (planned.words == given.words && (way || off <= kClear * kTolerance)) {
+      const bool hardly = planned.words != given.words && HardlyDiffer(planned.words, given.words);
+      if (hardly) verdict.Say(Effect::kBorder, "nearly switched so: " + given.words);
+      if ((planned.words == given.words || hardly) && (way || off <= kClear * kTolerance)) {
         if (off > kTolerance && given.words != "end")
           verdict.Say(Effect::kBorder, "switched elsewhere on a way");
         ++i;
@@ -209,7 +236,8 @@ bool SameBlock(const Block& a, const Block& b) {
   const auto same = [](const Step& x, const Step& y) {
     return x.q == y.q && x.straight == y.straight && x.angles == y.angles && x.feed == y.feed &&
            x.seconds == y.seconds && x.turn_speed == y.turn_speed && x.way_speed == y.way_speed &&
-           x.exact == y.exact && x.blend == y.blend && x.angle_blend == y.angle_blend && x.words == y.words;
+           x.exact == y.exact && x.blend == y.blend && x.angle_blend == y.angle_blend && x.words == y.words &&
+           x.aside == y.aside;
   };
   return a.kind == b.kind && a.start == b.start &&
          std::equal(a.steps.begin(), a.steps.end(), b.steps.begin(), b.steps.end(), same);
@@ -220,6 +248,7 @@ bool SameBlock(const Block& a, const Block& b) {
 Judgement Judge(const Trace& original, const Trace& mutant, const Machine& machine) {
   if (!mutant.refused.empty()) return {Effect::kRefused, mutant.refused};
   Verdict verdict;
+  if (mutant.open != original.open) verdict.Say(Effect::kBorder, mutant.open);
   JudgeEvents(original, mutant, verdict);
   const std::vector<Block> a = BlocksOf(original), b = BlocksOf(mutant);
   if (a.size() != b.size())

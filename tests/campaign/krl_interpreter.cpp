@@ -135,30 +135,26 @@ class Krl : public Mover {
   void Interrupt(Cursor& at, const std::string& code) {
     const std::string text = Squeezed(code);
     const bool known =
-        text == "GLOBALINTERRUPTDECL3WHEN$STOPMESS==TRUEDOIR_STOPM()" || text == "INTERRUPTON3";
+        text == "GLOBAL INTERRUPT DECL 3 WHEN $STOPMESS==TRUE DO IR_STOPM()" || text == "INTERRUPT ON 3";
     if (!known) Event(Step::Kind::kSwitch, text);
     at.Rest();
   }
 
-  static std::string Squeezed(const std::string& code) {
-    std::string text;
-    for (const char c : code)
-      if (c != ' ' && c != '\t') text += c;
-    return text;
-  }
-
   void Bas(Cursor& at) {
-    at.Need(at.TakeChar('(') && at.TakeChar('#'), "(#");
+    at.Need(at.TakeChar('(') && at.TakeChar('#') && !at.AtBlank(), "(#");
     const std::string command = at.Name();
     at.Need(at.TakeChar(','), ",");
     const auto value = at.Number(true);
     at.Need(value.has_value() && at.TakeChar(')') && at.Done(), "a number and )");
+    if (command == "INITMOV" && *value != 0)
+      trace.open = "what a plant's BAS does with the number of #INITMOV";
     if (command == "INITMOV") {  // bas.src: all of these as delivered, base and tool by the plant
       base_.reset();
       tool_.reset();
       modal_ = {{"$ORI_TYPE", "#VAR"}};
       feed_ = 2;
       turn_ = {200, 200};
+      stated_.clear();
       blend_ = 3;
       advance_ = 3;
       way_speed_ = 1;
@@ -198,7 +194,7 @@ class Krl : public Mover {
     if (name == "$VEL.CP")
       feed_ = Positive(*value);
     else if (name == "$VEL.ORI1" || name == "$VEL.ORI2")
-      turn_[name.back() - '1'] = Positive(*value);
+      turn_[name.back() - '1'] = Positive(*value), stated_.insert(name);
     else if (name == "$APO.CDIS")
       blend_ = *value;
     else if (name == "$ADVANCE")
@@ -220,10 +216,10 @@ class Krl : public Mover {
   }
 
   /// What is set and not modelled. $ACC changes times at stops alone, by v/2a, which is far below a tenth of
-  /// a second at milling feeds: no more than its being there counts.
+  /// a second at milling feeds.
   void Set(const std::string& name, double value) {
     if (name.starts_with("$ACC") && !(value > 0)) throw Refusal{"an acceleration above 0 expected"};
-    modal_[name] = name.starts_with("$ACC") ? "set" : fmt::format("{:.4f}", value);
+    modal_[name] = fmt::format("{:.6f}", value);
   }
 
   static double Positive(double value) {
@@ -308,6 +304,17 @@ class Krl : public Mover {
     return words;
   }
 
+  /// What is not modelled: accelerations, settings as the plant's BAS leaves them, the last digits of E1.
+  std::string Aside(const Fields& fields) const {
+    std::string words;
+    for (const auto& [name, value] : modal_)
+      if (name.starts_with("$ACC")) words += name + "=" + value + " ";
+    for (const std::string& name : stated_) words += name + " ";
+    for (const auto& [name, value] : fields)
+      if (name[0] == 'E') words += fmt::format("{}={:.6f} ", name, value);
+    return words;
+  }
+
   /// "PTP": axes or a pose with S and T; C_PTP rounds.
   void Ptp(Cursor& at) {
     Fields fields = FieldsOf(at, {"E6AXIS", "AXIS", "E6POS", "POS", "FRAME"});
@@ -321,7 +328,7 @@ class Krl : public Mover {
       for (const auto& [name, value] : fields) {
         if (name.size() == 2 && name[0] == 'A' && name[1] >= '1' && name[1] <= '6')
           q[name[1] - '1'] = value * kRadPerDeg;
-        else if (name[0] != 'E')
+        else if (name.size() != 2 || name[0] != 'E' || name[1] < '1' || name[1] > '6')
           throw Refusal{"no such field: " + name};
       }
       if (!this->q() && fields.size() < 6) throw Refusal{"the first motion must be complete"};
@@ -337,6 +344,7 @@ class Krl : public Mover {
     step->way_speed = way_speed_;
     step->exact = !rounded || advance_ == 0;
     step->words = Words(fields);
+    step->aside = Aside(fields);
   }
 
   /// "LIN", "SLIN", "Approximate positioning": C_DIS by $APO.CDIS; without the advance run every point is
@@ -345,8 +353,9 @@ class Krl : public Mover {
     Fields fields = FieldsOf(at, {"E6POS", "POS", "FRAME"});
     std::string how;
     if (!spline || !spline_)
-      for (const char* word : {"C_DIS", "C_VEL", "C_ORI", "C_SPL"})
+      for (const char* word : {"C_DIS", "C_VEL", "C_ORI"})
         if (at.Take(word)) how = word;
+    if (spline && !spline_ && at.Take("C_SPL")) how = "C_SPL";  // of single spline motions
     double feed = feed_;
     if (spline && at.Take("WITH")) {
       at.Need(at.Take("$VEL.CP") && at.TakeChar('='), "$VEL.CP =");
@@ -362,6 +371,7 @@ class Krl : public Mover {
     step.exact = (how.empty() && !spline_) || advance_ == 0 || (!spline_ && blend_ <= 0);
     if (spline_) step.blend = 0;
     step.words = Words(fields) + (how == "C_VEL" || how == "C_ORI" ? how : "");
+    step.aside = Aside(fields);
   }
 
   void BeginSpline(Cursor& at) {
@@ -391,11 +401,13 @@ class Krl : public Mover {
     if (name.empty()) throw Refusal{"an action expected"};
     Output(at, name);
     const long delayed = std::lround(*delay);
-    trace.steps.back().words += fmt::format(" after {} at {}", delayed, *distance);
+    if (static_cast<double>(delayed) != *delay) trace.open = "how DELAY, a whole number, is rounded";
+    trace.steps.back().words += fmt::format(" after {} at {:.0f}", delayed, std::abs(*distance));
   }
 
   std::map<std::string, std::string> files_;
   std::map<std::string, std::string> modal_;  // what is set and not modelled: must be as it was
+  std::set<std::string> stated_;              // speeds of turning, since INITMOV
   Fields last_;
   std::optional<Pose> base_, tool_;
   double feed_ = 2, blend_ = 3, way_speed_ = 1;

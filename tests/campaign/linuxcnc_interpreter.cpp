@@ -61,6 +61,8 @@ int MGroupOf(double m) {
     if (m == code) return 8 + static_cast<int>(m);
   for (const double code : {62, 63, 64, 65, 66, 67, 68})
     if (m == code) return 5;
+  for (const double code : {70, 71, 72, 73})
+    if (m == code) return 10;
   return m == 6 || m == 61 ? 6 : m == 48 || m == 49 ? 9 : -1;
 }
 
@@ -240,9 +242,10 @@ class LinuxCnc : public Mover {
         turning_ = m != 5;
         Event(Step::Kind::kSwitch, m == 5 ? "M5" : fmt::format("M{} S{:.0f}", m, speed_));
       } else if (m == 62 || m == 63 || m == 64 || m == 65) {
-        if (!block.Word('P') || *block.Word('P') != std::round(*block.Word('P')))
-          throw Refusal{"P and a whole number expected"};
-        Event(Step::Kind::kSwitch, fmt::format("M{} P{}", m, *block.Word('P')));
+        const auto number = block.Word('P');
+        if (!number) throw Refusal{"P expected"};
+        if (*number != std::round(*number)) trace.open = "how the number of an output is rounded";
+        Event(Step::Kind::kSwitch, fmt::format("M{} P{:.0f}", m, *number));
       } else if (m == 66 || m == 67 || m == 68) {
         if (block.Word('L') && Near(*block.Word('L'), 1) != std::round(*block.Word('L')))
           throw Refusal{"L is whole"};
@@ -271,7 +274,8 @@ class LinuxCnc : public Mover {
             64) {  // "G64 Path Blending": without P above 0 as far as it goes; Q, by default P, merges moves
           const double p = block.Word('P').value_or(0), q = block.Word('Q').value_or(p);
           blend_ = p > 0 ? p : 1e6;
-          modal_[13] = q > 0 ? fmt::format("Q{} ", q) : "";
+          modal_[13] = q != 0 ? fmt::format("Q{} ", q) : "";
+          unbounded_ = p <= 0;
         }
       } else if (group > 1 && group != 5) {
         modal_[group] = fmt::format("G{}", g);
@@ -282,7 +286,7 @@ class LinuxCnc : public Mover {
   static std::string Words(const Block& block) {
     std::string text;
     for (const auto& [letter, value] : block.words)
-      if (letter != 'N') text += fmt::format("{}{} ", letter, value);
+      if (letter != 'N') text += fmt::format("{}{} ", letter, value + 0.0);
     return text;
   }
 
@@ -297,9 +301,12 @@ class LinuxCnc : public Mover {
   std::string Modes() const {
     std::string text;
     for (const auto& [group, mode] : modal_)
-      if (group != 13) text += mode + " ";
+      if (group != 13 && group != 2) text += mode + " ";
     return text;
   }
+
+  /// "Plane Selection": of arcs, not of straight motions.
+  std::string Plane() const { return modal_.contains(2) ? modal_.at(2) + " " : ""; }
 
   void Move(const Block& block) {
     if (motion_ != 0 && motion_ != 1) {
@@ -348,9 +355,12 @@ class LinuxCnc : public Mover {
     Step& step = motion_ == 0 ? WayTo(q) : TimedTo(q);
     step.exact = exact_;
     step.words = Modes();
+    step.aside = Plane();
     if (motion_ == 0) return;
     step.seconds = Seconds(before);
-    step.blend = blend_ * kRadPerDeg * 3500;  // of joints, at about the arm's reach
+    step.blend = blend_ * kRadPerDeg * 3500;     // of joints, at about the arm's reach
+    step.angle_blend = blend_ * kRadPerDeg * 2;  // the wrist turns by about as much
+    if (!exact_) step.aside += modal_.at(13) + (unbounded_ ? "unbounded" : "");
   }
 
   void MovePose(const std::map<char, double>& before) {
@@ -366,6 +376,7 @@ class LinuxCnc : public Mover {
     step.exact = exact_;
     step.blend = blend_;
     step.words = Modes() + (exact_ ? std::string() : modal_.at(13));  // moves of A, B, C are not merged
+    step.aside = Plane() + (!exact_ && unbounded_ ? "unbounded" : "");
     const bool moves = before.empty() || Length(before, "XYZ") > 0;
     if (moves && feed_mode_ == 94)
       step.feed = feed_;
@@ -377,6 +388,7 @@ class LinuxCnc : public Mover {
   std::map<int, std::string> modal_ = {{13, ""}};  // by group; 100, 101: offsets
   double feed_ = 0, feed_mode_ = 94, blend_ = 1e6, speed_ = 0, motion_ = 80;
   bool fresh_feed_ = false, exact_ = false, turning_ = false, poses_ = false, ended_ = false;
+  bool unbounded_ = true;  // rounding, as the machine has it
 };
 
 }  // namespace

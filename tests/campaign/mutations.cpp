@@ -12,261 +12,15 @@ namespace {
 
 using Lines = std::vector<std::string>;
 
-/// Statements of each controller that people put into programs, or that a damaged memory of the manual does.
-const std::map<std::string, std::vector<std::string>>& Statements() {
-  static const std::map<std::string, std::vector<std::string>> statements = {
-      {"krl",
-       {"HALT",
-        "WAIT SEC 0.5",
-        "WAIT SEC 0",
-        "WAIT FOR $IN[1]",
-        "WAIT FOR TRUE",
-        "$ADVANCE = 0",
-        "$ADVANCE = 1",
-        "$ADVANCE = 3",
-        "$APO.CDIS = 0",
-        "$APO.CDIS = -1",
-        "$APO.CDIS = 5",
-        "$APO.CVEL = 50",
-        "$APO.CPTP = 100",
-        "BAS (#INITMOV,0 )",
-        "BAS (#VEL_PTP,100 )",
-        "BAS (#VEL_PTP,10 )",
-        "BAS (#VEL_CP,0.5 )",
-        "BAS (#ACC_CP,5 )",
-        "BAS (#TOOL,2 )",
-        "BAS (#BASE,1 )",
-        "$VEL.CP = 0.1",
-        "$VEL.CP = 0.0001",
-        "$VEL.ORI1 = 1",
-        "$VEL.ORI2 = 0.001",
-        "$ACC.CP = 0.01",
-        "$ACC.ORI1 = 1",
-        "$ORI_TYPE = #CONSTANT",
-        "$ORI_TYPE = #VAR",
-        "$BASE = $NULLFRAME",
-        "$TOOL = $NULLFRAME",
-        "$BASE = {FRAME: X 0.0,Y 0.0,Z 0.0,A 0.0,B 0.0,C 0.0}",
-        "$OUT[5] = TRUE",
-        "$OUT[1]=FALSE",
-        "TRIGGER WHEN DISTANCE=0 DELAY=0 DO $OUT[5]=TRUE",
-        "TRIGGER WHEN DISTANCE=1 DELAY=0 DO $OUT[2]=FALSE",
-        "GOTO PASS_0_0",
-        "PASS_0_0:",
-        "MY_LABEL:",
-        "RETURN",
-        "END",
-        "LIN_REL {X 1}",
-        "PTP_REL {A1 5}",
-        "LIN {X 1}",
-        "PTP {A1 5}",
-        "SPLINE",
-        "ENDSPLINE",
-        "INTERRUPT OFF 3",
-        "INTERRUPT ON 3",
-        "DECL INT I",
-        ";FOLD CHECKED",
-        "; a remark",
-        "",
-        "   ",
-        "N10",
-        "$OV_PRO = 50",
-        "$VEL_AXIS[1] = 100",
-        "$CIRC_TYPE = #BASE",
-        "$IPO_MODE = #TCP",
-        "LOOP",
-        "CONTINUE",
-        "PULSE ($OUT[1],TRUE,0.5)",
-        "FOO ( )",
-        "%",
-        "&ACCESS RVP",
-        "$ACT_TOOL = 1",
-        "$LOAD.M = 100.0",
-        "(a remark)",
-        "/",
-        ";ENDFOLD (PASS 9 PIECE 0)",
-        ";FOLD PASS 9 PIECE 0"}},
-      {"sinumerik",
-       {"D0",
-        "D2",
-        "D1",
-        "T=\"OTHER\"",
-        "T0",
-        "M6",
-        "M0",
-        "M1",
-        "M5",
-        "M3",
-        "M8",
-        "M00",
-        "G4 F0.5",
-        "G4 F0",
-        "TRAFOOF",
-        "TRAORI",
-        "STOPRE",
-        "G54",
-        "G55",
-        "G500",
-        "G53",
-        "SUPA",
-        "G505",
-        "$P_UIFR[1]=CTRANS(X,0,Y,0,Z,0):CROT(X,0,Y,0,Z,0)",
-        "G91",
-        "G90",
-        "G70",
-        "G700",
-        "G71",
-        "G710",
-        "G60",
-        "G64",
-        "G641",
-        "G642",
-        "G9",
-        "G601",
-        "G41",
-        "G40",
-        "G18",
-        "G17",
-        "G93",
-        "G94",
-        "G95",
-        "F1000",
-        "F10",
-        "S100",
-        "S7000",
-        "ORIMKS",
-        "ORIWKS",
-        "ORIAXES",
-        "ORIVECT",
-        "ORIEULER",
-        "CYCLE832(0,_OFF,1)",
-        "CYCLE832(1,_ROUGH,1)",
-        "CYCLE832(0.5,_FINISH,0.5)",
-        "PTP",
-        "CP",
-        "G0",
-        "G1",
-        "MSG(\"checked\")",
-        "MSG()",
-        "; a remark",
-        "",
-        "   ",
-        "N10",
-        "/",
-        "GOTOF PASS_0_0",
-        "PASS_0_0:",
-        "MY_LABEL:",
-        "RET",
-        "M30",
-        "M17",
-        "M2",
-        "TRANS X1",
-        "ROT Z1",
-        "WHEN TRUE DO $A_OUT[5]=1",
-        "$A_OUT[5]=1",
-        "FFWON",
-        "SOFT",
-        "COMPCAD",
-        "G4 S1",
-        "R1=5",
-        "FOO",
-        "%",
-        "X1",
-        "G1 X1",
-        "G0 RA1=5",
-        "RA1=5",
-        "OTOL=1",
-        "CTOL=1",
-        "G1 G0",
-        "G17 G18",
-        "(a remark)",
-        "DYNNORM",
-        "MSG(\"PASS 9 PIECE 0\")"}},
-      {"linuxcnc",
-       {"M0",
-        "M1",
-        "M2",
-        "M3",
-        "M5",
-        "M6",
-        "M7",
-        "M9",
-        "M30",
-        "M48",
-        "M49",
-        "M62 P2",
-        "M63 P2",
-        "M64 P2",
-        "M66 P0 L3 Q1",
-        "M68 E3 Q1",
-        "M68 E3 Q0",
-        "G4 P0.5",
-        "G4 P0",
-        "G0",
-        "G1",
-        "G17",
-        "G18",
-        "G20",
-        "G21",
-        "G28",
-        "G40",
-        "G41 D1",
-        "G43 H1",
-        "G49",
-        "G53",
-        "G54",
-        "G59.3",
-        "G61",
-        "G61.1",
-        "G64",
-        "G64 P1",
-        "G64 P0.01 Q0.5",
-        "G64 P0.0001 Q0",
-        "G80",
-        "G90",
-        "G91",
-        "G92 X0",
-        "G92.1",
-        "G93",
-        "G94",
-        "G95",
-        "G10 L2 P9 X1",
-        "G10 L2 P1 X1",
-        "F1000",
-        "F1",
-        "S100",
-        "S7000",
-        "T1",
-        "; a remark",
-        "(a remark)",
-        "(a) M5 (b)",
-        "(a) G20 (b)",
-        "(a) G1 X1 (b)",
-        "(MSG,hello)",
-        "",
-        "   ",
-        "N10",
-        "/",
-        "%",
-        "#1=5",
-        "X1",
-        "G1 X1",
-        "G0 X1",
-        "G2 X1 I1",
-        "o100 sub",
-        "G21 G21",
-        "G0 G1",
-        "M62",
-        "(a (b))",
-        "; PASS 9 PIECE 0",
-        "G1 F100"}}};
-  return statements;
+const Vocabulary& VocabularyOf(const std::string& controller) {
+  if (controller == "krl") return KrlVocabulary();
+  return controller == "sinumerik" ? SinumerikVocabulary() : LinuxCncVocabulary();
 }
 
 class Mutator {
  public:
   Mutator(const Files& files, const std::string& controller, RandomStream& random)
-      : random_(random), controller_(controller) {
+      : random_(random), vocabulary_(VocabularyOf(controller)) {
     mutant_.files = files;
     size_t pick = Index(files.size());
     for (const auto& [name, text] : files) {
@@ -283,6 +37,7 @@ class Mutator {
       at_ = Index(lines_.size());
       Lines changed = lines_;
       mutant_.kind.clear();
+      code_ = false;
       Change(changed);
       if (mutant_.kind.empty() || changed == lines_) continue;
       std::string text;
@@ -319,6 +74,8 @@ class Mutator {
     }
     if (numbers.empty()) return;
     const auto [begin, length] = numbers[Index(numbers.size())];
+    const std::string before = line.substr(0, begin);
+    code_ = before.find_last_of("GM") + 1 == begin && begin > 0;
     std::string text = line.substr(begin, length);
     const double value = std::strtod(text.c_str(), nullptr);
     static const std::vector<double> steps = {1e-6, 1e-5, 1e-4, 1e-3, 0.004, 0.01, 0.03, 0.1, 1, 30, 1000};
@@ -366,8 +123,7 @@ class Mutator {
   }
 
   void Insert(Lines& lines) {
-    const std::vector<std::string>& statements = Statements().at(controller_);
-    const std::string& statement = statements[Index(statements.size())];
+    const std::string& statement = vocabulary_.statements[Index(vocabulary_.statements.size())];
     Name("insert " + statement);
     lines.insert(lines.begin() + static_cast<long>(at_), statement);
   }
@@ -404,23 +160,11 @@ class Mutator {
 
   /// A word of the line changed, dropped, doubled, taken from another line.
   void Words(std::string& line) {
-    static const std::vector<std::pair<std::string, std::string>> changes = {
-        {"LIN", "PTP"},       {"PTP", "LIN"},     {" C_DIS", ""},
-        {"C_DIS", "C_VEL"},   {"C_DIS", "C_PTP"}, {"C_DIS", "C_ORI"},
-        {"TRUE", "FALSE"},    {"G1", "G0"},       {"G0", "G1"},
-        {"G9 ", ""},          {"G1 ", "G9 G1 "},  {"PTP", "CP"},
-        {" CP", ""},          {" CP", " PTP"},    {"G64", "G61"},
-        {"G61.1", "G64"},     {"G61.1", "G61"},   {"G93", "G94"},
-        {"G94", "G93"},       {"M62", "M63"},     {"M62", "M64"},
-        {"X", "Y"},           {"A", "B"},         {"M3", "M4"},
-        {"VEL.CP", "ACC.CP"}, {"ORI1", "ORI2"},   {"TRAORI", "TRAFOOF"},
-        {"FRAME", "POS"},     {",S ", ",T "},     {"STAT", "TU"},
-        {"Q0", "Q1"},         {"P", "Q"}};
     const size_t space = line.find_first_of(" ,", Index(std::max<size_t>(1, line.size())));
     switch (Index(5)) {
       case 0:
       case 1: {
-        const auto& [from, to] = changes[Index(changes.size())];
+        const auto& [from, to] = vocabulary_.words[Index(vocabulary_.words.size())];
         const size_t place = line.find(from);
         if (place == std::string::npos) return;
         Name("word " + from + " -> " + to);
@@ -504,13 +248,15 @@ class Mutator {
   }
 
   static char Lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
-  void Name(const std::string& kind) { mutant_.kind = kind; }
+  void Name(const std::string& kind) { mutant_.kind = (code_ ? "code: " : "") + kind; }
 
   RandomStream& random_;
-  std::string controller_, end_ = "\n";
+  const Vocabulary& vocabulary_;
+  std::string end_ = "\n";
   Mutant mutant_;
   Lines lines_;
   size_t at_ = 0;
+  bool code_ = false;  // the number is a G or M code's: another makes another statement of it
 };
 
 }  // namespace

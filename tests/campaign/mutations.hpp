@@ -21,7 +21,16 @@ struct Mutant {
   bool MustPass() const;
 };
 
-/// One random change of one file; `controller` says which statements are inserted.
+/// Statements of a controller that are inserted, and words that take the place of others.
+struct Vocabulary {
+  std::vector<std::string> statements;
+  std::vector<std::pair<std::string, std::string>> words;
+};
+const Vocabulary& KrlVocabulary();
+const Vocabulary& SinumerikVocabulary();
+const Vocabulary& LinuxCncVocabulary();
+
+/// One random change of one file; `controller` says whose words it takes.
 Mutant Mutate(const Files& files, const std::string& controller, RandomStream& random);
 
 }  // namespace millpose::campaign

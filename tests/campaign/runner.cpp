@@ -40,6 +40,8 @@ bool Cursor::Done() {
   return at_ == line_.size();
 }
 
+bool Cursor::AtBlank() const { return at_ < line_.size() && IsBlank(line_[at_]); }
+
 char Cursor::Peek() { return Done() ? '\0' : line_[at_]; }
 
 bool Cursor::Take(std::string_view text) {
@@ -126,6 +128,21 @@ void Cursor::Need(bool happened, const char* what) const {
 
 std::string Upper(std::string text) {
   for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::string Squeezed(const std::string& code) {
+  std::string text;
+  bool blank = false;
+  for (const char c : code) {
+    if (IsBlank(c)) {
+      blank = true;
+      continue;
+    }
+    if (blank && !text.empty() && IsWord(text.back()) && IsWord(c)) text += ' ';
+    text += c;
+    blank = false;
+  }
   return text;
 }
 

@@ -22,6 +22,7 @@ class Cursor {
 
   bool Done();
   char Peek();                       ///< the next character that is no blank; '\0' at the end
+  bool AtBlank() const;              ///< a blank comes next
   bool Take(std::string_view text);  ///< a word, not the beginning of a longer one
   bool TakeChar(char c);
   /// Digits, '.', a sign; with `exponent` also E and a whole number.
@@ -39,6 +40,8 @@ class Cursor {
 };
 
 std::string Upper(std::string text);
+/// Without the blanks that part no words.
+std::string Squeezed(const std::string& code);
 std::vector<std::string> LinesOf(const std::string& text);
 
 /// The arm as it is moved, and what it did.

@@ -97,6 +97,7 @@ class Sinumerik : public Mover {
     const std::string code = WithoutComment(text);
     Cursor at(Upper(code));
     if (at.Done()) return false;
+    text_ = code;
     if (at.TakeChar('/')) {  // "Skipping blocks": the operator decides
       if (at.Done()) return false;
       Event(Step::Kind::kSwitch, "skip");
@@ -127,9 +128,8 @@ class Sinumerik : public Mover {
       at.Need(at.TakeChar('('), "(");
       if (at.TakeChar(')') && at.Done()) return true;
       const std::string rest = at.Rest();
-      at.Need(rest.size() >= 3 && rest.front() == '"' && rest.substr(rest.size() - 2) == "\")",
-              "a text and )");
       at.Need(std::count(rest.begin(), rest.end(), '"') == 2, "one text");
+      at.Need(rest.front() == '"' && Squeezed(rest.substr(rest.rfind('"'))) == "\")", "a text and )");
       return true;
     }
     if (at.Take("TRAORI") || at.Take("TRAFOOF")) {
@@ -174,16 +174,9 @@ class Sinumerik : public Mover {
     at.Need(at.Done(), "a block of its own");
   }
 
-  static std::string Squeezed(const std::string& code) {
-    std::string text;
-    for (const char c : code)
-      if (c != ' ' && c != '\t') text += c;
-    return text;
-  }
-
   /// "Motion-synchronous actions": one output, on or off, with the next block that moves.
   void Action(const std::string& code) {
-    const std::string begin = "WHENTRUEDO$A_OUT[";
+    const std::string begin = "WHEN TRUE DO $A_OUT[";
     const size_t open = code.find(begin);
     if (open == std::string::npos) return static_cast<void>(Event(Step::Kind::kSwitch, code));
     Cursor at(code.substr(open + begin.size()));
@@ -192,6 +185,7 @@ class Sinumerik : public Mover {
     at.Need(at.TakeChar(']') && at.TakeChar('='), "]=");
     const auto value = at.Number();
     at.Need(value && at.Done(), "a value, and no more in this block");
+    if (*value != 0 && *value != 1) trace.open = "a value of an output other than 0 and 1";
     Event(Step::Kind::kSwitch, fmt::format("A_OUT[{}]={}", *number, *value != 0));
   }
 
@@ -204,9 +198,11 @@ class Sinumerik : public Mover {
     at.Need(!kind.empty() && at.TakeChar(','), "a kind");
     const auto turn = at.Number();
     at.Need(turn && at.TakeChar(')') && at.Done(), "an orientation tolerance and )");
-    blend_ = kind == "_OFF" ? 1e3 : *position;
-    angle_blend_ = kind == "_OFF" ? 1e3 : *turn * kRadPerDeg;
+    blend_ = kind == "_OFF" || *position <= 0 ? 1e3 : *position;
+    angle_blend_ = kind == "_OFF" || *turn <= 0 ? 1e3 : *turn * kRadPerDeg;
+    if (kind != "_OFF" && (*position <= 0 || *turn <= 0)) trace.open = "what a tolerance of 0 or less means";
     modal_[200] = kind;
+    modal_[10] = modal_[30] = "as the machine's CUST_832";  // which sets rounding and compressor
     return true;
   }
 
@@ -216,7 +212,7 @@ class Sinumerik : public Mover {
     if (name != "$P_UIFR") return static_cast<void>(Event(Step::Kind::kSwitch, Squeezed(code)));
     at.Need(at.TakeChar('['), "[");
     const auto index = at.Number();
-    at.Need(index && at.TakeChar(']') && at.TakeChar('='), "]=");
+    at.Need(index && *index == static_cast<int>(*index) && at.TakeChar(']') && at.TakeChar('='), "]=");
     const auto shift = Triple(at, "CTRANS");
     at.Need(at.TakeChar(':'), ":");
     const auto turn = Triple(at, "CROT");
@@ -248,7 +244,8 @@ class Sinumerik : public Mover {
   /// "Addresses": a letter with its number, or a name = its value; each once in a block.
   void ParseWord(Cursor& at, Block& block) {
     const Cursor start = at;
-    const std::string name = at.Name();
+    std::string name = at.Name();
+    while (name.size() > 2 && name[0] == 'G' && name[1] == '0') name.erase(1, 1);  // "leading zeros"
     const auto group = Groups().find(name);
     if (group != Groups().end()) return Mode(block, group->second, name);
     if (name.size() == 4 && name[0] == 'G' && name[1] == '5' && name > "G504") return Mode(block, 8, name);
@@ -266,6 +263,7 @@ class Sinumerik : public Mover {
     std::string address(1, at.Peek());
     at.TakeChar(address[0]);
     if (address[0] < 'A' || address[0] > 'Z') throw Refusal{"an address expected"};
+    if (at.AtBlank()) throw Refusal{"a blank behind an address"};
     auto value = at.Number();
     if (!value) {  // a name with '='
       at = start;
@@ -292,6 +290,8 @@ class Sinumerik : public Mover {
     at.Need(at.TakeChar('='), "=");
     const auto name = at.Quoted();
     at.Need(name.has_value(), "a name");
+    if (text_.find('"' + machine_.tool_name + '"') == std::string::npos)
+      trace.open = "whether the case of a tool's name counts";
     if (tool_ == *name) return;
     tool_ = *name;
     Event(Step::Kind::kSwitch, "T " + tool_);
@@ -308,6 +308,7 @@ class Sinumerik : public Mover {
     if (block.Has("D")) modal_[201] = fmt::format("D{}", block.words.at("D"));
     if (block.Has("S")) Spindle(fmt::format("S{:.0f}", block.words.at("S")));
     if (mode(2) == "G4") {  // "Dwell time": in a block of its own, F is its time
+      if (!block.Has("F") && !block.Has("S")) throw Refusal{"G4 needs F or S"};
       Event(Step::Kind::kStop, "G4");
     } else if (!mode(2).empty()) {
       Event(Step::Kind::kSwitch, mode(2));
@@ -350,11 +351,13 @@ class Sinumerik : public Mover {
     reframed_ = true;
   }
 
-  std::string Modes(bool pose) const {
+  /// `rounds`: tolerances and compressor count at one of its ends.
+  std::string Modes(bool pose, bool rounds) const {
     std::string text;
     for (const auto& [group, word] : modal_) {
       if (group == 1 || group == 10 || group == 49) continue;
-      if (!pose && (group == 8 || group == 25 || group == 50 || group == 51 || group == 200)) continue;
+      if (!rounds && (group == 200 || group == 30)) continue;
+      if (!pose && (group == 8 || group == 25 || group == 50 || group == 51)) continue;
       text += word + " ";
     }
     return text + (pose && reframed_ ? "framed" : "");
@@ -369,6 +372,8 @@ class Sinumerik : public Mover {
       if (address == "CTOL") blend_ = value;
     }
     if (axes && pose) throw Refusal{"axes and a pose in one block"};
+    if ((axes || pose) && modal_[1] != "G0" && modal_[1] != "G1")
+      throw Refusal{modal_[1] + " without its words"};
     if (axes) MoveAxes(block, unframed);
     if (pose) MovePose(block, exact, unframed);
     for (const auto& [address, value] : block.words)
@@ -398,8 +403,9 @@ class Sinumerik : public Mover {
       Event(Step::Kind::kSwitch, "axes not with G0");
       return;
     }
-    WayTo(q).words = Modes(false) + unframed;
+    WayTo(q).words = Modes(false, false) + unframed;
     last_.clear();
+    rounded_ = false;
   }
 
   void MovePose(const Block& block, bool exact, const std::string& unframed) {
@@ -425,7 +431,8 @@ class Sinumerik : public Mover {
       return;
     }
     if (ptp) {
-      WayTo(X_BF, block.status, block.turn).words = Modes(true);
+      WayTo(X_BF, block.status, block.turn).words = Modes(true, false);
+      rounded_ = false;
       return;
     }
     if (feed_ <= 0) throw Refusal{"G1 needs F"};
@@ -434,7 +441,9 @@ class Sinumerik : public Mover {
     step.exact = exact || modal_[10] == "G60";
     step.blend = modal_[10] == "G642" || modal_[10] == "G645" || modal_[10] == "G643" ? blend_ : 1e3;
     step.angle_blend = angle_blend_;
-    step.words = Modes(true);
+    step.words = Modes(true, !step.exact || rounded_);
+    if (!step.exact || rounded_) step.aside = modal_[10];
+    rounded_ = !step.exact;
   }
 
   std::map<std::string, std::string> files_;
@@ -443,9 +452,10 @@ class Sinumerik : public Mover {
   std::map<int, Pose> frames_;
   std::optional<Pose> frame_;
   std::map<std::string, double> last_;
-  std::string speed_, tool_;
+  std::string speed_, tool_, text_;  // the present block as it stands
   double feed_ = 0, blend_ = 1e3, angle_blend_ = 1e3;
   bool transformed_ = false, reframed_ = false, turning_ = false;
+  bool rounded_ = false;  // the motion before goes on into the next one
   int depth_ = 0;
 };
 

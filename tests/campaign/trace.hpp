@@ -42,11 +42,13 @@ struct Step {
   double angle_blend = 0;                 ///< bound of the orientation, rad; 0: none
   std::optional<Joints> programmed;       ///< six words as given, where a text gives six (LinuxCNC)
   std::string words;                      ///< all else that counts: what is switched, modes, external axes
+  std::string aside;                      ///< what holds too and is not modelled: a change of it is no harm
   int line = 0;
 };
 
 struct Trace {
   std::string refused;  ///< why the control would not run it; empty: it does
+  std::string open;     ///< what the manual does not say of it; empty: nothing
   std::vector<Step> steps;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/program/interpreter.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -69,9 +70,10 @@ Interpreted Interpret(const std::string& program) {
   WriteFileAtomically(folder / "machine.var", "");
   WriteFileAtomically(folder / "tool.tbl", "\n");
   WriteFileAtomically(folder / "program.ngc", program);
+  // rs274 maps a tool table in the home folder: runs at the same time must not share it.
   const std::string command =
       "cd '" + folder.string() +
-      "' && rs274 -g -i machine.ini -t tool.tbl program.ngc > canonical.txt 2>&1 </dev/null";
+      "' && HOME=. rs274 -g -i machine.ini -t tool.tbl program.ngc > canonical.txt 2>&1 </dev/null";
   Interpreted result;
   result.status = std::system(command.c_str());
   result.canonical = ReadFile(folder / "canonical.txt");

@@ -61,8 +61,9 @@ TEST_P(LinuxCncReading, WhatIsLegalIsTaken) {
 }
 
 TEST_P(LinuxCncReading, WhatTheInterpreterRefusesIsRefused) {
-  for (const std::string line : {"G1 G1", "G90 G91", "F1 F2", "G90 X1e1", "G1 X1 X2", "G90 P3", "G90 Q0",
-                                 "M62", "G90 L2", "N1 N2", "G90 N5", "X--", "M62 P1 M63 P2", "Z."}) {
+  for (const std::string line :
+       {"G1 G1", "G90 G91", "F1 F2", "G90 X1e1", "G1 X1 X2", "G90 P3", "G90 Q0", "M62", "G4", "G4 P-1",
+        "G90 L2", "N1 N2", "G90 N5", "X--", "M62 P1 M63 P2", "Z."}) {
     const std::string text = sample.Inserted(line, cut, 3);
     EXPECT_NE(sample.Problems(text), "") << line;
     EXPECT_NE(Interpret(text).status, 0) << line;
@@ -71,6 +72,12 @@ TEST_P(LinuxCncReading, WhatTheInterpreterRefusesIsRefused) {
   Takes(sample.Inserted(longest, cut, 3), "a line of 250 characters");
   Refuses(longest + "x", cut, 3, "at most 250 characters");
   EXPECT_NE(Interpret(sample.Inserted(longest + "xxx", cut, 3)).status, 0);
+}
+
+TEST_P(LinuxCncReading, TheInterpretersWholeNumbers) {
+  Takes(sample.Inserted("G90.00005", cut, 3), "a code within 0.0001");
+  Refuses("G90.001", cut, 3, "");
+  Refuses("M62 P1.5", cut, 3, "whole number of an output");
 }
 
 TEST_P(LinuxCncReading, NumbersHaveBounds) {

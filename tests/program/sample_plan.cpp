@@ -32,7 +32,7 @@ bool Within(const Arm& arm, const Joints& q) {
 
 class SampleBuilder {
  public:
-  explicit SampleBuilder(const SampleShape& shape) : tilt_(shape.tilt_deg * kRadPerDeg) {
+  explicit SampleBuilder(const SampleShape& shape) : tilt_(shape.tilt_deg * kRadPerDeg), lift_(shape.lift) {
     plan_.job = "Sample wall-plan";
     plan_.cell = "kr500_r2830";
     plan_.input_hash = "0123456789abcdef";
@@ -119,12 +119,12 @@ class SampleBuilder {
   }
 
   Joints Above(const Joints& q, Pose& X_WT) const {
-    X_WT = plan_.X_WB * ForwardFlange(plan_.arm, q) * plan_.X_FT * Eigen::Translation3d(0, 0, 50);
+    X_WT = plan_.X_WB * ForwardFlange(plan_.arm, q) * plan_.X_FT * Eigen::Translation3d(0, 0, lift_);
     return Solve(X_WT, q);
   }
 
   PlanResult plan_;
-  double tilt_;
+  double tilt_, lift_;
   double rotation_ = 0;
   int branch_ = 0;
   Joints start_;
@@ -171,6 +171,15 @@ PlanResult SamplePlan(const SampleShape& shape) {
     builder.AddPass(places, true);
   }
   return builder.Finish();
+}
+
+MotionOptions SampleFeeds() {
+  MotionOptions options;
+  options.approach_feed = 1000.0 / 60;
+  options.approach_slow = 5;
+  options.plunge_feed = 40.0 / 60;
+  options.retract_feed = 2000.0 / 60;
+  return options;
 }
 
 PostSettings SampleSettings(const std::string& variant) {

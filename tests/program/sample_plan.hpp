@@ -21,8 +21,13 @@ struct SampleShape {
   double tilt_deg = 0;         ///< of the tool axis against the wall's normal
   int passes = 2;              ///< straight ones
   double stepover = 8;         ///< mm, of these
+  double lift = 50;            ///< mm, of approach and retract
 };
 PlanResult SamplePlan(const SampleShape& shape = {});
+
+/// Feeds of their own for every part of a pass: 1000 mm/min before the last 5 mm, which plunge at 40, 2000
+/// away.
+MotionOptions SampleFeeds();
 
 /// Settings as the kr500_r2830 cell gives them for a controller, or for a variant of it: krl,
 /// sinumerik, sinumerik_euler, linuxcnc, linuxcnc_cartesian.

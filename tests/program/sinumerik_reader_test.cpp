@@ -72,6 +72,22 @@ TEST_F(Sinumerik, EveryTraoriIsFollowedByWhatItTakesAway) {
   RefusesChange("_ORI_FINISH", "_OFF", "tolerances of rounded corners");
 }
 
+/// The machine's CUST_832 sets compressor and rounding.
+TEST_F(Sinumerik, TolerancesStandBeforeTheRounding) {
+  const std::string cycle = "CYCLE832(0.0100,_ORI_FINISH,0.0100)\n", rounding = "COMPOF G642\n";
+  RefusesChange(cycle + rounding, rounding + cycle, "COMPOF, G642 between the last TRAORI");
+  for (const std::string values : {"0,_ORI_FINISH,0.01", "-0.01,_FINISH,1", "0.01,_ORI_FINISH,0"})
+    RefusesChange("0.0100,_ORI_FINISH,0.0100", values, "tolerances above 0");
+}
+
+TEST_F(Sinumerik, WhatTheControlRefusesIsRefused) {
+  Refuses("G4", kGap, 1, "G4 needs F");
+  Refuses("G90 LABEL:", kGap, 1, "a word of a milling program");
+  for (const std::string line : {"G 90", "F 80", "WHEN TRUE DO $A_OUT[1.5]=1", "WHEN TRUE DO $A_OUT[1]=2"})
+    Refuses(line, kCut, 3, "");
+  RefusesChange("G17 ", "", "G17 must be stated");
+}
+
 TEST_F(Sinumerik, JointBlocksSuppressFrames) {
   RefusesChange("G0 SUPA RA1", "G0 RA1", "SUPA expected");
   RefusesChange("\nG1 X", "\nSUPA G1 X", "without SUPA");

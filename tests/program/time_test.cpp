@@ -11,18 +11,9 @@
 namespace millpose {
 namespace {
 
-MotionOptions Feeds() {
-  MotionOptions options;
-  options.approach_feed = 1000.0 / 60;
-  options.approach_slow = 5;
-  options.plunge_feed = 40.0 / 60;
-  options.retract_feed = 2000.0 / 60;
-  return options;
-}
-
 TEST(ProgramTime, PartsAddUpAndFollowTheFeeds) {
   const PlanResult plan = SamplePlan();
-  const MotionProgram program = MakeMotionProgram(plan, Feeds());
+  const MotionProgram program = MakeMotionProgram(plan, SampleFeeds());
   const ProgramTime time = MeasureTime(program, plan.arm, {});
   double sum = 0;
   for (const TimeLaw& law : TimeMotions(program, plan.arm, {})) sum += law.duration;
@@ -45,7 +36,7 @@ TEST(ProgramTime, PartsAddUpAndFollowTheFeeds) {
 
 TEST(ProgramTime, SlowerWaysAndTurningTakeLonger) {
   const PlanResult plan = SamplePlan();
-  const MotionProgram program = MakeMotionProgram(plan, Feeds());
+  const MotionProgram program = MakeMotionProgram(plan, SampleFeeds());
   const CycleTime full = MeasureTime(program, plan.arm, {}).all;
   const CycleTime slow = MeasureTime(program, plan.arm, {.way_speed_share = 0.3}).all;
   EXPECT_GT(slow.gaps, full.gaps);
@@ -70,7 +61,7 @@ std::vector<std::vector<double>> Rows(const std::string& csv) {
 
 TEST(ProgramTime, TheTrajectoryIsWhereTheArmIs) {
   const PlanResult plan = SamplePlan();
-  const MotionProgram program = MakeMotionProgram(plan, Feeds());
+  const MotionProgram program = MakeMotionProgram(plan, SampleFeeds());
   const double total = MeasureTime(program, plan.arm, {}).all.Total();
   const std::string csv = TrajectoryCsv(program, plan.arm, plan.X_WB, {500}, {}, 0.02);
   EXPECT_TRUE(
