@@ -1,7 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/lanes.hpp"
 
+#include <cstdlib>
+#include <string>
+
+#include "base/error.hpp"
+
 namespace millpose {
+namespace {
+
+constexpr std::array<std::pair<const char*, InstructionSet>, 3> kNames{
+    {{"avx512", InstructionSet::kAvx512},
+     {"avx2", InstructionSet::kAvx2},
+     {"baseline", InstructionSet::kBaseline}}};
+
+InstructionSet ChooseInstructionSet() {
+  const char* wanted = std::getenv("MILLPOSE_INSTRUCTION_SET");
+  for (const auto& [name, set] : kNames)
+    if (Supports(set) && (wanted == nullptr || std::string(wanted) == name)) return set;
+  throw InputError(Place{},
+                   fmt::format("MILLPOSE_INSTRUCTION_SET: given {}; allowed: baseline, or avx2 or avx512 "
+                               "where the processor has it",
+                               wanted));
+}
+
+}  // namespace
 
 bool Supports(InstructionSet set) {
 #if defined(__x86_64__)
@@ -12,9 +35,7 @@ bool Supports(InstructionSet set) {
 }
 
 InstructionSet WidestInstructionSet() {
-  static const InstructionSet widest = Supports(InstructionSet::kAvx512) ? InstructionSet::kAvx512
-                                       : Supports(InstructionSet::kAvx2) ? InstructionSet::kAvx2
-                                                                         : InstructionSet::kBaseline;
+  static const InstructionSet widest = ChooseInstructionSet();
   return widest;
 }
 

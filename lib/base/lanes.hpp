@@ -20,7 +20,9 @@ enum class InstructionSet : uint8_t { kBaseline, kAvx2, kAvx512 };
 /// Whether this processor has the set.
 bool Supports(InstructionSet set);
 
-/// The widest set this processor has.
+/// The widest set this processor has, or the one that the environment names
+/// (MILLPOSE_INSTRUCTION_SET=baseline, avx2 or avx512: for tests and for finding faults, results are the
+/// same). Throws InputError for any other.
 InstructionSet WidestInstructionSet();
 
 namespace lanes {

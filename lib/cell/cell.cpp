@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cell/cell.hpp"
 
+#include "base/trig.hpp"
+
 namespace millpose {
 
 double Radius(const Shape& shape) {
@@ -11,10 +13,10 @@ double Radius(const Shape& shape) {
   };
   if (const auto* box = std::get_if<Box>(&shape)) return box->size.norm() / 2;
   if (const auto* sphere = std::get_if<Sphere>(&shape)) return sphere->radius;
-  if (const auto* c = std::get_if<Cylinder>(&shape)) return std::hypot(c->radius, c->length / 2);
+  if (const auto* c = std::get_if<Cylinder>(&shape)) return Hypot(c->radius, c->length / 2);
   if (const auto* c = std::get_if<Capsule>(&shape)) return c->radius + c->length / 2;
   if (const auto* c = std::get_if<Cone>(&shape))
-    return std::hypot(std::max(c->radius_bottom, c->radius_top), c->length / 2);
+    return Hypot(std::max(c->radius_bottom, c->radius_top), c->length / 2);
   if (const auto* convex = std::get_if<Convex>(&shape)) return farthest(convex->points);
   return farthest(std::get<Triangles>(shape).vertices);
 }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cell/cutter.hpp"
 
+#include "base/trig.hpp"
 #include "base/units.hpp"
 
 namespace millpose {
 namespace {
 
 constexpr int kSides = 48;  // of the polygons around circles: 1/cos(π/48) is 0.2 % more
+const double kApothem = SinCos(kPi / kSides).cos;  // of such a polygon with corners at distance 1
 
 /// A circle about z, or a point of it (radius 0); a body of revolution is the hull of several.
 struct Ring {
@@ -18,21 +20,21 @@ void AddRing(const Ring& ring, std::vector<Eigen::Vector3d>& points) {
     points.emplace_back(0, 0, ring.z);
     return;
   }
-  const double circumscribed = ring.radius / std::cos(kPi / kSides);
+  const double circumscribed = ring.radius / kApothem;
   for (int i = 0; i < kSides; ++i) {
-    const double angle = 2 * kPi * i / kSides;
-    points.emplace_back(circumscribed * std::cos(angle), circumscribed * std::sin(angle), ring.z);
+    const SineCosine turn = SinCos(2 * kPi * i / kSides);
+    points.emplace_back(circumscribed * turn.cos, circumscribed * turn.sin, ring.z);
   }
 }
 
 /// Outline of a capsule from bottom to top: corners of the polygon of kSides sides around its circles.
 std::vector<Ring> CapsuleOutline(double radius, double length) {
-  const double corner = radius / std::cos(kPi / kSides);
+  const double corner = radius / kApothem;
   std::vector<Ring> rings;
   for (int i = -kSides / 4; i < kSides / 4; ++i) {
-    const double latitude = (i + 0.5) * 2 * kPi / kSides;
+    const SineCosine latitude = SinCos((i + 0.5) * 2 * kPi / kSides);
     const double half = i < 0 ? -length / 2 : length / 2;
-    rings.push_back({half + corner * std::sin(latitude), corner * std::cos(latitude)});
+    rings.push_back({half + corner * latitude.sin, corner * latitude.cos});
   }
   return rings;
 }

@@ -93,6 +93,9 @@ const Codec<CellSettings>& CellFields() {
           Key<S>("bodies", MILLPOSE_AT(bodies), ListOf(BodyFields()), "What must not be touched."),
           Key<S>("excluded_pairs", MILLPOSE_AT(excluded_pairs), ListOf(NamePair()),
                  "Pairs of bodies that touch by design and are not checked."),
+          Key<S>(
+              "auto_excluded_pairs", MILLPOSE_AT(auto_excluded_pairs), Flag(),
+              "Adds to them the bodies on links at most two joints apart that touch in each of 200 poses."),
           Key<S>("interference", kSelf, CheckedFields(), "What interference is not checked for.")
               .WhenSet([](const S& s) { return !s.unchecked_links.empty(); }),
           Key<S>("clearance_mm", kSelf,

@@ -52,6 +52,13 @@ struct ToolPartSettings {
   double top_diameter = 0;  ///< mm, at the upper end; same as `diameter` unless given
 };
 
+/// What hangs on the flange, spindle and all, as a controller counts it.
+struct ToolLoadSettings {
+  double mass = 0;                                    ///< kg
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();   ///< of gravity, in F, mm
+  Eigen::Vector3d inertia = Eigen::Vector3d::Zero();  ///< about it, along F's axes, kg·m²
+};
+
 struct ToolSettings {
   std::string name;
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();    ///< in F, mm
@@ -60,6 +67,7 @@ struct ToolSettings {
   std::string cutter_shape = "flat";
   double cutter_diameter = 0, cutting_length = 0, corner_radius = 0;  ///< mm
   std::vector<ToolPartSettings> stack;
+  std::optional<ToolLoadSettings> load;
 };
 
 /// Radius of the cutter's rounded corner, by its shape, mm.
@@ -98,6 +106,13 @@ struct CallSettings {
   std::optional<Vector6> from, to;  ///< rad, where it moves
 };
 
+/// A rail whose motion KRL counts in: it carries the robot, and $WORLD does not move with it.
+struct RailSettings {
+  PoseSettings pose;            ///< $ERSYSROOT
+  int axis = 1;                 ///< which of the external axes moves the carriage
+  std::string direction = "x";  ///< in which direction of $ERSYSROOT: x | y | z | -x | -y | -z
+};
+
 struct ControllerSettings {
   std::string tool_axis = "z";   ///< x | y | z | -x | -y | -z: controller's tool frame axis along T's z
   std::string rotation = "rpy";  ///< sinumerik, linuxcnc: rpy | euler
@@ -111,9 +126,15 @@ struct ControllerSettings {
   std::vector<double> external_axes;               ///< krl: E1, E2, …, mm or degrees, constant
   int ptp_speed_percent = 30;                      ///< krl: of the axes' largest speed, between cuts
   int advance = 5;                                 ///< krl: motions that are computed ahead
-  std::optional<double> path_acceleration;         ///< krl: mm/s²; the controller's own where not given
+  std::optional<double> path_acceleration;         ///< mm/s²; krl: the controller's own where not given
   double orientation_speed = DegToRad(200);        ///< krl: rad/s, as BAS(#INITMOV) sets it
   std::optional<double> orientation_acceleration;  ///< krl: rad/s²; the controller's own where not given
+  std::string tool_direction = "x";                ///< krl: $TOOL_DIRECTION: x | y | z
+  std::optional<PoseSettings> robroot;    ///< krl: $ROBROOT; on a coupled rail the robot on its carriage
+  std::optional<RailSettings> ersysroot;  ///< krl: a coupled rail
+  bool write_load = false;                ///< krl: $LOAD from the tool's load
+  std::optional<double> interpolation_cycle, block_time;  ///< s, for the estimate of the speed
+  int memory_kbytes = 4000;                                ///< krl: of all files together
   int max_motions = 1400;
   int max_kbytes = 500;
   std::vector<PathOutputSettings> outputs;
@@ -156,7 +177,9 @@ struct CellSettings {
   ToolSettings tool;
   std::vector<BodySettings> bodies;
   std::vector<std::pair<std::string, std::string>> excluded_pairs;
-  int bodies_line = 0;                                ///< of the key, for later errors
+  bool auto_excluded_pairs = false;   ///< neighbours that touch in every sampled pose are added to them
+  std::vector<std::string> warnings;  ///< of reading the cell's URDF; not written
+  int bodies_line = 0;                ///< of the key, for later errors
   std::vector<std::string> unchecked_links;           ///< base | link1..link5: without a body on purpose
   double clearance_free = 10, clearance_cutting = 2;  ///< mm
   std::string stiffness_at = "tool_tip";              ///< tool_tip | flange

@@ -53,6 +53,27 @@ Codec<CallSettings> CallFields() {
       });
 }
 
+Codec<RailSettings> RailFields() {
+  using S = RailSettings;
+  return Section<S>({
+      Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "$ERSYSROOT: the rail's root in $WORLD.").Required(),
+      Key<S>("axis", MILLPOSE_AT(axis), Integer(1, 6), "Which of external_axes is the carriage: 1 is E1."),
+      Key<S>("direction", MILLPOSE_AT(direction), Choice({"x", "y", "z", "-x", "-y", "-z"}),
+             "Direction of $ERSYSROOT in which the carriage moves where its axis grows."),
+  });
+}
+
+/// A rail must be one of the external axes.
+void CheckRail(const Value& value, const Context& context, const ControllerSettings& controller) {
+  if (!controller.ersysroot) return;
+  const auto axes = static_cast<int>(controller.external_axes.size());
+  if (controller.ersysroot->axis > axes)
+    context.Child("ersysroot")
+        .Add(value.FindKey("ersysroot")->mark,
+             fmt::format("its axis E{} is none of the {} external_axes; allowed: one of them",
+                         controller.ersysroot->axis, axes));
+}
+
 const std::vector<std::string> kTexts = {"cartesian_on", "coolant_off", "coolant_on", "footer",
                                          "header",       "joints_on",   "pass_begin", "pass_end",
                                          "spindle_off",  "spindle_on",  "tool_change"};
@@ -92,12 +113,36 @@ Codec<ControllerSettings> ControllerFields() {
                  "KRL: share of the axes' largest speed in motions between cuts."),
           Key<S>("advance", MILLPOSE_AT(advance), Integer(1, 5), "KRL: $ADVANCE, motions computed ahead."),
           Key<S>("path_acceleration_m_s2", MILLPOSE_AT(path_acceleration),
-                 Maybe(Real(kMetrePerS2, Positive(100))), "KRL: $ACC.CP; the controller's own by default."),
+                 Maybe(Real(kMetrePerS2, Positive(100))),
+                 "Largest acceleration of the tip, for the estimate of the speed along the path (2.3 by "
+                 "default); "
+                 "KRL: also written as $ACC.CP."),
           Key<S>("orientation_speed_deg_s", MILLPOSE_AT(orientation_speed), Real(kDegPerS, Positive(3600)),
                  "KRL: $VEL.ORI1 and $VEL.ORI2."),
           Key<S>("orientation_acceleration_deg_s2", MILLPOSE_AT(orientation_acceleration),
                  Maybe(Real(kDegPerS2, Positive(1e5))),
                  "KRL: $ACC.ORI1 and $ACC.ORI2; the controller's own by default."),
+          Key<S>("tool_direction", MILLPOSE_AT(tool_direction), Choice({"x", "y", "z"}),
+                 "KRL: $TOOL_DIRECTION, the axis of $TOOL that LIN swivels evenly."),
+          Key<S>("robroot", MILLPOSE_AT(robroot), Maybe(PoseFields()),
+                 "KRL: $ROBROOT, the robot's base in $WORLD, as the controller has it; with ersysroot: the "
+                 "robot's "
+                 "base on the carriage at 0. Needed where the robot does not stand upright.")
+              .DefaultText("zero, as delivered"),
+          Key<S>("ersysroot", MILLPOSE_AT(ersysroot), Maybe(RailFields()),
+                 "KRL: a rail that the controller counts in ($WORLD stays where it is when it moves)."),
+          Key<S>("write_load", MILLPOSE_AT(write_load), Flag(),
+                 "KRL: programs set $LOAD to tool.load; else the controller's own load data hold."),
+          Key<S>("interpolation_cycle_ms", MILLPOSE_AT(interpolation_cycle),
+                 Maybe(Real(kMillisecond, Between(0.1, 100))),
+                 "Interpolation cycle, for the estimate of the speed along the path.")
+              .DefaultText("krl: 12, sinumerik: 4, linuxcnc: 1"),
+          Key<S>("block_time_ms", MILLPOSE_AT(block_time), Maybe(Real(kMillisecond, Between(0.1, 1000))),
+                 "Shortest time per motion, for that estimate.")
+              .DefaultText("the interpolation cycle"),
+          Key<S>(
+              "program_memory_kbytes", MILLPOSE_AT(memory_kbytes), Integer(100, 10000000),
+              "KRL: memory for programs, kB; larger programs are warned of. KRC4 with KSS 8.3: about 4 MB."),
           Key<S>("max_motions", MILLPOSE_AT(max_motions), Integer(10, 1000000),
                  "KRL, SINUMERIK: motions in one program file; larger programs call sub-programs."),
           Key<S>("max_kbytes", MILLPOSE_AT(max_kbytes), Integer(4, 1000000),
@@ -112,6 +157,7 @@ Codec<ControllerSettings> ControllerFields() {
               .WhenSet([](const S& s) { return !s.calls.empty(); }),
       },
       [](const Value& value, const Context& context, S& controller) {
+        CheckRail(value, context, controller);
         if (controller.axis_names.size() != 6)
           context.Child("axis_names")
               .Add(value.mark, fmt::format("given {} names; allowed: 6", controller.axis_names.size()));
@@ -145,9 +191,13 @@ const std::vector<Support>& Supports() {
       {"external_axes", {"krl"}},
       {"ptp_speed_percent", {"krl"}},
       {"advance", {"krl"}},
-      {"path_acceleration_m_s2", {"krl"}},
       {"orientation_speed_deg_s", {"krl"}},
       {"orientation_acceleration_deg_s2", {"krl"}},
+      {"tool_direction", {"krl"}},
+      {"robroot", {"krl"}},
+      {"ersysroot", {"krl"}},
+      {"write_load", {"krl"}},
+      {"program_memory_kbytes", {"krl"}},
       {"max_motions", {"krl", "sinumerik"}},
       {"max_kbytes", {"krl", "sinumerik"}},
       {"delay_ms", {"krl"}},

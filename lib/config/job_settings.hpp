@@ -65,13 +65,15 @@ struct CuttingSettings {
 
 /// What becomes of a plan's points in programs.
 struct ProgramOptionSettings {
-  double chord_tolerance = 0.01;            ///< mm; of points that are left out
-  double angle_tolerance = DegToRad(0.02);  ///< rad; of points that are left out
-  double spacing = 0.5;                     ///< mm, least distance of points
-  double dry_run_offset = 0;                ///< mm along the tool axis, away from the part
-  double base_shift = 1;                    ///< mm; half the width of the window for $BASE
-  double base_turn = DegToRad(0.05);        ///< rad; likewise about X, Y, Z
-  std::string date;                         ///< printed in the header where given
+  double path_tolerance = 0.02;           ///< mm; how far a program may take the tip off the plan's path
+  double path_angle = DegToRad(0.02);     ///< rad; likewise the tool's orientation
+  std::optional<double> chord_tolerance;  ///< mm, of points that are left out; half of path_tolerance
+  std::optional<double> angle_tolerance;  ///< rad, likewise; 0.8 of path_angle
+  double spacing = 0.5;                   ///< mm, least distance of points
+  double dry_run_offset = 0;              ///< mm along the tool axis, away from the part
+  double base_shift = 1;                  ///< mm; half the width of the window for $BASE
+  double base_turn = DegToRad(0.05);      ///< rad; likewise about X, Y, Z
+  std::string date;                       ///< printed in the header where given
 };
 
 struct JobSettings {

@@ -4,19 +4,18 @@
 namespace millpose::config {
 namespace {
 
-using Box = std::array<Eigen::Vector3d, 2>;
-
-Codec<Box> BoxFields() {
+Codec<BoxSettings> BoxFields() {
+  using S = BoxSettings;
   const auto corner = [](const char* key, auto access, const char* doc) {
-    return Key<Box>(key, access, Place(), doc).Required();
+    return Key<S>(key, access, Place(), doc).Required();
   };
-  const auto check = [](const Value& value, const Context& context, Box& box) {
-    if (!(box[0].array() < box[1].array()).all())
+  const auto check = [](const Value& value, const Context& context, S& box) {
+    if (!(box.lower.array() < box.upper.array()).all())
       context.Add(value.mark, "upper_mm must be greater than lower_mm in each coordinate");
   };
-  return Section<Box>({corner("lower_mm", MILLPOSE_AT(front()), "Lower corner."),
-                       corner("upper_mm", MILLPOSE_AT(back()), "Upper corner.")},
-                      check);
+  return Section<S>({corner("lower_mm", MILLPOSE_AT(lower), "Lower corner."),
+                     corner("upper_mm", MILLPOSE_AT(upper), "Upper corner.")},
+                    check);
 }
 
 Codec<HalfSpaceSettings> HalfSpaceFields() {

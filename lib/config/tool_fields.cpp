@@ -86,6 +86,19 @@ void CheckStack(const Value& value, const Context& context, const ToolSettings& 
                                          bottom, tool.cutting_length));
 }
 
+Codec<ToolLoadSettings> LoadFields() {
+  using S = ToolLoadSettings;
+  return Section<S>({
+      Key<S>("mass_kg", MILLPOSE_AT(mass), Real({"kg"}, Between(0.001, 10000)), "Mass.").Required(),
+      Key<S>("centre_in_flange_mm", MILLPOSE_AT(centre), Numbers3(kMm, Between(-5000, 5000)),
+             "Centre of gravity in the flange frame.")
+          .Required(),
+      Key<S>("inertia_kg_m2", MILLPOSE_AT(inertia), Numbers3({"kg·m²"}, Between(0, 100000)),
+             "Moments of inertia about the centre of gravity, along the flange's x, y, z.")
+          .Required(),
+  });
+}
+
 }  // namespace
 
 Codec<ToolSettings> ToolFields() {
@@ -133,6 +146,10 @@ Codec<ToolSettings> ToolFields() {
           Key<S>("stack", MILLPOSE_AT(stack), ListOf(ToolPartFields()),
                  "Cutter, holder and spindle as cones from the tip upwards.")
               .Required(),
+          Key<S>("load", MILLPOSE_AT(load), Maybe(LoadFields()),
+                 "What hangs on the flange in all, as the controller's load data have it; printed in KRL "
+                 "headers, "
+                 "and written as $LOAD where the cell asks (write_load)."),
       },
       check);
 }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Dense>
-#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -12,6 +11,10 @@
 #include "base/units.hpp"
 
 namespace millpose {
+
+struct BoxSettings {
+  Eigen::Vector3d lower = Eigen::Vector3d::Zero(), upper = Eigen::Vector3d::Zero();  ///< P, mm
+};
 
 struct HalfSpaceSettings {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();    ///< P, mm
@@ -30,7 +33,7 @@ struct ConnectedSettings {
 
 /// Conditions of which all given ones must hold.
 struct ConditionSettings {
-  std::optional<std::array<Eigen::Vector3d, 2>> box;  ///< lower and upper corner, P, mm
+  std::optional<BoxSettings> box;
   std::optional<HalfSpaceSettings> half_space;
   std::optional<PolygonSettings> polygon;
   std::optional<Eigen::Vector3d> facing;  ///< unit direction, P

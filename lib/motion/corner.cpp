@@ -67,4 +67,10 @@ double CornerSpeed(const Corner& corner, double reach, const PathDynamics& dynam
 
 double BlockSpeed(double length, const PathDynamics& dynamics) { return length / dynamics.block_time; }
 
+Joints OverlapRounding(const Joints& before, const Joints& after, const Joints& acceleration,
+                       double shorter) {
+  const double stop = before.cwiseAbs().cwiseMax(after.cwiseAbs()).cwiseQuotient(acceleration).maxCoeff();
+  return std::min(stop, shorter) / 8 * (after - before);
+}
+
 }  // namespace millpose

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "motion/line.hpp"
 
+#include "base/rotation.hpp"
 #include "base/trig.hpp"
 #include "base/units.hpp"
 #include "robot/kinematics.hpp"
@@ -39,12 +40,8 @@ PoseLine::PoseLine(const Pose& from, const Pose& to)
 }
 
 Pose PoseLine::At(double share) const {
-  // Rodrigues' formula, with sine and cosine that are the same on every machine.
-  const SineCosine t = SinCos(share * angle_);
-  Eigen::Matrix3d cross;
-  cross << 0, -axis_.z(), axis_.y(), axis_.z(), 0, -axis_.x(), -axis_.y(), axis_.x(), 0;
   Pose pose = Pose::Identity();
-  pose.linear() = R_ * (Eigen::Matrix3d::Identity() + t.sin * cross + (1 - t.cos) * cross * cross);
+  pose.linear() = R_ * RotationAbout(axis_, share * angle_);
   pose.translation() = from_ + share * (to_ - from_);
   return pose;
 }

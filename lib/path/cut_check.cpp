@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/cut_check.hpp"
 
+#include "base/trig.hpp"
 #include "path/strike_out.hpp"
 
 namespace millpose {
@@ -14,7 +15,7 @@ constexpr double kBeyondFlange = 1.25;  // bodies on the flange, in lengths from
 double Movement(const Carrier& carrier, const Joints& deviation) {
   const Arm& arm = carrier.arm;
   const double hand = kBeyondFlange * (std::abs(arm.d6) + carrier.X_FT.translation().norm());
-  const double whole = arm.a1 + arm.a2 + std::hypot(arm.d4, arm.dz) + hand;
+  const double whole = arm.a1 + arm.a2 + Hypot(arm.d4, arm.dz) + hand;
   return whole * deviation.head<3>().sum() + hand * deviation.tail<3>().sum();
 }
 

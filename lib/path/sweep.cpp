@@ -5,16 +5,13 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "motion/line.hpp"
 
 namespace millpose {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr uint32_t kBreak = 0xffffffffU;
-
-double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
-  return Eigen::AngleAxisd(Eigen::Matrix3d(a.transpose() * b)).angle();
-}
 
 /// Nodes between `begin` and `end` that can be reached from the place `at` without leaping over one that was
 /// struck out; where `at` itself is in a struck stretch, from both its sides.

@@ -18,7 +18,7 @@ constexpr double kSameTurn = 0.5;  // rad: a start farther from the planned one 
 /// Corner number `i` of a window: signs of the shifts along and the turns about X, Y, Z. Of the 64 corners of
 /// the six-dimensional window 16 are taken so that any three of the six stand in all their combinations (the
 /// fractional factorial design 2^(6-2) with E = ABC, F = BCD).
-Pose Corner(int i, double shift, double turn) {
+Pose WindowCorner(int i, double shift, double turn) {
   std::array<double, 6> sign{};
   for (size_t k = 0; k < 4; ++k) sign[k] = (i >> k & 1) != 0 ? 1 : -1;
   sign[4] = sign[0] * sign[1] * sign[2];
@@ -71,7 +71,7 @@ std::optional<BaseWindow> FindBaseWindow(const PlanResult& plan, const JobInputs
     window.turn = share * job.program_options.base_turn;
     std::string obstacle;
     for (int i = 0; i < kCorners && obstacle.empty(); ++i)
-      obstacle = Obstacle(planned, cell, Corner(i, window.shift, window.turn), options, threads, stop);
+      obstacle = Obstacle(planned, cell, WindowCorner(i, window.shift, window.turn), options, threads, stop);
     if (obstacle.empty()) return window;
     window.obstacle = obstacle;
   }

@@ -5,6 +5,7 @@
 #include "base/hash.hpp"
 #include "config/config.hpp"
 #include "pipeline/cell_texts.hpp"
+#include "pipeline/exclude_pairs.hpp"
 #include "pipeline/origin.hpp"
 #include "pipeline/resolve_urdf.hpp"
 
@@ -58,14 +59,17 @@ void CheckDepth(const JobInputs& inputs, std::vector<Problem>& problems) {
 }  // namespace
 
 std::vector<std::string> CellWarnings(const CellSettings& cell) {
-  if (cell.unchecked_links.empty()) return {};
-  return {fmt::format("{}: interference of {} is not checked (interference.unchecked_links)", cell.name,
-                      fmt::join(cell.unchecked_links, ", "))};
+  std::vector<std::string> warnings = cell.warnings;
+  if (!cell.unchecked_links.empty())
+    warnings.push_back(fmt::format("{}: interference of {} is not checked (interference.unchecked_links)",
+                                   cell.name, fmt::join(cell.unchecked_links, ", ")));
+  return warnings;
 }
 
 CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::string, std::string>* body_bytes,
                       const FileRoot& root) {
   CellSettings cell = ParseCell(root.Read(cell_file), cell_file.string());
+  const bool from_urdf = !cell.arm.urdf.file.empty();
   ResolveUrdf(cell_file.parent_path(), root, &cell);
   std::vector<Problem> problems = CheckCellTexts(cell);
   CheckLinks(cell, problems);
@@ -76,6 +80,7 @@ CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::stri
     });
   }
   if (!problems.empty()) throw InputError(std::move(problems));
+  ExcludeTouchingNeighbours(*body_bytes, from_urdf, &cell);
   return cell;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.hpp"
 #include "pipeline/assemble.hpp"
+#include "pipeline/krl_frames.hpp"
 
 namespace millpose {
 
@@ -52,7 +53,7 @@ namespace {
 
 RegionOptions MakeConditions(const ConditionSettings& settings) {
   RegionOptions options;
-  options.box = settings.box;
+  if (settings.box) options.box = {settings.box->lower, settings.box->upper};
   if (settings.half_space)
     options.half_space = HalfSpace{settings.half_space->point, settings.half_space->normal};
   if (settings.polygon)
@@ -189,6 +190,8 @@ GapOptions MakeGapOptions(const JobSettings& job) {
 
 VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm) {
   VerifyOptions options;
+  options.position_tolerance = job.program_options.path_tolerance;
+  options.angle_tolerance = job.program_options.path_angle;
   options.lower = arm.lower;
   options.upper = arm.upper;
   options.swept_resolution = job.swept_resolution;
@@ -199,9 +202,45 @@ VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm) {
 
 namespace {
 
-// Rounding of corners that verification confirms, mm: $APO.CDIS is where it may begin, a control's tolerance
-// how far it may go.
-constexpr double kLargestDistance = 0.05, kLargestRounding = 0.01;
+constexpr double kLargestRounding = 0.01;  // mm, of a control's tolerance
+
+/// s: KRC4's 12 ms; 4 ms as SINUMERIK 840D sl is often set up (MD10071); LinuxCNC's servo period of 1 ms.
+double UsualCycle(const std::string& controller) {
+  return controller == "krl" ? 0.012 : controller == "sinumerik" ? 0.004 : 0.001;
+}
+
+PathDynamics DynamicsOf(const ControllerSettings& settings, const std::string& controller) {
+  PathDynamics dynamics;
+  dynamics.cycle = settings.interpolation_cycle.value_or(UsualCycle(controller));
+  dynamics.block_time = settings.block_time.value_or(dynamics.cycle);
+  if (settings.path_acceleration) dynamics.acceleration = *settings.path_acceleration;
+  dynamics.turn_acceleration = settings.orientation_acceleration;
+  return dynamics;
+}
+
+// What only KRL's programs know.
+void AddKrl(const CellSettings& cell, const ControllerSettings& settings, PostSettings* post) {
+  CheckGravity(cell, settings);
+  post->X_KB = RobotBaseInWorld(settings);
+  if (settings.ersysroot) post->ersysroot = MakePose(settings.ersysroot->pose);
+  post->base_number = settings.base_number;
+  post->tool_number = settings.tool_number;
+  post->external = settings.external_axes;
+  post->ptp_share = settings.ptp_speed_percent / 100.0;
+  post->advance = settings.advance;
+  post->orientation_speed = settings.orientation_speed;
+  post->orientation_acceleration = settings.orientation_acceleration;
+  post->path_acceleration = settings.path_acceleration;
+  post->tool_direction = Eigen::Vector3d::Unit(settings.tool_direction[0] - 'x');
+  post->memory = static_cast<size_t>(settings.memory_kbytes) * 1000;
+  if (!settings.write_load) return;
+  const std::optional<ToolLoadSettings>& load = cell.tool.load;
+  if (!load)
+    throw InputError(Place{cell.file},
+                     "controllers.krl.write_load: tool.load is missing; expected: mass, centre "
+                     "and inertia of what hangs on the flange");
+  post->load = ToolLoad{load->mass, load->centre, load->inertia};
+}
 
 }  // namespace
 
@@ -222,22 +261,18 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
   post.R_TC = ToolAxis(settings.tool_axis);
   post.X_FT = MakeToolPose(cell.tool);
   post.tool_name = cell.tool.name;
-  post.blend =
-      std::min(job.toolpath.chord_tolerance, controller == "krl" ? kLargestDistance : kLargestRounding);
+  post.tolerance = WrittenTolerance({job.program_options.path_tolerance, job.program_options.path_angle});
+  post.blend = controller == "sinumerik" ? post.tolerance.position
+                                         : std::min(job.toolpath.chord_tolerance, kLargestRounding);
+  post.orientation_blend = post.tolerance.angle;
   post.rotation = settings.rotation;
   post.cartesian = settings.coordinates == "cartesian";
   for (size_t i = 0; i < 6; ++i) post.axis_names[i] = settings.axis_names[i];
   post.frame = settings.settable_frame.value_or(post.frame);
   post.ori_ipo_with_g_code = settings.ori_ipo_with_g_code;
   post.ori_def_with_g_code = settings.ori_def_with_g_code;
-  post.base_number = settings.base_number;
-  post.tool_number = settings.tool_number;
-  post.external = settings.external_axes;
-  post.ptp_share = settings.ptp_speed_percent / 100.0;
-  post.advance = settings.advance;
-  post.orientation_speed = settings.orientation_speed;
-  post.orientation_acceleration = settings.orientation_acceleration;
-  post.path_acceleration = settings.path_acceleration;
+  post.dynamics = DynamicsOf(settings, controller);
+  if (controller == "krl") AddKrl(cell, settings, &post);
   post.max_motions = settings.max_motions;
   post.max_bytes = static_cast<size_t>(settings.max_kbytes) * 1000;
   post.texts = settings.texts;

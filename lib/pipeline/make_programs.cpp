@@ -6,6 +6,7 @@
 #include "pipeline/base_window.hpp"
 #include "pipeline/cell_texts.hpp"
 #include "pipeline/program_motions.hpp"
+#include "pipeline/program_warnings.hpp"
 #include "verify/causes.hpp"
 
 namespace millpose {
@@ -53,6 +54,10 @@ JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
       program.trajectory = TrajectoryCsv(motions.written, plan.arm, plan.X_WB, settings.external,
                                          MakeTimeOptions(inputs, controller), *trajectory);
     program.files = post->Write(motions.written, plan.arm, settings);
+    program.speed = EstimatePathSpeed(motions.written, controller, settings);
+    for (const std::string& warning : {program.speed ? SpeedWarning(*program.speed) : std::string(),
+                                       MemoryWarning(program.files, settings)})
+      if (!warning.empty()) program.warnings.push_back(warning);
     for (const Motion& motion : motions.written.motions) program.pass_of_motion.push_back(motion.pass);
     try {
       MotionProgram back = post->Read(program.files, plan.arm, settings);

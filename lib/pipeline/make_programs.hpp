@@ -21,6 +21,7 @@ struct CheckedProgram {
   std::vector<int> pass_of_motion;  ///< −1 for motions of gaps
   int saved = 0;                    ///< points left out, see Economise()
   int near = 0;                     ///< points that remain nearer than the least spacing
+  std::optional<PathSpeed> speed;   ///< estimated
   std::vector<std::string> warnings;
   ProgramTime time;
   std::string trajectory;  ///< as CSV, where asked for

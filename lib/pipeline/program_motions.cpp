@@ -5,8 +5,14 @@
 #include "pipeline/assemble.hpp"
 #include "pipeline/base_window.hpp"
 #include "pipeline/cell_texts.hpp"
+#include "pipeline/krl_frames.hpp"
+#include "program/bound_turns.hpp"
 #include "program/controller_axes.hpp"
+#include "program/linuxcnc.hpp"
+#include "program/linuxcnc_rounding.hpp"
+#include "program/rounding.hpp"
 #include "program/scanner.hpp"
+#include "program/sinumerik.hpp"
 
 namespace millpose {
 namespace {
@@ -19,8 +25,30 @@ std::string Numbered(const char* list, int number) {
   return number > 0 ? fmt::format("{}[{}] must hold: ", list, number) : std::string();
 }
 
+/// What KRL's head says of the frames that it assumes, and of the load.
+void AddKrlHeader(const CellSettings& cell, const ControllerSettings& controller, MotionOptions* options) {
+  const Pose robroot = MakePose(controller.robroot.value_or(PoseSettings{}));
+  if (controller.ersysroot) {
+    const RailSettings& rail = *controller.ersysroot;
+    options->header.emplace_back("ersysroot", "assumed $ERSYSROOT: " + PoseText(MakePose(rail.pose)));
+    options->header.emplace_back(
+        "rail", fmt::format("E{} along {} of it, the robot on the carriage:", rail.axis, rail.direction));
+    options->header.emplace_back("carriage", PoseText(robroot));
+  } else {
+    options->header.emplace_back("robroot", "assumed $ROBROOT: " + PoseText(robroot));
+  }
+  if (!cell.tool.load) return;
+  const ToolLoadSettings& load = *cell.tool.load;
+  const auto three = [](const Eigen::Vector3d& v, int decimals) {
+    return fmt::format("{} {} {}", Fixed(v.x(), decimals), Fixed(v.y(), decimals), Fixed(v.z(), decimals));
+  };
+  options->header.emplace_back("load", fmt::format("M {} kg, CM {} mm, J {} kg m2", Fixed(load.mass, 3),
+                                                   three(load.centre, 1), three(load.inertia, 3)));
+}
+
 MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
                                 const std::string& controller_name, const std::optional<BaseWindow>& window) {
+  const bool krl = controller_name == "krl";
   const JobSettings& job = inputs.job;
   const auto found = inputs.cell.controllers.find(controller_name);
   const ControllerSettings controller =
@@ -32,12 +60,15 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
       {"version", std::string("millpose ") + MILLPOSE_VERSION},
       {"tool", Numbered("TOOL_DATA", controller.tool_number) + inputs.cell.tool.name + " in the flange"},
       {"tool_pose", PoseText(X_FC)},
-      {"base", Numbered("BASE_DATA", controller.base_number) + "workpiece in the robot base"},
-      {"base_pose", PoseText(plan.X_WB.inverse() * plan.X_WP)},
+      {"base", Numbered("BASE_DATA", controller.base_number) +
+                   (krl ? "workpiece in $WORLD" : "workpiece in the robot base")},
+      {"base_pose",
+       PoseText((krl ? RobotBaseInWorld(controller) : Pose::Identity()) * plan.X_WB.inverse() * plan.X_WP)},
       {"units", "mm, degrees"}};
   for (const std::string& warning : CellWarnings(inputs.cell))
     options.header.emplace_back("unchecked", warning);
   if (window) options.header.emplace_back("base_window", BaseWindowText(*window));
+  if (krl) AddKrlHeader(inputs.cell, controller, &options);
   const double lift = job.program_options.dry_run_offset;
   if (lift > 0)
     options.header.emplace_back("dry_run",
@@ -83,6 +114,28 @@ void StateEntries(const PostSettings& settings, ProgramMotions& motions) {
   }
 }
 
+EconomyOptions MakeEconomyOptions(const ProgramOptionSettings& options) {
+  const PathTolerance most = WrittenTolerance({options.path_tolerance, options.path_angle});
+  return {options.chord_tolerance.value_or(options.path_tolerance / 2),
+          options.angle_tolerance.value_or(most.angle),
+          options.spacing,
+          {}};
+}
+
+/// CYCLE832 holds for every corner of a cut alike.
+void KeepToTolerance(MotionProgram& program, const PostSettings& post) {
+  for (Motion& motion : program.motions) {
+    if (motion.type != MotionType::kLinear || motion.exact) continue;
+    motion.blend = post.blend;
+    motion.angle_blend = post.orientation_blend;
+  }
+}
+
+/// LIN: the controller's tool direction swivels evenly, the tool turns evenly about it.
+LineModel Swivelling(const Eigen::Vector3d& direction) {
+  return [direction](const Pose& from, const Pose& to) { return ProgrammedLine(from, to, direction); };
+}
+
 }  // namespace
 
 std::string PoseText(const Pose& pose) {
@@ -126,17 +179,31 @@ ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& input
   MotionOptions options = MakeMotionOptions(plan, inputs, controller, window);
   options.calls = calls;
   motions.planned = MakeMotionProgram(lift > 0 ? Lifted(plan, lift) : plan, options);
-  const ProgramOptionSettings& economy = job.program_options;
-  EconomyResult thinned =
-      Economise(motions.planned, {economy.chord_tolerance, economy.angle_tolerance, economy.spacing});
+  const PostSettings post = MakePostSettings(job, inputs.cell, controller);
+  const bool krl = controller == "krl", linuxcnc = controller == "linuxcnc";
+  EconomyOptions economy = MakeEconomyOptions(job.program_options);
+  if (krl) {
+    motions.planned.frames_checked = true;
+    economy.lines = {Swivelling(post.R_TC * post.tool_direction)};
+  }
+  if (controller == "sinumerik") economy.lines = SinumerikLines(post);
+  if (linuxcnc)  // which adds what it does between points of its own accord
+    economy.angle_tolerance =
+        std::min(economy.angle_tolerance, job.program_options.path_angle - kHalfwayAngle - kAngleMargin);
+  EconomyResult thinned = Economise(motions.planned, economy);
   motions.written = std::move(thinned.program);
   motions.saved = thinned.saved;
   motions.near = thinned.near;
+  if (!economy.lines.empty())
+    motions.inserted =
+        BoundTurns(motions.written, thinned.origin, plan.arm, {economy.lines, post.tolerance.angle});
   for (const std::string& call : AssumedCalls(inputs.cell, controller))
     motions.warnings.push_back("assumed: " + call);
-  if (controller != "linuxcnc") StateEntries(MakePostSettings(job, inputs.cell, controller), motions);
-  if (controller != "linuxcnc")  // which reads from disk
-    HandOver(MakePostSettings(job, inputs.cell, controller), motions, thinned.origin);
+  if (!linuxcnc) StateEntries(post, motions);
+  if (!linuxcnc) HandOver(post, motions, thinned.origin);  // LinuxCNC reads from disk
+  if (krl) ChooseRounding(motions.written, post.tolerance);
+  if (controller == "sinumerik") KeepToTolerance(motions.written, post);
+  if (linuxcnc) ChooseOverlap(motions.written, plan.arm, post, post.tolerance);
   motions.time = MeasureTime(motions.written, plan.arm, MakeTimeOptions(inputs, controller));
   return motions;
 }

@@ -13,6 +13,7 @@ struct ProgramMotions {
   MotionProgram planned;              ///< every point of the plan: what a program is verified against
   MotionProgram written;              ///< what is given to the post: without needless points
   int saved = 0;                      ///< points that `written` leaves out
+  int inserted = 0;                   ///< points that `written` adds so that the tool turns as planned
   int near = 0;                       ///< points that remain nearer than the least spacing
   std::vector<std::string> warnings;  ///< handovers in a cut
   ProgramTime time;                   ///< of `written`

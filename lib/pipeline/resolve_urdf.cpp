@@ -38,6 +38,7 @@ class Resolver {
     FillArm(found.chain);
     MoveToModel();
     for (const AttachedLink& link : found.links) AddBodies(found.chain, link);
+    cell_.warnings = found.warnings;
     if (!problems_.empty()) throw InputError(std::move(problems_));
     cell_.arm.urdf = {};
   }

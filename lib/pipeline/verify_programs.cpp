@@ -68,15 +68,18 @@ ProgramFiles FilesOf(const fs::path& program, const FileRoot& root) {
 
 /// Frames that the program leaves to the controller, as far as its own header and the cell tell them. Returns
 /// what is assumed thereby.
-std::vector<std::string> AssumeFrames(MotionProgram& program) {
+std::vector<std::string> AssumeFrames(MotionProgram& program, const Pose& X_KB) {
   std::vector<std::string> assumptions = {"the part is not there: clearance from it is not checked"};
+  if (program.swivel && !program.frames_checked)
+    assumptions.push_back("the controller's $ROBROOT is the cell's: the program does not check it");
   const auto is_pose = [](const Motion& motion) { return !motion.q; };
   if (std::ranges::none_of(program.motions, is_pose)) return assumptions;
   if (!program.X_FT) assumptions.push_back("the controller's tool is the cell's");
   if (program.X_BP) return assumptions;
   for (const auto& [key, value] : program.header) {
     if (key != "base_pose") continue;
-    program.X_BP = ReadPoseText(value);
+    const std::optional<Pose> X_KP = ReadPoseText(value);
+    if (X_KP) program.X_BP = X_KB.inverse() * *X_KP;
     assumptions.push_back("the controller's base is as the header's base_pose says: " + value);
   }
   if (!program.X_BP)
@@ -99,7 +102,7 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::
   const Arm& arm = world.cell().arm;
   MotionProgram program =
       MakePost(controller)->Read(FilesOf(arguments.target, arguments.root), arm, settings);
-  std::vector<std::string> assumptions = AssumeFrames(program);
+  std::vector<std::string> assumptions = AssumeFrames(program, settings.X_KB);
   for (const DeclaredCall& call : program.calls) assumptions.push_back(AssumptionOf(call));
   std::ranges::copy(CellWarnings(inputs.cell), std::back_inserter(assumptions));
   const VerifyOptions options = MakeVerifyOptions(inputs.job, arm);

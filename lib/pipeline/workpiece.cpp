@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "base/process.hpp"
+#include "base/trig.hpp"
 #include "pipeline/assemble.hpp"
 #include "surface/step_reader.hpp"
 #include "toolpath/cam_import.hpp"
@@ -89,7 +90,7 @@ JobToolpath ImportCam(const JobInputs& inputs, const Mesh& mesh) {
 }  // namespace
 
 double Reach(const Arm& arm, const Eigen::Vector3d& p_FT) {
-  return arm.a1 + arm.a2 + std::sqrt(arm.d4 * arm.d4 + arm.dz * arm.dz) + arm.d6 + p_FT.norm();
+  return arm.a1 + arm.a2 + Hypot(arm.d4, arm.dz) + arm.d6 + p_FT.norm();
 }
 
 double Reach(const Cell& cell) { return Reach(cell.arm, cell.X_FT.translation()); }

@@ -144,6 +144,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   report.feed_reduction = results.reduction;
   for (const CheckedProgram& program : programs) {
     report.times.push_back({program.controller, program.time});
+    if (program.speed) report.path_speeds.push_back(*program.speed);
     for (const std::string& warning : program.warnings)
       report.warnings.push_back(program.controller + ": " + warning);
   }

@@ -38,7 +38,7 @@ std::unique_ptr<Freedom> MakeFreedom(const std::string& name) { return Freedoms(
 Pose NominalToolPose(const MillingPoint& point, const Eigen::Vector3d& rotation_reference) {
   const Eigen::Vector3d z = point.tool_axis.normalized();
   Eigen::Vector3d x = rotation_reference - rotation_reference.dot(z) * z;
-  static const double kParallel = std::sin(DegToRad(1));
+  static const double kParallel = SinCos(DegToRad(1)).sin;
   if (x.norm() < kParallel * rotation_reference.norm()) {
     int least = 0;
     z.cwiseAbs().minCoeff(&least);

@@ -146,7 +146,7 @@ PaperResult PaperSearch(const PoseProblem& problem, const PaperTarget& target,
                         const PaperFormulationOptions& options, RandomStream stream) {
   Population population(problem, target, options, stream);
   double spread = 0.2;  // of each joint's range; shrinks to some 1e-6 of it
-  const double shrink = std::pow(5e-6, 1.0 / options.generations);
+  const double shrink = Pow(5e-6, 1.0 / options.generations);
   for (int generation = 1; generation < options.generations; ++generation, spread *= shrink)
     population.Advance(spread);
   return population.best();

@@ -11,8 +11,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kZeroAngle = 1e-9;   // rad; nearer to 0 the sign of a computed angle carries only noise
-constexpr double kDegenerate = 1e-9;  // below this cosine (or sine) the first angle carries only noise
+constexpr double kZeroAngle = 1e-9;     // rad; nearer to 0 the sign of a computed angle carries only noise
+constexpr double kDegenerate = 1e-9;    // below this cosine (or sine) the first angle carries only noise
+constexpr double kUndetermined = 1e-7;  // below this two angles may share what is left over: 6e-6 degrees
 
 /// Rotation about axis `axis` (0 x, 1 y, 2 z), the same bits on every machine.
 Matrix3d About(int axis, double angle) {
@@ -28,7 +29,7 @@ Matrix3d About(int axis, double angle) {
 }  // namespace
 
 Vector3d AnglesZyx(const Matrix3d& R) {
-  const double first = std::hypot(R(0, 0), R(1, 0)) > kDegenerate ? Atan2(R(1, 0), R(0, 0)) : 0.0;
+  const double first = Hypot(R(0, 0), R(1, 0)) > kDegenerate ? Atan2(R(1, 0), R(0, 0)) : 0.0;
   const Matrix3d rest = About(2, -first) * R;  // = Ry·Rx
   return {first, Atan2(-rest(2, 0), rest(0, 0)), Atan2(-rest(1, 2), rest(1, 1))};
 }
@@ -39,7 +40,7 @@ Matrix3d FromAnglesZyx(const Vector3d& angles) {
 
 Vector3d AnglesZxz(const Matrix3d& R) {
   // R's third column is (sin v0·sin v1, −cos v0·sin v1, cos v1).
-  const double first = std::hypot(R(0, 2), R(1, 2)) > kDegenerate ? Atan2(R(0, 2), -R(1, 2)) : 0.0;
+  const double first = Hypot(R(0, 2), R(1, 2)) > kDegenerate ? Atan2(R(0, 2), -R(1, 2)) : 0.0;
   const Matrix3d rest = About(2, -first) * R;  // = Rx·Rz
   return {first, Atan2(-rest(1, 2), rest(2, 2)), Atan2(-rest(0, 1), rest(0, 0))};
 }
@@ -60,7 +61,8 @@ Vector3d ToolAnglesNear(const std::string& rotation, const Matrix3d& R, const Ve
   const bool rpy = rotation == "rpy";
   const int outer = rpy ? 2 : 0, inner = 2 - outer;
   Vector3d first = ToolAngles(rotation, R);
-  if (std::abs(rpy ? std::cos(first[1]) : std::sin(first[1])) < kDegenerate) {
+  if (const SineCosine inclined = SinCos(first[1]);
+      std::abs(rpy ? inclined.cos : inclined.sin) < kUndetermined) {
     // The outer angle is free: with it held the inner one is what is left over.
     const Matrix3d rest = FromToolAngles(rotation, Vector3d(rpy ? 0 : near[0], first[1], rpy ? near[2] : 0));
     const Matrix3d left = rest.transpose() * R;

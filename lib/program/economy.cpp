@@ -29,25 +29,29 @@ std::vector<bool> MayGo(const MotionProgram& program) {
   return may;
 }
 
-/// Whether the straight motion from pose `a` to pose `b` passes the targets first..last−1 within tolerance,
-/// in order.
-bool Passes(const Pose& a, const Pose& b, const std::vector<Motion>& motions, size_t first, size_t last,
-            const EconomyOptions& options) {
-  const PoseLine line(a, b);
-  const Eigen::Vector3d along = line.to() - line.from();
+/// Whether the controller's straight motion `line` from pose `a` to pose `b` passes the targets first..last−1
+/// within tolerance, in order.
+bool Passes(const ProgrammedLine& line, const Pose& a, const Pose& b, const std::vector<Motion>& motions,
+            size_t first, size_t last, const EconomyOptions& options) {
+  const Eigen::Vector3d along = b.translation() - a.translation();
   double before = 0;
+  const auto near = [&](double share, const Eigen::Matrix3d& R) {
+    return AngleBetween(line.At(share).linear(), R) <= kUsed * options.angle_tolerance;
+  };
   for (size_t i = first; i < last; ++i) {
-    const Eigen::Vector3d offset = motions[i].X_PT.translation() - line.from();
+    const Eigen::Vector3d offset = motions[i].X_PT.translation() - a.translation();
     const double share = line.length() > 0 ? offset.dot(along) / along.squaredNorm() : -1;
     if (share < before || share > 1) return false;
+    const double off = (offset - share * along).norm();
+    if (off > kUsed * options.position_tolerance || !near(share, motions[i].X_PT.linear())) return false;
+    // Another course of the orientation than the planned one leaves it between the points too.
+    if (!options.lines.empty() &&
+        !near((before + share) / 2, PoseLine(motions[i - 1].X_PT, motions[i].X_PT).At(0.5).linear()))
+      return false;
     before = share;
-    const Pose pose = line.At(share);
-    const double off = (pose.translation() - motions[i].X_PT.translation()).norm();
-    if (off > kUsed * options.position_tolerance) return false;
-    const double turned = AngleBetween(pose.linear(), motions[i].X_PT.linear());
-    if (turned > kUsed * options.angle_tolerance) return false;
   }
-  return true;
+  return options.lines.empty() ||
+         near((before + 1) / 2, PoseLine(motions[last - 1].X_PT, motions[last].X_PT).At(0.5).linear());
 }
 
 /// Which motions of a program remain.
@@ -73,7 +77,12 @@ class Thinning {
  private:
   /// Whether one motion from the end of `from` to that of `to` passes everything between.
   bool Stands(size_t from, size_t to) const {
-    return Passes(motions_[from].X_PT, motions_[to].X_PT, motions_, from + 1, to, options_);
+    const Pose &a = motions_[from].X_PT, &b = motions_[to].X_PT;
+    if (to == from + 1) return true;  // nothing is left out
+    if (options_.lines.empty()) return Passes({a, b}, a, b, motions_, from + 1, to, options_);
+    return std::ranges::all_of(options_.lines, [&](const LineModel& line) {
+      return Passes(line(a, b), a, b, motions_, from + 1, to, options_);
+    });
   }
 
   /// The farthest motion found that can stand for those from `i` on: steps of twice the length each, then

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "program/motion_program.hpp"
+#include "program/programmed_line.hpp"
 
 namespace millpose {
 
@@ -9,6 +10,8 @@ struct EconomyOptions {
   double position_tolerance = 0.01;        ///< mm
   double angle_tolerance = 0.00034906585;  ///< rad (0.02°), of the tool's whole orientation
   double spacing = 0;                      ///< mm: nearer points starve the controller's look-ahead; 0: any
+  /// How the controller may make a straight motion; all must stay near. Empty: with one even turn.
+  std::vector<LineModel> lines = {};
 };
 
 struct EconomyResult {
@@ -18,11 +21,11 @@ struct EconomyResult {
   int near = 0;  ///< points that remain nearer than `spacing` to the one before: the tolerances need them
 };
 
-/// Leaves out cut points between which the controller's own straight motion, with evenly turning orientation,
-/// stays within the tolerances of every point left out. First and last point of a piece, exact stops, changes
-/// of the feed and places where something happens remain. Greedy: each motion is about as long as it can be,
-/// but where the last one before a point that must remain came out shorter than the spacing, the point before
-/// is moved back if the tolerances allow it.
+/// Leaves out cut points between which the controller's own straight motion stays within the tolerances of
+/// every point left out. First and last point of a piece, exact stops, changes of the feed and places where
+/// something happens remain. Greedy: each motion is about as long as it can be, but where the last one before
+/// a point that must remain came out shorter than the spacing, the point before is moved back if the
+/// tolerances allow it.
 EconomyResult Economise(const MotionProgram& program, const EconomyOptions& options);
 
 /// Makes exact stops of cut points so that no more than `most` motions follow each other without one, and

@@ -5,6 +5,8 @@
 
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
+#include "program/krl_head.hpp"
+#include "program/rounding.hpp"
 #include "program/writer.hpp"
 
 namespace millpose {
@@ -54,6 +56,7 @@ class KrlWriter : public ProgramWriter {
  private:
   void Begin() override {
     feed_.clear();
+    distance_.clear();
     if (std::exchange(within_pass_, false)) Line(";FOLD PART OF A PASS");
   }
 
@@ -63,31 +66,36 @@ class KrlWriter : public ProgramWriter {
     add(fmt::format("DEF {} ( )", name));
     add("; written by millpose for KUKA KRC4; mm, degrees; A about Z, B about new Y, C about new X");
     for (const std::string& text : HeaderTexts(kWidth - 2)) add("; " + text);
-    return head + kIni + Settings() + TextLines("header") + TextLines("tool_change");
+    if (program_.frames_checked) head += KrlDeclarations();
+    head += kIni;
+    if (program_.frames_checked) head += KrlFrameCheck(settings_);
+    return head + Settings() + TextLines("header") + TextLines("tool_change");
   }
 
   std::string Settings() const override {
     std::string settings;
     const auto add = [&](const std::string& line) { settings += line + "\n"; };
     AddFrames(add);
+    if (settings_.load) settings += KrlLoad(settings_) + "\n";
     AddDynamics(add);
     return settings;
   }
 
-  /// A numbered frame is the controller's own; the header says which values it must hold.
+  /// A numbered frame is the controller's own, with $LOAD, $ACT_TOOL and $ACT_BASE; the header says which
+  /// values it must hold.
   template <class Add>
   void AddFrames(const Add& add) const {
     if (settings_.base_number > 0) {
-      add(fmt::format("$BASE = BASE_DATA[{}]", settings_.base_number));
+      add(fmt::format("BAS (#BASE,{} )", settings_.base_number));
     } else if (program_.X_BP) {
-      add(fmt::format("$BASE = {{FRAME: {}}}", PoseFields(*program_.X_BP, kAngleDecimals)));
+      add(fmt::format("$BASE = {{FRAME: {}}}", KrlFields(settings_.X_KB * *program_.X_BP, kAngleDecimals)));
     }
     if (settings_.tool_number > 0) {
-      add(fmt::format("$TOOL = TOOL_DATA[{}]", settings_.tool_number));
+      add(fmt::format("BAS (#TOOL,{} )", settings_.tool_number));
     } else if (program_.X_FT) {
       Pose X_FC = *program_.X_FT;
       X_FC.linear() = X_FC.linear() * settings_.R_TC;
-      add(fmt::format("$TOOL = {{FRAME: {}}}", PoseFields(X_FC, kAngleDecimals)));
+      add(fmt::format("$TOOL = {{FRAME: {}}}", KrlFields(X_FC, kAngleDecimals)));
     }
   }
 
@@ -95,7 +103,6 @@ class KrlWriter : public ProgramWriter {
   void AddDynamics(const Add& add) const {
     add("$ORI_TYPE = #VAR");
     add(fmt::format("$ADVANCE = {}", settings_.advance));
-    add(fmt::format("$APO.CDIS = {}", Fixed(settings_.blend, 4)));
     add(fmt::format("BAS (#VEL_PTP,{} )", Fixed(settings_.ptp_share * 100, 0)));
     const auto both = [&](const char* what, double value) {
       for (const int i : {1, 2}) add(fmt::format("{}.ORI{} = {}", what, i, Fixed(value * kDegPerRad, 4)));
@@ -103,14 +110,6 @@ class KrlWriter : public ProgramWriter {
     both("$VEL", settings_.orientation_speed);
     if (settings_.path_acceleration) add("$ACC.CP = " + Fixed(*settings_.path_acceleration / 1000, 4));
     if (settings_.orientation_acceleration) both("$ACC", *settings_.orientation_acceleration);
-  }
-
-  static std::string PoseFields(const Pose& pose, int decimals) {
-    const Eigen::Vector3d p = pose.translation();
-    const Eigen::Vector3d abc = AnglesZyx(pose.linear()) * kDegPerRad;
-    return fmt::format("X {},Y {},Z {},A {},B {},C {}", Fixed(p.x(), kLengthDecimals),
-                       Fixed(p.y(), kLengthDecimals), Fixed(p.z(), kLengthDecimals), Fixed(abc[0], decimals),
-                       Fixed(abc[1], decimals), Fixed(abc[2], decimals));
   }
 
   Pose ToolInBase(const Motion& motion) const {
@@ -124,7 +123,7 @@ class KrlWriter : public ProgramWriter {
     if (motion.type == MotionType::kLinear) return AddLinear(motion);
     AddTriggers();
     if (motion.status) {
-      Line(fmt::format("PTP {{{},S {},T {}{}}}", PoseFields(ToolInBase(motion), kEntryDecimals),
+      Line(fmt::format("PTP {{{},S {},T {}{}}}", KrlFields(ToolInBase(motion), kEntryDecimals),
                        Binary(*motion.status, 3), Binary(TurnOf(motion), 6), External()));
     } else {
       const Joints angles = ToController(settings_.axes, *motion.q) * kDegPerRad;
@@ -137,8 +136,9 @@ class KrlWriter : public ProgramWriter {
 
   void AddLinear(const Motion& motion) {
     const std::string target =
-        fmt::format("{{{}{}}}", PoseFields(ToolInBase(motion), kAngleDecimals), External());
+        fmt::format("{{{}{}}}", KrlFields(ToolInBase(motion), kAngleDecimals), External());
     Feed(motion.feed);
+    if (!motion.exact) Distance(motion.blend);
     AddTriggers();
     Line(fmt::format("LIN {}{}", target, motion.exact ? "" : " C_DIS"));
   }
@@ -179,6 +179,13 @@ class KrlWriter : public ProgramWriter {
     Line("$VEL.CP = " + text);
   }
 
+  void Distance(double blend) {
+    const std::string text = Fixed(blend, 4);
+    if (text == distance_) return;
+    distance_ = text;
+    Line("$APO.CDIS = " + text);
+  }
+
   void Event(const ProgramEvent& event) override {
     const std::string pass = Fixed(event.value, 0);
     if (event.kind == ProgramEvent::Kind::kOutput) {
@@ -205,7 +212,7 @@ class KrlWriter : public ProgramWriter {
   }
 
   std::vector<PathOutput> outputs_;  // to be switched with the next straight motion
-  std::string feed_;
+  std::string feed_, distance_;
   bool within_pass_ = false;  // the next section goes on with a pass
 };
 
@@ -219,7 +226,10 @@ std::map<std::string, std::string> KrlTexts() {
 ProgramFiles KrlPost::Write(const MotionProgram& program, const Arm& arm,
                             const PostSettings& settings) const {
   assert(IsWellFormed(program));
-  return KrlWriter(program, arm, settings).Write();
+  if (program.blend_is_distance) return KrlWriter(program, arm, settings).Write();
+  MotionProgram rounded = program;
+  ChooseRounding(rounded, settings.tolerance);
+  return KrlWriter(rounded, arm, settings).Write();
 }
 
 }  // namespace millpose

@@ -5,7 +5,8 @@
 
 namespace millpose {
 
-/// KUKA KRL for KRC4 (KSS 8.x): NAME.src and NAME.dat, docs/krl.md.
+/// KUKA KRL for KRC4 (KSS 8.x): NAME.src and NAME.dat, docs/krl.md. A program whose blends are no distances
+/// yet is rounded as the settings' tolerance allows.
 class KrlPost : public Post {
  public:
   std::string Name() const override { return "krl"; }

@@ -3,6 +3,7 @@
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
 #include "program/krl.hpp"
+#include "program/krl_head.hpp"
 #include "program/krl_words.hpp"
 #include "program/reader.hpp"
 
@@ -15,6 +16,7 @@ using krl::ReadPositive;
 
 constexpr const char* kDefaults = "BAS (#INITMOV,0 )";
 constexpr const char* kPtpSpeed = "BAS (#VEL_PTP,…)";
+constexpr const char* kLoad = "$LOAD as in the cell";
 constexpr double kExternalSlack = 1e-4;  // mm or degrees
 constexpr double kSameSetting = 1e-6;    // relative: written with four decimals and more
 constexpr double kSamePlace = 1e-9;      // of a frame stated again
@@ -25,12 +27,31 @@ class KrlReader : public ProgramReader {
       : ProgramReader(files, settings,
                       Templates(KrlTexts(), settings.texts, settings.tool_name, {.numbers = false})) {
     program_.blend_is_distance = true;
+    program_.swivel = settings.R_TC * settings.tool_direction;
   }
 
  private:
+  /// The check of the controller's frame with its data: before every motion, as written.
+  size_t ReadBlock(const std::vector<std::string_view>& lines, size_t first) override {
+    if (!program_.motions.empty() || !defined_) return 0;
+    if (const size_t taken = KrlLines(KrlDeclarations(), lines, first)) {
+      declared_ = true;
+      return taken;
+    }
+    if (const size_t taken = declared_ ? KrlLines(check_, lines, first) : 0) {
+      program_.frames_checked = true;
+      return taken;
+    }
+    return 0;
+  }
+
   void BeginFile() override { defined_ = false; }
 
-  std::vector<std::string> Needed() const override { return {kDefaults, "$ADVANCE"}; }
+  std::vector<std::string> Needed() const override {
+    std::vector<std::string> needed = {kDefaults, "$ADVANCE"};
+    if (!load_.empty()) needed.emplace_back(kLoad);
+    return needed;
+  }
 
   /// Defaults count for nothing once each setting must be stated by itself.
   void Forgotten() override {
@@ -112,7 +133,8 @@ class KrlReader : public ProgramReader {
   bool ReadFrames(LineScanner& scan) {
     const size_t start = scan.Next();
     if (scan.Accept("$BASE")) {
-      const std::optional<Pose> X_BP = ReadFrame(scan, "BASE_DATA", settings_.base_number);
+      std::optional<Pose> X_BP = ReadFrame(scan, "BASE_DATA", settings_.base_number);
+      if (X_BP) X_BP = settings_.X_KB.inverse() * *X_BP;
       if (posed_ && !Same(X_BP, program_.X_BP))
         scan.FailFrom(start, "one base for all poses of the program expected");
       program_.X_BP = X_BP;
@@ -147,11 +169,13 @@ class KrlReader : public ProgramReader {
       AddOutput(krl::ReadTrigger(scan));
       return true;
     }
-    Places places = kAtStops;
-    if (scan.Accept("$APO.CDIS")) {
+    if (scan.Accept("$APO.CDIS")) {  // of the next motions, as inline forms set it: anywhere
       Stated("$APO.CDIS");
       blend_ = ReadPositive(scan);
-    } else if (scan.Accept("$VEL.ORI1")) {
+      return true;
+    }
+    Places places = kAtStops;
+    if (scan.Accept("$VEL.ORI1")) {
       turn_speed_[0] = ReadPositive(scan) * kRadPerDeg;
       Stated("$VEL.ORI1");
     } else if (scan.Accept("$VEL.ORI2")) {
@@ -170,6 +194,12 @@ class KrlReader : public ProgramReader {
       scan.Expect("#VAR");
     } else if (scan.Accept("BAS")) {
       ReadBas(scan);
+      places = kOutsideCuts;
+    } else if (scan.Accept("$LOAD")) {
+      if (!SameWords("$LOAD " + scan.Rest(), load_))
+        scan.FailFrom(start, load_.empty() ? "no $LOAD expected: the cell does not ask for it (write_load)"
+                                           : fmt::format("{} expected, as the cell gives it", load_));
+      Stated(kLoad);
       places = kOutsideCuts;
     } else {
       return false;
@@ -202,6 +232,8 @@ class KrlReader : public ProgramReader {
   /// #INITMOV resets what the controller's own bas.src has: from here on nothing is known.
   void ReadBas(LineScanner& scan) {
     scan.Expect("(");
+    if (scan.Accept("#BASE")) return ReadNumbered(scan, settings_.base_number, "$BASE", program_.X_BP);
+    if (scan.Accept("#TOOL")) return ReadNumbered(scan, settings_.tool_number, "$TOOL", program_.X_FT);
     const bool speed = scan.Accept("#VEL_PTP");
     if (!speed) scan.Expect("#INITMOV");
     scan.Expect(",");
@@ -214,6 +246,20 @@ class KrlReader : public ProgramReader {
       scan.FailFrom(start, fmt::format("1 to {} % expected (the cell's ptp_speed_percent)", most));
     if (!speed && value != 0) scan.FailFrom(start, "0 expected");
     scan.Expect(")");
+  }
+
+  /// What follows BAS (#BASE or BAS (#TOOL: the number that the cell says. The frame is then the
+  /// controller's.
+  void ReadNumbered(LineScanner& scan, int number, const char* frame, std::optional<Pose>& stated) {
+    scan.Expect(",");
+    const size_t start = scan.Next();
+    if (number == 0) scan.FailFrom(start, "$BASE and $TOOL with values expected: the cell gives no number");
+    if (scan.ExpectNumber() != number)
+      scan.FailFrom(start, fmt::format("{} expected, as in the cell", number));
+    scan.Expect(")");
+    if (posed_ && stated) scan.FailFrom(start, fmt::format("one {} for all poses expected", frame));
+    stated.reset();
+    Stated(frame);
   }
 
   /// What stops the program for a while, and what handles its stops.
@@ -325,6 +371,8 @@ class KrlReader : public ProgramReader {
   std::array<double, 2> turn_speed_{0, 0};  // rad/s
   bool defined_ = false;                    // DEF was read
   bool posed_ = false;                      // a pose was approached
+  bool declared_ = false;                   // the data of the frame check were read
+  const std::string check_ = KrlFrameCheck(settings_), load_ = KrlLoad(settings_);
 };
 
 }  // namespace

@@ -3,9 +3,11 @@
 
 #include <cassert>
 
+#include "base/trig.hpp"
 #include "base/units.hpp"
 #include "motion/line.hpp"
 #include "program/controller_axes.hpp"
+#include "program/linuxcnc_rounding.hpp"
 #include "program/writer.hpp"
 
 namespace millpose {
@@ -60,7 +62,7 @@ class LinuxCncWriter : public ProgramWriter {
 
   /// Modal settings are to be stated again.
   void Restate() {
-    exact_.reset();
+    path_mode_.clear();
     inverse_time_.reset();
     feed_.clear();
   }
@@ -75,11 +77,12 @@ class LinuxCncWriter : public ProgramWriter {
 
   void AddMotion(size_t i) override {
     const Motion& motion = program_.motions[i];
+    blend_ = motion.blend > 0 ? motion.blend : settings_.blend;
     if (motion.type == MotionType::kLinear && settings_.cartesian) return AddPose(i);
     Coordinates(false);
     if (motion.type == MotionType::kLinear) {
       const Motion& before = program_.motions[i - 1];
-      const double share = LinearDuration(before, motion);
+      const double share = LinearDuration(before, motion, arm_);
       AddLine(before.X_PT, *before.q, motion.X_PT, *motion.q, share, motion.exact, 0);
     } else if (motion.duration > 0) {
       AddTimed(*motion.q, motion.duration, motion.exact);
@@ -89,13 +92,6 @@ class LinuxCncWriter : public ProgramWriter {
       Line("G0 " + Words(angles));
       last_ = angles;
     }
-  }
-
-  /// s; by the feed, or, for a motion that only turns, at half of the axes' largest speeds.
-  double LinearDuration(const Motion& from, const Motion& to) const {
-    const double length = (to.X_PT.translation() - from.X_PT.translation()).norm();
-    const double turning = ((*to.q - *from.q).cwiseAbs().cwiseQuotient(arm_.speed)).maxCoeff() * 2;
-    return std::max(length / to.feed, turning);
   }
 
   /// A straight line of the tip from joints q0 to q1, halved until the joint motions between stay near it.
@@ -160,7 +156,7 @@ class LinuxCncWriter : public ProgramWriter {
     }
     const Motion& before = program_.motions[i - 1];
     const double length = (motion.X_PT.translation() - before.X_PT.translation()).norm();
-    const double duration = LinearDuration(before, motion);
+    const double duration = LinearDuration(before, motion, arm_);
     const double feed = length / motion.feed < duration ? length / duration : motion.feed;
     AddPoses(ToolInBase(before), X_BC, {feed, duration, motion.exact}, 0);
   }
@@ -220,11 +216,10 @@ class LinuxCncWriter : public ProgramWriter {
   }
 
   void PathMode(bool exact) {
-    if (exact_ == exact) return;
-    exact_ = exact;
-    const double tolerance =
-        cartesian_ == true ? settings_.blend : BlendDegrees(settings_.blend, arm_, X_FT_);
-    Line(exact ? "G61.1" : fmt::format("G64 P{} Q0", Fixed(tolerance, 6)));
+    const double bound = cartesian_ == true ? blend_ : BlendDegrees(blend_, arm_, X_FT_);
+    const std::string mode = exact ? "G61.1" : fmt::format("G64 P{} Q0", Fixed(bound, 6));
+    if (path_mode_ != mode) Line(mode);
+    path_mode_ = mode;
   }
 
   void Event(const ProgramEvent& event) override {
@@ -241,8 +236,9 @@ class LinuxCncWriter : public ProgramWriter {
   Joints pose_words_ = Joints::Zero();  // X, Y, Z, A, B, C of the last tool pose, mm and degrees, as written
   std::optional<bool> cartesian_;       // tool poses, not joints
   std::optional<bool> inverse_time_;
-  std::optional<bool> exact_;
-  std::string feed_;  // of G94, as written
+  std::string path_mode_;  // G61.1 or G64 with its bound, as it holds
+  double blend_ = 0;       // mm, how far the tip may leave rounded corners of the motion
+  std::string feed_;       // of G94, as written
 };
 
 }  // namespace
@@ -255,7 +251,7 @@ std::map<std::string, std::string> LinuxCncTexts() {
 }
 
 double BlendDegrees(double blend, const Arm& arm, const Pose& X_FT) {
-  const double reach = arm.a1 + arm.a2 + std::hypot(arm.d4, arm.dz) + arm.d6 + X_FT.translation().norm();
+  const double reach = arm.a1 + arm.a2 + Hypot(arm.d4, arm.dz) + arm.d6 + X_FT.translation().norm();
   return blend / reach * kDegPerRad;
 }
 

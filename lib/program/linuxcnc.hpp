@@ -21,6 +21,8 @@ class LinuxCncPost : public Post {
 
 inline constexpr double kHalfwayDeviation = 0.005;  ///< mm
 inline constexpr double kHalfwayAngle = 8.7266e-5;  ///< rad (0.005°)
+/// rad (0.001°): what the rounding of numbers and the places between the points may add to both.
+inline constexpr double kAngleMargin = 1.7453e-5;
 
 /// LinuxCNC's texts for events where the cell gives none.
 std::map<std::string, std::string> LinuxCncTexts();

@@ -31,13 +31,13 @@ struct Motion {
   std::optional<int> status, turn;  ///< S and T (bits of the controller's angles), where programmed
   double feed = 0;                  ///< mm/s of the tip, LIN only
   double duration = 0;              ///< s, joint motions in inverse time; 0: as fast as the axes allow
-  /// Orientation as programmed in three angles that run evenly from those of the motion before (Cartesian
-  /// LinuxCNC), rad, not wrapped; else it turns evenly about one axis.
+  /// Orientation as programmed in three angles (SINUMERIK, Cartesian LinuxCNC), rad, not wrapped. They run
+  /// evenly from those of the motion before, unless the program's `swivel` says otherwise.
   std::optional<Eigen::Vector3d> angles;
   double turn_speed = 0;       ///< rad/s, largest turning of the tool, LIN only; 0: no such limit
   double clearance_share = 1;  ///< of the cell's clearances, with which a planned motion was checked
   bool exact = false;          ///< exact stop (no blending)
-  double blend = 0;            ///< mm, as read; 0 when exact: how far the path may leave the corner, or see
+  double blend = 0;            ///< mm; 0 when exact: how far the path may leave the corner, or see
                                ///< MotionProgram::blend_is_distance
   /// rad, as read: how far the orientation may leave it (SINUMERIK), or the joints 1 to 3 (LinuxCNC's
   /// joints).
@@ -82,7 +82,14 @@ struct MotionProgram {
   std::string rotation = "rpy";  ///< how `angles` of motions turn, see ToolAngles()
   Eigen::Matrix3d R_TC = Eigen::Matrix3d::Identity();  ///< controller's tool frame, whose `angles` these are
   bool blend_is_distance = false;  ///< of motions: from the corner to where its rounding may begin
-  bool blend_overlaps = false;     ///< motions overlap at corners; `blend` bounds the tip alone
+  /// Unit direction of the tool, in T, that straight motions swivel evenly while the tool turns evenly about
+  /// it (KRL's $TOOL_DIRECTION); empty: one even turn, or by `angles`.
+  std::optional<Eigen::Vector3d> swivel;
+  /// Beside `swivel` the control may turn the tool evenly about one axis or by `angles` of the motions that
+  /// run evenly: its machine data decide, and nobody has said how they stand.
+  bool any_turn = false;
+  bool frames_checked = false;  ///< stops before its first motion where the controller's frames are others
+  bool blend_overlaps = false;  ///< motions overlap at corners; `blend` bounds the tip alone
   std::vector<Motion> motions;
   std::vector<ProgramEvent> events;  ///< ascending by before_motion
   std::vector<DeclaredCall> calls;   ///< that it makes, each once

@@ -6,9 +6,17 @@
 #include <memory>
 
 #include "base/error.hpp"
+#include "motion/corner.hpp"
 #include "program/motion_program.hpp"
 
 namespace millpose {
+
+/// What hangs on the flange, as KRL's $LOAD counts it.
+struct ToolLoad {
+  double mass = 0;                                    ///< kg
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();   ///< of gravity, in F, mm
+  Eigen::Vector3d inertia = Eigen::Vector3d::Zero();  ///< about it, along F's axes, kg·m²
+};
 
 /// What a controller's program needs to know beyond the motions; from the cell's `controllers:` section.
 struct PostSettings {
@@ -16,7 +24,9 @@ struct PostSettings {
   Eigen::Matrix3d R_TC = Eigen::Matrix3d::Identity();  ///< controller's tool frame C in T, see ToolAxis()
   Pose X_FT = Pose::Identity();                        ///< tool in the flange, for programs that state none
   std::string tool_name;                               ///< T="…", printed in headers
-  double blend = 0.01;  ///< mm: $APO.CDIS, CTOL or G64 P; no larger than the chord tolerance
+  PathTolerance tolerance =
+      WrittenTolerance({});                  ///< that the program keeps: a share of what verification allows
+  double blend = 0.01;                       ///< mm: CTOL or G64 P
   double orientation_blend = 0.00017453293;  ///< rad (0.01°), sinumerik: tolerance of the orientation
   double ptp_share = 0.3;                    ///< krl: of the axes' largest speed, for motions between passes
   int advance = 5;                           ///< krl: $ADVANCE
@@ -26,13 +36,21 @@ struct PostSettings {
   std::string rotation = "rpy";                    ///< sinumerik, linuxcnc: how A, B, C turn, rpy | euler
   bool cartesian = false;                          ///< linuxcnc: cuts as tool poses, not joints
   std::array<std::string, 6> axis_names = {"RA1", "RA2", "RA3", "RA4", "RA5", "RA6"};  ///< sinumerik
-  int frame = 505;                           ///< sinumerik: G505…G599, which holds the workpiece
-  std::optional<bool> ori_ipo_with_g_code;   ///< sinumerik: MD21104; how the tool turns, see SetTurning()
-  std::optional<bool> ori_def_with_g_code;   ///< sinumerik: MD21102; whether ORIRPY and ORIEULER count
-  int max_motions = 1400;                    ///< per file; larger programs call sub-programs; not linuxcnc
-  size_t max_bytes = 500000;                 ///< per file
-  int base_number = 0, tool_number = 0;      ///< krl: BASE_DATA and TOOL_DATA to use; 0: the values
-  std::vector<double> external;              ///< krl: constant E1, E2, … of every target, mm or degrees
+  int frame = 505;                          ///< sinumerik: G505…G599, which holds the workpiece
+  std::optional<bool> ori_ipo_with_g_code;  ///< sinumerik: MD21104; how the tool turns, see SetTurning()
+  std::optional<bool> ori_def_with_g_code;  ///< sinumerik: MD21102; whether ORIRPY and ORIEULER count
+  int max_motions = 1400;                   ///< per file; larger programs call sub-programs; not linuxcnc
+  size_t max_bytes = 500000;                ///< per file
+  int base_number = 0, tool_number = 0;     ///< krl: BASE_DATA and TOOL_DATA to use; 0: the values
+  std::vector<double> external;             ///< krl: constant E1, E2, … of every target, mm or degrees
+  /// krl: the robot's base in $WORLD, as the cell says that the controller has it; on a coupled rail with the
+  /// carriage where the program has it.
+  Pose X_KB = Pose::Identity();
+  std::optional<Pose> ersysroot;  ///< krl: $ERSYSROOT of a coupled rail; the program checks it, else $ROBROOT
+  std::optional<ToolLoad> load;   ///< krl: written as $LOAD
+  Eigen::Vector3d tool_direction = Eigen::Vector3d::UnitX();  ///< krl: $TOOL_DIRECTION, in C
+  size_t memory = 0;                         ///< bytes that all files may take together; 0: no such bound
+  std::optional<PathDynamics> dynamics;      ///< of the controller, for estimates; empty: not known
   std::map<std::string, std::string> texts;  ///< see Templates
   std::vector<DeclaredCall> calls;           ///< that texts may make
 };

@@ -91,6 +91,7 @@ void ProgramReader::ReadFile(const std::string& name) {
 
 size_t ProgramReader::ReadAt(size_t i) {
   line_ = static_cast<int>(i) + 1;
+  if (const size_t taken = ReadBlock(lines_, i)) return taken;
   if (const size_t taken = ReadTexts(i)) return taken;
   const std::string_view line = Trim(lines_[i]);
   if (LongestLine() > 0 && lines_[i].size() > LongestLine())

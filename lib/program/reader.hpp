@@ -52,6 +52,8 @@ class ProgramReader {
   virtual bool MayFollowEnd(std::string_view /*line*/) const { return false; }
   /// Most characters of a line, its comment included; 0: any number.
   virtual size_t LongestLine() const { return 0; }
+  /// Lines from `first` on that the controller's writer writes as a whole: how many; 0 when there are none.
+  virtual size_t ReadBlock(const std::vector<std::string_view>& /*lines*/, size_t /*first*/) { return 0; }
   /// The cell's text `name` was read.
   virtual void TextRead(const std::string& /*name*/) {}
 

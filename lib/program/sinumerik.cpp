@@ -82,7 +82,7 @@ class SinumerikWriter : public ProgramWriter {
                 ? fmt::format("ASSUMED MD21104 = {}: the tool turns as {} says, on a great circle",
                               *settings_.ori_ipo_with_g_code ? 1 : 0,
                               *settings_.ori_ipo_with_g_code ? "ORIVECT" : "ORIWKS")
-                : "MD21104 not known: the tool is taken to turn evenly between two blocks",
+                : "MD21104 not known: blocks are short enough for every way to turn the tool",
             fmt::format("ASSUMED G{} is for this program and overwritten; no basic frame; its origin is the "
                         "robot base",
                         settings_.frame)};
@@ -139,6 +139,7 @@ class SinumerikWriter : public ProgramWriter {
       line += fmt::format(" {}={}", settings_.axis_names[i], Fixed(angles[i], kAngleDecimals));
     }
     Line(line);
+    angles_ = ToolAngles(settings_.rotation, motion.X_PT.linear() * settings_.R_TC);
   }
 
   /// Switches the robot transformation: axes are addressed by themselves only without it.
@@ -150,17 +151,23 @@ class SinumerikWriter : public ProgramWriter {
     if (on) AddSettings();
   }
 
-  std::string Words(const Motion& motion) const {
+  std::string Words(const Motion& motion) {
     const Eigen::Vector3d p = motion.X_PT.translation();
     const Eigen::Vector3d abc = Angles(motion);
+    angles_ = abc * kRadPerDeg;
     return fmt::format("X{} Y{} Z{} A={} B={} C={}", Fixed(p.x(), kLengthDecimals),
                        Fixed(p.y(), kLengthDecimals), Fixed(p.z(), kLengthDecimals),
                        Fixed(abc[0], kAngleDecimals), Fixed(abc[1], kAngleDecimals),
                        Fixed(abc[2], kAngleDecimals));
   }
 
+  /// Degrees. Where A, B, C may run evenly each by itself, those that are nearest to the ones before.
   Eigen::Vector3d Angles(const Motion& motion) const {
-    return ToolAngles(settings_.rotation, motion.X_PT.linear() * settings_.R_TC) * kDegPerRad;
+    if (motion.angles) return *motion.angles * kDegPerRad;
+    const Eigen::Matrix3d R = motion.X_PT.linear() * settings_.R_TC;
+    const bool near = motion.type == MotionType::kLinear && angles_ && !settings_.ori_ipo_with_g_code;
+    return (near ? ToolAnglesNear(settings_.rotation, R, *angles_) : ToolAngles(settings_.rotation, R)) *
+           kDegPerRad;
   }
 
   int TurnOf(const Motion& motion) const {
@@ -189,11 +196,31 @@ class SinumerikWriter : public ProgramWriter {
   }
 
   std::string feed_;
-  std::optional<bool> transformed_;  // TRAORI holds
-  bool cartesian_ = false;           // CP holds, not PTP
+  std::optional<Eigen::Vector3d> angles_;  // of the last pose, rad
+  std::optional<bool> transformed_;        // TRAORI holds
+  bool cartesian_ = false;                 // CP holds, not PTP
 };
 
+/// A, B, C that run evenly each by itself, the nearest of those that mean the same.
+LineModel ByAngles(const std::string& rotation, const Eigen::Matrix3d& R_TC) {
+  return [rotation, R_TC](const Pose& from, const Pose& to) {
+    const Eigen::Vector3d first = ToolAngles(rotation, from.linear() * R_TC);
+    return ProgrammedLine(from.translation(), to.translation(), rotation, R_TC, first,
+                          ToolAnglesNear(rotation, to.linear() * R_TC, first));
+  };
+}
+
 }  // namespace
+
+std::vector<LineModel> SinumerikLines(const PostSettings& settings) {
+  const Eigen::Vector3d direction = settings.R_TC * Eigen::Vector3d::UnitZ();
+  std::vector<LineModel> lines = {
+      [direction](const Pose& from, const Pose& to) { return ProgrammedLine(from, to, direction); }};
+  if (settings.ori_ipo_with_g_code) return lines;
+  lines.push_back(ByAngles(settings.rotation, settings.R_TC));
+  lines.emplace_back([](const Pose& from, const Pose& to) { return ProgrammedLine(from, to); });
+  return lines;
+}
 
 std::map<std::string, std::string> SinumerikTexts() {
   return {{"spindle_on", "S{rpm} M3"}, {"spindle_off", "M5"}, {"tool_change", "T=\"{tool}\" D1\nM6"}};

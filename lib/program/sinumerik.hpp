@@ -2,6 +2,7 @@
 #pragma once
 
 #include "program/post.hpp"
+#include "program/programmed_line.hpp"
 
 namespace millpose {
 
@@ -14,6 +15,11 @@ class SinumerikPost : public Post {
   MotionProgram Read(const ProgramFiles& files, const Arm& arm, const PostSettings& settings) const override;
   std::vector<Problem> CheckTexts(const Arm& arm, const PostSettings& settings) const override;
 };
+
+/// The ways in which SINUMERIK may make a straight motion. ORIVECT and ORIWKS both ask for a great circle of
+/// Z of the tool frame; where nobody knows which of them counts (MD21104), evenly running angles and one even
+/// turn must do as well.
+std::vector<LineModel> SinumerikLines(const PostSettings& settings);
 
 /// SINUMERIK's texts for events where the cell gives none.
 std::map<std::string, std::string> SinumerikTexts();

@@ -15,7 +15,12 @@ constexpr int kMostOutputs = 1024;   // $A_OUT[n]
 class SinumerikReader : public ProgramReader {
  public:
   SinumerikReader(const ProgramFiles& files, const PostSettings& settings)
-      : ProgramReader(files, settings, Templates(SinumerikTexts(), settings.texts, settings.tool_name)) {}
+      : ProgramReader(files, settings, Templates(SinumerikTexts(), settings.texts, settings.tool_name)) {
+    program_.swivel = settings.R_TC * Eigen::Vector3d::UnitZ();
+    program_.any_turn = !settings.ori_ipo_with_g_code;
+    program_.rotation = settings.rotation;
+    program_.R_TC = settings.R_TC;
+  }
 
  private:
   std::vector<std::string> Needed() const override { return {"G17", "G40", "G90", "G94", "G710"}; }
@@ -343,8 +348,8 @@ class SinumerikReader : public ProgramReader {
     }
     Motion& motion = AddMotion(*ptp_ ? MotionType::kJoint : MotionType::kLinear);
     motion.X_PT.translation() = Eigen::Vector3d(*last_[0], *last_[1], *last_[2]);
-    const Eigen::Vector3d angles = Eigen::Vector3d(*last_[3], *last_[4], *last_[5]) * kRadPerDeg;
-    motion.X_PT.linear() = FromToolAngles(settings_.rotation, angles) * settings_.R_TC.transpose();
+    motion.angles = Eigen::Vector3d(*last_[3], *last_[4], *last_[5]) * kRadPerDeg;
+    motion.X_PT.linear() = FromToolAngles(settings_.rotation, *motion.angles) * settings_.R_TC.transpose();
     motion.exact = !rounds;
     if (*ptp_) {
       motion.status = block.bits("STAT");

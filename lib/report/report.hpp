@@ -51,6 +51,18 @@ struct BaseWindow {
   std::string obstacle;  ///< what kept it from being larger; empty when it is as large as asked
 };
 
+/// What a controller is estimated to make of the feed along the cuts (program/path_speed.hpp).
+struct PathSpeed {
+  struct Place {
+    int pass = 0, point = 0;
+    double feed = 0, speed = 0;  ///< mm/s: programmed, estimated
+    std::string cause;           ///< corner | motion: a sharp corner, or a motion too short
+  };
+  std::string controller;
+  double lowest_share = 1;  ///< of the programmed feed
+  std::vector<Place> slow;  ///< where it is below 1
+};
+
 /// What a report tells beyond the plan itself.
 struct ReportInputs {
   std::vector<ReportedProgram> programs;
@@ -60,6 +72,7 @@ struct ReportInputs {
   std::optional<ContinuityFigures> continuity;
   FeedReduction feed_reduction;
   std::vector<ControllerTime> times;  ///< of every program
+  std::vector<PathSpeed> path_speeds;
   std::optional<BaseWindow> base_window;
   std::optional<DeflectionReport> deflection;  ///< when the job says what the cutter takes off
 };

@@ -187,6 +187,22 @@ Json TimesJson(const std::vector<ControllerTime>& times) {
   return list;
 }
 
+Json PathSpeedsJson(const std::vector<PathSpeed>& speeds) {
+  Json list = Json::array();
+  for (const PathSpeed& speed : speeds) {
+    Json slow = Json::array();
+    for (const PathSpeed::Place& place : speed.slow)
+      slow.push_back({{"pass", place.pass},
+                      {"point", place.point},
+                      {"feed_mm_min", 60 * place.feed},
+                      {"estimated_mm_min", 60 * place.speed},
+                      {"cause", place.cause}});
+    list.push_back(
+        {{"controller", speed.controller}, {"lowest_feed_share", speed.lowest_share}, {"slow_places", slow}});
+  }
+  return list;
+}
+
 Json BaseWindowJson(const std::optional<BaseWindow>& window) {
   if (!window) return nullptr;
   return {{"shift_mm", window->shift},
@@ -239,6 +255,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["seed"] = plan.seed;
   json["programs"] = ProgramsJson(inputs.programs);
   json["cycle_times"] = TimesJson(inputs.times);
+  json["path_speed_estimated"] = PathSpeedsJson(inputs.path_speeds);
   json["base_window"] = BaseWindowJson(inputs.base_window);
   json["warnings"] = inputs.warnings;
   json["findings"] = inputs.findings;

@@ -126,6 +126,9 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
                    program.verified ? "read back and confirmed" : "withheld", program.points_saved);
   for (const ControllerTime& program : inputs.times)
     fmt::format_to(out, "cycle      {} {}\n", program.controller, TimeText(program.time.all));
+  for (const PathSpeed& speed : inputs.path_speeds)
+    fmt::format_to(out, "speed      {}: estimated at no less than {:.0f} % of the feed along the cuts\n",
+                   speed.controller, 100 * speed.lowest_share);
   if (inputs.base_window)
     fmt::format_to(
         out, "base       may be shifted by {:.3f} mm and turned by {:.4f} deg together with the part{}\n",

@@ -4,6 +4,8 @@
 #include <numbers>
 #include <set>
 
+#include "base/trig.hpp"
+
 namespace millpose {
 namespace {
 
@@ -17,8 +19,8 @@ Triangles Revolved(const std::vector<Eigen::Vector2d>& rows) {
   for (const Eigen::Vector2d& row : rows) {
     first.push_back(static_cast<int>(mesh.vertices.size()));
     for (int s = 0; s < (row.x() > 0 ? kSegments : 1); ++s) {
-      const double angle = 2 * std::numbers::pi * s / kSegments;
-      mesh.vertices.emplace_back(row.x() * std::cos(angle), row.x() * std::sin(angle), row.y());
+      const SineCosine turn = SinCos(2 * std::numbers::pi * s / kSegments);
+      mesh.vertices.emplace_back(row.x() * turn.cos, row.x() * turn.sin, row.y());
     }
   }
   const auto vertex = [&](size_t r, int s) { return first[r] + (rows[r].x() > 0 ? s % kSegments : 0); };
@@ -35,9 +37,9 @@ Triangles Revolved(const std::vector<Eigen::Vector2d>& rows) {
 std::vector<Eigen::Vector2d> Dome(double radius, double z, int sign) {
   std::vector<Eigen::Vector2d> rows;
   for (int i = 0; i <= kSegments / 4; ++i) {
-    const double angle = 2 * std::numbers::pi * i / kSegments;
+    const SineCosine turn = SinCos(2 * std::numbers::pi * i / kSegments);
     const bool pole = i == kSegments / 4;
-    rows.emplace_back(pole ? 0 : radius * std::cos(angle), z + sign * radius * std::sin(angle));
+    rows.emplace_back(pole ? 0 : radius * turn.cos, z + sign * radius * turn.sin);
   }
   if (sign < 0) std::reverse(rows.begin(), rows.end());
   return rows;
@@ -162,7 +164,7 @@ Triangles ConvexHull(const Points& points) {
   if (points.size() < 4) return hull;
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& p : points) box.extend(p);
-  const double tolerance = 1e-9 * std::pow(box.diagonal().norm(), 3);
+  const double size = box.diagonal().norm(), tolerance = 1e-9 * size * size * size;
   const auto first = FirstTetrahedron(points, tolerance);
   if (!first) return hull;
   const auto [a, b, c, d] = *first;

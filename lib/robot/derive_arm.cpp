@@ -2,6 +2,7 @@
 // From the axes of a joint chain to the lengths, signs and offsets of the closed form (docs/urdf.md).
 #include "base/error.hpp"
 #include "base/random.hpp"
+#include "base/trig.hpp"
 #include "base/units.hpp"
 #include "robot/angles.hpp"
 #include "robot/joint_chain.hpp"
@@ -82,13 +83,18 @@ class Derivation {
   void ThrowProblems() {
     if (!problems_.empty()) throw InputError(std::move(problems_));
   }
+  /// What the tolerance is, and by how much a misfit is above it.
+  std::string Allowed(double misfit) const {
+    return fmt::format("allowed by arm.urdf.tolerance_mm: {:.4g} mm, which is {:.4g} mm less", tolerance_,
+                       misfit - tolerance_);
+  }
   const std::string& Name(int axis) const { return chain_.joints[static_cast<size_t>(axis - 1)].name; }
   const Axis& At(int axis) const { return axes_[static_cast<size_t>(axis - 1)]; }
   double Dot(int a, int b) const { return At(a).direction.dot(At(b).direction); }
 
   void CheckDirections() {
     for (const auto& [a, b] : {std::pair(1, 2), std::pair(3, 4), std::pair(4, 5), std::pair(5, 6)}) {
-      const double off = std::asin(std::min(1.0, std::abs(Dot(a, b))));
+      const double off = Asin(std::min(1.0, std::abs(Dot(a, b))));
       if (off <= kRightAngle) continue;
       Refuse(fmt::format(
           "axes {} ({}) and {} ({}) must be at right angles for the closed form; they are {:.4g}° "
@@ -98,7 +104,7 @@ class Derivation {
     const double off = At(2).direction.cross(At(3).direction).norm();
     if (off > kRightAngle) {
       Refuse(fmt::format("axes 2 ({}) and 3 ({}) must be parallel for the closed form; they are {:.4g}° off",
-                         Name(2), Name(3), RadToDeg(std::asin(std::min(1.0, off)))));
+                         Name(2), Name(3), RadToDeg(Asin(std::min(1.0, off)))));
     }
   }
 
@@ -110,10 +116,8 @@ class Derivation {
     wrist_ = (on_4 + near_4 + near_6 + on_6) / 4;
     const double miss = std::max({(on_4 - near_4).norm(), (on_6 - near_6).norm(), (near_4 - near_6).norm()});
     if (miss > tolerance_) {
-      Refuse(fmt::format(
-          "no spherical wrist: axes 4, 5 and 6 ({}, {}, {}) miss one point by {:.4g} mm; allowed: "
-          "{:.4g} mm",
-          Name(4), Name(5), Name(6), miss, tolerance_));
+      Refuse(fmt::format("no spherical wrist: axes 4, 5 and 6 ({}, {}, {}) miss one point by {:.4g} mm; {}",
+                         Name(4), Name(5), Name(6), miss, Allowed(miss)));
     }
   }
 
@@ -154,7 +158,7 @@ class Derivation {
     arm.sign[3] = SignOf(At(4).direction, along_);
     arm.d4 = Length(forearm.dot(along_));
     arm.dz = Length(forearm.dot(along_.cross(side_)));
-    if (std::hypot(arm.d4, arm.dz) <= tolerance_) Refuse("the wrist lies on axis 3: the arm has no forearm");
+    if (Hypot(arm.d4, arm.dz) <= tolerance_) Refuse("the wrist lies on axis 3: the arm has no forearm");
     // q2 + q3 at angles 0, less q2.
     const SineCosine second = SinCos(arm.offset[1]);
     const double s = -along_.dot(up_), c = along_.dot(front);
@@ -162,10 +166,8 @@ class Derivation {
 
     const double beside = (wrist_ - derived_.X_SB.translation()).dot(side_);
     if (std::abs(beside) > tolerance_) {
-      Refuse(fmt::format(
-          "the wrist centre lies {:.4g} mm beside the plane through axis 1 across axis 2; allowed: "
-          "{:.4g} mm",
-          std::abs(beside), tolerance_));
+      Refuse(fmt::format("the wrist centre lies {:.4g} mm beside the plane through axis 1 across axis 2; {}",
+                         std::abs(beside), Allowed(std::abs(beside))));
     }
   }
 
@@ -219,9 +221,8 @@ class Derivation {
     }
     if (derived_.deviation > tolerance_) {
       Refuse(fmt::format(
-          "the closed form and the joints of the file differ by up to {:.4g} mm over random poses; "
-          "allowed: {:.4g} mm",
-          derived_.deviation, tolerance_));
+          "the closed form and the joints of the file differ by up to {:.4g} mm over random poses; {}",
+          derived_.deviation, Allowed(derived_.deviation)));
     }
   }
 

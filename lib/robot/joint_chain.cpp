@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "robot/joint_chain.hpp"
 
+#include <set>
+
 #include "base/error.hpp"
 #include "base/trig.hpp"
 
@@ -29,8 +31,7 @@ class Finder {
     ThrowProblems();
     ChainOfLinks found;
     FillChain(path, found.chain);
-    for (const UrdfLink& link : model_.links) Attach(link, base, path, found.links);
-    ThrowProblems();
+    for (const UrdfLink& link : model_.links) Attach(link, base, path, found);
     return found;
   }
 
@@ -80,6 +81,11 @@ class Finder {
             fmt::format("joint '{}': allowed between base and flange: revolute, continuous, fixed",
                         joint->name));
       }
+      if (joint->mimic)
+        Add(joint->line,
+            fmt::format("joint '{}' mimics another; between base and flange each of the six must "
+                        "move by itself",
+                        joint->name));
     }
     return path;
   }
@@ -102,9 +108,28 @@ class Finder {
     chain.X_LE = merged;
   }
 
-  /// Follows fixed joints from a link up to the chain (or to the base's root).
+  /// Where the child of a joint beside the chain is taken to stand.
+  static Pose AtRest(const UrdfJoint& joint) {
+    Pose X = joint.X_PC;
+    if (joint.type != UrdfJoint::Type::kRevolute) return X;
+    const Eigen::Matrix3d turned = X.linear() * About(joint.axis, std::clamp(0.0, joint.lower, joint.upper));
+    X.linear() = turned;
+    return X;
+  }
+
+  void WarnOfJointBeside(const UrdfJoint& joint, std::vector<std::string>& warnings) {
+    if (!beside_.insert(joint.name).second) return;
+    warnings.push_back(
+        fmt::format("{}: joint '{}'{} moves link '{}' beside the chain from base to flange: the link is "
+                    "taken as fixed to '{}', "
+                    "and where it moves to is not looked at",
+                    ToString({model_.file, joint.line}), joint.name, joint.mimic ? " (mimic)" : "",
+                    joint.child, joint.parent));
+  }
+
+  /// Follows joints from a link up to the chain (or to the base's root); those beside the chain stand still.
   void Attach(const UrdfLink& link, const std::string& base, const std::vector<const UrdfJoint*>& path,
-              std::vector<AttachedLink>& links) {
+              ChainOfLinks& found) {
     AttachedLink attached{link, 0, Pose::Identity()};
     std::string at = link.name;
     for (size_t steps = 0; at != base && steps <= model_.joints.size(); ++steps) {
@@ -115,17 +140,13 @@ class Finder {
       }
       if (joint->type != UrdfJoint::Type::kFixed) {
         attached.moves_with = Number(joint, path);
-        if (attached.moves_with == 0) {
-          Add(joint->line, fmt::format("joint '{}' moves link '{}', which is not between base and flange: "
-                                       "only a chain of six joints can be planned for",
-                                       joint->name, joint->child));
-        }
-        break;
+        if (attached.moves_with > 0) break;
+        WarnOfJointBeside(*joint, found.warnings);
       }
-      attached.X_ML = joint->X_PC * attached.X_ML;
+      attached.X_ML = AtRest(*joint) * attached.X_ML;
       at = joint->parent;
     }
-    links.push_back(attached);
+    found.links.push_back(attached);
   }
 
   /// Which of the chain's moving joints it is, from 1; 0: none.
@@ -145,7 +166,7 @@ class Finder {
     for (size_t steps = 0; steps <= model_.joints.size(); ++steps) {
       const UrdfJoint* joint = Above(at);
       if (!joint) break;
-      X = joint->X_PC * X;
+      X = AtRest(*joint) * X;
       at = joint->parent;
     }
     return X;
@@ -153,6 +174,7 @@ class Finder {
 
   const UrdfModel& model_;
   std::map<std::string, const UrdfJoint*> above_;  // by child
+  std::set<std::string> beside_;                   // joints that were told
   std::vector<Problem> problems_;
 };
 

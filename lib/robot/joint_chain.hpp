@@ -30,10 +30,14 @@ struct AttachedLink {
 struct ChainOfLinks {
   JointChain chain;
   std::vector<AttachedLink> links;  ///< every link of the model, in its order
+  /// One sentence for each joint that moves a link beside the chain (counterbalance cylinders, parallel
+  /// links, grippers): the link is taken as fixed to its parent, with the joint at 0 or at the limit nearest
+  /// to it.
+  std::vector<std::string> warnings;
 };
 
 /// The chain from `base` to `flange`. Throws InputError at `model.file` when one of these is not a link,
-/// there are not six revolute or continuous joints between them, or another joint moves.
+/// or there are not six revolute or continuous joints between them that move by themselves.
 ChainOfLinks FindChain(const UrdfModel& model, const std::string& base, const std::string& flange);
 
 /// Frames of the chain in S: index 0 is S, 1..6 the moving links, 7 the flange link E; mm.

@@ -172,7 +172,9 @@ class Reader {
       if (!end) Add(joint.line, fmt::format("joint '{}' lacks <{}>", joint.name, tag));
       if (end) *name = Attribute(*end, "link");
     }
-    if (const XMLElement* axis = element.FirstChildElement("axis")) {
+    joint.mimic = element.FirstChildElement("mimic") != nullptr;
+    const XMLElement* axis = element.FirstChildElement("axis");
+    if (axis && joint.type != UrdfJoint::Type::kFixed) {  // exporters write 0 0 0 for fixed joints
       joint.axis = Triple(*axis, "xyz", joint.axis);
       if (joint.axis.norm() < 1e-6) Add(axis->GetLineNum(), "<axis> xyz: allowed: not all zero");
       joint.axis.normalize();

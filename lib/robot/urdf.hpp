@@ -34,9 +34,10 @@ struct UrdfJoint {
   int line = 0;
   Type type = Type::kFixed;
   Pose X_PC = Pose::Identity();                     ///< the child in the parent at joint value 0, mm
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< in the child, unit
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< in the child, unit; of a joint that moves
   double lower = 0, upper = 0;                      ///< rad; of a revolute joint
   double speed = 0;                                 ///< rad/s; 0: not given
+  bool mimic = false;                               ///< follows another joint
 };
 
 /// What a URDF says of links, joints and collision geometry. Visuals, inertias and transmissions are left.

@@ -31,8 +31,7 @@ Vector3d EdgeForce(const Cut& cut, const Engagement& engagement, double phi) {
   if (phi < engagement.start || phi > engagement.end) return Vector3d::Zero();
   const auto [s, c] = SinCos(phi);
   const double chip = cut.feed_per_tooth * std::max(0.0, s);
-  const double tangential =
-      chip > 0 ? cut.material.kc11 * cut.depth * std::pow(chip, 1 - cut.material.mc) : 0.0;
+  const double tangential = chip > 0 ? cut.material.kc11 * cut.depth * Pow(chip, 1 - cut.material.mc) : 0.0;
   const double radial = cut.radial_ratio * tangential;
   return {-tangential * c - radial * s, tangential * s - radial * c, cut.axial_ratio * tangential};
 }

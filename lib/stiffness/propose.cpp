@@ -2,6 +2,7 @@
 #include <Eigen/LU>
 #include <limits>
 
+#include "base/trig.hpp"
 #include "stiffness/identify_system.hpp"
 
 namespace millpose {
@@ -34,7 +35,7 @@ class Design {
     const auto n = static_cast<Eigen::Index>(keep_.size());
     Eigen::MatrixXd information = 1e-9 * Eigen::MatrixXd::Identity(n, n);
     for (const size_t i : chosen) information += rows_[i].transpose() * rows_[i];
-    return std::log(information.fullPivLu().determinant());
+    return Log(information.fullPivLu().determinant());
   }
 
   bool ObservesAll(const std::vector<size_t>& chosen) const {

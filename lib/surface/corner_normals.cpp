@@ -3,12 +3,14 @@
 
 #include <numeric>
 
+#include "base/trig.hpp"
+
 namespace millpose {
 namespace {
 
 // atan2 keeps its accuracy at both ends, where acos of the scalar product loses half the digits.
 double Angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
+  return Atan2(a.cross(b).norm(), a.dot(b));
 }
 
 int CornerAt(const std::array<int, 3>& face, int vertex) {

@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/curve.hpp"
 
+#include "base/trig.hpp"
+
 namespace millpose {
 
 Eigen::Vector3d CurvePiece::At(double t) const {
   if (t <= 0) return start;
   if (t >= 1) return end;
   if (!arc) return start + t * (end - start);
-  const double angle = angle0 + t * (angle1 - angle0);
-  return centre + std::cos(angle) * u + std::sin(angle) * v;
+  const SineCosine turn = SinCos(angle0 + t * (angle1 - angle0));
+  return centre + turn.cos * u + turn.sin * v;
 }
 
 Eigen::Vector3d CurvePiece::Direction(double t) const {
   if (!arc) return (end - start).normalized();
-  const double angle = angle0 + t * (angle1 - angle0);
-  const Eigen::Vector3d turning = std::cos(angle) * v - std::sin(angle) * u;
+  const SineCosine turn = SinCos(angle0 + t * (angle1 - angle0));
+  const Eigen::Vector3d turning = turn.cos * v - turn.sin * u;
   return (angle1 < angle0 ? Eigen::Vector3d(-turning) : turning).normalized();
 }
 

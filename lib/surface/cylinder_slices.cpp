@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "base/parallel.hpp"
+#include "base/trig.hpp"
 #include "surface/link_chains.hpp"
 #include "surface/triangle.hpp"
 
@@ -100,7 +101,7 @@ class CylinderCut {
 
   double AngleOf(const Eigen::Vector3d& p) const {
     const Eigen::Vector3d d = p - axis_.point;
-    return std::atan2(d.dot(v_), d.dot(u_));
+    return Atan2(d.dot(v_), d.dot(u_));
   }
 
   // The ellipse in which the face's plane meets the cylinder, over the angle about the axis.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/trig.hpp"
+
 namespace millpose {
 namespace {
 
@@ -24,7 +26,7 @@ std::vector<Spoke> SpokesOf(const Triangles& mesh, std::span<const EdgeSide> sid
   for (const EdgeSide& side : sides) {
     const auto& face = mesh.faces[FaceOf(side.side)];
     const Eigen::Vector3d apex = mesh.vertices[face[(CornerOf(side.side) + 2) % 3]] - origin;
-    spokes.push_back({std::atan2(apex.dot(v), apex.dot(u)), face[CornerOf(side.side)] == side.low, side.side,
+    spokes.push_back({Atan2(apex.dot(v), apex.dot(u)), face[CornerOf(side.side)] == side.low, side.side,
                       component[FaceOf(side.side)]});
   }
   std::ranges::stable_sort(spokes, {}, &Spoke::angle);

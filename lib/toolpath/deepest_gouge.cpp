@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/deepest_gouge.hpp"
 
+#include "base/trig.hpp"
+
 namespace millpose {
 namespace {
 
@@ -13,12 +15,12 @@ struct Depth {
 
 // Depth of a point given in the tool's frame: negative distance from the rounded cylinder.
 Depth DepthAt(const CutterShape& cutter, const Eigen::Vector3d& p) {
-  const double r = cutter.corner_radius, distance = std::hypot(p.x(), p.y());
+  const double r = cutter.corner_radius, distance = Hypot(p.x(), p.y());
   const double out = distance - (cutter.radius - r), down = r - p.z();
   const Eigen::Vector3d outwards =
       distance > 0 ? Eigen::Vector3d(p.x() / distance, p.y() / distance, 0) : Eigen::Vector3d::UnitX();
   if (out > 0 && down > 0) {
-    const double length = std::hypot(out, down);
+    const double length = Hypot(out, down);
     return {r - length, (down * Eigen::Vector3d::UnitZ() - out * outwards) / length};
   }
   return out > down ? Depth{r - out, -outwards} : Depth{r - down, Eigen::Vector3d::UnitZ()};
@@ -103,7 +105,7 @@ Gouge Search(const Mesh& mesh, const CutterShape& cutter, const Eigen::Vector3d&
   R.row(1) = axis.cross(R.row(0).transpose());
   DeepestPoint deepest(cutter, tolerance);
   Gouge gouge;
-  const double reach = std::hypot(cutter.radius, cutter.length / 2);
+  const double reach = Hypot(cutter.radius, cutter.length / 2);
   for (const int face : mesh.FacesNear(tip + axis * cutter.length / 2, reach)) {
     Corners corner;
     for (int k = 0; k < 3; ++k) corner[k] = R * (mesh.Corner(face, k) - tip);

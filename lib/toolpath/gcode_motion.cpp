@@ -14,18 +14,6 @@ constexpr double kMaxLength = 1e7;  // mm
 
 }  // namespace
 
-void GcodeModes::SetFeed() {
-  if (!feed_word) return;
-  const double unit = inch_feed ? 25.4 : 1;
-  if (feed_mode == 93) {
-    inverse_time = *feed_word / 60;
-    feed = 0;
-    feed_word.reset();  // holds for its block
-  } else {
-    feed = *feed_word * unit * (feed_mode == 95 ? revolutions : 1.0 / 60);
-  }
-}
-
 void GcodeMotion::TakeFrame(const GcodeBlock& block) {
   frame_.Take(block, modes_.Unit(), value_of_);
   if (!IsPlaced()) known_ = {};

@@ -21,6 +21,8 @@ struct GcodeModes {
   double feed = 0, inverse_time = 0, revolutions = 0;  ///< mm/s, 1/s of the next motion, 1/s
 
   double Unit() const { return inch ? 25.4 : 1; }  ///< mm
+  /// G numbers of motion, plane, units, steps and feed; false for others.
+  bool TakeG(double g);
   /// Makes the feed of the word and the mode.
   void SetFeed();
 };
@@ -39,6 +41,9 @@ struct GcodeMove {
     const auto found = parameters.find(letter);
     return found == parameters.end() ? nullptr : found->second;
   }
+  /// Takes X to Z, A to C, I to K and A3 to C3; false for other words. Throws InputError for a word that is
+  /// there twice.
+  bool Put(const GcodeWord& word, bool vector_in_ijk);
   bool HasCentre() const { return centre[0] || centre[1] || centre[2]; }
   bool HasLinear() const { return linear[0] || linear[1] || linear[2]; }
   bool HasTurn() const { return rotary[0] || rotary[1] || rotary[2] || vector[0] || vector[1] || vector[2]; }

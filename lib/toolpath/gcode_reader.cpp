@@ -99,23 +99,8 @@ class GcodeReader {
       return std::ranges::find(list, g) != list.end();
     };
     parameters_ += ParametersOfG(g);
-    if (is({0, 1, 2, 3})) {
-      modes_.motion = static_cast<int>(g);
-      cycles_.End();
-    } else if (is({17, 18, 19})) {
-      modes_.plane = static_cast<int>(g) - 17;
-    } else if (is({20, 70, 700})) {
-      modes_.inch = true;
-      modes_.inch_feed = g != 70;
-    } else if (is({21, 71, 710})) {
-      modes_.inch = modes_.inch_feed = false;
-    } else if (is({90, 91})) {
-      modes_.incremental = g == 91;
-    } else if (is({90.1, 91.1})) {
-      modes_.absolute_centre = g == 90.1;
-    } else if (is({93, 94, 95})) {
-      modes_.feed_mode = static_cast<int>(g);
-      modes_.feed_word.reset();
+    if (modes_.TakeG(g)) {
+      if (g <= 3) cycles_.End();
     } else if (is({43.4, 43.5, 234, 49})) {
       motion_.SetTipProgramming(g != 49);
       modes_.vector_in_ijk = g == 43.5;
@@ -151,21 +136,9 @@ class GcodeReader {
 
   void TakeWord(const GcodeWord& word, GcodeMove& move) {
     const std::string& address = word.address;
-    const auto slot = [&](std::string_view letters) { return letters.find(address[0]); };
     if (word.kind == Kind::kName || word.kind == Kind::kCall) return TakeName(word, move);
-    const auto put = [&](std::array<const GcodeWord*, 3>& words, size_t i) {
-      if (std::exchange(words[i], &word))
-        throw InputError(word.place, address + " is there twice in the block");
-    };
-    if (address.size() == 1 && slot("XYZ") != std::string::npos) {
-      put(move.linear, slot("XYZ"));
-    } else if (address.size() == 1 && slot("ABC") != std::string::npos) {
-      put(move.rotary, slot("ABC"));
-    } else if (address.size() == 1 && slot("IJK") != std::string::npos) {
-      put(modes_.vector_in_ijk ? move.vector : move.centre, slot("IJK"));
-    } else if (address.size() == 2 && address[1] == '3' && slot("ABC") != std::string::npos) {
-      put(move.vector, slot("ABC"));
-    } else if (address == "CR" || address == "R") {
+    if (move.Put(word, modes_.vector_in_ijk)) return;
+    if (address == "CR" || address == "R") {
       move.radius = &word;
     } else if (address == "TURN") {
       move.turns = &word;
@@ -178,7 +151,7 @@ class GcodeReader {
     } else if (address == "T") {
       ++tools_;
       motion_.SetFresh();
-    } else if (address.size() == 1 && slot("PQLEUVW") != std::string::npos) {
+    } else if (address.size() == 1 && std::string_view("PQLEUVW").find(address) != std::string::npos) {
       move.parameters[address[0]] = &word;
     } else {
       TakeOther(word);

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "base/rotation.hpp"
 #include "toolpath/resample.hpp"
 #include "toolpath/strategy.hpp"
 #include "toolpath/track.hpp"
@@ -85,9 +86,9 @@ class PassMaker {
     point.normal = normal_ ? *normal_ : NormalOn(mesh_, normals_, piece, point.position);
     const Eigen::Vector3d travel = Travel(curve, at, options_.chord_tolerance);
     point.feed = (travel - travel.dot(point.normal) * point.normal).normalized();
-    const Eigen::Vector3d leaning =
-        std::cos(options_.lead) * point.normal + std::sin(options_.lead) * point.feed;
-    point.tool_axis = Eigen::AngleAxisd(options_.tilt, point.feed) * leaning;
+    const SineCosine lead = SinCos(options_.lead);
+    const Eigen::Vector3d leaning = lead.cos * point.normal + lead.sin * point.feed;
+    point.tool_axis = RotationAbout(point.feed, options_.tilt) * leaning;
     point.feed_rate = options_.feed_rate;
     point.arc_length = at.arc_length;
     return point;

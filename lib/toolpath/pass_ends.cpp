@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/pass_ends.hpp"
 
+#include "base/trig.hpp"
+
 namespace millpose {
 namespace {
 
@@ -11,14 +13,15 @@ std::vector<Eigen::Vector2d> LeadWay(const PassEnds& ends, double spacing) {
   if (ends.overrun > 0) corners.emplace_back(ends.overrun, 0);
   const Eigen::Vector2d from = corners.back();
   if (ends.lead == LeadShape::kNormal) corners.emplace_back(from.x(), ends.lead_length);
-  if (ends.lead == LeadShape::kRamp)
-    corners.emplace_back(from + ends.lead_length *
-                                    Eigen::Vector2d(std::cos(ends.ramp_angle), std::sin(ends.ramp_angle)));
+  if (ends.lead == LeadShape::kRamp) {
+    const SineCosine ramp = SinCos(ends.ramp_angle);
+    corners.emplace_back(from + ends.lead_length * Eigen::Vector2d(ramp.cos, ramp.sin));
+  }
   if (ends.lead == LeadShape::kArc) {
     constexpr int kSteps = 12;  // 7.5° each: chords deviate by 0.2 % of the radius
     for (int k = 1; k <= kSteps; ++k) {
-      const double angle = kPi / 2 * k / kSteps;
-      corners.emplace_back(from + ends.lead_length * Eigen::Vector2d(std::sin(angle), 1 - std::cos(angle)));
+      const SineCosine turn = SinCos(kPi / 2 * k / kSteps);
+      corners.emplace_back(from + ends.lead_length * Eigen::Vector2d(turn.sin, 1 - turn.cos));
     }
   }
   std::vector<Eigen::Vector2d> way;

@@ -2,6 +2,7 @@
 #include "toolpath/region_term.hpp"
 
 #include "base/error.hpp"
+#include "base/trig.hpp"
 #include "surface/corner_normals.hpp"
 #include "surface/triangle.hpp"
 
@@ -12,8 +13,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::vector<char> Facing(const Mesh& mesh, const Eigen::Vector3d& direction, double within) {
   std::vector<char> facing(mesh.face_count());
+  const double least = SinCos(within).cos - 1e-12;
   for (int face = 0; face < mesh.face_count(); ++face)
-    facing[face] = mesh.FaceNormal(face).dot(direction) >= std::cos(within) - 1e-12 ? 1 : 0;
+    facing[face] = mesh.FaceNormal(face).dot(direction) >= least ? 1 : 0;
   return facing;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/ring_frame.hpp"
 
+#include "base/trig.hpp"
 #include "surface/triangle.hpp"
 
 namespace millpose {
@@ -20,7 +21,7 @@ Eigen::Vector3d RingFrame::Radial(const Eigen::Vector3d& p) const {
 
 double RingFrame::Angle(const Eigen::Vector3d& p, double seam) const {
   const Eigen::Vector3d d = p - axis_.point;
-  const double angle = std::atan2(d.dot(quarter_), d.dot(zero_)) - seam;
+  const double angle = Atan2(d.dot(quarter_), d.dot(zero_)) - seam;
   return angle - 2 * kPi * std::floor(angle / (2 * kPi));
 }
 
@@ -47,7 +48,8 @@ Curve RingFrame::Turned(const Curve& curve) const {
 }
 
 std::optional<double> RingFrame::SeamOn(const CurvePiece& piece, double seam) const {
-  const Eigen::Vector3d out = std::cos(seam) * zero_ + std::sin(seam) * quarter_;
+  const SineCosine turn = SinCos(std::remainder(seam, 2 * kPi));
+  const Eigen::Vector3d out = turn.cos * zero_ + turn.sin * quarter_;
   const Eigen::Vector3d side = about_.cross(out);
   const auto beyond = [&](double t) { return side.dot(piece.At(t) - axis_.point) >= 0; };
   if (beyond(0) || !beyond(1) || out.dot(piece.start - axis_.point) <= 0) return std::nullopt;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/scallop.hpp"
 
+#include "base/trig.hpp"
 #include "base/units.hpp"
 
 namespace millpose {
@@ -11,7 +12,7 @@ Eigen::Vector2d Unrolled(const Eigen::Vector2d& p, double curvature) {
   if (std::abs(curvature) < 1e-9) return p;
   const double radius = 1 / curvature;  // negative where the surface is concave
   const Eigen::Vector2d d = std::copysign(1.0, radius) * (p + Eigen::Vector2d(0, radius));
-  return {radius * std::atan2(std::copysign(1.0, radius) * d.x(), d.y()),
+  return {radius * Atan2(std::copysign(1.0, radius) * d.x(), d.y()),
           std::copysign(1.0, radius) * (d.norm() - std::abs(radius))};
 }
 
@@ -20,8 +21,8 @@ Eigen::Vector2d Unrolled(const Eigen::Vector2d& p, double curvature) {
 // The outline from the contact (place 0) over the end of a flat (1) to the cutter's side (2), on one side;
 // coordinates along the surface and out of it, the contact at the origin.
 Eigen::Vector2d Scallops::Outline(double place, double side) const {
-  const double a = cutter_.radius - cutter_.corner_radius, b = a * std::sin(lead_);
-  const double c = std::cos(tilt_), s = std::sin(tilt_);
+  const double a = cutter_.radius - cutter_.corner_radius, b = a * SinCos(lead_).sin;
+  const auto [s, c] = SinCos(tilt_);
   const auto support = [&](const Eigen::Vector2d& u) -> Eigen::Vector2d {
     const Eigen::Vector2d own(c * u.x() + s * u.y(), -s * u.x() + c * u.y());  // in the ellipse's axes
     const Eigen::Vector2d scaled(a * own.x(), b * own.y());
@@ -33,7 +34,7 @@ Eigen::Vector2d Scallops::Outline(double place, double side) const {
   const Eigen::Vector2d contact = support(down) + cutter_.corner_radius * down;
   const double angle = std::max(0.0, place - 1) * kPi / 2;
   // Just off the vertical a flat's support is its end.
-  const Eigen::Vector2d u(side * std::sin(std::max(angle, 1e-12)), -std::cos(angle));
+  const Eigen::Vector2d u(side * SinCos(std::max(angle, 1e-12)).sin, -SinCos(angle).cos);
   const Eigen::Vector2d p = support(u) + cutter_.corner_radius * u - contact;
   return place < 1 ? Eigen::Vector2d(place * p) : p;
 }

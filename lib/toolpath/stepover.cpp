@@ -3,6 +3,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "base/trig.hpp"
+
 namespace millpose {
 namespace {
 
@@ -69,7 +71,7 @@ void StepoverRule::AddNotes(std::vector<std::string>& notes) const {
     notes.push_back(fmt::format(
         "{:.1f} mm² of the region lie within {:.1f}° of the planes (cylinders) of the passes, where the "
         "step-over on the surface exceeds the wanted one; turn the passes or narrow the region",
-        area, RadToDeg(std::asin(1 / kMaxSlope))));
+        area, RadToDeg(Asin(1 / kMaxSlope))));
 }
 
 }  // namespace millpose

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/track.hpp"
 
+#include "base/trig.hpp"
+
 namespace millpose {
 namespace {
 
@@ -51,7 +53,7 @@ class Clipper {
 };
 
 double Angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
+  return Atan2(a.cross(b).norm(), a.dot(b));
 }
 
 double LengthBound(const Curve& curve) {

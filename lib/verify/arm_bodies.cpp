@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "verify/arm_bodies.hpp"
 
+#include "base/trig.hpp"
 #include "motion/line.hpp"
 #include "robot/kinematics.hpp"
 
@@ -8,7 +9,7 @@ namespace millpose {
 
 ArmBodies::ArmBodies(const Cell& cell) : cell_(cell) {
   const Arm& arm = cell.arm;
-  const double links = arm.a1 + arm.a2 + std::hypot(arm.d4, arm.dz) + arm.d6;
+  const double links = arm.a1 + arm.a2 + Hypot(arm.d4, arm.dz) + arm.d6;
   for (const Body& body : cell.bodies) {
     const bool on_tool = body.mount == Mount::kTool;
     if (!on_tool && body.mount != Mount::kLink) continue;

@@ -21,8 +21,8 @@ const Words& WordsOf(Cause cause) {
         "look at `controllers.{0}.texts` and the numbers of `controllers.{0}.outputs` in the cell"}},
       {Cause::kPath,
        {"place where the tool leaves the planned path", "places where the tool leaves the planned path",
-        "smaller `program_options.point_economy.angle_deg` and `chord_mm`, or a smaller "
-        "`path.max_joint_step_deg`"}},
+        "smaller `program_options.point_economy.angle_deg` and `chord_mm`, a larger "
+        "`program_options.path_tolerance_mm`, or a smaller `path.max_joint_step_deg`"}},
       {Cause::kFeed,
        {"motion whose feed is not the planned one", "motions whose feed is not the planned one",
         "a lower `process.feed_mm_min`; KRL: a larger `controllers.krl.orientation_speed_deg_s`"}},
@@ -31,7 +31,7 @@ const Words& WordsOf(Cause cause) {
         "`process.feed: reduce` (the default), or a lower `process.feed_mm_min`"}},
       {Cause::kCorner,
        {"corner rounded by too much, or passed too fast", "corners rounded by too much, or passed too fast",
-        "a smaller `toolpath.chord_tolerance_mm`, or a smaller `program_options.point_economy.angle_deg`"}},
+        "a larger `program_options.path_tolerance_mm` and `path_tolerance_deg`"}},
       {Cause::kStop,
        {"stop of the tool in the cut", "stops of the tool in the cut",
         "larger `controllers.{0}.max_motions` and `max_kbytes`"}},

@@ -248,6 +248,10 @@ std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const
                proofs);
     CompareWayStops(replayed, first(replayed), last(replayed), options, findings, proofs);
   }
+  if (plan.program.frames_checked && !replayed.program.frames_checked)
+    findings.push_back(At(replayed.program, 0, Cause::kOther,
+                          "nothing stops the program before its first motion where the controller's frame is "
+                          "another: the check of $ROBROOT is missing"));
   CompareSpindle(replayed, plan, options, findings);
   CompareOutputs(replayed, plan, cell, options, findings);
   return proofs;

@@ -11,12 +11,6 @@ CornerRounding RoundingOf(const Pose& before, const Pose& corner, const Pose& af
   return {std::min(farthest.position, motion.blend), std::min(farthest.angle, motion.angle_blend)};
 }
 
-Joints OverlapRounding(const Joints& before, const Joints& after, const Joints& acceleration,
-                       double shorter) {
-  const double stop = before.cwiseAbs().cwiseMax(after.cwiseAbs()).cwiseQuotient(acceleration).maxCoeff();
-  return std::min(stop, shorter) / 8 * (after - before);
-}
-
 std::vector<Joints> LargestRounding(const Joints& before, const Joints& q, const Joints& after, int count) {
   const Joints first = (before + q) / 2, last = (q + after) / 2;
   std::vector<Joints> places;

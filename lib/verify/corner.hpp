@@ -14,12 +14,6 @@ namespace millpose {
 CornerRounding RoundingOf(const Pose& before, const Pose& corner, const Pose& after, const Motion& motion,
                           bool by_distance);
 
-/// How far (rad, joint by joint) the joints are from a corner that a control passes by overlapping the
-/// slowing down of one motion with the speeding up of the next (LinuxCNC): a parabola over the time t that
-/// the slowest joint needs to stop, no longer than the shorter motion takes, leaves it by t/8 of the change
-/// of speed. Speeds in rad/s, `shorter` in s.
-Joints OverlapRounding(const Joints& before, const Joints& after, const Joints& acceleration, double shorter);
-
 /// The largest rounding of a joint motion at q that no stop ends (C_PTP): a parabola from half-way before to
 /// half-way behind, in joint space, `count` places of it from its begin to its end. How a controller rounds
 /// is its own; none begins earlier or ends later.

@@ -21,6 +21,12 @@ double AngleAboutAxis(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   return AngleBetweenAxes(a.col(0), back * b.col(0));
 }
 
+PathDeviation Apart(const Pose& place, const Pose& pose, size_t segment) {
+  return {(pose.translation() - place.translation()).norm(),
+          AngleBetweenAxes(place.linear().col(2), pose.linear().col(2)),
+          AngleAboutAxis(place.linear(), pose.linear()), segment};
+}
+
 }  // namespace
 
 bool PathDeviation::Within(const VerifyOptions& options) const {
@@ -49,13 +55,11 @@ PathDeviation PathFollower::Measure(const Pose& pose, size_t segment, double fro
     place = AngleBetween(line.At(0).linear(), pose.linear()) / line.angle();
   }
   share = std::clamp(place, from, 1.0);
-  const Pose nearest = line.At(share);
-  PathDeviation deviation;
-  deviation.segment = segment;
-  deviation.position = (pose.translation() - nearest.translation()).norm();
-  deviation.axis = AngleBetweenAxes(nearest.linear().col(2), pose.linear().col(2));
-  deviation.rotation = AngleAboutAxis(nearest.linear(), pose.linear());
-  return deviation;
+  return Apart(line.At(share), pose, segment);
+}
+
+PathDeviation PathFollower::Off(const Pose& pose) const {
+  return Apart(lines_[segment_].At(share_), pose, segment_);
 }
 
 PathDeviation PathFollower::Follow(const Pose& pose) {

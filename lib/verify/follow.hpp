@@ -29,6 +29,8 @@ class PathFollower {
   /// Moves on to where `pose` fits within tolerance, staying on the segment as long as it fits. Where it fits
   /// nowhere ahead the follower stays and the nearest deviation is returned.
   PathDeviation Follow(const Pose& pose);
+  /// How far `pose` lies from the place where the follower stands.
+  PathDeviation Off(const Pose& pose) const;
   /// The segment where the follower stands.
   size_t segment() const { return segment_; }
 

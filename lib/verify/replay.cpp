@@ -3,8 +3,8 @@
 
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
+#include "program/programmed_line.hpp"
 #include "robot/kinematics.hpp"
-#include "verify/programmed_line.hpp"
 
 namespace millpose {
 namespace {
@@ -30,6 +30,7 @@ int StepsOf(const ProgrammedLine& line, double step) {
 ProgrammedLine LineOf(const MotionProgram& program, size_t index, const Pose& X_BT) {
   const Motion& motion = program.motions[index];
   const Pose target = ProgrammedTool(program, motion);
+  if (program.swivel) return {X_BT, target, *program.swivel};
   if (!motion.angles) return {X_BT, target};
   const Motion* before = index > 0 ? &program.motions[index - 1] : nullptr;
   const Eigen::Vector3d first =
@@ -145,6 +146,27 @@ Replay ReplayTargets(const MotionProgram& program, const Cell& cell, std::vector
     replay.reached.push_back(target.has_value());
   }
   return replay;
+}
+
+std::vector<ProgrammedLine> OtherWays(const MotionProgram& program, const Replay& replay, const Cell& cell,
+                                      size_t index) {
+  if (!program.any_turn || index == 0 || program.motions[index].type != MotionType::kLinear) return {};
+  const Motion& motion = program.motions[index];
+  const Pose X_PB = program.X_BP.value_or(Pose::Identity()).inverse();
+  const Pose start = X_PB * ForwardFlange(cell.arm, replay.targets[index - 1]) * ToolOf(program, cell);
+  std::vector<ProgrammedLine> ways = {ProgrammedLine(start, motion.X_PT)};
+  if (!motion.angles) return ways;
+  // Behind a joint motion the control finds A, B, C itself; where they have no one value (B at 90 degrees, an
+  // angle at 180) it is taken to turn the shorter way.
+  const Eigen::Vector3d first = program.motions[index - 1].angles.value_or(
+      ToolAnglesNear(program.rotation, start.linear() * program.R_TC, *motion.angles));
+  ways.emplace_back(start.translation(), motion.X_PT.translation(), program.rotation, program.R_TC, first,
+                    *motion.angles);
+  return ways;
+}
+
+Pose RealTool(const MotionProgram& program, const Cell& cell, const Pose& X_PT) {
+  return program.X_BP.value_or(Pose::Identity()) * X_PT * ToolOf(program, cell).inverse() * cell.X_FT;
 }
 
 void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay& replay, size_t index,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "cell/cell.hpp"
+#include "program/programmed_line.hpp"
 #include "verify/verify.hpp"
 
 namespace millpose {
@@ -29,6 +30,13 @@ Replay ReplayTargets(const MotionProgram& program, const Cell& cell, std::vector
 /// ends there.
 void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay& replay, size_t index,
                     double step, std::vector<Instant>& instants, std::vector<Finding>& findings);
+
+/// The straight motion `index` in P as the control may also turn the tool (MotionProgram::any_turn); empty
+/// where there is but one way.
+std::vector<ProgrammedLine> OtherWays(const MotionProgram& program, const Replay& replay, const Cell& cell,
+                                      size_t index);
+/// X_BT of the cell's real tool where the program believes its own to be at X_PT.
+Pose RealTool(const MotionProgram& program, const Cell& cell, const Pose& X_PT);
 
 /// A finding at a motion of `program`.
 Finding At(const MotionProgram& program, size_t motion, Cause cause, std::string message);

@@ -98,6 +98,8 @@ void RunComparison::CompareForward() {
       findings_.push_back(
           At(replayed_.program, instant.motion, Cause::kPath,
              fmt::format("{} leaves the plan: {}", Name(deviation.segment), deviation.Text())));
+    } else if (reported != instant.motion && CompareOtherWays(instant, follower)) {
+      reported = instant.motion;
     }
     // Feed is a property of a motion; the middle of it tells which planned one it belongs to.
     if (i > 0 && instant.share >= 0.5 && slow != instant.motion) {
@@ -108,6 +110,26 @@ void RunComparison::CompareForward() {
     proof.clearance_share = std::min(proof.clearance_share, PlanMotion(follower.segment()).clearance_share);
     if (proof.proven && LeavesProven(instant.q, follower.segment())) proof.proven = false;
   }
+}
+
+/// Whether a way in which the control may also turn the tool leaves the plan where the replayed one is.
+bool RunComparison::CompareOtherWays(const Instant& instant, const PathFollower& follower) {
+  if (!replayed_.program.any_turn) return false;
+  if (ways_of_ != instant.motion)
+    ways_ = OtherWays(replayed_.program, replayed_.replay, cell_, instant.motion);
+  ways_of_ = instant.motion;
+  for (const ProgrammedLine& way : ways_) {
+    const Pose tool = X_PB_ * RealTool(replayed_.program, cell_, way.At(instant.share));
+    const PathDeviation deviation = follower.Off(tool);
+    if (deviation.Within(options_)) continue;
+    findings_.push_back(
+        At(replayed_.program, instant.motion, Cause::kPath,
+           fmt::format("{} leaves the plan if the control turns the tool otherwise than "
+                       "replayed, which its machine data decide (ori_ipo_with_g_code in the cell): {}",
+                       Name(deviation.segment), deviation.Text())));
+    return true;
+  }
+  return false;
 }
 
 /// What was proven of a cut is the joint motion between its points; of approach and retract the straight

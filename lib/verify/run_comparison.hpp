@@ -25,6 +25,7 @@ class RunComparison {
   bool LengthsFit();
   void Sample();
   void CompareForward();
+  bool CompareOtherWays(const Instant& instant, const PathFollower& follower);
   void CompareFeed(const Instant& before, const Instant& instant, size_t segment);
   bool LeavesProven(const Joints& q, size_t segment) const;
   void CompareBackward();
@@ -46,7 +47,9 @@ class RunComparison {
   Pose X_PB_;
   std::vector<Pose> path_;  // the plan's, segment k ends at path_[k + 1]
   std::vector<Instant> instants_;
-  std::vector<Pose> driven_;  // the instants' tools in P
+  std::vector<Pose> driven_;          // the instants' tools in P
+  std::vector<ProgrammedLine> ways_;  // other than replayed, of motion ways_of_
+  size_t ways_of_ = 0;
   std::vector<Finding> findings_;
 };
 

@@ -66,6 +66,21 @@ class Rules(unittest.TestCase):
             write(self.top, "lib/robot/arm.cpp", SPDX + text)
             self.expect("only lib/base does")
 
+    def test_the_c_librarys_trigonometry(self):
+        for text in ("double a = std::sin(b);\n", "double a = hypot(b, c);\n", "auto a = ::powf(b, c);\n", "using std::exp;\n",
+                     "const Eigen::AngleAxisd turn(a, axis);\n", "auto a = first.slerp(t, second);\n",
+                     "const auto a = b.array().log();\n", "std::normal_distribution<double> d;\n", "double a = std::log1p(b);\n"):
+            write(self.top, "lib/robot/arm.cpp", SPDX + text)
+            self.expect("arm.cpp:2: ")
+        write(self.top, "lib/robot/arm.cpp", SPDX)
+        write(self.top, "tests/golden/golden_test.cpp", SPDX + "double a = std::acos(b);\n")
+        self.expect("golden_test.cpp:2: std::acos( differs between processors; use base/trig.hpp")
+
+    def test_trigonometry_of_our_own_and_in_words(self):
+        write(self.top, "lib/robot/arm.cpp", SPDX + '// sin(a)\nauto text = "cos(q)"; /* pow(a,\nb) */ a = Asin(b) + SinCos(c).sin + '
+              'Pow(a, b) + Log(d) + t.exp + catalog(e) + record.log_at(f) + std::sqrt(g);\n')
+        self.expect()
+
     def test_missing_licence_line(self):
         write(self.top, "tests/x.py", "#!/usr/bin/env python3\nprint()\n")
         self.expect("SPDX")

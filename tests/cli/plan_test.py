@@ -169,7 +169,7 @@ class Plan(unittest.TestCase):
     def test_the_judge_reads_split_programs_and_finds_a_wrong_line_in_a_part(self):
         cell = BENCH.top / "cells/kr500_r2830.yaml"
         text = cell.read_text(encoding="utf-8")
-        small = text.replace("tool_axis: -x", "max_motions: 10, tool_axis: -x").replace(
+        small = text.replace("    tool_axis: -x", "    max_motions: 10\n    tool_axis: -x").replace(
             "tool_axis: z", "max_motions: 10, tool_axis: z")
         cell.with_name("split.yaml").write_text(small, encoding="utf-8")
         every_point = (r"(?m)^programs: ", "program_options: {point_economy: {chord_mm: 0}}\nprograms: ")

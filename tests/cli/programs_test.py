@@ -35,12 +35,12 @@ def straight(text):
 
 
 def cell(name, krl):
-    """A copy of the sample's cell with other settings for KRL."""
+    """A copy of the sample's cell with more keys for KRL."""
     path = BENCH.top / "cells/kr500_r2830.yaml"
     text = path.read_text(encoding="utf-8")
-    assert "krl: {tool_axis: -x}" in text
-    path.with_name(name + ".yaml").write_text(text.replace("krl: {tool_axis: -x}", f"krl: {{tool_axis: -x, {krl}}}"),
-                                              encoding="utf-8")
+    changed, count = re.subn(r"(?m)^    tool_axis: -x.*$", "\n".join(f"    {key}" for key in ["tool_axis: -x", *krl]), text)
+    assert count == 1
+    path.with_name(name + ".yaml").write_text(changed, encoding="utf-8")
     return path.with_name(name + ".yaml")
 
 
@@ -71,12 +71,12 @@ class Options(Planned):
             self.assertAlmostEqual(up[2] - line[2], 0 if line[2] > 49 else 25, 3)
 
     def test_numbered_frames_are_confirmed_with_the_values_that_they_must_hold(self):
-        numbered = cell("numbered", "base_number: 3, tool_number: 2, max_motions: 15")
+        numbered = cell("numbered", ["base_number: 3", "tool_number: 2", "max_motions: 15"])
         job, folder, text = self.plan("numbered", [("kr500_r2830", "numbered"), EVERY_POINT])
-        self.assertIn("\n$BASE = BASE_DATA[3]\n$TOOL = TOOL_DATA[2]\n", text)
-        self.assertNotIn("FRAME", text)
+        self.assertIn("\nBAS (#BASE,3 )\nBAS (#TOOL,2 )\n", text)
+        self.assertNotIn("$BASE = {FRAME", text)
         head = header(text)
-        self.assertEqual(head["base"], "BASE_DATA[3] must hold: workpiece in the robot base")
+        self.assertEqual(head["base"], "BASE_DATA[3] must hold: workpiece in $WORLD")
         self.assertEqual(head["base_pose"], "X 2076.000 Y 0.000 Z 1006.000, A 0.0000 B -90.0000 C 0.0000 (Z Y' X'')")
         self.assertEqual(head["tool"], "TOOL_DATA[2] must hold: spindle_d20 in the flange")
         self.assertEqual(head["tool_pose"], "X -250.000 Y 0.000 Z 250.000, A 180.0000 B 0.0000 C 90.0000 (Z Y' X'')")
@@ -99,14 +99,14 @@ class Options(Planned):
         result = BENCH.run("verify", main, "--cell", numbered)
         self.assertEqual(result.returncode, 2)
         self.assertIn("support_pad.src:1: the base is a frame that the controller holds", result.stderr)
-        main.write_text(text.replace("BASE_DATA[3]", "BASE_DATA[4]"), encoding="ascii")
+        main.write_text(text.replace("(#BASE,3 )", "(#BASE,4 )"), encoding="ascii")
         result = BENCH.run("verify", main, "--cell", numbered)
         self.assertEqual(result.returncode, 2)
-        self.assertRegex(result.stderr, r"support_pad\.src:\d+:\d+: .*BASE_DATA\[3\]")
+        self.assertRegex(result.stderr, r"support_pad\.src:\d+:\d+: .*3 expected, as in the cell")
 
     def test_a_program_that_is_not_confirmed_withholds_no_other(self):
         # $VEL.ORI so low that motions which turn the tool a little fall far below their feed, in KRL alone.
-        cell("slow", "orientation_speed_deg_s: 0.0001")
+        cell("slow", ["orientation_speed_deg_s: 0.0001"])
         job = BENCH.job("support_pad", CUT_DOWN + [("kr500_r2830", "slow"), EVERY_POINT], "slow")
         result, folder = BENCH.plan(job, "slow")
         self.assertEqual(result.returncode, 1, result.stdout + result.stderr)

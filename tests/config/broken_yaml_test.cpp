@@ -174,6 +174,10 @@ const Slip kJobSlips[] = {
     {"programs: [krl]", "programs: krl", 18, 11, "programs: given krl; allowed: a list"},
     {"programs: [krl]", "programs: [krl", 19, 1, "not YAML: "},
     {"programs: [krl]", "programs: [krl]\n---\nname: b", 19, 1, "a second document starts here"},
+    {"programs: [krl]",
+     "programs: [krl]\nprogram_options: {path_tolerance_mm: 0.01, point_economy: {chord_mm: 0.009}}", 19, 70,
+     "program_options.point_economy.chord_mm: given 0.009 mm; allowed: at most 0.8 of the path's tolerance, "
+     "0.008"},
     {"  spindle_rpm", "\tspindle_rpm", 15, 1, "given a tab in the indentation"},
     {"name: part", "name: pa\x04rt", 2, 9, "given the control character 0x04"},
 };
@@ -238,13 +242,17 @@ TEST(BrokenYaml, ColumnsCountCharacters) {
 TEST(BrokenYaml, WhatAControllerCannotFollowIsNamedWithItsLine) {
   const std::string cell = kCell;
   const int line = 1 + static_cast<int>(std::ranges::count(cell, '\n'));
-  const std::array<std::pair<const char*, const char*>, 10> slips = {{
+  const std::array<std::pair<const char*, const char*>, 12> slips = {{
       {"  sinumerik: {rotation: rpy}\n", "controllers.sinumerik: settable_frame is missing"},
       {"  krl: {ori_ipo_with_g_code: true}\n",
        "controllers.krl.ori_ipo_with_g_code: krl programs do not know this"},
       {"  sinumerik: {settable_frame: 505, base_number: 2}\n",
        "controllers.sinumerik.base_number: sinumerik programs do not know this"},
       {"  krl: {motion: spline}\n", "controllers.krl.motion: is no longer a key: KRL cuts are LIN"},
+      {"  krl: {external_axes: [1], ersysroot: {pose: {}, axis: 2}}\n",
+       "controllers.krl.ersysroot: its axis E2 is none of the 1 external_axes"},
+      {"  sinumerik: {settable_frame: 505, robroot: {}}\n",
+       "controllers.sinumerik.robroot: sinumerik programs do not know this"},
       {"  linuxcnc: {external_axes: [1]}\n",
        "controllers.linuxcnc.external_axes: linuxcnc programs do not know"},
       {"  krl: {rotation: euler}\n",

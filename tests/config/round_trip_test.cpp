@@ -40,6 +40,7 @@ tool:
   x_in_flange: [0.1, 0, 1]
   cutter: {shape: bull, diameter_mm: 20, cutting_length_mm: 40, corner_radius_mm: 2}
   stack: [{name: cutter, class: cutter, length_mm: 60, diameter_mm: 20, top_diameter_mm: 30}]
+  load: {mass_kg: 182.5, centre_in_flange_mm: [0, 5, 140], inertia_kg_m2: [9, 11, 4.5]}
 bodies:
   - {name: a, class: link, mount: link3, shape: {capsule: {diameter_mm: 9, length_mm: 600}}}
   - {name: b, class: fixture, mount: workpiece, shape: {sphere: {diameter_mm: 9}}, pose: {abc_deg: [1, 2, 3]}}
@@ -53,6 +54,13 @@ controllers:
     texts: {spindle_on: "$OUT[1]=TRUE\nWAIT SEC 2\n", footer: "true"}
     calls: [{name: WASH, moves: false}, {name: PARK, moves: true, from_deg: [1, 2, 3, 4, 5, 6], to_deg: [0, 0, 0, 0, 0, 0.1]}]
     path_acceleration_m_s2: 1.5
+    robroot: {xyz_mm: [50, 0, 120], abc_deg: [90, 0, 0]}
+    external_axes: [10, 1500]
+    ersysroot: {pose: {xyz_mm: [0, -200, 300]}, axis: 2, direction: -y}
+    write_load: true
+    tool_direction: z
+    block_time_ms: 8
+    program_memory_kbytes: 8000
     outputs: [{number: 3, at: cut_begin, set: true, delay_ms: -20}, {number: 3, at: cut_end, set: false}]
   linuxcnc: {coordinates: cartesian, rotation: euler, outputs: [{number: 0, at: cut_end, set: true}]}
 )";
@@ -113,7 +121,7 @@ TEST(RoundTrip, EveryConditionOfARegionSurvives) {
   EXPECT_EQ(region.connected->crease, DegToRad(15));
   EXPECT_EQ(region.all.at(0).facing_within, DegToRad(7));
   ASSERT_EQ(region.any.size(), 2u);
-  EXPECT_EQ(region.any[0].box->back(), Eigen::Vector3d(1, 1, 1));
+  EXPECT_EQ(region.any[0].box->upper, Eigen::Vector3d(1, 1, 1));
   EXPECT_EQ(region.any[1].polygon->points.at(2).y(), 1.5);
   EXPECT_EQ(region.none.at(0).connected->seed, Eigen::Vector3d(7, 8, 9));
   EXPECT_EQ(region.rim_distance, 2.5);
@@ -146,6 +154,16 @@ TEST(RoundTrip, WhatProgramsAreMadeOfSurvives) {
   const CellSettings cell = ParseCell(written, "written");
   const ControllerSettings& krl = cell.controllers.at("krl");
   EXPECT_EQ(krl.path_acceleration, 1500);
+  EXPECT_EQ(krl.robroot->position, Eigen::Vector3d(50, 0, 120));
+  EXPECT_EQ(krl.ersysroot->pose.position, Eigen::Vector3d(0, -200, 300));
+  EXPECT_EQ(krl.ersysroot->axis, 2);
+  EXPECT_EQ(krl.ersysroot->direction, "-y");
+  EXPECT_EQ(krl.tool_direction, "z");
+  EXPECT_EQ(krl.block_time, 0.008);
+  EXPECT_EQ(krl.memory_kbytes, 8000);
+  EXPECT_TRUE(krl.write_load);
+  EXPECT_EQ(cell.tool.load->mass, 182.5);
+  EXPECT_EQ(cell.tool.load->inertia, Eigen::Vector3d(9, 11, 4.5));
   ASSERT_EQ(krl.outputs.size(), 2u);
   EXPECT_EQ(krl.outputs[0].delay, -0.02);
   EXPECT_FALSE(krl.outputs[1].on);
@@ -154,9 +172,13 @@ TEST(RoundTrip, WhatProgramsAreMadeOfSurvives) {
   EXPECT_DOUBLE_EQ((*krl.calls[1].to)[5], DegToRad(0.1));
   EXPECT_EQ(cell.controllers.at("linuxcnc").coordinates, "cartesian");
   std::string text = ReadFile(std::filesystem::path(SourceDir()) / "toolpaths/support_pad/job.yaml");
-  text += "program_options: {point_economy: {chord_mm: 0}, dry_run_offset_mm: 20, date: today}\n";
+  text +=
+      "program_options: {path_tolerance_mm: 0.05, point_economy: {chord_mm: 0}, dry_run_offset_mm: 20, date: "
+      "today}\n";
   const JobSettings job = ParseJob(WriteJob(ParseJob(text, "job")), "written");
+  EXPECT_EQ(job.program_options.path_tolerance, 0.05);
   EXPECT_EQ(job.program_options.chord_tolerance, 0);
+  EXPECT_FALSE(job.program_options.angle_tolerance);
   EXPECT_EQ(job.program_options.dry_run_offset, 20);
   EXPECT_EQ(job.program_options.date, "today");
 }

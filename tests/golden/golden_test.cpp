@@ -15,7 +15,9 @@ namespace {
 
 void ExpectGolden(const std::string& controller, const std::string& folder, const PlanResult& plan,
                   const PostSettings& settings) {
-  const ProgramFiles files = MakePost(controller)->Write(MakeMotionProgram(plan), plan.arm, settings);
+  MotionProgram program = MakeMotionProgram(plan);
+  program.frames_checked = controller == "krl";
+  const ProgramFiles files = MakePost(controller)->Write(program, plan.arm, settings);
   for (const auto& [name, text] : files) {
     const std::filesystem::path golden = std::filesystem::path(SourceDir()) / "tests/golden" / folder / name;
     if (std::getenv("MILLPOSE_UPDATE_GOLDEN") != nullptr) {

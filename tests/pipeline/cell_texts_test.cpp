@@ -15,7 +15,7 @@ namespace {
 std::pair<CellSettings, int> CellWith(const std::string& lines) {
   const std::string name = std::string(SourceDir()) + "/cells/kr500_r2830.yaml";
   std::string text = ReadFile(name);
-  const size_t section = text.find("\n  krl:") + 1, at = text.find('\n', section) + 1;
+  const size_t section = text.find("\n  krl:") + 1, at = text.find("\n  sinumerik:") + 1;
   text.replace(section, at - section, "  krl:\n    tool_axis: -x\n" + lines);
   const int line =
       3 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(section), '\n'));

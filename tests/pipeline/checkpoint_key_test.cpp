@@ -45,7 +45,7 @@ TEST(ValueBytes, SeesAllFieldsOfWhatStagesAreHanded) {
   static_assert(CountFields<PathOptions>() == 13);
   static_assert(CountFields<GapOptions>() == 6);
   static_assert(CountFields<PoseProblem>() == 9);
-  static_assert(CountFields<MillingPoint>() == 10);
+  static_assert(CountFields<MillingPoint>() == 11);
   static_assert(CountFields<Body>() == 6);
 }
 

@@ -194,5 +194,31 @@ TEST_F(UrdfCell, LinksWithoutBodiesAndDoubleStatementsAreErrors) {
   EXPECT_NE(ErrorOf(With(kCell, "tool0}", "tol0}"), urdf_).find("nearest: tool0"), std::string::npos);
 }
 
+TEST_F(UrdfCell, NeighboursThatTouchInEveryPoseAreProposedOrTaken) {
+  // Covers of links 2 and 4 that reach into each other, and one of link 5 that does not.
+  const auto ball = [](const char* name, const char* mount, double x, double diameter) {
+    return fmt::format(
+        "  - {{name: {}, class: link, mount: {}, shape: {{sphere: {{diameter_mm: {}}}}}, pose: {{xyz_mm: "
+        "[{}, 0, 0]}}}}\n",
+        name, mount, diameter, x);
+  };
+  const std::string cell = kCell + ball("big", "link2", 0, 9000) + ball("inside", "link4", 0, 20) +
+                           ball("far", "link3", 90000, 20);
+  const CellSettings told = Load(cell, urdf_);
+  const auto names = [](const std::string& text) {
+    return text.find("'big' and 'inside' touch in each of 200 poses");
+  };
+  EXPECT_EQ(
+      std::ranges::count_if(told.warnings, [&](const auto& w) { return names(w) != std::string::npos; }), 1);
+  EXPECT_TRUE(told.excluded_pairs.empty());
+  const CellSettings taken = Load(cell + "auto_excluded_pairs: true\n", urdf_);
+  const std::pair<std::string, std::string> pair("big", "inside");
+  EXPECT_NE(std::ranges::find(taken.excluded_pairs, pair), taken.excluded_pairs.end());
+  EXPECT_FALSE(taken.auto_excluded_pairs) << "the cell that is written holds the pairs";
+  for (const auto& [a, b] : taken.excluded_pairs) EXPECT_TRUE(a != "far" && b != "far");
+  EXPECT_TRUE(
+      std::ranges::none_of(taken.warnings, [&](const auto& w) { return names(w) != std::string::npos; }));
+}
+
 }  // namespace
 }  // namespace millpose

@@ -100,11 +100,13 @@ TEST(ReaderPlaces, NoPauseInAKrlCut) {
 }
 
 TEST(ReaderPlaces, KrlSettingsStayOutOfCuts) {
-  for (const std::string setting : {"$APO.CDIS = 0.02", "$VEL.ORI1 = 100", "$VEL.ORI2 = 100", "$ADVANCE = 3",
-                                    "$ORI_TYPE = #VAR", "BAS (#VEL_PTP,20 )", "INTERRUPT ON 3"}) {
+  for (const std::string setting :
+       {"$APO.CDIS = 0", "$APO.CDIS = -0.02", "$VEL.ORI1 = 100", "$VEL.ORI2 = 100", "$ADVANCE = 3",
+        "$ORI_TYPE = #VAR", "BAS (#VEL_PTP,20 )", "INTERRUPT ON 3"}) {
     EXPECT_TRUE(RefusedBefore("krl", kKrlCut, 2, setting));
   }
   EXPECT_TRUE(ReadBefore("krl", kKrlCut, 2, "$VEL.CP = 0.00133333"));  // a feed is allowed
+  EXPECT_TRUE(ReadBefore("krl", kKrlCut, 2, "$APO.CDIS = 0.02"));      // and so is another rounding
   EXPECT_TRUE(ReadBefore("krl", kKrlEntry, 1, "$APO.CDIS = 0.02"));
   EXPECT_TRUE(RefusedBefore("krl", kKrlEntry, 1, "INTERRUPT ON 3"));
 }

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/program/sample_plan.hpp"
 
+#include "base/rotation.hpp"
 #include "base/units.hpp"
+#include "program/bound_turns.hpp"
+#include "program/sinumerik.hpp"
 #include "robot/kinematics.hpp"
 
 namespace millpose {
 namespace {
 
-using Eigen::AngleAxisd;
 using Eigen::Vector3d;
 
 Joints Degrees(std::array<double, 6> degrees) { return Eigen::Map<Joints>(degrees.data()) * kRadPerDeg; }
@@ -15,12 +17,13 @@ Joints Degrees(std::array<double, 6> degrees) { return Eigen::Map<Joints>(degree
 /// The tool on a point of P, turned about its axis by `rotation` from the world's up.
 Pose ToolOn(const Pose& X_WP, const Vector3d& p_P, double tilt, double rotation) {
   Pose X_WT = Pose::Identity();
-  const Vector3d z = X_WP.linear() * (AngleAxisd(tilt, Vector3d(1, 2, 0).normalized()) * Vector3d::UnitZ());
+  const Vector3d z =
+      X_WP.linear() * (RotationAbout(Vector3d(1, 2, 0).normalized(), tilt) * Vector3d::UnitZ());
   const Vector3d x = (Vector3d::UnitZ() - z * z.z()).normalized();
   X_WT.linear().col(0) = x;
   X_WT.linear().col(1) = z.cross(x);
   X_WT.linear().col(2) = z;
-  X_WT.linear() = X_WT.linear() * AngleAxisd(rotation, Vector3d::UnitZ()).toRotationMatrix();
+  X_WT.linear() = X_WT.linear() * RotationAbout(Vector3d::UnitZ(), rotation);
   X_WT.translation() = X_WP * p_P;
   return X_WT;
 }
@@ -40,8 +43,8 @@ class SampleBuilder {
     plan_.X_WB.translation().z() = 100;
     plan_.X_FT = SampleTool();
     plan_.X_WP.translation() = Vector3d(2076, 30, 1106);
-    plan_.X_WP.linear() = AngleAxisd(shape.wall_yaw_deg * kRadPerDeg, Vector3d::UnitZ()).toRotationMatrix() *
-                          AngleAxisd(shape.wall_turn_deg * kRadPerDeg, Vector3d::UnitY()).toRotationMatrix();
+    plan_.X_WP.linear() = RotationAbout(Vector3d::UnitZ(), shape.wall_yaw_deg * kRadPerDeg) *
+                          RotationAbout(Vector3d::UnitY(), shape.wall_turn_deg * kRadPerDeg);
     plan_.home = Degrees({0, -90, 90, 0, 0, 0});
     plan_.spindle_speed = 7000.0 / 60;
     FindStart();
@@ -53,7 +56,7 @@ class SampleBuilder {
     Joints q = start_;
     for (size_t i = 0; i < places.size(); ++i) {
       PlannedPoint& planned = pass.points.emplace_back();
-      const double rotation = rotation_ + 0.01 * std::sin(2 * kPi * static_cast<double>(i) / places.size());
+      const double rotation = rotation_ + 0.01 * SinCos(2 * kPi * static_cast<double>(i) / places.size()).sin;
       const Pose X_WT = ToolOn(plan_.X_WP, places[i], tilt_, rotation);
       q = Solve(X_WT, q);
       planned.q = q;
@@ -165,8 +168,8 @@ PlanResult SamplePlan(const SampleShape& shape) {
   if (shape.ring) {
     std::vector<Vector3d> places;
     for (int i = 0; i < 2 * shape.points; ++i) {
-      const double angle = kPi * i / shape.points;
-      places.emplace_back(20 * std::cos(angle), 20 * std::sin(angle), 0);
+      const SineCosine turn = SinCos(kPi * i / shape.points);
+      places.emplace_back(20 * turn.cos, 20 * turn.sin, 0);
     }
     builder.AddPass(places, true);
   }
@@ -193,6 +196,16 @@ PostSettings SampleSettings(const std::string& variant) {
   settings.cartesian = variant == "linuxcnc_cartesian";
   if (variant == "sinumerik_euler") settings.rotation = "euler";
   return settings;
+}
+
+MotionProgram Prepared(const MotionProgram& program, const std::string& variant, const PostSettings& settings,
+                       const Arm& arm) {
+  MotionProgram prepared = program;
+  if (ControllerOf(variant) != "sinumerik") return prepared;
+  std::vector<size_t> origin(program.motions.size());
+  for (size_t i = 0; i < origin.size(); ++i) origin[i] = i;
+  BoundTurns(prepared, origin, arm, {SinumerikLines(settings), WrittenTolerance({}).angle});
+  return prepared;
 }
 
 std::string ControllerOf(const std::string& variant) { return variant.substr(0, variant.find('_')); }

@@ -48,13 +48,13 @@ Complaints CheckKrl(const std::string& text, const std::string& name) {
       fmt::format("PTP \\{{{0},S 'B[01]{{3}}',T 'B[01]{{6}}'{1}\\}}|PTP \\{{{2}{1}\\}}|"
                   "LIN \\{{{0}{1}\\}}( C_DIS)?",
                   pose, external, axes, kReal));
-  const std::regex setting(fmt::format(
-      "\\$(BASE|TOOL) = \\{{FRAME: {0}\\}}|\\$(BASE|TOOL) = (BASE|TOOL)_DATA\\[[0-9]+\\]|\\$ORI_TYPE = #VAR|"
-      "\\$ADVANCE = [0-5]|\\$APO\\.CDIS = {1}|BAS \\(#VEL_PTP,[0-9]+ \\)|"
-      "\\$(VEL|ACC)\\.ORI[12] = {1}|\\$ACC\\.CP = {1}",
-      pose, kReal));
+  const std::regex setting(
+      fmt::format("\\$(BASE|TOOL) = \\{{FRAME: {0}\\}}|BAS \\(#(BASE|TOOL),[0-9]+ \\)|\\$ORI_TYPE = #VAR|"
+                  "\\$ADVANCE = [0-5]|BAS \\(#VEL_PTP,[0-9]+ \\)|"
+                  "\\$(VEL|ACC)\\.ORI[12] = {1}|\\$ACC\\.CP = {1}",
+                  pose, kReal));
   const std::regex other(
-      fmt::format("\\$VEL\\.CP = {}|PASS_[0-9]+_[0-9]+:|"
+      fmt::format("\\$VEL\\.CP = {0}|\\$APO\\.CDIS = {0}|PASS_[0-9]+_[0-9]+:|"
                   "TRIGGER WHEN DISTANCE=0 DELAY=-?[0-9]+ DO "
                   "\\$OUT\\[[0-9]+\\]=(TRUE|FALSE)|"
                   "\\$A?N?OUT\\[1\\]=[A-Z0-9]+|[A-Za-z0-9_]+ \\( \\)",

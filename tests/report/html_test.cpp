@@ -134,7 +134,7 @@ TEST(ReportHtml, ShowsPredictedDeflectionsWhereThereAreSome) {
   DeflectionReport report;
   report.force.mean = {1, 2, 3};
   report.points.push_back(
-      {2, 0, {.normal = 0.001, .feed = -0.002, .across = 0.003, .length = 0.004}, {0, 0, 0}});
+      {2, 0, {}, {1, 2, 3}, {.normal = 0.001, .feed = -0.002, .across = 0.003, .length = 0.004}, {0, 0, 0}});
   report.face = FaceDeflection{.level = 0.01, .variation = 0.0002, .largest_step = 0.0001};
   HtmlInput input = SmallPanel().Input();
   input.deflection = &report;
@@ -174,8 +174,8 @@ TEST(ReportHtml, EveryChartFindsItsColumns) {
     for (std::sregex_iterator key(list.begin(), list.end(), kKey); key != none; ++key, ++keys)
       EXPECT_TRUE(known.contains((*key)[1])) << (*key)[1];
   }
-  EXPECT_EQ(charts, 6u);
-  EXPECT_EQ(keys, 13u);
+  EXPECT_EQ(charts, 8u);
+  EXPECT_EQ(keys, 16u);
 }
 
 TEST(ReportHtml, ColumnsHoldThePlanInTheirUnits) {

@@ -168,9 +168,30 @@ TEST(Samples, EveryControllerTakesTheSamePath) {
       ASSERT_EQ(cuts.size(), reference.size()) << variant;
       for (size_t i = 0; i < cuts.size(); ++i) {
         for (const auto& [position, angle] : {Apart(cuts[i], reference[i]), Apart(reference[i], cuts[i])}) {
-          EXPECT_LE(position, 0.01) << name << " " << variant << " cut " << i;
-          EXPECT_LE(angle, 0.01 * kRadPerDeg) << name << " " << variant << " cut " << i;
+          // Each leaves out the points that its own motion passes, so each may be off the plan by as much.
+          EXPECT_LE(position, 2 * 0.01) << name << " " << variant << " cut " << i;
+          EXPECT_LE(angle, 2 * 0.016 * kRadPerDeg) << name << " " << variant << " cut " << i;
         }
+      }
+    }
+  }
+}
+
+TEST(Samples, SinumerikStaysNearThePlanHoweverItTurnsTheTool) {
+  for (const std::string& name : SampleNames()) {
+    for (const char* axis : {"z", "-x"}) {
+      for (const std::optional<bool> by_g_code : {std::optional<bool>(), std::optional(true)}) {
+        Sample sample = SampleOf(name);
+        ControllerSettings& controller = sample.inputs.cell.controllers.at("sinumerik");
+        controller.tool_axis = axis;
+        controller.ori_ipo_with_g_code = by_g_code;
+        ProgramCase made = MakeCase(sample, "sinumerik");
+        made.options.step /= 10;  // ten times as dense as verification
+        const MotionProgram read = made.Read(sample.plan.arm, made.files.at(made.name));
+        EXPECT_EQ(Text(Verify(read, World(sample.cell), &made.motions.planned, made.options, 2, {})), "")
+            << name << " " << axis;
+        fmt::print("{} {} MD21104 {}: {} motions\n", name, axis, by_g_code ? "known" : "unknown",
+                   read.motions.size());
       }
     }
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/surface/shapes.hpp"
 
+#include <fmt/format.h>
+
 #include <cstring>
 #include <numbers>
 

@@ -234,7 +234,7 @@ std::vector<TextEdit> Damages() {
       {"exact stop in a cut", "K", ReplaceIn("C_DIS$", 1, " C_DIS", "")},
       {"exact stop in a cut", "S", ReplaceIn("^G1 ", 1, "^G1", "G9 G1")},
       {"exact stops from here on", "L", Drop("^G64", 0)},
-      {"rounding by 3 mm", "K", ReplaceAll("APO.CDIS = 0.0100", "APO.CDIS = 3")},
+      {"rounding by 3 mm", "K", ReplaceAll("APO.CDIS = [0-9.]+", "APO.CDIS = 3")},
       {"rounding left at its default", "K", Drop("APO.CDIS", 0)},
       {"rounding tolerance lost", "S", Drop("CYCLE832", 0)},
       {"rounding tolerance switched off", "S", ReplaceAll("_FINISH", "_OFF")},
@@ -344,7 +344,8 @@ std::vector<TextEdit> HarmlessEdits() {
       {"lower feed", "L", Number(" F[0-9]", 2, " F", Times(0.8))},
       {"lower case", "K", ReplaceAll("\nLIN", "\nlin")},
       {"lower case", "SL", ReplaceAll("\nG1", "\ng1")},
-      {"numbers without trailing zeros", "KSL", ReplaceAll("(\\.[0-9]*[1-9])0+\\b", "$1")},
+      {"numbers without trailing zeros", "KSL",
+       ReplaceAll("((?:LIN \\{|G1 )X ?-?[0-9]+\\.[0-9]+?)0+\\b", "$1")},
   };
 }
 

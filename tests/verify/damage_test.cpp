@@ -27,7 +27,7 @@ class DamagedProgram : public testing::TestWithParam<std::string> {
   MotionProgram program = WithOutputs(plan);
   World world{SampleCell(plan)};
   VerifyOptions options = SampleOptions(plan);
-  ProgramFiles files = post->Write(program, plan.arm, settings);
+  ProgramFiles files = post->Write(Prepared(program, GetParam(), settings, plan.arm), plan.arm, settings);
   std::string name = files.rbegin()->first;  // .src comes after .dat
   std::string text = files.rbegin()->second;
 
@@ -95,7 +95,7 @@ TEST_P(DamagedProgram, IsCaughtWithItsLine) {
 TEST_P(DamagedProgram, SubprogramsInAnotherOrderAreCaught) {
   if (ControllerOf(GetParam()) == "linuxcnc") return;  // one file
   settings.max_motions = 12;
-  ProgramFiles parts = post->Write(program, plan.arm, settings);
+  ProgramFiles parts = post->Write(Prepared(program, GetParam(), settings, plan.arm), plan.arm, settings);
   const std::string extension = ControllerOf(GetParam()) == "krl" ? ".src" : ".mpf";
   std::string& main = parts.at("Sample_wall_plan" + extension);
   const size_t first = main.find("_001"), second = main.find("_002");

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "base/units.hpp"
+#include "program/economy.hpp"
+#include "program/linuxcnc.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/verify/sample_cell.hpp"
 #include "verify/arm_bodies.hpp"
@@ -29,7 +31,8 @@ class VerifyPost : public testing::TestWithParam<std::string> {
   VerifyOptions options = SampleOptions(plan);
 
   MotionProgram WrittenAndRead() const {
-    return post->Read(post->Write(program, plan.arm, settings), plan.arm, settings);
+    const MotionProgram prepared = Prepared(program, GetParam(), settings, plan.arm);
+    return post->Read(post->Write(prepared, plan.arm, settings), plan.arm, settings);
   }
 };
 INSTANTIATE_TEST_SUITE_P(Controllers, VerifyPost,
@@ -85,6 +88,82 @@ TEST_P(VerifyPost, SeesInterference) {
   narrow.bodies.push_back(post_body);
   const std::string text = Text(Verify(WrittenAndRead(), World(narrow), nullptr, options, 2, {}));
   EXPECT_NE(text.find("post"), std::string::npos) << text;
+}
+
+/// A pass along which the tool turns about its axis on a curve: by `bend`·k² at the k-th point.
+PlanResult TurningPlan(double bend) {
+  PlanResult plan = SamplePlan({.points = 60, .spacing = 0.5, .ring = false, .passes = 1});
+  std::vector<PlannedPoint>& points = plan.passes[0].points;
+  for (size_t i = 1; i < points.size(); ++i) {
+    const double angle = bend * static_cast<double>(i * i);
+    const Pose turn = plan.X_FT * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()) * plan.X_FT.inverse();
+    Joints& q = points[i].q;
+    q = InverseNear(plan.arm, ForwardFlange(plan.arm, q) * turn, Status(plan.arm, q), points[i - 1].q)
+            .value();
+  }
+  plan.gaps.back().joints.front() = points.back().q;
+  return plan;
+}
+
+TEST(Verify, WhatIsLeftOutAndWhatTheControlDoesStayWithinTheTolerance) {
+  for (const double bend : {2e-6, 8e-6, 3e-5, 1.2e-4, 3e-4}) {
+    const PlanResult plan = TurningPlan(bend);
+    const MotionProgram planned = MakeMotionProgram(plan);
+    const World world(SampleCell(plan));
+    for (const std::string variant : {"linuxcnc", "linuxcnc_cartesian", "krl", "sinumerik"}) {
+      // As the pipeline does it: LinuxCNC's writer adds what the control does between points.
+      EconomyOptions economy;
+      if (ControllerOf(variant) == "linuxcnc") economy.angle_tolerance -= kHalfwayAngle + kAngleMargin;
+      const MotionProgram thinned = Economise(planned, economy).program;
+      if (bend < 1e-4) {
+        EXPECT_LT(thinned.motions.size(), planned.motions.size()) << variant << " " << bend;
+      }
+      const auto post = MakePost(ControllerOf(variant));
+      const PostSettings settings = SampleSettings(variant);
+      const MotionProgram prepared = Prepared(thinned, variant, settings, plan.arm);
+      const MotionProgram read = post->Read(post->Write(prepared, plan.arm, settings), plan.arm, settings);
+      std::string text;
+      for (const Finding& finding : Verify(read, world, &planned, SampleOptions(plan), 2, {}))
+        if (finding.message.find("leaves the plan") != std::string::npos) text += finding.message + "\n";
+      EXPECT_EQ(text, "") << variant << " " << bend;
+    }
+  }
+}
+
+TEST(Verify, HowEverTheToolTurnsItStaysWithinTheTolerance) {
+  // 8 degrees a block, tilt and turn about the axis at once.
+  PlanResult plan = SamplePlan({.points = 4, .ring = false, .passes = 1});
+  std::vector<PlannedPoint>& points = plan.passes[0].points;
+  for (size_t i = 1; i < points.size(); ++i) {
+    const Pose turn =
+        plan.X_FT *
+        Eigen::AngleAxisd(8 * kRadPerDeg * static_cast<double>(i), Eigen::Vector3d(0.6, 0.48, 0.64)) *
+        plan.X_FT.inverse();
+    Joints& q = points[i].q;
+    q = InverseNear(plan.arm, ForwardFlange(plan.arm, q) * turn, Status(plan.arm, q), points[i - 1].q)
+            .value();
+  }
+  plan.gaps.back().joints.front() = points.back().q;
+  const MotionProgram planned = MakeMotionProgram(plan);
+  const World world(SampleCell(plan));
+  const auto leaving = [&](const MotionProgram& written, const PostSettings& settings) {
+    const auto post = MakePost("sinumerik");
+    const MotionProgram read = post->Read(post->Write(written, plan.arm, settings), plan.arm, settings);
+    std::string text;
+    for (const Finding& finding : Verify(read, world, &planned, SampleOptions(plan), 2, {}))
+      if (finding.message.find("leaves the plan") != std::string::npos) text += finding.message + "\n";
+    return text;
+  };
+  for (const char* axis : {"z", "-x"}) {
+    for (const std::optional<bool> by_g_code :
+         {std::optional<bool>(), std::optional(true), std::optional(false)}) {
+      PostSettings settings = SampleSettings("sinumerik");
+      settings.R_TC = ToolAxis(axis);
+      settings.ori_ipo_with_g_code = by_g_code;
+      EXPECT_NE(leaving(planned, settings), "") << axis;
+      EXPECT_EQ(leaving(Prepared(planned, "sinumerik", settings, plan.arm), settings), "") << axis;
+    }
+  }
 }
 
 TEST(Verify, CornersThatAreHardlyAnyMayBeRounded) {

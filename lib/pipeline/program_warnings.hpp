@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "pipeline/program_motions.hpp"
+#include "program/post.hpp"
+#include "report/report.hpp"
+
+namespace millpose {
+
+/// What the controller is estimated to make of the feeds; empty where its timing is not known.
+std::optional<PathSpeed> EstimatePathSpeed(const MotionProgram& written, const std::string& controller,
+                                           const PostSettings& settings);
+
+/// A sentence that names the slowest points and what helps; empty where the feed is held.
+std::string SpeedWarning(const PathSpeed& speed);
+
+/// A sentence where the files together exceed the controller's memory for programs, with what helps; else
+/// empty.
+std::string MemoryWarning(const ProgramFiles& files, const PostSettings& settings);
+
+}  // namespace millpose

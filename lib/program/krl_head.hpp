@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a KRL program says before its first motion besides its settings. Written and read as whole texts.
+#pragma once
+
+#include "program/post.hpp"
+
+namespace millpose {
+
+/// Data of KrlFrameCheck(), among the program's declarations.
+std::string KrlDeclarations();
+/// Statements that stop the program with a message where the controller's $ROBROOT ($ERSYSROOT on a coupled
+/// rail) is not the cell's.
+std::string KrlFrameCheck(const PostSettings& settings);
+/// $LOAD of the settings' load; empty without one.
+std::string KrlLoad(const PostSettings& settings);
+
+/// How many lines from `first` on are those of `text`, apart from case and white space, with blank lines
+/// between; 0 when they are not.
+size_t KrlLines(const std::string& text, const std::vector<std::string_view>& lines, size_t first);
+
+/// The values of a frame: "X 1.0000,Y 2.0000,Z 3.0000,A 0.000000,B 0.000000,C 0.000000", angles with
+/// `decimals`.
+std::string KrlFields(const Pose& pose, int decimals);
+
+}  // namespace millpose
