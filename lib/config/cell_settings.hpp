@@ -134,7 +134,7 @@ struct ControllerSettings {
   std::optional<RailSettings> ersysroot;  ///< krl: a coupled rail
   bool write_load = false;                ///< krl: $LOAD from the tool's load
   std::optional<double> interpolation_cycle, block_time;  ///< s, for the estimate of the speed
-  int memory_kbytes = 4000;                                ///< krl: of all files together
+  int memory_kbytes = 4000;                               ///< krl: of all files together
   int max_motions = 1400;
   int max_kbytes = 500;
   std::vector<PathOutputSettings> outputs;
