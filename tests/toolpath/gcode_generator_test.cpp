@@ -293,7 +293,8 @@ class GcodeWriter {
   }
 
   void Holes() {
-    const bool upright = plane_ == 0 && (by_vector_ ? vector_.z() > 0.99999999 : b_ == 0);
+    // A tool within 0.1 degrees of the hole stands along it.
+    const bool upright = plane_ == 0 && (by_vector_ ? vector_.z() : std::cos(b_)) >= 0.9999984769132877;
     if (plane_ != 0 || incremental_) return;
     sinumerik() ? SinumerikHoles(upright) : IsoHoles(upright);
   }
