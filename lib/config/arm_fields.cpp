@@ -23,10 +23,21 @@ Codec<UrdfSettings> UrdfFields() {
       [](const Value& value, const Context&, S& urdf) { urdf.line = value.mark.line; });
 }
 
+/// d5 belongs to parallel axes, and to nothing else.
+void CheckLengths(const Value& lengths, const Context& context, const ArmSettings& arm) {
+  const auto* given = lengths.FindKey("d5");
+  if (arm.family == "parallel_axes" && !given)
+    context.Child("d5").Add(lengths.mark, "missing; required where arm.family is parallel_axes: number");
+  if (arm.family != "parallel_axes" && given)
+    context.Child("d5").Add(given->mark,
+                            "has no effect with a spherical wrist; allowed where arm.family is "
+                            "parallel_axes");
+}
+
 /// With a URDF, what it says is not said again; what it does not say must be.
 void CheckArm(const Value& value, const Context& context, ArmSettings& arm) {
-  if (arm.urdf.file.empty()) return;
-  for (const char* key : {"lengths_mm", "axis_signs", "zero_offsets_deg"})
+  if (arm.urdf.file.empty()) return CheckLengths(*value.Find("lengths_mm"), context.Child("lengths_mm"), arm);
+  for (const char* key : {"family", "lengths_mm", "axis_signs", "zero_offsets_deg"})
     if (const auto* given = value.FindKey(key))
       context.Child(key).Add(given->mark, "is derived from the URDF; allowed: one of the two");
 }
@@ -46,16 +57,29 @@ Codec<ArmSettings> ArmFields() {
               "urdf", MILLPOSE_AT(urdf), UrdfFields(),
               "A URDF from which lengths, signs, offsets, limits, speeds and bodies of the links are taken.")
               .WhenSet([](const S& s) { return !s.urdf.file.empty(); }),
-          Key<S>("lengths_mm", kSelf,
-                 Section<S>({
-                     length("d1", MILLPOSE_AT(d1), "Height of axis 2 above the base."),
-                     length("a1", MILLPOSE_AT(a1), "Axis 1 to axis 2, horizontally."),
-                     length("a2", MILLPOSE_AT(a2), "Axis 2 to axis 3."),
-                     length("d4", MILLPOSE_AT(d4), "Axis 3 to the wrist centre, along the forearm."),
-                     length("dz", MILLPOSE_AT(dz), "Axis 3 to the wrist centre, across the forearm."),
-                     length("d6", MILLPOSE_AT(d6), "Wrist centre to the flange."),
-                 }),
-                 "Lengths of the arm as in the formula of docs/kinematics.md.")
+          Key<S>("family", MILLPOSE_AT(family), Choice({"spherical_wrist", "parallel_axes"}),
+                 "Axes 4, 5, 6 meet in one point, or axes 2, 3, 4 are parallel (UR, Techman, AUBO, JAKA).")
+              .WhenSet([](const S& s) { return s.urdf.file.empty() && s.family != "spherical_wrist"; })
+              .DefaultText("spherical_wrist"),
+          Key<S>(
+              "lengths_mm", kSelf,
+              Section<S>({
+                  length("d1", MILLPOSE_AT(d1), "Height of axis 2 above the base."),
+                  length("a1", MILLPOSE_AT(a1), "Axis 1 to axis 2, horizontally."),
+                  Key<S>("dy", MILLPOSE_AT(dy), Real(kMm, Between(-10000, 10000)),
+                         "Axis 1 to the wrist centre, sideways: along axis 2.")
+                      .WhenSet([](const S& s) { return s.dy != 0; })
+                      .DefaultText("0"),
+                  length("a2", MILLPOSE_AT(a2), "Axis 2 to axis 3."),
+                  length("d4", MILLPOSE_AT(d4),
+                         "Axis 3 to the wrist centre (parallel_axes: to axis 4), along the forearm."),
+                  length("dz", MILLPOSE_AT(dz), "The same, across the forearm."),
+                  Key<S>("d5", MILLPOSE_AT(d5), Real(kMm, Between(-10000, 10000)),
+                         "Only of parallel_axes and needed there: axis 4 to the wrist centre, along axis 5.")
+                      .WhenSet([](const S& s) { return s.family == "parallel_axes"; }),
+                  length("d6", MILLPOSE_AT(d6), "Wrist centre to the flange."),
+              }),
+              "Lengths of the arm as in the formula of docs/kinematics.md.")
               .WhenSet(explicit_arm)
               .RequiredUnless("urdf"),
           Key<S>("axis_signs", MILLPOSE_AT(sign), Signs(), "Sense of each axis; KUKA: [-1, 1, 1, -1, 1, -1].")

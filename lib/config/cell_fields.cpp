@@ -115,8 +115,12 @@ const Codec<CellSettings>& CellFields() {
                  "What each controller's programs need to know."),
       },
       [](const Value& value, const Context&, S& cell) {
-        const Value::Key* bodies = value.FindKey("bodies");
-        cell.bodies_line = (bodies ? bodies->mark : value.mark).line;
+        const auto line = [&](const char* key) {
+          const Value::Key* given = value.FindKey(key);
+          return (given ? given->mark : value.mark).line;
+        };
+        cell.bodies_line = line("bodies");
+        cell.controllers_line = line("controllers");
       });
   return fields;
 }

@@ -34,7 +34,8 @@ struct UrdfSettings {
 struct ArmSettings {
   std::string name;
   UrdfSettings urdf;
-  double d1 = 0, a1 = 0, a2 = 0, d4 = 0, dz = 0, d6 = 0;  ///< mm
+  std::string family = "spherical_wrist";                                 ///< or parallel_axes
+  double d1 = 0, a1 = 0, dy = 0, a2 = 0, d4 = 0, dz = 0, d5 = 0, d6 = 0;  ///< mm
   std::array<int, 6> sign{};
   Vector6 offset = Vector6::Zero();                                 ///< rad
   Vector6 lower = Vector6::Zero(), upper = Vector6::Zero();         ///< rad
@@ -188,6 +189,7 @@ struct CellSettings {
   std::optional<GravitySettings> gravity;
   bool programs_allowed = true;  ///< key `reproduction_only: true` forbids programs
   std::map<std::string, ControllerSettings> controllers;
+  int controllers_line = 0;  ///< of the key, for later errors
 };
 
 }  // namespace millpose

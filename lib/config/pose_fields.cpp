@@ -148,7 +148,7 @@ Codec<JobSettings> LimitFields() {
                  Key<S>("elbow", MILLPOSE_AT(elbow_min), Real(kOne, Between(0, 1)),
                         "Least |sin| of the angle between upper arm and forearm."),
                  Key<S>("shoulder_mm", MILLPOSE_AT(shoulder_min), Real(kMm, UpTo(1e4)),
-                        "Least distance of the wrist centre from axis 1."),
+                        "Least distance of the wrist centre from axis 1, dy aside."),
              }),
              "Distances kept from singularities."),
       Key<S>("joints_deg", MILLPOSE_AT(task_limits), Maybe(Limits()),

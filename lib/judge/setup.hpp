@@ -49,6 +49,8 @@ struct Spring {
 /// The cell and job as far as the laws need them.
 struct Setup {
   Real d1, a1, a2, d4, dz, d6;        ///< mm
+  Real dy = 0, d5 = 0;                ///< mm
+  bool parallel = false;              ///< axes 2, 3 and 4 are; else the wrist is spherical
   Angles sign, offset, lower, upper;  ///< 1, rad
   Angles hard_lower, hard_upper;      ///< the arm's own limits, rad
   Angles stiffness;                   ///< N·mm/rad

@@ -14,7 +14,8 @@ constexpr double kBeyondFlange = 1.25;  // bodies on the flange, in lengths from
 /// How far a deviation of the joints can move a body, mm, nearly: decides how finely to look, no more.
 double Movement(const Carrier& carrier, const Joints& deviation) {
   const Arm& arm = carrier.arm;
-  const double hand = kBeyondFlange * (std::abs(arm.d6) + carrier.X_FT.translation().norm());
+  const double hand =
+      kBeyondFlange * (std::abs(arm.d5) + std::abs(arm.d6) + carrier.X_FT.translation().norm());
   const double whole = arm.a1 + arm.a2 + Hypot(arm.d4, arm.dz) + hand;
   return whole * deviation.head<3>().sum() + hand * deviation.tail<3>().sum();
 }

@@ -66,7 +66,11 @@ PathOptions MakePathOptions(const JobSettings& job);
 GapOptions MakeGapOptions(const JobSettings& job);
 VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm);
 
-/// Settings of one post. InputError when the cell has no section for it.
+/// Why `controller` cannot run programs for an arm; empty where it can.
+std::string NoProgramsFor(const ArmSettings& arm, const std::string& controller);
+
+/// Settings of one post. InputError when the cell has no section for it, or the controller cannot run the
+/// arm.
 PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
                               const std::string& controller);
 

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/hash.hpp"
 #include "config/config.hpp"
+#include "pipeline/assemble.hpp"
 #include "pipeline/cell_texts.hpp"
 #include "pipeline/exclude_pairs.hpp"
 #include "pipeline/origin.hpp"
@@ -40,6 +41,15 @@ void CheckLinks(const CellSettings& cell, std::vector<Problem>& problems) {
   }
 }
 
+// What a controller cannot run needs no settings either.
+std::vector<Problem> CheckControllers(const CellSettings& cell) {
+  std::vector<Problem> problems;
+  for (const auto& [controller, settings] : cell.controllers)
+    if (const std::string refusal = NoProgramsFor(cell.arm, controller); !refusal.empty())
+      problems.push_back({{cell.file, cell.controllers_line}, "controllers: " + refusal});
+  return problems;
+}
+
 // The largest depth of cut that a job asks for must be one that the cutter has edges for.
 void CheckDepth(const JobInputs& inputs, std::vector<Problem>& problems) {
   const JobSettings& job = inputs.job;
@@ -71,7 +81,8 @@ CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::stri
   CellSettings cell = ParseCell(root.Read(cell_file), cell_file.string());
   const bool from_urdf = !cell.arm.urdf.file.empty();
   ResolveUrdf(cell_file.parent_path(), root, &cell);
-  std::vector<Problem> problems = CheckCellTexts(cell);
+  std::vector<Problem> problems = CheckControllers(cell);
+  if (problems.empty()) problems = CheckCellTexts(cell);
   CheckLinks(cell, problems);
   for (const BodySettings& body : cell.bodies) {
     if (body.shape.kind != "mesh" || body_bytes->contains(body.shape.mesh_file)) continue;

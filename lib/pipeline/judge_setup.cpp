@@ -111,6 +111,8 @@ audit::Setup MakeJudgeSetup(const Cell& cell) {
   const Arm& arm = cell.arm;
   setup.d1 = arm.d1, setup.a1 = arm.a1, setup.a2 = arm.a2;
   setup.d4 = arm.d4, setup.dz = arm.dz, setup.d6 = arm.d6;
+  setup.dy = arm.dy, setup.d5 = arm.d5;
+  setup.parallel = arm.family == ArmFamily::kParallelAxes;
   for (size_t i = 0; i < 6; ++i) setup.sign[i] = arm.sign[i];
   setup.offset = ToJudge(arm.offset);
   setup.lower = setup.hard_lower = ToJudge(arm.lower);

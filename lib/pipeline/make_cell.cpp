@@ -91,10 +91,13 @@ Arm MakeArm(const ArmSettings& settings) {
   Arm arm;
   arm.name = settings.name;
   arm.d1 = settings.d1;
+  arm.family = settings.family == "parallel_axes" ? ArmFamily::kParallelAxes : ArmFamily::kSphericalWrist;
   arm.a1 = settings.a1;
+  arm.dy = settings.dy;
   arm.a2 = settings.a2;
   arm.d4 = settings.d4;
   arm.dz = settings.dz;
+  arm.d5 = settings.d5;
   arm.d6 = settings.d6;
   for (size_t i = 0; i < 6; ++i) arm.sign[i] = settings.sign[i];
   arm.offset = settings.offset;

@@ -244,11 +244,22 @@ void AddKrl(const CellSettings& cell, const ControllerSettings& settings, PostSe
 
 }  // namespace
 
+std::string NoProgramsFor(const ArmSettings& arm, const std::string& controller) {
+  if (arm.family != "parallel_axes" || controller == "linuxcnc") return "";
+  return fmt::format(
+      "{} cannot program {}: its status and turn tell the configurations of a spherical wrist apart, and "
+      "axes "
+      "2, 3 and 4 of this arm are parallel; allowed: linuxcnc",
+      controller, arm.name);
+}
+
 PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
                               const std::string& controller) {
+  const Place place{job.file.empty() ? cell.file : job.file, job.programs_line};
+  if (const std::string refusal = NoProgramsFor(cell.arm, controller); !refusal.empty())
+    throw InputError(place, "programs: " + refusal);
   const auto found = cell.controllers.find(controller);
   if (found == cell.controllers.end()) {
-    const Place place{job.file.empty() ? cell.file : job.file, job.programs_line};
     throw InputError(place,
                      fmt::format("programs: {} needs a section controllers.{} in cell {}: how its tool is "
                                  "measured must be stated, never assumed",

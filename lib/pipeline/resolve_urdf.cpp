@@ -53,8 +53,9 @@ class Resolver {
   void FillArm(const JointChain& chain) {
     ArmSettings& arm = cell_.arm;
     const Arm& from = derived_.arm;
-    arm.d1 = from.d1, arm.a1 = from.a1, arm.a2 = from.a2, arm.d4 = from.d4, arm.dz = from.dz,
-    arm.d6 = from.d6;
+    arm.family = from.family == ArmFamily::kParallelAxes ? "parallel_axes" : "spherical_wrist";
+    arm.d1 = from.d1, arm.a1 = from.a1, arm.dy = from.dy, arm.a2 = from.a2;
+    arm.d4 = from.d4, arm.dz = from.dz, arm.d5 = from.d5, arm.d6 = from.d6;
     for (size_t i = 0; i < 6; ++i) arm.sign[i] = from.sign[i] < 0 ? -1 : 1;
     arm.offset = from.offset;
     const bool own_limits = arm.lower != arm.upper, own_speeds = !arm.speed.isZero(0.0);

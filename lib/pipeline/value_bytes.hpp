@@ -36,7 +36,7 @@ consteval size_t CountFields() {
 template <class T>
 auto FieldsOf(const T& value) {
   constexpr size_t kCount = CountFields<T>();
-  static_assert(kCount >= 1 && kCount <= 16, "add a line below");
+  static_assert(kCount >= 1 && kCount <= 18, "add a line below");
 #define MILLPOSE_FIELDS(count, ...)    \
   if constexpr (kCount == (count)) {   \
     const auto& [__VA_ARGS__] = value; \
@@ -58,6 +58,8 @@ auto FieldsOf(const T& value) {
   MILLPOSE_FIELDS(14, a, b, c, d, e, f, g, h, i, j, k, l, m, n)
   MILLPOSE_FIELDS(15, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o)
   MILLPOSE_FIELDS(16, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p)
+  MILLPOSE_FIELDS(17, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q)
+  MILLPOSE_FIELDS(18, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r)
 #undef MILLPOSE_FIELDS
 }
 

@@ -5,8 +5,8 @@
 
 #include "base/error.hpp"
 #include "base/process.hpp"
-#include "base/trig.hpp"
 #include "pipeline/assemble.hpp"
+#include "robot/kinematics.hpp"
 #include "surface/step_reader.hpp"
 #include "toolpath/cam_import.hpp"
 #include "toolpath/make_toolpath.hpp"
@@ -89,9 +89,7 @@ JobToolpath ImportCam(const JobInputs& inputs, const Mesh& mesh) {
 
 }  // namespace
 
-double Reach(const Arm& arm, const Eigen::Vector3d& p_FT) {
-  return arm.a1 + arm.a2 + Hypot(arm.d4, arm.dz) + arm.d6 + p_FT.norm();
-}
+double Reach(const Arm& arm, const Eigen::Vector3d& p_FT) { return ArmLength(arm) + p_FT.norm(); }
 
 double Reach(const Cell& cell) { return Reach(cell.arm, cell.X_FT.translation()); }
 

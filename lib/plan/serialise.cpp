@@ -206,11 +206,14 @@ void Fields(Archive& a, Gap& g) {
 template <class Archive>
 void Fields(Archive& a, Arm& arm) {
   a("name", arm.name);
+  a("family", arm.family);
   a("d1", arm.d1);
   a("a1", arm.a1);
+  a("dy", arm.dy);
   a("a2", arm.a2);
   a("d4", arm.d4);
   a("dz", arm.dz);
+  a("d5", arm.d5);
   a("d6", arm.d6);
   a("sign", arm.sign);
   a("offset", arm.offset);

@@ -89,10 +89,11 @@ MapPoint BestPose(const MapRequest& request, const Drawn& drawn, const Vector3d&
     ArmBranches branches;
     InverseBlock(request.arm, flange, branches);
     for (int branch = 0; branch < 8; ++branch) {
-      const ArmBranchBlock& solved = branches[branch & 3];
+      const int entry = branch % EntryCount(request.arm);
+      const ArmBranchBlock& solved = branches[entry];
       AnglesBlock angles;
       AnglesOfBranch(request.arm, solved, angles);
-      if (branch >= 4) {
+      if (branch != entry) {
         angles.unflipped[3] = angles.flipped4;
         angles.unflipped[4] = angles.flipped5;
         angles.unflipped[5] = angles.flipped6;

@@ -64,14 +64,14 @@ void PointScorer::ScoreBlock(std::span<const double> values, unsigned arm_branch
   FlangePoses(values, flange);
   ArmBranches solved;
   InverseBlock(problem_->arm, flange, solved);
-  for (int arm = 0; arm < 4; ++arm) {
-    if (arm_branches >> arm & 1u) ScoreArm(arm, flange, solved[arm], out);
+  for (int entry = 0; entry < EntryCount(problem_->arm); ++entry) {
+    if (arm_branches >> (entry & 3) & 1u) ScoreEntry(entry, flange, solved[entry], out);
   }
 }
 
 /// In the order reach, limits, singularities, stiffness: what is cheap first, and no more than is asked for.
-void PointScorer::ScoreArm(int arm, const FlangeBlock& flange, const ArmBranchBlock& solved,
-                           ScoredBlock& out) const {
+void PointScorer::ScoreEntry(int entry, const FlangeBlock& flange, const ArmBranchBlock& solved,
+                             ScoredBlock& out) const {
   if (std::none_of(solved.reached.v, solved.reached.v + kLanes, [](double r) { return r > 0.0; })) return;
   AnglesBlock angles;
   AnglesOfBranch(problem_->arm, solved, angles);
@@ -86,8 +86,8 @@ void PointScorer::ScoreArm(int arm, const FlangeBlock& flange, const ArmBranchBl
     }
   }
   bool any_admissible = false;
-  for (const int branch : {arm, arm + 4}) {
-    const JudgedWrist& wrist = branch == arm ? judged.unflipped : judged.flipped;
+  for (int branch = entry; branch < 8; branch += EntryCount(problem_->arm)) {
+    const JudgedWrist& wrist = branch == entry ? judged.unflipped : judged.flipped;
     for (int l = 0; l < kLanes; ++l) {
       if (!(solved.reached.v[l] > 0.0)) continue;
       const double limit = wrist.limit.v[l];
@@ -103,13 +103,13 @@ void PointScorer::ScoreArm(int arm, const FlangeBlock& flange, const ArmBranchBl
   if (!any_admissible) return;
   ComplianceBlock joints;
   LinearCompliance(problem_->arm, flange, solved, p_FO_, joints);
-  problem_->objective->Evaluate(joints, context_, out.objective[arm]);
-  out.objective[arm + 4] = out.objective[arm];
-  for (const int branch : {arm, arm + 4}) {
+  problem_->objective->Evaluate(joints, context_, out.objective[entry]);
+  for (int branch = entry; branch < 8; branch += EntryCount(problem_->arm)) {
+    if (branch != entry && problem_->compliances.empty()) out.objective[branch] = out.objective[entry];
     if (!problem_->compliances.empty()) {
       ComplianceBlock whole = joints;
       AddSeriesCompliance(problem_->arm, problem_->compliances, p_FO_, solved.reached,
-                          branch == arm ? judged.unflipped.q : judged.flipped.q, whole);
+                          branch == entry ? judged.unflipped.q : judged.flipped.q, whole);
       problem_->objective->Evaluate(whole, context_, out.objective[branch]);
     }
     // A compliance without an objective's value is singular, whatever the bounds say.

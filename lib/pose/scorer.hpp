@@ -26,7 +26,7 @@ struct AdmissibleBounds {
   double dexterity_min = 0;    ///< with the problem's characteristic length
   double wrist_min = 0;        ///< least |sin q5|
   double elbow_min = 0;        ///< least |sin| of the elbow
-  double shoulder_min_mm = 0;  ///< least distance of the wrist centre from axis 1
+  double shoulder_min_mm = 0;  ///< least distance of SingularityDistance::shoulder
 };
 
 /// All that the choice of a pose depends on besides the point itself; shared and immutable.
@@ -49,8 +49,8 @@ struct Candidate {
   Joints q = Joints::Zero();  ///< a representative within the bounds where one exists, else principal; rad
 };
 
-/// kLanes settings of the freedoms × 8 branches as structure of arrays. The wrist flips (branch bit 2) of an
-/// arm branch (bits 0 and 1) share the joints' compliance, but not that of elements on links 4 and 5.
+/// kLanes settings of the freedoms × 8 branches as structure of arrays. The flips of a spherical wrist
+/// (branch bit 2) share the joints' compliance, but not that of elements on links 4 and 5.
 struct ScoredBlock {
   Lanes objective[8];  ///< defined where admissible
   Lanes shortfall[8];  ///< as in Candidate
@@ -88,7 +88,7 @@ class PointScorer {
  private:
   Pose ToolPose(const double* freedoms) const;
   void FlangePoses(std::span<const double> values, FlangeBlock& out) const;
-  void ScoreArm(int arm, const FlangeBlock& flange, const ArmBranchBlock& solved, ScoredBlock& out) const;
+  void ScoreEntry(int entry, const FlangeBlock& flange, const ArmBranchBlock& solved, ScoredBlock& out) const;
 
   const PoseProblem* problem_;
   Pose X_WT_nominal_;

@@ -9,6 +9,7 @@
 #include "program/controller_axes.hpp"
 #include "program/linuxcnc_rounding.hpp"
 #include "program/writer.hpp"
+#include "robot/kinematics.hpp"
 
 namespace millpose {
 namespace {
@@ -251,8 +252,7 @@ std::map<std::string, std::string> LinuxCncTexts() {
 }
 
 double BlendDegrees(double blend, const Arm& arm, const Pose& X_FT) {
-  const double reach = arm.a1 + arm.a2 + Hypot(arm.d4, arm.dz) + arm.d6 + X_FT.translation().norm();
-  return blend / reach * kDegPerRad;
+  return blend / (ArmLength(arm) + X_FT.translation().norm()) * kDegPerRad;
 }
 
 double FeedLength(const Joints& from, const Joints& to) {

@@ -16,7 +16,7 @@ constexpr uint16_t kNoValue = 65535;
 /// Quantised values of one point's objective; least and span go with them.
 struct PackedCurve {
   float least = 0, span = 0;
-  std::vector<uint16_t> values;  ///< arm branch by arm branch: a wrist flip has the same compliance
+  std::vector<uint16_t> values;  ///< arm branch by arm branch, the better of both flips of the wrist
   std::vector<uint16_t> states;  ///< two bits a branch
 };
 

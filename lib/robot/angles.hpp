@@ -30,15 +30,14 @@ Joints OuterAngles(const Arm& arm, const Joints& q);
 /// `q` moved by whole turns to where each joint is nearest to `near`; exact where none is needed.
 Joints Beside(const Joints& near, const Joints& q);
 
-/// Where the wrist centre lies in the vertical plane through the arm, and the angle that decides elbow and
-/// reach.
+/// Where the wrist centre lies in the plane of the arm, and the angle that decides elbow and reach.
 struct ArmPlane {
-  double radius;      ///< of the wrist centre from axis 1, mm; negative when it is behind
-  double height;      ///< of the wrist centre above the base, mm
+  double radius;      ///< of the wrist centre in front of axis 1, mm; negative when it is behind
   SineCosine second;  ///< of q2
   SineCosine sum;     ///< of q2 + q3
   double elbow_sine;  ///< of q3 − atan2(dz, d4): 0 when upper arm and forearm are in one line
 };
-ArmPlane PlaneOf(const Arm& arm, double q2, double q3);
+/// `q`: inner angles, rad.
+ArmPlane PlaneOf(const Arm& arm, const Joints& q);
 
 }  // namespace millpose

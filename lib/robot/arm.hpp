@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <array>
+#include <cstdint>
 #include <string>
 
 namespace millpose {
@@ -14,21 +15,30 @@ using Joints = Eigen::Matrix<double, 6, 1>;
 using Pose = Eigen::Isometry3d;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// A six-axis arm with a spherical wrist. With q_i = sign_i · A_i + offset_i its forward kinematics are
-///   X_BF =
-///   T(0,0,d1)·Rz(q1)·T(a1,0,0)·Ry(q2)·T(a2,0,0)·Ry(q3)·T(d4,0,dz)·Rx(q4)·Ry(q5)·Rx(q6)·T(d6,0,0)·Ry(90°)
-/// (KUKA's layout; for a KUKA arm the signs are −,+,+,−,+,− and the offsets 0).
+/// The two families of six-axis arms whose inverse has a closed form here.
+enum class ArmFamily : uint8_t {
+  kSphericalWrist,  ///< axes 4, 5 and 6 meet in one point
+  kParallelAxes,    ///< axes 2, 3 and 4 are parallel (UR, Techman, AUBO, JAKA)
+};
+
+/// A six-axis arm. With q_i = sign_i · A_i + offset_i its forward kinematics are
+///   X_BF = T(0,0,d1)·Rz(q1)·T(a1,dy,0)·Ry(q2)·T(a2,0,0)·Ry(q3)·T(d4,0,dz)·H
+///          ·Rx(q4)·T(0,−d5,0)·Ry(q5)·Rx(q6)·T(d6,0,0)·Ry(90°)
+/// with H = 1 and d5 = 0 where the wrist is spherical (KUKA's layout; for a KUKA arm dy = 0, the signs are
+/// −,+,+,−,+,− and the offsets 0), and H = Rz(90°) where axis 4 is parallel to axes 2 and 3.
+/// The wrist centre is where axes 5 and 6 meet.
 struct Arm {
   std::string name;
-  double d1 = 0, a1 = 0, a2 = 0, d4 = 0, dz = 0, d6 = 0;  ///< lengths, mm
-  std::array<double, 6> sign{1, 1, 1, 1, 1, 1};           ///< +1 or −1
-  Joints offset = Joints::Zero();                         ///< rad
-  Joints lower = Joints::Zero();                          ///< lower limits, rad
-  Joints upper = Joints::Zero();                          ///< upper limits, rad
-  Joints speed = Joints::Zero();                          ///< largest joint speeds, rad/s
-  Joints acceleration = Joints::Zero();                   ///< largest joint accelerations, rad/s²
-  bool acceleration_assumed = true;                       ///< no source for the accelerations
-  Joints stiffness = Joints::Zero();                      ///< joint stiffness, N·mm/rad (Chen 2021 eq. 14)
+  ArmFamily family = ArmFamily::kSphericalWrist;
+  double d1 = 0, a1 = 0, dy = 0, a2 = 0, d4 = 0, dz = 0, d5 = 0, d6 = 0;  ///< lengths, mm
+  std::array<double, 6> sign{1, 1, 1, 1, 1, 1};                           ///< +1 or −1
+  Joints offset = Joints::Zero();                                         ///< rad
+  Joints lower = Joints::Zero();                                          ///< lower limits, rad
+  Joints upper = Joints::Zero();                                          ///< upper limits, rad
+  Joints speed = Joints::Zero();                                          ///< largest joint speeds, rad/s
+  Joints acceleration = Joints::Zero();  ///< largest joint accelerations, rad/s²
+  bool acceleration_assumed = true;      ///< no source for the accelerations
+  Joints stiffness = Joints::Zero();     ///< joint stiffness, N·mm/rad (Chen 2021 eq. 14)
 };
 
 }  // namespace millpose

@@ -16,32 +16,83 @@ void FlangeBlock::Set(int lane, const Pose& X_BF) {
   }
 }
 
+namespace {
+
+using closed_form::Choice;
+using closed_form::FlangeAxes;
+using closed_form::ShoulderAngle;
+using closed_form::Solution;
+
+/// ShoulderAngle of a block.
+struct ShoulderBlock {
+  SineCosineLanes first;
+  Lanes reached, distance;
+};
+
+[[gnu::always_inline]] inline FlangeAxes AxesOf(const FlangeBlock& flange, double d6, int i) {
+  const double z[3] = {flange.z[0].v[i], flange.z[1].v[i], flange.z[2].v[i]};
+  return {{flange.x[0].v[i], flange.x[1].v[i], flange.x[2].v[i]},
+          {flange.y[0].v[i], flange.y[1].v[i], flange.y[2].v[i]},
+          {z[0], z[1], z[2]},
+          {flange.p[0].v[i] - d6 * z[0], flange.p[1].v[i] - d6 * z[1], flange.p[2].v[i] - d6 * z[2]}};
+}
+
+[[gnu::always_inline]] inline void Store(const Solution& solution, int i, ArmBranchBlock& to) {
+  for (int k = 0; k < 6; ++k) {
+    to.q[k].sin.v[i] = solution.q[k].sin;
+    to.q[k].cos.v[i] = solution.q[k].cos;
+  }
+  to.reached.v[i] = solution.reached ? 1.0 : 0.0;
+  to.wrist.v[i] = std::fabs(solution.q[4].sin);
+  to.elbow.v[i] = std::fabs(solution.elbow_sine);
+  to.shoulder.v[i] = solution.distance;
+}
+
+void SolveShoulders(const closed_form::Lengths& lengths, double d6, const FlangeBlock& flange, double side,
+                    ShoulderBlock& out, InstructionSet set) {
+  ForEachLane(
+      set, [&](int i) __attribute__((always_inline)) {
+        const ShoulderAngle shoulder = closed_form::SolveShoulder(lengths, AxesOf(flange, d6, i), side);
+        out.first.sin.v[i] = shoulder.first.sin;
+        out.first.cos.v[i] = shoulder.first.cos;
+        out.reached.v[i] = shoulder.reached ? 1.0 : 0.0;
+        out.distance.v[i] = shoulder.distance;
+      });
+}
+
+[[gnu::always_inline]] inline ShoulderAngle AngleOf(const ShoulderBlock& block, int i) {
+  return {{block.first.sin.v[i], block.first.cos.v[i]}, block.reached.v[i] > 0.0, block.distance.v[i], false};
+}
+
+}  // namespace
+
 void InverseBlock(const Arm& arm, const FlangeBlock& flange, ArmBranches& out, InstructionSet set) {
   const closed_form::Lengths lengths(arm);
   const double d6 = arm.d6;
-  for (int branch = 0; branch < 4; ++branch) {
-    const double side = branch & 1 ? -1 : 1, elbow = branch & 2 ? 1 : -1;
+  std::array<ShoulderBlock, 2> shoulders;
+  for (int behind = 0; behind < 2; ++behind)
+    SolveShoulders(lengths, d6, flange, behind ? -1 : 1, shoulders[behind], set);
+  for (int branch = 0; branch < EntryCount(arm); ++branch) {
+    const Choice choice(branch);
+    const ShoulderBlock& shoulder = shoulders[branch & 1];
     ArmBranchBlock& to = out[branch];
-    ForEachLane(
-        set, [&](int i) __attribute__((always_inline)) {
-          const closed_form::FlangeAxes axes{{flange.x[0].v[i], flange.x[1].v[i], flange.x[2].v[i]},
-                                             {flange.y[0].v[i], flange.y[1].v[i], flange.y[2].v[i]},
-                                             {flange.z[0].v[i], flange.z[1].v[i], flange.z[2].v[i]}};
-          const closed_form::ArmAngles angles = closed_form::SolveArm(
-              lengths, flange.p[0].v[i] - d6 * axes.z[0], flange.p[1].v[i] - d6 * axes.z[1],
-              flange.p[2].v[i] - d6 * axes.z[2], side, elbow);
-          const closed_form::WristAngles wrist = closed_form::SolveWrist(angles, axes, {0, 1});
-          const SineCosine all[6] = {angles.first, angles.second, angles.third,
-                                     wrist.fourth, wrist.fifth,   wrist.sixth};
-          for (int k = 0; k < 6; ++k) {
-            to.q[k].sin.v[i] = all[k].sin;
-            to.q[k].cos.v[i] = all[k].cos;
-          }
-          to.reached.v[i] = angles.reached ? 1.0 : 0.0;
-          to.wrist.v[i] = wrist.fifth.sin;
-          to.elbow.v[i] = std::fabs(angles.elbow_sine);
-          to.shoulder.v[i] = angles.distance;
-        });
+    if (arm.family == ArmFamily::kParallelAxes) {
+      ForEachLane(
+          set, [&](int i) __attribute__((always_inline)) {
+            const FlangeAxes axes = AxesOf(flange, d6, i);
+            const ShoulderAngle angle = AngleOf(shoulder, i);
+            const SineCosine free = closed_form::FreeSum(lengths, axes, angle, choice);
+            Store(closed_form::SolveParallel(lengths, axes, angle, choice, free), i, to);
+          });
+    } else {
+      ForEachLane(
+          set, [&](int i) __attribute__((always_inline)) {
+            const SineCosine free{0, 1};
+            Store(closed_form::SolveSpherical(lengths, AxesOf(flange, d6, i), AngleOf(shoulder, i), choice,
+                                              free),
+                  i, to);
+          });
+    }
   }
 }
 

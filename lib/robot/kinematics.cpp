@@ -28,6 +28,15 @@ Matrix3d TurnY(const Matrix3d& R, const SineCosine& angle) {
   return turned;
 }
 
+/// R·Rz(90°).
+Matrix3d QuarterTurned(const Matrix3d& R) {
+  Matrix3d turned;
+  turned << R.col(1), -R.col(0), R.col(2);
+  return turned;
+}
+
+double ForearmLength(const Arm& arm) { return std::sqrt(arm.d4 * arm.d4 + arm.dz * arm.dz); }
+
 Pose PoseOf(const Matrix3d& R, const Vector3d& p) {
   Pose X = Pose::Identity();
   X.linear() = R;
@@ -52,13 +61,22 @@ Joints Beside(const Joints& near, const Joints& q) {
   return moved;
 }
 
-ArmPlane PlaneOf(const Arm& arm, double q2, double q3) {
-  const SineCosine second = SinCos(q2), third = SinCos(q3);
+double ArmLength(const Arm& arm) {
+  return std::abs(arm.a1) + std::abs(arm.dy) + arm.a2 + ForearmLength(arm) + std::abs(arm.d5) +
+         std::abs(arm.d6);
+}
+
+ArmPlane PlaneOf(const Arm& arm, const Joints& q) {
+  const SineCosine second = SinCos(q[1]), third = SinCos(q[2]);
   const SineCosine sum{second.sin * third.cos + second.cos * third.sin,
                        second.cos * third.cos - second.sin * third.sin};
-  const double forearm = std::sqrt(arm.d4 * arm.d4 + arm.dz * arm.dz);
-  return {.radius = arm.a1 + arm.a2 * second.cos + arm.d4 * sum.cos + arm.dz * sum.sin,
-          .height = arm.d1 - arm.a2 * second.sin - arm.d4 * sum.sin + arm.dz * sum.cos,
+  const double forearm = ForearmLength(arm);
+  double radius = arm.a1 + arm.a2 * second.cos + arm.d4 * sum.cos + arm.dz * sum.sin;
+  if (arm.family == ArmFamily::kParallelAxes) {
+    const SineCosine fourth = SinCos(q[3]);
+    radius += arm.d5 * (sum.cos * fourth.cos - sum.sin * fourth.sin);
+  }
+  return {.radius = radius,
           .second = second,
           .sum = sum,
           .elbow_sine = (third.sin * arm.d4 - third.cos * arm.dz) / forearm};
@@ -67,23 +85,26 @@ ArmPlane PlaneOf(const Arm& arm, double q2, double q3) {
 std::array<Pose, 7> LinkFrames(const Arm& arm, const Joints& A) {
   const Joints q = InnerAngles(arm, A);
   const SineCosine first = SinCos(q[0]);
-  const ArmPlane plane = PlaneOf(arm, q[1], q[2]);
+  const ArmPlane plane = PlaneOf(arm, q);
   Matrix3d R1 = Matrix3d::Identity();
   R1 << first.cos, -first.sin, 0, first.sin, first.cos, 0, 0, 0, 1;
   const Matrix3d R2 = TurnY(R1, plane.second), R3 = TurnY(R1, plane.sum);
-  const Matrix3d R4 = TurnX(R3, SinCos(q[3])), R5 = TurnY(R4, SinCos(q[4])), R6 = TurnX(R5, SinCos(q[5]));
+  const bool parallel = arm.family == ArmFamily::kParallelAxes;
+  const Matrix3d R4 = TurnX(parallel ? QuarterTurned(R3) : R3, SinCos(q[3])), R5 = TurnY(R4, SinCos(q[4])),
+                 R6 = TurnX(R5, SinCos(q[5]));
   Matrix3d R_BF;  // R6·Ry(90°)
   R_BF << -R6.col(2), R6.col(1), R6.col(0);
 
   const Vector3d top(0, 0, arm.d1);
-  const Vector3d shoulder = top + arm.a1 * R1.col(0);
+  const Vector3d shoulder = top + arm.a1 * R1.col(0) + arm.dy * R1.col(1);
   const Vector3d elbow = shoulder + arm.a2 * R2.col(0);
-  const Vector3d wrist = elbow + arm.d4 * R3.col(0) + arm.dz * R3.col(2);
+  const Vector3d fourth = elbow + arm.d4 * R3.col(0) + arm.dz * R3.col(2);
+  const Vector3d wrist = fourth - arm.d5 * R4.col(1);
   return {Pose::Identity(),
           PoseOf(R1, top),
           PoseOf(R2, shoulder),
           PoseOf(R3, elbow),
-          PoseOf(R4, wrist),
+          PoseOf(R4, fourth),
           PoseOf(R5, wrist),
           PoseOf(R_BF, wrist + arm.d6 * R6.col(0))};
 }
@@ -107,7 +128,7 @@ Matrix6 Jacobian(const Arm& arm, const Joints& q, const Vector3d& p_FT) {
 
 int Status(const Arm& arm, const Joints& A) {
   const Joints q = InnerAngles(arm, A);
-  const ArmPlane plane = PlaneOf(arm, q[1], q[2]);
+  const ArmPlane plane = PlaneOf(arm, q);
   return (plane.radius < 0 ? 1 : 0) | (plane.elbow_sine >= 0 ? 2 : 0) | (SinCos(q[4]).sin < 0 ? 4 : 0);
 }
 
@@ -119,7 +140,7 @@ int Turn(const Joints& q) {
 
 SingularityDistance DistanceToSingularity(const Arm& arm, const Joints& A) {
   const Joints q = InnerAngles(arm, A);
-  const ArmPlane plane = PlaneOf(arm, q[1], q[2]);
+  const ArmPlane plane = PlaneOf(arm, q);
   return {std::abs(SinCos(q[4]).sin), std::abs(plane.elbow_sine), std::abs(plane.radius)};
 }
 

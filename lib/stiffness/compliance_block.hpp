@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Compliance and dexterity of a block of poses, one per lane, from the sines and cosines that InverseBlock
-// gives. Flipping the wrist only negates columns of the Jacobian, so both wrists of an arm branch share all
-// that is here.
+// gives. Flipping a spherical wrist only negates columns of the Jacobian, so both branches that an entry
+// stands for share all that is here.
 #pragma once
 
 #include "robot/inverse_block.hpp"

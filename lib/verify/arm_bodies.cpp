@@ -9,7 +9,7 @@ namespace millpose {
 
 ArmBodies::ArmBodies(const Cell& cell) : cell_(cell) {
   const Arm& arm = cell.arm;
-  const double links = arm.a1 + arm.a2 + Hypot(arm.d4, arm.dz) + arm.d6;
+  const double links = ArmLength(arm);
   for (const Body& body : cell.bodies) {
     const bool on_tool = body.mount == Mount::kTool;
     if (!on_tool && body.mount != Mount::kLink) continue;

@@ -53,6 +53,9 @@ void ReadArm(const YAML::Node& arm, Setup* setup) {
   setup->d4 = lengths["d4"].as<double>();
   setup->dz = lengths["dz"].as<double>();
   setup->d6 = lengths["d6"].as<double>();
+  if (lengths["dy"]) setup->dy = lengths["dy"].as<double>();
+  if (lengths["d5"]) setup->d5 = lengths["d5"].as<double>();
+  setup->parallel = arm["family"] && arm["family"].as<std::string>() == "parallel_axes";
   setup->sign = Six(arm["axis_signs"], 1);
   setup->offset = arm["zero_offsets_deg"] ? Six(arm["zero_offsets_deg"], kDegree) : Angles{};
   setup->stiffness = Six(arm["joint_stiffness_Nm_per_rad"], 1000);

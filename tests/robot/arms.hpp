@@ -49,8 +49,41 @@ inline Arm OddArm() {
   return arm;
 }
 
+/// A spherical wrist 34.5 mm beside axis 1: lengths of a Doosan M1013.
+inline Arm DoosanM1013() {
+  Arm arm = MakeArm("M1013", 152.5, 0, 620, 559, 0, 121, {1, 1, 1, 1, 1, 1});
+  arm.dy = 34.5;
+  arm.offset = Degrees(0, -90, 90, 0, 0, 0);
+  return arm;
+}
+
+/// Axes 2, 3 and 4 parallel; `dy`, `d5`: see Arm.
+inline Arm MakeParallelArm(std::string name, double d1, double dy, double a2, double d4, double d5, double d6,
+                           std::array<double, 6> sign) {
+  Arm arm = MakeArm(std::move(name), d1, 0, a2, d4, 0, d6, sign);
+  arm.family = ArmFamily::kParallelAxes;
+  arm.dy = dy;
+  arm.d5 = d5;
+  return arm;
+}
+/// Universal Robots' Denavit-Hartenberg lengths, and its joint angles.
+inline Arm Ur10e() {
+  Arm arm = MakeParallelArm("UR10e", 180.7, 174.15, 612.7, 571.55, 119.85, 116.55, {1, 1, 1, 1, -1, 1});
+  arm.offset = Degrees(180, 0, 0, 90, 0, 0);
+  return arm;
+}
+/// No maker's arm: every length of the formula other than 0, the wrist on the other side.
+inline Arm OddParallelArm() {
+  Arm arm = MakeParallelArm("odd parallel", 300, -90, 500, 430, -70, 110, {-1, 1, -1, 1, 1, -1});
+  arm.a1 = 60;
+  arm.dz = 25;
+  arm.offset = Degrees(10, -90, 35, 180, -20, 77);
+  return arm;
+}
+
 inline std::vector<Arm> AllArms() {
-  return {Kr500R2830(), Kr500R2800(), KrQuantecR2700(), Chen2021Table6(), OddArm()};
+  return {Kr500R2830(), Kr500R2800(),  KrQuantecR2700(), Chen2021Table6(),
+          OddArm(),     DoosanM1013(), Ur10e(),          OddParallelArm()};
 }
 
 /// Uniform in (−π, π] per joint.

@@ -69,7 +69,7 @@ TEST_P(InverseOfArm, HasAllEightWhereBothShouldersReach) {
   Pose X_BF = Pose::Identity();
   X_BF.linear() = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   X_BF.translation() =
-      Vector3d(0.1 * reach, 0.05 * reach, arm.d1 + 0.6 * reach) + arm.d6 * X_BF.linear().col(2);
+      Vector3d(0.2 * reach, 0.1 * reach, arm.d1 + 0.6 * reach) + arm.d6 * X_BF.linear().col(2);
   const InverseResult result = Inverse(arm, X_BF);
   ASSERT_EQ(result.count, 8);
   for (int branch = 0; branch < 8; ++branch) {
@@ -81,9 +81,8 @@ TEST_P(InverseOfArm, HasAllEightWhereBothShouldersReach) {
 
 TEST_P(InverseOfArm, OutOfReachIsAStatus) {
   const Arm& arm = GetParam();
-  const double reach = arm.a2 + std::hypot(arm.d4, arm.dz);
-  Pose far = Pose::Identity();
-  far.translation() = Vector3d(0, 0, arm.d1 + std::hypot(reach + 1, arm.a1) + arm.d6);
+  Pose far = Pose::Identity();  // the wrist centre is d6 below the flange
+  far.translation() = Vector3d(ArmLength(arm) - arm.d6 + 0.001, 0, arm.d1 + arm.d6);
   EXPECT_EQ(Inverse(arm, far).status, ReachStatus::kUnreachable);
   EXPECT_EQ(Inverse(arm, far).count, 0);
   // The wrist centre at the front shoulder, nearer than the two links can fold; from behind it may be
@@ -111,7 +110,7 @@ TEST_P(InverseOfArm, SingularPosesKeepThePoseAndSaySo) {
     for (int i = 0; i < 6; ++i) q[i] = arm.sign[i] * (inner[i] - arm.offset[i]);
     Pose X_BF = ForwardFlange(arm, q);
     if (k % 3 == 2)
-      X_BF.translation() = Vector3d(0, 0, arm.d1 + 0.7 * arm.a2) + arm.d6 * X_BF.linear().col(2);
+      X_BF.translation() = Vector3d(0, arm.dy, arm.d1 + 0.7 * arm.a2) + arm.d6 * X_BF.linear().col(2);
     const InverseResult result = Inverse(arm, X_BF);
     ASSERT_GT(result.count, 0) << k;
     EXPECT_EQ(result.status, ReachStatus::kSingular) << k;
@@ -144,6 +143,26 @@ TEST(Inverse, NearKeepsA4WhereA5IsZero) {
   const auto found = InverseNear(arm, ForwardFlange(arm, original), Status(arm, original), original);
   ASSERT_TRUE(found.has_value());
   EXPECT_LT((*found - original).cwiseAbs().maxCoeff(), 1e-7);
+}
+
+TEST(Inverse, NearKeepsTheSumOfTheParallelAnglesWhereA5IsZero) {
+  const Arm arm = Ur10e();
+  for (const double a5 : {0.0, 180.0}) {
+    const Joints original = Degrees(12, -80, 100, -60, a5, 33);
+    const auto found = InverseNear(arm, ForwardFlange(arm, original), Status(arm, original), original);
+    ASSERT_TRUE(found.has_value());
+    EXPECT_LT((*found - original).cwiseAbs().maxCoeff(), 1e-7);
+  }
+}
+
+TEST(Inverse, AWristNearerToAxis1ThanItsOffsetIsOutOfReach) {
+  for (const Arm& arm : {DoosanM1013(), Ur10e()}) {
+    Pose X_BF = Pose::Identity();
+    X_BF.translation() = Vector3d(0.999 * arm.dy, 0, arm.d1 + 400 + arm.d6);
+    EXPECT_EQ(Inverse(arm, X_BF).status, ReachStatus::kUnreachable);
+    X_BF.translation().x() = 1.001 * arm.dy;
+    EXPECT_EQ(Inverse(arm, X_BF).count, 8);
+  }
 }
 
 TEST(Inverse, FullTurnsAreAllWithinLimits) {

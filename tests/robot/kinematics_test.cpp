@@ -18,9 +18,14 @@ KDL::Chain KdlChain(const Arm& arm, const Vector3d& p_FT) {
   using KDL::Rotation;
   const std::array<Joint::JointType, 6> axis{Joint::RotZ, Joint::RotY, Joint::RotY,
                                              Joint::RotX, Joint::RotY, Joint::RotX};
-  const std::array<KDL::Vector, 6> link{KDL::Vector(arm.a1, 0, 0),      KDL::Vector(arm.a2, 0, 0),
-                                        KDL::Vector(arm.d4, 0, arm.dz), KDL::Vector(0, 0, 0),
-                                        KDL::Vector(0, 0, 0),           KDL::Vector(arm.d6, 0, 0)};
+  const Rotation turn =
+      arm.family == ArmFamily::kParallelAxes ? Rotation::RotZ(kPi / 2) : Rotation::Identity();
+  const std::array<KDL::Frame, 6> link{KDL::Frame(KDL::Vector(arm.a1, arm.dy, 0)),
+                                       KDL::Frame(KDL::Vector(arm.a2, 0, 0)),
+                                       KDL::Frame(turn, KDL::Vector(arm.d4, 0, arm.dz)),
+                                       KDL::Frame(KDL::Vector(0, -arm.d5, 0)),
+                                       KDL::Frame::Identity(),
+                                       KDL::Frame(KDL::Vector(arm.d6, 0, 0))};
   KDL::Chain chain;
   chain.addSegment(KDL::Segment(Joint(Joint::None), KDL::Frame(KDL::Vector(0, 0, arm.d1))));
   for (int i = 0; i < 6; ++i) {
@@ -28,7 +33,7 @@ KDL::Chain KdlChain(const Arm& arm, const Vector3d& p_FT) {
     const Rotation zero = i == 0                   ? Rotation::RotZ(offset)
                           : axis[i] == Joint::RotY ? Rotation::RotY(offset)
                                                    : Rotation::RotX(offset);
-    chain.addSegment(KDL::Segment(Joint(axis[i], arm.sign[i]), KDL::Frame(zero) * KDL::Frame(link[i])));
+    chain.addSegment(KDL::Segment(Joint(axis[i], arm.sign[i]), KDL::Frame(zero) * link[i]));
   }
   chain.addSegment(KDL::Segment(Joint(Joint::None), KDL::Frame(Rotation::RotY(kPi / 2)) *
                                                         KDL::Frame(KDL::Vector(p_FT[0], p_FT[1], p_FT[2]))));
@@ -85,12 +90,10 @@ TEST(Kinematics, JacobianIsTheDerivativeOfTheTip) {
   }
 }
 
-TEST(Kinematics, LinkFramesHangTogether) {
-  const Arm arm = Kr500R2830();
+void ExpectFramesHangTogether(const Arm& arm, const std::array<double, 7>& distance) {
   RandomStream stream(3, 0);
   for (int k = 0; k < 100; ++k) {
     const std::array<Pose, 7> frames = LinkFrames(arm, RandomJoints(stream));
-    const std::array<double, 7> distance{0, 1045, 500, 1300, std::hypot(1025, 55), 0, 290};
     for (int i = 1; i < 7; ++i) {
       EXPECT_NEAR((frames[i].translation() - frames[i - 1].translation()).norm(), distance[i], 1e-9);
       const Eigen::Matrix3d& R = frames[i].linear();
@@ -98,6 +101,35 @@ TEST(Kinematics, LinkFramesHangTogether) {
       EXPECT_GT(R.determinant(), 0);
     }
   }
+}
+
+TEST(Kinematics, LinkFramesHangTogether) {
+  ExpectFramesHangTogether(Kr500R2830(), {0, 1045, 500, 1300, std::hypot(1025, 55), 0, 290});
+  ExpectFramesHangTogether(DoosanM1013(), {0, 152.5, 34.5, 620, 559, 0, 121});
+  ExpectFramesHangTogether(Ur10e(), {0, 180.7, 174.15, 612.7, 571.55, 119.85, 116.55});
+}
+
+TEST(Kinematics, AUrMovesAsItsDenavitHartenbergTableSays) {
+  // a, alpha, d of each joint, Universal Robots' table of the UR10e.
+  const double quarter = kPi / 2;
+  const double table[6][3] = {{0, quarter, 180.7},  {-612.7, 0, 0},        {-571.55, 0, 0},
+                              {0, quarter, 174.15}, {0, -quarter, 119.85}, {0, 0, 116.55}};
+  RandomStream stream(4, 0);
+  for (int k = 0; k < 500; ++k) {
+    const Joints q = k == 0 ? Joints(Joints::Zero()) : RandomJoints(stream);
+    KDL::Frame expected = KDL::Frame::Identity();
+    for (int i = 0; i < 6; ++i)
+      expected = expected * KDL::Frame::DH(table[i][0], table[i][1], table[i][2], q[i]);
+    const Pose X_BF = ForwardFlange(Ur10e(), q);
+    for (int row = 0; row < 3; ++row) {
+      ASSERT_NEAR(X_BF.translation()[row], expected.p[row], 1e-9);
+      for (int column = 0; column < 3; ++column)
+        ASSERT_NEAR(X_BF.linear()(row, column), expected.M(row, column), 1e-12);
+    }
+  }
+  // At joint angles 0 the arm lies stretched along −x.
+  EXPECT_LT((ForwardFlange(Ur10e(), Joints::Zero()).translation() - Vector3d(-1184.25, -290.7, 60.85)).norm(),
+            1e-9);
 }
 
 TEST(Kinematics, KukaHomeHasAbcZeroNinetyZero) {
@@ -131,6 +163,18 @@ TEST(Kinematics, StatusAndTurnBits) {
   EXPECT_EQ(Status(arm, Degrees(0, -60, phi + 0.01, 0, 10, 0)), 2);
   EXPECT_EQ(Status(arm, Degrees(0, -60, phi - 0.01, 0, 10, 0)), 0);
   EXPECT_EQ(Turn(Degrees(1, -1, 0, -0.1, 5, -300)), 0b101010);
+}
+
+TEST(Kinematics, ParallelAxesAreSingularInTheSameThreeWays) {
+  const Arm arm = Ur10e();
+  const SingularityDistance at = DistanceToSingularity(arm, Degrees(20, -90, 90, 40, 30, 10));
+  EXPECT_NEAR(at.wrist, 0.5, 1e-15);  // axes 4 and 6 are parallel at A5 = 0
+  EXPECT_NEAR(at.elbow, 1, 1e-15);
+  // Axis 5 points along −(A2 + A3 + A4 + 90°) = −130°.
+  EXPECT_NEAR(at.shoulder, 571.55 + 119.85 * std::cos(DegToRad(130)), 1e-9);
+  for (const double a5 : {0.0, 180.0})
+    EXPECT_LT(std::abs(Jacobian(arm, Degrees(20, -90, 90, 40, a5, 10), Vector3d::Zero()).determinant()),
+              1e-4);
 }
 
 TEST(Kinematics, DistancesToSingularities) {

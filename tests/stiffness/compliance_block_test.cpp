@@ -44,11 +44,11 @@ TEST(ComplianceBlock, AgreesWithTheScalarReference) {
       const Block block = RandomBlock(arm, stream);
       ComplianceBlock c;
       Lanes dexterity;
-      for (int b = 0; b < 4; ++b) {
+      for (int b = 0; b < EntryCount(arm); ++b) {
         LinearCompliance(arm, block.flange, block.branches[b], p_FT, c);
         DexterityOfBlock(arm, block.flange, block.branches[b], p_FT, 1000, dexterity);
         for (int i = 0; i < kLanes; ++i) {
-          if (Status(arm, block.q[i]) % 4 != b) continue;
+          if (Status(arm, block.q[i]) % EntryCount(arm) != b) continue;
           const SingularityDistance distance = DistanceToSingularity(arm, block.q[i]);
           if (distance.elbow < 1e-2 || distance.wrist < 1e-3 || distance.shoulder < 10) continue;
           const Matrix6 J = Jacobian(arm, block.q[i], p_FT);
@@ -85,6 +85,29 @@ TEST(ComplianceBlock, WristFlipLeavesItAsItIs) {
     const Matrix6 other = Compliance(Jacobian(arm, flipped, p_FT), arm.stiffness);
     EXPECT_LT((one - other).norm(), 1e-12 * one.norm());
   }
+}
+
+TEST(ComplianceBlock, DexterityOfParallelAxesIsZeroWhereTheyAreSingular) {
+  const Arm arm = Ur10e();
+  Block block;
+  // The elbow stretched; A5 = 0.
+  for (int i = 0; i < kLanes; ++i)
+    block.flange.Set(
+        i, ForwardFlange(arm, i % 2 ? Degrees(0, -60, 0, 10, 70, 0) : Degrees(0, -90, 90, 0, 0, 0)));
+  InverseBlock(arm, block.flange, block.branches);
+  int found[2] = {0, 0};
+  for (const ArmBranchBlock& branch : block.branches) {
+    Lanes dexterity;
+    DexterityOfBlock(arm, block.flange, branch, Vector3d(-250, 0, 250), 1000, dexterity);
+    for (int i = 0; i < kLanes; ++i) {
+      const bool singular = branch.wrist.v[i] < 1e-9 || branch.elbow.v[i] < 1e-6;
+      if (branch.reached.v[i] == 0 || !singular) continue;
+      EXPECT_LT(dexterity.v[i], 1e-6);
+      ++found[i % 2];
+    }
+  }
+  EXPECT_GT(found[0], 0);
+  EXPECT_GT(found[1], 0);
 }
 
 TEST(IndicesBlock, AgreeWithTheScalarReference) {
@@ -135,8 +158,7 @@ TEST(IndicesBlock, OfASingularComplianceAreInfinite) {
   }
 }
 
-TEST(Blocks, AreTheSameForEveryInstructionSet) {
-  const Arm arm = Kr500R2830();
+void ExpectSameForEveryInstructionSet(const Arm& arm) {
   const Vector3d p_FT(-250, 31, 250);
   RandomStream stream(4, 0);
   for (int round = 0; round < 300; ++round) {
@@ -150,8 +172,9 @@ TEST(Blocks, AreTheSameForEveryInstructionSet) {
     };
     const auto compute = [&](InstructionSet set) {
       Results results;
-      LinearCompliance(arm, block.flange, block.branches[round % 4], p_FT, results.c, set);
-      DexterityOfBlock(arm, block.flange, block.branches[round % 4], p_FT, 1000, results.dexterity, set);
+      LinearCompliance(arm, block.flange, block.branches[round % EntryCount(arm)], p_FT, results.c, set);
+      DexterityOfBlock(arm, block.flange, block.branches[round % EntryCount(arm)], p_FT, 1000,
+                       results.dexterity, set);
       IndicesInPlane(results.c, n, results.indices, set);
       DeflectionsInPlane(results.c, n, results.deflections, set);
       return results;
@@ -163,6 +186,11 @@ TEST(Blocks, AreTheSameForEveryInstructionSet) {
       ASSERT_EQ(std::memcmp(&wide, &baseline, sizeof(Results)), 0);
     }
   }
+}
+
+TEST(Blocks, AreTheSameForEveryInstructionSet) {
+  ExpectSameForEveryInstructionSet(Kr500R2830());
+  ExpectSameForEveryInstructionSet(Ur10e());
 }
 
 }  // namespace

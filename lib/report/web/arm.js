@@ -24,10 +24,10 @@
     const q = degrees.map((angle, i) => (a.sign[i] * angle + a.offset_deg[i]) * DEG);
     const steps = [
       [shift(0, 0, a.d1), turnZ(q[0])],
-      [shift(a.a1, 0, 0), turnY(q[1])],
+      [shift(a.a1, a.dy, 0), turnY(q[1])],
       [shift(a.a2, 0, 0), turnY(q[2])],
-      [shift(a.d4, 0, a.dz), turnX(q[3])],
-      [turnY(q[4])],
+      [shift(a.d4, 0, a.dz), turnZ(a.parallel ? Math.PI / 2 : 0), turnX(q[3])],
+      [shift(0, -a.d5, 0), turnY(q[4])],
       [turnX(q[5]), shift(a.d6, 0, 0), turnY(Math.PI / 2)],
     ];
     const frames = [data.X_WB];

@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A lab with a UR10e: the sample is planned, judged and verified; what such an arm cannot have is refused in words.
+Usage: parallel_arm_test.py MILLPOSE MILLPOSE_AUDIT TOP"""
+import csv
+import json
+import math
+import re
+import sys
+import unittest
+
+from plan_fixture import Bench, contents, differences
+
+BENCH = None
+
+# Universal Robots' Denavit-Hartenberg table of the UR10e: a, alpha, d; mm, rad.
+QUARTER = math.pi / 2
+UR10E = ((0, QUARTER, 180.7), (-612.7, 0, 0), (-571.55, 0, 0), (0, QUARTER, 174.15), (0, -QUARTER, 119.85), (0, 0, 116.55))
+
+
+def multiply(a, b):
+    return [[sum(a[i][k] * b[k][j] for k in range(4)) for j in range(4)] for i in range(4)]
+
+
+def flange(degrees):
+    pose = [[float(i == j) for j in range(4)] for i in range(4)]
+    for (a, alpha, d), angle in zip(UR10E, degrees):
+        s, c, sa, ca = math.sin(math.radians(angle)), math.cos(math.radians(angle)), math.sin(alpha), math.cos(alpha)
+        pose = multiply(pose, [[c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0, sa, ca, d], [0, 0, 0, 1]])
+    return pose
+
+
+def tip(degrees):
+    """Of the sample cell's tool, in the robot's base, and the tool's axis."""
+    pose = flange(degrees)
+    place = [sum(pose[i][k] * value for k, value in enumerate((-150, 0, 70, 1))) for i in range(3)]
+    return place, [pose[i][0] for i in range(3)]
+
+
+class ParallelArm(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.job = BENCH.job("ur10e_pad")
+        cls.result, cls.folder = BENCH.plan(cls.job, "ur10e")
+
+    def test_the_sample_is_planned_and_the_judge_agrees(self):
+        self.assertEqual(self.result.returncode, 0, self.result.stdout + self.result.stderr)
+        summary = json.loads((self.folder / "summary.json").read_text(encoding="utf-8"))
+        self.assertEqual((summary["points"]["skipped"], summary["gaps"]["total"]), (0, summary["gaps"]["planned"]))
+        self.assertEqual([(p["controller"], p["verified"]) for p in summary["programs"]], [("linuxcnc", True)])
+        status, verdict = BENCH.audit(self.folder, self.job)
+        self.assertEqual((status, verdict["broken"]), (0, {}))
+        verified = BENCH.run("verify", self.folder)
+        self.assertEqual(verified.returncode, 0, verified.stdout + verified.stderr)
+
+    def test_every_point_is_met_by_the_makers_table(self):
+        with open(self.folder / "points.csv", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertGreaterEqual(len(rows), 20)
+        for row in rows:
+            place, axis = tip([float(row[f"a{i}_deg"]) for i in range(1, 7)])
+            wanted = [float(row[key]) for key in ("x_mm", "y_mm", "z_mm")]
+            self.assertLess(math.dist(place, wanted), 1e-6)
+            self.assertLess(math.dist(axis, [float(row[key]) for key in ("tx", "ty", "tz")]), 1e-9)
+
+    def test_threads_and_another_run_give_the_same_bytes(self):
+        _, other = BENCH.plan(self.job, "threads", "--threads", "3")
+        self.assertEqual(differences(contents(self.folder), contents(other)), [])
+
+    def test_krl_and_sinumerik_are_refused_in_words(self):
+        why = "tell the configurations of a spherical wrist apart"
+        krl = BENCH.job("ur10e_pad", [(r"programs: .*", "programs: [krl, linuxcnc]")], "krl")
+        result, folder = BENCH.plan(krl, "krl")
+        self.assertEqual(result.returncode, 2)
+        self.assertRegex(result.stderr, r"krl\.yaml:\d+.*programs: krl cannot program Universal Robots UR10e: .*" + why)
+        self.assertFalse(folder.exists())
+        cell = BENCH.top / "cells/ur10e.yaml"
+        text = cell.read_text(encoding="utf-8")
+        (BENCH.top / "cells/both.yaml").write_text(text + "  sinumerik: {settable_frame: 505}\n", encoding="utf-8")
+        both = BENCH.job("ur10e_pad", [("ur10e.yaml", "both.yaml")], "both")
+        result = BENCH.run("check", both)
+        self.assertEqual(result.returncode, 2)
+        self.assertRegex(result.stderr, r"both\.yaml:\d+.*controllers: sinumerik cannot program .*allowed: linuxcnc")
+
+    def test_lengths_belong_to_their_family(self):
+        for old, new, message in ((r", d5: 119.85", "", "arm.lengths_mm.d5: missing; required where arm.family is parallel_axes"),
+                                  (r"  family: .*\n", "", "arm.lengths_mm.d5: has no effect with a spherical wrist")):
+            text = (BENCH.top / "cells/ur10e.yaml").read_text(encoding="utf-8")
+            changed, count = re.subn(old, new, text)
+            self.assertEqual(count, 1)
+            (BENCH.top / "cells/changed.yaml").write_text(changed, encoding="utf-8")
+            result = BENCH.run("check", BENCH.job("ur10e_pad", [("ur10e.yaml", "changed.yaml")], "changed"))
+            self.assertEqual(result.returncode, 2)
+            self.assertIn(message, result.stderr)
+
+
+if __name__ == "__main__":
+    BENCH = Bench(*sys.argv[1:4])
+    unittest.main(argv=sys.argv[:1])
