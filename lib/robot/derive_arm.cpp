@@ -61,11 +61,13 @@ class Derivation {
   }
 
   DerivedArm Derive() {
+    if (std::abs(Dot(3, 4)) > 0.99) derived_.arm.family = ArmFamily::kParallelAxes;
     CheckDirections();
     FindWrist();
     ThrowProblems();
     FillBase();
     FillArm();
+    FillForearm();
     FillWrist();
     for (Eigen::Index i = 0; i < 6; ++i) {
       const JointChain::Joint& joint = chain_.joints[static_cast<size_t>(i)];
@@ -92,32 +94,57 @@ class Derivation {
   const Axis& At(int axis) const { return axes_[static_cast<size_t>(axis - 1)]; }
   double Dot(int a, int b) const { return At(a).direction.dot(At(b).direction); }
 
+  bool Parallel() const { return derived_.arm.family == ArmFamily::kParallelAxes; }
+
+  /// Refuses an angle, given by its sine, that should be 0 where axes a and b are `wanted`.
+  void CheckAngle(int a, int b, double sine, const char* wanted) {
+    const double off = Asin(std::min(1.0, sine));
+    if (off <= kRightAngle) return;
+    Refuse(fmt::format("axes {} ({}) and {} ({}) must be {} for the closed form; they are {:.4g}° off", a,
+                       Name(a), b, Name(b), wanted, RadToDeg(off)));
+  }
+
   void CheckDirections() {
-    for (const auto& [a, b] : {std::pair(1, 2), std::pair(3, 4), std::pair(4, 5), std::pair(5, 6)}) {
-      const double off = Asin(std::min(1.0, std::abs(Dot(a, b))));
-      if (off <= kRightAngle) continue;
-      Refuse(fmt::format(
-          "axes {} ({}) and {} ({}) must be at right angles for the closed form; they are {:.4g}° "
-          "off",
-          a, Name(a), b, Name(b), RadToDeg(off)));
+    for (const auto& [a, b] : {std::pair(1, 2), std::pair(3, 4), std::pair(4, 5), std::pair(5, 6)})
+      if (a != 3 || !Parallel()) CheckAngle(a, b, std::abs(Dot(a, b)), "at right angles");
+    for (const auto& [a, b] : {std::pair(2, 3), std::pair(3, 4)})
+      if (a != 3 || Parallel()) CheckAngle(a, b, At(a).direction.cross(At(b).direction).norm(), "parallel");
+  }
+
+  void FindWrist() {
+    if (std::abs(Dot(4, 5)) > 0.99 || std::abs(Dot(5, 6)) > 0.99) return;  // refused already
+    if (Parallel()) return FindParallelWrist();
+    FindSphericalWrist();
+  }
+
+  /// Axis 5 meets axis 4 in one point and axis 6 in another, the wrist centre.
+  void FindParallelWrist() {
+    std::tie(on_4_, wrist_) = Nearest(At(4), At(5));
+    const auto [near_6, on_6] = Nearest(At(5), At(6));
+    const double misses[] = {(on_4_ - wrist_).norm(), (near_6 - on_6).norm()};
+    for (const int axis : {4, 5}) {
+      const double miss = misses[axis - 4];
+      if (miss <= tolerance_) continue;
+      Refuse(
+          fmt::format("axes {} ({}) and {} ({}) miss each other by {:.4g} mm: no closed form, though axes 2, "
+                      "3 and 4 are parallel; {}",
+                      axis, Name(axis), axis + 1, Name(axis + 1), miss, Allowed(miss)));
     }
-    const double off = At(2).direction.cross(At(3).direction).norm();
-    if (off > kRightAngle) {
-      Refuse(fmt::format("axes 2 ({}) and 3 ({}) must be parallel for the closed form; they are {:.4g}° off",
-                         Name(2), Name(3), RadToDeg(Asin(std::min(1.0, off)))));
-    }
+    wrist_ = (near_6 + on_6) / 2;
   }
 
   /// Where axes 4 and 6 meet axis 5, whatever the angles are.
-  void FindWrist() {
-    if (std::abs(Dot(4, 5)) > 0.99 || std::abs(Dot(5, 6)) > 0.99) return;  // refused already
+  void FindSphericalWrist() {
     const auto [on_4, near_4] = Nearest(At(4), At(5));
     const auto [near_6, on_6] = Nearest(At(5), At(6));
     wrist_ = (on_4 + near_4 + near_6 + on_6) / 4;
     const double miss = std::max({(on_4 - near_4).norm(), (on_6 - near_6).norm(), (near_4 - near_6).norm()});
     if (miss > tolerance_) {
-      Refuse(fmt::format("no spherical wrist: axes 4, 5 and 6 ({}, {}, {}) miss one point by {:.4g} mm; {}",
-                         Name(4), Name(5), Name(6), miss, Allowed(miss)));
+      Refuse(
+          fmt::format("no spherical wrist: axes 4, 5 and 6 ({}, {}, {}) miss one point by {:.4g} mm; {}. "
+                      "Arms whose wrist has an offset have a closed form here only where axes 2, 3 and 4 "
+                      "are parallel",
+                      Name(4), Name(5), Name(6), miss, Allowed(miss)));
     }
   }
 
@@ -152,35 +179,61 @@ class Derivation {
     arm.sign[2] = SignOf(At(3).direction, side_);
     arm.offset[1] = Offset(-upper.dot(up_), upper.dot(front));
 
-    const Vector3d forearm = Across(wrist_ - At(3).point, side_);
-    along_ = Across(At(4).direction, side_).normalized();
-    if (forearm.dot(along_) < -1e-9) along_ = -along_;
-    arm.sign[3] = SignOf(At(4).direction, along_);
-    arm.d4 = Length(forearm.dot(along_));
-    arm.dz = Length(forearm.dot(along_.cross(side_)));
-    if (Hypot(arm.d4, arm.dz) <= tolerance_) Refuse("the wrist lies on axis 3: the arm has no forearm");
+    const double beside = (wrist_ - derived_.X_SB.translation()).dot(side_);
+    arm.dy = std::abs(beside) > tolerance_ ? Length(beside) : 0;
+  }
+
+  /// `along_` and `x4_`: x of frames 3 and 4; axis 4 lies along the second.
+  void FillForearm() {
+    Arm& arm = derived_.arm;
+    if (Parallel()) {
+      const Vector3d forearm = Across(on_4_ - At(3).point, side_);
+      along_ = forearm.normalized();
+      x4_ = side_;
+      arm.d4 = Length(forearm.norm());
+    } else {
+      const Vector3d forearm = Across(wrist_ - At(3).point, side_);
+      along_ = Across(At(4).direction, side_).normalized();
+      if (forearm.dot(along_) < -1e-9) along_ = -along_;
+      x4_ = along_;
+      arm.d4 = Length(forearm.dot(along_));
+      arm.dz = Length(forearm.dot(along_.cross(side_)));
+    }
+    arm.sign[3] = SignOf(At(4).direction, x4_);
+    if (Hypot(arm.d4, arm.dz) <= tolerance_)
+      Refuse(Parallel() ? "axes 3 and 4 are one line: the arm has no forearm"
+                        : "the wrist lies on axis 3: the arm has no forearm");
     // q2 + q3 at angles 0, less q2.
     const SineCosine second = SinCos(arm.offset[1]);
-    const double s = -along_.dot(up_), c = along_.dot(front);
+    const double s = -along_.dot(up_), c = along_.dot(side_.cross(up_));
     arm.offset[2] = Offset(s * second.cos - c * second.sin, c * second.cos + s * second.sin);
+  }
 
-    const double beside = (wrist_ - derived_.X_SB.translation()).dot(side_);
-    if (std::abs(beside) > tolerance_) {
-      Refuse(fmt::format("the wrist centre lies {:.4g} mm beside the plane through axis 1 across axis 2; {}",
-                         std::abs(beside), Allowed(std::abs(beside))));
+  /// y of frame 4, along axis 5; fills what depends on joint 4.
+  Vector3d FillFourth() {
+    Arm& arm = derived_.arm;
+    Vector3d y4 = At(5).direction;
+    if (Parallel()) {
+      // Such that the wrist centre lies on its negative side; without an angle q4 that is −along_.
+      if ((wrist_ - on_4_).dot(y4) > 1e-9) y4 = -y4;
+      y4 = Across(y4, side_).normalized();
+      arm.d5 = Length((on_4_ - wrist_).dot(y4));
+      arm.offset[3] = Offset(-y4.dot(side_.cross(along_)), -y4.dot(along_));
+      return y4;
     }
+    // Such that offset 4 lies in (−90°, 90°].
+    const Vector3d z3 = along_.cross(side_);
+    if (y4.dot(side_) < -1e-9 || (std::abs(y4.dot(side_)) <= 1e-9 && y4.dot(z3) < 0)) y4 = -y4;
+    y4 = Across(y4, along_).normalized();
+    arm.offset[3] = Offset(y4.dot(z3), y4.dot(side_));
+    return y4;
   }
 
   void FillWrist() {
     Arm& arm = derived_.arm;
-    const Vector3d z3 = along_.cross(side_);
-    // y of frame 4, along axis 5, such that offset 4 lies in (−90°, 90°].
-    Vector3d y4 = At(5).direction;
-    if (y4.dot(side_) < -1e-9 || (std::abs(y4.dot(side_)) <= 1e-9 && y4.dot(z3) < 0)) y4 = -y4;
-    y4 = Across(y4, along_).normalized();
+    const Vector3d y4 = FillFourth();
     arm.sign[4] = SignOf(At(5).direction, y4);
-    arm.offset[3] = Offset(y4.dot(z3), y4.dot(side_));
-    const Vector3d z4 = along_.cross(y4);
+    const Vector3d z4 = x4_.cross(y4);
 
     // x of frame 6, along axis 6, towards the flange.
     Vector3d out = At(6).direction;
@@ -188,7 +241,7 @@ class Derivation {
     out = Across(out, y4).normalized();
     arm.sign[5] = SignOf(At(6).direction, out);
     arm.d6 = Length(out.dot(X_SE_.translation() - wrist_));
-    arm.offset[4] = Offset(-out.dot(z4), out.dot(along_));
+    arm.offset[4] = Offset(-out.dot(z4), out.dot(x4_));
 
     // F: z outwards, x as near to E's as that allows; in R5 at angle 0 the axes are out, y4, z5.
     const Vector3d x_F = CrossDirection(out, X_SE_.linear().col(0), X_SE_.linear().col(1));
@@ -231,7 +284,7 @@ class Derivation {
   const std::string& file_;
   std::array<Axis, 6> axes_;
   Pose X_SE_;
-  Vector3d wrist_ = Vector3d::Zero(), up_, side_, along_;
+  Vector3d wrist_ = Vector3d::Zero(), on_4_ = Vector3d::Zero(), up_, side_, along_, x4_;
   DerivedArm derived_;
   std::vector<Problem> problems_;
 };

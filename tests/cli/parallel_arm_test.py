@@ -37,6 +37,18 @@ def tip(degrees):
     return place, [pose[i][0] for i in range(3)]
 
 
+def urdf():
+    """The same arm in frames as its maker's URDF has them, metres; the base is turned by half a turn."""
+    joints = (("0 0 0.1807", "0 0 3.141592653589793"), ("0 0 0", "1.570796326794897 0 0"), ("-0.6127 0 0", "0 0 0"),
+              ("-0.57155 0 0.17415", "0 0 0"), ("0 -0.11985 0", "1.570796326794897 0 0"),
+              ("0 0.11655 0", "1.570796326794897 3.141592653589793 3.141592653589793"))
+    text = '<robot name="ur10e">' + "".join(f'<link name="l{i}"/>' for i in range(7))
+    for i, (xyz, rpy) in enumerate(joints):
+        text += (f'<joint name="j{i + 1}" type="revolute"><parent link="l{i}"/><child link="l{i + 1}"/><origin xyz="{xyz}" rpy="{rpy}"/>'
+                 '<axis xyz="0 0 1"/><limit lower="-6.28" upper="6.28" velocity="2"/></joint>')
+    return text + "</robot>"
+
+
 class ParallelArm(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -62,6 +74,23 @@ class ParallelArm(unittest.TestCase):
             wanted = [float(row[key]) for key in ("x_mm", "y_mm", "z_mm")]
             self.assertLess(math.dist(place, wanted), 1e-6)
             self.assertLess(math.dist(axis, [float(row[key]) for key in ("tx", "ty", "tz")]), 1e-9)
+
+    def test_a_urdf_of_the_family_is_the_same_arm(self):
+        (BENCH.top / "cells/ur10e.urdf").write_text(urdf(), encoding="utf-8")
+        cell = (BENCH.top / "cells/ur10e.yaml").read_text(encoding="utf-8")
+        cell, count = re.subn(r"  family: .*\n(  #.*\n)?  lengths_mm: .*\n  axis_signs: .*\n  zero_offsets_deg: .*\n",
+                              "  urdf: {file: ur10e.urdf, base_link: l0, flange_link: l6}\n", cell)
+        self.assertEqual(count, 1)
+        (BENCH.top / "cells/own.yaml").write_text(cell, encoding="utf-8")
+        job = BENCH.job("ur10e_pad", [("ur10e.yaml", "own.yaml"), (r"\[-800, 0, 500\], abc_deg: \[0, 90, 0\]",
+                                                                   "[800, 0, 500], abc_deg: [0, -90, 0]")], "own")
+        result, folder = BENCH.plan(job, "own")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertIn("family: parallel_axes", (folder / "cell.yaml").read_text(encoding="utf-8"))
+        with open(folder / "points.csv", encoding="utf-8") as file:
+            for row in csv.DictReader(file):
+                x, y, z = tip([float(row[f"a{i}_deg"]) for i in range(1, 7)])[0]
+                self.assertLess(math.dist((-x, -y, z), [float(row[key]) for key in ("x_mm", "y_mm", "z_mm")]), 1e-6)
 
     def test_threads_and_another_run_give_the_same_bytes(self):
         _, other = BENCH.plan(self.job, "threads", "--threads", "3")

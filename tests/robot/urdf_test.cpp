@@ -76,9 +76,8 @@ Matrix3d RandomRotation(RandomStream& random) {
 }
 
 /// Joints that move as `arm` does, with frames turned and shifted along their axes at random, on a base S and
-/// with a flange E that are not the arm's. `miss`: axis 6 moved aside by that much, mm; `beside`: the wrist
-/// moved along axis 2.
-Spec TurnedAbout(const Arm& arm, RandomStream& random, double miss = 0, double beside = 0) {
+/// with a flange E that are not the arm's. `miss`: axis 6 moved aside by that much, mm.
+Spec TurnedAbout(const Arm& arm, RandomStream& random, double miss = 0) {
   constexpr std::array<int, 6> kColumn{2, 1, 1, 0, 1, 2};
   Pose X_SB = Pose::Identity();
   X_SB.linear() = RandomRotation(random);
@@ -90,7 +89,6 @@ Spec TurnedAbout(const Arm& arm, RandomStream& random, double miss = 0, double b
   for (int i = 0; i < 6; ++i) {
     Pose X_SL = X_SB * frames[i + 1];
     const Vector3d axis = arm.sign[i] * X_SL.linear().col(kColumn[i]);
-    if (i == 3) aside += beside * (X_SB * frames[2]).linear().col(1);
     if (i == 5) aside += miss * axis.cross((X_SB * frames[5]).linear().col(1));
     X_SL.translation() += aside + random.Uniform(-400, 400) * axis;
     X_SL.linear() = RandomRotation(random);
@@ -114,6 +112,17 @@ Arm RandomArm(RandomStream& random) {
   Arm arm = MakeArm("random", random.Uniform(-200, 900), random.Uniform(-300, 500), random.Uniform(300, 1300),
                     random.Uniform(-900, 1000), random.Uniform(-300, 300), random.Uniform(-200, 300), sign);
   for (double& offset : arm.offset) offset = random.Uniform(-kPi, kPi);
+  return arm;
+}
+
+/// A random arm whose wrist lies beside axis 1, every second one with parallel axes.
+Arm RandomArmBeside(int k, RandomStream& random) {
+  Arm arm = RandomArm(random);
+  arm.dy = random.Uniform(-200, 200);
+  if (k % 2 == 0) return arm;
+  arm.family = ArmFamily::kParallelAxes;
+  arm.dz = 0;
+  arm.d5 = random.Uniform(-200, 200);
   return arm;
 }
 
@@ -170,6 +179,74 @@ TEST(Urdf, ArmsTurnedAboutMoveAsInKdl) {
   }
 }
 
+TEST(Urdf, ArmsBesideAxis1AndWithParallelAxesMoveAsInKdl) {
+  RandomStream random(18, 0);
+  for (int k = 0; k < 100; ++k) {
+    const Arm arm = RandomArmBeside(k, random);
+    const Spec spec = TurnedAbout(arm, random);
+    const DerivedArm derived = Derive(UrdfOf(spec));
+    EXPECT_EQ(derived.arm.family, arm.family);
+    EXPECT_NEAR(std::abs(derived.arm.dy), std::abs(arm.dy), 1e-9);
+    EXPECT_NEAR(derived.arm.d5, std::abs(arm.d5), 1e-9);
+    EXPECT_LT(derived.deviation, 1e-8);
+    ExpectSame(spec, derived, random, 20);
+  }
+}
+
+/// Frames as in the URDFs of Universal Robots: every joint about its own z, the base turned by half a turn.
+Spec UniversalRobotsStyle() {
+  const Vector3d z(0, 0, 1), none = Vector3d::Zero();
+  const double quarter = kPi / 2;
+  Spec spec;
+  spec.joints = {{{{0, 0, 0.1807}, {0, 0, kPi}, z},
+                  {none, {quarter, 0, 0}, z},
+                  {{-0.6127, 0, 0}, none, z},
+                  {{-0.57155, 0, 0.17415}, none, z},
+                  {{0, -0.11985, 0}, {quarter, 0, 0}, z},
+                  {{0, 0.11655, 0}, {quarter, kPi, kPi}, z}}};
+  return spec;
+}
+
+TEST(Urdf, AUrHasTheLengthsOfItsTable) {
+  RandomStream random(19, 0);
+  const Spec spec = UniversalRobotsStyle();
+  const DerivedArm derived = Derive(UrdfOf(spec));
+  const Arm& arm = derived.arm;
+  EXPECT_EQ(arm.family, ArmFamily::kParallelAxes);
+  const double found[] = {arm.d1, arm.a1, std::abs(arm.dy), arm.a2, arm.d4, arm.dz, arm.d5, arm.d6};
+  const double table[] = {180.7, 0, 174.15, 612.7, 571.55, 0, 119.85, 116.55};
+  for (size_t i = 0; i < 8; ++i) EXPECT_NEAR(found[i], table[i], 1e-9) << i;
+  ExpectSame(spec, derived, random, 200);
+  // What the cell of the project states is the same arm, in the base that the controller has.
+  for (int k = 0; k < 50; ++k) {
+    const Joints q = RandomJoints(random);
+    Pose X_SB = Pose::Identity();
+    X_SB.linear() = Eigen::Vector3d(-1, -1, 1).asDiagonal();
+    const Pose of_cell = X_SB * ForwardFlange(Ur10e(), q);
+    const Pose of_file = derived.X_SB * ForwardFlange(arm, q) * derived.X_FE;
+    EXPECT_LT((of_cell.matrix() - of_file.matrix()).norm(), 1e-9);
+  }
+}
+
+TEST(Urdf, AWristBesideAxis1IsTakenAsItIs) {
+  // Frames as in the URDF of a Doosan M1013, whose right angles are rounded to 1.571.
+  const Vector3d z(0, 0, 1), none = Vector3d::Zero();
+  const double quarter = 1.571;
+  Spec spec;
+  spec.joints = {{{{0, 0, 0.1525}, none, z},
+                  {{0, 0.0345, 0}, {0, -quarter, -quarter}, z},
+                  {{0.62, 0, 0}, {0, 0, quarter}, z},
+                  {{0, -0.559, 0}, {quarter, 0, 0}, z},
+                  {none, {-quarter, 0, 0}, z},
+                  {{0, -0.121, 0}, {quarter, 0, 0}, z}}};
+  const DerivedArm derived = Derive(UrdfOf(spec), 2);
+  EXPECT_EQ(derived.arm.family, ArmFamily::kSphericalWrist);
+  EXPECT_NEAR(std::abs(derived.arm.dy), 34.5, 0.5);
+  EXPECT_NEAR(derived.arm.a2, 620, 0.5);
+  EXPECT_LT(derived.deviation, 1.5);
+  EXPECT_NE(ErrorOf(UrdfOf(spec)).find("allowed by arm.urdf.tolerance_mm: 0.01 mm"), std::string::npos);
+}
+
 TEST(Urdf, OwnFileIsDerivedWithItsLengths) {
   const std::string file = std::string(SourceDir()) + "/tests/robot/turned_about.urdf";
   const ChainOfLinks found = FindChain(ReadUrdf(ReadFile(file), file), "base_link", "tool0");
@@ -196,21 +273,20 @@ TEST(Urdf, RefusesWhatHasNoClosedForm) {
       miss.find("miss one point by 20 mm; allowed by arm.urdf.tolerance_mm: 0.01 mm, which is 19.99 mm less"),
       std::string::npos)
       << miss;
-  const std::string beside = ErrorOf(UrdfOf(TurnedAbout(arm, random, 0, 35)));
-  EXPECT_NE(beside.find("35 mm beside the plane"), std::string::npos) << beside;
+  EXPECT_NE(miss.find("only where axes 2, 3 and 4 are parallel"), std::string::npos) << miss;
 
-  // A UR-like arm: axes 2, 3, 4 parallel.
-  Spec parallel;
-  const Vector3d y(0, 1, 0), z(0, 0, 1), none = Vector3d::Zero();
-  parallel.joints = {{{{0, 0, 0.15}, none, z},
-                      {{0, 0.14, 0}, none, y},
-                      {{0.42, -0.12, 0}, none, y},
-                      {{0.39, 0, 0}, none, y},
-                      {{0, 0.09, 0}, none, z},
-                      {{0, 0, 0.0946}, none, y}}};
-  const std::string ur = ErrorOf(UrdfOf(parallel));
-  EXPECT_NE(ur.find("miss one point by 94.6 mm"), std::string::npos) << ur;
-  EXPECT_NE(ur.find("axes 3 (j3) and 4 (j4) must be at right angles"), std::string::npos) << ur;
+  const std::string offset = ErrorOf(UrdfOf(TurnedAbout(Ur10e(), random, 20)));
+  EXPECT_NE(offset.find("axes 5 (j5) and 6 (j6) miss each other by 20 mm"), std::string::npos) << offset;
+  Spec bent = UniversalRobotsStyle();
+  bent.joints[3].rpy[0] = 0.1;
+  const std::string ur = ErrorOf(UrdfOf(bent));
+  EXPECT_NE(ur.find("axes 3 (j3) and 4 (j4) must be parallel for the closed form; they are 5.73° off"),
+            std::string::npos)
+      << ur;
+  // A wrist whose axes are oblique, as hollow ones of painting arms.
+  Spec oblique = TurnedAbout(arm, random);
+  oblique.joints[4].axis = (oblique.joints[4].axis + Vector3d(0.3, 0.4, -0.2)).normalized();
+  EXPECT_NE(ErrorOf(UrdfOf(oblique)).find("must be at right angles"), std::string::npos);
 }
 
 TEST(Urdf, RoundedAnglesAreToldAndBounded) {
