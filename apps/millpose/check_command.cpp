@@ -34,7 +34,8 @@ int Check(const Options& options, Session& session) {
         options.json);
   std::optional<double> unit;
   if (!options.unit.empty()) unit = kUnits.at(options.unit);
-  return Tell(CheckMesh({options.file, unit, options.weld_tolerance, options.chord_tolerance, root}),
+  return Tell(CheckMesh({options.file, unit, options.weld_tolerance, options.chord_tolerance, root},
+                        session.progress, session.stop),
               options.json);
 }
 

@@ -48,6 +48,7 @@ void TerminalProgress::Begin(std::string_view stage, size_t total) {
   running_ = true;
   done_ = 0;
   total_ = total;
+  percent_.reset();
   began_ = shown_ = Clock::now();
   if (form_ == ProgressForm::kBar) Show(began_);
   if (form_ == ProgressForm::kJson) Write(Json("begin", Now(began_), {}));
@@ -56,6 +57,11 @@ void TerminalProgress::Begin(std::string_view stage, size_t total) {
 void TerminalProgress::Advance(size_t count) {
   const std::lock_guard lock(mutex_);
   done_ += count;
+}
+
+void TerminalProgress::Percent(int percent) {
+  const std::lock_guard lock(mutex_);
+  percent_ = percent;
 }
 
 void TerminalProgress::End(std::string_view outcome) {
@@ -71,6 +77,7 @@ TerminalProgress::Figures TerminalProgress::Now(Clock::time_point now) const {
   Figures figures;
   figures.elapsed_s = std::chrono::duration<double>(now - began_).count();
   const auto done = static_cast<double>(done_);
+  if (percent_) figures.share = *percent_ / 100.0;
   if (total_ > 0) figures.share = std::min(1.0, done / static_cast<double>(total_));
   if (done_ > 0 && figures.elapsed_s > kLeastTime) figures.per_s = done / figures.elapsed_s;
   if (total_ > 0 && figures.per_s)
@@ -82,6 +89,7 @@ TerminalProgress::Figures TerminalProgress::Now(Clock::time_point now) const {
 std::string TerminalProgress::State(const Figures& figures) const {
   if (!figures.share)
     return fmt::format("{}{:.0f} s", done_ > 0 ? fmt::format("{} done, ", done_) : "", figures.elapsed_s);
+  if (percent_) return fmt::format("{} %, {:.0f} s", *percent_, figures.elapsed_s);
   std::string state = fmt::format("{} of {} ({:.0f} %)", done_, total_, 100 * *figures.share);
   if (figures.left_s) state += fmt::format(", {:.3g}/s, {:.0f} s left", *figures.per_s, *figures.left_s);
   return state;

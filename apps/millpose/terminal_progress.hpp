@@ -28,6 +28,7 @@ class TerminalProgress : public Progress {
 
   void Begin(std::string_view stage, size_t total) override;
   void Advance(size_t count) override;
+  void Percent(int percent) override;
   void End(std::string_view outcome) override;
 
  private:
@@ -48,6 +49,7 @@ class TerminalProgress : public Progress {
   std::string stage_;
   bool running_ = false;
   size_t done_ = 0, total_ = 0;
+  std::optional<int> percent_;  // of a stage that cannot be counted
   Clock::time_point began_, shown_;
   std::jthread watch_;  // last: it ends before what it reads
 };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // millpose-step CHORD_MM MEMORY_MB SECONDS: STEP on stdin, triangles on stdout (lib/surface/step_reader.hpp).
-// Exit status 2: the file cannot be read (why on stderr); 3: out of memory. Signals end it at its other
-// limits.
+// Lines
+// "progress PERCENT" on stderr. Exit status 2: the file cannot be read (why on stderr); 3: out of memory.
+// Signals end it at its other limits, and with its parent.
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -13,9 +14,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <iostream>
 #include <new>
 #include <string>
 
+#include "base/process.hpp"
 #include "base/text.hpp"
 #include "step_file.hpp"
 #include "surface/step_reader.hpp"
@@ -27,14 +30,6 @@ constexpr int kOutOfMemory = 3;
 void Limit(int resource, rlim_t most) {
   const rlimit limit{most, most};
   ::setrlimit(static_cast<__rlimit_resource>(resource), &limit);
-}
-
-std::string Stdin() {
-  std::string bytes;
-  char buffer[65536];
-  for (ssize_t count = 0; (count = ::read(0, buffer, sizeof buffer)) > 0;)
-    bytes.append(buffer, static_cast<size_t>(count));
-  return bytes;
 }
 
 bool Write(int file, std::string_view bytes) {
@@ -65,7 +60,7 @@ int Read(double chord_tolerance) {
   ::dup2(2, 1);
   Message::DefaultMessenger()->ChangePrinters().Clear();
   try {
-    return Write(answer, millpose::WriteStepTriangles(millpose::TessellateStep(Stdin(), chord_tolerance)))
+    return Write(answer, millpose::WriteStepTriangles(millpose::TessellateStep(std::cin, chord_tolerance)))
                ? 0
                : 1;
   } catch (const std::bad_alloc&) {
@@ -89,6 +84,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: millpose-step CHORD_MM MEMORY_MB SECONDS <STEP\n");
     return 1;
   }
+  millpose::EndWithParent();
   std::set_new_handler([] { ::_exit(kOutOfMemory); });
   std::set_terminate(Terminate);
   Limit(RLIMIT_CORE, 0);

@@ -4,34 +4,46 @@
 #include <fmt/format.h>
 
 #include <BRepAdaptor_Surface.hxx>
+#include <BRepBndLib.hxx>
 #include <BRepGProp.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
+#include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
 #include <GProp_GProps.hxx>
 #include <Interface_Static.hxx>
+#include <NCollection_DataMap.hxx>
 #include <Poly_Triangulation.hxx>
 #include <STEPControl_Reader.hxx>
+#include <Standard_Failure.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepRepr_RepresentationItem.hxx>
+#include <StepShape_Face.hxx>
 #include <TColStd_SequenceOfAsciiString.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
+#include <TransferBRep.hxx>
+#include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
 #include <algorithm>
 #include <array>
-#include <optional>
-#include <sstream>
+#include <istream>
 #include <stdexcept>
 
+#include "recut.hpp"
 #include "refine.hpp"
+#include "step_progress.hpp"
 
 namespace millpose {
 namespace {
 
 constexpr double kAngle = 10 * 0.017453292519943295;  // rad between neighbouring facets of a curved face
+
+// Percent of the way when OpenCASCADE's steps end; what is left goes to the faces one by one.
+constexpr int kParsed = 15, kTransferred = 50, kMeshed = 75;
 
 struct Unit {
   std::string name;
@@ -72,16 +84,33 @@ std::string KindOf(const TopoDS_Face& face) {
   }
 }
 
-SourceFace Described(const STEPControl_Reader& reader, const TopoDS_Face& face) {
+using FaceEntities = NCollection_DataMap<Handle(TopoDS_TShape), Handle(Standard_Transient)>;
+
+// The entity of the file that each face comes from. OpenCASCADE's own way back looks at all entities for each
+// face.
+FaceEntities EntitiesOf(const STEPControl_Reader& reader) {
+  FaceEntities entities;
+  const Handle(Interface_InterfaceModel) model = reader.Model();
+  const Handle(Transfer_TransientProcess) process = reader.WS()->TransferReader()->TransientProcess();
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const Handle(Standard_Transient) entity = model->Value(i);
+    if (!entity->IsKind(STANDARD_TYPE(StepShape_Face))) continue;
+    const TopoDS_Shape shape = TransferBRep::ShapeResult(process, entity);
+    if (!shape.IsNull() && shape.ShapeType() == TopAbs_FACE) entities.Bind(shape.TShape(), entity);
+  }
+  return entities;
+}
+
+SourceFace Described(const STEPControl_Reader& reader, const FaceEntities& entities,
+                     const TopoDS_Face& face) {
   SourceFace source;
   source.id = "#0";
   source.kind = KindOf(face);
   GProp_GProps properties;
   BRepGProp::SurfaceProperties(face, properties);
   source.area = std::max(0.0, properties.Mass());
-  const Handle(XSControl_TransferReader) transfer = reader.WS()->TransferReader();
-  const Handle(Standard_Transient) entity = transfer->EntityFromShapeResult(face, 1);
-  if (entity.IsNull()) return source;
+  if (!entities.IsBound(face.TShape())) return source;
+  const Handle(Standard_Transient) entity = entities.Find(face.TShape());
   const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(reader.Model());
   if (!model.IsNull()) source.id = "#" + std::to_string(model->IdentLabel(entity));
   const Handle(StepRepr_RepresentationItem) item = Handle(StepRepr_RepresentationItem)::DownCast(entity);
@@ -90,12 +119,47 @@ SourceFace Described(const STEPControl_Reader& reader, const TopoDS_Face& face) 
   return source;
 }
 
-// Appends the face's triangles, in mm, seen from outside. Returns how far the face lies from them at most, or
-// nothing when it has none.
-std::optional<double> Append(const TopoDS_Face& face, int source, double tolerance, Triangles& triangles) {
+// Where a lost face lies.
+void SetPlace(const TopoDS_Face& face, SourceFace& source) {
+  Bnd_Box box;
+  try {
+    BRepBndLib::AddOptimal(face, box, Standard_False, Standard_False);
+  } catch (const Standard_Failure&) {
+    BRepBndLib::Add(face, box, Standard_False);
+  }
+  if (box.IsVoid()) return;
+  const auto corner = [](const gp_Pnt& p) -> Eigen::Vector3d {
+    constexpr double kFar = 1e9;  // mm, of faces without end
+    return Eigen::Vector3d(p.X(), p.Y(), p.Z()).cwiseMax(-kFar).cwiseMin(kFar);
+  };
+  source.lower = corner(box.CornerMin());
+  source.upper = corner(box.CornerMax());
+}
+
+// The face with triangles, cut in another way where BRepMesh's gave too few; sets whether it is lost.
+std::vector<TopoDS_Face> Cut(const TopoDS_Face& face, double chord_tolerance, SourceFace& source) {
+  const auto enough = [&] {
+    const double cut = TriangleArea(face);
+    return cut > 0 && cut >= source.area / 2;
+  };
+  if (enough()) return {face};
+  for (const RecutWay& way : kRecutWays)
+    if (std::vector<TopoDS_Face> faces = Recut(face, source.area, chord_tolerance, kAngle, way);
+        !faces.empty())
+      return faces;
+  SetPlace(face, source);
+  // Nothing is lost with a face that is narrower than the tolerance. Of an area of 0 nothing is known.
+  source.lost = source.area == 0 || source.area > chord_tolerance * (source.upper - source.lower).norm();
+  BRepTools::Clean(face);
+  const BRepMesh_IncrementalMesh mesher(face, chord_tolerance, Standard_False, kAngle, Standard_False);
+  return {face};
+}
+
+// Appends the face's triangles, in mm, seen from outside. Returns how far the face lies from them at most.
+double Append(const TopoDS_Face& face, int source, double tolerance, Triangles& triangles) {
   TopLoc_Location location;
   const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(face, location);
-  if (mesh.IsNull() || mesh->NbTriangles() == 0) return std::nullopt;
+  if (mesh.IsNull() || mesh->NbTriangles() == 0) return 0;
   FaceTriangles cut;
   for (int i = 1; i <= mesh->NbNodes(); ++i) {
     const gp_Pnt p = mesh->Node(i).Transformed(location.Transformation());
@@ -126,31 +190,56 @@ std::optional<double> Append(const TopoDS_Face& face, int source, double toleran
   return deviation;
 }
 
-}  // namespace
+struct Model {
+  TopoDS_Shape shape;
+  Unit unit;
+  /// Each face where it stands: a part used twice in an assembly has its faces twice.
+  std::vector<SourceFace> faces;
+};
 
-RawMesh TessellateStep(const std::string& bytes, double chord_tolerance) {
+// What the file says, without the memory that reading it took: many times its size.
+Model ReadModel(std::istream& file) {
   Interface_Static::SetCVal("xstep.cascade.unit", "MM");
   STEPControl_Reader reader;
-  std::istringstream stream(bytes);
-  if (reader.ReadStream("part", stream) != IFSelect_RetDone)
+  TellPercent(0);
+  if (reader.ReadStream("part", file) != IFSelect_RetDone)
     throw std::runtime_error("the STEP file cannot be parsed");
-  if (reader.TransferRoots() == 0) throw std::runtime_error("the STEP file holds no shape that can be read");
-  const TopoDS_Shape shape = reader.OneShape();
-  const BRepMesh_IncrementalMesh mesher(shape, chord_tolerance, Standard_False, kAngle, Standard_False);
-  const Unit unit = UnitOf(reader);
+  TellPercent(kParsed);
+  const Handle(StepProgress) progress = new StepProgress(kParsed, kTransferred);
+  if (reader.TransferRoots(progress->Start()) == 0)
+    throw std::runtime_error("the STEP file holds no shape that can be read");
+  Model model{reader.OneShape(), UnitOf(reader), {}};
+  const FaceEntities entities = EntitiesOf(reader);
+  for (TopExp_Explorer it(model.shape, TopAbs_FACE); it.More(); it.Next())
+    model.faces.push_back(Described(reader, entities, TopoDS::Face(it.Current())));
+  reader.ClearShapes();
+  reader.WS()->ClearData(7);
+  reader.WS()->ClearData(1);
+  return model;
+}
+
+void Mesh(const TopoDS_Shape& shape, double chord_tolerance) {
+  IMeshTools_Parameters parameters;
+  parameters.Deflection = chord_tolerance;
+  parameters.Angle = kAngle;
+  const Handle(StepProgress) progress = new StepProgress(kTransferred, kMeshed);
+  const BRepMesh_IncrementalMesh mesher(shape, parameters, progress->Start());
+}
+
+}  // namespace
+
+RawMesh TessellateStep(std::istream& file, double chord_tolerance) {
+  Model model = ReadModel(file);
+  Mesh(model.shape, chord_tolerance);
   RawMesh mesh;
-  int solids = 0;
-  for (TopExp_Explorer it(shape, TopAbs_SOLID); it.More(); it.Next()) ++solids;
-  // Each face where it stands: a part used twice in an assembly has its faces twice.
-  size_t lost = 0;
+  mesh.triangles.source_faces = std::move(model.faces);
+  std::vector<SourceFace>& sources = mesh.triangles.source_faces;
   double deviation = 0;
-  for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next()) {
-    const TopoDS_Face face = TopoDS::Face(it.Current());
-    const auto number = static_cast<int>(mesh.triangles.source_faces.size());
-    mesh.triangles.source_faces.push_back(Described(reader, face));
-    const std::optional<double> left = Append(face, number, chord_tolerance, mesh.triangles);
-    lost += left ? 0 : 1;
-    deviation = std::max(deviation, left.value_or(0));
+  int number = 0;
+  for (TopExp_Explorer it(model.shape, TopAbs_FACE); it.More(); it.Next(), ++number) {
+    for (const TopoDS_Face& part : Cut(TopoDS::Face(it.Current()), chord_tolerance, sources[number]))
+      deviation = std::max(deviation, Append(part, number, chord_tolerance, mesh.triangles));
+    TellPercent(kMeshed + static_cast<int>((100.0 - kMeshed) * (number + 1) / sources.size()));
   }
   if (mesh.triangles.faces.empty())
     throw std::runtime_error("the STEP file holds no face that can be cut into triangles");
@@ -158,15 +247,14 @@ RawMesh TessellateStep(const std::string& bytes, double chord_tolerance) {
     mesh.notes.push_back(
         fmt::format("triangles of the STEP part deviate by up to {:.3g} mm, wanted {:.3g} mm", deviation,
                     chord_tolerance));
-  if (lost > 0)
-    mesh.notes.push_back(fmt::format("{} faces of the STEP file could not be cut into triangles", lost));
-  if (solids == 0) mesh.notes.emplace_back("the STEP file holds faces, but no solid");
-  if (unit.keys_know) {
-    mesh.stated_unit = unit.factor;
-    for (Eigen::Vector3d& p : mesh.triangles.vertices) p /= unit.factor;
+  if (!TopExp_Explorer(model.shape, TopAbs_SOLID).More())
+    mesh.notes.emplace_back("the STEP file holds faces, but no solid");
+  if (model.unit.keys_know) {
+    mesh.stated_unit = model.unit.factor;
+    for (Eigen::Vector3d& p : mesh.triangles.vertices) p /= model.unit.factor;
   } else {
     mesh.stated_unit = 1;
-    mesh.notes.push_back(fmt::format("the STEP file's unit \"{}\" was converted to mm", unit.name));
+    mesh.notes.push_back(fmt::format("the STEP file's unit \"{}\" was converted to mm", model.unit.name));
   }
   return mesh;
 }

@@ -7,6 +7,7 @@
 #include <spawn.h>
 #include <sys/auxv.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -136,15 +137,26 @@ std::string BuildId(const char* at, size_t size) {
   return {};
 }
 
+// Hands on the lines that are complete; `from` is where the next one begins.
+void TellLines(const std::string& text, const std::function<void(std::string_view)>& hear, size_t& from) {
+  for (size_t end; (end = text.find('\n', from)) != std::string::npos; from = end + 1)
+    if (hear) hear(std::string_view(text).substr(from, end - from));
+}
+
 // Reads both streams until the child closed them; passes a stop request on.
-void Follow(pid_t child, Pipe* output, Pipe* errors, const std::stop_token& stop, ProcessResult* result) {
+void Follow(pid_t child, Pipe* output, Pipe* errors, const std::stop_token& stop,
+            const std::function<void(std::string_view)>& hear, ProcessResult* result) {
   bool told = false, killed = false;
+  size_t heard = 0;
   Clock::time_point told_at;
   while (output->ends[0] >= 0 || errors->ends[0] >= 0) {
     pollfd streams[2] = {{output->ends[0], POLLIN, 0}, {errors->ends[0], POLLIN, 0}};
     ::poll(streams, 2, kPollMs);
     if (streams[0].revents != 0) Drain(output, &result->output);
-    if (streams[1].revents != 0) Drain(errors, &result->errors);
+    if (streams[1].revents != 0) {
+      Drain(errors, &result->errors);
+      TellLines(result->errors, hear, heard);
+    }
     if (stop.stop_requested() && !told) {
       ::kill(child, SIGTERM);
       told = true;
@@ -160,7 +172,7 @@ void Follow(pid_t child, Pipe* output, Pipe* errors, const std::stop_token& stop
 }  // namespace
 
 ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_token stop,
-                         std::string_view input) {
+                         std::string_view input, const std::function<void(std::string_view)>& told) {
   const Input bytes(input);
   Pipe output, errors;
   const Clock::time_point start = Clock::now();
@@ -168,7 +180,7 @@ ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_to
   output.Close(1);
   errors.Close(1);
   ProcessResult result;
-  Follow(child, &output, &errors, stop, &result);
+  Follow(child, &output, &errors, stop, told, &result);
   int status = 0;
   rusage usage{};
   while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
@@ -178,6 +190,12 @@ ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_to
   result.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
   if (stop.stop_requested()) throw Interrupted();
   return result;
+}
+
+void EndWithParent() {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  pollfd output{1, POLLOUT, 0};
+  if (::poll(&output, 1, 0) > 0 && (output.revents & POLLERR) != 0) ::_exit(1);
 }
 
 double MachineMemory() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -18,9 +19,14 @@ struct ProcessResult {
 
 /// Runs `arguments` (the program first, by path or found in PATH) with `input` on its stdin and waits for its
 /// end. When `stop` is requested the child gets SIGTERM, and SIGKILL five seconds later; then Interrupted is
-/// thrown. Throws InputError when the program cannot be started.
+/// thrown. Throws InputError when the program cannot be started. `told` hears each line of the child's stderr
+/// as it comes, without its end.
 ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_token stop,
-                         std::string_view input = {});
+                         std::string_view input = {}, const std::function<void(std::string_view)>& told = {});
+
+/// Makes this process end when its parent does, however that one ends. For a child of RunProcess to call
+/// first; ends it at once when the parent is gone already (nobody reads stdout any more).
+void EndWithParent();
 
 /// Memory that this process may come to have, bytes: the machine's, or its own limit where that is lower.
 double MachineMemory();

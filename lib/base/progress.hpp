@@ -15,6 +15,8 @@ class Progress {
   virtual void Begin(std::string_view stage, size_t total) = 0;
   /// `count` more units of the running stage are done.
   virtual void Advance(size_t count) = 0;
+  /// The running stage, which cannot be counted, has come so far.
+  virtual void Percent(int /*percent*/) {}
   /// The running stage is done; `outcome` is one line for the user.
   virtual void End(std::string_view outcome) = 0;
 };

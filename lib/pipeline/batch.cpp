@@ -16,6 +16,7 @@
 #include "pipeline/output_folder.hpp"
 #include "pipeline/result_swap.hpp"
 #include "pipeline/slurm.hpp"
+#include "pipeline/step_meshes.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -184,8 +185,10 @@ std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) 
     if (!Exists(folder / kManifestFile) || IsSwapOpen(folder)) return std::nullopt;
     const Json run = Json::parse(ReadFile(folder / kRunFile));
     if (run.at("program_id") != ProgramId()) return std::nullopt;
-    if (CheckManifest(folder).key != LoadJobInputs(job.file, job.overrides, {}, job.root).hash)
-      return std::nullopt;
+    JobInputs inputs = LoadJobInputs(job.file, job.overrides, {}, job.root);
+    const std::string key = CheckManifest(folder).key;
+    TakeKeptMeshes(folder, &inputs);
+    if (key != inputs.hash) return std::nullopt;
     JobOutcome outcome = Judge(folder, 0, "");
     if (outcome.status > 1) return std::nullopt;
     outcome.up_to_date = true;

@@ -8,9 +8,11 @@
 #include "base/units.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/job_engagement.hpp"
+#include "pipeline/step_meshes.hpp"
 #include "pipeline/workpiece.hpp"
 #include "pose/scorer.hpp"
 #include "surface/corner_normals.hpp"
+#include "surface/step_reader.hpp"
 
 namespace millpose {
 namespace {
@@ -79,13 +81,19 @@ void Count(const std::vector<Admissibility>& reach, JobCheck& check) {
 
 }  // namespace
 
-MeshCheck CheckMesh(const CheckMeshArguments& arguments) {
+MeshCheck CheckMesh(const CheckMeshArguments& arguments, Progress& progress, std::stop_token stop) {
   const std::string name = arguments.mesh.string();
   StepOptions step;
   step.chord_tolerance = arguments.chord_tolerance;
-  RawMesh raw = ReadMesh(arguments.root.Read(arguments.mesh), name, step);
+  step.percent = [&](int percent) { progress.Percent(percent); };
+  step.stop = std::move(stop);
+  const std::string bytes = arguments.root.Read(arguments.mesh);
+  const bool is_step = LooksLikeStep(bytes);
+  if (is_step) progress.Begin(SurfaceStage(bytes, step.seconds, step.memory_MB), 0);
+  RawMesh raw = ReadMesh(bytes, name, step);
   const double unit = arguments.unit.value_or(raw.stated_unit.value_or(1));
   const ImportResult import = ImportMesh(std::move(raw), {unit, arguments.weld_tolerance, false}, name);
+  if (is_step) progress.End(fmt::format("{} triangles", import.report.triangles));
   std::vector<std::string> warnings = Findings(import.report);
   const Eigen::Vector3d size = import.report.upper - import.report.lower;
   if (const auto warning = UnitWarning(size.maxCoeff(), kLargeArm)) warnings.push_back(*warning);
@@ -97,9 +105,11 @@ JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::s
       arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
   JobInputs inputs = LoadJobInputs(arguments.job, {}, {}, arguments.root);
   inputs.max_points = arguments.max_points;
+  progress.Begin(SurfaceStage(inputs), 0);
+  CutStepFiles(
+      &inputs, [&](int percent) { progress.Percent(percent); }, stop);
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
   cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
-  progress.Begin(SurfaceStage(inputs), 0);
   const Part part = ReadPart(inputs, cell);
   progress.End(fmt::format("{} triangles", part.import.report.triangles));
   JobToolpath made = MakeJobToolpath(inputs, part.import.mesh, stop);

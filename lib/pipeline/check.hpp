@@ -36,7 +36,9 @@ struct CheckMeshArguments {
   FileRoot root{};                ///< that the file must lie in
 };
 
-MeshCheck CheckMesh(const CheckMeshArguments& arguments);
+/// Throws InputError for what cannot be read; Interrupted.
+MeshCheck CheckMesh(const CheckMeshArguments& arguments, Progress& progress = Silent(),
+                    std::stop_token stop = {});
 
 /// A job's part and tool path against its arm.
 struct JobCheck {

@@ -112,13 +112,16 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
     Collect(problems, [&] { inputs.cam_bytes = root.Read(folder / inputs.job.toolpath.cam_file); });
   if (problems.empty()) CheckDepth(inputs, problems);
   if (!problems.empty()) throw InputError(std::move(problems));
+  inputs.hash = HashOf(inputs);
+  return inputs;
+}
 
+std::string HashOf(const JobInputs& inputs) {
   std::string all = WriteJob(inputs.job) + '\0' + WriteCell(inputs.cell) + '\0' +
                     Hash(inputs.workpiece_bytes) + '\0' + Hash(inputs.stock_bytes) + '\0' +
                     Hash(inputs.cam_bytes);
   for (const auto& [name, bytes] : inputs.body_bytes) all += '\0' + name + '\0' + Hash(bytes);
-  inputs.hash = Hash(all);
-  return inputs;
+  return Hash(all);
 }
 
 }  // namespace millpose

@@ -21,8 +21,10 @@ struct JobInputs {
   std::string stock_bytes;      ///< of the stock's, where there is one
   std::string cam_bytes;        ///< of the CAM path, where the strategy is cam
   std::map<std::string, std::string>
-      body_bytes;           ///< of the mesh files that the cell's bodies name, by that name
-  std::string hash;         ///< of all of it, resolved
+      body_bytes;  ///< of the mesh files that the cell's bodies name, by that name
+  std::map<std::string, std::string>
+      step_meshes{};  ///< STEP files that became triangles: hash of these by their key (step_meshes.hpp)
+  std::string hash;   ///< of all of it, resolved
   double max_points = 2e6;  ///< that the tool path may have
 };
 
@@ -32,6 +34,9 @@ struct JobInputs {
 /// that job's folder, or from `folder` when it is given. Nothing outside of `root` is opened.
 JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector<Override>& overrides = {},
                         const std::optional<std::filesystem::path>& folder = {}, const FileRoot& root = {});
+
+/// The hash of all inputs as they stand.
+std::string HashOf(const JobInputs& inputs);
 
 /// What every output has to say of a cell: links that nothing sees touch.
 std::vector<std::string> CellWarnings(const CellSettings& cell);

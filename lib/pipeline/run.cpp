@@ -18,6 +18,7 @@
 #include "pipeline/sample_curves.hpp"
 #include "pipeline/stages.hpp"
 #include "pipeline/start_programs.hpp"
+#include "pipeline/step_meshes.hpp"
 #include "pipeline/workpiece.hpp"
 #include "pipeline/write_results.hpp"
 
@@ -116,16 +117,20 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   const int threads =
       arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
   Stages stages(progress);
-  const JobInputs inputs = ReadInputs(arguments, stages);
+  JobInputs inputs = ReadInputs(arguments, stages);
   const std::filesystem::path out = arguments.out.value_or(DefaultFolder(arguments.job, inputs.job.name));
   if (!arguments.out) arguments.root.CheckFolder(out);
   const OutputFolder folder(out, arguments.share ? FolderUse::kCheckpoints : FolderUse::kResults);
   const RunFigures::JobFile job_file = JobFileFor(arguments.job, inputs.job.name, folder.path());
   if (arguments.fresh && !arguments.share) folder.RemoveCheckpoints();
 
+  if (!arguments.fresh) TakeKeptMeshes(folder, &inputs);
+  stages.Begin("surface", 0, SurfaceStage(inputs));
+  CutStepFiles(
+      &inputs, [&](int percent) { progress.Percent(percent); }, stop);
+  KeepMeshes(inputs, folder);
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
   cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
-  stages.Begin("surface", 0, SurfaceStage(inputs));
   const Part part = ReadPart(inputs, cell);
   const ImportResult& surface = part.import;
   const Eigen::Vector3d size = surface.report.upper - surface.report.lower;
@@ -206,6 +211,7 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   RunFigures run = TellRun(inputs, folder, job_file, stages, threads);
   run.resumed_passes = planned.resumed;
   run.resumed_gaps = gaps.resumed;
+  AddMeshes(inputs, &results);
   run.manifest = results.AddManifest(inputs.hash);
   results.Add(kRunFile, RunJson(run));
   results.Publish();

@@ -11,6 +11,7 @@
 #include "pipeline/output_folder.hpp"
 #include "pipeline/program_motions.hpp"
 #include "pipeline/start_programs.hpp"
+#include "pipeline/step_meshes.hpp"
 #include "pipeline/workpiece.hpp"
 #include "program/reader.hpp"
 #include "verify/causes.hpp"
@@ -114,7 +115,9 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::
 JobInputs InputsOf(const VerifyArguments& arguments) {
   std::optional<fs::path> origin;
   if (arguments.job) origin = fs::absolute(*arguments.job).parent_path();
-  return LoadJobInputs(arguments.target / "job.yaml", {}, origin, arguments.root);
+  JobInputs inputs = LoadJobInputs(arguments.target / "job.yaml", {}, origin, arguments.root);
+  TakeKeptMeshes(arguments.target, &inputs);
+  return inputs;
 }
 
 /// The programs of single pieces, where the folder holds some.

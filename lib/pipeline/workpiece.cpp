@@ -95,8 +95,12 @@ double Reach(const Cell& cell) { return Reach(cell.arm, cell.X_FT.translation())
 
 std::string SurfaceStage(const JobInputs& inputs) {
   const WorkpieceSettings& workpiece = inputs.job.workpiece;
-  if (!LooksLikeStep(inputs.workpiece_bytes)) return "surface";
-  return fmt::format("surface (STEP: at most {} s, {} MB)", workpiece.step_seconds, workpiece.step_memory);
+  return SurfaceStage(inputs.workpiece_bytes, workpiece.step_seconds, workpiece.step_memory);
+}
+
+std::string SurfaceStage(std::string_view mesh, int seconds, int memory_MB) {
+  if (!LooksLikeStep(mesh)) return "surface";
+  return fmt::format("surface (STEP: at most {} s, {} MB)", seconds, memory_MB);
 }
 
 Part ReadPart(const JobInputs& inputs, const Cell& cell) {

@@ -24,6 +24,7 @@ double Reach(const Arm& arm, const Eigen::Vector3d& p_FT);
 
 /// The stage's name for who watches it run; of a STEP part with what its reading may take.
 std::string SurfaceStage(const JobInputs& inputs);
+std::string SurfaceStage(std::string_view mesh, int seconds, int memory_MB);
 
 /// Reads and repairs the workpiece's mesh. Throws InputError.
 Part ReadPart(const JobInputs& inputs, const Cell& cell);

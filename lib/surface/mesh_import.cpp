@@ -2,6 +2,7 @@
 #include "surface/mesh_import.hpp"
 
 #include "base/error.hpp"
+#include "base/shown.hpp"
 #include "surface/pieces.hpp"
 #include "surface/weld.hpp"
 
@@ -90,12 +91,25 @@ ImportResult ImportMesh(RawMesh raw, const ImportOptions& options, const std::st
   result.report.upper = box.max();
   MeasureRims(result.mesh, result.report);
   MeasurePieces(done, result.report);
+  for (size_t i = 0; i < done.source_faces.size(); ++i)
+    if (done.source_faces[i].lost) result.report.lost_faces.push_back(DescribeLost(done, i));
   result.report.crossings = FindSelfCrossings(result.mesh);
   return result;
 }
 
+std::string DescribeLost(const Triangles& mesh, size_t number) {
+  const SourceFace& face = mesh.source_faces[number];
+  return fmt::format(
+      "STEP face {} ({}{}{}, {:.4g} mm²) between ({:.6g}, {:.6g}, {:.6g}) and ({:.6g}, {:.6g}, {:.6g}) mm "
+      "could not be cut into triangles",
+      number + 1, face.id == "#0" ? "" : face.id + ", ", face.kind,
+      face.name.empty() ? "" : ", " + Shown(face.name), face.area, face.lower.x(), face.lower.y(),
+      face.lower.z(), face.upper.x(), face.upper.y(), face.upper.z());
+}
+
 std::vector<std::string> Findings(const ImportReport& report) {
   std::vector<std::string> findings = report.notes;
+  std::ranges::copy(report.lost_faces, std::back_inserter(findings));
   const auto tell = [&](size_t count, std::string_view one, std::string_view many) {
     if (count > 0) findings.push_back(fmt::format("{} {}", count, count == 1 ? one : many));
   };

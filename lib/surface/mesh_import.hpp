@@ -33,6 +33,7 @@ struct ImportReport {
   double rim_length = 0;   ///< mm, all together
   Eigen::Vector3d lower = Eigen::Vector3d::Zero(), upper = Eigen::Vector3d::Zero();  ///< bounds, mm
   std::vector<std::string> notes;                                                    ///< of the reader
+  std::vector<std::string> lost_faces;  ///< of a STEP part: DescribeLost of each
 };
 
 struct ImportResult {
@@ -48,6 +49,10 @@ ImportResult ImportMesh(RawMesh raw, const ImportOptions& options, const std::st
 /// One sentence for each thing worth telling: repairs that were made, rims, pieces, notes. Empty for a sound
 /// closed mesh of one piece.
 std::vector<std::string> Findings(const ImportReport& report);
+
+/// A face of the solid model that could not be cut into triangles, with its number (from 0; told from 1),
+/// area and place.
+std::string DescribeLost(const Triangles& mesh, size_t number);
 
 /// A warning when a part whose longest side is `extent` (mm) cannot be meant for an arm of `reach` (mm),
 /// naming the unit that would make it fit (a factor 1000, 25.4 or 10 either way); empty when it may be.

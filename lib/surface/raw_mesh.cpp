@@ -44,6 +44,7 @@ RawMesh Read(std::string_view bytes, const std::string& name, const StepOptions&
     throw InputError({name}, fmt::format("the file is text in UTF-16; save it as UTF-8. {}", kFormats));
   if (bytes.starts_with("\xef\xbb\xbf"))
     bytes.remove_prefix(3);  // the mark that some editors put before UTF-8
+  if (IsStepTriangles(bytes)) return ReadStepTriangles(bytes, name);
   if (LooksLikeStep(bytes)) return ReadStep(bytes, name, step);
   if (LooksLikePly(bytes)) return ReadPly(bytes, name);
   if (LooksLikeOff(bytes)) return ReadOff(bytes, name);

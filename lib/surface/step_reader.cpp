@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/step_reader.hpp"
 
+#include <bit>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
 
 #include "base/error.hpp"
 #include "base/process.hpp"
+#include "base/shown.hpp"
 #include "base/text.hpp"
 #include "surface/text_scanner.hpp"
 
@@ -14,7 +16,6 @@ namespace millpose {
 namespace {
 
 constexpr const char* kProgram = "millpose-step";
-constexpr const char* kMagic = "millpose-step-1";
 
 std::filesystem::path FindProgram() {
   const std::filesystem::path folder = std::filesystem::path(OwnProgram()).parent_path();
@@ -23,15 +24,17 @@ std::filesystem::path FindProgram() {
   return {};
 }
 
-// What the child said last, for the user.
-std::string LastLine(const std::string& text) {
-  std::string_view rest(text);
-  while (!rest.empty() && (rest.back() == '\n' || rest.back() == ' ')) rest.remove_suffix(1);
-  const size_t line = rest.rfind('\n');
-  std::string last;
-  for (const char c : rest.substr(line == std::string_view::npos ? 0 : line + 1).substr(0, 300))
-    last += c >= ' ' && c <= '~' ? c : '?';
-  return last;
+constexpr std::string_view kProgress = "progress ";
+
+// What the child said last, for the user; its progress apart.
+std::string LastLine(std::string_view text) {
+  std::string_view last;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    if (!line.starts_with(kProgress) && line.find_first_not_of(' ') != std::string_view::npos) last = line;
+  }
+  return Shown(last, 300);
 }
 
 [[noreturn]] void TellFailure(const ProcessResult& result, const std::string& name,
@@ -54,7 +57,9 @@ void Append(std::string& bytes, const T* values, size_t count) {
   bytes.append(reinterpret_cast<const char*>(values), count * sizeof(T));
 }
 
-// Values behind the header, in the machine's own order: both processes run on one machine.
+static_assert(std::endian::native == std::endian::little);  // answers may go to another machine
+
+// Values behind the header.
 class Values {
  public:
   Values(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
@@ -78,7 +83,15 @@ bool LooksLikeStep(std::string_view bytes) {
   return bytes.substr(0, 200).find("ISO-10303-21") != std::string_view::npos;
 }
 
+bool IsStepTriangles(std::string_view bytes) {
+  return bytes.starts_with(kStepTriangles) && bytes.substr(kStepTriangles.size()).starts_with('\n');
+}
+
 RawMesh ReadStep(std::string_view bytes, const std::string& name, const StepOptions& options) {
+  return ReadStepTriangles(CutStep(bytes, name, options), name);
+}
+
+std::string CutStep(std::string_view bytes, const std::string& name, const StepOptions& options) {
   const std::filesystem::path program = options.program.empty() ? FindProgram() : options.program;
   if (program.empty())
     throw InputError(
@@ -86,12 +99,16 @@ RawMesh ReadStep(std::string_view bytes, const std::string& name, const StepOpti
         "this is a STEP file, and the program that reads it, millpose-step, is not beside millpose: "
         "keep both together, or install libocct-data-exchange-dev and build again, or export STL, OBJ, "
         "PLY or OFF");
-  const ProcessResult result =
-      RunProcess({program.string(), ShortestNumber(options.chord_tolerance),
-                  std::to_string(options.memory_MB), std::to_string(options.seconds)},
-                 {}, bytes);
+  ProcessResult result = RunProcess({program.string(), ShortestNumber(options.chord_tolerance),
+                                     std::to_string(options.memory_MB), std::to_string(options.seconds)},
+                                    options.stop, bytes, [&](std::string_view line) {
+                                      if (!options.percent || !line.starts_with(kProgress)) return;
+                                      const auto percent = ParseNumber(line.substr(kProgress.size()));
+                                      if (percent && *percent >= 0 && *percent <= 100)
+                                        options.percent(static_cast<int>(*percent));
+                                    });
   if (result.status != 0) TellFailure(result, name, options);
-  return ReadStepTriangles(result.output, name);
+  return std::move(result.output);
 }
 
 std::string WriteStepTriangles(const RawMesh& mesh) {
@@ -101,11 +118,13 @@ std::string WriteStepTriangles(const RawMesh& mesh) {
       if (c < ' ' || c > '~') c = '?';
     return text;
   };
-  std::string bytes =
-      fmt::format("{}\n{} {} {} {} {}\n", kMagic, mesh.stated_unit.value_or(0), triangles.vertices.size(),
-                  triangles.faces.size(), triangles.source_faces.size(), mesh.notes.size());
+  std::string bytes = fmt::format("{}\n{} {} {} {} {}\n", kStepTriangles, mesh.stated_unit.value_or(0),
+                                  triangles.vertices.size(), triangles.faces.size(),
+                                  triangles.source_faces.size(), mesh.notes.size());
   for (const SourceFace& face : triangles.source_faces)
-    bytes += fmt::format("{} {} {} {}\n", plain(face.id), face.kind, face.area, plain(face.name));
+    bytes += fmt::format("{} {} {} {} {} {} {} {} {} {} {}\n", plain(face.id), face.kind, face.area,
+                         face.lost ? 1 : 0, face.lower.x(), face.lower.y(), face.lower.z(), face.upper.x(),
+                         face.upper.y(), face.upper.z(), plain(face.name));
   for (const std::string& note : mesh.notes) bytes += plain(note) + "\n";
   for (const Eigen::Vector3d& p : triangles.vertices) Append(bytes, p.data(), 3);
   for (size_t f = 0; f < triangles.faces.size(); ++f) {
@@ -117,7 +136,7 @@ std::string WriteStepTriangles(const RawMesh& mesh) {
 
 RawMesh ReadStepTriangles(std::string_view bytes, const std::string& name) {
   TextScanner scanner(bytes, name);
-  scanner.Expect(kMagic);
+  scanner.Expect(kStepTriangles);
   RawMesh mesh;
   if (const double unit = scanner.Number(); unit > 0) mesh.stated_unit = unit;
   const auto size = static_cast<long long>(bytes.size());
@@ -132,6 +151,9 @@ RawMesh ReadStepTriangles(std::string_view bytes, const std::string& name) {
     face.id = scanner.Next();
     face.kind = scanner.Next();
     face.area = scanner.Number();
+    face.lost = scanner.Integer(0, 1, "lost") == 1;
+    for (Eigen::Vector3d* corner : {&face.lower, &face.upper})
+      for (int k = 0; k < 3; ++k) (*corner)[k] = scanner.Number();
     std::string_view rest = scanner.Line();
     while (rest.starts_with(' ')) rest.remove_prefix(1);
     face.name = rest;

@@ -14,6 +14,13 @@ bool LooksLikeStep(std::string_view bytes);
 /// exceeds its limits, and when it is not installed.
 RawMesh ReadStep(std::string_view bytes, const std::string& name, const StepOptions& options);
 
+/// As ReadStep, the answer as it comes: for ReadStepTriangles.
+std::string CutStep(std::string_view bytes, const std::string& name, const StepOptions& options);
+
+/// What such an answer begins with; the same on every machine, as the numbers in it are (little-endian).
+inline constexpr std::string_view kStepTriangles = "millpose-step-2";
+bool IsStepTriangles(std::string_view bytes);
+
 /// What passes between the two processes: triangles in the file's unit. The reader trusts nothing in it.
 std::string WriteStepTriangles(const RawMesh& mesh);
 RawMesh ReadStepTriangles(std::string_view bytes, const std::string& name);

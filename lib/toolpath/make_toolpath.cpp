@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "base/rotation.hpp"
+#include "toolpath/lost_faces.hpp"
 #include "toolpath/resample.hpp"
 #include "toolpath/strategy.hpp"
 #include "toolpath/track.hpp"
@@ -211,6 +212,7 @@ Toolpath MakeToolpath(const Mesh& mesh, const ToolpathOptions& given, std::stop_
   const ToolpathOptions options = Effective(given);
   const std::unique_ptr<Strategy> strategy = MakeStrategy(options.strategy);
   const Region region(mesh, options.region);
+  RefuseLostFaces(mesh, options.region);
   if (options.strategy == "pad" || options.strategy == "contours") CheckArea(region, options);
   const CornerNormals normals(mesh, options.crease, options.normal_smoothing);
   Layout layout = strategy->Lay(region, options, stop);

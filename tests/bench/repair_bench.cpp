@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Our repair and CGAL's functions on the meshes of ClosedRepair.OpensNothing: how many come out closed and
-// with their volume. docs/decisions/0041-mesh-repair.md.
+// with their volume. docs/decisions/0042-mesh-repair.md.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
 #include <CGAL/Polygon_mesh_processing/manifoldness.h>

@@ -4,16 +4,22 @@
 #include <unistd.h>
 
 #include <BRepAlgoAPI_Cut.hxx>
+#include <BRepBuilderAPI_MakeEdge.hxx>
+#include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
+#include <BRep_Builder.hxx>
 #include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <STEPControl_Controller.hxx>
 #include <STEPControl_Writer.hxx>
+#include <TopoDS_Compound.hxx>
+#include <TopoDS_Wire.hxx>
 #include <filesystem>
 #include <gp_Ax2.hxx>
+#include <gp_Pln.hxx>
 
 #include "base/file.hpp"
 
@@ -40,6 +46,20 @@ std::string DrilledBlockStep(const std::string& unit) {
   const TopoDS_Shape block = BRepPrimAPI_MakeBox(100.0, 60.0, 20.0).Shape();
   const gp_Ax2 axis(gp_Pnt(50, 30, -1), gp_Dir(0, 0, 1));
   return AsStep(BRepAlgoAPI_Cut(block, BRepPrimAPI_MakeCylinder(axis, 15, 22).Shape()).Shape(), unit);
+}
+
+std::string LostFaceStep() {
+  BRep_Builder builder;
+  TopoDS_Wire wire;
+  builder.MakeWire(wire);
+  builder.Add(wire, BRepBuilderAPI_MakeEdge(gp_Pnt(0, 0, 50), gp_Pnt(40, 0, 70)).Edge());
+  builder.Add(wire, BRepBuilderAPI_MakeEdge(gp_Pnt(40, 0, 70), gp_Pnt(40, 30, 20)).Edge());
+  TopoDS_Compound part;
+  builder.MakeCompound(part);
+  builder.Add(part, BRepPrimAPI_MakeBox(100.0, 60.0, 20.0).Shape());
+  builder.Add(
+      part, BRepBuilderAPI_MakeFace(gp_Pln(gp_Pnt(0, 0, 50), gp_Dir(0, 0, 1)), wire, Standard_False).Face());
+  return AsStep(part, "MM");
 }
 
 std::string BallStep(double radius) { return AsStep(BRepPrimAPI_MakeSphere(radius).Shape(), "MM"); }

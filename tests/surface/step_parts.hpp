@@ -12,4 +12,8 @@ std::string DrilledBlockStep(const std::string& unit);
 /// A ball of the given radius (mm) about the origin.
 std::string BallStep(double radius);
 
+/// A block of 100 × 60 × 20 mm and, as face 7, a plane between two edges that no wire joins, so that it has
+/// no triangles.
+std::string LostFaceStep();
+
 }  // namespace millpose

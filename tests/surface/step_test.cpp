@@ -176,13 +176,15 @@ TEST(Step, DamagedAnswersAreRefused) {
   mesh.triangles.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.triangles.faces = {{0, 1, 2}};
   mesh.triangles.source = {0};
-  mesh.triangles.source_faces = {{"#12", "top side", "plane", 0.5}};
+  mesh.triangles.source_faces = {{"#12", "top side", "plane", 0.5, true, {1, 2, 3}, {4, 5, 6}}};
   mesh.notes = {"a note"};
   mesh.stated_unit = 25.4;
   const std::string bytes = WriteStepTriangles(mesh);
   const RawMesh read = ReadStepTriangles(bytes, "x");
   EXPECT_EQ(read.triangles.vertices, mesh.triangles.vertices);
   EXPECT_EQ(read.triangles.source_faces[0].name, "top side");
+  EXPECT_TRUE(read.triangles.source_faces[0].lost);
+  EXPECT_EQ(read.triangles.source_faces[0].upper, Eigen::Vector3d(4, 5, 6));
   EXPECT_EQ(read.notes, mesh.notes);
   EXPECT_EQ(read.stated_unit, 25.4);
   for (uint64_t i = 0; i < 3000; ++i) {
