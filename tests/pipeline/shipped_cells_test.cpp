@@ -43,8 +43,9 @@ TEST_P(ShippedCell, IsFreeAtHomeAndInMostPosesOfItsWorkingRange) {
   upper << 45, -50, 115, 180, 60, 180;
   const double working = share(lower * kRadPerDeg, upper * kRadPerDeg), all = share(arm.lower, arm.upper);
   EXPECT_GT(working, 0.9);
-  // Over all that the limits allow the arm meets its base, itself and the platform.
-  EXPECT_GT(all, 0.8);
+  // Over all that the limits allow the arm meets its base, itself and the platform; oftener one with parallel
+  // axes, whose joints turn right round.
+  EXPECT_GT(all, arm.family == ArmFamily::kParallelAxes ? 0.4 : 0.8);
   EXPECT_LT(all, 0.97);
   RecordProperty("working", std::to_string(working));
   RecordProperty("all", std::to_string(all));
