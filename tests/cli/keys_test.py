@@ -27,6 +27,7 @@ LEFT_OUT = {
     "arm.urdf.flange_link": "an arm like any other once derived",
     "arm.urdf.packages.*": "an arm like any other once derived",
     "arm.urdf.tolerance_mm": "an arm like any other once derived",
+    "arm.family": "another arm altogether (cli_parallel_arm)", "arm.lengths_mm.d5": "of parallel axes alone",
     "reproduction_only": "such cells get no programs", "cell": "another name of the same file",
     "workpiece.stock.unit": "a stock of another size touches at home",
     "toolpath.strategy": "each has keys of its own: the variants",
@@ -161,6 +162,7 @@ class Keys(InFolder):
         job, cell = self.base()
         job["toolpath"]["region"] = {**copy.deepcopy(WIDE), "all": [copy.deepcopy(WIDE)], "any": [copy.deepcopy(WIDE)],
                                      "none": [copy.deepcopy(FAR)]}
+        cell["arm"]["lengths_mm"]["dy"] = 2.5
         job["toolpath"]["ends"] = {"overrun_mm": 1, "lead": "ramp", "lead_length_mm": 10, "ramp_deg": 15}
         job["toolpath"]["depth"] = {"total_mm": 1, "per_layer_mm": 0.5, "allowance_mm": 0.1, "finishing_mm": 0.2}
         job["process"]["cutting"] = {"teeth": 2, "kc11_N_mm2": 700, "mc": 0.2}
