@@ -18,6 +18,10 @@ PostSettings SettingsOf(const std::string& variant) {
     settings.orientation_acceleration = 5;
     settings.external = {500, -20.5};
   }
+  if (variant.ends_with("_numbered")) {
+    settings.base_number = 3;
+    settings.tool_number = 2;
+  }
   if (variant.ends_with("_split")) settings.max_motions = 10;
   return settings;
 }
@@ -48,6 +52,9 @@ Bed::Bed(const std::string& variant)
   options_ = SampleOptions(plan_);
   machine_ = {plan_.arm,          plan_.X_FT,          settings_.R_TC,
               settings_.rotation, settings_.cartesian, settings_.tool_name};
+  machine_.base_number = settings_.base_number;
+  machine_.tool_number = settings_.tool_number;
+  machine_.X_BP = program_.X_BP.value_or(Pose::Identity());
   files_ = post_->Write(program_, plan_.arm, settings_);
   trace_ = Run(files_);
 }
@@ -74,8 +81,8 @@ Answer Bed::Ask(const Files& files) const {
 const std::vector<std::unique_ptr<Bed>>& Beds() {
   static const std::vector<std::unique_ptr<Bed>> beds = [] {
     std::vector<std::unique_ptr<Bed>> list;
-    for (const char* variant : {"krl", "krl_more", "krl_split", "sinumerik", "sinumerik_euler",
-                                "sinumerik_split", "linuxcnc", "linuxcnc_cartesian"})
+    for (const char* variant : {"krl", "krl_more", "krl_numbered", "krl_split", "sinumerik",
+                                "sinumerik_euler", "sinumerik_split", "linuxcnc", "linuxcnc_cartesian"})
       list.push_back(std::make_unique<Bed>(variant));
     return list;
   }();

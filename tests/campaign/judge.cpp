@@ -249,6 +249,8 @@ Judgement Judge(const Trace& original, const Trace& mutant, const Machine& machi
   if (!mutant.refused.empty()) return {Effect::kRefused, mutant.refused};
   Verdict verdict;
   if (mutant.open != original.open) verdict.Say(Effect::kBorder, mutant.open);
+  if (mutant.guards < original.guards)
+    verdict.Say(Effect::kChanged, "moves where the controller's frame is another");
   JudgeEvents(original, mutant, verdict);
   const std::vector<Block> a = BlocksOf(original), b = BlocksOf(mutant);
   if (a.size() != b.size())

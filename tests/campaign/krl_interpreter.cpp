@@ -4,15 +4,14 @@
 // named at each rule. What BAS does: bas.src of the controller, as the facts have it.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/units.hpp"
-#include "tests/campaign/runner.hpp"
+#include "tests/campaign/krl_values.hpp"
 
 namespace millpose::campaign {
 namespace {
-
-using Fields = std::map<std::string, double>;
 
 class Krl : public Mover {
  public:
@@ -25,6 +24,8 @@ class Krl : public Mover {
     try {
       RunFile(Main());
       Event(Step::Kind::kSwitch, "end");
+    } catch (const Standing&) {
+      Event(Step::Kind::kStop, "stands for ever");
     } catch (const Refusal& refusal) {
       trace.refused = fmt::format("{}: {}", line, refusal.why);
     }
@@ -32,6 +33,8 @@ class Krl : public Mover {
   }
 
  private:
+  struct Standing {};  // a loop without an end
+
   std::string Main() const {
     for (const auto& [name, text] : files_) {
       bool called = false;
@@ -63,8 +66,13 @@ class Krl : public Mover {
         defined = true;
       } else if (at.Take("END")) {
         at.Need(at.Done(), "the end of the line");
+        if (ifs_ > 0 || skipped_ > 0 || loops_ > 0) throw Refusal{"ENDIF or ENDLOOP is missing"};
         ended = true;
-      } else {
+      } else if (at.Take("DECL")) {  // "Variables and declarations": before the first statement
+        if (begun_) throw Refusal{"a declaration behind statements"};
+        variables_.Declare(at);
+      } else if (!Branch(at)) {
+        begun_ = true;
         Statement(at, code);
         line = static_cast<int>(i) + 1;
       }
@@ -72,6 +80,29 @@ class Krl : public Mover {
     if (!ended) throw Refusal{"END is missing"};
     if (spline_) throw Refusal{"ENDSPLINE is missing"};
     --depth_;
+  }
+
+  /// "IF … THEN … ENDIF": true when the line belongs to one, or is passed over.
+  bool Branch(Cursor& at) {
+    if (skipped_ > 0) {
+      skipped_ += at.Take("IF") ? 1 : at.Take("ENDIF") ? -1 : 0;
+      return true;
+    }
+    if (at.Take("IF")) {
+      begun_ = true;
+      ++(variables_.Holds(at) ? ifs_ : skipped_);
+      return true;
+    }
+    if (!at.Take("ENDIF")) return false;
+    at.Need(at.Done() && ifs_-- > 0, "IF before");
+    return true;
+  }
+
+  /// "LOOP … ENDLOOP": nothing that the posts write leaves one.
+  void Loop(Cursor& at, bool begins) {
+    at.Need(at.Done() && (begins || loops_ > 0), "LOOP before");
+    if (!begins) throw Standing{};
+    ++loops_;
   }
 
   /// "GOTO": a label is defined once in its program.
@@ -100,9 +131,12 @@ class Krl : public Mover {
     if (at.Take("HALT") || at.Take("WAIT")) return Wait(at, code);
     if (at.Take("GLOBAL") || at.Take("INTERRUPT")) return Interrupt(at, code);
     if (at.Peek() == '$') return Assign(at, code);
+    if (at.Take("LOOP")) return Loop(at, true);
+    if (at.Take("ENDLOOP")) return Loop(at, false);
+    if (variables_.Assign(at, machine_.robroot)) return;
     // Valid statements that change what runs ("Program execution control", "Motion programming").
-    for (const char* word : {"GOTO", "LOOP", "ENDLOOP", "RETURN", "EXIT", "CONTINUE", "LIN_REL", "PTP_REL",
-                             "CIRC", "SPL", "SCIRC", "SPTP", "IF", "PULSE", "BRAKE"}) {
+    for (const char* word : {"GOTO", "RETURN", "EXIT", "CONTINUE", "LIN_REL", "PTP_REL", "CIRC", "SPL",
+                             "SCIRC", "SPTP", "PULSE", "BRAKE"}) {
       if (!at.Take(word)) continue;
       Event(Step::Kind::kSwitch, code);
       return;
@@ -158,6 +192,11 @@ class Krl : public Mover {
       blend_ = 3;
       advance_ = 3;
       way_speed_ = 1;
+    } else if (command == "TOOL" || command == "BASE") {  // bas.src: with $LOAD, $ACT_TOOL, $ACT_BASE
+      const int number = command == "TOOL" ? machine_.tool_number : machine_.base_number;
+      const bool known = number > 0 && *value == number;
+      (command == "TOOL" ? tool_ : base_) =
+          !known ? std::nullopt : std::optional(command == "TOOL" ? Tool() : machine_.X_BP);
     } else if (command == "VEL_PTP") {
       if (*value <= 0 || *value > 100) throw Refusal{"a speed of 1 to 100 % expected"};
       way_speed_ = *value / 100;
@@ -178,11 +217,18 @@ class Krl : public Mover {
     static const std::set<std::string> known = {
         "$BASE",     "$TOOL",      "$ORI_TYPE", "$VEL.CP",   "$VEL.ORI1", "$VEL.ORI2", "$APO.CDIS",
         "$APO.CVEL", "$APO.CORI",  "$APO.CPTP", "$ADVANCE",  "$ACC.CP",   "$ACC.ORI1", "$ACC.ORI2",
-        "$OV_PRO",   "$CIRC_TYPE", "$IPO_MODE", "$ACT_TOOL", "$ACT_BASE", "$LOAD.M"};
+        "$OV_PRO",   "$CIRC_TYPE", "$IPO_MODE", "$ACT_TOOL", "$ACT_BASE", "$LOAD.M",   "$LOAD"};
     if (!known.contains(name)) throw Refusal{"an unknown variable " + name};
     at.Need(at.TakeChar('='), "=");
     if (name == "$BASE" || name == "$TOOL") {
-      (name == "$BASE" ? base_ : tool_) = FrameOf(at);
+      if (name == "$BASE")
+        base_ = FrameOf(at, "BASE_DATA", machine_.base_number, machine_.X_BP);
+      else
+        tool_ = FrameOf(at, "TOOL_DATA", machine_.tool_number, Tool());
+      return;
+    }
+    if (name == "$LOAD") {
+      load_ = Canonical(at);
       return;
     }
     if (name == "$ORI_TYPE" || name == "$CIRC_TYPE" || name == "$IPO_MODE") {
@@ -233,49 +279,20 @@ class Krl : public Mover {
     advance_ = static_cast<int>(value);
   }
 
-  Fields FieldsOf(Cursor& at, std::initializer_list<const char*> types) {
-    at.Need(at.TakeChar('{'), "{");
-    const Cursor start = at;
-    const std::string type = at.Name();
-    bool typed = false;
-    for (const char* known : types) typed = typed || type == known;
-    if (!typed || !at.TakeChar(':')) at = start;
-    Fields fields;
-    do {
-      const std::string name = at.Name();
-      const auto bits = at.Bits();
-      const auto value = bits ? std::optional<double>(*bits) : at.Number(true);
-      at.Need(!name.empty() && value.has_value(), "a field with its value");
-      if (!fields.emplace(name, *value).second) throw Refusal{"a field twice: " + name};
-    } while (at.TakeChar(','));
-    at.Need(at.TakeChar('}'), "}");
-    return fields;
+  /// A frame's values, or the number of one that the controller holds.
+  std::optional<Pose> FrameOf(Cursor& at, const char* list, int number, const Pose& held) {
+    if (at.Peek() == '{') return FrameLiteral(at);
+    const std::string name = Squeezed(at.Rest());
+    if (number > 0 && name == fmt::format("{}[{}]", list, number)) return held;
+    modal_["frame"] += name;
+    return std::nullopt;
   }
 
-  Pose PoseOf(const Fields& f) const {
-    return Frame(f.at("X"), f.at("Y"), f.at("Z"), Zyx(f.at("A"), f.at("B"), f.at("C")));
-  }
-
-  std::optional<Pose> FrameOf(Cursor& at) {
-    if (at.Peek() != '{') {  // a frame that the controller holds
-      modal_["frame"] += at.Rest();
-      return std::nullopt;
-    }
-    Fields fields = FieldsOf(at, {"FRAME"});
-    at.Need(at.Done(), "the end of the line");
-    Allow(fields, "XYZABC", false);
-    for (const char* name : {"X", "Y", "Z", "A", "B", "C"})
-      if (!fields.contains(name)) throw Refusal{"an incomplete frame"};
-    return PoseOf(fields);
-  }
-
-  static void Allow(const Fields& fields, const std::string& letters, bool target) {
-    for (const auto& [name, value] : fields) {
-      const bool letter = name.size() == 1 && letters.find(name[0]) != std::string::npos;
-      const bool extra = target && (name == "S" || name == "T" ||
-                                    (name.size() == 2 && name[0] == 'E' && name[1] >= '1' && name[1] <= '6'));
-      if (!letter && !extra) throw Refusal{"no such field: " + name};
-    }
+  /// The tool as the controller holds it.
+  Pose Tool() const {
+    Pose X_FC = machine_.X_FT;
+    X_FC.linear() = X_FC.linear() * machine_.R_TC;
+    return X_FC;
   }
 
   /// The flange for a target's fields; what is not given stays as it is ("PTP", "LIN": components may be left
@@ -310,6 +327,7 @@ class Krl : public Mover {
     for (const auto& [name, value] : modal_)
       if (name.starts_with("$ACC")) words += name + "=" + value + " ";
     for (const std::string& name : stated_) words += name + " ";
+    words += load_;
     for (const auto& [name, value] : fields)
       if (name[0] == 'E') words += fmt::format("{}={:.6f} ", name, value);
     return words;
@@ -408,16 +426,38 @@ class Krl : public Mover {
   std::map<std::string, std::string> files_;
   std::map<std::string, std::string> modal_;  // what is set and not modelled: must be as it was
   std::set<std::string> stated_;              // speeds of turning, since INITMOV
+  std::string load_;                          // $LOAD
+  KrlVariables variables_;
   Fields last_;
   std::optional<Pose> base_, tool_;
   double feed_ = 2, blend_ = 3, way_speed_ = 1;
   std::array<double, 2> turn_ = {200, 200};
   int advance_ = 3, depth_ = 0;
-  bool spline_ = false;
+  int ifs_ = 0, skipped_ = 0, loops_ = 0;  // that are open; skipped: within one that does not hold
+  bool spline_ = false, begun_ = false;    // a statement came
 };
 
 }  // namespace
 
-Trace RunKrl(const Files& files, const Machine& machine) { return Krl(files, machine).Run(); }
+Trace RunKrl(const Files& files, const Machine& machine) {
+  Trace trace = Krl(files, machine).Run();
+  // Where the controller's frame is another the program may check it and stand still.
+  const std::vector<Pose> others = {Frame(0.02, 0, 0, Eigen::Matrix3d::Identity()),
+                                    Frame(0, 0, -0.02, Eigen::Matrix3d::Identity()),
+                                    Frame(0, 0, 0, Zyx(0.002, 0, 0)), Frame(0, 0, 0, Zyx(0, 0, -0.002))};
+  const bool asks = std::any_of(files.begin(), files.end(), [](const auto& file) {
+    return Upper(file.second).find("SYSROOT") != std::string::npos ||
+           Upper(file.second).find("ROBROOT") != std::string::npos;
+  });
+  for (const Pose& other : asks ? others : std::vector<Pose>{}) {
+    Machine off = machine;
+    off.robroot = machine.robroot * other;
+    const Trace there = Krl(files, off).Run();
+    trace.guards += std::none_of(there.steps.begin(), there.steps.end(), [](const Step& step) {
+      return step.kind == Step::Kind::kWay || step.kind == Step::Kind::kCut;
+    });
+  }
+  return trace;
+}
 
 }  // namespace millpose::campaign

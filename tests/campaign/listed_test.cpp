@@ -143,6 +143,36 @@ TEST(Listed, WhatChangesNothingPasses) {
   }
 }
 
+/// The interpreter runs a program's check of $ROBROOT (KSS: frames one behind the other, ABS, IF, LOOP).
+TEST(Listed, KrlStandsStillWhereTheFrameIsAnother) {
+  const Bed bed("krl");
+  Files files = bed.files();
+  std::string& text = files.rbegin()->second;
+  const auto insert = [&](const std::string& before, const std::string& lines) {
+    const size_t at = text.find(before);
+    ASSERT_NE(at, std::string::npos) << before;
+    text.insert(at, lines);
+  };
+  insert("; written by", "DECL FRAME OFF\nDECL KRLMSGPAR_T PAR[3]\n");
+  insert(
+      "$BASE",
+      "OFF = {FRAME: X 0.0,Y 0.0,Z 0.0,A 0.0,B 0.0,C 0.0}\nOFF = INV_POS(OFF):$ROBROOT\nPAR[1] = {PAR_TYPE "
+      "#EMPTY}\nIF (ABS(OFF.X)>0.01) OR (ABS(OFF.Y)>0.01) OR (ABS(OFF.Z)>0.01) THEN\nLOOP\nHALT\nENDLOOP\n"
+      "ENDIF\nIF (ABS(OFF.A)>0.001) OR (ABS(OFF.B)>0.001) OR (ABS(OFF.C)>0.001) THEN\nLOOP\nHALT\nENDLOOP\n"
+      "ENDIF\n");
+  const Trace checked = bed.Run(files);
+  EXPECT_EQ(checked.refused, "");
+  EXPECT_EQ(checked.guards, 4);
+  EXPECT_EQ(Judge(bed.trace(), checked, bed.machine()).effect, Effect::kSame);
+  for (const auto& [from, to] : {std::pair("(OFF.X)>0.01", "(OFF.X)>0.1"), std::pair("$ROBROOT", "OFF"),
+                                 std::pair("(OFF.C)>0.001", "(OFF.B)>0.001")}) {
+    Files changed = files;
+    std::string& other = changed.rbegin()->second;
+    other.replace(other.find(from), std::string(from).size(), to);
+    EXPECT_EQ(Judge(checked, bed.Run(changed), bed.machine()).effect, Effect::kChanged) << to;
+  }
+}
+
 TEST(Listed, APairOfPercentMayEncloseAProgram) {
   const Bed bed("linuxcnc");
   Files files = bed.files();

@@ -23,6 +23,9 @@ struct Machine {
   std::string rotation = "rpy";                        ///< how A, B, C turn (SINUMERIK, LinuxCNC)
   bool cartesian = false;                              ///< LinuxCNC with tool poses in cuts
   std::string tool_name;
+  Pose robroot = Pose::Identity();       ///< KUKA's $ROBROOT, or $ERSYSROOT on a coupled rail
+  int base_number = 0, tool_number = 0;  ///< of the frames that the controller holds; 0: none
+  Pose X_BP = Pose::Identity();          ///< the base of that number
 };
 
 /// One thing that the machine does.
@@ -49,6 +52,7 @@ struct Step {
 struct Trace {
   std::string refused;  ///< why the control would not run it; empty: it does
   std::string open;     ///< what the manual does not say of it; empty: nothing
+  int guards = 0;       ///< at how many other frames of the controller it stands still
   std::vector<Step> steps;
 };
 

@@ -4,59 +4,12 @@
 
 #include <regex>
 
-#include "base/error.hpp"
-#include "program/scanner.hpp"
-#include "tests/program/sample_plan.hpp"
+#include "tests/program/program_lines.hpp"
 
 namespace millpose {
 namespace {
 
-using Lines = std::vector<std::string>;
-
-/// A sample's main program as lines, with what it takes to read it again.
-struct Sample {
-  std::string variant;
-  PostSettings settings = SampleSettings(variant);
-  PlanResult plan = SamplePlan();
-  std::unique_ptr<Post> post = MakePost(ControllerOf(variant));
-  ProgramFiles files = {};
-  Lines lines = {};
-
-  explicit Sample(std::string name) : variant(std::move(name)) { Write(); }
-
-  void Write() {
-    files = post->Write(MakeMotionProgram(plan), plan.arm, settings);
-    lines.clear();
-    for (const std::string_view line : SplitLines(files.rbegin()->second)) lines.emplace_back(line);
-  }
-
-  /// Index of the nth line that matches.
-  size_t Find(const std::string& pattern, int nth = 0) const {
-    const std::regex regex(pattern);
-    for (size_t i = 0; i < lines.size(); ++i) {
-      if (std::regex_search(lines[i], regex) && nth-- == 0) return i;
-    }
-    ADD_FAILURE() << "no line " << pattern;
-    return 0;
-  }
-
-  void Insert(size_t i, const std::string& line) { lines.insert(lines.begin() + static_cast<long>(i), line); }
-
-  std::vector<Problem> Problems() const {
-    ProgramFiles changed = files;
-    std::string& text = changed.rbegin()->second;
-    text.clear();
-    for (const std::string& line : lines) text += line + "\n";
-    try {
-      post->Read(changed, plan.arm, settings);
-      return {};
-    } catch (const InputError& error) {
-      return error.problems();
-    }
-  }
-};
-
-testing::AssertionResult RefusedAt(const Sample& sample, size_t index) {
+testing::AssertionResult RefusedAt(const ProgramLines& sample, size_t index) {
   const std::vector<Problem> problems = sample.Problems();
   for (const Problem& problem : problems) {
     if (problem.place.line == static_cast<int>(index) + 1) return testing::AssertionSuccess();
@@ -68,7 +21,7 @@ testing::AssertionResult RefusedAt(const Sample& sample, size_t index) {
 /// `statement` put before the nth line that matches `pattern` is refused with its line.
 testing::AssertionResult RefusedBefore(const std::string& variant, const std::string& pattern, int nth,
                                        const std::string& statement) {
-  Sample sample(variant);
+  ProgramLines sample(variant);
   const size_t at = sample.Find(pattern, nth);
   sample.Insert(at, statement);
   return RefusedAt(sample, at);
@@ -76,7 +29,7 @@ testing::AssertionResult RefusedBefore(const std::string& variant, const std::st
 
 testing::AssertionResult ReadBefore(const std::string& variant, const std::string& pattern, int nth,
                                     const std::string& statement) {
-  Sample sample(variant);
+  ProgramLines sample(variant);
   sample.Insert(sample.Find(pattern, nth), statement);
   const std::vector<Problem> problems = sample.Problems();
   if (problems.empty()) return testing::AssertionSuccess();
@@ -114,17 +67,17 @@ TEST(ReaderPlaces, KrlSettingsStayOutOfCuts) {
 TEST(ReaderPlaces, KrlDefaultsMakeSettingsUnknown) {
   // Anywhere but at the head: what comes behind is an error until all is set again.
   for (const char* place : {kKrlEntry, "^PTP \\{A1", kKrlCut}) {
-    Sample sample("krl");
+    ProgramLines sample("krl");
     const size_t at = sample.Find(place, 1);
     sample.Insert(at, "BAS (#INITMOV,0 )");
     EXPECT_TRUE(RefusedAt(sample, at + 1)) << place;
   }
-  Sample late("krl");  // the speed before the defaults is lost
+  ProgramLines late("krl");  // the speed before the defaults is lost
   const size_t speed = late.Find("VEL_PTP"), defaults = late.Find("INITMOV");
   std::rotate(late.lines.begin() + static_cast<long>(defaults), late.lines.begin() + static_cast<long>(speed),
               late.lines.begin() + static_cast<long>(speed) + 1);
   EXPECT_TRUE(RefusedAt(late, late.Find("^PTP")));
-  Sample again("krl");  // behind it all is stated again
+  ProgramLines again("krl");  // behind it all is stated again
   const size_t at = again.Find(kKrlEntry, 1);
   for (const char* setting : {"INITMOV", "\\$BASE", "\\$TOOL", "\\$ADVANCE", "\\$APO", "VEL_PTP",
                               "\\$ORI_TYPE", "VEL.ORI1", "VEL.ORI2"})
@@ -138,7 +91,7 @@ TEST(ReaderPlaces, KrlDefaultsMakeSettingsUnknown) {
 
 TEST(ReaderPlaces, KrlSettingsThatStopTheArm) {
   const auto refused = [](const std::string& setting, const std::string& with) {
-    Sample sample("krl");
+    ProgramLines sample("krl");
     const size_t at = sample.Find(setting);
     sample.lines[at] = with;
     return RefusedAt(sample, at);
@@ -152,20 +105,20 @@ TEST(ReaderPlaces, KrlSettingsThatStopTheArm) {
 }
 
 TEST(ReaderPlaces, KrlNames) {
-  Sample twice("krl");
+  ProgramLines twice("krl");
   const size_t label = twice.Find("^PASS_0_0:");
   twice.Insert(label + 3, "pass_0_0:");
   EXPECT_TRUE(RefusedAt(twice, label + 3));
   for (const char* line : {kKrlCut, "^\\$OUT\\[1\\]=TRUE", "^\\$VEL.CP"}) {  // KRL has no block numbers
-    Sample numbered("krl");
+    ProgramLines numbered("krl");
     const size_t at = numbered.Find(line);
     numbered.lines[at] = "N10 " + numbered.lines[at];
     EXPECT_FALSE(numbered.Problems().empty()) << line;
   }
-  Sample header("krl");
+  ProgramLines header("krl");
   header.Insert(header.Find("^PTP"), "&REL 2");
   EXPECT_FALSE(header.Problems().empty());
-  Sample both("krl");
+  ProgramLines both("krl");
   const size_t target = both.Find("^PTP \\{A1");
   both.lines[target].insert(both.lines[target].size() - 1, ",X 1000");
   EXPECT_TRUE(RefusedAt(both, target));
@@ -173,7 +126,7 @@ TEST(ReaderPlaces, KrlNames) {
 
 TEST(ReaderPlaces, KrlSpelling) {
   const auto problems = [](const std::string& line, const std::string& from, const std::string& to) {
-    Sample sample("krl");
+    ProgramLines sample("krl");
     const size_t at = sample.Find(line);
     const std::string before = sample.lines[at];
     sample.lines[at] = std::regex_replace(before, std::regex(from), to);
@@ -194,7 +147,7 @@ TEST(ReaderPlaces, KrlSpelling) {
 TEST(ReaderPlaces, NoRoundingThatNobodyPlanned) {
   for (const char* word : {" C_VEL", " C_SPL", " C_ORI", " C_PTP C_DIS"}) {
     for (const char* line : {"^LIN .*C_DIS", "^PTP \\{A1", kKrlEntry}) {
-      Sample sample("krl");
+      ProgramLines sample("krl");
       const size_t at = sample.Find(line, 1);
       sample.lines[at] = std::regex_replace(sample.lines[at], std::regex(" C_DIS"), "") + word;
       EXPECT_TRUE(RefusedAt(sample, at)) << word;

@@ -5,44 +5,26 @@
 #include <ctime>
 #include <regex>
 
-#include "base/error.hpp"
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
 #include "program/economy.hpp"
-#include "program/scanner.hpp"
+#include "tests/program/program_lines.hpp"
 #include "tests/verify/sample_cell.hpp"
 
 namespace millpose {
 namespace {
 
-class HandEdit {
- public:
-  explicit HandEdit(const std::string& variant, PlanResult plan = SamplePlan())
-      : settings_(SampleSettings(variant)), plan_(std::move(plan)), post_(MakePost(ControllerOf(variant))) {
-    files_ = post_->Write(program_, plan_.arm, settings_);
-    for (const std::string_view line : SplitLines(files_.rbegin()->second)) lines.emplace_back(line);
-  }
-
-  size_t Find(const std::string& pattern, int nth = 0) const {
-    const std::regex regex(pattern);
-    for (size_t i = 0; i < lines.size(); ++i) {
-      if (std::regex_search(lines[i], regex) && nth-- == 0) return i;
-    }
-    ADD_FAILURE() << "no line " << pattern;
-    return 0;
-  }
+struct HandEdit : ProgramLines {
+  using ProgramLines::ProgramLines;
 
   /// Findings and problems, as "line: message".
-  std::string Said(bool with_plan = true) {
-    std::string& text = files_.rbegin()->second;
-    text.clear();
-    for (const std::string& line : lines) text += line + "\n";
+  std::string Said(bool with_plan = true) const {
     std::string said;
     try {
-      const MotionProgram read = post_->Read(files_, plan_.arm, settings_);
-      const World world(SampleCell(plan_));
+      const MotionProgram read = Read();
+      const World world(SampleCell(plan));
       for (const Finding& finding :
-           Verify(read, world, with_plan ? &program_ : nullptr, SampleOptions(plan_), 2, {}))
+           Verify(read, world, with_plan ? &program : nullptr, SampleOptions(plan), 2, {}))
         said += fmt::format("{}: {}\n", finding.line, finding.message);
     } catch (const InputError& error) {
       for (const Problem& problem : error.problems())
@@ -51,21 +33,12 @@ class HandEdit {
     return said;
   }
 
-  testing::AssertionResult SaidAt(size_t index) {
+  testing::AssertionResult SaidAt(size_t index) const {
     const std::string said = Said();
     if (("\n" + said).find(fmt::format("\n{}: ", index + 1)) != std::string::npos)
       return testing::AssertionSuccess();
     return testing::AssertionFailure() << "line " << index + 1 << " '" << lines[index] << "' said: " << said;
   }
-
-  std::vector<std::string> lines;
-
- private:
-  PostSettings settings_;
-  PlanResult plan_;
-  std::unique_ptr<Post> post_;
-  MotionProgram program_ = MakeMotionProgram(plan_);
-  ProgramFiles files_;
 };
 
 /// A controller rounds a way-point by as much as it likes, up to half of both ways.
