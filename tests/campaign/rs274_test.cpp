@@ -41,11 +41,15 @@ std::vector<Joints> MovesOf(const Trace& trace) {
   return moves;
 }
 
-/// Without those that go nowhere.
+/// Without those that go nowhere; rs274 begins at 0.
 std::vector<Joints> Moving(const std::vector<Joints>& moves) {
   std::vector<Joints> moving;
-  for (const Joints& move : moves)
-    if (moving.empty() || (move - moving.back()).cwiseAbs().maxCoeff() > kStanding) moving.push_back(move);
+  Joints last = Joints::Zero();
+  for (const Joints& move : moves) {
+    if ((move - last).cwiseAbs().maxCoeff() <= kStanding) continue;
+    moving.push_back(move);
+    last = move;
+  }
   return moving;
 }
 
