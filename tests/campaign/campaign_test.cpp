@@ -34,7 +34,7 @@ struct Case {
 };
 
 /// Of this thread.
-double CpuSeconds() {
+double SecondsOfThread() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
@@ -47,9 +47,9 @@ Case Try(const Bed& bed, uint64_t seed, size_t index) {
   result.judgement = Judge(bed.trace(), bed.Run(result.mutant.files), bed.machine());
   if (result.judgement.effect == Effect::kSame && !result.mutant.MustPass())
     result.judgement = {Effect::kBorder, "nothing changes, but its place is another"};
-  const double start = CpuSeconds();
+  const double start = SecondsOfThread();
   result.answer = bed.Ask(result.mutant.files);
-  result.seconds = CpuSeconds() - start;
+  result.seconds = SecondsOfThread() - start;
   return result;
 }
 
