@@ -17,6 +17,7 @@ PostSettings SettingsOf(const std::string& variant) {
     settings.path_acceleration = 2000;
     settings.orientation_acceleration = 5;
     settings.external = {500, -20.5};
+    settings.load = ToolLoad{85, {-120, 0, 130}, {4, 5, 6}};
   }
   if (variant.ends_with("_numbered")) {
     settings.base_number = 3;
@@ -28,7 +29,7 @@ PostSettings SettingsOf(const std::string& variant) {
 
 /// No program has more than 100 lines: some need more of them for a pass.
 PlanResult PlanOf(const std::string& variant) {
-  const bool long_texts = variant == "linuxcnc" || variant == "krl_split";
+  const bool long_texts = variant == "linuxcnc" || variant == "krl_split" || variant == "krl_more";
   PlanResult plan =
       long_texts ? SamplePlan({.points = 3, .passes = 1, .lift = 20}) : SamplePlan({.points = 4});
   plan.passes[0].points[0].point.kind = PointKind::kLeadIn;
@@ -55,7 +56,8 @@ Bed::Bed(const std::string& variant)
   machine_.base_number = settings_.base_number;
   machine_.tool_number = settings_.tool_number;
   machine_.X_BP = program_.X_BP.value_or(Pose::Identity());
-  files_ = post_->Write(program_, plan_.arm, settings_);
+  program_.frames_checked = variant == "krl_more";
+  files_ = post_->Write(Prepared(program_, variant, settings_, plan_.arm), plan_.arm, settings_);
   trace_ = Run(files_);
 }
 
