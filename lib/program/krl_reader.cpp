@@ -34,7 +34,7 @@ class KrlReader : public ProgramReader {
   /// The check of the controller's frame with its data: before every motion, as written.
   size_t ReadBlock(const std::vector<std::string_view>& lines, size_t first) override {
     if (!program_.motions.empty() || !defined_) return 0;
-    if (const size_t taken = KrlLines(KrlDeclarations(), lines, first)) {
+    if (const size_t taken = begun_ ? 0 : KrlLines(KrlDeclarations(), lines, first)) {
       declared_ = true;
       return taken;
     }
@@ -67,6 +67,7 @@ class KrlReader : public ProgramReader {
   }
 
   void ReadCode(LineScanner& scan) override {
+    begun_ = begun_ || defined_ || InText();
     if (!defined_ && !InText()) {
       ReadDefinition(scan);
     } else if (InText() && ReadTextWord(scan)) {
@@ -371,6 +372,7 @@ class KrlReader : public ProgramReader {
   std::array<double, 2> turn_speed_{0, 0};  // rad/s
   bool defined_ = false;                    // DEF was read
   bool posed_ = false;                      // a pose was approached
+  bool begun_ = false;                      // a statement was read: no declaration may follow
   bool declared_ = false;                   // the data of the frame check were read
   const std::string check_ = KrlFrameCheck(settings_), load_ = KrlLoad(settings_);
 };
