@@ -106,12 +106,13 @@ struct JobSettings {
   double rotation_step = DegToRad(1);                            ///< rad
   Vector6 max_joint_step = Vector6::Constant(DegToRad(5));       ///< rad
   double motion_weight = 1e-5;                                   ///< objective unit per rad²
-  double smoothing_loss = 0.01;                                  ///< share of the objective
-  double max_deviation = 0.5;                                    ///< mm, half-way between points
-  double overlap = 10;                                           ///< mm, where a pass is split
-  double swept_resolution = 0.5;                                 ///< mm
-  double retract = 50;                                           ///< mm
-  double gap_limit_margin = DegToRad(1);                         ///< rad, to the arm's limits
+  std::optional<std::string> criterion;   ///< worst_then_sum | sum; else by the objective
+  double smoothing_loss = 0.01;           ///< share of the objective
+  double max_deviation = 0.5;             ///< mm, half-way between points
+  double overlap = 10;                    ///< mm, where a pass is split
+  double swept_resolution = 0.5;          ///< mm
+  double retract = 50;                    ///< mm
+  double gap_limit_margin = DegToRad(1);  ///< rad, to the arm's limits
   int gap_iterations = 20000;
   double gap_speed_share = 0.5;
   std::vector<std::string> programs{"krl", "sinumerik", "linuxcnc"};

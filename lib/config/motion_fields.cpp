@@ -13,6 +13,10 @@ Codec<JobSettings> PathFields() {
              "Largest change of each axis between neighbouring points."),
       Key<S>("motion_weight", MILLPOSE_AT(motion_weight), Real({"objective's unit per rad²"}, UpTo(1e9)),
              "Cost of joint motion beside the objective."),
+      Key<S>(
+          "criterion", MILLPOSE_AT(criterion), Maybe(Choice({"worst_then_sum", "sum"})),
+          "What makes a pass good: its worst point first, then the sum over it, or the sum alone; by default "
+          "worst_then_sum for objective surface_error, else sum."),
       Key<S>("smoothing_loss_percent", MILLPOSE_AT(smoothing_loss), Real(kPercent, Between(0, 100)),
              "Share of a piece's objective that may be given up for smoother joints; 0: none."),
       Key<S>("split_overlap_mm", MILLPOSE_AT(overlap), Real(kMm, UpTo(1e4)),

@@ -34,6 +34,7 @@ class FreeSmoother {
     for (const PathNode& node : origin_) looked_at_.push_back(node.q);
     doubtful_.assign(path.size(), false);
     for (size_t i = 0; i < path.size(); ++i) seen_free_.push_back({Was(i), Was(i)});
+    if (options_.keep_worst) BoundByWorst();
     if (options_.closed) closing_ = Beside(path.back().q, path[0].q) - path[0].q;
   }
 
@@ -76,7 +77,26 @@ class FreeSmoother {
     for (size_t i = 0; i < limits.size(); ++i) {
       if (path.deviation[i] > limits[i]) return false;
     }
+    if (options_.keep_worst && path.worst > options_.before.worst) return false;
     return path.objective <= (1 + options_.loss) * options_.before.objective;
+  }
+
+  /// Ends the ranges where the objective would exceed the path's worst.
+  void BoundByWorst() {
+    constexpr double kLook = 2 * kRadPerDeg;
+    constexpr int kLooks = 15;
+    for (size_t i = 0; i < path_.size(); ++i) {
+      for (const double step : {-kLook, kLook}) {
+        double reach = Was(i);
+        for (int k = 1; k <= kLooks; ++k) {
+          const std::optional<PathNode> node = At(i, Was(i) + k * step);
+          if (!node || node->objective > options_.before.worst) break;
+          reach = Was(i) + k * step;
+        }
+        double& end = step < 0 ? ranges_[i].lower : ranges_[i].upper;
+        end = step < 0 ? std::max(end, reach) : std::min(end, reach);
+      }
+    }
   }
 
   /// Interference, steps beyond the bound and a ring whose end leaves the limits.

@@ -12,7 +12,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// More than any sequence can cost, so that one break less always wins.
 double BreakPenalty(const LayeredProblem& problem) {
-  double sum = 0.0;
+  double sum = 0.0, largest = 0.0;
   for (const Layer& layer : problem.layers) {
     double least = kInfinity, most = -kInfinity;
     for (const double value : layer.objective) {
@@ -21,8 +21,11 @@ double BreakPenalty(const LayeredProblem& problem) {
       most = std::max(most, value);
     }
     if (most > least) sum += most - least;
+    largest = std::max(largest, most);
     sum += problem.rule.motion_weight * problem.rule.max_step.squaredNorm();
   }
+  // A power of two, so that a largest value can carry its breaks beside it (Sweep).
+  if (problem.worst) return std::ldexp(1.0, std::ilogb(std::max(largest, 1e-9)) + 2);
   return 2.0 * sum + 1e-9;
 }
 

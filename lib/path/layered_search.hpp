@@ -50,6 +50,9 @@ struct LayeredProblem {
   /// With `memory`: entry t differs from what it was whenever nodes of layer t or edges from it were struck
   /// out since.
   std::span<const uint64_t> versions = {};
+  double most = std::numeric_limits<double>::infinity();  ///< no node of a larger objective; no wall either
+  /// The cost of a sequence is its largest objective instead of the sum, and motion costs nothing.
+  bool worst = false;
 };
 
 inline constexpr size_t kNoNode = std::numeric_limits<size_t>::max();

@@ -16,6 +16,7 @@ struct PathOptions {
   double exhaustive_step = 0;     ///< grid of the exhaustive search, rad
   Joints max_joint_step;          ///< hard bound between neighbouring points, rad
   double motion_weight = 0;       ///< objective units per rad² of joint motion
+  bool worst_first = false;       ///< the worst value of a pass first, then the sum (WorstThenSum)
   double smoothing_loss = 0.01;   ///< share of a piece's objective that smoothing may give up
   double max_deviation = 0.5;     ///< mm, of the tip half-way between points, see HalfwayDeviation
   double swept_resolution = 0.5;  ///< mm

@@ -7,6 +7,7 @@
 #include "base/parallel.hpp"
 #include "base/units.hpp"
 #include "path/free_smoothing.hpp"
+#include "path/worst_then_sum.hpp"
 #include "robot/angles.hpp"
 
 namespace millpose {
@@ -94,15 +95,21 @@ class PiecePlanner {
     // best of all is hardly cheaper.
     constexpr int kQuickSweeps = 3;
     constexpr double kHardlyCheaper = 1e-3;
+    const bool worst_first = context_.options.worst_first;
+    WorstThenSum open_worst, closed_worst;
+    const auto search_closed = [&](int sweeps) {
+      return worst_first ? closed_worst.Closed(problem, sweeps) : SearchClosed(problem, sweeps);
+    };
+    constexpr int kAllSweeps = std::numeric_limits<int>::max();
     Sequence sequence;
     for (int round = 0;; ++round) {
       std::optional<Sequence> closed;
-      if (context_.closed) closed = SearchClosed(problem, kQuickSweeps);
-      if (context_.closed && !closed) closed = SearchClosed(problem);
-      sequence = closed ? std::move(*closed) : SearchOpen(problem);
+      if (context_.closed) closed = search_closed(kQuickSweeps);
+      if (context_.closed && !closed) closed = search_closed(kAllSweeps);
+      sequence = closed ? std::move(*closed) : worst_first ? open_worst.Open(problem) : SearchOpen(problem);
       bool free = strike_out.Check(sequence);
       if (free && sequence.closed) {
-        std::optional<Sequence> best = SearchClosed(problem);
+        std::optional<Sequence> best = search_closed(kAllSweeps);
         if (best && best->cost < (1 - kHardlyCheaper) * sequence.cost) {
           sequence = std::move(*best);
           free = strike_out.Check(sequence);
@@ -172,6 +179,7 @@ class PiecePlanner {
     options.last_step = DegToRad(0.002);
     options.closed = piece.closed;
     options.all_turns = all_turns_;
+    options.worst_first = context_.options.worst_first;
     options.stop = context_.stop;
     const std::span<PathNode> path = NodesOf(piece);
     const std::vector<PathNode> coarse(path.begin(), path.end());
@@ -263,6 +271,7 @@ void SmoothPieces(const PassContext& context, PassPlan& plan) {
     options.loss = context.options.smoothing_loss;
     options.max_step = context.options.max_joint_step;
     options.max_deviation = context.options.max_deviation;
+    options.keep_worst = context.options.worst_first;
     options.closed = piece.closed;
     options.stop = context.stop;
     SmoothFree(std::span(context.scorers).subspan(first, count), context.points.subspan(first, count),

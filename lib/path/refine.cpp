@@ -2,6 +2,7 @@
 #include "path/refine.hpp"
 
 #include "base/parallel.hpp"
+#include "path/worst_then_sum.hpp"
 #include "pose/interval_end.hpp"
 
 namespace millpose {
@@ -66,6 +67,18 @@ std::vector<NodeSeed> WindowSeeds(const PointScorer& scorer, const PointOptimum&
   return seeds;
 }
 
+double Worst(std::span<const PathNode> path) {
+  double worst = 0;
+  for (const PathNode& node : path) worst = std::max(worst, node.objective);
+  return worst;
+}
+
+std::optional<Sequence> Search(const LayeredProblem& problem, const RefineOptions& options) {
+  if (!options.worst_first) return options.closed ? SearchClosed(problem) : SearchOpen(problem);
+  WorstThenSum search;
+  return options.closed ? search.Closed(problem) : search.Open(problem);
+}
+
 }  // namespace
 
 double PathCost(std::span<const PathNode> path, const StepRule& rule, bool closed) {
@@ -87,14 +100,17 @@ void RefinePath(std::span<const PointScorer> scorers, std::span<const PointOptim
   for (double step = options.first_step / kHalfWindow; step >= options.last_step; step /= kHalfWindow) {
     for (int repeat = 0; repeat < kRepeats; ++repeat) {
       CheckStop(options.stop);
-      const double before = PathCost(path, options.rule, options.closed);
+      const double before = PathCost(path, options.rule, options.closed), worst_before = Worst(path);
       for (size_t t = 0; t < path.size(); ++t) {
         layers[t] =
             MakeLayer(scorers[t], WindowSeeds(scorers[t], genetic[t], path[t], step), options.all_turns);
       }
-      const LayeredProblem problem{layers, options.rule, {}, false, false, options.stop, {}};
-      const std::optional<Sequence> found = options.closed ? SearchClosed(problem) : SearchOpen(problem);
-      if (!found || !(found->cost < before)) break;
+      LayeredProblem problem{layers, options.rule, {}, false, false, options.stop, {}};
+      if (options.worst_first) problem.most = worst_before;
+      const std::optional<Sequence> found = Search(problem, options);
+      if (!found) break;
+      const bool less_worst = options.worst_first && WorstOf(layers, *found) < worst_before;
+      if (!(found->cost < before) && !less_worst) break;
       for (size_t t = 0; t < path.size(); ++t) {
         const size_t node = found->nodes[t];
         path[t].freedoms = layers[t].freedoms[node];
@@ -102,7 +118,7 @@ void RefinePath(std::span<const PointScorer> scorers, std::span<const PointOptim
         path[t].objective = layers[t].objective[node];
         path[t].genetic = layers[t].genetic[node];
       }
-      if (before - found->cost < 1e-6 * before) break;
+      if (std::abs(before - found->cost) < 1e-6 * before) break;
     }
   }
 }

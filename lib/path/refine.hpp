@@ -23,7 +23,8 @@ struct RefineOptions {
   double first_step = 0;  ///< rad: the grid that the path comes from
   double last_step = 0;   ///< rad: the grid to end at
   bool closed = false;
-  bool all_turns = false;  ///< nodes are absolute (Layer)
+  bool all_turns = false;    ///< nodes are absolute (Layer)
+  bool worst_first = false;  ///< WorstThenSum; the path's worst value never rises
   std::stop_token stop;
 };
 

@@ -147,7 +147,8 @@ SmoothReference MeasurePath(std::span<const PointScorer> scorers, std::span<cons
   std::vector<CoursePlace> places(path.size());
   for (size_t t = 0; t < path.size(); ++t) places[t].q = path[t].q, places[t].objective = path[t].objective;
   const Merit merit = course.Judge(places);
-  SmoothReference reference{merit.square, merit.objective, {}};
+  SmoothReference reference{merit.square, merit.objective, 0, {}};
+  for (const PathNode& node : path) reference.worst = std::max(reference.worst, node.objective);
   for (size_t t = 0; t < course.motions(); ++t) reference.deviation.push_back(course.Deviation(places, t));
   return reference;
 }

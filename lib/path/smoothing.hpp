@@ -11,6 +11,7 @@ namespace millpose {
 struct SmoothReference {
   double square = 0;              ///< mean square of the joint accelerations, rad²/s⁴
   double objective = 0;           ///< summed
+  double worst = 0;               ///< the largest objective
   std::vector<double> deviation;  ///< mm, of each motion half-way (HalfwayDeviation); the last closes a ring
 };
 
@@ -21,6 +22,7 @@ struct SmoothOptions {
   Joints max_step;           ///< rad, between neighbouring points
   double max_deviation = 0;  ///< mm, of the tip half-way between points
   bool mend = true;          ///< motions that deviate by more are mended; else they only may not get worse
+  bool keep_worst = false;   ///< no point may come to have a larger objective than the worst had
   bool closed = false;
   std::stop_token stop;
 };

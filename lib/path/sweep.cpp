@@ -82,7 +82,7 @@ bool Sweep::Forward(SweepRows& rows, size_t first, size_t last, bool breaks) {
 
 void Sweep::Start(size_t first, size_t last) {
   std::vector<double> row(layers_[0].size(), kInfinity);
-  for (size_t node = first; node < last; ++node) row[node] = layers_[0].objective[node];
+  for (size_t node = first; node < last; ++node) row[node] = Value(layers_[0].objective[node]);
   Take(0, std::move(row));
 }
 
@@ -93,13 +93,15 @@ void Sweep::Advance(size_t t, bool breaks, bool must_break) {
   least_before_[t] = least_node_;
   if (last_used_ == kNoNode) {
     known.relaxed.clear();
-    return Take(t, layer.objective);
+    std::vector<double> row(layer.size());
+    std::ranges::transform(layer.objective, row.begin(), [&](double value) { return Value(value); });
+    return Take(t, std::move(row));
   }
   RelaxAll(t, must_break);
   std::vector<double> row(layer.size(), kInfinity);
   known.previous.assign(layer.size(), kBreak);
   for (size_t node = 0; node < layer.size(); ++node) {
-    if (!std::isfinite(layer.objective[node])) continue;
+    if (!std::isfinite(Value(layer.objective[node]))) continue;
     const BestPredecessor& by = known.relaxed[node];
     double cost = by.cost;
     if (breaks && least_ + break_penalty_ < by.cost) {
@@ -107,9 +109,20 @@ void Sweep::Advance(size_t t, bool breaks, bool must_break) {
     } else if (std::isfinite(by.cost)) {
       known.previous[node] = static_cast<uint32_t>(by.node);
     }
-    row[node] = cost + layer.objective[node];
+    row[node] = Combined(cost, layer.objective[node]);
   }
   Take(t, std::move(row));
+}
+
+double Sweep::Value(double objective) const { return objective <= problem_.most ? objective : kInfinity; }
+
+/// The cost of a way on which a node follows. A largest value carries its breaks beside it, as multiples of
+/// the penalty, which is larger than any value.
+double Sweep::Combined(double cost, double objective) const {
+  if (!problem_.worst) return cost + objective;
+  const double breaks =
+      std::isfinite(break_penalty_) ? std::floor(cost / break_penalty_) * break_penalty_ : 0.0;
+  return breaks + std::max(cost - breaks, objective);
 }
 
 /// The best predecessors of the nodes of layer t. What is known of a node holds while its predecessor costs

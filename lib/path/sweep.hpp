@@ -50,6 +50,8 @@ class Sweep {
   };
 
   void Start(size_t first, size_t last);
+  double Value(double objective) const;
+  double Combined(double cost, double objective) const;
   void Advance(size_t t, bool breaks, bool must_break);
   void RelaxAll(size_t t, bool must_break);
   void Take(size_t t, std::vector<double> row);

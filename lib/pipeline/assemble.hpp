@@ -5,6 +5,7 @@
 #include "cell/cell.hpp"
 #include "config/cell_settings.hpp"
 #include "config/job_settings.hpp"
+#include "path/fixed_rotation.hpp"
 #include "path/gap_planner.hpp"
 #include "path/pass_planner.hpp"
 #include "pipeline/inputs.hpp"
@@ -63,6 +64,7 @@ CutterShape MakeCutterShape(const ToolSettings& tool);
 ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& tool);
 GougeOptions MakeGougeOptions(const JobSettings& job);
 PathOptions MakePathOptions(const JobSettings& job);
+FixedRotationOptions MakeFixedOptions(const JobSettings& job, int threads, std::stop_token stop);
 GapOptions MakeGapOptions(const JobSettings& job);
 VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm);
 

@@ -6,6 +6,7 @@
 #include "cutting/engagement.hpp"
 #include "pipeline/assemble.hpp"
 #include "surface/mesh_import.hpp"
+#include "toolpath/make_toolpath.hpp"
 
 namespace millpose {
 namespace {
@@ -159,6 +160,44 @@ std::optional<CuttingForce> SetJobEngagement(const JobInputs& inputs, const Mesh
   const EngagementOptions options = CuttingReader(inputs, mesh).Read();
   SetEngagement(options, threads, stop, toolpath);
   return HeaviestCut(options, toolpath);
+}
+
+std::string CountWhatIsLeft(const JobInputs& inputs, const Mesh& mesh, int threads,
+                            const std::stop_token& stop, PlanResult& plan) {
+  constexpr double kMore = 1.2;  // times the force that was planned for: worth telling
+  if (!inputs.job.cutting) return "";
+  Toolpath milled;
+  size_t skipped = 0;
+  for (const PassResult& pass : plan.passes) {
+    Pass& own = milled.passes.emplace_back();
+    for (const PlannedPoint& planned : pass.points) {
+      own.points.push_back(planned.point);
+      if (planned.skip == SkipReason::kNone) continue;
+      own.points.back().gouge = 1;  // takes nothing off
+      ++skipped;
+    }
+    own.closed = pass.pieces.size() == 1 && pass.pieces.front().closed;
+  }
+  if (skipped == 0) return "";
+  milled = Transformed(milled, plan.X_WP.inverse());
+  SetEngagement(CuttingReader(inputs, mesh).Read(), threads, stop, milled);
+  milled = Transformed(milled, plan.X_WP);
+  size_t more = 0;
+  double most = 0;
+  for (size_t p = 0; p < plan.passes.size(); ++p)
+    for (size_t t = 0; t < plan.passes[p].points.size(); ++t) {
+      Engagement& planned = plan.passes[p].points[t].point.engagement;
+      const Engagement& now = milled.passes[p].points[t].engagement;
+      const double before = planned.force.norm(), after = now.force.norm();
+      if (after > kMore * before) ++more, most = std::max(most, after);
+      planned = now;
+    }
+  if (more == 0) return "";
+  return fmt::format(
+      "{} points are skipped, and what they leave standing is cut at {} others, where the mean "
+      "force is more than 20 % above the one that poses were chosen for (up to {:.0f} N); see "
+      "deflection.csv",
+      skipped, more, most);
 }
 
 }  // namespace millpose

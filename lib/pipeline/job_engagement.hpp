@@ -5,6 +5,7 @@
 #include <stop_token>
 
 #include "pipeline/inputs.hpp"
+#include "plan/plan_result.hpp"
 #include "stiffness/process_force.hpp"
 #include "surface/mesh.hpp"
 #include "toolpath/milling_point.hpp"
@@ -16,5 +17,11 @@ namespace millpose {
 /// material, depth, width or stock that cannot be or that contradicts the tool path; Interrupted.
 std::optional<CuttingForce> SetJobEngagement(const JobInputs& inputs, const Mesh& mesh, int threads,
                                              const std::stop_token& stop, Toolpath& toolpath);
+
+/// Works the engagement of a plan's points out anew where the planner had to skip some: what they leave
+/// standing is cut by the passes beside them. Poses stay as planned. What the operator should know of it, or
+/// empty.
+std::string CountWhatIsLeft(const JobInputs& inputs, const Mesh& mesh, int threads,
+                            const std::stop_token& stop, PlanResult& plan);
 
 }  // namespace millpose

@@ -146,6 +146,7 @@ PathOptions MakePathOptions(const JobSettings& job) {
   options.exhaustive_step = job.exhaustive_step;
   options.max_joint_step = job.max_joint_step;
   options.motion_weight = job.motion_weight;
+  options.worst_first = job.criterion ? *job.criterion == "worst_then_sum" : job.objective == "surface_error";
   options.smoothing_loss = job.smoothing_loss;
   options.max_deviation = job.max_deviation;
   options.swept_resolution = job.swept_resolution;
@@ -175,6 +176,12 @@ PathOptions MakePathOptions(const JobSettings& job) {
   }
   options.seed = job.seed;
   return options;
+}
+
+FixedRotationOptions MakeFixedOptions(const JobSettings& job, int threads, std::stop_token stop) {
+  const PathOptions path = MakePathOptions(job);
+  return {path.rotation_step, path.max_joint_step, path.swept_resolution, path.worst_first, threads,
+          std::move(stop)};
 }
 
 GapOptions MakeGapOptions(const JobSettings& job) {

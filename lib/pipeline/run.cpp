@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "base/process.hpp"
 #include "config/config.hpp"
+#include "path/fixed_rotation.hpp"
 #include "path/job_planner.hpp"
 #include "path/strike_out.hpp"
 #include "path/turns.hpp"
@@ -170,6 +171,12 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
 
   FixTurns(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
                          FreeDirections(inputs.job, *problem.objective)});
+  stages.Begin("fixed rotations", 0);
+  const FixedComparison fixed =
+      CompareWithFixed(problem, world, plan.passes, MakeFixedOptions(inputs.job, threads, stop));
+  stages.End(fmt::format("{} points compared", fixed.plan.size()));
+  if (const std::string left = CountWhatIsLeft(inputs, surface.mesh, threads, stop, plan); !left.empty())
+    warnings.push_back(left);
   const auto ends = GapEnds(plan.home, plan.passes);
   const auto start_ends = inputs.job.programs.empty() ? decltype(ends){} : StartEnds(ends);
   stages.Begin("gaps", ends.size() + start_ends.size());
@@ -205,7 +212,7 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
       SampleCurves(plan, problem, path_options.genetic, kMostCurves, threads, stop);
   ResultSet results(folder);
   const ReportInputs report = WriteResults({inputs, cell, plan, programs, starts, audit, reduction, warnings,
-                                            made.findings, CurveGrid(), curves, heaviest},
+                                            made.findings, CurveGrid(), curves, fixed, heaviest},
                                            results);
   stages.End(folder.path().string());
   RunFigures run = TellRun(inputs, folder, job_file, stages, threads);

@@ -154,6 +154,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   if (results.heaviest)
     report.deflection = PredictDeflections(plan, *results.heaviest, MakeCompliances(results.inputs.cell),
                                            FinishedFrom(results.inputs.job, plan.passes.size()));
+  report.fixed = results.fixed;
   std::map<std::string, std::string> files;
   for (const CheckedProgram& program : programs)
     for (const auto& [name, bytes] : program.files) {
@@ -175,7 +176,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   set.Add("summary.json", SummaryJson(plan, report));
   set.Add("report.html", ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell,
                                      report.deflection ? &*report.deflection : nullptr, report.findings,
-                                     report.warnings, report.times}));
+                                     report.warnings, report.times, &*report.fixed}));
   for (const CheckedProgram& program : programs)
     if (program.Confirmed() && !program.trajectory.empty())
       set.Add("trajectory-" + program.controller + ".csv", program.trajectory);

@@ -19,10 +19,11 @@ struct Results {
   const JobStarts& starts;
   const std::optional<AuditFigures>& audit;
   const FeedReduction& reduction;
-  const std::vector<std::string>& warnings;     ///< repairs of the mesh, doubtful units
-  const std::vector<std::string>& findings;     ///< of earlier stages
-  RotationGrid grid;                            ///< of `curves`
-  const std::vector<PointCurves>& curves;       ///< for report.html
+  const std::vector<std::string>& warnings;  ///< repairs of the mesh, doubtful units
+  const std::vector<std::string>& findings;  ///< of earlier stages
+  RotationGrid grid;                         ///< of `curves`
+  const std::vector<PointCurves>& curves;    ///< for report.html
+  const FixedComparison& fixed;
   const std::optional<CuttingForce>& heaviest;  ///< where the job says what is cut
 };
 

@@ -7,6 +7,7 @@
 
 #include "cell/cell.hpp"
 #include "plan/cycle_time.hpp"
+#include "plan/fixed_comparison.hpp"
 #include "plan/plan_result.hpp"
 #include "report/deflection.hpp"
 
@@ -52,6 +53,7 @@ struct HtmlInput {
   std::vector<std::string> findings = {};        ///< what stands in the way of trust, one sentence each
   std::vector<std::string> warnings = {};        ///< repairs of the mesh, doubtful units
   std::vector<ControllerTime> times = {};        ///< of every program
+  const FixedComparison* fixed = nullptr;        ///< beside the best fixed rotation
 };
 
 /// The page as bytes: a pure function of its input, no dates, no times.

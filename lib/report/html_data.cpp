@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/units.hpp"
+#include "report/fixed_figures.hpp"
 #include "report/html_columns.hpp"
 #include "report/html_json.hpp"
 #include "report/packed.hpp"
@@ -153,6 +154,31 @@ Json DeflectionJson(const DeflectionReport* report) {
   return json;
 }
 
+/// What fixed rotations would have given, one sentence each; null where it was not asked for.
+Json FixedJson(const HtmlInput& input) {
+  if (!input.fixed) return nullptr;
+  const FixedComparison& fixed = *input.fixed;
+  Json sentences = Json::array();
+  const auto add = [&](const std::vector<PointFigures>& figures, const std::string& name,
+                       const std::string& why) {
+    if (figures.empty()) {
+      sentences.push_back(fmt::format("{}: none serves all points ({}).", name, why));
+      return;
+    }
+    std::string sentence = fmt::format("{}, plan ÷ fixed:", name);
+    for (const FixedFigure& figure : FixedFigures(fixed.plan, figures))
+      sentence += fmt::format(" {} {};", figure.label, FixedRatios(figure));
+    sentence.back() = '.';
+    sentences.push_back(sentence);
+  };
+  add(fixed.job,
+      fixed.job.empty() ? std::string("Single rotation of the job")
+                        : fmt::format("Best single rotation of the job ({:.0f}°)", RadToDeg(fixed.rotation)),
+      fixed.job_in_the_way);
+  add(fixed.passes, "Best rotation of each pass", fixed.passes_in_the_way);
+  return sentences;
+}
+
 /// How the paper's own formulation did; null where it did not run.
 Json PaperJson(const PlanResult& plan) {
   const std::optional<PaperFigures> paper = Figures(plan).paper;
@@ -212,6 +238,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"warnings", input.warnings},
             {"times", TimesJson(input)},
             {"deflection", DeflectionJson(input.deflection)},
+            {"fixed", FixedJson(input)},
             {"paper", PaperJson(plan)},
             {"settings", input.settings}};
   data["bodies"] = BodiesJson(input.cell, limits);

@@ -8,6 +8,7 @@
 
 #include "plan/continuity.hpp"
 #include "plan/cycle_time.hpp"
+#include "plan/fixed_comparison.hpp"
 #include "plan/plan_result.hpp"
 #include "report/deflection.hpp"
 
@@ -75,6 +76,7 @@ struct ReportInputs {
   std::vector<PathSpeed> path_speeds;
   std::optional<BaseWindow> base_window;
   std::optional<DeflectionReport> deflection;  ///< when the job says what the cutter takes off
+  std::optional<FixedComparison> fixed;        ///< beside the best fixed rotation
 };
 
 /// What differs from run to run; goes into run.json alone.

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/units.hpp"
+#include "report/fixed_figures.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
@@ -154,6 +155,32 @@ Json DeflectionJson(const std::optional<DeflectionReport>& report) {
           {"largest_step_between_passes_mm", of_face(&FaceDeflection::largest_step)}};
 }
 
+/// Worst and median of one comparison, mm or the objective's unit; null where there is none.
+Json FixedOf(const std::vector<PointFigures>& plan, const std::vector<PointFigures>& fixed) {
+  if (fixed.empty()) return nullptr;
+  const auto pair = [](double of_plan, double of_fixed) {
+    return Json{{"plan", of_plan},
+                {"fixed", of_fixed},
+                {"ratio", of_fixed > 0 ? Json(of_plan / of_fixed) : Json(nullptr)}};
+  };
+  Json json = Json::object();
+  for (const FixedFigure& figure : FixedFigures(plan, fixed))
+    json[figure.key] = {{"worst", pair(figure.plan_worst, figure.fixed_worst)},
+                        {"median", pair(figure.plan_median, figure.fixed_median)}};
+  return json;
+}
+
+Json FixedJson(const std::optional<FixedComparison>& fixed) {
+  if (!fixed) return nullptr;
+  Json job = FixedOf(fixed->plan, fixed->job);
+  if (!job.is_null()) job["rotation_deg"] = RadToDeg(fixed->rotation);
+  const auto text = [](const std::string& why) { return why.empty() ? Json(nullptr) : Json(why); };
+  return {{"points", fixed->plan.size()},
+          {"job", job},
+          {"passes", FixedOf(fixed->plan, fixed->passes)},
+          {"in_the_way", {{"job", text(fixed->job_in_the_way)}, {"passes", text(fixed->passes_in_the_way)}}}};
+}
+
 Json ProgramsJson(const std::vector<ReportedProgram>& programs) {
   Json list = Json::array();
   for (const ReportedProgram& program : programs)
@@ -261,6 +288,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["findings"] = inputs.findings;
   json["audit"] = AuditJson(inputs.audit);
   json["deflection"] = DeflectionJson(inputs.deflection);
+  json["fixed_rotation"] = FixedJson(inputs.fixed);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

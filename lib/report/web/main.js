@@ -37,6 +37,7 @@
     m.fillSkipped(data);
     m.fillGaps(data);
     m.fillDeflection(data);
+    m.fillFixed(data);
     m.fillPaper(data);
     $("settings-text").textContent = data.settings;
     if (data.count === 0) return;

@@ -138,6 +138,16 @@
     section.querySelector("p").textContent = `Heaviest mean force on the tool (feed, across, axis): ${force} N. ${face} What it is: ${d.model}.`;
   };
 
+  // What the best rotations that stay the same would have given.
+  m.fillFixed = function (data) {
+    const section = document.getElementById("fixed");
+    if (!data.fixed) {
+      section.remove();
+      return;
+    }
+    section.querySelector("p").textContent = data.fixed.join(" ") + " Below 1 the plan is better.";
+  };
+
   m.fillSkipped = function (data) {
     const section = document.getElementById("skipped"), { reasons, rows } = data.skipped;
     const summary = section.querySelector("p");

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/fixed_rotation.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "base/parallel.hpp"
+#include "base/units.hpp"
+#include "path/cut_check.hpp"
+#include "path/fixed_table.hpp"
+#include "robot/angles.hpp"
+#include "stiffness/compliance.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr size_t kNone = std::numeric_limits<size_t>::max();
+
+/// One rotation and branch over a pass, by its value.
+struct Ranked {
+  double worst = kInfinity, sum = kInfinity;
+  size_t rotation = 0;
+  int branch = 0;
+};
+
+class Comparer {
+ public:
+  Comparer(const PoseProblem& problem, const World& world, const std::vector<PassResult>& passes,
+           const FixedRotationOptions& options)
+      : problem_(problem),
+        world_(world),
+        options_(options),
+        carrier_{problem.arm, problem.X_WB, problem.X_FT},
+        compared_(Compared(passes)) {
+    size_t number = 0;
+    for (const PassResult& pass : passes) {
+      passes_.push_back({&pass, number, {}, {}, {}});
+      number += pass.points.size();
+    }
+    ParallelFor(passes_.size(), options.threads, options.stop, [&](size_t i) {
+      passes_[i].table = MakeFixedTable(problem, *passes_[i].pass, compared_,
+                                        {options.rotation_step, options.max_joint_step});
+      passes_[i].free.assign(8 * passes_[i].table.rotations, 0);
+    });
+    std::erase_if(passes_, [](const OfPass& pass) { return pass.table.points == 0; });
+  }
+
+  FixedComparison Compare() {
+    FixedComparison comparison;
+    for (const OfPass& pass : passes_)
+      for (const PlannedPoint& planned : pass.pass->points)
+        if (compared_(planned)) comparison.plan.push_back(FiguresAt(planned, planned.q, planned.objective));
+    if (passes_.empty()) {
+      comparison.job_in_the_way = comparison.passes_in_the_way = "nothing is planned";
+      return comparison;
+    }
+    CompareJob(comparison);
+    ComparePasses(comparison);
+    return comparison;
+  }
+
+ private:
+  struct OfPass {
+    const PassResult* pass;
+    size_t first_point;
+    FixedTable table;
+    std::vector<char> free;   ///< per rotation and branch: 0 not looked at, 1 free, 2 not
+    std::vector<size_t> met;  ///< points that met something before: looked at first
+  };
+
+  bool Better(const Ranked& a, const Ranked& b) const {
+    const auto key = [&](const Ranked& r) {
+      return options_.worst_first ? std::pair(r.worst, r.sum) : std::pair(r.sum, r.worst);
+    };
+    return key(a) < key(b);
+  }
+
+  /// The branches of a rotation that serve a pass but for interference, the best first.
+  std::vector<Ranked> Branches(const OfPass& pass, size_t rotation) const {
+    std::vector<Ranked> ranked;
+    for (int branch = 0; branch < 8; ++branch) {
+      const FixedTable::Entry& entry = pass.table.At(rotation, branch);
+      if (entry.serves) ranked.push_back({entry.worst, entry.sum, rotation, branch});
+    }
+    std::stable_sort(ranked.begin(), ranked.end(),
+                     [&](const Ranked& a, const Ranked& b) { return Better(a, b); });
+    return ranked;
+  }
+
+  /// Whether the pass is free of interference at a rotation on a branch; remembered.
+  bool Free(OfPass& pass, const Ranked& ranked) {
+    char& free = pass.free[8 * ranked.rotation + static_cast<size_t>(ranked.branch)];
+    if (free == 0) free = LookAt(pass, ranked) ? 1 : 2;
+    return free == 1;
+  }
+
+  bool LookAt(OfPass& pass, const Ranked& ranked) const {
+    Checker checker(world_);
+    const std::vector<PlannedPoint>& points = pass.pass->points;
+    const double rotation = pass.table.Rotation(ranked.rotation);
+    const auto joints = [&](size_t t) {
+      return PointScorer(problem_, points[t].point, pass.pass->rotation_reference)
+          .ScoreOne({rotation}, ranked.branch)
+          .q;
+    };
+    const auto blocked = [&](size_t t) { return checker.Blocked(joints(t), Phase::kCutting).has_value(); };
+    for (const size_t t : pass.met)
+      if (blocked(t)) return false;
+    Joints last;
+    for (size_t t = 0; t < points.size(); ++t) {
+      CheckStop(options_.stop);
+      if (points[t].skip != SkipReason::kNone) continue;
+      const Joints q = joints(t);
+      const bool joined =
+          t > 0 && points[t - 1].piece == points[t].piece && points[t - 1].skip == SkipReason::kNone;
+      const bool hit =
+          checker.Blocked(q, Phase::kCutting) ||
+          (joined && CheckCut(checker, carrier_, last, Beside(last, q), options_.swept_resolution));
+      if (hit) {
+        if (pass.met.size() < 16) pass.met.push_back(t);
+        return false;
+      }
+      last = q;
+    }
+    return true;
+  }
+
+  /// The best free branch of a rotation over a pass.
+  std::optional<Ranked> Served(OfPass& pass, size_t rotation) {
+    for (const Ranked& ranked : Branches(pass, rotation))
+      if (Free(pass, ranked)) return ranked;
+    return std::nullopt;
+  }
+
+  void CompareJob(FixedComparison& comparison) {
+    const size_t count = passes_.front().table.rotations;
+    std::vector<Ranked> bounds;  // what a rotation gives at best, interference left aside
+    for (size_t r = 0; r < count; ++r) {
+      Ranked bound{0, 0, r, 0};
+      for (const OfPass& pass : passes_) {
+        const std::vector<Ranked> branches = Branches(pass, r);
+        if (branches.empty()) bound.worst = bound.sum = kInfinity;
+        if (!branches.empty()) bound.worst = std::max(bound.worst, branches.front().worst);
+        if (!branches.empty()) bound.sum += branches.front().sum;
+      }
+      if (std::isfinite(bound.sum)) bounds.push_back(bound);
+    }
+    std::stable_sort(bounds.begin(), bounds.end(),
+                     [&](const Ranked& a, const Ranked& b) { return Better(a, b); });
+    Ranked best;
+    std::vector<Ranked> chosen;
+    size_t in_the_way = kNone;  // the pass that the last rotation failed at
+    for (const Ranked& bound : bounds) {
+      if (!chosen.empty() && !Better(bound, best)) break;
+      std::vector<std::optional<Ranked>> served(passes_.size());
+      bool all = in_the_way == kNone || Served(passes_[in_the_way], bound.rotation).has_value();
+      if (!all) continue;
+      ParallelFor(passes_.size(), options_.threads, options_.stop,
+                  [&](size_t i) { served[i] = Served(passes_[i], bound.rotation); });
+      Ranked whole{0, 0, bound.rotation, 0};
+      for (size_t i = 0; i < served.size(); ++i) {
+        all = all && served[i];
+        if (!served[i]) in_the_way = i;
+        if (!all) continue;
+        whole.worst = std::max(whole.worst, served[i]->worst);
+        whole.sum += served[i]->sum;
+      }
+      if (!all || (!chosen.empty() && !Better(whole, best))) continue;
+      best = whole;
+      chosen.clear();
+      for (const auto& one : served) chosen.push_back(*one);
+    }
+    if (chosen.empty()) {
+      comparison.job_in_the_way = bounds.empty() ? WhyNoneServes() : WhyNoneIsFree(bounds, in_the_way);
+      return;
+    }
+    comparison.rotation = passes_.front().table.Rotation(best.rotation);
+    for (size_t i = 0; i < chosen.size(); ++i) AddFigures(passes_[i], chosen[i], comparison.job);
+  }
+
+  void ComparePasses(FixedComparison& comparison) {
+    std::vector<std::optional<Ranked>> best(passes_.size());
+    ParallelFor(passes_.size(), options_.threads, options_.stop, [&](size_t i) {
+      std::vector<Ranked> all;
+      for (size_t r = 0; r < passes_[i].table.rotations; ++r)
+        std::ranges::copy(Branches(passes_[i], r), std::back_inserter(all));
+      std::stable_sort(all.begin(), all.end(),
+                       [&](const Ranked& a, const Ranked& b) { return Better(a, b); });
+      for (const Ranked& ranked : all) {
+        if (!Free(passes_[i], ranked)) continue;
+        best[i] = ranked;
+        break;
+      }
+    });
+    for (size_t i = 0; i < best.size(); ++i) {
+      if (best[i]) continue;
+      comparison.passes_in_the_way =
+          fmt::format("no rotation serves pass {} on one branch within limits, steps and clearances",
+                      passes_[i].pass->pass);
+      return;
+    }
+    for (size_t i = 0; i < best.size(); ++i) AddFigures(passes_[i], *best[i], comparison.passes);
+  }
+
+  /// The rotation that leaves fewest points without a pose, and these.
+  std::string WhyNoneServes() const {
+    size_t fewest = kNone, at = 0;
+    for (size_t r = 0; r < passes_.front().table.rotations; ++r) {
+      size_t missing = 0;
+      for (const OfPass& pass : passes_) missing += pass.table.missing[r].size();
+      if (missing < fewest) fewest = missing, at = r;
+    }
+    const double degrees = RadToDeg(passes_.front().table.Rotation(at));
+    std::vector<size_t> numbers;
+    for (const OfPass& pass : passes_)
+      for (const size_t t : pass.table.missing[at])
+        if (numbers.size() < 5) numbers.push_back(pass.first_point + t);
+    if (fewest > 0)
+      return fmt::format(
+          "the rotation that serves most, {:.0f} deg, has no pose within the limits at {} points: {}{}",
+          degrees, fewest, fmt::join(numbers, ", "), fewest > numbers.size() ? ", ..." : "");
+    return fmt::format(
+        "at {:.0f} deg every point has a pose within the limits, but no branch serves every pass "
+        "within the joint steps",
+        degrees);
+  }
+
+  std::string WhyNoneIsFree(const std::vector<Ranked>& bounds, size_t in_the_way) const {
+    const OfPass& pass = passes_[in_the_way];
+    std::vector<size_t> numbers;
+    for (const size_t t : pass.met)
+      if (numbers.size() < 5) numbers.push_back(pass.first_point + t);
+    return fmt::format(
+        "{} rotations serve every point within the limits, none is free of interference; in pass "
+        "{} it is met at points {}",
+        bounds.size(), pass.pass->pass, fmt::join(numbers, ", "));
+  }
+
+  PointFigures FiguresAt(const PlannedPoint& planned, const Joints& q, double objective) const {
+    const Eigen::Vector3d origin = problem_.origin == StiffnessOrigin::kToolTip
+                                       ? Eigen::Vector3d(problem_.X_FT.translation())
+                                       : Eigen::Vector3d::Zero();
+    const Matrix6 C = Compliance(Jacobian(problem_.arm, q, origin), problem_.arm.stiffness) +
+                      SeriesComplianceAt(problem_.arm, q, origin, problem_.compliances);
+    const Eigen::Matrix3d R_BW = problem_.X_WB.linear().transpose();
+    const Eigen::Vector3d moved = C.topLeftCorner<3, 3>() * (R_BW * planned.point.engagement.force);
+    return {objective, std::abs((R_BW * planned.point.normal).dot(moved)), moved.norm()};
+  }
+
+  void AddFigures(const OfPass& pass, const Ranked& ranked, std::vector<PointFigures>& figures) const {
+    for (const PlannedPoint& planned : pass.pass->points) {
+      if (!compared_(planned)) continue;
+      const Candidate candidate = PointScorer(problem_, planned.point, pass.pass->rotation_reference)
+                                      .ScoreOne({pass.table.Rotation(ranked.rotation)}, ranked.branch);
+      figures.push_back(FiguresAt(planned, candidate.q, candidate.objective));
+    }
+  }
+
+  const PoseProblem& problem_;
+  const World& world_;
+  const FixedRotationOptions& options_;
+  Carrier carrier_;
+  PointFilter compared_;
+  std::vector<OfPass> passes_;
+};
+
+}  // namespace
+
+FixedComparison CompareWithFixed(const PoseProblem& problem, const World& world,
+                                 const std::vector<PassResult>& passes, const FixedRotationOptions& options) {
+  return Comparer(problem, world, passes, options).Compare();
+}
+
+}  // namespace millpose

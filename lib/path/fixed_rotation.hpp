@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What one fixed rotation about the tool axis would have given: what any CAM system can program.
+#pragma once
+
+#include <stop_token>
+
+#include "cell/world.hpp"
+#include "plan/fixed_comparison.hpp"
+#include "plan/plan_result.hpp"
+#include "pose/scorer.hpp"
+
+namespace millpose {
+
+/// What a rotation is held to, and how rotations are ranked.
+struct FixedRotationOptions {
+  double rotation_step = 0;     ///< rad
+  Joints max_joint_step;        ///< rad, between neighbouring points
+  double swept_resolution = 0;  ///< mm
+  bool worst_first = false;     ///< the least worst value wins; else the least sum
+  int threads = 1;
+  std::stop_token stop;
+};
+
+/// `passes` with joint angles as planned. Rotations lie on the grid of the layered search.
+FixedComparison CompareWithFixed(const PoseProblem& problem, const World& world,
+                                 const std::vector<PassResult>& passes, const FixedRotationOptions& options);
+
+}  // namespace millpose

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/fixed_table.hpp"
+
+#include "base/units.hpp"
+#include "path/edge_kernel.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr double kRounding = 1e-12;  // rad: of angles that full turns were added to
+
+/// Where a rotation on a branch has come to along a piece.
+struct Course {
+  Joints first, last, least, most;
+};
+
+class TableMaker {
+ public:
+  TableMaker(const PoseProblem& problem, const FixedTableOptions& options)
+      : problem_(problem), options_(options) {
+    const Freedom& freedom = *problem.freedoms[0];
+    const double range = freedom.Upper() - freedom.Lower();
+    table_.rotations = static_cast<size_t>(std::max(1.0, std::ceil(range / options.rotation_step - 1e-9)));
+    table_.first = freedom.Lower();
+    table_.step = range / static_cast<double>(table_.rotations);
+    table_.entries.resize(8 * table_.rotations);
+    table_.missing.resize(table_.rotations);
+    courses_.resize(table_.entries.size());
+  }
+
+  FixedTable Make(const PassResult& pass, const PointFilter& counts) {
+    int piece = -1;
+    bool closed = false;
+    for (size_t t = 0; t < pass.points.size(); ++t) {
+      const PlannedPoint& planned = pass.points[t];
+      if (planned.skip != SkipReason::kNone) continue;
+      const bool starts = planned.piece != piece;
+      if (starts && piece >= 0) EndPiece(closed);
+      piece = planned.piece;
+      closed = pass.pieces[static_cast<size_t>(piece)].closed;
+      ++table_.points;
+      Add(PointScorer(problem_, planned.point, pass.rotation_reference), t, starts, counts(planned));
+    }
+    if (piece >= 0) EndPiece(closed);
+    return std::move(table_);
+  }
+
+ private:
+  void Add(const PointScorer& scorer, size_t t, bool starts, bool counts) {
+    const size_t dimensions = problem_.freedoms.size();
+    std::vector<double> values(kLanes * dimensions, 0.0);
+    ScoredBlock block;
+    for (size_t r = 0; r < table_.rotations; r += kLanes) {
+      for (size_t l = 0; l < kLanes; ++l)
+        values[l * dimensions] = table_.Rotation(std::min(r + l, table_.rotations - 1));
+      scorer.ScoreBlock(values, kAllArmBranches, block);
+      for (size_t l = 0; l < kLanes && r + l < table_.rotations; ++l) {
+        bool any = false;
+        for (int branch = 0; branch < 8; ++branch) {
+          const bool admissible = block.admissibility[branch][l] == Admissibility::kAdmissible;
+          any = any || admissible;
+          FixedTable::Entry& entry = table_.entries[8 * (r + l) + static_cast<size_t>(branch)];
+          entry.serves = entry.serves && admissible &&
+                         Step(courses_[8 * (r + l) + static_cast<size_t>(branch)],
+                              CandidateOf(block, branch, static_cast<int>(l)).q, starts);
+          if (!entry.serves || !counts) continue;
+          const double value = block.objective[branch].v[l];
+          entry.worst = std::max(entry.worst, value);
+          entry.sum += value;
+        }
+        if (!any) table_.missing[r + l].push_back(t);
+      }
+    }
+  }
+
+  /// Goes on to `q`, the short way round; false where a joint steps too far.
+  bool Step(Course& course, const Joints& q, bool starts) const {
+    if (starts) {
+      course = {q, q, q, q};
+      return true;
+    }
+    const Joints step = (q - course.last).unaryExpr(&ShortWay);
+    if ((step.cwiseAbs().array() > options_.max_joint_step.array()).any()) return false;
+    course.last += step;
+    course.least = course.least.cwiseMin(course.last);
+    course.most = course.most.cwiseMax(course.last);
+    return true;
+  }
+
+  /// Full turns must bring the whole piece within the limits, and a closed one must close.
+  void EndPiece(bool closed) {
+    for (size_t k = 0; k < courses_.size(); ++k) {
+      FixedTable::Entry& entry = table_.entries[k];
+      if (!entry.serves) continue;
+      if (closed) entry.serves = Step(courses_[k], courses_[k].first, false);
+      for (int j = 0; j < 6 && entry.serves; ++j) entry.serves = FitsTurns(courses_[k], j);
+    }
+  }
+
+  bool FitsTurns(const Course& course, int j) const {
+    const AdmissibleBounds& bounds = problem_.bounds;
+    for (int turns = -2; turns <= 2; ++turns) {
+      const double shift = turns * 2 * kPi;
+      if (course.least[j] + shift >= bounds.lower[j] - kRounding &&
+          course.most[j] + shift <= bounds.upper[j] + kRounding)
+        return true;
+    }
+    return false;
+  }
+
+  const PoseProblem& problem_;
+  const FixedTableOptions& options_;
+  FixedTable table_;
+  std::vector<Course> courses_;
+};
+
+}  // namespace
+
+PointFilter Compared(const std::vector<PassResult>& passes) {
+  bool forces = false;
+  for (const PassResult& pass : passes)
+    for (const PlannedPoint& planned : pass.points)
+      forces = forces || planned.point.engagement.side != CutSide::kAir;
+  return [forces](const PlannedPoint& planned) {
+    return planned.skip == SkipReason::kNone && planned.point.kind == PointKind::kCut &&
+           (!forces || planned.point.engagement.side != CutSide::kAir);
+  };
+}
+
+FixedTable MakeFixedTable(const PoseProblem& problem, const PassResult& pass, const PointFilter& counts,
+                          const FixedTableOptions& options) {
+  return TableMaker(problem, options).Make(pass, counts);
+}
+
+}  // namespace millpose

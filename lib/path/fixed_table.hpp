@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+
+#include "plan/plan_result.hpp"
+#include "pose/scorer.hpp"
+
+namespace millpose {
+
+/// Which points count.
+using PointFilter = std::function<bool(const PlannedPoint&)>;
+
+/// The planned cut points; where some are known to be in material only these.
+PointFilter Compared(const std::vector<PassResult>& passes);
+
+/// What every rotation of a grid gives on every branch over the planned points of a pass, interference left
+/// aside.
+struct FixedTable {
+  struct Entry {
+    bool serves = true;  ///< all points within limits, steps within their bound, full turns within the limits
+    double worst = 0, sum = 0;  ///< of the objective over the points that count
+  };
+  size_t rotations = 0, points = 0;
+  double first = 0, step = 0;                ///< rad, of the grid
+  std::vector<Entry> entries;                ///< 8 branches a rotation
+  std::vector<std::vector<size_t>> missing;  ///< per rotation: points without any admissible branch
+
+  const Entry& At(size_t rotation, int branch) const {
+    return entries[8 * rotation + static_cast<size_t>(branch)];
+  }
+  double Rotation(size_t index) const { return first + static_cast<double>(index) * step; }
+};
+
+struct FixedTableOptions {
+  double rotation_step;   ///< rad: the layered search's
+  Joints max_joint_step;  ///< rad
+};
+
+/// The rotation is the problem's first freedom, others are 0.
+FixedTable MakeFixedTable(const PoseProblem& problem, const PassResult& pass, const PointFilter& counts,
+                          const FixedTableOptions& options);
+
+}  // namespace millpose

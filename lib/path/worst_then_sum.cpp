@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/worst_then_sum.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kSweeps = 16;            // of a closed search that only asks whether there is a sequence
+constexpr double kNearEnough = 1.001;  // between the bounds of a bisection
+constexpr size_t kFewValues = 64;      // are bisected to the end
+
+LayeredProblem Within(LayeredProblem problem, double bound) {
+  problem.most = std::min(problem.most, bound * (1 + kWorstTolerance));
+  return problem;
+}
+
+size_t Breaks(const Sequence& sequence) {
+  size_t breaks = 0;
+  for (size_t t = 0; t < sequence.nodes.size(); ++t)
+    breaks += sequence.nodes[t] == kNoNode ? sequence.nodes.size() : sequence.break_before[t];
+  return breaks;
+}
+
+/// The values that the bound of a sequence can have, ascending: from the largest of the layers' least ones up
+/// to `most`.
+std::vector<double> PossibleBounds(const LayeredProblem& problem, double least, double most) {
+  least = std::min(least, most);  // a bound that was cut short may have been too high
+  for (const Layer& layer : problem.layers)
+    least = std::max(least, *std::min_element(layer.objective.begin(), layer.objective.end()));
+  std::vector<double> values;
+  for (const Layer& layer : problem.layers)
+    for (const double value : layer.objective)
+      if (value >= least && value <= most) values.push_back(value);
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  return values;
+}
+
+}  // namespace
+
+double WorstOf(std::span<const Layer> layers, const Sequence& sequence) {
+  double worst = 0;
+  for (size_t t = 0; t < sequence.nodes.size(); ++t)
+    if (sequence.nodes[t] != kNoNode) worst = std::max(worst, layers[t].objective[sequence.nodes[t]]);
+  return worst;
+}
+
+Sequence WorstThenSum::Open(const LayeredProblem& problem) {
+  if (std::isfinite(bound_)) {
+    Sequence sequence = SearchOpen(Within(problem, bound_));
+    if (Breaks(sequence) <= breaks_) return sequence;
+  }
+  LayeredProblem for_worst = problem;
+  for_worst.worst = true;
+  for_worst.rule.motion_weight = 0;
+  if (problem.memory) for_worst.memory = &memory_;
+  const Sequence least = SearchOpen(for_worst);
+  bound_ = WorstOf(problem.layers, least);
+  breaks_ = Breaks(least);
+  return SearchOpen(Within(problem, bound_));
+}
+
+std::optional<Sequence> WorstThenSum::Closed(const LayeredProblem& problem, int max_sweeps) {
+  if (std::isfinite(bound_))
+    if (auto sequence = SearchClosed(Within(problem, bound_), max_sweeps)) return sequence;
+  const std::optional<Sequence> least = RaiseClosed(problem);
+  bound_ = least ? WorstOf(problem.layers, *least) : kInfinity;
+  if (!least) return std::nullopt;
+  auto sequence = SearchClosed(Within(problem, bound_), max_sweeps);
+  return sequence ? sequence : least;
+}
+
+/// The closed sequence of least worst value; empty when there is none at all.
+std::optional<Sequence> WorstThenSum::RaiseClosed(const LayeredProblem& problem) {
+  std::optional<Sequence> best = SearchClosed(problem, kSweeps);
+  if (!best) best = SearchClosed(problem);
+  if (!best) return std::nullopt;
+  const std::vector<double> values =
+      PossibleBounds(problem, std::isfinite(bound_) ? bound_ : 0.0, WorstOf(problem.layers, *best));
+  // Below `low` there is none; at `high` there is `best`.
+  size_t low = 0, high = values.size() - 1;
+  while (low < high && (high - low <= kFewValues || values[high] > kNearEnough * values[low])) {
+    const size_t middle = low + (high - low) / 2;
+    if (auto found = SearchClosed(Within(problem, values[middle]), kSweeps)) {
+      const double worst = WorstOf(problem.layers, *found);
+      high = static_cast<size_t>(std::lower_bound(values.begin(), values.end(), worst) - values.begin());
+      high = std::min(high, middle);
+      best = std::move(found);
+    } else {
+      low = middle + 1;
+    }
+  }
+  return best;
+}
+
+}  // namespace millpose

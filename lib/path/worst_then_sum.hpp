@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "path/layered_search.hpp"
+
+namespace millpose {
+
+/// How far above the smallest worst value the nodes of a sequence may lie, as a share of it: rounding, so
+/// that a plan is never worse than any other sequence of the same nodes.
+inline constexpr double kWorstTolerance = 1e-6;
+
+/// Searches by the worst value first: the smallest bound under which a sequence with the fewest breaks
+/// exists, then the least sum of objective and motion among the sequences within kWorstTolerance of that
+/// bound. Keeps the bound from search to search over the same layers with ever more struck out: it can only
+/// rise, and is looked for again where nothing is left below it.
+///
+/// Open passes: exact, one sweep with the largest value in place of the sum. Closed ones: by bisection over
+/// the nodes' values, each step one closed search of at most 16 sweeps; exact where these suffice and at most
+/// 64 values are left, else within 0.1 %.
+class WorstThenSum {
+ public:
+  Sequence Open(const LayeredProblem& problem);
+  std::optional<Sequence> Closed(const LayeredProblem& problem,
+                                 int max_sweeps = std::numeric_limits<int>::max());
+  /// The bound of the last search; +inf before the first.
+  double bound() const { return bound_; }
+
+ private:
+  std::optional<Sequence> RaiseClosed(const LayeredProblem& problem);
+
+  double bound_ = std::numeric_limits<double>::infinity();
+  size_t breaks_ = 0;   ///< and points without a node
+  SweepMemory memory_;  ///< of sweeps for the largest value: the problem's own are for sums
+};
+
+/// Largest objective along a sequence.
+double WorstOf(std::span<const Layer> layers, const Sequence& sequence);
+
+}  // namespace millpose

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A plan beside the best fixed rotation, as reports show it.
+#pragma once
+
+#include <vector>
+
+#include "plan/fixed_comparison.hpp"
+
+namespace millpose {
+
+/// One figure over all compared points: of the plan, of the fixed rotation.
+struct FixedFigure {
+  const char* key;    ///< objective | normal | length
+  const char* label;  ///< for the terminal
+  double plan_worst, fixed_worst, plan_median, fixed_median;
+};
+
+/// The objective, and where forces are known |nᵀcF| and |cF| (mm). `fixed` holds the same points as `plan`.
+std::vector<FixedFigure> FixedFigures(const std::vector<PointFigures>& plan,
+                                      const std::vector<PointFigures>& fixed);
+
+/// "worst 0.81, median 0.95" of plan ÷ fixed; "-" where the fixed one is 0.
+std::string FixedRatios(const FixedFigure& figure);
+
+}  // namespace millpose

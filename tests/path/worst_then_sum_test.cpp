@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Against every sequence there is, on graphs so small that all can be looked at.
+#include "path/worst_then_sum.hpp"
+
+#include <gtest/gtest.h>
+
+#include "base/random.hpp"
+#include "base/units.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::vector<Layer> SmallLayers(RandomStream& stream, int count) {
+  std::vector<Layer> layers(static_cast<size_t>(count));
+  for (Layer& layer : layers) {
+    const int nodes = 1 + stream.Below(5);
+    for (int k = 0; k < nodes; ++k) {
+      Joints q;
+      for (int j = 0; j < 6; ++j) q[j] = 0.5 * stream.Normal();
+      layer.joints.Add(q);
+      // Few values, so that many sequences have the same worst.
+      layer.objective.push_back(1 + stream.Below(6) + (stream.Below(3) ? 0 : stream.Uniform(0, 1)));
+      layer.first.push_back(k);
+      layer.freedoms.push_back({static_cast<double>(k)});
+      layer.base.push_back(static_cast<size_t>(k));
+      layer.genetic.push_back(false);
+    }
+    for (int branch = 1; branch <= 8; ++branch)
+      layer.branch_begin[static_cast<size_t>(branch)] = layer.size();
+    layer.joints.Finish();
+  }
+  return layers;
+}
+
+struct Value {
+  int breaks = 1000;
+  double worst = kInfinity, sum = kInfinity;
+};
+
+/// What a choice of nodes gives; `closed` with the step back to the first.
+Value Measure(const LayeredProblem& problem, const std::vector<size_t>& nodes, bool closed) {
+  Value value{0, 0, 0};
+  for (size_t t = 0; t < nodes.size(); ++t) {
+    const Layer& layer = problem.layers[t];
+    value.worst = std::max(value.worst, layer.objective[nodes[t]]);
+    value.sum += layer.objective[nodes[t]];
+    const size_t next = (t + 1) % nodes.size();
+    if (next == 0 && !closed) break;
+    const double step =
+        StepCost(problem.rule, layer.joints.At(nodes[t]), problem.layers[next].joints.At(nodes[next]));
+    if (std::isfinite(step)) value.sum += step;
+    value.breaks += !std::isfinite(step);
+  }
+  return value;
+}
+
+/// The best of all sequences: fewest breaks, least worst, then least sum.
+Value Best(const LayeredProblem& problem, bool closed) {
+  std::vector<Value> all;
+  std::vector<size_t> nodes(problem.layers.size(), 0);
+  for (size_t t = 0; t < nodes.size();) {
+    all.push_back(Measure(problem, nodes, closed));
+    for (t = 0; t < nodes.size() && ++nodes[t] == problem.layers[t].size(); ++t) nodes[t] = 0;
+  }
+  Value best;
+  for (const Value& value : all)
+    if (std::tie(value.breaks, value.worst) < std::tie(best.breaks, best.worst)) best = value;
+  for (const Value& value : all)
+    if (value.breaks == best.breaks && value.worst <= best.worst * (1 + kWorstTolerance))
+      best.sum = std::min(best.sum, value.sum);
+  return best;
+}
+
+StepRule Rule() {
+  StepRule rule;
+  rule.max_step = Joints::Constant(DegToRad(60));
+  rule.motion_weight = 0.3;
+  return rule;
+}
+
+TEST(WorstThenSum, OpenIsTheBestOfAllSequences) {
+  RandomStream stream(21, 0);
+  int broken = 0, traded = 0;
+  for (int round = 0; round < 300; ++round) {
+    const std::vector<Layer> layers = SmallLayers(stream, 2 + stream.Below(4));
+    const LayeredProblem problem{layers, Rule(), {}, false, false, {}, {}};
+    const Value expected = Best(problem, false);
+    WorstThenSum search;
+    const Sequence found = search.Open(problem);
+    const Value value = Measure(problem, found.nodes, false);
+    EXPECT_EQ(value.breaks, expected.breaks);
+    EXPECT_EQ(search.bound(), expected.worst);
+    EXPECT_LE(value.worst, expected.worst * (1 + kWorstTolerance));
+    EXPECT_NEAR(value.sum, expected.sum, 1e-12);
+    broken += expected.breaks > 0;
+    traded += SearchOpen(problem).cost < found.cost - 1e-9;
+  }
+  EXPECT_GT(broken, 30);
+  EXPECT_GT(traded, 10) << "the sum alone takes worse points";
+}
+
+TEST(WorstThenSum, ClosedIsTheBestOfAllCycles) {
+  RandomStream stream(22, 0);
+  int closed = 0;
+  for (int round = 0; round < 300; ++round) {
+    const std::vector<Layer> layers = SmallLayers(stream, 3 + stream.Below(2));
+    const LayeredProblem problem{layers, Rule(), {}, false, false, {}, {}};
+    const Value expected = Best(problem, true);
+    WorstThenSum search;
+    const std::optional<Sequence> found = search.Closed(problem);
+    ASSERT_EQ(found.has_value(), expected.breaks == 0);
+    if (!found) continue;
+    ++closed;
+    const Value value = Measure(problem, found->nodes, true);
+    EXPECT_EQ(value.breaks, 0);
+    EXPECT_EQ(search.bound(), expected.worst);
+    EXPECT_NEAR(value.sum, expected.sum, 1e-12);
+  }
+  EXPECT_GT(closed, 50);
+}
+
+TEST(WorstThenSum, KeepsItsBoundWhileNodesAreStruckOut) {
+  RandomStream stream(23, 0);
+  for (int round = 0; round < 100; ++round) {
+    std::vector<Layer> layers = SmallLayers(stream, 4);
+    const LayeredProblem problem{layers, Rule(), {}, false, false, {}, {}};
+    WorstThenSum kept;
+    for (int strike = 0; strike < 6; ++strike) {
+      const Sequence found = kept.Open(problem);
+      WorstThenSum anew;
+      const Sequence expected = anew.Open(problem);
+      EXPECT_EQ(kept.bound(), anew.bound());
+      EXPECT_EQ(found.nodes, expected.nodes);
+      // One node of the answer, unless it is its layer's last.
+      const auto t = static_cast<size_t>(stream.Below(4));
+      if (found.nodes[t] == kNoNode) continue;
+      const double was = layers[t].objective[found.nodes[t]];
+      layers[t].objective[found.nodes[t]] = kInfinity;
+      if (!layers[t].usable()) layers[t].objective[found.nodes[t]] = was;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace millpose
