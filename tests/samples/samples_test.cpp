@@ -200,7 +200,8 @@ TEST(Samples, SinumerikStaysNearThePlanHoweverItTurnsTheTool) {
 TEST(Samples, WhatIsLeftOutStaysWithinItsTolerances) {
   for (const std::string& name : SampleNames()) {
     const ProgramMotions motions = MakeCase(SampleOf(name), "linuxcnc").motions;
-    // LinuxCNC: planned as an even turn, as it is measured here; how KRL and SINUMERIK turn is replayed above.
+    // LinuxCNC: planned as an even turn, as it is measured here; how KRL and SINUMERIK turn is replayed
+    // above.
     const LeftOut left = MeasureLeftOut(motions.planned, motions.written);
     EXPECT_EQ(left.count, motions.saved) << name;
     EXPECT_LE(left.position, 0.01) << name;
