@@ -19,10 +19,11 @@ install(FILES ${documents}/millpose.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 C
 install(FILES ${documents}/millpose.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
         RENAME millpose COMPONENT runtime)
 
-# Headers that show no type of another library than Eigen.
-install(DIRECTORY lib/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/millpose COMPONENT development
+# What users include, as <millpose/objective.hpp>; beside it what these include.
+install(DIRECTORY lib/millpose DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+install(DIRECTORY lib/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/millpose/internal COMPONENT development
         FILES_MATCHING PATTERN "*.hpp" PATTERN "*_adapter.hpp" EXCLUDE PATTERN fcl_part.hpp EXCLUDE
-        PATTERN pch.hpp EXCLUDE PATTERN web EXCLUDE)
+        PATTERN pch.hpp EXCLUDE PATTERN web EXCLUDE PATTERN millpose EXCLUDE)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/millpose)
 install(EXPORT millpose NAMESPACE millpose:: FILE millposeTargets.cmake DESTINATION ${package} COMPONENT development)
 configure_package_config_file(apps/install/millposeConfig.cmake.in ${PROJECT_BINARY_DIR}/millposeConfig.cmake

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include "batch/batch.hpp"
 #include "commands.hpp"
-#include "pipeline/batch.hpp"
 
 namespace millpose {
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The keys of a cell's `controllers:` section, and which controller knows which of them.
 #include "config/fields.hpp"
+#include "program/post.hpp"
 
 namespace millpose::config {
 namespace {
@@ -173,38 +174,19 @@ Codec<ControllerSettings> ControllerFields() {
       });
 }
 
-/// A key that not every controller can follow.
-struct Support {
-  const char* key;
+/// The controllers that know a key; all of them where none names it as its own.
+std::vector<std::string> ControllersFor(const std::string& key) {
   std::vector<std::string> controllers;
-};
-const std::vector<Support>& Supports() {
-  static const std::vector<Support> supports = {
-      {"rotation", {"sinumerik", "linuxcnc"}},
-      {"axis_names", {"sinumerik"}},
-      {"settable_frame", {"sinumerik"}},
-      {"ori_ipo_with_g_code", {"sinumerik"}},
-      {"ori_def_with_g_code", {"sinumerik"}},
-      {"coordinates", {"linuxcnc"}},
-      {"base_number", {"krl"}},
-      {"tool_number", {"krl"}},
-      {"external_axes", {"krl"}},
-      {"ptp_speed_percent", {"krl"}},
-      {"advance", {"krl"}},
-      {"orientation_speed_deg_s", {"krl"}},
-      {"orientation_acceleration_deg_s2", {"krl"}},
-      {"tool_direction", {"krl"}},
-      {"robroot", {"krl"}},
-      {"ersysroot", {"krl"}},
-      {"write_load", {"krl"}},
-      {"program_memory_kbytes", {"krl"}},
-      {"max_motions", {"krl", "sinumerik"}},
-      {"max_kbytes", {"krl", "sinumerik"}},
-      {"delay_ms", {"krl"}},
-      {"cartesian_on", {"linuxcnc"}},
-      {"joints_on", {"linuxcnc"}},
-  };
-  return supports;
+  for (const PostEntry& entry : Posts().entries()) {
+    const std::vector<std::string> keys = entry.make()->Keys();
+    if (std::ranges::find(keys, key) != keys.end()) controllers.push_back(entry.name);
+  }
+  return controllers.empty() ? ControllerNames() : controllers;
+}
+
+bool Knows(const std::string& controller, const std::string& key) {
+  const std::vector<std::string> controllers = ControllersFor(key);
+  return std::ranges::find(controllers, controller) != controllers.end();
 }
 
 /// Keys anywhere in a controller's section that this controller cannot follow.
@@ -213,23 +195,17 @@ void CheckSupport(const Value& value, const Context& context, const std::string&
     if (value.kind == Value::Kind::kList) CheckSupport(value.items[i], context.Child(i), controller);
     if (value.kind != Value::Kind::kMap) continue;
     const Context child = context.Child(value.keys[i].text);
-    for (const Support& support : Supports()) {
-      const bool known = std::ranges::find(support.controllers, controller) != support.controllers.end();
-      if (value.keys[i].text != support.key || known) continue;
+    if (!Knows(controller, value.keys[i].text))
       child.Add(value.keys[i].mark, fmt::format("{} programs do not know this; allowed for: {}", controller,
-                                                fmt::join(support.controllers, ", ")));
-    }
+                                                fmt::join(ControllersFor(value.keys[i].text), ", ")));
     CheckSupport(value.items[i], child, controller);
   }
 }
 
 /// What a program may not take for granted.
 void CheckNeeded(const Value& value, const Context& context, const std::string& controller) {
-  if (controller != "sinumerik" || value.Find("settable_frame")) return;
-  context.Add(
-      value.mark,
-      "settable_frame is missing: a whole number 505…599, the settable frame (G505…) that programs may "
-      "overwrite with the workpiece's place; needed");
+  for (const NeededKey& needed : MakePost(controller)->NeededKeys())
+    if (!value.Find(needed.key)) context.Add(value.mark, needed.message);
 }
 
 /// Programs are ASCII: what a text puts into them must be so too.
@@ -255,7 +231,7 @@ void NoteTextLines(const Value& controller, ControllerSettings& settings) {
 
 }  // namespace
 
-std::vector<std::string> ControllerNames() { return {"krl", "sinumerik", "linuxcnc"}; }
+std::vector<std::string> ControllerNames() { return Posts().Names(); }
 
 Codec<std::map<std::string, ControllerSettings>> ControllersFields() {
   auto codec = MapOf<ControllerSettings>(ControllerNames(), ControllerFields());
@@ -279,11 +255,7 @@ Codec<std::map<std::string, ControllerSettings>> ControllersFields() {
       Value kept = Value::Map();
       for (size_t k = 0; k < map.items[i].items.size(); ++k) {
         const std::string& key = map.items[i].keys[k].text;
-        const bool unsupported = std::ranges::any_of(Supports(), [&](const Support& support) {
-          return key == support.key &&
-                 std::ranges::find(support.controllers, map.keys[i].text) == support.controllers.end();
-        });
-        if (!unsupported) kept.Put(key, map.items[i].items[k]);
+        if (Knows(map.keys[i].text, key)) kept.Put(key, map.items[i].items[k]);
       }
       map.items[i] = kept;
     }

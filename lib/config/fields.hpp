@@ -4,9 +4,13 @@
 #include "config/batch_settings.hpp"
 #include "config/cell_settings.hpp"
 #include "config/job_settings.hpp"
-#include "config/section.hpp"
+#include "yaml/section.hpp"
 
 namespace millpose::config {
+
+using namespace yaml;   // NOLINT: the tables are written in its words
+using yaml::Direction;  // not the enum
+using yaml::Place;      // not the struct
 
 /// The files.
 const Codec<JobSettings>& JobFields();
@@ -23,16 +27,8 @@ Codec<JobSettings> PathFields();
 Codec<JobSettings> InterferenceFields();
 Codec<JobSettings> GapFields();
 Codec<ProgramOptionSettings> ProgramOptionFields();
-/// A strategy's name and the section of `toolpath` that belongs to it alone; empty where it needs none.
-struct StrategySection {
-  std::string strategy, section;
-  Codec<ToolpathSettings> fields;
-  std::string doc;
-};
-/// One line per strategy.
-const std::vector<StrategySection>& StrategySections();
 /// `region` of a toolpath: what of a part is milled.
-Codec<RegionSettings> RegionFields();
+Codec<RegionOptions> RegionFields();
 
 /// The sections of a cell.
 Codec<ArmSettings> ArmFields();
@@ -46,8 +42,6 @@ Codec<std::map<std::string, ControllerSettings>> ControllersFields();
 
 /// What several tables use.
 Codec<PoseSettings> PoseFields();
-/// A point, mm, within a kilometre.
-Codec<Eigen::Vector3d> Place();
 /// Name of a unit of length; mm per unit in the settings.
 Codec<double> LengthUnit();
 

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A job file: its sections, each with a table of its own.
 #include "config/fields.hpp"
+#include "toolpath/strategy.hpp"
 
 namespace millpose::config {
 namespace {
 
-// Only a path from CAM has points without a surface.
+// Only a path from a file has points without a surface.
 void CheckPart(const Value& value, const Context& context, JobSettings& job) {
   const Value::Key* programs = value.FindKey("programs");
   job.programs_line = programs ? programs->mark.line : 0;
   const Value::Key* workpiece = value.FindKey("workpiece");
-  if (workpiece && job.workpiece.mesh_file.empty() && job.toolpath.strategy != "cam")
+  if (workpiece && job.workpiece.mesh_file.empty() && job.toolpath.strategy->File().empty())
     context.Child("workpiece")
         .Child("mesh")
         .Add(workpiece->mark, "missing; only strategy cam goes without a part");
@@ -24,10 +25,10 @@ void CheckFeeds(const Value& value, const Context& context, const JobSettings& j
       context.Child("process").Child(key).Add(found->mark, "has no effect here: " + why);
   };
   if (job.feed_policy != "reduce") useless("min_feed_share", "process.feed: keep reduces no feed");
-  if (job.approach_slow >= job.retract)
+  if (job.approach_slow >= job.gaps.retract)
     useless("approach_feed_mm_min", fmt::format("the last {} mm of the approach run at the plunge feed, and "
                                                 "gaps.retract_mm makes it {} mm long",
-                                                job.approach_slow, job.retract));
+                                                job.approach_slow, job.gaps.retract));
 }
 
 void Check(const Value& value, const Context& context, JobSettings& job) {

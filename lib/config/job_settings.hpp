@@ -12,6 +12,8 @@
 #include "base/units.hpp"
 #include "config/cell_settings.hpp"
 #include "config/toolpath_settings.hpp"
+#include "path/gap_planner.hpp"
+#include "path/pass_planner.hpp"
 
 namespace millpose {
 
@@ -36,19 +38,6 @@ struct WorkpieceSettings {
   std::string stock_file;               ///< mesh of the raw part; empty: none
   double stock_unit = 1;                ///< mm per unit of it
   std::optional<double> allowance;      ///< material on the part's surface, mm; else toolpath.depth.total
-};
-
-struct GeneticSettings {
-  int population = 40, generations = 30, elite = 2, max_evaluations = 2000;
-  double crossover_rate = 0.9, mutation_rate = 0.2;
-};
-
-/// The paper's own genetic algorithm; it gives none of these numbers.
-struct PaperSettings {
-  int population = 200, generations = 1500, elite = 10;
-  double crossover_rate = 0.3;
-  double c_max = 1e-3;    ///< mm/N
-  double penalty = 1e-5;  ///< mm/N per squared tolerance
 };
 
 /// What the cutter takes off, for the cutting force (docs/process-force.md).
@@ -96,25 +85,15 @@ struct JobSettings {
   std::string objective = "chen2021";
   std::map<std::string, double> objective_parameters;
   std::string formulation = "freedoms";  ///< freedoms | paper
-  GeneticSettings genetic;
-  PaperSettings paper;
-  double exhaustive_step = DegToRad(0.05);            ///< rad
+  PathOptions path;                      ///< but for what other sections say, see MakePathOptions()
+  PaperFormulationOptions paper;         ///< of formulation paper
   std::optional<std::array<Vector6, 2>> task_limits;  ///< lower, upper, rad
   double limit_margin = DegToRad(3);                  ///< rad
   double dexterity_min = 0;
   double wrist_min = 0.05, elbow_min = 0.05, shoulder_min = 50;  ///< 1, 1, mm
-  double rotation_step = DegToRad(1);                            ///< rad
-  Vector6 max_joint_step = Vector6::Constant(DegToRad(5));       ///< rad
-  double motion_weight = 1e-5;                                   ///< objective unit per rad²
-  std::optional<std::string> criterion;   ///< worst_then_sum | sum; else by the objective
-  double smoothing_loss = 0.01;           ///< share of the objective
-  double max_deviation = 0.5;             ///< mm, half-way between points
-  double overlap = 10;                    ///< mm, where a pass is split
-  double swept_resolution = 0.5;          ///< mm
-  double retract = 50;                    ///< mm
-  double gap_limit_margin = DegToRad(1);  ///< rad, to the arm's limits
-  int gap_iterations = 20000;
-  double gap_speed_share = 0.5;
+  double swept_resolution = 0.5;                                 ///< mm
+  std::optional<std::string> criterion;  ///< worst_then_sum | sum; else by the objective
+  GapOptions gaps;                       ///< but for what other sections say, see MakeGapOptions()
   std::vector<std::string> programs{"krl", "sinumerik", "linuxcnc"};
   ProgramOptionSettings program_options;
   int programs_line = 0;  ///< of the key, for later errors

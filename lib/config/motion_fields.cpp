@@ -7,22 +7,22 @@ namespace millpose::config {
 Codec<JobSettings> PathFields() {
   using S = JobSettings;
   return Section<S>({
-      Key<S>("rotation_step_deg", MILLPOSE_AT(rotation_step), Real(kDeg, Between(0.01, 45)),
+      Key<S>("rotation_step_deg", MILLPOSE_AT(path.rotation_step), Real(kDeg, Between(0.01, 45)),
              "Grid of rotations about the tool axis in the layered search."),
-      Key<S>("max_joint_step_deg", MILLPOSE_AT(max_joint_step), Numbers6(kDeg, Positive(360)),
+      Key<S>("max_joint_step_deg", MILLPOSE_AT(path.max_joint_step), Numbers6(kDeg, Positive(360)),
              "Largest change of each axis between neighbouring points."),
-      Key<S>("motion_weight", MILLPOSE_AT(motion_weight), Real({"objective's unit per rad²"}, UpTo(1e9)),
+      Key<S>("motion_weight", MILLPOSE_AT(path.motion_weight), Real({"objective's unit per rad²"}, UpTo(1e9)),
              "Cost of joint motion beside the objective."),
       Key<S>(
           "criterion", MILLPOSE_AT(criterion), Maybe(Choice({"worst_then_sum", "sum"})),
           "What makes a pass good: its worst point first, then the sum over it, or the sum alone; by default "
           "worst_then_sum for objective surface_error, else sum."),
-      Key<S>("smoothing_loss_percent", MILLPOSE_AT(smoothing_loss), Real(kPercent, Between(0, 100)),
+      Key<S>("smoothing_loss_percent", MILLPOSE_AT(path.smoothing_loss), Real(kPercent, Between(0, 100)),
              "Share of a piece's objective that may be given up for smoother joints; 0: none."),
-      Key<S>("split_overlap_mm", MILLPOSE_AT(overlap), Real(kMm, UpTo(1e4)),
+      Key<S>("split_overlap_mm", MILLPOSE_AT(path.overlap), Real(kMm, UpTo(1e4)),
              "Way that is cut again where a pass has to be split; at least up to the next point."),
       Key<S>(
-          "max_halfway_deviation_mm", MILLPOSE_AT(max_deviation), Real(kMm, Between(0.001, 1000)),
+          "max_halfway_deviation_mm", MILLPOSE_AT(path.max_deviation), Real(kMm, Between(0.001, 1000)),
           "Aim of smoothing, no bound: half-way between points, with the joints turning evenly, the tip's "
           "distance from its straight line. Larger ones are mended where the loss allows; none grows by more "
           "than 6 %."),
@@ -39,13 +39,13 @@ Codec<JobSettings> InterferenceFields() {
 Codec<JobSettings> GapFields() {
   using S = JobSettings;
   return Section<S>({
-      Key<S>("retract_mm", MILLPOSE_AT(retract), Real(kMm, Positive(1e4)),
+      Key<S>("retract_mm", MILLPOSE_AT(gaps.retract), Real(kMm, Positive(1e4)),
              "Distance along the tool axis by which the tool leaves and approaches the part."),
-      Key<S>("limit_margin_deg", MILLPOSE_AT(gap_limit_margin), Real(kDeg, Between(0, 90)),
+      Key<S>("limit_margin_deg", MILLPOSE_AT(gaps.limit_margin), Real(kDeg, Between(0, 90)),
              "Distance kept from the arm's own limits between cuts, on every axis."),
-      Key<S>("max_iterations", MILLPOSE_AT(gap_iterations), Integer(1, 100000000),
+      Key<S>("max_iterations", MILLPOSE_AT(gaps.max_iterations), Integer(1, 100000000),
              "Most iterations of the planner for one gap."),
-      Key<S>("speed_share", MILLPOSE_AT(gap_speed_share), Real(kOne, Between(0.01, 1)),
+      Key<S>("speed_share", MILLPOSE_AT(gaps.speed_share), Real(kOne, Between(0.01, 1)),
              "Share of the axes' largest speeds and accelerations used in gaps."),
   });
 }

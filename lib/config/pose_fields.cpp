@@ -13,8 +13,8 @@ void CheckElite(const Value& value, const Context& context, S& search) {
                                                        search.elite, search.population));
 }
 
-Codec<GeneticSettings> GeneticFields() {
-  using S = GeneticSettings;
+Codec<GeneticOptions> GeneticFields() {
+  using S = GeneticOptions;
   return Section<S>(
       {
           Key<S>("population", MILLPOSE_AT(population), Integer(2, 100000), "Candidates of a generation."),
@@ -30,8 +30,8 @@ Codec<GeneticSettings> GeneticFields() {
       CheckElite<S>);
 }
 
-Codec<PaperSettings> PaperFields() {
-  using S = PaperSettings;
+Codec<PaperFormulationOptions> PaperFields() {
+  using S = PaperFormulationOptions;
   const Unit compliance{"mm/N", 1, 1};
   return Section<S>(
       {
@@ -128,9 +128,9 @@ Codec<JobSettings> PoseSearchFields() {
           Key<S>("formulation", MILLPOSE_AT(formulation), Choice({"freedoms", "paper"}),
                  "What the genetic algorithm varies: the freedoms of a point, or, to compare, the six joint "
                  "angles of Chen et al. 2021."),
-          Key<S>("genetic", MILLPOSE_AT(genetic), GeneticFields(), "The genetic algorithm per point."),
+          Key<S>("genetic", MILLPOSE_AT(path.genetic), GeneticFields(), "The genetic algorithm per point."),
           Key<S>("paper", MILLPOSE_AT(paper), PaperFields(), "Formulation paper."),
-          Key<S>("exhaustive_step_deg", MILLPOSE_AT(exhaustive_step), Real(kDeg, Between(0.001, 30)),
+          Key<S>("exhaustive_step_deg", MILLPOSE_AT(path.exhaustive_step), Real(kDeg, Between(0.001, 30)),
                  "Grid of the exhaustive search that judges the genetic algorithm."),
       },
       CheckFormulation);

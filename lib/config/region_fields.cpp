@@ -4,8 +4,8 @@
 namespace millpose::config {
 namespace {
 
-Codec<BoxSettings> BoxFields() {
-  using S = BoxSettings;
+Codec<RegionBox> BoxFields() {
+  using S = RegionBox;
   const auto corner = [](const char* key, auto access, const char* doc) {
     return Key<S>(key, access, Place(), doc).Required();
   };
@@ -18,15 +18,15 @@ Codec<BoxSettings> BoxFields() {
                     check);
 }
 
-Codec<HalfSpaceSettings> HalfSpaceFields() {
-  using S = HalfSpaceSettings;
+Codec<HalfSpace> HalfSpaceFields() {
+  using S = HalfSpace;
   return Section<S>(
       {Key<S>("point_mm", MILLPOSE_AT(point), Place(), "A point of the bounding plane.").Required(),
        Key<S>("normal", MILLPOSE_AT(normal), Direction(), "Points to what is in.").Required()});
 }
 
-Codec<PolygonSettings> PolygonFields() {
-  using S = PolygonSettings;
+Codec<ProjectedPolygon> PolygonFields() {
+  using S = ProjectedPolygon;
   const auto check = [](const Value& value, const Context& context, S& polygon) {
     if (polygon.points.size() < 3)
       context.Add(value.mark,
@@ -41,15 +41,16 @@ Codec<PolygonSettings> PolygonFields() {
       check);
 }
 
-Codec<ConnectedSettings> ConnectedFields() {
-  using S = ConnectedSettings;
+Codec<ConnectedFaces> ConnectedFields() {
+  using S = ConnectedFaces;
   return Section<S>({Key<S>("seed_mm", MILLPOSE_AT(seed), Place(), "A point at the surface.").Required(),
                      Key<S>("crease_deg", MILLPOSE_AT(crease), Real(kDeg, Between(0, 180)),
                             "The faces end at edges that bend more sharply.")});
 }
 
-// The conditions' keys for a struct that has them.
-template <class S>
+using S = RegionOptions;
+
+// The keys that nested conditions have too.
 std::vector<Field<S>> ConditionKeys() {
   return {
       Key<S>("box", MILLPOSE_AT(box), Maybe(BoxFields()),
@@ -68,7 +69,7 @@ std::vector<Field<S>> ConditionKeys() {
           .WhenSet([](const S& s) { return s.facing.has_value(); }),
       Key<S>("connected", MILLPOSE_AT(connected), Maybe(ConnectedFields()),
              "Only faces reached from a point without passing a crease."),
-      Key<S>("step_faces", MILLPOSE_AT(step_faces), ListOf(Text()),
+      Key<S>("step_faces", MILLPOSE_AT(source_faces), ListOf(Text()),
              "Only these faces of a STEP part, by number, #id or name (millpose check lists them)."),
       Key<S>("rim_distance_mm", MILLPOSE_AT(rim_distance), Real(kMm, UpTo(1e5)),
              "Distance kept from open rims and from edges to faces that are out."),
@@ -77,13 +78,13 @@ std::vector<Field<S>> ConditionKeys() {
 
 }  // namespace
 
-Codec<RegionSettings> RegionFields() {
-  using S = RegionSettings;
+Codec<RegionOptions> RegionFields() {
   const auto list = [](const char* key, auto access, const char* doc) {
-    return Key<S>(key, access, ListOf(Section<ConditionSettings>(ConditionKeys<ConditionSettings>())), doc)
-        .WhenSet([access](const S& s) { return !access(s).empty(); });
+    return Key<S>(key, access, ListOf(Section<S>(ConditionKeys())), doc).WhenSet([access](const S& s) {
+      return !access(s).empty();
+    });
   };
-  std::vector<Field<S>> fields = ConditionKeys<S>();
+  std::vector<Field<S>> fields = ConditionKeys();
   fields.push_back(list("all", MILLPOSE_AT(all), "All of these must hold too."));
   fields.push_back(list("any", MILLPOSE_AT(any), "At least one of these must hold."));
   fields.push_back(list("none", MILLPOSE_AT(none), "None of these may hold."));

@@ -12,8 +12,6 @@ constexpr struct {
 
 }  // namespace
 
-Codec<Eigen::Vector3d> Place() { return Numbers3(kMm, Between(-1e6, 1e6)); }
-
 Codec<double> LengthUnit() {
   std::vector<std::string> names;
   for (const auto& unit : kLengthUnits) names.emplace_back(unit.name);

@@ -3,6 +3,7 @@
 
 #include <stop_token>
 
+#include "base/units.hpp"
 #include "cell/world.hpp"
 #include "plan/plan_result.hpp"
 #include "pose/paper_formulation.hpp"
@@ -12,10 +13,10 @@ namespace millpose {
 
 /// How a pass is planned (design.md, "The planning of one pass").
 struct PathOptions {
-  double rotation_step = 0;       ///< grid of the layered search, rad
-  double exhaustive_step = 0;     ///< grid of the exhaustive search, rad
-  Joints max_joint_step;          ///< hard bound between neighbouring points, rad
-  double motion_weight = 0;       ///< objective units per rad² of joint motion
+  double rotation_step = DegToRad(1);                     ///< grid of the layered search, rad
+  double exhaustive_step = DegToRad(0.05);                ///< grid of the exhaustive search, rad
+  Joints max_joint_step = Joints::Constant(DegToRad(5));  ///< hard bound between neighbouring points, rad
+  double motion_weight = 1e-5;                            ///< objective units per rad² of joint motion
   bool worst_first = false;       ///< the worst value of a pass first, then the sum (WorstThenSum)
   double smoothing_loss = 0.01;   ///< share of a piece's objective that smoothing may give up
   double max_deviation = 0.5;     ///< mm, of the tip half-way between points, see HalfwayDeviation

@@ -61,8 +61,8 @@ AdmissibleBounds MakeBounds(const JobSettings& job, const Arm& arm);
 
 PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_settings, const Cell& cell);
 CutterShape MakeCutterShape(const ToolSettings& tool);
+/// The job's own, with cutter and feed.
 ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& tool);
-GougeOptions MakeGougeOptions(const JobSettings& job);
 PathOptions MakePathOptions(const JobSettings& job);
 FixedRotationOptions MakeFixedOptions(const JobSettings& job, int threads, std::stop_token stop);
 GapOptions MakeGapOptions(const JobSettings& job);

@@ -137,7 +137,7 @@ JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::s
   progress.Begin("reach", points.size());
   ParallelFor(points.size(), threads, stop, [&](size_t i) {
     const auto& [pass, point] = points[i];
-    reach[i] = BestReach(problem, *point, pass->rotation_reference, inputs.job.rotation_step);
+    reach[i] = BestReach(problem, *point, pass->rotation_reference, inputs.job.path.rotation_step);
     progress.Advance(1);
   });
   Count(reach, check);

@@ -9,6 +9,7 @@
 #include "pipeline/exclude_pairs.hpp"
 #include "pipeline/origin.hpp"
 #include "pipeline/resolve_urdf.hpp"
+#include "toolpath/strategy.hpp"
 
 namespace millpose {
 namespace {
@@ -63,7 +64,7 @@ void CheckDepth(const JobInputs& inputs, std::vector<Problem>& problems) {
                        key, depth, inputs.cell.name, length)});
   };
   if (job.cutting) check("process.cutting.depth_mm", job.cutting->depth.value_or(0));
-  check("toolpath.depth.per_layer_mm", std::min(job.toolpath.depth.total, job.toolpath.depth.per_layer));
+  check("toolpath.depth.per_layer_mm", std::min(job.toolpath.layers.total, job.toolpath.layers.per_layer));
 }
 
 }  // namespace
@@ -108,8 +109,8 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
     Collect(problems, [&] { inputs.workpiece_bytes = root.Read(folder / inputs.job.workpiece.mesh_file); });
   if (!inputs.job.workpiece.stock_file.empty())
     Collect(problems, [&] { inputs.stock_bytes = root.Read(folder / inputs.job.workpiece.stock_file); });
-  if (inputs.job.toolpath.strategy == "cam")
-    Collect(problems, [&] { inputs.cam_bytes = root.Read(folder / inputs.job.toolpath.cam_file); });
+  if (const std::string file = inputs.job.toolpath.strategy->File(); !file.empty())
+    Collect(problems, [&] { inputs.path_bytes = root.Read(folder / file); });
   if (problems.empty()) CheckDepth(inputs, problems);
   if (!problems.empty()) throw InputError(std::move(problems));
   inputs.hash = HashOf(inputs);
@@ -119,7 +120,7 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
 std::string HashOf(const JobInputs& inputs) {
   std::string all = WriteJob(inputs.job) + '\0' + WriteCell(inputs.cell) + '\0' +
                     Hash(inputs.workpiece_bytes) + '\0' + Hash(inputs.stock_bytes) + '\0' +
-                    Hash(inputs.cam_bytes);
+                    Hash(inputs.path_bytes);
   for (const auto& [name, bytes] : inputs.body_bytes) all += '\0' + name + '\0' + Hash(bytes);
   return Hash(all);
 }

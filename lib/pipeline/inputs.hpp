@@ -19,13 +19,14 @@ struct JobInputs {
   CellSettings cell;
   std::string workpiece_bytes;  ///< of the workpiece's mesh file
   std::string stock_bytes;      ///< of the stock's, where there is one
-  std::string cam_bytes;        ///< of the CAM path, where the strategy is cam
+  std::string path_bytes;       ///< of the file that the strategy takes its path from
   std::map<std::string, std::string>
       body_bytes;  ///< of the mesh files that the cell's bodies name, by that name
   std::map<std::string, std::string>
       step_meshes{};  ///< STEP files that became triangles: hash of these by their key (step_meshes.hpp)
   std::string hash;   ///< of all of it, resolved
-  double max_points = 2e6;  ///< that the tool path may have
+  double max_points = 2e6;                ///< that the tool path may have
+  std::optional<double> trajectory = {};  ///< s between rows of where the arm is; none by default
 };
 
 /// Reads a job, its cell and their meshes; paths inside a file are relative to that file. Throws InputError

@@ -7,6 +7,7 @@
 #include "pipeline/assemble.hpp"
 #include "surface/mesh_import.hpp"
 #include "toolpath/make_toolpath.hpp"
+#include "toolpath/strategy.hpp"
 
 namespace millpose {
 namespace {
@@ -61,10 +62,10 @@ class CuttingReader {
 
   /// The depth of a layer; returns how high the stock stands above the part.
   double ReadDepth(EngagementOptions& options) {
-    const DepthSettings& depth = job_.toolpath.depth;
+    const Layers& depth = job_.toolpath.layers;
     double above = depth.allowance + depth.total;
     if (depth.total > 0) {
-      const auto offsets = LayerOffsets({depth.total, depth.per_layer, depth.allowance, depth.finishing});
+      const auto offsets = LayerOffsets(depth);
       double least = above - offsets.front(), most = least;
       for (size_t i = 1; i < offsets.size(); ++i) {
         least = std::min(least, offsets[i - 1] - offsets[i]);
@@ -121,7 +122,7 @@ class CuttingReader {
     if (job_.stock == "mesh") {
       if (job_.workpiece.stock_file.empty())
         Add("process.stock: given mesh; the job needs workpiece.stock.mesh");
-    } else if (job_.toolpath.strategy == "cam" || mesh_.face_count() == 0) {
+    } else if (!job_.toolpath.strategy->File().empty() || mesh_.face_count() == 0) {
       Add("process.cutting: what a CAM path finds standing is not known; give process.stock: mesh with "
           "workpiece.stock, or process.cutting.side and width_mm");
     }

@@ -163,7 +163,7 @@ StepOptions MakeStepOptions(const WorkpieceSettings& workpiece) {
 }
 
 double AllowanceOf(const JobSettings& job) {
-  return job.workpiece.allowance.value_or(job.toolpath.depth.total);
+  return job.workpiece.allowance.value_or(job.toolpath.layers.total);
 }
 
 void AddWorkpiece(const JobInputs& inputs, Triangles finished, Cell* cell) {

@@ -38,143 +38,39 @@ PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_set
   problem.bounds = MakeBounds(job, cell.arm);
   problem.freedoms.push_back(MakeFreedom("rotation"));
   problem.compliances = MakeCompliances(cell_settings);
-  const bool own_force = job.objective == "process_force" && !job.objective_parameters.empty();
-  if (!job.cutting && !own_force && (job.objective == "surface_error" || job.objective == "process_force"))
-    throw InputError(
-        {job.file},
-        fmt::format(
-            "objective {}: no force; give the job process.cutting{}", job.objective,
-            job.objective == "process_force" ? ", or the objective feed_N, across_N or axial_N" : ""));
   problem.objective = MakeObjective(job.objective, job.objective_parameters);
+  if (problem.objective->NeedsForce() && !job.cutting)
+    throw InputError({job.file},
+                     fmt::format("objective {}: no force; give the job process.cutting", job.objective));
   return problem;
 }
-
-namespace {
-
-RegionOptions MakeConditions(const ConditionSettings& settings) {
-  RegionOptions options;
-  if (settings.box) options.box = {settings.box->lower, settings.box->upper};
-  if (settings.half_space)
-    options.half_space = HalfSpace{settings.half_space->point, settings.half_space->normal};
-  if (settings.polygon)
-    options.polygon = ProjectedPolygon{settings.polygon->points, settings.polygon->direction};
-  options.facing = settings.facing;
-  options.facing_within = settings.facing_within;
-  if (settings.connected)
-    options.connected = ConnectedFaces{settings.connected->seed, settings.connected->crease};
-  options.source_faces = settings.step_faces;
-  options.rim_distance = settings.rim_distance;
-  return options;
-}
-
-RegionOptions MakeRegion(const RegionSettings& settings) {
-  RegionOptions options = MakeConditions(settings);
-  for (const ConditionSettings& condition : settings.all) options.all.push_back(MakeConditions(condition));
-  for (const ConditionSettings& condition : settings.any) options.any.push_back(MakeConditions(condition));
-  for (const ConditionSettings& condition : settings.none) options.none.push_back(MakeConditions(condition));
-  return options;
-}
-
-PassEnds MakePassEnds(const PassEndSettings& settings) {
-  const std::map<std::string, LeadShape> shapes{{"none", LeadShape::kNone},
-                                                {"normal", LeadShape::kNormal},
-                                                {"ramp", LeadShape::kRamp},
-                                                {"arc", LeadShape::kArc}};
-  return {settings.overrun, shapes.at(settings.lead), settings.lead_length, settings.ramp_angle};
-}
-
-Direction MakeDirection(const std::string& name) {
-  if (name == "one_way") return Direction::kOneWay;
-  if (name == "climb") return Direction::kClimb;
-  return name == "conventional" ? Direction::kConventional : Direction::kZigzag;
-}
-
-}  // namespace
 
 CutterShape MakeCutterShape(const ToolSettings& tool) {
   return {tool.cutter_diameter / 2, CornerRadius(tool), tool.cutting_length};
 }
 
-GougeOptions MakeGougeOptions(const JobSettings& job) {
-  const std::string& action = job.toolpath.gouges.action;
-  return {action == "lift"     ? GougeAction::kLift
-          : action == "report" ? GougeAction::kReport
-                               : GougeAction::kSkip,
-          job.toolpath.gouges.tolerance};
-}
-
 ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& tool) {
-  const ToolpathSettings& settings = job.toolpath;
-  ToolpathOptions options;
-  options.strategy = settings.strategy;
-  options.region = MakeRegion(settings.region);
-  options.plane_normal = settings.plane_normal;
-  options.axis_point = settings.axis_point;
-  options.axis_direction = settings.axis_direction;
-  options.ring_surface = settings.ring_surface == "faces"   ? RingSurface::kFaces
-                         : settings.ring_surface == "walls" ? RingSurface::kWalls
-                                                            : RingSurface::kAuto;
-  options.spiral =
-      settings.strategy == "pad" ? settings.pad_pattern == "spiral" : settings.ring_path == "spiral";
-  options.seam_step = settings.seam_step;
-  options.pad_direction = settings.pad_direction;
-  options.pad_offset = settings.pad_offset;
-  options.curve_points = settings.curve_points;
-  options.curve_direction = settings.curve_direction;
-  if (settings.stepover > 0) options.stepover = settings.stepover;
-  options.stepover_on_surface = settings.stepover_on == "surface";
-  options.scallop = settings.scallop;
-  options.direction = MakeDirection(settings.direction);
-  options.order_by_travel = settings.order == "travel";
-  options.chord_tolerance = settings.chord_tolerance;
-  options.spacing = settings.spacing;
-  options.crease = settings.crease;
-  options.lead = settings.lead;
-  options.tilt = settings.tilt;
-  options.normal_smoothing = settings.normal_smoothing;
+  ToolpathOptions options = job.toolpath;
   options.cutter = MakeCutterShape(tool);
-  options.layers = {settings.depth.total, settings.depth.per_layer, settings.depth.allowance,
-                    settings.depth.finishing};
-  options.ends = MakePassEnds(settings.ends);
   options.feed_rate = job.feed;
   return options;
 }
 
 PathOptions MakePathOptions(const JobSettings& job) {
-  PathOptions options;
-  options.rotation_step = job.rotation_step;
-  options.exhaustive_step = job.exhaustive_step;
-  options.max_joint_step = job.max_joint_step;
-  options.motion_weight = job.motion_weight;
+  PathOptions options = job.path;
   options.worst_first = job.criterion ? *job.criterion == "worst_then_sum" : job.objective == "surface_error";
-  options.smoothing_loss = job.smoothing_loss;
-  options.max_deviation = job.max_deviation;
   options.swept_resolution = job.swept_resolution;
-  options.overlap = job.overlap;
-  options.ends = MakePassEnds(job.toolpath.ends);
+  options.ends = job.toolpath.ends;
   options.lead_spacing = job.toolpath.spacing;
-  options.genetic.population = job.genetic.population;
-  options.genetic.generations = job.genetic.generations;
-  options.genetic.crossover_rate = job.genetic.crossover_rate;
-  options.genetic.mutation_rate = job.genetic.mutation_rate;
-  options.genetic.elite = job.genetic.elite;
-  options.genetic.max_evaluations = job.genetic.max_evaluations;
-  if (job.formulation == "paper") {
-    const auto weight = [&](const char* name) {
-      const auto given = job.objective_parameters.find(name);
-      return given == job.objective_parameters.end() ? 0.5 : given->second;
-    };
-    PaperFormulationOptions& paper = options.paper.emplace();
-    paper.population = job.paper.population;
-    paper.generations = job.paper.generations;
-    paper.elite = job.paper.elite;
-    paper.crossover_rate = job.paper.crossover_rate;
-    paper.c_max = job.paper.c_max;
-    paper.penalty = job.paper.penalty;
-    paper.w1 = weight("w1");
-    paper.w2 = weight("w2");
-  }
   options.seed = job.seed;
+  if (job.formulation != "paper") return options;
+  options.paper = job.paper;
+  const auto weight = [&](const char* name, double fallback) {
+    const auto given = job.objective_parameters.find(name);
+    return given == job.objective_parameters.end() ? fallback : given->second;
+  };
+  options.paper->w1 = weight("w1", options.paper->w1);
+  options.paper->w2 = weight("w2", options.paper->w2);
   return options;
 }
 
@@ -185,12 +81,8 @@ FixedRotationOptions MakeFixedOptions(const JobSettings& job, int threads, std::
 }
 
 GapOptions MakeGapOptions(const JobSettings& job) {
-  GapOptions options;
-  options.retract = job.retract;
-  options.max_iterations = job.gap_iterations;
+  GapOptions options = job.gaps;
   options.swept_resolution = job.swept_resolution;
-  options.limit_margin = job.gap_limit_margin;
-  options.speed_share = job.gap_speed_share;
   options.seed = job.seed;
   return options;
 }
@@ -209,16 +101,9 @@ VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm) {
 
 namespace {
 
-constexpr double kLargestRounding = 0.01;  // mm, of a control's tolerance
-
-/// s: KRC4's 12 ms; 4 ms as SINUMERIK 840D sl is often set up (MD10071); LinuxCNC's servo period of 1 ms.
-double UsualCycle(const std::string& controller) {
-  return controller == "krl" ? 0.012 : controller == "sinumerik" ? 0.004 : 0.001;
-}
-
-PathDynamics DynamicsOf(const ControllerSettings& settings, const std::string& controller) {
+PathDynamics DynamicsOf(const ControllerSettings& settings, double usual_cycle) {
   PathDynamics dynamics;
-  dynamics.cycle = settings.interpolation_cycle.value_or(UsualCycle(controller));
+  dynamics.cycle = settings.interpolation_cycle.value_or(usual_cycle);
   dynamics.block_time = settings.block_time.value_or(dynamics.cycle);
   if (settings.path_acceleration) dynamics.acceleration = *settings.path_acceleration;
   dynamics.turn_acceleration = settings.orientation_acceleration;
@@ -252,12 +137,15 @@ void AddKrl(const CellSettings& cell, const ControllerSettings& settings, PostSe
 }  // namespace
 
 std::string NoProgramsFor(const ArmSettings& arm, const std::string& controller) {
-  if (arm.family != "parallel_axes" || controller == "linuxcnc") return "";
+  if (arm.family != "parallel_axes" || !MakePost(controller)->NeedsSphericalWrist()) return "";
+  std::vector<std::string> allowed;
+  for (const PostEntry& entry : Posts().entries())
+    if (!entry.make()->NeedsSphericalWrist()) allowed.push_back(entry.name);
   return fmt::format(
       "{} cannot program {}: its status and turn tell the configurations of a spherical wrist apart, and "
       "axes "
-      "2, 3 and 4 of this arm are parallel; allowed: linuxcnc",
-      controller, arm.name);
+      "2, 3 and 4 of this arm are parallel; allowed: {}",
+      controller, arm.name, fmt::join(allowed, ", "));
 }
 
 PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
@@ -280,8 +168,8 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
   post.X_FT = MakeToolPose(cell.tool);
   post.tool_name = cell.tool.name;
   post.tolerance = WrittenTolerance({job.program_options.path_tolerance, job.program_options.path_angle});
-  post.blend = controller == "sinumerik" ? post.tolerance.position
-                                         : std::min(job.toolpath.chord_tolerance, kLargestRounding);
+  const std::unique_ptr<Post> kind = MakePost(controller);
+  post.blend = kind->Blend(post.tolerance, job.toolpath.chord_tolerance);
   post.orientation_blend = post.tolerance.angle;
   post.rotation = settings.rotation;
   post.cartesian = settings.coordinates == "cartesian";
@@ -289,8 +177,8 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
   post.frame = settings.settable_frame.value_or(post.frame);
   post.ori_ipo_with_g_code = settings.ori_ipo_with_g_code;
   post.ori_def_with_g_code = settings.ori_def_with_g_code;
-  post.dynamics = DynamicsOf(settings, controller);
-  if (controller == "krl") AddKrl(cell, settings, &post);
+  post.dynamics = DynamicsOf(settings, kind->UsualCycle());
+  if (kind->HasOwnWorld()) AddKrl(cell, settings, &post);
   post.max_motions = settings.max_motions;
   post.max_bytes = static_cast<size_t>(settings.max_kbytes) * 1000;
   post.texts = settings.texts;

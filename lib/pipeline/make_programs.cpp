@@ -52,7 +52,7 @@ JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
     program.time = motions.time;
     if (trajectory)
       program.trajectory = TrajectoryCsv(motions.written, plan.arm, plan.X_WB, settings.external,
-                                         MakeTimeOptions(inputs, controller), *trajectory);
+                                         post->Times(settings), *trajectory);
     program.files = post->Write(motions.written, plan.arm, settings);
     program.speed = EstimatePathSpeed(motions.written, controller, settings);
     for (const std::string& warning : {program.speed ? SpeedWarning(*program.speed) : std::string(),

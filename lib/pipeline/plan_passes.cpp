@@ -13,11 +13,10 @@ namespace {
 // What `parse` reads from the checkpoint, if there is one and it is what was asked for. One that cannot be
 // read is as good as none.
 template <class Result>
-std::optional<Result> Resume(const CheckpointUse& use, const std::string& key,
+std::optional<Result> Resume(const CheckpointStore& checkpoints, const std::string& key,
                              Result (*parse)(std::string_view, const std::string&),
                              const std::function<bool(const Result&)>& fits) {
-  if (!use.read) return std::nullopt;
-  const std::optional<std::string> bytes = use.folder.ReadCheckpoint(key);
+  const std::optional<std::string> bytes = checkpoints.Read(key);
   if (!bytes) return std::nullopt;
   try {
     Result result = parse(*bytes, key);
@@ -31,8 +30,9 @@ std::optional<Result> Resume(const CheckpointUse& use, const std::string& key,
 }  // namespace
 
 PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const Toolpath& toolpath,
-                         const PathOptions& options, const CheckpointUse& checkpoints, const Share& share,
-                         int threads, Progress& progress, std::stop_token stop) {
+                         const PathOptions& options, const CheckpointStore& checkpoints, const Share& share,
+                         const Execution& execution) {
+  const int threads = execution.Threads();
   const std::string context = PassContext(problem, world, options);
   const size_t count = toolpath.passes.size();
   std::vector<size_t> first_points(count, 0);
@@ -44,7 +44,7 @@ PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const T
   PlannedPasses planned;
   planned.passes.resize(count);
   std::atomic<size_t> resumed = 0;
-  ParallelFor(count, threads, stop, [&](size_t i) {
+  ParallelFor(count, threads, execution.stop, [&](size_t i) {
     if (i % share.count != share.index) return;
     const Pass& pass = toolpath.passes[i];
     const std::string key = PassKey(context, pass, i, first_points[i]);
@@ -53,24 +53,24 @@ PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const T
       planned.passes[i] = std::move(*earlier);
       ++resumed;
     } else {
-      planned.passes[i] =
-          PlanPass(problem, world, pass, static_cast<int>(i), first_points[i], options, inner_threads, stop);
-      checkpoints.folder.WriteCheckpoint(key, Serialise(planned.passes[i]));
+      planned.passes[i] = PlanPass(problem, world, pass, static_cast<int>(i), first_points[i], options,
+                                   inner_threads, execution.stop);
+      checkpoints.Write(key, Serialise(planned.passes[i]));
     }
-    progress.Advance(pass.points.size());
+    execution.progress.Advance(pass.points.size());
   });
   planned.resumed = resumed;
   return planned;
 }
 
 PlannedGaps PlanGaps(const World& world, const std::vector<std::pair<GapEnd, GapEnd>>& ends,
-                     const GapOptions& options, const CheckpointUse& checkpoints, int threads,
-                     Progress& progress, std::stop_token stop) {
+                     const GapOptions& options, const CheckpointStore& checkpoints,
+                     const Execution& execution) {
   const std::string context = GapContext(world, options);
   PlannedGaps planned;
   planned.gaps.resize(ends.size());
   std::atomic<size_t> resumed = 0;
-  ParallelFor(ends.size(), threads, stop, [&](size_t i) {
+  ParallelFor(ends.size(), execution.Threads(), execution.stop, [&](size_t i) {
     const GapEnd &from = ends[i].first, &to = ends[i].second;
     const std::string key = GapKey(context, from, to);
     const auto fits = [&](const Gap& gap) { return IsGapOf(gap, from, to); };
@@ -78,10 +78,10 @@ PlannedGaps PlanGaps(const World& world, const std::vector<std::pair<GapEnd, Gap
       planned.gaps[i] = std::move(*earlier);
       ++resumed;
     } else {
-      planned.gaps[i] = PlanGap(world, from, to, options, stop);
-      checkpoints.folder.WriteCheckpoint(key, Serialise(planned.gaps[i]));
+      planned.gaps[i] = PlanGap(world, from, to, options, execution.stop);
+      checkpoints.Write(key, Serialise(planned.gaps[i]));
     }
-    progress.Advance(1);
+    execution.progress.Advance(1);
   });
   planned.resumed = resumed;
   return planned;

@@ -8,11 +8,7 @@
 #include "pipeline/krl_frames.hpp"
 #include "program/bound_turns.hpp"
 #include "program/controller_axes.hpp"
-#include "program/linuxcnc.hpp"
-#include "program/linuxcnc_rounding.hpp"
-#include "program/rounding.hpp"
 #include "program/scanner.hpp"
-#include "program/sinumerik.hpp"
 
 namespace millpose {
 namespace {
@@ -48,7 +44,7 @@ void AddKrlHeader(const CellSettings& cell, const ControllerSettings& controller
 
 MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
                                 const std::string& controller_name, const std::optional<BaseWindow>& window) {
-  const bool krl = controller_name == "krl";
+  const bool own_world = MakePost(controller_name)->HasOwnWorld();
   const JobSettings& job = inputs.job;
   const auto found = inputs.cell.controllers.find(controller_name);
   const ControllerSettings controller =
@@ -61,14 +57,14 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
       {"tool", Numbered("TOOL_DATA", controller.tool_number) + inputs.cell.tool.name + " in the flange"},
       {"tool_pose", PoseText(X_FC)},
       {"base", Numbered("BASE_DATA", controller.base_number) +
-                   (krl ? "workpiece in $WORLD" : "workpiece in the robot base")},
-      {"base_pose",
-       PoseText((krl ? RobotBaseInWorld(controller) : Pose::Identity()) * plan.X_WB.inverse() * plan.X_WP)},
+                   (own_world ? "workpiece in $WORLD" : "workpiece in the robot base")},
+      {"base_pose", PoseText((own_world ? RobotBaseInWorld(controller) : Pose::Identity()) *
+                             plan.X_WB.inverse() * plan.X_WP)},
       {"units", "mm, degrees"}};
   for (const std::string& warning : CellWarnings(inputs.cell))
     options.header.emplace_back("unchecked", warning);
   if (window) options.header.emplace_back("base_window", BaseWindowText(*window));
-  if (krl) AddKrlHeader(inputs.cell, controller, &options);
+  if (own_world) AddKrlHeader(inputs.cell, controller, &options);
   const double lift = job.program_options.dry_run_offset;
   if (lift > 0)
     options.header.emplace_back("dry_run",
@@ -122,20 +118,6 @@ EconomyOptions MakeEconomyOptions(const ProgramOptionSettings& options) {
           {}};
 }
 
-/// CYCLE832 holds for every corner of a cut alike.
-void KeepToTolerance(MotionProgram& program, const PostSettings& post) {
-  for (Motion& motion : program.motions) {
-    if (motion.type != MotionType::kLinear || motion.exact) continue;
-    motion.blend = post.blend;
-    motion.angle_blend = post.orientation_blend;
-  }
-}
-
-/// LIN: the controller's tool direction swivels evenly, the tool turns evenly about it.
-LineModel Swivelling(const Eigen::Vector3d& direction) {
-  return [direction](const Pose& from, const Pose& to) { return ProgrammedLine(from, to, direction); };
-}
-
 }  // namespace
 
 std::string PoseText(const Pose& pose) {
@@ -164,12 +146,6 @@ std::optional<Pose> ReadPoseText(const std::string& text) {
   return pose;
 }
 
-TimeOptions MakeTimeOptions(const JobInputs& inputs, const std::string& controller) {
-  const auto found = inputs.cell.controllers.find(controller);
-  if (controller != "krl" || found == inputs.cell.controllers.end()) return {};
-  return {found->second.ptp_speed_percent / 100.0, found->second.orientation_speed};
-}
-
 ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& inputs,
                                   const std::string& controller, const std::optional<BaseWindow>& window,
                                   const std::vector<CallWay>& calls) {
@@ -180,16 +156,12 @@ ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& input
   options.calls = calls;
   motions.planned = MakeMotionProgram(lift > 0 ? Lifted(plan, lift) : plan, options);
   const PostSettings post = MakePostSettings(job, inputs.cell, controller);
-  const bool krl = controller == "krl", linuxcnc = controller == "linuxcnc";
+  const std::unique_ptr<Post> kind = MakePost(controller);
   EconomyOptions economy = MakeEconomyOptions(job.program_options);
-  if (krl) {
-    motions.planned.frames_checked = true;
-    economy.lines = {Swivelling(post.R_TC * post.tool_direction)};
-  }
-  if (controller == "sinumerik") economy.lines = SinumerikLines(post);
-  if (linuxcnc)  // which adds what it does between points of its own accord
-    economy.angle_tolerance =
-        std::min(economy.angle_tolerance, job.program_options.path_angle - kHalfwayAngle - kAngleMargin);
+  economy.lines = kind->Lines(post);
+  if (const double reserve = kind->AngleReserve(); reserve > 0)
+    economy.angle_tolerance = std::min(economy.angle_tolerance, job.program_options.path_angle - reserve);
+  if (kind->HasOwnWorld()) motions.planned.frames_checked = true;
   EconomyResult thinned = Economise(motions.planned, economy);
   motions.written = std::move(thinned.program);
   motions.saved = thinned.saved;
@@ -199,12 +171,12 @@ ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& input
         BoundTurns(motions.written, thinned.origin, plan.arm, {economy.lines, post.tolerance.angle});
   for (const std::string& call : AssumedCalls(inputs.cell, controller))
     motions.warnings.push_back("assumed: " + call);
-  if (!linuxcnc) StateEntries(post, motions);
-  if (!linuxcnc) HandOver(post, motions, thinned.origin);  // LinuxCNC reads from disk
-  if (krl) ChooseRounding(motions.written, post.tolerance);
-  if (controller == "sinumerik") KeepToTolerance(motions.written, post);
-  if (linuxcnc) ChooseOverlap(motions.written, plan.arm, post, post.tolerance);
-  motions.time = MeasureTime(motions.written, plan.arm, MakeTimeOptions(inputs, controller));
+  if (!kind->ReadsFromDisk()) {
+    StateEntries(post, motions);
+    HandOver(post, motions, thinned.origin);
+  }
+  kind->Round(motions.written, plan.arm, post);
+  motions.time = MeasureTime(motions.written, plan.arm, kind->Times(post));
   return motions;
 }
 

@@ -19,9 +19,6 @@ struct ProgramMotions {
   ProgramTime time;                   ///< of `written`
 };
 
-/// How fast a controller runs what the program leaves to it.
-TimeOptions MakeTimeOptions(const JobInputs& inputs, const std::string& controller);
-
 /// A pose as headers print it: "X 1.000 Y 2.000 Z 3.000, A 0.0000 B 90.0000 C 0.0000 (Z Y' X'')", angles
 /// about Z, then the new Y, then the new X, whatever the controller's own are; mm, degrees.
 std::string PoseText(const Pose& pose);

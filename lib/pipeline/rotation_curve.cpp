@@ -34,7 +34,7 @@ std::vector<RotationSample> RotationCurve(const std::filesystem::path& folder, c
   point.normal = VectorOf(points, row, {"nx", "ny", "nz"});
   point.tool_axis = VectorOf(points, row, {"tx", "ty", "tz"});
   point.feed = VectorOf(points, row, {"fx", "fy", "fz"});
-  const PointScorer scorer(problem, point, job.toolpath.rotation_reference.normalized());
+  const PointScorer scorer(problem, point, job.toolpath.world_reference.normalized());
   const RotationGrid grid = CurveGrid();
   std::vector<FreedomValues> rotations;
   for (int i = 0; i < grid.count; ++i) rotations.push_back({grid.first + i * grid.step});

@@ -9,13 +9,9 @@
 #include "base/file_root.hpp"
 #include "base/progress.hpp"
 #include "config/config.hpp"
+#include "pipeline/plan_job.hpp"
 
 namespace millpose {
-
-/// Part `index` (from 0) of `count`: every count-th pass of a job, so that several machines can plan one job.
-struct Share {
-  size_t index = 0, count = 1;
-};
 
 /// What `millpose plan` was asked for.
 struct PlanArguments {

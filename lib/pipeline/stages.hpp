@@ -15,26 +15,32 @@ struct StageTime {
   double seconds = 0;
 };
 
-/// Announces stages to a Progress and times them.
-class Stages {
+/// Hands a Progress on and times its stages. What a stage's name has in brackets is for who watches alone.
+class Stages final : public Progress {
  public:
   explicit Stages(Progress& progress) : progress_(progress) {}
 
-  /// `shown`: the name for who watches, where it says more.
-  void Begin(const std::string& name, size_t total, const std::string& shown = {}) {
-    times_.push_back({name, 0});
+  /// One that is running already goes on.
+  void Begin(std::string_view stage, size_t total) override {
+    std::string name(stage.substr(0, stage.find(" (")));
+    if (running_ && times_.back().name == name) return;
+    times_.push_back({std::move(name), 0});
+    running_ = true;
     start_ = std::chrono::steady_clock::now();
-    progress_.Begin(shown.empty() ? name : shown, total);
+    progress_.Begin(stage, total);
   }
-  void Advance(size_t count) { progress_.Advance(count); }
-  void End(const std::string& outcome) {
+  void Advance(size_t count) override { progress_.Advance(count); }
+  void Percent(int percent) override { progress_.Percent(percent); }
+  void End(std::string_view outcome) override {
     times_.back().seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    running_ = false;
     progress_.End(outcome);
   }
   const std::vector<StageTime>& times() const { return times_; }
 
  private:
   Progress& progress_;
+  bool running_ = false;
   std::vector<StageTime> times_;
   std::chrono::steady_clock::time_point start_;
 };

@@ -34,18 +34,24 @@ std::vector<std::string> SortedFiles(const fs::path& folder) {
   return names;
 }
 
-/// The controller whose programs end like this file.
-std::string ControllerOf(const fs::path& program) {
-  static const std::map<std::string, std::string> controllers = {
-      {".src", "krl"}, {".mpf", "sinumerik"}, {".ngc", "linuxcnc"}};
-  const auto found = controllers.find(program.extension().string());
-  if (found != controllers.end()) return found->second;
+/// The post whose main programs end like this file.
+std::unique_ptr<Post> PostOf(const fs::path& program) {
+  std::vector<std::string> endings;
+  for (const PostEntry& entry : Posts().entries()) {
+    std::unique_ptr<Post> post = entry.make();
+    endings.push_back(post->Endings().front());
+    if (program.extension() == endings.back()) return post;
+  }
+  const std::string last = endings.back();
+  endings.pop_back();
   throw InputError(Place{program.string(), 0, 0, -1},
-                   "a folder of millpose plan, or a program ending in .src, .mpf or .ngc expected");
+                   fmt::format("a folder of millpose plan, or a program ending in {} or {} expected",
+                               fmt::join(endings, ", "), last));
 }
 
 /// The main file and what it calls, directly or not, in the same folder.
-ProgramFiles FilesOf(const fs::path& program, const FileRoot& root) {
+ProgramFiles FilesOf(const fs::path& program, const Post& post, const FileRoot& root) {
+  const std::vector<std::string> endings = post.Endings();
   ProgramFiles files = {{program.filename().string(), root.Read(program)}};
   const std::vector<std::string> beside =
       SortedFiles(program.has_parent_path() ? program.parent_path() : ".");
@@ -53,8 +59,7 @@ ProgramFiles FilesOf(const fs::path& program, const FileRoot& root) {
     found = false;
     for (const std::string& name : beside) {
       const std::string extension = fs::path(name).extension().string();
-      const bool may =
-          extension == program.extension() || (program.extension() == ".mpf" && extension == ".spf");
+      const bool may = std::ranges::find(endings, extension) != endings.end();
       if (!may || files.contains(name)) continue;
       const bool called = std::any_of(files.begin(), files.end(), [&](const auto& file) {
         return CallsProgram(file.second, fs::path(name).stem().string());
@@ -95,14 +100,14 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::
     throw InputError(Place{arguments.target.string(), 0, 0, -1},
                      "a program needs its cell: --cell CELL.yaml expected");
   }
-  const std::string controller = ControllerOf(arguments.target);
+  const std::unique_ptr<Post> post = PostOf(arguments.target);
+  const std::string controller = post->Name();
   JobInputs inputs;
   inputs.cell = LoadCell(*arguments.cell, &inputs.body_bytes, arguments.root);
   const World world(MakeCell(inputs.cell, inputs.body_bytes));
   const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
   const Arm& arm = world.cell().arm;
-  MotionProgram program =
-      MakePost(controller)->Read(FilesOf(arguments.target, arguments.root), arm, settings);
+  MotionProgram program = post->Read(FilesOf(arguments.target, *post, arguments.root), arm, settings);
   std::vector<std::string> assumptions = AssumeFrames(program, settings.X_KB);
   for (const DeclaredCall& call : program.calls) assumptions.push_back(AssumptionOf(call));
   std::ranges::copy(CellWarnings(inputs.cell), std::back_inserter(assumptions));
@@ -129,14 +134,13 @@ void VerifyStarts(const PlanResult& plan, const JobInputs& inputs, const std::st
   if (!fs::is_directory(folder)) return;
   const PlanResult ways = ParsePlanResult(arguments.root.Read(ways_file), ways_file.string());
   const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
+  const std::unique_ptr<Post> post = MakePost(controller);
   const std::vector<CallWay> calls = PlanCallWays(world, inputs, controller, stop);
   for (size_t i = 0; i + 1 < plan.gaps.size(); ++i) {
     const PlanResult single = SingleStart(plan, ways, i);
-    fs::path file;
-    for (const char* ending : {".src", ".mpf", ".ngc"})
-      if (fs::exists(folder / (single.job + ending))) file = folder / (single.job + ending);
-    if (file.empty()) continue;  // withheld
-    MotionProgram program = MakePost(controller)->Read(FilesOf(file, arguments.root), plan.arm, settings);
+    const fs::path file = folder / (single.job + post->Endings().front());
+    if (!fs::exists(file)) continue;  // withheld
+    MotionProgram program = post->Read(FilesOf(file, *post, arguments.root), plan.arm, settings);
     const MotionProgram planned = MakeProgramMotions(single, inputs, controller, {}, calls).planned;
     CompleteFrames(program, planned);
     programs.push_back({controller, file.string(), program.motions.size(),
@@ -157,7 +161,9 @@ std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Prog
   VerifyOptions options = MakeVerifyOptions(inputs.job, plan.arm);
   options.interference |= arguments.interference;
   std::vector<VerifiedProgram> programs;
-  for (const std::string& controller : PostNames()) {
+  std::vector<std::string> controllers = Posts().Names();
+  std::ranges::sort(controllers);
+  for (const std::string& controller : controllers) {
     const fs::path folder = arguments.target / "programs" / controller;
     if (!fs::is_directory(folder)) continue;
     progress.Begin(controller, 0);

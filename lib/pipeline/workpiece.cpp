@@ -8,26 +8,11 @@
 #include "pipeline/assemble.hpp"
 #include "robot/kinematics.hpp"
 #include "surface/step_reader.hpp"
-#include "toolpath/cam_import.hpp"
 #include "toolpath/make_toolpath.hpp"
+#include "toolpath/strategy.hpp"
 
 namespace millpose {
 namespace {
-
-// Cutters of the file that are not the cell's.
-void TellOtherCutters(const CamPath& path, const ToolSettings& tool, const std::string& file,
-                      std::vector<std::string>& warnings) {
-  constexpr double kSame = 1e-3;  // mm
-  for (const CamCutter& cutter : path.cutters)
-    if (std::abs(cutter.diameter - tool.cutter_diameter) > kSame)
-      warnings.push_back(fmt::format("{}:{}: the path is for a cutter of {:.6g} mm, the cell's has {:.6g} mm",
-                                     file, cutter.line, cutter.diameter, tool.cutter_diameter));
-}
-
-std::string NotMachined(const CamHole& hole) {
-  return fmt::format("{} in line {} at ({:.3f}, {:.3f}, {:.3f}) mm of the workpiece: {}", hole.cycle,
-                     hole.line, hole.position.x(), hole.position.y(), hole.position.z(), hole.why);
-}
 
 // Points that the path may have: as asked for, and no more than the machine's memory holds.
 PointBudget MakeBudget(const JobInputs& inputs, const Mesh& mesh) {
@@ -45,46 +30,6 @@ PointBudget MakeBudget(const JobInputs& inputs, const Mesh& mesh) {
   const double reach = Reach(MakeArm(inputs.cell.arm), inputs.cell.tool.tip);
   if (const auto doubt = UnitWarning(size, reach); doubt && size > reach) budget.unit_doubt = *doubt;
   return budget;
-}
-
-// A CAM path in P, its notes and its distance from the mesh.
-JobToolpath ImportCam(const JobInputs& inputs, const Mesh& mesh) {
-  const ToolpathSettings& settings = inputs.job.toolpath;
-  std::vector<RotaryAxis> axes;
-  for (const CamRotaryAxisSettings& axis : settings.cam_rotary_axes)
-    axes.push_back({axis.axis[0], axis.direction.normalized(), axis.point, axis.carries == "workpiece"});
-  CamReadOptions read;
-  read.chord_tolerance = settings.chord_tolerance;
-  read.rotary_axes = RotaryAxes(std::move(axes));
-  read.circle = settings.cam_circle == "axis"      ? CircleWay::kAxis
-                : settings.cam_circle == "tangent" ? CircleWay::kTangent
-                                                   : CircleWay::kBoth;
-  read.tip_programming = settings.cam_tip_programming;
-  for (const auto& [code, meaning] : settings.cam_kinematics_codes)
-    read.kinematics_codes[std::stoi(code.substr(1))] = meaning == "tip";
-  const CamPath path = ReadCamPath(inputs.cam_bytes, settings.cam_file, read);
-  CamImportOptions options;
-  options.spacing = settings.spacing;
-  options.crease = settings.crease;
-  options.contact_distance = settings.cam_contact_distance;
-  options.feed_rate = inputs.job.feed;
-  if (inputs.cell.tool.cutter_shape == "ball") options.ball_radius = inputs.cell.tool.cutter_diameter / 2;
-  options.budget = MakeBudget(inputs, mesh);
-  CamImportReport report;
-  JobToolpath made;
-  made.toolpath = ImportCamPath(path, mesh.face_count() > 0 ? &mesh : nullptr, options, &report);
-  TellOtherCutters(path, inputs.cell.tool, settings.cam_file, made.warnings);
-  for (const std::string& note : path.notes) made.notes.push_back(settings.cam_file + ": " + note);
-  for (const CamHole& hole : path.holes_left_out) made.holes_left_out.push_back(NotMachined(hole));
-  if (report.turns_on_the_spot > 0)
-    made.warnings.push_back(fmt::format("{}: the tool turns on the spot {} times; passes end there",
-                                        settings.cam_file, report.turns_on_the_spot));
-  if (report.largest_distance && *report.largest_distance > settings.cam_contact_distance)
-    made.warnings.push_back(
-        fmt::format("{}: points lie up to {:.3f} mm from the part (median {:.3f} mm); is the "
-                    "path given in the workpiece frame?",
-                    settings.cam_file, *report.largest_distance, *report.median_distance));
-  return made;
 }
 
 }  // namespace
@@ -127,18 +72,20 @@ Part ReadPart(const JobInputs& inputs, const Cell& cell) {
 }
 
 JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop_token stop) {
-  if (inputs.job.toolpath.strategy == "cam") return ImportCam(inputs, mesh);
-  JobToolpath made;
   ToolpathOptions options = MakeToolpathOptions(inputs.job, inputs.cell.tool);
   options.budget = MakeBudget(inputs, mesh);
-  made.toolpath = MakeToolpath(mesh, options, stop);
-  for (const std::string& note : made.toolpath.notes) made.warnings.push_back("toolpath: " + note);
+  LaidPath laid = options.strategy->Make({mesh, options, inputs.path_bytes}, std::move(stop));
+  JobToolpath made;
+  made.toolpath = std::move(laid.toolpath);
+  made.warnings = std::move(laid.warnings);
+  made.notes = std::move(laid.notes);
+  made.holes_left_out = std::move(laid.holes_left_out);
   return made;
 }
 
 void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, int threads, JobToolpath& made,
                     std::stop_token stop) {
-  const GougeOptions options = MakeGougeOptions(inputs.job);
+  const GougeOptions& options = inputs.job.toolpath.gouges;
   made.gouges =
       CheckGouges(mesh, MakeCutterShape(inputs.cell.tool), options, threads, made.toolpath, std::move(stop));
   const GougeReport& found = made.gouges;
@@ -165,8 +112,7 @@ void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, int threads, JobT
 
 Toolpath PlacedToolpath(const JobInputs& inputs, const Toolpath& toolpath, const Pose& X_WP) {
   Toolpath placed = Transformed(toolpath, X_WP);
-  for (Pass& pass : placed.passes)
-    pass.rotation_reference = inputs.job.toolpath.rotation_reference.normalized();
+  for (Pass& pass : placed.passes) pass.rotation_reference = inputs.job.toolpath.world_reference.normalized();
   return placed;
 }
 

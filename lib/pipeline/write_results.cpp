@@ -124,8 +124,7 @@ std::vector<std::string> Explain(const PlanResult& plan, const std::vector<Check
 
 // The first pass of the last layer: every layer has the same passes, one layer after the other.
 int FinishedFrom(const JobSettings& job, size_t passes) {
-  const DepthSettings& depth = job.toolpath.depth;
-  const size_t layers = LayerOffsets({depth.total, depth.per_layer, depth.allowance, depth.finishing}).size();
+  const size_t layers = LayerOffsets(job.toolpath.layers).size();
   return static_cast<int>(passes - passes / layers);
 }
 

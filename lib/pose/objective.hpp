@@ -34,6 +34,8 @@ class Objective {
   virtual std::string Unit() const = 0;
   /// Whether values change when the feed is reversed: then a pass is planned and milled the way it is laid.
   virtual bool DependsOnFeed() const = 0;
+  /// Whether it reads the force of the context, which a job's process.cutting gives.
+  virtual bool NeedsForce() const { return false; }
   /// One value per lane; +inf where it is not defined (singular compliance), never NaN.
   virtual void Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const = 0;
 

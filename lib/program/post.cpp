@@ -1,25 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "program/post.hpp"
 
-#include "base/error.hpp"
-#include "program/krl.hpp"
-#include "program/linuxcnc.hpp"
-#include "program/sinumerik.hpp"
-
 namespace millpose {
-namespace {
+/// Defined in the controllers' own files.
+PostEntry KrlEntry(), SinumerikEntry(), LinuxCncEntry();
 
-/// One line per controller.
-const std::map<std::string, std::unique_ptr<Post> (*)()>& Registry() {
-  static const std::map<std::string, std::unique_ptr<Post> (*)()> posts = {
-      {"krl", [] { return std::unique_ptr<Post>(new KrlPost); }},
-      {"linuxcnc", [] { return std::unique_ptr<Post>(new LinuxCncPost); }},
-      {"sinumerik", [] { return std::unique_ptr<Post>(new SinumerikPost); }},
-  };
+Registry<PostEntry>& Posts() {
+  static Registry<PostEntry> posts{"controller", {KrlEntry(), SinumerikEntry(), LinuxCncEntry()}};
   return posts;
 }
 
-}  // namespace
+std::unique_ptr<Post> MakePost(const std::string& name) { return Posts().At(name).make(); }
+
+double Post::Blend(const PathTolerance&, double chord) const {
+  constexpr double kLargestRounding = 0.01;  // mm, of a control's tolerance
+  return std::min(chord, kLargestRounding);
+}
 
 Eigen::Matrix3d ToolAxis(const std::string& name) {
   const bool reversed = name.starts_with('-');
@@ -38,21 +34,6 @@ Eigen::Matrix3d ToolAxis(const std::string& name) {
   R_TC.col(k) *= -1;
   R_TC.col((k + 2) % 3) *= -1;
   return R_TC;
-}
-
-std::unique_ptr<Post> MakePost(const std::string& name) {
-  const auto found = Registry().find(name);
-  if (found != Registry().end()) return found->second();
-  const std::string nearest = NearestName(name, PostNames());
-  throw InputError(
-      Place{}, fmt::format("there is no post named '{}'; allowed: {}{}", name, fmt::join(PostNames(), ", "),
-                           nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
-}
-
-std::vector<std::string> PostNames() {
-  std::vector<std::string> names;
-  for (const auto& [name, make] : Registry()) names.push_back(name);
-  return names;
 }
 
 }  // namespace millpose

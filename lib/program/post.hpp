@@ -2,12 +2,15 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <map>
 #include <memory>
 
-#include "base/error.hpp"
+#include "base/registry.hpp"
 #include "motion/corner.hpp"
 #include "program/motion_program.hpp"
+#include "program/program_time.hpp"
+#include "program/programmed_line.hpp"
 
 namespace millpose {
 
@@ -60,17 +63,48 @@ struct PostSettings {
 /// names.
 Eigen::Matrix3d ToolAxis(const std::string& name);
 
+/// A key of a controller's section that must be given, and what is said where it is not.
+struct NeededKey {
+  std::string key, message;
+};
+
 /// The files of one program by name, e.g. {"cabin_panel.src", …}.
 using ProgramFiles = std::map<std::string, std::string>;
 
 /// Longest line (bytes) of a motion with what may stand before it: how many fit into a file for certain.
 inline constexpr size_t kBytesPerMotion = 140;
 
-/// Writes and reads one controller's programs. One file and one registry line per controller.
+/// Writes and reads one controller's programs, and says what the controller is like. One file and one line of
+/// Posts() per controller.
 class Post {
  public:
   virtual ~Post() = default;
   virtual std::string Name() const = 0;  ///< krl, sinumerik, linuxcnc: also the folder's name
+  /// Of its files, that of main programs first: {".mpf", ".spf"}.
+  virtual std::vector<std::string> Endings() const = 0;
+  /// Keys of the cell's `controllers:` section that not every controller knows, but this one.
+  virtual std::vector<std::string> Keys() const { return {}; }
+  /// Those that must be given, with what is said where one is not.
+  virtual std::vector<NeededKey> NeededKeys() const { return {}; }
+
+  /// The ways in which the controller may make a straight motion; empty: with one even turn.
+  virtual std::vector<LineModel> Lines(const PostSettings&) const { return {}; }
+  /// rad: what the controller itself does to the orientation between points.
+  virtual double AngleReserve() const { return 0; }
+  /// Rounding of corners that is asked for as one tolerance, mm; `chord`: that of the tool path.
+  virtual double Blend(const PathTolerance& tolerance, double chord) const;
+  /// Sets how far each corner is rounded, within the settings' tolerance.
+  virtual void Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const = 0;
+  /// Whether the controller counts in a world of its own, where programs state and check the robot's base.
+  virtual bool HasOwnWorld() const { return false; }
+  /// Whether its programs tell configurations by those of a spherical wrist.
+  virtual bool NeedsSphericalWrist() const { return true; }
+  /// Whether programs are read from a disk as they run: no file is too long, and entries are joint angles.
+  virtual bool ReadsFromDisk() const { return false; }
+  virtual double UsualCycle() const = 0;  ///< s, of interpolation as it is often set up
+  /// What it adds to the arm's own limits.
+  virtual TimeOptions Times(const PostSettings&) const { return {}; }
+
   /// Precondition: every motion has its q, or is a joint motion with status and turn (as read).
   virtual ProgramFiles Write(const MotionProgram& program, const Arm& arm,
                              const PostSettings& settings) const = 0;
@@ -82,8 +116,15 @@ class Post {
   virtual std::vector<Problem> CheckTexts(const Arm& arm, const PostSettings& settings) const = 0;
 };
 
+struct PostEntry {
+  std::string name;
+  std::function<std::unique_ptr<Post>()> make;
+};
+
+/// All controllers; programs that link the library may add theirs.
+Registry<PostEntry>& Posts();
+
 /// The post registered under `name`; InputError with the nearest name when there is none.
 std::unique_ptr<Post> MakePost(const std::string& name);
-std::vector<std::string> PostNames();
 
 }  // namespace millpose

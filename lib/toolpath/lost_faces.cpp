@@ -46,7 +46,7 @@ bool LiesIn(const Face& face, const RegionOptions& region);
 bool May(const Face& face, const RegionOptions& region) {
   const auto may = [&](const RegionOptions& child) { return May(face, child); };
   const auto lies = [&](const RegionOptions& child) { return LiesIn(face, child); };
-  if (region.box && !face.box.intersects({(*region.box)[0], (*region.box)[1]})) return false;
+  if (region.box && !face.box.intersects({region.box->lower, region.box->upper})) return false;
   if (region.half_space && face.Height(*region.half_space, true) < 0) return false;
   if (region.polygon && !face.MayMeet(*region.polygon)) return false;
   if (!region.source_faces.empty() && !face.IsNamed(region.source_faces)) return false;
@@ -59,7 +59,8 @@ bool LiesIn(const Face& face, const RegionOptions& region) {
   const auto may = [&](const RegionOptions& child) { return May(face, child); };
   const auto lies = [&](const RegionOptions& child) { return LiesIn(face, child); };
   if (region.polygon || region.facing || region.connected || region.rim_distance > 0) return false;
-  if (region.box && !Eigen::AlignedBox3d((*region.box)[0], (*region.box)[1]).contains(face.box)) return false;
+  if (region.box && !Eigen::AlignedBox3d(region.box->lower, region.box->upper).contains(face.box))
+    return false;
   if (region.half_space && face.Height(*region.half_space, false) < 0) return false;
   if (!region.source_faces.empty() && !face.IsNamed(region.source_faces)) return false;
   return std::ranges::all_of(region.all, lies) &&

@@ -17,17 +17,12 @@ void CheckOptions(const ToolpathOptions& options) {
   const auto require = [&](bool holds, std::string_view rule, double given) {
     if (!holds) problems.push_back({{}, fmt::format("toolpath: {}, given {}", rule, given)});
   };
-  require(options.stepover > 0, "the step-over must be above 0 mm", options.stepover);
+  require(options.stepover > 0 || options.strategy->IsPrescribed(), "the step-over must be above 0 mm",
+          options.stepover);
   require(options.chord_tolerance > 0, "the chord tolerance must be above 0 mm", options.chord_tolerance);
   require(options.spacing > 0, "the spacing must be above 0 mm", options.spacing);
   require(options.region.rim_distance >= 0, "the rim distance must not be negative (mm)",
           options.region.rim_distance);
-  require(std::abs(options.plane_normal.norm() - 1) < 1e-9, "the planes' normal must have length 1",
-          options.plane_normal.norm());
-  require(std::abs(options.axis_direction.norm() - 1) < 1e-9, "the rings' axis must have length 1",
-          options.axis_direction.norm());
-  require(std::abs(options.curve_direction.norm() - 1) < 1e-9, "the curve's direction must have length 1",
-          options.curve_direction.norm());
   require(options.scallop >= 0, "the scallop height must not be negative (mm)", options.scallop);
   require(options.scallop == 0 || options.cutter.radius > 0,
           "a scallop height needs a cutter; its radius must be above 0 mm", options.cutter.radius);
@@ -142,7 +137,7 @@ std::vector<Cut> CutsOf(const Lane& lane, const Region& region, const CornerNorm
   if (sided && !lane.advance && !parts.empty())
     throw InputError({}, fmt::format("toolpath: direction climb or conventional needs passes side by side; "
                                      "strategy {} has none",
-                                     options.strategy));
+                                     options.strategy->Name()));
   if (backwards) std::ranges::reverse(order);
   std::vector<Cut> cuts;
   for (const auto& [progress, i] : order) {
@@ -195,27 +190,15 @@ void CheckArea(const Region& region, const ToolpathOptions& options) {
   CheckBudget(options, {std::sqrt(area) / options.stepover, area / options.stepover});
 }
 
-// What the strategy has to keep from borders counts as rim distance; of a pad it is never quite 0, so that
-// there are lines along its borders.
-ToolpathOptions Effective(ToolpathOptions options) {
-  constexpr double kLeastOffset = 1e-3;  // mm
-  if (options.strategy == "pad")
-    options.region.rim_distance = std::max(
-        {options.region.rim_distance, kLeastOffset, options.pad_offset.value_or(options.cutter.radius)});
-  return options;
-}
-
-}  // namespace
-
-Toolpath MakeToolpath(const Mesh& mesh, const ToolpathOptions& given, std::stop_token stop) {
-  CheckOptions(given);
-  const ToolpathOptions options = Effective(given);
-  const std::unique_ptr<Strategy> strategy = MakeStrategy(options.strategy);
+Toolpath LayPasses(const SurfaceStrategy& strategy, const Mesh& mesh, ToolpathOptions options,
+                   const std::stop_token& stop) {
+  CheckOptions(options);
+  options.region.rim_distance = strategy.RimDistance(options);
   const Region region(mesh, options.region);
   RefuseLostFaces(mesh, options.region);
-  if (options.strategy == "pad" || options.strategy == "contours") CheckArea(region, options);
+  if (strategy.IsLaidFromBorders()) CheckArea(region, options);
   const CornerNormals normals(mesh, options.crease, options.normal_smoothing);
-  Layout layout = strategy->Lay(region, options, stop);
+  Layout layout = strategy.Lay(region, options, stop);
   std::vector<Cut> cuts;
   for (const Lane& lane : layout.lanes) {
     CheckStop(stop);
@@ -246,6 +229,25 @@ Toolpath MakeToolpath(const Mesh& mesh, const ToolpathOptions& given, std::stop_
   if (options.lead != 0 || options.tilt != 0) MoveToTip(options.cutter, toolpath);
   AddPassEnds(options.ends, options.spacing, toolpath);
   return toolpath;
+}
+
+}  // namespace
+
+LaidPath SurfaceStrategy::Make(const StrategyInputs& inputs, std::stop_token stop) const {
+  LaidPath laid;
+  laid.toolpath = LayPasses(*this, inputs.mesh, inputs.options, stop);
+  for (const std::string& note : laid.toolpath.notes) laid.warnings.push_back("toolpath: " + note);
+  return laid;
+}
+
+void RequireUnit(const Eigen::Vector3d& direction, std::string_view what) {
+  if (std::abs(direction.norm() - 1) >= 1e-9)
+    throw InputError({}, fmt::format("toolpath: {} must have length 1, given {}", what, direction.norm()));
+}
+
+Toolpath MakeToolpath(const Mesh& mesh, const ToolpathOptions& options, std::stop_token stop) {
+  if (!options.strategy) throw InputError({}, "toolpath: no strategy is given");
+  return options.strategy->Make({mesh, options, {}}, std::move(stop)).toolpath;
 }
 
 Toolpath Transformed(const Toolpath& toolpath, const Eigen::Isometry3d& X) {

@@ -43,8 +43,8 @@ std::vector<Region::Patch> Region::Patches() const {
     std::vector<Eigen::Vector3d> polygon{mesh_.Corner(face, 0), mesh_.Corner(face, 1), mesh_.Corner(face, 2)};
     for (int axis = 0; options_.box && axis < 3; ++axis) {
       const Eigen::Vector3d unit = Eigen::Vector3d::Unit(axis);
-      polygon = Clipped(polygon, unit, (*options_.box)[0][axis]);
-      polygon = Clipped(polygon, -unit, -(*options_.box)[1][axis]);
+      polygon = Clipped(polygon, unit, options_.box->lower[axis]);
+      polygon = Clipped(polygon, -unit, -options_.box->upper[axis]);
     }
     if (options_.half_space)
       polygon = Clipped(polygon, options_.half_space->normal,

@@ -13,6 +13,10 @@ namespace millpose {
 
 class RegionTerm;
 
+struct RegionBox {
+  Eigen::Vector3d lower = Eigen::Vector3d::Zero(), upper = Eigen::Vector3d::Zero();
+};
+
 /// What lies on the side of a plane that its normal points to.
 struct HalfSpace {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
@@ -35,7 +39,7 @@ struct ConnectedFaces {
 /// What of a part is milled. Everything that is given must hold; an empty one holds everywhere. Frame P, mm,
 /// rad.
 struct RegionOptions {
-  std::optional<std::array<Eigen::Vector3d, 2>> box;  ///< lower and upper corner
+  std::optional<RegionBox> box;
   std::optional<HalfSpace> half_space;
   std::optional<ProjectedPolygon> polygon;
   std::optional<Eigen::Vector3d> facing;  ///< unit direction: only faces whose normal is near it

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "surface/curve.hpp"
+#include "toolpath/milling_point.hpp"
 #include "toolpath/toolpath_options.hpp"
 
 namespace millpose {
@@ -36,24 +37,48 @@ struct Layout {
   std::vector<std::string> notes;  ///< what the user should know, one sentence each
 };
 
-/// A way to cover a region with curves. An implementation is one file and one line in strategy.cpp.
+/// Throws InputError for what is no unit vector; `what`: "the rings' axis".
+void RequireUnit(const Eigen::Vector3d& direction, std::string_view what);
+
+/// What a strategy makes passes from.
+struct StrategyInputs {
+  const Mesh& mesh;  ///< without a face where the job names no part
+  const ToolpathOptions& options;
+  std::string_view file;  ///< bytes of File()
+};
+
+struct LaidPath {
+  Toolpath toolpath;                        ///< in P
+  std::vector<std::string> warnings;        ///< what the user should know, one sentence each
+  std::vector<std::string> notes;           ///< how a file was read
+  std::vector<std::string> holes_left_out;  ///< of a file's cycles: not machined, one sentence each
+};
+
+/// Where passes come from, with the options that are its own. An implementation is one file, which ends with
+/// its StrategyEntry (strategy_entry.hpp), and its name in strategy.cpp.
 class Strategy {
  public:
   virtual ~Strategy() = default;
-  /// Throws InputError for a region that the strategy cannot cover; Interrupted.
-  virtual Layout Lay(const Region& region, const ToolpathOptions& options, std::stop_token stop) const = 0;
+  virtual std::string Name() const = 0;
+  /// The file that the passes come from, relative to the job. Empty: they are laid on the part, which must be
+  /// given.
+  virtual std::string File() const { return {}; }
+  /// The user states the line itself: no step-over, and passes run the way they are given.
+  virtual bool IsPrescribed() const { return false; }
+  /// Throws InputError; Interrupted.
+  virtual LaidPath Make(const StrategyInputs& inputs, std::stop_token stop) const = 0;
 };
 
-/// All strategies by name, sorted.
-std::vector<std::string> StrategyNames();
-
-/// Throws InputError with the nearest name for an unknown one.
-std::unique_ptr<Strategy> MakeStrategy(const std::string& name);
-
-std::unique_ptr<Strategy> MakeContours();
-std::unique_ptr<Strategy> MakePad();
-std::unique_ptr<Strategy> MakeParallelPlanes();
-std::unique_ptr<Strategy> MakeRings();
-std::unique_ptr<Strategy> MakeSingleCurve();
+/// A way to cover a region of the part with curves.
+class SurfaceStrategy : public Strategy {
+ public:
+  LaidPath Make(const StrategyInputs& inputs, std::stop_token stop) const final;
+  /// Throws InputError for a region that the strategy cannot cover; Interrupted.
+  virtual Layout Lay(const Region& region, const ToolpathOptions& options, std::stop_token stop) const = 0;
+  /// What is kept from rims and from faces that are out, mm.
+  virtual double RimDistance(const ToolpathOptions& options) const { return options.region.rim_distance; }
+  /// Neighbouring passes are a step-over apart everywhere: their number follows from the region's area.
+  virtual bool IsLaidFromBorders() const { return false; }
+};
 
 }  // namespace millpose

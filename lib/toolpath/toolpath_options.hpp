@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <string>
+#include <memory>
 
 #include "toolpath/budget.hpp"
 #include "toolpath/cutter.hpp"
@@ -18,29 +18,13 @@ enum class Direction : uint8_t {
   kConventional,  ///< on the left of it
 };
 
-/// Which coordinate of a ring about an axis stays the same.
-enum class RingSurface : uint8_t {
-  kAuto,   ///< what suits most of the region's area
-  kFaces,  ///< the radius: faces across the axis
-  kWalls,  ///< the height: walls around the axis
-};
+class Strategy;
 
 /// How a tool path is made from a mesh. Everything in the workpiece frame P; mm, rad, mm/s.
 struct ToolpathOptions {
-  std::string strategy = "parallel_planes";  ///< a name of StrategyNames()
+  std::shared_ptr<const Strategy> strategy;  ///< which also holds the options that are its own
   RegionOptions region;
-  Eigen::Vector3d plane_normal = Eigen::Vector3d::UnitX();    ///< parallel_planes: unit vector
-  Eigen::Vector3d axis_point = Eigen::Vector3d::Zero();       ///< rings
-  Eigen::Vector3d axis_direction = Eigen::Vector3d::UnitZ();  ///< rings: unit vector
-  RingSurface ring_surface = RingSurface::kAuto;
-  bool spiral = false;   ///< rings, pad: one pass inwards or outwards
-  double seam_step = 0;  ///< rings: where each begins, against the one before
-  Eigen::Vector3d pad_direction = Eigen::Vector3d::UnitX();  ///< pad: along it the lines run; unit vector
-  std::optional<double> pad_offset;           ///< pad: of the tool from the borders; the cutter's radius
-  std::vector<Eigen::Vector3d> curve_points;  ///< curve: a polyline of two points or more
-  Eigen::Vector3d curve_direction =
-      Eigen::Vector3d::UnitZ();      ///< curve: projected along it onto faces that face it
-  double stepover = 8;               ///< largest distance of neighbouring planes or radii
+  double stepover = 0;  ///< largest distance of neighbouring planes or radii; not for prescribed lines
   bool stepover_on_surface = false;  ///< the step-over is measured along the surface instead
   double scallop = 0;                ///< above 0: passes as far apart as leaves scallops of this height
   Direction direction = Direction::kZigzag;

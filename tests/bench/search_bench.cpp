@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A point's optimum and the layered search: scorer per candidate, both searches per point, the dynamic
-// programme against a plain dense one on 1,000 layers of 500 nodes.
+// program against a plain dense one on 1,000 layers of 500 nodes.
 #include <benchmark/benchmark.h>
 
 #include "path/layered_search.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/random.hpp"
 #include "base/text.hpp"
-#include "config/codec.hpp"
+#include "yaml/codec.hpp"
 
-namespace millpose::config {
+namespace millpose::yaml {
 namespace {
 
 double Read(const Unit& unit, const std::string& text) {
@@ -45,4 +45,4 @@ TEST(Numbers, OnlyOneWayOfWriting) {
   }
 }
 
-}  // namespace millpose::config
+}  // namespace millpose::yaml

@@ -80,7 +80,7 @@ TEST(RoundTrip, EveryJobOfTheProjectReadsBackToTheSame) {
     EXPECT_EQ(again.limit_margin, job.limit_margin);
     EXPECT_EQ(again.toolpath.region.facing, job.toolpath.region.facing);
     EXPECT_EQ(again.objective_parameters, job.objective_parameters);
-    EXPECT_EQ(again.max_joint_step, job.max_joint_step);
+    EXPECT_EQ(again.path.max_joint_step, job.path.max_joint_step);
   }
 }
 
@@ -115,7 +115,7 @@ TEST(RoundTrip, EveryConditionOfARegionSurvives) {
     none: [{connected: {seed_mm: [7, 8, 9]}}]
     rim_distance_mm: 2.5)");
   const std::string written = WriteJob(ParseJob(text, "job"));
-  const RegionSettings region = ParseJob(written, "written").toolpath.region;
+  const RegionOptions region = ParseJob(written, "written").toolpath.region;
   EXPECT_EQ(WriteJob(ParseJob(written, "written")), written);
   EXPECT_EQ(region.half_space->normal, Eigen::Vector3d(0, 0.6, 0.8));
   EXPECT_EQ(region.connected->crease, DegToRad(15));

@@ -7,6 +7,7 @@
 
 #include "surface/corner_normals.hpp"
 #include "tests/surface/shapes.hpp"
+#include "tests/toolpath/with.hpp"
 #include "toolpath/gouge.hpp"
 #include "toolpath/make_toolpath.hpp"
 
@@ -27,6 +28,7 @@ Mesh Plate() {
 
 ToolpathOptions Panel() {
   ToolpathOptions options;
+  With<ParallelPlanes>(options);
   options.region.facing = Eigen::Vector3d::UnitZ();
   options.region.facing_within = DegToRad(30);
   options.region.rim_distance = 12;
@@ -38,7 +40,7 @@ ToolpathOptions Panel() {
 
 ToolpathOptions Rings() {
   ToolpathOptions options;
-  options.strategy = "rings";
+  With<millpose::Rings>(options);
   options.rotation_reference = -Eigen::Vector3d::UnitY();
   options.stepover = 10;
   options.spacing = 5;
@@ -48,7 +50,7 @@ ToolpathOptions Rings() {
 
 ToolpathOptions Pad() {
   ToolpathOptions options;
-  options.strategy = "pad";
+  With<millpose::Pad>(options);
   options.cutter = {8, 0, 30};
   options.stepover = 8;
   options.spacing = 20;
@@ -67,27 +69,27 @@ std::vector<Picture> Pictures() {
   options.ends = {10, LeadShape::kArc, 25, 0};
   add("leads", panel, options);
   options = Panel();
-  options.strategy = "contours";
+  Choose(options, "contours");
   add("contours", panel, options);
-  options.strategy = "curve";
-  options.curve_points = {{-250, -350, 0}, {250, -350, 0}, {0, 380, 0}, {-250, -350, 0}};
+  With<CurveStrategy>(options);
+  With<CurveStrategy>(options).points = {{-250, -350, 0}, {250, -350, 0}, {0, 380, 0}, {-250, -350, 0}};
   add("curve", panel, options);
   options = Rings();
   options.region.connected = {{60, 0, 20}, DegToRad(20)};
   add("rings_walls", wall, options);
-  options.seam_step = DegToRad(20);
+  With<millpose::Rings>(options).seam_step = DegToRad(20);
   add("rings_seam", wall, options);
-  options.spiral = true;
+  With<millpose::Rings>(options).spiral = true;
   add("rings_spiral", wall, options);
   options = Rings();
   options.region.connected = {{10, 0, 50}, DegToRad(20)};
   options.region.rim_distance = 2;
   add("rings_faces", wall, options);
-  options.spiral = true;
+  With<millpose::Rings>(options).spiral = true;
   add("rings_face_spiral", wall, options);
   options = Pad();
   add("pad_zigzag", plate, options);
-  options.spiral = true;
+  With<millpose::Pad>(options).spiral = true;
   add("pad_spiral", plate, options);
   return pictures;
 }

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "tests/fuzz/entries.hpp"
-#include "toolpath/cam_import.hpp"
+#include "toolpath/cam/cam_import.hpp"
 
 namespace millpose {
 namespace {

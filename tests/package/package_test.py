@@ -56,6 +56,8 @@ class Install(TestWithFolder):
         job = self.folder / "samples/toolpaths/support_pad/job.yaml"
         run(self.folder / "consumer/plan_job", job, self.folder / "by_consumer")
         self.assert_planned(self.folder / "by_consumer")
+        rows = run(self.folder / "consumer/own_objective", job).splitlines()
+        self.assertEqual(len(rows), json.loads((self.folder / "by_consumer/summary.json").read_text())["points"]["total"])
         run(prefix / "bin/millpose", "plan", job, "-o", self.folder / "by_program", "--quiet")
         self.assert_planned(self.folder / "by_program")
         for name in ("points.csv", "summary.json", "report.html"):

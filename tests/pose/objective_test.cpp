@@ -154,6 +154,25 @@ TEST(Objectives, SayWhenTheyDependOnTheFeedsDirection) {
   }
 }
 
+// One that forgot to say so would be planned with no force at all.
+TEST(Objectives, SayWhenTheyNeedAForce) {
+  const auto value = [](const Objective& objective, double force) {
+    ComplianceBlock block;
+    for (int l = 0; l < kLanes; ++l) Put(Eigen::Vector3d(1e-4, 2e-4, 3e-4).asDiagonal(), l, block);
+    Lanes out;
+    objective.Evaluate(block,
+                       {Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(),
+                        force * Eigen::Vector3d(1, 2, 3)},
+                       out);
+    return out.v[0];
+  };
+  for (const std::string& name : Objectives().Names()) {
+    const auto objective = MakeObjective(name, {});
+    EXPECT_EQ(objective->NeedsForce(), value(*objective, 1) != value(*objective, 2)) << name;
+  }
+  EXPECT_FALSE(MakeObjective("process_force", {{"feed_N", 5}})->NeedsForce());
+}
+
 /// c·F and nᵀcF′ over forces near the point's own.
 TEST(SurfaceError, IsTheLargestOverAllForcesThatTheUncertaintyAllows) {
   RandomStream stream(9, 0);

@@ -10,7 +10,7 @@
 
 #include "base/file.hpp"
 #include "base/units.hpp"
-#include "program/linuxcnc.hpp"
+#include "program/linuxcnc/linuxcnc.hpp"
 #include "program/scanner.hpp"
 
 namespace millpose {

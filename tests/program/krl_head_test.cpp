@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "program/krl_head.hpp"
+#include "program/krl/krl_head.hpp"
 
 #include <gtest/gtest.h>
 

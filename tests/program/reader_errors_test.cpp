@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "program/linuxcnc.hpp"
+#include "program/linuxcnc/linuxcnc.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {

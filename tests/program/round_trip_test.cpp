@@ -7,7 +7,7 @@
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
 #include "program/economy.hpp"
-#include "program/linuxcnc.hpp"
+#include "program/linuxcnc/linuxcnc.hpp"
 #include "program/scanner.hpp"
 #include "tests/program/sample_plan.hpp"
 
@@ -30,13 +30,13 @@ INSTANTIATE_TEST_SUITE_P(Controllers, EachPost,
                          [](const auto& controller) { return controller.param; });
 
 TEST(Posts, RegistryNamesThem) {
-  EXPECT_EQ(PostNames(), (std::vector<std::string>{"krl", "linuxcnc", "sinumerik"}));
-  for (const std::string& name : PostNames()) EXPECT_EQ(MakePost(name)->Name(), name);
+  EXPECT_EQ(Posts().Names(), (std::vector<std::string>{"krl", "sinumerik", "linuxcnc"}));
+  for (const std::string& name : Posts().Names()) EXPECT_EQ(MakePost(name)->Name(), name);
   try {
     MakePost("krll");
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("did you mean 'krl'"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("did you mean \"krl\""), std::string::npos) << error.what();
   }
 }
 

@@ -4,7 +4,7 @@
 #include "base/rotation.hpp"
 #include "base/units.hpp"
 #include "program/bound_turns.hpp"
-#include "program/sinumerik.hpp"
+#include "program/sinumerik/sinumerik.hpp"
 #include "robot/kinematics.hpp"
 
 namespace millpose {

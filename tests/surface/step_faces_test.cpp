@@ -22,6 +22,7 @@
 #include "tests/surface/step_parts.hpp"
 #include "toolpath/lost_faces.hpp"
 #include "toolpath/make_toolpath.hpp"
+#include "toolpath/strategies/parallel_planes.hpp"
 
 namespace millpose {
 namespace {
@@ -47,6 +48,8 @@ TEST(StepFaces, ALostFaceIsNamedWithNumberAreaAndPlace) {
 TEST(StepFaces, ALostFaceInTheRegionIsAnError) {
   const Mesh mesh = ImportMesh(ReadMesh(LostFaceStep(), "part.step", Options()), {1, 1e-4}, "part.step").mesh;
   ToolpathOptions options;
+  options.strategy = std::make_shared<ParallelPlanes>();
+  options.stepover = 8;
   options.region.facing = Eigen::Vector3d::UnitZ();
   try {
     MakeToolpath(mesh, options, {});
@@ -67,8 +70,8 @@ TEST(StepFaces, BoundsTellWhatARegionMayHold) {
   SourceFace face{"#12", "rib", "plane", 100, true, {0, 0, 0}, {10, 10, 10}};
   const auto may = [&](const RegionOptions& region) { return MayTouch(face, 2, region); };
   RegionOptions everywhere, near, far, above, polygon, named, other, facing;
-  near.box = {Eigen::Vector3d(9, 9, 9), Eigen::Vector3d(20, 20, 20)};
-  far.box = {Eigen::Vector3d(11, 0, 0), Eigen::Vector3d(20, 20, 20)};
+  near.box = RegionBox{Eigen::Vector3d(9, 9, 9), Eigen::Vector3d(20, 20, 20)};
+  far.box = RegionBox{Eigen::Vector3d(11, 0, 0), Eigen::Vector3d(20, 20, 20)};
   above.half_space = HalfSpace{{0, 0, 10.5}, Eigen::Vector3d::UnitZ()};
   polygon.polygon = ProjectedPolygon{{{20, 0, 0}, {30, 0, 0}, {30, 30, 0}}, Eigen::Vector3d::UnitZ()};
   named.source_faces = {"rib"};
@@ -85,7 +88,7 @@ TEST(StepFaces, BoundsTellWhatARegionMayHold) {
   EXPECT_TRUE(may(any));
   EXPECT_FALSE(may(none));
   EXPECT_TRUE(may(not_near));  // it lies there in part only
-  not_near.none[0].box = {Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(11, 11, 11)};
+  not_near.none[0].box = RegionBox{Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(11, 11, 11)};
   EXPECT_FALSE(may(not_near));
 }
 

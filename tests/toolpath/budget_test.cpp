@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "tests/surface/shapes.hpp"
 #include "tests/toolpath/toolpath_laws.hpp"
+#include "tests/toolpath/with.hpp"
 
 namespace millpose {
 namespace {
@@ -32,7 +33,7 @@ std::string Refusal(const char* sample, const ToolpathOptions& options) {
 
 ToolpathOptions RingOptions() {
   ToolpathOptions options;
-  options.strategy = "rings";
+  With<Rings>(options);
   options.stepover = 20;
   options.spacing = 5;
   return options;
@@ -71,7 +72,7 @@ TEST(Budget, TheKeyThatAsksForTooMuchIsNamed) {
                   .starts_with("toolpath.stepover_mm"));
   for (const char* strategy : {"pad", "contours"})
     EXPECT_NE(refused([&](ToolpathOptions& o) {
-                o.strategy = strategy;
+                Choose(o, strategy);
                 o.cutter.radius = 5;
                 o.stepover = 1e-4;
               }),

@@ -2,7 +2,7 @@
 // Spoilt CAM paths: each is read or refused with an InputError, and what is read is finite.
 #include "base/error.hpp"
 #include "tests/surface/mutate.hpp"
-#include "toolpath/cam_import.hpp"
+#include "toolpath/cam/cam_import.hpp"
 
 namespace millpose {
 namespace {

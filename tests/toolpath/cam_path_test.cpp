@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "toolpath/cam_path.hpp"
+#include "toolpath/cam/cam_path.hpp"
 
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "surface/mesh_import.hpp"
 #include "tests/base/source_dir.hpp"
 #include "tests/surface/shapes.hpp"
-#include "toolpath/cam_import.hpp"
+#include "tests/toolpath/cam_writer.hpp"
+#include "tests/toolpath/with.hpp"
+#include "toolpath/cam/cam_import.hpp"
 #include "toolpath/make_toolpath.hpp"
 
 namespace millpose {
@@ -330,7 +332,8 @@ TEST(CamImport, SlicesComeBackFromAptAndCsv) {
   const std::string file = std::string(SourceDir()) + "/toolpaths/cabin_ring/cabin_ring.stl";
   const Mesh mesh = ImportMesh(ReadMesh(ReadFile(file), file), {}, file).mesh;
   ToolpathOptions options;
-  options.strategy = "rings";
+  options.stepover = 8;
+  With<Rings>(options);
   options.region.facing = Eigen::Vector3d::UnitZ();
   options.region.facing_within = DegToRad(1);
   options.lead = DegToRad(3);

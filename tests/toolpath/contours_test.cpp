@@ -2,6 +2,7 @@
 #include "base/error.hpp"
 #include "tests/surface/shapes.hpp"
 #include "tests/toolpath/toolpath_laws.hpp"
+#include "tests/toolpath/with.hpp"
 
 namespace millpose {
 namespace {
@@ -9,7 +10,7 @@ namespace {
 TEST(Contours, ContoursKeepTheirDistanceFromTheRims) {
   const Mesh mesh = SampleMesh("support_pad");
   ToolpathOptions options = PadOptions();
-  options.strategy = "contours";
+  Choose(options, "contours");
   options.region.rim_distance = 4;
   options.stepover = 6;
   const Toolpath toolpath = MakeToolpath(mesh, options, {});
@@ -29,7 +30,7 @@ TEST(Contours, ContoursKeepTheirDistanceFromTheRims) {
 TEST(Contours, ContoursGoRoundIslands) {
   const Mesh mesh = SampleMesh("cabin_panel");
   ToolpathOptions options;
-  options.strategy = "contours";
+  Choose(options, "contours");
   options.region.facing = Eigen::Vector3d::UnitZ();
   options.region.facing_within = DegToRad(30);
   options.stepover = 25;
@@ -51,19 +52,19 @@ TEST(Contours, ContoursGoRoundIslands) {
 TEST(Contours, SingleCurveIsProjectedOntoThePart) {
   const Mesh mesh = SampleMesh("cabin_panel");
   ToolpathOptions options;
-  options.strategy = "curve";
   options.region.facing = Eigen::Vector3d::UnitZ();
   options.region.facing_within = DegToRad(60);
-  options.curve_points = {{-280, -400, 99}, {-100, -390, 50}, {-100, -200, 0}};
+  const std::vector<Eigen::Vector3d> line{{-280, -400, 99}, {-100, -390, 50}, {-100, -200, 0}};
+  With<CurveStrategy>(options).points = line;
   const Toolpath toolpath = MakeToolpath(mesh, options, {});
   ASSERT_EQ(toolpath.passes.size(), 1);
   ExpectSound(mesh, toolpath, options);
   const auto& points = toolpath.passes[0].points;
-  EXPECT_LT((points.front().position - options.curve_points.front()).head<2>().norm(), 1e-6);
-  EXPECT_LT((points.back().position - options.curve_points.back()).head<2>().norm(), 1e-6);
+  EXPECT_LT((points.front().position - line.front()).head<2>().norm(), 1e-6);
+  EXPECT_LT((points.back().position - line.back()).head<2>().norm(), 1e-6);
   double nearest = 1e9;
   for (const MillingPoint& point : points) {
-    nearest = std::min(nearest, (point.position - options.curve_points[1]).head<2>().norm());
+    nearest = std::min(nearest, (point.position - line[1]).head<2>().norm());
     EXPECT_NEAR(std::hypot(point.position.y(), point.position.z() + 1500), 1500, 0.1);
   }
   EXPECT_LT(nearest, 1e-6);

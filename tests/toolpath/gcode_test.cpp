@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "toolpath/cam_path.hpp"
+#include "toolpath/cam/cam_path.hpp"
 
 namespace millpose {
 namespace {
@@ -129,9 +129,8 @@ TEST(Gcode, ToolVectorsAndRotaryAxesGiveTheAxis) {
   ExpectNear(rotary.points[1].axis, {0, 1, 0});
   ExpectNear(rotary.points[2].axis, {-1, 0, 0});
   ExpectNear(rotary.points[1].position, {4, 2, 3});
-  EXPECT_EQ(
-      ErrorOf("G0 X0 Y0 Z0 B5\n"),
-      "part.mpf:1:13: the programme turns axis B, and toolpath.cam.rotary_axes does not state an axis B");
+  EXPECT_EQ(ErrorOf("G0 X0 Y0 Z0 B5\n"),
+            "part.mpf:1:13: the program turns axis B, and toolpath.cam.rotary_axes does not state an axis B");
   EXPECT_EQ(ErrorOf("G0 X0 Y0 Z0 B0 C0\n"), "no error");
 }
 
@@ -238,8 +237,8 @@ TEST(Gcode, WhatCannotBeReadIsToldWithItsPlace) {
         std::pair("DIAMON\n", "2:1: \"DIAMON\" is not known"),
         std::pair("X5 M428\n", "2:4: M428 switches the machine's kinematics"),
         std::pair("  CIP X1 Y1\n", "2:3: CIP is not read"),
-        std::pair("M98 P100\n", "2:1: M98: subprogrammes"),
-        std::pair("HOLES(1)\n", "2:1: \"HOLES\" is not known: subprogrammes"),
+        std::pair("M98 P100\n", "2:1: M98: subprograms"),
+        std::pair("HOLES(1)\n", "2:1: \"HOLES\" is not known: subprograms"),
         std::pair("IF R1==2 GOTOF A\n", "2:7: R1 needs a value"),
         std::pair("GOTOF MARK\n", "2:1: \"GOTOF\" is not known"),
         std::pair("L100\n", "2:1: \"L\" is not known"),
@@ -271,7 +270,7 @@ TEST(Gcode, WhatCannotBeReadIsToldWithItsPlace) {
   EXPECT_EQ(ErrorOf("G93 G0 X0 Y0 Z0\nG1 X1\n"), "part.mpf:2:1: under G93 each cut needs its F");
   EXPECT_EQ(ErrorOf("G1 X1 F5\n"), "part.mpf:1:1: a cut before X, Y and Z have been given in this system");
   EXPECT_EQ(ErrorOf("G91 G0 X1\n"), "part.mpf:1:8: a step from a place that is not known");
-  EXPECT_EQ(ErrorOf("G21\nM30\n"), "part.mpf: the programme holds no motion");
+  EXPECT_EQ(ErrorOf("G21\nM30\n"), "part.mpf: the program holds no motion");
 }
 
 TEST(Gcode, HarmlessWordsOfPostprocessors) {

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "tests/surface/shapes.hpp"
 #include "tests/toolpath/toolpath_laws.hpp"
+#include "tests/toolpath/with.hpp"
 #include "toolpath/gouge.hpp"
 
 namespace millpose {
@@ -58,7 +59,7 @@ TEST(MakeToolpath, ClimbHasTheUnmilledMaterialOnTheRight) {
   for (const char* strategy : {"parallel_planes", "contours"})
     for (const bool climb : {true, false}) {
       ToolpathOptions options = PadOptions();
-      options.strategy = strategy;
+      Choose(options, strategy);
       options.direction = climb ? Direction::kClimb : Direction::kConventional;
       const Toolpath toolpath = MakeToolpath(mesh, options, {});
       for (size_t i = 0; i + 1 < toolpath.passes.size(); ++i)
@@ -74,8 +75,8 @@ TEST(MakeToolpath, ClimbHasTheUnmilledMaterialOnTheRight) {
         }
     }
   ToolpathOptions options = PadOptions();
-  options.strategy = "curve";
-  options.curve_points = {{-30, 0, 0}, {30, 0, 0}};
+  With<CurveStrategy>(options);
+  With<CurveStrategy>(options).points = {{-30, 0, 0}, {30, 0, 0}};
   options.direction = Direction::kClimb;
   EXPECT_THROW(MakeToolpath(mesh, options, {}), InputError);
 }
@@ -83,6 +84,7 @@ TEST(MakeToolpath, ClimbHasTheUnmilledMaterialOnTheRight) {
 TEST(MakeToolpath, OrderByTravelIsAPermutationWithShorterWays) {
   const Mesh mesh = SampleMesh("cabin_panel");
   ToolpathOptions options;
+  With<ParallelPlanes>(options);
   options.region.facing = Eigen::Vector3d::UnitZ();
   options.region.facing_within = DegToRad(30);
   options.region.rim_distance = 12;
@@ -116,13 +118,10 @@ TEST(MakeToolpath, SaysWhatIsWrong) {
     EXPECT_EQ(error.problems().size(), 2);
   }
   options = PadOptions();
-  options.strategy = "ring";
-  try {
-    MakeToolpath(mesh, options, {});
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("did you mean \"rings\"?"), std::string::npos) << error.what();
-  }
+  With<Rings>(options).axis_direction *= 2;
+  EXPECT_THROW(MakeToolpath(mesh, options, {}), InputError);
+  options.strategy = nullptr;
+  EXPECT_THROW(MakeToolpath(mesh, options, {}), InputError);
   options = PadOptions();
   options.region.facing = Eigen::Vector3d(1, 1, 1).normalized();
   EXPECT_THROW(MakeToolpath(mesh, options, {}), InputError);

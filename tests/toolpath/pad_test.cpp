@@ -2,17 +2,18 @@
 #include "base/error.hpp"
 #include "tests/surface/shapes.hpp"
 #include "tests/toolpath/toolpath_laws.hpp"
+#include "tests/toolpath/with.hpp"
 
 namespace millpose {
 namespace {
 
 ToolpathOptions Facing(bool spiral) {
   ToolpathOptions options;
-  options.strategy = "pad";
+  With<Pad>(options);
   options.cutter = {6, 0, 30};
   options.stepover = 5;
-  options.pad_direction = Eigen::Vector3d(1, 0.2, 0).normalized();
-  options.spiral = spiral;
+  With<Pad>(options).along = Eigen::Vector3d(1, 0.2, 0).normalized();
+  With<Pad>(options).spiral = spiral;
   return options;
 }
 
@@ -54,7 +55,7 @@ TEST(Pad, LobesAreReachedWithoutAirMoves) {
   for (const bool spiral : {false, true}) {
     SCOPED_TRACE(spiral);
     ToolpathOptions options = Facing(spiral);
-    options.pad_direction = Eigen::Vector3d::UnitX();
+    With<Pad>(options).along = Eigen::Vector3d::UnitX();
     ExpectFaced(dumbbell, options, spiral ? 1 : 3, [](const Eigen::Vector3d&) { return true; });
   }
 }
@@ -66,7 +67,7 @@ TEST(Pad, EndsAtBoxesAndPolygonsAlongItsPlane) {
       SCOPED_TRACE(fmt::format("spiral {} box {}", spiral, box));
       ToolpathOptions options = Facing(spiral);
       if (box) {
-        options.region.box = {Eigen::Vector3d(-10, -10, -0.01), Eigen::Vector3d(30, 200, 0.01)};
+        options.region.box = RegionBox{Eigen::Vector3d(-10, -10, -0.01), Eigen::Vector3d(30, 200, 0.01)};
       } else {
         options.region.polygon = {{{-10, -10, 40}, {30, -10, 40}, {30, 200, 40}, {-10, 200, 40}},
                                   Eigen::Vector3d::UnitZ()};
@@ -101,7 +102,7 @@ TEST(Pad, IsNotLinkedAcrossGaps) {
   // Two plates, 10 mm apart: nearer than two step-overs and a half, but there is nothing between them.
   const Mesh plates = SoundMesh(PlateShape(7, 3, 10, {{{{30, 0}, {40, 30}}}}));
   ToolpathOptions options = Facing(true);
-  options.pad_offset = 0;
+  With<Pad>(options).offset = 0;
   EXPECT_EQ(MakeToolpath(plates, options, {}).passes.size(), 2);
 }
 
@@ -127,8 +128,9 @@ TEST(Pad, StandsUprightBesideAFillet) {
 
 TEST(Pad, PadsMustBePlane) {
   ToolpathOptions options;
-  options.strategy = "pad";
+  With<Pad>(options);
   options.cutter = {6, 0, 30};
+  options.stepover = 8;
   options.region.connected = {{60, 0, 20}, DegToRad(20)};
   try {
     MakeToolpath(SoundMesh(CylinderShape(60, 40, 72, 2)), options, {});

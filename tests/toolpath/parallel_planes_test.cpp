@@ -2,6 +2,7 @@
 #include "base/error.hpp"
 #include "tests/surface/shapes.hpp"
 #include "tests/toolpath/toolpath_laws.hpp"
+#include "tests/toolpath/with.hpp"
 
 namespace millpose {
 namespace {
@@ -34,7 +35,7 @@ TEST(ParallelPlanes, OneWayKeepsTheDirection) {
 
 TEST(ParallelPlanes, RegionCutsExactly) {
   ToolpathOptions options = PadOptions();
-  options.region.box = {Eigen::Vector3d(-13.37, -100, -1), Eigen::Vector3d(21.1, 100, 1)};
+  options.region.box = RegionBox{Eigen::Vector3d(-13.37, -100, -1), Eigen::Vector3d(21.1, 100, 1)};
   for (const Pass& pass : MakeToolpath(SampleMesh("support_pad"), options, {}).passes) {
     const auto [low, high] = std::minmax(pass.points.front().position.x(), pass.points.back().position.x());
     EXPECT_NEAR(low, -13.37, 2e-7);
@@ -55,6 +56,7 @@ TEST(ParallelPlanes, RegionCutsExactly) {
 TEST(ParallelPlanes, WindowAndPadsInterruptPasses) {
   const Mesh mesh = SampleMesh("cabin_panel");
   ToolpathOptions options;
+  With<ParallelPlanes>(options);
   options.region.facing = Eigen::Vector3d::UnitZ();
   options.region.facing_within = DegToRad(30);
   options.region.rim_distance = 12;
@@ -85,7 +87,7 @@ TEST(ParallelPlanes, WindowAndPadsInterruptPasses) {
 TEST(ParallelPlanes, ClosedSlicesOfACylinderAreClosedPassesInOrder) {
   const Mesh mesh = SoundMesh(CylinderShape(60, 40, 72, 2));
   ToolpathOptions options;
-  options.plane_normal = Eigen::Vector3d::UnitZ();
+  With<ParallelPlanes>(options).normal = Eigen::Vector3d::UnitZ();
   options.stepover = 10;
   const Toolpath toolpath = MakeToolpath(mesh, options, {});
   ASSERT_EQ(toolpath.passes.size(), 4);
@@ -100,7 +102,7 @@ TEST(ParallelPlanes, PassesEndAtCreases) {
   // Sliced along its axis the closed cylinder gives walls and caps as passes of their own.
   const Mesh mesh = SoundMesh(CylinderShape(60, 40, 72, 2));
   ToolpathOptions options;
-  options.plane_normal = Eigen::Vector3d::UnitX();
+  With<ParallelPlanes>(options).normal = Eigen::Vector3d::UnitX();
   options.stepover = 200;
   const Toolpath toolpath = MakeToolpath(mesh, options, {});
   EXPECT_EQ(toolpath.passes.size(), 4);
@@ -113,6 +115,7 @@ TEST(ParallelPlanes, WallsOfAThinSolidAreNotAveraged) {
   // A closed sheet of 0.5 mm: each point has the normal of its own side.
   const Mesh mesh = SoundMesh(BoxShape({0, 0, 0}, {100, 80, 0.5}));
   ToolpathOptions options;
+  With<ParallelPlanes>(options);
   options.stepover = 10;
   options.normal_smoothing = 20;
   for (const Pass& pass : MakeToolpath(mesh, options, {}).passes)

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "toolpath/cam_path.hpp"
+#include "toolpath/cam/cam_path.hpp"
 
 namespace millpose {
 

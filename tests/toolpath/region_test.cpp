@@ -12,7 +12,7 @@ const Mesh kGrid = SoundMesh(GridShape(10, 10, 10));  // 0..100 in x and y
 
 RegionOptions InBox(double x0, double y0, double x1, double y1) {
   RegionOptions options;
-  options.box = {Eigen::Vector3d(x0, y0, -1), Eigen::Vector3d(x1, y1, 1)};
+  options.box = RegionBox{Eigen::Vector3d(x0, y0, -1), Eigen::Vector3d(x1, y1, 1)};
   return options;
 }
 
@@ -50,11 +50,11 @@ TEST(Region, MarginsAreWaysOnTheFace) {
   slanted.half_space = {{30, 0, 0}, Eigen::Vector3d(1, 0, 1).normalized()};
   EXPECT_NEAR(Region(kGrid, slanted).Margin(face, p), 20, 1e-9);
   RegionOptions flat;  // a box that the face runs along
-  flat.box = {Eigen::Vector3d(10, -500, -0.01), Eigen::Vector3d(500, 500, 0.01)};
+  flat.box = RegionBox{Eigen::Vector3d(10, -500, -0.01), Eigen::Vector3d(500, 500, 0.01)};
   EXPECT_NEAR(Region(kGrid, flat).Margin(face, p), 40, 1e-9);
-  flat.box = {Eigen::Vector3d(10, -500, 0), Eigen::Vector3d(500, 500, 1)};  // and ends in it
+  flat.box = RegionBox{Eigen::Vector3d(10, -500, 0), Eigen::Vector3d(500, 500, 1)};  // and ends in it
   EXPECT_NEAR(Region(kGrid, flat).Margin(face, p), 40, 1e-9);
-  flat.box = {Eigen::Vector3d(10, -500, 0.01), Eigen::Vector3d(500, 500, 1)};
+  flat.box = RegionBox{Eigen::Vector3d(10, -500, 0.01), Eigen::Vector3d(500, 500, 1)};
   EXPECT_LT(Region(kGrid, flat).Margin(face, p), -1e6);
   RegionOptions projected;  // its corners lie 10 mm over the face and come down slanted, at x = 20 and 120
   projected.polygon = {{{30, -500, 10}, {130, -500, 10}, {130, 500, 10}, {30, 500, 10}},

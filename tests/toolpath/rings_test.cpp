@@ -2,6 +2,7 @@
 #include "base/error.hpp"
 #include "tests/surface/shapes.hpp"
 #include "tests/toolpath/toolpath_laws.hpp"
+#include "tests/toolpath/with.hpp"
 
 namespace millpose {
 namespace {
@@ -9,7 +10,7 @@ namespace {
 TEST(Rings, RingsAreClosedRoundAndInOrder) {
   const Mesh mesh = SampleMesh("cabin_ring");
   ToolpathOptions options;
-  options.strategy = "rings";
+  With<Rings>(options);
   options.region.facing = Eigen::Vector3d::UnitZ();
   options.region.facing_within = DegToRad(1);
   options.region.rim_distance = 2;
@@ -49,7 +50,7 @@ TEST(Rings, RingsGoRoundWallsToo) {
     for (const MillingPoint& point : pass.points)
       EXPECT_GT(Eigen::Vector3d::UnitZ().cross(point.position).dot(point.feed), 0);
   }
-  options.seam_step = DegToRad(90);
+  With<Rings>(options).seam_step = DegToRad(90);
   const Toolpath moved = MakeToolpath(mesh, options, {});
   EXPECT_LT((moved.passes[1].points[0].position - Eigen::Vector3d(0, 60, 15)).norm(), 1e-6);
   EXPECT_LT((moved.passes[2].points[0].position - Eigen::Vector3d(-60, 0, 25)).norm(), 1e-6);
@@ -77,7 +78,7 @@ TEST(Rings, SpiralIsOnePassWithEvenTurns) {
     }
     options.stepover = on_wall ? 8 : 16;
     options.region.rim_distance = on_wall ? 0 : 2;
-    options.spiral = true;
+    With<Rings>(options).spiral = true;
     const Mesh& mesh = on_wall ? wall : face;
     const Toolpath toolpath = MakeToolpath(mesh, options, {});
     ASSERT_EQ(toolpath.passes.size(), 1) << on_wall;
@@ -107,8 +108,8 @@ TEST(Rings, SpiralIsOnePassWithEvenTurns) {
 TEST(Rings, SpiralsTooFineForMemoryAreRefused) {
   // Turns 0.05 mm apart on a plate of 400 mm.
   ToolpathOptions options;
-  options.strategy = "rings";
-  options.spiral = true;
+  With<Rings>(options);
+  With<Rings>(options).spiral = true;
   options.stepover = 0.05;
   try {
     MakeToolpath(SoundMesh(GridShape(20, 20, 20)), options, {});
@@ -129,7 +130,7 @@ TEST(Rings, ClimbAndConventionalHoldOnFacesAndWallsInsideAndOut) {
   face.region.facing = Eigen::Vector3d::UnitZ();
   face.region.facing_within = DegToRad(1);
   ToolpathOptions from_below = WallRings();
-  from_below.axis_direction = -Eigen::Vector3d::UnitZ();
+  With<Rings>(from_below).axis_direction = -Eigen::Vector3d::UnitZ();
   const Mesh cylinder = SoundMesh(CylinderShape(60, 40, 72, 2));
   for (const auto& [name, mesh, given] :
        {std::tuple("wall", cylinder, WallRings()), std::tuple("inner wall", SoundMesh(pipe), WallRings()),
@@ -137,7 +138,7 @@ TEST(Rings, ClimbAndConventionalHoldOnFacesAndWallsInsideAndOut) {
     for (const bool spiral : {false, true}) {
       SCOPED_TRACE(fmt::format("{} spiral {}", name, spiral));
       ToolpathOptions options = given;
-      options.spiral = spiral;
+      With<Rings>(options).spiral = spiral;
       options.spacing = 4;
       options.direction = Direction::kClimb;
       EXPECT_GT(ClimbShare(MakeToolpath(mesh, options, {}), options.stepover), 0.95);
@@ -154,9 +155,9 @@ TEST(Rings, SpiralsOverSteepFacesNeedTrianglesOnlyWherePassesAreDense) {
     return std::ranges::any_of(f, [&](int v) { return dome.vertices[v].z() < 200 * std::cos(DegToRad(80)); });
   });
   ToolpathOptions options;
-  options.strategy = "rings";
-  options.ring_surface = RingSurface::kFaces;
-  options.spiral = true;
+  With<Rings>(options);
+  With<Rings>(options).surface = RingSurface::kFaces;
+  With<Rings>(options).spiral = true;
   options.stepover = 18;
   options.stepover_on_surface = true;
   options.chord_tolerance = 0.1;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "toolpath/scallop.hpp"
+#include "toolpath/strategies/scallop.hpp"
 
 #include "surface/mesh.hpp"
 #include "tests/base/tier.hpp"
 #include "tests/toolpath/vault.hpp"
+#include "tests/toolpath/with.hpp"
 #include "toolpath/make_toolpath.hpp"
 
 namespace millpose {
@@ -64,7 +65,7 @@ struct Case {
 // Passes along y over a vault; what neighbouring ones leave is looked for in `rays` between them.
 void ExpectScallops(const Case& given, double wanted, Direction direction, int gaps, int rays) {
   ToolpathOptions options;
-  options.plane_normal = Eigen::Vector3d::UnitZ();
+  With<ParallelPlanes>(options).normal = Eigen::Vector3d::UnitZ();
   options.stepover = 16;
   options.scallop = wanted;
   options.cutter = given.cutter;

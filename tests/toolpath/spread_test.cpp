@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "toolpath/spread.hpp"
+#include "toolpath/strategies/spread.hpp"
 
 #include "surface/mesh.hpp"
 #include "tests/toolpath/vault.hpp"
+#include "tests/toolpath/with.hpp"
 #include "toolpath/make_toolpath.hpp"
 
 namespace millpose {
@@ -32,7 +33,7 @@ TEST(Spread, StepoverOnASingleCurvedSurfaceIsTheWantedOne) {
   const double radius = 300, wanted = 7;
   const Mesh mesh = SoundMesh(Vault(radius, 200, true));
   ToolpathOptions options;
-  options.plane_normal = Eigen::Vector3d::UnitZ();
+  With<ParallelPlanes>(options).normal = Eigen::Vector3d::UnitZ();
   options.stepover = wanted;
   options.stepover_on_surface = true;
   std::vector<double> angles, steps;

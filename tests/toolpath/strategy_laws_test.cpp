@@ -4,6 +4,7 @@
 #include "tests/base/tier.hpp"
 #include "tests/surface/shapes.hpp"
 #include "tests/toolpath/toolpath_laws.hpp"
+#include "tests/toolpath/with.hpp"
 #include "toolpath/gouge.hpp"
 
 namespace millpose {
@@ -20,7 +21,7 @@ std::vector<Given> Everything() {
   const Triangles cylinder = CylinderShape(60, 40, 72, 2);
   const Triangles plate = PlateShape(10, 10, 10, {{{{40, 40}, {60, 60}}}});
   ToolpathOptions planes;
-  planes.plane_normal = Eigen::Vector3d(0, 0.6, 0.8);
+  With<ParallelPlanes>(planes).normal = Eigen::Vector3d(0, 0.6, 0.8);
   planes.stepover = 7;
   planes.region.facing = Eigen::Vector3d::UnitX();
   planes.region.rim_distance = 3;
@@ -28,29 +29,28 @@ std::vector<Given> Everything() {
   scallops.scallop = 0.05;
   scallops.cutter = {6, 0, 30};
   ToolpathOptions closed;
-  closed.plane_normal = Eigen::Vector3d::UnitZ();
+  With<ParallelPlanes>(closed).normal = Eigen::Vector3d::UnitZ();
   closed.stepover = 9;
   ToolpathOptions walls = WallRings(), wall_spiral = WallRings(), faces = WallRings();
-  wall_spiral.spiral = true;
+  With<Rings>(wall_spiral).spiral = true;
   wall_spiral.direction = Direction::kClimb;
   faces.region.connected.reset();
   faces.region.facing = Eigen::Vector3d::UnitZ();
   faces.region.facing_within = DegToRad(1);
   ToolpathOptions face_spiral = faces;
-  face_spiral.spiral = true;
+  With<Rings>(face_spiral).spiral = true;
   ToolpathOptions zigzag;
-  zigzag.strategy = "pad";
+  With<Pad>(zigzag);
   zigzag.cutter = {6, 0, 30};
   zigzag.stepover = 5;
-  zigzag.pad_direction = Eigen::Vector3d(1, 0.2, 0).normalized();
+  With<Pad>(zigzag).along = Eigen::Vector3d(1, 0.2, 0).normalized();
   ToolpathOptions pad_spiral = zigzag;
-  pad_spiral.spiral = true;
+  With<Pad>(pad_spiral).spiral = true;
   ToolpathOptions contours = zigzag;
-  contours.strategy = "contours";
+  Choose(contours, "contours");
   contours.region.rim_distance = 2;
   ToolpathOptions curve;
-  curve.strategy = "curve";
-  curve.curve_points = {{10, 12, 5}, {80, 17, 5}, {90, 90, 5}};
+  With<CurveStrategy>(curve).points = {{10, 12, 5}, {80, 17, 5}, {90, 90, 5}};
   return {{"planes", cylinder, planes},
           {"scallops", cylinder, scallops},
           {"closed slices", cylinder, closed},
@@ -84,9 +84,10 @@ TEST(StrategyLaws, FarFromTheOriginIsTheSame) {
   for (const Given& given : Everything()) {
     SCOPED_TRACE(given.name);
     ToolpathOptions options = given.options;
-    options.axis_point += d;
+    if (options.strategy->Name() == "rings") With<Rings>(options).axis_point += d;
     if (options.region.connected) options.region.connected->seed += d;
-    for (Eigen::Vector3d& p : options.curve_points) p += d;
+    if (options.strategy->Name() == "curve")
+      for (Eigen::Vector3d& p : With<CurveStrategy>(options).points) p += d;
     ExpectSame(Transformed(MakeToolpath(SoundMesh(given.part), given.options, {}), X),
                MakeToolpath(SoundMesh(Moved(given.part, X)), options, {}), 1e-6);
   }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/surface/shapes.hpp"
+#include "tests/toolpath/with.hpp"
 
 namespace millpose {
 
@@ -34,7 +35,7 @@ void ExpectSound(const Mesh& mesh, const Toolpath& toolpath, const ToolpathOptio
 
 ToolpathOptions PadOptions() {
   ToolpathOptions options;
-  options.plane_normal = Eigen::Vector3d::UnitY();
+  With<ParallelPlanes>(options).normal = Eigen::Vector3d::UnitY();
   options.region.facing = Eigen::Vector3d::UnitZ();
   options.region.facing_within = DegToRad(1);
   options.stepover = 8;
@@ -44,7 +45,7 @@ ToolpathOptions PadOptions() {
 
 ToolpathOptions WallRings() {
   ToolpathOptions options;
-  options.strategy = "rings";
+  With<Rings>(options);
   options.region.connected = {{60, 0, 20}, DegToRad(20)};
   options.rotation_reference = Eigen::Vector3d::UnitX();
   options.stepover = 10;

@@ -5,7 +5,7 @@
 
 #include "base/units.hpp"
 #include "program/economy.hpp"
-#include "program/linuxcnc.hpp"
+#include "program/linuxcnc/linuxcnc.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/verify/sample_cell.hpp"
 #include "verify/arm_bodies.hpp"

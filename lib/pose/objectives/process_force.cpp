@@ -16,6 +16,7 @@ class ProcessForce final : public Objective {
   std::string Name() const override { return "process_force"; }
   std::string Unit() const override { return "mm"; }
   bool DependsOnFeed() const override { return true; }
+  bool NeedsForce() const override { return !given_; }
   void Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const override;
 
  private:

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // usage: plan_job JOB.yaml FOLDER: what `millpose plan` does, from another program.
 #include <cstdio>
-
-#include "pipeline/run.hpp"
+#include <millpose/plan.hpp>
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The compliance indices of one pose of a KR 500 R2830, on standard output in mm/N.
 #include <cstdio>
-
-#include "stiffness/compliance.hpp"
+#include <millpose/stiffness.hpp>
 
 int main() {
   millpose::Arm arm;

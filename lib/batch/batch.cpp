@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "batch/batch.hpp"
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "base/parallel.hpp"
+#include "base/process.hpp"
+#include "base/text.hpp"
+#include "batch/slurm.hpp"
+#include "pipeline/inputs.hpp"
+#include "pipeline/output_folder.hpp"
+#include "pipeline/result_swap.hpp"
+#include "pipeline/step_meshes.hpp"
+
+namespace millpose {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::json;
+
+// Lets a job start when what the running ones take, each at most the largest peak seen so far, leaves room
+// for one more. Until a job has ended nothing is known, and one runs alone.
+class MemoryGate {
+ public:
+  explicit MemoryGate(double bound_MB) : bound_(bound_MB) {}
+
+  void Enter() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] {
+      if (bound_ <= 0 || running_ == 0) return true;
+      return largest_ > 0 && largest_ * (running_ + 1) <= bound_;
+    });
+    ++running_;
+  }
+  void Leave(double peak_MB) {
+    {
+      const std::lock_guard lock(mutex_);
+      --running_;
+      largest_ = std::max(largest_, peak_MB);
+    }
+    changed_.notify_all();
+  }
+
+ private:
+  const double bound_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  int running_ = 0;
+  double largest_ = 0;
+};
+
+// What a process wrote to stderr, without the program's name in front and the line end behind.
+std::string Cause(std::string errors) {
+  constexpr std::string_view kPrefix = "millpose: ";
+  if (errors.starts_with(kPrefix)) errors.erase(0, kPrefix.size());
+  while (errors.ends_with('\n')) errors.pop_back();
+  return errors;
+}
+
+// What summary.json says is missing from a complete plan.
+std::string Shortfall(const Json& summary) {
+  std::vector<std::string> parts;
+  const auto add = [&](size_t count, const char* what) {
+    if (count > 0) parts.push_back(fmt::format("{} {}", count, what));
+  };
+  const Json& gaps = summary.at("gaps");
+  add(summary.at("points").at("skipped").get<size_t>(), "points skipped");
+  add(gaps.at("total").get<size_t>() - gaps.at("planned").get<size_t>(), "gaps not planned");
+  add(summary.at("findings").size(), "findings on programs");
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+JobOutcome RunJob(const BatchJob& job, const fs::path& folder, int threads, bool fresh, MemoryGate* gate,
+                  std::stop_token stop) {
+  if (!fresh)
+    if (const std::optional<JobOutcome> earlier = UpToDate(job, folder)) return *earlier;
+  gate->Enter();
+  ProcessResult result;
+  try {
+    CheckStop(stop);
+    result = RunProcess(PlanCommand(job, folder, threads, fresh), stop);
+  } catch (...) {
+    gate->Leave(0);
+    throw;
+  }
+  gate->Leave(result.peak_memory_MB);
+  JobOutcome outcome = Judge(folder, result.status, result.errors);
+  outcome.wall_s = result.wall_s;  // also of a job that left no figures
+  outcome.peak_memory_MB = result.peak_memory_MB;
+  return outcome;
+}
+
+// Each job in a child process, as many at a time as threads and memory allow.
+std::vector<JobOutcome> RunHere(const std::vector<BatchJob>& jobs, const fs::path& folder,
+                                const BatchArguments& arguments, int threads, Progress& progress,
+                                std::stop_token stop) {
+  const int wanted = arguments.parallel > 0 ? std::min(arguments.parallel, threads) : threads;
+  const int parallel = std::min(static_cast<int>(jobs.size()), wanted);
+  const int threads_each = std::max(1, threads / parallel);
+  std::vector<JobOutcome> outcomes(jobs.size());
+  MemoryGate gate(arguments.memory_MB);
+  std::atomic<size_t> next = 0;
+  progress.Begin("batch", jobs.size());
+  const auto work = [&] {
+    for (size_t i = next++; i < jobs.size() && !stop.stop_requested(); i = next++) {
+      try {
+        outcomes[i] = RunJob(jobs[i], folder / jobs[i].name, threads_each, arguments.fresh, &gate, stop);
+      } catch (const Interrupted&) {
+        return;
+      } catch (const std::exception& error) {  // what cannot be read or started: the other jobs go on
+        outcomes[i].status = 2;
+        outcomes[i].cause = error.what();
+      }
+      progress.Advance(1);
+    }
+  };
+  {
+    std::vector<std::jthread> workers;
+    for (int i = 0; i < parallel; ++i) workers.emplace_back(work);
+  }
+  if (stop.stop_requested()) throw Interrupted();
+  progress.End(fmt::format("{} jobs", jobs.size()));
+  return outcomes;
+}
+
+}  // namespace
+
+std::vector<std::string> PlanCommand(const BatchJob& job, const fs::path& folder, int threads, bool fresh) {
+  std::vector<std::string> command{OwnProgram(),
+                                   "plan",
+                                   fs::absolute(job.file).string(),
+                                   "--out",
+                                   fs::absolute(folder).string(),
+                                   "--threads",
+                                   std::to_string(threads),
+                                   "--quiet"};
+  for (const Override& change : job.overrides) {
+    command.push_back("--set");
+    command.push_back(change.path + "=" + change.value);
+  }
+  if (fresh) command.push_back("--fresh");
+  if (job.max_points != BatchJob{}.max_points) {
+    command.push_back("--max-points");
+    command.push_back(ShortestNumber(job.max_points));
+  }
+  if (const auto& root = job.root.folder()) {
+    command.push_back("--root");
+    command.push_back(root->string());
+  }
+  return command;
+}
+
+JobOutcome Judge(const fs::path& folder, int status, const std::string& errors) {
+  JobOutcome outcome;
+  outcome.status = status;
+  if (status > 1) {
+    outcome.cause = status > 128 ? fmt::format("ended by signal {}", status - 128) : Cause(errors);
+    return outcome;
+  }
+  try {
+    CheckManifest(folder);
+    const Json summary = Json::parse(ReadFile(folder / "summary.json"));
+    outcome.points = summary.at("points").at("total").get<size_t>();
+    outcome.planned = summary.at("points").at("planned").get<size_t>();
+    outcome.cause = Shortfall(summary);
+    if (!outcome.cause.empty()) outcome.status = 1;
+    const Json run = Json::parse(ReadFile(folder / kRunFile));
+    outcome.wall_s = run.at("wall_s").get<double>();
+    outcome.peak_memory_MB = run.at("peak_memory_MB").get<double>();
+  } catch (const std::exception& error) {
+    outcome.status = 3;
+    outcome.cause = std::string("its results cannot be used: ") + error.what();
+  }
+  return outcome;
+}
+
+std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) {
+  try {
+    if (!Exists(folder / kManifestFile) || IsSwapOpen(folder)) return std::nullopt;
+    const Json run = Json::parse(ReadFile(folder / kRunFile));
+    if (run.at("program_id") != ProgramId()) return std::nullopt;
+    JobInputs inputs = LoadJobInputs(job.file, job.overrides, {}, job.root);
+    const std::string key = CheckManifest(folder).key;
+    TakeKeptMeshes(folder, &inputs);
+    if (key != inputs.hash) return std::nullopt;
+    JobOutcome outcome = Judge(folder, 0, "");
+    if (outcome.status > 1) return std::nullopt;
+    outcome.up_to_date = true;
+    return outcome;
+  } catch (const std::exception&) {  // whatever is wrong with the folder or the job: its own run will say
+    return std::nullopt;
+  }
+}
+
+BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::stop_token stop) {
+  std::vector<BatchJob> jobs = CollectJobs(arguments.jobs, arguments.root);
+  for (BatchJob& job : jobs) job.max_points = arguments.max_points;
+  const OutputFolder folder(arguments.out, FolderUse::kResults);
+  std::vector<JobOutcome> outcomes;
+  if (arguments.slurm) {
+    auto result = RunOnSlurm(jobs, folder.path(), std::max(1, arguments.threads), arguments.fresh,
+                             *arguments.slurm, progress, stop);
+    if (const auto* submitted = std::get_if<std::string>(&result)) return {0, *submitted};
+    outcomes = std::get<std::vector<JobOutcome>>(std::move(result));
+  } else {
+    const int threads =
+        arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
+    outcomes = RunHere(jobs, folder.path(), arguments, threads, progress, stop);
+  }
+  folder.Write("batch.json", BatchJson(jobs, outcomes));
+  folder.Write("junit.xml", JUnitXml(jobs, outcomes));
+  BatchOutcome outcome{0, BatchText(jobs, outcomes)};
+  if (!folder.warning().empty()) outcome.text += folder.warning() + '\n';
+  for (const JobOutcome& job : outcomes) outcome.exit_status = std::max(outcome.exit_status, job.status);
+  // A job ended by a signal is an internal error of the batch: the statuses stay those of millpose.
+  if (outcome.exit_status > 3) outcome.exit_status = 3;
+  return outcome;
+}
+
+}  // namespace millpose

@@ -1,0 +1,5 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The arm: forward kinematics, Jacobian, closed-form inverse.
+#pragma once
+
+#include "robot/arm.hpp"

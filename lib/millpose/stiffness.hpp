@@ -1,0 +1,6 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Compliance at the tool tip and its indices in the milling plane.
+#pragma once
+
+#include "stiffness/compliance.hpp"
+#include "stiffness/pose_stiffness.hpp"

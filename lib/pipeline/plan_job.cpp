@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/plan_job.hpp"
+
+#include "base/error.hpp"
+#include "path/job_planner.hpp"
+#include "path/strike_out.hpp"
+#include "path/turns.hpp"
+#include "pipeline/assemble.hpp"
+#include "pipeline/job_engagement.hpp"
+#include "pipeline/plan_passes.hpp"
+#include "toolpath/strategy.hpp"
+
+namespace millpose {
+namespace {
+
+// Whether a pass may be run the other way round: where nothing that the poses depend on knows the feed's
+// direction. A force does.
+bool FreeDirections(const JobSettings& job, const Objective& objective) {
+  const ToolpathSettings& toolpath = job.toolpath;
+  const bool laid = !toolpath.strategy->IsPrescribed();
+  const bool upright = toolpath.lead == 0 && toolpath.tilt == 0;
+  return laid && upright && !job.cutting && toolpath.direction == Direction::kZigzag &&
+         !objective.DependsOnFeed();
+}
+
+PlanResult StartPlan(const JobInputs& inputs, const PreparedJob& prepared) {
+  const Cell& cell = prepared.cell;
+  const PoseProblem& problem = prepared.problem;
+  PlanResult plan;
+  plan.job = inputs.job.name;
+  plan.cell = inputs.cell.name;
+  plan.input_hash = inputs.hash;
+  plan.seed = inputs.job.seed;
+  plan.arm = cell.arm;
+  plan.X_WB = cell.X_WB;
+  plan.X_FT = cell.X_FT;
+  plan.X_WP = cell.X_WP;
+  plan.home = cell.home;
+  plan.spindle_speed = inputs.job.spindle_speed;
+  plan.objective_name = problem.objective->Name();
+  plan.objective_unit = problem.objective->Unit();
+  plan.stiffness_origin = inputs.cell.stiffness_at;
+  return plan;
+}
+
+size_t PointsOf(const Share& share, const Toolpath& toolpath) {
+  size_t count = 0;
+  for (size_t i = share.index; i < toolpath.passes.size(); i += share.count)
+    count += toolpath.passes[i].points.size();
+  return count;
+}
+
+PlannedPasses PlanPassesOf(const JobInputs& inputs, const PreparedJob& prepared, const Share& share,
+                           const CheckpointStore& checkpoints, const Execution& execution) {
+  execution.progress.Begin("passes", PointsOf(share, prepared.toolpath));
+  PlannedPasses planned = PlanPasses(prepared.problem, prepared.world, prepared.toolpath,
+                                     MakePathOptions(inputs.job), checkpoints, share, execution);
+  execution.progress.End(
+      fmt::format("{} passes, {} of them from checkpoints", planned.passes.size(), planned.resumed));
+  return planned;
+}
+
+// Passes come in their directions and turns, then the ways between them.
+void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution,
+              PlannedJob& job) {
+  const PoseProblem& problem = job.prepared.problem;
+  PlanResult& plan = job.plan;
+  FixTurns(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
+                         FreeDirections(inputs.job, *problem.objective)});
+  execution.progress.Begin("fixed rotations", 0);
+  job.fixed = CompareWithFixed(problem, job.prepared.world, plan.passes,
+                               MakeFixedOptions(inputs.job, execution.Threads(), execution.stop));
+  execution.progress.End(fmt::format("{} points compared", job.fixed.plan.size()));
+  const std::string left =
+      CountWhatIsLeft(inputs, job.prepared.surface.mesh, execution.Threads(), execution.stop, plan);
+  if (!left.empty()) job.prepared.warnings.push_back(left);
+  const auto ends = GapEnds(plan.home, plan.passes);
+  const auto start_ends = inputs.job.programs.empty() ? decltype(ends){} : StartEnds(ends);
+  const GapOptions options = MakeGapOptions(inputs.job);
+  execution.progress.Begin("gaps", ends.size() + start_ends.size());
+  PlannedGaps gaps = PlanGaps(job.prepared.world, ends, options, checkpoints, execution);
+  plan.gaps = std::move(gaps.gaps);
+  job.resumed_gaps = gaps.resumed;
+  job.starts.ways.gaps = PlanGaps(job.prepared.world, start_ends, options, checkpoints, execution).gaps;
+  if (inputs.job.feed_policy == "reduce") job.reduction = ReduceFeeds(plan);
+  execution.progress.End(
+      fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), job.resumed_gaps));
+}
+
+void WritePrograms(const JobInputs& inputs, const Execution& execution, PlannedJob& job) {
+  const std::vector<std::string>& not_machined = job.prepared.made.holes_left_out;
+  execution.progress.Begin("programs", 0);
+  job.programs = MakePrograms(job.plan, inputs, not_machined, job.prepared.world, inputs.trajectory,
+                              execution.Threads(), execution.stop);
+  for (const CheckedProgram& program : job.programs.programs)
+    if (program.Confirmed())
+      job.starts.programs[program.controller] =
+          MakeStartPrograms(job.plan, job.starts.ways, inputs, not_machined, program.controller,
+                            job.prepared.world, execution.Threads(), execution.stop);
+  execution.progress.End(fmt::format("{} programs", job.programs.programs.size()));
+}
+
+}  // namespace
+
+void CheckPrograms(const JobInputs& inputs) {
+  if (!inputs.cell.programs_allowed && !inputs.job.programs.empty())
+    throw InputError(
+        {inputs.job.file},
+        fmt::format("programs: cell {} is for reproduction only (reproduction_only: true), no programs "
+                    "may be written for it; give `programs: []`",
+                    inputs.cell.name));
+  for (const std::string& controller : inputs.job.programs)
+    MakePostSettings(inputs.job, inputs.cell, controller);  // refuses now what programs cannot be written for
+}
+
+PreparedJob PrepareJob(const JobInputs& inputs, const Execution& execution) {
+  Progress& progress = execution.progress;
+  Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
+  cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
+  progress.Begin(SurfaceStage(inputs), 0);
+  Part part = ReadPart(inputs, cell);
+  const Mesh& mesh = part.import.mesh;
+  const Eigen::Vector3d size = part.import.report.upper - part.import.report.lower;
+  progress.End(fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} mm", inputs.job.workpiece.mesh_file,
+                           part.import.report.triangles, size.x(), size.y(), size.z()));
+  AddWorkpiece(inputs, mesh.triangles(), &cell);
+  progress.Begin("toolpath", 0);
+  JobToolpath made = MakeJobToolpath(inputs, mesh, execution.stop);
+  progress.End(
+      fmt::format("{} points in {} passes", CountPoints(made.toolpath), made.toolpath.passes.size()));
+  progress.Begin("gouges", 0);
+  CheckJobGouges(inputs, mesh, execution.Threads(), made, execution.stop);
+  progress.End(fmt::format("{} points", made.gouges.points));
+  const std::optional<CuttingForce> heaviest =
+      SetJobEngagement(inputs, mesh, execution.Threads(), execution.stop, made.toolpath);
+  for (const std::string& hole : made.holes_left_out) made.findings.push_back("NOT MACHINED: " + hole);
+  std::vector<std::string> warnings = std::move(part.warnings);
+  std::ranges::copy(made.warnings, std::back_inserter(warnings));
+  std::ranges::copy(made.notes, std::back_inserter(warnings));
+  const World world(cell);
+  if (const auto found = Checker(world).At(cell.home, Phase::kFree))
+    warnings.push_back(fmt::format("{}: home_deg: {}; no way from or to home can be planned",
+                                   inputs.cell.file, Describe(*found)));
+  PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, cell);
+  Toolpath toolpath = PlacedToolpath(inputs, made.toolpath, cell.X_WP);
+  return {std::move(cell),    world,    std::move(part.import), std::move(made), std::move(toolpath),
+          std::move(problem), heaviest, std::move(warnings)};
+}
+
+PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution) {
+  CheckPrograms(inputs);
+  PlannedJob job{PrepareJob(inputs, execution), {}, {}, {}, {}, {}};
+  job.plan = StartPlan(inputs, job.prepared);
+  PlannedPasses planned = PlanPassesOf(inputs, job.prepared, Share{}, checkpoints, execution);
+  job.plan.passes = std::move(planned.passes);
+  job.resumed_passes = planned.resumed;
+  PlanWays(inputs, checkpoints, execution, job);
+  WritePrograms(inputs, execution, job);
+  return job;
+}
+
+void PlanShare(const JobInputs& inputs, const Share& share, const CheckpointStore& checkpoints,
+               const Execution& execution) {
+  PlanPassesOf(inputs, PrepareJob(inputs, execution), share, checkpoints, execution);
+}
+
+}  // namespace millpose

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A job's plan as a value: no text, no exit status, nothing written.
+#pragma once
+
+#include "base/execution.hpp"
+#include "cell/world.hpp"
+#include "path/fixed_rotation.hpp"
+#include "pipeline/checkpoints.hpp"
+#include "pipeline/inputs.hpp"
+#include "pipeline/make_programs.hpp"
+#include "pipeline/start_programs.hpp"
+#include "pipeline/workpiece.hpp"
+#include "plan/plan_result.hpp"
+#include "pose/scorer.hpp"
+#include "stiffness/process_force.hpp"
+
+namespace millpose {
+
+/// What a job comes to before anything is planned.
+struct PreparedJob {
+  Cell cell;  ///< with the workpiece in its place
+  World world;
+  ImportResult surface;  ///< the workpiece's mesh, in P
+  JobToolpath made;      ///< in P
+  Toolpath toolpath;     ///< in W
+  PoseProblem problem;
+  std::optional<CuttingForce> heaviest;  ///< of all cuts, where the job says what the cutter takes off
+  std::vector<std::string> warnings;     ///< what the user should know, one sentence each
+};
+
+/// Throws InputError for bad input; Interrupted.
+PreparedJob PrepareJob(const JobInputs& inputs, const Execution& execution);
+
+/// A planned job. Points, passes or gaps that could not be planned stand in the plan with their reason;
+/// programs that their read-back does not confirm stand here with its findings.
+struct PlannedJob {
+  PreparedJob prepared;
+  PlanResult plan;
+  FixedComparison fixed;  ///< with the best fixed rotations
+  FeedReduction reduction;
+  JobPrograms programs;
+  JobStarts starts;
+  size_t resumed_passes = 0, resumed_gaps = 0;  ///< that came from checkpoints
+};
+
+/// Plans a job, whose STEP files are triangles by now (CutStepFiles). Throws InputError for bad input,
+/// Interrupted when the execution's stop was requested: what was planned until then stays in `checkpoints`.
+PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution);
+
+/// Part `index` (from 0) of `count`: every count-th pass of a job, so that several machines can plan one job.
+struct Share {
+  size_t index = 0, count = 1;
+};
+
+/// Plans the passes of a share alone and leaves them in `checkpoints`.
+void PlanShare(const JobInputs& inputs, const Share& share, const CheckpointStore& checkpoints,
+               const Execution& execution);
+
+/// Refuses a job whose cell no programs may be written for, or which lacks what they need. Throws InputError.
+void CheckPrograms(const JobInputs& inputs);
+
+}  // namespace millpose

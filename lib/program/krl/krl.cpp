@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "program/krl/krl.hpp"
+
+#include <cassert>
+
+#include "base/units.hpp"
+#include "program/controller_axes.hpp"
+#include "program/krl/krl_head.hpp"
+#include "program/rounding.hpp"
+#include "program/writer.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr size_t kLongestName = 24;
+constexpr size_t kWidth = 100;
+constexpr int kLengthDecimals = 4;  // 0.00005 mm per coordinate
+constexpr int kAngleDecimals = 6;   // of a degree: 0.00005 mm at 3 m
+constexpr int kEntryDecimals = 4;   // A, B, C of a PTP with S and T: the line stays within 100 columns
+
+constexpr const char* kHead =
+    "&ACCESS RVP\n&REL 1\n&PARAM TEMPLATE = C:\\KRC\\Roboter\\Template\\vorgabe\n&PARAM EDITMASK = *\n";
+
+constexpr const char* kIni =
+    ";FOLD INI\n"
+    "  ;FOLD BASISTECH INI\n"
+    "    GLOBAL INTERRUPT DECL 3 WHEN $STOPMESS==TRUE DO IR_STOPM ( )\n"
+    "    INTERRUPT ON 3\n"
+    "    BAS (#INITMOV,0 )\n"
+    "  ;ENDFOLD (BASISTECH INI)\n"
+    ";ENDFOLD (INI)\n";
+
+std::string Binary(int bits, int digits) { return fmt::format("'B{:0{}b}'", bits, digits); }
+
+class KrlWriter : public ProgramWriter {
+ public:
+  KrlWriter(const MotionProgram& program, const Arm& arm, const PostSettings& settings)
+      : ProgramWriter(program, arm, settings, KrlTexts()) {}
+
+  ProgramFiles Write() {
+    WriteSections();
+    const std::string name = LegalName(program_.name, kLongestName, 1);
+    ProgramFiles files;
+    std::string main = Head(name);
+    const std::vector<std::string> parts = Parts();
+    for (size_t i = 0; i < parts.size(); ++i) {
+      const std::string part = SubprogramName(name, i, kLongestName);
+      files[part + ".src"] = fmt::format("{}DEF {} ( )\n{}END\n", kHead, part, parts[i]);
+      main += part + " ( )\n";
+    }
+    files[name + ".src"] = main + MainText(parts) + TextLines("footer") + "END\n";
+    files[name + ".dat"] = Data(name);
+    return files;
+  }
+
+ private:
+  void Begin() override {
+    feed_.clear();
+    distance_.clear();
+    if (std::exchange(within_pass_, false)) Line(";FOLD PART OF A PASS");
+  }
+
+  std::string Head(const std::string& name) const {
+    std::string head = kHead;
+    const auto add = [&](const std::string& line) { head += line + "\n"; };
+    add(fmt::format("DEF {} ( )", name));
+    add("; written by millpose for KUKA KRC4; mm, degrees; A about Z, B about new Y, C about new X");
+    for (const std::string& text : HeaderTexts(kWidth - 2)) add("; " + text);
+    if (program_.frames_checked) head += KrlDeclarations();
+    head += kIni;
+    if (program_.frames_checked) head += KrlFrameCheck(settings_);
+    return head + Settings() + TextLines("header") + TextLines("tool_change");
+  }
+
+  std::string Settings() const override {
+    std::string settings;
+    const auto add = [&](const std::string& line) { settings += line + "\n"; };
+    AddFrames(add);
+    if (settings_.load) settings += KrlLoad(settings_) + "\n";
+    AddDynamics(add);
+    return settings;
+  }
+
+  /// A numbered frame is the controller's own, with $LOAD, $ACT_TOOL and $ACT_BASE; the header says which
+  /// values it must hold.
+  template <class Add>
+  void AddFrames(const Add& add) const {
+    if (settings_.base_number > 0) {
+      add(fmt::format("BAS (#BASE,{} )", settings_.base_number));
+    } else if (program_.X_BP) {
+      add(fmt::format("$BASE = {{FRAME: {}}}", KrlFields(settings_.X_KB * *program_.X_BP, kAngleDecimals)));
+    }
+    if (settings_.tool_number > 0) {
+      add(fmt::format("BAS (#TOOL,{} )", settings_.tool_number));
+    } else if (program_.X_FT) {
+      Pose X_FC = *program_.X_FT;
+      X_FC.linear() = X_FC.linear() * settings_.R_TC;
+      add(fmt::format("$TOOL = {{FRAME: {}}}", KrlFields(X_FC, kAngleDecimals)));
+    }
+  }
+
+  template <class Add>
+  void AddDynamics(const Add& add) const {
+    add("$ORI_TYPE = #VAR");
+    add(fmt::format("$ADVANCE = {}", settings_.advance));
+    add(fmt::format("BAS (#VEL_PTP,{} )", Fixed(settings_.ptp_share * 100, 0)));
+    const auto both = [&](const char* what, double value) {
+      for (const int i : {1, 2}) add(fmt::format("{}.ORI{} = {}", what, i, Fixed(value * kDegPerRad, 4)));
+    };
+    both("$VEL", settings_.orientation_speed);
+    if (settings_.path_acceleration) add("$ACC.CP = " + Fixed(*settings_.path_acceleration / 1000, 4));
+    if (settings_.orientation_acceleration) both("$ACC", *settings_.orientation_acceleration);
+  }
+
+  Pose ToolInBase(const Motion& motion) const {
+    Pose X_PC = motion.X_PT;
+    X_PC.linear() = X_PC.linear() * settings_.R_TC;
+    return X_PC;
+  }
+
+  void AddMotion(size_t i) override {
+    const Motion& motion = program_.motions[i];
+    if (motion.type == MotionType::kLinear) return AddLinear(motion);
+    AddTriggers();
+    if (motion.status) {
+      Line(fmt::format("PTP {{{},S {},T {}{}}}", KrlFields(ToolInBase(motion), kEntryDecimals),
+                       Binary(*motion.status, 3), Binary(TurnOf(motion), 6), External()));
+    } else {
+      const Joints angles = ToController(settings_.axes, *motion.q) * kDegPerRad;
+      std::string fields;
+      for (int k = 0; k < 6; ++k)
+        fields += fmt::format("{}A{} {}", k ? "," : "", k + 1, Fixed(angles[k], kAngleDecimals));
+      Line(fmt::format("PTP {{{}{}}}", fields, External()));
+    }
+  }
+
+  void AddLinear(const Motion& motion) {
+    const std::string target =
+        fmt::format("{{{}{}}}", KrlFields(ToolInBase(motion), kAngleDecimals), External());
+    Feed(motion.feed);
+    if (!motion.exact) Distance(motion.blend);
+    AddTriggers();
+    Line(fmt::format("LIN {}{}", target, motion.exact ? "" : " C_DIS"));
+  }
+
+  /// What is switched where this motion begins.
+  void AddTriggers() {
+    for (const PathOutput& output : outputs_) {
+      Line(fmt::format("TRIGGER WHEN DISTANCE=0 DELAY={} DO $OUT[{}]={}", Fixed(output.delay * 1000, 0),
+                       output.number, output.on ? "TRUE" : "FALSE"));
+    }
+    outputs_.clear();
+  }
+
+  /// The constant external axes, as fields.
+  std::string External() const {
+    std::string fields;
+    for (size_t i = 0; i < settings_.external.size(); ++i) {
+      fields += fmt::format(",E{} {}", i + 1, Fixed(settings_.external[i], kLengthDecimals));
+    }
+    return fields;
+  }
+
+  int TurnOf(const Motion& motion) const {
+    Pose X_PC = ToolInBase(motion);
+    Eigen::Vector3d abc = AnglesZyx(X_PC.linear()) * kDegPerRad;
+    for (int i = 0; i < 3; ++i) {
+      X_PC.translation()[i] = Rounded(X_PC.translation()[i], kLengthDecimals);
+      abc[i] = Rounded(abc[i], kEntryDecimals) * kRadPerDeg;
+    }
+    X_PC.linear() = FromAnglesZyx(abc);
+    return TurnAt(motion, X_PC);
+  }
+
+  void Feed(double feed) {
+    const std::string text = Fixed(feed / 1000, 8);  // $VEL.CP is in m/s
+    if (text == feed_) return;
+    feed_ = text;
+    Line("$VEL.CP = " + text);
+  }
+
+  void Distance(double blend) {
+    const std::string text = Fixed(blend, 4);
+    if (text == distance_) return;
+    distance_ = text;
+    Line("$APO.CDIS = " + text);
+  }
+
+  void Event(const ProgramEvent& event) override {
+    const std::string pass = Fixed(event.value, 0);
+    if (event.kind == ProgramEvent::Kind::kOutput) {
+      outputs_.push_back(event.output);
+    } else if (event.kind == ProgramEvent::Kind::kHandover) {
+      Line(";ENDFOLD (PART OF A PASS)");
+      within_pass_ = true;
+    } else if (event.kind == ProgramEvent::Kind::kPassBegin) {
+      Line(fmt::format("PASS_{}_{}:", pass, event.piece));
+      Line(fmt::format(";FOLD PASS {} PIECE {}", pass, event.piece));
+    } else if (event.kind == ProgramEvent::Kind::kPassEnd) {
+      Line(fmt::format(";ENDFOLD (PASS {} PIECE {})", pass, event.piece));
+    }
+    AddTexts(event);
+  }
+
+  static std::string Data(const std::string& name) {
+    return fmt::format(
+        "{}DEFDAT {}\n;FOLD EXTERNAL DECLARATIONS\n  ;FOLD BASISTECH EXT\n"
+        "    EXT BAS (BAS_COMMAND :IN,REAL :IN )\n    DECL INT SUCCESS\n  ;ENDFOLD (BASISTECH "
+        "EXT)\n;ENDFOLD\n"
+        "ENDDAT\n",
+        kHead, name);
+  }
+
+  std::vector<PathOutput> outputs_;  // to be switched with the next straight motion
+  std::string feed_, distance_;
+  bool within_pass_ = false;  // the next section goes on with a pass
+};
+
+}  // namespace
+
+std::map<std::string, std::string> KrlTexts() {
+  return {{"spindle_on", "; SPINDLE ON {rpm} 1/min: switch it on, then start again\nHALT"},
+          {"spindle_off", "; SPINDLE OFF: switch it off, then start again\nHALT"}};
+}
+
+ProgramFiles KrlPost::Write(const MotionProgram& program, const Arm& arm,
+                            const PostSettings& settings) const {
+  assert(IsWellFormed(program));
+  if (program.blend_is_distance) return KrlWriter(program, arm, settings).Write();
+  MotionProgram rounded = program;
+  ChooseRounding(rounded, settings.tolerance);
+  return KrlWriter(rounded, arm, settings).Write();
+}
+
+std::vector<std::string> KrlPost::Keys() const {
+  return {"base_number",
+          "tool_number",
+          "external_axes",
+          "ptp_speed_percent",
+          "advance",
+          "orientation_speed_deg_s",
+          "orientation_acceleration_deg_s2",
+          "tool_direction",
+          "robroot",
+          "ersysroot",
+          "write_load",
+          "program_memory_kbytes",
+          "max_motions",
+          "max_kbytes",
+          "delay_ms"};
+}
+
+// LIN: the controller's tool direction swivels evenly, the tool turns evenly about it.
+std::vector<LineModel> KrlPost::Lines(const PostSettings& settings) const {
+  const Eigen::Vector3d direction = settings.R_TC * settings.tool_direction;
+  return {[direction](const Pose& from, const Pose& to) { return ProgrammedLine(from, to, direction); }};
+}
+
+void KrlPost::Round(MotionProgram& program, const Arm&, const PostSettings& settings) const {
+  ChooseRounding(program, settings.tolerance);
+}
+
+PostEntry KrlEntry() {
+  return {"krl", [] { return std::make_unique<KrlPost>(); }};
+}
+
+}  // namespace millpose

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "program/krl/krl_head.hpp"
+
+#include "base/units.hpp"
+#include "program/controller_axes.hpp"
+#include "program/scanner.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr int kLengthDecimals = 4;
+constexpr int kAngleDecimals = 6;
+// How far the controller's frame may be from the cell's; REAL has 24 bits.
+constexpr const char* kLength = "0.01";  // mm
+constexpr const char* kAngle = "0.001";  // degrees
+
+/// Data of the check and of its message (KRL's types for user messages, KSS 8).
+constexpr const char* kDeclarations =
+    "DECL FRAME MP_OFF\n"
+    "DECL KRLMSG_T MP_MSG\n"
+    "DECL KRLMSGPAR_T MP_PAR[3]\n"
+    "DECL KRLMSGOPT_T MP_OPT\n"
+    "DECL INT MP_ID\n";
+
+/// Compares as frames, not number by number: angles are not unique (C 180 and C -180, all of them at B 90).
+/// The loop keeps a start key from going on.
+std::string Check(const std::string& name, const Pose& assumed) {
+  std::string text = fmt::format("MP_OFF = {{FRAME: {}}}\nMP_OFF = INV_POS(MP_OFF):{}\n",
+                                 KrlFields(assumed, kAngleDecimals), name);
+  for (int i = 1; i <= 3; ++i) text += fmt::format("MP_PAR[{}] = {{PAR_TYPE #EMPTY}}\n", i);
+  std::vector<std::string> lengths, angles;
+  for (const char axis : {'X', 'Y', 'Z'}) lengths.push_back(fmt::format("ABS(MP_OFF.{})>{}", axis, kLength));
+  for (const char axis : {'A', 'B', 'C'}) angles.push_back(fmt::format("ABS(MP_OFF.{})>{}", axis, kAngle));
+  for (const auto& terms : {lengths, angles}) {
+    text += fmt::format("IF ({}) THEN\n", fmt::join(terms, ") OR ("));
+    text += fmt::format(
+        "MP_MSG = {{MODUL[] \"millpose\",NR 1,MSG_TXT[] \"{} is not as assumed: see the head\"}}\n", name);
+    text +=
+        "MP_OPT = {VL_STOP TRUE,CLEAR_P_RESET TRUE,CLEAR_P_SAW FALSE,LOG_TO_DB TRUE}\n"
+        "MP_ID = SET_KRLMSG(#QUIT,MP_MSG,MP_PAR[],MP_OPT)\n"
+        "LOOP\nHALT\nENDLOOP\nENDIF\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string KrlFields(const Pose& pose, int decimals) {
+  const Eigen::Vector3d p = pose.translation();
+  const Eigen::Vector3d abc = AnglesZyx(pose.linear()) * kDegPerRad;
+  return fmt::format("X {},Y {},Z {},A {},B {},C {}", Fixed(p.x(), kLengthDecimals),
+                     Fixed(p.y(), kLengthDecimals), Fixed(p.z(), kLengthDecimals), Fixed(abc[0], decimals),
+                     Fixed(abc[1], decimals), Fixed(abc[2], decimals));
+}
+
+std::string KrlDeclarations() { return kDeclarations; }
+
+std::string KrlFrameCheck(const PostSettings& settings) {
+  return settings.ersysroot ? Check("$ERSYSROOT", *settings.ersysroot) : Check("$ROBROOT", settings.X_KB);
+}
+
+std::string KrlLoad(const PostSettings& settings) {
+  if (!settings.load) return {};
+  const ToolLoad& load = *settings.load;
+  const auto three = [](const Eigen::Vector3d& v) {
+    return fmt::format("X {},Y {},Z {}", Fixed(v.x(), 4), Fixed(v.y(), 4), Fixed(v.z(), 4));
+  };
+  return fmt::format("$LOAD = {{M {},CM {{{},A 0.0,B 0.0,C 0.0}},J {{{}}}}}", Fixed(load.mass, 3),
+                     three(load.centre), three(load.inertia));
+}
+
+size_t KrlLines(const std::string& text, const std::vector<std::string_view>& lines, size_t first) {
+  size_t line = first;
+  for (const std::string_view wanted : SplitLines(text)) {
+    while (line > first && line < lines.size() && Trim(lines[line]).empty()) ++line;
+    if (line == lines.size() || !SameWords(Trim(lines[line]), wanted)) return 0;
+    ++line;
+  }
+  return line - first;
+}
+
+}  // namespace millpose

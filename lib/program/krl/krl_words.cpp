@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "program/krl/krl_words.hpp"
+
+#include "base/units.hpp"
+#include "program/controller_axes.hpp"
+
+namespace millpose::krl {
+namespace {
+
+constexpr int kDeepestBrackets = 16;
+constexpr double kMostBits = 63, kLongestDelay = 10000;  // of S and T; ms
+
+double ReadWhole(LineScanner& scan, double least, double most) {
+  const size_t start = scan.Next();
+  const double number = scan.ExpectNumber();
+  if (number < least || number > most || number != std::floor(number))
+    scan.FailFrom(start, fmt::format("a whole number {} to {} expected", least, most));
+  return number;
+}
+
+int ReadBits(LineScanner& scan) {
+  return scan.Peek() == '\'' ? scan.ExpectBits() : static_cast<int>(ReadWhole(scan, 0, kMostBits));
+}
+
+int ReadIndex(LineScanner& scan) {
+  scan.Expect("[");
+  const double number = ReadWhole(scan, 1, 8192);
+  scan.Expect("]");
+  return static_cast<int>(number);
+}
+
+bool ReadTruth(LineScanner& scan) {
+  const bool truth = scan.Accept("TRUE");
+  if (!truth && !scan.Accept("FALSE")) scan.Fail("TRUE or FALSE expected");
+  return truth;
+}
+
+void ReadOperand(LineScanner& scan, int depth) {
+  while (scan.Accept("NOT")) {
+  }
+  if (scan.Accept("(")) {
+    if (depth == kDeepestBrackets) scan.Fail("fewer brackets expected");
+    do {
+      ReadOperand(scan, depth + 1);
+    } while (scan.Accept("AND") || scan.Accept("OR") || scan.Accept("EXOR"));
+    scan.Expect(")");
+  } else if (scan.Accept("$IN") || scan.Accept("$OUT") || scan.Accept("$FLAG")) {
+    ReadIndex(scan);
+    if (scan.Accept("==")) ReadTruth(scan);
+  } else {
+    scan.Fail("what to wait for expected: $IN[n], $OUT[n] or $FLAG[n] with NOT, AND, OR, EXOR");
+  }
+}
+
+}  // namespace
+
+Fields ReadFields(LineScanner& scan, const std::string& type, const std::vector<std::string>& allowed) {
+  Fields fields;
+  scan.Expect("{");
+  if (scan.Accept(type)) scan.Expect(":");
+  do {
+    const std::string* field = nullptr;
+    for (const std::string& name : allowed) {
+      if (scan.Accept(name)) field = &name;
+      if (field) break;
+    }
+    if (!field) scan.Fail(fmt::format("one of the fields {} expected", fmt::join(allowed, ", ")));
+    if (fields.contains(*field)) scan.Fail(fmt::format("field {} is given twice", *field));
+    fields[*field] = *field == "S" || *field == "T" ? ReadBits(scan) : scan.ExpectNumber();
+  } while (scan.Accept(","));
+  scan.Expect("}");
+  return fields;
+}
+
+void ExpectAll(LineScanner& scan, const Fields& fields, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (!fields.contains(name)) scan.Fail(fmt::format("field {} is missing", name));
+  }
+}
+
+Pose PoseOf(const Fields& fields) {
+  Pose pose = Pose::Identity();
+  pose.translation() = Eigen::Vector3d(fields.at("X"), fields.at("Y"), fields.at("Z"));
+  pose.linear() = FromAnglesZyx(Eigen::Vector3d(fields.at("A"), fields.at("B"), fields.at("C")) * kRadPerDeg);
+  return pose;
+}
+
+double ReadPositive(LineScanner& scan) {
+  scan.Expect("=");
+  const size_t start = scan.Next();
+  const double value = scan.ExpectNumber();
+  if (!(value > 0)) scan.FailFrom(start, "a number above 0 expected");
+  return value;
+}
+
+PathOutput ReadTrigger(LineScanner& scan) {
+  scan.Expect("DISTANCE");
+  scan.Expect("=");
+  const size_t start = scan.Next();
+  if (scan.ExpectNumber() != 0) scan.FailFrom(start, "0 expected (switching where the next motion begins)");
+  PathOutput output;
+  scan.Expect("DELAY");
+  scan.Expect("=");
+  output.delay = ReadWhole(scan, -kLongestDelay, kLongestDelay) / 1000;
+  scan.Expect("DO");
+  scan.Expect("$OUT");
+  output.number = ReadIndex(scan);
+  scan.Expect("=");
+  output.on = ReadTruth(scan);
+  return output;
+}
+
+bool ReadOutput(LineScanner& scan) {
+  if (scan.Accept("PULSE")) {
+    scan.Expect("(");
+    scan.Expect("$OUT");
+    ReadIndex(scan);
+    scan.Expect(",");
+    ReadTruth(scan);
+    scan.Expect(",");
+    scan.ExpectNumber();
+    scan.Expect(")");
+  } else if (scan.Accept("$OUT")) {
+    ReadIndex(scan);
+    scan.Expect("=");
+    ReadTruth(scan);
+  } else if (scan.Accept("$ANOUT")) {
+    ReadIndex(scan);
+    scan.Expect("=");
+    do {
+      scan.ExpectNumber();
+    } while (scan.Accept("*") || scan.Accept("/"));
+  } else {
+    return false;
+  }
+  return true;
+}
+
+void ReadCondition(LineScanner& scan) {
+  do {
+    ReadOperand(scan, 0);
+  } while (scan.Accept("AND") || scan.Accept("OR") || scan.Accept("EXOR"));
+}
+
+}  // namespace millpose::krl

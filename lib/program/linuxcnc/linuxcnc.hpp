@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "program/post.hpp"
+
+namespace millpose {
+
+/// LinuxCNC (RS-274/NGC): NAME.ngc, docs/linuxcnc.md. In joint space X, Y, Z, A, B, C are the joints 1..6 in
+/// degrees; straight lines of the tip become joint motions in inverse time, short enough that the tip leaves
+/// the line by at most kHalfwayDeviation. Cartesian, cuts are poses of the tool in the robot's base with A,
+/// B, C running evenly, short enough that the orientation stays within kHalfwayAngle of an even turn; motions
+/// between cuts remain joint positions, between two switches of the kinematics.
+class LinuxCncPost : public Post {
+ public:
+  std::string Name() const override { return "linuxcnc"; }
+  std::vector<std::string> Endings() const override { return {".ngc"}; }
+  std::vector<std::string> Keys() const override;
+  double AngleReserve() const override;
+  void Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const override;
+  bool NeedsSphericalWrist() const override { return false; }
+  bool ReadsFromDisk() const override { return true; }
+  double UsualCycle() const override { return 0.001; }  // the servo period
+  ProgramFiles Write(const MotionProgram& program, const Arm& arm,
+                     const PostSettings& settings) const override;
+  MotionProgram Read(const ProgramFiles& files, const Arm& arm, const PostSettings& settings) const override;
+  std::vector<Problem> CheckTexts(const Arm& arm, const PostSettings& settings) const override;
+};
+
+inline constexpr double kHalfwayDeviation = 0.005;  ///< mm
+inline constexpr double kHalfwayAngle = 8.7266e-5;  ///< rad (0.005°)
+/// rad (0.001°): what the rounding of numbers and the places between the points may add to both.
+inline constexpr double kAngleMargin = 1.7453e-5;
+
+/// LinuxCNC's texts for events where the cell gives none.
+std::map<std::string, std::string> LinuxCncTexts();
+
+/// Selects a coordinate system without offsets, whatever the machine's others hold.
+inline constexpr const char* kNoOffsets = "G10 L2 P9 X0 Y0 Z0 A0 B0 C0 R0";
+
+/// The interpreter turns G93's F into a speed of at least this many degrees (or mm) per minute.
+inline constexpr double kInverseTimeFloor = 0.1;
+
+/// G64's tolerance counts in the units of X, Y, Z, here degrees: the tip's tolerance (mm) over the arm's
+/// reach.
+double BlendDegrees(double blend, const Arm& arm, const Pose& X_FT);
+
+/// Length (degrees) that F counts along between two joint positions (degrees): that of X, Y, Z, or, where
+/// they stand still, that of A, B, C.
+double FeedLength(const Joints& from, const Joints& to);
+
+}  // namespace millpose

@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Reads RS-274/NGC as LinuxCNC does, as far as robot programs of millpose and the usual hand edits go.
+#include "base/units.hpp"
+#include "program/controller_axes.hpp"
+#include "program/linuxcnc/linuxcnc.hpp"
+#include "program/reader.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr const char* kPathMode = "G61, G61.1 or G64";
+constexpr const char* kFeedMode = "G93 or G94";
+constexpr const char* kKinematics = "the cell's text joints_on or cartesian_on";
+// rs274 of LinuxCNC 2.9 takes 252 characters and says "Command too long" from 253 on, comments included.
+constexpr size_t kLongestLine = 250;
+constexpr double kWholeSlack = 0.99e-4;  // of the interpreter's 0.0001
+constexpr bool kBlanks = true;           // count for nothing, also within numbers
+constexpr double kFarthest = 1e5;        // mm or degrees: nothing that an arm can mean is larger
+
+/// A number of a code, in parts of `parts`: the interpreter takes what is off by up to 0.0001 for it.
+double Whole(double value, double parts) {
+  const double whole = std::round(value * parts) / parts;
+  return std::abs(value - whole) < kWholeSlack ? whole : value;
+}
+
+/// What one block programs. Every letter but G and M stands once.
+struct Block {
+  std::map<char, double> words;  ///< all but G and M
+  std::vector<double> g, m;
+  bool calls = false;  ///< a program of the plant
+
+  bool Has(char letter) const { return words.contains(letter); }
+  bool HasG(double code) const { return std::ranges::find(g, code) != g.end(); }
+  bool HasM(double code) const { return std::ranges::find(m, code) != m.end(); }
+  std::optional<double> Word(char letter) const {
+    const auto found = words.find(letter);
+    return found == words.end() ? std::nullopt : std::optional(found->second);
+  }
+};
+
+/// The modal group of a G code that this reader knows; 0 for one that it does not. LinuxCNC, G-code overview.
+int GroupOf(double g) {
+  static const std::map<double, int> groups = {{0, 2},  {1, 2},    {4, 1},     {10, 1},  {17, 3},    {21, 7},
+                                               {40, 8}, {49, 9},   {59.3, 13}, {61, 14}, {61.1, 14}, {64, 14},
+                                               {90, 4}, {92.1, 1}, {93, 6},    {94, 6}};
+  const auto found = groups.find(g);
+  return found == groups.end() ? 0 : found->second;
+}
+
+class LinuxCncReader : public ProgramReader {
+ public:
+  LinuxCncReader(const ProgramFiles& files, const Arm& arm, const PostSettings& settings)
+      : ProgramReader(files, settings,
+                      Templates(LinuxCncTexts(), settings.texts, settings.tool_name, {.blanks = false})),
+        arm_(arm) {
+    program_.rotation = settings.rotation;
+    program_.R_TC = settings.R_TC;
+    program_.blend_overlaps = true;
+    if (settings.cartesian) program_.X_BP = Pose::Identity();  // poses are stated in the robot's base
+  }
+
+ private:
+  /// A line that is one comment: "(a) G1 (b)" is code between two.
+  std::optional<std::string_view> Comment(std::string_view line) const override {
+    const bool bracketed = line.starts_with('(') && line.find(')') == line.size() - 1;
+    return bracketed ? std::optional(line.substr(1, line.size() - 2)) : ProgramReader::Comment(line);
+  }
+
+  /// ';' begins a comment where it does not stand in one.
+  std::string_view WithoutComment(std::string_view line) const override {
+    bool inside = false;
+    for (size_t i = 0; i < line.size(); ++i) {
+      if (line[i] == ';' && !inside) return line.substr(0, i);
+      if (line[i] == '(') inside = true;
+      if (line[i] == ')') inside = false;
+    }
+    return line;
+  }
+
+  void ReadComment(std::string_view comment) override {
+    LineScanner scan(comment, "", 0);
+    const bool begin = scan.Accept("PASS");
+    if (!begin && !scan.Accept("END OF PASS")) return ProgramReader::ReadComment(comment);
+    ReadPassMark(scan, begin);
+  }
+
+  std::vector<std::string> Needed() const override {
+    std::vector<std::string> needed = {"G21", "G40", "G49", "G90", kNoOffsets, "G59.3", "G92.1", kPathMode};
+    if (settings_.cartesian) needed.emplace_back(kKinematics);
+    return needed;
+  }
+
+  size_t LongestLine() const override { return kLongestLine; }
+  void BeginFile() override { percent_ = false; }
+  bool MayFollowEnd(std::string_view line) const override { return percent_ && line == "%"; }
+
+  void Forgotten() override {
+    feed_.reset();
+    motion_ = -1;
+    rounds_ = false;
+    inverse_time_.reset();
+    last_.reset();
+  }
+
+  void TextRead(const std::string& name) override {
+    if (name != "cartesian_on" && name != "joints_on") return;
+    cartesian_ = name == "cartesian_on";
+    Stated(kKinematics);
+    last_.reset();
+  }
+
+  void ReadCode(LineScanner& scan) override {
+    const size_t start = scan.Next();
+    if (scan.Accept("%")) return ReadPercent(scan, start);
+    if (scan.AcceptAddress('N')) scan.ExpectDecimal(kBlanks);
+    Block block;
+    while (!scan.AtEnd()) {
+      if (scan.Peek() == '(') {
+        SkipComment(scan);
+      } else if (!InText() || !ReadTextWord(scan)) {
+        ReadWord(scan, block);
+      }
+    }
+    Apply(scan, start, block);
+  }
+
+  /// A pair of % may enclose a program: its first line and the last one.
+  void ReadPercent(LineScanner& scan, size_t start) {
+    scan.ExpectEnd();
+    if (scan.number() != 1 && !percent_) scan.FailFrom(start, "% in the first line of the file expected");
+    if (scan.number() != 1) EndFile();
+    percent_ = true;
+  }
+
+  /// Comments do not nest.
+  static void SkipComment(LineScanner& scan) {
+    scan.Expect("(");
+    while (scan.Peek() != ')' && scan.Peek() != '\0') {
+      if (scan.Peek() == '(') scan.Fail("a comment without another one in it expected");
+      scan.Skip();
+    }
+    scan.Expect(")");
+  }
+
+  void ReadWord(LineScanner& scan, Block& block) {
+    const size_t start = scan.Next();
+    if (const auto name = AcceptCall(scan)) {
+      if (!ReadDeclaredCall(scan, start, *name))
+        scan.FailFrom(start, "a call that the cell declares expected");
+      block.calls = true;
+      return;
+    }
+    if (scan.AcceptAddress('G')) return AddG(scan, start, Whole(scan.ExpectDecimal(kBlanks), 10), block);
+    if (scan.AcceptAddress('M')) return AddM(scan, start, Whole(scan.ExpectDecimal(kBlanks), 1), block);
+    for (const char letter : std::string_view("XYZABCFPQLR")) {
+      if (!scan.AcceptAddress(letter)) continue;
+      const double value = scan.ExpectDecimal(kBlanks);
+      if (letter != 'F' && std::abs(value) > kFarthest)  // F may be 1/min of a short block
+        scan.FailFrom(start, fmt::format("a number from {0} to {1} expected", -kFarthest, kFarthest));
+      if (!block.words.emplace(letter, value).second)
+        scan.FailFrom(start, fmt::format("one {} in a block expected", letter));
+      return;
+    }
+    scan.Fail("a word of a milling program expected");
+  }
+
+  static void AddG(const LineScanner& scan, size_t start, double g, Block& block) {
+    const int group = GroupOf(g);
+    if (group == 0)
+      scan.FailFrom(
+          start,
+          "G0, G1, G4, G10, G17, G21, G40, G49, G59.3, G61, G61.1, G64, G90, G92.1, G93 or G94 expected");
+    for (const double other : block.g) {
+      if (GroupOf(other) == group)
+        scan.FailFrom(start, fmt::format("one of G{} and G{} in a block expected", other, g));
+    }
+    block.g.push_back(g);
+  }
+
+  static void AddM(const LineScanner& scan, size_t start, double m, Block& block) {
+    if (m != 0 && m != 1 && m != 2 && m != 30 && m != 62 && m != 63)
+      scan.FailFrom(start, "M0, M1, M2, M30, M62 or M63 expected (spindle and coolant: the cell's texts)");
+    if (!block.m.empty())
+      scan.FailFrom(start, fmt::format("one of M{} and M{} in a block expected", block.m[0], m));
+    block.m.push_back(m);
+  }
+
+  /// Spindle, coolant, outputs, waits: what a text of the cell may switch.
+  bool ReadTextWord(LineScanner& scan) override {
+    LineScanner ahead = scan;
+    if (ahead.AcceptAddress('M')) {
+      const double code = ahead.ExpectDecimal(kBlanks);
+      for (const double known : {3, 4, 5, 7, 8, 9, 62, 63, 64, 65, 66, 67, 68}) {
+        if (code != known) continue;
+        scan = ahead;
+        return true;
+      }
+    }
+    for (const char letter : {'S', 'E', 'L', 'P', 'Q'}) {
+      if (!scan.AcceptAddress(letter)) continue;
+      scan.ExpectDecimal(kBlanks);
+      return true;
+    }
+    return false;
+  }
+
+  /// O<name> CALL [1] [2], or a user's M101: the name.
+  static std::optional<std::string> AcceptCall(LineScanner& scan) {
+    if (scan.Accept("O<")) {
+      auto name = scan.AcceptName();
+      if (!name) scan.Fail("the name of a program expected");
+      scan.Expect(">");
+      scan.Expect("CALL");
+      while (scan.Accept("[")) {
+        scan.ExpectNumber();
+        scan.Expect("]");
+      }
+      return name;
+    }
+    for (int code = 100; code < 200; ++code) {
+      const std::string word = fmt::format("M{}", code);
+      if (scan.Accept(word)) return word;
+    }
+    return std::nullopt;
+  }
+
+  /// In the order in which the interpreter carries a block out: feed mode, feed, outputs, dwell, settings,
+  /// motion, end.
+  void Apply(const LineScanner& scan, size_t start, const Block& block) {
+    CheckParameters(scan, start, block);
+    FeedMode(block);
+    if (const auto feed = block.Word('F'); feed && inverse_time_ != true) feed_ = *feed;
+    for (const double m : block.m) Miscellaneous(scan, start, m, block);
+    for (const double g : block.g) Setting(scan, start, g, block);
+    if (inverse_time_ == true && block.HasG(1) && !block.Has('F'))
+      scan.FailFrom(start, "G93 needs F in every block with G1");
+    const bool moves = std::ranges::any_of(std::string_view("XYZABC"), [&](char c) { return block.Has(c); });
+    if (moves && !block.HasG(10)) Move(scan, block);
+    if (block.HasM(2) || block.HasM(30)) EndFile();
+  }
+
+  /// Words that belong to a code must not stand without it: the interpreter stops there.
+  void CheckParameters(const LineScanner& scan, size_t start, const Block& block) const {
+    const bool output = block.HasM(62) || block.HasM(63);
+    const auto number = block.Word('P');
+    if (output && (!number || *number < 0 || *number != std::floor(*number)))
+      scan.FailFrom(start, "P and the whole number of an output expected");
+    if (block.HasG(4) && !InText() && (!number || *number < 0))
+      scan.FailFrom(start, "G4 needs P and 0 or more seconds");
+    const int uses =
+        (output ? 1 : 0) + (block.HasG(4) ? 1 : 0) + (block.HasG(10) ? 1 : 0) + (block.HasG(64) ? 1 : 0);
+    if (block.Has('P') && uses != 1) scan.FailFrom(start, "P for one of G4, G10, G64, M62 and M63 expected");
+    if (block.Has('Q') && !block.HasG(64)) scan.FailFrom(start, "Q with G64 alone expected");
+    if ((block.Has('L') || block.Has('R')) && !block.HasG(10))
+      scan.FailFrom(start, "L and R with G10 alone expected");
+  }
+
+  /// G94 sets the feed to 0, also where it holds already.
+  void FeedMode(const Block& block) {
+    if (!block.HasG(93) && !block.HasG(94)) return;
+    inverse_time_ = block.HasG(93);
+    Stated(kFeedMode);
+    feed_.reset();
+  }
+
+  void Miscellaneous(const LineScanner& scan, size_t start, double m, const Block& block) {
+    if (m == 0 || m == 1) Allow(scan, start, kOutsideCuts);
+    if (m == 62 || m == 63) AddOutput({static_cast<int>(*block.Word('P')), m == 62, 0, true});
+  }
+
+  void Setting(const LineScanner& scan, size_t start, double g, const Block& block) {
+    if (g == 0 || g == 1) {
+      motion_ = static_cast<int>(g);
+    } else if (g == 61 || g == 61.1) {
+      rounds_ = false;
+      Stated(kPathMode);
+    } else if (g == 64) {
+      Rounding(scan, start, block);
+    } else if (g == 10) {
+      NoOffsets(scan, start, block);
+    } else if (g == 4) {
+      Allow(scan, start, kOutsideCuts);
+    } else {
+      // Coordinate systems and tool lengths wait for the motion to end; the rest changes nothing.
+      if (g == 49 || g == 59.3 || g == 92.1) Allow(scan, start, kOutsideCuts);
+      Stated(fmt::format("G{}", g));
+    }
+  }
+
+  /// G64 P Q: without P corners are rounded without bound, without Q0 nearly straight points are left out by
+  /// up to P.
+  void Rounding(const LineScanner& scan, size_t start, const Block& block) {
+    const auto bound = block.Word('P'), merged = block.Word('Q');
+    if (!bound || *bound <= 0)
+      scan.FailFrom(start, "G64 needs P above 0: without it corners are rounded without bound");
+    if (!merged || *merged != 0)
+      scan.FailFrom(start, "G64 needs Q0: else points are left out where the path is nearly straight");
+    blend_ = *bound;
+    rounds_ = true;
+    Stated(kPathMode);
+    Allow(scan, start, kAtStops);
+  }
+
+  void NoOffsets(const LineScanner& scan, size_t start, const Block& block) {
+    std::map<char, double> wanted = {{'L', 2}, {'P', 9}, {'R', 0}};
+    for (const char letter : std::string_view("XYZABC")) wanted[letter] = 0;
+    if (block.words != wanted || block.g.size() != 1 || !block.m.empty())
+      scan.FailFrom(start, fmt::format("{} expected", kNoOffsets));
+    Stated(kNoOffsets);
+    Allow(scan, start, kOutsideCuts);
+  }
+
+  void Move(const LineScanner& scan, const Block& block) {
+    if (motion_ < 0) scan.Fail("G0 or G1 before words of axes expected");
+    if (motion_ == 0 && rounds_) scan.Fail("ways between cuts keep to their path: G61.1 before G0 expected");
+    if (cartesian_) {
+      AddPose(scan, block);
+    } else {
+      AddTarget(scan, block);
+    }
+  }
+
+  /// The six words as they hold: those of this block, else the last ones.
+  Joints Complete(const LineScanner& scan, const Block& block) const {
+    Joints values = last_.value_or(Joints::Zero());
+    for (int i = 0; i < 6; ++i) {
+      const auto word = block.Word("XYZABC"[i]);
+      if (word) values[i] = *word;
+      if (!word && !last_) scan.Fail(fmt::format("{} is missing in the first motion", "XYZABC"[i]));
+    }
+    return values;
+  }
+
+  /// The joints (degrees) where the arm stands; also behind a call, which leaves them where it is said to.
+  std::optional<Joints> Place() const {
+    if (last_) return last_;
+    if (program_.motions.empty() || !program_.motions.back().q) return std::nullopt;
+    return ToController(settings_.axes, *program_.motions.back().q) * kDegPerRad;
+  }
+
+  void AddTarget(const LineScanner& scan, const Block& block) {
+    const Joints angles = Complete(scan, block);
+    const std::optional<Joints> before = Place();
+    if (motion_ == 1 && !before) scan.Fail("G0 expected: where this motion begins is not known");
+    Motion& motion = AddMotion(MotionType::kJoint);
+    motion.q = FromController(settings_.axes, angles * kRadPerDeg);
+    motion.exact = !rounds_;
+    if (rounds_) {
+      motion.blend = settings_.blend * blend_ / BlendDegrees(settings_.blend, arm_, settings_.X_FT);
+      motion.angle_blend = blend_ * kRadPerDeg;
+    }
+    if (motion_ == 1) Require(kFeedMode);
+    if (motion_ == 1) motion.duration = Duration(scan, FeedLength(*before, angles), block.Word('F'));
+    last_ = angles;
+  }
+
+  /// A pose of the tool in the robot's base, mm and degrees.
+  void AddPose(const LineScanner& scan, const Block& block) {
+    const Joints values = Complete(scan, block);
+    if (motion_ == 0) scan.Fail("tool poses are approached at a feed: G1 expected");
+    const bool moves = !last_ || (values - *last_).head<3>().norm() > 0;
+    Require(kFeedMode);
+    if (!last_ && inverse_time_ == true) scan.Fail("the first pose of a cut at a feed expected: G94");
+    Motion& motion = AddMotion(MotionType::kLinear);
+    motion.angles = values.tail<3>() * kRadPerDeg;
+    motion.X_PT.translation() = values.head<3>();
+    motion.X_PT.linear() = FromToolAngles(settings_.rotation, *motion.angles) * settings_.R_TC.transpose();
+    motion.exact = !rounds_;
+    motion.blend = rounds_ ? blend_ : 0;
+    const double length = last_ ? FeedLength(*last_, values) : 0;
+    if (moves && inverse_time_ != true) {
+      if (!feed_ || *feed_ <= 0) scan.Fail("G1 needs F");
+      motion.feed = *feed_ / 60;
+    } else {
+      motion.duration = Duration(scan, length, block.Word('F'));
+      if (moves) motion.feed = length / std::exchange(motion.duration, 0);
+    }
+    last_ = values;
+  }
+
+  /// s, as the interpreter makes it of F.
+  double Duration(const LineScanner& scan, double length, std::optional<double> feed) const {
+    if (length == 0) return 0;
+    if (inverse_time_ == true) {
+      if (!feed || *feed <= 0) scan.Fail("G93 needs F in every block");
+      return length / std::max(length * *feed, kInverseTimeFloor) * 60;
+    }
+    if (!feed_ || *feed_ <= 0) scan.Fail("G1 needs F");
+    return length / *feed_ * 60;
+  }
+
+  const Arm& arm_;
+  std::optional<Joints> last_;  // degrees, or mm and degrees of a tool pose
+  std::optional<double> feed_;  // per minute, G94
+  double blend_ = 0;            // degrees; mm of tool poses
+  bool cartesian_ = false;      // tool poses, not joints
+  int motion_ = -1;             // of G0 and G1 the one that holds; −1: unknown
+  std::optional<bool> inverse_time_;
+  bool rounds_ = false;
+  bool percent_ = false;  // the file began with %
+};
+
+}  // namespace
+
+std::vector<Problem> LinuxCncPost::CheckTexts(const Arm& arm, const PostSettings& settings) const {
+  return LinuxCncReader({}, arm, settings).CheckTexts();
+}
+
+MotionProgram LinuxCncPost::Read(const ProgramFiles& files, const Arm& arm,
+                                 const PostSettings& settings) const {
+  return LinuxCncReader(files, arm, settings).Read({".ngc"});
+}
+
+}  // namespace millpose

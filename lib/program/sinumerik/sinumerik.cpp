@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "program/sinumerik/sinumerik.hpp"
+
+#include <cassert>
+
+#include "base/units.hpp"
+#include "program/controller_axes.hpp"
+#include "program/writer.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr size_t kLongestName = 24;
+constexpr size_t kWidth = 100;
+constexpr int kLengthDecimals = 4;
+constexpr int kAngleDecimals = 6;
+
+class SinumerikWriter : public ProgramWriter {
+ public:
+  SinumerikWriter(const MotionProgram& program, const Arm& arm, const PostSettings& settings)
+      : ProgramWriter(program, arm, settings, SinumerikTexts()) {}
+
+  ProgramFiles Write() {
+    WriteSections();
+    Transform(false);
+    const std::string name = LegalName(program_.name, kLongestName, 2);
+    ProgramFiles files;
+    std::string main = Head();
+    const std::vector<std::string> parts = Parts();
+    for (size_t i = 0; i < parts.size(); ++i) {
+      const std::string part = SubprogramName(name, i, kLongestName);
+      files[part + ".spf"] = parts[i] + "M17\n";
+      main += part + "\n";
+    }
+    files[name + ".mpf"] = main + MainText(parts) + "CYCLE832(0,_OFF,1)\n" + TextLines("footer") + "M30\n";
+    return files;
+  }
+
+ private:
+  void Begin() override {
+    feed_.clear();
+    transformed_.reset();
+  }
+
+  std::string Head() const {
+    std::string head;
+    const auto add = [&](const std::string& line) { head += line + "\n"; };
+    add("; written by millpose for SINUMERIK 840D sl with robot transformation; mm, degrees");
+    add(settings_.rotation == "rpy" ? "; orientation rpy: C about Z, B about new Y, A about new X"
+                                    : "; orientation euler: A about Z, B about new X, C about new Z");
+    for (const std::string& line : MachineData()) add("; " + line);
+    for (const std::string& text : HeaderTexts(kWidth - 2)) add("; " + text);
+    Pose X_FC = X_FT_;
+    X_FC.linear() = X_FC.linear() * settings_.R_TC;
+    const Eigen::Vector3d t = X_FC.translation();
+    const Eigen::Vector3d abc = ToolAngles(settings_.rotation, X_FC.linear()) * kDegPerRad;
+    add(fmt::format("; TOOL {} in the flange: X{} Y{} Z{} A={} B={} C={}", settings_.tool_name,
+                    Fixed(t.x(), 4), Fixed(t.y(), 4), Fixed(t.z(), 4), Fixed(abc[0], 4), Fixed(abc[1], 4),
+                    Fixed(abc[2], 4)));
+    const std::string settings = Settings();
+    const size_t codes = settings.find('\n') + 1;  // the tool is changed before its frame is set
+    return head + settings.substr(0, codes) + TextLines("tool_change") + settings.substr(codes) +
+           TextLines("header");
+  }
+
+  std::string Settings() const override {
+    std::string settings = "G17 G710 G40 G90 G94\n";
+    if (program_.X_BP) settings += Frame(*program_.X_BP) + "\n";
+    return settings;
+  }
+
+  /// What the program takes for granted, to be compared with the control's machine data.
+  std::vector<std::string> MachineData() const {
+    const bool rpy = settings_.rotation == "rpy";
+    const std::string angles = rpy ? "ORIRPY" : "ORIEULER";
+    const std::string by_data = fmt::format("MD21100 = {}", rpy ? 0 : 1);
+    const std::string counting = !settings_.ori_def_with_g_code   ? fmt::format("MD21102 = 1 or {}", by_data)
+                                 : *settings_.ori_def_with_g_code ? "MD21102 = 1"
+                                                                  : "MD21102 = 0 and " + by_data;
+    return {fmt::format("ASSUMED {}: angles as {}; MD10600 = 1: frame angles Z, Y', X''", counting, angles),
+            settings_.ori_ipo_with_g_code
+                ? fmt::format("ASSUMED MD21104 = {}: the tool turns as {} says, on a great circle",
+                              *settings_.ori_ipo_with_g_code ? 1 : 0,
+                              *settings_.ori_ipo_with_g_code ? "ORIVECT" : "ORIWKS")
+                : "MD21104 not known: blocks are short enough for every way to turn the tool",
+            fmt::format("ASSUMED G{} is for this program and overwritten; no basic frame; its origin is the "
+                        "robot base",
+                        settings_.frame)};
+  }
+
+  /// What holds after each TRAORI anew: the control then deselects the frame, and rounding ends.
+  void AddSettings() {
+    Line(fmt::format("G{} {} ORIVECT ORIWKS", settings_.frame,
+                     settings_.rotation == "rpy" ? "ORIRPY" : "ORIEULER"));
+    Line(fmt::format("CYCLE832({},_ORI_FINISH,{})", Fixed(settings_.blend, 4),
+                     Fixed(settings_.orientation_blend * kDegPerRad, 4)));
+    Line("COMPOF G642");
+  }
+
+  std::string Frame(const Pose& X_BP) const {
+    const Eigen::Vector3d p = X_BP.translation();
+    const Eigen::Vector3d zyx = AnglesZyx(X_BP.linear()) * kDegPerRad;
+    return fmt::format("$P_UIFR[{}]=CTRANS(X,{},Y,{},Z,{}):CROT(X,{},Y,{},Z,{})", settings_.frame - 500,
+                       Fixed(p.x(), kLengthDecimals), Fixed(p.y(), kLengthDecimals),
+                       Fixed(p.z(), kLengthDecimals), Fixed(zyx[2], kAngleDecimals),
+                       Fixed(zyx[1], kAngleDecimals), Fixed(zyx[0], kAngleDecimals));
+  }
+
+  void AddMotion(size_t i) override {
+    const Motion& motion = program_.motions[i];
+    if (motion.type == MotionType::kLinear) {
+      AddLinear(motion);
+    } else if (motion.status) {
+      Transform(true);
+      Line(fmt::format("G0 {} STAT='B{:03b}' TU='B{:06b}' PTP", Words(motion), *motion.status,
+                       TurnOf(motion)));
+      cartesian_ = false;
+    } else {
+      AddJoint(motion);
+    }
+  }
+
+  void AddLinear(const Motion& motion) {
+    Transform(true);
+    std::string line = fmt::format("{}G1 {}", motion.exact ? "G9 " : "", Words(motion));
+    const std::string feed = Fixed(motion.feed * 60, 4);
+    if (feed != feed_) line += " F" + feed;
+    feed_ = feed;
+    if (!cartesian_) line += " CP";
+    cartesian_ = true;
+    Line(line);
+  }
+
+  void AddJoint(const Motion& motion) {
+    Transform(false);
+    const Joints angles = ToController(settings_.axes, *motion.q) * kDegPerRad;
+    std::string line = "G0 SUPA";  // neither frame nor, where MD10760 says so, tool length act on the joints
+    for (int i = 0; i < 6; ++i) {
+      line += fmt::format(" {}={}", settings_.axis_names[i], Fixed(angles[i], kAngleDecimals));
+    }
+    Line(line);
+    angles_ = ToolAngles(settings_.rotation, motion.X_PT.linear() * settings_.R_TC);
+  }
+
+  /// Switches the robot transformation: axes are addressed by themselves only without it.
+  void Transform(bool on) {
+    if (transformed_ == on) return;
+    Line(on ? "TRAORI" : "TRAFOOF");
+    transformed_ = on;
+    cartesian_ = false;
+    if (on) AddSettings();
+  }
+
+  std::string Words(const Motion& motion) {
+    const Eigen::Vector3d p = motion.X_PT.translation();
+    const Eigen::Vector3d abc = Angles(motion);
+    angles_ = abc * kRadPerDeg;
+    return fmt::format("X{} Y{} Z{} A={} B={} C={}", Fixed(p.x(), kLengthDecimals),
+                       Fixed(p.y(), kLengthDecimals), Fixed(p.z(), kLengthDecimals),
+                       Fixed(abc[0], kAngleDecimals), Fixed(abc[1], kAngleDecimals),
+                       Fixed(abc[2], kAngleDecimals));
+  }
+
+  /// Degrees. Where A, B, C may run evenly each by itself, those that are nearest to the ones before.
+  Eigen::Vector3d Angles(const Motion& motion) const {
+    if (motion.angles) return *motion.angles * kDegPerRad;
+    const Eigen::Matrix3d R = motion.X_PT.linear() * settings_.R_TC;
+    const bool near = motion.type == MotionType::kLinear && angles_ && !settings_.ori_ipo_with_g_code;
+    return (near ? ToolAnglesNear(settings_.rotation, R, *angles_) : ToolAngles(settings_.rotation, R)) *
+           kDegPerRad;
+  }
+
+  int TurnOf(const Motion& motion) const {
+    Pose X_PC = motion.X_PT;
+    Eigen::Vector3d abc = Angles(motion);
+    for (int i = 0; i < 3; ++i) {
+      X_PC.translation()[i] = Rounded(X_PC.translation()[i], kLengthDecimals);
+      abc[i] = Rounded(abc[i], kAngleDecimals) * kRadPerDeg;
+    }
+    X_PC.linear() = FromToolAngles(settings_.rotation, abc);
+    return TurnAt(motion, X_PC);
+  }
+
+  void Event(const ProgramEvent& event) override {
+    const std::string place = fmt::format("PASS {} PIECE {}", Fixed(event.value, 0), event.piece);
+    if (event.kind == ProgramEvent::Kind::kPassBegin) {
+      Line(fmt::format("PASS_{}_{}:", Fixed(event.value, 0), event.piece));
+      Line(fmt::format("MSG(\"{}\")", place));
+    } else if (event.kind == ProgramEvent::Kind::kPassEnd) {
+      Line(fmt::format("MSG(\"END OF {}\")", place));
+    } else if (event.kind == ProgramEvent::Kind::kOutput) {
+      // A synchronised action of one block: done when the next motion begins, without a stop.
+      Line(fmt::format("WHEN TRUE DO $A_OUT[{}]={}", event.output.number, event.output.on ? 1 : 0));
+    }
+    AddTexts(event);
+  }
+
+  std::string feed_;
+  std::optional<Eigen::Vector3d> angles_;  // of the last pose, rad
+  std::optional<bool> transformed_;        // TRAORI holds
+  bool cartesian_ = false;                 // CP holds, not PTP
+};
+
+/// A, B, C that run evenly each by itself, the nearest of those that mean the same.
+LineModel ByAngles(const std::string& rotation, const Eigen::Matrix3d& R_TC) {
+  return [rotation, R_TC](const Pose& from, const Pose& to) {
+    const Eigen::Vector3d first = ToolAngles(rotation, from.linear() * R_TC);
+    return ProgrammedLine(from.translation(), to.translation(), rotation, R_TC, first,
+                          ToolAnglesNear(rotation, to.linear() * R_TC, first));
+  };
+}
+
+}  // namespace
+
+std::vector<LineModel> SinumerikLines(const PostSettings& settings) {
+  const Eigen::Vector3d direction = settings.R_TC * Eigen::Vector3d::UnitZ();
+  std::vector<LineModel> lines = {
+      [direction](const Pose& from, const Pose& to) { return ProgrammedLine(from, to, direction); }};
+  if (settings.ori_ipo_with_g_code) return lines;
+  lines.push_back(ByAngles(settings.rotation, settings.R_TC));
+  lines.emplace_back([](const Pose& from, const Pose& to) { return ProgrammedLine(from, to); });
+  return lines;
+}
+
+std::map<std::string, std::string> SinumerikTexts() {
+  return {{"spindle_on", "S{rpm} M3"}, {"spindle_off", "M5"}, {"tool_change", "T=\"{tool}\" D1\nM6"}};
+}
+
+ProgramFiles SinumerikPost::Write(const MotionProgram& program, const Arm& arm,
+                                  const PostSettings& settings) const {
+  assert(IsWellFormed(program));
+  return SinumerikWriter(program, arm, settings).Write();
+}
+
+std::vector<std::string> SinumerikPost::Keys() const {
+  return {"rotation",    "axis_names", "settable_frame", "ori_ipo_with_g_code", "ori_def_with_g_code",
+          "max_motions", "max_kbytes"};
+}
+
+std::vector<NeededKey> SinumerikPost::NeededKeys() const {
+  return {{"settable_frame",
+           "settable_frame is missing: a whole number 505…599, the settable frame (G505…) that programs may "
+           "overwrite with the workpiece's place; needed"}};
+}
+
+std::vector<LineModel> SinumerikPost::Lines(const PostSettings& settings) const {
+  return SinumerikLines(settings);
+}
+
+// CYCLE832 holds for every corner of a cut alike.
+void SinumerikPost::Round(MotionProgram& program, const Arm&, const PostSettings& settings) const {
+  for (Motion& motion : program.motions) {
+    if (motion.type != MotionType::kLinear || motion.exact) continue;
+    motion.blend = settings.blend;
+    motion.angle_blend = settings.orientation_blend;
+  }
+}
+
+PostEntry SinumerikEntry() {
+  return {"sinumerik", [] { return std::make_unique<SinumerikPost>(); }};
+}
+
+}  // namespace millpose

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "yaml/section.hpp"
+
+#include <map>
+
+#include "base/text.hpp"
+
+namespace millpose::yaml::codec_detail {
+
+namespace {
+
+/// Keys of earlier versions, and what stands in their place.
+const std::map<std::string, std::string>& FormerKeys() {
+  static const std::map<std::string, std::string> keys = {
+      {"motion",
+       "is no longer a key: KRL cuts are LIN with C_DIS, SLINs stop at every corner of a SPLINE block"},
+  };
+  return keys;
+}
+
+}  // namespace
+
+void CheckKeys(const Value& map, const Context& context, const std::vector<FieldInfo>& known) {
+  std::vector<std::string> names;
+  for (const FieldInfo& info : known) names.push_back(info.key);
+  for (const Value::Key& key : map.keys) {
+    if (std::ranges::find(names, key.text) != names.end()) continue;
+    const auto with_unit = std::ranges::find_if(
+        names, [&](const std::string& name) { return name.starts_with(key.text + '_'); });
+    const std::string near = NearestName(key.text, names);
+    const Context at_key = context.Child(key.text);
+    const auto former = FormerKeys().find(key.text);
+    if (former != FormerKeys().end())
+      at_key.Add(key.mark, former->second);
+    else if (with_unit != names.end())
+      at_key.Add(key.mark, fmt::format("the key lacks its unit; nearest known key: {}", *with_unit));
+    else if (!near.empty())
+      at_key.Add(key.mark, "unknown key; nearest known key: " + near);
+    else
+      at_key.Add(key.mark, fmt::format("unknown key; allowed: {}", fmt::join(names, ", ")));
+  }
+  for (const FieldInfo& info : known) {
+    if (map.Find(info.key)) continue;
+    if (info.required)
+      context.Child(info.key).Add(map.mark, "missing; required: " + info.type);
+    else if (!info.required_unless.empty() && !map.Find(info.required_unless))
+      context.Child(info.key).Add(
+          map.mark, fmt::format("missing; required without {}: {}", info.required_unless, info.type));
+  }
+}
+
+Value SectionSchema(const std::vector<FieldInfo>& keys, std::vector<Value> schemas,
+                    const std::vector<Value>& defaults) {
+  Value schema = SchemaOf("object");
+  Value properties = Value::Map();
+  Value required = Value::List();
+  std::map<std::string, Value> unless;  // keys that are required where another is not given
+  for (size_t i = 0; i < keys.size(); ++i) {
+    if (!keys[i].required_unless.empty())
+      unless[keys[i].required_unless].items.push_back(Value::Text(keys[i].key));
+    if (keys[i].required) required.items.push_back(Value::Text(keys[i].key));
+    if (!keys[i].required && defaults[i].kind != Value::Kind::kNull) schemas[i].Put("default", defaults[i]);
+    properties.Put(keys[i].key, std::move(schemas[i]));
+  }
+  schema.Put("properties", properties);
+  if (!required.items.empty()) schema.Put("required", required);
+  for (auto& [other, list] : unless) {
+    Value with = Value::Map(), without = Value::Map();
+    with.Put("required", Value::List({Value::Text(other)}));
+    list.kind = Value::Kind::kList;
+    without.Put("required", list);
+    schema.Put("anyOf", Value::List({with, without}));
+  }
+  schema.Put("additionalProperties", Value::Plain("false"));
+  return schema;
+}
+
+}  // namespace millpose::yaml::codec_detail
