@@ -8,6 +8,7 @@
 #include <climits>
 #include <csignal>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "base/error.hpp"
 #include "base/file.hpp"
@@ -19,6 +20,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr const char* kLockFile = ".lock";
 constexpr const char* kOwnerPrefix = ".owner.";
+constexpr int kLooks = 50;  // for the one who has the lock
+constexpr std::chrono::milliseconds kBetweenLooks{20};
 
 // Who works in a folder, as its owner file says.
 struct Owner {
@@ -82,6 +85,17 @@ std::vector<Owner> OthersIn(const fs::path& folder, const fs::path& own_file) {
   return owners;
 }
 
+// Who has the lock that is busy. One who has only just taken it may have to say so anew: the one before it
+// tidies away what it takes for left behind.
+std::vector<Owner> HoldersOf(const fs::path& folder, const fs::path& own_file) {
+  std::vector<Owner> holders = OthersIn(folder, own_file);
+  for (int look = 0; look < kLooks && holders.empty(); ++look) {
+    std::this_thread::sleep_for(kBetweenLooks);
+    holders = OthersIn(folder, own_file);
+  }
+  return holders;
+}
+
 [[noreturn]] void Refuse(const fs::path& folder, const std::vector<Owner>& owners, bool locks) {
   std::vector<std::string> who;
   for (const Owner& owner : owners)
@@ -115,8 +129,9 @@ FolderLock::FolderLock(const fs::path& folder, FileLock::Kind kind) : lock_(fold
   const bool said = TryWrite(self);
   const FileLock::Outcome outcome = lock_.Take(kind);
   std::vector<Owner> others;
-  if (outcome != FileLock::Outcome::kHeld) others = OthersIn(folder, self.file);
+  if (outcome == FileLock::Outcome::kBusy) others = HoldersOf(folder, self.file);
   if (outcome == FileLock::Outcome::kNoLocksHere) {
+    others = OthersIn(folder, self.file);
     warning_ = fmt::format(
         "{}: the file system has no locks: two runs in this folder know of each other by {} alone",
         folder.string(), self.file.filename().string());
@@ -126,7 +141,7 @@ FolderLock::FolderLock(const fs::path& folder, FileLock::Kind kind) : lock_(fold
     RemoveAll(owner_file_);
     Refuse(folder, others, outcome == FileLock::Outcome::kBusy);
   }
-  if (!said) Write(self);
+  if (!said || !fs::exists(self.file)) Write(self);
   if (self.alone) RemoveOwners(folder, self.file);
 }
 
