@@ -84,9 +84,10 @@ struct JobSettings {
   std::string stock = "region";  ///< region | mesh: what `cutting` finds standing before the first pass
   std::string objective = "chen2021";
   std::map<std::string, double> objective_parameters;
-  std::string formulation = "freedoms";  ///< freedoms | paper
-  PathOptions path;                      ///< but for what other sections say, see MakePathOptions()
-  PaperFormulationOptions paper;         ///< of formulation paper
+  std::string formulation = "freedoms";     ///< freedoms | paper
+  PathOptions path;                         ///< but for what other sections say, see MakePathOptions()
+  double exhaustive_step = DegToRad(0.05);  ///< rad, of the grid that --audit judges the genetic algorithm by
+  PaperFormulationOptions paper;            ///< of formulation paper
   std::optional<std::array<Vector6, 2>> task_limits;  ///< lower, upper, rad
   double limit_margin = DegToRad(3);                  ///< rad
   double dexterity_min = 0;

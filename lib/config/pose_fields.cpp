@@ -17,8 +17,14 @@ Codec<GeneticOptions> GeneticFields() {
   using S = GeneticOptions;
   return Section<S>(
       {
-          Key<S>("population", MILLPOSE_AT(population), Integer(2, 100000), "Candidates of a generation."),
-          Key<S>("generations", MILLPOSE_AT(generations), Integer(1, 100000), "Most generations."),
+          Key<S>("table", MILLPOSE_AT(table), Integer(0, 100000),
+                 "Settings of the coarse table that half of the first generation is chosen from; 0: all of "
+                 "it is "
+                 "drawn at random."),
+          Key<S>("population", MILLPOSE_AT(population), Integer(2, 100000),
+                 "Candidates of a generation, for each freedom."),
+          Key<S>("generations", MILLPOSE_AT(generations), Integer(1, 100000),
+                 "Most generations, for each freedom."),
           Key<S>("crossover_rate", MILLPOSE_AT(crossover_rate), Real(kOne, Between(0, 1)),
                  "Share of children with two parents."),
           Key<S>("mutation_rate", MILLPOSE_AT(mutation_rate), Real(kOne, Between(0, 1)),
@@ -130,8 +136,8 @@ Codec<JobSettings> PoseSearchFields() {
                  "angles of Chen et al. 2021."),
           Key<S>("genetic", MILLPOSE_AT(path.genetic), GeneticFields(), "The genetic algorithm per point."),
           Key<S>("paper", MILLPOSE_AT(paper), PaperFields(), "Formulation paper."),
-          Key<S>("exhaustive_step_deg", MILLPOSE_AT(path.exhaustive_step), Real(kDeg, Between(0.001, 30)),
-                 "Grid of the exhaustive search that judges the genetic algorithm."),
+          Key<S>("exhaustive_step_deg", MILLPOSE_AT(exhaustive_step), Real(kDeg, Between(0.001, 30)),
+                 "Grid of the exhaustive search by which --audit judges the genetic algorithm."),
       },
       CheckFormulation);
 }

@@ -41,27 +41,15 @@ Layer MakeLayer(const PointScorer& scorer, std::vector<NodeSeed> seeds, bool all
   return layer;
 }
 
-std::vector<NodeSeed> GridSeeds(const PointScorer& scorer, double step) {
-  // All settings: the product of the freedoms' grids.
-  std::vector<FreedomValues> settings{{}};
-  for (const auto& freedom : scorer.problem().freedoms) {
-    const double range = freedom->Upper() - freedom->Lower();
-    const int intervals = std::max(1, static_cast<int>(std::ceil(range / step - 1e-9)));
-    std::vector<FreedomValues> longer;
-    for (const FreedomValues& setting : settings) {
-      for (int i = 0; i < intervals + (freedom->Periodic() ? 0 : 1); ++i) {
-        longer.push_back(setting);
-        longer.back().push_back(freedom->Lower() + i * (range / intervals));
-      }
-    }
-    settings = std::move(longer);
-  }
-  std::vector<Candidate> candidates(8 * settings.size());
-  scorer.Score(settings, candidates);
+std::vector<NodeSeed> SeedsOf(const CandidateTable& table) {
   std::vector<NodeSeed> seeds;
-  for (size_t k = 0; k < candidates.size(); ++k) {
-    if (candidates[k].admissibility != Admissibility::kAdmissible) continue;
-    seeds.push_back({settings[k / 8], candidates[k], static_cast<int>(k % 8), false});
+  seeds.reserve(table.entries().size() + 1);
+  for (const CandidateTable::Entry& entry : table.entries()) {
+    Candidate candidate;
+    candidate.admissibility = Admissibility::kAdmissible;
+    candidate.objective = entry.objective;
+    candidate.q = entry.q;
+    seeds.push_back({table.Setting(entry.setting), candidate, entry.branch, false});
   }
   return seeds;
 }

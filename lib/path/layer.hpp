@@ -37,7 +37,7 @@ struct NodeSeed {
 /// the bounds, else each stands for all of its own.
 Layer MakeLayer(const PointScorer& scorer, std::vector<NodeSeed> seeds, bool all_turns);
 
-/// The grid of `step` over every freedom, all branches.
-std::vector<NodeSeed> GridSeeds(const PointScorer& scorer, double step);
+/// All of a table.
+std::vector<NodeSeed> SeedsOf(const CandidateTable& table);
 
 }  // namespace millpose

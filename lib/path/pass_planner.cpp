@@ -60,7 +60,7 @@ void Describe(const PoseProblem& problem, const PathNode& node, PlannedPoint& po
 
 /// A point of which no piece has taken hold.
 void Skip(const PassContext& context, const PassPlan& plan, size_t t, PlannedPoint& point) {
-  const PointOptimum& optimum = context.exhaustive[t];
+  const PointOptimum& optimum = context.optima[t];
   if (context.points[t].gouge > 0) {
     point.skip = SkipReason::kGouge;
     point.detail = fmt::format("the cutter would go {:.3f} mm into the part", point.point.gouge);
@@ -111,7 +111,7 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
     PlannedPoint& point = result.points[t];
     point.point = planned.points->points[t].point;
     point.genetic_optimum = context.genetic[t].found ? context.genetic[t].objective : 0.0;
-    point.exhaustive_optimum = context.exhaustive[t].found ? context.exhaustive[t].objective : 0.0;
+    point.own_optimum = context.optima[t].found ? context.optima[t].objective : 0.0;
     point.genetic_evaluations = context.genetic[t].evaluations;
     if (!context.paper.empty()) {
       const PaperResult& paper = context.paper[t];
@@ -142,7 +142,7 @@ PassResult PlanPass(const PoseProblem& problem, const World& world, const Pass& 
   auto own = std::make_shared<SplitPoints>();
   own->milling = pass.points;
   own->context = std::make_unique<PassContext>(
-      PassContext{problem, world, options, own->milling, pass.closed, threads, stop, {}, {}, {}, {}});
+      PassContext{problem, world, options, own->milling, pass.closed, threads, stop, {}, {}, {}, {}, {}});
   PassContext& context = *own->context;
   std::vector<size_t> all;
   for (size_t t = 0; t < pass.points.size(); ++t) {
@@ -151,7 +151,8 @@ PassResult PlanPass(const PoseProblem& problem, const World& world, const Pass& 
     all.push_back(t);
   }
   context.genetic.resize(all.size());
-  context.exhaustive.resize(all.size());
+  context.tables.resize(all.size());
+  context.optima.resize(all.size());
   FindOptima(all, first_point, context);
   return Assemble(pass, pass_number, PlanSplit(pass, std::move(own), first_point));
 }

@@ -14,7 +14,6 @@ namespace millpose {
 /// How a pass is planned (design.md, "The planning of one pass").
 struct PathOptions {
   double rotation_step = DegToRad(1);                     ///< grid of the layered search, rad
-  double exhaustive_step = DegToRad(0.05);                ///< grid of the exhaustive search, rad
   Joints max_joint_step = Joints::Constant(DegToRad(5));  ///< hard bound between neighbouring points, rad
   double motion_weight = 1e-5;                            ///< objective units per rad² of joint motion
   bool worst_first = false;       ///< the worst value of a pass first, then the sum (WorstThenSum)

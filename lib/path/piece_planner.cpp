@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/piece_planner.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <limits>
 
@@ -61,17 +62,24 @@ class PiecePlanner {
     ParallelFor(count_, context_.threads, context_.stop, [&](size_t t) {
       const PointScorer& scorer = context_.scorers[t];
       std::vector<NodeSeed> seeds;
-      if (!(context_.points[t].gouge > 0)) seeds = GridSeeds(scorer, context_.options.rotation_step);
+      if (context_.tables[t]) seeds = SeedsOf(*context_.tables[t]);
       const auto add = [&](const PointOptimum& optimum, bool genetic) {
         if (!optimum.found) return;
         seeds.push_back(
             {optimum.freedoms, scorer.ScoreOne(optimum.freedoms, optimum.branch), optimum.branch, genetic});
       };
-      add(context_.genetic[t], true);
-      // Intervals narrower than the grid: better the judge's answer than a skipped point.
-      if (seeds.empty()) add(context_.exhaustive[t], false);
+      const PointOptimum& genetic = context_.genetic[t];
+      add(genetic, genetic.found && IsBeyond(genetic.objective, context_.tables[t].get()));
+      // Intervals narrower than the grid: better the finer table's answer than a skipped point.
+      if (seeds.empty()) add(context_.optima[t], false);
       layers_[t] = MakeLayer(scorer, std::move(seeds), all_turns_);
     });
+  }
+
+  /// Whether a value is better than all of a table.
+  static bool IsBeyond(double objective, const CandidateTable* table) {
+    return !table || std::all_of(table->entries().begin(), table->entries().end(),
+                                 [&](const auto& entry) { return objective < entry.objective; });
   }
 
   /// The layered search, repeated until what it finds is free of interference.

@@ -18,7 +18,10 @@ struct PassContext {
   int threads;
   std::stop_token stop;
   std::vector<PointScorer> scorers;  ///< one per point, as the following
-  std::vector<PointOptimum> genetic, exhaustive;
+  /// On the grid of the ladder search; null where nothing is to be milled.
+  std::vector<std::shared_ptr<const CandidateTable>> tables;
+  std::vector<PointOptimum> genetic;
+  std::vector<PointOptimum> optima;     ///< of the tables, refined
   std::vector<char> break_before;       ///< where the tool is lifted in any case
   std::vector<PaperResult> paper = {};  ///< per point with formulation paper, else empty
 };

@@ -8,6 +8,7 @@ namespace millpose {
 namespace {
 
 constexpr uint64_t kLeadStreams = uint64_t{1} << 40;  // beyond those of any job's own points
+constexpr double kFiner = 20;                         // of the table where the ladder's own finds nothing
 constexpr int kRounds = 40;                           // then what still fails stays without overlap
 
 /// Full turns hardly ever matter, so first every node stands for all of its own; where the joints then wind
@@ -87,9 +88,10 @@ class SplitPlanner {
   /// overlap would be tried in vain.
   bool Joinable(size_t after) const {
     const PassContext& context = *own_->context;
-    const double step = context.options.rotation_step;
-    const PointScorer &a = context.scorers[after], &b = context.scorers[(after + 1) % context.scorers.size()];
-    const Layer from = MakeLayer(a, GridSeeds(a, step), false), to = MakeLayer(b, GridSeeds(b, step), false);
+    const auto layer = [&](size_t t) {
+      return MakeLayer(context.scorers[t], SeedsOf(*context.tables[t]), false);
+    };
+    const Layer from = layer(after), to = layer((after + 1) % context.scorers.size());
     const StepRule rule{context.options.max_joint_step, 0, true};
     const CostRow row(std::vector<double>(from.size(), 0.0));
     for (size_t node = 0; node < to.size(); ++node) {
@@ -136,6 +138,7 @@ class SplitPlanner {
                                                               {},
                                                               {},
                                                               {},
+                                                              {},
                                                               {}});
     PassContext& context = *made->context;
     std::vector<size_t> leads;
@@ -146,7 +149,8 @@ class SplitPlanner {
       context.scorers.push_back(own ? from.scorers[point.source]
                                     : PointScorer(from.problem, point.point, pass_.rotation_reference));
       context.genetic.push_back(own ? from.genetic[point.source] : PointOptimum{});
-      context.exhaustive.push_back(own ? from.exhaustive[point.source] : PointOptimum{});
+      context.tables.push_back(own ? from.tables[point.source] : nullptr);
+      context.optima.push_back(own ? from.optima[point.source] : PointOptimum{});
       context.break_before.push_back(point.break_before);
       if (from.options.paper) context.paper.push_back(own ? from.paper[point.source] : PaperResult{});
     }
@@ -177,7 +181,12 @@ void FindOptima(std::span<const size_t> points, uint64_t stream, PassContext& co
     if (context.points[t].gouge > 0) return;  // not to be milled
     const PointScorer& scorer = context.scorers[t];
     const RandomStream own(options.seed, stream + i);
-    context.exhaustive[t] = ExhaustiveSearch(scorer, problem, options.exhaustive_step);
+    context.tables[t] =
+        std::make_shared<const CandidateTable>(CandidateTable::OfStep(scorer, options.rotation_step));
+    context.optima[t] = RefineTable(scorer, *context.tables[t]);
+    // Intervals narrower than the grid.
+    if (!context.optima[t].found)
+      context.optima[t] = ExhaustiveSearch(scorer, options.rotation_step / kFiner);
     if (!options.paper) {
       context.genetic[t] = GeneticSearch(scorer, problem, options.genetic, own);
       return;

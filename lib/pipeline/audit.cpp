@@ -10,24 +10,8 @@
 namespace millpose {
 namespace {
 
-constexpr double kTravel = 0.2;        // mm between poses that are looked at for contact
-constexpr double kNearTravel = 2;      // and for clearances
-constexpr double kGoodEnough = 0.001;  // relative: "within 0.1 %"
-
-void AuditGenetic(const PlanResult& plan, AuditFigures* figures) {
-  long long judged = 0, good = 0;
-  for (const PassResult& pass : plan.passes)
-    for (const PlannedPoint& point : pass.points) {
-      if (point.exhaustive_optimum <= 0) continue;
-      ++judged;
-      // A point that only the exhaustive search could plan counts as missed altogether.
-      const double gap = point.genetic_optimum > 0 ? point.genetic_optimum / point.exhaustive_optimum - 1 : 1;
-      if (gap <= kGoodEnough) ++good;
-      figures->ga_worst_gap_percent = std::max(figures->ga_worst_gap_percent, 100 * gap);
-    }
-  figures->ga_share_within_0p1_percent =
-      judged > 0 ? 100 * static_cast<double>(good) / static_cast<double>(judged) : 0;
-}
+constexpr double kTravel = 0.2;    // mm between poses that are looked at for contact
+constexpr double kNearTravel = 2;  // and for clearances
 
 void AuditPoints(const PlanResult& plan, const Mesh& mesh, const AdmissibleBounds& bounds,
                  AuditFigures* figures) {
@@ -164,7 +148,6 @@ void AuditMotions(const PlanResult& plan, const Cell& cell, double resolution, i
 AuditFigures Audit(const PlanResult& plan, const Mesh& mesh, const Cell& cell, const AdmissibleBounds& bounds,
                    double resolution, int threads, std::stop_token stop) {
   AuditFigures figures;
-  AuditGenetic(plan, &figures);
   AuditPoints(plan, mesh, bounds, &figures);
   AuditMotions(plan, cell, resolution, threads, std::move(stop), &figures);
   return figures;

@@ -12,7 +12,8 @@
 
 namespace millpose {
 
-/// Recomputes the figures of summary.json's `audit` from the finished plan. `mesh` is the workpiece in P,
+/// Recomputes the figures of summary.json's `audit` from the finished plan, but for those of the optima
+/// (JudgeOptima). `mesh` is the workpiece in P,
 /// `cell` has it among its bodies. Contact and clearance are looked for by the judge (lib/judge), which
 /// shares nothing with the checker that the plan was made with; each motion is held to the share of the
 /// clearances that the plan states for it, less `resolution` (mm), what a motion between two points may miss

@@ -5,6 +5,7 @@
 #include "config/config.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/audit.hpp"
+#include "pipeline/judge_optima.hpp"
 #include "pipeline/origin.hpp"
 #include "pipeline/output_folder.hpp"
 #include "pipeline/sample_curves.hpp"
@@ -62,12 +63,14 @@ bool IsComplete(const PlanResult& plan, const ReportInputs& report) {
 }
 
 // The judge's figures; what is wrong by them joins the findings.
-AuditFigures JudgePlan(const PlannedJob& job, const JobInputs& inputs, const Execution& execution,
+AuditFigures JudgePlan(const JobInputs& inputs, const Execution& execution, PlannedJob& job,
                        std::vector<std::string>& findings) {
   execution.progress.Begin("audit", 0);
   AuditFigures audit =
       Audit(job.plan, job.prepared.surface.mesh, job.prepared.cell, job.prepared.problem.bounds,
             inputs.job.swept_resolution, execution.Threads(), execution.stop);
+  JudgeOptima(job.prepared.problem, inputs.job.path.genetic, inputs.job.exhaustive_step, execution, job.plan,
+              audit);
   std::ranges::copy(Findings(audit), std::back_inserter(findings));
   execution.progress.End(fmt::format("{} contacts, {} clearances not kept, {} limit violations",
                                      audit.interferences, audit.clearance_violations,
@@ -115,10 +118,10 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
                            arguments.share->count, lock_warning)};
   }
 
-  const PlannedJob job = PlanJob(inputs, checkpoints, execution);
+  PlannedJob job = PlanJob(inputs, checkpoints, execution);
   std::vector<std::string> findings = job.prepared.made.findings;
   std::optional<AuditFigures> audit;
-  if (arguments.audit) audit = JudgePlan(job, inputs, execution, findings);
+  if (arguments.audit) audit = JudgePlan(inputs, execution, job, findings);
 
   stages.Begin("report", 0);
   const std::vector<PointCurves> curves =

@@ -45,8 +45,9 @@ struct PlannedPoint {
   Eigen::Vector3d lambda_3_direction = Eigen::Vector3d::Zero();  ///< along it, in W: the stiffest direction
   double dexterity = 0;
   double objective = 0;
-  double genetic_optimum = 0;     ///< of this point alone; 0 when it has none
-  double exhaustive_optimum = 0;  ///< of this point alone; 0 when it has none
+  double genetic_optimum = 0;  ///< of this point alone, by the genetic algorithm; 0 when it has none
+  double own_optimum = 0;  ///< of this point alone, refined from the ladder search's grid; 0 when it has none
+  double exhaustive_optimum = 0;  ///< of this point alone, by the judge's fine grid; 0 when it was not asked
   int genetic_evaluations = 0;
   std::vector<PaperAnswer> paper;  ///< one with formulation paper, else none
   bool from_genetic = false;  ///< its node came from the genetic algorithm (and may have been smoothed since)

@@ -145,6 +145,7 @@ void Fields(Archive& a, PlannedPoint& p) {
   a("dexterity", p.dexterity);
   a("objective", p.objective);
   a("genetic_optimum", p.genetic_optimum);
+  a("own_optimum", p.own_optimum);
   a("exhaustive_optimum", p.exhaustive_optimum);
   a("genetic_evaluations", p.genetic_evaluations);
   a("paper", p.paper);
@@ -245,7 +246,7 @@ void Fields(Archive& a, PlanResult& r) {
 }
 
 // The leading field tells a file of ours from others and one version from the next.
-constexpr const char* kFormat = "millpose 1";
+constexpr const char* kFormat = "millpose 2";
 
 template <class T>
 std::string ToBytes(const T& value) {

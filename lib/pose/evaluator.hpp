@@ -35,6 +35,8 @@ class Evaluator {
         lanes_(kLanes * dimensions_) {}
 
   int evaluations() const { return best_.evaluations; }
+  /// Evaluations made elsewhere.
+  void Count(int evaluations) { best_.evaluations += evaluations; }
 
   /// Calls `take(k, block, lane)` for each of `count` requests; `freedoms(k)` and `arm_branch(k)` say what is
   /// asked.

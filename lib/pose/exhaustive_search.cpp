@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <bit>
 #include <limits>
 
@@ -12,22 +13,25 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMinimumTolerance = 1e-7;  // rad or mm: the value is flat there to 14 digits
 constexpr double kEndTolerance = 1e-12;
 
-/// One line through the space of the freedoms: all but the first fixed.
+/// Refines a table's minima along lines through the space of the freedoms: all but the first fixed.
 class Line {
  public:
-  Line(const PointScorer& scorer, double step, PointOptimum& best)
-      : scorer_(scorer), first_(*scorer.problem().freedoms[0]), best_(best) {
-    const double range = first_.Upper() - first_.Lower();
-    const int intervals = std::max(1, static_cast<int>(std::ceil(range / step - 1e-9)));
-    count_ = first_.Periodic() ? intervals : intervals + 1;
-    step_ = range / intervals;
-    values_.assign(8 * static_cast<size_t>(count_), kInfinity);
+  Line(const PointScorer& scorer, const CandidateTable& table, PointOptimum& best)
+      : scorer_(scorer),
+        table_(table),
+        first_(*scorer.problem().freedoms[0]),
+        best_(best),
+        count_(table.line_length()),
+        values_(8 * table.settings(), kInfinity) {
+    for (const CandidateTable::Entry& entry : table.entries())
+      values_[entry.branch * table.settings() + entry.setting] = entry.objective;
     lanes_.resize(kLanes * scorer.problem().freedoms.size());
   }
 
-  void Search(const FreedomValues& others) {
-    others_ = others;
-    Sample();
+  /// `line`: the setting of its first value.
+  void Search(size_t line) {
+    line_ = line;
+    others_ = table_.Setting(line);
     for (int branch = 0; branch < 8; ++branch) {
       for (int i = 0; i < count_; ++i) {
         if (IsLocalMinimum(branch, i) && CouldWin(branch, i)) Refine(branch, i);
@@ -36,25 +40,14 @@ class Line {
   }
 
  private:
-  double At(int i) const { return first_.Lower() + i * step_; }
+  double At(int i) const { return table_.At(0, i); }
 
   /// The grid value, +inf where it is not admissible and beyond the ends of a freedom that is not periodic.
   double Value(int branch, int i) const {
     if (first_.Periodic()) i = (i + count_) % count_;
-    return i < 0 || i >= count_ ? kInfinity : values_[static_cast<size_t>(branch) * count_ + i];
-  }
-
-  void Sample() {
-    double x[kLanes];
-    for (int first = 0; first < count_; first += kLanes) {
-      for (int l = 0; l < kLanes; ++l) x[l] = At(std::min(first + l, count_ - 1));
-      Score(x, kAllArmBranches);
-      for (int l = 0; l < kLanes && first + l < count_; ++l) {
-        for (int branch = 0; branch < 8; ++branch) {
-          values_[static_cast<size_t>(branch) * count_ + first + l] = Consider(branch, l, x[l]);
-        }
-      }
-    }
+    if (i < 0 || i >= count_) return kInfinity;
+    return values_[static_cast<size_t>(branch) * table_.settings() + line_ +
+                   static_cast<size_t>(i) * table_.stride()];
   }
 
   void Score(const double (&x)[kLanes], unsigned arm_branches) {
@@ -141,42 +134,38 @@ class Line {
   }
 
   const PointScorer& scorer_;
+  const CandidateTable& table_;
   const Freedom& first_;
   PointOptimum& best_;
-  int count_ = 0;
-  double step_ = 0;
+  int count_;
+  size_t line_ = 0;
   FreedomValues others_;
-  std::vector<double> values_;  // branch by branch
+  std::vector<double> values_;  // +inf where not admissible; branch by branch, setting by setting
   std::vector<double> lanes_;
   ScoredBlock block_;
 };
 
-/// Moves `values` to the next node of the grid over all freedoms but the first; false after the last.
-bool NextNode(const PoseProblem& problem, double step, std::vector<int>& node, FreedomValues& values) {
-  for (size_t d = 1; d < values.size(); ++d) {
-    const Freedom& freedom = *problem.freedoms[d];
-    const double range = freedom.Upper() - freedom.Lower();
-    const int intervals = std::max(1, static_cast<int>(std::ceil(range / step - 1e-9)));
-    const int last = freedom.Periodic() ? intervals - 1 : intervals;
-    node[d] = node[d] < last ? node[d] + 1 : 0;
-    values[d] = freedom.Lower() + node[d] * (range / intervals);
-    if (node[d] > 0) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
-PointOptimum ExhaustiveSearch(const PointScorer& scorer, const PoseProblem& problem, double step) {
+PointOptimum RefineTable(const PointScorer& scorer, const CandidateTable& table) {
   PointOptimum best;
-  FreedomValues others;
-  for (const auto& freedom : problem.freedoms) others.push_back(freedom->Lower());
-  std::vector<int> node(others.size(), 0);
-  Line line(scorer, step, best);
-  do {
-    line.Search(others);
-  } while (NextNode(problem, step, node, others));
+  best.reason = table.reason();
+  best.evaluations = static_cast<int>(4 * table.settings());
+  if (table.entries().empty()) return best;
+  const auto least = std::min_element(table.entries().begin(), table.entries().end(),
+                                      [](const auto& a, const auto& b) { return a.objective < b.objective; });
+  best.found = true;
+  best.freedoms = table.Setting(least->setting);
+  best.branch = least->branch;
+  best.objective = least->objective;
+  best.q = least->q;
+  Line line(scorer, table, best);
+  for (size_t first = 0; first < table.stride(); ++first) line.Search(first);
   return best;
+}
+
+PointOptimum ExhaustiveSearch(const PointScorer& scorer, double step) {
+  return RefineTable(scorer, CandidateTable::OfStep(scorer, step));
 }
 
 }  // namespace millpose

@@ -16,12 +16,35 @@ class Population {
  public:
   Population(const PoseProblem& problem, const GeneticOptions& options, RandomStream& random,
              Evaluator& evaluator)
-      : problem_(problem), options_(options), random_(random), evaluator_(evaluator) {}
+      : problem_(problem),
+        options_(options),
+        random_(random),
+        evaluator_(evaluator),
+        size_(options.population * static_cast<int>(problem.freedoms.size())),
+        generations_(options.generations * static_cast<int>(problem.freedoms.size())) {}
+
+  /// Starts with the best places of a coarse table.
+  void Seed(const PointScorer& scorer, std::vector<Individual>& archive) {
+    const CandidateTable table = CandidateTable::OfSize(scorer, options_.table);
+    evaluator_.Count(static_cast<int>(4 * table.settings()));
+    for (const CandidateTable::Entry& entry : table.entries()) {
+      Individual individual;
+      individual.freedoms = table.Setting(entry.setting);
+      individual.branch = entry.branch;
+      individual.arm_branch = entry.branch & 3;
+      individual.admissibility = Admissibility::kAdmissible;
+      individual.objective = entry.objective;
+      individual.shortfall = 0;
+      archive.push_back(std::move(individual));
+    }
+    current_ = Niches(problem_, archive, static_cast<size_t>(size_ / 2));
+  }
 
   /// Runs all generations; every individual ever evaluated stays in `archive`.
   void Evolve(std::vector<Individual>& archive, std::vector<GenerationRecord>* history) {
     const int budget = static_cast<int>(kGenerationShare * options_.max_evaluations);
-    for (int k = 0; k < std::min(options_.population, budget); ++k) current_.push_back(RandomIndividual());
+    while (static_cast<int>(current_.size()) < std::min(size_, budget))
+      current_.push_back(RandomIndividual());
     std::vector<size_t> fresh(current_.size());
     std::iota(fresh.begin(), fresh.end(), size_t{0});
     for (int generation = 0;; ++generation) {
@@ -29,8 +52,8 @@ class Population {
       std::stable_sort(current_.begin(), current_.end(), Fitter);
       if (history) history->push_back(Record());
       const int children = std::max(0, static_cast<int>(current_.size()) - options_.elite);
-      if (generation + 1 >= options_.generations || evaluator_.evaluations() + children > budget) return;
-      Breed(1.0 - static_cast<double>(generation) / options_.generations, fresh);
+      if (generation + 1 >= generations_ || evaluator_.evaluations() + children > budget) return;
+      Breed(1.0 - static_cast<double>(generation) / generations_, fresh);
     }
   }
 
@@ -139,6 +162,7 @@ class Population {
   const GeneticOptions& options_;
   RandomStream& random_;
   Evaluator& evaluator_;
+  int size_, generations_;
   std::vector<Individual> current_;
 };
 
@@ -147,16 +171,18 @@ class Population {
 PointOptimum GeneticSearch(const PointScorer& scorer, const PoseProblem& problem,
                            const GeneticOptions& options, RandomStream stream,
                            std::vector<GenerationRecord>* history) {
-  constexpr size_t kNiches = 16;
+  const size_t niches = 12 * problem.freedoms.size();
   constexpr int kPolishReserve = 100;
   PointOptimum best;
   Evaluator evaluator(scorer, best);
   std::vector<Individual> archive;
-  Population(problem, options, stream, evaluator).Evolve(archive, history);
+  Population population(problem, options, stream, evaluator);
+  if (options.table > 0) population.Seed(scorer, archive);
+  population.Evolve(archive, history);
 
   // First roughly from several places, so that the right one wins; then exactly from the winner.
   std::vector<Climber> climbers;
-  for (const Individual& niche : Niches(problem, std::move(archive), kNiches)) {
+  for (const Individual& niche : Niches(problem, std::move(archive), niches)) {
     climbers.emplace_back(problem, niche, 1.0 / 720, 1.0 / 3600, 1.0 / 7200);
   }
   Climb(climbers, evaluator, options.max_evaluations - kPolishReserve);

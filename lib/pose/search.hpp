@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The two ways to find a point's own optimum: the genetic algorithm, and the exhaustive search that judges
-// it.
+// The ways to find a point's own optimum: the genetic algorithm, the refinement of a table, and the
+// exhaustive search that judges both.
 #pragma once
 
 #include "base/random.hpp"
-#include "pose/scorer.hpp"
+#include "pose/candidate_table.hpp"
 
 namespace millpose {
 
@@ -20,8 +20,9 @@ struct PointOptimum {
 };
 
 struct GeneticOptions {
-  int population = 40;
-  int generations = 30;
+  int table = 96;  ///< settings of the coarse table that the first population is chosen from; 0: at random
+  int population = 16;  ///< for each freedom
+  int generations = 6;  ///< for each freedom
   double crossover_rate = 0.9;
   double mutation_rate = 0.2;
   int elite = 2;
@@ -32,15 +33,19 @@ struct GenerationRecord {
   double best, mean;  ///< objective over the admissible individuals of a generation
 };
 
-/// Chen 2021 section 5.2 over the freedoms: random start from `stream`, selection, crossover, mutation,
-/// elitism, then a local refinement that can end exactly on the bound of an admissible interval. Never reads
-/// the exhaustive search. `history`, when given, receives one record per generation.
+/// Chen 2021 section 5.2 over the freedoms: selection, crossover, mutation, elitism, then a local refinement
+/// that can end exactly on the bound of an admissible interval. Half of the first population are the best
+/// places of a coarse table, the rest is drawn from `stream` (decision 50). Never reads a finer table than
+/// that. `history`, when given, receives one record per generation.
 PointOptimum GeneticSearch(const PointScorer& scorer, const PoseProblem& problem,
                            const GeneticOptions& options, RandomStream stream,
                            std::vector<GenerationRecord>* history = nullptr);
 
-/// Grid of `step` (rad or mm) over every freedom, all branches. Along the first freedom each local optimum
-/// that could still win is refined, and the ends of admissible intervals are reached exactly.
-PointOptimum ExhaustiveSearch(const PointScorer& scorer, const PoseProblem& problem, double step);
+/// The best of a table of the scorer's point: along the first freedom each local optimum that could still win
+/// is refined, and the ends of admissible intervals are reached exactly.
+PointOptimum RefineTable(const PointScorer& scorer, const CandidateTable& table);
+
+/// The same on a table of `step` (rad or mm); fine enough it judges the others.
+PointOptimum ExhaustiveSearch(const PointScorer& scorer, double step);
 
 }  // namespace millpose

@@ -24,8 +24,8 @@ std::optional<PaperFigures> FiguresOfPaper(const PlanResult& plan) {
         figures.on_path += point.skip == SkipReason::kNone && point.from_genetic;
         position.push_back(answer.position_error);
         angle.push_back(answer.angle_error);
-        if (answer.within_tolerance && point.exhaustive_optimum > 0 && std::isfinite(answer.objective))
-          above.push_back(answer.objective / point.exhaustive_optimum - 1);
+        if (answer.within_tolerance && point.own_optimum > 0 && std::isfinite(answer.objective))
+          above.push_back(answer.objective / point.own_optimum - 1);
       }
     }
   }
@@ -63,7 +63,7 @@ PlanFigures Figures(const PlanResult& plan) {
       n.push_back(point.indices.lambda_n);
       f.push_back(point.objective);
       on_path += point.objective;
-      own += point.exhaustive_optimum;
+      own += point.own_optimum;
       genetic += point.from_genetic ? 1 : 0;
       clearance = figures.planned == 0 ? point.clearance : std::min(clearance, point.clearance);
       ++figures.planned;

@@ -89,7 +89,7 @@ void AddStiffness(const PlanResult& plan, Collector& c) {
   c.Add("price", "f/f*", "Objective over the point's own optimum", "", Worse::kHigh,
         [](const PassResult& pass, size_t i) -> Value {
           const PlannedPoint& p = pass.points[i];
-          if (p.exhaustive_optimum > 0) return p.objective / p.exhaustive_optimum;
+          if (p.own_optimum > 0) return p.objective / p.own_optimum;
           return std::nullopt;
         });
 }

@@ -129,16 +129,16 @@ Json CountsJson(const PlanResult& plan, size_t shown) {
 
 Json OptimaJson(const PlanResult& plan, const std::vector<ReportRow>& rows) {
   const double scale = ShownScale(plan.objective_unit);
-  std::vector<float> genetic, exhaustive;
+  std::vector<float> genetic, own;
   for (const ReportRow& row : rows) {
     const PlannedPoint& p = plan.passes[row.pass].points[row.point];
     const auto shown = [&](double value) {
       return value > 0 ? static_cast<float>(scale * value) : std::numeric_limits<float>::quiet_NaN();
     };
     genetic.push_back(shown(p.genetic_optimum));
-    exhaustive.push_back(shown(p.exhaustive_optimum));
+    own.push_back(shown(p.own_optimum));
   }
-  return {{"genetic", PackFloats(genetic)}, {"exhaustive", PackFloats(exhaustive)}};
+  return {{"genetic", PackFloats(genetic)}, {"own", PackFloats(own)}};
 }
 
 /// Figures of the finished face, µm; null when the job gives no cutting force.

@@ -10,7 +10,7 @@ constexpr const char* kHeader =
     "a6_deg,"
     "rotation_deg,branch,lambda_t1_mm_N,lambda_t2_mm_N,lambda_n_mm_N,mu,dexterity,objective,clearance_mm,"
     "normal_compliance_mm_N,fx,fy,fz,feed_mm_min,genetic_optimum,exhaustive_optimum,reason,"
-    "lambda_3_mm_N,l3x,l3y,l3z\n";
+    "lambda_3_mm_N,l3x,l3y,l3z,own_optimum\n";
 constexpr int kPlannedColumns = 16;  // a1_deg … normal_compliance_mm_N: empty for a skipped point
 
 const char* KindName(PointKind kind) {
@@ -80,6 +80,7 @@ std::string PointsCsv(const PlanResult& plan) {
         row.Empty(4);
       else
         row.Number(planned.lambda_3).Vector(planned.lambda_3_direction);
+      row.Text(planned.own_optimum > 0 ? fmt::format("{:.17g}", planned.own_optimum) : "");
       csv += row.line() + '\n';
     }
   return csv;

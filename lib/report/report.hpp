@@ -35,13 +35,14 @@ struct AuditPair {
 
 /// Figures recomputed on request (`--audit`).
 struct AuditFigures {
-  double ga_share_within_0p1_percent = 0;  ///< of the points judged, %
-  double ga_worst_gap_percent = 0;         ///< genetic algorithm above the exhaustive optimum
-  long long limit_violations = 0;          ///< points outside the admissible limits
-  long long interferences = 0;             ///< motions on which bodies touch
-  long long clearance_violations = 0;      ///< motions times pairs that come nearer than is to be kept
-  std::vector<AuditPair> pairs;            ///< of both
-  double max_slice_distance_mm = 0;        ///< of the cut points from the mesh
+  double ga_share_within_0p1_percent = 0;                ///< of the points judged, %
+  double ga_worst_gap_percent = 0;                       ///< genetic algorithm above the exhaustive optimum
+  std::optional<double> ga_share_without_table_percent;  ///< as the share, started at random alone
+  long long limit_violations = 0;                        ///< points outside the admissible limits
+  long long interferences = 0;                           ///< motions on which bodies touch
+  long long clearance_violations = 0;  ///< motions times pairs that come nearer than is to be kept
+  std::vector<AuditPair> pairs;        ///< of both
+  double max_slice_distance_mm = 0;    ///< of the cut points from the mesh
 };
 
 /// How far $BASE may be shifted together with a part whose place was measured, along and about X, Y, Z of the

@@ -113,6 +113,7 @@ Json AuditJson(const std::optional<AuditFigures>& audit) {
                      {"first_on", pair.where}});
   return {{"ga_share_within_0p1_percent", audit->ga_share_within_0p1_percent},
           {"ga_worst_gap_percent", audit->ga_worst_gap_percent},
+          {"ga_share_without_table_percent", OrNull(audit->ga_share_without_table_percent)},
           {"limit_violations", audit->limit_violations},
           {"interferences", audit->interferences},
           {"clearance_violations", audit->clearance_violations},

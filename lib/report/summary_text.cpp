@@ -61,7 +61,7 @@ void AppendPaper(const PaperFigures& paper, std::string* text) {
                  paper.position_error.worst, RadToDeg(paper.angle_error.worst));
   if (paper.above_exhaustive)
     fmt::format_to(std::back_inserter(*text),
-                   "  where met, {:+.2f} % to {:+.2f} % against the exhaustive optimum, median {:+.2f} %\n",
+                   "  where met, {:+.2f} % to {:+.2f} % against the point's own optimum, median {:+.2f} %\n",
                    100 * paper.above_exhaustive->best, 100 * paper.above_exhaustive->worst,
                    100 * paper.above_exhaustive->median);
 }

@@ -28,7 +28,7 @@ BENCHMARK(ScoreRotations);
 void Exhaustive(benchmark::State& state) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   const PointScorer scorer(problem, PanelPoint(0, 0), Eigen::Vector3d::UnitZ());
-  for (auto _ : state) benchmark::DoNotOptimize(ExhaustiveSearch(scorer, problem, DegToRad(0.05)));
+  for (auto _ : state) benchmark::DoNotOptimize(ExhaustiveSearch(scorer, DegToRad(0.05)));
 }
 BENCHMARK(Exhaustive)->Unit(benchmark::kMicrosecond);
 

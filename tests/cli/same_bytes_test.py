@@ -18,7 +18,7 @@ STEP_PART = ""
 TUNABLES = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-AVX2,-AVX512F,-FMA4"}
 OLD = {**TUNABLES, "MILLPOSE_INSTRUCTION_SET": "baseline"}
 COARSE = [(r"rotation_step_deg: 1\n", "rotation_step_deg: 4\n"), (r"exhaustive_step_deg: 0.05", "exhaustive_step_deg: 2"),
-          (r"generations: 30", "generations: 5"), (r"swept_resolution_mm: 0.5", "swept_resolution_mm: 5")]
+          (r"generations: 6", "generations: 5"), (r"swept_resolution_mm: 0.5", "swept_resolution_mm: 5")]
 RING = [*COARSE, (r"stepover_mm: 10", "stepover_mm: 60"), (r"spacing_mm: 10", "spacing_mm: 40"),
         (r"chord_tolerance_mm: 0.02", "chord_tolerance_mm: 0.05")]
 # Rings about the hole of the drilled block, whose wall and rim STEP gives as curves.

@@ -160,7 +160,7 @@ const Slip kJobSlips[] = {
     {"name: part", "name: part\nlimits: {margin_deg: 50}", 3, 22,
      "limits.margin_deg: given 50; allowed: number 0…45, deg"},
     {"name: part", "name: part\npose: {genetic: {elite: 50}}", 3, 17,
-     "pose.genetic.elite: given 50; allowed: less than population, 40"},
+     "pose.genetic.elite: given 50; allowed: less than population, 16"},
     {"name: part", "name: part\npose: {objective: {name: chen2021, w1: half}}", 3, 40,
      "pose.objective.w1: given half; allowed: number"},
     {"name: part", "name: part\npose: {objective: {name: chen2012, w3: 1}}", 3, 26,

@@ -98,7 +98,7 @@ void Equation36() {
   Write("## Equation 36: the optimum\n");
   const PaperCase paper = MakePaperCase();
   const PointScorer scorer(paper.problem, paper.point, Vector3d::UnitZ());
-  const PointOptimum best = ExhaustiveSearch(scorer, paper.problem, DegToRad(0.25));
+  const PointOptimum best = ExhaustiveSearch(scorer, DegToRad(0.25));
   const double f1 = IndicesAt(Chen2021Table6(), kTable6[0], kTip, kToolAxis).f;
   Write(
       "Exhaustive search over the rotation about the tool axis (0.25 deg, all branches, table 5) at pose 1's "

@@ -15,7 +15,7 @@ std::vector<Layer> PanelLayers(const PoseProblem& problem, int count, double ste
   for (int t = 0; t < count; ++t) {
     const MillingPoint point = PanelPoint(-0.5 * spacing * count + spacing * t, 60);
     const PointScorer scorer(problem, point, Eigen::Vector3d::UnitZ());
-    layers.push_back(MakeLayer(scorer, GridSeeds(scorer, step), all_turns));
+    layers.push_back(MakeLayer(scorer, SeedsOf(CandidateTable::OfStep(scorer, step)), all_turns));
   }
   return layers;
 }

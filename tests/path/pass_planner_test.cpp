@@ -20,7 +20,7 @@ TEST(PlanPass, FollowsARow) {
   double path = 0, own = 0;
   for (const PlannedPoint& point : result.points) {
     path += point.objective;
-    own += point.exhaustive_optimum;
+    own += point.own_optimum;
   }
   EXPECT_LT(path, 1.05 * own);
   EXPECT_GE(result.grid_gap, 0);

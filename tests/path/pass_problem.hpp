@@ -21,7 +21,6 @@ inline Cell EmptyCell(const PoseProblem& problem) {
 inline PathOptions Options() {
   PathOptions options;
   options.rotation_step = DegToRad(2);
-  options.exhaustive_step = DegToRad(1);
   options.max_joint_step = Joints::Constant(DegToRad(5));
   options.motion_weight = 1e-5;
   return options;
@@ -94,7 +93,7 @@ inline void ExpectSound(const PoseProblem& problem, const PathOptions& options, 
     EXPECT_EQ(Status(problem.arm, point.q), point.branch);
     const double f = 0.5 * point.indices.lambda_t2 + 0.5 * point.indices.lambda_n;
     EXPECT_NEAR(point.objective / f, 1, 1e-9);
-    EXPECT_GE(point.objective, point.exhaustive_optimum * (1 - 1e-4));
+    EXPECT_GE(point.objective, point.own_optimum * (1 - 1e-4));
     EXPECT_GT(point.dexterity, 0);
   }
 }

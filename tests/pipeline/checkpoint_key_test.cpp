@@ -42,7 +42,7 @@ TEST(ValueBytes, WhatIsCutElsewhereIsNotTheSame) {
 TEST(ValueBytes, SeesAllFieldsOfWhatStagesAreHanded) {
   using value_bytes_detail::CountFields;
   static_assert(CountFields<Arm>() == 18);
-  static_assert(CountFields<PathOptions>() == 14);
+  static_assert(CountFields<PathOptions>() == 13);
   static_assert(CountFields<GapOptions>() == 6);
   static_assert(CountFields<PoseProblem>() == 9);
   static_assert(CountFields<MillingPoint>() == 11);

@@ -64,7 +64,7 @@ TEST(Serialise, DamagedBytesAreRefused) {
     EXPECT_THROW(ParsePassResult(std::string_view(bytes).substr(0, cut), "x"), InputError) << cut;
   EXPECT_THROW(ParsePlanResult(bytes, "x"), InputError);
   std::string older = bytes;
-  older[older.find("millpose 1") + 9] = '0';
+  older[older.find("millpose 2") + 9] = '0';
   EXPECT_THROW(ParsePassResult(older, "x"), InputError);
 }
 

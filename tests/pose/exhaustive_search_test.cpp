@@ -8,7 +8,7 @@ namespace {
 TEST(ExhaustiveSearch, FindsThatPose1OfThePaperIsNearlyOptimal) {
   const PaperCase paper = MakePaperCase();
   const PointScorer scorer(paper.problem, paper.point, Eigen::Vector3d::UnitZ());
-  const PointOptimum best = ExhaustiveSearch(scorer, paper.problem, DegToRad(0.25));
+  const PointOptimum best = ExhaustiveSearch(scorer, DegToRad(0.25));
   ASSERT_TRUE(best.found);
   EXPECT_NEAR(best.objective, 2.5790e-4, 0.0002e-4);
   EXPECT_NEAR(RadToDeg(best.q[0]), -2.14, 0.05);
@@ -30,7 +30,7 @@ TEST(ExhaustiveSearch, NoCandidateOfAFineGridIsBetter) {
   for (int k = 0; k < 6; ++k) {
     const MillingPoint point = PanelPoint(stream.Uniform(-450, 450), stream.Uniform(-300, 300));
     const PointScorer scorer(problem, point, Eigen::Vector3d::UnitZ());
-    const PointOptimum best = ExhaustiveSearch(scorer, problem, DegToRad(0.5));
+    const PointOptimum best = ExhaustiveSearch(scorer, DegToRad(0.5));
     ASSERT_TRUE(best.found);
     EXPECT_EQ(CheckAdmissible(problem, best.q), Admissibility::kAdmissible);
     EXPECT_EQ(best.objective, scorer.ScoreOne(best.freedoms, best.branch).objective);
@@ -52,7 +52,7 @@ TEST(ExhaustiveSearch, SaysHowFarTheBestCandidateCame) {
   PoseProblem problem = MakeProblem(Kr500R2830());
   const auto reason = [&](const MillingPoint& point) {
     const PointScorer scorer(problem, point, Eigen::Vector3d::UnitZ());
-    const PointOptimum best = ExhaustiveSearch(scorer, problem, DegToRad(1));
+    const PointOptimum best = ExhaustiveSearch(scorer, DegToRad(1));
     EXPECT_FALSE(best.found);
     return best.reason;
   };

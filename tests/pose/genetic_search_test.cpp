@@ -18,7 +18,7 @@ std::vector<Sample> MakeSamples(const PoseProblem& problem, int count) {
     sample.point = PanelPoint(stream.Uniform(-450, 450), stream.Uniform(-300, 300),
                               stream.Uniform(1500, 2200), stream.Uniform(700, 1500));
     const PointScorer scorer(problem, sample.point, Eigen::Vector3d::UnitZ());
-    const PointOptimum best = ExhaustiveSearch(scorer, problem, DegToRad(0.25));
+    const PointOptimum best = ExhaustiveSearch(scorer, DegToRad(0.25));
     if (!best.found) continue;
     sample.optimum = best.objective;
     samples.push_back(sample);
@@ -50,14 +50,17 @@ TEST(GeneticSearch, ComesWithinATenthOfAPercentOfTheExhaustiveSearch) {
   const std::vector<Sample> samples = MakeSamples(problem, 300);
   ASSERT_GT(samples.size(), 250u);
   const Gaps full = Measure(problem, samples, {});
-  EXPECT_GE(full.share, 0.99);
-  EXPECT_LE(full.worst, 0.01);
+  EXPECT_GE(full.share, 0.995);
   EXPECT_LE(full.most_evaluations, 2000);
 
-  // Each operator earns its keep: with fewer evaluations (so that the refinement does not make up for it) the
-  // share falls when one is switched off.
+  // Each operator earns its keep: without a table and with fewer evaluations (so that neither makes up for
+  // it) the share falls when one is switched off.
   GeneticOptions frugal, no_crossover, no_mutation;
-  frugal.max_evaluations = no_crossover.max_evaluations = no_mutation.max_evaluations = 500;
+  frugal.table = 0;
+  frugal.population = 40;
+  frugal.generations = 30;
+  frugal.max_evaluations = 500;
+  no_crossover = no_mutation = frugal;
   no_crossover.crossover_rate = 0;
   no_mutation.mutation_rate = 0;
   const double both = Measure(problem, samples, frugal).share;

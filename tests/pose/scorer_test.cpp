@@ -199,7 +199,7 @@ TEST(PointScorer, CountsCompliancesBesideTheJointsOnEveryBranch) {
     if (link != 5) {  // of link 4 the wrist flips turn the frame; this tool hides what they do to link 5's
       EXPECT_EQ(apart > 1e-9, link == 4) << link << ' ' << apart;
     }
-    const PointOptimum exhaustive = ExhaustiveSearch(scorer, problem, DegToRad(0.25)),
+    const PointOptimum exhaustive = ExhaustiveSearch(scorer, DegToRad(0.25)),
                        genetic = GeneticSearch(scorer, problem, {}, RandomStream(1, 0));
     EXPECT_LE(exhaustive.objective, least * (1 + 1e-12));
     EXPECT_NEAR(genetic.objective / exhaustive.objective, 1, 1e-3) << link;

@@ -54,7 +54,7 @@ void ChoosePose(const PointScorer& scorer, const RotationGrid& grid, std::option
   point.branch = static_cast<int>(chosen % 8);
   point.q = candidates[chosen].q;
   point.objective = candidates[chosen].objective;
-  point.exhaustive_optimum = point.genetic_optimum = least;
+  point.own_optimum = point.genetic_optimum = least;
   last = point.q;
 }
 

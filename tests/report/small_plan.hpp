@@ -18,7 +18,7 @@ inline PlanResult SmallPlan() {
     point.point.feed = Eigen::Vector3d::UnitX();
     point.freedoms = {0.5};
     point.objective = i + 1;
-    point.exhaustive_optimum = 1;
+    point.own_optimum = 1;
     point.indices.lambda_n = 1.0 / (i + 1);
     point.from_genetic = i == 0;
     point.clearance = 40 - i;

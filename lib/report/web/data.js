@@ -48,7 +48,7 @@
     data.columns = raw.columns.map((c) => Object.assign({}, c, { values: floats(c.values) }));
     data.column = {};
     for (const column of data.columns) data.column[column.key] = column;
-    data.optima = { genetic: floats(raw.optima.genetic), exhaustive: floats(raw.optima.exhaustive) };
+    data.optima = { genetic: floats(raw.optima.genetic), own: floats(raw.optima.own) };
     data.curves = decodeCurves(raw.curves);
     data.bodies = raw.bodies.map((b) => Object.assign({}, b, { vertices: floats(b.vertices), faces: uint32(b.faces) }));
     return data;

@@ -27,7 +27,7 @@
       this.rotation = plot(rotation, "Objective over the rotation about the tool axis");
       this.genetic = plot(genetic, "Convergence of the genetic algorithm");
       rotation.append(this.key());
-      genetic.append(m.element("div", { class: "legend" }, swatch(m.SERIES[0], "best"), swatch(m.SERIES[1], "mean of the admissible"), swatch("#3f8f4f", "after refinement"), swatch("#27313b", "exhaustive optimum")));
+      genetic.append(m.element("div", { class: "legend" }, swatch(m.SERIES[0], "best"), swatch(m.SERIES[1], "mean of the admissible"), swatch("#3f8f4f", "after refinement"), swatch("#27313b", "own optimum")));
     }
     key() {
       const node = m.element("div", { class: "legend" });
@@ -157,7 +157,7 @@
       if (!sample) return;
       let count = sample.best.length;
       while (count > 0 && Number.isNaN(sample.best[count - 1])) --count;
-      const found = this.data.optima.genetic[this.row], optimum = this.data.optima.exhaustive[this.row];
+      const found = this.data.optima.genetic[this.row], optimum = this.data.optima.own[this.row];
       const levels = sample.exact ? [found, optimum].filter((v) => v === v) : [];
       const finite = [...sample.best, ...sample.mean, ...levels].filter((v) => v === v);
       if (count === 0 || finite.length === 0) {

@@ -118,7 +118,7 @@
     const above = p.above_percent ? p.above_percent.map((v) => m.format(v, 3)) : null;
     section.querySelector("p").textContent =
       `${p.within_tolerance} of ${p.searched} points meet its tolerance of 0.1 mm and 0.1°; errors at worst ${m.format(p.position_error_mm)} mm and ${m.format(p.angle_error_deg)}°. ` +
-      (above ? `Where it is met, f lies ${above[0]} % to ${above[2]} % above the exhaustive optimum (median ${above[1]} %). ` : "") +
+      (above ? `Where it is met, f lies ${above[0]} % to ${above[2]} % above the point's own optimum (median ${above[1]} %). ` : "") +
       `${p.usable} answers are admissible once put on the exact pose, ${p.on_path} of them are on the path; answers beyond the tolerance are never milled.`;
   };
 
