@@ -67,7 +67,7 @@ class Plan(unittest.TestCase):
         self.assertEqual(self.summary["gaps"]["planned"], self.summary["gaps"]["total"])
         self.assertIsNone(self.summary["audit"])
 
-    def test_audit_adds_its_figures_and_changes_nothing_else(self):
+    def test_audit_adds_its_figures_and_optima_and_changes_nothing_else(self):
         result, folder = BENCH.plan(self.job, "audited", "--audit")
         self.assertEqual(result.returncode, 0, result.stderr)
         found = contents(folder)
@@ -75,8 +75,15 @@ class Plan(unittest.TestCase):
         self.assertGreaterEqual(audit.pop("ga_share_within_0p1_percent"), 99)
         self.assertLessEqual(audit.pop("ga_worst_gap_percent"), 1)
         self.assertLessEqual(audit.pop("max_slice_distance_mm"), 1e-6)
+        self.assertGreaterEqual(audit.pop("ga_share_without_table_percent"), 90)
         self.assertEqual(audit, {"limit_violations": 0, "interferences": 0, "clearance_violations": 0, "pairs": []})
-        self.assertLessEqual(set(differences(self.contents, found)), {"summary.json", "report.html", "manifest.json"})
+        self.assertLessEqual(set(differences(self.contents, found)),
+                             {"summary.json", "report.html", "manifest.json", "points.csv", "plan.cbor"})
+        plain, audited = (list(csv.DictReader(text.decode("ascii").splitlines()))
+                          for text in (self.contents["points.csv"], found["points.csv"]))
+        self.assertEqual({row.pop("exhaustive_optimum") for row in plain}, {""})
+        self.assertNotIn("", [row.pop("exhaustive_optimum") for row in audited])
+        self.assertEqual(plain, audited)
 
     def test_run_json_holds_what_may_vary(self):
         run = json.loads((self.folder / "run.json").read_text(encoding="utf-8"))
