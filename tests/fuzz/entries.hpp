@@ -15,6 +15,7 @@ namespace millpose {
 struct FuzzEntry {
   std::string name;
   void (*run)(std::string_view bytes);
+  int copies = 100;  ///< spoilt copies of every seed in the quick tests: fewer where one costs more
 };
 
 /// Every own reader, by what it links.
@@ -22,6 +23,8 @@ std::vector<FuzzEntry> YamlEntries();
 std::vector<FuzzEntry> MeshEntries();
 std::vector<FuzzEntry> CamEntries();
 std::vector<FuzzEntry> ProgramEntries();
+std::vector<FuzzEntry> VerifyEntries();
+std::vector<FuzzEntry> StepEntries();
 
 inline void Demand(bool holds) {
   if (!holds) std::abort();

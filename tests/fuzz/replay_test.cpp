@@ -25,15 +25,19 @@ std::vector<std::filesystem::path> FilesIn(const std::filesystem::path& folder) 
 
 std::vector<std::string> SeedsOf(const std::string& name) {
   const std::filesystem::path tests = std::filesystem::path(SourceDir()) / "tests";
+  std::vector<std::filesystem::path> folders = {tests / "fuzz" / "seeds" / name, tests / "golden" / name};
+  if (name == "verify")
+    folders.insert(folders.end(),
+                   {tests / "golden/krl", tests / "golden/linuxcnc", tests / "golden/sinumerik"});
   std::vector<std::string> seeds;
-  for (const auto& folder : {tests / "fuzz" / "seeds" / name, tests / "golden" / name})
+  for (const auto& folder : folders)
     for (const auto& file : FilesIn(folder)) seeds.push_back(ReadFile(file));
   return seeds;
 }
 
 std::vector<FuzzEntry> AllEntries() {
   std::vector<FuzzEntry> entries = YamlEntries();
-  for (const auto& more : {MeshEntries(), CamEntries(), ProgramEntries()})
+  for (const auto& more : {MeshEntries(), CamEntries(), ProgramEntries(), VerifyEntries(), StepEntries()})
     entries.insert(entries.end(), more.begin(), more.end());
   return entries;
 }
@@ -45,8 +49,8 @@ TEST_P(Replay, SeedsAndSpoiltSeedsAreReadOrRefused) {
   ASSERT_GE(seeds.size(), 1u) << "an entry without seeds";
   for (const std::string& seed : seeds) {
     GetParam().run(seed);
-    for (uint64_t i = 0; i < 100; ++i) {
-      RandomStream random(i, 37);
+    for (int i = 0; i < GetParam().copies; ++i) {
+      RandomStream random(static_cast<uint64_t>(i), 37);
       GetParam().run(Mutated(seed, random));
     }
   }
