@@ -6,7 +6,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "commands.hpp"
-#include "pipeline/rotation_curve.hpp"
+#include "pipeline/explain_pose.hpp"
 
 namespace millpose {
 namespace {
@@ -26,10 +26,10 @@ int Inspect(const Arguments& arguments) {
   const PointsTable points(ReadFile(points_file), points_file.string());
   const std::string summary = ReadFile(summary_file);
   CheckInspectOptions(points, arguments.options);
-  std::vector<RotationSample> curve;
-  if (arguments.options.point) curve = RotationCurve(arguments.folder, points, *arguments.options.point);
+  PointStory story;
+  if (arguments.options.point) story = TellPoint(arguments.folder, *arguments.options.point);
   const auto show = arguments.json ? InspectJson : InspectText;
-  fmt::print("{}", show(points, summary, summary_file.string(), arguments.options, curve));
+  fmt::print("{}", show(points, summary, summary_file.string(), arguments.options, story));
   return kDone;
 }
 

@@ -48,6 +48,14 @@ void AddPlanCommand(CLI::App& app, Run& run) {
   command->add_option("--share", *share,
                       "K/N: plan only every N-th pass from the K-th, as checkpoints, and end");
   command->add_flag("--audit", arguments->audit, "Judge the plan by recomputation; figures in summary.json");
+  const auto axis_map = std::make_shared<std::string>("known");
+  command
+      ->add_option(
+          "--axis-map", *axis_map,
+          "full: check every pose of report.html's axis map for interference; known: show what the plan "
+          "learned")
+      ->check(CLI::IsMember({"known", "full"}))
+      ->capture_default_str();
   command
       ->add_option("--trajectory", arguments->trajectory,
                    "Write trajectory-<controller>.csv too, a row every so many s and at every point")
@@ -58,10 +66,11 @@ void AddPlanCommand(CLI::App& app, Run& run) {
       ->check(CLI::Range(1.0, 1e9))
       ->capture_default_str();
   const RootOption root = AddRootOption(*command);
-  command->callback([&run, arguments, changes, share, root] {
-    run = [arguments, changes, share, root](Session& session) {
+  command->callback([&run, arguments, changes, share, axis_map, root] {
+    run = [arguments, changes, share, axis_map, root](Session& session) {
       arguments->root = FileRoot::Of(*root);
       if (!share->empty()) arguments->share = ParseShare(*share);
+      arguments->full_axis_map = *axis_map == "full";
       for (const std::string& change : *changes) arguments->overrides.push_back(ParseOverride(change));
       return Plan(*arguments, session);
     };

@@ -17,6 +17,7 @@
 #include "pipeline/output_folder.hpp"
 #include "pipeline/result_swap.hpp"
 #include "pipeline/step_meshes.hpp"
+#include "report/summary_version.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -165,7 +166,9 @@ JobOutcome Judge(const fs::path& folder, int status, const std::string& errors) 
   }
   try {
     CheckManifest(folder);
-    const Json summary = Json::parse(ReadFile(folder / "summary.json"));
+    const std::string text = ReadFile(folder / "summary.json");
+    CheckSummaryVersion(text, (folder / "summary.json").string());
+    const Json summary = Json::parse(text);
     outcome.points = summary.at("points").at("total").get<size_t>();
     outcome.planned = summary.at("points").at("planned").get<size_t>();
     outcome.cause = Shortfall(summary);

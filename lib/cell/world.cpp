@@ -176,4 +176,10 @@ World::~World() = default;
 
 const Cell& World::cell() const { return impl_->cell; }
 
+std::string World::PairName(int pair) const {
+  const BodyPair& of = impl_->pairs.at(static_cast<size_t>(pair));
+  const auto name = [&](int body) { return impl_->bodies[static_cast<size_t>(body)].name; };
+  return name(of.first) + " and " + name(of.second);
+}
+
 }  // namespace millpose

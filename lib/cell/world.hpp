@@ -35,6 +35,8 @@ class World {
   explicit World(Cell cell);
   ~World();
   const Cell& cell() const;
+  /// Of a pair as in Sighting: "link4 and workpiece".
+  std::string PairName(int pair) const;
 
  private:
   friend class Checker;

@@ -116,17 +116,6 @@ class TableMaker {
 
 }  // namespace
 
-PointFilter Compared(const std::vector<PassResult>& passes) {
-  bool forces = false;
-  for (const PassResult& pass : passes)
-    for (const PlannedPoint& planned : pass.points)
-      forces = forces || planned.point.engagement.side != CutSide::kAir;
-  return [forces](const PlannedPoint& planned) {
-    return planned.skip == SkipReason::kNone && planned.point.kind == PointKind::kCut &&
-           (!forces || planned.point.engagement.side != CutSide::kAir);
-  };
-}
-
 FixedTable MakeFixedTable(const PoseProblem& problem, const PassResult& pass, const PointFilter& counts,
                           const FixedTableOptions& options) {
   return TableMaker(problem, options).Make(pass, counts);

@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <functional>
-
-#include "plan/plan_result.hpp"
+#include "plan/compared.hpp"
 #include "pose/scorer.hpp"
 
 namespace millpose {
-
-/// Which points count.
-using PointFilter = std::function<bool(const PlannedPoint&)>;
-
-/// The planned cut points; where some are known to be in material only these.
-PointFilter Compared(const std::vector<PassResult>& passes);
 
 /// What every rotation of a grid gives on every branch over the planned points of a pass, interference left
 /// aside.

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/pass_planner.hpp"
 
+#include <map>
+
 #include "base/parallel.hpp"
 #include "base/units.hpp"
 #include "path/split_planner.hpp"
 #include "plan/continuity.hpp"
 #include "plan/point_clearance.hpp"
+#include "plan/verdict_map.hpp"
 #include "stiffness/pose_stiffness.hpp"
 
 namespace millpose {
@@ -33,16 +36,49 @@ std::string DetailOf(Admissibility admissibility) {
   }
 }
 
+/// Periodic freedoms in their range.
+double Principal(const Freedom& freedom, double value) {
+  const double range = freedom.Upper() - freedom.Lower();
+  return freedom.Periodic() ? value - range * std::floor((value - freedom.Lower()) / range) : value;
+}
+
+/// Numbers of the World's pairs in PassResult::pairs.
+using PairNumbers = std::map<int, int>;
+
+int NumberOf(const World& world, int pair, PairNumbers& numbers, PassResult& result) {
+  const auto [known, added] = numbers.try_emplace(pair, static_cast<int>(result.pairs.size()));
+  if (added) result.pairs.push_back(world.PairName(pair));
+  return known->second;
+}
+
+/// `runs` of verdicts with the pass's own numbers of pairs.
+std::vector<int> NamedPairs(const World& world, std::vector<int> runs, PairNumbers& numbers,
+                            PassResult& result) {
+  for (size_t i = 0; i < runs.size(); i += 2)
+    if (runs[i] >= kVerdictPair)
+      runs[i] = kVerdictPair + NumberOf(world, runs[i] - kVerdictPair, numbers, result);
+  return runs;
+}
+
+/// The best free candidate that is known. The path, free too, may lie between the nodes.
+void TellFreeOptimum(const PassContext& context, const PassPlan& plan, size_t t, PlannedPoint& point) {
+  const auto take = [&](double objective, double rotation, int branch) {
+    if (point.free_branch >= 0 && objective >= point.free_optimum) return;
+    point.free_optimum = objective;
+    point.free_rotation = Principal(*context.problem.freedoms[0], rotation);
+    point.free_branch = branch;
+  };
+  const FreeOptimum& free = plan.free[t];
+  if (free.found) take(free.objective, free.freedoms[0], free.branch);
+  for (const PathNode& node : {plan.unsmoothed[t], plan.nodes[t]})
+    take(node.objective, node.freedoms[0], node.branch);
+}
+
 /// What a planned point says about itself.
 void Describe(const PoseProblem& problem, const PathNode& node, PlannedPoint& point) {
   point.freedoms = node.freedoms;
-  for (size_t d = 0; d < point.freedoms.size(); ++d) {
-    const Freedom& freedom = *problem.freedoms[d];
-    const double range = freedom.Upper() - freedom.Lower();
-    if (freedom.Periodic()) {
-      point.freedoms[d] -= range * std::floor((point.freedoms[d] - freedom.Lower()) / range);
-    }
-  }
+  for (size_t d = 0; d < point.freedoms.size(); ++d)
+    point.freedoms[d] = Principal(*problem.freedoms[d], point.freedoms[d]);
   point.branch = node.branch;
   point.q = node.q;
   point.objective = node.objective;
@@ -104,15 +140,22 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
   result.pairs_checked = plan.pairs_checked;
   result.pairs_saved = plan.pairs_saved;
   result.uncut = planned.uncut;
+  result.bound = plan.bound;
   result.pieces = plan.pieces;
   for (Piece& piece : result.pieces) piece.pass = pass_number;
   result.points.resize(count);
+  PairNumbers pairs;
   for (size_t t = 0; t < count; ++t) {
     PlannedPoint& point = result.points[t];
     point.point = planned.points->points[t].point;
     point.genetic_optimum = context.genetic[t].found ? context.genetic[t].objective : 0.0;
     point.own_optimum = context.optima[t].found ? context.optima[t].objective : 0.0;
     point.genetic_evaluations = context.genetic[t].evaluations;
+    if (context.optima[t].found) {
+      point.own_rotation = Principal(*context.problem.freedoms[0], context.optima[t].freedoms[0]);
+      point.own_branch = context.optima[t].branch;
+    }
+    if (!plan.verdicts.empty()) point.verdicts = NamedPairs(context.world, plan.verdicts[t], pairs, result);
     if (!context.paper.empty()) {
       const PaperResult& paper = context.paper[t];
       point.paper = {{paper.within_tolerance, paper.position_error, paper.angle_error, paper.objective}};
@@ -122,6 +165,10 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
     } else {
       point.piece = plan.piece[t];
       Describe(context.problem, plan.nodes[t], point);
+      point.unsmoothed = plan.unsmoothed[t].objective;
+      TellFreeOptimum(context, plan, t, point);
+      const std::optional<Sighting>& barred = plan.free[t].barred;
+      if (barred) point.barred = NumberOf(context.world, barred->pair, pairs, result);
     }
   }
   const CheckCounts counts =

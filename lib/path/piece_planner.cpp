@@ -8,6 +8,8 @@
 #include "base/parallel.hpp"
 #include "base/units.hpp"
 #include "path/free_smoothing.hpp"
+#include "path/ladder_bound.hpp"
+#include "path/layer_verdicts.hpp"
 #include "path/worst_then_sum.hpp"
 #include "robot/angles.hpp"
 
@@ -138,7 +140,20 @@ class PiecePlanner {
     for (size_t t = 0; t < count_; ++t) {
       if (sequence.nodes[t] == kNoNode) plan_.interference[t] = strike_out.Detail(t);
     }
+    LookBack(problem, sequence, strike_out);
     return sequence;
+  }
+
+  /// What the reports tell of the layers once the plan stands (price.hpp).
+  void LookBack(const LayeredProblem& problem, const Sequence& sequence, StrikeOut& strike_out) {
+    strike_out.Reopen(sequence);
+    const long long before = strike_out.counts().poses;
+    plan_.free = FindFreeOptima(context_.optima, layers_, sequence, strike_out);
+    plan_.poses_checked += strike_out.counts().poses - before;
+    plan_.bound = BoundLadder(problem, sequence, context_.options.worst_first);
+    if (!context_.problem.freedoms[0]->IsToolRotation()) return;
+    for (size_t t = 0; t < count_; ++t)
+      plan_.verdicts.push_back(PackVerdicts(LayerVerdicts(layers_[t], t, strike_out)));
   }
 
   /// Cuts the sequence into pieces. A piece of one point is no cut; only a pass of one point keeps it.

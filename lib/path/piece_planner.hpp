@@ -2,6 +2,7 @@
 // The inner part of PlanPass: from the points' own optima to pieces without interference.
 #pragma once
 
+#include "path/free_optimum.hpp"
 #include "path/pass_planner.hpp"
 #include "path/refine.hpp"
 #include "path/strike_out.hpp"
@@ -33,6 +34,9 @@ struct PassPlan {
   std::vector<int> piece;            ///< per point, −1 for a skipped one
   std::vector<Piece> pieces;
   std::vector<std::string> interference;  ///< per point: what barred it; empty when nothing did
+  std::vector<FreeOptimum> free;          ///< per point
+  LadderBound bound;
+  std::vector<std::vector<int>> verdicts;  ///< per point, PackVerdicts with the World's pairs
   double grid_gap = 0;
   long long poses_checked = 0;
   int nodes_struck = 0;

@@ -42,12 +42,16 @@ StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::vector<Lay
       threads_(threads),
       stop_(std::move(stop)),
       verdict_(layers.size()),
+      pair_(layers.size()),
       memory_(layers.size()),
       struck_(layers.size()),
       free_(layers.size()),
       versions_(layers.size(), 0),
       last_problem_(layers.size()) {
-  for (size_t t = 0; t < layers.size(); ++t) verdict_[t].assign(layers[t].size(), Verdict::kUnknown);
+  for (size_t t = 0; t < layers.size(); ++t) {
+    verdict_[t].assign(layers[t].size(), Verdict::kUnknown);
+    pair_[t].assign(layers[t].size(), -1);
+  }
 }
 
 long long StrikeOut::nodes_checked() const {
@@ -137,23 +141,39 @@ std::vector<std::pair<size_t, size_t>> StrikeOut::Beside(const std::vector<Inter
   return nodes;
 }
 
+std::optional<Sighting> StrikeOut::Meets(Checker& checker, size_t layer, const FreedomValues& freedoms,
+                                         const Joints& q) {
+  return rotates_first_ ? checker.Blocked(q, Phase::kCutting, freedoms, memory_[layer])
+                        : checker.Blocked(q, Phase::kCutting);
+}
+
+/// Looks at a node of which nothing is known; true when it was struck out now.
+bool StrikeOut::Strikes(Checker& checker, size_t layer, size_t node) {
+  Verdict& verdict = verdict_[layer][node];
+  if (verdict != Verdict::kUnknown) return false;
+  Layer& of = layers_[layer];
+  const auto hit = Meets(checker, layer, of.freedoms[node], of.joints.At(node));
+  verdict = hit ? Verdict::kStruck : Verdict::kFree;
+  if (!hit) return false;
+  last_problem_[layer] = CutProblem{hit};
+  pair_[layer][node] = hit->pair;
+  ++versions_[layer];
+  of.objective[node] = std::numeric_limits<double>::infinity();
+  return true;
+}
+
+bool StrikeOut::IsFree(Checker& checker, size_t layer, size_t node) {
+  Strikes(checker, layer, node);
+  return verdict_[layer][node] == Verdict::kFree;
+}
+
+void StrikeOut::EachLayer(const std::function<void(Checker&, size_t)>& work) {
+  counts_ += CheckInParallel(world_, layers_.size(), threads_, stop_, work);
+}
+
 /// What was struck out now: the node with its neighbours; nothing where it is free or was struck before.
 std::optional<StrikeOut::Interval> StrikeOut::CheckNode(Checker& checker, size_t layer, size_t node) {
-  const auto strikes = [&](size_t k) {
-    Verdict& verdict = verdict_[layer][k];
-    if (verdict != Verdict::kUnknown) return false;
-    const Joints q = layers_[layer].joints.At(k);
-    const auto hit = rotates_first_
-                         ? checker.Blocked(q, Phase::kCutting, layers_[layer].freedoms[k], memory_[layer])
-                         : checker.Blocked(q, Phase::kCutting);
-    verdict = hit ? Verdict::kStruck : Verdict::kFree;
-    if (hit) {
-      last_problem_[layer] = CutProblem{hit};
-      ++versions_[layer];
-      layers_[layer].objective[k] = std::numeric_limits<double>::infinity();
-    }
-    return hit.has_value();
-  };
+  const auto strikes = [&](size_t k) { return Strikes(checker, layer, k); };
   if (!strikes(node)) return std::nullopt;
   // Interference fills intervals: look for its ends now instead of meeting every node of it in a round of its
   // own.
@@ -182,7 +202,9 @@ bool StrikeOut::CheckMotion(Checker& checker, size_t from, size_t to, const Sequ
 
 void StrikeOut::StrikeBarred(const Sequence& sequence, Extent extent) {
   const auto strike = [&](size_t t, size_t node) {
-    nodes_struck_ += verdict_[t][node] != Verdict::kStruck;
+    if (verdict_[t][node] == Verdict::kStruck) return;
+    ++nodes_struck_;
+    taken_.push_back({t, node, layers_[t].objective[node], verdict_[t][node]});
     verdict_[t][node] = Verdict::kStruck;
     ++versions_[t];
     layers_[t].objective[node] = std::numeric_limits<double>::infinity();
@@ -197,6 +219,15 @@ void StrikeOut::StrikeBarred(const Sequence& sequence, Extent extent) {
       for (size_t k = 0; k < layers_[t].size(); ++k) strike(t, k);
     }
   }
+}
+
+void StrikeOut::Reopen(const Sequence& sequence) {
+  for (const Taken& taken : taken_) {
+    if (sequence.nodes[taken.layer] == kNoNode) continue;
+    layers_[taken.layer].objective[taken.node] = taken.objective;
+    verdict_[taken.layer][taken.node] = taken.verdict;
+  }
+  taken_.clear();
 }
 
 }  // namespace millpose

@@ -34,6 +34,23 @@ class StrikeOut {
   enum class Extent { kNodes, kLayers };
   void StrikeBarred(const Sequence& sequence, Extent extent);
 
+  /// Gives back the nodes that StrikeBarred alone took, in the layers that `sequence` goes through: they
+  /// interfere with nothing by themselves.
+  void Reopen(const Sequence& sequence);
+
+  enum class Verdict : uint8_t { kUnknown, kFree, kStruck };
+  Verdict VerdictOf(size_t layer, size_t node) const { return verdict_[layer][node]; }
+  /// Of a struck node: the pair of bodies, as in Sighting; −1 where it does not interfere by itself.
+  int PairOf(size_t layer, size_t node) const { return pair_[layer][node]; }
+
+  /// Runs `work(checker, layer)` for all layers in parallel, for which the next two may be called.
+  void EachLayer(const std::function<void(Checker&, size_t)>& work);
+  /// Whether a node is free; struck out when not, but for nothing beside it.
+  bool IsFree(Checker& checker, size_t layer, size_t node);
+  /// What a pose at a layer's point meets; remembers nothing but what poses there share.
+  std::optional<Sighting> Meets(Checker& checker, size_t layer, const FreedomValues& freedoms,
+                                const Joints& q);
+
   std::span<const StruckEdges> struck_edges() const { return struck_; }
   /// Per layer: rises with what is struck out of its nodes and of the edges from it.
   std::span<const uint64_t> versions() const { return versions_; }
@@ -45,13 +62,19 @@ class StrikeOut {
   std::string Detail(size_t layer) const;
 
  private:
-  enum class Verdict : uint8_t { kUnknown, kFree, kStruck };
+  /// A node that StrikeBarred took, and what was known of it.
+  struct Taken {
+    size_t layer, node;
+    double objective;
+    Verdict verdict;
+  };
 
   /// Nodes of a branch, first..last, that were struck out together.
   struct Interval {
     size_t layer, first, last;
   };
 
+  bool Strikes(Checker& checker, size_t layer, size_t node);
   std::optional<Interval> CheckNode(Checker& checker, size_t layer, size_t node);
   std::vector<Interval> CheckNodes(const std::vector<std::pair<size_t, size_t>>& nodes);
   std::vector<std::pair<size_t, size_t>> Beside(const std::vector<Interval>& struck) const;
@@ -65,6 +88,8 @@ class StrikeOut {
   int threads_;
   std::stop_token stop_;
   std::vector<std::vector<Verdict>> verdict_;
+  std::vector<std::vector<int>> pair_;
+  std::vector<Taken> taken_;
   std::vector<PointMemory> memory_;  // per layer
   std::vector<StruckEdges> struck_, free_;
   std::vector<uint64_t> versions_;

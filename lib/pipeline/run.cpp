@@ -5,6 +5,7 @@
 #include "config/config.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/audit.hpp"
+#include "pipeline/axis_map.hpp"
 #include "pipeline/judge_optima.hpp"
 #include "pipeline/origin.hpp"
 #include "pipeline/output_folder.hpp"
@@ -127,11 +128,14 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   const std::vector<PointCurves> curves =
       SampleCurves(job.plan, job.prepared.problem, MakePathOptions(inputs.job).genetic, kMostCurves,
                    execution.Threads(), execution.stop);
+  const AxisMap map = MakeAxisMap(job.plan, job.prepared.problem, curves,
+                                  arguments.full_axis_map ? &job.prepared.world : nullptr,
+                                  execution.Threads(), execution.stop);
   ResultSet results(folder);
-  const ReportInputs report =
-      WriteResults({inputs, job.prepared.cell, job.plan, job.programs, job.starts, audit, job.reduction,
-                    job.prepared.warnings, findings, CurveGrid(), curves, job.fixed, job.prepared.heaviest},
-                   results);
+  const ReportInputs report = WriteResults(
+      {inputs, job.prepared.cell, job.plan, job.programs, job.starts, audit, job.reduction,
+       job.prepared.warnings, findings, CurveGrid(), curves, map, job.fixed, job.prepared.heaviest},
+      results);
   stages.End(folder.path().string());
   RunFigures run = TellRun(inputs, folder, job_file, stages, execution.Threads());
   run.resumed_passes = job.resumed_passes;

@@ -21,6 +21,7 @@ struct PlanArguments {
   std::optional<uint64_t> seed;              ///< instead of the job's
   std::vector<Override> overrides;           ///< of other settings of the job
   bool audit = false;                        ///< recompute the figures of summary.json's `audit`
+  bool full_axis_map = false;                ///< check for interference all that report.html maps
   double max_points = 2e6;                   ///< that the tool path may have
   bool fresh = false;                        ///< ignore checkpoints
   std::optional<double> trajectory;          ///< s between the rows of trajectory-<controller>.csv

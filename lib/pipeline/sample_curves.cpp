@@ -55,15 +55,6 @@ CandidateState StateOf(Admissibility admissibility) {
   return CandidateState::kUnreachable;
 }
 
-/// The same problem without bounds: an objective is worked out for admissible candidates alone, and the page
-/// shows also what the bounds forbid.
-PoseProblem Unbounded(PoseProblem problem) {
-  problem.bounds = {};
-  problem.bounds.lower.setConstant(-2 * kPi);
-  problem.bounds.upper.setConstant(2 * kPi);
-  return problem;
-}
-
 void SampleRotations(const PointScorer& scorer, const PointScorer& unbounded, const RotationGrid& grid,
                      PointCurves& curves) {
   std::vector<FreedomValues> rotations;
@@ -86,6 +77,11 @@ void SampleRotations(const PointScorer& scorer, const PointScorer& unbounded, co
 
 }  // namespace
 
+PoseProblem WithoutBounds(PoseProblem problem) {
+  problem.bounds = {.lower = Joints::Constant(-2 * kPi), .upper = Joints::Constant(2 * kPi)};
+  return problem;
+}
+
 RotationGrid CurveGrid() { return {-kPi, DegToRad(3), 120}; }
 
 std::vector<PointCurves> SampleCurves(const PlanResult& plan, const PoseProblem& problem,
@@ -93,7 +89,7 @@ std::vector<PointCurves> SampleCurves(const PlanResult& plan, const PoseProblem&
                                       std::stop_token stop) {
   assert(problem.freedoms.size() == 1 && "the page shows the rotation about the tool axis alone");
   const RotationGrid grid = CurveGrid();
-  const PoseProblem free = Unbounded(problem);
+  const PoseProblem free = WithoutBounds(problem);
   const std::vector<PlanPlace> places = ChosenPlaces(plan, most);
   std::vector<PointCurves> all(places.size());
   ParallelFor(places.size(), threads, stop, [&](size_t i) {

@@ -175,7 +175,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   set.Add("summary.json", SummaryJson(plan, report));
   set.Add("report.html", ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell,
                                      report.deflection ? &*report.deflection : nullptr, report.findings,
-                                     report.warnings, report.times, &*report.fixed}));
+                                     report.warnings, report.times, &*report.fixed, &results.map}));
   for (const CheckedProgram& program : programs)
     if (program.Confirmed() && !program.trajectory.empty())
       set.Add("trajectory-" + program.controller + ".csv", program.trajectory);

@@ -23,6 +23,7 @@ struct Results {
   const std::vector<std::string>& findings;  ///< of earlier stages
   RotationGrid grid;                         ///< of `curves`
   const std::vector<PointCurves>& curves;    ///< for report.html
+  const AxisMap& map;                        ///< of `curves`
   const FixedComparison& fixed;
   const std::optional<CuttingForce>& heaviest;  ///< where the job says what is cut
 };

@@ -45,9 +45,15 @@ struct PlannedPoint {
   Eigen::Vector3d lambda_3_direction = Eigen::Vector3d::Zero();  ///< along it, in W: the stiffest direction
   double dexterity = 0;
   double objective = 0;
+  double unsmoothed = 0;       ///< objective before smoothing
+  double free_optimum = 0;     ///< of this point's candidates that meet nothing, the least
   double genetic_optimum = 0;  ///< of this point alone, by the genetic algorithm; 0 when it has none
   double own_optimum = 0;  ///< of this point alone, refined from the ladder search's grid; 0 when it has none
   double exhaustive_optimum = 0;  ///< of this point alone, by the judge's fine grid; 0 when it was not asked
+  double own_rotation = 0, free_rotation = 0;  ///< where own_optimum and free_optimum lie, rad
+  int own_branch = -1, free_branch = -1;       ///< on which status bits S; −1 where there is none
+  int barred = -1;  ///< the pair, of PassResult::pairs, that bars the former; −1: it is free or unknown
+  std::vector<int> verdicts;  ///< what is known of interference at this point (verdict_map.hpp)
   int genetic_evaluations = 0;
   std::vector<PaperAnswer> paper;  ///< one with formulation paper, else none
   bool from_genetic = false;  ///< its node came from the genetic algorithm (and may have been smoothed since)
@@ -68,6 +74,13 @@ struct Smoothing {
   double objective_before = 0, objective_after = 0;  ///< summed over the planned points
 };
 
+/// How far the layered search's answer is from the least that any can cost, as it came out on the grid: both
+/// in the objective's unit, the sum with joint motion. Bounds hold for sequences lifted at the same places.
+struct LadderBound {
+  double cost = 0, cost_bound = 0;    ///< objective and motion, summed
+  double worst = 0, worst_bound = 0;  ///< largest objective; the bound 0 where the sum alone was sought
+};
+
 /// One pass, planned on its own.
 struct PassResult {
   int pass = 0;
@@ -82,6 +95,8 @@ struct PassResult {
   long long pairs_checked = 0;  ///< pairs of bodies looked at for these candidates
   long long pairs_saved = 0;    ///< and not looked at again: known from another pose of the point
   Smoothing smoothing;
+  LadderBound bound;
+  std::vector<std::string> pairs;  ///< of bodies that were found to interfere: "link4 and workpiece"
   std::vector<int> uncut;  ///< points after which the pass is split and the step to the next is not cut
 };
 

@@ -144,9 +144,17 @@ void Fields(Archive& a, PlannedPoint& p) {
   a("lambda_3_direction", p.lambda_3_direction);
   a("dexterity", p.dexterity);
   a("objective", p.objective);
+  a("unsmoothed", p.unsmoothed);
+  a("free_optimum", p.free_optimum);
   a("genetic_optimum", p.genetic_optimum);
   a("own_optimum", p.own_optimum);
   a("exhaustive_optimum", p.exhaustive_optimum);
+  a("own_rotation", p.own_rotation);
+  a("free_rotation", p.free_rotation);
+  a("own_branch", p.own_branch);
+  a("free_branch", p.free_branch);
+  a("barred", p.barred);
+  a("verdicts", p.verdicts);
   a("genetic_evaluations", p.genetic_evaluations);
   a("paper", p.paper);
   a("from_genetic", p.from_genetic);
@@ -171,6 +179,14 @@ void Fields(Archive& a, Smoothing& s) {
 }
 
 template <class Archive>
+void Fields(Archive& a, LadderBound& b) {
+  a("cost", b.cost);
+  a("cost_bound", b.cost_bound);
+  a("worst", b.worst);
+  a("worst_bound", b.worst_bound);
+}
+
+template <class Archive>
 void Fields(Archive& a, PassResult& p) {
   a("pass", p.pass);
   a("rotation_reference", p.rotation_reference);
@@ -184,6 +200,8 @@ void Fields(Archive& a, PassResult& p) {
   a("pairs_checked", p.pairs_checked);
   a("pairs_saved", p.pairs_saved);
   a("smoothing", p.smoothing);
+  a("bound", p.bound);
+  a("pairs", p.pairs);
   a("uncut", p.uncut);
 }
 
@@ -246,7 +264,7 @@ void Fields(Archive& a, PlanResult& r) {
 }
 
 // The leading field tells a file of ours from others and one version from the next.
-constexpr const char* kFormat = "millpose 2";
+constexpr const char* kFormat = "millpose 3";
 
 template <class T>
 std::string ToBytes(const T& value) {

@@ -41,7 +41,7 @@ std::optional<PaperFigures> FiguresOfPaper(const PlanResult& plan) {
 PlanFigures Figures(const PlanResult& plan) {
   PlanFigures figures;
   std::vector<double> t1, t2, n, f;
-  double on_path = 0, own = 0, clearance = 0;
+  double clearance = 0;
   size_t genetic = 0;
   Smoothing smoothing;
   for (const PassResult& pass : plan.passes) {
@@ -62,8 +62,6 @@ PlanFigures Figures(const PlanResult& plan) {
       t2.push_back(point.indices.lambda_t2);
       n.push_back(point.indices.lambda_n);
       f.push_back(point.objective);
-      on_path += point.objective;
-      own += point.own_optimum;
       genetic += point.from_genetic ? 1 : 0;
       clearance = figures.planned == 0 ? point.clearance : std::min(clearance, point.clearance);
       ++figures.planned;
@@ -84,8 +82,8 @@ PlanFigures Figures(const PlanResult& plan) {
   figures.lambda_n = SpreadOf(std::move(n));
   figures.objective = SpreadOf(std::move(f));
   figures.paper = FiguresOfPaper(plan);
+  figures.price = PriceOf(plan);
   if (figures.planned > 0) {
-    if (own > 0) figures.price_of_continuity = on_path / own;
     figures.ga_nodes_share = static_cast<double>(genetic) / static_cast<double>(figures.planned);
     figures.clearance_min = clearance;
   }

@@ -33,6 +33,24 @@ struct RotationGrid {
   int count = 0;
 };
 
+/// What bars a pose or not: kOutOfReach, kSingularZone, beyond the limit of axis kLimitZone + 0…5, admissible
+/// and not checked for interference, free of it, or kPairZone + p: pair p of AxisMap::pairs interferes.
+enum AxisZone : uint8_t {
+  kOutOfReach = 0,
+  kSingularZone = 1,
+  kLimitZone = 2,
+  kUncheckedZone = 8,
+  kFreeZone = 9,
+  kPairZone = 10
+};
+
+/// The map of way along a pass and rotation: one entry per PointCurves, on their rotations.
+struct AxisMap {
+  bool full = false;                        ///< everything admissible is checked
+  std::vector<std::string> pairs;           ///< of bodies: "link4 and workpiece"
+  std::vector<std::vector<uint8_t>> zones;  ///< per point: all rotations on branch 0, then on branch 1, …
+};
+
 /// Sizes to which the view is cut down; the plan itself is never changed, and the page says what is not
 /// shown.
 struct HtmlLimits {
@@ -54,6 +72,7 @@ struct HtmlInput {
   std::vector<std::string> warnings = {};        ///< repairs of the mesh, doubtful units
   std::vector<ControllerTime> times = {};        ///< of every program
   const FixedComparison* fixed = nullptr;        ///< beside the best fixed rotation
+  const AxisMap* map = nullptr;                  ///< of `curves`
 };
 
 /// The page as bytes: a pure function of its input, no dates, no times.

@@ -190,8 +190,10 @@ void KeepWorst(const ReportColumn& column, std::vector<char>& keep) {
 
 }  // namespace
 
-std::string ShownUnit(const std::string& unit) { return unit == "mm/N" ? "µm/N" : unit; }
-double ShownScale(const std::string& unit) { return unit == "mm/N" ? 1e3 : 1; }
+std::string ShownUnit(const std::string& unit) {
+  return unit == "mm/N" ? "µm/N" : unit == "mm" ? "µm" : unit;
+}
+double ShownScale(const std::string& unit) { return unit == "mm/N" || unit == "mm" ? 1e3 : 1; }
 
 std::vector<ReportColumn> ReportColumns(const PlanResult& plan, const DeflectionReport* deflection) {
   Collector collector(plan);

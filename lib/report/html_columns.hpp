@@ -36,7 +36,7 @@ std::vector<ReportColumn> ReportColumns(const PlanResult& plan, const Deflection
 std::vector<ReportRow> RowsToShow(const PlanResult& plan, const std::vector<ReportColumn>& columns,
                                   size_t limit);
 
-/// Between compliances as computed (mm/N) and as shown (µm/N); other units stay.
+/// Between compliances and lengths as computed (mm/N, mm) and as shown (µm/N, µm); other units stay.
 std::string ShownUnit(const std::string& unit);
 double ShownScale(const std::string& unit);
 

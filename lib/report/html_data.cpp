@@ -8,6 +8,7 @@
 #include "report/html_columns.hpp"
 #include "report/html_json.hpp"
 #include "report/packed.hpp"
+#include "report/price_text.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
@@ -129,7 +130,7 @@ Json CountsJson(const PlanResult& plan, size_t shown) {
 
 Json OptimaJson(const PlanResult& plan, const std::vector<ReportRow>& rows) {
   const double scale = ShownScale(plan.objective_unit);
-  std::vector<float> genetic, own;
+  std::vector<float> genetic, own, free;
   for (const ReportRow& row : rows) {
     const PlannedPoint& p = plan.passes[row.pass].points[row.point];
     const auto shown = [&](double value) {
@@ -137,8 +138,9 @@ Json OptimaJson(const PlanResult& plan, const std::vector<ReportRow>& rows) {
     };
     genetic.push_back(shown(p.genetic_optimum));
     own.push_back(shown(p.own_optimum));
+    free.push_back(shown(p.free_optimum));
   }
-  return {{"genetic", PackFloats(genetic)}, {"own", PackFloats(own)}};
+  return {{"genetic", PackFloats(genetic)}, {"own", PackFloats(own)}, {"free", PackFloats(free)}};
 }
 
 /// Figures of the finished face, µm; null when the job gives no cutting force.
@@ -177,6 +179,12 @@ Json FixedJson(const HtmlInput& input) {
       fixed.job_in_the_way);
   add(fixed.passes, "Best rotation of each pass", fixed.passes_in_the_way);
   return sentences;
+}
+
+/// What the path costs against each point's own best pose, line by line.
+Json PriceJson(const PlanResult& plan) {
+  const std::optional<Price> price = PriceOf(plan);
+  return price ? Json(PriceLines(*price)) : Json::array();
 }
 
 /// How the paper's own formulation did; null where it did not run.
@@ -232,6 +240,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"columns", ColumnsJson(columns, rows)},
             {"optima", OptimaJson(plan, rows)},
             {"curves", CurvesJson(input)},
+            {"map", MapJson(input, rows)},
             {"skipped", SkippedJson(plan, limits.skipped_rows)},
             {"gaps", GapsJson(plan)},
             {"findings", input.findings},
@@ -239,6 +248,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"times", TimesJson(input)},
             {"deflection", DeflectionJson(input.deflection)},
             {"fixed", FixedJson(input)},
+            {"price", PriceJson(plan)},
             {"paper", PaperJson(plan)},
             {"settings", input.settings}};
   data["bodies"] = BodiesJson(input.cell, limits);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "report/html.hpp"
+#include "report/html_columns.hpp"
 
 namespace millpose::html {
 
@@ -22,5 +23,8 @@ Json ArmJson(const Arm& arm);
 Json BodiesJson(const Cell& cell, const HtmlLimits& limits);
 /// The objective over the rotation and the genetic algorithm's generations at the points that have curves.
 Json CurvesJson(const HtmlInput& input);
+
+/// What bars the poses of the points that have curves, and the optima of the rows; null without a map.
+Json MapJson(const HtmlInput& input, const std::vector<ReportRow>& rows);
 
 }  // namespace millpose::html

@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "report/summary_version.hpp"
 
 namespace millpose {
 namespace {
@@ -67,14 +68,11 @@ Histogram ObjectiveHistogram(const PointsTable& points, const std::vector<size_t
 }
 
 std::string InspectJson(const PointsTable& points, const std::string& summary_json, const std::string& name,
-                        const InspectOptions& options, const std::vector<RotationSample>& curve) {
+                        const InspectOptions& options, const PointStory& story) {
   CheckInspectOptions(points, options);
   Json json;
-  try {
-    json["summary"] = Json::parse(summary_json);
-  } catch (const Json::parse_error& error) {
-    throw InputError({name}, std::string("is not JSON: ") + error.what());
-  }
+  CheckSummaryVersion(summary_json, name);
+  json["summary"] = Json::parse(summary_json);
   const std::vector<size_t> rows = PlannedRows(points, options.pass);
   const Histogram histogram = ObjectiveHistogram(points, rows, kBins);
   json["objective_histogram"] = {
@@ -84,10 +82,11 @@ std::string InspectJson(const PointsTable& points, const std::string& summary_js
     json["worst"].push_back(RowJson(points, row));
   json["point"] = options.point ? RowJson(points, *options.point) : Json();
   json["objective_over_rotation"] = Json::array();
-  for (const RotationSample& sample : curve)
+  for (const RotationSample& sample : story.curve)
     json["objective_over_rotation"].push_back({{"rotation_deg", RadToDeg(sample.rotation)},
                                                {"branch", sample.branch},
                                                {"objective", sample.objective}});
+  json["reasons"] = story.reasons;
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -22,14 +22,20 @@ struct RotationSample {
   double objective = 0;  ///< of an admissible pose
 };
 
-/// Text for a terminal. `summary_json`: the folder's summary.json, `name`: its name for messages; `curve`:
-/// for the point asked for, may be empty. Throws InputError for a point or pass that is not there.
+/// What is told of the point asked for beyond its row.
+struct PointStory {
+  std::vector<RotationSample> curve;
+  std::vector<std::string> reasons;  ///< why this pose, one sentence each (pose_reason.hpp)
+};
+
+/// Text for a terminal. `summary_json`: the folder's summary.json, `name`: its name for messages; `story`:
+/// of the point asked for, may be empty. Throws InputError for a point or pass that is not there.
 std::string InspectText(const PointsTable& points, const std::string& summary_json, const std::string& name,
-                        const InspectOptions& options, const std::vector<RotationSample>& curve);
+                        const InspectOptions& options, const PointStory& story);
 
 /// The same as JSON: summary, histogram, worst points, the point asked for.
 std::string InspectJson(const PointsTable& points, const std::string& summary_json, const std::string& name,
-                        const InspectOptions& options, const std::vector<RotationSample>& curve);
+                        const InspectOptions& options, const PointStory& story);
 
 /// Throws InputError when the point or pass asked for is not in the table.
 void CheckInspectOptions(const PointsTable& points, const InspectOptions& options);

@@ -5,6 +5,7 @@
 #include "base/units.hpp"
 #include "plan/point_clearance.hpp"
 #include "report/inspect.hpp"
+#include "report/summary_version.hpp"
 
 namespace millpose {
 namespace {
@@ -16,6 +17,7 @@ constexpr int kPlotWidth = 72, kPlotHeight = 14;
 void Append(std::string* text, const std::string& line) { *text += line + '\n'; }
 
 void AppendSummary(const std::string& summary_json, const std::string& name, std::string* text) {
+  CheckSummaryVersion(summary_json, name);
   try {
     const Json summary = Json::parse(summary_json);
     const Json &points = summary.at("points"), &gaps = summary.at("gaps");
@@ -122,26 +124,28 @@ void AppendPlot(const std::vector<RotationSample>& curve, double chosen_rotation
                            kPlotWidth - 2 * (kPlotWidth / 3), "180 deg", kPlotWidth / 3));
 }
 
-void AppendPoint(const PointsTable& points, size_t row, const std::vector<RotationSample>& curve,
-                 std::string* text) {
+void AppendPoint(const PointsTable& points, size_t row, const PointStory& story, std::string* text) {
   Append(text, fmt::format("point {}", points.Text(row, "point")));
   for (const std::string& column : points.columns()) {
     const std::string& cell = points.Text(row, column);
     if (column != "point" && !cell.empty()) Append(text, fmt::format("  {:<24} {}", column, cell));
   }
-  if (!curve.empty() && points.IsPlanned(row))
-    AppendPlot(curve, DegToRad(*points.Number(row, "rotation_deg")), *points.Number(row, "objective"), text);
+  if (!story.reasons.empty()) Append(text, "why this pose");
+  for (const std::string& reason : story.reasons) Append(text, "  " + reason);
+  if (!story.curve.empty() && points.IsPlanned(row))
+    AppendPlot(story.curve, DegToRad(*points.Number(row, "rotation_deg")), *points.Number(row, "objective"),
+               text);
 }
 
 }  // namespace
 
 std::string InspectText(const PointsTable& points, const std::string& summary_json, const std::string& name,
-                        const InspectOptions& options, const std::vector<RotationSample>& curve) {
+                        const InspectOptions& options, const PointStory& story) {
   CheckInspectOptions(points, options);
   std::string text;
   AppendSummary(summary_json, name, &text);
   if (options.point) {
-    AppendPoint(points, *options.point, curve, &text);
+    AppendPoint(points, *options.point, story, &text);
     return text;
   }
   const std::vector<size_t> rows = PlannedRows(points, options.pass);

@@ -10,6 +10,7 @@
 #include "plan/cycle_time.hpp"
 #include "plan/fixed_comparison.hpp"
 #include "plan/plan_result.hpp"
+#include "plan/price.hpp"
 #include "report/deflection.hpp"
 
 namespace millpose {
@@ -128,9 +129,9 @@ struct PaperFigures {
 struct PlanFigures {
   size_t total = 0, planned = 0, gaps_planned = 0, pieces = 0;
   std::optional<Spread> lambda_t1, lambda_t2, lambda_n, objective;  ///< mm/N; objective in its own unit
-  std::optional<double> price_of_continuity;  ///< Σ f on the path ÷ Σ of the points' own optima, ≥ 1
-  std::optional<double> ga_nodes_share;       ///< of the path's nodes that came from the genetic algorithm
-  std::optional<double> clearance_min;        ///< mm
+  std::optional<Price> price;                ///< what the path costs against the points' own optima
+  std::optional<double> ga_nodes_share;      ///< of the path's nodes that came from the genetic algorithm
+  std::optional<double> clearance_min;       ///< mm
   std::optional<double> acceleration_ratio;  ///< RMS of joint accelerations in cuts after ÷ before smoothing
   std::optional<double> smoothing_loss;      ///< Σ f after ÷ before smoothing − 1
   long long poses_checked = 0;               ///< for interference, in passes and gaps
@@ -148,7 +149,9 @@ std::string PointsCsv(const PlanResult& plan);
 /// pose of a skipped point, told apart by the array `planned`); positions in W, mm.
 std::string PathVtp(const PlanResult& plan);
 
-/// summary.json, schema_version 1.
+inline constexpr int kSummaryVersion = 2;  ///< schema_version of summary.json
+
+/// summary.json.
 std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs);
 
 /// run.json.

@@ -100,6 +100,23 @@ Json ContinuityJson(const ReportInputs& inputs, const PlanFigures& plan) {
         {"slow", SlowJson(reduction)}}}};
 }
 
+Json PriceJson(const std::optional<Price>& price) {
+  if (!price) return nullptr;
+  const auto parts = [](bool given, const PriceParts& p, double scale) -> Json {
+    if (!given) return nullptr;
+    return {{"interference", scale * p.interference},
+            {"continuity", scale * p.continuity},
+            {"smoothing", scale * p.smoothing},
+            {"total", scale * p.total}};
+  };
+  const auto percent = [](const std::optional<double>& share) { return share ? Json(100 * *share) : Json(); };
+  return {{"points", price->points},
+          {"ratio", parts(!price->is_length && price->ratio.total > 0, price->ratio, 1)},
+          {"mean_um", parts(price->is_length, price->mean, 1e3)},
+          {"worst_um", parts(price->is_length, price->worst, 1e3)},
+          {"gap_percent", {{"sum", percent(price->sum_gap)}, {"worst", percent(price->worst_gap)}}}};
+}
+
 Json AuditJson(const std::optional<AuditFigures>& audit) {
   if (!audit) return nullptr;
   Json pairs = Json::array();
@@ -243,7 +260,7 @@ Json BaseWindowJson(const std::optional<BaseWindow>& window) {
 std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   const PlanFigures figures = Figures(plan);
   Json json;
-  json["schema_version"] = 1;
+  json["schema_version"] = kSummaryVersion;
   json["job"] = plan.job;
   json["input_hash"] = plan.input_hash;
   json["points"] = {
@@ -264,7 +281,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
                          {"lambda_n", "mm/N"},
                          {"objective", plan.objective_unit}}}};
   json["objective"] = plan.objective_name;
-  json["price_of_continuity"] = OrNull(figures.price_of_continuity);
+  json["price_of_continuity"] = PriceJson(figures.price);
   json["ga_nodes_share"] = OrNull(figures.ga_nodes_share);
   json["paper_formulation"] = PaperJson(figures.paper);
   json["continuity"] = ContinuityJson(inputs, figures);

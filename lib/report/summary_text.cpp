@@ -3,6 +3,7 @@
 
 #include "base/units.hpp"
 #include "report/fixed_figures.hpp"
+#include "report/price_text.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
@@ -115,9 +116,11 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   AppendSpread("lambda_t2", figures.lambda_t2, "mm/N  smaller semi-axis in the milling plane", &text);
   AppendSpread("lambda_n", figures.lambda_n, "mm/N  radius along the normal", &text);
   AppendSpread("objective", figures.objective, plan.objective_unit + "  " + plan.objective_name, &text);
-  if (figures.price_of_continuity)
-    fmt::format_to(out, "continuity costs {:.2f} % of the objective against each point's own optimum\n",
-                   100 * (*figures.price_of_continuity - 1));
+  if (figures.price) {
+    const std::vector<std::string> lines = PriceLines(*figures.price);
+    for (size_t i = 0; i < lines.size(); ++i)
+      fmt::format_to(out, "{:<10} {}\n", i == 0 ? "price" : "", lines[i]);
+  }
   if (inputs.continuity) {
     const ContinuityFigures& c = *inputs.continuity;
     int fastest = 0, jerkiest = 0;

@@ -60,8 +60,19 @@ class Plan(unittest.TestCase):
         wanted |= {f"stiffness.{index}.{which}" for index in ("lambda_t1", "lambda_t2", "lambda_n", "objective")
                    for which in ("best", "median", "worst")}
         self.assertEqual(wanted - set(keys(self.summary)), set())
-        self.assertEqual(self.summary["schema_version"], 1)
-        self.assertGreaterEqual(self.summary["price_of_continuity"], 1)
+        self.assertEqual(self.summary["schema_version"], 2)
+        price = self.summary["price_of_continuity"]
+        if price["ratio"]:
+            self.assertGreaterEqual(price["ratio"]["interference"], 1)
+            self.assertGreaterEqual(price["ratio"]["continuity"], 1)
+            self.assertGreaterEqual(price["ratio"]["total"], 1)
+        else:
+            for parts in (price["mean_um"], price["worst_um"]):
+                self.assertGreaterEqual(parts["interference"], 0)
+                self.assertGreaterEqual(parts["continuity"], 0)
+                self.assertAlmostEqual(parts["total"], parts["interference"] + parts["continuity"] + parts["smoothing"])
+        self.assertGreaterEqual(price["gap_percent"]["sum"], 0)
+        self.assertLess(price["gap_percent"]["sum"], 2)
         self.assertTrue(all(program["verified"] for program in self.summary["programs"]))
         self.assertEqual(self.summary["points"]["skipped"], 0)
         self.assertEqual(self.summary["gaps"]["planned"], self.summary["gaps"]["total"])
@@ -118,7 +129,7 @@ class Plan(unittest.TestCase):
     def test_tells_each_stage_on_stderr_and_the_figures_on_stdout(self):
         for stage in ("read", "surface", "toolpath", "passes", "gaps", "programs"):
             self.assertRegex(self.result.stderr, rf"(?m)^{stage} ")
-        for word in ("points", "passes", "gaps", "stiffness", "continuity", "clearance", "time"):
+        for word in ("points", "passes", "gaps", "stiffness", "price", "clearance", "time"):
             self.assertRegex(self.result.stdout, rf"(?m)^{word}")
 
     def test_the_judge_finds_nothing(self):

@@ -44,7 +44,16 @@ class Run(InFolder):
         self.assertEqual(shown["point"]["x_mm"], float(rows[1]["x_mm"]))
         chosen = min(shown["objective_over_rotation"], key=lambda sample: sample["objective"])
         self.assertLess(abs(chosen["objective"] / shown["point"]["objective"] - 1), 0.05)
-        self.assertIn("digits: branch S, *: chosen", run("inspect", self.folder / "out", "--point", 1).stdout)
+        shown_text = run("inspect", self.folder / "out", "--point", 1).stdout
+        self.assertIn("digits: branch S, *: chosen", shown_text)
+        self.assertIn("why this pose\n  the path has ", shown_text)
+        self.assertTrue(shown["reasons"][0].startswith("the path has "))
+        self.assertIn("\n  " + shown["reasons"][-1] + "\n", shown_text)
+        older = self.folder / "out" / "summary.json"
+        older.write_text(older.read_text().replace('"schema_version": 2', '"schema_version": 1'))
+        refused = run("inspect", self.folder / "out")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("schema_version: given 1; allowed: 2", refused.stderr)
         self.assertEqual(run("inspect", self.folder / "out", "--point", len(rows)).returncode, 2)
         self.assertEqual(run("inspect", self.folder).returncode, 2)
 

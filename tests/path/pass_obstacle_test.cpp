@@ -5,21 +5,6 @@
 namespace millpose {
 namespace {
 
-/// A ball at the wrist and a ball in its way, where the wrist stood at point `t` of `result`.
-Cell CellWithBallAt(const PoseProblem& problem, const PassResult& result, size_t t, double radius) {
-  Cell cell = EmptyCell(problem);
-  Body wrist{.name = "wrist",
-             .body_class = BodyClass::kLink,
-             .mount = Mount::kLink,
-             .link = 5,
-             .shape = Sphere{100}};
-  Body ball{
-      .name = "ball", .body_class = BodyClass::kFixture, .mount = Mount::kWorld, .shape = Sphere{radius}};
-  ball.X_MG.translation() = (problem.X_WB * LinkFrames(problem.arm, result.points[t].q)[5]).translation();
-  cell.bodies = {wrist, ball};
-  return cell;
-}
-
 TEST(PlanPass, GoesRoundWhatIsInTheWay) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   const Pass pass = Row(-60, 60, 24);

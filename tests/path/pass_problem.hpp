@@ -18,6 +18,21 @@ inline Cell EmptyCell(const PoseProblem& problem) {
   return cell;
 }
 
+/// A ball at the wrist and a ball in its way, where the wrist stood at point `t` of `result`.
+inline Cell CellWithBallAt(const PoseProblem& problem, const PassResult& result, size_t t, double radius) {
+  Cell cell = EmptyCell(problem);
+  Body wrist{.name = "wrist",
+             .body_class = BodyClass::kLink,
+             .mount = Mount::kLink,
+             .link = 5,
+             .shape = Sphere{100}};
+  Body ball{
+      .name = "ball", .body_class = BodyClass::kFixture, .mount = Mount::kWorld, .shape = Sphere{radius}};
+  ball.X_MG.translation() = (problem.X_WB * LinkFrames(problem.arm, result.points[t].q)[5]).translation();
+  cell.bodies = {wrist, ball};
+  return cell;
+}
+
 inline PathOptions Options() {
   PathOptions options;
   options.rotation_step = DegToRad(2);

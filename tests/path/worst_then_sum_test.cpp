@@ -4,35 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include "base/random.hpp"
-#include "base/units.hpp"
+#include "tests/path/small_layers.hpp"
 
 namespace millpose {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::vector<Layer> SmallLayers(RandomStream& stream, int count) {
-  std::vector<Layer> layers(static_cast<size_t>(count));
-  for (Layer& layer : layers) {
-    const int nodes = 1 + stream.Below(5);
-    for (int k = 0; k < nodes; ++k) {
-      Joints q;
-      for (int j = 0; j < 6; ++j) q[j] = 0.5 * stream.Normal();
-      layer.joints.Add(q);
-      // Few values, so that many sequences have the same worst.
-      layer.objective.push_back(1 + stream.Below(6) + (stream.Below(3) ? 0 : stream.Uniform(0, 1)));
-      layer.first.push_back(k);
-      layer.freedoms.push_back({static_cast<double>(k)});
-      layer.base.push_back(static_cast<size_t>(k));
-      layer.genetic.push_back(false);
-    }
-    for (int branch = 1; branch <= 8; ++branch)
-      layer.branch_begin[static_cast<size_t>(branch)] = layer.size();
-    layer.joints.Finish();
-  }
-  return layers;
-}
 
 struct Value {
   int breaks = 1000;
@@ -73,19 +50,12 @@ Value Best(const LayeredProblem& problem, bool closed) {
   return best;
 }
 
-StepRule Rule() {
-  StepRule rule;
-  rule.max_step = Joints::Constant(DegToRad(60));
-  rule.motion_weight = 0.3;
-  return rule;
-}
-
 TEST(WorstThenSum, OpenIsTheBestOfAllSequences) {
   RandomStream stream(21, 0);
   int broken = 0, traded = 0;
   for (int round = 0; round < 300; ++round) {
     const std::vector<Layer> layers = SmallLayers(stream, 2 + stream.Below(4));
-    const LayeredProblem problem{layers, Rule(), {}, false, false, {}, {}};
+    const LayeredProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
     const Value expected = Best(problem, false);
     WorstThenSum search;
     const Sequence found = search.Open(problem);
@@ -106,7 +76,7 @@ TEST(WorstThenSum, ClosedIsTheBestOfAllCycles) {
   int closed = 0;
   for (int round = 0; round < 300; ++round) {
     const std::vector<Layer> layers = SmallLayers(stream, 3 + stream.Below(2));
-    const LayeredProblem problem{layers, Rule(), {}, false, false, {}, {}};
+    const LayeredProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
     const Value expected = Best(problem, true);
     WorstThenSum search;
     const std::optional<Sequence> found = search.Closed(problem);
@@ -125,7 +95,7 @@ TEST(WorstThenSum, KeepsItsBoundWhileNodesAreStruckOut) {
   RandomStream stream(23, 0);
   for (int round = 0; round < 100; ++round) {
     std::vector<Layer> layers = SmallLayers(stream, 4);
-    const LayeredProblem problem{layers, Rule(), {}, false, false, {}, {}};
+    const LayeredProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
     WorstThenSum kept;
     for (int strike = 0; strike < 6; ++strike) {
       const Sequence found = kept.Open(problem);

@@ -27,10 +27,13 @@ PassResult RandomPass(RandomStream& random, int number) {
     point.q = Joints::Constant(random.Uniform());
     point.indices.lambda_n = random.Uniform() * 1e-4;
     point.from_genetic = true;
+    point.unsmoothed = random.Uniform();
+    point.free_optimum = random.Uniform();
     pass.points.push_back(point);
   }
   pass.pieces.push_back({number, 1, 2, 5, true});
   pass.grid_gap = random.Uniform();
+  pass.bound = {random.Uniform(), random.Uniform(), random.Uniform(), random.Uniform()};
   return pass;
 }
 
@@ -53,6 +56,9 @@ TEST(Serialise, APlanReadsBackToTheSameBytes) {
   EXPECT_EQ(back.passes[1].points[3].q, plan.passes[1].points[3].q);
   EXPECT_EQ(back.passes[1].points[3].point.position, plan.passes[1].points[3].point.position);
   EXPECT_EQ(back.passes[0].points[0].skip, SkipReason::kStep);
+  EXPECT_EQ(back.passes[0].points[2].unsmoothed, plan.passes[0].points[2].unsmoothed);
+  EXPECT_EQ(back.passes[0].points[2].free_optimum, plan.passes[0].points[2].free_optimum);
+  EXPECT_EQ(back.passes[0].bound.worst_bound, plan.passes[0].bound.worst_bound);
   EXPECT_EQ(back.gaps[0].joints[1], plan.gaps[0].joints[1]);
   EXPECT_EQ(back.X_WP.matrix(), plan.X_WP.matrix());
 }
@@ -64,7 +70,7 @@ TEST(Serialise, DamagedBytesAreRefused) {
     EXPECT_THROW(ParsePassResult(std::string_view(bytes).substr(0, cut), "x"), InputError) << cut;
   EXPECT_THROW(ParsePlanResult(bytes, "x"), InputError);
   std::string older = bytes;
-  older[older.find("millpose 2") + 9] = '0';
+  older[older.find("millpose 3") + 9] = '0';
   EXPECT_THROW(ParsePassResult(older, "x"), InputError);
 }
 

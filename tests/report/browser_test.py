@@ -228,6 +228,54 @@ class ReportInBrowser(unittest.TestCase):
             return worst; })()""")
         self.assertLess(worst, 0.02)  # mm: single precision of angles
 
+    def test_the_inverse_gives_back_every_planned_pose(self):
+        worst = self.browser.evaluate("""(() => { const m = millpose, d = m.data; let worst = 0;
+            for (let row = 0; row < d.count; ++row) {
+              const joints = m.jointsOf(d, row);
+              if (!joints) continue;
+              const found = m.jointsAt(d, row, d.column.rotation.values[row], d.rows.branch[row]);
+              joints.forEach((q, i) => { const off = q - found[i]; worst = Math.max(worst, Math.abs(off - 360 * Math.round(off / 360))); });
+            }
+            return worst; })()""")
+        self.assertLess(worst, 1e-3)  # degrees: single precision of angles
+
+    def test_click_in_the_axis_map_shows_that_pose(self):
+        self.open("#point=85")
+        self.assertEqual(self.text("#map-title"), "Axis map of pass 2")
+        self.assertIn("Point 85: ", self.text("#map-why"))
+        self.assertIn("link4 and panel", self.text("#map-legend"))
+        self.keep("map_1400.png", self.browser.screenshot("#axis-map"))
+        place = """(() => { const map = millpose.views.map, b = map.canvas.node.getBoundingClientRect();
+            for (let c = 20; c < map.cells.length; ++c) for (let j = 0; j < map.steps; ++j) {
+              const cell = map.cells[c][map.cellIndex(j)];
+              if (WANTED) return {row: map.columns[c].row, branch: cell.branch, rotation: map.rotationOf(j),
+                x: b.x + map.plot.axes.x(map.columns[c].way), y: b.y + map.plot.axes.y(map.rotationOf(j))};
+            } })()"""
+        self.browser.evaluate("document.querySelector('#map-canvas').scrollIntoView({block: 'center'})")
+        met = self.browser.evaluate(place.replace("WANTED", "cell.zone === millpose.ZONE.PAIR"))
+        view = self.browser.screenshot("#view canvas")
+        self.browser.click(met["x"], met["y"])
+        self.assert_all_show(met["row"])
+        self.assertIn("link4 and panel", self.text("#map-pose"))
+        self.assertNotEqual(self.browser.screenshot("#view canvas"), view)
+        # The tool stands at the point, turned to the rotation that was clicked.
+        tip = self.browser.evaluate(f"""(() => {{ const m = millpose, d = m.data, q = m.jointsAt(d, {met["row"]}, {met["rotation"]}, {met["branch"]});
+            const f = m.armFrames(d, q)[7], p = m.place(d, {met["row"]}); return Math.hypot(f[3] - p[0], f[7] - p[1], f[11] - p[2]); }})()""")
+        self.assertLess(tip, 0.02)
+        self.browser.click_on("#next")
+        self.assertNotIn("link4", self.text("#map-pose"))
+
+    def test_the_axis_map_follows_pass_and_branch(self):
+        self.open("#point=85")
+        self.browser.click_on("#map-next")
+        self.assertEqual(self.text("#map-title"), "Axis map of pass 3")
+        self.assertEqual(self.browser.evaluate("millpose.data.rows.pass[millpose.selected]"), 3)
+        seen = self.browser.screenshot("#map-canvas canvas")
+        self.browser.evaluate("""(() => { const s = document.querySelector('#map-branch'); s.value = s.value === 'all' ? s.options[1].value : 'all';
+            s.dispatchEvent(new Event('change')); })()""")
+        self.browser.settle()
+        self.assertNotEqual(self.browser.screenshot("#map-canvas canvas"), seen)
+
     def test_fits_narrow_windows(self):
         for width in (1400, 800):
             self.browser.size(width, 900)

@@ -364,5 +364,32 @@ TEST(ReportHtml, APlanWithoutAnyPoseIsAPageToo) {
   EXPECT_EQ(DataOf(ReportHtml(panel.Input()))["counts"]["planned"], 0);
 }
 
+TEST(Html, TheAxisMapIsThatOfThePlanAndSmall) {
+  const Panel& panel = SmallPanel();
+  const Json map = DataOf(SmallPage())["map"];
+  EXPECT_EQ(map["pairs"], Json({"link4 and panel", "spindle and platform"}));
+  EXPECT_FALSE(map["full"]);
+  const std::vector<uint8_t> runs = Decoded(map["runs"].get<std::string>());
+  const std::vector<uint32_t> start = Uint32s(map["start"]);
+  ASSERT_EQ(start.size(), panel.curves.size() + 1);
+  ASSERT_EQ(start.back(), runs.size());
+  int met = 0;
+  for (size_t k = 0; k + 1 < start.size(); ++k) {
+    std::vector<uint8_t> zones;
+    for (size_t at = start[k]; at < start[k + 1]; at += 2) zones.insert(zones.end(), runs[at + 1], runs[at]);
+    EXPECT_EQ(zones, panel.map.zones[k]);
+    met += static_cast<int>(std::ranges::count(zones, kPairZone + 1));
+    for (size_t i = 0; i < zones.size(); i += 31) {
+      const CandidateState state = panel.curves[k].state[i % 120][i / 120];
+      EXPECT_EQ(zones[i] >= kUncheckedZone, state == CandidateState::kAdmissible);
+      EXPECT_EQ(zones[i] >= kLimitZone && zones[i] < kUncheckedZone, state == CandidateState::kLimit);
+    }
+  }
+  EXPECT_GT(met, 0);
+  EXPECT_EQ(Uint32s(map["barred"])[0], 1u);
+  EXPECT_EQ(Uint32s(map["barred"])[1], 0u);
+  EXPECT_LT(map.dump().size() / panel.curves.size(), 600u) << "bytes a point; the curves take 1,600";
+}
+
 }  // namespace
 }  // namespace millpose

@@ -72,9 +72,10 @@ TEST(Inspect, TextShowsHistogramWorstAndOnePoint) {
   const std::string all = InspectText(SmallTable(), summary, "summary.json", {}, {});
   for (const char* part : {"points 3 planned of 4, 1 skipped", "worst 3 by objective", "3.0000e+00"})
     EXPECT_NE(all.find(part), std::string::npos) << all;
-  const std::vector<RotationSample> curve{{-3, 2, 1.5}, {0, 2, 4}, {3, 6, 9}};
-  const std::string one = InspectText(SmallTable(), summary, "summary.json", AtPoint(1), curve);
-  for (const char* part : {"a5_deg", "clearance_mm             39", "9.0000e+00 |", "*"})
+  const PointStory story{{{-3, 2, 1.5}, {0, 2, 4}, {3, 6, 9}}, {"that is the point's own optimum"}};
+  const std::string one = InspectText(SmallTable(), summary, "summary.json", AtPoint(1), story);
+  for (const char* part : {"a5_deg", "clearance_mm             39", "9.0000e+00 |", "*",
+                           "why this pose\n  that is the point's own optimum\n"})
     EXPECT_NE(one.find(part), std::string::npos) << one;
 }
 
@@ -87,6 +88,21 @@ TEST(Inspect, PointsAndPassesThatAreNotThereAreNamed) {
   EXPECT_THROW(InspectText(SmallTable(), "no json", "s", {}, {}), InputError);
   EXPECT_THROW(InspectText(SmallTable(), "{}", "s", {}, {}), InputError);
   EXPECT_THROW(InspectJson(SmallTable(), summary, "s", AtPoint(4), {}), InputError);
+}
+
+TEST(Inspect, FoldersOfAnotherVersionAreRefusedInWords) {
+  std::string older = SummaryJson(SmallPlan(), {});
+  older.replace(older.find("\"schema_version\": 2"), 19, "\"schema_version\": 1");
+  const auto refusal = [&](const auto& show) -> std::string {
+    try {
+      show(SmallTable(), older, "out/summary.json", InspectOptions{}, PointStory{});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "read";
+  };
+  EXPECT_TRUE(refusal(InspectText).starts_with("out/summary.json: schema_version: given 1; allowed: 2"));
+  EXPECT_EQ(refusal(InspectJson), refusal(InspectText));
 }
 
 TEST(Inspect, JsonHasWhatTheTextHas) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/report/panel_plan.hpp"
 
+#include "pipeline/axis_map.hpp"
 #include "pipeline/sample_curves.hpp"
 #include "plan/point_clearance.hpp"
+#include "plan/verdict_map.hpp"
 #include "tests/cell/sample_cell.hpp"
 #include "tests/pose/problems.hpp"
 
@@ -36,11 +38,11 @@ void ChoosePose(const PointScorer& scorer, const RotationGrid& grid, std::option
   std::vector<Candidate> candidates(8 * rotations.size());
   scorer.Score(rotations, candidates);
   double least = std::numeric_limits<double>::infinity(), best = least;
-  size_t chosen = candidates.size();
+  size_t chosen = candidates.size(), own = 0;
   for (size_t i = 0; i < candidates.size(); ++i) {
     const Candidate& c = candidates[i];
     if (c.admissibility != Admissibility::kAdmissible) continue;
-    least = std::min(least, c.objective);
+    if (c.objective < least) least = c.objective, own = i;
     const double jump = last ? (c.q - *last).cwiseAbs().maxCoeff() : 0;
     const double cost = c.objective * (1 + 20 * std::max(0.0, jump - DegToRad(10)));
     if (cost < best) best = cost, chosen = i;
@@ -54,8 +56,23 @@ void ChoosePose(const PointScorer& scorer, const RotationGrid& grid, std::option
   point.branch = static_cast<int>(chosen % 8);
   point.q = candidates[chosen].q;
   point.objective = candidates[chosen].objective;
-  point.own_optimum = point.genetic_optimum = least;
+  point.own_optimum = point.genetic_optimum = point.free_optimum = least;
+  point.own_rotation = point.free_rotation = rotations[own / 8][0];
+  point.own_branch = point.free_branch = static_cast<int>(own % 8);
+  point.unsmoothed = point.objective;
   last = point.q;
+}
+
+/// A stripe of two pairs that interfere, slanting through the map, and a free one beside it.
+void FillVerdicts(double along, PlannedPoint& point) {
+  AxisVerdicts verdicts(8 * kAxisRotations, kVerdictUnknown);
+  const int middle = 40 + static_cast<int>(0.03 * along);
+  for (int branch = 0; branch < 8; ++branch)
+    for (int i = middle - 8; i < middle + 16; ++i)
+      verdicts[static_cast<size_t>(branch * kAxisRotations + i)] = i < middle       ? kVerdictPair
+                                                                   : i < middle + 8 ? kVerdictPair + 1
+                                                                                    : kVerdictFree;
+  point.verdicts = PackVerdicts(verdicts);
 }
 
 void FillIndices(const PoseProblem& problem, PlannedPoint& point) {
@@ -84,15 +101,22 @@ PassResult MakePass(const PoseProblem& problem, const PanelSize& size, int numbe
       point.detail = "spindle against workpiece </script><b>";
     }
     if (point.skip == SkipReason::kNone) FillIndices(problem, point);
+    FillVerdicts(along, point);
     pass.points.push_back(std::move(point));
   }
+  pass.pairs = {"link4 and panel", "spindle and platform"};
+  pass.points[0].barred = 0;
   pass.pieces = {{number, 0, 0, size.points - 1, false}};
   return pass;
 }
 
 }  // namespace
 
-HtmlInput Panel::Input() const { return {plan, cell, CurveGrid(), curves, settings}; }
+HtmlInput Panel::Input() const {
+  HtmlInput input{plan, cell, CurveGrid(), curves, settings};
+  input.map = &map;
+  return input;
+}
 
 Panel MakePanel(const PanelSize& size, const std::string& job) {
   Panel panel;
@@ -121,6 +145,7 @@ Panel MakePanel(const PanelSize& size, const std::string& job) {
   plan.gaps[2].planned = true;
   plan.gaps[2].detail = "clearances reduced to 90 %";
   panel.curves = SampleCurves(plan, panel.problem, {}, 4000, 2, {});
+  panel.map = MakeAxisMap(plan, panel.problem, panel.curves, nullptr, 2, {});
   panel.settings = "job: |\n  " + job + "\ntoolpath: {stepover_mm: 8}\n";
   return panel;
 }

@@ -28,9 +28,31 @@ TEST(Report, FiguresAreThoseOfThePlannedPoints) {
   EXPECT_EQ(figures.objective->best, 1);
   EXPECT_EQ(figures.objective->median, 2);
   EXPECT_EQ(figures.objective->worst, 3);
-  EXPECT_EQ(figures.price_of_continuity, 2);
+  EXPECT_DOUBLE_EQ(figures.price->ratio.interference, 1.5 * 3 / 3);
   EXPECT_NEAR(*figures.ga_nodes_share, 1.0 / 3, 1e-15);
   EXPECT_EQ(figures.clearance_min, 12);
+}
+
+TEST(Report, ThePriceIsRatiosOrMicrometres) {
+  PlanResult plan = SmallPlan();
+  const nlohmann::json ratios = nlohmann::json::parse(SummaryJson(plan, {}));
+  EXPECT_EQ(ratios["schema_version"], 2);
+  EXPECT_NEAR(ratios["price_of_continuity"]["ratio"]["total"].get<double>(), 2, 1e-12);
+  EXPECT_TRUE(ratios["price_of_continuity"]["worst_um"].is_null());
+  EXPECT_NE(
+      SummaryText(plan, {}, {}).find("price      2.0000 times each point's own best pose = interference 1.5"),
+      std::string::npos);
+  plan.objective_unit = "mm";
+  plan.passes[0].bound = {6, 5, 3, 2.5};
+  const nlohmann::json lengths = nlohmann::json::parse(SummaryJson(plan, {}));
+  EXPECT_TRUE(lengths["price_of_continuity"]["ratio"].is_null());
+  EXPECT_NEAR(lengths["price_of_continuity"]["worst_um"]["total"].get<double>(), 2000, 1e-9);
+  EXPECT_NEAR(lengths["price_of_continuity"]["mean_um"]["interference"].get<double>(), 500, 1e-9);
+  EXPECT_NEAR(lengths["price_of_continuity"]["gap_percent"]["worst"].get<double>(), 20, 1e-9);
+  EXPECT_NE(
+      SummaryText(plan, {}, {}).find("better by more than 20.00 % in the worst value, 20.00 % in the sum"),
+      std::string::npos)
+      << SummaryText(plan, {}, {});
 }
 
 TEST(Report, NothingPlannedGivesNullsNotZeros) {

@@ -19,6 +19,8 @@ inline PlanResult SmallPlan() {
     point.freedoms = {0.5};
     point.objective = i + 1;
     point.own_optimum = 1;
+    point.free_optimum = 1.5;
+    point.unsmoothed = i + 0.75;
     point.indices.lambda_n = 1.0 / (i + 1);
     point.from_genetic = i == 0;
     point.clearance = 40 - i;

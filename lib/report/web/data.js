@@ -48,8 +48,10 @@
     data.columns = raw.columns.map((c) => Object.assign({}, c, { values: floats(c.values) }));
     data.column = {};
     for (const column of data.columns) data.column[column.key] = column;
-    data.optima = { genetic: floats(raw.optima.genetic), own: floats(raw.optima.own) };
+    data.optima = { genetic: floats(raw.optima.genetic), own: floats(raw.optima.own), free: floats(raw.optima.free) };
     data.curves = decodeCurves(raw.curves);
+    if (raw.map) data.map = Object.assign({}, raw.map, { runs: new Uint8Array(bytes(raw.map.runs)), start: uint32(raw.map.start),
+      own: floats(raw.map.own_deg), free: floats(raw.map.free_deg), branches: uint32(raw.map.branches), barred: uint32(raw.map.barred) });
     data.bodies = raw.bodies.map((b) => Object.assign({}, b, { vertices: floats(b.vertices), faces: uint32(b.faces) }));
     return data;
   };

@@ -38,6 +38,7 @@
     m.fillGaps(data);
     m.fillDeflection(data);
     m.fillFixed(data);
+    m.fillPrice(data);
     m.fillPaper(data);
     $("settings-text").textContent = data.settings;
     if (data.count === 0) return;
@@ -61,8 +62,10 @@
     const charts = new m.PathCharts($("path-charts"), data, actions), worst = new m.WorstTable(data, actions);
     const poses = new m.PoseCharts($("rotation-chart"), $("genetic-chart"), data);
     if (scene) views.push(scene);
-    views.push(new m.PointPanel(data, actions), worst, charts, poses);
-    m.views = { scene, charts, worst, poses };
+    const map = data.map && data.curves.number.length > 0 ? new m.AxisMap(data, actions, scene) : null;
+    if (!map) $("axis-map").remove();
+    views.push(new m.PointPanel(data, actions), worst, charts, poses, ...(map ? [map] : []));
+    m.views = { scene, charts, worst, poses, map };
 
     fillChoice(data);
     const recolour = function () {
@@ -102,6 +105,7 @@
     window.addEventListener("resize", () => {
       charts.schedule();
       poses.draw();
+      if (map) map.schedule();
       if (scene) scene.schedule();
     });
     document.addEventListener("keydown", (e) => {

@@ -96,6 +96,7 @@
 
     addBodies() {
       this.moving = [];
+      this.bodies = [];
       this.groups = { part: new THREE.Group(), cell: new THREE.Group(), arm: new THREE.Group() };
       this.scene.add(...Object.values(this.groups));
       for (const body of this.data.bodies) {
@@ -109,6 +110,7 @@
         });
         const mesh = new THREE.Mesh(m.geometryOf(body.vertices, body.faces), material);
         mesh.matrixAutoUpdate = false;
+        this.bodies.push({ mesh, body, colour: material.color.getHex() });
         this.groups[workpiece ? "part" : moves || body.mount === "link" ? "arm" : "cell"].add(mesh);
         if (moves) {
           this.moving.push({ mesh, body, frame: body.mount === "tool" ? 7 : body.link });
@@ -139,7 +141,16 @@
 
     select(row) {
       this.selected = row;
-      const joints = m.jointsOf(this.data, row);
+      this.pose(m.jointsOf(this.data, row), "");
+    }
+
+    // The arm at joint angles (degrees; null: none), with the bodies of a pair that interferes in red.
+    pose(joints, pair) {
+      for (const { mesh, body, colour } of this.bodies) {
+        const red = pair.split(" and ").includes(body.name);
+        mesh.material.color.setHex(red ? 0xc1272d : colour);
+        if (mesh.material.transparent) mesh.material.opacity = red ? 0.8 : 0.28;
+      }
       this.groups.arm.visible = joints !== null && this.showArm !== false;
       if (joints) {
         const frames = m.armFrames(this.data, joints);

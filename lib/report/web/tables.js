@@ -148,6 +148,13 @@
     section.querySelector("p").textContent = data.fixed.join(" ") + " Below 1 the plan is better.";
   };
 
+  // The price of the path against each point's own best pose, and how near the search came to its bound.
+  m.fillPrice = function (data) {
+    const section = document.getElementById("price");
+    if (data.price.length === 0) section.remove();
+    else section.append(...data.price.map((line) => m.element("p", {}, line.replaceAll(" um", " µm").replaceAll(" x ", " × "))));
+  };
+
   m.fillSkipped = function (data) {
     const section = document.getElementById("skipped"), { reasons, rows } = data.skipped;
     const summary = section.querySelector("p");

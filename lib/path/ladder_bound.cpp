@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/ladder_bound.hpp"
+
+#include "path/sweep.hpp"
+#include "path/worst_then_sum.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The least cost of a sequence that closes from any node into any: of the closed ones among them at the
+/// least that.
+double ClosingBound(const LayeredProblem& problem) {
+  const size_t all = problem.layers[0].size();
+  SweepMemory memory;
+  Sweep sweep(problem, kInfinity);
+  if (!sweep.Forward(memory.RowsFor(0, all), 0, all, false)) return 0;
+  const double cost = sweep.Close(0, all).by.cost;
+  return std::isfinite(cost) ? cost : 0;
+}
+
+}  // namespace
+
+LadderBound BoundLadder(LayeredProblem problem, const Sequence& sequence, bool worst_first) {
+  LadderBound bound;
+  bound.cost = sequence.cost;
+  bound.worst = WorstOf(problem.layers, sequence);
+  problem.walls = false;
+  problem.memory = nullptr;
+  problem.versions = {};
+  const size_t count = problem.layers.size();
+  std::vector<char> lifted(count, 0);
+  for (size_t t = 1; t < count; ++t)
+    lifted[t] = sequence.break_before[t] || sequence.nodes[t] == kNoNode || sequence.nodes[t - 1] == kNoNode;
+  problem.break_before = lifted;
+  LayeredProblem for_worst = problem;
+  for_worst.worst = true;
+  for_worst.rule.motion_weight = 0;
+  if (worst_first) problem.most = bound.worst * (1 + kWorstTolerance);
+  if (sequence.closed) {
+    bound.cost_bound = ClosingBound(problem);
+    if (worst_first) bound.worst_bound = ClosingBound(for_worst);
+  } else {
+    bound.cost_bound = SearchOpen(problem).cost;
+    if (worst_first) bound.worst_bound = WorstOf(problem.layers, SearchOpen(for_worst));
+  }
+  // Sums in another order, and layers that the sequence leaves out.
+  bound.cost_bound = std::min(bound.cost_bound, bound.cost);
+  bound.worst_bound = std::min(bound.worst_bound, bound.worst);
+  return bound;
+}
+
+}  // namespace millpose

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/layer_verdicts.hpp"
+
+namespace millpose {
+
+AxisVerdicts LayerVerdicts(const Layer& layer, size_t t, const StrikeOut& strike_out) {
+  AxisVerdicts verdicts(8 * kAxisRotations, kVerdictUnknown);
+  std::vector<double> nearest(verdicts.size(), kAxisStep);
+  for (int branch = 0; branch < 8; ++branch) {
+    for (size_t node = layer.branch_begin[branch]; node < layer.branch_begin[branch + 1]; ++node) {
+      const StrikeOut::Verdict verdict = strike_out.VerdictOf(t, node);
+      const int pair = strike_out.PairOf(t, node);
+      // Taken for a motion's sake: of itself nothing is known that the search has kept.
+      if (verdict == StrikeOut::Verdict::kUnknown || (verdict == StrikeOut::Verdict::kStruck && pair < 0))
+        continue;
+      const AxisCell cell = AxisCellOf(layer.first[node]);
+      const size_t at = static_cast<size_t>(branch * kAxisRotations + cell.index);
+      if (cell.off >= nearest[at]) continue;
+      nearest[at] = cell.off;
+      verdicts[at] = pair >= 0 ? kVerdictPair + pair : kVerdictFree;
+    }
+  }
+  return verdicts;
+}
+
+}  // namespace millpose

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <stop_token>
+
+#include "cell/world.hpp"
+#include "pose/scorer.hpp"
+#include "report/html.hpp"
+
+namespace millpose {
+
+/// What bars the poses of the points of `curves`, on the rotations of CurveGrid, all branches: limits,
+/// singularities and reach are computed anew, interference is what the plan learned of it. With `world` what
+/// it never looked at is checked too. The same for any number of threads.
+AxisMap MakeAxisMap(const PlanResult& plan, const PoseProblem& problem,
+                    const std::vector<PointCurves>& curves, const World* world, int threads,
+                    std::stop_token stop);
+
+/// The joint that is farthest beyond its limits, 0..5, and by how much, rad: full turns are taken off first.
+struct BeyondLimit {
+  int joint = 0;
+  double by = 0;
+};
+BeyondLimit FarthestBeyond(const AdmissibleBounds& bounds, const Joints& q);
+
+}  // namespace millpose
