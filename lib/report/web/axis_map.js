@@ -82,16 +82,18 @@
       this.centre();
     }
 
-    // The path in the middle: the map begins at the rotation opposite to its mean direction.
+    // The path in the middle, unwound along the pass, so that the edge of the map cuts it only where it makes more than
+    // a full turn.
     centre() {
       const { curves, column } = this.data, rotation = column.rotation.values;
-      let x = 0, y = 0;
+      let last = NaN, low = Infinity, high = -Infinity;
       for (const row of this.rows) {
         if (Number.isNaN(rotation[row])) continue;
-        x += Math.cos((rotation[row] * Math.PI) / 180);
-        y += Math.sin((rotation[row] * Math.PI) / 180);
+        last = Number.isNaN(last) ? rotation[row] : rotation[row] - 360 * Math.round((rotation[row] - last) / 360);
+        low = Math.min(low, last);
+        high = Math.max(high, last);
       }
-      const middle = (45 * Math.round((Math.atan2(y, x) * 180) / Math.PI / 45)) % 360;
+      const middle = low <= high ? 15 * Math.round((low + high) / 30) : 0;
       this.shift = Math.round((middle - 180 - curves.first_deg) / curves.step_deg);
     }
     // The rotation at which row j of the map, from below, lies; its cell of the sampled grid.
@@ -174,7 +176,7 @@
         line(m.MAP_INK, "path"), line(m.MAP_OWN, "each point's own best pose, interference left aside"),
         m.element("span", {}, `${m.format(low, 3)} `, m.zoneSwatch(m.ZONE.FREE, 90), `${m.format(high, 3)} ${unit} and more (bright: soft), free`),
         ...(seen.has(m.ZONE.UNCHECKED) ? [values(m.ZONE.UNCHECKED, "paler: not checked for interference")] : []),
-        ...[...seen].filter((z) => z < m.ZONE.UNCHECKED || z >= m.ZONE.PAIR).sort((a, b) => b - a).map((z) => m.element("span", {}, m.zoneSwatch(z, 26), m.zoneName(this.data, z))));
+        ...[...seen].filter((z) => z < m.ZONE.UNCHECKED || z >= m.ZONE.PAIR).sort((a, b) => b - a).map((z) => m.element("span", {}, m.zoneSwatch(z, 26), `${z >= m.ZONE.PAIR ? "interference: " : ""}${m.zoneName(this.data, z)}`)));
     }
 
     // The place under the pointer: row, rotation in degrees, cell.
@@ -210,7 +212,7 @@
       if (data.rows.status[row] === 0 && own > 0) {
         const branch = (b) => `S${(data.map.branches[row] >> b) & 15}`, pair = data.map.pairs[data.map.barred[row] - 1];
         words.push(`Point ${data.rows.number[row]}: ${value(f[row])} on the path at ${m.format(data.column.rotation.values[row])}°, S${data.rows.branch[row]};`,
-          `its best pose would give ${value(own)} at ${m.format(data.map.own[row])}°, ${branch(4)}${pair ? `, but there ${pair} interfere` : ""}${pair || free > 1.001 * own ? `; its best free one ${value(free)} at ${m.format(data.map.free[row])}°, ${branch(0)}` : ", free of interference"}.`);
+          `its best pose would give ${value(own)} at ${m.format(data.map.own[row])}°, ${branch(4)}${pair ? `, but there ${pair} interfere` : ""}${pair || free > 1.001 * own ? `; its best free one ${value(free)} at ${m.format(data.map.free[row])}°, ${branch(0)}` : `, free of interference${f[row] > 1.01 * own ? ": what keeps the path from it is that the joints may not jump on the way there or back" : ""}`}.`);
       }
       const worst = (values) => this.rows.reduce((most, r) => (data.rows.status[r] === 0 && data.rows.kind[r] === 0 && values[r] > most ? values[r] : most), 0);
       const [b, s, p] = [worst(data.optima.own), worst(data.optima.free), worst(f)];
