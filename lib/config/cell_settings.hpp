@@ -69,6 +69,7 @@ struct ToolSettings {
   double cutter_diameter = 0, cutting_length = 0, corner_radius = 0;  ///< mm
   std::vector<ToolPartSettings> stack;
   std::optional<ToolLoadSettings> load;
+  std::optional<double> tip_uncertainty, axis_uncertainty;  ///< of tip and axis in F, mm and rad
 };
 
 /// Radius of the cutter's rounded corner, by its shape, mm.

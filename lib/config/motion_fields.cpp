@@ -22,6 +22,12 @@ Codec<JobSettings> PathFields() {
       Key<S>("split_overlap_mm", MILLPOSE_AT(path.overlap), Real(kMm, UpTo(1e4)),
              "Way that is cut again where a pass has to be split; at least up to the next point."),
       Key<S>(
+          "lift_gain_percent", MILLPOSE_AT(path.lift_gain), Real(kPercent, Between(0, 100)),
+          "Share of a pass's objective that lifting the tool and entering again must gain, each time; 0: the "
+          "tool is lifted only where a pass cannot be planned in one piece."),
+      Key<S>("max_lifts", MILLPOSE_AT(path.max_lifts), Integer(1, 3),
+             "Most lifts of a pass for `lift_gain_percent`."),
+      Key<S>(
           "max_halfway_deviation_mm", MILLPOSE_AT(path.max_deviation), Real(kMm, Between(0.001, 1000)),
           "Aim of smoothing, no bound: half-way between points, with the joints turning evenly, the tip's "
           "distance from its straight line. Larger ones are mended where the loss allows; none grows by more "

@@ -146,6 +146,12 @@ Codec<ToolSettings> ToolFields() {
           Key<S>("stack", MILLPOSE_AT(stack), ListOf(ToolPartFields()),
                  "Cutter, holder and spindle as cones from the tip upwards.")
               .Required(),
+          Key<S>("tip_uncertainty_mm", MILLPOSE_AT(tip_uncertainty), Maybe(Real(kMm, UpTo(100))),
+                 "How far the tool's tip may lie from where it was measured, the arm's own error counted: "
+                 "says how high "
+                 "a step the surface may show where the pose changes."),
+          Key<S>("axis_uncertainty_deg", MILLPOSE_AT(axis_uncertainty), Maybe(Real(kDeg, UpTo(10))),
+                 "How far the tool axis may lean from where it was measured; as `tip_uncertainty_mm`."),
           Key<S>("load", MILLPOSE_AT(load), Maybe(LoadFields()),
                  "What hangs on the flange in all, as the controller's load data have it; printed in KRL "
                  "headers, "

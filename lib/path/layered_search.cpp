@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/layered_search.hpp"
 
-#include <queue>
-
+#include "path/first_node.hpp"
 #include "path/sweep.hpp"
 
 namespace millpose {
@@ -10,7 +9,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// More than any sequence can cost, so that one break less always wins.
+}  // namespace
+
 double BreakPenalty(const LayeredProblem& problem) {
   double sum = 0.0, largest = 0.0;
   for (const Layer& layer : problem.layers) {
@@ -28,31 +28,6 @@ double BreakPenalty(const LayeredProblem& problem) {
   if (problem.worst) return std::ldexp(1.0, std::ilogb(std::max(largest, 1e-9)) + 2);
   return 2.0 * sum + 1e-9;
 }
-
-/// A set of first nodes, first..last−1, and what is known about closed sequences through it.
-struct Part {
-  size_t first, last;
-  double bound;        ///< no closed sequence through the set costs less
-  size_t start, into;  ///< of the sequence that gives the bound
-};
-/// The nodes that differ from `node` by full turns only: first, and one beyond the last.
-size_t GroupBegin(const std::vector<size_t>& base, size_t node) {
-  while (node > 0 && base[node - 1] == base[node]) --node;
-  return node;
-}
-size_t GroupEnd(const std::vector<size_t>& base, size_t node) {
-  const size_t group = base[node];
-  while (node < base.size() && base[node] == group) ++node;
-  return node;
-}
-
-struct Costlier {
-  bool operator()(const Part& a, const Part& b) const {
-    return a.bound != b.bound ? a.bound > b.bound : a.first > b.first;
-  }
-};
-
-}  // namespace
 
 double BandWidth(const StepRule& rule, double nominal_angle) {
   return rule.max_step.sum() + nominal_angle + 1e-9;  // rounding
@@ -102,39 +77,13 @@ std::optional<Sequence> SearchClosed(const LayeredProblem& problem, int max_swee
   SweepMemory own;
   SweepMemory& memory = problem.memory ? *problem.memory : own;
   Sweep sweep(problem, kInfinity);
-  const std::vector<size_t>& base = problem.layers[0].base;
-  std::optional<Sequence> best;
-  std::priority_queue<Part, std::vector<Part>, Costlier> open;
-  const auto bound = [&](size_t first, size_t last) {
-    if (first >= last || --max_sweeps < 0) return;
-    if (!sweep.Forward(memory.RowsFor(first, last), first, last, false)) return;
+  const auto round = [&](size_t first, size_t last) -> std::optional<Round> {
+    if (!sweep.Forward(memory.RowsFor(first, last), first, last, false)) return std::nullopt;
     const Sweep::Closing closing = sweep.Close(first, last);
-    if (!std::isfinite(closing.by.cost)) return;
-    Sequence sequence = sweep.Trace(closing.by.node);
-    const size_t start = sequence.nodes[0];
-    if (base[start] != base[closing.into]) {
-      open.push({first, last, closing.by.cost, start, closing.into});
-    } else if (!best || closing.by.cost < best->cost) {
-      sequence.cost = closing.by.cost;
-      sequence.closed = true;
-      best = std::move(sequence);
-    }
+    if (!std::isfinite(closing.by.cost)) return std::nullopt;
+    return Round{closing.by.cost, closing.into, sweep.Trace(closing.by.node)};
   };
-  bound(0, problem.layers[0].size());
-  while (!open.empty()) {
-    const Part part = open.top();
-    open.pop();
-    if (best && part.bound >= best->cost) break;  // nor can any other part be better
-    // The sequence of the bound starts and ends at different nodes. A closed one has both in the half before
-    // or in the half after a cut between them.
-    if (!best) bound(GroupBegin(base, part.start), GroupEnd(base, part.start));
-    const size_t low = std::min(part.start, part.into), high = std::max(part.start, part.into);
-    size_t cut = GroupBegin(base, (low + high + 1) / 2);
-    if (cut <= GroupBegin(base, low)) cut = GroupBegin(base, high);
-    bound(part.first, cut);
-    bound(cut, part.last);
-  }
-  return best;
+  return BranchOverFirst(problem.layers[0].base, round, max_sweeps);
 }
 
 }  // namespace millpose

@@ -63,6 +63,9 @@ struct Sequence {
   std::vector<bool> break_before;  ///< the tool is lifted before layer t
   double cost = 0;                 ///< Σ objective + motion, without the breaks
   bool closed = false;             ///< the step from the last layer to the first is within the rule
+  /// Where a part runs on over the beginning of the next (LiftedSearch): the nodes of that end, from the
+  /// layer before the lift on. What they cost above the least is in `cost`.
+  std::vector<Sequence> tails = {};
 };
 
 /// The sequence with the fewest breaks, and among those of least cost: Σ objective + motion_weight·Σ|Δq|²,
@@ -77,6 +80,9 @@ Sequence SearchOpen(const LayeredProblem& problem);
 /// `max_sweeps` ends it early, with the best closed sequence so far.
 std::optional<Sequence> SearchClosed(const LayeredProblem& problem,
                                      int max_sweeps = std::numeric_limits<int>::max());
+
+/// More than any sequence can cost, so that one break less always wins.
+double BreakPenalty(const LayeredProblem& problem);
 
 /// How far apart (rad) the rotations about the tool axis of two neighbouring nodes can lie: joints turning by
 /// Δq turn the tool by no more than Σ|Δq|, and the tools' frames at rotation 0 lie `nominal_angle` apart, so

@@ -43,26 +43,34 @@ std::vector<SplitPoint> Added(const Round& round, int from, int step, double len
     added.push_back(std::move(repeated));
     if (enough) break;
   }
-  if (added.empty() || ends.lead == LeadShape::kNone) return added;
-  PassEnds lead = ends;
-  lead.overrun = 0;
-  Toolpath end;
-  end.passes.push_back(Pass{{added.back().point}, false, Eigen::Vector3d::UnitZ()});
-  AddPassEnds(lead, spacing, end);
-  const std::vector<MillingPoint>& points = end.passes[0].points;  // in, the point, out
-  const size_t at = points.size() / 2;
-  const double first = added.back().point.arc_length;
-  for (size_t k = 1; k <= at; ++k) {
-    SplitPoint beyond = added.back();
-    beyond.point = points[step > 0 ? at + k : at - k];
-    beyond.point.kind = kind;
-    beyond.point.arc_length = first + (points[step > 0 ? at + k : at - k].arc_length - points[at].arc_length);
-    added.push_back(std::move(beyond));
-  }
+  if (added.empty()) return added;
+  for (SplitPoint& beyond : LeadBeyond(added.back(), step, ends, spacing)) added.push_back(std::move(beyond));
   return added;
 }
 
 }  // namespace
+
+std::vector<SplitPoint> LeadBeyond(const SplitPoint& end, int step, const PassEnds& ends, double spacing) {
+  if (ends.lead == LeadShape::kNone) return {};
+  PassEnds lead = ends;
+  lead.overrun = 0;
+  Toolpath path;
+  path.passes.push_back(Pass{{end.point}, false, Eigen::Vector3d::UnitZ()});
+  AddPassEnds(lead, spacing, path);
+  const std::vector<MillingPoint>& points = path.passes[0].points;  // in, the point, out
+  const size_t at = points.size() / 2;
+  std::vector<SplitPoint> beyond;
+  for (size_t k = 1; k <= at; ++k) {
+    const size_t from = step > 0 ? at + k : at - k;
+    SplitPoint added = end;
+    added.point = points[from];
+    added.point.kind = step > 0 ? PointKind::kLeadOut : PointKind::kLeadIn;
+    added.point.arc_length = end.point.arc_length + (points[from].arc_length - points[at].arc_length);
+    added.break_before = false;
+    beyond.push_back(std::move(added));
+  }
+  return beyond;
+}
 
 std::vector<SplitPoint> WithOverlaps(const Pass& pass, std::span<const Split> splits, const PassEnds& ends,
                                      double spacing) {

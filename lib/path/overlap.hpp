@@ -41,6 +41,10 @@ struct SplitPoint {
 std::vector<SplitPoint> WithOverlaps(const Pass& pass, std::span<const Split> splits, const PassEnds& ends,
                                      double spacing);
 
+/// The lead of `ends` (without overrun) beyond a point with which a part begins (`step` −1) or ends (1),
+/// outwards from it.
+std::vector<SplitPoint> LeadBeyond(const SplitPoint& end, int step, const PassEnds& ends, double spacing);
+
 /// What to try for a split, in this order, when up to `length` (mm) is asked for; the last is kNone.
 std::vector<OverlapChoice> OverlapChoices(double length);
 

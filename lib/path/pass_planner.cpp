@@ -5,6 +5,8 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "path/lifts.hpp"
+#include "path/ring_opening.hpp"
 #include "path/split_planner.hpp"
 #include "plan/continuity.hpp"
 #include "plan/point_clearance.hpp"
@@ -141,6 +143,9 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
   result.pairs_saved = plan.pairs_saved;
   result.uncut = planned.uncut;
   result.bound = plan.bound;
+  result.lifts = planned.lifts;
+  result.lift_gain = planned.lift_gain;
+  result.stripe = plan.stripe;
   result.pieces = plan.pieces;
   for (Piece& piece : result.pieces) piece.pass = pass_number;
   result.points.resize(count);
@@ -201,7 +206,15 @@ PassResult PlanPass(const PoseProblem& problem, const World& world, const Pass& 
   context.tables.resize(all.size());
   context.optima.resize(all.size());
   FindOptima(all, first_point, context);
-  return Assemble(pass, pass_number, PlanSplit(pass, std::move(own), first_point));
+  if (!IsOpenedRing(pass)) return Assemble(pass, pass_number, PlanSplit(pass, std::move(own), first_point));
+  const FoundLifts start =
+      pass.opening == RingOpening::kAnywhere ? FindRingStart(context, options.Price()) : FoundLifts{{0}, 0};
+  const Pass turned = BeginningAt(pass, start.before.front());
+  TurnToBegin(turned, start.before.front(), *own);
+  PassResult result = Assemble(turned, pass_number, PlanSplit(turned, std::move(own), first_point));
+  result.poses_checked += start.poses_checked;
+  result.opened_at = static_cast<int>(start.before.front());
+  return result;
 }
 
 }  // namespace millpose

@@ -5,6 +5,7 @@
 
 #include "base/units.hpp"
 #include "cell/world.hpp"
+#include "path/lifted_search.hpp"
 #include "plan/plan_result.hpp"
 #include "pose/paper_formulation.hpp"
 #include "toolpath/pass_ends.hpp"
@@ -26,6 +27,12 @@ struct PathOptions {
   GeneticOptions genetic;
   std::optional<PaperFormulationOptions> paper;  ///< in place of the genetic algorithm over the freedoms
   uint64_t seed = 1;
+  double lift_gain = 0;  ///< share of a pass's objective that a lift must gain; 0: no lifts but needed ones
+  int max_lifts = 1;     ///< of a pass, up to kMostLifts
+
+  LiftPrice Price() const {
+    return {lift_gain > 0 ? static_cast<size_t>(max_lifts) : 0, lift_gain, worst_first};
+  }
 };
 
 /// Plans one pass: own optima by both searches, layered search with hard joint steps, lazy strike-out of

@@ -10,6 +10,7 @@
 #include "path/free_smoothing.hpp"
 #include "path/ladder_bound.hpp"
 #include "path/layer_verdicts.hpp"
+#include "path/ring_stripe.hpp"
 #include "path/worst_then_sum.hpp"
 #include "robot/angles.hpp"
 
@@ -18,9 +19,6 @@ namespace {
 
 constexpr double kTurn = 2 * kPi;
 constexpr double kRounding = 1e-12;  // rad: of angles that full turns were added to
-// How often the search runs again over what the checks struck out, before motions that interfere take their
-// nodes with them, and before they take their points with them; after that each round removes a point.
-constexpr int kRoundsOfMotions = 6, kRoundsOfNodes = 60;
 constexpr int kRefineRounds = 5;
 
 class PiecePlanner {
@@ -30,17 +28,15 @@ class PiecePlanner {
         carrier_{context.problem.arm, context.problem.X_WB, context.problem.X_FT},
         checker_(context.world, carrier_, context.options.swept_resolution, context.threads, context.stop),
         all_turns_(all_turns),
-        count_(context.scorers.size()) {
-    rule_.max_step = context.options.max_joint_step;
-    rule_.motion_weight = context.options.motion_weight;
-    rule_.modulo_turns = !all_turns;
+        count_(context.scorers.size()),
+        rule_(MakeRule(context, all_turns)) {
     plan_.nodes.resize(count_);
     plan_.piece.assign(count_, -1);
     plan_.interference.resize(count_);
   }
 
   std::optional<PassPlan> Plan() {
-    MakeLayers();
+    layers_ = MakeLayers(context_, all_turns_);
     TakeSequence(SearchFree());
     double coarse = 0.0, refined = 0.0;
     for (const Piece& piece : plan_.pieces) {
@@ -59,31 +55,6 @@ class PiecePlanner {
   }
 
  private:
-  void MakeLayers() {
-    layers_.resize(count_);
-    ParallelFor(count_, context_.threads, context_.stop, [&](size_t t) {
-      const PointScorer& scorer = context_.scorers[t];
-      std::vector<NodeSeed> seeds;
-      if (context_.tables[t]) seeds = SeedsOf(*context_.tables[t]);
-      const auto add = [&](const PointOptimum& optimum, bool genetic) {
-        if (!optimum.found) return;
-        seeds.push_back(
-            {optimum.freedoms, scorer.ScoreOne(optimum.freedoms, optimum.branch), optimum.branch, genetic});
-      };
-      const PointOptimum& genetic = context_.genetic[t];
-      add(genetic, genetic.found && IsBeyond(genetic.objective, context_.tables[t].get()));
-      // Intervals narrower than the grid: better the finer table's answer than a skipped point.
-      if (seeds.empty()) add(context_.optima[t], false);
-      layers_[t] = MakeLayer(scorer, std::move(seeds), all_turns_);
-    });
-  }
-
-  /// Whether a value is better than all of a table.
-  static bool IsBeyond(double objective, const CandidateTable* table) {
-    return !table || std::all_of(table->entries().begin(), table->entries().end(),
-                                 [&](const auto& entry) { return objective < entry.objective; });
-  }
-
   /// The layered search, repeated until what it finds is free of interference.
   Sequence SearchFree() {
     const bool rotates_first = context_.problem.freedoms[0]->IsToolRotation();
@@ -112,10 +83,12 @@ class PiecePlanner {
     };
     constexpr int kAllSweeps = std::numeric_limits<int>::max();
     Sequence sequence;
+    double unbarred = std::numeric_limits<double>::infinity();  // a closed ring's cost without interference
     for (int round = 0;; ++round) {
       std::optional<Sequence> closed;
       if (context_.closed) closed = search_closed(kQuickSweeps);
       if (context_.closed && !closed) closed = search_closed(kAllSweeps);
+      if (closed && round == 0) unbarred = closed->cost;
       sequence = closed ? std::move(*closed) : worst_first ? open_worst.Open(problem) : SearchOpen(problem);
       bool free = strike_out.Check(sequence);
       if (free && sequence.closed) {
@@ -126,11 +99,9 @@ class PiecePlanner {
         }
       }
       if (free) break;
-      if (round >= kRoundsOfMotions) {
-        strike_out.StrikeBarred(
-            sequence, round < kRoundsOfNodes ? StrikeOut::Extent::kNodes : StrikeOut::Extent::kLayers);
-      }
+      strike_out.StrikeInRound(sequence, round);
     }
+    if (sequence.closed) plan_.stripe = ExplainStripe({context_, problem, strike_out, sequence, unbarred});
     plan_.poses_checked += strike_out.counts().poses;
     plan_.pairs_checked = strike_out.counts().pairs;
     plan_.pairs_saved = strike_out.counts().pairs_saved;
@@ -277,7 +248,41 @@ class PiecePlanner {
   PassPlan plan_;
 };
 
+/// Whether a value is better than all of a table.
+bool IsBeyond(double objective, const CandidateTable* table) {
+  return !table || std::all_of(table->entries().begin(), table->entries().end(),
+                               [&](const auto& entry) { return objective < entry.objective; });
+}
+
 }  // namespace
+
+StepRule MakeRule(const PassContext& context, bool all_turns) {
+  StepRule rule;
+  rule.max_step = context.options.max_joint_step;
+  rule.motion_weight = context.options.motion_weight;
+  rule.modulo_turns = !all_turns;
+  return rule;
+}
+
+std::vector<Layer> MakeLayers(const PassContext& context, bool all_turns) {
+  std::vector<Layer> layers(context.scorers.size());
+  ParallelFor(layers.size(), context.threads, context.stop, [&](size_t t) {
+    const PointScorer& scorer = context.scorers[t];
+    std::vector<NodeSeed> seeds;
+    if (context.tables[t]) seeds = SeedsOf(*context.tables[t]);
+    const auto add = [&](const PointOptimum& optimum, bool genetic) {
+      if (!optimum.found) return;
+      seeds.push_back(
+          {optimum.freedoms, scorer.ScoreOne(optimum.freedoms, optimum.branch), optimum.branch, genetic});
+    };
+    const PointOptimum& genetic = context.genetic[t];
+    add(genetic, genetic.found && IsBeyond(genetic.objective, context.tables[t].get()));
+    // Intervals narrower than the grid: better the finer table's answer than a skipped point.
+    if (seeds.empty()) add(context.optima[t], false);
+    layers[t] = MakeLayer(scorer, std::move(seeds), all_turns);
+  });
+  return layers;
+}
 
 std::optional<PassPlan> PlanPieces(const PassContext& context, bool all_turns) {
   return PiecePlanner(context, all_turns).Plan();

@@ -37,12 +37,19 @@ struct PassPlan {
   std::vector<FreeOptimum> free;          ///< per point
   LadderBound bound;
   std::vector<std::vector<int>> verdicts;  ///< per point, PackVerdicts with the World's pairs
+  std::string stripe;                      ///< of a closed ring: ExplainStripe
   double grid_gap = 0;
   long long poses_checked = 0;
   int nodes_struck = 0;
   long long candidates = 0, candidates_checked = 0;  ///< nodes of the layers
   long long pairs_checked = 0, pairs_saved = 0;      ///< of bodies, at these nodes
 };
+
+/// What a step between neighbouring points may be and costs.
+StepRule MakeRule(const PassContext& context, bool all_turns);
+
+/// The admissible candidates of every point.
+std::vector<Layer> MakeLayers(const PassContext& context, bool all_turns);
 
 /// Layered search, strike-out of what interferes, refinement, splits. Empty when, with all_turns
 /// false, a piece winds a joint out of its limits (Layer); with all_turns there is always a plan.

@@ -3,6 +3,8 @@
 
 #include "base/cpu_time.hpp"
 #include "base/parallel.hpp"
+#include "path/lifts.hpp"
+#include "path/ring_opening.hpp"
 
 namespace millpose {
 namespace {
@@ -25,16 +27,22 @@ class SplitPlanner {
       : pass_(pass),
         own_(std::move(own)),
         first_point_(first_point),
-        choices_(OverlapChoices(own_->context->options.overlap)) {}
+        opened_(IsOpenedRing(pass)),
+        ends_(opened_ ? RingEnds(own_->context->options.ends) : own_->context->options.ends) {
+    const PathOptions& options = own_->context->options;
+    choices_ = OverlapChoices(options.overlap);
+    ring_choices_ = RingChoices(opened_ ? std::max(options.overlap, options.ends.overrun) : options.overlap);
+  }
 
   SplitPass Plan() {
-    SplitPass planned{own_, PlanTurned(*own_->context), {}};
-    for (int round = 0; Revise(planned, round); ++round) {
-      const long long poses = planned.plan.poses_checked;
+    SplitPass planned{own_, {}, {}, {}, 0};
+    if (opened_) {
+      splits_.push_back({{pass_.points.size() - 1, ring_choices_[0]}, 0, Tried::Why::kRing});
       planned.points = Points();
-      planned.plan = PlanTurned(*planned.points->context);
-      planned.plan.poses_checked += poses;
     }
+    planned.plan = PlanTurned(*planned.points->context);
+    PlanSplits(planned);
+    TryLifts(planned);
     SmoothPieces(*planned.points->context, planned.plan);  // once: what is tried and given up stays rough
     const std::vector<SplitPoint>& points = planned.points->points;
     for (const Tried& tried : splits_) {
@@ -44,14 +52,97 @@ class SplitPlanner {
           planned.uncut.push_back(static_cast<int>(i));
       }
     }
+    NoteLifts(planned);
     return planned;
   }
 
  private:
   struct Tried {
+    enum class Why : uint8_t { kNeeded, kRing, kLift };
     Split split;
     size_t choice = 0;
+    Why why = Why::kNeeded;
   };
+
+  /// Plans again with the splits known, and with what that shows, until nothing changes.
+  void PlanSplits(SplitPass& planned) {
+    for (int round = 0; Revise(planned, round); ++round) PlanAgain(planned);
+  }
+
+  void PlanAgain(SplitPass& planned) const {
+    const long long poses = planned.plan.poses_checked;
+    planned.points = Points();
+    planned.plan = PlanTurned(*planned.points->context);
+    planned.plan.poses_checked += poses;
+  }
+
+  /// Lifts that pay become splits. They are given up again where the plan with them does not show the gain.
+  void TryLifts(SplitPass& planned) {
+    const PathOptions& options = own_->context->options;
+    const LiftPrice price = options.Price();
+    if (price.most == 0 || (pass_.closed && !opened_)) return;
+    const FoundLifts found = FindLifts(*planned.points->context, planned.points->points, price);
+    planned.plan.poses_checked += found.poses_checked;
+    if (found.before.empty()) return;
+    SplitPass lifted = planned;
+    const std::vector<Tried> before = splits_;
+    for (const size_t t : found.before)
+      splits_.push_back({{planned.points->points[t - 1].source, ring_choices_[0]}, 0, Tried::Why::kLift});
+    SortSplits();
+    PlanAgain(lifted);
+    PlanSplits(lifted);
+    const SequenceValue without = OwnValue(planned), with = OwnValue(lifted);
+    const auto lifts = static_cast<size_t>(std::ranges::count(splits_, Tried::Why::kLift, &Tried::why));
+    std::vector<SequenceValue> values(lifts, without);
+    values.push_back(with);
+    planned.plan.poses_checked = lifted.plan.poses_checked;
+    const bool holds = lifts > 0 && splits_.size() == before.size() + lifts &&
+                       CountSkipped(lifted) <= CountSkipped(planned) && WorthLifting(values, price) == lifts;
+    if (!holds) {
+      splits_ = before;
+      return;
+    }
+    planned = std::move(lifted);
+    const bool by_worst = price.worst_first && with.worst < without.worst * (1 - price.gain);
+    planned.lift_gain = by_worst ? 1 - with.worst / without.worst : 1 - with.cost / without.cost;
+  }
+
+  /// Worst value and sum over the pass's own points.
+  static SequenceValue OwnValue(const SplitPass& planned) {
+    SequenceValue value;
+    for (size_t i = 0; i < planned.points->points.size(); ++i) {
+      if (planned.plan.piece[i] < 0 || planned.points->points[i].added_by >= 0) continue;
+      value.worst = std::max(value.worst, planned.plan.nodes[i].objective);
+      value.cost += planned.plan.nodes[i].objective;
+    }
+    return value;
+  }
+
+  static size_t CountSkipped(const SplitPass& planned) {
+    size_t skipped = 0;
+    for (size_t i = 0; i < planned.points->points.size(); ++i)
+      skipped += planned.plan.piece[i] < 0 && planned.points->points[i].added_by < 0;
+    return skipped;
+  }
+
+  /// The pieces that begin where a split was made because it pays.
+  void NoteLifts(SplitPass& planned) const {
+    const std::vector<SplitPoint>& points = planned.points->points;
+    for (const Tried& tried : splits_) {
+      if (tried.why != Tried::Why::kLift) continue;
+      for (size_t i = 0; i < points.size(); ++i)
+        if (points[i].source == tried.split.after && points[i].added_by < 0 && planned.plan.piece[i] >= 0)
+          planned.lifts.push_back(planned.plan.piece[i] + 1);
+    }
+  }
+
+  const std::vector<OverlapChoice>& ChoicesOf(const Tried& tried) const {
+    return tried.why == Tried::Why::kNeeded ? choices_ : ring_choices_;
+  }
+
+  void SortSplits() {
+    std::ranges::sort(splits_, {}, [](const Tried& tried) { return tried.split.after; });
+  }
 
   /// Notes new splits, and the next choice for those that failed. True when there is something to plan again.
   bool Revise(const SplitPass& planned, int round) {
@@ -71,16 +162,20 @@ class SplitPlanner {
     for (size_t k = 0; k < splits_.size(); ++k) {
       Tried& tried = splits_[k];
       if (tried.split.overlap.by == OverlapChoice::By::kNone || (cut[k] && !failed[k])) continue;
-      tried.choice = round < kRounds ? tried.choice + 1 : choices_.size() - 1;
-      tried.split.overlap = choices_[tried.choice];
+      const std::vector<OverlapChoice>& choices = ChoicesOf(tried);
+      tried.choice = round < kRounds ? tried.choice + 1 : choices.size() - 1;
+      tried.split.overlap = choices[tried.choice];
       changed = true;
     }
+    // A lift that leaves a step uncut pays nothing.
+    std::erase_if(splits_, [](const Tried& tried) {
+      return tried.why == Tried::Why::kLift && tried.split.overlap.by == OverlapChoice::By::kNone;
+    });
     for (const size_t after : found) {
       const size_t choice = Joinable(after) ? 0 : choices_.size() - 1;
       splits_.push_back({{after, choices_[choice]}, choice});
     }
-    std::sort(splits_.begin(), splits_.end(),
-              [](const Tried& a, const Tried& b) { return a.split.after < b.split.after; });
+    SortSplits();
     return changed;
   }
 
@@ -126,7 +221,9 @@ class SplitPlanner {
     std::vector<Split> splits;
     for (const Tried& tried : splits_) splits.push_back(tried.split);
     auto made = std::make_shared<SplitPoints>();
-    made->points = WithOverlaps(pass_, splits, from.options.ends, from.options.lead_spacing);
+    made->points = WithOverlaps(pass_, splits, ends_, from.options.lead_spacing);
+    if (opened_ && splits.back().overlap.by != OverlapChoice::By::kNone)
+      AddRingLeads(ends_, from.options.lead_spacing, static_cast<int>(splits.size()) - 1, made->points);
     for (const SplitPoint& point : made->points) made->milling.push_back(point.point);
     made->context = std::make_unique<PassContext>(PassContext{from.problem,
                                                               from.world,
@@ -161,7 +258,9 @@ class SplitPlanner {
   const Pass& pass_;
   std::shared_ptr<const SplitPoints> own_;
   size_t first_point_;
-  std::vector<OverlapChoice> choices_;
+  bool opened_;    ///< a ring left open
+  PassEnds ends_;  ///< of the parts
+  std::vector<OverlapChoice> choices_, ring_choices_;
   std::vector<Tried> splits_;
 };
 

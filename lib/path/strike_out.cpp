@@ -200,6 +200,14 @@ bool StrikeOut::CheckMotion(Checker& checker, size_t from, size_t to, const Sequ
   return false;
 }
 
+void StrikeOut::StrikeInRound(const Sequence& sequence, int round) {
+  // How often the search runs again over what the checks struck out, before motions that interfere take their
+  // nodes with them, and before they take their points with them; after that each round removes a point.
+  constexpr int kRoundsOfMotions = 6, kRoundsOfNodes = 60;
+  if (round < kRoundsOfMotions) return;
+  StrikeBarred(sequence, round < kRoundsOfNodes ? Extent::kNodes : Extent::kLayers);
+}
+
 void StrikeOut::StrikeBarred(const Sequence& sequence, Extent extent) {
   const auto strike = [&](size_t t, size_t node) {
     if (verdict_[t][node] == Verdict::kStruck) return;

@@ -33,6 +33,9 @@ class StrikeOut {
   /// found, or all nodes of the layers that they leave.
   enum class Extent { kNodes, kLayers };
   void StrikeBarred(const Sequence& sequence, Extent extent);
+  /// The same by the number of searches so far, from 0: the first few bar motions alone, then they take their
+  /// nodes with them, then their points, so that each search has less to choose from.
+  void StrikeInRound(const Sequence& sequence, int round);
 
   /// Gives back the nodes that StrikeBarred alone took, in the layers that `sequence` goes through: they
   /// interfere with nothing by themselves.
@@ -60,6 +63,9 @@ class StrikeOut {
   long long nodes_checked() const;
   /// The last interference found at a layer; empty when there was none.
   std::string Detail(size_t layer) const;
+  std::optional<Sighting> LastSighting(size_t layer) const {
+    return last_problem_[layer] ? last_problem_[layer]->sighting : std::nullopt;
+  }
 
  private:
   /// A node that StrikeBarred took, and what was known of it.

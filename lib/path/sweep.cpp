@@ -11,7 +11,7 @@ namespace millpose {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr uint32_t kBreak = 0xffffffffU;
+constexpr uint32_t kBreak = 0xffffffffU, kEnter = 0xfffffffeU;
 
 /// Nodes between `begin` and `end` that can be reached from the place `at` without leaping over one that was
 /// struck out; where `at` itself is in a struck stretch, from both its sides.
@@ -49,10 +49,16 @@ void VisitBand(const Layer& layer, int branch, double value, double band, bool w
 }  // namespace
 
 bool Sweep::Forward(SweepRows& rows, size_t first, size_t last, bool breaks) {
+  return Forward(rows, first, last, breaks, {});
+}
+
+bool Sweep::Forward(SweepRows& rows, size_t first, size_t last, bool breaks, std::vector<double> enter) {
+  enter_ = std::move(enter);
   rows_ = &rows;
   rows.layers.resize(layers_.size());
   used_before_.assign(layers_.size(), kNoNode);
   least_before_.assign(layers_.size(), kNoNode);
+  least_cost_before_.assign(layers_.size(), kInfinity);
   last_used_ = kNoNode;
   least_ = kInfinity;
   changes_ = {};
@@ -91,6 +97,7 @@ void Sweep::Advance(size_t t, bool breaks, bool must_break) {
   SweepRows::OfLayer& known = rows_->layers[t];
   used_before_[t] = last_used_;
   least_before_[t] = least_node_;
+  least_cost_before_[t] = least_;
   if (last_used_ == kNoNode) {
     known.relaxed.clear();
     std::vector<double> row(layer.size());
@@ -98,6 +105,7 @@ void Sweep::Advance(size_t t, bool breaks, bool must_break) {
     return Take(t, std::move(row));
   }
   RelaxAll(t, must_break);
+  const double enter = enter_.empty() || must_break ? kInfinity : enter_[t];
   std::vector<double> row(layer.size(), kInfinity);
   known.previous.assign(layer.size(), kBreak);
   for (size_t node = 0; node < layer.size(); ++node) {
@@ -109,6 +117,7 @@ void Sweep::Advance(size_t t, bool breaks, bool must_break) {
     } else if (std::isfinite(by.cost)) {
       known.previous[node] = static_cast<uint32_t>(by.node);
     }
+    if (enter < cost) cost = enter, known.previous[node] = kEnter;
     row[node] = Combined(cost, layer.objective[node]);
   }
   Take(t, std::move(row));
@@ -190,8 +199,13 @@ Sequence Sweep::Trace(size_t node) const {
   Sequence sequence;
   sequence.nodes.assign(layers_.size(), kNoNode);
   sequence.break_before.assign(layers_.size(), false);
+  TraceFrom(node, sequence);
+  return sequence;
+}
+
+size_t Sweep::TraceBack(size_t t, size_t node, Sequence& sequence) const {
   size_t next = kNoNode;  // the layer after, when it has nodes and is joined to this one
-  for (size_t t = last_used_; t != kNoNode; t = used_before_[t]) {
+  for (; t != kNoNode; t = used_before_[t]) {
     sequence.nodes[t] = node;
     sequence.cost += layers_[t].objective[node];
     if (next != kNoNode) {
@@ -201,6 +215,10 @@ Sequence Sweep::Trace(size_t node) const {
     next = t;
     if (used_before_[t] == kNoNode) break;
     const uint32_t by = rows_->layers[t].previous[node];
+    if (by == kEnter) {
+      sequence.break_before[t] = true;
+      return t;
+    }
     if (by == kBreak) {
       sequence.break_before[t] = true;
       next = kNoNode;
@@ -209,7 +227,7 @@ Sequence Sweep::Trace(size_t node) const {
       node = by;
     }
   }
-  return sequence;
+  return kNoNode;
 }
 
 /// Best predecessor in layer `from` of a node of layer `to`; `guess` is one that may be as good as any.

@@ -28,6 +28,11 @@ class Sweep {
   /// Starts with the nodes first..last−1 of layer 0. False when the last layer cannot be reached; with
   /// `breaks` it always can. `rows` outlive what is asked of this sweep.
   bool Forward(SweepRows& rows, size_t first, size_t last, bool breaks);
+  /// The same where one may also enter anew before layer t, at the cost enter[t] (LeastBefore of another
+  /// sweep); not where the tool is lifted in any case.
+  bool Forward(SweepRows& rows, size_t first, size_t last, bool breaks, std::vector<double> enter);
+  /// Cost of the cheapest way through the layers before t; +inf where there is none, or none before.
+  double LeastBefore(size_t t) const { return least_cost_before_[t]; }
 
   /// Cheapest way to close into one of the nodes first..last−1 of layer 0; its cost is that of the whole
   /// cycle.
@@ -38,9 +43,16 @@ class Sweep {
   Closing Close(size_t first, size_t last) const;
 
   size_t least_node() const { return least_node_; }
+  double least() const { return least_; }  ///< cost of the way to it
 
   /// The sequence that ends in `node` of the last layer that has nodes.
   Sequence Trace(size_t node) const;
+  /// Adds the way to `node` of the last layer that has nodes, or to the cheapest node before layer `t`, to
+  /// `sequence`. The layer before which it was entered anew; kNoNode where it goes back to the first layer.
+  size_t TraceFrom(size_t node, Sequence& sequence) const { return TraceBack(last_used_, node, sequence); }
+  size_t TraceBefore(size_t t, Sequence& sequence) const {
+    return TraceBack(used_before_[t], least_before_[t], sequence);
+  }
 
  private:
   /// What of the row of the layer before is not as it was.
@@ -57,6 +69,7 @@ class Sweep {
   void Take(size_t t, std::vector<double> row);
   void Relax(size_t from, size_t to, size_t node, size_t guess, BestPredecessor& by) const;
   double Band(size_t from, size_t to) const;
+  size_t TraceBack(size_t t, size_t node, Sequence& sequence) const;
 
   const LayeredProblem& problem_;
   std::span<const Layer> layers_;
@@ -64,6 +77,7 @@ class Sweep {
   SweepRows* rows_ = nullptr;
   Changes changes_;
   std::vector<size_t> used_before_, least_before_;
+  std::vector<double> least_cost_before_, enter_;
   size_t last_used_ = kNoNode, least_node_ = 0;
   double least_ = std::numeric_limits<double>::infinity();
   mutable size_t band_from_ = kNoNode;

@@ -9,11 +9,6 @@ constexpr int kSweeps = 16;            // of a closed search that only asks whet
 constexpr double kNearEnough = 1.001;  // between the bounds of a bisection
 constexpr size_t kFewValues = 64;      // are bisected to the end
 
-LayeredProblem Within(LayeredProblem problem, double bound) {
-  problem.most = std::min(problem.most, bound * (1 + kWorstTolerance));
-  return problem;
-}
-
 size_t Breaks(const Sequence& sequence) {
   size_t breaks = 0;
   for (size_t t = 0; t < sequence.nodes.size(); ++t)
@@ -37,6 +32,11 @@ std::vector<double> PossibleBounds(const LayeredProblem& problem, double least, 
 }
 
 }  // namespace
+
+LayeredProblem Within(LayeredProblem problem, double bound) {
+  problem.most = std::min(problem.most, bound * (1 + kWorstTolerance));
+  return problem;
+}
 
 double WorstOf(std::span<const Layer> layers, const Sequence& sequence) {
   double worst = 0;
@@ -63,25 +63,24 @@ Sequence WorstThenSum::Open(const LayeredProblem& problem) {
 std::optional<Sequence> WorstThenSum::Closed(const LayeredProblem& problem, int max_sweeps) {
   if (std::isfinite(bound_))
     if (auto sequence = SearchClosed(Within(problem, bound_), max_sweeps)) return sequence;
-  const std::optional<Sequence> least = RaiseClosed(problem);
+  const std::optional<Sequence> least =
+      LeastWorst(problem, std::isfinite(bound_) ? bound_ : 0.0, &SearchClosed);
   bound_ = least ? WorstOf(problem.layers, *least) : kInfinity;
   if (!least) return std::nullopt;
   auto sequence = SearchClosed(Within(problem, bound_), max_sweeps);
   return sequence ? sequence : least;
 }
 
-/// The closed sequence of least worst value; empty when there is none at all.
-std::optional<Sequence> WorstThenSum::RaiseClosed(const LayeredProblem& problem) {
-  std::optional<Sequence> best = SearchClosed(problem, kSweeps);
-  if (!best) best = SearchClosed(problem);
+std::optional<Sequence> LeastWorst(const LayeredProblem& problem, double least, const BoundedSearch& search) {
+  std::optional<Sequence> best = search(problem, kSweeps);
+  if (!best) best = search(problem, std::numeric_limits<int>::max());
   if (!best) return std::nullopt;
-  const std::vector<double> values =
-      PossibleBounds(problem, std::isfinite(bound_) ? bound_ : 0.0, WorstOf(problem.layers, *best));
+  const std::vector<double> values = PossibleBounds(problem, least, WorstOf(problem.layers, *best));
   // Below `low` there is none; at `high` there is `best`.
   size_t low = 0, high = values.size() - 1;
   while (low < high && (high - low <= kFewValues || values[high] > kNearEnough * values[low])) {
     const size_t middle = low + (high - low) / 2;
-    if (auto found = SearchClosed(Within(problem, values[middle]), kSweeps)) {
+    if (auto found = search(Within(problem, values[middle]), kSweeps)) {
       const double worst = WorstOf(problem.layers, *found);
       high = static_cast<size_t>(std::lower_bound(values.begin(), values.end(), worst) - values.begin());
       high = std::min(high, middle);

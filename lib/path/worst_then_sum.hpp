@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
+
 #include "path/layered_search.hpp"
 
 namespace millpose {
@@ -26,12 +28,20 @@ class WorstThenSum {
   double bound() const { return bound_; }
 
  private:
-  std::optional<Sequence> RaiseClosed(const LayeredProblem& problem);
-
   double bound_ = std::numeric_limits<double>::infinity();
   size_t breaks_ = 0;   ///< and points without a node
   SweepMemory memory_;  ///< of sweeps for the largest value: the problem's own are for sums
 };
+
+/// The problem with no node whose objective is above `bound` by more than kWorstTolerance.
+LayeredProblem Within(LayeredProblem problem, double bound);
+
+/// A search that may end early, with the best sequence so far, after a number of sweeps.
+using BoundedSearch = std::function<std::optional<Sequence>(const LayeredProblem&, int max_sweeps)>;
+
+/// Of what `search` finds the sequence of least worst value, by bisection over the values of the nodes; none
+/// is known to exist below `least`. Empty when there is none at all.
+std::optional<Sequence> LeastWorst(const LayeredProblem& problem, double least, const BoundedSearch& search);
 
 /// Largest objective along a sequence.
 double WorstOf(std::span<const Layer> layers, const Sequence& sequence);

@@ -39,10 +39,13 @@ std::string GapKey(const std::string& context, const GapEnd& from, const GapEnd&
 }
 
 bool IsPlanOf(const PassResult& plan, const Pass& pass, size_t number) {
+  const size_t count = pass.points.size();
+  if (plan.opened_at >= static_cast<int>(count)) return false;
+  const auto first = static_cast<size_t>(std::max(0, plan.opened_at));  // of a ring left open
   size_t found = 0;
   for (const PlannedPoint& planned : plan.points)
-    if (found < pass.points.size() && IsSamePlace(planned.point, pass.points[found])) ++found;
-  return plan.pass == static_cast<int>(number) && found == pass.points.size() &&
+    if (found < count && IsSamePlace(planned.point, pass.points[(first + found) % count])) ++found;
+  return plan.pass == static_cast<int>(number) && found == count &&
          plan.rotation_reference == pass.rotation_reference;
 }
 

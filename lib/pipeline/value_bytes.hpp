@@ -36,7 +36,7 @@ consteval size_t CountFields() {
 template <class T>
 auto FieldsOf(const T& value) {
   constexpr size_t kCount = CountFields<T>();
-  static_assert(kCount >= 1 && kCount <= 18, "add a line below");
+  static_assert(kCount >= 1 && kCount <= 24, "add a line below");
 #define MILLPOSE_FIELDS(count, ...)    \
   if constexpr (kCount == (count)) {   \
     const auto& [__VA_ARGS__] = value; \
@@ -60,6 +60,12 @@ auto FieldsOf(const T& value) {
   MILLPOSE_FIELDS(16, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p)
   MILLPOSE_FIELDS(17, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q)
   MILLPOSE_FIELDS(18, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r)
+  MILLPOSE_FIELDS(19, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s)
+  MILLPOSE_FIELDS(20, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t)
+  MILLPOSE_FIELDS(21, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u)
+  MILLPOSE_FIELDS(22, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v)
+  MILLPOSE_FIELDS(23, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w)
+  MILLPOSE_FIELDS(24, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x)
 #undef MILLPOSE_FIELDS
 }
 

@@ -92,6 +92,21 @@ std::string ExplainUncut(const PassResult& pass) {
       pass.pass, fmt::join(steps, ", "));
 }
 
+// Lifts that were made because they pay.
+std::string ExplainLifts(const PassResult& pass) {
+  std::vector<std::string> places;
+  for (const int piece : pass.lifts) {
+    const int first = pass.pieces[static_cast<size_t>(piece)].first;
+    const Eigen::Vector3d& p = pass.points[static_cast<size_t>(first)].point.position;
+    places.push_back(fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p.x(), p.y(), p.z()));
+  }
+  return fmt::format(
+      "pass {} is lifted and entered again at {}: that gains {:.1f} % of its objective; a step in the "
+      "surface "
+      "may show there (docs/lifts.md)",
+      pass.pass, fmt::join(places, ", "), 100 * pass.lift_gain);
+}
+
 // The causes of a program that is withheld, each with what cures it and the first places.
 void ExplainCauses(const CheckedProgram& program, std::vector<std::string>& sentences) {
   for (const CauseGroup& group : GroupByCause(program.findings)) {
@@ -138,6 +153,10 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   report.audit = results.audit;
   report.warnings = results.warnings;
   report.findings = Explain(plan, programs);
+  for (const PassResult& pass : plan.passes)
+    if (!pass.stripe.empty()) report.warnings.push_back(fmt::format("pass {}: {}", pass.pass, pass.stripe));
+  for (const PassResult& pass : plan.passes)
+    if (!pass.lifts.empty()) report.warnings.push_back(ExplainLifts(pass));
   report.findings.insert(report.findings.end(), results.findings.begin(), results.findings.end());
   report.continuity = AnalyseContinuity(plan);
   report.feed_reduction = results.reduction;
@@ -154,6 +173,13 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
     report.deflection = PredictDeflections(plan, *results.heaviest, MakeCompliances(results.inputs.cell),
                                            FinishedFrom(results.inputs.job, plan.passes.size()));
   report.fixed = results.fixed;
+  const ToolSettings& tool = results.inputs.cell.tool;
+  if (tool.tip_uncertainty || tool.axis_uncertainty) {
+    report.steps = FindPoseSteps(
+        plan, {tool.tip_uncertainty.value_or(0), tool.axis_uncertainty.value_or(0), tool.cutter_diameter / 2},
+        FinishedFrom(results.inputs.job, plan.passes.size()));
+    if (const std::string steps = Describe(*report.steps); !steps.empty()) report.warnings.push_back(steps);
+  }
   std::map<std::string, std::string> files;
   for (const CheckedProgram& program : programs)
     for (const auto& [name, bytes] : program.files) {

@@ -98,6 +98,10 @@ struct PassResult {
   LadderBound bound;
   std::vector<std::string> pairs;  ///< of bodies that were found to interfere: "link4 and workpiece"
   std::vector<int> uncut;  ///< points after which the pass is split and the step to the next is not cut
+  std::vector<int> lifts;  ///< pieces before which the tool is lifted because that pays
+  double lift_gain = 0;    ///< share of the pass's objective that these gain, 0..1
+  std::string stripe;      ///< of a closed ring: what makes it dear, and what leaving it open would cost
+  int opened_at = -1;      ///< a ring left open: which of its points, as laid, it begins with; else −1
 };
 
 /// The way between two pieces: retract along the tool axis, joint-space path, approach. −1 is home.

@@ -203,6 +203,10 @@ void Fields(Archive& a, PassResult& p) {
   a("bound", p.bound);
   a("pairs", p.pairs);
   a("uncut", p.uncut);
+  a("lifts", p.lifts);
+  a("lift_gain", p.lift_gain);
+  a("stripe", p.stripe);
+  a("opened_at", p.opened_at);
 }
 
 template <class Archive>

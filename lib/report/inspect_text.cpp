@@ -45,6 +45,18 @@ void AppendSummary(const std::string& summary_json, const std::string& name, std
                          deflection.at("level_mm").get<double>(), deflection.at("variation_mm").get<double>(),
                          deflection.at("largest_step_between_passes_mm").get<double>(),
                          deflection.at("model").get<std::string>()));
+    const Json steps = summary.value("pose_steps", Json());
+    if (!steps.is_null()) {
+      std::vector<Json> told;
+      for (const Json& step : steps.at("parts")) told.push_back(step);
+      if (!steps.at("neighbours").is_null()) told.push_back(steps.at("neighbours"));
+      for (const Json& step : told)
+        Append(text, fmt::format("step up to {:.3g} mm ({}): points {} and {}, rotation {:.1f} deg apart{}",
+                                 step.at("height_mm").get<double>(), step.at("why").get<std::string>(),
+                                 step.at("point").get<size_t>(), step.at("other_point").get<size_t>(),
+                                 step.at("rotation_change_deg").get<double>(),
+                                 step.at("other_branch").get<bool>() ? ", in another branch" : ""));
+    }
     const Json& continuity = summary.at("continuity");
     if (continuity.is_null() || continuity.at("smoothing").at("acceleration_rms_ratio").is_null()) return;
     const Json& smoothing = continuity.at("smoothing");

@@ -12,6 +12,7 @@
 #include "plan/plan_result.hpp"
 #include "plan/price.hpp"
 #include "report/deflection.hpp"
+#include "report/step_heights.hpp"
 
 namespace millpose {
 
@@ -79,6 +80,7 @@ struct ReportInputs {
   std::optional<BaseWindow> base_window;
   std::optional<DeflectionReport> deflection;  ///< when the job says what the cutter takes off
   std::optional<FixedComparison> fixed;        ///< beside the best fixed rotation
+  std::optional<PoseSteps> steps;              ///< when the cell says how well the tool is known
 };
 
 /// What differs from run to run; goes into run.json alone.

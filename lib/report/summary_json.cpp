@@ -3,6 +3,7 @@
 
 #include "base/units.hpp"
 #include "report/fixed_figures.hpp"
+#include "report/lifts_json.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
@@ -268,6 +269,8 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["skipped"] = SkippedJson(plan);
   json["passes"] = plan.passes.size();
   json["pieces"] = figures.pieces;
+  json["lifts"] = LiftsJson(plan);
+  json["passes_left_open"] = OpenRingsJson(plan);
   json["gaps"] = {{"total", plan.gaps.size()}, {"planned", figures.gaps_planned}};
   json["gap_remarks"] = GapRemarksJson(plan);
   json["stiffness"] = {{"origin", plan.stiffness_origin},
@@ -306,6 +309,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["findings"] = inputs.findings;
   json["audit"] = AuditJson(inputs.audit);
   json["deflection"] = DeflectionJson(inputs.deflection);
+  json["pose_steps"] = StepsJson(inputs.steps);
   json["fixed_rotation"] = FixedJson(inputs.fixed);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -100,6 +100,7 @@ class PassMaker {
 struct Cut {
   Curve curve;
   bool reversible = false;  ///< may be milled from either end
+  RingOpening opening = RingOpening::kNone;
 };
 
 // Whether unmilled material lies on the right of the way, seen against the normal.
@@ -144,7 +145,8 @@ std::vector<Cut> CutsOf(const Lane& lane, const Region& region, const CornerNorm
     const Curve& part = parts[i];
     const bool turned = sided ? IsClimb(mesh, lane, part) != (options.direction == Direction::kClimb)
                               : backwards && !part.closed;
-    cuts.push_back({turned ? Reversed(part) : part, zigzag && !part.closed});
+    cuts.push_back({turned ? Reversed(part) : part, zigzag && !part.closed,
+                    part.closed ? lane.opening : RingOpening::kNone});
   }
   return cuts;
 }
@@ -163,7 +165,8 @@ std::vector<Cut> OrderedByTravel(std::vector<Cut> cuts) {
   std::vector<char> used(cuts.size(), 0);
   for (size_t next = 0, turn = 0; ordered.size() < cuts.size();) {
     used[next] = 1;
-    ordered.push_back({turn != 0 ? Reversed(cuts[next].curve) : cuts[next].curve, cuts[next].reversible});
+    ordered.push_back({turn != 0 ? Reversed(cuts[next].curve) : cuts[next].curve, cuts[next].reversible,
+                       cuts[next].opening});
     const Eigen::Vector3d& end = ordered.back().curve.pieces.back().end;
     double best = std::numeric_limits<double>::infinity();
     for (size_t i = 0; i < cuts.size(); ++i) {
@@ -222,6 +225,7 @@ Toolpath LayPasses(const SurfaceStrategy& strategy, const Mesh& mesh, ToolpathOp
   const PassMaker maker(mesh, options, normals, layout.normal);
   for (const Cut& cut : cuts) {
     toolpath.passes.push_back(maker.Make(cut.curve));
+    toolpath.passes.back().opening = cut.opening;
     count.covered += static_cast<double>(toolpath.passes.back().points.size());
     CheckBudget(options, count);
   }

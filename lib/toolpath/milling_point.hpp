@@ -42,6 +42,13 @@ struct MillingPoint {
   Engagement engagement;  ///< where the job says what is cut
 };
 
+/// Whether a closed pass may be left open where it is planned.
+enum class RingOpening : uint8_t {
+  kNone,      ///< it stays closed
+  kAtStart,   ///< it begins and ends at its first point
+  kAnywhere,  ///< where that costs least
+};
+
 /// A cut without lifting the tool. A closed pass ends where it starts: its first point is not repeated at its
 /// end.
 struct Pass {
@@ -50,6 +57,7 @@ struct Pass {
   /// Direction from which the rotation about the tool axis is counted, constant over the pass (unit vector,
   /// same frame as the points).
   Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();
+  RingOpening opening = RingOpening::kNone;  ///< of a closed pass
 };
 
 struct Toolpath {

@@ -77,6 +77,7 @@ void AddPassEnds(const PassEnds& ends, double spacing, Toolpath& toolpath) {
   if (way.empty()) return;
   for (Pass& pass : toolpath.passes) {
     if (pass.points.empty() || (pass.closed && ends.lead == LeadShape::kNone)) continue;
+    if (pass.closed && pass.opening != RingOpening::kNone) continue;  // the planner opens it and adds leads
     const std::vector<Eigen::Vector2d>& own = pass.closed ? closed_way : way;
     if (pass.closed) Open(ends.overrun, pass);
     std::vector<MillingPoint> in = Lead(pass.points.front(), own, -1, PointKind::kLeadIn);

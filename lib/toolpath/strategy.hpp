@@ -26,6 +26,7 @@ struct Lane {
   bool backwards = false;  ///< in a zigzag: against the curves' direction; closed passes keep theirs
   bool clipped = false;    ///< the curves lie in the region as they are
   bool oriented = false;   ///< the curves run as climb or conventional asks for
+  RingOpening opening = RingOpening::kNone;  ///< of its closed passes
 };
 
 /// What a strategy makes of a region.

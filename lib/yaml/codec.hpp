@@ -145,6 +145,30 @@ Codec<std::optional<T>> Maybe(Codec<T> inner) {
   return codec;
 }
 
+/// The word auto, which is none, or a value.
+template <class T>
+Codec<std::optional<T>> AutoOr(Codec<T> inner) {
+  Codec<std::optional<T>> codec = Maybe(inner);
+  codec.type = "auto or " + inner.type;
+  Value automatic = Value::Map();
+  automatic.Put("const", Value::Text("auto"));
+  codec.schema = Value::Map();
+  codec.schema.Put("anyOf", Value::List({automatic, inner.schema}));
+  codec.read = [type = codec.type, read = codec.read](const Value& value, const Context& context,
+                                                      std::optional<T>& result) {
+    if (value.kind == Value::Kind::kScalar && value.text == "auto")
+      result = std::nullopt;
+    else if (value.kind != Value::Kind::kScalar || !value.plain)
+      context.AddWrong(value, type);
+    else
+      read(value, context, result);
+  };
+  codec.write = [write = inner.write](const std::optional<T>& item) {
+    return item ? write(*item) : Value::Text("auto");
+  };
+  return codec;
+}
+
 /// A list of any length; `count` > 0 fixes it.
 template <class T>
 Codec<std::vector<T>> ListOf(Codec<T> inner) {

@@ -79,13 +79,13 @@ std::vector<Picture> Pictures() {
   add("rings_walls", wall, options);
   With<millpose::Rings>(options).seam_step = DegToRad(20);
   add("rings_seam", wall, options);
-  With<millpose::Rings>(options).spiral = true;
+  With<millpose::Rings>(options).path = millpose::RingPath::kSpiral;
   add("rings_spiral", wall, options);
   options = Rings();
   options.region.connected = {{10, 0, 50}, DegToRad(20)};
   options.region.rim_distance = 2;
   add("rings_faces", wall, options);
-  With<millpose::Rings>(options).spiral = true;
+  With<millpose::Rings>(options).path = millpose::RingPath::kSpiral;
   add("rings_face_spiral", wall, options);
   options = Pad();
   add("pad_zigzag", plate, options);

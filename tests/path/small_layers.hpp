@@ -40,6 +40,15 @@ inline StepRule SmallRule() {
   return rule;
 }
 
+/// The next choice of a node in each layer, in the order of counting; false after the last.
+inline bool NextChoice(std::span<const Layer> layers, std::vector<size_t>& nodes) {
+  for (size_t t = 0; t < nodes.size(); ++t) {
+    if (++nodes[t] < layers[t].size()) return true;
+    nodes[t] = 0;
+  }
+  return false;
+}
+
 /// Objective and motion along a sequence with its breaks, round to the first when closed; +inf where a step
 /// is too large.
 inline double CostOf(const LayeredProblem& problem, const Sequence& sequence) {
@@ -48,7 +57,7 @@ inline double CostOf(const LayeredProblem& problem, const Sequence& sequence) {
     const Layer& layer = problem.layers[t];
     cost += layer.objective[sequence.nodes[t]];
     const size_t next = (t + 1) % sequence.nodes.size();
-    if (next == 0 ? !sequence.closed : bool(sequence.break_before[next])) continue;
+    if (sequence.break_before[next] || (next == 0 && !sequence.closed)) continue;
     cost += StepCost(problem.rule, layer.joints.At(sequence.nodes[t]),
                      problem.layers[next].joints.At(sequence.nodes[next]));
   }

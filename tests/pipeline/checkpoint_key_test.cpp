@@ -42,7 +42,7 @@ TEST(ValueBytes, WhatIsCutElsewhereIsNotTheSame) {
 TEST(ValueBytes, SeesAllFieldsOfWhatStagesAreHanded) {
   using value_bytes_detail::CountFields;
   static_assert(CountFields<Arm>() == 18);
-  static_assert(CountFields<PathOptions>() == 13);
+  static_assert(CountFields<PathOptions>() == 15);
   static_assert(CountFields<GapOptions>() == 6);
   static_assert(CountFields<PoseProblem>() == 9);
   static_assert(CountFields<MillingPoint>() == 11);
@@ -73,6 +73,22 @@ TEST(CheckpointKey, APlanIsOfItsPassWhateverSplitsAddToIt) {
   EXPECT_FALSE(IsPlanOf(plan, pass, 3));
   pass.points[2].position.y() = 1;
   EXPECT_FALSE(IsPlanOf(plan, pass, 4));
+}
+
+TEST(CheckpointKey, APlanIsOfTheRingThatItLeavesOpenWhereverItBegins) {
+  Pass pass;
+  for (int i = 0; i < 4; ++i) pass.points.emplace_back().position.x() = i;
+  pass.closed = true;
+  pass.opening = RingOpening::kAnywhere;
+  PassResult plan;
+  plan.opened_at = 2;
+  for (const int i : {1, 2, 3, 0, 1, 2})
+    plan.points.emplace_back().point = pass.points[static_cast<size_t>(i)];
+  EXPECT_TRUE(IsPlanOf(plan, pass, 0));
+  plan.opened_at = 3;
+  EXPECT_FALSE(IsPlanOf(plan, pass, 0));
+  plan.opened_at = 4;
+  EXPECT_FALSE(IsPlanOf(plan, pass, 0)) << "of a longer ring";
 }
 
 }  // namespace

@@ -36,6 +36,26 @@ TEST(Rings, RingsAreClosedRoundAndInOrder) {
   }
 }
 
+TEST(Rings, OpenRingsSayWhereTheyMayBegin) {
+  ToolpathOptions options = WallRings();
+  const Mesh mesh = SoundMesh(CylinderShape(60, 40, 72, 2));
+  With<Rings>(options).path = RingPath::kOpen;
+  options.ends.lead = LeadShape::kArc;
+  for (const Pass& pass : MakeToolpath(mesh, options, {}).passes) {
+    EXPECT_TRUE(pass.closed) << "the planner opens it, with leads there";
+    EXPECT_EQ(pass.opening, RingOpening::kAnywhere);
+  }
+  With<Rings>(options).start = DegToRad(90);
+  const Toolpath given = MakeToolpath(mesh, options, {});
+  EXPECT_EQ(given.passes[0].opening, RingOpening::kAtStart);
+  EXPECT_LT((given.passes[0].points[0].position - Eigen::Vector3d(0, 60, 5)).norm(), 1e-6);
+  With<Rings>(options).path = RingPath::kClosed;
+  for (const Pass& pass : MakeToolpath(mesh, options, {}).passes) {
+    EXPECT_FALSE(pass.closed) << "a lead opens what stays closed without";
+    EXPECT_EQ(pass.opening, RingOpening::kNone);
+  }
+}
+
 TEST(Rings, RingsGoRoundWallsToo) {
   const Mesh mesh = SoundMesh(CylinderShape(60, 40, 72, 2));
   ToolpathOptions options = WallRings();
@@ -78,7 +98,7 @@ TEST(Rings, SpiralIsOnePassWithEvenTurns) {
     }
     options.stepover = on_wall ? 8 : 16;
     options.region.rim_distance = on_wall ? 0 : 2;
-    With<Rings>(options).spiral = true;
+    With<Rings>(options).path = RingPath::kSpiral;
     const Mesh& mesh = on_wall ? wall : face;
     const Toolpath toolpath = MakeToolpath(mesh, options, {});
     ASSERT_EQ(toolpath.passes.size(), 1) << on_wall;
@@ -109,7 +129,7 @@ TEST(Rings, SpiralsTooFineForMemoryAreRefused) {
   // Turns 0.05 mm apart on a plate of 400 mm.
   ToolpathOptions options;
   With<Rings>(options);
-  With<Rings>(options).spiral = true;
+  With<Rings>(options).path = RingPath::kSpiral;
   options.stepover = 0.05;
   try {
     MakeToolpath(SoundMesh(GridShape(20, 20, 20)), options, {});
@@ -138,7 +158,7 @@ TEST(Rings, ClimbAndConventionalHoldOnFacesAndWallsInsideAndOut) {
     for (const bool spiral : {false, true}) {
       SCOPED_TRACE(fmt::format("{} spiral {}", name, spiral));
       ToolpathOptions options = given;
-      With<Rings>(options).spiral = spiral;
+      With<Rings>(options).path = spiral ? RingPath::kSpiral : RingPath::kClosed;
       options.spacing = 4;
       options.direction = Direction::kClimb;
       EXPECT_GT(ClimbShare(MakeToolpath(mesh, options, {}), options.stepover), 0.95);
@@ -157,7 +177,7 @@ TEST(Rings, SpiralsOverSteepFacesNeedTrianglesOnlyWherePassesAreDense) {
   ToolpathOptions options;
   With<Rings>(options);
   With<Rings>(options).surface = RingSurface::kFaces;
-  With<Rings>(options).spiral = true;
+  With<Rings>(options).path = RingPath::kSpiral;
   options.stepover = 18;
   options.stepover_on_surface = true;
   options.chord_tolerance = 0.1;

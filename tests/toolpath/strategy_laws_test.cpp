@@ -32,13 +32,13 @@ std::vector<Given> Everything() {
   With<ParallelPlanes>(closed).normal = Eigen::Vector3d::UnitZ();
   closed.stepover = 9;
   ToolpathOptions walls = WallRings(), wall_spiral = WallRings(), faces = WallRings();
-  With<Rings>(wall_spiral).spiral = true;
+  With<Rings>(wall_spiral).path = RingPath::kSpiral;
   wall_spiral.direction = Direction::kClimb;
   faces.region.connected.reset();
   faces.region.facing = Eigen::Vector3d::UnitZ();
   faces.region.facing_within = DegToRad(1);
   ToolpathOptions face_spiral = faces;
-  With<Rings>(face_spiral).spiral = true;
+  With<Rings>(face_spiral).path = RingPath::kSpiral;
   ToolpathOptions zigzag;
   With<Pad>(zigzag);
   zigzag.cutter = {6, 0, 30};

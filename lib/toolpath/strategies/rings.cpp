@@ -35,7 +35,7 @@ RingFrame Frame(const Rings& rings, const ToolpathOptions& options, bool left_ha
 // Whether a spiral must turn left-handed about the axis to have what is not milled on the wanted side: it
 // winds on to greater radii or heights, so its sense decides. (Rings are turned one by one.)
 bool IsLeftHanded(const Region& region, const Rings& rings, const ToolpathOptions& options, bool walls) {
-  if (!rings.spiral ||
+  if (rings.path != RingPath::kSpiral ||
       (options.direction != Direction::kClimb && options.direction != Direction::kConventional))
     return false;
   const RingFrame frame = Frame(rings, options, false);
@@ -63,12 +63,12 @@ class RingMaker {
 
   Layout Run() {
     if (!Measure()) return std::move(layout_);
-    if (rings_.spiral && scale_->count() > 1) {
+    if (rings_.path == RingPath::kSpiral && scale_->count() > 1) {
       layout_.lanes.push_back(MakeSpiral({region_, options_, frame_, walls_, *scale_,
                                           [this](double position) { return Slices({position})[0]; }},
                                          stop_));
     } else {
-      double seam = 0;
+      double seam = rings_.start.value_or(0);
       for (auto& curves : Slices(scale_->Positions())) {
         AddRings(std::move(curves), seam);
         seam += rings_.seam_step;
@@ -137,6 +137,8 @@ class RingMaker {
       return walls ? frame.Height(p) : frame.axis().Radius(p);
     };
     lane.backwards = layout_.lanes.size() % 2 == 1;
+    if (rings_.path == RingPath::kOpen)
+      lane.opening = rings_.start ? RingOpening::kAtStart : RingOpening::kAnywhere;
     layout_.lanes.push_back(std::move(lane));
   }
 
@@ -174,8 +176,16 @@ StrategyEntry RingsEntry() {
                                                 {"walls", RingSurface::kWalls}}),
                          "Rings by radius (faces across the axis) or by height (walls around it); "
                          "auto: what suits most of the region."),
-                  Key<S>("path", MILLPOSE_AT(spiral), ChoiceOf<bool>({{"closed", false}, {"spiral", true}}),
-                         "A pass per ring, or one pass that winds on from ring to ring."),
+                  Key<S>("path", MILLPOSE_AT(path),
+                         ChoiceOf<RingPath>({{"closed", RingPath::kClosed},
+                                             {"open", RingPath::kOpen},
+                                             {"spiral", RingPath::kSpiral}}),
+                         "A pass per ring, which ends in the pose in which it began (closed) or need not "
+                         "(open: with leads, and its end runs on over its beginning); or one pass that winds "
+                         "on from ring to ring."),
+                  Key<S>("start_deg", MILLPOSE_AT(start), AutoOr(Real(kDeg, Between(-360, 360))),
+                         "Angle about the axis at which the first ring begins, from the rotation reference "
+                         "on; auto: there, and with `path: open` where that costs least."),
                   Key<S>("seam_step_deg", MILLPOSE_AT(seam_step), Real(kDeg, Between(-360, 360)),
                          "Angle by which each ring begins after the one before.")}));
 }

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report/step_heights.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/trig.hpp"
+#include "base/units.hpp"
+
+namespace millpose {
+namespace {
+
+struct CutPoint {
+  const PlannedPoint* planned = nullptr;
+  size_t number = 0;
+  int pass = 0;
+};
+
+PoseStep Between(const ToolUncertainty& tool, PoseStep::Why why, const CutPoint& a, const CutPoint& b) {
+  PoseStep step{why, a.number, b.number, a.pass, b.pass, 0, a.planned->branch != b.planned->branch, 0};
+  if (!a.planned->freedoms.empty() && !b.planned->freedoms.empty())
+    step.rotation = std::abs(std::remainder(a.planned->freedoms[0] - b.planned->freedoms[0], 2 * kPi));
+  step.height = StepHeight(tool, step.rotation, step.other_branch);
+  return step;
+}
+
+/// The planned cut points of a pass by pieces.
+std::vector<std::vector<CutPoint>> CutsOf(const PassResult& pass, size_t first_number) {
+  std::vector<std::vector<CutPoint>> cuts;
+  for (const Piece& piece : pass.pieces) {
+    std::vector<CutPoint>& cut = cuts.emplace_back();
+    for (int t = piece.first; t <= piece.last; ++t) {
+      const PlannedPoint& point = pass.points[static_cast<size_t>(t)];
+      if (point.skip == SkipReason::kNone && point.point.kind == PointKind::kCut)
+        cut.push_back({&point, first_number + static_cast<size_t>(t), pass.pass});
+    }
+  }
+  return cuts;
+}
+
+void AddParts(const PassResult& pass, const std::vector<std::vector<CutPoint>>& cuts,
+              const ToolUncertainty& tool, std::vector<PoseStep>& parts) {
+  using Why = PoseStep::Why;
+  for (size_t p = 1; p < cuts.size(); ++p) {
+    if (cuts[p - 1].empty() || cuts[p].empty()) continue;
+    const bool lift = std::ranges::count(pass.lifts, static_cast<int>(p)) > 0;
+    parts.push_back(Between(tool, lift ? Why::kLift : Why::kSplit, cuts[p - 1].back(), cuts[p].front()));
+  }
+  if (pass.opened_at >= 0 && !cuts.empty() && !cuts.front().empty() && !cuts.back().empty())
+    parts.push_back(Between(tool, Why::kRing, cuts.back().back(), cuts.front().front()));
+}
+
+/// The largest step from a point to its nearest in another pass, within the cutter's diameter.
+std::optional<PoseStep> WorstNeighbours(std::vector<CutPoint> points, const ToolUncertainty& tool) {
+  if (points.empty()) return std::nullopt;
+  const auto at = [](const CutPoint& point) -> const Eigen::Vector3d& {
+    return point.planned->point.position;
+  };
+  Eigen::Vector3d lower = at(points.front()), upper = lower;
+  for (const CutPoint& point : points) lower = lower.cwiseMin(at(point)), upper = upper.cwiseMax(at(point));
+  int axis = 0;  // points are sorted along the longest side, so that few have to be looked at
+  (upper - lower).maxCoeff(&axis);
+  std::ranges::stable_sort(points, {}, [&](const CutPoint& point) { return at(point)[axis]; });
+  std::optional<PoseStep> worst;
+  for (size_t i = 0; i < points.size(); ++i) {
+    double best = 2 * tool.radius * (1 + 1e-9);
+    const CutPoint* nearest = nullptr;
+    const auto look = [&](const CutPoint& other) {
+      if (std::abs(at(other)[axis] - at(points[i])[axis]) > best) return false;
+      const double distance = (at(other) - at(points[i])).norm();
+      if (other.pass != points[i].pass && distance < best) best = distance, nearest = &other;
+      return true;
+    };
+    for (size_t j = i + 1; j < points.size() && look(points[j]); ++j) {
+    }
+    for (size_t j = i; j > 0 && look(points[j - 1]); --j) {
+    }
+    if (!nearest) continue;
+    const PoseStep step = Between(tool, PoseStep::Why::kNeighbours, points[i], *nearest);
+    if (!worst || step.height > worst->height) worst = step;
+  }
+  return worst;
+}
+
+std::string InWords(const PoseStep& step) {
+  return fmt::format("{:.3g} mm (points {} and {}: {})", step.height, step.point, step.other,
+                     step.other_branch
+                         ? "in another branch"
+                         : fmt::format("{:.0f} deg of rotation apart", RadToDeg(step.rotation)));
+}
+
+}  // namespace
+
+double StepHeight(const ToolUncertainty& tool, double rotation, bool other_branch) {
+  const double error = tool.tip + tool.radius * tool.axis;
+  return 2 * error * (other_branch ? 1 : std::abs(SinCos(rotation / 2).sin));
+}
+
+const char* Name(PoseStep::Why why) {
+  constexpr const char* kNames[] = {"lift", "split", "ring", "neighbours"};
+  return kNames[static_cast<size_t>(why)];
+}
+
+PoseSteps FindPoseSteps(const PlanResult& plan, const ToolUncertainty& tool, int finished_from) {
+  PoseSteps steps{tool, {}, std::nullopt};
+  std::vector<CutPoint> face;
+  size_t first = 0;
+  for (const PassResult& pass : plan.passes) {
+    const std::vector<std::vector<CutPoint>> cuts = CutsOf(pass, first);
+    AddParts(pass, cuts, tool, steps.parts);
+    for (const std::vector<CutPoint>& cut : cuts)
+      if (pass.pass >= finished_from) face.insert(face.end(), cut.begin(), cut.end());
+    first += pass.points.size();
+  }
+  steps.neighbours = WorstNeighbours(std::move(face), tool);
+  return steps;
+}
+
+std::string Describe(const PoseSteps& steps) {
+  std::string text;
+  const auto worst = std::ranges::max_element(steps.parts, {}, &PoseStep::height);
+  if (worst != steps.parts.end())
+    text += fmt::format(" {} where parts of pass {} meet", InWords(*worst), worst->pass);
+  if (steps.neighbours)
+    text += fmt::format("{} {} between passes {} and {}", text.empty() ? "" : ",", InWords(*steps.neighbours),
+                        steps.neighbours->pass, steps.neighbours->other_pass);
+  if (text.empty()) return text;
+  return fmt::format(
+      "the tool's tip is known to {:.3g} mm and its axis to {:.3g} deg: where poses change, steps in the "
+      "surface "
+      "may be up to{}",
+      steps.tool.tip, RadToDeg(steps.tool.axis), text);
+}
+
+}  // namespace millpose
