@@ -105,7 +105,7 @@ size_t AfterAGap(const std::vector<Layer>& layers) {
 }  // namespace
 
 bool IsPlainPlace(const MillingPoint& a, const MillingPoint& b) {
-  const double edge = std::cos(DegToRad(10));
+  const double edge = SinCos(DegToRad(10)).cos;
   const auto in_air = [](const MillingPoint& p) {
     return p.engagement.side == CutSide::kAir && p.engagement.depth > 0;
   };
