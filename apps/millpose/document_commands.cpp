@@ -58,13 +58,13 @@ std::vector<const CLI::App*> Commands(const CLI::App& app) {
 
 std::string ManPage(const CLI::App& app) {
   std::string page =
-      ".TH MILLPOSE 1\n.SH NAME\nmillpose \\- robotic milling in the stiffest pose, without a GUI\n"
+      ".TH MILLPOSE 1\n.SH NAME\nmillpose \\- robotic milling in the best poses, without a GUI\n"
       ".SH SYNOPSIS\n";
   for (const CLI::App* command : Commands(app)) page += Synopsis(*command) + ".br\n";
   page +=
       ".SH DESCRIPTION\nReads a job (YAML, with a mesh and a robot cell) and writes robot programs in which "
       "each "
-      "milling point is cut in the pose in which the six\\-axis arm is stiffest in the milling plane, with "
+      "milling point is cut in a pose in which the cutting force bends the six\\-axis arm least, with "
       "points.csv, summary.json, path.vtp and report.html beside them. Results go to standard output, "
       "progress "
       "and messages to standard error.\n.SH OPTIONS\n" +

@@ -161,7 +161,7 @@ int Main(int argc, char** argv) {
   // A reader of stdout or stderr who goes away must not end a plan: writing then fails, and says so.
   std::signal(SIGPIPE, SIG_IGN);
   CLI::App app{
-      "millpose: robotic milling in the stiffest pose, without a GUI\n"
+      "millpose: robotic milling in the best poses, without a GUI\n"
       "Exit status: 0 done; 1 done, with findings; 2 bad input or usage; 3 internal error; 130 interrupted."};
   app.name("millpose");
   app.set_version_flag("--version", "millpose " MILLPOSE_VERSION);

@@ -27,6 +27,9 @@ Codec<JobSettings> PathFields();
 Codec<JobSettings> InterferenceFields();
 Codec<JobSettings> GapFields();
 Codec<ProgramOptionSettings> ProgramOptionFields();
+/// Keys of the process that objectives take as parameters: how sure the cutting force is.
+inline const std::array<std::string, 2> kForceBounds{"force_uncertainty_percent", "force_direction_deg"};
+bool AsksForceBounds(const JobSettings& job);
 /// `region` of a toolpath: what of a part is milled.
 Codec<RegionOptions> RegionFields();
 

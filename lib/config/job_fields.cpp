@@ -31,8 +31,24 @@ void CheckFeeds(const Value& value, const Context& context, const JobSettings& j
                                                 job.approach_slow, job.gaps.retract));
 }
 
+// Where a force is known it decides, unless the job says what does; the paper's formulation knows eq. 23
+// alone.
+void ChooseObjective(const Value& value, const Context& context, JobSettings& job) {
+  const Value* pose = value.Find("pose");
+  const bool given = pose && pose->Find("objective");
+  if (!given && job.cutting && job.formulation != "paper") job.objective = "surface_error";
+  const Value* process = value.Find("process");
+  for (const std::string& key : kForceBounds) {
+    const Value::Key* found = process->FindKey(key);
+    if (found && !AsksForceBounds(job))
+      context.Child("process").Child(key).Add(
+          found->mark, fmt::format("has no effect here: objective {} does not ask for it", job.objective));
+  }
+}
+
 void Check(const Value& value, const Context& context, JobSettings& job) {
   CheckPart(value, context, job);
+  ChooseObjective(value, context, job);
   CheckFeeds(value, context, job);
 }
 

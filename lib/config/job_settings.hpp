@@ -82,7 +82,9 @@ struct JobSettings {
   double spindle_speed = 0;            ///< rev/s
   std::optional<CuttingSettings> cutting;
   std::string stock = "region";  ///< region | mesh: what `cutting` finds standing before the first pass
-  std::string objective = "chen2021";
+  double force_uncertainty_percent = 30;  ///< by how much the force may exceed the computed one
+  double force_direction_deg = 20;        ///< how far off its direction it may lie, degrees
+  std::string objective = "chen2021";     ///< surface_error where `cutting` is given and no objective
   std::map<std::string, double> objective_parameters;
   std::string formulation = "freedoms";     ///< freedoms | paper
   PathOptions path;                         ///< but for what other sections say, see MakePathOptions()

@@ -11,8 +11,10 @@ Codec<JobSettings> PathFields() {
              "Grid of rotations about the tool axis in the layered search."),
       Key<S>("max_joint_step_deg", MILLPOSE_AT(path.max_joint_step), Numbers6(kDeg, Positive(360)),
              "Largest change of each axis between neighbouring points."),
-      Key<S>("motion_weight", MILLPOSE_AT(path.motion_weight), Real({"objective's unit per rad²"}, UpTo(1e9)),
-             "Cost of joint motion beside the objective."),
+      Key<S>(
+          "motion_share", MILLPOSE_AT(path.motion_share), Real(kOne, UpTo(1e6)),
+          "Cost of joint motion beside the objective: of one rad², as a share of the median optimum of the "
+          "pass's points."),
       Key<S>(
           "criterion", MILLPOSE_AT(criterion), Maybe(Choice({"worst_then_sum", "sum"})),
           "What makes a pass good: its worst point first, then the sum over it, or the sum alone; by default "

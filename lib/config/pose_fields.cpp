@@ -61,13 +61,16 @@ using Objective = std::pair<std::string, ObjectiveParameters>;
 void CheckParameters(const Value& value, const Context& context, const Objective& objective) {
   std::vector<std::string> known;
   for (const ParameterRule& rule : Objectives().At(objective.first).parameters) {
+    if (std::ranges::find(kForceBounds, rule.name) != kForceBounds.end()) continue;
     known.push_back(rule.name);
     const Value* given = value.Find(rule.name);
     if (given != nullptr && objective.second.at(rule.name) < rule.minimum)
       context.Child(rule.name).AddWrong(*given, fmt::format("at least {}", rule.minimum));
   }
   for (const Value::Key& key : value.keys)
-    if (key.text != "name" && std::ranges::find(known, key.text) == known.end())
+    if (std::ranges::find(kForceBounds, key.text) != kForceBounds.end())
+      context.Child(key.text).Add(key.mark, "unknown key; it is one of `process`");
+    else if (key.text != "name" && std::ranges::find(known, key.text) == known.end())
       context.Child(key.text).Add(key.mark, UnknownName("parameter", key.text, known));
 }
 
@@ -130,7 +133,11 @@ Codec<JobSettings> PoseSearchFields() {
                 s.objective = objective.first;
                 s.objective_parameters = objective.second;
               },
-              ObjectiveFields(), "What is minimised at each point."),
+              ObjectiveFields(),
+              "What is minimised at each point; by default surface_error where `process.cutting` is given, "
+              "else "
+              "chen2021.")
+              .DefaultText(""),
           Key<S>("formulation", MILLPOSE_AT(formulation), Choice({"freedoms", "paper"}),
                  "What the genetic algorithm varies: the freedoms of a point, or, to compare, the six joint "
                  "angles of Chen et al. 2021."),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The keys of a job's `process:`, one line each.
 #include "config/fields.hpp"
+#include "pose/objective.hpp"
 
 namespace millpose::config {
 namespace {
@@ -32,6 +33,11 @@ Codec<CuttingSettings> CuttingFields() {
 
 }  // namespace
 
+bool AsksForceBounds(const JobSettings& job) {
+  return std::ranges::any_of(Objectives().At(job.objective).parameters,
+                             [](const ParameterRule& rule) { return rule.name == kForceBounds[0]; });
+}
+
 Codec<JobSettings> ProcessFields() {
   using S = JobSettings;
   return Section<S>({
@@ -61,6 +67,15 @@ Codec<JobSettings> ProcessFields() {
           "What stands before the first pass: the region raised by the depth of all layers, or the mesh of "
           "`workpiece.stock`.")
           .WhenSet([](const S& s) { return s.cutting.has_value(); }),
+      Key<S>("force_uncertainty_percent", MILLPOSE_AT(force_uncertainty_percent),
+             Real({"%", 1, 1}, UpTo(1000)),
+             "By how much the true cutting force may exceed the computed one; objective surface_error.")
+          .WhenSet(AsksForceBounds)
+          .DefaultText("30"),
+      Key<S>("force_direction_deg", MILLPOSE_AT(force_direction_deg), Real({"deg", 1, 1}, Between(0, 90)),
+             "How far off the computed direction it may lie; objective surface_error.")
+          .WhenSet(AsksForceBounds)
+          .DefaultText("20"),
   });
 }
 

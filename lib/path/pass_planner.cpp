@@ -206,6 +206,7 @@ PassResult PlanPass(const PoseProblem& problem, const World& world, const Pass& 
   context.tables.resize(all.size());
   context.optima.resize(all.size());
   FindOptima(all, first_point, context);
+  context.motion_weight = MotionWeight(options.motion_share, context.optima);
   if (!IsOpenedRing(pass)) return Assemble(pass, pass_number, PlanSplit(pass, std::move(own), first_point));
   const FoundLifts start =
       pass.opening == RingOpening::kAnywhere ? FindRingStart(context, options.Price()) : FoundLifts{{0}, 0};

@@ -16,7 +16,7 @@ namespace millpose {
 struct PathOptions {
   double rotation_step = DegToRad(1);                     ///< grid of the layered search, rad
   Joints max_joint_step = Joints::Constant(DegToRad(5));  ///< hard bound between neighbouring points, rad
-  double motion_weight = 1e-5;                            ///< objective units per rad² of joint motion
+  double motion_share = 0.04;     ///< per rad² of joint motion, of the median optimum of the pass's points
   bool worst_first = false;       ///< the worst value of a pass first, then the sum (WorstThenSum)
   double smoothing_loss = 0.01;   ///< share of a piece's objective that smoothing may give up
   double max_deviation = 0.5;     ///< mm, of the tip half-way between points, see HalfwayDeviation

@@ -259,7 +259,7 @@ bool IsBeyond(double objective, const CandidateTable* table) {
 StepRule MakeRule(const PassContext& context, bool all_turns) {
   StepRule rule;
   rule.max_step = context.options.max_joint_step;
-  rule.motion_weight = context.options.motion_weight;
+  rule.motion_weight = context.motion_weight;
   rule.modulo_turns = !all_turns;
   return rule;
 }
@@ -282,6 +282,16 @@ std::vector<Layer> MakeLayers(const PassContext& context, bool all_turns) {
     layers[t] = MakeLayer(scorer, std::move(seeds), all_turns);
   });
   return layers;
+}
+
+double MotionWeight(double share, std::span<const PointOptimum> optima) {
+  std::vector<double> values;
+  for (const PointOptimum& optimum : optima)
+    if (optimum.found && optimum.objective > 0) values.push_back(optimum.objective);
+  if (values.empty()) return share;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return share * *middle;
 }
 
 std::optional<PassPlan> PlanPieces(const PassContext& context, bool all_turns) {

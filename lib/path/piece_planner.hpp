@@ -25,7 +25,12 @@ struct PassContext {
   std::vector<PointOptimum> optima;     ///< of the tables, refined
   std::vector<char> break_before;       ///< where the tool is lifted in any case
   std::vector<PaperResult> paper = {};  ///< per point with formulation paper, else empty
+  double motion_weight = 0;             ///< objective units per rad² of joint motion (MotionWeight)
 };
+
+/// PathOptions::motion_share in units of the objective: times the median of the optima above 0 (a force
+/// acts), or times 1 where there is none.
+double MotionWeight(double share, std::span<const PointOptimum> optima);
 
 /// A pass cut into pieces.
 struct PassPlan {

@@ -80,6 +80,7 @@ class Smoother {
 
   /// Turns objective into shares of what may be lost.
   double PerObjective() const {
+    if (options_.before.objective <= 0) return 0;  // in air: no pose is better than another
     return 1 / (std::max(options_.loss, kLeastLoss) * options_.before.objective);
   }
 

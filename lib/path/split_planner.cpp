@@ -238,6 +238,7 @@ class SplitPlanner {
                                                               {},
                                                               {}});
     PassContext& context = *made->context;
+    context.motion_weight = from.motion_weight;
     std::vector<size_t> leads;
     for (size_t i = 0; i < made->points.size(); ++i) {
       const SplitPoint& point = made->points[i];

@@ -38,7 +38,12 @@ PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_set
   problem.bounds = MakeBounds(job, cell.arm);
   problem.freedoms.push_back(MakeFreedom("rotation"));
   problem.compliances = MakeCompliances(cell_settings);
-  problem.objective = MakeObjective(job.objective, job.objective_parameters);
+  ObjectiveParameters parameters = job.objective_parameters;
+  for (const ParameterRule& rule : Objectives().At(job.objective).parameters) {
+    if (rule.name == "force_uncertainty_percent") parameters[rule.name] = job.force_uncertainty_percent;
+    if (rule.name == "force_direction_deg") parameters[rule.name] = job.force_direction_deg;
+  }
+  problem.objective = MakeObjective(job.objective, parameters);
   if (problem.objective->NeedsForce() && !job.cutting)
     throw InputError({job.file},
                      fmt::format("objective {}: no force; give the job process.cutting", job.objective));

@@ -14,6 +14,11 @@ const std::map<std::string, std::string>& FormerKeys() {
   static const std::map<std::string, std::string> keys = {
       {"motion",
        "is no longer a key: KRL cuts are LIN with C_DIS, SLINs stop at every corner of a SPLINE block"},
+      {"motion_weight",
+       "is no longer a key: give path.motion_share, the cost of one rad² of joint motion as a share of the "
+       "median optimum of the pass's points, whatever the objective's unit; 1e-5 mm/N of chen2021 was a "
+       "share "
+       "of about 0.04, the default"},
   };
   return keys;
 }

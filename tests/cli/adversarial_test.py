@@ -13,7 +13,7 @@ import re
 import sys
 import unittest
 
-from plan_fixture import Bench
+from plan_fixture import Bench, WITHOUT_FORCE
 
 BENCH = None
 TRAVEL_MM = os.environ.get("MILLPOSE_JUDGE_TRAVEL_MM", "5")
@@ -113,7 +113,7 @@ class Adversarial(unittest.TestCase):
         if mesh:
             (BENCH.top / f"toolpaths/support_pad/{name}.stl").write_text(stl(mesh), encoding="utf-8")
             changes = [(r"mesh: support_pad.stl", f"mesh: {name}.stl"), *changes]
-        job = BENCH.job("support_pad", [(r"name: support_pad\n", f"name: {name}\n"),
+        job = BENCH.job("support_pad", [*WITHOUT_FORCE, (r"name: support_pad\n", f"name: {name}\n"),
                                         (r"kr500_r2830.yaml", f"{name}.yaml"), *changes], name)
         result, folder = BENCH.plan(job, name, "--threads", "2")
         self.assertEqual(result.returncode, status, result.stdout + result.stderr)
@@ -180,7 +180,7 @@ class Adversarial(unittest.TestCase):
         (BENCH.top / "toolpaths/support_pad/ribbon.stl").write_text(stl(ribbon(tips, [axis for _, axis in course])), encoding="utf-8")
         held = "joints_deg: [[-4.7, -4.3], [-64.1, -63.7], [103.1, 103.5], [-350, 350], [-118, 106], [-350, 350]]"
         job = BENCH.job("support_pad", [
-            (r"name: support_pad\n", "name: singular\n"), (r"mesh: support_pad.stl", "mesh: ribbon.stl"),
+            *WITHOUT_FORCE, (r"name: support_pad\n", "name: singular\n"), (r"mesh: support_pad.stl", "mesh: ribbon.stl"),
             (r"pose: \{xyz_mm: .*", f"pose: {{xyz_mm: {home}, abc_deg: [0, 0, 0]}}"),
             (r"strategy: parallel_planes\n  region: .*\n  planes: .*\n  stepover_mm: .*\n",
              "strategy: cam\n  cam: {file: course.csv}\n"), (r"spacing_mm: [\d.]+", "spacing_mm: 30\n  gouges: {action: report}"),
@@ -243,7 +243,7 @@ class Adversarial(unittest.TestCase):
         cell = cell.replace("length_mm: 320, diameter_mm: 160", "length_mm: 200, diameter_mm: 120")
         cell = re.sub(r"  - \{name: bracket, .*\n", "", cell)
         (BENCH.top / "cells/own.yaml").write_text(cell, encoding="utf-8")
-        job = BENCH.job("support_pad", [(r"kr500_r2830.yaml", "own.yaml"), (r"  joints_deg: .*\n", ""),
+        job = BENCH.job("support_pad", [*WITHOUT_FORCE, (r"kr500_r2830.yaml", "own.yaml"), (r"  joints_deg: .*\n", ""),
                                         (r"xyz_mm: \[2076, 0, 1006\]", "xyz_mm: [1200, 0, 700]"), *FEW_POINTS], "own")
         result, folder = BENCH.plan(job, "own", "--threads", "2")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)

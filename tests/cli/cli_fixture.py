@@ -15,6 +15,12 @@ JOB = TOP / "toolpaths" / "support_pad" / "job.yaml"
 FEW = ("toolpath.stepover_mm=40", "toolpath.spacing_mm=40")
 
 
+def without_force():
+    """The sample's job without a cutting force, which CAM paths would need their stock for."""
+    lines = JOB.read_text().replace("../../cells", str(TOP / "cells")).splitlines(keepends=True)
+    return "".join(line for line in lines if "cutting:" not in line and "objective:" not in line)
+
+
 def run(*arguments, cwd=None, env=None):
     return subprocess.run([MILLPOSE, *map(str, arguments)], capture_output=True, text=True, timeout=300, cwd=cwd,
                           env=env)

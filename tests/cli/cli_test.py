@@ -8,7 +8,7 @@ import subprocess
 import sys
 import unittest
 
-from cli_fixture import JOB, MILLPOSE, TOP, InFolder, plan, run
+from cli_fixture import JOB, MILLPOSE, TOP, InFolder, plan, run, without_force
 
 
 class Frame(unittest.TestCase):
@@ -108,7 +108,7 @@ class Documents(unittest.TestCase):
 
 class CamWithoutPart(InFolder):
     def test_tool_axes_serve_as_normals(self):
-        job = JOB.read_text().replace("../../cells", str(TOP / "cells"))
+        job = without_force()
         start, end = job.index("toolpath:"), job.index("process:")
         job = job[:start] + "toolpath: {strategy: cam, cam: {file: path.csv}, spacing_mm: 20}\n" + job[end:]
         (self.folder / "path.csv").write_text("x_mm,y_mm,z_mm,i,j,k\n-30,0,0,0,0,1\n30,0,0,0,0.1,1\n")
@@ -131,7 +131,7 @@ class CamWithoutPart(InFolder):
 
 
     def test_holes_that_are_left_out_are_told_in_report_and_program_head(self):
-        job = JOB.read_text().replace("../../cells", str(TOP / "cells"))
+        job = without_force()
         start, end = job.index("toolpath:"), job.index("process:")
         job = job[:start] + "toolpath: {strategy: cam, cam: {file: path.nc}, spacing_mm: 20}\n" + job[end:]
         (self.folder / "path.nc").write_text("G90 G21\nG0 X-30 Y0 Z20\nG84 Z-5 R5 F100\nX0\nG80\nG0 X-30 Z0\n"

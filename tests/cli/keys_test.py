@@ -84,6 +84,9 @@ class Keys(InFolder):
             for name in (f"{mesh}.stl", f"copy_of_{mesh}.stl"):
                 shutil.copy(source, self.folder / name)
         job["cell"] = "cell.yaml"
+        for key in ("cutting", "stock", "force_uncertainty_percent", "force_direction_deg"):
+            job["process"].pop(key)
+        job["pose"]["objective"] = {"name": "chen2021", "w1": 0.5, "w2": 0.5}
         shapes = ({"sphere": {"diameter_mm": 9}}, {"capsule": {"diameter_mm": 9, "length_mm": 60}},
                   {"cone": {"diameter_mm": 9, "top_diameter_mm": 1, "length_mm": 6}},
                   {"convex": {"points_mm": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.1]]}},
@@ -165,7 +168,9 @@ class Keys(InFolder):
         cell["arm"]["lengths_mm"]["dy"] = 2.5
         job["toolpath"]["ends"] = {"overrun_mm": 1, "lead": "ramp", "lead_length_mm": 10, "ramp_deg": 15}
         job["toolpath"]["depth"] = {"total_mm": 1, "per_layer_mm": 0.5, "allowance_mm": 0.1, "finishing_mm": 0.2}
-        job["process"]["cutting"] = {"teeth": 2, "kc11_N_mm2": 700, "mc": 0.2}
+        job["process"].update(cutting={"teeth": 2, "kc11_N_mm2": 700, "mc": 0.2}, stock="region",
+                              force_uncertainty_percent=30, force_direction_deg=20)
+        job["pose"]["objective"] = {"name": "surface_error"}
         for region in (job["toolpath"]["region"], *(job["toolpath"]["region"][name][0] for name in ("all", "any", "none"))):
             region["connected"] = {"seed_mm": [0, 0, 0], "crease_deg": 60}
         yield job, cell

@@ -16,6 +16,7 @@ POINT_COLUMNS = (
     "rotation_deg,branch,lambda_t1_mm_N,lambda_t2_mm_N,lambda_n_mm_N,mu,dexterity,objective,clearance_mm"
 ).split(",")
 # Changes of support_pad's job for Bench.job().
+WITHOUT_FORCE = [(r"  # Alloy[^\n]*\n[^\n]*\n  cutting: .*\n", ""), (r"name: surface_error\}.*", "name: chen2021, w1: 0.5, w2: 0.5}")]
 CUT_DOWN = [(r"stepover_mm: [\d.]+", "stepover_mm: 27"), (r"spacing_mm: [\d.]+", "spacing_mm: 20")]
 
 

@@ -46,7 +46,7 @@ class Plan(unittest.TestCase):
         names = {name for name in self.contents if not name.startswith(("checkpoints/", "."))}
         self.assertEqual(
             {name for name in names if name not in ("report.html", "path.vtp", "starts.cbor") and "/starts/" not in name},
-            {"cell.yaml", "job.yaml", "manifest.json", "plan.cbor", "points.csv", "summary.json", "programs/krl/support_pad.src",
+            {"cell.yaml", "job.yaml", "manifest.json", "plan.cbor", "points.csv", "deflection.csv", "summary.json", "programs/krl/support_pad.src",
              "programs/krl/support_pad.dat", "programs/sinumerik/support_pad.mpf", "programs/linuxcnc/support_pad.ngc"})
         starts = {name.split("/")[1] for name in names if "/starts/" in name}
         self.assertEqual(starts, {"krl", "sinumerik", "linuxcnc"} if self.summary["pieces"] > 1 else set())
@@ -86,14 +86,16 @@ class Plan(unittest.TestCase):
         self.assertGreaterEqual(audit.pop("ga_share_within_0p1_percent"), 99)
         self.assertLessEqual(audit.pop("ga_worst_gap_percent"), 1)
         self.assertLessEqual(audit.pop("max_slice_distance_mm"), 1e-6)
-        self.assertGreaterEqual(audit.pop("ga_share_without_table_percent"), 90)
+        self.assertGreaterEqual(audit.pop("ga_share_without_table_percent"), 75)
         self.assertEqual(audit, {"limit_violations": 0, "interferences": 0, "clearance_violations": 0, "pairs": []})
         self.assertLessEqual(set(differences(self.contents, found)),
                              {"summary.json", "report.html", "manifest.json", "points.csv", "plan.cbor"})
         plain, audited = (list(csv.DictReader(text.decode("ascii").splitlines()))
                           for text in (self.contents["points.csv"], found["points.csv"]))
         self.assertEqual({row.pop("exhaustive_optimum") for row in plain}, {""})
-        self.assertNotIn("", [row.pop("exhaustive_optimum") for row in audited])
+        for row in audited:  # in air nothing is to be judged
+            self.assertEqual(row.pop("exhaustive_optimum") == "", row["own_optimum"] == "")
+        self.assertGreater(sum(row["own_optimum"] != "" for row in audited), len(audited) / 2)
         self.assertEqual(plain, audited)
 
     def test_run_json_holds_what_may_vary(self):
@@ -149,7 +151,7 @@ class Plan(unittest.TestCase):
         cell.with_name("springs.yaml").write_text(text.replace("stiffness: {", "stiffness: {" + springs), encoding="utf-8")
         job = BENCH.job("support_pad", CUT_DOWN + [
             ("kr500_r2830", "springs"),
-            (r"spindle_rpm: 7000", "spindle_rpm: 7000\n  cutting: {teeth: 2, depth_mm: 1}"),
+            (r"teeth: 4", "teeth: 2"), (r"name: surface_error", "name: chen2021"),
             (r"pose:\n  objective", "pose:\n  formulation: paper\n  paper: {generations: 120}\n  objective")], "paper")
         result, folder = BENCH.plan(job, "paper")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)

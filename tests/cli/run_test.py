@@ -85,14 +85,14 @@ class Run(InFolder):
         summary = json.loads((self.folder / "out" / "summary.json").read_text())
         passes, gaps = summary["passes"], summary["gaps"]["total"]
         self.assertGreater(passes, 2)
-        for harmless in ("name=other", "programs=[krl]", "process.spindle_rpm=100"):
+        for harmless in ("name=other", "programs=[krl]", "program_options.date=today"):
             self.assertEqual(resumed(harmless), (passes, gaps), harmless)
         self.assertEqual(resumed("gaps.max_iterations=30000"), (passes, 0))
         self.assertEqual(resumed("gaps.retract_mm=60"), (passes, 0))
         kept_passes, kept_gaps = resumed("toolpath.stepover_mm=40")
         self.assertLess(kept_passes, passes)
         self.assertLess(kept_gaps, gaps)
-        for deep in ("seed=9", "pose.objective.w1=0.4", "limits.margin_deg=3.5", "workpiece.pose.xyz_mm=[2076, 1, 1006]"):
+        for deep in ("seed=9", "process.force_direction_deg=15", "limits.margin_deg=3.5", "workpiece.pose.xyz_mm=[2076, 1, 1006]"):
             self.assertEqual(resumed(deep)[0], 0, deep)
         program = MILLPOSE.read_bytes()
         build_id = program.index(b"\x04\0\0\0\x14\0\0\0\x03\0\0\0GNU\0") + 16

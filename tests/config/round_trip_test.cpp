@@ -183,6 +183,25 @@ TEST(RoundTrip, WhatProgramsAreMadeOfSurvives) {
   EXPECT_EQ(job.program_options.date, "today");
 }
 
+TEST(RoundTrip, AKnownForceDecidesUnlessTheJobSays) {
+  std::string text = ReadFile(std::filesystem::path(SourceDir()) / "toolpaths/support_pad/job.yaml");
+  const auto objective = [&](const std::vector<Override>& overrides) {
+    return ParseJob(WriteJob(ParseJob(text, "job", overrides)), "written").objective;
+  };
+  const size_t at = text.find("  objective: ");
+  text.erase(at, text.find('\n', at) + 1 - at);
+  EXPECT_EQ(objective({}), "surface_error");
+  EXPECT_EQ(objective({{"pose.formulation", "paper"}}), "chen2021");
+  EXPECT_EQ(objective({{"pose.objective", "{name: process_force}"}}), "process_force");
+  const JobSettings bounded =
+      ParseJob(WriteJob(ParseJob(text, "job", {{"process.force_direction_deg", "5"}})), "written");
+  EXPECT_EQ(bounded.force_direction_deg, 5);
+  EXPECT_EQ(bounded.force_uncertainty_percent, 30);
+  const size_t cutting = text.find("  cutting: ");
+  text.erase(cutting, text.find('\n', cutting) + 1 - cutting);
+  EXPECT_EQ(objective({}), "chen2021");
+}
+
 TEST(RoundTrip, NumbersStayShort) {
   const JobSettings job =
       ParseJob(ReadFile(std::filesystem::path(SourceDir()) / "toolpaths/support_pad/job.yaml"), "job");

@@ -37,7 +37,6 @@ inline PathOptions Options() {
   PathOptions options;
   options.rotation_step = DegToRad(2);
   options.max_joint_step = Joints::Constant(DegToRad(5));
-  options.motion_weight = 1e-5;
   return options;
 }
 
