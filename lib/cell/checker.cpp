@@ -47,7 +47,7 @@ struct Checker::Impl {
   /// A lower bound at most `bound`; meaningless below `enough`.
   double Least(const BodyPair& pair, double bound, double enough) const {
     const Placed &a = placed[pair.first], &b = placed[pair.second];
-    return BoxDistance(a, b) >= bound ? bound : ProvenDistance(a, b, bound, enough);
+    return BoxesApart(a, b, bound) ? bound : ProvenDistance(a, b, bound, enough);
   }
 
   BoundedDistance Distance(const BodyPair& pair, double bound) const {
@@ -182,7 +182,7 @@ std::optional<Sighting> Checker::Impl::Certify(const Joints& middle, const Joint
     const double motion = (*bounds)[world->bodies[pair.first].link];
     // What settles the pair for the whole motion: even the worst movement leaves clearance − resolution.
     const double wanted = std::max(clearance, clearance - resolution + motion);
-    if (BoxDistance(placed[pair.first], placed[pair.second]) >= wanted) continue;
+    if (BoxesApart(placed[pair.first], placed[pair.second], wanted)) continue;
     // Distances to far meshes cost more than looking at shorter parts of the motion.
     const double bound = std::min(wanted, clearance + kNearby);
     double distance = ProvenDistance(placed[pair.first], placed[pair.second], bound, clearance);

@@ -282,18 +282,33 @@ Placed PlacePart(const Part& part, const Pose& X_WG) {
   return {&part, X_WG, X_WG * part.centre, X_WG.linear() * part.half.asDiagonal()};
 }
 
+namespace {
+
+/// The gap between two boxes, as seen along the axes of `side`'s: in the corner region of one box outside of
+/// the other's extent along several of them.
+double GapAlongAxes(const Placed& side, const Placed& other, const Eigen::Vector3d& between) {
+  double square = 0;
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = side.X_WG.linear().col(i);
+    double gap = std::abs(axis.dot(between)) - side.part->half[i];
+    for (int k = 0; k < 3 && gap > 0; ++k) gap -= std::abs(axis.dot(other.half_axes.col(k)));
+    if (gap > 0) square += gap * gap;
+  }
+  return std::sqrt(square);
+}
+
+}  // namespace
+
 double BoxDistance(const Placed& a, const Placed& b) {
   const Eigen::Vector3d between = b.centre - a.centre;
-  double least = between.norm() - a.part->radius - b.part->radius;
-  for (const Placed* side : {&a, &b}) {
-    const Placed& other = side == &a ? b : a;
-    const Eigen::Matrix3d& axes = side->X_WG.linear();
-    const Eigen::Vector3d gap = (axes.transpose() * between).cwiseAbs() - side->part->half -
-                                (axes.transpose() * other.half_axes).cwiseAbs().rowwise().sum();
-    // Outside of the other box's extent along several axes of one box: its corner region.
-    least = std::max(least, gap.cwiseMax(0.0).norm());
-  }
-  return std::max(least, 0.0);
+  const double spheres = between.norm() - a.part->radius - b.part->radius;
+  return std::max({spheres, GapAlongAxes(a, b, between), GapAlongAxes(b, a, between), 0.0});
+}
+
+bool BoxesApart(const Placed& a, const Placed& b, double bound) {
+  const Eigen::Vector3d between = b.centre - a.centre;
+  return bound <= 0 || between.norm() - a.part->radius - b.part->radius >= bound ||
+         GapAlongAxes(a, b, between) >= bound || GapAlongAxes(b, a, between) >= bound;
 }
 
 double ProvenDistance(const Placed& a, const Placed& b, double bound, double enough) {

@@ -46,6 +46,9 @@ Placed PlacePart(const Part& part, const Pose& X_WG);
 /// overlap.
 double BoxDistance(const Placed& a, const Placed& b);
 
+/// BoxDistance(a, b) >= bound, worked out only as far as needed.
+bool BoxesApart(const Placed& a, const Placed& b, double bound);
+
 /// A lower bound of the distance of two parts from planes between them, mm, at most `bound` (> 0): never more
 /// than DistanceUpTo, at a fraction of its cost. Below `enough` nothing is proven but that it may be so near;
 /// the search stops there. 0 for two meshes and for a part wholly inside a closed mesh.

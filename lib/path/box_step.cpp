@@ -1,42 +1,53 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/box_step.hpp"
 
-#include <Eigen/SparseCholesky>
+#include <algorithm>
 #include <cassert>
 
 namespace millpose {
 
 BoxLeastSquares::BoxLeastSquares(size_t count) : gradient_(count, 0.0) {}
 
-/// Least sum over the numbers that are not held, the others where they are. False when to rounding there is
-/// no single least.
-bool BoxLeastSquares::SolveFree(const std::vector<bool>& held, double damping,
-                                std::vector<double>& delta) const {
-  const auto size = static_cast<Eigen::Index>(delta.size());
+/// The lower half of the matrix, with the damping.
+BoxLeastSquares::Matrix BoxLeastSquares::Curvatures(double damping) const {
+  const auto size = static_cast<Eigen::Index>(gradient_.size());
   std::vector<Eigen::Triplet<double>> triplets;
-  Eigen::VectorXd right(size);
-  for (Eigen::Index t = 0; t < size; ++t) {
-    const bool fixed = held[static_cast<size_t>(t)];
-    right[t] = fixed ? delta[static_cast<size_t>(t)] : -gradient_[static_cast<size_t>(t)];
-    triplets.emplace_back(t, t, fixed ? 1.0 : damping);
+  triplets.reserve(gradient_.size() + entries_.size());
+  for (Eigen::Index t = 0; t < size; ++t) triplets.emplace_back(t, t, damping);
+  for (const Entry& e : entries_)
+    triplets.emplace_back(static_cast<Eigen::Index>(e.row), static_cast<Eigen::Index>(e.column), e.value);
+  Matrix matrix(size, size);
+  matrix.setFromTriplets(triplets.begin(), triplets.end());
+  return matrix;
+}
+
+/// Least sum over the numbers that are not held, the others where they are. False when to rounding there is
+/// no single least. `factor` has been shown the matrix's pattern.
+bool BoxLeastSquares::SolveFree(const Matrix& curvatures, const std::vector<bool>& held, Factor& factor,
+                                std::vector<double>& delta) const {
+  Matrix matrix = curvatures;
+  Eigen::VectorXd right(matrix.rows());
+  for (Eigen::Index t = 0; t < matrix.rows(); ++t) {
+    const auto i = static_cast<size_t>(t);
+    right[t] = held[i] ? delta[i] : -gradient_[i];
   }
-  for (const Entry& e : entries_) {
-    const auto row = static_cast<Eigen::Index>(e.row), column = static_cast<Eigen::Index>(e.column);
-    if (!held[e.row] && !held[e.column]) {
-      triplets.emplace_back(row, column, e.value);
-    } else if (!held[e.row]) {
-      right[row] -= e.value * delta[e.column];
-    } else if (!held[e.column]) {
-      right[column] -= e.value * delta[e.row];
+  for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
+    const auto c = static_cast<size_t>(column);
+    for (Matrix::InnerIterator entry(matrix, column); entry; ++entry) {
+      const auto r = static_cast<size_t>(entry.row());
+      if (!held[r] && !held[c]) continue;
+      if (r == c) {
+        entry.valueRef() = 1;
+        continue;
+      }
+      if (!held[r]) right[entry.row()] -= entry.value() * delta[c];
+      if (!held[c]) right[column] -= entry.value() * delta[r];
+      entry.valueRef() = 0;
     }
   }
-  Eigen::SparseMatrix<double> matrix(size, size);
-  matrix.setFromTriplets(triplets.begin(), triplets.end());
-  // In the natural order the matrix is a band, and its factor too.
-  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> solver(
-      matrix);
-  if (solver.info() != Eigen::Success) return false;
-  const Eigen::VectorXd solved = solver.solve(right);
+  factor.factorize(matrix);
+  if (factor.info() != Eigen::Success) return false;
+  const Eigen::VectorXd solved = factor.solve(right);
   std::copy(solved.begin(), solved.end(), delta.begin());
   return true;
 }
@@ -63,11 +74,14 @@ std::vector<double> BoxLeastSquares::Solve(const std::vector<double>& lower, con
   const double largest = *std::max_element(diagonal.begin(), diagonal.end());
   if (largest == 0) return delta;
   damping *= largest;
+  const Matrix curvatures = Curvatures(damping);
+  Factor factor;
+  factor.analyzePattern(curvatures);
   std::vector<bool> held(count);
   for (size_t t = 0; t < count; ++t) held[t] = !(lower[t] < upper[t]);
   for (int round = 0; round < kRounds; ++round) {
     std::vector<double> solved = delta;
-    if (!SolveFree(held, damping, solved)) break;
+    if (!SolveFree(curvatures, held, factor, solved)) break;
     bool done = true;
     for (size_t t = 0; t < count; ++t) {
       delta[t] = std::clamp(solved[t], lower[t], upper[t]);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <Eigen/SparseCholesky>
 #include <array>
 #include <vector>
 
@@ -46,7 +47,12 @@ class BoxLeastSquares {
   void AddEntry(size_t a, size_t b, double value) {
     entries_.push_back(a > b ? Entry{a, b, value} : Entry{b, a, value});
   }
-  bool SolveFree(const std::vector<bool>& held, double damping, std::vector<double>& delta) const;
+  using Matrix = Eigen::SparseMatrix<double>;
+  // In the natural order the matrix is a band, and its factor too.
+  using Factor = Eigen::SimplicialLLT<Matrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
+  Matrix Curvatures(double damping) const;
+  bool SolveFree(const Matrix& curvatures, const std::vector<bool>& held, Factor& factor,
+                 std::vector<double>& delta) const;
   std::vector<double> Slopes(const std::vector<double>& delta, double damping) const;
 
   std::vector<double> gradient_;

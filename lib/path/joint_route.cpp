@@ -25,7 +25,7 @@ constexpr double kRange = 0.5;
 /// Share of samples near the two ends rather than anywhere within the limits, and what near means.
 constexpr double kNearShare = 0.7;
 const double kNear = DegToRad(60);
-constexpr int kShortcuts = 200;
+constexpr int kShortcuts = 200, kVain = 40;  // tries; in a row without a gain
 
 Joints ToJoints(const ob::State* state) {
   const double* values = state->as<ob::RealVectorStateSpace::StateType>()->values;
@@ -188,8 +188,9 @@ double Duration(const World& world, const std::vector<Joints>& corners, const Ro
 void Shorten(Judge& judge, const World& world, const RouteOptions& options, RandomStream& random,
              const std::stop_token& stop, std::vector<Joints>& corners) {
   double duration = Duration(world, corners, options);
-  for (int trial = 0; trial < kShortcuts && corners.size() > 2; ++trial) {
+  for (int trial = 0, vain = 0; trial < kShortcuts && vain < kVain && corners.size() > 2; ++trial) {
     CheckStop(stop);
+    ++vain;
     // First every single corner is tried, then random cuts.
     const int segments = static_cast<int>(corners.size()) - 1;
     int i = random.Below(segments), j = random.Below(segments);
@@ -208,6 +209,7 @@ void Shorten(Judge& judge, const World& world, const RouteOptions& options, Rand
     if (time >= duration || !judge.Valid(from) || !judge.ValidMotion(from, to)) continue;
     corners = std::move(shorter);
     duration = time;
+    vain = 0;
   }
 }
 

@@ -140,5 +140,30 @@ TEST(Apart, ProvesNoMoreThanTheDistanceOfTwoConvexParts) {
   EXPECT_GT(proven, 0.8 * distances);
 }
 
+TEST(Apart, BoxesAreApartWhereTheirDistanceSaysSo) {
+  RandomStream random(14, 0);
+  int apart = 0, near = 0;
+  for (const Body& a : Bodies()) {
+    const Part first = MakePart(a.shape);
+    for (const Body& b : Bodies()) {
+      const Part second = MakePart(b.shape);
+      for (int trial = 0; trial < 20; ++trial) {
+        const Placed x = PlacePart(first, RandomPose(random, 150)),
+                     y = PlacePart(second, RandomPose(random, 150));
+        const double distance = BoxDistance(x, y), bound = random.Uniform(0, 200);
+        EXPECT_EQ(BoxesApart(x, y, bound), distance >= bound);
+        EXPECT_TRUE(BoxesApart(x, y, distance));
+        EXPECT_FALSE(BoxesApart(x, y, distance + 1e-9));
+        (distance >= bound ? apart : near) += 1;
+        // A lower bound: no corner of one box is nearer to the other's centre than the boxes allow.
+        EXPECT_LE(distance, (x.centre - y.centre).norm());
+        EXPECT_NEAR(distance, BoxDistance(y, x), 1e-9);
+      }
+    }
+  }
+  EXPECT_GT(apart, 100);
+  EXPECT_GT(near, 100);
+}
+
 }  // namespace
 }  // namespace millpose::test
