@@ -4,37 +4,53 @@
 
 namespace millpose::config {
 
+namespace {
+
+void CheckLifts(const Value& value, const Context& context, JobSettings& job) {
+  const Value::Key* most = value.FindKey("max_lifts");
+  if (most && job.path.lift_gain == 0)
+    context.Child("max_lifts")
+        .Add(most->mark, "has no effect here: lift_gain_percent is 0, so that no lift pays");
+}
+
+}  // namespace
+
 Codec<JobSettings> PathFields() {
   using S = JobSettings;
-  return Section<S>({
-      Key<S>("rotation_step_deg", MILLPOSE_AT(path.rotation_step), Real(kDeg, Between(0.01, 45)),
-             "Grid of rotations about the tool axis in the layered search."),
-      Key<S>("max_joint_step_deg", MILLPOSE_AT(path.max_joint_step), Numbers6(kDeg, Positive(360)),
-             "Largest change of each axis between neighbouring points."),
-      Key<S>(
-          "motion_share", MILLPOSE_AT(path.motion_share), Real(kOne, UpTo(1e6)),
-          "Cost of joint motion beside the objective: of one rad², as a share of the median optimum of the "
-          "pass's points."),
-      Key<S>(
-          "criterion", MILLPOSE_AT(criterion), Maybe(Choice({"worst_then_sum", "sum"})),
-          "What makes a pass good: its worst point first, then the sum over it, or the sum alone; by default "
-          "worst_then_sum for objective surface_error, else sum."),
-      Key<S>("smoothing_loss_percent", MILLPOSE_AT(path.smoothing_loss), Real(kPercent, Between(0, 100)),
-             "Share of a piece's objective that may be given up for smoother joints; 0: none."),
-      Key<S>("split_overlap_mm", MILLPOSE_AT(path.overlap), Real(kMm, UpTo(1e4)),
-             "Way that is cut again where a pass has to be split; at least up to the next point."),
-      Key<S>(
-          "lift_gain_percent", MILLPOSE_AT(path.lift_gain), Real(kPercent, Between(0, 100)),
-          "Share of a pass's objective that lifting the tool and entering again must gain, each time; 0: the "
-          "tool is lifted only where a pass cannot be planned in one piece."),
-      Key<S>("max_lifts", MILLPOSE_AT(path.max_lifts), Integer(1, 3),
-             "Most lifts of a pass for `lift_gain_percent`."),
-      Key<S>(
-          "max_halfway_deviation_mm", MILLPOSE_AT(path.max_deviation), Real(kMm, Between(0.001, 1000)),
-          "Aim of smoothing, no bound: half-way between points, with the joints turning evenly, the tip's "
-          "distance from its straight line. Larger ones are mended where the loss allows; none grows by more "
-          "than 6 %."),
-  });
+  return Section<S>(
+      {
+          Key<S>("rotation_step_deg", MILLPOSE_AT(path.rotation_step), Real(kDeg, Between(0.01, 45)),
+                 "Grid of rotations about the tool axis in the layered search."),
+          Key<S>("max_joint_step_deg", MILLPOSE_AT(path.max_joint_step), Numbers6(kDeg, Positive(360)),
+                 "Largest change of each axis between neighbouring points."),
+          Key<S>("motion_share", MILLPOSE_AT(path.motion_share), Real(kOne, UpTo(1e6)),
+                 "Cost of joint motion beside the objective: of one rad², as a share of the median optimum "
+                 "of the "
+                 "pass's points."),
+          Key<S>("criterion", MILLPOSE_AT(criterion), Maybe(Choice({"worst_then_sum", "sum"})),
+                 "What makes a pass good: its worst point first, then the sum over it, or the sum alone; by "
+                 "default "
+                 "worst_then_sum for objective surface_error, else sum."),
+          Key<S>("smoothing_loss_percent", MILLPOSE_AT(path.smoothing_loss), Real(kPercent, Between(0, 100)),
+                 "Share of a piece's objective that may be given up for smoother joints; 0: none."),
+          Key<S>("split_overlap_mm", MILLPOSE_AT(path.overlap), Real(kMm, UpTo(1e4)),
+                 "Way that is cut again where a pass has to be split; at least up to the next point."),
+          Key<S>("lift_gain_percent", MILLPOSE_AT(path.lift_gain), Real(kPercent, Between(0, 100)),
+                 "Share of a pass's objective that lifting the tool and entering again must gain, each time; "
+                 "0: the "
+                 "tool is lifted only where a pass cannot be planned in one piece."),
+          Key<S>("max_lifts", MILLPOSE_AT(path.max_lifts), Integer(1, 3),
+                 "Most lifts of a pass for `lift_gain_percent`.")
+              .WhenSet([](const S& s) { return s.path.lift_gain > 0; })
+              .DefaultText("1"),
+          Key<S>("max_halfway_deviation_mm", MILLPOSE_AT(path.max_deviation), Real(kMm, Between(0.001, 1000)),
+                 "Aim of smoothing, no bound: half-way between points, with the joints turning evenly, the "
+                 "tip's "
+                 "distance from its straight line. Larger ones are mended where the loss allows; none grows "
+                 "by more "
+                 "than 6 %."),
+      },
+      CheckLifts);
 }
 
 Codec<JobSettings> InterferenceFields() {

@@ -20,21 +20,10 @@ class FreeSearch {
       : context_(context),
         carrier_{context.problem.arm, context.problem.X_WB, context.problem.X_FT},
         layers_(MakeLayers(context, false)),
-        rotates_first_(context.problem.freedoms[0]->IsToolRotation()),
-        strike_out_(context.world, carrier_, layers_, context.options.swept_resolution, rotates_first_,
-                    context.threads, context.stop) {}
+        strike_out_(context.world, carrier_, layers_, context.options.swept_resolution,
+                    context.problem.freedoms[0]->IsToolRotation(), context.threads, context.stop) {}
 
-  LayeredProblem Problem() const {
-    const bool banded = context_.problem.freedoms.size() == 1 && rotates_first_;
-    return {.layers = layers_,
-            .rule = MakeRule(context_, false),
-            .struck = strike_out_.struck_edges(),
-            .banded = banded,
-            .walls = banded,
-            .stop = context_.stop,
-            .break_before = context_.break_before,
-            .versions = strike_out_.versions()};
-  }
+  LayeredProblem Problem() const { return MakeProblem(context_, layers_, strike_out_, false); }
 
   /// What `search` finds when all that interferes on its answers is struck out; empty when it finds nothing.
   std::optional<Sequence> Free(const Search& search) {
@@ -65,7 +54,6 @@ class FreeSearch {
   const PassContext& context_;
   Carrier carrier_;
   std::vector<Layer> layers_;
-  bool rotates_first_;
   StrikeOut strike_out_;
   int round_ = 0;
 };

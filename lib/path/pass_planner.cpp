@@ -11,6 +11,7 @@
 #include "plan/continuity.hpp"
 #include "plan/point_clearance.hpp"
 #include "plan/verdict_map.hpp"
+#include "pose/evaluator.hpp"
 #include "stiffness/pose_stiffness.hpp"
 
 namespace millpose {
@@ -38,12 +39,6 @@ std::string DetailOf(Admissibility admissibility) {
   }
 }
 
-/// Periodic freedoms in their range.
-double Principal(const Freedom& freedom, double value) {
-  const double range = freedom.Upper() - freedom.Lower();
-  return freedom.Periodic() ? value - range * std::floor((value - freedom.Lower()) / range) : value;
-}
-
 /// Numbers of the World's pairs in PassResult::pairs.
 using PairNumbers = std::map<int, int>;
 
@@ -67,7 +62,7 @@ void TellFreeOptimum(const PassContext& context, const PassPlan& plan, size_t t,
   const auto take = [&](double objective, double rotation, int branch) {
     if (point.free_branch >= 0 && objective >= point.free_optimum) return;
     point.free_optimum = objective;
-    point.free_rotation = Principal(*context.problem.freedoms[0], rotation);
+    point.free_rotation = Confine(*context.problem.freedoms[0], rotation);
     point.free_branch = branch;
   };
   const FreeOptimum& free = plan.free[t];
@@ -80,7 +75,7 @@ void TellFreeOptimum(const PassContext& context, const PassPlan& plan, size_t t,
 void Describe(const PoseProblem& problem, const PathNode& node, PlannedPoint& point) {
   point.freedoms = node.freedoms;
   for (size_t d = 0; d < point.freedoms.size(); ++d)
-    point.freedoms[d] = Principal(*problem.freedoms[d], point.freedoms[d]);
+    point.freedoms[d] = Confine(*problem.freedoms[d], point.freedoms[d]);
   point.branch = node.branch;
   point.q = node.q;
   point.objective = node.objective;
@@ -157,7 +152,7 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
     point.own_optimum = context.optima[t].found ? context.optima[t].objective : 0.0;
     point.genetic_evaluations = context.genetic[t].evaluations;
     if (context.optima[t].found) {
-      point.own_rotation = Principal(*context.problem.freedoms[0], context.optima[t].freedoms[0]);
+      point.own_rotation = Confine(*context.problem.freedoms[0], context.optima[t].freedoms[0]);
       point.own_branch = context.optima[t].branch;
     }
     if (!plan.verdicts.empty()) point.verdicts = NamedPairs(context.world, plan.verdicts[t], pairs, result);
@@ -194,7 +189,7 @@ PassResult PlanPass(const PoseProblem& problem, const World& world, const Pass& 
   auto own = std::make_shared<SplitPoints>();
   own->milling = pass.points;
   own->context = std::make_unique<PassContext>(
-      PassContext{problem, world, options, own->milling, pass.closed, threads, stop, {}, {}, {}, {}, {}});
+      PassContext{problem, world, options, own->milling, pass.closed, threads, stop});
   PassContext& context = *own->context;
   std::vector<size_t> all;
   for (size_t t = 0; t < pass.points.size(); ++t) {

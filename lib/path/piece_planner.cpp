@@ -60,18 +60,9 @@ class PiecePlanner {
     const bool rotates_first = context_.problem.freedoms[0]->IsToolRotation();
     StrikeOut strike_out(context_.world, carrier_, layers_, context_.options.swept_resolution, rotates_first,
                          context_.threads, context_.stop);
-    // The band needs the one freedom to be the rotation (BandWidth).
-    const bool banded = context_.problem.freedoms.size() == 1 && rotates_first;
     SweepMemory memory;
-    const LayeredProblem problem{layers_,
-                                 rule_,
-                                 strike_out.struck_edges(),
-                                 banded,
-                                 banded,
-                                 context_.stop,
-                                 context_.break_before,
-                                 &memory,
-                                 strike_out.versions()};
+    LayeredProblem problem = MakeProblem(context_, layers_, strike_out, all_turns_);
+    problem.memory = &memory;
     // While there is interference to find, any good closed sequence finds it. A free one is kept when the
     // best of all is hardly cheaper.
     constexpr int kQuickSweeps = 3;
@@ -282,6 +273,21 @@ std::vector<Layer> MakeLayers(const PassContext& context, bool all_turns) {
     layers[t] = MakeLayer(scorer, std::move(seeds), all_turns);
   });
   return layers;
+}
+
+LayeredProblem MakeProblem(const PassContext& context, std::span<const Layer> layers,
+                           const StrikeOut& strike_out, bool all_turns) {
+  // The band needs the one freedom to be the rotation (BandWidth).
+  const auto& freedoms = context.problem.freedoms;
+  const bool banded = freedoms.size() == 1 && freedoms[0]->IsToolRotation();
+  return {.layers = layers,
+          .rule = MakeRule(context, all_turns),
+          .struck = strike_out.struck_edges(),
+          .banded = banded,
+          .walls = banded,
+          .stop = context.stop,
+          .break_before = context.break_before,
+          .versions = strike_out.versions()};
 }
 
 double MotionWeight(double share, std::span<const PointOptimum> optima) {

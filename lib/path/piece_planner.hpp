@@ -18,14 +18,14 @@ struct PassContext {
   bool closed;
   int threads;
   std::stop_token stop;
-  std::vector<PointScorer> scorers;  ///< one per point, as the following
+  std::vector<PointScorer> scorers = {};  ///< one per point, as the following
   /// On the grid of the ladder search; null where nothing is to be milled.
-  std::vector<std::shared_ptr<const CandidateTable>> tables;
-  std::vector<PointOptimum> genetic;
-  std::vector<PointOptimum> optima;     ///< of the tables, refined
-  std::vector<char> break_before;       ///< where the tool is lifted in any case
-  std::vector<PaperResult> paper = {};  ///< per point with formulation paper, else empty
-  double motion_weight = 0;             ///< objective units per rad² of joint motion (MotionWeight)
+  std::vector<std::shared_ptr<const CandidateTable>> tables = {};
+  std::vector<PointOptimum> genetic = {};
+  std::vector<PointOptimum> optima = {};  ///< of the tables, refined
+  std::vector<char> break_before = {};    ///< where the tool is lifted in any case
+  std::vector<PaperResult> paper = {};    ///< per point with formulation paper, else empty
+  double motion_weight = 0;               ///< objective units per rad² of joint motion (MotionWeight)
 };
 
 /// PathOptions::motion_share in units of the objective: times the median of the optima above 0 (a force
@@ -55,6 +55,10 @@ StepRule MakeRule(const PassContext& context, bool all_turns);
 
 /// The admissible candidates of every point.
 std::vector<Layer> MakeLayers(const PassContext& context, bool all_turns);
+
+/// The ladder search over such layers without what `strike_out` strikes out of them; keeps no memory.
+LayeredProblem MakeProblem(const PassContext& context, std::span<const Layer> layers,
+                           const StrikeOut& strike_out, bool all_turns);
 
 /// Layered search, strike-out of what interferes, refinement, splits. Empty when, with all_turns
 /// false, a piece winds a joint out of its limits (Layer); with all_turns there is always a plan.

@@ -225,18 +225,8 @@ class SplitPlanner {
     if (opened_ && splits.back().overlap.by != OverlapChoice::By::kNone)
       AddRingLeads(ends_, from.options.lead_spacing, static_cast<int>(splits.size()) - 1, made->points);
     for (const SplitPoint& point : made->points) made->milling.push_back(point.point);
-    made->context = std::make_unique<PassContext>(PassContext{from.problem,
-                                                              from.world,
-                                                              from.options,
-                                                              made->milling,
-                                                              false,
-                                                              from.threads,
-                                                              from.stop,
-                                                              {},
-                                                              {},
-                                                              {},
-                                                              {},
-                                                              {}});
+    made->context = std::make_unique<PassContext>(
+        PassContext{from.problem, from.world, from.options, made->milling, false, from.threads, from.stop});
     PassContext& context = *made->context;
     context.motion_weight = from.motion_weight;
     std::vector<size_t> leads;

@@ -11,6 +11,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The share of the evaluations that generations may spend; the local refinement has the rest.
 constexpr double kGenerationShare = 0.6;
+constexpr int kArmBranches = 4;  // of a setting; one evaluation each
 
 class Population {
  public:
@@ -23,10 +24,13 @@ class Population {
         size_(options.population * static_cast<int>(problem.freedoms.size())),
         generations_(options.generations * static_cast<int>(problem.freedoms.size())) {}
 
-  /// Starts with the best places of a coarse table.
+  /// Starts with the best places of a coarse table, which may take half of what the generations may spend;
+  /// where not even the smallest does, with none.
   void Seed(const PointScorer& scorer, std::vector<Individual>& archive) {
-    const CandidateTable table = CandidateTable::OfSize(scorer, options_.table);
-    evaluator_.Count(static_cast<int>(4 * table.settings()));
+    const int most = std::min(options_.table, Budget() / (2 * kArmBranches));
+    if (most < 1 << problem_.freedoms.size()) return;
+    const CandidateTable table = CandidateTable::OfSize(scorer, most);
+    evaluator_.Count(kArmBranches * static_cast<int>(table.settings()));
     for (const CandidateTable::Entry& entry : table.entries()) {
       Individual individual;
       individual.freedoms = table.Setting(entry.setting);
@@ -42,9 +46,10 @@ class Population {
 
   /// Runs all generations; every individual ever evaluated stays in `archive`.
   void Evolve(std::vector<Individual>& archive, std::vector<GenerationRecord>* history) {
-    const int budget = static_cast<int>(kGenerationShare * options_.max_evaluations);
-    while (static_cast<int>(current_.size()) < std::min(size_, budget))
-      current_.push_back(RandomIndividual());
+    const int budget = Budget();
+    const int first = std::min(size_, budget - evaluator_.evaluations());
+    while (static_cast<int>(current_.size()) < first) current_.push_back(RandomIndividual());
+    current_.resize(static_cast<size_t>(std::max(0, first)));
     std::vector<size_t> fresh(current_.size());
     std::iota(fresh.begin(), fresh.end(), size_t{0});
     for (int generation = 0;; ++generation) {
@@ -58,12 +63,14 @@ class Population {
   }
 
  private:
+  int Budget() const { return static_cast<int>(kGenerationShare * options_.max_evaluations); }
+
   Individual RandomIndividual() {
     Individual individual;
     for (const auto& freedom : problem_.freedoms) {
       individual.freedoms.push_back(random_.Uniform(freedom->Lower(), freedom->Upper()));
     }
-    individual.arm_branch = random_.Below(4);
+    individual.arm_branch = random_.Below(kArmBranches);
     return individual;
   }
 
@@ -155,7 +162,7 @@ class Population {
               ? random_.Uniform(freedom.Lower(), freedom.Upper())
               : Confine(freedom, child.freedoms[d] + 0.05 * cooling * range * random_.Normal());
     }
-    if (random_.Uniform() < options_.mutation_rate) child.arm_branch = random_.Below(4);
+    if (random_.Uniform() < options_.mutation_rate) child.arm_branch = random_.Below(kArmBranches);
   }
 
   const PoseProblem& problem_;
@@ -177,7 +184,7 @@ PointOptimum GeneticSearch(const PointScorer& scorer, const PoseProblem& problem
   Evaluator evaluator(scorer, best);
   std::vector<Individual> archive;
   Population population(problem, options, stream, evaluator);
-  if (options.table > 0) population.Seed(scorer, archive);
+  population.Seed(scorer, archive);
   population.Evolve(archive, history);
 
   // First roughly from several places, so that the right one wins; then exactly from the winner.

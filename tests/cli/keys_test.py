@@ -215,6 +215,7 @@ class Keys(InFolder):
         self.strategy(job, "rings", {"point_mm": [0, 0, 0], "axis": [0, 0, 1], "on": "auto", "path": "closed",
                                      "seam_step_deg": 0})
         job["toolpath"].update(spacing_mm=150, chord_tolerance_mm=20)
+        job["toolpath"]["gouges"]["tolerance_mm"] = 20  # the chords count
         yield job, cell
 
     @staticmethod

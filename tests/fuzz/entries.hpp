@@ -24,6 +24,8 @@ std::vector<FuzzEntry> MeshEntries();
 std::vector<FuzzEntry> CamEntries();
 std::vector<FuzzEntry> ProgramEntries();
 std::vector<FuzzEntry> VerifyEntries();
+/// Programs that came through a reader and were replayed, so far.
+int ProgramsReplayed();
 std::vector<FuzzEntry> StepEntries();
 
 inline void Demand(bool holds) {

@@ -56,6 +56,12 @@ TEST_P(Replay, SeedsAndSpoiltSeedsAreReadOrRefused) {
   }
 }
 
+TEST(Verify, SomeSeedsComeThroughTheReadersToTheReplay) {
+  const int before = ProgramsReplayed();
+  for (const std::string& seed : SeedsOf("verify")) VerifyEntries()[0].run(seed);
+  EXPECT_GE(ProgramsReplayed() - before, 2);
+}
+
 INSTANTIATE_TEST_SUITE_P(Fuzz, Replay, testing::ValuesIn(AllEntries()),
                          [](const auto& entry) { return entry.param.name; });
 

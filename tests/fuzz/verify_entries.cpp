@@ -34,6 +34,8 @@ struct Bed {
   }
 };
 
+int programs_replayed = 0;
+
 void Listed(const std::vector<Finding>& findings, int lines) {
   for (const Finding& finding : findings)
     Demand(!finding.message.empty() && finding.line >= 0 && finding.line <= lines && finding.count > 0);
@@ -58,11 +60,14 @@ void VerifyText(std::string_view bytes) {
       if (!program.X_FT) program.X_FT = folder.planned.X_FT;
       for (const MotionProgram* plan : {&folder.planned, static_cast<const MotionProgram*>(nullptr)})
         Listed(Verify(program, bed.world, plan, bed.options, 1, {}), lines);
+      ++programs_replayed;
     });
   }
 }
 
 }  // namespace
+
+int ProgramsReplayed() { return programs_replayed; }
 
 std::vector<FuzzEntry> VerifyEntries() { return {{"verify", VerifyText, 10}}; }
 

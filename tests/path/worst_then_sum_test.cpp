@@ -37,10 +37,9 @@ Value Measure(const LayeredProblem& problem, const std::vector<size_t>& nodes, b
 Value Best(const LayeredProblem& problem, bool closed) {
   std::vector<Value> all;
   std::vector<size_t> nodes(problem.layers.size(), 0);
-  for (size_t t = 0; t < nodes.size();) {
+  do {
     all.push_back(Measure(problem, nodes, closed));
-    for (t = 0; t < nodes.size() && ++nodes[t] == problem.layers[t].size(); ++t) nodes[t] = 0;
-  }
+  } while (NextChoice(problem.layers, nodes));
   Value best;
   for (const Value& value : all)
     if (std::tie(value.breaks, value.worst) < std::tie(best.breaks, best.worst)) best = value;

@@ -102,6 +102,18 @@ TEST(GeneticSearch, RecordsOnlyAdmissibleIndividuals) {
   }
 }
 
+TEST(GeneticSearch, SpendsNoMoreThanItMay) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const PointScorer scorer(problem, PanelPoint(30, 20), Eigen::Vector3d::UnitZ());
+  for (const int most : {10, 20, 50, 200, 390, 500, 2000}) {
+    GeneticOptions options;
+    options.max_evaluations = most;
+    const PointOptimum best = GeneticSearch(scorer, problem, options, RandomStream(1, 7));
+    EXPECT_LE(best.evaluations, most);
+    EXPECT_GT(best.evaluations, most / 4);
+  }
+}
+
 TEST(GeneticSearch, SaysWhyNothingWasFound) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   const PointScorer scorer(problem, PanelPoint(0, 0, 6000), Eigen::Vector3d::UnitZ());

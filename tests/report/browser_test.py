@@ -246,7 +246,7 @@ class ReportInBrowser(unittest.TestCase):
         self.assertIn("link4 and panel", self.text("#map-legend"))
         self.keep("map_1400.png", self.browser.screenshot("#axis-map"))
         place = """(() => { const map = millpose.views.map, b = map.canvas.node.getBoundingClientRect();
-            for (let c = 20; c < map.cells.length; ++c) for (let j = 0; j < map.steps; ++j) {
+            for (let c = 1; c < map.cells.length; ++c) for (let j = 0; j < map.steps; ++j) {
               const cell = map.cells[c][map.cellIndex(j)];
               if (WANTED) return {row: map.columns[c].row, branch: cell.branch, rotation: map.rotationOf(j),
                 x: b.x + map.plot.axes.x(map.columns[c].way), y: b.y + map.plot.axes.y(map.rotationOf(j))};
