@@ -5,6 +5,14 @@
 
 #include <cstdint>
 
+#if defined(__clang__)
+#define MILLPOSE_LANES_APART _Pragma("clang loop vectorize(assume_safety)")
+#define MILLPOSE_AVX512 "avx512f"
+#else
+#define MILLPOSE_LANES_APART _Pragma("GCC ivdep")
+#define MILLPOSE_AVX512 "avx512f,prefer-vector-width=512"
+#endif
+
 namespace millpose {
 
 /// Blocks are this many values wide: one AVX-512 register, two AVX, four SSE2.
@@ -29,25 +37,28 @@ namespace lanes {
 
 template <class Body>
 void LoopBaseline(const Body& body) {
-#pragma GCC ivdep
+  MILLPOSE_LANES_APART
   for (int lane = 0; lane < kLanes; ++lane) body(lane);
 }
 
 #if defined(__x86_64__)
 template <class Body>
 [[gnu::target("avx2")]] void LoopAvx2(const Body& body) {
-#pragma GCC ivdep
+  MILLPOSE_LANES_APART
   for (int lane = 0; lane < kLanes; ++lane) body(lane);
 }
 
 template <class Body>
-[[gnu::target("avx512f,prefer-vector-width=512")]] void LoopAvx512(const Body& body) {
-#pragma GCC ivdep
+[[gnu::target(MILLPOSE_AVX512)]] void LoopAvx512(const Body& body) {
+  MILLPOSE_LANES_APART
   for (int lane = 0; lane < kLanes; ++lane) body(lane);
 }
 #endif
 
 }  // namespace lanes
+
+#undef MILLPOSE_LANES_APART
+#undef MILLPOSE_AVX512
 
 /// Calls `body(lane)` for every lane with the code of `set`. `body` is a lambda marked [[gnu::always_inline]]
 /// whose calls inline too, without branches; what it writes for a lane must not depend on other lanes. Files

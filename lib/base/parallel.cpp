@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/parallel.hpp"
 
-#if defined(__SANITIZE_THREAD__)
+#if defined(MILLPOSE_OWN_LOOP)
 #include <atomic>
 #include <exception>
 #include <mutex>
@@ -20,7 +20,7 @@ void CheckStop(const std::stop_token& stop) {
   if (stop.stop_requested()) throw Interrupted();
 }
 
-#if defined(__SANITIZE_THREAD__)
+#if defined(MILLPOSE_OWN_LOOP)
 // Debian's TBB is not instrumented: the sanitizer would see races where there are none, and miss others.
 void ParallelFor(size_t count, int threads, std::stop_token stop, const std::function<void(size_t)>& work) {
   std::atomic<size_t> next = 0;

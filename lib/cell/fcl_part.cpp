@@ -255,8 +255,8 @@ BoundedDistance MeshDistance(const Placed& a, const Placed& b, double bound) {
 
 std::string ShapeProblem(const Shape& shape) { return std::visit(ProblemOf{}, shape); }
 
-Part MakePart(const Shape& shape) {
-  Part part;
+FclPart MakePart(const Shape& shape) {
+  FclPart part;
   part.shape = shape;
   if (const auto* cone = std::get_if<Cone>(&shape)) part.shape = AroundFrustum(*cone);
   auto geometry = std::const_pointer_cast<fcl::CollisionGeometryd>(std::visit(GeometryOf{}, part.shape));
@@ -278,7 +278,7 @@ Part MakePart(const Shape& shape) {
   return part;
 }
 
-Placed PlacePart(const Part& part, const Pose& X_WG) {
+Placed PlacePart(const FclPart& part, const Pose& X_WG) {
   return {&part, X_WG, X_WG * part.centre, X_WG.linear() * part.half.asDiagonal()};
 }
 

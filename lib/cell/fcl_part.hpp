@@ -13,7 +13,7 @@
 namespace millpose {
 
 /// One shape as FCL geometry, immutable and shared by all checkers.
-struct Part {
+struct FclPart {
   std::shared_ptr<const fcl::CollisionGeometryd> geometry;
   Shape shape;                                         ///< kept for support points of the convex kinds
   std::shared_ptr<const Solid> solid;                  ///< of a mesh
@@ -31,16 +31,16 @@ struct Part {
 std::string ShapeProblem(const Shape& shape);
 
 /// Builds the geometry of a shape without problems. A frustum becomes a polyhedron around it.
-Part MakePart(const Shape& shape);
+FclPart MakePart(const Shape& shape);
 
 /// Where a part stands: its pose and its bounding box in W.
 struct Placed {
-  const Part* part = nullptr;
+  const FclPart* part = nullptr;
   Pose X_WG;
   Eigen::Vector3d centre;     ///< of the box, W, mm
   Eigen::Matrix3d half_axes;  ///< columns: half axes of the box, W, mm
 };
-Placed PlacePart(const Part& part, const Pose& X_WG);
+Placed PlacePart(const FclPart& part, const Pose& X_WG);
 
 /// A lower bound of the distance of two parts from their bounding spheres and boxes, mm; 0 when these
 /// overlap.

@@ -10,7 +10,7 @@ namespace millpose {
 /// A body in the world: its part and the link that it moves with.
 struct WorldBody {
   std::string name;
-  Part part;
+  FclPart part;
   int link = 0;  ///< 0: does not move; 1..6: moves with that link
   Pose X_LG;     ///< pose of the shape in its link, or in W when it does not move
 };

@@ -135,10 +135,10 @@ class Follower {
   int branch_;
 };
 
-Stretch StretchOf(const PoseProblem& problem, const PassResult& pass, size_t point) {
+FollowedStretch StretchOf(const PoseProblem& problem, const PassResult& pass, size_t point) {
   const Follower follower(problem, pass, point);
   const auto back = follower.Follow(-1), on = follower.Follow(1);
-  Stretch stretch{back.first + on.first, back.second.empty() && on.second.empty(), {}};
+  FollowedStretch stretch{back.first + on.first, back.second.empty() && on.second.empty(), {}};
   stretch.obstacle = on.second.empty() ? back.second : on.second;
   return stretch;
 }

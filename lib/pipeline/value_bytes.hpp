@@ -122,7 +122,7 @@ class ValueBytes {
   template <class... T>
   void Append(const std::variant<T...>& value) {
     Append(value.index());
-    std::visit([this](const auto& held) { Append(held); }, value);
+    std::visit([this](const auto& held) { this->Append(held); }, value);
   }
   template <class T>
   void Append(const std::shared_ptr<const T>& value) {
@@ -134,7 +134,7 @@ class ValueBytes {
   template <class T>
   requires std::is_aggregate_v<T>
   void Append(const T& value) {
-    std::apply([this](const auto&... field) { Add(field...); }, value_bytes_detail::FieldsOf(value));
+    std::apply([this](const auto&... field) { this->Add(field...); }, value_bytes_detail::FieldsOf(value));
   }
 
   template <class List>

@@ -26,7 +26,7 @@ void TurnInto(double lower, double upper, const Lanes& angle, Lanes& turned, Lan
         const double nearer = above < below ? above : below;
         const double gap = nearer > 0.0 ? nearer : 0.0;
         turned.v[i] = stays ? a : (fits ? least : a);
-        missed.v[i] += stays | fits ? 0.0 : gap;
+        missed.v[i] += (stays | fits) ? 0.0 : gap;
       });
 }
 

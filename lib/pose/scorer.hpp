@@ -32,7 +32,7 @@ struct AdmissibleBounds {
 /// All that the choice of a pose depends on besides the point itself; shared and immutable.
 struct PoseProblem {
   Arm arm;
-  Pose X_WB, X_FT;
+  Pose X_WB = Pose::Identity(), X_FT = Pose::Identity();
   StiffnessOrigin origin = StiffnessOrigin::kToolTip;
   double characteristic_length = 1000;  ///< mm, for dexterity
   AdmissibleBounds bounds;

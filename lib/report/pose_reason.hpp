@@ -23,7 +23,7 @@ struct ForbiddenPose {
 };
 
 /// How far along the pass the best free pose of a point can be followed on its branch.
-struct Stretch {
+struct FollowedStretch {
   double length = 0;         ///< mm
   bool to_the_ends = false;  ///< of the piece, both
   std::string obstacle;      ///< what ends it
@@ -39,7 +39,7 @@ struct PoseReason {
   double beyond =
       0;  ///< rad: from `own` to the nearest pose on its branch that is known to be free; 0: none is
   std::optional<ForbiddenPose> forbidden;  ///< the stiffest of all
-  Stretch stretch;                         ///< of `free`, where that is not the path's pose
+  FollowedStretch stretch;                 ///< of `free`, where that is not the path's pose
 };
 
 /// One sentence each, the pose first.

@@ -28,7 +28,7 @@ void MeasureRims(const Mesh& mesh, ImportReport& report) {
 }
 
 void MeasurePieces(const Triangles& mesh, ImportReport& report) {
-  for (const Piece& piece : PiecesOf(mesh)) {
+  for (const ConnectedPiece& piece : PiecesOf(mesh)) {
     double area = 0;
     for (const int face : piece.faces) {
       const auto& [a, b, c] = mesh.faces[face];

@@ -21,14 +21,14 @@ std::vector<Side> Partners(const Triangles& manifold) {
   return partner;
 }
 
-void Turn(const Piece& piece, Triangles& mesh) {
+void Turn(const ConnectedPiece& piece, Triangles& mesh) {
   for (const int face : piece.faces) std::swap(mesh.faces[face][1], mesh.faces[face][2]);
 }
 
 // A closed piece as a body.
 class Body {
  public:
-  Body(const Triangles& mesh, const Piece& piece) : mesh_(mesh), piece_(piece) {
+  Body(const Triangles& mesh, const ConnectedPiece& piece) : mesh_(mesh), piece_(piece) {
     const Eigen::Vector3d& origin = Corner(piece.faces[0], 0);
     for (const int face : piece.faces) {
       const Eigen::Vector3d a = Corner(face, 0) - origin, b = Corner(face, 1) - origin,
@@ -66,21 +66,21 @@ class Body {
   }
 
   const Triangles& mesh_;
-  const Piece& piece_;
+  const ConnectedPiece& piece_;
   double volume_ = 0;  // six times
   Eigen::AlignedBox3d box_;
 };
 
 }  // namespace
 
-std::vector<Piece> PiecesOf(const Triangles& manifold) {
+std::vector<ConnectedPiece> PiecesOf(const Triangles& manifold) {
   const std::vector<Side> partner = Partners(manifold);
   std::vector<char> seen(manifold.faces.size(), 0);
-  std::vector<Piece> pieces;
+  std::vector<ConnectedPiece> pieces;
   for (size_t seed = 0; seed < manifold.faces.size(); ++seed) {
     if (seen[seed] != 0) continue;
     seen[seed] = 1;
-    Piece& piece = pieces.emplace_back();
+    ConnectedPiece& piece = pieces.emplace_back();
     piece.faces.push_back(static_cast<int>(seed));
     for (size_t head = 0; head < piece.faces.size(); ++head)
       for (int k = 0; k < 3; ++k) {
@@ -95,15 +95,15 @@ std::vector<Piece> PiecesOf(const Triangles& manifold) {
 }
 
 size_t TurnPiecesOutside(Triangles& manifold) {
-  const std::vector<Piece> pieces = PiecesOf(manifold);
-  std::vector<const Piece*> closed;
+  const std::vector<ConnectedPiece> pieces = PiecesOf(manifold);
+  std::vector<const ConnectedPiece*> closed;
   std::vector<Body> bodies;
-  for (const Piece& piece : pieces) {
+  for (const ConnectedPiece& piece : pieces) {
     if (!piece.closed) continue;
     closed.push_back(&piece);
     bodies.emplace_back(manifold, piece);
   }
-  std::vector<const Piece*> wrong;
+  std::vector<const ConnectedPiece*> wrong;
   for (size_t i = 0; i < bodies.size(); ++i) {
     if (!bodies[i].InsideOut()) continue;
     size_t depth = 0;
@@ -111,13 +111,13 @@ size_t TurnPiecesOutside(Triangles& manifold) {
       depth += outer != i && bodies[outer].Holds(bodies[i]) ? 1 : 0;
     if (depth % 2 == 0) wrong.push_back(closed[i]);
   }
-  for (const Piece* piece : wrong) Turn(*piece, manifold);
+  for (const ConnectedPiece* piece : wrong) Turn(*piece, manifold);
   return wrong.size();
 }
 
 size_t FlipOpenPieces(Triangles& manifold) {
   size_t flipped = 0;
-  for (const Piece& piece : PiecesOf(manifold)) {
+  for (const ConnectedPiece& piece : PiecesOf(manifold)) {
     if (piece.closed) continue;
     Turn(piece, manifold);
     flipped += piece.faces.size();

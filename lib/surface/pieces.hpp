@@ -7,13 +7,13 @@
 namespace millpose {
 
 /// A connected piece of an oriented manifold.
-struct Piece {
+struct ConnectedPiece {
   std::vector<int> faces;  ///< the lowest first
   bool closed = true;      ///< without a rim: outside is certain
 };
 
 /// The pieces of an oriented manifold (MakeManifold), by their lowest face.
-std::vector<Piece> PiecesOf(const Triangles& manifold);
+std::vector<ConnectedPiece> PiecesOf(const Triangles& manifold);
 
 /// Turns closed pieces that are inside out as a whole, unless they lie in an odd number of other closed
 /// pieces: those are cavities. How many pieces were turned.

@@ -28,6 +28,37 @@ SOURCE_SUFFIXES = {".cpp", ".hpp", ".py", ".sh", ".cmake", ".js", ".mjs", ".css"
 SKIPPED_FOLDERS = {".git", "build", "node_modules", "vendor"}
 
 
+# A type defined at namespace scope, not one of another's members.
+TYPE = re.compile(r"^\s*(?:template\s*<[^{};]*>\s*)?(?:struct|class|union|enum(?:\s+class)?)\s+(?:alignas\(\w+\)\s*)?(\w+)(?:\s+final)?"
+                  r"(?:\s*:(?!:)[^{};]*)?\s*$")
+
+
+def types_of(text):
+    """Qualified names of the types that other files can see, which a source file defines."""
+    text = re.sub(r"'(?:\\.|[^'\\])'", "' '", COMMENT_OR_STRING.sub(" ", re.sub(r"^\s*#.*$", "", text, flags=re.MULTILINE)))
+    scopes, begin = [], 0
+    for at in re.finditer(r"[{};]", text):
+        head, begin = text[begin:at.start()], at.end()
+        if at.group() == "}":
+            del scopes[-1:]
+        elif at.group() == "{":
+            space = re.search(r"\bnamespace\s*([\w:]*)\s*$", head)
+            named = TYPE.match(head)
+            if named and all(scopes):
+                yield "::".join((*scopes, named.group(1)))
+            scopes.append(space.group(1) if space else "")
+
+
+def check_one_definition(top):
+    """The linker keeps one of two types of one name, with its destructor, and says nothing."""
+    found = {}
+    for file in sorted(file for place in ("lib", "apps", "tests") for file in (top / place).rglob("*.?pp")):
+        for name in types_of(file.read_text()):
+            other = found.setdefault(name, file)
+            if other != file:
+                yield f"{file.relative_to(top)}: {name} is defined in {other.relative_to(top)} too"
+
+
 def modules(top):
     """The modules of lib/ with the modules that their CMake files link (USES)."""
     uses = {}
@@ -110,7 +141,7 @@ def check_licence(top):
             yield f"{file.relative_to(top)}: the first line is not the SPDX line"
 
 
-CHECKS = [check_modules, check_judge, check_headers, check_files, check_same_bytes, check_licence]
+CHECKS = [check_modules, check_one_definition, check_judge, check_headers, check_files, check_same_bytes, check_licence]
 
 
 def problems(top):

@@ -81,6 +81,16 @@ class Rules(unittest.TestCase):
               'Pow(a, b) + Log(d) + t.exp + catalog(e) + record.log_at(f) + std::sqrt(g);\n')
         self.expect()
 
+    def test_a_type_defined_twice(self):
+        write(self.top, "lib/robot/arm.hpp", SPDX + "#pragma once\nnamespace millpose {\nstruct Part {\n  int a;\n};\n}\n")
+        write(self.top, "tests/arm_test.cpp", SPDX + "namespace millpose {\nclass Part final : Base<int> {};\n}\n")
+        self.expect("millpose::Part is defined in lib/robot/arm.hpp too")
+        for other in ("namespace millpose {\nnamespace {\nstruct Part {};\n}\n}\n", "namespace millpose {\nclass Part;\n}\n",
+                      "namespace millpose {\nstruct Whole {\n  struct Part {};\n};\nstruct Whole::Part {};\n}\n",
+                      "// struct Part {\nnamespace millpose::audit {\nstruct Part {};\n}\n"):
+            write(self.top, "tests/arm_test.cpp", SPDX + other)
+            self.expect()
+
     def test_missing_licence_line(self):
         write(self.top, "tests/x.py", "#!/usr/bin/env python3\nprint()\n")
         self.expect("SPDX")

@@ -49,10 +49,10 @@ Joints RandomPose(const Cell& cell, RandomStream& random) {
                                  u * (part.vertices[face[1]] - part.vertices[face[0]]) +
                                  v * (part.vertices[face[2]] - part.vertices[face[0]]);
       Pose X_WT = cell.X_WP * Pose(Eigen::Translation3d(on));
-      X_WT.linear() = Eigen::Quaterniond(random.Normal(), random.Normal(), random.Normal(), random.Normal())
+      X_WT.linear() = Eigen::Quaterniond{random.Normal(), random.Normal(), random.Normal(), random.Normal()}
                           .normalized()
                           .toRotationMatrix();
-      X_WT.translation() += 20 * Eigen::Vector3d(random.Normal(), random.Normal(), random.Normal());
+      X_WT.translation() += 20 * Eigen::Vector3d{random.Normal(), random.Normal(), random.Normal()};
       const InverseResult found =
           Inverse(arm, cell.X_WB.inverse(Eigen::Isometry) * X_WT * cell.X_FT.inverse(Eigen::Isometry));
       if (found.count == 0) continue;

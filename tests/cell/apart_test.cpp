@@ -28,7 +28,7 @@ std::vector<Body> Bodies() {
           {Cone{50, 20, 80}, Revolve({{-40, 50}, {40, 20}}, kSides)}};
 }
 
-double Least(const Part& body, const Pose& X_MG, const TriangleTree& tree, double bound, double enough) {
+double Least(const FclPart& body, const Pose& X_MG, const TriangleTree& tree, double bound, double enough) {
   return LeastDistance(body.envelope, X_MG, tree, bound, enough);
 }
 
@@ -37,7 +37,7 @@ TEST(Apart, NeverExceedsTheDistanceAndComesNearIt) {
   const std::vector<Triangles> meshes{Revolve({{-30, 60}, {40, 90}}, 16), BoxMesh({80, 200, 5})};
   double proven = 0, distances = 0;
   for (const Body& body : Bodies()) {
-    const Part part = MakePart(body.shape);
+    const FclPart part = MakePart(body.shape);
     for (const Triangles& mesh : meshes) {
       const TriangleTree tree(mesh.vertices, mesh.faces);
       for (int trial = 0; trial < 15; ++trial) {
@@ -57,7 +57,7 @@ TEST(Apart, StopsWhereThereIsNotEnough) {
   RandomStream random(12, 0);
   const Triangles mesh = Revolve({{-30, 60}, {40, 90}}, 16);
   const TriangleTree tree(mesh.vertices, mesh.faces);
-  const Part part = MakePart(Cylinder{40, 200});
+  const FclPart part = MakePart(Cylinder{40, 200});
   int enough = 0, less = 0;
   for (int trial = 0; trial < 200; ++trial) {
     const Pose X_MG = RandomPose(random, 180);
@@ -79,7 +79,7 @@ TEST(Bracket, HoldsTheDistanceAndIsNarrow) {
   const std::vector<Triangles> meshes{Revolve({{-30, 60}, {40, 90}}, 16), BoxMesh({80, 200, 5})};
   int narrow = 0, trials = 0, near = 0;
   for (const Body& body : Bodies()) {
-    const Part part = MakePart(body.shape);
+    const FclPart part = MakePart(body.shape);
     if (part.envelope.kind == Envelope::Kind::kHull) continue;
     // The other shapes' meshes are inscribed.
     const double farther = std::holds_alternative<Box>(body.shape) ? 1e-7 : 2;
@@ -109,11 +109,11 @@ TEST(Bracket, HoldsTheDistanceAndIsNarrow) {
 
 TEST(Apart, WhatAClosedMeshSwallowsIsNotFree) {
   Triangles skin = BoxMesh({400, 400, 400});
-  const Part block = MakePart(skin);
+  const FclPart block = MakePart(skin);
   skin.faces.pop_back();
-  const Part open = MakePart(skin);
+  const FclPart open = MakePart(skin);
   for (const Body& body : Bodies()) {
-    const Part part = MakePart(body.shape);
+    const FclPart part = MakePart(body.shape);
     const Placed inside = PlacePart(part, Pose::Identity());
     EXPECT_EQ(ProvenDistance(PlacePart(block, Pose::Identity()), inside, 10, 10), 0) << body.shape.index();
     EXPECT_EQ(ProvenDistance(inside, PlacePart(block, Pose::Identity()), 10, 10), 0) << body.shape.index();
@@ -125,9 +125,9 @@ TEST(Apart, ProvesNoMoreThanTheDistanceOfTwoConvexParts) {
   RandomStream random(13, 0);
   double proven = 0, distances = 0;
   for (const Body& a : Bodies()) {
-    const Part first = MakePart(a.shape);
+    const FclPart first = MakePart(a.shape);
     for (const Body& b : Bodies()) {
-      const Part second = MakePart(b.shape);
+      const FclPart second = MakePart(b.shape);
       for (int trial = 0; trial < 4; ++trial) {
         const Pose X_A = RandomPose(random, 150), X_B = RandomPose(random, 150);
         const double truth = std::min(kBound, BruteDistance(Moved(a.mesh, X_A), Moved(b.mesh, X_B)));
@@ -144,9 +144,9 @@ TEST(Apart, BoxesAreApartWhereTheirDistanceSaysSo) {
   RandomStream random(14, 0);
   int apart = 0, near = 0;
   for (const Body& a : Bodies()) {
-    const Part first = MakePart(a.shape);
+    const FclPart first = MakePart(a.shape);
     for (const Body& b : Bodies()) {
-      const Part second = MakePart(b.shape);
+      const FclPart second = MakePart(b.shape);
       for (int trial = 0; trial < 20; ++trial) {
         const Placed x = PlacePart(first, RandomPose(random, 150)),
                      y = PlacePart(second, RandomPose(random, 150));

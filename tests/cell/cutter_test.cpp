@@ -40,7 +40,7 @@ TEST(Cutter, PartAboveAHeightContainsTheShapeAboveItAndLittleMore) {
         }
       }
       for (int k = 0; k < 100; ++k) {
-        Eigen::Vector3d d(random.Normal(), random.Normal(), random.Normal());
+        Eigen::Vector3d d{random.Normal(), random.Normal(), random.Normal()};
         d.normalize();
         EXPECT_GE(Support(above->points, d), Support(samples, d) - 1e-6) << "shape " << i;
         EXPECT_LE(Support(above->points, d), Support(mesh.vertices, d) + 0.01 * 20) << "shape " << i;

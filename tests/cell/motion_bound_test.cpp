@@ -18,7 +18,7 @@ TEST(MotionBound, HoldsForEveryPointOfTheBoxAndIsNotLoose) {
     if (trial % 2 == 0) turn *= 0.01;
     const int link = 1 + random.Below(6);
     const Pose X_LG = RandomPose(random, 300);
-    const Eigen::Vector3d half(random.Uniform(1, 200), random.Uniform(1, 200), random.Uniform(1, 200));
+    const Eigen::Vector3d half{random.Uniform(1, 200), random.Uniform(1, 200), random.Uniform(1, 200)};
     const auto frames = LinkFrames(arm, q);
     const Pose X = frames[link] * X_LG;
     const auto bounds =
@@ -28,8 +28,8 @@ TEST(MotionBound, HoldsForEveryPointOfTheBoxAndIsNotLoose) {
       for (int i = 0; i < 6; ++i)
         moved[i] += k < 20 ? turn[i] * (random.Below(2) * 2 - 1) : random.Uniform(-turn[i], turn[i]);
       const auto after = LinkFrames(arm, moved);
-      const Eigen::Vector3d corner(half.x() * (random.Below(2) * 2 - 1), half.y() * (random.Below(2) * 2 - 1),
-                                   half.z() * (random.Below(2) * 2 - 1));
+      const Eigen::Vector3d corner{half.x() * (random.Below(2) * 2 - 1), half.y() * (random.Below(2) * 2 - 1),
+                                   half.z() * (random.Below(2) * 2 - 1)};
       for (int from = 0; from < link; ++from) {
         // Seen from link `from`: joints up to it stand still.
         const Eigen::Vector3d p0 = frames[from].inverse() * (frames[link] * (X_LG * corner));

@@ -86,8 +86,10 @@ inline Triangles BoxMesh(const Eigen::Vector3d& size) {
 }
 
 inline Pose RandomPose(RandomStream& random, double reach) {
-  Eigen::Quaterniond rotation(random.Normal(), random.Normal(), random.Normal(), random.Normal());
-  Pose X = At(random.Uniform(-reach, reach), random.Uniform(-reach, reach), random.Uniform(-reach, reach));
+  Eigen::Quaterniond rotation{random.Normal(), random.Normal(), random.Normal(), random.Normal()};
+  const Eigen::Vector3d place{random.Uniform(-reach, reach), random.Uniform(-reach, reach),
+                              random.Uniform(-reach, reach)};
+  Pose X = At(place.x(), place.y(), place.z());
   X.linear() = rotation.normalized().toRotationMatrix();
   return X;
 }

@@ -20,7 +20,7 @@ TEST(Solid, AgreesWithTheWindingNumberBySolidAngles) {
   RandomStream random(5, 0);
   int inside = 0;
   for (int i = 0; i < 3000; ++i) {
-    const Eigen::Vector3d p(random.Uniform(-90, 90), random.Uniform(-90, 90), random.Uniform(-110, 100));
+    const Eigen::Vector3d p{random.Uniform(-90, 90), random.Uniform(-90, 90), random.Uniform(-110, 100)};
     const bool truth = std::abs(Winding(mesh, p)) > 0.5;
     EXPECT_EQ(solid.Contains(p), truth) << p.transpose();
     inside += truth;

@@ -23,6 +23,8 @@ LEFT_OUT = {
     "toolpath.region.none[].step_faces": "of STEP parts",
     "toolpath.cam.rotary_axes[].axis": "of G-code", "toolpath.cam.rotary_axes[].carries": "of G-code",
     "toolpath.cam.rotary_axes[].direction": "of G-code", "toolpath.cam.rotary_axes[].point_mm": "of G-code",
+    "toolpath.cam.circle": "of G-code", "toolpath.cam.kinematics_codes.*": "of G-code",
+    "toolpath.cam.tip_programming": "of G-code",
     "arm.urdf.base_link": "an arm like any other once derived", "arm.urdf.file": "an arm like any other once derived",
     "arm.urdf.flange_link": "an arm like any other once derived",
     "arm.urdf.packages.*": "an arm like any other once derived",
@@ -168,9 +170,13 @@ class Keys(InFolder):
         cell["arm"]["lengths_mm"]["dy"] = 2.5
         job["toolpath"]["ends"] = {"overrun_mm": 1, "lead": "ramp", "lead_length_mm": 10, "ramp_deg": 15}
         job["toolpath"]["depth"] = {"total_mm": 1, "per_layer_mm": 0.5, "allowance_mm": 0.1, "finishing_mm": 0.2}
-        job["process"].update(cutting={"teeth": 2, "kc11_N_mm2": 700, "mc": 0.2}, stock="region",
+        job["process"].update(cutting={"teeth": 2, "kc11_N_mm2": 700, "mc": 0.2, "side": "up"}, stock="region",
                               force_uncertainty_percent=30, force_direction_deg=20)
         job["pose"]["objective"] = {"name": "surface_error"}
+        job["path"].update(criterion="worst_then_sum", lift_gain_percent=50, max_lifts=1)
+        job["program_options"]["point_economy"] = {"chord_mm": 0.01, "angle_deg": 0.01}
+        cell["tool"].update(tip_uncertainty_mm=0.2, axis_uncertainty_deg=0.05, load={
+            "mass_kg": 60.5, "centre_in_flange_mm": [0, 0, 150.5], "inertia_kg_m2": [1.5, 1.5, 0.5]})
         for region in (job["toolpath"]["region"], *(job["toolpath"]["region"][name][0] for name in ("all", "any", "none"))):
             region["connected"] = {"seed_mm": [0, 0, 0], "crease_deg": 60}
         yield job, cell
@@ -199,6 +205,10 @@ class Keys(InFolder):
 
         job, cell = self.base()
         job["workpiece"]["stock"] = {"mesh": "support_pad.stl", "unit": "mm"}
+        job["process"].update(cutting={"teeth": 2, "depth_mm": 1, "kc11_N_mm2": 700, "mc": 0.2},
+                              stock="region")
+        job["process"].pop("min_feed_share", None)
+        job["process"]["feed"] = "keep"
         self.strategy(job, "pad", {"pattern": "zigzag", "along": [1, 0, 0], "offset_mm": 20})
         yield job, cell
 
@@ -210,10 +220,18 @@ class Keys(InFolder):
             self.strategy(job, name, keys)
             yield job, cell
 
+        corners = ((-40, -40), (40, -40), (40, 40), (-40, 40))
+        (self.folder / "sheet.off").write_text(
+            "OFF\n4 2 0\n" + "".join(f"{x} {y} 0\n" for x, y in corners) + "3 0 1 2\n3 0 2 3\n")
+        job, cell = self.base()
+        job["workpiece"].update(mesh="sheet.off", flip=False)
+        job["toolpath"].pop("region")
+        yield job, cell
+
         job, cell = self.base()
         job["workpiece"].update(mesh="cabin_ring.stl", pose={"xyz_mm": [2000, 0, 1150], "abc_deg": [0, -90, 0]})
         self.strategy(job, "rings", {"point_mm": [0, 0, 0], "axis": [0, 0, 1], "on": "auto", "path": "closed",
-                                     "seam_step_deg": 0})
+                                     "start_deg": 10, "seam_step_deg": 0})
         job["toolpath"].update(spacing_mm=150, chord_tolerance_mm=20)
         job["toolpath"]["gouges"]["tolerance_mm"] = 20  # the chords count
         yield job, cell

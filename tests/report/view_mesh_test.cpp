@@ -49,7 +49,7 @@ TEST(ViewMesh, HullHoldsItsPointsAndIsClosed) {
   for (int round = 0; round < 20; ++round) {
     std::vector<Eigen::Vector3d> points;
     for (int i = 0; i < 60; ++i)
-      points.emplace_back(100 * random.Normal(), 50 * random.Normal(), 300 * random.Normal());
+      points.push_back({100 * random.Normal(), 50 * random.Normal(), 300 * random.Normal()});
     const Triangles hull = ConvexHull(points);
     EXPECT_EQ(EdgesWithoutPartner(hull), 0);
     ASSERT_GE(hull.faces.size(), 4u);

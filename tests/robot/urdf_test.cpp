@@ -42,7 +42,7 @@ Vector3d RollPitchYaw(const Matrix3d& R) {
 }
 
 Matrix3d RandomRotation(RandomStream& random) {
-  return Eigen::Quaterniond(random.Normal(), random.Normal(), random.Normal(), random.Normal())
+  return Eigen::Quaterniond{random.Normal(), random.Normal(), random.Normal(), random.Normal()}
       .normalized()
       .toRotationMatrix();
 }
@@ -53,7 +53,7 @@ Spec TurnedAbout(const Arm& arm, RandomStream& random, double miss = 0) {
   constexpr std::array<int, 6> kColumn{2, 1, 1, 0, 1, 2};
   Pose X_SB = Pose::Identity();
   X_SB.linear() = RandomRotation(random);
-  X_SB.translation() = 300 * Vector3d(random.Normal(), random.Normal(), random.Normal());
+  X_SB.translation() = 300 * Vector3d{random.Normal(), random.Normal(), random.Normal()};
   const std::array<Pose, 7> frames = LinkFrames(arm, Joints::Zero());
   Spec spec;
   Pose before = Pose::Identity();
@@ -70,7 +70,7 @@ Spec TurnedAbout(const Arm& arm, RandomStream& random, double miss = 0) {
     before = X_SL;
   }
   Pose X_SE = X_SB * frames[6];
-  X_SE.translation() += 100 * Vector3d(random.Normal(), random.Normal(), random.Normal());
+  X_SE.translation() += 100 * Vector3d{random.Normal(), random.Normal(), random.Normal()};
   X_SE.linear() = RandomRotation(random);
   const Pose step = before.inverse() * X_SE;
   spec.flange_xyz = step.translation() / 1000;
@@ -81,8 +81,10 @@ Spec TurnedAbout(const Arm& arm, RandomStream& random, double miss = 0) {
 Arm RandomArm(RandomStream& random) {
   std::array<double, 6> sign;
   for (double& s : sign) s = random.Uniform(-1, 1) < 0 ? -1 : 1;
-  Arm arm = MakeArm("random", random.Uniform(-200, 900), random.Uniform(-300, 500), random.Uniform(300, 1300),
-                    random.Uniform(-900, 1000), random.Uniform(-300, 300), random.Uniform(-200, 300), sign);
+  const std::array<double, 6> lengths{random.Uniform(-200, 900), random.Uniform(-300, 500),
+                                      random.Uniform(300, 1300), random.Uniform(-900, 1000),
+                                      random.Uniform(-300, 300), random.Uniform(-200, 300)};
+  Arm arm = MakeArm("random", lengths[0], lengths[1], lengths[2], lengths[3], lengths[4], lengths[5], sign);
   for (double& offset : arm.offset) offset = random.Uniform(-kPi, kPi);
   return arm;
 }

@@ -70,7 +70,7 @@ Use InChild(const std::string& bytes) {
 }
 
 TEST(CorpusMemory, StaysBelowFourTimesWhatFileAndMeshNeed) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(MILLPOSE_SANITIZED)
   GTEST_SKIP() << "sanitizers hold memory back";
 #endif
   ::mallopt(M_MMAP_THRESHOLD, 65536);

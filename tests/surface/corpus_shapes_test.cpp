@@ -55,7 +55,7 @@ std::vector<Defect> Closed() {
   RandomStream random(3, 0);
   Triangles jitter = Soup(kBox), metres = kBox, away = kBox;
   for (auto& p : jitter.vertices)
-    p += 2e-5 * Eigen::Vector3d(random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-1, 1));
+    p += 2e-5 * Eigen::Vector3d{random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-1, 1)};
   for (auto& p : metres.vertices) p /= 1000;
   for (auto& p : away.vertices) p += far;
   Triangles cavity = Joined(kBox, Inverted(BoxShape({2, 2, 2}, {4, 4, 4})));

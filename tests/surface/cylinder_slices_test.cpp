@@ -59,7 +59,7 @@ TEST(CylinderSlices, AgreeWithDenseSamplingOnRandomTriangles) {
   for (int i = 0; i < 400; ++i) {
     Triangles one;
     for (int k = 0; k < 3; ++k)
-      one.vertices.emplace_back(random.Uniform(-2, 2), random.Uniform(-2, 2), random.Uniform(-0.5, 0.5));
+      one.vertices.push_back({random.Uniform(-2, 2), random.Uniform(-2, 2), random.Uniform(-0.5, 0.5)});
     one.faces = {{0, 1, 2}};
     const Mesh mesh = SoundMesh(one);
     const Eigen::Vector3d n = mesh.FaceNormal(0);

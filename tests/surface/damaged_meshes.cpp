@@ -8,7 +8,7 @@ namespace millpose {
 namespace {
 
 Eigen::Vector3d Offset(RandomStream& random, double size) {
-  return size * Eigen::Vector3d(random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-1, 1));
+  return size * Eigen::Vector3d{random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-1, 1)};
 }
 
 double Volume(const Triangles& mesh) {

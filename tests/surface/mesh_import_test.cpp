@@ -50,7 +50,7 @@ TEST(MeshImport, WeldsWithinTheToleranceAndNotBeyond) {
   Triangles soup = Soup(kBox);
   RandomStream random(1, 0);
   for (auto& p : soup.vertices)
-    p += 2e-5 * Eigen::Vector3d(random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-1, 1));
+    p += 2e-5 * Eigen::Vector3d{random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-1, 1)};
   const ImportResult result = Import(soup);
   EXPECT_EQ(result.report.vertices, 8);
   EXPECT_EQ(result.report.welded, 36 - 8);
@@ -255,7 +255,7 @@ TEST(MeshImport, RepairsRandomSoupsIntoManifolds) {
     RandomStream random(seed, 7);
     Triangles mesh;
     for (int i = 0; i < 12; ++i)
-      mesh.vertices.emplace_back(random.Uniform(0, 9), random.Uniform(0, 9), random.Uniform(0, 9));
+      mesh.vertices.push_back({random.Uniform(0, 9), random.Uniform(0, 9), random.Uniform(0, 9)});
     const int count = 1 + random.Below(60);
     for (int i = 0; i < count; ++i)
       mesh.faces.push_back({random.Below(12), random.Below(12), random.Below(12)});

@@ -21,7 +21,7 @@ TEST(PointFit, FindsTheMotionAlsoOfPlaneTargets) {
     Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
     X.translate(Eigen::Vector3d(1750, 20, 1200));
     X.rotate(Eigen::AngleAxisd(random.Uniform(-3, 3),
-                               Eigen::Vector3d(random.Normal(), random.Normal(), 1).normalized()));
+                               Eigen::Vector3d{random.Normal(), random.Normal(), 1}.normalized()));
     std::vector<Eigen::Vector3d> to;
     for (const auto& p : from) to.push_back(X * p);
     const auto fit = FitPoints(from, to);
@@ -36,13 +36,13 @@ TEST(PointFit, NoSmallMotionFitsNoisyTargetsBetter) {
   RandomStream random(5, 0);
   const auto from = Cloud(random, 6, {900, 600, 50});
   std::vector<Eigen::Vector3d> to = from;
-  for (auto& p : to) p += 0.1 * Eigen::Vector3d(random.Normal(), random.Normal(), random.Normal());
+  for (auto& p : to) p += 0.1 * Eigen::Vector3d{random.Normal(), random.Normal(), random.Normal()};
   const auto fit = FitPoints(from, to);
   ASSERT_TRUE(fit);
   EXPECT_GT(fit->rms, 0.01);
   for (int i = 0; i < 200; ++i) {
     Eigen::Isometry3d near = fit->X;
-    near.translate(0.01 * Eigen::Vector3d(random.Normal(), random.Normal(), random.Normal()));
+    near.translate(0.01 * Eigen::Vector3d{random.Normal(), random.Normal(), random.Normal()});
     near.rotate(Eigen::AngleAxisd(1e-4 * random.Normal(), Eigen::Vector3d::Unit(random.Below(3))));
     double squares = 0;
     for (size_t k = 0; k < from.size(); ++k) squares += (near * from[k] - to[k]).squaredNorm();

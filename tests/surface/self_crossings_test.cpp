@@ -35,10 +35,10 @@ TEST(SelfCrossings, AgreeWithAllPairsOnRandomTriangles) {
     RandomStream random(seed, 41);
     Triangles soup;
     for (int f = 0; f < 120; ++f) {
-      const Vector centre(random.Uniform(0, 10), random.Uniform(0, 10), random.Uniform(0, 10));
+      const Vector centre{random.Uniform(0, 10), random.Uniform(0, 10), random.Uniform(0, 10)};
       for (int k = 0; k < 3; ++k)
         soup.vertices.push_back(centre +
-                                Vector(random.Uniform(-2, 2), random.Uniform(-2, 2), random.Uniform(-2, 2)));
+                                Vector{random.Uniform(-2, 2), random.Uniform(-2, 2), random.Uniform(-2, 2)});
       soup.faces.push_back({3 * f, 3 * f + 1, 3 * f + 2});
     }
     const Mesh mesh(soup);
@@ -74,7 +74,7 @@ TEST(SelfCrossings, GivesUpWhereMostTrianglesMeet) {
   RandomStream random(5, 41);
   for (int f = 0; f < 6000; ++f) {
     for (int k = 0; k < 3; ++k)
-      star.vertices.emplace_back(random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-1, 1));
+      star.vertices.push_back({random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-1, 1)});
     star.faces.push_back({3 * f, 3 * f + 1, 3 * f + 2});
   }
   const SelfCrossings found = FindSelfCrossings(Mesh(star));

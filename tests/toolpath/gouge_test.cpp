@@ -63,13 +63,14 @@ TEST(Gouge, DepthAgreesWithBruteForce) {
   for (int i = 0; i < 90; ++i) {
     Triangles one;
     for (int k = 0; k < 3; ++k)
-      one.vertices.emplace_back(random.Uniform(-20, 20), random.Uniform(-20, 20), random.Uniform(-8, 60));
+      one.vertices.push_back({random.Uniform(-20, 20), random.Uniform(-20, 20), random.Uniform(-8, 60)});
     if (i % 4 != 0)
       for (auto& p : one.vertices) p.z() /= 10;
     one.faces = {{0, 1, 2}};
     const Mesh mesh = SoundMesh(one);
     const CutterShape& cutter = kCutters[i % 3];
-    const Eigen::Vector3d axis = Leaning(random.Uniform(-0.3, 0.3), random.Uniform(-0.3, 0.3));
+    const double lead = random.Uniform(-0.3, 0.3), tilt = random.Uniform(-0.3, 0.3);
+    const Eigen::Vector3d axis = Leaning(lead, tilt);
     const double brute = DeepestByGrids(one, cutter, axis);
     const Gouge gouge = DeepestGouge(mesh, cutter, Eigen::Vector3d::Zero(), axis, 0.001);
     // The search ends at 0.1 %; the grids come within 0.02 mm of places at the cutter's end.

@@ -23,12 +23,12 @@ void ExpectSame(const RegionOptions& options, const std::function<bool(double, d
   RandomStream random(9, 0);
   int inside = 0;
   for (int i = 0; i < 4000; ++i) {
-    const Eigen::Vector3d p(random.Uniform(0, 100), random.Uniform(0, 100), 0);
+    const Eigen::Vector3d p{random.Uniform(0, 100), random.Uniform(0, 100), 0};
     const int face = kGrid.Closest(p).face;
     const double margin = region.Margin(face, p);
     EXPECT_EQ(region.HasFace(face) && margin >= 0, expected(p.x(), p.y())) << p.transpose();
     inside += margin >= 0 ? 1 : 0;
-    const Eigen::Vector3d q = p + Eigen::Vector3d(random.Uniform(-3, 3), random.Uniform(-3, 3), 0);
+    const Eigen::Vector3d q = p + Eigen::Vector3d{random.Uniform(-3, 3), random.Uniform(-3, 3), 0};
     if (std::isfinite(margin)) {
       EXPECT_LE(std::abs(region.Margin(face, q) - margin), (q - p).norm() + 1e-9);
     }

@@ -34,8 +34,7 @@ Curve Circle(double radius, double angle) {
 // The largest distance of densely sampled curve points from the chord that spans them, and the largest
 // spacing.
 std::pair<double, double> DeviationAndSpacing(const Curve& curve, std::vector<CurvePoint> points) {
-  double length = 0, deviation = 0, spacing = 0;
-  for (const CurvePiece& piece : curve.pieces) length += piece.LengthBound(0, 1);
+  double deviation = 0, spacing = 0;
   if (curve.closed) points.push_back({static_cast<int>(curve.pieces.size()) - 1, 1.0, 0});
   for (size_t i = 0; i + 1 < points.size(); ++i) {
     const Eigen::Vector3d a = curve.pieces[points[i].piece].At(points[i].t),
@@ -87,7 +86,7 @@ TEST(Resample, RandomPolylinesKeepToleranceAndSpacing) {
     std::vector<Eigen::Vector3d> corners{Eigen::Vector3d::Zero()};
     for (int i = 0; i < 60; ++i)
       corners.push_back(corners.back() +
-                        Eigen::Vector3d(random.Uniform(0.1, 2), random.Uniform(-0.02, 0.02), 0));
+                        Eigen::Vector3d{random.Uniform(0.1, 2), random.Uniform(-0.02, 0.02), 0});
     const Curve curve = Polyline(corners);
     const auto points = Resample(curve, 0.02, 3);
     const auto [deviation, spacing] = DeviationAndSpacing(curve, points);
