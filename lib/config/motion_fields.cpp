@@ -21,8 +21,18 @@ Codec<JobSettings> PathFields() {
       {
           Key<S>("rotation_step_deg", MILLPOSE_AT(path.rotation_step), Real(kDeg, Between(0.01, 45)),
                  "Grid of rotations about the tool axis in the layered search."),
-          Key<S>("max_joint_step_deg", MILLPOSE_AT(path.max_joint_step), Numbers6(kDeg, Positive(360)),
-                 "Largest change of each axis between neighbouring points."),
+          Key<S>(
+              "max_joint_deg_per_mm", MILLPOSE_AT(path.steps.per_mm), Real(kDeg, Between(0.001, 1000)),
+              "Largest change of each axis between neighbouring points, for each mm of way between them: of "
+              "the tip, or of a point 300 mm up the tool where it turns on the spot."),
+          Key<S>(
+              "joint_speed_share", MILLPOSE_AT(path.steps.speed_share), Real(kOne, Between(0.001, 1)),
+              "Largest speed of each axis between neighbouring points at the programmed feed, as a share of "
+              "its own."),
+          Key<S>("max_joint_step_deg", MILLPOSE_AT(path.steps.most), Numbers6(kDeg, Positive(360)),
+                 "Largest change of each axis between neighbouring points however far they lie apart.")
+              .WhenSet([](const S& s) { return s.path.steps.most.allFinite(); })
+              .DefaultText("none"),
           Key<S>("motion_share", MILLPOSE_AT(path.motion_share), Real(kOne, UpTo(1e6)),
                  "Cost of joint motion beside the objective: of one rad², as a share of the median optimum "
                  "of the "
@@ -43,12 +53,11 @@ Codec<JobSettings> PathFields() {
                  "Most lifts of a pass for `lift_gain_percent`.")
               .WhenSet([](const S& s) { return s.path.lift_gain > 0; })
               .DefaultText("1"),
-          Key<S>("max_halfway_deviation_mm", MILLPOSE_AT(path.max_deviation), Real(kMm, Between(0.001, 1000)),
-                 "Aim of smoothing, no bound: half-way between points, with the joints turning evenly, the "
-                 "tip's "
-                 "distance from its straight line. Larger ones are mended where the loss allows; none grows "
-                 "by more "
-                 "than 6 %."),
+          Key<S>(
+              "max_halfway_deviation_mm", MILLPOSE_AT(path.max_deviation), Real(kMm, Between(0.001, 1000)),
+              "Half-way between points, with the joints turning evenly, the tip's largest distance from its "
+              "straight line; where the points lie too far apart for that, a fifth more than with the "
+              "rotation unchanged."),
       },
       CheckLifts);
 }

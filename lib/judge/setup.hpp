@@ -54,7 +54,9 @@ struct Setup {
   Angles sign, offset, lower, upper;  ///< 1, rad
   Angles hard_lower, hard_upper;      ///< the arm's own limits, rad
   Angles stiffness;                   ///< N·mm/rad
-  Angles max_step;                    ///< rad
+  Angles max_step;                    ///< rad, infinite where the job has none
+  Angles max_step_speed;              ///< rad/s: the job's share of the arm's
+  Real max_step_per_mm = 0;           ///< rad
   Angles home;                        ///< rad
   Real characteristic_length = 1000;  ///< mm
   bool stiffness_at_flange = false;

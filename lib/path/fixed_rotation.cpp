@@ -40,8 +40,8 @@ class Comparer {
       number += pass.points.size();
     }
     ParallelFor(passes_.size(), options.threads, options.stop, [&](size_t i) {
-      passes_[i].table = MakeFixedTable(problem, *passes_[i].pass, compared_,
-                                        {options.rotation_step, options.max_joint_step});
+      passes_[i].table =
+          MakeFixedTable(problem, *passes_[i].pass, compared_, {options.rotation_step, options.steps});
       passes_[i].free.assign(8 * passes_[i].table.rotations, 0);
     });
     std::erase_if(passes_, [](const OfPass& pass) { return pass.table.points == 0; });

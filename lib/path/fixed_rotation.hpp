@@ -5,6 +5,7 @@
 #include <stop_token>
 
 #include "cell/world.hpp"
+#include "path/step_bound.hpp"
 #include "plan/fixed_comparison.hpp"
 #include "plan/plan_result.hpp"
 #include "pose/scorer.hpp"
@@ -14,7 +15,7 @@ namespace millpose {
 /// What a rotation is held to, and how rotations are ranked.
 struct FixedRotationOptions {
   double rotation_step = 0;     ///< rad
-  Joints max_joint_step;        ///< rad, between neighbouring points
+  StepBounds steps;             ///< of the joints between neighbouring points
   double swept_resolution = 0;  ///< mm
   bool worst_first = false;     ///< the least worst value wins; else the least sum
   int threads = 1;

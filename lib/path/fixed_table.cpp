@@ -31,17 +31,21 @@ class TableMaker {
   FixedTable Make(const PassResult& pass, const PointFilter& counts) {
     int piece = -1;
     bool closed = false;
+    const MillingPoint *first = nullptr, *last = nullptr;  // of the piece
     for (size_t t = 0; t < pass.points.size(); ++t) {
       const PlannedPoint& planned = pass.points[t];
       if (planned.skip != SkipReason::kNone) continue;
       const bool starts = planned.piece != piece;
-      if (starts && piece >= 0) EndPiece(closed);
+      if (starts && piece >= 0) EndPiece(closed, *last, *first);
+      if (starts) first = last = &planned.point;
+      most_ = StepBound(options_.steps, problem_.arm, *last, planned.point);
+      last = &planned.point;
       piece = planned.piece;
       closed = pass.pieces[static_cast<size_t>(piece)].closed;
       ++table_.points;
       Add(PointScorer(problem_, planned.point, pass.rotation_reference), t, starts, counts(planned));
     }
-    if (piece >= 0) EndPiece(closed);
+    if (piece >= 0) EndPiece(closed, *last, *first);
     return std::move(table_);
   }
 
@@ -80,7 +84,7 @@ class TableMaker {
       return true;
     }
     const Joints step = (q - course.last).unaryExpr(&ShortWay);
-    if ((step.cwiseAbs().array() > options_.max_joint_step.array()).any()) return false;
+    if ((step.cwiseAbs().array() > most_.array()).any()) return false;
     course.last += step;
     course.least = course.least.cwiseMin(course.last);
     course.most = course.most.cwiseMax(course.last);
@@ -88,7 +92,8 @@ class TableMaker {
   }
 
   /// Full turns must bring the whole piece within the limits, and a closed one must close.
-  void EndPiece(bool closed) {
+  void EndPiece(bool closed, const MillingPoint& last, const MillingPoint& first) {
+    most_ = StepBound(options_.steps, problem_.arm, last, first);
     for (size_t k = 0; k < courses_.size(); ++k) {
       FixedTable::Entry& entry = table_.entries[k];
       if (!entry.serves) continue;
@@ -111,6 +116,7 @@ class TableMaker {
   const PoseProblem& problem_;
   const FixedTableOptions& options_;
   FixedTable table_;
+  Joints most_ = Joints::Zero();  ///< rad, of the step that is taken
   std::vector<Course> courses_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "path/step_bound.hpp"
 #include "plan/compared.hpp"
 #include "pose/scorer.hpp"
 
@@ -25,8 +26,8 @@ struct FixedTable {
 };
 
 struct FixedTableOptions {
-  double rotation_step;   ///< rad: the layered search's
-  Joints max_joint_step;  ///< rad
+  double rotation_step;  ///< rad: the layered search's
+  StepBounds steps;
 };
 
 /// The rotation is the problem's first freedom, others are 0.

@@ -107,16 +107,16 @@ class FreeSmoother {
     hits.pose[0] |= !EndsWithin(path_[0].q);
     for (size_t i = 0; i < path_.size(); ++i) {
       if (options_.closed || i + 1 < path_.size())
-        hits.motion[i] |= !StepWithin(path_[i].q, path_[Next(i)].q);
+        hits.motion[i] |= !StepWithin(i, path_[i].q, path_[Next(i)].q);
     }
     doubtful_ = hits.Points();
     for (size_t i = 0; i < path_.size(); ++i) looked_at_[i] = path_[i].q;
     return hits;
   }
 
-  bool StepWithin(const Joints& from, const Joints& to) const {
+  bool StepWithin(size_t i, const Joints& from, const Joints& to) const {
     const Joints step = (to - from).unaryExpr(&ShortWay);
-    return (step.cwiseAbs().array() <= options_.max_step.array() + kRounding).all();
+    return (step.cwiseAbs().array() <= options_.max_step[i].array() + kRounding).all();
   }
 
   /// A ring comes back to its first point with the turns that it made.
@@ -149,7 +149,7 @@ class FreeSmoother {
   }
   bool MotionFree(Checker& checker, size_t i, double x, double x_next) const {
     const std::optional<PathNode> from = At(i, x), to = At(Next(i), x_next);
-    return from && to && StepWithin(from->q, to->q) && checker_.MotionFree(checker, from->q, to->q);
+    return from && to && StepWithin(i, from->q, to->q) && checker_.MotionFree(checker, from->q, to->q);
   }
 
   /// The largest share of 0..1 that was found free, 1 not being; 0 is.

@@ -45,7 +45,7 @@ void Derive(CoursePlace& place, const FreedomRange& range, const std::array<Cand
 }  // namespace
 
 FreedomCourse::FreedomCourse(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
-                             std::span<const PathNode> path, bool closed, const Joints& max_step)
+                             std::span<const PathNode> path, bool closed, std::span<const Joints> max_step)
     : scorers_(scorers),
       points_(points),
       path_(path),
@@ -162,7 +162,7 @@ Merit FreedomCourse::Judge(const std::vector<CoursePlace>& places) const {
     merit.within = merit.within && off <= 1;
     const Joints step = Step(places[t], places[Next(t)]);
     for (int j = 0; j < 6; ++j) {
-      const double share = std::abs(step[j]) / max_step_[j], over = std::max(0.0, share - kStepReserve);
+      const double share = std::abs(step[j]) / max_step_[t][j], over = std::max(0.0, share - kStepReserve);
       merit.violation += over * over;
       merit.steps = merit.steps && share <= 1 + kRounding;
     }
@@ -203,9 +203,9 @@ void FreedomCourse::AddViolations(BoxLeastSquares& squares, const std::vector<Co
     squares.Add<2>(weight, size - kReserve, {{{t, derivative(kSmall, 0)}, {Next(t), derivative(0, kSmall)}}});
   }
   for (int j = 0; j < 6; ++j) {
-    const double share = step[j] / max_step_[j];
+    const double share = step[j] / max_step_[t][j];
     if (std::abs(share) <= kStepReserve) continue;
-    const double scale = (share > 0 ? 1 : -1) / max_step_[j];
+    const double scale = (share > 0 ? 1 : -1) / max_step_[t][j];
     squares.Add<2>(weight, std::abs(share) - kStepReserve,
                    {{{t, -scale * from.turn[j]}, {Next(t), scale * to.turn[j]}}});
   }

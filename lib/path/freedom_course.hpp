@@ -32,11 +32,12 @@ struct Merit {
 };
 
 /// One piece: its points, and the bounds between them. Branches and full turns are those of `path`, whose
-/// joint angles are continuous. All spans have one entry per point and outlive the course.
+/// joint angles are continuous. All spans have one entry per point (`max_step`, rad: of the step from there
+/// on) and outlive the course.
 class FreedomCourse {
  public:
   FreedomCourse(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
-                std::span<const PathNode> path, bool closed, const Joints& max_step);
+                std::span<const PathNode> path, bool closed, std::span<const Joints> max_step);
 
   /// Bounds of the deviations half-way (HalfwayDeviation), mm, one per motion; the last closes a ring.
   void set_limits(std::vector<double> limits) { limits_ = std::move(limits); }
@@ -78,7 +79,7 @@ class FreedomCourse {
   std::span<const MillingPoint> points_;
   std::span<const PathNode> path_;
   const PoseProblem& problem_;
-  Joints max_step_;
+  std::span<const Joints> max_step_;
   bool closed_;
   size_t motions_;
   std::vector<AccelerationRow> rows_;

@@ -13,7 +13,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double BreakPenalty(const LayeredProblem& problem) {
   double sum = 0.0, largest = 0.0;
-  for (const Layer& layer : problem.layers) {
+  for (size_t t = 0; t < problem.layers.size(); ++t) {
+    const Layer& layer = problem.layers[t];
     double least = kInfinity, most = -kInfinity;
     for (const double value : layer.objective) {
       if (!std::isfinite(value)) continue;
@@ -22,7 +23,7 @@ double BreakPenalty(const LayeredProblem& problem) {
     }
     if (most > least) sum += most - least;
     largest = std::max(largest, most);
-    sum += problem.rule.motion_weight * problem.rule.max_step.squaredNorm();
+    sum += problem.rule.motion_weight * problem.RuleFrom(t).max_step.squaredNorm();
   }
   // A power of two, so that a largest value can carry its breaks beside it (Sweep).
   if (problem.worst) return std::ldexp(1.0, std::ilogb(std::max(largest, 1e-9)) + 2);
@@ -68,6 +69,15 @@ Sequence SearchOpen(const LayeredProblem& problem) {
   const size_t all = problem.layers[0].size();
   if (!sweep.Forward(memory.RowsFor(0, all), 0, all, true)) return none;
   return sweep.Trace(sweep.least_node());
+}
+
+double ClosingBound(const LayeredProblem& problem) {
+  const size_t all = problem.layers[0].size();
+  SweepMemory memory;
+  Sweep sweep(problem, kInfinity);
+  if (!sweep.Forward(memory.RowsFor(0, all), 0, all, false)) return 0;
+  const double cost = sweep.Close(0, all).by.cost;
+  return std::isfinite(cost) ? cost : 0;
 }
 
 std::optional<Sequence> SearchClosed(const LayeredProblem& problem, int max_sweeps) {

@@ -53,6 +53,14 @@ struct LayeredProblem {
   double most = std::numeric_limits<double>::infinity();  ///< no node of a larger objective; no wall either
   /// The cost of a sequence is its largest objective instead of the sum, and motion costs nothing.
   bool worst = false;
+  std::span<const Joints> max_step = {};  ///< entry t: of the step from layer t on; empty: the rule's own
+
+  /// The rule of the step from layer `t` to the next, from the last to the first.
+  StepRule RuleFrom(size_t t) const {
+    StepRule of = rule;
+    if (!max_step.empty()) of.max_step = max_step[t];
+    return of;
+  }
 };
 
 inline constexpr size_t kNoNode = std::numeric_limits<size_t>::max();
@@ -80,6 +88,10 @@ Sequence SearchOpen(const LayeredProblem& problem);
 /// `max_sweeps` ends it early, with the best closed sequence so far.
 std::optional<Sequence> SearchClosed(const LayeredProblem& problem,
                                      int max_sweeps = std::numeric_limits<int>::max());
+
+/// The least cost of a sequence that closes from any node of the last layer into any of the first: no closed
+/// one costs less. 0 where there is none.
+double ClosingBound(const LayeredProblem& problem);
 
 /// More than any sequence can cost, so that one break less always wins.
 double BreakPenalty(const LayeredProblem& problem);

@@ -21,7 +21,8 @@ class FreeSearch {
         carrier_{context.problem.arm, context.problem.X_WB, context.problem.X_FT},
         layers_(MakeLayers(context, false)),
         strike_out_(context.world, carrier_, layers_, context.options.swept_resolution,
-                    context.problem.freedoms[0]->IsToolRotation(), context.threads, context.stop) {}
+                    context.problem.freedoms[0]->IsToolRotation(), MakeLimits(context), context.threads,
+                    context.stop) {}
 
   LayeredProblem Problem() const { return MakeProblem(context_, layers_, strike_out_, false); }
 
@@ -29,7 +30,7 @@ class FreeSearch {
   std::optional<Sequence> Free(const Search& search) {
     const LayeredProblem problem = Problem();
     for (;; ++round_) {
-      std::optional<Sequence> sequence = search(problem);
+      std::optional<Sequence> sequence = strike_out_.Straight([&] { return search(problem); });
       if (!sequence || IsFree(*sequence)) return sequence;
     }
   }

@@ -6,6 +6,7 @@
 #include "base/units.hpp"
 #include "cell/world.hpp"
 #include "path/lifted_search.hpp"
+#include "path/step_bound.hpp"
 #include "plan/plan_result.hpp"
 #include "pose/paper_formulation.hpp"
 #include "toolpath/pass_ends.hpp"
@@ -14,12 +15,12 @@ namespace millpose {
 
 /// How a pass is planned (design.md, "The planning of one pass").
 struct PathOptions {
-  double rotation_step = DegToRad(1);                     ///< grid of the layered search, rad
-  Joints max_joint_step = Joints::Constant(DegToRad(5));  ///< hard bound between neighbouring points, rad
+  double rotation_step = DegToRad(1);  ///< grid of the layered search, rad
+  StepBounds steps;                    ///< of the joints between neighbouring points, hard
   double motion_share = 0.04;     ///< per rad² of joint motion, of the median optimum of the pass's points
   bool worst_first = false;       ///< the worst value of a pass first, then the sum (WorstThenSum)
   double smoothing_loss = 0.01;   ///< share of a piece's objective that smoothing may give up
-  double max_deviation = 0.5;     ///< mm, of the tip half-way between points, see HalfwayDeviation
+  double max_deviation = 5;       ///< mm, of the tip half-way between points (StepLimits)
   double swept_resolution = 0.5;  ///< mm
   double overlap = 10;            ///< mm that the parts of a split pass share
   PassEnds ends;                  ///< their leads, without overrun

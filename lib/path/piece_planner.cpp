@@ -59,7 +59,7 @@ class PiecePlanner {
   Sequence SearchFree() {
     const bool rotates_first = context_.problem.freedoms[0]->IsToolRotation();
     StrikeOut strike_out(context_.world, carrier_, layers_, context_.options.swept_resolution, rotates_first,
-                         context_.threads, context_.stop);
+                         MakeLimits(context_), context_.threads, context_.stop);
     SweepMemory memory;
     LayeredProblem problem = MakeProblem(context_, layers_, strike_out, all_turns_);
     problem.memory = &memory;
@@ -70,7 +70,12 @@ class PiecePlanner {
     const bool worst_first = context_.options.worst_first;
     WorstThenSum open_worst, closed_worst;
     const auto search_closed = [&](int sweeps) {
-      return worst_first ? closed_worst.Closed(problem, sweeps) : SearchClosed(problem, sweeps);
+      return strike_out.Straight(
+          [&] { return worst_first ? closed_worst.Closed(problem, sweeps) : SearchClosed(problem, sweeps); });
+    };
+    const auto search_open = [&] {
+      return *strike_out.Straight(
+          [&] { return std::optional(worst_first ? open_worst.Open(problem) : SearchOpen(problem)); });
     };
     constexpr int kAllSweeps = std::numeric_limits<int>::max();
     Sequence sequence;
@@ -80,7 +85,7 @@ class PiecePlanner {
       if (context_.closed) closed = search_closed(kQuickSweeps);
       if (context_.closed && !closed) closed = search_closed(kAllSweeps);
       if (closed && round == 0) unbarred = closed->cost;
-      sequence = closed ? std::move(*closed) : worst_first ? open_worst.Open(problem) : SearchOpen(problem);
+      sequence = closed ? std::move(*closed) : search_open();
       bool free = strike_out.Check(sequence);
       if (free && sequence.closed) {
         std::optional<Sequence> best = search_closed(kAllSweeps);
@@ -103,6 +108,7 @@ class PiecePlanner {
       if (sequence.nodes[t] == kNoNode) plan_.interference[t] = strike_out.Detail(t);
     }
     LookBack(problem, sequence, strike_out);
+    max_step_.assign(strike_out.max_step().begin(), strike_out.max_step().end());
     return sequence;
   }
 
@@ -153,13 +159,18 @@ class PiecePlanner {
     return std::span(plan_.nodes).subspan(piece.first, piece.last - piece.first + 1);
   }
 
-  double Cost(const Piece& piece) { return PathCost(NodesOf(piece), rule_, piece.closed); }
+  std::span<const Joints> StepsOf(const Piece& piece) const {
+    return std::span(max_step_).subspan(piece.first, piece.last - piece.first + 1);
+  }
+
+  double Cost(const Piece& piece) { return PathCost(NodesOf(piece), rule_, StepsOf(piece), piece.closed); }
 
   /// Refines a piece. Where the finer path interferes, its points go back to the coarse one, which is free,
   /// with ever more of their neighbours, and the rest is refined again.
   void RefineFree(const Piece& piece) {
     RefineOptions options;
     options.rule = rule_;
+    options.max_step = StepsOf(piece);
     options.first_step = context_.options.rotation_step;
     options.last_step = DegToRad(0.002);
     options.closed = piece.closed;
@@ -176,18 +187,32 @@ class PiecePlanner {
       }
       RefinePath(std::span(context_.scorers).subspan(piece.first, path.size()),
                  std::span(context_.genetic).subspan(piece.first, path.size()), options, path);
-      if (FreezeWhatInterferes(piece, round, frozen)) return;
+      if (FreezeWhatFails(piece, coarse, round, frozen)) return;
     }
     std::copy(coarse.begin(), coarse.end(), path.begin());
   }
 
-  /// Checks the nodes of a refined piece and the motions between them; marks the points that must go back,
-  /// with 4^round − 1 neighbours to either side. True when there are none.
-  bool FreezeWhatInterferes(const Piece& piece, int round, std::vector<bool>& frozen) {
-    const PieceHits hits = checker_.Check(NodesOf(piece), piece.closed, frozen);
+  /// Checks the nodes of a refined piece and the motions between them, which may bend no further than they
+  /// may or did; marks the points that must go back, with 4^round − 1 neighbours to either side. True when
+  /// there are none.
+  bool FreezeWhatFails(const Piece& piece, const std::vector<PathNode>& coarse, int round,
+                       std::vector<bool>& frozen) {
+    const std::span<const PathNode> path = NodesOf(piece);
+    PieceHits hits = checker_.Check(path, piece.closed, frozen);
+    for (size_t i = 0; i < path.size(); ++i) {
+      const size_t next = (i + 1) % path.size();
+      if ((next == 0 && !piece.closed) || (frozen[i] && frozen[next])) continue;
+      const double deviation = Bend(path[i].q, path[next].q);
+      hits.motion[i] |=
+          deviation > context_.options.max_deviation && deviation > Bend(coarse[i].q, coarse[next].q);
+    }
     const std::vector<bool> wide = Widened(hits.Points(), (size_t{1} << (2 * round)) - 1, piece.closed);
     for (size_t i = 0; i < wide.size(); ++i) frozen[i] = frozen[i] || wide[i];
     return !hits.any();
+  }
+
+  double Bend(const Joints& from, const Joints& to) const {
+    return HalfwayDeviation(carrier_, from, millpose::Beside(from, to)).position;
   }
 
   /// Makes the joints of a piece continuous and moves each by as few full turns as bring all of the piece
@@ -236,6 +261,7 @@ class PiecePlanner {
   size_t count_;
   StepRule rule_;
   std::vector<Layer> layers_;
+  std::vector<Joints> max_step_;  ///< as the search has come to bound the steps
   PassPlan plan_;
 };
 
@@ -249,10 +275,14 @@ bool IsBeyond(double objective, const CandidateTable* table) {
 
 StepRule MakeRule(const PassContext& context, bool all_turns) {
   StepRule rule;
-  rule.max_step = context.options.max_joint_step;
   rule.motion_weight = context.motion_weight;
   rule.modulo_turns = !all_turns;
   return rule;
+}
+
+StepLimits MakeLimits(const PassContext& context) {
+  return {StepBoundsAlong(context.options.steps, context.problem.arm, context.points),
+          context.options.max_deviation};
 }
 
 std::vector<Layer> MakeLayers(const PassContext& context, bool all_turns) {
@@ -287,7 +317,8 @@ LayeredProblem MakeProblem(const PassContext& context, std::span<const Layer> la
           .walls = banded,
           .stop = context.stop,
           .break_before = context.break_before,
-          .versions = strike_out.versions()};
+          .versions = strike_out.versions(),
+          .max_step = strike_out.max_step()};
 }
 
 double MotionWeight(double share, std::span<const PointOptimum> optima) {
@@ -313,7 +344,8 @@ void SmoothPieces(const PassContext& context, PassPlan& plan) {
     const auto first = static_cast<size_t>(piece.first), count = static_cast<size_t>(piece.last) - first + 1;
     SmoothOptions options;
     options.loss = context.options.smoothing_loss;
-    options.max_step = context.options.max_joint_step;
+    options.max_step =
+        StepBoundsAlong(context.options.steps, context.problem.arm, context.points.subspan(first, count));
     options.max_deviation = context.options.max_deviation;
     options.keep_worst = context.options.worst_first;
     options.closed = piece.closed;

@@ -50,8 +50,11 @@ struct PassPlan {
   long long pairs_checked = 0, pairs_saved = 0;      ///< of bodies, at these nodes
 };
 
-/// What a step between neighbouring points may be and costs.
+/// What a step between neighbouring points costs; how large it may be is MakeLimits'.
 StepRule MakeRule(const PassContext& context, bool all_turns);
+
+/// What bounds the motions between neighbouring points.
+StepLimits MakeLimits(const PassContext& context);
 
 /// The admissible candidates of every point.
 std::vector<Layer> MakeLayers(const PassContext& context, bool all_turns);

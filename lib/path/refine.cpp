@@ -81,15 +81,20 @@ std::optional<Sequence> Search(const LayeredProblem& problem, const RefineOption
 
 }  // namespace
 
-double PathCost(std::span<const PathNode> path, const StepRule& rule, bool closed) {
-  StepRule closing = rule;
-  closing.modulo_turns = true;
+double PathCost(std::span<const PathNode> path, const StepRule& rule, std::span<const Joints> max_step,
+                bool closed) {
+  StepRule of = rule;
+  const auto step = [&](size_t from, size_t to) {
+    if (!max_step.empty()) of.max_step = max_step[from];
+    return StepCost(of, path[from].q, path[to].q);
+  };
   double cost = 0.0;
   for (size_t t = 0; t < path.size(); ++t) {
     cost += path[t].objective;
-    if (t > 0) cost += StepCost(rule, path[t - 1].q, path[t].q);
+    if (t > 0) cost += step(t - 1, t);
   }
-  if (closed) cost += StepCost(closing, path.back().q, path.front().q);
+  of.modulo_turns = true;
+  if (closed) cost += step(path.size() - 1, 0);
   return cost;
 }
 
@@ -100,12 +105,14 @@ void RefinePath(std::span<const PointScorer> scorers, std::span<const PointOptim
   for (double step = options.first_step / kHalfWindow; step >= options.last_step; step /= kHalfWindow) {
     for (int repeat = 0; repeat < kRepeats; ++repeat) {
       CheckStop(options.stop);
-      const double before = PathCost(path, options.rule, options.closed), worst_before = Worst(path);
+      const double before = PathCost(path, options.rule, options.max_step, options.closed),
+                   worst_before = Worst(path);
       for (size_t t = 0; t < path.size(); ++t) {
         layers[t] =
             MakeLayer(scorers[t], WindowSeeds(scorers[t], genetic[t], path[t], step), options.all_turns);
       }
       LayeredProblem problem{layers, options.rule, {}, false, false, options.stop, {}};
+      problem.max_step = options.max_step;
       if (options.worst_first) problem.most = worst_before;
       const std::optional<Sequence> found = Search(problem, options);
       if (!found) break;

@@ -20,8 +20,9 @@ struct PathNode {
 /// What the refinement of a piece goes by.
 struct RefineOptions {
   StepRule rule;
-  double first_step = 0;  ///< rad: the grid that the path comes from
-  double last_step = 0;   ///< rad: the grid to end at
+  std::span<const Joints> max_step;  ///< rad: entry t of the step from point t on; empty: the rule's own
+  double first_step = 0;             ///< rad: the grid that the path comes from
+  double last_step = 0;              ///< rad: the grid to end at
   bool closed = false;
   bool all_turns = false;    ///< nodes are absolute (Layer)
   bool worst_first = false;  ///< WorstThenSum; the path's worst value never rises
@@ -29,7 +30,8 @@ struct RefineOptions {
 };
 
 /// Σ objective + motion along a piece.
-double PathCost(std::span<const PathNode> path, const StepRule& rule, bool closed);
+double PathCost(std::span<const PathNode> path, const StepRule& rule, std::span<const Joints> max_step,
+                bool closed);
 
 /// Searches again around a sequence on ever finer grids: windows around its nodes, their branch kept, with
 /// the ends of admissible intervals and the genetic algorithm's answers (`genetic`, one per point) among the

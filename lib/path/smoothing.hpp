@@ -18,11 +18,11 @@ struct SmoothReference {
 /// What the smoothing of a piece goes by.
 struct SmoothOptions {
   SmoothReference before;
-  double loss = 0;           ///< share of the objective that may be given up
-  Joints max_step;           ///< rad, between neighbouring points
-  double max_deviation = 0;  ///< mm, of the tip half-way between points
-  bool mend = true;          ///< motions that deviate by more are mended; else they only may not get worse
-  bool keep_worst = false;   ///< no point may come to have a larger objective than the worst had
+  double loss = 0;               ///< share of the objective that may be given up
+  std::vector<Joints> max_step;  ///< rad, one per motion
+  double max_deviation = 0;      ///< mm, of the tip half-way between points
+  bool mend = true;         ///< motions that deviate by more are mended; else they only may not get worse
+  bool keep_worst = false;  ///< no point may come to have a larger objective than the worst had
   bool closed = false;
   std::stop_token stop;
 };

@@ -186,8 +186,11 @@ class SplitPlanner {
     const auto layer = [&](size_t t) {
       return MakeLayer(context.scorers[t], SeedsOf(*context.tables[t]), false);
     };
-    const Layer from = layer(after), to = layer((after + 1) % context.scorers.size());
-    const StepRule rule{context.options.max_joint_step, 0, true};
+    const size_t next = (after + 1) % context.scorers.size();
+    const Layer from = layer(after), to = layer(next);
+    const StepRule rule{
+        StepBound(context.options.steps, context.problem.arm, context.points[after], context.points[next]), 0,
+        true};
     const CostRow row(std::vector<double>(from.size(), 0.0));
     for (size_t node = 0; node < to.size(); ++node) {
       const int branch = to.BranchOf(node);

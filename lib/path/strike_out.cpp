@@ -5,8 +5,26 @@
 
 #include "base/cpu_time.hpp"
 #include "base/parallel.hpp"
+#include "base/trig.hpp"
+#include "motion/line.hpp"
 
 namespace millpose {
+namespace {
+
+/// Steps as large as this share of those with the freedoms unchanged are never barred for their size.
+constexpr double kMoreThanUnchanged = 1.2;
+
+/// The node of a branch whose first freedom is nearest to `value`; kNoNode where the branch has none.
+size_t Nearest(const Layer& layer, int branch, double value) {
+  const auto first = layer.first.begin() + static_cast<std::ptrdiff_t>(layer.branch_begin[branch]);
+  const auto last = layer.first.begin() + static_cast<std::ptrdiff_t>(layer.branch_begin[branch + 1]);
+  if (first == last) return kNoNode;
+  auto nearest = std::lower_bound(first, last, value);
+  if (nearest == last || (nearest != first && value - nearest[-1] < *nearest - value)) --nearest;
+  return static_cast<size_t>(nearest - layer.first.begin());
+}
+
+}  // namespace
 
 CheckCounts CheckInParallel(const World& world, size_t count, int threads, std::stop_token stop,
                             const std::function<void(Checker&, size_t)>& work) {
@@ -33,12 +51,14 @@ std::string Describe(const Interference& interference) {
 }
 
 StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::vector<Layer>& layers,
-                     double swept_resolution, bool rotates_first, int threads, std::stop_token stop)
+                     double swept_resolution, bool rotates_first, StepLimits limits, int threads,
+                     std::stop_token stop)
     : world_(world),
       carrier_(carrier),
       layers_(layers),
       rotates_first_(rotates_first),
       swept_resolution_(swept_resolution),
+      limits_(std::move(limits)),
       threads_(threads),
       stop_(std::move(stop)),
       verdict_(layers.size()),
@@ -66,6 +86,67 @@ std::string StrikeOut::Detail(size_t layer) const {
   if (!last_problem_[layer]) return {};
   Checker checker(world_);
   return Describe(checker, *last_problem_[layer]);
+}
+
+std::optional<Sequence> StrikeOut::Straight(const std::function<std::optional<Sequence>()>& search) {
+  for (;;) {
+    std::optional<Sequence> sequence = search();
+    if (!sequence || Straighten(*sequence)) return sequence;
+  }
+}
+
+bool StrikeOut::Straighten(const Sequence& sequence) {
+  constexpr double kTighter = 0.97;
+  bool straight = true;
+  for (size_t t = 0; t < layers_.size(); ++t) {
+    const std::optional<Motion> motion = MotionFrom(t, sequence);
+    if (!motion) continue;
+    const double deviation = HalfwayDeviation(carrier_, motion->q, motion->q + motion->step).position;
+    if (deviation <= limits_.max_deviation) continue;
+    const Joints unchanged = UnchangedStep(t, motion->from);
+    const double least = HalfwayDeviation(carrier_, motion->q, motion->q + unchanged).position;
+    const double most = std::max(limits_.max_deviation, kMoreThanUnchanged * least);
+    if (deviation <= most) continue;
+    if (!Tighten(t, *motion, kTighter * std::sqrt(most / deviation)))
+      struck_[t].insert({motion->from, motion->to});
+    ++versions_[t];
+    straight = false;
+  }
+  return straight;
+}
+
+/// The motion of a sequence from layer t to the next; empty where the tool is lifted or nothing is cut.
+std::optional<StrikeOut::Motion> StrikeOut::MotionFrom(size_t t, const Sequence& sequence) const {
+  const size_t to = (t + 1) % layers_.size(), a = sequence.nodes[t], b = sequence.nodes[to];
+  if (a == kNoNode || b == kNoNode) return std::nullopt;
+  if (to == 0 ? !sequence.closed : bool(sequence.break_before[to])) return std::nullopt;
+  const Joints q = layers_[t].joints.At(a);
+  return Motion{a, b, q, (layers_[to].joints.At(b) - q).unaryExpr(&ShortWay)};
+}
+
+/// Bounds the steps from layer t to `share` of a motion's, or to a little more than those with the freedoms
+/// unchanged. True when that bars the motion.
+bool StrikeOut::Tighten(size_t t, const Motion& motion, double share) {
+  // A joint's share in a bend grows with its lever and with the square of its step.
+  const Arm& arm = carrier_.arm;
+  const double hand = std::abs(arm.d5) + std::abs(arm.d6) + carrier_.X_FT.translation().norm();
+  const double whole = arm.a1 + arm.a2 + Hypot(arm.d4, arm.dz) + hand;
+  Joints scale = Joints::Ones();
+  scale.tail<3>().setConstant(std::sqrt(hand / whole));
+  const Joints least = kMoreThanUnchanged * UnchangedStep(t, motion.from).cwiseAbs();
+  const double bound = share * motion.step.cwiseAbs().cwiseProduct(scale).maxCoeff();
+  Joints& limit = limits_.max_step[t];
+  limit = limit.cwiseMin((bound * scale.cwiseInverse()).cwiseMax(least));
+  ++versions_[t];
+  return (motion.step.cwiseAbs().array() > limit.array()).any();
+}
+
+/// The step from a node to the one beside it in the next layer: its branch, the freedoms unchanged.
+Joints StrikeOut::UnchangedStep(size_t from, size_t node) const {
+  const Layer &layer = layers_[from], &next = layers_[(from + 1) % layers_.size()];
+  const size_t beside = Nearest(next, layer.BranchOf(node), layer.first[node]);
+  if (beside == kNoNode) return Joints::Zero();
+  return (next.joints.At(beside) - layer.joints.At(node)).unaryExpr(&ShortWay);
 }
 
 bool StrikeOut::Check(const Sequence& sequence) {
@@ -125,15 +206,8 @@ std::vector<std::pair<size_t, size_t>> StrikeOut::Beside(const std::vector<Inter
     const int branch = layer.BranchOf(middle);
     for (const size_t beside : {(interval.layer + count - 1) % count, (interval.layer + 1) % count}) {
       const Layer& other = layers_[beside];
-      const auto first = other.first.begin() + other.branch_begin[branch];
-      const auto last = other.first.begin() + other.branch_begin[branch + 1];
-      if (first == last) continue;
-      auto nearest = std::lower_bound(first, last, layer.first[middle]);
-      if (nearest == last ||
-          (nearest != first && layer.first[middle] - nearest[-1] < *nearest - layer.first[middle])) {
-        --nearest;
-      }
-      nodes.emplace_back(beside, nearest - other.first.begin());
+      const size_t nearest = Nearest(other, branch, layer.first[middle]);
+      if (nearest != kNoNode) nodes.emplace_back(beside, nearest);
     }
   }
   std::sort(nodes.begin(), nodes.end());
@@ -201,10 +275,14 @@ bool StrikeOut::CheckMotion(Checker& checker, size_t from, size_t to, const Sequ
 }
 
 void StrikeOut::StrikeInRound(const Sequence& sequence, int round) {
-  // How often the search runs again over what the checks struck out, before motions that interfere take their
-  // nodes with them, and before they take their points with them; after that each round removes a point.
-  constexpr int kRoundsOfMotions = 6, kRoundsOfNodes = 60;
+  // How often the search runs again over what the checks struck out, before steps beside motions that
+  // interfere get shorter, before such motions take their nodes with them, and before they take their points
+  // with them; after that each round removes a point.
+  constexpr int kRoundsOfMotions = 2, kRoundsOfSteps = 6, kRoundsOfNodes = 60;
+  constexpr double kShorter = 0.7;
   if (round < kRoundsOfMotions) return;
+  std::erase_if(barred_, [&](size_t t) { return Tighten(t, *MotionFrom(t, sequence), kShorter); });
+  if (round < kRoundsOfSteps) return;
   StrikeBarred(sequence, round < kRoundsOfNodes ? Extent::kNodes : Extent::kLayers);
 }
 

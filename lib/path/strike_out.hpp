@@ -17,12 +17,25 @@ CheckCounts CheckInParallel(const World& world, size_t count, int threads, std::
 /// One line: which two bodies, how near, where.
 std::string Describe(const Interference& interference);
 
+/// What bounds the motions along a pass.
+struct StepLimits {
+  std::vector<Joints> max_step;  ///< rad: entry t of the step from layer t on
+  /// mm, of the tip half-way (HalfwayDeviation). Where the points lie too far apart for that, a fifth more
+  /// than with the freedoms unchanged.
+  double max_deviation = std::numeric_limits<double>::infinity();
+};
+
 /// Interference of the nodes and edges of a layered problem, asked for lazily and remembered.
 class StrikeOut {
  public:
   /// `rotates_first`: the first freedom is the rotation about the tool axis, as PointMemory needs it.
   StrikeOut(const World& world, const Carrier& carrier, std::vector<Layer>& layers, double swept_resolution,
-            bool rotates_first, int threads, std::stop_token stop);
+            bool rotates_first, StepLimits limits, int threads, std::stop_token stop);
+
+  /// Bounds the steps of the motions of `sequence` that bend too far more tightly. True when none does.
+  bool Straighten(const Sequence& sequence);
+  /// What `search` finds once no motion of it bends too far.
+  std::optional<Sequence> Straight(const std::function<std::optional<Sequence>()>& search);
 
   /// Checks the nodes of `sequence` and the motions between them. What interferes is struck out: a node with
   /// its neighbours on the grid up to the next free ones, and what lies beside these in the layers before and
@@ -33,8 +46,9 @@ class StrikeOut {
   /// found, or all nodes of the layers that they leave.
   enum class Extent { kNodes, kLayers };
   void StrikeBarred(const Sequence& sequence, Extent extent);
-  /// The same by the number of searches so far, from 0: the first few bar motions alone, then they take their
-  /// nodes with them, then their points, so that each search has less to choose from.
+  /// The same by the number of searches so far, from 0: the first few bar motions alone, then all steps there
+  /// become shorter; where that cannot be, they take their nodes with them, then their points, so that each
+  /// search has less to choose from.
   void StrikeInRound(const Sequence& sequence, int round);
 
   /// Gives back the nodes that StrikeBarred alone took, in the layers that `sequence` goes through: they
@@ -54,6 +68,7 @@ class StrikeOut {
   std::optional<Sighting> Meets(Checker& checker, size_t layer, const FreedomValues& freedoms,
                                 const Joints& q);
 
+  std::span<const Joints> max_step() const { return limits_.max_step; }
   std::span<const StruckEdges> struck_edges() const { return struck_; }
   /// Per layer: rises with what is struck out of its nodes and of the edges from it.
   std::span<const uint64_t> versions() const { return versions_; }
@@ -84,6 +99,14 @@ class StrikeOut {
   std::optional<Interval> CheckNode(Checker& checker, size_t layer, size_t node);
   std::vector<Interval> CheckNodes(const std::vector<std::pair<size_t, size_t>>& nodes);
   std::vector<std::pair<size_t, size_t>> Beside(const std::vector<Interval>& struck) const;
+  /// Between nodes of neighbouring layers.
+  struct Motion {
+    size_t from, to;
+    Joints q, step;  ///< rad, where it begins and the short way round from there
+  };
+  std::optional<Motion> MotionFrom(size_t t, const Sequence& sequence) const;
+  bool Tighten(size_t t, const Motion& motion, double share);
+  Joints UnchangedStep(size_t from, size_t node) const;
   bool CheckMotion(Checker& checker, size_t from, size_t to, const Sequence& sequence);
 
   const World& world_;
@@ -91,6 +114,7 @@ class StrikeOut {
   std::vector<Layer>& layers_;
   bool rotates_first_;
   double swept_resolution_;
+  StepLimits limits_;
   int threads_;
   std::stop_token stop_;
   std::vector<std::vector<Verdict>> verdict_;

@@ -141,9 +141,11 @@ void Sweep::RelaxAll(size_t t, bool must_break) {
   SweepRows::OfLayer& known = rows_->layers[t];
   const uint64_t version = problem_.versions.empty() ? 0 : problem_.versions[t - 1];
   const bool holds = known.relaxed.size() == layer.size() && !known.after_break && !must_break &&
-                     known.version == version && changes_.known && !changes_.some_less;
+                     known.version == version && problem_.most <= known.most && changes_.known &&
+                     !changes_.some_less;
   const bool all_hold = holds && !changes_.some;
   known.version = version;
+  known.most = problem_.most;
   known.after_break = must_break;
   if (all_hold) return;
   if (!holds) known.relaxed.assign(layer.size(), {});
@@ -151,8 +153,8 @@ void Sweep::RelaxAll(size_t t, bool must_break) {
   size_t guess = 0;
   for (size_t node = 0; node < layer.size(); ++node) {
     BestPredecessor& by = known.relaxed[node];
-    if (!std::isfinite(layer.objective[node])) {
-      by = {};  // nobody asks for it again
+    if (!std::isfinite(Value(layer.objective[node]))) {
+      by = {};  // nobody asks for it under this bound
       continue;
     }
     if (holds && (!std::isfinite(by.cost) || !changes_.changed[by.node])) continue;
@@ -209,8 +211,8 @@ size_t Sweep::TraceBack(size_t t, size_t node, Sequence& sequence) const {
     sequence.nodes[t] = node;
     sequence.cost += layers_[t].objective[node];
     if (next != kNoNode) {
-      sequence.cost +=
-          StepCost(problem_.rule, layers_[t].joints.At(node), layers_[next].joints.At(sequence.nodes[next]));
+      sequence.cost += StepCost(problem_.RuleFrom(t), layers_[t].joints.At(node),
+                                layers_[next].joints.At(sequence.nodes[next]));
     }
     next = t;
     if (used_before_[t] == kNoNode) break;
@@ -237,15 +239,16 @@ void Sweep::Relax(size_t from, size_t to, size_t node, size_t guess, BestPredece
   const CostRow& row = rows_->layers[from].row;
   const int branch = target.BranchOf(node);
   const Joints q = target.joints.At(node);
+  const StepRule rule = problem_.RuleFrom(from);
   const double band = Band(from, to);
   VisitBand(source, branch, target.first[node], band, problem_.walls, [&](size_t first, size_t last) {
     double at_most = by.cost;
     // That of the node before and the one after it.
     for (size_t k = guess; k < guess + 2; ++k) {
       if (k < first || k >= last) continue;
-      at_most = std::min(at_most, row.costs[k] + StepCost(problem_.rule, source.joints.At(k), q));
+      at_most = std::min(at_most, row.costs[k] + StepCost(rule, source.joints.At(k), q));
     }
-    RelaxFrom(problem_.rule, source.joints, row, first, last, q, at_most, by);
+    RelaxFrom(rule, source.joints, row, first, last, q, at_most, by);
   });
   if (problem_.struck.empty() || !std::isfinite(by.cost)) return;
   const StruckEdges& struck = problem_.struck[from];
@@ -254,7 +257,7 @@ void Sweep::Relax(size_t from, size_t to, size_t node, size_t guess, BestPredece
   by = {};
   VisitBand(source, branch, target.first[node], band, problem_.walls, [&](size_t first, size_t last) {
     for (size_t k = first; k < last; ++k) {
-      const double cost = row.costs[k] + StepCost(problem_.rule, source.joints.At(k), q);
+      const double cost = row.costs[k] + StepCost(rule, source.joints.At(k), q);
       if (cost < by.cost && !struck.contains({k, node})) by = {cost, k};
     }
   });
@@ -264,7 +267,7 @@ double Sweep::Band(size_t from, size_t to) const {
   if (!problem_.banded) return kInfinity;
   if (from != band_from_) {
     band_from_ = from;
-    band_ = BandWidth(problem_.rule, AngleBetween(layers_[from].R_WT, layers_[to].R_WT));
+    band_ = BandWidth(problem_.RuleFrom(from), AngleBetween(layers_[from].R_WT, layers_[to].R_WT));
   }
   return band_;
 }

@@ -13,6 +13,7 @@ struct SweepRows {
     std::vector<BestPredecessor> relaxed;  ///< per node, without breaks
     std::vector<uint32_t> previous;        ///< on the cheapest way
     uint64_t version = 0;                  ///< of the layer before, when relaxed
+    double most = 0;                       ///< nodes of larger objectives were left out
     bool after_break = false;              ///< no step into this layer was asked for
   };
   std::vector<OfLayer> layers;

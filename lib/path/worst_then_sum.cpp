@@ -5,6 +5,7 @@ namespace millpose {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kWorstSweeps = 64;       // of a closed search for the worst value
 constexpr int kSweeps = 16;            // of a closed search that only asks whether there is a sequence
 constexpr double kNearEnough = 1.001;  // between the bounds of a bisection
 constexpr size_t kFewValues = 64;      // are bisected to the end
@@ -63,8 +64,12 @@ Sequence WorstThenSum::Open(const LayeredProblem& problem) {
 std::optional<Sequence> WorstThenSum::Closed(const LayeredProblem& problem, int max_sweeps) {
   if (std::isfinite(bound_))
     if (auto sequence = SearchClosed(Within(problem, bound_), max_sweeps)) return sequence;
-  const std::optional<Sequence> least =
-      LeastWorst(problem, std::isfinite(bound_) ? bound_ : 0.0, &SearchClosed);
+  LayeredProblem for_worst = problem;
+  for_worst.worst = true;
+  for_worst.rule.motion_weight = 0;
+  if (problem.memory) for_worst.memory = &memory_;
+  std::optional<Sequence> least = SearchClosed(for_worst, kWorstSweeps);
+  if (!least) least = SearchClosed(for_worst);
   bound_ = least ? WorstOf(problem.layers, *least) : kInfinity;
   if (!least) return std::nullopt;
   auto sequence = SearchClosed(Within(problem, bound_), max_sweeps);
@@ -76,15 +81,19 @@ std::optional<Sequence> LeastWorst(const LayeredProblem& problem, double least, 
   if (!best) best = search(problem, std::numeric_limits<int>::max());
   if (!best) return std::nullopt;
   const std::vector<double> values = PossibleBounds(problem, least, WorstOf(problem.layers, *best));
-  // Below `low` there is none; at `high` there is `best`.
+  // Below `low` there is none; at `high` there is `best`. The least is mostly one of the first.
   size_t low = 0, high = values.size() - 1;
-  while (low < high && (high - low <= kFewValues || values[high] > kNearEnough * values[low])) {
-    const size_t middle = low + (high - low) / 2;
+  bool from_below = true;
+  for (size_t stride = 0;
+       low < high && (high - low <= kFewValues || values[high] > kNearEnough * values[low]);
+       stride = 2 * stride + 1) {
+    const size_t half = (high - low) / 2, middle = low + (from_below ? std::min(stride, half) : half);
     if (auto found = search(Within(problem, values[middle]), kSweeps)) {
       const double worst = WorstOf(problem.layers, *found);
       high = static_cast<size_t>(std::lower_bound(values.begin(), values.end(), worst) - values.begin());
       high = std::min(high, middle);
       best = std::move(found);
+      from_below = false;
     } else {
       low = middle + 1;
     }

@@ -16,9 +16,8 @@ inline constexpr double kWorstTolerance = 1e-6;
 /// bound. Keeps the bound from search to search over the same layers with ever more struck out: it can only
 /// rise, and is looked for again where nothing is left below it.
 ///
-/// Open passes: exact, one sweep with the largest value in place of the sum. Closed ones: by bisection over
-/// the nodes' values, each step one closed search of at most 16 sweeps; exact where these suffice and at most
-/// 64 values are left, else within 0.1 %.
+/// Open passes: exact, one sweep with the largest value in place of the sum. Closed ones: likewise by branch
+/// and bound, exact where 64 sweeps suffice.
 class WorstThenSum {
  public:
   Sequence Open(const LayeredProblem& problem);

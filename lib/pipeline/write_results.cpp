@@ -51,8 +51,8 @@ void ExplainSlow(const FeedReduction& reduction, double least_share, ReportInput
         s.first == s.last ? fmt::format(" {}", s.first) : fmt::format("s {} to {}", s.first, s.last), s.pass,
         s.by_acceleration ? "acceleration" : "speed", s.joint + 1,
         rubs ? fmt::format("; below {:.0f} % (`process.min_feed_share`) the edge rubs and the force model no "
-                           "longer holds; a lower `process.feed_mm_min` or smaller "
-                           "`path.max_joint_step_deg` helps",
+                           "longer holds; a lower `process.feed_mm_min` or a smaller "
+                           "`path.joint_speed_share` helps",
                            100 * least_share)
              : ""));
   }

@@ -22,7 +22,7 @@ const Words& WordsOf(Cause cause) {
       {Cause::kPath,
        {"place where the tool leaves the planned path", "places where the tool leaves the planned path",
         "smaller `program_options.point_economy.angle_deg` and `chord_mm`, a larger "
-        "`program_options.path_tolerance_mm`, or a smaller `path.max_joint_step_deg`"}},
+        "`program_options.path_tolerance_mm`, or a smaller `path.max_joint_deg_per_mm`"}},
       {Cause::kFeed,
        {"motion whose feed is not the planned one", "motions whose feed is not the planned one",
         "a lower `process.feed_mm_min`; KRL: a larger `controllers.krl.orientation_speed_deg_s`"}},

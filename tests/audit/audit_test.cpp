@@ -117,6 +117,14 @@ TEST_F(AuditTest, AJumpIsAStepViolation) {
   EXPECT_EQ(Broken(MakeFolder({.rotation_deg = 8})), Names{"step_violations"});
 }
 
+TEST_F(AuditTest, AStepThatIsTooFastAtTheFeedIsAStepViolation) {
+  Texts texts = MakeFolder({.rotation_deg = 4});
+  EXPECT_EQ(Broken(texts), Names{});
+  const std::string share = "joint_speed_share: 0.25";
+  texts["out/job.yaml"].replace(texts["out/job.yaml"].find(share), share.size(), "joint_speed_share: 0.01");
+  EXPECT_EQ(Broken(texts), Names{"step_violations"});
+}
+
 TEST_F(AuditTest, AWrongIndexIsAnIndexError) {
   for (const size_t column : {23u, 24u, 25u, 26u, 27u, 28u}) {
     Texts texts = MakeFolder({});

@@ -58,6 +58,7 @@ void ReadArm(const YAML::Node& arm, Setup* setup) {
   setup->parallel = arm["family"] && arm["family"].as<std::string>() == "parallel_axes";
   setup->sign = Six(arm["axis_signs"], 1);
   setup->offset = arm["zero_offsets_deg"] ? Six(arm["zero_offsets_deg"], kDegree) : Angles{};
+  setup->max_step_speed = Six(arm["speeds_deg_s"], kDegree);
   setup->stiffness = Six(arm["joint_stiffness_Nm_per_rad"], 1000);
   for (size_t i = 0; i < 6; ++i) {
     setup->hard_lower[i] = arm["limits_deg"][i][0].as<double>() * kDegree;
@@ -165,7 +166,11 @@ void ReadJob(const YAML::Node& job, Setup* setup) {
     setup->lower[i] += margin[i];
     setup->upper[i] -= margin[i];
   }
-  setup->max_step = Six(job["path"]["max_joint_step_deg"], kDegree);
+  const YAML::Node path = job["path"];
+  setup->max_step.fill(std::numeric_limits<Real>::infinity());
+  if (path["max_joint_step_deg"]) setup->max_step = Six(path["max_joint_step_deg"], kDegree);
+  setup->max_step_per_mm = path["max_joint_deg_per_mm"].as<double>(2) * kDegree;
+  for (Real& speed : setup->max_step_speed) speed *= path["joint_speed_share"].as<double>(0.25);
   setup->spacing = job["toolpath"]["spacing_mm"].as<double>();
   setup->rings = job["toolpath"]["strategy"].as<std::string>() == "rings";
   const YAML::Node objective = job["pose"]["objective"];
@@ -347,6 +352,7 @@ std::vector<Row> ReadPoints(const std::string& csv) {
       row.mu = real("mu");
       row.dexterity = real("dexterity");
       row.objective = real("objective");
+      row.feed = real("feed_mm_min") / 60;
     }
     rows.push_back(row);
   }

@@ -19,6 +19,7 @@ struct Row {
   Vector3 position, normal, axis;  ///< in W, mm
   Angles angles;                   ///< rad
   Real lambda_t1, lambda_t2, lambda_n, mu, dexterity, objective;
+  Real feed;  ///< mm/s
 };
 
 /// A planned way between two pieces, from plan.cbor; pass −1 is home.

@@ -18,6 +18,7 @@ arm:
   axis_signs: [-1, 1, 1, -1, 1, -1]
   zero_offsets_deg: [0, 0, 0, 0, 0, 0]
   limits_deg: [[-185, 185], [-130, 20], [-100, 144], [-350, 350], [-120, 120], [-350, 350]]
+  speeds_deg_s: [80, 75, 70, 70, 70, 110]
   joint_stiffness_Nm_per_rad: [8.9e6, 6.78e6, 1.13e7, 2.01e6, 1.65e6, 1.35e6]
 base_in_world: {xyz_mm: [100, -50, 300], abc_deg: [10, 0, 0]}
 home_deg: [0, -90, 90, 0, 0, 0]
@@ -46,13 +47,14 @@ workpiece: {mesh: block.stl, unit: mm, frame: robot_base, pose: {xyz_mm: [XYZ], 
 toolpath: {strategy: parallel_planes, spacing_mm: 4}
 pose: {objective: {name: chen2021, w1: 0.5, w2: 0.5}}
 limits: {margin_deg: 3LIMITS}
-path: {max_joint_step_deg: [5, 5, 5, 5, 5, 5]}
+path: {max_joint_deg_per_mm: 1.25, joint_speed_share: 0.25}
 )";
 
 const char* const kHeader =
     "point,pass,piece,kind,status,s_mm,x_mm,y_mm,z_mm,nx,ny,nz,tx,ty,tz,a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,"
     "a6_deg,"
-    "rotation_deg,branch,lambda_t1_mm_N,lambda_t2_mm_N,lambda_n_mm_N,mu,dexterity,objective,clearance_mm\n";
+    "rotation_deg,branch,lambda_t1_mm_N,lambda_t2_mm_N,lambda_n_mm_N,mu,dexterity,objective,clearance_mm,"
+    "feed_mm_min\n";
 
 std::string Join(const Vector3& v) {
   return fmt::format("{:.17g},{:.17g},{:.17g}", static_cast<double>(v[0]), static_cast<double>(v[1]),
@@ -183,7 +185,7 @@ std::string RowText(const Setup& setup, int point, int pass, const Angles& angle
   std::string text = fmt::format("{},{},0,cut,planned,0,{},{},{}", point, pass, Join(X_WT.block<3, 1>(0, 3)),
                                  Join(axis), Join(axis));
   for (const Real angle : angles) text += fmt::format(",{:.17g}", static_cast<double>(angle / kDegree));
-  return text + fmt::format(",0,2,{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},10\n",
+  return text + fmt::format(",0,2,{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},10,80\n",
                             static_cast<double>(indices.lambda_t1), static_cast<double>(indices.lambda_t2),
                             static_cast<double>(indices.lambda_n), static_cast<double>(indices.mu),
                             static_cast<double>(indices.dexterity), static_cast<double>(indices.objective));

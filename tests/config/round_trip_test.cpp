@@ -80,7 +80,9 @@ TEST(RoundTrip, EveryJobOfTheProjectReadsBackToTheSame) {
     EXPECT_EQ(again.limit_margin, job.limit_margin);
     EXPECT_EQ(again.toolpath.region.facing, job.toolpath.region.facing);
     EXPECT_EQ(again.objective_parameters, job.objective_parameters);
-    EXPECT_EQ(again.path.max_joint_step, job.path.max_joint_step);
+    EXPECT_EQ(again.path.steps.most, job.path.steps.most);
+    EXPECT_EQ(again.path.steps.per_mm, job.path.steps.per_mm);
+    EXPECT_EQ(again.path.steps.speed_share, job.path.steps.speed_share);
   }
 }
 
@@ -207,7 +209,7 @@ TEST(RoundTrip, NumbersStayShort) {
       ParseJob(ReadFile(std::filesystem::path(SourceDir()) / "toolpaths/support_pad/job.yaml"), "job");
   const std::string written = WriteJob(job);
   EXPECT_NE(written.find("margin_deg: 3\n"), std::string::npos) << written;
-  EXPECT_NE(written.find("max_joint_step_deg: [5, 5, 5, 5, 5, 5]\n"), std::string::npos) << written;
+  EXPECT_NE(written.find("max_joint_deg_per_mm: 2\n"), std::string::npos) << written;
   EXPECT_NE(written.find("  feed_mm_min: 80\n  spindle_rpm: 7000\n"), std::string::npos) << written;
 }
 

@@ -88,6 +88,7 @@ TEST(PlanPass, SmoothsWhatItFinds) {
   const World world(EmptyCell(problem));
   const Pass pass = Row(-300, 300, 60);
   PathOptions options = Options();
+  options.max_deviation = 0.5;
   PathOptions rough = options;
   rough.smoothing_loss = 0;
   const PassResult smooth = PlanPass(problem, world, pass, 0, 0, options, 2, {});

@@ -36,7 +36,7 @@ inline Cell CellWithBallAt(const PoseProblem& problem, const PassResult& result,
 inline PathOptions Options() {
   PathOptions options;
   options.rotation_step = DegToRad(2);
-  options.max_joint_step = Joints::Constant(DegToRad(5));
+  options.steps = {kPi, 1e9, Joints::Constant(DegToRad(5))};
   return options;
 }
 
@@ -81,14 +81,18 @@ inline void ExpectSound(const PoseProblem& problem, const PathOptions& options, 
       EXPECT_EQ(result.points[t].branch, result.points[piece.first].branch);
       if (t == piece.first) continue;
       const Joints step = result.points[t].q - result.points[t - 1].q;
-      EXPECT_TRUE((step.cwiseAbs().array() <= options.max_joint_step.array() + 1e-12).all()) << t;
+      const Joints most =
+          StepBound(options.steps, problem.arm, result.points[t - 1].point, result.points[t].point);
+      EXPECT_TRUE((step.cwiseAbs().array() <= most.array() + 1e-12).all()) << t;
     }
     if (piece.closed) {
       const Joints step =
           (result.points[piece.first].q - result.points[piece.last].q).unaryExpr([](double d) {
             return std::remainder(d, 2 * kPi);
           });
-      EXPECT_TRUE((step.cwiseAbs().array() <= options.max_joint_step.array() + 1e-12).all());
+      const Joints most = StepBound(options.steps, problem.arm, result.points[piece.last].point,
+                                    result.points[piece.first].point);
+      EXPECT_TRUE((step.cwiseAbs().array() <= most.array() + 1e-12).all());
     }
   }
   for (size_t t = 0; t < result.points.size(); ++t) {

@@ -46,7 +46,7 @@ struct RoughRow {
   SmoothOptions Options() const {
     SmoothOptions options;
     options.loss = 0.01;
-    options.max_step = Joints::Constant(DegToRad(5));
+    options.max_step.assign(points.size(), Joints::Constant(DegToRad(5)));
     options.max_deviation = 0.5;
     options.before = MeasurePath(scorers, points, options, path);
     return options;
