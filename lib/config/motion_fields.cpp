@@ -56,7 +56,7 @@ Codec<JobSettings> PathFields() {
           Key<S>(
               "max_halfway_deviation_mm", MILLPOSE_AT(path.max_deviation), Real(kMm, Between(0.001, 1000)),
               "Half-way between points, with the joints turning evenly, the tip's largest distance from its "
-              "straight line; where the points lie too far apart for that, a fifth more than with the "
+              "straight line; where the points lie too far apart for that, a quarter more than with the "
               "rotation unchanged."),
       },
       CheckLifts);
