@@ -14,7 +14,8 @@ Joints StepBound(const StepBounds& bounds, const Arm& arm, const MillingPoint& f
   const double way = ToolWay(from, to), feed = std::max(from.feed_rate, to.feed_rate);
   Joints step = bounds.most.cwiseMin(std::min(bounds.per_mm * way, kPi));
   for (int j = 0; j < 6; ++j)
-    if (arm.speed[j] > 0 && feed > 0) step[j] = std::min(step[j], bounds.speed_share * arm.speed[j] * way / feed);
+    if (arm.speed[j] > 0 && feed > 0)
+      step[j] = std::min(step[j], bounds.speed_share * arm.speed[j] * way / feed);
   return step;
 }
 
