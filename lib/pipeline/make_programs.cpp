@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/make_programs.hpp"
 
+#include <map>
+
 #include "base/error.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/base_window.hpp"
@@ -24,12 +26,32 @@ std::string CheckedProgram::WhyWithheld() const {
                      fmt::join(causes, ", "));
 }
 
+namespace {
+
+/// How many points no motion cuts, by reason; empty where all are cut.
+std::string WhatIsLeftOut(const PlanResult& plan) {
+  std::map<SkipReason, size_t> skipped;
+  size_t points = 0;
+  for (const PassResult& pass : plan.passes) {
+    points += pass.points.size();
+    for (const PlannedPoint& point : pass.points)
+      if (point.skip != SkipReason::kNone) ++skipped[point.skip];
+  }
+  if (skipped.empty()) return {};
+  std::vector<std::string> reasons;
+  for (const auto& [reason, count] : skipped) reasons.push_back(fmt::format("{} {}", count, ToString(reason)));
+  return fmt::format("of {} points are not cut: {}", points, fmt::join(reasons, ", "));
+}
+
+}  // namespace
+
 JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
                          const std::vector<std::string>& not_machined, const World& world,
                          std::optional<double> trajectory, int threads, std::stop_token stop) {
   if (!WhyNotProgrammable(plan).empty()) return {};
   const VerifyOptions options = MakeVerifyOptions(inputs.job, plan.arm);
   JobPrograms made{{}, FindBaseWindow(plan, inputs, world.cell(), threads, stop)};
+  const std::string left_out = WhatIsLeftOut(plan);
   for (const std::string& controller : inputs.job.programs) {
     const std::unique_ptr<Post> post = MakePost(controller);
     const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
@@ -46,6 +68,7 @@ JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
     ProgramMotions motions = MakeProgramMotions(plan, inputs, controller, made.base_window, calls);
     motions.written.header.emplace_back("cycle_time", TimeText(motions.time.all) + " h:min:s, as replayed");
     for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
+    if (!left_out.empty()) motions.written.header.emplace_back("INCOMPLETE", left_out);
     program.saved = motions.saved;
     program.near = motions.near;
     program.warnings = motions.warnings;

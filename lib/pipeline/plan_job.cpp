@@ -7,6 +7,7 @@
 #include "path/turns.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/job_engagement.hpp"
+#include "pipeline/plan_gaps.hpp"
 #include "pipeline/plan_passes.hpp"
 #include "toolpath/strategy.hpp"
 
@@ -67,6 +68,13 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   PlanResult& plan = job.plan;
   FixTurns(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
                          FreeDirections(inputs.job, *problem.objective)});
+  const GapOptions options = MakeGapOptions(inputs.job);
+  execution.progress.Begin("gaps", GapEnds(plan.home, plan.passes).size());
+  PlannedGaps gaps = PlanAllGaps(job.prepared.world, plan.passes, options, checkpoints, execution);
+  plan.gaps = std::move(gaps.gaps);
+  job.resumed_gaps = gaps.resumed;
+  execution.progress.End(
+      fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), job.resumed_gaps));
   execution.progress.Begin("fixed rotations", 0);
   job.fixed = CompareWithFixed(problem, job.prepared.world, plan.passes,
                                MakeFixedOptions(inputs.job, execution.Threads(), execution.stop));
@@ -74,17 +82,12 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   const std::string left =
       CountWhatIsLeft(inputs, job.prepared.surface.mesh, execution.Threads(), execution.stop, plan);
   if (!left.empty()) job.prepared.warnings.push_back(left);
-  const auto ends = GapEnds(plan.home, plan.passes);
-  const auto start_ends = inputs.job.programs.empty() ? decltype(ends){} : StartEnds(ends);
-  const GapOptions options = MakeGapOptions(inputs.job);
-  execution.progress.Begin("gaps", ends.size() + start_ends.size());
-  PlannedGaps gaps = PlanGaps(job.prepared.world, ends, options, checkpoints, execution);
-  plan.gaps = std::move(gaps.gaps);
-  job.resumed_gaps = gaps.resumed;
-  job.starts.ways.gaps = PlanGaps(job.prepared.world, start_ends, options, checkpoints, execution).gaps;
   if (inputs.job.feed_policy == "reduce") job.reduction = ReduceFeeds(plan);
-  execution.progress.End(
-      fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), job.resumed_gaps));
+  if (inputs.job.programs.empty()) return;
+  const auto start_ends = StartEnds(GapEnds(plan.home, plan.passes));
+  execution.progress.Begin("starts", start_ends.size());
+  job.starts.ways.gaps = PlanGaps(job.prepared.world, start_ends, options, checkpoints, execution).gaps;
+  execution.progress.End(fmt::format("{} ways", start_ends.size()));
 }
 
 void WritePrograms(const JobInputs& inputs, const Execution& execution, PlannedJob& job) {

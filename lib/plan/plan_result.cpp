@@ -21,6 +21,8 @@ std::string ToString(SkipReason reason) {
       return "source";
     case SkipReason::kGouge:
       return "gouge";
+    case SkipReason::kAccess:
+      return "access";
   }
   return "unknown";
 }

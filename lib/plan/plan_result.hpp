@@ -19,7 +19,8 @@ enum class SkipReason : uint8_t {
   kInterference,
   kStep,
   kSource,
-  kGouge
+  kGouge,
+  kAccess
 };
 std::string ToString(SkipReason reason);
 

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/plan_gaps.hpp"
+
+#include <map>
+
+#include "path/job_planner.hpp"
+#include "plan/leave_out.hpp"
+
+namespace millpose {
+namespace {
+
+using Ends = std::pair<GapEnd, GapEnd>;
+
+/// The way home from one piece, then the way from there to the next.
+Gap ByWayOfHome(const Gap& out, const Gap& in) {
+  Gap gap = out;
+  gap.to_pass = in.to_pass;
+  gap.to_piece = in.to_piece;
+  gap.X_WT_approach = in.X_WT_approach;
+  gap.joints.insert(gap.joints.end(), in.joints.begin() + 1, in.joints.end());
+  gap.clearance = std::min(out.clearance, in.clearance);
+  gap.clearance_share = std::min(out.clearance_share, in.clearance_share);
+  gap.duration += in.duration;
+  if (gap.detail.empty()) gap.detail = in.detail;
+  return gap;
+}
+
+class AllGaps {
+ public:
+  AllGaps(const World& world, std::vector<PassResult>& passes, const GapOptions& options,
+          const CheckpointStore& checkpoints, const Execution& execution)
+      : world_(world),
+        home_{-1, -1, world.cell().home},
+        passes_(passes),
+        options_(options),
+        checkpoints_(checkpoints),
+        execution_(execution) {}
+
+  PlannedGaps Plan() {
+    for (;;) {
+      const std::vector<Ends> ends = GapEnds(home_.q, passes_);
+      PlannedGaps planned = PlanGaps(world_, ends, options_, checkpoints_, execution_);
+      if (Checker(world_).At(home_.q, Phase::kFree)) return planned;
+      barred_.clear();
+      for (size_t i = 0; i < ends.size(); ++i)
+        if (!planned.gaps[i].planned) Mend(ends[i], planned.gaps[i]);
+      if (barred_.empty()) return planned;
+      // From the last to the first: leaving one out renumbers those after it in its pass.
+      for (auto at = barred_.rbegin(); at != barred_.rend(); ++at)
+        LeaveOut(passes_[static_cast<size_t>(at->first.first)], at->first.second, SkipReason::kAccess,
+                 at->second);
+    }
+  }
+
+ private:
+  void Mend(const Ends& ends, Gap& gap) {
+    const auto& [from, to] = ends;
+    std::vector<Ends> ways;
+    if (from.pass >= 0) ways.emplace_back(from, home_);
+    if (to.pass >= 0) ways.emplace_back(home_, to);
+    const std::vector<Gap> gaps = PlanGaps(world_, ways, options_, checkpoints_, execution_).gaps;
+    bool any = false;
+    for (size_t k = 0; k < ways.size(); ++k) {
+      if (gaps[k].planned) continue;
+      const GapEnd& piece = ways[k].first.pass >= 0 ? ways[k].first : ways[k].second;
+      barred_.try_emplace({piece.pass, piece.piece}, gaps[k].detail);
+      any = true;
+    }
+    if (!any) gap = ByWayOfHome(gaps[0], gaps[1]);
+  }
+
+  const World& world_;
+  GapEnd home_;
+  std::vector<PassResult>& passes_;
+  const GapOptions& options_;
+  const CheckpointStore& checkpoints_;
+  const Execution& execution_;
+  std::map<std::pair<int, int>, std::string> barred_;  ///< pass and piece: why
+};
+
+}  // namespace
+
+PlannedGaps PlanAllGaps(const World& world, std::vector<PassResult>& passes, const GapOptions& options,
+                        const CheckpointStore& checkpoints, const Execution& execution) {
+  return AllGaps(world, passes, options, checkpoints, execution).Plan();
+}
+
+}  // namespace millpose

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/plan_gaps.hpp"
+
+#include "robot/kinematics.hpp"
+#include "tests/cell/sample_cell.hpp"
+
+namespace millpose::test {
+namespace {
+
+const Joints kLeft = Degrees(35, -63.9, 103.3, 18.8, 53.1, 16.2);
+const Joints kRight = Degrees(-35, -63.9, 103.3, 18.8, 53.1, 16.2);
+
+/// A pass with a piece of three points at each of some poses.
+PassResult PassAt(int number, const std::vector<Joints>& poses) {
+  PassResult pass;
+  pass.pass = number;
+  for (size_t k = 0; k < poses.size(); ++k) {
+    for (int i = 0; i < 3; ++i) {
+      PlannedPoint& point = pass.points.emplace_back();
+      point.q = poses[k] + Joints::Constant(0.001 * i);
+      point.piece = static_cast<int>(k);
+      point.own_optimum = 7;
+    }
+    const int first = 3 * static_cast<int>(k);
+    pass.pieces.push_back({number, static_cast<int>(k), first, first + 2, false});
+  }
+  pass.lifts = {1};
+  return pass;
+}
+
+/// A clamp over the spindle at kLeft, so that there is no way out of that pose.
+Cell ClampedCell() {
+  Cell cell = SampleCell();
+  cell.bodies.push_back({"clamp", BodyClass::kFixture, Mount::kWorld, 0,
+                         ForwardFlange(cell.arm, kLeft) * cell.X_FT * At(120, 0, 250), Box{{100, 200, 200}}});
+  return cell;
+}
+
+TEST(PlanAllGaps, APieceThatCannotBeLeftCostsItselfAlone) {
+  const World world(ClampedCell());
+  std::vector<PassResult> passes{PassAt(0, {kRight}), PassAt(1, {kLeft, kRight}), PassAt(2, {kRight})};
+  const PlannedGaps planned = PlanAllGaps(world, passes, {}, NoCheckpoints(), {.threads = 2});
+  ASSERT_EQ(planned.gaps.size(), 4u);  // home, three pieces, home
+  for (const Gap& gap : planned.gaps) EXPECT_TRUE(gap.planned) << gap.detail;
+  EXPECT_EQ(planned.gaps[1].to_pass, 1);
+  EXPECT_EQ(planned.gaps[1].to_piece, 0);
+  ASSERT_EQ(passes[1].pieces.size(), 1u);
+  EXPECT_EQ(passes[1].pieces[0].piece, 0);
+  EXPECT_EQ(passes[1].pieces[0].first, 3);
+  EXPECT_EQ(passes[1].lifts, std::vector<int>{0});
+  for (size_t t = 0; t < 6; ++t) {
+    const PlannedPoint& point = passes[1].points[t];
+    EXPECT_EQ(point.own_optimum, 7);
+    EXPECT_EQ(point.skip, t < 3 ? SkipReason::kAccess : SkipReason::kNone) << t;
+    if (t < 3) EXPECT_NE(point.detail.find("spindle touches clamp"), std::string::npos) << point.detail;
+    if (t >= 3) EXPECT_EQ(point.piece, 0);
+  }
+}
+
+TEST(PlanAllGaps, NothingIsLeftOutWhereHomeIsBlocked) {
+  Cell cell = ClampedCell();
+  cell.home = kLeft;
+  std::vector<PassResult> passes{PassAt(0, {kRight})};
+  const PlannedGaps planned = PlanAllGaps(World(cell), passes, {}, NoCheckpoints(), {.threads = 1});
+  EXPECT_FALSE(planned.gaps[0].planned);
+  EXPECT_EQ(passes[0].pieces.size(), 1u);
+}
+
+}  // namespace
+}  // namespace millpose::test
