@@ -32,7 +32,7 @@ PassResult PassAt(int number, const std::vector<Joints>& poses) {
 Cell ClampedCell() {
   Cell cell = SampleCell();
   cell.bodies.push_back({"clamp", BodyClass::kFixture, Mount::kWorld, 0,
-                         ForwardFlange(cell.arm, kLeft) * cell.X_FT * At(120, 0, 250), Box{{100, 200, 200}}});
+                         ForwardFlange(cell.arm, kLeft) * cell.X_FT * At(90, 0, 280), Box{{40, 40, 40}}});
   return cell;
 }
 
