@@ -39,7 +39,8 @@ std::string WhatIsLeftOut(const PlanResult& plan) {
   }
   if (skipped.empty()) return {};
   std::vector<std::string> reasons;
-  for (const auto& [reason, count] : skipped) reasons.push_back(fmt::format("{} {}", count, ToString(reason)));
+  for (const auto& [reason, count] : skipped)
+    reasons.push_back(fmt::format("{} {}", count, ToString(reason)));
   return fmt::format("of {} points are not cut: {}", points, fmt::join(reasons, ", "));
 }
 

@@ -34,7 +34,8 @@ void LeaveOut(PassResult& pass, int piece, SkipReason reason, const std::string&
     }
   }
   pass.pieces.erase(pass.pieces.begin() + piece);
-  for (size_t k = static_cast<size_t>(piece); k < pass.pieces.size(); ++k) pass.pieces[k].piece = static_cast<int>(k);
+  for (size_t k = static_cast<size_t>(piece); k < pass.pieces.size(); ++k)
+    pass.pieces[k].piece = static_cast<int>(k);
   std::erase(pass.lifts, piece);
   for (int& lift : pass.lifts) lift -= lift > piece;
 }

@@ -5,8 +5,8 @@
 
 namespace millpose {
 
-/// Leaves a planned piece out of its pass: its points are skipped for `reason`, which `detail` tells in words, and the
-/// pieces after it move up by one number.
+/// Leaves a planned piece out of its pass: its points are skipped for `reason`, which `detail` tells in
+/// words, and the pieces after it move up by one number.
 void LeaveOut(PassResult& pass, int piece, SkipReason reason, const std::string& detail);
 
 }  // namespace millpose
