@@ -15,7 +15,7 @@ SHALLOW = ["--set", "toolpath.region.facing.within_deg=60", "--set", "toolpath.r
 PARTS = [("support_pad", "support_pad", [], None), ("cabin_panel", "cabin_panel", [], None), ("ur10e_pad", "ur10e_pad", [], None),
          ("cabin_ring, step-over 60 mm", "cabin_ring", ["--set", "toolpath.stepover_mm=60"], None),
          ("dome, R 800 mm, Ø 400 mm", "cabin_panel", SHALLOW, lambda x, y: math.sqrt(800**2 - x * x - y * y) - 800),
-         ("saddle, 400 × 400 mm, ±25 mm", "cabin_panel", SHALLOW, lambda x, y: 25 * (x * x - y * y) / 200**2)]
+         ("saddle, 400 × 400 mm, ±15 mm", "cabin_panel", SHALLOW, lambda x, y: 15 * (x * x - y * y) / 200**2)]
 GOALS = [("before: chen2021, sum", ["--set", "pose.objective.name=chen2021", "--set", "path.criterion=sum"]),
          ("surface_error", ["--set", "pose.objective.name=surface_error", "--set", "path.criterion=worst_then_sum"]),
          ("process_force", ["--set", "pose.objective.name=process_force", "--set", "path.criterion=worst_then_sum"])]
