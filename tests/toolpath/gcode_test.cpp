@@ -299,6 +299,10 @@ TEST(Gcode, CodesOfTheKinematicsAreStatedByTheJob) {
   options.tip_programming.reset();
   options.kinematics_codes = {{429, false}};
   EXPECT_EQ(ErrorOf(text, options).substr(0, 19), "part.mpf:4:1: M428 ");
+  // A code is the whole number.
+  options.kinematics_codes = {{429, true}};
+  ExpectNear(Read("G0 X0 Y0 Z0 B0\nM429.5\nG0 B90 Z0\nG1 X1 F100\n", options).points[1].position,
+             {-200, 0, 200});
 }
 
 TEST(Gcode, ToolVectorsInIJK) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <set>
 
 #include "toolpath/cam/gcode_cycle.hpp"
@@ -230,7 +231,8 @@ class GcodeReader {
   // M128 and M129 are tip programming on Heidenhain's controls, M428 to M430 are what each LinuxCNC machine
   // makes of them.
   bool SwitchKinematics(double m, const Place& place) {
-    const auto stated = options_.kinematics_codes.find(static_cast<int>(m));
+    const auto stated =
+        std::ranges::find(options_.kinematics_codes, m, [](const auto& code) { return code.first; });
     if (stated != options_.kinematics_codes.end()) {
       motion_.SetTipProgramming(stated->second);
       return true;
