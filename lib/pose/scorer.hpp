@@ -22,11 +22,11 @@ enum class Admissibility : uint8_t { kAdmissible, kUnreachable, kLimit, kSingula
 /// Bounds of the one admissible predicate that genetic algorithm, exhaustive search, layered search and audit
 /// share.
 struct AdmissibleBounds {
-  Joints lower, upper;         ///< limits already less the margin, rad
-  double dexterity_min = 0;    ///< with the problem's characteristic length
-  double wrist_min = 0;        ///< least |sin q5|
-  double elbow_min = 0;        ///< least |sin| of the elbow
-  double shoulder_min_mm = 0;  ///< least distance of SingularityDistance::shoulder
+  Joints lower = Joints::Zero(), upper = Joints::Zero();  ///< limits already less the margin, rad
+  double dexterity_min = 0;                               ///< with the problem's characteristic length
+  double wrist_min = 0;                                   ///< least |sin q5|
+  double elbow_min = 0;                                   ///< least |sin| of the elbow
+  double shoulder_min_mm = 0;                             ///< least distance of SingularityDistance::shoulder
 };
 
 /// All that the choice of a pose depends on besides the point itself; shared and immutable.
