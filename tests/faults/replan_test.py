@@ -17,6 +17,7 @@ class Replan(Faults):
     def write(self, folder, letter):
         sets = SETS + (("process.spindle_rpm=100",) if letter == "B" else ())
         return (MILLPOSE, "plan", TOP / "toolpaths" / "support_pad" / "job.yaml", "-o", folder, "-q",
+                "--threads", "1",  # of two that want one folder at once both may try to make it: the count would vary
                 *(word for change in sets for word in ("--set", change)))
 
     def mend(self, folder):
