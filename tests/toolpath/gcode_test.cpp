@@ -305,6 +305,12 @@ TEST(Gcode, CodesOfTheKinematicsAreStatedByTheJob) {
              {-200, 0, 200});
 }
 
+// A call was kept for a block that came later, where it pointed to nothing.
+TEST(Gcode, ACycleCallBesideADwellIsRefused) {
+  EXPECT_EQ(ErrorOf("G0 X0 Y0 Z50\nG4 F1 CYCLE81(10,0,2,-5)\nG0 X5\n", {}),
+            "part.mpf:2:7: CYCLE81 beside a dwell in one block is not read");
+}
+
 TEST(Gcode, ToolVectorsInIJK) {
   const CamPath path = Read("G43.5 H1\nG1 F100 X0 Y0 Z0 I0 J0.6 K0.8\nX10\nI1 J0 K0 X20\nG49\n");
   ExpectNear(path.points[0].axis, {0, 0.6, 0.8});

@@ -51,6 +51,7 @@ class GcodeReader {
     GcodeMove move;
     move.place = source.words[0].place;
     parameters_.clear();
+    call_ = nullptr;
     if (scanner_.heidenhain() && heidenhain_.TakeBlock(source, move)) return;
     if (GoesToFixedPoint(source)) {
       move.reference = true;
@@ -60,11 +61,15 @@ class GcodeReader {
       if (word.address == "G" && !(scanner_.heidenhain() && heidenhain_.TakeG(word))) TakeG(word, move);
     for (const GcodeWord& word : source.words)
       if (word.address != "G") TakeWord(word, move);
+    const bool cycle = cycles_.active() && !move.machine && !move.reference;
+    if (call_ && (move.dwell || cycle))
+      throw InputError(call_->place, fmt::format("{} beside {} in one block is not read", call_->address,
+                                                 move.dwell ? "a dwell" : "another cycle"));
     if (move.dwell) return;
     modes_.SetFeed();
     if (scanner_.heidenhain()) heidenhain_.TakePole(move);
     CheckNumbers(move);
-    if (cycles_.active() && !move.machine && !move.reference) return cycles_.Run(move, value_of_);
+    if (cycle) return cycles_.Run(move, value_of_);
     motion_.Move(move);
     if (call_) {
       calls_.Call(*call_, false);
