@@ -173,7 +173,7 @@ class Keys(InFolder):
         job["process"].update(cutting={"teeth": 2, "kc11_N_mm2": 700, "mc": 0.2, "side": "up"}, stock="region",
                               force_uncertainty_percent=30, force_direction_deg=20)
         job["pose"]["objective"] = {"name": "surface_error"}
-        job["path"].update(criterion="worst_then_sum", lift_gain_percent=50, max_lifts=1)
+        job["path"].update(criterion="worst_then_sum", lift_gain_percent=50, max_lifts=1, max_joint_step_deg=[30, 30, 30, 30, 30, 30])
         job["program_options"]["point_economy"] = {"chord_mm": 0.01, "angle_deg": 0.01}
         cell["tool"].update(tip_uncertainty_mm=0.2, axis_uncertainty_deg=0.05, load={
             "mass_kg": 60.5, "centre_in_flange_mm": [0, 0, 150.5], "inertia_kg_m2": [1.5, 1.5, 0.5]})
