@@ -5,6 +5,23 @@
 #include "path/worst_then_sum.hpp"
 
 namespace millpose {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The least cost of a sequence that closes from any node into any: of the closed ones among them at the
+/// least that.
+double ClosingBound(const LayeredProblem& problem) {
+  const size_t all = problem.layers[0].size();
+  SweepMemory memory;
+  Sweep sweep(problem, kInfinity);
+  if (!sweep.Forward(memory.RowsFor(0, all), 0, all, false)) return 0;
+  const double cost = sweep.Close(0, all).by.cost;
+  return std::isfinite(cost) ? cost : 0;
+}
+
+}  // namespace
+
 LadderBound BoundLadder(LayeredProblem problem, const Sequence& sequence, bool worst_first) {
   LadderBound bound;
   bound.cost = sequence.cost;

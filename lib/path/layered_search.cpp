@@ -71,15 +71,6 @@ Sequence SearchOpen(const LayeredProblem& problem) {
   return sweep.Trace(sweep.least_node());
 }
 
-double ClosingBound(const LayeredProblem& problem) {
-  const size_t all = problem.layers[0].size();
-  SweepMemory memory;
-  Sweep sweep(problem, kInfinity);
-  if (!sweep.Forward(memory.RowsFor(0, all), 0, all, false)) return 0;
-  const double cost = sweep.Close(0, all).by.cost;
-  return std::isfinite(cost) ? cost : 0;
-}
-
 std::optional<Sequence> SearchClosed(const LayeredProblem& problem, int max_sweeps) {
   for (const Layer& layer : problem.layers) {
     if (!layer.usable()) return std::nullopt;

@@ -89,10 +89,6 @@ Sequence SearchOpen(const LayeredProblem& problem);
 std::optional<Sequence> SearchClosed(const LayeredProblem& problem,
                                      int max_sweeps = std::numeric_limits<int>::max());
 
-/// The least cost of a sequence that closes from any node of the last layer into any of the first: no closed
-/// one costs less. 0 where there is none.
-double ClosingBound(const LayeredProblem& problem);
-
 /// More than any sequence can cost, so that one break less always wins.
 double BreakPenalty(const LayeredProblem& problem);
 

@@ -194,7 +194,7 @@ std::optional<Sequence> LiftedSearch::BestRoundWith(const LayeredProblem& proble
   const auto search = [&](const LayeredProblem& of, int sweeps) {
     return RoundWith(of, lifts, std::min(sweeps, max_sweeps));
   };
-  const std::optional<Sequence> least = LeastWorst(problem, 0, search);
+  const std::optional<Sequence> least = LeastWorst(problem, search);
   if (!least) return std::nullopt;
   std::optional<Sequence> best =
       RoundWith(Within(problem, WorstOf(problem.layers, *least)), lifts, max_sweeps);

@@ -104,9 +104,8 @@ void Skip(const PassContext& context, const PassPlan& plan, size_t t, PlannedPoi
     point.skip = SkipReason::kStep;
     const StepBounds& steps = context.options.steps;
     point.detail = fmt::format(
-        "no joint step within the bounds joins it to a point before or after (path.max_joint_deg_per_mm: "
-        "{:g}, "
-        "joint_speed_share: {:g}{})",
+        "no joint step within the bounds joins it to a point before or after "
+        "(path.max_joint_deg_per_mm: {:g}, joint_speed_share: {:g}{})",
         RadToDeg(steps.per_mm), steps.speed_share, steps.most.allFinite() ? ", max_joint_step_deg" : "");
   } else {
     point.skip = SkipReason::kInterference;

@@ -109,7 +109,6 @@ bool StrikeOut::Straighten(const Sequence& sequence) {
     if (deviation <= most) continue;
     if (!Tighten(t, *motion, kTighter * std::sqrt(most / deviation)))
       struck_[t].insert({motion->from, motion->to});
-    ++versions_[t];
     straight = false;
   }
   return straight;

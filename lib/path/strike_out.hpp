@@ -32,8 +32,6 @@ class StrikeOut {
   StrikeOut(const World& world, const Carrier& carrier, std::vector<Layer>& layers, double swept_resolution,
             bool rotates_first, StepLimits limits, int threads, std::stop_token stop);
 
-  /// Bounds the steps of the motions of `sequence` that bend too far more tightly. True when none does.
-  bool Straighten(const Sequence& sequence);
   /// What `search` finds once no motion of it bends too far.
   std::optional<Sequence> Straight(const std::function<std::optional<Sequence>()>& search);
 
@@ -105,6 +103,8 @@ class StrikeOut {
     Joints q, step;  ///< rad, where it begins and the short way round from there
   };
   std::optional<Motion> MotionFrom(size_t t, const Sequence& sequence) const;
+  /// Bounds the steps of the motions of `sequence` that bend too far more tightly. True when none does.
+  bool Straighten(const Sequence& sequence);
   bool Tighten(size_t t, const Motion& motion, double share);
   Joints UnchangedStep(size_t from, size_t node) const;
   bool CheckMotion(Checker& checker, size_t from, size_t to, const Sequence& sequence);

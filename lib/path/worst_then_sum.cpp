@@ -19,8 +19,8 @@ size_t Breaks(const Sequence& sequence) {
 
 /// The values that the bound of a sequence can have, ascending: from the largest of the layers' least ones up
 /// to `most`.
-std::vector<double> PossibleBounds(const LayeredProblem& problem, double least, double most) {
-  least = std::min(least, most);  // a bound that was cut short may have been too high
+std::vector<double> PossibleBounds(const LayeredProblem& problem, double most) {
+  double least = 0;
   for (const Layer& layer : problem.layers)
     least = std::max(least, *std::min_element(layer.objective.begin(), layer.objective.end()));
   std::vector<double> values;
@@ -76,24 +76,20 @@ std::optional<Sequence> WorstThenSum::Closed(const LayeredProblem& problem, int 
   return sequence ? sequence : least;
 }
 
-std::optional<Sequence> LeastWorst(const LayeredProblem& problem, double least, const BoundedSearch& search) {
+std::optional<Sequence> LeastWorst(const LayeredProblem& problem, const BoundedSearch& search) {
   std::optional<Sequence> best = search(problem, kSweeps);
   if (!best) best = search(problem, std::numeric_limits<int>::max());
   if (!best) return std::nullopt;
-  const std::vector<double> values = PossibleBounds(problem, least, WorstOf(problem.layers, *best));
-  // Below `low` there is none; at `high` there is `best`. The least is mostly one of the first.
+  const std::vector<double> values = PossibleBounds(problem, WorstOf(problem.layers, *best));
+  // Below `low` there is none; at `high` there is `best`.
   size_t low = 0, high = values.size() - 1;
-  bool from_below = true;
-  for (size_t stride = 0;
-       low < high && (high - low <= kFewValues || values[high] > kNearEnough * values[low]);
-       stride = 2 * stride + 1) {
-    const size_t half = (high - low) / 2, middle = low + (from_below ? std::min(stride, half) : half);
+  while (low < high && (high - low <= kFewValues || values[high] > kNearEnough * values[low])) {
+    const size_t middle = low + (high - low) / 2;
     if (auto found = search(Within(problem, values[middle]), kSweeps)) {
       const double worst = WorstOf(problem.layers, *found);
       high = static_cast<size_t>(std::lower_bound(values.begin(), values.end(), worst) - values.begin());
       high = std::min(high, middle);
       best = std::move(found);
-      from_below = false;
     } else {
       low = middle + 1;
     }

@@ -38,9 +38,9 @@ LayeredProblem Within(LayeredProblem problem, double bound);
 /// A search that may end early, with the best sequence so far, after a number of sweeps.
 using BoundedSearch = std::function<std::optional<Sequence>(const LayeredProblem&, int max_sweeps)>;
 
-/// Of what `search` finds the sequence of least worst value, by bisection over the values of the nodes; none
-/// is known to exist below `least`. Empty when there is none at all.
-std::optional<Sequence> LeastWorst(const LayeredProblem& problem, double least, const BoundedSearch& search);
+/// Of what `search` finds the sequence of least worst value, by bisection over the values of the nodes. Empty
+/// when there is none at all.
+std::optional<Sequence> LeastWorst(const LayeredProblem& problem, const BoundedSearch& search);
 
 /// Largest objective along a sequence.
 double WorstOf(std::span<const Layer> layers, const Sequence& sequence);

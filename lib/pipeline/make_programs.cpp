@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/make_programs.hpp"
 
-#include <map>
-
 #include "base/error.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/base_window.hpp"
 #include "pipeline/cell_texts.hpp"
 #include "pipeline/program_motions.hpp"
 #include "pipeline/program_warnings.hpp"
+#include "plan/skipped.hpp"
 #include "verify/causes.hpp"
 
 namespace millpose {
@@ -30,17 +29,12 @@ namespace {
 
 /// How many points no motion cuts, by reason; empty where all are cut.
 std::string WhatIsLeftOut(const PlanResult& plan) {
-  std::map<SkipReason, size_t> skipped;
-  size_t points = 0;
-  for (const PassResult& pass : plan.passes) {
-    points += pass.points.size();
-    for (const PlannedPoint& point : pass.points)
-      if (point.skip != SkipReason::kNone) ++skipped[point.skip];
-  }
+  const std::map<std::string, size_t> skipped = SkippedByReason(plan);
   if (skipped.empty()) return {};
+  size_t points = 0;
+  for (const PassResult& pass : plan.passes) points += pass.points.size();
   std::vector<std::string> reasons;
-  for (const auto& [reason, count] : skipped)
-    reasons.push_back(fmt::format("{} {}", count, ToString(reason)));
+  for (const auto& [reason, count] : skipped) reasons.push_back(fmt::format("{} {}", count, reason));
   return fmt::format("of {} points are not cut: {}", points, fmt::join(reasons, ", "));
 }
 

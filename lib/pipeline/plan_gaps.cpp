@@ -4,7 +4,7 @@
 #include <map>
 
 #include "path/job_planner.hpp"
-#include "plan/leave_out.hpp"
+#include "plan/skipped.hpp"
 
 namespace millpose {
 namespace {
@@ -37,9 +37,12 @@ class AllGaps {
         execution_(execution) {}
 
   PlannedGaps Plan() {
+    std::optional<size_t> resumed;  // in the first round: later ones find what this run has planned
     for (;;) {
       const std::vector<Ends> ends = GapEnds(home_.q, passes_);
       PlannedGaps planned = PlanGaps(world_, ends, options_, checkpoints_, execution_);
+      if (!resumed) resumed = planned.resumed;
+      planned.resumed = *resumed;
       if (Checker(world_).At(home_.q, Phase::kFree)) return planned;
       barred_.clear();
       for (size_t i = 0; i < ends.size(); ++i)
@@ -53,20 +56,20 @@ class AllGaps {
   }
 
  private:
+  /// Of a gap without a way: the way by home, or which of its pieces is to blame.
   void Mend(const Ends& ends, Gap& gap) {
     const auto& [from, to] = ends;
-    std::vector<Ends> ways;
-    if (from.pass >= 0) ways.emplace_back(from, home_);
-    if (to.pass >= 0) ways.emplace_back(home_, to);
-    const std::vector<Gap> gaps = PlanGaps(world_, ways, options_, checkpoints_, execution_).gaps;
-    bool any = false;
-    for (size_t k = 0; k < ways.size(); ++k) {
-      if (gaps[k].planned) continue;
-      const GapEnd& piece = ways[k].first.pass >= 0 ? ways[k].first : ways[k].second;
-      barred_.try_emplace({piece.pass, piece.piece}, gaps[k].detail);
-      any = true;
-    }
-    if (!any) gap = ByWayOfHome(gaps[0], gaps[1]);
+    if (from.pass < 0) return Bar(to, gap);
+    if (to.pass < 0) return Bar(from, gap);
+    const std::vector<Gap> ways =
+        PlanGaps(world_, {{from, home_}, {home_, to}}, options_, checkpoints_, execution_).gaps;
+    if (!ways[0].planned) Bar(from, ways[0]);
+    if (!ways[1].planned) Bar(to, ways[1]);
+    if (ways[0].planned && ways[1].planned) gap = ByWayOfHome(ways[0], ways[1]);
+  }
+
+  void Bar(const GapEnd& piece, const Gap& gap) {
+    barred_.try_emplace({piece.pass, piece.piece}, gap.detail);
   }
 
   const World& world_;

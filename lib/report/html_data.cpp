@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/units.hpp"
+#include "plan/skipped.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/html_columns.hpp"
 #include "report/html_json.hpp"
@@ -87,12 +88,10 @@ Json PassesJson(const PlanResult& plan, const Layout& layout) {
 /// Skipped points, the first `limit` of them by number, and how many there are for each reason.
 Json SkippedJson(const PlanResult& plan, size_t limit) {
   Json list = Json::array();
-  std::map<std::string, size_t> reasons;
   uint32_t number = 0;
   for (const PassResult& pass : plan.passes) {
     for (const PlannedPoint& p : pass.points) {
       if (p.skip != SkipReason::kNone) {
-        ++reasons[ToString(p.skip)];
         if (list.size() < limit)
           list.push_back(
               {{"point", number}, {"pass", pass.pass}, {"reason", ToString(p.skip)}, {"detail", p.detail}});
@@ -100,7 +99,7 @@ Json SkippedJson(const PlanResult& plan, size_t limit) {
       ++number;
     }
   }
-  return {{"reasons", reasons}, {"rows", list}};
+  return {{"reasons", SkippedByReason(plan)}, {"rows", list}};
 }
 
 Json GapsJson(const PlanResult& plan) {

@@ -2,6 +2,7 @@
 #include <iterator>
 
 #include "base/units.hpp"
+#include "plan/skipped.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/price_text.hpp"
 #include "report/report.hpp"
@@ -31,21 +32,20 @@ void AppendGapRemarks(const PlanResult& plan, std::string* text) {
 }
 
 void AppendSkipped(const PlanResult& plan, std::string* text) {
-  std::map<std::string, size_t> by_reason;
+  const std::map<std::string, size_t> by_reason = SkippedByReason(plan);
+  if (by_reason.empty()) return;
   size_t number = 0, shown = 0, skipped = 0;
   std::string rows;
   for (const PassResult& pass : plan.passes)
     for (const PlannedPoint& point : pass.points) {
       if (point.skip != SkipReason::kNone) {
         ++skipped;
-        ++by_reason[ToString(point.skip)];
         if (shown++ < kShown)
           fmt::format_to(std::back_inserter(rows), "  point {} (pass {}): {}: {}\n", number, pass.pass,
                          ToString(point.skip), point.detail);
       }
       ++number;
     }
-  if (skipped == 0) return;
   *text += "skipped   ";
   for (const auto& [reason, count] : by_reason)
     fmt::format_to(std::back_inserter(*text), " {} {}", count, reason);

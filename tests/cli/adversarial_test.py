@@ -222,6 +222,13 @@ class Adversarial(unittest.TestCase):
         self.assertTrue(all(e["reason"] in ("unreachable", "limit", "singular", "step") for e in summary["skipped"]))
         self.assertIn("unreachable", {e["reason"] for e in summary["skipped"]})
         self.assertEqual(len(summary["programs"]), 4)
+        programs = [path for path in (BENCH.top / "half/programs").rglob("*") if path.stem.lower() == "half"]
+        heads = [re.search(r"INCOMPLETE: of (\d+) points are not cut: (.*)", path.read_text(encoding="utf-8"))
+                 for path in programs if path.suffix in (".src", ".mpf", ".ngc")]
+        self.assertEqual(len(heads), 3)
+        for head in heads:
+            self.assertEqual(int(head[1]), summary["points"]["total"])
+            self.assertEqual(sum(map(int, re.findall(r"\d+", head[2]))), summary["points"]["skipped"])
         self.assertTrue(all(program["verified"] for program in summary["programs"]))
 
     def test_a_start_pose_in_collision_is_told_and_the_cuts_are_planned(self):

@@ -52,12 +52,12 @@ TEST(StepLimits, NoMotionBendsFurtherThanItMay) {
   const World world(EmptyCell(problem));
   PathOptions options = Options();
   options.steps = {DegToRad(2), 1e9};
-  options.smoothing_loss = 0;
   const Pass pass = Row(-400, 400, 21);
   const Carrier carrier{problem.arm, problem.X_WB, problem.X_FT};
   double largest_step = 0;
-  for (const double most : {0.5, 0.2}) {
+  for (const auto& [most, loss] : {std::pair(0.5, 0.0), std::pair(0.5, 0.01), std::pair(0.2, 0.01)}) {
     options.max_deviation = most;
+    options.smoothing_loss = loss;
     const PassResult result = PlanPass(problem, world, pass, 0, 0, options, 1, {});
     ExpectSound(problem, options, pass, result);
     for (const Piece& piece : result.pieces)

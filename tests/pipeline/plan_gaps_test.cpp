@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/plan_gaps.hpp"
 
+#include "motion/line.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/cell/sample_cell.hpp"
 
@@ -58,6 +59,31 @@ TEST(PlanAllGaps, APieceThatCannotBeLeftCostsItselfAlone) {
       EXPECT_NE(point.detail.find("spindle touches clamp"), std::string::npos) << point.detail;
     }
   }
+}
+
+TEST(PlanAllGaps, WhereNoWayIsFoundBetweenPiecesItGoesByHome) {
+  Cell cell = SampleCell();
+  cell.bodies.push_back(
+      {"wall", BodyClass::kFixture, Mount::kWorld, 0, At(2100, 0, 700), Box{{1400, 100, 1400}}});
+  const World world(cell);
+  GapOptions options;
+  options.max_iterations = 1;  // straight ways alone
+  std::vector<PassResult> passes{PassAt(0, {kLeft}), PassAt(1, {kRight})};
+  const Joints left = passes[0].points[2].q, right = passes[1].points[0].q;
+  ASSERT_FALSE(PlanGap(world, {0, 0, left}, {1, 0, right}, options, {}).planned);
+  const PlannedGaps planned = PlanAllGaps(world, passes, options, NoCheckpoints(), {.threads = 1});
+  ASSERT_EQ(planned.gaps.size(), 3u);
+  const Gap& gap = planned.gaps[1];
+  ASSERT_TRUE(gap.planned) << gap.detail;
+  EXPECT_EQ(std::pair(gap.from_pass, gap.to_pass), std::pair(0, 1));
+  const Carrier carrier{cell.arm, cell.X_WB, cell.X_FT};
+  EXPECT_TRUE(carrier.ToolPose(gap.joints.front()).isApprox(gap.X_WT_retracted, 1e-9));
+  EXPECT_TRUE(carrier.ToolPose(gap.joints.back()).isApprox(gap.X_WT_approach, 1e-9));
+  EXPECT_EQ(std::ranges::count(gap.joints, cell.home), 1);
+  Checker checker(world);
+  for (size_t i = 1; i < gap.joints.size(); ++i)
+    EXPECT_FALSE(checker.Between(gap.joints[i - 1], gap.joints[i], Phase::kFree, 0.5)) << i;
+  EXPECT_EQ(passes[0].pieces.size() + passes[1].pieces.size(), 2u);
 }
 
 TEST(PlanAllGaps, NothingIsLeftOutWhereHomeIsBlocked) {

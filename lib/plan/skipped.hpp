@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Points of a plan that are not cut.
 #pragma once
+
+#include <map>
 
 #include "plan/plan_result.hpp"
 
@@ -8,5 +11,8 @@ namespace millpose {
 /// Leaves a planned piece out of its pass: its points are skipped for `reason`, which `detail` tells in
 /// words, and the pieces after it move up by one number.
 void LeaveOut(PassResult& pass, int piece, SkipReason reason, const std::string& detail);
+
+/// How many points are skipped, by ToString(SkipReason).
+std::map<std::string, size_t> SkippedByReason(const PlanResult& plan);
 
 }  // namespace millpose

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "plan/leave_out.hpp"
+#include "plan/skipped.hpp"
 
 #include <algorithm>
 
@@ -38,6 +38,14 @@ void LeaveOut(PassResult& pass, int piece, SkipReason reason, const std::string&
     pass.pieces[k].piece = static_cast<int>(k);
   std::erase(pass.lifts, piece);
   for (int& lift : pass.lifts) lift -= lift > piece;
+}
+
+std::map<std::string, size_t> SkippedByReason(const PlanResult& plan) {
+  std::map<std::string, size_t> counts;
+  for (const PassResult& pass : plan.passes)
+    for (const PlannedPoint& point : pass.points)
+      if (point.skip != SkipReason::kNone) ++counts[ToString(point.skip)];
+  return counts;
 }
 
 }  // namespace millpose
