@@ -9,6 +9,7 @@
 #include "judge/distance.hpp"
 #include "judge/interference.hpp"
 #include "tests/audit/kinematics.hpp"
+#include "tests/audit/laws.hpp"
 #include "tests/audit/programs.hpp"
 
 namespace millpose::audit {
@@ -30,6 +31,8 @@ class Figures {
     if (figure.value++ == 0) figure.where = where;
   }
   void AddPoses(long long count) { verdict_.poses_checked += count; }
+  void AddObjective() { ++verdict_.objectives_recomputed; }
+  void AddExcused() { ++verdict_.bends_excused; }
   Verdict Take() { return std::move(verdict_); }
 
  private:
@@ -55,6 +58,27 @@ void AuditIndices(const Setup& setup, const Row& row, Figures& figures) {
   if (indices.objective > 0) compare("objective", row.objective, indices.objective);
 }
 
+Real Ratio(Real difference, Real scale) {
+  if (difference == 0) return 0;
+  return scale > 0 ? std::abs(difference) / scale : std::numeric_limits<Real>::infinity();
+}
+
+/// The point's own objective, and what its force moves.
+void AuditForce(const Folder& folder, const Row& row, Figures& figures) {
+  const std::string name = fmt::format("point {}", row.point);
+  const Matrix3 c = ComplianceAt(folder.setup, row.angles);
+  if (const std::optional<OwnObjective> own = ObjectiveOf(folder, row, c)) {
+    figures.AddObjective();
+    figures.Raise("max_objective_error_relative", Ratio(row.objective - own->value, own->scale), name);
+  }
+  if (folder.deflected.empty() && !NeedsForces(folder.goal)) return;
+  const auto stated = folder.deflected.find(row.point);
+  if (stated != folder.deflected.end())
+    figures.Raise("max_deflection_error_relative", DeflectionError(stated->second, row, c), name);
+  else if (row.cut)
+    figures.Count("missing_forces", name);
+}
+
 void AuditRows(const Folder& folder, Figures& figures) {
   const Setup& setup = folder.setup;
   const Matrix3 R_WP = setup.X_WP.block<3, 3>(0, 0);
@@ -74,6 +98,7 @@ void AuditRows(const Folder& folder, Figures& figures) {
     figures.Raise("max_axis_error_deg", AngleBetween(Vector3(X_WT.block<3, 1>(0, 2)), row.axis) / kDegree,
                   name);
     AuditIndices(setup, row, figures);
+    AuditForce(folder, row, figures);
     for (size_t i = 0; i < 6; ++i)
       if (row.angles[i] < setup.lower[i] - kAngleSlack || row.angles[i] > setup.upper[i] + kAngleSlack)
         figures.Count("limit_violations", fmt::format("A{} of point {}", i + 1, row.point));
@@ -95,6 +120,38 @@ void AuditSteps(const Setup& setup, const std::vector<Cut>& cuts, Figures& figur
                         fmt::format("A{} from point {} to {}", i + 1, from.point, to.point));
       }
     }
+}
+
+/// Half-way between points. Where the bound itself is exceeded, the points must lie too far apart for it.
+void AuditHalfway(const Folder& folder, const std::vector<Cut>& cuts, Figures& figures) {
+  Real largest = 0;
+  for (const Cut& cut : cuts)
+    for (size_t k = 1; k < cut.rows.size() + (cut.closed ? 1 : 0); ++k) {
+      const Row &from = *cut.rows[k - 1], &to = *cut.rows[k % cut.rows.size()];
+      const Real off = HalfwayDeviation(folder.setup, from.angles, TurnedNear(to.angles, from.angles));
+      largest = std::max(largest, off);
+      if (off <= folder.goal.max_halfway) continue;
+      const Real most = MostHalfway(folder.goal, HalfwayUnchanged(folder.setup, from, to));
+      figures.Raise("max_halfway_excess_mm", off - most, fmt::format("point {} to {}", from.point, to.point));
+      if (off <= most) figures.AddExcused();
+    }
+  if (!folder.summary) return;
+  constexpr Real kLeast = 1e-3L;  // mm: below, rounding counts
+  figures.Raise("max_summary_error_relative",
+                std::abs(folder.summary->max_halfway - largest) / std::max(kLeast, largest),
+                "continuity.halfway_deviation_max_mm");
+}
+
+/// The worst and the best of points.csv, whose rows are judged one by one.
+void AuditSummary(const Folder& folder, Figures& figures) {
+  if (!folder.summary) return;
+  Real best = std::numeric_limits<Real>::infinity(), worst = 0;
+  for (const Row& row : folder.rows)
+    if (row.planned) best = std::min(best, row.objective), worst = std::max(worst, row.objective);
+  for (const auto& [name, stated, own] : {std::tuple{"best", folder.summary->best_objective, best},
+                                          {"worst", folder.summary->worst_objective, worst}})
+    figures.Raise("max_summary_error_relative", Ratio(stated - own, worst),
+                  fmt::format("stiffness.objective.{}", name));
 }
 
 /// A straight motion in joint space and what it is for.
@@ -139,13 +196,6 @@ std::vector<JointMotion> GapMotions(const std::vector<Target>& targets, const st
     if (c < cuts.size()) begin = cuts[c].last;
   }
   return motions;
-}
-
-/// Angles equal to `angles` up to full turns, nearest to `near`.
-Angles TurnedNear(Angles angles, const Angles& near) {
-  for (size_t i = 0; i < 6; ++i)
-    angles[i] += 360 * kDegree * std::round((near[i] - angles[i]) / (360 * kDegree));
-  return angles;
 }
 
 /// The straight way of the tool between two poses of the arm that are near each other, as short joint
@@ -237,6 +287,11 @@ Verdict Audit(const Folder& folder, const Options& options) {
   figures.Declare("limit_violations", 0);
   figures.Declare("step_violations", 0);
   figures.Declare("max_index_error_relative", 1e-6);
+  figures.Declare("max_objective_error_relative", 1e-8);
+  figures.Declare("max_deflection_error_relative", 1e-8);
+  figures.Declare("missing_forces", 0);
+  figures.Declare("max_halfway_excess_mm", 1e-9);
+  figures.Declare("max_summary_error_relative", 1e-8);
   figures.Declare("interferences", 0);
   if (folder.setup.urdf) figures.Declare("max_urdf_error_mm", 0.01);
   for (const auto& [controller, files] : folder.programs) {
@@ -247,6 +302,8 @@ Verdict Audit(const Folder& folder, const Options& options) {
   std::vector<Cut> cuts = CutsOf(folder.rows, folder.setup);
   AuditRows(folder, figures);
   AuditSteps(folder.setup, cuts, figures);
+  AuditHalfway(folder, cuts, figures);
+  AuditSummary(folder, figures);
   std::vector<JointMotion> motions = CutMotions(cuts), gaps;
   for (const auto& [controller, files] : folder.programs) {
     const std::vector<Target> targets = ReadProgram(controller, files, folder.setup);
@@ -274,6 +331,8 @@ std::string ToJson(const Verdict& verdict) {
     if (figure.value > figure.bound) broken[figure.name] = figure.where;
   }
   json["poses_checked"] = verdict.poses_checked;
+  json["objectives_recomputed"] = verdict.objectives_recomputed;
+  json["bends_excused"] = verdict.bends_excused;
   json["bounds"] = bounds;
   json["broken"] = broken;
   return json.dump(2) + "\n";

@@ -23,7 +23,9 @@ struct Figure {
 
 struct Verdict {
   std::vector<Figure> figures;
-  long long poses_checked = 0;  ///< for interference
+  long long poses_checked = 0;          ///< for interference
+  long long objectives_recomputed = 0;  ///< other than chen2021's, which counts as an index
+  long long bends_excused = 0;  ///< steps beyond the bound half-way whose points lie too far apart for it
 
   bool Holds() const;
   /// The figure of that name; throws std::out_of_range when there is none.

@@ -16,6 +16,7 @@
 #include "judge/tessellate.hpp"
 #include "tests/audit/good_folder.hpp"
 #include "tests/audit/kinematics.hpp"
+#include "tests/audit/laws.hpp"
 #include "tests/audit/programs.hpp"
 
 namespace millpose::audit {
@@ -39,6 +40,8 @@ class AuditTest : public testing::Test {
     options.travel_mm = 25;
     return Audit(ReadFolder(top_ / "out"), options);
   }
+
+  fs::path Path(const std::string& name) const { return top_ / name; }
 
   std::set<std::string> Broken(const Texts& texts) {
     const Verdict verdict = Judged(texts);
@@ -138,6 +141,166 @@ TEST_F(AuditTest, AWrongIndexIsAnIndexError) {
   }
 }
 
+/// Multiplies a cell of a line of comma-separated values.
+std::string Scaled(const std::string& line, size_t column, double factor) {
+  std::istringstream cells(line);
+  std::string cell;
+  for (size_t i = 0; i <= column; ++i) std::getline(cells, cell, ',');
+  return AddTo(line, column, (factor - 1) * std::stod(cell));
+}
+
+/// A point of points.csv that is neither the best nor the worst of all.
+size_t PointBetween(const std::string& csv) {
+  const std::vector<Row> rows = ReadPoints(csv);
+  const auto [best, worst] = std::ranges::minmax_element(rows, {}, &Row::objective);
+  for (size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].objective > best->objective && rows[i].objective < worst->objective) return i;
+  throw std::logic_error("all alike");
+}
+
+TEST_F(AuditTest, AGoodFolderWithForcesPasses) {
+  const Verdict verdict = Judged(MakeFolder({.forces = true}));
+  EXPECT_TRUE(verdict.Holds()) << ToJson(verdict);
+  EXPECT_EQ(verdict.objectives_recomputed, 12);
+  EXPECT_EQ(verdict.bends_excused, 0);
+}
+
+TEST_F(AuditTest, AWrongObjectiveIsAnObjectiveError) {
+  Texts texts = MakeFolder({.forces = true});
+  EditLine(texts["out/points.csv"], 1 + PointBetween(texts["out/points.csv"]),
+           [](const std::string& line) { return Scaled(line, 28, 1 + 1e-7); });
+  EXPECT_EQ(Broken(texts), Names{"max_objective_error_relative"});
+}
+
+TEST_F(AuditTest, AnUncertaintyThatThePlanDidNotHaveIsAnObjectiveError) {
+  for (const std::string stated : {"force_direction_deg: 20", "force_uncertainty_percent: 30"}) {
+    Texts texts = MakeFolder({.forces = true});
+    std::string& job = texts["out/job.yaml"];
+    job.replace(job.find(stated) + stated.size(), 0, ".001");
+    EXPECT_EQ(Broken(texts), Names{"max_objective_error_relative"}) << stated;
+  }
+}
+
+TEST_F(AuditTest, AWrongForceShowsInObjectiveAndDeflection) {
+  for (const size_t column : {5u, 6u, 7u}) {
+    Texts texts = MakeFolder({.forces = true});
+    EditLine(texts["out/deflection.csv"], 4,
+             [&](const std::string& line) { return Scaled(line, column, 1 + 1e-5); });
+    EXPECT_EQ(Broken(texts), (Names{"max_objective_error_relative", "max_deflection_error_relative"}))
+        << column;
+  }
+}
+
+TEST_F(AuditTest, AWrongDeflectionIsADeflectionError) {
+  for (size_t column = 8; column < 15; ++column) {
+    Texts texts = MakeFolder({.forces = true});
+    EditLine(texts["out/deflection.csv"], 6,
+             [&](const std::string& line) { return AddTo(line, column, 1e-5); });
+    EXPECT_EQ(Broken(texts), Names{"max_deflection_error_relative"}) << column;
+  }
+}
+
+TEST_F(AuditTest, ACutPointWithoutAForceIsMissed) {
+  Texts texts = MakeFolder({.forces = true});
+  std::string& csv = texts["out/deflection.csv"];
+  csv.erase(csv.rfind('\n', csv.size() - 2) + 1);
+  EXPECT_EQ(Broken(texts), Names{"missing_forces"});
+  texts.erase("out/deflection.csv");
+  fs::remove(Path("out/deflection.csv"));
+  EXPECT_EQ(Broken(texts), Names{"missing_forces"});
+}
+
+TEST_F(AuditTest, AWrongSummaryIsASummaryError) {
+  for (const std::string key : {"\"best\": ", "\"worst\": ", "\"halfway_deviation_max_mm\": "}) {
+    Texts texts = MakeFolder({.forces = true});
+    std::string& json = texts["out/summary.json"];
+    json.replace(json.find(key) + key.size(), 0, "1");  // another digit in front
+    EXPECT_EQ(Broken(texts), Names{"max_summary_error_relative"}) << key;
+  }
+}
+
+TEST_F(AuditTest, ABendBeyondTheBoundMustBeThatOfAnUnchangedRotation) {
+  const auto judged = [&](double rotation_deg, const std::string& bound) {
+    Texts texts = MakeFolder({.rotation_deg = rotation_deg});
+    const std::string stated = "max_halfway_deviation_mm: 5";
+    std::string& job = texts["out/job.yaml"];
+    job.replace(job.find(stated), stated.size(), "max_halfway_deviation_mm: " + bound);
+    return Judged(texts);
+  };
+  // Ten steps, none of them straight to a nanometre; with the rotation unchanged that cannot be mended.
+  const Verdict even = judged(0, "1e-6");
+  EXPECT_TRUE(even.Holds()) << ToJson(even);
+  EXPECT_EQ(even.bends_excused, 10);
+  // Two of them turn the tool: to it and back.
+  const Verdict turned = judged(4, "1e-6");
+  EXPECT_GT(turned["max_halfway_excess_mm"].value, 0.01);
+  EXPECT_EQ(turned.bends_excused, 8);
+  const double off = turned["max_halfway_excess_mm"].value;
+  EXPECT_TRUE(judged(4, std::to_string(2 * off)).Holds());
+  EXPECT_FALSE(judged(4, std::to_string(off / 2)).Holds());
+}
+
+TEST(Laws, SurfaceErrorIsTheLargestOverAllForcesOfTheUncertainty) {
+  Matrix3 c;
+  c << 3, 0.4L, -0.7L, 0.4L, 2, 0.9L, -0.7L, 0.9L, 5;
+  Folder folder;
+  Row row{};
+  row.normal = Vector3(1, 2, 2) / 3;
+  for (const Vector3& force : {Vector3(10, -3, 2), Vector3(-4, 9, -1), Vector3(0.2L, 1, 2.4L)})
+    for (const int direction : {0, 20, 90}) {
+      folder.goal = {.objective = "surface_error", .uncertainty = 0.3L, .direction = direction * kDegree};
+      folder.deflected[0].force = force;
+      Real most = 0;
+      const Vector3 aside = force.cross(Vector3::UnitX()).normalized(),
+                    beside = force.normalized().cross(aside);
+      for (int turn = 0; turn < 3600; ++turn)
+        for (const Real off : {Real{0}, direction * kDegree / 2, direction * kDegree}) {
+          const Real angle = turn * 0.1L * kDegree;
+          const Vector3 side = std::cos(angle) * aside + std::sin(angle) * beside;
+          const Vector3 F = 1.3L * (std::cos(off) * force + std::sin(off) * force.norm() * side);
+          most = std::max(most, std::abs(row.normal.dot(c * F)));
+        }
+      const Real own = ObjectiveOf(folder, row, c)->value;
+      EXPECT_GE(static_cast<double>(own), static_cast<double>(most) * (1 - 1e-12));
+      EXPECT_LT(static_cast<double>(own), static_cast<double>(most) * 1.2);
+      if (direction == 20 && own < (1.3L * force.norm() * (c * row.normal).norm()) * 0.999L) {
+        EXPECT_NEAR(static_cast<double>(own), static_cast<double>(most), 1e-5 * static_cast<double>(own));
+      }
+    }
+}
+
+TEST(Laws, ABendMayBeAQuarterMoreThanThatOfAnUnchangedRotation) {
+  const Goal goal{.objective = "chen2021", .max_halfway = 5};
+  EXPECT_EQ(MostHalfway(goal, 3.9L), 5);
+  EXPECT_EQ(MostHalfway(goal, 8), 10);
+}
+
+TEST(Laws, OtherObjectivesByTheirDefinitions) {
+  Folder folder;
+  Row row{};
+  row.normal = Vector3::UnitZ();
+  row.axis = Vector3::UnitX();
+  row.feed_direction = Vector3::UnitY();
+  Matrix3 c = Vector3(2, 3, 5).asDiagonal();
+  const auto value = [&](const std::string& name) {
+    folder.goal.objective = name;
+    return static_cast<double>(ObjectiveOf(folder, row, c)->value);
+  };
+  EXPECT_DOUBLE_EQ(value("normal_deflection"), 5);
+  EXPECT_DOUBLE_EQ(value("drilling"), 2);
+  EXPECT_DOUBLE_EQ(value("worst_in_plane"), 3);
+  folder.goal.given_force = Vector3(1, 2, 4);  // along y, z and x
+  EXPECT_DOUBLE_EQ(value("process_force"), std::sqrt(9.0 + 100 + 64));
+  folder.goal.given_force.setZero();
+  folder.deflected[0].force = Vector3(1, 0, 2);
+  EXPECT_DOUBLE_EQ(value("process_force"), std::sqrt(4.0 + 100));
+  folder.goal.objective = "of_another_program";
+  EXPECT_FALSE(ObjectiveOf(folder, row, c));
+  folder.goal.objective = "surface_error";
+  row.point = 7;
+  EXPECT_FALSE(ObjectiveOf(folder, row, c));
+}
+
 TEST_F(AuditTest, APostInTheWayIsAnInterference) {
   EXPECT_EQ(Broken(MakeFolder({.fixture_in_way = true})), Names{"interferences"});
 }
@@ -228,7 +391,7 @@ TEST(Programs, ShortWaysAfterLongOnesAreFollowed) {
     Row row{};
     row.point = static_cast<int>(rows.size());
     row.planned = true;
-    row.position = row.normal = row.axis = Vector3::Zero();
+    row.position = row.normal = row.axis = row.feed_direction = Vector3::Zero();
     row.angles = angles;
     rows.push_back(row);
   }

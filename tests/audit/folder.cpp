@@ -281,6 +281,10 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   };
   folder.setup = ReadSetup(ReadFile(path / "job.yaml"), starts, optional("cell.yaml"));
   folder.rows = ReadPoints(ReadFile(path / "points.csv"));
+  folder.goal = ReadGoal(ReadFile(path / "job.yaml"));
+  if (const std::string csv = optional("deflection.csv"); !csv.empty())
+    folder.deflected = ReadDeflected(csv, folder.setup.X_WP.block<3, 3>(0, 0));
+  if (const std::string json = optional("summary.json"); !json.empty()) folder.summary = ReadSummary(json);
   if (const std::string cbor = optional("plan.cbor"); !cbor.empty()) folder.gaps = ReadGaps(cbor);
   if (fs::exists(path / "programs"))
     for (const auto& controller : fs::directory_iterator(path / "programs"))
@@ -307,52 +311,115 @@ std::vector<PlannedGap> ReadGaps(const std::string& cbor) {
   return gaps;
 }
 
-std::vector<Row> ReadPoints(const std::string& csv) {
-  std::istringstream lines(csv);
-  std::string line;
-  const auto split = [](const std::string& text) {
-    std::vector<std::string> cells(1);
-    for (const char c : text) {
+Goal ReadGoal(const std::string& job_text) {
+  const YAML::Node job = YAML::Load(job_text), objective = job["pose"]["objective"];
+  const YAML::Node process = job["process"];
+  Goal goal;
+  goal.objective = objective["name"].as<std::string>();
+  goal.max_halfway = job["path"]["max_halfway_deviation_mm"].as<double>(5);
+  if (process && process["force_uncertainty_percent"])
+    goal.uncertainty = process["force_uncertainty_percent"].as<double>() / 100;
+  if (process && process["force_direction_deg"])
+    goal.direction = process["force_direction_deg"].as<double>() * kDegree;
+  goal.given_force << objective["feed_N"].as<double>(0), objective["across_N"].as<double>(0),
+      objective["axial_N"].as<double>(0);
+  return goal;
+}
+
+std::optional<Summary> ReadSummary(const std::string& text) {
+  const nlohmann::json json = nlohmann::json::parse(text);
+  const auto& objective = json.at("stiffness").at("objective");
+  if (!objective.at("worst").is_number()) return std::nullopt;
+  return Summary{objective.at("best").get<double>(), objective.at("worst").get<double>(),
+                 json.at("continuity").at("halfway_deviation_max_mm").get<double>()};
+}
+
+namespace {
+
+/// Comma-separated values by the name of their column.
+class Table {
+ public:
+  Table(std::string name, const std::string& csv) : name_(std::move(name)), lines_(csv) {
+    Next();
+    for (size_t i = 0; i < cells_.size(); ++i) columns_.emplace(cells_[i], i);
+  }
+
+  bool Next() {
+    std::string line;
+    if (!std::getline(lines_, line)) return false;
+    ++number_;
+    cells_.assign(1, "");
+    for (const char c : line) {
       if (c == ',')
-        cells.emplace_back();
+        cells_.emplace_back();
       else
-        cells.back() += c;
+        cells_.back() += c;
     }
-    return cells;
-  };
-  std::getline(lines, line);
-  std::map<std::string, size_t> columns;
-  for (const std::string& name : split(line)) columns.emplace(name, columns.size());
+    return true;
+  }
+
+  const std::string& At(const char* name) const { return cells_.at(columns_.at(name)); }
+  Real Number(const char* name) const {
+    size_t used = 0;
+    const Real value = std::stold(At(name), &used);
+    if (used != At(name).size() || !std::isfinite(value))
+      throw std::runtime_error(name_ + ":" + std::to_string(number_) + ": " + name + " is '" + At(name) +
+                               "'");
+    return value;
+  }
+  Vector3 Three(const char* x, const char* y, const char* z) const {
+    return {Number(x), Number(y), Number(z)};
+  }
+
+ private:
+  std::string name_;
+  std::istringstream lines_;
+  std::map<std::string, size_t> columns_;
+  std::vector<std::string> cells_;
+  int number_ = 0;
+};
+
+}  // namespace
+
+std::map<int, Deflected> ReadDeflected(const std::string& csv, const Matrix3& R_WP) {
+  constexpr Real kMicrometre = 1e-3L;
+  Table table("deflection.csv", csv);
+  std::map<int, Deflected> rows;
+  while (table.Next())
+    rows[std::stoi(table.At("point"))] = {R_WP * table.Three("force_x_N", "force_y_N", "force_z_N"),
+                                          kMicrometre * R_WP * table.Three("x_um", "y_um", "z_um"),
+                                          kMicrometre * table.Number("normal_um"),
+                                          kMicrometre * table.Number("feed_um"),
+                                          kMicrometre * table.Number("across_um"),
+                                          kMicrometre * table.Number("length_um")};
+  return rows;
+}
+
+std::vector<Row> ReadPoints(const std::string& csv) {
+  Table table("points.csv", csv);
   std::vector<Row> rows;
-  for (int number = 2; std::getline(lines, line); ++number) {
-    const std::vector<std::string> cells = split(line);
-    const auto at = [&](const char* name) -> const std::string& { return cells.at(columns.at(name)); };
-    const auto real = [&](const char* name) -> Real {
-      size_t used = 0;
-      const Real value = std::stold(at(name), &used);
-      if (used != at(name).size() || !std::isfinite(value))
-        throw std::runtime_error("points.csv:" + std::to_string(number) + ": " + name + " is '" + at(name) +
-                                 "'");
-      return value;
-    };
+  while (table.Next()) {
     Row row{};
-    row.point = std::stoi(at("point"));
-    row.pass = std::stoi(at("pass"));
-    row.position << real("x_mm"), real("y_mm"), real("z_mm");
-    row.normal << real("nx"), real("ny"), real("nz");
-    row.axis << real("tx"), real("ty"), real("tz");
-    row.planned = !at("a1_deg").empty();
+    row.point = std::stoi(table.At("point"));
+    row.pass = std::stoi(table.At("pass"));
+    row.cut = table.At("kind") == "cut";
+    row.position = table.Three("x_mm", "y_mm", "z_mm");
+    row.normal = table.Three("nx", "ny", "nz");
+    row.axis = table.Three("tx", "ty", "tz");
+    row.feed_direction = table.Three("fx", "fy", "fz");
+    row.planned = !table.At("a1_deg").empty();
     if (row.planned) {
-      row.piece = std::stoi(at("piece"));
+      row.piece = std::stoi(table.At("piece"));
       const char* names[] = {"a1_deg", "a2_deg", "a3_deg", "a4_deg", "a5_deg", "a6_deg"};
-      for (size_t i = 0; i < 6; ++i) row.angles[i] = real(names[i]) * kDegree;
-      row.lambda_t1 = real("lambda_t1_mm_N");
-      row.lambda_t2 = real("lambda_t2_mm_N");
-      row.lambda_n = real("lambda_n_mm_N");
-      row.mu = real("mu");
-      row.dexterity = real("dexterity");
-      row.objective = real("objective");
-      row.feed = real("feed_mm_min") / 60;
+      for (size_t i = 0; i < 6; ++i) row.angles[i] = table.Number(names[i]) * kDegree;
+      row.rotation = table.Number("rotation_deg") * kDegree;
+      row.lambda_t1 = table.Number("lambda_t1_mm_N");
+      row.lambda_t2 = table.Number("lambda_t2_mm_N");
+      row.lambda_n = table.Number("lambda_n_mm_N");
+      row.mu = table.Number("mu");
+      row.dexterity = table.Number("dexterity");
+      row.objective = table.Number("objective");
+      row.feed = table.Number("feed_mm_min") / 60;
     }
     rows.push_back(row);
   }

@@ -15,9 +15,11 @@ namespace millpose::audit {
 /// One row of points.csv; a skipped point has no angles.
 struct Row {
   int point, pass, piece;
-  bool planned;
+  bool planned, cut;               ///< cut: not a lead
   Vector3 position, normal, axis;  ///< in W, mm
+  Vector3 feed_direction;          ///< in W
   Angles angles;                   ///< rad
+  Real rotation;                   ///< about the tool axis, rad
   Real lambda_t1, lambda_t2, lambda_n, mu, dexterity, objective;
   Real feed;  ///< mm/s
 };
@@ -28,11 +30,33 @@ struct PlannedGap {
   std::vector<Angles> joints;  ///< from the retracted tool to where the approach begins
 };
 
+/// One row of deflection.csv, in W: the mean force on the tool (N) and what it moves (mm).
+struct Deflected {
+  Vector3 force, moved;
+  Real normal, feed, across, length;
+};
+
+/// What job.yaml plans for.
+struct Goal {
+  std::string objective;
+  Real uncertainty = 0, direction = 0;    ///< of the force: a share, rad
+  Vector3 given_force = Vector3::Zero();  ///< N, along feed, across, axis; zero: each point's own
+  Real max_halfway = 5;                   ///< mm
+};
+
+/// What summary.json says of all points together.
+struct Summary {
+  Real best_objective, worst_objective, max_halfway;  ///< mm of the last
+};
+
 /// A folder as read.
 struct Folder {
   Setup setup;
   std::vector<Row> rows;
   std::vector<PlannedGap> gaps;
+  Goal goal;
+  std::map<int, Deflected> deflected;  ///< by point
+  std::optional<Summary> summary;
   std::map<std::string, std::map<std::string, std::string>> programs;  ///< controller → file name → text
 };
 
@@ -46,6 +70,9 @@ Setup ReadSetup(const std::string& job, const std::vector<std::filesystem::path>
                 const std::string& resolved = {});
 
 /// Parts of ReadFolder.
+Goal ReadGoal(const std::string& job);
+std::map<int, Deflected> ReadDeflected(const std::string& csv, const Matrix3& R_WP);
+std::optional<Summary> ReadSummary(const std::string& json);
 std::vector<PlannedGap> ReadGaps(const std::string& cbor);
 UrdfArm ReadUrdf(const std::string& xml, const std::string& base, const std::string& flange);
 std::vector<Row> ReadPoints(const std::string& csv);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/audit/kinematics.hpp"
+#include "tests/audit/laws.hpp"
 
 namespace millpose::audit {
 namespace {
@@ -45,16 +46,17 @@ name: by_hand
 cell: cell.yaml
 workpiece: {mesh: block.stl, unit: mm, frame: robot_base, pose: {xyz_mm: [XYZ], abc_deg: [ABC]}}
 toolpath: {strategy: parallel_planes, spacing_mm: 4}
+process: {force_uncertainty_percent: 30, force_direction_deg: 20}
 pose: {objective: {name: chen2021, w1: 0.5, w2: 0.5}}
 limits: {margin_deg: 3LIMITS}
-path: {max_joint_deg_per_mm: 1.25, joint_speed_share: 0.25}
+path: {max_joint_deg_per_mm: 1.25, joint_speed_share: 0.25, max_halfway_deviation_mm: 5}
 )";
 
 const char* const kHeader =
     "point,pass,piece,kind,status,s_mm,x_mm,y_mm,z_mm,nx,ny,nz,tx,ty,tz,a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,"
     "a6_deg,"
     "rotation_deg,branch,lambda_t1_mm_N,lambda_t2_mm_N,lambda_n_mm_N,mu,dexterity,objective,clearance_mm,"
-    "feed_mm_min\n";
+    "feed_mm_min,fx,fy,fz\n";
 
 std::string Join(const Vector3& v) {
   return fmt::format("{:.17g},{:.17g},{:.17g}", static_cast<double>(v[0]), static_cast<double>(v[1]),
@@ -178,18 +180,76 @@ class Programs {
   std::string krl_, sinumerik_, linuxcnc_;
 };
 
-std::string RowText(const Setup& setup, int point, int pass, const Angles& angles) {
-  const Matrix4 X_WT = Tool(setup, angles);
-  const Vector3 axis = X_WT.block<3, 1>(0, 2);
-  const Indices indices = ComputeIndices(setup, angles, axis);
-  std::string text = fmt::format("{},{},0,cut,planned,0,{},{},{}", point, pass, Join(X_WT.block<3, 1>(0, 3)),
-                                 Join(axis), Join(axis));
-  for (const Real angle : angles) text += fmt::format(",{:.17g}", static_cast<double>(angle / kDegree));
-  return text + fmt::format(",0,2,{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},10,80\n",
-                            static_cast<double>(indices.lambda_t1), static_cast<double>(indices.lambda_t2),
-                            static_cast<double>(indices.lambda_n), static_cast<double>(indices.mu),
-                            static_cast<double>(indices.dexterity), static_cast<double>(indices.objective));
-}
+/// points.csv, deflection.csv and the summary, point by point.
+class Figures {
+ public:
+  Figures(const Setup& setup, const Matrix3& R_WP, bool forces) : R_WP_(R_WP), forces_(forces) {
+    folder_.setup = setup;
+    folder_.goal = {
+        .objective = forces ? "surface_error" : "chen2021", .uncertainty = 0.3L, .direction = 20 * kDegree};
+  }
+
+  void Add(int pass, const Angles& angles, double rotation_deg) {
+    const Matrix4 X_WT = Tool(folder_.setup, angles);
+    Row row{};
+    row.point = static_cast<int>(folder_.rows.size());
+    row.position = X_WT.block<3, 1>(0, 3);
+    row.axis = row.normal = X_WT.block<3, 1>(0, 2);
+    row.feed_direction = R_WP_.col(0);
+    row.angles = angles;
+    const Indices indices = ComputeIndices(folder_.setup, angles, row.normal);
+    row.objective = forces_ ? Deflect(pass, row) : indices.objective;
+    points_ += fmt::format("{},{},0,cut,planned,0,{},{},{}", row.point, pass, Join(row.position),
+                           Join(row.axis), Join(row.axis));
+    for (const Real angle : angles) points_ += fmt::format(",{:.17g}", static_cast<double>(angle / kDegree));
+    points_ += fmt::format(",{:.17g},2", rotation_deg);
+    for (const Real figure : {indices.lambda_t1, indices.lambda_t2, indices.lambda_n, indices.mu,
+                              indices.dexterity, row.objective})
+      points_ += fmt::format(",{:.17g}", static_cast<double>(figure));
+    points_ += fmt::format(",10,80,{}\n", Join(row.feed_direction));
+    folder_.rows.push_back(row);
+  }
+
+  void Finish(Texts& texts) {
+    texts["out/points.csv"] = points_;
+    if (!forces_) return;
+    texts["out/deflection.csv"] = deflections_;
+    Real best = folder_.rows[0].objective, worst = 0, halfway = 0;
+    for (const Row& row : folder_.rows)
+      best = std::min(best, row.objective), worst = std::max(worst, row.objective);
+    for (const size_t k : {1u, 2u, 3u, 4u, 5u, 7u, 8u, 9u, 10u, 11u})  // within the two passes
+      halfway = std::max(halfway,
+                         HalfwayDeviation(folder_.setup, folder_.rows[k - 1].angles, folder_.rows[k].angles));
+    texts["out/summary.json"] =
+        fmt::format(R"({{"stiffness": {{"objective": {{"best": {:.17g}, "worst": {:.17g}}}}},
+"continuity": {{"halfway_deviation_max_mm": {:.17g}}}}})",
+                    static_cast<double>(best), static_cast<double>(worst), static_cast<double>(halfway));
+  }
+
+ private:
+  /// Writes a row of deflection.csv; the objective.
+  Real Deflect(int pass, const Row& row) {
+    const Matrix3 c = ComplianceAt(folder_.setup, row.angles);
+    const Vector3 force(-20 - row.point, 15, 4), F = R_WP_ * force, moved = c * F;
+    folder_.deflected[row.point].force = F;
+    const Vector3 across = row.normal.cross(row.feed_direction);
+    deflections_ += fmt::format("{},{},down,9,1,{},{}", row.point, pass, Join(force),
+                                Join(1000 * R_WP_.transpose() * moved));
+    for (const Real part :
+         {row.normal.dot(moved), row.feed_direction.dot(moved), across.dot(moved), moved.norm()})
+      deflections_ += fmt::format(",{:.17g}", static_cast<double>(1000 * part));
+    deflections_ += "\n";
+    return ObjectiveOf(folder_, row, c)->value;
+  }
+
+  Folder folder_;
+  Matrix3 R_WP_;
+  bool forces_;
+  std::string points_ = kHeader;
+  std::string deflections_ =
+      "point,pass,side,width_mm,depth_mm,force_x_N,force_y_N,force_z_N,x_um,y_um,z_um,normal_um,feed_um,"
+      "across_um,length_um\n";
+};
 
 }  // namespace
 
@@ -209,7 +269,7 @@ Texts MakeFolder(const Fault& fault) {
   Texts texts;
   Programs programs(setup, X_BP, fault.cartesian);
   programs.Joint(setup.home);
-  std::string csv = kHeader;
+  Figures figures(setup, Matrix3((setup.X_WB * X_BP).block<3, 3>(0, 0)), fault.forces);
   Real largest = -1e9L, second = -1e9L;  // A1
   for (int pass = 0; pass < kPasses; ++pass) {
     const auto pose = [&](int k, Real height, Real turn) {
@@ -220,7 +280,7 @@ Texts MakeFolder(const Fault& fault) {
       const bool faulty = pass == 1 && k == 3;
       angles = Solve(setup, pose(k, faulty ? fault.lift_mm : 0, faulty ? fault.rotation_deg * kDegree : 0),
                      angles);
-      csv += RowText(setup, pass * kPoints + k, pass, angles);
+      figures.Add(pass, angles, faulty ? fault.rotation_deg : 0);
       programs.Linear(angles);
       second = std::max(std::min(largest, angles[0]), second);
       largest = std::max(largest, angles[0]);
@@ -229,7 +289,7 @@ Texts MakeFolder(const Fault& fault) {
   }
   programs.Joint(setup.home);
   programs.Finish(texts);
-  texts["out/points.csv"] = csv;
+  figures.Finish(texts);
 
   const double upper = static_cast<double>((largest + second) / 2 / kDegree) + 3;  // less the margin
   const std::string limits = fmt::format(
@@ -237,6 +297,9 @@ Texts MakeFolder(const Fault& fault) {
       upper);
   texts["out/job.yaml"] = Replaced(Replaced(Replaced(kJob, "XYZ", Join(xyz)), "ABC", Join(abc)), "LIMITS",
                                    fault.narrow_limits ? limits : "");
+  if (fault.forces)
+    texts["out/job.yaml"] =
+        Replaced(texts["out/job.yaml"], "name: chen2021, w1: 0.5, w2: 0.5", "name: surface_error");
   texts["cell.yaml"] = Replaced(kCell, "POST", fault.fixture_in_way ? "80" : "800");
   texts["block.stl"] = BlockStl();
   return texts;

@@ -16,6 +16,7 @@ struct Fault {
   bool narrow_limits = false;   ///< the job's limits exclude the point with the largest A1
   bool fixture_in_way = false;  ///< a post stands where the spindle passes
   bool cartesian = false;       ///< no fault: LinuxCNC's cuts as tool poses
+  bool forces = false;  ///< no fault: planned for `surface_error`, with deflection.csv and summary.json
 };
 
 /// Texts of a folder by name, as `plan` would leave it, with the cell and the mesh beside.

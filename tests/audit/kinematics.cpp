@@ -64,30 +64,54 @@ Matrix3 GiveOf(const Spring& spring, const Matrix4& X_WL, const Vector3& origin)
   return moved;
 }
 
-}  // namespace
-
-Indices ComputeIndices(const Setup& setup, const Angles& angles, const Vector3& normal_W) {
+/// By central differences.
+Eigen::Matrix<Real, 6, 6> JacobianAt(const Setup& setup, const Angles& angles, const Matrix4& X_FO) {
   constexpr Real kStep = 1e-5L;  // rad: truncation near 1e-10 of the entries, rounding far below
-  const Matrix4 X_FO = setup.stiffness_at_flange ? Matrix4(Matrix4::Identity()) : setup.X_FT;
   Eigen::Matrix<Real, 6, 6> J;
+  const Matrix4 middle = Frames(setup, angles)[6] * X_FO;
   for (int i = 0; i < 6; ++i) {
     Angles more = angles, less = angles;
     more[static_cast<size_t>(i)] += kStep;
     less[static_cast<size_t>(i)] -= kStep;
     const Matrix4 after = Frames(setup, more)[6] * X_FO, before = Frames(setup, less)[6] * X_FO;
-    const Matrix4 middle = Frames(setup, angles)[6] * X_FO;
     J.col(i).head<3>() = (after - before).block<3, 1>(0, 3) / (2 * kStep);
     const Matrix3 spin =
         (after - before).block<3, 3>(0, 0) / (2 * kStep) * middle.block<3, 3>(0, 0).transpose();
     J.col(i).tail<3>() << spin(2, 1), spin(0, 2), spin(1, 0);
   }
+  return J;
+}
+
+Matrix4 StiffnessOrigin(const Setup& setup) {
+  return setup.stiffness_at_flange ? Matrix4(Matrix4::Identity()) : setup.X_FT;
+}
+
+Matrix3 ComplianceBy(const Setup& setup, const Angles& angles, const Eigen::Matrix<Real, 6, 6>& J) {
   Eigen::Matrix<Real, 6, 1> flexibility;
   for (int i = 0; i < 6; ++i) flexibility[i] = 1 / setup.stiffness[static_cast<size_t>(i)];
   Matrix3 c = J.topRows<3>() * flexibility.asDiagonal() * J.topRows<3>().transpose();
   const std::array<Matrix4, 7> frames = Frames(setup, angles);
-  const Vector3 origin = (frames[6] * X_FO).block<3, 1>(0, 3);
+  const Vector3 origin = (frames[6] * StiffnessOrigin(setup)).block<3, 1>(0, 3);
   for (const Spring& spring : setup.springs)
     c += GiveOf(spring, frames[static_cast<size_t>(spring.link)], origin);
+  return c;
+}
+
+}  // namespace
+
+Angles TurnedNear(Angles angles, const Angles& near) {
+  for (size_t i = 0; i < 6; ++i)
+    angles[i] += 360 * kDegree * std::round((near[i] - angles[i]) / (360 * kDegree));
+  return angles;
+}
+
+Matrix3 ComplianceAt(const Setup& setup, const Angles& angles) {
+  return ComplianceBy(setup, angles, JacobianAt(setup, angles, StiffnessOrigin(setup)));
+}
+
+Indices ComputeIndices(const Setup& setup, const Angles& angles, const Vector3& normal_W) {
+  const Eigen::Matrix<Real, 6, 6> J = JacobianAt(setup, angles, StiffnessOrigin(setup));
+  const Matrix3 c = ComplianceBy(setup, angles, J);
 
   // A point c·f of the ellipsoid with |f| = 1 lies in the plane when it is B·y; so |c⁻¹·B·y| = 1 there.
   const Vector3 n = normal_W.normalized();

@@ -11,8 +11,15 @@ Matrix4 Tool(const Setup& setup, const Angles& angles);
 /// The same by the joints of the URDF that the cell names.
 Matrix4 UrdfTool(const UrdfArm& arm, const Angles& angles);
 
+/// Angles equal to `angles` up to full turns, nearest to `near`.
+Angles TurnedNear(Angles angles, const Angles& near);
+
 /// Joint angles that bring the tool to X_WT, by Newton's iteration on differences, from a start nearby.
 Angles Solve(const Setup& setup, const Matrix4& X_WT, Angles angles);
+
+/// Displacement of the stiffness's origin per force there, in W, mm/N: the arm's joints and the springs
+/// beside.
+Matrix3 ComplianceAt(const Setup& setup, const Angles& angles);
 
 /// What points.csv says of stiffness, by another route: Jacobian by central differences of Tool(), and the
 /// ellipsoid's section and radius by singular values of c⁻¹ restricted to the plane and to the normal.

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/audit/laws.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <cmath>
+
+#include "tests/audit/kinematics.hpp"
+
+namespace millpose::audit {
+namespace {
+
+/// The mean force on the tool at a point, in W, N.
+std::optional<Vector3> ForceAt(const Folder& folder, const Row& row) {
+  if (!folder.goal.given_force.isZero(0)) {
+    const Vector3 across = row.axis.cross(row.feed_direction).normalized();
+    Matrix3 R;
+    R << across.cross(row.axis), across, row.axis;
+    return R * folder.goal.given_force;
+  }
+  const auto found = folder.deflected.find(row.point);
+  if (found == folder.deflected.end()) return std::nullopt;
+  return found->second.force;
+}
+
+/// Over all forces that are up to a share longer than F and lie up to an angle off it, the largest
+/// displacement along n: that force lies as near to c·n as it may.
+OwnObjective SurfaceError(const Goal& goal, const Matrix3& c, const Vector3& n, const Vector3& F) {
+  const Vector3 g = c * n;
+  const Real most = (1 + goal.uncertainty) * F.norm() * g.norm(), angle = AngleBetween(g, F);
+  const Real acute = std::min(angle, 180 * kDegree - angle);
+  return {most * std::cos(std::max(Real{0}, acute - goal.direction)), most};
+}
+
+Real LargestInPlane(const Matrix3& c, const Vector3& n) {
+  const Matrix3 across = Matrix3::Identity() - n * n.transpose();
+  return Eigen::JacobiSVD<Matrix3>(c * across).singularValues()[0];
+}
+
+}  // namespace
+
+std::optional<OwnObjective> ObjectiveOf(const Folder& folder, const Row& row, const Matrix3& c) {
+  const std::string& name = folder.goal.objective;
+  const Vector3 n = row.normal.normalized();
+  const auto plain = [](Real value) { return OwnObjective{value, value}; };
+  if (name == "normal_deflection") return plain(n.dot(c * n));
+  if (name == "drilling") return plain(row.axis.dot(c * row.axis) / row.axis.squaredNorm());
+  if (name == "worst_in_plane") return plain(LargestInPlane(c, n));
+  if (name != "surface_error" && name != "process_force") return std::nullopt;
+  const std::optional<Vector3> F = ForceAt(folder, row);
+  if (!F) return std::nullopt;
+  return name == "process_force" ? plain((c * *F).norm()) : SurfaceError(folder.goal, c, n, *F);
+}
+
+bool NeedsForces(const Goal& goal) {
+  return goal.objective == "surface_error" ||
+         (goal.objective == "process_force" && goal.given_force.isZero(0));
+}
+
+Real DeflectionError(const Deflected& stated, const Row& row, const Matrix3& c) {
+  const Vector3 moved = c * stated.force, n = row.normal.normalized();
+  const Vector3 across = n.cross(row.feed_direction).normalized();
+  Eigen::Matrix<Real, 7, 1> error;
+  error << stated.moved - moved, stated.normal - n.dot(moved), stated.feed - across.cross(n).dot(moved),
+      stated.across - across.dot(moved), stated.length - moved.norm();
+  const Real off = error.cwiseAbs().maxCoeff();
+  if (off == 0) return 0;
+  return moved.norm() > 0 ? off / moved.norm() : std::numeric_limits<Real>::infinity();
+}
+
+Real HalfwayDeviation(const Setup& setup, const Angles& from, const Angles& to) {
+  Angles half;
+  for (size_t i = 0; i < 6; ++i) half[i] = (from[i] + to[i]) / 2;
+  const auto tip = [&](const Angles& angles) -> Vector3 { return Tool(setup, angles).block<3, 1>(0, 3); };
+  return (tip(half) - (tip(from) + tip(to)) / 2).norm();
+}
+
+Real HalfwayUnchanged(const Setup& setup, const Row& from, const Row& to) {
+  const Matrix4 X_WT = Tool(setup, to.angles) * Turn(2, from.rotation - to.rotation);
+  return HalfwayDeviation(setup, from.angles, Solve(setup, X_WT, from.angles));
+}
+
+Real MostHalfway(const Goal& goal, Real unchanged) { return std::max(goal.max_halfway, 1.25L * unchanged); }
+
+}  // namespace millpose::audit
