@@ -25,10 +25,10 @@ void CheckFeeds(const Value& value, const Context& context, const JobSettings& j
       context.Child("process").Child(key).Add(found->mark, "has no effect here: " + why);
   };
   if (job.feed_policy != "reduce") useless("min_feed_share", "process.feed: keep reduces no feed");
-  if (job.approach_slow >= job.gaps.retract)
+  if (job.approach_slow >= job.gaps.leave.height)
     useless("approach_feed_mm_min", fmt::format("the last {} mm of the approach run at the plunge feed, and "
                                                 "gaps.retract_mm makes it {} mm long",
-                                                job.approach_slow, job.gaps.retract));
+                                                job.approach_slow, job.gaps.leave.height));
 }
 
 // Where a force is known it decides, unless the job says what does; the paper's formulation knows eq. 23

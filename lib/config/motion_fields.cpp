@@ -72,9 +72,9 @@ Codec<JobSettings> InterferenceFields() {
 Codec<JobSettings> GapFields() {
   using S = JobSettings;
   return Section<S>({
-      Key<S>("retract_mm", MILLPOSE_AT(gaps.retract), Real(kMm, Positive(1e4)),
+      Key<S>("retract_mm", MILLPOSE_AT(gaps.leave.height), Real(kMm, Positive(1e4)),
              "Distance along the tool axis by which the tool leaves and approaches the part."),
-      Key<S>("limit_margin_deg", MILLPOSE_AT(gaps.limit_margin), Real(kDeg, Between(0, 90)),
+      Key<S>("limit_margin_deg", MILLPOSE_AT(gaps.leave.limit_margin), Real(kDeg, Between(0, 90)),
              "Distance kept from the arm's own limits between cuts, on every axis."),
       Key<S>("max_iterations", MILLPOSE_AT(gaps.max_iterations), Integer(1, 100000000),
              "Most iterations of the planner for one gap."),

@@ -49,7 +49,7 @@ Codec<JobSettings> ProcessFields() {
              "where theirs is higher; the feed rate by default."),
       Key<S>("approach_feed_mm_min", MILLPOSE_AT(approach_feed), Real(kMmPerMin, Between(0.1, 2e5)),
              "Feed of the straight approach before its last part.")
-          .WhenSet([](const S& s) { return s.approach_slow < s.gaps.retract; }),
+          .WhenSet([](const S& s) { return s.approach_slow < s.gaps.leave.height; }),
       Key<S>("approach_slow_mm", MILLPOSE_AT(approach_slow), Real(kMm, Positive(1e4)),
              "Last part of the approach, which runs at the plunge feed."),
       Key<S>("retract_feed_mm_min", MILLPOSE_AT(retract_feed), Real(kMmPerMin, Between(0.1, 2e5)),

@@ -124,7 +124,20 @@ class Comparer {
       }
       last = q;
     }
+    for (const Piece& piece : pass.pass->pieces) {
+      const auto first = static_cast<size_t>(piece.first), end = static_cast<size_t>(piece.last);
+      if (!Leaves(points[first].q, joints(first))) return false;
+      if (!piece.closed && !Leaves(points[end].q, joints(end))) return false;
+    }
     return true;
+  }
+
+  /// Whether the tool can leave `q`, as near to everything as where it stands in the plan.
+  bool Leaves(const Joints& planned, const Joints& q) const {
+    const double share = ShareToLeave(world_, carrier_, planned, options_.leave);
+    if (share == 0) return true;
+    Checker checker(world_, share);
+    return CanLeave(checker, carrier_, q, options_.leave);
   }
 
   /// The best free branch of a rotation over a pass.

@@ -4,7 +4,7 @@
 
 #include <stop_token>
 
-#include "cell/world.hpp"
+#include "path/retract.hpp"
 #include "path/step_bound.hpp"
 #include "plan/fixed_comparison.hpp"
 #include "plan/plan_result.hpp"
@@ -20,6 +20,7 @@ struct FixedRotationOptions {
   bool worst_first = false;     ///< the least worst value wins; else the least sum
   int threads = 1;
   std::stop_token stop;
+  RetractOptions leave;  ///< of the ends of pieces, with the share of the clearances that the plan has there
 };
 
 /// `passes` with joint angles as planned. Rotations lie on the grid of the layered search.

@@ -34,6 +34,7 @@ class FreeSmoother {
     for (const PathNode& node : origin_) looked_at_.push_back(node.q);
     doubtful_.assign(path.size(), false);
     for (size_t i = 0; i < path.size(); ++i) seen_free_.push_back({Was(i), Was(i)});
+    ends_ = checker_.ToLeave(origin_, options_.closed);
     if (options_.keep_worst) BoundByWorst();
     if (options_.closed) closing_ = Beside(path.back().q, path[0].q) - path[0].q;
   }
@@ -103,7 +104,7 @@ class FreeSmoother {
   PieceHits Check() {
     std::vector<bool> known(path_.size());
     for (size_t i = 0; i < path_.size(); ++i) known[i] = !doubtful_[i] && path_[i].q == looked_at_[i];
-    PieceHits hits = checker_.Check(path_, options_.closed, known);
+    PieceHits hits = checker_.Check(path_, options_.closed, ends_, known);
     hits.pose[0] |= !EndsWithin(path_[0].q);
     for (size_t i = 0; i < path_.size(); ++i) {
       if (options_.closed || i + 1 < path_.size())
@@ -145,7 +146,9 @@ class FreeSmoother {
 
   bool PoseFree(Checker& checker, size_t i, double x) const {
     const std::optional<PathNode> node = At(i, x);
-    return node && (i > 0 || EndsWithin(node->q)) && checker_.PoseFree(checker, node->q);
+    if (!node || (i == 0 && !EndsWithin(node->q)) || !checker_.PoseFree(checker, node->q)) return false;
+    if (i == 0 && !checker_.Leaves(node->q, ends_.first)) return false;
+    return i + 1 < path_.size() || checker_.Leaves(node->q, ends_.last);
   }
   bool MotionFree(Checker& checker, size_t i, double x, double x_next) const {
     const std::optional<PathNode> from = At(i, x), to = At(Next(i), x_next);
@@ -248,6 +251,7 @@ class FreeSmoother {
   PieceChecker& checker_;
   std::span<PathNode> path_;
   std::vector<PathNode> origin_;  ///< free
+  EndShares ends_;
   std::vector<FreedomRange> ranges_;
   std::vector<FreedomRange> seen_free_;  ///< looked at in steps
   std::vector<Joints> looked_at_;        ///< where the points stood when last looked at

@@ -6,29 +6,13 @@
 #include "motion/line.hpp"
 #include "motion/time_law.hpp"
 #include "path/joint_route.hpp"
+#include "path/retract.hpp"
 
 namespace millpose {
 namespace {
 
-/// Retracts tried, as multiples of the one asked for: longer where that does not come clear (a pocket),
-/// shorter where there is no room for it.
-constexpr std::array<double, 4> kRetracts{1, 2, 4, 0.5};
-/// Shares of the clearances that are tried one after the other; less than all of it is reported.
-constexpr std::array<double, 4> kClearanceShares{1, 0.9, 0.5, 0.25};
 constexpr double kClearanceBound = 100;  // mm; clearances along a gap are told up to this
 const double kClearanceStep = DegToRad(1);
-
-/// How the tool leaves the material, or comes to it when run backwards.
-struct Retract {
-  std::vector<Joints> joints;        ///< from the piece outwards; one entry at home
-  Pose X_WT_end = Pose::Identity();  ///< tool at its end
-  std::string problem;
-};
-
-std::string Describe(const Interference& found) {
-  if (found.distance <= 0) return fmt::format("{} touches {}", found.second, found.first);
-  return fmt::format("{} is {:.2f} mm from {}", found.second, found.distance, found.first);
-}
 
 std::string Name(const GapEnd& end) {
   return end.pass < 0 ? "home" : fmt::format("pass {}, piece {}", end.pass, end.piece);
@@ -46,10 +30,9 @@ class GapPlanner {
         carrier_{world.cell().arm, world.cell().X_WB, world.cell().X_FT},
         clearance_share_(clearance_share),
         checker_(world, clearance_share) {
-    const Arm& arm = world.cell().arm;
-    // Ends that were planned closer to a limit stay reachable.
-    lower_ = (arm.lower.array() + options.limit_margin).matrix().cwiseMin(from.q).cwiseMin(to.q);
-    upper_ = (arm.upper.array() - options.limit_margin).matrix().cwiseMax(from.q).cwiseMax(to.q);
+    std::tie(lower_, upper_) = LimitsAround(carrier_.arm, options.leave.limit_margin, from.q);
+    lower_ = lower_.cwiseMin(to.q);
+    upper_ = upper_.cwiseMax(to.q);
   }
 
   Gap Plan() {
@@ -88,36 +71,10 @@ class GapPlanner {
     CheckStop(stop_);
     if (end.pass < 0) {
       Retract stay{{end.q}, carrier_.ToolPose(end.q), {}};
-      if (const auto found = checker_.At(end.q, Phase::kFree)) stay.problem = Describe(*found);
+      if (const auto found = checker_.At(end.q, Phase::kFree)) stay.problem = NearText(*found);
       return stay;
     }
-    Retract first;
-    for (const double multiple : kRetracts) {
-      Retract retract = RetractBy(end.q, multiple * options_.retract);
-      if (retract.problem.empty()) return retract;
-      if (multiple == kRetracts[0]) first = std::move(retract);
-    }
-    return first;
-  }
-
-  /// While it leaves, the cutter may still be at the material; at the end the whole tool must be clear of it.
-  Retract RetractBy(const Joints& q, double height) {
-    Retract retract;
-    retract.X_WT_end = carrier_.ToolPose(q) * Pose(Eigen::Translation3d(0, 0, height));
-    LineMotion line = FollowLine(carrier_, q, retract.X_WT_end, lower_, upper_);
-    retract.problem = line.problem;
-    for (size_t i = 1; i < line.joints.size() && retract.problem.empty(); ++i) {
-      const auto found =
-          checker_.Between(line.joints[i - 1], line.joints[i], Phase::kCutting, options_.swept_resolution);
-      if (found) retract.problem = Describe(*found);
-    }
-    if (retract.problem.empty()) {
-      if (const auto found = checker_.At(line.joints.back(), Phase::kFree)) {
-        retract.problem = fmt::format("{:.1f} mm out, {}", height, Describe(*found));
-      }
-    }
-    retract.joints = std::move(line.joints);
-    return retract;
+    return FindRetract(checker_, carrier_, end.q, lower_, upper_, options_.leave);
   }
 
   JointRoute Route(const Joints& from, const Joints& to) {
@@ -125,7 +82,7 @@ class GapPlanner {
     route.lower = lower_;
     route.upper = upper_;
     route.max_iterations = options_.max_iterations;
-    route.resolution = options_.swept_resolution;
+    route.resolution = options_.leave.swept_resolution;
     route.clearance_share = clearance_share_;
     route.speed_share = options_.speed_share;
     const auto end = [](const GapEnd& e) {

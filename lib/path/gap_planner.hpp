@@ -3,18 +3,15 @@
 
 #include <stop_token>
 
-#include "base/units.hpp"
-#include "cell/world.hpp"
+#include "path/retract.hpp"
 #include "plan/plan_result.hpp"
 
 namespace millpose {
 
 struct GapOptions {
-  double retract = 50;                ///< mm along the tool axis
-  int max_iterations = 20000;         ///< of RRTConnect; never a clock
-  double swept_resolution = 0.5;      ///< mm
-  double limit_margin = DegToRad(1);  ///< to the arm's limits, rad
-  double speed_share = 0.5;           ///< of the joints' largest speed and acceleration, for the duration
+  RetractOptions leave;
+  int max_iterations = 20000;  ///< of RRTConnect; never a clock
+  double speed_share = 0.5;    ///< of the joints' largest speed and acceleration, for the duration
   uint64_t seed = 1;
 };
 

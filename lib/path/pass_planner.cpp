@@ -100,6 +100,9 @@ void Skip(const PassContext& context, const PassPlan& plan, size_t t, PlannedPoi
   } else if (!optimum.found && !context.genetic[t].found) {
     point.skip = ReasonOf(optimum.reason);
     point.detail = DetailOf(optimum.reason);
+  } else if (!plan.access[t].empty()) {
+    point.skip = SkipReason::kAccess;
+    point.detail = plan.access[t];
   } else if (plan.interference[t].empty()) {
     point.skip = SkipReason::kStep;
     const StepBounds& steps = context.options.steps;

@@ -6,6 +6,7 @@
 #include "base/units.hpp"
 #include "cell/world.hpp"
 #include "path/lifted_search.hpp"
+#include "path/retract.hpp"
 #include "path/step_bound.hpp"
 #include "plan/plan_result.hpp"
 #include "pose/paper_formulation.hpp"
@@ -28,6 +29,7 @@ struct PathOptions {
   GeneticOptions genetic;
   std::optional<PaperFormulationOptions> paper;  ///< in place of the genetic algorithm over the freedoms
   uint64_t seed = 1;
+  std::optional<RetractOptions> leave;  ///< of the ends of pieces, with a free retract then (EndGuard)
   double lift_gain = 0;  ///< share of a pass's objective that a lift must gain; 0: no lifts but needed ones
   int max_lifts = 1;     ///< of a pass, up to kMostLifts
 

@@ -19,7 +19,20 @@ std::vector<bool> PieceHits::Points() const {
   return points;
 }
 
-PieceHits PieceChecker::Check(std::span<const PathNode> path, bool closed, const std::vector<bool>& known) {
+EndShares PieceChecker::ToLeave(std::span<const PathNode> path, bool closed) {
+  if (!leave_) return {};
+  const auto share = [&](const PathNode& end) { return ShareToLeave(world_, carrier_, end.q, *leave_); };
+  return {share(path.front()), closed ? 0 : share(path.back())};
+}
+
+bool PieceChecker::Leaves(const Joints& q, double share) const {
+  if (share == 0) return true;
+  Checker checker(world_, share);
+  return CanLeave(checker, carrier_, q, *leave_);
+}
+
+PieceHits PieceChecker::Check(std::span<const PathNode> path, bool closed, const EndShares& ends,
+                              const std::vector<bool>& known) {
   PieceHits hits{std::vector<char>(path.size(), 0), std::vector<char>(path.size(), 0)};
   Each(path.size(), [&](Checker& checker, size_t i) {
     if (!known[i]) hits.pose[i] = !PoseFree(checker, path[i].q);
@@ -27,6 +40,8 @@ PieceHits PieceChecker::Check(std::span<const PathNode> path, bool closed, const
     if ((next == 0 && !closed) || (known[i] && known[next])) return;
     hits.motion[i] = !MotionFree(checker, path[i].q, path[next].q);
   });
+  if (!known.front() && !hits.pose.front()) hits.pose.front() = !Leaves(path.front().q, ends.first);
+  if (!known.back() && !hits.pose.back()) hits.pose.back() = !Leaves(path.back().q, ends.last);
   return hits;
 }
 

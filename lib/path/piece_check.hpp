@@ -3,6 +3,7 @@
 #pragma once
 
 #include "path/refine.hpp"
+#include "path/retract.hpp"
 #include "path/strike_out.hpp"
 
 namespace millpose {
@@ -16,15 +17,33 @@ struct PieceHits {
   std::vector<bool> Points() const;
 };
 
+/// Shares of the clearances with which the ends of a piece must be left; 0: whatever is there.
+struct EndShares {
+  double first = 0, last = 0;
+};
+
 /// Checks pieces in Phase::kCutting.
 class PieceChecker {
  public:
-  PieceChecker(const World& world, const Carrier& carrier, double swept_resolution, int threads,
-               std::stop_token stop)
-      : world_(world), carrier_(carrier), resolution_(swept_resolution), threads_(threads), stop_(stop) {}
+  /// `leave`: with it the ends of pieces keep the retracts that they have.
+  PieceChecker(const World& world, const Carrier& carrier, double swept_resolution,
+               std::optional<RetractOptions> leave, int threads, std::stop_token stop)
+      : world_(world),
+        carrier_(carrier),
+        resolution_(swept_resolution),
+        leave_(leave),
+        threads_(threads),
+        stop_(std::move(stop)) {}
+
+  /// What the ends of a piece have; a ring is entered and left at its first point. 0 without `leave`.
+  EndShares ToLeave(std::span<const PathNode> path, bool closed);
 
   /// Points whose pose is `known` to be free are not looked at, nor are motions between two of them.
-  PieceHits Check(std::span<const PathNode> path, bool closed, const std::vector<bool>& known);
+  PieceHits Check(std::span<const PathNode> path, bool closed, const EndShares& ends,
+                  const std::vector<bool>& known);
+
+  /// Whether the tool can leave `q` with a share of the clearances; with 0 always.
+  bool Leaves(const Joints& q, double share) const;
 
   bool PoseFree(Checker& checker, const Joints& q) const;
   bool MotionFree(Checker& checker, const Joints& from, const Joints& to) const;
@@ -37,6 +56,7 @@ class PieceChecker {
   const World& world_;
   const Carrier& carrier_;
   double resolution_;
+  std::optional<RetractOptions> leave_;
   int threads_;
   std::stop_token stop_;
   long long poses_checked_ = 0;

@@ -7,6 +7,7 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "path/end_guard.hpp"
 #include "path/free_smoothing.hpp"
 #include "path/ladder_bound.hpp"
 #include "path/layer_verdicts.hpp"
@@ -21,18 +22,24 @@ constexpr double kTurn = 2 * kPi;
 constexpr double kRounding = 1e-12;  // rad: of angles that full turns were added to
 constexpr int kRefineRounds = 5;
 
+PieceChecker MakeChecker(const PassContext& context, const Carrier& carrier) {
+  return {context.world,         carrier,         context.options.swept_resolution,
+          context.options.leave, context.threads, context.stop};
+}
+
 class PiecePlanner {
  public:
   PiecePlanner(const PassContext& context, bool all_turns)
       : context_(context),
         carrier_{context.problem.arm, context.problem.X_WB, context.problem.X_FT},
-        checker_(context.world, carrier_, context.options.swept_resolution, context.threads, context.stop),
+        checker_(MakeChecker(context, carrier_)),
         all_turns_(all_turns),
         count_(context.scorers.size()),
         rule_(MakeRule(context, all_turns)) {
     plan_.nodes.resize(count_);
     plan_.piece.assign(count_, -1);
     plan_.interference.resize(count_);
+    plan_.access.resize(count_);
   }
 
   std::optional<PassPlan> Plan() {
@@ -60,6 +67,10 @@ class PiecePlanner {
     const bool rotates_first = context_.problem.freedoms[0]->IsToolRotation();
     StrikeOut strike_out(context_.world, carrier_, layers_, context_.options.swept_resolution, rotates_first,
                          MakeLimits(context_), context_.threads, context_.stop);
+    std::optional<EndGuard> guard;
+    if (context_.options.leave)
+      guard.emplace(context_.world, carrier_, *context_.options.leave, layers_, context_.break_before,
+                    strike_out, context_.threads, context_.stop);
     SweepMemory memory;
     LayeredProblem problem = MakeProblem(context_, layers_, strike_out, all_turns_);
     problem.memory = &memory;
@@ -94,8 +105,12 @@ class PiecePlanner {
           free = strike_out.Check(sequence);
         }
       }
-      if (free) break;
+      if (free && (!guard || guard->Check(sequence))) break;
       strike_out.StrikeInRound(sequence, round);
+    }
+    if (guard) {
+      plan_.poses_checked += guard->counts().poses;
+      for (size_t t = 0; t < count_; ++t) plan_.access[t] = guard->Detail(t);
     }
     if (sequence.closed) plan_.stripe = ExplainStripe({context_, problem, strike_out, sequence, unbarred});
     plan_.poses_checked += strike_out.counts().poses;
@@ -179,6 +194,7 @@ class PiecePlanner {
     options.stop = context_.stop;
     const std::span<PathNode> path = NodesOf(piece);
     const std::vector<PathNode> coarse(path.begin(), path.end());
+    const EndShares ends = checker_.ToLeave(coarse, piece.closed);
     std::vector<bool> frozen(path.size(), false);
     for (int round = 0; round < kRefineRounds; ++round) {
       for (size_t i = 0; i < path.size(); ++i) {
@@ -187,7 +203,7 @@ class PiecePlanner {
       }
       RefinePath(std::span(context_.scorers).subspan(piece.first, path.size()),
                  std::span(context_.genetic).subspan(piece.first, path.size()), options, path);
-      if (FreezeWhatFails(piece, coarse, round, frozen)) return;
+      if (FreezeWhatFails(piece, coarse, ends, round, frozen)) return;
     }
     std::copy(coarse.begin(), coarse.end(), path.begin());
   }
@@ -195,10 +211,10 @@ class PiecePlanner {
   /// Checks the nodes of a refined piece and the motions between them, which may bend no further than they
   /// may or did; marks the points that must go back, with 4^round − 1 neighbours to either side. True when
   /// there are none.
-  bool FreezeWhatFails(const Piece& piece, const std::vector<PathNode>& coarse, int round,
-                       std::vector<bool>& frozen) {
+  bool FreezeWhatFails(const Piece& piece, const std::vector<PathNode>& coarse, const EndShares& ends,
+                       int round, std::vector<bool>& frozen) {
     const std::span<const PathNode> path = NodesOf(piece);
-    PieceHits hits = checker_.Check(path, piece.closed, frozen);
+    PieceHits hits = checker_.Check(path, piece.closed, ends, frozen);
     for (size_t i = 0; i < path.size(); ++i) {
       const size_t next = (i + 1) % path.size();
       if ((next == 0 && !piece.closed) || (frozen[i] && frozen[next])) continue;
@@ -337,8 +353,7 @@ std::optional<PassPlan> PlanPieces(const PassContext& context, bool all_turns) {
 
 void SmoothPieces(const PassContext& context, PassPlan& plan) {
   const Carrier carrier{context.problem.arm, context.problem.X_WB, context.problem.X_FT};
-  PieceChecker checker(context.world, carrier, context.options.swept_resolution, context.threads,
-                       context.stop);
+  PieceChecker checker = MakeChecker(context, carrier);
   plan.unsmoothed = plan.nodes;
   for (const Piece& piece : plan.pieces) {
     const auto first = static_cast<size_t>(piece.first), count = static_cast<size_t>(piece.last) - first + 1;

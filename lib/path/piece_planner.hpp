@@ -39,7 +39,9 @@ struct PassPlan {
   std::vector<int> piece;            ///< per point, −1 for a skipped one
   std::vector<Piece> pieces;
   std::vector<std::string> interference;  ///< per point: what barred it; empty when nothing did
-  std::vector<FreeOptimum> free;          ///< per point
+  std::vector<std::string>
+      access;                     ///< per point: why the pass can be neither entered nor left there, or empty
+  std::vector<FreeOptimum> free;  ///< per point
   LadderBound bound;
   std::vector<std::vector<int>> verdicts;  ///< per point, PackVerdicts with the World's pairs
   std::string stripe;                      ///< of a closed ring: ExplainStripe

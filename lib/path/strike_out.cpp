@@ -285,23 +285,26 @@ void StrikeOut::StrikeInRound(const Sequence& sequence, int round) {
   StrikeBarred(sequence, round < kRoundsOfNodes ? Extent::kNodes : Extent::kLayers);
 }
 
+void StrikeOut::TakeOut(size_t layer, size_t node) {
+  Verdict& verdict = verdict_[layer][node];
+  if (verdict == Verdict::kStruck) return;
+  double& objective = layers_[layer].objective[node];
+  taken_.push_back({layer, node, objective, verdict});
+  verdict = Verdict::kStruck;
+  objective = std::numeric_limits<double>::infinity();
+  ++versions_[layer];
+  ++nodes_struck_;
+}
+
 void StrikeOut::StrikeBarred(const Sequence& sequence, Extent extent) {
-  const auto strike = [&](size_t t, size_t node) {
-    if (verdict_[t][node] == Verdict::kStruck) return;
-    ++nodes_struck_;
-    taken_.push_back({t, node, layers_[t].objective[node], verdict_[t][node]});
-    verdict_[t][node] = Verdict::kStruck;
-    ++versions_[t];
-    layers_[t].objective[node] = std::numeric_limits<double>::infinity();
-  };
   for (const size_t t : barred_) {
     const size_t to = (t + 1) % layers_.size();
     if (extent == Extent::kNodes) {
-      strike(t, sequence.nodes[t]);
-      strike(to, sequence.nodes[to]);
+      TakeOut(t, sequence.nodes[t]);
+      TakeOut(to, sequence.nodes[to]);
       last_problem_[to] = last_problem_[t];
     } else {
-      for (size_t k = 0; k < layers_[t].size(); ++k) strike(t, k);
+      for (size_t k = 0; k < layers_[t].size(); ++k) TakeOut(t, k);
     }
   }
 }

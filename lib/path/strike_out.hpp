@@ -48,9 +48,11 @@ class StrikeOut {
   /// become shorter; where that cannot be, they take their nodes with them, then their points, so that each
   /// search has less to choose from.
   void StrikeInRound(const Sequence& sequence, int round);
+  /// Strikes out a node that interferes with nothing by itself.
+  void TakeOut(size_t layer, size_t node);
 
-  /// Gives back the nodes that StrikeBarred alone took, in the layers that `sequence` goes through: they
-  /// interfere with nothing by themselves.
+  /// Gives back the nodes that StrikeBarred and TakeOut alone took, in the layers that `sequence` goes
+  /// through: they interfere with nothing by themselves.
   void Reopen(const Sequence& sequence);
 
   enum class Verdict : uint8_t { kUnknown, kFree, kStruck };
@@ -81,7 +83,7 @@ class StrikeOut {
   }
 
  private:
-  /// A node that StrikeBarred took, and what was known of it.
+  /// A node that TakeOut took, and what was known of it.
   struct Taken {
     size_t layer, node;
     double objective;

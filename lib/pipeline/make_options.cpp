@@ -81,12 +81,14 @@ PathOptions MakePathOptions(const JobSettings& job) {
 
 FixedRotationOptions MakeFixedOptions(const JobSettings& job, int threads, std::stop_token stop) {
   const PathOptions path = MakePathOptions(job);
-  return {path.rotation_step, path.steps, path.swept_resolution, path.worst_first, threads, std::move(stop)};
+  return {path.rotation_step,       path.steps, path.swept_resolution,
+          path.worst_first,         threads,    std::move(stop),
+          MakeGapOptions(job).leave};
 }
 
 GapOptions MakeGapOptions(const JobSettings& job) {
   GapOptions options = job.gaps;
-  options.swept_resolution = job.swept_resolution;
+  options.leave.swept_resolution = job.swept_resolution;
   options.seed = job.seed;
   return options;
 }

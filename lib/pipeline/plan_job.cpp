@@ -7,6 +7,7 @@
 #include "path/turns.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/job_engagement.hpp"
+#include "pipeline/mend_ends.hpp"
 #include "pipeline/plan_gaps.hpp"
 #include "pipeline/plan_passes.hpp"
 #include "toolpath/strategy.hpp"
@@ -54,8 +55,9 @@ size_t PointsOf(const Share& share, const Toolpath& toolpath) {
 PlannedPasses PlanPassesOf(const JobInputs& inputs, const PreparedJob& prepared, const Share& share,
                            const CheckpointStore& checkpoints, const Execution& execution) {
   execution.progress.Begin("passes", PointsOf(share, prepared.toolpath));
-  PlannedPasses planned = PlanPasses(prepared.problem, prepared.world, prepared.toolpath,
-                                     MakePathOptions(inputs.job), checkpoints, share, execution);
+  PlannedPasses planned = PlanPasses(
+      prepared.problem, prepared.world, prepared.toolpath, MakePathOptions(inputs.job), checkpoints,
+      [&](size_t pass) { return share.Has(pass); }, execution);
   execution.progress.End(
       fmt::format("{} passes, {} of them from checkpoints", planned.passes.size(), planned.resumed));
   return planned;
@@ -66,6 +68,8 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
               PlannedJob& job) {
   const PoseProblem& problem = job.prepared.problem;
   PlanResult& plan = job.plan;
+  MendEnds(job.prepared, MakePathOptions(inputs.job), MakeGapOptions(inputs.job).leave, checkpoints,
+           execution, plan.passes);
   FixTurns(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
                          FreeDirections(inputs.job, *problem.objective)});
   const GapOptions options = MakeGapOptions(inputs.job);

@@ -50,6 +50,7 @@ PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, 
 /// Part `index` (from 0) of `count`: every count-th pass of a job, so that several machines can plan one job.
 struct Share {
   size_t index = 0, count = 1;
+  bool Has(size_t pass) const { return pass % count == index; }
 };
 
 /// Plans the passes of a share alone and leaves them in `checkpoints`.

@@ -30,8 +30,8 @@ std::optional<Result> Resume(const CheckpointStore& checkpoints, const std::stri
 }  // namespace
 
 PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const Toolpath& toolpath,
-                         const PathOptions& options, const CheckpointStore& checkpoints, const Share& share,
-                         const Execution& execution) {
+                         const PathOptions& options, const CheckpointStore& checkpoints,
+                         const std::function<bool(size_t)>& wanted, const Execution& execution) {
   const int threads = execution.Threads();
   const std::string context = PassContext(problem, world, options);
   const size_t count = toolpath.passes.size();
@@ -45,7 +45,7 @@ PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const T
   planned.passes.resize(count);
   std::atomic<size_t> resumed = 0;
   ParallelFor(count, threads, execution.stop, [&](size_t i) {
-    if (i % share.count != share.index) return;
+    if (!wanted(i)) return;
     const Pass& pass = toolpath.passes[i];
     const std::string key = PassKey(context, pass, i, first_points[i]);
     const auto fits = [&](const PassResult& plan) { return IsPlanOf(plan, pass, i); };

@@ -14,10 +14,10 @@ struct PlannedPasses {
 };
 
 /// Plans every pass, in parallel. Each finished pass is written as a checkpoint at once (checkpoint_key.hpp),
-/// and one whose checkpoint is there is not planned again. Passes outside `share` stay empty.
+/// and one whose checkpoint is there is not planned again. Passes whose numbers are not `wanted` stay empty.
 PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const Toolpath& toolpath,
-                         const PathOptions& options, const CheckpointStore& checkpoints, const Share& share,
-                         const Execution& execution);
+                         const PathOptions& options, const CheckpointStore& checkpoints,
+                         const std::function<bool(size_t)>& wanted, const Execution& execution);
 
 struct PlannedGaps {
   std::vector<Gap> gaps;

@@ -231,6 +231,21 @@ class Adversarial(unittest.TestCase):
             self.assertEqual(sum(map(int, re.findall(r"\d+", head[2]))), summary["points"]["skipped"])
         self.assertTrue(all(program["verified"] for program in summary["programs"]))
 
+    def test_an_end_that_the_best_pose_could_not_leave_gets_another(self):
+        """On a dome the stiffest poses at the rims come so near with a link that there is no room to retract."""
+        def height(x, y):
+            return math.sqrt(800 ** 2 - x ** 2 - y ** 2) - 800
+
+        grid = [-200 + 10 * i for i in range(41)]
+        mesh = [t for x0, x1 in zip(grid, grid[1:]) for y0, y1 in zip(grid, grid[1:])
+                for t in quad(*((x, y, height(x, y)) for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1))))]
+        changes = [(r"stepover_mm: [\d.]+", "stepover_mm: 60"), (r"spacing_mm: [\d.]+", "spacing_mm: 20"),
+                   (r"within_deg: 1", "within_deg: 60"), (r"planes: .*", "planes: {normal: [1, 0, 0]}"), (r"  joints_deg: .*\n", ""),
+                   (r"xyz_mm: \[2076, 0, 1006\]", "xyz_mm: [1850, 0, 1200]")]
+        summary, _, text = self.plan("dome", changes=changes, mesh=mesh)
+        self.assertRegex(text, "[1-9] passes with an end near something")
+        self.assertEqual((summary["points"]["skipped"], summary["gap_remarks"]), (0, []))
+
     def test_a_start_pose_in_collision_is_told_and_the_cuts_are_planned(self):
         home = [("home_deg: [0, -90, 90, 0, 0, 0]", "home_deg: [0, 0, 120, 0, 0, 0]")]
         summary, _, text = self.plan("start", changes=FEW_POINTS, cell_changes=home, status=1)

@@ -9,7 +9,7 @@ namespace {
 
 FixedRotationOptions FixedOptions(bool worst_first) {
   const PathOptions path = Options();
-  return {path.rotation_step, path.steps, path.swept_resolution, worst_first, 2, {}};
+  return {path.rotation_step, path.steps, path.swept_resolution, worst_first, 2, {}, {}};
 }
 
 /// Two rows of panel points that mill up and down in turns.

@@ -42,8 +42,8 @@ TEST(ValueBytes, WhatIsCutElsewhereIsNotTheSame) {
 TEST(ValueBytes, SeesAllFieldsOfWhatStagesAreHanded) {
   using value_bytes_detail::CountFields;
   static_assert(CountFields<Arm>() == 18);
-  static_assert(CountFields<PathOptions>() == 15);
-  static_assert(CountFields<GapOptions>() == 6);
+  static_assert(CountFields<PathOptions>() == 16);
+  static_assert(CountFields<GapOptions>() == 4);
   static_assert(CountFields<PoseProblem>() == 9);
   static_assert(CountFields<MillingPoint>() == 11);
   static_assert(CountFields<Body>() == 6);

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/mend_ends.hpp"
+
+#include "base/parallel.hpp"
+
+namespace millpose {
+namespace {
+
+/// What a pass gives up at its ends.
+struct EndLoss {
+  size_t points = 0;   ///< skipped, or of pieces that cannot be entered or left at all
+  size_t pieces = 0;   ///< of all
+  size_t reduced = 0;  ///< ends that are left with less than all of the clearances
+};
+
+EndLoss LossOf(const World& world, const Carrier& carrier, const RetractOptions& leave,
+               const PassResult& pass) {
+  EndLoss loss;
+  loss.pieces = pass.pieces.size();
+  loss.points = static_cast<size_t>(std::ranges::count_if(
+      pass.points, [](const PlannedPoint& point) { return point.skip != SkipReason::kNone; }));
+  for (const Piece& piece : pass.pieces) {
+    const auto share = [&](int point) {
+      return ShareToLeave(world, carrier, pass.points[static_cast<size_t>(point)].q, leave);
+    };
+    const double first = share(piece.first), last = piece.closed ? 1 : share(piece.last);
+    if (first == 0 || last == 0) loss.points += static_cast<size_t>(piece.last - piece.first) + 1;
+    loss.reduced += (first < 1) + (last < 1);
+  }
+  return loss;
+}
+
+bool IsBetter(const EndLoss& now, const EndLoss& before) {
+  if (now.points != before.points) return now.points < before.points;
+  return now.pieces <= before.pieces && now.reduced < before.reduced;
+}
+
+}  // namespace
+
+void MendEnds(const PreparedJob& prepared, PathOptions options, const RetractOptions& leave,
+              const CheckpointStore& checkpoints, const Execution& execution,
+              std::vector<PassResult>& passes) {
+  const Cell& cell = prepared.cell;
+  const Carrier carrier{cell.arm, cell.X_WB, cell.X_FT};
+  const auto loss_of = [&](const PassResult& pass) { return LossOf(prepared.world, carrier, leave, pass); };
+  execution.progress.Begin("ends", passes.size());
+  std::vector<EndLoss> before(passes.size());
+  ParallelFor(passes.size(), execution.Threads(), execution.stop, [&](size_t i) {
+    before[i] = loss_of(passes[i]);
+    execution.progress.Advance(1);
+  });
+  const auto stuck = [&](size_t i) { return before[i].reduced > 0; };
+  const auto count = std::ranges::count_if(before, [](const EndLoss& loss) { return loss.reduced > 0; });
+  execution.progress.End(fmt::format("{} passes with an end near something", count));
+  if (count == 0) return;
+  size_t points = 0, mended = 0;
+  for (size_t i = 0; i < passes.size(); ++i)
+    if (stuck(i)) points += prepared.toolpath.passes[i].points.size();
+  execution.progress.Begin("passes again", points);
+  options.leave = leave;
+  PlannedPasses again =
+      PlanPasses(prepared.problem, prepared.world, prepared.toolpath, options, checkpoints, stuck, execution);
+  for (size_t i = 0; i < passes.size(); ++i) {
+    if (!stuck(i) || !IsBetter(loss_of(again.passes[i]), before[i])) continue;
+    passes[i] = std::move(again.passes[i]);
+    ++mended;
+  }
+  execution.progress.End(fmt::format("{} of them with other poses at their ends", mended));
+}
+
+}  // namespace millpose
