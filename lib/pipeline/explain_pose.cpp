@@ -7,6 +7,7 @@
 #include "pipeline/axis_map.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/sample_curves.hpp"
+#include "pipeline/write_results.hpp"
 #include "plan/verdict_map.hpp"
 #include "report/html_columns.hpp"
 
@@ -189,6 +190,8 @@ PointStory TellPoint(const std::filesystem::path& folder, size_t number) {
       story.curve.push_back(
           {RotationOf(static_cast<int>(i / 8)), static_cast<int>(i % 8), candidates[i].objective});
   story.reasons = ReasonSentences(ExplainPose(plan, problem, pass, point));
+  if (const std::optional<ToolUncertainty> tool = UncertaintyOf(cell.tool))
+    story.steps = FindPoseStepsAt(plan, *tool, FinishedFrom(job, plan.passes.size()), number);
   return story;
 }
 

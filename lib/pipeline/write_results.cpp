@@ -137,13 +137,18 @@ std::vector<std::string> Explain(const PlanResult& plan, const std::vector<Check
   return sentences;
 }
 
-// The first pass of the last layer: every layer has the same passes, one layer after the other.
+}  // namespace
+
 int FinishedFrom(const JobSettings& job, size_t passes) {
   const size_t layers = LayerOffsets(job.toolpath.layers).size();
   return static_cast<int>(passes - passes / layers);
 }
 
-}  // namespace
+std::optional<ToolUncertainty> UncertaintyOf(const ToolSettings& tool) {
+  if (!tool.tip_uncertainty && !tool.axis_uncertainty) return std::nullopt;
+  return ToolUncertainty{tool.tip_uncertainty.value_or(0), tool.axis_uncertainty.value_or(0),
+                         tool.cutter_diameter / 2};
+}
 
 ReportInputs WriteResults(const Results& results, ResultSet& set) {
   const PlanResult& plan = results.plan;
@@ -173,11 +178,8 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
     report.deflection = PredictDeflections(plan, *results.heaviest, MakeCompliances(results.inputs.cell),
                                            FinishedFrom(results.inputs.job, plan.passes.size()));
   report.fixed = results.fixed;
-  const ToolSettings& tool = results.inputs.cell.tool;
-  if (tool.tip_uncertainty || tool.axis_uncertainty) {
-    report.steps = FindPoseSteps(
-        plan, {tool.tip_uncertainty.value_or(0), tool.axis_uncertainty.value_or(0), tool.cutter_diameter / 2},
-        FinishedFrom(results.inputs.job, plan.passes.size()));
+  if (const std::optional<ToolUncertainty> tool = UncertaintyOf(results.inputs.cell.tool)) {
+    report.steps = FindPoseSteps(plan, *tool, FinishedFrom(results.inputs.job, plan.passes.size()));
     if (const std::string steps = Describe(*report.steps); !steps.empty()) report.warnings.push_back(steps);
   }
   std::map<std::string, std::string> files;

@@ -33,6 +33,12 @@ struct Results {
 /// plan.
 ReportInputs WriteResults(const Results& results, ResultSet& set);
 
+/// The first pass of the last layer: every layer has the same passes, one layer after the other.
+int FinishedFrom(const JobSettings& job, size_t passes);
+
+/// How well the cell says that the tool is known; empty where it does not.
+std::optional<ToolUncertainty> UncertaintyOf(const ToolSettings& tool);
+
 /// Host, memory and the like for run.json.
 RunFigures MeasureRun(int threads, const std::string& version);
 

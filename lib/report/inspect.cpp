@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "report/lifts_json.hpp"
 #include "report/summary_version.hpp"
 
 namespace millpose {
@@ -87,6 +88,11 @@ std::string InspectJson(const PointsTable& points, const std::string& summary_js
                                                {"branch", sample.branch},
                                                {"objective", sample.objective}});
   json["reasons"] = story.reasons;
+  json["pose_steps"] = nullptr;
+  if (story.steps) {
+    json["pose_steps"] = Json::array();
+    for (const PoseStep& step : *story.steps) json["pose_steps"].push_back(StepJson(step));
+  }
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "report/points_table.hpp"
+#include "report/step_heights.hpp"
 
 namespace millpose {
 
@@ -26,6 +27,8 @@ struct RotationSample {
 struct PointStory {
   std::vector<RotationSample> curve;
   std::vector<std::string> reasons;  ///< why this pose, one sentence each (pose_reason.hpp)
+  /// Where the cell says how well the tool is known; may be empty.
+  std::optional<std::vector<PoseStep>> steps = std::nullopt;
 };
 
 /// Text for a terminal. `summary_json`: the folder's summary.json, `name`: its name for messages; `story`:

@@ -5,6 +5,7 @@
 #include "base/units.hpp"
 #include "plan/point_clearance.hpp"
 #include "report/inspect.hpp"
+#include "report/lifts_json.hpp"
 #include "report/summary_version.hpp"
 
 namespace millpose {
@@ -15,6 +16,15 @@ constexpr size_t kBins = 12, kBarWidth = 40;
 constexpr int kPlotWidth = 72, kPlotHeight = 14;
 
 void Append(std::string* text, const std::string& line) { *text += line + '\n'; }
+
+/// As StepJson has it.
+void AppendStep(const Json& step, const char* indent, std::string* text) {
+  Append(text, fmt::format("{}step up to {:.3g} mm ({}): points {} and {}, rotation {:.1f} deg apart{}",
+                           indent, step.at("height_mm").get<double>(), step.at("why").get<std::string>(),
+                           step.at("point").get<size_t>(), step.at("other_point").get<size_t>(),
+                           step.at("rotation_change_deg").get<double>(),
+                           step.at("other_branch").get<bool>() ? ", in another branch" : ""));
+}
 
 void AppendSummary(const std::string& summary_json, const std::string& name, std::string* text) {
   CheckSummaryVersion(summary_json, name);
@@ -50,12 +60,7 @@ void AppendSummary(const std::string& summary_json, const std::string& name, std
       std::vector<Json> told;
       for (const Json& step : steps.at("parts")) told.push_back(step);
       if (!steps.at("neighbours").is_null()) told.push_back(steps.at("neighbours"));
-      for (const Json& step : told)
-        Append(text, fmt::format("step up to {:.3g} mm ({}): points {} and {}, rotation {:.1f} deg apart{}",
-                                 step.at("height_mm").get<double>(), step.at("why").get<std::string>(),
-                                 step.at("point").get<size_t>(), step.at("other_point").get<size_t>(),
-                                 step.at("rotation_change_deg").get<double>(),
-                                 step.at("other_branch").get<bool>() ? ", in another branch" : ""));
+      for (const Json& step : told) AppendStep(step, "", text);
     }
     const Json& continuity = summary.at("continuity");
     if (continuity.is_null() || continuity.at("smoothing").at("acceleration_rms_ratio").is_null()) return;
@@ -144,6 +149,12 @@ void AppendPoint(const PointsTable& points, size_t row, const PointStory& story,
   }
   if (!story.reasons.empty()) Append(text, "why this pose");
   for (const std::string& reason : story.reasons) Append(text, "  " + reason);
+  if (story.steps) {
+    Append(text, "what the tool's own error can leave in the surface here");
+    for (const PoseStep& step : *story.steps) AppendStep(StepJson(step), "  ", text);
+    if (story.steps->empty())
+      Append(text, "  nothing: no part of a pass ends here, no other finishing cut touches");
+  }
   if (!story.curve.empty() && points.IsPlanned(row))
     AppendPlot(story.curve, DegToRad(*points.Number(row, "rotation_deg")), *points.Number(row, "objective"),
                text);

@@ -7,8 +7,6 @@ namespace millpose {
 
 using Json = nlohmann::ordered_json;
 
-namespace {
-
 Json StepJson(const PoseStep& step) {
   return {{"why", Name(step.why)},
           {"pass", step.pass},
@@ -19,8 +17,6 @@ Json StepJson(const PoseStep& step) {
           {"other_branch", step.other_branch},
           {"height_mm", step.height}};
 }
-
-}  // namespace
 
 Json LiftsJson(const PlanResult& plan) {
   Json list = Json::array();

@@ -14,6 +14,8 @@ nlohmann::ordered_json LiftsJson(const PlanResult& plan);
 /// The passes that are rings left open.
 nlohmann::ordered_json OpenRingsJson(const PlanResult& plan);
 
+nlohmann::ordered_json StepJson(const PoseStep& step);
+
 /// Null where the cell does not say how well the tool is known.
 nlohmann::ordered_json StepsJson(const std::optional<PoseSteps>& steps);
 

@@ -52,37 +52,52 @@ void AddParts(const PassResult& pass, const std::vector<std::vector<CutPoint>>& 
     parts.push_back(Between(tool, Why::kRing, cuts.back().back(), cuts.front().front()));
 }
 
-/// The largest step from a point to its nearest in another pass, within the cutter's diameter.
-std::optional<PoseStep> WorstNeighbours(std::vector<CutPoint> points, const ToolUncertainty& tool) {
-  if (points.empty()) return std::nullopt;
-  const auto at = [](const CutPoint& point) -> const Eigen::Vector3d& {
-    return point.planned->point.position;
-  };
-  Eigen::Vector3d lower = at(points.front()), upper = lower;
-  for (const CutPoint& point : points) lower = lower.cwiseMin(at(point)), upper = upper.cwiseMax(at(point));
-  int axis = 0;  // points are sorted along the longest side, so that few have to be looked at
-  (upper - lower).maxCoeff(&axis);
-  std::ranges::stable_sort(points, {}, [&](const CutPoint& point) { return at(point)[axis]; });
-  std::optional<PoseStep> worst;
-  for (size_t i = 0; i < points.size(); ++i) {
+/// The planned cut points of the passes from `finished_from` on, sorted along their longest side, so that few
+/// have to be looked at for a neighbour.
+class Face {
+ public:
+  Face(const PlanResult& plan, int finished_from) {
+    size_t first = 0;
+    for (const PassResult& pass : plan.passes) {
+      if (pass.pass >= finished_from)
+        for (const std::vector<CutPoint>& cut : CutsOf(pass, first))
+          points_.insert(points_.end(), cut.begin(), cut.end());
+      first += pass.points.size();
+    }
+    if (points_.empty()) return;
+    Eigen::Vector3d lower = At(points_.front()), upper = lower;
+    for (const CutPoint& point : points_)
+      lower = lower.cwiseMin(At(point)), upper = upper.cwiseMax(At(point));
+    (upper - lower).maxCoeff(&axis_);
+    std::ranges::stable_sort(points_, {}, [&](const CutPoint& point) { return At(point)[axis_]; });
+  }
+
+  const std::vector<CutPoint>& points() const { return points_; }
+
+  /// From a point of the list to its nearest in another pass, within the cutter's diameter.
+  std::optional<PoseStep> ToNeighbour(size_t i, const ToolUncertainty& tool) const {
     double best = 2 * tool.radius * (1 + 1e-9);
     const CutPoint* nearest = nullptr;
     const auto look = [&](const CutPoint& other) {
-      if (std::abs(at(other)[axis] - at(points[i])[axis]) > best) return false;
-      const double distance = (at(other) - at(points[i])).norm();
-      if (other.pass != points[i].pass && distance < best) best = distance, nearest = &other;
+      if (std::abs(At(other)[axis_] - At(points_[i])[axis_]) > best) return false;
+      const double distance = (At(other) - At(points_[i])).norm();
+      if (other.pass != points_[i].pass && distance < best) best = distance, nearest = &other;
       return true;
     };
-    for (size_t j = i + 1; j < points.size() && look(points[j]); ++j) {
+    for (size_t j = i + 1; j < points_.size() && look(points_[j]); ++j) {
     }
-    for (size_t j = i; j > 0 && look(points[j - 1]); --j) {
+    for (size_t j = i; j > 0 && look(points_[j - 1]); --j) {
     }
-    if (!nearest) continue;
-    const PoseStep step = Between(tool, PoseStep::Why::kNeighbours, points[i], *nearest);
-    if (!worst || step.height > worst->height) worst = step;
+    if (!nearest) return std::nullopt;
+    return Between(tool, PoseStep::Why::kNeighbours, points_[i], *nearest);
   }
-  return worst;
-}
+
+ private:
+  static const Eigen::Vector3d& At(const CutPoint& point) { return point.planned->point.position; }
+
+  std::vector<CutPoint> points_;
+  int axis_ = 0;
+};
 
 std::string InWords(const PoseStep& step) {
   return fmt::format("{:.3g} mm (points {} and {}: {})", step.height, step.point, step.other,
@@ -105,16 +120,27 @@ const char* Name(PoseStep::Why why) {
 
 PoseSteps FindPoseSteps(const PlanResult& plan, const ToolUncertainty& tool, int finished_from) {
   PoseSteps steps{tool, {}, std::nullopt};
-  std::vector<CutPoint> face;
   size_t first = 0;
   for (const PassResult& pass : plan.passes) {
-    const std::vector<std::vector<CutPoint>> cuts = CutsOf(pass, first);
-    AddParts(pass, cuts, tool, steps.parts);
-    for (const std::vector<CutPoint>& cut : cuts)
-      if (pass.pass >= finished_from) face.insert(face.end(), cut.begin(), cut.end());
+    AddParts(pass, CutsOf(pass, first), tool, steps.parts);
     first += pass.points.size();
   }
-  steps.neighbours = WorstNeighbours(std::move(face), tool);
+  const Face face(plan, finished_from);
+  for (size_t i = 0; i < face.points().size(); ++i)
+    if (const std::optional<PoseStep> step = face.ToNeighbour(i, tool))
+      if (!steps.neighbours || step->height > steps.neighbours->height) steps.neighbours = step;
+  return steps;
+}
+
+std::vector<PoseStep> FindPoseStepsAt(const PlanResult& plan, const ToolUncertainty& tool, int finished_from,
+                                      size_t point) {
+  std::vector<PoseStep> steps = FindPoseSteps(plan, tool, finished_from).parts;
+  std::erase_if(steps, [&](const PoseStep& step) { return step.point != point && step.other != point; });
+  const Face face(plan, finished_from);
+  const auto here = std::ranges::find(face.points(), point, &CutPoint::number);
+  if (here == face.points().end()) return steps;
+  if (const auto step = face.ToNeighbour(static_cast<size_t>(here - face.points().begin()), tool))
+    steps.push_back(*step);
   return steps;
 }
 

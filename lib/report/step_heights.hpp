@@ -46,6 +46,11 @@ struct PoseSteps {
 /// from `finished_from` on count, which leave the finished face.
 PoseSteps FindPoseSteps(const PlanResult& plan, const ToolUncertainty& tool, int finished_from = 0);
 
+/// Those at one point, numbered as in points.csv: where its part meets another, and to its nearest point of
+/// another pass.
+std::vector<PoseStep> FindPoseStepsAt(const PlanResult& plan, const ToolUncertainty& tool, int finished_from,
+                                      size_t point);
+
 /// The worst of them in words; empty when there are none.
 std::string Describe(const PoseSteps& steps);
 

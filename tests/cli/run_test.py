@@ -49,6 +49,18 @@ class Run(InFolder):
         self.assertIn("why this pose\n  the path has ", shown_text)
         self.assertTrue(shown["reasons"][0].startswith("the path has "))
         self.assertIn("\n  " + shown["reasons"][-1] + "\n", shown_text)
+        self.assertIsNone(shown["pose_steps"])
+        cell = self.folder / "out" / "cell.yaml"
+        text = cell.read_text()
+        cell.write_text(text.replace("\ntool:\n", "\ntool:\n  tip_uncertainty_mm: 0.2\n"))
+        self.assertNotEqual(cell.read_text(), text)
+        steps = json.loads(run("inspect", self.folder / "out", "--point", 1, "--json").stdout)["pose_steps"]
+        told = run("inspect", self.folder / "out", "--point", 1).stdout
+        self.assertIn("what the tool's own error can leave in the surface here\n  ", told)
+        for step in steps:
+            self.assertEqual(step["point"], 1)
+            self.assertLessEqual(step["height_mm"], 0.4)
+            self.assertIn(f"points 1 and {step['other_point']}, rotation", told)
         older = self.folder / "out" / "summary.json"
         older.write_text(older.read_text().replace('"schema_version": 2', '"schema_version": 1'))
         refused = run("inspect", self.folder / "out")

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
+#include "base/units.hpp"
 #include "small_plan.hpp"
 
 namespace millpose {
@@ -77,6 +78,31 @@ TEST(Inspect, TextShowsHistogramWorstAndOnePoint) {
   for (const char* part : {"a5_deg", "clearance_mm             39", "9.0000e+00 |", "*",
                            "why this pose\n  that is the point's own optimum\n"})
     EXPECT_NE(one.find(part), std::string::npos) << one;
+}
+
+TEST(Inspect, StepsAtThePointAreToldWhereTheToolIsKnown) {
+  const std::string summary = SummaryJson(SmallPlan(), {});
+  const auto shown = [&](const PointStory& story) {
+    return InspectText(SmallTable(), summary, "s", AtPoint(1), story);
+  };
+  const auto json = [&](const PointStory& story) {
+    return nlohmann::json::parse(InspectJson(SmallTable(), summary, "s", AtPoint(1), story)).at("pose_steps");
+  };
+  const std::string heading = "what the tool's own error can leave in the surface here\n";
+  PointStory story;
+  EXPECT_EQ(shown(story).find(heading), std::string::npos);
+  EXPECT_TRUE(json(story).is_null());
+  story.steps.emplace();
+  EXPECT_NE(shown(story).find(heading + "  nothing: "), std::string::npos) << shown(story);
+  EXPECT_EQ(json(story), nlohmann::json::array());
+  story.steps->push_back({PoseStep::Why::kNeighbours, 1, 7, 0, 2, kPi / 3, true, 0.25});
+  EXPECT_NE(
+      shown(story).find(heading + "  step up to 0.25 mm (neighbours): points 1 and 7, rotation 60.0 deg "
+                                  "apart, in another branch\n"),
+      std::string::npos)
+      << shown(story);
+  EXPECT_EQ(json(story)[0].at("other_point"), 7);
+  EXPECT_EQ(json(story)[0].at("height_mm"), 0.25);
 }
 
 TEST(Inspect, PointsAndPassesThatAreNotThereAreNamed) {

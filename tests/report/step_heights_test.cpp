@@ -60,6 +60,33 @@ TEST(PoseSteps, AreFoundWherePartsMeetAndBetweenPassesThatTouch) {
   EXPECT_EQ(Describe(FindPoseSteps({}, kTool)), "");
 }
 
+TEST(PoseSteps, AtOnePointAreItsOwnPartsAndItsNearestNeighbour) {
+  PlanResult plan;
+  plan.passes = {Line(0, 0, 0), Line(1, 15, DegToRad(60)), Line(2, 60, DegToRad(180))};
+  plan.passes[1].pieces = {{1, 0, 0, 2, false}, {1, 1, 3, 5, false}};
+  plan.passes[1].points[3].freedoms = {DegToRad(80)};
+  const PoseSteps all = FindPoseSteps(plan, kTool);
+  double highest = 0;
+  size_t parts = 0;
+  for (size_t point = 0; point < 18; ++point)
+    for (const PoseStep& step : FindPoseStepsAt(plan, kTool, 0, point)) {
+      EXPECT_TRUE(step.point == point || step.other == point);
+      EXPECT_LT(point, 12u) << "the third pass is too far away";
+      if (step.why == PoseStep::Why::kNeighbours)
+        highest = std::max(highest, step.height);
+      else
+        ++parts;
+    }
+  EXPECT_EQ(highest, all.neighbours->height);
+  EXPECT_EQ(parts, 2 * all.parts.size()) << "each from both its ends";
+  const std::vector<PoseStep> split = FindPoseStepsAt(plan, kTool, 0, 9);
+  ASSERT_EQ(split.size(), 2u);
+  EXPECT_EQ(split[0].why, PoseStep::Why::kSplit);
+  EXPECT_EQ(split[1].other, 3u);
+  EXPECT_EQ(split[1].height, StepHeight(kTool, DegToRad(80), false));
+  EXPECT_TRUE(FindPoseStepsAt(plan, kTool, 1, 3).empty()) << "its pass is cut away again";
+}
+
 TEST(PoseSteps, ARingLeftOpenMeetsItself) {
   PlanResult plan;
   plan.passes = {Line(0, 0, 0)};
