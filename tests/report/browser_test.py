@@ -244,7 +244,6 @@ class ReportInBrowser(unittest.TestCase):
         self.assertEqual(self.text("#map-title"), "Axis map of pass 2")
         self.assertIn("Point 85: ", self.text("#map-why"))
         self.assertIn("link4 and panel", self.text("#map-legend"))
-        self.keep("map_1400.png", self.browser.screenshot("#axis-map"))
         place = """(() => { const map = millpose.views.map, b = map.canvas.node.getBoundingClientRect();
             for (let c = 1; c < map.cells.length; ++c) for (let j = 0; j < map.steps; ++j) {
               const cell = map.cells[c][map.cellIndex(j)];
@@ -275,6 +274,49 @@ class ReportInBrowser(unittest.TestCase):
             s.dispatchEvent(new Event('change')); })()""")
         self.browser.settle()
         self.assertNotEqual(self.browser.screenshot("#map-canvas canvas"), seen)
+
+    def test_the_best_poses_are_seen_where_the_path_is_at_them(self):
+        self.open("#point=85")
+        dark, magenta = self.browser.evaluate("""(() => { const map = millpose.views.map, d = millpose.data, node = map.canvas.node;
+            const context = node.getContext('2d'), ratio = node.width / node.getBoundingClientRect().width, found = [0, 0];
+            for (const row of map.rows) {
+              const rotation = d.column.rotation.values[row];
+              if (!(Math.abs(d.map.own[row] - rotation) < 0.2)) continue;
+              const x = map.plot.axes.x(map.plot.wayOf(row)), y = map.plot.axes.y(map.shown(rotation));
+              const image = context.getImageData((x - 1) * ratio, (y - 4) * ratio, 3 * ratio, 9 * ratio).data;
+              let ink = false, own = false;
+              for (let i = 0; i < image.length; i += 4) {
+                ink ||= image[i] < 60 && image[i + 1] < 60 && image[i + 2] < 60;
+                own ||= image[i] > 150 && image[i + 1] < 60 && image[i + 2] > 60;
+              }
+              found[0] += ink;
+              found[1] += own;
+            }
+            return found; })()""")
+        self.assertGreater(magenta, 3)
+        self.assertGreater(dark, 3)
+
+    def test_the_axis_map_fits_narrow_windows(self):
+        for width in (1400, 800):
+            self.browser.size(width, 900)
+            self.open("#point=85")
+            self.keep(f"map_{width}.png", self.browser.screenshot("#axis-map"))
+            card, boxes, hidden, plot = self.browser.evaluate("""(() => {
+                const box = (e) => { const b = e.getBoundingClientRect(); return [b.left, b.top, b.right, b.bottom]; };
+                const card = document.querySelector('#axis-map'), map = millpose.views.map, a = map.plot.axes;
+                const leaves = [...card.querySelectorAll('.bar > *, #map-why, #map-canvas canvas, #map-legend > *, #map-pose')]
+                  .filter((e) => e.textContent || e.tagName === 'CANVAS');
+                return [box(card), leaves.map(box), leaves.filter((e) => e.scrollWidth > e.clientWidth + 1 && e.clientWidth).length,
+                  [a.left, a.right, map.canvas.width]]; })()""")
+            self.assertEqual(hidden, 0, width)
+            self.assertGreaterEqual(len(boxes), 10, width)
+            for i, box in enumerate(boxes):
+                self.assertGreater(min(box[2] - box[0], box[3] - box[1]), 5, (width, i))
+                self.assertTrue(card[0] <= box[0] and box[2] <= card[2] and card[1] <= box[1] and box[3] <= card[3], (width, i, box))
+                for other in boxes[:i]:
+                    apart = box[0] >= other[2] - 1 or other[0] >= box[2] - 1 or box[1] >= other[3] - 1 or other[1] >= box[3] - 1
+                    self.assertTrue(apart, (width, i, box, other))
+            self.assertGreater(plot[1] - plot[0], 0.8 * plot[2], "most of the width is map")
 
     def test_fits_narrow_windows(self):
         for width in (1400, 800):

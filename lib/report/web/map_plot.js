@@ -26,8 +26,10 @@
       this.paint(context);
       this.axes.clip(context, () => {
         this.drawCursor(context);
-        this.stroke(context, this.lines(this.data.map.own, () => true), m.MAP_OWN, 2, 2);
-        this.stroke(context, this.lines(this.data.column.rotation.values, (row) => rows.status[row] === 0), m.MAP_INK, 3, 3);
+        const own = this.lines(this.data.map.own, () => true);
+        this.stroke(context, own, m.MAP_OWN, 2, 2);
+        this.stroke(context, this.lines(this.data.column.rotation.values, (row) => rows.status[row] === 0), m.MAP_INK, 4, 3);
+        this.stroke(context, own, m.MAP_OWN, 1.5, 0);  // seen within the path where that is at the best pose
         this.drawNames(context);
       });
     }
@@ -144,7 +146,8 @@
     }
 
     drawCursor(context) {
-      const x = Math.round(this.axes.x(this.wayOf(this.map.row))) + 0.5;
+      const at = Math.round(this.axes.x(this.wayOf(this.map.row)));  // whole at either end of the map, too
+      const x = Math.max(this.axes.left + 1, Math.min(this.axes.right - 1, at)) + 0.5;
       context.lineWidth = 1.5;
       context.setLineDash([5, 5]);
       for (const [colour, offset] of [["#fff", 0], [m.MAP_INK, 5]]) {
