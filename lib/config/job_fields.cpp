@@ -46,10 +46,21 @@ void ChooseObjective(const Value& value, const Context& context, JobSettings& jo
   }
 }
 
+// Without a force from path and stock nothing knows what stands.
+void CheckOverMissing(const Value& value, const Context& context, const JobSettings& job) {
+  const Value* path = value.Find("path");
+  const Value::Key* found = path ? path->FindKey("over_missing") : nullptr;
+  if (found && (!job.cutting || job.cutting->side))
+    context.Child("path")
+        .Child("over_missing")
+        .Add(found->mark, "has no effect here: needs process.cutting, without a side");
+}
+
 void Check(const Value& value, const Context& context, JobSettings& job) {
   CheckPart(value, context, job);
   ChooseObjective(value, context, job);
   CheckFeeds(value, context, job);
+  CheckOverMissing(value, context, job);
 }
 
 }  // namespace

@@ -95,8 +95,9 @@ struct JobSettings {
   double dexterity_min = 0;
   double wrist_min = 0.05, elbow_min = 0.05, shoulder_min = 50;  ///< 1, 1, mm
   double swept_resolution = 0.5;                                 ///< mm
-  std::optional<std::string> criterion;  ///< worst_then_sum | sum; else by the objective
-  GapOptions gaps;                       ///< but for what other sections say, see MakeGapOptions()
+  std::optional<std::string> criterion;    ///< worst_then_sum | sum; else by the objective
+  std::string over_missing = "leave_out";  ///< leave_out | cut, where material stands that should be gone
+  GapOptions gaps;                         ///< but for what other sections say, see MakeGapOptions()
   std::vector<std::string> programs{"krl", "sinumerik", "linuxcnc"};
   ProgramOptionSettings program_options;
   int programs_line = 0;  ///< of the key, for later errors

@@ -58,6 +58,13 @@ Codec<JobSettings> PathFields() {
               "Half-way between points, with the joints turning evenly, the tip's largest distance from its "
               "straight line; where the points lie too far apart for that, a quarter more than with the "
               "rotation unchanged."),
+          Key<S>(
+              "over_missing", MILLPOSE_AT(over_missing), Choice({"leave_out", "cut"}),
+              "Passes that would cut more than 20 % wider or deeper than the job's own because points before "
+              "them are skipped: leave_out: they are left out too, with all that lies over them; cut: they "
+              "are cut. Needs process.cutting without a side.")
+              .WhenSet([](const S& s) { return s.cutting && !s.cutting->side; })
+              .DefaultText("leave_out"),
       },
       CheckLifts);
 }

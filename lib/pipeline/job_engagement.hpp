@@ -18,6 +18,12 @@ namespace millpose {
 std::optional<CuttingForce> SetJobEngagement(const JobInputs& inputs, const Mesh& mesh, int threads,
                                              const std::stop_token& stop, Toolpath& toolpath);
 
+/// Leaves out the pieces of a plan that would cut more than 20 % wider or deeper than any of the job's own
+/// cuts because points before them are not milled, and what lies over them in turn (`path.over_missing`).
+/// Returns how many pieces.
+size_t LeaveOverMissing(const JobInputs& inputs, const Mesh& mesh, int threads, const std::stop_token& stop,
+                        PlanResult& plan);
+
 /// Works the engagement of a plan's points out anew where the planner had to skip some: what they leave
 /// standing is cut by the passes beside them. Poses stay as planned. What the operator should know of it, or
 /// empty.

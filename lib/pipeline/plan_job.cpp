@@ -73,10 +73,16 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   FixTurns(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
                          FreeDirections(inputs.job, *problem.objective)});
   const GapOptions options = MakeGapOptions(inputs.job);
+  const auto leave_over_missing = [&] {
+    return LeaveOverMissing(inputs, job.prepared.surface.mesh, execution.Threads(), execution.stop, plan);
+  };
+  leave_over_missing();
   execution.progress.Begin("gaps", GapEnds(plan.home, plan.passes).size());
   PlannedGaps gaps = PlanAllGaps(job.prepared.world, plan.passes, options, checkpoints, execution);
-  plan.gaps = std::move(gaps.gaps);
   job.resumed_gaps = gaps.resumed;
+  while (leave_over_missing() > 0)  // over pieces that no way leads to
+    gaps = PlanAllGaps(job.prepared.world, plan.passes, options, checkpoints, execution);
+  plan.gaps = std::move(gaps.gaps);
   execution.progress.End(
       fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), job.resumed_gaps));
   execution.progress.Begin("fixed rotations", 0);

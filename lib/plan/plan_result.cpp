@@ -23,6 +23,8 @@ std::string ToString(SkipReason reason) {
       return "gouge";
     case SkipReason::kAccess:
       return "access";
+    case SkipReason::kOverMissing:
+      return "over_missing";
   }
   return "unknown";
 }

@@ -20,7 +20,8 @@ enum class SkipReason : uint8_t {
   kStep,
   kSource,
   kGouge,
-  kAccess
+  kAccess,
+  kOverMissing
 };
 std::string ToString(SkipReason reason);
 

@@ -281,6 +281,7 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   };
   folder.setup = ReadSetup(ReadFile(path / "job.yaml"), starts, optional("cell.yaml"));
   folder.rows = ReadPoints(ReadFile(path / "points.csv"));
+  folder.whole = std::ranges::all_of(folder.rows, &Row::planned);
   folder.goal = ReadGoal(ReadFile(path / "job.yaml"));
   if (const std::string csv = optional("deflection.csv"); !csv.empty())
     folder.deflected = ReadDeflected(csv, folder.setup.X_WP.block<3, 3>(0, 0));

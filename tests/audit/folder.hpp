@@ -53,6 +53,7 @@ struct Summary {
 struct Folder {
   Setup setup;
   std::vector<Row> rows;
+  bool whole = true;  ///< no point is skipped
   std::vector<PlannedGap> gaps;
   Goal goal;
   std::map<int, Deflected> deflected;  ///< by point

@@ -18,8 +18,9 @@ std::optional<Vector3> ForceAt(const Folder& folder, const Row& row) {
     R << across.cross(row.axis), across, row.axis;
     return R * folder.goal.given_force;
   }
+  // Poses are chosen for the forces with all points milled, which only a whole plan states.
   const auto found = folder.deflected.find(row.point);
-  if (found == folder.deflected.end()) return std::nullopt;
+  if (found == folder.deflected.end() || !folder.whole) return std::nullopt;
   return found->second.force;
 }
 

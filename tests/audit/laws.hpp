@@ -15,7 +15,7 @@ struct OwnObjective {
 };
 
 /// Empty for chen2021, which is compared as an index, for names that the judge does not know, and where the
-/// folder states no force for the point (leads).
+/// folder does not state the force that the pose was chosen for (leads, plans with skipped points).
 std::optional<OwnObjective> ObjectiveOf(const Folder& folder, const Row& row, const Matrix3& c);
 
 /// Whether the objective is of each point's own force.

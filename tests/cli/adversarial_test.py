@@ -19,6 +19,8 @@ BENCH = None
 TRAVEL_MM = os.environ.get("MILLPOSE_JUDGE_TRAVEL_MM", "5")
 FEW_POINTS = [(r"stepover_mm: [\d.]+", "stepover_mm: 40"), (r"spacing_mm: [\d.]+", "spacing_mm: 20")]
 
+LAYERS = [(r", depth_mm: 1", ""), (r"spacing_mm: [\d.]+", "spacing_mm: 8\n  depth: {total_mm: 2, per_layer_mm: 1}")]
+
 
 def box(name, size, xyz, kind="fixture"):
     """A body of the cell that stands in the world."""
@@ -102,8 +104,9 @@ def tool_pose(angles):
 
 
 class Adversarial(unittest.TestCase):
-    def plan(self, name, bodies="", changes=(), mesh=None, cell_changes=(), status=0):
-        """Plans a changed support_pad; returns (summary, rows of points.csv, text), judged clean."""
+    def plan(self, name, bodies="", changes=(), mesh=None, cell_changes=(), status=0, layers=False):
+        """Plans a changed support_pad; returns (summary, rows of points.csv, text), judged clean. `layers`: two, with the job's
+        cutting force; the judge knows no layers."""
         cell = (BENCH.top / "cells/kr500_r2830.yaml").read_text(encoding="utf-8").replace(
             "excluded_pairs: []", bodies + "excluded_pairs: []")
         for old, new in cell_changes:
@@ -113,12 +116,13 @@ class Adversarial(unittest.TestCase):
         if mesh:
             (BENCH.top / f"toolpaths/support_pad/{name}.stl").write_text(stl(mesh), encoding="utf-8")
             changes = [(r"mesh: support_pad.stl", f"mesh: {name}.stl"), *changes]
-        job = BENCH.job("support_pad", [*WITHOUT_FORCE, (r"name: support_pad\n", f"name: {name}\n"),
+        job = BENCH.job("support_pad", [*(LAYERS if layers else WITHOUT_FORCE), (r"name: support_pad\n", f"name: {name}\n"),
                                         (r"kr500_r2830.yaml", f"{name}.yaml"), *changes], name)
         result, folder = BENCH.plan(job, name, "--threads", "2")
         self.assertEqual(result.returncode, status, result.stdout + result.stderr)
-        judged, verdict = BENCH.audit(folder, job, "--travel-mm", TRAVEL_MM)
-        self.assertEqual((judged, verdict["broken"]), (0, {}))
+        if not layers:
+            judged, verdict = BENCH.audit(folder, job, "--travel-mm", TRAVEL_MM)
+            self.assertEqual((judged, verdict["broken"]), (0, {}))
         with open(folder / "points.csv", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         return json.loads((folder / "summary.json").read_text(encoding="utf-8")), rows, result.stdout + result.stderr
@@ -245,6 +249,27 @@ class Adversarial(unittest.TestCase):
         summary, _, text = self.plan("dome", changes=changes, mesh=mesh)
         self.assertRegex(text, "[1-9] passes with an end near something")
         self.assertEqual((summary["points"]["skipped"], summary["gap_remarks"]), (0, []))
+
+    def test_nothing_is_cut_deeper_than_the_job_says_over_what_is_missing(self):
+        """A post at the pad's corner keeps the first of two layers from being milled there."""
+        post = box("post", (12, 6, 6), (2070, 38, 1044))
+
+        def deepest(name, *more):
+            summary, _, text = self.plan(name, post, more, status=1, layers=True)
+            with open(BENCH.top / name / "deflection.csv", encoding="utf-8") as file:
+                cuts = [(float(row["width_mm"]), float(row["depth_mm"])) for row in csv.DictReader(file) if row["depth_mm"]]
+            left_out = [entry for entry in summary["skipped"] if entry["reason"] == "over_missing"]
+            return max(depth for _, depth in cuts), left_out, text
+
+        depth, left_out, text = deepest("over_missing")
+        self.assertLessEqual(depth, 1.2)
+        self.assertGreater(len(left_out), 0)
+        for entry in left_out:
+            self.assertRegex(entry["detail"], r"2\.00 mm deep beside what point \d+ \(pass \d+, interference\)")
+        self.assertIn(f"{len(left_out)} more are left out because the cutter would meet it there", text)
+        depth, left_out, _ = deepest("cut_over", (r"\npath:", "\npath:\n  over_missing: cut"))
+        self.assertGreater(depth, 1.9)
+        self.assertEqual(left_out, [])
 
     def test_a_start_pose_in_collision_is_told_and_the_cuts_are_planned(self):
         home = [("home_deg: [0, -90, 90, 0, 0, 0]", "home_deg: [0, 0, 120, 0, 0, 0]")]

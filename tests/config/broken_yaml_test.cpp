@@ -94,6 +94,8 @@ const Slip kJobSlips[] = {
      "path.motion_weight: is no longer a key: give path.motion_share, "},
     {"[5, 5, 5, 5, 5, 5]", "[5, 5, 5, 5, 5, 5]\n  max_lifts: 2", 18, 3,
      "path.max_lifts: has no effect here: lift_gain_percent is 0"},
+    {"[5, 5, 5, 5, 5, 5]", "[5, 5, 5, 5, 5, 5]\n  over_missing: cut", 18, 3,
+     "path.over_missing: has no effect here: needs process.cutting, without a side"},
     {"feed_mm_min: 80", "force_uncertainty_percent: 10\n  feed_mm_min: 80", 14, 3,
      "process.force_uncertainty_percent: has no effect here: objective chen2021 does not ask for it"},
     {"programs:", "pose: {objective: {name: surface_error, force_direction_deg: 3}}\nprograms:", 18, 41,
