@@ -88,6 +88,7 @@ class Keys(InFolder):
         job["cell"] = "cell.yaml"
         for key in ("cutting", "stock", "force_uncertainty_percent", "force_direction_deg"):
             job["process"].pop(key)
+        job["path"].pop("over_missing")
         job["pose"]["objective"] = {"name": "chen2021", "w1": 0.5, "w2": 0.5}
         shapes = ({"sphere": {"diameter_mm": 9}}, {"capsule": {"diameter_mm": 9, "length_mm": 60}},
                   {"cone": {"diameter_mm": 9, "top_diameter_mm": 1, "length_mm": 6}},
@@ -179,6 +180,11 @@ class Keys(InFolder):
             "mass_kg": 60.5, "centre_in_flange_mm": [0, 0, 150.5], "inertia_kg_m2": [1.5, 1.5, 0.5]})
         for region in (job["toolpath"]["region"], *(job["toolpath"]["region"][name][0] for name in ("all", "any", "none"))):
             region["connected"] = {"seed_mm": [0, 0, 0], "crease_deg": 60}
+        yield job, cell
+
+        job, cell = self.base()
+        job["process"]["cutting"] = {"teeth": 2, "depth_mm": 1, "material": "5A06"}
+        job["path"]["over_missing"] = "leave_out"
         yield job, cell
 
         job, cell = self.base()
