@@ -66,6 +66,8 @@ struct Setup {
   Real spacing = 0;     ///< mm
   bool rings = false;   ///< passes may be closed
   std::string krl_tool_axis = "z", sinumerik_tool_axis = "z", sinumerik_rotation = "rpy";
+  std::string krl_tool_direction = "x";                             ///< $TOOL_DIRECTION
+  bool sinumerik_turn_known = false;                                ///< the cell says how MD21104 stands
   std::string linuxcnc_tool_axis = "z", linuxcnc_rotation = "rpy";  ///< of tool poses
   std::vector<Body> bodies;                                         ///< the workpiece last
   std::vector<std::pair<std::string, std::string>> excluded_pairs;

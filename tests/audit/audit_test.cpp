@@ -403,6 +403,66 @@ TEST(Programs, ShortWaysAfterLongOnesAreFollowed) {
   EXPECT_GT(static_cast<double>(Compare(targets, again, setup).position), 0.04);
 }
 
+/// Three points 10 mm apart: in each of the two steps the tool turns by 12.3° about its axis, which leans
+/// over by 0.4° as well.
+class TurningCut : public AuditTest {
+ protected:
+  TurningCut() {
+    Judged(MakeFolder({}));  // writes it
+    setup_ = ReadFolder(Path("out")).setup;
+    X_WM_ = Tool(setup_, ReadFolder(Path("out")).rows[0].angles);
+  }
+
+  Matrix4 Pose(Real step) const {
+    return X_WM_ * Shift(10 * step, 0, 0) * Turn(0, 0.4L * kDegree * step) * Turn(2, 12.3L * kDegree * step);
+  }
+
+  /// Half-way from the first to the last in one even turn.
+  Matrix4 EvenMiddle() const {
+    Matrix4 X = Pose(1);
+    const Eigen::AngleAxis<Real> whole(Matrix3((Pose(0).inverse() * Pose(2)).block<3, 3>(0, 0)));
+    X.block<3, 3>(0, 0) = Pose(0).block<3, 3>(0, 0) *
+                          Eigen::AngleAxis<Real>(whole.angle() / 2, whole.axis()).toRotationMatrix();
+    return X;
+  }
+
+  /// The deviation of a program from first to last point in one motion, deg.
+  double Off(const std::string& controller, const Matrix4& middle) {
+    Angles angles = ReadFolder(Path("out")).rows[0].angles;
+    std::vector<Row> rows;
+    for (const Matrix4& X : {Pose(0), middle, Pose(2)}) {
+      Row row{};
+      row.point = static_cast<int>(rows.size());
+      row.planned = true;
+      row.position = row.normal = row.axis = row.feed_direction = Vector3::Zero();
+      row.angles = angles = Solve(setup_, X, angles);
+      rows.push_back(row);
+    }
+    std::vector<Target> targets = ReadProgram(controller, OneMotion(setup_, Pose(0), Pose(2)), setup_);
+    EXPECT_EQ(targets.size(), 2u);
+    std::vector<Cut> cuts = CutsOf(rows, setup_);
+    return static_cast<double>(Compare(targets, cuts, setup_).angle / kDegree);
+  }
+
+  audit::Setup setup_{};
+  Matrix4 X_WM_;
+};
+
+TEST_F(TurningCut, LinSwivelsTheToolDirectionAndTurnsTheToolAboutIt) {
+  EXPECT_LT(Off("krl", Pose(1)), 0.015);
+  EXPECT_GT(Off("krl", EvenMiddle()), 0.04);
+  setup_.krl_tool_direction = "z";  // across the tool's axis
+  EXPECT_GT(Off("krl", Pose(1)), 0.04);
+}
+
+TEST_F(TurningCut, SinumerikSwivelsAndMayTurnEvenly) {
+  EXPECT_GT(Off("sinumerik", EvenMiddle()), 0.04);
+  EXPECT_GT(Off("sinumerik", Pose(1)), 0.04);
+  setup_.sinumerik_turn_known = true;
+  EXPECT_GT(Off("sinumerik", EvenMiddle()), 0.04);
+  EXPECT_LT(Off("sinumerik", Pose(1)), 0.015);
+}
+
 TEST(Distance, OfMeshesMatchesWhatIsKnown) {
   const Mesh cube = BoxMesh({10, 10, 10});
   const auto moved = [&](const Matrix4& X) {

@@ -20,19 +20,70 @@ struct Off {
   Real Worst() const { return std::max(position / kPositionBound, angle / kAngleBound); }
 };
 
-Off FromSegment(const Matrix4& X, const Matrix4& from, const Matrix4& to) {
-  const Vector3 way = Tip(to) - Tip(from);
+using Way = std::function<Matrix3(Real)>;
+
+Way Evenly(const Matrix3& from, const Matrix3& to) {
+  return [first = Quaternion(from), last = Quaternion(to)](Real share) -> Matrix3 {
+    return first.slerp(share, last).toRotationMatrix();
+  };
+}
+
+/// One direction of the tool on a great circle, the tool evenly about it.
+Way Swivelling(const Matrix3& from, const Matrix3& to, const Vector3& direction) {
+  const Vector3 first = from * direction, last = to * direction, across = first.cross(last);
+  const Real angle = std::atan2(across.norm(), first.dot(last));
+  const Vector3 axis = across.norm() > 0 ? Vector3(across.normalized()) : first.unitOrthogonal();
+  const auto swung = [=](Real share) -> Matrix3 {
+    return Eigen::AngleAxis<Real>(share * angle, axis).toRotationMatrix();
+  };
+  const Way turned = Evenly(Matrix3::Identity(), from.transpose() * swung(1).transpose() * to);
+  return [=](Real share) -> Matrix3 { return swung(share) * from * turned(share); };
+}
+
+/// How the tool may turn on the way to a target.
+std::vector<Way> WaysOf(const Target& from, const Target& to) {
+  const Matrix3 first = Rotation(from.X_WT), last = Rotation(to.X_WT);
+  const Turning& turning = to.turning;
+  std::vector<Way> ways;
+  if (turning.swivel) ways.push_back(Swivelling(first, last, *turning.swivel));
+  if (turning.angles && from.turning.angles)
+    ways.emplace_back([&turning, begin = *from.turning.angles](Real share) {
+      return turning.of_angles(begin + share * (*turning.angles - begin));
+    });
+  if (turning.even || ways.empty()) ways.push_back(Evenly(first, last));
+  return ways;
+}
+
+Off FromSegment(const Matrix4& X, const Vector3& from, const Vector3& to, const std::vector<Way>& ways) {
+  const Vector3 way = to - from;
   const Real length = way.squaredNorm();
   const auto at = [&](Real share) -> Off {
-    const Quaternion turned = Quaternion(Rotation(from)).slerp(share, Quaternion(Rotation(to)));
-    return {(Tip(X) - Tip(from) - share * way).norm(),
-            AngleBetween(Rotation(X), Matrix3(turned.toRotationMatrix())), share};
+    Off off{(Tip(X) - from - share * way).norm(), 0, share};
+    for (const Way& turned : ways) off.angle = std::max(off.angle, AngleBetween(Rotation(X), turned(share)));
+    return off;
   };
   if (length < 1e-18L) {
     const Off first = at(0), last = at(1);
     return first.Worst() < last.Worst() ? first : last;
   }
-  return at(std::clamp(way.dot(Tip(X) - Tip(from)) / length, Real{0}, Real{1}));
+  return at(std::clamp(way.dot(Tip(X) - from) / length, Real{0}, Real{1}));
+}
+
+/// From a motion of the program.
+Off FromMotion(const Matrix4& X, const Target& from, const Target& to) {
+  return FromSegment(X, Tip(from.X_WT), Tip(to.X_WT), WaysOf(from, to));
+}
+
+/// From the planned way between two points: one even turn.
+Off FromPlan(const Matrix4& X, const Matrix4& from, const Matrix4& to) {
+  return FromSegment(X, Tip(from), Tip(to), {Evenly(Rotation(from), Rotation(to))});
+}
+
+/// The middle of the planned way between two points.
+Matrix4 Middle(const Matrix4& from, const Matrix4& to) {
+  Matrix4 X = (from + to) / 2;
+  X.block<3, 3>(0, 0) = Evenly(Rotation(from), Rotation(to))(0.5L);
+  return X;
 }
 
 /// Collects the largest deviations and where they are.
@@ -62,7 +113,7 @@ size_t FindStart(const std::vector<Target>& targets, size_t begin, const Matrix4
   size_t nearest = begin;
   Real best = std::numeric_limits<Real>::infinity();
   for (size_t j = begin; j < targets.size(); ++j) {
-    const Real off = FromSegment(targets[j].X_WT, X, X).Worst();
+    const Real off = FromPlan(targets[j].X_WT, X, X).Worst();
     if (off <= 1) return j;
     if (off < best) {
       best = off;
@@ -72,15 +123,18 @@ size_t FindStart(const std::vector<Target>& targets, size_t begin, const Matrix4
   return nearest;
 }
 
-/// Walks along one cut in program and table together.
+/// Walks along one cut in program and table together; between two points, where the middle of their way is.
 void CompareCut(const std::vector<Target>& targets, Cut& cut, const Setup& setup, size_t begin,
                 Worst& worst) {
-  std::vector<Matrix4> poses;
-  for (const Row* row : cut.rows) poses.push_back(Tool(setup, row->angles));
-  if (cut.closed) poses.push_back(poses.front());
+  std::vector<Matrix4> poses;  // points and middles by turns
+  for (size_t i = 0; i < cut.rows.size() + (cut.closed ? 1 : 0); ++i) {
+    const Matrix4 X = Tool(setup, cut.rows[i % cut.rows.size()]->angles);
+    if (i > 0) poses.push_back(Middle(poses.back(), X));
+    poses.push_back(X);
+  }
 
   cut.first = FindStart(targets, begin, poses[0]);
-  worst.Add(FromSegment(poses[0], targets[cut.first].X_WT, targets[cut.first].X_WT), Name(*cut.rows[0]));
+  worst.Add(FromPlan(poses[0], targets[cut.first].X_WT, targets[cut.first].X_WT), Name(*cut.rows[0]));
   size_t segment = cut.first;  // the program's motion from targets[segment] to the next
   Real share = 0;
   for (size_t i = 1; i < poses.size(); ++i) {
@@ -89,7 +143,7 @@ void CompareCut(const std::vector<Target>& targets, Cut& cut, const Setup& setup
     size_t found = segment;
     Real travelled = 0;
     for (size_t j = segment; j + 1 < targets.size() && (travelled <= window || j <= segment + 1); ++j) {
-      const Off off = FromSegment(poses[i], targets[j].X_WT, targets[j + 1].X_WT);
+      const Off off = FromMotion(poses[i], targets[j], targets[j + 1]);
       // A later point must not be found before an earlier one.
       if (off.Worst() < best.Worst() && (j > segment || off.share >= share)) {
         best = off;
@@ -98,9 +152,9 @@ void CompareCut(const std::vector<Target>& targets, Cut& cut, const Setup& setup
       // Of the motion that the last point lies on, only what is left counts.
       travelled += (j == segment ? 1 - share : 1) * (Tip(targets[j + 1].X_WT) - Tip(targets[j].X_WT)).norm();
     }
-    worst.Add(best, Name(*cut.rows[i % cut.rows.size()]));
+    worst.Add(best, (i % 2 ? "half-way to " : "") + Name(*cut.rows[(i + 1) / 2 % cut.rows.size()]));
     for (size_t j = segment + 1; j <= found; ++j)
-      worst.Add(FromSegment(targets[j].X_WT, poses[i - 1], poses[i]), Name(targets[j]));
+      worst.Add(FromPlan(targets[j].X_WT, poses[i - 1], poses[i]), Name(targets[j]));
     segment = found;
     share = best.share;
   }

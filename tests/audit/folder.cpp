@@ -187,8 +187,10 @@ void ReadControllers(const YAML::Node& controllers, Setup* setup) {
     return node && node[key] ? node[key].as<std::string>() : std::string(otherwise);
   };
   setup->krl_tool_axis = text("krl", "tool_axis", "z");
+  setup->krl_tool_direction = text("krl", "tool_direction", "x");
   setup->sinumerik_tool_axis = text("sinumerik", "tool_axis", "z");
   setup->sinumerik_rotation = text("sinumerik", "rotation", "rpy");
+  setup->sinumerik_turn_known = !text("sinumerik", "ori_ipo_with_g_code", "").empty();
   setup->linuxcnc_tool_axis = text("linuxcnc", "tool_axis", "z");
   setup->linuxcnc_rotation = text("linuxcnc", "rotation", "rpy");
 }

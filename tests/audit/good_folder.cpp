@@ -123,13 +123,7 @@ class Programs {
   }
 
   void Linear(const Angles& angles) {
-    const Matrix4 X_PT = (setup_.X_WB * X_BP_).inverse() * Tool(setup_, angles);
-    const Vector3 abc = AbcOf(X_PT);
-    krl_ += fmt::format("LIN {{{}}} C_DIS\n", Krl(X_PT * X_TC_));
-    sinumerik_ += fmt::format("G1 X{:.4f} Y{:.4f} Z{:.4f} A={:.6f} B={:.6f} C={:.6f} F80\n",
-                              static_cast<double>(X_PT(0, 3)), static_cast<double>(X_PT(1, 3)),
-                              static_cast<double>(X_PT(2, 3)), static_cast<double>(abc[2]),
-                              static_cast<double>(abc[1]), static_cast<double>(abc[0]));
+    Straight(Tool(setup_, angles));
     if (!cartesian_) return LinuxCnc(angles);
     const Matrix4 X_BT = setup_.X_WB.inverse() * Tool(setup_, angles);
     const Vector3 turned = AbcOf(X_BT);
@@ -137,6 +131,17 @@ class Programs {
                              static_cast<double>(X_BT(0, 3)), static_cast<double>(X_BT(1, 3)),
                              static_cast<double>(X_BT(2, 3)), static_cast<double>(turned[2]),
                              static_cast<double>(turned[1]), static_cast<double>(turned[0]));
+  }
+
+  /// KRL and SINUMERIK.
+  void Straight(const Matrix4& X_WT) {
+    const Matrix4 X_PT = (setup_.X_WB * X_BP_).inverse() * X_WT;
+    const Vector3 abc = AbcOf(X_PT);
+    krl_ += fmt::format("LIN {{{}}} C_DIS\n", Krl(X_PT * X_TC_));
+    sinumerik_ += fmt::format("G1 X{:.4f} Y{:.4f} Z{:.4f} A={:.6f} B={:.6f} C={:.6f} F80\n",
+                              static_cast<double>(X_PT(0, 3)), static_cast<double>(X_PT(1, 3)),
+                              static_cast<double>(X_PT(2, 3)), static_cast<double>(abc[2]),
+                              static_cast<double>(abc[1]), static_cast<double>(abc[0]));
   }
 
   void Joint(const Angles& angles) {
@@ -303,6 +308,16 @@ Texts MakeFolder(const Fault& fault) {
   texts["cell.yaml"] = Replaced(kCell, "POST", fault.fixture_in_way ? "80" : "800");
   texts["block.stl"] = BlockStl();
   return texts;
+}
+
+Texts OneMotion(const Setup& setup, const Matrix4& from, const Matrix4& to) {
+  Programs programs(setup, setup.X_WB.inverse() * setup.X_WP, false);
+  programs.Straight(from);
+  programs.Straight(to);
+  Texts texts, files;
+  programs.Finish(texts);
+  for (const auto& [path, text] : texts) files[path.substr(path.rfind('/') + 1)] = text;
+  return files;
 }
 
 void EditLine(std::string& text, size_t line, const std::function<std::string(std::string)>& edit) {

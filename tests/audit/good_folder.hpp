@@ -26,6 +26,9 @@ using Texts = std::map<std::string, std::string>;
 /// consistently.
 Texts MakeFolder(const Fault& fault);
 
+/// The programs' text by file for one straight motion of the tool in W, of either KRL or SINUMERIK.
+Texts OneMotion(const Setup& setup, const Matrix4& from, const Matrix4& to);
+
 /// Line `line` (from 0) of a text, changed.
 void EditLine(std::string& text, size_t line, const std::function<std::string(std::string)>& edit);
 

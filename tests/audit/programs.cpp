@@ -88,6 +88,8 @@ Target AtAngles(const Line& line, const Setup& setup, const Angles& angles) {
   return {line.file, line.number, angles, Tool(setup, angles)};
 }
 
+Vector3 AxisOf(const std::string& name) { return Vector3::Unit(name.back() - 'x'); }
+
 std::vector<Target> ReadKrl(const std::map<std::string, std::string>& files, const Setup& setup) {
   static const std::regex motion(R"(^\s*(?:PTP|LIN|SLIN|SPL|SPTP)\s*\{([^}]*)\}.*)");
   static const std::regex frame(R"(^\s*\$(BASE|TOOL)\s*=\s*\{([^}]*)\}.*)");
@@ -105,7 +107,10 @@ std::vector<Target> ReadKrl(const std::map<std::string, std::string>& files, con
         targets.push_back(AtAngles(line, setup, angles));
       } else {
         const Matrix4 X_CT = X_FC.inverse() * setup.X_FT;
-        targets.push_back({line.file, line.number, std::nullopt, setup.X_WB * X_BP * Frame(fields) * X_CT});
+        // LIN with $ORI_TYPE = #VAR: $TOOL_DIRECTION swivels, the tool turns about it (docs/krl.md).
+        const Vector3 direction = X_CT.block<3, 3>(0, 0).transpose() * AxisOf(setup.krl_tool_direction);
+        targets.push_back({line.file, line.number, std::nullopt, setup.X_WB * X_BP * Frame(fields) * X_CT,
+                           Turning{.even = false, .swivel = direction}});
       }
     }
   }
@@ -118,6 +123,17 @@ Matrix4 Placed(const Fields& words, const std::string& rotation) {
   const Matrix4 place = Shift(At(words, "X"), At(words, "Y"), At(words, "Z"));
   return rotation == "euler" ? Matrix4(place * Turn(2, a) * Turn(0, b) * Turn(2, c))
                              : Matrix4(place * Turn(2, c) * Turn(1, b) * Turn(0, a));
+}
+
+/// The three angles run evenly: the tool is turned by them from `before` and then by `behind`.
+Turning ByAngles(const Fields& words, const std::string& rotation, const Matrix4& before,
+                 const Matrix4& behind) {
+  return {.even = false,
+          .angles = Vector3(At(words, "A"), At(words, "B"), At(words, "C")),
+          .of_angles = [=](const Vector3& abc) -> Matrix3 {
+            const Matrix4 turned = Placed({{"A", abc[0]}, {"B", abc[1]}, {"C", abc[2]}}, rotation);
+            return (before * turned * behind).block<3, 3>(0, 0);
+          }};
 }
 
 std::vector<Target> ReadSinumerik(const std::map<std::string, std::string>& files, const Setup& setup) {
@@ -156,7 +172,14 @@ std::vector<Target> ReadSinumerik(const std::map<std::string, std::string>& file
       }
       if (!moved) continue;
       const Matrix4 X_PC = Placed(modal, setup.sinumerik_rotation);
-      targets.push_back({line.file, line.number, std::nullopt, setup.X_WB * X_BP * X_PC * X_CT});
+      // Z of the tool frame on a great circle; where machine data decide, as docs/sinumerik.md says.
+      Turning turning;
+      if (!setup.sinumerik_turn_known)
+        turning = ByAngles(modal, setup.sinumerik_rotation, setup.X_WB * X_BP, X_CT);
+      turning.even = !setup.sinumerik_turn_known;
+      turning.swivel = X_CT.block<3, 3>(0, 0).transpose() * Vector3::UnitZ();
+      targets.push_back(
+          {line.file, line.number, std::nullopt, setup.X_WB * X_BP * X_PC * X_CT, std::move(turning)});
     } else {
       for (std::sregex_iterator it(text.begin(), text.end(), axes), end; it != end; ++it) {
         angles[static_cast<size_t>((*it)[1].str().back() - '1')] = std::stold((*it)[2]) * kDegree;
@@ -188,8 +211,9 @@ std::vector<Target> ReadLinuxCnc(const std::map<std::string, std::string>& files
     }
     if (!moved) continue;
     if (cartesian) {
-      targets.push_back(
-          {line.file, line.number, std::nullopt, setup.X_WB * Placed(pose, setup.linuxcnc_rotation) * X_CT});
+      targets.push_back({line.file, line.number, std::nullopt,
+                         setup.X_WB * Placed(pose, setup.linuxcnc_rotation) * X_CT,
+                         ByAngles(pose, setup.linuxcnc_rotation, setup.X_WB, X_CT)});
       continue;
     }
     Angles angles = setup.home;

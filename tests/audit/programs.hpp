@@ -2,11 +2,22 @@
 // Programs read back with a tolerance for everything that does not move the arm.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "tests/audit/folder.hpp"
 
 namespace millpose::audit {
+
+/// How a control may turn the tool on a straight motion; each of the ways must do.
+struct Turning {
+  bool even = true;  ///< about one axis
+  /// This direction of the tool runs on a great circle, and the tool turns evenly about it.
+  std::optional<Vector3> swivel = {};
+  /// The angles as written run evenly, where the motion before has them too; else it turns about one axis.
+  std::optional<Vector3> angles = {};
+  std::function<Matrix3(const Vector3&)> of_angles = {};  ///< the tool in W
+};
 
 /// Where a motion of a program ends.
 struct Target {
@@ -14,6 +25,7 @@ struct Target {
   int line = 0;
   std::optional<Angles> angles;  ///< rad, where programmed as axes
   Matrix4 X_WT;                  ///< tool in W; from the angles where those are given
+  Turning turning = {};
 };
 
 /// All targets of one controller's program in order, sub-programs followed. Throws std::runtime_error for a

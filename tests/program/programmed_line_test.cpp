@@ -7,6 +7,7 @@
 
 #include "base/units.hpp"
 #include "program/bound_turns.hpp"
+#include "program/economy.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
 
@@ -142,6 +143,45 @@ TEST(BoundTurns, LeavesSmallTurnsAlone) {
       {[](const Pose& a, const Pose& b) { return ProgrammedLine(a, b, Vector3d::UnitZ()); }},
       0.016 * kRadPerDeg};
   EXPECT_EQ(BoundTurns(written, origin, plan.arm, bound), 0);
+}
+
+/// Three points; from each to the next the tool turns by 12.3° about its axis, which leans over by 0.4° as
+/// well. The middle one lies where LIN has swivelled the tool, or where one even turn has it.
+MotionProgram TwelveDegrees(PlanResult& plan, bool even) {
+  plan = SamplePlan({.points = 3, .spacing = 10, .ring = false, .passes = 1});
+  const Joints start = plan.passes[0].points[0].q;
+  const auto turned = [](double steps) {
+    return AngleAxisd(0.4 * steps * kRadPerDeg, Vector3d::UnitX()) *
+           AngleAxisd(12.3 * steps * kRadPerDeg, Vector3d::UnitZ());
+  };
+  AngleAxisd half(turned(2));
+  half.angle() /= 2;
+  const Pose first = ForwardFlange(plan.arm, start) * plan.X_FT;
+  for (size_t i = 0; i < plan.passes[0].points.size(); ++i) {
+    Joints& q = plan.passes[0].points[i].q;
+    Pose tool = ForwardFlange(plan.arm, q) * plan.X_FT;
+    tool.linear() =
+        first.linear() * (even && i == 1 ? Matrix3d(half) : Matrix3d(turned(static_cast<double>(i))));
+    q = InverseNear(plan.arm, tool * plan.X_FT.inverse(), Status(plan.arm, q), q).value();
+  }
+  return MakeMotionProgram(plan);
+}
+
+TEST(Swivel, TwelveDegreesAboutAnAxisThatLeansAreLeftOutAsTheControlTurnsThem) {
+  const LineModel swivels = [](const Pose& a, const Pose& b) {
+    return ProgrammedLine(a, b, Vector3d::UnitZ());
+  };
+  for (const bool even : {false, true}) {
+    PlanResult plan;
+    const MotionProgram planned = TwelveDegrees(plan, even);
+    const auto saved = [&](const std::vector<LineModel>& lines) {
+      return Economise(planned,
+                       {.position_tolerance = 0.01, .angle_tolerance = 0.016 * kRadPerDeg, .lines = lines})
+          .saved;
+    };
+    EXPECT_EQ(saved({swivels}), even ? 0 : 1);
+    EXPECT_EQ(saved({}), even ? 1 : 0);
+  }
 }
 
 }  // namespace
