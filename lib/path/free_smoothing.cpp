@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/units.hpp"
+#include "path/bend_law.hpp"
 #include "robot/angles.hpp"
 
 namespace millpose {
@@ -26,6 +27,8 @@ class FreeSmoother {
         options_(std::move(options)),
         checker_(checker),
         path_(path),
+        carrier_{scorers[0].problem().arm, scorers[0].problem().X_WB, scorers[0].problem().X_FT},
+        law_(carrier_, scorers, options_.max_deviation),
         origin_(path.begin(), path.end()) {
     const Freedom& freedom = *scorers[0].problem().freedoms[0];
     const double wide = freedom.Periodic() ? std::numeric_limits<double>::infinity() : 0;
@@ -108,7 +111,8 @@ class FreeSmoother {
     hits.pose[0] |= !EndsWithin(path_[0].q);
     for (size_t i = 0; i < path_.size(); ++i) {
       if (options_.closed || i + 1 < path_.size())
-        hits.motion[i] |= !StepWithin(i, path_[i].q, path_[Next(i)].q);
+        hits.motion[i] |=
+            !StepWithin(i, path_[i].q, path_[Next(i)].q) || !BendsWithin(i, path_[i], path_[Next(i)]);
     }
     doubtful_ = hits.Points();
     for (size_t i = 0; i < path_.size(); ++i) looked_at_[i] = path_[i].q;
@@ -118,6 +122,17 @@ class FreeSmoother {
   bool StepWithin(size_t i, const Joints& from, const Joints& to) const {
     const Joints step = (to - from).unaryExpr(&ShortWay);
     return (step.cwiseAbs().array() <= options_.max_step[i].array() + kRounding).all();
+  }
+
+  /// Whether a motion bends no further than it may, or, where it did before, no further than it did.
+  bool BendsWithin(size_t i, const PathNode& from, const PathNode& to) const {
+    const double bend = law_.Bend(from.q, (to.q - from.q).unaryExpr(&ShortWay));
+    const auto most = [&](const PathNode& node) {
+      return law_.Most(kSmoothedBend, i, node.freedoms, node.branch, node.q);
+    };
+    if (bend <= law_.bound() || bend <= most(from)) return true;
+    const double was = options_.before.deviation[i];
+    return bend <= was && was > most(origin_[i]);
   }
 
   /// A ring comes back to its first point with the turns that it made.
@@ -152,7 +167,8 @@ class FreeSmoother {
   }
   bool MotionFree(Checker& checker, size_t i, double x, double x_next) const {
     const std::optional<PathNode> from = At(i, x), to = At(Next(i), x_next);
-    return from && to && StepWithin(i, from->q, to->q) && checker_.MotionFree(checker, from->q, to->q);
+    return from && to && StepWithin(i, from->q, to->q) && BendsWithin(i, *from, *to) &&
+           checker_.MotionFree(checker, from->q, to->q);
   }
 
   /// The largest share of 0..1 that was found free, 1 not being; 0 is.
@@ -250,6 +266,8 @@ class FreeSmoother {
   SmoothOptions options_;
   PieceChecker& checker_;
   std::span<PathNode> path_;
+  Carrier carrier_;
+  BendLaw law_;
   std::vector<PathNode> origin_;  ///< free
   EndShares ends_;
   std::vector<FreedomRange> ranges_;

@@ -11,6 +11,13 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
+size_t Breaks(const Sequence& sequence) {
+  size_t breaks = 0;
+  for (size_t t = 0; t < sequence.nodes.size(); ++t)
+    breaks += sequence.nodes[t] == kNoNode ? sequence.nodes.size() : sequence.break_before[t];
+  return breaks;
+}
+
 double BreakPenalty(const LayeredProblem& problem) {
   double sum = 0.0, largest = 0.0;
   for (size_t t = 0; t < problem.layers.size(); ++t) {

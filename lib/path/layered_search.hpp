@@ -76,6 +76,9 @@ struct Sequence {
   std::vector<Sequence> tails = {};
 };
 
+/// How often the tool is lifted; a point without a node counts for more than all lifts.
+size_t Breaks(const Sequence& sequence);
+
 /// The sequence with the fewest breaks, and among those of least cost: Σ objective + motion_weight·Σ|Δq|²,
 /// every joint step within the rule modulo full turns, the branch kept. Dynamic programme (Bellman 1957) with
 /// implicit edges, two rolling cost rows and one predecessor per node.

@@ -20,7 +20,7 @@ class FreeSearch {
       : context_(context),
         carrier_{context.problem.arm, context.problem.X_WB, context.problem.X_FT},
         layers_(MakeLayers(context, false)),
-        strike_out_(context.world, carrier_, layers_, context.options.swept_resolution,
+        strike_out_(context.world, carrier_, context.scorers, layers_, context.options.swept_resolution,
                     context.problem.freedoms[0]->IsToolRotation(), MakeLimits(context), context.threads,
                     context.stop) {}
 

@@ -32,6 +32,7 @@ class PiecePlanner {
   PiecePlanner(const PassContext& context, bool all_turns)
       : context_(context),
         carrier_{context.problem.arm, context.problem.X_WB, context.problem.X_FT},
+        law_(carrier_, context.scorers, context.options.max_deviation),
         checker_(MakeChecker(context, carrier_)),
         all_turns_(all_turns),
         count_(context.scorers.size()),
@@ -65,13 +66,14 @@ class PiecePlanner {
   /// The layered search, repeated until what it finds is free of interference.
   Sequence SearchFree() {
     const bool rotates_first = context_.problem.freedoms[0]->IsToolRotation();
-    StrikeOut strike_out(context_.world, carrier_, layers_, context_.options.swept_resolution, rotates_first,
-                         MakeLimits(context_), context_.threads, context_.stop);
+    StrikeOut strike_out(context_.world, carrier_, context_.scorers, layers_,
+                         context_.options.swept_resolution, rotates_first, MakeLimits(context_),
+                         context_.threads, context_.stop);
     std::optional<EndGuard> guard;
     if (context_.options.leave)
       guard.emplace(context_.world, carrier_, *context_.options.leave, layers_, context_.break_before,
                     strike_out, context_.threads, context_.stop);
-    SweepMemory memory;
+    SweepMemory memory, join_memory;
     LayeredProblem problem = MakeProblem(context_, layers_, strike_out, all_turns_);
     problem.memory = &memory;
     // While there is interference to find, any good closed sequence finds it. A free one is kept when the
@@ -80,13 +82,20 @@ class PiecePlanner {
     constexpr double kHardlyCheaper = 1e-3;
     const bool worst_first = context_.options.worst_first;
     WorstThenSum open_worst, closed_worst;
+    const auto joins = [&](const Sequence& as) {
+      LayeredProblem joined = problem;
+      joined.memory = &join_memory;
+      if (as.closed) return SearchClosed(joined, kQuickSweeps).has_value();
+      return Breaks(SearchOpen(joined)) <= Breaks(as);
+    };
     const auto search_closed = [&](int sweeps) {
       return strike_out.Straight(
-          [&] { return worst_first ? closed_worst.Closed(problem, sweeps) : SearchClosed(problem, sweeps); });
+          [&] { return worst_first ? closed_worst.Closed(problem, sweeps) : SearchClosed(problem, sweeps); },
+          joins);
     };
     const auto search_open = [&] {
       return *strike_out.Straight(
-          [&] { return std::optional(worst_first ? open_worst.Open(problem) : SearchOpen(problem)); });
+          [&] { return std::optional(worst_first ? open_worst.Open(problem) : SearchOpen(problem)); }, joins);
     };
     constexpr int kAllSweeps = std::numeric_limits<int>::max();
     Sequence sequence;
@@ -219,8 +228,12 @@ class PiecePlanner {
       const size_t next = (i + 1) % path.size();
       if ((next == 0 && !piece.closed) || (frozen[i] && frozen[next])) continue;
       const double deviation = Bend(path[i].q, path[next].q);
-      hits.motion[i] |=
-          deviation > context_.options.max_deviation && deviation > Bend(coarse[i].q, coarse[next].q);
+      if (deviation <= context_.options.max_deviation) continue;
+      const double was = Bend(coarse[i].q, coarse[next].q);
+      const auto most = [&](const PathNode& node) {
+        return law_.Most(kSearchedBend, piece.first + i, node.freedoms, node.branch, node.q);
+      };
+      hits.motion[i] |= deviation > was || (deviation > most(path[i]) && was <= most(coarse[i]));
     }
     const std::vector<bool> wide = Widened(hits.Points(), (size_t{1} << (2 * round)) - 1, piece.closed);
     for (size_t i = 0; i < wide.size(); ++i) frozen[i] = frozen[i] || wide[i];
@@ -272,6 +285,7 @@ class PiecePlanner {
 
   const PassContext& context_;
   Carrier carrier_;
+  BendLaw law_;
   PieceChecker checker_;
   bool all_turns_;
   size_t count_;

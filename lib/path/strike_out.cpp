@@ -11,9 +11,6 @@
 namespace millpose {
 namespace {
 
-/// Steps as large as this share of those with the freedoms unchanged are never barred for their size.
-constexpr double kMoreThanUnchanged = 1.2;
-
 /// The node of a branch whose first freedom is nearest to `value`; kNoNode where the branch has none.
 size_t Nearest(const Layer& layer, int branch, double value) {
   const auto first = layer.first.begin() + static_cast<std::ptrdiff_t>(layer.branch_begin[branch]);
@@ -50,15 +47,18 @@ std::string Describe(const Interference& interference) {
                      interference.place.x(), interference.place.y(), interference.place.z());
 }
 
-StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::vector<Layer>& layers,
-                     double swept_resolution, bool rotates_first, StepLimits limits, int threads,
-                     std::stop_token stop)
+StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::span<const PointScorer> scorers,
+                     std::vector<Layer>& layers, double swept_resolution, bool rotates_first,
+                     StepLimits limits, int threads, std::stop_token stop)
     : world_(world),
       carrier_(carrier),
       layers_(layers),
       rotates_first_(rotates_first),
       swept_resolution_(swept_resolution),
       limits_(std::move(limits)),
+      law_(carrier, scorers, limits_.max_deviation),
+      excused_(layers.size(), 0),
+      barred_alone_(layers.size(), 0),
       threads_(threads),
       stop_(std::move(stop)),
       verdict_(layers.size()),
@@ -88,30 +88,67 @@ std::string StrikeOut::Detail(size_t layer) const {
   return Describe(checker, *last_problem_[layer]);
 }
 
-std::optional<Sequence> StrikeOut::Straight(const std::function<std::optional<Sequence>()>& search) {
+std::optional<Sequence> StrikeOut::Straight(const std::function<std::optional<Sequence>()>& search,
+                                            const Joins& joins) {
   for (;;) {
     std::optional<Sequence> sequence = search();
-    if (!sequence || Straighten(*sequence)) return sequence;
+    if (!sequence || Straighten(*sequence, joins)) return sequence;
   }
 }
 
-bool StrikeOut::Straighten(const Sequence& sequence) {
+bool StrikeOut::Straighten(const Sequence& sequence, const Joins& joins) {
   constexpr double kTighter = 0.97;
   bool straight = true;
+  std::vector<Bent> excusable;
   for (size_t t = 0; t < layers_.size(); ++t) {
     const std::optional<Motion> motion = MotionFrom(t, sequence);
     if (!motion) continue;
-    const double deviation = HalfwayDeviation(carrier_, motion->q, motion->q + motion->step).position;
+    const double deviation = law_.Bend(motion->q, motion->step);
     if (deviation <= limits_.max_deviation) continue;
-    const Joints unchanged = UnchangedStep(t, motion->from);
-    const double least = HalfwayDeviation(carrier_, motion->q, motion->q + unchanged).position;
-    const double most = std::max(limits_.max_deviation, kMoreThanUnchanged * least);
-    if (deviation <= most) continue;
-    if (!Tighten(t, *motion, kTighter * std::sqrt(most / deviation)))
-      struck_[t].insert({motion->from, motion->to});
-    straight = false;
+    const Joints unchanged = UnchangedStep(t, motion->from), beside = StepBeside(t, motion->from);
+    const auto most = [&](const Joints& step) {
+      return std::max(limits_.max_deviation, kSearchedBend * law_.Bend(motion->q, step));
+    };
+    const auto bent = [&](double bound, const Joints& least) {
+      return Bent{t, *motion, kTighter * std::sqrt(bound / deviation), least};
+    };
+    const double exact = most(unchanged), wide = std::max(exact, most(beside));
+    if (deviation > wide) {
+      Bar(bent(wide, unchanged.cwiseAbs().cwiseMax(beside.cwiseAbs())));
+      straight = false;
+    } else if (deviation > exact && joins && !excused_[t]) {
+      excusable.push_back(bent(exact, unchanged));
+    }
   }
-  return straight;
+  return straight && !BarWhatMayGo(excusable, sequence, joins);
+}
+
+void StrikeOut::Bar(const Bent& bent) {
+  if (!Tighten(bent.t, bent.motion, bent.share, bent.least))
+    struck_[bent.t].insert({bent.motion.from, bent.motion.to});
+  ++versions_[bent.t];
+}
+
+/// Bars those motions without which there still is a sequence as good as the given one; the layers of the
+/// others are excused from now on. True when some were barred.
+bool StrikeOut::BarWhatMayGo(std::span<const Bent> bents, const Sequence& sequence, const Joins& joins) {
+  if (bents.empty()) return false;
+  std::vector<Joints> before;
+  for (const Bent& bent : bents) {
+    before.push_back(limits_.max_step[bent.t]);
+    Bar(bent);
+  }
+  if (joins(sequence)) return true;
+  for (size_t k = 0; k < bents.size(); ++k) {
+    const Bent& bent = bents[k];
+    limits_.max_step[bent.t] = before[k];
+    struck_[bent.t].erase({bent.motion.from, bent.motion.to});  // was not: a search has chosen it
+    ++versions_[bent.t];
+  }
+  if (bents.size() == 1) return BarAlone(bents[0], sequence, joins);
+  const size_t half = bents.size() / 2;
+  const bool first = BarWhatMayGo(bents.first(half), sequence, joins);
+  return BarWhatMayGo(bents.subspan(half), sequence, joins) || first;
 }
 
 /// The motion of a sequence from layer t to the next; empty where the tool is lifted or nothing is cut.
@@ -123,25 +160,43 @@ std::optional<StrikeOut::Motion> StrikeOut::MotionFrom(size_t t, const Sequence&
   return Motion{a, b, q, (layers_[to].joints.At(b) - q).unaryExpr(&ShortWay)};
 }
 
-/// Bounds the steps from layer t to `share` of a motion's, or to a little more than those with the freedoms
-/// unchanged. True when that bars the motion.
-bool StrikeOut::Tighten(size_t t, const Motion& motion, double share) {
+/// Bars one motion and no other of its layer, as often as that is worth it; else the layer is excused.
+bool StrikeOut::BarAlone(const Bent& bent, const Sequence& sequence, const Joins& joins) {
+  constexpr int kMostAlone = 16;
+  const std::pair motion(bent.motion.from, bent.motion.to);
+  struck_[bent.t].insert(motion);
+  ++versions_[bent.t];
+  if (++barred_alone_[bent.t] <= kMostAlone && joins(sequence)) return true;
+  struck_[bent.t].erase(motion);
+  ++versions_[bent.t];
+  excused_[bent.t] = 1;
+  return false;
+}
+
+/// Bounds the steps from layer t to `share` of a motion's, or to a little more than `least`. True when that
+/// bars the motion.
+bool StrikeOut::Tighten(size_t t, const Motion& motion, double share, const Joints& least) {
   // A joint's share in a bend grows with its lever and with the square of its step.
   const Arm& arm = carrier_.arm;
   const double hand = std::abs(arm.d5) + std::abs(arm.d6) + carrier_.X_FT.translation().norm();
   const double whole = arm.a1 + arm.a2 + Hypot(arm.d4, arm.dz) + hand;
   Joints scale = Joints::Ones();
   scale.tail<3>().setConstant(std::sqrt(hand / whole));
-  const Joints least = kMoreThanUnchanged * UnchangedStep(t, motion.from).cwiseAbs();
   const double bound = share * motion.step.cwiseAbs().cwiseProduct(scale).maxCoeff();
   Joints& limit = limits_.max_step[t];
-  limit = limit.cwiseMin((bound * scale.cwiseInverse()).cwiseMax(least));
+  limit = limit.cwiseMin((bound * scale.cwiseInverse()).cwiseMax(kSearchedBend * least.cwiseAbs()));
   ++versions_[t];
   return (motion.step.cwiseAbs().array() > limit.array()).any();
 }
 
-/// The step from a node to the one beside it in the next layer: its branch, the freedoms unchanged.
+/// The step from a node to where the freedoms are the same at the next point, whether or not a node is there.
 Joints StrikeOut::UnchangedStep(size_t from, size_t node) const {
+  const Layer& layer = layers_[from];
+  return law_.UnchangedStep(from, layer.freedoms[node], layer.BranchOf(node), layer.joints.At(node));
+}
+
+/// The step from a node to the nearest of its branch in the next layer.
+Joints StrikeOut::StepBeside(size_t from, size_t node) const {
   const Layer &layer = layers_[from], &next = layers_[(from + 1) % layers_.size()];
   const size_t beside = Nearest(next, layer.BranchOf(node), layer.first[node]);
   if (beside == kNoNode) return Joints::Zero();
@@ -280,7 +335,10 @@ void StrikeOut::StrikeInRound(const Sequence& sequence, int round) {
   constexpr int kRoundsOfMotions = 2, kRoundsOfSteps = 6, kRoundsOfNodes = 60;
   constexpr double kShorter = 0.7;
   if (round < kRoundsOfMotions) return;
-  std::erase_if(barred_, [&](size_t t) { return Tighten(t, *MotionFrom(t, sequence), kShorter); });
+  std::erase_if(barred_, [&](size_t t) {
+    const Motion motion = *MotionFrom(t, sequence);
+    return Tighten(t, motion, kShorter, StepBeside(t, motion.from));
+  });
   if (round < kRoundsOfSteps) return;
   StrikeBarred(sequence, round < kRoundsOfNodes ? Extent::kNodes : Extent::kLayers);
 }

@@ -5,6 +5,7 @@
 
 #include "cell/point_memory.hpp"
 #include "motion/line.hpp"
+#include "path/bend_law.hpp"
 #include "path/cut_check.hpp"
 #include "path/layered_search.hpp"
 
@@ -21,19 +22,27 @@ std::string Describe(const Interference& interference);
 struct StepLimits {
   std::vector<Joints> max_step;  ///< rad: entry t of the step from layer t on
   /// mm, of the tip half-way (HalfwayDeviation). Where the points lie too far apart for that, a fifth more
-  /// than with the freedoms unchanged.
+  /// than with the freedoms unchanged (BendLaw).
   double max_deviation = std::numeric_limits<double>::infinity();
 };
 
 /// Interference of the nodes and edges of a layered problem, asked for lazily and remembered.
 class StrikeOut {
  public:
-  /// `rotates_first`: the first freedom is the rotation about the tool axis, as PointMemory needs it.
-  StrikeOut(const World& world, const Carrier& carrier, std::vector<Layer>& layers, double swept_resolution,
-            bool rotates_first, StepLimits limits, int threads, std::stop_token stop);
+  /// `scorers`: one per layer. `rotates_first`: the first freedom is the rotation about the tool axis, as
+  /// PointMemory needs it.
+  StrikeOut(const World& world, const Carrier& carrier, std::span<const PointScorer> scorers,
+            std::vector<Layer>& layers, double swept_resolution, bool rotates_first, StepLimits limits,
+            int threads, std::stop_token stop);
 
-  /// What `search` finds once no motion of it bends too far.
-  std::optional<Sequence> Straight(const std::function<std::optional<Sequence>()>& search);
+  /// Whether there still is a sequence that is closed as the given one, or has no more breaks.
+  using Joins = std::function<bool(const Sequence&)>;
+
+  /// What `search` finds once no motion of it bends too far. Where the freedoms cannot stay as they are, a
+  /// fifth more than with the nearest pose of the next layer is allowed as long as `joins` finds nothing that
+  /// bends less; without `joins` always.
+  std::optional<Sequence> Straight(const std::function<std::optional<Sequence>()>& search,
+                                   const Joins& joins = {});
 
   /// Checks the nodes of `sequence` and the motions between them. What interferes is struck out: a node with
   /// its neighbours on the grid up to the next free ones, and what lies beside these in the layers before and
@@ -106,9 +115,20 @@ class StrikeOut {
   };
   std::optional<Motion> MotionFrom(size_t t, const Sequence& sequence) const;
   /// Bounds the steps of the motions of `sequence` that bend too far more tightly. True when none does.
-  bool Straighten(const Sequence& sequence);
-  bool Tighten(size_t t, const Motion& motion, double share);
+  bool Straighten(const Sequence& sequence, const Joins& joins);
+  /// A motion that bends further than the freedoms ask for.
+  struct Bent {
+    size_t t;
+    Motion motion;
+    double share;  ///< of its steps that may remain
+    Joints least;  ///< rad: steps that stay allowed in any case
+  };
+  void Bar(const Bent& bent);
+  bool BarWhatMayGo(std::span<const Bent> bents, const Sequence& sequence, const Joins& joins);
+  bool BarAlone(const Bent& bent, const Sequence& sequence, const Joins& joins);
+  bool Tighten(size_t t, const Motion& motion, double share, const Joints& least);
   Joints UnchangedStep(size_t from, size_t node) const;
+  Joints StepBeside(size_t from, size_t node) const;
   bool CheckMotion(Checker& checker, size_t from, size_t to, const Sequence& sequence);
 
   const World& world_;
@@ -117,6 +137,9 @@ class StrikeOut {
   bool rotates_first_;
   double swept_resolution_;
   StepLimits limits_;
+  BendLaw law_;
+  std::vector<char> excused_;      ///< layers from which nothing bends less
+  std::vector<int> barred_alone_;  ///< per layer: motions
   int threads_;
   std::stop_token stop_;
   std::vector<std::vector<Verdict>> verdict_;

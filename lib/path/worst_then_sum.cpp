@@ -10,13 +10,6 @@ constexpr int kSweeps = 16;            // of a closed search that only asks whet
 constexpr double kNearEnough = 1.001;  // between the bounds of a bisection
 constexpr size_t kFewValues = 64;      // are bisected to the end
 
-size_t Breaks(const Sequence& sequence) {
-  size_t breaks = 0;
-  for (size_t t = 0; t < sequence.nodes.size(); ++t)
-    breaks += sequence.nodes[t] == kNoNode ? sequence.nodes.size() : sequence.break_before[t];
-  return breaks;
-}
-
 /// The values that the bound of a sequence can have, ascending: from the largest of the layers' least ones up
 /// to `most`.
 std::vector<double> PossibleBounds(const LayeredProblem& problem, double most) {
