@@ -79,15 +79,43 @@ void AuditForce(const Folder& folder, const Row& row, Figures& figures) {
     figures.Count("missing_forces", name);
 }
 
+/// How far a point is from the workpiece once it is lowered along its normal by a layer's height.
+Real OffSurface(const Setup& setup, const Row& row, Real layer) {
+  const Vector3 lowered = row.position - layer * row.normal - setup.X_WP.block<3, 1>(0, 3);
+  return Distance(Vector3(setup.X_WP.block<3, 3>(0, 0).transpose() * lowered), setup.bodies.back().mesh);
+}
+
+/// The point of a pass that is farthest from a layer above the workpiece; looks no further once that is
+/// farther than `enough`.
+std::pair<Real, int> FarthestOff(const Setup& setup, std::span<const Row> pass, Real layer, Real enough) {
+  std::pair<Real, int> farthest{0, -1};
+  for (const Row& row : pass) {
+    if (!row.cut) continue;
+    farthest = std::max(farthest, {OffSurface(setup, row, layer), row.point});
+    if (farthest.first > enough) break;
+  }
+  return farthest;
+}
+
+/// Every cut point stands a layer above the workpiece, all of a pass the same one. Leads lead away.
+void AuditSurface(const Folder& folder, Figures& figures) {
+  const std::vector<Row>& rows = folder.rows;
+  for (size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
+    while (end < rows.size() && rows[end].pass == rows[begin].pass) ++end;
+    const std::span pass(rows.begin() + static_cast<std::ptrdiff_t>(begin), end - begin);
+    std::pair<Real, int> off{std::numeric_limits<Real>::infinity(), -1};
+    for (const Real layer : folder.goal.layers) {
+      const std::pair<Real, int> of = FarthestOff(folder.setup, pass, layer, off.first);
+      if (of.first < off.first) off = of;
+    }
+    figures.Raise("max_slice_distance_mm", off.first, fmt::format("point {}", off.second));
+  }
+}
+
 void AuditRows(const Folder& folder, Figures& figures) {
   const Setup& setup = folder.setup;
-  const Matrix3 R_WP = setup.X_WP.block<3, 3>(0, 0);
-  const Vector3 p_WP = setup.X_WP.block<3, 1>(0, 3);
   for (const Row& row : folder.rows) {
     const std::string name = fmt::format("point {}", row.point);
-    figures.Raise("max_slice_distance_mm",
-                  Distance(Vector3(R_WP.transpose() * (row.position - p_WP)), setup.bodies.back().mesh),
-                  name);
     if (!row.planned) continue;
     const Matrix4 X_WT = Tool(setup, row.angles);
     if (setup.urdf) {
@@ -300,6 +328,7 @@ Verdict Audit(const Folder& folder, const Options& options) {
   }
 
   std::vector<Cut> cuts = CutsOf(folder.rows, folder.setup);
+  AuditSurface(folder, figures);
   AuditRows(folder, figures);
   AuditSteps(folder.setup, cuts, figures);
   AuditHalfway(folder, cuts, figures);

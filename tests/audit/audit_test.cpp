@@ -112,6 +112,47 @@ TEST_F(AuditTest, APointOffTheSurfaceIsASliceDistance) {
   EXPECT_EQ(Broken(MakeFolder({.lift_mm = 1e-4})), Names{"max_slice_distance_mm"});
 }
 
+TEST_F(AuditTest, CutsStandALayerAboveTheSurface) {
+  EXPECT_EQ(Broken(MakeFolder({.layers = true})), Names{});
+  EXPECT_EQ(Broken(MakeFolder({.lift_mm = 1e-4, .layers = true})), Names{"max_slice_distance_mm"});
+  // One point of the lower pass as high as the upper one.
+  const Verdict other = Judged(MakeFolder({.lift_mm = 1, .layers = true}));
+  EXPECT_NEAR(other["max_slice_distance_mm"].value, 1, 1e-9);
+  const std::string stated = "depth: {total_mm: 2, per_layer_mm: 1}";
+  for (const std::string depth : {"depth: {total_mm: 2}", "depth: {total_mm: 2, per_layer_mm: 0.7}",
+                                  "depth: {total_mm: 2, allowance_mm: 0.001}", "depth: {}",
+                                  "depth: {total_mm: 2, finishing_mm: 0.5}"}) {
+    Texts texts = MakeFolder({.layers = true});
+    std::string& job = texts["out/job.yaml"];
+    job.replace(job.find(stated), stated.size(), depth);
+    EXPECT_EQ(Broken(texts), depth == "depth: {total_mm: 2}" ? Names{} : Names{"max_slice_distance_mm"})
+        << depth;
+  }
+}
+
+TEST_F(AuditTest, ALeadMayLeaveTheSurfaceButNotItsPose) {
+  EXPECT_EQ(Broken(MakeFolder({.lead_mm = 3})), Names{});
+  Texts texts = MakeFolder({.lead_mm = 3});
+  std::string& csv = texts["out/points.csv"];
+  csv.replace(csv.find("lead-out"), 8, "cut");
+  EXPECT_EQ(Broken(texts), Names{"max_slice_distance_mm"});
+  texts = MakeFolder({.lead_mm = 3});
+  EditLine(texts["out/points.csv"], 12, [](const std::string& line) { return AddTo(line, 7, 1e-5); });
+  EXPECT_EQ(Broken(texts), Names{"max_tip_error_mm"});
+}
+
+TEST(Layers, EvenStepsDownToTheFinishingCut) {
+  const auto near = [](const std::vector<Real>& layers, const std::vector<double>& known) {
+    ASSERT_EQ(layers.size(), known.size());
+    for (size_t k = 0; k < known.size(); ++k) EXPECT_NEAR(static_cast<double>(layers[k]), known[k], 1e-12);
+  };
+  near(LayersOf(0, 1, 0.2L, 0), {0.2});
+  near(LayersOf(5, 2, 0.2L, 0.5L), {3.7, 2.2, 0.7, 0.2});
+  near(LayersOf(3, 1, 0, 0), {2, 1, 0});
+  near(LayersOf(0.5L, 1, 0.1L, 2), {0.1});
+  near(LayersOf(0.9L, 0.3L, 0, 0), {0.6, 0.3, 0});
+}
+
 TEST_F(AuditTest, AnAngleBeyondTheJobsLimitIsALimitViolation) {
   EXPECT_EQ(Broken(MakeFolder({.narrow_limits = true})), Names{"limit_violations"});
 }

@@ -314,12 +314,29 @@ std::vector<PlannedGap> ReadGaps(const std::string& cbor) {
   return gaps;
 }
 
+std::vector<Real> LayersOf(Real total, Real per_layer, Real allowance, Real finishing) {
+  if (total <= 0) return {allowance};
+  std::vector<Real> layers;
+  const Real last = std::min(finishing, total), rough = total - last;
+  int steps = 0;
+  while (rough - steps * per_layer > 1e-9L * per_layer) ++steps;
+  if (steps == 0 && last <= 0) steps = 1;
+  for (int left = steps - 1; left >= 0; --left) layers.push_back(allowance + last + left * rough / steps);
+  if (last > 0) layers.push_back(allowance);
+  return layers;
+}
+
 Goal ReadGoal(const std::string& job_text) {
   const YAML::Node job = YAML::Load(job_text), objective = job["pose"]["objective"];
   const YAML::Node process = job["process"];
   Goal goal;
   goal.objective = objective["name"].as<std::string>();
   goal.max_halfway = job["path"]["max_halfway_deviation_mm"].as<double>(5);
+  if (const YAML::Node depth = job["toolpath"]["depth"]) {
+    const auto mm = [&](const char* key, double otherwise) { return Real{depth[key].as<double>(otherwise)}; };
+    goal.layers =
+        LayersOf(mm("total_mm", 0), mm("per_layer_mm", 1), mm("allowance_mm", 0), mm("finishing_mm", 0));
+  }
   if (process && process["force_uncertainty_percent"])
     goal.uncertainty = process["force_uncertainty_percent"].as<double>() / 100;
   if (process && process["force_direction_deg"])

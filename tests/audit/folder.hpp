@@ -42,7 +42,12 @@ struct Goal {
   Real uncertainty = 0, direction = 0;    ///< of the force: a share, rad
   Vector3 given_force = Vector3::Zero();  ///< N, along feed, across, axis; zero: each point's own
   Real max_halfway = 5;                   ///< mm
+  std::vector<Real> layers = {0};  ///< mm along the normals above the surface, as `toolpath.depth` says
 };
+
+/// The layers of a depth of cut, mm: from the outermost in, even steps of at most `per_layer` down to the
+/// last, which takes `finishing` of the total and leaves `allowance`.
+std::vector<Real> LayersOf(Real total, Real per_layer, Real allowance, Real finishing);
 
 /// What summary.json says of all points together.
 struct Summary {

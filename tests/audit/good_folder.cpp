@@ -194,7 +194,7 @@ class Figures {
         .objective = forces ? "surface_error" : "chen2021", .uncertainty = 0.3L, .direction = 20 * kDegree};
   }
 
-  void Add(int pass, const Angles& angles, double rotation_deg) {
+  void Add(int pass, const Angles& angles, double rotation_deg, const char* kind) {
     const Matrix4 X_WT = Tool(folder_.setup, angles);
     Row row{};
     row.point = static_cast<int>(folder_.rows.size());
@@ -204,7 +204,7 @@ class Figures {
     row.angles = angles;
     const Indices indices = ComputeIndices(folder_.setup, angles, row.normal);
     row.objective = forces_ ? Deflect(pass, row) : indices.objective;
-    points_ += fmt::format("{},{},0,cut,planned,0,{},{},{}", row.point, pass, Join(row.position),
+    points_ += fmt::format("{},{},0,{},planned,0,{},{},{}", row.point, pass, kind, Join(row.position),
                            Join(row.axis), Join(row.axis));
     for (const Real angle : angles) points_ += fmt::format(",{:.17g}", static_cast<double>(angle / kDegree));
     points_ += fmt::format(",{:.17g},2", rotation_deg);
@@ -283,9 +283,13 @@ Texts MakeFolder(const Fault& fault) {
     programs.Joint(Solve(setup, pose(0, kRetract, 0), angles));
     for (int k = 0; k < kPoints; ++k) {
       const bool faulty = pass == 1 && k == 3;
-      angles = Solve(setup, pose(k, faulty ? fault.lift_mm : 0, faulty ? fault.rotation_deg * kDegree : 0),
-                     angles);
-      figures.Add(pass, angles, faulty ? fault.rotation_deg : 0);
+      const bool lead = fault.lead_mm != 0 && pass == 1 && k == kPoints - 1;
+      const double lift = faulty ? fault.lift_mm : lead ? fault.lead_mm : 0;
+      angles = Solve(
+          setup,
+          pose(k, lift + (fault.layers && pass == 0 ? 1 : 0), faulty ? fault.rotation_deg * kDegree : 0),
+          angles);
+      figures.Add(pass, angles, faulty ? fault.rotation_deg : 0, lead ? "lead-out" : "cut");
       programs.Linear(angles);
       second = std::max(std::min(largest, angles[0]), second);
       largest = std::max(largest, angles[0]);
@@ -305,6 +309,9 @@ Texts MakeFolder(const Fault& fault) {
   if (fault.forces)
     texts["out/job.yaml"] =
         Replaced(texts["out/job.yaml"], "name: chen2021, w1: 0.5, w2: 0.5", "name: surface_error");
+  if (fault.layers)
+    texts["out/job.yaml"] = Replaced(texts["out/job.yaml"], "spacing_mm: 4",
+                                     "spacing_mm: 4, depth: {total_mm: 2, per_layer_mm: 1}");
   texts["cell.yaml"] = Replaced(kCell, "POST", fault.fixture_in_way ? "80" : "800");
   texts["block.stl"] = BlockStl();
   return texts;

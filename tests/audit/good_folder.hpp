@@ -15,6 +15,8 @@ struct Fault {
   double rotation_deg = 0;      ///< one point's tool turned about its axis, everything else following it
   bool narrow_limits = false;   ///< the job's limits exclude the point with the largest A1
   bool fixture_in_way = false;  ///< a post stands where the spindle passes
+  bool layers = false;          ///< no fault: the first pass 1 mm above the surface, the second on it
+  double lead_mm = 0;           ///< no fault: the last point of all is a lead's, so far above the cut
   bool cartesian = false;       ///< no fault: LinuxCNC's cuts as tool poses
   bool forces = false;  ///< no fault: planned for `surface_error`, with deflection.csv and summary.json
 };

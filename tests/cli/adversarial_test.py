@@ -106,7 +106,7 @@ def tool_pose(angles):
 class Adversarial(unittest.TestCase):
     def plan(self, name, bodies="", changes=(), mesh=None, cell_changes=(), status=0, layers=False):
         """Plans a changed support_pad; returns (summary, rows of points.csv, text), judged clean. `layers`: two, with the job's
-        cutting force; the judge knows no layers."""
+        cutting force."""
         cell = (BENCH.top / "cells/kr500_r2830.yaml").read_text(encoding="utf-8").replace(
             "excluded_pairs: []", bodies + "excluded_pairs: []")
         for old, new in cell_changes:
@@ -120,9 +120,8 @@ class Adversarial(unittest.TestCase):
                                         (r"kr500_r2830.yaml", f"{name}.yaml"), *changes], name)
         result, folder = BENCH.plan(job, name, "--threads", "2")
         self.assertEqual(result.returncode, status, result.stdout + result.stderr)
-        if not layers:
-            judged, verdict = BENCH.audit(folder, job, "--travel-mm", TRAVEL_MM)
-            self.assertEqual((judged, verdict["broken"]), (0, {}))
+        judged, verdict = BENCH.audit(folder, job, "--travel-mm", TRAVEL_MM)
+        self.assertEqual((judged, verdict["broken"]), (0, {}))
         with open(folder / "points.csv", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         return json.loads((folder / "summary.json").read_text(encoding="utf-8")), rows, result.stdout + result.stderr
