@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/ladder_bound.hpp"
 
-#include "path/sweep.hpp"
 #include "path/worst_then_sum.hpp"
 
 namespace millpose {
@@ -9,15 +8,12 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The least cost of a sequence that closes from any node into any: of the closed ones among them at the
-/// least that.
-double ClosingBound(const LayeredProblem& problem) {
-  const size_t all = problem.layers[0].size();
-  SweepMemory memory;
-  Sweep sweep(problem, kInfinity);
-  if (!sweep.Forward(memory.RowsFor(0, all), 0, all, false)) return 0;
-  const double cost = sweep.Close(0, all).by.cost;
-  return std::isfinite(cost) ? cost : 0;
+/// The least cost of a closed sequence, no more than `known`, that of one.
+double ClosedBound(const LayeredProblem& problem, double known) {
+  constexpr double kMost = 1e-9;
+  const std::optional<Sequence> better =
+      SearchClosed(problem, std::numeric_limits<int>::max(), known * (1 - kMost));
+  return better ? better->cost : known;
 }
 
 }  // namespace
@@ -39,8 +35,8 @@ LadderBound BoundLadder(LayeredProblem problem, const Sequence& sequence, bool w
   for_worst.rule.motion_weight = 0;
   if (worst_first) problem.most = bound.worst * (1 + kWorstTolerance);
   if (sequence.closed) {
-    bound.cost_bound = ClosingBound(problem);
-    if (worst_first) bound.worst_bound = ClosingBound(for_worst);
+    bound.cost_bound = ClosedBound(problem, bound.cost);
+    if (worst_first) bound.worst_bound = ClosedBound(for_worst, bound.worst);
   } else {
     bound.cost_bound = SearchOpen(problem).cost;
     if (worst_first) bound.worst_bound = WorstOf(problem.layers, SearchOpen(for_worst));

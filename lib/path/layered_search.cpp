@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/layered_search.hpp"
 
-#include "path/first_node.hpp"
 #include "path/sweep.hpp"
 
 namespace millpose {
@@ -65,6 +64,12 @@ SweepRows& SweepMemory::RowsFor(size_t first, size_t last) {
   return *kept_.front().rows;
 }
 
+const std::vector<std::vector<double>>& SweepMemory::ToGoFor(const LayeredProblem& problem) {
+  if (!backward_) backward_ = std::make_unique<BackwardRows>();
+  return LeastToGo(
+      problem, [](size_t, size_t) { return true; }, *backward_);
+}
+
 Sequence SearchOpen(const LayeredProblem& problem) {
   Sequence none;
   none.nodes.assign(problem.layers.size(), kNoNode);
@@ -76,22 +81,6 @@ Sequence SearchOpen(const LayeredProblem& problem) {
   const size_t all = problem.layers[0].size();
   if (!sweep.Forward(memory.RowsFor(0, all), 0, all, true)) return none;
   return sweep.Trace(sweep.least_node());
-}
-
-std::optional<Sequence> SearchClosed(const LayeredProblem& problem, int max_sweeps) {
-  for (const Layer& layer : problem.layers) {
-    if (!layer.usable()) return std::nullopt;
-  }
-  SweepMemory own;
-  SweepMemory& memory = problem.memory ? *problem.memory : own;
-  Sweep sweep(problem, kInfinity);
-  const auto round = [&](size_t first, size_t last) -> std::optional<Round> {
-    if (!sweep.Forward(memory.RowsFor(first, last), first, last, false)) return std::nullopt;
-    const Sweep::Closing closing = sweep.Close(first, last);
-    if (!std::isfinite(closing.by.cost)) return std::nullopt;
-    return Round{closing.by.cost, closing.into, sweep.Trace(closing.by.node)};
-  };
-  return BranchOverFirst(problem.layers[0].base, round, max_sweeps);
 }
 
 }  // namespace millpose

@@ -15,6 +15,7 @@ namespace millpose {
 using StruckEdges = std::set<std::pair<size_t, size_t>>;
 
 struct SweepRows;
+struct LayeredProblem;
 
 /// What sweeps over the layers of a pass have found, for the searches to come over the same layers.
 class SweepMemory {
@@ -24,6 +25,8 @@ class SweepMemory {
   /// Rows to sweep with from the nodes first..last−1 of layer 0: those of the last such sweep, else a copy of
   /// those of the widest.
   SweepRows& RowsFor(size_t first, size_t last);
+  /// LeastToGo of the problem; kept and brought up to date where only `versions` say that it changed.
+  const std::vector<std::vector<double>>& ToGoFor(const LayeredProblem& problem);
 
  private:
   static constexpr size_t kMostKept = 4;
@@ -32,6 +35,7 @@ class SweepMemory {
     std::unique_ptr<SweepRows> rows;
   };
   std::list<Kept> kept_;  ///< the last used first
+  std::unique_ptr<struct BackwardRows> backward_;
 };
 
 /// Layers of a pass and what a sequence through them may do.
@@ -53,6 +57,7 @@ struct LayeredProblem {
   double most = std::numeric_limits<double>::infinity();  ///< no node of a larger objective; no wall either
   /// The cost of a sequence is its largest objective instead of the sum, and motion costs nothing.
   bool worst = false;
+  size_t first_layer = 0;                 ///< of a closed pass: where sweeps begin and end
   std::span<const Joints> max_step = {};  ///< entry t: of the step from layer t on; empty: the rule's own
 
   /// The rule of the step from layer `t` to the next, from the last to the first.
@@ -85,12 +90,14 @@ size_t Breaks(const Sequence& sequence);
 Sequence SearchOpen(const LayeredProblem& problem);
 
 /// The same for a closed pass: the sequence of least cost that has no break and whose step from the last
-/// layer to the first is one as any other. Empty when there is none. Exact by branch and bound over the nodes
-/// of the first layer: a sequence that starts and ends anywhere in a set of them bounds all closed ones
-/// through it.
-/// `max_sweeps` ends it early, with the best closed sequence so far.
+/// layer to the first is one as any other. Empty when there is none that costs less than `below`. Exact: a
+/// sweep there and a sweep back bound what goes through each node; of the layer that has the fewest nodes
+/// left below a limit each is tried by a sweep that leaves out what costs too much, the limit being raised
+/// until there is a sequence. `max_sweeps` ends it early, with the best so far; up to 16 sweeps ask for any
+/// good sequence, whatever it costs.
 std::optional<Sequence> SearchClosed(const LayeredProblem& problem,
-                                     int max_sweeps = std::numeric_limits<int>::max());
+                                     int max_sweeps = std::numeric_limits<int>::max(),
+                                     double below = std::numeric_limits<double>::infinity());
 
 /// More than any sequence can cost, so that one break less always wins.
 double BreakPenalty(const LayeredProblem& problem);

@@ -48,6 +48,84 @@ void VisitBand(const Layer& layer, int branch, double value, double band, bool w
 
 }  // namespace
 
+const ToGo& LeastToGo(const LayeredProblem& problem, const NodeFilter& counts, BackwardRows& rows) {
+  const std::span<const Layer> layers = problem.layers;
+  const size_t count = layers.size();
+  if (rows.layers.size() != count || rows.first_layer != problem.first_layer || rows.worst != problem.worst ||
+      problem.most > rows.most) {
+    rows.layers.assign(count, {});
+    rows.to_go.assign(count, {});
+  }
+  const bool all_known = problem.most == rows.most;
+  rows.first_layer = problem.first_layer;
+  rows.worst = problem.worst;
+  rows.most = problem.most;
+  // Of the nodes of the layer after, these counted; the last step is into the first layer.
+  std::vector<double> into_first(layers[problem.first_layer].size(), 0.0);
+  std::vector<char> changed(into_first.size(), 0);
+  for (size_t k = count; k-- > 0;) {
+    CheckStop(problem.stop);
+    const size_t t = (problem.first_layer + k) % count, to = (t + 1) % count;
+    const Layer &layer = layers[t], &next = layers[to];
+    BackwardRows::OfLayer& own = rows.layers[t];
+    const uint64_t version = problem.versions.empty() ? 0 : problem.versions[t];
+    const bool holds = all_known && own.relaxed.size() == layer.size() && own.version == version;
+    own.version = version;
+    if (!holds) own.relaxed.assign(layer.size(), {});
+    if (holds && std::ranges::count(changed, 1) == 0) {
+      changed.assign(layer.size(), 0);
+      continue;
+    }
+    const StepRule rule = problem.RuleFrom(t);
+    const double band = problem.banded ? BandWidth(rule, AngleBetween(layer.R_WT, next.R_WT)) : kInfinity;
+    const CostRow row(k + 1 == count ? into_first : rows.layers[to].beyond);
+    const std::vector<double> before = std::move(own.beyond);
+    own.beyond.assign(layer.size(), kInfinity);
+    rows.to_go[t].assign(layer.size(), kInfinity);
+    size_t guess = 0;
+    for (size_t node = 0; node < layer.size(); ++node) {
+      const double objective = layer.objective[node];
+      BestPredecessor& by = own.relaxed[node];
+      if (!(objective <= problem.most) || !std::isfinite(objective) || !counts(t, node)) {
+        by = {};
+        continue;
+      }
+      // Costs only rise: what was the cheapest step and still costs the same is so still.
+      if (!holds || (std::isfinite(by.cost) && changed[by.node])) {
+        by = {};
+        const Joints q = layer.joints.At(node);
+        VisitBand(next, layer.BranchOf(node), layer.first[node], band, false, [&](size_t first, size_t last) {
+          double at_most = by.cost;
+          for (size_t i = guess; i < guess + 2; ++i)
+            if (i >= first && i < last)
+              at_most = std::min(at_most, row.costs[i] + StepCost(rule, next.joints.At(i), q));
+          RelaxFrom(rule, next.joints, row, first, last, q, at_most, by);
+        });
+      }
+      if (!std::isfinite(by.cost)) continue;
+      guess = by.node;
+      rows.to_go[t][node] = by.cost;
+      own.beyond[node] = problem.worst ? std::max(objective, by.cost) : objective + by.cost;
+    }
+    changed.assign(layer.size(), 1);
+    if (before.size() == own.beyond.size())
+      for (size_t node = 0; node < layer.size(); ++node) changed[node] = own.beyond[node] != before[node];
+  }
+  return rows.to_go;
+}
+
+void Sweep::LeaveOutAbove(double at_most, const ToGo& to_go) {
+  limit_ = at_most;
+  to_go_ = &to_go;
+}
+
+/// Whether a way that costs `cost` up to a node of layer t, this counted, is too dear.
+bool Sweep::IsAbove(double cost, size_t t, size_t node) const {
+  if (!to_go_) return false;
+  const double rest = (*to_go_)[At(t)][node];
+  return (problem_.worst ? std::max(cost, rest) : cost + rest) > limit_;
+}
+
 bool Sweep::Forward(SweepRows& rows, size_t first, size_t last, bool breaks) {
   return Forward(rows, first, last, breaks, {});
 }
@@ -65,13 +143,13 @@ bool Sweep::Forward(SweepRows& rows, size_t first, size_t last, bool breaks, std
   bool must_break = false;
   for (size_t t = 0; t < layers_.size(); ++t) {
     CheckStop(problem_.stop);
-    if (!layers_[t].usable()) {
+    if (!layers_[At(t)].usable()) {
       must_break = true;
       rows.layers[t] = {};
       changes_ = {};
       continue;
     }
-    must_break = must_break || (t > 0 && !problem_.break_before.empty() && problem_.break_before[t]);
+    must_break = must_break || (t > 0 && !problem_.break_before.empty() && problem_.break_before[At(t)]);
     if (t == 0) {
       Start(first, last);
     } else {
@@ -87,13 +165,17 @@ bool Sweep::Forward(SweepRows& rows, size_t first, size_t last, bool breaks, std
 }
 
 void Sweep::Start(size_t first, size_t last) {
-  std::vector<double> row(layers_[0].size(), kInfinity);
-  for (size_t node = first; node < last; ++node) row[node] = Value(layers_[0].objective[node]);
+  const Layer& layer = layers_[At(0)];
+  std::vector<double> row(layer.size(), kInfinity);
+  for (size_t node = first; node < last; ++node) {
+    row[node] = Value(layer.objective[node]);
+    if (IsAbove(row[node], 0, node)) row[node] = kInfinity;
+  }
   Take(0, std::move(row));
 }
 
 void Sweep::Advance(size_t t, bool breaks, bool must_break) {
-  const Layer& layer = layers_[t];
+  const Layer& layer = layers_[At(t)];
   SweepRows::OfLayer& known = rows_->layers[t];
   used_before_[t] = last_used_;
   least_before_[t] = least_node_;
@@ -119,6 +201,7 @@ void Sweep::Advance(size_t t, bool breaks, bool must_break) {
     }
     if (enter < cost) cost = enter, known.previous[node] = kEnter;
     row[node] = Combined(cost, layer.objective[node]);
+    if (IsAbove(row[node], t, node)) row[node] = kInfinity;
   }
   Take(t, std::move(row));
 }
@@ -137,15 +220,16 @@ double Sweep::Combined(double cost, double objective) const {
 /// The best predecessors of the nodes of layer t. What is known of a node holds while its predecessor costs
 /// what it did, no other costs less, and nothing more was struck out of the layer before.
 void Sweep::RelaxAll(size_t t, bool must_break) {
-  const Layer& layer = layers_[t];
+  const Layer& layer = layers_[At(t)];
   SweepRows::OfLayer& known = rows_->layers[t];
-  const uint64_t version = problem_.versions.empty() ? 0 : problem_.versions[t - 1];
+  const uint64_t version = problem_.versions.empty() ? 0 : problem_.versions[At(t - 1)];
   const bool holds = known.relaxed.size() == layer.size() && !known.after_break && !must_break &&
-                     known.version == version && problem_.most <= known.most && changes_.known &&
-                     !changes_.some_less;
+                     known.version == version && problem_.most <= known.most && limit_ <= known.limit &&
+                     changes_.known && !changes_.some_less;
   const bool all_hold = holds && !changes_.some;
   known.version = version;
   known.most = problem_.most;
+  known.limit = limit_;
   known.after_break = must_break;
   if (all_hold) return;
   if (!holds) known.relaxed.assign(layer.size(), {});
@@ -155,6 +239,10 @@ void Sweep::RelaxAll(size_t t, bool must_break) {
     BestPredecessor& by = known.relaxed[node];
     if (!std::isfinite(Value(layer.objective[node]))) {
       by = {};  // nobody asks for it under this bound
+      continue;
+    }
+    if (IsAbove(Combined(least_, layer.objective[node]), t, node)) {
+      by = {};
       continue;
     }
     if (holds && (!std::isfinite(by.cost) || !changes_.changed[by.node])) continue;
@@ -208,21 +296,22 @@ Sequence Sweep::Trace(size_t node) const {
 size_t Sweep::TraceBack(size_t t, size_t node, Sequence& sequence) const {
   size_t next = kNoNode;  // the layer after, when it has nodes and is joined to this one
   for (; t != kNoNode; t = used_before_[t]) {
-    sequence.nodes[t] = node;
-    sequence.cost += layers_[t].objective[node];
+    const size_t at = At(t);
+    sequence.nodes[at] = node;
+    sequence.cost += layers_[at].objective[node];
     if (next != kNoNode) {
-      sequence.cost += StepCost(problem_.RuleFrom(t), layers_[t].joints.At(node),
-                                layers_[next].joints.At(sequence.nodes[next]));
+      sequence.cost += StepCost(problem_.RuleFrom(at), layers_[at].joints.At(node),
+                                layers_[At(next)].joints.At(sequence.nodes[At(next)]));
     }
     next = t;
     if (used_before_[t] == kNoNode) break;
     const uint32_t by = rows_->layers[t].previous[node];
     if (by == kEnter) {
-      sequence.break_before[t] = true;
+      sequence.break_before[at] = true;
       return t;
     }
     if (by == kBreak) {
-      sequence.break_before[t] = true;
+      sequence.break_before[at] = true;
       next = kNoNode;
       node = least_before_[t];
     } else {
@@ -234,12 +323,12 @@ size_t Sweep::TraceBack(size_t t, size_t node, Sequence& sequence) const {
 
 /// Best predecessor in layer `from` of a node of layer `to`; `guess` is one that may be as good as any.
 void Sweep::Relax(size_t from, size_t to, size_t node, size_t guess, BestPredecessor& by) const {
-  const Layer& source = layers_[from];
-  const Layer& target = layers_[to];
+  const Layer& source = layers_[At(from)];
+  const Layer& target = layers_[At(to)];
   const CostRow& row = rows_->layers[from].row;
   const int branch = target.BranchOf(node);
   const Joints q = target.joints.At(node);
-  const StepRule rule = problem_.RuleFrom(from);
+  const StepRule rule = problem_.RuleFrom(At(from));
   const double band = Band(from, to);
   VisitBand(source, branch, target.first[node], band, problem_.walls, [&](size_t first, size_t last) {
     double at_most = by.cost;
@@ -251,7 +340,7 @@ void Sweep::Relax(size_t from, size_t to, size_t node, size_t guess, BestPredece
     RelaxFrom(rule, source.joints, row, first, last, q, at_most, by);
   });
   if (problem_.struck.empty() || !std::isfinite(by.cost)) return;
-  const StruckEdges& struck = problem_.struck[from];
+  const StruckEdges& struck = problem_.struck[At(from)];
   if (!struck.contains({by.node, node})) return;
   // Rare: the best is barred, so look again, one by one.
   by = {};
@@ -267,7 +356,8 @@ double Sweep::Band(size_t from, size_t to) const {
   if (!problem_.banded) return kInfinity;
   if (from != band_from_) {
     band_from_ = from;
-    band_ = BandWidth(problem_.RuleFrom(from), AngleBetween(layers_[from].R_WT, layers_[to].R_WT));
+    band_ =
+        BandWidth(problem_.RuleFrom(At(from)), AngleBetween(layers_[At(from)].R_WT, layers_[At(to)].R_WT));
   }
   return band_;
 }

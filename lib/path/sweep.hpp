@@ -14,17 +14,46 @@ struct SweepRows {
     std::vector<uint32_t> previous;        ///< on the cheapest way
     uint64_t version = 0;                  ///< of the layer before, when relaxed
     double most = 0;                       ///< nodes of larger objectives were left out
+    double limit = 0;                      ///< and those through which every sequence costs more
     bool after_break = false;              ///< no step into this layer was asked for
   };
   std::vector<OfLayer> layers;
 };
 
-/// One sweep. It gives the same costs and nodes, bit by bit, whatever the rows that it starts from have kept
-/// from an earlier sweep over the same layers with less struck out or other first nodes.
+/// What the rest of a closed sequence costs at the least from each node of each layer on, the node itself not
+/// counted: walls and edges that were struck out are left aside, and it may close into any node of the first
+/// layer.
+using ToGo = std::vector<std::vector<double>>;
+
+/// A sweep back, which keeps what it finds for the next over the same layers with ever more struck out.
+struct BackwardRows {
+  struct OfLayer {
+    std::vector<BestPredecessor> relaxed;  ///< per node: the cheapest step on
+    std::vector<double> beyond;            ///< per node: what the rest costs, the node counted
+    uint64_t version = 0;
+  };
+  std::vector<OfLayer> layers;
+  ToGo to_go;
+  size_t first_layer = 0;
+  double most = 0;
+  bool worst = false;
+};
+
+/// Only through nodes that `counts` says so of, by layer and node.
+using NodeFilter = std::function<bool(size_t, size_t)>;
+const ToGo& LeastToGo(const LayeredProblem& problem, const NodeFilter& counts, BackwardRows& rows);
+
+/// One sweep, from LayeredProblem::first_layer on round; layers count from there. It gives the same costs and
+/// nodes, bit by bit, whatever the rows that it starts from have kept from an earlier sweep over the same
+/// layers with less struck out or other first nodes.
 class Sweep {
  public:
   Sweep(const LayeredProblem& problem, double break_penalty)
       : problem_(problem), layers_(problem.layers), break_penalty_(break_penalty) {}
+
+  /// From now on nodes are left out through which every closed sequence costs more than `at_most`. `to_go`
+  /// outlives the sweep.
+  void LeaveOutAbove(double at_most, const ToGo& to_go);
 
   /// Starts with the nodes first..last−1 of layer 0. False when the last layer cannot be reached; with
   /// `breaks` it always can. `rows` outlive what is asked of this sweep.
@@ -62,8 +91,14 @@ class Sweep {
     std::vector<char> changed;
   };
 
+  /// The place of layer t from the first on.
+  size_t At(size_t t) const {
+    const size_t at = t + problem_.first_layer;
+    return at < layers_.size() ? at : at - layers_.size();
+  }
   void Start(size_t first, size_t last);
   double Value(double objective) const;
+  bool IsAbove(double cost, size_t t, size_t node) const;
   double Combined(double cost, double objective) const;
   void Advance(size_t t, bool breaks, bool must_break);
   void RelaxAll(size_t t, bool must_break);
@@ -75,6 +110,8 @@ class Sweep {
   const LayeredProblem& problem_;
   std::span<const Layer> layers_;
   double break_penalty_;
+  const ToGo* to_go_ = nullptr;
+  double limit_ = std::numeric_limits<double>::infinity();
   SweepRows* rows_ = nullptr;
   Changes changes_;
   std::vector<size_t> used_before_, least_before_;

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/first_node.hpp"
+#include "path/sweep.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kQuick = 16;  // sweeps or fewer ask for any good sequence
+constexpr std::array<double, 5> kMore{0.005, 0.02, 0.08, 0.32, kInfinity};  // than the bound, shares
+constexpr double kLess =
+    1 - 1e-9;  // of a sequence that is worth finding; sums differ by less for their order
+
+/// Nodes first..last−1 of a layer that differ by full turns only.
+struct Group {
+  size_t first, last;
+  double bound;  ///< no closed sequence through it costs less
+};
+
+class ClosedSearch {
+ public:
+  ClosedSearch(const LayeredProblem& problem, int max_sweeps, double below)
+      : problem_(problem), sweeps_(max_sweeps), below_(below) {
+    if (!problem_.memory) problem_.memory = &own_;
+  }
+
+  std::optional<Sequence> Run() {
+    const size_t all = problem_.layers[0].size();
+    SweepRows& rows = problem_.memory->RowsFor(0, all);
+    Sweep sweep(problem_, kInfinity);
+    --sweeps_;
+    if (!sweep.Forward(rows, 0, all, false)) return std::nullopt;
+    const Sweep::Closing closing = sweep.Close(0, all);
+    const double least = closing.by.cost;
+    if (!(least < below_)) return std::nullopt;
+    const ToGo& to_go = problem_.memory->ToGoFor(problem_);
+    const auto through = [&](size_t t, size_t node) {
+      const double to = rows.layers[t].row.costs[node], rest = to_go[t][node];
+      return problem_.worst ? std::max(to, rest) : to + rest;
+    };
+    // What costs little more than the bound is found without looking at most nodes.
+    for (const double more : kMore) {
+      limit_ = std::min(below_, (1 + more) * least);
+      TryAll(through);
+      if (best_ || sweeps_ <= 0 || limit_ == below_) break;
+    }
+    return std::move(best_);
+  }
+
+ private:
+  using Bound = std::function<double(size_t, size_t)>;
+
+  /// Tries the nodes of the layer through which fewest can lead to a better sequence.
+  void TryAll(const Bound& through) {
+    const auto counts = [&](size_t t, size_t node) { return through(t, node) < limit_; };
+    size_t fewest = std::numeric_limits<size_t>::max(), layer = 0;
+    for (size_t t = 0; t < problem_.layers.size(); ++t) {
+      size_t count = 0;
+      for (size_t node = 0; node < problem_.layers[t].size(); ++node) count += counts(t, node);
+      if (count < fewest) fewest = count, layer = t;
+    }
+    std::vector<Group> groups;
+    for (size_t node = 0; node < problem_.layers[layer].size();) {
+      Group group = GroupOf(layer, node);
+      for (size_t k = group.first; k < group.last; ++k)
+        group.bound = std::min(group.bound, through(layer, k));
+      node = group.last;
+      if (group.bound < limit_) groups.push_back(group);
+    }
+    std::ranges::stable_sort(groups, {}, &Group::bound);
+    problem_.first_layer = layer;
+    BackwardRows rows;
+    const ToGo& to_go = LeastToGo(problem_, counts, rows);
+    for (const Group& group : groups) {
+      if (group.bound >= limit_) break;
+      Try(group, to_go);
+    }
+    problem_.first_layer = 0;
+  }
+
+  /// The closed sequence through one node, if it is better than the best.
+  void Try(const Group& group, const ToGo& to_go) {
+    if (--sweeps_ < 0) return;
+    Sweep sweep(problem_, kInfinity);
+    sweep.LeaveOutAbove(limit_, to_go);
+    SweepRows rows;
+    if (!sweep.Forward(rows, group.first, group.last, false)) return;
+    const Sweep::Closing closing = sweep.Close(group.first, group.last);
+    if (!(closing.by.cost < limit_)) return;
+    best_ = sweep.Trace(closing.by.node);
+    best_->cost = closing.by.cost;
+    best_->closed = true;
+    limit_ = closing.by.cost * kLess;
+  }
+
+  Group GroupOf(size_t layer, size_t node) const {
+    const std::vector<size_t>& base = problem_.layers[layer].base;
+    Group group{node, node + 1, kInfinity};
+    while (group.first > 0 && base[group.first - 1] == base[node]) --group.first;
+    while (group.last < base.size() && base[group.last] == base[node]) ++group.last;
+    return group;
+  }
+
+  LayeredProblem problem_;
+  SweepMemory own_;
+  int sweeps_;
+  double below_;
+  double limit_ = kInfinity;  ///< what a sequence must cost less than
+  std::optional<Sequence> best_;
+};
+
+/// Some good sequence: from parts of the first layer, whose sweeps keep what they find over rounds.
+std::optional<Sequence> SearchQuickly(const LayeredProblem& problem, int max_sweeps) {
+  SweepMemory own;
+  SweepMemory& memory = problem.memory ? *problem.memory : own;
+  Sweep sweep(problem, kInfinity);
+  const auto round = [&](size_t first, size_t last) -> std::optional<Round> {
+    if (!sweep.Forward(memory.RowsFor(first, last), first, last, false)) return std::nullopt;
+    const Sweep::Closing closing = sweep.Close(first, last);
+    if (!std::isfinite(closing.by.cost)) return std::nullopt;
+    return Round{closing.by.cost, closing.into, sweep.Trace(closing.by.node)};
+  };
+  return BranchOverFirst(problem.layers[0].base, round, max_sweeps);
+}
+
+}  // namespace
+
+std::optional<Sequence> SearchClosed(const LayeredProblem& problem, int max_sweeps, double below) {
+  for (const Layer& layer : problem.layers)
+    if (!layer.usable()) return std::nullopt;
+  if (max_sweeps <= kQuick) return SearchQuickly(problem, max_sweeps);
+  return ClosedSearch(problem, max_sweeps, below).Run();
+}
+
+}  // namespace millpose
