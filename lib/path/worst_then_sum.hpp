@@ -16,8 +16,8 @@ inline constexpr double kWorstTolerance = 1e-6;
 /// bound. Keeps the bound from search to search over the same layers with ever more struck out: it can only
 /// rise, and is looked for again where nothing is left below it.
 ///
-/// Open passes: exact, one sweep with the largest value in place of the sum. Closed ones: likewise by branch
-/// and bound, exact where 64 sweeps suffice.
+/// Open passes: exact, one sweep with the largest value in place of the sum. Closed ones: likewise
+/// (SearchClosed), exact where 64 sweeps suffice.
 class WorstThenSum {
  public:
   Sequence Open(const LayeredProblem& problem);

@@ -167,6 +167,11 @@ TEST(SearchClosed, EqualsTheDenseReferenceOnRandomLayers) {
                          EdgeCost(problem, layers.size() - 1, found->nodes.back(), 0, found->nodes[0]);
     EXPECT_NEAR(cycle, expected, 1e-12 * expected);
     EXPECT_TRUE(found->closed);
+    constexpr int kAll = std::numeric_limits<int>::max();
+    EXPECT_FALSE(SearchClosed(problem, kAll, expected * (1 - 1e-6)));
+    const std::optional<Sequence> below = SearchClosed(problem, kAll, expected * (1 + 1e-6));
+    ASSERT_TRUE(below);
+    EXPECT_NEAR(below->cost, expected, 1e-12 * expected);
   }
   EXPECT_GT(closed, 50);
   EXPECT_GT(open, 50);
