@@ -91,6 +91,24 @@ void Describe(const PoseProblem& problem, const PathNode& node, PlannedPoint& po
   point.dexterity = Dexterity(Jacobian(problem.arm, node.q, tip), problem.characteristic_length);
 }
 
+constexpr const char* kAlone = "stands alone between points that are skipped; a single point is no cut";
+
+/// Whether the points beside one are skipped for what is in their own way.
+bool StandsAlone(const PassContext& context, const PassPlan& plan, size_t t) {
+  const auto lost = [&](size_t k) {
+    return context.points[k].gouge > 0 || (!context.optima[k].found && !context.genetic[k].found) ||
+           !plan.interference[k].empty() || !plan.access[k].empty();
+  };
+  return (t == 0 || lost(t - 1)) && (t + 1 == context.points.size() || lost(t + 1));
+}
+
+std::string WhyNoStep(const StepBounds& steps) {
+  return fmt::format(
+      "no joint step within the bounds joins it to a point before or after "
+      "(path.max_joint_deg_per_mm: {:g}, joint_speed_share: {:g}{})",
+      RadToDeg(steps.per_mm), steps.speed_share, steps.most.allFinite() ? ", max_joint_step_deg" : "");
+}
+
 /// A point of which no piece has taken hold.
 void Skip(const PassContext& context, const PassPlan& plan, size_t t, PlannedPoint& point) {
   const PointOptimum& optimum = context.optima[t];
@@ -105,11 +123,7 @@ void Skip(const PassContext& context, const PassPlan& plan, size_t t, PlannedPoi
     point.detail = plan.access[t];
   } else if (plan.interference[t].empty()) {
     point.skip = SkipReason::kStep;
-    const StepBounds& steps = context.options.steps;
-    point.detail = fmt::format(
-        "no joint step within the bounds joins it to a point before or after "
-        "(path.max_joint_deg_per_mm: {:g}, joint_speed_share: {:g}{})",
-        RadToDeg(steps.per_mm), steps.speed_share, steps.most.allFinite() ? ", max_joint_step_deg" : "");
+    point.detail = StandsAlone(context, plan, t) ? kAlone : WhyNoStep(context.options.steps);
   } else {
     point.skip = SkipReason::kInterference;
     point.detail = plan.interference[t];

@@ -27,6 +27,19 @@ TEST(PlanPass, FollowsARow) {
   EXPECT_LT(result.grid_gap, 0.05);
 }
 
+TEST(PlanPass, APointAloneBetweenSkippedOnesSaysSo) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  Pass pass = Row(-60, 60, 12);
+  pass.points[4].gouge = pass.points[6].gouge = 0.2;
+  const PassResult result = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, Options(), 2, {});
+  ExpectSound(problem, Options(), pass, result);
+  EXPECT_EQ(result.points[4].skip, SkipReason::kGouge);
+  EXPECT_EQ(result.points[5].skip, SkipReason::kStep);
+  EXPECT_EQ(result.points[5].detail,
+            "stands alone between points that are skipped; a single point is no cut");
+  EXPECT_EQ(result.pieces.size(), 2u);
+}
+
 TEST(PlanPass, SameBytesForAnyNumberOfThreads) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   const World world(EmptyCell(problem));
