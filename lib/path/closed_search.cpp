@@ -6,10 +6,12 @@ namespace millpose {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kQuick = 16;  // sweeps or fewer ask for any good sequence
-constexpr std::array<double, 5> kMore{0.005, 0.02, 0.08, 0.32, kInfinity};  // than the bound, shares
-constexpr double kLess =
-    1 - 1e-9;  // of a sequence that is worth finding; sums differ by less for their order
+// So many sweeps or fewer ask for any good sequence.
+constexpr int kQuick = 16;
+// Limits that are tried one after the other, shares above the bound.
+constexpr std::array<double, 5> kMore{0.005, 0.02, 0.08, 0.32, kInfinity};
+// Share of the best that a better sequence may cost: sums differ by less for their order.
+constexpr double kLess = 1 - 1e-9;
 
 /// Nodes first..last−1 of a layer that differ by full turns only.
 struct Group {

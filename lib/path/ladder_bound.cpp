@@ -6,13 +6,11 @@
 namespace millpose {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// The least cost of a closed sequence, no more than `known`, that of one.
 double ClosedBound(const LayeredProblem& problem, double known) {
-  constexpr double kMost = 1e-9;
+  constexpr double kRounding = 1e-9;
   const std::optional<Sequence> better =
-      SearchClosed(problem, std::numeric_limits<int>::max(), known * (1 - kMost));
+      SearchClosed(problem, std::numeric_limits<int>::max(), known * (1 - kRounding));
   return better ? better->cost : known;
 }
 

@@ -182,8 +182,7 @@ Toolpath Milled(const PlanResult& plan, bool skipped) {
 
 size_t CountSkipped(const PlanResult& plan) {
   size_t count = 0;
-  for (const PassResult& pass : plan.passes)
-    for (const PlannedPoint& point : pass.points) count += point.skip != SkipReason::kNone;
+  for (const PassResult& pass : plan.passes) count += CountSkipped(pass);
   return count;
 }
 

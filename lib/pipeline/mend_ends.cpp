@@ -2,6 +2,7 @@
 #include "pipeline/mend_ends.hpp"
 
 #include "base/parallel.hpp"
+#include "plan/skipped.hpp"
 
 namespace millpose {
 namespace {
@@ -17,8 +18,7 @@ EndLoss LossOf(const World& world, const Carrier& carrier, const RetractOptions&
                const PassResult& pass) {
   EndLoss loss;
   loss.pieces = pass.pieces.size();
-  loss.points = static_cast<size_t>(std::ranges::count_if(
-      pass.points, [](const PlannedPoint& point) { return point.skip != SkipReason::kNone; }));
+  loss.points = CountSkipped(pass);
   for (const Piece& piece : pass.pieces) {
     const auto share = [&](int point) {
       return ShareToLeave(world, carrier, pass.points[static_cast<size_t>(point)].q, leave);

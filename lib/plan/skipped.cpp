@@ -40,6 +40,11 @@ void LeaveOut(PassResult& pass, int piece, SkipReason reason, const std::string&
   for (int& lift : pass.lifts) lift -= lift > piece;
 }
 
+size_t CountSkipped(const PassResult& pass) {
+  return static_cast<size_t>(std::ranges::count_if(
+      pass.points, [](const PlannedPoint& point) { return point.skip != SkipReason::kNone; }));
+}
+
 std::map<std::string, size_t> SkippedByReason(const PlanResult& plan) {
   std::map<std::string, size_t> counts;
   for (const PassResult& pass : plan.passes)

@@ -12,6 +12,8 @@ namespace millpose {
 /// words, and the pieces after it move up by one number.
 void LeaveOut(PassResult& pass, int piece, SkipReason reason, const std::string& detail);
 
+size_t CountSkipped(const PassResult& pass);
+
 /// How many points are skipped, by ToString(SkipReason).
 std::map<std::string, size_t> SkippedByReason(const PlanResult& plan);
 
