@@ -5,6 +5,7 @@
 
 #include "base/units.hpp"
 #include "robot/angles.hpp"
+#include "toolpath/pass_variants.hpp"
 
 namespace millpose {
 namespace {
@@ -143,13 +144,8 @@ void Reverse(PassResult& pass, const std::vector<Joints>& joints) {
     for (int i = piece.first; i <= piece.last; ++i) points[i].q = joints[static_cast<size_t>(piece.last - i)];
   }
   for (PlannedPoint& planned : points) {
-    MillingPoint& point = planned.point;
-    const bool first = piece.closed && &planned == &points.front();
-    point.arc_length = first ? 0 : length - point.arc_length;
-    point.feed = -point.feed;
-    if (point.kind != PointKind::kCut) {
-      point.kind = point.kind == PointKind::kLeadIn ? PointKind::kLeadOut : PointKind::kLeadIn;
-    }
+    TurnRound(length, planned.point);
+    if (piece.closed && &planned == &points.front()) planned.point.arc_length = 0;
   }
 }
 

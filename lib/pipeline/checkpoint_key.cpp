@@ -4,16 +4,9 @@
 #include "base/hash.hpp"
 #include "base/process.hpp"
 #include "pipeline/value_bytes.hpp"
+#include "plan/pass_value.hpp"
 
 namespace millpose {
-namespace {
-
-bool IsSamePlace(const MillingPoint& a, const MillingPoint& b) {
-  return a.position == b.position && a.normal == b.normal && a.tool_axis == b.tool_axis;
-}
-
-}  // namespace
-
 void AppendTo(ValueBytes& bytes, const Freedom& freedom) {
   bytes.Add(freedom.Name(), freedom.Lower(), freedom.Upper(), freedom.Periodic());
 }
@@ -39,13 +32,7 @@ std::string GapKey(const std::string& context, const GapEnd& from, const GapEnd&
 }
 
 bool IsPlanOf(const PassResult& plan, const Pass& pass, size_t number) {
-  const size_t count = pass.points.size();
-  if (plan.opened_at >= static_cast<int>(count)) return false;
-  const auto first = static_cast<size_t>(std::max(0, plan.opened_at));  // of a ring left open
-  size_t found = 0;
-  for (const PlannedPoint& planned : plan.points)
-    if (found < count && IsSamePlace(planned.point, pass.points[(first + found) % count])) ++found;
-  return plan.pass == static_cast<int>(number) && found == count &&
+  return plan.pass == static_cast<int>(number) && PlacesOf(plan, pass).size() == pass.points.size() &&
          plan.rotation_reference == pass.rotation_reference;
 }
 

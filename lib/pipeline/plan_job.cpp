@@ -6,24 +6,15 @@
 #include "path/strike_out.hpp"
 #include "path/turns.hpp"
 #include "pipeline/assemble.hpp"
+#include "pipeline/finer_passes.hpp"
 #include "pipeline/job_engagement.hpp"
 #include "pipeline/mend_ends.hpp"
+#include "pipeline/other_ways.hpp"
 #include "pipeline/plan_gaps.hpp"
 #include "pipeline/plan_passes.hpp"
-#include "toolpath/strategy.hpp"
 
 namespace millpose {
 namespace {
-
-// Whether a pass may be run the other way round: where nothing that the poses depend on knows the feed's
-// direction. A force does.
-bool FreeDirections(const JobSettings& job, const Objective& objective) {
-  const ToolpathSettings& toolpath = job.toolpath;
-  const bool laid = !toolpath.strategy->IsPrescribed();
-  const bool upright = toolpath.lead == 0 && toolpath.tilt == 0;
-  return laid && upright && !job.cutting && toolpath.direction == Direction::kZigzag &&
-         !objective.DependsOnFeed();
-}
 
 PlanResult StartPlan(const JobInputs& inputs, const PreparedJob& prepared) {
   const Cell& cell = prepared.cell;
@@ -52,14 +43,16 @@ size_t PointsOf(const Share& share, const Toolpath& toolpath) {
   return count;
 }
 
-PlannedPasses PlanPassesOf(const JobInputs& inputs, const PreparedJob& prepared, const Share& share,
+PlannedPasses PlanPassesOf(const JobInputs& inputs, PreparedJob& prepared, const Share& share,
                            const CheckpointStore& checkpoints, const Execution& execution) {
   execution.progress.Begin("passes", PointsOf(share, prepared.toolpath));
-  PlannedPasses planned = PlanPasses(
-      prepared.problem, prepared.world, prepared.toolpath, MakePathOptions(inputs.job), checkpoints,
-      [&](size_t pass) { return share.Has(pass); }, execution);
+  const auto own = [&](size_t pass) { return share.Has(pass); };
+  PlannedPasses planned = PlanPasses(prepared.problem, prepared.world, prepared.toolpath,
+                                     MakePathOptions(inputs.job), checkpoints, own, execution);
   execution.progress.End(
       fmt::format("{} passes, {} of them from checkpoints", planned.passes.size(), planned.resumed));
+  PlanFiner(inputs, prepared, checkpoints, own, execution, planned.passes);
+  PlanOtherWays(inputs, prepared, checkpoints, own, execution, planned.passes);
   return planned;
 }
 
@@ -71,7 +64,7 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   MendEnds(job.prepared, MakePathOptions(inputs.job), MakeGapOptions(inputs.job).leave, checkpoints,
            execution, plan.passes);
   FixTurns(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
-                         FreeDirections(inputs.job, *problem.objective)});
+                         FreeDirections(inputs.job) && !DependsOnFeed(inputs.job, *problem.objective)});
   const GapOptions options = MakeGapOptions(inputs.job);
   const auto leave_over_missing = [&] {
     return LeaveOverMissing(inputs, job.prepared.surface.mesh, execution.Threads(), execution.stop, plan);
@@ -174,7 +167,8 @@ PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, 
 
 void PlanShare(const JobInputs& inputs, const Share& share, const CheckpointStore& checkpoints,
                const Execution& execution) {
-  PlanPassesOf(inputs, PrepareJob(inputs, execution), share, checkpoints, execution);
+  PreparedJob prepared = PrepareJob(inputs, execution);
+  PlanPassesOf(inputs, prepared, share, checkpoints, execution);
 }
 
 }  // namespace millpose

@@ -71,9 +71,11 @@ Part ReadPart(const JobInputs& inputs, const Cell& cell) {
   return part;
 }
 
-JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop_token stop) {
+JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop_token stop, int parts) {
   ToolpathOptions options = MakeToolpathOptions(inputs.job, inputs.cell.tool);
+  options.parts = parts;
   options.budget = MakeBudget(inputs, mesh);
+  options.budget.most *= parts;  // few of these points are planned
   LaidPath laid = options.strategy->Make({mesh, options, inputs.path_bytes}, std::move(stop));
   JobToolpath made;
   made.toolpath = std::move(laid.toolpath);

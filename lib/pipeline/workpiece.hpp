@@ -43,7 +43,7 @@ struct JobToolpath {
 
 /// Makes the job's tool path on the mesh, or imports it. Throws InputError when it holds no point;
 /// Interrupted.
-JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop_token stop);
+JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop_token stop, int parts = 1);
 
 /// Checks the cutter against the whole part and does what the job asks for where it would go into it. Throws
 /// Interrupted.

@@ -69,7 +69,7 @@ class PassMaker {
     Pass pass;
     pass.closed = curve.closed;
     pass.rotation_reference = options_.rotation_reference;
-    for (const CurvePoint& at : Resample(curve, options_.chord_tolerance, options_.spacing))
+    for (const CurvePoint& at : Resample(curve, options_.chord_tolerance, options_.spacing, options_.parts))
       pass.points.push_back(Point(curve, at));
     return pass;
   }
@@ -226,6 +226,7 @@ Toolpath LayPasses(const SurfaceStrategy& strategy, const Mesh& mesh, ToolpathOp
   for (const Cut& cut : cuts) {
     toolpath.passes.push_back(maker.Make(cut.curve));
     toolpath.passes.back().opening = cut.opening;
+    toolpath.passes.back().reversible = cut.reversible;
     count.covered += static_cast<double>(toolpath.passes.back().points.size());
     CheckBudget(options, count);
   }

@@ -42,6 +42,11 @@ struct MillingPoint {
   Engagement engagement;  ///< where the job says what is cut
 };
 
+/// Whether two points ask for the same place and direction of the tool.
+inline bool IsSamePlace(const MillingPoint& a, const MillingPoint& b) {
+  return a.position == b.position && a.normal == b.normal && a.tool_axis == b.tool_axis;
+}
+
 /// Whether a closed pass may be left open where it is planned.
 enum class RingOpening : uint8_t {
   kNone,      ///< it stays closed
@@ -58,6 +63,7 @@ struct Pass {
   /// same frame as the points).
   Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();
   RingOpening opening = RingOpening::kNone;  ///< of a closed pass
+  bool reversible = false;                   ///< may be milled from either end
 };
 
 struct Toolpath {

@@ -73,7 +73,7 @@ CurvePoint AtLength(const std::vector<DensePoint>& dense, double length, size_t&
 
 }  // namespace
 
-std::vector<CurvePoint> Resample(const Curve& curve, double chord_tolerance, double spacing) {
+std::vector<CurvePoint> Resample(const Curve& curve, double chord_tolerance, double spacing, int parts) {
   const std::vector<DensePoint> dense = Flatten(curve, chord_tolerance);
   const size_t last = dense.size() - 1;
   std::vector<char> key(dense.size(), 0);
@@ -95,7 +95,7 @@ std::vector<CurvePoint> Resample(const Curve& curve, double chord_tolerance, dou
   for (size_t i = 1; i <= last; ++i) {
     if (key[i] == 0) continue;
     const double begin = points.back().arc_length, length = dense[i].at.arc_length - begin;
-    const int steps = std::max(1, static_cast<int>(std::ceil(length / spacing - 1e-9)));
+    const int steps = parts * std::max(1, static_cast<int>(std::ceil(length / spacing - 1e-9)));
     for (int k = 1; k < steps; ++k) points.push_back(AtLength(dense, begin + length * k / steps, search));
     if (i < last || !curve.closed) points.push_back(dense[i].at);
   }

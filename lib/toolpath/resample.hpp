@@ -17,7 +17,9 @@ struct CurvePoint {
 /// Points of a curve, first to last, such that the curve stays within `chord_tolerance` (mm) of the chords
 /// between them and neighbours are at most `spacing` (mm along the curve) apart. Of a closed curve the last
 /// point is not the first one again. Corners of the curve that matter come from Douglas and Peucker 1973 (at
-/// half the tolerance, so that points put between them keep the whole); the rest is spread evenly.
-std::vector<CurvePoint> Resample(const Curve& curve, double chord_tolerance, double spacing);
+/// half the tolerance, so that points put between them keep the whole); the rest is spread evenly. Every step
+/// is then cut into `parts`, a power of two: what a smaller power gives are points of a larger one, bit for
+/// bit.
+std::vector<CurvePoint> Resample(const Curve& curve, double chord_tolerance, double spacing, int parts = 1);
 
 }  // namespace millpose

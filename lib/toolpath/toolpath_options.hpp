@@ -31,6 +31,7 @@ struct ToolpathOptions {
   bool order_by_travel = false;   ///< passes in the order of short ways between them
   double chord_tolerance = 0.01;  ///< largest distance of the slice from the chords between points
   double spacing = 5;             ///< largest distance of neighbouring points along the slice
+  int parts = 1;                  ///< that each such step is cut into, a power of two
   double crease = DegToRad(30);   ///< a pass ends where the surface bends more sharply
   double normal_smoothing = 0;    ///< length over which normals are averaged
   double lead = 0;                ///< the tool axis leans forward, towards the feed direction

@@ -249,6 +249,37 @@ class Adversarial(unittest.TestCase):
         self.assertRegex(text, "[1-9] passes with an end near something")
         self.assertEqual((summary["points"]["skipped"], summary["gap_remarks"]), (0, []))
 
+    def test_points_are_inserted_where_a_bound_per_step_leaves_too_little(self):
+        """Points 20 mm apart, of which no joint step within 0.3° joins two."""
+        bound = (r"\npath:", f"\npath:\n  max_joint_step_deg: {[0.3] * 6}")
+        summary, rows, text = self.plan("narrow", changes=[*FEW_POINTS, bound])
+        self.assertRegex(text, "[1-9][0-9]* points inserted in [1-9] passes")
+        self.assertEqual(summary["points"]["skipped"], 0)
+        laid, _, _ = self.plan("wide", changes=FEW_POINTS)
+        places = {(row["x_mm"], row["y_mm"], row["z_mm"]) for row in rows}
+        with open(BENCH.top / "wide/points.csv", encoding="utf-8") as file:
+            wide = [(row["x_mm"], row["y_mm"], row["z_mm"]) for row in csv.DictReader(file)]
+        self.assertGreater(len(places), 2 * len(wide))
+        self.assertEqual([place for place in wide if place not in places], [])  # none was moved
+        self.assertEqual({row["x_mm"] for row in rows}, {place[0] for place in wide})  # all on the pad
+        self.assertEqual(laid["passes"], summary["passes"])
+
+    def test_a_zigzag_runs_each_pass_the_way_whose_force_bends_the_arm_less(self):
+        def means(name, *changes):
+            _, rows, text = self.plan(name, changes=[(r"stepover_mm: [\d.]+", "stepover_mm: 13"), *changes], layers=True)
+            values = {}
+            for row in rows:
+                if row["kind"] == "cut":
+                    values.setdefault(row["pass"], []).append(float(row["objective"]))
+            return {number: sum(pass_) / len(pass_) for number, pass_ in values.items()}, text
+
+        both, text = means("zigzag")
+        self.assertRegex(text, "[1-9][0-9]* passes run the other way round")
+        one, _ = means("one_way", (r"direction: zigzag  ", "direction: one_way  "))
+        self.assertEqual(len(both), len(one))
+        for number, mean in both.items():  # the gain that a turn must be worth, and another grid of points
+            self.assertLess(mean, one[number] * 1.07, number)
+
     def test_nothing_is_cut_deeper_than_the_job_says_over_what_is_missing(self):
         """A post at the pad's corner keeps the first of two layers from being milled there."""
         post = box("post", (12, 6, 6), (2070, 38, 1044))

@@ -97,6 +97,24 @@ TEST(Resample, RandomPolylinesKeepToleranceAndSpacing) {
   }
 }
 
+TEST(Resample, PartsKeepThePointsOfFewerParts) {
+  for (const Curve& curve :
+       {Circle(100, 3), Circle(100, 2 * kPi), Polyline({{0, 0, 0}, {7, 0.3, 0}, {31, 4, 1}})}) {
+    std::vector<CurvePoint> before = Resample(curve, 0.01, 5);
+    for (const int parts : {2, 4, 16}) {
+      const std::vector<CurvePoint> finer = Resample(curve, 0.01, 5, parts);
+      const size_t stride = parts == 16 ? 4 : 2;
+      EXPECT_EQ((finer.size() + stride - 1) / stride, before.size());
+      for (size_t i = 0; i < before.size(); ++i) {
+        EXPECT_EQ(finer[stride * i].piece, before[i].piece);
+        EXPECT_EQ(finer[stride * i].t, before[i].t);
+        EXPECT_EQ(finer[stride * i].arc_length, before[i].arc_length);
+      }
+      before = finer;
+    }
+  }
+}
+
 TEST(Resample, ClosedCurvesDoNotRepeatTheirStart) {
   const Curve curve = Circle(50, 2 * kPi);
   const auto points = Resample(curve, 0.01, 5);

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/finer_passes.hpp"
+
+#include "path/large_steps.hpp"
+#include "pipeline/assemble.hpp"
+#include "pipeline/job_engagement.hpp"
+#include "pipeline/plan_passes.hpp"
+#include "plan/pass_value.hpp"
+#include "toolpath/pass_variants.hpp"
+#include "toolpath/strategy.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr int kMostParts = 16;     // that a step as laid is cut into
+constexpr double kGain = 0.005;    // of a pass's objective, that inserted points must be worth
+constexpr double kNoPrice = 0.01;  // of its free optima: what continuity may cost without a search for more
+
+/// What a pass pays for being one motion, as a share of what its points could have.
+double PriceOf(const PassResult& pass) {
+  double planned = 0, free = 0;
+  for (const PlannedPoint& point : pass.points) {
+    if (point.skip != SkipReason::kNone) continue;
+    planned += point.objective;
+    free += point.free_optimum;
+  }
+  return free > 0 ? planned / free - 1 : 0;
+}
+
+/// Whether points are skipped because no step joins them to others.
+bool HasUnjoined(const PassResult& pass) {
+  return std::ranges::any_of(pass.points,
+                             [](const PlannedPoint& point) { return point.skip == SkipReason::kStep; });
+}
+
+bool CouldGain(const PassResult& pass) {
+  return HasUnjoined(pass) || pass.pieces.size() > 1 || PriceOf(pass) > kNoPrice;
+}
+
+/// The tool path in W, every step of the passes that `open` names cut into `parts`.
+Toolpath LaidInParts(const JobInputs& inputs, const PreparedJob& prepared, int parts,
+                     const std::vector<char>& open, const Execution& execution) {
+  const Mesh& mesh = prepared.surface.mesh;
+  JobToolpath made = MakeJobToolpath(inputs, mesh, execution.stop, parts), checked;
+  Toolpath whole = prepared.made.toolpath;
+  if (made.toolpath.passes.size() != open.size()) return PlacedToolpath(inputs, whole, prepared.cell.X_WP);
+  for (size_t i = 0; i < open.size(); ++i)
+    if (open[i] != 0) checked.toolpath.passes.push_back(std::move(made.toolpath.passes[i]));
+  CheckJobGouges(inputs, mesh, execution.Threads(), checked, execution.stop);
+  for (size_t i = 0, k = 0; i < open.size(); ++i)
+    if (open[i] != 0) whole.passes[i] = std::move(checked.toolpath.passes[k++]);
+  SetJobEngagement(inputs, mesh, execution.Threads(), execution.stop, whole);
+  return PlacedToolpath(inputs, whole, prepared.cell.X_WP);
+}
+
+}  // namespace
+
+void PlanFiner(const JobInputs& inputs, PreparedJob& prepared, const CheckpointStore& checkpoints,
+               const std::function<bool(size_t)>& wanted, const Execution& execution,
+               std::vector<PassResult>& passes) {
+  if (!inputs.job.toolpath.strategy->File().empty()) return;
+  const Carrier carrier{prepared.cell.arm, prepared.cell.X_WB, prepared.cell.X_FT};
+  const PathOptions options = MakePathOptions(inputs.job);
+  // Against a bound per step more points help in the end, even if twice as many do not.
+  const bool steps_bounded = std::isfinite(options.steps.most.minCoeff());
+  Toolpath tried = prepared.toolpath;
+  std::vector<PassResult> plans = passes;  // of what was tried last
+  std::vector<char> open(passes.size(), 0);
+  for (size_t i = 0; i < passes.size(); ++i) open[i] = wanted(i) && CouldGain(passes[i]) ? 1 : 0;
+  for (int parts = 2; parts <= kMostParts; parts *= 2) {
+    std::vector<std::vector<char>> large(passes.size());
+    size_t points = 0;
+    for (size_t i = 0; i < passes.size(); ++i) {
+      if (open[i] == 0) continue;
+      large[i] = LargeSteps(carrier, tried.passes[i], plans[i], options);
+      open[i] = std::ranges::count(large[i], 1) > 0 ? 1 : 0;
+      if (open[i] != 0) points += plans[i].points.size();
+    }
+    if (points == 0) return;
+    execution.progress.Begin("finer passes", points);
+    const Toolpath finer = LaidInParts(inputs, prepared, parts, open, execution);
+    for (size_t i = 0; i < passes.size(); ++i)
+      if (open[i] != 0) tried.passes[i] = WithPointsBetween(tried.passes[i], finer.passes[i], large[i]);
+    PlannedPasses again = PlanPasses(
+        prepared.problem, prepared.world, tried, options, checkpoints, [&](size_t i) { return open[i] != 0; },
+        execution);
+    size_t kept = 0, inserted = 0;
+    for (size_t i = 0; i < passes.size(); ++i) {
+      if (open[i] == 0) continue;
+      plans[i] = std::move(again.passes[i]);
+      const bool better = IsBetter(ValueOf(plans[i]), ValueOf(passes[i]), options.worst_first, kGain);
+      open[i] = better || (steps_bounded && HasUnjoined(plans[i])) ? 1 : 0;
+      if (!better) continue;
+      inserted += tried.passes[i].points.size() - prepared.toolpath.passes[i].points.size();
+      passes[i] = plans[i];
+      prepared.toolpath.passes[i] = tried.passes[i];
+      ++kept;
+    }
+    execution.progress.End(fmt::format("{} points inserted in {} passes", inserted, kept));
+  }
+}
+
+}  // namespace millpose
