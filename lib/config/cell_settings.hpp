@@ -10,17 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "base/pose_settings.hpp"
 #include "base/units.hpp"
+#include "program/post_entry.hpp"
 
 namespace millpose {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-/// {xyz_mm, abc_deg}: R = Rz(A)·Ry(B)·Rx(C), as KUKA counts.
-struct PoseSettings {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< mm
-  Eigen::Vector3d abc = Eigen::Vector3d::Zero();       ///< rad
-};
 
 /// A URDF that an arm is derived from (docs/urdf.md).
 struct UrdfSettings {
@@ -53,13 +49,6 @@ struct ToolPartSettings {
   double top_diameter = 0;  ///< mm, at the upper end; same as `diameter` unless given
 };
 
-/// What hangs on the flange, spindle and all, as a controller counts it.
-struct ToolLoadSettings {
-  double mass = 0;                                    ///< kg
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();   ///< of gravity, in F, mm
-  Eigen::Vector3d inertia = Eigen::Vector3d::Zero();  ///< about it, along F's axes, kg·m²
-};
-
 struct ToolSettings {
   std::string name;
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();    ///< in F, mm
@@ -68,7 +57,7 @@ struct ToolSettings {
   std::string cutter_shape = "flat";
   double cutter_diameter = 0, cutting_length = 0, corner_radius = 0;  ///< mm
   std::vector<ToolPartSettings> stack;
-  std::optional<ToolLoadSettings> load;
+  std::optional<ToolLoad> load;
   std::optional<double> tip_uncertainty, axis_uncertainty;  ///< of tip and axis in F, mm and rad
 };
 
@@ -91,58 +80,6 @@ struct BodySettings {
   std::string mount;       ///< world | base | link1..link6 | tool | workpiece
   ShapeSettings shape;
   PoseSettings pose;
-};
-
-/// An output that programs switch on the path, where every cut begins or ends.
-struct PathOutputSettings {
-  int number = 0;
-  std::string at;    ///< cut_begin | cut_end
-  bool on = true;    ///< what it is switched to
-  double delay = 0;  ///< s after that place; krl
-};
-
-/// A program of the plant that texts may call.
-struct CallSettings {
-  std::string name;
-  bool moves = false;
-  std::optional<Vector6> from, to;  ///< rad, where it moves
-};
-
-/// A rail whose motion KRL counts in: it carries the robot, and $WORLD does not move with it.
-struct RailSettings {
-  PoseSettings pose;            ///< $ERSYSROOT
-  int axis = 1;                 ///< which of the external axes moves the carriage
-  std::string direction = "x";  ///< in which direction of $ERSYSROOT: x | y | z | -x | -y | -z
-};
-
-struct ControllerSettings {
-  std::string tool_axis = "z";   ///< x | y | z | -x | -y | -z: controller's tool frame axis along T's z
-  std::string rotation = "rpy";  ///< sinumerik, linuxcnc: rpy | euler
-  std::array<int, 6> axis_signs{1, 1, 1, 1, 1, 1};  ///< controller angle = sign · A + offset
-  Vector6 axis_offsets = Vector6::Zero();           ///< rad
-  std::vector<std::string> axis_names = {"RA1", "RA2", "RA3", "RA4", "RA5", "RA6"};  ///< sinumerik
-  std::optional<int> settable_frame;                             ///< sinumerik: 505…599, always given
-  std::optional<bool> ori_ipo_with_g_code, ori_def_with_g_code;  ///< sinumerik: MD21104, MD21102
-  std::string coordinates = "joint";                             ///< linuxcnc: joint | cartesian
-  int base_number = 0, tool_number = 0;            ///< krl: BASE_DATA, TOOL_DATA; 0: values are written
-  std::vector<double> external_axes;               ///< krl: E1, E2, …, mm or degrees, constant
-  int ptp_speed_percent = 30;                      ///< krl: of the axes' largest speed, between cuts
-  int advance = 5;                                 ///< krl: motions that are computed ahead
-  std::optional<double> path_acceleration;         ///< mm/s²; krl: the controller's own where not given
-  double orientation_speed = DegToRad(200);        ///< krl: rad/s, as BAS(#INITMOV) sets it
-  std::optional<double> orientation_acceleration;  ///< krl: rad/s²; the controller's own where not given
-  std::string tool_direction = "x";                ///< krl: $TOOL_DIRECTION: x | y | z
-  std::optional<PoseSettings> robroot;    ///< krl: $ROBROOT; on a coupled rail the robot on its carriage
-  std::optional<RailSettings> ersysroot;  ///< krl: a coupled rail
-  bool write_load = false;                ///< krl: $LOAD from the tool's load
-  std::optional<double> interpolation_cycle, block_time;  ///< s, for the estimate of the speed
-  int memory_kbytes = 4000;                               ///< krl: of all files together
-  int max_motions = 1400;
-  int max_kbytes = 500;
-  std::vector<PathOutputSettings> outputs;
-  std::map<std::string, std::string> texts;  ///< templates by event name
-  std::map<std::string, int> text_lines;     ///< of the YAML, by event name, for later errors
-  std::vector<CallSettings> calls;
 };
 
 /// A compliance in series with the joints, at a frame that hangs on a link.
@@ -189,7 +126,7 @@ struct CellSettings {
   std::vector<ComplianceSettings> compliances;        ///< beside the joints
   std::optional<GravitySettings> gravity;
   bool programs_allowed = true;  ///< key `reproduction_only: true` forbids programs
-  std::map<std::string, ControllerSettings> controllers;
+  std::map<std::string, ControllerOptions> controllers;
   int controllers_line = 0;  ///< of the key, for later errors
 };
 

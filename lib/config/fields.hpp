@@ -38,13 +38,11 @@ Codec<ArmSettings> ArmFields();
 Codec<ToolSettings> ToolFields();
 Codec<BodySettings> BodyFields();
 Codec<CellSettings> StiffnessFields();
-/// The controllers that programs are written for.
-std::vector<std::string> ControllerNames();
-/// What each controller's programs need to know; keys that a controller cannot follow are errors.
-Codec<std::map<std::string, ControllerSettings>> ControllersFields();
+/// What each controller's programs need to know, from the tables of lib/program; keys that a controller
+/// cannot follow are errors.
+Codec<std::map<std::string, ControllerOptions>> ControllersFields();
 
 /// What several tables use.
-Codec<PoseSettings> PoseFields();
 /// Name of a unit of length; mm per unit in the settings.
 Codec<double> LengthUnit();
 

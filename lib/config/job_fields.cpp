@@ -82,7 +82,7 @@ const Codec<JobSettings>& JobFields() {
           Key<S>("path", kSelf, PathFields(), "How poses are joined along a pass."),
           Key<S>("interference", kSelf, InterferenceFields(), "How interference is checked."),
           Key<S>("gaps", kSelf, GapFields(), "How the tool moves from one pass to the next."),
-          Key<S>("programs", MILLPOSE_AT(programs), ListOf(Choice(ControllerNames())),
+          Key<S>("programs", MILLPOSE_AT(programs), ListOf(Choice(Posts().Names())),
                  "Controllers to write programs for."),
           Key<S>("program_options", MILLPOSE_AT(program_options), ProgramOptionFields(),
                  "What becomes of the planned points in programs."),

@@ -32,7 +32,8 @@ void AddTable(const std::string& title, const std::vector<config::FieldInfo>& ke
 std::string YamlReference() {
   std::string out =
       "# YAML reference\n\n"
-      "Made from the field tables (`lib/config/*_fields.cpp`) by `millpose schema reference`.\nNumbers are "
+      "Made from the field tables (CONTRIBUTING.md says where they stand) by `millpose schema "
+      "reference`.\nNumbers are "
       "written like 1, 1.5 or 1e-5; file names are relative to the file that names them. Unknown and "
       "duplicate\nkeys, anchors, aliases and tags are errors.\n";
   AddTable("Job", config::JobFields().keys, out);

@@ -86,8 +86,8 @@ void CheckStack(const Value& value, const Context& context, const ToolSettings& 
                                          bottom, tool.cutting_length));
 }
 
-Codec<ToolLoadSettings> LoadFields() {
-  using S = ToolLoadSettings;
+Codec<ToolLoad> LoadFields() {
+  using S = ToolLoad;
   return Section<S>({
       Key<S>("mass_kg", MILLPOSE_AT(mass), Real({"kg"}, Between(0.001, 10000)), "Mass.").Required(),
       Key<S>("centre_in_flange_mm", MILLPOSE_AT(centre), Numbers3(kMm, Between(-5000, 5000)),

@@ -9,6 +9,7 @@
 #include "path/gap_planner.hpp"
 #include "path/pass_planner.hpp"
 #include "pipeline/inputs.hpp"
+#include "program/pose_text.hpp"
 #include "program/post.hpp"
 #include "stiffness/series.hpp"
 #include "surface/step_options.hpp"
@@ -19,9 +20,6 @@
 namespace millpose {
 
 Arm MakeArm(const ArmSettings& settings);
-
-/// R = Rz(A)·Ry(B)·Rx(C).
-Pose MakePose(const PoseSettings& settings);
 
 /// Compliances beside the joints.
 std::vector<SeriesCompliance> MakeCompliances(const CellSettings& settings);

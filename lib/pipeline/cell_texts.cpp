@@ -60,12 +60,12 @@ std::vector<Problem> CheckCellTexts(const CellSettings& cell) {
   std::vector<Problem> problems;
   for (const auto& [controller, settings] : cell.controllers) {
     const PostSettings post = SettingsOf(cell, controller);
-    std::vector<Problem> found = MakePost(controller)->CheckTexts(MakeArm(cell.arm), post);
-    for (const auto& [text, lines] : settings.texts) CheckMovingCalls(post, text, found);
+    std::vector<Problem> found = settings.post->CheckTexts(MakeArm(cell.arm), post);
+    for (const auto& [text, lines] : post.texts) CheckMovingCalls(post, text, found);
     for (const Problem& problem : found) {
       const std::string& text = problem.place.file;
-      const auto line = settings.text_lines.find(text);
-      problems.push_back({{cell.file, line == settings.text_lines.end() ? 0 : line->second, 0, -1},
+      const auto line = post.text_lines.find(text);
+      problems.push_back({{cell.file, line == post.text_lines.end() ? 0 : line->second, 0, -1},
                           fmt::format("controllers.{}.texts.{}, its line {}, column {}: {}", controller, text,
                                       problem.place.line, problem.place.column, problem.message)});
     }
@@ -85,10 +85,9 @@ std::string AssumptionOf(const DeclaredCall& call) {
 
 std::vector<std::string> AssumedCalls(const CellSettings& cell, const std::string& controller) {
   std::vector<std::string> assumptions;
-  const auto settings = cell.controllers.find(controller);
-  if (settings == cell.controllers.end()) return {};
+  if (!cell.controllers.contains(controller)) return {};
   const PostSettings post = SettingsOf(cell, controller);
-  for (const auto& [text, lines] : settings->second.texts) {
+  for (const auto& [text, lines] : post.texts) {
     for (const DeclaredCall& call : CallsOf(post, text)) {
       const std::string assumption = AssumptionOf(call);
       if (std::ranges::find(assumptions, assumption) == assumptions.end()) assumptions.push_back(assumption);

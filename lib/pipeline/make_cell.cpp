@@ -69,13 +69,6 @@ void AddTool(const ToolSettings& tool, Cell* cell) {
 
 }  // namespace
 
-Pose MakePose(const PoseSettings& settings) {
-  Pose pose = Pose::Identity();
-  pose.linear() = FromAnglesZyx(settings.abc);
-  pose.translation() = settings.position;
-  return pose;
-}
-
 Pose MakeToolPose(const ToolSettings& tool) {
   const Eigen::Vector3d z = tool.axis.normalized();
   const Eigen::Vector3d x = (tool.x - tool.x.dot(z) * z).normalized();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.hpp"
 #include "pipeline/assemble.hpp"
-#include "pipeline/krl_frames.hpp"
 
 namespace millpose {
 
@@ -105,43 +104,6 @@ VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm) {
   return options;
 }
 
-namespace {
-
-PathDynamics DynamicsOf(const ControllerSettings& settings, double usual_cycle) {
-  PathDynamics dynamics;
-  dynamics.cycle = settings.interpolation_cycle.value_or(usual_cycle);
-  dynamics.block_time = settings.block_time.value_or(dynamics.cycle);
-  if (settings.path_acceleration) dynamics.acceleration = *settings.path_acceleration;
-  dynamics.turn_acceleration = settings.orientation_acceleration;
-  return dynamics;
-}
-
-// What only KRL's programs know.
-void AddKrl(const CellSettings& cell, const ControllerSettings& settings, PostSettings* post) {
-  CheckGravity(cell, settings);
-  post->X_KB = RobotBaseInWorld(settings);
-  if (settings.ersysroot) post->ersysroot = MakePose(settings.ersysroot->pose);
-  post->base_number = settings.base_number;
-  post->tool_number = settings.tool_number;
-  post->external = settings.external_axes;
-  post->ptp_share = settings.ptp_speed_percent / 100.0;
-  post->advance = settings.advance;
-  post->orientation_speed = settings.orientation_speed;
-  post->orientation_acceleration = settings.orientation_acceleration;
-  post->path_acceleration = settings.path_acceleration;
-  post->tool_direction = Eigen::Vector3d::Unit(settings.tool_direction[0] - 'x');
-  post->memory = static_cast<size_t>(settings.memory_kbytes) * 1000;
-  if (!settings.write_load) return;
-  const std::optional<ToolLoadSettings>& load = cell.tool.load;
-  if (!load)
-    throw InputError(Place{cell.file},
-                     "controllers.krl.write_load: tool.load is missing; expected: mass, centre "
-                     "and inertia of what hangs on the flange");
-  post->load = ToolLoad{load->mass, load->centre, load->inertia};
-}
-
-}  // namespace
-
 std::string NoProgramsFor(const ArmSettings& arm, const std::string& controller) {
   if (arm.family != "parallel_axes" || !MakePost(controller)->NeedsSphericalWrist()) return "";
   std::vector<std::string> allowed;
@@ -166,31 +128,18 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
                                  "measured must be stated, never assumed",
                                  controller, controller, cell.name));
   }
-  const ControllerSettings& settings = found->second;
+  const ControllerOptions& options = found->second;
   PostSettings post;
-  for (int i = 0; i < 6; ++i) post.axes.sign[i] = settings.axis_signs[static_cast<size_t>(i)];
-  post.axes.offset = settings.axis_offsets;
-  post.R_TC = ToolAxis(settings.tool_axis);
+  static_cast<PostOptions&>(post) = options.shared;
   post.X_FT = MakeToolPose(cell.tool);
+  post.X_WB = MakePose(cell.base_in_world);
   post.tool_name = cell.tool.name;
+  post.load = cell.tool.load;
   post.tolerance = WrittenTolerance({job.program_options.path_tolerance, job.program_options.path_angle});
-  const std::unique_ptr<Post> kind = MakePost(controller);
-  post.blend = kind->Blend(post.tolerance, job.toolpath.chord_tolerance);
+  post.blend = options.post->Blend(post.tolerance, job.toolpath.chord_tolerance);
   post.orientation_blend = post.tolerance.angle;
-  post.rotation = settings.rotation;
-  post.cartesian = settings.coordinates == "cartesian";
-  for (size_t i = 0; i < 6; ++i) post.axis_names[i] = settings.axis_names[i];
-  post.frame = settings.settable_frame.value_or(post.frame);
-  post.ori_ipo_with_g_code = settings.ori_ipo_with_g_code;
-  post.ori_def_with_g_code = settings.ori_def_with_g_code;
-  post.dynamics = DynamicsOf(settings, kind->UsualCycle());
-  if (kind->HasOwnWorld()) AddKrl(cell, settings, &post);
-  post.max_motions = settings.max_motions;
-  post.max_bytes = static_cast<size_t>(settings.max_kbytes) * 1000;
-  post.texts = settings.texts;
-  for (const CallSettings& call : settings.calls)
-    post.calls.push_back(
-        {call.name, call.moves, call.from.value_or(Joints::Zero()), call.to.value_or(Joints::Zero())});
+  if (const std::string refusal = options.post->WhyNotIn(post); !refusal.empty())
+    throw InputError(Place{cell.file}, refusal);
   return post;
 }
 

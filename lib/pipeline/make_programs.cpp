@@ -48,8 +48,8 @@ JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
   JobPrograms made{{}, FindBaseWindow(plan, inputs, world.cell(), threads, stop)};
   const std::string left_out = WhatIsLeftOut(plan);
   for (const std::string& controller : inputs.job.programs) {
-    const std::unique_ptr<Post> post = MakePost(controller);
     const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
+    const PostPointer& post = inputs.cell.controllers.at(controller).post;
     CheckedProgram program;
     program.controller = controller;
     std::vector<CallWay> calls;
@@ -69,12 +69,12 @@ JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
     program.warnings = motions.warnings;
     program.time = motions.time;
     if (trajectory)
-      program.trajectory = TrajectoryCsv(motions.written, plan.arm, plan.X_WB, settings.external,
-                                         post->Times(settings), *trajectory);
+      program.trajectory = TrajectoryCsv(motions.written, plan.arm, plan.X_WB, post->ExternalAxes(),
+                                         post->Times(), *trajectory);
     program.files = post->Write(motions.written, plan.arm, settings);
-    program.speed = EstimatePathSpeed(motions.written, controller, settings);
-    for (const std::string& warning : {program.speed ? SpeedWarning(*program.speed) : std::string(),
-                                       MemoryWarning(program.files, settings)})
+    program.speed = EstimatePathSpeed(motions.written, controller, post->Dynamics(settings));
+    for (const std::string& warning :
+         {SpeedWarning(*program.speed), MemoryWarning(program.files, post->Memory())})
       if (!warning.empty()) program.warnings.push_back(warning);
     for (const Motion& motion : motions.written.motions) program.pass_of_motion.push_back(motion.pass);
     try {

@@ -19,12 +19,6 @@ struct ProgramMotions {
   ProgramTime time;                   ///< of `written`
 };
 
-/// A pose as headers print it: "X 1.000 Y 2.000 Z 3.000, A 0.0000 B 90.0000 C 0.0000 (Z Y' X'')", angles
-/// about Z, then the new Y, then the new X, whatever the controller's own are; mm, degrees.
-std::string PoseText(const Pose& pose);
-/// The pose that such a text states; empty when it is none.
-std::optional<Pose> ReadPoseText(const std::string& text);
-
 /// Makes them with the job's options and the cell's settings for `controller`; `window` is printed in the
 /// header; `calls` are those of PlanCallWays(). Precondition: WhyNotProgrammable() is empty. Throws
 /// InputError when a dry run's lifted points are out of reach.

@@ -18,10 +18,9 @@ int PointOf(const MotionProgram& program, size_t i) {
 
 }  // namespace
 
-std::optional<PathSpeed> EstimatePathSpeed(const MotionProgram& written, const std::string& controller,
-                                           const PostSettings& settings) {
-  if (!settings.dynamics) return std::nullopt;
-  const SpeedEstimate estimate = EstimateSpeed(written, *settings.dynamics);
+PathSpeed EstimatePathSpeed(const MotionProgram& written, const std::string& controller,
+                            const PathDynamics& dynamics) {
+  const SpeedEstimate estimate = EstimateSpeed(written, dynamics);
   PathSpeed speed{controller, estimate.lowest_share, {}};
   for (const SlowPlace& place : estimate.places)
     speed.slow.push_back({written.motions[place.motion].pass, PointOf(written, place.motion), place.feed,
@@ -44,16 +43,16 @@ std::string SpeedWarning(const PathSpeed& speed) {
       worst.size(), fmt::join(named, ", "), worst.size() > kNamed ? ", ..." : "");
 }
 
-std::string MemoryWarning(const ProgramFiles& files, const PostSettings& settings) {
+std::string MemoryWarning(const ProgramFiles& files, size_t memory) {
   size_t bytes = 0;
   for (const auto& [name, text] : files) bytes += text.size();
-  if (settings.memory == 0 || bytes <= settings.memory) return {};
+  if (memory == 0 || bytes <= memory) return {};
   return fmt::format(
       "all files together take {} kB, the controller's memory for programs holds "
       "program_memory_kbytes = {} kB; splitting into files does not help: give it the passes in "
       "several jobs, loaded one after the other, or leave out more points (path_tolerance_mm, "
       "point_economy)",
-      bytes / 1000, settings.memory / 1000);
+      bytes / 1000, memory / 1000);
 }
 
 }  // namespace millpose

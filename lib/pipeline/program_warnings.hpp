@@ -7,15 +7,15 @@
 
 namespace millpose {
 
-/// What the controller is estimated to make of the feeds; empty where its timing is not known.
-std::optional<PathSpeed> EstimatePathSpeed(const MotionProgram& written, const std::string& controller,
-                                           const PostSettings& settings);
+/// What the controller is estimated to make of the feeds.
+PathSpeed EstimatePathSpeed(const MotionProgram& written, const std::string& controller,
+                            const PathDynamics& dynamics);
 
 /// A sentence that names the slowest points and what helps; empty where the feed is held.
 std::string SpeedWarning(const PathSpeed& speed);
 
-/// A sentence where the files together exceed the controller's memory for programs, with what helps; else
-/// empty.
-std::string MemoryWarning(const ProgramFiles& files, const PostSettings& settings);
+/// A sentence where the files together exceed `memory`, the bytes that the controller has for programs (0: no
+/// such bound), with what helps; else empty.
+std::string MemoryWarning(const ProgramFiles& files, size_t memory);
 
 }  // namespace millpose

@@ -81,8 +81,8 @@ std::vector<StartProgram> MakeStartPrograms(const PlanResult& plan, const PlanRe
                                             std::stop_token stop) {
   std::vector<StartProgram> starts;
   if (ways.gaps.empty()) return starts;
-  const std::unique_ptr<Post> post = MakePost(controller);
   const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
+  const PostPointer& post = inputs.cell.controllers.at(controller).post;
   const VerifyOptions options = MakeVerifyOptions(inputs.job, plan.arm);
   const std::vector<CallWay> calls = PlanCallWays(world, inputs, controller, stop);
   for (size_t i = 0; i + 1 < plan.gaps.size(); ++i) {

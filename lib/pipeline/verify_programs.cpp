@@ -34,13 +34,12 @@ std::vector<std::string> SortedFiles(const fs::path& folder) {
   return names;
 }
 
-/// The post whose main programs end like this file.
-std::unique_ptr<Post> PostOf(const fs::path& program) {
+/// The controller whose main programs end like this file.
+std::string ControllerOf(const fs::path& program) {
   std::vector<std::string> endings;
   for (const PostEntry& entry : Posts().entries()) {
-    std::unique_ptr<Post> post = entry.make();
-    endings.push_back(post->Endings().front());
-    if (program.extension() == endings.back()) return post;
+    endings.push_back(entry.make()->Endings().front());
+    if (program.extension() == endings.back()) return entry.name;
   }
   const std::string last = endings.back();
   endings.pop_back();
@@ -100,15 +99,15 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::
     throw InputError(Place{arguments.target.string(), 0, 0, -1},
                      "a program needs its cell: --cell CELL.yaml expected");
   }
-  const std::unique_ptr<Post> post = PostOf(arguments.target);
-  const std::string controller = post->Name();
+  const std::string controller = ControllerOf(arguments.target);
   JobInputs inputs;
   inputs.cell = LoadCell(*arguments.cell, &inputs.body_bytes, arguments.root);
   const World world(MakeCell(inputs.cell, inputs.body_bytes));
   const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
+  const PostPointer& post = inputs.cell.controllers.at(controller).post;
   const Arm& arm = world.cell().arm;
   MotionProgram program = post->Read(FilesOf(arguments.target, *post, arguments.root), arm, settings);
-  std::vector<std::string> assumptions = AssumeFrames(program, settings.X_KB);
+  std::vector<std::string> assumptions = AssumeFrames(program, post->BaseInWorld());
   for (const DeclaredCall& call : program.calls) assumptions.push_back(AssumptionOf(call));
   std::ranges::copy(CellWarnings(inputs.cell), std::back_inserter(assumptions));
   const VerifyOptions options = MakeVerifyOptions(inputs.job, arm);
@@ -134,7 +133,7 @@ void VerifyStarts(const PlanResult& plan, const JobInputs& inputs, const std::st
   if (!fs::is_directory(folder)) return;
   const PlanResult ways = ParsePlanResult(arguments.root.Read(ways_file), ways_file.string());
   const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
-  const std::unique_ptr<Post> post = MakePost(controller);
+  const PostPointer& post = inputs.cell.controllers.at(controller).post;
   const std::vector<CallWay> calls = PlanCallWays(world, inputs, controller, stop);
   for (size_t i = 0; i + 1 < plan.gaps.size(); ++i) {
     const PlanResult single = SingleStart(plan, ways, i);
@@ -170,7 +169,7 @@ std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Prog
     ProgramFiles files;
     for (const std::string& name : SortedFiles(folder)) files[name] = arguments.root.Read(folder / name);
     const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
-    MotionProgram program = MakePost(controller)->Read(files, plan.arm, settings);
+    MotionProgram program = inputs.cell.controllers.at(controller).post->Read(files, plan.arm, settings);
     const std::vector<CallWay> calls = PlanCallWays(world, inputs, controller, stop);
     const MotionProgram planned = MakeProgramMotions(plan, inputs, controller, {}, calls).planned;
     CompleteFrames(program, planned);

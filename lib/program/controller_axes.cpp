@@ -49,16 +49,16 @@ Matrix3d FromAnglesZxz(const Vector3d& angles) {
   return About(2, angles[0]) * About(0, angles[1]) * About(2, angles[2]);
 }
 
-Vector3d ToolAngles(const std::string& rotation, const Matrix3d& R) {
-  return rotation == "rpy" ? Vector3d(AnglesZyx(R).reverse()) : AnglesZxz(R);
+Vector3d ToolAngles(AngleOrder rotation, const Matrix3d& R) {
+  return rotation == AngleOrder::kRpy ? Vector3d(AnglesZyx(R).reverse()) : AnglesZxz(R);
 }
 
-Matrix3d FromToolAngles(const std::string& rotation, const Vector3d& abc) {
-  return rotation == "rpy" ? FromAnglesZyx(abc.reverse()) : FromAnglesZxz(abc);
+Matrix3d FromToolAngles(AngleOrder rotation, const Vector3d& abc) {
+  return rotation == AngleOrder::kRpy ? FromAnglesZyx(abc.reverse()) : FromAnglesZxz(abc);
 }
 
-Vector3d ToolAnglesNear(const std::string& rotation, const Matrix3d& R, const Vector3d& near) {
-  const bool rpy = rotation == "rpy";
+Vector3d ToolAnglesNear(AngleOrder rotation, const Matrix3d& R, const Vector3d& near) {
+  const bool rpy = rotation == AngleOrder::kRpy;
   const int outer = rpy ? 2 : 0, inner = 2 - outer;
   Vector3d first = ToolAngles(rotation, R);
   if (const SineCosine inclined = SinCos(first[1]);

@@ -21,13 +21,12 @@ Eigen::Matrix3d FromAnglesZxz(const Eigen::Vector3d& angles);
 
 /// Angles A, B, C (rad) of R as SINUMERIK and LinuxCNC count: rpy R = Rz(C)·Ry(B)·Rx(A), euler
 /// R = Rz(A)·Rx(B)·Rz(C).
-Eigen::Vector3d ToolAngles(const std::string& rotation, const Eigen::Matrix3d& R);
-Eigen::Matrix3d FromToolAngles(const std::string& rotation, const Eigen::Vector3d& abc);
+Eigen::Vector3d ToolAngles(AngleOrder rotation, const Eigen::Matrix3d& R);
+Eigen::Matrix3d FromToolAngles(AngleOrder rotation, const Eigen::Vector3d& abc);
 /// Of all A, B, C that give R the nearest to `near`, full turns included: what a control that runs the three
 /// angles evenly must be told. Where only the sum or difference of two is determined, the one about the
 /// outermost axis stays.
-Eigen::Vector3d ToolAnglesNear(const std::string& rotation, const Eigen::Matrix3d& R,
-                               const Eigen::Vector3d& near);
+Eigen::Vector3d ToolAnglesNear(AngleOrder rotation, const Eigen::Matrix3d& R, const Eigen::Vector3d& near);
 
 /// The controller's angles of the arm's angles `q`, and back; rad.
 Joints ToController(const AxisConvention& axes, const Joints& q);

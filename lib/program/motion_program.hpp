@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plan/plan_result.hpp"
+#include "program/conventions.hpp"
 
 namespace millpose {
 
@@ -76,10 +77,10 @@ struct AxisConvention {
 struct MotionProgram {
   std::string name;
   std::vector<std::pair<std::string, std::string>> header;  ///< key, value: printed as comments
-  std::optional<Pose> X_BP;      ///< workpiece (base) frame in the robot's base; empty when the text has none
-  std::optional<Pose> X_FT;      ///< tool in the flange; empty when the text has none
-  AxisConvention axes;           ///< that `turn` counts in
-  std::string rotation = "rpy";  ///< how `angles` of motions turn, see ToolAngles()
+  std::optional<Pose> X_BP;  ///< workpiece (base) frame in the robot's base; empty when the text has none
+  std::optional<Pose> X_FT;  ///< tool in the flange; empty when the text has none
+  AxisConvention axes;       ///< that `turn` counts in
+  AngleOrder rotation = AngleOrder::kRpy;              ///< how `angles` of motions turn, see ToolAngles()
   Eigen::Matrix3d R_TC = Eigen::Matrix3d::Identity();  ///< controller's tool frame, whose `angles` these are
   bool blend_is_distance = false;  ///< of motions: from the corner to where its rounding may begin
   /// Unit direction of the tool, in T, that straight motions swivel evenly while the tool turns evenly about

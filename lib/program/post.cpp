@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "program/post.hpp"
+#include "program/post_entry.hpp"
 
 namespace millpose {
 /// Defined in the controllers' own files.
@@ -17,23 +17,16 @@ double Post::Blend(const PathTolerance&, double chord) const {
   return std::min(chord, kLargestRounding);
 }
 
-Eigen::Matrix3d ToolAxis(const std::string& name) {
-  const bool reversed = name.starts_with('-');
-  const std::string axis = reversed ? name.substr(1) : name;
-  if (axis != "x" && axis != "y" && axis != "z") {
-    throw InputError(Place{}, fmt::format("tool_axis '{}' is none of x, y, z, -x, -y, -z", name));
-  }
-  // Columns: the axes of C in T. With C's axis number k along T's z, the next axes follow T's x and y.
-  const int k = axis[0] - 'x';
-  Eigen::Matrix3d R_TC = Eigen::Matrix3d::Zero();
-  R_TC.col(k) = Eigen::Vector3d::UnitZ();
-  R_TC.col((k + 1) % 3) = Eigen::Vector3d::UnitX();
-  R_TC.col((k + 2) % 3) = Eigen::Vector3d::UnitY();
-  if (!reversed) return R_TC;
-  // Half a turn about the axis that follows.
-  R_TC.col(k) *= -1;
-  R_TC.col((k + 2) % 3) *= -1;
-  return R_TC;
+PathDynamics Post::Dynamics(const PostOptions& options) const {
+  PathDynamics dynamics;
+  dynamics.cycle = options.cycle.value_or(UsualCycle());
+  dynamics.block_time = options.block_time.value_or(dynamics.cycle);
+  if (options.path_acceleration) dynamics.acceleration = *options.path_acceleration;
+  return dynamics;
+}
+
+FrameTexts Post::Frames(const PostSettings& settings) const {
+  return {settings.tool_name + " in the flange", "workpiece in the robot base", {}};
 }
 
 }  // namespace millpose

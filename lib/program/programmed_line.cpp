@@ -42,7 +42,7 @@ ProgrammedLine::ProgrammedLine(const Pose& from, const Pose& to, const Vector3d&
   by_swivel_ = by;
 }
 
-ProgrammedLine::ProgrammedLine(const Vector3d& from, const Vector3d& to, const std::string& rotation,
+ProgrammedLine::ProgrammedLine(const Vector3d& from, const Vector3d& to, AngleOrder rotation,
                                const Matrix3d& R_TC, const Vector3d& first, const Vector3d& last)
     : line_(Pose(Eigen::Translation3d(from)), Pose(Eigen::Translation3d(to))),
       by_angles_(ByAngles{rotation, R_TC.transpose(), first, last}) {}

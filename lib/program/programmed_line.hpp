@@ -3,9 +3,9 @@
 
 #include <functional>
 #include <optional>
-#include <string>
 
 #include "motion/line.hpp"
+#include "program/conventions.hpp"
 
 namespace millpose {
 
@@ -18,7 +18,7 @@ class ProgrammedLine {
   /// orientation turns about it (KRL's LIN with $ORI_TYPE = #VAR; the direction is $TOOL_DIRECTION).
   ProgrammedLine(const Pose& from, const Pose& to, const Eigen::Vector3d& direction);
   /// Orientation by angles (rad) from `first` to `last`: R = FromToolAngles(rotation, angles)·R_TCᵀ.
-  ProgrammedLine(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const std::string& rotation,
+  ProgrammedLine(const Eigen::Vector3d& from, const Eigen::Vector3d& to, AngleOrder rotation,
                  const Eigen::Matrix3d& R_TC, const Eigen::Vector3d& first, const Eigen::Vector3d& last);
 
   Pose At(double share) const;  ///< 0..1
@@ -27,7 +27,7 @@ class ProgrammedLine {
 
  private:
   struct ByAngles {
-    std::string rotation;
+    AngleOrder rotation = AngleOrder::kRpy;
     Eigen::Matrix3d R_CT;
     Eigen::Vector3d first, last;
   };

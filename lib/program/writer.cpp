@@ -46,13 +46,13 @@ std::vector<std::string> ProgramWriter::Parts() const {
     all_motions += section.motions;
     all_bytes += section.text.size();
   }
-  if (all_motions <= settings_.max_motions && all_bytes <= settings_.max_bytes) return {};
+  if (all_motions <= settings_.max_motions && all_bytes <= settings_.max_bytes()) return {};
   std::vector<std::string> texts;
   int motions = 0;
   for (size_t i = 0; i + 1 < sections_.size(); ++i) {
     const Section& section = sections_[i];
     const bool fits = !texts.empty() && motions + section.motions <= settings_.max_motions &&
-                      texts.back().size() + section.text.size() <= settings_.max_bytes;
+                      texts.back().size() + section.text.size() <= settings_.max_bytes();
     if (!fits) {
       texts.emplace_back();
       motions = 0;
@@ -105,7 +105,7 @@ void ProgramWriter::AddLines(const std::vector<std::string>& lines, const std::s
 int ProgramWriter::TurnAt(const Motion& motion, const Pose& X_PC_as_written) const {
   if (!motion.q || !program_.X_BP) return *motion.turn;
   Pose X_PT = X_PC_as_written;
-  X_PT.linear() = X_PT.linear() * settings_.R_TC.transpose();
+  X_PT.linear() = X_PT.linear() * settings_.R_TC().transpose();
   const Pose X_BF = *program_.X_BP * X_PT * X_FT_.inverse();
   return TurnAsWritten(arm_, settings_.axes, X_BF, *motion.status, *motion.q);
 }

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/enum_words.hpp"
 #include "base/error.hpp"
 #include "yaml/value.hpp"
 
@@ -126,6 +127,12 @@ Codec<T> ChoiceOf(std::vector<std::pair<std::string, T>> choices) {
     return Value();
   };
   return codec;
+}
+
+/// The same of an enum's table of words.
+template <class T, size_t kCount>
+Codec<T> ChoiceOf(const EnumWords<T, kCount>& words) {
+  return ChoiceOf<T>(std::vector<std::pair<std::string, T>>(words.begin(), words.end()));
 }
 
 /// A value that may be missing.

@@ -3,6 +3,7 @@
 // list of Fields. From it come strict reading, writing, the JSON Schema and the reference page.
 #pragma once
 
+#include "base/pose_settings.hpp"
 #include "yaml/codec.hpp"
 
 namespace millpose::yaml {
@@ -170,5 +171,8 @@ Codec<S> OneOf(std::string S::*kind, std::vector<std::pair<std::string, Codec<S>
   };
   return codec;
 }
+
+/// {xyz_mm, abc_deg}.
+Codec<PoseSettings> PoseFields();
 
 }  // namespace millpose::yaml

@@ -14,7 +14,7 @@ void WriteAndVerify(benchmark::State& state, const std::string& variant, const E
       SamplePlan({.points = 200, .spacing = 1, .ring = false, .passes = 500, .stepover = 0.5});
   const World world(SampleCell(plan));
   const PostSettings settings = SampleSettings(variant);
-  const auto post = MakePost(ControllerOf(variant));
+  const auto post = SamplePost(variant);
   size_t findings = 0, motions = 0;
   for (auto _ : state) {
     const MotionProgram program = MakeMotionProgram(plan);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "program/krl/krl.hpp"
 #include "tests/verify/sample_cell.hpp"
 
 namespace millpose::campaign {
@@ -15,16 +16,24 @@ PostSettings SettingsOf(const std::string& variant) {
   settings.texts["coolant_off"] = variant.starts_with("krl") ? "$OUT[8]=FALSE" : "M9";
   if (variant.ends_with("_more")) {
     settings.path_acceleration = 2000;
-    settings.orientation_acceleration = 5;
-    settings.external = {500, -20.5};
     settings.load = ToolLoad{85, {-120, 0, 130}, {4, 5, 6}};
-  }
-  if (variant.ends_with("_numbered")) {
-    settings.base_number = 3;
-    settings.tool_number = 2;
   }
   if (variant.ends_with("_split")) settings.max_motions = 10;
   return settings;
+}
+
+KrlOptions KrlOptionsOf(const std::string& variant) {
+  KrlOptions options;
+  if (variant.ends_with("_more")) {
+    options.orientation_acceleration = 5;
+    options.external_axes = {500, -20.5};
+    options.write_load = true;
+  }
+  if (variant.ends_with("_numbered")) {
+    options.base_number = 3;
+    options.tool_number = 2;
+  }
+  return options;
 }
 
 /// No program has more than 100 lines: some need more of them for a pass.
@@ -48,13 +57,18 @@ Bed::Bed(const std::string& variant)
     : variant_(variant), controller_(ControllerOf(variant)), plan_(PlanOf(variant)) {
   settings_ = SettingsOf(variant);
   program_ = MakeMotionProgram(plan_, OptionsOf());
-  post_ = MakePost(controller_);
+  const KrlOptions krl = KrlOptionsOf(variant);
+  post_ = controller_ == "krl" ? std::make_unique<KrlPost>(krl) : SamplePost(variant);
   world_ = std::make_unique<World>(SampleCell(plan_));
   options_ = SampleOptions(plan_);
-  machine_ = {plan_.arm,          plan_.X_FT,          settings_.R_TC,
-              settings_.rotation, settings_.cartesian, settings_.tool_name};
-  machine_.base_number = settings_.base_number;
-  machine_.tool_number = settings_.tool_number;
+  machine_ = {plan_.arm,
+              plan_.X_FT,
+              settings_.R_TC(),
+              WordOf(kAngleOrderWords, settings_.rotation),
+              variant == "linuxcnc_cartesian",
+              settings_.tool_name};
+  machine_.base_number = krl.base_number;
+  machine_.tool_number = krl.tool_number;
   machine_.X_BP = program_.X_BP.value_or(Pose::Identity());
   program_.frames_checked = variant == "krl_more";
   files_ = post_->Write(Prepared(program_, variant, settings_, plan_.arm), plan_.arm, settings_);

@@ -3,7 +3,10 @@
 
 #include "base/file.hpp"
 #include "config/config.hpp"
+#include "program/krl/krl.hpp"
+#include "program/linuxcnc/linuxcnc.hpp"
 #include "tests/base/source_dir.hpp"
+#include "tests/program/own_options.hpp"
 
 namespace millpose {
 namespace {
@@ -147,32 +150,34 @@ TEST(RoundTrip, EveryKindOfKeySurvives) {
   EXPECT_EQ(again.bodies[4].shape.points, cell.bodies[4].shape.points);
   EXPECT_FALSE(again.programs_allowed);
   EXPECT_FALSE(again.arm.acceleration_assumed);
-  EXPECT_EQ(again.controllers.at("krl").texts, cell.controllers.at("krl").texts);
-  EXPECT_EQ(again.controllers.at("krl").texts.at("spindle_on"), "$OUT[1]=TRUE\nWAIT SEC 2\n");
+  EXPECT_EQ(again.controllers.at("krl").shared.texts, cell.controllers.at("krl").shared.texts);
+  EXPECT_EQ(again.controllers.at("krl").shared.texts.at("spindle_on"), "$OUT[1]=TRUE\nWAIT SEC 2\n");
 }
 
 TEST(RoundTrip, WhatProgramsAreMadeOfSurvives) {
   const std::string written = WriteCell(ParseCell(kCellWithEverything, "cell"));
   const CellSettings cell = ParseCell(written, "written");
-  const ControllerSettings& krl = cell.controllers.at("krl");
-  EXPECT_EQ(krl.path_acceleration, 1500);
+  const PostOptions& shared = cell.controllers.at("krl").shared;
+  const KrlOptions krl = OwnOptions<KrlPost>(cell.controllers.at("krl"));
+  EXPECT_EQ(shared.path_acceleration, 1500);
   EXPECT_EQ(krl.robroot->position, Eigen::Vector3d(50, 0, 120));
   EXPECT_EQ(krl.ersysroot->pose.position, Eigen::Vector3d(0, -200, 300));
   EXPECT_EQ(krl.ersysroot->axis, 2);
-  EXPECT_EQ(krl.ersysroot->direction, "-y");
-  EXPECT_EQ(krl.tool_direction, "z");
-  EXPECT_EQ(krl.block_time, 0.008);
+  EXPECT_EQ(krl.ersysroot->direction, FrameAxis::kMinusY);
+  EXPECT_EQ(krl.tool_direction, FrameAxis::kZ);
+  EXPECT_EQ(shared.block_time, 0.008);
   EXPECT_EQ(krl.memory_kbytes, 8000);
   EXPECT_TRUE(krl.write_load);
   EXPECT_EQ(cell.tool.load->mass, 182.5);
   EXPECT_EQ(cell.tool.load->inertia, Eigen::Vector3d(9, 11, 4.5));
-  ASSERT_EQ(krl.outputs.size(), 2u);
-  EXPECT_EQ(krl.outputs[0].delay, -0.02);
-  EXPECT_FALSE(krl.outputs[1].on);
-  ASSERT_EQ(krl.calls.size(), 2u);
-  EXPECT_FALSE(krl.calls[0].moves);
-  EXPECT_DOUBLE_EQ((*krl.calls[1].to)[5], DegToRad(0.1));
-  EXPECT_EQ(cell.controllers.at("linuxcnc").coordinates, "cartesian");
+  ASSERT_EQ(shared.outputs.size(), 2u);
+  EXPECT_EQ(shared.outputs[0].delay, -0.02);
+  EXPECT_FALSE(shared.outputs[1].on);
+  ASSERT_EQ(shared.calls.size(), 2u);
+  EXPECT_FALSE(shared.calls[0].moves);
+  EXPECT_DOUBLE_EQ(shared.calls[1].to[5], DegToRad(0.1));
+  EXPECT_TRUE(OwnOptions<LinuxCncPost>(cell.controllers.at("linuxcnc")).cartesian);
+  EXPECT_EQ(cell.controllers.at("linuxcnc").shared.rotation, AngleOrder::kEuler);
   std::string text = ReadFile(std::filesystem::path(SourceDir()) / "toolpaths/support_pad/job.yaml");
   text +=
       "program_options: {path_tolerance_mm: 0.05, point_economy: {chord_mm: 0}, dry_run_offset_mm: 20, date: "

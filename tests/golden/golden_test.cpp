@@ -17,7 +17,7 @@ void ExpectGolden(const std::string& controller, const std::string& folder, cons
                   const PostSettings& settings) {
   MotionProgram program = MakeMotionProgram(plan);
   program.frames_checked = controller == "krl";
-  const ProgramFiles files = MakePost(controller)->Write(program, plan.arm, settings);
+  const ProgramFiles files = SamplePost(folder)->Write(program, plan.arm, settings);
   for (const auto& [name, text] : files) {
     const std::filesystem::path golden = std::filesystem::path(SourceDir()) / "tests/golden" / folder / name;
     if (std::getenv("MILLPOSE_UPDATE_GOLDEN") != nullptr) {

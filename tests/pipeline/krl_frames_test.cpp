@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // $BASE in the controller's $WORLD for six mountings, against where the part really is; gravity; what the
 // controller is warned of.
-#include "pipeline/krl_frames.hpp"
-
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/program_warnings.hpp"
+#include "program/krl/krl.hpp"
 #include "tests/base/source_dir.hpp"
+#include "tests/program/own_options.hpp"
 
 namespace millpose {
 namespace {
@@ -79,11 +79,13 @@ class Mounted : public testing::TestWithParam<Mounting> {
   void SetUp() override {
     const Mounting& mounting = GetParam();
     cell.base_in_world = Settings(mounting.base_place, mounting.base_abc);
-    ControllerSettings& krl = cell.controllers.at("krl");
+    KrlOptions krl = OwnOptions<KrlPost>(cell.controllers.at("krl"));
     if (mounting.root_place) krl.robroot = Settings(*mounting.root_place, *mounting.root_abc);
-    if (!mounting.coupled) return;
-    krl.external_axes = {1500};
-    krl.ersysroot = RailSettings{Settings({0, -200, 300}, {0, 0, 0}), 1, "y"};
+    if (mounting.coupled) {
+      krl.external_axes = {1500};
+      krl.ersysroot = KrlRail{Settings({0, -200, 300}, {0, 0, 0}), 1, FrameAxis::kY};
+    }
+    SetOwnOptions<KrlPost>(cell.controllers.at("krl"), krl);
   }
 };
 INSTANTIATE_TEST_SUITE_P(Six, Mounted, testing::ValuesIn(Mountings()),
@@ -100,7 +102,8 @@ TEST_P(Mounted, BaseIsWhereTheControllerSeesThePart) {
   home.exact = true;
   const PostSettings settings = MakePostSettings(job, cell, "krl");
   const Arm arm = MakeArm(cell.arm);
-  const std::string text = MakePost("krl")->Write(program, arm, settings).at("part.src");
+  const PostPointer& post = cell.controllers.at("krl").post;
+  const std::string text = post->Write(program, arm, settings).at("part.src");
   const size_t at = text.find("$BASE = {FRAME: X ");
   ASSERT_NE(at, std::string::npos);
   double x = 0, y = 0, z = 0, a = 0, b = 0, c = 0;
@@ -114,15 +117,16 @@ TEST_P(Mounted, BaseIsWhereTheControllerSeesThePart) {
     EXPECT_LT((in_cell - by_program).norm(), 0.001) << GetParam().name;
   }
   // And back: the robot sees the part where it was planned.
-  const MotionProgram read = MakePost("krl")->Read({{"part.src", text}}, arm, settings);
+  const MotionProgram read = post->Read({{"part.src", text}}, arm, settings);
   EXPECT_LT((read.X_BP->matrix() - program.X_BP->matrix()).cwiseAbs().maxCoeff(), 2e-4);
 }
 
 TEST(KrlFrames, AnArmTurnedAgainstGravityNeedsItsRobroot) {
   std::map<std::string, std::string> bytes;
   CellSettings cell = LoadCell(std::filesystem::path(SourceDir()) / "cells/kr500_r2830.yaml", &bytes);
-  ControllerSettings& krl = cell.controllers.at("krl");
+  KrlOptions krl = OwnOptions<KrlPost>(cell.controllers.at("krl"));
   const auto problem = [&]() -> std::string {
+    SetOwnOptions<KrlPost>(cell.controllers.at("krl"), krl);
     try {
       MakePostSettings({}, cell, "krl");
       return "";
@@ -148,10 +152,12 @@ TEST(KrlFrames, AnArmTurnedAgainstGravityNeedsItsRobroot) {
 TEST(KrlFrames, ALoadToWriteMustBeGiven) {
   std::map<std::string, std::string> bytes;
   CellSettings cell = LoadCell(std::filesystem::path(SourceDir()) / "cells/kr500_r2830.yaml", &bytes);
-  cell.controllers.at("krl").write_load = true;
+  KrlOptions krl = OwnOptions<KrlPost>(cell.controllers.at("krl"));
+  krl.write_load = true;
+  SetOwnOptions<KrlPost>(cell.controllers.at("krl"), krl);
   cell.tool.load.reset();
   EXPECT_THROW(MakePostSettings({}, cell, "krl"), InputError);
-  cell.tool.load = ToolLoadSettings{180, {0, 0, 150}, {9, 9, 5}};
+  cell.tool.load = ToolLoad{180, {0, 0, 150}, {9, 9, 5}};
   EXPECT_EQ(MakePostSettings({}, cell, "krl").load->mass, 180);
 }
 
@@ -169,13 +175,10 @@ TEST(ProgramWarnings, NameTheSlowestPointsAndWhatHelps) {
 }
 
 TEST(ProgramWarnings, MemoryIsSummedOverAllFiles) {
-  PostSettings settings;
   const ProgramFiles files = {{"a.src", std::string(3000, 'x')}, {"b.src", std::string(2500, 'x')}};
-  EXPECT_EQ(MemoryWarning(files, settings), "");  // no budget
-  settings.memory = 5500;
-  EXPECT_EQ(MemoryWarning(files, settings), "");
-  settings.memory = 5400;
-  EXPECT_NE(MemoryWarning(files, settings).find("take 5 kB"), std::string::npos);
+  EXPECT_EQ(MemoryWarning(files, 0), "");  // no budget
+  EXPECT_EQ(MemoryWarning(files, 5500), "");
+  EXPECT_NE(MemoryWarning(files, 5400).find("take 5 kB"), std::string::npos);
 }
 
 }  // namespace

@@ -69,22 +69,24 @@ TEST(Angles, SinumerikOrdersAreTheManuals) {
     return Eigen::AngleAxisd(angle, Vector3d::Unit(axis)).toRotationMatrix();
   };
   const Vector3d abc(0.3, -0.4, 1.1);
-  EXPECT_LT((FromToolAngles("rpy", abc) - about(2, 1.1) * about(1, -0.4) * about(0, 0.3)).norm(), 1e-14);
-  EXPECT_LT((FromToolAngles("euler", abc) - about(2, 0.3) * about(0, -0.4) * about(2, 1.1)).norm(), 1e-14);
-  EXPECT_LT((ToolAngles("rpy", FromToolAngles("rpy", abc)) - abc).norm(), 1e-14);
+  EXPECT_LT((FromToolAngles(AngleOrder::kRpy, abc) - about(2, 1.1) * about(1, -0.4) * about(0, 0.3)).norm(),
+            1e-14);
+  EXPECT_LT((FromToolAngles(AngleOrder::kEuler, abc) - about(2, 0.3) * about(0, -0.4) * about(2, 1.1)).norm(),
+            1e-14);
+  EXPECT_LT((ToolAngles(AngleOrder::kRpy, FromToolAngles(AngleOrder::kRpy, abc)) - abc).norm(), 1e-14);
 }
 
 TEST(ToolAxis, PutsTheNamedAxisAlongTheTool) {
-  for (const std::string name : {"x", "y", "z", "-x", "-y", "-z"}) {
-    const Matrix3d R_TC = ToolAxis(name);
+  for (const auto& [name, axis] : kFrameAxisWords) {
+    const Matrix3d R_TC = ToolAxis(axis);
     EXPECT_NEAR(R_TC.determinant(), 1, 1e-15) << name;
     EXPECT_LT((R_TC * R_TC.transpose() - Matrix3d::Identity()).norm(), 1e-15) << name;
     const double sign = name[0] == '-' ? -1 : 1;
     const Vector3d along = R_TC.col(name.back() - 'x') * sign;
     EXPECT_EQ(along, Vector3d::UnitZ()) << name;
+    EXPECT_EQ(R_TC * DirectionOf(axis), Vector3d::UnitZ()) << name;
   }
-  EXPECT_EQ(ToolAxis("z"), Matrix3d::Identity());
-  EXPECT_THROW(ToolAxis("w"), InputError);
+  EXPECT_EQ(ToolAxis(FrameAxis::kZ), Matrix3d::Identity());
 }
 
 TEST(Turn, StatusAndTurnNameOneJointPosition) {

@@ -5,6 +5,8 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "program/controller_axes.hpp"
+#include "program/krl/krl.hpp"
 #include "program/scanner.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
@@ -20,16 +22,16 @@ struct Checked {
   PlanResult plan = SamplePlan();
   PostSettings settings = SampleSettings("krl");
   MotionProgram program = MakeMotionProgram(plan);
-  std::unique_ptr<Post> post = MakePost("krl");
+  KrlOptions options;
 
   explicit Checked(const Pose& X_KB = Pose::Identity()) {
-    settings.X_KB = X_KB;
+    options.robroot = {X_KB.translation(), AnglesZyx(X_KB.linear())};
     program.frames_checked = true;
   }
-  ProgramFiles Write() const { return post->Write(program, plan.arm, settings); }
+  ProgramFiles Write() const { return KrlPost(options).Write(program, plan.arm, settings); }
   std::string Text() const { return Write().rbegin()->second; }
   MotionProgram Read(const std::string& text) const {
-    return post->Read({{"Sample_wall_plan.src", text}}, plan.arm, settings);
+    return KrlPost(options).Read({{"Sample_wall_plan.src", text}}, plan.arm, settings);
   }
 };
 
@@ -65,7 +67,8 @@ TEST(KrlHead, IsReadBackAndMissed) {
   const Checked checked;
   const std::string text = checked.Text();
   EXPECT_TRUE(checked.Read(text).frames_checked);
-  EXPECT_EQ(checked.post->Write(checked.Read(text), checked.plan.arm, checked.settings), checked.Write());
+  EXPECT_EQ(KrlPost(checked.options).Write(checked.Read(text), checked.plan.arm, checked.settings),
+            checked.Write());
   const size_t begin = text.find("MP_OFF = {"), end = text.rfind("ENDIF\n") + 6;
   std::string without = text;
   without.erase(begin, end - begin);
@@ -110,9 +113,9 @@ TEST(KrlHead, TheBaseIsGivenInTheControllersWorld) {
 }
 
 TEST(KrlHead, ARailIsCheckedByItsRoot) {
-  Checked checked(Mounting({1500, 0, 600}, 0, 0, 0));
-  checked.settings.ersysroot = Mounting({0, 0, 600}, 0, 0, 0);
-  checked.settings.external = {1500};
+  Checked checked;
+  checked.options.ersysroot = KrlRail{{{0, 0, 600}, Vector3d::Zero()}, 1, FrameAxis::kX};
+  checked.options.external_axes = {1500};
   const std::string text = checked.Text();
   EXPECT_NE(text.find("Z 600.0000,A 0.000000,B 0.000000,C 0.000000}\nMP_OFF = INV_POS(MP_OFF):$ERSYSROOT"),
             std::string::npos);
@@ -121,6 +124,7 @@ TEST(KrlHead, ARailIsCheckedByItsRoot) {
 
 TEST(KrlHead, LoadIsWrittenAndExpected) {
   Checked checked;
+  checked.options.write_load = true;
   checked.settings.load = ToolLoad{182.5, {-30, 0, 140.25}, {9.5, 11, 4.25}};
   const std::string text = checked.Text();
   const std::string line =
@@ -138,8 +142,8 @@ TEST(KrlHead, LoadIsWrittenAndExpected) {
 
 TEST(KrlHead, NumberedFramesMustBeTheCells) {
   Checked checked;
-  checked.settings.base_number = 3;
-  checked.settings.tool_number = 7;
+  checked.options.base_number = 3;
+  checked.options.tool_number = 7;
   const std::string text = checked.Text();
   EXPECT_FALSE(checked.Read(text).X_BP);
   for (const auto& [from, to] :

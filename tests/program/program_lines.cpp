@@ -14,7 +14,7 @@ ProgramLines::ProgramLines(const std::string& name, PlanResult sample)
       settings(SampleSettings(name)),
       plan(std::move(sample)),
       program(MakeMotionProgram(plan)),
-      post(MakePost(ControllerOf(name))),
+      post(SamplePost(name)),
       files(post->Write(program, plan.arm, settings)) {
   for (const std::string_view line : SplitLines(files.rbegin()->second)) lines.emplace_back(line);
 }

@@ -13,7 +13,7 @@ std::vector<Problem> Check(const std::string& variant, const std::string& name, 
   PostSettings settings = SampleSettings(variant);
   settings.texts = {{name, text}};
   settings.calls = std::move(calls);
-  return MakePost(ControllerOf(variant))->CheckTexts(SampleArm(), settings);
+  return SamplePost(variant)->CheckTexts(SampleArm(), settings);
 }
 
 TEST(CellTexts, WhatNoReaderModelsIsRefused) {
@@ -102,7 +102,7 @@ TEST(CellTexts, CallsMakeSettingsUnknown) {
   const PlanResult plan = SamplePlan();
   for (const std::string variant : {"krl", "sinumerik", "linuxcnc", "linuxcnc_cartesian"}) {
     PostSettings settings = SampleSettings(variant);
-    const auto post = MakePost(ControllerOf(variant));
+    const auto post = SamplePost(variant);
     const bool krl = variant == "krl", linuxcnc = ControllerOf(variant) == "linuxcnc";
     settings.calls = {{"WASH", false, {}, {}}};
     const std::string call = krl ? "WASH()" : linuxcnc ? "O<WASH> CALL" : "WASH";

@@ -7,7 +7,9 @@
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
 #include "program/economy.hpp"
+#include "program/krl/krl.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
+#include "program/post_entry.hpp"
 #include "program/scanner.hpp"
 #include "tests/program/sample_plan.hpp"
 
@@ -16,7 +18,7 @@ namespace {
 
 class EachPost : public testing::TestWithParam<std::string> {
  protected:
-  std::unique_ptr<Post> post = MakePost(ControllerOf(GetParam()));
+  std::unique_ptr<Post> post = SamplePost(GetParam());
   PostSettings settings = SampleSettings(GetParam());
   PlanResult plan = SamplePlan();
   MotionProgram program = MakeMotionProgram(plan);
@@ -168,7 +170,7 @@ TEST_P(EachPost, SplitsBehindRetractsOnly) {
   settings.max_motions = 18;
   EXPECT_EQ(post->Write(program, plan.arm, settings).size(), files.size() + 2);
   settings.max_motions = 1400;
-  settings.max_bytes = 1500;
+  settings.max_kbytes = 2;
   EXPECT_GT(post->Write(program, plan.arm, settings).size(), files.size());
 }
 
@@ -294,11 +296,12 @@ TEST_P(EachPost, LongPiecesAreHandedOverAtAStop) {
 
 TEST(Krl, NumberedFramesAndExternalAxes) {
   const PlanResult plan = SamplePlan();
-  PostSettings settings = SampleSettings("krl");
-  settings.base_number = 3;
-  settings.tool_number = 7;
-  settings.external = {1200.5, -90};
-  const auto post = MakePost("krl");
+  const PostSettings settings = SampleSettings("krl");
+  KrlOptions options;
+  options.base_number = 3;
+  options.tool_number = 7;
+  options.external_axes = {1200.5, -90};
+  auto post = std::make_unique<KrlPost>(options);
   const ProgramFiles files = post->Write(MakeMotionProgram(plan), plan.arm, settings);
   std::string text = files.rbegin()->second;
   EXPECT_NE(text.find("BAS (#BASE,3 )\nBAS (#TOOL,7 )\n"), std::string::npos);
@@ -308,7 +311,8 @@ TEST(Krl, NumberedFramesAndExternalAxes) {
   EXPECT_EQ(post->Write(read, plan.arm, settings), files);
   text.replace(text.find("E1 1200.5"), 9, "E1 1200.6");
   EXPECT_THROW(post->Read({{"Sample_wall_plan.src", text}}, plan.arm, settings), InputError);
-  settings.base_number = 4;
+  options.base_number = 4;
+  post = std::make_unique<KrlPost>(options);
   EXPECT_THROW(post->Read(files, plan.arm, settings), InputError);
 }
 

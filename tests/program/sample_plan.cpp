@@ -4,7 +4,7 @@
 #include "base/rotation.hpp"
 #include "base/units.hpp"
 #include "program/bound_turns.hpp"
-#include "program/sinumerik/sinumerik.hpp"
+#include "program/linuxcnc/linuxcnc.hpp"
 #include "robot/kinematics.hpp"
 
 namespace millpose {
@@ -190,21 +190,30 @@ PostSettings SampleSettings(const std::string& variant) {
   settings.X_FT = SampleTool();
   settings.tool_name = "SPINDLE_D20";
   if (ControllerOf(variant) == "krl") {
-    settings.R_TC = ToolAxis("x");
+    settings.tool_axis = FrameAxis::kX;
     settings.texts = {{"spindle_on", "$ANOUT[1]={rpm}\n$OUT[1]=TRUE"}, {"spindle_off", "$OUT[1]=FALSE"}};
   }
-  settings.cartesian = variant == "linuxcnc_cartesian";
-  if (variant == "sinumerik_euler") settings.rotation = "euler";
+  if (variant == "sinumerik_euler") settings.rotation = AngleOrder::kEuler;
   return settings;
+}
+
+std::unique_ptr<Post> SamplePost(const std::string& variant) {
+  if (variant == "linuxcnc_cartesian") return std::make_unique<LinuxCncPost>(LinuxCncOptions{true});
+  return MakePost(ControllerOf(variant));
 }
 
 MotionProgram Prepared(const MotionProgram& program, const std::string& variant, const PostSettings& settings,
                        const Arm& arm) {
+  return Prepared(program, *SamplePost(variant), settings, arm);
+}
+
+MotionProgram Prepared(const MotionProgram& program, const Post& post, const PostSettings& settings,
+                       const Arm& arm) {
   MotionProgram prepared = program;
-  if (ControllerOf(variant) != "sinumerik") return prepared;
+  if (post.Name() != "sinumerik") return prepared;
   std::vector<size_t> origin(program.motions.size());
   for (size_t i = 0; i < origin.size(); ++i) origin[i] = i;
-  BoundTurns(prepared, origin, arm, {SinumerikLines(settings), WrittenTolerance({}).angle});
+  BoundTurns(prepared, origin, arm, {post.Lines(settings), WrittenTolerance({}).angle});
   return prepared;
 }
 

@@ -32,9 +32,12 @@ MotionOptions SampleFeeds();
 /// Settings as the kr500_r2830 cell gives them for a controller, or for a variant of it: krl,
 /// sinumerik, sinumerik_euler, linuxcnc, linuxcnc_cartesian.
 PostSettings SampleSettings(const std::string& variant);
+std::unique_ptr<Post> SamplePost(const std::string& variant);
 /// The program as it is handed to the writer of a variant's controller: with the points that its way to turn
 /// the tool needs.
 MotionProgram Prepared(const MotionProgram& program, const std::string& variant, const PostSettings& settings,
+                       const Arm& arm);
+MotionProgram Prepared(const MotionProgram& program, const Post& post, const PostSettings& settings,
                        const Arm& arm);
 /// The controller of a variant.
 std::string ControllerOf(const std::string& variant);

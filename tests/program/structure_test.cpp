@@ -6,6 +6,7 @@
 #include <regex>
 
 #include "program/economy.hpp"
+#include "program/krl/krl.hpp"
 #include "program/scanner.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
@@ -189,13 +190,18 @@ TEST(Structure, EveryTextIsWellFormed) {
     for (const int most : {5, 12, 1400}) {
       PostSettings settings = SampleSettings(variant);
       settings.max_motions = most;
-      if (most == 12) settings.external = {100, -20};
       settings.path_acceleration = 2000;
-      settings.orientation_acceleration = 10;
+      std::unique_ptr<Post> post = SamplePost(variant);
+      if (ControllerOf(variant) == "krl") {
+        KrlOptions krl;
+        if (most == 12) krl.external_axes = {100, -20};
+        krl.orientation_acceleration = 10;
+        post = std::make_unique<KrlPost>(krl);
+      }
       MotionProgram program = MakeMotionProgram(plan, options);
       if (most == 5) AddHandovers(program, most);
       const std::string controller = ControllerOf(variant);
-      for (const auto& [file, text] : MakePost(controller)->Write(program, plan.arm, settings)) {
+      for (const auto& [file, text] : post->Write(program, plan.arm, settings)) {
         EXPECT_EQ(Check(controller, file, text), Complaints{}) << variant << " " << file;
       }
     }
@@ -236,7 +242,7 @@ TEST(Structure, ThePlungeFeedHoldsTowardsTheMaterial) {
       for (const std::string variant :
            {"krl", "sinumerik", "sinumerik_euler", "linuxcnc", "linuxcnc_cartesian"}) {
         const PostSettings settings = SampleSettings(variant);
-        const auto post = MakePost(ControllerOf(variant));
+        const auto post = SamplePost(variant);
         const ProgramFiles files = post->Write(MakeMotionProgram(plan, options), plan.arm, settings);
         MotionProgram read = post->Read(files, plan.arm, settings);
         // Where poses follow joints the way begins above the first point, 50 mm out.

@@ -8,9 +8,9 @@
 namespace millpose {
 
 TextPlaces::TextPlaces(const std::string& variant)
-    : controller_(ControllerOf(variant)), plan_(SamplePlan()), settings_(SampleSettings(variant)) {
+    : post_(SamplePost(variant)), plan_(SamplePlan()), settings_(SampleSettings(variant)) {
   const MotionProgram program = MakeMotionProgram(plan_);
-  const ProgramFiles files = MakePost(controller_)->Write(program, plan_.arm, settings_);
+  const ProgramFiles files = post_->Write(program, plan_.arm, settings_);
   file_ = files.rbegin()->first;  // .src comes after .dat
   text_ = files.rbegin()->second;
 }
@@ -35,7 +35,7 @@ std::string TextPlaces::Behind(const std::string& at, const std::string& end) co
 }
 
 MotionProgram TextPlaces::Read(const std::string& text) const {
-  return MakePost(controller_)->Read({{file_, text}}, plan_.arm, settings_);
+  return post_->Read({{file_, text}}, plan_.arm, settings_);
 }
 
 std::string TextPlaces::Problems(const std::string& text) const {

@@ -27,7 +27,8 @@ class TextPlaces {
   void ExpectRefused(const std::string& text, const std::string& what, const std::string& hint) const;
 
  private:
-  std::string controller_, file_, text_;
+  std::unique_ptr<Post> post_;
+  std::string file_, text_;
   PlanResult plan_;
   PostSettings settings_;
 };

@@ -46,8 +46,8 @@ TEST(Words, CoolantGoesOnAfterTheSpindleAndOffBefore) {
 
 TEST(Words, AnglesThatRunEvenlyGoOnBeyondHalfATurn) {
   const Eigen::Vector3d near = Eigen::Vector3d(10, 20, 179) * kRadPerDeg;
-  const Eigen::Matrix3d R = FromToolAngles("rpy", Eigen::Vector3d(10, 20, -179) * kRadPerDeg);
-  const Eigen::Vector3d found = ToolAnglesNear("rpy", R, near) * kDegPerRad;
+  const Eigen::Matrix3d R = FromToolAngles(AngleOrder::kRpy, Eigen::Vector3d(10, 20, -179) * kRadPerDeg);
+  const Eigen::Vector3d found = ToolAnglesNear(AngleOrder::kRpy, R, near) * kDegPerRad;
   EXPECT_LT((found - Eigen::Vector3d(10, 20, 181)).norm(), 1e-9);
 }
 

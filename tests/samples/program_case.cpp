@@ -3,6 +3,8 @@
 
 #include "pipeline/assemble.hpp"
 #include "pipeline/make_programs.hpp"
+#include "program/linuxcnc/linuxcnc.hpp"
+#include "tests/program/own_options.hpp"
 
 namespace millpose {
 
@@ -11,7 +13,7 @@ std::vector<std::string> Variants() { return {"krl", "sinumerik", "linuxcnc", "l
 MotionProgram ProgramCase::Read(const Arm& arm, const std::string& text) const {
   ProgramFiles edited = files;
   edited[name] = text;
-  MotionProgram program = MakePost(controller)->Read(edited, arm, settings);
+  MotionProgram program = post->Read(edited, arm, settings);
   CompleteFrames(program, motions.planned);
   return program;
 }
@@ -20,12 +22,14 @@ ProgramCase MakeCase(const Sample& sample, const std::string& variant) {
   ProgramCase made;
   made.controller = variant.substr(0, variant.find('_'));
   JobInputs inputs = sample.inputs;
-  ControllerSettings& settings = inputs.cell.controllers.at(made.controller);
-  if (variant == "linuxcnc_cartesian") settings.coordinates = "cartesian";
+  ControllerOptions& controller = inputs.cell.controllers.at(made.controller);
+  if (variant == "linuxcnc_cartesian") SetOwnOptions<LinuxCncPost>(controller, {true});
   if (made.controller == "krl") {
-    settings.texts = {{"spindle_on", "$ANOUT[1]={rpm}\n$OUT[1]=TRUE"}, {"spindle_off", "$OUT[1]=FALSE"}};
+    controller.shared.texts = {{"spindle_on", "$ANOUT[1]={rpm}\n$OUT[1]=TRUE"},
+                               {"spindle_off", "$OUT[1]=FALSE"}};
   }
-  settings.outputs = {{5, "cut_begin", true, 0}, {5, "cut_end", false, 0}};
+  controller.shared.outputs = {{5, true, 0, true}, {5, false, 0, false}};
+  made.post = controller.post;
   made.settings = MakePostSettings(inputs.job, inputs.cell, made.controller);
   made.options = MakeVerifyOptions(inputs.job, sample.plan.arm);
   made.motions = MakeProgramMotions(sample.plan, inputs, made.controller, {});
@@ -34,7 +38,7 @@ ProgramCase MakeCase(const Sample& sample, const std::string& variant) {
     for (auto& [key, value] : program->header)
       if (key == "version") value = "millpose 0.0.0";
   }
-  made.files = MakePost(made.controller)->Write(made.motions.written, sample.plan.arm, made.settings);
+  made.files = made.post->Write(made.motions.written, sample.plan.arm, made.settings);
   for (const auto& [name, text] : made.files) {
     if (made.name.empty() || text.size() > made.files.at(made.name).size()) made.name = name;
   }

@@ -4,6 +4,7 @@
 
 #include "cell/world.hpp"
 #include "pipeline/program_motions.hpp"
+#include "program/post_entry.hpp"
 #include "tests/samples/frozen_plan.hpp"
 #include "verify/verify.hpp"
 
@@ -14,6 +15,7 @@ std::vector<std::string> Variants();
 
 struct ProgramCase {
   std::string controller;
+  PostPointer post;
   PostSettings settings;
   VerifyOptions options;
   ProgramMotions motions;

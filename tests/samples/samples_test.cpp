@@ -17,10 +17,12 @@
 #include "pipeline/run.hpp"
 #include "pipeline/workpiece.hpp"
 #include "program/controller_axes.hpp"
+#include "program/sinumerik/sinumerik.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/base/source_dir.hpp"
 #include "tests/program/interpreter.hpp"
 #include "tests/program/left_out.hpp"
+#include "tests/program/own_options.hpp"
 #include "tests/samples/program_case.hpp"
 #include "tests/verify/damage.hpp"
 #include "tests/verify/same_motions.hpp"
@@ -67,10 +69,10 @@ class SampleProgram : public testing::TestWithParam<std::tuple<std::string, std:
   const std::string text = made.files.at(made.name);
 
   bool Applies(const TextEdit& edit) const {
-    const std::string letters = made.controller == "krl"         ? "K"
-                                : made.controller == "sinumerik" ? "S"
-                                : made.settings.cartesian        ? "LC"
-                                                                 : "L";
+    const std::string letters = made.controller == "krl"          ? "K"
+                                : made.controller == "sinumerik"  ? "S"
+                                : variant == "linuxcnc_cartesian" ? "LC"
+                                                                  : "L";
     return edit.controllers.find_first_of(letters) != std::string::npos;
   }
 };
@@ -97,7 +99,7 @@ TEST_P(SampleProgram, IsConfirmed) {
   const World world(sample.cell);
   const MotionProgram read = made.Read(plan.arm, text);
   EXPECT_EQ(Text(Verify(read, world, &made.motions.planned, made.options, 2, {})), "");
-  EXPECT_EQ(MakePost(made.controller)->Write(read, plan.arm, made.settings), made.files);
+  EXPECT_EQ(made.post->Write(read, plan.arm, made.settings), made.files);
 }
 
 #ifdef MILLPOSE_WHOLE_SAMPLES
@@ -179,19 +181,21 @@ TEST(Samples, EveryControllerTakesTheSamePath) {
 
 TEST(Samples, SinumerikStaysNearThePlanHoweverItTurnsTheTool) {
   for (const std::string& name : SampleNames()) {
-    for (const char* axis : {"z", "-x"}) {
+    for (const FrameAxis axis : {FrameAxis::kZ, FrameAxis::kMinusX}) {
       for (const std::optional<bool> by_g_code : {std::optional<bool>(), std::optional(true)}) {
         Sample sample = SampleOf(name);
-        ControllerSettings& controller = sample.inputs.cell.controllers.at("sinumerik");
-        controller.tool_axis = axis;
-        controller.ori_ipo_with_g_code = by_g_code;
+        ControllerOptions& controller = sample.inputs.cell.controllers.at("sinumerik");
+        controller.shared.tool_axis = axis;
+        SinumerikOptions options = OwnOptions<SinumerikPost>(controller);
+        options.ori_ipo_with_g_code = by_g_code;
+        SetOwnOptions<SinumerikPost>(controller, options);
         ProgramCase made = MakeCase(sample, "sinumerik");
         made.options.step /= 10;  // ten times as dense as verification
         const MotionProgram read = made.Read(sample.plan.arm, made.files.at(made.name));
         EXPECT_EQ(Text(Verify(read, World(sample.cell), &made.motions.planned, made.options, 2, {})), "")
-            << name << " " << axis;
-        fmt::print("{} {} MD21104 {}: {} motions\n", name, axis, by_g_code ? "known" : "unknown",
-                   read.motions.size());
+            << name << " " << WordOf(kFrameAxisWords, axis);
+        fmt::print("{} {} MD21104 {}: {} motions\n", name, WordOf(kFrameAxisWords, axis),
+                   by_g_code ? "known" : "unknown", read.motions.size());
       }
     }
   }
@@ -264,7 +268,7 @@ TEST_P(SampleProgram, HarmlessEditsPass) {
 
 TEST_P(SampleProgram, TheRealInterpreterAgrees) {
   if (made.controller != "linuxcnc") return;
-  ExpectInterpreted(text, MakePost("linuxcnc")->Read(made.files, plan.arm, made.settings));
+  ExpectInterpreted(text, made.post->Read(made.files, plan.arm, made.settings));
 }
 
 #ifndef MILLPOSE_WHOLE_SAMPLES

@@ -53,7 +53,7 @@ class CallingProgram : public testing::TestWithParam<std::string> {
   }
 
   PlanResult plan = SamplePlan();
-  std::unique_ptr<Post> post = MakePost(ControllerOf(GetParam()));
+  std::unique_ptr<Post> post = SamplePost(GetParam());
   PostSettings settings = SampleSettings(GetParam());
   MotionOptions options;
   World world{SampleCell(plan)};

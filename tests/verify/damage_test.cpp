@@ -21,7 +21,7 @@ MotionProgram WithOutputs(const PlanResult& plan) {
 
 class DamagedProgram : public testing::TestWithParam<std::string> {
  protected:
-  std::unique_ptr<Post> post = MakePost(ControllerOf(GetParam()));
+  std::unique_ptr<Post> post = SamplePost(GetParam());
   PostSettings settings = SampleSettings(GetParam());
   PlanResult plan = SamplePlan({.wall_turn_deg = -75, .wall_yaw_deg = 12, .tilt_deg = 7});
   MotionProgram program = WithOutputs(plan);
@@ -33,10 +33,10 @@ class DamagedProgram : public testing::TestWithParam<std::string> {
 
   bool Applies(const TextEdit& edit) const {
     const std::string controller = ControllerOf(GetParam());
-    const std::string letters = controller == "krl"         ? "K"
-                                : controller == "sinumerik" ? "S"
-                                : settings.cartesian        ? "LC"
-                                                            : "L";
+    const std::string letters = controller == "krl"                  ? "K"
+                                : controller == "sinumerik"          ? "S"
+                                : GetParam() == "linuxcnc_cartesian" ? "LC"
+                                                                     : "L";
     return edit.controllers.find_first_of(letters) != std::string::npos;
   }
   /// Edits are made for the plain variants; another may have nothing that fits.

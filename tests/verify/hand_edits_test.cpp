@@ -90,7 +90,7 @@ TEST(HandEdits, TurnBitsNearZero) {
     const size_t index = static_cast<size_t>(entry - program.motions.begin());
     // The controller counts A4 from where it stands at the entry.
     settings.axes.offset[3] = -settings.axes.sign[3] * (*entry->q)[3] + 1e-6;
-    const auto post = MakePost(ControllerOf(variant));
+    const auto post = SamplePost(variant);
     const World world(SampleCell(plan));
     const auto findings = [&](const MotionProgram& written) {
       const MotionProgram read = post->Read(post->Write(written, plan.arm, settings), plan.arm, settings);

@@ -6,6 +6,7 @@
 #include "base/units.hpp"
 #include "program/economy.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
+#include "program/sinumerik/sinumerik.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/verify/sample_cell.hpp"
 #include "verify/arm_bodies.hpp"
@@ -23,7 +24,7 @@ std::string Text(const std::vector<Finding>& findings) {
 
 class VerifyPost : public testing::TestWithParam<std::string> {
  protected:
-  std::unique_ptr<Post> post = MakePost(ControllerOf(GetParam()));
+  std::unique_ptr<Post> post = SamplePost(GetParam());
   PostSettings settings = SampleSettings(GetParam());
   PlanResult plan = SamplePlan();
   MotionProgram program = MakeMotionProgram(plan);
@@ -118,7 +119,7 @@ TEST(Verify, WhatIsLeftOutAndWhatTheControlDoesStayWithinTheTolerance) {
       if (bend < 1e-4) {
         EXPECT_LT(thinned.motions.size(), planned.motions.size()) << variant << " " << bend;
       }
-      const auto post = MakePost(ControllerOf(variant));
+      const auto post = SamplePost(variant);
       const PostSettings settings = SampleSettings(variant);
       const MotionProgram prepared = Prepared(thinned, variant, settings, plan.arm);
       const MotionProgram read = post->Read(post->Write(prepared, plan.arm, settings), plan.arm, settings);
@@ -146,22 +147,24 @@ TEST(Verify, HowEverTheToolTurnsItStaysWithinTheTolerance) {
   plan.gaps.back().joints.front() = points.back().q;
   const MotionProgram planned = MakeMotionProgram(plan);
   const World world(SampleCell(plan));
-  const auto leaving = [&](const MotionProgram& written, const PostSettings& settings) {
-    const auto post = MakePost("sinumerik");
-    const MotionProgram read = post->Read(post->Write(written, plan.arm, settings), plan.arm, settings);
+  const auto leaving = [&](const MotionProgram& written, const SinumerikPost& post,
+                           const PostSettings& settings) {
+    const MotionProgram read = post.Read(post.Write(written, plan.arm, settings), plan.arm, settings);
     std::string text;
     for (const Finding& finding : Verify(read, world, &planned, SampleOptions(plan), 2, {}))
       if (finding.message.find("leaves the plan") != std::string::npos) text += finding.message + "\n";
     return text;
   };
-  for (const char* axis : {"z", "-x"}) {
+  for (const FrameAxis axis : {FrameAxis::kZ, FrameAxis::kMinusX}) {
     for (const std::optional<bool> by_g_code :
          {std::optional<bool>(), std::optional(true), std::optional(false)}) {
       PostSettings settings = SampleSettings("sinumerik");
-      settings.R_TC = ToolAxis(axis);
-      settings.ori_ipo_with_g_code = by_g_code;
-      EXPECT_NE(leaving(planned, settings), "") << axis;
-      EXPECT_EQ(leaving(Prepared(planned, "sinumerik", settings, plan.arm), settings), "") << axis;
+      settings.tool_axis = axis;
+      SinumerikOptions options;
+      options.ori_ipo_with_g_code = by_g_code;
+      const SinumerikPost post(options);
+      EXPECT_NE(leaving(planned, post, settings), "") << WordOf(kFrameAxisWords, axis);
+      EXPECT_EQ(leaving(Prepared(planned, post, settings, plan.arm), post, settings), "");
     }
   }
 }
@@ -194,7 +197,7 @@ TEST(Verify, OverlappingMotionsRoundTheOrientation) {
   for (PlannedPoint& point : plan.passes[0].points) point.point.feed_rate = 5;
   const MotionProgram program = MakeMotionProgram(plan);
   const auto rounded = [&](const std::string& variant, double acceleration) {
-    const auto post = MakePost("linuxcnc");
+    const auto post = SamplePost(variant);
     const PostSettings settings = SampleSettings(variant);
     const MotionProgram read = post->Read(post->Write(program, plan.arm, settings), plan.arm, settings);
     Cell cell = SampleCell(plan);

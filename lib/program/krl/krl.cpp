@@ -18,6 +18,8 @@ constexpr int kLengthDecimals = 4;  // 0.00005 mm per coordinate
 constexpr int kAngleDecimals = 6;   // of a degree: 0.00005 mm at 3 m
 constexpr int kEntryDecimals = 4;   // A, B, C of a PTP with S and T: the line stays within 100 columns
 
+constexpr double kUpright = 1 * kRadPerDeg;  // a base that was levelled stands within
+
 constexpr const char* kHead =
     "&ACCESS RVP\n&REL 1\n&PARAM TEMPLATE = C:\\KRC\\Roboter\\Template\\vorgabe\n&PARAM EDITMASK = *\n";
 
@@ -34,8 +36,9 @@ std::string Binary(int bits, int digits) { return fmt::format("'B{:0{}b}'", bits
 
 class KrlWriter : public ProgramWriter {
  public:
-  KrlWriter(const MotionProgram& program, const Arm& arm, const PostSettings& settings)
-      : ProgramWriter(program, arm, settings, KrlTexts()) {}
+  KrlWriter(const MotionProgram& program, const Arm& arm, const PostSettings& settings,
+            const KrlOptions& options)
+      : ProgramWriter(program, arm, settings, KrlTexts()), options_(options) {}
 
   ProgramFiles Write() {
     WriteSections();
@@ -68,7 +71,7 @@ class KrlWriter : public ProgramWriter {
     for (const std::string& text : HeaderTexts(kWidth - 2)) add("; " + text);
     if (program_.frames_checked) head += KrlDeclarations();
     head += kIni;
-    if (program_.frames_checked) head += KrlFrameCheck(settings_);
+    if (program_.frames_checked) head += KrlFrameCheck(options_);
     return head + Settings() + TextLines("header") + TextLines("tool_change");
   }
 
@@ -76,7 +79,7 @@ class KrlWriter : public ProgramWriter {
     std::string settings;
     const auto add = [&](const std::string& line) { settings += line + "\n"; };
     AddFrames(add);
-    if (settings_.load) settings += KrlLoad(settings_) + "\n";
+    if (const std::string load = KrlLoad(options_, settings_); !load.empty()) settings += load + "\n";
     AddDynamics(add);
     return settings;
   }
@@ -85,16 +88,17 @@ class KrlWriter : public ProgramWriter {
   /// values it must hold.
   template <class Add>
   void AddFrames(const Add& add) const {
-    if (settings_.base_number > 0) {
-      add(fmt::format("BAS (#BASE,{} )", settings_.base_number));
+    if (options_.base_number > 0) {
+      add(fmt::format("BAS (#BASE,{} )", options_.base_number));
     } else if (program_.X_BP) {
-      add(fmt::format("$BASE = {{FRAME: {}}}", KrlFields(settings_.X_KB * *program_.X_BP, kAngleDecimals)));
+      add(fmt::format("$BASE = {{FRAME: {}}}",
+                      KrlFields(KrlBase(options_) * *program_.X_BP, kAngleDecimals)));
     }
-    if (settings_.tool_number > 0) {
-      add(fmt::format("BAS (#TOOL,{} )", settings_.tool_number));
+    if (options_.tool_number > 0) {
+      add(fmt::format("BAS (#TOOL,{} )", options_.tool_number));
     } else if (program_.X_FT) {
       Pose X_FC = *program_.X_FT;
-      X_FC.linear() = X_FC.linear() * settings_.R_TC;
+      X_FC.linear() = X_FC.linear() * settings_.R_TC();
       add(fmt::format("$TOOL = {{FRAME: {}}}", KrlFields(X_FC, kAngleDecimals)));
     }
   }
@@ -102,19 +106,19 @@ class KrlWriter : public ProgramWriter {
   template <class Add>
   void AddDynamics(const Add& add) const {
     add("$ORI_TYPE = #VAR");
-    add(fmt::format("$ADVANCE = {}", settings_.advance));
-    add(fmt::format("BAS (#VEL_PTP,{} )", Fixed(settings_.ptp_share * 100, 0)));
+    add(fmt::format("$ADVANCE = {}", options_.advance));
+    add(fmt::format("BAS (#VEL_PTP,{} )", options_.ptp_speed_percent));
     const auto both = [&](const char* what, double value) {
       for (const int i : {1, 2}) add(fmt::format("{}.ORI{} = {}", what, i, Fixed(value * kDegPerRad, 4)));
     };
-    both("$VEL", settings_.orientation_speed);
+    both("$VEL", options_.orientation_speed);
     if (settings_.path_acceleration) add("$ACC.CP = " + Fixed(*settings_.path_acceleration / 1000, 4));
-    if (settings_.orientation_acceleration) both("$ACC", *settings_.orientation_acceleration);
+    if (options_.orientation_acceleration) both("$ACC", *options_.orientation_acceleration);
   }
 
   Pose ToolInBase(const Motion& motion) const {
     Pose X_PC = motion.X_PT;
-    X_PC.linear() = X_PC.linear() * settings_.R_TC;
+    X_PC.linear() = X_PC.linear() * settings_.R_TC();
     return X_PC;
   }
 
@@ -155,8 +159,8 @@ class KrlWriter : public ProgramWriter {
   /// The constant external axes, as fields.
   std::string External() const {
     std::string fields;
-    for (size_t i = 0; i < settings_.external.size(); ++i) {
-      fields += fmt::format(",E{} {}", i + 1, Fixed(settings_.external[i], kLengthDecimals));
+    for (size_t i = 0; i < options_.external_axes.size(); ++i) {
+      fields += fmt::format(",E{} {}", i + 1, Fixed(options_.external_axes[i], kLengthDecimals));
     }
     return fields;
   }
@@ -211,6 +215,7 @@ class KrlWriter : public ProgramWriter {
         kHead, name);
   }
 
+  const KrlOptions& options_;
   std::vector<PathOutput> outputs_;  // to be switched with the next straight motion
   std::string feed_, distance_;
   bool within_pass_ = false;  // the next section goes on with a pass
@@ -226,42 +231,40 @@ std::map<std::string, std::string> KrlTexts() {
 ProgramFiles KrlPost::Write(const MotionProgram& program, const Arm& arm,
                             const PostSettings& settings) const {
   assert(IsWellFormed(program));
-  if (program.blend_is_distance) return KrlWriter(program, arm, settings).Write();
+  if (program.blend_is_distance) return KrlWriter(program, arm, settings, options_).Write();
   MotionProgram rounded = program;
   ChooseRounding(rounded, settings.tolerance);
-  return KrlWriter(rounded, arm, settings).Write();
-}
-
-std::vector<std::string> KrlPost::Keys() const {
-  return {"base_number",
-          "tool_number",
-          "external_axes",
-          "ptp_speed_percent",
-          "advance",
-          "orientation_speed_deg_s",
-          "orientation_acceleration_deg_s2",
-          "tool_direction",
-          "robroot",
-          "ersysroot",
-          "write_load",
-          "program_memory_kbytes",
-          "max_motions",
-          "max_kbytes",
-          "delay_ms"};
+  return KrlWriter(rounded, arm, settings, options_).Write();
 }
 
 // LIN: the controller's tool direction swivels evenly, the tool turns evenly about it.
 std::vector<LineModel> KrlPost::Lines(const PostSettings& settings) const {
-  const Eigen::Vector3d direction = settings.R_TC * settings.tool_direction;
+  const Eigen::Vector3d direction = settings.R_TC() * DirectionOf(options_.tool_direction);
   return {[direction](const Pose& from, const Pose& to) { return ProgrammedLine(from, to, direction); }};
+}
+
+PathDynamics KrlPost::Dynamics(const PostOptions& options) const {
+  PathDynamics dynamics = Post::Dynamics(options);
+  dynamics.turn_acceleration = options_.orientation_acceleration;
+  return dynamics;
+}
+
+std::string KrlPost::WhyNotIn(const PostSettings& settings) const {
+  const double apart = KrlTilt(options_, settings.X_WB);
+  if (apart > kUpright)
+    return fmt::format(
+        "controllers.krl: base_in_world and robroot turn the robot by {:.1f} deg against each other, seen "
+        "from gravity; {}: the controller's $ROBROOT expected (ceiling C 180, wall B 90), which its own "
+        "model of weights uses",
+        apart * kDegPerRad, options_.robroot ? "robroot must agree" : "robroot is missing");
+  if (options_.write_load && !settings.load)
+    return "controllers.krl.write_load: tool.load is missing; expected: mass, centre and inertia of what "
+           "hangs on the flange";
+  return {};
 }
 
 void KrlPost::Round(MotionProgram& program, const Arm&, const PostSettings& settings) const {
   ChooseRounding(program, settings.tolerance);
-}
-
-PostEntry KrlEntry() {
-  return {"krl", [] { return std::make_unique<KrlPost>(); }};
 }
 
 }  // namespace millpose

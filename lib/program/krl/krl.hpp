@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "program/krl/krl_options.hpp"
 #include "program/post.hpp"
 
 namespace millpose {
@@ -9,20 +10,31 @@ namespace millpose {
 /// yet is rounded as the settings' tolerance allows.
 class KrlPost : public Post {
  public:
+  using Options = KrlOptions;
+  explicit KrlPost(Options options = {}) : options_(std::move(options)) {}
+  const Options& options() const { return options_; }
   std::string Name() const override { return "krl"; }
   std::vector<std::string> Endings() const override { return {".src"}; }
-  std::vector<std::string> Keys() const override;
   std::vector<LineModel> Lines(const PostSettings& settings) const override;
   void Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const override;
   bool HasOwnWorld() const override { return true; }
   double UsualCycle() const override { return 0.012; }  // KRC4
-  TimeOptions Times(const PostSettings& settings) const override {
-    return {settings.ptp_share, settings.orientation_speed};
+  Pose BaseInWorld() const override { return KrlBase(options_); }
+  TimeOptions Times() const override {
+    return {options_.ptp_speed_percent / 100.0, options_.orientation_speed};
   }
+  PathDynamics Dynamics(const PostOptions& options) const override;
+  std::vector<double> ExternalAxes() const override { return options_.external_axes; }
+  size_t Memory() const override { return static_cast<size_t>(options_.memory_kbytes) * 1000; }
+  std::string WhyNotIn(const PostSettings& settings) const override;
+  FrameTexts Frames(const PostSettings& settings) const override;
   ProgramFiles Write(const MotionProgram& program, const Arm& arm,
                      const PostSettings& settings) const override;
   MotionProgram Read(const ProgramFiles& files, const Arm& arm, const PostSettings& settings) const override;
   std::vector<Problem> CheckTexts(const Arm& arm, const PostSettings& settings) const override;
+
+ private:
+  Options options_;
 };
 
 /// KRL's texts for events where the cell gives none: the operator switches the spindle by hand.

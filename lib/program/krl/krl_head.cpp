@@ -3,6 +3,8 @@
 
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
+#include "program/krl/krl.hpp"
+#include "program/pose_text.hpp"
 #include "program/scanner.hpp"
 
 namespace millpose {
@@ -43,7 +45,38 @@ std::string Check(const std::string& name, const Pose& assumed) {
   return text;
 }
 
+/// Which of the controller's own frames the program uses, where it uses one.
+std::string Numbered(const char* list, int number) {
+  return number > 0 ? fmt::format("{}[{}] must hold: ", list, number) : std::string();
+}
+
+std::string LoadText(const ToolLoad& load) {
+  const auto three = [](const Eigen::Vector3d& v, int decimals) {
+    return fmt::format("{} {} {}", Fixed(v.x(), decimals), Fixed(v.y(), decimals), Fixed(v.z(), decimals));
+  };
+  return fmt::format("M {} kg, CM {} mm, J {} kg m2", Fixed(load.mass, 3), three(load.centre, 1),
+                     three(load.inertia, 3));
+}
+
 }  // namespace
+
+FrameTexts KrlPost::Frames(const PostSettings& settings) const {
+  FrameTexts texts{Numbered("TOOL_DATA", options_.tool_number) + settings.tool_name + " in the flange",
+                   Numbered("BASE_DATA", options_.base_number) + "workpiece in $WORLD",
+                   {}};
+  const std::string robroot = PoseText(KrlRobroot(options_));
+  if (options_.ersysroot) {
+    const KrlRail& rail = *options_.ersysroot;
+    texts.more = {{"ersysroot", "assumed $ERSYSROOT: " + PoseText(MakePose(rail.pose))},
+                  {"rail", fmt::format("E{} along {} of it, the robot on the carriage:", rail.axis,
+                                       WordOf(kFrameAxisWords, rail.direction))},
+                  {"carriage", robroot}};
+  } else {
+    texts.more = {{"robroot", "assumed $ROBROOT: " + robroot}};
+  }
+  if (settings.load) texts.more.emplace_back("load", LoadText(*settings.load));
+  return texts;
+}
 
 std::string KrlFields(const Pose& pose, int decimals) {
   const Eigen::Vector3d p = pose.translation();
@@ -55,12 +88,13 @@ std::string KrlFields(const Pose& pose, int decimals) {
 
 std::string KrlDeclarations() { return kDeclarations; }
 
-std::string KrlFrameCheck(const PostSettings& settings) {
-  return settings.ersysroot ? Check("$ERSYSROOT", *settings.ersysroot) : Check("$ROBROOT", settings.X_KB);
+std::string KrlFrameCheck(const KrlOptions& options) {
+  return options.ersysroot ? Check("$ERSYSROOT", MakePose(options.ersysroot->pose))
+                           : Check("$ROBROOT", KrlRobroot(options));
 }
 
-std::string KrlLoad(const PostSettings& settings) {
-  if (!settings.load) return {};
+std::string KrlLoad(const KrlOptions& options, const PostSettings& settings) {
+  if (!options.write_load || !settings.load) return {};
   const ToolLoad& load = *settings.load;
   const auto three = [](const Eigen::Vector3d& v) {
     return fmt::format("X {},Y {},Z {}", Fixed(v.x(), 4), Fixed(v.y(), 4), Fixed(v.z(), 4));

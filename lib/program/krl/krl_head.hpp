@@ -2,6 +2,7 @@
 // What a KRL program says before its first motion besides its settings. Written and read as whole texts.
 #pragma once
 
+#include "program/krl/krl_options.hpp"
 #include "program/post.hpp"
 
 namespace millpose {
@@ -10,9 +11,9 @@ namespace millpose {
 std::string KrlDeclarations();
 /// Statements that stop the program with a message where the controller's $ROBROOT ($ERSYSROOT on a coupled
 /// rail) is not the cell's.
-std::string KrlFrameCheck(const PostSettings& settings);
-/// $LOAD of the settings' load; empty without one.
-std::string KrlLoad(const PostSettings& settings);
+std::string KrlFrameCheck(const KrlOptions& options);
+/// $LOAD of the settings' load; empty where programs do not set it.
+std::string KrlLoad(const KrlOptions& options, const PostSettings& settings);
 
 /// How many lines from `first` on are those of `text`, apart from case and white space, with blank lines
 /// between; 0 when they are not.

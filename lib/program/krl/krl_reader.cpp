@@ -23,11 +23,12 @@ constexpr double kSamePlace = 1e-9;      // of a frame stated again
 
 class KrlReader : public ProgramReader {
  public:
-  KrlReader(const ProgramFiles& files, const PostSettings& settings)
+  KrlReader(const ProgramFiles& files, const PostSettings& settings, const KrlOptions& options)
       : ProgramReader(files, settings,
-                      Templates(KrlTexts(), settings.texts, settings.tool_name, {.numbers = false})) {
+                      Templates(KrlTexts(), settings.texts, settings.tool_name, {.numbers = false})),
+        options_(options) {
     program_.blend_is_distance = true;
-    program_.swivel = settings.R_TC * settings.tool_direction;
+    program_.swivel = settings.R_TC() * DirectionOf(options.tool_direction);
   }
 
  private:
@@ -134,15 +135,15 @@ class KrlReader : public ProgramReader {
   bool ReadFrames(LineScanner& scan) {
     const size_t start = scan.Next();
     if (scan.Accept("$BASE")) {
-      std::optional<Pose> X_BP = ReadFrame(scan, "BASE_DATA", settings_.base_number);
-      if (X_BP) X_BP = settings_.X_KB.inverse() * *X_BP;
+      std::optional<Pose> X_BP = ReadFrame(scan, "BASE_DATA", options_.base_number);
+      if (X_BP) X_BP = KrlBase(options_).inverse() * *X_BP;
       if (posed_ && !Same(X_BP, program_.X_BP))
         scan.FailFrom(start, "one base for all poses of the program expected");
       program_.X_BP = X_BP;
       Stated("$BASE");
     } else if (scan.Accept("$TOOL")) {
-      std::optional<Pose> X_FT = ReadFrame(scan, "TOOL_DATA", settings_.tool_number);
-      if (X_FT) X_FT->linear() = X_FT->linear() * settings_.R_TC.transpose();
+      std::optional<Pose> X_FT = ReadFrame(scan, "TOOL_DATA", options_.tool_number);
+      if (X_FT) X_FT->linear() = X_FT->linear() * settings_.R_TC().transpose();
       if (posed_ && !Same(X_FT, program_.X_FT))
         scan.FailFrom(start, "one tool for all poses of the program expected");
       program_.X_FT = X_FT;
@@ -185,7 +186,7 @@ class KrlReader : public ProgramReader {
     } else if (scan.Accept("$ACC.CP")) {
       ExpectCells(scan, settings_.path_acceleration, 1000, "path_acceleration_m_s2");
     } else if (scan.Accept("$ACC.ORI1") || scan.Accept("$ACC.ORI2")) {
-      ExpectCells(scan, settings_.orientation_acceleration, kRadPerDeg, "orientation_acceleration_deg_s2");
+      ExpectCells(scan, options_.orientation_acceleration, kRadPerDeg, "orientation_acceleration_deg_s2");
     } else if (scan.Accept("$ADVANCE")) {
       ReadAdvance(scan);
       places = kOutsideCuts;
@@ -233,14 +234,14 @@ class KrlReader : public ProgramReader {
   /// #INITMOV resets what the controller's own bas.src has: from here on nothing is known.
   void ReadBas(LineScanner& scan) {
     scan.Expect("(");
-    if (scan.Accept("#BASE")) return ReadNumbered(scan, settings_.base_number, "$BASE", program_.X_BP);
-    if (scan.Accept("#TOOL")) return ReadNumbered(scan, settings_.tool_number, "$TOOL", program_.X_FT);
+    if (scan.Accept("#BASE")) return ReadNumbered(scan, options_.base_number, "$BASE", program_.X_BP);
+    if (scan.Accept("#TOOL")) return ReadNumbered(scan, options_.tool_number, "$TOOL", program_.X_FT);
     const bool speed = scan.Accept("#VEL_PTP");
     if (!speed) scan.Expect("#INITMOV");
     scan.Expect(",");
     const size_t start = scan.Next();
     const double value = scan.ExpectNumber();
-    const double most = std::round(settings_.ptp_share * 100);
+    const int most = options_.ptp_speed_percent;
     if (!speed) Forget(kDefaults);
     Stated(speed ? kPtpSpeed : kDefaults);
     if (speed && (value < 1 || value > most))
@@ -310,21 +311,21 @@ class KrlReader : public ProgramReader {
     ExpectAll(scan, fields, {"X", "Y", "Z", "A", "B", "C"});
     last_ = fields;
     Pose X_PT = krl::PoseOf(fields);
-    X_PT.linear() = X_PT.linear() * settings_.R_TC.transpose();
+    X_PT.linear() = X_PT.linear() * settings_.R_TC().transpose();
     return X_PT;
   }
 
   /// The fields that a target may have, and the external axes that it must have.
   Fields ReadTarget(LineScanner& scan, std::vector<std::string> allowed) {
     std::vector<std::string> external;
-    for (size_t i = 0; i < settings_.external.size(); ++i) external.push_back(fmt::format("E{}", i + 1));
+    for (size_t i = 0; i < options_.external_axes.size(); ++i) external.push_back(fmt::format("E{}", i + 1));
     allowed.insert(allowed.end(), external.begin(), external.end());
     Fields fields = krl::ReadFields(scan, allowed.front() == "A1" ? "E6AXIS" : "E6POS", allowed);
     ExpectAll(scan, fields, external);
     for (size_t i = 0; i < external.size(); ++i) {
-      if (std::abs(fields.at(external[i]) - settings_.external[i]) > kExternalSlack) {
+      if (std::abs(fields.at(external[i]) - options_.external_axes[i]) > kExternalSlack) {
         scan.Fail(fmt::format("{} stays at {} in this program; that value expected", external[i],
-                              settings_.external[i]));
+                              options_.external_axes[i]));
       }
     }
     return fields;
@@ -366,6 +367,7 @@ class KrlReader : public ProgramReader {
     motion.blend = blend_;
   }
 
+  const KrlOptions& options_;
   Fields last_;                             // of the last Cartesian motion
   double feed_ = 0;                         // mm/s
   double blend_ = 0;                        // mm
@@ -374,17 +376,17 @@ class KrlReader : public ProgramReader {
   bool posed_ = false;                      // a pose was approached
   bool begun_ = false;                      // a statement was read: no declaration may follow
   bool declared_ = false;                   // the data of the frame check were read
-  const std::string check_ = KrlFrameCheck(settings_), load_ = KrlLoad(settings_);
+  const std::string check_ = KrlFrameCheck(options_), load_ = KrlLoad(options_, settings_);
 };
 
 }  // namespace
 
 std::vector<Problem> KrlPost::CheckTexts(const Arm&, const PostSettings& settings) const {
-  return KrlReader({}, settings).CheckTexts();
+  return KrlReader({}, settings, options_).CheckTexts();
 }
 
 MotionProgram KrlPost::Read(const ProgramFiles& files, const Arm&, const PostSettings& settings) const {
-  return KrlReader(files, settings).Read({".src"});
+  return KrlReader(files, settings, options_).Read({".src"});
 }
 
 }  // namespace millpose

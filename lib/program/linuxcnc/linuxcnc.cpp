@@ -30,8 +30,9 @@ Joints AsWritten(const AxisConvention& axes, const Joints& q) {
 
 class LinuxCncWriter : public ProgramWriter {
  public:
-  LinuxCncWriter(const MotionProgram& program, const Arm& arm, const PostSettings& settings)
-      : ProgramWriter(program, arm, settings, LinuxCncTexts()) {}
+  LinuxCncWriter(const MotionProgram& program, const Arm& arm, const PostSettings& settings,
+                 const LinuxCncOptions& options)
+      : ProgramWriter(program, arm, settings, LinuxCncTexts()), options_(options) {}
 
   ProgramFiles Write() {
     WriteSections();
@@ -41,10 +42,10 @@ class LinuxCncWriter : public ProgramWriter {
  private:
   std::string Head() const {
     std::string head = "; written by millpose for LinuxCNC; X Y Z A B C are the joints 1 to 6, degrees\n";
-    if (settings_.cartesian) {
+    if (options_.cartesian) {
       head += "; in cuts: the tool in the robot's base, mm, degrees; ";
-      head += settings_.rotation == "rpy" ? "C about Z, B about new Y, A about new X\n"
-                                          : "A about Z, B about new X, C about new Z\n";
+      head += settings_.rotation == AngleOrder::kRpy ? "C about Z, B about new Y, A about new X\n"
+                                                     : "A about Z, B about new X, C about new Z\n";
     }
     for (const std::string& text : HeaderTexts(kWidth - 2)) head += "; " + text + "\n";
     return head + Settings() + TextLines("header") + TextLines("tool_change");
@@ -70,7 +71,7 @@ class LinuxCncWriter : public ProgramWriter {
 
   /// Switches between joints and tool poses, where the program has both.
   void Coordinates(bool cartesian) {
-    if (!settings_.cartesian || cartesian_ == cartesian) return;
+    if (!options_.cartesian || cartesian_ == cartesian) return;
     AddText(cartesian ? "cartesian_on" : "joints_on");
     cartesian_ = cartesian;
     Restate();
@@ -79,7 +80,7 @@ class LinuxCncWriter : public ProgramWriter {
   void AddMotion(size_t i) override {
     const Motion& motion = program_.motions[i];
     blend_ = motion.blend > 0 ? motion.blend : settings_.blend;
-    if (motion.type == MotionType::kLinear && settings_.cartesian) return AddPose(i);
+    if (motion.type == MotionType::kLinear && options_.cartesian) return AddPose(i);
     Coordinates(false);
     if (motion.type == MotionType::kLinear) {
       const Motion& before = program_.motions[i - 1];
@@ -137,7 +138,7 @@ class LinuxCncWriter : public ProgramWriter {
 
   Pose ToolInBase(const Motion& motion) const {
     Pose X_BC = program_.X_BP.value_or(Pose::Identity()) * motion.X_PT;
-    X_BC.linear() = X_BC.linear() * settings_.R_TC;
+    X_BC.linear() = X_BC.linear() * settings_.R_TC();
     return X_BC;
   }
 
@@ -233,6 +234,7 @@ class LinuxCncWriter : public ProgramWriter {
     AddTexts(event);
   }
 
+  const LinuxCncOptions& options_;
   Joints last_ = Joints::Zero();        // degrees, as written
   Joints pose_words_ = Joints::Zero();  // X, Y, Z, A, B, C of the last tool pose, mm and degrees, as written
   std::optional<bool> cartesian_;       // tool poses, not joints
@@ -263,22 +265,14 @@ double FeedLength(const Joints& from, const Joints& to) {
 ProgramFiles LinuxCncPost::Write(const MotionProgram& program, const Arm& arm,
                                  const PostSettings& settings) const {
   assert(IsWellFormed(program));
-  return LinuxCncWriter(program, arm, settings).Write();
-}
-
-std::vector<std::string> LinuxCncPost::Keys() const {
-  return {"rotation", "coordinates", "cartesian_on", "joints_on"};
+  return LinuxCncWriter(program, arm, settings, options_).Write();
 }
 
 // It adds what it does between points of its own accord.
 double LinuxCncPost::AngleReserve() const { return kHalfwayAngle + kAngleMargin; }
 
 void LinuxCncPost::Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const {
-  ChooseOverlap(program, arm, settings, settings.tolerance);
-}
-
-PostEntry LinuxCncEntry() {
-  return {"linuxcnc", [] { return std::make_unique<LinuxCncPost>(); }};
+  ChooseOverlap(program, arm, settings, options_.cartesian);
 }
 
 }  // namespace millpose

@@ -5,6 +5,11 @@
 
 namespace millpose {
 
+/// What of a cell only LinuxCNC knows; the keys stand in linuxcnc_keys.cpp.
+struct LinuxCncOptions {
+  bool cartesian = false;  ///< cuts as tool poses, not joints
+};
+
 /// LinuxCNC (RS-274/NGC): NAME.ngc, docs/linuxcnc.md. In joint space X, Y, Z, A, B, C are the joints 1..6 in
 /// degrees; straight lines of the tip become joint motions in inverse time, short enough that the tip leaves
 /// the line by at most kHalfwayDeviation. Cartesian, cuts are poses of the tool in the robot's base with A,
@@ -12,9 +17,11 @@ namespace millpose {
 /// between cuts remain joint positions, between two switches of the kinematics.
 class LinuxCncPost : public Post {
  public:
+  using Options = LinuxCncOptions;
+  explicit LinuxCncPost(Options options = {}) : options_(options) {}
+  const Options& options() const { return options_; }
   std::string Name() const override { return "linuxcnc"; }
   std::vector<std::string> Endings() const override { return {".ngc"}; }
-  std::vector<std::string> Keys() const override;
   double AngleReserve() const override;
   void Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const override;
   bool NeedsSphericalWrist() const override { return false; }
@@ -24,6 +31,9 @@ class LinuxCncPost : public Post {
                      const PostSettings& settings) const override;
   MotionProgram Read(const ProgramFiles& files, const Arm& arm, const PostSettings& settings) const override;
   std::vector<Problem> CheckTexts(const Arm& arm, const PostSettings& settings) const override;
+
+ private:
+  Options options_;
 };
 
 inline constexpr double kHalfwayDeviation = 0.005;  ///< mm

@@ -49,14 +49,16 @@ int GroupOf(double g) {
 
 class LinuxCncReader : public ProgramReader {
  public:
-  LinuxCncReader(const ProgramFiles& files, const Arm& arm, const PostSettings& settings)
+  LinuxCncReader(const ProgramFiles& files, const Arm& arm, const PostSettings& settings,
+                 const LinuxCncOptions& options)
       : ProgramReader(files, settings,
                       Templates(LinuxCncTexts(), settings.texts, settings.tool_name, {.blanks = false})),
-        arm_(arm) {
+        arm_(arm),
+        options_(options) {
     program_.rotation = settings.rotation;
-    program_.R_TC = settings.R_TC;
+    program_.R_TC = settings.R_TC();
     program_.blend_overlaps = true;
-    if (settings.cartesian) program_.X_BP = Pose::Identity();  // poses are stated in the robot's base
+    if (options.cartesian) program_.X_BP = Pose::Identity();  // poses are stated in the robot's base
   }
 
  private:
@@ -86,7 +88,7 @@ class LinuxCncReader : public ProgramReader {
 
   std::vector<std::string> Needed() const override {
     std::vector<std::string> needed = {"G21", "G40", "G49", "G90", kNoOffsets, "G59.3", "G92.1", kPathMode};
-    if (settings_.cartesian) needed.emplace_back(kKinematics);
+    if (options_.cartesian) needed.emplace_back(kKinematics);
     return needed;
   }
 
@@ -364,7 +366,7 @@ class LinuxCncReader : public ProgramReader {
     Motion& motion = AddMotion(MotionType::kLinear);
     motion.angles = values.tail<3>() * kRadPerDeg;
     motion.X_PT.translation() = values.head<3>();
-    motion.X_PT.linear() = FromToolAngles(settings_.rotation, *motion.angles) * settings_.R_TC.transpose();
+    motion.X_PT.linear() = FromToolAngles(settings_.rotation, *motion.angles) * settings_.R_TC().transpose();
     motion.exact = !rounds_;
     motion.blend = rounds_ ? blend_ : 0;
     const double length = last_ ? FeedLength(*last_, values) : 0;
@@ -390,6 +392,7 @@ class LinuxCncReader : public ProgramReader {
   }
 
   const Arm& arm_;
+  const LinuxCncOptions& options_;
   std::optional<Joints> last_;  // degrees, or mm and degrees of a tool pose
   std::optional<double> feed_;  // per minute, G94
   double blend_ = 0;            // degrees; mm of tool poses
@@ -403,12 +406,12 @@ class LinuxCncReader : public ProgramReader {
 }  // namespace
 
 std::vector<Problem> LinuxCncPost::CheckTexts(const Arm& arm, const PostSettings& settings) const {
-  return LinuxCncReader({}, arm, settings).CheckTexts();
+  return LinuxCncReader({}, arm, settings, options_).CheckTexts();
 }
 
 MotionProgram LinuxCncPost::Read(const ProgramFiles& files, const Arm& arm,
                                  const PostSettings& settings) const {
-  return LinuxCncReader(files, arm, settings).Read({".ngc"});
+  return LinuxCncReader(files, arm, settings, options_).Read({".ngc"});
 }
 
 }  // namespace millpose

@@ -7,11 +7,10 @@
 namespace millpose {
 
 /// Sets, piece by piece, how far the tip may leave rounded corners (`blend` of the straight motions, G64 P):
-/// as far as the tolerance goes, less where the rotary joints would overlap by so much that the orientation
-/// left it, since G64 bounds X, Y, Z alone and shortens the overlap of all joints by what it allows them.
-/// Precondition: every motion has its joints.
-void ChooseOverlap(MotionProgram& program, const Arm& arm, const PostSettings& settings,
-                   const PathTolerance& tolerance);
+/// as far as the settings' tolerance goes, less where the rotary joints would overlap by so much that the
+/// orientation left it, since G64 bounds X, Y, Z alone and shortens the overlap of all joints by what it
+/// allows them. Precondition: every motion has its joints.
+void ChooseOverlap(MotionProgram& program, const Arm& arm, const PostSettings& settings, bool cartesian);
 
 /// s that LinuxCNC takes for a straight motion: by the feed, or, where it only turns, at half of the axes'
 /// largest speeds.

@@ -17,8 +17,9 @@ constexpr int kAngleDecimals = 6;
 
 class SinumerikWriter : public ProgramWriter {
  public:
-  SinumerikWriter(const MotionProgram& program, const Arm& arm, const PostSettings& settings)
-      : ProgramWriter(program, arm, settings, SinumerikTexts()) {}
+  SinumerikWriter(const MotionProgram& program, const Arm& arm, const PostSettings& settings,
+                  const SinumerikOptions& options)
+      : ProgramWriter(program, arm, settings, SinumerikTexts()), options_(options) {}
 
   ProgramFiles Write() {
     WriteSections();
@@ -46,12 +47,13 @@ class SinumerikWriter : public ProgramWriter {
     std::string head;
     const auto add = [&](const std::string& line) { head += line + "\n"; };
     add("; written by millpose for SINUMERIK 840D sl with robot transformation; mm, degrees");
-    add(settings_.rotation == "rpy" ? "; orientation rpy: C about Z, B about new Y, A about new X"
-                                    : "; orientation euler: A about Z, B about new X, C about new Z");
+    add(settings_.rotation == AngleOrder::kRpy
+            ? "; orientation rpy: C about Z, B about new Y, A about new X"
+            : "; orientation euler: A about Z, B about new X, C about new Z");
     for (const std::string& line : MachineData()) add("; " + line);
     for (const std::string& text : HeaderTexts(kWidth - 2)) add("; " + text);
     Pose X_FC = X_FT_;
-    X_FC.linear() = X_FC.linear() * settings_.R_TC;
+    X_FC.linear() = X_FC.linear() * settings_.R_TC();
     const Eigen::Vector3d t = X_FC.translation();
     const Eigen::Vector3d abc = ToolAngles(settings_.rotation, X_FC.linear()) * kDegPerRad;
     add(fmt::format("; TOOL {} in the flange: X{} Y{} Z{} A={} B={} C={}", settings_.tool_name,
@@ -71,27 +73,27 @@ class SinumerikWriter : public ProgramWriter {
 
   /// What the program takes for granted, to be compared with the control's machine data.
   std::vector<std::string> MachineData() const {
-    const bool rpy = settings_.rotation == "rpy";
+    const bool rpy = settings_.rotation == AngleOrder::kRpy;
     const std::string angles = rpy ? "ORIRPY" : "ORIEULER";
     const std::string by_data = fmt::format("MD21100 = {}", rpy ? 0 : 1);
-    const std::string counting = !settings_.ori_def_with_g_code   ? fmt::format("MD21102 = 1 or {}", by_data)
-                                 : *settings_.ori_def_with_g_code ? "MD21102 = 1"
-                                                                  : "MD21102 = 0 and " + by_data;
+    const std::string counting = !options_.ori_def_with_g_code   ? fmt::format("MD21102 = 1 or {}", by_data)
+                                 : *options_.ori_def_with_g_code ? "MD21102 = 1"
+                                                                 : "MD21102 = 0 and " + by_data;
     return {fmt::format("ASSUMED {}: angles as {}; MD10600 = 1: frame angles Z, Y', X''", counting, angles),
-            settings_.ori_ipo_with_g_code
+            options_.ori_ipo_with_g_code
                 ? fmt::format("ASSUMED MD21104 = {}: the tool turns as {} says, on a great circle",
-                              *settings_.ori_ipo_with_g_code ? 1 : 0,
-                              *settings_.ori_ipo_with_g_code ? "ORIVECT" : "ORIWKS")
+                              *options_.ori_ipo_with_g_code ? 1 : 0,
+                              *options_.ori_ipo_with_g_code ? "ORIVECT" : "ORIWKS")
                 : "MD21104 not known: blocks are short enough for every way to turn the tool",
             fmt::format("ASSUMED G{} is for this program and overwritten; no basic frame; its origin is the "
                         "robot base",
-                        settings_.frame)};
+                        options_.Frame())};
   }
 
   /// What holds after each TRAORI anew: the control then deselects the frame, and rounding ends.
   void AddSettings() {
-    Line(fmt::format("G{} {} ORIVECT ORIWKS", settings_.frame,
-                     settings_.rotation == "rpy" ? "ORIRPY" : "ORIEULER"));
+    Line(fmt::format("G{} {} ORIVECT ORIWKS", options_.Frame(),
+                     settings_.rotation == AngleOrder::kRpy ? "ORIRPY" : "ORIEULER"));
     Line(fmt::format("CYCLE832({},_ORI_FINISH,{})", Fixed(settings_.blend, 4),
                      Fixed(settings_.orientation_blend * kDegPerRad, 4)));
     Line("COMPOF G642");
@@ -100,7 +102,7 @@ class SinumerikWriter : public ProgramWriter {
   std::string Frame(const Pose& X_BP) const {
     const Eigen::Vector3d p = X_BP.translation();
     const Eigen::Vector3d zyx = AnglesZyx(X_BP.linear()) * kDegPerRad;
-    return fmt::format("$P_UIFR[{}]=CTRANS(X,{},Y,{},Z,{}):CROT(X,{},Y,{},Z,{})", settings_.frame - 500,
+    return fmt::format("$P_UIFR[{}]=CTRANS(X,{},Y,{},Z,{}):CROT(X,{},Y,{},Z,{})", options_.Frame() - 500,
                        Fixed(p.x(), kLengthDecimals), Fixed(p.y(), kLengthDecimals),
                        Fixed(p.z(), kLengthDecimals), Fixed(zyx[2], kAngleDecimals),
                        Fixed(zyx[1], kAngleDecimals), Fixed(zyx[0], kAngleDecimals));
@@ -136,10 +138,10 @@ class SinumerikWriter : public ProgramWriter {
     const Joints angles = ToController(settings_.axes, *motion.q) * kDegPerRad;
     std::string line = "G0 SUPA";  // neither frame nor, where MD10760 says so, tool length act on the joints
     for (int i = 0; i < 6; ++i) {
-      line += fmt::format(" {}={}", settings_.axis_names[i], Fixed(angles[i], kAngleDecimals));
+      line += fmt::format(" {}={}", options_.axis_names[i], Fixed(angles[i], kAngleDecimals));
     }
     Line(line);
-    angles_ = ToolAngles(settings_.rotation, motion.X_PT.linear() * settings_.R_TC);
+    angles_ = ToolAngles(settings_.rotation, motion.X_PT.linear() * settings_.R_TC());
   }
 
   /// Switches the robot transformation: axes are addressed by themselves only without it.
@@ -164,8 +166,8 @@ class SinumerikWriter : public ProgramWriter {
   /// Degrees. Where A, B, C may run evenly each by itself, those that are nearest to the ones before.
   Eigen::Vector3d Angles(const Motion& motion) const {
     if (motion.angles) return *motion.angles * kDegPerRad;
-    const Eigen::Matrix3d R = motion.X_PT.linear() * settings_.R_TC;
-    const bool near = motion.type == MotionType::kLinear && angles_ && !settings_.ori_ipo_with_g_code;
+    const Eigen::Matrix3d R = motion.X_PT.linear() * settings_.R_TC();
+    const bool near = motion.type == MotionType::kLinear && angles_ && !options_.ori_ipo_with_g_code;
     return (near ? ToolAnglesNear(settings_.rotation, R, *angles_) : ToolAngles(settings_.rotation, R)) *
            kDegPerRad;
   }
@@ -195,6 +197,7 @@ class SinumerikWriter : public ProgramWriter {
     AddTexts(event);
   }
 
+  const SinumerikOptions& options_;
   std::string feed_;
   std::optional<Eigen::Vector3d> angles_;  // of the last pose, rad
   std::optional<bool> transformed_;        // TRAORI holds
@@ -202,7 +205,7 @@ class SinumerikWriter : public ProgramWriter {
 };
 
 /// A, B, C that run evenly each by itself, the nearest of those that mean the same.
-LineModel ByAngles(const std::string& rotation, const Eigen::Matrix3d& R_TC) {
+LineModel ByAngles(AngleOrder rotation, const Eigen::Matrix3d& R_TC) {
   return [rotation, R_TC](const Pose& from, const Pose& to) {
     const Eigen::Vector3d first = ToolAngles(rotation, from.linear() * R_TC);
     return ProgrammedLine(from.translation(), to.translation(), rotation, R_TC, first,
@@ -212,12 +215,12 @@ LineModel ByAngles(const std::string& rotation, const Eigen::Matrix3d& R_TC) {
 
 }  // namespace
 
-std::vector<LineModel> SinumerikLines(const PostSettings& settings) {
-  const Eigen::Vector3d direction = settings.R_TC * Eigen::Vector3d::UnitZ();
+std::vector<LineModel> SinumerikPost::Lines(const PostSettings& settings) const {
+  const Eigen::Vector3d direction = settings.R_TC() * Eigen::Vector3d::UnitZ();
   std::vector<LineModel> lines = {
       [direction](const Pose& from, const Pose& to) { return ProgrammedLine(from, to, direction); }};
-  if (settings.ori_ipo_with_g_code) return lines;
-  lines.push_back(ByAngles(settings.rotation, settings.R_TC));
+  if (options_.ori_ipo_with_g_code) return lines;
+  lines.push_back(ByAngles(settings.rotation, settings.R_TC()));
   lines.emplace_back([](const Pose& from, const Pose& to) { return ProgrammedLine(from, to); });
   return lines;
 }
@@ -229,22 +232,7 @@ std::map<std::string, std::string> SinumerikTexts() {
 ProgramFiles SinumerikPost::Write(const MotionProgram& program, const Arm& arm,
                                   const PostSettings& settings) const {
   assert(IsWellFormed(program));
-  return SinumerikWriter(program, arm, settings).Write();
-}
-
-std::vector<std::string> SinumerikPost::Keys() const {
-  return {"rotation",    "axis_names", "settable_frame", "ori_ipo_with_g_code", "ori_def_with_g_code",
-          "max_motions", "max_kbytes"};
-}
-
-std::vector<NeededKey> SinumerikPost::NeededKeys() const {
-  return {{"settable_frame",
-           "settable_frame is missing: a whole number 505…599, the settable frame (G505…) that programs may "
-           "overwrite with the workpiece's place; needed"}};
-}
-
-std::vector<LineModel> SinumerikPost::Lines(const PostSettings& settings) const {
-  return SinumerikLines(settings);
+  return SinumerikWriter(program, arm, settings, options_).Write();
 }
 
 // CYCLE832 holds for every corner of a cut alike.
@@ -254,10 +242,6 @@ void SinumerikPost::Round(MotionProgram& program, const Arm&, const PostSettings
     motion.blend = settings.blend;
     motion.angle_blend = settings.orientation_blend;
   }
-}
-
-PostEntry SinumerikEntry() {
-  return {"sinumerik", [] { return std::make_unique<SinumerikPost>(); }};
 }
 
 }  // namespace millpose

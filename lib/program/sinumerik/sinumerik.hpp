@@ -1,18 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+
 #include "program/post.hpp"
 #include "program/programmed_line.hpp"
 
 namespace millpose {
 
+/// What of a cell only SINUMERIK knows. Every default here and only here; the keys stand in
+/// sinumerik_keys.cpp.
+struct SinumerikOptions {
+  std::array<std::string, 6> axis_names = {"RA1", "RA2", "RA3", "RA4", "RA5", "RA6"};
+  std::optional<int> settable_frame;        ///< 505…599, which holds the workpiece; a cell always gives it
+  std::optional<bool> ori_ipo_with_g_code;  ///< MD21104: how the tool turns
+  std::optional<bool> ori_def_with_g_code;  ///< MD21102: whether ORIRPY and ORIEULER count
+
+  int Frame() const { return settable_frame.value_or(505); }
+};
+
 /// Siemens SINUMERIK 840D sl and ONE with robot transformation: NAME.mpf, docs/sinumerik.md.
 class SinumerikPost : public Post {
  public:
+  using Options = SinumerikOptions;
+  explicit SinumerikPost(Options options = {}) : options_(std::move(options)) {}
+  const Options& options() const { return options_; }
   std::string Name() const override { return "sinumerik"; }
   std::vector<std::string> Endings() const override { return {".mpf", ".spf"}; }
-  std::vector<std::string> Keys() const override;
-  std::vector<NeededKey> NeededKeys() const override;
+  /// ORIVECT and ORIWKS both ask for a great circle of Z of the tool frame; where nobody knows which of them
+  /// counts (MD21104), evenly running angles and one even turn must do as well.
   std::vector<LineModel> Lines(const PostSettings& settings) const override;
   double Blend(const PathTolerance& tolerance, double) const override { return tolerance.position; }
   void Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const override;
@@ -21,12 +37,10 @@ class SinumerikPost : public Post {
                      const PostSettings& settings) const override;
   MotionProgram Read(const ProgramFiles& files, const Arm& arm, const PostSettings& settings) const override;
   std::vector<Problem> CheckTexts(const Arm& arm, const PostSettings& settings) const override;
-};
 
-/// The ways in which SINUMERIK may make a straight motion. ORIVECT and ORIWKS both ask for a great circle of
-/// Z of the tool frame; where nobody knows which of them counts (MD21104), evenly running angles and one even
-/// turn must do as well.
-std::vector<LineModel> SinumerikLines(const PostSettings& settings);
+ private:
+  Options options_;
+};
 
 /// SINUMERIK's texts for events where the cell gives none.
 std::map<std::string, std::string> SinumerikTexts();

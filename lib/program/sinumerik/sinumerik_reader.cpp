@@ -14,12 +14,13 @@ constexpr int kMostOutputs = 1024;   // $A_OUT[n]
 
 class SinumerikReader : public ProgramReader {
  public:
-  SinumerikReader(const ProgramFiles& files, const PostSettings& settings)
-      : ProgramReader(files, settings, Templates(SinumerikTexts(), settings.texts, settings.tool_name)) {
-    program_.swivel = settings.R_TC * Eigen::Vector3d::UnitZ();
-    program_.any_turn = !settings.ori_ipo_with_g_code;
+  SinumerikReader(const ProgramFiles& files, const PostSettings& settings, const SinumerikOptions& options)
+      : ProgramReader(files, settings, Templates(SinumerikTexts(), settings.texts, settings.tool_name)),
+        options_(options) {
+    program_.swivel = settings.R_TC() * Eigen::Vector3d::UnitZ();
+    program_.any_turn = !options.ori_ipo_with_g_code;
     program_.rotation = settings.rotation;
-    program_.R_TC = settings.R_TC;
+    program_.R_TC = settings.R_TC();
   }
 
  private:
@@ -46,7 +47,7 @@ class SinumerikReader : public ProgramReader {
 
   void ReadCode(LineScanner& scan) override {
     const size_t start = scan.Next();
-    SinumerikBlock block(settings_.axis_names);
+    SinumerikBlock block(options_.axis_names);
     if (scan.AcceptAddress('N', false)) scan.ExpectDecimal();
     ReadLabel(scan);
     while (!scan.AtEnd()) {
@@ -193,9 +194,9 @@ class SinumerikReader : public ProgramReader {
     scan.Expect("[");
     const double index = scan.ExpectDecimal();
     scan.Expect("]");
-    if (index != settings_.frame - 500)
+    if (index != options_.Frame() - 500)
       scan.FailFrom(start, fmt::format("$P_UIFR[{}] expected: the cell's settable frame is G{}",
-                                       settings_.frame - 500, settings_.frame));
+                                       options_.Frame() - 500, options_.Frame()));
     scan.Expect("=");
     Pose X_BP = Pose::Identity();
     X_BP.translation() = ReadTriple(scan, "CTRANS");
@@ -208,7 +209,7 @@ class SinumerikReader : public ProgramReader {
     settings_since_.erase(FrameWord());
   }
 
-  std::string FrameWord() const { return fmt::format("G{}", settings_.frame); }
+  std::string FrameWord() const { return fmt::format("G{}", options_.Frame()); }
 
   /// The words of a block, in the order in which they take effect: settings, then the motion.
   void Apply(LineScanner& scan, size_t start, const SinumerikBlock& block) {
@@ -260,16 +261,16 @@ class SinumerikReader : public ProgramReader {
       settings_since_.insert(word);
       if (!std::exchange(frame_known_, true)) {  // told once
         if (!program_.X_BP) program_.X_BP = Pose::Identity();
-        scan.FailFrom(start, fmt::format("$P_UIFR[{}] before {} expected", settings_.frame - 500, word));
+        scan.FailFrom(start, fmt::format("$P_UIFR[{}] before {} expected", options_.Frame() - 500, word));
       }
       Allow(scan, start, kAtStops);
     } else if (SinumerikBlock::GroupOf(word) == SinumerikBlock::kFrameGroup) {
       scan.FailFrom(start, fmt::format("{} expected, the cell's settable frame", FrameWord()));
     } else if (word == "ORIRPY" || word == "ORIEULER") {
-      const bool right = (word == "ORIRPY") == (settings_.rotation == "rpy");
+      const bool right = (word == "ORIRPY") == (settings_.rotation == AngleOrder::kRpy);
       if (!right)
-        scan.FailFrom(start,
-                      fmt::format("{} expected: the cell's rotation is {}", AngleWord(), settings_.rotation));
+        scan.FailFrom(start, fmt::format("{} expected: the cell's rotation is {}", AngleWord(),
+                                         WordOf(kAngleOrderWords, settings_.rotation)));
       settings_since_.insert(word);
       Allow(scan, start, kAtStops);
     } else if (word == "ORIVECT" || word == "ORIWKS" || word == "G642" || word == "COMPOF") {
@@ -280,7 +281,7 @@ class SinumerikReader : public ProgramReader {
     }
   }
 
-  std::string AngleWord() const { return settings_.rotation == "rpy" ? "ORIRPY" : "ORIEULER"; }
+  std::string AngleWord() const { return settings_.rotation == AngleOrder::kRpy ? "ORIRPY" : "ORIEULER"; }
 
   void Miscellaneous(const LineScanner& scan, size_t start, int m) {
     const int end = InSubprogram() ? 17 : 30;
@@ -312,7 +313,7 @@ class SinumerikReader : public ProgramReader {
     if (block.HasPose()) scan.FailFrom(start, "axes or a pose expected");
     Joints angles;
     for (int i = 0; i < 6; ++i) {
-      if (!block.axis(i)) scan.FailFrom(start, fmt::format("{} is missing", settings_.axis_names[i]));
+      if (!block.axis(i)) scan.FailFrom(start, fmt::format("{} is missing", options_.axis_names[i]));
       angles[i] = *block.axis(i) * kRadPerDeg;
     }
     Motion& motion = AddMotion(MotionType::kJoint);
@@ -349,7 +350,7 @@ class SinumerikReader : public ProgramReader {
     Motion& motion = AddMotion(*ptp_ ? MotionType::kJoint : MotionType::kLinear);
     motion.X_PT.translation() = Eigen::Vector3d(*last_[0], *last_[1], *last_[2]);
     motion.angles = Eigen::Vector3d(*last_[3], *last_[4], *last_[5]) * kRadPerDeg;
-    motion.X_PT.linear() = FromToolAngles(settings_.rotation, *motion.angles) * settings_.R_TC.transpose();
+    motion.X_PT.linear() = FromToolAngles(settings_.rotation, *motion.angles) * settings_.R_TC().transpose();
     motion.exact = !rounds;
     if (*ptp_) {
       motion.status = block.bits("STAT");
@@ -363,6 +364,7 @@ class SinumerikReader : public ProgramReader {
     motion.angle_blend = *tolerances_.orientation;
   }
 
+  const SinumerikOptions& options_;
   std::array<std::optional<double>, 6> last_;  // X, Y, Z, A, B, C as they hold
   double feed_ = 0;                            // mm/s
   struct {
@@ -379,11 +381,11 @@ class SinumerikReader : public ProgramReader {
 }  // namespace
 
 std::vector<Problem> SinumerikPost::CheckTexts(const Arm&, const PostSettings& settings) const {
-  return SinumerikReader({}, settings).CheckTexts();
+  return SinumerikReader({}, settings, options_).CheckTexts();
 }
 
 MotionProgram SinumerikPost::Read(const ProgramFiles& files, const Arm&, const PostSettings& settings) const {
-  return SinumerikReader(files, settings).Read({".mpf", ".spf"});
+  return SinumerikReader(files, settings, options_).Read({".mpf", ".spf"});
 }
 
 }  // namespace millpose

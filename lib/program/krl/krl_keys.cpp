@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The keys of `controllers.krl` in a cell, and KRL's line in the registry.
+#include "program/krl/krl.hpp"
+#include "program/post_entry.hpp"
+
+namespace millpose {
+namespace {
+
+using namespace yaml;  // NOLINT: tables are written in its words
+using S = KrlOptions;
+
+Codec<KrlRail> RailFields() {
+  using R = KrlRail;
+  return Section<R>({
+      Key<R>("pose", MILLPOSE_AT(pose), PoseFields(), "$ERSYSROOT: the rail's root in $WORLD.").Required(),
+      Key<R>("axis", MILLPOSE_AT(axis), Integer(1, 6), "Which of external_axes is the carriage: 1 is E1."),
+      Key<R>("direction", MILLPOSE_AT(direction), ChoiceOf(kFrameAxisWords),
+             "Direction of $ERSYSROOT in which the carriage moves where its axis grows."),
+  });
+}
+
+std::vector<Field<S>> FrameAndSpeedKeys() {
+  return {
+      Key<S>("base_number", MILLPOSE_AT(base_number), Integer(0, 32),
+             "$BASE = BASE_DATA[number] instead of values; 0: values."),
+      Key<S>("tool_number", MILLPOSE_AT(tool_number), Integer(0, 16),
+             "$TOOL = TOOL_DATA[number] instead of values; 0: values."),
+      Key<S>("external_axes", MILLPOSE_AT(external_axes), ListOf(Real({"mm or deg"}, Between(-1e6, 1e6))),
+             "Constant E1, E2, … written with every target."),
+      Key<S>("ptp_speed_percent", MILLPOSE_AT(ptp_speed_percent), Integer(1, 100),
+             "Share of the axes' largest speed in motions between cuts."),
+      Key<S>("advance", MILLPOSE_AT(advance), Integer(1, 5), "$ADVANCE, motions computed ahead."),
+  };
+}
+
+std::vector<Field<S>> ToolAndRobotKeys() {
+  return {
+      Key<S>("orientation_speed_deg_s", MILLPOSE_AT(orientation_speed), Real(kDegPerS, Positive(3600)),
+             "$VEL.ORI1 and $VEL.ORI2."),
+      Key<S>("orientation_acceleration_deg_s2", MILLPOSE_AT(orientation_acceleration),
+             Maybe(Real(kDegPerS2, Positive(1e5))),
+             "$ACC.ORI1 and $ACC.ORI2; the controller's own by default."),
+      Key<S>("tool_direction", MILLPOSE_AT(tool_direction),
+             ChoiceOf<FrameAxis>({{"x", FrameAxis::kX}, {"y", FrameAxis::kY}, {"z", FrameAxis::kZ}}),
+             "$TOOL_DIRECTION, the axis of $TOOL that LIN swivels evenly."),
+      Key<S>("robroot", MILLPOSE_AT(robroot), Maybe(PoseFields()),
+             "$ROBROOT, the robot's base in $WORLD, as the controller has it; with ersysroot: the robot's "
+             "base on the carriage at 0. Needed where the robot does not stand upright.")
+          .DefaultText("zero, as delivered"),
+      Key<S>("ersysroot", MILLPOSE_AT(ersysroot), Maybe(RailFields()),
+             "A rail that the controller counts in ($WORLD stays where it is when it moves)."),
+      Key<S>("write_load", MILLPOSE_AT(write_load), Flag(),
+             "Programs set $LOAD to tool.load; else the controller's own load data hold."),
+  };
+}
+
+void Check(const Value& value, const Context& context, S& options) {
+  const size_t axes = options.external_axes.size();
+  if (options.ersysroot && options.ersysroot->axis > static_cast<int>(axes))
+    context.Child("ersysroot")
+        .Add(value.FindKey("ersysroot")->mark,
+             fmt::format("its axis E{} is none of the {} external_axes; allowed: one of them",
+                         options.ersysroot->axis, axes));
+  if (axes > 6)
+    context.Child("external_axes").Add(value.mark, fmt::format("given {} values; allowed: at most 6", axes));
+}
+
+}  // namespace
+
+PostEntry KrlEntry() {
+  std::vector<PostKey<S>> keys = {ToolAxisKey(), AxisSignsKey(), AxisOffsetsKey()};
+  std::ranges::copy(FrameAndSpeedKeys(), std::back_inserter(keys));
+  keys.emplace_back(PathAccelerationKey());
+  std::ranges::copy(ToolAndRobotKeys(), std::back_inserter(keys));
+  keys.emplace_back(CycleKey(KrlPost().UsualCycle()));
+  keys.emplace_back(BlockTimeKey());
+  keys.emplace_back(
+      Key<S>("program_memory_kbytes", MILLPOSE_AT(memory_kbytes), Integer(100, 10000000),
+             "Memory for programs, kB; larger programs are warned of. KRC4 with KSS 8.3: about 4 MB."));
+  for (const SharedKey& key : {MaxMotionsKey(), MaxKbytesKey(), OutputsKey(true), TextsKey(), CallsKey()})
+    keys.emplace_back(key);
+  return EntryOf<KrlPost>(keys, Check);
+}
+
+}  // namespace millpose

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The keys of `controllers.linuxcnc` in a cell, and LinuxCNC's line in the registry.
+#include "program/linuxcnc/linuxcnc.hpp"
+#include "program/post_entry.hpp"
+
+namespace millpose {
+
+PostEntry LinuxCncEntry() {
+  using namespace yaml;  // NOLINT: tables are written in its words
+  using S = LinuxCncOptions;
+  return EntryOf<LinuxCncPost>(
+      {ToolAxisKey(), RotationKey(), AxisSignsKey(), AxisOffsetsKey(),
+       Key<S>("coordinates", MILLPOSE_AT(cartesian), ChoiceOf<bool>({{"joint", false}, {"cartesian", true}}),
+              "X Y Z A B C are joints throughout, or the tool's pose in cuts."),
+       PathAccelerationKey(), CycleKey(LinuxCncPost().UsualCycle()), BlockTimeKey(), OutputsKey(false),
+       TextsKey({"cartesian_on", "joints_on"}), CallsKey()});
+}
+
+}  // namespace millpose

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "program/post_keys.hpp"
+
+namespace millpose {
+namespace {
+
+using namespace yaml;  // NOLINT: tables are written in its words
+using S = PostOptions;
+
+const Unit kMillisecond{"ms", 1, 1000};
+const Unit kMetrePerS2{"m/s²", 1000, 1};
+
+Codec<PathOutput> OutputFields(bool delay) {
+  std::vector<Field<PathOutput>> fields = {
+      Key<PathOutput>("number", MILLPOSE_AT(number), Integer(0, 8192), "Number of the digital output.")
+          .Required(),
+      Key<PathOutput>("at", MILLPOSE_AT(at_begin), ChoiceOf<bool>({{"cut_begin", true}, {"cut_end", false}}),
+                      "First or last point of every cut (lead-in and lead-out belong to it).")
+          .Required(),
+      Key<PathOutput>("set", MILLPOSE_AT(on), Flag(), "What it is switched to.").Required()};
+  if (delay)
+    fields.push_back(Key<PathOutput>("delay_ms", MILLPOSE_AT(delay), Real(kMillisecond, Between(-1000, 1000)),
+                                     "Later than at that place; negative: before.")
+                         .WhenSet([](const PathOutput& output) { return output.delay != 0; }));
+  return Section<PathOutput>(std::move(fields));
+}
+
+/// Where a call that moves begins or ends.
+Field<DeclaredCall> PlaceKey(const char* key, Joints DeclaredCall::*place, const char* doc) {
+  return KeyBy<DeclaredCall, std::optional<Joints>>(
+      key,
+      [place](const DeclaredCall& call) { return call.moves ? std::optional(call.*place) : std::nullopt; },
+      [place](DeclaredCall& call, const std::optional<Joints>& given) { call.*place = *given; },
+      Maybe(Numbers6(kDeg, Between(-3600, 3600))), doc);
+}
+
+Codec<DeclaredCall> CallFields() {
+  using Call = DeclaredCall;
+  return Section<Call>(
+      {
+          Key<Call>("name", MILLPOSE_AT(name), Text(), "Name of the program (LinuxCNC: or M100 to M199).")
+              .Required(),
+          Key<Call>("moves", MILLPOSE_AT(moves), Flag(), "Whether it moves the arm.").Required(),
+          PlaceKey("from_deg", &Call::from, "Axes A1 to A6 (as home_deg) at which a call that moves begins."),
+          PlaceKey("to_deg", &Call::to, "Axes A1 to A6 at which a call that moves ends."),
+      },
+      [](const Value& value, const Context& context, Call& call) {
+        if (!IsWord(call.name))
+          context.Child("name").Add(value.mark,
+                                    fmt::format("given '{}'; allowed: letters, digits and '_', at most 31, "
+                                                "beginning with a letter",
+                                                call.name));
+        const bool from = value.Find("from_deg") != nullptr, to = value.Find("to_deg") != nullptr;
+        if (call.moves != (from && to) || call.moves != (from || to))
+          context.Add(value.mark, call.moves ? "a call that moves needs from_deg and to_deg"
+                                             : "from_deg and to_deg have no effect where moves is false");
+      });
+}
+
+/// Programs are ASCII: what a text puts into them must be so too.
+void CheckAscii(const Value& texts, const Context& context) {
+  for (size_t i = 0; i < texts.items.size(); ++i) {
+    const std::string& text = texts.items[i].text;
+    const auto odd = std::ranges::find_if(text, [](char c) { return c != '\n' && (c < ' ' || c > '~'); });
+    if (odd == text.end()) continue;
+    context.Child(texts.keys[i].text)
+        .Add(texts.items[i].mark, "programs are plain ASCII: letters, digits, blanks and !…~ allowed");
+  }
+}
+
+}  // namespace
+
+bool IsWord(const std::string& name) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  return !name.empty() && name.size() <= 31 && letter(name[0]) &&
+         std::ranges::all_of(name, [&](char c) { return letter(c) || (c >= '0' && c <= '9'); });
+}
+
+SharedKey ToolAxisKey() {
+  return Key<S>("tool_axis", MILLPOSE_AT(tool_axis), ChoiceOf(kFrameAxisWords),
+                "Axis of the controller's tool frame that lies along the tool, from tip to holder.");
+}
+
+SharedKey RotationKey() {
+  return Key<S>("rotation", MILLPOSE_AT(rotation), ChoiceOf(kAngleOrderWords),
+                "SINUMERIK (machine data ORI), Cartesian LinuxCNC: how A, B, C are counted.");
+}
+
+SharedKey AxisSignsKey() {
+  return KeyBy<S, std::array<int, 6>>(
+      "axis_signs",
+      [](const S& s) {
+        std::array<int, 6> signs{};
+        for (size_t i = 0; i < 6; ++i) signs[i] = s.axes.sign[static_cast<int>(i)] < 0 ? -1 : 1;
+        return signs;
+      },
+      [](S& s, const std::array<int, 6>& signs) {
+        for (size_t i = 0; i < 6; ++i) s.axes.sign[static_cast<int>(i)] = signs[i];
+      },
+      Signs(), "Controller's angle = sign × arm's angle + offset.");
+}
+
+SharedKey AxisOffsetsKey() {
+  return Key<S>("axis_offsets_deg", MILLPOSE_AT(axes.offset), Numbers6(kDeg, Between(-360, 360)),
+                "Controller's angle = sign × arm's angle + offset.");
+}
+
+SharedKey PathAccelerationKey() {
+  return Key<S>("path_acceleration_m_s2", MILLPOSE_AT(path_acceleration),
+                Maybe(Real(kMetrePerS2, Positive(100))),
+                "Largest acceleration of the tip, for the estimate of the speed along the path (2.3 by "
+                "default); KRL: also written as $ACC.CP.");
+}
+
+SharedKey CycleKey(double usual) {
+  return Key<S>("interpolation_cycle_ms", MILLPOSE_AT(cycle), Maybe(Real(kMillisecond, Between(0.1, 100))),
+                "Interpolation cycle, for the estimate of the speed along the path.")
+      .DefaultText(ShortestIn(kMillisecond, usual));
+}
+
+SharedKey BlockTimeKey() {
+  return Key<S>("block_time_ms", MILLPOSE_AT(block_time), Maybe(Real(kMillisecond, Between(0.1, 1000))),
+                "Shortest time per motion, for that estimate.")
+      .DefaultText("the interpolation cycle");
+}
+
+SharedKey MaxMotionsKey() {
+  return Key<S>("max_motions", MILLPOSE_AT(max_motions), Integer(10, 1000000),
+                "Motions in one program file; larger programs call sub-programs.");
+}
+
+SharedKey MaxKbytesKey() {
+  return Key<S>("max_kbytes", MILLPOSE_AT(max_kbytes), Integer(4, 1000000),
+                "Size of one program file, kB; larger programs call sub-programs.");
+}
+
+SharedKey OutputsKey(bool delay) {
+  return Key<S>("outputs", MILLPOSE_AT(outputs), ListOf(OutputFields(delay)),
+                "Digital outputs that are switched on the path, without a stop.");
+}
+
+SharedKey TextsKey(const std::vector<std::string>& own) {
+  std::vector<std::string> names = {"coolant_off", "coolant_on", "footer",      "header",     "pass_begin",
+                                    "pass_end",    "spindle_on", "spindle_off", "tool_change"};
+  names.insert(names.end(), own.begin(), own.end());
+  std::ranges::sort(names);
+  SharedKey key = Key<S>("texts", MILLPOSE_AT(texts), MapOf<std::string>(std::move(names), Lines()),
+                         "Template lines by event, in place of the built-in ones; {rpm}, {tool}, {pass}, "
+                         "{piece} are filled in.");
+  key.read = [read = key.read](const Value& value, const Context& context, S& options) {
+    read(value, context, options);
+    CheckAscii(value, context);
+    for (const Value::Key& name : value.keys) options.text_lines[name.text] = name.mark.line;
+  };
+  return key;
+}
+
+SharedKey CallsKey() {
+  return Key<S>("calls", MILLPOSE_AT(calls), ListOf(CallFields()),
+                "Programs of the plant that texts may call. What they do to settings counts as unknown.")
+      .WhenSet([](const S& s) { return !s.calls.empty(); });
+}
+
+}  // namespace millpose

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "program/conventions.hpp"
+#include "program/motion_program.hpp"
+
+namespace millpose {
+
+/// What more than one controller is told in its section of the cell's `controllers:`. Every default here and
+/// only here; the keys stand in post_keys.cpp.
+struct PostOptions {
+  FrameAxis tool_axis = FrameAxis::kZ;      ///< of the controller's tool frame, along T's z
+  AngleOrder rotation = AngleOrder::kRpy;   ///< how A, B, C turn
+  AxisConvention axes;                      ///< controller angle = sign·A + offset
+  std::optional<double> path_acceleration;  ///< mm/s², of the tip
+  std::optional<double> cycle, block_time;  ///< s, for the estimate of the speed
+  int max_motions = 1400;                   ///< per file; larger programs call sub-programs
+  int max_kbytes = 500;                     ///< per file
+  std::vector<PathOutput> outputs;
+  std::map<std::string, std::string> texts;  ///< templates by event name, see Templates
+  std::map<std::string, int> text_lines;     ///< of the YAML, by event name, for later errors
+  std::vector<DeclaredCall> calls;           ///< that texts may make
+
+  size_t max_bytes() const { return static_cast<size_t>(max_kbytes) * 1000; }
+  /// The controller's tool frame C in T.
+  Eigen::Matrix3d R_TC() const { return ToolAxis(tool_axis); }
+};
+
+}  // namespace millpose
