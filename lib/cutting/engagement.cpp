@@ -132,16 +132,21 @@ class Cutting {
 }  // namespace
 
 void SetEngagement(const EngagementOptions& options, int threads, const std::stop_token& stop,
-                   Toolpath& toolpath) {
+                   Toolpath& toolpath, const std::vector<char>& of) {
   const Cutting cutting(options, toolpath);
-  std::vector<MillingPoint*> points;
-  for (Pass& pass : toolpath.passes)
-    for (MillingPoint& point : pass.points) points.push_back(&point);
+  std::vector<std::pair<MillingPoint*, size_t>> points;  // with their numbers in the job
+  size_t number = 0;
+  for (size_t p = 0; p < toolpath.passes.size(); ++p)
+    for (MillingPoint& point : toolpath.passes[p].points) {
+      if (of.empty() || of[p] != 0) points.emplace_back(&point, number);
+      ++number;
+    }
   ParallelFor(points.size(), threads, stop, [&](size_t i) {
-    if (points[i]->gouge > 0) {
-      points[i]->engagement = {};
+    const auto [point, at] = points[i];
+    if (point->gouge > 0) {
+      point->engagement = {};
     } else {
-      points[i]->engagement = cutting.EngagementOf(*points[i], cutting.CutAt(*points[i], i));
+      point->engagement = cutting.EngagementOf(*point, cutting.CutAt(*point, at));
     }
   });
 }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMostParts = 16;     // that a step as laid is cut into
 constexpr double kGain = 0.005;    // of a pass's objective, that inserted points must be worth
-constexpr double kNoPrice = 0.01;  // of its free optima: what continuity may cost without a search for more
+constexpr double kNoPrice = 0.03;  // of its free optima: what continuity may cost without a search for more
 
 /// What a pass pays for being one motion, as a share of what its points could have.
 double PriceOf(const PassResult& pass) {
@@ -49,7 +49,7 @@ Toolpath LaidInParts(const JobInputs& inputs, const PreparedJob& prepared, int p
   CheckJobGouges(inputs, mesh, execution.Threads(), checked, execution.stop);
   for (size_t i = 0, k = 0; i < open.size(); ++i)
     if (open[i] != 0) whole.passes[i] = std::move(checked.toolpath.passes[k++]);
-  SetJobEngagement(inputs, mesh, execution.Threads(), execution.stop, whole);
+  SetEngagementOf(open, inputs, mesh, execution, whole);
   return PlacedToolpath(inputs, whole, prepared.cell.X_WP);
 }
 

@@ -164,6 +164,12 @@ std::optional<CuttingForce> SetJobEngagement(const JobInputs& inputs, const Mesh
   return HeaviestCut(options, toolpath);
 }
 
+void SetEngagementOf(const std::vector<char>& of, const JobInputs& inputs, const Mesh& mesh,
+                     const Execution& execution, Toolpath& toolpath) {
+  if (!inputs.job.cutting) return;
+  SetEngagement(CuttingReader(inputs, mesh).Read(), execution.Threads(), execution.stop, toolpath, of);
+}
+
 namespace {
 
 /// The passes of a plan as they mill, in P. `skipped`: what is not cut takes nothing off, else all is cut.

@@ -4,6 +4,7 @@
 #include <optional>
 #include <stop_token>
 
+#include "base/execution.hpp"
 #include "pipeline/inputs.hpp"
 #include "plan/plan_result.hpp"
 #include "stiffness/process_force.hpp"
@@ -17,6 +18,10 @@ namespace millpose {
 /// material, depth, width or stock that cannot be or that contradicts the tool path; Interrupted.
 std::optional<CuttingForce> SetJobEngagement(const JobInputs& inputs, const Mesh& mesh, int threads,
                                              const std::stop_token& stop, Toolpath& toolpath);
+
+/// Sets the same for the passes that are set in `of` alone, in a variant of that tool path.
+void SetEngagementOf(const std::vector<char>& of, const JobInputs& inputs, const Mesh& mesh,
+                     const Execution& execution, Toolpath& toolpath);
 
 /// Leaves out the pieces of a plan that would cut more than 20 % wider or deeper than any of the job's own
 /// cuts because points before them are not milled, and what lies over them in turn (`path.over_missing`).

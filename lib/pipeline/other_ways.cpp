@@ -48,10 +48,13 @@ Promise PromiseOf(const PoseProblem& problem, const Pass& pass) {
 /// The tool path in W with every pass that may be turned round run from its end.
 Toolpath TurnedRound(const JobInputs& inputs, const PreparedJob& prepared, const Execution& execution) {
   Toolpath turned = prepared.toolpath;
-  for (Pass& pass : turned.passes)
+  std::vector<char> reversible;
+  for (Pass& pass : turned.passes) {
+    reversible.push_back(pass.reversible ? 1 : 0);
     if (pass.reversible) pass = RunFromEnd(pass);
+  }
   Toolpath on_part = Transformed(turned, prepared.cell.X_WP.inverse());
-  SetJobEngagement(inputs, prepared.surface.mesh, execution.Threads(), execution.stop, on_part);
+  SetEngagementOf(reversible, inputs, prepared.surface.mesh, execution, on_part);
   on_part = Transformed(on_part, prepared.cell.X_WP);
   for (size_t i = 0; i < turned.passes.size(); ++i)
     for (size_t t = 0; t < turned.passes[i].points.size(); ++t)
