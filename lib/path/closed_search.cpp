@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/first_node.hpp"
+#include "path/returning.hpp"
 #include "path/sweep.hpp"
 
 namespace millpose {
@@ -71,13 +72,27 @@ class ClosedSearch {
     }
     std::ranges::stable_sort(groups, {}, &Group::bound);
     problem_.first_layer = layer;
-    BackwardRows rows;
-    const ToGo& to_go = LeastToGo(problem_, counts, rows);
-    for (const Group& group : groups) {
-      if (group.bound >= limit_) break;
-      Try(group, to_go);
+    KeepReturning(counts, groups);
+    if (!groups.empty()) {
+      BackwardRows rows;
+      const ToGo& to_go = LeastToGo(problem_, counts, rows);
+      for (const Group& group : groups) {
+        if (group.bound >= limit_) break;
+        Try(group, to_go);
+      }
     }
     problem_.first_layer = 0;
+  }
+
+  /// Leaves out those that no sequence comes back to: where closed ones are rare, nearly all.
+  void KeepReturning(const NodeFilter& counts, std::vector<Group>& groups) const {
+    constexpr size_t kFew = 4;  // are soon tried
+    if (groups.size() <= kFew) return;
+    std::vector<NodeRange> ranges;
+    for (const Group& group : groups) ranges.emplace_back(group.first, group.last);
+    const std::vector<char> returning = AreReturning(problem_, ranges, counts);
+    size_t i = 0;
+    std::erase_if(groups, [&](const Group&) { return returning[i++] == 0; });
   }
 
   /// The closed sequence through one node, if it is better than the best.

@@ -1,50 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/sweep.hpp"
 
-#include <tuple>
-
 #include "base/parallel.hpp"
-#include "base/units.hpp"
 #include "motion/line.hpp"
+#include "path/band.hpp"
 
 namespace millpose {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr uint32_t kBreak = 0xffffffffU, kEnter = 0xfffffffeU;
-
-/// Nodes between `begin` and `end` that can be reached from the place `at` without leaping over one that was
-/// struck out; where `at` itself is in a struck stretch, from both its sides.
-std::pair<size_t, size_t> WithinWalls(const Layer& layer, size_t begin, size_t end, size_t at) {
-  const auto struck = [&](size_t node) { return !std::isfinite(layer.objective[node]); };
-  size_t first = at, last = at;
-  while (first > begin && struck(first - 1)) --first;
-  while (first > begin && !struck(first - 1)) --first;
-  while (last < end && struck(last)) ++last;
-  while (last < end && !struck(last)) ++last;
-  return {first, last};
-}
-
-/// Calls `visit(first, last)` for the ranges of nodes of `branch` whose first freedom lies within `band` of
-/// `value`, round the turn too; with `walls` as LayeredProblem says.
-template <typename Visit>
-void VisitBand(const Layer& layer, int branch, double value, double band, bool walls, const Visit& visit) {
-  const auto begin = layer.first.begin();
-  const size_t from = layer.branch_begin[branch], to = layer.branch_begin[branch + 1];
-  if (band >= kPi && !walls) return visit(from, to);
-  const auto part = [&](double middle) {
-    size_t first = static_cast<size_t>(std::lower_bound(begin + from, begin + to, middle - band) - begin);
-    size_t last = static_cast<size_t>(std::upper_bound(begin + first, begin + to, middle + band) - begin);
-    if (walls) {
-      const size_t at = static_cast<size_t>(std::lower_bound(begin + first, begin + last, middle) - begin);
-      std::tie(first, last) = WithinWalls(layer, first, last, at);
-    }
-    if (first != last) visit(first, last);
-  };
-  part(value);
-  if (value - band < -kPi) part(value + 2 * kPi);
-  if (value + band > kPi) part(value - 2 * kPi);
-}
 
 }  // namespace
 

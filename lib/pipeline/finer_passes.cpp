@@ -33,8 +33,9 @@ bool HasUnjoined(const PassResult& pass) {
                              [](const PlannedPoint& point) { return point.skip == SkipReason::kStep; });
 }
 
-bool CouldGain(const PassResult& pass) {
-  return HasUnjoined(pass) || pass.pieces.size() > 1 || PriceOf(pass) > kNoPrice;
+/// Of rings only those that lose points are worth what a closed search costs.
+bool CouldGain(const Pass& laid, const PassResult& pass) {
+  return HasUnjoined(pass) || (!laid.closed && (pass.pieces.size() > 1 || PriceOf(pass) > kNoPrice));
 }
 
 /// The tool path in W, every step of the passes that `open` names cut into `parts`.
@@ -66,7 +67,8 @@ void PlanFiner(const JobInputs& inputs, PreparedJob& prepared, const CheckpointS
   Toolpath tried = prepared.toolpath;
   std::vector<PassResult> plans = passes;  // of what was tried last
   std::vector<char> open(passes.size(), 0);
-  for (size_t i = 0; i < passes.size(); ++i) open[i] = wanted(i) && CouldGain(passes[i]) ? 1 : 0;
+  for (size_t i = 0; i < passes.size(); ++i)
+    open[i] = wanted(i) && CouldGain(tried.passes[i], passes[i]) ? 1 : 0;
   for (int parts = 2; parts <= kMostParts; parts *= 2) {
     std::vector<std::vector<char>> large(passes.size());
     size_t points = 0;

@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "motion/line.hpp"
+#include "robot/angles.hpp"
 #include "robot/kinematics.hpp"
 
 namespace millpose {
@@ -70,7 +71,7 @@ class ProgramBuilder {
     for (int i = first + 1; i <= piece.last; ++i) {
       if (pass.points[i].skip == SkipReason::kNone) AddCut(pass, i);
     }
-    if (piece.closed) AddCut(pass, first);
+    if (piece.closed) AddClosing(pass, first);
     program_.motions.back().exact = true;
     AddOutputs(false);
   }
@@ -95,6 +96,13 @@ class ProgramBuilder {
     motion.feed = point.feed_rate;
     if (point.kind == PointKind::kLeadIn) motion.feed = std::min(motion.feed, PlungeFeed(point));
     return motion;
+  }
+
+  /// Back to a ring's first point, with the full turns that the way round has made.
+  void AddClosing(const PassResult& pass, int first) {
+    const Joints before = *program_.motions.back().q;
+    Motion& closing = AddCut(pass, first);
+    closing.q = Beside(before, *closing.q);
   }
 
   /// mm/s of motions towards material that end at a cut's point.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/layered_search.hpp"
 
+#include "path/returning.hpp"
 #include "tests/pose/problems.hpp"
 
 namespace millpose {
@@ -175,6 +176,51 @@ TEST(SearchClosed, EqualsTheDenseReferenceOnRandomLayers) {
   }
   EXPECT_GT(closed, 50);
   EXPECT_GT(open, 50);
+}
+
+TEST(AreReturning, EqualsTheDenseReferenceOnRandomLayers) {
+  size_t returning = 0, lost = 0;
+  for (int round = 0; round < 60; ++round) {
+    RandomStream stream(31, static_cast<uint64_t>(round));
+    std::vector<Layer> layers = RandomLayers(stream, 6, 150, 0.6);
+    if (!std::all_of(layers.begin(), layers.end(), [](const Layer& l) { return l.usable(); })) continue;
+    std::vector<StruckEdges> struck(layers.size());
+    std::vector<std::vector<char>> counts;
+    std::vector<Layer> counted = layers;
+    for (size_t t = 0; t < layers.size(); ++t) {
+      const int size = static_cast<int>(layers[t].size()),
+                next = static_cast<int>(layers[(t + 1) % layers.size()].size());
+      for (int k = 0; k < 300; ++k) struck[t].insert({stream.Below(size), stream.Below(next)});
+      counts.emplace_back(layers[t].size(), 1);
+      for (int node = 0; node < size; ++node)
+        if (stream.Below(3) == 0) counts[t][node] = 0, counted[t].objective[node] = kInfinity;
+    }
+    LayeredProblem problem{layers, Rule(45), struck, false, false, {}, {}};
+    problem.first_layer = static_cast<size_t>(round) % layers.size();
+    // The reference begins with the first layer.
+    LayeredProblem reference = problem;
+    std::rotate(counted.begin(), counted.begin() + problem.first_layer, counted.end());
+    std::vector<StruckEdges> turned = struck;
+    std::rotate(turned.begin(), turned.begin() + problem.first_layer, turned.end());
+    reference.layers = counted;
+    reference.struck = turned;
+    std::vector<NodeRange> ranges;
+    for (size_t node = 0; node < layers[problem.first_layer].size(); ++node)
+      ranges.emplace_back(node, node + 1);
+    const std::vector<char> found =
+        AreReturning(problem, ranges, [&](size_t t, size_t node) { return counts[t][node] != 0; });
+    for (size_t start = 0; start < ranges.size(); ++start) {
+      bool expected = false;
+      const std::vector<Dense> row = DenseRow(reference, start, false);
+      for (size_t end = 0; end < row.size(); ++end)
+        expected =
+            expected || std::isfinite(row[end].cost + EdgeCost(reference, counted.size() - 1, end, 0, start));
+      ASSERT_EQ(found[start] != 0, expected) << round << ' ' << start;
+      ++(expected ? returning : lost);
+    }
+  }
+  EXPECT_GT(returning, 200u);
+  EXPECT_GT(lost, 200u);
 }
 
 /// Strikes out a few nodes and edges, as interference does.

@@ -75,6 +75,24 @@ TEST(MotionProgram, FollowsThePlan) {
   EXPECT_EQ(program.events.back().kind, ProgramEvent::Kind::kSpindleOff);
 }
 
+TEST(MotionProgram, ARingThatWindsAJointClosesWithoutTurningBack) {
+  PlanResult plan = SamplePlan();
+  PassResult& ring = plan.passes.back();
+  ASSERT_TRUE(ring.pieces[0].closed);
+  const size_t count = ring.points.size();
+  for (size_t i = 0; i < count; ++i)
+    ring.points[i].q[5] -= 2 * kPi * static_cast<double>(i) / static_cast<double>(count);
+  const MotionProgram program = MakeMotionProgram(plan);
+  size_t cuts = 0;
+  for (size_t i = 1; i < program.motions.size(); ++i) {
+    const Motion &before = program.motions[i - 1], &motion = program.motions[i];
+    if (motion.pass != ring.pass || motion.point < 0 || before.point < 0) continue;
+    EXPECT_LT(std::abs((*motion.q)[5] - (*before.q)[5]), 1) << motion.point;
+    ++cuts;
+  }
+  EXPECT_EQ(cuts, count);
+}
+
 TEST(MotionProgram, SaysWhyThereIsNone) {
   PlanResult plan = SamplePlan();
   EXPECT_EQ(WhyNotProgrammable(plan), "");

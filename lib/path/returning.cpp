@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/returning.hpp"
+
+#include "base/parallel.hpp"
+#include "motion/line.hpp"
+#include "path/band.hpp"
+
+namespace millpose {
+namespace {
+
+/// One bit per range.
+using Mask = uint64_t;
+constexpr size_t kBits = 64;
+
+class MaskSweep {
+ public:
+  MaskSweep(const LayeredProblem& problem, const NodeFilter& counts) : problem_(problem) {
+    for (size_t t = 0; t < problem.layers.size(); ++t) {
+      const Layer& layer = problem.layers[t];
+      std::vector<char>& counted = counted_.emplace_back(layer.size());
+      for (size_t node = 0; node < layer.size(); ++node)
+        counted[node] =
+            std::isfinite(layer.objective[node]) && layer.objective[node] <= problem.most && counts(t, node);
+    }
+  }
+
+  /// Which of at most 64 ranges are come back to.
+  Mask Run(std::span<const NodeRange> ranges) const {
+    const size_t count = problem_.layers.size();
+    std::vector<Mask> start(LayerAt(0).size(), 0);
+    for (size_t i = 0; i < ranges.size(); ++i)
+      for (size_t node = ranges[i].first; node < ranges[i].second; ++node)
+        if (counted_[problem_.first_layer][node] != 0) start[node] |= Mask{1} << i;
+    std::vector<Mask> masks = start;
+    for (size_t t = 0; t < count; ++t) {
+      CheckStop(problem_.stop);
+      masks = Step(t, masks);
+    }
+    Mask returning = 0;
+    for (size_t node = 0; node < start.size(); ++node) returning |= start[node] & masks[node];
+    return returning;
+  }
+
+ private:
+  size_t At(size_t t) const { return (problem_.first_layer + t) % problem_.layers.size(); }
+  const Layer& LayerAt(size_t t) const { return problem_.layers[At(t)]; }
+
+  /// From layer t to the next.
+  std::vector<Mask> Step(size_t t, const std::vector<Mask>& masks) const {
+    const Layer &from = LayerAt(t), &to = LayerAt(t + 1);
+    const StepRule rule = problem_.RuleFrom(At(t));
+    const double band = problem_.banded ? BandWidth(rule, AngleBetween(from.R_WT, to.R_WT))
+                                        : std::numeric_limits<double>::infinity();
+    const StruckEdges* struck = problem_.struck.empty() ? nullptr : &problem_.struck[At(t)];
+    std::vector<Mask> reached(to.size(), 0);
+    for (size_t node = 0; node < to.size(); ++node) {
+      if (counted_[At(t + 1)][node] == 0) continue;
+      const Joints q = to.joints.At(node);
+      VisitBand(from, to.BranchOf(node), to.first[node], band, problem_.walls,
+                [&](size_t first, size_t last) {
+                  for (size_t k = first; k < last; ++k) {
+                    if ((masks[k] & ~reached[node]) == 0) continue;
+                    if (!std::isfinite(StepCost(rule, from.joints.At(k), q))) continue;
+                    if (struck && struck->contains({k, node})) continue;
+                    reached[node] |= masks[k];
+                  }
+                });
+    }
+    return reached;
+  }
+
+  const LayeredProblem& problem_;
+  std::vector<std::vector<char>> counted_;  ///< by layer and node
+};
+
+}  // namespace
+
+std::vector<char> AreReturning(const LayeredProblem& problem, const std::vector<NodeRange>& ranges,
+                               const NodeFilter& counts) {
+  const MaskSweep sweep(problem, counts);
+  std::vector<char> returning(ranges.size(), 0);
+  for (size_t first = 0; first < ranges.size(); first += kBits) {
+    const size_t size = std::min(kBits, ranges.size() - first);
+    const Mask mask = sweep.Run(std::span(ranges).subspan(first, size));
+    for (size_t i = 0; i < size; ++i) returning[first + i] = static_cast<char>((mask >> i) & 1);
+  }
+  return returning;
+}
+
+}  // namespace millpose
