@@ -111,10 +111,10 @@ class Comparer {
     Joints last;
     for (size_t t = 0; t < points.size(); ++t) {
       CheckStop(options_.stop);
-      if (points[t].skip != SkipReason::kNone) continue;
+      if (points[t].skip != Obstacle::kNone) continue;
       const Joints q = joints(t);
       const bool joined =
-          t > 0 && points[t - 1].piece == points[t].piece && points[t - 1].skip == SkipReason::kNone;
+          t > 0 && points[t - 1].piece == points[t].piece && points[t - 1].skip == Obstacle::kNone;
       const bool hit =
           checker.Blocked(q, Phase::kCutting) ||
           (joined && CheckCut(checker, carrier_, last, Beside(last, q), options_.swept_resolution));

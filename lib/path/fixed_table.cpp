@@ -34,7 +34,7 @@ class TableMaker {
     const MillingPoint *first = nullptr, *last = nullptr;  // of the piece
     for (size_t t = 0; t < pass.points.size(); ++t) {
       const PlannedPoint& planned = pass.points[t];
-      if (planned.skip != SkipReason::kNone) continue;
+      if (planned.skip != Obstacle::kNone) continue;
       const bool starts = planned.piece != piece;
       if (starts && piece >= 0) EndPiece(closed, *last, *first);
       if (starts) first = last = &planned.point;
@@ -61,7 +61,7 @@ class TableMaker {
       for (size_t l = 0; l < kLanes && r + l < table_.rotations; ++l) {
         bool any = false;
         for (int branch = 0; branch < 8; ++branch) {
-          const bool admissible = block.admissibility[branch][l] == Admissibility::kAdmissible;
+          const bool admissible = block.obstacle[branch][l] == Obstacle::kNone;
           any = any || admissible;
           FixedTable::Entry& entry = table_.entries[8 * (r + l) + static_cast<size_t>(branch)];
           entry.serves = entry.serves && admissible &&

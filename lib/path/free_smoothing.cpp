@@ -149,7 +149,7 @@ class FreeSmoother {
     if (x == node.freedoms[0]) return node;
     node.freedoms[0] = x;
     const Candidate candidate = scorers_[i].ScoreOne(node.freedoms, node.branch);
-    if (candidate.admissibility != Admissibility::kAdmissible) return std::nullopt;
+    if (candidate.obstacle != Obstacle::kNone) return std::nullopt;
     node.q = Beside(node.q, candidate.q);
     node.objective = candidate.objective;
     const AdmissibleBounds& bounds = scorers_[i].problem().bounds;

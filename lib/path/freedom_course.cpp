@@ -124,7 +124,7 @@ bool FreedomCourse::Probe(size_t t, double x, const FreedomRange& range, CourseP
     at[l] = CandidateOf(block, branch, static_cast<int>(l));
     at[l].q = Beside(place.q, at[l].q);
     // The point itself was admitted before; turned back, its angles may differ by rounding.
-    good[l] = at[l].admissibility == Admissibility::kAdmissible &&
+    good[l] = at[l].obstacle == Obstacle::kNone &&
               (at[l].q.array() >= problem_.bounds.lower.array() - kRounding).all() &&
               (at[l].q.array() <= problem_.bounds.upper.array() + kRounding).all();
   }

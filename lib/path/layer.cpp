@@ -14,8 +14,7 @@ bool Layer::usable() const {
 }
 
 Layer MakeLayer(const PointScorer& scorer, std::vector<NodeSeed> seeds, bool all_turns) {
-  std::erase_if(seeds,
-                [](const NodeSeed& s) { return s.candidate.admissibility != Admissibility::kAdmissible; });
+  std::erase_if(seeds, [](const NodeSeed& s) { return s.candidate.obstacle != Obstacle::kNone; });
   std::stable_sort(seeds.begin(), seeds.end(), [](const NodeSeed& a, const NodeSeed& b) {
     return a.branch != b.branch ? a.branch < b.branch : a.freedoms < b.freedoms;
   });
@@ -46,7 +45,7 @@ std::vector<NodeSeed> SeedsOf(const CandidateTable& table) {
   seeds.reserve(table.entries().size() + 1);
   for (const CandidateTable::Entry& entry : table.entries()) {
     Candidate candidate;
-    candidate.admissibility = Admissibility::kAdmissible;
+    candidate.obstacle = Obstacle::kNone;
     candidate.objective = entry.objective;
     candidate.q = entry.q;
     seeds.push_back({table.Setting(entry.setting), candidate, entry.branch, false});

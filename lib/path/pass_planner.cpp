@@ -17,22 +17,11 @@
 namespace millpose {
 namespace {
 
-SkipReason ReasonOf(Admissibility admissibility) {
-  switch (admissibility) {
-    case Admissibility::kLimit:
-      return SkipReason::kLimit;
-    case Admissibility::kSingular:
-      return SkipReason::kSingular;
-    default:
-      return SkipReason::kUnreachable;
-  }
-}
-
-std::string DetailOf(Admissibility admissibility) {
-  switch (admissibility) {
-    case Admissibility::kLimit:
+std::string DetailOf(Obstacle obstacle) {
+  switch (obstacle) {
+    case Obstacle::kLimit:
       return "every reachable pose violates a joint limit less the margin";
-    case Admissibility::kSingular:
+    case Obstacle::kSingular:
       return "every pose within the limits is too near a singularity or below the least dexterity";
     default:
       return "the arm reaches the point in no rotation about the tool axis";
@@ -113,19 +102,20 @@ std::string WhyNoStep(const StepBounds& steps) {
 void Skip(const PassContext& context, const PassPlan& plan, size_t t, PlannedPoint& point) {
   const PointOptimum& optimum = context.optima[t];
   if (context.points[t].gouge > 0) {
-    point.skip = SkipReason::kGouge;
+    point.skip = Obstacle::kGouge;
     point.detail = fmt::format("the cutter would go {:.3f} mm into the part", point.point.gouge);
   } else if (!optimum.found && !context.genetic[t].found) {
-    point.skip = ReasonOf(optimum.reason);
+    assert(optimum.reason != Obstacle::kNone);
+    point.skip = optimum.reason;
     point.detail = DetailOf(optimum.reason);
   } else if (!plan.access[t].empty()) {
-    point.skip = SkipReason::kAccess;
+    point.skip = Obstacle::kAccess;
     point.detail = plan.access[t];
   } else if (plan.interference[t].empty()) {
-    point.skip = SkipReason::kStep;
+    point.skip = Obstacle::kStep;
     point.detail = StandsAlone(context, plan, t) ? kAlone : WhyNoStep(context.options.steps);
   } else {
-    point.skip = SkipReason::kInterference;
+    point.skip = Obstacle::kInterference;
     point.detail = plan.interference[t];
   }
 }

@@ -44,14 +44,14 @@ std::vector<NodeSeed> WindowSeeds(const PointScorer& scorer, const PointOptimum&
   std::vector<Candidate> candidates(8 * settings.size());
   scorer.Score(settings, candidates);
   for (size_t k = 0; k < settings.size(); ++k) {
-    const bool admissible = candidates[8 * k + at.branch].admissibility == Admissibility::kAdmissible;
+    const bool admissible = candidates[8 * k + at.branch].obstacle == Obstacle::kNone;
     if (settings[k] != at.freedoms) {
       seeds.push_back({settings[k], candidates[8 * k + at.branch], at.branch, false});
     }
     // Along the first freedom, the end of the interval that lies between two neighbours.
     for (const size_t beside : {k - 1, k + 1}) {
       if (!admissible || beside >= settings.size()) continue;
-      if (candidates[8 * beside + at.branch].admissibility == Admissibility::kAdmissible) continue;
+      if (candidates[8 * beside + at.branch].obstacle == Obstacle::kNone) continue;
       if (!std::equal(settings[k].begin() + 1, settings[k].end(), settings[beside].begin() + 1)) continue;
       FreedomValues end = settings[k];
       int evaluations = 0;

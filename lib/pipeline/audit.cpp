@@ -21,7 +21,7 @@ void AuditPoints(const PlanResult& plan, const Mesh& mesh, const AdmissibleBound
       if (point.point.kind == PointKind::kCut && mesh.face_count() > 0)
         figures->max_slice_distance_mm =
             std::max(figures->max_slice_distance_mm, mesh.Closest(X_PW * point.point.position).distance);
-      if (point.skip != SkipReason::kNone) continue;
+      if (point.skip != Obstacle::kNone) continue;
       const bool inside = (point.q.array() >= bounds.lower.array() - 1e-9).all() &&
                           (point.q.array() <= bounds.upper.array() + 1e-9).all();
       if (!inside) ++figures->limit_violations;

@@ -19,7 +19,7 @@ uint8_t ZoneOfPair(int number) { return static_cast<uint8_t>(kPairZone + std::mi
 std::vector<uint8_t> ZonesOf(const PoseProblem& problem, const PlannedPoint& point,
                              const std::vector<Candidate>& candidates, const std::vector<int>& pair_numbers) {
   AxisVerdicts verdicts = UnpackVerdicts(point.verdicts);
-  if (point.skip == SkipReason::kNone && !point.freedoms.empty())
+  if (point.skip == Obstacle::kNone && !point.freedoms.empty())
     verdicts[static_cast<size_t>(point.branch * kAxisRotations + AxisCellOf(point.freedoms[0]).index)] =
         kVerdictFree;
   std::vector<uint8_t> zones(candidates.size(), kOutOfReach);
@@ -27,17 +27,17 @@ std::vector<uint8_t> ZonesOf(const PoseProblem& problem, const PlannedPoint& poi
     const Candidate& candidate = candidates[i];
     uint8_t& zone = zones[(i % 8) * kAxisRotations + i / 8];
     const int verdict = verdicts[(i % 8) * kAxisRotations + i / 8];
-    switch (candidate.admissibility) {
-      case Admissibility::kUnreachable:
+    switch (candidate.obstacle) {
+      case Obstacle::kUnreachable:
         zone = kOutOfReach;
         break;
-      case Admissibility::kSingular:
+      case Obstacle::kSingular:
         zone = kSingularZone;
         break;
-      case Admissibility::kLimit:
+      case Obstacle::kLimit:
         zone = static_cast<uint8_t>(kLimitZone + FarthestBeyond(problem.bounds, candidate.q).joint);
         break;
-      case Admissibility::kAdmissible:
+      default:  // admissible: the other obstacles are known of points alone
         if (verdict == kVerdictUnknown) {
           zone = kUncheckedZone;
         } else if (verdict == kVerdictFree) {

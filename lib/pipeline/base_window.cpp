@@ -30,7 +30,7 @@ Pose WindowCorner(int i, double shift, double turn) {
 }
 
 /// What goes wrong with the base shifted; empty when nothing does.
-std::string Obstacle(const MotionProgram& planned, const Cell& cell, const Pose& X_PP,
+std::string WhatBars(const MotionProgram& planned, const Cell& cell, const Pose& X_PP,
                      const VerifyOptions& options, int threads, const std::stop_token& stop) {
   MotionProgram program = planned;
   program.X_BP = *planned.X_BP * X_PP;
@@ -71,7 +71,7 @@ std::optional<BaseWindow> FindBaseWindow(const PlanResult& plan, const JobInputs
     window.turn = share * job.program_options.base_turn;
     std::string obstacle;
     for (int i = 0; i < kCorners && obstacle.empty(); ++i)
-      obstacle = Obstacle(planned, cell, WindowCorner(i, window.shift, window.turn), options, threads, stop);
+      obstacle = WhatBars(planned, cell, WindowCorner(i, window.shift, window.turn), options, threads, stop);
     if (obstacle.empty()) return window;
     window.obstacle = obstacle;
   }

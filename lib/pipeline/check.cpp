@@ -52,30 +52,27 @@ MeshCheck Described(const std::string& file, double unit, const ImportResult& im
   return check;
 }
 
-// The best admissibility over a grid of rotations and all branches.
-Admissibility BestReach(const PoseProblem& problem, const MillingPoint& point,
-                        const Eigen::Vector3d& reference, double step) {
+// What keeps the best pose of a point from being used, over a grid of rotations and all branches.
+Obstacle BestReach(const PoseProblem& problem, const MillingPoint& point, const Eigen::Vector3d& reference,
+                   double step) {
   const PointScorer scorer(problem, point, reference);
   const int count = std::max(1, static_cast<int>(std::ceil(2 * kPi / step)));
   std::vector<FreedomValues> rotations;
   for (int i = 0; i < count; ++i) rotations.push_back({2 * kPi * i / count});
   std::vector<Candidate> candidates(8 * rotations.size());
   scorer.Score(rotations, candidates);
-  // From admissible on, a later reason came nearer to it.
-  const auto rank = [](Admissibility a) { return a == Admissibility::kAdmissible ? 9 : static_cast<int>(a); };
-  Admissibility best = Admissibility::kUnreachable;
+  Obstacle best = Obstacle::kUnreachable;
   for (const Candidate& candidate : candidates)
-    if (rank(candidate.admissibility) > rank(best)) best = candidate.admissibility;
+    if (TestsPassed(candidate.obstacle) > TestsPassed(best)) best = candidate.obstacle;
   return best;
 }
 
-void Count(const std::vector<Admissibility>& reach, JobCheck& check) {
+void Count(const std::vector<Obstacle>& reach, JobCheck& check) {
   constexpr size_t kNamed = 10;
   check.points = reach.size();
   for (size_t i = 0; i < reach.size(); ++i) {
     ++check.reach[static_cast<size_t>(reach[i])];
-    if (reach[i] != Admissibility::kAdmissible && check.out_of_reach.size() < kNamed)
-      check.out_of_reach.push_back(i);
+    if (reach[i] != Obstacle::kNone && check.out_of_reach.size() < kNamed) check.out_of_reach.push_back(i);
   }
 }
 
@@ -133,7 +130,7 @@ JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::s
   std::vector<std::pair<const Pass*, const MillingPoint*>> points;
   for (const Pass& pass : toolpath.passes)
     for (const MillingPoint& point : pass.points) points.emplace_back(&pass, &point);
-  std::vector<Admissibility> reach(points.size());
+  std::vector<Obstacle> reach(points.size());
   progress.Begin("reach", points.size());
   ParallelFor(points.size(), threads, stop, [&](size_t i) {
     const auto& [pass, point] = points[i];

@@ -40,11 +40,11 @@ std::optional<ForbiddenPose> Forbidden(const PoseProblem& problem, const PassRes
                                free = Candidates(WithoutBounds(problem), pass, point);
   std::optional<ForbiddenPose> stiffest;
   for (size_t i = 0; i < free.size(); ++i) {
-    if (free[i].admissibility != Admissibility::kAdmissible) continue;
-    if (bounded[i].admissibility == Admissibility::kAdmissible) continue;
+    if (free[i].obstacle != Obstacle::kNone) continue;
+    if (bounded[i].obstacle == Obstacle::kNone) continue;
     if (stiffest && free[i].objective >= stiffest->pose.objective) continue;
     stiffest = {{RotationOf(static_cast<int>(i / 8)), static_cast<int>(i % 8), free[i].objective}, -1, 0};
-    if (bounded[i].admissibility != Admissibility::kLimit) continue;
+    if (bounded[i].obstacle != Obstacle::kLimit) continue;
     const BeyondLimit beyond = FarthestBeyond(problem.bounds, bounded[i].q);
     stiffest->joint = beyond.joint;
     stiffest->beyond = beyond.by;
@@ -65,17 +65,17 @@ double BeyondTouch(const PlannedPoint& point) {
 }
 
 /// What bars a cell of a branch; empty where nothing is known to.
-std::string Obstacle(const PoseProblem& problem, const PassResult& pass, const AxisVerdicts& verdicts,
+std::string WhatBars(const PoseProblem& problem, const PassResult& pass, const AxisVerdicts& verdicts,
                      const Candidate& candidate, int branch, int cell) {
-  switch (candidate.admissibility) {
-    case Admissibility::kUnreachable:
+  switch (candidate.obstacle) {
+    case Obstacle::kUnreachable:
       return "then out of reach";
-    case Admissibility::kSingular:
+    case Obstacle::kSingular:
       return "then singular";
-    case Admissibility::kLimit:
+    case Obstacle::kLimit:
       return fmt::format("then axis {} is beyond its limit",
                          FarthestBeyond(problem.bounds, candidate.q).joint + 1);
-    case Admissibility::kAdmissible:
+    default:  // admissible: the other obstacles are known of points alone
       break;
   }
   const int verdict = verdicts[static_cast<size_t>(branch * kAxisRotations + cell)];
@@ -121,7 +121,7 @@ class Follower {
       static_assert(kFollow == 2);
       const int k = (cell + step + kAxisRotations) % kAxisRotations;
       const Candidate& candidate = candidates[static_cast<size_t>(8 * k + branch_)];
-      const std::string bars = Obstacle(problem_, pass_, verdicts, candidate, branch_, k);
+      const std::string bars = WhatBars(problem_, pass_, verdicts, candidate, branch_, k);
       if (step == 0) obstacle = bars;
       if (!bars.empty()) continue;
       if (!best || candidate.objective < candidates[static_cast<size_t>(8 * *best + branch_)].objective)
@@ -151,7 +151,7 @@ PoseReason ExplainPose(const PlanResult& plan, const PoseProblem& problem, size_
   const PassResult& pass = plan.passes[pass_number];
   const PlannedPoint& point = pass.points[number];
   PoseReason reason;
-  if (point.skip != SkipReason::kNone) {
+  if (point.skip != Obstacle::kNone) {
     reason.skipped = ToString(point.skip) + ": " + point.detail;
     return reason;
   }
@@ -186,7 +186,7 @@ PointStory TellPoint(const std::filesystem::path& folder, size_t number) {
   PointStory story;
   const std::vector<Candidate> candidates = Candidates(problem, plan.passes[pass], point);
   for (size_t i = 0; i < candidates.size(); ++i)
-    if (candidates[i].admissibility == Admissibility::kAdmissible)
+    if (candidates[i].obstacle == Obstacle::kNone)
       story.curve.push_back(
           {RotationOf(static_cast<int>(i / 8)), static_cast<int>(i % 8), candidates[i].objective});
   story.reasons = ReasonSentences(ExplainPose(plan, problem, pass, point));

@@ -20,7 +20,7 @@ constexpr double kNoPrice = 0.03;  // of its free optima: what continuity may co
 double PriceOf(const PassResult& pass) {
   double planned = 0, free = 0;
   for (const PlannedPoint& point : pass.points) {
-    if (point.skip != SkipReason::kNone) continue;
+    if (point.skip != Obstacle::kNone) continue;
     planned += point.objective;
     free += point.free_optimum;
   }
@@ -30,7 +30,7 @@ double PriceOf(const PassResult& pass) {
 /// Whether points are skipped because no step joins them to others.
 bool HasUnjoined(const PassResult& pass) {
   return std::ranges::any_of(pass.points,
-                             [](const PlannedPoint& point) { return point.skip == SkipReason::kStep; });
+                             [](const PlannedPoint& point) { return point.skip == Obstacle::kStep; });
 }
 
 /// Of rings only those that lose points are worth what a closed search costs.

@@ -179,7 +179,7 @@ Toolpath Milled(const PlanResult& plan, bool skipped) {
     Pass& own = milled.passes.emplace_back();
     for (const PlannedPoint& planned : pass.points) {
       own.points.push_back(planned.point);
-      own.points.back().gouge = skipped && planned.skip != SkipReason::kNone ? 1 : 0;
+      own.points.back().gouge = skipped && planned.skip != Obstacle::kNone ? 1 : 0;
     }
     own.closed = pass.pieces.size() == 1 && pass.pieces.front().closed;
   }
@@ -243,7 +243,7 @@ class MissingMaterial {
       for (size_t t = 0; t < plan_.passes[p].points.size(); ++t, ++number) {
         const PlannedPoint& planned = plan_.passes[p].points[t];
         const double distance = (now_.passes[p].points[t].position - place).norm();
-        if (planned.skip == SkipReason::kNone || distance >= nearest) continue;
+        if (planned.skip == Obstacle::kNone || distance >= nearest) continue;
         nearest = distance;
         name = fmt::format("point {} (pass {}, {})", number, plan_.passes[p].pass, ToString(planned.skip));
       }
@@ -278,7 +278,7 @@ size_t LeaveOverMissing(const JobInputs& inputs, const Mesh& mesh, int threads, 
     if (pieces.empty()) return left_out;
     // From the last to the first: leaving one out renumbers those after it in its pass.
     for (auto at = pieces.rbegin(); at != pieces.rend(); ++at)
-      LeaveOut(plan.passes[std::get<0>(*at)], std::get<1>(*at), SkipReason::kOverMissing, std::get<2>(*at));
+      LeaveOut(plan.passes[std::get<0>(*at)], std::get<1>(*at), Obstacle::kOverMissing, std::get<2>(*at));
     left_out += pieces.size();
   }
 }
@@ -297,7 +297,7 @@ std::string CountWhatIsLeft(const JobInputs& inputs, const Mesh& mesh, int threa
   for (size_t p = 0; p < plan.passes.size(); ++p)
     for (size_t t = 0; t < plan.passes[p].points.size(); ++t) {
       PlannedPoint& point = plan.passes[p].points[t];
-      over += point.skip == SkipReason::kOverMissing;
+      over += point.skip == Obstacle::kOverMissing;
       Engagement& planned = point.point.engagement;
       const Engagement& now = milled.passes[p].points[t].engagement;
       const double before = planned.force.norm(), after = now.force.norm();

@@ -50,7 +50,7 @@ class AllGaps {
       if (barred_.empty()) return planned;
       // From the last to the first: leaving one out renumbers those after it in its pass.
       for (auto at = barred_.rbegin(); at != barred_.rend(); ++at)
-        LeaveOut(passes_[static_cast<size_t>(at->first.first)], at->first.second, SkipReason::kAccess,
+        LeaveOut(passes_[static_cast<size_t>(at->first.first)], at->first.second, Obstacle::kAccess,
                  at->second);
     }
   }

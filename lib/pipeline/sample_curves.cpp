@@ -40,21 +40,6 @@ std::vector<PlanPlace> ChosenPlaces(const PlanResult& plan, size_t most) {
   return places;
 }
 
-CandidateState StateOf(Admissibility admissibility) {
-  switch (admissibility) {
-    case Admissibility::kAdmissible:
-      return CandidateState::kAdmissible;
-    case Admissibility::kLimit:
-      return CandidateState::kLimit;
-    case Admissibility::kSingular:
-      return CandidateState::kSingular;
-    case Admissibility::kUnreachable:
-      return CandidateState::kUnreachable;
-  }
-  assert(false && "admissibility out of range");
-  return CandidateState::kUnreachable;
-}
-
 void SampleRotations(const PointScorer& scorer, const PointScorer& unbounded, const RotationGrid& grid,
                      PointCurves& curves) {
   std::vector<FreedomValues> rotations;
@@ -67,10 +52,9 @@ void SampleRotations(const PointScorer& scorer, const PointScorer& unbounded, co
   for (size_t i = 0; i < rotations.size(); ++i) {
     for (size_t branch = 0; branch < 8; ++branch) {
       const size_t k = 8 * i + branch;
-      curves.state[i][branch] = StateOf(candidates[k].admissibility);
-      curves.objective[i][branch] = free[k].admissibility == Admissibility::kAdmissible
-                                        ? free[k].objective
-                                        : std::numeric_limits<double>::infinity();
+      curves.state[i][branch] = candidates[k].obstacle;
+      curves.objective[i][branch] =
+          free[k].obstacle == Obstacle::kNone ? free[k].objective : std::numeric_limits<double>::infinity();
     }
   }
 }

@@ -19,7 +19,7 @@ PassValue ValueOf(const PassResult& pass) {
     double way = 0;
     if (t > 0) way += (points[t].point.position - points[t - 1].point.position).norm() / 2;
     if (t + 1 < points.size()) way += (points[t + 1].point.position - points[t].point.position).norm() / 2;
-    if (points[t].skip != SkipReason::kNone) {
+    if (points[t].skip != Obstacle::kNone) {
       value.skipped += way;
       continue;
     }

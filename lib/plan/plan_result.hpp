@@ -8,22 +8,9 @@
 #include "robot/arm.hpp"
 #include "stiffness/compliance.hpp"
 #include "toolpath/milling_point.hpp"
+#include "toolpath/obstacle.hpp"
 
 namespace millpose {
-
-enum class SkipReason : uint8_t {
-  kNone,
-  kUnreachable,
-  kLimit,
-  kSingular,
-  kInterference,
-  kStep,
-  kSource,
-  kGouge,
-  kAccess,
-  kOverMissing
-};
-std::string ToString(SkipReason reason);
 
 /// What the paper's own formulation found at a point, before it is put on the exact pose.
 struct PaperAnswer {
@@ -36,14 +23,14 @@ struct PaperAnswer {
 /// A milling point as planned (vectors in W), or why it was skipped.
 struct PlannedPoint {
   MillingPoint point;
-  SkipReason skip = SkipReason::kNone;
-  std::string detail;            ///< for a skipped point: what and where
-  int piece = 0;                 ///< of its pass
-  std::vector<double> freedoms;  ///< rotation about the tool axis first, rad
-  int branch = 0;                ///< status bits S
-  Joints q = Joints::Zero();     ///< absolute, full turns fixed, rad
-  MillingPlaneIndices indices;   ///< at the stiffness origin
-  double lambda_3 = 0;           ///< shortest semi-axis of the ellipsoid of c, mm/N
+  Obstacle skip = Obstacle::kNone;  ///< why it is skipped
+  std::string detail;               ///< for a skipped point: what and where
+  int piece = 0;                    ///< of its pass
+  std::vector<double> freedoms;     ///< rotation about the tool axis first, rad
+  int branch = 0;                   ///< status bits S
+  Joints q = Joints::Zero();        ///< absolute, full turns fixed, rad
+  MillingPlaneIndices indices;      ///< at the stiffness origin
+  double lambda_3 = 0;              ///< shortest semi-axis of the ellipsoid of c, mm/N
   Eigen::Vector3d lambda_3_direction = Eigen::Vector3d::Zero();  ///< along it, in W: the stiffest direction
   double dexterity = 0;
   double objective = 0;

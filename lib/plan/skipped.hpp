@@ -10,11 +10,11 @@ namespace millpose {
 
 /// Leaves a planned piece out of its pass: its points are skipped for `reason`, which `detail` tells in
 /// words, and the pieces after it move up by one number.
-void LeaveOut(PassResult& pass, int piece, SkipReason reason, const std::string& detail);
+void LeaveOut(PassResult& pass, int piece, Obstacle reason, const std::string& detail);
 
 size_t CountSkipped(const PassResult& pass);
 
-/// How many points are skipped, by ToString(SkipReason).
+/// How many points are skipped, by ToString(Obstacle).
 std::map<std::string, size_t> SkippedByReason(const PlanResult& plan);
 
 }  // namespace millpose

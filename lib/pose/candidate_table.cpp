@@ -50,9 +50,9 @@ CandidateTable::CandidateTable(const PointScorer& scorer, const std::vector<int>
     scorer.ScoreBlock(values, kAllArmBranches, block);
     for (size_t lane = 0; lane < kLanes && first + lane < settings_; ++lane) {
       for (int branch = 0; branch < 8; ++branch) {
-        const Admissibility admissibility = block.admissibility[branch][lane];
-        if (admissibility != Admissibility::kAdmissible) {
-          reason_ = std::max(reason_, admissibility);
+        const Obstacle obstacle = block.obstacle[branch][lane];
+        if (obstacle != Obstacle::kNone) {
+          reason_ = std::max(reason_, obstacle);
           continue;
         }
         const Candidate candidate = CandidateOf(block, branch, static_cast<int>(lane));
@@ -61,7 +61,7 @@ CandidateTable::CandidateTable(const PointScorer& scorer, const std::vector<int>
       }
     }
   }
-  if (!entries_.empty()) reason_ = Admissibility::kAdmissible;
+  if (!entries_.empty()) reason_ = Obstacle::kNone;
 }
 
 FreedomValues CandidateTable::Setting(size_t index) const {

@@ -27,7 +27,7 @@ class CandidateTable {
   /// Ascending by setting, then by branch.
   const std::vector<Entry>& entries() const { return entries_; }
   /// The furthest that any candidate came; what says why there are no entries.
-  Admissibility reason() const { return reason_; }
+  Obstacle reason() const { return reason_; }
 
   size_t settings() const { return settings_; }
   /// Ascending by the first freedom, then by the second, and so on.
@@ -45,7 +45,7 @@ class CandidateTable {
   std::vector<double> lower_, step_;
   size_t settings_ = 1;
   std::vector<Entry> entries_;
-  Admissibility reason_ = Admissibility::kUnreachable;
+  Obstacle reason_ = Obstacle::kUnreachable;
 };
 
 }  // namespace millpose

@@ -36,7 +36,7 @@ class Population {
       individual.freedoms = table.Setting(entry.setting);
       individual.branch = entry.branch;
       individual.arm_branch = entry.branch & 3;
-      individual.admissibility = Admissibility::kAdmissible;
+      individual.obstacle = Obstacle::kNone;
       individual.objective = entry.objective;
       individual.shortfall = 0;
       archive.push_back(std::move(individual));
@@ -81,17 +81,17 @@ class Population {
         [&](size_t k, const ScoredBlock& block, int lane) {
           Individual& individual = current_[fresh[k]];
           individual.objective = individual.shortfall = kInfinity;
-          individual.admissibility = Admissibility::kUnreachable;  // not the parent's
+          individual.obstacle = Obstacle::kUnreachable;  // not the parent's
           for (const int branch : {individual.arm_branch, individual.arm_branch + 4}) {
-            const Admissibility admissibility = block.admissibility[branch][lane];
+            const Obstacle obstacle = block.obstacle[branch][lane];
             const double shortfall = block.shortfall[branch].v[lane];
             const double objective =
-                admissibility == Admissibility::kAdmissible ? block.objective[branch].v[lane] : kInfinity;
+                obstacle == Obstacle::kNone ? block.objective[branch].v[lane] : kInfinity;
             if (shortfall > individual.shortfall ||
                 (shortfall == individual.shortfall && objective >= individual.objective))
               continue;
             individual.branch = branch;
-            individual.admissibility = admissibility;
+            individual.obstacle = obstacle;
             individual.shortfall = shortfall;
             individual.objective = objective;
           }
@@ -103,7 +103,7 @@ class Population {
     GenerationRecord record{0, 0};
     int count = 0;
     for (const Individual& individual : current_) {
-      if (individual.admissibility != Admissibility::kAdmissible) continue;
+      if (individual.obstacle != Obstacle::kNone) continue;
       if (count++ == 0) record.best = individual.objective;
       record.mean += individual.objective;
     }

@@ -166,7 +166,7 @@ PointOptimum OnExactPose(const PointScorer& scorer, const PaperResult& result) {
   double least = std::numeric_limits<double>::infinity();
   for (int branch = 0; branch < 8; ++branch) {
     const Candidate& candidate = candidates[branch];
-    if (candidate.admissibility == Admissibility::kUnreachable) continue;
+    if (candidate.obstacle == Obstacle::kUnreachable) continue;
     double away = 0;  // modulo full turns
     for (int i = 0; i < 6; ++i) {
       const auto [sine, cosine] = SinCos(candidate.q[i] - result.q[i]);
@@ -175,8 +175,8 @@ PointOptimum OnExactPose(const PointScorer& scorer, const PaperResult& result) {
     if (away >= least) continue;
     least = away;
     optimum.branch = branch;
-    optimum.reason = candidate.admissibility;
-    optimum.found = candidate.admissibility == Admissibility::kAdmissible;
+    optimum.reason = candidate.obstacle;
+    optimum.found = candidate.obstacle == Obstacle::kNone;
     optimum.objective = candidate.objective;
     optimum.q = candidate.q;
   }

@@ -58,7 +58,7 @@ void PointScorer::FlangePoses(std::span<const double> values, FlangeBlock& out) 
 }
 
 void PointScorer::ScoreBlock(std::span<const double> values, unsigned arm_branches, ScoredBlock& out) const {
-  for (auto& branch : out.admissibility) branch.fill(Admissibility::kUnreachable);
+  for (auto& branch : out.obstacle) branch.fill(Obstacle::kUnreachable);
   for (Lanes& branch : out.shortfall) std::fill_n(branch.v, kLanes, std::numeric_limits<double>::infinity());
   FlangeBlock flange;
   FlangePoses(values, flange);
@@ -93,10 +93,10 @@ void PointScorer::ScoreEntry(int entry, const FlangeBlock& flange, const ArmBran
       const double limit = wrist.limit.v[l];
       const double singular = judged.singular.v[l] > kSingularRounding ? judged.singular.v[l] : 0.0;
       out.shortfall[branch].v[l] = limit > 0.0 ? limit : singular;
-      out.admissibility[branch][l] = limit > 0.0      ? Admissibility::kLimit
-                                     : singular > 0.0 ? Admissibility::kSingular
-                                                      : Admissibility::kAdmissible;
-      any_admissible |= out.admissibility[branch][l] == Admissibility::kAdmissible;
+      out.obstacle[branch][l] = limit > 0.0      ? Obstacle::kLimit
+                                : singular > 0.0 ? Obstacle::kSingular
+                                                 : Obstacle::kNone;
+      any_admissible |= out.obstacle[branch][l] == Obstacle::kNone;
     }
     std::copy(wrist.q.begin(), wrist.q.end(), out.q[branch]);
   }
@@ -114,9 +114,9 @@ void PointScorer::ScoreEntry(int entry, const FlangeBlock& flange, const ArmBran
     }
     // A compliance without an objective's value is singular, whatever the bounds say.
     for (int l = 0; l < kLanes; ++l) {
-      if (out.admissibility[branch][l] != Admissibility::kAdmissible) continue;
+      if (out.obstacle[branch][l] != Obstacle::kNone) continue;
       if (std::isfinite(out.objective[branch].v[l])) continue;
-      out.admissibility[branch][l] = Admissibility::kSingular;
+      out.obstacle[branch][l] = Obstacle::kSingular;
       out.shortfall[branch].v[l] = 1.0;
     }
   }
@@ -150,26 +150,26 @@ Candidate PointScorer::ScoreOne(const FreedomValues& freedoms, int branch) const
 
 Candidate CandidateOf(const ScoredBlock& block, int branch, int lane) {
   Candidate candidate;
-  candidate.admissibility = block.admissibility[branch][lane];
+  candidate.obstacle = block.obstacle[branch][lane];
   candidate.shortfall = block.shortfall[branch].v[lane];
-  if (candidate.admissibility == Admissibility::kUnreachable) return candidate;
-  if (candidate.admissibility == Admissibility::kAdmissible) {
+  if (candidate.obstacle == Obstacle::kUnreachable) return candidate;
+  if (candidate.obstacle == Obstacle::kNone) {
     candidate.objective = block.objective[branch].v[lane];
   }
   for (int i = 0; i < 6; ++i) candidate.q[i] = block.q[branch][i].v[lane];
   return candidate;
 }
 
-Admissibility CheckAdmissible(const PoseProblem& problem, const Joints& q) {
+Obstacle CheckAdmissible(const PoseProblem& problem, const Joints& q) {
   for (int i = 0; i < 6; ++i) {
-    if (q[i] < problem.bounds.lower[i] || q[i] > problem.bounds.upper[i]) return Admissibility::kLimit;
+    if (q[i] < problem.bounds.lower[i] || q[i] > problem.bounds.upper[i]) return Obstacle::kLimit;
   }
   double dexterity = 0;
   if (problem.bounds.dexterity_min > 0.0)
     dexterity =
         Dexterity(Jacobian(problem.arm, q, problem.X_FT.translation()), problem.characteristic_length);
   const double missing = SingularShortfall(problem.bounds, DistanceToSingularity(problem.arm, q), dexterity);
-  return missing > 0.0 ? Admissibility::kSingular : Admissibility::kAdmissible;
+  return missing > 0.0 ? Obstacle::kSingular : Obstacle::kNone;
 }
 
 }  // namespace millpose

@@ -10,14 +10,12 @@
 #include "robot/kinematics.hpp"
 #include "stiffness/compliance.hpp"
 #include "stiffness/series.hpp"
+#include "toolpath/obstacle.hpp"
 
 namespace millpose {
 
 /// Where stiffness holds (facts 4); the flange only reproduces the paper's text.
 enum class StiffnessOrigin : uint8_t { kToolTip, kFlange };
-
-/// Why a candidate may not be used; in the order in which they are tested.
-enum class Admissibility : uint8_t { kAdmissible, kUnreachable, kLimit, kSingular };
 
 /// Bounds of the one admissible predicate that genetic algorithm, exhaustive search, layered search and audit
 /// share.
@@ -43,7 +41,7 @@ struct PoseProblem {
 
 /// One branch of one choice of freedoms.
 struct Candidate {
-  Admissibility admissibility = Admissibility::kUnreachable;
+  Obstacle obstacle = Obstacle::kUnreachable;
   double objective = 0;       ///< defined where admissible
   double shortfall = 0;       ///< by how much the bounds are missed (rad, sines, m summed); 0 when admissible
   Joints q = Joints::Zero();  ///< a representative within the bounds where one exists, else principal; rad
@@ -55,7 +53,7 @@ struct ScoredBlock {
   Lanes objective[8];  ///< defined where admissible
   Lanes shortfall[8];  ///< as in Candidate
   Lanes q[8][6];       ///< as in Candidate
-  std::array<Admissibility, kLanes> admissibility[8];
+  std::array<Obstacle, kLanes> obstacle[8];
 };
 
 /// One entry of a block.
@@ -100,6 +98,6 @@ class PointScorer {
 };
 
 /// The one predicate for a full joint vector, apart from reach. `q` within the bounds as it stands.
-Admissibility CheckAdmissible(const PoseProblem& problem, const Joints& q);
+Obstacle CheckAdmissible(const PoseProblem& problem, const Joints& q);
 
 }  // namespace millpose

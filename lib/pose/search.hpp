@@ -11,7 +11,7 @@ namespace millpose {
 /// A point's optimum as a search found it.
 struct PointOptimum {
   bool found = false;
-  Admissibility reason = Admissibility::kUnreachable;  ///< when not found: how far the best candidate came
+  Obstacle reason = Obstacle::kUnreachable;  ///< when not found: how far the best candidate came
   FreedomValues freedoms;
   int branch = 0;
   Joints q = Joints::Zero();

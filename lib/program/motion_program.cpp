@@ -62,14 +62,14 @@ class ProgramBuilder {
 
   void AddPiece(const PassResult& pass, const Piece& piece) {
     int first = piece.first;
-    while (pass.points[first].skip != SkipReason::kNone) ++first;
+    while (pass.points[first].skip != Obstacle::kNone) ++first;
     assert(first <= piece.last);
     AddApproach(pass, first);
     AddPlunge(pass, first);
     AddOutputs(true);
     clearance_share_ = 1;
     for (int i = first + 1; i <= piece.last; ++i) {
-      if (pass.points[i].skip == SkipReason::kNone) AddCut(pass, i);
+      if (pass.points[i].skip == Obstacle::kNone) AddCut(pass, i);
     }
     if (piece.closed) AddClosing(pass, first);
     program_.motions.back().exact = true;
@@ -199,7 +199,7 @@ PlanResult Lifted(PlanResult plan, double offset) {
   for (PassResult& pass : plan.passes) {
     for (size_t i = 0; i < pass.points.size(); ++i) {
       PlannedPoint& point = pass.points[i];
-      if (point.skip != SkipReason::kNone) continue;
+      if (point.skip != Obstacle::kNone) continue;
       const auto q =
           InverseNear(plan.arm, ForwardFlange(plan.arm, point.q) * lift, Status(plan.arm, point.q), point.q);
       if (q) {

@@ -16,7 +16,7 @@ DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& 
     for (const PlannedPoint& planned : pass.points) {
       const size_t here = number++;
       const MillingPoint& point = planned.point;
-      if (planned.skip != SkipReason::kNone || point.kind != PointKind::kCut) continue;
+      if (planned.skip != Obstacle::kNone || point.kind != PointKind::kCut) continue;
       const Matrix6 C = Compliance(Jacobian(plan.arm, planned.q, origin), plan.arm.stiffness) +
                         SeriesComplianceAt(plan.arm, planned.q, origin, compliances);
       const Eigen::Matrix3d c = C.topLeftCorner<3, 3>();

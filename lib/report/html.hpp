@@ -13,9 +13,6 @@
 
 namespace millpose {
 
-/// What a sampled candidate of a point was good for.
-enum class CandidateState : uint8_t { kUnreachable, kLimit, kSingular, kAdmissible };
-
 /// How one point's pose was chosen, sampled for two plots: the objective over the rotation about the tool
 /// axis, and the genetic algorithm's convergence. The rotations are first + i·step of the grid.
 struct PointCurves {
@@ -23,8 +20,8 @@ struct PointCurves {
   int point = 0;  ///< index into its points
   std::vector<std::array<double, 8>>
       objective;  ///< per rotation and branch, unit of the objective; infinite where there is none
-  std::vector<std::array<CandidateState, 8>> state;  ///< per rotation and branch
-  std::vector<double> best, mean;                    ///< per generation, unit of the objective
+  std::vector<std::array<Obstacle, 8>> state;  ///< of the pose, per rotation and branch
+  std::vector<double> best, mean;              ///< per generation, unit of the objective
 };
 
 /// The rotations at which all PointCurves were sampled.

@@ -28,7 +28,7 @@ PackedCurve PackCurve(const PointCurves& curves, int count) {
     for (int i = 0; i < count; ++i) {
       double value = std::numeric_limits<double>::infinity();
       for (int branch : {arm, arm + 4})
-        if (curves.state[i][branch] != CandidateState::kUnreachable)
+        if (curves.state[i][branch] != Obstacle::kUnreachable)
           value = std::min(value, curves.objective[i][branch]);
       values.push_back(value);
       if (!std::isfinite(value)) continue;
@@ -49,7 +49,7 @@ PackedCurve PackCurve(const PointCurves& curves, int count) {
   for (int i = 0; i < count; ++i) {
     unsigned bits = 0;
     for (int branch = 0; branch < 8; ++branch)
-      bits |= static_cast<unsigned>(curves.state[i][branch]) << (2 * branch);
+      bits |= static_cast<unsigned>(TestsPassed(curves.state[i][branch])) << (2 * branch);
     packed.states.push_back(static_cast<uint16_t>(bits));
   }
   return packed;

@@ -91,7 +91,7 @@ Json SkippedJson(const PlanResult& plan, size_t limit) {
   uint32_t number = 0;
   for (const PassResult& pass : plan.passes) {
     for (const PlannedPoint& p : pass.points) {
-      if (p.skip != SkipReason::kNone) {
+      if (p.skip != Obstacle::kNone) {
         if (list.size() < limit)
           list.push_back(
               {{"point", number}, {"pass", pass.pass}, {"reason", ToString(p.skip)}, {"detail", p.detail}});
@@ -122,7 +122,7 @@ Json CountsJson(const PlanResult& plan, size_t shown) {
   size_t total = 0, skipped = 0;
   for (const PassResult& pass : plan.passes) {
     total += pass.points.size();
-    for (const PlannedPoint& p : pass.points) skipped += p.skip != SkipReason::kNone;
+    for (const PlannedPoint& p : pass.points) skipped += p.skip != Obstacle::kNone;
   }
   return {{"total", total}, {"planned", total - skipped}, {"skipped", skipped}, {"shown", shown}};
 }

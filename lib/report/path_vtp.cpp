@@ -27,7 +27,7 @@ class ArrayWriter {
   template <class Get>
   void PoseNumbers(const char* name, Get get) {
     Numbers(name, [&](const PlannedPoint& point) {
-      return point.skip == SkipReason::kNone ? static_cast<double>(get(point)) : 0.0;
+      return point.skip == Obstacle::kNone ? static_cast<double>(get(point)) : 0.0;
     });
   }
   template <class Get>
@@ -67,7 +67,7 @@ struct Cells {
 Cells Skipped(const std::vector<const PlannedPoint*>& points) {
   Cells cells;
   for (size_t i = 0; i < points.size(); ++i) {
-    if (points[i]->skip == SkipReason::kNone) continue;
+    if (points[i]->skip == Obstacle::kNone) continue;
     cells.connectivity.push_back(i);
     cells.offsets.push_back(cells.connectivity.size());
   }
@@ -107,7 +107,7 @@ void AddPointData(const PlanResult& plan, ArrayWriter* out) {
     }
   out->Indices("point", numbers);
   out->Indices("pass", passes);
-  out->Numbers("planned", [](P p) { return p.skip == SkipReason::kNone ? 1.0 : 0.0; });
+  out->Numbers("planned", [](P p) { return p.skip == Obstacle::kNone ? 1.0 : 0.0; });
   out->Numbers("skip_reason", [](P p) { return static_cast<double>(p.skip); });
   out->PoseNumbers("piece", [](P p) { return p.piece; });
   out->Numbers("s_mm", [](P p) { return p.point.arc_length; });

@@ -62,7 +62,7 @@ std::string PointsCsv(const PlanResult& plan) {
   for (const PassResult& pass : plan.passes)
     for (const PlannedPoint& planned : pass.points) {
       const MillingPoint& point = planned.point;
-      const bool skipped = planned.skip != SkipReason::kNone;
+      const bool skipped = planned.skip != Obstacle::kNone;
       Row row;
       row.Text(std::to_string(number++)).Text(std::to_string(pass.pass));
       row.Text(skipped ? "" : std::to_string(planned.piece));

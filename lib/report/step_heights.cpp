@@ -33,7 +33,7 @@ std::vector<std::vector<CutPoint>> CutsOf(const PassResult& pass, size_t first_n
     std::vector<CutPoint>& cut = cuts.emplace_back();
     for (int t = piece.first; t <= piece.last; ++t) {
       const PlannedPoint& point = pass.points[static_cast<size_t>(t)];
-      if (point.skip == SkipReason::kNone && point.point.kind == PointKind::kCut)
+      if (point.skip == Obstacle::kNone && point.point.kind == PointKind::kCut)
         cut.push_back({&point, first_number + static_cast<size_t>(t), pass.pass});
     }
   }

@@ -36,7 +36,7 @@ Json SkippedJson(const PlanResult& plan) {
   size_t number = 0;
   for (const PassResult& pass : plan.passes)
     for (const PlannedPoint& point : pass.points) {
-      if (point.skip != SkipReason::kNone)
+      if (point.skip != Obstacle::kNone)
         skipped.push_back({{"point", number},
                            {"pass", pass.pass},
                            {"reason", ToString(point.skip)},

@@ -38,7 +38,7 @@ void AppendSkipped(const PlanResult& plan, std::string* text) {
   std::string rows;
   for (const PassResult& pass : plan.passes)
     for (const PlannedPoint& point : pass.points) {
-      if (point.skip != SkipReason::kNone) {
+      if (point.skip != Obstacle::kNone) {
         ++skipped;
         if (shown++ < kShown)
           fmt::format_to(std::back_inserter(rows), "  point {} (pass {}): {}: {}\n", number, pass.pass,

@@ -75,9 +75,8 @@ TEST(FixedRotation, IsTheBestOfAllThatServeEveryPoint) {
         for (const MillingPoint& point : row.points) {
           const Candidate candidate =
               PointScorer(problem, point, row.rotation_reference).ScoreOne({rotation}, branch);
-          worst = candidate.admissibility == Admissibility::kAdmissible
-                      ? std::max(worst, candidate.objective)
-                      : std::numeric_limits<double>::infinity();
+          worst = candidate.obstacle == Obstacle::kNone ? std::max(worst, candidate.objective)
+                                                        : std::numeric_limits<double>::infinity();
           if (!std::isfinite(worst)) break;
         }
         least = std::min(least, worst);

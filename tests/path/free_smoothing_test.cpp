@@ -33,7 +33,7 @@ struct Swerve {
               .mount = Mount::kWorld,
               .shape = Sphere{radius}};
     const Candidate there = row.scorers[t].ScoreOne({row.path[t].freedoms[0] - less}, row.path[t].branch);
-    EXPECT_EQ(there.admissibility, Admissibility::kAdmissible);
+    EXPECT_EQ(there.obstacle, Obstacle::kNone);
     ball.X_MG.translation() = carrier.ToolPose(there.q) * feeler.X_MG.translation();
     cell.bodies.push_back(ball);
   }

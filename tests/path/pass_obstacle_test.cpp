@@ -18,7 +18,7 @@ TEST(PlanPass, GoesRoundWhatIsInTheWay) {
   double objective = 0, objective_before = 0;
   Checker checker(world);
   for (size_t t = 0; t < pass.points.size(); ++t) {
-    ASSERT_EQ(result.points[t].skip, SkipReason::kNone) << t << result.points[t].detail;
+    ASSERT_EQ(result.points[t].skip, Obstacle::kNone) << t << result.points[t].detail;
     EXPECT_FALSE(checker.At(result.points[t].q, Phase::kCutting).has_value());
     objective += result.points[t].objective;
     objective_before += before.points[t].objective;
@@ -44,11 +44,11 @@ TEST(PlanPass, SaysWhichBodiesBarAPoint) {
   cell.bodies = {spindle, rod};
   const PassResult result = PlanPass(problem, World(cell), pass, 0, 0, Options(), 2, {});
   ExpectSound(problem, Options(), pass, result);
-  EXPECT_EQ(result.points[6].skip, SkipReason::kInterference);
+  EXPECT_EQ(result.points[6].skip, Obstacle::kInterference);
   EXPECT_NE(result.points[6].detail.find("spindle"), std::string::npos) << result.points[6].detail;
   EXPECT_NE(result.points[6].detail.find("rod"), std::string::npos) << result.points[6].detail;
-  EXPECT_EQ(result.points[0].skip, SkipReason::kNone);
-  EXPECT_EQ(result.points[15].skip, SkipReason::kNone);
+  EXPECT_EQ(result.points[0].skip, Obstacle::kNone);
+  EXPECT_EQ(result.points[15].skip, Obstacle::kNone);
 }
 
 }  // namespace

@@ -33,8 +33,8 @@ TEST(PlanPass, APointAloneBetweenSkippedOnesSaysSo) {
   pass.points[4].gouge = pass.points[6].gouge = 0.2;
   const PassResult result = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, Options(), 2, {});
   ExpectSound(problem, Options(), pass, result);
-  EXPECT_EQ(result.points[4].skip, SkipReason::kGouge);
-  EXPECT_EQ(result.points[5].skip, SkipReason::kStep);
+  EXPECT_EQ(result.points[4].skip, Obstacle::kGouge);
+  EXPECT_EQ(result.points[5].skip, Obstacle::kStep);
   EXPECT_EQ(result.points[5].detail,
             "stands alone between points that are skipped; a single point is no cut");
   EXPECT_EQ(result.pieces.size(), 2u);
@@ -75,9 +75,9 @@ TEST(PlanPass, OneBadPointDoesNotCostThePass) {
   pass.points[7].position.x() += 9000;  // leaves point 6 alone
   const PassResult result = PlanPass(problem, world, pass, 0, 0, Options(), 2, {});
   ExpectSound(problem, Options(), pass, result);
-  EXPECT_EQ(result.points[5].skip, SkipReason::kUnreachable);
-  EXPECT_EQ(result.points[6].skip, SkipReason::kStep);
-  EXPECT_EQ(result.points[7].skip, SkipReason::kUnreachable);
+  EXPECT_EQ(result.points[5].skip, Obstacle::kUnreachable);
+  EXPECT_EQ(result.points[6].skip, Obstacle::kStep);
+  EXPECT_EQ(result.points[7].skip, Obstacle::kUnreachable);
   ASSERT_EQ(result.pieces.size(), 2u);
   EXPECT_EQ(result.pieces[1].first, 8);
 }
@@ -91,7 +91,7 @@ TEST(PlanPass, HalfThePartOutOfReachLeavesTheOtherHalf) {
   ExpectSound(problem, Options(), pass, result);
   ASSERT_EQ(result.pieces.size(), 1u);
   for (int t = 0; t < 24; ++t) {
-    EXPECT_EQ(result.points[t].skip, t < 12 ? SkipReason::kNone : SkipReason::kUnreachable) << t;
+    EXPECT_EQ(result.points[t].skip, t < 12 ? Obstacle::kNone : Obstacle::kUnreachable) << t;
   }
   EXPECT_TRUE(result.uncut.empty());
 }

@@ -98,9 +98,9 @@ inline void ExpectSound(const PoseProblem& problem, const PathOptions& options, 
   for (size_t t = 0; t < result.points.size(); ++t) {
     const PlannedPoint& point = result.points[t];
     const MillingPoint& asked = point.point;
-    EXPECT_EQ(covered[t], point.skip == SkipReason::kNone ? 1 : 0) << t;
-    EXPECT_EQ(point.detail.empty(), point.skip == SkipReason::kNone);
-    if (point.skip != SkipReason::kNone) continue;
+    EXPECT_EQ(covered[t], point.skip == Obstacle::kNone ? 1 : 0) << t;
+    EXPECT_EQ(point.detail.empty(), point.skip == Obstacle::kNone);
+    if (point.skip != Obstacle::kNone) continue;
     const Pose X_WT = problem.X_WB * ForwardFlange(problem.arm, point.q) * problem.X_FT;
     EXPECT_LT((X_WT.translation() - asked.position).norm(), 1e-8);
     EXPECT_LT((X_WT.linear().col(2) - asked.tool_axis).norm(), 1e-10);
@@ -121,7 +121,7 @@ inline bool IsCut(const Pass& pass, const PassResult& result, size_t t) {
   const size_t next = (t + 1) % pass.points.size();
   for (size_t i = 0; i < result.points.size(); ++i) {
     const PlannedPoint& a = result.points[i];
-    if (a.skip != SkipReason::kNone || a.point.position != pass.points[t].position) continue;
+    if (a.skip != Obstacle::kNone || a.point.position != pass.points[t].position) continue;
     const Piece& piece = result.pieces[static_cast<size_t>(a.piece)];
     const bool ends = static_cast<int>(i) == piece.last;
     if (ends && !piece.closed) continue;

@@ -47,7 +47,7 @@ std::optional<std::pair<double, int>> TwoWaysOnly(const PoseProblem& problem, co
         unsigned reached = 0;
         for (int branch = 0; branch < 8; ++branch) {
           const Candidate at = scorer.ScoreOne({middle + DegToRad(off)}, branch);
-          reached |= unsigned{at.admissibility == Admissibility::kAdmissible} << branch;
+          reached |= unsigned{at.obstacle == Obstacle::kNone} << branch;
         }
         always &= reached;
         ever |= reached;
@@ -222,8 +222,8 @@ TEST(PlanPass, NeverRunsThroughTheWristSingularity) {
   int singular = 0, before = 0, after = 0;
   for (size_t t = 0; t < result.points.size(); ++t) {
     const PlannedPoint& point = result.points[t];
-    singular += point.skip == SkipReason::kSingular;
-    if (point.skip != SkipReason::kNone) continue;
+    singular += point.skip == Obstacle::kSingular;
+    if (point.skip != Obstacle::kNone) continue;
     EXPECT_GE(DistanceToSingularity(problem.arm, point.q).wrist, 0.05 - 1e-9);
     ++(t < 20 ? before : after);
   }

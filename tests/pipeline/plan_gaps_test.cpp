@@ -52,7 +52,7 @@ TEST(PlanAllGaps, APieceThatCannotBeLeftCostsItselfAlone) {
   for (size_t t = 0; t < 6; ++t) {
     const PlannedPoint& point = passes[1].points[t];
     EXPECT_EQ(point.own_optimum, 7);
-    EXPECT_EQ(point.skip, t < 3 ? SkipReason::kAccess : SkipReason::kNone) << t;
+    EXPECT_EQ(point.skip, t < 3 ? Obstacle::kAccess : Obstacle::kNone) << t;
     if (t >= 3) {
       EXPECT_EQ(point.piece, 0);
     } else {

@@ -65,7 +65,7 @@ TEST(Price, WhatIsNotCutDoesNotCount) {
   PlanResult plan = Plan("mm");
   PlannedPoint lead = Point(1, 50, 60, 70), skipped = Point(1, 50, 60, 70);
   lead.point.kind = PointKind::kLeadIn;
-  skipped.skip = SkipReason::kLimit;
+  skipped.skip = Obstacle::kLimit;
   plan.passes[1].points.insert(plan.passes[1].points.end(), {lead, skipped});
   EXPECT_EQ(PriceOf(plan)->points, 3u);
   EXPECT_EQ(PriceOf(plan)->worst.total, 1.5);

@@ -21,7 +21,7 @@ PassResult RandomPass(RandomStream& random, int number) {
     point.point.feed = Vector(random);
     point.point.tool_axis = Vector(random);
     point.point.kind = PointKind::kLeadIn;
-    point.skip = SkipReason::kStep;
+    point.skip = Obstacle::kStep;
     point.detail = "a \"quoted\" detail";
     point.freedoms = {random.Uniform()};
     point.q = Joints::Constant(random.Uniform());
@@ -55,7 +55,7 @@ TEST(Serialise, APlanReadsBackToTheSameBytes) {
   EXPECT_EQ(back.seed, plan.seed);
   EXPECT_EQ(back.passes[1].points[3].q, plan.passes[1].points[3].q);
   EXPECT_EQ(back.passes[1].points[3].point.position, plan.passes[1].points[3].point.position);
-  EXPECT_EQ(back.passes[0].points[0].skip, SkipReason::kStep);
+  EXPECT_EQ(back.passes[0].points[0].skip, Obstacle::kStep);
   EXPECT_EQ(back.passes[0].points[2].unsmoothed, plan.passes[0].points[2].unsmoothed);
   EXPECT_EQ(back.passes[0].points[2].free_optimum, plan.passes[0].points[2].free_optimum);
   EXPECT_EQ(back.passes[0].bound.worst_bound, plan.passes[0].bound.worst_bound);

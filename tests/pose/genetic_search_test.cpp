@@ -90,7 +90,7 @@ TEST(GeneticSearch, DependsOnItsStreamAlone) {
   }
   EXPECT_NE(first[0].mean, other[0].mean);
   EXPECT_EQ(a.objective, scorer.ScoreOne(a.freedoms, a.branch).objective);
-  EXPECT_EQ(CheckAdmissible(problem, a.q), Admissibility::kAdmissible);
+  EXPECT_EQ(CheckAdmissible(problem, a.q), Obstacle::kNone);
 }
 
 TEST(GeneticSearch, RecordsOnlyAdmissibleIndividuals) {
@@ -121,7 +121,7 @@ TEST(GeneticSearch, SaysWhyNothingWasFound) {
   const PointScorer scorer(problem, PanelPoint(0, 0, 6000), Eigen::Vector3d::UnitZ());
   const PointOptimum best = GeneticSearch(scorer, problem, {}, RandomStream(1, 0));
   EXPECT_FALSE(best.found);
-  EXPECT_EQ(best.reason, Admissibility::kUnreachable);
+  EXPECT_EQ(best.reason, Obstacle::kUnreachable);
   EXPECT_LE(best.evaluations, 2000);
 }
 

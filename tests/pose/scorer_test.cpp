@@ -24,7 +24,7 @@ Candidate Reference(const PoseProblem& problem, const MillingPoint& point, doubl
     candidate.objective = indices ? 0.5 * indices->lambda_t2 + 0.5 * indices->lambda_n : 1e9;
     const std::vector<Joints> turns = FullTurns(q, problem.bounds.lower, problem.bounds.upper);
     candidate.q = turns.empty() ? q : turns.front();
-    candidate.admissibility = turns.empty() ? Admissibility::kLimit : CheckAdmissible(problem, turns.front());
+    candidate.obstacle = turns.empty() ? Obstacle::kLimit : CheckAdmissible(problem, turns.front());
   }
   return candidate;
 }
@@ -64,18 +64,18 @@ TEST(PointScorer, EqualsThePlainReference) {
         for (int branch = 0; branch < 8; ++branch) {
           const Candidate& found = candidates[8 * i + branch];
           const Candidate expected = Reference(problem, point, rotations[i][0], branch);
-          ASSERT_EQ(found.admissibility, expected.admissibility);
-          if (found.admissibility == Admissibility::kUnreachable) continue;
+          ASSERT_EQ(found.obstacle, expected.obstacle);
+          if (found.obstacle == Obstacle::kUnreachable) continue;
           ++reached;
           // Equal up to full turns; within the bounds when admissible.
           for (int j = 0; j < 6; ++j) {
             EXPECT_NEAR(std::remainder(found.q[j] - expected.q[j], 2 * kPi), 0, 1e-9);
           }
-          EXPECT_EQ(found.shortfall == 0, found.admissibility == Admissibility::kAdmissible);
-          if (found.admissibility != Admissibility::kAdmissible) continue;
+          EXPECT_EQ(found.shortfall == 0, found.obstacle == Obstacle::kNone);
+          if (found.obstacle != Obstacle::kNone) continue;
           ++admissible;
           EXPECT_NEAR(found.objective / expected.objective, 1, 1e-9);
-          EXPECT_EQ(CheckAdmissible(problem, found.q), Admissibility::kAdmissible);
+          EXPECT_EQ(CheckAdmissible(problem, found.q), Obstacle::kNone);
           const Pose X_WT = problem.X_WB * ForwardFlange(arm, found.q) * problem.X_FT;
           EXPECT_LT((X_WT.matrix() - scorer.ToolPose(rotations[i]).matrix()).norm(), 1e-8);
         }
@@ -113,7 +113,7 @@ TEST(PointScorer, TheWorldsDirectionsDoNotMatter) {
       for (int branch = 0; branch < 8; ++branch) {
         const Candidate a = here.ScoreOne({DegToRad(15.0 * i - 180)}, branch);
         const Candidate b = elsewhere.ScoreOne({DegToRad(15.0 * i - 180)}, branch);
-        if (a.admissibility != Admissibility::kAdmissible || b.admissibility != a.admissibility) continue;
+        if (a.obstacle != Obstacle::kNone || b.obstacle != a.obstacle) continue;
         ++compared;
         EXPECT_NEAR(b.objective / a.objective, 1, 1e-9) << name;
       }
@@ -134,7 +134,7 @@ TEST(PointScorer, AnEntryDoesNotDependOnItsNeighbours) {
     for (int branch = 0; branch < 8; ++branch) {
       const Candidate& a = together[8 * i + branch];
       for (const Candidate& b : {alone[branch], scorer.ScoreOne(rotations[i], branch)}) {
-        EXPECT_EQ(a.admissibility, b.admissibility);
+        EXPECT_EQ(a.obstacle, b.obstacle);
         EXPECT_EQ(a.objective, b.objective);
         EXPECT_EQ(a.q, b.q);
       }
@@ -151,7 +151,7 @@ TEST(PointScorer, FullTurnsBringAJointWithinItsLimits) {
   for (double rotation = -3; rotation < 3; rotation += 0.01) {
     for (int branch = 0; branch < 8; ++branch) {
       const Candidate candidate = scorer.ScoreOne({rotation}, branch);
-      if (candidate.admissibility != Admissibility::kAdmissible) continue;
+      if (candidate.obstacle != Obstacle::kNone) continue;
       ++admissible;
       EXPECT_GE(candidate.q[3], DegToRad(190));
       EXPECT_LE(candidate.q[3], DegToRad(350));
@@ -180,7 +180,7 @@ TEST(PointScorer, CountsCompliancesBesideTheJointsOnEveryBranch) {
       std::array<double, 8> value{};
       for (int branch = 0; branch < 8; ++branch) {
         const Candidate found = scorer.ScoreOne({rotation}, branch);
-        if (found.admissibility != Admissibility::kAdmissible) continue;
+        if (found.obstacle != Obstacle::kNone) continue;
         value[branch] = found.objective;
         least = std::min(least, found.objective);
         const Eigen::Vector3d tip = problem.X_FT.translation();
@@ -208,12 +208,12 @@ TEST(PointScorer, CountsCompliancesBesideTheJointsOnEveryBranch) {
 
 TEST(CheckAdmissible, SaysWhatIsMissed) {
   PoseProblem problem = MakeProblem(Kr500R2830());
-  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 45, 0)), Admissibility::kAdmissible);
-  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 117.5, 0)), Admissibility::kLimit);    // margin
-  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 2, 0)), Admissibility::kSingular);     // wrist
-  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, -3.5, 0, 45, 0)), Admissibility::kSingular);  // elbow
+  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 45, 0)), Obstacle::kNone);
+  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 117.5, 0)), Obstacle::kLimit);    // margin
+  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 2, 0)), Obstacle::kSingular);     // wrist
+  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, -3.5, 0, 45, 0)), Obstacle::kSingular);  // elbow
   problem.bounds.dexterity_min = 0.9;
-  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 45, 0)), Admissibility::kSingular);
+  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 45, 0)), Obstacle::kSingular);
 }
 
 }  // namespace

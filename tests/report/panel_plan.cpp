@@ -41,14 +41,14 @@ void ChoosePose(const PointScorer& scorer, const RotationGrid& grid, std::option
   size_t chosen = candidates.size(), own = 0;
   for (size_t i = 0; i < candidates.size(); ++i) {
     const Candidate& c = candidates[i];
-    if (c.admissibility != Admissibility::kAdmissible) continue;
+    if (c.obstacle != Obstacle::kNone) continue;
     if (c.objective < least) least = c.objective, own = i;
     const double jump = last ? (c.q - *last).cwiseAbs().maxCoeff() : 0;
     const double cost = c.objective * (1 + 20 * std::max(0.0, jump - DegToRad(10)));
     if (cost < best) best = cost, chosen = i;
   }
   if (chosen == candidates.size()) {
-    point.skip = SkipReason::kLimit;
+    point.skip = Obstacle::kLimit;
     point.detail = "no admissible pose on any branch";
     return;
   }
@@ -97,10 +97,10 @@ PassResult MakePass(const PoseProblem& problem, const PanelSize& size, int numbe
     ChoosePose(scorer, CurveGrid(), last, point);
     point.clearance = std::min(kPointClearanceBound, 35 + 20 * std::cos(0.01 * along) + number % 5);
     if (number + 1 == size.passes && i % 10 == 9) {
-      point.skip = SkipReason::kInterference;
+      point.skip = Obstacle::kInterference;
       point.detail = "spindle against workpiece </script><b>";
     }
-    if (point.skip == SkipReason::kNone) FillIndices(problem, point);
+    if (point.skip == Obstacle::kNone) FillIndices(problem, point);
     FillVerdicts(along, point);
     pass.points.push_back(std::move(point));
   }

@@ -26,7 +26,7 @@ inline PlanResult SmallPlan() {
     point.clearance = 40 - i;
     pass.points.push_back(point);
   }
-  pass.points[3].skip = SkipReason::kLimit;
+  pass.points[3].skip = Obstacle::kLimit;
   pass.points[3].detail = "A5 beyond 117 deg";
   pass.pieces = {{0, 0, 0, 2, false}};
   plan.passes = {pass};
