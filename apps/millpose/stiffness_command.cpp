@@ -55,7 +55,9 @@ Subject Load(const Options& options) {
                   .gravity = {}};
   subject.arm = MakeArm(subject.cell.arm);
   subject.X_FT = MakeToolPose(subject.cell.tool);
-  subject.at_flange = (options.at.empty() ? subject.cell.stiffness_at : options.at) == "flange";
+  subject.at_flange = options.at.empty()
+                          ? subject.cell.stiffness_at == StiffnessOrigin::kFlange
+                          : options.at == WordOf(kStiffnessOriginWords, StiffnessOrigin::kFlange);
   subject.elements = MakeCompliances(subject.cell);
   subject.gravity = MakeGravity(subject.cell);
   return subject;

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/enum_words.hpp"
 #include "robot/arm.hpp"
 #include "surface/triangles.hpp"
 
@@ -37,6 +38,14 @@ double Radius(const Shape& shape);
 /// What a body is; decides which pairs are checked and with which clearance. The stock is the raw part, of
 /// which the workpiece is what will be left.
 enum class BodyClass : uint8_t { kLink, kSpindle, kHolder, kCutter, kFixture, kPlatform, kWorkpiece, kStock };
+inline constexpr EnumWords<BodyClass, 8> kBodyClassWords = {{{"link", BodyClass::kLink},
+                                                             {"spindle", BodyClass::kSpindle},
+                                                             {"holder", BodyClass::kHolder},
+                                                             {"cutter", BodyClass::kCutter},
+                                                             {"fixture", BodyClass::kFixture},
+                                                             {"platform", BodyClass::kPlatform},
+                                                             {"workpiece", BodyClass::kWorkpiece},
+                                                             {"stock", BodyClass::kStock}}};
 
 /// What a body hangs on: the world W, the arm's link frames 0..6 (kinematics.hpp), the tool T, or the
 /// workpiece P.

@@ -26,9 +26,9 @@ Codec<UrdfSettings> UrdfFields() {
 /// d5 belongs to parallel axes, and to nothing else.
 void CheckLengths(const Value& lengths, const Context& context, const ArmSettings& arm) {
   const auto* given = lengths.FindKey("d5");
-  if (arm.family == "parallel_axes" && !given)
+  if (arm.family == ArmFamily::kParallelAxes && !given)
     context.Child("d5").Add(lengths.mark, "missing; required where arm.family is parallel_axes: number");
-  if (arm.family != "parallel_axes" && given)
+  if (arm.family != ArmFamily::kParallelAxes && given)
     context.Child("d5").Add(given->mark,
                             "has no effect with a spherical wrist; allowed where arm.family is "
                             "parallel_axes");
@@ -57,9 +57,10 @@ Codec<ArmSettings> ArmFields() {
               "urdf", MILLPOSE_AT(urdf), UrdfFields(),
               "A URDF from which lengths, signs, offsets, limits, speeds and bodies of the links are taken.")
               .WhenSet([](const S& s) { return !s.urdf.file.empty(); }),
-          Key<S>("family", MILLPOSE_AT(family), Choice({"spherical_wrist", "parallel_axes"}),
+          Key<S>("family", MILLPOSE_AT(family), ChoiceOf(kArmFamilyWords),
                  "Axes 4, 5, 6 meet in one point, or axes 2, 3, 4 are parallel (UR, Techman, AUBO, JAKA).")
-              .WhenSet([](const S& s) { return s.urdf.file.empty() && s.family != "spherical_wrist"; })
+              .WhenSet(
+                  [](const S& s) { return s.urdf.file.empty() && s.family != ArmFamily::kSphericalWrist; })
               .DefaultText("spherical_wrist"),
           Key<S>(
               "lengths_mm", kSelf,
@@ -76,7 +77,7 @@ Codec<ArmSettings> ArmFields() {
                   length("dz", MILLPOSE_AT(dz), "The same, across the forearm."),
                   Key<S>("d5", MILLPOSE_AT(d5), Real(kMm, Between(-10000, 10000)),
                          "Only of parallel_axes and needed there: axis 4 to the wrist centre, along axis 5.")
-                      .WhenSet([](const S& s) { return s.family == "parallel_axes"; }),
+                      .WhenSet([](const S& s) { return s.family == ArmFamily::kParallelAxes; }),
                   length("d6", MILLPOSE_AT(d6), "Wrist centre to the flange."),
               }),
               "Lengths of the arm as in the formula of docs/kinematics.md.")

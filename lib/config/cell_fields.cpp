@@ -12,35 +12,45 @@ Codec<ShapeSettings> ShapeFields() {
   };
   const auto diameter = size("diameter_mm", MILLPOSE_AT(diameter), "Diameter.");
   const auto length = size("length_mm", MILLPOSE_AT(length), "Length along z.");
-  return OneOf<S>(
+  return OneOf<S, ShapeKind>(
       &S::kind,
       {
-          {"box", Section<S>({Key<S>("size_mm", MILLPOSE_AT(size), Numbers3(kMm, Positive(1e5)),
-                                     "Edges along x, y, z; centred.")
-                                  .Required()})},
-          {"sphere", Section<S>({diameter})},
-          {"cylinder", Section<S>({diameter, length})},
-          {"capsule", Section<S>({diameter, length})},
-          {"cone",
+          {"box", ShapeKind::kBox,
+           Section<S>({Key<S>("size_mm", MILLPOSE_AT(size), Numbers3(kMm, Positive(1e5)),
+                              "Edges along x, y, z; centred.")
+                           .Required()})},
+          {"sphere", ShapeKind::kSphere, Section<S>({diameter})},
+          {"cylinder", ShapeKind::kCylinder, Section<S>({diameter, length})},
+          {"capsule", ShapeKind::kCapsule, Section<S>({diameter, length})},
+          {"cone", ShapeKind::kCone,
            Section<S>(
                {diameter, size("top_diameter_mm", MILLPOSE_AT(top_diameter), "Diameter on top."), length})},
-          {"convex", Section<S>({Key<S>("points_mm", MILLPOSE_AT(points),
-                                        ListOf(Numbers3(kMm, Between(-100000, 100000))),
-                                        "Points whose convex hull is the body; at least 4.")
-                                     .Required()},
-                                [](const Value& value, const Context& context, S& shape) {
-                                  if (shape.points.size() < 4)
-                                    context.Child("points_mm")
-                                        .Add(value.mark, fmt::format("given {} points; allowed: at least 4",
-                                                                     shape.points.size()));
-                                })},
-          {"mesh",
+          {"convex", ShapeKind::kConvex,
+           Section<S>(
+               {Key<S>("points_mm", MILLPOSE_AT(points), ListOf(Numbers3(kMm, Between(-100000, 100000))),
+                       "Points whose convex hull is the body; at least 4.")
+                    .Required()},
+               [](const Value& value, const Context& context, S& shape) {
+                 if (shape.points.size() < 4)
+                   context.Child("points_mm")
+                       .Add(value.mark,
+                            fmt::format("given {} points; allowed: at least 4", shape.points.size()));
+               })},
+          {"mesh", ShapeKind::kMesh,
            Section<S>(
                {Key<S>("file", MILLPOSE_AT(mesh_file), Text(),
                        "Mesh file, relative to the file that names it.")
                     .Required(),
                 Key<S>("unit", MILLPOSE_AT(unit), LengthUnit(), "Unit of the mesh file.").Required()})},
       });
+}
+
+std::vector<std::pair<std::string, MountSettings>> MountNames() {
+  std::vector<std::pair<std::string, MountSettings>> names{{"world", {Mount::kWorld}}};
+  for (const auto& [word, link] : kLinkWords) names.emplace_back(word, MountSettings{Mount::kLink, link});
+  names.emplace_back("tool", MountSettings{Mount::kTool});
+  names.emplace_back("workpiece", MountSettings{Mount::kWorkpiece});
+  return names;
 }
 
 }  // namespace
@@ -50,12 +60,15 @@ Codec<BodySettings> BodyFields() {
   return Section<S>({
       Key<S>("name", MILLPOSE_AT(name), Text(), "Name, as in findings and `excluded_pairs`.").Required(),
       Key<S>("class", MILLPOSE_AT(body_class),
-             Choice({"link", "spindle", "holder", "cutter", "fixture", "platform"}),
+             ChoiceOf<BodyClass>({{"link", BodyClass::kLink},
+                                  {"spindle", BodyClass::kSpindle},
+                                  {"holder", BodyClass::kHolder},
+                                  {"cutter", BodyClass::kCutter},
+                                  {"fixture", BodyClass::kFixture},
+                                  {"platform", BodyClass::kPlatform}}),
              "What the body is; decides which pairs are checked and with which clearance.")
           .Required(),
-      Key<S>("mount", MILLPOSE_AT(mount),
-             Choice({"world", "base", "link1", "link2", "link3", "link4", "link5", "link6", "tool",
-                     "workpiece"}),
+      Key<S>("mount", MILLPOSE_AT(mount), ChoiceOf<MountSettings>(MountNames()),
              "Frame that the body hangs on.")
           .Required(),
       Key<S>("shape", MILLPOSE_AT(shape), ShapeFields(), "One shape.").Required(),
@@ -70,7 +83,7 @@ Codec<CellSettings> CheckedFields() {
   return Section<S>({
       Key<S>(
           "unchecked_links", MILLPOSE_AT(unchecked_links),
-          ListOf(Choice({"base", "link1", "link2", "link3", "link4", "link5"})),
+          ListOf(ChoiceOf<int>({kLinkWords.begin(), kLinkWords.end() - 1})),
           "Links that have no body on purpose, so that nothing sees them touch: a warning in every output.")
           .Required(),
   });

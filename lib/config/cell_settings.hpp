@@ -12,7 +12,9 @@
 
 #include "base/pose_settings.hpp"
 #include "base/units.hpp"
+#include "cell/cell.hpp"
 #include "program/post_entry.hpp"
+#include "stiffness/compliance.hpp"
 
 namespace millpose {
 
@@ -30,7 +32,7 @@ struct UrdfSettings {
 struct ArmSettings {
   std::string name;
   UrdfSettings urdf;
-  std::string family = "spherical_wrist";                                 ///< or parallel_axes
+  ArmFamily family = ArmFamily::kSphericalWrist;
   double d1 = 0, a1 = 0, dy = 0, a2 = 0, d4 = 0, dz = 0, d5 = 0, d6 = 0;  ///< mm
   std::array<int, 6> sign{};
   Vector6 offset = Vector6::Zero();                                 ///< rad
@@ -43,18 +45,21 @@ struct ArmSettings {
 
 struct ToolPartSettings {
   std::string name;
-  std::string body_class;   ///< cutter | holder | spindle
-  double length = 0;        ///< mm
-  double diameter = 0;      ///< mm, at the lower end
-  double top_diameter = 0;  ///< mm, at the upper end; same as `diameter` unless given
+  BodyClass body_class = BodyClass::kCutter;  ///< cutter, holder or spindle
+  double length = 0;                          ///< mm
+  double diameter = 0;                        ///< mm, at the lower end
+  double top_diameter = 0;                    ///< mm, at the upper end; same as `diameter` unless given
 };
+
+/// Shape of a cutter's tip.
+enum class CutterTip : uint8_t { kFlat, kBall, kBull };
 
 struct ToolSettings {
   std::string name;
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();    ///< in F, mm
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< T's z in F, from tip to holder, unit
   Eigen::Vector3d x = Eigen::Vector3d::UnitX();     ///< T's x in F (its part normal to z), unit
-  std::string cutter_shape = "flat";
+  CutterTip cutter_tip = CutterTip::kFlat;
   double cutter_diameter = 0, cutting_length = 0, corner_radius = 0;  ///< mm
   std::vector<ToolPartSettings> stack;
   std::optional<ToolLoad> load;
@@ -64,9 +69,11 @@ struct ToolSettings {
 /// Radius of the cutter's rounded corner, by its shape, mm.
 double CornerRadius(const ToolSettings& tool);
 
+enum class ShapeKind : uint8_t { kBox, kSphere, kCylinder, kCapsule, kCone, kConvex, kMesh };
+
 /// One shape; which fields hold depends on `kind`.
 struct ShapeSettings {
-  std::string kind;  ///< box | sphere | cylinder | capsule | cone | convex | mesh
+  ShapeKind kind = ShapeKind::kBox;
   Eigen::Vector3d size = Eigen::Vector3d::Zero();     ///< box, mm
   double diameter = 0, top_diameter = 0, length = 0;  ///< mm
   std::vector<Eigen::Vector3d> points;                ///< convex, mm
@@ -74,10 +81,21 @@ struct ShapeSettings {
   double unit = 1;                                    ///< mm per unit of the mesh file
 };
 
+/// What a body hangs on.
+struct MountSettings {
+  Mount mount = Mount::kWorld;
+  int link = 0;  ///< 0 (base) to 6, where that is a link
+  bool operator==(const MountSettings&) const = default;
+};
+
+/// The links of the arm by number, the base first.
+inline constexpr EnumWords<int, 7> kLinkWords = {
+    {{"base", 0}, {"link1", 1}, {"link2", 2}, {"link3", 3}, {"link4", 4}, {"link5", 5}, {"link6", 6}}};
+
 struct BodySettings {
   std::string name;
-  std::string body_class;  ///< link | spindle | holder | cutter | fixture | platform
-  std::string mount;       ///< world | base | link1..link6 | tool | workpiece
+  BodyClass body_class = BodyClass::kFixture;  ///< all but workpiece and stock
+  MountSettings mount;
   ShapeSettings shape;
   PoseSettings pose;
 };
@@ -85,8 +103,8 @@ struct BodySettings {
 /// A compliance in series with the joints, at a frame that hangs on a link.
 struct ComplianceSettings {
   std::string name;
-  std::string mount = "base";  ///< base | link1..link6 (link6 = flange, with what hangs on it)
-  PoseSettings pose;           ///< of its frame in the mount's
+  int link = 0;                                             ///< 0 (base) to 6 (flange, with what hangs on it)
+  PoseSettings pose;                                        ///< of its frame in the link's
   Eigen::Vector3d translational = Eigen::Vector3d::Zero();  ///< diagonal, mm/N
   Eigen::Vector3d rotational = Eigen::Vector3d::Zero();     ///< diagonal, rad/(N·mm)
   std::vector<Vector6> matrix;  ///< six rows in place of the diagonals; mm/N, 1/N, 1/N, rad/(N·mm)
@@ -94,9 +112,9 @@ struct ComplianceSettings {
 
 struct MassSettings {
   std::string name;
-  std::string mount = "link6";                       ///< link1..link6
+  int link = 6;
   double mass = 0;                                   ///< kg
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of gravity, in the mount's frame, mm
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of gravity, in the link's frame, mm
 };
 
 /// What weight bends, against a pose in which the arm was calibrated.
@@ -119,11 +137,11 @@ struct CellSettings {
   bool auto_excluded_pairs = false;   ///< neighbours that touch in every sampled pose are added to them
   std::vector<std::string> warnings;  ///< of reading the cell's URDF; not written
   int bodies_line = 0;                ///< of the key, for later errors
-  std::vector<std::string> unchecked_links;           ///< base | link1..link5: without a body on purpose
+  std::vector<int> unchecked_links;   ///< 0 (base) to 5: without a body on purpose
   double clearance_free = 10, clearance_cutting = 2;  ///< mm
-  std::string stiffness_at = "tool_tip";              ///< tool_tip | flange
-  double characteristic_length = 1000;                ///< mm
-  std::vector<ComplianceSettings> compliances;        ///< beside the joints
+  StiffnessOrigin stiffness_at = StiffnessOrigin::kToolTip;
+  double characteristic_length = 1000;          ///< mm
+  std::vector<ComplianceSettings> compliances;  ///< beside the joints
   std::optional<GravitySettings> gravity;
   bool programs_allowed = true;  ///< key `reproduction_only: true` forbids programs
   std::map<std::string, ControllerOptions> controllers;

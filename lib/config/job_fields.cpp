@@ -24,7 +24,7 @@ void CheckFeeds(const Value& value, const Context& context, const JobSettings& j
     if (const Value::Key* found = process->FindKey(key))
       context.Child("process").Child(key).Add(found->mark, "has no effect here: " + why);
   };
-  if (job.feed_policy != "reduce") useless("min_feed_share", "process.feed: keep reduces no feed");
+  if (job.feed_policy != FeedPolicy::kReduce) useless("min_feed_share", "process.feed: keep reduces no feed");
   if (job.approach_slow >= job.gaps.leave.height)
     useless("approach_feed_mm_min", fmt::format("the last {} mm of the approach run at the plunge feed, and "
                                                 "gaps.retract_mm makes it {} mm long",
@@ -36,7 +36,7 @@ void CheckFeeds(const Value& value, const Context& context, const JobSettings& j
 void ChooseObjective(const Value& value, const Context& context, JobSettings& job) {
   const Value* pose = value.Find("pose");
   const bool given = pose && pose->Find("objective");
-  if (!given && job.cutting && job.formulation != "paper") job.objective = "surface_error";
+  if (!given && job.cutting && job.formulation != Formulation::kPaper) job.objective = "surface_error";
   const Value* process = value.Find("process");
   for (const std::string& key : kForceBounds) {
     const Value::Key* found = process->FindKey(key);

@@ -14,6 +14,7 @@
 #include "config/toolpath_settings.hpp"
 #include "path/gap_planner.hpp"
 #include "path/pass_planner.hpp"
+#include "stiffness/process_force.hpp"
 
 namespace millpose {
 
@@ -23,10 +24,13 @@ struct TargetSettings {
   Eigen::Vector3d measured = Eigen::Vector3d::Zero();  ///< in `frame`, mm
 };
 
+/// What the workpiece's pose or measured points are given in.
+enum class GivenFrame : uint8_t { kWorld, kRobotBase };
+
 struct WorkpieceSettings {
   std::string mesh_file;
-  double unit = 1;              ///< mm per unit of the file: 1, 10, 25.4, 1000
-  std::string frame = "world";  ///< the pose is given in: world | robot_base
+  double unit = 1;  ///< mm per unit of the file: 1, 10, 25.4, 1000
+  GivenFrame frame = GivenFrame::kWorld;
   PoseSettings pose;
   std::vector<TargetSettings> targets;  ///< in place of the pose: best fit
   double max_residual = 0.5;            ///< mm, of the fit at any target
@@ -48,7 +52,7 @@ struct CuttingSettings {
   int teeth = 0;
   std::optional<double> depth;      ///< axial, mm; else that of the layers
   std::optional<double> width;      ///< radial, mm; else the step-over
-  std::optional<std::string> side;  ///< up | down | slot; else from path and stock
+  std::optional<MillingSide> side;  ///< else from path and stock
   double radial_ratio = 0.3, axial_ratio = 0;
 };
 
@@ -65,6 +69,18 @@ struct ProgramOptionSettings {
   std::string date;                       ///< printed in the header where given
 };
 
+/// What is done where the joints cannot hold the feed.
+enum class FeedPolicy : uint8_t { kKeep, kReduce };
+
+/// What `cutting` finds standing before the first pass.
+enum class Standing : uint8_t { kRegion, kMesh };
+
+/// What the genetic algorithm varies.
+enum class Formulation : uint8_t { kFreedoms, kPaper };
+
+/// What becomes of passes where material stands that should be gone.
+enum class OverMissing : uint8_t { kLeaveOut, kCut };
+
 struct JobSettings {
   std::string file;  ///< as given, for messages
   std::string name;
@@ -72,8 +88,8 @@ struct JobSettings {
   uint64_t seed = 1;
   WorkpieceSettings workpiece;
   ToolpathSettings toolpath;
-  double feed = 0;                     ///< mm/s
-  std::string feed_policy = "reduce";  ///< keep | reduce, where the joints cannot hold the feed
+  double feed = 0;  ///< mm/s
+  FeedPolicy feed_policy = FeedPolicy::kReduce;
   double min_feed_share = 0.5;         ///< of the programmed feed: less is a finding
   std::optional<double> plunge_feed;   ///< mm/s, of every motion towards material; else the cutting feed
   double approach_feed = 1000.0 / 60;  ///< mm/s, down to the last `approach_slow`
@@ -81,12 +97,12 @@ struct JobSettings {
   double retract_feed = 3000.0 / 60;   ///< mm/s
   double spindle_speed = 0;            ///< rev/s
   std::optional<CuttingSettings> cutting;
-  std::string stock = "region";  ///< region | mesh: what `cutting` finds standing before the first pass
+  Standing stock = Standing::kRegion;
   double force_uncertainty_percent = 30;  ///< by how much the force may exceed the computed one
   double force_direction_deg = 20;        ///< how far off its direction it may lie, degrees
   std::string objective = "chen2021";     ///< surface_error where `cutting` is given and no objective
   std::map<std::string, double> objective_parameters;
-  std::string formulation = "freedoms";     ///< freedoms | paper
+  Formulation formulation = Formulation::kFreedoms;
   PathOptions path;                         ///< but for what other sections say, see MakePathOptions()
   double exhaustive_step = DegToRad(0.05);  ///< rad, of the grid that --audit judges the genetic algorithm by
   PaperFormulationOptions paper;            ///< of formulation paper
@@ -95,9 +111,9 @@ struct JobSettings {
   double dexterity_min = 0;
   double wrist_min = 0.05, elbow_min = 0.05, shoulder_min = 50;  ///< 1, 1, mm
   double swept_resolution = 0.5;                                 ///< mm
-  std::optional<std::string> criterion;    ///< worst_then_sum | sum; else by the objective
-  std::string over_missing = "leave_out";  ///< leave_out | cut, where material stands that should be gone
-  GapOptions gaps;                         ///< but for what other sections say, see MakeGapOptions()
+  std::optional<bool> worst_first;  ///< whether the worst point comes before the sum; else by the objective
+  OverMissing over_missing = OverMissing::kLeaveOut;
+  GapOptions gaps;  ///< but for what other sections say, see MakeGapOptions()
   std::vector<std::string> programs{"krl", "sinumerik", "linuxcnc"};
   ProgramOptionSettings program_options;
   int programs_line = 0;  ///< of the key, for later errors

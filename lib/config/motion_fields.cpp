@@ -37,7 +37,8 @@ Codec<JobSettings> PathFields() {
                  "Cost of joint motion beside the objective: of one rad², as a share of the median optimum "
                  "of the "
                  "pass's points."),
-          Key<S>("criterion", MILLPOSE_AT(criterion), Maybe(Choice({"worst_then_sum", "sum"})),
+          Key<S>("criterion", MILLPOSE_AT(worst_first),
+                 Maybe(ChoiceOf<bool>({{"worst_then_sum", true}, {"sum", false}})),
                  "What makes a pass good: its worst point first, then the sum over it, or the sum alone; by "
                  "default "
                  "worst_then_sum for objective surface_error, else sum."),
@@ -59,7 +60,8 @@ Codec<JobSettings> PathFields() {
               "straight line; where the points lie too far apart for that, a quarter more than with the "
               "rotation unchanged."),
           Key<S>(
-              "over_missing", MILLPOSE_AT(over_missing), Choice({"leave_out", "cut"}),
+              "over_missing", MILLPOSE_AT(over_missing),
+              ChoiceOf<OverMissing>({{"leave_out", OverMissing::kLeaveOut}, {"cut", OverMissing::kCut}}),
               "Passes that would cut more than 20 % wider or deeper than the job's own because points before "
               "them are skipped: leave_out: they are left out too, with all that lies over them; cut: they "
               "are cut. Needs process.cutting without a side.")

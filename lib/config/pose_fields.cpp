@@ -107,7 +107,7 @@ Codec<Objective> ObjectiveFields() {
 
 // The paper's fitness knows eq. 23 alone.
 void CheckFormulation(const Value& value, const Context& context, JobSettings& job) {
-  if (job.formulation != "paper") return;
+  if (job.formulation != Formulation::kPaper) return;
   const Value::Key* key = value.FindKey("formulation");
   const bool normalised =
       job.objective_parameters.contains("reference_t2") || job.objective_parameters.contains("reference_n");
@@ -138,9 +138,11 @@ Codec<JobSettings> PoseSearchFields() {
               "else "
               "chen2021.")
               .DefaultText(""),
-          Key<S>("formulation", MILLPOSE_AT(formulation), Choice({"freedoms", "paper"}),
-                 "What the genetic algorithm varies: the freedoms of a point, or, to compare, the six joint "
-                 "angles of Chen et al. 2021."),
+          Key<S>(
+              "formulation", MILLPOSE_AT(formulation),
+              ChoiceOf<Formulation>({{"freedoms", Formulation::kFreedoms}, {"paper", Formulation::kPaper}}),
+              "What the genetic algorithm varies: the freedoms of a point, or, to compare, the six joint "
+              "angles of Chen et al. 2021."),
           Key<S>("genetic", MILLPOSE_AT(path.genetic), GeneticFields(), "The genetic algorithm per point."),
           Key<S>("paper", MILLPOSE_AT(paper), PaperFields(), "Formulation paper."),
           Key<S>("exhaustive_step_deg", MILLPOSE_AT(exhaustive_step), Real(kDeg, Between(0.001, 30)),

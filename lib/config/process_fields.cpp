@@ -21,7 +21,7 @@ Codec<CuttingSettings> CuttingFields() {
              "`toolpath.depth`, which it must equal."),
       Key<S>("width_mm", MILLPOSE_AT(width), Maybe(Real(kMm, Positive(1000))),
              "Radial width of cut, with `side`; the step-over by default, which it must equal."),
-      Key<S>("side", MILLPOSE_AT(side), Maybe(Choice({"up", "down", "slot"})),
+      Key<S>("side", MILLPOSE_AT(side), Maybe(ChoiceOf(kMillingSideWords)),
              "Conventional, climb, or full-width milling at every point, in place of what path and stock say "
              "(docs/engagement.md)."),
       Key<S>("radial_ratio", MILLPOSE_AT(radial_ratio), Real(kOne, Between(0, 2)),
@@ -54,16 +54,18 @@ Codec<JobSettings> ProcessFields() {
              "Last part of the approach, which runs at the plunge feed."),
       Key<S>("retract_feed_mm_min", MILLPOSE_AT(retract_feed), Real(kMmPerMin, Between(0.1, 2e5)),
              "Feed of the straight retract."),
-      Key<S>("feed", MILLPOSE_AT(feed_policy), Choice({"keep", "reduce"}),
+      Key<S>("feed", MILLPOSE_AT(feed_policy),
+             ChoiceOf<FeedPolicy>({{"keep", FeedPolicy::kKeep}, {"reduce", FeedPolicy::kReduce}}),
              "Where joints cannot hold the feed: reduce it there, or keep it (a finding)."),
       Key<S>("min_feed_share", MILLPOSE_AT(min_feed_share), Real(kOne, Between(0.01, 1)),
              "Share of the feed below which a reduced one is a finding: the edge rubs, and the force model "
              "no longer holds.")
-          .WhenSet([](const S& s) { return s.feed_policy == "reduce"; }),
+          .WhenSet([](const S& s) { return s.feed_policy == FeedPolicy::kReduce; }),
       Key<S>("cutting", MILLPOSE_AT(cutting), Maybe(CuttingFields()),
              "What the cutter takes off: gives the cutting force and the predicted deflection."),
       Key<S>(
-          "stock", MILLPOSE_AT(stock), Choice({"region", "mesh"}),
+          "stock", MILLPOSE_AT(stock),
+          ChoiceOf<Standing>({{"region", Standing::kRegion}, {"mesh", Standing::kMesh}}),
           "What stands before the first pass: the region raised by the depth of all layers, or the mesh of "
           "`workpiece.stock`.")
           .WhenSet([](const S& s) { return s.cutting.has_value(); }),

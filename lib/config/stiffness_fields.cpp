@@ -7,16 +7,13 @@ namespace {
 
 const Unit kMmPerNewton{"mm/N", 1, 1}, kRadPerNewtonMetre{"rad/(N·m)", 1, 1000}, kKilogram{"kg", 1, 1},
     kNewtonMetre{"N·m", 1000, 1};
-const std::vector<std::string> kLinks{"link1", "link2", "link3", "link4", "link5", "link6"};
 
 Codec<ComplianceSettings> ComplianceFields() {
   using S = ComplianceSettings;
-  std::vector<std::string> mounts{"base"};
-  mounts.insert(mounts.end(), kLinks.begin(), kLinks.end());
   return Section<S>(
       {
           Key<S>("name", MILLPOSE_AT(name), Text(), "Name, as in outputs.").Required(),
-          Key<S>("mount", MILLPOSE_AT(mount), Choice(mounts),
+          Key<S>("mount", MILLPOSE_AT(link), ChoiceOf(kLinkWords),
                  "Link whose outer end gives way; link6 is the flange.")
               .Required(),
           Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "Frame of the compliance in the mount's frame."),
@@ -48,7 +45,8 @@ Codec<GravitySettings> GravityFields() {
   using M = MassSettings;
   const Codec<M> mass = Section<M>({
       Key<M>("name", MILLPOSE_AT(name), Text(), "Name.").Required(),
-      Key<M>("mount", MILLPOSE_AT(mount), Choice(kLinks), "Link that carries it; link6 is the flange.")
+      Key<M>("mount", MILLPOSE_AT(link), ChoiceOf<int>({kLinkWords.begin() + 1, kLinkWords.end()}),
+             "Link that carries it; link6 is the flange.")
           .Required(),
       Key<M>("mass_kg", MILLPOSE_AT(mass), Real(kKilogram, UpTo(1e5)), "Mass.").Required(),
       Key<M>("centre_mm", MILLPOSE_AT(centre), Numbers3(kMm, Between(-10000, 10000)),
@@ -79,7 +77,7 @@ Codec<GravitySettings> GravityFields() {
 Codec<CellSettings> StiffnessFields() {
   using S = CellSettings;
   return Section<S>({
-      Key<S>("at", MILLPOSE_AT(stiffness_at), Choice({"tool_tip", "flange"}),
+      Key<S>("at", MILLPOSE_AT(stiffness_at), ChoiceOf(kStiffnessOriginWords),
              "Point at which stiffness is evaluated; flange only to reproduce the paper."),
       Key<S>("characteristic_length_mm", MILLPOSE_AT(characteristic_length), Real(kMm, Between(1, 1e5)),
              "Length by which the dexterity's translational part is divided."),

@@ -5,9 +5,9 @@
 namespace millpose {
 
 double CornerRadius(const ToolSettings& tool) {
-  return tool.cutter_shape == "ball"   ? tool.cutter_diameter / 2
-         : tool.cutter_shape == "bull" ? tool.corner_radius
-                                       : 0;
+  return tool.cutter_tip == CutterTip::kBall   ? tool.cutter_diameter / 2
+         : tool.cutter_tip == CutterTip::kBull ? tool.corner_radius
+                                               : 0;
 }
 
 namespace config {
@@ -18,7 +18,10 @@ Codec<ToolPartSettings> ToolPartFields() {
   return Section<S>(
       {
           Key<S>("name", MILLPOSE_AT(name), Text(), "Name, as in findings and `excluded_pairs`.").Required(),
-          Key<S>("class", MILLPOSE_AT(body_class), Choice({"cutter", "holder", "spindle"}),
+          Key<S>("class", MILLPOSE_AT(body_class),
+                 ChoiceOf<BodyClass>({{"cutter", BodyClass::kCutter},
+                                      {"holder", BodyClass::kHolder},
+                                      {"spindle", BodyClass::kSpindle}}),
                  "Decides the clearance and whether the part may touch the workpiece while cutting.")
               .Required(),
           Key<S>("length_mm", MILLPOSE_AT(length), Real(kMm, Positive(5000)), "Length along the tool axis.")
@@ -67,12 +70,12 @@ void CheckStack(const Value& value, const Context& context, const ToolSettings& 
     const ToolPartSettings& part = tool.stack[i];
     const double top = std::min(bottom + part.length, tool.cutting_length);
     const Context at_part = at_stack.Child(i);
-    if (part.body_class != "cutter") {
+    if (part.body_class != BodyClass::kCutter) {
       at_part.Add(
           stack.items[i].mark,
           fmt::format("a {} from {:.6g} mm above the tip; allowed within cutting_length_mm, {:.6g}: class "
                       "cutter",
-                      part.body_class, bottom, tool.cutting_length));
+                      WordOf(kBodyClassWords, part.body_class), bottom, tool.cutting_length));
     } else if (const double lack = Lack(tool, part, bottom, top); lack > kSame) {
       at_part.Add(stack.items[i].mark,
                   fmt::format("up to {:.6g} mm thinner than the cutter of diameter_mm {:.6g}; allowed within "
@@ -129,7 +132,10 @@ Codec<ToolSettings> ToolFields() {
           Key<S>("cutter", kSelf,
                  Section<S>(
                      {
-                         Key<S>("shape", MILLPOSE_AT(cutter_shape), Choice({"flat", "ball", "bull"}),
+                         Key<S>("shape", MILLPOSE_AT(cutter_tip),
+                                ChoiceOf<CutterTip>({{"flat", CutterTip::kFlat},
+                                                     {"ball", CutterTip::kBall},
+                                                     {"bull", CutterTip::kBull}}),
                                 "Shape of the tip: flat end mill, ball, or corner radius."),
                          Key<S>("diameter_mm", MILLPOSE_AT(cutter_diameter), Real(kMm, Between(0.01, 1000)),
                                 "Diameter of the cutter.")

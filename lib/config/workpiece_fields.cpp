@@ -43,8 +43,10 @@ Codec<WorkpieceSettings> WorkpieceFields() {
           Key<S>("unit", MILLPOSE_AT(unit), LengthUnit(),
                  "Unit of the mesh file; of a STEP file the one that it states.")
               .Required(),
-          Key<S>("frame", MILLPOSE_AT(frame), Choice({"world", "robot_base"}),
-                 "Frame that the pose or the measured points are given in."),
+          Key<S>(
+              "frame", MILLPOSE_AT(frame),
+              ChoiceOf<GivenFrame>({{"world", GivenFrame::kWorld}, {"robot_base", GivenFrame::kRobotBase}}),
+              "Frame that the pose or the measured points are given in."),
           Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "Place of the workpiece; this or targets.")
               .WhenSet([](const S& s) { return s.targets.empty(); }),
           Key<S>(

@@ -26,9 +26,11 @@ void Collect(std::vector<Problem>& problems, Step step) {
 
 // A link without a body would never be seen to touch. Link 6 carries the tool's stack.
 void CheckLinks(const CellSettings& cell, std::vector<Problem>& problems) {
-  for (const std::string mount : {"base", "link1", "link2", "link3", "link4", "link5"}) {
-    const bool named = std::ranges::find(cell.unchecked_links, mount) != cell.unchecked_links.end();
-    const bool has_body = std::ranges::find(cell.bodies, mount, &BodySettings::mount) != cell.bodies.end();
+  for (int link = 0; link < 6; ++link) {
+    const bool named = std::ranges::find(cell.unchecked_links, link) != cell.unchecked_links.end();
+    const MountSettings on_it{Mount::kLink, link};
+    const bool has_body = std::ranges::find(cell.bodies, on_it, &BodySettings::mount) != cell.bodies.end();
+    const std::string mount = WordOf(kLinkWords, link);
     if (named && has_body)
       problems.push_back(
           {{cell.file, cell.bodies_line},
@@ -71,9 +73,11 @@ void CheckDepth(const JobInputs& inputs, std::vector<Problem>& problems) {
 
 std::vector<std::string> CellWarnings(const CellSettings& cell) {
   std::vector<std::string> warnings = cell.warnings;
-  if (!cell.unchecked_links.empty())
+  std::vector<std::string> unchecked;
+  for (const int link : cell.unchecked_links) unchecked.push_back(WordOf(kLinkWords, link));
+  if (!unchecked.empty())
     warnings.push_back(fmt::format("{}: interference of {} is not checked (interference.unchecked_links)",
-                                   cell.name, fmt::join(cell.unchecked_links, ", ")));
+                                   cell.name, fmt::join(unchecked, ", ")));
   return warnings;
 }
 
@@ -86,7 +90,7 @@ CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::stri
   if (problems.empty()) problems = CheckCellTexts(cell);
   CheckLinks(cell, problems);
   for (const BodySettings& body : cell.bodies) {
-    if (body.shape.kind != "mesh" || body_bytes->contains(body.shape.mesh_file)) continue;
+    if (body.shape.kind != ShapeKind::kMesh || body_bytes->contains(body.shape.mesh_file)) continue;
     Collect(problems, [&] {
       (*body_bytes)[body.shape.mesh_file] = root.Read(cell_file.parent_path() / body.shape.mesh_file);
     });

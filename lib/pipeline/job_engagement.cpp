@@ -29,7 +29,7 @@ class CuttingReader {
     ReadWidth(options);
     if (!options.stated) CheckStock();
     if (!problems_.empty()) throw InputError(std::move(problems_));
-    if (!options.stated) options.stock = job_.stock == "mesh" ? StockMesh() : Raised(top);
+    if (!options.stated) options.stock = job_.stock == Standing::kMesh ? StockMesh() : Raised(top);
     return options;
   }
 
@@ -96,7 +96,7 @@ class CuttingReader {
           "process.cutting.width_mm: given {:.6g}; allowed: at most the cutter's diameter, {:.6g} "
           "mm",
           *from_.width, diameter));
-    if (from_.width && by_step && from_.side != "slot" &&
+    if (from_.width && by_step && from_.side != MillingSide::kSlot &&
         std::abs(*from_.width - from_step) > kSame * diameter)
       Add(
           fmt::format("process.cutting.width_mm: given {:.6g}, but passes are {:.6g} mm apart "
@@ -108,19 +108,17 @@ class CuttingReader {
             "give process.cutting.side");
       return;
     }
-    const MillingSide side = *from_.side == "up"     ? MillingSide::kUp
-                             : *from_.side == "down" ? MillingSide::kDown
-                                                     : MillingSide::kSlot;
+    const MillingSide side = *from_.side;
     if (side != MillingSide::kSlot && !from_.width && !by_step)
       Add(
           fmt::format("process.cutting.width_mm: missing; required with side {} where the tool path has no "
                       "step-over",
-                      *from_.side));
+                      WordOf(kMillingSideWords, side)));
     options.stated = {side, from_.width.value_or(from_step)};
   }
 
   void CheckStock() {
-    if (job_.stock == "mesh") {
+    if (job_.stock == Standing::kMesh) {
       if (job_.workpiece.stock_file.empty())
         Add("process.stock: given mesh; the job needs workpiece.stock.mesh");
     } else if (!job_.toolpath.strategy->File().empty() || mesh_.face_count() == 0) {
@@ -259,7 +257,8 @@ class MissingMaterial {
 
 size_t LeaveOverMissing(const JobInputs& inputs, const Mesh& mesh, int threads, const std::stop_token& stop,
                         PlanResult& plan) {
-  if (!inputs.job.cutting || inputs.job.cutting->side || inputs.job.over_missing == "cut") return 0;
+  if (!inputs.job.cutting || inputs.job.cutting->side || inputs.job.over_missing == OverMissing::kCut)
+    return 0;
   if (CountSkipped(plan) == 0) return 0;
   const EngagementOptions options = CuttingReader(inputs, mesh).Read();
   Toolpath whole = Milled(plan, false);

@@ -8,28 +8,6 @@ namespace {
 
 audit::Matrix4 ToJudge(const Pose& X) { return X.matrix().cast<audit::Real>(); }
 
-std::string KindOf(BodyClass body_class) {
-  switch (body_class) {
-    case BodyClass::kLink:
-      return "link";
-    case BodyClass::kSpindle:
-      return "spindle";
-    case BodyClass::kHolder:
-      return "holder";
-    case BodyClass::kCutter:
-      return "cutter";
-    case BodyClass::kFixture:
-      return "fixture";
-    case BodyClass::kPlatform:
-      return "platform";
-    case BodyClass::kWorkpiece:
-      return "workpiece";
-    case BodyClass::kStock:
-      break;
-  }
-  return "stock";
-}
-
 struct Tessellated {
   audit::Mesh operator()(const Box& box) const { return audit::BoxMesh(box.size.cast<audit::Real>()); }
   audit::Mesh operator()(const Sphere& s) const { return audit::CapsuleMesh(s.radius, 0); }
@@ -81,7 +59,7 @@ void AddBody(const Body& body, const Cell& cell, std::vector<audit::Body>& bodie
     return AddCutter(body, cell, bodies);
   audit::Body added;
   added.name = body.name;
-  added.kind = KindOf(body.body_class);
+  added.kind = WordOf(kBodyClassWords, body.body_class);
   added.in_cut = body.body_class == BodyClass::kCutter;
   added.mesh = std::visit(Tessellated{}, body.shape);
   if (added.mesh.empty()) return;

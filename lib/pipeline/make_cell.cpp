@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <map>
-
 #include "base/error.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/workpiece.hpp"
@@ -11,41 +9,29 @@
 namespace millpose {
 namespace {
 
-BodyClass MakeBodyClass(const std::string& name) {
-  static const std::map<std::string, BodyClass> classes = {
-      {"link", BodyClass::kLink},     {"spindle", BodyClass::kSpindle}, {"holder", BodyClass::kHolder},
-      {"cutter", BodyClass::kCutter}, {"fixture", BodyClass::kFixture}, {"platform", BodyClass::kPlatform},
-  };
-  return classes.at(name);  // config allows no other
-}
-
 Shape MakeShape(const ShapeSettings& settings, const std::map<std::string, std::string>& body_bytes) {
   const double radius = settings.diameter / 2, top_radius = settings.top_diameter / 2;
-  if (settings.kind == "box") return Box{settings.size};
-  if (settings.kind == "sphere") return Sphere{radius};
-  if (settings.kind == "cylinder") return Cylinder{radius, settings.length};
-  if (settings.kind == "capsule") return Capsule{radius, settings.length};
-  if (settings.kind == "cone") return Cone{radius, top_radius, settings.length};
-  if (settings.kind == "convex") return Convex{settings.points};
-  assert(settings.kind == "mesh");
+  switch (settings.kind) {
+    case ShapeKind::kBox:
+      return Box{settings.size};
+    case ShapeKind::kSphere:
+      return Sphere{radius};
+    case ShapeKind::kCylinder:
+      return Cylinder{radius, settings.length};
+    case ShapeKind::kCapsule:
+      return Capsule{radius, settings.length};
+    case ShapeKind::kCone:
+      return Cone{radius, top_radius, settings.length};
+    case ShapeKind::kConvex:
+      return Convex{settings.points};
+    case ShapeKind::kMesh:
+      break;
+  }
   ImportOptions options;
   options.unit = settings.unit;
   return ImportMesh(ReadMesh(body_bytes.at(settings.mesh_file), settings.mesh_file), options,
                     settings.mesh_file)
       .mesh.triangles();
-}
-
-void SetMount(const std::string& mount, Body* body) {
-  if (mount == "world") {
-    body->mount = Mount::kWorld;
-  } else if (mount == "tool") {
-    body->mount = Mount::kTool;
-  } else if (mount == "workpiece") {
-    body->mount = Mount::kWorkpiece;
-  } else {  // base, link1..link6: config allows no other
-    body->mount = Mount::kLink;
-    body->link = mount == "base" ? 0 : mount.back() - '0';
-  }
 }
 
 // The stack of cutter, holder and spindle as bodies about T's z, from the tip upwards.
@@ -54,7 +40,7 @@ void AddTool(const ToolSettings& tool, Cell* cell) {
   for (const ToolPartSettings& part : tool.stack) {
     Body body;
     body.name = part.name;
-    body.body_class = MakeBodyClass(part.body_class);
+    body.body_class = part.body_class;
     body.mount = Mount::kTool;
     body.X_MG.translation() = Eigen::Vector3d(0, 0, height + part.length / 2);
     if (part.top_diameter == part.diameter)
@@ -84,7 +70,7 @@ Arm MakeArm(const ArmSettings& settings) {
   Arm arm;
   arm.name = settings.name;
   arm.d1 = settings.d1;
-  arm.family = settings.family == "parallel_axes" ? ArmFamily::kParallelAxes : ArmFamily::kSphericalWrist;
+  arm.family = settings.family;
   arm.a1 = settings.a1;
   arm.dy = settings.dy;
   arm.a2 = settings.a2;
@@ -116,8 +102,9 @@ Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::str
   for (const BodySettings& body_settings : settings.bodies) {
     Body body;
     body.name = body_settings.name;
-    body.body_class = MakeBodyClass(body_settings.body_class);
-    SetMount(body_settings.mount, &body);
+    body.body_class = body_settings.body_class;
+    body.mount = body_settings.mount.mount;
+    body.link = body_settings.mount.link;
     body.X_MG = MakePose(body_settings.pose);
     body.shape = MakeShape(body_settings.shape, body_bytes);
     cell.bodies.push_back(std::move(body));
@@ -180,7 +167,7 @@ void AddWorkpiece(const JobInputs& inputs, Triangles finished, Cell* cell) {
 
 Pose MakeWorkpiecePose(const WorkpieceSettings& settings, const Pose& X_WB) {
   const Pose pose = settings.targets.empty() ? MakePose(settings.pose) : FitTargets(settings);
-  return settings.frame == "robot_base" ? X_WB * pose : pose;
+  return settings.frame == GivenFrame::kRobotBase ? X_WB * pose : pose;
 }
 
 Cell MakeJobCell(const JobInputs& inputs) {

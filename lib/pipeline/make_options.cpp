@@ -31,8 +31,7 @@ PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_set
   problem.arm = cell.arm;
   problem.X_WB = cell.X_WB;
   problem.X_FT = cell.X_FT;
-  problem.origin =
-      cell_settings.stiffness_at == "flange" ? StiffnessOrigin::kFlange : StiffnessOrigin::kToolTip;
+  problem.origin = cell_settings.stiffness_at;
   problem.characteristic_length = cell_settings.characteristic_length;
   problem.bounds = MakeBounds(job, cell.arm);
   problem.freedoms.push_back(MakeFreedom("rotation"));
@@ -62,12 +61,12 @@ ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& 
 
 PathOptions MakePathOptions(const JobSettings& job) {
   PathOptions options = job.path;
-  options.worst_first = job.criterion ? *job.criterion == "worst_then_sum" : job.objective == "surface_error";
+  options.worst_first = job.worst_first.value_or(job.objective == "surface_error");
   options.swept_resolution = job.swept_resolution;
   options.ends = job.toolpath.ends;
   options.lead_spacing = job.toolpath.spacing;
   options.seed = job.seed;
-  if (job.formulation != "paper") return options;
+  if (job.formulation != Formulation::kPaper) return options;
   options.paper = job.paper;
   const auto weight = [&](const char* name, double fallback) {
     const auto given = job.objective_parameters.find(name);
@@ -105,7 +104,7 @@ VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm) {
 }
 
 std::string NoProgramsFor(const ArmSettings& arm, const std::string& controller) {
-  if (arm.family != "parallel_axes" || !MakePost(controller)->NeedsSphericalWrist()) return "";
+  if (arm.family != ArmFamily::kParallelAxes || !MakePost(controller)->NeedsSphericalWrist()) return "";
   std::vector<std::string> allowed;
   for (const PostEntry& entry : Posts().entries())
     if (!entry.make()->NeedsSphericalWrist()) allowed.push_back(entry.name);

@@ -3,19 +3,12 @@
 #include "pipeline/assemble.hpp"
 
 namespace millpose {
-namespace {
-
-/// base → 0, link1..link6 → 1..6: config allows no other.
-int LinkOf(const std::string& mount) { return mount == "base" ? 0 : mount.back() - '0'; }
-
-}  // namespace
-
 std::vector<SeriesCompliance> MakeCompliances(const CellSettings& settings) {
   std::vector<SeriesCompliance> elements;
   for (const ComplianceSettings& from : settings.compliances) {
     SeriesCompliance element;
     element.name = from.name;
-    element.link = LinkOf(from.mount);
+    element.link = from.link;
     element.X_LK = MakePose(from.pose);
     element.C.diagonal() << from.translational, from.rotational;
     for (size_t i = 0; i < from.matrix.size(); ++i)
@@ -30,7 +23,7 @@ std::optional<GravityModel> MakeGravity(const CellSettings& settings) {
   GravityModel model;
   model.reference = settings.gravity->reference;
   for (const MassSettings& from : settings.gravity->masses)
-    model.masses.push_back({from.name, LinkOf(from.mount), from.mass, from.centre});
+    model.masses.push_back({from.name, from.link, from.mass, from.centre});
   model.counterbalance_given = settings.gravity->counterbalance_torque.has_value();
   model.counterbalance = {settings.gravity->counterbalance_torque.value_or(0.0),
                           settings.gravity->counterbalance_zero};

@@ -85,7 +85,7 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   const std::string left =
       CountWhatIsLeft(inputs, job.prepared.surface.mesh, execution.Threads(), execution.stop, plan);
   if (!left.empty()) job.prepared.warnings.push_back(left);
-  if (inputs.job.feed_policy == "reduce") job.reduction = ReduceFeeds(plan);
+  if (inputs.job.feed_policy == FeedPolicy::kReduce) job.reduction = ReduceFeeds(plan);
   if (inputs.job.programs.empty()) return;
   const auto start_ends = StartEnds(GapEnds(plan.home, plan.passes));
   execution.progress.Begin("starts", start_ends.size());

@@ -53,7 +53,7 @@ class Resolver {
   void FillArm(const JointChain& chain) {
     ArmSettings& arm = cell_.arm;
     const Arm& from = derived_.arm;
-    arm.family = from.family == ArmFamily::kParallelAxes ? "parallel_axes" : "spherical_wrist";
+    arm.family = from.family;
     arm.d1 = from.d1, arm.a1 = from.a1, arm.dy = from.dy, arm.a2 = from.a2;
     arm.d4 = from.d4, arm.dz = from.dz, arm.d5 = from.d5, arm.d6 = from.d6;
     for (size_t i = 0; i < 6; ++i) arm.sign[i] = from.sign[i] < 0 ? -1 : 1;
@@ -83,10 +83,10 @@ class Resolver {
     if (!derived_.X_SB.isApprox(identity, 0)) {
       cell_.base_in_world = ToSettings(MakePose(cell_.base_in_world) * derived_.X_SB);
       for (BodySettings& body : cell_.bodies) {
-        if (body.mount == "base") body.pose = ToSettings(X_BS * MakePose(body.pose));
+        if (body.mount == MountSettings{Mount::kLink, 0}) body.pose = ToSettings(X_BS * MakePose(body.pose));
       }
       for (ComplianceSettings& c : cell_.compliances) {
-        if (c.mount == "base") c.pose = ToSettings(X_BS * MakePose(c.pose));
+        if (c.link == 0) c.pose = ToSettings(X_BS * MakePose(c.pose));
       }
     }
     if (X_FE.isApprox(identity, 0)) return;
@@ -94,14 +94,15 @@ class Resolver {
     cell_.tool.axis = (X_FE.linear() * cell_.tool.axis).normalized();
     cell_.tool.x = (X_FE.linear() * cell_.tool.x).normalized();
     for (BodySettings& body : cell_.bodies) {
-      if (body.mount == "link6") body.pose = ToSettings(from_flange(MakePose(body.pose)));
+      if (body.mount == MountSettings{Mount::kLink, 6})
+        body.pose = ToSettings(from_flange(MakePose(body.pose)));
     }
     for (ComplianceSettings& c : cell_.compliances) {
-      if (c.mount == "link6") c.pose = ToSettings(from_flange(MakePose(c.pose)));
+      if (c.link == 6) c.pose = ToSettings(from_flange(MakePose(c.pose)));
     }
     if (!cell_.gravity) return;
     for (MassSettings& mass : cell_.gravity->masses) {
-      if (mass.mount == "link6") mass.centre = X_FE * mass.centre;
+      if (mass.link == 6) mass.centre = X_FE * mass.centre;
     }
   }
 
@@ -115,8 +116,8 @@ class Resolver {
     for (size_t i = 0; i < shapes.size(); ++i) {
       BodySettings body;
       body.name = attached.link.name + (i == 0 ? "" : fmt::format("_{}", i + 1));
-      body.body_class = "link";
-      body.mount = k == 0 ? "base" : fmt::format("link{}", k);
+      body.body_class = BodyClass::kLink;
+      body.mount = {Mount::kLink, static_cast<int>(k)};
       body.pose = ToSettings(X_ModelLink * shapes[i].X_LG);
       if (FillShape(shapes[i], body.shape)) cell_.bodies.push_back(std::move(body));
     }
@@ -128,18 +129,18 @@ class Resolver {
     settings.length = shape.length;
     switch (shape.kind) {
       case UrdfShape::Kind::kBox:
-        settings.kind = "box";
+        settings.kind = ShapeKind::kBox;
         return true;
       case UrdfShape::Kind::kCylinder:
-        settings.kind = "cylinder";
+        settings.kind = ShapeKind::kCylinder;
         return true;
       case UrdfShape::Kind::kSphere:
-        settings.kind = "sphere";
+        settings.kind = ShapeKind::kSphere;
         return true;
       case UrdfShape::Kind::kMesh:
         break;
     }
-    settings.kind = "mesh";
+    settings.kind = ShapeKind::kMesh;
     return FindUnit(shape, settings) && FindMesh(shape, settings);
   }
 

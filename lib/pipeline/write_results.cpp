@@ -172,7 +172,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
       report.warnings.push_back(program.controller + ": " + warning);
   }
   ExplainSlow(results.reduction, results.inputs.job.min_feed_share, report);
-  if (results.inputs.job.feed_policy == "keep" && !report.continuity->feed_not_held.empty())
+  if (results.inputs.job.feed_policy == FeedPolicy::kKeep && !report.continuity->feed_not_held.empty())
     report.findings.push_back(ExplainFeed(*report.continuity));
   if (results.heaviest)
     report.deflection = PredictDeflections(plan, *results.heaviest, MakeCompliances(results.inputs.cell),

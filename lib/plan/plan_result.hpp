@@ -120,7 +120,8 @@ struct PlanResult {
   double spindle_speed = 0;        ///< rev/s
   std::vector<PassResult> passes;  ///< by pass number
   std::vector<Gap> gaps;  ///< in the order of execution: home → piece, piece → piece, …, → home
-  std::string objective_name, objective_unit, stiffness_origin;
+  std::string objective_name, objective_unit;
+  StiffnessOrigin stiffness_origin = StiffnessOrigin::kToolTip;
 };
 
 /// Serialisation for checkpoints and cluster; exact (CBOR, doubles bit for bit). Parse throws InputError

@@ -22,6 +22,11 @@ struct Writer {
   void operator()(const char* key, const T& value) {
     json[key] = Write(value);
   }
+  /// An enum by its word.
+  template <class E, size_t kCount>
+  void Words(const char* key, const E& value, const EnumWords<E, kCount>& words) {
+    json[key] = WordOf(words, value);
+  }
 
   template <Scalar T>
   static Json Write(const T& value) {
@@ -56,6 +61,13 @@ struct Reader {
   template <class T>
   void operator()(const char* key, T& value) {
     Read(json.at(key), value);
+  }
+  template <class E, size_t kCount>
+  void Words(const char* key, E& value, const EnumWords<E, kCount>& words) {
+    const std::string given = json.at(key);
+    const auto found = std::ranges::find(words, given, [](const auto& word) { return word.first; });
+    if (found == words.end()) throw std::runtime_error(fmt::format("{} '{}' is not known", key, given));
+    value = found->second;
   }
 
   template <Scalar T>
@@ -264,7 +276,7 @@ void Fields(Archive& a, PlanResult& r) {
   a("gaps", r.gaps);
   a("objective_name", r.objective_name);
   a("objective_unit", r.objective_unit);
-  a("stiffness_origin", r.stiffness_origin);
+  a.Words("stiffness_origin", r.stiffness_origin, kStiffnessOriginWords);
 }
 
 // The leading field tells a file of ours from others and one version from the next.

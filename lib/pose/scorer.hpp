@@ -14,9 +14,6 @@
 
 namespace millpose {
 
-/// Where stiffness holds (facts 4); the flange only reproduces the paper's text.
-enum class StiffnessOrigin : uint8_t { kToolTip, kFlange };
-
 /// Bounds of the one admissible predicate that genetic algorithm, exhaustive search, layered search and audit
 /// share.
 struct AdmissibleBounds {

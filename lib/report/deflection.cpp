@@ -6,8 +6,9 @@ namespace millpose {
 DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& heaviest,
                                     const std::vector<SeriesCompliance>& compliances, int finished_from) {
   DeflectionReport report{heaviest, {}, std::nullopt};
-  const Eigen::Vector3d origin =
-      plan.stiffness_origin == "flange" ? Eigen::Vector3d::Zero() : Eigen::Vector3d(plan.X_FT.translation());
+  const Eigen::Vector3d origin = plan.stiffness_origin == StiffnessOrigin::kFlange
+                                     ? Eigen::Vector3d::Zero()
+                                     : Eigen::Vector3d(plan.X_FT.translation());
   const Eigen::Matrix3d R_BW = plan.X_WB.linear().transpose();
   const Eigen::Matrix3d R_PB = plan.X_WP.linear().transpose() * plan.X_WB.linear();
   std::vector<FacePoint> face;

@@ -227,7 +227,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"seed", plan.seed},
             {"input_hash", plan.input_hash},
             {"objective", {{"name", plan.objective_name}, {"unit", ShownUnit(plan.objective_unit)}}},
-            {"stiffness_origin", plan.stiffness_origin},
+            {"stiffness_origin", WordOf(kStiffnessOriginWords, plan.stiffness_origin)},
             {"counts", CountsJson(plan, rows.size())},
             {"arm", ArmJson(plan.arm)},
             {"home_deg", Degrees(plan.home)},

@@ -23,12 +23,6 @@ const char* MountName(Mount mount) {
   return "";
 }
 
-const char* ClassName(BodyClass body_class) {
-  static constexpr std::array kNames{"link",    "spindle",  "holder",    "cutter",
-                                     "fixture", "platform", "workpiece", "stock"};
-  return kNames.at(static_cast<size_t>(body_class));
-}
-
 Json BodyJson(const Body& body, const HtmlLimits& limits) {
   const bool workpiece = body.body_class == BodyClass::kWorkpiece;
   const Triangles whole = ViewMesh(body.shape);
@@ -37,7 +31,7 @@ Json BodyJson(const Body& body, const HtmlLimits& limits) {
   for (const auto& face : mesh.faces)
     for (int v : face) faces.push_back(static_cast<uint32_t>(v));
   return {{"name", body.name},
-          {"class", ClassName(body.body_class)},
+          {"class", WordOf(kBodyClassWords, body.body_class)},
           {"mount", MountName(body.mount)},
           {"link", body.link},
           {"X_MG", Matrix(body.X_MG)},

@@ -273,7 +273,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["passes_left_open"] = OpenRingsJson(plan);
   json["gaps"] = {{"total", plan.gaps.size()}, {"planned", figures.gaps_planned}};
   json["gap_remarks"] = GapRemarksJson(plan);
-  json["stiffness"] = {{"origin", plan.stiffness_origin},
+  json["stiffness"] = {{"origin", WordOf(kStiffnessOriginWords, plan.stiffness_origin)},
                        {"lambda_t1", SpreadJson(figures.lambda_t1)},
                        {"lambda_t2", SpreadJson(figures.lambda_t2)},
                        {"lambda_n", SpreadJson(figures.lambda_n)},

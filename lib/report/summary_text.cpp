@@ -110,7 +110,7 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   AppendGapRemarks(plan, &text);
   AppendSkipped(plan, &text);
   fmt::format_to(out, "stiffness at the {}; compliance, smaller is stiffer\n",
-                 plan.stiffness_origin == "flange" ? "flange centre" : "tool tip");
+                 plan.stiffness_origin == StiffnessOrigin::kFlange ? "flange centre" : "tool tip");
   fmt::format_to(out, "  {:<10} {:>11} {:>11} {:>11}\n", "", "best", "median", "worst");
   AppendSpread("lambda_t1", figures.lambda_t1, "mm/N  larger semi-axis in the milling plane", &text);
   AppendSpread("lambda_t2", figures.lambda_t2, "mm/N  smaller semi-axis in the milling plane", &text);

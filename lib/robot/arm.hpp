@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <string>
 
+#include "base/enum_words.hpp"
+
 namespace millpose {
 
 /// Six joint angles, rad, in the arm's own convention (signs and zero offsets as its maker states them).
@@ -20,6 +22,8 @@ enum class ArmFamily : uint8_t {
   kSphericalWrist,  ///< axes 4, 5 and 6 meet in one point
   kParallelAxes,    ///< axes 2, 3 and 4 are parallel (UR, Techman, AUBO, JAKA)
 };
+inline constexpr EnumWords<ArmFamily, 2> kArmFamilyWords = {
+    {{"spherical_wrist", ArmFamily::kSphericalWrist}, {"parallel_axes", ArmFamily::kParallelAxes}}};
 
 /// A six-axis arm. With q_i = sign_i · A_i + offset_i its forward kinematics are
 ///   X_BF = T(0,0,d1)·Rz(q1)·T(a1,dy,0)·Ry(q2)·T(a2,0,0)·Ry(q3)·T(d4,0,dz)·H

@@ -3,9 +3,15 @@
 
 #include <optional>
 
+#include "base/enum_words.hpp"
 #include "robot/kinematics.hpp"
 
 namespace millpose {
+
+/// Where stiffness holds (facts 4); the flange only reproduces the paper's text.
+enum class StiffnessOrigin : uint8_t { kToolTip, kFlange };
+inline constexpr EnumWords<StiffnessOrigin, 2> kStiffnessOriginWords = {
+    {{"tool_tip", StiffnessOrigin::kToolTip}, {"flange", StiffnessOrigin::kFlange}}};
 
 /// Cartesian compliance C = J·diag(1/k)·Jᵀ at the point where J is taken (Chen 2021 eq. 8, 9): blocks mm/N,
 /// 1/N, 1/N, rad/(N·mm). Symmetric, positive where J is regular.

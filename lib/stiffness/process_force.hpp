@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "base/enum_words.hpp"
+
 namespace millpose {
 
 /// Kienzle's model: the tangential force on an edge of width b at chip thickness h is k_c1.1·b·h^(1−m_c).
@@ -23,6 +25,8 @@ struct CuttingMaterial {
 const std::vector<CuttingMaterial>& CuttingMaterials();
 
 enum class MillingSide : uint8_t { kUp, kDown, kSlot };  ///< conventional, climb, full width
+inline constexpr EnumWords<MillingSide, 3> kMillingSideWords = {
+    {{"up", MillingSide::kUp}, {"down", MillingSide::kDown}, {"slot", MillingSide::kSlot}}};
 
 /// One cut. The cutter turns clockwise seen from the holder (M3).
 struct Cut {

@@ -133,15 +133,23 @@ Codec<S> Section(std::vector<Field<S>> fields,
   return codec;
 }
 
-/// One of several sections by its only key; the key goes to `kind`.
-template <class S>
-Codec<S> OneOf(std::string S::*kind, std::vector<std::pair<std::string, Codec<S>>> choices) {
+/// One of the sections that OneOf() chooses from.
+template <class S, class Kind>
+struct Alternative {
+  std::string name;
+  Kind kind;
+  Codec<S> section;
+};
+
+/// One of several sections by its only key, which says what `kind` is.
+template <class S, class Kind>
+Codec<S> OneOf(Kind S::*kind, std::vector<Alternative<S, Kind>> choices) {
   Codec<S> codec;
   codec.type = "map with one key";
   codec.schema = codec_detail::SchemaOf("object");
   Value properties = Value::Map();
   std::string allowed;
-  for (const auto& [name, choice] : choices) {
+  for (const auto& [name, value, choice] : choices) {
     properties.Put(name, choice.schema);
     codec.keys.push_back({name, choice.type, "", "", false, choice.keys});
     allowed += (allowed.empty() ? "" : ", ") + name;
@@ -157,16 +165,16 @@ Codec<S> OneOf(std::string S::*kind, std::vector<std::pair<std::string, Codec<S>
     if (value.items.size() != 1)
       return context.Add(value.mark,
                          fmt::format("given {} keys; allowed: one of {}", value.items.size(), allowed));
-    for (const auto& [name, choice] : choices)
+    for (const auto& [name, chosen, choice] : choices)
       if (value.keys[0].text == name) {
-        result.*kind = name;
+        result.*kind = chosen;
         choice.read(value.items[0], context.Child(name), result);
       }
   };
   codec.write = [kind, choices](const S& settings) {
     Value map = Value::Map();
-    for (const auto& [name, choice] : choices)
-      if (settings.*kind == name) map.Put(name, choice.write(settings));
+    for (const auto& [name, value, choice] : choices)
+      if (settings.*kind == value) map.Put(name, choice.write(settings));
     return map.items.empty() ? Value() : map;
   };
   return codec;

@@ -143,7 +143,7 @@ TEST(RoundTrip, EveryKindOfKeySurvives) {
   EXPECT_EQ(again.tool.x, cell.tool.x);
   EXPECT_EQ(again.tool.stack.at(0).top_diameter, 30);
   ASSERT_EQ(again.bodies.size(), 5u);
-  EXPECT_EQ(again.bodies[0].shape.kind, "capsule");
+  EXPECT_EQ(again.bodies[0].shape.kind, ShapeKind::kCapsule);
   EXPECT_EQ(again.bodies[1].pose.abc, cell.bodies[1].pose.abc);
   EXPECT_EQ(again.bodies[3].shape.unit, 25.4);
   EXPECT_EQ(again.bodies[3].shape.mesh_file, "a: b.stl");

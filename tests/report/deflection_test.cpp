@@ -10,7 +10,7 @@ PlanResult TwoPasses() {
   PlanResult plan;
   plan.arm = Kr500R2830();
   plan.X_FT.translation() << -250, 0, 250;
-  plan.stiffness_origin = "tool_tip";
+  plan.stiffness_origin = StiffnessOrigin::kToolTip;
   for (int pass = 0; pass < 2; ++pass) {
     PassResult result;
     result.pass = pass;

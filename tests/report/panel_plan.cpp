@@ -134,7 +134,7 @@ Panel MakePanel(const PanelSize& size, const std::string& job) {
   plan.home = panel.cell.home;
   plan.objective_name = panel.problem.objective->Name();
   plan.objective_unit = panel.problem.objective->Unit();
-  plan.stiffness_origin = "tool_tip";
+  plan.stiffness_origin = StiffnessOrigin::kToolTip;
   std::optional<Joints> last;
   for (int p = 0; p < size.passes; ++p) plan.passes.push_back(MakePass(panel.problem, size, p, last));
   plan.gaps.resize(3);
