@@ -70,16 +70,12 @@ class ClosedSearch {
       node = group.last;
       if (group.bound < limit_) groups.push_back(group);
     }
-    std::ranges::stable_sort(groups, {}, &Group::bound);
     problem_.first_layer = layer;
     KeepReturning(counts, groups);
     if (!groups.empty()) {
       BackwardRows rows;
       const ToGo& to_go = LeastToGo(problem_, counts, rows);
-      for (const Group& group : groups) {
-        if (group.bound >= limit_) break;
-        Try(group, to_go);
-      }
+      for (const std::span<const Group> set : SetsOf(groups)) TrySet(set, to_go);
     }
     problem_.first_layer = 0;
   }
@@ -95,19 +91,47 @@ class ClosedSearch {
     std::erase_if(groups, [&](const Group&) { return returning[i++] == 0; });
   }
 
-  /// The closed sequence through one node, if it is better than the best.
-  void Try(const Group& group, const ToGo& to_go) {
-    if (--sweeps_ < 0) return;
+  static double BoundOf(std::span<const Group> set) { return std::ranges::min(set, {}, &Group::bound).bound; }
+
+  /// Neighbouring groups in sets, the one with the least bound first.
+  static std::vector<std::span<const Group>> SetsOf(const std::vector<Group>& groups) {
+    constexpr size_t kMost = 32;
+    std::vector<std::span<const Group>> sets;
+    for (size_t i = 0; i < groups.size();) {
+      size_t end = i + 1;
+      while (end < groups.size() && end - i < kMost && groups[end].first == groups[end - 1].last) ++end;
+      sets.emplace_back(groups.data() + i, end - i);
+      i = end;
+    }
+    std::ranges::stable_sort(sets, {}, &BoundOf);
+    return sets;
+  }
+
+  /// The closed sequence of least cost through one of the groups, if it is better than the best. A way round
+  /// from any of them into any of them bounds it; where that does not come back to its own group, each half
+  /// of the set is tried.
+  void TrySet(std::span<const Group> set, const ToGo& to_go) {
+    if (!(BoundOf(set) < limit_) || --sweeps_ < 0) return;
+    const size_t first = set.front().first, last = set.back().last;
     Sweep sweep(problem_, kInfinity);
     sweep.LeaveOutAbove(limit_, to_go);
     SweepRows rows;
-    if (!sweep.Forward(rows, group.first, group.last, false)) return;
-    const Sweep::Closing closing = sweep.Close(group.first, group.last);
+    if (!sweep.Forward(rows, first, last, false)) return;
+    const Sweep::Closing closing = sweep.Close(first, last);
     if (!(closing.by.cost < limit_)) return;
-    best_ = sweep.Trace(closing.by.node);
-    best_->cost = closing.by.cost;
-    best_->closed = true;
-    limit_ = closing.by.cost * kLess;
+    Sequence sequence = sweep.Trace(closing.by.node);
+    const std::vector<size_t>& base = problem_.layers[problem_.first_layer].base;
+    if (base[sequence.nodes[problem_.first_layer]] == base[closing.into]) {
+      best_ = std::move(sequence);
+      best_->cost = closing.by.cost;
+      best_->closed = true;
+      limit_ = closing.by.cost * kLess;
+      return;
+    }
+    const std::span<const Group> left = set.first(set.size() / 2), right = set.subspan(set.size() / 2);
+    const bool left_first = BoundOf(left) <= BoundOf(right);
+    TrySet(left_first ? left : right, to_go);
+    TrySet(left_first ? right : left, to_go);
   }
 
   Group GroupOf(size_t layer, size_t node) const {

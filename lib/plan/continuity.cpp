@@ -117,7 +117,7 @@ namespace {
 
 /// Share of a joint's largest speed that a reduced feed uses: verification, which allows all of it, follows
 /// the motions of the program, and these leave out points.
-constexpr double kJointSpeedUsed = 0.99;
+constexpr double kJointSpeedUsed = 0.95;
 
 /// The feed, mm/s, at which the straight motion from one sample to the next uses kJointSpeedUsed of a joint's
 /// speed; the second value is that joint. Straight motions far from the limits are not followed.
@@ -132,7 +132,7 @@ std::pair<double, int> StraightCap(const CutSample& from, const CutSample& to, c
   if (worst * to.feed > kFar) {
     const Pose X_WT = carrier.ToolPose(to.q);
     const LineMotion line =
-        FollowLine(carrier, from.q, X_WT, Joints::Constant(-1e9), Joints::Constant(1e9), {0.5, 0.0087, 10});
+        FollowLine(carrier, from.q, X_WT, Joints::Constant(-1e9), Joints::Constant(1e9), {0.1, 0.0017, 10});
     const double step = length / std::max<double>(1, static_cast<double>(line.joints.size()) - 1);
     for (size_t k = 1; k < line.joints.size() && line.problem.empty(); ++k) {
       int at = 0;
@@ -153,7 +153,8 @@ struct Limit {
 /// The limits of a cut's samples by themselves; lowers their feeds to what straight motions allow.
 std::vector<Limit> CapFeeds(Cut& cut, const Carrier& carrier) {
   std::vector<Limit> limits(cut.samples.size());
-  for (const FeedShortfall& s : FindShortfalls(cut.samples, carrier.arm.speed, carrier.arm.acceleration))
+  for (const FeedShortfall& s :
+       FindShortfalls(cut.samples, kJointSpeedUsed * carrier.arm.speed, carrier.arm.acceleration))
     limits[s.sample] = {s.joint, s.by_acceleration, s.feed_possible};
   for (size_t i = 1; i < cut.samples.size(); ++i) {
     const auto [cap, joint] = StraightCap(cut.samples[i - 1], cut.samples[i], carrier);
@@ -204,7 +205,8 @@ FeedReduction ReduceFeeds(PlanResult& plan) {
       std::vector<double> wanted;
       for (const CutSample& sample : cut.samples) wanted.push_back(sample.feed);
       const std::vector<Limit> limits = CapFeeds(cut, carrier);
-      const std::vector<double> feeds = ReducedFeeds(cut.samples, plan.arm.speed, plan.arm.acceleration);
+      const std::vector<double> feeds =
+          ReducedFeeds(cut.samples, kJointSpeedUsed * plan.arm.speed, plan.arm.acceleration);
       AddSlow(cut, wanted, feeds, limits, {pass.pass}, first_point, reduction.slow);
       for (size_t i = 0; i < feeds.size(); ++i) {
         double& feed = pass.points[cut.points[i]].point.feed_rate;

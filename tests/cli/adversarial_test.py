@@ -264,6 +264,20 @@ class Adversarial(unittest.TestCase):
         self.assertEqual({row["x_mm"] for row in rows}, {place[0] for place in wide})  # all on the pad
         self.assertEqual(laid["passes"], summary["passes"])
 
+    def test_a_ring_that_winds_an_axis_at_its_top_speed_gets_its_programs(self):
+        """Round an upright rod of 60 mm: A4 turns by 14° a mm, A6 ends a full turn from where it began."""
+        def place(i, z, sides=72):
+            return (30 * math.cos(2 * math.pi * i / sides), 30 * math.sin(2 * math.pi * i / sides), z)
+
+        rod = [t for i in range(72) for t in (*quad(place(i, 0), place(i + 1, 0), place(i + 1, 60), place(i, 60)),
+                                              ((0, 0, 0), place(i + 1, 0), place(i, 0)), ((0, 0, 60), place(i, 60), place(i + 1, 60)))]
+        changes = [(r"strategy: parallel_planes\n  region: .*\n  planes: .*\n  stepover_mm: .*\n",
+                    "strategy: rings\n  rings: {point_mm: [0, 0, 0], axis: [0, 0, 1], on: walls}\n"
+                    "  region: {facing: {direction: [0, 0, 1], within_deg: 91}}\n  stepover_mm: 60\n"),
+                   (r"  joints_deg: .*\n", ""), (r"pose: \{xyz_mm: .*", "pose: {xyz_mm: [2000, 0, 800], abc_deg: [0, 0, 0]}")]
+        summary, rows, text = self.plan("rod", changes=changes, mesh=rod, status=1)
+        print(text)
+
     def test_a_zigzag_runs_each_pass_the_way_whose_force_bends_the_arm_less(self):
         def means(name, *changes):
             _, rows, text = self.plan(name, changes=[(r"stepover_mm: [\d.]+", "stepover_mm: 13"), *changes], layers=True)

@@ -108,12 +108,17 @@ class LinuxCncWriter : public ProgramWriter {
         Eigen::Quaterniond(first.coeffs() + side * second.coeffs()).normalized().toRotationMatrix();
     const Joints halfway = (q0 + q1) / 2;
     const Pose reached = program_.X_BP->inverse() * ForwardFlange(arm_, halfway) * X_FT_;
-    const double off = (reached.translation() - middle.translation()).norm();
+    const Eigen::Vector3d off = reached.translation() - middle.translation();
     const double turned = AngleBetween(reached.linear(), middle.linear());
     const auto q_middle =
         InverseNear(arm_, *program_.X_BP * middle * X_FT_.inverse(), Status(arm_, q1), halfway);
     // Where the arm changes its branch half-way no joint motion follows the line; read-back says so.
-    const bool near = off <= kHalfwayDeviation && turned <= kHalfwayAngle;
+    // A tip that is ahead or behind runs at another feed, and stands where the tool is turned otherwise.
+    const PoseLine line(X0, X1);
+    const Eigen::Vector3d way = X1.translation() - X0.translation();
+    const double ahead = line.length() > kStandstill ? std::abs(off.dot(way)) / way.squaredNorm() : 0;
+    const bool near = off.norm() <= kHalfwayDeviation && turned <= kHalfwayAngle && ahead <= kHalfwayLead &&
+                      ahead * line.angle() <= kHalfwayTurn;
     if (near || depth == kDeepest || !q_middle) {
       AddTimed(q1, duration, exact);
       return;

@@ -38,6 +38,9 @@ class LinuxCncPost : public Post {
 
 inline constexpr double kHalfwayDeviation = 0.005;  ///< mm
 inline constexpr double kHalfwayAngle = 8.7266e-5;  ///< rad (0.005°)
+/// Share of the line by which the tip may be ahead half-way; the feed is off by twice that.
+inline constexpr double kHalfwayLead = 0.008;
+inline constexpr double kHalfwayTurn = 1.7453e-4;  ///< rad (0.01°), that the tool turns within that deviation
 /// rad (0.001°): what the rounding of numbers and the places between the points may add to both.
 inline constexpr double kAngleMargin = 1.7453e-5;
 
