@@ -137,13 +137,17 @@ void AuditSteps(const Setup& setup, const std::vector<Cut>& cuts, Figures& figur
   for (const Cut& cut : cuts)
     for (size_t k = 1; k < cut.rows.size() + (cut.closed ? 1 : 0); ++k) {
       const Row &from = *cut.rows[k - 1], &to = *cut.rows[k % cut.rows.size()];
+      const bool closing = k == cut.rows.size();  // with the full turns of the way round
+      const Angles angles = closing ? TurnedNear(to.angles, from.angles) : to.angles;
       // Where the tool turns on the spot, the way of a point 300 mm up its axis counts.
       const Real way = std::max((to.position - from.position).norm(), 300 * (to.axis - from.axis).norm());
       const Real time = way / std::max(from.feed, to.feed);
       for (size_t i = 0; i < 6; ++i) {
         const Real most =
             std::min({setup.max_step[i], setup.max_step_per_mm * way, setup.max_step_speed[i] * time});
-        if (std::abs(to.angles[i] - from.angles[i]) > most + kAngleSlack)
+        if (angles[i] < setup.lower[i] - kAngleSlack || angles[i] > setup.upper[i] + kAngleSlack)
+          figures.Count("limit_violations", fmt::format("A{} back at point {}", i + 1, to.point));
+        if (std::abs(angles[i] - from.angles[i]) > most + kAngleSlack)
           figures.Count("step_violations",
                         fmt::format("A{} from point {} to {}", i + 1, from.point, to.point));
       }

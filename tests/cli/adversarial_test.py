@@ -266,17 +266,23 @@ class Adversarial(unittest.TestCase):
 
     def test_a_ring_that_winds_an_axis_at_its_top_speed_gets_its_programs(self):
         """Round an upright rod of 60 mm: A4 turns by 14° a mm, A6 ends a full turn from where it began."""
-        def place(i, z, sides=72):
+        def place(i, z, sides=180):
             return (30 * math.cos(2 * math.pi * i / sides), 30 * math.sin(2 * math.pi * i / sides), z)
 
-        rod = [t for i in range(72) for t in (*quad(place(i, 0), place(i + 1, 0), place(i + 1, 60), place(i, 60)),
+        rod = [t for i in range(180) for t in (*quad(place(i, 0), place(i + 1, 0), place(i + 1, 60), place(i, 60)),
                                               ((0, 0, 0), place(i + 1, 0), place(i, 0)), ((0, 0, 60), place(i, 60), place(i + 1, 60)))]
         changes = [(r"strategy: parallel_planes\n  region: .*\n  planes: .*\n  stepover_mm: .*\n",
                     "strategy: rings\n  rings: {point_mm: [0, 0, 0], axis: [0, 0, 1], on: walls}\n"
                     "  region: {facing: {direction: [0, 0, 1], within_deg: 91}}\n  stepover_mm: 60\n"),
-                   (r"  joints_deg: .*\n", ""), (r"pose: \{xyz_mm: .*", "pose: {xyz_mm: [2000, 0, 800], abc_deg: [0, 0, 0]}")]
-        summary, rows, text = self.plan("rod", changes=changes, mesh=rod, status=1)
-        print(text)
+                   (r"  joints_deg: .*\n", ""), (r"pose: \{xyz_mm: .*", "pose: {xyz_mm: [2000, 0, 800], abc_deg: [0, 0, 0]}"),
+                   (r"feed_mm_min: 80", "feed_mm_min: 600"), (r"chord_tolerance_mm: [\d.]+", "chord_tolerance_mm: 0.05"),
+                   (r"spacing_mm: [\d.]+", "spacing_mm: 10")]
+        summary, rows, text = self.plan("rod", changes=changes, mesh=rod, status=1)  # for feeds far below the programmed one
+        self.assertEqual(summary["points"]["skipped"], 0)
+        self.assertIn("the speed of A4 allows no more", text)
+        self.assertGreater(abs(float(rows[-1]["a6_deg"]) - float(rows[0]["a6_deg"])), 350)
+        self.assertEqual([(program["controller"], program["verified"]) for program in summary["programs"]],
+                         [("krl", True), ("krl", True), ("sinumerik", True), ("linuxcnc", True)])
 
     def test_a_zigzag_runs_each_pass_the_way_whose_force_bends_the_arm_less(self):
         def means(name, *changes):
