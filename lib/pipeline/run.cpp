@@ -2,6 +2,7 @@
 #include "pipeline/run.hpp"
 
 #include "base/process.hpp"
+#include "base/text.hpp"
 #include "config/config.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/audit.hpp"
@@ -12,6 +13,7 @@
 #include "pipeline/sample_curves.hpp"
 #include "pipeline/stages.hpp"
 #include "pipeline/step_meshes.hpp"
+#include "pipeline/up_to_date.hpp"
 #include "pipeline/write_results.hpp"
 
 namespace millpose {
@@ -43,13 +45,31 @@ std::filesystem::path DefaultFolder(const std::filesystem::path& job, const std:
   return IsOutputFolder(folder) ? folder : folder / (name + ".out");
 }
 
-// What run.json says of a run that has ended, but for what it took from checkpoints.
-RunFigures TellRun(const JobInputs& inputs, const OutputFolder& folder, const RunFigures::JobFile& job,
-                   const Stages& stages, int threads) {
+// What results depend on beside the inputs.
+std::string AskedFor(const PlanArguments& arguments) {
+  std::string asked = "max-points " + ShortestNumber(arguments.max_points);
+  if (arguments.audit) asked += " audit";
+  if (arguments.full_axis_map) asked += " axis-map full";
+  if (arguments.trajectory) asked += " trajectory " + ShortestNumber(*arguments.trajectory);
+  return asked;
+}
+
+// What run.json says of a run before it begins.
+RunFigures BeginRun(const PlanArguments& arguments, const JobInputs& inputs, const OutputFolder& folder) {
+  RunFigures run;
+  run.asked = AskedFor(arguments);
+  run.job_folder = KeepOrigin(inputs.folder, folder.path());
+  run.job = JobFileFor(arguments.job, inputs.job.name, folder.path());
+  return run;
+}
+
+// And when it has ended, but for what it took from checkpoints.
+RunFigures EndRun(const RunFigures& begun, const Stages& stages, int threads) {
   RunFigures run = MeasureRun(threads, MILLPOSE_VERSION);
   run.program_id = ProgramId();
-  run.job_folder = KeepOrigin(inputs.folder, folder.path());
-  run.job = job;
+  run.asked = begun.asked;
+  run.job_folder = begun.job_folder;
+  run.job = begun.job;
   for (const StageTime& stage : stages.times()) {
     run.stages.push_back({stage.name, stage.seconds});
     run.wall_s += stage.seconds;
@@ -104,15 +124,22 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   const std::filesystem::path out = arguments.out.value_or(DefaultFolder(arguments.job, inputs.job.name));
   if (!arguments.out) arguments.root.CheckFolder(out);
   const OutputFolder folder(out, arguments.share ? FolderUse::kCheckpoints : FolderUse::kResults);
-  const RunFigures::JobFile job_file = JobFileFor(arguments.job, inputs.job.name, folder.path());
+  const RunFigures begun = BeginRun(arguments, inputs, folder);
   if (arguments.fresh && !arguments.share) folder.RemoveCheckpoints();
   const FolderCheckpoints checkpoints(folder, !arguments.fresh);
-  if (!arguments.fresh) TakeKeptMeshes(folder, &inputs);
+  const std::string lock_warning = folder.warning().empty() ? "" : "warning    " + folder.warning() + '\n';
+  if (!arguments.fresh) {
+    TakeKeptMeshes(folder, &inputs);
+    const auto standing = FindStandingPlan(folder.path(), inputs.hash, begun);
+    if (standing && !arguments.share)
+      return {standing->exit_status,
+              standing->told + "unchanged  this plan stands there already; nothing was planned again\n" +
+                  lock_warning};
+  }
   stages.Begin(SurfaceStage(inputs), 0);  // which PrepareJob goes on with
   CutStepFiles(
       &inputs, [&](int percent) { stages.Percent(percent); }, execution.stop);
   KeepMeshes(inputs, folder);
-  const std::string lock_warning = folder.warning().empty() ? "" : "warning    " + folder.warning() + '\n';
   if (arguments.share) {
     PlanShare(inputs, *arguments.share, checkpoints, execution);
     return {0, fmt::format("share {} of {} is planned\n{}", arguments.share->index + 1,
@@ -137,14 +164,16 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
        job.prepared.warnings, findings, CurveGrid(), curves, map, job.fixed, job.prepared.heaviest},
       results);
   stages.End(folder.path().string());
-  RunFigures run = TellRun(inputs, folder, job_file, stages, execution.Threads());
+  RunFigures run = EndRun(begun, stages, execution.Threads());
   run.resumed_passes = job.resumed_passes;
   run.resumed_gaps = job.resumed_gaps;
   AddMeshes(inputs, &results);
   run.manifest = results.AddManifest(inputs.hash);
+  run.exit_status = IsComplete(job.plan, report) ? 0 : 1;
+  run.told = SummaryText(job.plan, report, run);
   results.Add(kRunFile, RunJson(run));
   results.Publish();
-  return {IsComplete(job.plan, report) ? 0 : 1, SummaryText(job.plan, report, run) + lock_warning};
+  return {run.exit_status, run.told + lock_warning};
 }
 
 }  // namespace millpose

@@ -107,6 +107,9 @@ struct RunFigures {
   };
   JobFile job;
   std::string manifest;  ///< hash of manifest.json: whose plan this run.json belongs to
+  std::string asked;     ///< of the run, beside its inputs: what results depend on
+  int exit_status = 0;
+  std::string told;  ///< SummaryText
 };
 
 /// Best (smallest), median and worst (largest) of one index over the planned points; empty when there is

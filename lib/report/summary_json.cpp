@@ -330,6 +330,9 @@ std::string RunJson(const RunFigures& figures) {
   json["job_folder"] = {{"absolute", figures.job_folder.absolute}, {"relative", figures.job_folder.relative}};
   json["job"] = {{"name", figures.job.name}, {"file", figures.job.file}};
   json["manifest"] = figures.manifest;
+  json["asked"] = figures.asked;
+  json["exit_status"] = figures.exit_status;
+  json["told"] = figures.told;
   // Folders need not be named in UTF-8.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -4,6 +4,7 @@
 import csv
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -76,9 +77,41 @@ class Run(InFolder):
             data = bytearray(file.read_bytes())
             data[len(data) // 2] ^= 1
             file.write_bytes(data)
+        (self.folder / "a" / "manifest.json").unlink()  # else nothing would be planned again
         again = plan(self.folder / "a")
         self.assertRegex(again.stderr, r"passes .* 0 (of them )?from checkpoints")
         self.assertEqual(tree(self.folder / "a"), before)
+
+    def test_a_plan_that_stands_is_not_made_again(self):
+        out = self.folder / "a"
+        first = plan(out)
+        kept, times = tree(out), {file: file.stat().st_mtime_ns for file in out.rglob("*") if file.is_file()}
+
+        def is_kept(*more):
+            again = plan(out, *more)
+            self.assertEqual(again.returncode, first.returncode, again.stderr)
+            unchanged = again.stdout.endswith("unchanged  this plan stands there already; nothing was planned again\n")
+            told = [re.sub(r"(?m)^(time|unchanged) .*\n", "", run.stdout) for run in (first, again)]
+            if "--audit" not in more:
+                self.assertEqual(told[0], told[1])
+            return unchanged
+
+        self.assertTrue(is_kept())
+        self.assertTrue(is_kept("--threads", "1"))
+        self.assertEqual({file: file.stat().st_mtime_ns for file in times}, times)
+        for name in ("points.csv", "programs/linuxcnc/support_pad.ngc", "run.json"):
+            with open(out / name, "a", encoding="utf-8") as file:
+                file.write("x")
+            self.assertFalse(is_kept(), name)
+            self.assertEqual(tree(out), kept, name)
+            self.assertTrue(is_kept(), name)
+        (out / "path.vtp").unlink()
+        self.assertFalse(is_kept())
+        self.assertFalse(is_kept("--fresh"))
+        for wish in (("--max-points", "3000"), ("--trajectory", "0.5"), ("--axis-map", "full"), ("--audit",)):
+            self.assertFalse(is_kept(*wish), wish)
+        self.assertTrue(is_kept("--audit"))
+        self.assertFalse(is_kept())
 
     def test_changed_parameter_redoes_only_what_depends_on_it(self):
         changes = ("toolpath.stepover_mm=30", "toolpath.spacing_mm=80")

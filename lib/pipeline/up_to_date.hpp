@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A plan that stands already: the same inputs, program and wishes, and every file as it was written.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "report/report.hpp"
+
+namespace millpose {
+
+/// How a run in an output folder ended: what it told and its exit status.
+struct StandingPlan {
+  int exit_status = 0;
+  std::string told;
+};
+
+/// What the last run in `folder` told, where it was by this very program, of inputs whose hash is `key`, and
+/// asked for the same (RunFigures::asked, job and job_folder of `run`), and where the folder matches its
+/// manifest. Empty where anything differs or cannot be read.
+std::optional<StandingPlan> FindStandingPlan(const std::filesystem::path& folder, const std::string& key,
+                                             const RunFigures& run);
+
+}  // namespace millpose
