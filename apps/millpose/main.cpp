@@ -162,9 +162,10 @@ int Main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   CLI::App app{
       "millpose: robotic milling in the best poses, without a GUI\n"
+      "`millpose help COMMAND` tells of one command.\n"
       "Exit status: 0 done; 1 done, with findings; 2 bad input or usage; 3 internal error; 130 interrupted."};
   app.name("millpose");
-  app.set_version_flag("--version", "millpose " MILLPOSE_VERSION);
+  app.set_version_flag("-V,--version", "millpose " MILLPOSE_VERSION);
   app.require_subcommand(1);
   app.option_defaults()->always_capture_default();
   Output output;
@@ -174,7 +175,18 @@ int Main(int argc, char** argv) {
   Run run;
   for (const auto& add : kCommands) add(app, run);
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+    if (!words.empty() && words[0] == "help") {  // as `--help` behind the command that it names
+      words.erase(words.begin());
+      const std::vector<std::string> names = CommandNames(app);
+      if (!words.empty() && std::ranges::find(names, words[0]) == names.end()) {
+        ReportUnknownCommand(words[0], names);
+        return kBadInput;
+      }
+      words.emplace_back("--help");
+    }
+    std::ranges::reverse(words);  // as CLI11 takes them
+    app.parse(std::move(words));
   } catch (const CLI::RequiredError& error) {
     const std::vector<std::string> names = CommandNames(app);
     if (argc < 2 || argv[1][0] == '-' || std::ranges::find(names, argv[1]) != names.end())

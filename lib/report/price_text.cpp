@@ -7,7 +7,7 @@ namespace millpose {
 namespace {
 
 std::string InMicrometres(const char* of, const PriceParts& parts) {
-  return fmt::format("{} {:.3g} um = interference {:.3g} + continuity {:.3g} + smoothing {:.3g}", of,
+  return fmt::format("{} {:.3g} µm = interference {:.3g} + continuity {:.3g} + smoothing {:.3g}", of,
                      1e3 * parts.total, 1e3 * parts.interference, 1e3 * parts.continuity,
                      1e3 * parts.smoothing);
 }

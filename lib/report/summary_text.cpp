@@ -71,8 +71,8 @@ void AppendDeflection(const DeflectionReport& report, std::string* text) {
   const auto out = std::back_inserter(*text);
   if (report.face)
     fmt::format_to(out,
-                   "deflection of the finished face along its normal: level {:.3g} um, variation {:.3g} um, "
-                   "step between passes {:.3g} um\n",
+                   "deflection of the finished face along its normal: level {:.3g} µm, variation {:.3g} µm, "
+                   "step between passes {:.3g} µm\n",
                    1e3 * report.face->level, 1e3 * report.face->variation, 1e3 * report.face->largest_step);
   fmt::format_to(out, "  under a mean force of at most {:.1f} N (peak {:.1f} N): {}\n",
                  report.force.mean.norm(), report.force.peak, kDeflectionModel);

@@ -13,6 +13,10 @@ from cli_fixture import JOB, MILLPOSE, TOP, InFolder, plan, run, without_force
 
 class Frame(unittest.TestCase):
     def test_version_and_help_go_to_stdout_with_status_0(self):
+        self.assertEqual(run("-V").stdout, run("--version").stdout)
+        self.assertEqual(run("help").stdout, run("--help").stdout)
+        self.assertEqual(run("help", "plan").stdout, run("plan", "--help").stdout)
+        self.assertIn("unknown command paln; nearest: plan", run("help", "paln").stderr)
         self.assertRegex(run("--version").stdout, r"^millpose \d+\.\d+\.\d+\n$")
         for arguments in (("--help",), ("plan", "--help"), ("batch", "--help"), ("inspect", "--help")):
             result = run(*arguments)

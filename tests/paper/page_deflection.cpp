@@ -63,7 +63,7 @@ void Flatness45() {
       "orientation:\n",
       kForce);
   Write(
-      "| start | level, mm | variation about its own plane, um | measured flatness, mm |\n|---|---|---|---|");
+      "| start | level, mm | variation about its own plane, µm | measured flatness, mm |\n|---|---|---|---|");
   const FaceDeflection first = Face(kTable6[0], kForce), fifth = Face(kTable6[4], kForce);
   Write("| pose 1 (optimised) | {:.4f} | {:.2f} | 0.17 |", first.level, 1e3 * first.variation);
   Write("| pose 5 | {:.4f} | {:.2f} | 0.31 |", fifth.level, 1e3 * fifth.variation);
