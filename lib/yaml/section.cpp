@@ -9,18 +9,28 @@ namespace millpose::yaml::codec_detail {
 
 namespace {
 
-/// Keys of earlier versions, and what stands in their place.
+/// Keys of earlier versions, as the ends of their paths, and what stands in their place.
 const std::map<std::string, std::string>& FormerKeys() {
   static const std::map<std::string, std::string> keys = {
-      {"motion",
+      {".curve.direction",
+       "is no longer a key: give project_along, the direction of looking, which is the opposite one: the "
+       "line "
+       "goes onto the first face that it meets"},
+      {".motion",
        "is no longer a key: KRL cuts are LIN with C_DIS, SLINs stop at every corner of a SPLINE block"},
-      {"motion_weight",
+      {".motion_weight",
        "is no longer a key: give path.motion_share, the cost of one rad² of joint motion as a share of the "
        "median optimum of the pass's points, whatever the objective's unit; 1e-5 mm/N of chen2021 was a "
        "share "
        "of about 0.04, the default"},
   };
   return keys;
+}
+
+const std::string* FormerKey(const std::string& path) {
+  for (const auto& [end, message] : FormerKeys())
+    if (('.' + path).ends_with(end)) return &message;
+  return nullptr;
 }
 
 }  // namespace
@@ -34,9 +44,8 @@ void CheckKeys(const Value& map, const Context& context, const std::vector<Field
         names, [&](const std::string& name) { return name.starts_with(key.text + '_'); });
     const std::string near = NearestName(key.text, names);
     const Context at_key = context.Child(key.text);
-    const auto former = FormerKeys().find(key.text);
-    if (former != FormerKeys().end())
-      at_key.Add(key.mark, former->second);
+    if (const std::string* former = FormerKey(at_key.path))
+      at_key.Add(key.mark, *former);
     else if (with_unit != names.end())
       at_key.Add(key.mark, fmt::format("the key lacks its unit; nearest known key: {}", *with_unit));
     else if (!near.empty())

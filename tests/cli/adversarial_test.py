@@ -146,7 +146,7 @@ class Adversarial(unittest.TestCase):
     def bore(self, depth, status):
         """A short line on the bottom of a bore of 36 mm diameter; the cutter is 20 mm thick, 60 mm long."""
         curve = (r"strategy: parallel_planes\n  region: .*\n  planes: .*\n",
-                 f"strategy: curve\n  curve: {{points_mm: [[-2, 0, {-depth}], [2, 0, {-depth}]], direction: [0, 0, 1]}}\n")
+                 f"strategy: curve\n  curve: {{points_mm: [[-2, 0, {-depth}], [2, 0, {-depth}]], project_along: [0, 0, -1]}}\n")
         return self.plan(f"bore_{depth}", changes=[curve], mesh=bored_block(100, 18, depth), status=status)
 
     def test_the_holder_touches_in_a_bore_deeper_than_the_cutter(self):

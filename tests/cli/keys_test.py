@@ -220,7 +220,7 @@ class Keys(InFolder):
 
         (self.folder / "path.csv").write_text("x_mm,y_mm,z_mm,i,j,k\n-50,0,0,0,0,1\n50,0,0,0,0,1\n")
         shutil.copy(self.folder / "path.csv", self.folder / "copy_of_path.csv")
-        for name, keys in (("curve", {"points_mm": [[-50, 0, 0], [50, 0, 0]], "direction": [0, 0, 1]}),
+        for name, keys in (("curve", {"points_mm": [[-50, 0, 0], [50, 0, 0]], "project_along": [0, 0, -1]}),
                            ("cam", {"file": "path.csv", "contact_distance_mm": 0.2})):
             job, cell = self.base()
             self.strategy(job, name, keys)

@@ -92,6 +92,10 @@ const Slip kJobSlips[] = {
      "pose.formulation: given paper; allowed only with objective chen2021 without references"},
     {"[5, 5, 5, 5, 5, 5]", "[5, 5, 5, 5, 5, 5]\n  motion_weight: 1.0e-5", 18, 3,
      "path.motion_weight: is no longer a key: give path.motion_share, "},
+    {"  strategy: parallel_planes\n",
+     "  strategy: curve\n  curve: {points_mm: [[0, 0, 0], [1, 0, 0]], direction: [0, 0, 1]}\n", 10, 52,
+     "toolpath.curve.direction: is no longer a key: give project_along, the direction of looking, which is "
+     "the opposite one"},
     {"[5, 5, 5, 5, 5, 5]", "[5, 5, 5, 5, 5, 5]\n  max_lifts: 2", 18, 3,
      "path.max_lifts: has no effect here: lift_gain_percent is 0"},
     {"[5, 5, 5, 5, 5, 5]", "[5, 5, 5, 5, 5, 5]\n  over_missing: cut", 18, 3,

@@ -70,5 +70,51 @@ TEST(Contours, SingleCurveIsProjectedOntoThePart) {
   EXPECT_LT(nearest, 1e-6);
 }
 
+/// The passes of a line from x = −30 to 30 mm at y = 5, looked at along `looking`.
+std::vector<Pass> Projected(const Triangles& part, const Eigen::Vector3d& looking) {
+  ToolpathOptions options;
+  options.cutter.radius = 1;
+  With<CurveStrategy>(options).points = {{-30, 5, 0}, {30, 5, 0}};
+  With<CurveStrategy>(options).project_along = looking;
+  return MakeToolpath(Mesh(part), options, {}).passes;
+}
+
+TEST(Curve, GoesOntoTheFirstFaceMet) {
+  const Eigen::Vector3d down = -Eigen::Vector3d::UnitZ();
+  const Triangles block = BoxShape({-50, -50, -20}, {50, 50, 0});
+  for (const Eigen::Vector3d& looking : {down, Eigen::Vector3d(-down)}) {
+    const std::vector<Pass> passes = Projected(block, looking);
+    ASSERT_EQ(passes.size(), 1u);
+    for (const MillingPoint& point : passes[0].points) {
+      EXPECT_NEAR(point.position.z(), looking.z() < 0 ? 0 : -20, 1e-9);
+      EXPECT_LT(point.normal.dot(looking), -0.999);
+    }
+  }
+  // A smaller block hovers over the right half: from above the line changes over, from below it does not.
+  Triangles two = block;
+  Append(two, BoxShape({10, -50, 30}, {50, 50, 40}));
+  const std::vector<Pass> above = Projected(two, down), below = Projected(two, -down);
+  ASSERT_EQ(above.size(), 2u);
+  EXPECT_NEAR(above[0].points.back().position.x(), 10, 1e-6);
+  EXPECT_NEAR(above[0].points.back().position.z(), 0, 1e-9);
+  EXPECT_NEAR(above[1].points.front().position.z(), 40, 1e-9);
+  EXPECT_NEAR(above[1].points.back().position.x(), 30, 1e-6);
+  ASSERT_EQ(below.size(), 1u);
+}
+
+TEST(Curve, AnOpenSheetIsNotMilledFromBehind) {
+  Triangles sheet;
+  sheet.vertices = {{-50, -50, 3}, {50, -50, 3}, {50, 50, 3}, {-50, 50, 3}};
+  sheet.faces = {{0, 1, 2}, {0, 2, 3}};
+  EXPECT_EQ(Projected(sheet, -Eigen::Vector3d::UnitZ()).size(), 1u);
+  try {
+    Projected(sheet, Eigen::Vector3d::UnitZ());
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("give the opposite direction"), std::string::npos)
+        << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace millpose

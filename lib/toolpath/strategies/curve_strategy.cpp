@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/strategies/curve_strategy.hpp"
 
+#include "base/error.hpp"
 #include "surface/plane_slices.hpp"
 #include "toolpath/strategy_entry.hpp"
 
@@ -11,32 +12,62 @@ namespace {
 struct Placed {
   double from, to;
   CurvePiece piece;
+
+  Eigen::Vector3d At(double along) const { return piece.At((along - from) / (to - from)); }
+  Placed Part(double first, double last) const {
+    return {first, last, piece.Part((first - from) / (to - from), (last - from) / (to - from))};
+  }
 };
 
+// What of the slice under a segment lies between its ends, whichever side it shows.
 std::vector<Placed> Under(const Mesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                          const Eigen::Vector3d& direction, const std::stop_token& stop) {
+                          const Eigen::Vector3d& looking, const std::stop_token& stop) {
   const Eigen::Vector3d way = b - a;
-  const Eigen::Vector3d flat = way - way.dot(direction) * direction;
-  const Eigen::Vector3d normal = direction.cross(flat).normalized();
+  const Eigen::Vector3d flat = way - way.dot(looking) * looking;
+  const Eigen::Vector3d normal = flat.cross(looking).normalized();
   std::vector<Placed> placed;
   const std::vector<Curve> slice = SliceByPlanes(mesh, normal, {normal.dot(a)}, stop)[0];
   for (const Curve& curve : slice)
     for (CurvePiece piece : curve.pieces) {
-      if (piece.other_face >= 0 && mesh.FaceNormal(piece.face).dot(direction) <= 0)
+      if (piece.other_face >= 0 && mesh.FaceNormal(piece.face).dot(looking) >= 0)
         std::swap(piece.face, piece.other_face);
-      if (mesh.FaceNormal(piece.face).dot(direction) <= 1e-9) continue;  // seen from the back or edge-on
       const auto along = [&](const Eigen::Vector3d& p) { return flat.dot(p - a) / flat.squaredNorm(); };
       double from = along(piece.start), to = along(piece.end);
       if (from > to) {
         piece = piece.Reversed();
         std::swap(from, to);
       }
-      const double t0 = std::clamp((0 - from) / (to - from), 0.0, 1.0),
-                   t1 = std::clamp((1 - from) / (to - from), 0.0, 1.0);
-      if (t1 > t0) placed.push_back({from + t0 * (to - from), from + t1 * (to - from), piece.Part(t0, t1)});
+      const double first = std::max(from, 0.0), last = std::min(to, 1.0);
+      if (last > first) placed.push_back(Placed{from, to, piece}.Part(first, last));
     }
   std::ranges::stable_sort(placed, {}, &Placed::from);
   return placed;
+}
+
+// The parts that are met first, in their order.
+std::vector<Placed> Met(const std::vector<Placed>& placed, const Eigen::Vector3d& looking) {
+  std::vector<double> ends;
+  for (const Placed& piece : placed) ends.insert(ends.end(), {piece.from, piece.to});
+  std::ranges::sort(ends);
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  std::vector<Placed> met;
+  std::vector<size_t> over;  // this stretch
+  size_t next = 0, last = placed.size();
+  for (size_t i = 0; i + 1 < ends.size(); ++i) {
+    std::erase_if(over, [&](size_t k) { return placed[k].to <= ends[i]; });
+    for (; next < placed.size() && placed[next].from <= ends[i]; ++next) over.push_back(next);
+    if (over.empty()) continue;
+    const double middle = (ends[i] + ends[i + 1]) / 2;
+    const size_t first =
+        std::ranges::min(over, {}, [&](size_t k) { return looking.dot(placed[k].At(middle)); });
+    if (first == last && met.back().to == ends[i]) {
+      met.back() = placed[first].Part(met.back().from, ends[i + 1]);
+    } else {
+      met.push_back(placed[first].Part(ends[i], ends[i + 1]));
+    }
+    last = first;
+  }
+  return met;
 }
 
 bool Meet(const CurvePiece& before, const CurvePiece& after) {
@@ -61,11 +92,21 @@ void CheckPoints(const yaml::Value& value, const yaml::Context& context, CurveSt
 }  // namespace
 
 Layout CurveStrategy::Lay(const Region& region, const ToolpathOptions&, std::stop_token stop) const {
-  RequireUnit(direction, "the curve's direction");
+  RequireUnit(project_along, "the curve's project_along");
+  const Mesh& mesh = region.mesh();
   std::vector<Curve> curves;
+  bool backs = false;
   for (size_t i = 0; i + 1 < points.size(); ++i)
-    for (Placed& placed : Under(region.mesh(), points[i], points[i + 1], direction, stop))
-      Append(placed.piece, curves);
+    for (const Placed& placed :
+         Met(Under(mesh, points[i], points[i + 1], project_along, stop), project_along)) {
+      const bool shown = mesh.FaceNormal(placed.piece.face).dot(project_along) < -1e-9;
+      backs = backs || !shown;
+      if (shown) Append(placed.piece, curves);
+    }
+  if (curves.empty() && backs)
+    throw InputError({},
+                     "toolpath: looking along curve.project_along the line meets the backs of faces alone; "
+                     "give the opposite direction");
   for (Curve& curve : curves)
     curve.closed = curve.pieces.size() > 2 && Meet(curve.pieces.back(), curve.pieces.front());
   // A lane each: progress must not sort what follows the user's line.
@@ -81,8 +122,8 @@ StrategyEntry CurveEntry() {
                     Section<S>({Key<S>("points_mm", MILLPOSE_AT(points), ListOf(yaml::Place()),
                                        "A polyline, in the workpiece frame.")
                                     .Required(),
-                                Key<S>("direction", MILLPOSE_AT(direction), yaml::Direction(),
-                                       "Along it the line is projected onto the faces that face it.")
+                                Key<S>("project_along", MILLPOSE_AT(project_along), yaml::Direction(),
+                                       "Looking along it, the line goes onto the first face met.")
                                     .Required()},
                                CheckPoints));
 }

@@ -5,10 +5,10 @@
 
 namespace millpose {
 
-/// A single polyline, projected onto the part along a direction.
+/// A single polyline, projected along a direction onto the first faces that it meets.
 struct CurveStrategy final : SurfaceStrategy {
-  std::vector<Eigen::Vector3d> points;                   ///< two or more
-  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< onto faces that face it; unit vector
+  std::vector<Eigen::Vector3d> points;                        ///< two or more
+  Eigen::Vector3d project_along = -Eigen::Vector3d::UnitZ();  ///< the direction of looking; unit vector
 
   std::string Name() const override { return "curve"; }
   bool IsPrescribed() const override { return true; }
