@@ -93,7 +93,9 @@ const Slip kJobSlips[] = {
     {"[5, 5, 5, 5, 5, 5]", "[5, 5, 5, 5, 5, 5]\n  motion_weight: 1.0e-5", 18, 3,
      "path.motion_weight: is no longer a key: give path.motion_share, "},
     {"  strategy: parallel_planes\n",
-     "  strategy: curve\n  curve: {points_mm: [[0, 0, 0], [1, 0, 0]], direction: [0, 0, 1]}\n", 10, 52,
+     "  strategy: curve\n  curve: {points_mm: [[0, 0, 0], [1, 0, 0]], project_along: [0, 0, -1], direction: "
+     "[0, 0, 1]}\n",
+     10, 73,
      "toolpath.curve.direction: is no longer a key: give project_along, the direction of looking, which is "
      "the opposite one"},
     {"[5, 5, 5, 5, 5, 5]", "[5, 5, 5, 5, 5, 5]\n  max_lifts: 2", 18, 3,
