@@ -99,6 +99,11 @@ void PlanFiner(const JobInputs& inputs, PreparedJob& prepared, const CheckpointS
       ++kept;
     }
     execution.progress.End(fmt::format("{} points inserted in {} passes", inserted, kept));
+    if (kept > 0)
+      prepared.warnings.push_back(fmt::format(
+          "toolpath: {} points are inserted in {} passes, where steps of the joints between points laid {:g} "
+          "mm apart were too large (toolpath.spacing_mm)",
+          inserted, kept, inputs.job.toolpath.spacing / (parts / 2)));
   }
 }
 

@@ -95,15 +95,20 @@ void PlanOtherWays(const JobInputs& inputs, PreparedJob& prepared, const Checkpo
   PlannedPasses again = PlanPasses(
       prepared.problem, prepared.world, turned, options, checkpoints,
       [&](size_t i) { return promising[i] != 0; }, execution);
-  size_t turns = 0;
+  std::vector<size_t> turns;
   for (size_t i = 0; i < passes.size(); ++i) {
     if (promising[i] == 0) continue;
     if (!IsBetter(ValueOf(again.passes[i]), ValueOf(passes[i]), options.worst_first, kGain)) continue;
     passes[i] = std::move(again.passes[i]);
     prepared.toolpath.passes[i] = turned.passes[i];
-    ++turns;
+    turns.push_back(i);
   }
-  execution.progress.End(fmt::format("{} passes run the other way round", turns));
+  execution.progress.End(fmt::format("{} passes run the other way round", turns.size()));
+  if (!turns.empty())
+    prepared.warnings.push_back(
+        fmt::format("toolpath: passes {} run from their other end, where the force bends the arm less "
+                    "(direction: zigzag leaves it open)",
+                    fmt::join(turns, ", ")));
 }
 
 }  // namespace millpose

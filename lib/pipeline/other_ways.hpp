@@ -15,7 +15,7 @@ bool DependsOnFeed(const JobSettings& job, const Objective& objective);
 
 /// In a zigzag whose poses depend on the feed, plans those of the `wanted` passes once more, run from their
 /// end with the force of that way, whose points could gain by it. A pass is turned round where its plan is
-/// better so (IsBetter), in `passes` and in `prepared.toolpath`. Throws Interrupted.
+/// better so (IsBetter), in `passes` and in `prepared.toolpath`; a warning names them. Throws Interrupted.
 void PlanOtherWays(const JobInputs& inputs, PreparedJob& prepared, const CheckpointStore& checkpoints,
                    const std::function<bool(size_t)>& wanted, const Execution& execution,
                    std::vector<PassResult>& passes);

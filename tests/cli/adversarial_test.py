@@ -295,6 +295,7 @@ class Adversarial(unittest.TestCase):
 
         both, text = means("zigzag")
         self.assertRegex(text, "[1-9][0-9]* passes run the other way round")
+        self.assertRegex(text, r"warning +toolpath: passes \d+(, \d+)* run from their other end")
         one, _ = means("one_way", (r"direction: zigzag  ", "direction: one_way  "))
         self.assertEqual(len(both), len(one))
         for number, mean in both.items():  # the gain that a turn must be worth, and another grid of points
