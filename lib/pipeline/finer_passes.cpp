@@ -103,7 +103,7 @@ void PlanFiner(const JobInputs& inputs, PreparedJob& prepared, const CheckpointS
       prepared.warnings.push_back(fmt::format(
           "toolpath: {} points are inserted in {} passes, where steps of the joints between points laid {:g} "
           "mm apart were too large (toolpath.spacing_mm)",
-          inserted, kept, inputs.job.toolpath.spacing / (parts / 2)));
+          inserted, kept, 2 * inputs.job.toolpath.spacing / parts));
   }
 }
 
