@@ -20,8 +20,8 @@ std::vector<uint8_t> ZonesOf(const PoseProblem& problem, const PlannedPoint& poi
                              const std::vector<Candidate>& candidates, const std::vector<int>& pair_numbers) {
   AxisVerdicts verdicts = UnpackVerdicts(point.verdicts);
   if (point.skip == Obstacle::kNone && !point.freedoms.empty())
-    verdicts[static_cast<size_t>(point.branch * kAxisRotations + AxisCellOf(point.freedoms[0]).index)] =
-        kVerdictFree;
+    verdicts[static_cast<size_t>(point.branch) * kAxisRotations +
+             static_cast<size_t>(AxisCellOf(point.freedoms[0]).index)] = kVerdictFree;
   std::vector<uint8_t> zones(candidates.size(), kOutOfReach);
   for (size_t i = 0; i < candidates.size(); ++i) {
     const Candidate& candidate = candidates[i];

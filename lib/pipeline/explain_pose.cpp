@@ -57,7 +57,8 @@ double BeyondTouch(const PlannedPoint& point) {
   double nearest = 2 * kPi;
   const AxisVerdicts verdicts = UnpackVerdicts(point.verdicts);
   for (int i = 0; i < kAxisRotations; ++i)
-    if (verdicts[static_cast<size_t>(point.own_branch * kAxisRotations + i)] == kVerdictFree)
+    if (verdicts[static_cast<size_t>(point.own_branch) * kAxisRotations + static_cast<size_t>(i)] ==
+        kVerdictFree)
       nearest = std::min(nearest, std::abs(ShortWayTo(point.own_rotation, RotationOf(i))));
   if (point.free_branch == point.own_branch)
     nearest = std::min(nearest, std::abs(ShortWayTo(point.own_rotation, point.free_rotation)));
@@ -78,7 +79,7 @@ std::string WhatBars(const PoseProblem& problem, const PassResult& pass, const A
     default:  // admissible: the other obstacles are known of points alone
       break;
   }
-  const int verdict = verdicts[static_cast<size_t>(branch * kAxisRotations + cell)];
+  const int verdict = verdicts[static_cast<size_t>(branch) * kAxisRotations + static_cast<size_t>(cell)];
   if (verdict < kVerdictPair) return {};
   return fmt::format("then {} come too near", pass.pairs.at(static_cast<size_t>(verdict - kVerdictPair)));
 }
@@ -120,11 +121,14 @@ class Follower {
     for (const int step : {0, -1, 1, -2, 2}) {
       static_assert(kFollow == 2);
       const int k = (cell + step + kAxisRotations) % kAxisRotations;
-      const Candidate& candidate = candidates[static_cast<size_t>(8 * k + branch_)];
+      const Candidate& candidate =
+          candidates[size_t{8} * static_cast<size_t>(k) + static_cast<size_t>(branch_)];
       const std::string bars = WhatBars(problem_, pass_, verdicts, candidate, branch_, k);
       if (step == 0) obstacle = bars;
       if (!bars.empty()) continue;
-      if (!best || candidate.objective < candidates[static_cast<size_t>(8 * *best + branch_)].objective)
+      if (!best ||
+          candidate.objective <
+              candidates[size_t{8} * static_cast<size_t>(*best) + static_cast<size_t>(branch_)].objective)
         best = k;
     }
     return best;

@@ -64,7 +64,7 @@ Part ReadPart(const JobInputs& inputs, const Cell& cell) {
                        name),
             CellWarnings(inputs.cell)};
   for (const std::string& finding : Findings(part.import.report))
-    part.warnings.push_back(name + ": " + finding);
+    part.warnings.push_back(fmt::format("{}: {}", name, finding));
   const Eigen::Vector3d size = part.import.report.upper - part.import.report.lower;
   if (const auto warning = UnitWarning(size.maxCoeff(), Reach(cell)))
     part.warnings.push_back(name + ": " + *warning);

@@ -73,7 +73,7 @@ std::string ProgramWriter::MainText(const std::vector<std::string>& parts) const
 std::vector<std::string> ProgramWriter::HeaderTexts(size_t width) const {
   std::vector<std::string> texts;
   for (const auto& [key, value] : program_.header) {
-    std::string text = key + ": " + value;
+    std::string text = fmt::format("{}: {}", key, value);
     for (char& c : text) c = c < ' ' || c > '~' ? '?' : c;
     texts.emplace_back(Trim(std::string_view(text).substr(0, width)));
   }

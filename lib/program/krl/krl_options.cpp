@@ -9,7 +9,7 @@ namespace millpose {
 Pose KrlRobroot(const KrlOptions& options) { return MakePose(options.robroot.value_or(PoseSettings{})); }
 
 Pose KrlBase(const KrlOptions& options) {
-  const Pose robroot = KrlRobroot(options);
+  Pose robroot = KrlRobroot(options);
   if (!options.ersysroot) return robroot;
   const KrlRail& rail = *options.ersysroot;
   Pose carriage = Pose::Identity();

@@ -214,7 +214,7 @@ class SinumerikReader : public ProgramReader {
   /// The words of a block, in the order in which they take effect: settings, then the motion.
   void Apply(LineScanner& scan, size_t start, const SinumerikBlock& block) {
     for (const std::string& word : block.g_words()) Setting(scan, start, word);
-    if (const auto tool = block.tool()) {
+    if (const auto& tool = block.tool()) {
       if (*tool != settings_.tool_name)
         scan.FailFrom(start, fmt::format("tool {} expected", settings_.tool_name));
       Allow(scan, start, kHeadOnly);
