@@ -15,8 +15,8 @@
 #include "batch/slurm.hpp"
 #include "pipeline/inputs.hpp"
 #include "pipeline/output_folder.hpp"
-#include "pipeline/result_swap.hpp"
 #include "pipeline/step_meshes.hpp"
+#include "pipeline/up_to_date.hpp"
 #include "report/summary_version.hpp"
 
 namespace millpose {
@@ -185,13 +185,10 @@ JobOutcome Judge(const fs::path& folder, int status, const std::string& errors) 
 
 std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) {
   try {
-    if (!Exists(folder / kManifestFile) || IsSwapOpen(folder)) return std::nullopt;
-    const Json run = Json::parse(ReadFile(folder / kRunFile));
-    if (run.at("program_id") != ProgramId()) return std::nullopt;
+    if (!Exists(folder / kManifestFile)) return std::nullopt;
     JobInputs inputs = LoadJobInputs(job.file, job.overrides, {}, job.root);
-    const std::string key = CheckManifest(folder).key;
     TakeKeptMeshes(folder, &inputs);
-    if (key != inputs.hash) return std::nullopt;
+    if (!HoldsPlanOf(folder, inputs.hash)) return std::nullopt;
     JobOutcome outcome = Judge(folder, 0, "");
     if (outcome.status > 1) return std::nullopt;
     outcome.up_to_date = true;

@@ -6,21 +6,37 @@
 #include "base/file.hpp"
 #include "base/process.hpp"
 #include "pipeline/manifest.hpp"
+#include "pipeline/result_swap.hpp"
 
 namespace millpose {
 
+namespace {
+
+nlohmann::json RunOf(const std::filesystem::path& folder) {
+  return nlohmann::json::parse(ReadFile(folder / kRunFile));
+}
+
+}  // namespace
+
+bool HoldsPlanOf(const std::filesystem::path& folder, const std::string& key) {
+  try {
+    return Exists(folder / kManifestFile) && !IsSwapOpen(folder) &&
+           RunOf(folder).at("program_id") == ProgramId() && CheckManifest(folder).key == key;
+  } catch (const std::exception&) {  // whatever is wrong with the folder: it is planned anew
+    return false;
+  }
+}
+
 std::optional<StandingPlan> FindStandingPlan(const std::filesystem::path& folder, const std::string& key,
                                              const RunFigures& run) {
+  if (!HoldsPlanOf(folder, key)) return std::nullopt;
   try {
-    if (!Exists(folder / kManifestFile) || !Exists(folder / kRunFile)) return std::nullopt;
-    const nlohmann::json last = nlohmann::json::parse(ReadFile(folder / kRunFile));
-    if (last.at("program_id") != ProgramId() || last.at("asked") != run.asked ||
-        last.at("job").at("file") != run.job.file ||
+    const nlohmann::json last = RunOf(folder);
+    if (last.at("asked") != run.asked || last.at("job").at("file") != run.job.file ||
         last.at("job_folder").at("absolute") != run.job_folder.absolute)
       return std::nullopt;
-    if (CheckManifest(folder).key != key) return std::nullopt;
     return StandingPlan{last.at("exit_status").get<int>(), last.at("told").get<std::string>()};
-  } catch (const std::exception&) {  // whatever is wrong with the folder: it is planned anew
+  } catch (const nlohmann::json::exception&) {  // run.json says less
     return std::nullopt;
   }
 }

@@ -16,9 +16,12 @@ struct StandingPlan {
   std::string told;
 };
 
-/// What the last run in `folder` told, where it was by this very program, of inputs whose hash is `key`, and
-/// asked for the same (RunFigures::asked, job and job_folder of `run`), and where the folder matches its
-/// manifest. Empty where anything differs or cannot be read.
+/// Whether the plan in `folder` was made by this very program, of inputs whose hash is `key`, and every file
+/// is as it was written.
+bool HoldsPlanOf(const std::filesystem::path& folder, const std::string& key);
+
+/// What the last run in `folder` told, where that holds (HoldsPlanOf) and it was asked for the same
+/// (RunFigures::asked, job and job_folder of `run`). Empty where anything differs or cannot be read.
 std::optional<StandingPlan> FindStandingPlan(const std::filesystem::path& folder, const std::string& key,
                                              const RunFigures& run);
 

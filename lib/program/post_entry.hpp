@@ -5,6 +5,7 @@
 #include "base/registry.hpp"
 #include "program/post.hpp"
 #include "program/post_keys.hpp"
+#include "yaml/lifted.hpp"
 
 namespace millpose {
 
@@ -64,20 +65,16 @@ PostEntry EntryOf(
                            [check](const yaml::Value& value, const yaml::Context& context, Whole& whole) {
                              if (check) check(value, context, whole.own);
                            });
-  PostEntry entry{P(Own{}).Name(), [] { return std::make_unique<P>(Own{}); }, {}};
-  entry.section.type = fields.type;
-  entry.section.schema = fields.schema;
-  entry.section.keys = fields.keys;
-  entry.section.read = [read = fields.read](const yaml::Value& value, const yaml::Context& context,
-                                            ControllerOptions& result) {
-    Whole whole;
-    read(value, context, whole);
-    result = {std::move(whole.shared), std::make_shared<const P>(std::move(whole.own))};
-  };
-  entry.section.write = [write = fields.write](const ControllerOptions& controller) {
-    return write({controller.shared, dynamic_cast<const P&>(*controller.post).options()});
-  };
-  return entry;
+  return {P(Own{}).Name(), [] { return std::make_unique<P>(Own{}); },
+          yaml::Lifted<ControllerOptions, Whole>(
+              fields,
+              [](Whole whole) {
+                return ControllerOptions{std::move(whole.shared),
+                                         std::make_shared<const P>(std::move(whole.own))};
+              },
+              [write = fields.write](const ControllerOptions& controller) {
+                return write({controller.shared, dynamic_cast<const P&>(*controller.post).options()});
+              })};
 }
 
 /// All controllers; programs that link the library may add theirs.

@@ -4,6 +4,7 @@
 
 #include "base/registry.hpp"
 #include "toolpath/strategy.hpp"
+#include "yaml/lifted.hpp"
 #include "yaml/section.hpp"
 
 namespace millpose {
@@ -29,19 +30,12 @@ template <class S>
 StrategyEntry EntryOf(std::string section, std::string doc, yaml::Codec<S> fields) {
   StrategyEntry entry{S().Name(), std::move(section), std::move(doc),
                       [] { return std::make_shared<const S>(); }};
-  entry.options.type = fields.type;
-  entry.options.schema = fields.schema;
-  entry.options.keys = fields.keys;
-  entry.options.read = [read = fields.read](const yaml::Value& value, const yaml::Context& context,
-                                            StrategyPointer& strategy) {
-    S options;
-    read(value, context, options);
-    strategy = std::make_shared<const S>(std::move(options));
-  };
-  entry.options.write = [write = fields.write](const StrategyPointer& strategy) {
-    const auto* options = dynamic_cast<const S*>(strategy.get());
-    return options ? write(*options) : yaml::Value();
-  };
+  entry.options = yaml::Lifted<StrategyPointer, S>(
+      fields, [](S options) { return std::make_shared<const S>(std::move(options)); },
+      [write = fields.write](const StrategyPointer& strategy) {
+        const auto* options = dynamic_cast<const S*>(strategy.get());
+        return options ? write(*options) : yaml::Value();
+      });
   return entry;
 }
 
