@@ -11,10 +11,11 @@ void CheckPart(const Value& value, const Context& context, JobSettings& job) {
   const Value::Key* programs = value.FindKey("programs");
   job.programs_line = programs ? programs->mark.line : 0;
   const Value::Key* workpiece = value.FindKey("workpiece");
-  if (workpiece && job.workpiece.mesh_file.empty() && job.toolpath.strategy->File().empty())
+  if (workpiece && job.workpiece.mesh_file.empty() && job.toolpath.strategy->NeedsPart())
     context.Child("workpiece")
         .Child("mesh")
-        .Add(workpiece->mark, "missing; only strategy cam goes without a part");
+        .Add(workpiece->mark,
+             "missing; only strategy cam, and drill with a list of holes, go without a part");
 }
 
 // Keys of the process that nothing would follow.
@@ -37,6 +38,8 @@ void ChooseObjective(const Value& value, const Context& context, JobSettings& jo
   const Value* pose = value.Find("pose");
   const bool given = pose && pose->Find("objective");
   if (!given && job.cutting && job.formulation != Formulation::kPaper) job.objective = "surface_error";
+  const std::string own = job.toolpath.strategy->DefaultObjective();
+  if (!given && !own.empty() && job.formulation != Formulation::kPaper) job.objective = own;
   const Value* process = value.Find("process");
   for (const std::string& key : kForceBounds) {
     const Value::Key* found = process->FindKey(key);
@@ -44,6 +47,16 @@ void ChooseObjective(const Value& value, const Context& context, JobSettings& jo
       context.Child("process").Child(key).Add(
           found->mark, fmt::format("has no effect here: objective {} does not ask for it", job.objective));
   }
+}
+
+// The force of milling a surface is not that of a drill.
+void CheckCutting(const Value& value, const Context& context, const JobSettings& job) {
+  const Value::Key* cutting = value.Find("process")->FindKey("cutting");
+  if (cutting && !job.toolpath.strategy->HasMillingForce())
+    context.Child("process").Child("cutting").Add(
+        cutting->mark,
+        fmt::format("has no effect here: the force of milling a surface is not that of strategy {}",
+                    job.toolpath.strategy->Name()));
 }
 
 // Without a force from path and stock nothing knows what stands.
@@ -59,6 +72,7 @@ void CheckOverMissing(const Value& value, const Context& context, const JobSetti
 void Check(const Value& value, const Context& context, JobSettings& job) {
   CheckPart(value, context, job);
   ChooseObjective(value, context, job);
+  CheckCutting(value, context, job);
   CheckFeeds(value, context, job);
   CheckOverMissing(value, context, job);
 }

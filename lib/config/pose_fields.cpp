@@ -134,9 +134,8 @@ Codec<JobSettings> PoseSearchFields() {
                 s.objective_parameters = objective.second;
               },
               ObjectiveFields(),
-              "What is minimised at each point; by default surface_error where `process.cutting` is given, "
-              "else "
-              "chen2021.")
+              "What is minimised at each point; by default drilling with strategy drill, surface_error where "
+              "`process.cutting` is given, else chen2021.")
               .DefaultText(""),
           Key<S>(
               "formulation", MILLPOSE_AT(formulation),

@@ -8,6 +8,45 @@ namespace {
 
 Codec<double> Stepover() { return Real(kMm, Between(0.001, 1e4)); }
 
+Codec<ToolAxisOptions> ToolAxisFields() {
+  using S = ToolAxisOptions;
+  const auto by_place = [](const S& s) { return s.rule == AxisRule::kToward || s.rule == AxisRule::kAway; };
+  const auto check = [by_place](const Value& value, const Context& context, S& axis) {
+    const auto key = [&](const char* name, bool required, bool allowed) {
+      const Value::Key* found = value.FindKey(name);
+      if (required && !found) context.Child(name).Add(value.mark, "missing; required by this rule");
+      if (found && !allowed) context.Child(name).Add(found->mark, "has no effect with this rule");
+    };
+    const bool fixed = axis.rule == AxisRule::kFixed;
+    key("direction", fixed, fixed || by_place(axis));
+    key("point_mm", by_place(axis), by_place(axis));
+  };
+  return Section<S>(
+      {Key<S>("rule", MILLPOSE_AT(rule),
+              ChoiceOf<AxisRule>({{"normal", AxisRule::kNormal},
+                                  {"fixed", AxisRule::kFixed},
+                                  {"toward", AxisRule::kToward},
+                                  {"away", AxisRule::kAway}}),
+              "Along the surface's normal, in one direction, or with the holder towards or away from a point "
+              "or a line.")
+           .Required(),
+       Key<S>("direction", MILLPOSE_AT(direction), Direction(),
+              "Of fixed: from tip to holder; of toward and away the line's through point_mm, and without it "
+              "the point counts.")
+           .WhenSet([](const S& s) { return s.direction.norm() > 0; }),
+       Key<S>("point_mm", MILLPOSE_AT(point), Place(), "Of toward and away, in the workpiece frame.")
+           .WhenSet(by_place)},
+      check);
+}
+
+// Keys that nothing would follow as the strategy's options stand.
+void CheckUseless(const Value& value, const Context& context, const ToolpathSettings& toolpath) {
+  for (const std::string& name : toolpath.strategy->WithoutEffect())
+    if (const Value::Key* key = value.FindKey(name))
+      context.Child(name).Add(key->mark, fmt::format("has no effect with strategy {} here; leave it out",
+                                                     toolpath.strategy->Name()));
+}
+
 // A strategy's own section must be given with it and with no other.
 void CheckStrategySections(const Value& value, const Context& context, ToolpathSettings& toolpath) {
   const std::string given = toolpath.strategy->Name();
@@ -21,6 +60,7 @@ void CheckStrategySections(const Value& value, const Context& context, ToolpathS
       context.Child(entry.section)
           .Add(key->mark, fmt::format("belongs to strategy {}, given {}", entry.name, given));
   }
+  CheckUseless(value, context, toolpath);
 }
 
 Codec<Layers> DepthFields() {
@@ -102,6 +142,9 @@ std::vector<Field<ToolpathSettings>> CommonKeys() {
              "Layers along the normals; one on the surface by default."),
       Key<S>("ends", MILLPOSE_AT(ends), PassEndFields(),
              "What is added at the ends of passes; closed ones are opened for a lead."),
+      Key<S>("tool_axis", MILLPOSE_AT(tool_axis), ToolAxisFields(),
+             "Where the tool comes from; along the surface's normal by default.")
+          .WhenSet([](const S& s) { return s.tool_axis.rule != AxisRule::kNormal; }),
       Key<S>("lead_deg", MILLPOSE_AT(lead), Real(kDeg, Between(-89, 89)),
              "Tool axis leans towards the feed direction."),
       Key<S>("tilt_deg", MILLPOSE_AT(tilt), Real(kDeg, Between(-89, 89)),
@@ -119,6 +162,15 @@ Field<ToolpathSettings> StrategyKey() {
              [](S& s, const std::string& name) { s.strategy = Strategies().At(name).make(); },
              Choice(Strategies().Names()), "How passes are laid on the surface.")
       .Required();
+}
+
+// What a job may not give, its resolved text does not show.
+void LeaveOutUseless(Field<ToolpathSettings>& field) {
+  field.write = [key = field.info.key, write = field.write](const ToolpathSettings& toolpath) {
+    if (!toolpath.strategy) return write(toolpath);
+    const std::vector<std::string> useless = toolpath.strategy->WithoutEffect();
+    return std::ranges::find(useless, key) == useless.end() ? write(toolpath) : Value();
+  };
 }
 
 Field<ToolpathSettings> OwnSection(const StrategyEntry& entry) {
@@ -143,6 +195,7 @@ Codec<ToolpathSettings> ToolpathFields() {
   for (const StrategyEntry& entry : Strategies().entries())
     if (!entry.section.empty()) fields.push_back(OwnSection(entry));
   std::ranges::move(CommonKeys(), std::back_inserter(fields));
+  for (Field<S>& field : fields) LeaveOutUseless(field);
   Codec<S> codec = Section<S>(std::move(fields), CheckStrategySections);
   // Told beside other problems of the section, as keys that are always required are.
   codec.read = [read = codec.read](const Value& value, const Context& context, S& toolpath) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/check.hpp"
 
+#include <map>
 #include <thread>
 
 #include "base/file.hpp"
@@ -12,6 +13,7 @@
 #include "pipeline/workpiece.hpp"
 #include "pose/scorer.hpp"
 #include "surface/corner_normals.hpp"
+#include "surface/round_holes.hpp"
 #include "surface/step_reader.hpp"
 
 namespace millpose {
@@ -38,6 +40,21 @@ void MeasureBends(const Mesh& mesh, MeshCheck& check) {
   check.median_bend = bends[bends.size() / 2];
 }
 
+// By diameter, to 0.001 mm.
+void CountHoles(const Mesh& mesh, MeshCheck& check) {
+  constexpr double kCrease = DegToRad(30), kTolerance = 0.05;  // as strategy drill has them by default
+  std::map<long, MeshCheck::Holes> found;
+  for (const RoundHole& hole : FindRoundHoles(mesh, kCrease, kTolerance)) {
+    const long micrometres = std::lround(1e3 * hole.diameter);
+    MeshCheck::Holes& holes = found[micrometres];
+    holes.diameter = static_cast<double>(micrometres) / 1e3;
+    ++(hole.kind == HoleKind::kBlind     ? holes.blind
+       : hole.kind == HoleKind::kThrough ? holes.through
+                                         : holes.rims);
+  }
+  for (const auto& [micrometres, holes] : found) check.holes.push_back(holes);
+}
+
 MeshCheck Described(const std::string& file, double unit, const ImportResult& import, double reach,
                     std::vector<std::string> warnings) {
   MeshCheck check;
@@ -47,6 +64,7 @@ MeshCheck Described(const std::string& file, double unit, const ImportResult& im
                          !UnitWarning((import.report.upper - import.report.lower).maxCoeff(), reach);
   check.source_faces = import.mesh.triangles().source_faces;
   check.report = import.report;
+  CountHoles(import.mesh, check);
   check.warnings = std::move(warnings);
   MeasureBends(import.mesh, check);
   return check;
@@ -118,6 +136,7 @@ JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::s
   JobCheck check;
   std::vector<std::string> warnings = part.warnings;
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
+  warnings.insert(warnings.end(), made.findings.begin(), made.findings.end());
   for (const std::string& hole : made.holes_left_out) warnings.push_back("NOT MACHINED: " + hole);
   check.mesh = Described(inputs.job.workpiece.mesh_file, inputs.job.workpiece.unit, part.import, Reach(cell),
                          std::move(warnings));

@@ -24,6 +24,12 @@ struct MeshCheck {
   double unit = 1;         ///< mm per unit of the file, as taken
   bool unit_plausible = true;            ///< for the arm; else a warning names the units that would be
   std::vector<SourceFace> source_faces;  ///< of a STEP part, in its order
+  /// Round holes of one diameter.
+  struct Holes {
+    double diameter = 0;                      ///< mm
+    size_t blind = 0, through = 0, rims = 0;  ///< walls with one and two open ends; rims of a sheet
+  };
+  std::vector<Holes> holes;  ///< by rising diameter
   std::vector<std::string> warnings;
   std::vector<std::string> notes;  ///< how a CAM path was read; no findings
 };

@@ -22,6 +22,16 @@ Json FacesJson(const std::vector<SourceFace>& faces) {
   return list;
 }
 
+Json HolesJson(const std::vector<MeshCheck::Holes>& all) {
+  Json list = Json::array();
+  for (const MeshCheck::Holes& holes : all)
+    list.push_back({{"diameter_mm", holes.diameter},
+                    {"through", holes.through},
+                    {"blind", holes.blind},
+                    {"in_sheet", holes.rims}});
+  return list;
+}
+
 // Of the area, on closed pieces: where outside is certain.
 double ClosedShare(const ImportReport& report) {
   return report.area > 0 ? report.closed_area / report.area : 0;
@@ -59,6 +69,7 @@ Json MeshJson(const MeshCheck& check) {
           {"crossings", report.crossings.pairs},
           {"crossings_complete", report.crossings.complete},
           {"step_faces", FacesJson(check.source_faces)},
+          {"round_holes", HolesJson(check.holes)},
           {"warnings", check.warnings},
           {"notes", check.notes}};
 }
@@ -86,6 +97,9 @@ std::string ToText(const MeshCheck& check) {
     text += fmt::format("STEP face {:<10}{:<8} {:<10}{:>14.6g} mm²  {}\n", i + 1, face.id, face.kind,
                         face.area, face.name);
   }
+  for (const MeshCheck::Holes& holes : check.holes)
+    text += fmt::format("round holes         {:.3f} mm: {} through, {} blind, {} in sheet\n", holes.diameter,
+                        holes.through, holes.blind, holes.rims);
   for (const std::string& warning : check.warnings) text += "  - " + warning + "\n";
   for (const std::string& note : check.notes) text += "  - note: " + note + "\n";
   return text;

@@ -56,6 +56,8 @@ ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& 
   ToolpathOptions options = job.toolpath;
   options.cutter = MakeCutterShape(tool);
   options.feed_rate = job.feed;
+  options.plunge_feed = job.plunge_feed.value_or(0);
+  options.retract_feed = job.retract_feed;
   return options;
 }
 

@@ -12,6 +12,7 @@
 #include "pipeline/other_ways.hpp"
 #include "pipeline/plan_gaps.hpp"
 #include "pipeline/plan_passes.hpp"
+#include "plan/skipped.hpp"
 
 namespace millpose {
 namespace {
@@ -56,6 +57,18 @@ PlannedPasses PlanPassesOf(const JobInputs& inputs, PreparedJob& prepared, const
   return planned;
 }
 
+// Of passes that are milled whole or not at all: leaves out what is left of those with skipped points.
+size_t LeaveIncomplete(const Toolpath& toolpath, std::vector<PassResult>& passes) {
+  size_t left_out = 0;
+  for (PassResult& pass : passes) {
+    if (!toolpath.passes[static_cast<size_t>(pass.pass)].whole || CountSkipped(pass) == 0) continue;
+    for (; !pass.pieces.empty(); ++left_out)
+      LeaveOut(pass, static_cast<int>(pass.pieces.size()) - 1, Obstacle::kIncomplete,
+               "other points of its hole are skipped, and a hole is drilled whole or not at all");
+  }
+  return left_out;
+}
+
 // Passes come in their directions and turns, then the ways between them.
 void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution,
               PlannedJob& job) {
@@ -67,7 +80,8 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
                          FreeDirections(inputs.job) && !DependsOnFeed(inputs.job, *problem.objective)});
   const GapOptions options = MakeGapOptions(inputs.job);
   const auto leave_over_missing = [&] {
-    return LeaveOverMissing(inputs, job.prepared.surface.mesh, execution.Threads(), execution.stop, plan);
+    return LeaveIncomplete(job.prepared.toolpath, plan.passes) +
+           LeaveOverMissing(inputs, job.prepared.surface.mesh, execution.Threads(), execution.stop, plan);
   };
   leave_over_missing();
   execution.progress.Begin("gaps", GapEnds(plan.home, plan.passes).size());

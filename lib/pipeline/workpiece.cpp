@@ -80,6 +80,7 @@ JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop
   JobToolpath made;
   made.toolpath = std::move(laid.toolpath);
   made.warnings = std::move(laid.warnings);
+  made.findings = std::move(laid.findings);
   made.notes = std::move(laid.notes);
   made.holes_left_out = std::move(laid.holes_left_out);
   return made;

@@ -36,7 +36,7 @@ struct JobToolpath {
   Toolpath toolpath;  ///< in P
   GougeReport gouges;
   std::vector<std::string> warnings;        ///< of the strategy, of an imported CAM path, of the gouge check
-  std::vector<std::string> findings;        ///< gouges that stay in the path
+  std::vector<std::string> findings;        ///< of the strategy; gouges that stay in the path
   std::vector<std::string> notes;           ///< how a CAM path was read
   std::vector<std::string> holes_left_out;  ///< of a CAM path's cycles: not machined, one sentence each
 };

@@ -52,31 +52,65 @@ class GougeChecker {
       const Eigen::Vector3d tip = point.position + share * (next.position - point.position);
       const Eigen::Vector3d axis =
           (point.tool_axis + share * (next.tool_axis - point.tool_axis)).normalized();
-      Gouge gouge = DeepestGouge(mesh_, cutter_, tip, axis, options_.tolerance);
-      if (gouge.face < 0 && IsBuried(tip, axis)) {
-        const SurfacePoint surface = solid_->Closest(tip);
-        gouge = {surface.distance, surface.position, surface.face};
-      }
+      const std::vector<Part> parts = Outside(tip, axis, point.own, next.own, share);
+      Gouge gouge;
+      for (const Part& part : parts)
+        if (const Gouge found_here = DeepestOf(part, axis); found_here.depth > gouge.depth)
+          gouge = found_here;
       if (gouge.face < 0) continue;
       double& near = found.depth[share < 0.5 ? 0 : 1];
       near = std::max(near, gouge.depth);
       if (gouge.depth > found.deepest.depth) found.deepest = gouge;
-      if (options_.action == GougeAction::kLift) found.lift = std::max(found.lift, LiftOf(tip, axis));
+      if (options_.action != GougeAction::kLift) continue;
+      for (const Part& part : parts) found.lift = std::max(found.lift, LiftOf(part, axis));
     }
     return found;
   }
 
  private:
+  // A stretch of the cutter.
+  struct Part {
+    CutterShape cutter;
+    Eigen::Vector3d tip;
+  };
+
+  // The cutter without the stretch that stands in what its own pass cuts open: all of it, what is over that
+  // stretch, and what has come out at the far side.
+  std::vector<Part> Outside(const Eigen::Vector3d& tip, const Eigen::Vector3d& axis,
+                            const std::optional<OwnCut>& own, const std::optional<OwnCut>& next,
+                            double share) const {
+    constexpr double kOff = 0.01;  // mm, from the part's far side, which the cutter comes out of
+    if (!own || !next) return {{cutter_, tip}};
+    const double top = own->top + share * (next->top - own->top);
+    const double out = own->out + share * (next->out - own->out) - kOff;
+    if (top <= 0) return {{cutter_, tip}};
+    std::vector<Part> parts;
+    if (top < cutter_.length) {
+      const double corner = top < cutter_.corner_radius ? cutter_.corner_radius : 0;
+      parts.push_back({{cutter_.radius, corner, cutter_.length - top}, tip + top * axis});
+    }
+    if (out > 0)
+      parts.push_back({{cutter_.radius, cutter_.corner_radius, std::min(out, cutter_.length)}, tip});
+    return parts;
+  }
+
+  Gouge DeepestOf(const Part& part, const Eigen::Vector3d& axis) const {
+    const Gouge gouge = DeepestGouge(mesh_, part.cutter, part.tip, axis, options_.tolerance);
+    if (gouge.face >= 0 || !IsBuried(part, axis)) return gouge;
+    const SurfacePoint surface = solid_->Closest(part.tip);
+    return {surface.distance, surface.position, surface.face};
+  }
+
   // Of a cutter that touches nothing: its middle tells which side all of it is on.
-  bool IsBuried(const Eigen::Vector3d& tip, const Eigen::Vector3d& axis) const {
-    return solid_ && solid_->Contains(tip + axis * cutter_.length / 2);
+  bool IsBuried(const Part& part, const Eigen::Vector3d& axis) const {
+    return solid_ && solid_->Contains(part.tip + axis * part.cutter.length / 2);
   }
 
   // How far along the axis the cutter is clear, mm; infinite when not within its length.
-  double LiftOf(const Eigen::Vector3d& tip, const Eigen::Vector3d& axis) const {
+  double LiftOf(const Part& part, const Eigen::Vector3d& axis) const {
     const auto clear = [&](double lift) {
-      const Eigen::Vector3d lifted = tip + lift * axis;
-      return !Gouges(mesh_, cutter_, lifted, axis, options_.tolerance) && !IsBuried(lifted, axis);
+      const Part lifted{part.cutter, part.tip + lift * axis};
+      return !Gouges(mesh_, part.cutter, lifted.tip, axis, options_.tolerance) && !IsBuried(lifted, axis);
     };
     double low = 0, high = options_.tolerance;
     while (!clear(high)) {
@@ -175,7 +209,8 @@ GougeReport CheckGouges(const Mesh& mesh, const CutterShape& cutter, const Gouge
     report.leads_left_out += DropLeads(pass, states);
     const double begin = pass.points.empty() ? 0.0 : pass.points[0].arc_length;
     for (MillingPoint& point : pass.points) point.arc_length -= begin;
-    for (size_t i = 0; i < states.size(); ++i) pass.points[i].gouge = states[i].depth;
+    for (size_t i = 0; i < states.size(); ++i)
+      pass.points[i].gouge = std::max(pass.points[i].gouge, states[i].depth);
   }
   return report;
 }

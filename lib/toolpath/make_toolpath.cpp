@@ -26,6 +26,12 @@ void CheckOptions(const ToolpathOptions& options) {
   require(options.scallop >= 0, "the scallop height must not be negative (mm)", options.scallop);
   require(options.scallop == 0 || options.cutter.radius > 0,
           "a scallop height needs a cutter; its radius must be above 0 mm", options.cutter.radius);
+  const bool ball = options.cutter.radius > 0 && options.cutter.corner_radius == options.cutter.radius;
+  require(
+      options.scallop == 0 || options.tool_axis.rule == AxisRule::kNormal || ball,
+      "a scallop height with another tool_axis than the normal needs a ball cutter; its corner radius (mm) "
+      "must be its radius",
+      options.cutter.corner_radius);
   require(options.normal_smoothing >= 0, "the length of smoothing must not be negative (mm)",
           options.normal_smoothing);
   require(options.layers.finishing >= 0, "the depth of the last layer must not be negative (mm)",
@@ -82,12 +88,31 @@ class PassMaker {
     point.normal = normal_ ? *normal_ : NormalOn(mesh_, normals_, piece, point.position);
     const Eigen::Vector3d travel = Travel(curve, at, options_.chord_tolerance);
     point.feed = (travel - travel.dot(point.normal) * point.normal).normalized();
-    const SineCosine lead = SinCos(options_.lead);
-    const Eigen::Vector3d leaning = lead.cos * point.normal + lead.sin * point.feed;
-    point.tool_axis = RotationAbout(point.feed, options_.tilt) * leaning;
+    SetAxis(point);
     point.feed_rate = options_.feed_rate;
     point.arc_length = at.arc_length;
     return point;
+  }
+
+  // The tool axis: as the rule has it, leaning by lead and tilt.
+  void SetAxis(MillingPoint& point) const {
+    const SineCosine lead = SinCos(options_.lead);
+    if (options_.tool_axis.rule == AxisRule::kNormal) {
+      const Eigen::Vector3d leaning = lead.cos * point.normal + lead.sin * point.feed;
+      point.tool_axis = RotationAbout(point.feed, options_.tilt) * leaning;
+      return;
+    }
+    const Eigen::Vector3d axis = ToolAxisAt(options_.tool_axis, point.position, point.normal);
+    point.tool_axis = axis;
+    const Eigen::Vector3d ahead =
+        point.feed - point.feed.dot(axis) * axis;  // what leads in the plane across it
+    if ((options_.lead != 0 || options_.tilt != 0) && ahead.norm() > 1e-6) {
+      const Eigen::Vector3d leaning = lead.cos * axis + lead.sin * ahead.normalized();
+      point.tool_axis = RotationAbout(ahead.normalized(), options_.tilt) * leaning;
+    }
+    // From under the surface no cutter touches it.
+    constexpr double kBelow = -0.01;  // cosine: 0.6° beyond the wall's own direction
+    if (point.tool_axis.dot(point.normal) < kBelow) point.gouge = options_.cutter.length;
   }
 
   const Mesh& mesh_;
@@ -186,6 +211,18 @@ void MoveToTip(const CutterShape& cutter, Toolpath& toolpath) {
       point.position = TipAtContact(cutter, point.position, point.normal, point.tool_axis);
 }
 
+void TellWhatIsBelow(Toolpath& toolpath) {
+  size_t below = 0;
+  for (const Pass& pass : toolpath.passes)
+    below += static_cast<size_t>(
+        std::ranges::count_if(pass.points, [](const MillingPoint& point) { return point.gouge > 0; }));
+  if (below > 0)
+    toolpath.notes.push_back(
+        fmt::format("at {} points tool_axis would have the tool come from under the "
+                    "surface; they are skipped",
+                    below));
+}
+
 // What is laid by distances from borders: neighbouring passes are a step-over apart everywhere.
 void CheckArea(const Region& region, const ToolpathOptions& options) {
   double area = 0;
@@ -231,7 +268,9 @@ Toolpath LayPasses(const SurfaceStrategy& strategy, const Mesh& mesh, ToolpathOp
     CheckBudget(options, count);
   }
   toolpath = Layered(toolpath, options.layers);
-  if (options.lead != 0 || options.tilt != 0) MoveToTip(options.cutter, toolpath);
+  TellWhatIsBelow(toolpath);
+  const bool upright = options.tool_axis.rule == AxisRule::kNormal && options.lead == 0 && options.tilt == 0;
+  if (!upright) MoveToTip(options.cutter, toolpath);
   AddPassEnds(options.ends, options.spacing, toolpath);
   return toolpath;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,13 @@ struct Engagement {
   CutSide side = CutSide::kAir;
 };
 
+/// What the pass itself cuts open, as heights over the tip along the tool axis, mm: between them the cutter
+/// stands in its own hole or kerf. Negative ones lie under the tip.
+struct OwnCut {
+  double top = 0;     ///< the cut begins here
+  double out = -1e9;  ///< and ends here, where the tip comes out at the far side
+};
+
 /// One milling point. Vectors are unit vectors, lengths mm, in the frame of the list that holds it (P, the
 /// workpiece, as strategies make it; W, the world, from the planner on).
 struct MillingPoint {
@@ -40,6 +48,8 @@ struct MillingPoint {
   int source_line = 0;    ///< of an imported tool path; 0 when made here
   double gouge = 0;       ///< how deep the cutter would go into the part, mm; above 0: not to be milled
   Engagement engagement;  ///< where the job says what is cut
+  std::optional<OwnCut>
+      own;  ///< for the gouge check alone; kept neither with plans nor when a point is moved
 };
 
 /// Whether two points ask for the same place and direction of the tool.
@@ -64,6 +74,7 @@ struct Pass {
   Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();
   RingOpening opening = RingOpening::kNone;  ///< of a closed pass
   bool reversible = false;                   ///< may be milled from either end
+  bool whole = false;  ///< milled with all its points or not at all: a hole is not begun half-way down
 };
 
 struct Toolpath {

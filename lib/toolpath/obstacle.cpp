@@ -25,6 +25,8 @@ std::string ToString(Obstacle obstacle) {
       return "access";
     case Obstacle::kOverMissing:
       return "over_missing";
+    case Obstacle::kIncomplete:
+      return "incomplete";
   }
   return "unknown";
 }

@@ -20,6 +20,7 @@ enum class Obstacle : uint8_t {
   kGouge,        ///< the cutter would go into the part
   kAccess,       ///< no way leads to its piece or from it
   kOverMissing,  ///< would cut what was to be cut by skipped points before it
+  kIncomplete,   ///< other points of a pass that is milled whole or not at all (a hole) are skipped
 };
 
 /// The word in points.csv, summary.json and reports.

@@ -4,12 +4,13 @@
 namespace millpose {
 
 /// Defined in the strategies' own files.
-StrategyEntry ParallelPlanesEntry(), RingsEntry(), PadEntry(), ContoursEntry(), CurveEntry(), CamEntry();
+StrategyEntry ParallelPlanesEntry(), RingsEntry(), PadEntry(), ContoursEntry(), CurveEntry(), CamEntry(),
+    DrillEntry();
 
 Registry<StrategyEntry>& Strategies() {
-  static Registry<StrategyEntry> strategies{
-      "strategy",
-      {ParallelPlanesEntry(), RingsEntry(), PadEntry(), ContoursEntry(), CurveEntry(), CamEntry()}};
+  static Registry<StrategyEntry> strategies{"strategy",
+                                            {ParallelPlanesEntry(), RingsEntry(), PadEntry(), ContoursEntry(),
+                                             CurveEntry(), CamEntry(), DrillEntry()}};
   return strategies;
 }
 

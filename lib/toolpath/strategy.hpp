@@ -51,6 +51,7 @@ struct StrategyInputs {
 struct LaidPath {
   Toolpath toolpath;                        ///< in P
   std::vector<std::string> warnings;        ///< what the user should know, one sentence each
+  std::vector<std::string> findings;        ///< what is not milled as asked for, one sentence each
   std::vector<std::string> notes;           ///< how a file was read
   std::vector<std::string> holes_left_out;  ///< of a file's cycles: not machined, one sentence each
 };
@@ -64,8 +65,16 @@ class Strategy {
   /// The file that the passes come from, relative to the job. Empty: they are laid on the part, which must be
   /// given.
   virtual std::string File() const { return {}; }
+  /// Whether the job must name a part.
+  virtual bool NeedsPart() const { return File().empty(); }
   /// The user states the line itself: no step-over, and passes run the way they are given.
   virtual bool IsPrescribed() const { return false; }
+  /// Whether the force of milling a surface (process.cutting) says something of it.
+  virtual bool HasMillingForce() const { return true; }
+  /// Objective where the job names none; empty: that of all jobs.
+  virtual std::string DefaultObjective() const { return {}; }
+  /// Keys of `toolpath` that change nothing with it as its options stand: a job that gives one is refused.
+  virtual std::vector<std::string> WithoutEffect() const { return {}; }
   /// Throws InputError; Interrupted.
   virtual LaidPath Make(const StrategyInputs& inputs, std::stop_token stop) const = 0;
 };

@@ -7,6 +7,7 @@
 #include "toolpath/cutter.hpp"
 #include "toolpath/pass_ends.hpp"
 #include "toolpath/region.hpp"
+#include "toolpath/tool_axis.hpp"
 
 namespace millpose {
 
@@ -34,14 +35,17 @@ struct ToolpathOptions {
   int parts = 1;                  ///< that each such step is cut into, a power of two
   double crease = DegToRad(30);   ///< a pass ends where the surface bends more sharply
   double normal_smoothing = 0;    ///< length over which normals are averaged
-  double lead = 0;                ///< the tool axis leans forward, towards the feed direction
-  double tilt = 0;                ///< then to the right of the feed direction, seen against the normal
+  ToolAxisOptions tool_axis;
+  double lead = 0;  ///< the tool axis leans forward, towards the feed direction
+  double tilt = 0;  ///< then to the right of the feed direction, seen against the normal
   Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();  ///< copied to each pass; unit vector
   /// Moves positions from the contact to the tip where the axis leans; scallops and pads need it too.
   CutterShape cutter;
   Layers layers;
   PassEnds ends;
-  double feed_rate = 0;  ///< copied to each point
+  double feed_rate = 0;     ///< copied to each point
+  double plunge_feed = 0;   ///< along the tool axis into the material; 0: the feed rate
+  double retract_feed = 0;  ///< along it out of the material; 0: the feed rate
   PointBudget budget;
 };
 

@@ -226,6 +226,26 @@ class Keys(InFolder):
             self.strategy(job, name, keys)
             yield job, cell
 
+        axes = ({"rule": "fixed", "direction": [0, 0.1, 1]}, {"rule": "away", "point_mm": [0, 0, -900]})
+        for axis in axes:
+            job, cell = self.base()
+            job["toolpath"]["tool_axis"] = axis
+            yield job, cell
+
+        holes = [{"at_mm": [0, 0, 0], "axis": [0, 0, 1], "depth_mm": 7}, {"at_mm": [20, 0, 0], "axis": [0, 0.1, 1]}]
+        for drill in ({"holes": holes, "depth_mm": 6, "point_deg": 118, "clearance_mm": 2, "peck_mm": 3, "chip_retract_mm": 0.5},
+                      {"holes": holes[1:], "point_deg": 90, "countersink": {"diameter_mm": 12}},
+                      {"holes": holes[1:], "countersink": {"depth_mm": 4}},
+                      {"circles": {"diameter_mm": 900, "tolerance_mm": 0.06, "from": [0, 0, 1]}, "breakthrough_mm": 1}):
+            job, cell = self.base()
+            self.strategy(job, "drill", drill)
+            job["pose"]["objective"] = {"name": "drilling"}
+            job["process"]["plunge_feed_mm_min"] = 60
+            job["toolpath"]["order"] = "laid"
+            if "circles" in drill:
+                job["workpiece"].update(mesh="cabin_ring.stl", pose={"xyz_mm": [2000, 0, 1150], "abc_deg": [0, -90, 0]})
+            yield job, cell
+
         corners = ((-40, -40), (40, -40), (40, 40), (-40, 40))
         (self.folder / "sheet.off").write_text(
             "OFF\n4 2 0\n" + "".join(f"{x} {y} 0\n" for x, y in corners) + "3 0 1 2\n3 0 2 3\n")
@@ -251,6 +271,12 @@ class Keys(InFolder):
         if name in ("curve", "cam"):
             for key in ("stepover_mm", "stepover_on", "scallop_mm", "order", "direction", "region"):
                 toolpath.pop(key, None)
+        if name == "drill":
+            for key in ("stepover_mm", "stepover_on", "scallop_mm", "direction", "normal_smoothing_mm", "depth", "ends",
+                        "tool_axis", "lead_deg", "tilt_deg", *(() if "circles" in keys else ("region", "crease_deg"))):
+                toolpath.pop(key, None)
+            if "circles" in keys:
+                toolpath.pop("region", None)
 
 
 class All(Keys):

@@ -45,7 +45,7 @@ TEST(ValueBytes, SeesAllFieldsOfWhatStagesAreHanded) {
   static_assert(CountFields<PathOptions>() == 16);
   static_assert(CountFields<GapOptions>() == 4);
   static_assert(CountFields<PoseProblem>() == 9);
-  static_assert(CountFields<MillingPoint>() == 11);
+  static_assert(CountFields<MillingPoint>() == 12);
   static_assert(CountFields<Body>() == 6);
 }
 

@@ -153,7 +153,7 @@ TEST(ReportHtml, ShowsPredictedDeflectionsWhereThereAreSome) {
 // The page names what the plan has as a number.
 TEST(ReportHtml, KnowsEveryReasonForSkipping) {
   std::string reasons = "[\"\"";
-  for (int i = 1; i <= static_cast<int>(Obstacle::kOverMissing); ++i)
+  for (int i = 1; i <= static_cast<int>(Obstacle::kIncomplete); ++i)
     reasons += fmt::format(", \"{}\"", ToString(static_cast<Obstacle>(i)));
   EXPECT_NE(SmallPage().find("m.SKIP_REASONS = " + reasons + "];"), std::string::npos) << reasons;
 }

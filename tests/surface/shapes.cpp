@@ -45,6 +45,33 @@ Triangles CylinderShape(double radius, double height, int count, int rows) {
   return mesh;
 }
 
+Triangles LatheShape(const std::vector<Eigen::Vector2d>& profile, int count) {
+  Triangles mesh;
+  std::vector<int> first;  // vertex of each profile point
+  const bool closed = profile.front() == profile.back();
+  for (size_t i = 0; i < profile.size(); ++i) {
+    if (closed && i + 1 == profile.size()) {
+      first.push_back(first.front());
+      break;
+    }
+    first.push_back(static_cast<int>(mesh.vertices.size()));
+    for (int k = 0; k < (profile[i].x() > 0 ? count : 1); ++k) {
+      const double angle = 2 * std::numbers::pi * k / count;
+      mesh.vertices.emplace_back(profile[i].x() * std::cos(angle), profile[i].x() * std::sin(angle),
+                                 profile[i].y());
+    }
+  }
+  for (size_t i = 0; i + 1 < profile.size(); ++i)
+    for (int k = 0; k < count; ++k) {
+      const auto at = [&](size_t p, int step) {
+        return profile[p].x() > 0 ? first[p] + (k + step) % count : first[p];
+      };
+      if (profile[i].x() > 0) mesh.faces.push_back({at(i, 0), at(i, 1), at(i + 1, 1)});
+      if (profile[i + 1].x() > 0) mesh.faces.push_back({at(i, 0), at(i + 1, 1), at(i + 1, 0)});
+    }
+  return mesh;
+}
+
 Triangles GridShape(int nx, int ny, double edge) {
   Triangles mesh;
   for (int j = 0; j <= ny; ++j)

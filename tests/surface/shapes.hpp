@@ -13,6 +13,9 @@ Triangles BoxShape(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper);
 /// A closed cylinder about z from z = 0 to `height`, `count` sides with their corners on the radius; its
 /// lateral surface in `rows` rows of quads.
 Triangles CylinderShape(double radius, double height, int count, int rows = 1);
+/// A profile of (radius, z) turned about z in `count` steps; outside lies on the right of its way. Closed
+/// where it ends in its first point; points with radius 0 become one vertex.
+Triangles LatheShape(const std::vector<Eigen::Vector2d>& profile, int count);
 /// A flat grid of nx × ny squares of `edge` mm with its corner at the origin, facing +z; open.
 Triangles GridShape(int nx, int ny, double edge);
 /// A grid of nx × ny squares of `edge` mm without the squares that lie within one of the openings (lower and

@@ -18,9 +18,9 @@ TEST(Obstacle, OfPosesTheGreatestCameNearest) {
 
 TEST(Obstacle, EachHasAWordOfItsOwn) {
   std::set<std::string> words;
-  for (int i = 0; i <= static_cast<int>(Obstacle::kOverMissing); ++i)
+  for (int i = 0; i <= static_cast<int>(Obstacle::kIncomplete); ++i)
     words.insert(ToString(static_cast<Obstacle>(i)));
-  EXPECT_EQ(words.size(), static_cast<size_t>(Obstacle::kOverMissing) + 1);
+  EXPECT_EQ(words.size(), static_cast<size_t>(Obstacle::kIncomplete) + 1);
   EXPECT_FALSE(words.contains("unknown"));
 }
 

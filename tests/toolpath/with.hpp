@@ -2,6 +2,7 @@
 #pragma once
 
 #include "toolpath/strategies/curve_strategy.hpp"
+#include "toolpath/strategies/drill.hpp"
 #include "toolpath/strategies/pad.hpp"
 #include "toolpath/strategies/parallel_planes.hpp"
 #include "toolpath/strategies/rings.hpp"

@@ -1,0 +1,118 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Strategies of the shop from a job file to programs: holes. Usage: shop_test.py MILLPOSE TOP"""
+import csv
+import json
+import math
+import re
+import unittest
+
+from cli_fixture import TOP, InFolder, run, tree
+
+CELL = TOP / "cells" / "kr500_r2830.yaml"
+
+
+def sample(name):
+    text = (TOP / "toolpaths" / name / "job.yaml").read_text()
+    return re.sub(r"(?<=[ :])\.\./", f"{TOP}/toolpaths/", text).replace(f"{TOP}/toolpaths/../cells", str(TOP / "cells"))
+
+
+class Shop(InFolder):
+    def plan(self, text, out="out"):
+        (self.folder / "job.yaml").write_text(text)
+        return run("plan", self.folder / "job.yaml", "-o", self.folder / out, "-q")
+
+    def points(self, out="out"):
+        with (self.folder / out / "points.csv").open() as file:
+            return list(csv.DictReader(file))
+
+    def check_programs(self):
+        verified = run("verify", self.folder / "out", "--cell", CELL)
+        self.assertEqual(verified.returncode, 0, verified.stdout)
+        for controller in ("krl", "sinumerik", "linuxcnc"):
+            self.assertTrue(list((self.folder / "out" / "programs" / controller).iterdir()))
+            self.assertRegex(verified.stdout, rf"{controller} +\d+ motions  confirmed")
+
+    def test_holes_are_planned_to_programs_of_all_controllers(self):
+        planned = self.plan(sample("cabin_holes"))
+        self.assertEqual(planned.returncode, 0, planned.stderr)
+        self.assertIn("mm/N  drilling", planned.stdout)
+        self.check_programs()
+        # The text as resolved says the same.
+        again = run("plan", self.folder / "out" / "job.yaml", "-o", self.folder / "again", "-q")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        first, second = tree(self.folder / "out"), tree(self.folder / "again")
+        self.assertEqual(first["points.csv"], second["points.csv"])
+        self.assertEqual(first["programs/krl/cabin_holes.src"].split(b"units")[1], second["programs/krl/cabin_holes.src"].split(b"units")[1])
+
+    def test_the_plunge_feed_is_the_programs(self):
+        self.assertEqual(self.plan(sample("cabin_holes")).returncode, 0)
+        text = (self.folder / "out" / "programs" / "sinumerik" / "cabin_holes.mpf").read_text()
+        feeds = {float(feed) for feed in re.findall(r"\bF=?(\d+(?:\.\d+)?)", text)}
+        self.assertLessEqual({120.0, 2000.0}, feeds)
+        self.assertNotIn(300.0, feeds, "the cutting feed is no drill's where a plunge feed is given")
+
+    def test_a_hole_is_drilled_whole_or_not_at_all(self):
+        # One hole far away, one whose bottom alone is out of reach: the others are made.
+        text = re.sub(r"(?m)^ {4}holes:\n", "    holes:\n      - {at_mm: [0, 0, 9000], axis: [0, 0, 1]}\n", sample("cabin_holes"))
+        planned = self.plan(text)
+        self.assertEqual(planned.returncode, 1, planned.stdout)
+        points = self.points()
+        self.assertEqual({p["status"] for p in points if p["pass"] == "0"}, {"skipped"})
+        self.assertEqual({p["status"] for p in points if p["pass"] != "0"}, {"planned"})
+        self.check_programs()
+
+        deep = sample("cabin_holes").replace("depth_mm: 10", "depth_mm: 900").replace("peck_mm: 4", "peck_mm: 900").replace(
+            "  spacing_mm: 5", "  spacing_mm: 100")
+        deep = re.sub(r"(?m)^ {6}- .*\n", "", deep).replace("    holes:\n", "    holes:\n      - {at_mm: [-145, 0, 0], axis: [0, 0, 1]}\n")
+        planned = self.plan(deep, "deep")
+        self.assertEqual(planned.returncode, 1, planned.stdout)
+        summary = json.loads((self.folder / "deep" / "summary.json").read_text())
+        self.assertEqual(summary["points"]["planned"], 0)
+        self.assertIn("incomplete", {entry["reason"] for entry in summary["skipped"]})
+
+    def test_holes_of_a_part_are_found_and_listed(self):
+        (self.folder / "block.off").write_text(self.bored_block())
+        listed = json.loads(run("check", self.folder / "block.off", "--unit", "mm", "--json").stdout)
+        self.assertEqual(listed["round_holes"], [{"diameter_mm": 20.0, "through": 1, "blind": 0, "in_sheet": 0}])
+        holes = "    circles: {diameter_mm: 20, from: [0, 0, 1]}\n    breakthrough_mm: 1\n"
+        text = re.sub(r"(?m)^ {4}holes:\n(?: {6}.*\n)+ {4}depth_mm.*\n", holes, sample("cabin_holes"))
+        text = re.sub(r"mesh: .*", f"mesh: {self.folder}/block.off", text)
+        planned = self.plan(text)
+        self.assertEqual(planned.returncode, 0, planned.stdout + planned.stderr)
+        off = [math.hypot(float(p["x_mm"]) - float(self.points()[0]["x_mm"]), 0) for p in self.points()]
+        self.assertAlmostEqual(max(off), 23 + 1, places=3, msg="3 mm over the entrance, 20 through, 1 beyond")
+
+    @staticmethod
+    def bored_block():
+        """100 mm across, 20 mm thick, a hole of 20 mm through its middle."""
+        count = 48
+        rings = [(r, z) for r, z in ((10, -20), (50, -20), (50, 0), (10, 0))]
+        lines = [f"{r * math.cos(2 * math.pi * k / count)!r} {r * math.sin(2 * math.pi * k / count)!r} {z}"
+                 for r, z in rings for k in range(count)]
+        faces = []
+        for ring in range(4):
+            a, b = ring * count, (ring + 1) % 4 * count
+            for k in range(count):
+                n = (k + 1) % count
+                faces += [f"3 {a + k} {a + n} {b + n}", f"3 {a + k} {b + n} {b + k}"]
+        return "\n".join(["OFF", f"{len(lines)} {len(faces)} 0", *lines, *faces]) + "\n"
+
+    def test_what_has_no_effect_is_refused_in_its_place(self):
+        wrong = sample("cabin_holes").replace("  order: travel", "  stepover_mm: 3\n  lead_deg: 4\n  order: travel")
+        told = self.plan(wrong)
+        self.assertEqual(told.returncode, 2)
+        for key in ("stepover_mm", "lead_deg"):
+            self.assertRegex(told.stderr, rf"job\.yaml:\d+:3: toolpath\.{key}: has no effect with strategy drill")
+        cutting = sample("cabin_holes").replace("process:\n", "process:\n  cutting: {teeth: 2}\n")
+        self.assertIn("process.cutting: has no effect here", self.plan(cutting).stderr)
+        for given, told in ((("peck_mm: 4", "chip_retract_mm: 1"), "drill.chip_retract_mm: has no effect here: needs peck_mm"),
+                            (("peck_mm: 4", "peck_mm: 4\n    breakthrough_mm: 1"), "drill.breakthrough_mm: has no effect"),
+                            (("clearance_mm: 3", "clearance_mm: 0"), "drill.clearance_mm: given 0; allowed: "),
+                            (("peck_mm: 4", "countersink: {diameter_mm: 30}"), "drill.depth_mm: has no effect here: countersink"),
+                            (("    depth_mm: 10  ", "    # "), "drill.holes[0].depth_mm: missing")):
+            self.assertIn(told, self.plan(sample("cabin_holes").replace(*given)).stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=["shop_test.py"])
