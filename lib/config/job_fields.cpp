@@ -14,8 +14,9 @@ void CheckPart(const Value& value, const Context& context, JobSettings& job) {
   if (workpiece && job.workpiece.mesh_file.empty() && job.toolpath.strategy->NeedsPart())
     context.Child("workpiece")
         .Child("mesh")
-        .Add(workpiece->mark,
-             "missing; only strategy cam, and drill with a list of holes, go without a part");
+        .Add(
+            workpiece->mark,
+            "missing; only strategy cam, drill with a list of holes and trim along a line go without a part");
 }
 
 // Keys of the process that nothing would follow.

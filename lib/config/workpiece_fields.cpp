@@ -38,7 +38,8 @@ Codec<WorkpieceSettings> WorkpieceFields() {
   return Section<S>(
       {
           Key<S>("mesh", MILLPOSE_AT(mesh_file), Text(),
-                 "Mesh or STEP file, relative to the job file; strategy cam alone goes without.")
+                 "Mesh or STEP file, relative to the job file; strategy cam, a list of holes and a trimmed "
+                 "line go without.")
               .WhenSet([](const S& w) { return !w.mesh_file.empty(); }),
           Key<S>("unit", MILLPOSE_AT(unit), LengthUnit(),
                  "Unit of the mesh file; of a STEP file the one that it states.")

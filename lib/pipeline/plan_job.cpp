@@ -64,7 +64,7 @@ size_t LeaveIncomplete(const Toolpath& toolpath, std::vector<PassResult>& passes
     if (!toolpath.passes[static_cast<size_t>(pass.pass)].whole || CountSkipped(pass) == 0) continue;
     for (; !pass.pieces.empty(); ++left_out)
       LeaveOut(pass, static_cast<int>(pass.pieces.size()) - 1, Obstacle::kIncomplete,
-               "other points of its hole are skipped, and a hole is drilled whole or not at all");
+               "other points of its hole or contour are skipped, and those are milled whole or not at all");
   }
   return left_out;
 }

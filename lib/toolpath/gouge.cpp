@@ -206,7 +206,7 @@ GougeReport CheckGouges(const Mesh& mesh, const CutterShape& cutter, const Gouge
       Lift(pass, states, report);
       states = StatesOf(LookAt(checker, pass, threads, stop), pass.closed);
     }
-    report.leads_left_out += DropLeads(pass, states);
+    if (!pass.whole) report.leads_left_out += DropLeads(pass, states);  // else its entry counts as all of it
     const double begin = pass.points.empty() ? 0.0 : pass.points[0].arc_length;
     for (MillingPoint& point : pass.points) point.arc_length -= begin;
     for (size_t i = 0; i < states.size(); ++i)

@@ -5,12 +5,12 @@ namespace millpose {
 
 /// Defined in the strategies' own files.
 StrategyEntry ParallelPlanesEntry(), RingsEntry(), PadEntry(), ContoursEntry(), CurveEntry(), CamEntry(),
-    DrillEntry();
+    DrillEntry(), TrimStrategyEntry();
 
 Registry<StrategyEntry>& Strategies() {
   static Registry<StrategyEntry> strategies{"strategy",
                                             {ParallelPlanesEntry(), RingsEntry(), PadEntry(), ContoursEntry(),
-                                             CurveEntry(), CamEntry(), DrillEntry()}};
+                                             CurveEntry(), CamEntry(), DrillEntry(), TrimStrategyEntry()}};
   return strategies;
 }
 

@@ -130,7 +130,7 @@ class CamWithoutPart(InFolder):
         result = run("verify", self.folder / "out", "--job", self.folder / "job.yaml")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
         (self.folder / "job.yaml").write_text(JOB.read_text().replace("  mesh: support_pad.stl\n", ""))
-        self.assertIn("workpiece.mesh: missing; only strategy cam, and drill with a list of holes, go without a part",
+        self.assertIn("workpiece.mesh: missing; only strategy cam, drill with a list of holes and trim along a line go without a part",
                       run("plan", self.folder / "job.yaml").stderr)
 
 

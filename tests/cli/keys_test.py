@@ -246,6 +246,20 @@ class Keys(InFolder):
                 job["workpiece"].update(mesh="cabin_ring.stl", pose={"xyz_mm": [2000, 0, 1150], "abc_deg": [0, -90, 0]})
             yield job, cell
 
+        pad = {"facing": {"direction": [0, 0, 1], "within_deg": 1}}
+        square = [[-30, -30, 0], [30, -30, 0], [30, 30, 0], [-30, 30.5, 0]]
+        ways = {"milling": "climb", "through_mm": 4, "overcut_mm": 1, "per_depth_mm": 6, "allowance_mm": 0, "lead_radius_mm": 8,
+                "entry": "helix", "ramp_deg": 10}
+        for trim in ({"border": {"near_mm": [0, -40, 0]}, "overlap_mm": 2, "start_mm": [0, -40, 0], **ways,
+                      "tabs": {"count": 2, "width_mm": 4, "height_mm": 1}},
+                     {"border": {"near_mm": [0, -40, 0], "between_mm": [[-30, -40, 0], [30, -40, 0]]}, **ways},
+                     {"line": {"points_mm": square, "closed": True, "side": "outside", "blank": True}, "overlap_mm": 2, **ways,
+                      "tabs": {"at_mm": [[0, 30, 0]], "width_mm": 4, "height_mm": 1}}):
+            job, cell = self.base()
+            self.strategy(job, "trim", trim)
+            job["toolpath"]["region"] = pad
+            yield job, cell
+
         corners = ((-40, -40), (40, -40), (40, 40), (-40, 40))
         (self.folder / "sheet.off").write_text(
             "OFF\n4 2 0\n" + "".join(f"{x} {y} 0\n" for x, y in corners) + "3 0 1 2\n3 0 2 3\n")
@@ -271,7 +285,9 @@ class Keys(InFolder):
         if name in ("curve", "cam"):
             for key in ("stepover_mm", "stepover_on", "scallop_mm", "order", "direction", "region"):
                 toolpath.pop(key, None)
-        if name == "drill":
+        if name in ("drill", "trim"):
+            if name == "trim":
+                toolpath.pop("order", None)
             for key in ("stepover_mm", "stepover_on", "scallop_mm", "direction", "normal_smoothing_mm", "depth", "ends",
                         "tool_axis", "lead_deg", "tilt_deg", *(() if "circles" in keys else ("region", "crease_deg"))):
                 toolpath.pop(key, None)

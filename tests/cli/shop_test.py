@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Strategies of the shop from a job file to programs: holes. Usage: shop_test.py MILLPOSE TOP"""
+"""Strategies of the shop from a job file to programs: holes, trimmed contours. Usage: shop_test.py MILLPOSE TOP"""
 import csv
 import json
 import math
@@ -15,6 +15,11 @@ CELL = TOP / "cells" / "kr500_r2830.yaml"
 def sample(name):
     text = (TOP / "toolpaths" / name / "job.yaml").read_text()
     return re.sub(r"(?<=[ :])\.\./", f"{TOP}/toolpaths/", text).replace(f"{TOP}/toolpaths/../cells", str(TOP / "cells"))
+
+
+def quick_trim():
+    """The sample in one round, with few points."""
+    return sample("cabin_trim").replace("per_depth_mm: 5", "per_depth_mm: 20").replace("spacing_mm: 25", "spacing_mm: 80")
 
 
 class Shop(InFolder):
@@ -97,6 +102,60 @@ class Shop(InFolder):
                 n = (k + 1) % count
                 faces += [f"3 {a + k} {a + n} {b + n}", f"3 {a + k} {b + n} {b + k}"]
         return "\n".join(["OFF", f"{len(lines)} {len(faces)} 0", *lines, *faces]) + "\n"
+
+    def test_a_window_is_cut_out_down_its_ramp_alone(self):
+        planned = self.plan(quick_trim())
+        self.assertEqual(planned.returncode, 0, planned.stdout + planned.stderr)
+        self.check_programs()
+        again = run("plan", self.folder / "out" / "job.yaml", "-o", self.folder / "again", "-q")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertEqual(tree(self.folder / "out")["points.csv"], tree(self.folder / "again")["points.csv"])
+        # In the robot's base the skin's normal leads to -x, near enough beside the lead-in.
+        rows = [p for p in self.points() if p["kind"] == "lead-in"]
+        places = [tuple(float(p[key]) for key in ("x_mm", "y_mm", "z_mm")) for p in rows]
+        down = [(b[0] - a[0], math.hypot(b[1] - a[1], b[2] - a[2])) for a, b in zip(places, places[1:])]
+        self.assertGreater(sum(x for x, _ in down), 5, "from over the skin to the first round's depth")
+        self.assertLess(max(x / way for x, way in down), math.tan(math.radians(5)) * 1.05 + 0.1, "the axis leans by the skin's slope")
+
+    def test_the_overcut_keeps_off_fixtures(self):
+        """A clamp 17 mm behind the skin, at the window's edge; the cell wants 10 mm."""
+        clamp = ("  - {name: clamp, class: fixture, mount: base, shape: {box: {size_mm: [20, 60, 60]}}, pose: "
+                 "{xyz_mm: [1885, 0, 1100]}}\n")
+        (self.folder / "cell.yaml").write_text(re.sub(r"(?m)^bodies:\n", "bodies:\n" + clamp, CELL.read_text()))
+        text = quick_trim().replace(str(CELL), "cell.yaml")
+        self.assertEqual(self.plan(text).returncode, 0)
+        deep = self.plan(text.replace("overcut_mm: 1", "overcut_mm: 12").replace("ramp_deg: 5", "ramp_deg: 30"), "deep")
+        self.assertEqual(deep.returncode, 1, deep.stdout + deep.stderr)
+        summary = json.loads((self.folder / "deep" / "summary.json").read_text())
+        self.assertEqual(summary["points"]["planned"], 0, "half a contour is none")
+        self.assertLessEqual({"interference", "incomplete"}, {entry["reason"] for entry in summary["skipped"]})
+        self.assertTrue(any("clamp" in entry["detail"] for entry in summary["skipped"]))
+
+    def test_tight_corners_are_findings_and_missing_tabs_a_warning(self):
+        line = "line: {points_mm: [[-30, -30, 0], [30, -30, 0], [30, 30, 0], [-30, 30, 0]], closed: true, side: inside, blank: true}"
+        text = re.sub(r"border: .*", line, quick_trim()).replace("    tabs:", "    # tabs:")
+        text = re.sub(r"(?m)^  mesh: .*", f"  mesh: {self.folder}/plate.off", text)
+        corners = [(x, y, z) for z in (-8, 0) for y in (-60, 60) for x in (-60, 60)]
+        faces = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+        (self.folder / "plate.off").write_text("\n".join(
+            ["OFF", "8 6 0", *(f"{x} {y} {z}" for x, y, z in corners), *(f"4 {' '.join(map(str, face))}" for face in faces)]) + "\n")
+        planned = self.plan(text)
+        self.assertEqual(planned.returncode, 1, planned.stdout + planned.stderr)
+        self.assertEqual(len(re.findall(r"tighter than the cutter of 20 mm, which leaves 4\.142 mm standing", planned.stdout + planned.stderr)), 4)
+        self.assertIn("no tabs hold the piece", planned.stdout)
+        self.check_programs()
+
+    def test_wrong_trims_are_refused_in_their_place(self):
+        for given, told in ((("    tabs: {count: 4,", "    tabs: {count: 4, at_mm: [[0, 0, 0]],"), ":5: toolpath.trim.tabs: allowed: one of"),
+                            (("border: {near_mm: [-110, 0, 0]}", "border: {near_mm: [0, 0, 0], between_mm: [[0, 0, 0]]}"), "between_mm: given 1 places; allowed: 2"),
+                            (("  overcut_mm: 1\n", "\n"), "toolpath.trim.overcut_mm: missing; required"),
+                            (("    milling: climb", "    milling: clim"), "given clim; allowed: one of climb, conventional"),
+                            (("  trim:\n", "  ends: {lead: arc}\n  trim:\n"), ":3: toolpath.ends: has no effect with strategy trim"),
+                            (("through_mm: 8 ", "through_mm: 40 "), "its shank would rub"),
+                            (("border: {near_mm: [-110, 0, 0]}", "border: {}"), "the region has ")):
+            refused = self.plan(sample("cabin_trim").replace(*given))
+            self.assertEqual(refused.returncode, 2)
+            self.assertIn(told, refused.stderr)
 
     def test_what_has_no_effect_is_refused_in_its_place(self):
         wrong = sample("cabin_holes").replace("  order: travel", "  stepover_mm: 3\n  lead_deg: 4\n  order: travel")
