@@ -42,10 +42,10 @@ std::string AsStep(const TopoDS_Shape& shape, const std::string& unit) {
 
 }  // namespace
 
-std::string DrilledBlockStep(const std::string& unit) {
+std::string DrilledBlockStep(const std::string& unit, double radius) {
   const TopoDS_Shape block = BRepPrimAPI_MakeBox(100.0, 60.0, 20.0).Shape();
   const gp_Ax2 axis(gp_Pnt(50, 30, -1), gp_Dir(0, 0, 1));
-  return AsStep(BRepAlgoAPI_Cut(block, BRepPrimAPI_MakeCylinder(axis, 15, 22).Shape()).Shape(), unit);
+  return AsStep(BRepAlgoAPI_Cut(block, BRepPrimAPI_MakeCylinder(axis, radius, 22).Shape()).Shape(), unit);
 }
 
 std::string LostFaceStep() {

@@ -5,9 +5,9 @@
 
 namespace millpose {
 
-/// A block of 100 × 60 × 20 mm from the origin with a hole of radius 15 through (50, 30) along z, as STEP in
-/// the given unit ("MM" or "INCH").
-std::string DrilledBlockStep(const std::string& unit);
+/// A block of 100 × 60 × 20 mm from the origin with a hole of the given radius (mm) through (50, 30) along z,
+/// as STEP in the given unit ("MM" or "INCH").
+std::string DrilledBlockStep(const std::string& unit, double radius = 15);
 
 /// A ball of the given radius (mm) about the origin.
 std::string BallStep(double radius);
