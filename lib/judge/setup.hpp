@@ -65,6 +65,7 @@ struct Setup {
   Real w1 = 0, w2 = 0;  ///< of objective chen2021; both 0 for others
   Real spacing = 0;     ///< mm
   bool rings = false;   ///< passes may be closed
+  bool laid = true;     ///< cut points lie on the workpiece or a layer over it: no hole, no trimmed edge
   std::string krl_tool_axis = "z", sinumerik_tool_axis = "z", sinumerik_rotation = "rpy";
   std::string krl_tool_direction = "x";                             ///< $TOOL_DIRECTION
   bool sinumerik_turn_known = false;                                ///< the cell says how MD21104 stands

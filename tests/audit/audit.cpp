@@ -100,6 +100,7 @@ std::pair<Real, int> FarthestOff(const Setup& setup, std::span<const Row> pass, 
 /// Every cut point stands a layer above the workpiece, all of a pass the same one. Leads lead away.
 void AuditSurface(const Folder& folder, Figures& figures) {
   const std::vector<Row>& rows = folder.rows;
+  if (!folder.setup.laid) return;
   for (size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
     while (end < rows.size() && rows[end].pass == rows[begin].pass) ++end;
     const std::span pass(rows.begin() + static_cast<std::ptrdiff_t>(begin), end - begin);

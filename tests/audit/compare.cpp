@@ -149,6 +149,8 @@ void CompareCut(const std::vector<Target>& targets, Cut& cut, const Setup& setup
         best = off;
         found = j;
       }
+      // Where the tool goes back the way that it came (a hole), the first motion that passes there is meant.
+      if (best.Worst() <= 1) break;
       // Of the motion that the last point lies on, only what is left counts.
       travelled += (j == segment ? 1 - share : 1) * (Tip(targets[j + 1].X_WT) - Tip(targets[j].X_WT)).norm();
     }

@@ -172,7 +172,9 @@ void ReadJob(const YAML::Node& job, Setup* setup) {
   setup->max_step_per_mm = path["max_joint_deg_per_mm"].as<double>(2) * kDegree;
   for (Real& speed : setup->max_step_speed) speed *= path["joint_speed_share"].as<double>(0.25);
   setup->spacing = job["toolpath"]["spacing_mm"].as<double>();
-  setup->rings = job["toolpath"]["strategy"].as<std::string>() == "rings";
+  const std::string strategy = job["toolpath"]["strategy"].as<std::string>();
+  setup->rings = strategy == "rings";
+  setup->laid = strategy != "drill" && strategy != "trim";
   const YAML::Node objective = job["pose"]["objective"];
   if (objective["name"].as<std::string>() == "chen2021") {
     setup->w1 = objective["w1"].as<double>(0.5);

@@ -32,6 +32,7 @@ LEFT_OUT = {
     "arm.family": "another arm altogether (cli_parallel_arm)", "arm.lengths_mm.d5": "of parallel axes alone",
     "reproduction_only": "such cells get no programs", "cell": "another name of the same file",
     "workpiece.stock.unit": "a stock of another size touches at home",
+    "toolpath.drill.circles.diameter_mm": "of another diameter there is no hole",
     "toolpath.strategy": "each has keys of its own: the variants",
     "interference.unchecked_links": "links that have bodies are refused there",
 }
@@ -253,6 +254,7 @@ class Keys(InFolder):
         for trim in ({"border": {"near_mm": [0, -40, 0]}, "overlap_mm": 2, "start_mm": [0, -40, 0], **ways,
                       "tabs": {"count": 2, "width_mm": 4, "height_mm": 1}},
                      {"border": {"near_mm": [0, -40, 0], "between_mm": [[-30, -40, 0], [30, -40, 0]]}, **ways},
+                     {"line": {"points_mm": square, "closed": False, "side": "right", "blank": True}, **ways},
                      {"line": {"points_mm": square, "closed": True, "side": "outside", "blank": True}, "overlap_mm": 2, **ways,
                       "tabs": {"at_mm": [[0, 30, 0]], "width_mm": 4, "height_mm": 1}}):
             job, cell = self.base()

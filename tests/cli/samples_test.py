@@ -37,6 +37,12 @@ class Samples(unittest.TestCase):
     def test_cabin_ring(self):
         self.check("cabin_ring", 1000)
 
+    def test_cabin_holes(self):
+        self.check("cabin_holes", 100)
+
+    def test_cabin_trim(self):
+        self.check("cabin_trim", 400)
+
 
 class Kills(unittest.TestCase):
     def test_killed_at_fifty_moments_it_leaves_the_same_bytes(self):
