@@ -30,6 +30,7 @@ using RootOption = std::shared_ptr<std::optional<std::filesystem::path>>;
 RootOption AddRootOption(CLI::App& command);
 
 void AddBatchCommand(CLI::App& app, Run& run);
+void AddCalibrateCommand(CLI::App& app, Run& run);
 void AddCheckCommand(CLI::App& app, Run& run);
 void AddCompletionCommand(CLI::App& app, Run& run);
 void AddFlatnessCommand(CLI::App& app, Run& run);
@@ -42,9 +43,9 @@ void AddStiffnessCommand(CLI::App& app, Run& run);
 void AddVerifyCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
-    AddPlanCommand,    AddVerifyCommand,    AddBatchCommand,      AddCheckCommand,
-    AddInspectCommand, AddStiffnessCommand, AddIdentifyCommand,   AddFlatnessCommand,
-    AddSchemaCommand,  AddManCommand,       AddCompletionCommand,
+    AddPlanCommand,     AddVerifyCommand,    AddBatchCommand,    AddCheckCommand,
+    AddInspectCommand,  AddStiffnessCommand, AddIdentifyCommand, AddCalibrateCommand,
+    AddFlatnessCommand, AddSchemaCommand,    AddManCommand,      AddCompletionCommand,
 };
 
 }  // namespace millpose

@@ -31,6 +31,7 @@ struct Task {
   MeasurementsSettings settings;
   std::filesystem::path cell_file;
   Arm arm;
+  Joints uncertainty;  ///< of its stiffness, as the cell says it
   IdentifyOptions options;
 };
 
@@ -54,7 +55,11 @@ Task Load(const Options& options) {
   task.cell_file = options.cell.empty() ? path.parent_path() / task.settings.cell_file
                                         : std::filesystem::path(options.cell);
   std::map<std::string, std::string> meshes;
-  task.arm = MakeArm(LoadCell(task.cell_file, &meshes).arm);
+  const ArmSettings settings = LoadCell(task.cell_file, &meshes).arm;
+  task.arm = MakeArm(settings);
+  task.uncertainty = settings.stiffness_uncertainty.isZero(0.0)
+                         ? Joints(Joints::Constant(kStiffnessUncertainty))
+                         : Joints(settings.stiffness_uncertainty);
   task.options = {task.settings.displacement_deviation, task.settings.rotation_deviation, options.robust};
   return task;
 }
@@ -149,24 +154,35 @@ void Print(const Identification& found, const Plausibility& judged, const Task& 
   for (const std::string& finding : judged.findings) fmt::print("finding    {}\n", finding);
 }
 
+/// Half the width of a joint's 95 % interval as a share of its stiffness, in half percents; at most what a
+/// cell may say.
+double UncertaintyOf(const JointEstimate& joint) {
+  constexpr double kMost = 0.9;
+  const double half = std::max(joint.stiffness - joint.lower, joint.upper - joint.stiffness);
+  return std::min(kMost, std::ceil(200 * half / joint.stiffness) / 200);
+}
+
 void WriteCellFile(const Options& options, const Task& task, const Identification& found) {
   if (task.cell_file.lexically_normal() != std::filesystem::path(options.write_cell).lexically_normal())
     throw InputError({options.write_cell}, fmt::format("--write-cell: another cell than the one read, {}",
                                                        task.cell_file.string()));
-  Joints stiffness = task.arm.stiffness;
+  IdentifiedStiffness written;
+  written.stiffness = task.arm.stiffness;
+  written.uncertainty = task.uncertainty;
   std::string kept;
   for (int j = 0; j < 6; ++j) {
-    if (found.joints[j].determined)
-      stiffness[j] = found.joints[j].stiffness;
-    else
+    if (found.joints[j].determined) {
+      written.stiffness[j] = found.joints[j].stiffness;
+      written.uncertainty[j] = UncertaintyOf(found.joints[j]);
+    } else
       kept += fmt::format(" A{}", j + 1);
   }
   // Four digits: no identification carries more.
-  for (int j = 0; j < 6; ++j) stiffness[j] = std::stod(fmt::format("{:.4g}", stiffness[j]));
-  std::string source = "millpose identify " + std::filesystem::path(options.file).filename().string();
-  if (!kept.empty()) source += ", but as before:" + kept;
-  WriteFileAtomically(options.write_cell, ReplaceJointStiffness(ReadFile(options.write_cell),
-                                                                options.write_cell, stiffness, source));
+  for (double& stiffness : written.stiffness) stiffness = std::stod(fmt::format("{:.4g}", stiffness));
+  written.source = "millpose identify " + std::filesystem::path(options.file).filename().string();
+  if (!kept.empty()) written.source += ", but as before:" + kept;
+  WriteFileAtomically(options.write_cell,
+                      ReplaceJointStiffness(ReadFile(options.write_cell), options.write_cell, written));
   const std::string note = kept.empty() ? "" : "; not determined and kept:" + kept;
   std::fputs(fmt::format("millpose: {} updated{}\n", options.write_cell, note).c_str(), stderr);
 }

@@ -115,6 +115,17 @@ Codec<ArmSettings> ArmFields() {
           Key<S>("joint_stiffness_Nm_per_rad", MILLPOSE_AT(stiffness),
                  Numbers6(kNmPerRad, Between(100, 1e10)), "Stiffness of the joints.")
               .Required(),
+          Key<S>("stiffness_uncertainty_percent", MILLPOSE_AT(stiffness_uncertainty),
+                 Numbers6(kPercent, Between(0, 90)),
+                 "Half the width of each stiffness's 95 % interval (millpose identify writes it); for "
+                 "compensation.")
+              .WhenSet([](const S& s) { return !s.stiffness_uncertainty.isZero(0.0); })
+              .DefaultText("not known"),
+          Key<S>("absolute_accuracy", MILLPOSE_AT(absolute_accuracy), Flag(),
+                 "Whether the controller itself takes out what the arm's weight bends; compensation leaves "
+                 "weight alone then.")
+              .WhenSet([](const S& s) { return s.absolute_accuracy; })
+              .DefaultText("false"),
           Key<S>("joint_stiffness_source", MILLPOSE_AT(stiffness_source), Lines(),
                  "Where the stiffness comes from."),
       },

@@ -29,6 +29,8 @@ struct UrdfSettings {
   int line = 0;                                 ///< of the section, for later errors
 };
 
+inline constexpr double kStiffnessUncertainty = 0.1;  ///< of a stiffness, where nobody says it
+
 struct ArmSettings {
   std::string name;
   UrdfSettings urdf;
@@ -41,6 +43,9 @@ struct ArmSettings {
   std::string limits_source, stiffness_source;
   bool acceleration_assumed = true;
   Vector6 stiffness = Vector6::Zero();  ///< N·mm/rad
+  /// Half the width of each joint's stiffness interval, a share of it; zero: nobody says.
+  Vector6 stiffness_uncertainty = Vector6::Zero();
+  bool absolute_accuracy = false;  ///< the controller takes out what weight bends
 };
 
 struct ToolPartSettings {

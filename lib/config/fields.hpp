@@ -27,8 +27,10 @@ Codec<JobSettings> PathFields();
 Codec<JobSettings> InterferenceFields();
 Codec<JobSettings> GapFields();
 Codec<ProgramOptionSettings> ProgramOptionFields();
+Codec<CompensationSettings> CompensationFields();
 /// Keys of the process that objectives take as parameters: how sure the cutting force is.
 inline const std::array<std::string, 2> kForceBounds{"force_uncertainty_percent", "force_direction_deg"};
+/// Whether something of a job follows them: its objective, or compensation.
 bool AsksForceBounds(const JobSettings& job);
 /// `region` of a toolpath: what of a part is milled.
 Codec<RegionOptions> RegionFields();

@@ -60,6 +60,27 @@ void CheckCutting(const Value& value, const Context& context, const JobSettings&
                     job.toolpath.strategy->Name()));
 }
 
+// What is known of the force must be followed by something, and what follows it must know it.
+void CheckForce(const Value& value, const Context& context, const JobSettings& job) {
+  const Value* process = value.Find("process");
+  const Value::Key* file = process->FindKey("force_csv");
+  const bool compensated = job.compensation.deflection != TakeOut::kOff;
+  if (compensated && !job.cutting && job.force_file.empty()) {
+    const Value::Key* found = value.Find("compensation")->FindKey("deflection");
+    context.Child("compensation")
+        .Child("deflection")
+        .Add(found->mark, "needs the cutting force: process.cutting, or process.force_csv");
+  }
+  if (file && !compensated)
+    context.Child("process")
+        .Child("force_csv")
+        .Add(file->mark, "has no effect here: only compensation.deflection normal or full follows it");
+  if (const Value::Key* factors = process->FindKey("force_factors"); factors && !job.cutting)
+    context.Child("process")
+        .Child("force_factors")
+        .Add(factors->mark, "has no effect here: needs process.cutting");
+}
+
 // Without a force from path and stock nothing knows what stands.
 void CheckOverMissing(const Value& value, const Context& context, const JobSettings& job) {
   const Value* path = value.Find("path");
@@ -76,6 +97,7 @@ void Check(const Value& value, const Context& context, JobSettings& job) {
   CheckCutting(value, context, job);
   CheckFeeds(value, context, job);
   CheckOverMissing(value, context, job);
+  CheckForce(value, context, job);
 }
 
 }  // namespace
@@ -101,6 +123,11 @@ const Codec<JobSettings>& JobFields() {
                  "Controllers to write programs for."),
           Key<S>("program_options", MILLPOSE_AT(program_options), ProgramOptionFields(),
                  "What becomes of the planned points in programs."),
+          Key<S>("compensation", MILLPOSE_AT(compensation), CompensationFields(),
+                 "What of the expected deflection the programs take out (docs/compensation.md).")
+              .WhenSet([](const S& s) {
+                return s.compensation.deflection != TakeOut::kOff || s.compensation.weight;
+              }),
       },
       Check);
   return fields;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/units.hpp"
+#include "compensation/compensate.hpp"
 #include "config/cell_settings.hpp"
 #include "config/toolpath_settings.hpp"
 #include "path/gap_planner.hpp"
@@ -56,6 +57,22 @@ struct CuttingSettings {
   double radial_ratio = 0.3, axial_ratio = 0;
 };
 
+/// What computed forces are multiplied by, by the side of the cut.
+struct ForceFactors {
+  double up = 1, down = 1, slot = 1;
+  bool operator==(const ForceFactors&) const = default;
+};
+
+/// What of the deflection programs take out (docs/compensation.md).
+struct CompensationSettings {
+  TakeOut deflection = TakeOut::kOff;
+  std::optional<double> shrink;                 ///< share that is taken out; else by what is sure
+  std::optional<double> stiffness_uncertainty;  ///< share; else the cell's, or kStiffnessUncertainty
+  double most = 0.1;                            ///< mm
+  CompensatedLayers layers = CompensatedLayers::kFinished;
+  bool weight = false;
+};
+
 /// What becomes of a plan's points in programs.
 struct ProgramOptionSettings {
   double path_tolerance = 0.02;           ///< mm; how far a program may take the tip off the plan's path
@@ -98,6 +115,8 @@ struct JobSettings {
   double spindle_speed = 0;            ///< rev/s
   std::optional<CuttingSettings> cutting;
   Standing stock = Standing::kRegion;
+  ForceFactors force_factors;
+  std::string force_file;                 ///< of measured forces; empty: none
   double force_uncertainty_percent = 30;  ///< by how much the force may exceed the computed one
   double force_direction_deg = 20;        ///< how far off its direction it may lie, degrees
   std::string objective = "chen2021";     ///< surface_error where `cutting` is given and no objective
@@ -116,6 +135,7 @@ struct JobSettings {
   GapOptions gaps;  ///< but for what other sections say, see MakeGapOptions()
   std::vector<std::string> programs{"krl", "sinumerik", "linuxcnc"};
   ProgramOptionSettings program_options;
+  CompensationSettings compensation;
   int programs_line = 0;  ///< of the key, for later errors
 };
 

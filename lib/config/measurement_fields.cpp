@@ -3,6 +3,7 @@
 #include "base/csv.hpp"
 #include "config/fields.hpp"
 #include "config/measurements.hpp"
+#include "yaml/edit.hpp"
 
 namespace millpose {
 namespace config {
@@ -130,57 +131,24 @@ MeasurementsSettings ParseMeasurementsCsv(std::string_view csv, const std::strin
   return settings;
 }
 
-namespace {
-
-/// The offset of (line, column), both from 1, columns in characters.
-size_t OffsetOf(const std::string& text, const config::Mark& mark) {
-  size_t at = 0;
-  for (int line = 1; line < mark.line; ++line) at = text.find('\n', at) + 1;
-  for (int column = 1; column < mark.column; ++at)
-    if ((static_cast<unsigned char>(text[at + 1]) & 0xC0) != 0x80) ++column;
-  return at;
-}
-
-}  // namespace
-
 std::string ReplaceJointStiffness(const std::string& cell_yaml, const std::string& name,
-                                  const Vector6& stiffness, const std::string& source) {
+                                  const IdentifiedStiffness& found) {
+  const auto list = [](const config::Unit& unit, const Vector6& values) {
+    std::vector<std::string> numbers;
+    for (const double value : values) numbers.push_back(config::ShortestIn(unit, value));
+    return fmt::format("[{}]", fmt::join(numbers, ", "));
+  };
   const config::Value root = config::ReadYaml(cell_yaml, name);
   const config::Value* arm = root.Find("arm");
-  const config::Value* values = arm ? arm->Find("joint_stiffness_Nm_per_rad") : nullptr;
-  if (!values) throw InputError({name}, "arm.joint_stiffness_Nm_per_rad is missing");
-  std::string text = cell_yaml;
-  const config::Value* old_source = arm->Find("joint_stiffness_source");
-  // From the back, so that the earlier place stays where it is.
-  const auto replace_source = [&] {
-    if (!old_source) return;
-    const size_t start = OffsetOf(text, old_source->mark);
-    const char first = text[start];
-    if (first == '|' || first == '>')
-      throw InputError({name, old_source->mark.line},
-                       "arm.joint_stiffness_source: allowed: text in one line");
-    const size_t line_end = std::min(text.find('\n', start), text.size());
-    size_t end = first == '"' || first == '\'' ? text.find(first, start + 1) + 1 : text.find(" #", start);
-    end = std::min(end, line_end);
-    while (end > start && text[end - 1] == ' ') --end;
-    text.replace(start, end - start, config::WriteYamlLine(config::Value::Text(source)));
-  };
-  const auto replace_values = [&] {
-    const size_t start = OffsetOf(text, values->mark);
-    const size_t end = text.find(']', start);
-    if (text[start] != '[' || end == std::string::npos)
-      throw InputError({name, values->mark.line},
-                       "arm.joint_stiffness_Nm_per_rad: allowed: a list in [brackets]");
-    std::string list;
-    for (int j = 0; j < 6; ++j)
-      list += (j > 0 ? ", " : "") + config::ShortestIn(config::kNmPerRad, stiffness[j]);
-    text.replace(start, end - start, "[" + list);
-  };
-  const bool source_behind = old_source && old_source->mark.line > values->mark.line;
-  if (source_behind) replace_source();
-  replace_values();
-  if (!source_behind) replace_source();
-  return text;
+  if (!arm || !arm->Find("joint_stiffness_Nm_per_rad"))
+    throw InputError({name}, "arm.joint_stiffness_Nm_per_rad is missing");
+  std::string text = config::WithKey(cell_yaml, name, "arm", "stiffness_uncertainty_percent",
+                                     list(config::kPercent, found.uncertainty));
+  text = config::WithKey(text, name, "arm", "joint_stiffness_Nm_per_rad",
+                         list(config::kNmPerRad, found.stiffness));
+  if (!arm->Find("joint_stiffness_source")) return text;
+  return config::WithKey(text, name, "arm", "joint_stiffness_source",
+                         config::WriteYamlLine(config::Value::Text(found.source)));
 }
 
 }  // namespace millpose

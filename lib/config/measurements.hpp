@@ -39,9 +39,16 @@ MeasurementsSettings ParseMeasurements(std::string_view yaml, const std::string&
 /// mz_Nm and rx_rad, ry_rad, rz_rad. Cell and points are not in it.
 MeasurementsSettings ParseMeasurementsCsv(std::string_view csv, const std::string& name);
 
-/// A cell's YAML text with new joint stiffness (N·mm/rad) and its source, everything else as it was, comments
-/// included. Throws InputError when the two keys are not written in one line each.
+/// What an identification says of a cell's arm.
+struct IdentifiedStiffness {
+  Vector6 stiffness = Vector6::Zero();    ///< N·mm/rad
+  Vector6 uncertainty = Vector6::Zero();  ///< half the width of its 95 % interval, a share
+  std::string source;
+};
+
+/// A cell's YAML text with new joint stiffness, its uncertainty and, where it gives one, its source;
+/// everything else as it was, comments included. Throws InputError when a key is not written in one line.
 std::string ReplaceJointStiffness(const std::string& cell_yaml, const std::string& name,
-                                  const Vector6& stiffness, const std::string& source);
+                                  const IdentifiedStiffness& found);
 
 }  // namespace millpose

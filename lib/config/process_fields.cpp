@@ -31,9 +31,22 @@ Codec<CuttingSettings> CuttingFields() {
   });
 }
 
+Codec<ForceFactors> ForceFactorFields() {
+  using S = ForceFactors;
+  const auto factor = [](const char* key, auto access, const char* doc) {
+    return Key<S>(key, access, Real(kOne, Between(0.1, 10)), doc);
+  };
+  return Section<S>({
+      factor("up", MILLPOSE_AT(up), "Where the edge meets thin chips first (conventional)."),
+      factor("down", MILLPOSE_AT(down), "Where it meets thick ones first (climb)."),
+      factor("slot", MILLPOSE_AT(slot), "At full width."),
+  });
+}
+
 }  // namespace
 
 bool AsksForceBounds(const JobSettings& job) {
+  if (job.compensation.deflection != TakeOut::kOff) return true;
   return std::ranges::any_of(Objectives().At(job.objective).parameters,
                              [](const ParameterRule& rule) { return rule.name == kForceBounds[0]; });
 }
@@ -63,6 +76,13 @@ Codec<JobSettings> ProcessFields() {
           .WhenSet([](const S& s) { return s.feed_policy == FeedPolicy::kReduce; }),
       Key<S>("cutting", MILLPOSE_AT(cutting), Maybe(CuttingFields()),
              "What the cutter takes off: gives the cutting force and the predicted deflection."),
+      Key<S>("force_factors", MILLPOSE_AT(force_factors), ForceFactorFields(),
+             "What the computed force is multiplied by, as a milled part told (millpose calibrate).")
+          .WhenSet([](const S& s) { return s.force_factors != ForceFactors(); }),
+      Key<S>("force_csv", MILLPOSE_AT(force_file), Text(),
+             "Measured mean forces by point in place of the computed ones, for compensation; relative to the "
+             "job file (docs/compensation.md).")
+          .WhenSet([](const S& s) { return !s.force_file.empty(); }),
       Key<S>(
           "stock", MILLPOSE_AT(stock),
           ChoiceOf<Standing>({{"region", Standing::kRegion}, {"mesh", Standing::kMesh}}),
@@ -71,11 +91,12 @@ Codec<JobSettings> ProcessFields() {
           .WhenSet([](const S& s) { return s.cutting.has_value(); }),
       Key<S>("force_uncertainty_percent", MILLPOSE_AT(force_uncertainty_percent),
              Real({"%", 1, 1}, UpTo(1000)),
-             "By how much the true cutting force may exceed the computed one; objective surface_error.")
+             "By how much the true cutting force may exceed the computed one; objective surface_error, "
+             "compensation.")
           .WhenSet(AsksForceBounds)
           .DefaultText("30"),
       Key<S>("force_direction_deg", MILLPOSE_AT(force_direction_deg), Real({"deg", 1, 1}, Between(0, 90)),
-             "How far off the computed direction it may lie; objective surface_error.")
+             "How far off the computed direction it may lie; objective surface_error, compensation.")
           .WhenSet(AsksForceBounds)
           .DefaultText("20"),
   });

@@ -59,6 +59,7 @@ class Cutting {
     result.side = result.width >= kSlotShare * 2 * options_.edge.cutter.radius ? CutSide::kSlot
                   : left >= right                                              ? CutSide::kUp
                                                                                : CutSide::kDown;
+    result.force *= options_.FactorOf(result.side);
     for (const EngagedArc& arc : cut.arcs) result.depth = std::max(result.depth, TopOf(point, cut, arc));
     return result;
   }
@@ -151,6 +152,20 @@ void SetEngagement(const EngagementOptions& options, int threads, const std::sto
   });
 }
 
+double EngagementOptions::FactorOf(CutSide side) const {
+  switch (side) {
+    case CutSide::kUp:
+      return up_factor;
+    case CutSide::kDown:
+      return down_factor;
+    case CutSide::kSlot:
+      return slot_factor;
+    case CutSide::kAir:
+      break;
+  }
+  return 1;
+}
+
 CuttingForce HeaviestCut(const EngagementOptions& options, const Toolpath& toolpath) {
   const MillingPoint* heaviest = nullptr;
   size_t number = 0, at = 0;
@@ -166,7 +181,8 @@ CuttingForce HeaviestCut(const EngagementOptions& options, const Toolpath& toolp
   const Vector3d left = cut.stance.Across(), ahead = left.cross(cut.stance.axis);
   const Vector3d& mean = heaviest->engagement.force;
   force.mean = {mean.dot(ahead), mean.dot(left), mean.dot(cut.stance.axis)};
-  force.peak = PeakForce(options.edge, cut.slices, cut.stance, cut.arcs, kPeakSteps);
+  force.peak = PeakForce(options.edge, cut.slices, cut.stance, cut.arcs, kPeakSteps) *
+               options.FactorOf(heaviest->engagement.side);
   double most = 0;
   for (size_t slice = 0; slice < cut.slices.size(); ++slice) {
     double arc = 0;

@@ -21,6 +21,10 @@ struct EngagementOptions {
   double depth = 0;          ///< mm, of one layer; where more stands, more is cut
   InMaterial stock;          ///< before the first pass
   std::optional<StatedCut> stated;
+  /// What the forces of each side of the cut are multiplied by.
+  double up_factor = 1, down_factor = 1, slot_factor = 1;
+
+  double FactorOf(CutSide side) const;
 };
 
 /// Sets `engagement` of all points. Each sees the stock less what points before it have taken off, those of

@@ -6,6 +6,7 @@
 #include "config/config.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/cell_texts.hpp"
+#include "pipeline/compensate_job.hpp"
 #include "pipeline/exclude_pairs.hpp"
 #include "pipeline/origin.hpp"
 #include "pipeline/resolve_urdf.hpp"
@@ -113,9 +114,12 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
     Collect(problems, [&] { inputs.workpiece_bytes = root.Read(folder / inputs.job.workpiece.mesh_file); });
   if (!inputs.job.workpiece.stock_file.empty())
     Collect(problems, [&] { inputs.stock_bytes = root.Read(folder / inputs.job.workpiece.stock_file); });
+  if (!inputs.job.force_file.empty())
+    Collect(problems, [&] { inputs.force_bytes = root.Read(folder / inputs.job.force_file); });
   if (const std::string file = inputs.job.toolpath.strategy->File(); !file.empty())
     Collect(problems, [&] { inputs.path_bytes = root.Read(folder / file); });
   if (problems.empty()) CheckDepth(inputs, problems);
+  if (problems.empty()) problems = CheckCompensation(inputs.job, inputs.cell);
   if (!problems.empty()) throw InputError(std::move(problems));
   inputs.hash = HashOf(inputs);
   return inputs;
@@ -125,6 +129,7 @@ std::string HashOf(const JobInputs& inputs) {
   std::string all = WriteJob(inputs.job) + '\0' + WriteCell(inputs.cell) + '\0' +
                     Hash(inputs.workpiece_bytes) + '\0' + Hash(inputs.stock_bytes) + '\0' +
                     Hash(inputs.path_bytes);
+  if (!inputs.job.force_file.empty()) all += '\0' + Hash(inputs.force_bytes);
   for (const auto& [name, bytes] : inputs.body_bytes) all += '\0' + name + '\0' + Hash(bytes);
   return Hash(all);
 }

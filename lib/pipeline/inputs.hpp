@@ -19,6 +19,7 @@ struct JobInputs {
   CellSettings cell;
   std::string workpiece_bytes;  ///< of the workpiece's mesh file
   std::string stock_bytes;      ///< of the stock's, where there is one
+  std::string force_bytes;      ///< of the measured forces, where there are some
   std::string path_bytes;       ///< of the file that the strategy takes its path from
   std::map<std::string, std::string>
       body_bytes;  ///< of the mesh files that the cell's bodies name, by that name

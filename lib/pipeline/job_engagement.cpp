@@ -24,6 +24,9 @@ class CuttingReader {
     EngagementOptions options;
     options.edge = Edge();
     options.spindle_speed = job_.spindle_speed;
+    options.up_factor = job_.force_factors.up;
+    options.down_factor = job_.force_factors.down;
+    options.slot_factor = job_.force_factors.slot;
     if (job_.spindle_speed <= 0) Add("process.spindle_rpm: given 0; process.cutting needs it above 0");
     const double top = ReadDepth(options);
     ReadWidth(options);
@@ -153,6 +156,13 @@ class CuttingReader {
 };
 
 }  // namespace
+
+double ChipExponent(const JobSettings& job) {
+  if (job.cutting->kc11 <= 0)
+    for (const CuttingMaterial& known : CuttingMaterials())
+      if (known.name == job.cutting->material) return known.mc;
+  return job.cutting->mc;
+}
 
 std::optional<CuttingForce> SetJobEngagement(const JobInputs& inputs, const Mesh& mesh, int threads,
                                              const std::stop_token& stop, Toolpath& toolpath) {

@@ -13,6 +13,10 @@
 
 namespace millpose {
 
+/// Kienzle's exponent m_c of what a job cuts: a force goes with its feed to the power 1 − m_c. Precondition:
+/// the job has `process.cutting`.
+double ChipExponent(const JobSettings& job);
+
 /// Sets what every point of a job's tool path (in P, gouges known) takes off, and the mean force there;
 /// returns the heaviest cut. Nothing where the job has no `process.cutting`. Throws InputError for a
 /// material, depth, width or stock that cannot be or that contradicts the tool path; Interrupted.

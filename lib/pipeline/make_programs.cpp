@@ -5,6 +5,7 @@
 #include "pipeline/assemble.hpp"
 #include "pipeline/base_window.hpp"
 #include "pipeline/cell_texts.hpp"
+#include "pipeline/check_program.hpp"
 #include "pipeline/program_motions.hpp"
 #include "pipeline/program_warnings.hpp"
 #include "plan/skipped.hpp"
@@ -80,7 +81,9 @@ JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
     try {
       MotionProgram back = post->Read(program.files, plan.arm, settings);
       CompleteFrames(back, motions.planned);
-      program.findings = Verify(back, world, &motions.planned, options, threads, stop);
+      ProgramCheck check = CheckProgram(back, motions, plan, world, options, threads, stop);
+      program.findings = std::move(check.findings);
+      program.under_load = check.under_load;
     } catch (
         const InputError& error) {  // our own program must be readable: a finding, not the user's mistake
       for (const Problem& problem : error.problems())

@@ -9,6 +9,7 @@
 #include "plan/cycle_time.hpp"
 #include "plan/plan_result.hpp"
 #include "report/report.hpp"
+#include "verify/under_load.hpp"
 #include "verify/verify.hpp"
 
 namespace millpose {
@@ -24,7 +25,8 @@ struct CheckedProgram {
   std::optional<PathSpeed> speed;   ///< estimated
   std::vector<std::string> warnings;
   ProgramTime time;
-  std::string trajectory;  ///< as CSV, where asked for
+  std::optional<UnderLoad> under_load;  ///< of a compensated plan's
+  std::string trajectory;               ///< as CSV, where asked for
 
   bool Confirmed() const { return findings.empty(); }
   /// Why it is not written, in one sentence; empty when it is confirmed.

@@ -6,6 +6,7 @@
 #include "path/strike_out.hpp"
 #include "path/turns.hpp"
 #include "pipeline/assemble.hpp"
+#include "pipeline/compensate_job.hpp"
 #include "pipeline/finer_passes.hpp"
 #include "pipeline/job_engagement.hpp"
 #include "pipeline/mend_ends.hpp"
@@ -99,7 +100,12 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   const std::string left =
       CountWhatIsLeft(inputs, job.prepared.surface.mesh, execution.Threads(), execution.stop, plan);
   if (!left.empty()) job.prepared.warnings.push_back(left);
+  const auto feeds = FeedsOf(plan);
   if (inputs.job.feed_policy == FeedPolicy::kReduce) job.reduction = ReduceFeeds(plan);
+  const CompensationNotes notes = CompensateJob(inputs, job.prepared.world, feeds, execution, plan);
+  std::ranges::copy(notes.warnings, std::back_inserter(job.prepared.warnings));
+  std::ranges::copy(notes.findings, std::back_inserter(job.prepared.made.findings));
+  job.compensation_remains = notes.remains;
   if (inputs.job.programs.empty()) return;
   const auto start_ends = StartEnds(GapEnds(plan.home, plan.passes));
   execution.progress.Begin("starts", start_ends.size());
@@ -169,7 +175,7 @@ PreparedJob PrepareJob(const JobInputs& inputs, const Execution& execution) {
 
 PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution) {
   CheckPrograms(inputs);
-  PlannedJob job{PrepareJob(inputs, execution), {}, {}, {}, {}, {}};
+  PlannedJob job{PrepareJob(inputs, execution), {}, {}, {}, {}, {}, {}};
   job.plan = StartPlan(inputs, job.prepared);
   PlannedPasses planned = PlanPassesOf(inputs, job.prepared, Share{}, checkpoints, execution);
   job.plan.passes = std::move(planned.passes);

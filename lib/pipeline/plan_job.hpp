@@ -38,6 +38,7 @@ struct PlannedJob {
   PlanResult plan;
   FixedComparison fixed;  ///< with the best fixed rotations
   FeedReduction reduction;
+  std::optional<double> compensation_remains;  ///< median share of the deflection, where some is taken out
   JobPrograms programs;
   JobStarts starts;
   size_t resumed_passes = 0, resumed_gaps = 0;  ///< that came from checkpoints

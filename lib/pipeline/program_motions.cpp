@@ -2,6 +2,7 @@
 #include "pipeline/program_motions.hpp"
 
 #include "base/units.hpp"
+#include "compensation/compensate.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/base_window.hpp"
 #include "pipeline/cell_texts.hpp"
@@ -41,6 +42,10 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
   if (!job.program_options.date.empty()) options.header.emplace_back("date", job.program_options.date);
   for (const std::string& call : AssumedCalls(inputs.cell, controller_name))
     options.header.emplace_back("call", call);
+  if (lift == 0 && IsCompensated(plan)) {
+    options.header.emplace_back("COMPENSATED", "NOT TO BE RUN TWICE ON ONE PART");
+    options.notice = kCompensatedNotice;
+  }
   options.approach_feed = job.approach_feed;
   options.approach_slow = job.approach_slow;
   options.plunge_feed = job.plunge_feed.value_or(0);
@@ -79,6 +84,16 @@ void StateEntries(const PostSettings& settings, ProgramMotions& motions) {
   }
 }
 
+/// mm: what is taken out may be less than the usual chord, and no point may go that carries a part of it.
+double CompensatedChord(const PlanResult& plan) {
+  constexpr double kShare = 0.05, kLeast = 1e-5, kMost = 1e-3;
+  double largest = 0;
+  for (const PassResult& pass : plan.passes)
+    for (const PlannedPoint& point : pass.points)
+      if (point.compensation) largest = std::max(largest, point.compensation->shift.norm());
+  return std::clamp(kShare * largest, kLeast, kMost);
+}
+
 EconomyOptions MakeEconomyOptions(const ProgramOptionSettings& options) {
   const PathTolerance most = WrittenTolerance({options.path_tolerance, options.path_angle});
   return {options.chord_tolerance.value_or(options.path_tolerance / 2),
@@ -97,14 +112,17 @@ ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& input
   const double lift = job.program_options.dry_run_offset;
   MotionOptions options = MakeMotionOptions(plan, inputs, controller, window);
   options.calls = calls;
-  motions.planned = MakeMotionProgram(lift > 0 ? Lifted(plan, lift) : plan, options);
+  motions.planned = MakeMotionProgram(lift > 0 ? Lifted(plan, lift) : Commanded(plan), options);
   const PostSettings settings = MakePostSettings(job, inputs.cell, controller);
   const Post& post = *inputs.cell.controllers.at(controller).post;
   EconomyOptions economy = MakeEconomyOptions(job.program_options);
   economy.lines = post.Lines(settings);
+  if (!motions.planned.notice.empty() && !job.program_options.chord_tolerance)
+    economy.position_tolerance = std::min(economy.position_tolerance, CompensatedChord(plan));
   if (const double reserve = post.AngleReserve(); reserve > 0)
     economy.angle_tolerance = std::min(economy.angle_tolerance, job.program_options.path_angle - reserve);
   if (post.HasOwnWorld()) motions.planned.frames_checked = true;
+  motions.chord = economy.position_tolerance;
   EconomyResult thinned = Economise(motions.planned, economy);
   motions.written = std::move(thinned.program);
   motions.saved = thinned.saved;

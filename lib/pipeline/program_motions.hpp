@@ -14,6 +14,7 @@ struct ProgramMotions {
   MotionProgram written;              ///< what is given to the post: without needless points
   int saved = 0;                      ///< points that `written` leaves out
   int inserted = 0;                   ///< points that `written` adds so that the tool turns as planned
+  double chord = 0;                   ///< mm, by which a point left out may lie beside the way
   int near = 0;                       ///< points that remain nearer than the least spacing
   std::vector<std::string> warnings;  ///< handovers in a cut
   ProgramTime time;                   ///< of `written`

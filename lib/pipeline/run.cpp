@@ -159,10 +159,11 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
                                   arguments.full_axis_map ? &job.prepared.world : nullptr,
                                   execution.Threads(), execution.stop);
   ResultSet results(folder);
-  const ReportInputs report = WriteResults(
-      {inputs, job.prepared.cell, job.plan, job.programs, job.starts, audit, job.reduction,
-       job.prepared.warnings, findings, CurveGrid(), curves, map, job.fixed, job.prepared.heaviest},
-      results);
+  const ReportInputs report =
+      WriteResults({inputs, job.prepared.cell, job.plan, job.programs, job.starts, audit, job.reduction,
+                    job.prepared.warnings, findings, CurveGrid(), curves, map, job.fixed,
+                    job.prepared.heaviest, job.compensation_remains},
+                   results);
   stages.End(folder.path().string());
   RunFigures run = EndRun(begun, stages, execution.Threads());
   run.resumed_passes = job.resumed_passes;

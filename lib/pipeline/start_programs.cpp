@@ -4,8 +4,10 @@
 #include <cassert>
 
 #include "base/error.hpp"
+#include "compensation/compensate.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/cell_texts.hpp"
+#include "pipeline/check_program.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/program_motions.hpp"
 #include "program/controller_axes.hpp"
@@ -30,13 +32,16 @@ Gap WayHome(Gap out, const Gap& next) {
   return out;
 }
 
-std::vector<Finding> ReadBack(const ProgramFiles& files, const MotionProgram& planned, const Post& post,
-                              const PostSettings& settings, const VerifyOptions& options, const World& world,
-                              int threads, const std::stop_token& stop) {
+std::vector<Finding> ReadBack(const ProgramFiles& files, const ProgramMotions& motions,
+                              const PlanResult& single, const Post& post, const PostSettings& settings,
+                              VerifyOptions options, const World& world, int threads,
+                              const std::stop_token& stop) {
+  // The ways of starts lead to the nominal poses: to commanded ones nothing has looked at them yet.
+  options.interference |= IsCompensated(single);
   try {
     MotionProgram back = post.Read(files, world.cell().arm, settings);
-    CompleteFrames(back, planned);
-    return Verify(back, world, &planned, options, threads, stop);
+    CompleteFrames(back, motions.planned);
+    return CheckProgram(back, motions, single, world, options, threads, stop).findings;
   } catch (const InputError& error) {
     std::vector<Finding> findings;
     for (const Problem& problem : error.problems())
@@ -97,7 +102,7 @@ std::vector<StartProgram> MakeStartPrograms(const PlanResult& plan, const PlanRe
     motions.written.header.emplace_back("cycle_time", TimeText(motions.time.all) + " h:min:s, as replayed");
     for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
     start.files = post->Write(motions.written, single.arm, settings);
-    start.findings = ReadBack(start.files, motions.planned, *post, settings, options, world, threads, stop);
+    start.findings = ReadBack(start.files, motions, single, *post, settings, options, world, threads, stop);
   }
   return starts;
 }

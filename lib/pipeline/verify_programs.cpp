@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/cell_texts.hpp"
+#include "pipeline/check_program.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/output_folder.hpp"
 #include "pipeline/program_motions.hpp"
@@ -140,11 +141,12 @@ void VerifyStarts(const PlanResult& plan, const JobInputs& inputs, const std::st
     const fs::path file = folder / (single.job + post->Endings().front());
     if (!fs::exists(file)) continue;  // withheld
     MotionProgram program = post->Read(FilesOf(file, *post, arguments.root), plan.arm, settings);
-    const MotionProgram planned = MakeProgramMotions(single, inputs, controller, {}, calls).planned;
-    CompleteFrames(program, planned);
-    programs.push_back({controller, file.string(), program.motions.size(),
-                        Verify(program, world, &planned, options, Threads(arguments), stop),
-                        CellWarnings(inputs.cell)});
+    const ProgramMotions motions = MakeProgramMotions(single, inputs, controller, {}, calls);
+    CompleteFrames(program, motions.planned);
+    programs.push_back(
+        {controller, file.string(), program.motions.size(),
+         CheckProgram(program, motions, single, world, options, Threads(arguments), stop).findings,
+         CellWarnings(inputs.cell)});
   }
 }
 
@@ -171,12 +173,13 @@ std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Prog
     const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
     MotionProgram program = inputs.cell.controllers.at(controller).post->Read(files, plan.arm, settings);
     const std::vector<CallWay> calls = PlanCallWays(world, inputs, controller, stop);
-    const MotionProgram planned = MakeProgramMotions(plan, inputs, controller, {}, calls).planned;
-    CompleteFrames(program, planned);
+    const ProgramMotions motions = MakeProgramMotions(plan, inputs, controller, {}, calls);
+    CompleteFrames(program, motions.planned);
     VerifiedProgram verified{
         controller, folder.string(), program.motions.size(), {}, CellWarnings(inputs.cell)};
     for (const DeclaredCall& call : program.calls) verified.assumptions.push_back(AssumptionOf(call));
-    verified.findings = Verify(program, world, &planned, options, Threads(arguments), stop);
+    verified.findings =
+        CheckProgram(program, motions, plan, world, options, Threads(arguments), stop).findings;
     progress.End(fmt::format("{} motions, {} findings", verified.motions, verified.findings.size()));
     programs.push_back(std::move(verified));
     VerifyStarts(plan, inputs, controller, world, options, arguments, stop, programs);

@@ -177,6 +177,11 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   if (results.heaviest)
     report.deflection = PredictDeflections(plan, *results.heaviest, MakeCompliances(results.inputs.cell),
                                            FinishedFrom(results.inputs.job, plan.passes.size()));
+  report.compensation = FiguresOfCompensation(plan);
+  if (report.compensation) report.compensation->remains = results.compensation_remains;
+  for (const CheckedProgram& program : programs)
+    if (report.compensation && program.under_load)
+      report.compensation->programs.push_back({program.controller, program.under_load->largest});
   report.fixed = results.fixed;
   if (const std::optional<ToolUncertainty> tool = UncertaintyOf(results.inputs.cell.tool)) {
     report.steps = FindPoseSteps(plan, *tool, FinishedFrom(results.inputs.job, plan.passes.size()));
@@ -200,6 +205,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   set.Add("points.csv", PointsCsv(plan));
   set.Add("path.vtp", PathVtp(plan));
   if (report.deflection) set.Add("deflection.csv", DeflectionCsv(*report.deflection));
+  if (report.compensation) set.Add("compensation.csv", CompensationCsv(plan));
   set.Add("summary.json", SummaryJson(plan, report));
   set.Add("report.html", ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell,
                                      report.deflection ? &*report.deflection : nullptr, report.findings,

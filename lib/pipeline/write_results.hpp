@@ -26,6 +26,7 @@ struct Results {
   const AxisMap& map;                        ///< of `curves`
   const FixedComparison& fixed;
   const std::optional<CuttingForce>& heaviest;  ///< where the job says what is cut
+  std::optional<double> compensation_remains;
 };
 
 /// Adds everything that a plan leaves in its folder, but for what differs from run to run: reports, and the

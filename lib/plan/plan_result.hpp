@@ -2,6 +2,9 @@
 // The one value that the planner makes and that checkpoints, cluster, report and programs share.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +21,26 @@ struct PaperAnswer {
   double position_error = 0;  ///< mm
   double angle_error = 0;     ///< rad
   double objective = 0;       ///< f at the angles found; +inf in a singular pose
+};
+
+/// What a program is given at a point in place of the planned pose, so that the tip is where it should be
+/// when force and weight have moved it (docs/compensation.md). Vectors in W, lengths mm.
+struct Compensation {
+  /// The deflection along one direction under the cutting force: expected, between which values it lies, and
+  /// how much of it is taken out. Positive: along the direction.
+  struct Along {
+    double low = 0, expected = 0, high = 0;
+    double taken = 0;
+
+    double LargestBefore() const { return std::max(std::abs(low), std::abs(high)); }
+    double LargestAfter() const { return std::max(std::abs(low - taken), std::abs(high - taken)); }
+  };
+  Joints q = Joints::Zero();                         ///< commanded, rad
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();   ///< of the tip, from nominal to commanded
+  Eigen::Vector3d weight = Eigen::Vector3d::Zero();  ///< what the shift takes out of the arm's own sag
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< mean, on the tool, N
+  Along normal, across;                              ///< the surface normal; normal × feed
+  bool bounded = false;                              ///< the shift was cut to the largest allowed
 };
 
 /// A milling point as planned (vectors in W), or why it was skipped.
@@ -47,6 +70,7 @@ struct PlannedPoint {
   std::vector<PaperAnswer> paper;  ///< one with formulation paper, else none
   bool from_genetic = false;  ///< its node came from the genetic algorithm (and may have been smoothed since)
   double clearance = 0;       ///< mm, bounded
+  std::optional<Compensation> compensation;  ///< of a planned point, where the job asks for it
 };
 
 /// Points first..last of a pass, cut without lifting the tool.

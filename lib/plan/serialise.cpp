@@ -22,6 +22,11 @@ struct Writer {
   void operator()(const char* key, const T& value) {
     json[key] = Write(value);
   }
+  /// A value that is written where there is one.
+  template <class T>
+  void operator()(const char* key, const std::optional<T>& value) {
+    if (value) json[key] = Write(*value);
+  }
   /// An enum by its word.
   template <class E, size_t kCount>
   void Words(const char* key, const E& value, const EnumWords<E, kCount>& words) {
@@ -61,6 +66,11 @@ struct Reader {
   template <class T>
   void operator()(const char* key, T& value) {
     Read(json.at(key), value);
+  }
+  template <class T>
+  void operator()(const char* key, std::optional<T>& value) {
+    value.reset();
+    if (const auto found = json.find(key); found != json.end()) Read(*found, value.emplace());
   }
   template <class E, size_t kCount>
   void Words(const char* key, E& value, const EnumWords<E, kCount>& words) {
@@ -143,6 +153,25 @@ void Fields(Archive& a, PaperAnswer& p) {
 }
 
 template <class Archive>
+void Fields(Archive& a, Compensation::Along& d) {
+  a("low", d.low);
+  a("expected", d.expected);
+  a("high", d.high);
+  a("taken", d.taken);
+}
+
+template <class Archive>
+void Fields(Archive& a, Compensation& c) {
+  a("q", c.q);
+  a("shift", c.shift);
+  a("weight", c.weight);
+  a("force", c.force);
+  a("normal", c.normal);
+  a("across", c.across);
+  a("bounded", c.bounded);
+}
+
+template <class Archive>
 void Fields(Archive& a, PlannedPoint& p) {
   a("point", p.point);
   a("skip", p.skip);
@@ -171,6 +200,7 @@ void Fields(Archive& a, PlannedPoint& p) {
   a("paper", p.paper);
   a("from_genetic", p.from_genetic);
   a("clearance", p.clearance);
+  a("compensation", p.compensation);
 }
 
 template <class Archive>

@@ -19,6 +19,7 @@ class ProgramBuilder {
   ProgramBuilder(const PlanResult& plan, const MotionOptions& options)
       : plan_(plan), options_(options), X_PB_(plan.X_WP.inverse() * plan.X_WB) {
     program_.name = plan.job;
+    program_.notice = options.notice;
     program_.header = {{"job", plan.job}, {"cell", plan.cell}, {"inputs", plan.input_hash}};
     program_.header.insert(program_.header.end(), options.header.begin(), options.header.end());
     program_.X_BP = plan.X_WB.inverse() * plan.X_WP;

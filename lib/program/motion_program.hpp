@@ -94,8 +94,12 @@ struct MotionProgram {
   std::vector<Motion> motions;
   std::vector<ProgramEvent> events;  ///< ascending by before_motion
   std::vector<DeclaredCall> calls;   ///< that it makes, each once
+  std::string notice;                ///< shown to the operator before the first motion; empty: none
   std::vector<std::string> files;    ///< names of the texts it was read from
 };
+
+/// The notice of a program whose poses take the expected deflection out: run twice it would cut twice.
+inline constexpr char kCompensatedNotice[] = "COMPENSATED: NOT TO BE RUN TWICE ON ONE PART";
 
 /// A call that moves the arm, made from home and back to home.
 struct CallWay {
@@ -107,6 +111,7 @@ struct CallWay {
 /// What a program says beyond its plan.
 struct MotionOptions {
   std::vector<std::pair<std::string, std::string>> header;  ///< after job, cell and inputs
+  std::string notice;
   double approach_feed = 0;                                 ///< mm/s; 0: none of its own
   double approach_slow = 0;  ///< mm before the first point that run at the plunge feed
   double plunge_feed = 0;    ///< mm/s towards material; 0: the feed of the first point

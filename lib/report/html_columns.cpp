@@ -6,6 +6,7 @@
 
 #include "base/units.hpp"
 #include "plan/point_clearance.hpp"
+#include "report/compensation.hpp"
 
 namespace millpose {
 namespace {
@@ -172,6 +173,35 @@ void AddDeflection(const PlanResult& plan, const DeflectionReport& report,
              [](const DeflectedPoint& point) { return point.engagement.depth; });
 }
 
+/// What compensation takes out of the deflection along the normal, and what remains.
+void AddCompensation(const PlanResult& plan, Collector& c) {
+  if (!FiguresOfCompensation(plan)) return;
+  const auto along = [&](std::string key, std::string symbol, std::string label, Worse worse,
+                         double (*value)(const Compensation::Along&)) {
+    c.Add(std::move(key), std::move(symbol), std::move(label), "µm", worse,
+          [=](const PassResult& pass, size_t i) -> Value {
+            const auto& compensation = pass.points[i].compensation;
+            if (!compensation || compensation->force.isZero(0.0)) return std::nullopt;
+            return 1e3 * value(compensation->normal);
+          });
+  };
+  using Along = Compensation::Along;
+  along("before", "d·n before", "Expected error along the normal, uncompensated", Worse::kNeither,
+        [](const Along& d) { return d.expected; });
+  along("after", "d·n after", "Expected error along the normal, compensated", Worse::kNeither,
+        [](const Along& d) { return d.expected - d.taken; });
+  along("worst_before", "worst before", "Largest error along the normal that force and stiffness may make",
+        Worse::kHigh, [](const Along& d) { return d.LargestBefore(); });
+  along("worst_after", "worst after", "The same, compensated", Worse::kHigh,
+        [](const Along& d) { return d.LargestAfter(); });
+  c.Add("shift", "shift", "Shift of the commanded tip", "µm", Worse::kHigh,
+        [](const PassResult& pass, size_t i) -> Value {
+          const auto& compensation = pass.points[i].compensation;
+          if (!compensation) return std::nullopt;
+          return 1e3 * compensation->shift.norm();
+        });
+}
+
 /// Marks the worst points of a column.
 void KeepWorst(const ReportColumn& column, std::vector<char>& keep) {
   std::vector<uint32_t> order;
@@ -198,6 +228,7 @@ std::vector<ReportColumn> ReportColumns(const PlanResult& plan, const Deflection
   Collector collector(plan);
   AddStiffness(plan, collector);
   AddMotion(plan, collector);
+  AddCompensation(plan, collector);
   std::vector<ReportColumn> columns = collector.Take();
   if (deflection) AddDeflection(plan, *deflection, columns);
   return columns;

@@ -10,7 +10,12 @@ constexpr const char* kHeader =
     "a6_deg,"
     "rotation_deg,branch,lambda_t1_mm_N,lambda_t2_mm_N,lambda_n_mm_N,mu,dexterity,objective,clearance_mm,"
     "normal_compliance_mm_N,fx,fy,fz,feed_mm_min,genetic_optimum,exhaustive_optimum,reason,"
-    "lambda_3_mm_N,l3x,l3y,l3z,own_optimum\n";
+    "lambda_3_mm_N,l3x,l3y,l3z,own_optimum";
+// Behind them where the plan is compensated.
+constexpr const char* kCommandedHeader =
+    ",commanded_x_mm,commanded_y_mm,commanded_z_mm,commanded_tx,commanded_ty,commanded_tz,commanded_a1_deg,"
+    "commanded_a2_deg,commanded_a3_deg,commanded_a4_deg,commanded_a5_deg,commanded_a6_deg";
+constexpr int kCommandedColumns = 12;
 constexpr int kPlannedColumns = 16;  // a1_deg … normal_compliance_mm_N: empty for a skipped point
 
 const char* KindName(PointKind kind) {
@@ -54,10 +59,29 @@ void AppendPlanned(const PlannedPoint& point, Row* row) {
   row->Number(point.indices.normal_compliance);
 }
 
+bool IsCommanded(const PlanResult& plan) {
+  return std::ranges::any_of(plan.passes, [](const PassResult& pass) {
+    return std::ranges::any_of(pass.points, [](const PlannedPoint& p) { return p.compensation.has_value(); });
+  });
+}
+
+void AppendCommanded(const PlannedPoint& planned, Row* row) {
+  if (!planned.compensation) {
+    row->Empty(kCommandedColumns);
+    return;
+  }
+  const Compensation& c = *planned.compensation;
+  row->Vector(planned.point.position + c.shift).Vector(planned.point.tool_axis);
+  for (int i = 0; i < 6; ++i) row->Number(RadToDeg(c.q[i]));
+}
+
 }  // namespace
 
 std::string PointsCsv(const PlanResult& plan) {
+  const bool commanded = IsCommanded(plan);
   std::string csv = kHeader;
+  if (commanded) csv += kCommandedHeader;
+  csv += '\n';
   size_t number = 0;
   for (const PassResult& pass : plan.passes)
     for (const PlannedPoint& planned : pass.points) {
@@ -81,6 +105,7 @@ std::string PointsCsv(const PlanResult& plan) {
       else
         row.Number(planned.lambda_3).Vector(planned.lambda_3_direction);
       row.Text(planned.own_optimum > 0 ? fmt::format("{:.17g}", planned.own_optimum) : "");
+      if (commanded) AppendCommanded(planned, &row);
       csv += row.line() + '\n';
     }
   return csv;

@@ -11,6 +11,7 @@
 #include "plan/fixed_comparison.hpp"
 #include "plan/plan_result.hpp"
 #include "plan/price.hpp"
+#include "report/compensation.hpp"
 #include "report/deflection.hpp"
 #include "report/step_heights.hpp"
 
@@ -79,6 +80,7 @@ struct ReportInputs {
   std::vector<PathSpeed> path_speeds;
   std::optional<BaseWindow> base_window;
   std::optional<DeflectionReport> deflection;  ///< when the job says what the cutter takes off
+  std::optional<CompensationFigures> compensation;
   std::optional<FixedComparison> fixed;        ///< beside the best fixed rotation
   std::optional<PoseSteps> steps;              ///< when the cell says how well the tool is known
 };

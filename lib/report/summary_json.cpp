@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/units.hpp"
+#include "report/compensation_json.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/lifts_json.hpp"
 #include "report/report.hpp"
@@ -309,6 +310,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["findings"] = inputs.findings;
   json["audit"] = AuditJson(inputs.audit);
   json["deflection"] = DeflectionJson(inputs.deflection);
+  if (inputs.compensation) json["compensation"] = CompensationJson(*inputs.compensation);
   json["pose_steps"] = StepsJson(inputs.steps);
   json["fixed_rotation"] = FixedJson(inputs.fixed);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -140,6 +140,7 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   }
   if (figures.paper) AppendPaper(*figures.paper, &text);
   if (inputs.deflection) AppendDeflection(*inputs.deflection, &text);
+  if (inputs.compensation) text += CompensationText(*inputs.compensation);
   if (inputs.fixed) AppendFixed(*inputs.fixed, &text);
   fmt::format_to(out, "interference {} poses checked; {} of {} candidates never had to be\n",
                  figures.poses_checked, figures.candidates - figures.candidates_checked, figures.candidates);

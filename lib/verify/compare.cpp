@@ -252,6 +252,11 @@ std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const
     findings.push_back(At(replayed.program, 0, Cause::kOther,
                           "nothing stops the program before its first motion where the controller's frame is "
                           "another: the check of $ROBROOT is missing"));
+  if (plan.program.notice != replayed.program.notice)
+    findings.push_back(At(replayed.program, 0, Cause::kOther,
+                          plan.program.notice.empty()
+                              ? fmt::format("says \"{}\", which the plan does not", replayed.program.notice)
+                              : fmt::format("the notice \"{}\" is missing", plan.program.notice)));
   CompareSpindle(replayed, plan, options, findings);
   CompareOutputs(replayed, plan, cell, options, findings);
   return proofs;

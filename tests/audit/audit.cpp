@@ -134,6 +134,42 @@ void AuditRows(const Folder& folder, Figures& figures) {
   }
 }
 
+/// Commanded poses: the angles reach them, they stand beside the nominal ones by what compensation.csv says,
+/// and by no more than the job allows.
+void AuditCommanded(const Folder& folder, Figures& figures) {
+  const Setup& setup = folder.setup;
+  for (const Row& row : folder.rows) {
+    if (!row.commanded) continue;
+    const std::string name = fmt::format("point {}", row.point);
+    const Matrix4 X_WT = Tool(setup, row.commanded->angles);
+    figures.Raise("max_commanded_tip_error_mm",
+                  (Vector3(X_WT.block<3, 1>(0, 3)) - row.commanded->position).norm(), name);
+    figures.Raise("max_commanded_axis_error_deg",
+                  AngleBetween(Vector3(X_WT.block<3, 1>(0, 2)), row.axis) / kDegree, name);
+    const Vector3 shift = row.commanded->position - row.position;
+    figures.Raise("max_shift_excess_mm", shift.norm() - folder.goal.largest_shift, name);
+    const auto stated = folder.compensated.find(row.point);
+    if (stated == folder.compensated.end())
+      figures.Count("missing_shifts", name);
+    else
+      figures.Raise("max_shift_error_mm", (shift - stated->second.shift).norm(), name);
+    for (size_t i = 0; i < 6; ++i)
+      if (row.commanded->angles[i] < setup.hard_lower[i] - kAngleSlack ||
+          row.commanded->angles[i] > setup.hard_upper[i] + kAngleSlack)
+        figures.Count("limit_violations", fmt::format("A{} commanded at point {}", i + 1, row.point));
+  }
+}
+
+/// The rows with what programs are given in place of the nominal poses.
+std::vector<Row> CommandedRows(std::vector<Row> rows) {
+  for (Row& row : rows) {
+    if (!row.commanded) continue;
+    row.position = row.commanded->position;
+    row.angles = row.commanded->angles;
+  }
+  return rows;
+}
+
 void AuditSteps(const Setup& setup, const std::vector<Cut>& cuts, Figures& figures) {
   for (const Cut& cut : cuts)
     for (size_t k = 1; k < cut.rows.size() + (cut.closed ? 1 : 0); ++k) {
@@ -326,6 +362,13 @@ Verdict Audit(const Folder& folder, const Options& options) {
   figures.Declare("max_halfway_excess_mm", 1e-9);
   figures.Declare("max_summary_error_relative", 1e-8);
   figures.Declare("interferences", 0);
+  if (!folder.compensated.empty()) {
+    figures.Declare("max_commanded_tip_error_mm", 1e-6);
+    figures.Declare("max_commanded_axis_error_deg", 1e-7);
+    figures.Declare("max_shift_excess_mm", 1e-9);
+    figures.Declare("max_shift_error_mm", 1e-9);
+    figures.Declare("missing_shifts", 0);
+  }
   if (folder.setup.urdf) figures.Declare("max_urdf_error_mm", 0.01);
   for (const auto& [controller, files] : folder.programs) {
     figures.Declare("program_deviation_mm_" + controller, static_cast<double>(kPositionBound));
@@ -339,6 +382,12 @@ Verdict Audit(const Folder& folder, const Options& options) {
   AuditHalfway(folder, cuts, figures);
   AuditSummary(folder, figures);
   std::vector<JointMotion> motions = CutMotions(cuts), gaps;
+  const std::vector<Row> commanded = CommandedRows(folder.rows);
+  if (!folder.compensated.empty()) {
+    AuditCommanded(folder, figures);
+    cuts = CutsOf(commanded, folder.setup);
+    std::ranges::move(CutMotions(cuts), std::back_inserter(motions));
+  }
   for (const auto& [controller, files] : folder.programs) {
     const std::vector<Target> targets = ReadProgram(controller, files, folder.setup);
     const Deviation deviation = Compare(targets, cuts, folder.setup);

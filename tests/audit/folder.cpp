@@ -287,6 +287,8 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   folder.rows = ReadPoints(ReadFile(path / "points.csv"));
   folder.whole = std::ranges::all_of(folder.rows, &Row::planned);
   folder.goal = ReadGoal(ReadFile(path / "job.yaml"));
+  if (const std::string csv = optional("compensation.csv"); !csv.empty())
+    folder.compensated = ReadCompensated(csv, folder.setup.X_WP.block<3, 3>(0, 0));
   if (const std::string csv = optional("deflection.csv"); !csv.empty())
     folder.deflected = ReadDeflected(csv, folder.setup.X_WP.block<3, 3>(0, 0));
   if (const std::string json = optional("summary.json"); !json.empty()) folder.summary = ReadSummary(json);
@@ -343,6 +345,8 @@ Goal ReadGoal(const std::string& job_text) {
     goal.uncertainty = process["force_uncertainty_percent"].as<double>() / 100;
   if (process && process["force_direction_deg"])
     goal.direction = process["force_direction_deg"].as<double>() * kDegree;
+  if (const YAML::Node compensation = job["compensation"])
+    goal.largest_shift = compensation["max_mm"].as<double>(0.1);
   goal.given_force << objective["feed_N"].as<double>(0), objective["across_N"].as<double>(0),
       objective["axial_N"].as<double>(0);
   return goal;
@@ -380,6 +384,7 @@ class Table {
     return true;
   }
 
+  bool Has(const char* name) const { return columns_.contains(name); }
   const std::string& At(const char* name) const { return cells_.at(columns_.at(name)); }
   Real Number(const char* name) const {
     size_t used = 0;
@@ -417,6 +422,22 @@ std::map<int, Deflected> ReadDeflected(const std::string& csv, const Matrix3& R_
   return rows;
 }
 
+std::map<int, Compensated> ReadCompensated(const std::string& csv, const Matrix3& R_WP) {
+  constexpr Real kMicrometre = 1e-3L;
+  Table table("compensation.csv", csv);
+  std::map<int, Compensated> rows;
+  while (table.Next())
+    rows[std::stoi(table.At("point"))] = {
+        R_WP * table.Three("force_x_N", "force_y_N", "force_z_N"),
+        kMicrometre * table.Number("normal_low_um"),
+        kMicrometre * table.Number("normal_expected_um"),
+        kMicrometre * table.Number("normal_high_um"),
+        kMicrometre * table.Number("normal_taken_um"),
+        kMicrometre * table.Number("normal_worst_after_um"),
+        kMicrometre * R_WP * table.Three("shift_x_um", "shift_y_um", "shift_z_um")};
+  return rows;
+}
+
 std::vector<Row> ReadPoints(const std::string& csv) {
   Table table("points.csv", csv);
   std::vector<Row> rows;
@@ -442,6 +463,14 @@ std::vector<Row> ReadPoints(const std::string& csv) {
       row.dexterity = table.Number("dexterity");
       row.objective = table.Number("objective");
       row.feed = table.Number("feed_mm_min") / 60;
+    }
+    if (row.planned && table.Has("commanded_x_mm")) {
+      Row::Commanded& commanded = row.commanded.emplace();
+      commanded.position = table.Three("commanded_x_mm", "commanded_y_mm", "commanded_z_mm");
+      commanded.axis = table.Three("commanded_tx", "commanded_ty", "commanded_tz");
+      for (size_t i = 0; i < 6; ++i)
+        commanded.angles[i] =
+            table.Number(("commanded_a" + std::to_string(i + 1) + "_deg").c_str()) * kDegree;
     }
     rows.push_back(row);
   }

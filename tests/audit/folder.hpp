@@ -22,6 +22,12 @@ struct Row {
   Real rotation;                   ///< about the tool axis, rad
   Real lambda_t1, lambda_t2, lambda_n, mu, dexterity, objective;
   Real feed;  ///< mm/s
+  /// What programs are given in its place, where the plan is compensated: in W, mm, rad.
+  struct Commanded {
+    Vector3 position, axis;
+    Angles angles;
+  };
+  std::optional<Commanded> commanded;
 };
 
 /// A planned way between two pieces, from plan.cbor; pass −1 is home.
@@ -42,12 +48,21 @@ struct Goal {
   Real uncertainty = 0, direction = 0;    ///< of the force: a share, rad
   Vector3 given_force = Vector3::Zero();  ///< N, along feed, across, axis; zero: each point's own
   Real max_halfway = 5;                   ///< mm
+  Real largest_shift = 0;                 ///< mm, of compensation; 0: none is allowed
   std::vector<Real> layers = {0};  ///< mm along the normals above the surface, as `toolpath.depth` says
 };
 
 /// The layers of a depth of cut, mm: from the outermost in, even steps of at most `per_layer` down to the
 /// last, which takes `finishing` of the total and leaves `allowance`.
 std::vector<Real> LayersOf(Real total, Real per_layer, Real allowance, Real finishing);
+
+/// One row of compensation.csv, in W, N and mm: the mean force, the deflection along the normal as expected
+/// and within bounds, what is taken out of it, the largest that may remain, and the shift of the tip.
+struct Compensated {
+  Vector3 force;
+  Real low, expected, high, taken, worst_after;
+  Vector3 shift;
+};
 
 /// What summary.json says of all points together.
 struct Summary {
@@ -62,6 +77,7 @@ struct Folder {
   std::vector<PlannedGap> gaps;
   Goal goal;
   std::map<int, Deflected> deflected;  ///< by point
+  std::map<int, Compensated> compensated;
   std::optional<Summary> summary;
   std::map<std::string, std::map<std::string, std::string>> programs;  ///< controller → file name → text
 };
@@ -77,6 +93,7 @@ Setup ReadSetup(const std::string& job, const std::vector<std::filesystem::path>
 
 /// Parts of ReadFolder.
 Goal ReadGoal(const std::string& job);
+std::map<int, Compensated> ReadCompensated(const std::string& csv, const Matrix3& R_WP);
 std::map<int, Deflected> ReadDeflected(const std::string& csv, const Matrix3& R_WP);
 std::optional<Summary> ReadSummary(const std::string& json);
 std::vector<PlannedGap> ReadGaps(const std::string& cbor);

@@ -175,6 +175,10 @@ class Keys(InFolder):
         job["process"].update(cutting={"teeth": 2, "kc11_N_mm2": 700, "mc": 0.2, "side": "up"}, stock="region",
                               force_uncertainty_percent=30, force_direction_deg=20)
         job["pose"]["objective"] = {"name": "surface_error"}
+        job["process"]["force_factors"] = {"up": 1.1, "down": 0.9, "slot": 1.2}
+        job["compensation"] = {"deflection": "normal", "shrink": 0.5, "stiffness_uncertainty_percent": 12, "max_mm": 0.05,
+                               "layers": "all", "weight": False}
+        cell["arm"]["absolute_accuracy"] = True
         job["path"].update(criterion="worst_then_sum", lift_gain_percent=50, max_lifts=1, max_joint_step_deg=[30, 30, 30, 30, 30, 30])
         job["program_options"]["point_economy"] = {"chord_mm": 0.01, "angle_deg": 0.01}
         cell["tool"].update(tip_uncertainty_mm=0.2, axis_uncertainty_deg=0.05, load={
@@ -186,6 +190,21 @@ class Keys(InFolder):
         job, cell = self.base()
         job["process"]["cutting"] = {"teeth": 2, "depth_mm": 1, "material": "5A06"}
         job["path"]["over_missing"] = "leave_out"
+        job["compensation"] = {"deflection": "normal"}
+        cell["arm"]["stiffness_uncertainty_percent"] = [5, 5, 5, 5, 5, 5]
+        yield job, cell
+
+        job, cell = self.base()
+        self.write(job, cell)
+        self.assertLess(self.plan("forceless").returncode, 2)
+        with (self.folder / "forceless" / "points.csv").open(encoding="utf-8") as file:
+            points = [row.split(",") for row in file.read().splitlines()[1:]]
+        forces = ["point,x_mm,y_mm,z_mm,force_x_N,force_y_N,force_z_N"]
+        forces += [",".join([row[0], *row[6:9], "30", "-20", "90"]) for row in points]
+        for name in ("forces.csv", "copy_of_forces.csv"):
+            (self.folder / name).write_text("\n".join(forces) + "\n")
+        job["process"]["force_csv"] = "forces.csv"
+        job["compensation"] = {"deflection": "normal"}
         yield job, cell
 
         job, cell = self.base()
@@ -202,6 +221,7 @@ class Keys(InFolder):
         cell["stiffness"]["gravity"] = {
             "reference_deg": [0, -90, 90, 0, 0, 0], "counterbalance": {"torque_Nm": 100, "zero_deg": -90},
             "masses": [{"name": "spindle", "mount": "link6", "mass_kg": 30, "centre_mm": [0, 0, 100.5]}]}
+        job["compensation"] = {"deflection": "off", "weight": True}
         krl = cell["controllers"]["krl"]
         krl["texts"] = {name: f"; {name}" for name in TEXTS}
         krl["outputs"] = [{"number": 3, "at": "cut_begin", "set": True, "delay_ms": -20}]

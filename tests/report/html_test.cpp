@@ -163,7 +163,10 @@ TEST(ReportHtml, EveryChartFindsItsColumns) {
   DeflectionReport report;
   HtmlInput input = SmallPanel().Input();
   input.deflection = &report;
-  const std::string page = ReportHtml(input);
+  PlanResult compensated = input.plan;
+  compensated.passes.front().points.front().compensation.emplace();
+  const std::string page =
+      ReportHtml({compensated, input.cell, input.grid, input.curves, input.settings, input.deflection});
   std::set<std::string> known;
   const Json data = DataOf(page);
   for (const Json& column : data["columns"]) known.insert(column["key"]);
@@ -174,8 +177,8 @@ TEST(ReportHtml, EveryChartFindsItsColumns) {
     for (std::sregex_iterator key(list.begin(), list.end(), kKey); key != none; ++key, ++keys)
       EXPECT_TRUE(known.contains((*key)[1])) << (*key)[1];
   }
-  EXPECT_EQ(charts, 8u);
-  EXPECT_EQ(keys, 16u);
+  EXPECT_EQ(charts, 10u);
+  EXPECT_EQ(keys, 21u);
 }
 
 TEST(ReportHtml, ColumnsHoldThePlanInTheirUnits) {

@@ -69,9 +69,10 @@ class KrlWriter : public ProgramWriter {
     add(fmt::format("DEF {} ( )", name));
     add("; written by millpose for KUKA KRC4; mm, degrees; A about Z, B about new Y, C about new X");
     for (const std::string& text : HeaderTexts(kWidth - 2)) add("; " + text);
-    if (program_.frames_checked) head += KrlDeclarations();
+    if (program_.frames_checked || !program_.notice.empty()) head += KrlDeclarations();
     head += kIni;
     if (program_.frames_checked) head += KrlFrameCheck(options_);
+    if (!program_.notice.empty()) head += KrlNotice(program_.notice);
     return head + Settings() + TextLines("header") + TextLines("tool_change");
   }
 

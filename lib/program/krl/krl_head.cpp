@@ -88,6 +88,16 @@ std::string KrlFields(const Pose& pose, int decimals) {
 
 std::string KrlDeclarations() { return kDeclarations; }
 
+std::string KrlNotice(const std::string& notice) {
+  std::string text;
+  for (int i = 1; i <= 3; ++i) text += fmt::format("MP_PAR[{}] = {{PAR_TYPE #EMPTY}}\n", i);
+  text += fmt::format("MP_MSG = {{MODUL[] \"millpose\",NR 2,MSG_TXT[] \"{}\"}}\n", notice);
+  text +=
+      "MP_OPT = {VL_STOP FALSE,CLEAR_P_RESET TRUE,CLEAR_P_SAW FALSE,LOG_TO_DB TRUE}\n"
+      "MP_ID = SET_KRLMSG(#NOTIFY,MP_MSG,MP_PAR[],MP_OPT)\n";
+  return text;
+}
+
 std::string KrlFrameCheck(const KrlOptions& options) {
   return options.ersysroot ? Check("$ERSYSROOT", MakePose(options.ersysroot->pose))
                            : Check("$ROBROOT", KrlRobroot(options));

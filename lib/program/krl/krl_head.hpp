@@ -9,6 +9,8 @@ namespace millpose {
 
 /// Data of KrlFrameCheck(), among the program's declarations.
 std::string KrlDeclarations();
+/// A message that stays until the operator has seen it and stops nothing.
+std::string KrlNotice(const std::string& text);
 /// Statements that stop the program with a message where the controller's $ROBROOT ($ERSYSROOT on a coupled
 /// rail) is not the cell's.
 std::string KrlFrameCheck(const KrlOptions& options);

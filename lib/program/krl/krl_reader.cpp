@@ -43,6 +43,10 @@ class KrlReader : public ProgramReader {
       program_.frames_checked = true;
       return taken;
     }
+    if (const size_t taken = declared_ ? KrlLines(notice_, lines, first) : 0) {
+      program_.notice = kCompensatedNotice;
+      return taken;
+    }
     return 0;
   }
 
@@ -377,6 +381,7 @@ class KrlReader : public ProgramReader {
   bool begun_ = false;                      // a statement was read: no declaration may follow
   bool declared_ = false;                   // the data of the frame check were read
   const std::string check_ = KrlFrameCheck(options_), load_ = KrlLoad(options_, settings_);
+  const std::string notice_ = KrlNotice(kCompensatedNotice);
 };
 
 }  // namespace

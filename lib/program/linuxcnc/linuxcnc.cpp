@@ -48,6 +48,7 @@ class LinuxCncWriter : public ProgramWriter {
                                                      : "A about Z, B about new X, C about new Z\n";
     }
     for (const std::string& text : HeaderTexts(kWidth - 2)) head += "; " + text + "\n";
+    if (!program_.notice.empty()) head += fmt::format("(MSG, {})\n", program_.notice);
     return head + Settings() + TextLines("header") + TextLines("tool_change");
   }
 

@@ -80,6 +80,11 @@ class LinuxCncReader : public ProgramReader {
   }
 
   void ReadComment(std::string_view comment) override {
+    // rs274 shows what stands behind "MSG,".
+    if (InHead() && comment == fmt::format("MSG, {}", kCompensatedNotice)) {
+      program_.notice = kCompensatedNotice;
+      return;
+    }
     LineScanner scan(comment, "", 0);
     const bool begin = scan.Accept("PASS");
     if (!begin && !scan.Accept("END OF PASS")) return ProgramReader::ReadComment(comment);

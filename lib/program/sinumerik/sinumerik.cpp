@@ -59,6 +59,7 @@ class SinumerikWriter : public ProgramWriter {
     add(fmt::format("; TOOL {} in the flange: X{} Y{} Z{} A={} B={} C={}", settings_.tool_name,
                     Fixed(t.x(), 4), Fixed(t.y(), 4), Fixed(t.z(), 4), Fixed(abc[0], 4), Fixed(abc[1], 4),
                     Fixed(abc[2], 4)));
+    if (!program_.notice.empty()) head += fmt::format("MSG(\"{}\")\n", program_.notice);
     const std::string settings = Settings();
     const size_t codes = settings.find('\n') + 1;  // the tool is changed before its frame is set
     return head + settings.substr(0, codes) + TextLines("tool_change") + settings.substr(codes) +

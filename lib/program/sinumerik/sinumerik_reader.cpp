@@ -151,6 +151,7 @@ class SinumerikReader : public ProgramReader {
     scan.Expect("\"");
     const bool begin = !InText() && scan.Accept("PASS");
     if (begin || (!InText() && scan.Accept("END OF PASS"))) ReadPassMark(scan, begin);
+    if (InHead() && !InText() && scan.Accept(kCompensatedNotice)) program_.notice = kCompensatedNotice;
     while (scan.Peek() != '"' && scan.Peek() != '\0') scan.Skip();
     scan.Expect("\"");
     scan.Expect(")");

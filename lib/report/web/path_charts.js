@@ -39,6 +39,8 @@
         this.chosen,
         chart("Compliance indices", ["lambda_t1", "lambda_t2", "lambda_n", "normal_compliance"], 160),
         chart("Predicted deflection under the mean cutting force", ["deflection", "deflection_normal", "deflection_feed", "deflection_across"], 160),
+        chart("Error along the normal, before and after compensation", ["before", "after", "worst_before", "worst_after"], 160),
+        chart("Shift of the commanded tip", ["shift"], 110),
         chart("What is cut", ["cut_width", "cut_depth"], 130),
         chart("Mean cutting force", ["cut_force"], 110),
         chart("Isotropy and dexterity", ["mu", "dexterity"], 120),

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A simulated arm that runs a compensated program under load: its stiffness and the cutting force are drawn
+// within the bounds that the plan was made for.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tests/audit/folder.hpp"
+
+namespace millpose::loop {
+
+using audit::Real;
+
+/// Within which the truth is drawn: shares, rad.
+struct Bounds {
+  Real force = 0.3L, direction = 20 * audit::kDegree;
+  std::array<Real, 6> joints{};
+  Real beside = 0.1L;
+};
+
+/// What bounds.of a folder's job and cell say.
+Bounds BoundsOf(const std::string& job_yaml, const std::string& cell_yaml);
+
+/// Errors along the surface normal over all draws, mm.
+struct Verdict {
+  size_t points = 0, draws = 0;
+  Real program = 0;           ///< largest distance along n of the program's tip from its commanded place
+  Real nominal = 0;           ///< nothing drawn: largest difference from what the plan expects to remain
+  Real nominal_residual = 0;  ///< and the largest residual itself
+  Real quantile_before = 0, quantile_after = 0;  ///< 95 % of the draws' worst error
+  Real beyond = 0;  ///< largest excess of an error over the reported worst of its point
+  size_t worse =
+      0;  ///< points, over all draws, that compensation made worse by more than the program's own error
+  Real remains = 1;  ///< median over compensated points and draws of |error after ÷ before|
+};
+
+Verdict Run(const audit::Folder& folder, const std::string& controller, const Bounds& bounds, size_t draws,
+            uint64_t seed);
+
+std::string ToJson(const Verdict& verdict);
+
+}  // namespace millpose::loop
