@@ -2,6 +2,7 @@
 #include "pipeline/audit.hpp"
 
 #include "base/parallel.hpp"
+#include "compensation/compensate.hpp"
 #include "judge/interference.hpp"
 #include "motion/line.hpp"
 #include "path/job_planner.hpp"
@@ -126,7 +127,8 @@ void Collect(const std::vector<Step>& steps, const std::vector<Found>& found, Au
 void AuditMotions(const PlanResult& plan, const Cell& cell, double resolution, int threads,
                   std::stop_token stop, AuditFigures* figures) {
   const audit::Setup setup = MakeJudgeSetup(cell);
-  const std::vector<Step> steps = StepsOf(plan);
+  std::vector<Step> steps = StepsOf(plan);
+  if (IsCompensated(plan)) std::ranges::move(StepsOf(Commanded(plan)), std::back_inserter(steps));
   std::vector<Found> found(steps.size());
   // A judge has a state of its own: one for each share of the steps.
   const auto parts = static_cast<size_t>(std::max(1, threads));

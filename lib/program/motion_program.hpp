@@ -112,7 +112,7 @@ struct CallWay {
 struct MotionOptions {
   std::vector<std::pair<std::string, std::string>> header;  ///< after job, cell and inputs
   std::string notice;
-  double approach_feed = 0;                                 ///< mm/s; 0: none of its own
+  double approach_feed = 0;  ///< mm/s; 0: none of its own
   double approach_slow = 0;  ///< mm before the first point that run at the plunge feed
   double plunge_feed = 0;    ///< mm/s towards material; 0: the feed of the first point
   double retract_feed = 0;   ///< mm/s; 0: the feed of the last point
