@@ -11,6 +11,7 @@
 namespace millpose {
 namespace {
 
+constexpr double kShortest = 0.05;  // mm: a shorter part of an approach would be lost in a program's decimals
 constexpr double kSpeedShare = 0.5;  // of the joints' largest speeds that approach and retract may use
 
 /// Appends motions and events of one plan.
@@ -118,7 +119,8 @@ class ProgramBuilder {
     const PoseLine line(entry.X_PT, X_PB_ * ForwardFlange(plan_.arm, target.q) * plan_.X_FT);
     const double before = line.length() - options_.approach_slow;
     const double feed = options_.approach_feed;
-    if (feed <= 0 || feed == PlungeFeed(target.point) || options_.approach_slow <= 0 || before <= 0) return;
+    if (feed <= 0 || feed == PlungeFeed(target.point) || options_.approach_slow <= 0 || before < kShortest)
+      return;
     const auto q =
         InverseNear(plan_.arm, X_PB_.inverse() * line.At(before / line.length()) * plan_.X_FT.inverse(),
                     Status(plan_.arm, target.q), target.q);

@@ -46,6 +46,16 @@ TEST_P(VerifyPost, ConfirmsWhatWasWritten) {
   EXPECT_EQ(Text(Verify(WrittenAndRead(), world, &program, options, 2, {})), "");
 }
 
+// Of a part of the approach that is shorter than a program's decimals only the stop would be left, or not
+// even that.
+TEST_P(VerifyPost, AnApproachIsNotCutInTwoForNothing) {
+  for (const double more : {1e-7, 1e-5, 1e-3, 0.04, 0.06, 1.0}) {
+    plan = SamplePlan({.lift = 5 + more});
+    program = MakeMotionProgram(plan, SampleFeeds());
+    EXPECT_EQ(Text(Verify(WrittenAndRead(), world, &program, options, 2, {})), "") << more;
+  }
+}
+
 TEST_P(VerifyPost, ConfirmsWithoutAPlan) {
   EXPECT_EQ(Text(Verify(WrittenAndRead(), world, nullptr, options, 2, {})), "");
 }
