@@ -1,17 +1,40 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The keys of a job's `process:`, one line each.
+#include "base/text.hpp"
 #include "config/fields.hpp"
 #include "pose/objective.hpp"
+#include "stiffness/cutting_material.hpp"
 
 namespace millpose::config {
 namespace {
 
+/// Text, also where it looks like a number: 6061, 1.4404.
+Codec<std::string> MaterialName() {
+  Codec<std::string> codec = Text();
+  codec.type = "name or number of a material";
+  codec.schema.Put("type", Value::List({Value::Text("string"), Value::Text("number")}));
+  codec.read = [text = codec.read](const Value& value, const Context& context, std::string& result) {
+    if (value.kind == Value::Kind::kScalar && value.plain && ParseNumber(value.text))
+      result = value.text;
+    else
+      text(value, context, result);
+  };
+  return codec;
+}
+
+void CheckMaterial(const Value& value, const Context& context, const CuttingSettings& cutting) {
+  if (cutting.kc11 > 0 || FindCuttingMaterial(cutting.material)) return;
+  const Value* given = value.Find("material");
+  context.Child("material").Add(given ? given->mark : value.mark, UnknownMaterial(cutting.material));
+}
+
 Codec<CuttingSettings> CuttingFields() {
   using S = CuttingSettings;
   const Unit specific{"N/mm²", 1, 1};
-  return Section<S>({
-      Key<S>("material", MILLPOSE_AT(material), Text(),
-             "Material of the built-in table (docs/process-force.md)."),
+  const std::vector<Field<S>> fields = {
+      Key<S>("material", MILLPOSE_AT(material), MaterialName(),
+             "Material of the built-in table, by name or alias: AlMgSi, 6061, 7075, TiAl6V4, 316L, 1.4404, … "
+             "(docs/process-force.md)."),
       Key<S>("kc11_N_mm2", MILLPOSE_AT(kc11), Real(specific, UpTo(1e5)),
              "Specific cutting force at 1 mm chip thickness in place of the table's."),
       Key<S>("mc", MILLPOSE_AT(mc), Real(kOne, Between(0, 1)), "Exponent that goes with kc11_N_mm2."),
@@ -28,7 +51,8 @@ Codec<CuttingSettings> CuttingFields() {
              "Radial ÷ tangential force."),
       Key<S>("axial_ratio", MILLPOSE_AT(axial_ratio), Real(kOne, Between(-2, 2)),
              "Force on the tool towards the holder ÷ tangential force; negative pulls the tool out."),
-  });
+  };
+  return Section<S>(fields, CheckMaterial);
 }
 
 Codec<ForceFactors> ForceFactorFields() {

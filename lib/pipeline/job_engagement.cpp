@@ -6,6 +6,7 @@
 #include "cutting/engagement.hpp"
 #include "pipeline/assemble.hpp"
 #include "plan/skipped.hpp"
+#include "stiffness/cutting_material.hpp"
 #include "surface/mesh_import.hpp"
 #include "toolpath/make_toolpath.hpp"
 #include "toolpath/strategy.hpp"
@@ -51,17 +52,10 @@ class CuttingReader {
   }
 
   void ReadMaterial(CuttingMaterial& material) {
-    std::vector<std::string> names;
-    for (const CuttingMaterial& known : CuttingMaterials()) {
-      names.push_back(known.name);
-      if (known.name == from_.material) {
-        material = known;
-        return;
-      }
-    }
-    const std::string nearest = NearestName(from_.material, names);
-    Add(fmt::format("process.cutting.material: given {}; allowed: {}, or kc11_N_mm2 and mc{}", from_.material,
-                    fmt::join(names, ", "), nearest.empty() ? "" : "; nearest: " + nearest));
+    if (const CuttingMaterial* known = FindCuttingMaterial(from_.material))
+      material = *known;
+    else
+      Add("process.cutting.material: " + UnknownMaterial(from_.material));
   }
 
   /// The depth of a layer; returns how high the stock stands above the part.
@@ -159,8 +153,7 @@ class CuttingReader {
 
 double ChipExponent(const JobSettings& job) {
   if (job.cutting->kc11 <= 0)
-    for (const CuttingMaterial& known : CuttingMaterials())
-      if (known.name == job.cutting->material) return known.mc;
+    if (const CuttingMaterial* known = FindCuttingMaterial(job.cutting->material)) return known->mc;
   return job.cutting->mc;
 }
 

@@ -74,21 +74,6 @@ double LargestStep(const std::vector<FacePoint>& points) {
 
 }  // namespace
 
-const std::vector<CuttingMaterial>& CuttingMaterials() {
-  // ISCAR, Boring Systems catalogue 2022, user guide "Material Groups" (ISO 513, VDI 3323): kc1 and mc by
-  // material group. docs/process-force.md compares them with others.
-  static const std::vector<CuttingMaterial> materials{
-      {"5A06", 700, 0.25, "ISCAR 2022, group 21: wrought aluminium, not hardenable (AlMg6)"},
-      {"AlMg", 700, 0.25, "ISCAR 2022, group 21: wrought aluminium, not hardenable"},
-      {"AlZnMgCu", 800, 0.25, "ISCAR 2022, group 22: wrought aluminium, hardened (7075, 2A12)"},
-      {"TiAl6V4", 1245, 0.24, "ISCAR 2022, group 37: titanium alpha+beta alloys, hardened"},
-      {"Inconel718", 3300, 0.24, "ISCAR 2022, group 34: Ni or Co based, hardened"},
-      {"X5CrNi18-10", 2150, 0.20, "ISCAR 2022, group 14: stainless steel, austenitic"},
-      {"C45", 1500, 0.22, "ISCAR 2022, group 2: unalloyed steel with 0.25 % C or more, annealed"},
-  };
-  return materials;
-}
-
 CuttingForce MeanCuttingForce(const Cut& cut) {
   assert(cut.teeth > 0 && cut.diameter > 0 && cut.width <= cut.diameter);
   const Engagement engagement = EngagementOf(cut);

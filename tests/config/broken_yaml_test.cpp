@@ -228,6 +228,31 @@ TEST(BrokenYaml, CellSlipsAreNamedWithTheirPlace) {
   for (const Slip& slip : kCellSlips) ExpectProblem(slip, Replaced(kCell, slip), ParseCell);
 }
 
+TEST(BrokenYaml, MaterialsMayLookLikeNumbersAndAreKnownByNameOrAlias) {
+  const auto with = [](const std::string& cutting) {
+    return Replaced(kJob, {"  spindle_rpm: 7000", ("  spindle_rpm: 7000\n  cutting: " + cutting).c_str()});
+  };
+  const auto problem = [&](const std::string& cutting) -> std::string {
+    try {
+      ParseJob(with(cutting), "f.yaml");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  for (const char* material : {"6061", "1.4404", "\"2024\"", "316L", "ti6al4v", "EN AW-7075"})
+    EXPECT_EQ(problem(fmt::format("{{teeth: 2, material: {}}}", material)), "") << material;
+  EXPECT_EQ(ParseJob(with("{teeth: 2, material: 1.4404}"), "f.yaml").cutting->material, "1.4404");
+  const std::string wrong = problem("{teeth: 2, material: 6O61}");
+  EXPECT_TRUE(wrong.starts_with("f.yaml:16:33: process.cutting.material: given 6O61; allowed: 5A06, AlMg, "))
+      << wrong;
+  EXPECT_TRUE(wrong.ends_with("; nearest: 6061")) << wrong;
+  EXPECT_NE(problem("{teeth: 2, material: GFRP}").find("f.yaml:16:33: process.cutting.material: given GFRP"),
+            std::string::npos);
+  EXPECT_EQ(problem("{teeth: 2, material: GFRP, kc11_N_mm2: 300}"), "");
+  EXPECT_NE(problem("{teeth: 2, material: true}"), "");
+}
+
 TEST(BrokenYaml, AllProblemsAreToldInTheOrderOfTheText) {
   std::string text = kJob;
   for (const Slip& slip : {Slip{"stepover_mm: 8", "stepver_mm: 8"},

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stiffness/process_force.hpp"
 
+#include <set>
+
 #include "base/random.hpp"
 #include "base/units.hpp"
+#include "stiffness/cutting_material.hpp"
 #include "tests/stiffness/random_vectors.hpp"
 
 namespace millpose {
@@ -149,6 +152,48 @@ TEST(ProcessForce, PeakIsTheLargestSumOverAllTeeth) {
     }
     EXPECT_NEAR(MeanCuttingForce(cut).peak / largest, 1, 1e-4) << teeth;
   }
+}
+
+TEST(CuttingMaterials, EveryNameAndAliasIsThereOnce) {
+  std::set<std::string> keys;
+  for (const CuttingMaterial& known : CuttingMaterials())
+    EXPECT_TRUE(keys.insert(MaterialKey(known.name)).second) << known.name;
+  for (const MaterialAlias& alias : MaterialAliases())
+    EXPECT_TRUE(keys.insert(MaterialKey(alias.alias)).second) << alias.alias;
+}
+
+TEST(CuttingMaterials, EveryValueHasItsSourceAndIsOneOfMetals) {
+  for (const CuttingMaterial& known : CuttingMaterials()) {
+    EXPECT_TRUE(known.source.starts_with("ISCAR 2022, group ")) << known.name;
+    EXPECT_TRUE(known.kc11 >= 500 && known.kc11 <= 5000) << known.name;
+    EXPECT_TRUE(known.mc >= 0.15 && known.mc <= 0.35) << known.name;
+  }
+}
+
+TEST(CuttingMaterials, AliasesAreFoundHoweverTheyAreWritten) {
+  const auto name = [](const std::string& given) {
+    const CuttingMaterial* found = FindCuttingMaterial(given);
+    return found ? found->name : "";
+  };
+  for (const CuttingMaterial& known : CuttingMaterials()) EXPECT_EQ(name(known.name), known.name);
+  for (const MaterialAlias& alias : MaterialAliases())
+    EXPECT_EQ(name(alias.alias), alias.name) << alias.alias;
+  EXPECT_EQ(name("6061"), "AlMgSi");
+  EXPECT_EQ(name("EN AW-6082"), "AlMgSi");
+  EXPECT_EQ(name("7075"), "AlZnMgCu");
+  EXPECT_EQ(name("2024"), "AlCuMg");
+  EXPECT_EQ(name("316l"), "X2CrNiMo17-12-2");
+  EXPECT_EQ(name("1.4404"), "X2CrNiMo17-12-2");
+  EXPECT_EQ(name("ti6al4v"), "TiAl6V4");
+  EXPECT_EQ(name("Inconel 718"), "Inconel718");
+  EXPECT_EQ(name(""), "");
+  EXPECT_EQ(name("AlMgS"), "");
+}
+
+TEST(CuttingMaterials, WhatIsNotKnownIsToldWithTheNearest) {
+  EXPECT_TRUE(UnknownMaterial("6062").ends_with("; nearest: 6060")) << UnknownMaterial("6062");
+  EXPECT_TRUE(UnknownMaterial("1.4405").ends_with("; nearest: 1.4401")) << UnknownMaterial("1.4405");
+  EXPECT_NE(UnknownMaterial("CFRP").find("composites have no value"), std::string::npos);
 }
 
 }  // namespace
