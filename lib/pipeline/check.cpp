@@ -9,6 +9,7 @@
 #include "base/units.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/job_engagement.hpp"
+#include "pipeline/locate.hpp"
 #include "pipeline/step_meshes.hpp"
 #include "pipeline/workpiece.hpp"
 #include "pose/scorer.hpp"
@@ -115,11 +116,9 @@ MeshCheck CheckMesh(const CheckMeshArguments& arguments, Progress& progress, std
   return Described(name, unit, import, kLargeArm, std::move(warnings));
 }
 
-JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::stop_token stop) {
-  const int threads =
-      arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
-  JobInputs inputs = LoadJobInputs(arguments.job, {}, {}, arguments.root);
-  inputs.max_points = arguments.max_points;
+namespace {
+
+JobCheck Check(JobInputs& inputs, int threads, Progress& progress, std::stop_token stop) {
   progress.Begin(SurfaceStage(inputs), 0);
   CutStepFiles(
       &inputs, [&](int percent) { progress.Percent(percent); }, stop);
@@ -162,6 +161,16 @@ JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::s
   check.gouge_place = made.gouges.deepest.place;
   progress.End(fmt::format("{} of {} points within reach", check.reach[0], check.points));
   return check;
+}
+
+}  // namespace
+
+JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::stop_token stop) {
+  const int threads =
+      arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
+  JobInputs inputs = LoadJobInputs(arguments.job, {}, {}, arguments.root);
+  inputs.max_points = arguments.max_points;
+  return WithPlaces(inputs, [&] { return Check(inputs, threads, progress, stop); });
 }
 
 bool HasFindings(const MeshCheck& check) { return !check.warnings.empty(); }

@@ -8,6 +8,7 @@
 #include "pipeline/cell_texts.hpp"
 #include "pipeline/compensate_job.hpp"
 #include "pipeline/exclude_pairs.hpp"
+#include "pipeline/locate.hpp"
 #include "pipeline/origin.hpp"
 #include "pipeline/resolve_urdf.hpp"
 #include "toolpath/strategy.hpp"
@@ -105,7 +106,8 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
                         const std::optional<std::filesystem::path>& origin, const FileRoot& root) {
   JobInputs inputs;
   inputs.job_file = job_file;
-  inputs.job = ParseJob(root.Read(job_file), job_file.string(), overrides);
+  inputs.job_text = root.Read(job_file);
+  inputs.job = ParseJob(inputs.job_text, job_file.string(), overrides);
   inputs.folder = origin ? *origin : OriginOf(job_file, inputs.job.cell_file, root);
   const std::filesystem::path& folder = inputs.folder;
   std::vector<Problem> problems;
@@ -120,7 +122,7 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
     Collect(problems, [&] { inputs.path_bytes = root.Read(folder / file); });
   if (problems.empty()) CheckDepth(inputs, problems);
   if (problems.empty()) problems = CheckCompensation(inputs.job, inputs.cell);
-  if (!problems.empty()) throw InputError(std::move(problems));
+  if (!problems.empty()) throw Located(InputError(std::move(problems)), inputs.job.file, inputs.job_text);
   inputs.hash = HashOf(inputs);
   return inputs;
 }

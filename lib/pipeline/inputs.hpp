@@ -15,6 +15,7 @@ namespace millpose {
 struct JobInputs {
   std::filesystem::path job_file;
   std::filesystem::path folder;  ///< what the paths inside the job are relative to
+  std::string job_text;          ///< of the job file, for the places of later errors
   JobSettings job;
   CellSettings cell;
   std::string workpiece_bytes;  ///< of the workpiece's mesh file

@@ -9,6 +9,7 @@
 #include "pipeline/compensate_job.hpp"
 #include "pipeline/finer_passes.hpp"
 #include "pipeline/job_engagement.hpp"
+#include "pipeline/locate.hpp"
 #include "pipeline/mend_ends.hpp"
 #include "pipeline/other_ways.hpp"
 #include "pipeline/plan_gaps.hpp"
@@ -126,20 +127,7 @@ void WritePrograms(const JobInputs& inputs, const Execution& execution, PlannedJ
   execution.progress.End(fmt::format("{} programs", job.programs.programs.size()));
 }
 
-}  // namespace
-
-void CheckPrograms(const JobInputs& inputs) {
-  if (!inputs.cell.programs_allowed && !inputs.job.programs.empty())
-    throw InputError(
-        {inputs.job.file},
-        fmt::format("programs: cell {} is for reproduction only (reproduction_only: true), no programs "
-                    "may be written for it; give `programs: []`",
-                    inputs.cell.name));
-  for (const std::string& controller : inputs.job.programs)
-    MakePostSettings(inputs.job, inputs.cell, controller);  // refuses now what programs cannot be written for
-}
-
-PreparedJob PrepareJob(const JobInputs& inputs, const Execution& execution) {
+PreparedJob Prepare(const JobInputs& inputs, const Execution& execution) {
   Progress& progress = execution.progress;
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
   cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
@@ -171,6 +159,23 @@ PreparedJob PrepareJob(const JobInputs& inputs, const Execution& execution) {
   Toolpath toolpath = PlacedToolpath(inputs, made.toolpath, cell.X_WP);
   return {std::move(cell),    world,    std::move(part.import), std::move(made), std::move(toolpath),
           std::move(problem), heaviest, std::move(warnings)};
+}
+
+}  // namespace
+
+void CheckPrograms(const JobInputs& inputs) {
+  if (!inputs.cell.programs_allowed && !inputs.job.programs.empty())
+    throw InputError(
+        {inputs.job.file},
+        fmt::format("programs: cell {} is for reproduction only (reproduction_only: true), no programs "
+                    "may be written for it; give `programs: []`",
+                    inputs.cell.name));
+  for (const std::string& controller : inputs.job.programs)
+    MakePostSettings(inputs.job, inputs.cell, controller);  // refuses now what programs cannot be written for
+}
+
+PreparedJob PrepareJob(const JobInputs& inputs, const Execution& execution) {
+  return WithPlaces(inputs, [&] { return Prepare(inputs, execution); });
 }
 
 PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution) {
