@@ -12,7 +12,9 @@ void AddBatchCommand(CLI::App& app, Run& run) {
   command
       ->add_option("JOBS", arguments->jobs, "Job files, manifests (millpose_batch: 1), folders, 'patterns*'")
       ->required();
-  command->add_option("-o,--out", arguments->out, "Folder of all results, batch.json and junit.xml")
+  command
+      ->add_option("-o,--out", arguments->out,
+                   "Folder of all results, index.html, batch.csv, batch.json, junit.xml")
       ->capture_default_str();
   command
       ->add_option("--threads", arguments->threads,
@@ -47,6 +49,7 @@ void AddBatchCommand(CLI::App& app, Run& run) {
     run = [arguments, use_slurm, slurm, root](Session& session) {
       arguments->root = FileRoot::Of(*root);
       if (*use_slurm) arguments->slurm = *slurm;
+      arguments->tell_running = session.doing;
       const BatchOutcome outcome = RunBatch(*arguments, session.progress, session.stop);
       fmt::print("{}", outcome.text);
       return outcome.exit_status;

@@ -20,6 +20,7 @@ enum Status : int { kDone = 0, kFindings = 1, kBadInput = 2, kInternalError = 3,
 struct Session {
   Progress& progress;
   std::stop_token stop;
+  std::function<void(const std::string& what)> doing;  ///< shows what the running stage is at
 };
 
 /// What a subcommand leaves to be run after parsing; set by the callback of the chosen one.

@@ -88,7 +88,7 @@ struct Output {
   bool quiet = false, json = false;
 };
 
-std::unique_ptr<Progress> MakeProgress(const Output& output) {
+std::unique_ptr<TerminalProgress> MakeProgress(const Output& output) {
   if (output.json) return std::make_unique<TerminalProgress>(ProgressForm::kJson);
   if (output.quiet) return nullptr;
   return std::make_unique<TerminalProgress>(isatty(STDERR_FILENO) != 0 ? ProgressForm::kBar
@@ -97,8 +97,10 @@ std::unique_ptr<Progress> MakeProgress(const Output& output) {
 
 int RunGuarded(const Run& run, const Output& output) {
   static SignalWatch watch(output.json);
-  std::unique_ptr<Progress> shown = MakeProgress(output);
-  Session session{shown ? *shown : Silent(), watch.token()};
+  std::unique_ptr<TerminalProgress> shown = MakeProgress(output);
+  Session session{shown ? *shown : Silent(), watch.token(), [&shown](const std::string& what) {
+                    if (shown) shown->Doing(what);
+                  }};
   const auto fail = [&](const std::string& text, int status) {
     shown.reset();
     Report(text, status, output.json);

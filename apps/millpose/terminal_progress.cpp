@@ -45,6 +45,7 @@ TerminalProgress::TerminalProgress(ProgressForm form)
 void TerminalProgress::Begin(std::string_view stage, size_t total) {
   const std::lock_guard lock(mutex_);
   stage_ = stage;
+  doing_.clear();
   running_ = true;
   done_ = 0;
   total_ = total;
@@ -62,6 +63,11 @@ void TerminalProgress::Advance(size_t count) {
 void TerminalProgress::Percent(int percent) {
   const std::lock_guard lock(mutex_);
   percent_ = percent;
+}
+
+void TerminalProgress::Doing(const std::string& what) {
+  const std::lock_guard lock(mutex_);
+  doing_ = what;
 }
 
 void TerminalProgress::End(std::string_view outcome) {
@@ -92,6 +98,7 @@ std::string TerminalProgress::State(const Figures& figures) const {
   if (percent_) return fmt::format("{} %, {:.0f} s", *percent_, figures.elapsed_s);
   std::string state = fmt::format("{} of {} ({:.0f} %)", done_, total_, 100 * *figures.share);
   if (figures.left_s) state += fmt::format(", {:.3g}/s, {:.0f} s left", *figures.per_s, *figures.left_s);
+  if (!doing_.empty()) state += ": " + doing_;
   return state;
 }
 
@@ -107,6 +114,7 @@ std::string TerminalProgress::Json(std::string_view event, const Figures& figure
                    {"per_s", number(figures.per_s)},
                    {"left_s", number(figures.left_s)},
                    {"elapsed_s", figures.elapsed_s},
+                   {"doing", doing_.empty() ? Value() : Value(doing_)},
                    {"outcome", event == "end" ? Value(outcome) : Value()}};
   return line.dump(-1, ' ', false, Value::error_handler_t::replace) + '\n';
 }

@@ -30,6 +30,8 @@ class TerminalProgress : public Progress {
   void Advance(size_t count) override;
   void Percent(int percent) override;
   void End(std::string_view outcome) override;
+  /// What the running stage is at, in words; until the next stage begins.
+  void Doing(const std::string& what);
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -46,7 +48,7 @@ class TerminalProgress : public Progress {
 
   const ProgressForm form_;
   std::mutex mutex_;
-  std::string stage_;
+  std::string stage_, doing_;
   bool running_ = false;
   size_t done_ = 0, total_ = 0;
   std::optional<int> percent_;  // of a stage that cannot be counted

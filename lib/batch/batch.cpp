@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "batch/batch.hpp"
 
-#include <atomic>
-#include <condition_variable>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "base/error.hpp"
 #include "base/file.hpp"
-#include "base/parallel.hpp"
 #include "base/process.hpp"
 #include "base/text.hpp"
+#include "batch/run_here.hpp"
 #include "batch/slurm.hpp"
 #include "pipeline/inputs.hpp"
 #include "pipeline/output_folder.hpp"
@@ -24,37 +21,6 @@ namespace fs = std::filesystem;
 namespace {
 
 using Json = nlohmann::json;
-
-// Lets a job start when what the running ones take, each at most the largest peak seen so far, leaves room
-// for one more. Until a job has ended nothing is known, and one runs alone.
-class MemoryGate {
- public:
-  explicit MemoryGate(double bound_MB) : bound_(bound_MB) {}
-
-  void Enter() {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] {
-      if (bound_ <= 0 || running_ == 0) return true;
-      return largest_ > 0 && largest_ * (running_ + 1) <= bound_;
-    });
-    ++running_;
-  }
-  void Leave(double peak_MB) {
-    {
-      const std::lock_guard lock(mutex_);
-      --running_;
-      largest_ = std::max(largest_, peak_MB);
-    }
-    changed_.notify_all();
-  }
-
- private:
-  const double bound_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  int running_ = 0;
-  double largest_ = 0;
-};
 
 // What a process wrote to stderr, without the program's name in front and the line end behind.
 std::string Cause(std::string errors) {
@@ -77,57 +43,28 @@ std::string Shortfall(const Json& summary) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-JobOutcome RunJob(const BatchJob& job, const fs::path& folder, int threads, bool fresh, MemoryGate* gate,
-                  std::stop_token stop) {
-  if (!fresh)
-    if (const std::optional<JobOutcome> earlier = UpToDate(job, folder)) return *earlier;
-  gate->Enter();
-  ProcessResult result;
-  try {
-    CheckStop(stop);
-    result = RunProcess(PlanCommand(job, folder, threads, fresh), stop);
-  } catch (...) {
-    gate->Leave(0);
-    throw;
-  }
-  gate->Leave(result.peak_memory_MB);
-  JobOutcome outcome = Judge(folder, result.status, result.errors);
-  outcome.wall_s = result.wall_s;  // also of a job that left no figures
-  outcome.peak_memory_MB = result.peak_memory_MB;
-  return outcome;
+std::optional<double> NumberAt(const Json& json, const char* place) {
+  const Json::json_pointer pointer(place);
+  if (!json.contains(pointer) || !json.at(pointer).is_number()) return std::nullopt;
+  return json.at(pointer).get<double>();
 }
 
-// Each job in a child process, as many at a time as threads and memory allow.
-std::vector<JobOutcome> RunHere(const std::vector<BatchJob>& jobs, const fs::path& folder,
-                                const BatchArguments& arguments, int threads, Progress& progress,
-                                std::stop_token stop) {
-  const int wanted = arguments.parallel > 0 ? std::min(arguments.parallel, threads) : threads;
-  const int parallel = std::min(static_cast<int>(jobs.size()), wanted);
-  const int threads_each = std::max(1, threads / parallel);
-  std::vector<JobOutcome> outcomes(jobs.size());
-  MemoryGate gate(arguments.memory_MB);
-  std::atomic<size_t> next = 0;
-  progress.Begin("batch", jobs.size());
-  const auto work = [&] {
-    for (size_t i = next++; i < jobs.size() && !stop.stop_requested(); i = next++) {
-      try {
-        outcomes[i] = RunJob(jobs[i], folder / jobs[i].name, threads_each, arguments.fresh, &gate, stop);
-      } catch (const Interrupted&) {
-        return;
-      } catch (const std::exception& error) {  // what cannot be read or started: the other jobs go on
-        outcomes[i].status = 2;
-        outcomes[i].cause = error.what();
-      }
-      progress.Advance(1);
-    }
-  };
-  {
-    std::vector<std::jthread> workers;
-    for (int i = 0; i < parallel; ++i) workers.emplace_back(work);
-  }
-  if (stop.stop_requested()) throw Interrupted();
-  progress.End(fmt::format("{} jobs", jobs.size()));
-  return outcomes;
+JobFigures FiguresOf(const Json& summary, const fs::path& folder) {
+  JobFigures figures;
+  figures.objective = summary.at("objective").get<std::string>();
+  figures.objective_unit = summary.at("stiffness").at("units").at("objective").get<std::string>();
+  figures.objective_median = NumberAt(summary, "/stiffness/objective/median");
+  figures.objective_worst = NumberAt(summary, "/stiffness/objective/worst");
+  figures.lambda_t1_worst = NumberAt(summary, "/stiffness/lambda_t1/worst");
+  figures.lambda_t2_worst = NumberAt(summary, "/stiffness/lambda_t2/worst");
+  figures.lambda_n_worst = NumberAt(summary, "/stiffness/lambda_n/worst");
+  figures.clearance_min = NumberAt(summary, "/clearance_min_mm");
+  figures.deflection_level = NumberAt(summary, "/deflection/level_mm");
+  figures.deflection_variation = NumberAt(summary, "/deflection/variation_mm");
+  for (const Json& times : summary.at("cycle_times"))
+    figures.cycle_s = std::max(figures.cycle_s.value_or(0), times.at("total_s").get<double>());
+  figures.report = Exists(folder / "report.html");
+  return figures;
 }
 
 }  // namespace
@@ -171,6 +108,7 @@ JobOutcome Judge(const fs::path& folder, int status, const std::string& errors) 
     const Json summary = Json::parse(text);
     outcome.points = summary.at("points").at("total").get<size_t>();
     outcome.planned = summary.at("points").at("planned").get<size_t>();
+    outcome.figures = FiguresOf(summary, folder);
     outcome.cause = Shortfall(summary);
     if (!outcome.cause.empty()) outcome.status = 1;
     const Json run = Json::parse(ReadFile(folder / kRunFile));
@@ -214,6 +152,8 @@ BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::
     outcomes = RunHere(jobs, folder.path(), arguments, threads, progress, stop);
   }
   folder.Write("batch.json", BatchJson(jobs, outcomes));
+  folder.Write("batch.csv", BatchCsv(jobs, outcomes));
+  folder.Write("index.html", BatchIndex(jobs, outcomes));
   folder.Write("junit.xml", JUnitXml(jobs, outcomes));
   BatchOutcome outcome{0, BatchText(jobs, outcomes)};
   if (!folder.warning().empty()) outcome.text += folder.warning() + '\n';

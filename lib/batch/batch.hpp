@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -33,6 +34,8 @@ struct BatchArguments {
   std::optional<SlurmOptions> slurm;  ///< plan on a cluster
   double max_points = 2e6;            ///< that the tool path of a job may have
   FileRoot root;                      ///< that all files must lie in which jobs and manifests name
+  /// Told the jobs that run whenever they change, one call at a time; not with Slurm.
+  std::function<void(const std::string& names)> tell_running;
 };
 
 /// One job of a batch.
@@ -45,12 +48,24 @@ struct BatchJob {
   double max_points = 2e6;
 };
 
+/// What the summary of a finished plan says, for comparing jobs; empty where it has no value.
+struct JobFigures {
+  std::string objective, objective_unit;
+  std::optional<double> objective_median, objective_worst;
+  std::optional<double> lambda_t1_worst, lambda_t2_worst, lambda_n_worst;  ///< mm/N
+  std::optional<double> clearance_min;                                     ///< mm
+  std::optional<double> deflection_level, deflection_variation;            ///< mm
+  std::optional<double> cycle_s;                                           ///< the longest of the programs'
+  bool report = false;                                                     ///< whether report.html is there
+};
+
 /// How one job ended.
 struct JobOutcome {
   int status = 0;           ///< exit status of `millpose plan`
   bool up_to_date = false;  ///< done by an earlier run with the same inputs
   std::string cause;        ///< lines, empty when all is well
   std::optional<size_t> points, planned;
+  std::optional<JobFigures> figures;
   double wall_s = 0, peak_memory_MB = 0;
 };
 
@@ -65,8 +80,9 @@ struct BatchOutcome {
 /// in a folder that is given, all jobs of that folder.
 std::vector<BatchJob> CollectJobs(const std::vector<std::string>& arguments, const FileRoot& root);
 
-/// Plans all jobs, each into `out`/<name>, and writes batch.json and junit.xml into `out`. Throws InputError
-/// when there is nothing to start with, Interrupted when `stop` was requested; jobs keep their checkpoints.
+/// Plans all jobs, each into `out`/<name>, and writes index.html, batch.csv, batch.json and junit.xml into
+/// `out`. Throws InputError when there is nothing to start with, Interrupted when `stop` was requested; jobs
+/// keep their checkpoints.
 BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::stop_token stop);
 
 /// The command that plans one job into `folder`.
@@ -79,8 +95,10 @@ JobOutcome Judge(const std::filesystem::path& folder, int status, const std::str
 /// The outcome that an earlier run left for the same inputs and version, if it did.
 std::optional<JobOutcome> UpToDate(const BatchJob& job, const std::filesystem::path& folder);
 
-/// batch.json, junit.xml and the table; pure functions.
+/// batch.json, batch.csv, index.html, junit.xml and the table; pure functions.
 std::string BatchJson(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes);
+std::string BatchCsv(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes);
+std::string BatchIndex(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes);
 std::string JUnitXml(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes);
 std::string BatchText(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes);
 

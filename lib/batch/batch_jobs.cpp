@@ -100,7 +100,8 @@ void RefuseDoubles(const std::vector<BatchJob>& jobs) {
   for (const BatchJob& job : jobs) {
     const auto [first, is_new] = seen.emplace(job.name, job.file);
     // What stands in the batch's own folder besides those of its jobs.
-    if (job.name == "slurm" || job.name == "batch.json" || job.name == "junit.xml")
+    if (job.name == "slurm" || job.name == "batch.json" || job.name == "batch.csv" ||
+        job.name == "index.html" || job.name == "junit.xml")
       problems.push_back({Place{job.file.string()},
                           fmt::format("name: {} is what the batch calls a file of its own; give the "
                                       "job another in a manifest",

@@ -57,6 +57,22 @@ std::string FirstLine(const std::string& text) {
 
 constexpr int kWorst = 255;
 
+Json FiguresJson(const std::optional<JobFigures>& figures) {
+  if (!figures) return {};
+  const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
+  return {{"objective", figures->objective},
+          {"objective_unit", figures->objective_unit},
+          {"objective_median", number(figures->objective_median)},
+          {"objective_worst", number(figures->objective_worst)},
+          {"lambda_t1_worst_mm_N", number(figures->lambda_t1_worst)},
+          {"lambda_t2_worst_mm_N", number(figures->lambda_t2_worst)},
+          {"lambda_n_worst_mm_N", number(figures->lambda_n_worst)},
+          {"clearance_min_mm", number(figures->clearance_min)},
+          {"deflection_level_mm", number(figures->deflection_level)},
+          {"deflection_variation_mm", number(figures->deflection_variation)},
+          {"cycle_s", number(figures->cycle_s)}};
+}
+
 std::string Count(const std::optional<size_t>& count) { return count ? std::to_string(*count) : "–"; }
 
 }  // namespace
@@ -81,6 +97,7 @@ std::string BatchJson(const std::vector<BatchJob>& jobs, const std::vector<JobOu
                             {"cause", outcome.cause.empty() ? Json() : Json(outcome.cause)},
                             {"points", count(outcome.points)},
                             {"planned", count(outcome.planned)},
+                            {"figures", FiguresJson(outcome.figures)},
                             {"wall_s", outcome.wall_s},
                             {"peak_memory_MB", outcome.peak_memory_MB}});
   }

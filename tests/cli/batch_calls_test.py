@@ -40,6 +40,24 @@ class BatchCalls(InFolder):
         report = json.loads((self.folder / "batch.out" / "batch.json").read_text())
         self.assertEqual([job["up_to_date"] for job in report["jobs"]], [True, False, True], again.stdout)
 
+    def test_a_job_that_starts_alone_takes_all_threads_and_progress_names_it(self):
+        def batch(seed, *options):
+            few = "toolpath.stepover_mm: 40, toolpath.spacing_mm: 40"
+            (self.folder / "batch.yaml").write_text("millpose_batch: 1\njobs:\n" + "".join(
+                f"  - {{job: {JOB}, name: {name}, set: {{{few}, seed: {number}}}}}\n"
+                for name, number in (("a", 1), ("b", seed))))
+            result = run("batch", "batch.yaml", "--threads", 4, "--parallel", 2, *options, cwd=self.folder)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            return [json.loads((self.folder / "batch.out" / name / "run.json").read_text())["threads"]
+                    for name in ("a", "b")], result
+        self.assertEqual(batch(2)[0], [2, 2])
+        threads, result = batch(3, "--json-progress")
+        self.assertEqual(threads, [2, 4], "a is up to date")
+        lines = [json.loads(line) for line in result.stderr.splitlines()]
+        for line in lines:
+            self.assertEqual(schema_problems("progress", line), [], line)
+        self.assertLessEqual({line["doing"] for line in lines}, {None, "b"})
+
     def test_folders_and_patterns_name_jobs(self):
         for name in ("x", "y"):
             shutil.copytree(JOB.parent, self.folder / "parts" / name)

@@ -4,6 +4,8 @@
 
 Usage: batch_test.py MILLPOSE TOP
 """
+import csv
+import html.parser
 import json
 import os
 import pathlib
@@ -48,6 +50,21 @@ def write_jobs(folder):
         (folder / f"parts/part{i}/job.yaml").write_text(job, encoding="utf-8")
 
 
+class Page(html.parser.HTMLParser):
+    """What a page leads to and what it loads."""
+
+    def __init__(self):
+        super().__init__()
+        self.links, self.loads = [], []
+
+    def handle_starttag(self, tag, attrs):
+        for name, value in attrs:
+            if name == "href":
+                (self.links if tag == "a" else self.loads).append(value)
+            elif name == "src":
+                self.loads.append(value)
+
+
 class Many(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -56,6 +73,7 @@ class Many(unittest.TestCase):
         cls.folder = pathlib.Path(folder.name)
         write_jobs(cls.folder)
         cls.result, cls.report, cls.suite = cls.run_batch()
+        cls.tables = cls.read_tables()
 
     @classmethod
     def run_batch(cls):
@@ -63,6 +81,50 @@ class Many(unittest.TestCase):
                                 capture_output=True, text=True, timeout=600, check=False)
         report = json.loads((cls.folder / "batch.out/batch.json").read_text(encoding="utf-8"))
         return result, report, xml.parse(cls.folder / "batch.out/junit.xml").getroot()
+
+    @classmethod
+    def read_tables(cls):
+        return {name: (cls.folder / "batch.out" / name).read_bytes() for name in ("index.html", "batch.csv")}
+
+    def test_figures_are_those_of_the_summaries(self):
+        rows = {row["name"]: row for row in csv.DictReader(self.tables["batch.csv"].decode().splitlines(keepends=True))}
+        self.assertEqual(list(rows), [job["name"] for job in self.report["jobs"]])
+        for job in self.report["jobs"]:
+            row = rows[job["name"]]
+            if job["status"] == 2:
+                self.assertIsNone(job["figures"])
+                self.assertEqual((row["outcome"], row["cause"], row["cycle_s"]), ("bad input", job["cause"], ""))
+                continue
+            summary = json.loads((self.folder / "batch.out" / job["folder"] / "summary.json").read_text())
+            stiffness = summary["stiffness"]
+            figures = {
+                "objective": summary["objective"], "objective_unit": stiffness["units"]["objective"],
+                "objective_median": stiffness["objective"]["median"],
+                "objective_worst": stiffness["objective"]["worst"],
+                **{f"{index}_worst_mm_N": stiffness[index]["worst"] for index in ("lambda_t1", "lambda_t2", "lambda_n")},
+                "clearance_min_mm": summary["clearance_min_mm"],
+                "deflection_level_mm": summary["deflection"]["level_mm"],
+                "deflection_variation_mm": summary["deflection"]["variation_mm"],
+                "cycle_s": max(times["total_s"] for times in summary["cycle_times"])}
+            self.assertEqual(job["figures"], figures)
+            for name, value in figures.items():
+                shown = row[name] if isinstance(value, str) else float(row[name]) if row[name] else None
+                self.assertEqual(shown, value, name)
+            self.assertEqual([int(row["points"]), int(row["planned"])], [job["points"], job["planned"]])
+
+    def test_the_index_leads_to_every_report_and_loads_nothing(self):
+        text = self.tables["index.html"].decode()
+        page = Page()
+        page.feed(text)
+        reports = [f"part{i}/report.html" for i in range(JOBS) if i not in BROKEN]
+        self.assertEqual(sorted(page.links), sorted(reports + ["batch.csv", "batch.json"]))
+        for link in reports:
+            self.assertTrue((self.folder / "batch.out" / link).is_file(), link)
+        self.assertEqual(page.loads, [])
+        self.assertNotIn("http", text)
+        self.assertEqual(text.count("<tr><td>"), JOBS)
+        for job in self.report["jobs"]:
+            self.assertIn(f">{job['name']}<", text)
 
     def test_all_but_the_broken_are_done(self):
         self.assertEqual(self.result.returncode, 2, "the worst of all")
@@ -89,6 +151,7 @@ class Many(unittest.TestCase):
 
     def test_zz_again_only_the_broken_are_tried(self):
         result, report, _ = self.run_batch()
+        self.assertEqual(self.read_tables(), self.tables, "the same inputs, the same bytes")
         self.assertEqual(result.returncode, 2)
         self.assertEqual(sum(job["up_to_date"] for job in report["jobs"]), JOBS - 5)
         self.assertEqual([report[key] for key in ("done", "failed")], [JOBS - 5, 5])

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "batch/run_here.hpp"
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <numeric>
+#include <thread>
+
+#include "base/parallel.hpp"
+#include "base/process.hpp"
+
+namespace millpose {
+namespace fs = std::filesystem;
+namespace {
+
+// Lets a job start when what the running ones take, each at most the largest peak seen so far, leaves room
+// for one more. Until a job has ended nothing is known, and one runs alone.
+class MemoryGate {
+ public:
+  explicit MemoryGate(double bound_MB) : bound_(bound_MB) {}
+
+  void Enter() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] {
+      if (bound_ <= 0 || running_ == 0) return true;
+      return largest_ > 0 && largest_ * (running_ + 1) <= bound_;
+    });
+    ++running_;
+  }
+  void Leave(double peak_MB) {
+    {
+      const std::lock_guard lock(mutex_);
+      --running_;
+      largest_ = std::max(largest_, peak_MB);
+    }
+    changed_.notify_all();
+  }
+
+ private:
+  const double bound_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  int running_ = 0;
+  double largest_ = 0;
+};
+
+// The jobs that run, told whenever they change.
+class Running {
+ public:
+  explicit Running(const std::function<void(const std::string&)>& tell) : tell_(tell) {}
+
+  void Add(const std::string& name) {
+    Change([&] { names_.push_back(name); });
+  }
+  void Remove(const std::string& name) {
+    Change([&] { names_.erase(std::ranges::find(names_, name)); });
+  }
+
+ private:
+  void Change(const std::function<void()>& change) {
+    constexpr size_t kMost = 3;
+    const std::lock_guard lock(mutex_);
+    change();
+    if (!tell_) return;
+    const std::vector<std::string> shown(names_.begin(), names_.begin() + std::min(kMost, names_.size()));
+    const std::string more = names_.size() > kMost ? fmt::format(" and {} more", names_.size() - kMost) : "";
+    tell_(fmt::format("{}{}", fmt::join(shown, ", "), more));
+  }
+
+  const std::function<void(const std::string&)>& tell_;
+  std::mutex mutex_;
+  std::vector<std::string> names_;
+};
+
+// Shares the threads out: a job gets what no other holds, divided by the jobs that could still start beside
+// it.
+class ThreadPurse {
+ public:
+  ThreadPurse(int threads, int places, size_t jobs)
+      : free_(threads), places_(places), waiting_(static_cast<int>(jobs)) {}
+
+  int Take() {
+    const std::lock_guard lock(mutex_);
+    const int share = std::max(1, free_ / std::max(1, std::min(places_, waiting_)));
+    --waiting_;
+    --places_;
+    free_ -= share;
+    return share;
+  }
+  void Return(int share) {
+    const std::lock_guard lock(mutex_);
+    ++places_;
+    free_ += share;
+  }
+
+ private:
+  std::mutex mutex_;
+  int free_, places_, waiting_;
+};
+
+JobOutcome RunJob(const BatchJob& job, const fs::path& folder, int threads, bool fresh, MemoryGate* gate,
+                  std::stop_token stop) {
+  ProcessResult result;
+  try {
+    CheckStop(stop);
+    result = RunProcess(PlanCommand(job, folder, threads, fresh), stop);
+  } catch (...) {
+    gate->Leave(0);
+    throw;
+  }
+  gate->Leave(result.peak_memory_MB);
+  JobOutcome outcome = Judge(folder, result.status, result.errors);
+  outcome.wall_s = result.wall_s;  // also of a job that left no figures
+  outcome.peak_memory_MB = result.peak_memory_MB;
+  return outcome;
+}
+
+// The places in `jobs` of what an earlier run has not done; what it has done goes into `outcomes`.
+std::vector<size_t> Open(const std::vector<BatchJob>& jobs, const fs::path& folder, int threads,
+                         std::stop_token stop, std::vector<JobOutcome>* outcomes) {
+  std::vector<char> done(jobs.size(), 0);
+  ParallelFor(jobs.size(), threads, stop, [&](size_t i) {
+    if (const std::optional<JobOutcome> earlier = UpToDate(jobs[i], folder / jobs[i].name)) {
+      (*outcomes)[i] = *earlier;
+      done[i] = 1;
+    }
+  });
+  std::vector<size_t> open;
+  for (size_t i = 0; i < jobs.size(); ++i)
+    if (!done[i]) open.push_back(i);
+  return open;
+}
+
+}  // namespace
+
+std::vector<JobOutcome> RunHere(const std::vector<BatchJob>& jobs, const fs::path& folder,
+                                const BatchArguments& arguments, int threads, Progress& progress,
+                                std::stop_token stop) {
+  std::vector<JobOutcome> outcomes(jobs.size());
+  std::vector<size_t> open(jobs.size());
+  std::iota(open.begin(), open.end(), size_t{0});
+  progress.Begin("batch", jobs.size());
+  if (!arguments.fresh) open = Open(jobs, folder, threads, stop, &outcomes);
+  progress.Advance(jobs.size() - open.size());
+  const int wanted = arguments.parallel > 0 ? std::min(arguments.parallel, threads) : threads;
+  const int parallel = std::min(static_cast<int>(open.size()), wanted);
+  MemoryGate gate(arguments.memory_MB);
+  ThreadPurse purse(threads, parallel, open.size());
+  Running running(arguments.tell_running);
+  const auto plan = [&](const BatchJob& job) {
+    gate.Enter();
+    const int share = purse.Take();
+    running.Add(job.name);
+    JobOutcome outcome;
+    try {
+      outcome = RunJob(job, folder / job.name, share, arguments.fresh, &gate, stop);
+    } catch (const Interrupted&) {
+      throw;
+    } catch (const std::exception& error) {  // what cannot be read or started: the other jobs go on
+      outcome.status = 2;
+      outcome.cause = error.what();
+    }
+    running.Remove(job.name);
+    purse.Return(share);
+    return outcome;
+  };
+  std::atomic<size_t> next = 0;
+  const auto work = [&] {
+    for (size_t i = next++; i < open.size() && !stop.stop_requested(); i = next++) {
+      try {
+        outcomes[open[i]] = plan(jobs[open[i]]);
+      } catch (const Interrupted&) {
+        return;
+      }
+      progress.Advance(1);
+    }
+  };
+  {
+    std::vector<std::jthread> workers;
+    for (int i = 0; i < parallel; ++i) workers.emplace_back(work);
+  }
+  if (stop.stop_requested()) throw Interrupted();
+  progress.End(fmt::format("{} jobs", jobs.size()));
+  return outcomes;
+}
+
+}  // namespace millpose
