@@ -6,6 +6,7 @@
 
 #include "base/text.hpp"
 #include "batch/batch.hpp"
+#include "report/html_columns.hpp"
 
 namespace millpose {
 namespace {
@@ -111,8 +112,8 @@ struct Column {
   const char* csv;
   const char* title;
   const char* help;
-  double scale;  ///< from the unit of the CSV to that of the page
-  int digits;    ///< after the point; -1: four in all
+  double scale;  ///< from the unit of the CSV to that of the page; of the job's own objective by its unit
+  int digits;    ///< after the point; -1: four in all, the job's own objective
   std::optional<double> (*value)(const JobOutcome& outcome);
 };
 
@@ -163,7 +164,8 @@ const char* OutcomeWord(const JobOutcome& outcome) {
 std::string CellHtml(const Column& column, const JobOutcome& outcome) {
   const std::optional<double> value = column.value(outcome);
   if (!value) return "<td class=\"n\" data-v=\"\">–</td>";
-  const double shown = *value * column.scale;
+  const double scale = column.digits < 0 ? ShownScale(outcome.figures->objective_unit) : column.scale;
+  const double shown = *value * scale;
   return fmt::format(
       "<td class=\"n\" data-v=\"{}\">{}</td>", ShortestNumber(*value),
       column.digits < 0 ? fmt::format("{:.4g}", shown) : fmt::format("{:.{}f}", shown, column.digits));
@@ -218,7 +220,8 @@ std::string BatchIndex(const std::vector<BatchJob>& jobs, const std::vector<JobO
     std::string objective;
     if (outcome.figures) {
       objective = outcome.figures->objective;
-      if (!outcome.figures->objective_unit.empty()) objective += ", " + outcome.figures->objective_unit;
+      if (!outcome.figures->objective_unit.empty())
+        objective += ", " + ShownUnit(outcome.figures->objective_unit);
     }
     html += "<tr><td>";
     html += outcome.figures && outcome.figures->report
