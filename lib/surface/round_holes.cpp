@@ -31,7 +31,7 @@ Eigen::Vector3d Signed(const Eigen::Vector3d& axis) {
 }
 
 double AreaOf(const Mesh& mesh, int face) {
-  const Eigen::Vector3d a = mesh.Corner(face, 0);
+  const Eigen::Vector3d& a = mesh.Corner(face, 0);
   return (mesh.Corner(face, 1) - a).cross(mesh.Corner(face, 2) - a).norm() / 2;
 }
 

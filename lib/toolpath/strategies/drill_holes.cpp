@@ -34,7 +34,7 @@ std::vector<double> Met(const Mesh& mesh, const std::vector<int>& faces, const E
   for (const int face : faces) {
     const double slope = mesh.FaceNormal(face).dot(hole.axis);
     if (leaves ? slope > -kLeast : slope < kLeast) continue;
-    const Eigen::Vector3d a = mesh.Corner(face, 0);
+    const Eigen::Vector3d& a = mesh.Corner(face, 0);
     const double way = mesh.FaceNormal(face).dot(a - through) / slope;
     const Eigen::Vector3d below = through + (way - 1) * hole.axis;  // the ray starts 1 mm under the face
     if (RayCrosses(below, hole.axis, a, mesh.Corner(face, 1), mesh.Corner(face, 2)))
