@@ -6,6 +6,7 @@
 
 #include "base/text.hpp"
 #include "batch/batch.hpp"
+#include "report/escaped.hpp"
 #include "report/html_columns.hpp"
 
 namespace millpose {
@@ -71,23 +72,6 @@ head.forEach((cell, column) => cell.firstElementChild.addEventListener("click", 
 </body>
 </html>
 )html";
-
-std::string EscapeHtml(const std::string& text) {
-  std::string result;
-  for (const char c : ValidUtf8(text)) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '>')
-      result += "&gt;";
-    else if (c == '"')
-      result += "&quot;";
-    else
-      result += c;
-  }
-  return result;
-}
 
 // A file name as part of a relative address; bytes, as browsers ask the file system for them.
 std::string EscapeUrl(const std::string& name) {
@@ -216,7 +200,7 @@ std::string BatchIndex(const std::vector<BatchJob>& jobs, const std::vector<JobO
   html += "</tr></thead>\n<tbody>\n";
   for (size_t i = 0; i < jobs.size(); ++i) {
     const JobOutcome& outcome = outcomes[i];
-    const std::string name = EscapeHtml(jobs[i].name);
+    const std::string name = Escaped(jobs[i].name);
     std::string objective;
     if (outcome.figures) {
       objective = outcome.figures->objective;
@@ -228,9 +212,9 @@ std::string BatchIndex(const std::vector<BatchJob>& jobs, const std::vector<JobO
                 ? fmt::format("<a href=\"{}/report.html\">{}</a>", EscapeUrl(jobs[i].name), name)
                 : name;
     html += fmt::format("</td><td{}>{}</td><td>{}</td>", outcome.status > 0 ? " class=\"bad\"" : "",
-                        OutcomeWord(outcome), EscapeHtml(objective));
+                        OutcomeWord(outcome), Escaped(objective));
     for (const Column& column : Columns()) html += CellHtml(column, outcome);
-    html += fmt::format("<td class=\"cause\">{}</td></tr>\n", EscapeHtml(outcome.cause));
+    html += fmt::format("<td class=\"cause\">{}</td></tr>\n", Escaped(outcome.cause));
   }
   return html + kTail;
 }

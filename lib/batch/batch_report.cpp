@@ -3,6 +3,7 @@
 
 #include "base/text.hpp"
 #include "batch/batch.hpp"
+#include "report/escaped.hpp"
 
 namespace millpose {
 namespace {
@@ -21,25 +22,6 @@ const char* StatusName(const JobOutcome& outcome) {
     default:
       return "failed";
   }
-}
-
-std::string EscapeXml(const std::string& text) {
-  std::string result;
-  for (const char c : ValidUtf8(text)) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '>')
-      result += "&gt;";
-    else if (c == '"')
-      result += "&quot;";
-    else if (static_cast<unsigned char>(c) < 0x20 && c != '\n')  // not allowed in XML 1.0
-      result += ' ';
-    else
-      result += c;
-  }
-  return result;
 }
 
 size_t CountStatus(const std::vector<JobOutcome>& outcomes, int lower, int upper) {
@@ -114,13 +96,13 @@ std::string JUnitXml(const std::vector<BatchJob>& jobs, const std::vector<JobOut
   for (size_t i = 0; i < jobs.size(); ++i) {
     const JobOutcome& outcome = outcomes[i];
     xml += fmt::format("  <testcase classname=\"millpose.plan\" name=\"{}\" time=\"{:.3f}\"",
-                       EscapeXml(jobs[i].name), outcome.wall_s);
+                       Escaped(jobs[i].name), outcome.wall_s);
     if (outcome.status == 0)
       xml += "/>\n";
     else
       xml += fmt::format("><{0} message=\"{1}\">{2}</{0}></testcase>\n",
-                         outcome.status == 1 ? "failure" : "error", EscapeXml(FirstLine(outcome.cause)),
-                         EscapeXml(outcome.cause));
+                         outcome.status == 1 ? "failure" : "error", Escaped(FirstLine(outcome.cause)),
+                         Escaped(outcome.cause));
   }
   return xml + "</testsuite>\n";
 }

@@ -97,13 +97,11 @@ class Compensator {
     }
     found.force = force;
     const ComplianceParts parts(plan_.arm, planned.q, plan_.X_FT.translation(), options_.beside);
-    const auto along = [&](const Vector3d& direction, Compensation::Along& deflection) {
-      const Interval interval =
-          parts.Along(R_BW_ * direction, R_BW_ * force, options_.force, options_.stiffness);
-      deflection = {interval.low, interval.expected, interval.high, 0};
+    const auto along = [&](const Vector3d& direction) {
+      return parts.Along(R_BW_ * direction, R_BW_ * force, options_.force, options_.stiffness);
     };
-    along(point.normal, found.normal);
-    along(point.normal.cross(point.feed).normalized(), found.across);
+    found.normal = along(point.normal);
+    found.across = along(point.normal.cross(point.feed).normalized());
     return found;
   }
 
@@ -113,10 +111,8 @@ class Compensator {
       if (pass.points[i].compensation) points.push_back(i);
     std::vector<double> amounts, times;
     for (size_t k = 0; k < points.size(); ++k) {
-      const Compensation::Along& deflection = *pass.points[points[k]].compensation.*member;
       const bool closing = piece.closed && k == 0;  // is passed twice, the second time in air
-      amounts.push_back(
-          closing ? 0 : TakenOut({deflection.low, deflection.expected, deflection.high}, options_.share));
+      amounts.push_back(closing ? 0 : TakenOut(*pass.points[points[k]].compensation.*member, options_.share));
       times.push_back(Time(pass.points[points[k]].point, pass.points[points[(k + 1) % points.size()]].point));
     }
     LimitChange(amounts, times, kShiftSpeed, piece.closed);

@@ -52,9 +52,10 @@ std::array<Vector3d, ComplianceParts::kParts> ComplianceParts::Towards(const Vec
   return towards;
 }
 
-Interval ComplianceParts::Along(const Vector3d& direction, const Vector3d& force, const ForceBounds& forces,
-                                const StiffnessBounds& stiffness) const {
-  Interval found;
+Compensation::Along ComplianceParts::Along(const Vector3d& direction, const Vector3d& force,
+                                           const ForceBounds& forces,
+                                           const StiffnessBounds& stiffness) const {
+  Compensation::Along found;
   found.expected = direction.dot(sum_ * force);
   found.low = found.high = found.expected;
   std::array<Vector3d, kParts> soft, stiff;  // what each part gives where it is softest and stiffest

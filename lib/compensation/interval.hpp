@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/units.hpp"
+#include "plan/plan_result.hpp"
 #include "stiffness/series.hpp"
 
 namespace millpose {
@@ -22,13 +23,6 @@ struct ForceBounds {
 struct StiffnessBounds {
   Joints joints = Joints::Constant(0.1);
   double beside = 0.1;  ///< of all compliances beside the joints, alike
-};
-
-/// A length that lies between `low` and `high`, mm.
-struct Interval {
-  double low = 0, expected = 0, high = 0;
-
-  double Largest() const { return std::max(std::abs(low), std::abs(high)); }
 };
 
 /// The linear compliance at a point of the arm as the sum of what each joint and the elements beside them
@@ -48,9 +42,9 @@ class ComplianceParts {
 
   /// What `force` (N, in B) moves the point by along `direction` (unit, in B), and between which values that
   /// lies for any force and any stiffness within the bounds. Exact: over stiffness the extremes lie at the
-  /// corners of the bounds, over the force each of them has a closed form.
-  Interval Along(const Eigen::Vector3d& direction, const Eigen::Vector3d& force, const ForceBounds& forces,
-                 const StiffnessBounds& stiffness) const;
+  /// corners of the bounds, over the force each of them has a closed form. Nothing is taken out yet.
+  Compensation::Along Along(const Eigen::Vector3d& direction, const Eigen::Vector3d& force,
+                            const ForceBounds& forces, const StiffnessBounds& stiffness) const;
 
  private:
   std::array<Eigen::Matrix3d, kParts> parts_;

@@ -25,7 +25,7 @@ void Lower(std::vector<double>& heights, std::span<const double> times, double s
 
 }  // namespace
 
-double TakenOut(const Interval& deflection, std::optional<double> share) {
+double TakenOut(const Compensation::Along& deflection, std::optional<double> share) {
   if (share) return *share * deflection.expected;
   if (deflection.low <= 0 && deflection.high >= 0) return 0;
   const double side = deflection.low > 0 ? 1 : -1;

@@ -14,7 +14,7 @@ namespace millpose {
 /// one the amount that makes the largest of what may remain, max(|low − x|, |high − x|), least among those
 /// that leave no possible deflection larger than it is: between nothing and the expected, and never more than
 /// twice the least that is sure. Nothing where not even the sign is sure.
-double TakenOut(const Interval& deflection, std::optional<double> share);
+double TakenOut(const Compensation::Along& deflection, std::optional<double> share);
 
 /// Bounds how fast the amounts change along a cut by lowering them towards zero, never raising: `times[i]`
 /// (s) from entry i to i + 1, `speed` in mm/s. A closed cut goes on from its last entry to its first, in the

@@ -16,6 +16,12 @@ namespace {
 
 constexpr double kSame = 0.05;  // share by which given and worked out may differ
 
+CuttingMaterial MaterialOf(const CuttingSettings& cutting) {
+  if (cutting.kc11 > 0) return {cutting.material, cutting.kc11, cutting.mc, "job"};
+  if (const CuttingMaterial* known = FindCuttingMaterial(cutting.material)) return *known;
+  throw InputError({}, "process.cutting.material: " + UnknownMaterial(cutting.material));
+}
+
 class CuttingReader {
  public:
   CuttingReader(const JobInputs& inputs, const Mesh& mesh)
@@ -42,20 +48,12 @@ class CuttingReader {
 
   EdgeModel Edge() {
     EdgeModel edge;
-    edge.material = {from_.material, from_.kc11, from_.mc, "job"};
-    if (from_.kc11 <= 0) ReadMaterial(edge.material);
+    edge.material = MaterialOf(from_);
     edge.cutter = MakeCutterShape(inputs_.cell.tool);
     edge.teeth = from_.teeth;
     edge.radial_ratio = from_.radial_ratio;
     edge.axial_ratio = from_.axial_ratio;
     return edge;
-  }
-
-  void ReadMaterial(CuttingMaterial& material) {
-    if (const CuttingMaterial* known = FindCuttingMaterial(from_.material))
-      material = *known;
-    else
-      Add("process.cutting.material: " + UnknownMaterial(from_.material));
   }
 
   /// The depth of a layer; returns how high the stock stands above the part.
@@ -151,11 +149,7 @@ class CuttingReader {
 
 }  // namespace
 
-double ChipExponent(const JobSettings& job) {
-  if (job.cutting->kc11 <= 0)
-    if (const CuttingMaterial* known = FindCuttingMaterial(job.cutting->material)) return known->mc;
-  return job.cutting->mc;
-}
+double ChipExponent(const JobSettings& job) { return MaterialOf(*job.cutting).mc; }
 
 std::optional<CuttingForce> SetJobEngagement(const JobInputs& inputs, const Mesh& mesh, int threads,
                                              const std::stop_token& stop, Toolpath& toolpath) {

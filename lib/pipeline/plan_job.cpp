@@ -163,7 +163,9 @@ PreparedJob Prepare(const JobInputs& inputs, const Execution& execution) {
 
 }  // namespace
 
-void CheckPrograms(const JobInputs& inputs) {
+namespace {
+
+void CheckControllers(const JobInputs& inputs) {
   if (!inputs.cell.programs_allowed && !inputs.job.programs.empty())
     throw InputError(
         {inputs.job.file},
@@ -172,6 +174,12 @@ void CheckPrograms(const JobInputs& inputs) {
                     inputs.cell.name));
   for (const std::string& controller : inputs.job.programs)
     MakePostSettings(inputs.job, inputs.cell, controller);  // refuses now what programs cannot be written for
+}
+
+}  // namespace
+
+void CheckPrograms(const JobInputs& inputs) {
+  WithPlaces(inputs, [&] { CheckControllers(inputs); });
 }
 
 PreparedJob PrepareJob(const JobInputs& inputs, const Execution& execution) {

@@ -87,11 +87,7 @@ void StateEntries(const PostSettings& settings, ProgramMotions& motions) {
 /// mm: what is taken out may be less than the usual chord, and no point may go that carries a part of it.
 double CompensatedChord(const PlanResult& plan) {
   constexpr double kShare = 0.05, kLeast = 1e-5, kMost = 1e-3;
-  double largest = 0;
-  for (const PassResult& pass : plan.passes)
-    for (const PlannedPoint& point : pass.points)
-      if (point.compensation) largest = std::max(largest, point.compensation->shift.norm());
-  return std::clamp(kShare * largest, kLeast, kMost);
+  return std::clamp(kShare * FiguresOfCompensation(plan)->largest_shift, kLeast, kMost);
 }
 
 EconomyOptions MakeEconomyOptions(const ProgramOptionSettings& options) {

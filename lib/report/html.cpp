@@ -1,34 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "report/html.hpp"
 
+#include "report/escaped.hpp"
 #include "report/html_data.hpp"
 #include "report/web_assets.hpp"
 
 namespace millpose {
 namespace {
-
-std::string EscapedHtml(std::string_view text) {
-  std::string escaped;
-  for (char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
 
 /// The page with every {{name}} replaced by what `values` holds for it.
 std::string Filled(std::string_view page, const std::map<std::string_view, std::string_view>& values) {
@@ -45,7 +23,7 @@ std::string Filled(std::string_view page, const std::map<std::string_view, std::
 }  // namespace
 
 std::string ReportHtml(const HtmlInput& input, const HtmlLimits& limits) {
-  const std::string title = EscapedHtml(input.plan.job), data = ReportJson(input, limits);
+  const std::string title = Escaped(input.plan.job), data = ReportJson(input, limits);
   return Filled(kWebPage, {{"title", title},
                            {"style", kWebStyle},
                            {"license", kWebLicense},

@@ -59,12 +59,6 @@ void AppendPlanned(const PlannedPoint& point, Row* row) {
   row->Number(point.indices.normal_compliance);
 }
 
-bool IsCommanded(const PlanResult& plan) {
-  return std::ranges::any_of(plan.passes, [](const PassResult& pass) {
-    return std::ranges::any_of(pass.points, [](const PlannedPoint& p) { return p.compensation.has_value(); });
-  });
-}
-
 void AppendCommanded(const PlannedPoint& planned, Row* row) {
   if (!planned.compensation) {
     row->Empty(kCommandedColumns);
@@ -78,7 +72,7 @@ void AppendCommanded(const PlannedPoint& planned, Row* row) {
 }  // namespace
 
 std::string PointsCsv(const PlanResult& plan) {
-  const bool commanded = IsCommanded(plan);
+  const bool commanded = FiguresOfCompensation(plan).has_value();
   std::string csv = kHeader;
   if (commanded) csv += kCommandedHeader;
   csv += '\n';

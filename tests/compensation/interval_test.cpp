@@ -56,7 +56,7 @@ TEST(Interval, HoldsEveryArmAndForceWithinTheBoundsAndIsNoWider) {
       StiffnessBounds stiffness;
       for (double& share : stiffness.joints) share = 0.2 * any(random);
       stiffness.beside = 0.15;
-      const Interval found = parts.Along(direction, force, forces, stiffness);
+      const Compensation::Along found = parts.Along(direction, force, forces, stiffness);
       EXPECT_NEAR(found.expected, Moved(c, Joints::Ones(), 1, direction, force), 1e-15);
       double least = found.high, most = found.low;
       // Every corner of the stiffness's bounds, with forces on the rim of the cone and in it.
@@ -90,7 +90,7 @@ TEST(Interval, HoldsEveryArmAndForceWithinTheBoundsAndIsNoWider) {
 TEST(Interval, IsAPointWhereEverythingIsSure) {
   const Case c(true);
   const ComplianceParts parts(c.arm, c.q, c.tip, c.beside);
-  const Interval found = parts.Along(Vector3d::UnitZ(), {3, 4, 5}, {0, 0}, {Joints::Zero(), 0});
+  const Compensation::Along found = parts.Along(Vector3d::UnitZ(), {3, 4, 5}, {0, 0}, {Joints::Zero(), 0});
   EXPECT_NEAR(found.low, found.expected, 1e-15);
   EXPECT_NEAR(found.high, found.expected, 1e-15);
 }
@@ -99,7 +99,7 @@ TEST(Interval, AForceMayVanishButNotTurnRound) {
   const Case c(false);
   const ComplianceParts parts(c.arm, c.q, c.tip, c.beside);
   const Vector3d direction = (parts.sum() * Vector3d(1, 2, 3)).normalized();
-  const Interval found = parts.Along(direction, {1, 2, 3}, {5, 0}, {Joints::Zero(), 0});
+  const Compensation::Along found = parts.Along(direction, {1, 2, 3}, {5, 0}, {Joints::Zero(), 0});
   EXPECT_NEAR(found.low, 0, 1e-15);
   EXPECT_NEAR(found.high, 6 * found.expected, 1e-12);
 }

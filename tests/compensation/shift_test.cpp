@@ -8,12 +8,12 @@
 namespace millpose {
 namespace {
 
-double LargestLeft(const Interval& d, double taken) {
+double LargestLeft(const Compensation::Along& d, double taken) {
   return std::max(std::abs(d.low - taken), std::abs(d.high - taken));
 }
 
 /// Whether some deflection of the interval is larger after than before.
-bool Hurts(const Interval& d, double taken) {
+bool Hurts(const Compensation::Along& d, double taken) {
   for (int i = 0; i <= 1000; ++i) {
     const double x = d.low + (d.high - d.low) * i / 1000;
     if (std::abs(x - taken) > std::abs(x) + 1e-12) return true;
@@ -27,7 +27,7 @@ TEST(TakenOut, LeavesTheLeastWorstOfAllAmountsThatCanHurtNothing) {
   for (int k = 0; k < 2000; ++k) {
     double a = any(random), b = any(random);
     if (a > b) std::swap(a, b);
-    const Interval d{a, a + (b - a) * 0.5 * (1 + any(random)), b};
+    const Compensation::Along d{a, a + (b - a) * 0.5 * (1 + any(random)), b};
     const double taken = TakenOut(d, std::nullopt);
     EXPECT_FALSE(Hurts(d, taken)) << d.low << ' ' << d.expected << ' ' << d.high;
     EXPECT_LE(std::abs(taken), std::abs(d.expected) + 1e-15);

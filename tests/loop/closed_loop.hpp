@@ -20,7 +20,7 @@ struct Bounds {
   Real beside = 0.1L;
 };
 
-/// What bounds.of a folder's job and cell say.
+/// The bounds that a folder's job and cell give.
 Bounds BoundsOf(const std::string& job_yaml, const std::string& cell_yaml);
 
 /// Errors along the surface normal over all draws, mm.

@@ -58,6 +58,8 @@ class ClosedLoop(unittest.TestCase):
         job = job_of(sample, name, "{deflection: normal}", *changes)
         folder, summary = self.planned(job, name)
         figures = summary["compensation"]
+        if SLOW:
+            print(f"{name}: {figures}")
         self.assertGreater(figures["points"], 20)
         self.assertFalse(figures["normal"]["could_make_worse"])
         self.assertTrue(all(program["verified"] for program in summary["programs"]))
@@ -103,6 +105,8 @@ class ClosedLoop(unittest.TestCase):
         folder, summary = self.planned(job, "harm")
         self.assertTrue(summary["compensation"]["normal"]["could_make_worse"])
         found = loop(folder, job)
+        if SLOW:
+            print(f"harm: {found}")
         self.assertGreater(found["made_worse"], 0)
         self.assertLessEqual(found["nominal_error_um"], 0.01)
         # What the model is sure of is gone, but for what the text of the program rounds.
@@ -168,6 +172,26 @@ class Behaviour(unittest.TestCase):
             text = main.read_text(encoding="utf-8")
             self.assertIn("; COMPENSATED: NOT TO BE RUN TWICE ON ONE PART", text)
             self.assertLess(re.search(notice, text).start(), text.index(motion))
+
+    def test_where_the_feed_is_reduced_the_force_is_less(self):
+        cell = BENCH.top / "cells" / "kr500_r2830.yaml"
+        slow, count = re.subn(r"accelerations_deg_s2: \[[^\]]*\]", "accelerations_deg_s2: [4, 4, 4, 4, 4, 4]", cell.read_text(encoding="utf-8"))
+        self.assertEqual(count, 1)
+        cell.with_name("slow.yaml").write_text(slow, encoding="utf-8")
+        job = self.changed("fast", "{deflection: normal}", (r"feed_mm_min: 80", "feed_mm_min: 20000\n  min_feed_share: 0.01"),
+                           (r"kr500_r2830\.yaml", "slow.yaml"))
+        result, folder = BENCH.plan(job, "fast")
+        self.assertIn(result.returncode, (0, 1), result.stderr)
+        points = rows_of(folder / "points.csv")
+        laid = {row["point"]: row for row in rows_of(folder / "deflection.csv")}
+        shares = set()
+        for row in rows_of(folder / "compensation.csv"):
+            before, after = (sum(float(r[f"force_{c}_N"]) ** 2 for c in "xyz") ** 0.5 for r in (laid[row["point"]], row))
+            share = float(points[int(row["point"])]["feed_mm_min"]) / 20000
+            if before > 0:
+                shares.add(round(share, 3))
+                self.assertAlmostEqual(after / before, share ** 0.75, places=9)  # Kienzle, mc 0.25
+        self.assertGreater(len(shares), 3)
 
     def test_a_dry_run_carries_the_nominal_path(self):
         dry = (r"programs: \[krl, sinumerik, linuxcnc\]", "programs: [krl]\nprogram_options: {dry_run_offset_mm: 10}")

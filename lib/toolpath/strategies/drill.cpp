@@ -6,6 +6,7 @@
 #include "base/parallel.hpp"
 #include "toolpath/cam/drilling.hpp"
 #include "toolpath/strategies/drill_holes.hpp"
+#include "toolpath/strategies/section_check.hpp"
 #include "toolpath/strategy_entry.hpp"
 
 namespace millpose {
@@ -105,10 +106,10 @@ using yaml::Context;
 using yaml::Value;
 
 // Keys that nothing would follow as the others stand.
-class DrillCheck {
+class DrillCheck : SectionCheck {
  public:
   DrillCheck(const Value& value, const Context& context, const Drill& drill)
-      : value_(value), context_(context), drill_(drill) {}
+      : SectionCheck(value, context), drill_(drill) {}
 
   void Run() const {
     if (drill_.holes.empty() == !drill_.circles)
@@ -156,16 +157,6 @@ class DrillCheck {
     if (sink.depth) Useless("point_deg", "countersink.depth_mm is the tip's");
   }
 
-  void Useless(const char* key, const std::string& why) const {
-    if (value_.FindKey(key)) Add(key, "has no effect here: " + why);
-  }
-
-  void Add(const char* key, const std::string& message) const {
-    context_.Child(key).Add(value_.FindKey(key)->mark, message);
-  }
-
-  const Value& value_;
-  const Context& context_;
   const Drill& drill_;
 };
 

@@ -3,6 +3,7 @@
 #include "toolpath/strategies/trim.hpp"
 
 #include "base/error.hpp"
+#include "toolpath/strategies/section_check.hpp"
 #include "toolpath/strategies/trim_offset.hpp"
 #include "toolpath/strategies/trim_way.hpp"
 #include "toolpath/strategy_entry.hpp"
@@ -64,10 +65,10 @@ using yaml::Context;
 using yaml::Value;
 
 // Keys that nothing would follow as the others stand.
-class TrimCheck {
+class TrimCheck : SectionCheck {
  public:
   TrimCheck(const Value& value, const Context& context, const Trim& trim)
-      : value_(value), context_(context), trim_(trim) {}
+      : SectionCheck(value, context), trim_(trim) {}
 
   void Run() const {
     if (trim_.border.has_value() == trim_.line.has_value())
@@ -104,16 +105,6 @@ class TrimCheck {
       Add("line", "side: an open line has a left and a right");
   }
 
-  void Useless(const char* key, const std::string& why) const {
-    if (value_.FindKey(key)) Add(key, "has no effect here: " + why);
-  }
-
-  void Add(const char* key, const std::string& message) const {
-    context_.Child(key).Add(value_.FindKey(key)->mark, message);
-  }
-
-  const Value& value_;
-  const Context& context_;
   const Trim& trim_;
 };
 

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/commanded_free.hpp"
+
+#include <set>
+
+#include "base/parallel.hpp"
+#include "compensation/compensate.hpp"
+#include "path/cut_check.hpp"
+#include "path/job_planner.hpp"
+#include "robot/angles.hpp"
+
+namespace millpose {
+namespace {
+
+/// A straight motion of the tool between commanded poses, or to or from one.
+struct Line {
+  size_t pass, piece;
+  Joints from, to;
+  double share = 1;  ///< of the cell's clearances
+};
+
+std::vector<Line> LinesOf(const PlanResult& plan) {
+  std::vector<Line> lines;
+  const auto commanded = [](const PlannedPoint& point) {
+    return point.compensation ? point.compensation->q : point.q;
+  };
+  for (size_t p = 0; p < plan.passes.size(); ++p)
+    for (size_t k = 0; k < plan.passes[p].pieces.size(); ++k) {
+      const Piece& piece = plan.passes[p].pieces[k];
+      const auto& points = plan.passes[p].points;
+      const auto add = [&](size_t from, size_t to) {
+        if (points[from].compensation && points[to].compensation)
+          lines.push_back({p, k, commanded(points[from]), commanded(points[to])});
+      };
+      for (auto i = static_cast<size_t>(piece.first); i < static_cast<size_t>(piece.last); ++i) add(i, i + 1);
+      if (piece.closed) add(static_cast<size_t>(piece.last), static_cast<size_t>(piece.first));
+    }
+  const auto ends = GapEnds(plan.home, plan.passes);
+  for (size_t g = 0; g < std::min(plan.gaps.size(), ends.size()); ++g) {
+    const Gap& gap = plan.gaps[g];
+    if (!gap.planned || gap.joints.empty()) continue;
+    const auto add = [&](int pass, int number, bool entry) {
+      if (pass < 0) return;
+      const auto p = static_cast<size_t>(pass);
+      const PassResult& own = plan.passes[p];
+      const auto piece = std::ranges::find(own.pieces, number, &Piece::piece);
+      const auto k = static_cast<size_t>(piece - own.pieces.begin());
+      const int at = entry || piece->closed ? piece->first : piece->last;
+      const Joints q = commanded(own.points[static_cast<size_t>(at)]);
+      if (entry)
+        lines.push_back({p, k, gap.joints.back(), q, gap.clearance_share});
+      else
+        lines.push_back({p, k, q, gap.joints.front(), gap.clearance_share});
+    };
+    add(gap.from_pass, gap.from_piece, false);
+    add(gap.to_pass, gap.to_piece, true);
+  }
+  return lines;
+}
+
+}  // namespace
+
+std::vector<std::string> KeepCommandedFree(const World& world, double resolution, const Execution& execution,
+                                           PlanResult& plan) {
+  const Carrier carrier{plan.arm, plan.X_WB, plan.X_FT};
+  const std::vector<Line> lines = LinesOf(plan);
+  std::vector<std::string> found(lines.size());
+  ParallelFor(lines.size(), execution.Threads(), execution.stop, [&](size_t i) {
+    Checker checker(world, lines[i].share);
+    if (const auto problem =
+            CheckCut(checker, carrier, lines[i].from, Beside(lines[i].from, lines[i].to), resolution))
+      found[i] = Describe(checker, *problem);
+  });
+  std::vector<std::string> findings;
+  std::set<std::pair<size_t, size_t>> told;
+  for (size_t i = 0; i < lines.size(); ++i) {
+    if (found[i].empty() || !told.emplace(lines[i].pass, lines[i].piece).second) continue;
+    PassResult& pass = plan.passes[lines[i].pass];
+    LeaveNominal(pass, pass.pieces[lines[i].piece]);
+    findings.push_back(fmt::format("pass {} piece {} is not compensated: where it is commanded, {}",
+                                   pass.pass, pass.pieces[lines[i].piece].piece, found[i]));
+  }
+  return findings;
+}
+
+}  // namespace millpose
