@@ -32,6 +32,8 @@ void AddVerifyCommand(CLI::App& app, Run& run) {
           "(.src, .mpf, .ngc): reach, limits, speeds, singularity, interference")
       ->required();
   command->add_option("--cell", arguments->cell, "Cell of a program (YAML)");
+  command->add_option("--tool", arguments->tool,
+                      "Which of the cell's tools a program is for, where it has several");
   command->add_option("--job", arguments->job,
                       "Job that a folder was planned from (YAML), where it is not where run.json says");
   command->add_flag("--interference", arguments->interference,

@@ -78,6 +78,27 @@ Codec<BodySettings> BodyFields() {
 
 namespace {
 
+// What tells tools apart must differ; the first one counts until a job names another.
+void CheckTools(const Value& value, const Context& context, CellSettings& cell) {
+  if (cell.tools.empty()) {
+    if (const Value* given = value.Find("tools"))
+      context.Child("tools").Add(given->mark, "given no tool; allowed: at least one");
+    return;
+  }
+  const std::vector<Value>& items = value.Find("tools")->items;
+  if (const Value::Key* one = value.FindKey("tool"))
+    context.Child("tool").Add(one->mark, "given beside tools; allowed: one of the two");
+  for (size_t i = 0; i < cell.tools.size(); ++i)
+    for (size_t j = 0; j < i; ++j) {
+      const Context at = context.Child("tools").Child(i);
+      if (cell.tools[i].name == cell.tools[j].name)
+        at.Child("name").Add(items[i].mark, fmt::format("given {} twice", cell.tools[i].name));
+      if (cell.tools[i].number && cell.tools[i].number == cell.tools[j].number)
+        at.Child("number").Add(items[i].mark, fmt::format("given {} twice", *cell.tools[i].number));
+    }
+  cell.tool = cell.tools.front();
+}
+
 Codec<CellSettings> CheckedFields() {
   using S = CellSettings;
   return Section<S>({
@@ -102,7 +123,15 @@ const Codec<CellSettings>& CellFields() {
           Key<S>("home_deg", MILLPOSE_AT(home), Numbers6(kDeg, Between(-3600, 3600)),
                  "Where programs start and end.")
               .Required(),
-          Key<S>("tool", MILLPOSE_AT(tool), ToolFields(), "Tool tip, cutter, holder and spindle.").Required(),
+          Key<S>("tool", MILLPOSE_AT(tool), ToolFields(), "Tool tip, cutter, holder and spindle.")
+              .RequiredUnless("tools")
+              .WhenSet([](const S& s) { return s.tools.empty(); }),
+          Key<S>(
+              "tools", MILLPOSE_AT(tools), ListOf(ToolFields()),
+              "In place of `tool`: all tools that the spindle can hold, each as `tool`; a job names its own.")
+              .WhenSet([](const S& s) { return !s.tools.empty(); }),
+          Key<S>("tool_change_deg", MILLPOSE_AT(change_at), Maybe(Numbers6(kDeg, Between(-3600, 3600))),
+                 "Axes A1 to A6 at which the tool is changed, by the text tool_change; else at home."),
           Key<S>("bodies", MILLPOSE_AT(bodies), ListOf(BodyFields()), "What must not be touched."),
           Key<S>("excluded_pairs", MILLPOSE_AT(excluded_pairs), ListOf(NamePair()),
                  "Pairs of bodies that touch by design and are not checked."),
@@ -127,7 +156,8 @@ const Codec<CellSettings>& CellFields() {
           Key<S>("controllers", MILLPOSE_AT(controllers), ControllersFields(),
                  "What each controller's programs need to know."),
       },
-      [](const Value& value, const Context&, S& cell) {
+      [](const Value& value, const Context& context, S& cell) {
+        CheckTools(value, context, cell);
         const auto line = [&](const char* key) {
           const Value::Key* given = value.FindKey(key);
           return (given ? given->mark : value.mark).line;

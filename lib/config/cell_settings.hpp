@@ -48,6 +48,16 @@ struct ArmSettings {
   bool absolute_accuracy = false;  ///< the controller takes out what weight bends
 };
 
+/// A compliance in series with the joints, at a frame that hangs on a link.
+struct ComplianceSettings {
+  std::string name;
+  int link = 0;                                             ///< 0 (base) to 6 (flange, with what hangs on it)
+  PoseSettings pose;                                        ///< of its frame in the link's
+  Eigen::Vector3d translational = Eigen::Vector3d::Zero();  ///< diagonal, mm/N
+  Eigen::Vector3d rotational = Eigen::Vector3d::Zero();     ///< diagonal, rad/(N·mm)
+  std::vector<Vector6> matrix;  ///< six rows in place of the diagonals; mm/N, 1/N, 1/N, rad/(N·mm)
+};
+
 struct ToolPartSettings {
   std::string name;
   BodyClass body_class = BodyClass::kCutter;  ///< cutter, holder or spindle
@@ -61,6 +71,7 @@ enum class CutterTip : uint8_t { kFlat, kBall, kBull };
 
 struct ToolSettings {
   std::string name;
+  std::optional<int> number;                        ///< by which controllers know it
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();    ///< in F, mm
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< T's z in F, from tip to holder, unit
   Eigen::Vector3d x = Eigen::Vector3d::UnitX();     ///< T's x in F (its part normal to z), unit
@@ -68,6 +79,7 @@ struct ToolSettings {
   double cutter_diameter = 0, cutting_length = 0, corner_radius = 0;  ///< mm
   std::vector<ToolPartSettings> stack;
   std::optional<ToolLoad> load;
+  std::vector<ComplianceSettings> compliances;              ///< beside the cell's, while it is in the spindle
   std::optional<double> tip_uncertainty, axis_uncertainty;  ///< of tip and axis in F, mm and rad
 };
 
@@ -105,16 +117,6 @@ struct BodySettings {
   PoseSettings pose;
 };
 
-/// A compliance in series with the joints, at a frame that hangs on a link.
-struct ComplianceSettings {
-  std::string name;
-  int link = 0;                                             ///< 0 (base) to 6 (flange, with what hangs on it)
-  PoseSettings pose;                                        ///< of its frame in the link's
-  Eigen::Vector3d translational = Eigen::Vector3d::Zero();  ///< diagonal, mm/N
-  Eigen::Vector3d rotational = Eigen::Vector3d::Zero();     ///< diagonal, rad/(N·mm)
-  std::vector<Vector6> matrix;  ///< six rows in place of the diagonals; mm/N, 1/N, 1/N, rad/(N·mm)
-};
-
 struct MassSettings {
   std::string name;
   int link = 6;
@@ -135,8 +137,10 @@ struct CellSettings {
   std::string name;
   ArmSettings arm;
   PoseSettings base_in_world;
-  Vector6 home = Vector6::Zero();  ///< rad
-  ToolSettings tool;
+  Vector6 home = Vector6::Zero();    ///< rad
+  ToolSettings tool;                 ///< that a job takes: one of `tools`, where there are some
+  std::vector<ToolSettings> tools;   ///< that the spindle can hold; empty: `tool` alone
+  std::optional<Vector6> change_at;  ///< where the arm stands while the tool is changed, rad; else home
   std::vector<BodySettings> bodies;
   std::vector<std::pair<std::string, std::string>> excluded_pairs;
   bool auto_excluded_pairs = false;   ///< neighbours that touch in every sampled pose are added to them

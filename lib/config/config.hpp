@@ -23,6 +23,10 @@ JobSettings ParseJob(std::string_view yaml, const std::string& name,
                      const std::vector<Override>& overrides = {});
 CellSettings ParseCell(std::string_view yaml, const std::string& name);
 
+/// Makes `name` the tool of the cell. InputError where it has none of that name, or several and none is
+/// named.
+void SelectTool(const std::string& name, CellSettings* cell);
+
 /// The settings as YAML that reads back to the same, every key written, defaults included.
 std::string WriteJob(const JobSettings& job);
 std::string WriteCell(const CellSettings& cell);

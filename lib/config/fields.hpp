@@ -40,6 +40,8 @@ Codec<ArmSettings> ArmFields();
 Codec<ToolSettings> ToolFields();
 Codec<BodySettings> BodyFields();
 Codec<CellSettings> StiffnessFields();
+/// One compliance in series with the joints.
+Codec<ComplianceSettings> ComplianceFields();
 /// What each controller's programs need to know, from the tables of lib/program; keys that a controller
 /// cannot follow are errors.
 Codec<std::map<std::string, ControllerOptions>> ControllersFields();

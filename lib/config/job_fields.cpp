@@ -109,6 +109,9 @@ const Codec<JobSettings>& JobFields() {
           VersionKey<S>("millpose_job", 1),
           Key<S>("name", MILLPOSE_AT(name), FileName(), "Name of the job, and of its files.").Required(),
           Key<S>("cell", MILLPOSE_AT(cell_file), Text(), "Cell file, relative to the job file.").Required(),
+          Key<S>("tool", MILLPOSE_AT(tool), Text(), "Which of the cell's `tools`.").WhenSet([](const S& s) {
+            return !s.tool.empty();
+          }),
           Key<S>("seed", MILLPOSE_AT(seed), Seed(), "Seed of all random numbers."),
           Key<S>("workpiece", MILLPOSE_AT(workpiece), WorkpieceFields(), "The part and its place.")
               .Required(),

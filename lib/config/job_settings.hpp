@@ -102,6 +102,7 @@ struct JobSettings {
   std::string file;  ///< as given, for messages
   std::string name;
   std::string cell_file;
+  std::string tool;  ///< which of the cell's; empty: its only one
   uint64_t seed = 1;
   WorkpieceSettings workpiece;
   ToolpathSettings toolpath;

@@ -8,38 +8,6 @@ namespace {
 const Unit kMmPerNewton{"mm/N", 1, 1}, kRadPerNewtonMetre{"rad/(N·m)", 1, 1000}, kKilogram{"kg", 1, 1},
     kNewtonMetre{"N·m", 1000, 1};
 
-Codec<ComplianceSettings> ComplianceFields() {
-  using S = ComplianceSettings;
-  return Section<S>(
-      {
-          Key<S>("name", MILLPOSE_AT(name), Text(), "Name, as in outputs.").Required(),
-          Key<S>("mount", MILLPOSE_AT(link), ChoiceOf(kLinkWords),
-                 "Link whose outer end gives way; link6 is the flange.")
-              .Required(),
-          Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "Frame of the compliance in the mount's frame."),
-          Key<S>("translational_mm_N", MILLPOSE_AT(translational), Numbers3(kMmPerNewton, UpTo(1)),
-                 "Displacement per force along x, y, z."),
-          Key<S>("rotational_rad_Nm", MILLPOSE_AT(rotational), Numbers3(kRadPerNewtonMetre, UpTo(1)),
-                 "Rotation per moment about x, y, z."),
-          Key<S>("matrix", MILLPOSE_AT(matrix), ListOf(Numbers6(kOne, Between(-1, 1))),
-                 "Six rows of the full compliance in place of the diagonals: mm/N, 1/N, 1/N, rad/(N·mm).")
-              .WhenSet([](const S& s) { return !s.matrix.empty(); }),
-      },
-      [](const Value& value, const Context& context, S& s) {
-        if (s.matrix.empty()) return;
-        Eigen::Matrix<double, 6, 6> m;
-        for (size_t i = 0; i < 6 && s.matrix.size() == 6; ++i)
-          m.row(static_cast<Eigen::Index>(i)) = s.matrix[i];
-        if (s.matrix.size() != 6)
-          context.Child("matrix").Add(value.mark, fmt::format("given {} rows; allowed: 6", s.matrix.size()));
-        else if ((m - m.transpose()).cwiseAbs().maxCoeff() > 1e-9 * m.cwiseAbs().maxCoeff() ||
-                 (m.diagonal().array() < 0).any())
-          context.Child("matrix").Add(value.mark, "not symmetric, or negative on the diagonal");
-        if (!s.translational.isZero(0.0) || !s.rotational.isZero(0.0))
-          context.Add(value.mark, "given matrix and diagonals; allowed: one of them");
-      });
-}
-
 Codec<GravitySettings> GravityFields() {
   using S = GravitySettings;
   using M = MassSettings;
@@ -73,6 +41,38 @@ Codec<GravitySettings> GravityFields() {
 }
 
 }  // namespace
+
+Codec<ComplianceSettings> ComplianceFields() {
+  using S = ComplianceSettings;
+  return Section<S>(
+      {
+          Key<S>("name", MILLPOSE_AT(name), Text(), "Name, as in outputs.").Required(),
+          Key<S>("mount", MILLPOSE_AT(link), ChoiceOf(kLinkWords),
+                 "Link whose outer end gives way; link6 is the flange.")
+              .Required(),
+          Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "Frame of the compliance in the mount's frame."),
+          Key<S>("translational_mm_N", MILLPOSE_AT(translational), Numbers3(kMmPerNewton, UpTo(1)),
+                 "Displacement per force along x, y, z."),
+          Key<S>("rotational_rad_Nm", MILLPOSE_AT(rotational), Numbers3(kRadPerNewtonMetre, UpTo(1)),
+                 "Rotation per moment about x, y, z."),
+          Key<S>("matrix", MILLPOSE_AT(matrix), ListOf(Numbers6(kOne, Between(-1, 1))),
+                 "Six rows of the full compliance in place of the diagonals: mm/N, 1/N, 1/N, rad/(N·mm).")
+              .WhenSet([](const S& s) { return !s.matrix.empty(); }),
+      },
+      [](const Value& value, const Context& context, S& s) {
+        if (s.matrix.empty()) return;
+        Eigen::Matrix<double, 6, 6> m;
+        for (size_t i = 0; i < 6 && s.matrix.size() == 6; ++i)
+          m.row(static_cast<Eigen::Index>(i)) = s.matrix[i];
+        if (s.matrix.size() != 6)
+          context.Child("matrix").Add(value.mark, fmt::format("given {} rows; allowed: 6", s.matrix.size()));
+        else if ((m - m.transpose()).cwiseAbs().maxCoeff() > 1e-9 * m.cwiseAbs().maxCoeff() ||
+                 (m.diagonal().array() < 0).any())
+          context.Child("matrix").Add(value.mark, "not symmetric, or negative on the diagonal");
+        if (!s.translational.isZero(0.0) || !s.rotational.isZero(0.0))
+          context.Add(value.mark, "given matrix and diagonals; allowed: one of them");
+      });
+}
 
 Codec<CellSettings> StiffnessFields() {
   using S = CellSettings;

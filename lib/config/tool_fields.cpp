@@ -116,10 +116,18 @@ Codec<ToolSettings> ToolFields() {
     CheckStack(value, context, tool);
     if (tool.axis.cross(tool.x).norm() < 1e-3)
       context.Child("x_in_flange").Add(value.mark, "is parallel to axis_in_flange; allowed: across it");
+    for (size_t i = 0; i < tool.compliances.size(); ++i)
+      if (tool.compliances[i].link != 6)
+        context.Child("compliances")
+            .Child(i)
+            .Child("mount")
+            .Add(value.Find("compliances")->items[i].mark, "of a tool; allowed: link6");
   };
   return Section<S>(
       {
           Key<S>("name", MILLPOSE_AT(name), Text(), "Name of the tool.").Required(),
+          Key<S>("number", MILLPOSE_AT(number), Maybe(Integer(1, 99999)),
+                 "Number by which controllers know the tool: {number} of their texts."),
           Key<S>("tip_in_flange_mm", MILLPOSE_AT(tip), Numbers3(kMm, Between(-5000, 5000)),
                  "Tool tip in the flange frame.")
               .Required(),
@@ -162,6 +170,10 @@ Codec<ToolSettings> ToolFields() {
                  "What hangs on the flange in all, as the controller's load data have it; printed in KRL "
                  "headers, "
                  "and written as $LOAD where the cell asks (write_load)."),
+          Key<S>("compliances", MILLPOSE_AT(compliances), ListOf(ComplianceFields()),
+                 "What gives way only while this tool is in the spindle (mount link6), beside "
+                 "`stiffness.compliances`.")
+              .WhenSet([](const S& s) { return !s.compliances.empty(); }),
       },
       check);
 }

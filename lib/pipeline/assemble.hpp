@@ -40,6 +40,9 @@ Pose MakeToolPose(const ToolSettings& settings);
 /// The cell without a workpiece. `body_bytes` holds the mesh files that bodies name.
 Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::string>& body_bytes);
 
+/// The cell with the stacks of all its tools in the spindle at once: what is free with it is free with any.
+Cell WithAllTools(Cell cell, const CellSettings& settings);
+
 /// How a part's STEP file is read, and what that may take.
 StepOptions MakeStepOptions(const WorkpieceSettings& workpiece);
 

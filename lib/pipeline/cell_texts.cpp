@@ -14,7 +14,7 @@ constexpr double kSameJoints = 1e-9;  // rad
 
 /// The calls that a text makes, in the order of the cell's list.
 std::vector<DeclaredCall> CallsOf(const PostSettings& post, const std::string& text) {
-  const Templates templates({}, post.texts, post.tool_name);
+  const Templates templates({}, post.texts, ToolOf(post));
   std::vector<DeclaredCall> calls;
   for (DeclaredCall call : post.calls) {
     call.text = text;
@@ -42,6 +42,16 @@ void CheckMovingCalls(const PostSettings& post, const std::string& text, std::ve
   }
 }
 
+/// {number} stands for one that every tool must have.
+void CheckNumbers(const CellSettings& cell, const PostSettings& post, std::vector<Problem>& problems) {
+  const std::vector<ToolSettings> tools = cell.tools.empty() ? std::vector{cell.tool} : cell.tools;
+  for (const auto& [text, lines] : post.texts)
+    for (const ToolSettings& tool : tools)
+      if (!tool.number && lines.find("{number}") != std::string::npos)
+        problems.push_back(
+            {{text, 1, 1, -1}, fmt::format("{{number}}: tool {} has none (number)", tool.name)});
+}
+
 std::vector<Joints> PlanWay(const World& world, const Joints& from, const Joints& to,
                             const GapOptions& options, const std::string& name, double& share,
                             const std::stop_token& stop) {
@@ -62,6 +72,7 @@ std::vector<Problem> CheckCellTexts(const CellSettings& cell) {
     const PostSettings post = SettingsOf(cell, controller);
     std::vector<Problem> found = settings.post->CheckTexts(MakeArm(cell.arm), post);
     for (const auto& [text, lines] : post.texts) CheckMovingCalls(post, text, found);
+    CheckNumbers(cell, post, found);
     for (const Problem& problem : found) {
       const std::string& text = problem.place.file;
       const auto line = post.text_lines.find(text);
@@ -80,6 +91,7 @@ std::string AssumptionOf(const DeclaredCall& call) {
     for (const double angle : q) angles.push_back(Fixed(angle * kDegPerRad, 2));
     return fmt::format("{}", fmt::join(angles, " "));
   };
+  if (call.from == call.to) return fmt::format("{} leaves the arm at A1..A6 {}", call.name, text(call.to));
   return fmt::format("{} moves the arm from A1..A6 {} to {}", call.name, text(call.from), text(call.to));
 }
 
@@ -101,15 +113,23 @@ std::vector<CallWay> PlanCallWays(const World& world, const JobInputs& inputs, c
   const PostSettings post = SettingsOf(inputs.cell, controller);
   const GapOptions options = MakeGapOptions(inputs.job);
   const Joints& home = world.cell().home;
+  const auto way_of = [&](const DeclaredCall& call) {
+    // Nobody knows which tool the spindle holds before it is changed.
+    const bool any_tool = call.text == "tool_change" && inputs.cell.tools.size() > 1;
+    const World there = any_tool ? World(WithAllTools(world.cell(), inputs.cell)) : world;
+    CallWay way{call, {}, {}};
+    way.there = PlanWay(there, home, call.from, options, call.name, way.clearance_share, stop);
+    way.back = PlanWay(world, call.to, home, options, call.name, way.clearance_share, stop);
+    return way;
+  };
   std::vector<CallWay> ways;
   for (const std::string text : {"header", "tool_change", "footer"}) {
     for (const DeclaredCall& call : CallsOf(post, text)) {
-      if (!call.moves) continue;
-      CallWay& way = ways.emplace_back();
-      way.call = call;
-      way.there = PlanWay(world, home, call.from, options, call.name, way.clearance_share, stop);
-      way.back = PlanWay(world, call.to, home, options, call.name, way.clearance_share, stop);
+      if (call.moves) ways.push_back(way_of(call));
     }
+    const bool by_hand =
+        text == "tool_change" && post.change_at && (ways.empty() || ways.back().call.text != text);
+    if (by_hand) ways.push_back(way_of(ChangeByHand(*post.change_at)));
   }
   return ways;
 }

@@ -179,6 +179,7 @@ PoseReason ExplainPose(const PlanResult& plan, const PoseProblem& problem, size_
 PointStory TellPoint(const std::filesystem::path& folder, size_t number) {
   const JobSettings job = ParseJob(ReadFile(folder / "job.yaml"), (folder / "job.yaml").string());
   CellSettings cell = ParseCell(ReadFile(folder / "cell.yaml"), (folder / "cell.yaml").string());
+  SelectTool(job.tool, &cell);
   cell.bodies.clear();  // the objective knows no bodies
   const PoseProblem problem = MakePoseProblem(job, cell, MakeCell(cell, {}));
   const PlanResult plan = ParsePlanResult(ReadFile(folder / kPlanFile), (folder / kPlanFile).string());

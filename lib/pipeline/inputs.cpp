@@ -112,6 +112,7 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
   const std::filesystem::path& folder = inputs.folder;
   std::vector<Problem> problems;
   Collect(problems, [&] { inputs.cell = LoadCell(folder / inputs.job.cell_file, &inputs.body_bytes, root); });
+  if (problems.empty()) Collect(problems, [&] { SelectTool(inputs.job.tool, &inputs.cell); });
   if (!inputs.job.workpiece.mesh_file.empty())
     Collect(problems, [&] { inputs.workpiece_bytes = root.Read(folder / inputs.job.workpiece.mesh_file); });
   if (!inputs.job.workpiece.stock_file.empty())

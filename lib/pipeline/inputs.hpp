@@ -46,6 +46,7 @@ std::vector<std::string> CellWarnings(const CellSettings& cell);
 
 /// Reads a cell, with what a URDF that it names says in its place, and the meshes of its bodies. Throws
 /// InputError, also for a link without a body that the cell does not name in `interference.unchecked_links`.
+/// The first of several tools counts as the cell's.
 CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::string, std::string>* body_bytes,
                       const FileRoot& root = {});
 

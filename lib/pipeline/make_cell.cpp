@@ -34,23 +34,39 @@ Shape MakeShape(const ShapeSettings& settings, const std::map<std::string, std::
       .mesh.triangles();
 }
 
-// The stack of cutter, holder and spindle as bodies about T's z, from the tip upwards.
-void AddTool(const ToolSettings& tool, Cell* cell) {
+// The stack of cutter, holder and spindle as bodies about T's z, from the tip upwards; X_TS: where the tool
+// stands in the tool frame of the cell.
+std::vector<Body> BodiesOf(const ToolSettings& tool, const Pose& X_TS) {
+  std::vector<Body> bodies;
   double height = 0;
   for (const ToolPartSettings& part : tool.stack) {
-    Body body;
+    Body& body = bodies.emplace_back();
     body.name = part.name;
     body.body_class = part.body_class;
     body.mount = Mount::kTool;
-    body.X_MG.translation() = Eigen::Vector3d(0, 0, height + part.length / 2);
+    body.X_MG = X_TS * Eigen::Translation3d(0, 0, height + part.length / 2);
     if (part.top_diameter == part.diameter)
       body.shape = Cylinder{part.diameter / 2, part.length};
     else
       body.shape = Cone{part.diameter / 2, part.top_diameter / 2, part.length};
-    cell->bodies.push_back(std::move(body));
     height += part.length;
   }
-  cell->cutter_length = tool.cutting_length;
+  return bodies;
+}
+
+bool Holds(const ToolSettings& tool, const std::string& body) {
+  return std::ranges::find(tool.stack, body, &ToolPartSettings::name) != tool.stack.end();
+}
+
+// The pairs of the cell whose bodies are there: one may name a part of a tool that is not in the spindle.
+std::vector<std::pair<std::string, std::string>> PairsOf(const CellSettings& cell) {
+  const auto away = [&](const std::string& body) {
+    return !Holds(cell.tool, body) &&
+           std::ranges::any_of(cell.tools, [&](const ToolSettings& tool) { return Holds(tool, body); });
+  };
+  std::vector<std::pair<std::string, std::string>> pairs = cell.excluded_pairs;
+  std::erase_if(pairs, [&](const auto& pair) { return away(pair.first) || away(pair.second); });
+  return pairs;
 }
 
 }  // namespace
@@ -96,9 +112,10 @@ Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::str
   cell.X_WB = MakePose(settings.base_in_world);
   cell.X_FT = MakeToolPose(settings.tool);
   cell.home = settings.home;
-  cell.excluded_pairs = settings.excluded_pairs;
+  cell.excluded_pairs = PairsOf(settings);
   cell.clearances = {settings.clearance_free, settings.clearance_cutting};
-  AddTool(settings.tool, &cell);
+  cell.bodies = BodiesOf(settings.tool, Pose::Identity());
+  cell.cutter_length = settings.tool.cutting_length;
   for (const BodySettings& body_settings : settings.bodies) {
     Body body;
     body.name = body_settings.name;
@@ -108,6 +125,22 @@ Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::str
     body.X_MG = MakePose(body_settings.pose);
     body.shape = MakeShape(body_settings.shape, body_bytes);
     cell.bodies.push_back(std::move(body));
+  }
+  return cell;
+}
+
+Cell WithAllTools(Cell cell, const CellSettings& settings) {
+  for (const ToolSettings& tool : settings.tools) {
+    if (tool.name == settings.tool.name) continue;
+    for (Body& body : BodiesOf(tool, cell.X_FT.inverse() * MakeToolPose(tool))) {
+      const std::string name = tool.name + "'s " + body.name;
+      for (const auto& [first, second] : settings.excluded_pairs) {
+        if (first == body.name) cell.excluded_pairs.emplace_back(name, second);
+        if (second == body.name) cell.excluded_pairs.emplace_back(first, name);
+      }
+      body.name = name;
+      cell.bodies.push_back(std::move(body));
+    }
   }
   return cell;
 }

@@ -135,6 +135,10 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
   post.X_FT = MakeToolPose(cell.tool);
   post.X_WB = MakePose(cell.base_in_world);
   post.tool_name = cell.tool.name;
+  post.tool_number = cell.tool.number;
+  post.several_tools = cell.tools.size() > 1;
+  post.change_at = cell.change_at;
+  if (post.ChangesTool()) post.tool_check = options.post->ToolCheck(post);
   post.load = cell.tool.load;
   post.tolerance = WrittenTolerance({job.program_options.path_tolerance, job.program_options.path_angle});
   post.blend = options.post->Blend(post.tolerance, job.toolpath.chord_tolerance);

@@ -3,9 +3,10 @@
 #include "pipeline/assemble.hpp"
 
 namespace millpose {
+
 std::vector<SeriesCompliance> MakeCompliances(const CellSettings& settings) {
   std::vector<SeriesCompliance> elements;
-  for (const ComplianceSettings& from : settings.compliances) {
+  const auto add = [&](const ComplianceSettings& from) {
     SeriesCompliance element;
     element.name = from.name;
     element.link = from.link;
@@ -14,7 +15,9 @@ std::vector<SeriesCompliance> MakeCompliances(const CellSettings& settings) {
     for (size_t i = 0; i < from.matrix.size(); ++i)
       element.C.row(static_cast<Eigen::Index>(i)) = from.matrix[i];
     elements.push_back(element);
-  }
+  };
+  std::ranges::for_each(settings.compliances, add);
+  std::ranges::for_each(settings.tool.compliances, add);
   return elements;
 }
 

@@ -103,6 +103,7 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::
   const std::string controller = ControllerOf(arguments.target);
   JobInputs inputs;
   inputs.cell = LoadCell(*arguments.cell, &inputs.body_bytes, arguments.root);
+  SelectTool(arguments.tool, &inputs.cell);
   const World world(MakeCell(inputs.cell, inputs.body_bytes));
   const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
   const PostPointer& post = inputs.cell.controllers.at(controller).post;

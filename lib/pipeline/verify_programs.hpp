@@ -17,6 +17,7 @@ namespace millpose {
 struct VerifyArguments {
   std::filesystem::path target;               ///< output folder of plan, or a program's main file
   std::optional<std::filesystem::path> cell;  ///< for a program
+  std::string tool;                           ///< likewise: which of the cell's; empty: its only one
   std::optional<std::filesystem::path>
       job;                    ///< for a folder: its job, where it does not stand beside the folder
   bool interference = false;  ///< check every motion again, not only what leaves the plan's

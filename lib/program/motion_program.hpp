@@ -23,6 +23,11 @@ struct DeclaredCall {
   std::string text = {};                              ///< of the cell that makes it, where it moves
 };
 
+/// What a text does that changes the tool where the arm stands, without a program of the plant.
+inline DeclaredCall ChangeByHand(const Joints& at) {
+  return {"the change of tool", true, at, at, "tool_change"};
+}
+
 /// One motion to a target. A joint motion goes to `q` where that is known, else to `X_PT` on the arm's branch
 /// `status` with the turns `turn`.
 struct Motion {

@@ -10,6 +10,7 @@
 #include "program/post_options.hpp"
 #include "program/program_time.hpp"
 #include "program/programmed_line.hpp"
+#include "program/templates.hpp"
 
 namespace millpose {
 
@@ -22,15 +23,27 @@ struct ToolLoad {
 
 /// What a program needs to know beyond its motions and the controller's own options.
 struct PostSettings : PostOptions {
-  Pose X_FT = Pose::Identity();  ///< tool in the flange, for programs that state none
-  Pose X_WB = Pose::Identity();  ///< the robot's base in the cell, whose z points up
-  std::string tool_name;         ///< T="…", printed in headers
-  std::optional<ToolLoad> load;  ///< where the cell gives it
+  Pose X_FT = Pose::Identity();    ///< tool in the flange, for programs that state none
+  Pose X_WB = Pose::Identity();    ///< the robot's base in the cell, whose z points up
+  std::string tool_name;           ///< T="…", printed in headers
+  std::optional<int> tool_number;  ///< by which the controller knows it
+  std::string tool_check;      ///< lines that wait until the tool is in the spindle, see Post::ToolCheck()
+  bool several_tools = false;  ///< the spindle can hold others as well
+  std::optional<Joints> change_at;  ///< where the arm stands for it, rad; else it is at home
+  std::optional<ToolLoad> load;     ///< where the cell gives it
   PathTolerance tolerance =
       WrittenTolerance({});                  ///< that the program keeps: a share of what verification allows
   double blend = 0.01;                       ///< mm: CTOL or G64 P
   double orientation_blend = 0.00017453293;  ///< rad (0.01°), tolerance of the orientation
+
+  /// Whether programs change the tool themselves, if only by asking somebody for it.
+  bool ChangesTool() const { return several_tools || change_at; }
 };
+
+/// What fills the holes of its texts.
+inline Templates::Tool ToolOf(const PostSettings& settings) {
+  return {settings.tool_name, settings.tool_number, settings.tool_check};
+}
 
 /// What a program's head says of the frames that its numbers count in.
 struct FrameTexts {
@@ -82,6 +95,9 @@ class Post {
   /// Why it cannot be programmed in a cell, in one sentence; empty where it can.
   virtual std::string WhyNotIn(const PostSettings&) const { return {}; }
   virtual FrameTexts Frames(const PostSettings& settings) const;
+  /// Lines behind the change of tool that let nothing go on before the controller says that the right one is
+  /// in the spindle; empty where it cannot tell.
+  virtual std::string ToolCheck(const PostSettings&) const { return {}; }
 
   /// Precondition: every motion has its q, or is a joint motion with status and turn (as read).
   virtual ProgramFiles Write(const MotionProgram& program, const Arm& arm,

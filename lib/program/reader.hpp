@@ -106,6 +106,8 @@ class ProgramReader {
   bool MayComeNext(const std::string& name) const;
   void ReadTextLines(size_t i, size_t count);
   void AllowText(const std::string& name);
+  bool IsChangeByHand() const;
+  void AddChangeByHand();
   std::string MainFile();
   void AddEvent(ProgramEvent::Kind kind, double value, int piece);
   void ExpectTexts(const std::vector<std::string>& names);

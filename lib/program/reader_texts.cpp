@@ -30,15 +30,32 @@ size_t ProgramReader::ReadText(const std::string& name, size_t i) {
   if (awaited_ == name) awaited_.reset();
   seen_[name] = true;
   AllowText(name);
-  ReadTextLines(i, taken);
+  ReadTextLines(i, name == "tool_change" ? templates_.BeforeCheck(lines_, i, taken) : taken);
+  if (name == "tool_change" && IsChangeByHand()) AddChangeByHand();
   TextRead(name);
   return taken;
+}
+
+bool ProgramReader::IsChangeByHand() const {
+  return settings_.change_at && !templates_.Calls("tool_change", settings_.calls, true);
+}
+
+/// The arm stands where the cell has the tool changed, and stays there.
+void ProgramReader::AddChangeByHand() {
+  program_.calls.push_back(ChangeByHand(*settings_.change_at));
+  Motion& motion = program_.motions.emplace_back();
+  motion.q = *settings_.change_at;
+  motion.exact = true;
+  motion.call = static_cast<int>(program_.calls.size()) - 1;
+  motion.file = file_;
+  motion.line = line_;
 }
 
 /// A text that switches things stands where the cell has it, never in a cut.
 void ProgramReader::AllowText(const std::string& name) {
   Places places = kOutsideCuts;
-  const bool moves = templates_.Calls(name, settings_.calls, true);
+  const bool moves =
+      templates_.Calls(name, settings_.calls, true) || (name == "tool_change" && settings_.change_at);
   if (name == "header" || name == "tool_change")
     places = moves ? Places{ProgramPlace::kHead, ProgramPlace::kWay} : kHeadOnly;
   if (name == "footer") places = moves ? Places{ProgramPlace::kTail, ProgramPlace::kWay} : kTailOnly;
@@ -76,7 +93,7 @@ std::vector<Problem> ProgramReader::CheckTexts() {
   checking_ = true;
   program_.files = {""};
   for (const auto& [name, text] : settings_.texts) {
-    const std::string filled = Templates::WithSamples(text, settings_.tool_name);
+    const std::string filled = Templates::WithSamples(text, ToolOf(settings_));
     open_ = {name};
     lines_ = SplitLines(filled);
     labels_.clear();

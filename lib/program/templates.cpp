@@ -108,6 +108,11 @@ void Fill(std::string& line, const std::string& hole, const std::string& value) 
   }
 }
 
+void FillTool(std::string& line, const Templates::Tool& tool) {
+  Fill(line, "{tool}", tool.name);
+  if (tool.number) Fill(line, "{number}", std::to_string(*tool.number));
+}
+
 std::vector<std::string> Together(std::vector<std::string> first, const std::vector<std::string>& second) {
   first.insert(first.end(), second.begin(), second.end());
   return first;
@@ -123,17 +128,21 @@ const std::vector<std::string>& Templates::Names() {
 }
 
 Templates::Templates(std::map<std::string, std::string> defaults,
-                     const std::map<std::string, std::string>& overrides, const std::string& tool,
-                     Spelling spelling)
+                     const std::map<std::string, std::string>& overrides, const Tool& tool, Spelling spelling)
     : spelling_(spelling) {
   for (const auto& [name, text] : overrides) defaults[name] = text;
   for (const auto& [name, text] : defaults) {
     texts_[name] = LinesOf(text);
-    for (std::string& line : texts_[name]) Fill(line, "{tool}", tool);
+    for (std::string& line : texts_[name]) FillTool(line, tool);
   }
   texts_["spindle_on"] = Together(texts_["spindle_on"], texts_["coolant_on"]);
   texts_["spindle_off"] = Together(texts_["coolant_off"], texts_["spindle_off"]);
   for (const std::string& name : Names()) texts_[name];  // every name has lines, if none
+  if (texts_["tool_change"].empty()) return;
+  std::vector<std::string> check = LinesOf(tool.check);
+  for (std::string& line : check) FillTool(line, tool);
+  check_lines_ = check.size();
+  texts_["tool_change"] = Together(texts_["tool_change"], check);
 }
 
 std::string Templates::NameOf(ProgramEvent::Kind kind) {
@@ -197,6 +206,12 @@ size_t Templates::Recognise(const std::string& name, const std::vector<std::stri
   return MatchAll(name, lines, first, rpm);
 }
 
+size_t Templates::BeforeCheck(const std::vector<std::string_view>& lines, size_t first, size_t count) const {
+  for (size_t left = check_lines_; left > 0; --count)
+    if (!Trim(lines[first + count - 1]).empty()) --left;
+  return count;
+}
+
 bool Templates::Calls(const std::string& name, const std::vector<DeclaredCall>& calls, bool moving) const {
   for (const std::string& line : texts_.at(name)) {
     for (const DeclaredCall& call : calls) {
@@ -206,11 +221,11 @@ bool Templates::Calls(const std::string& name, const std::vector<DeclaredCall>& 
   return false;
 }
 
-std::string Templates::WithSamples(std::string text, const std::string& tool) {
+std::string Templates::WithSamples(std::string text, const Tool& tool) {
   Fill(text, "{rpm}", "1000");
   Fill(text, "{pass}", "0");
   Fill(text, "{piece}", "0");
-  Fill(text, "{tool}", tool);
+  FillTool(text, tool);
   return text;
 }
 

@@ -14,22 +14,27 @@ namespace millpose {
 
 /// The texts of one controller: its defaults, overridden by the cell's. Their names:
 ///   header       after the settings               footer       before the end
-///   tool_change  after the header (SINUMERIK: before the frames), {tool}
-///   spindle_on   {rpm}; followed by coolant_on    spindle_off  preceded by coolant_off
+///   tool_change  after the header (SINUMERIK: before the frames), or where the tool is changed; {tool},
+///   {number} spindle_on   {rpm}; followed by coolant_on    spindle_off  preceded by coolant_off
 ///   cartesian_on, joints_on   Cartesian LinuxCNC: switches its kinematics before and after a cut
 ///   pass_begin   {pass} {piece}, after the mark   pass_end     likewise
 /// Lines compare without case and amount of white space; blank lines may stand between them.
 class Templates {
  public:
+  /// What fills {tool} and {number}.
+  struct Tool {
+    std::string name;
+    std::optional<int> number;
+    std::string check = {};  ///< lines behind tool_change that wait until it is in the spindle
+  };
   /// What counts for nothing where texts are compared.
   struct Spelling {
     bool numbers = true;  ///< "N10 " may stand before a line of a text
     bool blanks =
         true;  ///< blanks part words; without it they mean nothing, as zeros before a number (RS-274)
   };
-  /// `tool` fills {tool}.
   Templates(std::map<std::string, std::string> defaults, const std::map<std::string, std::string>& overrides,
-            const std::string& tool, Spelling spelling = {true, true});
+            const Tool& tool, Spelling spelling = {true, true});
 
   /// All names that texts may have.
   static const std::vector<std::string>& Names();
@@ -51,10 +56,13 @@ class Templates {
   /// How many lines from `first` on are the text `name`; 0 when they are not (or the text is empty).
   size_t Recognise(const std::string& name, const std::vector<std::string_view>& lines, size_t first) const;
 
+  /// How many of the `count` lines from `first` on, which are the text tool_change, stand before its check.
+  size_t BeforeCheck(const std::vector<std::string_view>& lines, size_t first, size_t count) const;
+
   /// Whether the text `name` holds the call of one of `calls`; `moving`: of one that moves the arm.
   bool Calls(const std::string& name, const std::vector<DeclaredCall>& calls, bool moving) const;
   /// A text with values such as every program has in place of its holes, line by line.
-  static std::string WithSamples(std::string text, const std::string& tool);
+  static std::string WithSamples(std::string text, const Tool& tool);
 
  private:
   std::string Spelled(std::string_view line) const;
@@ -62,6 +70,7 @@ class Templates {
                   double& rpm) const;
 
   std::map<std::string, std::vector<std::string>> texts_;
+  size_t check_lines_ = 0;  // of tool_change, its last
   Spelling spelling_;
 };
 

@@ -12,7 +12,7 @@ ProgramWriter::ProgramWriter(const MotionProgram& program, const Arm& arm, const
       arm_(arm),
       settings_(settings),
       X_FT_(program.X_FT.value_or(settings.X_FT)),
-      templates_(std::move(texts), settings.texts, settings.tool_name) {}
+      templates_(std::move(texts), settings.texts, ToolOf(settings)) {}
 
 void ProgramWriter::WriteSections() {
   const auto begin = [&] {
@@ -81,7 +81,8 @@ std::vector<std::string> ProgramWriter::HeaderTexts(size_t width) const {
 }
 
 std::string ProgramWriter::TextLines(const std::string& name) const {
-  if (templates_.Calls(name, settings_.calls, true)) return {};
+  if (templates_.Calls(name, settings_.calls, true) || (name == "tool_change" && settings_.change_at))
+    return {};
   std::string text;
   for (const std::string& line : templates_.Lines(name)) text += line + "\n";
   if (name != "footer" && templates_.Calls(name, settings_.calls, false)) text += Settings();
@@ -97,7 +98,7 @@ void ProgramWriter::AddTexts(const ProgramEvent& event) {
 
 void ProgramWriter::AddLines(const std::vector<std::string>& lines, const std::string& name) {
   for (const std::string& line : lines) Line(line);
-  if (!templates_.Calls(name, settings_.calls, false)) return;
+  if (!templates_.Calls(name, settings_.calls, false) && name != "tool_change") return;
   sections_.back().text += Settings();
   Forget();
 }

@@ -44,7 +44,7 @@ class ProgramWriter {
   /// "key: value" of the header, plain ASCII, at most `width` characters each.
   std::vector<std::string> HeaderTexts(size_t width) const;
   /// The lines of a text of the cell, each with its end, and the settings again behind a call. Empty for one
-  /// whose call moves the arm: it is written in its place among the motions.
+  /// whose call moves the arm, and for a change of tool away from home: it is written among the motions.
   std::string TextLines(const std::string& name) const;
   void AddText(const std::string& name);
   void AddTexts(const ProgramEvent& event);

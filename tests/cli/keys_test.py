@@ -37,7 +37,7 @@ LEFT_OUT = {
     "interference.unchecked_links": "links that have bodies are refused there",
 }
 # What a name may be changed to where it has to be one that is known.
-OTHER_NAMES = {"pose.objective.name": "isotropy", "process.cutting.material": "TiAl6V4", "excluded_pairs": [["far0", "far2"]]}
+OTHER_NAMES = {"pose.objective.name": "isotropy", "process.cutting.material": "TiAl6V4", "tool": "other", "excluded_pairs": [["far0", "far2"]]}
 TEXTS = ("coolant_off", "coolant_on", "footer", "header", "pass_begin", "pass_end", "spindle_off", "spindle_on",
          "tool_change")
 WIDE = {
@@ -246,6 +246,16 @@ class Keys(InFolder):
             job, cell = self.base()
             self.strategy(job, name, keys)
             yield job, cell
+
+        job, cell = self.base()
+        tool = cell.pop("tool")
+        collet = {"name": "collet", "mount": "link6", "translational_mm_N": [1e-4, 1e-4, 1e-4]}
+        other = {**copy.deepcopy(tool), "name": "other", "number": 8}
+        cell["tools"] = [{**tool, "name": "mill", "number": 7, "compliances": [collet]}, other]
+        cell["tool_change_deg"] = [60, -90, 90, 0, 30, 0]
+        cell["controllers"]["krl"]["tool_in_spindle"] = "TOOL_IN"
+        job["tool"] = "mill"
+        yield job, cell
 
         axes = ({"rule": "fixed", "direction": [0, 0.1, 1]}, {"rule": "away", "point_mm": [0, 0, -900]})
         for axis in axes:

@@ -38,7 +38,7 @@ class KrlWriter : public ProgramWriter {
  public:
   KrlWriter(const MotionProgram& program, const Arm& arm, const PostSettings& settings,
             const KrlOptions& options)
-      : ProgramWriter(program, arm, settings, KrlTexts()), options_(options) {}
+      : ProgramWriter(program, arm, settings, KrlTexts(settings)), options_(options) {}
 
   ProgramFiles Write() {
     WriteSections();
@@ -224,9 +224,12 @@ class KrlWriter : public ProgramWriter {
 
 }  // namespace
 
-std::map<std::string, std::string> KrlTexts() {
-  return {{"spindle_on", "; SPINDLE ON {rpm} 1/min: switch it on, then start again\nHALT"},
-          {"spindle_off", "; SPINDLE OFF: switch it off, then start again\nHALT"}};
+std::map<std::string, std::string> KrlTexts(const PostSettings& settings) {
+  std::map<std::string, std::string> texts = {
+      {"spindle_on", "; SPINDLE ON {rpm} 1/min: switch it on, then start again\nHALT"},
+      {"spindle_off", "; SPINDLE OFF: switch it off, then start again\nHALT"}};
+  if (settings.ChangesTool()) texts["tool_change"] = "; TOOL {tool}: put it in, then start again\nHALT";
+  return texts;
 }
 
 ProgramFiles KrlPost::Write(const MotionProgram& program, const Arm& arm,
@@ -258,10 +261,23 @@ std::string KrlPost::WhyNotIn(const PostSettings& settings) const {
         "from gravity; {}: the controller's $ROBROOT expected (ceiling C 180, wall B 90), which its own "
         "model of weights uses",
         apart * kDegPerRad, options_.robroot ? "robroot must agree" : "robroot is missing");
+  if (options_.tool_number > 0 && settings.several_tools)
+    return "controllers.krl.tool_number: has one number for all of the cell's tools; leave it out: programs "
+           "then state $TOOL themselves";
+  if (!options_.tool_in_spindle.empty() && !(settings.ChangesTool() && settings.tool_number))
+    return "controllers.krl.tool_in_spindle: has no effect here: programs change the tool only where the "
+           "cell "
+           "has several tools or tool_change_deg, and compare its number only where the tool has one";
   if (options_.write_load && !settings.load)
     return "controllers.krl.write_load: tool.load is missing; expected: mass, centre and inertia of what "
            "hangs on the flange";
   return {};
+}
+
+std::string KrlPost::ToolCheck(const PostSettings& settings) const {
+  if (options_.tool_in_spindle.empty() || !settings.tool_number) return {};
+  return fmt::format("WHILE {}<>{{number}}\n; TOOL {{number}} {{tool}} EXPECTED\nHALT\nENDWHILE",
+                     options_.tool_in_spindle);
 }
 
 void KrlPost::Round(MotionProgram& program, const Arm&, const PostSettings& settings) const {

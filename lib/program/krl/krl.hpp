@@ -27,6 +27,7 @@ class KrlPost : public Post {
   std::vector<double> ExternalAxes() const override { return options_.external_axes; }
   size_t Memory() const override { return static_cast<size_t>(options_.memory_kbytes) * 1000; }
   std::string WhyNotIn(const PostSettings& settings) const override;
+  std::string ToolCheck(const PostSettings& settings) const override;
   FrameTexts Frames(const PostSettings& settings) const override;
   ProgramFiles Write(const MotionProgram& program, const Arm& arm,
                      const PostSettings& settings) const override;
@@ -38,6 +39,6 @@ class KrlPost : public Post {
 };
 
 /// KRL's texts for events where the cell gives none: the operator switches the spindle by hand.
-std::map<std::string, std::string> KrlTexts();
+std::map<std::string, std::string> KrlTexts(const PostSettings& settings);
 
 }  // namespace millpose

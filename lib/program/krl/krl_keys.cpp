@@ -29,6 +29,11 @@ std::vector<Field<S>> FrameAndSpeedKeys() {
              "Constant E1, E2, … written with every target."),
       Key<S>("ptp_speed_percent", MILLPOSE_AT(ptp_speed_percent), Integer(1, 100),
              "Share of the axes' largest speed in motions between cuts."),
+      Key<S>(
+          "tool_in_spindle", MILLPOSE_AT(tool_in_spindle), Text(),
+          "Global INT variable of the plant that holds the number of the tool in the spindle: programs that "
+          "change the tool wait until it is the right one.")
+          .WhenSet([](const S& s) { return !s.tool_in_spindle.empty(); }),
       Key<S>("advance", MILLPOSE_AT(advance), Integer(1, 5), "$ADVANCE, motions computed ahead."),
   };
 }
@@ -61,6 +66,11 @@ void Check(const Value& value, const Context& context, S& options) {
         .Add(value.FindKey("ersysroot")->mark,
              fmt::format("its axis E{} is none of the {} external_axes; allowed: one of them",
                          options.ersysroot->axis, axes));
+  if (!options.tool_in_spindle.empty() && !IsWord(options.tool_in_spindle))
+    context.Child("tool_in_spindle")
+        .Add(value.FindKey("tool_in_spindle")->mark,
+             fmt::format("given '{}'; allowed: letters, digits and '_', at most 31, beginning with a letter",
+                         options.tool_in_spindle));
   if (axes > 6)
     context.Child("external_axes").Add(value.mark, fmt::format("given {} values; allowed: at most 6", axes));
 }

@@ -30,6 +30,7 @@ struct KrlOptions {
   std::optional<PoseSettings> robroot;             ///< $ROBROOT; on a coupled rail the robot on its carriage
   std::optional<KrlRail> ersysroot;                ///< a coupled rail
   bool write_load = false;                         ///< $LOAD from the tool's load
+  std::string tool_in_spindle;                     ///< variable that holds its number; empty: none
   int memory_kbytes = 4000;                        ///< of all files together
 };
 

@@ -25,7 +25,7 @@ class KrlReader : public ProgramReader {
  public:
   KrlReader(const ProgramFiles& files, const PostSettings& settings, const KrlOptions& options)
       : ProgramReader(files, settings,
-                      Templates(KrlTexts(), settings.texts, settings.tool_name, {.numbers = false})),
+                      Templates(KrlTexts(settings), settings.texts, ToolOf(settings), {.numbers = false})),
         options_(options) {
     program_.blend_is_distance = true;
     program_.swivel = settings.R_TC() * DirectionOf(options.tool_direction);

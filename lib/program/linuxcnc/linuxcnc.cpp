@@ -32,7 +32,7 @@ class LinuxCncWriter : public ProgramWriter {
  public:
   LinuxCncWriter(const MotionProgram& program, const Arm& arm, const PostSettings& settings,
                  const LinuxCncOptions& options)
-      : ProgramWriter(program, arm, settings, LinuxCncTexts()), options_(options) {}
+      : ProgramWriter(program, arm, settings, LinuxCncTexts(settings)), options_(options) {}
 
   ProgramFiles Write() {
     WriteSections();
@@ -252,11 +252,15 @@ class LinuxCncWriter : public ProgramWriter {
 
 }  // namespace
 
-std::map<std::string, std::string> LinuxCncTexts() {
-  return {{"spindle_on", "S{rpm} M3"},
-          {"spindle_off", "M5"},
-          {"cartesian_on", "M68 E3 Q0\nM66 E0 L0"},
-          {"joints_on", "M68 E3 Q1\nM66 E0 L0"}};
+std::map<std::string, std::string> LinuxCncTexts(const PostSettings& settings) {
+  std::map<std::string, std::string> texts = {{"spindle_on", "S{rpm} M3"},
+                                              {"spindle_off", "M5"},
+                                              {"cartesian_on", "M68 E3 Q0\nM66 E0 L0"},
+                                              {"joints_on", "M68 E3 Q1\nM66 E0 L0"}};
+  if (settings.ChangesTool())
+    texts["tool_change"] =
+        settings.tool_number ? "T{number} M6" : "(MSG, TOOL {tool}: put it in, then go on)\nM0";
+  return texts;
 }
 
 double BlendDegrees(double blend, const Arm& arm, const Pose& X_FT) {
@@ -272,6 +276,12 @@ ProgramFiles LinuxCncPost::Write(const MotionProgram& program, const Arm& arm,
                                  const PostSettings& settings) const {
   assert(IsWellFormed(program));
   return LinuxCncWriter(program, arm, settings, options_).Write();
+}
+
+// Parameter 5400: the number of the tool in the spindle.
+std::string LinuxCncPost::ToolCheck(const PostSettings& settings) const {
+  if (!settings.tool_number) return {};
+  return "O9001 WHILE [#5400 NE {number}]\n(MSG, TOOL {number} {tool} EXPECTED)\nM0\nO9001 ENDWHILE";
 }
 
 // It adds what it does between points of its own accord.

@@ -22,6 +22,7 @@ class LinuxCncPost : public Post {
   const Options& options() const { return options_; }
   std::string Name() const override { return "linuxcnc"; }
   std::vector<std::string> Endings() const override { return {".ngc"}; }
+  std::string ToolCheck(const PostSettings& settings) const override;
   double AngleReserve() const override;
   void Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const override;
   bool NeedsSphericalWrist() const override { return false; }
@@ -45,7 +46,7 @@ inline constexpr double kHalfwayTurn = 1.7453e-4;  ///< rad (0.01°), that the t
 inline constexpr double kAngleMargin = 1.7453e-5;
 
 /// LinuxCNC's texts for events where the cell gives none.
-std::map<std::string, std::string> LinuxCncTexts();
+std::map<std::string, std::string> LinuxCncTexts(const PostSettings& settings);
 
 /// Selects a coordinate system without offsets, whatever the machine's others hold.
 inline constexpr const char* kNoOffsets = "G10 L2 P9 X0 Y0 Z0 A0 B0 C0 R0";

@@ -51,8 +51,9 @@ class LinuxCncReader : public ProgramReader {
  public:
   LinuxCncReader(const ProgramFiles& files, const Arm& arm, const PostSettings& settings,
                  const LinuxCncOptions& options)
-      : ProgramReader(files, settings,
-                      Templates(LinuxCncTexts(), settings.texts, settings.tool_name, {.blanks = false})),
+      : ProgramReader(
+            files, settings,
+            Templates(LinuxCncTexts(settings), settings.texts, ToolOf(settings), {.blanks = false})),
         arm_(arm),
         options_(options) {
     program_.rotation = settings.rotation;
@@ -197,13 +198,13 @@ class LinuxCncReader : public ProgramReader {
     LineScanner ahead = scan;
     if (ahead.AcceptAddress('M')) {
       const double code = ahead.ExpectDecimal(kBlanks);
-      for (const double known : {3, 4, 5, 7, 8, 9, 62, 63, 64, 65, 66, 67, 68}) {
+      for (const double known : {3, 4, 5, 6, 7, 8, 9, 62, 63, 64, 65, 66, 67, 68}) {
         if (code != known) continue;
         scan = ahead;
         return true;
       }
     }
-    for (const char letter : {'S', 'E', 'L', 'P', 'Q'}) {
+    for (const char letter : {'S', 'T', 'E', 'L', 'P', 'Q'}) {
       if (!scan.AcceptAddress(letter)) continue;
       scan.ExpectDecimal(kBlanks);
       return true;

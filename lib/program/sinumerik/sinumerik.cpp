@@ -236,6 +236,17 @@ ProgramFiles SinumerikPost::Write(const MotionProgram& program, const Arm& arm,
   return SinumerikWriter(program, arm, settings, options_).Write();
 }
 
+// Of the tool management, $TC_TP2: the names of tools by the number that the control itself gives them.
+std::string SinumerikPost::ToolCheck(const PostSettings&) const {
+  return "MP_TOOL:\n"
+         "IF $TC_TP2[$P_TOOLNO]==\"{tool}\" GOTOF MP_TOOL_IN\n"
+         "MSG(\"TOOL {tool} EXPECTED\")\n"
+         "M0\n"
+         "GOTOB MP_TOOL\n"
+         "MP_TOOL_IN:\n"
+         "MSG()";
+}
+
 // CYCLE832 holds for every corner of a cut alike.
 void SinumerikPost::Round(MotionProgram& program, const Arm&, const PostSettings& settings) const {
   for (Motion& motion : program.motions) {

@@ -29,6 +29,7 @@ class SinumerikPost : public Post {
   std::vector<std::string> Endings() const override { return {".mpf", ".spf"}; }
   /// ORIVECT and ORIWKS both ask for a great circle of Z of the tool frame; where nobody knows which of them
   /// counts (MD21104), evenly running angles and one even turn must do as well.
+  std::string ToolCheck(const PostSettings& settings) const override;
   std::vector<LineModel> Lines(const PostSettings& settings) const override;
   double Blend(const PathTolerance& tolerance, double) const override { return tolerance.position; }
   void Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const override;

@@ -15,7 +15,7 @@ constexpr int kMostOutputs = 1024;   // $A_OUT[n]
 class SinumerikReader : public ProgramReader {
  public:
   SinumerikReader(const ProgramFiles& files, const PostSettings& settings, const SinumerikOptions& options)
-      : ProgramReader(files, settings, Templates(SinumerikTexts(), settings.texts, settings.tool_name)),
+      : ProgramReader(files, settings, Templates(SinumerikTexts(), settings.texts, ToolOf(settings))),
         options_(options) {
     program_.swivel = settings.R_TC() * Eigen::Vector3d::UnitZ();
     program_.any_turn = !options.ori_ipo_with_g_code;
@@ -210,6 +210,9 @@ class SinumerikReader : public ProgramReader {
     settings_since_.erase(FrameWord());
   }
 
+  /// The tool is changed before the program's frame holds, or where the cell has it changed.
+  Places ChangePlaces() const { return settings_.change_at ? Places{ProgramPlace::kWay} : kHeadOnly; }
+
   std::string FrameWord() const { return fmt::format("G{}", options_.Frame()); }
 
   /// The words of a block, in the order in which they take effect: settings, then the motion.
@@ -218,11 +221,11 @@ class SinumerikReader : public ProgramReader {
     if (const auto& tool = block.tool()) {
       if (*tool != settings_.tool_name)
         scan.FailFrom(start, fmt::format("tool {} expected", settings_.tool_name));
-      Allow(scan, start, kHeadOnly);
+      Allow(scan, start, ChangePlaces());
     }
     if (const auto edge = block.Word("D")) {
       if (*edge != 1) scan.FailFrom(start, "D1 expected: another edge or none puts the tip elsewhere");
-      Allow(scan, start, kHeadOnly);
+      Allow(scan, start, ChangePlaces());
     }
     Tolerances(scan, start, block);
     if (block.Has("G4")) {
@@ -287,7 +290,7 @@ class SinumerikReader : public ProgramReader {
   void Miscellaneous(const LineScanner& scan, size_t start, int m) {
     const int end = InSubprogram() ? 17 : 30;
     if (m == 0 || m == 1) return Allow(scan, start, kOutsideCuts);
-    if (m == 6) return Allow(scan, start, kHeadOnly);
+    if (m == 6) return Allow(scan, start, ChangePlaces());
     if (m != end)
       scan.FailFrom(start,
                     fmt::format("M0, M1, M6 or M{} expected (spindle and coolant: the cell's texts)", end));
