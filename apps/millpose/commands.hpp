@@ -36,6 +36,7 @@ void AddCheckCommand(CLI::App& app, Run& run);
 void AddCompletionCommand(CLI::App& app, Run& run);
 void AddFlatnessCommand(CLI::App& app, Run& run);
 void AddIdentifyCommand(CLI::App& app, Run& run);
+void AddInitCommand(CLI::App& app, Run& run);
 void AddInspectCommand(CLI::App& app, Run& run);
 void AddManCommand(CLI::App& app, Run& run);
 void AddPlanCommand(CLI::App& app, Run& run);
@@ -44,9 +45,9 @@ void AddStiffnessCommand(CLI::App& app, Run& run);
 void AddVerifyCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
-    AddPlanCommand,     AddVerifyCommand,    AddBatchCommand,    AddCheckCommand,
-    AddInspectCommand,  AddStiffnessCommand, AddIdentifyCommand, AddCalibrateCommand,
-    AddFlatnessCommand, AddSchemaCommand,    AddManCommand,      AddCompletionCommand,
+    AddInitCommand,    AddPlanCommand,      AddVerifyCommand,     AddBatchCommand,     AddCheckCommand,
+    AddInspectCommand, AddStiffnessCommand, AddIdentifyCommand,   AddCalibrateCommand, AddFlatnessCommand,
+    AddSchemaCommand,  AddManCommand,       AddCompletionCommand,
 };
 
 }  // namespace millpose

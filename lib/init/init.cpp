@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "init/init.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "base/error.hpp"
+#include "base/execution.hpp"
+#include "base/file.hpp"
+#include "init/cell_text.hpp"
+#include "init/facing_groups.hpp"
+#include "init/job_text.hpp"
+#include "init/place_part.hpp"
+#include "pipeline/assemble.hpp"
+#include "pipeline/run.hpp"
+#include "pipeline/step_meshes.hpp"
+#include "surface/raw_mesh.hpp"
+#include "surface/step_reader.hpp"
+
+namespace millpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kMostGroups = 8;  // of a part that are tried
+constexpr int kMostPlans = 6;      // that may fail before init gives up
+constexpr double kSmallPatch = 0.25;
+constexpr double kMostLift = 0.5;  // mm: what rough facets ask for; more is another face in the way
+constexpr size_t kPlacesEach = 2;  // of a tool path that are planned
+
+/// A folder beside the one to come, so that relative paths hold in both; gone with the object.
+class Staging {
+ public:
+  explicit Staging(const fs::path& out)
+      : path_(out.parent_path() / fmt::format(".{}.init-{}", out.filename().string(), getpid())) {
+    MakeFolders(path_);
+  }
+  ~Staging() {
+    try {
+      RemoveAll(path_);
+    } catch (const InputError&) {  // what cannot be removed stays; the files that count are not in it
+    }
+  }
+  Staging(const Staging&) = delete;
+  Staging& operator=(const Staging&) = delete;
+
+  const fs::path& path() const { return path_; }
+  fs::path Job() const { return path_ / "job.yaml"; }
+  fs::path CellFile() const { return path_ / "cell.yaml"; }
+
+ private:
+  fs::path path_;
+};
+
+fs::path FileOf(const fs::path& given) {
+  if (!Exists(given)) throw InputError({given.string()}, "no such file");
+  return fs::canonical(given);
+}
+
+/// The folder to come: absolute, links followed as far as it exists.
+fs::path FolderFor(const InitArguments& arguments) {
+  const fs::path given = arguments.out.value_or(arguments.part.stem());
+  fs::path folder = fs::weakly_canonical(fs::absolute(given));
+  if (!folder.has_filename()) folder = folder.parent_path();
+  for (const char* name : {"cell.yaml", "job.yaml"})
+    if (Exists(folder / name))
+      throw InputError({(folder / name).string()},
+                       "stands there already; allowed: a folder without it (--out DIR)");
+  if (Exists(folder) && !fs::is_directory(folder))
+    throw InputError({folder.string()}, "is a file; allowed: a folder, or a name that is free (--out DIR)");
+  return folder;
+}
+
+/// A name that job files allow, from the part's.
+std::string JobName(const fs::path& part) {
+  std::string name;
+  for (const char c : part.stem().string()) name += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  if (name.empty() || !std::isalpha(static_cast<unsigned char>(name[0]))) name = "part_" + name;
+  return name.substr(0, 40);
+}
+
+/// The part as it was read, with a job around it.
+struct Draft {
+  JobInputs inputs;
+  std::optional<Part> part{};
+  double reach = 0;
+};
+
+class Init {
+ public:
+  Init(const InitArguments& arguments, Progress& progress, std::stop_token stop)
+      : arguments_(arguments),
+        progress_(progress),
+        stop_(std::move(stop)),
+        out_(FolderFor(arguments)),
+        part_(FileOf(arguments.part)),
+        staging_(out_) {}
+
+  InitOutcome Run() {
+    cell_text_ = CellText();
+    WriteFileAtomically(staging_.CellFile(), cell_text_);
+    job_.name = JobName(part_);
+    job_.part = YamlPath(part_, out_);
+    job_.unit = UnitOfPart();
+    ReadDraft();
+    const std::vector<FacingGroup> groups = FindFacingGroups(draft_.part->import.mesh, kMostGroups);
+    for (const FacingGroup& group : groups)
+      for (const double share : {1.0, kSmallPatch})  // of the usual patch: less of a face has less beside it
+        for (const FirstStrategy strategy : {FirstStrategy::kPad, FirstStrategy::kPlanesFree,
+                                             FirstStrategy::kPlanes, FirstStrategy::kBall}) {
+          if (strategy == (group.flat ? FirstStrategy::kBall : FirstStrategy::kPad)) continue;
+          job_.group = group;
+          job_.strategy = strategy;
+          job_.patch_half = share * PatchHalf(draft_.reach);
+          if (TryGroup()) return Publish();
+          if (failed_plans_ >= kMostPlans) Refuse(groups);
+        }
+    Refuse(groups);
+  }
+
+ private:
+  std::string CellText() const {
+    const bool is_file = Exists(arguments_.arm);
+    if (!is_file && fs::path(arguments_.arm).extension() != ".urdf") return SampleCellText(arguments_.arm);
+    return UrdfCellText({FileOf(arguments_.arm), arguments_.base_link, arguments_.flange_link}, out_);
+  }
+
+  /// The file's own unit where it states one; never one that makes the part fit.
+  double UnitOfPart() const {
+    if (arguments_.unit) return *arguments_.unit;
+    const std::string bytes = ReadFile(part_);
+    if (!LooksLikeStep(bytes)) return 1;
+    return ReadMesh(bytes, part_.string(), {}).stated_unit.value_or(1);
+  }
+
+  void ReadDraft() {
+    std::map<std::string, std::string> body_bytes;
+    const CellSettings cell = LoadCell(staging_.CellFile(), &body_bytes);
+    draft_.reach = Reach(MakeCell(cell, body_bytes));
+    cell_ = ParseCell(ReadFile(staging_.CellFile()), (out_ / "cell.yaml").string());
+    WriteFileAtomically(staging_.Job(), JobText(job_, cell_));
+    draft_.inputs = LoadJobInputs(staging_.Job());
+    progress_.Begin(SurfaceStage(draft_.inputs), 0);
+    CutStepFiles(
+        &draft_.inputs, [&](int percent) { progress_.Percent(percent); }, stop_);
+    draft_.part = ReadPart(draft_.inputs, MakeCell(draft_.inputs.cell, draft_.inputs.body_bytes));
+    progress_.End(fmt::format("{} triangles", draft_.part->import.report.triangles));
+    const ImportReport& report = draft_.part->import.report;
+    if (arguments_.unit) return;
+    if (const auto doubt = UnitWarning((report.upper - report.lower).maxCoeff(), draft_.reach))
+      throw InputError({part_.string()}, *doubt + "; give --unit mm, cm, in or m");
+  }
+
+  /// Puts the cutter's shape into the cell: curved faces of rough facets want a ball.
+  void TakeCutter(CutterTip tip) {
+    if (draft_.inputs.cell.tool.cutter_tip == tip) return;
+    draft_.inputs.cell.tool.cutter_tip = tip;
+    WriteFileAtomically(staging_.CellFile(), tip == CutterTip::kBall ? WithBall(cell_text_) : cell_text_);
+  }
+
+  /// Whether a place was found at which the group is planned whole; staging holds its job then.
+  bool TryGroup() {
+    const Mesh& mesh = draft_.part->import.mesh;
+    TakeCutter(job_.strategy == FirstStrategy::kBall ? CutterTip::kBall : cell_.tool.cutter_tip);
+    draft_.inputs.job = ParseJob(JobText(job_, cell_), staging_.Job().string());
+    JobToolpath made;
+    try {
+      made = MakeJobToolpath(draft_.inputs, mesh, stop_);
+    } catch (const InputError&) {  // this strategy has nothing to lay there
+      return false;
+    }
+    CheckJobGouges(draft_.inputs, mesh, Execution{arguments_.threads}.Threads(), made, stop_);
+    const bool ball = job_.strategy == FirstStrategy::kBall;
+    if (ball ? made.gouges.largest_lift > kMostLift : made.gouges.points > 0) return false;
+    if (!made.findings.empty()) return false;
+    const Cell cell = MakeCell(draft_.inputs.cell, draft_.inputs.body_bytes);
+    const std::vector<Placement> likely =
+        LikelyPlacements(job_.group, draft_.part->import.report, cell, draft_.inputs.cell.home);
+    for (const Placement& placement :
+         ReachedPlacements(draft_.inputs, mesh, made.toolpath, likely, kPlacesEach, stop_)) {
+      job_.placement = placement;
+      if (Plans()) return true;
+      if (++failed_plans_ >= kMostPlans) return false;
+    }
+    return false;
+  }
+
+  /// What counts is `plan` itself.
+  bool Plans() {
+    WriteFileAtomically(staging_.Job(), JobText(job_, cell_));
+    PlanArguments plan;
+    plan.job = staging_.Job();
+    plan.out = staging_.path() / "trial.out";
+    plan.threads = arguments_.threads;
+    progress_.Begin(fmt::format("trial {}", failed_plans_ + 1), 0);
+    const PlanOutcome outcome = RunPlan(plan, Silent(), stop_);
+    progress_.End(outcome.exit_status == 0 ? "planned whole"
+                                           : "not planned whole; another place or region is tried");
+    RemoveAll(*plan.out);
+    return outcome.exit_status == 0;
+  }
+
+  [[noreturn]] void Refuse(const std::vector<FacingGroup>& groups) const {
+    throw InputError(
+        {part_.string()},
+        fmt::format(
+            "no job was found that plans whole: {} smooth faces looked at, the largest {:.6g} mm²; {} plans "
+            "tried. Elsewhere the cutter of {:.6g} mm would go into what is beside it, or the arm does not "
+            "reach; allowed: another part, arm or --unit, or a job written by hand (docs/tutorial.md)",
+            groups.size(), groups.empty() ? 0 : groups[0].area, failed_plans_, cell_.tool.cutter_diameter));
+  }
+
+  InitOutcome Publish() {
+    FolderFor(arguments_);  // somebody may have written there meanwhile
+    MakeFolders(out_);
+    Rename(staging_.CellFile(), out_ / "cell.yaml");
+    Rename(staging_.Job(), out_ / "job.yaml");
+    SyncFolder(out_);
+    const FacingGroup& group = job_.group;
+    InitOutcome outcome{out_, ""};
+    const fs::path shown = arguments_.out.value_or(arguments_.part.stem());
+    outcome.text = fmt::format(
+        "wrote      {0}/cell.yaml\nwrote      {0}/job.yaml\n"
+        "region     {1}{2:.0f} mm², about {3:.1f}, {4:.1f}, {5:.1f} mm on the part\n"
+        "place      {6}, {7:.1f}, {8:.1f}, {9:.1f} mm in the world\n"
+        "it plans   millpose plan {0}/job.yaml\n"
+        "to do      every line marked GUESS: measure or replace it\n",
+        shown.string(), group.flat ? "a plane face, " : "a curved face, ", group.area, group.seed.x(),
+        group.seed.y(), group.seed.z(), job_.placement.upright ? "upright before the arm" : "facing up",
+        job_.placement.X_WP.translation().x(), job_.placement.X_WP.translation().y(),
+        job_.placement.X_WP.translation().z());
+    return outcome;
+  }
+
+  const InitArguments& arguments_;
+  Progress& progress_;
+  std::stop_token stop_;
+  fs::path out_, part_;
+  Staging staging_;
+  FirstJob job_;
+  std::string cell_text_;  ///< with its first cutter
+  CellSettings cell_;
+  Draft draft_{};
+  int failed_plans_ = 0;
+};
+
+}  // namespace
+
+InitOutcome RunInit(const InitArguments& arguments, Progress& progress, std::stop_token stop) {
+  return Init(arguments, progress, std::move(stop)).Run();
+}
+
+}  // namespace millpose
