@@ -141,6 +141,11 @@ std::optional<Sighting> Checker::Blocked(const Joints& q, Phase phase, const std
 }
 
 double Checker::Clearance(const Joints& q, Phase phase, double bound) {
+  const std::optional<Interference> nearest = Nearest(q, phase, bound);
+  return nearest ? nearest->distance : bound;
+}
+
+std::optional<Interference> Checker::Nearest(const Joints& q, Phase phase, double bound) {
   impl_->MoveTo(q);
   std::vector<std::pair<double, const BodyPair*>> nearest;
   double most = bound;  // of the smallest distance
@@ -154,12 +159,14 @@ double Checker::Clearance(const Joints& q, Phase phase, double bound) {
     nearest.emplace_back(std::max(apart, certain.least), &pair);
   }
   std::sort(nearest.begin(), nearest.end());
-  double smallest = bound;
+  const BodyPair* best = nullptr;
+  BoundedDistance smallest{bound, Eigen::Vector3d::Zero()};
   for (const auto& [least, pair] : nearest) {
-    if (smallest <= kTouch || least >= std::min(smallest, most)) break;
-    smallest = std::min(smallest, impl_->Distance(*pair, smallest).distance);
+    if (smallest.distance <= kTouch || least >= std::min(smallest.distance, most)) break;
+    const BoundedDistance found = impl_->Distance(*pair, smallest.distance);
+    if (found.distance < smallest.distance) smallest = found, best = pair;
   }
-  return smallest;
+  return best ? std::optional(impl_->Report(*best, smallest)) : std::nullopt;
 }
 
 /// Looks at the middle of a motion during which no joint turns by more than `half_turn` from it. Pairs that

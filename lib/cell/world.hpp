@@ -77,6 +77,10 @@ class Checker {
   /// that").
   double Clearance(const Joints& q, Phase phase, double bound);
 
+  /// The checked pair with that distance and the place between its nearest points; empty where none is nearer
+  /// than `bound`.
+  std::optional<Interference> Nearest(const Joints& q, Phase phase, double bound);
+
   /// Conservative check of the straight joint-space motion from q0 to q1: empty means that no pair comes
   /// nearer than its clearance less `resolution` (mm) anywhere on it. Steps by distance ÷ bound of each
   /// body's motion. The same holds of every motion whose joints leave that one by at most `tube` (rad, per

@@ -8,8 +8,10 @@
 #include "pipeline/audit.hpp"
 #include "pipeline/axis_map.hpp"
 #include "pipeline/judge_optima.hpp"
+#include "pipeline/nearest_pairs.hpp"
 #include "pipeline/origin.hpp"
 #include "pipeline/output_folder.hpp"
+#include "pipeline/plan_timeline.hpp"
 #include "pipeline/sample_curves.hpp"
 #include "pipeline/stages.hpp"
 #include "pipeline/step_meshes.hpp"
@@ -158,10 +160,13 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   const AxisMap map = MakeAxisMap(job.plan, job.prepared.problem, curves,
                                   arguments.full_axis_map ? &job.prepared.world : nullptr,
                                   execution.Threads(), execution.stop);
+  const Timeline timeline = PlanTimeline(job.plan, inputs);
+  const NearestPairs nearest =
+      FindNearestPairs(job.plan, job.prepared.world, execution.Threads(), execution.stop);
   ResultSet results(folder);
   const ReportInputs report =
       WriteResults({inputs, job.prepared.cell, job.plan, job.programs, job.starts, audit, job.reduction,
-                    job.prepared.warnings, findings, CurveGrid(), curves, map, job.fixed,
+                    job.prepared.warnings, findings, CurveGrid(), curves, map, timeline, nearest, job.fixed,
                     job.prepared.heaviest, job.compensation_remains},
                    results);
   stages.End(folder.path().string());

@@ -207,9 +207,10 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   if (report.deflection) set.Add("deflection.csv", DeflectionCsv(*report.deflection));
   if (report.compensation) set.Add("compensation.csv", CompensationCsv(plan));
   set.Add("summary.json", SummaryJson(plan, report));
-  set.Add("report.html", ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell,
-                                     report.deflection ? &*report.deflection : nullptr, report.findings,
-                                     report.warnings, report.times, &*report.fixed, &results.map}));
+  set.Add("report.html",
+          ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell,
+                      report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
+                      report.times, &*report.fixed, &results.map, &results.timeline, &results.nearest}));
   for (const CheckedProgram& program : programs)
     if (program.Confirmed() && !program.trajectory.empty())
       set.Add("trajectory-" + program.controller + ".csv", program.trajectory);

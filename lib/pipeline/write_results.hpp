@@ -24,6 +24,8 @@ struct Results {
   RotationGrid grid;                         ///< of `curves`
   const std::vector<PointCurves>& curves;    ///< for report.html
   const AxisMap& map;                        ///< of `curves`
+  const Timeline& timeline;                  ///< for report.html
+  const NearestPairs& nearest;
   const FixedComparison& fixed;
   const std::optional<CuttingForce>& heaviest;  ///< where the job says what is cut
   std::optional<double> compensation_remains;

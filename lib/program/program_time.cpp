@@ -37,13 +37,6 @@ TimeLaw LawOf(const Motion& from, const Motion& to, const Arm& arm, const TimeOp
   return FeedLaw(seconds, ramp, from.exact, to.exact);
 }
 
-/// A motion from one point of a cut to the next; the one that ends at its first point is the plunge.
-bool IsCut(const std::vector<Motion>& motions, size_t i) {
-  if (motions[i].point < 0 || i == 0) return false;
-  return motions[i - 1].point >= 0 && motions[i - 1].pass == motions[i].pass &&
-         motions[i - 1].type == MotionType::kLinear;
-}
-
 class TrajectoryWriter {
  public:
   TrajectoryWriter(const MotionProgram& program, const Arm& arm, const Pose& X_WB,
@@ -73,32 +66,15 @@ class TrajectoryWriter {
     text_ += ",x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,speed_mm_s,pass,point\n";
   }
 
-  Pose Tip(size_t i, double share) const {
-    const Motion& motion = program_.motions[i];
-    if (i == 0 || share >= 1) return motion.X_PT;
-    if (motion.type == MotionType::kLinear)
-      return PoseLine(program_.motions[i - 1].X_PT, motion.X_PT).At(share);
-    return program_.X_BP->inverse() * ForwardFlange(arm_, At(i, share)) * *program_.X_FT;
-  }
-
-  Joints At(size_t i, double share) const {
-    const Motion& motion = program_.motions[i];
-    if (i == 0 || share >= 1) return *motion.q;
-    const Joints& from = *program_.motions[i - 1].q;
-    const Joints even = from + share * (*motion.q - from);
-    if (motion.type == MotionType::kJoint) return even;
-    const Pose X_BF = *program_.X_BP * Tip(i, share) * program_.X_FT->inverse();
-    return InverseNear(arm_, X_BF, Status(arm_, from), even).value_or(even);
-  }
-
   void Row(double time, size_t i, double share, double rate) {
     constexpr double kNear = 1e-6;  // of the way, for the tip's speed in joint motions
-    const Joints q = At(i, share) * kDegPerRad;
-    const Pose tip = Tip(i, share), X_WT = X_WB_ * *program_.X_BP * tip;
+    const Joints q = JointsOf(program_, arm_, i, share) * kDegPerRad;
+    const Pose tip = TipOf(program_, arm_, i, share), X_WT = X_WB_ * *program_.X_BP * tip;
     const double back = std::max(0.0, share - kNear);
-    const double speed =
-        i == 0 || rate == 0 ? 0
-                            : (tip.translation() - Tip(i, back).translation()).norm() / (share - back) * rate;
+    const double speed = i == 0 || rate == 0
+                             ? 0
+                             : (tip.translation() - TipOf(program_, arm_, i, back).translation()).norm() /
+                                   (share - back) * rate;
     const Eigen::Vector3d p = X_WT.translation(), abc = AnglesZyx(X_WT.linear()) * kDegPerRad;
     const auto out = std::back_inserter(text_);
     fmt::format_to(out, "{}", Fixed(time, 4));
@@ -120,6 +96,29 @@ class TrajectoryWriter {
 
 }  // namespace
 
+Pose TipOf(const MotionProgram& program, const Arm& arm, size_t i, double share) {
+  const Motion& motion = program.motions[i];
+  if (i == 0 || share >= 1) return motion.X_PT;
+  if (motion.type == MotionType::kLinear) return PoseLine(program.motions[i - 1].X_PT, motion.X_PT).At(share);
+  return program.X_BP->inverse() * ForwardFlange(arm, JointsOf(program, arm, i, share)) * *program.X_FT;
+}
+
+Joints JointsOf(const MotionProgram& program, const Arm& arm, size_t i, double share) {
+  const Motion& motion = program.motions[i];
+  if (i == 0 || share >= 1) return *motion.q;
+  const Joints& from = *program.motions[i - 1].q;
+  const Joints even = from + share * (*motion.q - from);
+  if (motion.type == MotionType::kJoint) return even;
+  const Pose X_BF = *program.X_BP * TipOf(program, arm, i, share) * program.X_FT->inverse();
+  return InverseNear(arm, X_BF, Status(arm, from), even).value_or(even);
+}
+
+bool IsCut(const MotionProgram& program, size_t i) {
+  if (program.motions[i].point < 0 || i == 0) return false;
+  const Motion& before = program.motions[i - 1];
+  return before.point >= 0 && before.pass == program.motions[i].pass && before.type == MotionType::kLinear;
+}
+
 std::vector<TimeLaw> TimeMotions(const MotionProgram& program, const Arm& arm, const TimeOptions& options) {
   std::vector<TimeLaw> laws(program.motions.size());
   for (size_t i = 1; i < laws.size(); ++i)
@@ -138,7 +137,7 @@ ProgramTime MeasureTime(const MotionProgram& program, const Arm& arm, const Time
       part.gaps = laws[i].duration;
     } else if (laws[i].duration > 0) {
       const double even = EvenSeconds(program.motions[i - 1], motion, arm, options);
-      (IsCut(program.motions, i) ? part.cuts : part.approaches) = even;
+      (IsCut(program, i) ? part.cuts : part.approaches) = even;
       part.stops = laws[i].duration - even;
     }
     time.all += part;

@@ -26,6 +26,14 @@ std::vector<TimeLaw> TimeMotions(const MotionProgram& program, const Arm& arm, c
 /// What TimeMotions adds up to.
 ProgramTime MeasureTime(const MotionProgram& program, const Arm& arm, const TimeOptions& options);
 
+/// The tool in the workpiece frame, X_PT, and the joints at `share` (0..1) of the way of motion `i`; of the
+/// first motion: where it ends. Precondition as above, and the program has its frames.
+Pose TipOf(const MotionProgram& program, const Arm& arm, size_t i, double share);
+Joints JointsOf(const MotionProgram& program, const Arm& arm, size_t i, double share);
+
+/// A motion from one point of a cut to the next; the one that ends at its first point is the plunge.
+bool IsCut(const MotionProgram& program, size_t i);
+
 /// CSV of the whole program: time, joints, external axes, tip in W, speed, pass, piece; a row at the end of
 /// every motion and every `seconds` s between. Angles deg, arm's convention; tip A, B, C about Z, Y', X''.
 std::string TrajectoryCsv(const MotionProgram& program, const Arm& arm, const Pose& X_WB,

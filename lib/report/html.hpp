@@ -2,13 +2,15 @@
 // report.html: a plan as one file that any browser opens without a network (docs/report-html.md).
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
-#include "cell/cell.hpp"
+#include "cell/world.hpp"
 #include "plan/cycle_time.hpp"
 #include "plan/fixed_comparison.hpp"
 #include "plan/plan_result.hpp"
+#include "plan/timeline.hpp"
 #include "report/deflection.hpp"
 
 namespace millpose {
@@ -48,6 +50,10 @@ struct AxisMap {
   std::vector<std::vector<uint8_t>> zones;  ///< per point: all rotations on branch 0, then on branch 1, …
 };
 
+/// The nearest pair of bodies at planned points, by the points' numbers in the job; of points that are not
+/// there it is not known, an empty one has none nearer than kPointClearanceBound.
+using NearestPairs = std::map<uint32_t, std::optional<Interference>>;
+
 /// Sizes to which the view is cut down; the plan itself is never changed, and the page says what is not
 /// shown.
 struct HtmlLimits {
@@ -70,6 +76,8 @@ struct HtmlInput {
   std::vector<ControllerTime> times = {};        ///< of every program
   const FixedComparison* fixed = nullptr;        ///< beside the best fixed rotation
   const AxisMap* map = nullptr;                  ///< of `curves`
+  const Timeline* timeline = nullptr;            ///< of the plan
+  const NearestPairs* nearest = nullptr;         ///< of the points shown
 };
 
 /// The page as bytes: a pure function of its input, no dates, no times.

@@ -240,6 +240,8 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"optima", OptimaJson(plan, rows)},
             {"curves", CurvesJson(input)},
             {"map", MapJson(input, rows)},
+            {"timeline", TimelineJson(input, rows)},
+            {"nearest", NearestJson(input, rows)},
             {"skipped", SkippedJson(plan, limits.skipped_rows)},
             {"gaps", GapsJson(plan)},
             {"findings", input.findings},

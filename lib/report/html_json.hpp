@@ -24,6 +24,13 @@ Json BodiesJson(const Cell& cell, const HtmlLimits& limits);
 /// The objective over the rotation and the genetic algorithm's generations at the points that have curves.
 Json CurvesJson(const HtmlInput& input);
 
+/// The run of the plan: times and joints of its instants, by row where they are those of a point shown; null
+/// without a timeline.
+Json TimelineJson(const HtmlInput& input, const std::vector<ReportRow>& rows);
+
+/// The nearest pair at every row, with the place; null where nobody looked.
+Json NearestJson(const HtmlInput& input, const std::vector<ReportRow>& rows);
+
 /// What bars the poses of the points that have curves, and the optima of the rows; null without a map.
 Json MapJson(const HtmlInput& input, const std::vector<ReportRow>& rows);
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <set>
 #include <thread>
 
 #include "base/error.hpp"
@@ -220,6 +221,31 @@ TEST(Checker, ClearanceIsBoundedAndAgreesWithAt) {
     // In free motion all pairs have one clearance, so both must tell the same.
     EXPECT_EQ(checker.At(q, Phase::kFree).has_value(),
               checker.Clearance(q, Phase::kFree, 100) < cell.clearances.free);
+  }
+}
+
+TEST(Checker, NearestNamesThePairAndThePlace) {
+  const Cell cell = CuttingCell(-30, true);
+  const World world(cell);
+  Checker checker(world);
+  const auto nearest = checker.Nearest(kMillingPose, Phase::kFree, 50);
+  ASSERT_TRUE(nearest);
+  EXPECT_NEAR(nearest->distance, 30, 1e-6);
+  EXPECT_EQ((std::set{nearest->first, nearest->second}), (std::set<std::string>{"cutter", "part"}));
+  // Between the cutter's tip, which stands 30 mm off, and the wall.
+  const Pose X_WT = cell.X_WB * ForwardFlange(cell.arm, kMillingPose) * cell.X_FT;
+  EXPECT_NEAR((X_WT.inverse() * nearest->place).z(), -15, 0.1);
+  EXPECT_FALSE(checker.Nearest(kMillingPose, Phase::kFree, 29.9));
+  // Brute force: of a wide bound and a narrow one the same pair, and no other one is nearer.
+  RandomStream random(5, 0);
+  for (int i = 0; i < 100; ++i) {
+    const Joints q = RandomJoints(random, cell.arm);
+    const auto wide = checker.Nearest(q, Phase::kFree, 300);
+    if (!wide || wide->distance <= 0) continue;
+    const auto narrow = checker.Nearest(q, Phase::kFree, wide->distance + 1e-3);
+    ASSERT_TRUE(narrow);
+    EXPECT_NEAR(narrow->distance, wide->distance, 1e-9);
+    EXPECT_EQ(narrow->distance, checker.Clearance(q, Phase::kFree, wide->distance + 1e-3));
   }
 }
 

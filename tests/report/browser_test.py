@@ -31,6 +31,7 @@ class ReportInBrowser(unittest.TestCase):
         self.browser.errors.clear()
         self.browser.requests.clear()
         self.browser.size(1400, 900)
+        self.browser.media()
         self.open()
 
     def tearDown(self):
@@ -64,7 +65,8 @@ class ReportInBrowser(unittest.TestCase):
 
     def test_opens_at_the_worst_point_and_asks_for_nothing(self):
         worst = self.browser.evaluate("""(() => { const v = millpose.data.column.objective.values;
-            let best = 0; v.forEach((x, i) => { if (x > v[best] || Number.isNaN(v[best])) best = i; }); return best; })()""")
+            const cut = (i) => millpose.data.rows.kind[i] === 0 && !Number.isNaN(v[i]);
+            let best = -1; v.forEach((x, i) => { if (cut(i) && (best < 0 || x > v[best])) best = i; }); return best; })()""")
         self.assert_all_show(worst)
         self.assertIn("selected", self.browser.evaluate("document.querySelector('#worst tbody tr').className"))
         self.assertEqual([u for u in self.browser.requests if not u.startswith(("file:", "about:", "data:"))], [])
@@ -141,8 +143,7 @@ class ReportInBrowser(unittest.TestCase):
     def test_arrow_keys_follow_the_path(self):
         self.open("#point=100")
         for key, row in (("ArrowRight", 101), ("ArrowLeft", 100), ("ArrowLeft", 99)):
-            self.browser.call("Input.dispatchKeyEvent", type="keyDown", key=key)
-            self.browser.settle()
+            self.browser.key(key)
             self.assert_all_show(row)
 
     def test_skipped_point_says_why(self):
@@ -191,7 +192,7 @@ class ReportInBrowser(unittest.TestCase):
         self.assertIn(length, self.text("#point-figures"))
         self.browser.evaluate(f"{chart}.id = 'deflection-chart'")
         colours = {colour for line in pixels(self.browser.screenshot("#deflection-chart canvas"))[2] for colour in line}
-        for wanted in self.browser.evaluate(f"{chart}.querySelectorAll('.legend i').length && millpose.SERIES.slice(0, 4)"):
+        for wanted in self.browser.evaluate(f"{chart}.querySelectorAll('.legend .swatch').length && millpose.SERIES.slice(0, 4)"):
             self.assertIn(tuple(int(wanted[k:k + 2], 16) for k in (1, 3, 5)), colours)
         view = self.browser.screenshot("#view canvas")
         self.browser.evaluate("""(() => { const s = document.querySelector('#index'); s.value = 'deflection';
@@ -319,11 +320,13 @@ class ReportInBrowser(unittest.TestCase):
             self.assertGreater(plot[1] - plot[0], 0.8 * plot[2], "most of the width is map")
 
     def test_fits_narrow_windows(self):
-        for width in (1400, 800):
-            self.browser.size(width, 900)
-            self.open("#point=50")
-            self.assertLessEqual(self.browser.evaluate("document.documentElement.scrollWidth"), width)
-            self.keep(f"point50_{width}.png", self.browser.screenshot())
+        for theme in ("light", "dark"):
+            self.browser.media(theme)
+            for width in (1400, 800, 390):
+                self.browser.size(width, 900)
+                self.open("#point=50")
+                self.assertLessEqual(self.browser.evaluate("document.documentElement.scrollWidth"), width)
+                self.keep(f"point50_{theme}_{width}.png", self.browser.screenshot())
 
 
 if __name__ == "__main__":

@@ -105,8 +105,22 @@ class Chromium:
             time.sleep(0.05)
 
     def settle(self):
-        """Until what was scheduled is drawn."""
+        """Until what was scheduled is drawn, also what is off the screen."""
+        self.frames()
+        self.wait("!window.millpose || !millpose.isDrawn || millpose.isDrawn()")
+
+    def frames(self):
+        """Until what was scheduled on the screen is drawn."""
         self.evaluate("new Promise(r => requestAnimationFrame(() => requestAnimationFrame(() => r(true))))")
+
+    def media(self, theme="light", paper=False):
+        self.call("Emulation.setEmulatedMedia", media="print" if paper else "",
+                  features=[{"name": "prefers-color-scheme", "value": theme}])
+        self.settle()
+
+    def key(self, key, modifiers=0):
+        self.call("Input.dispatchKeyEvent", type="keyDown", key=key, modifiers=modifiers)
+        self.settle()
 
     def size(self, width, height):
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)

@@ -102,12 +102,89 @@ TEST(ReportHtml, CountsAreThoseOfThePlan) {
   EXPECT_EQ(data["counts"]["skipped"], skipped);
   EXPECT_EQ(data["skipped"]["rows"].size(), skipped);
   EXPECT_EQ(data["passes"].size(), 4u);
-  EXPECT_EQ(data["gaps"]["planned"], 2);
+  EXPECT_EQ(data["gaps"]["total"], 5);
+  EXPECT_EQ(data["gaps"]["planned"], 4);
   ASSERT_EQ(data["gaps"]["told"].size(), 2u);
   EXPECT_EQ(data["gaps"]["told"][0]["detail"], "link3 against platform");
   EXPECT_EQ(data["gaps"]["told"][1]["planned"], true);
   EXPECT_EQ(Uint32s(data["rows"]["number"]).size(), 80u);
   for (const Json& column : data["columns"]) EXPECT_EQ(Floats(column["values"]).size(), 80u) << column["key"];
+}
+
+TEST(ReportHtml, PlaysTheTimelineOfThePlan) {
+  const Panel& panel = SmallPanel();
+  const Json timeline = DataOf(SmallPage())["timeline"];
+  const auto time = Floats(timeline["time_s"]), joints = Floats(timeline["joints_deg"]),
+             tip = Floats(timeline["tip_mm"]);
+  const auto row = Uint32s(timeline["row"]), stretch = Uint32s(timeline["stretch"]),
+             pass = Uint32s(timeline["pass"]);
+  ASSERT_EQ(time.size(), panel.timeline.size());
+  EXPECT_GT(time.back(), 10);
+  EXPECT_EQ(timeline["seconds"], panel.timeline.back().time);
+  size_t own = 0, points = 0;
+  for (size_t i = 0; i < time.size(); ++i) {
+    const RunInstant& instant = panel.timeline[i];
+    EXPECT_FLOAT_EQ(time[i], static_cast<float>(instant.time));
+    EXPECT_EQ(stretch[i], static_cast<uint32_t>(instant.stretch));
+    EXPECT_EQ(pass[i], static_cast<uint32_t>(instant.pass));
+    if (instant.point >= 0) {
+      EXPECT_EQ(row[i], 20u * static_cast<uint32_t>(instant.pass) + static_cast<uint32_t>(instant.point));
+      ++points;
+      continue;
+    }
+    EXPECT_EQ(row[i], 0xffffffffu);
+    for (int j = 0; j < 6; ++j)
+      EXPECT_FLOAT_EQ(joints.at(6 * own + j), static_cast<float>(RadToDeg(instant.q[j])));
+    for (int k = 0; k < 3; ++k) EXPECT_FLOAT_EQ(tip.at(3 * own + k), static_cast<float>(instant.tip[k]));
+    ++own;
+  }
+  EXPECT_EQ(points, DataOf(SmallPage())["counts"]["planned"]);
+  EXPECT_EQ(joints.size(), 6 * own);
+}
+
+TEST(ReportHtml, ATimelineOfAThinnedPlanKeepsToTheRowsShown) {
+  const Panel panel = MakePanel({.passes = 6, .points = 60});
+  HtmlLimits limits;
+  limits.points = 90;
+  const Json data = DataOf(ReportHtml(panel.Input(), limits));
+  const auto row = Uint32s(data["timeline"]["row"]);
+  const size_t shown = data["counts"]["shown"];
+  size_t points = 0;
+  for (const uint32_t r : row) {
+    if (r == 0xffffffffu) continue;
+    EXPECT_LT(r, shown);
+    ++points;
+  }
+  EXPECT_GT(points, 90u);
+  EXPECT_LT(points, 300u);
+  EXPECT_FLOAT_EQ(Floats(data["timeline"]["time_s"]).back(), static_cast<float>(panel.timeline.back().time));
+}
+
+TEST(ReportHtml, NamesTheNearestPairOfEveryPoint) {
+  const Panel& panel = SmallPanel();
+  const Json nearest = DataOf(SmallPage())["nearest"];
+  const auto pair = Uint32s(nearest["pair"]);
+  const auto place = Floats(nearest["place_mm"]);
+  ASSERT_EQ(pair.size(), 80u);
+  const World world(panel.cell);
+  Checker checker(world);
+  size_t named = 0;
+  for (size_t i = 0; i < pair.size(); ++i) {
+    const PlannedPoint& point = panel.plan.passes[i / 20].points[i % 20];
+    if (point.skip != Obstacle::kNone) {
+      EXPECT_EQ(pair[i], 0u);
+      continue;
+    }
+    const auto found = checker.Nearest(point.q, Phase::kCutting, kPointClearanceBound);
+    if (!found || point.clearance >= kPointClearanceBound) {
+      EXPECT_EQ(pair[i], 1u);
+      continue;
+    }
+    EXPECT_EQ(nearest["pairs"][pair[i] - 2], Json({found->first, found->second}));
+    for (int k = 0; k < 3; ++k) EXPECT_FLOAT_EQ(place[3 * i + k], static_cast<float>(found->place[k]));
+    ++named;
+  }
+  EXPECT_GT(named, 5u);
 }
 
 TEST(ReportHtml, TellsWhichClearancesAreOnlyBounds) {
@@ -311,8 +388,10 @@ TEST(ReportHtml, LoadsNothingFromOutside) {
 
 TEST(ReportHtml, HasAllSectionsAndNotices) {
   const std::string& page = SmallPage();
-  for (const char* id : {"scene", "view", "index", "scale", "point", "worst", "rotation-chart",
-                         "genetic-chart", "path-charts", "skipped", "gaps", "settings"})
+  for (const char* id :
+       {"scene",          "view",          "index",       "scale",     "player",       "time",    "speed",
+        "theme",          "keys",          "with-leads",  "show-gaps", "show-nearest", "point",   "worst",
+        "rotation-chart", "genetic-chart", "path-charts", "skipped",   "gaps",         "settings"})
     EXPECT_EQ(Count(page, fmt::format("id=\"{}\"", id)), 1u) << id;
   EXPECT_NE(page.find("three.js authors"), std::string::npos);
   EXPECT_EQ(page.find("{{"), std::string::npos);

@@ -2,9 +2,11 @@
 #include "tests/report/panel_plan.hpp"
 
 #include "pipeline/axis_map.hpp"
+#include "pipeline/nearest_pairs.hpp"
 #include "pipeline/sample_curves.hpp"
 #include "plan/point_clearance.hpp"
 #include "plan/verdict_map.hpp"
+#include "program/make_timeline.hpp"
 #include "tests/cell/sample_cell.hpp"
 #include "tests/pose/problems.hpp"
 
@@ -93,6 +95,8 @@ PassResult MakePass(const PoseProblem& problem, const PanelSize& size, int numbe
     point.point = PanelPoint(number % 2 ? size.width / 2 - along : along - size.width / 2, z);
     if (number % 2) point.point.feed *= -1;
     point.point.arc_length = along;
+    if (i == 0) point.point.kind = PointKind::kLeadIn;
+    if (i + 1 == size.points) point.point.kind = PointKind::kLeadOut;
     const PointScorer scorer(problem, point.point, pass.rotation_reference);
     ChoosePose(scorer, CurveGrid(), last, point);
     point.clearance = std::min(kPointClearanceBound, 35 + 20 * std::cos(0.01 * along) + number % 5);
@@ -110,11 +114,38 @@ PassResult MakePass(const PoseProblem& problem, const PanelSize& size, int numbe
   return pass;
 }
 
+/// From home over all passes and back, straight in joint space between places 50 mm off the panel.
+void AddGaps(PlanResult& plan) {
+  const auto away = [&](const PlannedPoint& point) {
+    const Pose X_BF = plan.X_WB.inverse() * ForwardFlange(plan.arm, point.q) * plan.X_FT *
+                      Eigen::Translation3d(0, 0, 50) * plan.X_FT.inverse();
+    return InverseNear(plan.arm, X_BF, Status(plan.arm, point.q), point.q).value_or(point.q);
+  };
+  const auto planned = [](const PlannedPoint& point) { return point.skip == Obstacle::kNone; };
+  const int count = static_cast<int>(plan.passes.size());
+  for (int i = 0; i <= count; ++i) {
+    Gap& gap = plan.gaps.emplace_back();
+    gap.planned = true;
+    gap.from_pass = i - 1, gap.to_pass = i < count ? i : -1;
+    gap.from_piece = gap.from_pass < 0 ? -1 : 0, gap.to_piece = gap.to_pass < 0 ? -1 : 0;
+    gap.joints.push_back(i > 0 ? away(*std::find_if(plan.passes[i - 1].points.rbegin(),
+                                                    plan.passes[i - 1].points.rend(), planned))
+                               : plan.home);
+    gap.joints.push_back(i < count ? away(*std::ranges::find_if(plan.passes[i].points, planned)) : plan.home);
+  }
+  plan.gaps[1].planned = false;
+  plan.gaps[1].joints.clear();
+  plan.gaps[1].detail = "link3 against platform";
+  plan.gaps.back().detail = "clearances reduced to 90 %";
+}
+
 }  // namespace
 
 HtmlInput Panel::Input() const {
   HtmlInput input{plan, cell, CurveGrid(), curves, settings};
   input.map = &map;
+  input.timeline = &timeline;
+  input.nearest = &nearest;
   return input;
 }
 
@@ -125,6 +156,7 @@ Panel MakePanel(const PanelSize& size, const std::string& job) {
       {"panel", BodyClass::kWorkpiece, Mount::kWorkpiece, 0, Pose::Identity(), PanelMesh(size)});
   panel.problem = MakeProblem(Kr500R2830());
   panel.problem.arm.speed = panel.cell.arm.speed;
+  panel.problem.arm.acceleration = panel.cell.arm.acceleration;
   PlanResult& plan = panel.plan;
   plan.job = job;
   plan.cell = panel.cell.name;
@@ -137,13 +169,9 @@ Panel MakePanel(const PanelSize& size, const std::string& job) {
   plan.stiffness_origin = StiffnessOrigin::kToolTip;
   std::optional<Joints> last;
   for (int p = 0; p < size.passes; ++p) plan.passes.push_back(MakePass(panel.problem, size, p, last));
-  plan.gaps.resize(3);
-  plan.gaps[0].planned = true;
-  plan.gaps[1].from_pass = 0;
-  plan.gaps[1].from_piece = 0;
-  plan.gaps[1].detail = "link3 against platform";
-  plan.gaps[2].planned = true;
-  plan.gaps[2].detail = "clearances reduced to 90 %";
+  AddGaps(plan);
+  panel.timeline = MakeTimeline(plan, {}, {});
+  panel.nearest = FindNearestPairs(plan, World(panel.cell), 2, {});
   panel.curves = SampleCurves(plan, panel.problem, {}, 4000, 2, {});
   panel.map = MakeAxisMap(plan, panel.problem, panel.curves, nullptr, 2, {});
   panel.settings = "job: |\n  " + job + "\ntoolpath: {stepover_mm: 8}\n";

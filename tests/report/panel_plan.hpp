@@ -14,14 +14,17 @@ struct PanelSize {
   double width = 900, height = 900;  ///< mm
 };
 
-/// The panel's plan with its cell, problem and curves; every tenth point of the last pass is skipped,
-/// and a stripe of interference runs through the axis map of every pass.
+/// The panel's plan with its cell, problem and curves. Every pass begins and ends with a lead, every tenth
+/// point of the last one is skipped, the second gap is not planned, and a stripe of interference runs through
+/// the axis map of every pass.
 struct Panel {
   PlanResult plan;
   Cell cell;
   PoseProblem problem;
   std::vector<PointCurves> curves;
   AxisMap map;
+  Timeline timeline;
+  NearestPairs nearest;
   std::string settings;
 
   HtmlInput Input() const;

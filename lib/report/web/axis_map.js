@@ -13,12 +13,13 @@
       this.scene = scene;
       this.plot = new m.MapPlot($("map-canvas"), data);
       this.canvas = this.plot.canvas;
-      this.schedule = m.atNextFrame(() => this.draw());
+      this.stale = true;
+      this.schedule = m.atNextFrame(() => this.draw(), $("map-canvas"));
       this.steps = data.curves.count;
       this.shift = 0;
       $("map-branch").addEventListener("change", () => {
         this.compose();
-        this.schedule();
+        this.redraw();
       });
       $("map-previous").addEventListener("click", () => this.turnTo(-1));
       $("map-next").addEventListener("click", () => this.turnTo(1));
@@ -28,13 +29,20 @@
       node.addEventListener("click", (e) => this.pick(this.at(e)));
     }
 
-    // Another pass, at its worst point.
+    redraw() {
+      this.stale = true;
+      this.schedule();
+    }
+
+    // Another pass, at the worst point of its cut.
     turnTo(by) {
       const { rows, count, passes } = this.data, pass = Math.max(0, Math.min(passes.length - 1, this.pass + by));
       const f = this.data.column.objective.values;
+      const cut = (i) => rows.kind[i] === 0 && !Number.isNaN(f[i]);
+      const beats = (i, than) => (cut(i) === cut(than) ? f[i] > f[than] : cut(i));
       let best = -1;
       for (let i = 0; i < count; ++i)
-        if (rows.pass[i] === pass && (best < 0 || f[i] > f[best] || Number.isNaN(f[best]))) best = i;
+        if (rows.pass[i] === pass && (best < 0 || beats(i, best))) best = i;
       if (best >= 0) this.actions.select(best);
     }
 
@@ -46,6 +54,7 @@
         this.collect();
         this.fillBranches();
         this.compose();
+        this.stale = true;
       }
       this.explain();
       this.schedule();
@@ -162,6 +171,11 @@
 
     draw() {
       if (this.pass === undefined) return;
+      if (!this.stale) {
+        this.plot.moveCursor(this);
+        return;
+      }
+      this.stale = false;
       $("map-title").textContent = `Axis map of pass ${this.data.passes[this.pass].pass}`;
       this.plot.draw(this);
       this.drawLegend();

@@ -3,7 +3,6 @@
 (function (m) {
   "use strict";
 
-  const FAINT = "#e3e7eb", MUTED = "#6a7683";
   const MARGIN = { left: 58, right: 12, top: 10, bottom: 24 };
 
   // Round tick values that cover low..high in about `count` steps.
@@ -21,6 +20,15 @@
     return value.toFixed(Math.max(0, Math.min(6, -Math.floor(Math.log10(step) + 1e-9))));
   };
 
+  // Pixels of a canvas per CSS pixel; more on paper.
+  m.paperRatio = 0;
+  m.pixelRatio = () => Math.max(m.paperRatio, window.devicePixelRatio || 1);
+
+  // How series are told apart beside their colours.
+  m.DASHES = [[], [7, 3], [2, 2.5], [10, 3, 2, 3], [4, 4], [12, 3, 2, 3, 2, 3]];
+  // A line of a series for its legend.
+  m.swatch = (number) => m.markup(`<svg class="swatch" width="24" height="10" aria-hidden="true"><line x1="0" x2="24" y1="5" y2="5" stroke-width="3" stroke-dasharray="${m.DASHES[number].join(" ")}" style="stroke: var(--s${number + 1})"/></svg>`);
+
   // A canvas that fills its parent's width, drawn in CSS pixels.
   m.Canvas = class {
     constructor(parent, height, label) {
@@ -32,13 +40,21 @@
       this.context = this.node.getContext("2d", { willReadFrequently: true });
     }
     begin() {
-      const ratio = window.devicePixelRatio || 1;
-      this.width = this.node.parentNode.clientWidth || 300;
+      const ratio = m.pixelRatio();
+      this.width = m.paperWidth || this.node.parentNode.clientWidth || 300;
       this.node.style.width = this.width + "px";
       this.node.width = Math.round(this.width * ratio);
       this.node.height = Math.round(this.height * ratio);
       this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
       this.context.font = "11px system-ui, sans-serif";
+      return this.context;
+    }
+    // What is drawn so far comes back with restore(), for what moves above it.
+    keep() {
+      this.kept = this.context.getImageData(0, 0, this.node.width, this.node.height);
+    }
+    restore() {
+      this.context.putImageData(this.kept, 0, 0);
       return this.context;
     }
     place(event) {
@@ -76,8 +92,8 @@
       const xs = xTicks || m.ticks(...this.xRange, (this.right - this.left) / 90);
       const ys = m.ticks(...this.yRange, (this.bottom - this.top) / 34);
       context.lineWidth = 1;
-      context.strokeStyle = FAINT;
-      context.fillStyle = MUTED;
+      context.strokeStyle = m.theme.faint;
+      context.fillStyle = m.theme.muted;
       context.textAlign = "right";
       context.textBaseline = "middle";
       for (const value of ys) {
@@ -101,7 +117,7 @@
       context.textBaseline = "middle";
       context.fillText(yLabel, 0, 0);
       context.restore();
-      context.strokeStyle = "#b4bdc6";
+      context.strokeStyle = m.theme.axis;
       m.line(context, this.left, this.bottom + 0.5, this.right, this.bottom + 0.5);
     }
     clip(context, draw) {
@@ -127,7 +143,7 @@
     context.fillStyle = fill;
     context.fill();
     context.lineWidth = 1.5;
-    context.strokeStyle = "#fff";
+    context.strokeStyle = m.theme.card;
     context.stroke();
   };
 

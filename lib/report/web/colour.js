@@ -16,9 +16,6 @@
   };
   m.css = (rgb) => `rgb(${rgb.map((v) => Math.round(255 * v)).join(",")})`;
 
-  m.SERIES = ["#2b5fa8", "#c8553d", "#3f8f4f", "#8a5aa8", "#b8860b", "#4a9fb0"];
-  m.RED = "#c1272d";
-
   // From a column's values to shares: low and high are the ends of the scale, `share` runs towards worse.
   m.scale = function (column, robust) {
     const spread = m.spread(column.values);

@@ -52,6 +52,9 @@
     data.curves = decodeCurves(raw.curves);
     if (raw.map) data.map = Object.assign({}, raw.map, { runs: new Uint8Array(bytes(raw.map.runs)), start: uint32(raw.map.start),
       own: floats(raw.map.own_deg), free: floats(raw.map.free_deg), branches: uint32(raw.map.branches), barred: uint32(raw.map.barred) });
+    if (raw.nearest) data.nearest = { pairs: raw.nearest.pairs, pair: uint32(raw.nearest.pair), place: floats(raw.nearest.place_mm) };
+    data.timeline = raw.timeline && { seconds: raw.timeline.seconds, time: floats(raw.timeline.time_s), stretch: uint32(raw.timeline.stretch),
+      pass: uint32(raw.timeline.pass), row: uint32(raw.timeline.row), joints: floats(raw.timeline.joints_deg), tip: floats(raw.timeline.tip_mm) };
     data.bodies = raw.bodies.map((b) => Object.assign({}, b, { vertices: floats(b.vertices), faces: uint32(b.faces) }));
     return data;
   };
@@ -81,10 +84,18 @@
     return { index: best, number: numbers[best], exact: numbers[best] === wanted };
   };
 
-  // The worst rows of a column, no two of them nearer than `apart` mm: places rather than neighbours.
-  m.worstPlaces = function (data, column, count, apart) {
+  // The nearest pair of bodies at a row: {names, place}; null where none is near, undefined where nobody looked.
+  m.nearestAt = function (data, row) {
+    const { nearest } = data, pair = nearest ? nearest.pair[row] : 0;
+    if (pair === 0) return undefined;
+    return pair === 1 ? null : { names: nearest.pairs[pair - 2], place: Array.from(nearest.place.subarray(3 * row, 3 * row + 3)) };
+  };
+
+  // The worst rows of a column, no two of them nearer than `apart` mm: places rather than neighbours. Lead-ins and
+  // -outs count only when asked for: nobody measures them on the part.
+  m.worstPlaces = function (data, column, count, apart, leads) {
     const order = [];
-    for (let i = 0; i < data.count; ++i) if (!Number.isNaN(column.values[i])) order.push(i);
+    for (let i = 0; i < data.count; ++i) if (!Number.isNaN(column.values[i]) && (leads || data.rows.kind[i] === 0)) order.push(i);
     order.sort((a, b) => column.worse * (column.values[b] - column.values[a]) || a - b);
     const places = [];
     for (const row of order) {

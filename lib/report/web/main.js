@@ -59,13 +59,15 @@
     } catch (error) {
       $("view").append(m.element("p", { class: "note no-view" }, "This browser has no WebGL: the 3-D view is left out. " + error.message));
     }
+    const player = data.timeline ? new m.Player(data, actions, scene) : null;
+    if (!player) $("player").remove();
     const charts = new m.PathCharts($("path-charts"), data, actions), worst = new m.WorstTable(data, actions);
     const poses = new m.PoseCharts($("rotation-chart"), $("genetic-chart"), data);
     if (scene) views.push(scene);
     const map = data.map && data.curves.number.length > 0 ? new m.AxisMap(data, actions, scene) : null;
     if (!map) $("axis-map").remove();
-    views.push(new m.PointPanel(data, actions), worst, charts, poses, ...(map ? [map] : []));
-    m.views = { scene, charts, worst, poses, map };
+    views.push(new m.PointPanel(data, actions), worst, charts, poses, ...(map ? [map] : []), ...(player ? [player] : []));
+    m.views = { scene, charts, worst, poses, map, player };
 
     fillChoice(data);
     const recolour = function () {
@@ -84,11 +86,12 @@
     };
     $("index").addEventListener("change", recolour);
     $("robust").addEventListener("change", recolour);
+    $("with-leads").addEventListener("change", recolour);
     $("to-worst").addEventListener("click", () => worst.places.length && actions.select(worst.places[0]));
     if (scene) {
       $("fit").addEventListener("click", () => scene.fit(false));
       $("fit-arm").addEventListener("click", () => scene.fit(true));
-      for (const name of ["part", "cell", "arm"]) $("show-" + name).addEventListener("change", (e) => scene.show(name, e.target.checked));
+      for (const name of ["part", "cell", "arm", "gaps", "nearest"]) $("show-" + name).addEventListener("change", (e) => scene.show(name, e.target.checked));
     }
 
     const firstWorst = recolour();
@@ -102,19 +105,20 @@
     };
     if (!open()) actions.select(firstWorst === undefined ? 0 : firstWorst);
     window.addEventListener("hashchange", open);
-    window.addEventListener("resize", () => {
-      charts.schedule();
-      poses.draw();
-      if (map) map.schedule();
-      if (scene) scene.schedule();
+    const redraw = function () {
+      charts.redraw();
+      poses.schedule();
+      if (map) map.redraw();
+      if (scene) scene.recolour();
+    };
+    window.addEventListener("resize", redraw);
+    m.whenRecoloured(() => {
+      recolour();
+      redraw();
     });
-    document.addEventListener("keydown", (e) => {
-      if (/INPUT|SELECT|TEXTAREA/.test(e.target.tagName) || e.altKey || e.ctrlKey || e.metaKey) return;
-      if (e.key === "ArrowRight" || e.key === "ArrowLeft") {
-        actions.step(e.key === "ArrowRight" ? 1 : -1);
-        e.preventDefault();
-      }
-    });
+    m.onPaper(scene, redraw);
+    $("theme").addEventListener("click", m.toggleTheme);
+    m.listenToKeys(data, actions, m.views);
     document.body.classList.add("ready");
   }
 

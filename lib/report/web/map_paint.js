@@ -17,7 +17,7 @@
     style("#4a2530", "up", "#8c5363"), style("#2b3442", "down", "#5d6f88"), style("#43294f", "cross", "#7b588a"),
     style("#1f3d37", "along", "#4d7f74"), style("#55371c", "across", "#94693f"), style("#333333", "dots", "#808080"),
   ];
-  const REACH = style("#eceff2", "none", "#eceff2"), SINGULAR = style("#f6d5dc", "cross", "#dc94a5");
+  const REACH = style("#eceff2", "none", "#eceff2"), SINGULAR = style("#a985d0", "cross", "#5b2f86");
 
   m.zoneStyle = (zone) => (zone === 0 ? REACH : zone === 1 ? SINGULAR : zone < UNCHECKED ? LIMITS[zone - 2] : PAIRS[(zone - PAIR) % PAIRS.length]);
   m.zoneName = function (data, zone) {

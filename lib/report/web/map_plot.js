@@ -25,13 +25,22 @@
       this.drawAxes(context);
       this.paint(context);
       this.axes.clip(context, () => {
-        this.drawCursor(context);
         const own = this.lines(this.data.map.own, () => true);
         this.stroke(context, own, m.MAP_OWN, 2, 2);
         this.stroke(context, this.lines(this.data.column.rotation.values, (row) => rows.status[row] === 0), m.MAP_INK, 4, 3);
         this.stroke(context, own, m.MAP_OWN, 1.5, 0);  // seen within the path where that is at the best pose
         this.drawNames(context);
       });
+      this.canvas.keep();
+      this.drawCursor();
+    }
+
+    // The cursor alone, above what was drawn last.
+    moveCursor(map) {
+      this.map = map;
+      if (map.columns.length === 0) return;
+      this.canvas.restore();
+      this.drawCursor();
     }
 
     wayOf(row) {
@@ -41,9 +50,9 @@
     drawAxes(context) {
       const a = this.axes;
       a.draw(context, "mm along the pass", "");
-      context.fillStyle = "#fff";
+      context.fillStyle = m.theme.card;
       context.fillRect(0, 0, a.left - 1, a.bottom + 4);
-      context.fillStyle = "#6a7683";
+      context.fillStyle = m.theme.muted;
       context.textAlign = "right";
       context.textBaseline = "middle";
       for (let t = 45 * Math.ceil(a.yRange[0] / 45); t <= a.yRange[1]; t += 45)
@@ -145,7 +154,8 @@
       }
     }
 
-    drawCursor(context) {
+    drawCursor() {
+      const { context } = this.canvas;
       const at = Math.round(this.axes.x(this.wayOf(this.map.row)));  // whole at either end of the map, too
       const x = Math.max(this.axes.left + 1, Math.min(this.axes.right - 1, at)) + 0.5;
       context.lineWidth = 1.5;

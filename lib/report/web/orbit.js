@@ -32,8 +32,7 @@
       });
       node.addEventListener("wheel", (e) => {
         e.preventDefault();
-        this.distance *= Math.exp(0.0012 * Math.max(-200, Math.min(200, e.deltaY)));
-        changed();
+        this.zoom(0.0012 * Math.max(-200, Math.min(200, e.deltaY)));
       }, { passive: false });
     }
     set(target, distance, azimuth, height) {
@@ -43,6 +42,10 @@
     turn(dx, dy) {
       this.azimuth -= 0.006 * dx;
       this.height = Math.max(-1.5, Math.min(1.5, this.height + 0.006 * dy));
+      this.changed();
+    }
+    zoom(by) {
+      this.distance *= Math.exp(by);
       this.changed();
     }
     pan(dx, dy, pixels) {

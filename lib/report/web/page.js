@@ -25,15 +25,50 @@
     return node;
   };
 
-  // A function that has `draw` called once at the next frame, however often it is called before.
-  m.atNextFrame = function (draw) {
+  // An element from a text of ours, never of the data's.
+  m.markup = function (text) {
+    const template = document.createElement("template");
+    template.innerHTML = text;
+    return template.content.firstElementChild;
+  };
+
+  // A function that has `draw` called once at the next frame, however often it is called before. What `node` shows is
+  // drawn later while it is off the screen: a key must not wait for what nobody sees.
+  m.QUIET = 250;  // ms
+  const unseen = new Set(), late = new Set();
+  const observer = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) {
+      if (isIntersecting) unseen.delete(target);
+      else unseen.add(target);
+    }
+    for (const job of [...late]) if (!unseen.has(job.node)) job.run();
+  }, { rootMargin: "120px" });
+  let timer = 0;
+
+  m.drawAll = function () {
+    for (const job of [...late]) job.run();
+  };
+  m.isDrawn = () => late.size === 0;
+
+  m.atNextFrame = function (draw, node) {
     let waiting = false;
+    const job = { node, run() {
+      late.delete(job);
+      draw();
+    } };
+    if (node) observer.observe(node);
     return function () {
       if (waiting) return;
+      late.add(job);
+      if (unseen.has(node)) {
+        clearTimeout(timer);
+        timer = setTimeout(m.drawAll, m.QUIET);
+        return;
+      }
       waiting = true;
       requestAnimationFrame(() => {
         waiting = false;
-        draw();
+        if (late.has(job)) job.run();
       });
     };
   };

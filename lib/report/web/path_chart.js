@@ -3,8 +3,6 @@
 (function (m) {
   "use strict";
 
-  const INK = "#27313b";
-
   // Along-the-path chart. `group`: {x, broken, bands, range, selected, hovered, pick, hover, zoom} shared by all.
   m.PathChart = class {
     constructor(parent, group, title, unit, series, height) {
@@ -18,6 +16,8 @@
       parent.append(this.box);
       this.canvas = new m.Canvas(this.box, height, `${title} along the path`);
       this.drag = null;
+      this.stale = true;
+      this.schedule = m.atNextFrame(() => this.draw(), this.box);
       this.listen();
     }
     listen() {
@@ -55,10 +55,31 @@
       const row = this.group.hovered >= 0 ? this.group.hovered : this.group.selected;
       this.legend.replaceChildren(
         ...this.series.map((s) =>
-          m.element("span", {}, m.element("i", { style: `background:${s.colour}` }), `${s.symbol} `,
+          m.element("span", {}, m.swatch(s.number), `${s.symbol} `,
             m.element("b", {}, m.withUnit(s.values[row], this.unit, s.bound)))));
     }
+    // Everything but the cursor, which moves with every key.
+    redraw() {
+      this.stale = true;
+      this.schedule();
+    }
     draw() {
+      if (this.stale) this.drawBase();
+      this.stale = false;
+      const context = this.canvas.restore(), g = this.group;
+      this.axes.clip(context, () => {
+        this.drawCursor(context, g.hovered, m.theme.hint, 3);
+        this.drawCursor(context, g.selected, m.theme.ink, 4);
+        if (this.drag && Math.abs(this.drag.to - this.drag.from) > 6) {
+          context.globalAlpha = 0.18;
+          context.fillStyle = m.theme.accent;
+          context.fillRect(this.drag.from, this.axes.top, this.drag.to - this.drag.from, this.axes.bottom - this.axes.top);
+          context.globalAlpha = 1;
+        }
+      });
+      this.showValues();
+    }
+    drawBase() {
       const context = this.canvas.begin(), g = this.group;
       const range = g.range || [g.x[0], g.x[g.x.length - 1]];
       this.axes = new m.Axes(this.canvas, range, [0, 1]);
@@ -71,21 +92,17 @@
       this.drawBands(context);
       this.axes.draw(context, "mm along the path", this.unit);
       this.axes.clip(context, () => {
-        context.lineWidth = 1.4;
+        context.lineWidth = 1.6;
         context.lineJoin = "round";
         for (const s of this.series) {
-          context.strokeStyle = s.colour;
+          context.strokeStyle = m.SERIES[s.number];
+          context.setLineDash(m.DASHES[s.number]);
           m.drawSeries(context, this.axes, g.x, s.values, first, last, g.broken);
         }
+        context.setLineDash([]);
         this.drawSkipped(context, first, last);
-        this.drawCursor(context, g.hovered, "#9aa5b0", 3);
-        this.drawCursor(context, g.selected, INK, 4);
-        if (this.drag && Math.abs(this.drag.to - this.drag.from) > 6) {
-          context.fillStyle = "rgba(43,95,168,.15)";
-          context.fillRect(this.drag.from, this.axes.top, this.drag.to - this.drag.from, this.axes.bottom - this.axes.top);
-        }
       });
-      this.showValues();
+      this.canvas.keep();
     }
     drawBands(context) {
       this.group.bands.forEach((band, i) => {
@@ -93,11 +110,11 @@
         const to = Math.min(this.axes.right, this.axes.x(band.begin_mm + band.length_mm));
         if (to <= from) return;
         if (i % 2 === 1) {
-          context.fillStyle = "#f3f5f8";
+          context.fillStyle = m.theme.band;
           context.fillRect(from, this.axes.top, to - from, this.axes.bottom - this.axes.top);
         }
         if (to - from > 26) {
-          context.fillStyle = "#9aa5b0";
+          context.fillStyle = m.theme.hint;
           context.textAlign = "center";
           context.textBaseline = "top";
           context.fillText(to - from > 60 ? `pass ${band.pass}` : band.pass, (from + to) / 2, this.axes.top + 1);
@@ -120,7 +137,7 @@
       context.lineWidth = 1;
       m.line(context, x, this.axes.top, x, this.axes.bottom);
       for (const s of this.series)
-        if (!Number.isNaN(s.values[row])) m.dot(context, x, this.axes.y(s.values[row]), radius, s.colour);
+        if (!Number.isNaN(s.values[row])) m.dot(context, x, this.axes.y(s.values[row]), radius, m.SERIES[s.number]);
     }
   };
 })((window.millpose = window.millpose || {}));

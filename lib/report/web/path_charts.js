@@ -6,7 +6,6 @@
   m.PathCharts = class {
     constructor(parent, data, actions) {
       this.data = data;
-      this.schedule = m.atNextFrame(() => this.draw());
       const rows = data.rows;
       const group = {
         x: rows.way,
@@ -23,14 +22,14 @@
         },
         zoom: (range) => {
           group.range = range;
-          this.schedule();
+          this.redraw();
         },
       };
       this.group = group;
       const chart = (title, keys, height, unit) => {
         const columns = keys.map((key) => data.column[key]).filter((c) => c && c.values.some((v) => !Number.isNaN(v)));
         if (columns.length === 0) return null;
-        const series = columns.map((c, i) => ({ symbol: c.symbol, values: c.values, colour: m.SERIES[i], bound: c.bound }));
+        const series = columns.map((c, i) => ({ symbol: c.symbol, values: c.values, number: i, bound: c.bound }));
         return new m.PathChart(parent, group, title, unit === undefined ? columns[0].unit : unit, series, height);
       };
       this.chosen = chart("Objective", ["objective"], 150);
@@ -54,17 +53,24 @@
     show(column) {
       this.chosen.title.textContent = `${column.symbol}: ${column.label}`;
       this.chosen.unit = column.unit;
-      this.chosen.series = [{ symbol: column.symbol, values: column.values, colour: m.SERIES[0], bound: column.bound }];
-      this.schedule();
+      this.chosen.series = [{ symbol: column.symbol, values: column.values, number: 0, bound: column.bound }];
+      this.chosen.redraw();
     }
     select(row) {
       const group = this.group, x = group.x[row];
       group.selected = row;
-      if (group.range && (x < group.range[0] || x > group.range[1])) group.range = null;
+      if (group.range && (x < group.range[0] || x > group.range[1])) {
+        group.range = null;
+        this.redraw();
+      }
       this.schedule();
     }
-    draw() {
-      for (const chart of this.charts) chart.draw();
+    // The cursors alone; redraw() draws all anew.
+    schedule() {
+      for (const chart of this.charts) chart.schedule();
+    }
+    redraw() {
+      for (const chart of this.charts) chart.redraw();
     }
   };
 })((window.millpose = window.millpose || {}));

@@ -7,8 +7,8 @@
   // Arm branches by the low two bits of the status S; the wrist's bit changes neither arm nor compliance.
   const BRANCHES = ["S0/4", "S1/5: overhead", "S2/6: elbow", "S3/7: overhead, elbow"];
   const STATES = [
-    { name: "out of reach", fill: "#f1f3f5" }, { name: "beyond a limit", fill: "#dfc6a8" },
-    { name: "near a singularity", fill: "#e3a29b" }, { name: "admissible", fill: "#5b9c6a" },
+    { name: "out of reach", colour: "reach" }, { name: "beyond a limit", colour: "limit" },
+    { name: "near a singularity", colour: "singular" }, { name: "admissible", colour: "admissible" },
   ];
   const STRIP = 9;
 
@@ -19,6 +19,7 @@
       this.geneticNote = m.element("p", { class: "note" });
       rotation.append(this.rotationNote);
       genetic.append(this.geneticNote);
+      this.schedule = m.atNextFrame(() => this.draw(), rotation);
       const plot = (parent, label) => {
         const box = m.element("div");
         parent.append(box);
@@ -27,18 +28,18 @@
       this.rotation = plot(rotation, "Objective over the rotation about the tool axis");
       this.genetic = plot(genetic, "Convergence of the genetic algorithm");
       rotation.append(this.key());
-      genetic.append(m.element("div", { class: "legend" }, swatch(m.SERIES[0], "best"), swatch(m.SERIES[1], "mean of the admissible"), swatch("#3f8f4f", "after refinement"), swatch("#27313b", "own optimum")));
+      genetic.append(m.element("div", { class: "legend" }, line(0, "best"), line(1, "mean of the admissible"), line(2, "after refinement"), patch("ink", "own optimum")));
     }
     key() {
       const node = m.element("div", { class: "legend" });
-      BRANCHES.forEach((name, i) => node.append(swatch(m.SERIES[i], name)));
-      node.append(m.element("span", {}, "dashed: not admissible"));
-      STATES.forEach((state) => node.append(swatch(state.fill, state.name)));
+      BRANCHES.forEach((name, i) => node.append(line(i, name)));
+      node.append(m.element("span", {}, "thin: not admissible"));
+      STATES.forEach((state) => node.append(patch(state.colour, state.name)));
       return node;
     }
     select(row) {
       this.row = row;
-      this.draw();
+      this.schedule();
     }
     // What is known of the selected row: curves of this point or of the nearest sampled one.
     sample() {
@@ -109,9 +110,9 @@
         return dashed || near ? sample.value(arm, i) : NaN;
       });
       context.strokeStyle = m.SERIES[arm];
-      context.globalAlpha = dashed ? 0.4 : 1;
-      context.lineWidth = dashed ? 1 : 2.4;
-      context.setLineDash(dashed ? [3, 3] : []);
+      context.globalAlpha = dashed ? 0.6 : 1;
+      context.lineWidth = dashed ? 1 : 2.6;
+      context.setLineDash(m.DASHES[arm]);
       m.drawSeries(context, axes, degrees, values, 0, degrees.length - 1, (i) => i === 0);
       context.setLineDash([]);
       context.globalAlpha = 1;
@@ -121,16 +122,16 @@
       if (!exact || Number.isNaN(rotation) || Number.isNaN(value)) return;
       const [low, high] = axes.xRange;
       const x = axes.x(low + ((((rotation - low) % (high - low)) + (high - low)) % (high - low))), y = axes.y(value);
-      context.strokeStyle = "#27313b";
+      context.strokeStyle = m.theme.ink;
       context.lineWidth = 1;
       m.line(context, x, axes.top, x, axes.bottom + 8 * STRIP + 22);
-      m.dot(context, x, y, 5, "#27313b");
-      context.fillStyle = "#27313b";
+      m.dot(context, x, y, 5, m.theme.ink);
+      context.fillStyle = m.theme.ink;
       context.textBaseline = "top";
       const right = x > axes.right - 190;
       context.textAlign = right ? "right" : "left";
       const text = `chosen ${m.format(value)} at ${m.format(rotation)}°, S${this.data.rows.branch[this.row]}`;
-      context.strokeStyle = "#fff";
+      context.strokeStyle = m.theme.card;
       context.lineWidth = 4;
       context.lineJoin = "round";
       context.strokeText(text, x + (right ? -6 : 6), axes.top + 2);
@@ -143,10 +144,10 @@
       for (let branch = 0; branch < 8; ++branch) {
         const y = top + branch * STRIP;
         for (let i = 0; i < degrees.length; ++i) {
-          context.fillStyle = STATES[sample.state(branch, i)].fill;
+          context.fillStyle = m.theme[STATES[sample.state(branch, i)].colour];
           context.fillRect(axes.left + i * width, y, width + 0.5, STRIP - 2);
         }
-        context.fillStyle = this.data.rows.branch[this.row] === branch && sample.exact ? "#27313b" : "#8a95a0";
+        context.fillStyle = this.data.rows.branch[this.row] === branch && sample.exact ? m.theme.ink : m.theme.hint;
         context.font = "9px system-ui, sans-serif";
         context.fillText("S" + branch, axes.left - 6, y + STRIP / 2 - 1);
       }
@@ -172,7 +173,7 @@
       const x = Float32Array.from({ length: count }, (_, i) => i);
       axes.clip(context, () => {
         context.lineWidth = 1.2;
-        [[optimum, "#27313b", [5, 4]], [found, "#3f8f4f", [2, 3]]].forEach(([level, colour, dash]) => {
+        [[optimum, m.theme.ink, [5, 4]], [found, m.SERIES[2], m.DASHES[2]]].forEach(([level, colour, dash]) => {
           if (!sample.exact || level !== level) return;
           context.strokeStyle = colour;
           context.setLineDash(dash);
@@ -180,15 +181,15 @@
         });
         context.setLineDash([]);
         context.lineWidth = 2;
-        [[sample.mean, m.SERIES[1]], [sample.best, m.SERIES[0]]].forEach(([values, colour]) => {
-          context.strokeStyle = colour;
+        [[sample.mean, 1], [sample.best, 0]].forEach(([values, number]) => {
+          context.strokeStyle = m.SERIES[number];
+          context.setLineDash(m.DASHES[number]);
           m.drawSeries(context, axes, x, values, 0, count - 1, (i) => i === 0);
         });
       });
     }
   };
 
-  function swatch(colour, text) {
-    return m.element("span", {}, m.element("i", { style: `background:${colour}` }), text);
-  }
+  const patch = (colour, text) => m.element("span", {}, m.element("i", { style: `background: var(--${colour})` }), text);
+  const line = (number, text) => m.element("span", {}, m.swatch(number), text);
 })((window.millpose = window.millpose || {}));

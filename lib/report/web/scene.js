@@ -7,35 +7,12 @@
 
   const matrix = (rows) => new THREE.Matrix4().set(...rows);
 
-  // Round, lit-free discs of a size in mm that never get smaller or larger than a few pixels.
-  function pointMaterial(size) {
-    return new THREE.ShaderMaterial({
-      uniforms: { size: { value: size }, height: { value: 600 }, ratio: { value: 1 } },
-      vertexColors: true,
-      vertexShader: `
-        uniform float size, height, ratio; varying vec3 tint;
-        void main() {
-          tint = color;
-          gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-          float pixels = size * height * projectionMatrix[1][1] / gl_Position.w * 0.5;
-          gl_PointSize = ratio * clamp(pixels, 3.0, 14.0);
-          gl_Position.z -= 0.0015 * gl_Position.w;
-        }`,
-      fragmentShader: `
-        varying vec3 tint;
-        void main() {
-          if (length(gl_PointCoord - 0.5) > 0.5) discard;
-          gl_FragColor = vec4(tint, 1.0);
-        }`,
-    });
-  }
-
   m.Scene = class {
     constructor(parent, data, actions) {
       this.parent = parent;
       this.data = data;
       this.actions = actions;
-      this.schedule = m.atNextFrame(() => this.draw());
+      this.schedule = m.atNextFrame(() => this.draw(), parent);
       this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true });
       parent.prepend(this.renderer.domElement);
       this.renderer.domElement.setAttribute("aria-label", "3-D view of the part, the path and the arm");
@@ -46,52 +23,16 @@
       sky.position.set(0, 0, 1);
       this.lamp = new THREE.DirectionalLight(0xffffff, 0.5);
       this.scene.add(sky, this.lamp, this.lamp.target);
-      this.addPath();
+      this.path = new m.ScenePath(this.scene, data);
       this.addBodies();
+      this.groups.gaps = this.path.ways;
+      this.triad = new m.Triad(parent);
       this.marker = m.element("div", { class: "marker" }, m.element("span"));
       this.worst = m.element("div", { class: "marker worst" }, m.element("span"));
-      parent.append(this.worst, this.marker);
+      this.near = m.element("div", { class: "marker near" }, m.element("span"));
+      parent.append(this.worst, this.near, this.marker);
       this.orbit = new m.Orbit(this.renderer.domElement, this.schedule, (x, y) => this.pick(x, y));
       this.fit(false);
-    }
-
-    addPath() {
-      const { rows, count } = this.data;
-      const colours = new THREE.BufferAttribute(new Float32Array(3 * count), 3);
-      const position = new THREE.BufferAttribute(rows.position, 3);
-      const points = new THREE.BufferGeometry();
-      points.setAttribute("position", position);
-      points.setAttribute("color", colours);
-      this.pathColours = colours;
-      this.pointMaterial = pointMaterial(this.spacing());
-      this.pathPoints = new THREE.Points(points, this.pointMaterial);
-      this.pathPoints.frustumCulled = false;
-      const pairs = [];
-      for (let i = 1; i < count; ++i)
-        if (rows.pass[i] === rows.pass[i - 1] && rows.piece[i] === rows.piece[i - 1] && !rows.status[i] && !rows.status[i - 1]) pairs.push(i - 1, i);
-      const lines = new THREE.BufferGeometry();
-      lines.setAttribute("position", position);
-      lines.setAttribute("color", colours);
-      lines.setIndex(pairs);
-      this.pathLines = new THREE.LineSegments(lines, new THREE.LineBasicMaterial({ vertexColors: THREE.VertexColors }));
-      this.pathLines.frustumCulled = false;
-      // After the arm, which is seen through: the colours of the path stay true behind it.
-      for (const path of [this.pathLines, this.pathPoints]) {
-        path.material.transparent = true;
-        path.renderOrder = 1;
-      }
-      this.scene.add(this.pathLines, this.pathPoints);
-    }
-
-    // A disc's size: the middle distance of neighbours on the path, mm.
-    spacing() {
-      const steps = [];
-      for (let i = 1; i < this.data.count; ++i) {
-        const step = this.data.rows.way[i] - this.data.rows.way[i - 1];
-        if (step > 0) steps.push(step);
-      }
-      steps.sort((a, b) => a - b);
-      return Math.max(1, 1.4 * (steps[steps.length >> 1] || 10));
     }
 
     addBodies() {
@@ -120,35 +61,50 @@
         }
       }
       // The skeleton shows the arm also where the cell gives it no shapes.
-      this.skeleton = new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0x39424c }));
+      this.skeleton = new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial());
       this.skeleton.frustumCulled = false;
-      this.skeletonJoints = new THREE.Points(this.skeleton.geometry, new THREE.PointsMaterial({ color: 0x39424c, size: 6, sizeAttenuation: false }));
+      this.skeletonJoints = new THREE.Points(this.skeleton.geometry, new THREE.PointsMaterial({ size: 6, sizeAttenuation: false }));
       this.skeletonJoints.frustumCulled = false;
       this.groups.arm.add(this.skeleton, this.skeletonJoints);
+      this.recolour();
     }
 
-    // Colours every point by `scale`; skipped points are red, points without a value grey.
+    // The colours of the theme.
+    recolour() {
+      for (const part of [this.skeleton, this.skeletonJoints]) part.material.color.set(m.theme.ink);
+      this.path.recolour();
+      this.schedule();
+    }
     colour(column, scale) {
-      const { rows, count } = this.data;
-      for (let i = 0; i < count; ++i) {
-        const v = column.values[i];
-        const rgb = rows.status[i] ? [0.76, 0.15, 0.18] : Number.isNaN(v) ? [0.6, 0.6, 0.6] : m.viridis(scale.share(v));
-        this.pathColours.array.set(rgb, 3 * i);
-      }
-      this.pathColours.needsUpdate = true;
+      this.path.colour(column, scale);
       this.schedule();
     }
 
     select(row) {
       this.selected = row;
       this.pose(m.jointsOf(this.data, row), "");
+      this.pointAtNearest(row);
+    }
+
+    // The pair that is nearest at a row: its bodies tinted, the place between them named.
+    pointAtNearest(row) {
+      const nearest = m.nearestAt(this.data, row) || null, clearance = this.data.column.clearance;
+      this.nearest = nearest && nearest.place;
+      this.near.firstChild.textContent = nearest ? `${m.withUnit(clearance.values[row], clearance.unit, clearance.bound)}: ${nearest.names.join(" – ")}` : "";
+      if (!nearest || this.showNearest === false) return;
+      for (const { mesh, body } of this.bodies)
+        if (nearest.names.some((name) => name === body.name || name.startsWith(body.name + " above "))) {
+          mesh.material.color.lerp(new THREE.Color(m.theme.near), 0.55);
+          if (mesh.material.transparent) mesh.material.opacity = 0.5;
+        }
     }
 
     // The arm at joint angles (degrees; null: none), with the bodies of a pair that interferes in red.
     pose(joints, pair) {
+      this.nearest = null;
       for (const { mesh, body, colour } of this.bodies) {
         const red = pair.split(" and ").includes(body.name);
-        mesh.material.color.setHex(red ? 0xc1272d : colour);
+        mesh.material.color.setHex(red ? parseInt(m.RED.slice(1), 16) : colour);
         if (mesh.material.transparent) mesh.material.opacity = red ? 0.8 : 0.28;
       }
       this.groups.arm.visible = joints !== null && this.showArm !== false;
@@ -171,6 +127,9 @@
     show(name, on) {
       if (name === "arm") {
         this.showArm = on;
+        this.select(this.selected);
+      } else if (name === "nearest") {
+        this.showNearest = on;
         this.select(this.selected);
       } else this.groups[name].visible = on;
       this.schedule();
@@ -197,8 +156,8 @@
     }
 
     draw() {
-      const width = this.parent.clientWidth, height = this.parent.clientHeight;
-      const ratio = window.devicePixelRatio || 1;
+      const [width, height] = this.paper || [this.parent.clientWidth, this.parent.clientHeight];
+      const ratio = m.pixelRatio();
       if (width !== this.width || height !== this.height || ratio !== this.ratio) {
         [this.width, this.height, this.ratio] = [width, height, ratio];
         this.renderer.setPixelRatio(ratio);
@@ -208,28 +167,45 @@
       this.orbit.aim(this.camera);
       this.lamp.position.copy(this.camera.position);
       this.lamp.target.position.copy(this.orbit.target);
-      this.pointMaterial.uniforms.height.value = height;
-      this.pointMaterial.uniforms.ratio.value = ratio;
+      this.path.material.uniforms.height.value = height;
+      this.path.material.uniforms.ratio.value = ratio;
       this.renderer.render(this.scene, this.camera);
-      this.put(this.marker, this.selected);
-      this.put(this.worst, this.worstRow);
+      this.triad.draw(this.camera);
+      const place = (row) => (row === undefined || row < 0 ? null : m.place(this.data, row));
+      this.put(this.marker, place(this.selected));
+      this.put(this.worst, place(this.worstRow));
+      this.put(this.near, this.showNearest === false ? null : this.nearest);
+    }
+
+    // The view as a picture for paper, of a size in CSS pixels; null: back to the screen.
+    picture(size) {
+      if (this.image) this.image.remove();
+      this.image = null;
+      this.paper = size;
+      this.draw();
+      if (!size) return;
+      this.image = m.element("img", { class: "paper", alt: "3-D view", src: this.renderer.domElement.toDataURL() });
+      this.parent.prepend(this.image);
     }
 
     // Where a row stands on the screen in CSS pixels, with its depth.
     project(row) {
-      const p = new THREE.Vector3(...m.place(this.data, row)).project(this.camera);
+      return this.onScreen(m.place(this.data, row));
+    }
+    onScreen(place) {
+      const p = new THREE.Vector3(...place).project(this.camera);
       return [((p.x + 1) / 2) * this.width, ((1 - p.y) / 2) * this.height, p.z];
     }
 
-    put(node, row) {
-      if (row === undefined || row < 0) {
+    put(node, place) {
+      if (!place) {
         node.style.display = "none";
         return;
       }
-      const [x, y, z] = this.project(row);
+      const [x, y, z] = this.onScreen(place);
       node.style.display = z < 1 && x >= 0 && x <= this.width && y >= 0 && y <= this.height ? "block" : "none";
       node.style.transform = `translate(${x}px, ${y}px)`;
-      node.classList.toggle("left", x > this.width - 170);
+      node.classList.toggle("left", x > this.width - (node === this.near ? 300 : 170));
     }
 
     // The point nearest to a place of the screen within 14 pixels; of several, the one in front.

@@ -69,9 +69,16 @@
       this.figures.replaceChildren(
         table("Stiffness", [], ...["objective", "lambda_t1", "lambda_t2", "lambda_n", "normal_compliance", "mu", "dexterity", "price", "deflection", "deflection_normal", "before", "after", "worst_before", "worst_after", "shift"].filter((key) => data.column[key]).map(simple)),
         table("Place and pose", [], line("x, W", `${p[0].toFixed(2)} mm`), line("y, W", `${p[1].toFixed(2)} mm`), line("z, W", `${p[2].toFixed(2)} mm`),
-          simple("rotation"), line("branch", reason ? "–" : "S" + rows.branch[row]), simple("clearance"), simple("limit_reserve"), simple("speed_share")),
+          simple("rotation"), line("branch", reason ? "–" : "S" + rows.branch[row]), simple("clearance"), ...this.nearest(row), simple("limit_reserve"), simple("speed_share")),
         table("Joints", [m.element("tr", {}, m.element("th"), ...["angle", "limits", "speed"].map((t) => m.element("th", { class: "number" }, t)))], ...joints));
     }
+  };
+
+  m.PointPanel.prototype.nearest = function (row) {
+    const nearest = m.nearestAt(this.data, row);
+    if (nearest === undefined) return [];
+    const words = nearest ? nearest.names.join(" – ") : "none within 50 mm";
+    return [m.element("tr", { id: "nearest-pair" }, m.element("td", { colspan: 2, class: "note" }, words))];
   };
 
   m.WorstTable = class {
@@ -84,15 +91,18 @@
         low[i % 3] = Math.min(low[i % 3], v);
         high[i % 3] = Math.max(high[i % 3], v);
       });
+      this.hasLeads = data.rows.kind.some((kind) => kind !== 0);
+      document.getElementById("with-leads").parentNode.hidden = !this.hasLeads;
       this.apart = 0.07 * Math.hypot(...[0, 1, 2].map((k) => high[k] - low[k]));
     }
     show(column) {
       const { data } = this;
       const word = column.worse < 0 ? "lowest" : "highest";
       document.getElementById("worst-title").textContent = `Worst places: ${word} ${column.symbol}`;
-      document.getElementById("worst-note").textContent = `At least ${m.format(this.apart, 2)} mm apart. ${column.label}.`;
+      const leads = document.getElementById("with-leads").checked;
+      document.getElementById("worst-note").textContent = `${column.label}. At least ${m.format(this.apart, 2)} mm apart${this.hasLeads ? leads ? "; lead-ins and -outs among them" : "; cuts alone, no lead-in or -out" : ""}.`;
       document.getElementById("worst-value").textContent = column.unit ? `${column.symbol}, ${column.unit}` : column.symbol;
-      this.places = m.worstPlaces(data, { values: column.values, worse: column.worse || 1 }, 8, this.apart);
+      this.places = m.worstPlaces(data, { values: column.values, worse: column.worse || 1 }, 8, this.apart, leads);
       this.body.replaceChildren(
         ...this.places.map((row, i) => {
           const p = m.place(data, row).map((v) => v.toFixed(0));

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/nearest_pairs.hpp"
+
+#include "base/parallel.hpp"
+#include "plan/point_clearance.hpp"
+#include "report/html_columns.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr size_t kBlock = 64;  // points that share a Checker
+
+}  // namespace
+
+NearestPairs FindNearestPairs(const PlanResult& plan, const World& world, int threads, std::stop_token stop) {
+  struct Asked {
+    uint32_t number;
+    const PlannedPoint* point;
+  };
+  std::vector<Asked> asked;
+  NearestPairs nearest;
+  for (const ReportRow& row : RowsToShow(plan, ReportColumns(plan), HtmlLimits().points)) {
+    const PlannedPoint& point =
+        plan.passes[static_cast<size_t>(row.pass)].points[static_cast<size_t>(row.point)];
+    if (point.skip != Obstacle::kNone) continue;
+    nearest[row.number];  // most have none: they are not asked
+    if (point.clearance < kPointClearanceBound) asked.push_back({row.number, &point});
+  }
+  std::vector<std::optional<Interference>> found(asked.size());
+  ParallelFor((asked.size() + kBlock - 1) / kBlock, threads, std::move(stop), [&](size_t block) {
+    Checker checker(world);
+    for (size_t i = kBlock * block; i < std::min(asked.size(), kBlock * (block + 1)); ++i)
+      found[i] = checker.Nearest(asked[i].point->q, Phase::kCutting, kPointClearanceBound);
+  });
+  for (size_t i = 0; i < asked.size(); ++i) nearest[asked[i].number] = found[i];
+  return nearest;
+}
+
+}  // namespace millpose

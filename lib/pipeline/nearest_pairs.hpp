@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <stop_token>
+
+#include "report/html.hpp"
+
+namespace millpose {
+
+/// The nearest pair at every planned point that report.html shows. The same for any number of threads.
+NearestPairs FindNearestPairs(const PlanResult& plan, const World& world, int threads, std::stop_token stop);
+
+}  // namespace millpose

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "program/make_timeline.hpp"
+
+#include "base/units.hpp"
+
+namespace millpose {
+namespace {
+
+const double kJointStep = DegToRad(5);  // between instants of a joint motion, at most
+constexpr double kTipStep = 25;         // mm, between instants of an approach or retract, at most
+constexpr int kRampParts = 4;           // of speeding up, and of slowing down
+
+/// The joints at the first or the last planned point of a piece.
+Joints EndOf(const PlanResult& plan, int pass_number, int piece_number, bool last) {
+  const PassResult& pass = plan.passes[static_cast<size_t>(pass_number)];
+  const auto piece = std::ranges::find(pass.pieces, piece_number, &Piece::piece);
+  assert(piece != pass.pieces.end());
+  int at = last && !piece->closed ? piece->last : piece->first;
+  while (pass.points[static_cast<size_t>(at)].skip != Obstacle::kNone) at += last && !piece->closed ? -1 : 1;
+  return pass.points[static_cast<size_t>(at)].q;
+}
+
+/// The plan with a leap in place of every gap that could not be planned.
+PlanResult WithLeaps(const PlanResult& plan) {
+  PlanResult whole = plan;
+  for (Gap& gap : whole.gaps) {
+    if (gap.planned) continue;
+    gap.joints = {gap.from_pass < 0 ? plan.home : EndOf(plan, gap.from_pass, gap.from_piece, true),
+                  gap.to_pass < 0 ? plan.home : EndOf(plan, gap.to_pass, gap.to_piece, false)};
+    gap.planned = true;
+  }
+  return whole;
+}
+
+/// For every motion, whether it belongs to a gap that could not be planned. Joint motions come gap by gap,
+/// one less than the gap has corners; the very first goes home.
+std::vector<char> FindLeaps(const PlanResult& plan, const PlanResult& whole, const MotionProgram& program) {
+  std::vector<char> leaps(program.motions.size(), 0);
+  size_t gap = 0, left = whole.gaps.front().joints.size() - 1;
+  for (size_t i = 1; i < leaps.size(); ++i) {
+    if (program.motions[i].type != MotionType::kJoint) continue;
+    while (left == 0) left = whole.gaps.at(++gap).joints.size() - 1;
+    leaps[i] = !plan.gaps[gap].planned;
+    --left;
+  }
+  return leaps;
+}
+
+RunPart StretchOf(const PlanResult& plan, const MotionProgram& program, size_t i) {
+  const Motion& motion = program.motions[i];
+  if (motion.type == MotionType::kJoint) return RunPart::kGap;
+  if (motion.point < 0) return program.motions[i - 1].point >= 0 ? RunPart::kRetract : RunPart::kApproach;
+  if (!IsCut(program, i)) return RunPart::kApproach;
+  const PlannedPoint& point =
+      plan.passes[static_cast<size_t>(motion.pass)].points[static_cast<size_t>(motion.point)];
+  return point.point.kind == PointKind::kCut ? RunPart::kCut : RunPart::kLead;
+}
+
+/// The times within a motion at which it is looked at, beside its end: the ramps and evenly between.
+std::vector<double> TimesWithin(const TimeLaw& law, double parts) {
+  std::vector<double> times;
+  const double ramp = law.acceleration > 0 ? law.speed / law.acceleration : 0;
+  const double rise = law.from_rest ? ramp : 0, fall = law.to_rest ? ramp : 0;
+  const double even = std::max(0.0, law.duration - rise - fall);
+  const auto add = [&](double from, double length, int count) {
+    for (int k = 0; k < count && length > 0; ++k) times.push_back(from + length * k / count);
+  };
+  add(0, rise, kRampParts);
+  add(rise, even, std::max(1, static_cast<int>(std::ceil(parts))));
+  add(law.duration - fall, fall, kRampParts);
+  if (!times.empty()) times.erase(times.begin());  // the end of the motion before
+  return times;
+}
+
+}  // namespace
+
+Timeline MakeTimeline(const PlanResult& plan, MotionOptions options, const TimeOptions& times) {
+  Timeline timeline;
+  if (plan.gaps.empty()) return timeline;
+  options.calls.clear();
+  const PlanResult whole = WithLeaps(plan);
+  const MotionProgram program = MakeMotionProgram(whole, options);
+  const std::vector<TimeLaw> laws = TimeMotions(program, plan.arm, times);
+  const std::vector<char> leaps = FindLeaps(plan, whole, program);
+  double start = 0;
+  for (size_t i = 0; i < laws.size(); ++i) {
+    const Motion& motion = program.motions[i];
+    const RunPart stretch = leaps[i] ? RunPart::kMissing : StretchOf(plan, program, i);
+    const auto add = [&](double time, double share) {
+      timeline.push_back({.time = time,
+                          .q = JointsOf(program, plan.arm, i, share),
+                          .tip = (plan.X_WP * TipOf(program, plan.arm, i, share)).translation(),
+                          .stretch = stretch,
+                          .pass = motion.pass,
+                          .point = share < 1 ? -1 : motion.point});
+    };
+    if (stretch != RunPart::kMissing && stretch != RunPart::kCut && stretch != RunPart::kLead && i > 0) {
+      const double turn = (*motion.q - *program.motions[i - 1].q).cwiseAbs().maxCoeff();
+      const double length = (motion.X_PT.translation() - program.motions[i - 1].X_PT.translation()).norm();
+      const double parts = stretch == RunPart::kGap ? turn / kJointStep : length / kTipStep;
+      for (const double time : TimesWithin(laws[i], parts)) add(start + time, laws[i].Share(time));
+    }
+    if (stretch != RunPart::kMissing) start += laws[i].duration;
+    add(start, 1);
+  }
+  return timeline;
+}
+
+}  // namespace millpose

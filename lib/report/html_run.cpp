@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What report.html plays: the run of the plan; and what it points at: the nearest pair of a point.
+#include <limits>
+
+#include "base/units.hpp"
+#include "report/html_json.hpp"
+#include "report/packed.hpp"
+
+namespace millpose::html {
+namespace {
+
+constexpr uint32_t kNoRow = std::numeric_limits<uint32_t>::max();
+
+}  // namespace
+
+Json TimelineJson(const HtmlInput& input, const std::vector<ReportRow>& rows) {
+  if (!input.timeline || input.timeline->empty()) return nullptr;
+  std::map<std::pair<int, int>, uint32_t> row_of;
+  for (uint32_t i = 0; i < rows.size(); ++i) row_of[{rows[i].pass, rows[i].point}] = i;
+  std::vector<float> time, degrees;
+  std::vector<uint32_t> row, stretch, pass;
+  std::vector<Eigen::Vector3d> tip;
+  for (const RunInstant& instant : *input.timeline) {
+    const auto found = row_of.find({instant.pass, instant.point});
+    if (instant.point >= 0 && found == row_of.end()) continue;  // of a point that is not shown
+    // A ring's last motion ends at its first point, at times full turns away.
+    const bool same =
+        found != row_of.end() &&
+        input.plan.passes[static_cast<size_t>(instant.pass)].points[static_cast<size_t>(instant.point)].q ==
+            instant.q;
+    time.push_back(static_cast<float>(instant.time));
+    stretch.push_back(static_cast<uint32_t>(instant.stretch));
+    pass.push_back(instant.pass < 0 ? kNoRow : static_cast<uint32_t>(instant.pass));
+    row.push_back(same ? found->second : kNoRow);
+    if (same) continue;
+    for (const double q : instant.q) degrees.push_back(static_cast<float>(RadToDeg(q)));
+    tip.push_back(instant.tip);
+  }
+  return {{"seconds", input.timeline->back().time},
+          {"time_s", PackFloats(time)},
+          {"stretch", PackUint32(stretch)},
+          {"pass", PackUint32(pass)},
+          {"row", PackUint32(row)},
+          {"joints_deg", PackFloats(degrees)},
+          {"tip_mm", PackVectors(tip)}};
+}
+
+Json NearestJson(const HtmlInput& input, const std::vector<ReportRow>& rows) {
+  if (!input.nearest) return nullptr;
+  std::vector<std::array<std::string, 2>> pairs;
+  std::map<std::array<std::string, 2>, uint32_t> number_of;
+  std::vector<uint32_t> pair;  // 0: nobody looked; 1: none is near; 2 + p: pairs[p]
+  std::vector<Eigen::Vector3d> place;
+  for (const ReportRow& row : rows) {
+    const auto found = input.nearest->find(row.number);
+    place.push_back(Eigen::Vector3d::Zero());
+    pair.push_back(found == input.nearest->end() ? 0 : 1);
+    if (pair.back() == 0 || !found->second) continue;
+    const std::array<std::string, 2> names{found->second->first, found->second->second};
+    const auto [entry, fresh] = number_of.emplace(names, static_cast<uint32_t>(pairs.size()));
+    if (fresh) pairs.push_back(names);
+    pair.back() = 2 + entry->second;
+    place.back() = found->second->place;
+  }
+  return {{"pairs", pairs}, {"pair", PackUint32(pair)}, {"place_mm", PackVectors(place)}};
+}
+
+}  // namespace millpose::html
