@@ -14,6 +14,7 @@ struct Options {
   int threads = 0;
   double max_points = 2e6;
   bool json = false;
+  std::string view;
   RootOption root;
 };
 
@@ -28,13 +29,16 @@ int Tell(const Check& check, bool json) {
 int Check(const Options& options, Session& session) {
   const std::string extension = options.file.extension().string();
   const FileRoot root = FileRoot::Of(*options.root);
-  if (extension == ".yaml" || extension == ".yml")
-    return Tell(
-        CheckJob({options.file, options.threads, root, options.max_points}, session.progress, session.stop),
-        options.json);
+  const ViewFile view = options.view.empty() ? ViewFile() : ViewFile(options.view);
+  if (extension == ".yaml" || extension == ".yml") {
+    if (IsCellFile(options.file, root)) return Tell(CheckCell({options.file, root, view}), options.json);
+    return Tell(CheckJob({options.file, options.threads, root, options.max_points, view}, session.progress,
+                         session.stop),
+                options.json);
+  }
   std::optional<double> unit;
   if (!options.unit.empty()) unit = kUnits.at(options.unit);
-  return Tell(CheckMesh({options.file, unit, options.weld_tolerance, options.chord_tolerance, root},
+  return Tell(CheckMesh({options.file, unit, options.weld_tolerance, options.chord_tolerance, root, view},
                         session.progress, session.stop),
               options.json);
 }
@@ -42,10 +46,11 @@ int Check(const Options& options, Session& session) {
 }  // namespace
 
 void AddCheckCommand(CLI::App& app, Run& run) {
-  CLI::App* command =
-      app.add_subcommand("check", "Describe a mesh, or a job's part, tool path and reach; plans nothing");
+  CLI::App* command = app.add_subcommand(
+      "check", "Describe a mesh, a cell, or a job's part, tool path and reach; plans nothing");
   const auto options = std::make_shared<Options>();
-  command->add_option("FILE", options->file, "Job (.yaml) or part (STL, OBJ, PLY, OFF, STEP)")->required();
+  command->add_option("FILE", options->file, "Job or cell (.yaml) or part (STL, OBJ, PLY, OFF, STEP)")
+      ->required();
   command
       ->add_option("--unit", options->unit, "Unit of a part: mm, cm, in, m; by default the file's, else mm")
       ->check(CLI::IsMember({"mm", "cm", "in", "m"}));
@@ -62,6 +67,10 @@ void AddCheckCommand(CLI::App& app, Run& run) {
   command->add_option("--threads", options->threads, "Threads; 0: all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  command->add_option("--view", options->view,
+                      "Write what was checked as a page (HTML) to this file: cell, part, faces and edges to "
+                      "click, tool path, "
+                      "reach");
   command->add_flag("--json", options->json, "Results as JSON on stdout");
   command->add_option("--max-points", options->max_points, "Points that the tool path of a job may have")
       ->check(CLI::Range(1.0, 1e9))

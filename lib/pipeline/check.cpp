@@ -2,20 +2,18 @@
 #include "pipeline/check.hpp"
 
 #include <map>
-#include <thread>
 
 #include "base/file.hpp"
-#include "base/parallel.hpp"
 #include "base/units.hpp"
 #include "pipeline/assemble.hpp"
-#include "pipeline/job_engagement.hpp"
+#include "pipeline/find_reach.hpp"
 #include "pipeline/locate.hpp"
 #include "pipeline/step_meshes.hpp"
-#include "pipeline/workpiece.hpp"
-#include "pose/scorer.hpp"
+#include "report/check_html.hpp"
 #include "surface/corner_normals.hpp"
 #include "surface/round_holes.hpp"
 #include "surface/step_reader.hpp"
+#include "toolpath/strategy.hpp"
 
 namespace millpose {
 namespace {
@@ -71,28 +69,19 @@ MeshCheck Described(const std::string& file, double unit, const ImportResult& im
   return check;
 }
 
-// What keeps the best pose of a point from being used, over a grid of rotations and all branches.
-Obstacle BestReach(const PoseProblem& problem, const MillingPoint& point, const Eigen::Vector3d& reference,
-                   double step) {
-  const PointScorer scorer(problem, point, reference);
-  const int count = std::max(1, static_cast<int>(std::ceil(2 * kPi / step)));
-  std::vector<FreedomValues> rotations;
-  for (int i = 0; i < count; ++i) rotations.push_back({2 * kPi * i / count});
-  std::vector<Candidate> candidates(8 * rotations.size());
-  scorer.Score(rotations, candidates);
-  Obstacle best = Obstacle::kUnreachable;
-  for (const Candidate& candidate : candidates)
-    if (TestsPassed(candidate.obstacle) > TestsPassed(best)) best = candidate.obstacle;
-  return best;
-}
-
-void Count(const std::vector<Obstacle>& reach, JobCheck& check) {
+void Count(const std::vector<PointReach>& reach, JobCheck& check) {
   constexpr size_t kNamed = 10;
   check.points = reach.size();
   for (size_t i = 0; i < reach.size(); ++i) {
-    ++check.reach[static_cast<size_t>(reach[i])];
-    if (reach[i] != Obstacle::kNone && check.out_of_reach.size() < kNamed) check.out_of_reach.push_back(i);
+    ++check.reach[static_cast<size_t>(reach[i].best)];
+    if (reach[i].best == Obstacle::kLimit) ++check.limited[static_cast<size_t>(reach[i].axis)];
+    if (reach[i].best != Obstacle::kNone && check.out_of_reach.size() < kNamed)
+      check.out_of_reach.push_back(i);
   }
+}
+
+void WriteView(const ViewFile& file, const CheckHtmlInput& input) {
+  if (file) WriteFileAtomically(*file, CheckHtml(input));
 }
 
 }  // namespace
@@ -113,65 +102,101 @@ MeshCheck CheckMesh(const CheckMeshArguments& arguments, Progress& progress, std
   std::vector<std::string> warnings = Findings(import.report);
   const Eigen::Vector3d size = import.report.upper - import.report.lower;
   if (const auto warning = UnitWarning(size.maxCoeff(), kLargeArm)) warnings.push_back(*warning);
-  return Described(name, unit, import, kLargeArm, std::move(warnings));
+  MeshCheck check = Described(name, unit, import, kLargeArm, std::move(warnings));
+  CheckHtmlInput view;
+  view.title = arguments.mesh.filename().string();
+  view.part = &import.mesh;
+  view.findings = check.warnings;
+  view.text = ToText(check);
+  WriteView(arguments.view, view);
+  return check;
 }
 
 namespace {
 
-JobCheck Check(JobInputs& inputs, int threads, Progress& progress, std::stop_token stop) {
-  progress.Begin(SurfaceStage(inputs), 0);
+JobCheck Check(JobInputs& inputs, const CheckJobArguments& arguments, const Execution& execution) {
+  CheckPrograms(inputs);
+  execution.progress.Begin(SurfaceStage(inputs), 0);
   CutStepFiles(
-      &inputs, [&](int percent) { progress.Percent(percent); }, stop);
-  Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
-  cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
-  const Part part = ReadPart(inputs, cell);
-  progress.End(fmt::format("{} triangles", part.import.report.triangles));
-  JobToolpath made = MakeJobToolpath(inputs, part.import.mesh, stop);
-  CheckJobGouges(inputs, part.import.mesh, threads, made, stop);
-  SetJobEngagement(inputs, part.import.mesh, threads, stop, made.toolpath);
-  const Toolpath toolpath = PlacedToolpath(inputs, made.toolpath, cell.X_WP);
-  const PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, cell);
-
+      &inputs, [&](int percent) { execution.progress.Percent(percent); }, execution.stop);
+  const PreparedJob prepared = PrepareJob(inputs, execution);
   JobCheck check;
-  std::vector<std::string> warnings = part.warnings;
-  warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
-  warnings.insert(warnings.end(), made.findings.begin(), made.findings.end());
-  for (const std::string& hole : made.holes_left_out) warnings.push_back("NOT MACHINED: " + hole);
-  check.mesh = Described(inputs.job.workpiece.mesh_file, inputs.job.workpiece.unit, part.import, Reach(cell),
-                         std::move(warnings));
-  check.mesh.notes = made.notes;
+  // What `plan` warns of, and its findings; how a path was read is none.
+  std::vector<std::string> warnings;
+  for (const std::string& warning : prepared.warnings)
+    if (std::ranges::find(prepared.made.notes, warning) == prepared.made.notes.end())
+      warnings.push_back(warning);
+  warnings.insert(warnings.end(), prepared.made.findings.begin(), prepared.made.findings.end());
+  check.mesh = Described(inputs.job.workpiece.mesh_file, inputs.job.workpiece.unit, prepared.surface,
+                         Reach(prepared.cell), std::move(warnings));
+  check.mesh.notes = prepared.made.notes;
   check.job = inputs.job.name;
   check.cell = inputs.cell.name;
   check.arm = inputs.cell.arm.name;
-  check.passes = toolpath.passes.size();
-
-  std::vector<std::pair<const Pass*, const MillingPoint*>> points;
-  for (const Pass& pass : toolpath.passes)
-    for (const MillingPoint& point : pass.points) points.emplace_back(&pass, &point);
-  std::vector<Obstacle> reach(points.size());
-  progress.Begin("reach", points.size());
-  ParallelFor(points.size(), threads, stop, [&](size_t i) {
-    const auto& [pass, point] = points[i];
-    reach[i] = BestReach(problem, *point, pass->rotation_reference, inputs.job.path.rotation_step);
-    progress.Advance(1);
-  });
+  check.passes = prepared.toolpath.passes.size();
+  const std::vector<PointReach> reach = FindReach(prepared, inputs.job.path.rotation_step, execution);
   Count(reach, check);
-  check.gouges = made.gouges.points;
-  check.deepest_gouge = made.gouges.deepest.depth;
-  check.gouge_place = made.gouges.deepest.place;
-  progress.End(fmt::format("{} of {} points within reach", check.reach[0], check.points));
+  check.gouges = prepared.made.gouges.points;
+  check.deepest_gouge = prepared.made.gouges.deepest.depth;
+  check.gouge_place = prepared.made.gouges.deepest.place;
+  if (!arguments.view) return check;
+  CheckHtmlInput view;
+  view.title = check.job;
+  view.cell = &prepared.cell;
+  view.part = &prepared.surface.mesh;
+  if (prepared.surface.mesh.face_count() > 0 && inputs.job.toolpath.strategy->File().empty()) {
+    const Region region(prepared.surface.mesh, MakeToolpathOptions(inputs.job, inputs.cell.tool).region);
+    for (int face = 0; face < prepared.surface.mesh.face_count(); ++face)
+      view.in_region.push_back(region.HasFace(face));
+  }
+  view.toolpath = &prepared.toolpath;
+  view.reach = reach;
+  view.findings = check.mesh.warnings;
+  view.notes = check.mesh.notes;
+  view.text = ToText(check);
+  view.settings = WriteJob(inputs.job) + "\n" + WriteCell(inputs.cell);
+  WriteView(arguments.view, view);
   return check;
 }
 
 }  // namespace
 
 JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::stop_token stop) {
-  const int threads =
-      arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
   JobInputs inputs = LoadJobInputs(arguments.job, {}, {}, arguments.root);
   inputs.max_points = arguments.max_points;
-  return WithPlaces(inputs, [&] { return Check(inputs, threads, progress, stop); });
+  return WithPlaces(inputs, [&] { return Check(inputs, arguments, {arguments.threads, progress, stop}); });
 }
+
+CellCheck CheckCell(const CheckCellArguments& arguments) {
+  std::map<std::string, std::string> body_bytes;
+  const CellSettings settings = LoadCell(arguments.cell, &body_bytes, arguments.root);
+  const Cell cell = MakeCell(settings, body_bytes);
+  CellCheck check;
+  check.cell = settings.name;
+  check.arm = settings.arm.name;
+  check.bodies = cell.bodies.size();
+  check.reach = Reach(cell);
+  for (const auto& [controller, post] : settings.controllers) check.controllers.push_back(controller);
+  check.warnings = CellWarnings(settings);
+  if (const auto found = Checker(World(cell)).At(cell.home, Phase::kFree))
+    check.warnings.push_back(HomeWarning(settings.file, *found));
+  if (!arguments.view) return check;
+  CheckHtmlInput view;
+  view.title = check.cell;
+  view.cell = &cell;
+  view.findings = check.warnings;
+  view.text = ToText(check);
+  view.settings = WriteCell(settings);
+  WriteView(arguments.view, view);
+  return check;
+}
+
+bool IsCellFile(const std::filesystem::path& file, const FileRoot& root) {
+  // The key stands at the beginning of a line: anything else is told by whoever reads the file as a job.
+  return ("\n" + root.Read(file)).find("\nmillpose_cell:") != std::string::npos;
+}
+
+bool HasFindings(const CellCheck& check) { return !check.warnings.empty(); }
 
 bool HasFindings(const MeshCheck& check) { return !check.warnings.empty(); }
 

@@ -15,6 +15,9 @@
 
 namespace millpose {
 
+/// The page beside a check, see docs/check.md; written when it has a name.
+using ViewFile = std::optional<std::filesystem::path>;
+
 /// What can be said about a mesh.
 struct MeshCheck {
   std::string file;
@@ -40,6 +43,7 @@ struct CheckMeshArguments {
   double weld_tolerance = 1e-4;   ///< mm
   double chord_tolerance = 0.05;  ///< mm, of a STEP part
   FileRoot root{};                ///< that the file must lie in
+  ViewFile view{};
 };
 
 /// Throws InputError for what cannot be read; Interrupted.
@@ -54,30 +58,57 @@ struct JobCheck {
   /// Points by the best that any rotation about the tool axis and any branch gives: admissible, unreachable,
   /// outside the limits, near a singularity. Interference is not looked at.
   std::array<size_t, 4> reach{};
+  std::array<size_t, 6> limited{};  ///< points outside the limits by the axis that is farthest beyond its own
   std::vector<size_t> out_of_reach;  ///< numbers of the first points that are not admissible
   size_t gouges = 0;         ///< points where the cutter would go into the part beyond the job's tolerance
   double deepest_gouge = 0;  ///< mm
   Eigen::Vector3d gouge_place = Eigen::Vector3d::Zero();  ///< in P
 };
 
+/// A cell by itself.
+struct CellCheck {
+  std::string cell, arm;
+  size_t bodies = 0;
+  double reach = 0;                      ///< mm, from axis 1 to the tool's tip
+  std::vector<std::string> controllers;  ///< for which programs can be written
+  std::vector<std::string> warnings;
+};
+
+struct CheckCellArguments {
+  std::filesystem::path cell;
+  FileRoot root{};  ///< that all files must lie in
+  ViewFile view{};
+};
+
+/// Throws InputError for what cannot be read.
+CellCheck CheckCell(const CheckCellArguments& arguments);
+
+/// Whether a YAML file says that it is a cell.
+bool IsCellFile(const std::filesystem::path& file, const FileRoot& root);
+
 struct CheckJobArguments {
   std::filesystem::path job;
   int threads = 0;  ///< 0: all cores
   FileRoot root{};  ///< that all files must lie in
   double max_points = 2e6;
+  ViewFile view{};
 };
 
-/// Throws InputError for what cannot be read; Interrupted.
+/// Everything that `plan` refuses or warns of before it plans, told as `plan` tells it. Throws InputError for
+/// what cannot be read or planned; Interrupted.
 JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::stop_token stop);
 
 /// For people, and as JSON (keys name their units).
 std::string ToText(const MeshCheck& check);
 std::string ToText(const JobCheck& check);
+std::string ToText(const CellCheck& check);
 std::string ToJson(const MeshCheck& check);
 std::string ToJson(const JobCheck& check);
+std::string ToJson(const CellCheck& check);
 
 /// Whether anything was found that a user should look at (exit status 1).
 bool HasFindings(const MeshCheck& check);
 bool HasFindings(const JobCheck& check);
+bool HasFindings(const CellCheck& check);
 
 }  // namespace millpose

@@ -119,6 +119,9 @@ std::string ToText(const JobCheck& check) {
                                            "near a singularity"};
   for (size_t i = 1; i < 4; ++i)
     if (check.reach[i] > 0) text += fmt::format("{:<20}{}\n", reasons[i], share(check.reach[i]));
+  for (size_t axis = 0; axis < check.limited.size(); ++axis)
+    if (check.limited[axis] > 0)
+      text += fmt::format("  farthest: A{:<7}{}\n", axis + 1, share(check.limited[axis]));
   if (!check.out_of_reach.empty())
     text += fmt::format("first of these      points {}\n", fmt::join(check.out_of_reach, ", "));
   text += fmt::format("gouges              {}", check.gouges);
@@ -127,6 +130,27 @@ std::string ToText(const JobCheck& check) {
         fmt::format(", deepest {:.3f} mm at ({:.3f}, {:.3f}, {:.3f}) mm in the workpiece frame",
                     check.deepest_gouge, check.gouge_place.x(), check.gouge_place.y(), check.gouge_place.z());
   return text + "\n";
+}
+
+std::string ToText(const CellCheck& check) {
+  std::string text = fmt::format("cell                {}, arm {}\n", check.cell, check.arm);
+  text += fmt::format("bodies              {}\n", check.bodies);
+  text += fmt::format("reach               {:.4g} mm from axis 1 to the tool's tip\n", check.reach);
+  text +=
+      fmt::format("controllers         {}\n",
+                  check.controllers.empty() ? "none" : fmt::format("{}", fmt::join(check.controllers, ", ")));
+  for (const std::string& warning : check.warnings) text += "  - " + warning + "\n";
+  return text;
+}
+
+std::string ToJson(const CellCheck& check) {
+  const Json json{{"cell", check.cell},
+                  {"arm", check.arm},
+                  {"bodies", check.bodies},
+                  {"reach_mm", check.reach},
+                  {"controllers", check.controllers},
+                  {"warnings", check.warnings}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string ToJson(const MeshCheck& check) {
@@ -145,6 +169,7 @@ std::string ToJson(const JobCheck& check) {
               {"unreachable", check.reach[1]},
               {"limit", check.reach[2]},
               {"singular", check.reach[3]}}},
+            {"limited_by_axis", check.limited},
             {"out_of_reach", check.out_of_reach},
             {"gouges", check.gouges},
             {"deepest_gouge_mm", check.deepest_gouge},

@@ -153,8 +153,7 @@ PreparedJob Prepare(const JobInputs& inputs, const Execution& execution) {
   std::ranges::copy(made.notes, std::back_inserter(warnings));
   const World world(cell);
   if (const auto found = Checker(world).At(cell.home, Phase::kFree))
-    warnings.push_back(fmt::format("{}: home_deg: {}; no way from or to home can be planned",
-                                   inputs.cell.file, Describe(*found)));
+    warnings.push_back(HomeWarning(inputs.cell.file, *found));
   PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, cell);
   Toolpath toolpath = PlacedToolpath(inputs, made.toolpath, cell.X_WP);
   return {std::move(cell),    world,    std::move(part.import), std::move(made), std::move(toolpath),
@@ -177,6 +176,10 @@ void CheckControllers(const JobInputs& inputs) {
 }
 
 }  // namespace
+
+std::string HomeWarning(const std::string& cell_file, const Interference& found) {
+  return fmt::format("{}: home_deg: {}; no way from or to home can be planned", cell_file, Describe(found));
+}
 
 void CheckPrograms(const JobInputs& inputs) {
   WithPlaces(inputs, [&] { CheckControllers(inputs); });

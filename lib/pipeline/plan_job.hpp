@@ -58,6 +58,9 @@ struct Share {
 void PlanShare(const JobInputs& inputs, const Share& share, const CheckpointStore& checkpoints,
                const Execution& execution);
 
+/// That no way leads from or to a home that interferes.
+std::string HomeWarning(const std::string& cell_file, const Interference& found);
+
 /// Refuses a job whose cell no programs may be written for, or which lacks what they need. Throws InputError.
 void CheckPrograms(const JobInputs& inputs);
 

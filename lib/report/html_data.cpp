@@ -254,14 +254,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"settings", input.settings}};
   data["bodies"] = BodiesJson(input.cell, limits);
 
-  std::string text;
-  for (char c : data.dump(-1, ' ', false, Json::error_handler_t::replace)) {
-    if (c == '<')
-      text += "\\u003c";
-    else
-      text += c;
-  }
-  return text;
+  return ScriptText(data);
 }
 
 }  // namespace millpose

@@ -17,6 +17,9 @@ Json Degrees(const Joints& angles);
 /// x, y, z of each in turn, packed as floats.
 std::string PackVectors(const std::vector<Eigen::Vector3d>& vectors);
 
+/// As it may stand in a script element: "<" is written as an escape, bytes that are no UTF-8 are replaced.
+std::string ScriptText(const Json& data);
+
 /// What the page needs to draw the arm at any joint angles.
 Json ArmJson(const Arm& arm);
 /// All bodies but the stock, which would hide the path; meshes thinned to the limits.

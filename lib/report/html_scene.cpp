@@ -43,6 +43,17 @@ Json BodyJson(const Body& body, const HtmlLimits& limits) {
 
 }  // namespace
 
+std::string ScriptText(const Json& data) {
+  std::string text;
+  for (const char c : data.dump(-1, ' ', false, Json::error_handler_t::replace)) {
+    if (c == '<')
+      text += "\\u003c";
+    else
+      text += c;
+  }
+  return text;
+}
+
 Json Matrix(const Pose& pose) {
   Json rows = Json::array();
   for (int i = 0; i < 4; ++i)

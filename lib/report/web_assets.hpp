@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The front end of report.html: the files of web/ and three.js, compiled in by web/embed.cmake.
+// The front ends of report.html and check.html: the files of web/ and three.js, compiled in by
+// web/embed.cmake.
 #pragma once
 
 #include <string_view>
@@ -11,5 +12,8 @@ extern const std::string_view kWebStyle;    ///< web/style.css
 extern const std::string_view kWebLicense;  ///< web/three-license.txt
 extern const std::string_view kWebThree;    ///< three.min.js
 extern const std::string_view kWebScripts;  ///< web/*.js in the order of CMakeLists.txt
+
+extern const std::string_view kWebCheckPage;     ///< web/check.html
+extern const std::string_view kWebCheckScripts;  ///< those of check.html
 
 }  // namespace millpose

@@ -3,9 +3,12 @@
 """The frame of the real millpose: help, usage, schemas, manual, check, verify. Usage: cli_test.py MILLPOSE TOP"""
 import csv
 import json
+import pathlib
 import re
+import shutil
 import subprocess
 import sys
+import tempfile
 import unittest
 
 from cli_fixture import JOB, MILLPOSE, TOP, InFolder, plan, run, without_force
@@ -177,6 +180,63 @@ class Check(unittest.TestCase):
         found = json.loads(result.stdout)
         self.assertEqual(found["reach"]["admissible"], found["points"])
         self.assertEqual(found["gouges"], 0)
+
+    def test_cell_is_checked(self):
+        result = run("check", f"{TOP}/cells/kr500_r2830.yaml")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertIn("cell                kr500_r2830, arm KUKA KR 500 R2830", result.stdout)
+        self.assertIn("krl, linuxcnc, sinumerik", result.stdout)
+        found = json.loads(run("check", f"{TOP}/cells/kr500_r2830.yaml", "--json").stdout)
+        self.assertGreater(found["reach_mm"], 2000)
+        self.assertGreater(found["bodies"], 5)
+
+    def test_cell_with_a_fault_is_refused_and_one_whose_home_interferes_is_a_finding(self):
+        with tempfile.TemporaryDirectory() as folder:
+            text = pathlib.Path(f"{TOP}/cells/kr500_r2830.yaml").read_text()
+            cell = pathlib.Path(folder) / "cell.yaml"
+            cell.write_text(text + "nonsense: 1\n")
+            result = run("check", cell)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn("nonsense", result.stderr)
+            cell.write_text(re.sub(r"home_deg: \[.*?\]", "home_deg: [0, 0, 120, 0, 0, 0]", text))
+            result = run("check", cell)
+            self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
+            self.assertIn("no way from or to home can be planned", result.stdout)
+
+    def test_check_refuses_what_plan_refuses(self):
+        """A cell without the settings of a controller that the job names: check said OK and plan refused."""
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            cell = pathlib.Path(f"{TOP}/cells/kr500_r2830.yaml").read_text()
+            lines, kept, inside = cell.splitlines(), [], False
+            for line in lines:
+                inside = line.startswith("  krl:") or (inside and (line.startswith("    ") or not line.strip()))
+                if not inside:
+                    kept.append(line)
+            self.assertLess(len(kept), len(lines))
+            (folder / "cell.yaml").write_text("\n".join(kept) + "\n")
+            shutil.copy(f"{TOP}/toolpaths/support_pad/support_pad.stl", folder)
+            job = pathlib.Path(f"{TOP}/toolpaths/support_pad/job.yaml").read_text()
+            (folder / "job.yaml").write_text(job.replace("../../cells/kr500_r2830.yaml", "cell.yaml"))
+            told = [run(command, folder / "job.yaml", "-q") for command in ("check", "plan")]
+            self.assertEqual([r.returncode for r in told], [2, 2], told[0].stdout)
+            self.assertIn("controllers", told[0].stderr)
+            self.assertEqual(told[0].stderr, told[1].stderr)
+
+    def test_view_is_a_page_that_stays_the_same(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pages = []
+            for threads in ("1", "2"):
+                page = pathlib.Path(folder) / f"{threads}.html"
+                result = run("check", f"{TOP}/toolpaths/support_pad/job.yaml", "--view", page, "--threads", threads, "-q")
+                self.assertEqual(result.returncode, 0, result.stderr)
+                pages.append(page.read_bytes())
+            self.assertEqual(pages[0], pages[1])
+            for what in (f"{TOP}/cells/ur10e.yaml", f"{TOP}/toolpaths/cabin_ring/cabin_ring.stl"):
+                page = pathlib.Path(folder) / "other.html"
+                self.assertLess(run("check", what, "--view", page, "-q").returncode, 2)
+                self.assertIn(b"millpose check</title>", page.read_bytes())
+                page.unlink()
 
     def test_unreadable_mesh_has_status_2(self):
         self.assertEqual(run("check", f"{TOP}/README.md").returncode, 2)

@@ -20,10 +20,6 @@
     return value.toFixed(Math.max(0, Math.min(6, -Math.floor(Math.log10(step) + 1e-9))));
   };
 
-  // Pixels of a canvas per CSS pixel; more on paper.
-  m.paperRatio = 0;
-  m.pixelRatio = () => Math.max(m.paperRatio, window.devicePixelRatio || 1);
-
   // How series are told apart beside their colours.
   m.DASHES = [[], [7, 3], [2, 2.5], [10, 3, 2, 3], [4, 4], [12, 3, 2, 3, 2, 3]];
   // A line of a series for its legend.

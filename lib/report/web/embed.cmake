@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# cmake -DOUTPUT=… -DWEB=<this folder> -DTHREE=three.min.js -DSCRIPTS=a.js,b.js -P embed.cmake
-# Writes the front end of report.html as C++ raw strings.
+# cmake -DOUTPUT=… -DWEB=<this folder> -DTHREE=three.min.js -DSCRIPTS=a.js,b.js -DCHECK_SCRIPTS=a.js,c.js -P embed.cmake
+# Writes the front ends of report.html and check.html as C++ raw strings.
 function(embed name)
   set(text "")
   foreach(file ${ARGN})
@@ -14,12 +14,17 @@ endfunction()
 
 file(WRITE ${OUTPUT}.new "// Made by web/embed.cmake.\n#include \"report/web_assets.hpp\"\n\nnamespace millpose {\n")
 file(READ ${WEB}/page.html page)
+file(READ ${WEB}/check.html check)
 file(APPEND ${OUTPUT}.new "const std::string_view kWebPage = R\"millpose(${page})millpose\";\n")
+file(APPEND ${OUTPUT}.new "const std::string_view kWebCheckPage = R\"millpose(${check})millpose\";\n")
 embed(kWebStyle ${WEB}/style.css)
 embed(kWebLicense ${WEB}/three-license.txt)
 embed(kWebThree ${THREE})
 string(REPLACE "," ";" SCRIPTS "${SCRIPTS}")
 list(TRANSFORM SCRIPTS PREPEND ${WEB}/)
 embed(kWebScripts ${SCRIPTS})
+string(REPLACE "," ";" CHECK_SCRIPTS "${CHECK_SCRIPTS}")
+list(TRANSFORM CHECK_SCRIPTS PREPEND ${WEB}/)
+embed(kWebCheckScripts ${CHECK_SCRIPTS})
 file(APPEND ${OUTPUT}.new "}  // namespace millpose\n")
 file(RENAME ${OUTPUT}.new ${OUTPUT})

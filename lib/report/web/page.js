@@ -25,6 +25,10 @@
     return node;
   };
 
+  // Pixels of a canvas per CSS pixel; more on paper.
+  m.paperRatio = 0;
+  m.pixelRatio = () => Math.max(m.paperRatio, window.devicePixelRatio || 1);
+
   // An element from a text of ours, never of the data's.
   m.markup = function (text) {
     const template = document.createElement("template");

@@ -147,6 +147,9 @@
         for (let i = 0; i < count; ++i) sum += rows.normal[3 * i + k];
         return sum / Math.max(1, count);
       });
+      this.fitTo(box, n);
+    }
+    fitTo(box, n) {
       let azimuth = Math.atan2(n[1], n[0]) + 0.95, height = 0.4;
       if (Math.hypot(...n) < 0.2) azimuth = -0.8;
       else if (Math.hypot(n[0], n[1]) < 0.3) [azimuth, height] = [-0.9, 0.9];

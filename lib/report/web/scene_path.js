@@ -67,7 +67,12 @@
       }
       this.ways = new THREE.Group();
       if (data.timeline) this.addWays();
+      this.drawn = [lines, points];
       scene.add(lines, points, this.ways);
+    }
+    show(on) {
+      this.shown = on;
+      for (const path of this.drawn) path.visible = on;
     }
 
     // From piece to piece as the tip goes: dashed between retract and approach; what could not be planned straight.

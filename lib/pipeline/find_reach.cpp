@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/find_reach.hpp"
+
+#include "base/parallel.hpp"
+#include "base/units.hpp"
+
+namespace millpose {
+namespace {
+
+/// The axis that is nearest to its limit, or farthest beyond it, and how far from it (rad); full turns are
+/// taken off.
+std::pair<int, double> LeastReserve(const AdmissibleBounds& bounds, const Joints& q) {
+  std::pair<int, double> least{0, std::numeric_limits<double>::infinity()};
+  for (int j = 0; j < 6; ++j) {
+    const double middle = 0.5 * (bounds.lower[j] + bounds.upper[j]),
+                 half = 0.5 * (bounds.upper[j] - bounds.lower[j]), away = q[j] - middle;
+    const double reserve = half - std::abs(away - 2 * kPi * std::floor(away / (2 * kPi) + 0.5));
+    if (reserve < least.second) least = {j, reserve};
+  }
+  return least;
+}
+
+PointReach ReachOf(const PoseProblem& problem, const MillingPoint& point, const Eigen::Vector3d& reference,
+                   double step) {
+  const int count = std::max(1, static_cast<int>(std::ceil(2 * kPi / step)));
+  std::vector<FreedomValues> rotations;
+  for (int i = 0; i < count; ++i) rotations.push_back({2 * kPi * i / count});
+  std::vector<Candidate> candidates(8 * rotations.size());
+  PointScorer(problem, point, reference).Score(rotations, candidates);
+  PointReach reach;
+  for (const Candidate& candidate : candidates) {
+    const int passed = TestsPassed(candidate.obstacle), best = TestsPassed(reach.best);
+    if (candidate.obstacle == Obstacle::kUnreachable || passed < best) continue;
+    const auto [axis, reserve] = LeastReserve(problem.bounds, candidate.q);
+    if (passed > best || reserve > reach.reserve) reach = {candidate.obstacle, axis, reserve, candidate.q};
+  }
+  return reach;
+}
+
+}  // namespace
+
+std::vector<PointReach> FindReach(const PreparedJob& prepared, double step, const Execution& execution) {
+  std::vector<std::pair<const Pass*, const MillingPoint*>> points;
+  for (const Pass& pass : prepared.toolpath.passes)
+    for (const MillingPoint& point : pass.points) points.emplace_back(&pass, &point);
+  std::vector<PointReach> reach(points.size());
+  execution.progress.Begin("reach", points.size());
+  ParallelFor(points.size(), execution.Threads(), execution.stop, [&](size_t i) {
+    const auto& [pass, point] = points[i];
+    reach[i] = ReachOf(prepared.problem, *point, pass->rotation_reference, step);
+    execution.progress.Advance(1);
+  });
+  const auto within = std::ranges::count(reach, Obstacle::kNone, &PointReach::best);
+  execution.progress.End(fmt::format("{} of {} points within reach", within, points.size()));
+  return reach;
+}
+
+}  // namespace millpose

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""usage: check_browser_test.py MILLPOSE TOP [FOLDER]: opens what `millpose check --view` writes for a job, a cell and a part
+in a headless Chromium and clicks in it. Screenshots stay in FOLDER when it is given."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from chromium import Chromium, pixels
+
+MILLPOSE, TOP = sys.argv[1], pathlib.Path(sys.argv[2])
+FOLDER = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
+
+
+class CheckInBrowser(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.pages = {}
+        job = cls.narrow_job(pathlib.Path(cls.folder.name))
+        for name, what in (("job", job), ("cell", TOP / "cells/ur10e.yaml"), ("part", TOP / "toolpaths/cabin_ring/cabin_ring.stl")):
+            cls.pages[name] = pathlib.Path(cls.folder.name) / f"{name}.html"
+            subprocess.run([MILLPOSE, "check", what, "--view", cls.pages[name], "-q"], stdout=subprocess.DEVNULL)
+        cls.browser = Chromium()
+
+    @classmethod
+    def narrow_job(cls, folder):
+        """support_pad with a cell whose A5 does not reach every point."""
+        cell = (TOP / "cells/kr500_r2830.yaml").read_text()
+        of_a5 = "[-120, 120]"
+        assert cell.count(of_a5) == 1
+        cell = cell.replace(of_a5, "[-45, 45]")
+        (folder / "cell.yaml").write_text(cell)
+        text = (TOP / "toolpaths/support_pad/job.yaml").read_text()
+        (folder / "job.yaml").write_text(text.replace("../../cells/kr500_r2830.yaml", "cell.yaml"))
+        (folder / "support_pad.stl").write_bytes((TOP / "toolpaths/support_pad/support_pad.stl").read_bytes())
+        return folder / "job.yaml"
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.close()
+        cls.folder.cleanup()
+
+    def setUp(self):
+        self.browser.errors.clear()
+        self.browser.requests.clear()
+        self.browser.size(1400, 900)
+        self.browser.media()
+
+    def tearDown(self):
+        self.assertEqual(self.browser.errors, [])
+        self.assertEqual([u for u in self.browser.requests if not u.startswith(("file:", "about:", "data:"))], [])
+
+    def open(self, name):
+        self.browser.open(self.pages[name].as_uri())
+
+    def js(self, expression):
+        return self.browser.evaluate(expression)
+
+    def keep(self, name, png):
+        if FOLDER:
+            FOLDER.mkdir(parents=True, exist_ok=True)
+            (FOLDER / name).write_bytes(png)
+
+    def picked(self):
+        return dict(self.js("[...document.querySelectorAll('#picked tr')].map(r => [r.children[0].textContent, r.children[1].textContent])"))
+
+    def click_at(self, place):
+        """A place in P, seen in the 3-D view."""
+        x, y = self.js(f"""(() => {{ const s = millpose.views.scene, at = new THREE.Vector3(...{place}).applyMatrix4(new THREE.Matrix4().set(...millpose.data.X_WP));
+            const [x, y] = s.onScreen(at.toArray()), b = document.querySelector('#view').getBoundingClientRect(); return [x + b.x, y + b.y]; }})()""")
+        self.browser.click(x, y)
+
+    def test_a_click_names_the_face(self):
+        self.open("part")
+        self.js("document.querySelector('#show-edges').click()")
+        # The first face that is turned to the eye and not hidden.
+        number, place = self.js("""(() => { const s = millpose.views.scene, p = millpose.views.parts;
+            for (const f of millpose.data.part.faces) { const [x, y] = s.onScreen(f.place_mm), hit = p.at(x, y); if (hit && hit.face === f.number - 1) return [f.number, f.place_mm]; } })()""")
+        self.click_at(place)
+        self.assertEqual(self.js("millpose.picked"), {"face": number - 1})
+        face = self.js(f"millpose.data.part.faces[{number - 1}]")
+        told = self.picked()
+        for text, value in zip(told["normal, P"].split(", "), face["normal"]):
+            self.assertAlmostEqual(float(text), value, places=4)
+        self.assertIn("mm²", told["area"])
+        self.assertIn("selected", self.js(f"document.querySelectorAll('#faces tbody tr')[{number - 1}].className"))
+        chosen = sum(1 for row in pixels(self.browser.screenshot("#view canvas"))[2] for r, g, b in row if r > 150 and g < 0.7 * r and b < 0.35 * r)
+        self.assertGreater(chosen, 200)
+
+    def test_a_click_on_an_edge_names_it_and_its_faces(self):
+        self.open("part")
+        number, place = self.js("""(() => { const s = millpose.views.scene, p = millpose.views.parts;
+            for (const e of millpose.data.part.edges) { const [x, y] = s.onScreen(e.place_mm), hit = p.at(x, y); if (hit && hit.edge === e.number - 1) return [e.number, e.place_mm]; } })()""")
+        self.click_at(place)
+        self.assertEqual(self.js("millpose.picked"), {"edge": number - 1})
+        self.assertEqual(self.js("document.querySelector('#picked h2').textContent"), f"Edge {number}")
+        self.assertIn("mm", self.picked()["length"])
+
+    def test_the_lists_choose_too(self):
+        self.open("part")
+        self.browser.click_on("#faces tbody tr:nth-child(2)")
+        self.assertEqual(self.js("[millpose.picked.face, millpose.views.parts.face]"), [1, 1])
+        self.browser.click_on("#edges tbody tr:nth-child(1)")
+        self.assertEqual(self.js("[millpose.picked.edge, millpose.views.parts.face]"), [0, None])
+        self.assertTrue(self.js("millpose.views.parts.chosenEdge.visible"))
+
+    def test_points_tell_the_axis_that_limits_them(self):
+        self.open("job")
+        counts = self.js("[0, 1, 2, 3].map(s => millpose.data.rows.state.filter(v => v === s).length)")
+        self.assertGreater(counts[2], 0)
+        row = self.js("millpose.data.rows.state.indexOf(2)")
+        self.js(f"millpose.select({row})")
+        self.browser.settle()
+        told = self.picked()
+        self.assertEqual(told["reach"], "outside a limit")
+        self.assertRegex(told["axis that limits"], r"^A5, \d.*° beyond$")
+        # The axis is that of the pose shown, which stands at the point.
+        tip, place, a5, upper = self.js(f"""(() => {{ const m = millpose, d = m.data, q = m.jointsOf(d, {row}), f = m.armFrames(d, q)[7];
+            return [[f[3], f[7], f[11]], m.place(d, {row}), q[4], d.arm.upper_deg[4]]; }})()""")
+        for k in range(3):
+            self.assertAlmostEqual(tip[k], place[k], delta=0.02)
+        self.assertGreater(abs(a5), upper - 10)
+        self.keep("job_point.png", self.browser.screenshot("#scene"))
+
+    def test_a_click_on_a_point_is_no_click_on_the_face_below(self):
+        self.open("job")
+        row = self.js("""(() => { const s = millpose.views.scene; return Math.floor(millpose.data.count / 2); })()""")
+        x, y = self.js(f"""(() => {{ const [x, y] = millpose.views.scene.project({row}), b = document.querySelector('#view').getBoundingClientRect(); return [x + b.x, y + b.y]; }})()""")
+        self.browser.click(x, y)
+        self.assertIn("point", self.js("millpose.picked"))
+        self.js("document.querySelector('#show-path').click()")
+        self.browser.settle()
+        self.browser.click(x, y)
+        self.assertNotIn("point", self.js("millpose.picked"))
+
+    def test_the_region_and_the_normals_are_drawn(self):
+        self.open("job")
+        self.assertGreater(self.js("millpose.data.part.inRegion.filter(v => v).length"), 0)
+        for box in ("#show-region", "#show-normals"):
+            before = self.browser.screenshot("#view canvas")
+            self.js(f"document.querySelector('{box}').click()")
+            self.browser.settle()
+            self.assertNotEqual(self.browser.screenshot("#view canvas"), before, box)
+
+    def test_keys(self):
+        self.open("job")
+        self.browser.key("ArrowRight")
+        self.browser.key("ArrowRight")
+        self.assertEqual(self.js("millpose.selected"), 1)
+        self.browser.key("d")
+        self.assertEqual(self.js("document.documentElement.dataset.theme"), "dark")
+
+    def test_fits_every_window_in_light_and_dark_and_on_paper(self):
+        for name in self.pages:
+            for theme in ("light", "dark"):
+                self.browser.media(theme)
+                for width in (1400, 800, 390):
+                    self.browser.size(width, 900)
+                    self.open(name)
+                    self.assertLessEqual(self.js("document.documentElement.scrollWidth"), width, (name, theme))
+                    self.keep(f"{name}_{theme}_{width}.png", self.browser.screenshot())
+            self.browser.media("light", paper=True)
+            self.browser.size(718, 900)
+            self.browser.settle()
+            self.assertEqual(self.js("document.querySelector('#view img.paper').naturalWidth"), 1400, name)
+            self.assertEqual(self.js("[...document.querySelectorAll('.scroll')].filter(e => e.scrollHeight > e.clientHeight + 1).length"), 0)
+            self.keep(f"{name}_paper.png", self.browser.screenshot())
+            self.browser.media()
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)

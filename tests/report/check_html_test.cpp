@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report/check_html.hpp"
+
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "tests/cell/sample_cell.hpp"
+
+namespace millpose {
+namespace {
+
+using Json = nlohmann::json;
+
+Mesh Wedge() {
+  return Mesh(Triangles{{{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {0, 10, 0}, {0, 0, 10}, {10, 0, 10}},
+                        {{0, 2, 1}, {0, 3, 2}, {0, 1, 5}, {0, 5, 4}}});
+}
+
+CheckHtmlInput Input(const Cell& cell, const Mesh& part, const Toolpath& path) {
+  CheckHtmlInput input;
+  input.title = "</script><b>";
+  input.cell = &cell;
+  input.part = &part;
+  input.in_region = {1, 1, 0, 0};
+  input.toolpath = &path;
+  input.reach = {
+      {Obstacle::kNone, 2, 0.1, Joints::Constant(0.5)}, {}, {Obstacle::kLimit, 4, -0.2, Joints::Constant(1)}};
+  input.findings = {"a finding"};
+  return input;
+}
+
+Json DataOf(const std::string& page) {
+  const std::string open = "id=\"check-data\">";
+  const size_t from = page.find(open) + open.size();
+  return Json::parse(page.substr(from, page.find("</script>", from) - from));
+}
+
+TEST(CheckHtml, CarriesFacesEdgesPointsAndWhatLimitsThem) {
+  const Cell cell = test::SampleCell();
+  const Mesh part = Wedge();
+  Toolpath path;
+  path.passes.resize(1);
+  path.passes[0].points.resize(3);
+  const Json data = DataOf(CheckHtml(Input(cell, part, path)));
+  EXPECT_EQ(data["part"]["faces"].size(), 2u);
+  EXPECT_EQ(data["part"]["faces"][0]["normal"], Json({0.0, 0.0, -1.0}));
+  EXPECT_EQ(data["part"]["edges"].size(), 3u);  // the crease and an open border of each
+  EXPECT_EQ(data["part"]["faces"][1]["number"], 2);
+  EXPECT_EQ(data["path"]["total"], 3);
+  EXPECT_EQ(data["cell"]["bodies"].size(), cell.bodies.size());
+  EXPECT_EQ(data["findings"], Json({"a finding"}));
+}
+
+TEST(CheckHtml, SameInputSameBytesAndNothingFromOutside) {
+  const Cell cell = test::SampleCell();
+  const Mesh part = Wedge();
+  Toolpath path;
+  path.passes.resize(1);
+  path.passes[0].points.resize(3);
+  const std::string page = CheckHtml(Input(cell, part, path));
+  EXPECT_EQ(page, CheckHtml(Input(cell, part, path)));
+  EXPECT_EQ(page.find("{{"), std::string::npos);
+  EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
+  EXPECT_NE(page.find("<title>&lt;/script&gt;&lt;b&gt;"), std::string::npos);
+  std::string own = page;
+  const size_t three = own.find("(function(global,factory)");
+  ASSERT_NE(three, std::string::npos);
+  own.erase(three, own.find("</script>", three) - three);
+  EXPECT_FALSE(std::regex_search(own, std::regex("https?://|@import|url\\(|fetch\\(|XMLHttpRequest|src=")));
+}
+
+TEST(CheckHtml, APartOrACellAloneIsAPageToo) {
+  const Mesh part = Wedge();
+  CheckHtmlInput alone;
+  alone.part = &part;
+  EXPECT_TRUE(DataOf(CheckHtml(alone))["cell"].is_null());
+  const Cell cell = test::SampleCell();
+  alone.part = nullptr;
+  alone.cell = &cell;
+  EXPECT_TRUE(DataOf(CheckHtml(alone))["part"].is_null());
+  EXPECT_TRUE(DataOf(CheckHtml(alone))["path"].is_null());
+}
+
+}  // namespace
+}  // namespace millpose
