@@ -50,6 +50,7 @@ void AddBatchCommand(CLI::App& app, Run& run) {
       arguments->root = FileRoot::Of(*root);
       if (*use_slurm) arguments->slurm = *slurm;
       arguments->tell_running = session.doing;
+      arguments->tell_left = session.left_by;
       const BatchOutcome outcome = RunBatch(*arguments, session.progress, session.stop);
       fmt::print("{}", outcome.text);
       return outcome.exit_status;

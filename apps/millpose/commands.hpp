@@ -21,6 +21,8 @@ struct Session {
   Progress& progress;
   std::stop_token stop;
   std::function<void(const std::string& what)> doing;  ///< shows what the running stage is at
+  /// Who knows how long it will still take, s; empty: nobody.
+  std::function<void(std::function<std::optional<double>()>)> left_by;
 };
 
 /// What a subcommand leaves to be run after parsing; set by the callback of the chosen one.

@@ -98,8 +98,12 @@ std::unique_ptr<TerminalProgress> MakeProgress(const Output& output) {
 int RunGuarded(const Run& run, const Output& output) {
   static SignalWatch watch(output.json);
   std::unique_ptr<TerminalProgress> shown = MakeProgress(output);
-  Session session{shown ? *shown : Silent(), watch.token(), [&shown](const std::string& what) {
+  Session session{shown ? *shown : Silent(), watch.token(),
+                  [&shown](const std::string& what) {
                     if (shown) shown->Doing(what);
+                  },
+                  [&shown](std::function<std::optional<double>()> left) {
+                    if (shown) shown->LeftBy(std::move(left));
                   }};
   const auto fail = [&](const std::string& text, int status) {
     shown.reset();

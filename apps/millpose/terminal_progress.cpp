@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <condition_variable>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -30,6 +31,14 @@ std::chrono::milliseconds Interval(ProgressForm form) {
 std::string Bar(double share) {
   const auto filled = static_cast<size_t>(share * kBarWidth);
   return '[' + std::string(filled, '#') + std::string(kBarWidth - filled, '.') + ']';
+}
+
+// "40 s", "7 min", "2 h 10 min": an estimate has no more digits.
+std::string Span(double seconds) {
+  const long long minutes = std::llround(seconds / 60);
+  if (seconds < 90) return fmt::format("{:.0f} s", seconds);
+  if (minutes < 90) return fmt::format("{} min", minutes);
+  return fmt::format("{} h {} min", minutes / 60, minutes % 60);
 }
 
 void Write(const std::string& text) {
@@ -70,6 +79,11 @@ void TerminalProgress::Doing(const std::string& what) {
   doing_ = what;
 }
 
+void TerminalProgress::LeftBy(std::function<std::optional<double>()> left) {
+  const std::lock_guard lock(mutex_);
+  left_by_ = std::move(left);
+}
+
 void TerminalProgress::End(std::string_view outcome) {
   const std::lock_guard lock(mutex_);
   running_ = false;
@@ -86,7 +100,9 @@ TerminalProgress::Figures TerminalProgress::Now(Clock::time_point now) const {
   if (percent_) figures.share = *percent_ / 100.0;
   if (total_ > 0) figures.share = std::min(1.0, done / static_cast<double>(total_));
   if (done_ > 0 && figures.elapsed_s > kLeastTime) figures.per_s = done / figures.elapsed_s;
-  if (total_ > 0 && figures.per_s)
+  if (left_by_)
+    figures.left_s = left_by_();
+  else if (total_ > 0 && figures.per_s)
     figures.left_s = static_cast<double>(total_ - std::min(done_, total_)) / *figures.per_s;
   return figures;
 }
@@ -97,7 +113,10 @@ std::string TerminalProgress::State(const Figures& figures) const {
     return fmt::format("{}{:.0f} s", done_ > 0 ? fmt::format("{} done, ", done_) : "", figures.elapsed_s);
   if (percent_) return fmt::format("{} %, {:.0f} s", *percent_, figures.elapsed_s);
   std::string state = fmt::format("{} of {} ({:.0f} %)", done_, total_, 100 * *figures.share);
-  if (figures.left_s) state += fmt::format(", {:.3g}/s, {:.0f} s left", *figures.per_s, *figures.left_s);
+  if (left_by_)
+    state += figures.left_s ? ", about " + Span(*figures.left_s) + " left" : ", time left not known yet";
+  else if (figures.left_s)
+    state += fmt::format(", {:.3g}/s, {:.0f} s left", *figures.per_s, *figures.left_s);
   if (!doing_.empty()) state += ": " + doing_;
   return state;
 }

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -32,6 +33,8 @@ class TerminalProgress : public Progress {
   void End(std::string_view outcome) override;
   /// What the running stage is at, in words; until the next stage begins.
   void Doing(const std::string& what);
+  /// Who knows how long the running stage will still take, s, better than its speed tells; empty: nobody.
+  void LeftBy(std::function<std::optional<double>()> left);
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -51,6 +54,7 @@ class TerminalProgress : public Progress {
   std::string stage_, doing_;
   bool running_ = false;
   size_t done_ = 0, total_ = 0;
+  std::function<std::optional<double>()> left_by_;
   std::optional<int> percent_;  // of a stage that cannot be counted
   Clock::time_point began_, shown_;
   std::jthread watch_;  // last: it ends before what it reads

@@ -36,6 +36,9 @@ struct BatchArguments {
   FileRoot root;                      ///< that all files must lie in which jobs and manifests name
   /// Told the jobs that run whenever they change, one call at a time; not with Slurm.
   std::function<void(const std::string& names)> tell_running;
+  /// Given what says how long the jobs will still take, s (TimeLeft), and at the end an empty one; not with
+  /// Slurm.
+  std::function<void(std::function<std::optional<double>()> left)> tell_left;
 };
 
 /// One job of a batch.

@@ -2,6 +2,7 @@
 #include "batch/run_here.hpp"
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <numeric>
@@ -9,6 +10,7 @@
 
 #include "base/parallel.hpp"
 #include "base/process.hpp"
+#include "batch/time_left.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -45,32 +47,78 @@ class MemoryGate {
   double largest_ = 0;
 };
 
-// The jobs that run, told whenever they change.
+// The jobs that run, told whenever they change, and how long what is left may take.
 class Running {
  public:
-  explicit Running(const std::function<void(const std::string&)>& tell) : tell_(tell) {}
+  Running(const std::function<void(const std::string&)>& tell, size_t jobs, size_t places)
+      : tell_(tell), waiting_(jobs), places_(places) {}
 
   void Add(const std::string& name) {
-    Change([&] { names_.push_back(name); });
+    Change([&] {
+      names_.push_back(name);
+      began_.push_back(Clock::now());
+      --waiting_;
+    });
   }
   void Remove(const std::string& name) {
-    Change([&] { names_.erase(std::ranges::find(names_, name)); });
+    Change([&] {
+      const auto at = std::ranges::find(names_, name) - names_.begin();
+      ended_.push_back(SecondsSince(began_[static_cast<size_t>(at)]));
+      names_.erase(names_.begin() + at);
+      began_.erase(began_.begin() + at);
+    });
+  }
+  std::optional<double> Left() {
+    const std::lock_guard lock(mutex_);
+    BatchState state{ended_, {}, waiting_, places_};
+    for (const Clock::time_point began : began_) state.running.push_back(SecondsSince(began));
+    return TimeLeft(state);
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
+  static double SecondsSince(Clock::time_point time) {
+    return std::chrono::duration<double>(Clock::now() - time).count();
+  }
+
   void Change(const std::function<void()>& change) {
     constexpr size_t kMost = 3;
-    const std::lock_guard lock(mutex_);
-    change();
-    if (!tell_) return;
-    const std::vector<std::string> shown(names_.begin(), names_.begin() + std::min(kMost, names_.size()));
-    const std::string more = names_.size() > kMost ? fmt::format(" and {} more", names_.size() - kMost) : "";
-    tell_(fmt::format("{}{}", fmt::join(shown, ", "), more));
+    // Told one at a time, but not under the lock that Left() takes: who is told may be asking for it.
+    const std::lock_guard telling(told_);
+    std::string names;
+    {
+      const std::lock_guard lock(mutex_);
+      change();
+      const std::vector<std::string> shown(names_.begin(), names_.begin() + std::min(kMost, names_.size()));
+      const std::string more =
+          names_.size() > kMost ? fmt::format(" and {} more", names_.size() - kMost) : "";
+      names = fmt::format("{}{}", fmt::join(shown, ", "), more);
+    }
+    if (tell_) tell_(names);
   }
 
   const std::function<void(const std::string&)>& tell_;
-  std::mutex mutex_;
+  std::mutex told_, mutex_;
   std::vector<std::string> names_;
+  std::vector<Clock::time_point> began_;  // of them
+  std::vector<double> ended_;             // how long each took, s
+  size_t waiting_, places_;
+};
+
+// Takes the time left away again, also when the batch is interrupted: what tells it does not outlive it.
+class LeftTold {
+ public:
+  LeftTold(const BatchArguments& arguments, Running* running) : tell_(arguments.tell_left) {
+    if (tell_) tell_([running] { return running->Left(); });
+  }
+  ~LeftTold() {
+    if (tell_) tell_({});
+  }
+  LeftTold(const LeftTold&) = delete;
+  LeftTold& operator=(const LeftTold&) = delete;
+
+ private:
+  const std::function<void(std::function<std::optional<double>()>)>& tell_;
 };
 
 // Shares the threads out: a job gets what no other holds, divided by the jobs that could still start beside
@@ -147,7 +195,8 @@ std::vector<JobOutcome> RunHere(const std::vector<BatchJob>& jobs, const fs::pat
   const int parallel = std::min(static_cast<int>(open.size()), wanted);
   MemoryGate gate(arguments.memory_MB);
   ThreadPurse purse(threads, parallel, open.size());
-  Running running(arguments.tell_running);
+  Running running(arguments.tell_running, open.size(), static_cast<size_t>(std::max(parallel, 1)));
+  const LeftTold left_told(arguments, &running);
   const auto plan = [&](const BatchJob& job) {
     gate.Enter();
     const int share = purse.Take();

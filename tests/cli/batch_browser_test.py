@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""usage: batch_browser_test.py MILLPOSE TOP [FOLDER]: the index page of a batch in a headless Chromium: sorting, links, light,
+dark and paper at 1400, 800 and 390 pixels. Screenshots stay in FOLDER when it is given."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+MILLPOSE, TOP = sys.argv[1], pathlib.Path(sys.argv[2])
+FOLDER = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
+sys.path.insert(0, str(TOP / "tests/report"))
+from chromium import Chromium  # noqa: E402
+
+MANIFEST = """millpose_batch: 1
+jobs:
+  - {{job: {top}/toolpaths/support_pad/job.yaml, name: fine, set: {{toolpath.stepover_mm: 10}}}}
+  - {{job: {top}/toolpaths/support_pad/job.yaml, name: coarse, set: {{toolpath.stepover_mm: 20}}}}
+  - {{job: {top}/toolpaths/support_pad/job.yaml, name: broken, set: {{toolpath.stepover_mm: -1}}}}
+"""
+
+
+class Index(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        folder = pathlib.Path(cls.folder.name)
+        (folder / "batch.yaml").write_text(MANIFEST.format(top=TOP))
+        subprocess.run([MILLPOSE, "batch", folder / "batch.yaml", "-o", folder / "out", "-q"], stdout=subprocess.DEVNULL,
+                       stderr=subprocess.DEVNULL)
+        cls.page = folder / "out/index.html"
+        cls.browser = Chromium()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.close()
+        cls.folder.cleanup()
+
+    def setUp(self):
+        self.browser.errors.clear()
+        self.browser.requests.clear()
+        self.browser.size(1400, 900)
+        self.browser.media()
+        self.open()
+
+    def open(self):
+        self.browser.call("Page.navigate", url=self.page.as_uri())
+        self.browser.wait("document.readyState === 'complete' && document.querySelector('tbody tr') !== null")
+
+    def tearDown(self):
+        self.assertEqual(self.browser.errors, [])
+        self.assertEqual([u for u in self.browser.requests if not u.startswith("file:")], [])
+
+    def js(self, expression):
+        return self.browser.evaluate(expression)
+
+    def names(self):
+        return self.js("[...document.querySelectorAll('tbody tr')].map(r => r.cells[0].textContent.trim())")
+
+    def test_every_head_sorts_both_ways_and_empty_cells_stay_last(self):
+        count = self.js("document.querySelectorAll('th').length")
+        self.assertGreater(count, 8)
+        for column in range(count):
+            orders = []
+            for direction in ("ascending", "descending"):
+                self.js(f"document.querySelectorAll('th button')[{column}].click()")
+                self.assertEqual(self.js(f"document.querySelectorAll('th')[{column}].getAttribute('aria-sort')"), direction)
+                self.assertEqual(self.js("document.querySelectorAll('th[aria-sort]').length"), 1)
+                orders.append(self.js(f"[...document.querySelectorAll('tbody tr')].map(r => r.cells[{column}].dataset.v)"))
+            numbers = [[float(v) for v in order if v not in (None, "")] for order in orders]
+            if numbers[0]:
+                self.assertEqual(numbers[0], sorted(numbers[0]), column)
+                self.assertEqual(numbers[1], sorted(numbers[1], reverse=True), column)
+                for order in orders:
+                    empty = [v in (None, "") for v in order]
+                    self.assertEqual(empty, sorted(empty), column)
+
+    def test_sorting_works_by_keys(self):
+        self.js("document.querySelectorAll('th button')[0].focus()")
+        for kind in ("keyDown", "keyUp"):
+            self.browser.call("Input.dispatchKeyEvent", type=kind, key="Enter", code="Enter", text="\r", windowsVirtualKeyCode=13)
+        self.assertEqual(self.names(), ["broken", "coarse", "fine"])
+
+    def test_a_link_opens_the_report(self):
+        self.browser.open((self.page.parent / "fine/report.html").as_uri())
+        self.assertEqual(self.js("document.querySelector('#job').textContent"), self.js("millpose.data.job"))
+        self.assertGreater(self.js("millpose.data.timeline.seconds"), 10)
+
+    def test_fits_every_window_in_light_and_dark_and_on_paper(self):
+        grounds = set()
+        for theme, paper in (("light", False), ("dark", False), ("light", True)):
+            self.browser.media(theme, paper)
+            for width in (1400, 800, 390):
+                self.browser.size(width, 900)
+                self.open()
+                self.assertLessEqual(self.js("document.documentElement.scrollWidth"), width, (theme, paper))
+                if FOLDER:
+                    FOLDER.mkdir(parents=True, exist_ok=True)
+                    (FOLDER / f"index_{theme}{'_paper' if paper else ''}_{width}.png").write_bytes(self.browser.screenshot())
+            grounds.add(self.js("getComputedStyle(document.body).backgroundColor"))
+        self.assertEqual(len(grounds), 3)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
