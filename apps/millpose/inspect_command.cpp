@@ -7,6 +7,7 @@
 #include "base/file.hpp"
 #include "commands.hpp"
 #include "pipeline/explain_pose.hpp"
+#include "pipeline/output_folder.hpp"
 
 namespace millpose {
 namespace {
@@ -18,6 +19,7 @@ struct Arguments {
 };
 
 int Inspect(const Arguments& arguments) {
+  RefuseSeveral(arguments.folder);
   const std::filesystem::path points_file = arguments.folder / "points.csv";
   const std::filesystem::path summary_file = arguments.folder / "summary.json";
   if (!std::filesystem::exists(points_file))

@@ -6,13 +6,13 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "commands.hpp"
-#include "pipeline/run.hpp"
+#include "operations/run_job.hpp"
 
 namespace millpose {
 namespace {
 
 int Plan(const PlanArguments& arguments, Session& session) {
-  const PlanOutcome outcome = RunPlan(arguments, session.progress, session.stop);
+  const PlanOutcome outcome = RunJob(arguments, session.progress, session.stop);
   fmt::print("{}", outcome.text);
   return outcome.exit_status;
 }

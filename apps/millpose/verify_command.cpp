@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "commands.hpp"
-#include "pipeline/verify_programs.hpp"
+#include "operations/verify_job.hpp"
 
 namespace millpose {
 namespace {
@@ -12,7 +12,7 @@ struct Arguments : VerifyArguments {
 };
 
 int VerifyAndPrint(const Arguments& arguments, Session& session) {
-  const std::vector<VerifiedProgram> programs = VerifyPrograms(arguments, session.progress, session.stop);
+  const std::vector<VerifiedProgram> programs = VerifyJob(arguments, session.progress, session.stop);
   fmt::print("{}", arguments.json ? VerifyJson(programs) : VerifyText(programs));
   for (const VerifiedProgram& program : programs) {
     if (!program.findings.empty()) return kFindings;

@@ -10,9 +10,8 @@
 #include "base/text.hpp"
 #include "batch/run_here.hpp"
 #include "batch/slurm.hpp"
-#include "pipeline/inputs.hpp"
+#include "operations/run_job.hpp"
 #include "pipeline/output_folder.hpp"
-#include "pipeline/step_meshes.hpp"
 #include "pipeline/up_to_date.hpp"
 #include "report/summary_version.hpp"
 
@@ -23,7 +22,7 @@ namespace {
 using Json = nlohmann::json;
 
 // What a process wrote to stderr, without the program's name in front and the line end behind.
-std::string Cause(std::string errors) {
+std::string CauseOf(std::string errors) {
   constexpr std::string_view kPrefix = "millpose: ";
   if (errors.starts_with(kPrefix)) errors.erase(0, kPrefix.size());
   while (errors.ends_with('\n')) errors.pop_back();
@@ -98,7 +97,7 @@ JobOutcome Judge(const fs::path& folder, int status, const std::string& errors) 
   JobOutcome outcome;
   outcome.status = status;
   if (status > 1) {
-    outcome.cause = status > 128 ? fmt::format("ended by signal {}", status - 128) : Cause(errors);
+    outcome.cause = status > 128 ? fmt::format("ended by signal {}", status - 128) : CauseOf(errors);
     return outcome;
   }
   try {
@@ -124,9 +123,8 @@ JobOutcome Judge(const fs::path& folder, int status, const std::string& errors) 
 std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) {
   try {
     if (!Exists(folder / kManifestFile)) return std::nullopt;
-    JobInputs inputs = LoadJobInputs(job.file, job.overrides, {}, job.root);
-    TakeKeptMeshes(folder, &inputs);
-    if (!HoldsPlanOf(folder, inputs.hash)) return std::nullopt;
+    const std::string key = KeyOf(LoadOperations(job.file, job.overrides, job.root), folder);
+    if (!HoldsPlanOf(folder, key)) return std::nullopt;
     JobOutcome outcome = Judge(folder, 0, "");
     if (outcome.status > 1) return std::nullopt;
     outcome.up_to_date = true;

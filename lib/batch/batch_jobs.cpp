@@ -19,7 +19,11 @@ bool HasKey(const std::string& text, const std::string& key) {
 // The name that a job gives itself; its file's name when it cannot be read (its own run will say why).
 std::string OwnName(const fs::path& file, const std::vector<Override>& overrides, const FileRoot& root) {
   try {
-    return ParseJob(root.Read(file), file.string(), overrides).name;
+    const std::string text = root.Read(file);
+    const JobOutline outline = OutlineOf(text, file.string(), overrides);
+    if (outline.operations.empty()) return ParseJob(text, file.string(), overrides).name;
+    ParseJob(text, file.string(), overrides, 0);
+    return outline.name;
   } catch (const InputError&) {
     const std::string stem = file.stem().string();
     return stem == "job" && file.has_parent_path() ? file.parent_path().filename().string() : stem;

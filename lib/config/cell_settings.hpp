@@ -77,6 +77,8 @@ struct ToolSettings {
   Eigen::Vector3d x = Eigen::Vector3d::UnitX();     ///< T's x in F (its part normal to z), unit
   CutterTip cutter_tip = CutterTip::kFlat;
   double cutter_diameter = 0, cutting_length = 0, corner_radius = 0;  ///< mm
+  bool centre_cutting = false;                                        ///< may go straight down into material
+  double max_ramp = DegToRad(3);  ///< rad, of a ramp or helix into material
   std::vector<ToolPartSettings> stack;
   std::optional<ToolLoad> load;
   std::vector<ComplianceSettings> compliances;              ///< beside the cell's, while it is in the spindle

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/config.hpp"
 
-#include "config/fields.hpp"
+#include "config/operations.hpp"
 
 namespace millpose {
 namespace {
@@ -38,21 +38,77 @@ void RefuseOtherKind(const config::Value& root, const std::string& name, const s
           fmt::format("this is a {} file; a {} file is expected here", kind, kKinds.at(own_key)));
 }
 
-template <class S>
-S Parse(const config::Codec<S>& fields, std::string_view yaml, const std::string& name,
-        const std::vector<Override>& overrides = {}) {
+// The tree of a file that is one of the kind that `own_key` says.
+config::Value ReadRoot(const std::string& own_key, std::string_view yaml, const std::string& name,
+                       const std::vector<Override>& overrides = {}) {
   config::Value root = config::ReadYaml(yaml, name);
-  RefuseOtherKind(root, name, fields.keys.front().key);
+  RefuseOtherKind(root, name, own_key);
   for (const Override& change : overrides) Apply(change, &root);
-  std::vector<Problem> problems;
+  return root;
+}
+
+[[noreturn]] void ThrowInOrder(std::vector<Problem> problems) {
+  const auto place = [](const Problem& problem) {
+    return std::pair(problem.place.line, problem.place.column);
+  };
+  std::ranges::stable_sort(problems, {}, place);
+  throw InputError(std::move(problems));
+}
+
+template <class S>
+S Settings(const config::Codec<S>& fields, const config::Value& root, const std::string& name,
+           std::vector<Problem>& problems) {
   S settings;
   if constexpr (requires { settings.file; }) settings.file = name;
   fields.read(root, {name, problems, ""}, settings);
-  if (problems.empty()) return settings;
-  std::ranges::stable_sort(problems, {}, [](const Problem& problem) {
-    return std::pair(problem.place.line, problem.place.column);
-  });
-  throw InputError(std::move(problems));
+  return settings;
+}
+
+template <class S>
+S Parse(const config::Codec<S>& fields, std::string_view yaml, const std::string& name) {
+  std::vector<Problem> problems;
+  S settings = Settings(fields, ReadRoot(fields.keys.front().key, yaml, name), name, problems);
+  if (!problems.empty()) ThrowInOrder(std::move(problems));
+  return settings;
+}
+
+config::Value JobRoot(std::string_view yaml, const std::string& name,
+                      const std::vector<Override>& overrides) {
+  return ReadRoot(config::JobFields().keys.front().key, yaml, name, overrides);
+}
+
+std::vector<std::string> NamesOf(const config::Value& root, const std::string& name) {
+  if (!root.Find("operations")) return {};
+  std::vector<Problem> problems;
+  std::vector<std::string> names = config::OperationNames(root, {name, problems, ""});
+  if (!problems.empty()) ThrowInOrder(std::move(problems));
+  return names;
+}
+
+// What the job's own sections have wrong is told once, not with every operation.
+void AddNew(const std::vector<Problem>& more, std::vector<Problem>& problems) {
+  for (const Problem& problem : more)
+    if (std::ranges::none_of(problems, [&](const Problem& known) {
+          return known.message == problem.message && known.place.line == problem.place.line;
+        }))
+      problems.push_back(problem);
+}
+
+JobSettings OneOf(const config::Value& root, const std::string& name, size_t operations, size_t chosen) {
+  std::vector<Problem> problems;
+  JobSettings job;
+  double later = 0;  // mm: what this operation and later ones take off
+  for (size_t i = 0; i < operations; ++i) {
+    std::vector<Problem> own;
+    JobSettings settings = Settings(config::JobFields(), config::OperationRoot(root, i), name, own);
+    AddNew(own, problems);
+    if (i == chosen) job = settings;
+    if (i >= chosen) later = std::max(later, settings.toolpath.layers.total);
+  }
+  if (!problems.empty()) ThrowInOrder(std::move(problems));
+  // What nobody has milled yet stands on the part.
+  if (!job.workpiece.allowance && later > job.toolpath.layers.total) job.workpiece.allowance = later;
+  return job;
 }
 
 std::string Schema(const config::Value& fields_schema, const std::string& title) {
@@ -67,8 +123,33 @@ std::string Schema(const config::Value& fields_schema, const std::string& title)
 
 }  // namespace
 
-JobSettings ParseJob(std::string_view yaml, const std::string& name, const std::vector<Override>& overrides) {
-  return Parse(config::JobFields(), yaml, name, overrides);
+JobSettings ParseJob(std::string_view yaml, const std::string& name, const std::vector<Override>& overrides,
+                     std::optional<size_t> operation) {
+  const config::Value root = JobRoot(yaml, name, overrides);
+  if (const std::vector<std::string> names = NamesOf(root, name); !names.empty()) {
+    if (operation) return OneOf(root, name, names.size(), *operation);
+    const config::Value::Key& key = *root.FindKey("operations");
+    throw InputError(
+        {name, key.mark.line, key.mark.column},
+        fmt::format("operations: given {}; one at a time allowed here: the job.yaml of its folder in the "
+                    "output folder of millpose plan",
+                    names.size()));
+  }
+  std::vector<Problem> problems;
+  JobSettings job = Settings(config::JobFields(), root, name, problems);
+  if (!problems.empty()) ThrowInOrder(std::move(problems));
+  return job;
+}
+
+JobOutline OutlineOf(std::string_view yaml, const std::string& name, const std::vector<Override>& overrides) {
+  const config::Value root = JobRoot(yaml, name, overrides);
+  const config::Value* own = root.Find("name");
+  return {own ? own->text : std::string(), NamesOf(root, name)};
+}
+
+std::string WithOverrides(std::string_view yaml, const std::string& name,
+                          const std::vector<Override>& overrides) {
+  return config::WriteYaml(JobRoot(yaml, name, overrides));
 }
 
 Override ParseOverride(const std::string& text) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -19,8 +20,21 @@ Override ParseOverride(const std::string& text);
 /// Reads a job or cell from YAML text. Throws InputError with every problem found (file:line:column, key
 /// path, given, allowed, nearest key). `name` is used in messages; nothing is opened. `overrides` replace or
 /// add keys, in their order.
+/// Of a job with several `operations` the one that `operation` says (from 0); all are read, so that what is
+/// wrong with any is told.
 JobSettings ParseJob(std::string_view yaml, const std::string& name,
+                     const std::vector<Override>& overrides = {}, std::optional<size_t> operation = {});
+/// What a job file says of itself before its sections are read.
+struct JobOutline {
+  std::string name;                     ///< of the job, as given
+  std::vector<std::string> operations;  ///< their names in their order; none where the job is one itself
+};
+/// Throws InputError for what is no job, and for operations without names or with keys of no operation.
+JobOutline OutlineOf(std::string_view yaml, const std::string& name,
                      const std::vector<Override>& overrides = {});
+/// The job's file as YAML with the overrides in it.
+std::string WithOverrides(std::string_view yaml, const std::string& name,
+                          const std::vector<Override>& overrides);
 CellSettings ParseCell(std::string_view yaml, const std::string& name);
 
 /// Makes `name` the tool of the cell. InputError where it has none of that name, or several and none is

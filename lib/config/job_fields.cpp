@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A job file: its sections, each with a table of its own.
 #include "config/fields.hpp"
+#include "config/operations.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose::config {
@@ -104,35 +105,40 @@ void Check(const Value& value, const Context& context, JobSettings& job) {
 
 const Codec<JobSettings>& JobFields() {
   using S = JobSettings;
-  static const Codec<S> fields = Section<S>(
-      {
-          VersionKey<S>("millpose_job", 1),
-          Key<S>("name", MILLPOSE_AT(name), FileName(), "Name of the job, and of its files.").Required(),
-          Key<S>("cell", MILLPOSE_AT(cell_file), Text(), "Cell file, relative to the job file.").Required(),
-          Key<S>("tool", MILLPOSE_AT(tool), Text(), "Which of the cell's `tools`.").WhenSet([](const S& s) {
-            return !s.tool.empty();
-          }),
-          Key<S>("seed", MILLPOSE_AT(seed), Seed(), "Seed of all random numbers."),
-          Key<S>("workpiece", MILLPOSE_AT(workpiece), WorkpieceFields(), "The part and its place.")
-              .Required(),
-          Key<S>("toolpath", MILLPOSE_AT(toolpath), ToolpathFields(), "Where the tool goes.").Required(),
-          Key<S>("process", kSelf, ProcessFields(), "Feed and speed.").Required(),
-          Key<S>("pose", kSelf, PoseSearchFields(), "How the pose at each point is chosen."),
-          Key<S>("limits", kSelf, LimitFields(), "What makes a pose admissible."),
-          Key<S>("path", kSelf, PathFields(), "How poses are joined along a pass."),
-          Key<S>("interference", kSelf, InterferenceFields(), "How interference is checked."),
-          Key<S>("gaps", kSelf, GapFields(), "How the tool moves from one pass to the next."),
-          Key<S>("programs", MILLPOSE_AT(programs), ListOf(Choice(Posts().Names())),
-                 "Controllers to write programs for."),
-          Key<S>("program_options", MILLPOSE_AT(program_options), ProgramOptionFields(),
-                 "What becomes of the planned points in programs."),
-          Key<S>("compensation", MILLPOSE_AT(compensation), CompensationFields(),
-                 "What of the expected deflection the programs take out (docs/compensation.md).")
-              .WhenSet([](const S& s) {
-                return s.compensation.deflection != TakeOut::kOff || s.compensation.weight;
-              }),
-      },
-      Check);
+  static const std::vector<Field<S>> kOwn = {
+      VersionKey<S>("millpose_job", 1),
+      Key<S>("name", MILLPOSE_AT(name), FileName(), "Name of the job, and of its files.").Required(),
+      Key<S>("cell", MILLPOSE_AT(cell_file), Text(), "Cell file, relative to the job file.").Required(),
+      Key<S>("tool", MILLPOSE_AT(tool), Text(), "Which of the cell's `tools`.").WhenSet([](const S& s) {
+        return !s.tool.empty();
+      }),
+      Key<S>("operation", MILLPOSE_AT(operation), Text(),
+             "Of a job that millpose wrote: which operation of a job with several it is.")
+          .WhenSet([](const S& s) { return !s.operation.empty(); }),
+      Key<S>("seed", MILLPOSE_AT(seed), Seed(), "Seed of all random numbers."),
+      Key<S>("workpiece", MILLPOSE_AT(workpiece), WorkpieceFields(), "The part and its place.").Required(),
+      Key<S>("toolpath", MILLPOSE_AT(toolpath), ToolpathFields(), "Where the tool goes.")
+          .RequiredUnless("operations"),
+      Key<S>("process", kSelf, ProcessFields(), "Feed and speed.").RequiredUnless("operations"),
+      Key<S>("pose", kSelf, PoseSearchFields(), "How the pose at each point is chosen."),
+      Key<S>("limits", kSelf, LimitFields(), "What makes a pose admissible."),
+      Key<S>("path", kSelf, PathFields(), "How poses are joined along a pass."),
+      Key<S>("interference", kSelf, InterferenceFields(), "How interference is checked."),
+      Key<S>("gaps", kSelf, GapFields(), "How the tool moves from one pass to the next."),
+      Key<S>("programs", MILLPOSE_AT(programs), ListOf(Choice(Posts().Names())),
+             "Controllers to write programs for."),
+      Key<S>("program_options", MILLPOSE_AT(program_options), ProgramOptionFields(),
+             "What becomes of the planned points in programs."),
+      Key<S>("compensation", MILLPOSE_AT(compensation), CompensationFields(),
+             "What of the expected deflection the programs take out (docs/compensation.md).")
+          .WhenSet(
+              [](const S& s) { return s.compensation.deflection != TakeOut::kOff || s.compensation.weight; }),
+  };
+  static const Codec<S> fields = [] {
+    std::vector<Field<S>> all = kOwn;
+    all.push_back(OperationsField(kOwn));
+    return Section<S>(std::move(all), Check);
+  }();
   return fields;
 }
 

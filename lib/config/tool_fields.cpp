@@ -153,6 +153,12 @@ Codec<ToolSettings> ToolFields() {
                              .Required(),
                          Key<S>("corner_radius_mm", MILLPOSE_AT(corner_radius), Real(kMm, UpTo(500)),
                                 "Corner radius of a bull cutter."),
+                         Key<S>("centre_cutting", MILLPOSE_AT(centre_cutting), Flag(),
+                                "Whether it cuts over its centre: may be lowered straight into material.")
+                             .WhenSet([](const S& s) { return s.centre_cutting; }),
+                         Key<S>("max_ramp_deg", MILLPOSE_AT(max_ramp), Real(kDeg, Between(0.1, 90)),
+                                "Steepest ramp or helix by which it may enter material.")
+                             .WhenSet([](const S& s) { return s.max_ramp != S{}.max_ramp; }),
                      },
                      check_cutter),
                  "The cutter.")

@@ -17,8 +17,8 @@ Codec<ToolAxisOptions> ToolAxisFields() {
       if (required && !found) context.Child(name).Add(value.mark, "missing; required by this rule");
       if (found && !allowed) context.Child(name).Add(found->mark, "has no effect with this rule");
     };
-    const bool fixed = axis.rule == AxisRule::kFixed;
-    key("direction", fixed, fixed || by_place(axis));
+    const bool along = axis.rule == AxisRule::kFixed || axis.rule == AxisRule::kWall;
+    key("direction", along, along || by_place(axis));
     key("point_mm", by_place(axis), by_place(axis));
   };
   return Section<S>(
@@ -26,12 +26,14 @@ Codec<ToolAxisOptions> ToolAxisFields() {
               ChoiceOf<AxisRule>({{"normal", AxisRule::kNormal},
                                   {"fixed", AxisRule::kFixed},
                                   {"toward", AxisRule::kToward},
-                                  {"away", AxisRule::kAway}}),
-              "Along the surface's normal, in one direction, or with the holder towards or away from a point "
-              "or a line.")
+                                  {"away", AxisRule::kAway},
+                                  {"wall", AxisRule::kWall}}),
+              "Along the surface's normal, in one direction, with the holder towards or away from a point "
+              "or a line, or along the wall.")
            .Required(),
        Key<S>("direction", MILLPOSE_AT(direction), Direction(),
-              "Of fixed: from tip to holder; of toward and away the line's through point_mm, and without it "
+              "Of fixed and wall: from tip to holder, of wall about; of toward and away the line's through "
+              "point_mm, and without it "
               "the point counts.")
            .WhenSet([](const S& s) { return s.direction.norm() > 0; }),
        Key<S>("point_mm", MILLPOSE_AT(point), Place(), "Of toward and away, in the workpiece frame.")
@@ -92,16 +94,18 @@ Codec<PassEnds> PassEndFields() {
   using S = PassEnds;
   return Section<S>({
       Key<S>("overrun_mm", MILLPOSE_AT(overrun), Real(kMm, UpTo(1000)), "Straight on beyond both ends."),
-      Key<S>("lead", MILLPOSE_AT(lead),
-             ChoiceOf<LeadShape>({{"none", LeadShape::kNone},
-                                  {"normal", LeadShape::kNormal},
-                                  {"ramp", LeadShape::kRamp},
-                                  {"arc", LeadShape::kArc}}),
-             "How passes are entered and left."),
+      Key<S>(
+          "lead", MILLPOSE_AT(lead),
+          ChoiceOf<LeadShape>({{"none", LeadShape::kNone},
+                               {"normal", LeadShape::kNormal},
+                               {"ramp", LeadShape::kRamp},
+                               {"arc", LeadShape::kArc},
+                               {"along", LeadShape::kAlong}}),
+          "How passes are entered and left; along: entered to and fro along the pass itself, ever deeper."),
       Key<S>("lead_length_mm", MILLPOSE_AT(lead_length), Real(kMm, Positive(1000)),
-             "Length of the lead; of an arc its radius."),
+             "Length of the lead; of an arc its radius, of along its height."),
       Key<S>("ramp_deg", MILLPOSE_AT(ramp_angle), Real(kDeg, Between(0.1, 89)),
-             "Angle of a ramp with the surface."),
+             "Angle of a ramp, and of along, with the surface."),
   });
 }
 

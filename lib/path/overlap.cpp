@@ -54,6 +54,8 @@ std::vector<SplitPoint> LeadBeyond(const SplitPoint& end, int step, const PassEn
   if (ends.lead == LeadShape::kNone) return {};
   PassEnds lead = ends;
   lead.overrun = 0;
+  // What is repeated here has been cut: nothing is left to ramp into.
+  if (lead.lead == LeadShape::kAlong) lead.lead = LeadShape::kNormal;
   Toolpath path;
   path.passes.push_back(Pass{{end.point}, false, Eigen::Vector3d::UnitZ()});
   AddPassEnds(lead, spacing, path);

@@ -71,6 +71,7 @@ CalibratedPart CalibratePart(const CalibrateArguments& arguments) {
   const PlanResult plan = ParsePlanResult(arguments.root.Read(plan_file), plan_file.string());
   std::optional<std::filesystem::path> origin;
   if (arguments.job) origin = std::filesystem::absolute(*arguments.job).parent_path();
+  RefuseSeveral(arguments.plan);
   const JobInputs inputs = LoadJobInputs(arguments.plan / "job.yaml", {}, origin, arguments.root);
   const std::vector<FacePlace> face = FaceOf(plan, inputs);
   if (face.empty())

@@ -55,8 +55,9 @@ std::vector<Problem> CheckControllers(const CellSettings& cell) {
   return problems;
 }
 
-// The largest depth of cut that a job asks for must be one that the cutter has edges for.
-void CheckDepth(const JobInputs& inputs, std::vector<Problem>& problems) {
+// The largest depth of cut that a job asks for must be one that the cutter has edges for, its ramps such as
+// the cutter can go down.
+void CheckCutter(const JobInputs& inputs, std::vector<Problem>& problems) {
   const JobSettings& job = inputs.job;
   const double length = inputs.cell.tool.cutting_length;
   const auto check = [&](const char* key, double depth) {
@@ -67,6 +68,13 @@ void CheckDepth(const JobInputs& inputs, std::vector<Problem>& problems) {
                        "{:.6g}, above which the cutter does not cut",
                        key, depth, inputs.cell.name, length)});
   };
+  const PassEnds& ends = job.toolpath.ends;
+  const double steepest = inputs.cell.tool.max_ramp;
+  if (ends.lead == LeadShape::kAlong && ends.ramp_angle > steepest + 1e-12)
+    problems.push_back({{job.file},
+                        fmt::format("toolpath.ends.ramp_deg: given {:.6g}; allowed: at most "
+                                    "tool.cutter.max_ramp_deg of cell {}, {:.6g}",
+                                    RadToDeg(ends.ramp_angle), inputs.cell.name, RadToDeg(steepest))});
   if (job.cutting) check("process.cutting.depth_mm", job.cutting->depth.value_or(0));
   check("toolpath.depth.per_layer_mm", std::min(job.toolpath.layers.total, job.toolpath.layers.per_layer));
 }
@@ -103,11 +111,13 @@ CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::stri
 }
 
 JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector<Override>& overrides,
-                        const std::optional<std::filesystem::path>& origin, const FileRoot& root) {
+                        const std::optional<std::filesystem::path>& origin, const FileRoot& root,
+                        std::optional<size_t> operation) {
   JobInputs inputs;
   inputs.job_file = job_file;
   inputs.job_text = root.Read(job_file);
-  inputs.job = ParseJob(inputs.job_text, job_file.string(), overrides);
+  inputs.operation = operation;
+  inputs.job = ParseJob(inputs.job_text, job_file.string(), overrides, operation);
   inputs.folder = origin ? *origin : OriginOf(job_file, inputs.job.cell_file, root);
   const std::filesystem::path& folder = inputs.folder;
   std::vector<Problem> problems;
@@ -121,9 +131,9 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
     Collect(problems, [&] { inputs.force_bytes = root.Read(folder / inputs.job.force_file); });
   if (const std::string file = inputs.job.toolpath.strategy->File(); !file.empty())
     Collect(problems, [&] { inputs.path_bytes = root.Read(folder / file); });
-  if (problems.empty()) CheckDepth(inputs, problems);
+  if (problems.empty()) CheckCutter(inputs, problems);
   if (problems.empty()) problems = CheckCompensation(inputs.job, inputs.cell);
-  if (!problems.empty()) throw Located(InputError(std::move(problems)), inputs.job.file, inputs.job_text);
+  if (!problems.empty()) throw Located(InputError(std::move(problems)), inputs);
   inputs.hash = HashOf(inputs);
   return inputs;
 }

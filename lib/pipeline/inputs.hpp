@@ -14,8 +14,9 @@ namespace millpose {
 /// Everything that a job names, read into memory: from here on nothing else is opened for reading.
 struct JobInputs {
   std::filesystem::path job_file;
-  std::filesystem::path folder;  ///< what the paths inside the job are relative to
-  std::string job_text;          ///< of the job file, for the places of later errors
+  std::filesystem::path folder;          ///< what the paths inside the job are relative to
+  std::string job_text;                  ///< of the job file, for the places of later errors
+  std::optional<size_t> operation = {};  ///< which one of the file's, where it has several
   JobSettings job;
   CellSettings cell;
   std::string workpiece_bytes;  ///< of the workpiece's mesh file
@@ -35,8 +36,10 @@ struct JobInputs {
 /// with the problems of job and cell together. `overrides` replace settings of the job file.
 /// The resolved job.yaml of an output folder keeps the paths of the job that was planned; they count from
 /// that job's folder, or from `folder` when it is given. Nothing outside of `root` is opened.
+/// `operation`: which one, of a job with several.
 JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector<Override>& overrides = {},
-                        const std::optional<std::filesystem::path>& folder = {}, const FileRoot& root = {});
+                        const std::optional<std::filesystem::path>& folder = {}, const FileRoot& root = {},
+                        std::optional<size_t> operation = {});
 
 /// The hash of all inputs as they stand.
 std::string HashOf(const JobInputs& inputs);

@@ -2,6 +2,7 @@
 #include "pipeline/locate.hpp"
 
 #include "base/text.hpp"
+#include "config/operations.hpp"
 #include "yaml/value.hpp"
 
 namespace millpose {
@@ -54,10 +55,12 @@ yaml::Mark MarkOf(const yaml::Value& root, std::string_view path) {
 
 }  // namespace
 
-InputError Located(const InputError& error, const std::string& job_file, const std::string& job_text) {
+InputError Located(const InputError& error, const JobInputs& inputs) {
+  const std::string& job_file = inputs.job.file;
   yaml::Value root;
   try {
-    root = yaml::ReadYaml(job_text, job_file);
+    root = yaml::ReadYaml(inputs.job_text, job_file);
+    if (inputs.operation && root.Find("operations")) root = config::OperationRoot(root, *inputs.operation);
   } catch (const InputError&) {
     return error;
   }

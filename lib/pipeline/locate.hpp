@@ -9,7 +9,7 @@ namespace millpose {
 /// The same error with places: a problem that names a key of the job ("toolpath.drill.depth_mm: …") and no
 /// place, or the job file alone, gets the line and column of that key, or of the nearest section above it
 /// that the file has. What an override gave keeps the file alone.
-InputError Located(const InputError& error, const std::string& job_file, const std::string& job_text);
+InputError Located(const InputError& error, const JobInputs& inputs);
 
 /// Runs `step`, whose errors are located in the job.
 template <class Step>
@@ -17,7 +17,7 @@ auto WithPlaces(const JobInputs& inputs, Step step) {
   try {
     return step();
   } catch (const InputError& error) {
-    throw Located(error, inputs.job.file, inputs.job_text);
+    throw Located(error, inputs);
   }
 }
 

@@ -55,6 +55,8 @@ CutterShape MakeCutterShape(const ToolSettings& tool) {
 ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& tool) {
   ToolpathOptions options = job.toolpath;
   options.cutter = MakeCutterShape(tool);
+  options.centre_cutting = tool.centre_cutting;
+  options.max_ramp = tool.max_ramp;
   options.feed_rate = job.feed;
   options.plunge_feed = job.plunge_feed.value_or(0);
   options.retract_feed = job.retract_feed;

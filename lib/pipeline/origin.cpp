@@ -56,7 +56,10 @@ RunFigures::JobFolder KeepOrigin(const fs::path& job_folder, const fs::path& out
 RunFigures::JobFile JobFileFor(const fs::path& file, const std::string& name, const fs::path& out) {
   const fs::path own = fs::weakly_canonical(file), folder = fs::weakly_canonical(out);
   const std::optional<RunFigures::JobFile> earlier = PlannedThere(out);
-  const bool resolved = own.parent_path() == folder;
+  // Also the resolved job of several operations, of which the folder holds one.
+  const bool one_of_several = folder.parent_path().filename() == kOperationsFolder;
+  const bool resolved = own.parent_path() == folder ||
+                        (one_of_several && own.parent_path() == folder.parent_path().parent_path());
   if (earlier && resolved) return {name, earlier->file};
   if (earlier && earlier->name == name) {
     const fs::path other = fs::weakly_canonical(folder / earlier->file);

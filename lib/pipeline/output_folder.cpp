@@ -59,7 +59,9 @@ std::vector<std::string> NamesOfSet(const fs::path& folder) {
   }
   for (const fs::path& entry : EntriesOf(folder)) {
     const std::string name = entry.filename().string();
-    if (name != kMark && name != kCheckpoints && !IsOfLock(name) && !IsOfSwap(name)) names.insert(name);
+    if (name != kMark && name != kCheckpoints && name != kOperationsFolder && !IsOfLock(name) &&
+        !IsOfSwap(name))
+      names.insert(name);
   }
   return {names.begin(), names.end()};
 }
@@ -67,6 +69,15 @@ std::vector<std::string> NamesOfSet(const fs::path& folder) {
 }  // namespace
 
 bool IsOutputFolder(const fs::path& folder) { return Exists(folder / kMark); }
+
+void RefuseSeveral(const fs::path& folder) {
+  if (!Exists(folder / kOperationsFolder)) return;
+  std::vector<std::string> own;
+  for (const fs::path& entry : EntriesOf(folder / kOperationsFolder)) own.push_back(entry.string());
+  std::ranges::sort(own);
+  throw InputError({folder.string()}, fmt::format("holds several operations; allowed: the folder of one: {}",
+                                                  fmt::join(own, ", ")));
+}
 
 void MendOutputFolder(const fs::path& folder) {
   if (IsOutputFolder(folder) && IsSwapOpen(folder)) OutputFolder(folder, FolderUse::kResults);

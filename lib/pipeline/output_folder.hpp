@@ -10,8 +10,14 @@
 
 namespace millpose {
 
+/// In the output folder of a job with several operations: the output folders of these.
+inline constexpr const char* kOperationsFolder = "operations";
+
 /// Whether `folder` was written by millpose.
 bool IsOutputFolder(const std::filesystem::path& folder);
+
+/// Throws InputError for the output folder of a job with several operations, naming those of these.
+void RefuseSeveral(const std::filesystem::path& folder);
 
 /// Finishes what a run that was ended while it put its results in place had begun, where there is any.
 /// Throws InputError where that cannot be done, or another run works there.

@@ -90,9 +90,14 @@ class Resolver {
       }
     }
     if (X_FE.isApprox(identity, 0)) return;
-    cell_.tool.tip = X_FE * cell_.tool.tip;
-    cell_.tool.axis = (X_FE.linear() * cell_.tool.axis).normalized();
-    cell_.tool.x = (X_FE.linear() * cell_.tool.x).normalized();
+    const auto move = [&](ToolSettings& tool) {
+      tool.tip = X_FE * tool.tip;
+      tool.axis = (X_FE.linear() * tool.axis).normalized();
+      tool.x = (X_FE.linear() * tool.x).normalized();
+      for (ComplianceSettings& c : tool.compliances) c.pose = ToSettings(from_flange(MakePose(c.pose)));
+    };
+    move(cell_.tool);
+    std::ranges::for_each(cell_.tools, move);
     for (BodySettings& body : cell_.bodies) {
       if (body.mount == MountSettings{Mount::kLink, 6})
         body.pose = ToSettings(from_flange(MakePose(body.pose)));

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/run.hpp"
 
-#include "base/process.hpp"
-#include "base/text.hpp"
 #include "config/config.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/audit.hpp"
 #include "pipeline/axis_map.hpp"
 #include "pipeline/judge_optima.hpp"
 #include "pipeline/nearest_pairs.hpp"
-#include "pipeline/origin.hpp"
 #include "pipeline/output_folder.hpp"
 #include "pipeline/plan_timeline.hpp"
+#include "pipeline/run_record.hpp"
 #include "pipeline/sample_curves.hpp"
 #include "pipeline/stages.hpp"
 #include "pipeline/step_meshes.hpp"
@@ -23,60 +21,17 @@ namespace {
 
 constexpr size_t kMostCurves = 3000;  // points whose choice of pose report.html shows
 
-std::filesystem::path FolderOf(const std::filesystem::path& job) {
-  return job.has_parent_path() ? job.parent_path() : ".";
-}
-
 JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
   // The job may be the resolved one of a folder that a killed run left between two plans.
   MendOutputFolder(FolderOf(arguments.job));
   stages.Begin("read", 0);
-  std::vector<Override> overrides = arguments.overrides;
-  if (arguments.seed) overrides.push_back({"seed", std::to_string(*arguments.seed)});
-  JobInputs inputs = LoadJobInputs(arguments.job, overrides, {}, arguments.root);
+  JobInputs inputs =
+      LoadJobInputs(arguments.job, OverridesOf(arguments), {}, arguments.root, arguments.operation);
   inputs.max_points = arguments.max_points;
   inputs.trajectory = arguments.trajectory;
   CheckPrograms(inputs);
   stages.End(fmt::format("job {}, cell {}", inputs.job.name, inputs.cell.name));
   return inputs;
-}
-
-// Beside the job; the resolved job of an output folder is planned there again.
-std::filesystem::path DefaultFolder(const std::filesystem::path& job, const std::string& name) {
-  const std::filesystem::path folder = FolderOf(job);
-  return IsOutputFolder(folder) ? folder : folder / (name + ".out");
-}
-
-// What results depend on beside the inputs.
-std::string AskedFor(const PlanArguments& arguments) {
-  std::string asked = "max-points " + ShortestNumber(arguments.max_points);
-  if (arguments.audit) asked += " audit";
-  if (arguments.full_axis_map) asked += " axis-map full";
-  if (arguments.trajectory) asked += " trajectory " + ShortestNumber(*arguments.trajectory);
-  return asked;
-}
-
-// What run.json says of a run before it begins.
-RunFigures BeginRun(const PlanArguments& arguments, const JobInputs& inputs, const OutputFolder& folder) {
-  RunFigures run;
-  run.asked = AskedFor(arguments);
-  run.job_folder = KeepOrigin(inputs.folder, folder.path());
-  run.job = JobFileFor(arguments.job, inputs.job.name, folder.path());
-  return run;
-}
-
-// And when it has ended, but for what it took from checkpoints.
-RunFigures EndRun(const RunFigures& begun, const Stages& stages, int threads) {
-  RunFigures run = MeasureRun(threads, MILLPOSE_VERSION);
-  run.program_id = ProgramId();
-  run.asked = begun.asked;
-  run.job_folder = begun.job_folder;
-  run.job = begun.job;
-  for (const StageTime& stage : stages.times()) {
-    run.stages.push_back({stage.name, stage.seconds});
-    run.wall_s += stage.seconds;
-  }
-  return run;
 }
 
 bool IsComplete(const PlanResult& plan, const ReportInputs& report) {
@@ -126,7 +81,7 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   const std::filesystem::path out = arguments.out.value_or(DefaultFolder(arguments.job, inputs.job.name));
   if (!arguments.out) arguments.root.CheckFolder(out);
   const OutputFolder folder(out, arguments.share ? FolderUse::kCheckpoints : FolderUse::kResults);
-  const RunFigures begun = BeginRun(arguments, inputs, folder);
+  const RunFigures begun = BeginRun(arguments, inputs.job.name, inputs.folder, folder);
   if (arguments.fresh && !arguments.share) folder.RemoveCheckpoints();
   const FolderCheckpoints checkpoints(folder, !arguments.fresh);
   const std::string lock_warning = folder.warning().empty() ? "" : "warning    " + folder.warning() + '\n';

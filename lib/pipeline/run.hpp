@@ -26,6 +26,7 @@ struct PlanArguments {
   bool fresh = false;                        ///< ignore checkpoints
   std::optional<double> trajectory;          ///< s between the rows of trajectory-<controller>.csv
   FileRoot root;                             ///< that all files must lie in; with it also a folder by default
+  std::optional<size_t> operation;           ///< which one, of a job with several
   std::optional<Share> share;                ///< plan only these passes, leave them as checkpoints, and end
 };
 

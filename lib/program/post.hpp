@@ -51,6 +51,18 @@ struct FrameTexts {
   std::vector<std::pair<std::string, std::string>> more;  ///< key, value
 };
 
+/// How a controller's main program calls others; {name} is the program's. What the last line of `head` and
+/// `tail` is stands in every program of the controller.
+struct CallingSyntax {
+  size_t longest = 24, letters = 1;                ///< of names, see LegalName()
+  std::string ending = {};                         ///< of main programs
+  std::string head = {}, call = {}, tail = {};     ///< each line with its end
+  std::map<std::string, std::string> beside = {};  ///< further files of a main program, by ending
+  std::string called_ending = {};                  ///< of a program that is called
+  std::string called_head = {}, called_tail = {};  ///< round its text, in place of `tail`
+  bool called_lower = false;                       ///< its name is in lower case
+};
+
 /// The files of one program by name, e.g. {"cabin_panel.src", …}.
 using ProgramFiles = std::map<std::string, std::string>;
 
@@ -98,6 +110,9 @@ class Post {
   /// Lines behind the change of tool that let nothing go on before the controller says that the right one is
   /// in the spindle; empty where it cannot tell.
   virtual std::string ToolCheck(const PostSettings&) const { return {}; }
+
+  /// How a main program calls others.
+  virtual CallingSyntax Calling() const = 0;
 
   /// Precondition: every motion has its q, or is a joint motion with status and turn (as read).
   virtual ProgramFiles Write(const MotionProgram& program, const Arm& arm,

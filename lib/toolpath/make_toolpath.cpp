@@ -271,7 +271,8 @@ Toolpath LayPasses(const SurfaceStrategy& strategy, const Mesh& mesh, ToolpathOp
   TellWhatIsBelow(toolpath);
   const bool upright = options.tool_axis.rule == AxisRule::kNormal && options.lead == 0 && options.tilt == 0;
   if (!upright) MoveToTip(options.cutter, toolpath);
-  AddPassEnds(options.ends, options.spacing, toolpath);
+  AddPassEnds(options.ends, options.spacing, toolpath,
+              options.centre_cutting ? 0 : 2 * options.cutter.radius);
   return toolpath;
 }
 

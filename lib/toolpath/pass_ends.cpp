@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/pass_ends.hpp"
 
+#include "base/error.hpp"
 #include "base/trig.hpp"
 
 namespace millpose {
@@ -53,6 +54,52 @@ void CountArcLength(Pass& pass) {
         pass.points[i - 1].arc_length + (pass.points[i].position - pass.points[i - 1].position).norm();
 }
 
+// Whatever there is of `points` at arc length s from their first, raised by `height` along the normal and run
+// through forwards or back.
+MillingPoint Raised(const std::vector<MillingPoint>& points, const std::vector<double>& arcs, double s,
+                    double height, bool forwards) {
+  const size_t next = std::clamp<size_t>(
+      static_cast<size_t>(std::ranges::upper_bound(arcs, s) - arcs.begin()), 1, points.size() - 1);
+  const double length = arcs[next] - arcs[next - 1], share = length > 0 ? (s - arcs[next - 1]) / length : 0;
+  const MillingPoint &a = points[next - 1], &b = points[next];
+  MillingPoint point = share < 0.5 ? a : b;
+  const auto between = [share](const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
+    return Eigen::Vector3d((1 - share) * u + share * v);
+  };
+  point.normal = between(a.normal, b.normal).normalized();
+  point.tool_axis = between(a.tool_axis, b.tool_axis).normalized();
+  point.feed = between(a.feed, b.feed);
+  point.feed = (point.feed - point.feed.dot(point.normal) * point.normal).normalized();
+  if (!forwards) point.feed = -point.feed;
+  point.position = between(a.position, b.position) + height * point.normal;
+  point.kind = PointKind::kLeadIn;
+  return point;
+}
+
+// From `height` above the first point down to it, to and fro along the points.
+std::vector<MillingPoint> AlongIn(const std::vector<MillingPoint>& points, const PassEnds& ends) {
+  std::vector<double> arcs{0};
+  for (size_t i = 1; i < points.size(); ++i)
+    arcs.push_back(arcs.back() + (points[i].position - points[i - 1].position).norm());
+  const double whole = arcs.back();
+  const SineCosine ramp = SinCos(ends.ramp_angle);
+  const double slope = ramp.sin / ramp.cos, run = ends.lead_length / slope;
+  // What is left to run, at every point of the pass that is met on the way.
+  std::vector<double> left{run};
+  for (int leg = static_cast<int>(std::floor(run / whole)); leg >= 0; --leg)
+    for (size_t i = arcs.size(); i-- > 0;) {
+      const double at = leg * whole + (leg % 2 == 0 ? arcs[i] : whole - arcs[arcs.size() - 1 - i]);
+      if (at > 0 && at < left.back() - 1e-9) left.push_back(at);
+    }
+  std::vector<MillingPoint> way;
+  for (const double d : left) {
+    const int leg = static_cast<int>(std::floor(d / whole - 1e-12));
+    const double on = d - leg * whole;
+    way.push_back(Raised(points, arcs, leg % 2 == 0 ? on : whole - on, d * slope, leg % 2 != 0));
+  }
+  return way;
+}
+
 // Goes round to the start and on over it by at least `overlap` (mm).
 void Open(double overlap, Pass& pass) {
   const size_t count = pass.points.size();
@@ -69,7 +116,47 @@ void Open(double overlap, Pass& pass) {
 
 }  // namespace
 
-void AddPassEnds(const PassEnds& ends, double spacing, Toolpath& toolpath) {
+namespace {
+
+void AddAlong(const PassEnds& ends, double spacing, double least, Toolpath& toolpath) {
+  PassEnds straight = ends, up = ends;
+  straight.lead = LeadShape::kNone;
+  up.lead = LeadShape::kNormal;
+  const std::vector<Eigen::Vector2d> before = LeadWay(straight, spacing);
+  for (size_t i = 0; i < toolpath.passes.size(); ++i) {
+    Pass& pass = toolpath.passes[i];
+    if (pass.points.empty()) continue;
+    up.overrun = pass.closed ? 0 : ends.overrun;
+    if (pass.closed) Open(ends.overrun, pass);
+    pass.opening = RingOpening::kNone;
+    pass.reversible = false;
+    const std::vector<MillingPoint> out =
+        Lead(pass.points.back(), LeadWay(up, spacing), 1, PointKind::kLeadOut);
+    if (up.overrun > 0) {
+      std::vector<MillingPoint> first = Lead(pass.points.front(), before, -1, PointKind::kLeadIn);
+      std::ranges::reverse(first);
+      pass.points.insert(pass.points.begin(), first.begin(), first.end());
+    }
+    CountArcLength(pass);
+    const double length = pass.points.back().arc_length;
+    if (pass.points.size() < 2 || length < least)
+      throw InputError(
+          {}, fmt::format("toolpath.ends.lead: along needs passes of at least the cutter's diameter, "
+                          "{:.6g} mm, or a core would be left standing; pass {} is {:.3f} mm long: "
+                          "give overrun_mm, another region, or a cutter with centre_cutting",
+                          least, i, length));
+    std::vector<MillingPoint> in = AlongIn(pass.points, ends);
+    in.insert(in.end(), pass.points.begin(), pass.points.end());
+    in.insert(in.end(), out.begin(), out.end());
+    pass.points = std::move(in);
+    CountArcLength(pass);
+  }
+}
+
+}  // namespace
+
+void AddPassEnds(const PassEnds& ends, double spacing, Toolpath& toolpath, double least_along) {
+  if (ends.lead == LeadShape::kAlong) return AddAlong(ends, spacing, least_along, toolpath);
   const std::vector<Eigen::Vector2d> way = LeadWay(ends, spacing);
   PassEnds after_overlap = ends;
   after_overlap.overrun = 0;

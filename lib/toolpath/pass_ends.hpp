@@ -11,6 +11,7 @@ enum class LeadShape : uint8_t {
   kNormal,  ///< straight down along the normal
   kRamp,    ///< straight, forwards and down under an angle
   kArc,     ///< a quarter circle in the plane of feed and normal, tangent to the pass
+  kAlong,   ///< in: to and fro along the pass itself, ever deeper; out: straight up along the normal
 };
 
 /// What is added at the ends of each pass; mm, rad. With a lead, a closed pass is opened where it starts: it
@@ -18,14 +19,16 @@ enum class LeadShape : uint8_t {
 struct PassEnds {
   double overrun = 0;  ///< straight on beyond both ends, so that the cutter leaves the material
   LeadShape lead = LeadShape::kNone;
-  double lead_length = 10;           ///< normal and ramp: its length; arc: its radius
-  double ramp_angle = DegToRad(15);  ///< ramp: against the tangent plane
+  double lead_length = 10;           ///< normal and ramp: its length; arc: its radius; along: its height
+  double ramp_angle = DegToRad(15);  ///< ramp and along: against the tangent plane
 };
 
 /// Adds overrun and leads to both ends of the passes, as points of kind kLeadIn and kLeadOut that keep
 /// normal, tool axis and feed rate of the end they belong to; `spacing` (mm) is the largest distance of the
-/// new points. Arc lengths count from the new start.
-void AddPassEnds(const PassEnds& ends, double spacing, Toolpath& toolpath);
+/// new points. Arc lengths count from the new start. A pass that is entered along itself cannot be turned
+/// round any more, and a closed one is opened where it begins. Throws InputError for one that is shorter than
+/// `least_along` (mm): a cutter that does not cut over its centre would leave a core standing.
+void AddPassEnds(const PassEnds& ends, double spacing, Toolpath& toolpath, double least_along = 0);
 
 /// Depth of cut: the tool path is repeated at offsets along the normals.
 struct Layers {

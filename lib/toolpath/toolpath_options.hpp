@@ -41,6 +41,8 @@ struct ToolpathOptions {
   Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();  ///< copied to each pass; unit vector
   /// Moves positions from the contact to the tip where the axis leans; scallops and pads need it too.
   CutterShape cutter;
+  bool centre_cutting = true;      ///< the cutter may go straight down into material
+  double max_ramp = DegToRad(90);  ///< rad, of a ramp or helix by which it may enter material
   Layers layers;
   PassEnds ends;
   double feed_rate = 0;     ///< copied to each point

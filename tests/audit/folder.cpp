@@ -219,14 +219,23 @@ void ReadSprings(const YAML::Node& compliances, Setup* setup) {
   }
 }
 
-void ReadCell(const YAML::Node& cell, const fs::path& folder, const YAML::Node& workpiece, Setup* setup) {
+/// The cell's only tool, or the one of several that the job takes.
+YAML::Node ToolOf(const YAML::Node& cell, const YAML::Node& job) {
+  if (cell["tool"]) return cell["tool"];
+  for (const YAML::Node& tool : cell["tools"])
+    if (tool["name"].as<std::string>() == job["tool"].as<std::string>()) return tool;
+  throw std::runtime_error("the cell does not have the job's tool");
+}
+
+void ReadCell(const YAML::Node& cell, const fs::path& folder, const YAML::Node& job, Setup* setup) {
+  const YAML::Node workpiece = job["workpiece"], tool = ToolOf(cell, job);
   ReadArm(cell["arm"], setup);
   setup->X_WB = PoseOf(cell["base_in_world"]);
   setup->X_WP = PoseOf(workpiece["pose"]);
   if (workpiece["frame"] && workpiece["frame"].as<std::string>() == "robot_base")
     setup->X_WP = setup->X_WB * setup->X_WP;
   setup->home = Six(cell["home_deg"], kDegree);
-  ReadTool(cell["tool"], setup);
+  ReadTool(tool, setup);
   ReadBodies(cell["bodies"], folder, setup);
   for (const auto& pair : cell["excluded_pairs"])
     setup->excluded_pairs.emplace_back(pair[0].as<std::string>(), pair[1].as<std::string>());
@@ -239,6 +248,7 @@ void ReadCell(const YAML::Node& cell, const fs::path& folder, const YAML::Node& 
   }
   setup->stiffness_at_flange = stiffness && stiffness["at"] && stiffness["at"].as<std::string>() == "flange";
   if (stiffness && stiffness["compliances"]) ReadSprings(stiffness["compliances"], setup);
+  if (tool["compliances"]) ReadSprings(tool["compliances"], setup);
   ReadControllers(cell["controllers"], setup);
 }
 
@@ -259,12 +269,12 @@ Setup ReadSetup(const std::string& job_text, const std::vector<fs::path>& starts
   const YAML::Node urdf = stated["arm"]["urdf"];
   if (urdf && resolved.empty())
     throw std::runtime_error("a cell with a URDF is judged from its cell.yaml only");
-  ReadCell(urdf ? YAML::Load(resolved) : stated, cell_path.parent_path(), job["workpiece"], &setup);
+  ReadCell(urdf ? YAML::Load(resolved) : stated, cell_path.parent_path(), job, &setup);
   if (urdf) {
     setup.urdf = ReadUrdf(ReadFile(cell_path.parent_path() / urdf["file"].as<std::string>()),
                           urdf["base_link"].as<std::string>(), urdf["flange_link"].as<std::string>());
     setup.urdf->X_WS = PoseOf(stated["base_in_world"]);
-    setup.urdf->X_ET = ToolInFlange(stated["tool"]);
+    setup.urdf->X_ET = ToolInFlange(ToolOf(stated, job));
   }
   ReadJob(job, &setup);
   Body workpiece;

@@ -117,6 +117,48 @@ class Shop(InFolder):
         self.assertGreater(sum(x for x, _ in down), 5, "from over the skin to the first round's depth")
         self.assertLess(max(x / way for x, way in down), math.tan(math.radians(5)) * 1.05 + 0.1, "the axis leans by the skin's slope")
 
+    def test_a_cutter_goes_down_only_as_it_says_it_can(self):
+        text = quick_trim().replace(str(CELL), "cell.yaml")
+        one = CELL.read_text()
+        for cell, change, said in (
+            (one, ("ramp_deg: 3", "ramp_deg: 4"), r"job\.yaml:\d+:\d+: toolpath\.trim\.ramp_deg: given 4; allowed: at most tool\.cutter\.max_ramp_deg, 3"),
+            (one.replace("cutting_length_mm: 40}", "cutting_length_mm: 40, max_ramp_deg: 4}"), ("ramp_deg: 3", "ramp_deg: 4"), None),
+            (one, ("ramp_deg: 3", "ramp_deg: 3\n    entry: plunge"), r"toolpath\.trim\.entry: given plunge, but the tool says nothing of centre_cutting"),
+            (one.replace("cutting_length_mm: 40}", "cutting_length_mm: 40, centre_cutting: true}"),
+             ("ramp_deg: 3", "ramp_deg: 3\n    entry: plunge"), None),
+        ):
+            with self.subTest(said or "allowed"):
+                (self.folder / "cell.yaml").write_text(cell)
+                told = self.plan(text.replace(*change))
+                self.assertEqual(told.returncode, 2 if said else 0, told.stdout + told.stderr)
+                self.assertRegex(told.stderr, said or "^$")
+
+    def test_passes_are_entered_along_themselves(self):
+        pad = (TOP / "toolpaths" / "support_pad" / "job.yaml").read_text().replace("../../cells", str(TOP / "cells"))
+        pad = pad.replace("support_pad.stl", str(TOP / "toolpaths" / "support_pad" / "support_pad.stl"))
+        pad = pad.replace("stepover_mm: 8", "stepover_mm: 27\n  ends: {lead: along, lead_length_mm: 1.5, ramp_deg: 3}").replace("spacing_mm: 4", "spacing_mm: 10")
+        planned = self.plan(pad)
+        self.assertEqual(planned.returncode, 0, planned.stdout + planned.stderr)
+        points = self.points()
+        self.assertEqual({row["status"] for row in points}, {"planned"})
+        passes = {}
+        for row in points:
+            passes.setdefault(row["pass"], []).append(row)
+        for rows in passes.values():
+            down = [row for row in rows if row["kind"] == "lead-in"] + [next(row for row in rows if row["kind"] == "cut")]
+            self.assertGreater(len(down), 2)
+            place = [[float(row[c]) for c in ("x_mm", "y_mm", "z_mm", "nx", "ny", "nz")] for row in down]
+            for a, b in zip(place, place[1:]):
+                step = [q - p for p, q in zip(a[:3], b[:3])]
+                drop = -sum(s * n for s, n in zip(step, a[3:]))
+                across = math.sqrt(max(0, sum(s * s for s in step) - drop * drop))
+                self.assertLessEqual(drop, across * math.tan(math.radians(3)) + 1e-9, "never straight down")
+        verified = run("verify", self.folder / "out", "--cell", CELL)
+        self.assertEqual(verified.returncode, 0, verified.stdout)
+        steep = self.plan(pad.replace("ramp_deg: 3", "ramp_deg: 5"), "steep")
+        self.assertEqual(steep.returncode, 2)
+        self.assertRegex(steep.stderr, r"job\.yaml:\d+:\d+: toolpath\.ends\.ramp_deg: given 5; allowed: at most tool\.cutter\.max_ramp_deg of cell kr500_r2830, 3")
+
     def test_the_overcut_keeps_off_fixtures(self):
         """A clamp 17 mm behind the skin, at the window's edge; the cell wants 10 mm."""
         clamp = ("  - {name: clamp, class: fixture, mount: base, shape: {box: {size_mm: [20, 60, 60]}}, pose: "
@@ -124,7 +166,9 @@ class Shop(InFolder):
         (self.folder / "cell.yaml").write_text(re.sub(r"(?m)^bodies:\n", "bodies:\n" + clamp, CELL.read_text()))
         text = quick_trim().replace(str(CELL), "cell.yaml")
         self.assertEqual(self.plan(text).returncode, 0)
-        deep = self.plan(text.replace("overcut_mm: 1", "overcut_mm: 12").replace("ramp_deg: 5", "ramp_deg: 30"), "deep")
+        cell = (self.folder / "cell.yaml").read_text().replace("cutting_length_mm: 40}", "cutting_length_mm: 40, max_ramp_deg: 30}")
+        (self.folder / "cell.yaml").write_text(cell)
+        deep = self.plan(text.replace("overcut_mm: 1", "overcut_mm: 12").replace("ramp_deg: 3", "ramp_deg: 30"), "deep")
         self.assertEqual(deep.returncode, 1, deep.stdout + deep.stderr)
         summary = json.loads((self.folder / "deep" / "summary.json").read_text())
         self.assertEqual(summary["points"]["planned"], 0, "half a contour is none")

@@ -139,7 +139,8 @@ const Slip kJobSlips[] = {
     {"stepover_mm: 8", "stepover_mm: {mm: 8}", 12, 16, "toolpath.stepover_mm: given a map; allowed: number"},
     {"stepover_mm: 8", "stepover_mm:", 12, 3, "toolpath.stepover_mm: given nothing; allowed: number"},
     {"  stepover_mm: 8\n", "", 9, 3, "toolpath.stepover_mm: missing; required: number 0.001…10000, mm"},
-    {"process:\n  feed_mm_min: 80\n  spindle_rpm: 7000\n", "", 1, 1, "process: missing; required: map"},
+    {"process:\n  feed_mm_min: 80\n  spindle_rpm: 7000\n", "", 1, 1,
+     "process: missing; required without operations: map"},
     {"  strategy: parallel_planes", "  strategy: paralel_planes", 9, 13,
      "toolpath.strategy: given paralel_planes; allowed: one of parallel_planes, rings, pad, contours, curve, "
      "cam, drill, trim; "

@@ -27,6 +27,7 @@ class PlainPost final : public Post {
   double UsualCycle() const override { return 0.002; }
   ProgramFiles Write(const MotionProgram&, const Arm&, const PostSettings&) const override { return {}; }
   MotionProgram Read(const ProgramFiles&, const Arm&, const PostSettings&) const override { return {}; }
+  CallingSyntax Calling() const override { return {.ending = ".txt", .call = "{name}\n"}; }
   std::vector<Problem> CheckTexts(const Arm&, const PostSettings&) const override { return {}; }
 
  private:

@@ -14,7 +14,10 @@ const std::string kJob =
     "  spacing_mm: 4\n";
 
 std::string Placed(const Place& place, const std::string& message) {
-  return Located(InputError(place, message), "job.yaml", kJob).what();
+  JobInputs inputs;
+  inputs.job.file = "job.yaml";
+  inputs.job_text = kJob;
+  return Located(InputError(place, message), inputs).what();
 }
 
 TEST(Located, AKeyGetsItsLineAndColumn) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/pass_ends.hpp"
 
+#include "base/error.hpp"
+
 namespace millpose {
 namespace {
 
@@ -75,6 +77,70 @@ TEST(PassEnds, ClosedPassesAreOpenedForALeadAlone) {
   EXPECT_EQ(pass.points[8].position, Eigen::Vector3d(20, 0, 0));
   EXPECT_EQ(pass.points[9].position, Eigen::Vector3d(20, 0, 8));
   EXPECT_EQ(pass.points[9].kind, PointKind::kLeadOut);
+}
+
+/// Height of a point above the line y = z = 0, and how far it lies from there sideways.
+void ExpectRampAlong(const Pass& pass, double height, double angle, double first) {
+  ASSERT_EQ(pass.points.front().kind, PointKind::kLeadIn);
+  EXPECT_NEAR(pass.points.front().position.z(), height, 1e-9);
+  size_t i = 1;
+  for (; pass.points[i].kind == PointKind::kLeadIn; ++i) {
+    const Eigen::Vector3d step = pass.points[i].position - pass.points[i - 1].position;
+    EXPECT_NEAR(-step.z(), std::tan(angle) * std::abs(step.x()), 1e-9) << i;  // never straight down
+    EXPECT_GT(std::abs(step.x()), 0);
+    EXPECT_EQ(pass.points[i].position.y(), 0);
+    EXPECT_GE(pass.points[i].position.x(), first);
+    EXPECT_LE(pass.points[i].position.x(), 40);
+    // It looks the way it runs, but for where it turns.
+    if (pass.points[i].position.x() > first && pass.points[i].position.x() < 40) {
+      EXPECT_GT(pass.points[i].feed.dot(step), 0) << i;
+    }
+  }
+  // Down where the pass begins, and from there all of it once more.
+  const Eigen::Vector3d last = pass.points[i - 1].position - pass.points[i].position;
+  EXPECT_NEAR(last.z(), std::tan(angle) * std::abs(last.x()), 1e-9);
+  EXPECT_EQ(pass.points[i].kind, PointKind::kCut);
+  EXPECT_NEAR(pass.points[i].position.z(), 0, 1e-12);
+}
+
+TEST(PassEnds, AlongThePassItselfTheCutterGoesDownByARamp) {
+  for (const double height : {0.5, 1.5, 4.0, 10.0}) {  // from a part of the pass to five times to and fro
+    for (const double degrees : {3.0, 10.0}) {
+      Toolpath toolpath = Straight();
+      toolpath.passes[0].reversible = true;
+      AddPassEnds({0, LeadShape::kAlong, height, DegToRad(degrees)}, 100, toolpath, 20);
+      const Pass& pass = toolpath.passes[0];
+      EXPECT_FALSE(pass.reversible);
+      ExpectRampAlong(pass, height, DegToRad(degrees), 0);
+      EXPECT_NEAR((pass.points.back().position - Eigen::Vector3d(40, 0, height)).norm(), 0, 1e-12);
+    }
+  }
+}
+
+TEST(PassEnds, AlongItAnOverrunBelongsToThePass) {
+  Toolpath toolpath = Straight();
+  AddPassEnds({12, LeadShape::kAlong, 6, DegToRad(3)}, 5, toolpath);
+  const Pass& pass = toolpath.passes[0];
+  double least = 0;
+  for (const MillingPoint& point : pass.points) least = std::min(least, point.position.x());
+  EXPECT_NEAR(least, -12, 1e-12);
+  EXPECT_NEAR((pass.points.back().position - Eigen::Vector3d(52, 0, 6)).norm(), 0, 1e-12);
+}
+
+TEST(PassEnds, AClosedPassIsEnteredAlongItself) {
+  Toolpath toolpath = Straight(true);
+  toolpath.passes[0].opening = RingOpening::kAnywhere;
+  AddPassEnds({5, LeadShape::kAlong, 2, DegToRad(3)}, 100, toolpath);
+  EXPECT_FALSE(toolpath.passes[0].closed);
+  EXPECT_EQ(toolpath.passes[0].opening, RingOpening::kNone);
+  EXPECT_EQ(toolpath.passes[0].points.front().kind, PointKind::kLeadIn);
+}
+
+TEST(PassEnds, APassTooShortForItIsAnError) {
+  Toolpath toolpath = Straight();
+  EXPECT_NO_THROW(AddPassEnds({0, LeadShape::kAlong, 1, DegToRad(3)}, 100, toolpath, 40));
+  toolpath = Straight();
+  EXPECT_THROW(AddPassEnds({0, LeadShape::kAlong, 1, DegToRad(3)}, 100, toolpath, 40.1), InputError);
 }
 
 TEST(PassEnds, TheFinishingLayerHasItsOwnDepth) {

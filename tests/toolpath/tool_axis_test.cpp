@@ -84,6 +84,44 @@ TEST(ToolAxis, LeadAndTiltLeanFromIt) {
     }
 }
 
+// A bore whose wall leans by `lean` times its height.
+Mesh Bore(double lean) {
+  return SoundMesh(LatheShape({{70, 0}, {30 + 40 * lean, 0}, {30, -40}, {0, -40}}, 90));
+}
+
+TEST(ToolAxis, AlongAWallItFollowsItsLean) {
+  for (const double lean : {0.05, 0.3, 0.8}) {
+    ToolpathOptions options = Rings({AxisRule::kWall, {}, Eigen::Vector3d::UnitZ()});
+    options.cutter = {5, 0, 60};
+    options.region.box = RegionBox{{-69, -69, -34}, {69, 69, -4}};
+    const Mesh bore = Bore(lean);
+    const Toolpath toolpath = MakeToolpath(bore, options, {});
+    ASSERT_GT(PointsOf(toolpath), 100);
+    for (const Pass& pass : toolpath.passes)
+      for (const MillingPoint& point : pass.points) {
+        ASSERT_NEAR(point.tool_axis.dot(point.normal), 0, 1e-9);
+        // The steepest direction of the surface: nothing along it is nearer to the rule's.
+        ASSERT_NEAR(point.tool_axis.z(), std::sqrt(1 - point.normal.z() * point.normal.z()), 1e-9);
+        ASSERT_NEAR(point.tool_axis.z(), std::cos(std::atan(lean)), 2e-3);
+        // Its side touches the wall.
+        ASSERT_LT(bore.Closest(point.position - 5 * point.normal).distance, 1e-6);
+      }
+    EXPECT_EQ(Gouged(bore, toolpath, options.cutter), 0);
+    options.tool_axis = {};
+    const Toolpath normal = MakeToolpath(bore, options, {});
+    if (lean < 0.5) {
+      EXPECT_GT(Gouged(bore, normal, options.cutter), PointsOf(normal) * 9 / 10);
+    }
+  }
+}
+
+TEST(ToolAxis, AFloorIsNoWall) {
+  const ToolAxisOptions axis{AxisRule::kWall, {}, Eigen::Vector3d::UnitZ()};
+  EXPECT_THROW(ToolAxisAt(axis, {1, 2, 3}, Eigen::Vector3d::UnitZ()), InputError);
+  EXPECT_THROW(ToolAxisAt(axis, {1, 2, 3}, -Eigen::Vector3d::UnitZ()), InputError);
+  EXPECT_NO_THROW(ToolAxisAt(axis, {1, 2, 3}, Eigen::Vector3d(0.1, 0, 1).normalized()));
+}
+
 TEST(ToolAxis, APathThroughItsPointHasNone) {
   const ToolAxisOptions axis{AxisRule::kToward, {0, 0, 0}, Eigen::Vector3d::UnitZ()};
   EXPECT_THROW(ToolAxisAt(axis, {0, 0, 5}, Eigen::Vector3d::UnitZ()), InputError);

@@ -32,6 +32,15 @@ constexpr const char* kIni =
     "  ;ENDFOLD (BASISTECH INI)\n"
     ";ENDFOLD (INI)\n";
 
+std::string Data(const std::string& name) {
+  return fmt::format(
+      "{}DEFDAT {}\n;FOLD EXTERNAL DECLARATIONS\n  ;FOLD BASISTECH EXT\n"
+      "    EXT BAS (BAS_COMMAND :IN,REAL :IN )\n    DECL INT SUCCESS\n  ;ENDFOLD (BASISTECH "
+      "EXT)\n;ENDFOLD\n"
+      "ENDDAT\n",
+      kHead, name);
+}
+
 std::string Binary(int bits, int digits) { return fmt::format("'B{:0{}b}'", bits, digits); }
 
 class KrlWriter : public ProgramWriter {
@@ -207,15 +216,6 @@ class KrlWriter : public ProgramWriter {
     AddTexts(event);
   }
 
-  static std::string Data(const std::string& name) {
-    return fmt::format(
-        "{}DEFDAT {}\n;FOLD EXTERNAL DECLARATIONS\n  ;FOLD BASISTECH EXT\n"
-        "    EXT BAS (BAS_COMMAND :IN,REAL :IN )\n    DECL INT SUCCESS\n  ;ENDFOLD (BASISTECH "
-        "EXT)\n;ENDFOLD\n"
-        "ENDDAT\n",
-        kHead, name);
-  }
-
   const KrlOptions& options_;
   std::vector<PathOutput> outputs_;  // to be switched with the next straight motion
   std::string feed_, distance_;
@@ -239,6 +239,19 @@ ProgramFiles KrlPost::Write(const MotionProgram& program, const Arm& arm,
   MotionProgram rounded = program;
   ChooseRounding(rounded, settings.tolerance);
   return KrlWriter(rounded, arm, settings, options_).Write();
+}
+
+// A module is called by its name as it is.
+CallingSyntax KrlPost::Calling() const {
+  return {.longest = kLongestName,
+          .letters = 1,
+          .ending = ".src",
+          .head = fmt::format("{}DEF {{name}} ( )\n; written by millpose for KUKA KRC4\n", kHead),
+          .call = "{name} ( )\n",
+          .tail = "END\n",
+          .beside = {{".dat", Data("{name}")}},
+          .called_ending = ".src",
+          .called_tail = "END\n"};
 }
 
 // LIN: the controller's tool direction swivels evenly, the tool turns evenly about it.

@@ -29,6 +29,7 @@ class KrlPost : public Post {
   std::string WhyNotIn(const PostSettings& settings) const override;
   std::string ToolCheck(const PostSettings& settings) const override;
   FrameTexts Frames(const PostSettings& settings) const override;
+  CallingSyntax Calling() const override;
   ProgramFiles Write(const MotionProgram& program, const Arm& arm,
                      const PostSettings& settings) const override;
   MotionProgram Read(const ProgramFiles& files, const Arm& arm, const PostSettings& settings) const override;

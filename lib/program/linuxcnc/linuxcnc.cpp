@@ -15,6 +15,7 @@ namespace millpose {
 namespace {
 
 constexpr size_t kWidth = 100;
+constexpr size_t kLongestName = 64;
 constexpr int kLengthDecimals = 4;
 constexpr int kAngleDecimals = 6;
 constexpr int kDeepest = 12;  // halvings of one line
@@ -36,7 +37,8 @@ class LinuxCncWriter : public ProgramWriter {
 
   ProgramFiles Write() {
     WriteSections();
-    return {{LegalName(program_.name, 64, 1) + ".ngc", Head() + MainText({}) + TextLines("footer") + "M2\n"}};
+    return {{LegalName(program_.name, kLongestName, 1) + ".ngc",
+             Head() + MainText({}) + TextLines("footer") + "M2\n"}};
   }
 
  private:
@@ -276,6 +278,20 @@ ProgramFiles LinuxCncPost::Write(const MotionProgram& program, const Arm& arm,
                                  const PostSettings& settings) const {
   assert(IsWellFormed(program));
   return LinuxCncWriter(program, arm, settings, options_).Write();
+}
+
+// The interpreter looks for a file of the name in lower case.
+CallingSyntax LinuxCncPost::Calling() const {
+  return {.longest = kLongestName,
+          .letters = 1,
+          .ending = ".ngc",
+          .head = "; written by millpose for LinuxCNC\n",
+          .call = "O<{name}> CALL\n",
+          .tail = "M2\n",
+          .called_ending = ".ngc",
+          .called_head = "O<{name}> SUB\n",
+          .called_tail = "O<{name}> ENDSUB\n",
+          .called_lower = true};
 }
 
 // Parameter 5400: the number of the tool in the spindle.

@@ -28,6 +28,7 @@ class LinuxCncPost : public Post {
   bool NeedsSphericalWrist() const override { return false; }
   bool ReadsFromDisk() const override { return true; }
   double UsualCycle() const override { return 0.001; }  // the servo period
+  CallingSyntax Calling() const override;
   ProgramFiles Write(const MotionProgram& program, const Arm& arm,
                      const PostSettings& settings) const override;
   MotionProgram Read(const ProgramFiles& files, const Arm& arm, const PostSettings& settings) const override;

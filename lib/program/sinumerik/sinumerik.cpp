@@ -236,6 +236,18 @@ ProgramFiles SinumerikPost::Write(const MotionProgram& program, const Arm& arm,
   return SinumerikWriter(program, arm, settings, options_).Write();
 }
 
+// Called by its name; M17 leads back.
+CallingSyntax SinumerikPost::Calling() const {
+  return {.longest = kLongestName,
+          .letters = 2,
+          .ending = ".mpf",
+          .head = "; written by millpose for SINUMERIK 840D sl\n",
+          .call = "{name}\n",
+          .tail = "M30\n",
+          .called_ending = ".spf",
+          .called_tail = "M17\n"};
+}
+
 // Of the tool management, $TC_TP2: the names of tools by the number that the control itself gives them.
 std::string SinumerikPost::ToolCheck(const PostSettings&) const {
   return "MP_TOOL:\n"

@@ -38,6 +38,12 @@ void CheckOptions(const Trim& trim, const ToolpathOptions& options) {
               "leave a core standing; give entry: plunge or a smaller one",
               trim.LeadRadius(radius), radius));
   require(!trim.tabs || trim.tabs->height < trim.through, "trim.tabs.height_mm: must be below through_mm");
+  require(trim.entry != TrimEntry::kPlunge || options.centre_cutting,
+          "trim.entry: given plunge, but the tool says nothing of centre_cutting: give entry: helix, or "
+          "tool.cutter.centre_cutting: true");
+  require(trim.entry != TrimEntry::kHelix || trim.ramp <= options.max_ramp + 1e-12,
+          fmt::format("trim.ramp_deg: given {:.6g}; allowed: at most tool.cutter.max_ramp_deg, {:.6g}",
+                      RadToDeg(trim.ramp), RadToDeg(options.max_ramp)));
   if (!problems.empty()) throw InputError(std::move(problems));
 }
 

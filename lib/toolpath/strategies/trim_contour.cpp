@@ -210,7 +210,8 @@ double Turning(const Contour& contour) {
 
 Contour FromLine(const TrimLine& line, const StrategyInputs& inputs) {
   const ToolpathOptions& options = inputs.options;
-  const bool by_normal = options.tool_axis.rule == AxisRule::kNormal;
+  const bool by_normal =
+      options.tool_axis.rule == AxisRule::kNormal || options.tool_axis.rule == AxisRule::kWall;
   if (by_normal && inputs.mesh.face_count() == 0)
     throw InputError({},
                      "toolpath.tool_axis: missing; without a part a trim's line has no normals to follow");
@@ -220,7 +221,7 @@ Contour FromLine(const TrimLine& line, const StrategyInputs& inputs) {
   contour.closed = line.closed;
   for (const Eigen::Vector3d& p : line.points)
     contour.points.push_back(
-        {p, by_normal ? normals->At(p) : ToolAxisAt(options.tool_axis, p, Eigen::Vector3d::UnitZ())});
+        {p, ToolAxisAt(options.tool_axis, p, by_normal ? normals->At(p) : Eigen::Vector3d::UnitZ())});
   DropRepeated(contour);
   if (contour.points.size() < (line.closed ? 3U : 2U))
     throw InputError({}, "toolpath.trim.line.points_mm: the points lie at too few places");

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "program/calling_program.hpp"
+
+#include <cassert>
+
+#include "program/controller_axes.hpp"
+#include "program/post_keys.hpp"
+#include "program/scanner.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr size_t kWidth = 98;  // of a comment
+
+std::string Filled(std::string text, const std::string& name) {
+  constexpr std::string_view kHole = "{name}";
+  for (size_t at = text.find(kHole); at != std::string::npos; at = text.find(kHole, at + name.size()))
+    text.replace(at, kHole.size(), name);
+  return text;
+}
+
+std::string CalledName(const CallingSyntax& syntax, const std::string& job) {
+  std::string name = ProgramName(syntax, job);
+  if (syntax.called_lower)
+    for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return name;
+}
+
+std::string CommentLine(std::string text) {
+  for (char& c : text) c = c < ' ' || c > '~' ? '?' : c;
+  return "; " + text.substr(0, kWidth) + "\n";
+}
+
+/// What a line calls; empty where it calls nothing.
+std::string CallIn(const CallingSyntax& syntax, std::string_view line) {
+  const std::string_view call = SplitLines(syntax.call).front();
+  const size_t hole = call.find("{name}");
+  const std::string_view before = call.substr(0, hole), behind = call.substr(hole + 6);
+  if (line.size() <= before.size() + behind.size() || !line.starts_with(before) || !line.ends_with(behind))
+    return {};
+  const std::string name(line.substr(before.size(), line.size() - before.size() - behind.size()));
+  return IsWord(name) ? name : std::string();
+}
+
+}  // namespace
+
+std::string ProgramName(const CallingSyntax& syntax, const std::string& job) {
+  return LegalName(job, syntax.longest, syntax.letters);
+}
+
+CalledProgram AsCalled(const CallingSyntax& syntax, const std::string& job, ProgramFiles files) {
+  CalledProgram called{CalledName(syntax, job), {}, {}};
+  auto main = files.extract(ProgramName(syntax, job) + syntax.ending);
+  assert(!main.empty() && main.mapped().ends_with(syntax.tail));
+  std::string text = main.mapped().substr(0, main.mapped().size() - syntax.tail.size());
+  text = Filled(syntax.called_head, called.name) + text + Filled(syntax.called_tail, called.name);
+  called.files = std::move(files);
+  called.files[called.name + syntax.called_ending] = std::move(text);
+  return called;
+}
+
+ProgramFiles WriteCalling(const CallingSyntax& syntax, const std::string& job,
+                          const std::vector<std::pair<std::string, std::string>>& header,
+                          const std::vector<CalledProgram>& programs) {
+  const std::string name = ProgramName(syntax, job);
+  std::string text = Filled(syntax.head, name);
+  for (const auto& [key, value] : header) text += CommentLine(key + ": " + value);
+  for (const CalledProgram& program : programs) {
+    for (const std::string& comment : program.comments) text += CommentLine(comment);
+    text += Filled(syntax.call, program.name);
+  }
+  ProgramFiles files = {{name + syntax.ending, text + syntax.tail}};
+  for (const auto& [ending, more] : syntax.beside) files[name + ending] = Filled(more, name);
+  return files;
+}
+
+std::vector<std::string> ReadCalling(const CallingSyntax& syntax, const std::string& job,
+                                     const ProgramFiles& files) {
+  const std::string name = ProgramName(syntax, job), file = name + syntax.ending;
+  const auto found = files.find(file);
+  if (found == files.end()) throw InputError({file}, "is missing");
+  const std::string head = Filled(syntax.head, name);
+  std::vector<std::string_view> before = SplitLines(head), behind = SplitLines(syntax.tail);
+  const auto empty = [](std::string_view line) { return Trim(line).empty() || Trim(line).starts_with(';'); };
+  std::erase_if(before, empty);
+  std::erase_if(behind, empty);
+  std::vector<std::string> calls;
+  std::vector<Problem> problems;
+  size_t next_before = 0, next_behind = 0;
+  int number = 0;
+  for (const std::string_view line : SplitLines(found->second)) {
+    ++number;
+    const auto add = [&](std::string message) {
+      problems.push_back({{file, number, 0, -1}, std::move(message)});
+    };
+    if (empty(line)) continue;
+    if (next_before < before.size()) {
+      if (Trim(line) != Trim(before[next_before]))
+        add(fmt::format("'{}' expected", Trim(before[next_before])));
+      ++next_before;
+    } else if (next_behind == 0 && !CallIn(syntax, Trim(line)).empty() && Trim(line) != Trim(behind[0])) {
+      calls.push_back(CallIn(syntax, Trim(line)));
+    } else if (next_behind < behind.size() && Trim(line) == Trim(behind[next_behind])) {
+      ++next_behind;
+    } else {
+      add("the call of a program or the end expected");
+    }
+  }
+  if (next_behind < behind.size())
+    problems.push_back({{file, number, 0, -1}, "the end of the program is missing"});
+  if (!problems.empty()) throw InputError(std::move(problems));
+  return calls;
+}
+
+}  // namespace millpose

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A main program that calls others, one after the other, and does nothing else.
+#pragma once
+
+#include "program/post.hpp"
+
+namespace millpose {
+
+/// A program that another one calls: the files of one that stands by itself, changed as little as that takes.
+struct CalledProgram {
+  std::string name;                   ///< by which it is called
+  ProgramFiles files;                 ///< by name
+  std::vector<std::string> comments;  ///< before its call
+};
+
+/// The name of the main file of a program, without its ending.
+std::string ProgramName(const CallingSyntax& syntax, const std::string& job);
+
+/// The program of `job` as one that is called. Precondition: `files` are what the controller's post wrote for
+/// it.
+CalledProgram AsCalled(const CallingSyntax& syntax, const std::string& job, ProgramFiles files);
+
+/// The files of the main program of `job`, which calls `programs` in their order; their own files are not
+/// among them.
+ProgramFiles WriteCalling(const CallingSyntax& syntax, const std::string& job,
+                          const std::vector<std::pair<std::string, std::string>>& header,
+                          const std::vector<CalledProgram>& programs);
+
+/// The names of the programs that the main program of `job` calls, in their order. Throws InputError with the
+/// line of everything that is neither a comment, nor one of these calls, nor what begins and ends a program.
+std::vector<std::string> ReadCalling(const CallingSyntax& syntax, const std::string& job,
+                                     const ProgramFiles& files);
+
+}  // namespace millpose

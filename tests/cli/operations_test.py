@@ -1,0 +1,275 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Jobs of several operations. Usage: operations_test.py MILLPOSE TOP AUDIT; with MILLPOSE_SLOW=1 the whole sample."""
+import csv
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import time
+import unittest
+
+from cli_fixture import TOP, InFolder, run, schema_problems
+
+AUDIT = pathlib.Path(sys.argv[3]).resolve()
+SLOW = os.environ.get("MILLPOSE_SLOW") == "1"
+SAMPLE = (TOP / "toolpaths" / "cabin_window" / "job.yaml").read_text()
+CELL = (TOP / "cells" / "kr500_two_tools.yaml").read_text()
+CONTROLLERS = ("krl", "sinumerik", "linuxcnc")
+FOLDERS = ("01_face_pads", "02_trim_window", "03_drill_holes")
+CUTS = [(r"stepover_mm: 14", "stepover_mm: 60"), (r"spacing_mm: 12", "spacing_mm: 40"), (r"per_depth_mm: 5", "per_depth_mm: 20"),
+        (r"spacing_mm: 25", "spacing_mm: 80"), (r"(?:          - \{at_mm: .*\n){4}", "")]
+
+
+def small(text=SAMPLE):
+    """The sample with few points, its part and its cell found from anywhere."""
+    for pattern, replacement in [] if SLOW else CUTS:
+        text, count = re.subn(pattern, replacement, text, count=1)
+        assert count == 1, pattern
+    return text.replace("../cabin_panel", str(TOP / "toolpaths" / "cabin_panel")).replace("../../cells/kr500_two_tools.yaml", "cell.yaml")
+
+
+def without(text, name):
+    """The job without one operation."""
+    begin = text.index(f"  - name: {name}\n")
+    end = min(at for at in (text.find("  - name:", begin + 1), text.find("programs:", begin)) if at > 0)
+    return text[:begin] + text[end:]
+
+
+def rows(path):
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+class Operations(InFolder):
+    def setUp(self):
+        super().setUp()
+        self.out = self.folder / "out"
+        (self.folder / "cell.yaml").write_text(CELL)
+
+    def plan(self, text, *arguments, out=None):
+        (self.folder / "job.yaml").write_text(text)
+        return run("plan", self.folder / "job.yaml", "-o", out or self.out, "-q", *arguments)
+
+    def results(self, out=None):
+        out = out or self.out
+        return {str(path.relative_to(out)): path.read_bytes() for path in sorted(out.rglob("*"))
+                if path.is_file() and path.name != "run.json" and "checkpoints" not in path.parts}
+
+    def test_the_way_from_the_job_to_the_main_programs(self):
+        planned = self.plan(small())
+        self.assertEqual(planned.returncode, 0, planned.stdout + planned.stderr)
+        for controller in CONTROLLERS:
+            self.assertIn(f"programs/{controller}: calls 3 programs, read back and confirmed", planned.stdout)
+        verified = run("verify", self.out)
+        self.assertEqual(verified.returncode, 0, verified.stdout + verified.stderr)
+        self.assertRegex(verified.stdout, r"krl +0 motions  confirmed .*/out/programs/krl\n")
+        for folder in FOLDERS:  # each is an output folder as any other, for the independent judge as well
+            judged = subprocess.run([AUDIT, self.out / "operations" / folder, "--inputs", self.folder, "--travel-mm", "2"],
+                                    capture_output=True, text=True, timeout=600)
+            self.assertEqual(judged.returncode, 0, judged.stdout[-2000:] + judged.stderr)
+        self.check_summary()
+        self.check_points()
+        self.check_calls()
+
+    def check_summary(self):
+        text = (self.out / "summary.json").read_text()
+        self.assertEqual(schema_problems("operations-summary", json.loads(text)), [])
+        summary = json.loads(text)
+        own = [json.loads((self.out / "operations" / folder / "summary.json").read_text()) for folder in FOLDERS]
+        self.assertEqual([operation["summary"] for operation in summary["operations"]], own)
+        self.assertEqual([operation["tool"] for operation in summary["operations"]], ["mill_d20", "mill_d20", "drill_d5"])
+        self.assertEqual(summary["points"]["total"], sum(s["points"]["total"] for s in own))
+        self.assertEqual(summary["clearance_min_mm"], min(s["clearance_min_mm"] for s in own))
+        self.assertEqual(summary["stiffness"]["lambda_n"]["worst"], max(s["stiffness"]["lambda_n"]["worst"] for s in own))
+        for cycle in summary["cycle_times"]:
+            parts = [times["total_s"] for s in own for times in s["cycle_times"] if times["controller"] == cycle["controller"]]
+            self.assertAlmostEqual(cycle["total_s"], sum(parts))
+
+    def check_points(self):
+        points = rows(self.out / "points.csv")
+        own = [(folder[3:], row) for folder in FOLDERS for row in rows(self.out / "operations" / folder / "points.csv")]
+        self.assertEqual([(point.pop("operation"), point) for point in points], own)
+
+    def check_calls(self):
+        """Programs and their calls, text by text."""
+        programs = self.out / "programs"
+        for controller, main, ending in (("krl", ".src", ".src"), ("sinumerik", ".mpf", ".spf"), ("linuxcnc", ".ngc", ".ngc")):
+            text = (programs / controller / f"cabin_window{main}").read_text()
+            calls = [name for name in re.findall(r"^(?:O<)?(cabin_window_\d)\b", text, re.M)]
+            self.assertEqual(calls, ["cabin_window_1", "cabin_window_2", "cabin_window_3"])
+            for folder, name in zip(FOLDERS, calls):
+                own = (self.out / "operations" / folder / "programs" / controller / (name + main)).read_text()
+                called = (programs / controller / (name + ending)).read_text()
+                if controller == "sinumerik":
+                    called = called.removesuffix("M17\n") + "M30\n"
+                if controller == "linuxcnc":
+                    called = called.removeprefix(f"O<{name}> SUB\n").removesuffix(f"O<{name}> ENDSUB\n") + "M2\n"
+                self.assertEqual(called, own)
+
+    @unittest.skipUnless(shutil.which("rs274"), "LinuxCNC's interpreter is not installed")
+    def test_the_interpreter_runs_the_whole_main_program(self):
+        self.assertEqual(self.plan(small()).returncode, 0)
+        (self.folder / "machine.ini").write_text(f"[RS274NGC]\nSUBROUTINE_PATH={self.out / 'programs' / 'linuxcnc'}\n[EMC]\n")
+
+        def interpreted(program):
+            result = subprocess.run(["rs274", "-g", "-i", self.folder / "machine.ini", program], cwd=self.folder, capture_output=True,
+                                    text=True, timeout=120, env={"HOME": str(self.folder)})
+            self.assertEqual(result.returncode, 0, result.stdout[-500:] + result.stderr)
+            return re.findall(r"N\.+ ((?:STRAIGHT|CHANGE_TOOL|START_SPINDLE|PROGRAM_).*)", result.stdout)
+
+        whole = interpreted(self.out / "programs" / "linuxcnc" / "cabin_window.ngc")
+        parts = [line for i, folder in enumerate(FOLDERS)
+                 for line in interpreted(self.out / "operations" / folder / "programs" / "linuxcnc" / f"cabin_window_{i + 1}.ngc")]
+        self.assertEqual(whole[-1], "PROGRAM_END()")
+        self.assertEqual(whole[:-1], [line for line in parts if line != "PROGRAM_END()"])
+        self.assertEqual([line for line in whole if line.startswith("CHANGE")], ["CHANGE_TOOL(1)", "CHANGE_TOOL(1)", "CHANGE_TOOL(2)"])
+
+    def test_the_spindle_stands_where_the_tool_is_changed(self):
+        self.assertEqual(self.plan(small()).returncode, 0)
+        for controller, on, off, change in (("krl", r"\$OUT\[1\]=TRUE", r"\$OUT\[1\]=FALSE", "put it in"),
+                                            ("sinumerik", r"\bM3\b", r"\bM5\b", r"\bM6\b"), ("linuxcnc", r"\bM3\b", r"\bM5\b", r"\bM6\b")):
+            folder = self.out / "programs" / controller
+            text = "".join(path.read_text() for path in sorted(folder.iterdir()) if re.search(r"_\d\.\w+$", path.name))
+            order = re.findall(f"({on})|({off})|({change})", text)
+            self.assertEqual([next(i for i, word in enumerate(words) if word) for words in order], [2, 0, 1] * 3, controller)
+
+    def test_same_bytes_for_any_number_of_threads_and_nothing_is_planned_twice(self):
+        self.assertEqual(self.plan(small(), "--threads", "1").returncode, 0)
+        two = self.folder / "two"
+        self.assertEqual(self.plan(small(), "--threads", "2", out=two).returncode, 0)
+        self.assertEqual(self.results(), self.results(two))
+        again = run("plan", self.folder / "job.yaml", "-o", self.out)
+        self.assertEqual(again.returncode, 0)
+        self.assertNotIn("face_pads: passes", again.stderr, "its plan stands")
+        resolved = run("plan", self.out / "job.yaml", "-q")
+        self.assertEqual(resolved.returncode, 0, resolved.stderr)
+        self.assertEqual(self.results(), self.results(two))
+        # An operation that is gone takes its folder along; the others stand.
+        fewer = self.plan(without(small(), "trim_window"))
+        self.assertEqual(fewer.returncode, 0, fewer.stderr)
+        self.assertEqual(sorted(path.name for path in (self.out / "operations").iterdir()), ["01_face_pads", "02_drill_holes"])
+        self.assertEqual(run("verify", self.out).returncode, 0)
+
+    def test_a_share_of_the_passes_is_planned_and_taken_up(self):
+        text = without(small(), "trim_window")
+        (self.folder / "job.yaml").write_text(text)
+        for k in ("1/2", "2/2"):
+            shared = run("plan", self.folder / "job.yaml", "-o", self.out, "-q", "--share", k)
+            self.assertEqual(shared.returncode, 0, shared.stderr)
+            self.assertIn("operation drill_holes: share", shared.stdout)
+        self.assertFalse((self.out / "summary.json").exists())
+        self.assertEqual(self.plan(text).returncode, 0)
+        whole = self.folder / "whole"
+        self.assertEqual(self.plan(text, out=whole).returncode, 0)
+        self.assertEqual(self.results(), self.results(whole))
+
+    def test_a_killed_run_goes_on_to_the_same_bytes(self):
+        text = without(small(), "trim_window")
+        begun = time.monotonic()
+        self.assertEqual(self.plan(text, "--threads", "1").returncode, 0)
+        seconds = time.monotonic() - begun
+        killed, whole = self.folder / "killed", self.results()
+        for part in range(1, 21 if SLOW else 4):
+            process = subprocess.Popen([sys.argv[1], "plan", self.folder / "job.yaml", "-o", killed, "-q", "--threads", "1"],
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            time.sleep(seconds * part / (21 if SLOW else 4))
+            process.kill()
+            process.wait()
+            self.assertEqual(self.plan(text, out=killed).returncode, 0)
+            self.assertEqual(self.results(killed), whole)
+            shutil.rmtree(killed)
+
+    def test_what_stands_until_a_later_operation_takes_it_off_is_known_before(self):
+        face = "rotation_reference: [0, 0, 1]        # in the world; the rotation about the tool axis counts from here\n"
+        text = small().replace(face, face + "      depth: {total_mm: 3, per_layer_mm: 1.5}\n", 1).replace(", depth_mm: 1}", "}", 1)
+        first = text.index("  - name: face_pads")
+        second, last = text.index("  - name: trim_window"), text.index("programs: [krl")
+        text = text[:first] + text[second:last] + text[first:second] + text[last:]
+        self.assertEqual(self.plan(text).returncode, 0)
+        allowances = [re.search(r"allowance_mm: ([\d.]+)", (folder / "job.yaml").read_text().split("toolpath:")[0])
+                      for folder in sorted((self.out / "operations").iterdir())]
+        self.assertEqual([found and found.group(1) for found in allowances], ["3", "3", None])
+
+    def test_a_program_that_is_not_confirmed_withholds_the_main_program(self):
+        thick = CELL.replace("      - {name: spindle, class: spindle, length_mm: 320, diameter_mm: 160}\n  - name",
+                             "      - {name: big, class: holder, length_mm: 400, diameter_mm: 3000}\n  - name", 1)
+        (self.folder / "cell.yaml").write_text(thick)
+        planned = self.plan(without(without(small(), "trim_window"), "face_pads"))
+        self.assertEqual(planned.returncode, 1, planned.stderr)
+        self.assertIn("no krl main program is written: operation drill_holes has no krl program", planned.stdout)
+        self.assertFalse((self.out / "programs").exists())
+
+    def test_damage_to_a_whole_program_is_seen(self):
+        text = without(small(), "trim_window")
+        self.assertEqual(self.plan(text).returncode, 0)
+        path = self.out / "programs" / "krl" / "cabin_window.src"
+        before = path.read_text()
+        path.write_text(before.replace("cabin_window_2 ( )\n", ""))
+        seen = run("verify", self.out)
+        self.assertEqual(seen.returncode, 2)
+        self.assertIn("cabin_window.src", seen.stderr)
+
+    def test_what_is_wrong_in_any_operation_is_told_at_once_with_its_place(self):
+        wrong = small().replace("stepover_mm", "stepovr_mm").replace("peck_mm: 4", "peck_mm: -4").replace("tool: drill_d5", "tool: drill_d6")
+        told = self.plan(wrong)
+        self.assertEqual(told.returncode, 2)
+        self.assertRegex(told.stderr, r"job\.yaml:\d+:7: toolpath\.stepovr_mm: unknown key; nearest known key: stepover_mm")
+        self.assertRegex(told.stderr, r"job\.yaml:\d+:\d+: toolpath\.drill\.peck_mm: given -4")
+        self.assertFalse(self.out.exists(), "nothing half-written")
+        told = self.plan(small().replace("tool: drill_d5", "tool: drill_d6"))
+        line = small().splitlines().index("    tool: drill_d5") + 1
+        self.assertRegex(told.stderr, rf"job\.yaml:{line}:\d+: tool: given drill_d6; .*did you mean drill_d5\?")
+        self.assertFalse(self.out.exists())
+        for change, said in (
+            (("  - name: trim_window", "  - name: face_pads"), r"operations\[1\]\.name: given face_pads twice"),
+            (("  - name: trim_window", "  - name: trim-window"), r"operations\[1\]\.name: given trim-window; allowed: letters, digits"),
+            (("  - name: trim_window\n    tool", "  - tool"), r"operations\[1\]\.name: missing"),
+            (("    tool: drill_d5\n", "    tool: drill_d5\n    programs: [krl]\n"), r"operations\[2\]\.programs: unknown key"),
+            (("process: {spindle_rpm: 7000, retract_feed_mm_min: 2000}", "process: {spindle_rpm: x}"), r"process\.spindle_rpm: given x"),
+        ):
+            with self.subTest(said):
+                told = self.plan(small().replace(*change))
+                self.assertEqual(told.returncode, 2, told.stdout)
+                self.assertRegex(told.stderr, said)
+                self.assertEqual(len(re.findall(said, told.stderr)), 1, "told once")
+        for operations in ("[]", "face", "[1]"):
+            told = self.plan(re.sub(r"operations:\n(.*\n)*programs", f"operations: {operations}\nprograms", small()))
+            self.assertEqual(told.returncode, 2)
+            self.assertRegex(told.stderr, r"operations(\[0\])?: given")
+
+    def test_a_batch_takes_it_as_any_job(self):
+        (self.folder / "job.yaml").write_text(without(small(), "trim_window"))
+        out = self.folder / "all"
+        for up_to_date in (False, True):
+            done = run("batch", self.folder / "job.yaml", "-o", out, "-q")
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            job = json.loads((out / "batch.json").read_text())["jobs"][0]
+            self.assertEqual((job["name"], job["up_to_date"]), ("cabin_window", up_to_date))
+            self.assertEqual(job["points"], job["planned"])
+            self.assertGreater(job["figures"]["cycle_s"], 0)
+
+    def test_where_one_operation_is_wanted_the_answer_is_its_folder(self):
+        self.assertEqual(self.plan(without(small(), "trim_window")).returncode, 0)
+        for command in (("inspect", self.out), ("inspect", self.out, "--point", "3")):
+            told = run(*command)
+            self.assertEqual(told.returncode, 2)
+            self.assertRegex(told.stderr, r"operations/01_face_pads")
+        self.assertEqual(run("inspect", self.out / "operations" / "01_face_pads", "--point", "3").returncode, 0)
+
+    @unittest.skipUnless(SLOW, "the quick twins are the tests of cabin_trim and cabin_holes")
+    def test_the_window_is_that_of_cabin_trim_and_the_holes_those_of_cabin_holes(self):
+        self.assertEqual(self.plan(small()).returncode, 0)
+        for sample, folder, count in (("cabin_trim", "02_trim_window", None), ("cabin_holes", "03_drill_holes", 106)):
+            alone = self.folder / sample
+            self.assertEqual(run("plan", TOP / "toolpaths" / sample / "job.yaml", "-o", alone, "-q").returncode, 0)
+            places = [[tuple(row[c] for c in ("x_mm", "y_mm", "z_mm")) for row in rows(path / "points.csv")]
+                      for path in (self.out / "operations" / folder, alone)]
+            self.assertLessEqual(set(places[0]), set(places[1]))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[__file__], verbosity=2)
