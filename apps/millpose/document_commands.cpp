@@ -2,6 +2,8 @@
 // `man` and `completion`: the option table that parses is the one that is documented.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "commands.hpp"
 
 namespace millpose {
@@ -56,6 +58,23 @@ std::vector<const CLI::App*> Commands(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App* command) { return !command->get_name().empty(); });
 }
 
+std::string Examples() {
+  constexpr std::pair<const char*, const char*> kExamples[] = {
+      {"millpose init part.step --arm kr500_r2830", "A first cell and job for a part, in the folder part."},
+      {"millpose check part/job.yaml", "What of the job's tool path the arm reaches."},
+      {"millpose plan part/job.yaml", "Programs and reports, in part/part.out."},
+      {"millpose plan part/job.yaml --set toolpath.stepover_mm=4 -o finer",
+       "The same with one setting changed."},
+      {"millpose inspect part/part.out --worst 5", "The five softest points."},
+      {"millpose verify part/part.out --job part/job.yaml", "Reads the programs back and replays them."},
+      {"millpose batch parts/*/job.yaml -o night", "Many jobs, with an index page."},
+  };
+  std::string text = ".SH EXAMPLES\n";
+  for (const auto& [command, meaning] : kExamples)
+    text += fmt::format(".TP\n\\fB{}\\fR\n{}\n", Roff(command), Roff(meaning));
+  return text;
+}
+
 std::string ManPage(const CLI::App& app) {
   std::string page =
       ".TH MILLPOSE 1\n.SH NAME\nmillpose \\- robotic milling in the best poses, without a GUI\n"
@@ -72,7 +91,7 @@ std::string ManPage(const CLI::App& app) {
   for (const CLI::App* command : Commands(app))
     page += fmt::format(".SS {}\n{}\n{}", Roff(command->get_name()), Roff(command->get_description()),
                         OptionsOf(*command));
-  return page +
+  return page + Examples() +
          ".SH EXIT STATUS\n.TP\n0\ndone\n.TP\n1\ndone, with findings: points or gaps that could not be "
          "planned, a "
          "program that deviates\n.TP\n2\nbad input or usage\n.TP\n3\ninternal error\n.TP\n130\ninterrupted\n";
@@ -88,33 +107,73 @@ std::string Flags(const CLI::App& command) {
   return fmt::format("{}", fmt::join(flags, " "));
 }
 
+/// The words that an option or argument takes, where it takes but a few: CLI11 has them in the type's name,
+/// "TEXT:{job,cell}".
+std::string WordsOf(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const size_t open = type.find(":{");
+  if (open == std::string::npos || type.back() != '}') return "";
+  std::string words = type.substr(open + 2, type.size() - open - 3);
+  std::ranges::replace(words, ',', ' ');
+  return words;
+}
+
+/// Lines of a `case` over command and word before: what may follow an option.
+std::string ValueCases(const CLI::App& command, const std::string& name) {
+  std::string cases;
+  for (const CLI::Option* option : Options(command)) {
+    const std::string words = WordsOf(*option);
+    if (words.empty() || option->get_positional()) continue;
+    for (const std::string& flag : option->get_lnames())
+      cases += fmt::format("    \"{} --{}\") values=\"{}\" ;;\n", name, flag, words);
+  }
+  return cases;
+}
+
+/// Words of the first argument that has some.
+std::string ArgumentWords(const CLI::App& command) {
+  for (const CLI::Option* option : Options(command))
+    if (option->get_positional())
+      if (const std::string words = WordsOf(*option); !words.empty()) return words;
+  return "";
+}
+
 std::string BashCompletion(const CLI::App& app) {
   std::vector<std::string> names;
-  std::string cases;
+  std::string cases, values;
   for (const CLI::App* command : Commands(app)) {
-    names.push_back(command->get_name());
-    cases += fmt::format("    {}) flags=\"{}\" ;;\n", command->get_name(), Flags(*command));
+    const std::string name = command->get_name();
+    names.push_back(name);
+    cases +=
+        fmt::format("    {}) flags=\"{}\" words=\"{}\" ;;\n", name, Flags(*command), ArgumentWords(*command));
+    values += ValueCases(*command, name);
   }
   return fmt::format(R"(# bash completion for millpose; made by `millpose completion`
 _millpose() {{
-  local word=${{COMP_WORDS[COMP_CWORD]}} command= flags= i
+  local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}} command= flags= words= values= i
   for ((i = 1; i < COMP_CWORD; ++i)); do
     [[ ${{COMP_WORDS[i]}} == -* ]] || {{ command=${{COMP_WORDS[i]}}; break; }}
   done
   case $command in
-    "") flags="{}" ;;
+    "") flags="{}" words="{} help" ;;
+    help) words="{}" ;;
 {}  esac
-  if [[ -z $command && $word != -* ]]; then
-    COMPREPLY=($(compgen -W "{}" -- "$word"))
+  case "$command $before" in
+    "") ;;
+{}  esac
+  if [[ -n $values ]]; then
+    COMPREPLY=($(compgen -W "$values" -- "$word"))
   elif [[ $word == -* ]]; then
     COMPREPLY=($(compgen -W "$flags {}" -- "$word"))
+  elif [[ -n $words ]]; then
+    COMPREPLY=($(compgen -W "$words" -- "$word"))
   else
     COMPREPLY=($(compgen -f -- "$word"))
   fi
 }}
 complete -o filenames -F _millpose millpose
 )",
-                     Flags(app), cases, fmt::join(names, " "), Flags(app));
+                     Flags(app), fmt::join(names, " "), fmt::join(names, " "), cases, values, Flags(app));
 }
 
 }  // namespace

@@ -132,7 +132,10 @@ std::vector<FacingGroup> FindFacingGroups(const Mesh& mesh, size_t most) {
   for (const bool flat : {true, false})
     for (FacingGroup& group : GroupsBetween(mesh, flat ? kFlatCreaseDeg : kGroupCreaseDeg, most))
       if (group.flat == flat) groups.push_back(std::move(group));
-  const auto weight = [](const FacingGroup& group) { return (group.flat ? 3 : 1) * group.area; };
+  // Of faces of one size the part's upper one.
+  const auto weight = [](const FacingGroup& group) {
+    return (group.flat ? 3 : 1) * group.area * (1 + 1e-6 * group.direction.z());
+  };
   std::ranges::stable_sort(groups, std::greater{}, weight);
   if (groups.size() > most) groups.resize(most);
   return groups;

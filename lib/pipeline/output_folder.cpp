@@ -34,8 +34,7 @@ void MakeOwn(const fs::path& folder) {
     throw InputError({folder.string()}, "exists and is not a folder; choose another with -o DIR");
   // In this order: another run may be making it just now.
   if (!IsUnused(folder) && !IsOutputFolder(folder))
-    throw InputError({folder.string()},
-                     "exists and was not written by millpose; choose another with -o DIR or remove it");
+    throw InputError({folder.string()}, "exists and was not written by millpose; choose another with -o DIR");
   MakeFolders(folder);
   if (IsOutputFolder(folder)) return;
   try {

@@ -109,7 +109,12 @@ void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, int threads, JobT
     made.warnings.push_back(sentence +
                             fmt::format("; the tool is lifted there by up to {:.3f} mm", found.largest_lift));
   } else {
-    made.warnings.push_back(sentence + "; they are skipped");
+    // What gouges may be a lead or a place between points: then nothing that was asked for is missing.
+    size_t skipped = 0;
+    for (const Pass& pass : made.toolpath.passes)
+      for (const MillingPoint& point : pass.points) skipped += point.gouge > 0;
+    if (skipped > 0) sentence += fmt::format("; {} points are skipped", skipped);
+    made.warnings.push_back(sentence);
   }
 }
 

@@ -109,19 +109,21 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   fmt::format_to(out, "gaps       {} planned of {}\n", figures.gaps_planned, plan.gaps.size());
   AppendGapRemarks(plan, &text);
   AppendSkipped(plan, &text);
-  fmt::format_to(out, "stiffness at the {}; compliance, smaller is stiffer\n",
-                 plan.stiffness_origin == StiffnessOrigin::kFlange ? "flange centre" : "tool tip");
-  fmt::format_to(out, "  {:<10} {:>11} {:>11} {:>11}\n", "", "best", "median", "worst");
+  if (figures.planned > 0) {
+    fmt::format_to(out, "stiffness at the {}; compliance, smaller is stiffer\n",
+                   plan.stiffness_origin == StiffnessOrigin::kFlange ? "flange centre" : "tool tip");
+    fmt::format_to(out, "  {:<10} {:>11} {:>11} {:>11}\n", "", "best", "median", "worst");
+  }
   AppendSpread("lambda_t1", figures.lambda_t1, "mm/N  larger semi-axis in the milling plane", &text);
   AppendSpread("lambda_t2", figures.lambda_t2, "mm/N  smaller semi-axis in the milling plane", &text);
   AppendSpread("lambda_n", figures.lambda_n, "mm/N  radius along the normal", &text);
   AppendSpread("objective", figures.objective, plan.objective_unit + "  " + plan.objective_name, &text);
-  if (figures.price) {
+  if (figures.planned > 0 && figures.price) {
     const std::vector<std::string> lines = PriceLines(*figures.price);
     for (size_t i = 0; i < lines.size(); ++i)
       fmt::format_to(out, "{:<10} {}\n", i == 0 ? "price" : "", lines[i]);
   }
-  if (inputs.continuity) {
+  if (figures.planned > 0 && inputs.continuity) {
     const ContinuityFigures& c = *inputs.continuity;
     int fastest = 0, jerkiest = 0;
     c.speed_share.maxCoeff(&fastest);
@@ -141,7 +143,7 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   if (figures.paper) AppendPaper(*figures.paper, &text);
   if (inputs.deflection) AppendDeflection(*inputs.deflection, &text);
   if (inputs.compensation) text += CompensationText(*inputs.compensation);
-  if (inputs.fixed) AppendFixed(*inputs.fixed, &text);
+  if (figures.planned > 0 && inputs.fixed) AppendFixed(*inputs.fixed, &text);
   fmt::format_to(out, "interference {} poses checked; {} of {} candidates never had to be\n",
                  figures.poses_checked, figures.candidates - figures.candidates_checked, figures.candidates);
   if (figures.clearance_min) fmt::format_to(out, "clearance  at least {:.1f} mm\n", *figures.clearance_min);

@@ -28,7 +28,24 @@ bool HoldsNoControls(std::string_view bytes) {
   });
 }
 
+/// What people give in place of a mesh, and what they may have meant; empty for anything else.
+std::string OtherKind(std::string_view bytes, const std::string& name) {
+  const std::string_view head = bytes.substr(0, 4096);
+  const auto has = [&](std::string_view word) { return head.find(word) != std::string_view::npos; };
+  const std::string_view named = name;
+  if (has("<robot"))
+    return "this is a URDF, the description of an arm, not a mesh; a cell names it under arm.urdf";
+  if (has("millpose_job:")) return "this is a millpose job, not a mesh";
+  if (has("millpose_cell:")) return "this is a millpose cell, not a mesh";
+  if (named.ends_with(".md") || named.ends_with(".txt")) return "this is a text for people, not a mesh";
+  if (head.starts_with("<?xml") || head.starts_with("<"))
+    return "this is XML, not a mesh; Collada and 3MF must be converted";
+  return "";
+}
+
 RawMesh ReadLastResort(std::string_view bytes, const std::string& name) {
+  if (const std::string kind = OtherKind(bytes, name); !kind.empty() && HoldsNoControls(bytes))
+    throw InputError({name}, fmt::format("{}; {}", kind, kFormats));
   TextScanner scanner(bytes, name);
   const std::string_view word = scanner.Peek();
   if (HoldsNoControls(bytes) && !EqualsIgnoringCase(word, "solid"))

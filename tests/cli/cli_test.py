@@ -111,6 +111,75 @@ class Documents(unittest.TestCase):
         self.assertIn("--quiet", complete("--qu"))
         self.assertIn("--help", complete("schema", "--"))
         self.assertEqual(complete("flatness", "READ"), ["README.md"])
+        self.assertEqual(complete("schema", "''"), ["job", "cell", "batch", "reference"])
+        self.assertEqual(complete("stiffness", "--map", "lambda_t"), ["lambda_t1", "lambda_t2"])
+        self.assertEqual(complete("plan", "--axis-map", "f"), ["full"])
+        self.assertEqual(complete("help", "sch"), ["schema"])
+        self.assertEqual(complete("hel"), ["help"])
+
+    def test_examples_of_the_manual_name_commands_and_options_that_there_are(self):
+        page = run("man").stdout.replace("\\-", "-")
+        examples = re.findall(r"^\\fB(millpose .*)\\fR$", page.split(".SH EXAMPLES")[1].split(".SH EXIT")[0], re.M)
+        self.assertGreater(len(examples), 5)
+        for example in examples:
+            _, command, *words = example.split()
+            known = run("help", command)
+            self.assertEqual(known.returncode, 0, example)
+            for option in (word for word in words if word.startswith("-")):
+                self.assertIn(option, known.stdout, example)
+
+    def test_version_by_both_names(self):
+        self.assertEqual(run("-V").stdout, run("--version").stdout)
+        self.assertRegex(run("-V").stdout, r"^millpose \d+\.\d+\.\d+\n$")
+        self.assertEqual(run("help").stdout, run("--help").stdout)
+        self.assertEqual(run("help", "schemas").returncode, 2)
+
+
+class OtherFiles(InFolder):
+    def test_what_is_no_mesh_is_named_as_what_it_is(self):
+        for name, text, words in (("arm.stl", "<?xml version='1.0'?><robot name='a'/>", "this is a URDF"),
+                                  ("README.md", "# A part\nof mine\n", "a text for people"),
+                                  ("part.stl", "millpose_job: 1\nname: a\n", "a millpose job"),
+                                  ("part.dae", "<COLLADA/>", "this is XML")):
+            (self.folder / name).write_text(text)
+            result = run("check", self.folder / name)
+            self.assertEqual(result.returncode, 2, name)
+            self.assertIn(words, result.stderr)
+        (self.folder / "notes.stl").write_text("words of no meaning\n")
+        self.assertIn("text of no known mesh format", run("check", self.folder / "notes.stl").stderr)
+
+    def test_points_in_a_groove_are_told_as_skipped_where_they_are(self):
+        (self.folder / "groove.obj").write_text("v -40 -40 8\nv 0 -40 0\nv 40 -40 8\nv -40 40 8\nv 0 40 0\nv 40 40 8\n"
+                                                "f 1 2 5 4\nf 2 3 6 5\n")
+        text = without_force().replace("support_pad.stl", "groove.obj").replace("within_deg: 1}", "within_deg: 30}")
+        (self.folder / "job.yaml").write_text(text)
+        told = {}
+        for action in ("skip", "lift"):
+            result = run("plan", self.folder / "job.yaml", "-q", "-o", self.folder / action, "--set", "toolpath.stepover_mm=40",
+                         "--set", f"toolpath.gouges.action={action}")
+            summary = json.loads((self.folder / action / "summary.json").read_text())
+            [told[action]] = [w for w in summary["warnings"] if "the cutter would go" in w]
+            if action == "skip":
+                skipped = [s for s in summary["skipped"] if s["reason"] == "gouge"]
+                self.assertGreater(len(skipped), 0)
+                self.assertIn(f"; {len(skipped)} points are skipped", told[action])
+        self.assertNotIn("skipped", told["lift"])
+
+    def test_nobody_is_told_to_remove_a_folder(self):
+        (self.folder / "mine.txt").write_text("mine\n")
+        result = run("plan", JOB, "-o", self.folder)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("was not written by millpose; choose another with -o DIR", result.stderr)
+        self.assertNotIn("remove", result.stderr)
+
+    def test_a_plan_without_a_point_shows_no_empty_table(self):
+        text = JOB.read_text().replace("../../cells", str(TOP / "cells")).replace("support_pad.stl", str(JOB.parent / "support_pad.stl"))
+        (self.folder / "job.yaml").write_text(text.replace("[2076, 0, 1006]", "[9076, 0, 1006]"))
+        result = run("plan", self.folder / "job.yaml", "-q")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("points     0 planned of 210", result.stdout)
+        for word in ("median", "lambda_", "against", "nan", "objective "):
+            self.assertNotIn(word, result.stdout)
 
 
 class CamWithoutPart(InFolder):

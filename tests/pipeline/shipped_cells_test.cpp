@@ -26,7 +26,8 @@ TEST_P(ShippedCell, IsFreeAtHomeAndInMostPosesOfItsWorkingRange) {
   const auto home = checker.At(world.cell().home, Phase::kFree);
   EXPECT_FALSE(home) << home->first << " " << home->second;
 
-  // Where parts are milled: the arm before itself, bent, the wrist not folded back.
+  // Where parts are milled: the arm before itself, bent, the wrist not folded back; inner angles, which are
+  // KUKA's up to signs, so that makers who count from an upright arm have the same range.
   RandomStream random(5, 0);
   const auto share = [&](const Joints& lower, const Joints& upper) {
     constexpr int kPoses = 1000;
@@ -41,7 +42,15 @@ TEST_P(ShippedCell, IsFreeAtHomeAndInMostPosesOfItsWorkingRange) {
   Joints lower, upper;
   lower << -45, -100, 60, -180, -60, -180;
   upper << 45, -50, 115, 180, 60, 180;
-  const double working = share(lower * kRadPerDeg, upper * kRadPerDeg), all = share(arm.lower, arm.upper);
+  lower *= kRadPerDeg, upper *= kRadPerDeg;
+  if (arm.family == ArmFamily::kSphericalWrist)
+    for (Eigen::Index i = 0; i < 6; ++i) {
+      const double sign = arm.sign[static_cast<size_t>(i)];
+      const auto [low, high] =
+          std::minmax({sign * (lower[i] - arm.offset[i]), sign * (upper[i] - arm.offset[i])});
+      lower[i] = low, upper[i] = high;
+    }
+  const double working = share(lower, upper), all = share(arm.lower, arm.upper);
   EXPECT_GT(working, 0.9);
   // Over all that the limits allow the arm meets its base, itself and the platform; oftener one with parallel
   // axes, whose joints turn right round.
