@@ -23,6 +23,42 @@ Codec<UrdfSettings> UrdfFields() {
       [](const Value& value, const Context&, S& urdf) { urdf.line = value.mark.line; });
 }
 
+Codec<DhRow> DhRowFields() {
+  using S = DhRow;
+  return Section<S>({
+      Key<S>("a_mm", MILLPOSE_AT(a), Real(kMm, Between(-10000, 10000)), "Length of the row's link."),
+      Key<S>("alpha_deg", MILLPOSE_AT(alpha), Real(kDeg, Between(-360, 360)), "Its twist."),
+      Key<S>("d_mm", MILLPOSE_AT(d), Real(kMm, Between(-10000, 10000)), "Along the axis."),
+      Key<S>("theta_deg", MILLPOSE_AT(theta), Real(kDeg, Between(-360, 360)),
+             "About it where the arm's own angle is 0."),
+      Key<S>("sign", MILLPOSE_AT(sign), Integer(-1, 1),
+             "1 or -1: theta = sign × the arm's own angle + theta_deg."),
+  });
+}
+
+Codec<DhSettings> DhFields() {
+  using S = DhSettings;
+  const auto check = [](const Value& value, const Context& context, S& dh) {
+    dh.line = value.mark.line;
+    if (dh.rows.size() != 6)
+      context.Child("rows").Add(
+          value.mark, fmt::format("given {} rows; allowed: six, one for each axis", dh.rows.size()));
+    for (size_t i = 0; i < dh.rows.size(); ++i)
+      if (dh.rows[i].sign == 0)
+        context.Child(fmt::format("rows[{}].sign", i)).Add(value.mark, "given 0; allowed: 1, -1");
+  };
+  return Section<S>(
+      {Key<S>("convention", MILLPOSE_AT(convention), ChoiceOf(kDhConventionWords),
+              "standard: a and alpha behind the row's axis (Denavit and Hartenberg); modified: before it "
+              "(Craig).")
+           .Required(),
+       Key<S>("rows", MILLPOSE_AT(rows), ListOf(DhRowFields()), "Six rows from the base to the flange.")
+           .Required(),
+       Key<S>("tolerance_mm", MILLPOSE_AT(tolerance), Real(kMm, Positive(10)),
+              "Largest deviation of the closed form from the table.")},
+      check);
+}
+
 /// d5 belongs to parallel axes, and to nothing else.
 void CheckLengths(const Value& lengths, const Context& context, const ArmSettings& arm) {
   const auto* given = lengths.FindKey("d5");
@@ -36,17 +72,22 @@ void CheckLengths(const Value& lengths, const Context& context, const ArmSetting
 
 /// With a URDF, what it says is not said again; what it does not say must be.
 void CheckArm(const Value& value, const Context& context, ArmSettings& arm) {
-  if (arm.urdf.file.empty()) return CheckLengths(*value.Find("lengths_mm"), context.Child("lengths_mm"), arm);
+  const bool table = !arm.dh.rows.empty();
+  if (arm.urdf.file.empty() && !table)
+    return CheckLengths(*value.Find("lengths_mm"), context.Child("lengths_mm"), arm);
+  if (!arm.urdf.file.empty() && table)
+    context.Child("dh").Add(value.FindKey("dh")->mark, "stands beside arm.urdf; allowed: one of the two");
   for (const char* key : {"family", "lengths_mm", "axis_signs", "zero_offsets_deg"})
     if (const auto* given = value.FindKey(key))
-      context.Child(key).Add(given->mark, "is derived from the URDF; allowed: one of the two");
+      context.Child(key).Add(given->mark, fmt::format("is derived from the {}; allowed: one of the two",
+                                                      table ? "D-H table" : "URDF"));
 }
 
 }  // namespace
 
 Codec<ArmSettings> ArmFields() {
   using S = ArmSettings;
-  const auto explicit_arm = [](const S& s) { return s.urdf.file.empty(); };
+  const auto explicit_arm = [](const S& s) { return s.urdf.file.empty() && s.dh.rows.empty(); };
   const auto length = [](const char* key, auto access, const char* doc) {
     return Key<S>(key, access, Real(kMm, Between(-10000, 10000)), doc).Required();
   };
@@ -57,10 +98,14 @@ Codec<ArmSettings> ArmFields() {
               "urdf", MILLPOSE_AT(urdf), UrdfFields(),
               "A URDF from which lengths, signs, offsets, limits, speeds and bodies of the links are taken.")
               .WhenSet([](const S& s) { return !s.urdf.file.empty(); }),
+          Key<S>("dh", MILLPOSE_AT(dh), DhFields(),
+                 "A table after Denavit and Hartenberg, from which lengths, signs and offsets are taken.")
+              .WhenSet([](const S& s) { return !s.dh.rows.empty(); }),
           Key<S>("family", MILLPOSE_AT(family), ChoiceOf(kArmFamilyWords),
                  "Axes 4, 5, 6 meet in one point, or axes 2, 3, 4 are parallel (UR, Techman, AUBO, JAKA).")
-              .WhenSet(
-                  [](const S& s) { return s.urdf.file.empty() && s.family != ArmFamily::kSphericalWrist; })
+              .WhenSet([explicit_arm](const S& s) {
+                return explicit_arm(s) && s.family != ArmFamily::kSphericalWrist;
+              })
               .DefaultText("spherical_wrist"),
           Key<S>(
               "lengths_mm", kSelf,
@@ -82,10 +127,10 @@ Codec<ArmSettings> ArmFields() {
               }),
               "Lengths of the arm as in the formula of docs/kinematics.md.")
               .WhenSet(explicit_arm)
-              .RequiredUnless("urdf"),
+              .RequiredUnless("urdf, dh"),
           Key<S>("axis_signs", MILLPOSE_AT(sign), Signs(), "Sense of each axis; KUKA: [-1, 1, 1, -1, 1, -1].")
               .WhenSet(explicit_arm)
-              .RequiredUnless("urdf"),
+              .RequiredUnless("urdf, dh"),
           Key<S>("zero_offsets_deg", MILLPOSE_AT(offset), Numbers6(kDeg, Between(-360, 360)),
                  "Inner angle where the arm's own angle is 0.")
               .WhenSet(explicit_arm)

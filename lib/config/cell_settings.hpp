@@ -14,6 +14,7 @@
 #include "base/units.hpp"
 #include "cell/cell.hpp"
 #include "program/post_entry.hpp"
+#include "robot/denavit_hartenberg.hpp"
 #include "stiffness/compliance.hpp"
 
 namespace millpose {
@@ -29,11 +30,20 @@ struct UrdfSettings {
   int line = 0;                                 ///< of the section, for later errors
 };
 
+/// A table after Denavit and Hartenberg that an arm is derived from (docs/urdf.md).
+struct DhSettings {
+  DhConvention convention = DhConvention::kStandard;
+  std::vector<DhRow> rows;  ///< empty: none
+  double tolerance = 0.01;  ///< mm, between the table's axes and the closed form
+  int line = 0;             ///< of the section, for later errors
+};
+
 inline constexpr double kStiffnessUncertainty = 0.1;  ///< of a stiffness, where nobody says it
 
 struct ArmSettings {
   std::string name;
   UrdfSettings urdf;
+  DhSettings dh;
   ArmFamily family = ArmFamily::kSphericalWrist;
   double d1 = 0, a1 = 0, dy = 0, a2 = 0, d4 = 0, dz = 0, d5 = 0, d6 = 0;  ///< mm
   std::array<int, 6> sign{};

@@ -20,10 +20,16 @@ std::string Cell(std::string_view text) {
   return cell;
 }
 
+/// "urdf, dh" as "urdf` or `dh".
+std::string Either(std::string keys) {
+  if (const size_t at = keys.find(", "); at != std::string::npos) keys.replace(at, 2, "` or `");
+  return keys;
+}
+
 std::string Row(const config::FieldInfo& info, const std::string& path) {
   const std::string otherwise = info.required ? "**required**"
                                 : !info.required_unless.empty()
-                                    ? fmt::format("required without `{}`", info.required_unless)
+                                    ? "required without `" + Either(info.required_unless) + '`'
                                 : info.default_text.empty() ? "–"
                                                             : '`' + info.default_text + '`';
   return fmt::format("| `{}` | {} | {} | {} |\n", path, Cell(info.type), Cell(otherwise), Cell(info.doc));

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/resolve_urdf.hpp"
 
+#include <utility>
+
 #include "base/error.hpp"
 #include "base/trig.hpp"
 #include "pipeline/assemble.hpp"
+#include "robot/denavit_hartenberg.hpp"
 #include "robot/joint_chain.hpp"
 #include "robot/kinematics.hpp"
 
@@ -26,6 +29,54 @@ PoseSettings ToSettings(const Pose& X) {
   return pose;
 }
 
+/// The cell counts from the base and flange of what its arm is derived from; from here on, from the closed
+/// form's.
+void MoveToArm(const DerivedArm& derived, CellSettings& cell) {
+  const Pose X_FE = derived.X_FE, X_BS = derived.X_SB.inverse(Eigen::Isometry);
+  const Pose identity = Pose::Identity();
+  const auto from_flange = [&](const Pose& X) { return X_FE * X; };
+  if (!derived.X_SB.isApprox(identity, 0)) {
+    cell.base_in_world = ToSettings(MakePose(cell.base_in_world) * derived.X_SB);
+    for (BodySettings& body : cell.bodies) {
+      if (body.mount == MountSettings{Mount::kLink, 0}) body.pose = ToSettings(X_BS * MakePose(body.pose));
+    }
+    for (ComplianceSettings& c : cell.compliances) {
+      if (c.link == 0) c.pose = ToSettings(X_BS * MakePose(c.pose));
+    }
+  }
+  if (X_FE.isApprox(identity, 0)) return;
+  const auto move = [&](ToolSettings& tool) {
+    tool.tip = X_FE * tool.tip;
+    tool.axis = (X_FE.linear() * tool.axis).normalized();
+    tool.x = (X_FE.linear() * tool.x).normalized();
+    for (ComplianceSettings& c : tool.compliances) {
+      if (c.link == 6) c.pose = ToSettings(from_flange(MakePose(c.pose)));
+    }
+  };
+  move(cell.tool);
+  std::ranges::for_each(cell.tools, move);
+  for (BodySettings& body : cell.bodies) {
+    if (body.mount == MountSettings{Mount::kLink, 6})
+      body.pose = ToSettings(from_flange(MakePose(body.pose)));
+  }
+  for (ComplianceSettings& c : cell.compliances) {
+    if (c.link == 6) c.pose = ToSettings(from_flange(MakePose(c.pose)));
+  }
+  if (!cell.gravity) return;
+  for (MassSettings& mass : cell.gravity->masses) {
+    if (mass.link == 6) mass.centre = X_FE * mass.centre;
+  }
+}
+
+/// Takes lengths, signs and offsets.
+void TakeLengths(const Arm& from, ArmSettings& arm) {
+  arm.family = from.family;
+  arm.d1 = from.d1, arm.a1 = from.a1, arm.dy = from.dy, arm.a2 = from.a2;
+  arm.d4 = from.d4, arm.dz = from.dz, arm.d5 = from.d5, arm.d6 = from.d6;
+  for (size_t i = 0; i < 6; ++i) arm.sign[i] = from.sign[i] < 0 ? -1 : 1;
+  arm.offset = from.offset;
+}
+
 class Resolver {
  public:
   Resolver(const fs::path& folder, const FileRoot& root, CellSettings& cell)
@@ -36,7 +87,7 @@ class Resolver {
     const ChainOfLinks found = FindChain(model, urdf_.base_link, urdf_.flange_link);
     derived_ = DeriveArm(found.chain, urdf_.tolerance, file_);
     FillArm(found.chain);
-    MoveToModel();
+    MoveToArm(derived_, cell_);
     for (const AttachedLink& link : found.links) AddBodies(found.chain, link);
     cell_.warnings = found.warnings;
     if (!problems_.empty()) throw InputError(std::move(problems_));
@@ -53,11 +104,7 @@ class Resolver {
   void FillArm(const JointChain& chain) {
     ArmSettings& arm = cell_.arm;
     const Arm& from = derived_.arm;
-    arm.family = from.family;
-    arm.d1 = from.d1, arm.a1 = from.a1, arm.dy = from.dy, arm.a2 = from.a2;
-    arm.d4 = from.d4, arm.dz = from.dz, arm.d5 = from.d5, arm.d6 = from.d6;
-    for (size_t i = 0; i < 6; ++i) arm.sign[i] = from.sign[i] < 0 ? -1 : 1;
-    arm.offset = from.offset;
+    TakeLengths(from, arm);
     const bool own_limits = arm.lower != arm.upper, own_speeds = !arm.speed.isZero(0.0);
     for (const JointChain::Joint& joint : chain.joints) {
       if (!own_limits && !joint.limited) {
@@ -73,42 +120,6 @@ class Resolver {
     }
     if (!own_speeds) arm.speed = from.speed;
     if (arm.limits_source.empty()) arm.limits_source = urdf_.file;
-  }
-
-  /// The cell counts from the URDF's base and flange; from here on, from the closed form's.
-  void MoveToModel() {
-    const Pose X_FE = derived_.X_FE, X_BS = derived_.X_SB.inverse(Eigen::Isometry);
-    const Pose identity = Pose::Identity();
-    const auto from_flange = [&](const Pose& X) { return X_FE * X; };
-    if (!derived_.X_SB.isApprox(identity, 0)) {
-      cell_.base_in_world = ToSettings(MakePose(cell_.base_in_world) * derived_.X_SB);
-      for (BodySettings& body : cell_.bodies) {
-        if (body.mount == MountSettings{Mount::kLink, 0}) body.pose = ToSettings(X_BS * MakePose(body.pose));
-      }
-      for (ComplianceSettings& c : cell_.compliances) {
-        if (c.link == 0) c.pose = ToSettings(X_BS * MakePose(c.pose));
-      }
-    }
-    if (X_FE.isApprox(identity, 0)) return;
-    const auto move = [&](ToolSettings& tool) {
-      tool.tip = X_FE * tool.tip;
-      tool.axis = (X_FE.linear() * tool.axis).normalized();
-      tool.x = (X_FE.linear() * tool.x).normalized();
-      for (ComplianceSettings& c : tool.compliances) c.pose = ToSettings(from_flange(MakePose(c.pose)));
-    };
-    move(cell_.tool);
-    std::ranges::for_each(cell_.tools, move);
-    for (BodySettings& body : cell_.bodies) {
-      if (body.mount == MountSettings{Mount::kLink, 6})
-        body.pose = ToSettings(from_flange(MakePose(body.pose)));
-    }
-    for (ComplianceSettings& c : cell_.compliances) {
-      if (c.link == 6) c.pose = ToSettings(from_flange(MakePose(c.pose)));
-    }
-    if (!cell_.gravity) return;
-    for (MassSettings& mass : cell_.gravity->masses) {
-      if (mass.link == 6) mass.centre = X_FE * mass.centre;
-    }
   }
 
   void AddBodies(const JointChain& chain, const AttachedLink& attached) {
@@ -194,10 +205,31 @@ class Resolver {
   std::vector<Problem> problems_;
 };
 
+/// Replaces a table after Denavit and Hartenberg by the arm that it gives.
+void ResolveTable(CellSettings& cell) {
+  const DhSettings table = std::exchange(cell.arm.dh, {});
+  std::array<DhRow, 6> rows;
+  std::ranges::copy(table.rows, rows.begin());
+  try {
+    const DerivedArm derived =
+        DeriveArm(ChainOf(rows, table.convention), table.tolerance, cell.file, "arm.dh.tolerance_mm");
+    TakeLengths(derived.arm, cell.arm);
+    MoveToArm(derived, cell);
+  } catch (const InputError& error) {
+    std::vector<Problem> problems = error.problems();
+    for (Problem& problem : problems) {
+      problem.place.line = table.line;
+      problem.message = "arm.dh: " + problem.message;
+    }
+    throw InputError(std::move(problems));
+  }
+}
+
 }  // namespace
 
 void ResolveUrdf(const std::filesystem::path& folder, const FileRoot& root, CellSettings* cell) {
   if (!cell->arm.urdf.file.empty()) Resolver(folder, root, *cell).Resolve();
+  if (!cell->arm.dh.rows.empty()) ResolveTable(*cell);
 }
 
 }  // namespace millpose

@@ -51,8 +51,8 @@ Vector3d CrossDirection(const Vector3d& axis, const Vector3d& wanted, const Vect
 
 class Derivation {
  public:
-  Derivation(const JointChain& chain, double tolerance, const std::string& file)
-      : chain_(chain), tolerance_(tolerance), file_(file) {
+  Derivation(const JointChain& chain, double tolerance, const std::string& file, const std::string& key)
+      : chain_(chain), tolerance_(tolerance), file_(file), key_(key) {
     const std::array<Pose, 8> frames = ChainFrames(chain, Joints::Zero());
     for (size_t i = 0; i < 6; ++i) {
       axes_[i] = {frames[i + 1].translation(), frames[i + 1].linear() * chain.joints[i].axis};
@@ -87,7 +87,7 @@ class Derivation {
   }
   /// What the tolerance is, and by how much a misfit is above it.
   std::string Allowed(double misfit) const {
-    return fmt::format("allowed by arm.urdf.tolerance_mm: {:.4g} mm, which is {:.4g} mm less", tolerance_,
+    return fmt::format("allowed by {}: {:.4g} mm, which is {:.4g} mm less", key_, tolerance_,
                        misfit - tolerance_);
   }
   const std::string& Name(int axis) const { return chain_.joints[static_cast<size_t>(axis - 1)].name; }
@@ -100,8 +100,10 @@ class Derivation {
   void CheckAngle(int a, int b, double sine, const char* wanted) {
     const double off = Asin(std::min(1.0, sine));
     if (off <= kRightAngle) return;
-    Refuse(fmt::format("axes {} ({}) and {} ({}) must be {} for the closed form; they are {:.4g}° off", a,
-                       Name(a), b, Name(b), wanted, RadToDeg(off)));
+    const char* why =
+        a < 4 ? "" : ". Hollow wrists with oblique axes, as of painting arms, cannot be solved here";
+    Refuse(fmt::format("axes {} ({}) and {} ({}) must be {} for the closed form; they are {:.4g}° off{}", a,
+                       Name(a), b, Name(b), wanted, RadToDeg(off), why));
   }
 
   void CheckDirections() {
@@ -140,11 +142,12 @@ class Derivation {
     wrist_ = (on_4 + near_4 + near_6 + on_6) / 4;
     const double miss = std::max({(on_4 - near_4).norm(), (on_6 - near_6).norm(), (near_4 - near_6).norm()});
     if (miss > tolerance_) {
-      Refuse(
-          fmt::format("no spherical wrist: axes 4, 5 and 6 ({}, {}, {}) miss one point by {:.4g} mm; {}. "
-                      "Arms whose wrist has an offset have a closed form here only where axes 2, 3 and 4 "
-                      "are parallel",
-                      Name(4), Name(5), Name(6), miss, Allowed(miss)));
+      Refuse(fmt::format(
+          "no spherical wrist: axes 4, 5 and 6 ({}, {}, {}) miss one point by {:.4g} mm; {}. "
+          "Poses are solved in closed form, which needs the three wrist axes to meet in one point; where "
+          "the wrist has an offset (painting arms, FANUC CRX) it goes only where axes 2, 3 and 4 are "
+          "parallel (UR)",
+          Name(4), Name(5), Name(6), miss, Allowed(miss)));
     }
   }
 
@@ -282,6 +285,7 @@ class Derivation {
   const JointChain& chain_;
   double tolerance_;
   const std::string& file_;
+  const std::string& key_;
   std::array<Axis, 6> axes_;
   Pose X_SE_;
   Vector3d wrist_ = Vector3d::Zero(), on_4_ = Vector3d::Zero(), up_, side_, along_, x4_;
@@ -291,8 +295,9 @@ class Derivation {
 
 }  // namespace
 
-DerivedArm DeriveArm(const JointChain& chain, double tolerance, const std::string& file) {
-  return Derivation(chain, tolerance, file).Derive();
+DerivedArm DeriveArm(const JointChain& chain, double tolerance, const std::string& file,
+                     const std::string& key) {
+  return Derivation(chain, tolerance, file, key).Derive();
 }
 
 }  // namespace millpose

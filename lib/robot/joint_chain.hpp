@@ -54,8 +54,10 @@ struct DerivedArm {
 /// Finds lengths, signs and offsets such that X_SE = X_SB · X_BF(angles) · X_FE, and proves it on random
 /// poses. The family is that of parallel axes where axis 4 is parallel to axis 3. Throws InputError (file
 /// `file`) with what keeps the chain from a closed form: axes that do not meet (by how many mm), axes not at
-/// right angles or not parallel (by how many degrees), or a deviation above `tolerance` (mm). Lengths are
+/// right angles or not parallel (by how many degrees), or a deviation above `tolerance` (mm), which
+/// `key` of the cell gives. Lengths are
 /// rounded to 1e-11 mm and offsets to 1e-12 degrees. Derivation: docs/urdf.md.
-DerivedArm DeriveArm(const JointChain& chain, double tolerance, const std::string& file);
+DerivedArm DeriveArm(const JointChain& chain, double tolerance, const std::string& file,
+                     const std::string& key = "arm.urdf.tolerance_mm");
 
 }  // namespace millpose

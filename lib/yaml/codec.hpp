@@ -42,7 +42,7 @@ struct FieldInfo {
   std::string key, type, default_text, doc;
   bool required = false;
   std::vector<FieldInfo> keys;       ///< of a section
-  std::string required_unless = {};  ///< required where this key is not given
+  std::string required_unless = {};  ///< required where none of these keys, "urdf, dh", is given
 };
 
 /// How values of type T are read, written and described.

@@ -27,6 +27,17 @@ const std::map<std::string, std::string>& FormerKeys() {
   return keys;
 }
 
+/// "urdf, dh": the keys one by one.
+std::vector<std::string> Names(std::string_view list) {
+  std::vector<std::string> names;
+  for (size_t at = 0; at < list.size();) {
+    const size_t end = std::min(list.find(", ", at), list.size());
+    names.emplace_back(list.substr(at, end - at));
+    at = end + 2;
+  }
+  return names;
+}
+
 const std::string* FormerKey(const std::string& path) {
   for (const auto& [end, message] : FormerKeys())
     if (('.' + path).ends_with(end)) return &message;
@@ -57,9 +68,12 @@ void CheckKeys(const Value& map, const Context& context, const std::vector<Field
     if (map.Find(info.key)) continue;
     if (info.required)
       context.Child(info.key).Add(map.mark, "missing; required: " + info.type);
-    else if (!info.required_unless.empty() && !map.Find(info.required_unless))
-      context.Child(info.key).Add(
-          map.mark, fmt::format("missing; required without {}: {}", info.required_unless, info.type));
+    else if (!info.required_unless.empty() &&
+             std::ranges::none_of(Names(info.required_unless),
+                                  [&](const std::string& other) { return map.Find(other); }))
+      context.Child(info.key).Add(map.mark,
+                                  fmt::format("missing; required without {}: {}",
+                                              fmt::join(Names(info.required_unless), " or "), info.type));
   }
 }
 
@@ -68,7 +82,7 @@ Value SectionSchema(const std::vector<FieldInfo>& keys, std::vector<Value> schem
   Value schema = SchemaOf("object");
   Value properties = Value::Map();
   Value required = Value::List();
-  std::map<std::string, Value> unless;  // keys that are required where another is not given
+  std::map<std::string, Value> unless;  // keys that are required where none of others is given
   for (size_t i = 0; i < keys.size(); ++i) {
     if (!keys[i].required_unless.empty())
       unless[keys[i].required_unless].items.push_back(Value::Text(keys[i].key));
@@ -78,13 +92,22 @@ Value SectionSchema(const std::vector<FieldInfo>& keys, std::vector<Value> schem
   }
   schema.Put("properties", properties);
   if (!required.items.empty()) schema.Put("required", required);
-  for (auto& [other, list] : unless) {
-    Value with = Value::Map(), without = Value::Map();
-    with.Put("required", Value::List({Value::Text(other)}));
+  std::vector<Value> conditions;
+  for (auto& [others, list] : unless) {
+    Value choice = Value::List();
+    for (const std::string& other : Names(others)) {
+      Value with = Value::Map();
+      with.Put("required", Value::List({Value::Text(other)}));
+      choice.items.push_back(with);
+    }
+    Value without = Value::Map(), condition = Value::Map();
     list.kind = Value::Kind::kList;
     without.Put("required", list);
-    schema.Put("anyOf", Value::List({with, without}));
+    choice.items.push_back(without);
+    condition.Put("anyOf", choice);
+    conditions.push_back(condition);
   }
+  if (!conditions.empty()) schema.Put("allOf", Value::List(std::move(conditions)));
   schema.Put("additionalProperties", Value::Plain("false"));
   return schema;
 }

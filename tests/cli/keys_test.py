@@ -29,6 +29,8 @@ LEFT_OUT = {
     "arm.urdf.flange_link": "an arm like any other once derived",
     "arm.urdf.packages.*": "an arm like any other once derived",
     "arm.urdf.tolerance_mm": "an arm like any other once derived",
+    **{f"arm.dh.{key}": "an arm like any other once derived"
+       for key in ("convention", "tolerance_mm", *(f"rows[].{of}" for of in ("a_mm", "alpha_deg", "d_mm", "theta_deg", "sign")))},
     "arm.family": "another arm altogether (cli_parallel_arm)", "arm.lengths_mm.d5": "of parallel axes alone",
     "reproduction_only": "such cells get no programs", "cell": "another name of the same file",
     "workpiece.stock.unit": "a stock of another size touches at home",

@@ -220,5 +220,66 @@ TEST_F(UrdfCell, NeighboursThatTouchInEveryPoseAreProposedOrTaken) {
       std::ranges::none_of(taken.warnings, [&](const auto& w) { return names(w) != std::string::npos; }));
 }
 
+TEST_F(UrdfCell, EveryToolCountsFromTheFlangeOfTheFile) {
+  const std::string one = kCell;
+  const size_t begin = one.find("tool:\n"), end = one.find("bodies:\n");
+  constexpr const char* kTools =
+      "tools:\n  - {name: first, tip_in_flange_mm: [10, 20, 150], axis_in_flange: [0, 0, -1], x_in_flange: "
+      "[1, 0, 0],\n"
+      "     cutter: {diameter_mm: 20, cutting_length_mm: 40}, stack: [{name: cutter, class: cutter, "
+      "length_mm: 60, "
+      "diameter_mm: 20}]}\n";
+  // A flange that is not that of a closed form.
+  const std::string tilted = With(urdf_, "<origin xyz=\"-0.12 0 0\" rpy=\"0 -1.5707963267948966 0\"/>",
+                                  "<origin xyz=\"-0.12 0.03 0.01\" rpy=\"0.2 1 2\"/>");
+  const CellSettings alone = Load(one, tilted),
+                     several = Load(one.substr(0, begin) + kTools + one.substr(end), tilted);
+  ASSERT_EQ(several.tools.size(), 1U);
+  EXPECT_GT((alone.tool.tip - Eigen::Vector3d(10, 20, 150)).norm(), 1)
+      << "this file's flange is not the arm's";
+  EXPECT_EQ(several.tools[0].tip, alone.tool.tip);
+  EXPECT_EQ(several.tools[0].axis, alone.tool.axis);
+  EXPECT_EQ(several.tools[0].x, alone.tool.x);
+}
+
+TEST_F(UrdfCell, ATableGivesTheArmOfItsLengths) {
+  const std::string sample = ReadFile(fs::path(SourceDir()) / "cells/r2000ic_165f.yaml");
+  const size_t begin = sample.find("  lengths_mm:"), end = sample.find("  limits_deg:");
+  constexpr const char* kTable = R"(  dh:
+    convention: modified
+    rows:
+      - {d_mm: 670}
+      - {a_mm: 312, alpha_deg: -90, theta_deg: -90}
+      - {a_mm: 1075, sign: -1}
+      - {a_mm: 225, alpha_deg: -90, d_mm: 1280, sign: -1}
+      - {alpha_deg: 90, sign: -1}
+      - {alpha_deg: -90, d_mm: 215, sign: -1}
+)";
+  const std::string text = sample.substr(0, begin) + kTable + sample.substr(end);
+  const CellSettings by_lengths = Load(sample, ""), by_table = Load(text, "");
+  EXPECT_TRUE(by_table.arm.dh.rows.empty()) << "nothing after reading knows of tables";
+  const Arm a = MakeArm(by_lengths.arm), b = MakeArm(by_table.arm);
+  RandomStream random(4, 0);
+  for (int k = 0; k < 20; ++k) {
+    Joints q;
+    for (int i = 0; i < 6; ++i) q[i] = random.Uniform(-2, 2);
+    // The wrist centre and the axis of the flange; about it each has its own zero.
+    const Pose of_a = MakePose(by_lengths.base_in_world) * ForwardFlange(a, q),
+               of_b = MakePose(by_table.base_in_world) * ForwardFlange(b, q);
+    EXPECT_LT((of_a.translation() - of_b.translation()).norm(), 1e-9);
+    EXPECT_LT((of_a.linear().col(2) - of_b.linear().col(2)).norm(), 1e-12);
+  }
+  const std::string five = With(text, "      - {alpha_deg: 90, sign: -1}\n", "");
+  EXPECT_NE(ErrorOf(five, "").find("given 5 rows; allowed: six"), std::string::npos) << ErrorOf(five, "");
+  const std::string both =
+      With(text, "  dh:", "  urdf: {file: robot/arm.urdf, base_link: a, flange_link: b}\n  dh:");
+  EXPECT_NE(ErrorOf(both, "").find("stands beside arm.urdf"), std::string::npos) << ErrorOf(both, "");
+  const std::string lengths = With(text, "  dh:", "  axis_signs: [1, 1, 1, 1, 1, 1]\n  dh:");
+  EXPECT_NE(ErrorOf(lengths, "").find("is derived from the D-H table"), std::string::npos)
+      << ErrorOf(lengths, "");
+  const std::string offset = With(text, "{alpha_deg: 90, sign: -1}", "{alpha_deg: 90, a_mm: 50, sign: -1}");
+  EXPECT_NE(ErrorOf(offset, "").find("arm.dh: no spherical wrist"), std::string::npos) << ErrorOf(offset, "");
+}
+
 }  // namespace
 }  // namespace millpose
