@@ -339,7 +339,10 @@ class All(Keys):
             schema = json.loads((TOP / "docs" / "schema" / f"{name}.schema.json").read_text())
             wanted |= set(resolved_yaml.leaves(schema))
         # An operation is a job of its own; of several tools the keys are those of `tool`.
-        twice = ("operations[]", "tools[].tip", "tools[].axis", "tools[].x_", "tools[].cutter", "tools[].stack", "tools[].load")
+        # A tool's compliances are read by the table of `stiffness.compliances`; one key of them shows that they count.
+        twice = ("operations[]", "tools[].tip", "tools[].axis", "tools[].x_", "tools[].cutter", "tools[].stack", "tools[].load",
+                 "tool.number", "tool.compliances[]", "tools[].compliances[].matrix", "tools[].compliances[].mount",
+                 "tools[].compliances[].pose", "tools[].compliances[].rotational")
         wanted = {key for key in wanted if not key.startswith(twice)} - LEFT_OUT.keys() if ALL else FEW_KEYS
         self.resumed, self.refusals = {}, {}
         for job, cell in self.variants():
