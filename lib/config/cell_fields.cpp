@@ -78,11 +78,25 @@ Codec<BodySettings> BodyFields() {
 
 namespace {
 
+// The number of a cell's only tool tells a program something where the tool is changed or a text asks for it.
+void CheckNumber(const Value& value, const Context& context, const CellSettings& cell) {
+  if (!cell.tool.number || cell.change_at) return;
+  for (const auto& [name, controller] : cell.controllers)
+    for (const auto& [text, lines] : controller.shared.texts)
+      if (lines.find("{number}") != std::string::npos) return;
+  context.Child("tool").Child("number").Add(
+      value.Find("tool")->FindKey("number")->mark,
+      "has no effect here: no text of controllers has {number}, and a cell with one tool and without "
+      "tool_change_deg never changes it");
+}
+
 // What tells tools apart must differ; the first one counts until a job names another.
 void CheckTools(const Value& value, const Context& context, CellSettings& cell) {
   if (cell.tools.empty()) {
     if (const Value* given = value.Find("tools"))
       context.Child("tools").Add(given->mark, "given no tool; allowed: at least one");
+    else
+      CheckNumber(value, context, cell);
     return;
   }
   const std::vector<Value>& items = value.Find("tools")->items;

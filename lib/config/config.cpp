@@ -14,12 +14,8 @@ void Apply(const Override& change, config::Value* root) {
     const std::string key = change.path.substr(begin, end - begin);
     begin = end + 1;
     if (place->kind != config::Value::Kind::kMap) *place = config::Value::Map();
-    auto found = std::ranges::find(place->keys, key, &config::Value::Key::text);
-    if (found == place->keys.end()) {
-      place->Put(key, {});
-      found = place->keys.end() - 1;
-    }
-    place = &place->items[static_cast<size_t>(found - place->keys.begin())];
+    if (!place->Find(key)) place->Put(key, {});
+    place = place->Find(key);
   }
   // A list around it makes any text a document.
   *place = config::ReadYaml("[" + change.value + "]", "--set " + change.path).items.at(0);

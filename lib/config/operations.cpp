@@ -12,12 +12,13 @@ constexpr size_t kLongestStem =
     17;  // of the job's name in an operation's: a program's name has 20 characters
 constexpr size_t kMost = 99;
 
-Value* Find(Value& map, const std::string& key) { return const_cast<Value*>(map.Find(key)); }
+// Of a section that an operation has not key by key.
+bool IsWhole(const std::string& section) { return section == "toolpath" || section == "tool"; }
 
 // `own` in place of what `map` has under `key`, or key by key where both are sections.
 void Override(Value& map, const Value::Key& key, const Value& own) {
-  Value* given = Find(map, key.text);
-  const bool whole = key.text == "toolpath" || key.text == "tool";
+  Value* given = map.Find(key.text);
+  const bool whole = IsWhole(key.text);
   if (!given) {
     map.keys.push_back(key);
     map.items.push_back(own);
@@ -25,7 +26,7 @@ void Override(Value& map, const Value::Key& key, const Value& own) {
     *given = own;
   } else {
     for (size_t i = 0; i < own.keys.size(); ++i) {
-      if (Value* inner = Find(*given, own.keys[i].text)) {
+      if (Value* inner = given->Find(own.keys[i].text)) {
         *inner = own.items[i];
       } else {
         given->keys.push_back(own.keys[i]);
@@ -58,6 +59,28 @@ std::vector<FieldInfo> OperationKeys() {
                     false,
                     {}});
   return keys;
+}
+
+// What the job has for all operations, and each of them has otherwise.
+void RefuseUnused(const Value& root, const std::vector<Value>& operations, const Context& context) {
+  const auto refuse = [&](const std::string& key, yaml::Mark mark, const auto& has_own) {
+    if (std::ranges::all_of(operations, has_own))
+      context.Add(mark, fmt::format("{} has no effect here: every operation has its own", key));
+  };
+  for (const std::string& section : kSections) {
+    const Value* given = root.Find(section);
+    if (!given) continue;
+    if (IsWhole(section)) {
+      refuse(section, root.FindKey(section)->mark,
+             [&](const Value& operation) { return operation.Find(section) != nullptr; });
+      continue;
+    }
+    for (const Value::Key& key : given->keys)
+      refuse(section + "." + key.text, key.mark, [&](const Value& operation) {
+        const Value* own = operation.Find(section);
+        return own && own->Find(key.text);
+      });
+  }
 }
 
 }  // namespace
@@ -120,6 +143,7 @@ std::vector<std::string> OperationNames(const Value& root, const Context& contex
       at.Child("name").Add(name->mark, fmt::format("given {} twice", name->text));
     names.push_back(name->text);
   }
+  RefuseUnused(root, list.items, context);
   return names;
 }
 
@@ -135,7 +159,7 @@ Value OperationRoot(const Value& root, size_t number) {
   for (size_t i = 0; i < operation.keys.size(); ++i)
     if (operation.keys[i].text != "name") Override(own, operation.keys[i], operation.items[i]);
   own.Put("operation", Value::Text(operation.Find("name")->text));
-  if (Value* name = Find(own, "name"); name && name->kind == Value::Kind::kScalar)
+  if (Value* name = own.Find("name"); name && name->kind == Value::Kind::kScalar)
     name->text = fmt::format("{}_{}", name->text.substr(0, kLongestStem), number + 1);
   return own;
 }

@@ -11,9 +11,7 @@ namespace fs = std::filesystem;
 
 std::vector<VerifiedProgram> VerifyJob(const VerifyArguments& arguments, Progress& progress,
                                        std::stop_token stop) {
-  const bool whole = fs::is_directory(arguments.target) && !Exists(arguments.target / "plan.cbor") &&
-                     Exists(arguments.target / kOperationsFolder);
-  if (!whole) return VerifyPrograms(arguments, progress, std::move(stop));
+  if (!HoldsSeveral(arguments.target)) return VerifyPrograms(arguments, progress, std::move(stop));
   arguments.root.CheckFolder(arguments.target);
   MendOutputFolder(arguments.target);
   const Manifest manifest = CheckManifest(arguments.target);

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/text.hpp"
+#include "plan/cycle_time.hpp"
 #include "program/calling_program.hpp"
 #include "program/post_entry.hpp"
 #include "program/scanner.hpp"
@@ -137,9 +138,13 @@ std::vector<std::string> Findings(const std::vector<ToldOperation>& operations,
   return findings;
 }
 
-std::string Clock(double seconds) {
-  const long long whole = std::llround(seconds);
-  return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+/// " 3 unreachable 2 interference": how many points an operation leaves out, and why.
+std::string SkippedText(const ToldOperation& done) {
+  std::map<std::string, size_t> by_reason;
+  for (const Json& skipped : done.json.at("skipped")) ++by_reason[skipped.at("reason").get<std::string>()];
+  std::string text;
+  for (const auto& [reason, count] : by_reason) text += fmt::format(" {} {}", count, reason);
+  return text;
 }
 
 std::string MainOf(const WholeProgram& program, const std::string& job) {
@@ -243,7 +248,7 @@ std::string WholeReport(const std::string& job, const std::vector<DoneOperation>
         clearance.is_number() ? fmt::format("{:.1f}", clearance.get<double>()) : "&ndash;");
     for (const WholeProgram& program : programs)
       html += done.programs.contains(program.controller)
-                  ? fmt::format("<td class=\"n\">{}</td>", Clock(CycleOf({done}, program.controller)))
+                  ? fmt::format("<td class=\"n\">{}</td>", ClockText(CycleOf({done}, program.controller)))
                   : "<td class=\"n bad\">withheld</td>";
     html += "</tr>\n";
   }
@@ -269,13 +274,15 @@ std::string WholeText(const std::vector<DoneOperation>& all, const std::vector<W
     text += fmt::format("operation  {}: {} of {} points with {}, {}\n", done.name,
                         points.at("planned").get<size_t>(), points.at("total").get<size_t>(), done.tool,
                         (out / done.folder).string());
+    if (const std::string skipped = SkippedText(done); !skipped.empty())
+      text += fmt::format("skipped    {}:{}\n", done.name, skipped);
   }
   const std::string job = operations.front().job;
   for (const WholeProgram& program : programs)
     if (program.withheld.empty() && program.findings.empty())
-      text +=
-          fmt::format("program    programs/{}: calls {} programs, read back and confirmed; {}\n",
-                      program.controller, operations.size(), Clock(CycleOf(operations, program.controller)));
+      text += fmt::format("program    programs/{}: calls {} programs, read back and confirmed; {}\n",
+                          program.controller, operations.size(),
+                          ClockText(CycleOf(operations, program.controller)));
   for (const std::string& finding : Findings(operations, programs)) text += "finding    " + finding + "\n";
   return text;
 }

@@ -39,9 +39,6 @@ struct JobPrograms {
   std::optional<BaseWindow> base_window;  ///< of all of them, see FindBaseWindow()
 };
 
-/// The name of the plan in its output folder, from which programs can be verified again.
-inline constexpr const char* kPlanFile = "plan.cbor";
-
 /// Fills in the frames that a program leaves to the controller (numbered ones) from the plan.
 void CompleteFrames(MotionProgram& program, const MotionProgram& planned);
 

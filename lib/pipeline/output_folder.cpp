@@ -69,8 +69,13 @@ std::vector<std::string> NamesOfSet(const fs::path& folder) {
 
 bool IsOutputFolder(const fs::path& folder) { return Exists(folder / kMark); }
 
+// A run that was ended between its results and its tidying up has left both.
+bool HoldsSeveral(const fs::path& folder) {
+  return Exists(folder / kOperationsFolder) && !Exists(folder / kPlanFile);
+}
+
 void RefuseSeveral(const fs::path& folder) {
-  if (!Exists(folder / kOperationsFolder)) return;
+  if (!HoldsSeveral(folder)) return;
   std::vector<std::string> own;
   for (const fs::path& entry : EntriesOf(folder / kOperationsFolder)) own.push_back(entry.string());
   std::ranges::sort(own);

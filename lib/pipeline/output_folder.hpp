@@ -10,11 +10,17 @@
 
 namespace millpose {
 
+/// The name of the plan in its output folder, from which programs can be verified again.
+inline constexpr const char* kPlanFile = "plan.cbor";
+
 /// In the output folder of a job with several operations: the output folders of these.
 inline constexpr const char* kOperationsFolder = "operations";
 
 /// Whether `folder` was written by millpose.
 bool IsOutputFolder(const std::filesystem::path& folder);
+
+/// Whether `folder` is the output folder of a job with several operations.
+bool HoldsSeveral(const std::filesystem::path& folder);
 
 /// Throws InputError for the output folder of a job with several operations, naming those of these.
 void RefuseSeveral(const std::filesystem::path& folder);

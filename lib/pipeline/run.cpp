@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/run.hpp"
 
+#include "base/file.hpp"
 #include "config/config.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/audit.hpp"
@@ -134,6 +135,7 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   run.told = SummaryText(job.plan, report, run);
   results.Add(kRunFile, RunJson(run));
   results.Publish();
+  RemoveAll(folder.path() / kOperationsFolder);  // which the job had before
   return {run.exit_status, run.told + lock_warning};
 }
 

@@ -6,14 +6,11 @@
 #include <cmath>
 
 namespace millpose {
-namespace {
 
-std::string Clock(double seconds) {
+std::string ClockText(double seconds) {
   const long long whole = std::llround(seconds);
   return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
-
-}  // namespace
 
 CycleTime& CycleTime::operator+=(const CycleTime& other) {
   cuts += other.cuts;
@@ -24,8 +21,9 @@ CycleTime& CycleTime::operator+=(const CycleTime& other) {
 }
 
 std::string TimeText(const CycleTime& time) {
-  return fmt::format("{} (cuts {}, approaches {}, gaps {}, stops {})", Clock(time.Total()), Clock(time.cuts),
-                     Clock(time.approaches), Clock(time.gaps), Clock(time.stops));
+  return fmt::format("{} (cuts {}, approaches {}, gaps {}, stops {})", ClockText(time.Total()),
+                     ClockText(time.cuts), ClockText(time.approaches), ClockText(time.gaps),
+                     ClockText(time.stops));
 }
 
 }  // namespace millpose

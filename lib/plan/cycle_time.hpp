@@ -30,6 +30,9 @@ struct ControllerTime {
   ProgramTime time;
 };
 
+/// "1:02:03", h:min:s.
+std::string ClockText(double seconds);
+
 /// "1:02:03 (cuts 0:55:00, approaches 0:04:00, gaps 0:02:00, stops 0:01:03)", h:min:s.
 std::string TimeText(const CycleTime& time);
 

@@ -38,6 +38,7 @@ struct Value {
   void Put(std::string key, Value value);
   /// The entry of a map under `key`, or null.
   const Value* Find(std::string_view key) const;
+  Value* Find(std::string_view key);
   const Key* FindKey(std::string_view key) const;
 };
 

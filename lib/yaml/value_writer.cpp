@@ -36,9 +36,13 @@ void Value::Put(std::string key, Value value) {
 }
 
 const Value* Value::Find(std::string_view key) const {
-  for (size_t i = 0; i < keys.size(); ++i)
-    if (keys[i].text == key) return &items[i];
-  return nullptr;
+  const Key* found = FindKey(key);
+  return found ? &items[static_cast<size_t>(found - keys.data())] : nullptr;
+}
+
+Value* Value::Find(std::string_view key) {
+  const Key* found = FindKey(key);
+  return found ? &items[static_cast<size_t>(found - keys.data())] : nullptr;
 }
 
 const Value::Key* Value::FindKey(std::string_view key) const {

@@ -157,7 +157,7 @@ class Init(InFolder):
         for arm in sorted((data / "robots").glob("*.urdf")):
             for part, unit in parts.items():
                 with self.subTest(part=part, arm=arm.name):
-                    out = self.folder / arm.stem / Path(part).stem.replace(".", "_").lower()
+                    out = self.folder / arm.stem / Path(part).name.replace(".", "_").lower()
                     result = self.init(data / "parts" / part, "--arm", arm, "--out", out, *unit)
                     self.assertEqual(result.returncode, 0, result.stderr)
                     planned = run("plan", out / "job.yaml", "-q")

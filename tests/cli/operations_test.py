@@ -154,6 +154,25 @@ class Operations(InFolder):
         self.assertEqual(sorted(path.name for path in (self.out / "operations").iterdir()), ["01_face_pads", "02_drill_holes"])
         self.assertEqual(run("verify", self.out).returncode, 0)
 
+    def test_a_job_that_has_no_operations_any_more_leaves_none(self):
+        text = without(without(small(), "trim_window"), "drill_holes")
+        self.assertEqual(self.plan(text).returncode, 0)
+        several = run("inspect", self.out, "--point", "0")
+        self.assertEqual(several.returncode, 2)
+        self.assertIn("holds several operations", several.stderr)
+        _, own = text[:text.index("programs:")].split("  - name: face_pads\n")
+        single = text[:text.index("process: {")] + re.sub("^    ", "", own, flags=re.M).replace("process:\n", "process:\n  spindle_rpm: 7000\n")
+        self.assertEqual(self.plan(single).returncode, 0)
+        self.assertFalse((self.out / "operations").exists())
+        (self.out / "operations" / "01_face_pads").mkdir(parents=True)  # as a run leaves it that was ended before it tidied up
+        for command in (("inspect", self.out, "--point", "0"), ("verify", self.out)):
+            self.assertEqual(run(*command).returncode, 0, command)
+
+    def test_what_is_left_out_and_why(self):
+        planned = self.plan(without(small(), "trim_window"), "--set", "workpiece.pose.xyz_mm=[3100,0,1200]")
+        self.assertEqual(planned.returncode, 1)
+        self.assertIn("skipped    face_pads: 7 unreachable\n", planned.stdout)
+
     def test_a_share_of_the_passes_is_planned_and_taken_up(self):
         text = without(small(), "trim_window")
         (self.folder / "job.yaml").write_text(text)
@@ -198,7 +217,7 @@ class Operations(InFolder):
         thick = CELL.replace("      - {name: spindle, class: spindle, length_mm: 320, diameter_mm: 160}\n  - name",
                              "      - {name: big, class: holder, length_mm: 400, diameter_mm: 3000}\n  - name", 1)
         (self.folder / "cell.yaml").write_text(thick)
-        planned = self.plan(without(without(small(), "trim_window"), "face_pads"))
+        planned = self.plan(without(without(small(), "trim_window"), "face_pads").replace("spindle_rpm: 7000, ", ""))
         self.assertEqual(planned.returncode, 1, planned.stderr)
         self.assertIn("no krl main program is written: operation drill_holes has no krl program", planned.stdout)
         self.assertFalse((self.out / "programs").exists())
@@ -226,6 +245,8 @@ class Operations(InFolder):
         self.assertFalse(self.out.exists())
         for change, said in (
             (("  - name: trim_window", "  - name: face_pads"), r"operations\[1\]\.name: given face_pads twice"),
+            (("process: {spindle", "process: {feed_mm_min: 500, spindle"), r"job\.yaml:\d+:11: process\.feed_mm_min has no effect here: every operation has"),
+            (("operations:\n", "tool: mill_d20\noperations:\n"), r"job\.yaml:\d+:1: tool has no effect here"),
             (("  - name: trim_window", "  - name: trim-window"), r"operations\[1\]\.name: given trim-window; allowed: letters, digits"),
             (("  - name: trim_window\n    tool", "  - tool"), r"operations\[1\]\.name: missing"),
             (("    tool: drill_d5\n", "    tool: drill_d5\n    programs: [krl]\n"), r"operations\[2\]\.programs: unknown key"),

@@ -34,7 +34,7 @@ class Tools(InFolder):
         self.assertEqual(planned.returncode, 0, planned.stderr)
         expected = {
             "krl": r"PTP \{A1 60\.0.*\n; TOOL drill_d5: put it in, then start again\nHALT\n",
-            "sinumerik": r'RA1=60\.0.*\nT="drill_d5" D1\nM6\nMP_TOOL:\nIF \$TC_TP2\[\$P_TOOLNO\]=="drill_d5" GOTOF MP_TOOL_IN\n',
+            "sinumerik": r'RA1=60\.0.*\nT="drill_d5" D1\nM6\nMP_TOOL:\nSTOPRE\nIF \$TC_TP2\[\$TC_MPP6\[9998,1\]\]=="drill_d5" GOTOF MP_TOOL_IN\n',
             "linuxcnc": r"G0 X60\.0.*\nT2 M6\nO9001 WHILE \[#5400 NE 2\]\n",
         }
         for controller, text in expected.items():
@@ -47,7 +47,7 @@ class Tools(InFolder):
     def test_the_plants_variable_is_asked_where_it_has_one(self):
         cell = CELL.replace("  krl:\n", "  krl:\n    tool_in_spindle: SPINDLE_TOOL\n")
         self.assertEqual(self.plan(cell=cell).returncode, 0)
-        self.assertIn("HALT\nWHILE SPINDLE_TOOL<>2\n; TOOL 2 drill_d5 EXPECTED\nHALT\nENDWHILE\n", self.program("krl").read_text())
+        self.assertIn("HALT\nWAIT SEC 0\nWHILE SPINDLE_TOOL<>2\n; TOOL 2 drill_d5 EXPECTED\nHALT\nENDWHILE\n", self.program("krl").read_text())
 
     def test_without_a_place_the_tool_is_changed_at_home(self):
         cell = re.sub(r"tool_change_deg:.*\n", "", CELL)
@@ -135,6 +135,7 @@ class Tools(InFolder):
             ("tool: drill_d5\n", CELL.replace("    number: 2\n", "").replace("  linuxcnc: {}", "  linuxcnc: {texts: {tool_change: 'T{number} M6'}}"),
              r"controllers\.linuxcnc\.texts\.tool_change.*\{number\}: tool drill_d5 has none"),
             ("tool: drill_d5\n", CELL.replace("  krl:\n", "  krl:\n    tool_number: 3\n"), r"controllers\.krl\.tool_number: has one number for all"),
+            ("", one.replace("tool:\n", "tool:\n  number: 4\n"), r"cell\.yaml:\d+:3: tool\.number: has no effect here"),
             ("", one.replace("  krl:\n", "  krl:\n    tool_in_spindle: X\n"), r"tool_in_spindle.*has no effect"),
             ("tool: drill_d5\n", CELL.replace("  krl:\n", "  krl:\n    tool_in_spindle: 3 x\n"), r"tool_in_spindle.*letters, digits"),
             ("tool: drill_d5\n", CELL.replace("    number: 2\n", "    number: 2\n    compliances: [{name: arm, mount: link5}]\n"),

@@ -14,6 +14,7 @@
 #include "motion/line.hpp"
 #include "pipeline/base_window.hpp"
 #include "pipeline/make_programs.hpp"
+#include "pipeline/output_folder.hpp"
 #include "pipeline/run.hpp"
 #include "pipeline/workpiece.hpp"
 #include "program/controller_axes.hpp"

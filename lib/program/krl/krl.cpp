@@ -287,9 +287,10 @@ std::string KrlPost::WhyNotIn(const PostSettings& settings) const {
   return {};
 }
 
+// The advance run stops at WAIT SEC: what stands in the variable is to be read when the arm is there.
 std::string KrlPost::ToolCheck(const PostSettings& settings) const {
   if (options_.tool_in_spindle.empty() || !settings.tool_number) return {};
-  return fmt::format("WHILE {}<>{{number}}\n; TOOL {{number}} {{tool}} EXPECTED\nHALT\nENDWHILE",
+  return fmt::format("WAIT SEC 0\nWHILE {}<>{{number}}\n; TOOL {{number}} {{tool}} EXPECTED\nHALT\nENDWHILE",
                      options_.tool_in_spindle);
 }
 

@@ -248,10 +248,13 @@ CallingSyntax SinumerikPost::Calling() const {
           .called_tail = "M17\n"};
 }
 
-// Of the tool management, $TC_TP2: the names of tools by the number that the control itself gives them.
+// Of the tool management: the number that the control itself gave to the tool at place 1 of the buffer
+// magazine 9998, which is the spindle, and the names of tools by such numbers. $P_TOOLNO would tell the tool
+// that was asked for. STOPRE: what stands in the spindle is to be read when the program is there, not before.
 std::string SinumerikPost::ToolCheck(const PostSettings&) const {
   return "MP_TOOL:\n"
-         "IF $TC_TP2[$P_TOOLNO]==\"{tool}\" GOTOF MP_TOOL_IN\n"
+         "STOPRE\n"
+         "IF $TC_TP2[$TC_MPP6[9998,1]]==\"{tool}\" GOTOF MP_TOOL_IN\n"
          "MSG(\"TOOL {tool} EXPECTED\")\n"
          "M0\n"
          "GOTOB MP_TOOL\n"
