@@ -2,6 +2,7 @@
 #include "pipeline/plan_timeline.hpp"
 
 #include "program/make_timeline.hpp"
+#include "toolpath/strategy.hpp"
 
 namespace millpose {
 
@@ -12,6 +13,7 @@ Timeline PlanTimeline(const PlanResult& plan, const JobInputs& inputs) {
   options.approach_slow = job.approach_slow;
   options.plunge_feed = job.plunge_feed.value_or(0);
   options.retract_feed = job.retract_feed;
+  options.dwell = job.toolpath.strategy->Dwell();
   TimeOptions times;
   if (!job.programs.empty()) times = inputs.cell.controllers.at(job.programs.front()).post->Times();
   return MakeTimeline(plan, options, times);

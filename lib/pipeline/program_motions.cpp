@@ -9,6 +9,7 @@
 #include "program/bound_turns.hpp"
 #include "program/controller_axes.hpp"
 #include "program/pose_text.hpp"
+#include "toolpath/strategy.hpp"
 
 namespace millpose {
 namespace {
@@ -50,6 +51,7 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
   options.approach_slow = job.approach_slow;
   options.plunge_feed = job.plunge_feed.value_or(0);
   options.retract_feed = job.retract_feed;
+  options.dwell = job.toolpath.strategy->Dwell();
   options.outputs = settings.outputs;
   return options;
 }

@@ -11,7 +11,7 @@ struct CycleTime {
   double cuts = 0;        ///< at their feeds
   double approaches = 0;  ///< straight to and from cuts, at their feeds
   double gaps = 0;        ///< joint motions between cuts
-  double stops = 0;       ///< what speeding up and slowing down at stops adds to cuts and approaches
+  double stops = 0;       ///< what stops add to cuts and approaches: speeding up, slowing down, dwells
 
   double Total() const { return cuts + approaches + gaps + stops; }
   CycleTime& operator+=(const CycleTime& other);

@@ -81,6 +81,7 @@ Timeline MakeTimeline(const PlanResult& plan, MotionOptions options, const TimeO
   const PlanResult whole = WithLeaps(plan);
   const MotionProgram program = MakeMotionProgram(whole, options);
   const std::vector<TimeLaw> laws = TimeMotions(program, plan.arm, times);
+  const std::vector<double> dwells = Dwells(program);
   const std::vector<char> leaps = FindLeaps(plan, whole, program);
   double start = 0;
   for (size_t i = 0; i < laws.size(); ++i) {
@@ -102,6 +103,7 @@ Timeline MakeTimeline(const PlanResult& plan, MotionOptions options, const TimeO
     }
     if (stretch != RunPart::kMissing) start += laws[i].duration;
     add(start, 1);
+    if (dwells[i] > 0) add(start += dwells[i], 1);
   }
   return timeline;
 }

@@ -12,6 +12,8 @@ namespace millpose {
 namespace {
 
 constexpr double kShortest = 0.05;  // mm: a shorter part of an approach would be lost in a program's decimals
+constexpr double kTurnsBack = -0.9;  // cosine between two motions: a turn by more than 154°
+constexpr double kSlower = 0.5;      // share of its feed that a tool goes on with
 constexpr double kSpeedShare = 0.5;  // of the joints' largest speeds that approach and retract may use
 
 /// Appends motions and events of one plan.
@@ -70,11 +72,13 @@ class ProgramBuilder {
     AddPlunge(pass, first);
     AddOutputs(true);
     clearance_share_ = 1;
+    const size_t plunge = program_.motions.size() - 1;
     for (int i = first + 1; i <= piece.last; ++i) {
       if (pass.points[i].skip == Obstacle::kNone) AddCut(pass, i);
     }
     if (piece.closed) AddClosing(pass, first);
     program_.motions.back().exact = true;
+    StopWhereItTurnsBack(plunge);
     AddOutputs(false);
   }
 
@@ -105,6 +109,26 @@ class ProgramBuilder {
     const Joints before = *program_.motions.back().q;
     Motion& closing = AddCut(pass, first);
     closing.q = Beside(before, *closing.q);
+  }
+
+  /// Rounded, a way that leads back over itself would end short of the place where it turns; and a tool that
+  /// goes down fast in its hole must be slow before it meets the material.
+  void StopWhereItTurnsBack(size_t plunge) {
+    size_t last = 0;
+    for (size_t i = plunge + 1; i + 1 < program_.motions.size(); ++i) {
+      const auto at = [&](size_t k) -> Eigen::Vector3d { return program_.motions[k].X_PT.translation(); };
+      const Eigen::Vector3d in = at(i) - at(i - 1), out = at(i + 1) - at(i);
+      Motion& motion = program_.motions[i];
+      const bool down = in.dot(motion.X_PT.linear().col(2)) < kTurnsBack * in.norm();
+      const bool slower = program_.motions[i + 1].feed < kSlower * motion.feed;
+      if (down && slower) motion.exact = true;
+      if (in.dot(out) >= kTurnsBack * in.norm() * out.norm()) continue;
+      motion.exact = true;
+      last = i;
+    }
+    if (options_.dwell <= 0 || last == 0) return;
+    AddEvent(ProgramEvent::Kind::kDwell, options_.dwell, 0);
+    program_.events.back().before_motion = last + 1;
   }
 
   /// mm/s of motions towards material that end at a cut's point.
@@ -233,6 +257,14 @@ MotionProgram MakeMotionProgram(const PlanResult& plan, const MotionOptions& opt
 }
 
 bool HasFeed(const Motion& motion) { return motion.type == MotionType::kLinear || motion.duration > 0; }
+
+std::vector<double> Dwells(const MotionProgram& program) {
+  std::vector<double> dwells(program.motions.size(), 0);
+  for (const ProgramEvent& event : program.events)
+    if (event.kind == ProgramEvent::Kind::kDwell && event.before_motion > 0)
+      dwells[event.before_motion - 1] += event.value;
+  return dwells;
+}
 
 bool IsWellFormed(const MotionProgram& program) {
   size_t last = 0;

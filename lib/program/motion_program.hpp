@@ -63,11 +63,19 @@ struct PathOutput {
 };
 
 /// What happens before a motion, at the place where the one before ends: spindle, marks, outputs; a handover
-/// is where a long piece goes on in another file.
+/// is where a long piece goes on in another file; a dwell is a wait for some seconds.
 struct ProgramEvent {
-  enum class Kind : uint8_t { kSpindleOn, kSpindleOff, kPassBegin, kPassEnd, kOutput, kHandover } kind;
+  enum class Kind : uint8_t {
+    kSpindleOn,
+    kSpindleOff,
+    kPassBegin,
+    kPassEnd,
+    kOutput,
+    kHandover,
+    kDwell
+  } kind;
   size_t before_motion = 0;  ///< index into motions; motions.size() for the end
-  double value = 0;          ///< spindle speed rev/s, or pass number
+  double value = 0;          ///< spindle speed rev/s, pass number, or s of a dwell
   int piece = 0;             ///< of the pass
   PathOutput output;         ///< of kOutput
   int file = 0, line = 0;    ///< of the program text, when read
@@ -121,6 +129,7 @@ struct MotionOptions {
   double approach_slow = 0;  ///< mm before the first point that run at the plunge feed
   double plunge_feed = 0;    ///< mm/s towards material; 0: the feed of the first point
   double retract_feed = 0;   ///< mm/s; 0: the feed of the last point
+  double dwell = 0;          ///< s, where a piece turns back for the last time: at the bottom of a hole
   std::vector<PathOutput> outputs;
   std::vector<CallWay> calls;  ///< that of text footer at the end, the others at the beginning
 };
@@ -137,12 +146,16 @@ PlanResult Lifted(PlanResult plan, double offset);
 /// The motions of a plan in order: PTP home, from there the calls that move; per gap the way-points as PTP,
 /// the last one (where the approach begins) as a pose with S and T; LIN approach (in two parts where it has a
 /// feed of its own), LIN cuts (a closed piece returns to its first point as a last motion), LIN retract; PTP
-/// home. The spindle turns from before the first approach to after the last retract. The last cut and both
-/// ends of approach and retract are exact. Precondition: WhyNotProgrammable() is empty.
+/// home. The spindle turns from before the first approach to after the last retract. The last cut, both ends
+/// of approach and retract, where a cut turns back, and where it slows down on its way along the tool axis,
+/// are exact. Precondition: WhyNotProgrammable() is empty.
 MotionProgram MakeMotionProgram(const PlanResult& plan, const MotionOptions& options = {});
 
 /// Straight and timed motions; the others move as fast as the axes allow.
 bool HasFeed(const Motion& motion);
+
+/// s that the arm stands still at the end of each motion.
+std::vector<double> Dwells(const MotionProgram& program);
 
 /// The program's lists are consistent: `before_motion` ascending and in range. For assertions.
 bool IsWellFormed(const MotionProgram& program);

@@ -45,6 +45,7 @@ class TrajectoryWriter {
 
   std::string Write(const std::vector<TimeLaw>& laws, double step) {
     Head();
+    const std::vector<double> dwells = Dwells(program_);
     double start = 0;
     long long next = 0;  // number of the next time on the grid
     for (size_t i = 0; i < laws.size(); ++i) {
@@ -54,7 +55,9 @@ class TrajectoryWriter {
         if (time > start && i > 0) Row(time, i, laws[i].Share(time - start), laws[i].Rate(time - start));
       }
       Row(end, i, 1, laws[i].Rate(laws[i].duration));
-      start = end;
+      start = end + dwells[i];
+      if (dwells[i] > 0) Row(start, i, 1, 0);
+      for (; static_cast<double>(next) * step <= start; ++next) continue;
     }
     return std::move(text_);
   }
@@ -128,6 +131,7 @@ std::vector<TimeLaw> TimeMotions(const MotionProgram& program, const Arm& arm, c
 
 ProgramTime MeasureTime(const MotionProgram& program, const Arm& arm, const TimeOptions& options) {
   const std::vector<TimeLaw> laws = TimeMotions(program, arm, options);
+  const std::vector<double> dwells = Dwells(program);
   ProgramTime time;
   CycleTime way;  // since the last pass
   for (size_t i = 1; i < laws.size(); ++i) {
@@ -140,6 +144,7 @@ ProgramTime MeasureTime(const MotionProgram& program, const Arm& arm, const Time
       (IsCut(program, i) ? part.cuts : part.approaches) = even;
       part.stops = laws[i].duration - even;
     }
+    part.stops += dwells[i];
     time.all += part;
     way += part;
     if (motion.pass < 0) continue;

@@ -161,6 +161,11 @@ void ProgramReader::Allow(const LineScanner& scan, size_t start, Places places) 
              places);
 }
 
+void ProgramReader::ReadDwell(const LineScanner& scan, size_t start, double seconds) {
+  Allow(scan, start, kAtStops);
+  AddEvent(ProgramEvent::Kind::kDwell, seconds, 0);
+}
+
 void ProgramReader::AddLabel(const LineScanner& scan, size_t start, const std::string& name) {
   std::string upper = name;
   for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;

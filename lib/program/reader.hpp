@@ -75,6 +75,8 @@ class ProgramReader {
   /// The line is one of a text of the cell.
   bool InText() const { return in_text_; }
 
+  /// A wait for so many seconds, read from `start` on.
+  void ReadDwell(const LineScanner& scan, size_t start, double seconds);
   /// What was read from `start` on may stand at `places` alone; told at the end, when it is known where it
   /// stands.
   void Allow(const LineScanner& scan, size_t start, Places places);

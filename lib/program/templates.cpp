@@ -147,7 +147,7 @@ Templates::Templates(std::map<std::string, std::string> defaults,
 
 std::string Templates::NameOf(ProgramEvent::Kind kind) {
   using Kind = ProgramEvent::Kind;
-  if (kind == Kind::kOutput || kind == Kind::kHandover) return {};
+  if (kind == Kind::kOutput || kind == Kind::kHandover || kind == Kind::kDwell) return {};
   if (kind == Kind::kSpindleOn) return "spindle_on";
   if (kind == Kind::kSpindleOff) return "spindle_off";
   return kind == Kind::kPassBegin ? "pass_begin" : "pass_end";

@@ -73,6 +73,8 @@ class Strategy {
   virtual bool HasMillingForce() const { return true; }
   /// Objective where the job names none; empty: that of all jobs.
   virtual std::string DefaultObjective() const { return {}; }
+  /// s that the tool stands where a pass turns back for the last time.
+  virtual double Dwell() const { return 0; }
   /// Keys of `toolpath` that change nothing with it as its options stand: a job that gives one is refused.
   virtual std::vector<std::string> WithoutEffect() const { return {}; }
   /// Throws InputError; Interrupted.

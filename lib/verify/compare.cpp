@@ -3,12 +3,15 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "program/program_place.hpp"
 #include "robot/kinematics.hpp"
 #include "verify/corner.hpp"
 #include "verify/run_comparison.hpp"
 
 namespace millpose {
 namespace {
+
+constexpr double kSameDwell = 0.5e-3;  // s
 
 /// Distance (rad, largest joint) of q from the straight joint motion a → b, and where on it.
 double JointDistance(const Joints& a, const Joints& b, const Joints& q, double from, double& share) {
@@ -160,6 +163,13 @@ void CompareSpindle(const Replayed& replayed, const Replayed& plan, const Verify
   }
 }
 
+/// X_PT where the motion before an event ends.
+Pose ToolBefore(const Replayed& replayed, const Cell& cell, const ProgramEvent& event) {
+  const size_t before = event.before_motion > 0 ? event.before_motion - 1 : 0;
+  const Pose X_BT = ForwardFlange(cell.arm, replayed.replay.targets[before]) * cell.X_FT;
+  return cell.X_WP.inverse() * cell.X_WB * X_BT;
+}
+
 /// Outputs are switched where the tool is.
 struct Switching {
   PathOutput output;
@@ -171,9 +181,7 @@ std::vector<Switching> SwitchingsOf(const Replayed& replayed, const Cell& cell) 
   std::vector<Switching> list;
   for (const ProgramEvent& event : replayed.program.events) {
     if (event.kind != ProgramEvent::Kind::kOutput) continue;
-    const size_t before = event.before_motion > 0 ? event.before_motion - 1 : 0;
-    const Pose X_BT = ForwardFlange(cell.arm, replayed.replay.targets[before]) * cell.X_FT;
-    list.push_back({event.output, cell.X_WP.inverse() * cell.X_WB * X_BT, &event});
+    list.push_back({event.output, ToolBefore(replayed, cell, event), &event});
   }
   return list;
 }
@@ -202,6 +210,45 @@ void CompareOutputs(const Replayed& replayed, const Replayed& plan, const Cell& 
     finding.message =
         fmt::format("{} is switched here, planned is {}", event ? name(given[i].output) : "no output",
                     i < wanted.size() ? name(wanted[i].output) + " at its place" : "none");
+    findings.push_back(finding);
+    return;
+  }
+}
+
+/// Dwells within cuts, where the tool is; elsewhere they may be any.
+struct Dwell {
+  double seconds;
+  Pose X_PT;
+  const ProgramEvent* event;
+};
+
+std::vector<Dwell> DwellsOf(const Replayed& replayed, const Cell& cell) {
+  std::vector<Dwell> list;
+  for (const ProgramEvent& event : replayed.program.events)
+    if (event.kind == ProgramEvent::Kind::kDwell &&
+        PlaceOf(replayed.program, event.before_motion) == ProgramPlace::kStop)
+      list.push_back({event.value, ToolBefore(replayed, cell, event), &event});
+  return list;
+}
+
+void CompareDwells(const Replayed& replayed, const Replayed& plan, const Cell& cell,
+                   const VerifyOptions& options, std::vector<Finding>& findings) {
+  const std::vector<Dwell> given = DwellsOf(replayed, cell), wanted = DwellsOf(plan, cell);
+  for (size_t i = 0; i < std::max(given.size(), wanted.size()); ++i) {
+    if (i < given.size() && i < wanted.size() &&
+        std::abs(given[i].seconds - wanted[i].seconds) < kSameDwell &&
+        (given[i].X_PT.translation() - wanted[i].X_PT.translation()).norm() <= options.position_tolerance)
+      continue;
+    const auto name = [&](const std::vector<Dwell>& list) {
+      return i < list.size() ? fmt::format("{} s", list[i].seconds) : std::string("none");
+    };
+    Finding finding =
+        At(replayed.program,
+           i < given.size() ? given[i].event->before_motion : replayed.program.motions.size() - 1,
+           Cause::kStop, "");
+    if (i < given.size()) finding.line = given[i].event->line;
+    finding.message = fmt::format("a dwell in the cut here: {}, planned: {}{}", name(given), name(wanted),
+                                  i < wanted.size() ? " at its place" : "");
     findings.push_back(finding);
     return;
   }
@@ -259,6 +306,7 @@ std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const
                               : fmt::format("the notice \"{}\" is missing", plan.program.notice)));
   CompareSpindle(replayed, plan, options, findings);
   CompareOutputs(replayed, plan, cell, options, findings);
+  CompareDwells(replayed, plan, cell, options, findings);
   return proofs;
 }
 

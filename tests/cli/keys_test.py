@@ -268,7 +268,7 @@ class Keys(InFolder):
             yield job, cell
 
         holes = [{"at_mm": [0, 0, 0], "axis": [0, 0, 1], "depth_mm": 7}, {"at_mm": [20, 0, 0], "axis": [0, 0.1, 1]}]
-        for drill in ({"holes": holes, "depth_mm": 6, "point_deg": 118, "clearance_mm": 2, "peck_mm": 3, "chip_retract_mm": 0.5},
+        for drill in ({"holes": holes, "depth_mm": 6, "point_deg": 118, "clearance_mm": 2, "peck_mm": 3, "chip_retract_mm": 0.5, "dwell_s": 0.5},
                       {"holes": holes[1:], "point_deg": 90, "countersink": {"diameter_mm": 12}},
                       {"holes": holes[1:], "countersink": {"depth_mm": 4}},
                       {"circles": {"diameter_mm": 900, "tolerance_mm": 0.06, "from": [0, 0, 1]}, "breakthrough_mm": 1}):

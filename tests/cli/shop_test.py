@@ -57,6 +57,27 @@ class Shop(InFolder):
         self.assertLessEqual({120.0, 2000.0}, feeds)
         self.assertNotIn(300.0, feeds, "the cutting feed is no drill's where a plunge feed is given")
 
+    def test_the_tool_stands_at_the_bottom(self):
+        one_hole = re.sub(r"(      - \{at_mm: .*\n){7}", "", sample("cabin_holes"), count=1)
+        self.assertEqual(self.plan(one_hole).returncode, 0)
+        without = {times["controller"]: times["total_s"] for times in json.loads((self.folder / "out" / "summary.json").read_text())["cycle_times"]}
+        self.assertEqual(self.plan(one_hole.replace("peck_mm: 4", "peck_mm: 4\n    dwell_s: 0.75")).returncode, 0)
+        self.check_programs()
+        for times in json.loads((self.folder / "out" / "summary.json").read_text())["cycle_times"]:
+            self.assertAlmostEqual(times["total_s"], without[times["controller"]] + 0.75, places=3)
+        for program, stop_and_dwell in (("krl/cabin_holes.src", r"LIN \{[^}]*\}\nWAIT SEC 0\.75\n"), ("sinumerik/cabin_holes.mpf", r"\nG9 G1 [^\n]*\nG4 F0\.75\n"),
+                                        ("linuxcnc/cabin_holes.ngc", r"G61\.1\n(?:G1 [^\n]*\n)+G4 P0\.75\n")):
+            text = (self.folder / "out" / "programs" / program).read_text()
+            self.assertEqual(len(re.findall(stop_and_dwell, text)), 1, program)
+
+    def test_a_program_of_holes_stands_by_itself(self):
+        """Where the tool turns back, or goes on slower, it stops."""
+        self.assertEqual(self.plan(re.sub(r"(      - \{at_mm: .*\n){7}", "", sample("cabin_holes"), count=1)).returncode, 0)
+        for program in ("krl/cabin_holes.src", "sinumerik/cabin_holes.mpf", "linuxcnc/cabin_holes.ngc"):
+            alone = run("verify", self.folder / "out" / "programs" / program, "--cell", CELL)
+            self.assertEqual(alone.returncode, 0, alone.stdout)
+            self.assertRegex(alone.stdout, r"\d motions  confirmed")
+
     def test_a_hole_is_drilled_whole_or_not_at_all(self):
         # One hole far away, one whose bottom alone is out of reach: the others are made.
         text = re.sub(r"(?m)^ {4}holes:\n", "    holes:\n      - {at_mm: [0, 0, 9000], axis: [0, 0, 1]}\n", sample("cabin_holes"))

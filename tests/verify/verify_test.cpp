@@ -299,6 +299,37 @@ TEST(Verify, SeesOutputsElsewhere) {
   EXPECT_NE(verified([&](auto& events) { output(events)->before_motion += 1; }), "");
 }
 
+TEST(Verify, SeesDwellsElsewhere) {
+  const PlanResult plan = SamplePlan();
+  MotionProgram program = MakeMotionProgram(plan);
+  const World world(SampleCell(plan));
+  const auto middle = std::ranges::find(program.motions, 2, &Motion::point);
+  ASSERT_NE(middle, program.motions.end());
+  middle->exact = true;
+  const size_t behind = static_cast<size_t>(middle - program.motions.begin()) + 1;
+  const auto with = [&](size_t before_motion, double seconds) {
+    MotionProgram other = program;
+    const auto after = std::ranges::find_if(
+        other.events, [&](const ProgramEvent& event) { return event.before_motion >= before_motion; });
+    other.events.insert(after, {ProgramEvent::Kind::kDwell, before_motion, seconds, 0, {}, 0, 0});
+    return other;
+  };
+  const MotionProgram planned = with(behind, 0.5);
+  const auto told = [&](const MotionProgram& given) {
+    return Text(Verify(given, world, &planned, SampleOptions(plan), 2, {}));
+  };
+  EXPECT_EQ(told(planned), "");
+  EXPECT_NE(told(program).find("a dwell in the cut here: none, planned: 0.5 s"), std::string::npos);
+  EXPECT_NE(told(with(behind, 0.4)).find("0.4 s, planned: 0.5 s"), std::string::npos);
+  const auto plunge = std::ranges::find(program.motions, 0, &Motion::point);
+  const size_t elsewhere = static_cast<size_t>(plunge - program.motions.begin()) + 1;
+  EXPECT_NE(told(with(elsewhere, 0.5)).find("a dwell in the cut"), std::string::npos);
+  // Between cuts the program may wait.
+  MotionProgram waits = planned;
+  waits.events.insert(waits.events.begin(), {ProgramEvent::Kind::kDwell, 0, 3, 0, {}, 0, 0});
+  EXPECT_EQ(told(waits), "");
+}
+
 TEST(ArmBodies, BoundHowFarTheArmIs) {
   const PlanResult plan = SamplePlan();
   const Cell cell = SampleCell(plan);

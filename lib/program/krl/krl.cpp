@@ -3,6 +3,7 @@
 
 #include <cassert>
 
+#include "base/text.hpp"
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
 #include "program/krl/krl_head.hpp"
@@ -204,6 +205,8 @@ class KrlWriter : public ProgramWriter {
     const std::string pass = Fixed(event.value, 0);
     if (event.kind == ProgramEvent::Kind::kOutput) {
       outputs_.push_back(event.output);
+    } else if (event.kind == ProgramEvent::Kind::kDwell) {
+      Line("WAIT SEC " + ShortestNumber(event.value));
     } else if (event.kind == ProgramEvent::Kind::kHandover) {
       Line(";ENDFOLD (PART OF A PASS)");
       within_pass_ = true;

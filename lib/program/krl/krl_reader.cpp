@@ -274,7 +274,10 @@ class KrlReader : public ProgramReader {
     Places places = kOutsideCuts;
     if (scan.Accept("WAIT SEC")) {
       const size_t number = scan.Next();
-      if (scan.ExpectNumber() < 0) scan.FailFrom(number, "0 or more seconds expected");
+      const double seconds = scan.ExpectNumber();
+      if (seconds < 0) scan.FailFrom(number, "0 or more seconds expected");
+      ReadDwell(scan, start, seconds);
+      return true;
     } else if (scan.Accept("WAIT FOR")) {
       krl::ReadCondition(scan);
     } else if (scan.Accept("GLOBAL INTERRUPT DECL 3 WHEN $STOPMESS==TRUE DO IR_STOPM")) {

@@ -3,6 +3,7 @@
 
 #include <cassert>
 
+#include "base/text.hpp"
 #include "base/trig.hpp"
 #include "base/units.hpp"
 #include "motion/line.hpp"
@@ -239,6 +240,7 @@ class LinuxCncWriter : public ProgramWriter {
     // Switched when the next motion begins, without a stop.
     if (event.kind == ProgramEvent::Kind::kOutput)
       Line(fmt::format("{} P{}", event.output.on ? "M62" : "M63", event.output.number));
+    if (event.kind == ProgramEvent::Kind::kDwell) Line("G4 P" + ShortestNumber(event.value));
     AddTexts(event);
   }
 

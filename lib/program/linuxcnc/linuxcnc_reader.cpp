@@ -287,7 +287,7 @@ class LinuxCncReader : public ProgramReader {
     } else if (g == 10) {
       NoOffsets(scan, start, block);
     } else if (g == 4) {
-      Allow(scan, start, kOutsideCuts);
+      ReadDwell(scan, start, block.Word('P').value_or(0));
     } else {
       // Coordinate systems and tool lengths wait for the motion to end; the rest changes nothing.
       if (g == 49 || g == 59.3 || g == 92.1) Allow(scan, start, kOutsideCuts);

@@ -3,6 +3,7 @@
 
 #include <cassert>
 
+#include "base/text.hpp"
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
 #include "program/writer.hpp"
@@ -191,6 +192,8 @@ class SinumerikWriter : public ProgramWriter {
       Line(fmt::format("MSG(\"{}\")", place));
     } else if (event.kind == ProgramEvent::Kind::kPassEnd) {
       Line(fmt::format("MSG(\"END OF {}\")", place));
+    } else if (event.kind == ProgramEvent::Kind::kDwell) {
+      Line("G4 F" + ShortestNumber(event.value));
     } else if (event.kind == ProgramEvent::Kind::kOutput) {
       // A synchronised action of one block: done when the next motion begins, without a stop.
       Line(fmt::format("WHEN TRUE DO $A_OUT[{}]={}", event.output.number, event.output.on ? 1 : 0));

@@ -229,9 +229,10 @@ class SinumerikReader : public ProgramReader {
     }
     Tolerances(scan, start, block);
     if (block.Has("G4")) {
-      Allow(scan, start, kOutsideCuts);
       if (block.HasPose() || block.HasAxes()) scan.FailFrom(start, "G4 in a block of its own expected");
-      if (block.Word("F").value_or(-1) < 0) scan.FailFrom(start, "G4 needs F and 0 or more seconds");
+      const double seconds = block.Word("F").value_or(-1);
+      if (seconds < 0) scan.FailFrom(start, "G4 needs F and 0 or more seconds");
+      ReadDwell(scan, start, seconds);
     } else if (const auto feed = block.Word("F")) {
       if (*feed <= 0) scan.FailFrom(start, "F above 0 expected");
       feed_ = *feed / 60;

@@ -105,6 +105,8 @@ void CheckCount(const HoleMaker& maker, const std::vector<DrilledHole>& holes,
 using yaml::Context;
 using yaml::Value;
 
+const yaml::Unit kSecond{"s", 1, 1};
+
 // Keys that nothing would follow as the others stand.
 class DrillCheck : SectionCheck {
  public:
@@ -220,6 +222,8 @@ yaml::Codec<Drill> Fields() {
               "Largest depth of a stroke; none: each hole in one."),
        Key<S>("chip_retract_mm", MILLPOSE_AT(chip_retract), Maybe(Real(kMm, Between(0.01, 1000))),
               "Between strokes the tool goes back by this, to break chips; by default out of the hole."),
+       Key<S>("dwell_s", MILLPOSE_AT(dwell), Real(kSecond, UpTo(60)),
+              "At the bottom of a hole or a countersink the tool stands this long before it goes back."),
        Key<S>("countersink", MILLPOSE_AT(countersink), Maybe(CountersinkFields()),
               "Holes are countersunk instead, in one stroke; one of both keys.")},
       [](const Value& value, const Context& context, S& drill) { DrillCheck(value, context, drill).Run(); });

@@ -36,6 +36,7 @@ struct Drill final : Strategy {
   double clearance = 2;                ///< over the entrance, where the feed begins and ends, mm
   std::optional<double> peck;          ///< largest depth of a stroke, mm
   std::optional<double> chip_retract;  ///< back between strokes, mm; else to the clearance
+  double dwell = 0;                    ///< at the bottom, s
   std::optional<Countersink> countersink;
 
   std::string Name() const override { return "drill"; }
@@ -43,6 +44,7 @@ struct Drill final : Strategy {
   bool IsPrescribed() const override { return true; }
   bool HasMillingForce() const override { return false; }
   std::string DefaultObjective() const override { return "drilling"; }
+  double Dwell() const override { return dwell; }
   std::vector<std::string> WithoutEffect() const override;
   LaidPath Make(const StrategyInputs& inputs, std::stop_token stop) const override;
 };
