@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""usage: batch_browser_test.py MILLPOSE TOP [FOLDER]: the index page of a batch in a headless Chromium: sorting, links, light,
-dark and paper at 1400, 800 and 390 pixels. Screenshots stay in FOLDER when it is given."""
+"""usage: batch_browser_test.py MILLPOSE TOP: the index page of a batch in a headless Chromium: sorting, links, light,
+dark and paper at 1400, 800 and 390 pixels."""
 import pathlib
 import subprocess
 import sys
-import tempfile
 import unittest
 
 MILLPOSE, TOP = sys.argv[1], pathlib.Path(sys.argv[2])
-FOLDER = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
 sys.path.insert(0, str(TOP / "tests/report"))
-from chromium import Chromium  # noqa: E402
+from browser_case import BrowserCase  # noqa: E402
 
 MANIFEST = """millpose_batch: 1
 jobs:
@@ -20,39 +18,17 @@ jobs:
 """
 
 
-class Index(unittest.TestCase):
+class Index(BrowserCase):
     @classmethod
-    def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        folder = pathlib.Path(cls.folder.name)
-        (folder / "batch.yaml").write_text(MANIFEST.format(top=TOP))
-        subprocess.run([MILLPOSE, "batch", folder / "batch.yaml", "-o", folder / "out", "-q"], stdout=subprocess.DEVNULL,
+    def write_pages(cls):
+        (cls.folder / "batch.yaml").write_text(MANIFEST.format(top=TOP))
+        subprocess.run([MILLPOSE, "batch", cls.folder / "batch.yaml", "-o", cls.folder / "out", "-q"], stdout=subprocess.DEVNULL,
                        stderr=subprocess.DEVNULL)
-        cls.page = folder / "out/index.html"
-        cls.browser = Chromium()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.browser.close()
-        cls.folder.cleanup()
+        cls.page = cls.folder / "out/index.html"
 
     def setUp(self):
-        self.browser.errors.clear()
-        self.browser.requests.clear()
-        self.browser.size(1400, 900)
-        self.browser.media()
+        super().setUp()
         self.open()
-
-    def open(self):
-        self.browser.call("Page.navigate", url=self.page.as_uri())
-        self.browser.wait("document.readyState === 'complete' && document.querySelector('tbody tr') !== null")
-
-    def tearDown(self):
-        self.assertEqual(self.browser.errors, [])
-        self.assertEqual([u for u in self.browser.requests if not u.startswith("file:")], [])
-
-    def js(self, expression):
-        return self.browser.evaluate(expression)
 
     def names(self):
         return self.js("[...document.querySelectorAll('tbody tr')].map(r => r.cells[0].textContent.trim())")
@@ -88,15 +64,8 @@ class Index(unittest.TestCase):
 
     def test_fits_every_window_in_light_and_dark_and_on_paper(self):
         grounds = set()
-        for theme, paper in (("light", False), ("dark", False), ("light", True)):
-            self.browser.media(theme, paper)
-            for width in (1400, 800, 390):
-                self.browser.size(width, 900)
-                self.open()
-                self.assertLessEqual(self.js("document.documentElement.scrollWidth"), width, (theme, paper))
-                if FOLDER:
-                    FOLDER.mkdir(parents=True, exist_ok=True)
-                    (FOLDER / f"index_{theme}{'_paper' if paper else ''}_{width}.png").write_bytes(self.browser.screenshot())
+        for look in ("light", "dark", "paper"):
+            self.assert_fits("index", looks=(look,))
             grounds.add(self.js("getComputedStyle(document.body).backgroundColor"))
         self.assertEqual(len(grounds), 3)
 

@@ -1,64 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""usage: browser_run_test.py WRITE_REPORT_PANEL [FOLDER]: plays a report's run, and looks at it in the dark, on paper and by
-keys alone. Screenshots stay in FOLDER when it is given."""
+"""usage: browser_run_test.py WRITE_REPORT_PANEL: plays a report's run, and looks at it in the dark, on paper and by
+keys alone."""
 import base64
-import pathlib
+import math
 import re
 import subprocess
 import sys
-import tempfile
 import unittest
 
-from chromium import Chromium, pixels
+from browser_case import BrowserCase, colours
 
 PASSES, POINTS = 12, 40
-WRITER = sys.argv[1]
-FOLDER = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else None
 
 
-class RunInBrowser(unittest.TestCase):
+class RunInBrowser(BrowserCase):
     @classmethod
-    def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.page = pathlib.Path(cls.folder.name) / "report.html"
-        subprocess.run([WRITER, str(PASSES), str(POINTS), str(cls.page)], check=True)
-        cls.browser = Chromium()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.browser.close()
-        cls.folder.cleanup()
+    def write_pages(cls):
+        cls.page = cls.folder / "report.html"
+        subprocess.run([sys.argv[1], str(PASSES), str(POINTS), cls.page], check=True)
 
     def setUp(self):
-        self.browser.errors.clear()
-        self.browser.size(1400, 900)
-        self.browser.media()
+        super().setUp()
         self.open("#point=53")
-
-    def tearDown(self):
-        self.assertEqual(self.browser.errors, [])
-
-    def open(self, fragment=""):
-        self.browser.open(self.page.as_uri() + fragment)
-
-    def js(self, expression):
-        return self.browser.evaluate(expression)
-
-    def text(self, selector):
-        return self.js(f"document.querySelector('{selector}').textContent")
-
-    def keep(self, name, data):
-        if FOLDER:
-            FOLDER.mkdir(parents=True, exist_ok=True)
-            (FOLDER / name).write_bytes(data)
 
     def seek(self, seconds):
         self.js(f"""(() => {{ const s = document.querySelector('#time'); s.value = {seconds};
             s.dispatchEvent(new Event('input')); s.dispatchEvent(new Event('change')); }})()""")
         self.browser.settle()
-
-    def colours_of(self, selector):
-        return {colour for line in pixels(self.browser.screenshot(selector))[2] for colour in line}
 
     # Time
 
@@ -149,22 +117,39 @@ class RunInBrowser(unittest.TestCase):
         self.assertNotEqual(axes(), before)
         self.assertEqual(sorted(self.js("[...document.querySelectorAll('#triad text')].map(e => e.textContent)")), ["x", "y", "z"])
 
-    def test_the_nearest_pair_is_named_and_marked(self):
+    def test_the_nearest_pair_is_named_and_a_line_shows_its_distance(self):
+        hidden = "['.marker.near', '#nearest-line'].map(e => document.querySelector(e).style.display)"
         near = self.js("[...millpose.data.nearest.pair].findIndex(p => p > 1)")
         self.open(f"#point={near}")
         names = self.js(f"millpose.nearestAt(millpose.data, {near}).names")
         self.assertEqual(self.text("#nearest-pair"), " – ".join(names))
         self.assertIn(" – ".join(names), self.text(".marker.near"))
-        place = self.js(f"millpose.views.scene.onScreen(millpose.nearestAt(millpose.data, {near}).place).slice(0, 2)")
+        ends = self.js(f"millpose.nearestAt(millpose.data, {near}).ends")
+        distance = self.js(f"millpose.data.column.clearance.values[{near}]")
+        self.assertAlmostEqual(math.dist(*ends), distance, delta=0.01)
+        self.assertIn(f"{distance:.2f}\u202fmm", self.text(".marker.near"))
+        places = self.js(f"{ends}.flatMap(end => millpose.views.scene.onScreen(end).slice(0, 2))")
+        self.assertGreater(math.dist(places[:2], places[2:]), 2)
+        line = self.js("""['x1', 'y1', 'x2', 'y2'].map(name => Number(document.querySelector('#nearest-line line:not(.under)').getAttribute(name)))""")
         mark = self.js("""(() => { const t = new DOMMatrix(getComputedStyle(document.querySelector('.marker.near')).transform); return [t.e, t.f]; })()""")
-        self.assertAlmostEqual(mark[0], place[0], delta=0.5)
-        self.assertAlmostEqual(mark[1], place[1], delta=0.5)
+        for k in range(4):
+            self.assertAlmostEqual(line[k], places[k], delta=0.5)
+            self.assertAlmostEqual(mark[k % 2], 0.5 * (places[k % 2] + places[k % 2 + 2]), delta=1)
+        for width in (390, 800, 1400):
+            self.browser.size(width, 900)
+            self.browser.settle()
+            view, label = self.js("""['#view', '.marker.near span'].map(e => { const b = document.querySelector(e).getBoundingClientRect(); return [b.left, b.right, b.top, b.bottom]; })""")
+            self.assertTrue(view[0] <= label[0] and label[1] <= view[1] and view[2] <= label[2] and label[3] <= view[3], (width, view, label))
+        shown = self.browser.screenshot("#view")
+        self.keep("nearest.png", shown)
+        ink = tuple(int(self.js("millpose.theme.near")[k:k + 2], 16) for k in (1, 3, 5))
         self.browser.click_on("#show-nearest")
-        self.assertEqual(self.js("document.querySelector('.marker.near').style.display"), "none")
+        self.assertGreater(colours(shown)[ink], self.colours_of("#view")[ink] + 20)
+        self.assertEqual(self.js(hidden), ["none", "none"])
         far = self.js("[...millpose.data.nearest.pair].indexOf(1)")
         self.open(f"#point={far}")
         self.assertIn("none within", self.text("#nearest-pair"))
-        self.assertEqual(self.js("document.querySelector('.marker.near').style.display"), "none")
+        self.assertEqual(self.js(hidden), ["none", "none"])
 
     # Light, dark, paper
 
@@ -197,11 +182,7 @@ class RunInBrowser(unittest.TestCase):
         self.assertEqual(wide, 0)
         picture = self.js("(() => { const i = document.querySelector('#view img.paper'); return [i.naturalWidth, i.naturalHeight, getComputedStyle(i).display, i.src]; })()")
         self.assertEqual(picture[:3], [1400, 840, "block"])
-        colours = {}
-        for row in pixels(base64.b64decode(picture[3].split(",")[1]))[2]:
-            for colour in row:
-                colours[colour] = colours.get(colour, 0) + 1
-        self.assertGreater(len(colours), 500)
+        self.assertGreater(len(colours(base64.b64decode(picture[3].split(",")[1]))), 500)
         self.keep("paper.png", self.browser.screenshot())
         self.browser.media("dark")
         self.assertIsNone(self.js("document.querySelector('#view img.paper')"))

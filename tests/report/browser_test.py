@@ -1,93 +1,60 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""usage: browser_test.py WRITE_REPORT_PANEL [FOLDER]: opens a report from file:// in a headless Chromium without a
-network and uses it as a person would. Screenshots stay in FOLDER when it is given."""
-import pathlib
-import sys
-import tempfile
+"""usage: browser_test.py WRITE_REPORT_PANEL: opens a report from file:// in a headless Chromium without a
+network and uses it as a person would."""
 import subprocess
+import sys
 import unittest
 
-from chromium import Chromium, pixels
+from browser_case import BrowserCase
+from chromium import pixels
 
 PASSES, POINTS = 12, 40
-WRITER = sys.argv[1]
-FOLDER = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else None
 
 
-class ReportInBrowser(unittest.TestCase):
+class ReportInBrowser(BrowserCase):
     @classmethod
-    def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.page = pathlib.Path(cls.folder.name) / "report.html"
-        subprocess.run([WRITER, str(PASSES), str(POINTS), str(cls.page)], check=True)
-        cls.browser = Chromium()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.browser.close()
-        cls.folder.cleanup()
+    def write_pages(cls):
+        cls.page = cls.folder / "report.html"
+        subprocess.run([sys.argv[1], str(PASSES), str(POINTS), cls.page], check=True)
 
     def setUp(self):
-        self.browser.errors.clear()
-        self.browser.requests.clear()
-        self.browser.size(1400, 900)
-        self.browser.media()
+        super().setUp()
         self.open()
 
-    def tearDown(self):
-        self.assertEqual(self.browser.errors, [])
-
-    def open(self, fragment=""):
-        self.browser.open(self.page.as_uri() + fragment)
-
-    def text(self, selector):
-        return self.browser.evaluate(f"document.querySelector('{selector}').textContent")
-
     def selected(self):
-        return self.browser.evaluate("millpose.selected")
-
-    def keep(self, name, png):
-        if FOLDER:
-            FOLDER.mkdir(parents=True, exist_ok=True)
-            (FOLDER / name).write_bytes(png)
+        return self.js("millpose.selected")
 
     def assert_all_show(self, row):
-        number = self.browser.evaluate(f"millpose.data.rows.number[{row}]")
+        number = self.js(f"millpose.data.rows.number[{row}]")
         self.assertEqual(self.selected(), row)
         self.assertEqual(self.text("#point-title"), f"Point {number}")
-        self.assertEqual(self.browser.evaluate("location.hash"), f"#point={number}")
-        self.assertEqual(self.browser.evaluate("millpose.views.charts.group.selected"), row)
-        self.assertEqual(self.browser.evaluate("millpose.views.poses.row"), row)
-        self.assertEqual(self.browser.evaluate("millpose.views.scene.selected"), row)
+        self.assertEqual(self.js("location.hash"), f"#point={number}")
+        self.assertEqual(self.js("millpose.views.charts.group.selected"), row)
+        self.assertEqual(self.js("millpose.views.poses.row"), row)
+        self.assertEqual(self.js("millpose.views.scene.selected"), row)
 
     def chart_texts(self):
-        return self.browser.evaluate("[...document.querySelectorAll('.chart .legend')].map(e => e.textContent)")
+        return self.js("[...document.querySelectorAll('.chart .legend')].map(e => e.textContent)")
 
-    def test_opens_at_the_worst_point_and_asks_for_nothing(self):
-        worst = self.browser.evaluate("""(() => { const v = millpose.data.column.objective.values;
+    def test_opens_at_the_worst_point(self):
+        worst = self.js("""(() => { const v = millpose.data.column.objective.values;
             const cut = (i) => millpose.data.rows.kind[i] === 0 && !Number.isNaN(v[i]);
             let best = -1; v.forEach((x, i) => { if (cut(i) && (best < 0 || x > v[best])) best = i; }); return best; })()""")
         self.assert_all_show(worst)
-        self.assertIn("selected", self.browser.evaluate("document.querySelector('#worst tbody tr').className"))
-        self.assertEqual([u for u in self.browser.requests if not u.startswith(("file:", "about:", "data:"))], [])
+        self.assertIn("selected", self.js("document.querySelector('#worst tbody tr').className"))
         self.keep("worst_1400.png", self.browser.screenshot())
 
     def test_view_is_not_blank(self):
-        png = self.browser.screenshot("#view canvas")
-        width, height, rows = pixels(png)
-        colours = {}
-        for row in rows:
-            for colour in row:
-                colours[colour] = colours.get(colour, 0) + 1
+        colours = self.colours_of("#view canvas")
         self.assertGreater(len(colours), 500)
         viridis = sum(n for (r, g, b), n in colours.items() if max(r, g, b) - min(r, g, b) > 60)
-        self.assertGreater(viridis, 0.01 * width * height)
+        self.assertGreater(viridis, 0.01 * colours.total())
 
     def test_click_in_the_view_selects_everywhere(self):
         before, panel, plots = self.chart_texts(), self.text("#point-figures"), self.browser.screenshot("#rotation-chart")
         # A point in the middle of a pass near the part's lower rim, clear of the arm.
         row = 2 * POINTS + 10
-        x, y = self.browser.evaluate(f"""(() => {{ const [x, y] = millpose.views.scene.project({row});
+        x, y = self.js(f"""(() => {{ const [x, y] = millpose.views.scene.project({row});
             const b = document.querySelector('#view').getBoundingClientRect(); return [x + b.x, y + b.y]; }})()""")
         self.browser.click(x, y)
         self.assert_all_show(row)
@@ -112,31 +79,31 @@ class ReportInBrowser(unittest.TestCase):
         self.assert_all_show(row)
 
     def test_drag_in_a_chart_zooms_all_and_double_click_goes_back(self):
-        x, y = self.browser.evaluate("""(() => { const e = document.querySelector('.chart canvas');
+        x, y = self.js("""(() => { const e = document.querySelector('.chart canvas');
             e.scrollIntoView({block: "center"}); const b = e.getBoundingClientRect(); return [b.x, b.y + 60]; })()""")
         call = self.browser.call
         call("Input.dispatchMouseEvent", type="mousePressed", x=x + 300, y=y, button="left", clickCount=1)
         call("Input.dispatchMouseEvent", type="mouseMoved", x=x + 500, y=y, button="left", buttons=1)
         call("Input.dispatchMouseEvent", type="mouseReleased", x=x + 500, y=y, button="left", clickCount=1)
         self.browser.settle()
-        low, high = self.browser.evaluate("millpose.views.charts.group.range")
+        low, high = self.js("millpose.views.charts.group.range")
         self.assertLess(high - low, 0.2 * 900 * PASSES)
         self.assertGreater(high - low, 0.1 * 900 * PASSES)
         for clicks in (1, 2):
             for kind in ("mousePressed", "mouseReleased"):
                 call("Input.dispatchMouseEvent", type=kind, x=x + 400, y=y, button="left", clickCount=clicks)
         self.browser.settle()
-        self.assertIsNone(self.browser.evaluate("millpose.views.charts.group.range"))
+        self.assertIsNone(self.js("millpose.views.charts.group.range"))
 
     def test_click_in_the_table_selects_everywhere(self):
         self.browser.click_on("#worst tbody tr:nth-child(4) td:last-child")
-        row = self.browser.evaluate("Number(document.querySelector('#worst tbody tr:nth-child(4)').dataset.row)")
+        row = self.js("Number(document.querySelector('#worst tbody tr:nth-child(4)').dataset.row)")
         self.assert_all_show(row)
 
     def test_link_opens_its_point(self):
         self.open("#point=77")
         self.assert_all_show(77)
-        self.browser.evaluate("location.hash = '#point=140'")
+        self.js("location.hash = '#point=140'")
         self.browser.settle()
         self.assert_all_show(140)
 
@@ -151,65 +118,65 @@ class ReportInBrowser(unittest.TestCase):
         self.browser.click_on("#skipped tbody a")
         self.assert_all_show(number)
         self.assertEqual(self.text("#point-status"), "skipped, interference: spindle against workpiece </script><b>")
-        self.assertFalse(self.browser.evaluate("millpose.views.scene.groups.arm.visible"))
+        self.assertFalse(self.js("millpose.views.scene.groups.arm.visible"))
 
     def test_fit_arm_shows_every_joint(self):
         seen = """millpose.armFrames(millpose.data, millpose.jointsOf(millpose.data, millpose.selected)).map((f) => {
             const p = new THREE.Vector3(f[3], f[7], f[11]).project(millpose.views.scene.camera);
             return Math.max(Math.abs(p.x), Math.abs(p.y)); })"""
-        self.assertGreater(max(self.browser.evaluate(seen)), 1)
+        self.assertGreater(max(self.js(seen)), 1)
         self.browser.click_on("#fit-arm")
-        self.assertLess(max(self.browser.evaluate(seen)), 1)
+        self.assertLess(max(self.js(seen)), 1)
         self.keep("arm_1400.png", self.browser.screenshot())
         self.browser.click_on("#fit")
-        self.assertGreater(max(self.browser.evaluate(seen)), 1)
+        self.assertGreater(max(self.js(seen)), 1)
 
     def test_bounded_clearance_is_shown_as_at_least(self):
-        row = self.browser.evaluate("millpose.data.column.clearance.values.findIndex((v) => v >= 50)")
+        row = self.js("millpose.data.column.clearance.values.findIndex((v) => v >= 50)")
         self.assertGreaterEqual(row, 0)
         self.open(f"#point={row}")
         self.assertIn("≥\u202f50.00\u202fmm", self.text("#point-figures"))
-        below = self.browser.evaluate("millpose.data.column.clearance.values.findIndex((v) => v < 50)")
+        below = self.js("millpose.data.column.clearance.values.findIndex((v) => v < 50)")
         self.open(f"#point={below}")
         self.assertNotIn("≥", self.text("#point-figures"))
 
     def test_gaps_tell_what_was_given_up(self):
-        rows = self.browser.evaluate("[...document.querySelectorAll('#gaps tbody tr')].map((e) => e.textContent)")
+        rows = self.js("[...document.querySelectorAll('#gaps tbody tr')].map((e) => e.textContent)")
         self.assertEqual(len(rows), 2)
         self.assertIn("not planned", rows[0])
         self.assertIn("clearances reduced to 90 %", rows[1])
 
     def test_deflection_has_section_chart_and_colours(self):
-        self.assertEqual(self.browser.evaluate("getComputedStyle(document.querySelector('#deflection')).display"), "block")
+        self.assertEqual(self.js("getComputedStyle(document.querySelector('#deflection')).display"), "block")
         self.assertIn("40", self.text("#deflection"))
         chart = """[...document.querySelectorAll('.chart')].find(
             (e) => e.querySelector('h3').textContent.startsWith('Predicted deflection'))"""
-        self.assertEqual(self.browser.evaluate(f"{chart}.querySelectorAll('.legend span').length"), 4)
+        self.assertEqual(self.js(f"{chart}.querySelectorAll('.legend span').length"), 4)
         row = 3 * POINTS + 5
         self.open(f"#point={row}")
-        length = self.browser.evaluate(f"millpose.format(millpose.data.column.deflection.values[{row}])")
-        self.assertIn(length, self.browser.evaluate(f"{chart}.querySelector('.legend').textContent"))
+        length = self.js(f"millpose.format(millpose.data.column.deflection.values[{row}])")
+        self.assertIn(length, self.js(f"{chart}.querySelector('.legend').textContent"))
         self.assertIn(length, self.text("#point-figures"))
-        self.browser.evaluate(f"{chart}.id = 'deflection-chart'")
-        colours = {colour for line in pixels(self.browser.screenshot("#deflection-chart canvas"))[2] for colour in line}
-        for wanted in self.browser.evaluate(f"{chart}.querySelectorAll('.legend .swatch').length && millpose.SERIES.slice(0, 4)"):
+        self.js(f"{chart}.id = 'deflection-chart'")
+        colours = self.colours_of("#deflection-chart canvas")
+        for wanted in self.js(f"{chart}.querySelectorAll('.legend .swatch').length && millpose.SERIES.slice(0, 4)"):
             self.assertIn(tuple(int(wanted[k:k + 2], 16) for k in (1, 3, 5)), colours)
         view = self.browser.screenshot("#view canvas")
-        self.browser.evaluate("""(() => { const s = document.querySelector('#index'); s.value = 'deflection';
+        self.js("""(() => { const s = document.querySelector('#index'); s.value = 'deflection';
             s.dispatchEvent(new Event('change')); })()""")
         self.browser.settle()
         self.assertIn("|d| in µm", self.text("#scale-label"))
         self.assertNotEqual(self.browser.screenshot("#view canvas"), view)
 
     def test_many_findings_leave_the_views_on_the_first_screen(self):
-        self.assertEqual(self.browser.evaluate("document.querySelectorAll('#messages > .bad').length"), 6)
+        self.assertEqual(self.js("document.querySelectorAll('#messages > .bad').length"), 6)
         self.assertIn("3 more", self.text("#messages summary"))
-        self.assertEqual(self.browser.evaluate("document.querySelectorAll('#messages details .bad').length"), 3)
-        self.assertLess(self.browser.evaluate("document.querySelector('#view').getBoundingClientRect().top"), 450)
+        self.assertEqual(self.js("document.querySelectorAll('#messages details .bad').length"), 3)
+        self.assertLess(self.js("document.querySelector('#view').getBoundingClientRect().top"), 450)
 
     def test_index_recolours_all_views(self):
         view, label = self.browser.screenshot("#view canvas"), self.text("#scale-label")
-        self.browser.evaluate("""(() => { const s = document.querySelector('#index'); s.value = 'mu';
+        self.js("""(() => { const s = document.querySelector('#index'); s.value = 'mu';
             s.dispatchEvent(new Event('change')); })()""")
         self.browser.settle()
         self.assertNotEqual(self.text("#scale-label"), label)
@@ -219,7 +186,7 @@ class ReportInBrowser(unittest.TestCase):
         self.assertNotEqual(self.browser.screenshot("#view canvas"), view)
 
     def test_arm_stands_on_its_point(self):
-        worst = self.browser.evaluate("""(() => { const m = millpose, d = m.data; let worst = 0;
+        worst = self.js("""(() => { const m = millpose, d = m.data; let worst = 0;
             for (let row = 0; row < d.count; ++row) {
               const joints = m.jointsOf(d, row);
               if (!joints) continue;
@@ -230,7 +197,7 @@ class ReportInBrowser(unittest.TestCase):
         self.assertLess(worst, 0.02)  # mm: single precision of angles
 
     def test_the_inverse_gives_back_every_planned_pose(self):
-        worst = self.browser.evaluate("""(() => { const m = millpose, d = m.data; let worst = 0;
+        worst = self.js("""(() => { const m = millpose, d = m.data; let worst = 0;
             for (let row = 0; row < d.count; ++row) {
               const joints = m.jointsOf(d, row);
               if (!joints) continue;
@@ -251,15 +218,15 @@ class ReportInBrowser(unittest.TestCase):
               if (WANTED) return {row: map.columns[c].row, branch: cell.branch, rotation: map.rotationOf(j),
                 x: b.x + map.plot.axes.x(map.columns[c].way), y: b.y + map.plot.axes.y(map.rotationOf(j))};
             } })()"""
-        self.browser.evaluate("document.querySelector('#map-canvas').scrollIntoView({block: 'center'})")
-        met = self.browser.evaluate(place.replace("WANTED", "cell.zone === millpose.ZONE.PAIR"))
+        self.js("document.querySelector('#map-canvas').scrollIntoView({block: 'center'})")
+        met = self.js(place.replace("WANTED", "cell.zone === millpose.ZONE.PAIR"))
         view = self.browser.screenshot("#view canvas")
         self.browser.click(met["x"], met["y"])
         self.assert_all_show(met["row"])
         self.assertIn("link4 and panel", self.text("#map-pose"))
         self.assertNotEqual(self.browser.screenshot("#view canvas"), view)
         # The tool stands at the point, turned to the rotation that was clicked.
-        tip = self.browser.evaluate(f"""(() => {{ const m = millpose, d = m.data, q = m.jointsAt(d, {met["row"]}, {met["rotation"]}, {met["branch"]});
+        tip = self.js(f"""(() => {{ const m = millpose, d = m.data, q = m.jointsAt(d, {met["row"]}, {met["rotation"]}, {met["branch"]});
             const f = m.armFrames(d, q)[7], p = m.place(d, {met["row"]}); return Math.hypot(f[3] - p[0], f[7] - p[1], f[11] - p[2]); }})()""")
         self.assertLess(tip, 0.02)
         self.browser.click_on("#next")
@@ -269,16 +236,16 @@ class ReportInBrowser(unittest.TestCase):
         self.open("#point=85")
         self.browser.click_on("#map-next")
         self.assertEqual(self.text("#map-title"), "Axis map of pass 3")
-        self.assertEqual(self.browser.evaluate("millpose.data.rows.pass[millpose.selected]"), 3)
+        self.assertEqual(self.js("millpose.data.rows.pass[millpose.selected]"), 3)
         seen = self.browser.screenshot("#map-canvas canvas")
-        self.browser.evaluate("""(() => { const s = document.querySelector('#map-branch'); s.value = s.value === 'all' ? s.options[1].value : 'all';
+        self.js("""(() => { const s = document.querySelector('#map-branch'); s.value = s.value === 'all' ? s.options[1].value : 'all';
             s.dispatchEvent(new Event('change')); })()""")
         self.browser.settle()
         self.assertNotEqual(self.browser.screenshot("#map-canvas canvas"), seen)
 
     def test_the_best_poses_are_seen_where_the_path_is_at_them(self):
         self.open("#point=85")
-        dark, magenta = self.browser.evaluate("""(() => { const map = millpose.views.map, d = millpose.data, node = map.canvas.node;
+        dark, magenta = self.js("""(() => { const map = millpose.views.map, d = millpose.data, node = map.canvas.node;
             const context = node.getContext('2d'), ratio = node.width / node.getBoundingClientRect().width, found = [0, 0];
             for (const row of map.rows) {
               const rotation = d.column.rotation.values[row];
@@ -302,7 +269,7 @@ class ReportInBrowser(unittest.TestCase):
             self.browser.size(width, 900)
             self.open("#point=85")
             self.keep(f"map_{width}.png", self.browser.screenshot("#axis-map"))
-            card, boxes, hidden, plot = self.browser.evaluate("""(() => {
+            card, boxes, hidden, plot = self.js("""(() => {
                 const box = (e) => { const b = e.getBoundingClientRect(); return [b.left, b.top, b.right, b.bottom]; };
                 const card = document.querySelector('#axis-map'), map = millpose.views.map, a = map.plot.axes;
                 const leaves = [...card.querySelectorAll('.bar > *, #map-why, #map-canvas canvas, #map-legend > *, #map-pose')]
@@ -320,13 +287,7 @@ class ReportInBrowser(unittest.TestCase):
             self.assertGreater(plot[1] - plot[0], 0.8 * plot[2], "most of the width is map")
 
     def test_fits_narrow_windows(self):
-        for theme in ("light", "dark"):
-            self.browser.media(theme)
-            for width in (1400, 800, 390):
-                self.browser.size(width, 900)
-                self.open("#point=50")
-                self.assertLessEqual(self.browser.evaluate("document.documentElement.scrollWidth"), width)
-                self.keep(f"point50_{theme}_{width}.png", self.browser.screenshot())
+        self.assert_fits("point50", "#point=50")
 
 
 if __name__ == "__main__":

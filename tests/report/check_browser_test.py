@@ -1,28 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""usage: check_browser_test.py MILLPOSE TOP [FOLDER]: opens what `millpose check --view` writes for a job, a cell and a part
-in a headless Chromium and clicks in it. Screenshots stay in FOLDER when it is given."""
+"""usage: check_browser_test.py MILLPOSE TOP: opens what `millpose check --view` writes for a job, a cell and a part
+in a headless Chromium and clicks in it."""
 import pathlib
 import subprocess
 import sys
-import tempfile
 import unittest
 
-from chromium import Chromium, pixels
+from browser_case import BrowserCase
 
 MILLPOSE, TOP = sys.argv[1], pathlib.Path(sys.argv[2])
-FOLDER = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
 
 
-class CheckInBrowser(unittest.TestCase):
+class CheckInBrowser(BrowserCase):
     @classmethod
-    def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
+    def write_pages(cls):
         cls.pages = {}
-        job = cls.narrow_job(pathlib.Path(cls.folder.name))
-        for name, what in (("job", job), ("cell", TOP / "cells/ur10e.yaml"), ("part", TOP / "toolpaths/cabin_ring/cabin_ring.stl")):
-            cls.pages[name] = pathlib.Path(cls.folder.name) / f"{name}.html"
+        for name, what in (("job", cls.narrow_job(cls.folder)), ("cell", TOP / "cells/ur10e.yaml"), ("part", TOP / "toolpaths/cabin_ring/cabin_ring.stl")):
+            cls.pages[name] = cls.folder / f"{name}.html"
             subprocess.run([MILLPOSE, "check", what, "--view", cls.pages[name], "-q"], stdout=subprocess.DEVNULL)
-        cls.browser = Chromium()
 
     @classmethod
     def narrow_job(cls, folder):
@@ -37,31 +32,9 @@ class CheckInBrowser(unittest.TestCase):
         (folder / "support_pad.stl").write_bytes((TOP / "toolpaths/support_pad/support_pad.stl").read_bytes())
         return folder / "job.yaml"
 
-    @classmethod
-    def tearDownClass(cls):
-        cls.browser.close()
-        cls.folder.cleanup()
-
-    def setUp(self):
-        self.browser.errors.clear()
-        self.browser.requests.clear()
-        self.browser.size(1400, 900)
-        self.browser.media()
-
-    def tearDown(self):
-        self.assertEqual(self.browser.errors, [])
-        self.assertEqual([u for u in self.browser.requests if not u.startswith(("file:", "about:", "data:"))], [])
-
     def open(self, name):
-        self.browser.open(self.pages[name].as_uri())
-
-    def js(self, expression):
-        return self.browser.evaluate(expression)
-
-    def keep(self, name, png):
-        if FOLDER:
-            FOLDER.mkdir(parents=True, exist_ok=True)
-            (FOLDER / name).write_bytes(png)
+        self.page = self.pages[name]
+        super().open()
 
     def picked(self):
         return dict(self.js("[...document.querySelectorAll('#picked tr')].map(r => [r.children[0].textContent, r.children[1].textContent])"))
@@ -86,7 +59,7 @@ class CheckInBrowser(unittest.TestCase):
             self.assertAlmostEqual(float(text), value, places=4)
         self.assertIn("mm²", told["area"])
         self.assertIn("selected", self.js(f"document.querySelectorAll('#faces tbody tr')[{number - 1}].className"))
-        chosen = sum(1 for row in pixels(self.browser.screenshot("#view canvas"))[2] for r, g, b in row if r > 150 and g < 0.7 * r and b < 0.35 * r)
+        chosen = sum(n for (r, g, b), n in self.colours_of("#view canvas").items() if r > 150 and g < 0.7 * r and b < 0.35 * r)
         self.assertGreater(chosen, 200)
 
     def test_a_click_on_an_edge_names_it_and_its_faces(self):
@@ -154,13 +127,7 @@ class CheckInBrowser(unittest.TestCase):
 
     def test_fits_every_window_in_light_and_dark_and_on_paper(self):
         for name in self.pages:
-            for theme in ("light", "dark"):
-                self.browser.media(theme)
-                for width in (1400, 800, 390):
-                    self.browser.size(width, 900)
-                    self.open(name)
-                    self.assertLessEqual(self.js("document.documentElement.scrollWidth"), width, (name, theme))
-                    self.keep(f"{name}_{theme}_{width}.png", self.browser.screenshot())
+            self.assert_fits(name, name)
             self.browser.media("light", paper=True)
             self.browser.size(718, 900)
             self.browser.settle()

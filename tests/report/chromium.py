@@ -39,7 +39,7 @@ class Chromium:
         self.buffer = b""
         self.last = 0
         self.session = None
-        self.errors, self.requests = [], []
+        self.errors, self.requests, self.contexts = [], [], {}
         target = [t for t in self.call("Target.getTargets")["targetInfos"] if t["type"] == "page"][0]
         self.session = self.call("Target.attachToTarget", targetId=target["targetId"], flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
@@ -88,18 +88,25 @@ class Chromium:
             self.errors.append(" ".join(str(a.get("value", a.get("description"))) for a in params["args"]))
         elif method == "Log.entryAdded" and params["entry"]["level"] == "error":
             self.errors.append(params["entry"]["text"])
+        elif method == "Runtime.executionContextCreated" and params["context"]["auxData"]["isDefault"]:
+            self.contexts[params["context"]["auxData"]["frameId"]] = params["context"]["id"]
         elif method == "Network.requestWillBeSent":
             self.requests.append(params["request"]["url"])
 
-    def evaluate(self, expression):
-        result = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
+    def evaluate(self, expression, **where):
+        result = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True, **where)
         if "exceptionDetails" in result:
             raise RuntimeError(f"{expression}: {result['exceptionDetails']}")
         return result["result"].get("value")
 
-    def wait(self, expression):
+    def frame(self):
+        """Of the page's one iframe: its address, and what evaluate() needs to ask in it."""
+        frame = self.call("Page.getFrameTree")["frameTree"]["childFrames"][0]["frame"]
+        return frame["url"], {"contextId": self.contexts[frame["id"]]}
+
+    def wait(self, expression, **where):
         deadline = time.monotonic() + 120
-        while not self.evaluate(expression):
+        while not self.evaluate(expression, **where):
             if time.monotonic() > deadline:
                 raise RuntimeError("never true: " + expression)
             time.sleep(0.05)
@@ -128,7 +135,8 @@ class Chromium:
     def open(self, url):
         self.call("Page.navigate", url="about:blank")  # so that a changed fragment is a new page
         self.call("Page.navigate", url=url)
-        self.wait("document.readyState === 'complete' && document.body.classList.contains('ready')")
+        self.wait("location.href !== 'about:blank' && document.readyState === 'complete' && "
+                  "(!window.millpose || document.body.classList.contains('ready'))")
         self.settle()
 
     def click(self, x, y):
