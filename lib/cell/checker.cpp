@@ -70,7 +70,7 @@ struct Checker::Impl {
   }
 
   Interference Report(const BodyPair& pair, const BoundedDistance& found) const {
-    return {world->bodies[pair.first].name, world->bodies[pair.second].name, found.place, found.distance};
+    return {world->bodies[pair.first].name, world->bodies[pair.second].name, found.ends, found.distance};
   }
 
   std::optional<Sighting> Certify(const Joints& middle, const Joints& half_turn, int phase, double resolution,
@@ -160,7 +160,7 @@ std::optional<Interference> Checker::Nearest(const Joints& q, Phase phase, doubl
   }
   std::sort(nearest.begin(), nearest.end());
   const BodyPair* best = nullptr;
-  BoundedDistance smallest{bound, Eigen::Vector3d::Zero()};
+  BoundedDistance smallest{bound};
   for (const auto& [least, pair] : nearest) {
     if (smallest.distance <= kTouch || least >= std::min(smallest.distance, most)) break;
     const BoundedDistance found = impl_->Distance(*pair, smallest.distance);

@@ -14,6 +14,8 @@
 namespace millpose {
 namespace {
 
+constexpr double kSameLength = 1e-3;  // mm; what GJK leaves of lengths and places
+
 bool Positive(double value) { return std::isfinite(value) && value > 0; }
 
 std::string PointsProblem(const std::vector<Eigen::Vector3d>& points) {
@@ -207,6 +209,22 @@ bool InGrownBox(const Placed& body, const Eigen::Vector3d& p, double by) {
   return (local.cwiseAbs() - body.part->half).maxCoeff() <= by;
 }
 
+std::array<Eigen::Vector3d, 2> Twice(const Eigen::Vector3d& place) { return {place, place}; }
+
+/// The nearest points of two parts as ends of the way between them; FCL 0.7 gives those of a mesh and a shape
+/// at times in the other order, of a mesh and a sphere none at all.
+std::array<Eigen::Vector3d, 2> EndsOf(const fcl::DistanceResultd& result, const Placed& a, const Placed& b) {
+  const Eigen::Vector3d &p = result.nearest_points[0], &q = result.nearest_points[1];
+  if (std::abs((q - p).norm() - result.min_distance) <= kSameLength) {
+    if (InGrownBox(a, p, kSameLength) && InGrownBox(b, q, kSameLength)) return {p, q};
+    if (InGrownBox(a, q, kSameLength) && InGrownBox(b, p, kSameLength)) return {q, p};
+  }
+  const Eigen::Vector3d between = 0.5 * (p + q);
+  const bool plausible =
+      InGrownBox(a, between, result.min_distance) && InGrownBox(b, between, result.min_distance);
+  return Twice(plausible ? between : BetweenBoxes(a, b));
+}
+
 fcl::DistanceResultd FclDistance(const Placed& a, const Placed& b, double bound) {
   fcl::DistanceRequestd request;
   request.enable_nearest_points = true;
@@ -218,13 +236,13 @@ fcl::DistanceResultd FclDistance(const Placed& a, const Placed& b, double bound)
 
 BoundedDistance ConvexDistance(const Placed& a, const Placed& b, double bound) {
   const fcl::DistanceResultd result = FclDistance(a, b, std::numeric_limits<double>::max());
-  if (result.min_distance <= 0) return {std::min(0.0, LeastOverlap(a, b)), BetweenBoxes(a, b)};
+  if (result.min_distance <= 0) return {std::min(0.0, LeastOverlap(a, b)), Twice(BetweenBoxes(a, b))};
   const Eigen::Vector3d &p = result.nearest_points[0], &q = result.nearest_points[1];
   // GJK stops when it no longer advances, at times early: what two parallel planes show is certain.
   double distance = 0;
   if ((q - p).norm() > 0) distance = std::max(0.0, Separation(a, b, (q - p).normalized()));
   distance = std::min(distance, result.min_distance);
-  return {std::min(distance, bound), 0.5 * (p + q)};
+  return {std::min(distance, bound), EndsOf(result, a, b)};
 }
 
 bool Swallows(const Placed& outer, const Placed& inner) {
@@ -240,15 +258,12 @@ bool Swallows(const Placed& outer, const Placed& inner) {
 BoundedDistance MeshDistance(const Placed& a, const Placed& b, double bound) {
   const fcl::DistanceResultd result = FclDistance(a, b, bound);
   if (result.min_distance < bound) {
-    if (result.min_distance <= 0) return {0, BetweenBoxes(a, b)};
-    const Eigen::Vector3d between = 0.5 * (result.nearest_points[0] + result.nearest_points[1]);
-    // FCL 0.7 leaves nearest points of a mesh and a sphere undefined.
-    const bool plausible = InGrownBox(a, between, bound) && InGrownBox(b, between, bound);
-    return {result.min_distance, plausible ? between : BetweenBoxes(a, b)};
+    if (result.min_distance <= 0) return {0, Twice(BetweenBoxes(a, b))};
+    return {result.min_distance, EndsOf(result, a, b)};
   }
-  if (Swallows(a, b)) return {0, b.centre};
-  if (Swallows(b, a)) return {0, a.centre};
-  return {bound, Eigen::Vector3d::Zero()};
+  if (Swallows(a, b)) return {0, Twice(b.centre)};
+  if (Swallows(b, a)) return {0, Twice(a.centre)};
+  return {bound};
 }
 
 }  // namespace
@@ -333,7 +348,11 @@ DistanceBracket BracketOf(const Placed& a, const Placed& b, double bound, double
 
 BoundedDistance DistanceUpTo(const Placed& a, const Placed& b, double bound) {
   if (a.part->mesh()) return MeshDistance(a, b, bound);
-  if (b.part->mesh()) return MeshDistance(b, a, bound);
+  if (b.part->mesh()) {
+    BoundedDistance found = MeshDistance(b, a, bound);
+    std::swap(found.ends[0], found.ends[1]);
+    return found;
+  }
   return ConvexDistance(a, b, bound);
 }
 

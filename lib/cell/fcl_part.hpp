@@ -5,6 +5,7 @@
 
 #include <fcl/geometry/collision_geometry.h>
 
+#include <array>
 #include <memory>
 
 #include "cell/apart.hpp"
@@ -62,7 +63,9 @@ DistanceBracket BracketOf(const Placed& a, const Placed& b, double bound, double
 /// The distance of two parts as far as it was asked for.
 struct BoundedDistance {
   double distance = 0;  ///< mm; at least the bound when they are not nearer than that; ≤ 0 when they touch
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< W, between the nearest points; when nearer
+  /// Where each part is nearest to the other, W, when nearer than the bound; twice the same place between
+  /// them where no more is known.
+  std::array<Eigen::Vector3d, 2> ends{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
 };
 
 /// Distance of two parts up to `bound` (> 0, mm). A part wholly inside a closed mesh touches it. Between

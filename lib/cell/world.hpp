@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,7 +16,9 @@ enum class Phase : uint8_t { kFree, kCutting };
 /// Two bodies that touch or come nearer than their clearance.
 struct Interference {
   std::string first, second;
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< in W, mm
+  std::array<Eigen::Vector3d, 2> ends{Eigen::Vector3d::Zero(),
+                                      Eigen::Vector3d::Zero()};        ///< of BoundedDistance
+  Eigen::Vector3d place() const { return 0.5 * (ends[0] + ends[1]); }  ///< in W, mm
   double distance = 0;  ///< mm; ≤ 0 when they touch (then minus the depth where known)
 };
 
@@ -77,7 +80,7 @@ class Checker {
   /// that").
   double Clearance(const Joints& q, Phase phase, double bound);
 
-  /// The checked pair with that distance and the place between its nearest points; empty where none is nearer
+  /// The checked pair with that distance and the places where both are nearest; empty where none is nearer
   /// than `bound`.
   std::optional<Interference> Nearest(const Joints& q, Phase phase, double bound);
 

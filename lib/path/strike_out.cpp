@@ -44,7 +44,7 @@ std::string Describe(const Interference& interference) {
   return fmt::format("{} and {} {} at ({:.1f}, {:.1f}, {:.1f}) mm", interference.first, interference.second,
                      interference.distance > 0 ? fmt::format("come within {:.2f} mm", interference.distance)
                                                : std::string("touch"),
-                     interference.place.x(), interference.place.y(), interference.place.z());
+                     interference.place().x(), interference.place().y(), interference.place().z());
 }
 
 StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::span<const PointScorer> scorers,

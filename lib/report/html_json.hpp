@@ -31,7 +31,8 @@ Json CurvesJson(const HtmlInput& input);
 /// without a timeline.
 Json TimelineJson(const HtmlInput& input, const std::vector<ReportRow>& rows);
 
-/// The nearest pair at every row, with the place; null where nobody looked.
+/// The nearest pair at every row, with the two places that are nearest to each other; null where nobody
+/// looked.
 Json NearestJson(const HtmlInput& input, const std::vector<ReportRow>& rows);
 
 /// What bars the poses of the points that have curves, and the optima of the rows; null without a map.

@@ -49,20 +49,19 @@ Json NearestJson(const HtmlInput& input, const std::vector<ReportRow>& rows) {
   if (!input.nearest) return nullptr;
   std::vector<std::array<std::string, 2>> pairs;
   std::map<std::array<std::string, 2>, uint32_t> number_of;
-  std::vector<uint32_t> pair;  // 0: nobody looked; 1: none is near; 2 + p: pairs[p]
-  std::vector<Eigen::Vector3d> place;
+  std::vector<uint32_t> pair;         // 0: nobody looked; 1: none is near; 2 + p: pairs[p]
+  std::vector<Eigen::Vector3d> ends;  // of the rows with a pair alone
   for (const ReportRow& row : rows) {
     const auto found = input.nearest->find(row.number);
-    place.push_back(Eigen::Vector3d::Zero());
     pair.push_back(found == input.nearest->end() ? 0 : 1);
     if (pair.back() == 0 || !found->second) continue;
     const std::array<std::string, 2> names{found->second->first, found->second->second};
     const auto [entry, fresh] = number_of.emplace(names, static_cast<uint32_t>(pairs.size()));
     if (fresh) pairs.push_back(names);
     pair.back() = 2 + entry->second;
-    place.back() = found->second->place;
+    ends.insert(ends.end(), found->second->ends.begin(), found->second->ends.end());
   }
-  return {{"pairs", pairs}, {"pair", PackUint32(pair)}, {"place_mm", PackVectors(place)}};
+  return {{"pairs", pairs}, {"pair", PackUint32(pair)}, {"ends_mm", PackVectors(ends)}};
 }
 
 }  // namespace millpose::html

@@ -195,7 +195,7 @@ void CheckInterference(const Replayed& replayed, size_t i, const Cell& cell, Che
   findings.push_back(
       At(replayed.program, i, Cause::kInterference,
          fmt::format("{} comes within {:.2f} mm of {} at ({:.1f}, {:.1f}, {:.1f}) mm", hit->first,
-                     hit->distance, hit->second, hit->place.x(), hit->place.y(), hit->place.z())));
+                     hit->distance, hit->second, hit->place().x(), hit->place().y(), hit->place().z())));
 }
 
 /// Which motions have findings, by their lines. They and what starts from them are not checked for

@@ -234,7 +234,7 @@ TEST(Checker, NearestNamesThePairAndThePlace) {
   EXPECT_EQ((std::set{nearest->first, nearest->second}), (std::set<std::string>{"cutter", "part"}));
   // Between the cutter's tip, which stands 30 mm off, and the wall.
   const Pose X_WT = cell.X_WB * ForwardFlange(cell.arm, kMillingPose) * cell.X_FT;
-  EXPECT_NEAR((X_WT.inverse() * nearest->place).z(), -15, 0.1);
+  EXPECT_NEAR((X_WT.inverse() * nearest->place()).z(), -15, 0.1);
   EXPECT_FALSE(checker.Nearest(kMillingPose, Phase::kFree, 29.9));
   // Brute force: of a wide bound and a narrow one the same pair, and no other one is nearer.
   RandomStream random(5, 0);

@@ -76,6 +76,50 @@ TEST(Distance, MatchesBruteForceForAllKindsOfShapes) {
   EXPECT_GT(near, 8 * trials);
 }
 
+double DistanceFromMesh(const Eigen::Vector3d& p, const Triangles& mesh) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& [a, b, c] : mesh.faces)
+    least = std::min(least, PointTriangle(p, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]));
+  return least;
+}
+
+TEST(Distance, EndsLieOnTheBodiesAndAreAsFarApartAsTheyAre) {
+  RandomStream random(8, 0);
+  const std::vector<Case> cases = Cases();
+  const Pose X_WF = ForwardFlange(SampleArm(), HomePose());
+  std::map<std::pair<size_t, size_t>, int> unknown;
+  int known = 0;
+  for (size_t i = 0; i < cases.size(); ++i) {
+    for (size_t j = 0; j < cases.size(); ++j) {
+      for (int k = 0; k < OfTier(4, 24); ++k) {
+        const Pose X_W = X_WF * RandomPose(random, 110), X_F = RandomPose(random, 30);
+        const World world(PairCell(cases[i].shape, X_W, cases[j].shape, X_F));
+        const auto found = Checker(world).Nearest(HomePose(), Phase::kFree, 150);
+        if (!found || found->distance <= 0) continue;
+        const auto& [first, second] = found->ends;
+        if (first == second) {
+          ++unknown[{i, j}];
+          continue;
+        }
+        ++known;
+        const bool in_order = found->first == "still";
+        EXPECT_NEAR((first - second).norm(), found->distance, 2e-3) << i << ", " << j;
+        EXPECT_LE(DistanceFromMesh(in_order ? first : second, Moved(cases[i].mesh, X_W)),
+                  cases[i].slack + 0.01)
+            << i << ", " << j;
+        EXPECT_LE(DistanceFromMesh(in_order ? second : first, Moved(cases[j].mesh, X_WF * X_F)),
+                  cases[j].slack + 0.01)
+            << i << ", " << j;
+      }
+    }
+  }
+  EXPECT_GT(known, 100);
+  // FCL has none of a sphere (1) and a mesh (6, 7).
+  for (const auto& [pair, count] : unknown)
+    EXPECT_TRUE(std::min(pair.first, pair.second) == 1 && std::max(pair.first, pair.second) >= 6)
+        << pair.first << ", " << pair.second << ": " << count;
+}
+
 TEST(Distance, PlaceLiesBetweenTheBodies) {
   const Pose X_WF = ForwardFlange(SampleArm(), HomePose());
   const std::vector<std::pair<Shape, Shape>> pairs{{Box{{100, 100, 100}}, Sphere{20}},
@@ -88,7 +132,7 @@ TEST(Distance, PlaceLiesBetweenTheBodies) {
     const auto found = Checker(world).At(HomePose(), Phase::kFree);
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->distance, 5, 1e-6);
-    EXPECT_NEAR((X_WF.inverse() * found->place).x(), 52.5, 1e-3) << still.index() << moving.index();
+    EXPECT_NEAR((X_WF.inverse() * found->place()).x(), 52.5, 1e-3) << still.index() << moving.index();
   }
 }
 

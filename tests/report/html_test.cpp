@@ -164,7 +164,7 @@ TEST(ReportHtml, NamesTheNearestPairOfEveryPoint) {
   const Panel& panel = SmallPanel();
   const Json nearest = DataOf(SmallPage())["nearest"];
   const auto pair = Uint32s(nearest["pair"]);
-  const auto place = Floats(nearest["place_mm"]);
+  const auto ends = Floats(nearest["ends_mm"]);
   ASSERT_EQ(pair.size(), 80u);
   const World world(panel.cell);
   Checker checker(world);
@@ -181,10 +181,14 @@ TEST(ReportHtml, NamesTheNearestPairOfEveryPoint) {
       continue;
     }
     EXPECT_EQ(nearest["pairs"][pair[i] - 2], Json({found->first, found->second}));
-    for (int k = 0; k < 3; ++k) EXPECT_FLOAT_EQ(place[3 * i + k], static_cast<float>(found->place[k]));
+    ASSERT_GE(ends.size(), 6 * (named + 1));
+    for (size_t k = 0; k < 6; ++k)
+      EXPECT_FLOAT_EQ(ends[6 * named + k],
+                      static_cast<float>(found->ends[k / 3][static_cast<Eigen::Index>(k % 3)]));
     ++named;
   }
   EXPECT_GT(named, 5u);
+  EXPECT_EQ(ends.size(), 6 * named);
 }
 
 TEST(ReportHtml, TellsWhichClearancesAreOnlyBounds) {

@@ -99,7 +99,6 @@ PassResult MakePass(const PoseProblem& problem, const PanelSize& size, int numbe
     if (i + 1 == size.points) point.point.kind = PointKind::kLeadOut;
     const PointScorer scorer(problem, point.point, pass.rotation_reference);
     ChoosePose(scorer, CurveGrid(), last, point);
-    point.clearance = std::min(kPointClearanceBound, 35 + 20 * std::cos(0.01 * along) + number % 5);
     if (number + 1 == size.passes && i % 10 == 9) {
       point.skip = Obstacle::kInterference;
       point.detail = "spindle against workpiece </script><b>";
@@ -170,8 +169,16 @@ Panel MakePanel(const PanelSize& size, const std::string& job) {
   std::optional<Joints> last;
   for (int p = 0; p < size.passes; ++p) plan.passes.push_back(MakePass(panel.problem, size, p, last));
   AddGaps(plan);
+  const World world(panel.cell);
+  Checker checker(world);
+  // Some points are as if nothing were near them.
+  for (PassResult& pass : plan.passes)
+    for (PlannedPoint& point : pass.points)
+      point.clearance = point.point.arc_length > 0.8 * size.width
+                            ? kPointClearanceBound
+                            : checker.Clearance(point.q, Phase::kCutting, kPointClearanceBound);
   panel.timeline = MakeTimeline(plan, {}, {});
-  panel.nearest = FindNearestPairs(plan, World(panel.cell), 2, {});
+  panel.nearest = FindNearestPairs(plan, world, 2, {});
   panel.curves = SampleCurves(plan, panel.problem, {}, 4000, 2, {});
   panel.map = MakeAxisMap(plan, panel.problem, panel.curves, nullptr, 2, {});
   panel.settings = "job: |\n  " + job + "\ntoolpath: {stepover_mm: 8}\n";

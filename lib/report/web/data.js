@@ -54,7 +54,11 @@
     data.curves = decodeCurves(raw.curves);
     if (raw.map) data.map = Object.assign({}, raw.map, { runs: new Uint8Array(bytes(raw.map.runs)), start: uint32(raw.map.start),
       own: floats(raw.map.own_deg), free: floats(raw.map.free_deg), branches: uint32(raw.map.branches), barred: uint32(raw.map.barred) });
-    if (raw.nearest) data.nearest = { pairs: raw.nearest.pairs, pair: uint32(raw.nearest.pair), place: floats(raw.nearest.place_mm) };
+    if (raw.nearest) {
+      const pair = uint32(raw.nearest.pair);
+      let named = 0;  // only rows with a pair have ends
+      data.nearest = { pairs: raw.nearest.pairs, pair, ends: floats(raw.nearest.ends_mm), at: pair.map((p) => (p > 1 ? named++ : 0)) };
+    }
     data.timeline = raw.timeline && { seconds: raw.timeline.seconds, time: floats(raw.timeline.time_s), stretch: uint32(raw.timeline.stretch),
       pass: uint32(raw.timeline.pass), row: uint32(raw.timeline.row), joints: floats(raw.timeline.joints_deg), tip: floats(raw.timeline.tip_mm) };
     data.bodies = raw.bodies.map((b) => Object.assign({}, b, { vertices: floats(b.vertices), faces: uint32(b.faces) }));
@@ -86,11 +90,13 @@
     return { index: best, number: numbers[best], exact: numbers[best] === wanted };
   };
 
-  // The nearest pair of bodies at a row: {names, place}; null where none is near, undefined where nobody looked.
+  // The nearest pair of bodies at a row, {names, ends}: their two places that are nearest to each other; null where none is near, undefined where nobody looked.
   m.nearestAt = function (data, row) {
     const { nearest } = data, pair = nearest ? nearest.pair[row] : 0;
     if (pair === 0) return undefined;
-    return pair === 1 ? null : { names: nearest.pairs[pair - 2], place: Array.from(nearest.place.subarray(3 * row, 3 * row + 3)) };
+    if (pair === 1) return null;
+    const from = 6 * nearest.at[row], end = (k) => Array.from(nearest.ends.subarray(from + 3 * k, from + 3 * k + 3));
+    return { names: nearest.pairs[pair - 2], ends: [end(0), end(1)] };
   };
 
   // The worst rows of a column, no two of them nearer than `apart` mm: places rather than neighbours. Lead-ins and

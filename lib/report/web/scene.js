@@ -29,8 +29,8 @@
       this.triad = new m.Triad(parent);
       this.marker = m.element("div", { class: "marker" }, m.element("span"));
       this.worst = m.element("div", { class: "marker worst" }, m.element("span"));
-      this.near = m.element("div", { class: "marker near" }, m.element("span"));
-      parent.append(this.worst, this.near, this.marker);
+      this.near = new m.NearestLine(parent);
+      parent.append(this.worst, this.marker);
       this.orbit = new m.Orbit(this.renderer.domElement, this.schedule, (x, y) => this.pick(x, y));
       this.fit(false);
     }
@@ -86,11 +86,11 @@
       this.pointAtNearest(row);
     }
 
-    // The pair that is nearest at a row: its bodies tinted, the place between them named.
+    // The pair that is nearest at a row: its bodies tinted, their distance drawn.
     pointAtNearest(row) {
       const nearest = m.nearestAt(this.data, row) || null, clearance = this.data.column.clearance;
-      this.nearest = nearest && nearest.place;
-      this.near.firstChild.textContent = nearest ? `${m.withUnit(clearance.values[row], clearance.unit, clearance.bound)}: ${nearest.names.join(" – ")}` : "";
+      this.nearest = nearest && nearest.ends;
+      if (nearest) this.near.say(`${m.withUnit(clearance.values[row], clearance.unit, clearance.bound)}: ${nearest.names.join(" – ")}`);
       if (!nearest || this.showNearest === false) return;
       for (const { mesh, body } of this.bodies)
         if (nearest.names.some((name) => name === body.name || name.startsWith(body.name + " above "))) {
@@ -177,7 +177,7 @@
       const place = (row) => (row === undefined || row < 0 ? null : m.place(this.data, row));
       this.put(this.marker, place(this.selected));
       this.put(this.worst, place(this.worstRow));
-      this.put(this.near, this.showNearest === false ? null : this.nearest);
+      this.near.draw(this, this.showNearest === false ? null : this.nearest);
     }
 
     // The view as a picture for paper, of a size in CSS pixels; null: back to the screen.
@@ -200,7 +200,8 @@
       return [((p.x + 1) / 2) * this.width, ((1 - p.y) / 2) * this.height, p.z];
     }
 
-    put(node, place) {
+    // A marker at a place; `room`: px to the right of it that its words need.
+    put(node, place, room = 170) {
       if (!place) {
         node.style.display = "none";
         return;
@@ -208,7 +209,7 @@
       const [x, y, z] = this.onScreen(place);
       node.style.display = z < 1 && x >= 0 && x <= this.width && y >= 0 && y <= this.height ? "block" : "none";
       node.style.transform = `translate(${x}px, ${y}px)`;
-      node.classList.toggle("left", x > this.width - (node === this.near ? 300 : 170));
+      node.classList.toggle("left", x > this.width - room);
     }
 
     // The point nearest to a place of the screen within 14 pixels; of several, the one in front.
