@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "cutting/engagement.hpp"
+#include "cutting/entries.hpp"
 #include "pipeline/assemble.hpp"
 #include "plan/skipped.hpp"
 #include "stiffness/cutting_material.hpp"
@@ -312,6 +313,33 @@ std::string CountWhatIsLeft(const JobInputs& inputs, const Mesh& mesh, int threa
       "force is more than 20 % above the one that poses were chosen for (up to {:.0f} N); see "
       "deflection.csv",
       text.empty() ? "" : text + "; ", skipped, more, most);
+}
+
+std::string EntriesOnMaterial(const JobInputs& inputs, const Mesh& mesh, const PlanResult& plan) {
+  if (!inputs.job.cutting || inputs.job.cutting->side || inputs.cell.tool.centre_cutting) return "";
+  std::vector<size_t> entries;
+  std::vector<int> passes;
+  size_t number = 0;
+  for (const PassResult& pass : plan.passes) {
+    for (const Piece& piece : pass.pieces) {
+      auto first = static_cast<size_t>(piece.first);
+      while (pass.points[first].skip != Obstacle::kNone) ++first;
+      entries.push_back(number + first);
+      passes.push_back(pass.pass);
+    }
+    number += pass.points.size();
+  }
+  const std::vector<char> meets =
+      MeetsMaterial(CuttingReader(inputs, mesh).Read(), Milled(plan, true), entries);
+  const auto count = std::ranges::count(meets, 1);
+  if (count == 0) return "";
+  const auto worst = static_cast<size_t>(std::ranges::find(meets, 1) - meets.begin());
+  return fmt::format(
+      "the tool comes straight down on material at {} of {} entries, first at point {} (pass {}), and "
+      "tool.cutter does not say centre_cutting: enter along the pass (toolpath.ends.lead: along) or from "
+      "beside "
+      "the part (toolpath.ends.overrun_mm)",
+      count, entries.size(), entries[worst], passes[worst]);
 }
 
 }  // namespace millpose

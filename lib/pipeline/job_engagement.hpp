@@ -33,6 +33,10 @@ void SetEngagementOf(const std::vector<char>& of, const JobInputs& inputs, const
 size_t LeaveOverMissing(const JobInputs& inputs, const Mesh& mesh, int threads, const std::stop_token& stop,
                         PlanResult& plan);
 
+/// At how many entries a tool that does not cut at its centre comes down on material, as far as the job says
+/// what it cuts; empty where at none.
+std::string EntriesOnMaterial(const JobInputs& inputs, const Mesh& mesh, const PlanResult& plan);
+
 /// Works the engagement of a plan's points out anew where the planner had to skip some: what they leave
 /// standing is cut by the passes beside them. Poses stay as planned. What the operator should know of it, or
 /// empty.

@@ -101,6 +101,8 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   const std::string left =
       CountWhatIsLeft(inputs, job.prepared.surface.mesh, execution.Threads(), execution.stop, plan);
   if (!left.empty()) job.prepared.warnings.push_back(left);
+  const std::string entries = EntriesOnMaterial(inputs, job.prepared.surface.mesh, plan);
+  if (!entries.empty()) job.prepared.warnings.push_back(entries);
   const auto feeds = FeedsOf(plan);
   if (inputs.job.feed_policy == FeedPolicy::kReduce) job.reduction = ReduceFeeds(plan);
   const CompensationNotes notes = CompensateJob(inputs, job.prepared.world, feeds, execution, plan);

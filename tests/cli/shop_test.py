@@ -10,6 +10,7 @@ import unittest
 from cli_fixture import TOP, InFolder, run, tree
 
 CELL = TOP / "cells" / "kr500_r2830.yaml"
+CENTRE = ", centre_cutting: true"
 
 
 def sample(name):
@@ -69,6 +70,17 @@ class Shop(InFolder):
                                         ("linuxcnc/cabin_holes.ngc", r"G61\.1\n(?:G1 [^\n]*\n)+G4 P0\.75\n")):
             text = (self.folder / "out" / "programs" / program).read_text()
             self.assertEqual(len(re.findall(stop_and_dwell, text)), 1, program)
+
+    def test_a_tool_that_cannot_plunge_and_comes_down_on_material_is_told_of(self):
+        pad = sample("support_pad").replace("mesh: ", f"mesh: {TOP}/toolpaths/support_pad/")
+        cell = CELL.read_text()
+        self.assertIn(CENTRE, cell)
+        (self.folder / "cell.yaml").write_text(cell.replace(CENTRE, ""))
+        own = pad.replace(str(CELL), "cell.yaml")
+        for text, told in ((own, True), (pad, False), (own.replace("  stepover_mm: 8", "  ends: {overrun_mm: 11}\n  stepover_mm: 8"), False)):
+            planned = self.plan(text)
+            self.assertEqual(planned.returncode, 0, planned.stderr)
+            self.assertEqual("the tool comes straight down on material at 1 of 10 entries, first at point 0 (pass 0)" in planned.stdout, told, planned.stdout[:2000])
 
     def test_a_program_of_holes_stands_by_itself(self):
         """Where the tool turns back, or goes on slower, it stops."""
@@ -140,13 +152,12 @@ class Shop(InFolder):
 
     def test_a_cutter_goes_down_only_as_it_says_it_can(self):
         text = quick_trim().replace(str(CELL), "cell.yaml")
-        one = CELL.read_text()
+        one = CELL.read_text().replace(CENTRE, "")
         for cell, change, said in (
             (one, ("ramp_deg: 3", "ramp_deg: 4"), r"job\.yaml:\d+:\d+: toolpath\.trim\.ramp_deg: given 4; allowed: at most tool\.cutter\.max_ramp_deg, 3"),
             (one.replace("cutting_length_mm: 40}", "cutting_length_mm: 40, max_ramp_deg: 4}"), ("ramp_deg: 3", "ramp_deg: 4"), None),
             (one, ("ramp_deg: 3", "ramp_deg: 3\n    entry: plunge"), r"toolpath\.trim\.entry: given plunge, but the tool says nothing of centre_cutting"),
-            (one.replace("cutting_length_mm: 40}", "cutting_length_mm: 40, centre_cutting: true}"),
-             ("ramp_deg: 3", "ramp_deg: 3\n    entry: plunge"), None),
+            (CELL.read_text(), ("ramp_deg: 3", "ramp_deg: 3\n    entry: plunge"), None),
         ):
             with self.subTest(said or "allowed"):
                 (self.folder / "cell.yaml").write_text(cell)
@@ -187,7 +198,7 @@ class Shop(InFolder):
         (self.folder / "cell.yaml").write_text(re.sub(r"(?m)^bodies:\n", "bodies:\n" + clamp, CELL.read_text()))
         text = quick_trim().replace(str(CELL), "cell.yaml")
         self.assertEqual(self.plan(text).returncode, 0)
-        cell = (self.folder / "cell.yaml").read_text().replace("cutting_length_mm: 40}", "cutting_length_mm: 40, max_ramp_deg: 30}")
+        cell = (self.folder / "cell.yaml").read_text().replace(CENTRE, ", max_ramp_deg: 30")
         (self.folder / "cell.yaml").write_text(cell)
         deep = self.plan(text.replace("overcut_mm: 1", "overcut_mm: 12").replace("ramp_deg: 3", "ramp_deg: 30"), "deep")
         self.assertEqual(deep.returncode, 1, deep.stdout + deep.stderr)

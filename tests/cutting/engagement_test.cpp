@@ -7,6 +7,7 @@
 
 #include "base/trig.hpp"
 #include "base/units.hpp"
+#include "cutting/entries.hpp"
 
 namespace millpose {
 namespace {
@@ -264,6 +265,26 @@ TEST(Engagement, OfALayerUnderAMissingOneIsDeeper) {
   layers.passes.erase(layers.passes.begin() + 1);
   SetEngagement(options, 1, {}, layers);
   EXPECT_NEAR(depth(3), 2, 1e-9);
+}
+
+TEST(Entries, MeetMaterialWhereNothingBeforeHasTakenItOff) {
+  Toolpath path;
+  path.passes.push_back(PassAlong(Line({20, 20}, {40, 20})));            // in the middle of the stock
+  path.passes.push_back(PassAlong(Line({30, 20}, {30, 40})));            // in the kerf of the first
+  path.passes.push_back(PassAlong(Line({-kRadius - 1, 10}, {20, 10})));  // from beside
+  path.passes.push_back(PassAlong(Line({50, 20}, {50, 40}), false, 2 * kDepth));  // over the stock
+  path.passes.push_back(PassAlong(Line({50, 20}, {50, 40})));
+  path.passes.push_back(PassAlong(Line({20 - 1.1 * kRadius, 20}, {5, 20})));  // half over the first's end
+  std::vector<size_t> entries;
+  size_t number = 0;
+  for (const Pass& pass : path.passes) {
+    entries.push_back(number);
+    number += pass.points.size();
+  }
+  EXPECT_EQ(MeetsMaterial(Flat(), path, entries), (std::vector<char>{1, 0, 0, 0, 1, 1}));
+  // What is not milled stays.
+  for (MillingPoint& point : path.passes[0].points) point.gouge = 1;
+  EXPECT_EQ(MeetsMaterial(Flat(), path, {entries[1]}), (std::vector<char>{1}));
 }
 
 TEST(Engagement, AStatedSideAndWidthTakeTheStocksPlace) {
