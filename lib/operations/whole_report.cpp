@@ -40,7 +40,6 @@ constexpr const char* kHead = R"html(<!DOCTYPE html>
 @media (prefers-color-scheme: dark) {
   :root { --ink: #e4e8ec; --muted: #a3adb7; --line: #3a434c; --card: #1f262d; --ground: #161b20; --accent: #8ab4f0; --bad: #ff9d94; }
 }
-@media print { :root { color-scheme: light; --ink: #000; --muted: #333; --line: #999; --card: #fff; --ground: #fff; --accent: #000; --bad: #000; } iframe, [role=tablist] { display: none; } }
 * { box-sizing: border-box; }
 body { margin: 0; padding: 14px 18px 20px; min-height: 100vh; display: flex; flex-direction: column; background: var(--ground); color: var(--ink); font: 13px/1.45 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; }
 h1 { font-size: 19px; margin: 0 0 8px; }
@@ -55,6 +54,7 @@ ul { margin: 0 0 10px; padding-left: 18px; }
 [role=tab][aria-selected=true] { color: var(--accent); font-weight: 600; box-shadow: inset 0 3px var(--accent); }
 iframe { flex: 1; width: 100%; min-height: 720px; border: 1px solid var(--line); background: var(--card); }
 a { color: var(--accent); }
+@media print { :root { color-scheme: light; --ink: #000; --muted: #333; --line: #999; --card: #fff; --ground: #fff; --accent: #000; --bad: #000; } iframe, [role=tablist] { display: none; } .scroll { overflow: visible; } th, td { white-space: normal; padding: 3px 5px; font-size: 11px; } }
 </style>
 </head>
 <body>

@@ -3,7 +3,6 @@
 """Jobs of several operations. Usage: operations_test.py MILLPOSE TOP AUDIT; with MILLPOSE_SLOW=1 the whole sample."""
 import csv
 import json
-import os
 import pathlib
 import re
 import shutil
@@ -13,23 +12,10 @@ import time
 import unittest
 
 from cli_fixture import TOP, InFolder, run, schema_problems
+from operations_sample import CELL, FOLDERS, SLOW, small
 
 AUDIT = pathlib.Path(sys.argv[3]).resolve()
-SLOW = os.environ.get("MILLPOSE_SLOW") == "1"
-SAMPLE = (TOP / "toolpaths" / "cabin_window" / "job.yaml").read_text()
-CELL = (TOP / "cells" / "kr500_two_tools.yaml").read_text()
 CONTROLLERS = ("krl", "sinumerik", "linuxcnc")
-FOLDERS = ("01_face_pads", "02_trim_window", "03_drill_holes")
-CUTS = [(r"stepover_mm: 14", "stepover_mm: 60"), (r"spacing_mm: 12", "spacing_mm: 40"), (r"per_depth_mm: 5", "per_depth_mm: 20"),
-        (r"spacing_mm: 25", "spacing_mm: 80"), (r"(?:          - \{at_mm: .*\n){4}", "")]
-
-
-def small(text=SAMPLE):
-    """The sample with few points, its part and its cell found from anywhere."""
-    for pattern, replacement in [] if SLOW else CUTS:
-        text, count = re.subn(pattern, replacement, text, count=1)
-        assert count == 1, pattern
-    return text.replace("../cabin_panel", str(TOP / "toolpaths" / "cabin_panel")).replace("../../cells/kr500_two_tools.yaml", "cell.yaml")
 
 
 def without(text, name):
@@ -74,6 +60,7 @@ class Operations(InFolder):
         self.check_summary()
         self.check_points()
         self.check_calls()
+        self.check_report()
 
     def check_summary(self):
         text = (self.out / "summary.json").read_text()
@@ -109,6 +96,16 @@ class Operations(InFolder):
                 if controller == "linuxcnc":
                     called = called.removeprefix(f"O<{name}> SUB\n").removesuffix(f"O<{name}> ENDSUB\n") + "M2\n"
                 self.assertEqual(called, own)
+
+    def check_report(self):
+        """As text; operations_browser_test.py opens it."""
+        text = (self.out / "report.html").read_text()
+        tabs = re.findall(r'<button role="tab" data-report="([^"]+)">([^<]+)</button>', text)
+        self.assertEqual(tabs, [(f"operations/{folder}/report.html", folder[3:]) for folder in FOLDERS])
+        self.assertEqual(re.findall(r'<a href="([^"]+)">([^<]+)</a>', text), tabs)
+        for path, _ in tabs:
+            self.assertTrue((self.out / path).is_file(), path)
+        self.assertEqual(re.findall(r"\b(?:https?:|url\(|@import|src=)", text), [], "it loads nothing else")
 
     @unittest.skipUnless(shutil.which("rs274"), "LinuxCNC's interpreter is not installed")
     def test_the_interpreter_runs_the_whole_main_program(self):
@@ -171,7 +168,7 @@ class Operations(InFolder):
     def test_what_is_left_out_and_why(self):
         planned = self.plan(without(small(), "trim_window"), "--set", "workpiece.pose.xyz_mm=[3100,0,1200]")
         self.assertEqual(planned.returncode, 1)
-        self.assertIn("skipped    face_pads: 7 unreachable\n", planned.stdout)
+        self.assertRegex(planned.stdout, r"skipped    face_pads: %s unreachable\n" % (80 if SLOW else 7))
 
     def test_a_share_of_the_passes_is_planned_and_taken_up(self):
         text = without(small(), "trim_window")

@@ -210,6 +210,7 @@
       node.style.display = z < 1 && x >= 0 && x <= this.width && y >= 0 && y <= this.height ? "block" : "none";
       node.style.transform = `translate(${x}px, ${y}px)`;
       node.classList.toggle("left", x > this.width - room);
+      node.classList.toggle("above", y > this.height - 80);
     }
 
     // The point nearest to a place of the screen within 14 pixels; of several, the one in front.
