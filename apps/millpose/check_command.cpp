@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "commands.hpp"
-#include "pipeline/check.hpp"
+#include "operations/check_job.hpp"
 
 namespace millpose {
 namespace {
@@ -26,15 +26,30 @@ int Tell(const Check& check, bool json) {
   return HasFindings(check) ? kFindings : kDone;
 }
 
+int TellJob(const std::vector<JobCheck>& checks, const Options& options) {
+  if (checks.size() == 1 && checks.front().operation.empty()) return Tell(checks.front(), options.json);
+  if (options.json) {
+    fmt::print("{}", ToJson(checks));
+  } else {
+    for (size_t i = 0; i < checks.size(); ++i) {
+      fmt::print("{}{}", i > 0 ? "\n" : "", ToText(checks[i]));
+      if (!options.view.empty())
+        fmt::print("page                {}\n", ViewOf(options.view, i, checks[i].operation).string());
+    }
+  }
+  return std::ranges::any_of(checks, [](const JobCheck& check) { return HasFindings(check); }) ? kFindings
+                                                                                               : kDone;
+}
+
 int Check(const Options& options, Session& session) {
   const std::string extension = options.file.extension().string();
   const FileRoot root = FileRoot::Of(*options.root);
   const ViewFile view = options.view.empty() ? ViewFile() : ViewFile(options.view);
   if (extension == ".yaml" || extension == ".yml") {
     if (IsCellFile(options.file, root)) return Tell(CheckCell({options.file, root, view}), options.json);
-    return Tell(CheckJob({options.file, options.threads, root, options.max_points, view}, session.progress,
-                         session.stop),
-                options.json);
+    return TellJob(CheckOperations(options.file, {options.threads, options.max_points, view}, root,
+                                   session.progress, session.stop),
+                   options);
   }
   std::optional<double> unit;
   if (!options.unit.empty()) unit = kUnits.at(options.unit);
@@ -69,8 +84,7 @@ void AddCheckCommand(CLI::App& app, Run& run) {
       ->capture_default_str();
   command->add_option("--view", options->view,
                       "Write what was checked as a page (HTML) to this file: cell, part, faces and edges to "
-                      "click, tool path, "
-                      "reach");
+                      "click, tool path, reach; of several operations one each, FILE_01_NAME.html and so on");
   command->add_flag("--json", options->json, "Results as JSON on stdout");
   command->add_option("--max-points", options->max_points, "Points that the tool path of a job may have")
       ->check(CLI::Range(1.0, 1e9))

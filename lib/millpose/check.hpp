@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// CheckJob(), CheckMesh(): reads everything, plans nothing.
+// CheckOperations(), CheckMesh(): reads everything, plans nothing.
 #pragma once
 
-#include "pipeline/check.hpp"
+#include "operations/check_job.hpp"

@@ -131,6 +131,7 @@ JobCheck Check(JobInputs& inputs, const CheckJobArguments& arguments, const Exec
                          Reach(prepared.cell), std::move(warnings));
   check.mesh.notes = prepared.made.notes;
   check.job = inputs.job.name;
+  check.operation = inputs.job.operation;
   check.cell = inputs.cell.name;
   check.arm = inputs.cell.arm.name;
   check.passes = prepared.toolpath.passes.size();
@@ -141,7 +142,7 @@ JobCheck Check(JobInputs& inputs, const CheckJobArguments& arguments, const Exec
   check.gouge_place = prepared.made.gouges.deepest.place;
   if (!arguments.view) return check;
   CheckHtmlInput view;
-  view.title = check.job;
+  view.title = check.operation.empty() ? check.job : check.job + ": " + check.operation;
   view.cell = &prepared.cell;
   view.part = &prepared.surface.mesh;
   if (prepared.surface.mesh.face_count() > 0 && inputs.job.toolpath.strategy->File().empty()) {
@@ -161,8 +162,8 @@ JobCheck Check(JobInputs& inputs, const CheckJobArguments& arguments, const Exec
 
 }  // namespace
 
-JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::stop_token stop) {
-  JobInputs inputs = LoadJobInputs(arguments.job, {}, {}, arguments.root);
+JobCheck CheckJob(JobInputs inputs, const CheckJobArguments& arguments, Progress& progress,
+                  std::stop_token stop) {
   inputs.max_points = arguments.max_points;
   return WithPlaces(inputs, [&] { return Check(inputs, arguments, {arguments.threads, progress, stop}); });
 }

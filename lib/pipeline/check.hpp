@@ -11,6 +11,7 @@
 
 #include "base/file_root.hpp"
 #include "base/progress.hpp"
+#include "pipeline/inputs.hpp"
 #include "surface/mesh_import.hpp"
 
 namespace millpose {
@@ -54,6 +55,7 @@ MeshCheck CheckMesh(const CheckMeshArguments& arguments, Progress& progress = Si
 struct JobCheck {
   MeshCheck mesh;
   std::string job, cell, arm;
+  std::string operation;  ///< of a job with several; else empty
   size_t passes = 0, points = 0;
   /// Points by the best that any rotation about the tool axis and any branch gives: admissible, unreachable,
   /// outside the limits, near a singularity. Interference is not looked at.
@@ -87,16 +89,15 @@ CellCheck CheckCell(const CheckCellArguments& arguments);
 bool IsCellFile(const std::filesystem::path& file, const FileRoot& root);
 
 struct CheckJobArguments {
-  std::filesystem::path job;
   int threads = 0;  ///< 0: all cores
-  FileRoot root{};  ///< that all files must lie in
   double max_points = 2e6;
   ViewFile view{};
 };
 
 /// Everything that `plan` refuses or warns of before it plans, told as `plan` tells it. Throws InputError for
-/// what cannot be read or planned; Interrupted.
-JobCheck CheckJob(const CheckJobArguments& arguments, Progress& progress, std::stop_token stop);
+/// what cannot be planned; Interrupted.
+JobCheck CheckJob(JobInputs inputs, const CheckJobArguments& arguments, Progress& progress,
+                  std::stop_token stop);
 
 /// For people, and as JSON (keys name their units).
 std::string ToText(const MeshCheck& check);
@@ -104,6 +105,7 @@ std::string ToText(const JobCheck& check);
 std::string ToText(const CellCheck& check);
 std::string ToJson(const MeshCheck& check);
 std::string ToJson(const JobCheck& check);
+std::string ToJson(const std::vector<JobCheck>& operations);
 std::string ToJson(const CellCheck& check);
 
 /// Whether anything was found that a user should look at (exit status 1).

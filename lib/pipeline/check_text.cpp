@@ -74,6 +74,27 @@ Json MeshJson(const MeshCheck& check) {
           {"notes", check.notes}};
 }
 
+Json JobJson(const JobCheck& check) {
+  Json json{{"job", check.job},
+            {"cell", check.cell},
+            {"arm", check.arm},
+            {"mesh", MeshJson(check.mesh)},
+            {"passes", check.passes},
+            {"points", check.points},
+            {"reach",
+             {{"admissible", check.reach[0]},
+              {"unreachable", check.reach[1]},
+              {"limit", check.reach[2]},
+              {"singular", check.reach[3]}}},
+            {"limited_by_axis", check.limited},
+            {"out_of_reach", check.out_of_reach},
+            {"gouges", check.gouges},
+            {"deepest_gouge_mm", check.deepest_gouge},
+            {"gouge_place_mm", check.gouges > 0 ? ToList(check.gouge_place) : Json()}};
+  if (!check.operation.empty()) json["operation"] = check.operation;
+  return json;
+}
+
 }  // namespace
 
 std::string ToText(const MeshCheck& check) {
@@ -112,6 +133,7 @@ std::string ToText(const JobCheck& check) {
   };
   std::string text =
       fmt::format("job                 {}, cell {}, arm {}\n", check.job, check.cell, check.arm);
+  if (!check.operation.empty()) text += fmt::format("operation           {}\n", check.operation);
   text += ToText(check.mesh);
   text += fmt::format("tool path           {} points in {} passes\n", check.points, check.passes);
   text += fmt::format("within reach        {}\n", share(check.reach[0]));
@@ -158,23 +180,13 @@ std::string ToJson(const MeshCheck& check) {
 }
 
 std::string ToJson(const JobCheck& check) {
-  Json json{{"job", check.job},
-            {"cell", check.cell},
-            {"arm", check.arm},
-            {"mesh", MeshJson(check.mesh)},
-            {"passes", check.passes},
-            {"points", check.points},
-            {"reach",
-             {{"admissible", check.reach[0]},
-              {"unreachable", check.reach[1]},
-              {"limit", check.reach[2]},
-              {"singular", check.reach[3]}}},
-            {"limited_by_axis", check.limited},
-            {"out_of_reach", check.out_of_reach},
-            {"gouges", check.gouges},
-            {"deepest_gouge_mm", check.deepest_gouge},
-            {"gouge_place_mm", check.gouges > 0 ? ToList(check.gouge_place) : Json()}};
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return JobJson(check).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string ToJson(const std::vector<JobCheck>& operations) {
+  Json list = Json::array();
+  for (const JobCheck& check : operations) list.push_back(JobJson(check));
+  return Json{{"operations", list}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace millpose

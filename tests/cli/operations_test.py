@@ -229,6 +229,31 @@ class Operations(InFolder):
         self.assertEqual(seen.returncode, 2)
         self.assertIn("cabin_window.src", seen.stderr)
 
+    def test_check_looks_at_each_as_plan_does(self):
+        (self.folder / "job.yaml").write_text(small())
+        page = self.folder / "pages" / "check.html"
+        page.parent.mkdir()
+        told = run("check", self.folder / "job.yaml", "--view", page, "-q")
+        self.assertLess(told.returncode, 2, told.stderr)
+        pages = [f"check_{folder}.html" for folder in FOLDERS]
+        self.assertEqual(re.findall(r"^page +\S+/(\S+)$", told.stdout, re.M), pages)
+        self.assertEqual(sorted(path.name for path in page.parent.iterdir()), pages)
+        found = json.loads(run("check", self.folder / "job.yaml", "--json", "-q").stdout)["operations"]
+        self.assertEqual([f"{i + 1:02}_{one['operation']}" for i, one in enumerate(found)], list(FOLDERS))
+        self.assertEqual(self.plan(small()).returncode, 0)
+        for one, folder in zip(found, FOLDERS, strict=True):
+            planned = json.loads((self.out / "operations" / folder / "summary.json").read_text())
+            self.assertEqual(one["points"], planned["points"]["total"])
+            self.assertEqual(one["reach"]["admissible"], planned["points"]["planned"])
+            self.assertIn(f"\noperation           {folder[3:]}\n", told.stdout)
+        moved = run("check", self.folder / "job.yaml", "--view", page, "-q")
+        self.assertEqual(moved.stdout, told.stdout)
+        (self.folder / "job.yaml").write_text(small().replace("peck_mm: 4", "peck_mm: -4").replace("stepover_mm", "stepovr_mm"))
+        wrong = run("check", self.folder / "job.yaml", "--view", self.folder / "none.html")
+        self.assertEqual(wrong.returncode, 2)
+        self.assertRegex(wrong.stderr, r"stepovr_mm(.|\n)*peck_mm: given -4")
+        self.assertEqual([path.name for path in self.folder.glob("none*")], [])
+
     def test_what_is_wrong_in_any_operation_is_told_at_once_with_its_place(self):
         wrong = small().replace("stepover_mm", "stepovr_mm").replace("peck_mm: 4", "peck_mm: -4").replace("tool: drill_d5", "tool: drill_d6")
         told = self.plan(wrong)
