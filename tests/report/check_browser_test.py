@@ -15,7 +15,8 @@ class CheckInBrowser(BrowserCase):
     @classmethod
     def write_pages(cls):
         cls.pages = {}
-        for name, what in (("job", cls.narrow_job(cls.folder)), ("cell", TOP / "cells/ur10e.yaml"), ("part", TOP / "toolpaths/cabin_ring/cabin_ring.stl")):
+        for name, what in (("job", cls.narrow_job(cls.folder)), ("cell", TOP / "cells/ur10e.yaml"), ("part", TOP / "toolpaths/cabin_ring/cabin_ring.stl"),
+                           ("step", TOP / "tests/fuzz/seeds/step/patch.step")):
             cls.pages[name] = cls.folder / f"{name}.html"
             subprocess.run([MILLPOSE, "check", what, "--view", cls.pages[name], "-q"], stdout=subprocess.DEVNULL)
 
@@ -70,6 +71,21 @@ class CheckInBrowser(BrowserCase):
         self.assertEqual(self.js("millpose.picked"), {"edge": number - 1})
         self.assertEqual(self.js("document.querySelector('#picked h2').textContent"), f"Edge {number}")
         self.assertIn("mm", self.picked()["length"])
+
+    def test_a_face_and_an_edge_of_a_step_file_are_told_as_the_file_has_them(self):
+        self.open("step")
+        face, edge = self.js("""(() => { const s = millpose.views.scene, p = millpose.views.parts, { faces, edges } = millpose.data.part;
+            const seen = (key, all) => all.find(one => { const [x, y] = s.onScreen(one.place_mm), hit = p.at(x, y); return hit && hit[key] === one.number - 1; });
+            return [seen("face", faces), seen("edge", edges)]; })()""")
+        self.click_at(face["place_mm"])
+        self.assertEqual(self.js("millpose.picked"), {"face": 0})
+        told = " ".join([self.js("document.querySelector('#picked h2').textContent"), *self.picked().values()])
+        for word in ("#22", "top", "spline", "106.1"):
+            self.assertIn(word, told)
+        self.keep("step_face.png", self.browser.screenshot())
+        self.click_at(edge["place_mm"])
+        self.assertEqual(self.js("millpose.picked"), {"edge": edge["number"] - 1})
+        self.assertIn("closed", " ".join([self.js("document.querySelector('#picked').textContent")]))
 
     def test_the_lists_choose_too(self):
         self.open("part")

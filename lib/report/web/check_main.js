@@ -39,9 +39,10 @@
       }));
     };
     const part = data.part;
-    rows("faces", part && (part.solid_model ? `${part.faces.length} faces of the STEP file` : `${part.faces.length} faces between edges that bend by more than 30°`), part && part.faces, (f) => [
+    const counted = (all, one) => `${all.length} ${one}${all.length === 1 ? "" : "s"}`;
+    rows("faces", part && `${counted(part.faces, "face")} ${part.solid_model ? "of the STEP file" : "between edges that bend by more than 30°"}`, part && part.faces, (f) => [
       cell(String(f.number), true), solid(f.id), solid(f.kind), solid(f.name), cell(m.format(f.area_mm2, 6), true), cell(vector(f.place_mm, 2), true), cell(vector(f.normal, 3), true)]);
-    rows("edges", part && `${part.edges.length} edges`, part && part.edges, (e) => [
+    rows("edges", part && counted(part.edges, "edge"), part && part.edges, (e) => [
       cell(String(e.number), true), cell(e.faces[1] > 0 ? `${e.faces[0]}, ${e.faces[1]}` : `${e.faces[0]}, open border`), cell(e.closed ? "closed" : ""), cell(m.format(e.length_mm, 6), true),
       cell(vector(e.place_mm, 2), true), cell(vector(e.normal, 3), true)]);
   }
