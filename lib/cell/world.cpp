@@ -172,7 +172,37 @@ World::World(Cell cell) {
   impl_ = Impl::Build(std::move(cell));
 }
 
+World::World(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+
 World::~World() = default;
+
+World World::WithWorkpieceAt(const Pose& X_WP) const {
+  auto moved = std::make_shared<Impl>(*impl_);
+  moved->cell.X_WP = X_WP;
+  // A world has the cell's bodies in their order, then those that it made itself, which hang on the tool.
+  for (size_t i = 0; i < moved->cell.bodies.size(); ++i)
+    moved->bodies[i].X_LG = PoseOnLink(moved->cell, moved->cell.bodies[i]);
+  return World(std::move(moved));
+}
+
+std::vector<std::string> World::TouchedByWorkpiece() const {
+  const std::vector<Body>& bodies = impl_->cell.bodies;
+  const auto of_workpiece = [](const Body& body) { return body.mount == Mount::kWorkpiece; };
+  std::vector<std::string> touched;
+  for (size_t i = 0; i < bodies.size(); ++i) {
+    if (LinkOf(bodies[i]) != 0 || of_workpiece(bodies[i])) continue;
+    const Placed still = PlacePart(impl_->bodies[i].part, impl_->bodies[i].X_LG);
+    for (size_t j = 0; j < bodies.size(); ++j) {
+      if (!of_workpiece(bodies[j])) continue;
+      const Placed part = PlacePart(impl_->bodies[j].part, impl_->bodies[j].X_LG);
+      constexpr double kNear = 1e-3;  // mm
+      if (BoxesApart(still, part, kNear) || DistanceUpTo(still, part, kNear).distance > 0) continue;
+      touched.push_back(bodies[i].name);
+      break;
+    }
+  }
+  return touched;
+}
 
 const Cell& World::cell() const { return impl_->cell; }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cell/cell.hpp"
 
@@ -38,12 +39,18 @@ class World {
   explicit World(Cell cell);
   ~World();
   const Cell& cell() const;
+  /// The same world with the workpiece, and what hangs on it, at X_WP.
+  World WithWorkpieceAt(const Pose& X_WP) const;
+  /// Names of the bodies that stand still and that the workpiece, the stock or a body that hangs on them
+  /// touches.
+  std::vector<std::string> TouchedByWorkpiece() const;
   /// Of a pair as in Sighting: "link4 and workpiece".
   std::string PairName(int pair) const;
 
  private:
   friend class Checker;
   struct Impl;
+  explicit World(std::shared_ptr<const Impl> impl);
   std::shared_ptr<const Impl> impl_;
 };
 

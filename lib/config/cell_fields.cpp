@@ -3,8 +3,6 @@
 #include "config/fields.hpp"
 
 namespace millpose::config {
-namespace {
-
 Codec<ShapeSettings> ShapeFields() {
   using S = ShapeSettings;
   const auto size = [](const char* key, auto access, const char* doc) {
@@ -44,6 +42,8 @@ Codec<ShapeSettings> ShapeFields() {
                 Key<S>("unit", MILLPOSE_AT(unit), LengthUnit(), "Unit of the mesh file.").Required()})},
       });
 }
+
+namespace {
 
 std::vector<std::pair<std::string, MountSettings>> MountNames() {
   std::vector<std::pair<std::string, MountSettings>> names{{"world", {Mount::kWorld}}};

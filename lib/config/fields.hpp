@@ -28,6 +28,7 @@ Codec<JobSettings> InterferenceFields();
 Codec<JobSettings> GapFields();
 Codec<ProgramOptionSettings> ProgramOptionFields();
 Codec<CompensationSettings> CompensationFields();
+Codec<PlacementSettings> PlacementFields();
 /// Keys of the process that objectives take as parameters: how sure the cutting force is.
 inline const std::array<std::string, 2> kForceBounds{"force_uncertainty_percent", "force_direction_deg"};
 /// Whether something of a job follows them: its objective, or compensation.
@@ -39,6 +40,7 @@ Codec<RegionOptions> RegionFields();
 Codec<ArmSettings> ArmFields();
 Codec<ToolSettings> ToolFields();
 Codec<BodySettings> BodyFields();
+Codec<ShapeSettings> ShapeFields();
 Codec<CellSettings> StiffnessFields();
 /// One compliance in series with the joints.
 Codec<ComplianceSettings> ComplianceFields();

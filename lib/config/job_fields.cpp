@@ -133,6 +133,8 @@ const Codec<JobSettings>& JobFields() {
              "What of the expected deflection the programs take out (docs/compensation.md).")
           .WhenSet(
               [](const S& s) { return s.compensation.deflection != TakeOut::kOff || s.compensation.weight; }),
+      Key<S>("placement", MILLPOSE_AT(placement), Maybe(PlacementFields()),
+             "Where `millpose place` may put the part (docs/placement.md); `plan` does not look at it."),
   };
   static const Codec<S> fields = [] {
     std::vector<Field<S>> all = kOwn;

@@ -12,6 +12,7 @@
 #include "base/units.hpp"
 #include "compensation/compensate.hpp"
 #include "config/cell_settings.hpp"
+#include "config/placement_settings.hpp"
 #include "config/toolpath_settings.hpp"
 #include "path/gap_planner.hpp"
 #include "path/pass_planner.hpp"
@@ -138,7 +139,8 @@ struct JobSettings {
   std::vector<std::string> programs{"krl", "sinumerik", "linuxcnc"};
   ProgramOptionSettings program_options;
   CompensationSettings compensation;
-  int programs_line = 0;  ///< of the key, for later errors
+  std::optional<PlacementSettings> placement;  ///< for `millpose place` alone
+  int programs_line = 0;                       ///< of the key, for later errors
 };
 
 }  // namespace millpose

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "base/hash.hpp"
+#include "base/named_progress.hpp"
 #include "operations/whole_report.hpp"
 #include "pipeline/output_folder.hpp"
 #include "pipeline/run_record.hpp"
@@ -13,22 +14,6 @@
 namespace millpose {
 namespace fs = std::filesystem;
 namespace {
-
-/// Says which operation a stage belongs to.
-class OperationProgress final : public Progress {
- public:
-  OperationProgress(Progress& progress, std::string name) : progress_(progress), name_(std::move(name)) {}
-  void Begin(std::string_view stage, size_t total) override {
-    progress_.Begin(fmt::format("{}: {}", name_, stage), total);
-  }
-  void Advance(size_t count) override { progress_.Advance(count); }
-  void Percent(int percent) override { progress_.Percent(percent); }
-  void End(std::string_view outcome) override { progress_.End(outcome); }
-
- private:
-  Progress& progress_;
-  std::string name_;
-};
 
 /// Folders of operations that the job has no more.
 void RemoveOthers(const fs::path& out, const std::vector<std::string>& folders) {
@@ -66,7 +51,7 @@ PlanOutcome RunOperations(const PlanArguments& arguments, const JobOutline& outl
     own.operation = i;
     own.out = out / folders.back();
     MakeFolders(own.out->parent_path());
-    OperationProgress told(stages, name);
+    NamedProgress told(stages, name);
     const PlanOutcome outcome = RunPlan(own, told, stop);
     status = std::max(status, outcome.exit_status);
     if (arguments.share) shares += fmt::format("operation {}: {}", name, outcome.text);

@@ -138,8 +138,13 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
   return inputs;
 }
 
+std::string PlannedJobText(JobSettings job) {
+  job.placement.reset();
+  return WriteJob(job);
+}
+
 std::string HashOf(const JobInputs& inputs) {
-  std::string all = WriteJob(inputs.job) + '\0' + WriteCell(inputs.cell) + '\0' +
+  std::string all = PlannedJobText(inputs.job) + '\0' + WriteCell(inputs.cell) + '\0' +
                     Hash(inputs.workpiece_bytes) + '\0' + Hash(inputs.stock_bytes) + '\0' +
                     Hash(inputs.path_bytes);
   if (!inputs.job.force_file.empty()) all += '\0' + Hash(inputs.force_bytes);

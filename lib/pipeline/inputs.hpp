@@ -41,6 +41,9 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
                         const std::optional<std::filesystem::path>& folder = {}, const FileRoot& root = {},
                         std::optional<size_t> operation = {});
 
+/// The resolved job as a plan depends on it: without what only `millpose place` reads.
+std::string PlannedJobText(JobSettings job);
+
 /// The hash of all inputs as they stand.
 std::string HashOf(const JobInputs& inputs);
 

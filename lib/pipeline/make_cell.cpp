@@ -129,6 +129,14 @@ Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::str
   return cell;
 }
 
+Body MakeKeepOut(const KeepOutSettings& settings) {
+  Body body;
+  body.name = settings.name;
+  body.X_MG = MakePose(settings.pose);
+  body.shape = MakeShape(settings.shape, {});
+  return body;
+}
+
 Cell WithAllTools(Cell cell, const CellSettings& settings) {
   for (const ToolSettings& tool : settings.tools) {
     if (tool.name == settings.tool.name) continue;

@@ -58,8 +58,8 @@ std::vector<std::string> NamesOfSet(const fs::path& folder) {
   }
   for (const fs::path& entry : EntriesOf(folder)) {
     const std::string name = entry.filename().string();
-    if (name != kMark && name != kCheckpoints && name != kOperationsFolder && !IsOfLock(name) &&
-        !IsOfSwap(name))
+    if (name != kMark && name != kCheckpoints && name != kOperationsFolder && name != kPlansFolder &&
+        !IsOfLock(name) && !IsOfSwap(name))
       names.insert(name);
   }
   return {names.begin(), names.end()};

@@ -16,6 +16,9 @@ inline constexpr const char* kPlanFile = "plan.cbor";
 /// In the output folder of a job with several operations: the output folders of these.
 inline constexpr const char* kOperationsFolder = "operations";
 
+/// In the output folder of `millpose place`: the output folders of the places that it planned.
+inline constexpr const char* kPlansFolder = "plans";
+
 /// Whether `folder` was written by millpose.
 bool IsOutputFolder(const std::filesystem::path& folder);
 

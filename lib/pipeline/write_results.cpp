@@ -197,7 +197,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
                                  program.Confirmed(), program.WhyWithheld()});
     }
   AddStarts(results.starts, report, files);
-  const std::string job = WriteJob(results.inputs.job), cell = WriteCell(results.inputs.cell);
+  const std::string job = PlannedJobText(results.inputs.job), cell = WriteCell(results.inputs.cell);
   set.Add("job.yaml", job);
   set.Add("cell.yaml", cell);
   set.Add(kPlanFile, Serialise(plan));

@@ -340,7 +340,8 @@ class All(Keys):
             wanted |= set(resolved_yaml.leaves(schema))
         # An operation is a job of its own; of several tools the keys are those of `tool`.
         # A tool's compliances are read by the table of `stiffness.compliances`; one key of them shows that they count.
-        twice = ("operations[]", "tools[].tip", "tools[].axis", "tools[].x_", "tools[].cutter", "tools[].stack", "tools[].load",
+        # What `placement` says is for `millpose place` (place_test.py).
+        twice = ("placement.", "operations[]", "tools[].tip", "tools[].axis", "tools[].x_", "tools[].cutter", "tools[].stack", "tools[].load",
                  "tool.number", "tool.compliances[]", "tools[].compliances[].matrix", "tools[].compliances[].mount",
                  "tools[].compliances[].pose", "tools[].compliances[].rotational")
         wanted = {key for key in wanted if not key.startswith(twice)} - LEFT_OUT.keys() if ALL else FEW_KEYS

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The keys of a job's `placement:`, one line each.
+#include "config/fields.hpp"
+
+namespace millpose::config {
+namespace {
+
+void CheckRange(const Value& value, const Context& context, PlaceRange& range) {
+  if (range.from >= range.to) context.Add(value.mark, "`to` must be more than `from`");
+}
+
+Codec<std::optional<PlaceRange>> RangeFields(const Unit& unit, const Range& range) {
+  using S = PlaceRange;
+  return Maybe(Section<S>({Key<S>("from", MILLPOSE_AT(from), Real(unit, range), "Least value.").Required(),
+                           Key<S>("to", MILLPOSE_AT(to), Real(unit, range), "Greatest value.").Required()},
+                          CheckRange));
+}
+
+void CheckKeepOut(const Value& value, const Context& context, KeepOutSettings& body) {
+  if (body.shape.kind == ShapeKind::kMesh)
+    context.Child("shape").Add(value.mark,
+                               "given mesh; allowed here: box, sphere, cylinder, capsule, cone, "
+                               "convex");
+}
+
+Codec<KeepOutSettings> KeepOutFields() {
+  using S = KeepOutSettings;
+  return Section<S>({Key<S>("name", MILLPOSE_AT(name), Text(), "For messages.").Required(),
+                     Key<S>("shape", MILLPOSE_AT(shape), ShapeFields(), "What it looks like.").Required(),
+                     Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "In the world.").Required()},
+                    CheckKeepOut);
+}
+
+void CheckAny(const Value& value, const Context& context, PlacementSettings& placement) {
+  if (std::ranges::none_of(placement.ranges, [](const auto& range) { return range.has_value(); }))
+    context.Add(value.mark,
+                fmt::format("give a range for one of {} or for several", fmt::join(kPlaceKeys, ", ")));
+}
+
+}  // namespace
+
+Codec<PlacementSettings> PlacementFields() {
+  using S = PlacementSettings;
+  const Range length = Between(-100000, 100000), angle = Between(-360, 360);
+  return Section<S>(
+      {
+          Key<S>("x_mm", MILLPOSE_AT(ranges[0]), RangeFields(kMm, length),
+                 "Of `workpiece.pose`: between which values its xyz_mm[0] may lie; missing: stays."),
+          Key<S>("y_mm", MILLPOSE_AT(ranges[1]), RangeFields(kMm, length), "Likewise xyz_mm[1]."),
+          Key<S>("z_mm", MILLPOSE_AT(ranges[2]), RangeFields(kMm, length), "Likewise xyz_mm[2]."),
+          Key<S>("a_deg", MILLPOSE_AT(ranges[3]), RangeFields(kDeg, angle), "Likewise abc_deg[0]."),
+          Key<S>("b_deg", MILLPOSE_AT(ranges[4]), RangeFields(kDeg, angle), "Likewise abc_deg[1]."),
+          Key<S>("c_deg", MILLPOSE_AT(ranges[5]), RangeFields(kDeg, angle), "Likewise abc_deg[2]."),
+          Key<S>("points", MILLPOSE_AT(points), Integer(1, 100000),
+                 "Points of the tool path that are looked at in every place, spread over it."),
+          Key<S>("places", MILLPOSE_AT(places), Integer(1, 1000000), "Places that are looked at."),
+          Key<S>("plans", MILLPOSE_AT(plans), Integer(1, 100),
+                 "Of the best places, how many are planned whole."),
+          Key<S>("map_points", MILLPOSE_AT(map_points), Integer(2, 1001),
+                 "Of the map, along each of its directions: the first two that have a range."),
+          Key<S>("keep_out", MILLPOSE_AT(keep_out), ListOf(KeepOutFields()),
+                 "Where the part must not be, beside the cell's bodies."),
+      },
+      CheckAny);
+}
+
+}  // namespace millpose::config

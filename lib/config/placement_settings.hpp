@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `placement:` of a job: where `millpose place` may put the part. Inside units (mm, rad).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/pose_settings.hpp"
+#include "config/cell_settings.hpp"
+
+namespace millpose {
+
+/// A direction in which a place is looked for.
+struct PlaceRange {
+  double from = 0, to = 0;  ///< of one coordinate of workpiece.pose, mm or rad
+};
+
+/// A body that stands in the cell for the search alone: where the part must not be.
+struct KeepOutSettings {
+  std::string name;
+  ShapeSettings shape;
+  PoseSettings pose;  ///< in W
+};
+
+/// The coordinates of a place: x, y, z of xyz_mm, then A, B, C of abc_deg.
+inline constexpr std::array<const char*, 6> kPlaceKeys{"x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg"};
+
+struct PlacementSettings {
+  std::array<std::optional<PlaceRange>, 6> ranges;  ///< as kPlaceKeys; none: as the job has it
+  int points = 200;                                 ///< of the tool path, looked at in every place
+  int places = 2000;                                ///< looked at
+  int plans = 3;                                    ///< of the best places, planned whole
+  int map_points = 41;                              ///< of the map, along each of its two directions
+  std::vector<KeepOutSettings> keep_out;
+};
+
+}  // namespace millpose

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "placement/place_space.hpp"
+
+#include "base/error.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr size_t kLengths = 3;  // coordinates before the angles
+constexpr double kStepsPerDegree = 10;
+
+/// mm, or tenths of a degree.
+double Raster(double value, size_t i) {
+  return std::round(i < kLengths ? value : RadToDeg(value) * kStepsPerDegree);
+}
+
+}  // namespace
+
+PlaceSpace::PlaceSpace(const JobSettings& job) : own_(job.workpiece.pose) {
+  if (!job.placement)
+    throw InputError({job.file},
+                     "placement: missing; it says where the part may stand, like\n"
+                     "placement:\n  x_mm: {from: 1500, to: 2100}");
+  if (!job.workpiece.targets.empty())
+    throw InputError({job.file},
+                     "workpiece.targets: measured where the part stands already; to look for a place give "
+                     "workpiece.pose");
+  ranges_ = job.placement->ranges;
+  for (size_t i = 0; i < ranges_.size(); ++i)
+    if (ranges_[i]) free_.push_back(i);
+}
+
+PoseSettings PlaceSpace::At(std::span<const double> shares, const PoseSettings& rest) const {
+  PoseSettings place = rest;
+  for (size_t d = 0; d < free_.size(); ++d) {
+    const PlaceRange& range = Range(d);
+    CoordinateOf(place, free_[d]) = range.from + shares[d] * (range.to - range.from);
+  }
+  for (size_t i = 0; i < ranges_.size(); ++i) {
+    if (!ranges_[i]) continue;
+    const double shown = ShownCoordinate(place, i);
+    CoordinateOf(place, i) = i < kLengths ? shown : DegToRad(shown);
+  }
+  return place;
+}
+
+double& CoordinateOf(PoseSettings& place, size_t i) {
+  return i < kLengths ? place.position[static_cast<Eigen::Index>(i)]
+                      : place.abc[static_cast<Eigen::Index>(i - kLengths)];
+}
+
+double CoordinateOf(const PoseSettings& place, size_t i) {
+  return i < kLengths ? place.position[static_cast<Eigen::Index>(i)]
+                      : place.abc[static_cast<Eigen::Index>(i - kLengths)];
+}
+
+double ShownCoordinate(const PoseSettings& place, size_t i) {
+  const double steps = Raster(CoordinateOf(place, i), i) + 0.0;  // no -0
+  return i < kLengths ? steps : steps / kStepsPerDegree;
+}
+
+std::string Describe(const PoseSettings& place) {
+  return fmt::format("({}, {}, {}) mm, ({}, {}, {})°", ShownCoordinate(place, 0), ShownCoordinate(place, 1),
+                     ShownCoordinate(place, 2), ShownCoordinate(place, 3), ShownCoordinate(place, 4),
+                     ShownCoordinate(place, 5));
+}
+
+}  // namespace millpose

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "toolpath/milling_point.hpp"
+
+namespace millpose {
+
+/// About `count` of a tool path's cut points that can be milled, or all where it has no more: of passes
+/// evenly over the path, of each at least three (ends and middle) as far as it has them.
+Toolpath SampleOf(const Toolpath& toolpath, size_t count);
+
+}  // namespace millpose

@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`millpose place`. Usage: place_test.py MILLPOSE TOP; with MILLPOSE_SLOW=1 also whole samples."""
+import csv
+import json
+import os
+import re
+import signal
+import subprocess
+import time
+import unittest
+
+from cli_fixture import MILLPOSE, TOP, InFolder, run
+
+SLOW = os.environ.get("MILLPOSE_SLOW") == "1"
+PAD = (TOP / "toolpaths" / "support_pad" / "job.yaml").read_text()
+RANGES = "placement:\n  x_mm: {from: 1700, to: 2300}\n  z_mm: {from: 700, to: 1500}\n  points: 20\n  places: 120\n  plans: 2\n  map_points: 5\n"
+
+
+def rows(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def read(path):
+    return json.loads(path.read_text())
+
+
+class Place(InFolder):
+    def job(self, placement=RANGES, changes=(), text=PAD):
+        for pattern, replacement in [(r"stepover_mm: \S+", "stepover_mm: 27"), (r"spacing_mm: \S+", "spacing_mm: 20"), *changes]:
+            text, count = re.subn(pattern, replacement, text)
+            assert count == 1, pattern
+        text = text.replace("../../cells", str(TOP / "cells")).replace("mesh: support_pad", f"mesh: {TOP}/toolpaths/support_pad/support_pad")
+        path = self.folder / "job.yaml"
+        path.write_text(text + placement)
+        return path
+
+    def results(self, out):
+        return {str(path.relative_to(out)): path.read_bytes() for path in sorted(out.rglob("*"))
+                if path.is_file() and path.name != "run.json" and "checkpoints" not in path.parts and ".lock" not in path.name}
+
+    def test_the_best_place_is_planned_and_written_as_a_job(self):
+        job = self.job()
+        done = run("place", job, "-q")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        out = self.folder / "support_pad.places"
+        found = read(out / "placement.json")
+        plans = found["plans"]
+        self.assertEqual([plan["folder"] for plan in plans], ["plans/00_job", "plans/01", "plans/02"])
+        # What is told of a plan is what its own folder says.
+        own = read(out / "plans" / "00_job" / "summary.json")
+        for plan in plans:
+            summary = read(out / plan["folder"] / "summary.json")
+            self.assertEqual(plan["points"], {"total": summary["points"]["total"], "planned": summary["points"]["planned"]})
+            self.assertEqual(plan["objective_worst"], [summary["stiffness"]["objective"]["worst"]])
+            self.assertAlmostEqual(plan["worst_ratio"], summary["stiffness"]["objective"]["worst"] / own["stiffness"]["objective"]["worst"], places=12)
+            length = [max(float(row["length_um"]) for row in rows(out / folder / "deflection.csv")) for folder in (plan["folder"], "plans/00_job")]
+            self.assertAlmostEqual(plan["length_ratio"], length[0] / length[1], places=12)
+            self.assertEqual(run("verify", out / plan["folder"]).returncode, 0)
+        # The recommended one is the best of them, and better than the job's own.
+        best = plans[found["recommended"]]
+        self.assertEqual(best["worst_ratio"], min(plan["worst_ratio"] for plan in plans))
+        self.assertLess(best["worst_ratio"], 1)
+        # By the sampled points a place looks about as a plan there comes out.
+        at = next(row for row in rows(out / "places.csv") if all(float(row[key]) == best["place"][key] for key in ("x_mm", "z_mm")))
+        self.assertAlmostEqual(float(at["worst_ratio"]), best["worst_ratio"], delta=0.1)
+        # The job that was written plans as it is, to the same.
+        placed = self.folder / "job.placed.yaml"
+        self.assertIn(f"best       {found['recommended']}: {placed}", done.stdout)
+        self.assertEqual(run("plan", placed, "-q").returncode, 0)
+        again = read(self.folder / "support_pad_placed.out" / "summary.json")
+        self.assertEqual([again["stiffness"]["objective"]["worst"]], best["objective_worst"])
+        # Every place lies within the ranges, on the raster, and once.
+        places = rows(out / "places.csv")
+        self.assertEqual(len({(row["x_mm"], row["z_mm"]) for row in places}), len(places))
+        for row in places:
+            self.assertTrue(1700 <= int(row["x_mm"]) <= 2300 and 700 <= int(row["z_mm"]) <= 1500 and float(row["b_deg"]) == -90, row)
+        self.assertEqual(len(rows(out / "map.csv")), 25)
+        self.assertEqual([(one["coordinate"], one["by"]) for one in found["sensitivity"]], [("x_mm", -20), ("x_mm", 20), ("z_mm", -20), ("z_mm", 20)])
+        self.assertEqual((out / "map.vtk").read_text().count("\n"), 6 + 3 + 2 + 25 * 3)
+        page = (out / "placement.html").read_text()
+        self.assertEqual(page.count("<rect"), 25)
+        self.assertNotIn("<script", page)
+        # And may be written again; a file of somebody else's may not.
+        self.assertEqual(run("place", job, "-q").returncode, 0)
+        placed.write_text(PAD)
+        refused = run("place", job, "-q")
+        self.assertEqual(refused.returncode, 2)
+        self.assertRegex(refused.stderr, r"job\.placed\.yaml: stands where the placed job would be written")
+        self.assertEqual(placed.read_text(), PAD)
+
+    def test_same_bytes_for_any_threads_and_after_a_kill(self):
+        job = self.job(RANGES.replace("120", "60"))
+        begun = time.monotonic()
+        self.assertLess(run("place", job, "-o", self.folder / "one", "--threads", "1", "-q").returncode, 2)
+        seconds = time.monotonic() - begun
+        wanted, placed = self.results(self.folder / "one"), (self.folder / "job.placed.yaml").read_bytes()
+        for threads in (2, 4):
+            self.assertLess(run("place", job, "-o", self.folder / f"t{threads}", "--threads", threads, "-q").returncode, 2)
+            self.assertEqual(self.results(self.folder / f"t{threads}"), wanted)
+        killed = self.folder / "killed"
+        for part in range(1, 5):
+            process = subprocess.Popen([MILLPOSE, "place", job, "-o", killed, "-q"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            time.sleep(seconds * part / 6)
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+        self.assertLess(run("place", job, "-o", killed, "-q").returncode, 2)
+        self.assertEqual(self.results(killed), wanted)
+        self.assertEqual((self.folder / "job.placed.yaml").read_bytes(), placed)
+
+    def test_one_point_in_a_free_cell_against_a_brute_force_grid(self):
+        """The search comes within 1 % of the best of a fine grid over the same ranges."""
+        job = self.job("placement:\n  x_mm: {from: 1500, to: 2400}\n  z_mm: {from: 600, to: 1600}\n  points: 1\n  places: 400\n  plans: 1\n"
+                       f"  map_points: {91 if SLOW else 46}\n")
+        self.assertLess(run("place", job, "-q").returncode, 2)
+        out = self.folder / "support_pad.places"
+        least = [min(float(row["worst_ratio"]) for row in rows(out / name) if row["worst_ratio"]) for name in ("places.csv", "map.csv")]
+        self.assertLess(least[0], least[1] * 1.01)
+
+    def test_bodies_in_the_way_are_no_place(self):
+        keep_out = "  keep_out:\n    - {name: column, shape: {box: {size_mm: [200, 400, 3000]}}, pose: {xyz_mm: [2100, 0, 0], abc_deg: [0, 0, 0]}}\n"
+        job = self.job(RANGES + keep_out)
+        self.assertLess(run("place", job, "-q").returncode, 2)
+        out = self.folder / "support_pad.places"
+        touching = 0
+        for row in rows(out / "map.csv") + rows(out / "places.csv"):
+            # The block is 80 mm wide and 40 mm deep, its face at x of the pose, the body of it behind that.
+            inside = float(row["x_mm"]) + 40 > 2000.001 and float(row["x_mm"]) < 2199.999
+            self.assertEqual(row["touches"], "column" if inside else row["touches"].replace("column", "not here"), row)
+            touching += inside
+            if inside:
+                self.assertEqual((row["free"], row["worst_ratio"]), ("0", ""))
+        self.assertGreater(touching, 5)
+        self.assertIn("touches column", (out / "placement.html").read_text())
+        for plan in read(out / "placement.json")["plans"][1:]:
+            self.assertFalse(1960 < plan["place"]["x_mm"] < 2200, plan["place"])
+
+    def test_a_place_that_is_best_already_stays(self):
+        job = self.job("placement:\n  y_mm: {from: 900, to: 1100}\n  points: 10\n  places: 10\n  plans: 1\n  map_points: 3\n")
+        done = run("place", job, "-q")
+        self.assertIn("no place that was planned is better than the job's own", done.stdout)
+        self.assertFalse((self.folder / "job.placed.yaml").exists())
+
+    def test_what_is_wrong_is_told_with_its_place(self):
+        for placement, told in (
+            ("", r"job\.yaml.*placement: missing"),
+            ("placement: {points: 5}\n", r"job\.yaml:\d+:\d+: placement: give a range for one of x_mm, y_mm"),
+            ("placement: {x_mm: {from: 5, to: 5}}\n", r"placement\.x_mm: `to` must be more than `from`"),
+            ("placement: {x_mm: {from: 5}}\n", r"placement\.x_mm\.to: missing"),
+            ("placement: {x_m: {from: 5, to: 6}}\n", r"placement\.x_m: unknown key; nearest known key: x_mm"),
+            ("placement: {x_mm: {from: 5, to: 6}, points: 0}\n", r"placement\.points: given 0"),
+            ("placement: {x_mm: {from: 5, to: 6}, keep_out: [{name: a, shape: {mesh: {file: a.stl, unit: mm}}, pose: {xyz_mm: [0, 0, 0], abc_deg: [0, 0, 0]}}]}\n",
+             r"placement\.keep_out\[0\]\.shape: given mesh; allowed here"),
+        ):
+            with self.subTest(told):
+                done = run("place", self.job(placement), "-q")
+                self.assertEqual(done.returncode, 2, done.stdout)
+                self.assertRegex(done.stderr, told)
+                self.assertEqual([path.name for path in self.folder.iterdir()], ["job.yaml"])
+        targets = ", ".join("{nominal_mm: [%d, %d, 0], measured_mm: [2076, %d, %d]}" % (x, y, y, 1006 + x) for x, y in ((0, 0), (30, 0), (0, 30)))
+        done = run("place", self.job(changes=[(r"pose: \{xyz_mm.*\}", f"targets: [{targets}]")]), "-q")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("measured where the part stands already", done.stderr)
+
+    def test_plan_takes_the_job_as_without_the_section(self):
+        plans = []
+        for placement in ("", RANGES):
+            self.assertEqual(run("plan", self.job(placement), "-o", self.folder / "out", "--fresh", "-q").returncode, 0)
+            plans.append({name: data for name, data in self.results(self.folder / "out").items() if name.endswith((".src", ".mpf", ".ngc", "points.csv"))})
+        self.assertEqual(*plans)
+        self.assertGreater(len(plans[0]), 3)
+
+    @unittest.skipUnless(SLOW, "the quick twins are above, on a pad of few points")
+    def test_samples_near_the_best_place_by_full_plans(self):
+        """What is told of ±20 mm holds of full plans there, and of the place itself."""
+        sample = TOP / "toolpaths" / "cabin_panel" / "job.yaml"
+        text = sample.read_text().replace("../../cells", str(TOP / "cells")).replace("mesh: cabin_panel", f"mesh: {sample.parent}/cabin_panel")
+        job = self.folder / "job.yaml"
+        job.write_text(text + "placement:\n  x_mm: {from: 1100, to: 2200}\n  y_mm: {from: -500, to: 500}\n  z_mm: {from: 700, to: 1900}\n")
+        self.assertEqual(run("place", job, "-q").returncode, 0)
+        found = read(self.folder / "cabin_panel.places" / "placement.json")
+        best = found["plans"][found["recommended"]]
+        own = found["plans"][0]["objective_worst"][0]
+        for one in found["sensitivity"]:
+            place = one["place"]
+            done = run("plan", job, "-q", "-o", self.folder / "near", "--set", f"workpiece.pose.xyz_mm=[{place['x_mm']}, {place['y_mm']}, {place['z_mm']}]")
+            self.assertLess(done.returncode, 2, done.stderr)
+            worst = read(self.folder / "near" / "summary.json")["stiffness"]["objective"]["worst"] / own
+            self.assertAlmostEqual(worst, place["worst_ratio"], delta=0.15, msg=one)
+        self.assertLess(best["worst_ratio"], 0.9)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=["place_test.py"], verbosity=2)
