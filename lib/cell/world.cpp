@@ -176,8 +176,9 @@ World::World(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
 World::~World() = default;
 
-World World::WithWorkpieceAt(const Pose& X_WP) const {
+World World::With(const Pose& X_WB, const Pose& X_WP) const {
   auto moved = std::make_shared<Impl>(*impl_);
+  moved->cell.X_WB = X_WB;
   moved->cell.X_WP = X_WP;
   // A world has the cell's bodies in their order, then those that it made itself, which hang on the tool.
   for (size_t i = 0; i < moved->cell.bodies.size(); ++i)
@@ -185,15 +186,14 @@ World World::WithWorkpieceAt(const Pose& X_WP) const {
   return World(std::move(moved));
 }
 
-std::vector<std::string> World::TouchedByWorkpiece() const {
+std::vector<std::string> World::TouchedBy(Mount mount) const {
   const std::vector<Body>& bodies = impl_->cell.bodies;
-  const auto of_workpiece = [](const Body& body) { return body.mount == Mount::kWorkpiece; };
   std::vector<std::string> touched;
   for (size_t i = 0; i < bodies.size(); ++i) {
-    if (LinkOf(bodies[i]) != 0 || of_workpiece(bodies[i])) continue;
+    if (LinkOf(bodies[i]) != 0 || bodies[i].mount == mount) continue;
     const Placed still = PlacePart(impl_->bodies[i].part, impl_->bodies[i].X_LG);
     for (size_t j = 0; j < bodies.size(); ++j) {
-      if (!of_workpiece(bodies[j])) continue;
+      if (LinkOf(bodies[j]) != 0 || bodies[j].mount != mount) continue;
       const Placed part = PlacePart(impl_->bodies[j].part, impl_->bodies[j].X_LG);
       constexpr double kNear = 1e-3;  // mm
       if (BoxesApart(still, part, kNear) || DistanceUpTo(still, part, kNear).distance > 0) continue;

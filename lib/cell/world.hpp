@@ -39,11 +39,11 @@ class World {
   explicit World(Cell cell);
   ~World();
   const Cell& cell() const;
-  /// The same world with the workpiece, and what hangs on it, at X_WP.
-  World WithWorkpieceAt(const Pose& X_WP) const;
-  /// Names of the bodies that stand still and that the workpiece, the stock or a body that hangs on them
-  /// touches.
-  std::vector<std::string> TouchedByWorkpiece() const;
+  /// The same world with the robot's base at X_WB and the workpiece, and what hangs on it, at X_WP.
+  World With(const Pose& X_WB, const Pose& X_WP) const;
+  /// Names of the bodies that stand still and that others touch which hang on `mount` and stand still too:
+  /// the workpiece, or the robot's base (Mount::kLink).
+  std::vector<std::string> TouchedBy(Mount mount) const;
   /// Of a pair as in Sighting: "link4 and workpiece".
   std::string PairName(int pair) const;
 

@@ -148,7 +148,8 @@ struct CellSettings {
   std::string file;  ///< as given, for messages
   std::string name;
   ArmSettings arm;
-  PoseSettings base_in_world;
+  PoseSettings base_in_world;  ///< of B; as long as no URDF is resolved, what the file says
+  PoseSettings stated_base;    ///< what the file, or the job in its place, says: of a URDF its base link
   Vector6 home = Vector6::Zero();    ///< rad
   ToolSettings tool;                 ///< that a job takes: one of `tools`, where there are some
   std::vector<ToolSettings> tools;   ///< that the spindle can hold; empty: `tool` alone

@@ -112,6 +112,8 @@ const Codec<JobSettings>& JobFields() {
       Key<S>("tool", MILLPOSE_AT(tool), Text(), "Which of the cell's `tools`.").WhenSet([](const S& s) {
         return !s.tool.empty();
       }),
+      Key<S>("base_in_world", MILLPOSE_AT(base_in_world), Maybe(PoseFields()),
+             "Where the robot's base stands, in place of the cell's `base_in_world`."),
       Key<S>("operation", MILLPOSE_AT(operation), Text(),
              "Of a job that millpose wrote: which operation of a job with several it is.")
           .WhenSet([](const S& s) { return !s.operation.empty(); }),

@@ -103,8 +103,9 @@ struct JobSettings {
   std::string file;  ///< as given, for messages
   std::string name;
   std::string cell_file;
-  std::string tool;       ///< which of the cell's; empty: its only one
-  std::string operation;  ///< of a job that has several, which this one is; else empty
+  std::string tool;                           ///< which of the cell's; empty: its only one
+  std::optional<PoseSettings> base_in_world;  ///< of the robot; none: the cell's
+  std::string operation;                      ///< of a job that has several, which this one is; else empty
   uint64_t seed = 1;
   WorkpieceSettings workpiece;
   ToolpathSettings toolpath;

@@ -32,6 +32,14 @@ Codec<KeepOutSettings> KeepOutFields() {
 }
 
 void CheckAny(const Value& value, const Context& context, PlacementSettings& placement) {
+  for (const std::string& direction : placement.map) {
+    const auto key = std::ranges::find(kPlaceKeys, direction) - kPlaceKeys.begin();
+    if (!placement.ranges[static_cast<size_t>(key)])
+      context.Child("map").Add(value.FindKey("map")->mark,
+                               fmt::format("given {}, which has no range", direction));
+  }
+  if (placement.map.size() > 2 || (placement.map.size() == 2 && placement.map[0] == placement.map[1]))
+    context.Child("map").Add(value.FindKey("map")->mark, "give one direction or two different ones");
   if (std::ranges::none_of(placement.ranges, [](const auto& range) { return range.has_value(); }))
     context.Add(value.mark,
                 fmt::format("give a range for one of {} or for several", fmt::join(kPlaceKeys, ", ")));
@@ -45,21 +53,29 @@ Codec<PlacementSettings> PlacementFields() {
   return Section<S>(
       {
           Key<S>("x_mm", MILLPOSE_AT(ranges[0]), RangeFields(kMm, length),
-                 "Of `workpiece.pose`: between which values its xyz_mm[0] may lie; missing: stays."),
+                 "Of `workpiece.pose`, or of `base_in_world` where the robot moves: between which values its "
+                 "xyz_mm[0] may lie; missing: stays."),
           Key<S>("y_mm", MILLPOSE_AT(ranges[1]), RangeFields(kMm, length), "Likewise xyz_mm[1]."),
           Key<S>("z_mm", MILLPOSE_AT(ranges[2]), RangeFields(kMm, length), "Likewise xyz_mm[2]."),
           Key<S>("a_deg", MILLPOSE_AT(ranges[3]), RangeFields(kDeg, angle), "Likewise abc_deg[0]."),
           Key<S>("b_deg", MILLPOSE_AT(ranges[4]), RangeFields(kDeg, angle), "Likewise abc_deg[1]."),
           Key<S>("c_deg", MILLPOSE_AT(ranges[5]), RangeFields(kDeg, angle), "Likewise abc_deg[2]."),
+          Key<S>("moves", MILLPOSE_AT(moves),
+                 ChoiceOf<PlaceMoves>({{"part", PlaceMoves::kPart}, {"robot", PlaceMoves::kRobot}}),
+                 "What is placed; the rest of the cell stays."),
           Key<S>("points", MILLPOSE_AT(points), Integer(1, 100000),
                  "Points of the tool path that are looked at in every place, spread over it."),
           Key<S>("places", MILLPOSE_AT(places), Integer(1, 1000000), "Places that are looked at."),
           Key<S>("plans", MILLPOSE_AT(plans), Integer(1, 100),
                  "Of the best places, how many are planned whole."),
+          Key<S>("map", MILLPOSE_AT(map),
+                 ListOf(Choice(std::vector<std::string>(kPlaceKeys.begin(), kPlaceKeys.end()))),
+                 "Over which one or two of the directions the map is drawn.")
+              .DefaultText("the first two that have a range"),
           Key<S>("map_points", MILLPOSE_AT(map_points), Integer(2, 1001),
-                 "Of the map, along each of its directions: the first two that have a range."),
+                 "Of the map, along each of its directions."),
           Key<S>("keep_out", MILLPOSE_AT(keep_out), ListOf(KeepOutFields()),
-                 "Where the part must not be, beside the cell's bodies."),
+                 "Where what moves must not be, beside the cell's bodies."),
       },
       CheckAny);
 }

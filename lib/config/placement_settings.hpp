@@ -24,15 +24,20 @@ struct KeepOutSettings {
   PoseSettings pose;  ///< in W
 };
 
+/// What `millpose place` moves.
+enum class PlaceMoves : uint8_t { kPart, kRobot };
+
 /// The coordinates of a place: x, y, z of xyz_mm, then A, B, C of abc_deg.
 inline constexpr std::array<const char*, 6> kPlaceKeys{"x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg"};
 
 struct PlacementSettings {
   std::array<std::optional<PlaceRange>, 6> ranges;  ///< as kPlaceKeys; none: as the job has it
-  int points = 200;                                 ///< of the tool path, looked at in every place
-  int places = 2000;                                ///< looked at
-  int plans = 3;                                    ///< of the best places, planned whole
-  int map_points = 41;                              ///< of the map, along each of its two directions
+  PlaceMoves moves = PlaceMoves::kPart;
+  int points = 200;              ///< of the tool path, looked at in every place
+  int places = 2000;             ///< looked at
+  int plans = 3;                 ///< of the best places, planned whole
+  std::vector<std::string> map;  ///< its directions, one or two of kPlaceKeys; none: the first with a range
+  int map_points = 41;           ///< of the map, along each of its two directions
   std::vector<KeepOutSettings> keep_out;
 };
 

@@ -92,8 +92,10 @@ std::vector<std::string> CellWarnings(const CellSettings& cell) {
 }
 
 CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::string, std::string>* body_bytes,
-                      const FileRoot& root) {
+                      const FileRoot& root, const std::optional<PoseSettings>& base) {
   CellSettings cell = ParseCell(root.Read(cell_file), cell_file.string());
+  if (base) cell.base_in_world = *base;
+  cell.stated_base = cell.base_in_world;
   const bool from_urdf = !cell.arm.urdf.file.empty();
   ResolveUrdf(cell_file.parent_path(), root, &cell);
   std::vector<Problem> problems = CheckControllers(cell);
@@ -121,7 +123,9 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
   inputs.folder = origin ? *origin : OriginOf(job_file, inputs.job.cell_file, root);
   const std::filesystem::path& folder = inputs.folder;
   std::vector<Problem> problems;
-  Collect(problems, [&] { inputs.cell = LoadCell(folder / inputs.job.cell_file, &inputs.body_bytes, root); });
+  Collect(problems, [&] {
+    inputs.cell = LoadCell(folder / inputs.job.cell_file, &inputs.body_bytes, root, inputs.job.base_in_world);
+  });
   if (problems.empty()) Collect(problems, [&] { SelectTool(inputs.job.tool, &inputs.cell); });
   if (!inputs.job.workpiece.mesh_file.empty())
     Collect(problems, [&] { inputs.workpiece_bytes = root.Read(folder / inputs.job.workpiece.mesh_file); });

@@ -53,7 +53,8 @@ std::vector<std::string> CellWarnings(const CellSettings& cell);
 /// Reads a cell, with what a URDF that it names says in its place, and the meshes of its bodies. Throws
 /// InputError, also for a link without a body that the cell does not name in `interference.unchecked_links`.
 /// The first of several tools counts as the cell's.
+/// `base`: where the robot's base stands in place of what the file says.
 CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::string, std::string>* body_bytes,
-                      const FileRoot& root = {});
+                      const FileRoot& root = {}, const std::optional<PoseSettings>& base = {});
 
 }  // namespace millpose

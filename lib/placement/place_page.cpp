@@ -208,8 +208,7 @@ std::string ViewSvg(const FoundPlaces& placement, int u, int v) {
     std::string name, colour;
   };
   std::vector<Drawn> all;
-  const auto add = [&](const PlannedPlace& plan, const char* name, const char* colour) {
-    const Pose X = MakePose(plan.place);
+  const auto add = [&](const Pose& X, const char* name, const char* colour) {
     Drawn drawn{
         Outline(placement.part.empty() ? placement.sample : placement.part, X, u, v), {}, name, colour};
     for (const Vector3d& point : placement.sample) {
@@ -218,10 +217,23 @@ std::string ViewSvg(const FoundPlaces& placement, int u, int v) {
     }
     all.push_back(std::move(drawn));
   };
-  add(placement.plans.front(), "job's own", "#8a8f98");
-  if (placement.recommended > 0) add(placement.plans[placement.recommended], "best", "#2b7de0");
-  const Vector2d base(placement.base[u], placement.base[v]);
-  Eigen::AlignedBox2d box(base);
+  std::vector<std::pair<Vector2d, std::string>> bases;
+  const auto add_base = [&](const Vector3d& at, const char* name) {
+    bases.emplace_back(Vector2d(at[u], at[v]), name);
+  };
+  const PoseSettings& own = placement.plans.front().place;
+  const PoseSettings& best = placement.plans[placement.recommended].place;
+  if (placement.robot) {
+    add(placement.X_WP, "part", "#8a8f98");
+    add_base(own.position, "robot, job's own");
+    if (placement.recommended > 0) add_base(best.position, "robot, best");
+  } else {
+    add(MakePose(own), "job's own", "#8a8f98");
+    if (placement.recommended > 0) add(MakePose(best), "best", "#2b7de0");
+    add_base(placement.base, "robot base");
+  }
+  Eigen::AlignedBox2d box;
+  for (const auto& [at, name] : bases) box.extend(at);
   for (const Drawn& drawn : all)
     for (const Vector2d& p : drawn.outline) box.extend(p);
   const double margin = 0.08 * box.sizes().maxCoeff() + 1;
@@ -233,11 +245,13 @@ std::string ViewSvg(const FoundPlaces& placement, int u, int v) {
   std::string svg =
       fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"Part and robot\">",
                   (upper.x() - lower.x()) * scale, (upper.y() - lower.y()) * scale);
-  const Vector2d b = to(base);
-  svg += fmt::format(
-      "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"7\" fill=\"none\" stroke=\"currentColor\"/>"
-      "<text x=\"{2:.1f}\" y=\"{3:.1f}\" font-size=\"12\">robot base</text>",
-      b.x(), b.y(), b.x() + 11, b.y() + 4);
+  for (const auto& [at, name] : bases) {
+    const Vector2d b = to(at);
+    svg += fmt::format(
+        "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"7\" fill=\"none\" stroke=\"currentColor\"/>"
+        "<text x=\"{2:.1f}\" y=\"{3:.1f}\" font-size=\"12\">{4}</text>",
+        b.x(), b.y(), b.x() + 11, b.y() + 4, name);
+  }
   for (const Drawn& drawn : all) {
     std::string corners;
     Vector2d top(0, std::numeric_limits<double>::infinity());
@@ -325,7 +339,8 @@ std::string PlacementPage(const FoundPlaces& placement) {
   text += fmt::format(
       "<section><h2>Part and robot, seen along {}</h2><p>In the frame of workpiece.pose; dots: sampled "
       "points.</p>{}</section></div>",
-      std::string("xyz").substr(static_cast<size_t>(3 - across - up), 1), ViewSvg(placement, across, up));
+      std::string("xyz").substr(static_cast<size_t>(3 - across - up), 1),
+      placement.robot ? "the world" : "the frame of workpiece.pose", ViewSvg(placement, across, up));
   text += fmt::format(
       "<section><h2>Near the {} place</h2><p>How well it must be met, by the sampled points.</p>{}</section>",
       placement.recommended > 0 ? "best" : "job's own", NearbyTable(placement));

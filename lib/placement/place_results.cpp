@@ -79,6 +79,7 @@ std::optional<double> RatioOf(const std::vector<std::optional<double>>& plan,
                               const std::vector<std::optional<double>>& own) {
   std::optional<double> greatest;
   for (size_t i = 0; i < plan.size(); ++i) {
+    if (!plan[i] && !own[i]) continue;  // an operation that has none
     if (!plan[i] || !own[i] || *own[i] <= 0) return std::nullopt;
     greatest = std::max(greatest.value_or(0), *plan[i] / *own[i]);
   }
@@ -143,6 +144,7 @@ std::string PlacementJson(const FoundPlaces& placement) {
   }
   const Json json{{"schema_version", kPlacementVersion},
                   {"job", placement.job},
+                  {"moves", placement.robot ? "robot" : "part"},
                   {"objective", placement.objective},
                   {"unit", placement.unit},
                   {"operations", placement.operations},

@@ -47,15 +47,18 @@ struct FoundPlaces {
   std::vector<RatedPlace> map;              ///< row by row, the first coordinate fastest
   size_t map_columns = 0;
 
-  // What the top view shows, in workpiece.frame, mm.
-  Eigen::Vector3d base = Eigen::Vector3d::Zero();  ///< of the robot
+  // What the top view shows, in workpiece.frame (the world where the robot moves), mm.
+  bool robot = false;                              ///< the robot moves, not the part
+  Eigen::Vector3d base = Eigen::Vector3d::Zero();  ///< of the robot, where the part moves
+  Pose X_WP = Pose::Identity();                    ///< where the robot moves
   std::vector<Eigen::Vector3d> part, sample;       ///< in P: the part's vertices, the sampled points
 };
 
 /// What keeps the part from a place, or most of its points: empty where all sampled points are free.
 std::string CauseOf(const PlaceScore& score);
 
-/// plan's ÷ the job's own place's: of the greatest over the operations; empty where either has none.
+/// plan's ÷ the job's own place's: the greatest over the operations that have one; empty where one is missing
+/// beside the other.
 std::optional<double> RatioOf(const std::vector<std::optional<double>>& plan,
                               const std::vector<std::optional<double>>& own);
 

@@ -9,6 +9,7 @@
 #include "pipeline/assemble.hpp"
 #include "placement/sample.hpp"
 #include "pose/candidate_table.hpp"
+#include "program/pose_text.hpp"
 
 namespace millpose {
 namespace {
@@ -234,14 +235,29 @@ PlaceScorer::PlaceScorer(const std::vector<JobInputs>& inputs, const Execution& 
     samples_.push_back(SampleOf(prepared_.back().made.toolpath, count));
   }
   standing_.emplace(StandingBodies(inputs.front(), prepared_.front().cell));
-  for (const std::string& name : standing_->TouchedByWorkpiece())
+  for (const std::string& name : standing_->TouchedBy(Mover()))
     if (std::ranges::none_of(inputs.front().job.placement->keep_out,
                              [&](const KeepOutSettings& body) { return body.name == name; }))
       stands_on_.push_back(name);
 }
 
-std::string PlaceScorer::Touches(const Pose& X_WP) const {
-  for (const std::string& name : standing_->WithWorkpieceAt(X_WP).TouchedByWorkpiece())
+bool PlaceScorer::robot() const { return inputs_.front().job.placement->moves == PlaceMoves::kRobot; }
+
+Mount PlaceScorer::Mover() const { return robot() ? Mount::kLink : Mount::kWorkpiece; }
+
+std::pair<Pose, Pose> PlaceScorer::PosesAt(const PoseSettings& place) const {
+  const Cell& cell = prepared_.front().cell;
+  if (robot()) {
+    const Pose X_SB = MakePose(inputs_.front().cell.stated_base).inverse(Eigen::Isometry) * cell.X_WB;
+    return {MakePose(place) * X_SB, cell.X_WP};
+  }
+  WorkpieceSettings settings = inputs_.front().job.workpiece;
+  settings.pose = place;
+  return {cell.X_WB, MakeWorkpiecePose(settings, cell.X_WB)};
+}
+
+std::string PlaceScorer::Touches(const Pose& X_WB, const Pose& X_WP) const {
+  for (const std::string& name : standing_->With(X_WB, X_WP).TouchedBy(Mover()))
     if (std::ranges::find(stands_on_, name) == stands_on_.end()) return name;
   return "";
 }
@@ -250,13 +266,15 @@ OperationScore PlaceScorer::ScoreOperation(size_t operation, const World& world,
                                            const Execution& execution) const {
   const PreparedJob& prepared = prepared_[operation];
   const Toolpath placed = PlacedToolpath(inputs_[operation], samples_[operation], world.cell().X_WP);
+  PoseProblem problem = prepared.problem;
+  problem.X_WB = world.cell().X_WB;
   const RetractOptions leave = MakeGapOptions(inputs_[operation].job).leave;
   std::vector<std::vector<PointScore>> passes(placed.passes.size());
   const size_t parts = (passes.size() + kPart - 1) / kPart;
   ParallelFor(parts, execution.Threads(), execution.stop, [&](size_t part) {
     Checker checker(world);
     for (size_t i = part * kPart; i < std::min(passes.size(), (part + 1) * kPart); ++i)
-      passes[i] = PassScorer{prepared.problem, leave, checker}.Score(placed.passes[i]);
+      passes[i] = PassScorer{problem, leave, checker}.Score(placed.passes[i]);
   });
   OperationScore score;
   for (const std::vector<PointScore>& pass : passes) {
@@ -274,13 +292,11 @@ OperationScore PlaceScorer::ScoreOperation(size_t operation, const World& world,
 PlaceScore PlaceScorer::Score(const PoseSettings& place, const Execution& execution) const {
   PlaceScore score;
   score.place = place;
-  WorkpieceSettings settings = inputs_.front().job.workpiece;
-  settings.pose = place;
-  const Pose X_WP = MakeWorkpiecePose(settings, prepared_.front().cell.X_WB);
-  score.touches = Touches(X_WP);
+  const auto [X_WB, X_WP] = PosesAt(place);
+  score.touches = Touches(X_WB, X_WP);
   score.operations.resize(prepared_.size());
   for (size_t i = 0; i < prepared_.size(); ++i) {
-    const World world = prepared_[i].world.WithWorkpieceAt(X_WP);
+    const World world = prepared_[i].world.With(X_WB, X_WP);
     if (score.touches.empty() && Checker(world).Blocked(world.cell().home, Phase::kFree))
       score.touches = "home";
     if (!score.touches.empty()) {  // not looked at any further

@@ -20,7 +20,7 @@ struct OperationScore {
 struct PlaceScore {
   PoseSettings place;
   std::vector<OperationScore> operations;
-  std::string touches;  ///< a body of the cell that the part would stand in, or "home": the arm at home would
+  std::string touches;  ///< a body that what moves would stand in, or "home": the arm at home would touch
 
   size_t total() const;
   size_t free() const;
@@ -39,14 +39,17 @@ class PlaceScorer {
   /// The same for any number of threads. Throws Interrupted.
   PlaceScore Score(const PoseSettings& place, const Execution& execution) const;
 
-  /// Bodies that the part touches where the job has it, and may touch elsewhere: it stands on them.
+  /// Bodies that what moves touches where the job has it, and may touch elsewhere: it stands on them.
   const std::vector<std::string>& stands_on() const { return stands_on_; }
   const std::vector<PreparedJob>& operations() const { return prepared_; }
   /// Of an operation, in P.
   const Toolpath& Sample(size_t operation) const { return samples_[operation]; }
 
  private:
-  std::string Touches(const Pose& X_WP) const;
+  bool robot() const;
+  Mount Mover() const;
+  std::pair<Pose, Pose> PosesAt(const PoseSettings& place) const;  ///< X_WB, X_WP
+  std::string Touches(const Pose& X_WB, const Pose& X_WP) const;
   OperationScore ScoreOperation(size_t operation, const World& world, const Execution& execution) const;
 
   const std::vector<JobInputs>& inputs_;

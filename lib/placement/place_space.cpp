@@ -16,12 +16,18 @@ double Raster(double value, size_t i) {
 
 }  // namespace
 
-PlaceSpace::PlaceSpace(const JobSettings& job) : own_(job.workpiece.pose) {
+PlaceSpace::PlaceSpace(const JobSettings& job, const PoseSettings& base_in_world) : own_(job.workpiece.pose) {
   if (!job.placement)
     throw InputError({job.file},
                      "placement: missing; it says where the part may stand, like\n"
                      "placement:\n  x_mm: {from: 1500, to: 2100}");
-  if (!job.workpiece.targets.empty())
+  if (job.placement->moves == PlaceMoves::kRobot) {
+    if (job.workpiece.frame == GivenFrame::kRobotBase)
+      throw InputError({job.file},
+                       "workpiece.frame: robot_base, so that the part would go along with the robot "
+                       "(placement.moves: robot); give its pose in the world");
+    own_ = base_in_world;
+  } else if (!job.workpiece.targets.empty())
     throw InputError({job.file},
                      "workpiece.targets: measured where the part stands already; to look for a place give "
                      "workpiece.pose");

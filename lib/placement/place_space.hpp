@@ -8,12 +8,13 @@
 
 namespace millpose {
 
-/// Places as poses of the workpiece in `workpiece.frame`, on a raster of 1 mm and 0.1°: finer no part is set
-/// down, and what numbers are the same place is then beyond doubt.
+/// Places as poses of the workpiece in `workpiece.frame`, or of the robot's base in W, on a raster of 1 mm
+/// and 0.1°: finer no part is set down, and what numbers are the same place is then beyond doubt.
 class PlaceSpace {
  public:
-  /// Throws InputError where the job has no `placement:`, or measured targets say where the part stands.
-  explicit PlaceSpace(const JobSettings& job);
+  /// Throws InputError where the job has no `placement:`, where measured targets say where the part stands
+  /// that is to move, and where the part would go along with the robot.
+  PlaceSpace(const JobSettings& job, const PoseSettings& base_in_world);
 
   /// How many coordinates may change.
   size_t dimensions() const { return free_.size(); }

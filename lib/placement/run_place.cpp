@@ -86,13 +86,14 @@ std::vector<PoseSettings> BestPlaces(const PlaceSpace& space, std::vector<RatedP
   return best;
 }
 
-std::vector<Override> OverridesOf(const PoseSettings& place) {
+std::vector<Override> OverridesOf(const PoseSettings& place, bool robot) {
   const auto list = [&](size_t first) {
     return fmt::format("[{}, {}, {}]", ShortestNumber(ShownCoordinate(place, first)),
                        ShortestNumber(ShownCoordinate(place, first + 1)),
                        ShortestNumber(ShownCoordinate(place, first + 2)));
   };
-  return {{"workpiece.pose.xyz_mm", list(0)}, {"workpiece.pose.abc_deg", list(3)}};
+  const std::string key = robot ? "base_in_world" : "workpiece.pose";
+  return {{key, fmt::format("{{xyz_mm: {}, abc_deg: {}}}", list(0), list(3))}};
 }
 
 std::optional<double> NumberAt(const Json& json, const char* pointer) {
@@ -175,7 +176,7 @@ class PlaceRun {
         out_(std::move(out)),
         stages_(stages),
         execution_{arguments.threads, stages, stop},
-        space_(inputs.front().job),
+        space_(inputs.front().job, inputs.front().cell.stated_base),
         scorer_(inputs, execution_),
         rater_(inputs.size()) {}
 
@@ -199,8 +200,10 @@ class PlaceRun {
   void Describe(const std::string& name) {
     const JobSettings& job = inputs_.front().job;
     found_.job = name;
-    found_.objective = job.objective;
-    found_.unit = scorer_.operations().front().problem.objective->Unit();
+    const bool one = std::ranges::all_of(
+        inputs_, [&](const JobInputs& inputs) { return inputs.job.objective == job.objective; });
+    found_.objective = one ? job.objective : "objective";
+    if (one) found_.unit = scorer_.operations().front().problem.objective->Unit();
     for (size_t i = 0; i < inputs_.size(); ++i) {
       found_.operations.push_back(inputs_[i].job.operation);
       found_.sampled.push_back(CountPoints(scorer_.Sample(i)));
@@ -210,8 +213,10 @@ class PlaceRun {
     found_.stands_on = scorer_.stands_on();
     const Mesh& mesh = scorer_.operations().front().surface.mesh;
     found_.part = mesh.triangles().vertices;
-    if (job.workpiece.frame == GivenFrame::kWorld)
-      found_.base = scorer_.operations().front().cell.X_WB.translation();
+    found_.robot = settings_.moves == PlaceMoves::kRobot;
+    const Cell& cell = scorer_.operations().front().cell;
+    if (job.workpiece.frame == GivenFrame::kWorld) found_.base = cell.X_WB.translation();
+    found_.X_WP = cell.X_WP;
   }
 
   void Search() {
@@ -233,7 +238,8 @@ class PlaceRun {
 
   void Plan(const PoseSettings& place, const std::string& name) {
     PlanArguments own = AsPlan(arguments_, out_ / kPlansFolder / name);
-    if (name != "00_job") std::ranges::copy(OverridesOf(place), std::back_inserter(own.overrides));
+    if (name != "00_job")
+      std::ranges::copy(OverridesOf(place, found_.robot), std::back_inserter(own.overrides));
     MakeFolders(own.out->parent_path());
     NamedProgress told(stages_, "plan " + name);
     RunJob(own, told, execution_.stop);
@@ -268,9 +274,17 @@ class PlaceRun {
 
   void DrawMap(const PoseSettings& at) {
     const auto count = static_cast<size_t>(settings_.map_points);
-    const size_t rows = space_.dimensions() > 1 ? count : 1;
+    std::vector<size_t> drawn;  // dimensions
+    for (size_t d = 0; d < space_.dimensions(); ++d)
+      if (settings_.map.empty()
+              ? d < 2
+              : std::ranges::find(settings_.map, kPlaceKeys[space_.Coordinate(d)]) != settings_.map.end())
+        drawn.push_back(d);
+    if (settings_.map.size() == 2 && settings_.map.front() != kPlaceKeys[space_.Coordinate(drawn.front())])
+      std::swap(drawn[0], drawn[1]);
+    const size_t rows = drawn.size() > 1 ? count : 1;
     found_.map_columns = count;
-    found_.map_coordinates = {space_.Coordinate(0), space_.Coordinate(rows > 1 ? 1 : 0)};
+    found_.map_coordinates = {space_.Coordinate(drawn.front()), space_.Coordinate(drawn.back())};
     std::vector<PoseSettings> places;
     for (size_t row = 0; row < rows; ++row)
       for (size_t column = 0; column < count; ++column) {
@@ -281,8 +295,8 @@ class PlaceRun {
                                                                                static_cast<double>(step) /
                                                                                static_cast<double>(count - 1);
         };
-        set(0, column);
-        if (rows > 1) set(1, row);
+        set(drawn.front(), column);
+        if (rows > 1) set(drawn.back(), row);
       }
     stages_.Begin("map", places.size());
     std::vector<PlaceScore> scores(places.size());
@@ -324,7 +338,8 @@ void RefuseForeign(const fs::path& placed) {
 PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const std::stop_token& stop) {
   Stages stages(progress);
   std::vector<JobInputs> inputs = LoadOperations(arguments.job, arguments.overrides, arguments.root);
-  const PlaceSpace checked(inputs.front().job);  // refuses before anything is written
+  const PlaceSpace checked(inputs.front().job,
+                           inputs.front().cell.stated_base);  // refuses before anything is written
   const fs::path placed = PlacedFile(arguments.job);
   RefuseForeign(placed);
   for (JobInputs& own : inputs) {
@@ -343,7 +358,8 @@ PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const 
   const FoundPlaces found = PlaceRun(arguments, inputs, out, stages, stop).Run(name);
 
   std::vector<Override> overrides = arguments.overrides;
-  std::ranges::copy(OverridesOf(found.plans[found.recommended].place), std::back_inserter(overrides));
+  std::ranges::copy(OverridesOf(found.plans[found.recommended].place, found.robot),
+                    std::back_inserter(overrides));
   overrides.push_back({"name", name + "_placed"});
   const bool better = found.recommended > 0;
   RunFigures run = EndRun(begun, stages, Execution{arguments.threads, stages, stop}.Threads());

@@ -135,6 +135,58 @@ class Place(InFolder):
         for plan in read(out / "placement.json")["plans"][1:]:
             self.assertFalse(1960 < plan["place"]["x_mm"] < 2200, plan["place"])
 
+    def test_the_robot_moved_one_way_is_the_part_moved_the_other_way(self):
+        cell = (TOP / "cells" / "kr500_r2830.yaml").read_text()
+        cell, count = re.subn(r"  - \{name: platform,.*\n", "", cell)
+        self.assertEqual(count, 1)
+        (self.folder / "cell.yaml").write_text(cell)
+        changes = [(r"cell: \S+", "cell: cell.yaml"), (r"frame: robot_base", "frame: world")]
+        few = "  points: 12\n  places: 30\n  plans: 1\n  map_points: 5\n"
+        maps = {}
+        for moves, x, z in (("part", "1876, to: 2276", "906, to: 1106"), ("robot", "-200, to: 200", "-100, to: 100")):
+            job = self.job(f"placement:\n  moves: {moves}\n  x_mm: {{from: {x}}}\n  z_mm: {{from: {z}}}\n{few}", changes)
+            done = run("place", job, "-o", self.folder / moves, "-q")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            maps[moves] = {(int(row["x_mm"]), int(row["z_mm"])): row for row in rows(self.folder / moves / "map.csv")}
+        for (x, z), row in maps["robot"].items():
+            other = maps["part"][2076 - x, 1006 - z]
+            self.assertEqual(row["free"], other["free"], (x, z))
+            self.assertAlmostEqual(float(row["worst_ratio"]), float(other["worst_ratio"]), places=6, msg=(x, z))
+        found = read(self.folder / "robot" / "placement.json")
+        self.assertEqual(found["moves"], "robot")
+        best = found["plans"][found["recommended"]]
+        self.assertLess(best["worst_ratio"], 1)
+        placed = self.folder / "job.placed.yaml"
+        self.assertEqual(run("plan", placed, "-q").returncode, 0)
+        out = self.folder / "support_pad_placed.out"
+        self.assertEqual([read(out / "summary.json")["stiffness"]["objective"]["worst"]], best["objective_worst"])
+        self.assertEqual(read(out / "summary.json")["cell"]["X_WB"][0][3], best["place"]["x_mm"])
+        self.assertEqual(run("verify", out).returncode, 0)
+        refused = run("place", self.job("placement: {moves: robot, x_mm: {from: -5, to: 5}}\n"), "-q")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("so that the part would go along with the robot", refused.stderr)
+        # A body that the robot's base would stand in.
+        keep_out = "  keep_out:\n    - {name: pit, shape: {box: {size_mm: [100, 4000, 100]}}, pose: {xyz_mm: [700, 0, 50], abc_deg: [0, 0, 0]}}\n"
+        job = self.job(f"placement:\n  moves: robot\n  x_mm: {{from: -200, to: 200}}\n{few}{keep_out}", changes)
+        self.assertLess(run("place", job, "-o", self.folder / "pit", "-q").returncode, 2)
+        # The base's cylinder is 1054 mm across: it reaches the box at 650 mm from x = 123 mm on.
+        for row in rows(self.folder / "pit" / "map.csv") + rows(self.folder / "pit" / "places.csv"):
+            self.assertEqual(row["touches"], "pit" if int(row["x_mm"]) >= 123 else "", row)
+
+    def test_the_map_is_drawn_over_the_directions_asked_for(self):
+        ranges = "placement:\n  x_mm: {from: 1900, to: 2100}\n  y_mm: {from: -50, to: 50}\n  z_mm: {from: 900, to: 1100}\n  points: 3\n  places: 5\n  plans: 1\n  map_points: 3\n"
+        for drawn, first, second in (("", "x_mm", "y_mm"), ("  map: [z_mm, x_mm]\n", "z_mm", "x_mm"), ("  map: [y_mm]\n", "y_mm", None)):
+            self.assertLess(run("place", self.job(ranges + drawn), "-q").returncode, 2)
+            table = rows(self.folder / "support_pad.places" / "map.csv")
+            self.assertEqual(len(table), 9 if second else 3)
+            self.assertEqual(len({row[first] for row in table[:3]}), 3, drawn)
+            if second:
+                self.assertEqual([row[second] for row in table[:3]], [table[0][second]] * 3)
+        for drawn, told in (("  map: [a_deg]\n", "given a_deg, which has no range"), ("  map: [x_mm, x_mm]\n", "give one direction or two different ones")):
+            done = run("place", self.job(ranges + drawn), "-q")
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(told, done.stderr)
+
     def test_a_place_that_is_best_already_stays(self):
         job = self.job("placement:\n  y_mm: {from: 900, to: 1100}\n  points: 10\n  places: 10\n  plans: 1\n  map_points: 3\n")
         done = run("place", job, "-q")
