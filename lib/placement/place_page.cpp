@@ -108,7 +108,7 @@ std::string Told(const FoundPlaces& placement, const RatedPlace& rated) {
 std::string MapSvg(const FoundPlaces& placement) {
   const auto [least, most] = ScaleOf(placement);
   const size_t columns = placement.map_columns, rows = placement.map.size() / columns;
-  const auto& [u, v] = placement.map_coordinates;
+  const size_t u = placement.map_coordinates[0], v = placement.map_coordinates[1];
   const double width = 560, cell = width / static_cast<double>(columns),
                high = rows > 1 ? width / static_cast<double>(rows) : 40,
                height = high * static_cast<double>(rows);
@@ -118,13 +118,14 @@ std::string MapSvg(const FoundPlaces& placement) {
       "places\">",
       left + width + 8, height + below + 8);
   for (size_t i = 0; i < placement.map.size(); ++i) {
+    const size_t row = i / columns;
     const RatedPlace& rated = placement.map[i];
     const bool all = rated.worst && CauseOf(rated.score).empty();
     svg += fmt::format(
         "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" "
         "fill=\"{}\"><title>{}</title></rect>",
-        left + static_cast<double>(i % columns) * cell,
-        4 + height - static_cast<double>(i / columns + 1) * high, cell + 0.3, high + 0.3,
+        left + static_cast<double>(i % columns) * cell, 4 + height - static_cast<double>(row + 1) * high,
+        cell + 0.3, high + 0.3,
         all ? Colour((*rated.worst - least) / (most - least)) : CauseColour(CauseOf(rated.score)),
         Escaped(Told(placement, rated)));
   }
@@ -321,7 +322,7 @@ std::string NearbyTable(const FoundPlaces& placement) {
 std::string PlacementPage(const FoundPlaces& placement) {
   std::string head = kHead;
   head.replace(head.find("{title}"), 7, Escaped(placement.job) + ": places");
-  const auto& [u, v] = placement.map_coordinates;
+  const size_t u = placement.map_coordinates[0], v = placement.map_coordinates[1];
   const bool lengths = u < 3 && v < 3 && u != v;
   const int across = lengths ? static_cast<int>(u) : 0, up = lengths ? static_cast<int>(v) : 1;
   std::string text = head + fmt::format("<h1>{}: where it may stand</h1>", Escaped(placement.job));

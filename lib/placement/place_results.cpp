@@ -107,7 +107,7 @@ std::string PlacementMapVtk(const FoundPlaces& placement) {
       placement.job, placement.map_columns, placement.map.size() / placement.map_columns,
       placement.map.size());
   for (const RatedPlace& rated : placement.map) {
-    const auto& [u, v] = placement.map_coordinates;
+    const size_t u = placement.map_coordinates[0], v = placement.map_coordinates[1];
     text += fmt::format("{} {} 0\n", ShortestNumber(ShownCoordinate(rated.score.place, u)),
                         u == v ? "0" : ShortestNumber(ShownCoordinate(rated.score.place, v)));
   }

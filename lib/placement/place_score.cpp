@@ -2,6 +2,7 @@
 #include "placement/place_score.hpp"
 
 #include <numeric>
+#include <tuple>
 
 #include "base/parallel.hpp"
 #include "cell/point_memory.hpp"
@@ -60,22 +61,23 @@ class BranchLadder {
   BranchScore Score(const Look& look) {
     size_t looks = 0;
     while (true) {
-      const std::vector<size_t> chosen = Choose();
+      const std::vector<Choice> chosen = Choose();
       bool all_free = true;
       for (size_t t = 0; look && t < layers_.size(); ++t) {
-        if (chosen[t] == kNoSetting) continue;
-        Node& node = layers_[t].nodes[chosen[t]];
+        const size_t setting = chosen[t].setting;
+        if (setting == kNoSetting) continue;
+        Node& node = layers_[t].nodes[setting];
         if (node.free) continue;
         ++looks;
         const CandidateTable& table = tables_[t];
-        node.free = look(t, table.entries()[node.entry].q, table.Setting(chosen[t]));
+        node.free = look(t, table.entries()[node.entry].q, table.Setting(setting));
         if (node.free) continue;
         all_free = false;
         node.objective = kNone;
         layers_[t].blocked = true;
       }
       if (all_free) return Result(chosen);
-      if (looks > kMostLooks * layers_.size()) return {Result(std::vector(layers_.size(), kNoSetting))};
+      if (looks > kMostLooks * layers_.size()) return Result(std::vector<Choice>(layers_.size()));
     }
   }
 
@@ -92,45 +94,58 @@ class BranchLadder {
     bool blocked = false;  ///< some node interferes
   };
   struct Cost {
+    size_t breaks = 0;
     double worst = kNone, sum = kNone;
-    bool operator<(const Cost& other) const {
-      return worst != other.worst ? worst < other.worst : sum < other.sum;
+    bool any() const { return worst < kNone; }
+    bool operator<(const Cost& other) const {  // what is none comes last
+      if (any() != other.any()) return any();
+      return std::tie(breaks, worst, sum) < std::tie(other.breaks, other.worst, other.sum);
     }
   };
+  /// What is chosen of a layer. A pass that no way leads along is broken: there the tool is lifted.
+  struct Choice {
+    size_t setting = kNoSetting;
+    bool after_break = false;
+  };
 
-  /// A setting per layer; none where no node is left.
-  std::vector<size_t> Choose() const {
+  /// Of every layer; no setting where no node is left.
+  std::vector<Choice> Choose() const {
     std::vector<size_t> used;
     for (size_t t = 0; t < layers_.size(); ++t)
       if (std::ranges::any_of(layers_[t].nodes, [](const Node& node) { return node.objective < kNone; }))
         used.push_back(t);
-    std::vector<size_t> chosen(layers_.size(), kNoSetting);
+    std::vector<Choice> chosen(layers_.size());
     if (used.empty()) return chosen;
     const size_t count = layers_.front().nodes.size();
-    std::vector<std::vector<size_t>> from(used.size(), std::vector<size_t>(count, 0));
-    std::vector<Cost> before(count, Cost{0, 0}), now(count);
+    std::vector<std::vector<Choice>> from(used.size(), std::vector<Choice>(count));
+    std::vector<Cost> before(count, Cost{0, 0, 0}), now(count);
     for (size_t u = 0; u < used.size(); ++u) {
       const std::vector<Node>& nodes = layers_[used[u]].nodes;
       const size_t reach = u == 0 ? 0 : kReach;
+      const auto least = static_cast<size_t>(std::min_element(before.begin(), before.end()) - before.begin());
       for (size_t s = 0; s < count; ++s) {
         now[s] = {};
         if (nodes[s].objective == kNone) continue;
         size_t best = kNoSetting;
         for (size_t d = 0; d <= 2 * reach; ++d) {
           const size_t other = (s + count + d - reach) % count;
-          if (before[other].worst < kNone && (best == kNoSetting || before[other] < before[best]) &&
+          if (before[other].any() && (best == kNoSetting || before[other] < before[best]) &&
               (u == 0 || Leads(used[u - 1], other, used[u], s)))
             best = other;
         }
-        if (best == kNoSetting) continue;
-        from[u][s] = best;
-        now[s] = {std::max(before[best].worst, nodes[s].objective), before[best].sum + nodes[s].objective};
+        const bool broken = best == kNoSetting || before[least].breaks + 1 < before[best].breaks;
+        if (broken) best = least;
+        from[u][s] = {best, broken};
+        now[s] = {before[best].breaks + (broken ? 1 : 0), std::max(before[best].worst, nodes[s].objective),
+                  before[best].sum + nodes[s].objective};
       }
       std::swap(before, now);
     }
-    size_t s = static_cast<size_t>(std::min_element(before.begin(), before.end()) - before.begin());
-    if (before[s].worst == kNone) return chosen;  // no way along the whole pass
-    for (size_t u = used.size(); u-- > 0; s = from[u][s]) chosen[used[u]] = s;
+    auto s = static_cast<size_t>(std::min_element(before.begin(), before.end()) - before.begin());
+    for (size_t u = used.size(); u-- > 0;) {
+      chosen[used[u]] = {s, from[u][s].after_break};
+      s = from[u][s].setting;
+    }
     return chosen;
   }
 
@@ -144,11 +159,14 @@ class BranchLadder {
     return true;
   }
 
-  BranchScore Result(const std::vector<size_t>& chosen) const {
+  BranchScore Result(const std::vector<Choice>& chosen) const {
     BranchScore score;
     for (size_t t = 0; t < layers_.size(); ++t) {
-      if (chosen[t] != kNoSetting) {
-        score.points.push_back({Obstacle::kNone, layers_[t].nodes[chosen[t]].objective});
+      const Choice& choice = chosen[t];
+      if (choice.setting != kNoSetting && choice.after_break) {
+        score.points.push_back({Obstacle::kStep, 0});
+      } else if (choice.setting != kNoSetting) {
+        score.points.push_back({Obstacle::kNone, layers_[t].nodes[choice.setting].objective});
         ++score.free;
         score.worst = std::max(score.worst, score.points.back().objective);
       } else if (tables_[t].entries().empty()) {
