@@ -2,6 +2,7 @@
 // A job file: its sections, each with a table of its own.
 #include "config/fields.hpp"
 #include "config/operations.hpp"
+#include "pose/objective.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose::config {
@@ -39,7 +40,8 @@ void CheckFeeds(const Value& value, const Context& context, const JobSettings& j
 void ChooseObjective(const Value& value, const Context& context, JobSettings& job) {
   const Value* pose = value.Find("pose");
   const bool given = pose && pose->Find("objective");
-  if (!given && job.cutting && job.formulation != Formulation::kPaper) job.objective = "surface_error";
+  if (!given && job.cutting && job.formulation != Formulation::kPaper)
+    job.objective = TheObjective(&ObjectiveEntry::with_force).name;
   const std::string own = job.toolpath.strategy->DefaultObjective();
   if (!given && !own.empty() && job.formulation != Formulation::kPaper) job.objective = own;
   const Value* process = value.Find("process");

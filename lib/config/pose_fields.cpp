@@ -111,10 +111,11 @@ void CheckFormulation(const Value& value, const Context& context, JobSettings& j
   const Value::Key* key = value.FindKey("formulation");
   const bool normalised =
       job.objective_parameters.contains("reference_t2") || job.objective_parameters.contains("reference_n");
-  if (job.objective != "chen2021" || normalised)
+  const std::string& papers = TheObjective(&ObjectiveEntry::of_paper).name;
+  if (job.objective != papers || normalised)
     context.Child("formulation")
         .Add(key ? key->mark : value.mark,
-             fmt::format("given paper; allowed only with objective chen2021 without references, given {}{}",
+             fmt::format("given paper; allowed only with objective {} without references, given {}{}", papers,
                          job.objective, normalised ? " with references" : ""));
 }
 

@@ -65,7 +65,7 @@ ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& 
 
 PathOptions MakePathOptions(const JobSettings& job) {
   PathOptions options = job.path;
-  options.worst_first = job.worst_first.value_or(job.objective == "surface_error");
+  options.worst_first = job.worst_first.value_or(Objectives().At(job.objective).worst_first);
   options.swept_resolution = job.swept_resolution;
   options.ends = job.toolpath.ends;
   options.lead_spacing = job.toolpath.spacing;

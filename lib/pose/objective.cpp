@@ -17,6 +17,11 @@ Registry<ObjectiveEntry>& Objectives() {
   return objectives;
 }
 
+const ObjectiveEntry& TheObjective(bool ObjectiveEntry::*is) {
+  const auto& all = Objectives().entries();
+  return *std::ranges::find(all, true, is);
+}
+
 namespace {
 
 // Every parameter of the entry, and in `problems` what is wrong with the given ones.

@@ -71,10 +71,16 @@ struct ObjectiveEntry {
   /// Gets every parameter, given or fallback, each finite and not below its minimum. Throws InputError for
   /// values that make no sense together.
   std::function<std::unique_ptr<Objective>(const ObjectiveParameters& all)> make;
+  bool worst_first = false;  ///< jobs that do not say otherwise care for the worst point before the sum
+  bool with_force = false;   ///< taken where a job knows the cutting force and names no objective: one alone
+  bool of_paper = false;     ///< eq. 23 of Chen et al. 2021, which formulation paper follows: one alone
 };
 
 /// All objectives; programs that link the library may add theirs.
 Registry<ObjectiveEntry>& Objectives();
+
+/// The one entry for which `is` holds.
+const ObjectiveEntry& TheObjective(bool ObjectiveEntry::*is);
 
 /// The objective registered under `name`. Throws InputError for an unknown name or parameter, naming the
 /// nearest, and for values that are not allowed.

@@ -18,6 +18,16 @@ Eigen::Vector3d RandomUnit(RandomStream& stream) {
   return Eigen::Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();
 }
 
+TEST(Objectives, OneIsTakenWithAForceAndOneIsThePapers) {
+  const auto& all = Objectives().entries();
+  EXPECT_EQ(std::ranges::count(all, true, &ObjectiveEntry::with_force), 1);
+  EXPECT_EQ(std::ranges::count(all, true, &ObjectiveEntry::of_paper), 1);
+  EXPECT_EQ(TheObjective(&ObjectiveEntry::with_force).name, "surface_error");
+  EXPECT_EQ(TheObjective(&ObjectiveEntry::of_paper).name, "chen2021");
+  EXPECT_TRUE(Objectives().At("surface_error").worst_first);
+  EXPECT_FALSE(Objectives().At("chen2021").worst_first);
+}
+
 TEST(Chen2021, EqualsTheIndicesInThePlane) {
   RandomStream stream(7, 0);
   const double w1 = 0.3, w2 = 0.9;

@@ -55,7 +55,10 @@ void Chen2021::Evaluate(const ComplianceBlock& c, const ObjectiveContext& contex
 ObjectiveEntry Chen2021Entry() {
   return {"chen2021",
           {{"w1", 0.5, 0.0}, {"w2", 0.5, 0.0}, {"reference_t2", 0.0, 0.0}, {"reference_n", 0.0, 0.0}},
-          [](const ObjectiveParameters& all) { return std::make_unique<Chen2021>(all); }};
+          [](const ObjectiveParameters& all) { return std::make_unique<Chen2021>(all); },
+          false,
+          false,
+          true};
 }
 
 }  // namespace millpose

@@ -57,7 +57,9 @@ void SurfaceError::Evaluate(const ComplianceBlock& c, const ObjectiveContext& co
 ObjectiveEntry SurfaceErrorEntry() {
   return {"surface_error",
           {{"force_uncertainty_percent", 30, 0}, {"force_direction_deg", 20, 0}},
-          [](const ObjectiveParameters& all) { return std::make_unique<SurfaceError>(all); }};
+          [](const ObjectiveParameters& all) { return std::make_unique<SurfaceError>(all); },
+          true,
+          true};
 }
 
 }  // namespace millpose
