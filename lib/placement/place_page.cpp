@@ -54,8 +54,11 @@ p { margin: 0 0 6px; color: var(--muted); }
 
 /// What a place that cannot be is drawn in; each differs from the others in brightness too.
 const std::map<std::string, std::string>& CauseColours() {
-  static const std::map<std::string, std::string> colours{
-      {"unreachable", "#3b3f46"}, {"limit", "#6b7079"}, {"singular", "#9a9fa8"}, {"interference", "#c9cdd3"}};
+  static const std::map<std::string, std::string> colours{{"unreachable", "#3b3f46"},
+                                                          {"limit", "#6b7079"},
+                                                          {"singular", "#9a9fa8"},
+                                                          {"interference", "#c9cdd3"},
+                                                          {"step", "#b39ddb"}};
   return colours;
 }
 constexpr const char* kTouches = "#e9ebee";
@@ -87,7 +90,7 @@ std::string Label(size_t coordinate) {
 std::pair<double, double> ScaleOf(const FoundPlaces& placement) {
   std::vector<double> all;
   for (const RatedPlace& rated : placement.map)
-    if (rated.worst) all.push_back(*rated.worst);
+    if (rated.worst && CauseOf(rated.score).empty()) all.push_back(*rated.worst);
   if (all.empty()) return {0, 1};
   std::ranges::sort(all);
   const double least = all.front(), most = all[all.size() * 9 / 10];
@@ -338,7 +341,7 @@ std::string PlacementPage(const FoundPlaces& placement) {
       Escaped(placement.objective), placement.own.score.total(),
       placement.recommended > 0 ? "best" : "job's own", MapSvg(placement), MapLegend(placement));
   text += fmt::format(
-      "<section><h2>Part and robot, seen along {}</h2><p>In the frame of workpiece.pose; dots: sampled "
+      "<section><h2>Part and robot, seen along {}</h2><p>In {}; dots: sampled "
       "points.</p>{}</section></div>",
       std::string("xyz").substr(static_cast<size_t>(3 - across - up), 1),
       placement.robot ? "the world" : "the frame of workpiece.pose", ViewSvg(placement, across, up));

@@ -81,6 +81,8 @@ class Place(InFolder):
         page = (out / "placement.html").read_text()
         self.assertEqual(page.count("<rect"), 25)
         self.assertNotIn("<script", page)
+        self.assertEqual([name in page for name in ("<svg", ">robot base<", ">job's own</text>", ">best</text>")], [True] * 4)
+        self.assertEqual((page.count("<polygon"), page.count("<svg")), (2, 2))
         # And may be written again; a file of somebody else's may not.
         self.assertEqual(run("place", job, "-q").returncode, 0)
         placed.write_text(PAD)
@@ -154,6 +156,10 @@ class Place(InFolder):
             self.assertAlmostEqual(float(row["worst_ratio"]), float(other["worst_ratio"]), places=6, msg=(x, z))
         found = read(self.folder / "robot" / "placement.json")
         self.assertEqual(found["moves"], "robot")
+        page = (self.folder / "robot" / "placement.html").read_text()
+        self.assertEqual((page.count("<polygon"), page.count("<svg")), (1, 2))
+        for name in (">part</text>", ">robot, job's own</text>", ">robot, best</text>", "In the world; dots"):
+            self.assertIn(name, page)
         best = found["plans"][found["recommended"]]
         self.assertLess(best["worst_ratio"], 1)
         placed = self.folder / "job.placed.yaml"
