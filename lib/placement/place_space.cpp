@@ -9,9 +9,9 @@ namespace {
 constexpr size_t kLengths = 3;  // coordinates before the angles
 constexpr double kStepsPerDegree = 10;
 
-/// mm, or tenths of a degree.
-double Raster(double value, size_t i) {
-  return std::round(i < kLengths ? value : RadToDeg(value) * kStepsPerDegree);
+/// Of a coordinate as people read it: whole mm, tenths of a degree.
+double Raster(double shown, size_t i) {
+  return i < kLengths ? std::round(shown) : std::round(shown * kStepsPerDegree) / kStepsPerDegree;
 }
 
 }  // namespace
@@ -44,7 +44,7 @@ PoseSettings PlaceSpace::At(std::span<const double> shares, const PoseSettings& 
   }
   for (size_t i = 0; i < ranges_.size(); ++i) {
     if (!ranges_[i]) continue;
-    const double shown = ShownCoordinate(place, i);
+    const double shown = Raster(ShownCoordinate(place, i), i);
     CoordinateOf(place, i) = i < kLengths ? shown : DegToRad(shown);
   }
   return place;
@@ -61,8 +61,9 @@ double CoordinateOf(const PoseSettings& place, size_t i) {
 }
 
 double ShownCoordinate(const PoseSettings& place, size_t i) {
-  const double steps = Raster(CoordinateOf(place, i), i) + 0.0;  // no -0
-  return i < kLengths ? steps : steps / kStepsPerDegree;
+  constexpr double kPerDegree = 1e9;  // finer is the rounding from radians
+  const double value = CoordinateOf(place, i);
+  return (i < kLengths ? value : std::round(RadToDeg(value) * kPerDegree) / kPerDegree) + 0.0;  // no -0
 }
 
 std::string Describe(const PoseSettings& place) {

@@ -39,7 +39,7 @@ class PlaceSpace {
 double& CoordinateOf(PoseSettings& place, size_t i);
 double CoordinateOf(const PoseSettings& place, size_t i);
 
-/// The same as people read it: mm or degrees, on the raster.
+/// The same as people read it: mm or degrees.
 double ShownCoordinate(const PoseSettings& place, size_t i);
 
 /// "(1850, 0, 1200) mm, (0, -90, 0)°".

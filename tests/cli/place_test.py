@@ -91,6 +91,16 @@ class Place(InFolder):
         self.assertRegex(refused.stderr, r"job\.placed\.yaml: stands where the placed job would be written")
         self.assertEqual(placed.read_text(), PAD)
 
+    def test_what_has_no_range_stays_as_it_is(self):
+        job = self.job("placement:\n  x_mm: {from: 1700, to: 2000}\n  a_deg: {from: -3, to: 3}\n  points: 5\n  places: 30\n  plans: 1\n  map_points: 3\n",
+                       [(r"xyz_mm: \[2076, 0, 1006\], abc_deg: \[0, -90, 0\]", "xyz_mm: [2076, 0.3, 1006.25], abc_deg: [0, -89.97, 0.123]")])
+        self.assertEqual(run("place", job, "-q").returncode, 0)
+        out = self.folder / "support_pad.places"
+        for row in rows(out / "places.csv"):
+            self.assertEqual([row[key] for key in ("y_mm", "z_mm", "b_deg", "c_deg")], ["0.3", "1006.25", "-89.97", "0.123"])
+        best = read(out / "placement.json")["plans"][1]["place"]
+        self.assertRegex((self.folder / "job.placed.yaml").read_text(), rf"xyz_mm: \[{best['x_mm']:g}, 0\.3, 1006\.25\]\n? *abc_deg: \[{best['a_deg']:g}, -89\.97, 0\.123\]".replace("\\n? *", r"[\s,]*"))
+
     def test_same_bytes_for_any_threads_and_after_a_kill(self):
         job = self.job(RANGES.replace("120", "60"))
         begun = time.monotonic()
