@@ -67,6 +67,8 @@ std::string Examples() {
        "The same with one setting changed."},
       {"millpose inspect part/part.out --worst 5", "The five softest points."},
       {"millpose verify part/part.out --job part/job.yaml", "Reads the programs back and replays them."},
+      {"millpose place part/job.yaml --set 'placement={x_mm: {from: 1500, to: 2100}}'",
+       "Where the part stands best between two places."},
       {"millpose batch parts/*/job.yaml -o night", "Many jobs, with an index page."},
   };
   std::string text = ".SH EXAMPLES\n";
