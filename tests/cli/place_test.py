@@ -91,6 +91,19 @@ class Place(InFolder):
         self.assertRegex(refused.stderr, r"job\.placed\.yaml: stands where the placed job would be written")
         self.assertEqual(placed.read_text(), PAD)
 
+    def test_the_score_knows_what_a_plan_cannot_do(self):
+        """Behind the arm axis 1 would have to go round in the middle of a pass: what is best of each point alone promises 0.77."""
+        sample = TOP / "toolpaths" / "cabin_panel"
+        text = (sample / "job.yaml").read_text().replace("../../cells", str(TOP / "cells")).replace("mesh: cabin_panel", f"mesh: {sample}/cabin_panel")
+        text = text.replace("stepover_mm: 20", "stepover_mm: 100").replace("spacing_mm: 10", "spacing_mm: 40")
+        job = self.folder / "job.yaml"
+        job.write_text(text + "placement:\n  x_mm: {from: 1116, to: 1118}\n  y_mm: {from: -88, to: -86}\n  z_mm: {from: 1797, to: 1799}\n"
+                              "  places: 3\n  plans: 1\n  map_points: 2\n")
+        self.assertEqual(run("place", job, "-q").returncode, 0)
+        out = self.folder / "cabin_panel.places"
+        planned = read(out / "placement.json")["plans"][1]["worst_ratio"]
+        self.assertAlmostEqual(float(rows(out / "places.csv")[0]["worst_ratio"]), planned, delta=0.05)
+
     def test_what_has_no_range_stays_as_it_is(self):
         job = self.job("placement:\n  x_mm: {from: 1700, to: 2000}\n  a_deg: {from: -3, to: 3}\n  points: 5\n  places: 30\n  plans: 1\n  map_points: 3\n",
                        [(r"xyz_mm: \[2076, 0, 1006\], abc_deg: \[0, -90, 0\]", "xyz_mm: [2076, 0.3, 1006.25], abc_deg: [0, -89.97, 0.123]")])
