@@ -14,7 +14,7 @@ namespace millpose {
 namespace {
 
 constexpr size_t kBarWidth = 30;
-constexpr double kLeastTime = 0.5;  // s before a speed is told: earlier it is noise
+constexpr double kLeastTime = 0.5;  // s before a speed is reported: earlier it is noise
 
 std::chrono::milliseconds Interval(ProgressForm form) {
   switch (form) {

@@ -23,7 +23,7 @@ std::vector<TopoDS_Face> FacesOf(const TopoDS_Shape& shape) {
 }
 
 // What ShapeFix makes of a copy of the face, moving nothing by more than the tolerance.
-TopoDS_Shape Mended(const TopoDS_Face& face, double tolerance) {
+TopoDS_Shape Repaired(const TopoDS_Face& face, double tolerance) {
   ShapeFix_Shape fix(BRepBuilderAPI_Copy(face).Shape());
   fix.SetMaxTolerance(tolerance);
   fix.Perform();
@@ -57,8 +57,8 @@ std::vector<TopoDS_Face> Recut(const TopoDS_Face& face, double area, double chor
     parameters.AngleInterior = 4 * angle;
     parameters.ControlSurfaceDeflection = Standard_False;
   }
-  const TopoDS_Shape shape = way.mended ? Mended(face, chord_tolerance) : TopoDS_Shape(face);
-  if (!way.mended) BRepTools::Clean(face);  // its edges keep the points that the neighbours have
+  const TopoDS_Shape shape = way.repaired ? Repaired(face, chord_tolerance) : TopoDS_Shape(face);
+  if (!way.repaired) BRepTools::Clean(face);  // its edges keep the points that the neighbours have
   const BRepMesh_IncrementalMesh mesher(shape, parameters);
   std::vector<TopoDS_Face> faces = FacesOf(shape);
   double cut = 0;

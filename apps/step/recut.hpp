@@ -14,7 +14,7 @@ double TriangleArea(const TopoDS_Face& face);
 struct RecutWay {
   bool other_algorithm;  ///< Delabella's triangulation in place of Watson's
   bool coarse;           ///< an interior as coarse as it comes; it is refined later
-  bool mended;           ///< what ShapeFix makes of the face
+  bool repaired;         ///< what ShapeFix makes of the face
 };
 inline constexpr std::array<RecutWay, 6> kRecutWays{{{true, false, false},
                                                      {false, true, false},

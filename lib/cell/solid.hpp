@@ -22,7 +22,7 @@ class Solid {
   /// One vertex of every connected component.
   const std::vector<Eigen::Vector3d>& representatives() const { return representatives_; }
   /// Whether `p` (mm, mesh frame) lies inside: the winding number counted along a ray is not 0. Always false
-  /// for an open mesh. Points on the surface may be told either way.
+  /// for an open mesh. Points on the surface may count as either.
   bool Contains(const Eigen::Vector3d& p) const;
 
  private:

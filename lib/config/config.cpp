@@ -22,7 +22,7 @@ void Apply(const Override& change, config::Value* root) {
   place->mark = {};
 }
 
-// A file of another kind is told as such, not key by key. The first key of each table says the kind.
+// A file of another kind is reported as such, not key by key. The first key of each table says the kind.
 void RefuseOtherKind(const config::Value& root, const std::string& name, const std::string& own_key) {
   static const std::map<std::string, std::string> kKinds{
       {"millpose_job", "job"}, {"millpose_cell", "cell"}, {"millpose_batch", "batch"}};
@@ -81,7 +81,7 @@ std::vector<std::string> NamesOf(const config::Value& root, const std::string& n
   return names;
 }
 
-// What the job's own sections have wrong is told once, not with every operation.
+// What the job's own sections have wrong is reported once, not with every operation.
 void AddNew(const std::vector<Problem>& more, std::vector<Problem>& problems) {
   for (const Problem& problem : more)
     if (std::ranges::none_of(problems, [&](const Problem& known) {

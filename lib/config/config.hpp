@@ -21,7 +21,7 @@ Override ParseOverride(const std::string& text);
 /// path, given, allowed, nearest key). `name` is used in messages; nothing is opened. `overrides` replace or
 /// add keys, in their order.
 /// Of a job with several `operations` the one that `operation` says (from 0); all are read, so that what is
-/// wrong with any is told.
+/// wrong with any is reported.
 JobSettings ParseJob(std::string_view yaml, const std::string& name,
                      const std::vector<Override>& overrides = {}, std::optional<size_t> operation = {});
 /// What a job file says of itself before its sections are read.

@@ -20,7 +20,7 @@ Codec<JobSettings> PathFields() {
   return Section<S>(
       {
           Key<S>("rotation_step_deg", MILLPOSE_AT(path.rotation_step), Real(kDeg, Between(0.01, 45)),
-                 "Grid of rotations about the tool axis in the layered search."),
+                 "Grid of rotations about the tool axis in the ladder search."),
           Key<S>(
               "max_joint_deg_per_mm", MILLPOSE_AT(path.steps.per_mm), Real(kDeg, Between(0.001, 1000)),
               "Largest change of each axis between neighbouring points, for each mm of way between them: of "

@@ -52,7 +52,7 @@ class Table {
     for (const config::FieldInfo& info : keys)
       if (const auto at = said_.find(Said(info)); at != said_.end() && at->second != prefix)
         elsewhere[at->second].push_back('`' + info.key + '`');
-    // One key alone is told as soon as its place.
+    // One key alone is reported as soon as its place.
     std::erase_if(elsewhere, [](const auto& place) { return place.second.size() < 2; });
     for (const config::FieldInfo& info : keys) {
       const auto [at, is_new] = said_.try_emplace(Said(info), prefix);

@@ -183,7 +183,7 @@ Field<ToolpathSettings> OwnSection(const StrategyEntry& entry) {
   codec.read = [read = codec.read, name = entry.name](const Value& value, const Context& context,
                                                       StrategyPointer& strategy) {
     StrategyPointer made;
-    read(value, context, made);  // wrong keys of another strategy's section are told too
+    read(value, context, made);  // wrong keys of another strategy's section are reported too
     if (strategy && strategy->Name() == name) strategy = made;
   };
   return Key<S>(entry.section, MILLPOSE_AT(strategy), codec, entry.doc)

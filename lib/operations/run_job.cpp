@@ -129,7 +129,7 @@ std::string KeyOf(std::vector<JobInputs> inputs, const fs::path& folder) {
 }
 
 PlanOutcome RunJob(const PlanArguments& arguments, Progress& progress, std::stop_token stop) {
-  MendOutputFolder(
+  RecoverOutputFolder(
       FolderOf(arguments.job));  // the job may be the resolved one of a folder that a killed run left
   const JobOutline outline =
       OutlineOf(arguments.root.Read(arguments.job), arguments.job.string(), OverridesOf(arguments));

@@ -9,7 +9,7 @@ namespace millpose {
 
 /// RunPlan() for a job that is one operation. One of several has an output folder for each,
 /// OUT/operations/N_NAME, and in OUT what is of all: a main program for each controller that calls theirs,
-/// points, summary, report. Throws as RunPlan() does; what is wrong with any operation is told before the
+/// points, summary, report. Throws as RunPlan() does; what is wrong with any operation is reported before the
 /// first is planned.
 PlanOutcome RunJob(const PlanArguments& arguments, Progress& progress, std::stop_token stop);
 

@@ -13,7 +13,7 @@ std::vector<VerifiedProgram> VerifyJob(const VerifyArguments& arguments, Progres
                                        std::stop_token stop) {
   if (!HoldsSeveral(arguments.target)) return VerifyPrograms(arguments, progress, std::move(stop));
   arguments.root.CheckFolder(arguments.target);
-  MendOutputFolder(arguments.target);
+  RecoverOutputFolder(arguments.target);
   const Manifest manifest = CheckManifest(arguments.target);
   const fs::path job_file = arguments.target / "job.yaml";
   const std::string job = OutlineOf(arguments.root.Read(job_file), job_file.string()).name;

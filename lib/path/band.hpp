@@ -11,19 +11,19 @@
 namespace millpose {
 
 /// Nodes between `begin` and `end` that can be reached from the place `at` without leaping over one that was
-/// struck out; where `at` itself is in a struck stretch, from both its sides.
+/// pruned; where `at` itself is in a blocked stretch, from both its sides.
 inline std::pair<size_t, size_t> WithinWalls(const Layer& layer, size_t begin, size_t end, size_t at) {
-  const auto struck = [&](size_t node) { return !std::isfinite(layer.objective[node]); };
+  const auto blocked = [&](size_t node) { return !std::isfinite(layer.objective[node]); };
   size_t first = at, last = at;
-  while (first > begin && struck(first - 1)) --first;
-  while (first > begin && !struck(first - 1)) --first;
-  while (last < end && struck(last)) ++last;
-  while (last < end && !struck(last)) ++last;
+  while (first > begin && blocked(first - 1)) --first;
+  while (first > begin && !blocked(first - 1)) --first;
+  while (last < end && blocked(last)) ++last;
+  while (last < end && !blocked(last)) ++last;
   return {first, last};
 }
 
 /// Calls `visit(first, last)` for the ranges of nodes of `branch` whose first freedom lies within `band` of
-/// `value`, round the turn too; with `walls` as LayeredProblem says.
+/// `value`, round the turn too; with `walls` as LadderProblem says.
 template <typename Visit>
 void VisitBand(const Layer& layer, int branch, double value, double band, bool walls, const Visit& visit) {
   const auto begin = layer.first.begin();

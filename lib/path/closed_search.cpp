@@ -14,7 +14,7 @@ constexpr std::array<double, 5> kMore{0.005, 0.02, 0.08, 0.32, kInfinity};
 // Share of the best that a better sequence may cost: sums differ by less for their order.
 constexpr double kLess = 1 - 1e-9;
 
-/// Nodes first..last−1 of a layer that differ by full turns only.
+/// Nodes first..last−1 of a layer that differ by full revolutions only.
 struct Group {
   size_t first, last;
   double bound;  ///< no closed sequence through it costs less
@@ -22,7 +22,7 @@ struct Group {
 
 class ClosedSearch {
  public:
-  ClosedSearch(const LayeredProblem& problem, int max_sweeps, double below)
+  ClosedSearch(const LadderProblem& problem, int max_sweeps, double below)
       : problem_(problem), sweeps_(max_sweeps), below_(below) {
     if (!problem_.memory) problem_.memory = &own_;
   }
@@ -142,7 +142,7 @@ class ClosedSearch {
     return group;
   }
 
-  LayeredProblem problem_;
+  LadderProblem problem_;
   SweepMemory own_;
   int sweeps_;
   double below_;
@@ -151,7 +151,7 @@ class ClosedSearch {
 };
 
 /// Some good sequence: from parts of the first layer, whose sweeps keep what they find over rounds.
-std::optional<Sequence> SearchQuickly(const LayeredProblem& problem, int max_sweeps) {
+std::optional<Sequence> SearchQuickly(const LadderProblem& problem, int max_sweeps) {
   SweepMemory own;
   SweepMemory& memory = problem.memory ? *problem.memory : own;
   Sweep sweep(problem, kInfinity);
@@ -166,7 +166,7 @@ std::optional<Sequence> SearchQuickly(const LayeredProblem& problem, int max_swe
 
 }  // namespace
 
-std::optional<Sequence> SearchClosed(const LayeredProblem& problem, int max_sweeps, double below) {
+std::optional<Sequence> SearchClosed(const LadderProblem& problem, int max_sweeps, double below) {
   for (const Layer& layer : problem.layers)
     if (!layer.usable()) return std::nullopt;
   if (max_sweeps <= kQuick) return SearchQuickly(problem, max_sweeps);

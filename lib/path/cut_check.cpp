@@ -2,7 +2,7 @@
 #include "path/cut_check.hpp"
 
 #include "base/trig.hpp"
-#include "path/strike_out.hpp"
+#include "path/collision_pruner.hpp"
 
 namespace millpose {
 namespace {

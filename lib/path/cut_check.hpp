@@ -15,10 +15,10 @@ struct CutProblem {
 };
 
 /// Checks the straight motion of the tool between the poses at q0 and q1 (LIN, G1: what every program runs in
-/// a cut) in Phase::kCutting; q1 as many full turns on as the motion makes. Empty means that no checked pair
-/// comes nearer than its clearance less `resolution` (mm) on it, nor on any motion of the joints that keeps
-/// between it and their even turning on the parts that it was cut into; else what is in the way. A motion on
-/// which the arm would change its branch is in its own way.
+/// a cut) in Phase::kCutting; q1 as many full revolutions on as the motion makes. Empty means that no checked
+/// pair comes nearer than its clearance less `resolution` (mm) on it, nor on any motion of the joints that
+/// keeps between it and their even turning on the parts that it was cut into; else what is in the way. A
+/// motion on which the arm would change its branch is in its own way.
 std::optional<CutProblem> CheckCut(Checker& checker, const Carrier& carrier, const Joints& q0,
                                    const Joints& q1, double resolution);
 

@@ -54,12 +54,12 @@ Joints JointRows::At(size_t node) const {
   return (Joints() << q[0][node], q[1][node], q[2][node], q[3][node], q[4][node], q[5][node]).finished();
 }
 
-double ShortWay(double angle) { return Short(angle, kPerTurn); }
+double WrapToPi(double angle) { return Short(angle, kPerTurn); }
 
 double StepCost(const StepRule& rule, const Joints& from, const Joints& to) {
   double sum = 0.0;
   for (int i = 0; i < 6; ++i) {
-    const double step = Short(to[i] - from[i], rule.modulo_turns ? kPerTurn : 0.0);
+    const double step = Short(to[i] - from[i], rule.modulo_revolutions ? kPerTurn : 0.0);
     if (std::fabs(step) > rule.max_step[i]) return kInfinity;
     sum += step * step;
   }
@@ -75,9 +75,9 @@ struct Target {
 
 /// Whether some node of a block may be within the step; sets the turns that all of the block is away by.
 /// `square` is the least that the joints turn by, squared and summed.
-bool MayReach(const JointRows::BlockBound& block, bool modulo_turns, Target& target, bool& one_shift,
+bool MayReach(const JointRows::BlockBound& block, bool modulo_revolutions, Target& target, bool& one_shift,
               double& square) {
-  one_shift = block.same_turn || !modulo_turns;
+  one_shift = block.same_turn || !modulo_revolutions;
   square = 0;
   for (int i = 0; i < 6; ++i) {
     const double apart = target.t[i] - block.first[i];
@@ -85,8 +85,8 @@ bool MayReach(const JointRows::BlockBound& block, bool modulo_turns, Target& tar
     const double least = std::fabs(apart - turns * kTurn) - block.radius[i] - kSlack;
     if (least > target.max_step[i]) return false;
     if (least > 0) square += least * least;
-    target.shift[i] = modulo_turns ? turns * kTurn : 0.0;
-    one_shift = one_shift && (!modulo_turns || block.radius[i] + target.max_step[i] < 3.0);
+    target.shift[i] = modulo_revolutions ? turns * kTurn : 0.0;
+    one_shift = one_shift && (!modulo_revolutions || block.radius[i] + target.max_step[i] < 3.0);
   }
   return true;
 }
@@ -129,7 +129,7 @@ void RelaxFrom(const StepRule& rule, const JointRows& nodes, const CostRow& row,
     if (least > at_most || least >= best.cost) continue;
     bool one_shift;
     double square;
-    if (!MayReach(nodes.blocks[block / kLanes], rule.modulo_turns, target, one_shift, square)) continue;
+    if (!MayReach(nodes.blocks[block / kLanes], rule.modulo_revolutions, target, one_shift, square)) continue;
     if (least + kLess * rule.motion_weight * square > at_most) continue;
     // All of the block is as many turns away: that takes less arithmetic and gives the same bits.
     const auto shifted = [&] [[gnu::always_inline]] (int i, double q) {

@@ -14,7 +14,7 @@ namespace millpose {
 struct StepRule {
   Joints max_step = Joints::Zero();  ///< rad, hard, per joint
   double motion_weight = 0;          ///< objective units per rad²
-  bool modulo_turns = true;          ///< joints go the short way round; else angles are taken as they stand
+  bool modulo_revolutions = true;    ///< joints go the short way round; else angles are taken as they stand
 };
 
 /// Joint angles of many nodes as structure of arrays. `Finish` pads to full blocks, so that kernels may read
@@ -34,8 +34,8 @@ struct JointRows {
   Joints At(size_t node) const;
 };
 
-/// `angle` less full turns, in [−π, π].
-double ShortWay(double angle);
+/// `angle` less full revolutions, in [−π, π].
+double WrapToPi(double angle);
 
 /// Cost of the motion from `from` to `to`; +inf where a joint steps too far.
 double StepCost(const StepRule& rule, const Joints& from, const Joints& to);

@@ -12,14 +12,14 @@ constexpr int kMostLost = 8;
 }  // namespace
 
 EndGuard::EndGuard(const World& world, const Carrier& carrier, const RetractOptions& options,
-                   std::span<const Layer> layers, std::span<const char> break_before, StrikeOut& strike_out,
+                   std::span<const Layer> layers, std::span<const char> break_before, CollisionPruner& pruner,
                    int threads, std::stop_token stop)
     : world_(world),
       carrier_(carrier),
       options_(options),
       layers_(layers),
       break_before_(break_before),
-      strike_out_(strike_out),
+      pruner_(pruner),
       threads_(threads),
       stop_(std::move(stop)),
       settled_(layers.size(), 0),
@@ -35,7 +35,7 @@ bool EndGuard::Check(const Sequence& sequence) {
   bool free = true;
   for (size_t i = 0; i < ends.size(); ++i) {
     if (!stuck[i]) continue;
-    StrikeWhatStays(ends[i], sequence.nodes[ends[i]]);
+    PruneWhatStays(ends[i], sequence.nodes[ends[i]]);
     free = false;
   }
   return free;
@@ -55,14 +55,14 @@ std::vector<size_t> EndGuard::EndsOf(const Sequence& sequence) const {
   return ends;
 }
 
-void EndGuard::StrikeWhatStays(size_t layer, size_t node) {
+void EndGuard::PruneWhatStays(size_t layer, size_t node) {
   settled_[layer] = 1;
   if (lost_ == kMostLost) return;
   const Layer& of = layers_[layer];
   std::vector<size_t> free;
   Checker checker(world_), least(world_, kClearanceShares.back());
   for (size_t k = 0; k < of.size(); ++k)
-    if (std::isfinite(of.objective[k]) && strike_out_.IsFree(checker, layer, k)) free.push_back(k);
+    if (std::isfinite(of.objective[k]) && pruner_.IsFree(checker, layer, k)) free.push_back(k);
   std::vector<char> leaves(free.size(), 0);
   counts_ += CheckInParallel(world_, free.size(), threads_, stop_, [&](Checker& full, size_t i) {
     leaves[i] = CanLeave(full, carrier_, of.joints.At(free[i]), options_);
@@ -73,7 +73,7 @@ void EndGuard::StrikeWhatStays(size_t layer, size_t node) {
       leaves[i] = CanLeave(least, carrier_, of.joints.At(free[i]), options_);
     }
   for (size_t i = 0; i < free.size(); ++i)
-    if (!leaves[i]) strike_out_.TakeOut(layer, free[i]);
+    if (!leaves[i]) pruner_.TakeOut(layer, free[i]);
   if (std::ranges::count(leaves, 1) == 0) {
     ++lost_;
     const Joints q = of.joints.At(node);

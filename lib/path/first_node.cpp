@@ -12,7 +12,7 @@ struct Part {
   double bound;        ///< no closed sequence through the set costs less
   size_t start, into;  ///< of the sequence that gives the bound
 };
-/// The nodes that differ from `node` by full turns only: first, and one beyond the last.
+/// The nodes that differ from `node` by full revolutions only: first, and one beyond the last.
 size_t GroupBegin(const std::vector<size_t>& base, size_t node) {
   while (node > 0 && base[node - 1] == base[node]) --node;
   return node;

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "path/layered_search.hpp"
+#include "path/ladder_search.hpp"
 
 namespace millpose {
 
@@ -15,9 +15,9 @@ struct Round {
   Sequence sequence;
 };
 
-/// The cheapest way round that closes into the node from which it started, modulo full turns. `round` gives
-/// that of the nodes first..last−1, if there is one: it bounds all closed ones through them. `base`: of the
-/// first layer. Ends with the best so far after `max_sweeps` calls.
+/// The cheapest way round that closes into the node from which it started, modulo full revolutions. `round`
+/// gives that of the nodes first..last−1, if there is one: it bounds all closed ones through them. `base`: of
+/// the first layer. Ends with the best so far after `max_sweeps` calls.
 std::optional<Sequence> BranchOverFirst(const std::vector<size_t>& base,
                                         const std::function<std::optional<Round>(size_t, size_t)>& round,
                                         int max_sweeps);

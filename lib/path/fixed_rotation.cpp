@@ -115,9 +115,9 @@ class Comparer {
       const Joints q = joints(t);
       const bool joined =
           t > 0 && points[t - 1].piece == points[t].piece && points[t - 1].skip == Obstacle::kNone;
-      const bool hit =
-          checker.Blocked(q, Phase::kCutting) ||
-          (joined && CheckCut(checker, carrier_, last, Beside(last, q), options_.swept_resolution));
+      const bool hit = checker.Blocked(q, Phase::kCutting) ||
+                       (joined && CheckCut(checker, carrier_, last, NearestEquivalent(last, q),
+                                           options_.swept_resolution));
       if (hit) {
         if (pass.met.size() < 16) pass.met.push_back(t);
         return false;

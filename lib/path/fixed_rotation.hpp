@@ -23,7 +23,7 @@ struct FixedRotationOptions {
   RetractOptions leave;  ///< of the ends of pieces, with the share of the clearances that the plan has there
 };
 
-/// `passes` with joint angles as planned. Rotations lie on the grid of the layered search.
+/// `passes` with joint angles as planned. Rotations lie on the grid of the ladder search.
 FixedComparison CompareWithFixed(const PoseProblem& problem, const World& world,
                                  const std::vector<PassResult>& passes, const FixedRotationOptions& options);
 

@@ -7,7 +7,7 @@
 namespace millpose {
 namespace {
 
-constexpr double kRounding = 1e-12;  // rad: of angles that full turns were added to
+constexpr double kRounding = 1e-12;  // rad: of angles that full revolutions were added to
 
 /// Where a rotation on a branch has come to along a piece.
 struct Course {
@@ -83,7 +83,7 @@ class TableMaker {
       course = {q, q, q, q};
       return true;
     }
-    const Joints step = (q - course.last).unaryExpr(&ShortWay);
+    const Joints step = (q - course.last).unaryExpr(&WrapToPi);
     if ((step.cwiseAbs().array() > most_.array()).any()) return false;
     course.last += step;
     course.least = course.least.cwiseMin(course.last);
@@ -91,7 +91,7 @@ class TableMaker {
     return true;
   }
 
-  /// Full turns must bring the whole piece within the limits, and a closed one must close.
+  /// Full revolutions must bring the whole piece within the limits, and a closed one must close.
   void EndPiece(bool closed, const MillingPoint& last, const MillingPoint& first) {
     most_ = StepBound(options_.steps, problem_.arm, last, first);
     for (size_t k = 0; k < courses_.size(); ++k) {

@@ -11,7 +11,8 @@ namespace millpose {
 /// aside.
 struct FixedTable {
   struct Entry {
-    bool serves = true;  ///< all points within limits, steps within their bound, full turns within the limits
+    bool serves =
+        true;  ///< all points within limits, steps within their bound, full revolutions within the limits
     double worst = 0, sum = 0;  ///< of the objective over the points that count
   };
   size_t rotations = 0, points = 0;
@@ -26,7 +27,7 @@ struct FixedTable {
 };
 
 struct FixedTableOptions {
-  double rotation_step;  ///< rad: the layered search's
+  double rotation_step;  ///< rad: the ladder search's
   StepBounds steps;
 };
 

@@ -5,7 +5,7 @@ namespace millpose {
 namespace {
 
 /// The least of the nodes of layer t that is free; `chosen` is.
-size_t LeastFree(const Layer& layer, size_t t, size_t chosen, StrikeOut& strike_out, Checker& checker) {
+size_t LeastFree(const Layer& layer, size_t t, size_t chosen, CollisionPruner& pruner, Checker& checker) {
   // The least on top, of equals the first.
   std::vector<std::pair<double, size_t>> better;
   for (size_t node = 0; node < layer.size(); ++node)
@@ -13,7 +13,7 @@ size_t LeastFree(const Layer& layer, size_t t, size_t chosen, StrikeOut& strike_
   std::make_heap(better.begin(), better.end(), std::greater<>());
   while (!better.empty()) {
     const size_t node = better.front().second;
-    if (strike_out.IsFree(checker, t, node)) return node;
+    if (pruner.IsFree(checker, t, node)) return node;
     std::pop_heap(better.begin(), better.end(), std::greater<>());
     better.pop_back();
   }
@@ -23,22 +23,22 @@ size_t LeastFree(const Layer& layer, size_t t, size_t chosen, StrikeOut& strike_
 }  // namespace
 
 std::vector<FreeOptimum> FindFreeOptima(std::span<const PointOptimum> optima, std::span<const Layer> layers,
-                                        const Sequence& sequence, StrikeOut& strike_out) {
+                                        const Sequence& sequence, CollisionPruner& pruner) {
   std::vector<FreeOptimum> found(layers.size());
-  strike_out.EachLayer([&](Checker& checker, size_t t) {
+  pruner.EachLayer([&](Checker& checker, size_t t) {
     const size_t chosen = sequence.nodes[t];
     if (chosen == kNoNode) return;
     const Layer& layer = layers[t];
     const PointOptimum& own = optima[t];
     FreeOptimum& best = found[t];
     if (own.found && own.objective <= layer.objective[chosen]) {
-      best.barred = strike_out.Meets(checker, t, own.freedoms, own.q);
+      best.barred = pruner.Meets(checker, t, own.freedoms, own.q);
       if (!best.barred) {
         best = {true, own.objective, own.freedoms, own.branch, {}};
         return;
       }
     }
-    const size_t node = LeastFree(layer, t, chosen, strike_out, checker);
+    const size_t node = LeastFree(layer, t, chosen, pruner, checker);
     best.found = true;
     best.objective = layer.objective[node];
     best.freedoms = layer.freedoms[node];

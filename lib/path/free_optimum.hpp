@@ -2,7 +2,7 @@
 // What interference alone costs: the best candidate of each point that meets nothing.
 #pragma once
 
-#include "path/strike_out.hpp"
+#include "path/collision_pruner.hpp"
 
 namespace millpose {
 
@@ -19,6 +19,6 @@ struct FreeOptimum {
 /// layer) where it is free, else the least of the layer's nodes that is. Candidates are checked one after the
 /// other from the least on, those known from the search not again, and none beyond the sequence's own node.
 std::vector<FreeOptimum> FindFreeOptima(std::span<const PointOptimum> optima, std::span<const Layer> layers,
-                                        const Sequence& sequence, StrikeOut& strike_out);
+                                        const Sequence& sequence, CollisionPruner& pruner);
 
 }  // namespace millpose

@@ -16,7 +16,7 @@ constexpr int kHalvings = 6;                   // of the way back to where a poi
 constexpr double kMargin = 0.05 * kRadPerDeg;  // a range ends this much before what interferes
 constexpr double kScan = 1 * kRadPerDeg;       // between looks on the way from there
 constexpr size_t kFollow = 40;                 // points to either side that are smoothed again
-constexpr double kRounding = 1e-12;            // rad: of angles that full turns were added to
+constexpr double kRounding = 1e-12;            // rad: of angles that full revolutions were added to
 
 class FreeSmoother {
  public:
@@ -39,7 +39,7 @@ class FreeSmoother {
     for (size_t i = 0; i < path.size(); ++i) seen_free_.push_back({Was(i), Was(i)});
     ends_ = checker_.ToLeave(origin_, options_.closed);
     if (options_.keep_worst) BoundByWorst();
-    if (options_.closed) closing_ = Beside(path.back().q, path[0].q) - path[0].q;
+    if (options_.closed) closing_ = NearestEquivalent(path.back().q, path[0].q) - path[0].q;
   }
 
   void Run() {
@@ -48,7 +48,7 @@ class FreeSmoother {
     std::vector<FreedomRange> moving = ranges_;
     PieceHits hits;
     for (int round = 0; round < kRounds; ++round) {
-      options_.mend = SmoothPath(scorers_, points_, moving, options_, path_);
+      options_.repair = SmoothPath(scorers_, points_, moving, options_, path_);
       hits = Check();
       const SmoothReference now = MeasurePath(scorers_, points_, options_, path_);
       if (hits.any()) {
@@ -120,13 +120,13 @@ class FreeSmoother {
   }
 
   bool StepWithin(size_t i, const Joints& from, const Joints& to) const {
-    const Joints step = (to - from).unaryExpr(&ShortWay);
+    const Joints step = (to - from).unaryExpr(&WrapToPi);
     return (step.cwiseAbs().array() <= options_.max_step[i].array() + kRounding).all();
   }
 
   /// Whether a motion bends no further than it may, or, where it did before, no further than it did.
   bool BendsWithin(size_t i, const PathNode& from, const PathNode& to) const {
-    const double bend = law_.Bend(from.q, (to.q - from.q).unaryExpr(&ShortWay));
+    const double bend = law_.Bend(from.q, (to.q - from.q).unaryExpr(&WrapToPi));
     const auto most = [&](const PathNode& node) {
       return law_.Most(kSmoothedBend, i, node.freedoms, node.branch, node.q);
     };
@@ -150,7 +150,7 @@ class FreeSmoother {
     node.freedoms[0] = x;
     const Candidate candidate = scorers_[i].ScoreOne(node.freedoms, node.branch);
     if (candidate.obstacle != Obstacle::kNone) return std::nullopt;
-    node.q = Beside(node.q, candidate.q);
+    node.q = NearestEquivalent(node.q, candidate.q);
     node.objective = candidate.objective;
     const AdmissibleBounds& bounds = scorers_[i].problem().bounds;
     if ((node.q.array() < bounds.lower.array() - kRounding).any()) return std::nullopt;

@@ -13,11 +13,11 @@ namespace {
 /// What is looked at to either side of a value: for derivatives, and for how far it may go.
 constexpr double kNear = 0.03 * kRadPerDeg, kFarther = 8 * kNear, kFar = 64 * kNear;
 constexpr double kSamePlace = 1e-9;  // mm
-constexpr double kRounding = 1e-12;  // rad: of angles that full turns were added to
+constexpr double kRounding = 1e-12;  // rad: of angles that full revolutions were added to
 /// Bounds are aimed at with this reserve.
 constexpr double kReserve = 0.95, kStepReserve = 0.97;
 
-Joints Step(const CoursePlace& from, const CoursePlace& to) { return (to.q - from.q).unaryExpr(&ShortWay); }
+Joints Step(const CoursePlace& from, const CoursePlace& to) { return (to.q - from.q).unaryExpr(&WrapToPi); }
 
 /// Derivatives at a place from what was found around it: `at` and `good` by offsets 0, ±kNear, ±kFarther,
 /// ±kFar.
@@ -122,7 +122,7 @@ bool FreedomCourse::Probe(size_t t, double x, const FreedomRange& range, CourseP
   std::array<bool, kLanes> good;
   for (size_t l = 0; l < kLanes; ++l) {
     at[l] = CandidateOf(block, branch, static_cast<int>(l));
-    at[l].q = Beside(place.q, at[l].q);
+    at[l].q = NearestEquivalent(place.q, at[l].q);
     // The point itself was admitted before; turned back, its angles may differ by rounding.
     good[l] = at[l].obstacle == Obstacle::kNone &&
               (at[l].q.array() >= problem_.bounds.lower.array() - kRounding).all() &&

@@ -31,9 +31,9 @@ struct Merit {
   bool steps = true;     ///< the bounds of the joint steps are kept
 };
 
-/// One piece: its points, and the bounds between them. Branches and full turns are those of `path`, whose
-/// joint angles are continuous. All spans have one entry per point (`max_step`, rad: of the step from there
-/// on) and outlive the course.
+/// One piece: its points, and the bounds between them. Branches and full revolutions are those of `path`,
+/// whose joint angles are continuous. All spans have one entry per point (`max_step`, rad: of the step from
+/// there on) and outlive the course.
 class FreedomCourse {
  public:
   FreedomCourse(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,

@@ -11,7 +11,7 @@
 namespace millpose {
 namespace {
 
-constexpr double kClearanceBound = 100;  // mm; clearances along a gap are told up to this
+constexpr double kClearanceBound = 100;  // mm; clearances along a gap are reported up to this
 const double kClearanceStep = DegToRad(1);
 
 std::string Name(const GapEnd& end) {

@@ -14,7 +14,8 @@ std::vector<std::pair<GapEnd, GapEnd>> GapEnds(const Joints& home_joints,
     for (const Piece& piece : pass.pieces) {
       GapEnd start{pass.pass, piece.piece, pass.points[piece.first].q};
       GapEnd end{pass.pass, piece.piece, pass.points[piece.last].q};
-      if (piece.closed) end.q = Beside(end.q, start.q);  // the cut goes on round to the first point
+      if (piece.closed)
+        end.q = NearestEquivalent(end.q, start.q);  // the cut goes on round to the first point
       gaps.emplace_back(from, start);
       from = end;
     }

@@ -7,7 +7,7 @@ namespace millpose {
 namespace {
 
 /// The least cost of a closed sequence, no more than `known`, that of one.
-double ClosedBound(const LayeredProblem& problem, double known) {
+double ClosedBound(const LadderProblem& problem, double known) {
   constexpr double kRounding = 1e-9;
   const std::optional<Sequence> better =
       SearchClosed(problem, std::numeric_limits<int>::max(), known * (1 - kRounding));
@@ -16,7 +16,7 @@ double ClosedBound(const LayeredProblem& problem, double known) {
 
 }  // namespace
 
-LadderBound BoundLadder(LayeredProblem problem, const Sequence& sequence, bool worst_first) {
+LadderBound BoundLadder(LadderProblem problem, const Sequence& sequence, bool worst_first) {
   LadderBound bound;
   bound.cost = sequence.cost;
   bound.worst = WorstOf(problem.layers, sequence);
@@ -28,7 +28,7 @@ LadderBound BoundLadder(LayeredProblem problem, const Sequence& sequence, bool w
   for (size_t t = 1; t < count; ++t)
     lifted[t] = sequence.break_before[t] || sequence.nodes[t] == kNoNode || sequence.nodes[t - 1] == kNoNode;
   problem.break_before = lifted;
-  LayeredProblem for_worst = problem;
+  LadderProblem for_worst = problem;
   for_worst.worst = true;
   for_worst.rule.motion_weight = 0;
   if (worst_first) problem.most = bound.worst * (1 + kWorstTolerance);

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "path/layered_search.hpp"
+#include "path/ladder_search.hpp"
 #include "plan/plan_result.hpp"
 
 namespace millpose {
 
 /// A lower bound on what any free sequence of the same nodes costs that is lifted where `sequence` is: the
-/// problem is searched once more with only those nodes and motions struck out that are known to interfere, so
+/// problem is searched once more with only those nodes and motions pruned that are known to interfere, so
 /// without walls, and with all that was never looked at as free. `layers` are the problem's, their objectives
 /// as then known. Closed sequences: the first and the last node need not be the same, so the bound is a
 /// little lower than the least closed one. With `worst_first` also of the largest objective; the sum is then
 /// bounded among the sequences whose largest objective is no larger than that of `sequence`.
-LadderBound BoundLadder(LayeredProblem problem, const Sequence& sequence, bool worst_first);
+LadderBound BoundLadder(LadderProblem problem, const Sequence& sequence, bool worst_first);
 
 }  // namespace millpose

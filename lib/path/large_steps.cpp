@@ -17,7 +17,7 @@ bool IsLarge(const Carrier& carrier, const PlannedPoint& from, const PlannedPoin
   if (barred(from) || barred(to)) return false;
   if (from.skip == Obstacle::kStep || to.skip == Obstacle::kStep) return true;
   if (from.piece != to.piece) return std::isfinite(options.steps.most.minCoeff());
-  const Joints step = (to.q - from.q).unaryExpr(&ShortWay);
+  const Joints step = (to.q - from.q).unaryExpr(&WrapToPi);
   if ((step.cwiseAbs().array() > kUsedUp * options.steps.most.array()).any()) return true;
   return HalfwayDeviation(carrier, from.q, from.q + step).position > kUsedUp * options.max_deviation;
 }

@@ -13,7 +13,7 @@ bool Layer::usable() const {
   return std::any_of(objective.begin(), objective.end(), [](double value) { return std::isfinite(value); });
 }
 
-Layer MakeLayer(const PointScorer& scorer, std::vector<NodeSeed> seeds, bool all_turns) {
+Layer MakeLayer(const PointScorer& scorer, std::vector<NodeSeed> seeds, bool all_revolutions) {
   std::erase_if(seeds, [](const NodeSeed& s) { return s.candidate.obstacle != Obstacle::kNone; });
   std::stable_sort(seeds.begin(), seeds.end(), [](const NodeSeed& a, const NodeSeed& b) {
     return a.branch != b.branch ? a.branch < b.branch : a.freedoms < b.freedoms;
@@ -25,7 +25,8 @@ Layer MakeLayer(const PointScorer& scorer, std::vector<NodeSeed> seeds, bool all
   for (const NodeSeed& seed : seeds) {
     ++base;
     std::vector<Joints> variants{seed.candidate.q};
-    if (all_turns) variants = FullTurns(seed.candidate.q, problem.bounds.lower, problem.bounds.upper);
+    if (all_revolutions)
+      variants = FullRevolutions(seed.candidate.q, problem.bounds.lower, problem.bounds.upper);
     for (const Joints& q : variants) {
       layer.joints.Add(q);
       layer.objective.push_back(seed.candidate.objective);

@@ -3,15 +3,16 @@
 
 namespace millpose {
 
-AxisVerdicts LayerVerdicts(const Layer& layer, size_t t, const StrikeOut& strike_out) {
+AxisVerdicts LayerVerdicts(const Layer& layer, size_t t, const CollisionPruner& pruner) {
   AxisVerdicts verdicts(8 * kAxisRotations, kVerdictUnknown);
   std::vector<double> nearest(verdicts.size(), kAxisStep);
   for (int branch = 0; branch < 8; ++branch) {
     for (size_t node = layer.branch_begin[branch]; node < layer.branch_begin[branch + 1]; ++node) {
-      const StrikeOut::Verdict verdict = strike_out.VerdictOf(t, node);
-      const int pair = strike_out.PairOf(t, node);
+      const CollisionPruner::Verdict verdict = pruner.VerdictOf(t, node);
+      const int pair = pruner.PairOf(t, node);
       // Taken for a motion's sake: of itself nothing is known that the search has kept.
-      if (verdict == StrikeOut::Verdict::kUnknown || (verdict == StrikeOut::Verdict::kStruck && pair < 0))
+      if (verdict == CollisionPruner::Verdict::kUnknown ||
+          (verdict == CollisionPruner::Verdict::kBlocked && pair < 0))
         continue;
       const AxisCell cell = AxisCellOf(layer.first[node]);
       const size_t at = static_cast<size_t>(branch * kAxisRotations + cell.index);

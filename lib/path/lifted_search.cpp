@@ -13,7 +13,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A sweep for each number of lifts: row j may be entered anew from where row j − 1 has come to.
 class LiftedSweep {
  public:
-  LiftedSweep(const LayeredProblem& problem, size_t most, size_t over, double break_penalty)
+  LiftedSweep(const LadderProblem& problem, size_t most, size_t over, double break_penalty)
       : problem_(problem), over_(over) {
     for (size_t j = 0; j <= most; ++j) sweeps_.emplace_back(problem, break_penalty);
   }
@@ -92,7 +92,7 @@ class LiftedSweep {
     for (size_t t = lift - 1; t < lift + over_; ++t) tail.nodes[t] = before.nodes[t];
   }
 
-  const LayeredProblem& problem_;
+  const LadderProblem& problem_;
   size_t over_;
   std::vector<Sweep> sweeps_;
 };
@@ -101,7 +101,7 @@ size_t CountBreaks(const Sequence& sequence) {
   return static_cast<size_t>(std::ranges::count(sequence.break_before, true));
 }
 
-SequenceValue ValueOf(const LayeredProblem& problem, const Sequence& sequence) {
+SequenceValue ValueOf(const LadderProblem& problem, const Sequence& sequence) {
   return {WorstOf(problem.layers, sequence), sequence.cost};
 }
 
@@ -129,7 +129,7 @@ size_t WorthLifting(std::span<const SequenceValue> values, const LiftPrice& pric
   return cheapest(worst, &SequenceValue::cost, values[worst].worst * (1 + 2 * kWorstTolerance));
 }
 
-std::vector<Sequence> LiftedSearch::OpenRows(const LayeredProblem& problem, size_t most,
+std::vector<Sequence> LiftedSearch::OpenRows(const LadderProblem& problem, size_t most,
                                              std::span<const char> may, Memories& memories) {
   LiftedSweep sweep(problem, most, over_, BreakPenalty(problem));
   Sequence none;
@@ -142,8 +142,8 @@ std::vector<Sequence> LiftedSearch::OpenRows(const LayeredProblem& problem, size
   return rows;
 }
 
-Sequence LiftedSearch::Open(const LayeredProblem& problem, std::span<const char> may) {
-  const auto choose = [&](const LayeredProblem& of, Memories& memories, const LiftPrice& price) {
+Sequence LiftedSearch::Open(const LadderProblem& problem, std::span<const char> may) {
+  const auto choose = [&](const LadderProblem& of, Memories& memories, const LiftPrice& price) {
     std::vector<Sequence> rows = OpenRows(of, price_.most, may, memories);
     std::vector<SequenceValue> values;
     for (const Sequence& row : rows) values.push_back(ValueOf(problem, row));
@@ -153,7 +153,7 @@ Sequence LiftedSearch::Open(const LayeredProblem& problem, std::span<const char>
   sum.worst_first = false;
   if (!price_.worst_first) return choose(problem, open_, sum);
   // The fewest lifts for the worst value first; then more of them where the sum is worth it.
-  LayeredProblem for_worst = problem;
+  LadderProblem for_worst = problem;
   for_worst.worst = true;
   for_worst.rule.motion_weight = 0;
   std::vector<Sequence> rows = OpenRows(for_worst, price_.most, may, for_worst_);
@@ -167,7 +167,7 @@ Sequence LiftedSearch::Open(const LayeredProblem& problem, std::span<const char>
 }
 
 /// The cheapest sequence round with at most `lifts` lifts.
-std::optional<Sequence> LiftedSearch::RoundWith(const LayeredProblem& problem, size_t lifts, int max_sweeps) {
+std::optional<Sequence> LiftedSearch::RoundWith(const LadderProblem& problem, size_t lifts, int max_sweeps) {
   Sequence seam = OpenRows(problem, lifts - 1, {}, open_).back();
   std::optional<Sequence> best;
   const bool whole = std::ranges::all_of(seam.nodes, [](size_t node) { return node != kNoNode; });
@@ -188,10 +188,10 @@ std::optional<Sequence> LiftedSearch::RoundWith(const LayeredProblem& problem, s
   return best;
 }
 
-std::optional<Sequence> LiftedSearch::BestRoundWith(const LayeredProblem& problem, size_t lifts,
+std::optional<Sequence> LiftedSearch::BestRoundWith(const LadderProblem& problem, size_t lifts,
                                                     int max_sweeps) {
   if (!price_.worst_first) return RoundWith(problem, lifts, max_sweeps);
-  const auto search = [&](const LayeredProblem& of, int sweeps) {
+  const auto search = [&](const LadderProblem& of, int sweeps) {
     return RoundWith(of, lifts, std::min(sweeps, max_sweeps));
   };
   const std::optional<Sequence> least = LeastWorst(problem, search);
@@ -201,7 +201,7 @@ std::optional<Sequence> LiftedSearch::BestRoundWith(const LayeredProblem& proble
   return best ? best : least;
 }
 
-std::optional<Sequence> LiftedSearch::Round(const LayeredProblem& problem, int max_sweeps) {
+std::optional<Sequence> LiftedSearch::Round(const LadderProblem& problem, int max_sweeps) {
   for (const Layer& layer : problem.layers)
     if (!layer.usable()) return std::nullopt;
   std::vector<Sequence> found;

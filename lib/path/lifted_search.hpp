@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "path/layered_search.hpp"
+#include "path/ladder_search.hpp"
 
 namespace millpose {
 
@@ -28,9 +28,9 @@ struct SequenceValue {
 /// lift counted with its price; of equals the one with the fewest. `values` fall, or stay.
 size_t WorthLifting(std::span<const SequenceValue> values, const LiftPrice& price);
 
-/// Looks for sequences with lifts: a lift joins any two nodes of neighbouring layers. Dynamic programme with
+/// Looks for sequences with lifts: a lift joins any two nodes of neighbouring layers. Dynamic program with
 /// a row of costs for each number of lifts (Sweep::Forward's `enter`), so exact on the nodes. Keeps what it
-/// finds from search to search over the same layers with ever more struck out.
+/// finds from search to search over the same layers with ever more pruned.
 class LiftedSearch {
  public:
   /// `over`: so many points of its beginning the next part is run over by the end of the one before.
@@ -38,22 +38,22 @@ class LiftedSearch {
 
   /// The best open sequence that is worth its lifts. Layers with problem.break_before are lifted at in any
   /// case. `may`: entry t: before layer t; empty: everywhere.
-  Sequence Open(const LayeredProblem& problem, std::span<const char> may = {});
+  Sequence Open(const LadderProblem& problem, std::span<const char> may = {});
 
   /// Round a closed pass, opened at the best place: lifts as above and one more, which is free. That may be
   /// before layer 0, else the sequence is closed there (Sequence::closed); with `over` only where no other
   /// place does. By branch and bound over the first layer's nodes, ended early after `max_sweeps` for each
   /// number of lifts. Where so few are not enough, as few as are, up to kMostLifts + 1. Empty where these are
   /// not, or a layer has no nodes.
-  std::optional<Sequence> Round(const LayeredProblem& problem,
+  std::optional<Sequence> Round(const LadderProblem& problem,
                                 int max_sweeps = std::numeric_limits<int>::max());
 
  private:
   using Memories = std::array<SweepMemory, kMostLifts + 2>;  ///< one per row
-  std::vector<Sequence> OpenRows(const LayeredProblem& problem, size_t most, std::span<const char> may,
+  std::vector<Sequence> OpenRows(const LadderProblem& problem, size_t most, std::span<const char> may,
                                  Memories& memories);
-  std::optional<Sequence> RoundWith(const LayeredProblem& problem, size_t lifts, int max_sweeps);
-  std::optional<Sequence> BestRoundWith(const LayeredProblem& problem, size_t lifts, int max_sweeps);
+  std::optional<Sequence> RoundWith(const LadderProblem& problem, size_t lifts, int max_sweeps);
+  std::optional<Sequence> BestRoundWith(const LadderProblem& problem, size_t lifts, int max_sweeps);
 
   LiftPrice price_;
   size_t over_;

@@ -11,37 +11,37 @@
 namespace millpose {
 namespace {
 
-/// Layers of a pass, what of them is struck out, and searches until what they find is free.
+/// Layers of a pass, what of them is pruned, and searches until what they find is free.
 class FreeSearch {
  public:
-  using Search = std::function<std::optional<Sequence>(const LayeredProblem&)>;
+  using Search = std::function<std::optional<Sequence>(const LadderProblem&)>;
 
   explicit FreeSearch(const PassContext& context)
       : context_(context),
         carrier_{context.problem.arm, context.problem.X_WB, context.problem.X_FT},
         layers_(MakeLayers(context, false)),
-        strike_out_(context.world, carrier_, context.scorers, layers_, context.options.swept_resolution,
-                    context.problem.freedoms[0]->IsToolRotation(), MakeLimits(context), context.threads,
-                    context.stop) {}
+        pruner_(context.world, carrier_, context.scorers, layers_, context.options.swept_resolution,
+                context.problem.freedoms[0]->IsToolRotation(), MakeLimits(context), context.threads,
+                context.stop) {}
 
-  LayeredProblem Problem() const { return MakeProblem(context_, layers_, strike_out_, false); }
+  LadderProblem Problem() const { return MakeProblem(context_, layers_, pruner_, false); }
 
-  /// What `search` finds when all that interferes on its answers is struck out; empty when it finds nothing.
+  /// What `search` finds when all that interferes on its answers is pruned; empty when it finds nothing.
   std::optional<Sequence> Free(const Search& search) {
-    const LayeredProblem problem = Problem();
+    const LadderProblem problem = Problem();
     for (;; ++round_) {
-      std::optional<Sequence> sequence = strike_out_.Straight([&] { return search(problem); });
+      std::optional<Sequence> sequence = pruner_.Straight([&] { return search(problem); });
       if (!sequence || IsFree(*sequence)) return sequence;
     }
   }
 
-  /// Strikes out what interferes.
+  /// Prunes what interferes.
   bool IsFree(const Sequence& sequence) {
-    bool free = strike_out_.Check(sequence);
-    if (!free) strike_out_.StrikeInRound(sequence, round_);
+    bool free = pruner_.Check(sequence);
+    if (!free) pruner_.PruneInRound(sequence, round_);
     for (const Sequence& tail : sequence.tails) {
-      const bool tail_free = strike_out_.Check(tail);
-      if (!tail_free) strike_out_.StrikeInRound(tail, round_);
+      const bool tail_free = pruner_.Check(tail);
+      if (!tail_free) pruner_.PruneInRound(tail, round_);
       free = free && tail_free;
     }
     return free;
@@ -49,13 +49,13 @@ class FreeSearch {
 
   SequenceValue Value(const Sequence& sequence) const { return {WorstOf(layers_, sequence), sequence.cost}; }
   const std::vector<Layer>& layers() const { return layers_; }
-  long long poses_checked() const { return strike_out_.counts().poses; }
+  long long poses_checked() const { return pruner_.counts().poses; }
 
  private:
   const PassContext& context_;
   Carrier carrier_;
   std::vector<Layer> layers_;
-  StrikeOut strike_out_;
+  CollisionPruner pruner_;
   int round_ = 0;
 };
 
@@ -113,7 +113,7 @@ FoundLifts FindLifts(const PassContext& context, std::span<const SplitPoint> poi
   const size_t over = PointsOver(context.points, context.options.overlap + Reach(context.options.ends));
   LiftedSearch everywhere(price, over);
   const Sequence best =
-      *free.Free([&](const LayeredProblem& problem) { return everywhere.Open(problem, may); });
+      *free.Free([&](const LadderProblem& problem) { return everywhere.Open(problem, may); });
   const auto lifts_of = [&](const Sequence& sequence) {
     std::vector<size_t> lifts = LiftsOf(sequence);
     std::erase_if(lifts, [&](size_t t) { return !may[t] || points[t].break_before; });
@@ -123,7 +123,7 @@ FoundLifts FindLifts(const PassContext& context, std::span<const SplitPoint> poi
   if (!found.before.empty() && !none(plain)) {
     LiftedSearch at_plain(price, over), without({0, 0, price.worst_first});
     const Sequence shown_least =
-        *free.Free([&](const LayeredProblem& problem) { return at_plain.Open(problem, plain); });
+        *free.Free([&](const LadderProblem& problem) { return at_plain.Open(problem, plain); });
     const auto value = [&](const Sequence& sequence) {
       const SequenceValue of = free.Value(sequence);
       return price.worst_first ? of.worst : of.cost;
@@ -148,7 +148,7 @@ FoundLifts FindRingStart(const PassContext& context, const LiftPrice& price) {
   const double length = std::max(context.options.overlap, ends.overrun);
   LiftedSearch search(price, PointsOver(context.points, length + 2 * Reach(ends)));
   const size_t back = Reach(ends) > 0 ? PointsOver(context.points, Reach(ends)) : 0;
-  const auto quick = [&](const LayeredProblem& problem) {
+  const auto quick = [&](const LadderProblem& problem) {
     std::optional<Sequence> found = search.Round(problem, kQuickSweeps);
     return found ? found : search.Round(problem);
   };
@@ -160,7 +160,7 @@ FoundLifts FindRingStart(const PassContext& context, const LiftPrice& price) {
       return a.cost < (1 - kHardlyCheaper) * b.cost && (!price.worst_first || a.worst <= b.worst);
     };
     if (all && notably_better(free.Value(*all), free.Value(*best)))
-      best = free.Free([&](const LayeredProblem& problem) { return search.Round(problem); });
+      best = free.Free([&](const LadderProblem& problem) { return search.Round(problem); });
   }
   FoundLifts found;
   const std::vector<size_t> lifts = best ? LiftsOf(*best) : std::vector<size_t>();

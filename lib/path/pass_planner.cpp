@@ -142,7 +142,7 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
   result.pass = pass_number;
   result.rotation_reference = pass.rotation_reference;
   result.grid_gap = plan.grid_gap;
-  result.nodes_struck = plan.nodes_struck;
+  result.nodes_pruned = plan.nodes_pruned;
   result.nodes = plan.candidates;
   result.nodes_checked = plan.candidates_checked;
   result.pairs_checked = plan.pairs_checked;

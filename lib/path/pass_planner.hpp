@@ -16,7 +16,7 @@ namespace millpose {
 
 /// How a pass is planned (design.md, "The planning of one pass").
 struct PathOptions {
-  double rotation_step = DegToRad(1);  ///< grid of the layered search, rad
+  double rotation_step = DegToRad(1);  ///< grid of the ladder search, rad
   StepBounds steps;                    ///< of the joints between neighbouring points, hard
   double motion_share = 0.04;     ///< per rad² of joint motion, of the median optimum of the pass's points
   bool worst_first = false;       ///< the worst value of a pass first, then the sum (WorstThenSum)
@@ -38,7 +38,7 @@ struct PathOptions {
   }
 };
 
-/// Plans one pass: own optima by both searches, layered search with hard joint steps, lazy strike-out of
+/// Plans one pass: own optima by both searches, ladder search with hard joint steps, lazy pruning of
 /// interfering nodes, refinement, splits, smoothing. Where it has to be split between two points, its parts
 /// overlap: the result then holds points more than once (WithOverlaps). Depends on nothing but its arguments;
 /// the same result for any thread count. `pass` in W; `first_point` is the index of its first point in the

@@ -50,7 +50,7 @@ bool PieceChecker::PoseFree(Checker& checker, const Joints& q) const {
 }
 
 bool PieceChecker::MotionFree(Checker& checker, const Joints& from, const Joints& to) const {
-  return !CheckCut(checker, carrier_, from, Beside(from, to), resolution_);
+  return !CheckCut(checker, carrier_, from, NearestEquivalent(from, to), resolution_);
 }
 
 void PieceChecker::Each(size_t count, const std::function<void(Checker&, size_t)>& work) {

@@ -2,9 +2,9 @@
 // Interference along a path that is being shifted: its points and the straight motions between them.
 #pragma once
 
+#include "path/collision_pruner.hpp"
 #include "path/refine.hpp"
 #include "path/retract.hpp"
-#include "path/strike_out.hpp"
 
 namespace millpose {
 

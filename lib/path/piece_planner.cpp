@@ -19,7 +19,7 @@ namespace millpose {
 namespace {
 
 constexpr double kTurn = 2 * kPi;
-constexpr double kRounding = 1e-12;  // rad: of angles that full turns were added to
+constexpr double kRounding = 1e-12;  // rad: of angles that full revolutions were added to
 constexpr int kRefineRounds = 5;
 
 PieceChecker MakeChecker(const PassContext& context, const Carrier& carrier) {
@@ -29,14 +29,14 @@ PieceChecker MakeChecker(const PassContext& context, const Carrier& carrier) {
 
 class PiecePlanner {
  public:
-  PiecePlanner(const PassContext& context, bool all_turns)
+  PiecePlanner(const PassContext& context, bool all_revolutions)
       : context_(context),
         carrier_{context.problem.arm, context.problem.X_WB, context.problem.X_FT},
         law_(carrier_, context.scorers, context.options.max_deviation),
         checker_(MakeChecker(context, carrier_)),
-        all_turns_(all_turns),
+        all_revolutions_(all_revolutions),
         count_(context.scorers.size()),
-        rule_(MakeRule(context, all_turns)) {
+        rule_(MakeRule(context, all_revolutions)) {
     plan_.nodes.resize(count_);
     plan_.piece.assign(count_, -1);
     plan_.interference.resize(count_);
@@ -44,7 +44,7 @@ class PiecePlanner {
   }
 
   std::optional<PassPlan> Plan() {
-    layers_ = MakeLayers(context_, all_turns_);
+    layers_ = MakeLayers(context_, all_revolutions_);
     TakeSequence(SearchFree());
     double coarse = 0.0, refined = 0.0;
     for (const Piece& piece : plan_.pieces) {
@@ -55,26 +55,26 @@ class PiecePlanner {
     plan_.grid_gap = refined > 0.0 ? (coarse - refined) / refined : 0.0;
     for (const Piece& piece : plan_.pieces) {
       const bool fits = Unwind(piece);
-      assert((fits || !all_turns_) && "nodes of single turns lie within the bounds");
-      if (!fits && !all_turns_) return std::nullopt;
+      assert((fits || !all_revolutions_) && "nodes of single turns lie within the bounds");
+      if (!fits && !all_revolutions_) return std::nullopt;
     }
     plan_.poses_checked += checker_.poses_checked();
     return std::move(plan_);
   }
 
  private:
-  /// The layered search, repeated until what it finds is free of interference.
+  /// The ladder search, repeated until what it finds is free of interference.
   Sequence SearchFree() {
     const bool rotates_first = context_.problem.freedoms[0]->IsToolRotation();
-    StrikeOut strike_out(context_.world, carrier_, context_.scorers, layers_,
-                         context_.options.swept_resolution, rotates_first, MakeLimits(context_),
-                         context_.threads, context_.stop);
+    CollisionPruner pruner(context_.world, carrier_, context_.scorers, layers_,
+                           context_.options.swept_resolution, rotates_first, MakeLimits(context_),
+                           context_.threads, context_.stop);
     std::optional<EndGuard> guard;
     if (context_.options.leave)
-      guard.emplace(context_.world, carrier_, *context_.options.leave, layers_, context_.break_before,
-                    strike_out, context_.threads, context_.stop);
+      guard.emplace(context_.world, carrier_, *context_.options.leave, layers_, context_.break_before, pruner,
+                    context_.threads, context_.stop);
     SweepMemory memory, join_memory;
-    LayeredProblem problem = MakeProblem(context_, layers_, strike_out, all_turns_);
+    LadderProblem problem = MakeProblem(context_, layers_, pruner, all_revolutions_);
     problem.memory = &memory;
     // While there is interference to find, any good closed sequence finds it. A free one is kept when the
     // best of all is hardly cheaper.
@@ -83,18 +83,18 @@ class PiecePlanner {
     const bool worst_first = context_.options.worst_first;
     WorstThenSum open_worst, closed_worst;
     const auto joins = [&](const Sequence& as) {
-      LayeredProblem joined = problem;
+      LadderProblem joined = problem;
       joined.memory = &join_memory;
       if (as.closed) return SearchClosed(joined, kQuickSweeps).has_value();
       return Breaks(SearchOpen(joined)) <= Breaks(as);
     };
     const auto search_closed = [&](int sweeps) {
-      return strike_out.Straight(
+      return pruner.Straight(
           [&] { return worst_first ? closed_worst.Closed(problem, sweeps) : SearchClosed(problem, sweeps); },
           joins);
     };
     const auto search_open = [&] {
-      return *strike_out.Straight(
+      return *pruner.Straight(
           [&] { return std::optional(worst_first ? open_worst.Open(problem) : SearchOpen(problem)); }, joins);
     };
     constexpr int kAllSweeps = std::numeric_limits<int>::max();
@@ -106,46 +106,46 @@ class PiecePlanner {
       if (context_.closed && !closed) closed = search_closed(kAllSweeps);
       if (closed && round == 0) unbarred = closed->cost;
       sequence = closed ? std::move(*closed) : search_open();
-      bool free = strike_out.Check(sequence);
+      bool free = pruner.Check(sequence);
       if (free && sequence.closed) {
         std::optional<Sequence> best = search_closed(kAllSweeps);
         if (best && best->cost < (1 - kHardlyCheaper) * sequence.cost) {
           sequence = std::move(*best);
-          free = strike_out.Check(sequence);
+          free = pruner.Check(sequence);
         }
       }
       if (free && (!guard || guard->Check(sequence))) break;
-      strike_out.StrikeInRound(sequence, round);
+      pruner.PruneInRound(sequence, round);
     }
     if (guard) {
       plan_.poses_checked += guard->counts().poses;
       for (size_t t = 0; t < count_; ++t) plan_.access[t] = guard->Detail(t);
     }
-    if (sequence.closed) plan_.stripe = ExplainStripe({context_, problem, strike_out, sequence, unbarred});
-    plan_.poses_checked += strike_out.counts().poses;
-    plan_.pairs_checked = strike_out.counts().pairs;
-    plan_.pairs_saved = strike_out.counts().pairs_saved;
-    plan_.nodes_struck = strike_out.nodes_struck();
-    plan_.candidates_checked = strike_out.nodes_checked();
+    if (sequence.closed) plan_.stripe = ExplainStripe({context_, problem, pruner, sequence, unbarred});
+    plan_.poses_checked += pruner.counts().poses;
+    plan_.pairs_checked = pruner.counts().pairs;
+    plan_.pairs_saved = pruner.counts().pairs_saved;
+    plan_.nodes_pruned = pruner.nodes_pruned();
+    plan_.candidates_checked = pruner.nodes_checked();
     for (const Layer& layer : layers_) plan_.candidates += static_cast<long long>(layer.size());
     for (size_t t = 0; t < count_; ++t) {
-      if (sequence.nodes[t] == kNoNode) plan_.interference[t] = strike_out.Detail(t);
+      if (sequence.nodes[t] == kNoNode) plan_.interference[t] = pruner.Detail(t);
     }
-    LookBack(problem, sequence, strike_out);
-    max_step_.assign(strike_out.max_step().begin(), strike_out.max_step().end());
+    LookBack(problem, sequence, pruner);
+    max_step_.assign(pruner.max_step().begin(), pruner.max_step().end());
     return sequence;
   }
 
   /// What the reports tell of the layers once the plan stands (price.hpp).
-  void LookBack(const LayeredProblem& problem, const Sequence& sequence, StrikeOut& strike_out) {
-    strike_out.Reopen(sequence);
-    const long long before = strike_out.counts().poses;
-    plan_.free = FindFreeOptima(context_.optima, layers_, sequence, strike_out);
-    plan_.poses_checked += strike_out.counts().poses - before;
+  void LookBack(const LadderProblem& problem, const Sequence& sequence, CollisionPruner& pruner) {
+    pruner.Reopen(sequence);
+    const long long before = pruner.counts().poses;
+    plan_.free = FindFreeOptima(context_.optima, layers_, sequence, pruner);
+    plan_.poses_checked += pruner.counts().poses - before;
     plan_.bound = BoundLadder(problem, sequence, context_.options.worst_first);
     if (!context_.problem.freedoms[0]->IsToolRotation()) return;
     for (size_t t = 0; t < count_; ++t)
-      plan_.verdicts.push_back(PackVerdicts(LayerVerdicts(layers_[t], t, strike_out)));
+      plan_.verdicts.push_back(PackVerdicts(LayerVerdicts(layers_[t], t, pruner)));
   }
 
   /// Cuts the sequence into pieces. A piece of one point is no cut; only a pass of one point keeps it.
@@ -198,7 +198,7 @@ class PiecePlanner {
     options.first_step = context_.options.rotation_step;
     options.last_step = DegToRad(0.002);
     options.closed = piece.closed;
-    options.all_turns = all_turns_;
+    options.all_revolutions = all_revolutions_;
     options.worst_first = context_.options.worst_first;
     options.stop = context_.stop;
     const std::span<PathNode> path = NodesOf(piece);
@@ -241,14 +241,14 @@ class PiecePlanner {
   }
 
   double Bend(const Joints& from, const Joints& to) const {
-    return HalfwayDeviation(carrier_, from, millpose::Beside(from, to)).position;
+    return HalfwayDeviation(carrier_, from, millpose::NearestEquivalent(from, to)).position;
   }
 
-  /// Makes the joints of a piece continuous and moves each by as few full turns as bring all of the piece
-  /// within the bounds. False when no number of turns does.
+  /// Makes the joints of a piece continuous and moves each by as few full revolutions as bring all of the
+  /// piece within the bounds. False when no number of turns does.
   bool Unwind(const Piece& piece) {
     const std::span<PathNode> path = NodesOf(piece);
-    for (size_t i = 1; i < path.size(); ++i) path[i].q = Beside(path[i - 1].q, path[i].q);
+    for (size_t i = 1; i < path.size(); ++i) path[i].q = NearestEquivalent(path[i - 1].q, path[i].q);
     const auto [least, most] = Extent(piece);
     const AdmissibleBounds& bounds = context_.problem.bounds;
     for (int j = 0; j < 6; ++j) {
@@ -276,7 +276,7 @@ class PiecePlanner {
       most = most.cwiseMax(node.q);
     }
     if (piece.closed) {  // back to the first point, by whatever turns the way round has made
-      const Joints end = Beside(path.back().q, path[0].q);
+      const Joints end = NearestEquivalent(path.back().q, path[0].q);
       least = least.cwiseMin(end);
       most = most.cwiseMax(end);
     }
@@ -287,7 +287,7 @@ class PiecePlanner {
   Carrier carrier_;
   BendLaw law_;
   PieceChecker checker_;
-  bool all_turns_;
+  bool all_revolutions_;
   size_t count_;
   StepRule rule_;
   std::vector<Layer> layers_;
@@ -303,10 +303,10 @@ bool IsBeyond(double objective, const CandidateTable* table) {
 
 }  // namespace
 
-StepRule MakeRule(const PassContext& context, bool all_turns) {
+StepRule MakeRule(const PassContext& context, bool all_revolutions) {
   StepRule rule;
   rule.motion_weight = context.motion_weight;
-  rule.modulo_turns = !all_turns;
+  rule.modulo_revolutions = !all_revolutions;
   return rule;
 }
 
@@ -315,7 +315,7 @@ StepLimits MakeLimits(const PassContext& context) {
           context.options.max_deviation};
 }
 
-std::vector<Layer> MakeLayers(const PassContext& context, bool all_turns) {
+std::vector<Layer> MakeLayers(const PassContext& context, bool all_revolutions) {
   std::vector<Layer> layers(context.scorers.size());
   ParallelFor(layers.size(), context.threads, context.stop, [&](size_t t) {
     const PointScorer& scorer = context.scorers[t];
@@ -330,25 +330,25 @@ std::vector<Layer> MakeLayers(const PassContext& context, bool all_turns) {
     add(genetic, genetic.found && IsBeyond(genetic.objective, context.tables[t].get()));
     // Intervals narrower than the grid: better the finer table's answer than a skipped point.
     if (seeds.empty()) add(context.optima[t], false);
-    layers[t] = MakeLayer(scorer, std::move(seeds), all_turns);
+    layers[t] = MakeLayer(scorer, std::move(seeds), all_revolutions);
   });
   return layers;
 }
 
-LayeredProblem MakeProblem(const PassContext& context, std::span<const Layer> layers,
-                           const StrikeOut& strike_out, bool all_turns) {
+LadderProblem MakeProblem(const PassContext& context, std::span<const Layer> layers,
+                          const CollisionPruner& pruner, bool all_revolutions) {
   // The band needs the one freedom to be the rotation (BandWidth).
   const auto& freedoms = context.problem.freedoms;
   const bool banded = freedoms.size() == 1 && freedoms[0]->IsToolRotation();
   return {.layers = layers,
-          .rule = MakeRule(context, all_turns),
-          .struck = strike_out.struck_edges(),
+          .rule = MakeRule(context, all_revolutions),
+          .blocked = pruner.blocked_edges(),
           .banded = banded,
           .walls = banded,
           .stop = context.stop,
           .break_before = context.break_before,
-          .versions = strike_out.versions(),
-          .max_step = strike_out.max_step()};
+          .versions = pruner.versions(),
+          .max_step = pruner.max_step()};
 }
 
 double MotionWeight(double share, std::span<const PointOptimum> optima) {
@@ -361,8 +361,8 @@ double MotionWeight(double share, std::span<const PointOptimum> optima) {
   return share * *middle;
 }
 
-std::optional<PassPlan> PlanPieces(const PassContext& context, bool all_turns) {
-  return PiecePlanner(context, all_turns).Plan();
+std::optional<PassPlan> PlanPieces(const PassContext& context, bool all_revolutions) {
+  return PiecePlanner(context, all_revolutions).Plan();
 }
 
 void SmoothPieces(const PassContext& context, PassPlan& plan) {

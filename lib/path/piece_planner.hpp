@@ -2,10 +2,10 @@
 // The inner part of PlanPass: from the points' own optima to pieces without interference.
 #pragma once
 
+#include "path/collision_pruner.hpp"
 #include "path/free_optimum.hpp"
 #include "path/pass_planner.hpp"
 #include "path/refine.hpp"
-#include "path/strike_out.hpp"
 
 namespace millpose {
 
@@ -47,27 +47,27 @@ struct PassPlan {
   std::string stripe;                      ///< of a closed ring: ExplainStripe
   double grid_gap = 0;
   long long poses_checked = 0;
-  int nodes_struck = 0;
+  int nodes_pruned = 0;
   long long candidates = 0, candidates_checked = 0;  ///< nodes of the layers
   long long pairs_checked = 0, pairs_saved = 0;      ///< of bodies, at these nodes
 };
 
 /// What a step between neighbouring points costs; how large it may be is MakeLimits'.
-StepRule MakeRule(const PassContext& context, bool all_turns);
+StepRule MakeRule(const PassContext& context, bool all_revolutions);
 
 /// What bounds the motions between neighbouring points.
 StepLimits MakeLimits(const PassContext& context);
 
 /// The admissible candidates of every point.
-std::vector<Layer> MakeLayers(const PassContext& context, bool all_turns);
+std::vector<Layer> MakeLayers(const PassContext& context, bool all_revolutions);
 
-/// The ladder search over such layers without what `strike_out` strikes out of them; keeps no memory.
-LayeredProblem MakeProblem(const PassContext& context, std::span<const Layer> layers,
-                           const StrikeOut& strike_out, bool all_turns);
+/// The ladder search over such layers without what `pruner` prunes of them; keeps no memory.
+LadderProblem MakeProblem(const PassContext& context, std::span<const Layer> layers,
+                          const CollisionPruner& pruner, bool all_revolutions);
 
-/// Layered search, strike-out of what interferes, refinement, splits. Empty when, with all_turns
-/// false, a piece winds a joint out of its limits (Layer); with all_turns there is always a plan.
-std::optional<PassPlan> PlanPieces(const PassContext& context, bool all_turns);
+/// Ladder search, pruning of what interferes, refinement, splits. Empty when, with all_revolutions
+/// false, a piece winds a joint out of its limits (Layer); with all_revolutions there is always a plan.
+std::optional<PassPlan> PlanPieces(const PassContext& context, bool all_revolutions);
 
 /// Smooths every piece of a plan; it stays free of interference.
 void SmoothPieces(const PassContext& context, PassPlan& plan);

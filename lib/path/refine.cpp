@@ -61,7 +61,7 @@ std::vector<NodeSeed> WindowSeeds(const PointScorer& scorer, const PointOptimum&
     }
   }
   if (!at.genetic && genetic.found && genetic.branch == at.branch) {
-    const double away = std::abs(ShortWay(genetic.freedoms[0] - at.freedoms[0]));
+    const double away = std::abs(WrapToPi(genetic.freedoms[0] - at.freedoms[0]));
     if (away <= kHalfWindow * step) add(genetic.freedoms, true);
   }
   return seeds;
@@ -73,7 +73,7 @@ double Worst(std::span<const PathNode> path) {
   return worst;
 }
 
-std::optional<Sequence> Search(const LayeredProblem& problem, const RefineOptions& options) {
+std::optional<Sequence> Search(const LadderProblem& problem, const RefineOptions& options) {
   if (!options.worst_first) return options.closed ? SearchClosed(problem) : SearchOpen(problem);
   WorstThenSum search;
   return options.closed ? search.Closed(problem) : search.Open(problem);
@@ -93,7 +93,7 @@ double PathCost(std::span<const PathNode> path, const StepRule& rule, std::span<
     cost += path[t].objective;
     if (t > 0) cost += step(t - 1, t);
   }
-  of.modulo_turns = true;
+  of.modulo_revolutions = true;
   if (closed) cost += step(path.size() - 1, 0);
   return cost;
 }
@@ -108,10 +108,10 @@ void RefinePath(std::span<const PointScorer> scorers, std::span<const PointOptim
       const double before = PathCost(path, options.rule, options.max_step, options.closed),
                    worst_before = Worst(path);
       for (size_t t = 0; t < path.size(); ++t) {
-        layers[t] =
-            MakeLayer(scorers[t], WindowSeeds(scorers[t], genetic[t], path[t], step), options.all_turns);
+        layers[t] = MakeLayer(scorers[t], WindowSeeds(scorers[t], genetic[t], path[t], step),
+                              options.all_revolutions);
       }
-      LayeredProblem problem{layers, options.rule, {}, false, false, options.stop, {}};
+      LadderProblem problem{layers, options.rule, {}, false, false, options.stop, {}};
       problem.max_step = options.max_step;
       if (options.worst_first) problem.most = worst_before;
       const std::optional<Sequence> found = Search(problem, options);

@@ -3,7 +3,7 @@
 
 #include <stop_token>
 
-#include "path/layered_search.hpp"
+#include "path/ladder_search.hpp"
 
 namespace millpose {
 
@@ -24,8 +24,8 @@ struct RefineOptions {
   double first_step = 0;             ///< rad: the grid that the path comes from
   double last_step = 0;              ///< rad: the grid to end at
   bool closed = false;
-  bool all_turns = false;    ///< nodes are absolute (Layer)
-  bool worst_first = false;  ///< WorstThenSum; the path's worst value never rises
+  bool all_revolutions = false;  ///< nodes are absolute (Layer)
+  bool worst_first = false;      ///< WorstThenSum; the path's worst value never rises
   std::stop_token stop;
 };
 

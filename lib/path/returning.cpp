@@ -14,7 +14,7 @@ constexpr size_t kBits = 64;
 
 class MaskSweep {
  public:
-  MaskSweep(const LayeredProblem& problem, const NodeFilter& counts) : problem_(problem) {
+  MaskSweep(const LadderProblem& problem, const NodeFilter& counts) : problem_(problem) {
     for (size_t t = 0; t < problem.layers.size(); ++t) {
       const Layer& layer = problem.layers[t];
       std::vector<char>& counted = counted_.emplace_back(layer.size());
@@ -51,7 +51,7 @@ class MaskSweep {
     const StepRule rule = problem_.RuleFrom(At(t));
     const double band = problem_.banded ? BandWidth(rule, AngleBetween(from.R_WT, to.R_WT))
                                         : std::numeric_limits<double>::infinity();
-    const StruckEdges* struck = problem_.struck.empty() ? nullptr : &problem_.struck[At(t)];
+    const BlockedEdges* blocked = problem_.blocked.empty() ? nullptr : &problem_.blocked[At(t)];
     std::vector<Mask> reached(to.size(), 0);
     for (size_t node = 0; node < to.size(); ++node) {
       if (counted_[At(t + 1)][node] == 0) continue;
@@ -61,7 +61,7 @@ class MaskSweep {
                   for (size_t k = first; k < last; ++k) {
                     if ((masks[k] & ~reached[node]) == 0) continue;
                     if (!std::isfinite(StepCost(rule, from.joints.At(k), q))) continue;
-                    if (struck && struck->contains({k, node})) continue;
+                    if (blocked && blocked->contains({k, node})) continue;
                     reached[node] |= masks[k];
                   }
                 });
@@ -69,13 +69,13 @@ class MaskSweep {
     return reached;
   }
 
-  const LayeredProblem& problem_;
+  const LadderProblem& problem_;
   std::vector<std::vector<char>> counted_;  ///< by layer and node
 };
 
 }  // namespace
 
-std::vector<char> AreReturning(const LayeredProblem& problem, const std::vector<NodeRange>& ranges,
+std::vector<char> AreReturning(const LadderProblem& problem, const std::vector<NodeRange>& ranges,
                                const NodeFilter& counts) {
   const MaskSweep sweep(problem, counts);
   std::vector<char> returning(ranges.size(), 0);

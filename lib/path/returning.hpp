@@ -9,13 +9,13 @@
 
 namespace millpose {
 
-/// Nodes first..second−1 of the first layer, which differ by full turns only.
+/// Nodes first..second−1 of the first layer, which differ by full revolutions only.
 using NodeRange = std::pair<size_t, size_t>;
 
-/// For every range of nodes of LayeredProblem::first_layer whether a closed sequence through nodes that
+/// For every range of nodes of LadderProblem::first_layer whether a closed sequence through nodes that
 /// `counts` says so of begins in it and ends in it. A sweep that carries no costs, only from which of 64
 /// ranges each node is reached: many ranges are told for the price of about one sweep.
-std::vector<char> AreReturning(const LayeredProblem& problem, const std::vector<NodeRange>& ranges,
+std::vector<char> AreReturning(const LadderProblem& problem, const std::vector<NodeRange>& ranges,
                                const NodeFilter& counts);
 
 }  // namespace millpose

@@ -9,13 +9,13 @@
 namespace millpose {
 namespace {
 
-/// Rotations, first to last node of a run that is struck out.
+/// Rotations, first to last node of a run that is pruned.
 struct Run {
   double lower = 0, upper = 0;
   size_t count = 0;
 };
 
-/// The longest run of struck nodes of `branch`.
+/// The longest run of blocked nodes of `branch`.
 Run LongestRun(const Layer& layer, int branch) {
   Run longest, run;
   for (size_t k = layer.branch_begin[branch]; k < layer.branch_begin[branch + 1]; ++k) {
@@ -32,10 +32,10 @@ Run LongestRun(const Layer& layer, int branch) {
 }
 
 /// The pair of bodies that was met at most points, and at how many.
-std::pair<std::optional<Sighting>, size_t> CommonPair(const StrikeOut& strike_out, size_t layers) {
+std::pair<std::optional<Sighting>, size_t> CommonPair(const CollisionPruner& pruner, size_t layers) {
   std::map<int, std::pair<Sighting, size_t>> met;
   for (size_t t = 0; t < layers; ++t)
-    if (const std::optional<Sighting> sighting = strike_out.LastSighting(t))
+    if (const std::optional<Sighting> sighting = pruner.LastSighting(t))
       ++met.try_emplace(sighting->pair, *sighting, 0).first->second.second;
   std::pair<std::optional<Sighting>, size_t> most{std::nullopt, 0};
   for (const auto& [pair, of] : met)
@@ -55,7 +55,7 @@ size_t WorstPoint(const ClosedSearch& search) {
   return worst;
 }
 
-/// The longest run at the point nearest to `at`, round the ring, where one of the branch is struck out.
+/// The longest run at the point nearest to `at`, round the ring, where one of the branch is pruned.
 std::pair<size_t, Run> RunBeside(const ClosedSearch& search, size_t at) {
   const size_t count = search.problem.layers.size();
   for (size_t away = 0; away <= count / 2; ++away)
@@ -74,7 +74,7 @@ std::string ExplainStripe(const ClosedSearch& search) {
   constexpr int kSweeps = 8;
   const double closed = search.sequence.cost, barred = closed - search.unbarred;
   if (!(barred > kNotable * search.unbarred)) return "";
-  const auto [sighting, points] = CommonPair(search.strike_out, search.problem.layers.size());
+  const auto [sighting, points] = CommonPair(search.pruner, search.problem.layers.size());
   if (!sighting) return "";
   LiftedSearch lifted({0, 0, search.context.options.worst_first});
   const std::optional<Sequence> open = lifted.Round(search.problem, kSweeps);

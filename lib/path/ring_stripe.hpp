@@ -9,15 +9,15 @@ namespace millpose {
 /// The search for a closed ring, as it stands when its answer is free.
 struct ClosedSearch {
   const PassContext& context;
-  const LayeredProblem& problem;  ///< what interferes is struck out
-  const StrikeOut& strike_out;
+  const LadderProblem& problem;  ///< what interferes is pruned
+  const CollisionPruner& pruner;
   const Sequence& sequence;  ///< closed and free
-  double unbarred = 0;       ///< cost of the first answer, when nothing had been struck out
+  double unbarred = 0;       ///< cost of the first answer, when nothing had been pruned
 };
 
 /// One sentence where interference makes the closed ring dearer by more than 2 %, and leaving it open would
 /// take more than a third of that off: the bodies, at how many points, the rotations that they bar beside the
-/// point where the ring loses most, and the three costs. Else empty. What is struck out is what was met on
+/// point where the ring loses most, and the three costs. Else empty. What is pruned is what was met on
 /// the way: costs of the ring left open are about right, not proven.
 std::string ExplainStripe(const ClosedSearch& search);
 

@@ -12,7 +12,7 @@ constexpr int kBisections = 3;       // of that weight
 constexpr double kConverged = 3e-3;  // relative
 constexpr double kLeastLoss = 1e-3;  // the scale of the objective when less than this may be lost
 constexpr double kViolationWeight = 100;
-constexpr double kGrowth = 1 / 0.95;  // room for deviations that cannot be mended
+constexpr double kGrowth = 1 / 0.95;  // room for deviations that cannot be repaired
 
 class Smoother {
  public:
@@ -25,15 +25,15 @@ class Smoother {
 
   bool Run() {
     const std::vector<CoursePlace> start = course_.Start(ranges_);
-    bool mended = options_.mend;
-    if (mended) {
+    bool repaired = options_.repair;
+    if (repaired) {
       course_.set_limits(DeviationLimits(options_));
       Smooth(start);
-      mended = best_.within && Affordable(best_);
+      repaired = best_.within && Affordable(best_);
     }
-    if (!mended) {
+    if (!repaired) {
       SmoothOptions as_before = options_;
-      as_before.mend = false;
+      as_before.repair = false;
       course_.set_limits(DeviationLimits(as_before));
       Smooth(start);
     }
@@ -42,7 +42,7 @@ class Smoother {
       path_[t].q = best_places_[t].q;
       path_[t].objective = best_places_[t].objective;
     }
-    return mended;
+    return repaired;
   }
 
  private:
@@ -157,7 +157,7 @@ SmoothReference MeasurePath(std::span<const PointScorer> scorers, std::span<cons
 std::vector<double> DeviationLimits(const SmoothOptions& options) {
   std::vector<double> limits = options.before.deviation;
   for (double& limit : limits) {
-    limit = options.mend ? options.max_deviation : std::max(options.max_deviation, kGrowth * limit);
+    limit = options.repair ? options.max_deviation : std::max(options.max_deviation, kGrowth * limit);
   }
   return limits;
 }

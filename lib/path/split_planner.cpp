@@ -13,8 +13,8 @@ constexpr uint64_t kLeadStreams = uint64_t{1} << 40;  // beyond those of any job
 constexpr double kFiner = 20;                         // of the table where the ladder's own finds nothing
 constexpr int kRounds = 40;                           // then what still fails stays without overlap
 
-/// Full turns hardly ever matter, so first every node stands for all of its own; where the joints then wind
-/// out of their limits, each turn becomes a node.
+/// Full revolutions hardly ever matter, so first every node stands for all of its own; where the joints then
+/// wind out of their limits, each turn becomes a node.
 PassPlan PlanTurned(const PassContext& context) {
   std::optional<PassPlan> plan = PlanPieces(context, false);
   if (!plan) plan = PlanPieces(context, true);

@@ -13,7 +13,7 @@ constexpr uint32_t kBreak = 0xffffffffU, kEnter = 0xfffffffeU;
 
 }  // namespace
 
-const ToGo& LeastToGo(const LayeredProblem& problem, const NodeFilter& counts, BackwardRows& rows) {
+const ToGo& LeastToGo(const LadderProblem& problem, const NodeFilter& counts, BackwardRows& rows) {
   const std::span<const Layer> layers = problem.layers;
   const size_t count = layers.size();
   if (rows.layers.size() != count || rows.first_layer != problem.first_layer || rows.worst != problem.worst ||
@@ -183,7 +183,7 @@ double Sweep::Combined(double cost, double objective) const {
 }
 
 /// The best predecessors of the nodes of layer t. What is known of a node holds while its predecessor costs
-/// what it did, no other costs less, and nothing more was struck out of the layer before.
+/// what it did, no other costs less, and nothing more was pruned of the layer before.
 void Sweep::RelaxAll(size_t t, bool must_break) {
   const Layer& layer = layers_[At(t)];
   SweepRows::OfLayer& known = rows_->layers[t];
@@ -304,15 +304,15 @@ void Sweep::Relax(size_t from, size_t to, size_t node, size_t guess, BestPredece
     }
     RelaxFrom(rule, source.joints, row, first, last, q, at_most, by);
   });
-  if (problem_.struck.empty() || !std::isfinite(by.cost)) return;
-  const StruckEdges& struck = problem_.struck[At(from)];
-  if (!struck.contains({by.node, node})) return;
+  if (problem_.blocked.empty() || !std::isfinite(by.cost)) return;
+  const BlockedEdges& blocked = problem_.blocked[At(from)];
+  if (!blocked.contains({by.node, node})) return;
   // Rare: the best is barred, so look again, one by one.
   by = {};
   VisitBand(source, branch, target.first[node], band, problem_.walls, [&](size_t first, size_t last) {
     for (size_t k = first; k < last; ++k) {
       const double cost = row.costs[k] + StepCost(rule, source.joints.At(k), q);
-      if (cost < by.cost && !struck.contains({k, node})) by = {cost, k};
+      if (cost < by.cost && !blocked.contains({k, node})) by = {cost, k};
     }
   });
 }

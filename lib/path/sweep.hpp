@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One sweep of the layered search's dynamic programme, which keeps what it finds for the next.
+// One sweep of the ladder search's dynamic program, which keeps what it finds for the next.
 #pragma once
 
-#include "path/layered_search.hpp"
+#include "path/ladder_search.hpp"
 
 namespace millpose {
 
@@ -21,11 +21,11 @@ struct SweepRows {
 };
 
 /// What the rest of a closed sequence costs at the least from each node of each layer on, the node itself not
-/// counted: walls and edges that were struck out are left aside, and it may close into any node of the first
+/// counted: walls and edges that were pruned are left aside, and it may close into any node of the first
 /// layer.
 using ToGo = std::vector<std::vector<double>>;
 
-/// A sweep back, which keeps what it finds for the next over the same layers with ever more struck out.
+/// A sweep back, which keeps what it finds for the next over the same layers with ever more pruned.
 struct BackwardRows {
   struct OfLayer {
     std::vector<BestPredecessor> relaxed;  ///< per node: the cheapest step on
@@ -41,14 +41,14 @@ struct BackwardRows {
 
 /// Only through nodes that `counts` says so of, by layer and node.
 using NodeFilter = std::function<bool(size_t, size_t)>;
-const ToGo& LeastToGo(const LayeredProblem& problem, const NodeFilter& counts, BackwardRows& rows);
+const ToGo& LeastToGo(const LadderProblem& problem, const NodeFilter& counts, BackwardRows& rows);
 
-/// One sweep, from LayeredProblem::first_layer on round; layers count from there. It gives the same costs and
+/// One sweep, from LadderProblem::first_layer on round; layers count from there. It gives the same costs and
 /// nodes, bit by bit, whatever the rows that it starts from have kept from an earlier sweep over the same
-/// layers with less struck out or other first nodes.
+/// layers with less pruned or other first nodes.
 class Sweep {
  public:
-  Sweep(const LayeredProblem& problem, double break_penalty)
+  Sweep(const LadderProblem& problem, double break_penalty)
       : problem_(problem), layers_(problem.layers), break_penalty_(break_penalty) {}
 
   /// From now on nodes are left out through which every closed sequence costs more than `at_most`. `to_go`
@@ -107,7 +107,7 @@ class Sweep {
   double Band(size_t from, size_t to) const;
   size_t TraceBack(size_t t, size_t node, Sequence& sequence) const;
 
-  const LayeredProblem& problem_;
+  const LadderProblem& problem_;
   std::span<const Layer> layers_;
   double break_penalty_;
   const ToGo* to_go_ = nullptr;

@@ -12,7 +12,7 @@ constexpr size_t kFewValues = 64;      // are bisected to the end
 
 /// The values that the bound of a sequence can have, ascending: from the largest of the layers' least ones up
 /// to `most`.
-std::vector<double> PossibleBounds(const LayeredProblem& problem, double most) {
+std::vector<double> PossibleBounds(const LadderProblem& problem, double most) {
   double least = 0;
   for (const Layer& layer : problem.layers)
     least = std::max(least, *std::min_element(layer.objective.begin(), layer.objective.end()));
@@ -27,7 +27,7 @@ std::vector<double> PossibleBounds(const LayeredProblem& problem, double most) {
 
 }  // namespace
 
-LayeredProblem Within(LayeredProblem problem, double bound) {
+LadderProblem Within(LadderProblem problem, double bound) {
   problem.most = std::min(problem.most, bound * (1 + kWorstTolerance));
   return problem;
 }
@@ -39,12 +39,12 @@ double WorstOf(std::span<const Layer> layers, const Sequence& sequence) {
   return worst;
 }
 
-Sequence WorstThenSum::Open(const LayeredProblem& problem) {
+Sequence WorstThenSum::Open(const LadderProblem& problem) {
   if (std::isfinite(bound_)) {
     Sequence sequence = SearchOpen(Within(problem, bound_));
     if (Breaks(sequence) <= breaks_) return sequence;
   }
-  LayeredProblem for_worst = problem;
+  LadderProblem for_worst = problem;
   for_worst.worst = true;
   for_worst.rule.motion_weight = 0;
   if (problem.memory) for_worst.memory = &memory_;
@@ -54,10 +54,10 @@ Sequence WorstThenSum::Open(const LayeredProblem& problem) {
   return SearchOpen(Within(problem, bound_));
 }
 
-std::optional<Sequence> WorstThenSum::Closed(const LayeredProblem& problem, int max_sweeps) {
+std::optional<Sequence> WorstThenSum::Closed(const LadderProblem& problem, int max_sweeps) {
   if (std::isfinite(bound_))
     if (auto sequence = SearchClosed(Within(problem, bound_), max_sweeps)) return sequence;
-  LayeredProblem for_worst = problem;
+  LadderProblem for_worst = problem;
   for_worst.worst = true;
   for_worst.rule.motion_weight = 0;
   if (problem.memory) for_worst.memory = &memory_;
@@ -69,7 +69,7 @@ std::optional<Sequence> WorstThenSum::Closed(const LayeredProblem& problem, int 
   return sequence ? sequence : least;
 }
 
-std::optional<Sequence> LeastWorst(const LayeredProblem& problem, const BoundedSearch& search) {
+std::optional<Sequence> LeastWorst(const LadderProblem& problem, const BoundedSearch& search) {
   std::optional<Sequence> best = search(problem, kSweeps);
   if (!best) best = search(problem, std::numeric_limits<int>::max());
   if (!best) return std::nullopt;

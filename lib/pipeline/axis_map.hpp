@@ -16,7 +16,8 @@ AxisMap MakeAxisMap(const PlanResult& plan, const PoseProblem& problem,
                     const std::vector<PointCurves>& curves, const World* world, int threads,
                     std::stop_token stop);
 
-/// The joint that is farthest beyond its limits, 0..5, and by how much, rad: full turns are taken off first.
+/// The joint that is farthest beyond its limits, 0..5, and by how much, rad: full revolutions are taken off
+/// first.
 struct BeyondLimit {
   int joint = 0;
   double by = 0;

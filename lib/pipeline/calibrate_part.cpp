@@ -66,7 +66,7 @@ CalibratedPart CalibratePart(const CalibrateArguments& arguments) {
   const std::string name = arguments.measured.string();
   const CsvTable table =
       ReadCsv(arguments.root.Read(arguments.measured), name, {{"x_mm", "y_mm", "z_mm", "error_um"}, {}});
-  MendOutputFolder(arguments.plan);
+  RecoverOutputFolder(arguments.plan);
   const std::filesystem::path plan_file = arguments.plan / kPlanFile;
   const PlanResult plan = ParsePlanResult(arguments.root.Read(plan_file), plan_file.string());
   std::optional<std::filesystem::path> origin;

@@ -67,8 +67,8 @@ std::vector<std::string> KeepCommandedFree(const World& world, double resolution
   std::vector<std::string> found(lines.size());
   ParallelFor(lines.size(), execution.Threads(), execution.stop, [&](size_t i) {
     Checker checker(world, lines[i].share);
-    if (const auto problem =
-            CheckCut(checker, carrier, lines[i].from, Beside(lines[i].from, lines[i].to), resolution))
+    if (const auto problem = CheckCut(checker, carrier, lines[i].from,
+                                      NearestEquivalent(lines[i].from, lines[i].to), resolution))
       found[i] = Describe(checker, *problem);
   });
   std::vector<std::string> findings;

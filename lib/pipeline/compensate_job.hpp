@@ -14,7 +14,7 @@ std::vector<Problem> CheckCompensation(const JobSettings& job, const CellSetting
 
 CompensationOptions MakeCompensationOptions(const JobSettings& job, const CellSettings& cell);
 
-/// What a user is told of it.
+/// What a user is reported of it.
 struct CompensationNotes {
   std::vector<std::string> findings, warnings;
   std::optional<double> remains;  ///< MedianRemains()

@@ -7,8 +7,8 @@
 namespace millpose {
 namespace {
 
-/// The axis that is nearest to its limit, or farthest beyond it, and how far from it (rad); full turns are
-/// taken off.
+/// The axis that is nearest to its limit, or farthest beyond it, and how far from it (rad); full revolutions
+/// are taken off.
 std::pair<int, double> LeastReserve(const AdmissibleBounds& bounds, const Joints& q) {
   std::pair<int, double> least{0, std::numeric_limits<double>::infinity()};
   for (int j = 0; j < 6; ++j) {

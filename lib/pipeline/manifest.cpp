@@ -73,7 +73,8 @@ Manifest ParseManifest(std::string_view text, const std::string& name) {
 Manifest CheckManifest(const fs::path& folder) {
   const fs::path file = folder / kManifestFile;
   if (!Exists(file))
-    throw InputError({file.string()}, "is missing: what the folder holds cannot be told apart; plan again");
+    throw InputError({file.string()},
+                     "is missing: what the folder holds cannot be distinguished; plan again");
   const std::string text = ReadFile(file);
   Manifest manifest = ParseManifest(text, file.string());
   std::vector<Problem> problems;

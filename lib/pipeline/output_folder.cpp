@@ -83,7 +83,7 @@ void RefuseSeveral(const fs::path& folder) {
                                                   fmt::join(own, ", ")));
 }
 
-void MendOutputFolder(const fs::path& folder) {
+void RecoverOutputFolder(const fs::path& folder) {
   if (IsOutputFolder(folder) && IsSwapOpen(folder)) OutputFolder(folder, FolderUse::kResults);
 }
 
@@ -92,7 +92,7 @@ OutputFolder::OutputFolder(fs::path folder, FolderUse use) : folder_(std::move(f
   const bool alone = use == FolderUse::kResults;
   lock_.emplace(folder_, alone ? FileLock::Kind::kExclusive : FileLock::Kind::kShared);
   if (!alone) return;
-  MendResults(folder_);
+  RecoverResults(folder_);
   RemoveUnfinished(folder_);
   RemoveUnfinished(folder_ / kCheckpoints);
 }
@@ -127,7 +127,7 @@ ResultSet::ResultSet(const OutputFolder& folder) : folder_(folder) {
   MakeFolders(StagingOf(folder.path()));
 }
 
-// A swap that could not be ended needs its files: they are left to whoever mends it.
+// A swap that could not be ended needs its files: they are left to whoever repairs it.
 ResultSet::~ResultSet() {
   std::error_code ignored;
   if (!published_) fs::remove_all(StagingOf(folder_.path()), ignored);

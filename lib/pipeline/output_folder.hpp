@@ -30,7 +30,7 @@ void RefuseSeveral(const std::filesystem::path& folder);
 
 /// Finishes what a run that was ended while it put its results in place had begun, where there is any.
 /// Throws InputError where that cannot be done, or another run works there.
-void MendOutputFolder(const std::filesystem::path& folder);
+void RecoverOutputFolder(const std::filesystem::path& folder);
 
 /// What a run does in an output folder.
 enum class FolderUse : uint8_t {
@@ -42,13 +42,13 @@ enum class FolderUse : uint8_t {
 /// overwritten, and locked as long as this object lives.
 class OutputFolder {
  public:
-  /// Makes the folder, or takes it over when it carries the mark; one who is to write results first mends it
-  /// (MendOutputFolder). Throws InputError when it exists, is not empty and is not millpose's, and when
+  /// Makes the folder, or takes it over when it carries the mark; one who is to write results first repairs
+  /// it (RecoverOutputFolder). Throws InputError when it exists, is not empty and is not millpose's, and when
   /// another run works there.
   OutputFolder(std::filesystem::path folder, FolderUse use);
 
   const std::filesystem::path& path() const { return folder_; }
-  /// What is to be told about the lock; empty when all is well.
+  /// What is to be reported about the lock; empty when all is well.
   const std::string& warning() const { return lock_->warning(); }
 
   /// Writes one file (name relative to the folder) atomically.

@@ -46,7 +46,7 @@ class AllGaps {
       if (Checker(world_).At(home_.q, Phase::kFree)) return planned;
       barred_.clear();
       for (size_t i = 0; i < ends.size(); ++i)
-        if (!planned.gaps[i].planned) Mend(ends[i], planned.gaps[i]);
+        if (!planned.gaps[i].planned) Repair(ends[i], planned.gaps[i]);
       if (barred_.empty()) return planned;
       // From the last to the first: leaving one out renumbers those after it in its pass.
       for (auto at = barred_.rbegin(); at != barred_.rend(); ++at)
@@ -57,7 +57,7 @@ class AllGaps {
 
  private:
   /// Of a gap without a way: the way by home, or which of its pieces is to blame.
-  void Mend(const Ends& ends, Gap& gap) {
+  void Repair(const Ends& ends, Gap& gap) {
     const auto& [from, to] = ends;
     if (from.pass < 0) return Bar(to, gap);
     if (to.pass < 0) return Bar(from, gap);

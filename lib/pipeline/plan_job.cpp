@@ -2,18 +2,18 @@
 #include "pipeline/plan_job.hpp"
 
 #include "base/error.hpp"
+#include "path/collision_pruner.hpp"
 #include "path/job_planner.hpp"
-#include "path/strike_out.hpp"
-#include "path/turns.hpp"
+#include "path/revolutions.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/compensate_job.hpp"
 #include "pipeline/finer_passes.hpp"
 #include "pipeline/job_engagement.hpp"
 #include "pipeline/locate.hpp"
-#include "pipeline/mend_ends.hpp"
 #include "pipeline/other_ways.hpp"
 #include "pipeline/plan_gaps.hpp"
 #include "pipeline/plan_passes.hpp"
+#include "pipeline/repair_ends.hpp"
 #include "plan/skipped.hpp"
 
 namespace millpose {
@@ -76,10 +76,11 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
               PlannedJob& job) {
   const PoseProblem& problem = job.prepared.problem;
   PlanResult& plan = job.plan;
-  MendEnds(job.prepared, MakePathOptions(inputs.job), MakeGapOptions(inputs.job).leave, checkpoints,
-           execution, plan.passes);
-  FixTurns(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
-                         FreeDirections(inputs.job) && !DependsOnFeed(inputs.job, *problem.objective)});
+  RepairEnds(job.prepared, MakePathOptions(inputs.job), MakeGapOptions(inputs.job).leave, checkpoints,
+             execution, plan.passes);
+  ChooseRevolutions(plan.passes,
+                    {plan.home, problem.bounds.lower, problem.bounds.upper,
+                     FreeDirections(inputs.job) && !DependsOnFeed(inputs.job, *problem.objective)});
   const GapOptions options = MakeGapOptions(inputs.job);
   const auto leave_over_missing = [&] {
     return LeaveIncomplete(job.prepared.toolpath, plan.passes) +

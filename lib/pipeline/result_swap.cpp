@@ -120,7 +120,7 @@ void SwapResults(const fs::path& folder, const std::vector<std::string>& old) {
   RemoveRest(folder);
 }
 
-void MendResults(const fs::path& folder) {
+void RecoverResults(const fs::path& folder) {
   if (IsSwapOpen(folder)) {
     const Swap swap = ReadJournal(folder);
     bool forward = swap.CanGoForward();

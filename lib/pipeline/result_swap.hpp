@@ -24,7 +24,7 @@ bool IsSwapOpen(const std::filesystem::path& folder);
 
 /// Finishes an open swap, or takes it back where it cannot be finished, and removes what is left of one that
 /// never began. For one who is alone in the folder.
-void MendResults(const std::filesystem::path& folder);
+void RecoverResults(const std::filesystem::path& folder);
 
 /// Whether a name in an output folder belongs to the swap and not to a set.
 bool IsOfSwap(const std::string& name);

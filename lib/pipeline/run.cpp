@@ -24,7 +24,7 @@ constexpr size_t kMostCurves = 3000;  // points whose choice of pose report.html
 
 JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
   // The job may be the resolved one of a folder that a killed run left between two plans.
-  MendOutputFolder(FolderOf(arguments.job));
+  RecoverOutputFolder(FolderOf(arguments.job));
   stages.Begin("read", 0);
   JobInputs inputs =
       LoadJobInputs(arguments.job, OverridesOf(arguments), {}, arguments.root, arguments.operation);

@@ -154,7 +154,7 @@ void VerifyStarts(const PlanResult& plan, const JobInputs& inputs, const std::st
 std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Progress& progress,
                                           std::stop_token stop) {
   arguments.root.CheckFolder(arguments.target);
-  MendOutputFolder(arguments.target);
+  RecoverOutputFolder(arguments.target);
   CheckManifest(arguments.target);
   const fs::path plan_file = arguments.target / kPlanFile;
   const PlanResult plan = ParsePlanResult(arguments.root.Read(plan_file), plan_file.string());

@@ -11,7 +11,7 @@
 
 namespace millpose {
 
-/// The workpiece's mesh with what is to be told about it; without a face where the job names no part.
+/// The workpiece's mesh with what is to be reported about it; without a face where the job names no part.
 struct Part {
   ImportResult import;
   std::vector<std::string>

@@ -352,7 +352,7 @@ PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const 
       OutlineOf(inputs.front().job_text, arguments.job.string(), arguments.overrides).name;
   const fs::path out = arguments.out.value_or(FolderOf(arguments.job) / (name + ".places"));
   if (!arguments.out) arguments.root.CheckFolder(out);
-  MendOutputFolder(out);
+  RecoverOutputFolder(out);
   const OutputFolder folder(out, FolderUse::kResults);
   const RunFigures begun = BeginRun(AsPlan(arguments, out), name, inputs.front().folder, folder);
   const FoundPlaces found = PlaceRun(arguments, inputs, out, stages, stop).Run(name);

@@ -33,7 +33,7 @@ Cut CutOf(const PassResult& pass, const Piece& piece) {
     const PlannedPoint &first = pass.points[piece.first], &last = pass.points[piece.last];
     const double way = (first.point.position - last.point.position).norm();
     if (way > kSamePlace) {
-      const Joints q = Beside(last.q, first.q);
+      const Joints q = NearestEquivalent(last.q, first.q);
       cut.samples.push_back({q, cut.samples.back().arc_length + way, first.point.feed_rate});
       cut.points.push_back(piece.first);
     }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "robot/arm.hpp"
+#include "robot/mechanism.hpp"
 #include "stiffness/compliance.hpp"
 #include "toolpath/milling_point.hpp"
 #include "toolpath/obstacle.hpp"
@@ -51,7 +52,7 @@ struct PlannedPoint {
   int piece = 0;                    ///< of its pass
   std::vector<double> freedoms;     ///< rotation about the tool axis first, rad
   int branch = 0;                   ///< status bits S
-  Joints q = Joints::Zero();        ///< absolute, full turns fixed, rad
+  Joints q = Joints::Zero();        ///< absolute, full revolutions fixed, rad
   MillingPlaneIndices indices;      ///< at the stiffness origin
   double lambda_3 = 0;              ///< shortest semi-axis of the ellipsoid of c, mm/N
   Eigen::Vector3d lambda_3_direction = Eigen::Vector3d::Zero();  ///< along it, in W: the stiffest direction
@@ -87,7 +88,7 @@ struct Smoothing {
   double objective_before = 0, objective_after = 0;  ///< summed over the planned points
 };
 
-/// How far the layered search's answer is from the least that any can cost, as it came out on the grid: both
+/// How far the ladder search's answer is from the least that any can cost, as it came out on the grid: both
 /// in the objective's unit, the sum with joint motion. Bounds hold for sequences lifted at the same places.
 struct LadderBound {
   double cost = 0, cost_bound = 0;    ///< objective and motion, summed
@@ -98,12 +99,13 @@ struct LadderBound {
 struct PassResult {
   int pass = 0;
   Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();
+  ExternalPosition external;  ///< where the external axes stand while it is milled
   std::vector<PlannedPoint> points;
   std::vector<Piece> pieces;
   double grid_gap = 0;          ///< relative: (coarse path cost − refined path cost) ÷ refined
   long long poses_checked = 0;  ///< interference
-  int nodes_struck = 0;         ///< struck out for interference
-  long long nodes = 0;          ///< candidates of the layered search
+  int nodes_pruned = 0;         ///< pruned for interference
+  long long nodes = 0;          ///< candidates of the ladder search
   long long nodes_checked = 0;  ///< of them, for interference: the others never had to be
   long long pairs_checked = 0;  ///< pairs of bodies looked at for these candidates
   long long pairs_saved = 0;    ///< and not looked at again: known from another pose of the point
@@ -139,6 +141,8 @@ struct PlanResult {
   std::string input_hash;  ///< of everything that the plan depends on
   uint64_t seed = 0;
   Arm arm;
+  std::vector<ExternalAxis> external_axes;
+  /// X_WB and X_WP: with all external axes at 0.
   Pose X_WB = Pose::Identity(), X_FT = Pose::Identity(), X_WP = Pose::Identity();
   Joints home = Joints::Zero();
   double spindle_speed = 0;        ///< rev/s

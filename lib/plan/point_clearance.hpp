@@ -3,7 +3,7 @@
 
 namespace millpose {
 
-/// PlannedPoint::clearance is told up to this, mm: farther is far enough.
+/// PlannedPoint::clearance is reported up to this, mm: farther is far enough.
 inline constexpr double kPointClearanceBound = 50;
 
 }  // namespace millpose

@@ -24,7 +24,7 @@ struct Price {
   PriceParts ratio;  ///< of sums; the total is the product of the parts; all 0 where the optima sum to 0
   PriceParts mean;   ///< differences of means, objective's unit; the total is the sum of the parts
   PriceParts worst;  ///< differences of the largest values, likewise
-  /// How far the layered search's answer is above its lower bound, relative: of the sum with joint motion,
+  /// How far the ladder search's answer is above its lower bound, relative: of the sum with joint motion,
   /// and of the largest objective where that was sought first.
   std::optional<double> sum_gap, worst_gap;
 };

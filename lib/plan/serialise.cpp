@@ -232,11 +232,12 @@ template <class Archive>
 void Fields(Archive& a, PassResult& p) {
   a("pass", p.pass);
   a("rotation_reference", p.rotation_reference);
+  a("external", p.external);
   a("points", p.points);
   a("pieces", p.pieces);
   a("grid_gap", p.grid_gap);
   a("poses_checked", p.poses_checked);
-  a("nodes_struck", p.nodes_struck);
+  a("nodes_pruned", p.nodes_pruned);
   a("nodes", p.nodes);
   a("nodes_checked", p.nodes_checked);
   a("pairs_checked", p.pairs_checked);
@@ -291,12 +292,27 @@ void Fields(Archive& a, Arm& arm) {
 }
 
 template <class Archive>
+void Fields(Archive& a, ExternalAxis& axis) {
+  a("name", axis.name);
+  a.Words("kind", axis.kind, kAxisKindWords);
+  a.Words("carries", axis.carries, kCarriesWords);
+  a("direction", axis.direction);
+  a("origin", axis.origin);
+  a("lower", axis.lower);
+  a("upper", axis.upper);
+  a("speed", axis.speed);
+  a("acceleration", axis.acceleration);
+  a("compliance", axis.compliance);
+}
+
+template <class Archive>
 void Fields(Archive& a, PlanResult& r) {
   a("job", r.job);
   a("cell", r.cell);
   a("input_hash", r.input_hash);
   a("seed", r.seed);
   a("arm", r.arm);
+  a("external_axes", r.external_axes);
   a("X_WB", r.X_WB);
   a("X_FT", r.X_FT);
   a("X_WP", r.X_WP);
@@ -310,7 +326,7 @@ void Fields(Archive& a, PlanResult& r) {
 }
 
 // The leading field tells a file of ours from others and one version from the next.
-constexpr const char* kFormat = "millpose 3";
+constexpr const char* kFormat = "millpose 4";
 
 template <class T>
 std::string ToBytes(const T& value) {

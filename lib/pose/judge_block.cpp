@@ -11,7 +11,7 @@ namespace {
 constexpr double kTurn = 2 * kPi;
 constexpr double kRound = 0x1.8p52;  // adding it rounds to a whole number
 
-/// Moves angles into [lower, upper] by as few full turns as can be; adds to `missed` where none fits.
+/// Moves angles into [lower, upper] by as few full revolutions as can be; adds to `missed` where none fits.
 void TurnInto(double lower, double upper, const Lanes& angle, Lanes& turned, Lanes& missed,
               InstructionSet set) {
   ForEachLane(

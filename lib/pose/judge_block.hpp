@@ -6,8 +6,8 @@
 
 namespace millpose {
 
-/// Puts the principal angles of both wrists of an arm branch within the bounds where full turns can, and says
-/// by how much limits and distances to singularities are missed.
+/// Puts the principal angles of both wrists of an arm branch within the bounds where full revolutions can,
+/// and says by how much limits and distances to singularities are missed.
 struct JudgedWrist {
   std::array<Lanes, 6> q;  ///< rad
   Lanes limit;             ///< rad missed, summed over the joints; 0 within

@@ -104,7 +104,7 @@ MapPoint BestPose(const MapRequest& request, const Drawn& drawn, const Vector3d&
         if (solved.reached.v[lane] == 0 || solved.wrist.v[lane] < 1e-6) continue;
         Joints q;
         for (int k = 0; k < 6; ++k) q[k] = angles.unflipped[k].v[lane];
-        const std::vector<Joints> within = FullTurns(q, request.lower, request.upper);
+        const std::vector<Joints> within = FullRevolutions(q, request.lower, request.upper);
         if (within.empty()) continue;
         Offer(drawn.greater_is_better(),
               {point, true, values.v[lane], rotation[lane], branch, within.front()}, best);

@@ -167,7 +167,7 @@ PointOptimum OnExactPose(const PointScorer& scorer, const PaperResult& result) {
   for (int branch = 0; branch < 8; ++branch) {
     const Candidate& candidate = candidates[branch];
     if (candidate.obstacle == Obstacle::kUnreachable) continue;
-    double away = 0;  // modulo full turns
+    double away = 0;  // modulo full revolutions
     for (int i = 0; i < 6; ++i) {
       const auto [sine, cosine] = SinCos(candidate.q[i] - result.q[i]);
       away += std::abs(Atan2(sine, cosine));

@@ -9,7 +9,7 @@ namespace millpose {
 namespace {
 
 // Less than this is missed by rounding only: the same joints come from the block kernels, from scalar code
-// and with other full turns.
+// and with other full revolutions.
 constexpr double kSingularRounding = 1e-10;
 
 /// What is missed of the bounds on singularity and dexterity; 0 when nothing.

@@ -14,7 +14,7 @@
 
 namespace millpose {
 
-/// Bounds of the one admissible predicate that genetic algorithm, exhaustive search, layered search and audit
+/// Bounds of the one admissible predicate that genetic algorithm, exhaustive search, ladder search and audit
 /// share.
 struct AdmissibleBounds {
   Joints lower = Joints::Zero(), upper = Joints::Zero();  ///< limits already less the margin, rad

@@ -23,8 +23,8 @@ Eigen::Matrix3d FromAnglesZxz(const Eigen::Vector3d& angles);
 /// R = Rz(A)·Rx(B)·Rz(C).
 Eigen::Vector3d ToolAngles(AngleOrder rotation, const Eigen::Matrix3d& R);
 Eigen::Matrix3d FromToolAngles(AngleOrder rotation, const Eigen::Vector3d& abc);
-/// Of all A, B, C that give R the nearest to `near`, full turns included: what a control that runs the three
-/// angles evenly must be told. Where only the sum or difference of two is determined, the one about the
+/// Of all A, B, C that give R the nearest to `near`, full revolutions included: what a control that runs the
+/// three angles evenly must be told. Where only the sum or difference of two is determined, the one about the
 /// outermost axis stays.
 Eigen::Vector3d ToolAnglesNear(AngleOrder rotation, const Eigen::Matrix3d& R, const Eigen::Vector3d& near);
 
@@ -32,21 +32,22 @@ Eigen::Vector3d ToolAnglesNear(AngleOrder rotation, const Eigen::Matrix3d& R, co
 Joints ToController(const AxisConvention& axes, const Joints& q);
 Joints FromController(const AxisConvention& axes, const Joints& angles);
 
-/// rad (0.001°): nearer to 0 the controller's own arithmetic decides what a turn bit means, 0 or a full turn.
+/// rad (0.001°): nearer to 0 the controller's own arithmetic decides what a turn bit means, 0 or a full
+/// revolution.
 inline constexpr double kUncertainTurn = 1.7453293e-5;
 
 /// Bit i−1 set where the controller's angle i is negative.
 int ControllerTurn(const AxisConvention& axes, const Joints& q);
 
 /// The joint angles at which the arm reaches flange pose X_BF on branch `status` with the controller's angles
-/// signed as `turn` says, each within one full turn (−360° ≤ negative < 0 ≤ positive < 360°); within 1e-9 rad
-/// of 0, where the sign is noise, an angle is taken as 0 whatever `turn` says. Empty when the branch does not
-/// reach the pose.
+/// signed as `turn` says, each within one full revolution (−360° ≤ negative < 0 ≤ positive < 360°); within
+/// 1e-9 rad of 0, where the sign is noise, an angle is taken as 0 whatever `turn` says. Empty when the branch
+/// does not reach the pose.
 std::optional<Joints> AnglesAt(const Arm& arm, const AxisConvention& axes, const Pose& X_BF, int status,
                                int turn);
 
 /// The controller's turn of a PTP target at the pose X_BF that the text states, which rounding has moved off
-/// the planned angles `q` (a joint within the rounding of 0° would else be sent round by a full turn).
+/// the planned angles `q` (a joint within the rounding of 0° would else be sent round by a full revolution).
 int TurnAsWritten(const Arm& arm, const AxisConvention& axes, const Pose& X_BF, int status, const Joints& q);
 
 /// `value` as Fixed(value, decimals) reads back.

@@ -104,11 +104,11 @@ class ProgramBuilder {
     return motion;
   }
 
-  /// Back to a ring's first point, with the full turns that the way round has made.
+  /// Back to a ring's first point, with the full revolutions that the way round has made.
   void AddClosing(const PassResult& pass, int first) {
     const Joints before = *program_.motions.back().q;
     Motion& closing = AddCut(pass, first);
-    closing.q = Beside(before, *closing.q);
+    closing.q = NearestEquivalent(before, *closing.q);
   }
 
   /// Rounded, a way that leads back over itself would end short of the place where it turns; and a tool that

@@ -11,8 +11,8 @@
 
 namespace millpose {
 
-/// What more than one controller is told in its section of the cell's `controllers:`. Every default here and
-/// only here; the keys stand in post_keys.cpp.
+/// What more than one controller is reported in its section of the cell's `controllers:`. Every default here
+/// and only here; the keys stand in post_keys.cpp.
 struct PostOptions {
   FrameAxis tool_axis = FrameAxis::kZ;      ///< of the controller's tool frame, along T's z
   AngleOrder rotation = AngleOrder::kRpy;   ///< how A, B, C turn

@@ -180,7 +180,7 @@ void ProgramReader::Forget(const std::string& by) {
 }
 
 void ProgramReader::Require(const std::string& setting) {
-  if (checking_ || !stated_.insert(setting).second) return;  // told once
+  if (checking_ || !stated_.insert(setting).second) return;  // reported once
   problems_.push_back({{open_.back(), line_, 0, -1},
                        forgotten_by_.empty()
                            ? fmt::format("{} must be stated before the first motion", setting)

@@ -57,7 +57,7 @@ class Collector {
     }
     columns_.push_back(std::move(column));
   }
-  /// The last column's values are told up to `bound`.
+  /// The last column's values are reported up to `bound`.
   void Bound(double bound) { columns_.back().bound = bound; }
   std::vector<ReportColumn> Take() { return std::move(columns_); }
 

@@ -23,7 +23,7 @@ Json TimelineJson(const HtmlInput& input, const std::vector<ReportRow>& rows) {
   for (const RunInstant& instant : *input.timeline) {
     const auto found = row_of.find({instant.pass, instant.point});
     if (instant.point >= 0 && found == row_of.end()) continue;  // of a point that is not shown
-    // A ring's last motion ends at its first point, at times full turns away.
+    // A ring's last motion ends at its first point, at times full revolutions away.
     const bool same =
         found != row_of.end() &&
         input.plan.passes[static_cast<size_t>(instant.pass)].points[static_cast<size_t>(instant.point)].q ==

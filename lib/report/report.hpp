@@ -125,7 +125,7 @@ struct PaperFigures {
   size_t searched = 0;
   size_t within_tolerance = 0;  ///< of eq. 26: 0.1 mm and 0.1°
   size_t usable = 0;            ///< and admissible on the exact pose
-  size_t on_path = 0;           ///< and chosen by the layered search
+  size_t on_path = 0;           ///< and chosen by the ladder search
   Spread position_error;        ///< mm
   Spread angle_error;           ///< rad
   std::optional<Spread>
@@ -142,7 +142,7 @@ struct PlanFigures {
   std::optional<double> acceleration_ratio;  ///< RMS of joint accelerations in cuts after ÷ before smoothing
   std::optional<double> smoothing_loss;      ///< Σ f after ÷ before smoothing − 1
   long long poses_checked = 0;               ///< for interference, in passes and gaps
-  long long candidates = 0, candidates_checked = 0;  ///< of the layered search; the rest was never asked for
+  long long candidates = 0, candidates_checked = 0;  ///< of the ladder search; the rest was never asked for
   long long pairs_checked = 0,
             pairs_saved = 0;          ///< of bodies, for them; saved: known from another pose there
   std::optional<PaperFigures> paper;  ///< with formulation paper
@@ -153,7 +153,7 @@ PlanFigures Figures(const PlanResult& plan);
 std::string PointsCsv(const PlanResult& plan);
 
 /// VTK XML PolyData: the pieces as lines, skipped points as vertices, all indices as point arrays (0 for the
-/// pose of a skipped point, told apart by the array `planned`); positions in W, mm.
+/// pose of a skipped point, distinguished by the array `planned`); positions in W, mm.
 std::string PathVtp(const PlanResult& plan);
 
 inline constexpr int kSummaryVersion = 2;  ///< schema_version of summary.json

@@ -15,7 +15,7 @@ inline Joints InnerAngles(const Arm& arm, const Joints& A) {
   return q;
 }
 
-/// `angle` less full turns, in (−π, π]; an angle that lies there already stays as it is. |angle| < 1e9.
+/// `angle` less full revolutions, in (−π, π]; an angle that lies there already stays as it is. |angle| < 1e9.
 [[gnu::always_inline]] inline double Principal(double angle) {
   constexpr double kRound = 0x1.8p52;  // adding it rounds to a whole number
   const double turns = (angle * (0.5 / kPi) + kRound) - kRound;
@@ -28,7 +28,7 @@ inline Joints InnerAngles(const Arm& arm, const Joints& A) {
 Joints OuterAngles(const Arm& arm, const Joints& q);
 
 /// `q` moved by whole turns to where each joint is nearest to `near`; exact where none is needed.
-Joints Beside(const Joints& near, const Joints& q);
+Joints NearestEquivalent(const Joints& near, const Joints& q);
 
 /// Where the wrist centre lies in the plane of the arm, and the angle that decides elbow and reach.
 struct ArmPlane {

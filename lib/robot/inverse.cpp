@@ -72,7 +72,7 @@ std::optional<Joints> InverseNear(const Arm& arm, const Pose& X_BF, int branch, 
   return q;
 }
 
-std::vector<Joints> FullTurns(const Joints& q, const Joints& lower, const Joints& upper) {
+std::vector<Joints> FullRevolutions(const Joints& q, const Joints& lower, const Joints& upper) {
   std::vector<Joints> all{q};
   for (int i = 0; i < 6; ++i) {
     std::vector<Joints> extended;

@@ -52,7 +52,7 @@ Joints OuterAngles(const Arm& arm, const Joints& q) {
   return A;
 }
 
-Joints Beside(const Joints& near, const Joints& q) {
+Joints NearestEquivalent(const Joints& near, const Joints& q) {
   Joints moved = q;
   for (int i = 0; i < 6; ++i) {
     const double turns = std::round((near[i] - q[i]) / (2 * kPi));

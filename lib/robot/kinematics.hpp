@@ -46,12 +46,12 @@ struct InverseResult {
 /// All closed-form solutions of ForwardFlange(arm, q) = X_BF, limits not looked at. Never NaN.
 InverseResult Inverse(const Arm& arm, const Pose& X_BF);
 
-/// The solution on one branch that lies nearest to `near` (full turns added where that brings a joint
+/// The solution on one branch that lies nearest to `near` (full revolutions added where that brings a joint
 /// nearer); empty when that branch has none.
 std::optional<Joints> InverseNear(const Arm& arm, const Pose& X_BF, int branch, const Joints& near);
 
-/// All vectors equal to `q` up to full turns of single joints that lie within [lower, upper].
-std::vector<Joints> FullTurns(const Joints& q, const Joints& lower, const Joints& upper);
+/// All vectors equal to `q` up to full revolutions of single joints that lie within [lower, upper].
+std::vector<Joints> FullRevolutions(const Joints& q, const Joints& lower, const Joints& upper);
 
 /// The branch's number, status S: bit 0 = wrist centre behind axis 1 (overhead), bit 1 = A3 ≥ atan2(dz, d4)
 /// (elbow), bit 2 = A5 < 0, each on the arm's inner angles. For a KUKA arm that is the controller's S; arms

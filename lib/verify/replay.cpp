@@ -13,7 +13,7 @@ constexpr double kTurnStep = 0.5 * kRadPerDeg;
 constexpr double kLargestTurn = 4 * kPi;  // rad that a straight motion may turn; more is no program of ours
 constexpr double kFarOutside = 2 * kPi;   // rad beyond the limits: not sampled, the arm stays where it was
 constexpr double kCallSlack = 1e-4;       // rad: six decimals of a degree, and turns counted exactly
-constexpr double kTargetStep = 5;         // mm: from target to target full turns must be followed, no more
+constexpr double kTargetStep = 5;  // mm: from target to target full revolutions must be followed, no more
 
 /// The programmed tool in B of a motion; the tool that the program believes in.
 Pose ProgrammedTool(const MotionProgram& program, const Motion& motion) {

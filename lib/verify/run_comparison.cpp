@@ -47,7 +47,7 @@ bool RunComparison::ReachedAll() const {
   return true;
 }
 
-/// Motions far longer than any that was planned are told before they are sampled.
+/// Motions far longer than any that was planned are reported before they are sampled.
 bool RunComparison::LengthsFit() {
   double planned = 0, longest = 0;
   for (size_t k = 1; k < path_.size(); ++k) {

@@ -90,7 +90,7 @@ class MotionCheck {
       findings.push_back(
           At(replayed_.program, i, Cause::kReach,
              fmt::format("A{} stands at {:.5f} deg, where a turn bit does not say whether it goes "
-                         "there directly or by a full turn; joint angles expected",
+                         "there directly or by a full revolution; joint angles expected",
                          j + 1, angles[j] * kDegPerRad)));
       return;
     }

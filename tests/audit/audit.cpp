@@ -174,7 +174,7 @@ void AuditSteps(const Setup& setup, const std::vector<Cut>& cuts, Figures& figur
   for (const Cut& cut : cuts)
     for (size_t k = 1; k < cut.rows.size() + (cut.closed ? 1 : 0); ++k) {
       const Row &from = *cut.rows[k - 1], &to = *cut.rows[k % cut.rows.size()];
-      const bool closing = k == cut.rows.size();  // with the full turns of the way round
+      const bool closing = k == cut.rows.size();  // with the full revolutions of the way round
       const Angles angles = closing ? TurnedNear(to.angles, from.angles) : to.angles;
       // Where the tool turns on the spot, the way of a point 300 mm up its axis counts.
       const Real way = std::max((to.position - from.position).norm(), 300 * (to.axis - from.axis).norm());

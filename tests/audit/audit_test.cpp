@@ -268,7 +268,7 @@ TEST_F(AuditTest, ABendBeyondTheBoundMustBeThatOfAnUnchangedRotation) {
     job.replace(job.find(stated), stated.size(), "max_halfway_deviation_mm: " + bound);
     return Judged(texts);
   };
-  // Ten steps, none of them straight to a nanometre; with the rotation unchanged that cannot be mended.
+  // Ten steps, none of them straight to a nanometre; with the rotation unchanged that cannot be repaired.
   const Verdict even = judged(0, "1e-6");
   EXPECT_TRUE(even.Holds()) << ToJson(even);
   EXPECT_EQ(even.bends_excused, 10);

@@ -11,7 +11,7 @@ Matrix4 Tool(const Setup& setup, const Angles& angles);
 /// The same by the joints of the URDF that the cell names.
 Matrix4 UrdfTool(const UrdfArm& arm, const Angles& angles);
 
-/// Angles equal to `angles` up to full turns, nearest to `near`.
+/// Angles equal to `angles` up to full revolutions, nearest to `near`.
 Angles TurnedNear(Angles angles, const Angles& near);
 
 /// Joint angles that bring the tool to X_WT, by Newton's iteration on differences, from a start nearby.

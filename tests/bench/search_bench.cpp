@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A point's optimum and the layered search: scorer per candidate, both searches per point, the dynamic
+// A point's optimum and the ladder search: scorer per candidate, both searches per point, the dynamic
 // program against a plain dense one on 1,000 layers of 500 nodes.
 #include <benchmark/benchmark.h>
 
-#include "path/layered_search.hpp"
+#include "path/ladder_search.hpp"
 #include "tests/pose/problems.hpp"
 
 namespace millpose {
@@ -73,14 +73,14 @@ StepRule BenchRule() {
   return rule;
 }
 
-void LayeredSearch(benchmark::State& state) {
+void LadderSearch(benchmark::State& state) {
   const std::vector<Layer> layers = MakeLayers(1000);
-  const LayeredProblem problem{layers, BenchRule(), {}, state.range(0) != 0, false, {}, {}};
+  const LadderProblem problem{layers, BenchRule(), {}, state.range(0) != 0, false, {}, {}};
   double cost = 0;
   for (auto _ : state) cost = SearchOpen(problem).cost;
   state.counters["cost"] = cost;
 }
-BENCHMARK(LayeredSearch)->ArgName("banded")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(LadderSearch)->ArgName("banded")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
 /// Every edge by the plain function, for comparison; on 50 layers, times 20 for 1,000.
 void DenseReference(benchmark::State& state) {

@@ -13,7 +13,7 @@ bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool IsWord(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '$'; }
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
-/// The joint angles of a branch with the signs of T, each within a full turn.
+/// The joint angles of a branch with the signs of T, each within a full revolution.
 std::optional<Joints> WithSigns(const Arm& arm, const Pose& X_BF, int status, int turn) {
   const InverseResult inverse = Inverse(arm, X_BF);
   for (int s = 0; s < inverse.count; ++s) {

@@ -265,7 +265,7 @@ class Adversarial(unittest.TestCase):
         self.assertEqual(laid["passes"], summary["passes"])
 
     def test_a_ring_that_winds_an_axis_at_its_top_speed_gets_its_programs(self):
-        """Round an upright rod of 60 mm: A4 turns by 14° a mm, A6 ends a full turn from where it began."""
+        """Round an upright rod of 60 mm: A4 turns by 14° a mm, A6 ends a full revolution from where it began."""
         def place(i, z, sides=180):
             return (30 * math.cos(2 * math.pi * i / sides), 30 * math.sin(2 * math.pi * i / sides), z)
 

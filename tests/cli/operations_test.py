@@ -278,7 +278,7 @@ class Operations(InFolder):
                 told = self.plan(small().replace(*change))
                 self.assertEqual(told.returncode, 2, told.stdout)
                 self.assertRegex(told.stderr, said)
-                self.assertEqual(len(re.findall(said, told.stderr)), 1, "told once")
+                self.assertEqual(len(re.findall(said, told.stderr)), 1, "reported once")
         for operations in ("[]", "face", "[1]"):
             told = self.plan(re.sub(r"operations:\n(.*\n)*programs", f"operations: {operations}\nprograms", small()))
             self.assertEqual(told.returncode, 2)

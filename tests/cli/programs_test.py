@@ -82,7 +82,7 @@ class Options(Planned):
         self.assertEqual(head["tool_pose"], "X -250.000 Y 0.000 Z 250.000, A 180.0000 B 0.0000 C 90.0000 (Z Y' X'')")
         parts = sorted((folder / "programs/krl").glob("support_pad_*.src"))
         self.assertGreaterEqual(len(parts), 2)
-        # Split over files, without its plan: the header stands for what the controller holds, and that is told.
+        # Split over files, without its plan: the header stands for what the controller holds, and that is reported.
         main = folder / "programs/krl/support_pad.src"
         result = BENCH.run("verify", main, "--cell", numbered)
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
@@ -115,7 +115,7 @@ class Options(Planned):
         self.assertRegex(summary["findings"][0], r"^no krl program is written, its read-back does not confirm it: \d+ "
                                                  r"motions? whose feed is not the planned one")
         self.assertRegex(summary["findings"][1], r"^krl: \d+ motions? whose feed .*; what helps: .*orientation_speed_deg_s")
-        # A cause is told once, with a few places: not every finding.
+        # A cause is reported once, with a few places: not every finding.
         self.assertLess(len(summary["findings"]), 10)
         self.assertRegex(summary["findings"][2], r"^krl support_pad\.src:\d+: .* runs at .* mm/min, planned are")
         self.assertEqual({p["controller"]: p["verified"] for p in summary["programs"]},

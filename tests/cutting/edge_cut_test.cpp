@@ -25,7 +25,7 @@ CutterStance Upright() { return {Vector3d(3, 4, 5), Vector3d::UnitX(), Vector3d:
 
 /// Material of a width on one side: up to `depth` above the tip, where `side` holds for the place to the
 /// left.
-InMaterial Beside(double depth, const std::function<bool(double)>& side) {
+InMaterial NearestEquivalent(double depth, const std::function<bool(double)>& side) {
   return [=](const Vector3d& place) { return place.z() - 5 <= depth && side(place.y() - 4); };
 }
 
@@ -36,7 +36,7 @@ TEST(EdgeCut, ACylinderHasTheClosedFormsForce) {
       Cut cut{model.material, 20, 4, 2, width, 0.05, side, model.radial_ratio, model.axial_ratio};
       const CuttingForce expected = MeanCuttingForce(cut);
       const auto slices = SliceEdge(model.cutter, 2, 0.5);
-      const auto arcs = EngagedArcs(slices, Upright(), Beside(2, [&](double left) {
+      const auto arcs = EngagedArcs(slices, Upright(), NearestEquivalent(2, [&](double left) {
                                       return side == MillingSide::kSlot ||
                                              (side == MillingSide::kUp ? left : -left) > 10 - width;
                                     }));
@@ -97,7 +97,7 @@ TEST(EdgeCut, ChipsOfAnyCutterAddUpToTheSectionThatIsCut) {
 TEST(EdgeCut, ABallIsPushedUpAndSlicesConverge) {
   EdgeModel model = SomeEdge(10);
   model.axial_ratio = 0;
-  const InMaterial shallow = Beside(1, [](double) { return true; });
+  const InMaterial shallow = NearestEquivalent(1, [](double) { return true; });
   const auto force = [&](double step) {
     const auto slices = SliceEdge(model.cutter, 1, step);
     return MeanForce(model, slices, Upright(), EngagedArcs(slices, Upright(), shallow));
@@ -114,8 +114,9 @@ TEST(EdgeCut, ABallIsPushedUpAndSlicesConverge) {
 TEST(EdgeCut, MirroredMaterialMirrorsTheArcs) {
   const CutterShape cutter{10, 3, 40};
   const auto slices = SliceEdge(cutter, 2, 0.5);
-  const auto up = EngagedArcs(slices, Upright(), Beside(2, [](double left) { return left > 4; }));
-  const auto down = EngagedArcs(slices, Upright(), Beside(2, [](double left) { return left < -4; }));
+  const auto up = EngagedArcs(slices, Upright(), NearestEquivalent(2, [](double left) { return left > 4; }));
+  const auto down =
+      EngagedArcs(slices, Upright(), NearestEquivalent(2, [](double left) { return left < -4; }));
   ASSERT_EQ(up.size(), down.size());
   ASSERT_FALSE(up.empty());
   for (size_t i = 0; i < up.size(); ++i) {

@@ -53,7 +53,7 @@ def places(count, wanted):
 
 
 class Faults(unittest.TestCase):
-    """Goes from set A to set B under faults. Subclasses say how a set is written and how a folder is mended."""
+    """Goes from set A to set B under faults. Subclasses say how a set is written and how a folder is repaired."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="millpose-faults.")
@@ -76,30 +76,30 @@ class Faults(unittest.TestCase):
         return int((self.top / "count").read_text())
 
     def check_between(self, where):
-        """Right after a fault: programs are of one plan or absent, and mending gives a whole set."""
+        """Right after a fault: programs are of one plan or absent, and repairing gives a whole set."""
         found = programs(results(self.out))
         self.assertIn(found, ({}, programs(self.old), programs(self.new)), where)
         is_open = (self.out / ".journal").exists()
         if is_open:
-            mended = subprocess.run([str(word) for word in self.mend(self.out)], capture_output=True, text=True, timeout=600)
-            self.assertEqual(mended.returncode, 0, f"{where}: {mended.stderr}")
+            repaired = subprocess.run([str(word) for word in self.repair(self.out)], capture_output=True, text=True, timeout=600)
+            self.assertEqual(repaired.returncode, 0, f"{where}: {repaired.stderr}")
         self.assertIn(results(self.out), (self.old, self.new), where)
         return is_open
 
     def kill_at(self, numbers, again):
-        mended = 0
+        repaired = 0
         for at in numbers:
             with self.subTest(killed_at=at):
                 copied(self.a, self.out)
                 killed = run(self.write(self.out, "B"), self.out, at)
                 self.assertEqual(killed.returncode, -9, killed.stderr)
-                mended += self.check_between(at)
+                repaired += self.check_between(at)
                 if again(at):
                     done = run(self.write(self.out, "B"), self.top)
                     self.assertLess(done.returncode, 2, done.stderr)
                     self.assertEqual(results(self.out), self.new)
                     self.assertTrue(is_clean(self.out))
-        return mended
+        return repaired
 
     def fail_at(self, numbers, fault, stays):
         for at in numbers:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Writes a small set of results as a plan does, to be killed on the way.
 // Usage: folder_driver FOLDER LETTER: files hold the letter; with set B one file less and one more than with
-// A. `folder_driver FOLDER -` mends the folder, as verify does, and checks its manifest; `… sign` makes the
+// A. `folder_driver FOLDER -` repairs the folder, as verify does, and checks its manifest; `… sign` makes the
 // manifest one of what stands there.
 #include <fmt/format.h>
 
@@ -41,15 +41,15 @@ void Sign(const std::filesystem::path& folder) {
   WriteFileAtomically(folder / kRunFile, run);
 }
 
-void Mend(const std::string& folder) {
-  MendOutputFolder(folder);
+void Repair(const std::string& folder) {
+  RecoverOutputFolder(folder);
   fmt::print("{}\n", CheckManifest(folder).key);
 }
 
 int Run(const std::string& folder, const std::string& what) {
   try {
     if (what == "-")
-      Mend(folder);
+      Repair(folder);
     else if (what == "sign")
       Sign(folder);
     else

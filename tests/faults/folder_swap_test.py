@@ -11,14 +11,14 @@ class Swap(Faults):
     def write(self, folder, letter):
         return DRIVER, folder, letter
 
-    def mend(self, folder):
+    def repair(self, folder):
         return DRIVER, folder, "-"
 
     def test_a_kill_at_any_operation_leaves_one_whole_set(self):
         count = self.prepare()
         self.assertGreater(count, 60)
-        mended = self.kill_at(places(count, 20), again=lambda at: at % 3 == 0)
-        self.assertGreater(mended, 10 if ALL else 2, "the journal was never open")
+        repaired = self.kill_at(places(count, 20), again=lambda at: at % 3 == 0)
+        self.assertGreater(repaired, 10 if ALL else 2, "the journal was never open")
 
     def test_the_first_set_appears_whole_or_not_at_all(self):
         self.prepare()
@@ -54,7 +54,7 @@ class Swap(Faults):
                     self.assertEqual(process.returncode, 2, error)
                     self.assertRegex(error, r"another run works in this folder: process \d+ on ")
             self.assertTrue(is_clean(out))
-            self.assertEqual(subprocess.run(self.mend(out), stdout=subprocess.DEVNULL).returncode, 0)
+            self.assertEqual(subprocess.run(self.repair(out), stdout=subprocess.DEVNULL).returncode, 0)
 
 
 if __name__ == "__main__":

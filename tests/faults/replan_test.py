@@ -20,7 +20,7 @@ class Replan(Faults):
                 "--threads", "1",  # of two that want one folder at once both may try to make it: the count would vary
                 *(word for change in sets for word in ("--set", change)))
 
-    def mend(self, folder):
+    def repair(self, folder):
         return MILLPOSE, "verify", folder
 
     def test_killed(self):

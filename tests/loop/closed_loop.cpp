@@ -131,7 +131,7 @@ std::vector<Place> PlacesOf(const audit::Folder& folder, const std::string& cont
     place.program = (tip - row->position).dot(row->normal);
     const Real bend = nominal.Error(place, folder.setup);
     verdict.nominal_residual = std::max(verdict.nominal_residual, std::abs(bend + place.program));
-    // What the program's text adds by itself is told apart.
+    // What the program's text adds by itself is distinguished.
     const Real commanded = (row->commanded->position - row->position).dot(row->normal);
     verdict.nominal =
         std::max(verdict.nominal, std::abs(bend + commanded - (stated.expected - stated.taken)));

@@ -13,7 +13,7 @@ TEST(LadderBound, IsTheCostOfABestSequence) {
   int broken = 0;
   for (int round = 0; round < 200; ++round) {
     const std::vector<Layer> layers = SmallLayers(stream, 2 + stream.Below(5));
-    const LayeredProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
+    const LadderProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
     WorstThenSum search;
     const Sequence best = search.Open(problem);
     const LadderBound bound = BoundLadder(problem, best, true);
@@ -31,7 +31,7 @@ TEST(LadderBound, NoSequenceIsCheaper) {
   for (int round = 0; round < 300; ++round) {
     const bool closed = round % 3 == 0;
     const std::vector<Layer> layers = SmallLayers(stream, 3 + stream.Below(3));
-    const LayeredProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
+    const LadderProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
     std::optional<Sequence> any;
     if (closed) any = SearchClosed(problem);
     if (!any) any = SearchOpen(problem);

@@ -15,7 +15,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// The best value with at most `most` lifts, by looking at all: the least worst, then the least cost, or the
 /// least cost alone. `closed`: round, with the step from the last layer to the first; the tool may be lifted
 /// there as well.
-SequenceValue Enumerate(const LayeredProblem& problem, size_t most, bool worst_first, bool closed,
+SequenceValue Enumerate(const LadderProblem& problem, size_t most, bool worst_first, bool closed,
                         const std::vector<char>& may, const std::vector<char>& must = {}) {
   const size_t count = problem.layers.size();
   SequenceValue best{kInfinity, kInfinity};
@@ -49,7 +49,7 @@ SequenceValue Enumerate(const LayeredProblem& problem, size_t most, bool worst_f
   return best;
 }
 
-SequenceValue ValueOf(const LayeredProblem& problem, const Sequence& sequence) {
+SequenceValue ValueOf(const LadderProblem& problem, const Sequence& sequence) {
   return {WorstOf(problem.layers, sequence), sequence.cost};
 }
 
@@ -61,7 +61,7 @@ TEST(LiftedSearch, OpenIsTheBestOfAllSequencesWithSoManyLifts) {
     std::vector<char> may(layers.size(), 1), must(layers.size(), 0);
     if (round % 3 == 1) may[1] = 0;
     if (round % 3 == 2) must[2] = 1;
-    LayeredProblem problem{layers, SmallRule(), {}, false, false, {}, must};
+    LadderProblem problem{layers, SmallRule(), {}, false, false, {}, must};
     for (const bool worst_first : {false, true}) {
       const SequenceValue without = Enumerate(problem, 0, worst_first, false, may, must);
       if (!std::isfinite(without.cost)) continue;  // must be lifted somewhere else: not asked here
@@ -91,7 +91,7 @@ TEST(LiftedSearch, ALiftIsMadeWhereItGainsMoreThanItsPrice) {
   std::array<int, kMostLifts + 1> times{};
   for (int round = 0; round < 300; ++round) {
     const std::vector<Layer> layers = SmallLayers(stream, 4 + stream.Below(3));
-    const LayeredProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
+    const LadderProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
     const double gain = stream.Uniform(0, 0.2);
     const bool worst_first = round % 2 == 1;
     std::vector<double> values;
@@ -119,14 +119,14 @@ TEST(LiftedSearch, RoundIsTheBestOfAllStarts) {
   int looked = 0, elsewhere = 0;
   for (int round = 0; round < 300; ++round) {
     const std::vector<Layer> layers = SmallLayers(stream, 3 + stream.Below(4));
-    const LayeredProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
+    const LadderProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
     for (const bool worst_first : {false, true}) {
       // The open problem from every start.
       SequenceValue expected{kInfinity, kInfinity}, first;
       for (size_t start = 0; start < layers.size(); ++start) {
         std::vector<Layer> turned = layers;
         std::rotate(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(start), turned.end());
-        const LayeredProblem from{turned, SmallRule(), {}, false, false, {}, {}};
+        const LadderProblem from{turned, SmallRule(), {}, false, false, {}, {}};
         WorstThenSum search;
         const Sequence open = worst_first ? search.Open(from) : SearchOpen(from);
         if (!LiftsOf(open).empty()) continue;
@@ -159,7 +159,7 @@ TEST(LiftedSearch, RoundWithLiftsIsTheBestOfAll) {
   int looked = 0;
   for (int round = 0; round < 100; ++round) {
     const std::vector<Layer> layers = SmallLayers(stream, 3 + stream.Below(3));
-    const LayeredProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
+    const LadderProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
     for (const bool worst_first : {false, true}) {
       if (!std::isfinite(Enumerate(problem, 1, worst_first, true, {}).cost)) continue;
       ++looked;
@@ -178,7 +178,7 @@ TEST(LiftedSearch, AnEndThatRunsOnIsCounted) {
   int looked = 0, elsewhere = 0;
   for (int round = 0; round < 200; ++round) {
     const std::vector<Layer> layers = SmallLayers(stream, 4 + stream.Below(2));
-    const LayeredProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
+    const LadderProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
     const double without = Enumerate(problem, 0, false, false, {}).cost;
     if (!std::isfinite(without)) continue;
     ++looked;
@@ -223,7 +223,7 @@ TEST(LiftedSearch, FindsTheSameWhenItKeepsWhatItKnows) {
   for (int round = 0; round < 60; ++round) {
     std::vector<Layer> layers = SmallLayers(stream, 5);
     std::vector<uint64_t> versions(layers.size(), 0);
-    LayeredProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
+    LadderProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
     problem.versions = versions;
     const LiftPrice price{2, 0.02, round % 2 == 1};
     LiftedSearch kept(price);

@@ -13,7 +13,7 @@ TEST(PlanPass, GoesRoundWhatIsInTheWay) {
   ASSERT_TRUE(Checker(world).At(before.points[12].q, Phase::kCutting).has_value());
   const PassResult result = PlanPass(problem, world, pass, 0, 0, Options(), 2, {});
   ExpectSound(problem, Options(), pass, result);
-  EXPECT_GT(result.nodes_struck, 0);
+  EXPECT_GT(result.nodes_pruned, 0);
   EXPECT_GT(result.poses_checked, 0);
   double objective = 0, objective_before = 0;
   Checker checker(world);

@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "path/edge_kernel.hpp"
-#include "path/turns.hpp"
+#include "path/revolutions.hpp"
 #include "tests/path/pass_problem.hpp"
 
 namespace millpose {
@@ -147,7 +147,7 @@ TEST(PlanPass, RingsInsideACabinWindAJointAndTheNextRunsTheOtherWay) {
   }
   const auto end = [](const PassResult& pass) -> Joints {  // back at the first point, turns counted
     const Joints &first = pass.points.front().q, &last = pass.points.back().q;
-    return last + (first - last).unaryExpr(&ShortWay);
+    return last + (first - last).unaryExpr(&WrapToPi);
   };
   const Joints winding = end(as_laid[0]) - as_laid[0].points.front().q;
   EXPECT_NEAR(winding.cwiseAbs().sum(), 2 * kPi, 1e-9) << "one joint, once round";
@@ -162,8 +162,8 @@ TEST(PlanPass, RingsInsideACabinWindAJointAndTheNextRunsTheOtherWay) {
     return sum + (home - at).cwiseAbs().sum();
   };
   std::vector<PassResult> free = as_laid;
-  FixTurns(as_laid, {home, problem.bounds.lower, problem.bounds.upper, false});
-  FixTurns(free, {home, problem.bounds.lower, problem.bounds.upper, true});
+  ChooseRevolutions(as_laid, {home, problem.bounds.lower, problem.bounds.upper, false});
+  ChooseRevolutions(free, {home, problem.bounds.lower, problem.bounds.upper, true});
   EXPECT_LT(turning(free), turning(as_laid) - DegToRad(600)) << "two unwindings saved";
   for (const PassResult& pass : free) {
     for (size_t t = 1; t < pass.points.size(); ++t) {

@@ -7,7 +7,7 @@
 
 #include "base/random.hpp"
 #include "base/units.hpp"
-#include "path/layered_search.hpp"
+#include "path/ladder_search.hpp"
 
 namespace millpose {
 
@@ -51,7 +51,7 @@ inline bool NextChoice(std::span<const Layer> layers, std::vector<size_t>& nodes
 
 /// Objective and motion along a sequence with its breaks, round to the first when closed; +inf where a step
 /// is too large.
-inline double CostOf(const LayeredProblem& problem, const Sequence& sequence) {
+inline double CostOf(const LadderProblem& problem, const Sequence& sequence) {
   double cost = 0;
   for (size_t t = 0; t < sequence.nodes.size(); ++t) {
     const Layer& layer = problem.layers[t];

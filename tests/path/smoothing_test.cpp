@@ -66,7 +66,7 @@ TEST(SmoothPath, KeepsToItsRanges) {
   EXPECT_LT(course.Rms(), before);
 }
 
-TEST(SmoothPath, MendsMotionsThatDeviateHalfway) {
+TEST(SmoothPath, RepairsMotionsThatDeviateHalfway) {
   RoughRow course(60, 10, [](int t) { return DegToRad(std::clamp(4.0 * (t - 28), 0.0, 16.0)); });
   const auto deviation = [&] {
     const Carrier carrier{course.problem.arm, course.problem.X_WB, course.problem.X_FT};
@@ -83,7 +83,7 @@ TEST(SmoothPath, MendsMotionsThatDeviateHalfway) {
   EXPECT_LE(deviation(), options.max_deviation);
 }
 
-TEST(SmoothPath, LetsNoDeviationGrowThatItCannotMend) {
+TEST(SmoothPath, LetsNoDeviationGrowThatItCannotRepair) {
   RoughRow course(40, 10, [](int t) { return DegToRad(std::clamp(4.0 * (t - 18), 0.0, 16.0)); });
   const Carrier carrier{course.problem.arm, course.problem.X_WB, course.problem.X_FT};
   const auto deviation = [&](size_t t) {

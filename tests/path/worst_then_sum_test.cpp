@@ -17,7 +17,7 @@ struct Value {
 };
 
 /// What a choice of nodes gives; `closed` with the step back to the first.
-Value Measure(const LayeredProblem& problem, const std::vector<size_t>& nodes, bool closed) {
+Value Measure(const LadderProblem& problem, const std::vector<size_t>& nodes, bool closed) {
   Value value{0, 0, 0};
   for (size_t t = 0; t < nodes.size(); ++t) {
     const Layer& layer = problem.layers[t];
@@ -34,7 +34,7 @@ Value Measure(const LayeredProblem& problem, const std::vector<size_t>& nodes, b
 }
 
 /// The best of all sequences: fewest breaks, least worst, then least sum.
-Value Best(const LayeredProblem& problem, bool closed) {
+Value Best(const LadderProblem& problem, bool closed) {
   std::vector<Value> all;
   std::vector<size_t> nodes(problem.layers.size(), 0);
   do {
@@ -54,7 +54,7 @@ TEST(WorstThenSum, OpenIsTheBestOfAllSequences) {
   int broken = 0, traded = 0;
   for (int round = 0; round < 300; ++round) {
     const std::vector<Layer> layers = SmallLayers(stream, 2 + stream.Below(4));
-    const LayeredProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
+    const LadderProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
     const Value expected = Best(problem, false);
     WorstThenSum search;
     const Sequence found = search.Open(problem);
@@ -75,7 +75,7 @@ TEST(WorstThenSum, ClosedIsTheBestOfAllCycles) {
   int closed = 0;
   for (int round = 0; round < 300; ++round) {
     const std::vector<Layer> layers = SmallLayers(stream, 3 + stream.Below(2));
-    const LayeredProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
+    const LadderProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
     const Value expected = Best(problem, true);
     WorstThenSum search;
     const std::optional<Sequence> found = search.Closed(problem);
@@ -90,11 +90,11 @@ TEST(WorstThenSum, ClosedIsTheBestOfAllCycles) {
   EXPECT_GT(closed, 50);
 }
 
-TEST(WorstThenSum, KeepsItsBoundWhileNodesAreStruckOut) {
+TEST(WorstThenSum, KeepsItsBoundWhileNodesArePruned) {
   RandomStream stream(23, 0);
   for (int round = 0; round < 100; ++round) {
     std::vector<Layer> layers = SmallLayers(stream, 4);
-    const LayeredProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
+    const LadderProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
     WorstThenSum kept;
     for (int strike = 0; strike < 6; ++strike) {
       const Sequence found = kept.Open(problem);

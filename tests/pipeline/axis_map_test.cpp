@@ -90,7 +90,7 @@ TEST(AxisMap, TheLimitIsThatOfTheAxisFarthestBeyondIt) {
   Joints q = Joints::Zero();
   EXPECT_EQ(FarthestBeyond(bounds, q).by, 0);
   q[3] = 1.25;
-  q[1] = 2 * kPi - 0.5;  // a full turn away from what is allowed
+  q[1] = 2 * kPi - 0.5;  // a full revolution away from what is allowed
   EXPECT_EQ(FarthestBeyond(bounds, q).joint, 3);
   EXPECT_NEAR(FarthestBeyond(bounds, q).by, 0.25, 1e-12);
 }

@@ -44,7 +44,7 @@ TEST(Continuity, SlowCutsAreHeld) {
   EXPECT_GT(figures.halfway_deviation, 0);
 }
 
-TEST(Continuity, FastCutsNameThePointsInTheJobAndReducingMendsThem) {
+TEST(Continuity, FastCutsNameThePointsInTheJobAndReducingRepairsThem) {
   PlanResult plan = SwingingPlan(120);
   const ContinuityFigures before = AnalyseContinuity(plan);
   ASSERT_FALSE(before.feed_not_held.empty());
@@ -112,7 +112,7 @@ TEST(Continuity, AClosedPieceIncludesItsWayBackToTheStart) {
   pass.pieces = {{1, 0, 0, 200, true}};
   for (int i = 0; i <= 200; ++i) {
     PlannedPoint& point = pass.points[i];
-    point.q[5] = 2 * kPi * i / 201;  // once round, closing modulo a full turn
+    point.q[5] = 2 * kPi * i / 201;  // once round, closing modulo a full revolution
     point.point.position =
         Eigen::Vector3d(std::cos(point.q[5]), std::sin(point.q[5]), 0) / (2 * std::sin(kPi / 201));
   }

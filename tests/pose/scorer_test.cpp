@@ -22,7 +22,7 @@ Candidate Reference(const PoseProblem& problem, const MillingPoint& point, doubl
     const auto indices =
         IndicesInPlane(C.topLeftCorner<3, 3>(), problem.X_WB.linear().transpose() * point.normal);
     candidate.objective = indices ? 0.5 * indices->lambda_t2 + 0.5 * indices->lambda_n : 1e9;
-    const std::vector<Joints> turns = FullTurns(q, problem.bounds.lower, problem.bounds.upper);
+    const std::vector<Joints> turns = FullRevolutions(q, problem.bounds.lower, problem.bounds.upper);
     candidate.q = turns.empty() ? q : turns.front();
     candidate.obstacle = turns.empty() ? Obstacle::kLimit : CheckAdmissible(problem, turns.front());
   }
@@ -67,7 +67,7 @@ TEST(PointScorer, EqualsThePlainReference) {
           ASSERT_EQ(found.obstacle, expected.obstacle);
           if (found.obstacle == Obstacle::kUnreachable) continue;
           ++reached;
-          // Equal up to full turns; within the bounds when admissible.
+          // Equal up to full revolutions; within the bounds when admissible.
           for (int j = 0; j < 6; ++j) {
             EXPECT_NEAR(std::remainder(found.q[j] - expected.q[j], 2 * kPi), 0, 1e-9);
           }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""usage: colour_test.py lib/report/web: the colours of report.html are told apart by people who do not tell red from
+"""usage: colour_test.py lib/report/web: the colours of report.html are distinguished by people who do not tell red from
 green, and are seen against their ground, in light and in dark."""
 import pathlib
 import re

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A plan of a bent vertical panel in front of a KR 500 R2830, in zigzag: real poses and curves, found point
-// by point with the pose module, without the layered search.
+// by point with the pose module, without the ladder search.
 #pragma once
 
 #include "cell/cell.hpp"

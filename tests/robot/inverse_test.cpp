@@ -13,7 +13,7 @@ double AngleBetween(const Pose& a, const Pose& b) {
   return (a.linear() - b.linear()).norm() / std::sqrt(2.0);
 }
 
-/// Largest difference of two joint vectors modulo full turns, rad.
+/// Largest difference of two joint vectors modulo full revolutions, rad.
 double Apart(const Joints& a, const Joints& b) {
   double apart = 0;
   for (int i = 0; i < 6; ++i) apart = std::max(apart, std::abs(std::remainder(a[i] - b[i], 2 * kPi)));
@@ -168,20 +168,20 @@ TEST(Inverse, AWristNearerToAxis1ThanItsOffsetIsOutOfReach) {
 TEST(Inverse, FullTurnsAreAllWithinLimits) {
   const Joints lower = Degrees(-185, -130, -100, -350, -120, -350);
   const Joints upper = Degrees(185, 20, 144, 350, 120, 350);
-  const std::vector<Joints> all = FullTurns(Degrees(178, -60, 100, 20, 30, -340), lower, upper);
+  const std::vector<Joints> all = FullRevolutions(Degrees(178, -60, 100, 20, 30, -340), lower, upper);
   ASSERT_EQ(all.size(), 8u);  // A1, A4 and A6 twice each
   for (const Joints& q : all) {
     EXPECT_TRUE((q.array() >= lower.array()).all() && (q.array() <= upper.array()).all());
     EXPECT_LT(Apart(q, all[0]), 1e-12);
   }
-  EXPECT_TRUE(FullTurns(Degrees(0, 30, 0, 0, 0, 0), lower, upper).empty());
+  EXPECT_TRUE(FullRevolutions(Degrees(0, 30, 0, 0, 0, 0), lower, upper).empty());
 }
 
 TEST(Inverse, FullTurnsReachTheLimitsThemselves) {
   Joints lower = Joints::Constant(-1), upper = Joints::Constant(1);
   lower[3] = -2 * kPi;
   upper[3] = 2 * kPi;
-  const std::vector<Joints> all = FullTurns(Joints::Zero(), lower, upper);
+  const std::vector<Joints> all = FullRevolutions(Joints::Zero(), lower, upper);
   ASSERT_EQ(all.size(), 3u);
   EXPECT_EQ(all.front()[3], lower[3]);
   EXPECT_EQ(all.back()[3], upper[3]);

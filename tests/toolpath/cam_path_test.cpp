@@ -170,7 +170,7 @@ TEST(Apt, TangentAndSignOfACircleMustAgree) {
   EXPECT_NEAR(Swept(ReadCamPath(within + circle + to, "x", options)) - from(within), -quarter, 1e-9);
   options.circle = CircleWay::kAxis;
   EXPECT_NEAR(Swept(ReadCamPath(within + circle + to, "x", options)) - from(within), 3 * quarter, 1e-9);
-  // A rapid to the start says nothing, and neither does the tangent of half and full turns.
+  // A rapid to the start says nothing, and neither does the tangent of half and full revolutions.
   EXPECT_NEAR(Swept(Apt("RAPID\nGOTO/10,5,0\nRAPID\nGOTO/10,0,0\n" + circle + to)) + std::atan2(5, 10),
               3 * quarter, 1e-9);
   for (const double sign : {1.0, -1.0})
@@ -226,7 +226,7 @@ TEST(Apt, UnknownWordsAreCountedAndMotionsMustBeReadable) {
   EXPECT_EQ(path.points.size(), 2);
   EXPECT_EQ(path.notes,
             std::vector<std::string>{"skipped, as they say nothing about the motion: 2 PAINT, 1 PPRINT"});
-  // All unknown words are told at once, with the error that ended the reading.
+  // All unknown words are reported at once, with the error that ended the reading.
   EXPECT_EQ(
       ErrorOf("WHATEVER/1\nGOTO/0,0,0\nMOVARC/1\nWHATEVER/2\nGOTO/1\n"),
       "path.cls:1:1: \"WHATEVER\" is not known (2 in the file), and a word that is not known may change the "

@@ -211,7 +211,7 @@ TEST(Gcode, UnknownWordsAreCountedOnce) {
                             "M codes that are not known, taken for no motion: M57 (1), M123 (2)",
                             "skipped, as they say nothing about the motion: 1 CYCLE800, 1 CYCLE832, "
                             "1 D, 1 G64, 1 MSG"}));
-  // All unknown words are told at once.
+  // All unknown words are reported at once.
   const std::string why =
       " in the file), and a word that is not known may change the path: take it out if it says nothing about "
       "the "

@@ -106,7 +106,7 @@ TEST(HandEdits, TurnBitsNearZero) {
   }
 }
 
-/// Numbers that no program holds are told in no time: nothing of them is sampled.
+/// Numbers that no program holds are reported in no time: nothing of them is sampled.
 TEST(HandEdits, HugeNumbersAreToldAtOnce) {
   struct Case {
     const char *variant, *line, *from, *to;

@@ -264,7 +264,7 @@ class SinumerikReader : public ProgramReader {
       ptp_ = word == "PTP";
     } else if (word == FrameWord()) {
       settings_since_.insert(word);
-      if (!std::exchange(frame_known_, true)) {  // told once
+      if (!std::exchange(frame_known_, true)) {  // reported once
         if (!program_.X_BP) program_.X_BP = Pose::Identity();
         scan.FailFrom(start, fmt::format("$P_UIFR[{}] before {} expected", options_.Frame() - 500, word));
       }
@@ -298,7 +298,7 @@ class SinumerikReader : public ProgramReader {
     EndFile();
   }
 
-  /// What must have been stated since the last TRAORI; told once after each.
+  /// What must have been stated since the last TRAORI; reported once after each.
   void ExpectSince(const LineScanner& scan, size_t start, const std::vector<std::string>& words) {
     std::vector<std::string> missing;
     for (const std::string& word : words) {
@@ -345,7 +345,7 @@ class SinumerikReader : public ProgramReader {
     if (rounds) {
       ExpectSince(scan, start, {"COMPOF", "G642"});
       if (!tolerances_.position || !tolerances_.orientation) {
-        tolerances_.position = tolerances_.orientation = 0;  // told once
+        tolerances_.position = tolerances_.orientation = 0;  // reported once
         scan.FailFrom(
             start,
             "the tolerances of rounded corners expected before, since TRAORI: CYCLE832 with _ORI_FINISH, or "

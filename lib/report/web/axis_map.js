@@ -92,7 +92,7 @@
     }
 
     // The path in the middle, unwound along the pass, so that the edge of the map cuts it only where it makes more than
-    // a full turn.
+    // a full revolution.
     centre() {
       const { curves, column } = this.data, rotation = column.rotation.values;
       let last = NaN, low = Infinity, high = -Infinity;
@@ -112,7 +112,7 @@
     cellIndex(j) {
       return (((j + this.shift) % this.steps) + this.steps) % this.steps;
     }
-    // The angle as the map shows it, and as it is told.
+    // The angle as the map shows it, and as it is reported.
     shown(degrees) {
       const low = this.rotationOf(-0.5);
       return low + ((((degrees - low) % 360) + 360) % 360);

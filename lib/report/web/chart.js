@@ -20,7 +20,7 @@
     return value.toFixed(Math.max(0, Math.min(6, -Math.floor(Math.log10(step) + 1e-9))));
   };
 
-  // How series are told apart beside their colours.
+  // How series are distinguished beside their colours.
   m.DASHES = [[], [7, 3], [2, 2.5], [10, 3, 2, 3], [4, 4], [12, 3, 2, 3, 2, 3]];
   // A line of a series for its legend.
   m.swatch = (number) => m.markup(`<svg class="swatch" width="24" height="10" aria-hidden="true"><line x1="0" x2="24" y1="5" y2="5" stroke-width="3" stroke-dasharray="${m.DASHES[number].join(" ")}" style="stroke: var(--s${number + 1})"/></svg>`);

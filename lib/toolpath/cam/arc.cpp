@@ -17,7 +17,7 @@ double ArcAngle(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Ei
                 const Eigen::Vector3d& axis, int full_turns) {
   const Eigen::Vector3d a = Across(from - centre, axis), b = Across(to - centre, axis);
   double angle = Atan2(axis.dot(a.cross(b)), a.dot(b));
-  // Ends that coincide within rounding of the file (1e-4 mm) are a full turn.
+  // Ends that coincide within rounding of the file (1e-4 mm) are a full revolution.
   if (angle <= 1e-4 / a.norm()) angle += 2 * kPi;
   return angle + 2 * kPi * full_turns;
 }

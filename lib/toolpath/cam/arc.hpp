@@ -9,7 +9,7 @@
 namespace millpose {
 
 /// The angle of the right-hand turn about `axis` (unit vector) from `from` to `to`, with `full_turns` more:
-/// above 0, a full turn where both coincide within 1e-4 mm. Precondition: neither lies on the axis.
+/// above 0, a full revolution where both coincide within 1e-4 mm. Precondition: neither lies on the axis.
 double ArcAngle(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::Vector3d& centre,
                 const Eigen::Vector3d& axis, int full_turns);
 

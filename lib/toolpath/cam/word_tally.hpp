@@ -14,7 +14,7 @@ namespace millpose {
 class WordTally {
  public:
   void CountHarmless(const std::string& word) { ++harmless_[word.substr(0, kShown)]; }
-  /// Each kind of word is told once, with the place of the first and how many there are.
+  /// Each kind of word is reported once, with the place of the first and how many there are.
   void AddUnknown(const std::string& word, const Place& place);
   /// Throws InputError when there are unknown words, or `more` that stopped the reading.
   void RefuseUnknown(const std::vector<Problem>& more) const;

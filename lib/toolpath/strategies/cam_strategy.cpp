@@ -96,7 +96,7 @@ yaml::Codec<RotaryAxis> RotaryAxisFields() {
                  "Needed where the program does not name the tip (no TRAORI, no G43.4).")});
 }
 
-// Every key is "M" with a number, and keys that hold for another format are told when the file is read.
+// Every key is "M" with a number, and keys that hold for another format are reported when the file is read.
 void CheckCodes(const yaml::Value& value, const yaml::Context& context, CamStrategy& cam) {
   for (const auto& [code, tip] : cam.kinematics_codes) {
     const auto number = code.size() > 1 && code[0] == 'M' ? ParseNumber(code.substr(1)) : std::nullopt;

@@ -23,8 +23,8 @@ struct Contour {
   const ContourPoint& To(size_t segment) const { return points[(segment + 1) % points.size()]; }
 };
 
-/// The contour of the options. Throws InputError for a border that is not told apart, a line of no length, a
-/// missing axis.
+/// The contour of the options. Throws InputError for a border that is not distinguished, a line of no length,
+/// a missing axis.
 Contour ContourOf(const Trim& trim, const StrategyInputs& inputs);
 
 }  // namespace millpose

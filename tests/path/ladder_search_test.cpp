@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "path/layered_search.hpp"
+#include "path/ladder_search.hpp"
 
 #include "path/returning.hpp"
 #include "tests/pose/problems.hpp"
@@ -10,13 +10,13 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Layers of a row of panel points on a real arm.
-std::vector<Layer> PanelLayers(const PoseProblem& problem, int count, double step, bool all_turns = false,
-                               double spacing = 4) {
+std::vector<Layer> PanelLayers(const PoseProblem& problem, int count, double step,
+                               bool all_revolutions = false, double spacing = 4) {
   std::vector<Layer> layers;
   for (int t = 0; t < count; ++t) {
     const MillingPoint point = PanelPoint(-0.5 * spacing * count + spacing * t, 60);
     const PointScorer scorer(problem, point, Eigen::Vector3d::UnitZ());
-    layers.push_back(MakeLayer(scorer, SeedsOf(CandidateTable::OfStep(scorer, step)), all_turns));
+    layers.push_back(MakeLayer(scorer, SeedsOf(CandidateTable::OfStep(scorer, step)), all_revolutions));
   }
   return layers;
 }
@@ -53,15 +53,15 @@ struct Dense {
   }
 };
 
-double EdgeCost(const LayeredProblem& problem, size_t from, size_t a, size_t to, size_t b) {
+double EdgeCost(const LadderProblem& problem, size_t from, size_t a, size_t to, size_t b) {
   const Layer &first = problem.layers[from], &second = problem.layers[to];
   if (first.BranchOf(a) != second.BranchOf(b)) return kInfinity;
-  if (!problem.struck.empty() && problem.struck[from].contains({a, b})) return kInfinity;
+  if (!problem.blocked.empty() && problem.blocked[from].contains({a, b})) return kInfinity;
   return StepCost(problem.rule, first.joints.At(a), second.joints.At(b));
 }
 
 /// The slow way: every edge looked at, breaks counted apart. `start`, when given, is the only first node.
-std::vector<Dense> DenseRow(const LayeredProblem& problem, size_t start = kNoNode, bool breaks = true) {
+std::vector<Dense> DenseRow(const LadderProblem& problem, size_t start = kNoNode, bool breaks = true) {
   std::vector<Dense> row;
   size_t previous = kNoNode;
   bool joined = true;
@@ -94,7 +94,7 @@ std::vector<Dense> DenseRow(const LayeredProblem& problem, size_t start = kNoNod
   return row;
 }
 
-Dense Measure(const LayeredProblem& problem, const Sequence& sequence) {
+Dense Measure(const LadderProblem& problem, const Sequence& sequence) {
   Dense dense{0, 0};
   size_t previous = kNoNode;
   for (size_t t = 0; t < sequence.nodes.size(); ++t) {
@@ -124,14 +124,14 @@ TEST(SearchOpen, EqualsTheDenseReferenceOnRandomLayers) {
   int broken = 0;
   for (int round = 0; round < 400; ++round) {
     const std::vector<Layer> layers = RandomLayers(stream, 1 + stream.Below(9), 12, 0.5);
-    std::vector<StruckEdges> struck(layers.size());
+    std::vector<BlockedEdges> blocked(layers.size());
     for (size_t t = 0; t + 1 < layers.size(); ++t) {
       for (int k = 0; k < 10 && layers[t].size() && layers[t + 1].size(); ++k) {
-        struck[t].insert({stream.Below(static_cast<int>(layers[t].size())),
-                          stream.Below(static_cast<int>(layers[t + 1].size()))});
+        blocked[t].insert({stream.Below(static_cast<int>(layers[t].size())),
+                           stream.Below(static_cast<int>(layers[t + 1].size()))});
       }
     }
-    const LayeredProblem problem{layers, Rule(60, 0.3), struck, false, false, {}, {}};
+    const LadderProblem problem{layers, Rule(60, 0.3), blocked, false, false, {}, {}};
     const Sequence sequence = SearchOpen(problem);
     const Dense found = Measure(problem, sequence);
     const std::vector<Dense> row = DenseRow(problem);
@@ -150,7 +150,7 @@ TEST(SearchClosed, EqualsTheDenseReferenceOnRandomLayers) {
   int closed = 0, open = 0;
   for (int round = 0; round < 400; ++round) {
     const std::vector<Layer> layers = RandomLayers(stream, 2 + stream.Below(5), 14, 0.4);
-    const LayeredProblem problem{layers, Rule(60, 0.3), {}, false, false, {}, {}};
+    const LadderProblem problem{layers, Rule(60, 0.3), {}, false, false, {}, {}};
     double expected = kInfinity;
     const bool usable = std::all_of(layers.begin(), layers.end(), [](const Layer& l) { return l.usable(); });
     for (size_t start = 0; usable && start < layers[0].size(); ++start) {
@@ -184,26 +184,26 @@ TEST(AreReturning, EqualsTheDenseReferenceOnRandomLayers) {
     RandomStream stream(31, static_cast<uint64_t>(round));
     std::vector<Layer> layers = RandomLayers(stream, 6, 150, 0.6);
     if (!std::all_of(layers.begin(), layers.end(), [](const Layer& l) { return l.usable(); })) continue;
-    std::vector<StruckEdges> struck(layers.size());
+    std::vector<BlockedEdges> blocked(layers.size());
     std::vector<std::vector<char>> counts;
     std::vector<Layer> counted = layers;
     for (size_t t = 0; t < layers.size(); ++t) {
       const int size = static_cast<int>(layers[t].size()),
                 next = static_cast<int>(layers[(t + 1) % layers.size()].size());
-      for (int k = 0; k < 300; ++k) struck[t].insert({stream.Below(size), stream.Below(next)});
+      for (int k = 0; k < 300; ++k) blocked[t].insert({stream.Below(size), stream.Below(next)});
       counts.emplace_back(layers[t].size(), 1);
       for (int node = 0; node < size; ++node)
         if (stream.Below(3) == 0) counts[t][node] = 0, counted[t].objective[node] = kInfinity;
     }
-    LayeredProblem problem{layers, Rule(45), struck, false, false, {}, {}};
+    LadderProblem problem{layers, Rule(45), blocked, false, false, {}, {}};
     problem.first_layer = static_cast<size_t>(round) % layers.size();
     // The reference begins with the first layer.
-    LayeredProblem reference = problem;
+    LadderProblem reference = problem;
     std::rotate(counted.begin(), counted.begin() + problem.first_layer, counted.end());
-    std::vector<StruckEdges> turned = struck;
+    std::vector<BlockedEdges> turned = blocked;
     std::rotate(turned.begin(), turned.begin() + problem.first_layer, turned.end());
     reference.layers = counted;
-    reference.struck = turned;
+    reference.blocked = turned;
     std::vector<NodeRange> ranges;
     for (size_t node = 0; node < layers[problem.first_layer].size(); ++node)
       ranges.emplace_back(node, node + 1);
@@ -223,9 +223,9 @@ TEST(AreReturning, EqualsTheDenseReferenceOnRandomLayers) {
   EXPECT_GT(lost, 200u);
 }
 
-/// Strikes out a few nodes and edges, as interference does.
-void StrikeSome(RandomStream& stream, std::vector<Layer>& layers, std::vector<StruckEdges>& struck,
-                std::vector<uint64_t>& versions) {
+/// Prunes a few nodes and edges, as interference does.
+void BlockSome(RandomStream& stream, std::vector<Layer>& layers, std::vector<BlockedEdges>& blocked,
+               std::vector<uint64_t>& versions) {
   for (int k = 0; k < 3; ++k) {
     const auto t = static_cast<size_t>(stream.Below(static_cast<int>(layers.size())));
     if (layers[t].size() == 0) continue;
@@ -234,7 +234,7 @@ void StrikeSome(RandomStream& stream, std::vector<Layer>& layers, std::vector<St
     if (stream.Below(3) > 0) {
       layers[t].objective[node] = kInfinity;
     } else if (const size_t next = layers[(t + 1) % layers.size()].size(); next > 0) {
-      struck[t].insert({node, static_cast<size_t>(stream.Below(static_cast<int>(next)))});
+      blocked[t].insert({node, static_cast<size_t>(stream.Below(static_cast<int>(next)))});
     }
   }
 }
@@ -251,11 +251,11 @@ TEST(SweepMemory, WhatSweepsKeepChangesNoBit) {
     RandomStream stream(21, static_cast<uint64_t>(trial));
     const bool walls = trial % 2 == 0;
     std::vector<Layer> layers = RandomLayers(stream, 12, 60, 0.5);
-    std::vector<StruckEdges> struck(layers.size());
+    std::vector<BlockedEdges> blocked(layers.size());
     std::vector<uint64_t> versions(layers.size(), 0);
     SweepMemory memory;
-    const LayeredProblem anew{layers, Rule(60, 0.3), struck, false, walls, {}, {}},
-        keeping{layers, Rule(60, 0.3), struck, false, walls, {}, {}, &memory, versions};
+    const LadderProblem anew{layers, Rule(60, 0.3), blocked, false, walls, {}, {}},
+        keeping{layers, Rule(60, 0.3), blocked, false, walls, {}, {}, &memory, versions};
     for (int round = 0; round < 12; ++round) {
       const int sweeps = round % 3 == 2 ? std::numeric_limits<int>::max() : 3;
       const auto a = SearchClosed(anew, sweeps), b = SearchClosed(keeping, sweeps);
@@ -263,7 +263,7 @@ TEST(SweepMemory, WhatSweepsKeepChangesNoBit) {
       if (a) ExpectSame(*a, *b);
       ++(a ? closed : open);
       if (round % 2) ExpectSame(SearchOpen(anew), SearchOpen(keeping));
-      StrikeSome(stream, layers, struck, versions);
+      BlockSome(stream, layers, blocked, versions);
     }
   }
   EXPECT_GT(closed, 100);
@@ -272,11 +272,11 @@ TEST(SweepMemory, WhatSweepsKeepChangesNoBit) {
 
 TEST(SearchOpen, TheBandLosesNothingOnARealArm) {
   PoseProblem problem = MakeProblem(Kr500R2830());
-  for (const bool all_turns : {false, true}) {
-    const std::vector<Layer> layers = PanelLayers(problem, 12, DegToRad(2), all_turns, 25);
+  for (const bool all_revolutions : {false, true}) {
+    const std::vector<Layer> layers = PanelLayers(problem, 12, DegToRad(2), all_revolutions, 25);
     StepRule rule = Rule(4, 1e-3);
-    rule.modulo_turns = !all_turns;
-    const LayeredProblem dense{layers, rule, {}, false, false, {}, {}},
+    rule.modulo_revolutions = !all_revolutions;
+    const LadderProblem dense{layers, rule, {}, false, false, {}, {}},
         banded{layers, rule, {}, true, false, {}, {}};
     const Sequence a = SearchOpen(dense), b = SearchOpen(banded);
     EXPECT_EQ(a.nodes, b.nodes);
@@ -290,7 +290,7 @@ TEST(SearchOpen, TheBandLosesNothingOnARealArm) {
     for (size_t i = 0; i < layers[0].size(); ++i) {
       for (size_t j = 0; j < layers[1].size(); ++j) {
         if (!std::isfinite(EdgeCost(dense, 0, i, 1, j))) continue;
-        farthest = std::max(farthest, std::abs(ShortWay(layers[0].first[i] - layers[1].first[j])));
+        farthest = std::max(farthest, std::abs(WrapToPi(layers[0].first[i] - layers[1].first[j])));
       }
     }
     EXPECT_LE(farthest, BandWidth(rule, turn.angle()));
@@ -313,7 +313,7 @@ TEST(RelaxFrom, EveryNodeOfABlockCounts) {
   std::fill(row.costs.begin() + 37, row.costs.end(), -1e9);  // beyond the end nothing may be taken
   StepRule rule = Rule(170, 0.01);
   for (const bool modulo : {true, false}) {
-    rule.modulo_turns = modulo;
+    rule.modulo_revolutions = modulo;
     for (size_t first = 0; first < 37; ++first) {
       for (size_t last = first; last <= 37; ++last) {
         const Joints to = Joints::Constant(0.1 * static_cast<double>(last));
@@ -334,10 +334,10 @@ TEST(RelaxFrom, EveryNodeOfABlockCounts) {
   }
 }
 
-TEST(ShortWay, TakesWholeTurnsAway) {
-  EXPECT_NEAR(ShortWay(DegToRad(350)), DegToRad(-10), 1e-15);
-  EXPECT_NEAR(ShortWay(DegToRad(-710)), DegToRad(10), 1e-15);
-  EXPECT_EQ(ShortWay(0.25), 0.25);
+TEST(WrapToPi, TakesWholeTurnsAway) {
+  EXPECT_NEAR(WrapToPi(DegToRad(350)), DegToRad(-10), 1e-15);
+  EXPECT_NEAR(WrapToPi(DegToRad(-710)), DegToRad(10), 1e-15);
+  EXPECT_EQ(WrapToPi(0.25), 0.25);
 }
 
 }  // namespace

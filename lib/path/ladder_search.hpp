@@ -12,10 +12,10 @@
 namespace millpose {
 
 /// Nodes of neighbouring layers between which the way is barred, although both are free: (from, to).
-using StruckEdges = std::set<std::pair<size_t, size_t>>;
+using BlockedEdges = std::set<std::pair<size_t, size_t>>;
 
 struct SweepRows;
-struct LayeredProblem;
+struct LadderProblem;
 
 /// What sweeps over the layers of a pass have found, for the searches to come over the same layers.
 class SweepMemory {
@@ -26,7 +26,7 @@ class SweepMemory {
   /// those of the widest.
   SweepRows& RowsFor(size_t first, size_t last);
   /// LeastToGo of the problem; kept and brought up to date where only `versions` say that it changed.
-  const std::vector<std::vector<double>>& ToGoFor(const LayeredProblem& problem);
+  const std::vector<std::vector<double>>& ToGoFor(const LadderProblem& problem);
 
  private:
   static constexpr size_t kMostKept = 4;
@@ -39,20 +39,20 @@ class SweepMemory {
 };
 
 /// Layers of a pass and what a sequence through them may do.
-struct LayeredProblem {
+struct LadderProblem {
   std::span<const Layer> layers;
   StepRule rule;
-  std::span<const StruckEdges> struck;  ///< entry t: from layer t to layer (t+1) mod count; may be empty
+  std::span<const BlockedEdges> blocked;  ///< entry t: from layer t to layer (t+1) mod count; may be empty
   bool banded = false;  ///< look only at predecessors whose rotation a step can come from (see BandWidth)
-  /// No step leaps over struck-out nodes of the layer that it leaves: the motion would pass through them.
+  /// No step leaps over pruned nodes of the layer that it leaves: the motion would pass through them.
   bool walls = false;
   std::stop_token stop;
   std::span<const char> break_before;  ///< layers before which the tool is lifted in any case; may be empty
-  /// Searches over the same layers with ever more struck out keep what they find here; null: each starts
+  /// Searches over the same layers with ever more pruned keep what they find here; null: each starts
   /// anew.
   SweepMemory* memory = nullptr;
-  /// With `memory`: entry t differs from what it was whenever nodes of layer t or edges from it were struck
-  /// out since.
+  /// With `memory`: entry t differs from what it was whenever nodes of layer t or edges from it were pruned
+  /// since.
   std::span<const uint64_t> versions = {};
   double most = std::numeric_limits<double>::infinity();  ///< no node of a larger objective; no wall either
   /// The cost of a sequence is its largest objective instead of the sum, and motion costs nothing.
@@ -85,9 +85,9 @@ struct Sequence {
 size_t Breaks(const Sequence& sequence);
 
 /// The sequence with the fewest breaks, and among those of least cost: Σ objective + motion_weight·Σ|Δq|²,
-/// every joint step within the rule modulo full turns, the branch kept. Dynamic programme (Bellman 1957) with
-/// implicit edges, two rolling cost rows and one predecessor per node.
-Sequence SearchOpen(const LayeredProblem& problem);
+/// every joint step within the rule modulo full revolutions, the branch kept. Dynamic program (Bellman 1957)
+/// with implicit edges, two rolling cost rows and one predecessor per node.
+Sequence SearchOpen(const LadderProblem& problem);
 
 /// The same for a closed pass: the sequence of least cost that has no break and whose step from the last
 /// layer to the first is one as any other. Empty when there is none that costs less than `below`. Exact: a
@@ -95,12 +95,12 @@ Sequence SearchOpen(const LayeredProblem& problem);
 /// left below a limit each is tried by a sweep that leaves out what costs too much, the limit being raised
 /// until there is a sequence. `max_sweeps` ends it early, with the best so far; up to 16 sweeps ask for any
 /// good sequence, whatever it costs.
-std::optional<Sequence> SearchClosed(const LayeredProblem& problem,
+std::optional<Sequence> SearchClosed(const LadderProblem& problem,
                                      int max_sweeps = std::numeric_limits<int>::max(),
                                      double below = std::numeric_limits<double>::infinity());
 
 /// More than any sequence can cost, so that one break less always wins.
-double BreakPenalty(const LayeredProblem& problem);
+double BreakPenalty(const LadderProblem& problem);
 
 /// How far apart (rad) the rotations about the tool axis of two neighbouring nodes can lie: joints turning by
 /// Δq turn the tool by no more than Σ|Δq|, and the tools' frames at rotation 0 lie `nominal_angle` apart, so

@@ -8,8 +8,8 @@ namespace millpose {
 /// Plans passes again of which the tool cannot leave or come to an end with all of the cell's clearances,
 /// now with free retracts asked of their ends (EndGuard). A pass is replaced where it then loses fewer
 /// points, or as many with more clearance and no further lift.
-void MendEnds(const PreparedJob& prepared, PathOptions options, const RetractOptions& leave,
-              const CheckpointStore& checkpoints, const Execution& execution,
-              std::vector<PassResult>& passes);
+void RepairEnds(const PreparedJob& prepared, PathOptions options, const RetractOptions& leave,
+                const CheckpointStore& checkpoints, const Execution& execution,
+                std::vector<PassResult>& passes);
 
 }  // namespace millpose

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "path/layered_search.hpp"
+#include "path/ladder_search.hpp"
 
 #include "path/sweep.hpp"
 
@@ -17,7 +17,7 @@ size_t Breaks(const Sequence& sequence) {
   return breaks;
 }
 
-double BreakPenalty(const LayeredProblem& problem) {
+double BreakPenalty(const LadderProblem& problem) {
   double sum = 0.0, largest = 0.0;
   for (size_t t = 0; t < problem.layers.size(); ++t) {
     const Layer& layer = problem.layers[t];
@@ -64,13 +64,13 @@ SweepRows& SweepMemory::RowsFor(size_t first, size_t last) {
   return *kept_.front().rows;
 }
 
-const std::vector<std::vector<double>>& SweepMemory::ToGoFor(const LayeredProblem& problem) {
+const std::vector<std::vector<double>>& SweepMemory::ToGoFor(const LadderProblem& problem) {
   if (!backward_) backward_ = std::make_unique<BackwardRows>();
   return LeastToGo(
       problem, [](size_t, size_t) { return true; }, *backward_);
 }
 
-Sequence SearchOpen(const LayeredProblem& problem) {
+Sequence SearchOpen(const LadderProblem& problem) {
   Sequence none;
   none.nodes.assign(problem.layers.size(), kNoNode);
   none.break_before.assign(problem.layers.size(), false);

@@ -12,11 +12,11 @@ struct TurnOptions {
   bool free_directions = false;
 };
 
-/// Fixes the full turns of every piece, and the directions of passes where these are free: the combination
-/// with the least turning of all joints in the gaps, Σ |start of a piece − end of the piece before|, home
-/// first and last, where a reversed pass counts kReversal more. Shifts the joint angles accordingly; reversed
-/// passes hold their points in the order in which they are run.
-void FixTurns(std::vector<PassResult>& passes, const TurnOptions& options);
+/// Fixes the full revolutions of every piece, and the directions of passes where these are free: the
+/// combination with the least turning of all joints in the gaps, Σ |start of a piece − end of the piece
+/// before|, home first and last, where a reversed pass counts kReversal more. Shifts the joint angles
+/// accordingly; reversed passes hold their points in the order in which they are run.
+void ChooseRevolutions(std::vector<PassResult>& passes, const TurnOptions& options);
 
 /// What reversing a pass must save, rad of turning.
 inline constexpr double kReversal = 0.17453292519943295;  // 10°

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "path/turns.hpp"
+#include "path/revolutions.hpp"
 
 #include <limits>
 
@@ -27,17 +27,18 @@ std::vector<Course> Courses(std::vector<PassResult>& passes, bool free_direction
       Course course{&pass, &piece, {}, free_directions && pass.pieces.size() == 1};
       for (int i = piece.first; i <= piece.last; ++i) {
         const Joints& q = pass.points[i].q;
-        course.joints.push_back(course.joints.empty() ? q : Beside(course.joints.back(), q));
+        course.joints.push_back(course.joints.empty() ? q : NearestEquivalent(course.joints.back(), q));
       }
-      if (piece.closed) course.joints.push_back(Beside(course.joints.back(), course.joints.front()));
+      if (piece.closed)
+        course.joints.push_back(NearestEquivalent(course.joints.back(), course.joints.front()));
       courses.push_back(std::move(course));
     }
   }
   return courses;
 }
 
-/// Full turns that keep joint `j` of a course within the limits: first..last. Where there are none, the one
-/// that violates them least.
+/// Full revolutions that keep joint `j` of a course within the limits: first..last. Where there are none, the
+/// one that violates them least.
 std::pair<int, int> TurnRange(const Course& course, int j, double lower, double upper) {
   double least = course.joints.front()[j], most = least;
   for (const Joints& q : course.joints) {
@@ -54,7 +55,7 @@ std::pair<int, int> TurnRange(const Course& course, int j, double lower, double 
 
 /// A way to run a course.
 struct State {
-  Joints shift = Joints::Zero();  ///< full turns, rad
+  Joints shift = Joints::Zero();  ///< full revolutions, rad
   bool reversed = false;
   Joints start, end;
   double cost = 0;  ///< least, up to here
@@ -91,7 +92,7 @@ std::vector<State> StatesOf(const Course& course, const TurnOptions& options) {
 
 double Turning(const Joints& from, const Joints& to) { return (to - from).cwiseAbs().sum(); }
 
-/// One state per course: a dynamic programme over the courses in their order. Of equals the first.
+/// One state per course: a dynamic program over the courses in their order. Of equals the first.
 std::vector<State> Choose(const std::vector<Course>& courses, const TurnOptions& options) {
   std::vector<std::vector<State>> stages;
   for (const Course& course : courses) {
@@ -151,7 +152,7 @@ void Reverse(PassResult& pass, const std::vector<Joints>& joints) {
 
 }  // namespace
 
-void FixTurns(std::vector<PassResult>& passes, const TurnOptions& options) {
+void ChooseRevolutions(std::vector<PassResult>& passes, const TurnOptions& options) {
   std::vector<Course> courses = Courses(passes, options.free_directions);
   const std::vector<State> chosen = Choose(courses, options);
   for (size_t i = 0; i < courses.size(); ++i) {

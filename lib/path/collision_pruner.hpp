@@ -7,7 +7,7 @@
 #include "motion/line.hpp"
 #include "path/bend_law.hpp"
 #include "path/cut_check.hpp"
-#include "path/layered_search.hpp"
+#include "path/ladder_search.hpp"
 
 namespace millpose {
 
@@ -26,14 +26,14 @@ struct StepLimits {
   double max_deviation = std::numeric_limits<double>::infinity();
 };
 
-/// Interference of the nodes and edges of a layered problem, asked for lazily and remembered.
-class StrikeOut {
+/// Interference of the nodes and edges of a ladder problem, asked for lazily and remembered.
+class CollisionPruner {
  public:
   /// `scorers`: one per layer. `rotates_first`: the first freedom is the rotation about the tool axis, as
   /// PointMemory needs it.
-  StrikeOut(const World& world, const Carrier& carrier, std::span<const PointScorer> scorers,
-            std::vector<Layer>& layers, double swept_resolution, bool rotates_first, StepLimits limits,
-            int threads, std::stop_token stop);
+  CollisionPruner(const World& world, const Carrier& carrier, std::span<const PointScorer> scorers,
+                  std::vector<Layer>& layers, double swept_resolution, bool rotates_first, StepLimits limits,
+                  int threads, std::stop_token stop);
 
   /// Whether there still is a sequence that is closed as the given one, or has no more breaks.
   using Joins = std::function<bool(const Sequence&)>;
@@ -44,45 +44,45 @@ class StrikeOut {
   std::optional<Sequence> Straight(const std::function<std::optional<Sequence>()>& search,
                                    const Joins& joins = {});
 
-  /// Checks the nodes of `sequence` and the motions between them. What interferes is struck out: a node with
+  /// Checks the nodes of `sequence` and the motions between them. What interferes is pruned: a node with
   /// its neighbours on the grid up to the next free ones, and what lies beside these in the layers before and
   /// after, each time twice as many layers away. True when all is free.
   bool Check(const Sequence& sequence);
 
-  /// For motions that go on interfering: strikes out the nodes at both ends of those that the last check
+  /// For motions that go on interfering: prunes the nodes at both ends of those that the last check
   /// found, or all nodes of the layers that they leave.
   enum class Extent { kNodes, kLayers };
-  void StrikeBarred(const Sequence& sequence, Extent extent);
+  void PruneBarred(const Sequence& sequence, Extent extent);
   /// The same by the number of searches so far, from 0: the first few bar motions alone, then all steps there
   /// become shorter; where that cannot be, they take their nodes with them, then their points, so that each
   /// search has less to choose from.
-  void StrikeInRound(const Sequence& sequence, int round);
-  /// Strikes out a node that interferes with nothing by itself.
+  void PruneInRound(const Sequence& sequence, int round);
+  /// Prunes a node that interferes with nothing by itself.
   void TakeOut(size_t layer, size_t node);
 
-  /// Gives back the nodes that StrikeBarred and TakeOut alone took, in the layers that `sequence` goes
+  /// Gives back the nodes that PruneBarred and TakeOut alone took, in the layers that `sequence` goes
   /// through: they interfere with nothing by themselves.
   void Reopen(const Sequence& sequence);
 
-  enum class Verdict : uint8_t { kUnknown, kFree, kStruck };
+  enum class Verdict : uint8_t { kUnknown, kFree, kBlocked };
   Verdict VerdictOf(size_t layer, size_t node) const { return verdict_[layer][node]; }
-  /// Of a struck node: the pair of bodies, as in Sighting; −1 where it does not interfere by itself.
+  /// Of a blocked node: the pair of bodies, as in Sighting; −1 where it does not interfere by itself.
   int PairOf(size_t layer, size_t node) const { return pair_[layer][node]; }
 
   /// Runs `work(checker, layer)` for all layers in parallel, for which the next two may be called.
   void EachLayer(const std::function<void(Checker&, size_t)>& work);
-  /// Whether a node is free; struck out when not, but for nothing beside it.
+  /// Whether a node is free; pruned when not, but for nothing beside it.
   bool IsFree(Checker& checker, size_t layer, size_t node);
   /// What a pose at a layer's point meets; remembers nothing but what poses there share.
   std::optional<Sighting> Meets(Checker& checker, size_t layer, const FreedomValues& freedoms,
                                 const Joints& q);
 
   std::span<const Joints> max_step() const { return limits_.max_step; }
-  std::span<const StruckEdges> struck_edges() const { return struck_; }
-  /// Per layer: rises with what is struck out of its nodes and of the edges from it.
+  std::span<const BlockedEdges> blocked_edges() const { return blocked_; }
+  /// Per layer: rises with what is pruned of its nodes and of the edges from it.
   std::span<const uint64_t> versions() const { return versions_; }
   const CheckCounts& counts() const { return counts_; }
-  int nodes_struck() const { return nodes_struck_; }
+  int nodes_pruned() const { return nodes_pruned_; }
   /// Nodes whose interference was asked for.
   long long nodes_checked() const;
   /// The last interference found at a layer; empty when there was none.
@@ -99,15 +99,15 @@ class StrikeOut {
     Verdict verdict;
   };
 
-  /// Nodes of a branch, first..last, that were struck out together.
+  /// Nodes of a branch, first..last, that were pruned together.
   struct Interval {
     size_t layer, first, last;
   };
 
-  bool Strikes(Checker& checker, size_t layer, size_t node);
+  bool Blocks(Checker& checker, size_t layer, size_t node);
   std::optional<Interval> CheckNode(Checker& checker, size_t layer, size_t node);
   std::vector<Interval> CheckNodes(const std::vector<std::pair<size_t, size_t>>& nodes);
-  std::vector<std::pair<size_t, size_t>> Beside(const std::vector<Interval>& struck) const;
+  std::vector<std::pair<size_t, size_t>> Beside(const std::vector<Interval>& blocked) const;
   /// Between nodes of neighbouring layers.
   struct Motion {
     size_t from, to;
@@ -146,13 +146,13 @@ class StrikeOut {
   std::vector<std::vector<int>> pair_;
   std::vector<Taken> taken_;
   std::vector<PointMemory> memory_;  // per layer
-  std::vector<StruckEdges> struck_, free_;
+  std::vector<BlockedEdges> blocked_, free_;
   std::vector<uint64_t> versions_;
   std::vector<std::optional<CutProblem>> last_problem_;  // per layer
   std::vector<size_t> barred_;                           // layers whose motions interfered in the last check
   size_t flood_ = 4;  // layers to follow interference to either side, at the next check
   CheckCounts counts_;
-  int nodes_struck_ = 0;
+  int nodes_pruned_ = 0;
 };
 
 }  // namespace millpose

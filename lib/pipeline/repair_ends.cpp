@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pipeline/mend_ends.hpp"
+#include "pipeline/repair_ends.hpp"
 
 #include "base/parallel.hpp"
 #include "plan/skipped.hpp"
@@ -37,9 +37,9 @@ bool IsBetter(const EndLoss& now, const EndLoss& before) {
 
 }  // namespace
 
-void MendEnds(const PreparedJob& prepared, PathOptions options, const RetractOptions& leave,
-              const CheckpointStore& checkpoints, const Execution& execution,
-              std::vector<PassResult>& passes) {
+void RepairEnds(const PreparedJob& prepared, PathOptions options, const RetractOptions& leave,
+                const CheckpointStore& checkpoints, const Execution& execution,
+                std::vector<PassResult>& passes) {
   const Cell& cell = prepared.cell;
   const Carrier carrier{cell.arm, cell.X_WB, cell.X_FT};
   const auto loss_of = [&](const PassResult& pass) { return LossOf(prepared.world, carrier, leave, pass); };
@@ -53,7 +53,7 @@ void MendEnds(const PreparedJob& prepared, PathOptions options, const RetractOpt
   const auto count = std::ranges::count_if(before, [](const EndLoss& loss) { return loss.reduced > 0; });
   execution.progress.End(fmt::format("{} passes with an end near something", count));
   if (count == 0) return;
-  size_t points = 0, mended = 0;
+  size_t points = 0, repaired = 0;
   for (size_t i = 0; i < passes.size(); ++i)
     if (stuck(i)) points += prepared.toolpath.passes[i].points.size();
   execution.progress.Begin("passes again", points);
@@ -63,9 +63,9 @@ void MendEnds(const PreparedJob& prepared, PathOptions options, const RetractOpt
   for (size_t i = 0; i < passes.size(); ++i) {
     if (!stuck(i) || !IsBetter(loss_of(again.passes[i]), before[i])) continue;
     passes[i] = std::move(again.passes[i]);
-    ++mended;
+    ++repaired;
   }
-  execution.progress.End(fmt::format("{} of them with other poses at their ends", mended));
+  execution.progress.End(fmt::format("{} of them with other poses at their ends", repaired));
 }
 
 }  // namespace millpose

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "path/turns.hpp"
+#include "path/revolutions.hpp"
 
 #include <bit>
 
@@ -34,7 +34,7 @@ TEST(Turns, PiecesAreMadeContinuousAndStayWithinLimits) {
   const Arm arm = SampleArm();
   // A6 runs through ±180° in principal angles.
   std::vector<PassResult> passes{Course(0, {{0, 170}, {0, 175}, {0, -180}, {0, -175}})};
-  FixTurns(passes, {HomePose(), arm.lower, arm.upper, false});
+  ChooseRevolutions(passes, {HomePose(), arm.lower, arm.upper, false});
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(RadToDeg(passes[0].points[i].q[5]), 170 + 5 * i, 1e-9);
 }
 
@@ -47,7 +47,7 @@ TEST(Turns, ARingThatWindsMustUnwindInTheGap) {
     for (int i = 0; i < 36; ++i) wrist.emplace_back(0, -180 + 10 * i);
     passes.push_back(Course(p, wrist, true));
   }
-  FixTurns(passes, {HomePose(), arm.lower, arm.upper, false});
+  ChooseRevolutions(passes, {HomePose(), arm.lower, arm.upper, false});
   for (const PassResult& pass : passes) {
     for (const PlannedPoint& point : pass.points) {
       EXPECT_GE(point.q[5], arm.lower[5]);
@@ -86,7 +86,7 @@ TEST(Turns, ChoosesTheLeastTurningOfAllCombinations) {
       }
       if (inside) best = std::min(best, Turning(tried, HomePose(), 5));
     }
-    FixTurns(passes, {HomePose(), arm.lower, arm.upper, false});
+    ChooseRevolutions(passes, {HomePose(), arm.lower, arm.upper, false});
     EXPECT_NEAR(Turning(passes, HomePose(), 5), best, 1e-9);
   }
 }
@@ -121,8 +121,8 @@ TEST(Turns, RingsThatWindRunTheOtherWayWhereDirectionsAreFree) {
     return RadToDeg(sum + std::abs(at));
   };
   std::vector<PassResult> fixed = rings(), free = rings();
-  FixTurns(fixed, {HomePose(), arm.lower, arm.upper, false});
-  FixTurns(free, {HomePose(), arm.lower, arm.upper, true});
+  ChooseRevolutions(fixed, {HomePose(), arm.lower, arm.upper, false});
+  ChooseRevolutions(free, {HomePose(), arm.lower, arm.upper, true});
   EXPECT_NEAR(turning(fixed), 180 + 5 * 360 + 180, 1e-9);  // unwound in every gap
   EXPECT_NEAR(turning(free), 180 + 180, 1e-9);             // never
   bool before = free[0].points[1].point.feed.dot(fixed[0].points[1].point.feed) > 0;
@@ -169,8 +169,9 @@ TEST(Turns, ChoosesDirectionsOfLeastTurningOfAllCombinations) {
       best = std::min(best, cost(tried, std::popcount(static_cast<unsigned>(code))));
     }
     const std::vector<PassResult> before = passes;
-    // No full turn fits beside another.
-    FixTurns(passes, {HomePose(), Joints::Constant(DegToRad(-179)), Joints::Constant(DegToRad(179)), true});
+    // No full revolution fits beside another.
+    ChooseRevolutions(passes,
+                      {HomePose(), Joints::Constant(DegToRad(-179)), Joints::Constant(DegToRad(179)), true});
     int reversals = 0;
     for (int p = 0; p < 5; ++p) reversals += passes[p].points[0].q != before[p].points[0].q;
     EXPECT_NEAR(cost(passes, reversals), best, 1e-9);

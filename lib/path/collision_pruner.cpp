@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "path/strike_out.hpp"
+#include "path/collision_pruner.hpp"
 
 #include <limits>
 
@@ -47,9 +47,10 @@ std::string Describe(const Interference& interference) {
                      interference.place().x(), interference.place().y(), interference.place().z());
 }
 
-StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::span<const PointScorer> scorers,
-                     std::vector<Layer>& layers, double swept_resolution, bool rotates_first,
-                     StepLimits limits, int threads, std::stop_token stop)
+CollisionPruner::CollisionPruner(const World& world, const Carrier& carrier,
+                                 std::span<const PointScorer> scorers, std::vector<Layer>& layers,
+                                 double swept_resolution, bool rotates_first, StepLimits limits, int threads,
+                                 std::stop_token stop)
     : world_(world),
       carrier_(carrier),
       layers_(layers),
@@ -64,7 +65,7 @@ StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::span<const
       verdict_(layers.size()),
       pair_(layers.size()),
       memory_(layers.size()),
-      struck_(layers.size()),
+      blocked_(layers.size()),
       free_(layers.size()),
       versions_(layers.size(), 0),
       last_problem_(layers.size()) {
@@ -74,7 +75,7 @@ StrikeOut::StrikeOut(const World& world, const Carrier& carrier, std::span<const
   }
 }
 
-long long StrikeOut::nodes_checked() const {
+long long CollisionPruner::nodes_checked() const {
   long long checked = 0;
   for (const std::vector<Verdict>& layer : verdict_) {
     checked += std::count_if(layer.begin(), layer.end(), [](Verdict v) { return v != Verdict::kUnknown; });
@@ -82,21 +83,21 @@ long long StrikeOut::nodes_checked() const {
   return checked;
 }
 
-std::string StrikeOut::Detail(size_t layer) const {
+std::string CollisionPruner::Detail(size_t layer) const {
   if (!last_problem_[layer]) return {};
   Checker checker(world_);
   return Describe(checker, *last_problem_[layer]);
 }
 
-std::optional<Sequence> StrikeOut::Straight(const std::function<std::optional<Sequence>()>& search,
-                                            const Joins& joins) {
+std::optional<Sequence> CollisionPruner::Straight(const std::function<std::optional<Sequence>()>& search,
+                                                  const Joins& joins) {
   for (;;) {
     std::optional<Sequence> sequence = search();
     if (!sequence || Straighten(*sequence, joins)) return sequence;
   }
 }
 
-bool StrikeOut::Straighten(const Sequence& sequence, const Joins& joins) {
+bool CollisionPruner::Straighten(const Sequence& sequence, const Joins& joins) {
   constexpr double kTighter = 0.97;
   bool straight = true;
   std::vector<Bent> excusable;
@@ -123,15 +124,16 @@ bool StrikeOut::Straighten(const Sequence& sequence, const Joins& joins) {
   return straight && !BarWhatMayGo(excusable, sequence, joins);
 }
 
-void StrikeOut::Bar(const Bent& bent) {
+void CollisionPruner::Bar(const Bent& bent) {
   if (!Tighten(bent.t, bent.motion, bent.share, bent.least))
-    struck_[bent.t].insert({bent.motion.from, bent.motion.to});
+    blocked_[bent.t].insert({bent.motion.from, bent.motion.to});
   ++versions_[bent.t];
 }
 
 /// Bars those motions without which there still is a sequence as good as the given one; the layers of the
 /// others are excused from now on. True when some were barred.
-bool StrikeOut::BarWhatMayGo(std::span<const Bent> bents, const Sequence& sequence, const Joins& joins) {
+bool CollisionPruner::BarWhatMayGo(std::span<const Bent> bents, const Sequence& sequence,
+                                   const Joins& joins) {
   if (bents.empty()) return false;
   std::vector<Joints> before;
   for (const Bent& bent : bents) {
@@ -142,7 +144,7 @@ bool StrikeOut::BarWhatMayGo(std::span<const Bent> bents, const Sequence& sequen
   for (size_t k = 0; k < bents.size(); ++k) {
     const Bent& bent = bents[k];
     limits_.max_step[bent.t] = before[k];
-    struck_[bent.t].erase({bent.motion.from, bent.motion.to});  // was not: a search has chosen it
+    blocked_[bent.t].erase({bent.motion.from, bent.motion.to});  // was not: a search has chosen it
     ++versions_[bent.t];
   }
   if (bents.size() == 1) return BarAlone(bents[0], sequence, joins);
@@ -152,22 +154,22 @@ bool StrikeOut::BarWhatMayGo(std::span<const Bent> bents, const Sequence& sequen
 }
 
 /// The motion of a sequence from layer t to the next; empty where the tool is lifted or nothing is cut.
-std::optional<StrikeOut::Motion> StrikeOut::MotionFrom(size_t t, const Sequence& sequence) const {
+std::optional<CollisionPruner::Motion> CollisionPruner::MotionFrom(size_t t, const Sequence& sequence) const {
   const size_t to = (t + 1) % layers_.size(), a = sequence.nodes[t], b = sequence.nodes[to];
   if (a == kNoNode || b == kNoNode) return std::nullopt;
   if (to == 0 ? !sequence.closed : bool(sequence.break_before[to])) return std::nullopt;
   const Joints q = layers_[t].joints.At(a);
-  return Motion{a, b, q, (layers_[to].joints.At(b) - q).unaryExpr(&ShortWay)};
+  return Motion{a, b, q, (layers_[to].joints.At(b) - q).unaryExpr(&WrapToPi)};
 }
 
 /// Bars one motion and no other of its layer, as often as that is worth it; else the layer is excused.
-bool StrikeOut::BarAlone(const Bent& bent, const Sequence& sequence, const Joins& joins) {
+bool CollisionPruner::BarAlone(const Bent& bent, const Sequence& sequence, const Joins& joins) {
   constexpr int kMostAlone = 16;
   const std::pair motion(bent.motion.from, bent.motion.to);
-  struck_[bent.t].insert(motion);
+  blocked_[bent.t].insert(motion);
   ++versions_[bent.t];
   if (++barred_alone_[bent.t] <= kMostAlone && joins(sequence)) return true;
-  struck_[bent.t].erase(motion);
+  blocked_[bent.t].erase(motion);
   ++versions_[bent.t];
   excused_[bent.t] = 1;
   return false;
@@ -175,7 +177,7 @@ bool StrikeOut::BarAlone(const Bent& bent, const Sequence& sequence, const Joins
 
 /// Bounds the steps from layer t to `share` of a motion's, or to a little more than `least`. True when that
 /// bars the motion.
-bool StrikeOut::Tighten(size_t t, const Motion& motion, double share, const Joints& least) {
+bool CollisionPruner::Tighten(size_t t, const Motion& motion, double share, const Joints& least) {
   // A joint's share in a bend grows with its lever and with the square of its step.
   const Arm& arm = carrier_.arm;
   const double hand = std::abs(arm.d5) + std::abs(arm.d6) + carrier_.X_FT.translation().norm();
@@ -190,30 +192,30 @@ bool StrikeOut::Tighten(size_t t, const Motion& motion, double share, const Join
 }
 
 /// The step from a node to where the freedoms are the same at the next point, whether or not a node is there.
-Joints StrikeOut::UnchangedStep(size_t from, size_t node) const {
+Joints CollisionPruner::UnchangedStep(size_t from, size_t node) const {
   const Layer& layer = layers_[from];
   return law_.UnchangedStep(from, layer.freedoms[node], layer.BranchOf(node), layer.joints.At(node));
 }
 
 /// The step from a node to the nearest of its branch in the next layer.
-Joints StrikeOut::StepBeside(size_t from, size_t node) const {
+Joints CollisionPruner::StepBeside(size_t from, size_t node) const {
   const Layer &layer = layers_[from], &next = layers_[(from + 1) % layers_.size()];
   const size_t beside = Nearest(next, layer.BranchOf(node), layer.first[node]);
   if (beside == kNoNode) return Joints::Zero();
-  return (next.joints.At(beside) - layer.joints.At(node)).unaryExpr(&ShortWay);
+  return (next.joints.At(beside) - layer.joints.At(node)).unaryExpr(&WrapToPi);
 }
 
-bool StrikeOut::Check(const Sequence& sequence) {
+bool CollisionPruner::Check(const Sequence& sequence) {
   const size_t count = layers_.size();
   std::vector<std::pair<size_t, size_t>> nodes;
   for (size_t t = 0; t < count; ++t) {
     if (sequence.nodes[t] != kNoNode) nodes.emplace_back(t, sequence.nodes[t]);
   }
-  std::vector<Interval> struck = CheckNodes(nodes);
-  bool all_free = struck.empty();
+  std::vector<Interval> blocked = CheckNodes(nodes);
+  bool all_free = blocked.empty();
   // An obstacle bars like a wall that runs through many layers. Met one crossing at a time it would take as
   // many rounds, so it is followed.
-  for (size_t step = 0; step < flood_ && !struck.empty(); ++step) struck = CheckNodes(Beside(struck));
+  for (size_t step = 0; step < flood_ && !blocked.empty(); ++step) blocked = CheckNodes(Beside(blocked));
   flood_ = std::min(2 * flood_, count);
 
   std::vector<char> barred(count, 0);
@@ -229,8 +231,9 @@ bool StrikeOut::Check(const Sequence& sequence) {
   return all_free && barred_.empty();
 }
 
-/// Checks single nodes, (layer, node); no layer twice. What was struck out, in the order of `nodes`.
-std::vector<StrikeOut::Interval> StrikeOut::CheckNodes(const std::vector<std::pair<size_t, size_t>>& nodes) {
+/// Checks single nodes, (layer, node); no layer twice. What was pruned, in the order of `nodes`.
+std::vector<CollisionPruner::Interval> CollisionPruner::CheckNodes(
+    const std::vector<std::pair<size_t, size_t>>& nodes) {
   // Layers are independent of one another; the nodes of one layer come one after the other.
   std::vector<size_t> begin;
   for (size_t k = 0; k < nodes.size(); ++k) {
@@ -241,20 +244,20 @@ std::vector<StrikeOut::Interval> StrikeOut::CheckNodes(const std::vector<std::pa
     const size_t end = i + 1 < begin.size() ? begin[i + 1] : nodes.size();
     for (size_t k = begin[i]; k < end; ++k) found[k] = CheckNode(checker, nodes[k].first, nodes[k].second);
   });
-  std::vector<Interval> struck;
+  std::vector<Interval> blocked;
   for (const std::optional<Interval>& interval : found) {
     if (!interval) continue;
-    struck.push_back(*interval);
-    nodes_struck_ += static_cast<int>(interval->last - interval->first + 1);
+    blocked.push_back(*interval);
+    nodes_pruned_ += static_cast<int>(interval->last - interval->first + 1);
   }
-  return struck;
+  return blocked;
 }
 
-/// The nodes beside the middles of `struck` in the layers before and after.
-std::vector<std::pair<size_t, size_t>> StrikeOut::Beside(const std::vector<Interval>& struck) const {
+/// The nodes beside the middles of `blocked` in the layers before and after.
+std::vector<std::pair<size_t, size_t>> CollisionPruner::Beside(const std::vector<Interval>& blocked) const {
   std::vector<std::pair<size_t, size_t>> nodes;
   const size_t count = layers_.size();
-  for (const Interval& interval : struck) {
+  for (const Interval& interval : blocked) {
     const Layer& layer = layers_[interval.layer];
     const size_t middle = (interval.first + interval.last) / 2;
     const int branch = layer.BranchOf(middle);
@@ -269,19 +272,19 @@ std::vector<std::pair<size_t, size_t>> StrikeOut::Beside(const std::vector<Inter
   return nodes;
 }
 
-std::optional<Sighting> StrikeOut::Meets(Checker& checker, size_t layer, const FreedomValues& freedoms,
-                                         const Joints& q) {
+std::optional<Sighting> CollisionPruner::Meets(Checker& checker, size_t layer, const FreedomValues& freedoms,
+                                               const Joints& q) {
   return rotates_first_ ? checker.Blocked(q, Phase::kCutting, freedoms, memory_[layer])
                         : checker.Blocked(q, Phase::kCutting);
 }
 
-/// Looks at a node of which nothing is known; true when it was struck out now.
-bool StrikeOut::Strikes(Checker& checker, size_t layer, size_t node) {
+/// Looks at a node of which nothing is known; true when it was pruned now.
+bool CollisionPruner::Blocks(Checker& checker, size_t layer, size_t node) {
   Verdict& verdict = verdict_[layer][node];
   if (verdict != Verdict::kUnknown) return false;
   Layer& of = layers_[layer];
   const auto hit = Meets(checker, layer, of.freedoms[node], of.joints.At(node));
-  verdict = hit ? Verdict::kStruck : Verdict::kFree;
+  verdict = hit ? Verdict::kBlocked : Verdict::kFree;
   if (!hit) return false;
   last_problem_[layer] = CutProblem{hit};
   pair_[layer][node] = hit->pair;
@@ -290,46 +293,47 @@ bool StrikeOut::Strikes(Checker& checker, size_t layer, size_t node) {
   return true;
 }
 
-bool StrikeOut::IsFree(Checker& checker, size_t layer, size_t node) {
-  Strikes(checker, layer, node);
+bool CollisionPruner::IsFree(Checker& checker, size_t layer, size_t node) {
+  Blocks(checker, layer, node);
   return verdict_[layer][node] == Verdict::kFree;
 }
 
-void StrikeOut::EachLayer(const std::function<void(Checker&, size_t)>& work) {
+void CollisionPruner::EachLayer(const std::function<void(Checker&, size_t)>& work) {
   counts_ += CheckInParallel(world_, layers_.size(), threads_, stop_, work);
 }
 
-/// What was struck out now: the node with its neighbours; nothing where it is free or was struck before.
-std::optional<StrikeOut::Interval> StrikeOut::CheckNode(Checker& checker, size_t layer, size_t node) {
-  const auto strikes = [&](size_t k) { return Strikes(checker, layer, k); };
-  if (!strikes(node)) return std::nullopt;
+/// What was pruned now: the node with its neighbours; nothing where it is free or was blocked before.
+std::optional<CollisionPruner::Interval> CollisionPruner::CheckNode(Checker& checker, size_t layer,
+                                                                    size_t node) {
+  const auto blocks = [&](size_t k) { return Blocks(checker, layer, k); };
+  if (!blocks(node)) return std::nullopt;
   // Interference fills intervals: look for its ends now instead of meeting every node of it in a round of its
   // own.
   const int branch = layers_[layer].BranchOf(node);
   const size_t begin = layers_[layer].branch_begin[branch], end = layers_[layer].branch_begin[branch + 1];
   Interval interval{layer, node, node};
-  while (interval.first > begin && strikes(interval.first - 1)) --interval.first;
-  while (interval.last + 1 < end && strikes(interval.last + 1)) ++interval.last;
+  while (interval.first > begin && blocks(interval.first - 1)) --interval.first;
+  while (interval.last + 1 < end && blocks(interval.last + 1)) ++interval.last;
   return interval;
 }
 
-bool StrikeOut::CheckMotion(Checker& checker, size_t from, size_t to, const Sequence& sequence) {
+bool CollisionPruner::CheckMotion(Checker& checker, size_t from, size_t to, const Sequence& sequence) {
   const size_t a = sequence.nodes[from], b = sequence.nodes[to];
   if (a == kNoNode || b == kNoNode) return true;
   if (verdict_[from][a] != Verdict::kFree || verdict_[to][b] != Verdict::kFree) return true;
   if (free_[from].contains({a, b})) return true;
   const Joints q0 = layers_[from].joints.At(a);
-  const Joints q1 = q0 + (layers_[to].joints.At(b) - q0).unaryExpr(&ShortWay);
+  const Joints q1 = q0 + (layers_[to].joints.At(b) - q0).unaryExpr(&WrapToPi);
   const std::optional<CutProblem> problem = CheckCut(checker, carrier_, q0, q1, swept_resolution_);
-  (problem ? struck_ : free_)[from].insert({a, b});
+  (problem ? blocked_ : free_)[from].insert({a, b});
   if (!problem) return true;
   last_problem_[from] = problem;
   ++versions_[from];
   return false;
 }
 
-void StrikeOut::StrikeInRound(const Sequence& sequence, int round) {
-  // How often the search runs again over what the checks struck out, before steps beside motions that
+void CollisionPruner::PruneInRound(const Sequence& sequence, int round) {
+  // How often the search runs again over what the checks pruned, before steps beside motions that
   // interfere get shorter, before such motions take their nodes with them, and before they take their points
   // with them; after that each round removes a point.
   constexpr int kRoundsOfMotions = 2, kRoundsOfSteps = 6, kRoundsOfNodes = 60;
@@ -340,21 +344,21 @@ void StrikeOut::StrikeInRound(const Sequence& sequence, int round) {
     return Tighten(t, motion, kShorter, StepBeside(t, motion.from));
   });
   if (round < kRoundsOfSteps) return;
-  StrikeBarred(sequence, round < kRoundsOfNodes ? Extent::kNodes : Extent::kLayers);
+  PruneBarred(sequence, round < kRoundsOfNodes ? Extent::kNodes : Extent::kLayers);
 }
 
-void StrikeOut::TakeOut(size_t layer, size_t node) {
+void CollisionPruner::TakeOut(size_t layer, size_t node) {
   Verdict& verdict = verdict_[layer][node];
-  if (verdict == Verdict::kStruck) return;
+  if (verdict == Verdict::kBlocked) return;
   double& objective = layers_[layer].objective[node];
   taken_.push_back({layer, node, objective, verdict});
-  verdict = Verdict::kStruck;
+  verdict = Verdict::kBlocked;
   objective = std::numeric_limits<double>::infinity();
   ++versions_[layer];
-  ++nodes_struck_;
+  ++nodes_pruned_;
 }
 
-void StrikeOut::StrikeBarred(const Sequence& sequence, Extent extent) {
+void CollisionPruner::PruneBarred(const Sequence& sequence, Extent extent) {
   for (const size_t t : barred_) {
     const size_t to = (t + 1) % layers_.size();
     if (extent == Extent::kNodes) {
@@ -367,7 +371,7 @@ void StrikeOut::StrikeBarred(const Sequence& sequence, Extent extent) {
   }
 }
 
-void StrikeOut::Reopen(const Sequence& sequence) {
+void CollisionPruner::Reopen(const Sequence& sequence) {
   for (const Taken& taken : taken_) {
     if (sequence.nodes[taken.layer] == kNoNode) continue;
     layers_[taken.layer].objective[taken.node] = taken.objective;

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What moves beside the arm: a rail or lift that carries the robot, a table that carries the part.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/enum_words.hpp"
+#include "robot/arm.hpp"
+
+namespace millpose {
+
+enum class AxisKind : uint8_t { kLinear, kRotary };
+inline constexpr EnumWords<AxisKind, 2> kAxisKindWords = {
+    {{"linear", AxisKind::kLinear}, {"rotary", AxisKind::kRotary}}};
+
+enum class Carries : uint8_t { kRobot, kWorkpiece };
+inline constexpr EnumWords<Carries, 2> kCarriesWords = {
+    {{"robot", Carries::kRobot}, {"workpiece", Carries::kWorkpiece}}};
+
+/// An axis beside the arm's six. It stands still while a pass is milled.
+struct ExternalAxis {
+  std::string name;
+  AxisKind kind = AxisKind::kLinear;
+  Carries carries = Carries::kRobot;
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< unit, in W, with all axes at 0
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();      ///< a place on a rotary axis, W, mm, with all at 0
+  double lower = 0, upper = 0;                           ///< mm or rad
+  double speed = 0, acceleration = 0;                    ///< mm/s or rad/s, and per s
+  /// mm/N along a linear axis, rad/(N·mm) about a rotary one; empty: taken as stiff.
+  std::optional<double> compliance;
+};
+
+inline constexpr size_t kMostExternalAxes = 3;
+
+/// Where the external axes stand: one value for each, mm or rad; empty where there are none.
+using ExternalPosition = std::vector<double>;
+
+/// The external axes of a cell in order: of those that carry the same, each carries the ones behind it.
+class Mechanism {
+ public:
+  Mechanism() = default;
+  explicit Mechanism(std::vector<ExternalAxis> axes) : axes_(std::move(axes)) {}
+
+  const std::vector<ExternalAxis>& axes() const { return axes_; }
+  /// By what motion, in W, that which `carried` names has moved from where it stands with all axes at 0: a
+  /// body's pose X_WG becomes Moved(…) · X_WG. One value of `position` for each axis.
+  Pose Moved(Carries carried, const ExternalPosition& position) const;
+  /// The compliance that the axes add between tool and part at the place `tip` (W, mm, where it is at
+  /// `position`): 3×3, mm/N, in W, symmetric; zero where no axis has one.
+  Eigen::Matrix3d Compliance(const ExternalPosition& position, const Eigen::Vector3d& tip) const;
+
+ private:
+  std::vector<ExternalAxis> axes_;
+};
+
+}  // namespace millpose
