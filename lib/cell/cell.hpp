@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/enum_words.hpp"
-#include "robot/arm.hpp"
+#include "robot/mechanism.hpp"
 #include "surface/triangles.hpp"
 
 namespace millpose {
@@ -47,9 +47,9 @@ inline constexpr EnumWords<BodyClass, 8> kBodyClassWords = {{{"link", BodyClass:
                                                              {"workpiece", BodyClass::kWorkpiece},
                                                              {"stock", BodyClass::kStock}}};
 
-/// What a body hangs on: the world W, the arm's link frames 0..6 (kinematics.hpp), the tool T, or the
-/// workpiece P.
-enum class Mount : uint8_t { kWorld, kLink, kTool, kWorkpiece };
+/// What a body hangs on: the world W, the arm's link frames 0..6 (kinematics.hpp), the tool T, the
+/// workpiece P, or what an external axis carries (frame W, with all external axes at 0).
+enum class Mount : uint8_t { kWorld, kLink, kTool, kWorkpiece, kCarriage };
 
 struct Body {
   std::string name;
@@ -58,6 +58,7 @@ struct Body {
   int link = 0;                  ///< 0..6 when mounted on a link
   Pose X_MG = Pose::Identity();  ///< the shape's frame G in the frame M that it is mounted on
   Shape shape;
+  int axis = 0;  ///< of Cell::external_axes, when mounted on what it carries
 };
 
 /// Distances to keep, mm.
@@ -70,7 +71,9 @@ struct Clearances {
 struct Cell {
   std::string name;
   Arm arm;
-  Pose X_WB = Pose::Identity();
+  std::vector<ExternalAxis> external_axes;
+  ExternalPosition external;     ///< where the external axes stand; empty: all at 0
+  Pose X_WB = Pose::Identity();  ///< with the external axes at `external`, as all poses in W
   Pose X_FT = Pose::Identity();  ///< tool tip in the flange; T's z from tip to holder
   Pose X_WP = Pose::Identity();  ///< the workpiece of the job
   std::vector<Body> bodies;      ///< the workpiece among them

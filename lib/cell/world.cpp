@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cell/world.hpp"
 
+#include <cassert>
 #include <set>
 
 #include "base/error.hpp"
@@ -20,6 +21,12 @@ int LinkOf(const Body& body) {
   return body.mount == Mount::kLink ? body.link : 0;
 }
 
+/// The motion, in W, of what external axis `axis` carries.
+Pose CarriageMoved(const Cell& cell, int axis) {
+  if (cell.external.empty()) return Pose::Identity();
+  return Mechanism(cell.external_axes).MovedWith(static_cast<size_t>(axis), cell.external);
+}
+
 /// Pose of the body's shape in its link, or in W when it stands still.
 Pose PoseOnLink(const Cell& cell, const Body& body) {
   switch (body.mount) {
@@ -29,6 +36,8 @@ Pose PoseOnLink(const Cell& cell, const Body& body) {
       return cell.X_WP * body.X_MG;
     case Mount::kLink:
       return body.link == 0 ? cell.X_WB * body.X_MG : body.X_MG;
+    case Mount::kCarriage:
+      return CarriageMoved(cell, body.axis) * body.X_MG;
     case Mount::kWorld:
       break;
   }
@@ -166,6 +175,11 @@ PointMemory::Kind World::Impl::KindOf(const Cell& source, const BodyPair& pair) 
   return round && about_axis ? Kind::kTool : Kind::kFlange;
 }
 
+void World::Impl::Replace() {
+  // A world has the cell's bodies in their order, then those that it made itself, which hang on the tool.
+  for (size_t i = 0; i < cell.bodies.size(); ++i) bodies[i].X_LG = PoseOnLink(cell, cell.bodies[i]);
+}
+
 World::World(Cell cell) {
   std::vector<Problem> problems = FindProblems(cell);
   if (!problems.empty()) throw InputError(std::move(problems));
@@ -180,9 +194,20 @@ World World::With(const Pose& X_WB, const Pose& X_WP) const {
   auto moved = std::make_shared<Impl>(*impl_);
   moved->cell.X_WB = X_WB;
   moved->cell.X_WP = X_WP;
-  // A world has the cell's bodies in their order, then those that it made itself, which hang on the tool.
-  for (size_t i = 0; i < moved->cell.bodies.size(); ++i)
-    moved->bodies[i].X_LG = PoseOnLink(moved->cell, moved->cell.bodies[i]);
+  moved->Replace();
+  return World(std::move(moved));
+}
+
+World World::At(const ExternalPosition& external) const {
+  const Cell& still = impl_->cell;
+  assert(still.external.empty() && external.size() == still.external_axes.size());
+  if (external.empty()) return *this;
+  const Mechanism mechanism(still.external_axes);
+  auto moved = std::make_shared<Impl>(*impl_);
+  moved->cell.external = external;
+  moved->cell.X_WB = mechanism.Moved(Carries::kRobot, external) * still.X_WB;
+  moved->cell.X_WP = mechanism.Moved(Carries::kWorkpiece, external) * still.X_WP;
+  moved->Replace();
   return World(std::move(moved));
 }
 

@@ -41,6 +41,8 @@ class World {
   const Cell& cell() const;
   /// The same world with the robot's base at X_WB and the workpiece, and what hangs on it, at X_WP.
   World With(const Pose& X_WB, const Pose& X_WP) const;
+  /// Of a world whose external axes stand at 0: the same with them at `external`, one value for each.
+  World At(const ExternalPosition& external) const;
   /// Names of the bodies that stand still and that others touch which hang on `mount` and stand still too:
   /// the workpiece, or the robot's base (Mount::kLink).
   std::vector<std::string> TouchedBy(Mount mount) const;

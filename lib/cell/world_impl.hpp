@@ -30,6 +30,8 @@ struct World::Impl {
 
   /// Turns a cell without problems into bodies and pairs.
   static std::shared_ptr<const Impl> Build(Cell cell);
+  /// Puts the bodies where the cell's poses are now.
+  void Replace();
 
  private:
   /// Bodies i and j as a pair; two pairs for a cutter at the workpiece: all of it in the air, the part above

@@ -15,6 +15,7 @@
 #include "cell/cell.hpp"
 #include "program/post_entry.hpp"
 #include "robot/denavit_hartenberg.hpp"
+#include "robot/mechanism.hpp"
 #include "stiffness/compliance.hpp"
 
 namespace millpose {
@@ -148,11 +149,12 @@ struct CellSettings {
   std::string file;  ///< as given, for messages
   std::string name;
   ArmSettings arm;
-  PoseSettings base_in_world;       ///< of B; as long as no URDF is resolved, what the file says
-  PoseSettings stated_base;         ///< what the file, or the job in its place, says: of a URDF its base link
-  Vector6 home = Vector6::Zero();   ///< rad
-  ToolSettings tool;                ///< that a job takes: one of `tools`, where there are some
-  std::vector<ToolSettings> tools;  ///< that the spindle can hold; empty: `tool` alone
+  PoseSettings base_in_world;  ///< of B; as long as no URDF is resolved, what the file says
+  PoseSettings stated_base;    ///< what the file, or the job in its place, says: of a URDF its base link
+  std::vector<ExternalAxis> external_axes;
+  Vector6 home = Vector6::Zero();    ///< rad
+  ToolSettings tool;                 ///< that a job takes: one of `tools`, where there are some
+  std::vector<ToolSettings> tools;   ///< that the spindle can hold; empty: `tool` alone
   std::optional<Vector6> change_at;  ///< where the arm stands while the tool is changed, rad; else home
   std::vector<BodySettings> bodies;
   std::vector<std::pair<std::string, std::string>> excluded_pairs;

@@ -119,7 +119,18 @@ struct PassResult {
   int opened_at = -1;      ///< a ring left open: which of its points, as laid, it begins with; else −1
 };
 
-/// The way between two pieces: retract along the tool axis, joint-space path, approach. −1 is home.
+/// The external axes go from one station to another, evenly and all together (each with the same share of
+/// its way at any time), while the arm stands still at home.
+struct ExternalMove {
+  ExternalPosition from, to;
+  int at = 0;           ///< index into Gap::joints: where the arm, at home, stands meanwhile
+  double duration = 0;  ///< s, by the axes' speeds and accelerations; in Gap::duration too
+};
+
+/// The way between two pieces: retract along the tool axis, joint-space path, approach. −1 is home. Where the
+/// pieces are milled at different stations the way goes by home, where the external axes move; the external
+/// axes' home is the station before the first piece and after the last. Poses hold at the station where the
+/// external axes stand then.
 struct Gap {
   int from_pass = -1, from_piece = -1;
   int to_pass = -1, to_piece = -1;
@@ -127,11 +138,12 @@ struct Gap {
   std::string detail;  ///< what blocked it; of a planned one: by how much clearances were reduced
   Pose X_WT_retracted = Pose::Identity();  ///< tool at the end of the retract (from ≠ home)
   Pose X_WT_approach = Pose::Identity();   ///< tool where the approach begins (to ≠ home)
-  std::vector<Joints> joints;   ///< of the joint-space path, from retracted (or home) to approach (or home)
-  double clearance = 0;         ///< mm, smallest on the way, bounded
-  double clearance_share = 1;   ///< of the cell's clearances, with which it was planned
-  double duration = 0;          ///< s, by the joints' speeds and accelerations
-  long long poses_checked = 0;  ///< interference
+  std::vector<Joints> joints;  ///< of the joint-space path, from retracted (or home) to approach (or home)
+  double clearance = 0;        ///< mm, smallest on the way, bounded
+  double clearance_share = 1;  ///< of the cell's clearances, with which it was planned
+  double duration = 0;         ///< s, by the joints' speeds and accelerations
+  std::optional<ExternalMove> external;  ///< where the external axes move on the way
+  long long poses_checked = 0;           ///< interference
 };
 
 /// The whole plan of a job.

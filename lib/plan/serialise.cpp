@@ -253,6 +253,14 @@ void Fields(Archive& a, PassResult& p) {
 }
 
 template <class Archive>
+void Fields(Archive& a, ExternalMove& m) {
+  a("from", m.from);
+  a("to", m.to);
+  a("at", m.at);
+  a("duration", m.duration);
+}
+
+template <class Archive>
 void Fields(Archive& a, Gap& g) {
   a("from_pass", g.from_pass);
   a("from_piece", g.from_piece);
@@ -266,6 +274,7 @@ void Fields(Archive& a, Gap& g) {
   a("clearance", g.clearance);
   a("clearance_share", g.clearance_share);
   a("duration", g.duration);
+  a("external", g.external);
   a("poses_checked", g.poses_checked);
 }
 
@@ -300,6 +309,7 @@ void Fields(Archive& a, ExternalAxis& axis) {
   a("origin", axis.origin);
   a("lower", axis.lower);
   a("upper", axis.upper);
+  a("home", axis.home);
   a("speed", axis.speed);
   a("acceleration", axis.acceleration);
   a("compliance", axis.compliance);
@@ -326,7 +336,7 @@ void Fields(Archive& a, PlanResult& r) {
 }
 
 // The leading field tells a file of ours from others and one version from the next.
-constexpr const char* kFormat = "millpose 4";
+constexpr const char* kFormat = "millpose 5";
 
 template <class T>
 std::string ToBytes(const T& value) {

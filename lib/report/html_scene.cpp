@@ -11,6 +11,7 @@ namespace {
 const char* MountName(Mount mount) {
   switch (mount) {
     case Mount::kWorld:
+    case Mount::kCarriage:  // drawn where it stands with the external axes at 0
       return "world";
     case Mount::kLink:
       return "link";

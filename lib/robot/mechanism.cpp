@@ -30,6 +30,12 @@ Pose MotionOf(const ExternalAxis& axis, double value) {
 
 }  // namespace
 
+ExternalPosition Mechanism::Home() const {
+  ExternalPosition home;
+  for (const ExternalAxis& axis : axes_) home.push_back(axis.home);
+  return home;
+}
+
 Pose Mechanism::Moved(Carries carried, const ExternalPosition& position) const {
   assert(position.size() == axes_.size());
   Pose moved = Pose::Identity();
@@ -38,21 +44,19 @@ Pose Mechanism::Moved(Carries carried, const ExternalPosition& position) const {
   return moved;
 }
 
-Eigen::Matrix3d Mechanism::Compliance(const ExternalPosition& position, const Eigen::Vector3d& tip) const {
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  for (const Carries carried : {Carries::kRobot, Carries::kWorkpiece}) {
-    Pose before = Pose::Identity();
-    for (size_t i = 0; i < axes_.size(); ++i) {
-      const ExternalAxis& axis = axes_[i];
-      if (axis.carries != carried) continue;
-      const Eigen::Vector3d direction = before.linear() * axis.direction;
-      const Eigen::Vector3d moved =
-          axis.kind == AxisKind::kLinear ? direction : direction.cross(tip - before * axis.origin).eval();
-      sum += axis.compliance.value_or(0) * moved * moved.transpose();
-      before = before * MotionOf(axis, position[i]);
-    }
-  }
-  return sum;
+Pose Mechanism::MovedWith(size_t axis, const ExternalPosition& position) const {
+  assert(position.size() == axes_.size() && axis < axes_.size());
+  Pose moved = Pose::Identity();
+  for (size_t i = 0; i <= axis; ++i)
+    if (axes_[i].carries == axes_[axis].carries) moved = moved * MotionOf(axes_[i], position[i]);
+  return moved;
+}
+
+std::pair<Eigen::Vector3d, Eigen::Vector3d> Mechanism::LineOf(size_t axis,
+                                                              const ExternalPosition& position) const {
+  // An axis does not move by its own value: a rotary one stays where it is, a linear one moves along itself.
+  const Pose moved = MovedWith(axis, position);
+  return {moved.linear() * axes_[axis].direction, moved * axes_[axis].origin};
 }
 
 }  // namespace millpose

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/enum_words.hpp"
@@ -27,7 +28,8 @@ struct ExternalAxis {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< unit, in W, with all axes at 0
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();      ///< a place on a rotary axis, W, mm, with all at 0
   double lower = 0, upper = 0;                           ///< mm or rad
-  double speed = 0, acceleration = 0;                    ///< mm/s or rad/s, and per s
+  double home = 0;                     ///< mm or rad: where it stands when programs start and end
+  double speed = 0, acceleration = 0;  ///< mm/s or rad/s, and per s
   /// mm/N along a linear axis, rad/(N·mm) about a rotary one; empty: taken as stiff.
   std::optional<double> compliance;
 };
@@ -44,12 +46,15 @@ class Mechanism {
   explicit Mechanism(std::vector<ExternalAxis> axes) : axes_(std::move(axes)) {}
 
   const std::vector<ExternalAxis>& axes() const { return axes_; }
+  /// Where the axes stand when programs start and end.
+  ExternalPosition Home() const;
   /// By what motion, in W, that which `carried` names has moved from where it stands with all axes at 0: a
   /// body's pose X_WG becomes Moved(…) · X_WG. One value of `position` for each axis.
   Pose Moved(Carries carried, const ExternalPosition& position) const;
-  /// The compliance that the axes add between tool and part at the place `tip` (W, mm, where it is at
-  /// `position`): 3×3, mm/N, in W, symmetric; zero where no axis has one.
-  Eigen::Matrix3d Compliance(const ExternalPosition& position, const Eigen::Vector3d& tip) const;
+  /// The same of what axis `axis` itself carries: a carriage or a table.
+  Pose MovedWith(size_t axis, const ExternalPosition& position) const;
+  /// Direction of axis `axis` and a place on it, in W, with the axes at `position`.
+  std::pair<Eigen::Vector3d, Eigen::Vector3d> LineOf(size_t axis, const ExternalPosition& position) const;
 
  private:
   std::vector<ExternalAxis> axes_;

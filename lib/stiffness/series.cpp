@@ -21,6 +21,24 @@ constexpr double kNewton = 1e-3;  // N per kg·mm/s²
 
 }  // namespace
 
+std::vector<SeriesCompliance> ExternalCompliances(const Mechanism& mechanism,
+                                                  const ExternalPosition& external, const Pose& X_WB) {
+  std::vector<SeriesCompliance> elements;
+  const Pose X_BW = X_WB.inverse(Eigen::Isometry);
+  for (size_t i = 0; i < mechanism.axes().size(); ++i) {
+    const ExternalAxis& axis = mechanism.axes()[i];
+    if (!axis.compliance) continue;
+    const auto [direction, origin] = mechanism.LineOf(i, external);
+    SeriesCompliance& element = elements.emplace_back();
+    element.name = axis.name;
+    element.X_LK.translation() = X_BW * origin;
+    const Vector3d along = X_BW.linear() * direction;
+    const Eigen::Index block = axis.kind == AxisKind::kLinear ? 0 : 3;
+    element.C.block<3, 3>(block, block) = *axis.compliance * along * along.transpose();
+  }
+  return elements;
+}
+
 Matrix6 SeriesComplianceAt(const Arm& arm, const Joints& q, const Vector3d& p_FT,
                            const std::vector<SeriesCompliance>& elements) {
   const std::array<Pose, 7> frames = LinkFrames(arm, q);

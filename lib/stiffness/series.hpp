@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "robot/kinematics.hpp"
+#include "robot/mechanism.hpp"
 #include "stiffness/compliance_block.hpp"
 
 namespace millpose {
@@ -18,6 +19,12 @@ struct SeriesCompliance {
   Pose X_LK = Pose::Identity();  ///< frame of C in the link's frame, mm
   Matrix6 C = Matrix6::Zero();   ///< blocks mm/N, 1/N, 1/N, rad/(N·mm); symmetric, positive semidefinite
 };
+
+/// What external axes that stand still at `external` add, as elements on the base: whatever an axis carries,
+/// a force between tool and part twists it by its compliance about or along its line. `X_WB`: where the base
+/// stands then. Axes without a compliance add nothing.
+std::vector<SeriesCompliance> ExternalCompliances(const Mechanism& mechanism,
+                                                  const ExternalPosition& external, const Pose& X_WB);
 
 /// The compliance that the elements add at the point `p_FT`, in B, same blocks: Σ Ad·C·Adᵀ with Ad the
 /// adjoint from K to the point (Ad = [R, −[r]×·R; 0, R], r from K's origin to the point), so that twists and

@@ -74,31 +74,5 @@ TEST(Mechanism, MovesNothingAtZero) {
   EXPECT_TRUE(Mechanism().Moved(Carries::kRobot, {}).matrix().isIdentity(0));
 }
 
-// An axis that yields by c per unit of load moves what it carries at the tip by c times how far the tip goes
-// with the axis: (dp/dx)(dp/dx)ᵀ·c, by differences.
-TEST(Mechanism, ComplianceIsThatOfDifferences) {
-  RandomStream random(3, 0);
-  constexpr double kStep = 1e-6;
-  for (int i = 0; i < 100; ++i) {
-    const Mechanism mechanism = RandomMechanism(random);
-    const ExternalPosition position = RandomPosition(mechanism, random);
-    const Eigen::Vector3d tip = 1000 * Vector(random);
-    Eigen::Matrix3d expected = Eigen::Matrix3d::Zero();
-    for (size_t a = 0; a < position.size(); ++a) {
-      const Carries carried = mechanism.axes()[a].carries;
-      ExternalPosition further = position, back = position;
-      further[a] += kStep;
-      back[a] -= kStep;
-      const Eigen::Vector3d on_it = mechanism.Moved(carried, position).inverse() * tip;
-      const Eigen::Vector3d column =
-          (mechanism.Moved(carried, further) * on_it - mechanism.Moved(carried, back) * on_it) / (2 * kStep);
-      expected += *mechanism.axes()[a].compliance * column * column.transpose();
-    }
-    const Eigen::Matrix3d is = mechanism.Compliance(position, tip);
-    EXPECT_LT((is - expected).norm(), 1e-6 * (expected.norm() + 1e-12));
-    EXPECT_LT((is - is.transpose()).norm(), 1e-20);
-  }
-}
-
 }  // namespace
 }  // namespace millpose
