@@ -149,13 +149,53 @@ class CabinPanel:
         return self.triangles
 
 
+def cabin_barrel():
+    """Barrel section, diameter 2400 mm, 500 mm high, skin of 12 mm, with six lands raised by 6 mm around it, each 8
+    degrees wide and 96 mm high; P in the middle of its lower end, z along its axis."""
+    skin, inner, raised, height = 1200.0, 1188.0, 1206.0, 500.0
+    lands, half, rows = 6, 4.0, [0.0, 202.0, 298.0, height]
+    angles = []
+    for k in range(lands):
+        angles += [360.0 / lands * k - half + 0.5 * j for j in range(16)]  # chords within 0.012 mm of the arc
+        first, width = 360.0 / lands * k + half, 360.0 / lands - 2 * half
+        angles += [first + width * j / 8 for j in range(8)]
+    count = len(angles)
+
+    def point(radius, column, z):
+        turn = math.radians(angles[column % count])
+        return (radius * math.cos(turn), radius * math.sin(turn), z)
+
+    def outer(column, row):
+        """Radius of the skin over a cell."""
+        return raised if row == 1 and column % count % 24 < 16 else skin
+
+    triangles = []
+    for c in range(count):
+        d = c + 1
+        for r in range(3):
+            low, high, radius = rows[r], rows[r + 1], outer(c, r)
+            triangles += quad(point(radius, c, low), point(radius, d, low), point(radius, d, high), point(radius, c, high))
+            triangles += quad(point(inner, c, low), point(inner, c, high), point(inner, d, high), point(inner, d, low))
+            if outer(d, r) < radius:  # a land's end
+                triangles += quad(point(radius, d, low), point(skin, d, low), point(skin, d, high), point(radius, d, high))
+            if outer(c - 1, r) < radius:
+                triangles += quad(point(skin, c, low), point(radius, c, low), point(radius, c, high), point(skin, c, high))
+        if outer(c, 1) > skin:
+            low, high = rows[1], rows[2]
+            triangles += quad(point(skin, c, low), point(skin, d, low), point(raised, d, low), point(raised, c, low))
+            triangles += quad(point(raised, c, high), point(raised, d, high), point(skin, d, high), point(skin, c, high))
+        triangles += quad(point(inner, c, 0.0), point(inner, d, 0.0), point(skin, d, 0.0), point(skin, c, 0.0))
+        triangles += quad(point(inner, c, height), point(skin, c, height), point(skin, d, height), point(inner, d, height))
+    return triangles
+
+
 def main():
     check = sys.argv[1:] == ["--check"]
     if sys.argv[1:] and not check:
         sys.exit("usage: make_meshes.py [--check]")
     differing = []
     for name, triangles in (("support_pad", support_pad()), ("cabin_panel", CabinPanel().build()),
-                            ("cabin_ring", cabin_ring())):
+                            ("cabin_ring", cabin_ring()), ("cabin_barrel", cabin_barrel())):
         path = HERE / name / f"{name}.stl"
         content = stl(name, triangles)
         if check:

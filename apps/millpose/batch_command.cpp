@@ -7,7 +7,7 @@
 namespace millpose {
 
 void AddBatchCommand(CLI::App& app, Run& run) {
-  CLI::App* command = app.add_subcommand("batch", "Plan many jobs; what is done already is left alone");
+  CLI::App* command = app.add_subcommand("batch", "Plan many jobs; those that are up to date are skipped");
   const auto arguments = std::make_shared<BatchArguments>();
   command
       ->add_option("JOBS", arguments->jobs, "Job files, manifests (millpose_batch: 1), folders, 'patterns*'")

@@ -90,7 +90,7 @@ int Calibrate(const Options& options) {
     Print(part);
   if (!part.found.usable()) {
     if (!options.write_job.empty())
-      fmt::print(stderr, "millpose: {} is left as it was: the model does not explain the part\n",
+      fmt::print(stderr, "millpose: {} is unchanged: the model does not explain the part\n",
                  options.write_job.string());
     return kFindings;
   }
@@ -122,7 +122,7 @@ void AddCalibrateCommand(CLI::App& app, Run& run) {
       ->required();
   command->add_option("--plan", options.plan, "Output folder of the plan that the part was milled by")
       ->required();
-  command->add_option("--job", options.job, "Its job file, where that does not stand beside the folder");
+  command->add_option("--job", options.job, "Its job file, if that is not next to the folder");
   command->add_option("--write-job", options.write_job,
                       "Put the factors into this job file, keeping its comments");
   command->add_flag("--json", options.json, "Results as JSON on stdout");

@@ -68,7 +68,7 @@ std::string Examples() {
       {"millpose inspect part/part.out --worst 5", "The five softest points."},
       {"millpose verify part/part.out --job part/job.yaml", "Reads the programs back and replays them."},
       {"millpose place part/job.yaml --set 'placement={x_mm: {from: 1500, to: 2100}}'",
-       "Where the part stands best between two places."},
+       "The best place of the part between two places."},
       {"millpose batch parts/*/job.yaml -o night", "Many jobs, with an index page."},
   };
   std::string text = ".SH EXAMPLES\n";
@@ -86,7 +86,7 @@ std::string ManPage(const CLI::App& app) {
       ".SH DESCRIPTION\nReads a job (YAML, with a mesh and a robot cell) and writes robot programs in which "
       "each "
       "milling point is cut in a pose in which the cutting force bends the six\\-axis arm least, with "
-      "points.csv, summary.json, path.vtp and report.html beside them. Results go to standard output, "
+      "points.csv, summary.json, path.vtp and report.html next to them. Results go to standard output, "
       "progress "
       "and messages to standard error.\n.SH OPTIONS\n" +
       OptionsOf(app) + ".SH COMMANDS\n";

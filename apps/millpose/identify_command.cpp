@@ -230,8 +230,7 @@ int Identify(const Options& options) {
   else
     Print(found, judged, task);
   if (!options.write_cell.empty() && !judged.usable)
-    fmt::print(stderr, "millpose: {} is left as it was: the measurements cannot be believed\n",
-               options.write_cell);
+    fmt::print(stderr, "millpose: {} is unchanged: the measurements are not plausible\n", options.write_cell);
   if (!options.write_cell.empty() && judged.usable) WriteCellFile(options, task, found);
   const auto determined = [](const JointEstimate& joint) { return joint.determined; };
   return std::ranges::all_of(found.joints, determined) && judged.findings.empty() ? kDone : kFindings;

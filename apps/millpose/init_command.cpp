@@ -19,7 +19,7 @@ int Init(InitArguments arguments, const std::string& unit, Session& session) {
 
 void AddInitCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand(
-      "init", "Write a first cell and job for a part and an arm, which plan as they stand");
+      "init", "Write a first cell and job for a part and an arm, which can be planned right away");
   const auto arguments = std::make_shared<InitArguments>();
   const auto unit = std::make_shared<std::string>();
   command->add_option("PART", arguments->part, "Part (STL, OBJ, PLY, OFF, STEP)")->required();

@@ -168,7 +168,7 @@ int Main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   CLI::App app{
       "millpose: robotic milling in the best poses, without a GUI\n"
-      "`millpose help COMMAND` tells of one command.\n"
+      "`millpose help COMMAND` explains one command.\n"
       "Exit status: 0 done; 1 done, with findings; 2 bad input or usage; 3 internal error; 130 interrupted."};
   app.name("millpose");
   app.set_version_flag("-V,--version", "millpose " MILLPOSE_VERSION);

@@ -9,11 +9,12 @@ namespace millpose {
 void AddPlaceCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand(
       "place",
-      "Look for the place where the part is milled best, plan the best places whole, write the best as "
-      "JOB.placed.yaml (docs/placement.md)");
+      "Search the place where the part is milled best, plan the best places completely, write the best "
+      "as JOB.placed.yaml (docs/placement.md)");
   const auto arguments = std::make_shared<PlaceArguments>();
   command->add_option("JOB", arguments->job, "Job file (YAML) with a section placement")->required();
-  command->add_option("-o,--out", arguments->out, "Output folder; default: <job name>.places beside the job");
+  command->add_option("-o,--out", arguments->out,
+                      "Output folder; default: <job name>.places next to the job");
   command->add_option("--threads", arguments->threads, "Threads; 0: all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();

@@ -35,7 +35,7 @@ void AddPlanCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand("plan", "Plan a job and write programs, points and reports");
   const auto arguments = std::make_shared<PlanArguments>();
   command->add_option("JOB", arguments->job, "Job file (YAML)")->required();
-  command->add_option("-o,--out", arguments->out, "Output folder; default: <job name>.out beside the job");
+  command->add_option("-o,--out", arguments->out, "Output folder; default: <job name>.out next to the job");
   command->add_option("--threads", arguments->threads, "Threads; 0: all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();

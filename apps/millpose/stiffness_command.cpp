@@ -58,7 +58,7 @@ Subject Load(const Options& options) {
   subject.at_flange = options.at.empty()
                           ? subject.cell.stiffness_at == StiffnessOrigin::kFlange
                           : options.at == WordOf(kStiffnessOriginWords, StiffnessOrigin::kFlange);
-  subject.elements = MakeCompliances(subject.cell);
+  subject.elements = MakeCompliancesAtHome(subject.cell);
   subject.gravity = MakeGravity(subject.cell);
   return subject;
 }

@@ -82,7 +82,7 @@ class Reader {
     for (const Cell& cell : Split(line)) {
       const std::string column(cell.text);
       if (Contains(header_, column))
-        Add(number, cell.column, fmt::format("column \"{}\" stands twice", column));
+        Add(number, cell.column, fmt::format("column \"{}\" is given twice", column));
       if (!Contains(known, column)) {
         const std::string nearest = NearestName(column, known);
         Add(number, cell.column,

@@ -5,11 +5,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <climits>
 #include <system_error>
 
 #include "base/error.hpp"
+#include "base/file_parts.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -31,17 +33,23 @@ struct Descriptor {
   }
 };
 
-// Makes the file with these bytes; false with errno where a step fails.
-bool WriteAndSync(const std::string& path, std::string_view bytes) {
-  const Descriptor file{::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
-  if (file.value < 0) return false;
+constexpr const char* kNotWritten = "cannot write";
+
+// `path` is what messages name.
+void WriteAll(int file, std::string_view bytes, const fs::path& path) {
   while (!bytes.empty()) {
-    const ssize_t count = ::write(file.value, bytes.data(), bytes.size());
+    const ssize_t count = ::write(file, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return false;
+    if (count < 0) Fail(path, kNotWritten);
     bytes.remove_prefix(static_cast<size_t>(count));
   }
-  return ::fsync(file.value) == 0;
+}
+
+void WriteAndSync(const std::string& temporary, const ByteSource& write, const fs::path& path) {
+  const Descriptor file{::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
+  if (file.value < 0) Fail(path, kNotWritten);
+  write([&](std::string_view bytes) { WriteAll(file.value, bytes, path); });
+  if (::fsync(file.value) != 0) Fail(path, kNotWritten);
 }
 
 }  // namespace
@@ -69,15 +77,22 @@ std::string ReadFile(const fs::path& path, size_t max_bytes) {
 }
 
 void WriteFileAtomically(const fs::path& path, std::string_view bytes) {
-  // Unique also among machines that share the folder.
+  WriteFileAtomically(path, [&](const ByteSink& sink) { sink(bytes); });
+}
+
+void WriteFileAtomically(const fs::path& path, const ByteSource& write) {
+  // Unique also among threads, and among machines that share the folder.
+  static std::atomic<unsigned> number = 0;
   char host[HOST_NAME_MAX + 1] = "";
   ::gethostname(host, sizeof host - 1);
-  const std::string temporary = fmt::format("{}.{}.{}.tmp", path.string(), host, ::getpid());
-  if (WriteAndSync(temporary, bytes) && ::rename(temporary.c_str(), path.c_str()) == 0) return;
-  const int cause = errno;
-  ::unlink(temporary.c_str());
-  errno = cause;
-  Fail(path, "cannot write");
+  const std::string temporary = fmt::format("{}.{}.{}.{}.tmp", path.string(), host, ::getpid(), number++);
+  try {
+    WriteAndSync(temporary, write, path);
+    if (::rename(temporary.c_str(), path.c_str()) != 0) Fail(path, kNotWritten);
+  } catch (...) {
+    ::unlink(temporary.c_str());
+    throw;
+  }
 }
 
 bool Exists(const fs::path& path) {

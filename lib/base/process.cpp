@@ -16,6 +16,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 
 #include "base/error.hpp"
@@ -143,12 +144,34 @@ void TellLines(const std::string& text, const std::function<void(std::string_vie
     if (hear) hear(std::string_view(text).substr(from, end - from));
 }
 
-// Reads both streams until the child closed them; passes a stop request on.
-void Follow(pid_t child, Pipe* output, Pipe* errors, const std::stop_token& stop,
-            const std::function<void(std::string_view)>& hear, ProcessResult* result) {
-  bool told = false, killed = false;
+// Passes a stop request on to a child: first asks it to end, then ends it and its own children.
+class StopOfChild {
+ public:
+  StopOfChild(pid_t child, const std::stop_token& stop) : child_(child), stop_(stop) {}
+
+  void Pass() {
+    if (!stop_.stop_requested()) return;
+    if (!asked_) {
+      ::kill(child_, SIGTERM);
+      asked_ = true;
+      asked_at_ = Clock::now();
+    } else if (!killed_ && Clock::now() - asked_at_ > kGrace) {
+      ::kill(-child_, SIGKILL);
+      killed_ = true;
+    }
+  }
+
+ private:
+  pid_t child_;
+  const std::stop_token& stop_;
+  bool asked_ = false, killed_ = false;
+  Clock::time_point asked_at_;
+};
+
+// Reads both streams until the child closed them.
+void Follow(Pipe* output, Pipe* errors, StopOfChild* stop, const std::function<void(std::string_view)>& hear,
+            ProcessResult* result) {
   size_t heard = 0;
-  Clock::time_point told_at;
   while (output->ends[0] >= 0 || errors->ends[0] >= 0) {
     pollfd streams[2] = {{output->ends[0], POLLIN, 0}, {errors->ends[0], POLLIN, 0}};
     ::poll(streams, 2, kPollMs);
@@ -157,16 +180,21 @@ void Follow(pid_t child, Pipe* output, Pipe* errors, const std::stop_token& stop
       Drain(errors, &result->errors);
       TellLines(result->errors, hear, heard);
     }
-    if (stop.stop_requested() && !told) {
-      ::kill(child, SIGTERM);
-      told = true;
-      told_at = Clock::now();
-    }
-    if (told && !killed && Clock::now() - told_at > kGrace) {
-      ::kill(-child, SIGKILL);
-      killed = true;
-    }
+    stop->Pass();
   }
+}
+
+// Waits for the end of a child that may have closed its streams before.
+int WaitFor(pid_t child, StopOfChild* stop, rusage* usage) {
+  int status = 0;
+  constexpr timespec kPause{0, 1'000'000};
+  for (pid_t ended = 0; ended != child;) {
+    ended = ::wait4(child, &status, WNOHANG, usage);
+    if (ended == child || (ended < 0 && errno != EINTR)) break;
+    stop->Pass();
+    ::nanosleep(&kPause, nullptr);
+  }
+  return status;
 }
 
 }  // namespace
@@ -180,11 +208,10 @@ ProcessResult RunProcess(const std::vector<std::string>& arguments, std::stop_to
   output.Close(1);
   errors.Close(1);
   ProcessResult result;
-  Follow(child, &output, &errors, stop, told, &result);
-  int status = 0;
+  StopOfChild stopping(child, stop);
+  Follow(&output, &errors, &stopping, told, &result);
   rusage usage{};
-  while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
-  }
+  const int status = WaitFor(child, &stopping, &usage);
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   result.peak_memory_MB = static_cast<double>(usage.ru_maxrss) / 1024;
   result.wall_s = std::chrono::duration<double>(Clock::now() - start).count();

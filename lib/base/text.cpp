@@ -3,6 +3,8 @@
 
 #include <charconv>
 
+#include "base/utf8.hpp"
+
 namespace millpose {
 
 std::string ShortestNumber(double value) { return fmt::format("{}", value); }
@@ -15,10 +17,7 @@ std::optional<double> ParseNumber(std::string_view text) {
   return value;
 }
 
-namespace {
-
-// Length of the valid UTF-8 sequence that `text` begins with; 0 where it begins with none (RFC 3629).
-size_t SequenceLength(std::string_view text) {
+size_t Utf8Length(std::string_view text) {
   const auto byte = [&](size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
   const unsigned first = byte(0);
   if (first < 0x80) return 1;
@@ -33,12 +32,10 @@ size_t SequenceLength(std::string_view text) {
   return bad ? 0 : length;
 }
 
-}  // namespace
-
 std::string ValidUtf8(std::string_view text) {
   std::string valid;
   while (!text.empty()) {
-    const size_t length = SequenceLength(text);
+    const size_t length = Utf8Length(text);
     valid += length > 0 ? text.substr(0, length) : std::string_view("\xEF\xBF\xBD");
     text.remove_prefix(std::max<size_t>(length, 1));
   }

@@ -51,6 +51,7 @@ class World {
 
  private:
   friend class Checker;
+  friend class StationWay;
   struct Impl;
   explicit World(std::shared_ptr<const Impl> impl);
   std::shared_ptr<const Impl> impl_;

@@ -92,7 +92,7 @@ std::string VerdictOn(const Calibration& c) {
   const std::string ranges = fmt::format("measured it varies by {:.3g} µm, predicted by {:.3g} µm",
                                          kMicrometres * c.measured_range, kMicrometres * c.predicted_range);
   if (c.predicted_range == 0)
-    return "the prediction is the same everywhere, so that no scale can be told: " + ranges;
+    return "the prediction is the same everywhere, so no scale can be determined: " + ranges;
   const std::string scale = fmt::format("{:.3g} times the predicted (95 %: {:.3g} to {:.3g})", c.scale.value,
                                         c.scale.low, c.scale.high);
   const std::string share = fmt::format("{:.0f} % of the measured variation", 100 * c.explained);

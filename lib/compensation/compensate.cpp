@@ -6,6 +6,7 @@
 
 #include "compensation/shift.hpp"
 #include "motion/line.hpp"
+#include "plan/station.hpp"
 #include "robot/angles.hpp"
 #include "robot/kinematics.hpp"
 
@@ -23,15 +24,15 @@ constexpr double kLeast = 1e-5;
 /// What a layer has left standing at its points, to be found by place.
 class LeftStanding {
  public:
-  void Add(const MillingPoint& point, double height) { places_.push_back({point.position, height}); }
+  void Add(const Vector3d& position, double height) { places_.push_back({position, height}); }
 
-  /// mm along the normal at the point nearest to `point`'s place on the face below; 0 where none is within
+  /// mm along the normal at the point nearest to `position` on the face below; 0 where none is within
   /// `reach` (mm) of the normal through it.
-  double Above(const MillingPoint& point, double reach) const {
+  double Above(const Vector3d& position, const Vector3d& normal, double reach) const {
     double nearest = reach * reach, height = 0;
     for (const Place& place : places_) {
-      const Vector3d way = place.position - point.position;
-      const double beside = (way - way.dot(point.normal) * point.normal).squaredNorm();
+      const Vector3d way = place.position - position;
+      const double beside = (way - way.dot(normal) * normal).squaredNorm();
       if (beside >= nearest) continue;
       nearest = beside;
       height = place.height;
@@ -54,7 +55,6 @@ class Compensator {
         forces_(forces),
         plan_(plan),
         carrier_{plan.arm, plan.X_WB, plan.X_FT},
-        R_BW_(plan.X_WB.linear().transpose()),
         per_layer_(std::max<size_t>(1, plan.passes.size() / options.layers)) {}
 
   CompensationCounts Run() {
@@ -68,6 +68,10 @@ class Compensator {
  private:
   void RunPass(size_t p) {
     PassResult& pass = plan_.passes[p];
+    carrier_.X_WB = BaseAt(plan_, pass.external);
+    R_BW_ = carrier_.X_WB.linear().transpose();
+    to_zero_ = ToZero(plan_, pass.external);
+    beside_ = CompliancesAt(plan_, pass.external, options_.beside);
     for (size_t i = 0; i < pass.points.size(); ++i) {
       PlannedPoint& point = pass.points[i];
       point.compensation.reset();
@@ -88,15 +92,16 @@ class Compensator {
     const MillingPoint& point = planned.point;
     Compensation found;
     found.q = planned.q;
-    if (options_.weight) found.weight = plan_.X_WB.linear() * options_.weight(planned.q);
+    if (options_.weight) found.weight = carrier_.X_WB.linear() * options_.weight(planned.q);
     if (options_.deflection == TakeOut::kOff || point.kind != PointKind::kCut || force.isZero(0.0))
       return found;
     if (const double depth = point.engagement.depth; depth > 0) {
-      const double more = above_.Above(point, options_.cutter_radius);
+      const double more =
+          above_.Above(to_zero_ * point.position, to_zero_.linear() * point.normal, options_.cutter_radius);
       force *= std::max(0.0, (depth + more) / depth);
     }
     found.force = force;
-    const ComplianceParts parts(plan_.arm, planned.q, plan_.X_FT.translation(), options_.beside);
+    const ComplianceParts parts(plan_.arm, planned.q, plan_.X_FT.translation(), beside_);
     const auto along = [&](const Vector3d& direction) {
       return parts.Along(R_BW_ * direction, R_BW_ * force, options_.force, options_.stiffness);
     };
@@ -145,7 +150,8 @@ class Compensator {
     }
     c.shift = shift();
     if (!c.shift.isZero(0.0)) Reach(planned);
-    if (point.kind == PointKind::kCut) here_.Add(point, c.normal.expected - c.normal.taken);
+    if (point.kind == PointKind::kCut)
+      here_.Add(to_zero_ * point.position, c.normal.expected - c.normal.taken);
   }
 
   void Reach(PlannedPoint& planned) {
@@ -177,8 +183,10 @@ class Compensator {
   const CompensationOptions& options_;
   const PointForces& forces_;
   PlanResult& plan_;
-  Carrier carrier_;
+  Carrier carrier_;  ///< of the pass, as the next three
   Eigen::Matrix3d R_BW_;
+  Pose to_zero_;
+  std::vector<SeriesCompliance> beside_;
   size_t per_layer_;
   LeftStanding above_, here_;
   CompensationCounts counts_;

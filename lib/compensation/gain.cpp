@@ -3,6 +3,7 @@
 
 #include "base/random.hpp"
 #include "base/trig.hpp"
+#include "plan/station.hpp"
 
 namespace millpose {
 namespace {
@@ -19,16 +20,18 @@ struct Place {
 };
 
 std::vector<Place> PlacesOf(const CompensationOptions& options, const PlanResult& plan) {
-  const Eigen::Matrix3d R_BW = plan.X_WB.linear().transpose();
   std::vector<Place> places;
-  for (const PassResult& pass : plan.passes)
+  for (const PassResult& pass : plan.passes) {
+    const Eigen::Matrix3d R_BW = BaseAt(plan, pass.external).linear().transpose();
+    const std::vector<SeriesCompliance> beside = CompliancesAt(plan, pass.external, options.beside);
     for (const PlannedPoint& point : pass.points) {
       if (!point.compensation || point.compensation->normal.taken == 0) continue;
-      const ComplianceParts parts(plan.arm, point.q, plan.X_FT.translation(), options.beside);
+      const ComplianceParts parts(plan.arm, point.q, plan.X_FT.translation(), beside);
       const Vector3d normal = R_BW * point.point.normal;
       places.push_back({parts.Towards(normal), normal, R_BW * point.compensation->force,
                         point.compensation->normal.taken});
     }
+  }
   return places;
 }
 

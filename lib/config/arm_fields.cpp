@@ -76,7 +76,8 @@ void CheckArm(const Value& value, const Context& context, ArmSettings& arm) {
   if (arm.urdf.file.empty() && !table)
     return CheckLengths(*value.Find("lengths_mm"), context.Child("lengths_mm"), arm);
   if (!arm.urdf.file.empty() && table)
-    context.Child("dh").Add(value.FindKey("dh")->mark, "stands beside arm.urdf; allowed: one of the two");
+    context.Child("dh").Add(value.FindKey("dh")->mark,
+                            "given together with arm.urdf; allowed: one of the two");
   for (const char* key : {"family", "lengths_mm", "axis_signs", "zero_offsets_deg"})
     if (const auto* given = value.FindKey(key))
       context.Child(key).Add(given->mark, fmt::format("is derived from the {}; allowed: one of the two",

@@ -50,6 +50,7 @@ std::vector<std::pair<std::string, MountSettings>> MountNames() {
   for (const auto& [word, link] : kLinkWords) names.emplace_back(word, MountSettings{Mount::kLink, link});
   names.emplace_back("tool", MountSettings{Mount::kTool});
   names.emplace_back("workpiece", MountSettings{Mount::kWorkpiece});
+  names.emplace_back("carriage", MountSettings{Mount::kCarriage});
   return names;
 }
 
@@ -69,8 +70,12 @@ Codec<BodySettings> BodyFields() {
              "What the body is; decides which pairs are checked and with which clearance.")
           .Required(),
       Key<S>("mount", MILLPOSE_AT(mount), ChoiceOf<MountSettings>(MountNames()),
-             "Frame that the body hangs on.")
+             "Frame that the body hangs on; carriage: what an external axis carries, given in the world with "
+             "all "
+             "external axes at 0.")
           .Required(),
+      Key<S>("axis", MILLPOSE_AT(axis), Text(), "With mount carriage: the name of the external axis.")
+          .WhenSet([](const S& s) { return !s.axis.empty(); }),
       Key<S>("shape", MILLPOSE_AT(shape), ShapeFields(), "One shape.").Required(),
       Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "Place of the shape in the frame that it hangs on."),
   });
@@ -101,7 +106,7 @@ void CheckTools(const Value& value, const Context& context, CellSettings& cell) 
   }
   const std::vector<Value>& items = value.Find("tools")->items;
   if (const Value::Key* one = value.FindKey("tool"))
-    context.Child("tool").Add(one->mark, "given beside tools; allowed: one of the two");
+    context.Child("tool").Add(one->mark, "given together with tools; allowed: one of the two");
   for (size_t i = 0; i < cell.tools.size(); ++i)
     for (size_t j = 0; j < i; ++j) {
       const Context at = context.Child("tools").Child(i);
@@ -134,6 +139,9 @@ const Codec<CellSettings>& CellFields() {
           Key<S>("name", MILLPOSE_AT(name), Text(), "Name of the cell.").Required(),
           Key<S>("arm", MILLPOSE_AT(arm), ArmFields(), "The robot arm.").Required(),
           Key<S>("base_in_world", MILLPOSE_AT(base_in_world), PoseFields(), "Robot base in the world."),
+          Key<S>("external_axes", MILLPOSE_AT(external_axes), ListOf(ExternalAxisFields()),
+                 "Rails, lifts and tables (docs/external-axes.md), up to three.")
+              .WhenSet([](const S& s) { return !s.external_axes.empty(); }),
           Key<S>("home_deg", MILLPOSE_AT(home), Numbers6(kDeg, Between(-3600, 3600)),
                  "Where programs start and end.")
               .Required(),
@@ -172,6 +180,7 @@ const Codec<CellSettings>& CellFields() {
       },
       [](const Value& value, const Context& context, S& cell) {
         CheckTools(value, context, cell);
+        CheckExternalAxes(value, context, cell);
         const auto line = [&](const char* key) {
           const Value::Key* given = value.FindKey(key);
           return (given ? given->mark : value.mark).line;

@@ -126,6 +126,7 @@ struct BodySettings {
   std::string name;
   BodyClass body_class = BodyClass::kFixture;  ///< all but workpiece and stock
   MountSettings mount;
+  std::string axis;  ///< whose carriage it is on, where that is its mount
   ShapeSettings shape;
   PoseSettings pose;
 };
@@ -145,13 +146,19 @@ struct GravitySettings {
   double counterbalance_zero = 0;               ///< inner angle of axis 2 where it gives nothing, rad
 };
 
+/// An external axis as a cell gives it.
+struct ExternalAxisSettings : ExternalAxis {
+  std::optional<double> stiffness;  ///< N/mm or N·mm/rad: 1 ÷ compliance
+  std::string stiffness_source;
+};
+
 struct CellSettings {
   std::string file;  ///< as given, for messages
   std::string name;
   ArmSettings arm;
   PoseSettings base_in_world;  ///< of B; as long as no URDF is resolved, what the file says
   PoseSettings stated_base;    ///< what the file, or the job in its place, says: of a URDF its base link
-  std::vector<ExternalAxis> external_axes;
+  std::vector<ExternalAxisSettings> external_axes;
   Vector6 home = Vector6::Zero();    ///< rad
   ToolSettings tool;                 ///< that a job takes: one of `tools`, where there are some
   std::vector<ToolSettings> tools;   ///< that the spindle can hold; empty: `tool` alone

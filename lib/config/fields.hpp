@@ -29,6 +29,8 @@ Codec<JobSettings> GapFields();
 Codec<ProgramOptionSettings> ProgramOptionFields();
 Codec<CompensationSettings> CompensationFields();
 Codec<PlacementSettings> PlacementFields();
+/// One entry of `external`.
+Codec<ExternalSettings> ExternalFields();
 /// Keys of the process that objectives take as parameters: how sure the cutting force is.
 inline const std::array<std::string, 2> kForceBounds{"force_uncertainty_percent", "force_direction_deg"};
 /// Whether something of a job follows them: its objective, or compensation.
@@ -42,6 +44,9 @@ Codec<ToolSettings> ToolFields();
 Codec<BodySettings> BodyFields();
 Codec<ShapeSettings> ShapeFields();
 Codec<CellSettings> StiffnessFields();
+/// One entry of `external_axes`, and what is wrong with all of them and with the bodies on them.
+Codec<ExternalAxisSettings> ExternalAxisFields();
+void CheckExternalAxes(const Value& value, const Context& context, const CellSettings& cell);
 /// One compliance in series with the joints.
 Codec<ComplianceSettings> ComplianceFields();
 /// What each controller's programs need to know, from the tables of lib/program; keys that a controller

@@ -94,12 +94,28 @@ void CheckOverMissing(const Value& value, const Context& context, const JobSetti
         .Add(found->mark, "has no effect here: needs process.cutting, without a side");
 }
 
+void CheckLeans(const Value& value, const Context& context, const JobSettings& job) {
+  const auto useless = [&](const char* section, const char* key, const std::string& why) {
+    const Value* of = value.Find(section);
+    if (const Value::Key* found = of ? of->FindKey(key) : nullptr)
+      context.Child(section).Child(key).Add(found->mark, why);
+  };
+  if (!job.toolpath.Leans())
+    useless("path", "max_lean_change_deg_per_mm",
+            "has no effect here: needs a range in toolpath.lead_deg or tilt_deg");
+  else if (job.formulation == Formulation::kPaper)
+    useless("pose", "formulation",
+            "paper knows the rotation about the tool axis alone; give toolpath.lead_deg and tilt_deg as "
+            "numbers");
+}
+
 void Check(const Value& value, const Context& context, JobSettings& job) {
   CheckPart(value, context, job);
   ChooseObjective(value, context, job);
   CheckCutting(value, context, job);
   CheckFeeds(value, context, job);
   CheckOverMissing(value, context, job);
+  CheckLeans(value, context, job);
   CheckForce(value, context, job);
 }
 
@@ -115,7 +131,7 @@ const Codec<JobSettings>& JobFields() {
         return !s.tool.empty();
       }),
       Key<S>("base_in_world", MILLPOSE_AT(base_in_world), Maybe(PoseFields()),
-             "Where the robot's base stands, in place of the cell's `base_in_world`."),
+             "Where the robot's base is, in place of the cell's `base_in_world`."),
       Key<S>("operation", MILLPOSE_AT(operation), Text(),
              "Of a job that millpose wrote: which operation of a job with several it is.")
           .WhenSet([](const S& s) { return !s.operation.empty(); }),
@@ -137,6 +153,10 @@ const Codec<JobSettings>& JobFields() {
              "What of the expected deflection the programs take out (docs/compensation.md).")
           .WhenSet(
               [](const S& s) { return s.compensation.deflection != TakeOut::kOff || s.compensation.weight; }),
+      Key<S>("external", MILLPOSE_AT(external), ListOf(ExternalFields()),
+             "Where the cell's external axes stand (docs/external-axes.md); those without an entry stand at "
+             "home.")
+          .WhenSet([](const S& s) { return !s.external.empty(); }),
       Key<S>("placement", MILLPOSE_AT(placement), Maybe(PlacementFields()),
              "Where `millpose place` may put the part (docs/placement.md); `plan` does not look at it."),
   };

@@ -64,6 +64,22 @@ struct ForceFactors {
   bool operator==(const ForceFactors&) const = default;
 };
 
+/// How long an external axis stays where it is. kContinuous is known so that it can be refused with its
+/// reason.
+enum class ExternalScope : uint8_t { kConstant, kPerPass, kContinuous };
+inline constexpr EnumWords<ExternalScope, 3> kExternalScopeWords = {
+    {{"constant", ExternalScope::kConstant},
+     {"per_pass", ExternalScope::kPerPass},
+     {"continuous", ExternalScope::kContinuous}}};
+
+/// Where an external axis of the cell stands; those without an entry stand at home.
+struct ExternalSettings {
+  std::string axis;  ///< its name
+  ExternalScope scope = ExternalScope::kConstant;
+  std::optional<double> at_mm, at_deg;      ///< mm, rad; none: the planner chooses
+  std::optional<double> step_mm, step_deg;  ///< mm, rad, between positions that it chooses from
+};
+
 /// What of the deflection programs take out (docs/compensation.md).
 struct CompensationSettings {
   TakeOut deflection = TakeOut::kOff;
@@ -140,6 +156,7 @@ struct JobSettings {
   std::vector<std::string> programs{"krl", "sinumerik", "linuxcnc"};
   ProgramOptionSettings program_options;
   CompensationSettings compensation;
+  std::vector<ExternalSettings> external;
   std::optional<PlacementSettings> placement;  ///< for `millpose place` alone
   int programs_line = 0;                       ///< of the key, for later errors
 };

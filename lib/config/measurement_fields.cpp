@@ -116,13 +116,13 @@ MeasurementsSettings ParseMeasurementsCsv(std::string_view csv, const std::strin
     measurement.displacement = three("dx_mm", "dy_mm", "dz_mm");
     if (table.Has("rx_rad")) measurement.rotation = three("rx_rad", "ry_rad", "rz_rad");
     measurement.line = table.line(row);
-    constexpr double kMost = 1e9;  // of any number in its unit, as in the YAML form
+    constexpr double kMost = 1e9, kFarthest = 1e6;  // as in the YAML form
     if (measurement.force.cwiseAbs().maxCoeff() > kMost ||
         measurement.moment.cwiseAbs().maxCoeff() > 1000 * kMost ||
-        measurement.displacement.cwiseAbs().maxCoeff() > kMost ||
+        measurement.displacement.cwiseAbs().maxCoeff() > kFarthest ||
         (measurement.rotation && measurement.rotation->cwiseAbs().maxCoeff() > 7))
       problems.push_back({{name, measurement.line},
-                          "a number beyond all measure; allowed: within ±1e9 N, N·m, mm and within ±7 rad"});
+                          "a number is too large; allowed: within ±1e9 N and N·m, ±1e6 mm and ±7 rad"});
     if (measurement.force.isZero(0.0) && measurement.moment.isZero(0.0))
       problems.push_back({{name, measurement.line}, "no load; allowed: a force or a moment other than 0"});
     settings.measurements.push_back(measurement);

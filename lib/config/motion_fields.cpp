@@ -33,10 +33,18 @@ Codec<JobSettings> PathFields() {
                  "Largest change of each axis between neighbouring points however far they lie apart.")
               .WhenSet([](const S& s) { return s.path.steps.most.allFinite(); })
               .DefaultText("none"),
-          Key<S>("motion_share", MILLPOSE_AT(path.motion_share), Real(kOne, UpTo(1e6)),
-                 "Cost of joint motion beside the objective: of one rad², as a share of the median optimum "
-                 "of the "
-                 "pass's points."),
+          Key<S>(
+              "max_lean_change_deg_per_mm", MILLPOSE_AT(path.max_lean_change),
+              Real(kDeg, Between(0.001, 1000)),
+              "Where toolpath.lead_deg or tilt_deg is a range: largest change of each between neighbouring "
+              "points, for each mm of way between them.")
+              .WhenSet([](const S& s) { return s.toolpath.Leans(); })
+              .DefaultText("0.5"),
+          Key<S>(
+              "motion_share", MILLPOSE_AT(path.motion_share), Real(kOne, UpTo(1e6)),
+              "Cost of joint motion relative to the objective: of one rad², as a share of the median optimum "
+              "of the "
+              "pass's points."),
           Key<S>("criterion", MILLPOSE_AT(worst_first),
                  Maybe(ChoiceOf<bool>({{"worst_then_sum", true}, {"sum", false}})),
                  "What makes a pass good: its worst point first, then the sum over it, or the sum alone; by "

@@ -31,6 +31,22 @@ Codec<KeepOutSettings> KeepOutFields() {
                     CheckKeepOut);
 }
 
+Codec<StationSettings> StationFields() {
+  using S = StationSettings;
+  return Section<S>(
+      {Key<S>("most", MILLPOSE_AT(most), Integer(2, kMostStations), "Stations at most.").Required(),
+       Key<S>("error_mm", MILLPOSE_AT(error), Real(kMm, Positive(1000)),
+              "How far off its place on the part a station may mill, after it was measured there: "
+              "neighbouring stations overlap by twice as much and a step-over.")
+           .Required(),
+       Key<S>("along", MILLPOSE_AT(along), Maybe(Direction()),
+              "Direction in the workpiece frame across which the part is split.")
+           .DefaultText("of its x, y and z the one along which the tool path is longest"),
+       Key<S>("gain_percent", MILLPOSE_AT(gain), Maybe(Real(kPercent, Between(0.1, 99))),
+              "By how much the objective's worst value must fall for one station more.")
+           .DefaultText("a station more is for points alone that fewer leave out")});
+}
+
 void CheckAny(const Value& value, const Context& context, PlacementSettings& placement) {
   for (const std::string& direction : placement.map) {
     const auto key = std::ranges::find(kPlaceKeys, direction) - kPlaceKeys.begin();
@@ -64,10 +80,10 @@ Codec<PlacementSettings> PlacementFields() {
                  ChoiceOf<PlaceMoves>({{"part", PlaceMoves::kPart}, {"robot", PlaceMoves::kRobot}}),
                  "What is placed; the rest of the cell stays."),
           Key<S>("points", MILLPOSE_AT(points), Integer(1, 100000),
-                 "Points of the tool path that are looked at in every place, spread over it."),
-          Key<S>("places", MILLPOSE_AT(places), Integer(1, 1000000), "Places that are looked at."),
+                 "Points of the tool path that are checked in every place, spread over it."),
+          Key<S>("places", MILLPOSE_AT(places), Integer(1, 1000000), "Places that are tried."),
           Key<S>("plans", MILLPOSE_AT(plans), Integer(1, 100),
-                 "Of the best places, how many are planned whole."),
+                 "How many of the best places are planned completely."),
           Key<S>("map", MILLPOSE_AT(map),
                  ListOf(Choice(std::vector<std::string>(kPlaceKeys.begin(), kPlaceKeys.end()))),
                  "Over which one or two of the directions the map is drawn.")
@@ -75,7 +91,9 @@ Codec<PlacementSettings> PlacementFields() {
           Key<S>("map_points", MILLPOSE_AT(map_points), Integer(2, 1001),
                  "Of the map, along each of its directions."),
           Key<S>("keep_out", MILLPOSE_AT(keep_out), ListOf(KeepOutFields()),
-                 "Where what moves must not be, beside the cell's bodies."),
+                 "Where what moves must not be, in addition to the cell's bodies."),
+          Key<S>("stations", MILLPOSE_AT(stations), Maybe(StationFields()),
+                 "The part may be split between several places; by default it is milled from one."),
       },
       CheckAny);
 }

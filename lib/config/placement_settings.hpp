@@ -30,6 +30,17 @@ enum class PlaceMoves : uint8_t { kPart, kRobot };
 /// The coordinates of a place: x, y, z of xyz_mm, then A, B, C of abc_deg.
 inline constexpr std::array<const char*, 6> kPlaceKeys{"x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg"};
 
+inline constexpr int kMostStations = 9;
+
+/// Several stations: the part or the robot is moved between them, and each mills its share of the part.
+struct StationSettings {
+  int most = 2;      ///< stations
+  double error = 0;  ///< mm: how far off its place on the part a station may mill
+  std::optional<Eigen::Vector3d>
+      along;                   ///< P, unit: the part is split across it; none: the longest of x, y, z
+  std::optional<double> gain;  ///< share of the worst value for which one more pays; none: points alone
+};
+
 struct PlacementSettings {
   std::array<std::optional<PlaceRange>, 6> ranges;  ///< as kPlaceKeys; none: as the job has it
   PlaceMoves moves = PlaceMoves::kPart;
@@ -39,6 +50,7 @@ struct PlacementSettings {
   std::vector<std::string> map;  ///< its directions, one or two of kPlaceKeys; none: the first with a range
   int map_points = 41;           ///< of the map, along each of its two directions
   std::vector<KeepOutSettings> keep_out;
+  std::optional<StationSettings> stations;  ///< none: one place
 };
 
 }  // namespace millpose

@@ -40,7 +40,7 @@ Codec<CuttingSettings> CuttingFields() {
       Key<S>("mc", MILLPOSE_AT(mc), Real(kOne, Between(0, 1)), "Exponent that goes with kc11_N_mm2."),
       Key<S>("teeth", MILLPOSE_AT(teeth), Integer(1, 100), "Teeth of the cutter.").Required(),
       Key<S>("depth_mm", MILLPOSE_AT(depth), Maybe(Real(kMm, Positive(1000))),
-             "Axial depth of cut: what stands on the surface; by default that of the layers of "
+             "Axial depth of cut: the material on the surface; by default that of the layers of "
              "`toolpath.depth`, which it must equal."),
       Key<S>("width_mm", MILLPOSE_AT(width), Maybe(Real(kMm, Positive(1000))),
              "Radial width of cut, with `side`; the step-over by default, which it must equal."),
@@ -101,7 +101,7 @@ Codec<JobSettings> ProcessFields() {
       Key<S>("cutting", MILLPOSE_AT(cutting), Maybe(CuttingFields()),
              "What the cutter takes off: gives the cutting force and the predicted deflection."),
       Key<S>("force_factors", MILLPOSE_AT(force_factors), ForceFactorFields(),
-             "What the computed force is multiplied by, as a milled part told (millpose calibrate).")
+             "Factors of the computed force, as a milled part gave them (millpose calibrate).")
           .WhenSet([](const S& s) { return s.force_factors != ForceFactors(); }),
       Key<S>("force_csv", MILLPOSE_AT(force_file), Text(),
              "Measured mean forces by point in place of the computed ones, for compensation; relative to the "
@@ -110,7 +110,7 @@ Codec<JobSettings> ProcessFields() {
       Key<S>(
           "stock", MILLPOSE_AT(stock),
           ChoiceOf<Standing>({{"region", Standing::kRegion}, {"mesh", Standing::kMesh}}),
-          "What stands before the first pass: the region raised by the depth of all layers, or the mesh of "
+          "The material before the first pass: the region raised by the depth of all layers, or the mesh of "
           "`workpiece.stock`.")
           .WhenSet([](const S& s) { return s.cutting.has_value(); }),
       Key<S>("force_uncertainty_percent", MILLPOSE_AT(force_uncertainty_percent),

@@ -177,7 +177,7 @@ Codec<ToolSettings> ToolFields() {
                  "headers, "
                  "and written as $LOAD where the cell asks (write_load)."),
           Key<S>("compliances", MILLPOSE_AT(compliances), ListOf(ComplianceFields()),
-                 "What gives way only while this tool is in the spindle (mount link6), beside "
+                 "What gives way only while this tool is in the spindle (mount link6), in addition to "
                  "`stiffness.compliances`.")
               .WhenSet([](const S& s) { return !s.compliances.empty(); }),
       },

@@ -49,6 +49,27 @@ void CheckUseless(const Value& value, const Context& context, const ToolpathSett
                                                      toolpath.strategy->Name()));
 }
 
+// Leans that the search chooses need a surface that they lean over.
+void CheckLeans(const Value& value, const Context& context, const ToolpathSettings& toolpath) {
+  const auto refuse = [&](const char* key, bool ranged, const std::string& why) {
+    if (const Value::Key* found = value.FindKey(key); found && ranged)
+      context.Child(key).Add(found->mark, why);
+  };
+  const auto refuse_ranges = [&](const std::string& why) {
+    refuse("lead_deg", toolpath.lead_range.has_value(), why);
+    refuse("tilt_deg", toolpath.tilt_range.has_value(), why);
+  };
+  if (dynamic_cast<const SurfaceStrategy*>(toolpath.strategy.get()) == nullptr)
+    refuse_ranges("a range is for strategies that mill a surface along it; give a number with strategy " +
+                  toolpath.strategy->Name());
+  else if (toolpath.tool_axis.rule != AxisRule::kNormal)
+    refuse_ranges("a range leans the tool from the surface's normal; give a number, or leave tool_axis out");
+  const bool upright = toolpath.lead == 0 && toolpath.tilt == 0;
+  refuse("min_cutting_speed_share", !toolpath.Leans() || upright,
+         toolpath.Leans() ? "has no effect here: at the nominal lean, 0, the cutting speed is 0"
+                          : "has no effect here: needs a range in lead_deg or tilt_deg");
+}
+
 // A strategy's own section must be given with it and with no other.
 void CheckStrategySections(const Value& value, const Context& context, ToolpathSettings& toolpath) {
   const std::string given = toolpath.strategy->Name();
@@ -63,6 +84,77 @@ void CheckStrategySections(const Value& value, const Context& context, ToolpathS
           .Add(key->mark, fmt::format("belongs to strategy {}, given {}", entry.name, given));
   }
   CheckUseless(value, context, toolpath);
+  CheckLeans(value, context, toolpath);
+}
+
+/// What a job gives of a lean: its value, or the range that the pose search may take it from.
+struct LeanSetting {
+  double value = 0;
+  std::optional<LeanRange> range;
+};
+
+Codec<LeanRange> LeanRangeFields() {
+  using S = LeanRange;
+  const Codec<double> angle = Real(kDeg, Between(-60, 60));
+  const auto check = [](const Value& value, const Context& context, S& range) {
+    constexpr double kMostValues = 25;
+    const auto wrong = [&](const char* key, const std::string& allowed) {
+      context.Child(key).AddWrong(*value.Find(key), allowed);
+    };
+    const auto degrees = [](double rad) { return fmt::format("{:.6g}", RadToDeg(rad)); };
+    if (!(range.from < range.to)) return wrong("to", "above from, " + degrees(range.from));
+    const double width = range.to - range.from;
+    if (range.step > width || range.step * kMostValues < width)
+      wrong("step", fmt::format("{:.6g} to {:.6g}: at most {} steps in the range",
+                                RadToDeg(width) / kMostValues, RadToDeg(width), kMostValues));
+    if (!value.FindKey("nominal")) range.nominal = std::clamp(0.0, range.from, range.to);
+    if (range.nominal < range.from || range.nominal > range.to)
+      wrong("nominal", degrees(range.from) + " to " + degrees(range.to));
+  };
+  return Section<S>({Key<S>("from", MILLPOSE_AT(from), angle, "Least value.").Required(),
+                     Key<S>("to", MILLPOSE_AT(to), angle, "Largest value.").Required(),
+                     Key<S>("step", MILLPOSE_AT(step), Real(kDeg, Between(0.01, 60)),
+                            "Grid of the ladder search; between its values the path is refined.")
+                         .Required(),
+                     Key<S>("nominal", MILLPOSE_AT(nominal), angle, "How the tool path is laid.")
+                         .DefaultText("nearest to 0")},
+                    check);
+}
+
+Codec<LeanSetting> LeanFields() {
+  const Codec<double> number = Real(kDeg, Between(-89, 89));
+  const Codec<LeanRange> map = LeanRangeFields();
+  Codec<LeanSetting> codec;
+  codec.type = number.type + ", or a map";
+  codec.keys = map.keys;
+  codec.schema = Value::Map();
+  codec.schema.Put("anyOf", Value::List({number.schema, map.schema}));
+  codec.read = [number, map](const Value& value, const Context& context, LeanSetting& lean) {
+    if (value.kind != Value::Kind::kMap) {
+      lean.range.reset();
+      return number.read(value, context, lean.value);
+    }
+    LeanRange range;
+    const size_t before = context.problems.size();
+    map.read(value, context, range);
+    if (context.problems.size() == before) lean = {range.nominal, range};
+  };
+  codec.write = [number, map](const LeanSetting& lean) {
+    return lean.range ? map.write(*lean.range) : number.write(lean.value);
+  };
+  return codec;
+}
+
+Field<ToolpathSettings> LeanKey(const char* key, double ToolpathOptions::*value,
+                                std::optional<LeanRange> ToolpathOptions::*range, const char* doc) {
+  using S = ToolpathSettings;
+  return KeyBy<S, LeanSetting>(
+      key,
+      [=](const S& s) {
+        return LeanSetting{s.*value, s.*range};
+      },
+      [=](S& s, const LeanSetting& lean) { s.*value = lean.value, s.*range = lean.range; }, LeanFields(),
+      doc);
 }
 
 Codec<Layers> DepthFields() {
@@ -90,6 +182,27 @@ Codec<GougeOptions> GougeFields() {
   });
 }
 
+Codec<PathShare> ShareFields() {
+  using S = PathShare;
+  const auto check = [](const Value& value, const Context& context, S& share) {
+    if (!value.FindKey("from_mm") && !value.FindKey("to_mm"))
+      context.Add(value.mark, "missing; required: from_mm or to_mm, or both");
+    if (share.from >= share.to) context.Add(value.mark, "to_mm must be more than from_mm");
+  };
+  const auto bound = [](const char* key, auto access, const char* doc) {
+    return Key<S>(key, access, Real(kMm, Between(-1e6, 1e6)), doc).WhenSet([access](const S& s) {
+      return std::isfinite(access(s));
+    });
+  };
+  return Section<S>(
+      {Key<S>("direction", MILLPOSE_AT(direction), Direction(), "In the workpiece frame.").Required(),
+       bound("from_mm", MILLPOSE_AT(from), "Where the share begins along it; missing: with the path."),
+       bound("to_mm", MILLPOSE_AT(to), "Where it ends; missing: with the path."),
+       Key<S>("overlap_mm", MILLPOSE_AT(overlap), Real(kMm, UpTo(10000)),
+              "Passes run on by half of it beyond both, so that neighbouring shares overlap by it.")},
+      check);
+}
+
 Codec<PassEnds> PassEndFields() {
   using S = PassEnds;
   return Section<S>({
@@ -114,6 +227,8 @@ std::vector<Field<ToolpathSettings>> CommonKeys() {
   using S = ToolpathSettings;
   using Way = millpose::Direction;
   return {
+      Key<S>("share", MILLPOSE_AT(share), Maybe(ShareFields()),
+             "What of the laid path is milled: the part from one of several stations (docs/placement.md)."),
       Key<S>("stepover_mm", MILLPOSE_AT(stepover), Stepover(),
              "Distance of neighbouring passes; not for strategies curve and cam.")
           .WhenSet([](const S& s) { return s.stepover > 0; }),
@@ -149,10 +264,18 @@ std::vector<Field<ToolpathSettings>> CommonKeys() {
       Key<S>("tool_axis", MILLPOSE_AT(tool_axis), ToolAxisFields(),
              "Where the tool comes from; along the surface's normal by default.")
           .WhenSet([](const S& s) { return s.tool_axis.rule != AxisRule::kNormal; }),
-      Key<S>("lead_deg", MILLPOSE_AT(lead), Real(kDeg, Between(-89, 89)),
-             "Tool axis leans towards the feed direction."),
-      Key<S>("tilt_deg", MILLPOSE_AT(tilt), Real(kDeg, Between(-89, 89)),
-             "Tool axis leans across the feed direction."),
+      LeanKey(
+          "lead_deg", &ToolpathOptions::lead, &ToolpathOptions::lead_range,
+          "Tool axis leans towards the feed direction: by so much, or by what the pose search chooses from "
+          "a range (docs/lean.md)."),
+      LeanKey("tilt_deg", &ToolpathOptions::tilt, &ToolpathOptions::tilt_range,
+              "Tool axis leans across the feed direction, likewise."),
+      Key<S>(
+          "min_cutting_speed_share", MILLPOSE_AT(min_cutting_speed_share), Real(kOne, UpTo(1)),
+          "Where leans are ranges, of a ball: least cutting speed at the contact, as a share of that at the "
+          "nominal lean.")
+          .WhenSet([](const S& s) { return s.Leans() && (s.lead != 0 || s.tilt != 0); })
+          .DefaultText("0.3"),
       Key<S>("rotation_reference", MILLPOSE_AT(world_reference), Direction(),
              "Direction in the world from which the rotation about the tool axis counts."),
   };

@@ -50,16 +50,16 @@ Codec<WorkpieceSettings> WorkpieceFields() {
               "Frame that the pose or the measured points are given in."),
           Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "Place of the workpiece; this or targets.")
               .WhenSet([](const S& s) { return s.targets.empty(); }),
-          Key<S>(
-              "targets", MILLPOSE_AT(targets), ListOf(TargetFields()),
-              "Points of the part with where they were measured; the workpiece stands where they fit best.")
+          Key<S>("targets", MILLPOSE_AT(targets), ListOf(TargetFields()),
+                 "Points of the part with where they were measured; the workpiece is placed where they fit "
+                 "best.")
               .WhenSet([](const S& s) { return !s.targets.empty(); }),
           Key<S>("max_residual_mm", MILLPOSE_AT(max_residual), Real(kMm, Positive(1000)),
                  "Largest distance of a measured target from where the fit puts it."),
           Key<S>("weld_tolerance_mm", MILLPOSE_AT(weld_tolerance), Real(kMm, UpTo(100)),
                  "Vertices of the mesh nearer than this become one."),
           Key<S>("flip", MILLPOSE_AT(flip), Flag(),
-                 "Turn open sheets the other way round: of these nobody can tell outside from inside."),
+                 "Turn open sheets the other way round: their outside cannot be known."),
           Key<S>("chord_tolerance_mm", MILLPOSE_AT(chord_tolerance), Real(kMm, Between(1e-4, 100)),
                  "Of a STEP part: largest distance between its faces and their triangles."),
           Key<S>("step", kSelf,

@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
 constexpr const char* kHead =
-    "# Written by `millpose init`; it plans as it stands. What the program could not know is marked GUESS:\n"
+    "# Written by `millpose init`; it can be planned as it is. What the program could not know is marked "
+    "GUESS:\n"
     "# measure or replace it before a program goes to a machine. Keys: docs/yaml-reference.md.\n";
 
 /// What to say above keys of a sample cell, which stands for an arm and not for a plant.
@@ -35,7 +36,7 @@ constexpr Remark kRemarks[] = {
     {"  joint_stiffness_Nm_per_rad:",
      "  # GUESS: the stiffness of this very arm. Identify it (docs/identification.md) before deflections are "
      "believed.\n"},
-    {"base_in_world:", "# GUESS: the world is the robot's base. Measure where the base stands in yours.\n"},
+    {"base_in_world:", "# GUESS: the world is the robot's base. Measure where the base is in yours.\n"},
     {"home_deg:", "# GUESS: where programs begin and end. Take your cell's own.\n"},
     {"tool:",
      "# GUESS: spindle, holder and cutter. Measure the tip in the flange, its axis, and the real stack; a "

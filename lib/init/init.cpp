@@ -68,7 +68,7 @@ fs::path FolderFor(const InitArguments& arguments) {
   for (const char* name : {"cell.yaml", "job.yaml"})
     if (Exists(folder / name))
       throw InputError({(folder / name).string()},
-                       "stands there already; allowed: a folder without it (--out DIR)");
+                       "exists already; allowed: a folder without it (--out DIR)");
   if (Exists(folder) && !fs::is_directory(folder))
     throw InputError({folder.string()}, "is a file; allowed: a folder, or a name that is free (--out DIR)");
   return folder;
@@ -197,8 +197,8 @@ class Init {
     plan.threads = arguments_.threads;
     progress_.Begin(fmt::format("trial {}", failed_plans_ + 1), 0);
     const PlanOutcome outcome = RunPlan(plan, Silent(), stop_);
-    progress_.End(outcome.exit_status == 0 ? "planned whole"
-                                           : "not planned whole; another place or region is tried");
+    progress_.End(outcome.exit_status == 0 ? "planned completely"
+                                           : "not planned completely; another place or region is tried");
     RemoveAll(*plan.out);
     return outcome.exit_status == 0;
   }
@@ -207,8 +207,9 @@ class Init {
     throw InputError(
         {part_.string()},
         fmt::format(
-            "no job was found that plans whole: {} smooth faces looked at, the largest {:.6g} mm²; {} plans "
-            "tried. Elsewhere the cutter of {:.6g} mm would go into what is beside it, or the arm does not "
+            "no job was found that can be planned completely: {} smooth faces tried, the largest {:.6g} mm²; "
+            "{} plans "
+            "tried. Elsewhere the cutter of {:.6g} mm would go into what is next to it, or the arm does not "
             "reach; allowed: another part, arm or --unit, or a job written by hand (docs/tutorial.md)",
             groups.size(), groups.empty() ? 0 : groups[0].area, failed_plans_, cell_.tool.cutter_diameter));
   }

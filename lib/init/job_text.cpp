@@ -62,13 +62,13 @@ std::string JobText(const FirstJob& job, const CellSettings& cell) {
   const double stepover = std::max(0.1, std::round(diameter * percent / 10) / 10);
   const double spacing = std::max(5.0, std::ceil(length * width / stepover / kWantedPoints));
   std::string text =
-      "# Written by `millpose init`; it plans as it stands. What the program could not know is marked "
+      "# Written by `millpose init`; it can be planned as it is. What the program could not know is marked "
       "GUESS:\n"
       "# measure or replace it before a program goes to a machine. Keys: docs/yaml-reference.md.\n";
   text += fmt::format(
       "millpose_job: 1\nname: {}\ncell: cell.yaml\nseed: 1\nworkpiece:\n  mesh: {}\n  unit: {}\n  frame: "
       "world\n"
-      "  # GUESS: a place in front of the arm, {}. Measure where the part stands, or give\n"
+      "  # GUESS: a place in front of the arm, {}. Measure where the part is, or give\n"
       "  # `targets` in place of `pose`: places on the part and where a tracker saw them "
       "(docs/mesh-import.md).\n"
       "  pose: {{xyz_mm: {}, abc_deg: {}}}\n",

@@ -40,11 +40,13 @@ struct Judge::Impl {
     Real radius;
     Matrix4 X_WG;  ///< at the pose that is looked at
   };
-  Setup setup;
+  Setup zero, setup;  ///< with the external axes at 0, and where they stand; their bodies are the items
   std::vector<Item> items;
   std::vector<std::pair<size_t, size_t>> pairs;
+  std::vector<std::pair<size_t, size_t>> standing;  ///< that external axes alone move against each other
 
-  explicit Impl(const Setup& given) : setup(given) {
+  explicit Impl(const Setup& given) : zero(given), setup(given) {
+    zero.bodies.clear();
     for (const Body& body : setup.bodies) {
       Item item{body,     MakeModel(body.mesh), IsClosed(body.mesh), Vector3::Zero(), Vector3::Zero(), 0,
                 body.X_LG};
@@ -62,7 +64,68 @@ struct Judge::Impl {
     }
     for (size_t i = 0; i < items.size(); ++i)
       for (size_t j = i + 1; j < items.size(); ++j)
-        if (Counts(items[i].body, items[j].body)) pairs.emplace_back(i, j);
+        if (Counts(items[i].body, items[j].body))
+          pairs.emplace_back(i, j);
+        else if (CountsStanding(items[i].body, items[j].body))
+          standing.emplace_back(i, j);
+    setup.bodies.clear();
+  }
+
+  int CarrierOf(const Body& body) const { return body.link >= 0 ? LastCarrier(zero, true) : body.carrier; }
+
+  /// The axis that carries an axis.
+  int ParentOf(int axis) const {
+    int parent = -1;
+    for (int i = 0; i < axis; ++i)
+      if (zero.axes[static_cast<size_t>(i)].carries_robot ==
+          zero.axes[static_cast<size_t>(axis)].carries_robot)
+        parent = i;
+    return parent;
+  }
+
+  bool Excluded(const Body& a, const Body& b) const {
+    for (const auto& [first, second] : zero.excluded_pairs)
+      if ((first == a.name && second == b.name) || (first == b.name && second == a.name)) return true;
+    return false;
+  }
+
+  /// Two that stand still in cuts and move against each other with the external axes, but for carriages, and
+  /// the base on one, that are joined.
+  bool CountsStanding(const Body& a, const Body& b) const {
+    if (a.link > 0 || b.link > 0 || Excluded(a, b)) return false;
+    const int on_a = CarrierOf(a), on_b = CarrierOf(b);
+    if (on_a == on_b) return false;
+    const bool guided = (a.guided || a.link == 0) && (b.guided || b.link == 0);
+    const auto carries = [&](int lower, int upper) {
+      return lower >= 0 && upper >= 0 && ParentOf(upper) == lower;
+    };
+    return !guided || !(carries(on_a, on_b) || carries(on_b, on_a));
+  }
+
+  void Stand(const Position& position) {
+    setup = millpose::audit::At(zero, position);
+    for (Item& item : items)
+      if (item.body.link < 0)
+        item.X_WG = position.empty() ? item.body.X_LG
+                                     : Matrix4(Carried(zero, item.body.carrier, position) * item.body.X_LG);
+  }
+
+  /// Bound of how far any point travels on a move of the external axes, mm: each turns what it carries, which
+  /// the others have moved by at most all their ways.
+  Real MoveTravel(const Position& from, const Position& to) const {
+    Real travel = 0;
+    for (size_t i = zero.axes.size(); i-- > 0;) {
+      const Real way = std::abs(to[i] - from[i]);
+      const Matrix4 X = Carried(zero, static_cast<int>(i), from);
+      const Vector3 place = X.block<3, 3>(0, 0) * zero.axes[i].origin + X.block<3, 1>(0, 3);
+      Real reach = 1;
+      if (zero.axes[i].rotary)
+        for (const Item& item : items)
+          if (CarrierOf(item.body) >= 0)
+            reach = std::max(reach, (Apply(item.X_WG, item.centre) - place).norm() + item.radius + travel);
+      travel += way * reach;
+    }
+    return travel;
   }
 
   /// Whether a pair is to be looked at: the two move against each other, are not links joined by a joint, and
@@ -70,9 +133,7 @@ struct Judge::Impl {
   bool Counts(const Body& a, const Body& b) const {
     if (std::max(a.link, 0) == std::max(b.link, 0)) return false;
     if (a.kind == "link" && b.kind == "link" && std::abs(a.link - b.link) == 1) return false;
-    for (const auto& [first, second] : setup.excluded_pairs)
-      if ((first == a.name && second == b.name) || (first == b.name && second == a.name)) return false;
-    return true;
+    return !Excluded(a, b);
   }
 
   void Place(const Angles& angles) {
@@ -196,6 +257,38 @@ struct Judge::Impl {
 
 Judge::Judge(const Setup& setup) : impl_(std::make_unique<Impl>(setup)) {}
 Judge::~Judge() = default;
+
+void Judge::Stand(const Position& position) { impl_->Stand(position); }
+
+std::vector<Near> Judge::Moving(const Position& from, const Position& to, const Angles& angles, double slack,
+                                double travel) {
+  impl_->Stand(from);
+  impl_->Place(angles);
+  const auto steps = static_cast<int>(std::ceil(std::max<Real>(1, impl_->MoveTravel(from, to) / travel)));
+  std::map<std::pair<size_t, size_t>, Near> nearest;
+  for (int step = 0; step <= steps; ++step) {
+    Position position = from;
+    for (size_t i = 0; i < position.size(); ++i) position[i] += (to[i] - from[i]) * step / steps;
+    impl_->Stand(position);
+    impl_->Place(angles);
+    ++poses;
+    for (const auto* pairs : {&impl_->pairs, &impl_->standing})
+      for (const auto& [i, j] : *pairs) {
+        const Impl::Item &a = impl_->items[i], &b = impl_->items[j];
+        if (impl_->CarrierOf(a.body) == impl_->CarrierOf(b.body)) continue;
+        const double wanted = static_cast<double>(impl_->Clearance(a.body, b.body, false));
+        const auto known = nearest.find({i, j});
+        const double bound = known != nearest.end() ? known->second.distance : wanted - slack;
+        if (bound <= 0 || Impl::BoxGap(a, b) >= bound) continue;
+        const double distance = Impl::Touch(a, b) ? 0 : Impl::Apart(a, b, bound);
+        if (distance < bound)
+          nearest.insert_or_assign({i, j}, Near{a.body.name, b.body.name, distance, wanted});
+      }
+  }
+  std::vector<Near> near;
+  for (const auto& [pair, found] : nearest) near.push_back(found);
+  return near;
+}
 
 std::optional<Contact> Judge::At(const Angles& angles, bool cutting, bool inside) {
   ++poses;

@@ -21,12 +21,25 @@ struct Near {
   double distance, wanted;  ///< mm
 };
 
+/// Where the external axes stand: mm or rad, one for each.
+using Position = std::vector<Real>;
+
 /// Looks at poses and motions with plain FCL collision of full triangle meshes. What it finds touching
 /// touches; clearances are looked at apart.
 class Judge {
  public:
   explicit Judge(const Setup& setup);
   ~Judge();
+
+  /// The external axes stand at `position` from now on; at 0 before. Empty: as the setup has it.
+  void Stand(const Position& position);
+
+  /// Pairs that come nearer than their clearance less `slack` (mm) at positions on the even move of the
+  /// external axes from one to another, the arm standing still: each with its least distance, 0 where they
+  /// touch. No point travels more than `travel` mm from one position to the next. Also of bodies that stand
+  /// still otherwise. The axes stand at `to` then.
+  std::vector<Near> Moving(const Position& from, const Position& to, const Angles& angles, double slack,
+                           double travel);
 
   /// The first pair that touches; with `inside`, also bodies wholly inside another. `cutting`: the cutter may
   /// be in the workpiece with its cutting length.

@@ -27,6 +27,8 @@ struct Body {
   bool in_cut = false;     ///< part of the cutter within the cutting length: may touch the workpiece in a cut
   Matrix4 X_LG;            ///< shape in its link's frame, or in the world
   Mesh mesh;               ///< in the shape's frame
+  int carrier = -1;        ///< of what stands in the world: the external axis that it moves with
+  bool guided = false;     ///< the carriage of an external axis, which meets the next one in a joint
 };
 
 /// The joints of a URDF from base to flange as that file has them, one after the other.
@@ -46,6 +48,13 @@ struct Spring {
   Eigen::Matrix<Real, 6, 6> C;  ///< mm/N, 1/N, 1/N, rad/(N·mm)
 };
 
+/// A rail, lift or table. It stands still while a pass is milled.
+struct ExternalAxis {
+  bool rotary = false, carries_robot = false;
+  Vector3 direction, origin;  ///< in the world, with all of them at 0; mm
+  Real compliance = 0;        ///< mm/N, or rad/(N·mm)
+};
+
 /// The cell and job as far as the laws need them.
 struct Setup {
   Real d1, a1, a2, d4, dz, d6;        ///< mm
@@ -62,10 +71,11 @@ struct Setup {
   bool stiffness_at_flange = false;
   std::vector<Spring> springs;
   Matrix4 X_WB, X_FT, X_WP;
-  Real w1 = 0, w2 = 0;  ///< of objective chen2021; both 0 for others
-  Real spacing = 0;     ///< mm
-  bool rings = false;   ///< passes may be closed
-  bool laid = true;     ///< cut points lie on the workpiece or a layer over it: no hole, no trimmed edge
+  std::vector<ExternalAxis> axes;  ///< all at 0, as what stands in the world; each carries the later ones
+  Real w1 = 0, w2 = 0;             ///< of objective chen2021; both 0 for others
+  Real spacing = 0;                ///< mm
+  bool rings = false;              ///< passes may be closed
+  bool laid = true;  ///< cut points lie on the workpiece or a layer over it: no hole, no trimmed edge
   std::string krl_tool_axis = "z", sinumerik_tool_axis = "z", sinumerik_rotation = "rpy";
   std::string krl_tool_direction = "x";                             ///< $TOOL_DIRECTION
   bool sinumerik_turn_known = false;                                ///< the cell says how MD21104 stands
@@ -76,6 +86,15 @@ struct Setup {
   Real clearance_free = 10, clearance_cutting = 2;  ///< mm
   Real allowance = 0;                               ///< on the workpiece, added to clearances from it
 };
+
+/// By what motion in the world the thing that axis `last` carries has moved, with the axes at `position` (mm
+/// or rad, one for each).
+Matrix4 Carried(const Setup& setup, int last, const std::vector<Real>& position);
+/// The last axis that carries the robot, or the part; -1 where there is none.
+int LastCarrier(const Setup& setup, bool robot);
+/// The setup with the external axes at `position` instead of 0; what they yield is then a spring of the base.
+/// The same setup where `position` is empty.
+Setup At(const Setup& setup, const std::vector<Real>& position);
 
 /// Rz(A)·Ry(B)·Rx(C) and a translation; angles in degrees, as KUKA writes frames.
 Matrix4 FrameXyzAbc(Real x, Real y, Real z, Real a_deg, Real b_deg, Real c_deg);

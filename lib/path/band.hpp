@@ -3,44 +3,81 @@
 #pragma once
 
 #include <algorithm>
-#include <tuple>
 
 #include "base/units.hpp"
 #include "path/layer.hpp"
 
 namespace millpose {
 
-/// Nodes between `begin` and `end` that can be reached from the place `at` without leaping over one that was
-/// pruned; where `at` itself is in a blocked stretch, from both its sides.
-inline std::pair<size_t, size_t> WithinWalls(const Layer& layer, size_t begin, size_t end, size_t at) {
-  const auto blocked = [&](size_t node) { return !std::isfinite(layer.objective[node]); };
-  size_t first = at, last = at;
-  while (first > begin && blocked(first - 1)) --first;
-  while (first > begin && !blocked(first - 1)) --first;
-  while (last < end && blocked(last)) ++last;
-  while (last < end && !blocked(last)) ++last;
-  return {first, last};
-}
+/// What of one layer steps reach from, as its nodes stand when this is made. Quick when it is asked in the
+/// order of the first freedom.
+class BandOfLayer {
+ public:
+  /// `band`: rad, how far apart the first freedoms of two nodes may lie. `walls`: as LadderProblem says.
+  BandOfLayer(const Layer& layer, double band, bool walls) : layer_(layer), band_(band), walls_(walls) {
+    if (walls) FindWalls();
+  }
 
-/// Calls `visit(first, last)` for the ranges of nodes of `branch` whose first freedom lies within `band` of
-/// `value`, round the turn too; with `walls` as LadderProblem says.
-template <typename Visit>
-void VisitBand(const Layer& layer, int branch, double value, double band, bool walls, const Visit& visit) {
-  const auto begin = layer.first.begin();
-  const size_t from = layer.branch_begin[branch], to = layer.branch_begin[branch + 1];
-  if (band >= kPi && !walls) return visit(from, to);
-  const auto part = [&](double middle) {
-    size_t first = static_cast<size_t>(std::lower_bound(begin + from, begin + to, middle - band) - begin);
-    size_t last = static_cast<size_t>(std::upper_bound(begin + first, begin + to, middle + band) - begin);
-    if (walls) {
-      const size_t at = static_cast<size_t>(std::lower_bound(begin + first, begin + last, middle) - begin);
-      std::tie(first, last) = WithinWalls(layer, first, last, at);
-    }
-    if (first != last) visit(first, last);
+  /// Calls `visit(first, last)` for the ranges of nodes of `lane` whose first freedom lies within the band
+  /// about `value`, round the turn too.
+  template <typename Visit>
+  void VisitFrom(int lane, double value, const Visit& visit) {
+    const size_t from = layer_.lane_begin[lane], to = layer_.lane_begin[lane + 1];
+    if (band_ >= kPi && !walls_) return visit(from, to);
+    const auto part = [&](double middle, Places& places) {
+      size_t first = places.first = Seek(places.first, from, to, middle - band_, std::less<>());
+      size_t last = places.last = Seek(places.last, from, to, middle + band_, std::less_equal<>());
+      if (walls_) {
+        // Reached without leaping over what was pruned; from within a blocked stretch, from both its sides.
+        const size_t at = places.at = Seek(places.at, from, to, middle, std::less<>());
+        first = std::max(first, left_[at]);
+        last = std::min(last, right_[at]);
+      }
+      if (first < last) visit(first, last);
+    };
+    part(value, places_[0]);
+    if (value - band_ < -kPi) part(value + 2 * kPi, places_[1]);
+    if (value + band_ > kPi) part(value - 2 * kPi, places_[2]);
+  }
+
+ private:
+  /// Where the last question of one turn was answered.
+  struct Places {
+    size_t first = 0, last = 0, at = 0;
   };
-  part(value);
-  if (value - band < -kPi) part(value + 2 * kPi);
-  if (value + band > kPi) part(value - 2 * kPi);
-}
+
+  /// The first of the nodes begin..end−1 that is not `less` than `value`, looked for from `place` on.
+  template <typename Less>
+  size_t Seek(size_t place, size_t begin, size_t end, double value, const Less& less) const {
+    place = std::clamp(place, begin, end);
+    while (place > begin && !less(layer_.first[place - 1], value)) --place;
+    while (place < end && less(layer_.first[place], value)) ++place;
+    return place;
+  }
+
+  /// How far one gets from the place before each node, to either side.
+  void FindWalls() {
+    const size_t count = layer_.size();
+    const auto blocked = [&](size_t node) { return !std::isfinite(layer_.objective[node]); };
+    left_.assign(count + 1, 0);
+    right_.assign(count + 1, count);
+    size_t run = 0;  // where the free stretch begins that ends last
+    for (size_t k = 0; k < count; ++k) {
+      if (!blocked(k) && (k == 0 || blocked(k - 1))) run = k;
+      left_[k + 1] = run;
+    }
+    run = count;
+    for (size_t k = count; k-- > 0;) {
+      if (!blocked(k) && (k + 1 == count || blocked(k + 1))) run = k + 1;
+      right_[k] = run;
+    }
+  }
+
+  const Layer& layer_;
+  double band_;
+  bool walls_;
+  std::array<Places, 3> places_;
+  std::vector<size_t> left_, right_;
+};
 
 }  // namespace millpose

@@ -2,7 +2,7 @@
 #include "path/cut_check.hpp"
 
 #include "base/trig.hpp"
-#include "path/collision_pruner.hpp"
+#include "path/pass_checks.hpp"
 
 namespace millpose {
 namespace {
@@ -41,6 +41,7 @@ std::optional<CutProblem> CheckCut(Checker& checker, const Carrier& carrier, con
 }
 
 std::string Describe(Checker& checker, const CutProblem& problem) {
+  if (problem.gouge > 0) return fmt::format("the cutter would go {:.3f} mm into the part", problem.gouge);
   if (!problem.sighting) return "the straight motion to the next point leaves the arm's configuration";
   return Describe(checker.Measure(*problem.sighting));
 }

@@ -11,7 +11,8 @@ namespace millpose {
 
 /// What is in the way of a straight motion of the tool.
 struct CutProblem {
-  std::optional<Sighting> sighting;  ///< empty: the arm would change its branch
+  std::optional<Sighting> sighting;  ///< empty: the arm would change its branch, or the cutter gouge
+  double gouge = 0;                  ///< how deep the cutter would go into the part, mm
 };
 
 /// Checks the straight motion of the tool between the poses at q0 and q1 (LIN, G1: what every program runs in

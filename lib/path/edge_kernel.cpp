@@ -29,25 +29,32 @@ void JointRows::Add(const Joints& joints) {
 }
 
 void JointRows::Finish() {
-  for (auto& row : q) row.resize(size + kLanes, 0.0);
-  blocks.assign((size + kLanes - 1) / kLanes, {});
-  for (size_t node = 0; node < size; ++node) {
-    BlockBound& block = blocks[node / kLanes];
-    for (int i = 0; i < 6; ++i) {
-      if (node % kLanes == 0) block.first[i] = q[i][node];
-      block.radius[i] = std::max(block.radius[i], std::fabs(Short(q[i][node] - block.first[i], kPerTurn)));
-      block.same_turn = block.same_turn && std::fabs(q[i][node] - block.first[i]) < kPi;
+  const auto bound = [&](size_t width) {
+    std::vector<Bound> bounds((size + width - 1) / width);
+    for (size_t node = 0; node < size; ++node) {
+      Bound& of = bounds[node / width];
+      for (int i = 0; i < 6; ++i) {
+        if (node % width == 0) of.first[i] = q[i][node], of.radius[i] = 0;
+        of.radius[i] = std::max(of.radius[i], std::fabs(Short(q[i][node] - of.first[i], kPerTurn)));
+        of.same_turn = of.same_turn && std::fabs(q[i][node] - of.first[i]) < kPi;
+      }
     }
-  }
+    return bounds;
+  };
+  for (auto& row : q) row.resize(size + kBlock, 0.0);
+  blocks = bound(kBlock);
+  groups = bound(kGroup);
 }
 
 CostRow::CostRow(std::vector<double> of_nodes) : count(of_nodes.size()), costs(std::move(of_nodes)) {
-  costs.resize(count + kLanes, kInfinity);
-  block_least.assign((count + kLanes - 1) / kLanes, kInfinity);
-  for (size_t node = 0; node < count; ++node) {
-    double& least = block_least[node / kLanes];
-    least = std::min(least, costs[node]);
-  }
+  costs.resize(count + kBlock, kInfinity);
+  const auto least = [&](const std::vector<double>& values, size_t size, size_t width) {
+    std::vector<double> least_of((size + width - 1) / width, kInfinity);
+    for (size_t k = 0; k < size; ++k) least_of[k / width] = std::min(least_of[k / width], values[k]);
+    return least_of;
+  };
+  block_least = least(costs, count, kBlock);
+  group_least = least(block_least, block_least.size(), kGroup / kBlock);
 }
 
 Joints JointRows::At(size_t node) const {
@@ -73,22 +80,30 @@ struct Target {
   double weight;
 };
 
-/// Whether some node of a block may be within the step; sets the turns that all of the block is away by.
-/// `square` is the least that the joints turn by, squared and summed.
-bool MayReach(const JointRows::BlockBound& block, bool modulo_revolutions, Target& target, bool& one_shift,
-              double& square) {
-  one_shift = block.same_turn || !modulo_revolutions;
+/// Whether some node of a block or group may be within the step. `square` is the least that the joints turn
+/// by, squared and summed.
+bool MayReach(const JointRows::Bound& block, const Target& target, double& square) {
+  constexpr std::array<int, 6> kOrder{3, 5, 4, 0, 1, 2};  // those first that turn most along a layer
   square = 0;
-  for (int i = 0; i < 6; ++i) {
+  for (const int i : kOrder) {
     const double apart = target.t[i] - block.first[i];
     const double turns = (apart * kPerTurn + kRound) - kRound;
     const double least = std::fabs(apart - turns * kTurn) - block.radius[i] - kSlack;
     if (least > target.max_step[i]) return false;
     if (least > 0) square += least * least;
+  }
+  return true;
+}
+
+/// Sets the turns that a block is away by; false where its nodes are not all the same turns away.
+bool SetShifts(const JointRows::Bound& block, bool modulo_revolutions, Target& target) {
+  bool one_shift = block.same_turn || !modulo_revolutions;
+  for (int i = 0; i < 6; ++i) {
+    const double turns = ((target.t[i] - block.first[i]) * kPerTurn + kRound) - kRound;
     target.shift[i] = modulo_revolutions ? turns * kTurn : 0.0;
     one_shift = one_shift && (!modulo_revolutions || block.radius[i] + target.max_step[i] < 3.0);
   }
-  return true;
+  return one_shift;
 }
 
 /// Costs of a block; `way` gives the signed step of joint i from angle q.
@@ -123,14 +138,15 @@ void RelaxFrom(const StepRule& rule, const JointRows& nodes, const CostRow& row,
     target.max_step[i] = rule.max_step[i];
   }
   target.weight = rule.motion_weight;
-  Lanes out;
-  for (size_t block = first / kLanes * kLanes; block < last; block += kLanes) {
-    const double least = row.block_least[block / kLanes];
-    if (least > at_most || least >= best.cost) continue;
-    bool one_shift;
+  // Nothing of a block or group need be looked at: it costs too much, or lies too far away.
+  const auto passed_over = [&](double least, const JointRows::Bound& bound) {
+    if (least > at_most || least >= best.cost) return true;
     double square;
-    if (!MayReach(nodes.blocks[block / kLanes], rule.modulo_revolutions, target, one_shift, square)) continue;
-    if (least + kLess * rule.motion_weight * square > at_most) continue;
+    if (!MayReach(bound, target, square)) return true;
+    return least + kLess * rule.motion_weight * square > at_most;
+  };
+  const auto look = [&](size_t block) {
+    Lanes out;
     // All of the block is as many turns away: that takes less arithmetic and gives the same bits.
     const auto shifted = [&] [[gnu::always_inline]] (int i, double q) {
       return (target.t[i] - q) - target.shift[i];
@@ -138,15 +154,22 @@ void RelaxFrom(const StepRule& rule, const JointRows& nodes, const CostRow& row,
     const auto general = [&] [[gnu::always_inline]] (int i, double q) {
       return Short(target.t[i] - q, kPerTurn);
     };
-    if (one_shift) {
+    if (SetShifts(nodes.blocks[block / kBlock], rule.modulo_revolutions, target)) {
       CostsOfBlock(set, nodes, row.costs.data() + block, block, target, shifted, out);
     } else {
       CostsOfBlock(set, nodes, row.costs.data() + block, block, target, general, out);
     }
-    const size_t begin = block < first ? first - block : 0,
-                 end = last - block < kLanes ? last - block : kLanes;
+    const size_t begin = block < first ? first - block : 0, end = std::min(last - block, kBlock);
     for (size_t l = begin; l < end; ++l) {
       if (out.v[l] < best.cost) best = {out.v[l], block + l};
+    }
+  };
+  const bool by_groups = last - first > kGroup;
+  for (size_t group = first / kGroup * kGroup; group < last; group += kGroup) {
+    if (by_groups && passed_over(row.group_least[group / kGroup], nodes.groups[group / kGroup])) continue;
+    const size_t begin = std::max(group, first / kBlock * kBlock), end = std::min(last, group + kGroup);
+    for (size_t block = begin; block < end; block += kBlock) {
+      if (!passed_over(row.block_least[block / kBlock], nodes.blocks[block / kBlock])) look(block);
     }
   }
 }

@@ -17,16 +17,19 @@ struct StepRule {
   bool modulo_revolutions = true;    ///< joints go the short way round; else angles are taken as they stand
 };
 
+/// Nodes that are looked at together at the least, and blocks of these that are passed over together.
+inline constexpr size_t kBlock = kLanes, kGroup = 8 * kBlock;
+
 /// Joint angles of many nodes as structure of arrays. `Finish` pads to full blocks, so that kernels may read
-/// beyond the end, and bounds each block: its first angle and how far the others lie from it, the short way
-/// round.
+/// beyond the end, and bounds each block and each group of blocks: its first angle and how far the others lie
+/// from it, the short way round.
 struct JointRows {
   std::array<std::vector<double>, 6> q;
-  struct BlockBound {
+  struct Bound {
     std::array<double, 6> first, radius;
     bool same_turn = true;  ///< the others lie that near as they stand
   };
-  std::vector<BlockBound> blocks;
+  std::vector<Bound> blocks, groups;
   size_t size = 0;
 
   void Add(const Joints& joints);
@@ -40,14 +43,14 @@ double WrapToPi(double angle);
 /// Cost of the motion from `from` to `to`; +inf where a joint steps too far.
 double StepCost(const StepRule& rule, const Joints& from, const Joints& to);
 
-/// Costs of the ways to the nodes of a layer, padded like JointRows, and the least of each block.
+/// Costs of the ways to the nodes of a layer, padded like JointRows, and the least of each block and group.
 struct CostRow {
   CostRow() = default;
   explicit CostRow(std::vector<double> of_nodes);
   size_t size() const { return count; }
 
   size_t count = 0;
-  std::vector<double> costs, block_least;
+  std::vector<double> costs, block_least, group_least;
 };
 
 /// The predecessor of least cost for one node.
@@ -58,8 +61,8 @@ struct BestPredecessor {
 
 /// Looks at predecessors first..last−1 with costs `row` for a node at `to`; keeps the first of equals, and
 /// what `best` holds unless a predecessor is cheaper. `at_most`: the best is known to cost no more than that.
-/// Whole blocks that lie too far away or cost too much are passed over. Sums are in one order, so that the
-/// result does not depend on the instruction set, nor on what was passed over.
+/// Whole blocks and groups that lie too far away or cost too much are passed over. Sums are in one order, so
+/// that the result does not depend on the instruction set, nor on what was passed over.
 void RelaxFrom(const StepRule& rule, const JointRows& nodes, const CostRow& row, size_t first, size_t last,
                const Joints& to, double at_most, BestPredecessor& best);
 

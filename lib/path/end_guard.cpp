@@ -11,26 +11,12 @@ constexpr int kMostLost = 8;
 
 }  // namespace
 
-EndGuard::EndGuard(const World& world, const Carrier& carrier, const RetractOptions& options,
-                   std::span<const Layer> layers, std::span<const char> break_before, CollisionPruner& pruner,
-                   int threads, std::stop_token stop)
-    : world_(world),
-      carrier_(carrier),
-      options_(options),
-      layers_(layers),
-      break_before_(break_before),
-      pruner_(pruner),
-      threads_(threads),
-      stop_(std::move(stop)),
-      settled_(layers.size(), 0),
-      detail_(layers.size()) {}
-
 bool EndGuard::Check(const Sequence& sequence) {
   const std::vector<size_t> ends = EndsOf(sequence);
   std::vector<char> stuck(ends.size(), 0);
-  counts_ += CheckInParallel(world_, ends.size(), threads_, stop_, [&](Checker& checker, size_t i) {
-    const Joints q = layers_[ends[i]].joints.At(sequence.nodes[ends[i]]);
-    stuck[i] = !CanLeave(checker, carrier_, q, options_);
+  graph_.InParallel(ends.size(), [&](Checker& checker, size_t i) {
+    const Joints q = graph_.layer(ends[i]).joints.At(sequence.nodes[ends[i]]);
+    stuck[i] = !CanLeave(checker, graph_.checks().carrier, q, options_);
   });
   bool free = true;
   for (size_t i = 0; i < ends.size(); ++i) {
@@ -42,7 +28,7 @@ bool EndGuard::Check(const Sequence& sequence) {
 }
 
 std::vector<size_t> EndGuard::EndsOf(const Sequence& sequence) const {
-  const size_t count = layers_.size();
+  const size_t count = graph_.size();
   const auto over = [&](size_t t) {  // nothing goes on from layer t−1 to layer t
     return t == 0 || t == count || sequence.nodes[t - 1] == kNoNode || sequence.nodes[t] == kNoNode ||
            (!break_before_.empty() && break_before_[t]);
@@ -58,31 +44,33 @@ std::vector<size_t> EndGuard::EndsOf(const Sequence& sequence) const {
 void EndGuard::PruneWhatStays(size_t layer, size_t node) {
   settled_[layer] = 1;
   if (lost_ == kMostLost) return;
-  const Layer& of = layers_[layer];
+  const Layer& of = graph_.layer(layer);
+  const Carrier& carrier = graph_.checks().carrier;
   std::vector<size_t> free;
-  Checker checker(world_), least(world_, kClearanceShares.back());
-  for (size_t k = 0; k < of.size(); ++k)
-    if (std::isfinite(of.objective[k]) && pruner_.IsFree(checker, layer, k)) free.push_back(k);
-  std::vector<char> leaves(free.size(), 0);
-  counts_ += CheckInParallel(world_, free.size(), threads_, stop_, [&](Checker& full, size_t i) {
-    leaves[i] = CanLeave(full, carrier_, of.joints.At(free[i]), options_);
+  graph_.InParallel(1, [&](Checker& checker, size_t) {
+    for (size_t k = 0; k < of.size(); ++k)
+      if (std::isfinite(of.objective[k]) && graph_.IsFree(checker, layer, k)) free.push_back(k);
   });
+  std::vector<char> leaves(free.size(), 0);
+  graph_.InParallel(free.size(), [&](Checker& full, size_t i) {
+    leaves[i] = CanLeave(full, carrier, of.joints.At(free[i]), options_);
+  });
+  Checker least(graph_.checks().world, kClearanceShares.back());
   if (std::ranges::count(leaves, 1) == 0)
     for (size_t i = 0; i < free.size(); ++i) {
-      CheckStop(stop_);
-      leaves[i] = CanLeave(least, carrier_, of.joints.At(free[i]), options_);
+      CheckStop(graph_.checks().stop);
+      leaves[i] = CanLeave(least, carrier, of.joints.At(free[i]), options_);
     }
   for (size_t i = 0; i < free.size(); ++i)
-    if (!leaves[i]) pruner_.TakeOut(layer, free[i]);
+    if (!leaves[i]) graph_.TakeOut(layer, free[i]);
   if (std::ranges::count(leaves, 1) == 0) {
     ++lost_;
     const Joints q = of.joints.At(node);
-    const auto [lower, upper] = LimitsAround(carrier_.arm, options_.limit_margin, q);
+    const auto [lower, upper] = LimitsAround(carrier.arm, options_.limit_margin, q);
     detail_[layer] = "no pose here can be entered or left: " +
-                     FindRetract(least, carrier_, q, lower, upper, options_).problem;
+                     FindRetract(least, carrier, q, lower, upper, options_).problem;
   }
-  counts_ += checker.counts();
-  counts_ += least.counts();
+  graph_.Count(least.counts());
 }
 
 }  // namespace millpose

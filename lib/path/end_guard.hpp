@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "path/collision_pruner.hpp"
+#include "path/candidate_graph.hpp"
 #include "path/retract.hpp"
 
 namespace millpose {
@@ -10,9 +10,12 @@ namespace millpose {
 class EndGuard {
  public:
   /// `break_before`: layers before which the tool is lifted in any case; may be empty.
-  EndGuard(const World& world, const Carrier& carrier, const RetractOptions& options,
-           std::span<const Layer> layers, std::span<const char> break_before, CollisionPruner& pruner,
-           int threads, std::stop_token stop);
+  EndGuard(CandidateGraph& graph, const RetractOptions& options, std::span<const char> break_before)
+      : graph_(graph),
+        options_(options),
+        break_before_(break_before),
+        settled_(graph.size(), 0),
+        detail_(graph.size()) {}
 
   /// Looks at the nodes where `sequence` begins and ends because nothing goes on there (not where it breaks
   /// for its steps alone). Where one cannot be left, all nodes of its layer are pruned that cannot: with
@@ -22,23 +25,16 @@ class EndGuard {
 
   /// What is in the way at a layer that was pruned as a whole; empty for others.
   const std::string& Detail(size_t layer) const { return detail_[layer]; }
-  const CheckCounts& counts() const { return counts_; }
 
  private:
   std::vector<size_t> EndsOf(const Sequence& sequence) const;
   void PruneWhatStays(size_t layer, size_t node);
 
-  const World& world_;
-  const Carrier& carrier_;
+  CandidateGraph& graph_;
   RetractOptions options_;
-  std::span<const Layer> layers_;
   std::span<const char> break_before_;
-  CollisionPruner& pruner_;
-  int threads_;
-  std::stop_token stop_;
   std::vector<char> settled_;  ///< per layer: what is left of it can be left
   std::vector<std::string> detail_;
-  CheckCounts counts_;
   int lost_ = 0;  ///< layers pruned as a whole
 };
 

@@ -27,21 +27,17 @@ struct Ranked {
 
 class Comparer {
  public:
-  Comparer(const PoseProblem& problem, const World& world, const std::vector<PassResult>& passes,
+  Comparer(const Stations& stations, const std::vector<PassResult>& passes,
            const FixedRotationOptions& options)
-      : problem_(problem),
-        world_(world),
-        options_(options),
-        carrier_{problem.arm, problem.X_WB, problem.X_FT},
-        compared_(Compared(passes)) {
+      : options_(options), compared_(Compared(passes)) {
     size_t number = 0;
     for (const PassResult& pass : passes) {
-      passes_.push_back({&pass, number, {}, {}, {}});
+      passes_.push_back({&pass, &stations.At(pass.external), number, {}, {}, {}});
       number += pass.points.size();
     }
     ParallelFor(passes_.size(), options.threads, options.stop, [&](size_t i) {
-      passes_[i].table =
-          MakeFixedTable(problem, *passes_[i].pass, compared_, {options.rotation_step, options.steps});
+      passes_[i].table = MakeFixedTable(passes_[i].problem(), *passes_[i].pass, compared_,
+                                        {options.rotation_step, options.steps});
       passes_[i].free.assign(8 * passes_[i].table.rotations, 0);
     });
     std::erase_if(passes_, [](const OfPass& pass) { return pass.table.points == 0; });
@@ -51,7 +47,8 @@ class Comparer {
     FixedComparison comparison;
     for (const OfPass& pass : passes_)
       for (const PlannedPoint& planned : pass.pass->points)
-        if (compared_(planned)) comparison.plan.push_back(FiguresAt(planned, planned.q, planned.objective));
+        if (compared_(planned))
+          comparison.plan.push_back(FiguresAt(pass.problem(), planned, planned.q, planned.objective));
     if (passes_.empty()) {
       comparison.job_in_the_way = comparison.passes_in_the_way = "nothing is planned";
       return comparison;
@@ -64,10 +61,13 @@ class Comparer {
  private:
   struct OfPass {
     const PassResult* pass;
+    const Station* station;
     size_t first_point;
     FixedTable table;
     std::vector<char> free;   ///< per rotation and branch: 0 not looked at, 1 free, 2 not
     std::vector<size_t> met;  ///< points that met something before: looked at first
+
+    const PoseProblem& problem() const { return station->problem; }
   };
 
   bool Better(const Ranked& a, const Ranked& b) const {
@@ -97,11 +97,13 @@ class Comparer {
   }
 
   bool LookAt(OfPass& pass, const Ranked& ranked) const {
-    Checker checker(world_);
+    Checker checker(pass.station->world);
+    const PoseProblem& problem = pass.problem();
+    const Carrier carrier{problem.arm, problem.X_WB, problem.X_FT};
     const std::vector<PlannedPoint>& points = pass.pass->points;
     const double rotation = pass.table.Rotation(ranked.rotation);
     const auto joints = [&](size_t t) {
-      return PointScorer(problem_, points[t].point, pass.pass->rotation_reference)
+      return PointScorer(problem, points[t].point, pass.pass->rotation_reference)
           .ScoreOne({rotation}, ranked.branch)
           .q;
     };
@@ -115,9 +117,9 @@ class Comparer {
       const Joints q = joints(t);
       const bool joined =
           t > 0 && points[t - 1].piece == points[t].piece && points[t - 1].skip == Obstacle::kNone;
-      const bool hit = checker.Blocked(q, Phase::kCutting) ||
-                       (joined && CheckCut(checker, carrier_, last, NearestEquivalent(last, q),
-                                           options_.swept_resolution));
+      const bool hit =
+          checker.Blocked(q, Phase::kCutting) ||
+          (joined && CheckCut(checker, carrier, last, NearestEquivalent(last, q), options_.swept_resolution));
       if (hit) {
         if (pass.met.size() < 16) pass.met.push_back(t);
         return false;
@@ -126,18 +128,19 @@ class Comparer {
     }
     for (const Piece& piece : pass.pass->pieces) {
       const auto first = static_cast<size_t>(piece.first), end = static_cast<size_t>(piece.last);
-      if (!Leaves(points[first].q, joints(first))) return false;
-      if (!piece.closed && !Leaves(points[end].q, joints(end))) return false;
+      if (!Leaves(*pass.station, points[first].q, joints(first))) return false;
+      if (!piece.closed && !Leaves(*pass.station, points[end].q, joints(end))) return false;
     }
     return true;
   }
 
   /// Whether the tool can leave `q`, as near to everything as where it stands in the plan.
-  bool Leaves(const Joints& planned, const Joints& q) const {
-    const double share = ShareToLeave(world_, carrier_, planned, options_.leave);
+  bool Leaves(const Station& station, const Joints& planned, const Joints& q) const {
+    const Carrier carrier{station.problem.arm, station.problem.X_WB, station.problem.X_FT};
+    const double share = ShareToLeave(station.world, carrier, planned, options_.leave);
     if (share == 0) return true;
-    Checker checker(world_, share);
-    return CanLeave(checker, carrier_, q, options_.leave);
+    Checker checker(station.world, share);
+    return CanLeave(checker, carrier, q, options_.leave);
   }
 
   /// The best free branch of a rotation over a pass.
@@ -251,13 +254,14 @@ class Comparer {
         bounds.size(), pass.pass->pass, fmt::join(numbers, ", "));
   }
 
-  PointFigures FiguresAt(const PlannedPoint& planned, const Joints& q, double objective) const {
-    const Eigen::Vector3d origin = problem_.origin == StiffnessOrigin::kToolTip
-                                       ? Eigen::Vector3d(problem_.X_FT.translation())
+  static PointFigures FiguresAt(const PoseProblem& problem, const PlannedPoint& planned, const Joints& q,
+                                double objective) {
+    const Eigen::Vector3d origin = problem.origin == StiffnessOrigin::kToolTip
+                                       ? Eigen::Vector3d(problem.X_FT.translation())
                                        : Eigen::Vector3d::Zero();
-    const Matrix6 C = Compliance(Jacobian(problem_.arm, q, origin), problem_.arm.stiffness) +
-                      SeriesComplianceAt(problem_.arm, q, origin, problem_.compliances);
-    const Eigen::Matrix3d R_BW = problem_.X_WB.linear().transpose();
+    const Matrix6 C = Compliance(Jacobian(problem.arm, q, origin), problem.arm.stiffness) +
+                      SeriesComplianceAt(problem.arm, q, origin, problem.compliances);
+    const Eigen::Matrix3d R_BW = problem.X_WB.linear().transpose();
     const Eigen::Vector3d moved = C.topLeftCorner<3, 3>() * (R_BW * planned.point.engagement.force);
     return {objective, std::abs((R_BW * planned.point.normal).dot(moved)), moved.norm()};
   }
@@ -265,25 +269,22 @@ class Comparer {
   void AddFigures(const OfPass& pass, const Ranked& ranked, std::vector<PointFigures>& figures) const {
     for (const PlannedPoint& planned : pass.pass->points) {
       if (!compared_(planned)) continue;
-      const Candidate candidate = PointScorer(problem_, planned.point, pass.pass->rotation_reference)
+      const Candidate candidate = PointScorer(pass.problem(), planned.point, pass.pass->rotation_reference)
                                       .ScoreOne({pass.table.Rotation(ranked.rotation)}, ranked.branch);
-      figures.push_back(FiguresAt(planned, candidate.q, candidate.objective));
+      figures.push_back(FiguresAt(pass.problem(), planned, candidate.q, candidate.objective));
     }
   }
 
-  const PoseProblem& problem_;
-  const World& world_;
   const FixedRotationOptions& options_;
-  Carrier carrier_;
   PointFilter compared_;
   std::vector<OfPass> passes_;
 };
 
 }  // namespace
 
-FixedComparison CompareWithFixed(const PoseProblem& problem, const World& world,
-                                 const std::vector<PassResult>& passes, const FixedRotationOptions& options) {
-  return Comparer(problem, world, passes, options).Compare();
+FixedComparison CompareWithFixed(const Stations& stations, const std::vector<PassResult>& passes,
+                                 const FixedRotationOptions& options) {
+  return Comparer(stations, passes, options).Compare();
 }
 
 }  // namespace millpose

@@ -5,6 +5,7 @@
 #include <stop_token>
 
 #include "path/retract.hpp"
+#include "path/stations.hpp"
 #include "path/step_bound.hpp"
 #include "plan/fixed_comparison.hpp"
 #include "plan/plan_result.hpp"
@@ -23,8 +24,9 @@ struct FixedRotationOptions {
   RetractOptions leave;  ///< of the ends of pieces, with the share of the clearances that the plan has there
 };
 
-/// `passes` with joint angles as planned. Rotations lie on the grid of the ladder search.
-FixedComparison CompareWithFixed(const PoseProblem& problem, const World& world,
-                                 const std::vector<PassResult>& passes, const FixedRotationOptions& options);
+/// `passes` with joint angles as planned, each at its station. Rotations lie on the grid of the ladder
+/// search.
+FixedComparison CompareWithFixed(const Stations& stations, const std::vector<PassResult>& passes,
+                                 const FixedRotationOptions& options);
 
 }  // namespace millpose

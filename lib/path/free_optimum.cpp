@@ -5,7 +5,8 @@ namespace millpose {
 namespace {
 
 /// The least of the nodes of layer t that is free; `chosen` is.
-size_t LeastFree(const Layer& layer, size_t t, size_t chosen, CollisionPruner& pruner, Checker& checker) {
+size_t LeastFree(size_t t, size_t chosen, CandidateGraph& graph, Checker& checker) {
+  const Layer& layer = graph.layer(t);
   // The least on top, of equals the first.
   std::vector<std::pair<double, size_t>> better;
   for (size_t node = 0; node < layer.size(); ++node)
@@ -13,7 +14,7 @@ size_t LeastFree(const Layer& layer, size_t t, size_t chosen, CollisionPruner& p
   std::make_heap(better.begin(), better.end(), std::greater<>());
   while (!better.empty()) {
     const size_t node = better.front().second;
-    if (pruner.IsFree(checker, t, node)) return node;
+    if (graph.IsFree(checker, t, node)) return node;
     std::pop_heap(better.begin(), better.end(), std::greater<>());
     better.pop_back();
   }
@@ -22,23 +23,24 @@ size_t LeastFree(const Layer& layer, size_t t, size_t chosen, CollisionPruner& p
 
 }  // namespace
 
-std::vector<FreeOptimum> FindFreeOptima(std::span<const PointOptimum> optima, std::span<const Layer> layers,
-                                        const Sequence& sequence, CollisionPruner& pruner) {
-  std::vector<FreeOptimum> found(layers.size());
-  pruner.EachLayer([&](Checker& checker, size_t t) {
+std::vector<FreeOptimum> FindFreeOptima(std::span<const PointOptimum> optima, const Sequence& sequence,
+                                        CandidateGraph& graph) {
+  std::vector<FreeOptimum> found(graph.size());
+  graph.InParallel(graph.size(), [&](Checker& checker, size_t t) {
     const size_t chosen = sequence.nodes[t];
     if (chosen == kNoNode) return;
-    const Layer& layer = layers[t];
+    const Layer& layer = graph.layer(t);
     const PointOptimum& own = optima[t];
     FreeOptimum& best = found[t];
     if (own.found && own.objective <= layer.objective[chosen]) {
-      best.barred = pruner.Meets(checker, t, own.freedoms, own.q);
-      if (!best.barred) {
+      const bool gouges = graph.checks().gouges.At(own.q) > 0;
+      if (!gouges) best.barred = graph.Meets(checker, t, own.freedoms, own.q);
+      if (!gouges && !best.barred) {
         best = {true, own.objective, own.freedoms, own.branch, {}};
         return;
       }
     }
-    const size_t node = LeastFree(layer, t, chosen, pruner, checker);
+    const size_t node = LeastFree(t, chosen, graph, checker);
     best.found = true;
     best.objective = layer.objective[node];
     best.freedoms = layer.freedoms[node];

@@ -2,7 +2,7 @@
 // What interference alone costs: the best candidate of each point that meets nothing.
 #pragma once
 
-#include "path/collision_pruner.hpp"
+#include "path/candidate_graph.hpp"
 
 namespace millpose {
 
@@ -18,7 +18,7 @@ struct FreeOptimum {
 /// Of every layer that `sequence`, a free one, takes a node of: the point's own optimum (`optima`, one per
 /// layer) where it is free, else the least of the layer's nodes that is. Candidates are checked one after the
 /// other from the least on, those known from the search not again, and none beyond the sequence's own node.
-std::vector<FreeOptimum> FindFreeOptima(std::span<const PointOptimum> optima, std::span<const Layer> layers,
-                                        const Sequence& sequence, CollisionPruner& pruner);
+std::vector<FreeOptimum> FindFreeOptima(std::span<const PointOptimum> optima, const Sequence& sequence,
+                                        CandidateGraph& graph);
 
 }  // namespace millpose

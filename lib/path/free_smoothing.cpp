@@ -5,6 +5,7 @@
 
 #include "base/units.hpp"
 #include "path/bend_law.hpp"
+#include "path/lean_courses.hpp"
 #include "robot/angles.hpp"
 
 namespace millpose {
@@ -30,7 +31,7 @@ class FreeSmoother {
         carrier_{scorers[0].problem().arm, scorers[0].problem().X_WB, scorers[0].problem().X_FT},
         law_(carrier_, scorers, options_.max_deviation),
         origin_(path.begin(), path.end()) {
-    const Freedom& freedom = *scorers[0].problem().freedoms[0];
+    const Freedom& freedom = *scorers[0].problem().freedoms[options_.freedom];
     const double wide = freedom.Periodic() ? std::numeric_limits<double>::infinity() : 0;
     ranges_.assign(path.size(), {freedom.Lower() - wide, freedom.Upper() + wide});
     options_.before = MeasurePath(scorers, points, options_, path);
@@ -112,15 +113,17 @@ class FreeSmoother {
     for (size_t i = 0; i < path_.size(); ++i) {
       if (options_.closed || i + 1 < path_.size())
         hits.motion[i] |=
-            !StepWithin(i, path_[i].q, path_[Next(i)].q) || !BendsWithin(i, path_[i], path_[Next(i)]);
+            !StepWithin(i, path_[i], path_[Next(i)]) || !BendsWithin(i, path_[i], path_[Next(i)]);
     }
     doubtful_ = hits.Points();
     for (size_t i = 0; i < path_.size(); ++i) looked_at_[i] = path_[i].q;
     return hits;
   }
 
-  bool StepWithin(size_t i, const Joints& from, const Joints& to) const {
-    const Joints step = (to - from).unaryExpr(&WrapToPi);
+  bool StepWithin(size_t i, const PathNode& from, const PathNode& to) const {
+    const Joints step = (to.q - from.q).unaryExpr(&WrapToPi);
+    if (!options_.max_lean.empty() && !LeansWithin(from.freedoms, to.freedoms, options_.max_lean[i]))
+      return false;
     return (step.cwiseAbs().array() <= options_.max_step[i].array() + kRounding).all();
   }
 
@@ -143,11 +146,12 @@ class FreeSmoother {
            (end.array() <= bounds.upper.array() + kRounding).all();
   }
 
-  /// Point `i` at a value of its first freedom; empty where it is not admissible there.
+  /// Point `i` at a value of its freedom; empty where it is not admissible there.
   std::optional<PathNode> At(size_t i, double x) const {
     PathNode node = origin_[i];
-    if (x == node.freedoms[0]) return node;
-    node.freedoms[0] = x;
+    double& own = node.freedoms[options_.freedom];
+    if (x == own) return node;
+    own = x;
     const Candidate candidate = scorers_[i].ScoreOne(node.freedoms, node.branch);
     if (candidate.obstacle != Obstacle::kNone) return std::nullopt;
     node.q = NearestEquivalent(node.q, candidate.q);
@@ -157,18 +161,19 @@ class FreeSmoother {
     if ((node.q.array() > bounds.upper.array() + kRounding).any()) return std::nullopt;
     return node;
   }
-  double Was(size_t i) const { return origin_[i].freedoms[0]; }
+  double Was(size_t i) const { return origin_[i].freedoms[options_.freedom]; }
+  double Now(size_t i) const { return path_[i].freedoms[options_.freedom]; }
 
   bool PoseFree(Checker& checker, size_t i, double x) const {
     const std::optional<PathNode> node = At(i, x);
-    if (!node || (i == 0 && !EndsWithin(node->q)) || !checker_.PoseFree(checker, node->q)) return false;
+    if (!node || (i == 0 && !EndsWithin(node->q)) || !checker_.PoseFree(checker, i, node->q)) return false;
     if (i == 0 && !checker_.Leaves(node->q, ends_.first)) return false;
     return i + 1 < path_.size() || checker_.Leaves(node->q, ends_.last);
   }
   bool MotionFree(Checker& checker, size_t i, double x, double x_next) const {
     const std::optional<PathNode> from = At(i, x), to = At(Next(i), x_next);
-    return from && to && StepWithin(i, from->q, to->q) && BendsWithin(i, *from, *to) &&
-           checker_.MotionFree(checker, from->q, to->q);
+    return from && to && StepWithin(i, *from, *to) && BendsWithin(i, *from, *to) &&
+           checker_.MotionFree(checker, i, from->q, to->q);
   }
 
   /// The largest share of 0..1 that was found free, 1 not being; 0 is.
@@ -185,7 +190,7 @@ class FreeSmoother {
   /// How far point `i` can go towards where it stands, in steps from where it was: beyond what interferes in
   /// between it may be free again, but it would have to pass through.
   double ReachOf(Checker& checker, size_t i, bool interferes) {
-    const double x = path_[i].freedoms[0];
+    const double x = Now(i);
     FreedomRange& seen = seen_free_[i];
     double& good = x > Was(i) ? seen.upper : seen.lower;
     if (interferes && std::abs(x - Was(i)) <= std::abs(good - Was(i))) good = Was(i);  // between two looks
@@ -207,9 +212,9 @@ class FreeSmoother {
     const std::vector<bool> beside = Widened(hits.Points(), kFollow, options_.closed);
     std::vector<double> reach(count);
     checker_.Each(count, [&](Checker& checker, size_t i) {
-      reach[i] = beside[i] ? ReachOf(checker, i, hits.pose[i]) : path_[i].freedoms[0];
+      reach[i] = beside[i] ? ReachOf(checker, i, hits.pose[i]) : Now(i);
     });
-    const auto whole = [&](size_t i) { return reach[i] == path_[i].freedoms[0]; };
+    const auto whole = [&](size_t i) { return reach[i] == Now(i); };
     std::vector<double> share(count, 1);
     checker_.Each(count, [&](Checker& checker, size_t i) {
       const size_t next = Next(i);
@@ -226,10 +231,10 @@ class FreeSmoother {
   /// Ends the range of point `i` at `share` of the way from where it was to `reach`, less the margin; not
   /// where it may stand as it does.
   void End(size_t i, double reach, double share) {
-    if (share == 1 && reach == path_[i].freedoms[0]) return;
+    if (share == 1 && reach == Now(i)) return;
     const double shift = share * (reach - Was(i)), kept = std::max(std::abs(shift) - kMargin, 0.0);
-    if (path_[i].freedoms[0] >= Was(i)) ranges_[i].upper = std::min(ranges_[i].upper, Was(i) + kept);
-    if (path_[i].freedoms[0] <= Was(i)) ranges_[i].lower = std::max(ranges_[i].lower, Was(i) - kept);
+    if (Now(i) >= Was(i)) ranges_[i].upper = std::min(ranges_[i].upper, Was(i) + kept);
+    if (Now(i) <= Was(i)) ranges_[i].lower = std::max(ranges_[i].lower, Was(i) - kept);
   }
 
   /// Brings all points into their ranges; the ranges of those that may move now: beside what was hit.
@@ -237,12 +242,12 @@ class FreeSmoother {
     const std::vector<bool> beside = Widened(hit, kFollow, options_.closed);
     std::vector<FreedomRange> moving = ranges_;
     for (size_t i = 0; i < path_.size(); ++i) {
-      const double x = path_[i].freedoms[0], kept = std::clamp(x, ranges_[i].lower, ranges_[i].upper);
+      const double x = Now(i), kept = std::clamp(x, ranges_[i].lower, ranges_[i].upper);
       if (x != kept) {
         std::optional<PathNode> node = At(i, kept);
         if (!node) {
           node = origin_[i];
-          (x > kept ? ranges_[i].upper : ranges_[i].lower) = node->freedoms[0];
+          (x > kept ? ranges_[i].upper : ranges_[i].lower) = Was(i);
           moving[i] = ranges_[i];
         }
         path_[i] = *node;

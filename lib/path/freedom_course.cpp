@@ -45,12 +45,12 @@ void Derive(CoursePlace& place, const FreedomRange& range, const std::array<Cand
 }  // namespace
 
 FreedomCourse::FreedomCourse(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
-                             std::span<const PathNode> path, bool closed, std::span<const Joints> max_step)
+                             std::span<const PathNode> path, bool closed, const CourseBounds& bounds)
     : scorers_(scorers),
       points_(points),
       path_(path),
       problem_(scorers[0].problem()),
-      max_step_(max_step),
+      bounds_(bounds),
       closed_(closed),
       motions_(closed ? path.size() : path.size() - 1),
       limits_(motions_, std::numeric_limits<double>::infinity()) {
@@ -62,7 +62,7 @@ std::vector<CoursePlace> FreedomCourse::Start(std::span<const FreedomRange> rang
   std::vector<CoursePlace> places(path_.size());
   std::vector<double> x(path_.size());
   for (size_t t = 0; t < path_.size(); ++t) {
-    places[t].x = x[t] = path_[t].freedoms[0];
+    places[t].x = x[t] = path_[t].freedoms[bounds_.freedom];
     places[t].q = path_[t].q, places[t].objective = path_[t].objective;
   }
   return Moved(x, ranges, std::move(places));
@@ -113,7 +113,7 @@ bool FreedomCourse::Probe(size_t t, double x, const FreedomRange& range, CourseP
   std::vector<double> lanes(kLanes * dimensions);
   for (size_t l = 0; l < kLanes; ++l) {
     std::copy(path_[t].freedoms.begin(), path_[t].freedoms.end(), lanes.begin() + l * dimensions);
-    lanes[l * dimensions] = x + offsets[l];
+    lanes[l * dimensions + bounds_.freedom] = x + offsets[l];
   }
   const int branch = path_[t].branch;
   ScoredBlock block;
@@ -136,9 +136,19 @@ bool FreedomCourse::Probe(size_t t, double x, const FreedomRange& range, CourseP
 }
 
 Eigen::Vector3d FreedomCourse::Off(size_t t, const Joints& from, const Joints& step) const {
+  const auto tip = [&](const Joints& q) {
+    return Eigen::Vector3d(ForwardFlange(problem_.arm, q) * problem_.X_FT.translation());
+  };
+  // A leaning tool's tip is not where the point has it.
+  if (!bounds_.max_lean.empty()) return tip(from + 0.5 * step) - 0.5 * (tip(from) + tip(from + step));
   const Eigen::Vector3d middle = 0.5 * (points_[t].position + points_[Next(t)].position);
-  const Pose X_BF = ForwardFlange(problem_.arm, from + 0.5 * step);
-  return X_BF * problem_.X_FT.translation() - problem_.X_WB.inverse(Eigen::Isometry) * middle;
+  return tip(from + 0.5 * step) - problem_.X_WB.inverse(Eigen::Isometry) * middle;
+}
+
+/// The change of the freedom on motion t as a share of its bound; 0 for one that does not lean.
+double FreedomCourse::LeanShare(const std::vector<CoursePlace>& places, size_t t) const {
+  if (bounds_.max_lean.empty() || bounds_.freedom == 0) return 0;
+  return (places[Next(t)].x - places[t].x) / bounds_.max_lean[t];
 }
 
 double FreedomCourse::Deviation(const std::vector<CoursePlace>& places, size_t motion) const {
@@ -162,10 +172,14 @@ Merit FreedomCourse::Judge(const std::vector<CoursePlace>& places) const {
     merit.within = merit.within && off <= 1;
     const Joints step = Step(places[t], places[Next(t)]);
     for (int j = 0; j < 6; ++j) {
-      const double share = std::abs(step[j]) / max_step_[t][j], over = std::max(0.0, share - kStepReserve);
+      const double share = std::abs(step[j]) / bounds_.max_step[t][j],
+                   over = std::max(0.0, share - kStepReserve);
       merit.violation += over * over;
       merit.steps = merit.steps && share <= 1 + kRounding;
     }
+    const double lean = std::abs(LeanShare(places, t)), over = std::max(0.0, lean - kStepReserve);
+    merit.violation += over * over;
+    merit.steps = merit.steps && lean <= 1 + kRounding;
   }
   return merit;
 }
@@ -202,10 +216,14 @@ void FreedomCourse::AddViolations(BoxLeastSquares& squares, const std::vector<Co
     };
     squares.Add<2>(weight, size - kReserve, {{{t, derivative(kSmall, 0)}, {Next(t), derivative(0, kSmall)}}});
   }
+  if (const double lean = LeanShare(places, t); std::abs(lean) > kStepReserve) {
+    const double scale = (lean > 0 ? 1 : -1) / bounds_.max_lean[t];
+    squares.Add<2>(weight, std::abs(lean) - kStepReserve, {{{t, -scale}, {Next(t), scale}}});
+  }
   for (int j = 0; j < 6; ++j) {
-    const double share = step[j] / max_step_[t][j];
+    const double share = step[j] / bounds_.max_step[t][j];
     if (std::abs(share) <= kStepReserve) continue;
-    const double scale = (share > 0 ? 1 : -1) / max_step_[t][j];
+    const double scale = (share > 0 ? 1 : -1) / bounds_.max_step[t][j];
     squares.Add<2>(weight, std::abs(share) - kStepReserve,
                    {{{t, -scale * from.turn[j]}, {Next(t), scale * to.turn[j]}}});
   }

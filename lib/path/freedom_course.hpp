@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The path along a piece as a function of one number per point, the first freedom: what smoothing minimises.
+// The path along a piece as a function of one number per point, one of its freedoms: what smoothing
+// minimises.
 #pragma once
 
 #include "path/box_step.hpp"
@@ -7,14 +8,14 @@
 
 namespace millpose {
 
-/// Values that the first freedom of a point may take.
+/// Values that the freedom of a point may take.
 struct FreedomRange {
   double lower, upper;
 };
 
 /// A point where it stands, and what is known around it.
 struct CoursePlace {
-  double x = 0;  ///< the first freedom
+  double x = 0;  ///< the freedom
   Joints q = Joints::Zero();
   double objective = 0;
   Joints turn = Joints::Zero();     ///< dq/dx
@@ -28,16 +29,23 @@ struct Merit {
   double objective = 0;  ///< summed
   double violation = 0;  ///< of the bounds between points, with a reserve; relative squares
   bool within = true;    ///< the bounds of the deviations themselves are kept
-  bool steps = true;     ///< the bounds of the joint steps are kept
+  bool steps = true;     ///< the bounds of the joint steps and of the lean's change are kept
+};
+
+/// Which freedom moves, and how far from one point to the next.
+struct CourseBounds {
+  std::span<const Joints> max_step;       ///< rad
+  std::span<const double> max_lean = {};  ///< rad, of a freedom that leans; empty: nothing does
+  size_t freedom = 0;
 };
 
 /// One piece: its points, and the bounds between them. Branches and full revolutions are those of `path`,
-/// whose joint angles are continuous. All spans have one entry per point (`max_step`, rad: of the step from
-/// there on) and outlive the course.
+/// whose joint angles are continuous. All spans have one entry per point (bounds: of the step from there on)
+/// and outlive the course.
 class FreedomCourse {
  public:
   FreedomCourse(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
-                std::span<const PathNode> path, bool closed, std::span<const Joints> max_step);
+                std::span<const PathNode> path, bool closed, const CourseBounds& bounds);
 
   /// Bounds of the deviations half-way (HalfwayDeviation), mm, one per motion; the last closes a ring.
   void set_limits(std::vector<double> limits) { limits_ = std::move(limits); }
@@ -71,6 +79,7 @@ class FreedomCourse {
   double Way(size_t t) const;
   bool Probe(size_t t, double x, const FreedomRange& range, CoursePlace& place) const;
   Joints Acceleration(const std::vector<CoursePlace>& places, const AccelerationRow& row) const;
+  double LeanShare(const std::vector<CoursePlace>& places, size_t t) const;
   Eigen::Vector3d Off(size_t t, const Joints& from, const Joints& step) const;
   void AddViolations(BoxLeastSquares& squares, const std::vector<CoursePlace>& places, size_t t,
                      double weight) const;
@@ -79,7 +88,7 @@ class FreedomCourse {
   std::span<const MillingPoint> points_;
   std::span<const PathNode> path_;
   const PoseProblem& problem_;
-  std::span<const Joints> max_step_;
+  CourseBounds bounds_;
   bool closed_;
   size_t motions_;
   std::vector<AccelerationRow> rows_;

@@ -19,11 +19,13 @@ struct GapOptions {
 struct GapEnd {
   int pass = -1, piece = -1;  ///< −1: home
   Joints q = Joints::Zero();
+  ExternalPosition external = {};  ///< where the external axes stand then
 };
 
 /// Plans the way from one end to another: LIN retract along the tool axis, the straight joint motion or else
 /// OMPL's RRTConnect and shortcutting against the whole cell, LIN approach, all re-checked. A gap that cannot
-/// be planned says what blocked it. Depends on nothing but its arguments. Throws Interrupted.
+/// be planned says what blocked it. Both ends are at the station that `world` is at. Depends on nothing but
+/// its arguments. Throws Interrupted.
 Gap PlanGap(const World& world, const GapEnd& from, const GapEnd& to, const GapOptions& options,
             std::stop_token stop);
 

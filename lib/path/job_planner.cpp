@@ -5,15 +5,15 @@
 
 namespace millpose {
 
-std::vector<std::pair<GapEnd, GapEnd>> GapEnds(const Joints& home_joints,
-                                               const std::vector<PassResult>& passes) {
-  const GapEnd home{-1, -1, home_joints};
+GapEnd HomeOf(const PlanResult& plan) { return {-1, -1, plan.home, Mechanism(plan.external_axes).Home()}; }
+
+std::vector<std::pair<GapEnd, GapEnd>> GapEnds(const GapEnd& home, const std::vector<PassResult>& passes) {
   std::vector<std::pair<GapEnd, GapEnd>> gaps;
   GapEnd from = home;
   for (const PassResult& pass : passes) {
     for (const Piece& piece : pass.pieces) {
-      GapEnd start{pass.pass, piece.piece, pass.points[piece.first].q};
-      GapEnd end{pass.pass, piece.piece, pass.points[piece.last].q};
+      GapEnd start{pass.pass, piece.piece, pass.points[piece.first].q, pass.external};
+      GapEnd end{pass.pass, piece.piece, pass.points[piece.last].q, pass.external};
       if (piece.closed)
         end.q = NearestEquivalent(end.q, start.q);  // the cut goes on round to the first point
       gaps.emplace_back(from, start);

@@ -9,8 +9,11 @@
 
 namespace millpose {
 
+/// Where programs start and end.
+GapEnd HomeOf(const PlanResult& plan);
+
 /// Where each gap begins and ends, in order: from home to the first piece, between pieces, back home. Empty
 /// when there is no piece.
-std::vector<std::pair<GapEnd, GapEnd>> GapEnds(const Joints& home, const std::vector<PassResult>& passes);
+std::vector<std::pair<GapEnd, GapEnd>> GapEnds(const GapEnd& home, const std::vector<PassResult>& passes);
 
 }  // namespace millpose

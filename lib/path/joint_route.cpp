@@ -239,14 +239,14 @@ JointRoute FindRoute(const World& world, const Joints& from, const Joints& to, c
   if (judge.ValidMotion(from, to)) return done({from, to}, {});
   std::vector<Joints> corners = Connect(judge, from, to, options, random, stop);
   if (corners.empty()) {
-    return done({}, fmt::format("no way found in {} iterations; most often in the way: {}",
+    return done({}, fmt::format("no path found in {} iterations; most often in the way: {}",
                                 options.max_iterations, judge.Blockers()));
   }
   const std::vector<Joints> unshortened = corners;
   Shorten(judge, world, options, random, stop, corners);
   if (Recheck(fresh, corners)) return done(corners, {});
   if (Recheck(fresh, unshortened)) return done(unshortened, {});
-  return done({}, fmt::format("the way found did not stand its re-check: {}", fresh.Blockers()));
+  return done({}, fmt::format("the path found did not pass its re-check: {}", fresh.Blockers()));
 }
 
 }  // namespace millpose

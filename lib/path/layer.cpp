@@ -3,24 +3,25 @@
 
 namespace millpose {
 
-int Layer::BranchOf(size_t node) const {
-  int branch = 0;
-  while (node >= branch_begin[branch + 1]) ++branch;
-  return branch;
+int Layer::LaneOf(size_t node) const {
+  return static_cast<int>(std::upper_bound(lane_begin.begin() + 1, lane_begin.end(), node) -
+                          lane_begin.begin()) -
+         1;
 }
 
 bool Layer::usable() const {
   return std::any_of(objective.begin(), objective.end(), [](double value) { return std::isfinite(value); });
 }
 
-Layer MakeLayer(const PointScorer& scorer, std::vector<NodeSeed> seeds, bool all_revolutions) {
+Layer MakeLayer(const PointScorer& scorer, std::vector<NodeSeed> seeds, bool all_revolutions, int courses) {
   std::erase_if(seeds, [](const NodeSeed& s) { return s.candidate.obstacle != Obstacle::kNone; });
   std::stable_sort(seeds.begin(), seeds.end(), [](const NodeSeed& a, const NodeSeed& b) {
-    return a.branch != b.branch ? a.branch < b.branch : a.freedoms < b.freedoms;
+    return a.lane() != b.lane() ? a.lane() < b.lane() : a.freedoms < b.freedoms;
   });
   const PoseProblem& problem = scorer.problem();
   Layer layer;
   layer.R_WT = scorer.ToolPose(FreedomValues(problem.freedoms.size(), 0.0)).linear();
+  layer.lane_begin.assign(8 * static_cast<size_t>(courses) + 1, 0);
   size_t base = 0;
   for (const NodeSeed& seed : seeds) {
     ++base;
@@ -35,21 +36,36 @@ Layer MakeLayer(const PointScorer& scorer, std::vector<NodeSeed> seeds, bool all
       layer.base.push_back(base);
       layer.genetic.push_back(seed.genetic);
     }
-    for (int later = seed.branch + 1; later <= 8; ++later) layer.branch_begin[later] = layer.size();
+    std::fill(layer.lane_begin.begin() + seed.lane() + 1, layer.lane_begin.end(), layer.size());
   }
   layer.joints.Finish();
   return layer;
 }
 
+namespace {
+
+NodeSeed SeedOf(const CandidateTable& table, const CandidateTable::Entry& entry, int course) {
+  Candidate candidate;
+  candidate.obstacle = Obstacle::kNone;
+  candidate.objective = entry.objective;
+  candidate.q = entry.q;
+  return {table.Setting(entry.setting), candidate, entry.branch, false, course};
+}
+
+}  // namespace
+
 std::vector<NodeSeed> SeedsOf(const CandidateTable& table) {
   std::vector<NodeSeed> seeds;
   seeds.reserve(table.entries().size() + 1);
+  for (const CandidateTable::Entry& entry : table.entries()) seeds.push_back(SeedOf(table, entry, 0));
+  return seeds;
+}
+
+std::vector<NodeSeed> SeedsOf(const CandidateTable& table, std::span<const size_t> leans) {
+  std::vector<NodeSeed> seeds;
   for (const CandidateTable::Entry& entry : table.entries()) {
-    Candidate candidate;
-    candidate.obstacle = Obstacle::kNone;
-    candidate.objective = entry.objective;
-    candidate.q = entry.q;
-    seeds.push_back({table.Setting(entry.setting), candidate, entry.branch, false});
+    const auto lean = std::ranges::find(leans, entry.setting % table.stride());
+    if (lean != leans.end()) seeds.push_back(SeedOf(table, entry, static_cast<int>(lean - leans.begin())));
   }
   return seeds;
 }

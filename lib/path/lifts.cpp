@@ -5,26 +5,25 @@
 
 #include "base/trig.hpp"
 #include "base/units.hpp"
+#include "path/collision_pruner.hpp"
 #include "path/ring_opening.hpp"
 #include "path/worst_then_sum.hpp"
 
 namespace millpose {
 namespace {
 
-/// Layers of a pass, what of them is pruned, and searches until what they find is free.
+/// The graph of a pass, and searches until what they find in it is free.
 class FreeSearch {
  public:
   using Search = std::function<std::optional<Sequence>(const LadderProblem&)>;
 
   explicit FreeSearch(const PassContext& context)
       : context_(context),
-        carrier_{context.problem.arm, context.problem.X_WB, context.problem.X_FT},
-        layers_(MakeLayers(context, false)),
-        pruner_(context.world, carrier_, context.scorers, layers_, context.options.swept_resolution,
-                context.problem.freedoms[0]->IsToolRotation(), MakeLimits(context), context.threads,
-                context.stop) {}
+        graph_(MakeGraph(context, false)),
+        law_(graph_->checks().carrier, context.scorers, context.options.max_deviation),
+        pruner_(*graph_, law_) {}
 
-  LadderProblem Problem() const { return MakeProblem(context_, layers_, pruner_, false); }
+  LadderProblem Problem() const { return MakeProblem(context_, *graph_, false); }
 
   /// What `search` finds when all that interferes on its answers is pruned; empty when it finds nothing.
   std::optional<Sequence> Free(const Search& search) {
@@ -47,14 +46,14 @@ class FreeSearch {
     return free;
   }
 
-  SequenceValue Value(const Sequence& sequence) const { return {WorstOf(layers_, sequence), sequence.cost}; }
-  const std::vector<Layer>& layers() const { return layers_; }
-  long long poses_checked() const { return pruner_.counts().poses; }
+  SequenceValue Value(const Sequence& sequence) const { return {WorstOf(layers(), sequence), sequence.cost}; }
+  std::span<const Layer> layers() const { return graph_->layers(); }
+  long long poses_checked() const { return graph_->counts().poses; }
 
  private:
   const PassContext& context_;
-  Carrier carrier_;
-  std::vector<Layer> layers_;
+  std::shared_ptr<CandidateGraph> graph_;
+  BendLaw law_;
   CollisionPruner pruner_;
   int round_ = 0;
 };
@@ -85,7 +84,7 @@ size_t PointsOver(std::span<const MillingPoint> points, double length) {
   return static_cast<size_t>(std::clamp(wanted, 1.0, std::max(1.0, static_cast<double>(count) / 4)));
 }
 
-size_t AfterAGap(const std::vector<Layer>& layers) {
+size_t AfterAGap(std::span<const Layer> layers) {
   for (size_t t = 0; t < layers.size(); ++t)
     if (layers[t].usable() && !layers[(t + layers.size() - 1) % layers.size()].usable()) return t;
   return 0;

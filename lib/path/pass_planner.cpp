@@ -12,6 +12,7 @@
 #include "plan/point_clearance.hpp"
 #include "plan/verdict_map.hpp"
 #include "pose/evaluator.hpp"
+#include "pose/lean_problem.hpp"
 #include "stiffness/pose_stiffness.hpp"
 
 namespace millpose {
@@ -20,7 +21,7 @@ namespace {
 std::string DetailOf(Obstacle obstacle) {
   switch (obstacle) {
     case Obstacle::kLimit:
-      return "every reachable pose violates a joint limit less the margin";
+      return "every reachable pose violates a joint limit minus the margin";
     case Obstacle::kSingular:
       return "every pose within the limits is too near a singularity or below the least dexterity";
     default:
@@ -63,6 +64,7 @@ void TellFreeOptimum(const PassContext& context, const PassPlan& plan, size_t t,
 /// What a planned point says about itself.
 void Describe(const PoseProblem& problem, const PathNode& node, PlannedPoint& point) {
   point.freedoms = node.freedoms;
+  if (HasLean(problem)) point.point = AtLean(problem, point.point, node.freedoms);
   for (size_t d = 0; d < point.freedoms.size(); ++d)
     point.freedoms[d] = Confine(*problem.freedoms[d], point.freedoms[d]);
   point.branch = node.branch;
@@ -80,7 +82,7 @@ void Describe(const PoseProblem& problem, const PathNode& node, PlannedPoint& po
   point.dexterity = Dexterity(Jacobian(problem.arm, node.q, tip), problem.characteristic_length);
 }
 
-constexpr const char* kAlone = "stands alone between points that are skipped; a single point is no cut";
+constexpr const char* kAlone = "is alone between skipped points; a single point is no cut";
 
 /// Whether the points beside one are skipped for what is in their own way.
 bool StandsAlone(const PassContext& context, const PassPlan& plan, size_t t) {
@@ -206,6 +208,7 @@ PassResult PlanPass(const PoseProblem& problem, const World& world, const Pass& 
   for (size_t t = 0; t < pass.points.size(); ++t) {
     own->points.push_back({pass.points[t], t, -1, false});
     context.scorers.emplace_back(problem, pass.points[t], pass.rotation_reference);
+    context.verdicts.push_back(std::make_shared<PointVerdicts>());
     all.push_back(t);
   }
   context.genetic.resize(all.size());

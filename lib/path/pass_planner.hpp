@@ -16,12 +16,13 @@ namespace millpose {
 
 /// How a pass is planned (design.md, "The planning of one pass").
 struct PathOptions {
-  double rotation_step = DegToRad(1);  ///< grid of the ladder search, rad
-  StepBounds steps;                    ///< of the joints between neighbouring points, hard
+  double rotation_step = DegToRad(1);      ///< grid of the ladder search, rad
+  StepBounds steps;                        ///< of the joints between neighbouring points, hard
+  double max_lean_change = DegToRad(0.5);  ///< rad a mm of way: of lead and of tilt, where they are free
   double motion_share = 0.04;     ///< per rad² of joint motion, of the median optimum of the pass's points
   bool worst_first = false;       ///< the worst value of a pass first, then the sum (WorstThenSum)
   double smoothing_loss = 0.01;   ///< share of a piece's objective that smoothing may give up
-  double max_deviation = 5;       ///< mm, of the tip half-way between points (StepLimits)
+  double max_deviation = 5;       ///< mm, of the tip half-way between points (BendLaw)
   double swept_resolution = 0.5;  ///< mm
   double overlap = 10;            ///< mm that the parts of a split pass share
   PassEnds ends;                  ///< their leads, without overrun

@@ -2,7 +2,9 @@
 // Interference along a path that is being shifted: its points and the straight motions between them.
 #pragma once
 
-#include "path/collision_pruner.hpp"
+#include <memory>
+
+#include "path/point_verdicts.hpp"
 #include "path/refine.hpp"
 #include "path/retract.hpp"
 
@@ -22,18 +24,13 @@ struct EndShares {
   double first = 0, last = 0;
 };
 
-/// Checks pieces in Phase::kCutting.
+/// Checks a piece in Phase::kCutting.
 class PieceChecker {
  public:
-  /// `leave`: with it the ends of pieces keep the retracts that they have.
-  PieceChecker(const World& world, const Carrier& carrier, double swept_resolution,
-               std::optional<RetractOptions> leave, int threads, std::stop_token stop)
-      : world_(world),
-        carrier_(carrier),
-        resolution_(swept_resolution),
-        leave_(leave),
-        threads_(threads),
-        stop_(std::move(stop)) {}
+  /// `known`: one per point of the piece. `leave`: with it the ends keep the retracts that they have.
+  PieceChecker(PassChecks checks, std::span<const std::shared_ptr<PointVerdicts>> known,
+               std::optional<RetractOptions> leave)
+      : checks_(std::move(checks)), known_(known), leave_(leave) {}
 
   /// What the ends of a piece have; a ring is entered and left at its first point. 0 without `leave`.
   EndShares ToLeave(std::span<const PathNode> path, bool closed);
@@ -45,20 +42,18 @@ class PieceChecker {
   /// Whether the tool can leave `q` with a share of the clearances; with 0 always.
   bool Leaves(const Joints& q, double share) const;
 
-  bool PoseFree(Checker& checker, const Joints& q) const;
-  bool MotionFree(Checker& checker, const Joints& from, const Joints& to) const;
+  /// Of a pose at point i, and of the motion from there.
+  bool PoseFree(Checker& checker, size_t i, const Joints& q) const;
+  bool MotionFree(Checker& checker, size_t i, const Joints& from, const Joints& to) const;
   /// Runs `work(checker, i)` for i in 0..count−1 in parallel.
   void Each(size_t count, const std::function<void(Checker&, size_t)>& work);
 
   long long poses_checked() const { return poses_checked_; }
 
  private:
-  const World& world_;
-  const Carrier& carrier_;
-  double resolution_;
+  PassChecks checks_;
+  std::span<const std::shared_ptr<PointVerdicts>> known_;
   std::optional<RetractOptions> leave_;
-  int threads_;
-  std::stop_token stop_;
   long long poses_checked_ = 0;
 };
 

@@ -7,10 +7,12 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "path/collision_pruner.hpp"
 #include "path/end_guard.hpp"
 #include "path/free_smoothing.hpp"
 #include "path/ladder_bound.hpp"
 #include "path/layer_verdicts.hpp"
+#include "path/lean_courses.hpp"
 #include "path/ring_stripe.hpp"
 #include "path/worst_then_sum.hpp"
 #include "robot/angles.hpp"
@@ -22,9 +24,9 @@ constexpr double kTurn = 2 * kPi;
 constexpr double kRounding = 1e-12;  // rad: of angles that full revolutions were added to
 constexpr int kRefineRounds = 5;
 
-PieceChecker MakeChecker(const PassContext& context, const Carrier& carrier) {
-  return {context.world,         carrier,         context.options.swept_resolution,
-          context.options.leave, context.threads, context.stop};
+PieceChecker MakeChecker(const PassContext& context, const Piece& piece) {
+  const auto first = static_cast<size_t>(piece.first), count = static_cast<size_t>(piece.last) - first + 1;
+  return {MakeChecks(context), std::span(context.verdicts).subspan(first, count), context.options.leave};
 }
 
 class PiecePlanner {
@@ -33,10 +35,10 @@ class PiecePlanner {
       : context_(context),
         carrier_{context.problem.arm, context.problem.X_WB, context.problem.X_FT},
         law_(carrier_, context.scorers, context.options.max_deviation),
-        checker_(MakeChecker(context, carrier_)),
         all_revolutions_(all_revolutions),
         count_(context.scorers.size()),
-        rule_(MakeRule(context, all_revolutions)) {
+        rule_(MakeRule(context, all_revolutions)),
+        max_lean_(LeanBounds(context.problem, context.options.max_lean_change, context.points)) {
     plan_.nodes.resize(count_);
     plan_.piece.assign(count_, -1);
     plan_.interference.resize(count_);
@@ -44,8 +46,10 @@ class PiecePlanner {
   }
 
   std::optional<PassPlan> Plan() {
-    layers_ = MakeLayers(context_, all_revolutions_);
-    TakeSequence(SearchFree());
+    graph_ = MakeGraph(context_, all_revolutions_);
+    const Sequence sequence = SearchFree();
+    TakeSequence(sequence);
+    plan_.searched = {graph_, sequence, all_revolutions_};
     double coarse = 0.0, refined = 0.0;
     for (const Piece& piece : plan_.pieces) {
       coarse += Cost(piece);
@@ -58,24 +62,18 @@ class PiecePlanner {
       assert((fits || !all_revolutions_) && "nodes of single turns lie within the bounds");
       if (!fits && !all_revolutions_) return std::nullopt;
     }
-    plan_.poses_checked += checker_.poses_checked();
     return std::move(plan_);
   }
 
  private:
   /// The ladder search, repeated until what it finds is free of interference.
   Sequence SearchFree() {
-    const bool rotates_first = context_.problem.freedoms[0]->IsToolRotation();
-    CollisionPruner pruner(context_.world, carrier_, context_.scorers, layers_,
-                           context_.options.swept_resolution, rotates_first, MakeLimits(context_),
-                           context_.threads, context_.stop);
+    CollisionPruner pruner(*graph_, law_);
     std::optional<EndGuard> guard;
-    if (context_.options.leave)
-      guard.emplace(context_.world, carrier_, *context_.options.leave, layers_, context_.break_before, pruner,
-                    context_.threads, context_.stop);
-    SweepMemory memory, join_memory;
-    LadderProblem problem = MakeProblem(context_, layers_, pruner, all_revolutions_);
-    problem.memory = &memory;
+    if (context_.options.leave) guard.emplace(*graph_, *context_.options.leave, context_.break_before);
+    SweepMemory join_memory;
+    LadderProblem problem = MakeProblem(context_, *graph_, all_revolutions_);
+    problem.memory = &graph_->sweeps();
     // While there is interference to find, any good closed sequence finds it. A free one is kept when the
     // best of all is hardly cheaper.
     constexpr int kQuickSweeps = 3;
@@ -117,35 +115,18 @@ class PiecePlanner {
       if (free && (!guard || guard->Check(sequence))) break;
       pruner.PruneInRound(sequence, round);
     }
-    if (guard) {
-      plan_.poses_checked += guard->counts().poses;
-      for (size_t t = 0; t < count_; ++t) plan_.access[t] = guard->Detail(t);
-    }
-    if (sequence.closed) plan_.stripe = ExplainStripe({context_, problem, pruner, sequence, unbarred});
-    plan_.poses_checked += pruner.counts().poses;
-    plan_.pairs_checked = pruner.counts().pairs;
-    plan_.pairs_saved = pruner.counts().pairs_saved;
-    plan_.nodes_pruned = pruner.nodes_pruned();
-    plan_.candidates_checked = pruner.nodes_checked();
-    for (const Layer& layer : layers_) plan_.candidates += static_cast<long long>(layer.size());
+    for (size_t t = 0; guard && t < count_; ++t) plan_.access[t] = guard->Detail(t);
+    if (sequence.closed) plan_.stripe = ExplainStripe({context_, problem, *graph_, sequence, unbarred});
+    plan_.poses_checked += graph_->counts().poses;
+    plan_.pairs_checked = graph_->counts().pairs;
+    plan_.pairs_saved = graph_->counts().pairs_saved;
+    plan_.nodes_pruned = graph_->nodes_pruned();
+    plan_.candidates_checked = graph_->nodes_checked();
+    plan_.candidates = graph_->nodes();
     for (size_t t = 0; t < count_; ++t) {
-      if (sequence.nodes[t] == kNoNode) plan_.interference[t] = pruner.Detail(t);
+      if (sequence.nodes[t] == kNoNode) plan_.interference[t] = graph_->Detail(t);
     }
-    LookBack(problem, sequence, pruner);
-    max_step_.assign(pruner.max_step().begin(), pruner.max_step().end());
     return sequence;
-  }
-
-  /// What the reports tell of the layers once the plan stands (price.hpp).
-  void LookBack(const LadderProblem& problem, const Sequence& sequence, CollisionPruner& pruner) {
-    pruner.Reopen(sequence);
-    const long long before = pruner.counts().poses;
-    plan_.free = FindFreeOptima(context_.optima, layers_, sequence, pruner);
-    plan_.poses_checked += pruner.counts().poses - before;
-    plan_.bound = BoundLadder(problem, sequence, context_.options.worst_first);
-    if (!context_.problem.freedoms[0]->IsToolRotation()) return;
-    for (size_t t = 0; t < count_; ++t)
-      plan_.verdicts.push_back(PackVerdicts(LayerVerdicts(layers_[t], t, pruner)));
   }
 
   /// Cuts the sequence into pieces. A piece of one point is no cut; only a pass of one point keeps it.
@@ -166,7 +147,7 @@ class PiecePlanner {
         piece.closed = sequence.closed;
         for (size_t t = first; t <= last; ++t) {
           plan_.piece[t] = piece.piece;
-          plan_.nodes[t] = NodeOf(layers_[t], sequence.nodes[t]);
+          plan_.nodes[t] = NodeOf(graph_->layer(t), sequence.nodes[t]);
         }
         plan_.pieces.push_back(piece);
       }
@@ -184,18 +165,20 @@ class PiecePlanner {
   }
 
   std::span<const Joints> StepsOf(const Piece& piece) const {
-    return std::span(max_step_).subspan(piece.first, piece.last - piece.first + 1);
+    return graph_->max_step().subspan(piece.first, piece.last - piece.first + 1);
   }
 
   double Cost(const Piece& piece) { return PathCost(NodesOf(piece), rule_, StepsOf(piece), piece.closed); }
 
   /// Refines a piece. Where the finer path interferes, its points go back to the coarse one, which is free,
-  /// with ever more of their neighbours, and the rest is refined again.
+  /// with ever more of their neighbours (4^round − 1 to either side), and the rest is refined again.
   void RefineFree(const Piece& piece) {
     RefineOptions options;
     options.rule = rule_;
     options.max_step = StepsOf(piece);
-    options.first_step = context_.options.rotation_step;
+    options.first_step = RotationStep(context_);
+    if (!max_lean_.empty())
+      options.max_lean = std::span<const double>(max_lean_).subspan(piece.first, options.max_step.size());
     options.last_step = DegToRad(0.002);
     options.closed = piece.closed;
     options.all_revolutions = all_revolutions_;
@@ -203,27 +186,31 @@ class PiecePlanner {
     options.stop = context_.stop;
     const std::span<PathNode> path = NodesOf(piece);
     const std::vector<PathNode> coarse(path.begin(), path.end());
-    const EndShares ends = checker_.ToLeave(coarse, piece.closed);
+    PieceChecker checker = MakeChecker(context_, piece);
+    const EndShares ends = checker.ToLeave(coarse, piece.closed);
     std::vector<bool> frozen(path.size(), false);
-    for (int round = 0; round < kRefineRounds; ++round) {
+    bool free = false;
+    for (int round = 0; round < kRefineRounds && !free; ++round) {
       for (size_t i = 0; i < path.size(); ++i) {
         path[i] = coarse[i];
         path[i].frozen = frozen[i];
       }
       RefinePath(std::span(context_.scorers).subspan(piece.first, path.size()),
                  std::span(context_.genetic).subspan(piece.first, path.size()), options, path);
-      if (FreezeWhatFails(piece, coarse, ends, round, frozen)) return;
+      PieceHits hits = checker.Check(path, piece.closed, ends, frozen);
+      AddBends(piece, coarse, frozen, hits);
+      free = !hits.any();
+      const std::vector<bool> wide = Widened(hits.Points(), (size_t{1} << (2 * round)) - 1, piece.closed);
+      for (size_t i = 0; i < wide.size(); ++i) frozen[i] = frozen[i] || wide[i];
     }
-    std::copy(coarse.begin(), coarse.end(), path.begin());
+    if (!free) std::copy(coarse.begin(), coarse.end(), path.begin());
+    plan_.poses_checked += checker.poses_checked();
   }
 
-  /// Checks the nodes of a refined piece and the motions between them, which may bend no further than they
-  /// may or did; marks the points that must go back, with 4^round − 1 neighbours to either side. True when
-  /// there are none.
-  bool FreezeWhatFails(const Piece& piece, const std::vector<PathNode>& coarse, const EndShares& ends,
-                       int round, std::vector<bool>& frozen) {
+  /// Adds to `hits` the motions of a refined piece that bend further than they may and did.
+  void AddBends(const Piece& piece, const std::vector<PathNode>& coarse, const std::vector<bool>& frozen,
+                PieceHits& hits) {
     const std::span<const PathNode> path = NodesOf(piece);
-    PieceHits hits = checker_.Check(path, piece.closed, ends, frozen);
     for (size_t i = 0; i < path.size(); ++i) {
       const size_t next = (i + 1) % path.size();
       if ((next == 0 && !piece.closed) || (frozen[i] && frozen[next])) continue;
@@ -235,9 +222,6 @@ class PiecePlanner {
       };
       hits.motion[i] |= deviation > was || (deviation > most(path[i]) && was <= most(coarse[i]));
     }
-    const std::vector<bool> wide = Widened(hits.Points(), (size_t{1} << (2 * round)) - 1, piece.closed);
-    for (size_t i = 0; i < wide.size(); ++i) frozen[i] = frozen[i] || wide[i];
-    return !hits.any();
   }
 
   double Bend(const Joints& from, const Joints& to) const {
@@ -286,103 +270,56 @@ class PiecePlanner {
   const PassContext& context_;
   Carrier carrier_;
   BendLaw law_;
-  PieceChecker checker_;
   bool all_revolutions_;
   size_t count_;
   StepRule rule_;
-  std::vector<Layer> layers_;
-  std::vector<Joints> max_step_;  ///< as the search has come to bound the steps
+  std::vector<double> max_lean_;  ///< LeanBounds
+  std::shared_ptr<CandidateGraph> graph_;
   PassPlan plan_;
 };
 
-/// Whether a value is better than all of a table.
-bool IsBeyond(double objective, const CandidateTable* table) {
-  return !table || std::all_of(table->entries().begin(), table->entries().end(),
-                               [&](const auto& entry) { return objective < entry.objective; });
-}
-
 }  // namespace
-
-StepRule MakeRule(const PassContext& context, bool all_revolutions) {
-  StepRule rule;
-  rule.motion_weight = context.motion_weight;
-  rule.modulo_revolutions = !all_revolutions;
-  return rule;
-}
-
-StepLimits MakeLimits(const PassContext& context) {
-  return {StepBoundsAlong(context.options.steps, context.problem.arm, context.points),
-          context.options.max_deviation};
-}
-
-std::vector<Layer> MakeLayers(const PassContext& context, bool all_revolutions) {
-  std::vector<Layer> layers(context.scorers.size());
-  ParallelFor(layers.size(), context.threads, context.stop, [&](size_t t) {
-    const PointScorer& scorer = context.scorers[t];
-    std::vector<NodeSeed> seeds;
-    if (context.tables[t]) seeds = SeedsOf(*context.tables[t]);
-    const auto add = [&](const PointOptimum& optimum, bool genetic) {
-      if (!optimum.found) return;
-      seeds.push_back(
-          {optimum.freedoms, scorer.ScoreOne(optimum.freedoms, optimum.branch), optimum.branch, genetic});
-    };
-    const PointOptimum& genetic = context.genetic[t];
-    add(genetic, genetic.found && IsBeyond(genetic.objective, context.tables[t].get()));
-    // Intervals narrower than the grid: better the finer table's answer than a skipped point.
-    if (seeds.empty()) add(context.optima[t], false);
-    layers[t] = MakeLayer(scorer, std::move(seeds), all_revolutions);
-  });
-  return layers;
-}
-
-LadderProblem MakeProblem(const PassContext& context, std::span<const Layer> layers,
-                          const CollisionPruner& pruner, bool all_revolutions) {
-  // The band needs the one freedom to be the rotation (BandWidth).
-  const auto& freedoms = context.problem.freedoms;
-  const bool banded = freedoms.size() == 1 && freedoms[0]->IsToolRotation();
-  return {.layers = layers,
-          .rule = MakeRule(context, all_revolutions),
-          .blocked = pruner.blocked_edges(),
-          .banded = banded,
-          .walls = banded,
-          .stop = context.stop,
-          .break_before = context.break_before,
-          .versions = pruner.versions(),
-          .max_step = pruner.max_step()};
-}
-
-double MotionWeight(double share, std::span<const PointOptimum> optima) {
-  std::vector<double> values;
-  for (const PointOptimum& optimum : optima)
-    if (optimum.found && optimum.objective > 0) values.push_back(optimum.objective);
-  if (values.empty()) return share;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return share * *middle;
-}
 
 std::optional<PassPlan> PlanPieces(const PassContext& context, bool all_revolutions) {
   return PiecePlanner(context, all_revolutions).Plan();
 }
 
+void LookBack(const PassContext& context, PassPlan& plan) {
+  CandidateGraph& graph = *plan.searched.graph;
+  const Sequence& sequence = plan.searched.sequence;
+  graph.GiveBack(sequence);
+  const long long before = graph.counts().poses;
+  plan.free = FindFreeOptima(context.optima, sequence, graph);
+  plan.poses_checked += graph.counts().poses - before;
+  const LadderProblem problem = MakeProblem(context, graph, plan.searched.all_revolutions);
+  plan.bound = BoundLadder(problem, sequence, context.options.worst_first);
+  // What is known of one lean says nothing of the others, and the axis map shows one.
+  if (context.problem.freedoms.size() == 1 && context.problem.freedoms[0]->IsToolRotation()) {
+    for (size_t t = 0; t < graph.size(); ++t) plan.verdicts.push_back(PackVerdicts(LayerVerdicts(graph, t)));
+  }
+  plan.searched = {};
+}
+
 void SmoothPieces(const PassContext& context, PassPlan& plan) {
-  const Carrier carrier{context.problem.arm, context.problem.X_WB, context.problem.X_FT};
-  PieceChecker checker = MakeChecker(context, carrier);
   plan.unsmoothed = plan.nodes;
   for (const Piece& piece : plan.pieces) {
+    PieceChecker checker = MakeChecker(context, piece);
     const auto first = static_cast<size_t>(piece.first), count = static_cast<size_t>(piece.last) - first + 1;
+    const std::span<const MillingPoint> points = context.points.subspan(first, count);
     SmoothOptions options;
-    options.loss = context.options.smoothing_loss;
+    options.loss = context.options.smoothing_loss / static_cast<double>(context.problem.freedoms.size());
     options.max_step =
-        StepBoundsAlong(context.options.steps, context.problem.arm, context.points.subspan(first, count));
+        StepBoundsAlong(context.options.steps, context.problem.arm, StepPoints(context.problem, points));
+    options.max_lean = LeanBounds(context.problem, context.options.max_lean_change, points);
     options.max_deviation = context.options.max_deviation;
     options.keep_worst = context.options.worst_first;
     options.closed = piece.closed;
     options.stop = context.stop;
-    SmoothFree(std::span(context.scorers).subspan(first, count), context.points.subspan(first, count),
-               std::move(options), checker, std::span(plan.nodes).subspan(first, count));
+    for (options.freedom = 0; options.freedom < context.problem.freedoms.size(); ++options.freedom)
+      SmoothFree(std::span(context.scorers).subspan(first, count), points, options, checker,
+                 std::span(plan.nodes).subspan(first, count));
+    plan.poses_checked += checker.poses_checked();
   }
-  plan.poses_checked += checker.poses_checked();
 }
 
 }  // namespace millpose

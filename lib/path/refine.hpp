@@ -21,6 +21,7 @@ struct PathNode {
 struct RefineOptions {
   StepRule rule;
   std::span<const Joints> max_step;  ///< rad: entry t of the step from point t on; empty: the rule's own
+  std::span<const double> max_lean;  ///< rad: likewise of each lean; empty: nothing leans
   double first_step = 0;             ///< rad: the grid that the path comes from
   double last_step = 0;              ///< rad: the grid to end at
   bool closed = false;
@@ -35,7 +36,9 @@ double PathCost(std::span<const PathNode> path, const StepRule& rule, std::span<
 
 /// Searches again around a sequence on ever finer grids: windows around its nodes, their branch kept, with
 /// the ends of admissible intervals and the genetic algorithm's answers (`genetic`, one per point) among the
-/// nodes where they lie in the window. Never worsens the cost.
+/// nodes where they lie in the window. Where freedoms lean the tool, windows of single points leave every two
+/// neighbours within the bound of the lean's change, and before them the leans of the whole path are shifted.
+/// Never worsens the cost.
 void RefinePath(std::span<const PointScorer> scorers, std::span<const PointOptimum> genetic,
                 const RefineOptions& options, std::span<PathNode> path);
 

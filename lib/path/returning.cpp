@@ -2,8 +2,6 @@
 #include "path/returning.hpp"
 
 #include "base/parallel.hpp"
-#include "motion/line.hpp"
-#include "path/band.hpp"
 
 namespace millpose {
 namespace {
@@ -49,22 +47,20 @@ class MaskSweep {
   std::vector<Mask> Step(size_t t, const std::vector<Mask>& masks) const {
     const Layer &from = LayerAt(t), &to = LayerAt(t + 1);
     const StepRule rule = problem_.RuleFrom(At(t));
-    const double band = problem_.banded ? BandWidth(rule, AngleBetween(from.R_WT, to.R_WT))
-                                        : std::numeric_limits<double>::infinity();
+    BandOfLayer band(from, BandBetween(problem_, rule, from, to), problem_.walls);
     const BlockedEdges* blocked = problem_.blocked.empty() ? nullptr : &problem_.blocked[At(t)];
     std::vector<Mask> reached(to.size(), 0);
     for (size_t node = 0; node < to.size(); ++node) {
       if (counted_[At(t + 1)][node] == 0) continue;
       const Joints q = to.joints.At(node);
-      VisitBand(from, to.BranchOf(node), to.first[node], band, problem_.walls,
-                [&](size_t first, size_t last) {
-                  for (size_t k = first; k < last; ++k) {
-                    if ((masks[k] & ~reached[node]) == 0) continue;
-                    if (!std::isfinite(StepCost(rule, from.joints.At(k), q))) continue;
-                    if (blocked && blocked->contains({k, node})) continue;
-                    reached[node] |= masks[k];
-                  }
-                });
+      band.VisitFrom(to.LaneOf(node), to.first[node], [&](size_t first, size_t last) {
+        for (size_t k = first; k < last; ++k) {
+          if ((masks[k] & ~reached[node]) == 0) continue;
+          if (!std::isfinite(StepCost(rule, from.joints.At(k), q))) continue;
+          if (blocked && blocked->contains({k, node})) continue;
+          reached[node] |= masks[k];
+        }
+      });
     }
     return reached;
   }

@@ -31,6 +31,7 @@ void TurnToBegin(const Pass& turned, size_t start, SplitPoints& own) {
   turn(context.scorers);
   turn(context.genetic);
   turn(context.tables);
+  turn(context.verdicts);
   turn(context.optima);
   turn(context.paper);
   for (size_t t = 0; t < turned.points.size(); ++t) {

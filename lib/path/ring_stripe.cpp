@@ -15,10 +15,10 @@ struct Run {
   size_t count = 0;
 };
 
-/// The longest run of blocked nodes of `branch`.
-Run LongestRun(const Layer& layer, int branch) {
+/// The longest run of blocked nodes of a lane.
+Run LongestRun(const Layer& layer, size_t lane) {
   Run longest, run;
-  for (size_t k = layer.branch_begin[branch]; k < layer.branch_begin[branch + 1]; ++k) {
+  for (size_t k = layer.lane_begin[lane]; k < layer.lane_begin[lane + 1]; ++k) {
     if (std::isfinite(layer.objective[k])) {
       run = {};
       continue;
@@ -32,10 +32,10 @@ Run LongestRun(const Layer& layer, int branch) {
 }
 
 /// The pair of bodies that was met at most points, and at how many.
-std::pair<std::optional<Sighting>, size_t> CommonPair(const CollisionPruner& pruner, size_t layers) {
+std::pair<std::optional<Sighting>, size_t> CommonPair(const CandidateGraph& graph) {
   std::map<int, std::pair<Sighting, size_t>> met;
-  for (size_t t = 0; t < layers; ++t)
-    if (const std::optional<Sighting> sighting = pruner.LastSighting(t))
+  for (size_t t = 0; t < graph.size(); ++t)
+    if (const std::optional<Sighting> sighting = graph.LastSighting(t))
       ++met.try_emplace(sighting->pair, *sighting, 0).first->second.second;
   std::pair<std::optional<Sighting>, size_t> most{std::nullopt, 0};
   for (const auto& [pair, of] : met)
@@ -61,7 +61,7 @@ std::pair<size_t, Run> RunBeside(const ClosedSearch& search, size_t at) {
   for (size_t away = 0; away <= count / 2; ++away)
     for (const size_t t : {(at + away) % count, (at + count - away) % count}) {
       const Layer& layer = search.problem.layers[t];
-      const Run run = LongestRun(layer, layer.BranchOf(search.sequence.nodes[t]));
+      const Run run = LongestRun(layer, static_cast<size_t>(layer.LaneOf(search.sequence.nodes[t])));
       if (run.count > 0) return {t, run};
     }
   return {at, {}};
@@ -74,7 +74,7 @@ std::string ExplainStripe(const ClosedSearch& search) {
   constexpr int kSweeps = 8;
   const double closed = search.sequence.cost, barred = closed - search.unbarred;
   if (!(barred > kNotable * search.unbarred)) return "";
-  const auto [sighting, points] = CommonPair(search.pruner, search.problem.layers.size());
+  const auto [sighting, points] = CommonPair(search.graph);
   if (!sighting) return "";
   LiftedSearch lifted({0, 0, search.context.options.worst_first});
   const std::optional<Sequence> open = lifted.Round(search.problem, kSweeps);

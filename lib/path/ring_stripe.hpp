@@ -10,7 +10,7 @@ namespace millpose {
 struct ClosedSearch {
   const PassContext& context;
   const LadderProblem& problem;  ///< what interferes is pruned
-  const CollisionPruner& pruner;
+  const CandidateGraph& graph;
   const Sequence& sequence;  ///< closed and free
   double unbarred = 0;       ///< cost of the first answer, when nothing had been pruned
 };

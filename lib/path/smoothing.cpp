@@ -21,7 +21,8 @@ class Smoother {
       : ranges_(ranges),
         options_(options),
         path_(path),
-        course_(scorers, points, path, options.closed, options.max_step) {}
+        course_(scorers, points, path, options.closed,
+                {options.max_step, options.max_lean, options.freedom}) {}
 
   bool Run() {
     const std::vector<CoursePlace> start = course_.Start(ranges_);
@@ -38,7 +39,7 @@ class Smoother {
       Smooth(start);
     }
     for (size_t t = 0; t < path_.size(); ++t) {
-      path_[t].freedoms[0] = best_places_[t].x;
+      path_[t].freedoms[options_.freedom] = best_places_[t].x;
       path_[t].q = best_places_[t].q;
       path_[t].objective = best_places_[t].objective;
     }
@@ -144,7 +145,8 @@ class Smoother {
 
 SmoothReference MeasurePath(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
                             const SmoothOptions& options, std::span<const PathNode> path) {
-  const FreedomCourse course(scorers, points, path, options.closed, options.max_step);
+  const FreedomCourse course(scorers, points, path, options.closed,
+                             {options.max_step, options.max_lean, options.freedom});
   std::vector<CoursePlace> places(path.size());
   for (size_t t = 0; t < path.size(); ++t) places[t].q = path[t].q, places[t].objective = path[t].objective;
   const Merit merit = course.Judge(places);

@@ -19,7 +19,9 @@ struct SmoothReference {
 struct SmoothOptions {
   SmoothReference before;
   double loss = 0;               ///< share of the objective that may be given up
+  size_t freedom = 0;            ///< which of the points' is shifted
   std::vector<Joints> max_step;  ///< rad, one per motion
+  std::vector<double> max_lean;  ///< rad, one per motion: of the leans; empty where nothing leans
   double max_deviation = 0;      ///< mm, of the tip half-way between points
   bool repair = true;       ///< motions that deviate by more are repaired; else they only may not get worse
   bool keep_worst = false;  ///< no point may come to have a larger objective than the worst had
@@ -33,14 +35,14 @@ SmoothReference MeasurePath(std::span<const PointScorer> scorers, std::span<cons
 /// How far each motion may deviate half-way, mm.
 std::vector<double> DeviationLimits(const SmoothOptions& options);
 
-/// Shifts the first freedom (the rotation about the tool axis) along a piece so that the mean square of the
-/// joint accelerations at the points' feeds (RatesAlong, all joints alike, weighted by time) becomes small:
-/// Gauss-Newton on the closed-form inverse, branches and full revolutions kept, every point admissible and
-/// within `ranges`, which hold the path. Joint steps stay within their bound, the objective's sum within
-/// `loss` of what it was before, deviations half-way within `max_deviation`; where these cannot all be
-/// repaired for the loss allowed they only may not grow beyond what they were before: then false. A path that
-/// keeps to its bounds stays within them and gets no rougher; one that does not comes as near to them as is
-/// found. Joint angles of `path` are continuous. Interference is not looked at.
+/// Shifts one freedom (the rotation about the tool axis, or a lean) along a piece so that the mean square of
+/// the joint accelerations at the points' feeds (RatesAlong, all joints alike, weighted by time) becomes
+/// small: Gauss-Newton on the closed-form inverse, branches and full revolutions kept, every point admissible
+/// and within `ranges`, which hold the path. Joint steps and changes of a lean stay within their bounds, the
+/// objective's sum within `loss` of what it was before, deviations half-way within `max_deviation`; where
+/// these cannot all be repaired for the loss allowed they only may not grow beyond what they were before:
+/// then false. A path that keeps to its bounds stays within them and gets no rougher; one that does not comes
+/// as near to them as is found. Joint angles of `path` are continuous. Interference is not looked at.
 bool SmoothPath(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
                 std::span<const FreedomRange> ranges, const SmoothOptions& options, std::span<PathNode> path);
 

@@ -3,6 +3,7 @@
 
 #include "base/cpu_time.hpp"
 #include "base/parallel.hpp"
+#include "path/lean_courses.hpp"
 #include "path/lifts.hpp"
 #include "path/ring_opening.hpp"
 
@@ -43,7 +44,9 @@ class SplitPlanner {
     planned.plan = PlanTurned(*planned.points->context);
     PlanSplits(planned);
     TryLifts(planned);
-    SmoothPieces(*planned.points->context, planned.plan);  // once: what is tried and given up stays rough
+    // Once: what is tried and given up stays rough.
+    LookBack(*planned.points->context, planned.plan);
+    SmoothPieces(*planned.points->context, planned.plan);
     const std::vector<SplitPoint>& points = planned.points->points;
     for (const Tried& tried : splits_) {
       if (tried.split.overlap.by != OverlapChoice::By::kNone) continue;
@@ -184,7 +187,9 @@ class SplitPlanner {
   bool Joinable(size_t after) const {
     const PassContext& context = *own_->context;
     const auto layer = [&](size_t t) {
-      return MakeLayer(context.scorers[t], SeedsOf(*context.tables[t]), false);
+      const CandidateTable& table = *context.tables[t];
+      const std::array nominal{NominalSetting(context.problem, table)};
+      return MakeLayer(context.scorers[t], SeedsOf(table, nominal), false);
     };
     const size_t next = (after + 1) % context.scorers.size();
     const Layer from = layer(after), to = layer(next);
@@ -193,9 +198,9 @@ class SplitPlanner {
         true};
     const CostRow row(std::vector<double>(from.size(), 0.0));
     for (size_t node = 0; node < to.size(); ++node) {
-      const int branch = to.BranchOf(node);
+      const auto branch = static_cast<size_t>(to.LaneOf(node));
       BestPredecessor by;
-      RelaxFrom(rule, from.joints, row, from.branch_begin[branch], from.branch_begin[branch + 1],
+      RelaxFrom(rule, from.joints, row, from.lane_begin[branch], from.lane_begin[branch + 1],
                 to.joints.At(node), std::numeric_limits<double>::infinity(), by);
       if (std::isfinite(by.cost)) return true;
     }
@@ -241,6 +246,9 @@ class SplitPlanner {
                                     : PointScorer(from.problem, point.point, pass_.rotation_reference));
       context.genetic.push_back(own ? from.genetic[point.source] : PointOptimum{});
       context.tables.push_back(own ? from.tables[point.source] : nullptr);
+      // Of a point that is cut twice only one may have the pass's own.
+      context.verdicts.push_back(point.added_by < 0 ? from.verdicts[point.source]
+                                                    : std::make_shared<PointVerdicts>());
       context.optima.push_back(own ? from.optima[point.source] : PointOptimum{});
       context.break_before.push_back(point.break_before);
       if (from.options.paper) context.paper.push_back(own ? from.paper[point.source] : PaperResult{});
@@ -275,13 +283,14 @@ void FindOptima(std::span<const size_t> points, uint64_t stream, PassContext& co
     const PointScorer& scorer = context.scorers[t];
     const RandomStream own(options.seed, stream + i);
     context.tables[t] =
-        std::make_shared<const CandidateTable>(CandidateTable::OfStep(scorer, options.rotation_step));
+        std::make_shared<const CandidateTable>(CandidateTable::OfStep(scorer, RotationStep(context)));
     context.optima[t] = RefineTable(scorer, *context.tables[t]);
     // Intervals narrower than the grid.
     if (!context.optima[t].found)
       context.optima[t] = ExhaustiveSearch(scorer, options.rotation_step / kFiner);
     if (!options.paper) {
       context.genetic[t] = GeneticSearch(scorer, problem, options.genetic, own);
+      DescendInLeans(context, t);
       return;
     }
     context.paper[t] = PaperSearch(problem, MakePaperTarget(problem, context.points[t]), *options.paper, own);

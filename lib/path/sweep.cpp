@@ -3,7 +3,6 @@
 
 #include "base/parallel.hpp"
 #include "motion/line.hpp"
-#include "path/band.hpp"
 
 namespace millpose {
 namespace {
@@ -12,6 +11,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr uint32_t kBreak = 0xffffffffU, kEnter = 0xfffffffeU;
 
 }  // namespace
+
+double BandBetween(const LadderProblem& problem, const StepRule& rule, const Layer& from, const Layer& to) {
+  return problem.banded ? BandWidth(rule, AngleBetween(from.R_WT, to.R_WT)) : kInfinity;
+}
 
 const ToGo& LeastToGo(const LadderProblem& problem, const NodeFilter& counts, BackwardRows& rows) {
   const std::span<const Layer> layers = problem.layers;
@@ -42,7 +45,7 @@ const ToGo& LeastToGo(const LadderProblem& problem, const NodeFilter& counts, Ba
       continue;
     }
     const StepRule rule = problem.RuleFrom(t);
-    const double band = problem.banded ? BandWidth(rule, AngleBetween(layer.R_WT, next.R_WT)) : kInfinity;
+    BandOfLayer band(next, BandBetween(problem, rule, layer, next), false);
     const CostRow row(k + 1 == count ? into_first : rows.layers[to].beyond);
     const std::vector<double> before = std::move(own.beyond);
     own.beyond.assign(layer.size(), kInfinity);
@@ -59,7 +62,7 @@ const ToGo& LeastToGo(const LadderProblem& problem, const NodeFilter& counts, Ba
       if (!holds || (std::isfinite(by.cost) && changed[by.node])) {
         by = {};
         const Joints q = layer.joints.At(node);
-        VisitBand(next, layer.BranchOf(node), layer.first[node], band, false, [&](size_t first, size_t last) {
+        band.VisitFrom(layer.LaneOf(node), layer.first[node], [&](size_t first, size_t last) {
           double at_most = by.cost;
           for (size_t i = guess; i < guess + 2; ++i)
             if (i >= first && i < last)
@@ -291,11 +294,11 @@ void Sweep::Relax(size_t from, size_t to, size_t node, size_t guess, BestPredece
   const Layer& source = layers_[At(from)];
   const Layer& target = layers_[At(to)];
   const CostRow& row = rows_->layers[from].row;
-  const int branch = target.BranchOf(node);
+  const int lane = target.LaneOf(node);
   const Joints q = target.joints.At(node);
   const StepRule rule = problem_.RuleFrom(At(from));
-  const double band = Band(from, to);
-  VisitBand(source, branch, target.first[node], band, problem_.walls, [&](size_t first, size_t last) {
+  BandOfLayer& band = Band(from, to);
+  band.VisitFrom(lane, target.first[node], [&](size_t first, size_t last) {
     double at_most = by.cost;
     // That of the node before and the one after it.
     for (size_t k = guess; k < guess + 2; ++k) {
@@ -309,7 +312,7 @@ void Sweep::Relax(size_t from, size_t to, size_t node, size_t guess, BestPredece
   if (!blocked.contains({by.node, node})) return;
   // Rare: the best is barred, so look again, one by one.
   by = {};
-  VisitBand(source, branch, target.first[node], band, problem_.walls, [&](size_t first, size_t last) {
+  band.VisitFrom(lane, target.first[node], [&](size_t first, size_t last) {
     for (size_t k = first; k < last; ++k) {
       const double cost = row.costs[k] + StepCost(rule, source.joints.At(k), q);
       if (cost < by.cost && !blocked.contains({k, node})) by = {cost, k};
@@ -317,14 +320,14 @@ void Sweep::Relax(size_t from, size_t to, size_t node, size_t guess, BestPredece
   });
 }
 
-double Sweep::Band(size_t from, size_t to) const {
-  if (!problem_.banded) return kInfinity;
-  if (from != band_from_) {
+BandOfLayer& Sweep::Band(size_t from, size_t to) const {
+  if (!band_ || from != band_from_) {
     band_from_ = from;
-    band_ =
-        BandWidth(problem_.RuleFrom(At(from)), AngleBetween(layers_[At(from)].R_WT, layers_[At(to)].R_WT));
+    const Layer& source = layers_[At(from)];
+    const double width = BandBetween(problem_, problem_.RuleFrom(At(from)), source, layers_[At(to)]);
+    band_.emplace(source, width, problem_.walls);
   }
-  return band_;
+  return *band_;
 }
 
 }  // namespace millpose

@@ -2,6 +2,9 @@
 // One sweep of the ladder search's dynamic program, which keeps what it finds for the next.
 #pragma once
 
+#include <optional>
+
+#include "path/band.hpp"
 #include "path/ladder_search.hpp"
 
 namespace millpose {
@@ -19,6 +22,10 @@ struct SweepRows {
   };
   std::vector<OfLayer> layers;
 };
+
+/// How far apart (rad) the first freedoms of nodes of two neighbouring layers may lie; +inf where the problem
+/// is not banded.
+double BandBetween(const LadderProblem& problem, const StepRule& rule, const Layer& from, const Layer& to);
 
 /// What the rest of a closed sequence costs at the least from each node of each layer on, the node itself not
 /// counted: walls and edges that were pruned are left aside, and it may close into any node of the first
@@ -104,7 +111,7 @@ class Sweep {
   void RelaxAll(size_t t, bool must_break);
   void Take(size_t t, std::vector<double> row);
   void Relax(size_t from, size_t to, size_t node, size_t guess, BestPredecessor& by) const;
-  double Band(size_t from, size_t to) const;
+  BandOfLayer& Band(size_t from, size_t to) const;
   size_t TraceBack(size_t t, size_t node, Sequence& sequence) const;
 
   const LadderProblem& problem_;
@@ -119,7 +126,7 @@ class Sweep {
   size_t last_used_ = kNoNode, least_node_ = 0;
   double least_ = std::numeric_limits<double>::infinity();
   mutable size_t band_from_ = kNoNode;
-  mutable double band_ = 0;
+  mutable std::optional<BandOfLayer> band_;
 };
 
 }  // namespace millpose

@@ -24,6 +24,9 @@ Arm MakeArm(const ArmSettings& settings);
 /// Compliances beside the joints.
 std::vector<SeriesCompliance> MakeCompliances(const CellSettings& settings);
 
+/// The same with the external axes', which stand at home.
+std::vector<SeriesCompliance> MakeCompliancesAtHome(const CellSettings& settings);
+
 /// Weights as the cell gives them; empty when it gives none.
 struct GravityModel {
   Joints reference;  ///< pose in which the arm was calibrated, rad

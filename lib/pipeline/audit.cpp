@@ -7,6 +7,9 @@
 #include "motion/line.hpp"
 #include "path/job_planner.hpp"
 #include "pipeline/judge_setup.hpp"
+#include "plan/station.hpp"
+#include "pose/lean_problem.hpp"
+#include "robot/angles.hpp"
 
 namespace millpose {
 namespace {
@@ -14,19 +17,25 @@ namespace {
 constexpr double kTravel = 0.2;    // mm between poses that are looked at for contact
 constexpr double kNearTravel = 2;  // and for clearances
 
-void AuditPoints(const PlanResult& plan, const Mesh& mesh, const AdmissibleBounds& bounds,
+void AuditPoints(const PlanResult& plan, const Mesh& mesh, const PoseProblem& problem,
                  AuditFigures* figures) {
-  const Pose X_PW = plan.X_WP.inverse();
-  for (const PassResult& pass : plan.passes)
+  const AdmissibleBounds& bounds = problem.bounds;
+  // Of a leaning cutter not the tip lies on the surface.
+  const auto on_surface = [&](const MillingPoint& point) {
+    return HasLean(problem) ? ContactOf(problem, point).place : point.position;
+  };
+  for (const PassResult& pass : plan.passes) {
+    const Pose X_PW = PartAt(plan, pass.external).inverse();
     for (const PlannedPoint& point : pass.points) {
       if (point.point.kind == PointKind::kCut && mesh.face_count() > 0)
         figures->max_slice_distance_mm =
-            std::max(figures->max_slice_distance_mm, mesh.Closest(X_PW * point.point.position).distance);
+            std::max(figures->max_slice_distance_mm, mesh.Closest(X_PW * on_surface(point.point)).distance);
       if (point.skip != Obstacle::kNone) continue;
       const bool inside = (point.q.array() >= bounds.lower.array() - 1e-9).all() &&
                           (point.q.array() <= bounds.upper.array() + 1e-9).all();
       if (!inside) ++figures->limit_violations;
     }
+  }
 }
 
 constexpr int kLineParts = 8;  // joint motions for one straight motion of the tool
@@ -37,6 +46,8 @@ struct Step {
   bool cutting;
   double share;  // of the clearances, with which it was planned
   std::string name;
+  const ExternalPosition* external;    // where the external axes stand
+  const ExternalMove* move = nullptr;  // they move, the arm stands still
 };
 
 // A straight motion of the tool as programs run it in cuts.
@@ -57,38 +68,61 @@ std::string NameOf(const GapEnd& end) {
   return end.pass < 0 ? "home" : fmt::format("pass {} piece {}", end.pass, end.piece);
 }
 
-void AddCuts(const Carrier& carrier, const PassResult& pass, size_t& first_number, std::vector<Step>& steps) {
-  for (const Piece& piece : pass.pieces)
-    for (int i = piece.first; i < piece.last; ++i) {
-      const size_t at = static_cast<size_t>(i), number = first_number + at;
-      AddLine(carrier,
-              {pass.points[at].q, pass.points[at + 1].q, true, 1,
-               fmt::format("point {} to {}", number, number + 1)},
-              steps);
-    }
+void AddCuts(const PlanResult& plan, const PassResult& pass, size_t& first_number, std::vector<Step>& steps) {
+  const Carrier carrier{plan.arm, BaseAt(plan, pass.external), plan.X_FT};
+  const auto add = [&](int from, int to) {
+    const Joints& start = pass.points[static_cast<size_t>(from)].q;
+    // A ring's joints have turned by full revolutions when it comes by its first point again.
+    const Joints end = NearestEquivalent(start, pass.points[static_cast<size_t>(to)].q);
+    AddLine(carrier,
+            {start, end, true, 1,
+             fmt::format("point {} to {}", first_number + static_cast<size_t>(from),
+                         first_number + static_cast<size_t>(to)),
+             &pass.external},
+            steps);
+  };
+  for (const Piece& piece : pass.pieces) {
+    for (int i = piece.first; i < piece.last; ++i) add(i, i + 1);
+    if (piece.closed) add(piece.last, piece.first);
+  }
   first_number += pass.points.size();
 }
 
-void AddGap(const Carrier& carrier, const Gap& gap, const std::pair<GapEnd, GapEnd>& ends,
+void AddGap(const PlanResult& plan, const Gap& gap, const std::pair<GapEnd, GapEnd>& ends,
             std::vector<Step>& steps) {
   if (!gap.planned || gap.joints.empty()) return;
   const auto& [from, to] = ends;
   const double share = gap.clearance_share;
   const std::string name = fmt::format("the way from {} to {}", NameOf(from), NameOf(to));
-  if (from.pass >= 0) AddLine(carrier, {from.q, gap.joints.front(), true, share, name}, steps);
-  for (size_t i = 1; i < gap.joints.size(); ++i)
-    steps.push_back({gap.joints[i - 1], gap.joints[i], false, share, name});
-  if (to.pass >= 0) AddLine(carrier, {gap.joints.back(), to.q, true, share, name}, steps);
+  // Positions that live as long as the plan.
+  const auto station = [&](const GapEnd& end) {
+    return end.pass >= 0 ? &plan.passes[static_cast<size_t>(end.pass)].external : nullptr;
+  };
+  const ExternalPosition* here = gap.external     ? &gap.external->from
+                                 : from.pass >= 0 ? station(from)
+                                                  : station(to);
+  const auto carrier = [&] { return Carrier{plan.arm, BaseAt(plan, *here), plan.X_FT}; };
+  const auto move = [&](size_t at) {
+    if (!gap.external || static_cast<size_t>(gap.external->at) != at) return;
+    steps.push_back({gap.joints[at], gap.joints[at], false, 1, name, here, &*gap.external});
+    here = &gap.external->to;
+  };
+  if (from.pass >= 0) AddLine(carrier(), {from.q, gap.joints.front(), true, share, name, here}, steps);
+  move(0);
+  for (size_t i = 1; i < gap.joints.size(); ++i) {
+    steps.push_back({gap.joints[i - 1], gap.joints[i], false, share, name, here});
+    move(i);
+  }
+  if (to.pass >= 0) AddLine(carrier(), {gap.joints.back(), to.q, true, share, name, here}, steps);
 }
 
 std::vector<Step> StepsOf(const PlanResult& plan) {
-  const Carrier carrier{plan.arm, plan.X_WB, plan.X_FT};
   std::vector<Step> steps;
   size_t number = 0;
-  for (const PassResult& pass : plan.passes) AddCuts(carrier, pass, number, steps);
-  const auto ends = GapEnds(plan.home, plan.passes);
+  for (const PassResult& pass : plan.passes) AddCuts(plan, pass, number, steps);
+  const auto ends = GapEnds(HomeOf(plan), plan.passes);
   for (size_t i = 0; i < std::min(plan.gaps.size(), ends.size()); ++i)
-    AddGap(carrier, plan.gaps[i], ends[i], steps);
+    AddGap(plan, plan.gaps[i], ends[i], steps);
   return steps;
 }
 
@@ -113,7 +147,7 @@ void Collect(const std::vector<Step>& steps, const std::vector<Found>& found, Au
       ++figures->interferences;
     }
     for (const audit::Near& near : found[i].near) {
-      if (near.distance <= 0) continue;  // a contact
+      if (near.distance <= 0 && !steps[i].move) continue;  // a contact
       AuditPair& pair = entry(near.first, near.second, steps[i].name);
       ++pair.too_near;
       ++figures->clearance_violations;
@@ -128,16 +162,25 @@ void AuditMotions(const PlanResult& plan, const Cell& cell, double resolution, i
                   std::stop_token stop, AuditFigures* figures) {
   const audit::Setup setup = MakeJudgeSetup(cell);
   std::vector<Step> steps = StepsOf(plan);
-  if (IsCompensated(plan)) std::ranges::move(StepsOf(Commanded(plan)), std::back_inserter(steps));
+  const PlanResult commanded = Commanded(plan);  // which its steps point into
+  if (IsCompensated(plan)) std::ranges::move(StepsOf(commanded), std::back_inserter(steps));
   std::vector<Found> found(steps.size());
   // A judge has a state of its own: one for each share of the steps.
   const auto parts = static_cast<size_t>(std::max(1, threads));
   ParallelFor(parts, threads, stop, [&](size_t part) {
     audit::Judge judge(setup);
+    ExternalPosition stands;
     for (size_t i = part; i < steps.size(); i += parts) {
       CheckStop(stop);
       const Step& step = steps[i];
       const audit::Angles from = ToJudge(step.from), to = ToJudge(step.to);
+      if (step.move) {
+        found[i].near =
+            judge.Moving(ToJudge(step.move->from), ToJudge(step.move->to), from, resolution, kNearTravel);
+        stands = step.move->to;
+        continue;
+      }
+      if (stands != *step.external) judge.Stand(ToJudge(stands = *step.external));
       found[i].contact = judge.Between(from, to, step.cutting, kTravel);
       found[i].near = judge.TooNear(from, to, step.cutting, step.share, resolution, kNearTravel);
     }
@@ -147,10 +190,10 @@ void AuditMotions(const PlanResult& plan, const Cell& cell, double resolution, i
 
 }  // namespace
 
-AuditFigures Audit(const PlanResult& plan, const Mesh& mesh, const Cell& cell, const AdmissibleBounds& bounds,
+AuditFigures Audit(const PlanResult& plan, const Mesh& mesh, const Cell& cell, const PoseProblem& problem,
                    double resolution, int threads, std::stop_token stop) {
   AuditFigures figures;
-  AuditPoints(plan, mesh, bounds, &figures);
+  AuditPoints(plan, mesh, problem, &figures);
   AuditMotions(plan, cell, resolution, threads, std::move(stop), &figures);
   return figures;
 }

@@ -18,7 +18,7 @@ namespace millpose {
 /// shares nothing with the checker that the plan was made with; each motion is held to the share of the
 /// clearances that the plan states for it, less `resolution` (mm), what a motion between two points may miss
 /// of them.
-AuditFigures Audit(const PlanResult& plan, const Mesh& mesh, const Cell& cell, const AdmissibleBounds& bounds,
+AuditFigures Audit(const PlanResult& plan, const Mesh& mesh, const Cell& cell, const PoseProblem& problem,
                    double resolution, int threads, std::stop_token stop);
 
 /// What of it is wrong, one sentence each; empty when all is well.

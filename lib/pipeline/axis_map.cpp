@@ -97,11 +97,10 @@ BeyondLimit FarthestBeyond(const AdmissibleBounds& bounds, const Joints& q) {
   return farthest;
 }
 
-AxisMap MakeAxisMap(const PlanResult& plan, const PoseProblem& problem,
-                    const std::vector<PointCurves>& curves, const World* world, int threads,
-                    std::stop_token stop) {
+AxisMap MakeAxisMap(const PlanResult& plan, const Stations& stations, const std::vector<PointCurves>& curves,
+                    bool full, int threads, std::stop_token stop) {
   AxisMap map;
-  map.full = world != nullptr;
+  map.full = full;
   std::map<std::string, int> numbers;
   const std::vector<std::vector<int>> of_pass = NumberPairs(plan, numbers, map.pairs);
   const RotationGrid grid = CurveGrid();
@@ -113,10 +112,11 @@ AxisMap MakeAxisMap(const PlanResult& plan, const PoseProblem& problem,
   ParallelFor(curves.size(), threads, stop, [&](size_t k) {
     const PassResult& pass = plan.passes[static_cast<size_t>(curves[k].pass)];
     const PlannedPoint& point = pass.points[static_cast<size_t>(curves[k].point)];
+    const auto& [world, problem] = stations.At(pass.external);
     std::vector<Candidate> candidates(8 * rotations.size());
     PointScorer(problem, point.point, pass.rotation_reference).Score(rotations, candidates);
     map.zones[k] = ZonesOf(problem, point, candidates, of_pass[static_cast<size_t>(curves[k].pass)]);
-    if (world) checked[k] = CheckRest(*world, rotations, candidates, map.zones[k]);
+    if (full) checked[k] = CheckRest(world, rotations, candidates, map.zones[k]);
   });
   // Pairs get their numbers in the order of the points, whichever thread found them.
   for (size_t k = 0; k < checked.size(); ++k) {
@@ -126,7 +126,7 @@ AxisMap MakeAxisMap(const PlanResult& plan, const PoseProblem& problem,
         continue;
       }
       const auto [known, added] =
-          numbers.try_emplace(world->PairName(pair), static_cast<int>(map.pairs.size()));
+          numbers.try_emplace(stations.world().PairName(pair), static_cast<int>(map.pairs.size()));
       if (added) map.pairs.push_back(known->first);
       map.zones[k][at] = ZoneOfPair(known->second);
     }

@@ -3,18 +3,17 @@
 
 #include <stop_token>
 
-#include "cell/world.hpp"
+#include "path/stations.hpp"
 #include "pose/scorer.hpp"
 #include "report/html.hpp"
 
 namespace millpose {
 
 /// What bars the poses of the points of `curves`, on the rotations of CurveGrid, all branches: limits,
-/// singularities and reach are computed anew, interference is what the plan learned of it. With `world` what
+/// singularities and reach are computed anew, interference is what the plan learned of it. With `full` what
 /// it never looked at is checked too. The same for any number of threads.
-AxisMap MakeAxisMap(const PlanResult& plan, const PoseProblem& problem,
-                    const std::vector<PointCurves>& curves, const World* world, int threads,
-                    std::stop_token stop);
+AxisMap MakeAxisMap(const PlanResult& plan, const Stations& stations, const std::vector<PointCurves>& curves,
+                    bool full, int threads, std::stop_token stop);
 
 /// The joint that is farthest beyond its limits, 0..5, and by how much, rad: full revolutions are taken off
 /// first.

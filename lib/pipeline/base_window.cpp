@@ -39,10 +39,11 @@ std::string WhatBars(const MotionProgram& planned, const Cell& cell, const Pose&
   shifted.X_WP = cell.X_WP * X_PP;
   const Pose X_TF = planned.X_FT->inverse();
   for (Motion& motion : program.motions) {
+    if (motion.X_BP) motion.X_BP = *motion.X_BP * X_PP;
     if (!motion.status) continue;
     // The controller goes where S and T of the text lead from the shifted pose.
-    const auto q =
-        AnglesAt(cell.arm, program.axes, *program.X_BP * motion.X_PT * X_TF, *motion.status, *motion.turn);
+    const auto q = AnglesAt(cell.arm, program.axes, *FrameOf(program, motion) * motion.X_PT * X_TF,
+                            *motion.status, *motion.turn);
     if (!q) return fmt::format("the start of pass {} is out of reach", motion.pass);
     if ((*q - *motion.q).cwiseAbs().maxCoeff() > kSameTurn)
       return fmt::format("S and T of the start of pass {} lead to another joint position", motion.pass);

@@ -8,6 +8,7 @@
 #include "pipeline/assemble.hpp"
 #include "pipeline/output_folder.hpp"
 #include "pipeline/write_results.hpp"
+#include "plan/station.hpp"
 #include "report/deflection.hpp"
 
 namespace millpose {
@@ -28,10 +29,10 @@ std::vector<FacePlace> FaceOf(const PlanResult& plan, const JobInputs& inputs) {
   std::vector<const PlannedPoint*> points;
   for (const PassResult& pass : plan.passes)
     for (const PlannedPoint& point : pass.points) points.push_back(&point);
-  const Pose X_PW = plan.X_WP.inverse();
   std::vector<FacePlace> face;
   for (const DeflectedPoint& deflected : report.points) {
     const PlannedPoint& point = *points[deflected.number];
+    const Pose X_PW = PartAt(plan, plan.passes[static_cast<size_t>(deflected.pass)].external).inverse();
     if (deflected.pass < finished_from) continue;
     FaceReading predicted;
     predicted.side = deflected.engagement.side;

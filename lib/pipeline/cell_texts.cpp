@@ -108,10 +108,12 @@ std::vector<std::string> AssumedCalls(const CellSettings& cell, const std::strin
   return assumptions;
 }
 
-std::vector<CallWay> PlanCallWays(const World& world, const JobInputs& inputs, const std::string& controller,
-                                  const std::stop_token& stop) {
+std::vector<CallWay> PlanCallWays(const World& at_zero, const JobInputs& inputs,
+                                  const std::string& controller, const std::stop_token& stop) {
   const PostSettings post = SettingsOf(inputs.cell, controller);
   const GapOptions options = MakeGapOptions(inputs.job);
+  const ExternalPosition external = Mechanism(at_zero.cell().external_axes).Home();
+  const World world = external.empty() ? at_zero : at_zero.At(external);
   const Joints& home = world.cell().home;
   const auto way_of = [&](const DeclaredCall& call) {
     // Nobody knows which tool the spindle holds before it is changed.

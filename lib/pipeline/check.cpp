@@ -119,7 +119,7 @@ JobCheck Check(JobInputs& inputs, const CheckJobArguments& arguments, const Exec
   execution.progress.Begin(SurfaceStage(inputs), 0);
   CutStepFiles(
       &inputs, [&](int percent) { execution.progress.Percent(percent); }, execution.stop);
-  const PreparedJob prepared = PrepareJob(inputs, execution);
+  const PreparedJob prepared = PrepareJob(inputs, NoCheckpoints{}, execution);
   JobCheck check;
   // What `plan` warns of, and its findings; how a path was read is none.
   std::vector<std::string> warnings;

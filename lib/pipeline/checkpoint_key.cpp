@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/checkpoint_key.hpp"
 
-#include "base/hash.hpp"
 #include "base/process.hpp"
 #include "pipeline/value_bytes.hpp"
 #include "plan/pass_value.hpp"
@@ -15,20 +14,23 @@ void AppendTo(ValueBytes& bytes, const Objective& objective) {
   bytes.Add(objective.Name(), objective.parameters());
 }
 
+/// Its mesh and place are the cell's workpiece, which is part of every key.
+void AppendTo(ValueBytes& bytes, const LeanSurface& surface) { bytes.Add(surface.tolerance()); }
+
 std::string PassContext(const PoseProblem& problem, const World& world, const PathOptions& options) {
-  return Hash(ValueBytes().Add(ProgramId(), problem, world.cell(), options).bytes());
+  return HashOfValues(ProgramId(), problem, world.cell(), options);
 }
 
 std::string GapContext(const World& world, const GapOptions& options) {
-  return Hash(ValueBytes().Add(ProgramId(), world.cell(), options).bytes());
+  return HashOfValues(ProgramId(), world.cell(), options);
 }
 
 std::string PassKey(const std::string& context, const Pass& pass, size_t number, size_t first_point) {
-  return Hash(ValueBytes().Add(std::string("pass"), context, pass, number, first_point).bytes());
+  return HashOfValues(std::string("pass"), context, pass, number, first_point);
 }
 
 std::string GapKey(const std::string& context, const GapEnd& from, const GapEnd& to) {
-  return Hash(ValueBytes().Add(std::string("gap"), context, from, to).bytes());
+  return HashOfValues(std::string("gap"), context, from, to);
 }
 
 bool IsPlanOf(const PassResult& plan, const Pass& pass, size_t number) {

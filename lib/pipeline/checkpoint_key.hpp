@@ -10,6 +10,11 @@
 
 namespace millpose {
 
+class ValueBytes;
+void AppendTo(ValueBytes& bytes, const Freedom& freedom);
+void AppendTo(ValueBytes& bytes, const Objective& objective);
+void AppendTo(ValueBytes& bytes, const LeanSurface& surface);
+
 /// What all passes of a job are handed besides themselves, or all gaps besides their ends.
 std::string PassContext(const PoseProblem& problem, const World& world, const PathOptions& options);
 std::string GapContext(const World& world, const GapOptions& options);

@@ -35,7 +35,7 @@ std::vector<Line> LinesOf(const PlanResult& plan) {
       for (auto i = static_cast<size_t>(piece.first); i < static_cast<size_t>(piece.last); ++i) add(i, i + 1);
       if (piece.closed) add(static_cast<size_t>(piece.last), static_cast<size_t>(piece.first));
     }
-  const auto ends = GapEnds(plan.home, plan.passes);
+  const auto ends = GapEnds(HomeOf(plan), plan.passes);
   for (size_t g = 0; g < std::min(plan.gaps.size(), ends.size()); ++g) {
     const Gap& gap = plan.gaps[g];
     if (!gap.planned || gap.joints.empty()) continue;
@@ -60,13 +60,14 @@ std::vector<Line> LinesOf(const PlanResult& plan) {
 
 }  // namespace
 
-std::vector<std::string> KeepCommandedFree(const World& world, double resolution, const Execution& execution,
-                                           PlanResult& plan) {
-  const Carrier carrier{plan.arm, plan.X_WB, plan.X_FT};
+std::vector<std::string> KeepCommandedFree(const Stations& stations, double resolution,
+                                           const Execution& execution, PlanResult& plan) {
   const std::vector<Line> lines = LinesOf(plan);
   std::vector<std::string> found(lines.size());
   ParallelFor(lines.size(), execution.Threads(), execution.stop, [&](size_t i) {
-    Checker checker(world, lines[i].share);
+    const Station& station = stations.At(plan.passes[lines[i].pass].external);
+    const Carrier carrier{plan.arm, station.problem.X_WB, plan.X_FT};
+    Checker checker(station.world, lines[i].share);
     if (const auto problem = CheckCut(checker, carrier, lines[i].from,
                                       NearestEquivalent(lines[i].from, lines[i].to), resolution))
       found[i] = Describe(checker, *problem);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/execution.hpp"
-#include "cell/world.hpp"
+#include "path/stations.hpp"
 #include "plan/plan_result.hpp"
 
 namespace millpose {
@@ -13,7 +13,7 @@ namespace millpose {
 /// Checks the straight motions between a plan's commanded poses, and those to and from the retracts, for
 /// interference as cuts are checked. A piece in which one is not free runs at its nominal poses; what was in
 /// the way is returned, one sentence a piece. Throws Interrupted.
-std::vector<std::string> KeepCommandedFree(const World& world, double swept_resolution,
+std::vector<std::string> KeepCommandedFree(const Stations& stations, double swept_resolution,
                                            const Execution& execution, PlanResult& plan);
 
 }  // namespace millpose

@@ -42,9 +42,28 @@ void CheckWeight(const JobSettings& job, const CellSettings& cell, std::vector<P
 
 }  // namespace
 
+namespace {
+
+// Weight is known in the base's frame, whose tilt must then be that of the cell.
+void CheckTilt(const JobSettings& job, const CellSettings& cell, std::vector<Problem>& problems) {
+  constexpr double kUpright = 1e-9;
+  if (!job.compensation.weight) return;
+  for (const ExternalAxis& axis : cell.external_axes)
+    if (axis.kind == AxisKind::kRotary && axis.carries == Carries::kRobot &&
+        axis.direction.head<2>().norm() > kUpright)
+      problems.push_back(
+          {{job.file},
+           fmt::format("compensation.weight: given true; external axis {} of cell {} tilts the "
+                       "robot, so that its weight bends it another way at every station",
+                       axis.name, cell.name)});
+}
+
+}  // namespace
+
 std::vector<Problem> CheckCompensation(const JobSettings& job, const CellSettings& cell) {
   std::vector<Problem> problems;
   CheckWeight(job, cell, problems);
+  CheckTilt(job, cell, problems);
   const bool on = job.compensation.deflection != TakeOut::kOff || job.compensation.weight;
   if (on && cell.stiffness_at != StiffnessOrigin::kToolTip)
     problems.push_back({{job.file},
@@ -89,7 +108,7 @@ std::vector<std::vector<double>> FeedsOf(const PlanResult& plan) {
   return feeds;
 }
 
-CompensationNotes CompensateJob(const JobInputs& inputs, const World& world,
+CompensationNotes CompensateJob(const JobInputs& inputs, const Stations& stations,
                                 const std::vector<std::vector<double>>& planned_feeds,
                                 const Execution& execution, PlanResult& plan) {
   const CompensationOptions options = MakeCompensationOptions(inputs.job, inputs.cell);
@@ -102,7 +121,7 @@ CompensationNotes CompensateJob(const JobInputs& inputs, const World& world,
   const CompensationCounts counts = Compensate(options, forces, plan);
   CompensationNotes notes;
   execution.progress.Begin("compensation", 0);
-  notes.findings = KeepCommandedFree(world, inputs.job.swept_resolution, execution, plan);
+  notes.findings = KeepCommandedFree(stations, inputs.job.swept_resolution, execution, plan);
   notes.remains = MedianRemains(options, plan);
   execution.progress.End(fmt::format("{} points shifted", counts.shifted));
   if (counts.cut > 0)

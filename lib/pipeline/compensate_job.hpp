@@ -3,8 +3,8 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "cell/world.hpp"
 #include "compensation/compensate.hpp"
+#include "path/stations.hpp"
 #include "pipeline/inputs.hpp"
 
 namespace millpose {
@@ -24,7 +24,7 @@ struct CompensationNotes {
 /// that the forces were worked out for, mm/s. The straight motions between commanded poses, and those to and
 /// from them, are checked as cuts are; a piece in which one is not free runs at its nominal poses and is a
 /// finding. Throws InputError for measured forces that are not those of this plan's points; Interrupted.
-CompensationNotes CompensateJob(const JobInputs& inputs, const World& world,
+CompensationNotes CompensateJob(const JobInputs& inputs, const Stations& stations,
                                 const std::vector<std::vector<double>>& planned_feeds,
                                 const Execution& execution, PlanResult& plan);
 

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "path/stations.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/axis_map.hpp"
 #include "pipeline/make_programs.hpp"
@@ -10,6 +11,7 @@
 #include "pipeline/write_results.hpp"
 #include "plan/verdict_map.hpp"
 #include "report/html_columns.hpp"
+#include "toolpath/lean_law.hpp"
 
 namespace millpose {
 namespace {
@@ -170,9 +172,14 @@ PoseReason ExplainPose(const PlanResult& plan, const PoseProblem& problem, size_
     reason.barred = pass.pairs.at(static_cast<size_t>(point.barred));
     reason.beyond = BeyondTouch(point);
   }
+  const bool leans = point.freedoms.size() > 1;
+  if (leans) {
+    const Leans lean = LeansOf(point.point.tool_axis, point.point.normal, point.point.feed);
+    reason.lean = std::array{lean.lead, lean.tilt};
+  }
   reason.forbidden = Forbidden(problem, pass, number);
   if (reason.forbidden) reason.forbidden->pose.objective *= scale;
-  if (point.free_branch == point.branch) reason.stretch = StretchOf(problem, pass, number);
+  if (point.free_branch == point.branch && !leans) reason.stretch = StretchOf(problem, pass, number);
   return reason;
 }
 
@@ -181,13 +188,15 @@ PointStory TellPoint(const std::filesystem::path& folder, size_t number) {
   CellSettings cell = ParseCell(ReadFile(folder / "cell.yaml"), (folder / "cell.yaml").string());
   SelectTool(job.tool, &cell);
   cell.bodies.clear();  // the objective knows no bodies
-  const PoseProblem problem = MakePoseProblem(job, cell, MakeCell(cell, {}));
+  const Cell bare = MakeCell(cell, {});
+  const Stations stations(World(bare), MakePoseProblem(job, cell, bare));
   const PlanResult plan = ParsePlanResult(ReadFile(folder / kPlanFile), (folder / kPlanFile).string());
   size_t pass = 0, point = number;
   while (pass < plan.passes.size() && point >= plan.passes[pass].points.size())
     point -= plan.passes[pass++].points.size();
   if (pass == plan.passes.size())
     throw InputError({(folder / kPlanFile).string()}, fmt::format("holds no point {}", number));
+  const PoseProblem& problem = stations.At(plan.passes[pass].external).problem;
   PointStory story;
   const std::vector<Candidate> candidates = Candidates(problem, plan.passes[pass], point);
   for (size_t i = 0; i < candidates.size(); ++i)

@@ -40,14 +40,17 @@ PointReach ReachOf(const PoseProblem& problem, const MillingPoint& point, const 
 }  // namespace
 
 std::vector<PointReach> FindReach(const PreparedJob& prepared, double step, const Execution& execution) {
-  std::vector<std::pair<const Pass*, const MillingPoint*>> points;
-  for (const Pass& pass : prepared.toolpath.passes)
-    for (const MillingPoint& point : pass.points) points.emplace_back(&pass, &point);
+  std::vector<std::pair<size_t, const MillingPoint*>> points;
+  const std::vector<Pass>& passes = prepared.toolpath.passes;
+  for (size_t p = 0; p < passes.size(); ++p)
+    for (const MillingPoint& point : passes[p].points) points.emplace_back(p, &point);
   std::vector<PointReach> reach(points.size());
+  const Stations stations = prepared.stations.AtOwnAxis();
   execution.progress.Begin("reach", points.size());
   ParallelFor(points.size(), execution.Threads(), execution.stop, [&](size_t i) {
     const auto& [pass, point] = points[i];
-    reach[i] = ReachOf(prepared.problem, *point, pass->rotation_reference, step);
+    reach[i] =
+        ReachOf(stations.At(prepared.external[pass]).problem, *point, passes[pass].rotation_reference, step);
     execution.progress.Advance(1);
   });
   const auto within = std::ranges::count(reach, Obstacle::kNone, &PointReach::best);

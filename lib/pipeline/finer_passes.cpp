@@ -2,8 +2,10 @@
 #include "pipeline/finer_passes.hpp"
 
 #include "path/large_steps.hpp"
+#include "path/nominal_plan.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/job_engagement.hpp"
+#include "pipeline/kept_stage.hpp"
 #include "pipeline/plan_passes.hpp"
 #include "plan/pass_value.hpp"
 #include "toolpath/pass_variants.hpp"
@@ -38,20 +40,20 @@ bool CouldGain(const Pass& laid, const PassResult& pass) {
   return HasUnjoined(pass) || (!laid.closed && (pass.pieces.size() > 1 || PriceOf(pass) > kNoPrice));
 }
 
-/// The tool path in W, every step of the passes that `open` names cut into `parts`.
-Toolpath LaidInParts(const JobInputs& inputs, const PreparedJob& prepared, int parts,
-                     const std::vector<char>& open, const Execution& execution) {
-  const Mesh& mesh = prepared.surface.mesh;
-  JobToolpath made = MakeJobToolpath(inputs, mesh, execution.stop, parts), checked;
-  Toolpath whole = prepared.made.toolpath;
-  if (made.toolpath.passes.size() != open.size()) return PlacedToolpath(inputs, whole, prepared.cell.X_WP);
+/// The tool path in P, every step of the passes that `open` names cut into `parts`.
+Toolpath LayInParts(const LayingInputs& laying, const Toolpath& laid, int parts,
+                    const std::vector<char>& open, const Execution& execution) {
+  const JobInputs& inputs = laying.inputs;
+  JobToolpath made = MakeJobToolpath(inputs, laying.mesh, execution.stop, parts), checked;
+  Toolpath whole = laid;
+  if (made.toolpath.passes.size() != open.size()) return whole;
   for (size_t i = 0; i < open.size(); ++i)
     if (open[i] != 0) checked.toolpath.passes.push_back(std::move(made.toolpath.passes[i]));
-  CheckJobGouges(inputs, mesh, execution.Threads(), checked, execution.stop);
+  CheckJobGouges(inputs, laying.mesh, execution.Threads(), checked, execution.stop);
   for (size_t i = 0, k = 0; i < open.size(); ++i)
     if (open[i] != 0) whole.passes[i] = std::move(checked.toolpath.passes[k++]);
-  SetEngagementOf(open, inputs, mesh, execution, whole);
-  return PlacedToolpath(inputs, whole, prepared.cell.X_WP);
+  SetEngagementOf(open, inputs, laying.mesh, execution, whole);
+  return whole;
 }
 
 }  // namespace
@@ -60,10 +62,10 @@ void PlanFiner(const JobInputs& inputs, PreparedJob& prepared, const CheckpointS
                const std::function<bool(size_t)>& wanted, const Execution& execution,
                std::vector<PassResult>& passes) {
   if (!inputs.job.toolpath.strategy->File().empty()) return;
-  const Carrier carrier{prepared.cell.arm, prepared.cell.X_WB, prepared.cell.X_FT};
   const PathOptions options = MakePathOptions(inputs.job);
   // Against a bound per step more points help in the end, even if twice as many do not.
   const bool steps_bounded = std::isfinite(options.steps.most.minCoeff());
+  const auto value = [&](const PassResult& pass) { return ValueOf(AtNominalLean(prepared.problem, pass)); };
   Toolpath tried = prepared.toolpath;
   std::vector<PassResult> plans = passes;  // of what was tried last
   std::vector<char> open(passes.size(), 0);
@@ -74,23 +76,31 @@ void PlanFiner(const JobInputs& inputs, PreparedJob& prepared, const CheckpointS
     size_t points = 0;
     for (size_t i = 0; i < passes.size(); ++i) {
       if (open[i] == 0) continue;
-      large[i] = LargeSteps(carrier, tried.passes[i], plans[i], options);
+      const PoseProblem& problem = prepared.stations.At(prepared.external[i]).problem;
+      const Carrier carrier{problem.arm, problem.X_WB, problem.X_FT};
+      large[i] = LargeSteps(carrier, tried.passes[i], AtNominalLean(problem, plans[i]), options);
       open[i] = std::ranges::count(large[i], 1) > 0 ? 1 : 0;
       if (open[i] != 0) points += plans[i].points.size();
     }
     if (points == 0) return;
     execution.progress.Begin("finer passes", points);
-    const Toolpath finer = LaidInParts(inputs, prepared, parts, open, execution);
+    const Toolpath& laid = prepared.made.toolpath;
+    const Toolpath finer =
+        AtStations(inputs,
+                   Kept<Toolpath>(checkpoints, fmt::format("finer-{}", parts),
+                                  StageKey(prepared.laying.key, laid, parts, open),
+                                  [&] { return LayInParts(prepared.laying, laid, parts, open, execution); }),
+                   prepared.stations, prepared.external);
     for (size_t i = 0; i < passes.size(); ++i)
       if (open[i] != 0) tried.passes[i] = WithPointsBetween(tried.passes[i], finer.passes[i], large[i]);
     PlannedPasses again = PlanPasses(
-        prepared.problem, prepared.world, tried, options, checkpoints, [&](size_t i) { return open[i] != 0; },
-        execution);
+        prepared.stations, prepared.external, tried, options, checkpoints,
+        [&](size_t i) { return open[i] != 0; }, execution);
     size_t kept = 0, inserted = 0;
     for (size_t i = 0; i < passes.size(); ++i) {
       if (open[i] == 0) continue;
       plans[i] = std::move(again.passes[i]);
-      const bool better = IsBetter(ValueOf(plans[i]), ValueOf(passes[i]), options.worst_first, kGain);
+      const bool better = IsBetter(value(plans[i]), value(passes[i]), options.worst_first, kGain);
       open[i] = better || (steps_bounded && HasUnjoined(plans[i])) ? 1 : 0;
       if (!better) continue;
       inserted += tried.passes[i].points.size() - prepared.toolpath.passes[i].points.size();

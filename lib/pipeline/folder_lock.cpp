@@ -132,9 +132,8 @@ FolderLock::FolderLock(const fs::path& folder, FileLock::Kind kind) : lock_(fold
   if (outcome == FileLock::Outcome::kBusy) others = HoldersOf(folder, self.file);
   if (outcome == FileLock::Outcome::kNoLocksHere) {
     others = OthersIn(folder, self.file);
-    warning_ = fmt::format(
-        "{}: the file system has no locks: two runs in this folder know of each other by {} alone",
-        folder.string(), self.file.filename().string());
+    warning_ = fmt::format("{}: the file system has no locks: only {} keeps two runs in this folder apart",
+                           folder.string(), self.file.filename().string());
     std::erase_if(others, [&](const Owner& other) { return !other.alone && !self.alone; });
   }
   if (outcome == FileLock::Outcome::kBusy || !others.empty()) {

@@ -8,6 +8,8 @@
 #include "pipeline/cell_texts.hpp"
 #include "pipeline/compensate_job.hpp"
 #include "pipeline/exclude_pairs.hpp"
+#include "pipeline/external_positions.hpp"
+#include "pipeline/lean_freedoms.hpp"
 #include "pipeline/locate.hpp"
 #include "pipeline/origin.hpp"
 #include "pipeline/resolve_urdf.hpp"
@@ -40,9 +42,10 @@ void CheckLinks(const CellSettings& cell, std::vector<Problem>& problems) {
     if (!named && !has_body)
       problems.push_back(
           {{cell.file, cell.bodies_line},
-           fmt::format("bodies: {0} has no body and would never be seen to touch; add one with mount: "
-                       "{0}, or name it in interference.unchecked_links",
-                       mount)});
+           fmt::format(
+               "bodies: {0} has no body, so its interference would never be found; add one with mount: "
+               "{0}, or name it in interference.unchecked_links",
+               mount)});
   }
 }
 
@@ -136,6 +139,8 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
   if (const std::string file = inputs.job.toolpath.strategy->File(); !file.empty())
     Collect(problems, [&] { inputs.path_bytes = root.Read(folder / file); });
   if (problems.empty()) CheckCutter(inputs, problems);
+  if (problems.empty()) CheckLeanRanges(inputs, problems);
+  if (problems.empty()) problems = CheckExternal(inputs.job, inputs.cell);
   if (problems.empty()) problems = CheckCompensation(inputs.job, inputs.cell);
   if (!problems.empty()) throw Located(InputError(std::move(problems)), inputs);
   inputs.hash = HashOf(inputs);

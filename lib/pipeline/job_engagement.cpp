@@ -6,7 +6,9 @@
 #include "cutting/engagement.hpp"
 #include "cutting/entries.hpp"
 #include "pipeline/assemble.hpp"
+#include "pipeline/lean_freedoms.hpp"
 #include "plan/skipped.hpp"
+#include "plan/station.hpp"
 #include "stiffness/cutting_material.hpp"
 #include "surface/mesh_import.hpp"
 #include "toolpath/make_toolpath.hpp"
@@ -118,7 +120,7 @@ class CuttingReader {
       if (job_.workpiece.stock_file.empty())
         Add("process.stock: given mesh; the job needs workpiece.stock.mesh");
     } else if (!job_.toolpath.strategy->File().empty() || mesh_.face_count() == 0) {
-      Add("process.cutting: what a CAM path finds standing is not known; give process.stock: mesh with "
+      Add("process.cutting: what material a CAM path finds is not known; give process.stock: mesh with "
           "workpiece.stock, or process.cutting.side and width_mm");
     }
   }
@@ -169,17 +171,18 @@ void SetEngagementOf(const std::vector<char>& of, const JobInputs& inputs, const
 namespace {
 
 /// The passes of a plan as they mill, in P. `skipped`: what is not cut takes nothing off, else all is cut.
-Toolpath Milled(const PlanResult& plan, bool skipped) {
+Toolpath Milled(const JobInputs& inputs, const PlanResult& plan, bool skipped) {
   Toolpath milled;
   for (const PassResult& pass : plan.passes) {
     Pass& own = milled.passes.emplace_back();
     for (const PlannedPoint& planned : pass.points) {
-      own.points.push_back(planned.point);
+      own.points.push_back(AsLaid(inputs, planned.point));
       own.points.back().gouge = skipped && planned.skip != Obstacle::kNone ? 1 : 0;
     }
     own.closed = pass.pieces.size() == 1 && pass.pieces.front().closed;
+    Transform(PartAt(plan, pass.external).inverse(), own);
   }
-  return Transformed(milled, plan.X_WP.inverse());
+  return milled;
 }
 
 size_t CountSkipped(const PlanResult& plan) {
@@ -223,9 +226,8 @@ class MissingMaterial {
     }
     if (!worst) return "";
     return fmt::format(
-        "the cut would be {:.2f} mm wide and {:.2f} mm deep beside what {} leaves standing, the job's own "
-        "are "
-        "at most {:.2f} and {:.2f} mm (path.over_missing: leave_out)",
+        "the cut would be {:.2f} mm wide and {:.2f} mm deep next to the material that {} leaves; the job's "
+        "own cuts are at most {:.2f} and {:.2f} mm (path.over_missing: leave_out)",
         worst->engagement.width, worst->engagement.depth, NearestMissing(worst->position), largest_.width,
         largest_.depth);
   }
@@ -259,12 +261,12 @@ size_t LeaveOverMissing(const JobInputs& inputs, const Mesh& mesh, int threads, 
     return 0;
   if (CountSkipped(plan) == 0) return 0;
   const EngagementOptions options = CuttingReader(inputs, mesh).Read();
-  Toolpath whole = Milled(plan, false);
+  Toolpath whole = Milled(inputs, plan, false);
   SetEngagement(options, threads, stop, whole);
   const Largest largest(whole);
   size_t left_out = 0;
   for (;;) {
-    Toolpath now = Milled(plan, true);
+    Toolpath now = Milled(inputs, plan, true);
     SetEngagement(options, threads, stop, now);
     const MissingMaterial missing(plan, now, largest);
     std::vector<std::tuple<size_t, int, std::string>> pieces;
@@ -286,9 +288,10 @@ std::string CountWhatIsLeft(const JobInputs& inputs, const Mesh& mesh, int threa
   if (!inputs.job.cutting) return "";
   const size_t skipped = CountSkipped(plan);
   if (skipped == 0) return "";
-  Toolpath milled = Milled(plan, true);
+  Toolpath milled = Milled(inputs, plan, true);
   SetEngagement(CuttingReader(inputs, mesh).Read(), threads, stop, milled);
-  milled = Transformed(milled, plan.X_WP);
+  for (size_t p = 0; p < plan.passes.size(); ++p)
+    Transform(PartAt(plan, plan.passes[p].external), milled.passes[p]);
   size_t more = 0, over = 0;
   double most = 0;
   for (size_t p = 0; p < plan.passes.size(); ++p)
@@ -304,12 +307,12 @@ std::string CountWhatIsLeft(const JobInputs& inputs, const Mesh& mesh, int threa
   std::string text;
   if (over > 0)
     text = fmt::format(
-        "{} points leave material standing, {} more are left out because the cutter would meet it there "
+        "{} points leave material, {} more are left out because the cutter would meet it there "
         "(path.over_missing); mill the former first, whatever is to be milled later",
         skipped - over, over);
   if (more == 0) return text;
   return fmt::format(
-      "{}{} points are skipped, and what they leave standing is cut at {} others, where the mean "
+      "{}{} points are skipped, and the material that they leave is cut at {} others, where the mean "
       "force is more than 20 % above the one that poses were chosen for (up to {:.0f} N); see "
       "deflection.csv",
       text.empty() ? "" : text + "; ", skipped, more, most);
@@ -330,15 +333,14 @@ std::string EntriesOnMaterial(const JobInputs& inputs, const Mesh& mesh, const P
     number += pass.points.size();
   }
   const std::vector<char> meets =
-      MeetsMaterial(CuttingReader(inputs, mesh).Read(), Milled(plan, true), entries);
+      MeetsMaterial(CuttingReader(inputs, mesh).Read(), Milled(inputs, plan, true), entries);
   const auto count = std::ranges::count(meets, 1);
   if (count == 0) return "";
   const auto worst = static_cast<size_t>(std::ranges::find(meets, 1) - meets.begin());
   return fmt::format(
       "the tool comes straight down on material at {} of {} entries, first at point {} (pass {}), and "
       "tool.cutter does not say centre_cutting: enter along the pass (toolpath.ends.lead: along) or from "
-      "beside "
-      "the part (toolpath.ends.overrun_mm)",
+      "outside the part (toolpath.ends.overrun_mm)",
       count, entries.size(), entries[worst], passes[worst]);
 }
 

@@ -2,6 +2,8 @@
 #include "pipeline/judge_optima.hpp"
 
 #include "base/parallel.hpp"
+#include "base/units.hpp"
+#include "pose/lean_problem.hpp"
 
 namespace millpose {
 namespace {
@@ -18,13 +20,22 @@ struct JudgedPoint {
 /// counts as missed altogether.
 double GapOf(double found, double optimum) { return found > 0 ? found / optimum - 1 : 1; }
 
+/// The judge's optimum; with leans its grid is coarser, and what it finds is brought down to the nearest
+/// local one.
+PointOptimum Judge(const PointScorer& scorer, double step) {
+  constexpr double kWithLeans = 1 * kRadPerDeg;
+  if (!HasLean(scorer.problem())) return ExhaustiveSearch(scorer, step);
+  const PointOptimum best = ExhaustiveSearch(scorer, std::max(step, kWithLeans));
+  return best.found ? Descend(scorer, best) : best;
+}
+
 double Percent(long long part, long long all) {
   return all > 0 ? 100 * static_cast<double>(part) / static_cast<double>(all) : 0;
 }
 
 }  // namespace
 
-void JudgeOptima(const PoseProblem& problem, const GeneticOptions& genetic, double step,
+void JudgeOptima(const Stations& stations, const GeneticOptions& genetic, double step,
                  const Execution& execution, PlanResult& plan, AuditFigures& figures) {
   GeneticOptions without = genetic;
   without.table = 0;
@@ -39,8 +50,9 @@ void JudgeOptima(const PoseProblem& problem, const GeneticOptions& genetic, doub
     JudgedPoint& judged_point = judged_points[i];
     PlannedPoint& point = *judged_point.point;
     if (point.point.gouge > 0) return;
+    const PoseProblem& problem = stations.At(judged_point.pass->external).problem;
     const PointScorer scorer(problem, point.point, judged_point.pass->rotation_reference);
-    const PointOptimum judge = ExhaustiveSearch(scorer, step);
+    const PointOptimum judge = Judge(scorer, step);
     point.exhaustive_optimum = judge.found ? judge.objective : 0;
     if (paper) return;  // its individuals are joint angles: there is no table
     const PointOptimum alone = GeneticSearch(scorer, problem, without, RandomStream(plan.seed, i));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/execution.hpp"
+#include "path/stations.hpp"
 #include "plan/plan_result.hpp"
 #include "pose/search.hpp"
 #include "report/report.hpp"
@@ -11,7 +12,7 @@ namespace millpose {
 /// Looks for every point's own optimum exhaustively, on a grid of `step` (rad), and notes it as
 /// `exhaustive_optimum`; says how near the plan's genetic algorithm came, and how near it comes when it
 /// starts without a table. Fills the `ga_` figures. Points that the cutter would gouge at are left out.
-void JudgeOptima(const PoseProblem& problem, const GeneticOptions& genetic, double step,
+void JudgeOptima(const Stations& stations, const GeneticOptions& genetic, double step,
                  const Execution& execution, PlanResult& plan, AuditFigures& figures);
 
 }  // namespace millpose

@@ -51,12 +51,12 @@ void AddCutter(const Body& body, const Cell& cell, std::vector<audit::Body>& bod
   }
 }
 
-void AddBody(const Body& body, const Cell& cell, std::vector<audit::Body>& bodies) {
+void AddBody(const Body& body, const Cell& cell, audit::Setup& setup) {
   const bool turned =
       std::holds_alternative<Cylinder>(body.shape) || std::holds_alternative<Cone>(body.shape);
   if (body.body_class == BodyClass::kCutter && turned && body.X_MG.linear().isIdentity(0) &&
       body.X_MG.translation().head<2>().isZero(0))
-    return AddCutter(body, cell, bodies);
+    return AddCutter(body, cell, setup.bodies);
   audit::Body added;
   added.name = body.name;
   added.kind = WordOf(kBodyClassWords, body.body_class);
@@ -71,9 +71,23 @@ void AddBody(const Body& body, const Cell& cell, std::vector<audit::Body>& bodie
     X = cell.X_FT * X;
   } else if (body.mount == Mount::kWorkpiece) {
     X = cell.X_WP * X;
+    added.carrier = audit::LastCarrier(setup, false);
+  } else if (body.mount == Mount::kCarriage) {
+    added.carrier = body.axis;
+    added.guided = true;
   }
   added.X_LG = ToJudge(X);
-  bodies.push_back(std::move(added));
+  setup.bodies.push_back(std::move(added));
+}
+
+void AddAxis(const ExternalAxis& axis, audit::Setup& setup) {
+  audit::ExternalAxis added;
+  added.rotary = axis.kind == AxisKind::kRotary;
+  added.carries_robot = axis.carries == Carries::kRobot;
+  added.direction = axis.direction.cast<audit::Real>();
+  added.origin = axis.origin.cast<audit::Real>();
+  added.compliance = axis.compliance.value_or(0);
+  setup.axes.push_back(added);
 }
 
 }  // namespace
@@ -82,6 +96,10 @@ audit::Angles ToJudge(const Joints& q) {
   audit::Angles angles;
   for (size_t i = 0; i < 6; ++i) angles[i] = q[static_cast<Eigen::Index>(i)];
   return angles;
+}
+
+std::vector<audit::Real> ToJudge(const ExternalPosition& position) {
+  return {position.begin(), position.end()};
 }
 
 audit::Setup MakeJudgeSetup(const Cell& cell) {
@@ -102,7 +120,8 @@ audit::Setup MakeJudgeSetup(const Cell& cell) {
   setup.clearance_free = cell.clearances.free;
   setup.clearance_cutting = cell.clearances.cutting;
   setup.allowance = cell.allowance;
-  for (const Body& body : cell.bodies) AddBody(body, cell, setup.bodies);
+  for (const ExternalAxis& axis : cell.external_axes) AddAxis(axis, setup);
+  for (const Body& body : cell.bodies) AddBody(body, cell, setup);
   return setup;
 }
 

@@ -11,5 +11,6 @@ namespace millpose {
 audit::Setup MakeJudgeSetup(const Cell& cell);
 
 audit::Angles ToJudge(const Joints& q);
+std::vector<audit::Real> ToJudge(const ExternalPosition& position);
 
 }  // namespace millpose

@@ -109,6 +109,7 @@ Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::str
   Cell cell;
   cell.name = settings.name;
   cell.arm = MakeArm(settings.arm);
+  cell.external_axes.assign(settings.external_axes.begin(), settings.external_axes.end());
   cell.X_WB = MakePose(settings.base_in_world);
   cell.X_FT = MakeToolPose(settings.tool);
   cell.home = settings.home;
@@ -122,6 +123,8 @@ Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::str
     body.body_class = body_settings.body_class;
     body.mount = body_settings.mount.mount;
     body.link = body_settings.mount.link;
+    const auto axis = std::ranges::find(cell.external_axes, body_settings.axis, &ExternalAxis::name);
+    if (body.mount == Mount::kCarriage) body.axis = static_cast<int>(axis - cell.external_axes.begin());
     body.X_MG = MakePose(body_settings.pose);
     body.shape = MakeShape(body_settings.shape, body_bytes);
     cell.bodies.push_back(std::move(body));

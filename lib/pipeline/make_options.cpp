@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.hpp"
 #include "pipeline/assemble.hpp"
+#include "program/external_axes.hpp"
 
 namespace millpose {
 
@@ -136,6 +137,7 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
   static_cast<PostOptions&>(post) = options.shared;
   post.X_FT = MakeToolPose(cell.tool);
   post.X_WB = MakePose(cell.base_in_world);
+  post.mechanism = Mechanism(std::vector<ExternalAxis>(cell.external_axes.begin(), cell.external_axes.end()));
   post.tool_name = cell.tool.name;
   post.tool_number = cell.tool.number;
   post.several_tools = cell.tools.size() > 1;
@@ -145,6 +147,8 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
   post.tolerance = WrittenTolerance({job.program_options.path_tolerance, job.program_options.path_angle});
   post.blend = options.post->Blend(post.tolerance, job.toolpath.chord_tolerance);
   post.orientation_blend = post.tolerance.angle;
+  if (const std::string refusal = WhyNotWithAxes(post, controller); !refusal.empty())
+    throw InputError(Place{cell.file, post.controller_axes_line}, refusal);
   if (const std::string refusal = options.post->WhyNotIn(post); !refusal.empty())
     throw InputError(Place{cell.file}, refusal);
   return post;

@@ -3,12 +3,12 @@
 
 #include "base/error.hpp"
 #include "pipeline/assemble.hpp"
-#include "pipeline/base_window.hpp"
 #include "pipeline/cell_texts.hpp"
 #include "pipeline/check_program.hpp"
 #include "pipeline/program_motions.hpp"
 #include "pipeline/program_warnings.hpp"
 #include "plan/skipped.hpp"
+#include "program/external_axes.hpp"
 #include "verify/causes.hpp"
 
 namespace millpose {
@@ -16,6 +16,11 @@ namespace millpose {
 void CompleteFrames(MotionProgram& program, const MotionProgram& planned) {
   if (!program.X_BP) program.X_BP = planned.X_BP;
   if (!program.X_FT) program.X_FT = planned.X_FT;
+}
+
+void NameInputs(const std::string& hash, MotionProgram& program) {
+  for (auto& [key, value] : program.header)
+    if (key == "inputs") value = hash;
 }
 
 std::string CheckedProgram::WhyWithheld() const {
@@ -41,57 +46,52 @@ std::string WhatIsLeftOut(const PlanResult& plan) {
 
 }  // namespace
 
-JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
-                         const std::vector<std::string>& not_machined, const World& world,
-                         std::optional<double> trajectory, int threads, std::stop_token stop) {
-  if (!WhyNotProgrammable(plan).empty()) return {};
-  const VerifyOptions options = MakeVerifyOptions(inputs.job, plan.arm);
-  JobPrograms made{{}, FindBaseWindow(plan, inputs, world.cell(), threads, stop)};
-  const std::string left_out = WhatIsLeftOut(plan);
-  for (const std::string& controller : inputs.job.programs) {
-    const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
-    const PostPointer& post = inputs.cell.controllers.at(controller).post;
-    CheckedProgram program;
-    program.controller = controller;
-    std::vector<CallWay> calls;
-    try {
-      calls = PlanCallWays(world, inputs, controller, stop);
-    } catch (const InputError& error) {
-      program.findings.push_back({"", 0, error.problems().front().message, Cause::kText});
-      made.programs.push_back(std::move(program));
-      continue;
-    }
-    ProgramMotions motions = MakeProgramMotions(plan, inputs, controller, made.base_window, calls);
-    motions.written.header.emplace_back("cycle_time", TimeText(motions.time.all) + " h:min:s, as replayed");
-    for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
-    if (!left_out.empty()) motions.written.header.emplace_back("INCOMPLETE", left_out);
-    program.saved = motions.saved;
-    program.near = motions.near;
-    program.warnings = motions.warnings;
-    program.time = motions.time;
-    if (trajectory)
-      program.trajectory = TrajectoryCsv(motions.written, plan.arm, plan.X_WB, post->ExternalAxes(),
-                                         post->Times(), *trajectory);
-    program.files = post->Write(motions.written, plan.arm, settings);
-    program.speed = EstimatePathSpeed(motions.written, controller, post->Dynamics(settings));
-    for (const std::string& warning :
-         {SpeedWarning(*program.speed), MemoryWarning(program.files, post->Memory())})
-      if (!warning.empty()) program.warnings.push_back(warning);
-    for (const Motion& motion : motions.written.motions) program.pass_of_motion.push_back(motion.pass);
-    try {
-      MotionProgram back = post->Read(program.files, plan.arm, settings);
-      CompleteFrames(back, motions.planned);
-      ProgramCheck check = CheckProgram(back, motions, plan, world, options, threads, stop);
-      program.findings = std::move(check.findings);
-      program.under_load = check.under_load;
-    } catch (
-        const InputError& error) {  // our own program must be readable: a finding, not the user's mistake
-      for (const Problem& problem : error.problems())
-        program.findings.push_back({problem.place.file, problem.place.line, problem.message, Cause::kText});
-    }
-    made.programs.push_back(std::move(program));
+CheckedProgram MakeProgram(const PlanResult& plan, const JobInputs& inputs,
+                           const std::vector<std::string>& not_machined, const World& world,
+                           const std::optional<BaseWindow>& window, int threads, std::stop_token stop) {
+  const std::string& controller = inputs.job.programs.front();
+  const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
+  const PostPointer& post = inputs.cell.controllers.at(controller).post;
+  CheckedProgram program;
+  program.controller = controller;
+  std::vector<CallWay> calls;
+  try {
+    calls = PlanCallWays(world, inputs, controller, stop);
+  } catch (const InputError& error) {
+    program.findings.push_back({"", 0, error.problems().front().message, Cause::kText});
+    return program;
   }
-  return made;
+  ProgramMotions motions = MakeProgramMotions(plan, inputs, controller, window, calls);
+  NameInputs(inputs.hash, motions.written);
+  motions.written.header.emplace_back("cycle_time", TimeText(motions.time.all) + " h:min:s, as replayed");
+  for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
+  if (const std::string left_out = WhatIsLeftOut(plan); !left_out.empty())
+    motions.written.header.emplace_back("INCOMPLETE", left_out);
+  program.saved = motions.saved;
+  program.near = motions.near;
+  program.warnings = motions.warnings;
+  program.time = motions.time;
+  if (inputs.trajectory)
+    program.trajectory = TrajectoryCsv(motions.written, plan.arm, plan.X_WB, ExternalColumns(settings),
+                                       post->Times(), *inputs.trajectory);
+  program.files = post->Write(motions.written, plan.arm, settings);
+  program.speed = EstimatePathSpeed(motions.written, controller, post->Dynamics(settings));
+  for (const std::string& warning :
+       {SpeedWarning(*program.speed), MemoryWarning(program.files, post->Memory())})
+    if (!warning.empty()) program.warnings.push_back(warning);
+  for (const Motion& motion : motions.written.motions) program.pass_of_motion.push_back(motion.pass);
+  try {
+    MotionProgram back = post->Read(program.files, plan.arm, settings);
+    CompleteFrames(back, motions.planned);
+    ProgramCheck check =
+        CheckProgram(back, motions, plan, world, MakeVerifyOptions(inputs.job, plan.arm), threads, stop);
+    program.findings = std::move(check.findings);
+    program.under_load = check.under_load;
+  } catch (const InputError& error) {  // our own program must be readable: a finding, not the user's mistake
+    for (const Problem& problem : error.problems())
+      program.findings.push_back({problem.place.file, problem.place.line, problem.message, Cause::kText});
+  }
+  return program;
 }
 
 }  // namespace millpose

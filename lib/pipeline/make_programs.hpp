@@ -42,11 +42,15 @@ struct JobPrograms {
 /// Fills in the frames that a program leaves to the controller (numbered ones) from the plan.
 void CompleteFrames(MotionProgram& program, const MotionProgram& planned);
 
-/// Writes the program of every controller that the job names, reads it back and replays it. `not_machined`:
-/// holes of the tool path that are left out, named in the head; with `trajectory` (s) also
-/// where the arm is at these steps.
-JobPrograms MakePrograms(const PlanResult& plan, const JobInputs& inputs,
-                         const std::vector<std::string>& not_machined, const World& world,
-                         std::optional<double> trajectory, int threads, std::stop_token stop);
+/// Names in the head of a program the hash of the inputs that it is made from.
+void NameInputs(const std::string& hash, MotionProgram& program);
+
+/// Writes the program of the first controller that the job names, reads it back and replays it.
+/// `not_machined`: holes of the tool path that are left out, named in the head, as the window is
+/// (FindBaseWindow); with JobInputs::trajectory also where the arm is at these steps. Precondition:
+/// WhyNotProgrammable() is empty.
+CheckedProgram MakeProgram(const PlanResult& plan, const JobInputs& inputs,
+                           const std::vector<std::string>& not_machined, const World& world,
+                           const std::optional<BaseWindow>& window, int threads, std::stop_token stop);
 
 }  // namespace millpose

@@ -21,6 +21,14 @@ std::vector<SeriesCompliance> MakeCompliances(const CellSettings& settings) {
   return elements;
 }
 
+std::vector<SeriesCompliance> MakeCompliancesAtHome(const CellSettings& settings) {
+  std::vector<SeriesCompliance> elements = MakeCompliances(settings);
+  const Mechanism mechanism({settings.external_axes.begin(), settings.external_axes.end()});
+  const Pose X_WB = mechanism.Moved(Carries::kRobot, mechanism.Home()) * MakePose(settings.base_in_world);
+  std::ranges::move(ExternalCompliances(mechanism, mechanism.Home(), X_WB), std::back_inserter(elements));
+  return elements;
+}
+
 std::optional<GravityModel> MakeGravity(const CellSettings& settings) {
   if (!settings.gravity) return std::nullopt;
   GravityModel model;

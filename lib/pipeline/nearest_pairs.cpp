@@ -12,25 +12,31 @@ constexpr size_t kBlock = 64;  // points that share a Checker
 
 }  // namespace
 
-NearestPairs FindNearestPairs(const PlanResult& plan, const World& world, int threads, std::stop_token stop) {
+NearestPairs FindNearestPairs(const PlanResult& plan, const Stations& stations, int threads,
+                              std::stop_token stop) {
   struct Asked {
     uint32_t number;
+    const PassResult* pass;
     const PlannedPoint* point;
   };
   std::vector<Asked> asked;
   NearestPairs nearest;
   for (const ReportRow& row : RowsToShow(plan, ReportColumns(plan), HtmlLimits().points)) {
-    const PlannedPoint& point =
-        plan.passes[static_cast<size_t>(row.pass)].points[static_cast<size_t>(row.point)];
+    const PassResult& pass = plan.passes[static_cast<size_t>(row.pass)];
+    const PlannedPoint& point = pass.points[static_cast<size_t>(row.point)];
     if (point.skip != Obstacle::kNone) continue;
     nearest[row.number];  // most have none: they are not asked
-    if (point.clearance < kPointClearanceBound) asked.push_back({row.number, &point});
+    if (point.clearance < kPointClearanceBound) asked.push_back({row.number, &pass, &point});
   }
   std::vector<std::optional<Interference>> found(asked.size());
   ParallelFor((asked.size() + kBlock - 1) / kBlock, threads, std::move(stop), [&](size_t block) {
-    Checker checker(world);
-    for (size_t i = kBlock * block; i < std::min(asked.size(), kBlock * (block + 1)); ++i)
-      found[i] = checker.Nearest(asked[i].point->q, Phase::kCutting, kPointClearanceBound);
+    std::optional<Checker> checker;
+    const Station* at = nullptr;
+    for (size_t i = kBlock * block; i < std::min(asked.size(), kBlock * (block + 1)); ++i) {
+      const Station* station = &stations.At(asked[i].pass->external);
+      if (std::exchange(at, station) != station) checker.emplace(station->world);
+      found[i] = checker->Nearest(asked[i].point->q, Phase::kCutting, kPointClearanceBound);
+    }
   });
   for (size_t i = 0; i < asked.size(); ++i) nearest[asked[i].number] = found[i];
   return nearest;

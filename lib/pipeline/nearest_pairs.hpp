@@ -3,11 +3,13 @@
 
 #include <stop_token>
 
+#include "path/stations.hpp"
 #include "report/html.hpp"
 
 namespace millpose {
 
 /// The nearest pair at every planned point that report.html shows. The same for any number of threads.
-NearestPairs FindNearestPairs(const PlanResult& plan, const World& world, int threads, std::stop_token stop);
+NearestPairs FindNearestPairs(const PlanResult& plan, const Stations& stations, int threads,
+                              std::stop_token stop);
 
 }  // namespace millpose

@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "base/file_parts.hpp"
 #include "base/hash.hpp"
 #include "pipeline/result_swap.hpp"
 
@@ -27,6 +28,13 @@ bool IsUnused(const fs::path& folder) {
     const std::string name = entry.filename().string();
     return name.starts_with(kMark) && name.ends_with(".tmp");
   });
+}
+
+std::string HashUnder(const std::string& key, std::string_view bytes) {
+  Hasher hasher;
+  hasher.Add(key);
+  hasher.Add(bytes);
+  return hasher.Digits();
 }
 
 void MakeOwn(const fs::path& folder) {
@@ -105,19 +113,42 @@ void OutputFolder::Write(const std::string& name, std::string_view bytes) const 
 
 // A checkpoint begins with the hash of its key and the rest, so that damage is found, and one that stands
 // under another's name.
-std::optional<std::string> OutputFolder::ReadCheckpoint(const std::string& key) const {
-  const fs::path path = folder_ / kCheckpoints / (key + ".cbor");
+std::optional<std::string> OutputFolder::ReadKept(const std::string& file, const std::string& key) const {
+  const fs::path path = folder_ / kCheckpoints / file;
   if (!Exists(path)) return std::nullopt;
-  const std::string bytes = ReadFile(path);
+  std::string bytes = ReadFile(path);
   const size_t digits = Hash({}).size();
-  if (bytes.size() < digits || Hash(key + bytes.substr(digits)) != bytes.substr(0, digits))
-    return std::nullopt;
-  return bytes.substr(digits);
+  if (bytes.size() < digits) return std::nullopt;
+  const std::string stated = bytes.substr(0, digits);
+  bytes.erase(0, digits);
+  if (HashUnder(key, bytes) != stated) return std::nullopt;
+  return bytes;
+}
+
+void OutputFolder::WriteKept(const std::string& file, const std::string& key, std::string_view bytes) const {
+  const fs::path path = folder_ / kCheckpoints / file;
+  MakeFolders(path.parent_path());
+  WriteFileAtomically(path, [&](const ByteSink& sink) {
+    sink(HashUnder(key, bytes));
+    sink(bytes);
+  });
+}
+
+std::optional<std::string> OutputFolder::ReadCheckpoint(const std::string& key) const {
+  return ReadKept(key + ".cbor", key);
 }
 
 void OutputFolder::WriteCheckpoint(const std::string& key, std::string_view bytes) const {
-  const std::string content(bytes);
-  Write((fs::path(kCheckpoints) / (key + ".cbor")).string(), Hash(key + content) + content);
+  WriteKept(key + ".cbor", key, bytes);
+}
+
+std::optional<std::string> OutputFolder::ReadStage(const std::string& stage, const std::string& key) const {
+  return ReadKept(stage + ".stage", key);
+}
+
+void OutputFolder::WriteStage(const std::string& stage, const std::string& key,
+                              std::string_view bytes) const {
+  WriteKept(stage + ".stage", key, bytes);
 }
 
 void OutputFolder::RemoveCheckpoints() const { RemoveAll(folder_ / kCheckpoints); }
@@ -133,21 +164,33 @@ ResultSet::~ResultSet() {
   if (!published_) fs::remove_all(StagingOf(folder_.path()), ignored);
 }
 
-void ResultSet::Stage(const std::string& name, std::string_view bytes) const {
+void ResultSet::Stage(const std::string& name, const ByteSource& write) const {
   const fs::path path = StagingOf(folder_.path()) / name;
   MakeFolders(path.parent_path());
-  WriteFileAtomically(path, bytes);
+  WriteFileAtomically(path, write);
 }
 
 void ResultSet::Add(const std::string& name, std::string_view bytes) {
-  Stage(name, bytes);
-  manifest_.files[name] = {bytes.size(), Hash(bytes)};
+  Add(name, [&](const ByteSink& sink) { sink(bytes); });
+}
+
+void ResultSet::Add(const std::string& name, const ByteSource& write) {
+  Hasher hasher;
+  size_t size = 0;
+  Stage(name, [&](const ByteSink& sink) {
+    write([&](std::string_view bytes) {
+      hasher.Add(bytes);
+      size += bytes.size();
+      sink(bytes);
+    });
+  });
+  manifest_.files[name] = {size, hasher.Digits()};
 }
 
 std::string ResultSet::AddManifest(const std::string& key) {
   manifest_.key = key;
   const std::string text = ManifestJson(manifest_);
-  Stage(kManifestFile, text);
+  Stage(kManifestFile, [&](const ByteSink& sink) { sink(text); });
   return Hash(text);
 }
 

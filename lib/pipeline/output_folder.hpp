@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "base/byte_sink.hpp"
 #include "pipeline/folder_lock.hpp"
 #include "pipeline/manifest.hpp"
 
@@ -57,9 +58,15 @@ class OutputFolder {
   /// A checkpoint's bytes; empty when there is none, or none that was written under this key.
   std::optional<std::string> ReadCheckpoint(const std::string& key) const;
   void WriteCheckpoint(const std::string& key, std::string_view bytes) const;
+  /// The same for the last result of a stage, a word, whose file is named by it.
+  std::optional<std::string> ReadStage(const std::string& stage, const std::string& key) const;
+  void WriteStage(const std::string& stage, const std::string& key, std::string_view bytes) const;
   void RemoveCheckpoints() const;
 
  private:
+  std::optional<std::string> ReadKept(const std::string& file, const std::string& key) const;
+  void WriteKept(const std::string& file, const std::string& key, std::string_view bytes) const;
+
   std::filesystem::path folder_;
   std::optional<FolderLock> lock_;
 };
@@ -76,6 +83,7 @@ class ResultSet {
 
   /// Adds a file; it is on the disk when this returns. Throws InputError.
   void Add(const std::string& name, std::string_view bytes);
+  void Add(const std::string& name, const ByteSource& write);
 
   /// Writes the manifest of all files added so far; returns its hash, which run.json is to hold.
   std::string AddManifest(const std::string& key);
@@ -84,7 +92,7 @@ class ResultSet {
   void Publish();
 
  private:
-  void Stage(const std::string& name, std::string_view bytes) const;
+  void Stage(const std::string& name, const ByteSource& write) const;
 
   const OutputFolder& folder_;
   Manifest manifest_;

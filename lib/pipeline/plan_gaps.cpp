@@ -4,6 +4,7 @@
 #include <map>
 
 #include "path/job_planner.hpp"
+#include "path/station_gap.hpp"
 #include "plan/skipped.hpp"
 
 namespace millpose {
@@ -11,26 +12,12 @@ namespace {
 
 using Ends = std::pair<GapEnd, GapEnd>;
 
-/// The way home from one piece, then the way from there to the next.
-Gap ByWayOfHome(const Gap& out, const Gap& in) {
-  Gap gap = out;
-  gap.to_pass = in.to_pass;
-  gap.to_piece = in.to_piece;
-  gap.X_WT_approach = in.X_WT_approach;
-  gap.joints.insert(gap.joints.end(), in.joints.begin() + 1, in.joints.end());
-  gap.clearance = std::min(out.clearance, in.clearance);
-  gap.clearance_share = std::min(out.clearance_share, in.clearance_share);
-  gap.duration += in.duration;
-  if (gap.detail.empty()) gap.detail = in.detail;
-  return gap;
-}
-
 class AllGaps {
  public:
-  AllGaps(const World& world, std::vector<PassResult>& passes, const GapOptions& options,
+  AllGaps(const Stations& stations, std::vector<PassResult>& passes, const GapOptions& options,
           const CheckpointStore& checkpoints, const Execution& execution)
-      : world_(world),
-        home_{-1, -1, world.cell().home},
+      : stations_(stations),
+        home_{-1, -1, stations.world().cell().home, stations.home()},
         passes_(passes),
         options_(options),
         checkpoints_(checkpoints),
@@ -39,11 +26,11 @@ class AllGaps {
   PlannedGaps Plan() {
     std::optional<size_t> resumed;  // in the first round: later ones find what this run has planned
     for (;;) {
-      const std::vector<Ends> ends = GapEnds(home_.q, passes_);
-      PlannedGaps planned = PlanGaps(world_, ends, options_, checkpoints_, execution_);
+      const std::vector<Ends> ends = GapEnds(home_, passes_);
+      PlannedGaps planned = PlanGaps(stations_, ends, options_, checkpoints_, execution_);
       if (!resumed) resumed = planned.resumed;
       planned.resumed = *resumed;
-      if (Checker(world_).At(home_.q, Phase::kFree)) return planned;
+      if (Checker(stations_.At(home_.external).world).At(home_.q, Phase::kFree)) return planned;
       barred_.clear();
       for (size_t i = 0; i < ends.size(); ++i)
         if (!planned.gaps[i].planned) Repair(ends[i], planned.gaps[i]);
@@ -61,18 +48,25 @@ class AllGaps {
     const auto& [from, to] = ends;
     if (from.pass < 0) return Bar(to, gap);
     if (to.pass < 0) return Bar(from, gap);
+    GapEnd leaving = home_, coming = home_;
+    leaving.external = from.external;
+    coming.external = to.external;
     const std::vector<Gap> ways =
-        PlanGaps(world_, {{from, home_}, {home_, to}}, options_, checkpoints_, execution_).gaps;
+        PlanGaps(stations_, {{from, leaving}, {coming, to}}, options_, checkpoints_, execution_).gaps;
     if (!ways[0].planned) Bar(from, ways[0]);
     if (!ways[1].planned) Bar(to, ways[1]);
-    if (ways[0].planned && ways[1].planned) gap = ByWayOfHome(ways[0], ways[1]);
+    if (!ways[0].planned || !ways[1].planned) return;
+    if (from.external == to.external)
+      gap = ByWayOfHome(ways[0], ways[1]);
+    else  // the external axes cannot move from one station to the other
+      Bar(to, gap);
   }
 
   void Bar(const GapEnd& piece, const Gap& gap) {
     barred_.try_emplace({piece.pass, piece.piece}, gap.detail);
   }
 
-  const World& world_;
+  const Stations& stations_;
   GapEnd home_;
   std::vector<PassResult>& passes_;
   const GapOptions& options_;
@@ -83,9 +77,9 @@ class AllGaps {
 
 }  // namespace
 
-PlannedGaps PlanAllGaps(const World& world, std::vector<PassResult>& passes, const GapOptions& options,
+PlannedGaps PlanAllGaps(const Stations& stations, std::vector<PassResult>& passes, const GapOptions& options,
                         const CheckpointStore& checkpoints, const Execution& execution) {
-  return AllGaps(world, passes, options, checkpoints, execution).Plan();
+  return AllGaps(stations, passes, options, checkpoints, execution).Plan();
 }
 
 }  // namespace millpose

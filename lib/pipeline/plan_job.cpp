@@ -2,17 +2,23 @@
 #include "pipeline/plan_job.hpp"
 
 #include "base/error.hpp"
-#include "path/collision_pruner.hpp"
 #include "path/job_planner.hpp"
+#include "path/nominal_plan.hpp"
+#include "path/pass_checks.hpp"
 #include "path/revolutions.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/compensate_job.hpp"
 #include "pipeline/finer_passes.hpp"
 #include "pipeline/job_engagement.hpp"
+#include "pipeline/kept_stage.hpp"
+#include "pipeline/lean_freedoms.hpp"
 #include "pipeline/locate.hpp"
+#include "pipeline/other_stations.hpp"
 #include "pipeline/other_ways.hpp"
 #include "pipeline/plan_gaps.hpp"
+#include "pipeline/plan_key.hpp"
 #include "pipeline/plan_passes.hpp"
+#include "pipeline/program_stage.hpp"
 #include "pipeline/repair_ends.hpp"
 #include "plan/skipped.hpp"
 
@@ -28,6 +34,7 @@ PlanResult StartPlan(const JobInputs& inputs, const PreparedJob& prepared) {
   plan.input_hash = inputs.hash;
   plan.seed = inputs.job.seed;
   plan.arm = cell.arm;
+  plan.external_axes = cell.external_axes;
   plan.X_WB = cell.X_WB;
   plan.X_FT = cell.X_FT;
   plan.X_WP = cell.X_WP;
@@ -50,10 +57,11 @@ PlannedPasses PlanPassesOf(const JobInputs& inputs, PreparedJob& prepared, const
                            const CheckpointStore& checkpoints, const Execution& execution) {
   execution.progress.Begin("passes", PointsOf(share, prepared.toolpath));
   const auto own = [&](size_t pass) { return share.Has(pass); };
-  PlannedPasses planned = PlanPasses(prepared.problem, prepared.world, prepared.toolpath,
+  PlannedPasses planned = PlanPasses(prepared.stations, prepared.external, prepared.toolpath,
                                      MakePathOptions(inputs.job), checkpoints, own, execution);
   execution.progress.End(
       fmt::format("{} passes, {} of them from checkpoints", planned.passes.size(), planned.resumed));
+  PlanOtherStations(inputs, prepared, checkpoints, own, execution, planned.passes);
   PlanFiner(inputs, prepared, checkpoints, own, execution, planned.passes);
   PlanOtherWays(inputs, prepared, checkpoints, own, execution, planned.passes);
   return planned;
@@ -65,10 +73,24 @@ size_t LeaveIncomplete(const Toolpath& toolpath, std::vector<PassResult>& passes
   for (PassResult& pass : passes) {
     if (!toolpath.passes[static_cast<size_t>(pass.pass)].whole || CountSkipped(pass) == 0) continue;
     for (; !pass.pieces.empty(); ++left_out)
-      LeaveOut(pass, static_cast<int>(pass.pieces.size()) - 1, Obstacle::kIncomplete,
-               "other points of its hole or contour are skipped, and those are milled whole or not at all");
+      LeaveOut(
+          pass, static_cast<int>(pass.pieces.size()) - 1, Obstacle::kIncomplete,
+          "other points of its hole or contour are skipped, and these are milled completely or not at all");
   }
   return left_out;
+}
+
+/// CompareWithFixed(), or what it came to before.
+FixedComparison KeptComparison(const JobInputs& inputs, const PreparedJob& prepared,
+                               const std::vector<PassResult>& passes, const CheckpointStore& checkpoints,
+                               const Execution& execution) {
+  const FixedRotationOptions options = MakeFixedOptions(inputs.job, execution.Threads(), execution.stop);
+  const auto& [rotation_step, steps, swept_resolution, worst_first, threads, stop, leave] = options;
+  const std::string key = StageKey(prepared.problem, prepared.cell, rotation_step, steps, swept_resolution,
+                                   worst_first, leave, KeyOf(passes, threads));
+  return Kept<FixedComparison>(checkpoints, "fixed", key, [&] {
+    return CompareWithFixed(prepared.stations.AtOwnAxis(), AtNominalLean(prepared.problem, passes), options);
+  });
 }
 
 // Passes come in their directions and turns, then the ways between them.
@@ -78,26 +100,25 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   PlanResult& plan = job.plan;
   RepairEnds(job.prepared, MakePathOptions(inputs.job), MakeGapOptions(inputs.job).leave, checkpoints,
              execution, plan.passes);
-  ChooseRevolutions(plan.passes,
-                    {plan.home, problem.bounds.lower, problem.bounds.upper,
-                     FreeDirections(inputs.job) && !DependsOnFeed(inputs.job, *problem.objective)});
+  ChooseRevolutions(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
+                                  FreeDirections(inputs.job) && !inputs.job.toolpath.Leans() &&
+                                      !DependsOnFeed(inputs.job, *problem.objective)});
   const GapOptions options = MakeGapOptions(inputs.job);
   const auto leave_over_missing = [&] {
     return LeaveIncomplete(job.prepared.toolpath, plan.passes) +
            LeaveOverMissing(inputs, job.prepared.surface.mesh, execution.Threads(), execution.stop, plan);
   };
   leave_over_missing();
-  execution.progress.Begin("gaps", GapEnds(plan.home, plan.passes).size());
-  PlannedGaps gaps = PlanAllGaps(job.prepared.world, plan.passes, options, checkpoints, execution);
+  execution.progress.Begin("gaps", GapEnds(HomeOf(plan), plan.passes).size());
+  PlannedGaps gaps = PlanAllGaps(job.prepared.stations, plan.passes, options, checkpoints, execution);
   job.resumed_gaps = gaps.resumed;
   while (leave_over_missing() > 0)  // over pieces that no way leads to
-    gaps = PlanAllGaps(job.prepared.world, plan.passes, options, checkpoints, execution);
+    gaps = PlanAllGaps(job.prepared.stations, plan.passes, options, checkpoints, execution);
   plan.gaps = std::move(gaps.gaps);
   execution.progress.End(
       fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), job.resumed_gaps));
   execution.progress.Begin("fixed rotations", 0);
-  job.fixed = CompareWithFixed(problem, job.prepared.world, plan.passes,
-                               MakeFixedOptions(inputs.job, execution.Threads(), execution.stop));
+  job.fixed = KeptComparison(inputs, job.prepared, plan.passes, checkpoints, execution);
   execution.progress.End(fmt::format("{} points compared", job.fixed.plan.size()));
   const std::string left =
       CountWhatIsLeft(inputs, job.prepared.surface.mesh, execution.Threads(), execution.stop, plan);
@@ -106,31 +127,18 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   if (!entries.empty()) job.prepared.warnings.push_back(entries);
   const auto feeds = FeedsOf(plan);
   if (inputs.job.feed_policy == FeedPolicy::kReduce) job.reduction = ReduceFeeds(plan);
-  const CompensationNotes notes = CompensateJob(inputs, job.prepared.world, feeds, execution, plan);
+  const CompensationNotes notes = CompensateJob(inputs, job.prepared.stations, feeds, execution, plan);
   std::ranges::copy(notes.warnings, std::back_inserter(job.prepared.warnings));
   std::ranges::copy(notes.findings, std::back_inserter(job.prepared.made.findings));
   job.compensation_remains = notes.remains;
   if (inputs.job.programs.empty()) return;
-  const auto start_ends = StartEnds(GapEnds(plan.home, plan.passes));
+  const auto start_ends = StartEnds(GapEnds(HomeOf(plan), plan.passes));
   execution.progress.Begin("starts", start_ends.size());
-  job.starts.ways.gaps = PlanGaps(job.prepared.world, start_ends, options, checkpoints, execution).gaps;
+  job.starts.ways.gaps = PlanGaps(job.prepared.stations, start_ends, options, checkpoints, execution).gaps;
   execution.progress.End(fmt::format("{} ways", start_ends.size()));
 }
 
-void WritePrograms(const JobInputs& inputs, const Execution& execution, PlannedJob& job) {
-  const std::vector<std::string>& not_machined = job.prepared.made.holes_left_out;
-  execution.progress.Begin("programs", 0);
-  job.programs = MakePrograms(job.plan, inputs, not_machined, job.prepared.world, inputs.trajectory,
-                              execution.Threads(), execution.stop);
-  for (const CheckedProgram& program : job.programs.programs)
-    if (program.Confirmed())
-      job.starts.programs[program.controller] =
-          MakeStartPrograms(job.plan, job.starts.ways, inputs, not_machined, program.controller,
-                            job.prepared.world, execution.Threads(), execution.stop);
-  execution.progress.End(fmt::format("{} programs", job.programs.programs.size()));
-}
-
-PreparedJob Prepare(const JobInputs& inputs, const Execution& execution) {
+PreparedJob Prepare(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution) {
   Progress& progress = execution.progress;
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
   cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
@@ -141,26 +149,33 @@ PreparedJob Prepare(const JobInputs& inputs, const Execution& execution) {
   progress.End(fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} mm", inputs.job.workpiece.mesh_file,
                            part.import.report.triangles, size.x(), size.y(), size.z()));
   AddWorkpiece(inputs, mesh.triangles(), &cell);
-  progress.Begin("toolpath", 0);
-  JobToolpath made = MakeJobToolpath(inputs, mesh, execution.stop);
-  progress.End(
-      fmt::format("{} points in {} passes", CountPoints(made.toolpath), made.toolpath.passes.size()));
-  progress.Begin("gouges", 0);
-  CheckJobGouges(inputs, mesh, execution.Threads(), made, execution.stop);
-  progress.End(fmt::format("{} points", made.gouges.points));
-  const std::optional<CuttingForce> heaviest =
-      SetJobEngagement(inputs, mesh, execution.Threads(), execution.stop, made.toolpath);
+  LayingInputs laying = MakeLayingInputs(inputs, mesh);
+  auto [made, heaviest] = LayPath(laying, checkpoints, execution);
   for (const std::string& hole : made.holes_left_out) made.findings.push_back("NOT MACHINED: " + hole);
   std::vector<std::string> warnings = std::move(part.warnings);
   std::ranges::copy(made.warnings, std::back_inserter(warnings));
   std::ranges::copy(made.notes, std::back_inserter(warnings));
   const World world(cell);
-  if (const auto found = Checker(world).At(cell.home, Phase::kFree))
-    warnings.push_back(HomeWarning(inputs.cell.file, *found));
   PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, cell);
-  Toolpath toolpath = PlacedToolpath(inputs, made.toolpath, cell.X_WP);
-  return {std::move(cell),    world,    std::move(part.import), std::move(made), std::move(toolpath),
-          std::move(problem), heaviest, std::move(warnings)};
+  AddLeanFreedoms(inputs, mesh, cell.X_WP, &problem);
+  const Stations stations(world, problem);
+  if (const auto found = Checker(stations.At(stations.home()).world).At(cell.home, Phase::kFree))
+    warnings.push_back(HomeWarning(inputs.cell.file, *found));
+  StationChoices choices = ChooseStations(inputs, stations.AtOwnAxis(), execution, made.toolpath);
+  std::ranges::move(choices.warnings, std::back_inserter(warnings));
+  Toolpath toolpath = AtStations(inputs, made.toolpath, stations, choices.external);
+  return {std::move(cell),
+          world,
+          std::move(part.import),
+          std::move(laying),
+          std::move(made),
+          std::move(toolpath),
+          std::move(problem),
+          stations,
+          std::move(choices.external),
+          std::move(choices.elsewhere),
+          heaviest,
+          std::move(warnings)};
 }
 
 }  // namespace
@@ -188,25 +203,26 @@ void CheckPrograms(const JobInputs& inputs) {
   WithPlaces(inputs, [&] { CheckControllers(inputs); });
 }
 
-PreparedJob PrepareJob(const JobInputs& inputs, const Execution& execution) {
-  return WithPlaces(inputs, [&] { return Prepare(inputs, execution); });
+PreparedJob PrepareJob(const JobInputs& inputs, const CheckpointStore& checkpoints,
+                       const Execution& execution) {
+  return WithPlaces(inputs, [&] { return Prepare(inputs, checkpoints, execution); });
 }
 
 PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution) {
   CheckPrograms(inputs);
-  PlannedJob job{PrepareJob(inputs, execution), {}, {}, {}, {}, {}, {}};
+  PlannedJob job{PrepareJob(inputs, checkpoints, execution), {}, {}, {}, {}, {}, {}};
   job.plan = StartPlan(inputs, job.prepared);
   PlannedPasses planned = PlanPassesOf(inputs, job.prepared, Share{}, checkpoints, execution);
   job.plan.passes = std::move(planned.passes);
   job.resumed_passes = planned.resumed;
   PlanWays(inputs, checkpoints, execution, job);
-  WritePrograms(inputs, execution, job);
+  MakeJobPrograms(inputs, checkpoints, execution, job);
   return job;
 }
 
 void PlanShare(const JobInputs& inputs, const Share& share, const CheckpointStore& checkpoints,
                const Execution& execution) {
-  PreparedJob prepared = PrepareJob(inputs, execution);
+  PreparedJob prepared = PrepareJob(inputs, checkpoints, execution);
   PlanPassesOf(inputs, prepared, share, checkpoints, execution);
 }
 

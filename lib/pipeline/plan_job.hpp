@@ -5,8 +5,11 @@
 #include "base/execution.hpp"
 #include "cell/world.hpp"
 #include "path/fixed_rotation.hpp"
+#include "path/stations.hpp"
 #include "pipeline/checkpoints.hpp"
+#include "pipeline/choose_stations.hpp"
 #include "pipeline/inputs.hpp"
+#include "pipeline/lay_path.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/start_programs.hpp"
 #include "pipeline/workpiece.hpp"
@@ -18,18 +21,23 @@ namespace millpose {
 
 /// What a job comes to before anything is planned.
 struct PreparedJob {
-  Cell cell;  ///< with the workpiece in its place
+  Cell cell;  ///< with the workpiece in its place; the external axes at 0, as in `world` and `problem`
   World world;
   ImportResult surface;  ///< the workpiece's mesh, in P
+  LayingInputs laying;   ///< what the tool path was laid from
   JobToolpath made;      ///< in P
-  Toolpath toolpath;     ///< in W
+  Toolpath toolpath;     ///< in W, each pass at its station
   PoseProblem problem;
+  Stations stations;
+  std::vector<ExternalPosition> external;                ///< of each pass, where the external axes stand
+  std::vector<std::vector<ExternalPosition>> elsewhere;  ///< of each pass: as StationChoices::elsewhere
   std::optional<CuttingForce> heaviest;  ///< of all cuts, where the job says what the cutter takes off
   std::vector<std::string> warnings;     ///< what the user should know, one sentence each
 };
 
 /// Throws InputError for bad input; Interrupted.
-PreparedJob PrepareJob(const JobInputs& inputs, const Execution& execution);
+PreparedJob PrepareJob(const JobInputs& inputs, const CheckpointStore& checkpoints,
+                       const Execution& execution);
 
 /// A planned job. Points, passes or gaps that could not be planned stand in the plan with their reason;
 /// programs that their read-back does not confirm stand here with its findings.

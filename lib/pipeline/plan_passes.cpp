@@ -2,9 +2,12 @@
 #include "pipeline/plan_passes.hpp"
 
 #include <atomic>
+#include <map>
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "path/nominal_plan.hpp"
+#include "path/station_gap.hpp"
 #include "pipeline/checkpoint_key.hpp"
 
 namespace millpose {
@@ -29,12 +32,19 @@ std::optional<Result> Resume(const CheckpointStore& checkpoints, const std::stri
 
 }  // namespace
 
-PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const Toolpath& toolpath,
-                         const PathOptions& options, const CheckpointStore& checkpoints,
-                         const std::function<bool(size_t)>& wanted, const Execution& execution) {
+PlannedPasses PlanPasses(const Stations& stations, const std::vector<ExternalPosition>& external,
+                         const Toolpath& toolpath, const PathOptions& options,
+                         const CheckpointStore& checkpoints, const std::function<bool(size_t)>& wanted,
+                         const Execution& execution) {
   const int threads = execution.Threads();
-  const std::string context = PassContext(problem, world, options);
   const size_t count = toolpath.passes.size();
+  std::map<ExternalPosition, std::string> contexts;
+  for (size_t i = 0; i < count; ++i) {
+    if (!wanted(i)) continue;
+    std::string& context = contexts[external[i]];
+    const Station& station = stations.At(external[i]);
+    if (context.empty()) context = PassContext(station.problem, station.world, options);
+  }
   std::vector<size_t> first_points(count, 0);
   for (size_t i = 1; i < count; ++i)
     first_points[i] = first_points[i - 1] + toolpath.passes[i - 1].points.size();
@@ -47,14 +57,18 @@ PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const T
   ParallelFor(count, threads, execution.stop, [&](size_t i) {
     if (!wanted(i)) return;
     const Pass& pass = toolpath.passes[i];
-    const std::string key = PassKey(context, pass, i, first_points[i]);
-    const auto fits = [&](const PassResult& plan) { return IsPlanOf(plan, pass, i); };
+    const std::string key = PassKey(contexts.at(external[i]), pass, i, first_points[i]);
+    const auto fits = [&](const PassResult& plan) {
+      return IsPlanOf(AtNominalLean(stations.problem(), plan), pass, i);
+    };
     if (auto earlier = Resume<PassResult>(checkpoints, key, ParsePassResult, fits)) {
       planned.passes[i] = std::move(*earlier);
       ++resumed;
     } else {
-      planned.passes[i] = PlanPass(problem, world, pass, static_cast<int>(i), first_points[i], options,
-                                   inner_threads, execution.stop);
+      const Station& station = stations.At(external[i]);
+      planned.passes[i] = PlanPass(station.problem, station.world, pass, static_cast<int>(i), first_points[i],
+                                   options, inner_threads, execution.stop);
+      planned.passes[i].external = external[i];
       checkpoints.Write(key, Serialise(planned.passes[i]));
     }
     execution.progress.Advance(pass.points.size());
@@ -63,10 +77,10 @@ PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const T
   return planned;
 }
 
-PlannedGaps PlanGaps(const World& world, const std::vector<std::pair<GapEnd, GapEnd>>& ends,
+PlannedGaps PlanGaps(const Stations& stations, const std::vector<std::pair<GapEnd, GapEnd>>& ends,
                      const GapOptions& options, const CheckpointStore& checkpoints,
                      const Execution& execution) {
-  const std::string context = GapContext(world, options);
+  const std::string context = GapContext(stations.world(), options);
   PlannedGaps planned;
   planned.gaps.resize(ends.size());
   std::atomic<size_t> resumed = 0;
@@ -78,7 +92,7 @@ PlannedGaps PlanGaps(const World& world, const std::vector<std::pair<GapEnd, Gap
       planned.gaps[i] = std::move(*earlier);
       ++resumed;
     } else {
-      planned.gaps[i] = PlanGap(world, from, to, options, execution.stop);
+      planned.gaps[i] = PlanStationGap(stations, from, to, options, execution.stop);
       checkpoints.Write(key, Serialise(planned.gaps[i]));
     }
     execution.progress.Advance(1);

@@ -13,11 +13,13 @@ struct PlannedPasses {
   size_t resumed = 0;  ///< how many came from checkpoints
 };
 
-/// Plans every pass, in parallel. Each finished pass is written as a checkpoint at once (checkpoint_key.hpp),
-/// and one whose checkpoint is there is not planned again. Passes whose numbers are not `wanted` stay empty.
-PlannedPasses PlanPasses(const PoseProblem& problem, const World& world, const Toolpath& toolpath,
-                         const PathOptions& options, const CheckpointStore& checkpoints,
-                         const std::function<bool(size_t)>& wanted, const Execution& execution);
+/// Plans every pass in parallel, with the external axes at its entry of `external`. Each finished pass is
+/// written as a checkpoint at once (checkpoint_key.hpp), and one whose checkpoint is there is not planned
+/// again. Passes whose numbers are not `wanted` stay empty.
+PlannedPasses PlanPasses(const Stations& stations, const std::vector<ExternalPosition>& external,
+                         const Toolpath& toolpath, const PathOptions& options,
+                         const CheckpointStore& checkpoints, const std::function<bool(size_t)>& wanted,
+                         const Execution& execution);
 
 struct PlannedGaps {
   std::vector<Gap> gaps;
@@ -25,7 +27,7 @@ struct PlannedGaps {
 };
 
 /// Plans every gap of passes whose turns are fixed, as PlanPasses does passes.
-PlannedGaps PlanGaps(const World& world, const std::vector<std::pair<GapEnd, GapEnd>>& ends,
+PlannedGaps PlanGaps(const Stations& stations, const std::vector<std::pair<GapEnd, GapEnd>>& ends,
                      const GapOptions& options, const CheckpointStore& checkpoints,
                      const Execution& execution);
 

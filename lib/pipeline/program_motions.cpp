@@ -30,7 +30,7 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
                     {"tool", frames.tool},
                     {"tool_pose", PoseText(X_FC)},
                     {"base", frames.base},
-                    {"base_pose", PoseText(post.BaseInWorld() * plan.X_WB.inverse() * plan.X_WP)},
+                    {"base_pose", PoseText(post.BaseInWorld(settings) * plan.X_WB.inverse() * plan.X_WP)},
                     {"units", "mm, degrees"}};
   for (const std::string& warning : CellWarnings(inputs.cell))
     options.header.emplace_back("unchecked", warning);
@@ -57,9 +57,8 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
 }
 
 /// Stops in long pieces, where another file goes on; the plan's motions stop there too.
-void HandOver(const PostSettings& settings, const Post& post, ProgramMotions& motions,
-              const std::vector<size_t>& origin) {
-  const size_t fitting = settings.max_bytes() / (kBytesPerMotion + 16 * post.ExternalAxes().size());
+void HandOver(const PostSettings& settings, ProgramMotions& motions, const std::vector<size_t>& origin) {
+  const size_t fitting = settings.max_bytes() / (kBytesPerMotion + 16 * settings.controller_axes.size());
   const int most = std::min(settings.max_motions, std::max(1, static_cast<int>(fitting)));
   for (const size_t place : AddHandovers(motions.written, most)) {
     motions.planned.motions[origin[place - 1]].exact = true;
@@ -78,10 +77,10 @@ void StateEntries(const PostSettings& settings, ProgramMotions& motions) {
     const Joints angles = ToController(settings.axes, *entry.q) * kDegPerRad;
     for (int j = 0; j < 6; ++j) {
       if (std::abs(std::remainder(angles[j], 360)) >= kTurnLeast * kDegPerRad) continue;
-      motions.warnings.push_back(fmt::format(
-          "pass {}: A{} stands at {:.4f} deg where the approach begins; its turn bit could be read "
-          "either way, so the entry is written as joint angles",
-          entry.pass, j + 1, angles[j]));
+      motions.warnings.push_back(
+          fmt::format("pass {}: A{} is at {:.4f} deg where the approach begins; its turn bit could be read "
+                      "either way, so the entry is written as joint angles",
+                      entry.pass, j + 1, angles[j]));
     }
   }
 }
@@ -132,7 +131,7 @@ ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& input
     motions.warnings.push_back("assumed: " + call);
   if (!post.ReadsFromDisk()) {
     StateEntries(settings, motions);
-    HandOver(settings, post, motions, thinned.origin);
+    HandOver(settings, motions, thinned.origin);
   }
   post.Round(motions.written, plan.arm, settings);
   motions.time = MeasureTime(motions.written, plan.arm, post.Times());

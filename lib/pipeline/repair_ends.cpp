@@ -2,6 +2,8 @@
 #include "pipeline/repair_ends.hpp"
 
 #include "base/parallel.hpp"
+#include "pipeline/kept_stage.hpp"
+#include "pipeline/plan_key.hpp"
 #include "plan/skipped.hpp"
 
 namespace millpose {
@@ -14,14 +16,14 @@ struct EndLoss {
   size_t reduced = 0;  ///< ends that are left with less than all of the clearances
 };
 
-EndLoss LossOf(const World& world, const Carrier& carrier, const RetractOptions& leave,
-               const PassResult& pass) {
+EndLoss LossOf(const Station& station, const RetractOptions& leave, const PassResult& pass) {
+  const Carrier carrier{station.problem.arm, station.problem.X_WB, station.problem.X_FT};
   EndLoss loss;
   loss.pieces = pass.pieces.size();
   loss.points = CountSkipped(pass);
   for (const Piece& piece : pass.pieces) {
     const auto share = [&](int point) {
-      return ShareToLeave(world, carrier, pass.points[static_cast<size_t>(point)].q, leave);
+      return ShareToLeave(station.world, carrier, pass.points[static_cast<size_t>(point)].q, leave);
     };
     const double first = share(piece.first), last = piece.closed ? 1 : share(piece.last);
     if (first == 0 || last == 0) loss.points += static_cast<size_t>(piece.last - piece.first) + 1;
@@ -40,14 +42,19 @@ bool IsBetter(const EndLoss& now, const EndLoss& before) {
 void RepairEnds(const PreparedJob& prepared, PathOptions options, const RetractOptions& leave,
                 const CheckpointStore& checkpoints, const Execution& execution,
                 std::vector<PassResult>& passes) {
-  const Cell& cell = prepared.cell;
-  const Carrier carrier{cell.arm, cell.X_WB, cell.X_FT};
-  const auto loss_of = [&](const PassResult& pass) { return LossOf(prepared.world, carrier, leave, pass); };
+  const auto loss_of = [&](const PassResult& pass) {
+    return LossOf(prepared.stations.At(pass.external), leave, pass);
+  };
   execution.progress.Begin("ends", passes.size());
-  std::vector<EndLoss> before(passes.size());
-  ParallelFor(passes.size(), execution.Threads(), execution.stop, [&](size_t i) {
-    before[i] = loss_of(passes[i]);
-    execution.progress.Advance(1);
+  const std::string key =
+      StageKey(prepared.cell, prepared.problem, leave, KeyOf(passes, execution.Threads()));
+  const auto before = Kept<std::vector<EndLoss>>(checkpoints, "ends", key, [&] {
+    std::vector<EndLoss> losses(passes.size());
+    ParallelFor(passes.size(), execution.Threads(), execution.stop, [&](size_t i) {
+      losses[i] = loss_of(passes[i]);
+      execution.progress.Advance(1);
+    });
+    return losses;
   });
   const auto stuck = [&](size_t i) { return before[i].reduced > 0; };
   const auto count = std::ranges::count_if(before, [](const EndLoss& loss) { return loss.reduced > 0; });
@@ -58,8 +65,8 @@ void RepairEnds(const PreparedJob& prepared, PathOptions options, const RetractO
     if (stuck(i)) points += prepared.toolpath.passes[i].points.size();
   execution.progress.Begin("passes again", points);
   options.leave = leave;
-  PlannedPasses again =
-      PlanPasses(prepared.problem, prepared.world, prepared.toolpath, options, checkpoints, stuck, execution);
+  PlannedPasses again = PlanPasses(prepared.stations, prepared.external, prepared.toolpath, options,
+                                   checkpoints, stuck, execution);
   for (size_t i = 0; i < passes.size(); ++i) {
     if (!stuck(i) || !IsBetter(loss_of(again.passes[i]), before[i])) continue;
     passes[i] = std::move(again.passes[i]);

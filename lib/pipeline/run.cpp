@@ -3,13 +3,11 @@
 
 #include "base/file.hpp"
 #include "config/config.hpp"
-#include "pipeline/assemble.hpp"
 #include "pipeline/audit.hpp"
-#include "pipeline/axis_map.hpp"
 #include "pipeline/judge_optima.hpp"
-#include "pipeline/nearest_pairs.hpp"
 #include "pipeline/output_folder.hpp"
 #include "pipeline/plan_timeline.hpp"
+#include "pipeline/report_parts.hpp"
 #include "pipeline/run_record.hpp"
 #include "pipeline/sample_curves.hpp"
 #include "pipeline/stages.hpp"
@@ -19,8 +17,6 @@
 
 namespace millpose {
 namespace {
-
-constexpr size_t kMostCurves = 3000;  // points whose choice of pose report.html shows
 
 JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
   // The job may be the resolved one of a folder that a killed run left between two plans.
@@ -45,10 +41,9 @@ bool IsComplete(const PlanResult& plan, const ReportInputs& report) {
 AuditFigures JudgePlan(const JobInputs& inputs, const Execution& execution, PlannedJob& job,
                        std::vector<std::string>& findings) {
   execution.progress.Begin("audit", 0);
-  AuditFigures audit =
-      Audit(job.plan, job.prepared.surface.mesh, job.prepared.cell, job.prepared.problem.bounds,
-            inputs.job.swept_resolution, execution.Threads(), execution.stop);
-  JudgeOptima(job.prepared.problem, inputs.job.path.genetic, inputs.job.exhaustive_step, execution, job.plan,
+  AuditFigures audit = Audit(job.plan, job.prepared.surface.mesh, job.prepared.cell, job.prepared.problem,
+                             inputs.job.swept_resolution, execution.Threads(), execution.stop);
+  JudgeOptima(job.prepared.stations, inputs.job.path.genetic, inputs.job.exhaustive_step, execution, job.plan,
               audit);
   std::ranges::copy(Findings(audit), std::back_inserter(findings));
   execution.progress.End(fmt::format("{} contacts, {} clearances not kept, {} limit violations",
@@ -66,6 +61,12 @@ class FolderCheckpoints final : public CheckpointStore {
   }
   void Write(const std::string& key, std::string_view bytes) const override {
     folder_.WriteCheckpoint(key, bytes);
+  }
+  std::optional<std::string> ReadStage(const std::string& stage, const std::string& key) const override {
+    return read_ ? folder_.ReadStage(stage, key) : std::nullopt;
+  }
+  void WriteStage(const std::string& stage, const std::string& key, std::string_view bytes) const override {
+    folder_.WriteStage(stage, key, bytes);
   }
 
  private:
@@ -90,9 +91,9 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
     TakeKeptMeshes(folder, &inputs);
     const auto standing = FindStandingPlan(folder.path(), inputs.hash, begun);
     if (standing && !arguments.share)
-      return {standing->exit_status,
-              standing->told + "unchanged  this plan stands there already; nothing was planned again\n" +
-                  lock_warning};
+      return {
+          standing->exit_status,
+          standing->told + "unchanged  this plan is up to date; nothing was planned again\n" + lock_warning};
   }
   stages.Begin(SurfaceStage(inputs), 0);  // which PrepareJob goes on with
   CutStepFiles(
@@ -110,20 +111,13 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   if (arguments.audit) audit = JudgePlan(inputs, execution, job, findings);
 
   stages.Begin("report", 0);
-  const std::vector<PointCurves> curves =
-      SampleCurves(job.plan, job.prepared.problem, MakePathOptions(inputs.job).genetic, kMostCurves,
-                   execution.Threads(), execution.stop);
-  const AxisMap map = MakeAxisMap(job.plan, job.prepared.problem, curves,
-                                  arguments.full_axis_map ? &job.prepared.world : nullptr,
-                                  execution.Threads(), execution.stop);
+  const ReportParts parts = MakeReportParts(inputs, job, arguments.full_axis_map, checkpoints, execution);
   const Timeline timeline = PlanTimeline(job.plan, inputs);
-  const NearestPairs nearest =
-      FindNearestPairs(job.plan, job.prepared.world, execution.Threads(), execution.stop);
   ResultSet results(folder);
   const ReportInputs report =
       WriteResults({inputs, job.prepared.cell, job.plan, job.programs, job.starts, audit, job.reduction,
-                    job.prepared.warnings, findings, CurveGrid(), curves, map, timeline, nearest, job.fixed,
-                    job.prepared.heaviest, job.compensation_remains},
+                    job.prepared.warnings, findings, CurveGrid(), parts, timeline, job.fixed,
+                    job.prepared.heaviest, job.compensation_remains, execution},
                    results);
   stages.End(folder.path().string());
   RunFigures run = EndRun(begun, stages, execution.Threads());

@@ -68,17 +68,18 @@ PoseProblem WithoutBounds(PoseProblem problem) {
 
 RotationGrid CurveGrid() { return {-kPi, DegToRad(3), 120}; }
 
-std::vector<PointCurves> SampleCurves(const PlanResult& plan, const PoseProblem& problem,
+std::vector<PointCurves> SampleCurves(const PlanResult& plan, const Stations& stations,
                                       const GeneticOptions& options, size_t most, int threads,
                                       std::stop_token stop) {
-  assert(problem.freedoms.size() == 1 && "the page shows the rotation about the tool axis alone");
+  assert(stations.problem().freedoms.size() == 1 && "the page shows the rotation about the tool axis alone");
   const RotationGrid grid = CurveGrid();
-  const PoseProblem free = WithoutBounds(problem);
   const std::vector<PlanPlace> places = ChosenPlaces(plan, most);
   std::vector<PointCurves> all(places.size());
   ParallelFor(places.size(), threads, stop, [&](size_t i) {
     const PlanPlace& place = places[i];
     const PassResult& pass = plan.passes[place.pass];
+    const PoseProblem& problem = stations.At(pass.external).problem;
+    const PoseProblem free = WithoutBounds(problem);
     PointCurves& curves = all[i];
     curves.pass = place.pass;
     curves.point = place.point;

@@ -3,6 +3,7 @@
 
 #include <stop_token>
 
+#include "path/stations.hpp"
 #include "pose/search.hpp"
 #include "report/html.hpp"
 
@@ -18,7 +19,7 @@ PoseProblem WithoutBounds(PoseProblem problem);
 /// For report.html: the objective over the rotation on all branches, and the genetic algorithm run once more
 /// with each point's own stream of `seed` (so its generations are those of the plan). At most `most` points:
 /// all of them, or every k-th with the worst by objective. The same for any number of threads.
-std::vector<PointCurves> SampleCurves(const PlanResult& plan, const PoseProblem& problem,
+std::vector<PointCurves> SampleCurves(const PlanResult& plan, const Stations& stations,
                                       const GeneticOptions& options, size_t most, int threads,
                                       std::stop_token stop);
 

@@ -22,12 +22,24 @@ std::string StartName(const std::string& job, int pass, int piece) {
   return LegalName(job, kLongestName - suffix.size(), 2) + suffix;
 }
 
-/// Home from a piece: on to the next one's entry, and back along that one's way from home.
-Gap WayHome(Gap out, const Gap& next) {
-  if (!next.planned) out.detail = next.detail;
-  out.planned = out.planned && next.planned;
-  if (out.planned) out.joints.insert(out.joints.end(), std::next(next.joints.rbegin()), next.joints.rend());
-  out.clearance_share = std::min(out.clearance_share, next.clearance_share);
+/// The move that brings the external axes home again, where the way in had one.
+std::optional<ExternalMove> BackFrom(const Gap& in, size_t at) {
+  if (!in.external) return std::nullopt;
+  return ExternalMove{in.external->to, in.external->from, static_cast<int>(at), in.external->duration};
+}
+
+/// Home from a piece that is reached by `in`: where the way on goes by home, there; else on to the next one's
+/// entry, and back along that one's way from home.
+Gap WayHome(Gap out, const Gap& next, const Gap& in) {
+  if (out.planned && out.external) {
+    out.joints.resize(static_cast<size_t>(out.external->at) + 1);
+  } else {
+    if (!next.planned) out.detail = next.detail;
+    out.planned = out.planned && next.planned;
+    if (out.planned) out.joints.insert(out.joints.end(), std::next(next.joints.rbegin()), next.joints.rend());
+    out.clearance_share = std::min(out.clearance_share, next.clearance_share);
+  }
+  out.external = out.planned ? BackFrom(in, out.joints.size() - 1) : std::nullopt;
   out.to_pass = out.to_piece = -1;
   return out;
 }
@@ -68,12 +80,13 @@ PlanResult SingleStart(const PlanResult& plan, const PlanResult& ways, size_t in
   single.input_hash = plan.input_hash;
   single.seed = plan.seed;
   single.arm = plan.arm;
+  single.external_axes = plan.external_axes;
   single.X_WB = plan.X_WB;
   single.X_FT = plan.X_FT;
   single.X_WP = plan.X_WP;
   single.home = plan.home;
   single.spindle_speed = plan.spindle_speed;
-  single.gaps = {in, out.to_pass < 0 ? out : WayHome(out, ways.gaps[index])};
+  single.gaps = {in, out.to_pass < 0 ? out : WayHome(out, ways.gaps[index], in)};
   single.passes.resize(plan.passes.size());
   single.passes[in.to_pass] = plan.passes[in.to_pass];
   return single;
@@ -99,6 +112,7 @@ std::vector<StartProgram> MakeStartPrograms(const PlanResult& plan, const PlanRe
     start.obstacle = WhyNotProgrammable(single);
     if (!start.obstacle.empty()) continue;
     ProgramMotions motions = MakeProgramMotions(single, inputs, controller, {}, calls);
+    NameInputs(inputs.hash, motions.written);
     motions.written.header.emplace_back("cycle_time", TimeText(motions.time.all) + " h:min:s, as replayed");
     for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
     start.files = post->Write(motions.written, single.arm, settings);

@@ -44,7 +44,7 @@ std::vector<std::pair<GapEnd, GapEnd>> StartEnds(const std::vector<std::pair<Gap
 PlanResult SingleStart(const PlanResult& plan, const PlanResult& ways, size_t index);
 
 /// The programs that start each piece, written and read back; none where there is one piece, which the whole
-/// program starts. `not_machined` as for MakePrograms(). Precondition: WhyNotProgrammable(plan) is empty.
+/// program starts. `not_machined` as for MakeProgram(). Precondition: WhyNotProgrammable(plan) is empty.
 std::vector<StartProgram> MakeStartPrograms(const PlanResult& plan, const PlanResult& ways,
                                             const JobInputs& inputs,
                                             const std::vector<std::string>& not_machined,

@@ -15,6 +15,8 @@
 #include <variant>
 #include <vector>
 
+#include "base/hash.hpp"
+
 namespace millpose {
 namespace value_bytes_detail {
 
@@ -34,13 +36,13 @@ consteval size_t CountFields() {
 
 /// References to the fields of an aggregate, in their order.
 template <class T>
-auto FieldsOf(const T& value) {
-  constexpr size_t kCount = CountFields<T>();
-  static_assert(kCount >= 1 && kCount <= 24, "add a line below");
-#define MILLPOSE_FIELDS(count, ...)    \
-  if constexpr (kCount == (count)) {   \
-    const auto& [__VA_ARGS__] = value; \
-    return std::tie(__VA_ARGS__);      \
+auto FieldsOf(T& value) {
+  constexpr size_t kCount = CountFields<std::remove_const_t<T>>();
+  static_assert(kCount >= 1 && kCount <= 32, "add a line below");
+#define MILLPOSE_FIELDS(count, ...)  \
+  if constexpr (kCount == (count)) { \
+    auto& [__VA_ARGS__] = value;     \
+    return std::tie(__VA_ARGS__);    \
   }
   MILLPOSE_FIELDS(1, a)
   MILLPOSE_FIELDS(2, a, b)
@@ -66,6 +68,18 @@ auto FieldsOf(const T& value) {
   MILLPOSE_FIELDS(22, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v)
   MILLPOSE_FIELDS(23, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w)
   MILLPOSE_FIELDS(24, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x)
+  MILLPOSE_FIELDS(25, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y)
+  MILLPOSE_FIELDS(26, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z)
+  MILLPOSE_FIELDS(27, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa)
+  MILLPOSE_FIELDS(28, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa, ab)
+  MILLPOSE_FIELDS(29, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa, ab,
+                  ac)
+  MILLPOSE_FIELDS(30, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa, ab,
+                  ac, ad)
+  MILLPOSE_FIELDS(31, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa, ab,
+                  ac, ad, ae)
+  MILLPOSE_FIELDS(32, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z, aa, ab,
+                  ac, ad, ae, af)
 #undef MILLPOSE_FIELDS
 }
 
@@ -76,21 +90,34 @@ inline constexpr bool kIsNumber = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
 /// Collects the bytes of values: numbers bit for bit, lists and texts with their length in front. Classes
 /// with an interface (no aggregates) need a function `void AppendTo(ValueBytes&, const T&)` beside them.
+/// ReadValue() (value_reader.hpp) makes values of them again.
 class ValueBytes {
  public:
+  ValueBytes() = default;
+  /// Hands its bytes on to `hasher` instead of collecting them.
+  explicit ValueBytes(Hasher& hasher) : hasher_(&hasher) {}
+
   template <class... T>
   ValueBytes& Add(const T&... values) {
     (Append(values), ...);
     return *this;
   }
   const std::string& bytes() const { return bytes_; }
+  void HandOn() {
+    hasher_->Add(bytes_);
+    bytes_.clear();
+  }
 
  private:
-  void AppendRaw(const void* at, size_t size) { bytes_.append(static_cast<const char*>(at), size); }
+  void AppendRaw(const void* at, size_t size) {
+    constexpr size_t kMost = 1 << 16;  // bytes that wait to be hashed
+    bytes_.append(static_cast<const char*>(at), size);
+    if (hasher_ != nullptr && bytes_.size() > kMost) HandOn();
+  }
 
   void Append(const std::string& text) {
     Append(text.size());
-    bytes_ += text;
+    AppendRaw(text.data(), text.size());
   }
   template <class T, int kRows, int kCols>
   void Append(const Eigen::Matrix<T, kRows, kCols>& matrix) {
@@ -144,6 +171,17 @@ class ValueBytes {
   }
 
   std::string bytes_;
+  Hasher* hasher_ = nullptr;
 };
+
+/// The hash of values.
+template <class... T>
+std::string HashOfValues(const T&... values) {
+  Hasher hasher;
+  ValueBytes bytes(hasher);
+  bytes.Add(values...);
+  bytes.HandOn();
+  return hasher.Digits();
+}
 
 }  // namespace millpose

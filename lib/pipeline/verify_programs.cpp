@@ -109,7 +109,7 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::
   const PostPointer& post = inputs.cell.controllers.at(controller).post;
   const Arm& arm = world.cell().arm;
   MotionProgram program = post->Read(FilesOf(arguments.target, *post, arguments.root), arm, settings);
-  std::vector<std::string> assumptions = AssumeFrames(program, post->BaseInWorld());
+  std::vector<std::string> assumptions = AssumeFrames(program, post->BaseInWorld(settings));
   for (const DeclaredCall& call : program.calls) assumptions.push_back(AssumptionOf(call));
   std::ranges::copy(CellWarnings(inputs.cell), std::back_inserter(assumptions));
   const VerifyOptions options = MakeVerifyOptions(inputs.job, arm);

@@ -53,7 +53,7 @@ Part ReadPart(const JobInputs& inputs, const Cell& cell) {
   if (name.empty()) {
     Part none{{Mesh(Triangles{}), {}}, CellWarnings(inputs.cell)};
     none.warnings.emplace_back(
-        "no part is given: the tool axes serve as normals, and interference with the part is not looked at");
+        "no part is given: the tool axes serve as normals, and interference with the part is not checked");
     return none;
   }
   ImportOptions options;
@@ -121,6 +121,16 @@ void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, int threads, JobT
 Toolpath PlacedToolpath(const JobInputs& inputs, const Toolpath& toolpath, const Pose& X_WP) {
   Toolpath placed = Transformed(toolpath, X_WP);
   for (Pass& pass : placed.passes) pass.rotation_reference = inputs.job.toolpath.world_reference.normalized();
+  return placed;
+}
+
+Toolpath AtStations(const JobInputs& inputs, const Toolpath& toolpath, const Stations& stations,
+                    const std::vector<ExternalPosition>& external) {
+  Toolpath placed = toolpath;
+  for (size_t i = 0; i < placed.passes.size(); ++i) {
+    Transform(stations.At(external[i]).world.cell().X_WP, placed.passes[i]);
+    placed.passes[i].rotation_reference = inputs.job.toolpath.world_reference.normalized();
+  }
   return placed;
 }
 

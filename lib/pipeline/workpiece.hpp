@@ -5,6 +5,7 @@
 #include <stop_token>
 
 #include "cell/cell.hpp"
+#include "path/stations.hpp"
 #include "pipeline/inputs.hpp"
 #include "surface/mesh_import.hpp"
 #include "toolpath/gouge.hpp"
@@ -52,6 +53,10 @@ void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, int threads, JobT
 
 /// The tool path in W.
 Toolpath PlacedToolpath(const JobInputs& inputs, const Toolpath& toolpath, const Pose& X_WP);
+
+/// The same, each pass with the external axes at its entry of `external`.
+Toolpath AtStations(const JobInputs& inputs, const Toolpath& toolpath, const Stations& stations,
+                    const std::vector<ExternalPosition>& external);
 
 size_t CountPoints(const Toolpath& toolpath);
 

@@ -6,6 +6,7 @@
 
 #include "config/config.hpp"
 #include "pipeline/assemble.hpp"
+#include "plan/write_plan.hpp"
 #include "toolpath/pass_ends.hpp"
 #include "verify/causes.hpp"
 
@@ -200,17 +201,19 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   const std::string job = PlannedJobText(results.inputs.job), cell = WriteCell(results.inputs.cell);
   set.Add("job.yaml", job);
   set.Add("cell.yaml", cell);
-  set.Add(kPlanFile, Serialise(plan));
+  const int threads = results.execution.Threads();
+  set.Add(kPlanFile, [&](const ByteSink& sink) { WritePlan(plan, threads, sink); });
   if (!results.starts.ways.gaps.empty()) set.Add(kStartWays, Serialise(results.starts.ways));
-  set.Add("points.csv", PointsCsv(plan));
-  set.Add("path.vtp", PathVtp(plan));
+  const CutterShape cutter = MakeCutterShape(results.inputs.cell.tool);
+  set.Add("points.csv", [&](const ByteSink& sink) { WritePointsCsv(plan, cutter, threads, sink); });
+  set.Add("path.vtp", [&](const ByteSink& sink) { WritePathVtp(plan, threads, sink); });
   if (report.deflection) set.Add("deflection.csv", DeflectionCsv(*report.deflection));
   if (report.compensation) set.Add("compensation.csv", CompensationCsv(plan));
   set.Add("summary.json", SummaryJson(plan, report));
-  set.Add("report.html",
-          ReportHtml({plan, results.cell, results.grid, results.curves, job + "\n" + cell,
-                      report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
-                      report.times, &*report.fixed, &results.map, &results.timeline, &results.nearest}));
+  set.Add("report.html", ReportHtml({plan, results.cell, results.grid, results.parts.curves,
+                                     job + "\n" + cell, report.deflection ? &*report.deflection : nullptr,
+                                     report.findings, report.warnings, report.times, &*report.fixed,
+                                     &results.parts.map, &results.timeline, &results.parts.nearest}));
   for (const CheckedProgram& program : programs)
     if (program.Confirmed() && !program.trajectory.empty())
       set.Add("trajectory-" + program.controller + ".csv", program.trajectory);

@@ -4,6 +4,7 @@
 #include "pipeline/inputs.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/output_folder.hpp"
+#include "pipeline/report_parts.hpp"
 #include "pipeline/start_programs.hpp"
 #include "report/html.hpp"
 #include "report/report.hpp"
@@ -21,14 +22,13 @@ struct Results {
   const FeedReduction& reduction;
   const std::vector<std::string>& warnings;  ///< repairs of the mesh, doubtful units
   const std::vector<std::string>& findings;  ///< of earlier stages
-  RotationGrid grid;                         ///< of `curves`
-  const std::vector<PointCurves>& curves;    ///< for report.html
-  const AxisMap& map;                        ///< of `curves`
-  const Timeline& timeline;                  ///< for report.html
-  const NearestPairs& nearest;
+  RotationGrid grid;                         ///< of the curves
+  const ReportParts& parts;                  ///< for report.html, as is the next
+  const Timeline& timeline;
   const FixedComparison& fixed;
   const std::optional<CuttingForce>& heaviest;  ///< where the job says what is cut
   std::optional<double> compensation_remains;
+  const Execution& execution;
 };
 
 /// Adds everything that a plan leaves in its folder, but for what differs from run to run: reports, and the

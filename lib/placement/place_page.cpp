@@ -7,8 +7,7 @@
 #include <boost/geometry/geometries/polygon.hpp>
 
 #include "base/text.hpp"
-#include "placement/place_results.hpp"
-#include "plan/cycle_time.hpp"
+#include "placement/place_tables.hpp"
 #include "program/pose_text.hpp"
 #include "report/escaped.hpp"
 
@@ -79,11 +78,6 @@ std::string Colour(double share) {
     return static_cast<int>(std::lround((1 - t) * kStops[i][k] + t * kStops[i + 1][k]));
   };
   return fmt::format("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2));
-}
-
-std::string Label(size_t coordinate) {
-  const std::string key = kPlaceKeys[coordinate];
-  return key.substr(0, 1) + (coordinate < 3 ? ", mm" : ", °");
 }
 
 /// Between which ratios the colours of a map run: beyond the worse end all look alike.
@@ -161,12 +155,12 @@ std::string MapSvg(const FoundPlaces& placement) {
   tick(left, height + 18, "start", ShownCoordinate(first, u));
   tick(left + width, height + 18, "end", ShownCoordinate(last, u));
   svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"12\" text-anchor=\"middle\">{}</text>",
-                     left + width / 2, height + 32, Label(u));
+                     left + width / 2, height + 32, CoordinateLabel(u));
   if (rows > 1) {
     tick(left - 5, height + 2, "end", ShownCoordinate(first, v));
     tick(left - 5, 14, "end", ShownCoordinate(last, v));
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"12\" text-anchor=\"end\">{}</text>",
-                       left - 5, height / 2 + 8, Label(v));
+                       left - 5, height / 2 + 8, CoordinateLabel(v));
   }
   return svg + "</svg>";
 }
@@ -212,7 +206,7 @@ std::string ViewSvg(const FoundPlaces& placement, int u, int v) {
     std::string name, colour;
   };
   std::vector<Drawn> all;
-  const auto add = [&](const Pose& X, const char* name, const char* colour) {
+  const auto add = [&](const Pose& X, const std::string& name, const char* colour) {
     Drawn drawn{
         Outline(placement.part.empty() ? placement.sample : placement.part, X, u, v), {}, name, colour};
     for (const Vector3d& point : placement.sample) {
@@ -222,7 +216,7 @@ std::string ViewSvg(const FoundPlaces& placement, int u, int v) {
     all.push_back(std::move(drawn));
   };
   std::vector<std::pair<Vector2d, std::string>> bases;
-  const auto add_base = [&](const Vector3d& at, const char* name) {
+  const auto add_base = [&](const Vector3d& at, const std::string& name) {
     bases.emplace_back(Vector2d(at[u], at[v]), name);
   };
   const PoseSettings& own = placement.plans.front().place;
@@ -230,12 +224,20 @@ std::string ViewSvg(const FoundPlaces& placement, int u, int v) {
   if (placement.robot) {
     add(placement.X_WP, "part", "#8a8f98");
     add_base(own.position, "robot, job's own");
-    if (placement.recommended > 0) add_base(best.position, "robot, best");
+    if (placement.recommended > 0 && !placement.split) add_base(best.position, "robot, best");
   } else {
     add(MakePose(own), "job's own", "#8a8f98");
-    if (placement.recommended > 0) add(MakePose(best), "best", "#2b7de0");
+    if (placement.recommended > 0 && !placement.split) add(MakePose(best), "best", "#2b7de0");
     add_base(placement.base, "robot base");
   }
+  if (placement.split)
+    for (size_t i = 0; i < Recommended(placement).size(); ++i) {
+      const PoseSettings& place = Recommended(placement)[i]->place;
+      if (placement.robot)
+        add_base(place.position, fmt::format("robot, station {}", i + 1));
+      else
+        add(MakePose(place), fmt::format("station {}", i + 1), "#2b7de0");
+    }
   Eigen::AlignedBox2d box;
   for (const auto& [at, name] : bases) box.extend(at);
   for (const Drawn& drawn : all)
@@ -278,48 +280,6 @@ std::string ViewSvg(const FoundPlaces& placement, int u, int v) {
   return svg + "</svg>";
 }
 
-std::string Cell(const std::optional<double>& value) {
-  return value ? fmt::format("<td>{:.3f}</td>", *value) : "<td>–</td>";
-}
-
-std::string PlansTable(const FoundPlaces& placement) {
-  const PlannedPlace& own = placement.plans.front();
-  std::string text = fmt::format(
-      "<div class=\"scroll\"><table><thead><tr><th>place</th><th>points</th><th>gaps</th>"
-      "<th>worst {0} ÷</th><th>median ÷</th><th>worst |cF| ÷</th><th>worst |n'cF| ÷</th>"
-      "<th>clearance, mm</th>",
-      Escaped(placement.objective));
-  for (const auto& [controller, seconds] : own.cycle) text += "<th>" + Escaped(controller) + ", h:min:s</th>";
-  text += "</tr></thead><tbody>";
-  for (size_t i = 0; i < placement.plans.size(); ++i) {
-    const PlannedPlace& plan = placement.plans[i];
-    text +=
-        fmt::format("<tr{}><td><a href=\"{}/report.html\">{}</a> {}</td><td>{} of {}</td><td>{} of {}</td>",
-                    i > 0 && i == placement.recommended ? " class=\"best\"" : "", Escaped(plan.folder),
-                    i == 0 ? "job" : fmt::format("{}", i), Escaped(Describe(plan.place)), plan.planned,
-                    plan.points, plan.gaps_planned, plan.gaps);
-    text += Cell(RatioOf(plan.worst, own.worst)) + Cell(RatioOf(plan.median, own.median)) +
-            Cell(RatioOf(plan.length, own.length)) + Cell(RatioOf(plan.normal, own.normal));
-    text += plan.clearance ? fmt::format("<td>{:.1f}</td>", *plan.clearance) : "<td>–</td>";
-    for (const auto& [controller, seconds] : own.cycle)
-      text += plan.cycle.contains(controller)
-                  ? fmt::format("<td>{}</td>", ClockText(plan.cycle.at(controller)))
-                  : "<td>–</td>";
-    text += "</tr>";
-  }
-  return text + "</tbody></table></div>";
-}
-
-std::string NearbyTable(const FoundPlaces& placement) {
-  std::string text =
-      "<table><thead><tr><th>coordinate</th><th>changed by</th><th>points free</th><th>worst "
-      "÷</th></tr></thead><tbody>";
-  for (const Sensitivity& one : placement.sensitivity)
-    text += fmt::format("<tr><td>{}</td><td>{:+g}</td><td>{} of {}</td>{}</tr>", Label(one.coordinate),
-                        one.by, one.rated.score.free(), one.rated.score.total(), Cell(one.rated.worst));
-  return text + "</tbody></table>";
-}
-
 }  // namespace
 
 std::string PlacementPage(const FoundPlaces& placement) {
@@ -328,12 +288,13 @@ std::string PlacementPage(const FoundPlaces& placement) {
   const size_t u = placement.map_coordinates[0], v = placement.map_coordinates[1];
   const bool lengths = u < 3 && v < 3 && u != v;
   const int across = lengths ? static_cast<int>(u) : 0, up = lengths ? static_cast<int>(v) : 1;
-  std::string text = head + fmt::format("<h1>{}: where it may stand</h1>", Escaped(placement.job));
+  std::string text = head + fmt::format("<h1>{}: where it may be placed</h1>", Escaped(placement.job));
+  const bool none = placement.recommended == 0 && !placement.split;
   text += fmt::format(
-      "<section><h2>Planned whole</h2><p>÷: beside the job's own place, below 1 is "
-      "stiffer.{}</p>{}</section>",
-      placement.recommended > 0 ? "" : " No place that was planned is better than the job's own.",
-      PlansTable(placement));
+      "<section><h2>Planned completely</h2><p>÷: compared with the job's own place, "
+      "below 1 is stiffer.{}</p>{}</section>",
+      none ? " No place that was planned is better than the job's own." : "", PlansTable(placement));
+  text += StationsSection(placement);
   text += fmt::format(
       "<div class=\"two\"><section><h2>Worst {} ÷ the job's own place, by {} sampled points</h2>"
       "<p>Other coordinates as in the {} place. Grey: what keeps the part, or most of its points, from "
@@ -347,7 +308,7 @@ std::string PlacementPage(const FoundPlaces& placement) {
       placement.robot ? "the world" : "the frame of workpiece.pose", ViewSvg(placement, across, up));
   text += fmt::format(
       "<section><h2>Near the {} place</h2><p>How well it must be met, by the sampled points.</p>{}</section>",
-      placement.recommended > 0 ? "best" : "job's own", NearbyTable(placement));
+      placement.recommended > 0 ? "best" : "job's own", NearbyTable(placement.sensitivity));
   return text + "</body>\n</html>\n";
 }
 

@@ -2,35 +2,31 @@
 // What `millpose place` found, as a value, and its texts.
 #pragma once
 
-#include <map>
-
-#include "placement/place_score.hpp"
+#include "placement/plan_place.hpp"
+#include "placement/rater.hpp"
+#include "placement/station_search.hpp"
 
 namespace millpose {
-
-/// A scored place and what it comes to beside the job's own: below 1 is better.
-struct RatedPlace {
-  PlaceScore score;
-  std::optional<double> worst, mean;  ///< ÷ the reference's; the greatest of the operations
-  double value = 0;                   ///< what the search makes small
-};
-
-/// A place that was planned whole.
-struct PlannedPlace {
-  PoseSettings place;
-  std::string folder;  ///< below the output folder
-  size_t points = 0, planned = 0, gaps = 0, gaps_planned = 0;
-  std::vector<std::optional<double>> worst, median;   ///< of the objective, one per operation
-  std::vector<std::optional<double>> length, normal;  ///< worst |cF| and |n'cF|, mm, likewise
-  std::optional<double> clearance;                    ///< mm
-  std::map<std::string, double> cycle;                ///< s, by controller
-};
 
 /// One coordinate changed a little at the recommended place.
 struct Sensitivity {
   size_t coordinate = 0;  ///< as kPlaceKeys
   double by = 0;          ///< mm or degrees
   RatedPlace rated;
+};
+
+/// A station that was planned whole.
+struct PlannedStation {
+  PathShare share;
+  PlannedPlace plan;
+  std::vector<Sensitivity> sensitivity;  ///< of the recommended split
+};
+
+struct PlannedSplit {
+  std::vector<PlannedStation> stations;
+
+  /// All stations together; the worst values are the greatest, the medians too.
+  PlannedPlace Whole() const;
 };
 
 struct FoundPlaces {
@@ -40,8 +36,11 @@ struct FoundPlaces {
   std::vector<size_t> sampled;  ///< points of each operation
   RatedPlace own;               ///< the job's own place
   std::vector<RatedPlace> places;
-  std::vector<PlannedPlace> plans;  ///< the job's own place first
-  size_t recommended = 0;           ///< of `plans`; 0: nothing is better than the job's own place
+  std::vector<PlannedPlace> plans;      ///< the job's own place first
+  size_t recommended = 0;               ///< of `plans`; 0: nothing is better than the job's own place
+  std::optional<SplitRule> split_rule;  ///< where several stations were asked for
+  std::vector<PlannedSplit> splits;     ///< by number of stations
+  std::optional<size_t> split;          ///< the recommended one; none: one place is
   std::vector<Sensitivity> sensitivity;
   std::array<size_t, 2> map_coordinates{};  ///< as kPlaceKeys; twice the same where only one has a range
   std::vector<RatedPlace> map;              ///< row by row, the first coordinate fastest
@@ -57,6 +56,12 @@ struct FoundPlaces {
 /// What keeps the part from a place, or most of its points: empty where all sampled points are free.
 std::string CauseOf(const PlaceScore& score);
 
+/// The plans that are recommended: of a place, or of every station.
+std::vector<const PlannedPlace*> Recommended(const FoundPlaces& placement);
+
+/// "up to 2950 mm", "from 2950 mm on", "2950 to 5900 mm".
+std::string SpanText(const PathShare& share);
+
 /// plan's ÷ the job's own place's: the greatest over the operations that have one; empty where one is missing
 /// beside the other.
 std::optional<double> RatioOf(const std::vector<std::optional<double>>& plan,
@@ -66,8 +71,8 @@ std::optional<double> RatioOf(const std::vector<std::optional<double>>& plan,
 std::string PlacesCsv(const std::vector<RatedPlace>& places);
 std::string PlacementMapVtk(const FoundPlaces& placement);
 std::string PlacementJson(const FoundPlaces& placement);
-/// The screenful for the user; `placed`: the file that was written, if one was.
-std::string PlacementText(const FoundPlaces& placement, const std::string& placed);
+/// The screenful for the user; `placed`: the files that were written, if some were.
+std::string PlacementText(const FoundPlaces& placement, const std::vector<std::string>& placed);
 std::string PlacementPage(const FoundPlaces& placement);
 
 }  // namespace millpose

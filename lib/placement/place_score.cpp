@@ -10,6 +10,7 @@
 #include "pipeline/assemble.hpp"
 #include "placement/sample.hpp"
 #include "pose/candidate_table.hpp"
+#include "pose/lean_problem.hpp"
 #include "program/pose_text.hpp"
 
 namespace millpose {
@@ -20,14 +21,9 @@ constexpr size_t kMostLooks = 64;  // at one point on one branch for interferenc
 constexpr size_t kReach = 6;       // rotation steps between neighbouring sampled points
 constexpr size_t kPart = 8;        // passes that share a checker
 
-struct PointScore {
-  Obstacle obstacle = Obstacle::kNone;
-  double objective = 0;
-};
-
 /// The points of a pass, all on one branch.
 struct BranchScore {
-  std::vector<PointScore> points;
+  std::vector<ScoredPoint> points;
   size_t free = 0;
   double worst = 0;
 };
@@ -191,7 +187,7 @@ struct PassScorer {
 
   /// A pass stays on one branch: the one that is best for it, more free points first, then the least worst.
   /// Its ends must have room for the retract.
-  std::vector<PointScore> Score(const Pass& pass) const {
+  std::vector<ScoredPoint> Score(const Pass& pass) const {
     std::vector<CandidateTable> tables;
     for (const MillingPoint& point : pass.points)
       tables.push_back(
@@ -216,6 +212,18 @@ struct PassScorer {
     return best->points;
   }
 };
+
+OperationScore SumOf(const std::vector<ScoredPoint>& points) {
+  OperationScore score;
+  for (const ScoredPoint& point : points) {
+    ++score.points[static_cast<size_t>(point.obstacle)];
+    if (point.obstacle != Obstacle::kNone) continue;
+    score.worst = std::max(score.worst, point.objective);
+    score.mean += point.objective;
+  }
+  if (const size_t free = score.points.front(); free > 0) score.mean /= static_cast<double>(free);
+  return score;
+}
 
 /// The cell's bodies that stand still, and those to keep out of.
 Cell StandingBodies(const JobInputs& inputs, const Cell& cell) {
@@ -247,10 +255,10 @@ size_t PlaceScore::Count(Obstacle obstacle) const {
 }
 
 PlaceScorer::PlaceScorer(const std::vector<JobInputs>& inputs, const Execution& execution) : inputs_(inputs) {
-  const auto count = static_cast<size_t>(inputs.front().job.placement->points);
+  count_ = static_cast<size_t>(inputs.front().job.placement->points);
   for (const JobInputs& own : inputs) {
-    prepared_.push_back(PrepareJob(own, execution));
-    samples_.push_back(SampleOf(prepared_.back().made.toolpath, count));
+    prepared_.push_back(PrepareJob(own, NoCheckpoints{}, execution));
+    samples_.push_back(millpose::SampleOf(prepared_.back().made.toolpath, count_));
   }
   standing_.emplace(StandingBodies(inputs.front(), prepared_.front().cell));
   for (const std::string& name : standing_->TouchedBy(Mover()))
@@ -280,34 +288,42 @@ std::string PlaceScorer::Touches(const Pose& X_WB, const Pose& X_WP) const {
   return "";
 }
 
-OperationScore PlaceScorer::ScoreOperation(size_t operation, const World& world,
-                                           const Execution& execution) const {
+std::vector<ScoredPoint> PlaceScorer::ScorePoints(size_t operation, const Toolpath& sample,
+                                                  const World& world, const Execution& execution) const {
   const PreparedJob& prepared = prepared_[operation];
-  const Toolpath placed = PlacedToolpath(inputs_[operation], samples_[operation], world.cell().X_WP);
-  PoseProblem problem = prepared.problem;
+  const Toolpath placed = PlacedToolpath(inputs_[operation], sample, world.cell().X_WP);
+  PoseProblem problem = AtOwnAxis(prepared.problem);
   problem.X_WB = world.cell().X_WB;
   const RetractOptions leave = MakeGapOptions(inputs_[operation].job).leave;
-  std::vector<std::vector<PointScore>> passes(placed.passes.size());
+  std::vector<std::vector<ScoredPoint>> passes(placed.passes.size());
   const size_t parts = (passes.size() + kPart - 1) / kPart;
   ParallelFor(parts, execution.Threads(), execution.stop, [&](size_t part) {
     Checker checker(world);
     for (size_t i = part * kPart; i < std::min(passes.size(), (part + 1) * kPart); ++i)
       passes[i] = PassScorer{problem, leave, checker}.Score(placed.passes[i]);
   });
-  OperationScore score;
-  for (const std::vector<PointScore>& pass : passes) {
-    for (const PointScore& point : pass) {
-      ++score.points[static_cast<size_t>(point.obstacle)];
-      if (point.obstacle != Obstacle::kNone) continue;
-      score.worst = std::max(score.worst, point.objective);
-      score.mean += point.objective;
-    }
-  }
-  if (const size_t free = score.points.front(); free > 0) score.mean /= static_cast<double>(free);
-  return score;
+  std::vector<ScoredPoint> points;
+  for (const std::vector<ScoredPoint>& pass : passes) points.insert(points.end(), pass.begin(), pass.end());
+  return points;
 }
 
-PlaceScore PlaceScorer::Score(const PoseSettings& place, const Execution& execution) const {
+Samples PlaceScorer::SampleOf(const PathShare& share) const {
+  Samples samples;
+  for (const PreparedJob& prepared : prepared_)
+    samples.push_back(millpose::SampleOf(Shared(prepared.made.toolpath, share), count_));
+  return samples;
+}
+
+std::vector<ScoredPoint> PlaceScorer::Points(const PoseSettings& place, const Execution& execution) const {
+  const auto [X_WB, X_WP] = PosesAt(place);
+  const World world = prepared_.front().world.With(X_WB, X_WP);
+  if (!Touches(X_WB, X_WP).empty() || Checker(world).Blocked(world.cell().home, Phase::kFree))
+    return std::vector<ScoredPoint>(CountPoints(samples_.front()), ScoredPoint{Obstacle::kInterference, 0});
+  return ScorePoints(0, samples_.front(), world, execution);
+}
+
+PlaceScore PlaceScorer::Score(const PoseSettings& place, const Samples& samples,
+                              const Execution& execution) const {
   PlaceScore score;
   score.place = place;
   const auto [X_WB, X_WP] = PosesAt(place);
@@ -318,10 +334,10 @@ PlaceScore PlaceScorer::Score(const PoseSettings& place, const Execution& execut
     if (score.touches.empty() && Checker(world).Blocked(world.cell().home, Phase::kFree))
       score.touches = "home";
     if (!score.touches.empty()) {  // not looked at any further
-      score.operations[i].points[static_cast<size_t>(Obstacle::kInterference)] = CountPoints(samples_[i]);
+      score.operations[i].points[static_cast<size_t>(Obstacle::kInterference)] = CountPoints(samples[i]);
       continue;
     }
-    score.operations[i] = ScoreOperation(i, world, execution);
+    score.operations[i] = SumOf(ScorePoints(i, samples[i], world, execution));
   }
   return score;
 }

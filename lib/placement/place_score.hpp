@@ -6,6 +6,7 @@
 
 #include "pipeline/plan_job.hpp"
 #include "placement/place_space.hpp"
+#include "placement/scored_point.hpp"
 
 namespace millpose {
 
@@ -28,6 +29,9 @@ struct PlaceScore {
   size_t Count(Obstacle obstacle) const;
 };
 
+/// Points of a job that are looked at, in P: of every operation.
+using Samples = std::vector<Toolpath>;
+
 /// Scores places: for every sampled point the least objective of all rotations 5° apart that is admissible
 /// and free of interference, all points of a pass on the branch that is best for them. Nothing else joins
 /// points: a plan may do worse, and where it splits passes better.
@@ -37,24 +41,34 @@ class PlaceScorer {
   PlaceScorer(const std::vector<JobInputs>& inputs, const Execution& execution);
 
   /// The same for any number of threads. Throws Interrupted.
-  PlaceScore Score(const PoseSettings& place, const Execution& execution) const;
+  PlaceScore Score(const PoseSettings& place, const Execution& execution) const {
+    return Score(place, samples_, execution);
+  }
+  PlaceScore Score(const PoseSettings& place, const Samples& samples, const Execution& execution) const;
+  /// Of the first operation every point of its sample, in interference where the part or the robot touches.
+  std::vector<ScoredPoint> Points(const PoseSettings& place, const Execution& execution) const;
 
   /// Bodies that what moves touches where the job has it, and may touch elsewhere: it stands on them.
   const std::vector<std::string>& stands_on() const { return stands_on_; }
   const std::vector<PreparedJob>& operations() const { return prepared_; }
+  const Samples& All() const { return samples_; }
   /// Of an operation, in P.
   const Toolpath& Sample(size_t operation) const { return samples_[operation]; }
+  /// As many points of a share of the path as of the whole.
+  Samples SampleOf(const PathShare& share) const;
 
  private:
   bool robot() const;
   Mount Mover() const;
   std::pair<Pose, Pose> PosesAt(const PoseSettings& place) const;  ///< X_WB, X_WP
   std::string Touches(const Pose& X_WB, const Pose& X_WP) const;
-  OperationScore ScoreOperation(size_t operation, const World& world, const Execution& execution) const;
+  std::vector<ScoredPoint> ScorePoints(size_t operation, const Toolpath& sample, const World& world,
+                                       const Execution& execution) const;
 
   const std::vector<JobInputs>& inputs_;
   std::vector<PreparedJob> prepared_;
-  std::vector<Toolpath> samples_;
+  size_t count_ = 0;  ///< of sampled points
+  Samples samples_;
   std::optional<World> standing_;  ///< what stands still, with the bodies to keep out of
   std::vector<std::string> stands_on_;
 };

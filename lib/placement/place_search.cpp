@@ -64,11 +64,11 @@ void Run(nlopt_algorithm algorithm, int evaluations, double step, std::vector<do
 
 }  // namespace
 
-void SearchShares(size_t dimensions, int evaluations, uint64_t seed, const ValueAt& value) {
+void SearchShares(const std::vector<double>& start, int evaluations, uint64_t seed, const ValueAt& value) {
   Asked asked{.value = value, .left = 0, .optimiser = nullptr, .best = {}, .failed = nullptr};
   const int everywhere = std::max(1, evaluations * 4 / 5);
   nlopt_srand(static_cast<unsigned long>(seed));  // of this thread
-  Run(NLOPT_GN_CRS2_LM, everywhere, 0.5, std::vector<double>(dimensions, 0.5), asked);
+  Run(NLOPT_GN_CRS2_LM, everywhere, 0.5, start, asked);
   if (evaluations > everywhere) Run(NLOPT_LN_SBPLX, evaluations - everywhere, 0.05, asked.best, asked);
 }
 

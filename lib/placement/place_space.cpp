@@ -19,7 +19,7 @@ double Raster(double shown, size_t i) {
 PlaceSpace::PlaceSpace(const JobSettings& job, const PoseSettings& base_in_world) : own_(job.workpiece.pose) {
   if (!job.placement)
     throw InputError({job.file},
-                     "placement: missing; it says where the part may stand, like\n"
+                     "placement: missing; it says where the part may be placed, like\n"
                      "placement:\n  x_mm: {from: 1500, to: 2100}");
   if (job.placement->moves == PlaceMoves::kRobot) {
     if (job.workpiece.frame == GivenFrame::kRobotBase)
@@ -29,7 +29,7 @@ PlaceSpace::PlaceSpace(const JobSettings& job, const PoseSettings& base_in_world
     own_ = base_in_world;
   } else if (!job.workpiece.targets.empty())
     throw InputError({job.file},
-                     "workpiece.targets: measured where the part stands already; to look for a place give "
+                     "workpiece.targets: these measure where the part is already; to search a place give "
                      "workpiece.pose");
   ranges_ = job.placement->ranges;
   for (size_t i = 0; i < ranges_.size(); ++i)
@@ -64,6 +64,12 @@ double ShownCoordinate(const PoseSettings& place, size_t i) {
   constexpr double kPerDegree = 1e9;  // finer is the rounding from radians
   const double value = CoordinateOf(place, i);
   return (i < kLengths ? value : std::round(RadToDeg(value) * kPerDegree) / kPerDegree) + 0.0;  // no -0
+}
+
+std::array<double, 6> KeyOf(const PoseSettings& place) {
+  std::array<double, 6> key{};
+  for (size_t i = 0; i < key.size(); ++i) key[i] = ShownCoordinate(place, i);
+  return key;
 }
 
 std::string Describe(const PoseSettings& place) {

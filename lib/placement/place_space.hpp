@@ -42,6 +42,9 @@ double CoordinateOf(const PoseSettings& place, size_t i);
 /// The same as people read it: mm or degrees.
 double ShownCoordinate(const PoseSettings& place, size_t i);
 
+/// All of them: places with the same are the same.
+std::array<double, 6> KeyOf(const PoseSettings& place);
+
 /// "(1850, 0, 1200) mm, (0, -90, 0)°".
 std::string Describe(const PoseSettings& place);
 

@@ -1,169 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "placement/run_place.hpp"
 
-#include <nlohmann/json.hpp>
-#include <sstream>
-
 #include "base/error.hpp"
-#include "base/file.hpp"
-#include "base/named_progress.hpp"
 #include "base/parallel.hpp"
-#include "base/text.hpp"
 #include "operations/done_operation.hpp"
+#include "pipeline/output_folder.hpp"
 #include "pipeline/run_record.hpp"
 #include "pipeline/step_meshes.hpp"
 #include "placement/place_results.hpp"
 #include "placement/place_search.hpp"
-#include "program/pose_text.hpp"
+#include "placement/placed_jobs.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
 namespace {
 
-using Json = nlohmann::json;
-
-constexpr const char* kPlacedHead = "# Written by millpose place; it may write over this file again.\n";
-constexpr double kApart = 0.1;              // of every range: of places nearer than that one is planned
 constexpr double kMoved = 20, kTurned = 1;  // mm, degrees: how well a part can be set down
-
-/// Rates places beside the job's own.
-class Rater {
- public:
-  explicit Rater(size_t operations) : reference_(operations) {}
-
-  RatedPlace Rate(PlaceScore score) {
-    RatedPlace rated;
-    double worst = 0, mean = 0;
-    bool all = score.touches.empty();
-    for (size_t i = 0; i < reference_.size(); ++i) {
-      const OperationScore& own = score.operations[i];
-      if (own.points.front() == 0) {
-        all = false;
-        continue;
-      }
-      // Where the job's own place has no free point, the first that has one stands for it.
-      if (reference_[i].worst <= 0) reference_[i] = own;
-      worst = std::max(worst, own.worst / reference_[i].worst);
-      mean = std::max(mean, own.mean / reference_[i].mean);
-    }
-    if (all) {
-      rated.worst = worst;
-      rated.mean = mean;
-    }
-    // What is missing before the worst, the worst before the mean; bounded, so that no place is all that a
-    // search sees.
-    const double missing =
-        1 - static_cast<double>(score.free()) / static_cast<double>(std::max<size_t>(1, score.total()));
-    rated.value = worst / (1 + worst) + 1e-3 * mean / (1 + mean);
-    if (missing > 0 || !all) rated.value = 2 + missing + 0.01 * rated.value;
-    rated.score = std::move(score);
-    return rated;
-  }
-
- private:
-  std::vector<OperationScore> reference_;
-};
-
-/// The best places that differ, best first; none that the part cannot stand in.
-std::vector<PoseSettings> BestPlaces(const PlaceSpace& space, std::vector<RatedPlace> places, size_t count) {
-  std::ranges::stable_sort(places, {}, &RatedPlace::value);
-  const auto near = [&](const PoseSettings& a, const PoseSettings& b) {
-    for (size_t d = 0; d < space.dimensions(); ++d) {
-      const PlaceRange& range = space.Range(d);
-      const size_t i = space.Coordinate(d);
-      if (std::abs(CoordinateOf(a, i) - CoordinateOf(b, i)) > kApart * (range.to - range.from)) return false;
-    }
-    return true;
-  };
-  std::vector<PoseSettings> best;
-  for (const RatedPlace& rated : places) {
-    if (best.size() >= count) break;
-    const PoseSettings& place = rated.score.place;
-    if (!rated.score.touches.empty() || rated.score.free() == 0) continue;
-    if (std::ranges::none_of(best, [&](const PoseSettings& other) { return near(place, other); }))
-      best.push_back(place);
-  }
-  return best;
-}
-
-std::vector<Override> OverridesOf(const PoseSettings& place, bool robot) {
-  const auto list = [&](size_t first) {
-    return fmt::format("[{}, {}, {}]", ShortestNumber(ShownCoordinate(place, first)),
-                       ShortestNumber(ShownCoordinate(place, first + 1)),
-                       ShortestNumber(ShownCoordinate(place, first + 2)));
-  };
-  const std::string key = robot ? "base_in_world" : "workpiece.pose";
-  return {{key, fmt::format("{{xyz_mm: {}, abc_deg: {}}}", list(0), list(3))}};
-}
-
-std::optional<double> NumberAt(const Json& json, const char* pointer) {
-  const Json::json_pointer at(pointer);
-  if (!json.contains(at) || !json.at(at).is_number()) return std::nullopt;
-  return json.at(at).get<double>();
-}
-
-/// The greatest absolute value in a column of a table; none where it has none.
-std::optional<double> GreatestOf(const std::string& csv, std::string_view column) {
-  std::optional<double> greatest;
-  std::istringstream lines(csv);
-  size_t at = 0;
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream cells(line);
-    std::string cell;
-    if (at == 0) {
-      while (std::getline(cells, cell, ',') && cell != column) ++at;
-      continue;
-    }
-    for (size_t i = 0; i <= at; ++i) std::getline(cells, cell, ',');
-    if (const std::optional<double> value = ParseNumber(cell))
-      greatest = std::max(greatest.value_or(0), std::abs(*value));
-  }
-  return greatest;
-}
-
-/// What summary.json files of a plan say, one or one per operation.
-PlannedPlace ReadPlan(const fs::path& out, const std::string& folder, const FileRoot& root) {
-  PlannedPlace plan;
-  plan.folder = folder;
-  const Json whole = Json::parse(root.Read(out / folder / "summary.json"));
-  plan.points = whole.at("points").at("total");
-  plan.planned = whole.at("points").at("planned");
-  plan.gaps = whole.at("gaps").at("total");
-  plan.gaps_planned = whole.at("gaps").at("planned");
-  std::vector<Json> own;
-  if (whole.contains("operations"))
-    for (const Json& operation : whole.at("operations")) own.push_back(operation.at("summary"));
-  else
-    own.push_back(whole);
-  for (const Json& summary : own) {
-    plan.worst.push_back(NumberAt(summary, "/stiffness/objective/worst"));
-    plan.median.push_back(NumberAt(summary, "/stiffness/objective/median"));
-    const std::optional<double> clearance = NumberAt(summary, "/clearance_min_mm");
-    if (clearance) plan.clearance = std::min(plan.clearance.value_or(*clearance), *clearance);
-    for (const Json& times : summary.at("cycle_times"))
-      plan.cycle[times.at("controller").get<std::string>()] += times.at("total_s").get<double>();
-  }
-  std::vector<std::string> folders = OperationFolders(out / folder);
-  if (folders.empty()) folders.emplace_back();
-  for (const std::string& operation : folders) {
-    const fs::path file = out / folder / operation / "deflection.csv";
-    const std::string text = Exists(file) ? root.Read(file) : std::string();
-    plan.length.push_back(GreatestOf(text, "length_um"));
-    plan.normal.push_back(GreatestOf(text, "normal_um"));
-  }
-  return plan;
-}
-
-PlanArguments AsPlan(const PlaceArguments& arguments, const fs::path& out) {
-  PlanArguments plan;
-  plan.job = arguments.job;
-  plan.out = out;
-  plan.threads = arguments.threads;
-  plan.overrides = arguments.overrides;
-  plan.max_points = arguments.max_points;
-  plan.root = arguments.root;
-  return plan;
-}
 
 /// The whole search of one job.
 class PlaceRun {
@@ -178,6 +30,7 @@ class PlaceRun {
         execution_{arguments.threads, stages, stop},
         space_(inputs.front().job, inputs.front().cell.stated_base),
         scorer_(inputs, execution_),
+        all_(scorer_.All()),
         rater_(inputs.size()) {}
 
   FoundPlaces Run(const std::string& name) {
@@ -188,14 +41,18 @@ class PlaceRun {
         BestPlaces(space_, found_.places, static_cast<size_t>(settings_.plans));
     for (size_t i = 0; i < best.size(); ++i) Plan(best[i], fmt::format("{:02}", i + 1));
     Recommend();
+    if (settings_.stations) Split();
     const PoseSettings& at = found_.plans[found_.recommended].place;
-    LookAround(at);
+    found_.sensitivity = LookAround(at, all_);
     DrawMap(at);
     return std::move(found_);
   }
 
  private:
-  RatedPlace Look(const PoseSettings& place) { return rater_.Rate(scorer_.Score(place, execution_)); }
+  RatedPlace Look(const PoseSettings& place, const Samples& samples) {
+    return rater_.Rate(scorer_.Score(place, samples, execution_));
+  }
+  RatedPlace Look(const PoseSettings& place) { return Look(place, all_); }
 
   void Describe(const std::string& name) {
     const JobSettings& job = inputs_.front().job;
@@ -223,12 +80,11 @@ class PlaceRun {
     stages_.Begin("places", static_cast<size_t>(settings_.places));
     found_.own = Look(space_.own());
     std::map<std::array<double, 6>, double> known;
-    SearchShares(space_.dimensions(), settings_.places, inputs_.front().job.seed,
+    SearchShares(std::vector<double>(space_.dimensions(), 0.5), settings_.places, inputs_.front().job.seed,
                  [&](std::span<const double> shares) {
                    stages_.Advance(1);
                    const PoseSettings place = space_.At(shares);
-                   std::array<double, 6> key{};
-                   for (size_t i = 0; i < key.size(); ++i) key[i] = ShownCoordinate(place, i);
+                   const std::array<double, 6> key = KeyOf(place);
                    if (const auto seen = known.find(key); seen != known.end()) return seen->second;
                    found_.places.push_back(Look(place));
                    return known[key] = found_.places.back().value;
@@ -237,13 +93,10 @@ class PlaceRun {
   }
 
   void Plan(const PoseSettings& place, const std::string& name) {
-    PlanArguments own = AsPlan(arguments_, out_ / kPlansFolder / name);
-    if (name != "00_job")
-      std::ranges::copy(OverridesOf(place, found_.robot), std::back_inserter(own.overrides));
-    MakeFolders(own.out->parent_path());
-    NamedProgress told(stages_, "plan " + name);
-    RunJob(own, told, execution_.stop);
-    found_.plans.push_back(ReadPlan(out_, fmt::format("{}/{}", kPlansFolder, name), arguments_.root));
+    const bool own = found_.plans.empty();
+    found_.plans.push_back(PlanWhole(arguments_, out_, name,
+                                     own ? std::vector<Override>() : OverridesOf(place, found_.robot),
+                                     execution_));
     found_.plans.back().place = place;
   }
 
@@ -260,16 +113,74 @@ class PlaceRun {
       if (rank(found_.plans[i]) < rank(found_.plans[found_.recommended])) found_.recommended = i;
   }
 
-  void LookAround(const PoseSettings& at) {
+  /// Splits the part between more and more stations, while fewer leave something out or a gain is asked for.
+  void Split() {
+    StationSearch search(inputs_.front(), space_, scorer_, rater_, execution_);
+    found_.split_rule = search.rule();
+    for (size_t count = 2; count <= static_cast<size_t>(settings_.stations->most); ++count) {
+      if (!settings_.stations->gain && Best().IsWhole()) break;
+      const std::vector<SplitStation> stations = search.Find(count);
+      if (stations.empty()) break;
+      if (!IsPromising(stations)) continue;
+      PlannedSplit& split = found_.splits.emplace_back();
+      for (const SplitStation& station : stations) {
+        const std::string name = fmt::format("{}_stations_{}", count, split.stations.size() + 1);
+        const PoseSettings& place = station.rated.score.place;
+        PlannedPlace plan = PlanWhole(
+            arguments_, out_, name,
+            StationOverrides(found_.job, split.stations.size() + 1, station.share, place, found_.robot),
+            execution_);
+        plan.place = place;
+        split.stations.push_back({station.share, std::move(plan), {}});
+      }
+      if (Pays(split.Whole(), Best())) found_.split = found_.splits.size() - 1;
+    }
+    if (!found_.split) return;
+    for (PlannedStation& station : found_.splits[*found_.split].stations)
+      station.sensitivity = LookAround(station.plan.place, scorer_.SampleOf(station.share));
+  }
+
+  /// By the sampled points: the part stands nowhere in a body, and fewer points are missing than in any one
+  /// place, where that lacks some.
+  bool IsPromising(const std::vector<SplitStation>& stations) const {
+    size_t free = 0, total = 0, most = found_.own.score.free();
+    for (const SplitStation& station : stations) {
+      if (!station.rated.score.touches.empty() || station.rated.score.free() == 0) return false;
+      free += station.rated.score.free();
+      total += station.rated.score.total();
+    }
+    const size_t wanted = found_.own.score.total();
+    for (const RatedPlace& rated : found_.places) most = std::max(most, rated.score.free());
+    return settings_.stations->gain || most == wanted || free * wanted > most * total;
+  }
+
+  PlannedPlace Best() const {
+    return found_.split ? found_.splits[*found_.split].Whole() : found_.plans[found_.recommended];
+  }
+
+  /// Whether one more station is worth moving to.
+  bool Pays(const PlannedPlace& split, const PlannedPlace& fewer) const {
+    const auto left = [](const PlannedPlace& plan) {
+      return std::pair(plan.points - plan.planned, plan.gaps - plan.gaps_planned);
+    };
+    // Points in an overlap count with both stations.
+    if (left(split) != left(fewer)) return left(split) < left(fewer);
+    if (!settings_.stations->gain || !split.worst.front() || !fewer.worst.front()) return false;
+    return *split.worst.front() <= (1 - *settings_.stations->gain) * *fewer.worst.front();
+  }
+
+  std::vector<Sensitivity> LookAround(const PoseSettings& at, const Samples& samples) {
+    std::vector<Sensitivity> sensitivity;
     for (size_t d = 0; d < space_.dimensions(); ++d) {
       const size_t i = space_.Coordinate(d);
       const bool length = i < 3;
       for (const double by : {length ? -kMoved : -kTurned, length ? kMoved : kTurned}) {
         PoseSettings place = at;
         CoordinateOf(place, i) += length ? by : DegToRad(by);
-        found_.sensitivity.push_back({i, by, Look(place)});
+        sensitivity.push_back({i, by, Look(place, samples)});
       }
     }
+    return sensitivity;
   }
 
   void DrawMap(const PoseSettings& at) {
@@ -316,21 +227,17 @@ class PlaceRun {
   Execution execution_;
   PlaceSpace space_;
   PlaceScorer scorer_;
+  const Samples& all_;
   Rater rater_;
   FoundPlaces found_;
 };
 
-/// JOB.placed.yaml: the job with the recommended place, beside it.
-fs::path PlacedFile(const fs::path& job) {
-  return job.parent_path() / (job.stem().string() + ".placed" + job.extension().string());
-}
-
-void RefuseForeign(const fs::path& placed) {
-  if (Exists(placed) && !ReadFile(placed).starts_with(kPlacedHead))
-    throw InputError(
-        Place{placed.string()},
-        "stands where the placed job would be written, and millpose place did not write it; move "
-        "it away");
+// Where external axes stand decides what a place is worth, and a place is scored without them.
+void RefuseExternalAxes(const std::vector<JobInputs>& inputs) {
+  for (const JobInputs& own : inputs)
+    if (!own.cell.external_axes.empty())
+      throw InputError(Place{own.cell.file},
+                       "external_axes: allowed in cells that millpose place looks for places in: none");
 }
 
 }  // namespace
@@ -338,10 +245,11 @@ void RefuseForeign(const fs::path& placed) {
 PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const std::stop_token& stop) {
   Stages stages(progress);
   std::vector<JobInputs> inputs = LoadOperations(arguments.job, arguments.overrides, arguments.root);
+  RefuseExternalAxes(inputs);
   const PlaceSpace checked(inputs.front().job,
                            inputs.front().cell.stated_base);  // refuses before anything is written
-  const fs::path placed = PlacedFile(arguments.job);
-  RefuseForeign(placed);
+  CheckStations(inputs);
+  RefuseForeignFiles(arguments.job, *inputs.front().job.placement);
   for (JobInputs& own : inputs) {
     own.max_points = arguments.max_points;
     CheckPrograms(own);
@@ -357,15 +265,13 @@ PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const 
   const RunFigures begun = BeginRun(AsPlan(arguments, out), name, inputs.front().folder, folder);
   const FoundPlaces found = PlaceRun(arguments, inputs, out, stages, stop).Run(name);
 
-  std::vector<Override> overrides = arguments.overrides;
-  std::ranges::copy(OverridesOf(found.plans[found.recommended].place, found.robot),
-                    std::back_inserter(overrides));
-  overrides.push_back({"name", name + "_placed"});
-  const bool better = found.recommended > 0;
+  const std::vector<PlacedJob> jobs = PlacedJobs(found, inputs.front(), arguments);
+  std::vector<std::string> placed;
+  for (const PlacedJob& job : jobs) placed.push_back(job.file.string());
   RunFigures run = EndRun(begun, stages, Execution{arguments.threads, stages, stop}.Threads());
-  const PlannedPlace& best = found.plans[found.recommended];
-  run.exit_status = best.planned == best.points && best.gaps_planned == best.gaps ? 0 : 1;
-  run.told = PlacementText(found, better ? placed.string() : "");
+  run.exit_status =
+      std::ranges::all_of(Recommended(found), [](const auto* plan) { return plan->IsWhole(); }) ? 0 : 1;
+  run.told = PlacementText(found, placed);
   ResultSet results(folder);
   results.Add("placement.json", PlacementJson(found));
   results.Add("placement.html", PlacementPage(found));
@@ -375,9 +281,7 @@ PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const 
   run.manifest = results.AddManifest(KeyOf(inputs, out));
   results.Add(kRunFile, RunJson(run));
   results.Publish();
-  if (better)
-    WriteFileAtomically(
-        placed, kPlacedHead + WithOverrides(inputs.front().job_text, arguments.job.string(), overrides));
+  WritePlacedJobs(arguments.job, jobs, found.split.has_value());
   return {run.exit_status, run.told};
 }
 

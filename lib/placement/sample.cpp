@@ -16,7 +16,34 @@ std::vector<size_t> Evenly(size_t size, size_t count) {
   return taken;
 }
 
+/// Appends the stretches of a pass whose points lie in the share.
+void AddStretches(const Pass& pass, const PathShare& share, std::vector<Pass>& passes) {
+  const size_t before = passes.size();
+  bool goes_on = false;
+  for (const MillingPoint& point : pass.points) {
+    const double at = share.direction.dot(point.position);
+    const bool in = at >= share.Least() && at <= share.Most();
+    if (in && !goes_on)
+      passes.push_back({.points = {}, .closed = false, .rotation_reference = pass.rotation_reference});
+    if (in) passes.back().points.push_back(point);
+    goes_on = in;
+  }
+  if (passes.size() > before && passes.back().points.size() == pass.points.size())
+    passes.back().closed = pass.closed;
+}
+
 }  // namespace
+
+Toolpath Shared(const Toolpath& toolpath, const PathShare& share) {
+  Toolpath shared;
+  for (const Pass& pass : toolpath.passes) {
+    if (!pass.whole)
+      AddStretches(pass, share, shared.passes);
+    else if (!pass.points.empty() && share.Owns(pass.points.front().position))
+      shared.passes.push_back(pass);
+  }
+  return shared;
+}
 
 Toolpath SampleOf(const Toolpath& toolpath, size_t count) {
   std::vector<Pass> passes;

@@ -7,6 +7,7 @@
 #include "base/units.hpp"
 #include "motion/cut_feed.hpp"
 #include "motion/line.hpp"
+#include "plan/station.hpp"
 #include "robot/angles.hpp"
 #include "robot/kinematics.hpp"
 
@@ -83,11 +84,11 @@ void AddCut(const Cut& cut, const Carrier& carrier, ContinuityFigures& figures, 
 }  // namespace
 
 ContinuityFigures AnalyseContinuity(const PlanResult& plan) {
-  const Carrier carrier{plan.arm, plan.X_WB, plan.X_FT};
   ContinuityFigures figures;
   SquareSum squares;
   size_t first_point = 0;
   for (const PassResult& pass : plan.passes) {
+    const Carrier carrier{plan.arm, BaseAt(plan, pass.external), plan.X_FT};
     for (const Piece& piece : pass.pieces) {
       const Cut cut = CutOf(pass, piece);
       AddCut(cut, carrier, figures, squares);
@@ -196,10 +197,10 @@ void AddSlow(const Cut& cut, const std::vector<double>& wanted, const std::vecto
 }  // namespace
 
 FeedReduction ReduceFeeds(PlanResult& plan) {
-  const Carrier carrier{plan.arm, plan.X_WB, plan.X_FT};
   FeedReduction reduction;
   size_t first_point = 0;
   for (PassResult& pass : plan.passes) {
+    const Carrier carrier{plan.arm, BaseAt(plan, pass.external), plan.X_FT};
     for (const Piece& piece : pass.pieces) {
       Cut cut = CutOf(pass, piece);
       std::vector<double> wanted;

@@ -8,6 +8,13 @@ namespace {
 
 constexpr double kSameWay = 1e-6;  // mm
 
+/// Whether two points ask for the same place and direction of the tool, but for rounding.
+bool IsSamePlaceNearly(const MillingPoint& a, const MillingPoint& b) {
+  constexpr double kRounding = 1e-9;
+  return (a.position - b.position).norm() <= kRounding && a.normal == b.normal &&
+         (a.tool_axis - b.tool_axis).norm() <= kRounding;
+}
+
 }  // namespace
 
 PassValue ValueOf(const PassResult& pass) {
@@ -45,7 +52,8 @@ std::vector<size_t> PlacesOf(const PassResult& plan, const Pass& pass) {
   if (plan.opened_at >= static_cast<int>(count)) return places;
   const auto first = static_cast<size_t>(std::max(0, plan.opened_at));  // of a ring left open
   for (size_t i = 0; i < plan.points.size() && places.size() < count; ++i)
-    if (IsSamePlace(plan.points[i].point, pass.points[(first + places.size()) % count])) places.push_back(i);
+    if (IsSamePlaceNearly(plan.points[i].point, pass.points[(first + places.size()) % count]))
+      places.push_back(i);
   return places;
 }
 

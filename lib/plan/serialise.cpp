@@ -1,114 +1,179 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // PlanResult and PassResult as CBOR. Each type lists its fields once (Fields); writer and reader both walk
-// that list.
-#include <nlohmann/json.hpp>
-
+// that list, so fields stand in its order.
 #include "base/error.hpp"
-#include "plan/plan_result.hpp"
+#include "plan/cbor.hpp"
+#include "plan/write_plan.hpp"
 
 namespace millpose {
 namespace {
-
-using Json = nlohmann::json;
 
 // The type of a field that is neither number, text, matrix nor list must have a Fields() of its own.
 template <class T>
 concept Scalar = std::is_arithmetic_v<T> || std::is_same_v<T, std::string>;
 
+/// How many fields are written of a value.
+struct Counter {
+  size_t fields = 0;
+
+  template <class T>
+  void operator()(const char*, const T&) {
+    ++fields;
+  }
+  template <class T>
+  void operator()(const char*, const std::optional<T>& value) {
+    fields += value.has_value();
+  }
+  template <class E, size_t kCount>
+  void Words(const char*, const E&, const EnumWords<E, kCount>&) {
+    ++fields;
+  }
+};
+
 struct Writer {
-  Json json = Json::object();
+  std::string& out;
+  const ByteSink* sink = nullptr;  ///< takes what `out` holds before and after every pass, where there is one
+  int threads = 1;                 ///< that passes are written on for it
+  CborWriter to{out};
 
   template <class T>
   void operator()(const char* key, const T& value) {
-    json[key] = Write(value);
+    to.Text(key);
+    Write(value);
   }
   /// A value that is written where there is one.
   template <class T>
   void operator()(const char* key, const std::optional<T>& value) {
-    if (value) json[key] = Write(*value);
+    if (value) (*this)(key, *value);
   }
   /// An enum by its word.
   template <class E, size_t kCount>
   void Words(const char* key, const E& value, const EnumWords<E, kCount>& words) {
-    json[key] = WordOf(words, value);
+    (*this)(key, std::string(WordOf(words, value)));
   }
 
-  template <Scalar T>
-  static Json Write(const T& value) {
-    return value;
-  }
+  void Write(bool value) { to.Bool(value); }
+  void Write(double value) { to.Number(value); }
+  void Write(uint64_t value) { to.Unsigned(value); }
+  void Write(const std::string& value) { to.Text(value); }
   template <class T>
-  requires std::is_enum_v<T>
-  static Json Write(const T& value) { return static_cast<int>(value); }
+  requires(std::is_enum_v<T> || std::is_integral_v<T>) void Write(const T& value) {
+    to.Integer(static_cast<int64_t>(value));
+  }
   template <int kRows, int kCols>
-  static Json Write(const Eigen::Matrix<double, kRows, kCols>& value) {
-    return std::vector<double>(value.data(), value.data() + value.size());
+  void Write(const Eigen::Matrix<double, kRows, kCols>& value) {
+    to.List(static_cast<size_t>(value.size()));
+    for (Eigen::Index i = 0; i < value.size(); ++i) to.Number(value.data()[i]);
   }
-  static Json Write(const Pose& value) { return Write(Eigen::Matrix4d(value.matrix())); }
-  static Json Write(const std::array<double, 6>& value) { return value; }
-  template <class T>
-  static Json Write(const std::vector<T>& values) {
-    Json list = Json::array();
-    for (const T& value : values) list.push_back(Write(value));
-    return list;
+  void Write(const Pose& value) { Write(Eigen::Matrix4d(value.matrix())); }
+  template <size_t kSize>
+  void Write(const std::array<double, kSize>& value) {
+    to.List(kSize);
+    for (const double number : value) to.Number(number);
   }
   template <class T>
-  requires(std::is_class_v<T> && !Scalar<T>) static Json Write(const T& value) {
-    Writer inner;
-    Fields(inner, const_cast<T&>(value));  // Fields is shared with the reader; the writer only reads
-    return std::move(inner.json);
+  void Write(const std::vector<T>& values) {
+    to.List(values.size());
+    for (const T& value : values) Write(value);
+  }
+  void Write(const std::vector<PassResult>& passes) {
+    to.List(passes.size());
+    Flush();
+    const auto pass = [&](size_t i) {
+      std::string bytes;
+      Writer{bytes}.Write(passes[i]);
+      return bytes;
+    };
+    WriteInOrder(passes.size(), threads, {}, pass, *sink);
+  }
+  void Flush() {
+    (*sink)(out);
+    out.clear();
+  }
+  template <class T>
+  requires(std::is_class_v<T> && !Scalar<T>) void Write(const T& value) {
+    auto& fields = const_cast<T&>(value);  // Fields is shared with the reader; the writer only reads
+    Counter counter;
+    Fields(counter, fields);
+    to.Map(counter.fields);
+    Fields(*this, fields);
   }
 };
 
+/// Reads the fields of a value in the order in which they are written.
 struct Reader {
-  const Json& json;
+  CborReader& from;
+  size_t left = 0;  ///< entries of the map that is read
 
   template <class T>
   void operator()(const char* key, T& value) {
-    Read(json.at(key), value);
+    if (!Take(key)) throw std::runtime_error(fmt::format("{} expected", key));
+    Read(value);
   }
   template <class T>
   void operator()(const char* key, std::optional<T>& value) {
     value.reset();
-    if (const auto found = json.find(key); found != json.end()) Read(*found, value.emplace());
+    if (Take(key)) Read(value.emplace());
   }
   template <class E, size_t kCount>
   void Words(const char* key, E& value, const EnumWords<E, kCount>& words) {
-    const std::string given = json.at(key);
+    std::string given;
+    (*this)(key, given);
     const auto found = std::ranges::find(words, given, [](const auto& word) { return word.first; });
     if (found == words.end()) throw std::runtime_error(fmt::format("{} '{}' is not known", key, given));
     value = found->second;
   }
 
-  template <Scalar T>
-  static void Read(const Json& from, T& value) {
-    from.get_to(value);
-  }
+  void Read(bool& value) { value = from.Bool(); }
+  void Read(double& value) { value = from.Number(); }
+  void Read(uint64_t& value) { value = from.Unsigned(); }
+  void Read(std::string& value) { value = from.Text(); }
   template <class T>
-  requires std::is_enum_v<T>
-  static void Read(const Json& from, T& value) { value = static_cast<T>(from.get<int>()); }
-  template <int kRows, int kCols>
-  static void Read(const Json& from, Eigen::Matrix<double, kRows, kCols>& value) {
-    if (from.size() != static_cast<size_t>(value.size()))
-      throw std::runtime_error("wrong number of matrix entries");
-    for (Eigen::Index i = 0; i < value.size(); ++i)
-      value.data()[i] = from.at(static_cast<size_t>(i)).get<double>();
+  requires(std::is_enum_v<T> || std::is_integral_v<T>) void Read(T& value) {
+    const int64_t given = from.Integer();
+    value = static_cast<T>(given);
+    if (static_cast<int64_t>(value) != given) throw std::runtime_error("a number out of range");
   }
-  static void Read(const Json& from, Pose& value) {
+  template <int kRows, int kCols>
+  void Read(Eigen::Matrix<double, kRows, kCols>& value) {
+    Numbers(value.data(), static_cast<size_t>(value.size()));
+  }
+  void Read(Pose& value) {
     Eigen::Matrix4d matrix;
-    Read(from, matrix);
+    Read(matrix);
     value.matrix() = matrix;
   }
-  static void Read(const Json& from, std::array<double, 6>& value) { from.get_to(value); }
-  template <class T>
-  static void Read(const Json& from, std::vector<T>& values) {
-    values.resize(from.size());
-    for (size_t i = 0; i < values.size(); ++i) Read(from.at(i), values[i]);
+  template <size_t kSize>
+  void Read(std::array<double, kSize>& value) {
+    Numbers(value.data(), kSize);
   }
   template <class T>
-  requires(std::is_class_v<T> && !Scalar<T>) static void Read(const Json& from, T& value) {
-    Reader inner{from};
+  void Read(std::vector<T>& values) {
+    const size_t count = from.List();
+    values.clear();
+    values.reserve(std::min<size_t>(count, 1024));                   // whatever damaged bytes say
+    for (size_t i = 0; i < count; ++i) Read(values.emplace_back());  // never more than the bytes hold
+  }
+  template <class T>
+  requires(std::is_class_v<T> && !Scalar<T>) void Read(T& value) {
+    Reader inner{from, from.Map()};
     Fields(inner, value);
+    inner.End();
+  }
+  void End() const {
+    if (left > 0) throw std::runtime_error(fmt::format("'{}' is not known", from.Text()));
+  }
+
+ private:
+  bool Take(const char* key) {
+    if (left == 0 || !from.IsNext(key)) return false;
+    from.Text();
+    --left;
+    return true;
+  }
+  void Numbers(double* to, size_t count) {
+    if (from.List() != count) throw std::runtime_error("wrong number of matrix entries");
+    for (size_t i = 0; i < count; ++i) to[i] = from.Number();
   }
 };
 
@@ -336,24 +401,39 @@ void Fields(Archive& a, PlanResult& r) {
 }
 
 // The leading field tells a file of ours from others and one version from the next.
-constexpr const char* kFormat = "millpose 5";
+constexpr const char* kFormat = "millpose 6";
+
+/// The fields of a value behind the leading one.
+template <class T>
+void WriteTop(const T& value, Writer& writer) {
+  auto& fields = const_cast<T&>(value);
+  Counter counter;
+  Fields(counter, fields);
+  writer.to.Map(1 + counter.fields);
+  writer("format", std::string(kFormat));
+  Fields(writer, fields);
+}
 
 template <class T>
 std::string ToBytes(const T& value) {
-  Json json = Writer::Write(value);
-  json["format"] = kFormat;
   std::string bytes;
-  Json::to_cbor(json, bytes);
+  Writer writer{bytes};
+  WriteTop(value, writer);
   return bytes;
 }
 
 template <class T>
 T FromBytes(std::string_view bytes, const std::string& name) {
   try {
-    const Json json = Json::from_cbor(bytes.begin(), bytes.end());
-    if (json.at("format") != kFormat) throw std::runtime_error("written by another version");
+    CborReader from(bytes);
+    Reader reader{from, from.Map()};
+    std::string format;
+    reader("format", format);
+    if (format != kFormat) throw std::runtime_error("written by another version");
     T value;
-    Reader::Read(json, value);
+    Fields(reader, value);
+    reader.End();
+    if (!from.AtEnd()) throw std::runtime_error("something follows its end");
     return value;
   } catch (const std::exception& error) {
     throw InputError({name}, fmt::format("not a plan that this version wrote: {}", error.what()));
@@ -362,7 +442,17 @@ T FromBytes(std::string_view bytes, const std::string& name) {
 
 }  // namespace
 
-std::string Serialise(const PlanResult& result) { return ToBytes(result); }
+void WritePlan(const PlanResult& result, int threads, const ByteSink& sink) {
+  std::string bytes;
+  Writer writer{bytes, &sink, threads};
+  WriteTop(result, writer);
+  writer.Flush();
+}
+
+std::string Serialise(const PlanResult& result) {
+  return BytesOf([&](const ByteSink& sink) { WritePlan(result, 1, sink); });
+}
+
 std::string Serialise(const PassResult& result) { return ToBytes(result); }
 std::string Serialise(const Gap& result) { return ToBytes(result); }
 

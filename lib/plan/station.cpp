@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/units.hpp"
+
 namespace millpose {
 namespace {
 
 Pose At(const PlanResult& plan, Carries carried, const Pose& at_zero, const ExternalPosition& external) {
-  if (plan.external_axes.empty()) return at_zero;
+  if (external.empty()) return at_zero;
   return Mechanism(plan.external_axes).Moved(carried, external) * at_zero;
 }
 
@@ -20,6 +22,25 @@ Pose BaseAt(const PlanResult& plan, const ExternalPosition& external) {
 
 Pose PartAt(const PlanResult& plan, const ExternalPosition& external) {
   return At(plan, Carries::kWorkpiece, plan.X_WP, external);
+}
+
+std::string PositionText(const std::vector<ExternalAxis>& axes, const ExternalPosition& position) {
+  std::vector<std::string> values;
+  for (size_t i = 0; i < axes.size(); ++i)
+    values.push_back(axes[i].kind == AxisKind::kLinear
+                         ? fmt::format("{} {:g} mm", axes[i].name, position[i])
+                         : fmt::format("{} {:g} deg", axes[i].name, RadToDeg(position[i])));
+  return fmt::format("{}", fmt::join(values, ", "));
+}
+
+Pose ToZero(const PlanResult& plan, const ExternalPosition& external) {
+  if (external.empty()) return Pose::Identity();
+  return Mechanism(plan.external_axes).Moved(Carries::kWorkpiece, external).inverse(Eigen::Isometry);
+}
+
+Eigen::Vector3d OnPartAtZero(const PlanResult& plan, const ExternalPosition& external,
+                             const Eigen::Vector3d& place) {
+  return external.empty() ? place : Eigen::Vector3d(ToZero(plan, external) * place);
 }
 
 std::vector<SeriesCompliance> CompliancesAt(const PlanResult& plan, const ExternalPosition& external,

@@ -8,9 +8,19 @@
 namespace millpose {
 
 /// Where the robot's base and the part stand in W with the external axes at `external`: `plan.X_WB` and
-/// `plan.X_WP` themselves where the cell has none.
+/// `plan.X_WP` themselves where `external` is empty: where the cell has none.
 Pose BaseAt(const PlanResult& plan, const ExternalPosition& external);
 Pose PartAt(const PlanResult& plan, const ExternalPosition& external);
+
+/// "rail 1500 mm, table 30 deg".
+std::string PositionText(const std::vector<ExternalAxis>& axes, const ExternalPosition& position);
+
+/// Brings places and directions in W on the part, with the external axes at `external`, to where they are
+/// with all of them at 0.
+Pose ToZero(const PlanResult& plan, const ExternalPosition& external);
+/// `place` itself where `external` is empty.
+Eigen::Vector3d OnPartAtZero(const PlanResult& plan, const ExternalPosition& external,
+                             const Eigen::Vector3d& place);
 
 /// All that yields beside the joints with the external axes at `external`: `beside`, which the cell has
 /// anyway, and the external axes.

@@ -18,7 +18,8 @@ class CandidateTable {
     Joints q;  ///< as Candidate::q, rad
   };
 
-  /// A grid of at most `step` (rad or mm, as the freedom) over every freedom, ends included.
+  /// A grid over every freedom, ends included: of its own step about its nominal value where it has one, else
+  /// of at most `step` (rad or mm, as the freedom).
   static CandidateTable OfStep(const PointScorer& scorer, double step);
   /// A grid of at most `settings` settings (and at least two of each freedom), as many of one freedom as of
   /// any other.
@@ -32,17 +33,19 @@ class CandidateTable {
   size_t settings() const { return settings_; }
   /// Ascending by the first freedom, then by the second, and so on.
   FreedomValues Setting(size_t index) const;
-  /// A line of settings that differ in the first freedom alone: `line_length()` of them, `stride()` apart.
-  int line_length() const { return counts_[0]; }
-  size_t stride() const { return settings_ / static_cast<size_t>(counts_[0]); }
-  /// Value `i` of freedom `d`.
-  double At(size_t d, int i) const { return lower_[d] + i * step_[d]; }
+  /// A line of settings that differ in the first freedom alone: `line_length()` of them, `stride()` apart. So
+  /// setting % stride() says how the others are set.
+  int line_length() const { return static_cast<int>(values_[0].size()); }
+  size_t stride() const { return settings_ / values_[0].size(); }
+  /// Value `i` of freedom `d`; of the first also beyond its ends.
+  double At(size_t d, int i) const;
 
  private:
-  CandidateTable(const PointScorer& scorer, const std::vector<int>& intervals);
+  /// The values of each freedom, ascending; the first at even steps.
+  CandidateTable(const PointScorer& scorer, std::vector<std::vector<double>> values);
 
-  std::vector<int> counts_;  ///< of each freedom's values
-  std::vector<double> lower_, step_;
+  std::vector<std::vector<double>> values_;
+  double first_step_;
   size_t settings_ = 1;
   std::vector<Entry> entries_;
   Obstacle reason_ = Obstacle::kUnreachable;

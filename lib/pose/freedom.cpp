@@ -8,16 +8,24 @@ namespace millpose {
 
 /// Defined in freedoms/<name>.cpp.
 FreedomEntry RotationEntry();
+FreedomEntry LeadEntry();
+FreedomEntry TiltEntry();
+
+ToolStance Freedom::Lean(const CutterContact&, const ToolStance& from, double) const { return from; }
+
+Pose Freedom::Apply(const Pose& X_WT, double) const { return X_WT; }
 
 Registry<FreedomEntry>& Freedoms() {
-  static Registry<FreedomEntry> freedoms{"freedom", {RotationEntry()}};
+  static Registry<FreedomEntry> freedoms{"freedom", {RotationEntry(), LeadEntry(), TiltEntry()}};
   return freedoms;
 }
 
-std::unique_ptr<Freedom> MakeFreedom(const std::string& name) { return Freedoms().At(name).make(); }
+std::unique_ptr<Freedom> MakeFreedom(const std::string& name, const LeanRange& range) {
+  return Freedoms().At(name).make(range);
+}
 
-Pose NominalToolPose(const MillingPoint& point, const Eigen::Vector3d& rotation_reference) {
-  const Eigen::Vector3d z = point.tool_axis.normalized();
+Pose NominalToolPose(const ToolStance& stance, const Eigen::Vector3d& rotation_reference) {
+  const Eigen::Vector3d z = stance.axis.normalized();
   Eigen::Vector3d x = rotation_reference - rotation_reference.dot(z) * z;
   static const double kParallel = SinCos(DegToRad(1)).sin;
   if (x.norm() < kParallel * rotation_reference.norm()) {
@@ -29,7 +37,7 @@ Pose NominalToolPose(const MillingPoint& point, const Eigen::Vector3d& rotation_
   X_WT.linear().col(0) = x.normalized();
   X_WT.linear().col(1) = z.cross(X_WT.linear().col(0));
   X_WT.linear().col(2) = z;
-  X_WT.translation() = point.position;
+  X_WT.translation() = stance.tip;
   return X_WT;
 }
 

@@ -8,13 +8,26 @@
 
 #include "base/registry.hpp"
 #include "robot/arm.hpp"
+#include "toolpath/cutter.hpp"
+#include "toolpath/lean_range.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {
 
-/// Values of a candidate's freedoms, one entry per Freedom of the problem (today one: rotation about the tool
-/// axis).
+/// Values of a candidate's freedoms, one entry per Freedom of the problem: the rotation about the tool axis,
+/// then lead and tilt where a job leaves them open.
 using FreedomValues = std::vector<double>;
+
+/// How the cutter meets the surface at a milling point; W, unit vectors.
+struct CutterContact {
+  Eigen::Vector3d place, normal, feed;
+  CutterShape cutter;
+};
+
+/// The tool before it is turned about its own axis; W, axis from tip to holder.
+struct ToolStance {
+  Eigen::Vector3d tip, axis;
+};
 
 /// A coordinate in which a milling point may be taken differently without changing the cut.
 class Freedom {
@@ -25,26 +38,39 @@ class Freedom {
   virtual double Lower() const = 0;
   virtual double Upper() const = 0;
   virtual bool Periodic() const = 0;
+  /// Grid step that searches take; 0: their own.
+  virtual double Step() const { return 0; }
+  /// The value at which the tool path was laid.
+  virtual double Nominal() const { return 0; }
   /// True for the rotation about the tool axis by the value itself, which the scorer has a fast way for.
   virtual bool IsToolRotation() const { return false; }
+  /// True where it moves the tool axis about the contact, by Lean; else it moves the pose, by Apply. Axes
+  /// start along the normal and lean by one such freedom after the other.
+  virtual bool IsLean() const { return false; }
+  virtual ToolStance Lean(const CutterContact& contact, const ToolStance& from, double value) const;
   /// The tool pose after moving by `value` from X_WT.
-  virtual Pose Apply(const Pose& X_WT, double value) const = 0;
+  virtual Pose Apply(const Pose& X_WT, double value) const;
 };
 
 struct FreedomEntry {
   std::string name;
-  std::function<std::unique_ptr<Freedom>()> make;
+  /// Freedoms that have a range of their own leave the given one alone.
+  std::function<std::unique_ptr<Freedom>(const LeanRange&)> make;
 };
 
 /// All freedoms; programs that link the library may add theirs.
 Registry<FreedomEntry>& Freedoms();
 
 /// The freedom registered under `name`; InputError with the nearest name when there is none.
-std::unique_ptr<Freedom> MakeFreedom(const std::string& name);
+std::unique_ptr<Freedom> MakeFreedom(const std::string& name, const LeanRange& range = {});
 
-/// The tool pose at which all freedoms are 0: tip at the point, z along the tool axis, x along
+/// The tool pose of a stance where the rotation is 0: z along the tool axis, x along
 /// `rotation_reference` projected into the plane normal to the tool axis (design.md, conventions). When the
 /// reference is within 1° of the axis, the world axis least aligned with the tool axis serves instead.
-Pose NominalToolPose(const MillingPoint& point, const Eigen::Vector3d& rotation_reference);
+Pose NominalToolPose(const ToolStance& stance, const Eigen::Vector3d& rotation_reference);
+/// That of the point as it stands.
+inline Pose NominalToolPose(const MillingPoint& point, const Eigen::Vector3d& rotation_reference) {
+  return NominalToolPose(ToolStance{point.position, point.tool_axis}, rotation_reference);
+}
 
 }  // namespace millpose

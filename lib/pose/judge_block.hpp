@@ -1,22 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The admissible predicate for a block of poses, one per lane.
+// The admissible predicate, for a block of poses, one per lane: whatever says that a pose may or may not be
+// used for its limits, singularities or dexterity asks here (interference is not part of it).
 #pragma once
 
 #include "pose/scorer.hpp"
 
 namespace millpose {
 
-/// Puts the principal angles of both wrists of an arm branch within the bounds where full revolutions can,
-/// and says by how much limits and distances to singularities are missed.
-struct JudgedWrist {
-  std::array<Lanes, 6> q;  ///< rad
-  Lanes limit;             ///< rad missed, summed over the joints; 0 within
+/// The poses of one arm branch with one of its two wrists.
+struct CheckedWrist {
+  std::array<Lanes, 6> q;  ///< rad; within the limits where full revolutions bring it there, else principal
+  Lanes shortfall;         ///< as in Candidate
+  std::array<Obstacle, kLanes> obstacle;  ///< kUnreachable, kLimit, kSingular or kNone
 };
-struct JudgedBranch {
-  JudgedWrist unflipped, flipped;
-  Lanes singular;  ///< missed of the least sines and (in m) of the least distance
+struct CheckedBranch {
+  CheckedWrist unflipped, flipped;
 };
-void Judge(const AdmissibleBounds& bounds, const ArmBranchBlock& branch, const AnglesBlock& angles,
-           JudgedBranch& out, InstructionSet set = WidestInstructionSet());
+
+/// Puts the angles of both wrists within the limits of `problem` where full revolutions can, and says what
+/// each pose misses. Limits come before singularities: a pose that misses both is kLimit.
+void CheckAdmissible(const PoseProblem& problem, const FlangeBlock& flange, const ArmBranchBlock& branch,
+                     CheckedBranch& out, InstructionSet set = WidestInstructionSet());
 
 }  // namespace millpose

@@ -36,6 +36,8 @@ class Objective {
   virtual bool DependsOnFeed() const = 0;
   /// Whether it reads the force of the context, which a job's process.cutting gives.
   virtual bool NeedsForce() const { return false; }
+  /// Whether it reads the tool axis of the context, which differs between leans.
+  virtual bool ReadsToolAxis() const { return true; }
   /// One value per lane; +inf where it is not defined (singular compliance), never NaN.
   virtual void Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const = 0;
 
@@ -52,6 +54,7 @@ class PlainObjective : public Objective {
   std::string Name() const override { return name_; }
   std::string Unit() const override { return unit_; }
   bool DependsOnFeed() const override { return false; }
+  bool ReadsToolAxis() const override { return false; }
 
  private:
   const char *name_, *unit_;

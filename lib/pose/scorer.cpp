@@ -4,22 +4,18 @@
 #include <limits>
 
 #include "pose/judge_block.hpp"
+#include "pose/lean_problem.hpp"
 
 namespace millpose {
 namespace {
 
-// Less than this is missed by rounding only: the same joints come from the block kernels, from scalar code
-// and with other full revolutions.
-constexpr double kSingularRounding = 1e-10;
-
-/// What is missed of the bounds on singularity and dexterity; 0 when nothing.
-double SingularShortfall(const AdmissibleBounds& bounds, const SingularityDistance& distance,
-                         double dexterity) {
-  const double missing = std::max(0.0, bounds.wrist_min - distance.wrist) +
-                         std::max(0.0, bounds.elbow_min - distance.elbow) +
-                         1e-3 * std::max(0.0, bounds.shoulder_min_mm - distance.shoulder) +
-                         std::max(0.0, bounds.dexterity_min - dexterity);
-  return missing > kSingularRounding ? missing : 0.0;
+void CopyLane(const FlangeBlock& from, size_t lane, FlangeBlock& to) {
+  for (size_t row = 0; row < 3; ++row) {
+    to.x[row].v[lane] = from.x[row].v[lane];
+    to.y[row].v[lane] = from.y[row].v[lane];
+    to.z[row].v[lane] = from.z[row].v[lane];
+    to.p[row].v[lane] = from.p[row].v[lane];
+  }
 }
 
 }  // namespace
@@ -38,79 +34,132 @@ PointScorer::PointScorer(const PoseProblem& problem, const MillingPoint& point,
   context_.force = X_BW_.linear() * point.engagement.force;
   rotation_only_ = problem.freedoms.size() == 1 && problem.freedoms[0]->IsToolRotation();
   rotated_ = RotatedFlange(X_BW_ * X_WT_nominal_, X_TF_);
+  leans_ = HasLean(problem);
+  rotates_and_leans_ = leans_ && problem.freedoms[0]->IsToolRotation() &&
+                       std::all_of(problem.freedoms.begin() + 1, problem.freedoms.end(),
+                                   [](const auto& freedom) { return freedom->IsLean(); });
+  if (!leans_) return;
+  contact_ = ContactOf(problem, point);
+  rotation_reference_ = rotation_reference;
+  bound_.emplace(*problem.lean, contact_.place, contact_.normal, contact_.feed);
 }
 
 Pose PointScorer::ToolPose(const double* freedoms) const {
-  Pose X_WT = X_WT_nominal_;
+  Pose X_WT = leans_ ? NominalToolPose(StanceAt(*problem_, contact_, {freedoms, problem_->freedoms.size()}),
+                                       rotation_reference_)
+                     : X_WT_nominal_;
   for (const auto& freedom : problem_->freedoms) X_WT = freedom->Apply(X_WT, *freedoms++);
   return X_WT;
 }
 
-void PointScorer::FlangePoses(std::span<const double> values, FlangeBlock& out) const {
+/// Lanes of the same lean, which mostly come together, share what turns with the rotation alone.
+void PointScorer::LeaningFlangePoses(std::span<const double> values, FlangeBlock& out,
+                                     BlockAxes& axes) const {
+  const size_t dimensions = problem_->freedoms.size();
+  Lanes angles;
+  for (size_t l = 0; l < kLanes; ++l) angles.v[l] = values[l * dimensions];
+  RotatedFlange rotated;
+  FlangeBlock block;
+  for (size_t l = 0; l < kLanes; ++l) {
+    const double* own = values.data() + l * dimensions;
+    if (l > 0 && std::equal(own + 1, own + dimensions, own + 1 - dimensions)) {
+      axes.axis[l] = axes.axis[l - 1];
+      axes.barred |= (axes.barred >> (l - 1) & 1u) << l;
+    } else {
+      const ToolStance stance = StanceAt(*problem_, contact_, {own, dimensions});
+      axes.axis[l] = stance.axis;
+      axes.alike = axes.alike && l == 0;
+      if (!bound_->Admits(stance.axis)) axes.barred |= 1u << l;
+      rotated = RotatedFlange(X_BW_ * NominalToolPose(stance, rotation_reference_), X_TF_);
+      rotated.Set(angles, block);
+    }
+    if (l == 0)
+      out = block;
+    else if (!axes.alike)
+      CopyLane(block, l, out);
+  }
+}
+
+void PointScorer::FlangePoses(std::span<const double> values, FlangeBlock& out, BlockAxes& axes) const {
   if (rotation_only_) {
     Lanes angles;
     std::copy_n(values.begin(), kLanes, angles.v);
     rotated_.Set(angles, out);
     return;
   }
+  if (rotates_and_leans_) return LeaningFlangePoses(values, out, axes);
   const size_t dimensions = problem_->freedoms.size();
-  for (int l = 0; l < kLanes; ++l) out.Set(l, X_BW_ * ToolPose(values.data() + l * dimensions) * X_TF_);
+  for (size_t l = 0; l < kLanes; ++l) {
+    const Pose X_WT = ToolPose(values.data() + l * dimensions);
+    out.Set(static_cast<int>(l), X_BW_ * X_WT * X_TF_);
+    if (!leans_) continue;
+    axes.axis[l] = X_WT.linear().col(2);
+    axes.alike = false;
+    if (!bound_->Admits(axes.axis[l])) axes.barred |= 1u << l;
+  }
 }
 
 void PointScorer::ScoreBlock(std::span<const double> values, unsigned arm_branches, ScoredBlock& out) const {
   for (auto& branch : out.obstacle) branch.fill(Obstacle::kUnreachable);
   for (Lanes& branch : out.shortfall) std::fill_n(branch.v, kLanes, std::numeric_limits<double>::infinity());
   FlangeBlock flange;
-  FlangePoses(values, flange);
+  BlockAxes axes;
+  FlangePoses(values, flange, axes);
+  if (axes.barred == (1u << kLanes) - 1) return;
   ArmBranches solved;
   InverseBlock(problem_->arm, flange, solved);
   for (int entry = 0; entry < EntryCount(problem_->arm); ++entry) {
-    if (arm_branches >> (entry & 3) & 1u) ScoreEntry(entry, flange, solved[entry], out);
+    if (arm_branches >> (entry & 3) & 1u) ScoreEntry(entry, flange, solved[entry], axes, out);
+  }
+  for (size_t l = 0; l < kLanes; ++l) {
+    if ((axes.barred >> l & 1u) == 0) continue;
+    for (int branch = 0; branch < 8; ++branch) {
+      out.obstacle[branch][l] = Obstacle::kUnreachable;
+      out.shortfall[branch].v[l] = std::numeric_limits<double>::infinity();
+    }
+  }
+}
+
+/// The objective, each lane's with the axis that it has.
+void PointScorer::Evaluate(const ComplianceBlock& c, const BlockAxes& axes, Lanes& out) const {
+  if (!leans_ || !problem_->objective->ReadsToolAxis())
+    return problem_->objective->Evaluate(c, context_, out);
+  ObjectiveContext context = context_;
+  Lanes lanes;
+  for (size_t l = 0; l < kLanes; ++l) {
+    if (l == 0 || axes.axis[l] != axes.axis[l - 1]) {
+      context.tool_axis = X_BW_.linear() * axes.axis[l];
+      problem_->objective->Evaluate(c, context, lanes);
+    }
+    out.v[l] = lanes.v[l];
   }
 }
 
 /// In the order reach, limits, singularities, stiffness: what is cheap first, and no more than is asked for.
 void PointScorer::ScoreEntry(int entry, const FlangeBlock& flange, const ArmBranchBlock& solved,
-                             ScoredBlock& out) const {
+                             const BlockAxes& axes, ScoredBlock& out) const {
   if (std::none_of(solved.reached.v, solved.reached.v + kLanes, [](double r) { return r > 0.0; })) return;
-  AnglesBlock angles;
-  AnglesOfBranch(problem_->arm, solved, angles);
-  JudgedBranch judged;
-  Judge(problem_->bounds, solved, angles, judged);
-  if (problem_->bounds.dexterity_min > 0.0) {
-    Lanes dexterity;
-    DexterityOfBlock(problem_->arm, flange, solved, problem_->X_FT.translation(),
-                     problem_->characteristic_length, dexterity);
-    for (int l = 0; l < kLanes; ++l) {
-      judged.singular.v[l] += std::max(0.0, problem_->bounds.dexterity_min - dexterity.v[l]);
-    }
-  }
+  CheckedBranch checked;
+  CheckAdmissible(*problem_, flange, solved, checked);
   bool any_admissible = false;
   for (int branch = entry; branch < 8; branch += EntryCount(problem_->arm)) {
-    const JudgedWrist& wrist = branch == entry ? judged.unflipped : judged.flipped;
-    for (int l = 0; l < kLanes; ++l) {
-      if (!(solved.reached.v[l] > 0.0)) continue;
-      const double limit = wrist.limit.v[l];
-      const double singular = judged.singular.v[l] > kSingularRounding ? judged.singular.v[l] : 0.0;
-      out.shortfall[branch].v[l] = limit > 0.0 ? limit : singular;
-      out.obstacle[branch][l] = limit > 0.0      ? Obstacle::kLimit
-                                : singular > 0.0 ? Obstacle::kSingular
-                                                 : Obstacle::kNone;
-      any_admissible |= out.obstacle[branch][l] == Obstacle::kNone;
-    }
+    const CheckedWrist& wrist = branch == entry ? checked.unflipped : checked.flipped;
+    out.obstacle[branch] = wrist.obstacle;
+    out.shortfall[branch] = wrist.shortfall;
     std::copy(wrist.q.begin(), wrist.q.end(), out.q[branch]);
+    any_admissible |= std::ranges::find(wrist.obstacle, Obstacle::kNone) != wrist.obstacle.end();
   }
   if (!any_admissible) return;
   ComplianceBlock joints;
   LinearCompliance(problem_->arm, flange, solved, p_FO_, joints);
-  problem_->objective->Evaluate(joints, context_, out.objective[entry]);
+  Evaluate(joints, axes, out.objective[entry]);
   for (int branch = entry; branch < 8; branch += EntryCount(problem_->arm)) {
     if (branch != entry && problem_->compliances.empty()) out.objective[branch] = out.objective[entry];
     if (!problem_->compliances.empty()) {
       ComplianceBlock whole = joints;
       AddSeriesCompliance(problem_->arm, problem_->compliances, p_FO_, solved.reached,
-                          branch == entry ? judged.unflipped.q : judged.flipped.q, whole);
-      problem_->objective->Evaluate(whole, context_, out.objective[branch]);
+                          branch == entry ? checked.unflipped.q : checked.flipped.q, whole);
+      Evaluate(whole, axes, out.objective[branch]);
     }
     // A compliance without an objective's value is singular, whatever the bounds say.
     for (int l = 0; l < kLanes; ++l) {
@@ -158,18 +207,6 @@ Candidate CandidateOf(const ScoredBlock& block, int branch, int lane) {
   }
   for (int i = 0; i < 6; ++i) candidate.q[i] = block.q[branch][i].v[lane];
   return candidate;
-}
-
-Obstacle CheckAdmissible(const PoseProblem& problem, const Joints& q) {
-  for (int i = 0; i < 6; ++i) {
-    if (q[i] < problem.bounds.lower[i] || q[i] > problem.bounds.upper[i]) return Obstacle::kLimit;
-  }
-  double dexterity = 0;
-  if (problem.bounds.dexterity_min > 0.0)
-    dexterity =
-        Dexterity(Jacobian(problem.arm, q, problem.X_FT.translation()), problem.characteristic_length);
-  const double missing = SingularShortfall(problem.bounds, DistanceToSingularity(problem.arm, q), dexterity);
-  return missing > 0.0 ? Obstacle::kSingular : Obstacle::kNone;
 }
 
 }  // namespace millpose

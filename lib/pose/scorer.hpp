@@ -10,14 +10,15 @@
 #include "robot/kinematics.hpp"
 #include "stiffness/compliance.hpp"
 #include "stiffness/series.hpp"
+#include "toolpath/lean_law.hpp"
 #include "toolpath/obstacle.hpp"
 
 namespace millpose {
 
-/// Bounds of the one admissible predicate that genetic algorithm, exhaustive search, ladder search and audit
-/// share.
+/// Bounds of the admissible predicate (judge_block.hpp) that genetic algorithm, exhaustive search, ladder
+/// search and smoothing share through PointScorer.
 struct AdmissibleBounds {
-  Joints lower = Joints::Zero(), upper = Joints::Zero();  ///< limits already less the margin, rad
+  Joints lower = Joints::Zero(), upper = Joints::Zero();  ///< limits already minus the margin, rad
   double dexterity_min = 0;                               ///< with the problem's characteristic length
   double wrist_min = 0;                                   ///< least |sin q5|
   double elbow_min = 0;                                   ///< least |sin| of the elbow
@@ -31,8 +32,10 @@ struct PoseProblem {
   StiffnessOrigin origin = StiffnessOrigin::kToolTip;
   double characteristic_length = 1000;  ///< mm, for dexterity
   AdmissibleBounds bounds;
-  std::vector<SeriesCompliance> compliances;  ///< beside the joints'; each makes scoring slower
+  std::vector<SeriesCompliance> compliances;  ///< in series with the joints'; each makes scoring slower
+  /// The rotation about the tool axis first, then those that lean the axis.
   std::vector<std::shared_ptr<const Freedom>> freedoms;
+  std::optional<LeanRules> lean;  ///< where a freedom leans the axis
   std::shared_ptr<const Objective> objective;
 };
 
@@ -81,9 +84,19 @@ class PointScorer {
   const PoseProblem& problem() const { return *problem_; }
 
  private:
+  /// The tool axes of a block where freedoms lean.
+  struct BlockAxes {
+    std::array<Eigen::Vector3d, kLanes> axis;  ///< W
+    unsigned barred = 0;                       ///< bit l: the lean of lane l is not admitted
+    bool alike = true;
+  };
+
   Pose ToolPose(const double* freedoms) const;
-  void FlangePoses(std::span<const double> values, FlangeBlock& out) const;
-  void ScoreEntry(int entry, const FlangeBlock& flange, const ArmBranchBlock& solved, ScoredBlock& out) const;
+  void FlangePoses(std::span<const double> values, FlangeBlock& out, BlockAxes& axes) const;
+  void LeaningFlangePoses(std::span<const double> values, FlangeBlock& out, BlockAxes& axes) const;
+  void ScoreEntry(int entry, const FlangeBlock& flange, const ArmBranchBlock& solved, const BlockAxes& axes,
+                  ScoredBlock& out) const;
+  void Evaluate(const ComplianceBlock& c, const BlockAxes& axes, Lanes& out) const;
 
   const PoseProblem* problem_;
   Pose X_WT_nominal_;
@@ -91,10 +104,10 @@ class PointScorer {
   Eigen::Vector3d p_FO_;  ///< the stiffness origin in F, mm
   ObjectiveContext context_;
   RotatedFlange rotated_;  ///< where the rotation about the tool axis is the only freedom
-  bool rotation_only_;
+  bool rotation_only_, leans_, rotates_and_leans_;
+  CutterContact contact_;  ///< where freedoms lean, as the following
+  Eigen::Vector3d rotation_reference_;
+  std::optional<LeanBound> bound_;
 };
-
-/// The one predicate for a full joint vector, apart from reach. `q` within the bounds as it stands.
-Obstacle CheckAdmissible(const PoseProblem& problem, const Joints& q);
 
 }  // namespace millpose

@@ -48,4 +48,7 @@ PointOptimum RefineTable(const PointScorer& scorer, const CandidateTable& table)
 /// The same on a table of `step` (rad or mm); fine enough it judges the others.
 PointOptimum ExhaustiveSearch(const PointScorer& scorer, double step);
 
+/// The nearest local optimum from an admissible place on its branch, in all freedoms one after the other.
+PointOptimum Descend(const PointScorer& scorer, PointOptimum from);
+
 }  // namespace millpose

@@ -39,7 +39,7 @@ std::vector<Motion> Between(const MotionProgram& program, const Motion& from, co
     point.X_PT = line.At(share);
     point.exact = false;
     point.point = -1;
-    const Pose X_BF = *program.X_BP * point.X_PT * program.X_FT->inverse();
+    const Pose X_BF = *FrameOf(program, to) * point.X_PT * program.X_FT->inverse();
     point.q = InverseNear(arm, X_BF, Status(arm, *to.q), *from.q + share * (*to.q - *from.q));
     if (!point.q) return {};
   }

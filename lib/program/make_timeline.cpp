@@ -2,6 +2,7 @@
 #include "program/make_timeline.hpp"
 
 #include "base/units.hpp"
+#include "plan/station.hpp"
 
 namespace millpose {
 namespace {
@@ -20,6 +21,11 @@ Joints EndOf(const PlanResult& plan, int pass_number, int piece_number, bool las
   return pass.points[static_cast<size_t>(at)].q;
 }
 
+/// Where the external axes stand while a pass is milled, or at home (−1).
+ExternalPosition StationOf(const PlanResult& plan, int pass) {
+  return pass < 0 ? Mechanism(plan.external_axes).Home() : plan.passes[static_cast<size_t>(pass)].external;
+}
+
 /// The plan with a leap in place of every gap that could not be planned.
 PlanResult WithLeaps(const PlanResult& plan) {
   PlanResult whole = plan;
@@ -27,19 +33,24 @@ PlanResult WithLeaps(const PlanResult& plan) {
     if (gap.planned) continue;
     gap.joints = {gap.from_pass < 0 ? plan.home : EndOf(plan, gap.from_pass, gap.from_piece, true),
                   gap.to_pass < 0 ? plan.home : EndOf(plan, gap.to_pass, gap.to_piece, false)};
+    const ExternalPosition from = StationOf(plan, gap.from_pass), to = StationOf(plan, gap.to_pass);
+    if (from != to) gap.external = ExternalMove{from, to};
     gap.planned = true;
   }
   return whole;
 }
 
-/// For every motion, whether it belongs to a gap that could not be planned. Joint motions come gap by gap,
-/// one less than the gap has corners; the very first goes home.
+/// One less than the gap has corners, and one more where the external axes move.
+size_t JointMotions(const Gap& gap) { return gap.joints.size() - 1 + (gap.external ? 1 : 0); }
+
+/// For every motion, whether it belongs to a gap that could not be planned. Joint motions come gap by gap;
+/// the very first goes home.
 std::vector<char> FindLeaps(const PlanResult& plan, const PlanResult& whole, const MotionProgram& program) {
   std::vector<char> leaps(program.motions.size(), 0);
-  size_t gap = 0, left = whole.gaps.front().joints.size() - 1;
+  size_t gap = 0, left = JointMotions(whole.gaps.front());
   for (size_t i = 1; i < leaps.size(); ++i) {
     if (program.motions[i].type != MotionType::kJoint) continue;
-    while (left == 0) left = whole.gaps.at(++gap).joints.size() - 1;
+    while (left == 0) left = JointMotions(whole.gaps.at(++gap));
     leaps[i] = !plan.gaps[gap].planned;
     --left;
   }
@@ -48,12 +59,24 @@ std::vector<char> FindLeaps(const PlanResult& plan, const PlanResult& whole, con
 
 RunPart StretchOf(const PlanResult& plan, const MotionProgram& program, size_t i) {
   const Motion& motion = program.motions[i];
+  if (MovesExternal(program, i)) return RunPart::kExternal;
   if (motion.type == MotionType::kJoint) return RunPart::kGap;
   if (motion.point < 0) return program.motions[i - 1].point >= 0 ? RunPart::kRetract : RunPart::kApproach;
   if (!IsCut(program, i)) return RunPart::kApproach;
   const PlannedPoint& point =
       plan.passes[static_cast<size_t>(motion.pass)].points[static_cast<size_t>(motion.point)];
   return point.point.kind == PointKind::kCut ? RunPart::kCut : RunPart::kLead;
+}
+
+/// In how many parts of kTipStep or kJointStep the way of the external axes comes.
+double ExternalParts(const MotionProgram& program, size_t i) {
+  double parts = 0;
+  for (size_t k = 0; k < program.external_axes.size(); ++k) {
+    const double way = std::abs(program.motions[i].external[k] - program.motions[i - 1].external[k]);
+    parts =
+        std::max(parts, way / (program.external_axes[k].kind == AxisKind::kLinear ? kTipStep : kJointStep));
+  }
+  return parts;
 }
 
 /// The times within a motion at which it is looked at, beside its end: the ramps and evenly between.
@@ -88,9 +111,12 @@ Timeline MakeTimeline(const PlanResult& plan, MotionOptions options, const TimeO
     const Motion& motion = program.motions[i];
     const RunPart stretch = leaps[i] ? RunPart::kMissing : StretchOf(plan, program, i);
     const auto add = [&](double time, double share) {
+      ExternalPosition external = ExternalOf(program, i, share);
+      const Pose X_WP = external.empty() ? plan.X_WP : BaseAt(plan, external) * *FrameOf(program, motion);
       timeline.push_back({.time = time,
                           .q = JointsOf(program, plan.arm, i, share),
-                          .tip = (plan.X_WP * TipOf(program, plan.arm, i, share)).translation(),
+                          .external = std::move(external),
+                          .tip = (X_WP * TipOf(program, plan.arm, i, share)).translation(),
                           .stretch = stretch,
                           .pass = motion.pass,
                           .point = share < 1 ? -1 : motion.point});
@@ -98,7 +124,9 @@ Timeline MakeTimeline(const PlanResult& plan, MotionOptions options, const TimeO
     if (stretch != RunPart::kMissing && stretch != RunPart::kCut && stretch != RunPart::kLead && i > 0) {
       const double turn = (*motion.q - *program.motions[i - 1].q).cwiseAbs().maxCoeff();
       const double length = (motion.X_PT.translation() - program.motions[i - 1].X_PT.translation()).norm();
-      const double parts = stretch == RunPart::kGap ? turn / kJointStep : length / kTipStep;
+      const double parts = stretch == RunPart::kExternal ? ExternalParts(program, i)
+                           : stretch == RunPart::kGap    ? turn / kJointStep
+                                                         : length / kTipStep;
       for (const double time : TimesWithin(laws[i], parts)) add(start + time, laws[i].Share(time));
     }
     if (stretch != RunPart::kMissing) start += laws[i].duration;

@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "motion/line.hpp"
+#include "plan/station.hpp"
 #include "robot/angles.hpp"
 #include "robot/kinematics.hpp"
 
@@ -19,12 +20,13 @@ constexpr double kSpeedShare = 0.5;  // of the joints' largest speeds that appro
 /// Appends motions and events of one plan.
 class ProgramBuilder {
  public:
-  ProgramBuilder(const PlanResult& plan, const MotionOptions& options)
-      : plan_(plan), options_(options), X_PB_(plan.X_WP.inverse() * plan.X_WB) {
+  ProgramBuilder(const PlanResult& plan, const MotionOptions& options) : plan_(plan), options_(options) {
+    StandAt(Mechanism(plan.external_axes).Home());
     program_.name = plan.job;
     program_.notice = options.notice;
     program_.header = {{"job", plan.job}, {"cell", plan.cell}, {"inputs", plan.input_hash}};
     program_.header.insert(program_.header.end(), options.header.begin(), options.header.end());
+    program_.external_axes = plan.external_axes;
     program_.X_BP = plan.X_WB.inverse() * plan.X_WP;
     program_.X_FT = plan.X_FT;
   }
@@ -56,9 +58,13 @@ class ProgramBuilder {
     } else if (program_.motions.empty()) {
       Add(MotionType::kJoint, gap.joints.front(), -1, -1).exact = true;
     }
-    if (gap.to_pass < 0) AddEvent(ProgramEvent::Kind::kSpindleOff, 0, 0);
-    for (size_t i = 1; i < gap.joints.size(); ++i) {
+    const bool stands = gap.to_pass < 0 || (gap.external && gap.from_pass >= 0);
+    if (stands) AddEvent(ProgramEvent::Kind::kSpindleOff, 0, 0);
+    for (size_t i = 0; i < gap.joints.size(); ++i) {
       if (gap.to_pass >= 0 && i + 1 == gap.joints.size()) break;
+      if (i > 0) Add(MotionType::kJoint, gap.joints[i], -1, -1).exact = true;
+      if (!gap.external || static_cast<int>(i) != gap.external->at) continue;
+      StandAt(gap.external->to);
       Add(MotionType::kJoint, gap.joints[i], -1, -1).exact = true;
     }
     if (gap.to_pass >= 0) AddEntry(gap);
@@ -85,10 +91,19 @@ class ProgramBuilder {
   MotionProgram Take() { return std::move(program_); }
 
  private:
+  /// The motions that follow are made at this station.
+  void StandAt(const ExternalPosition& external) {
+    external_ = external;
+    X_BP_ = BaseAt(plan_, external).inverse() * PartAt(plan_, external);
+    X_PB_ = PartAt(plan_, external).inverse() * BaseAt(plan_, external);
+  }
+
   Motion& Add(MotionType type, const Joints& q, int pass, int point) {
     Motion& motion = program_.motions.emplace_back();
     motion.type = type;
     motion.q = q;
+    motion.external = external_;
+    if (!external_.empty()) motion.X_BP = X_BP_;
     motion.X_PT = X_PB_ * ForwardFlange(plan_.arm, q) * plan_.X_FT;
     motion.pass = pass;
     motion.point = point;
@@ -176,7 +191,7 @@ class ProgramBuilder {
     entry.exact = true;
     entry.status = Status(plan_.arm, gap.joints.back());
     entry.turn = Turn(gap.joints.back());
-    if (gap.from_pass < 0) AddEvent(ProgramEvent::Kind::kSpindleOn, plan_.spindle_speed, 0);
+    if (gap.from_pass < 0 || gap.external) AddEvent(ProgramEvent::Kind::kSpindleOn, plan_.spindle_speed, 0);
   }
 
   void AddEvent(ProgramEvent::Kind kind, double value, int piece) {
@@ -193,7 +208,8 @@ class ProgramBuilder {
 
   const PlanResult& plan_;
   const MotionOptions& options_;
-  Pose X_PB_;
+  ExternalPosition external_;  // of the station
+  Pose X_BP_, X_PB_;           // there
   MotionProgram program_;
   double clearance_share_ = 1;
 };
@@ -254,6 +270,18 @@ MotionProgram MakeMotionProgram(const PlanResult& plan, const MotionOptions& opt
   }
   builder.AddCalls(true);
   return builder.Take();
+}
+
+bool MovesExternal(const MotionProgram& program, size_t i) {
+  return i > 0 && program.motions[i].external != program.motions[i - 1].external;
+}
+
+ExternalPosition ExternalOf(const MotionProgram& program, size_t i, double share) {
+  ExternalPosition external = program.motions[i].external;
+  if (!MovesExternal(program, i) || share >= 1) return external;
+  const ExternalPosition& from = program.motions[i - 1].external;
+  for (size_t k = 0; k < external.size(); ++k) external[k] = from[k] + share * (external[k] - from[k]);
+  return external;
 }
 
 bool HasFeed(const Motion& motion) { return motion.type == MotionType::kLinear || motion.duration > 0; }

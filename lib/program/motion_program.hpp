@@ -28,15 +28,20 @@ inline DeclaredCall ChangeByHand(const Joints& at) {
   return {"the change of tool", true, at, at, "tool_change"};
 }
 
-/// One motion to a target. A joint motion goes to `q` where that is known, else to `X_PT` on the arm's branch
+/// One motion to a target, at whose end all axes stand. The external axes move in joint motions alone, evenly
+/// with the joints. A joint motion goes to `q` where that is known, else to `X_PT` on the arm's branch
 /// `status` with the turns `turn`.
 struct Motion {
   MotionType type = MotionType::kJoint;
   Pose X_PT = Pose::Identity();  ///< target, tool in the workpiece frame; unset when read from joint angles
   std::optional<Joints> q;  ///< target angles, rad; always known when written, only if programmed when read
   std::optional<int> status, turn;  ///< S and T (bits of the controller's angles), where programmed
-  double feed = 0;                  ///< mm/s of the tip, LIN only
-  double duration = 0;              ///< s, joint motions in inverse time; 0: as fast as the axes allow
+  /// Where the external axes stand at its end: one value for each of MotionProgram::external_axes.
+  ExternalPosition external;
+  /// The frame that the target counts in, in the robot's base as it stands then; empty: the program's.
+  std::optional<Pose> X_BP;
+  double feed = 0;      ///< mm/s of the tip, LIN only
+  double duration = 0;  ///< s, joint motions in inverse time; 0: as fast as the axes allow
   /// Orientation as programmed in three angles (SINUMERIK, Cartesian LinuxCNC), rad, not wrapped. They run
   /// evenly from those of the motion before, unless the program's `swivel` says otherwise.
   std::optional<Eigen::Vector3d> angles;
@@ -90,6 +95,7 @@ struct AxisConvention {
 struct MotionProgram {
   std::string name;
   std::vector<std::pair<std::string, std::string>> header;  ///< key, value: printed as comments
+  std::vector<ExternalAxis> external_axes;                  ///< of the cell
   std::optional<Pose> X_BP;  ///< workpiece (base) frame in the robot's base; empty when the text has none
   std::optional<Pose> X_FT;  ///< tool in the flange; empty when the text has none
   AxisConvention axes;       ///< that `turn` counts in
@@ -110,6 +116,16 @@ struct MotionProgram {
   std::string notice;                ///< shown to the operator before the first motion; empty: none
   std::vector<std::string> files;    ///< names of the texts it was read from
 };
+
+/// The frame that a motion's target counts in, in the robot's base; empty when the text has none.
+inline const std::optional<Pose>& FrameOf(const MotionProgram& program, const Motion& motion) {
+  return motion.X_BP ? motion.X_BP : program.X_BP;
+}
+
+/// Whether the external axes move in motion `i`; where they come from before the first one is not known.
+bool MovesExternal(const MotionProgram& program, size_t i);
+/// Where they stand at `share` (0..1) of its way.
+ExternalPosition ExternalOf(const MotionProgram& program, size_t i, double share);
 
 /// The notice of a program whose poses take the expected deflection out: run twice it would cut twice.
 inline constexpr char kCompensatedNotice[] = "COMPENSATED: NOT TO BE RUN TWICE ON ONE PART";
@@ -148,7 +164,8 @@ PlanResult Lifted(PlanResult plan, double offset);
 /// feed of its own), LIN cuts (a closed piece returns to its first point as a last motion), LIN retract; PTP
 /// home. The spindle turns from before the first approach to after the last retract. The last cut, both ends
 /// of approach and retract, where a cut turns back, and where it slows down on its way along the tool axis,
-/// are exact. Precondition: WhyNotProgrammable() is empty.
+/// are exact. Between stations the spindle stands still, and the external axes move in a joint motion of
+/// their own, in which the arm stands at home. Precondition: WhyNotProgrammable() is empty.
 MotionProgram MakeMotionProgram(const PlanResult& plan, const MotionOptions& options = {});
 
 /// Straight and timed motions; the others move as fast as the axes allow.

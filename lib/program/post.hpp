@@ -25,6 +25,7 @@ struct ToolLoad {
 struct PostSettings : PostOptions {
   Pose X_FT = Pose::Identity();    ///< tool in the flange, for programs that state none
   Pose X_WB = Pose::Identity();    ///< the robot's base in the cell, whose z points up
+  Mechanism mechanism;             ///< the cell's external axes; X_WB holds with all of them at 0
   std::string tool_name;           ///< T="…", printed in headers
   std::optional<int> tool_number;  ///< by which the controller knows it
   std::string tool_check;      ///< lines that wait until the tool is in the spindle, see Post::ToolCheck()
@@ -88,8 +89,9 @@ class Post {
   virtual void Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const = 0;
   /// Whether the controller counts in a world of its own, where programs state and check the robot's base.
   virtual bool HasOwnWorld() const { return false; }
-  /// The robot's base in that world, as the cell says that the controller has it.
-  virtual Pose BaseInWorld() const { return Pose::Identity(); }
+  /// The robot's base in that world, with the cell's external axes at 0, as the cell says that the controller
+  /// has it.
+  virtual Pose BaseInWorld(const PostSettings&) const { return Pose::Identity(); }
   /// Whether its programs tell configurations by those of a spherical wrist.
   virtual bool NeedsSphericalWrist() const { return true; }
   /// Whether programs are read from a disk as they run: no file is too long, and entries are joint angles.
@@ -99,12 +101,11 @@ class Post {
   virtual TimeOptions Times() const { return {}; }
   /// What bounds its speed along short motions, for estimates.
   virtual PathDynamics Dynamics(const PostOptions& options) const;
-  /// Constant positions of external axes that every target states, mm or degrees.
-  virtual std::vector<double> ExternalAxes() const { return {}; }
   /// Bytes that all files of a program may take together; 0: no such bound.
   virtual size_t Memory() const { return 0; }
 
-  /// Why it cannot be programmed in a cell, in one sentence; empty where it can.
+  /// Why it cannot be programmed in a cell, in one sentence; empty where it can. The names of its external
+  /// axes are known to be those of the cell.
   virtual std::string WhyNotIn(const PostSettings&) const { return {}; }
   virtual FrameTexts Frames(const PostSettings& settings) const;
   /// Lines behind the change of tool that let nothing go on before the controller says that the right one is

@@ -53,18 +53,15 @@ struct PostKey : yaml::Field<PostSection<Own>> {
 };
 
 /// The entry of a post P, made from the options of its own, a P::Options, which `options()` gives back.
-/// `check` sees them when all keys were good.
+/// `check` sees the whole section when all keys were good.
 template <class P>
 PostEntry EntryOf(
     const std::vector<PostKey<typename P::Options>>& keys,
-    std::function<void(const yaml::Value&, const yaml::Context&, typename P::Options&)> check = nullptr) {
+    std::function<void(const yaml::Value&, const yaml::Context&, PostSection<typename P::Options>&)> check =
+        nullptr) {
   using Own = typename P::Options;
   using Whole = PostSection<Own>;
-  const yaml::Codec<Whole> fields =
-      yaml::Section<Whole>({keys.begin(), keys.end()},
-                           [check](const yaml::Value& value, const yaml::Context& context, Whole& whole) {
-                             if (check) check(value, context, whole.own);
-                           });
+  const yaml::Codec<Whole> fields = yaml::Section<Whole>({keys.begin(), keys.end()}, std::move(check));
   return {P(Own{}).Name(), [] { return std::make_unique<P>(Own{}); },
           yaml::Lifted<ControllerOptions, Whole>(
               fields,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "program/post_keys.hpp"
 
+#include <set>
+
 namespace millpose {
 namespace {
 
@@ -55,6 +57,64 @@ Codec<DeclaredCall> CallFields() {
           context.Add(value.mark, call.moves ? "a call that moves needs from_deg and to_deg"
                                              : "from_deg and to_deg have no effect where moves is false");
       });
+}
+
+/// Where an axis stands that the cell does not plan.
+Field<ControllerAxis> ConstantKey(const char* key, AxisKind kind, const Unit& unit, const char* doc) {
+  using A = ControllerAxis;
+  return KeyBy<A, std::optional<double>>(
+      key,
+      [kind](const A& axis) {
+        return axis.axis.empty() && !axis.name.empty() && axis.kind == kind ? std::optional(axis.constant)
+                                                                            : std::nullopt;
+      },
+      [kind](A& axis, const std::optional<double>& given) {
+        axis.kind = kind;
+        axis.constant = *given;
+      },
+      Maybe(Real(unit, Between(-1e6, 1e6))), doc);
+}
+
+Codec<ControllerAxis> ControllerAxisFields(const std::vector<std::string>& names, bool still) {
+  using A = ControllerAxis;
+  static const Unit degrees{"deg", 1, 1};  // as the program says it
+  std::vector<Field<A>> fields = {
+      Key<A>("name", MILLPOSE_AT(name), names.empty() ? Text() : Choice(names), "By which programs name it.")
+          .Required(),
+      Key<A>("axis", MILLPOSE_AT(axis), Text(), "Which of the cell's external_axes it is.")
+          .WhenSet([](const A& axis) { return !axis.axis.empty(); }),
+      Key<A>("coupled", MILLPOSE_AT(coupled), Flag(),
+             "Whether the controller counts in it: its poses stay where they are when the axis moves.")
+          .WhenSet([](const A& axis) { return !axis.axis.empty() || axis.coupled; })};
+  if (still) {
+    fields.push_back(
+        ConstantKey("constant_mm", AxisKind::kLinear, kMm, "Where it stands, if the cell does not have it."));
+    fields.push_back(ConstantKey("constant_deg", AxisKind::kRotary, degrees, "The same of a rotary axis."));
+  }
+  return Section<A>(std::move(fields), [names, still](const Value& value, const Context& context, A& axis) {
+    const int given = int{value.Find("axis") != nullptr} + int{value.Find("constant_mm") != nullptr} +
+                      int{value.Find("constant_deg") != nullptr};
+    if (still ? given != 1 : value.Find("axis") == nullptr)
+      context.Add(value.mark,
+                  still ? fmt::format("given {} of axis, constant_mm and constant_deg; allowed: one", given)
+                        : "axis is missing; required: one of the cell's external_axes");
+    if (!axis.axis.empty() && value.Find("coupled") == nullptr)
+      context.Child("coupled").Add(value.mark, "missing; required with axis: true or false");
+    if (names.empty() && !IsWord(axis.name))
+      context.Child("name").Add(value.mark,
+                                fmt::format("given '{}'; allowed: letters, digits and '_'", axis.name));
+  });
+}
+
+/// No name stands twice.
+void CheckAxes(const Value& list, const Context& context) {
+  std::set<std::string> names;
+  for (size_t i = 0; i < list.items.size(); ++i) {
+    const Value* name = list.items[i].Find("name");
+    if (name != nullptr && !names.insert(name->text).second)
+      context.Child(i).Child("name").Add(name->mark,
+                                         fmt::format("given '{}' twice; allowed: once", name->text));
+  }
 }
 
 /// Programs are ASCII: what a text puts into them must be so too.
@@ -132,6 +192,25 @@ SharedKey MaxMotionsKey() {
 SharedKey MaxKbytesKey() {
   return Key<S>("max_kbytes", MILLPOSE_AT(max_kbytes), Integer(4, 1000000),
                 "Size of one program file, kB; larger programs call sub-programs.");
+}
+
+SharedKey ExternalAxesKey(const std::vector<std::string>& names, bool still) {
+  SharedKey key =
+      Key<S>("external_axes", MILLPOSE_AT(controller_axes), ListOf(ControllerAxisFields(names, still)),
+             "The axes beside the arm's six that programs state.")
+          .WhenSet([](const S& s) { return !s.controller_axes.empty(); });
+  key.read = [read = key.read, still](const Value& value, const Context& context, S& options) {
+    const auto number = std::ranges::find(value.items, Value::Kind::kScalar, &Value::kind);
+    if (still && number != value.items.end())
+      return context.Add(
+          number->mark, fmt::format("given {}: is no longer a list of numbers; give {{name: E1, constant_mm: "
+                                    "{}}}, or constant_deg of a rotary axis",
+                                    number->text, number->text));
+    read(value, context, options);
+    options.controller_axes_line = value.mark.line;
+    CheckAxes(value, context);
+  };
+  return key;
 }
 
 SharedKey OutputsKey(bool delay) {

@@ -21,6 +21,9 @@ SharedKey CycleKey(double usual);
 SharedKey BlockTimeKey();
 SharedKey MaxMotionsKey();
 SharedKey MaxKbytesKey();
+/// `names`: by which the controller can know an axis; empty: any word. `still`: whether programs state those,
+/// too, that the cell does not plan.
+SharedKey ExternalAxesKey(const std::vector<std::string>& names, bool still);
 /// `delay`: whether outputs may be switched later or earlier than at their place.
 SharedKey OutputsKey(bool delay);
 /// `own`: events beside those that every program has.

@@ -11,6 +11,15 @@
 
 namespace millpose {
 
+/// An axis beside the arm's six, as a controller knows it.
+struct ControllerAxis {
+  std::string name;                   ///< in its programs: E1, U, or that of a channel axis
+  std::string axis;                   ///< of the cell's external axes; empty: it stands still at `constant`
+  AxisKind kind = AxisKind::kLinear;  ///< of one that stands still
+  double constant = 0;                ///< mm or degrees, likewise
+  bool coupled = false;  ///< the controller counts in it: its frames stay on what stands or is carried
+};
+
 /// What more than one controller is reported in its section of the cell's `controllers:`. Every default here
 /// and only here; the keys stand in post_keys.cpp.
 struct PostOptions {
@@ -21,6 +30,8 @@ struct PostOptions {
   std::optional<double> cycle, block_time;  ///< s, for the estimate of the speed
   int max_motions = 1400;                   ///< per file; larger programs call sub-programs
   int max_kbytes = 500;                     ///< per file
+  std::vector<ControllerAxis> controller_axes;
+  int controller_axes_line = 0;  ///< of the YAML, for later errors
   std::vector<PathOutput> outputs;
   std::map<std::string, std::string> texts;  ///< templates by event name, see Templates
   std::map<std::string, int> text_lines;     ///< of the YAML, by event name, for later errors

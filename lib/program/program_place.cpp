@@ -46,7 +46,7 @@ std::vector<Problem> PlaceRules::Broken(const MotionProgram& program) const {
     if (rule.places.Contains(place)) continue;
     const auto name =
         std::find_if(kNames.begin(), kNames.end(), [&](const auto& entry) { return entry.first == place; });
-    problems.push_back({rule.at, fmt::format("{} must not stand {}; allowed: {}", rule.what, name->second,
+    problems.push_back({rule.at, fmt::format("{} is not allowed {}; allowed: {}", rule.what, name->second,
                                              rule.places.Text())});
   }
   return problems;

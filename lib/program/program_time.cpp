@@ -28,9 +28,29 @@ double EvenSeconds(const Motion& from, const Motion& to, const Arm& arm, const T
   return line.length() > 0 ? seconds : std::max(seconds, turning);
 }
 
-TimeLaw LawOf(const Motion& from, const Motion& to, const Arm& arm, const TimeOptions& options) {
+/// Of the way of the external axes alone.
+TimeLaw ExternalLaw(const std::vector<ExternalAxis>& axes, const Motion& from, const Motion& to,
+                    double speed_share) {
+  static_assert(kMostExternalAxes <= 6);
+  Joints delta = Joints::Zero(), speed = Joints::Ones(), acceleration = Joints::Ones();
+  for (size_t k = 0; k < axes.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    delta[i] = to.external[k] - from.external[k];
+    speed[i] = axes[k].speed * speed_share;
+    acceleration[i] = axes[k].acceleration;
+  }
+  return FastestLaw(delta, speed, acceleration);
+}
+
+TimeLaw LawOf(const MotionProgram& program, size_t i, const Arm& arm, const TimeOptions& options) {
+  const Motion &from = program.motions[i - 1], &to = program.motions[i];
   const Joints delta = *to.q - *from.q;
-  if (IsWay(to)) return FastestLaw(delta, options.way_speed_share * arm.speed, arm.acceleration);
+  if (IsWay(to)) {
+    const TimeLaw law = FastestLaw(delta, options.way_speed_share * arm.speed, arm.acceleration);
+    if (!MovesExternal(program, i)) return law;
+    const TimeLaw external = ExternalLaw(program.external_axes, from, to, options.way_speed_share);
+    return external.duration > law.duration ? external : law;
+  }
   const double seconds = EvenSeconds(from, to, arm, options);
   if (seconds <= 0) return {};
   const double ramp = (delta.cwiseAbs() / seconds).cwiseQuotient(arm.acceleration).maxCoeff();
@@ -40,7 +60,7 @@ TimeLaw LawOf(const Motion& from, const Motion& to, const Arm& arm, const TimeOp
 class TrajectoryWriter {
  public:
   TrajectoryWriter(const MotionProgram& program, const Arm& arm, const Pose& X_WB,
-                   const std::vector<double>& external)
+                   const std::vector<ExternalColumn>& external)
       : program_(program), arm_(arm), X_WB_(X_WB), external_(external) {}
 
   std::string Write(const std::vector<TimeLaw>& laws, double step) {
@@ -65,14 +85,16 @@ class TrajectoryWriter {
  private:
   void Head() {
     text_ = "t_s,a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg";
-    for (size_t i = 0; i < external_.size(); ++i) text_ += fmt::format(",e{}", i + 1);
+    for (const ExternalColumn& column : external_) text_ += "," + column.name;
     text_ += ",x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,speed_mm_s,pass,point\n";
   }
 
   void Row(double time, size_t i, double share, double rate) {
     constexpr double kNear = 1e-6;  // of the way, for the tip's speed in joint motions
     const Joints q = JointsOf(program_, arm_, i, share) * kDegPerRad;
-    const Pose tip = TipOf(program_, arm_, i, share), X_WT = X_WB_ * *program_.X_BP * tip;
+    const ExternalPosition external = ExternalOf(program_, i, share);
+    const Pose tip = TipOf(program_, arm_, i, share);
+    const Pose X_WT = Base(external) * *FrameOf(program_, program_.motions[i]) * tip;
     const double back = std::max(0.0, share - kNear);
     const double speed = i == 0 || rate == 0
                              ? 0
@@ -82,7 +104,8 @@ class TrajectoryWriter {
     const auto out = std::back_inserter(text_);
     fmt::format_to(out, "{}", Fixed(time, 4));
     for (int k = 0; k < 6; ++k) fmt::format_to(out, ",{}", Fixed(q[k], 6));
-    for (const double value : external_) fmt::format_to(out, ",{}", Fixed(value, 4));
+    for (const ExternalColumn& column : external_)
+      fmt::format_to(out, ",{}", Fixed(column.axis ? Value(*column.axis, external) : column.constant, 4));
     for (int k = 0; k < 3; ++k) fmt::format_to(out, ",{}", Fixed(p[k], 4));
     for (int k = 0; k < 3; ++k) fmt::format_to(out, ",{}", Fixed(abc[k], 6));
     const Motion& motion = program_.motions[i];
@@ -90,10 +113,21 @@ class TrajectoryWriter {
                    share < 1 || motion.point < 0 ? "" : fmt::format("{}", motion.point));
   }
 
+  Pose Base(const ExternalPosition& external) const {
+    if (external.empty()) return X_WB_;
+    return Mechanism(program_.external_axes).Moved(Carries::kRobot, external) * X_WB_;
+  }
+
+  /// mm or degrees.
+  double Value(size_t axis, const ExternalPosition& external) const {
+    const bool turns = program_.external_axes[axis].kind == AxisKind::kRotary;
+    return external[axis] * (turns ? kDegPerRad : 1);
+  }
+
   const MotionProgram& program_;
   const Arm& arm_;
   const Pose& X_WB_;
-  const std::vector<double>& external_;
+  const std::vector<ExternalColumn>& external_;
   std::string text_;
 };
 
@@ -103,7 +137,8 @@ Pose TipOf(const MotionProgram& program, const Arm& arm, size_t i, double share)
   const Motion& motion = program.motions[i];
   if (i == 0 || share >= 1) return motion.X_PT;
   if (motion.type == MotionType::kLinear) return PoseLine(program.motions[i - 1].X_PT, motion.X_PT).At(share);
-  return program.X_BP->inverse() * ForwardFlange(arm, JointsOf(program, arm, i, share)) * *program.X_FT;
+  return FrameOf(program, motion)->inverse() * ForwardFlange(arm, JointsOf(program, arm, i, share)) *
+         *program.X_FT;
 }
 
 Joints JointsOf(const MotionProgram& program, const Arm& arm, size_t i, double share) {
@@ -112,7 +147,7 @@ Joints JointsOf(const MotionProgram& program, const Arm& arm, size_t i, double s
   const Joints& from = *program.motions[i - 1].q;
   const Joints even = from + share * (*motion.q - from);
   if (motion.type == MotionType::kJoint) return even;
-  const Pose X_BF = *program.X_BP * TipOf(program, arm, i, share) * program.X_FT->inverse();
+  const Pose X_BF = *FrameOf(program, motion) * TipOf(program, arm, i, share) * program.X_FT->inverse();
   return InverseNear(arm, X_BF, Status(arm, from), even).value_or(even);
 }
 
@@ -124,8 +159,7 @@ bool IsCut(const MotionProgram& program, size_t i) {
 
 std::vector<TimeLaw> TimeMotions(const MotionProgram& program, const Arm& arm, const TimeOptions& options) {
   std::vector<TimeLaw> laws(program.motions.size());
-  for (size_t i = 1; i < laws.size(); ++i)
-    laws[i] = LawOf(program.motions[i - 1], program.motions[i], arm, options);
+  for (size_t i = 1; i < laws.size(); ++i) laws[i] = LawOf(program, i, arm, options);
   return laws;
 }
 
@@ -156,7 +190,8 @@ ProgramTime MeasureTime(const MotionProgram& program, const Arm& arm, const Time
 }
 
 std::string TrajectoryCsv(const MotionProgram& program, const Arm& arm, const Pose& X_WB,
-                          const std::vector<double>& external, const TimeOptions& options, double seconds) {
+                          const std::vector<ExternalColumn>& external, const TimeOptions& options,
+                          double seconds) {
   assert(seconds > 0 && program.X_BP && program.X_FT);
   return TrajectoryWriter(program, arm, X_WB, external).Write(TimeMotions(program, arm, options), seconds);
 }

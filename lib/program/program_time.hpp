@@ -17,7 +17,8 @@ struct TimeOptions {
   double orientation_speed = 0;  ///< rad/s, largest turning of the tool in straight motions; 0: no such limit
 };
 
-/// The time law of every motion: joint motions between cuts as fast as the axes allow (FastestLaw), motions
+/// The time law of every motion: joint motions between cuts, and those of the external axes, as fast as the
+/// axes allow (FastestLaw), motions
 /// with a feed at it, no faster than the tool or, where it only turns, half of the axes' speeds allow.
 /// Each speeds up after and slows down before an exact stop with the slowest joint's acceleration. Corners
 /// that are rounded are passed at the feed. Precondition: every motion has its q.
@@ -34,9 +35,18 @@ Joints JointsOf(const MotionProgram& program, const Arm& arm, size_t i, double s
 /// A motion from one point of a cut to the next; the one that ends at its first point is the plunge.
 bool IsCut(const MotionProgram& program, size_t i);
 
+/// A column of the trajectory for an axis beside the arm's six.
+struct ExternalColumn {
+  std::string name;            ///< with its unit
+  std::optional<size_t> axis;  ///< of MotionProgram::external_axes; empty: it stands still
+  double constant = 0;         ///< mm or degrees, where it does
+};
+
 /// CSV of the whole program: time, joints, external axes, tip in W, speed, pass, piece; a row at the end of
-/// every motion and every `seconds` s between. Angles deg, arm's convention; tip A, B, C about Z, Y', X''.
+/// every motion and every `seconds` s between. Angles deg, arm's convention; tip A, B, C about Z, Y', X'';
+/// its speed against the part. `X_WB`: with all external axes at 0.
 std::string TrajectoryCsv(const MotionProgram& program, const Arm& arm, const Pose& X_WB,
-                          const std::vector<double>& external, const TimeOptions& options, double seconds);
+                          const std::vector<ExternalColumn>& external, const TimeOptions& options,
+                          double seconds);
 
 }  // namespace millpose

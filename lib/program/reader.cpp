@@ -25,8 +25,12 @@ bool CallsProgram(std::string_view text, const std::string& stem) {
 }
 
 ProgramReader::ProgramReader(const ProgramFiles& files, const PostSettings& settings, Templates templates)
-    : settings_(settings), files_(files), templates_(std::move(templates)) {
+    : settings_(settings),
+      external_(settings.mechanism.axes().size(), 0),
+      files_(files),
+      templates_(std::move(templates)) {
   program_.axes = settings.axes;
+  program_.external_axes = settings.mechanism.axes();
 }
 
 MotionProgram ProgramReader::Read(const std::vector<std::string>& extensions) {
@@ -192,6 +196,7 @@ Motion& ProgramReader::AddMotion(MotionType type) {
   for (const std::string& setting : Needed()) Require(setting);
   Motion& motion = program_.motions.emplace_back();
   motion.type = type;
+  motion.external = external_;
   motion.pass = pass_;
   motion.file = file_;
   motion.line = line_;

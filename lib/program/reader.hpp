@@ -99,6 +99,7 @@ class ProgramReader {
 
   const PostSettings& settings_;
   MotionProgram program_;
+  ExternalPosition external_;  ///< where the external axes stand, as the motions read so far leave them
 
  private:
   void ReadFile(const std::string& name);

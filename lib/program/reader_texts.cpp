@@ -45,6 +45,7 @@ void ProgramReader::AddChangeByHand() {
   program_.calls.push_back(ChangeByHand(*settings_.change_at));
   Motion& motion = program_.motions.emplace_back();
   motion.q = *settings_.change_at;
+  motion.external = external_;
   motion.exact = true;
   motion.call = static_cast<int>(program_.calls.size()) - 1;
   motion.file = file_;
@@ -137,6 +138,7 @@ bool ProgramReader::ReadDeclaredCall(const LineScanner& scan, size_t start, cons
   if (declared->moves) {
     Motion& motion = program_.motions.emplace_back();
     motion.q = declared->to;
+    motion.external = external_;
     motion.exact = true;
     motion.call = index;
     motion.file = file_;

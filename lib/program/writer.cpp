@@ -104,10 +104,11 @@ void ProgramWriter::AddLines(const std::vector<std::string>& lines, const std::s
 }
 
 int ProgramWriter::TurnAt(const Motion& motion, const Pose& X_PC_as_written) const {
-  if (!motion.q || !program_.X_BP) return *motion.turn;
+  const std::optional<Pose>& X_BP = FrameOf(program_, motion);
+  if (!motion.q || !X_BP) return *motion.turn;
   Pose X_PT = X_PC_as_written;
   X_PT.linear() = X_PT.linear() * settings_.R_TC().transpose();
-  const Pose X_BF = *program_.X_BP * X_PT * X_FT_.inverse();
+  const Pose X_BF = *X_BP * X_PT * X_FT_.inverse();
   return TurnAsWritten(arm_, settings_.axes, X_BF, *motion.status, *motion.q);
 }
 

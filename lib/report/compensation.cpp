@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "report/compensation.hpp"
 
+#include "plan/station.hpp"
+
 namespace millpose {
 namespace {
 
@@ -57,9 +59,9 @@ std::string CompensationCsv(const PlanResult& plan) {
     for (const char* what : {"low", "expected", "high", "taken", "after", "worst_before", "worst_after"})
       fmt::format_to(std::back_inserter(csv), ",{}_{}_um", along, what);
   csv += ",shift_x_um,shift_y_um,shift_z_um,weight_x_um,weight_y_um,weight_z_um,cut_to_max\n";
-  const Eigen::Matrix3d R_PW = plan.X_WP.linear().transpose();
   size_t number = 0;
-  for (const PassResult& pass : plan.passes)
+  for (const PassResult& pass : plan.passes) {
+    const Eigen::Matrix3d R_PW = PartAt(plan, pass.external).linear().transpose();
     for (const PlannedPoint& point : pass.points) {
       const size_t here = number++;
       if (!point.compensation) continue;
@@ -72,6 +74,7 @@ std::string CompensationCsv(const PlanResult& plan) {
       AppendVector(-kMicrometres * (R_PW * c.weight), row);
       csv += row + (c.bounded ? ",1\n" : ",0\n");
     }
+  }
   return csv;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "report/deflection.hpp"
 
+#include "plan/station.hpp"
+
 namespace millpose {
 
 DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& heaviest,
@@ -9,17 +11,20 @@ DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& 
   const Eigen::Vector3d origin = plan.stiffness_origin == StiffnessOrigin::kFlange
                                      ? Eigen::Vector3d::Zero()
                                      : Eigen::Vector3d(plan.X_FT.translation());
-  const Eigen::Matrix3d R_BW = plan.X_WB.linear().transpose();
-  const Eigen::Matrix3d R_PB = plan.X_WP.linear().transpose() * plan.X_WB.linear();
   std::vector<FacePoint> face;
   size_t number = 0;
   for (const PassResult& pass : plan.passes) {
+    const Pose X_WB = BaseAt(plan, pass.external), X_WP = PartAt(plan, pass.external);
+    const Eigen::Matrix3d R_BW = X_WB.linear().transpose();
+    const Eigen::Matrix3d R_PB = X_WP.linear().transpose() * X_WB.linear();
+    const Pose to_zero = ToZero(plan, pass.external);
+    const std::vector<SeriesCompliance> beside = CompliancesAt(plan, pass.external, compliances);
     for (const PlannedPoint& planned : pass.points) {
       const size_t here = number++;
       const MillingPoint& point = planned.point;
       if (planned.skip != Obstacle::kNone || point.kind != PointKind::kCut) continue;
       const Matrix6 C = Compliance(Jacobian(plan.arm, planned.q, origin), plan.arm.stiffness) +
-                        SeriesComplianceAt(plan.arm, planned.q, origin, compliances);
+                        SeriesComplianceAt(plan.arm, planned.q, origin, beside);
       const Eigen::Matrix3d c = C.topLeftCorner<3, 3>();
       const Eigen::Vector3d force = R_BW * point.engagement.force;
       const PredictedDeflection deflection =
@@ -27,7 +32,7 @@ DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& 
       report.points.push_back(
           {here, pass.pass, point.engagement, R_PB * force, deflection, R_PB * (c * force)});
       if (pass.pass >= finished_from && point.engagement.side != CutSide::kAir)
-        face.push_back({point.position, pass.pass, deflection.normal});
+        face.push_back({to_zero * point.position, pass.pass, deflection.normal});
     }
   }
   report.face = OverFace(face);

@@ -26,6 +26,17 @@ struct PointCurves {
   std::vector<double> best, mean;              ///< per generation, unit of the objective
 };
 
+/// The same quantised, as the page draws it: 65534 steps from the least objective to what is drawn at the
+/// upper edge.
+struct PackedCurve {
+  int pass = 0, point = 0;
+  float least = 0, span = 0;     ///< unit of the objective
+  std::vector<uint16_t> values;  ///< arm branch by arm branch, the better of both flips; 65535: none
+  std::vector<uint16_t> states;  ///< per rotation, two bits a branch
+  std::vector<double> best, mean;
+};
+std::vector<PackedCurve> Packed(const std::vector<PointCurves>& curves);
+
 /// The rotations at which all PointCurves were sampled.
 struct RotationGrid {
   double first = 0, step = 0;  ///< rad
@@ -43,7 +54,7 @@ enum AxisZone : uint8_t {
   kPairZone = 10
 };
 
-/// The map of way along a pass and rotation: one entry per PointCurves, on their rotations.
+/// The map of way along a pass and rotation: one entry per curve, on their rotations.
 struct AxisMap {
   bool full = false;                        ///< everything admissible is checked
   std::vector<std::string> pairs;           ///< of bodies: "link4 and workpiece"
@@ -68,7 +79,7 @@ struct HtmlInput {
   const PlanResult& plan;
   const Cell& cell;  ///< its bodies, the workpiece among them, are drawn
   RotationGrid grid;
-  std::vector<PointCurves> curves;               ///< of all points or of some; by pass and point
+  std::vector<PackedCurve> curves;               ///< of all points or of some; by pass and point
   std::string settings;                          ///< job and cell as resolved, YAML
   const DeflectionReport* deflection = nullptr;  ///< when the job says what the cutter takes off
   std::vector<std::string> findings = {};        ///< what stands in the way of trust, one sentence each

@@ -6,28 +6,22 @@
 #include "report/html_json.hpp"
 #include "report/packed.hpp"
 
-namespace millpose::html {
+namespace millpose {
 namespace {
 
 /// Objectives beyond this many times the least of a point are drawn at the upper edge.
 constexpr double kCurveSpan = 8;
 constexpr uint16_t kNoValue = 65535;
 
-/// Quantised values of one point's objective; least and span go with them.
-struct PackedCurve {
-  float least = 0, span = 0;
-  std::vector<uint16_t> values;  ///< arm branch by arm branch, the better of both flips of the wrist
-  std::vector<uint16_t> states;  ///< two bits a branch
-};
-
-PackedCurve PackCurve(const PointCurves& curves, int count) {
-  PackedCurve packed;
+PackedCurve PackCurve(const PointCurves& curves) {
+  const size_t count = curves.state.size();
+  PackedCurve packed{curves.pass, curves.point, 0, 0, {}, {}, curves.best, curves.mean};
   double least = std::numeric_limits<double>::infinity(), most = 0;
   std::vector<double> values;
-  for (int arm = 0; arm < 4; ++arm) {
-    for (int i = 0; i < count; ++i) {
+  for (size_t arm = 0; arm < 4; ++arm) {
+    for (size_t i = 0; i < count; ++i) {
       double value = std::numeric_limits<double>::infinity();
-      for (int branch : {arm, arm + 4})
+      for (const size_t branch : {arm, arm + 4})
         if (curves.state[i][branch] != Obstacle::kUnreachable)
           value = std::min(value, curves.objective[i][branch]);
       values.push_back(value);
@@ -46,9 +40,9 @@ PackedCurve PackCurve(const PointCurves& curves, int count) {
                                 ? static_cast<uint16_t>(std::lround(65534 * std::clamp(share, 0.0, 1.0)))
                                 : kNoValue);
   }
-  for (int i = 0; i < count; ++i) {
+  for (size_t i = 0; i < count; ++i) {
     unsigned bits = 0;
-    for (int branch = 0; branch < 8; ++branch)
+    for (size_t branch = 0; branch < 8; ++branch)
       bits |= static_cast<unsigned>(TestsPassed(curves.state[i][branch])) << (2 * branch);
     packed.states.push_back(static_cast<uint16_t>(bits));
   }
@@ -64,6 +58,14 @@ void AppendPadded(const std::vector<double>& values, size_t size, double scale, 
 
 }  // namespace
 
+std::vector<PackedCurve> Packed(const std::vector<PointCurves>& curves) {
+  std::vector<PackedCurve> packed;
+  for (const PointCurves& of_point : curves) packed.push_back(PackCurve(of_point));
+  return packed;
+}
+
+namespace html {
+
 Json CurvesJson(const HtmlInput& input) {
   const double scale = ShownScale(input.plan.objective_unit);
   std::vector<uint32_t> first_number;
@@ -73,21 +75,20 @@ Json CurvesJson(const HtmlInput& input) {
     total += static_cast<uint32_t>(pass.points.size());
   }
   size_t generations = 0;
-  for (const PointCurves& curves : input.curves) generations = std::max(generations, curves.best.size());
+  for (const PackedCurve& curve : input.curves) generations = std::max(generations, curve.best.size());
 
   std::vector<uint32_t> number;
   std::vector<float> least, span, best, mean;
   std::vector<uint16_t> values, states;
-  for (const PointCurves& curves : input.curves) {
-    assert(static_cast<int>(curves.state.size()) == input.grid.count);
-    const PackedCurve packed = PackCurve(curves, input.grid.count);
-    number.push_back(first_number[curves.pass] + static_cast<uint32_t>(curves.point));
+  for (const PackedCurve& packed : input.curves) {
+    assert(static_cast<int>(packed.states.size()) == input.grid.count);
+    number.push_back(first_number[packed.pass] + static_cast<uint32_t>(packed.point));
     least.push_back(static_cast<float>(scale) * packed.least);
     span.push_back(static_cast<float>(scale) * packed.span);
     values.insert(values.end(), packed.values.begin(), packed.values.end());
     states.insert(states.end(), packed.states.begin(), packed.states.end());
-    AppendPadded(curves.best, generations, scale, best);
-    AppendPadded(curves.mean, generations, scale, mean);
+    AppendPadded(packed.best, generations, scale, best);
+    AppendPadded(packed.mean, generations, scale, mean);
   }
   return {{"first_deg", RadToDeg(input.grid.first)},
           {"step_deg", RadToDeg(input.grid.step)},
@@ -102,4 +103,5 @@ Json CurvesJson(const HtmlInput& input) {
           {"mean", PackFloats(mean)}};
 }
 
-}  // namespace millpose::html
+}  // namespace html
+}  // namespace millpose

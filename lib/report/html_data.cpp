@@ -5,6 +5,7 @@
 
 #include "base/units.hpp"
 #include "plan/skipped.hpp"
+#include "plan/station.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/html_columns.hpp"
 #include "report/html_json.hpp"
@@ -16,6 +17,15 @@ namespace millpose {
 namespace {
 
 using namespace html;
+
+/// Of every pass, where the robot's base stands as seen from the part, which the page shows with the external
+/// axes at 0.
+Json BasesJson(const PlanResult& plan) {
+  Json bases = Json::array();
+  for (const PassResult& pass : plan.passes)
+    bases.push_back(Matrix(ToZero(plan, pass.external) * BaseAt(plan, pass.external)));
+  return bases;
+}
 
 /// Lengths of the passes, and where each begins when they are laid end to end, mm.
 struct Layout {
@@ -46,8 +56,9 @@ Json RowsJson(const PlanResult& plan, const std::vector<ReportRow>& rows, const 
     branch.push_back(static_cast<uint32_t>(p.branch));
     kind.push_back(static_cast<uint32_t>(p.point.kind));
     way.push_back(static_cast<float>(layout.begin[row.pass] + p.point.arc_length));
-    position.push_back(p.point.position);
-    normal.push_back(p.point.normal);
+    const std::vector<double>& external = plan.passes[row.pass].external;
+    position.push_back(OnPartAtZero(plan, external, p.point.position));
+    normal.push_back(external.empty() ? p.point.normal : ToZero(plan, external).linear() * p.point.normal);
   }
   return {{"number", PackUint32(number)}, {"pass", PackUint32(pass)},
           {"piece", PackUint32(piece)},   {"status", PackUint32(status)},
@@ -253,6 +264,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"paper", PaperJson(plan)},
             {"settings", input.settings}};
   data["bodies"] = BodiesJson(input.cell, limits);
+  if (!plan.external_axes.empty()) data["bases"] = BasesJson(plan);
 
   return ScriptText(data);
 }

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "base/units.hpp"
+#include "plan/station.hpp"
 #include "report/html_json.hpp"
 #include "report/packed.hpp"
 
@@ -34,7 +35,7 @@ Json TimelineJson(const HtmlInput& input, const std::vector<ReportRow>& rows) {
     row.push_back(same ? found->second : kNoRow);
     if (same) continue;
     for (const double q : instant.q) degrees.push_back(static_cast<float>(RadToDeg(q)));
-    tip.push_back(instant.tip);
+    tip.push_back(OnPartAtZero(input.plan, instant.external, instant.tip));
   }
   return {{"seconds", input.timeline->back().time},
           {"time_s", PackFloats(time)},
@@ -59,7 +60,9 @@ Json NearestJson(const HtmlInput& input, const std::vector<ReportRow>& rows) {
     const auto [entry, fresh] = number_of.emplace(names, static_cast<uint32_t>(pairs.size()));
     if (fresh) pairs.push_back(names);
     pair.back() = 2 + entry->second;
-    ends.insert(ends.end(), found->second->ends.begin(), found->second->ends.end());
+    for (const Eigen::Vector3d& end : found->second->ends)
+      ends.push_back(
+          OnPartAtZero(input.plan, input.plan.passes[static_cast<size_t>(row.pass)].external, end));
   }
   return {{"pairs", pairs}, {"pair", PackUint32(pair)}, {"ends_mm", PackVectors(ends)}};
 }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // VTK XML PolyData (the VTK file format specification, "vtkPolyData serial"): what ParaView opens.
 #include "base/units.hpp"
+#include "plan/station.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
 namespace {
 
-// All points of the plan in order; skipped ones have 0 in every array that describes a pose.
+// All points of the plan in order, on the part as it stands with the external axes at 0; skipped ones have 0
+// in every array that describes a pose.
 std::vector<const PlannedPoint*> AllPoints(const PlanResult& plan) {
   std::vector<const PlannedPoint*> points;
   for (const PassResult& pass : plan.passes)
@@ -14,50 +16,75 @@ std::vector<const PlannedPoint*> AllPoints(const PlanResult& plan) {
   return points;
 }
 
+// The plan with its vectors brought there.
+PlanResult OnPart(PlanResult plan) {
+  for (PassResult& pass : plan.passes) {
+    if (pass.external.empty()) continue;
+    const Pose to_zero = ToZero(plan, pass.external);
+    for (PlannedPoint& planned : pass.points) {
+      MillingPoint& point = planned.point;
+      point.position = to_zero * point.position;
+      for (Eigen::Vector3d* direction : {&point.normal, &point.tool_axis, &point.feed})
+        *direction = to_zero.linear() * *direction;
+    }
+  }
+  return plan;
+}
+
+/// Collects the parts of the file, each of which is written when its turn comes.
 class ArrayWriter {
  public:
   explicit ArrayWriter(const std::vector<const PlannedPoint*>& points) : points_(points) {}
 
   template <class Get>
-  void Numbers(const char* name, Get get) {
-    Begin("Float64", name, 1);
-    for (const PlannedPoint* point : points_) Add(get(*point));
-    End();
+  void Numbers(std::string name, Get get) {
+    parts_.push_back([this, name = std::move(name), get] {
+      std::string text = Begin("Float64", name, 1);
+      for (const PlannedPoint* point : points_) Add(get(*point), text);
+      return text + kEnd;
+    });
   }
   template <class Get>
-  void PoseNumbers(const char* name, Get get) {
-    Numbers(name, [&](const PlannedPoint& point) {
+  void PoseNumbers(std::string name, Get get) {
+    Numbers(std::move(name), [get](const PlannedPoint& point) {
       return point.skip == Obstacle::kNone ? static_cast<double>(get(point)) : 0.0;
     });
   }
   template <class Get>
-  void Vectors(const char* name, Get get) {
-    Begin("Float64", name, 3);
-    for (const PlannedPoint* point : points_)
-      for (const double value : Eigen::Vector3d(get(*point))) Add(value);
-    End();
+  void Vectors(std::string name, Get get) {
+    parts_.push_back([this, name = std::move(name), get] {
+      std::string text = Begin("Float64", name, 3);
+      for (const PlannedPoint* point : points_)
+        for (const double value : Eigen::Vector3d(get(*point))) Add(value, text);
+      return text + kEnd;
+    });
   }
-  void Indices(const char* name, const std::vector<size_t>& values) {
-    Begin("Int64", name, 1);
-    for (const size_t value : values) text_ += fmt::format("{} ", value);
-    End();
+  void Indices(std::string name, std::vector<size_t> values) {
+    parts_.push_back([name = std::move(name), values = std::move(values)] {
+      std::string text = Begin("Int64", name, 1);
+      for (const size_t value : values) fmt::format_to(std::back_inserter(text), "{} ", value);
+      return text + kEnd;
+    });
   }
-  void Line(std::string_view line) {
-    text_ += line;
-    text_ += '\n';
+  void Line(std::string line) {
+    parts_.push_back([line = std::move(line) + '\n'] { return line; });
   }
-  std::string& text() { return text_; }
+  void Write(int threads, const ByteSink& sink) const {
+    WriteInOrder(
+        parts_.size(), threads, {}, [&](size_t i) { return parts_[i](); }, sink);
+  }
 
  private:
-  void Begin(const char* type, const char* name, int components) {
-    text_ += fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n",
-                         type, name, components);
+  static constexpr const char* kEnd = "\n</DataArray>\n";
+
+  static std::string Begin(const char* type, const std::string& name, int components) {
+    return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n",
+                       type, name, components);
   }
-  void Add(double value) { fmt::format_to(std::back_inserter(text_), "{} ", value); }
-  void End() { text_ += "\n</DataArray>\n"; }
+  static void Add(double value, std::string& text) { fmt::format_to(std::back_inserter(text), "{} ", value); }
 
   const std::vector<const PlannedPoint*>& points_;
-  std::string text_;
+  std::vector<std::function<std::string()>> parts_;
 };
 
 struct Cells {
@@ -122,7 +149,7 @@ void AddPointData(const PlanResult& plan, ArrayWriter* out) {
   out->PoseNumbers("rotation_deg", [](P p) { return RadToDeg(p.freedoms.at(0)); });
   out->PoseNumbers("branch", [](P p) { return p.branch; });
   for (int i = 0; i < 6; ++i)
-    out->PoseNumbers(fmt::format("a{}_deg", i + 1).c_str(), [i](P p) { return RadToDeg(p.q[i]); });
+    out->PoseNumbers(fmt::format("a{}_deg", i + 1), [i](P p) { return RadToDeg(p.q[i]); });
   out->Numbers("feed_mm_min", [](P p) { return p.point.feed_rate * 60; });
   out->Vectors("normal", [](P p) { return p.point.normal; });
   out->Vectors("tool_axis", [](P p) { return p.point.tool_axis; });
@@ -132,7 +159,10 @@ void AddPointData(const PlanResult& plan, ArrayWriter* out) {
 
 }  // namespace
 
-std::string PathVtp(const PlanResult& plan) {
+void WritePathVtp(const PlanResult& planned, int threads, const ByteSink& sink) {
+  std::optional<PlanResult> moved;
+  if (!planned.external_axes.empty()) moved = OnPart(planned);
+  const PlanResult& plan = moved ? *moved : planned;
   const std::vector<const PlannedPoint*> points = AllPoints(plan);
   const Cells skipped = Skipped(points), pieces = Pieces(plan);
   ArrayWriter out(points);
@@ -150,7 +180,7 @@ std::string PathVtp(const PlanResult& plan) {
   AddCells("Verts", skipped, &out);
   AddCells("Lines", pieces, &out);
   out.Line("</Piece>\n</PolyData>\n</VTKFile>");
-  return std::move(out.text());
+  out.Write(threads, sink);
 }
 
 }  // namespace millpose

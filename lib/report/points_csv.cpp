@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/units.hpp"
 #include "report/report.hpp"
+#include "toolpath/lean_law.hpp"
 
 namespace millpose {
 namespace {
@@ -16,6 +17,9 @@ constexpr const char* kCommandedHeader =
     ",commanded_x_mm,commanded_y_mm,commanded_z_mm,commanded_tx,commanded_ty,commanded_tz,commanded_a1_deg,"
     "commanded_a2_deg,commanded_a3_deg,commanded_a4_deg,commanded_a5_deg,commanded_a6_deg";
 constexpr int kCommandedColumns = 12;
+// And behind these where the pose search has chosen how the tool leans.
+constexpr const char* kLeanHeader = ",lead_deg,tilt_deg";
+constexpr const char* kSpeedHeader = ",cutting_speed_m_min";  // of a ball
 constexpr int kPlannedColumns = 16;  // a1_deg … normal_compliance_mm_N: empty for a skipped point
 
 const char* KindName(PointKind kind) {
@@ -30,30 +34,48 @@ const char* KindName(PointKind kind) {
   return "cut";
 }
 
+/// Appends a row to a text.
 class Row {
  public:
+  explicit Row(std::string& text) : text_(text), begin_(text.size()) {}
+
   Row& Text(std::string_view text) {
-    if (!line_.empty()) line_ += ',';
-    line_ += text;
+    Separate();
+    text_ += text;
     return *this;
   }
-  Row& Number(double value) { return Text(fmt::format("{:.17g}", value)); }
+  Row& Number(double value) {
+    Separate();
+    fmt::format_to(std::back_inserter(text_), "{:.17g}", value);
+    return *this;
+  }
+  Row& Whole(size_t value) {
+    Separate();
+    fmt::format_to(std::back_inserter(text_), "{}", value);
+    return *this;
+  }
+  /// Empty where it is not above 0.
+  Row& Optimum(double value) { return value > 0 ? Number(value) : Text(""); }
   Row& Vector(const Eigen::Vector3d& vector) {
     return Number(vector.x()).Number(vector.y()).Number(vector.z());
   }
   Row& Empty(int count) {
-    line_.append(static_cast<size_t>(count), ',');
+    text_.append(static_cast<size_t>(count), ',');
     return *this;
   }
-  const std::string& line() const { return line_; }
 
  private:
-  std::string line_;
+  void Separate() {
+    if (text_.size() > begin_) text_ += ',';
+  }
+
+  std::string& text_;
+  const size_t begin_;
 };
 
 void AppendPlanned(const PlannedPoint& point, Row* row) {
   for (int i = 0; i < 6; ++i) row->Number(RadToDeg(point.q[i]));
-  row->Number(RadToDeg(point.freedoms.at(0))).Text(std::to_string(point.branch));
+  row->Number(RadToDeg(point.freedoms.at(0))).Whole(static_cast<size_t>(point.branch));
   row->Number(point.indices.lambda_t1).Number(point.indices.lambda_t2).Number(point.indices.lambda_n);
   row->Number(point.indices.mu).Number(point.dexterity).Number(point.objective).Number(point.clearance);
   row->Number(point.indices.normal_compliance);
@@ -69,40 +91,95 @@ void AppendCommanded(const PlannedPoint& planned, Row* row) {
   for (int i = 0; i < 6; ++i) row->Number(RadToDeg(c.q[i]));
 }
 
+void AppendRow(const PassResult& pass, const PlannedPoint& planned, size_t number, bool commanded,
+               std::string& csv) {
+  const MillingPoint& point = planned.point;
+  const bool skipped = planned.skip != Obstacle::kNone;
+  Row row(csv);
+  row.Whole(number).Whole(static_cast<size_t>(pass.pass));
+  row.Text(skipped ? "" : std::to_string(planned.piece));
+  row.Text(KindName(point.kind)).Text(skipped ? "skipped" : "planned").Number(point.arc_length);
+  row.Vector(point.position).Vector(point.normal).Vector(point.tool_axis);
+  if (skipped)
+    row.Empty(kPlannedColumns);
+  else
+    AppendPlanned(planned, &row);
+  row.Vector(point.feed).Number(point.feed_rate * 60);
+  row.Optimum(planned.genetic_optimum).Optimum(planned.exhaustive_optimum);
+  row.Text(skipped ? ToString(planned.skip) : "");
+  if (skipped)
+    row.Empty(4);
+  else
+    row.Number(planned.lambda_3).Vector(planned.lambda_3_direction);
+  row.Optimum(planned.own_optimum);
+  if (commanded) AppendCommanded(planned, &row);
+}
+
+// What stands behind every row of a pass.
+std::string EndOfRow(const std::vector<ExternalAxis>& axes, const PassResult& pass) {
+  std::string text;
+  for (size_t i = 0; i < axes.size(); ++i)
+    fmt::format_to(std::back_inserter(text), ",{:.17g}",
+                   axes[i].kind == AxisKind::kLinear ? pass.external[i] : RadToDeg(pass.external[i]));
+  return text + '\n';
+}
+
+// Whether some point has freedoms beside the rotation.
+bool HasLeans(const PlanResult& plan) {
+  for (const PassResult& pass : plan.passes)
+    for (const PlannedPoint& planned : pass.points)
+      if (planned.freedoms.size() > 1) return true;
+  return false;
+}
+
+void AppendLean(const PlanResult& plan, const PlannedPoint& planned, const CutterShape& cutter,
+                std::string& csv) {
+  constexpr double kMetresPerMinute = 60e-3;  // of a mm/s
+  if (planned.skip != Obstacle::kNone) {
+    csv.append(cutter.IsBall() ? 3 : 2, ',');
+    return;
+  }
+  const MillingPoint& point = planned.point;
+  const Leans leans = LeansOf(point.tool_axis, point.normal, point.feed);
+  csv += ',';  // goes on with a row
+  Row row(csv);
+  row.Number(RadToDeg(leans.lead)).Number(RadToDeg(leans.tilt));
+  if (!cutter.IsBall()) return;
+  const double radius = ContactRadius(cutter, point.normal, point.tool_axis);
+  row.Number(2 * kPi * radius * plan.spindle_speed * kMetresPerMinute);
+}
+
 }  // namespace
 
-std::string PointsCsv(const PlanResult& plan) {
-  const bool commanded = FiguresOfCompensation(plan).has_value();
-  std::string csv = kHeader;
-  if (commanded) csv += kCommandedHeader;
-  csv += '\n';
-  size_t number = 0;
-  for (const PassResult& pass : plan.passes)
-    for (const PlannedPoint& planned : pass.points) {
-      const MillingPoint& point = planned.point;
-      const bool skipped = planned.skip != Obstacle::kNone;
-      Row row;
-      row.Text(std::to_string(number++)).Text(std::to_string(pass.pass));
-      row.Text(skipped ? "" : std::to_string(planned.piece));
-      row.Text(KindName(point.kind)).Text(skipped ? "skipped" : "planned").Number(point.arc_length);
-      row.Vector(point.position).Vector(point.normal).Vector(point.tool_axis);
-      if (skipped)
-        row.Empty(kPlannedColumns);
-      else
-        AppendPlanned(planned, &row);
-      row.Vector(point.feed).Number(point.feed_rate * 60);
-      row.Text(planned.genetic_optimum > 0 ? fmt::format("{:.17g}", planned.genetic_optimum) : "");
-      row.Text(planned.exhaustive_optimum > 0 ? fmt::format("{:.17g}", planned.exhaustive_optimum) : "");
-      row.Text(skipped ? ToString(planned.skip) : "");
-      if (skipped)
-        row.Empty(4);
-      else
-        row.Number(planned.lambda_3).Vector(planned.lambda_3_direction);
-      row.Text(planned.own_optimum > 0 ? fmt::format("{:.17g}", planned.own_optimum) : "");
-      if (commanded) AppendCommanded(planned, &row);
-      csv += row.line() + '\n';
+void WritePointsCsv(const PlanResult& plan, const CutterShape& cutter, int threads, const ByteSink& sink) {
+  const bool commanded = FiguresOfCompensation(plan).has_value(), leans = HasLeans(plan);
+  sink(kHeader);
+  if (commanded) sink(kCommandedHeader);
+  if (leans) sink(kLeanHeader);
+  if (leans && cutter.IsBall()) sink(kSpeedHeader);
+  const std::vector<ExternalAxis>& axes = plan.external_axes;
+  for (size_t i = 0; i < axes.size(); ++i)
+    sink(fmt::format(",e{}_{}", i + 1, axes[i].kind == AxisKind::kLinear ? "mm" : "deg"));
+  sink("\n");
+  std::vector<size_t> first_numbers;
+  size_t total = 0;
+  for (const PassResult& pass : plan.passes) {
+    first_numbers.push_back(total);
+    total += pass.points.size();
+  }
+  const auto rows = [&](size_t p) {
+    std::string csv;
+    const PassResult& pass = plan.passes[p];
+    const std::string end = EndOfRow(axes, pass);
+    for (size_t i = 0; i < pass.points.size(); ++i) {
+      std::string row;
+      AppendRow(pass, pass.points[i], first_numbers[p] + i, commanded, row);
+      if (leans) AppendLean(plan, pass.points[i], cutter, row);
+      csv += row + end;
     }
-  return csv;
+    return csv;
+  };
+  WriteInOrder(plan.passes.size(), threads, {}, rows, sink);
 }
 
 }  // namespace millpose

@@ -39,7 +39,7 @@ std::string OfOptimum(const PoseReason& reason) {
   if (reason.beyond > 0)
     return fmt::format("{} is {:.0f} deg beyond where {} come too near", optimum, RadToDeg(reason.beyond),
                        reason.barred);
-  return fmt::format("{} is barred: {} come too near, and no rotation on its branch is known to be free",
+  return fmt::format("{} is blocked: {} come too near, and no rotation on its branch is known to be free",
                      optimum, reason.barred);
 }
 
@@ -62,13 +62,32 @@ std::string OfContinuity(const PoseReason& reason) {
       best, reason.stretch.length, reason.stretch.obstacle, away);
 }
 
+/// Of a pose whose lean was chosen too.
+std::string OfLean(const PoseReason& reason) {
+  const std::string own = Value(reason, reason.own.objective), free = Value(reason, reason.free.objective);
+  if (IsSame(reason.path.objective, reason.own.objective))
+    return "that is the point's own optimum over all leans";
+  if (reason.barred.empty()) return "the point's own optimum over all leans is " + own;
+  return fmt::format(
+      "over all leans the point's own optimum is {}, where {} come too near, and the best free "
+      "pose known has {}",
+      own, reason.barred, free);
+}
+
 }  // namespace
 
 std::vector<std::string> ReasonSentences(const PoseReason& reason) {
   if (!reason.skipped.empty()) return {"skipped: " + reason.skipped};
   std::vector<std::string> sentences{"the path has " + Text(reason, reason.path)};
+  if (reason.lean)
+    sentences.back() += fmt::format(", lead {:.1f} and tilt {:.1f} deg", RadToDeg((*reason.lean)[0]),
+                                    RadToDeg((*reason.lean)[1]));
   if (reason.forbidden && reason.forbidden->pose.objective < (1 - kStiffer) * reason.own.objective)
     sentences.push_back(OfForbidden(reason));
+  if (reason.lean) {
+    sentences.push_back(OfLean(reason));
+    return sentences;
+  }
   if (IsSame(reason.path.objective, reason.own.objective)) {
     sentences.push_back("that is the point's own optimum");
     return sentences;

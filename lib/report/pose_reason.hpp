@@ -2,6 +2,7 @@
 // Why a point has the pose that it has, in words.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +41,9 @@ struct PoseReason {
       0;  ///< rad: from `own` to the nearest pose on its branch that is known to be free; 0: none is
   std::optional<ForbiddenPose> forbidden;  ///< the stiffest of all
   FollowedStretch stretch;                 ///< of `free`, where that is not the path's pose
+  /// Where the tool's lean was chosen too: lead and tilt of the path, rad. Then `own` and `free` may lean
+  /// otherwise, and neither `beyond` nor `stretch` is known.
+  std::optional<std::array<double, 2>> lean;
 };
 
 /// One sentence each, the pose first.

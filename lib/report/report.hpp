@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/byte_sink.hpp"
 #include "plan/continuity.hpp"
 #include "plan/cycle_time.hpp"
 #include "plan/fixed_comparison.hpp"
@@ -14,6 +15,7 @@
 #include "report/compensation.hpp"
 #include "report/deflection.hpp"
 #include "report/step_heights.hpp"
+#include "toolpath/cutter.hpp"
 
 namespace millpose {
 
@@ -150,11 +152,12 @@ struct PlanFigures {
 PlanFigures Figures(const PlanResult& plan);
 
 /// One row per point as in docs/outputs.md: positions in W, angles in the arm's convention.
-std::string PointsCsv(const PlanResult& plan);
+/// `cutter`: of a ball the cutting speed is told where leans were chosen.
+void WritePointsCsv(const PlanResult& plan, const CutterShape& cutter, int threads, const ByteSink& sink);
 
 /// VTK XML PolyData: the pieces as lines, skipped points as vertices, all indices as point arrays (0 for the
 /// pose of a skipped point, distinguished by the array `planned`); positions in W, mm.
-std::string PathVtp(const PlanResult& plan);
+void WritePathVtp(const PlanResult& plan, int threads, const ByteSink& sink);
 
 inline constexpr int kSummaryVersion = 2;  ///< schema_version of summary.json
 

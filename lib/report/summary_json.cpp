@@ -56,6 +56,28 @@ Json GapRemarksJson(const PlanResult& plan) {
   return list;
 }
 
+// Where the external axes stand, pass by pass, in mm or degrees, and how they move between.
+Json ExternalJson(const PlanResult& plan) {
+  const auto shown = [&](const ExternalPosition& position) {
+    std::vector<double> values = position;
+    for (size_t i = 0; i < values.size(); ++i)
+      if (plan.external_axes[i].kind == AxisKind::kRotary) values[i] = RadToDeg(values[i]);
+    return values;
+  };
+  Json axes = Json::array(), passes = Json::array();
+  for (const ExternalAxis& axis : plan.external_axes)
+    axes.push_back({{"name", axis.name},
+                    {"kind", WordOf(kAxisKindWords, axis.kind)},
+                    {"carries", WordOf(kCarriesWords, axis.carries)},
+                    {"unit", axis.kind == AxisKind::kLinear ? "mm" : "deg"}});
+  for (const PassResult& pass : plan.passes) passes.push_back(shown(pass.external));
+  size_t moves = 0;
+  double seconds = 0;
+  for (const Gap& gap : plan.gaps)
+    if (gap.external) ++moves, seconds += gap.external->duration;
+  return {{"axes", axes}, {"passes", passes}, {"moves", moves}, {"moves_s", seconds}};
+}
+
 Json JointsJson(const Joints& values) { return std::vector<double>(values.begin(), values.end()); }
 
 // Stretches below 70 % of the programmed feed.
@@ -301,6 +323,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
                   {"X_WB", MatrixJson(plan.X_WB)},
                   {"X_FT", MatrixJson(plan.X_FT)},
                   {"X_WP", MatrixJson(plan.X_WP)}};
+  if (!plan.external_axes.empty()) json["external"] = ExternalJson(plan);
   json["seed"] = plan.seed;
   json["programs"] = ProgramsJson(inputs.programs);
   json["cycle_times"] = TimesJson(inputs.times);
@@ -320,8 +343,11 @@ std::string RunJson(const RunFigures& figures) {
   Json json;
   json["wall_s"] = figures.wall_s;
   json["stages"] = Json::object();
-  for (const RunFigures::Stage& stage : figures.stages)
-    json["stages"][stage.name] = {{"wall_s", stage.wall_s}};
+  std::map<std::string, double> seconds;  // a stage may come several times
+  for (const RunFigures::Stage& stage : figures.stages) {
+    seconds[stage.name] += stage.wall_s;
+    json["stages"][stage.name] = {{"wall_s", seconds[stage.name]}};
+  }
   json["peak_memory_MB"] = figures.peak_memory_MB;
   json["threads"] = figures.threads;
   json["host"] = figures.host;

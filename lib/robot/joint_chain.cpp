@@ -120,9 +120,8 @@ class Finder {
   void WarnOfJointBeside(const UrdfJoint& joint, std::vector<std::string>& warnings) {
     if (!beside_.insert(joint.name).second) return;
     warnings.push_back(
-        fmt::format("{}: joint '{}'{} moves link '{}' beside the chain from base to flange: the link is "
-                    "taken as fixed to '{}', "
-                    "and where it moves to is not looked at",
+        fmt::format("{}: joint '{}'{} moves link '{}' off the chain from base to flange: the link is "
+                    "taken as fixed to '{}', and where it moves to is not checked",
                     ToString({model_.file, joint.line}), joint.name, joint.mimic ? " (mimic)" : "",
                     joint.child, joint.parent));
   }

@@ -134,7 +134,7 @@ class Judge {
     const std::string share =
         fmt::format("elastic joints leave {:.3g} % of the displacements unexplained", left);
     if (found_.level <= 3) {
-      result_.residual = fmt::format("as the stated deviation lets expect; {}", share);
+      result_.residual = fmt::format("as expected from the stated deviation; {}", share);
       return;
     }
     result_.residual = fmt::format(

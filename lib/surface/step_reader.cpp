@@ -96,7 +96,7 @@ std::string CutStep(std::string_view bytes, const std::string& name, const StepO
   if (program.empty())
     throw InputError(
         {name},
-        "this is a STEP file, and the program that reads it, millpose-step, is not beside millpose: "
+        "this is a STEP file, and the program that reads it, millpose-step, is not next to millpose: "
         "keep both together, or install libocct-data-exchange-dev and build again, or export STL, OBJ, "
         "PLY or OFF");
   ProcessResult result = RunProcess({program.string(), ShortestNumber(options.chord_tolerance),

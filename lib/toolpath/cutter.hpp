@@ -11,6 +11,8 @@ struct CutterShape {
   double radius = 0;         ///< R
   double corner_radius = 0;  ///< r, 0..R
   double length = 0;         ///< of the part that is looked at, from the tip up
+
+  bool IsBall() const { return radius > 0 && corner_radius == radius; }
 };
 
 /// Where the tip is (the lowest point on the axis) when the cutter touches a surface at `contact` with
@@ -19,5 +21,12 @@ struct CutterShape {
 /// is none: then the whole flat touches and the tip is put at the contact).
 Eigen::Vector3d TipAtContact(const CutterShape& cutter, const Eigen::Vector3d& contact,
                              const Eigen::Vector3d& normal, const Eigen::Vector3d& axis);
+
+/// The other way: what the cutter touches when its tip is there.
+Eigen::Vector3d ContactAtTip(const CutterShape& cutter, const Eigen::Vector3d& tip,
+                             const Eigen::Vector3d& normal, const Eigen::Vector3d& axis);
+
+/// How far the contact lies from the axis, mm: that, times the spindle's speed, is the cutting speed there.
+double ContactRadius(const CutterShape& cutter, const Eigen::Vector3d& normal, const Eigen::Vector3d& axis);
 
 }  // namespace millpose

@@ -46,7 +46,7 @@ class GougeChecker {
   Found Look(const MillingPoint& point, const MillingPoint& next) const {
     Found found;
     const double length = (next.position - point.position).norm();
-    const int steps = std::max(1, static_cast<int>(std::ceil(length / std::max(0.5, cutter_.radius / 10))));
+    const int steps = GougeSteps(cutter_, length);
     for (int i = 0; i < steps; ++i) {
       const double share = static_cast<double>(i) / steps;
       const Eigen::Vector3d tip = point.position + share * (next.position - point.position);
@@ -188,6 +188,10 @@ void Lift(Pass& pass, const std::vector<PointState>& states, GougeReport& report
 }
 
 }  // namespace
+
+int GougeSteps(const CutterShape& cutter, double way) {
+  return std::max(1, static_cast<int>(std::ceil(way / std::max(0.5, cutter.radius / 10))));
+}
 
 GougeReport CheckGouges(const Mesh& mesh, const CutterShape& cutter, const GougeOptions& options, int threads,
                         Toolpath& toolpath, std::stop_token stop) {

@@ -29,6 +29,9 @@ struct GougeReport {
       deepest;  ///< before anything was done; of a cutter wholly inside, how far its tip is from the surface
 };
 
+/// Into how many steps a way of the tip (mm) is cut where it is looked at between points.
+int GougeSteps(const CutterShape& cutter, double way);
+
 /// Checks a tool path in frame P against the whole part, at its points and between them in steps of a tenth
 /// of the cutter's radius (0.5 mm at least), and does what `options` say. A cutter that touches no surface
 /// because it is wholly inside a closed piece of the part counts as well. Throws Interrupted.

@@ -38,6 +38,14 @@ void CheckOptions(const ToolpathOptions& options) {
           options.layers.finishing);
   require(options.layers.total >= 0, "the depth must not be negative (mm)", options.layers.total);
   require(options.layers.per_layer > 0, "the depth of a layer must be above 0 mm", options.layers.per_layer);
+  if (options.share) {
+    require(std::abs(options.share->direction.norm() - 1) < 1e-9, "the share's direction must have length 1",
+            options.share->direction.norm());
+    require(options.share->from < options.share->to, "the share must go from less to more, mm between them",
+            options.share->to - options.share->from);
+    require(options.share->overlap >= 0, "the share's overlap must not be negative (mm)",
+            options.share->overlap);
+  }
   if (!problems.empty()) throw InputError(std::move(problems));
 }
 
@@ -140,7 +148,14 @@ bool IsClimb(const Mesh& mesh, const Lane& lane, const Curve& curve) {
   return sum > 0;
 }
 
-// The parts of a lane that lie in the region, in the order and direction of milling.
+std::vector<Curve> Shared(const std::vector<Curve>& curves, const ToolpathOptions& options) {
+  std::vector<Curve> parts;
+  for (const Curve& curve : curves)
+    std::ranges::move(ClipToShare(curve, *options.share, options.chord_tolerance), std::back_inserter(parts));
+  return parts;
+}
+
+// The parts of a lane that lie in the region and its share, in the order and direction of milling.
 std::vector<Cut> CutsOf(const Lane& lane, const Region& region, const CornerNormals& normals,
                         const ToolpathOptions& options) {
   const Mesh& mesh = region.mesh();
@@ -153,6 +168,7 @@ std::vector<Cut> CutsOf(const Lane& lane, const Region& region, const CornerNorm
     for (Curve& part : ClipToRegion(mesh, curve, region, normals, options.crease, options.chord_tolerance))
       parts.push_back(std::move(part));
   }
+  if (options.share) parts = Shared(parts, options);
   std::vector<std::pair<double, size_t>> order;
   for (size_t i = 0; i < parts.size(); ++i)
     order.emplace_back(lane.progress ? lane.progress(parts[i].pieces.front().start) : 0.0, i);
@@ -230,6 +246,36 @@ void CheckArea(const Region& region, const ToolpathOptions& options) {
   CheckBudget(options, {std::sqrt(area) / options.stepover, area / options.stepover});
 }
 
+// Parts of all lanes, in the order of milling. Throws InputError where there are none.
+std::vector<Cut> AllCuts(const Layout& layout, const Region& region, const CornerNormals& normals,
+                         const ToolpathOptions& options, const std::stop_token& stop) {
+  std::vector<Cut> cuts;
+  for (const Lane& lane : layout.lanes) {
+    CheckStop(stop);
+    std::ranges::move(CutsOf(lane, region, normals, options), std::back_inserter(cuts));
+  }
+  if (cuts.empty() && options.share) {
+    ToolpathOptions whole = options;
+    whole.share.reset();
+    const std::vector<Cut> all = AllCuts(layout, region, normals, whole, stop);
+    std::pair<double, double> extent = ExtentOf(all.front().curve, options.share->direction);
+    for (const Cut& cut : all) {
+      const auto [least, most] = ExtentOf(cut.curve, options.share->direction);
+      extent = {std::min(extent.first, least), std::max(extent.second, most)};
+    }
+    throw InputError({},
+                     fmt::format("toolpath.share: nothing of the tool path lies in it; along its direction "
+                                 "the path goes from {:.3f} to {:.3f} mm",
+                                 extent.first, extent.second));
+  }
+  if (cuts.empty())
+    throw InputError(
+        {},
+        "toolpath: nothing of the mesh lies in the region; check box, facing direction, rim distance "
+        "and the mesh's unit and orientation");
+  return cuts;
+}
+
 Toolpath LayPasses(const SurfaceStrategy& strategy, const Mesh& mesh, ToolpathOptions options,
                    const std::stop_token& stop) {
   CheckOptions(options);
@@ -239,16 +285,7 @@ Toolpath LayPasses(const SurfaceStrategy& strategy, const Mesh& mesh, ToolpathOp
   if (strategy.IsLaidFromBorders()) CheckArea(region, options);
   const CornerNormals normals(mesh, options.crease, options.normal_smoothing);
   Layout layout = strategy.Lay(region, options, stop);
-  std::vector<Cut> cuts;
-  for (const Lane& lane : layout.lanes) {
-    CheckStop(stop);
-    std::ranges::move(CutsOf(lane, region, normals, options), std::back_inserter(cuts));
-  }
-  if (cuts.empty())
-    throw InputError(
-        {},
-        "toolpath: nothing of the mesh lies in the region; check box, facing direction, rim distance "
-        "and the mesh's unit and orientation");
+  std::vector<Cut> cuts = AllCuts(layout, region, normals, options, stop);
   PathCount count{static_cast<double>(cuts.size()), 0};
   for (const Cut& cut : cuts)
     for (const CurvePiece& piece : cut.curve.pieces) {
@@ -295,17 +332,18 @@ Toolpath MakeToolpath(const Mesh& mesh, const ToolpathOptions& options, std::sto
   return options.strategy->Make({mesh, options, {}}, std::move(stop)).toolpath;
 }
 
+void Transform(const Eigen::Isometry3d& X, Pass& pass) {
+  pass.rotation_reference = X.linear() * pass.rotation_reference;
+  for (MillingPoint& point : pass.points) {
+    point.position = X * point.position;
+    for (Eigen::Vector3d* direction : {&point.normal, &point.feed, &point.tool_axis, &point.engagement.force})
+      *direction = X.linear() * *direction;
+  }
+}
+
 Toolpath Transformed(const Toolpath& toolpath, const Eigen::Isometry3d& X) {
   Toolpath transformed = toolpath;
-  for (Pass& pass : transformed.passes) {
-    pass.rotation_reference = X.linear() * pass.rotation_reference;
-    for (MillingPoint& point : pass.points) {
-      point.position = X * point.position;
-      for (Eigen::Vector3d* direction :
-           {&point.normal, &point.feed, &point.tool_axis, &point.engagement.force})
-        *direction = X.linear() * *direction;
-    }
-  }
+  for (Pass& pass : transformed.passes) Transform(X, pass);
   return transformed;
 }
 

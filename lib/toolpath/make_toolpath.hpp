@@ -17,7 +17,8 @@ namespace millpose {
 /// a region that holds nothing; Interrupted.
 Toolpath MakeToolpath(const Mesh& mesh, const ToolpathOptions& options, std::stop_token stop);
 
-/// The tool path seen from another frame: every position p becomes X p, every direction R d.
+/// Seen from another frame: every position p becomes X p, every direction R d.
+void Transform(const Eigen::Isometry3d& X, Pass& pass);
 Toolpath Transformed(const Toolpath& toolpath, const Eigen::Isometry3d& X);
 
 }  // namespace millpose

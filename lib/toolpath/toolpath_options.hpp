@@ -2,10 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "toolpath/budget.hpp"
 #include "toolpath/cutter.hpp"
+#include "toolpath/lean_range.hpp"
 #include "toolpath/pass_ends.hpp"
+#include "toolpath/path_share.hpp"
 #include "toolpath/region.hpp"
 #include "toolpath/tool_axis.hpp"
 
@@ -25,6 +28,7 @@ class Strategy;
 struct ToolpathOptions {
   std::shared_ptr<const Strategy> strategy;  ///< which also holds the options that are its own
   RegionOptions region;
+  std::optional<PathShare> share;  ///< none: the whole path
   double stepover = 0;  ///< largest distance of neighbouring planes or radii; not for prescribed lines
   bool stepover_on_surface = false;  ///< the step-over is measured along the surface instead
   double scallop = 0;                ///< above 0: passes as far apart as leaves scallops of this height
@@ -49,6 +53,11 @@ struct ToolpathOptions {
   double plunge_feed = 0;   ///< along the tool axis into the material; 0: the feed rate
   double retract_feed = 0;  ///< along it out of the material; 0: the feed rate
   PointBudget budget;
+  /// Where the pose search chooses lead and tilt; those above are then their nominal values.
+  std::optional<LeanRange> lead_range, tilt_range;
+  double min_cutting_speed_share = 0.3;  ///< of a ball's cutting speed at the nominal lean, likewise
+
+  bool Leans() const { return lead_range || tilt_range; }
 };
 
 }  // namespace millpose

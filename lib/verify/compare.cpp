@@ -7,6 +7,7 @@
 #include "robot/kinematics.hpp"
 #include "verify/corner.hpp"
 #include "verify/run_comparison.hpp"
+#include "verify/stations.hpp"
 
 namespace millpose {
 namespace {
@@ -167,7 +168,7 @@ void CompareSpindle(const Replayed& replayed, const Replayed& plan, const Verify
 Pose ToolBefore(const Replayed& replayed, const Cell& cell, const ProgramEvent& event) {
   const size_t before = event.before_motion > 0 ? event.before_motion - 1 : 0;
   const Pose X_BT = ForwardFlange(cell.arm, replayed.replay.targets[before]) * cell.X_FT;
-  return cell.X_WP.inverse() * cell.X_WB * X_BT;
+  return BaseInPart(cell, replayed.program.motions[before].external) * X_BT;
 }
 
 /// Outputs are switched where the tool is.
@@ -304,6 +305,7 @@ std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const
                           plan.program.notice.empty()
                               ? fmt::format("says \"{}\", which the plan does not", replayed.program.notice)
                               : fmt::format("the notice \"{}\" is missing", plan.program.notice)));
+  CompareStations(replayed, plan, options, findings);
   CompareSpindle(replayed, plan, options, findings);
   CompareOutputs(replayed, plan, cell, options, findings);
   CompareDwells(replayed, plan, cell, options, findings);

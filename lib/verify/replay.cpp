@@ -17,7 +17,7 @@ constexpr double kTargetStep = 5;  // mm: from target to target full revolutions
 
 /// The programmed tool in B of a motion; the tool that the program believes in.
 Pose ProgrammedTool(const MotionProgram& program, const Motion& motion) {
-  return program.X_BP.value_or(Pose::Identity()) * motion.X_PT;
+  return FrameOf(program, motion).value_or(Pose::Identity()) * motion.X_PT;
 }
 
 Pose ToolOf(const MotionProgram& program, const Cell& cell) { return program.X_FT.value_or(cell.X_FT); }
@@ -102,7 +102,7 @@ std::optional<Joints> Target(const MotionProgram& program, const Cell& cell, siz
     reason = fmt::format("A{} at {:.3f} deg leaves its limits", axis, (*motion.q)[axis - 1] * kDegPerRad);
     return std::nullopt;
   }
-  if (!program.X_BP) {
+  if (!FrameOf(program, motion)) {
     reason = "a pose is approached, but no base frame is set";
     return std::nullopt;
   }
@@ -152,7 +152,7 @@ std::vector<ProgrammedLine> OtherWays(const MotionProgram& program, const Replay
                                       size_t index) {
   if (!program.any_turn || index == 0 || program.motions[index].type != MotionType::kLinear) return {};
   const Motion& motion = program.motions[index];
-  const Pose X_PB = program.X_BP.value_or(Pose::Identity()).inverse();
+  const Pose X_PB = FrameOf(program, motion).value_or(Pose::Identity()).inverse();
   const Pose start = X_PB * ForwardFlange(cell.arm, replay.targets[index - 1]) * ToolOf(program, cell);
   std::vector<ProgrammedLine> ways = {ProgrammedLine(start, motion.X_PT)};
   if (!motion.angles) return ways;
@@ -165,8 +165,9 @@ std::vector<ProgrammedLine> OtherWays(const MotionProgram& program, const Replay
   return ways;
 }
 
-Pose RealTool(const MotionProgram& program, const Cell& cell, const Pose& X_PT) {
-  return program.X_BP.value_or(Pose::Identity()) * X_PT * ToolOf(program, cell).inverse() * cell.X_FT;
+Pose RealTool(const MotionProgram& program, const Cell& cell, size_t index, const Pose& X_PT) {
+  return FrameOf(program, program.motions[index]).value_or(Pose::Identity()) * X_PT *
+         ToolOf(program, cell).inverse() * cell.X_FT;
 }
 
 void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay& replay, size_t index,

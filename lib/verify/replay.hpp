@@ -35,8 +35,8 @@ void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay
 /// where there is but one way.
 std::vector<ProgrammedLine> OtherWays(const MotionProgram& program, const Replay& replay, const Cell& cell,
                                       size_t index);
-/// X_BT of the cell's real tool where the program believes its own to be at X_PT.
-Pose RealTool(const MotionProgram& program, const Cell& cell, const Pose& X_PT);
+/// X_BT of the cell's real tool where the program believes its own to be at X_PT in motion `index`.
+Pose RealTool(const MotionProgram& program, const Cell& cell, size_t index, const Pose& X_PT);
 
 /// A finding at a motion of `program`.
 Finding At(const MotionProgram& program, size_t motion, Cause cause, std::string message);

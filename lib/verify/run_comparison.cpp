@@ -4,6 +4,7 @@
 #include "base/units.hpp"
 #include "motion/line.hpp"
 #include "robot/kinematics.hpp"
+#include "verify/stations.hpp"
 
 namespace millpose {
 namespace {
@@ -24,7 +25,7 @@ RunComparison::RunComparison(const Replayed& replayed, const FeedRun& run, const
       bodies_(bodies),
       options_(options),
       proofs_(proofs),
-      X_PB_(cell_.X_WP.inverse() * cell_.X_WB) {}
+      X_PB_(BaseInPart(cell_, replayed.program.motions[run.first].external)) {}
 
 std::vector<Finding> RunComparison::Compare() {
   if (!ReachedAll()) return {};  // said already
@@ -119,7 +120,7 @@ bool RunComparison::CompareOtherWays(const Instant& instant, const PathFollower&
     ways_ = OtherWays(replayed_.program, replayed_.replay, cell_, instant.motion);
   ways_of_ = instant.motion;
   for (const ProgrammedLine& way : ways_) {
-    const Pose tool = X_PB_ * RealTool(replayed_.program, cell_, way.At(instant.share));
+    const Pose tool = X_PB_ * RealTool(replayed_.program, cell_, instant.motion, way.At(instant.share));
     const PathDeviation deviation = follower.Off(tool);
     if (deviation.Within(options_)) continue;
     findings_.push_back(

@@ -5,6 +5,7 @@
 
 #include "robot/kinematics.hpp"
 #include "verify/compare.hpp"
+#include "verify/stations.hpp"
 
 namespace millpose {
 namespace {
@@ -14,9 +15,9 @@ using Eigen::Vector3d;
 /// The way of the tip along one cut.
 class TipWay {
  public:
-  TipWay(const Replay& replay, const FeedRun& run, const Cell& cell) {
+  TipWay(const Replay& replay, const FeedRun& run, const Cell& cell, const Pose& X_WB) {
     for (size_t i = run.first == 0 ? 0 : run.first - 1; i <= run.last; ++i)
-      tips_.emplace_back((cell.X_WB * ForwardFlange(cell.arm, replay.targets[i]) * cell.X_FT).translation());
+      tips_.emplace_back((X_WB * ForwardFlange(cell.arm, replay.targets[i]) * cell.X_FT).translation());
     place_ = tips_.front();
   }
 
@@ -65,13 +66,14 @@ UnderLoad ReplayUnderLoad(const MotionProgram& program, const Cell& cell, const 
     const PassResult& pass = plan.passes[static_cast<size_t>(gap.to_pass)];
     const Piece* piece = FindPiece(pass, gap.to_piece);
     if (!piece) continue;
-    TipWay way(replay, runs[run++], cell);
+    const Pose X_WB = BaseInWorld(cell, pass.external);
+    TipWay way(replay, runs[run++], cell, X_WB);
     std::optional<double> reach;
     for (int i = piece->first; i <= piece->last; ++i) {
       const PlannedPoint& point = pass.points[static_cast<size_t>(i)];
       if (!point.compensation) continue;
       const Vector3d commanded =
-          (cell.X_WB * ForwardFlange(cell.arm, point.compensation->q) * cell.X_FT).translation();
+          (X_WB * ForwardFlange(cell.arm, point.compensation->q) * cell.X_FT).translation();
       // The approach comes first, and a ring comes by once more at its end.
       if (!reach) reach = 1.5 * way.FromStart(commanded) + 1;
       if (i > piece->first) {

@@ -11,6 +11,7 @@
 #include "robot/kinematics.hpp"
 #include "verify/compare.hpp"
 #include "verify/corner.hpp"
+#include "verify/stations.hpp"
 
 namespace millpose {
 namespace {
@@ -30,7 +31,7 @@ class MotionCheck {
 
   void Check(size_t i, std::vector<Finding>& findings) const {
     const Motion& motion = replayed_.program.motions[i];
-    if (!replayed_.replay.reached[i]) return;
+    if (!replayed_.replay.reached[i] || !CheckExternal(replayed_, i, cell_, findings)) return;
     CheckTurn(i, findings);
     if (CheckLimits(i, replayed_.replay.targets[i], findings) || i == 0 || !HasFeed(motion)) return;
     std::vector<Instant> instants;
@@ -87,11 +88,10 @@ class MotionCheck {
     const Joints angles = ToController(replayed_.program.axes, replayed_.replay.targets[i]);
     for (int j = 0; j < 6; ++j) {
       if (std::abs(std::remainder(angles[j], 2 * kPi)) >= kUncertainTurn) continue;
-      findings.push_back(
-          At(replayed_.program, i, Cause::kReach,
-             fmt::format("A{} stands at {:.5f} deg, where a turn bit does not say whether it goes "
-                         "there directly or by a full revolution; joint angles expected",
-                         j + 1, angles[j] * kDegPerRad)));
+      findings.push_back(At(replayed_.program, i, Cause::kReach,
+                            fmt::format("A{} is at {:.5f} deg, where a turn bit does not say whether it goes "
+                                        "there directly or by a full revolution; joint angles expected",
+                                        j + 1, angles[j] * kDegPerRad)));
       return;
     }
   }
@@ -161,11 +161,11 @@ bool IsRounded(const Replayed& replayed, size_t i) {
          replayed.replay.reached[i + 1];
 }
 
-/// Checks motion `i` for interference on its whole way, with the clearances of `checker`.
-void CheckInterference(const Replayed& replayed, size_t i, const Cell& cell, Checker& checker,
-                       const VerifyOptions& options, std::vector<Finding>& findings) {
+/// What motion `i` comes too near to on its whole way, the external axes standing, with the clearances of
+/// `checker`.
+std::optional<Interference> InterferenceOf(const Replayed& replayed, size_t i, const Cell& cell,
+                                           Checker& checker, const VerifyOptions& options) {
   const Motion& motion = replayed.program.motions[i];
-  if (!replayed.replay.reached[i] || motion.call >= 0) return;
   const Phase phase = HasFeed(motion) ? Phase::kCutting : Phase::kFree;
   std::optional<Interference> hit;
   if (i == 0) {
@@ -191,6 +191,36 @@ void CheckInterference(const Replayed& replayed, size_t i, const Cell& cell, Che
         hit = checker.Between(places[k - 1], places[k], phase, options.swept_resolution);
     }
   }
+  return hit;
+}
+
+/// Checkers of one world by where the external axes stand and the share of the clearances.
+class Checkers {
+ public:
+  Checkers(const World& world, const VerifyOptions& options) : world_(world), options_(options) {}
+
+  Checker& At(const ExternalPosition& external, double share) {
+    const auto found = checkers_.find({external, share});
+    if (found != checkers_.end()) return found->second;
+    const World there = external.empty() ? world_ : world_.At(external);
+    return checkers_.try_emplace({external, share}, there, share, options_.clearance_reserve).first->second;
+  }
+
+ private:
+  const World& world_;
+  const VerifyOptions& options_;
+  std::map<std::pair<ExternalPosition, double>, Checker> checkers_;
+};
+
+/// Checks motion `i` for interference, with so much of the clearances.
+void CheckInterference(const Replayed& replayed, size_t i, const World& world, Checkers& checkers,
+                       double share, const VerifyOptions& options, std::vector<Finding>& findings) {
+  const Motion& motion = replayed.program.motions[i];
+  if (!replayed.replay.reached[i] || motion.call >= 0) return;
+  const std::optional<Interference> hit =
+      MovesExternal(replayed.program, i)
+          ? InterferenceOfMove(replayed, i, world, options.swept_resolution)
+          : InterferenceOf(replayed, i, world.cell(), checkers.At(motion.external, share), options);
   if (!hit) return;
   findings.push_back(
       At(replayed.program, i, Cause::kInterference,
@@ -277,15 +307,13 @@ std::vector<Finding> Verify(const MotionProgram& program, const World& world, co
     const bool needed = options.interference || !proofs[i].proven;
     if (needed && !faulty[i] && (i == 0 || !faulty[i - 1])) unproven.push_back(i);
   }
-  ForMotions(
-      unproven.size(), threads, stop, findings, [&](size_t first, size_t last, std::vector<Finding>& found) {
-        std::map<double, Checker> checkers;  // by share of the clearances
-        for (size_t k = first; k < last; ++k) {
-          const double share = proofs[unproven[k]].clearance_share;
-          const auto checker = checkers.try_emplace(share, world, share, options.clearance_reserve).first;
-          CheckInterference(replayed, unproven[k], cell, checker->second, options, found);
-        }
-      });
+  ForMotions(unproven.size(), threads, stop, findings,
+             [&](size_t first, size_t last, std::vector<Finding>& found) {
+               Checkers checkers(world, options);
+               for (size_t k = first; k < last; ++k)
+                 CheckInterference(replayed, unproven[k], world, checkers,
+                                   proofs[unproven[k]].clearance_share, options, found);
+             });
   return Ordered(std::move(findings), options);
 }
 

@@ -23,8 +23,15 @@ size_t EndOf(const std::string& text, size_t start) {
   const char first = text[start];
   if (first == '|' || first == '>') return std::string::npos;
   if (first == '"' || first == '\'') {
-    const size_t end = text.find(first, start + 1);
-    return end < line_end ? end + 1 : std::string::npos;
+    for (size_t at = start + 1; at < line_end; ++at) {
+      if (text[at] == first) {
+        if (first == '"' || text[at + 1] != first) return at + 1;
+        ++at;  // '' is one quote
+      } else if (first == '"' && text[at] == '\\') {
+        ++at;
+      }
+    }
+    return std::string::npos;
   }
   if (first == '[' || first == '{') {
     int depth = 0;

@@ -161,8 +161,8 @@ class TreeBuilder : public YAML::EventHandler {
   void AddKey(Value& parent, const Value& key) {
     const auto [first, is_new] = key_lines_.back().emplace(key.text, key.mark.line);
     if (!is_new)
-      duplicates_.emplace_back(key.mark, fmt::format("{}: given twice; the first stands in line {}",
-                                                     Shown(key.text), first->second));
+      duplicates_.emplace_back(
+          key.mark, fmt::format("{}: given twice; the first is in line {}", Shown(key.text), first->second));
     parent.keys.push_back({key.text, key.mark});
   }
 

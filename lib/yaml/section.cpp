@@ -16,6 +16,8 @@ const std::map<std::string, std::string>& FormerKeys() {
        "is no longer a key: give project_along, the direction of looking, which is the opposite one: the "
        "line "
        "goes onto the first face that it meets"},
+      {".ersysroot.axis",
+       "is no longer a key: give coupled: true in external_axes to the axis that is the carriage"},
       {".motion",
        "is no longer a key: KRL cuts are LIN with C_DIS, SLINs stop at every corner of a SPLINE block"},
       {".motion_weight",

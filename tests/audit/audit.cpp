@@ -15,7 +15,10 @@
 namespace millpose::audit {
 namespace {
 
-constexpr Real kAngleSlack = 1e-6L * kDegree;  // programs carry six decimals of a degree
+// Moves of the external axes are long; they keep their clearances, less what a step between positions may
+// miss.
+constexpr double kMoveTravel = 2, kMoveSlack = 2.5;  // mm
+constexpr Real kAngleSlack = 1e-6L * kDegree;        // programs carry six decimals of a degree
 
 class Figures {
  public:
@@ -66,7 +69,7 @@ Real Ratio(Real difference, Real scale) {
 /// The point's own objective, and what its force moves.
 void AuditForce(const Folder& folder, const Row& row, Figures& figures) {
   const std::string name = fmt::format("point {}", row.point);
-  const Matrix3 c = ComplianceAt(folder.setup, row.angles);
+  const Matrix3 c = ComplianceAt(folder.At(row.external), row.angles);
   if (const std::optional<OwnObjective> own = ObjectiveOf(folder, row, c)) {
     figures.AddObjective();
     figures.Raise("max_objective_error_relative", Ratio(row.objective - own->value, own->scale), name);
@@ -80,18 +83,19 @@ void AuditForce(const Folder& folder, const Row& row, Figures& figures) {
 }
 
 /// How far a point is from the workpiece once it is lowered along its normal by a layer's height.
-Real OffSurface(const Setup& setup, const Row& row, Real layer) {
-  const Vector3 lowered = row.position - layer * row.normal - setup.X_WP.block<3, 1>(0, 3);
+Real OffSurface(const Folder& folder, const Row& row, Real layer) {
+  const Setup& setup = folder.At(row.external);
+  const Vector3 lowered = ContactOf(folder, row) - layer * row.normal - setup.X_WP.block<3, 1>(0, 3);
   return Distance(Vector3(setup.X_WP.block<3, 3>(0, 0).transpose() * lowered), setup.bodies.back().mesh);
 }
 
 /// The point of a pass that is farthest from a layer above the workpiece; looks no further once that is
 /// farther than `enough`.
-std::pair<Real, int> FarthestOff(const Setup& setup, std::span<const Row> pass, Real layer, Real enough) {
+std::pair<Real, int> FarthestOff(const Folder& folder, std::span<const Row> pass, Real layer, Real enough) {
   std::pair<Real, int> farthest{0, -1};
   for (const Row& row : pass) {
     if (!row.cut) continue;
-    farthest = std::max(farthest, {OffSurface(setup, row, layer), row.point});
+    farthest = std::max(farthest, {OffSurface(folder, row, layer), row.point});
     if (farthest.first > enough) break;
   }
   return farthest;
@@ -106,7 +110,7 @@ void AuditSurface(const Folder& folder, Figures& figures) {
     const std::span pass(rows.begin() + static_cast<std::ptrdiff_t>(begin), end - begin);
     std::pair<Real, int> off{std::numeric_limits<Real>::infinity(), -1};
     for (const Real layer : folder.goal.layers) {
-      const std::pair<Real, int> of = FarthestOff(folder.setup, pass, layer, off.first);
+      const std::pair<Real, int> of = FarthestOff(folder, pass, layer, off.first);
       if (of.first < off.first) off = of;
     }
     figures.Raise("max_slice_distance_mm", off.first, fmt::format("point {}", off.second));
@@ -114,10 +118,10 @@ void AuditSurface(const Folder& folder, Figures& figures) {
 }
 
 void AuditRows(const Folder& folder, Figures& figures) {
-  const Setup& setup = folder.setup;
   for (const Row& row : folder.rows) {
     const std::string name = fmt::format("point {}", row.point);
     if (!row.planned) continue;
+    const Setup& setup = folder.At(row.external);
     const Matrix4 X_WT = Tool(setup, row.angles);
     if (setup.urdf) {
       const Matrix4 off = UrdfTool(*setup.urdf, row.angles) - X_WT;
@@ -137,9 +141,9 @@ void AuditRows(const Folder& folder, Figures& figures) {
 /// Commanded poses: the angles reach them, they stand beside the nominal ones by what compensation.csv says,
 /// and by no more than the job allows.
 void AuditCommanded(const Folder& folder, Figures& figures) {
-  const Setup& setup = folder.setup;
   for (const Row& row : folder.rows) {
     if (!row.commanded) continue;
+    const Setup& setup = folder.At(row.external);
     const std::string name = fmt::format("point {}", row.point);
     const Matrix4 X_WT = Tool(setup, row.commanded->angles);
     figures.Raise("max_commanded_tip_error_mm",
@@ -170,14 +174,44 @@ std::vector<Row> CommandedRows(std::vector<Row> rows) {
   return rows;
 }
 
-void AuditSteps(const Setup& setup, const std::vector<Cut>& cuts, Figures& figures) {
+/// The way of a step, mm: of the tip or, where the tool turns on the spot, of a point 300 mm up its axis;
+/// where the plan chooses leans, of the contact and of a tool along the normal.
+Real WayOf(const Folder& folder, const Row& from, const Row& to) {
+  const Vector3 turn = folder.goal.Leans() ? Vector3(to.normal - from.normal) : Vector3(to.axis - from.axis);
+  return std::max((ContactOf(folder, to) - ContactOf(folder, from)).norm(), 300 * turn.norm());
+}
+
+/// Leans keep their ranges, change no faster than they may, and are those of the axes.
+void AuditLeans(const Folder& folder, const std::vector<Cut>& cuts, Figures& figures) {
+  const Goal& goal = folder.goal;
+  const auto outside = [](const std::array<Real, 2>& range, Real value) {
+    return value < range[0] - kAngleSlack || value > range[1] + kAngleSlack;
+  };
+  for (const Row& row : folder.rows) {
+    if (!row.lean) continue;
+    figures.Raise("max_lean_error_deg", LeanError(row) / kDegree, fmt::format("point {}", row.point));
+    if (outside(goal.lead, row.lean->lead) || outside(goal.tilt, row.lean->tilt))
+      figures.Count("lean_violations", fmt::format("point {}", row.point));
+  }
+  for (const Cut& cut : cuts)
+    for (size_t k = 1; k < cut.rows.size() + (cut.closed ? 1 : 0); ++k) {
+      const Row &from = *cut.rows[k - 1], &to = *cut.rows[k % cut.rows.size()];
+      if (!from.lean || !to.lean) continue;
+      const Real most = goal.max_lean_change * WayOf(folder, from, to) + kAngleSlack;
+      if (std::abs(to.lean->lead - from.lean->lead) > most ||
+          std::abs(to.lean->tilt - from.lean->tilt) > most)
+        figures.Count("lean_violations", fmt::format("point {} to {}", from.point, to.point));
+    }
+}
+
+void AuditSteps(const Folder& folder, const std::vector<Cut>& cuts, Figures& figures) {
+  const Setup& setup = folder.setup;
   for (const Cut& cut : cuts)
     for (size_t k = 1; k < cut.rows.size() + (cut.closed ? 1 : 0); ++k) {
       const Row &from = *cut.rows[k - 1], &to = *cut.rows[k % cut.rows.size()];
       const bool closing = k == cut.rows.size();  // with the full revolutions of the way round
       const Angles angles = closing ? TurnedNear(to.angles, from.angles) : to.angles;
-      // Where the tool turns on the spot, the way of a point 300 mm up its axis counts.
-      const Real way = std::max((to.position - from.position).norm(), 300 * (to.axis - from.axis).norm());
+      const Real way = WayOf(folder, from, to);
       const Real time = way / std::max(from.feed, to.feed);
       for (size_t i = 0; i < 6; ++i) {
         const Real most =
@@ -197,10 +231,11 @@ void AuditHalfway(const Folder& folder, const std::vector<Cut>& cuts, Figures& f
   for (const Cut& cut : cuts)
     for (size_t k = 1; k < cut.rows.size() + (cut.closed ? 1 : 0); ++k) {
       const Row &from = *cut.rows[k - 1], &to = *cut.rows[k % cut.rows.size()];
-      const Real off = HalfwayDeviation(folder.setup, from.angles, TurnedNear(to.angles, from.angles));
+      const Real off =
+          HalfwayDeviation(folder.At(from.external), from.angles, TurnedNear(to.angles, from.angles));
       largest = std::max(largest, off);
       if (off <= folder.goal.max_halfway) continue;
-      const Real most = MostHalfway(folder.goal, HalfwayUnchanged(folder.setup, from, to));
+      const Real most = MostHalfway(folder.goal, HalfwayUnchanged(folder.At(from.external), from, to));
       figures.Raise("max_halfway_excess_mm", off - most, fmt::format("point {} to {}", from.point, to.point));
       if (off <= most) figures.AddExcused();
     }
@@ -228,6 +263,8 @@ struct JointMotion {
   Angles from, to;
   bool cutting;
   std::string name;
+  std::vector<Real> external = {};                ///< where the external axes stand
+  std::optional<std::vector<Real>> move_to = {};  ///< they move there, the arm stands still
 };
 
 std::vector<JointMotion> CutMotions(const std::vector<Cut>& cuts) {
@@ -235,7 +272,8 @@ std::vector<JointMotion> CutMotions(const std::vector<Cut>& cuts) {
   for (const Cut& cut : cuts)
     for (size_t k = 1; k < cut.rows.size() + (cut.closed ? 1 : 0); ++k) {
       const Row &from = *cut.rows[k - 1], &to = *cut.rows[k % cut.rows.size()];
-      motions.push_back({from.angles, to.angles, true, fmt::format("point {} to {}", from.point, to.point)});
+      motions.push_back(
+          {from.angles, to.angles, true, fmt::format("point {} to {}", from.point, to.point), from.external});
     }
   return motions;
 }
@@ -285,27 +323,48 @@ void AddStraight(const Setup& setup, const Angles& from, const Angles& to, const
 }
 
 /// The same from plan.cbor, for a folder without a program that is in joint space throughout.
-std::vector<JointMotion> PlannedGapMotions(const Setup& setup, const std::vector<PlannedGap>& gaps,
-                                           const std::vector<Cut>& cuts) {
+std::vector<JointMotion> PlannedGapMotions(const Folder& folder, const std::vector<Cut>& cuts) {
   const auto find = [&](int pass, int piece) -> const Cut* {
     for (const Cut& cut : cuts)
       if (cut.rows[0]->pass == pass && cut.rows[0]->piece == piece) return &cut;
     return nullptr;
   };
   std::vector<JointMotion> motions;
-  for (const PlannedGap& gap : gaps) {
+  for (const PlannedGap& gap : folder.gaps) {
     if (gap.joints.empty()) continue;
+    const Cut *leaves = find(gap.from_pass, gap.from_piece), *enters = find(gap.to_pass, gap.to_piece);
+    std::vector<Real> here;
+    // Cuts have the positions of points.csv, which folder.At() knows.
+    if (leaves)
+      here = leaves->rows.front()->external;
+    else if (gap.move)
+      here = gap.move->from;
+    else if (enters)
+      here = enters->rows.front()->external;
     const std::string name = fmt::format("gap from pass {} piece {} to pass {} piece {}", gap.from_pass,
                                          gap.from_piece, gap.to_pass, gap.to_piece);
-    if (const Cut* cut = find(gap.from_pass, gap.from_piece)) {
-      const Angles& last = cut->rows.back()->angles;
-      const Angles end = cut->closed ? TurnedNear(cut->rows.front()->angles, last) : last;
-      AddStraight(setup, end, gap.joints.front(), name, motions);
+    const auto straight = [&](const Angles& from, const Angles& to) {
+      const size_t before = motions.size();
+      AddStraight(folder.At(here), from, to, name, motions);
+      for (size_t k = before; k < motions.size(); ++k) motions[k].external = here;
+    };
+    const auto move = [&](size_t at) {
+      if (!gap.move || gap.move->at != at) return;
+      motions.push_back({gap.joints[at], gap.joints[at], false, name, here, gap.move->to});
+      here = gap.move->to;
+    };
+    if (leaves) {
+      const Angles& last = leaves->rows.back()->angles;
+      straight(leaves->closed ? TurnedNear(leaves->rows.front()->angles, last) : last, gap.joints.front());
     }
-    for (size_t k = 1; k < gap.joints.size(); ++k)
-      motions.push_back({gap.joints[k - 1], gap.joints[k], false, name});
-    if (const Cut* cut = find(gap.to_pass, gap.to_piece))
-      AddStraight(setup, gap.joints.back(), cut->rows.front()->angles, name, motions);
+    move(0);
+    for (size_t k = 1; k < gap.joints.size(); ++k) {
+      motions.push_back({gap.joints[k - 1], gap.joints[k], false, name, here});
+      move(k);
+    }
+    if (!enters) continue;
+    here = enters->rows.front()->external;
+    straight(gap.joints.back(), enters->rows.front()->angles);
   }
   return motions;
 }
@@ -317,8 +376,19 @@ void AuditMotions(const Setup& setup, const std::vector<JointMotion>& motions, c
   std::vector<long long> poses(parts);
   ParallelFor(parts, options.threads, {}, [&](size_t part) {
     Judge judge(setup);
-    for (size_t k = part; k < motions.size(); k += parts)
-      contacts[k] = judge.Between(motions[k].from, motions[k].to, motions[k].cutting, options.travel_mm);
+    std::vector<Real> stands;
+    for (size_t k = part; k < motions.size(); k += parts) {
+      const JointMotion& motion = motions[k];
+      if (motion.move_to) {
+        const std::vector<Near> near =
+            judge.Moving(motion.external, *motion.move_to, motion.from, kMoveSlack, kMoveTravel);
+        if (!near.empty()) contacts[k] = Contact{near.front().first, near.front().second, motion.from};
+        stands = *motion.move_to;
+        continue;
+      }
+      if (stands != motion.external) judge.Stand(stands = motion.external);
+      contacts[k] = judge.Between(motion.from, motion.to, motion.cutting, options.travel_mm);
+    }
     poses[part] = judge.poses;
   });
   for (const long long count : poses) figures.AddPoses(count);
@@ -355,6 +425,10 @@ Verdict Audit(const Folder& folder, const Options& options) {
   figures.Declare("max_slice_distance_mm", 1e-6);
   figures.Declare("limit_violations", 0);
   figures.Declare("step_violations", 0);
+  if (folder.goal.Leans()) {
+    figures.Declare("max_lean_error_deg", 1e-7);
+    figures.Declare("lean_violations", 0);
+  }
   figures.Declare("max_index_error_relative", 1e-6);
   figures.Declare("max_objective_error_relative", 1e-8);
   figures.Declare("max_deflection_error_relative", 1e-8);
@@ -378,7 +452,8 @@ Verdict Audit(const Folder& folder, const Options& options) {
   std::vector<Cut> cuts = CutsOf(folder.rows, folder.setup);
   AuditSurface(folder, figures);
   AuditRows(folder, figures);
-  AuditSteps(folder.setup, cuts, figures);
+  AuditSteps(folder, cuts, figures);
+  AuditLeans(folder, cuts, figures);
   AuditHalfway(folder, cuts, figures);
   AuditSummary(folder, figures);
   std::vector<JointMotion> motions = CutMotions(cuts), gaps;
@@ -398,7 +473,7 @@ Verdict Audit(const Folder& folder, const Options& options) {
         std::ranges::all_of(targets, [](const Target& target) { return target.angles.has_value(); });
     if (controller == "linuxcnc" && joints && !targets.empty()) gaps = GapMotions(targets, cuts);
   }
-  if (gaps.empty()) gaps = PlannedGapMotions(folder.setup, folder.gaps, cuts);
+  if (gaps.empty()) gaps = PlannedGapMotions(folder, cuts);
   AuditGapLimits(folder.setup, gaps, figures);
   motions.insert(motions.end(), gaps.begin(), gaps.end());
   AuditMotions(folder.setup, motions, options, figures);

@@ -129,7 +129,27 @@ Mesh ShapeOf(const YAML::Node& shape, const fs::path& folder) {
   throw std::runtime_error("unknown shape " + kind);
 }
 
-void ReadBodies(const YAML::Node& bodies, const fs::path& folder, Setup* setup) {
+int AxisNamed(const YAML::Node& axes, const std::string& name) {
+  for (size_t i = 0; i < axes.size(); ++i)
+    if (axes[i]["name"].as<std::string>() == name) return static_cast<int>(i);
+  throw std::runtime_error("no external axis " + name);
+}
+
+void ReadAxes(const YAML::Node& axes, Setup* setup) {
+  for (const auto& node : axes) {
+    ExternalAxis axis;
+    axis.rotary = node["kind"].as<std::string>() == "rotary";
+    axis.carries_robot = node["carries"].as<std::string>() == "robot";
+    axis.direction = Triple(node["axis"]).normalized();
+    axis.origin = node["origin_mm"] ? Triple(node["origin_mm"]) : Vector3(Vector3::Zero());
+    if (node["stiffness_N_mm"]) axis.compliance = 1 / Real{node["stiffness_N_mm"].as<double>()};
+    if (node["stiffness_Nm_per_rad"])
+      axis.compliance = 1 / (1000 * Real{node["stiffness_Nm_per_rad"].as<double>()});
+    setup->axes.push_back(axis);
+  }
+}
+
+void ReadBodies(const YAML::Node& bodies, const YAML::Node& axes, const fs::path& folder, Setup* setup) {
   for (const auto& node : bodies) {
     Body body;
     body.name = node["name"].as<std::string>();
@@ -137,13 +157,17 @@ void ReadBodies(const YAML::Node& bodies, const fs::path& folder, Setup* setup) 
     body.mesh = ShapeOf(node["shape"], folder);
     body.X_LG = PoseOf(node["pose"]);
     const std::string mount = node["mount"].as<std::string>();
-    if (mount == "base") {
+    if (mount == "carriage") {
+      body.carrier = AxisNamed(axes, node["axis"].as<std::string>());
+      body.guided = true;
+    } else if (mount == "base") {
       body.link = 0;
     } else if (mount == "tool") {
       body.link = 6;
       body.X_LG = setup->X_FT * body.X_LG;
     } else if (mount == "workpiece") {
       body.X_LG = setup->X_WP * body.X_LG;
+      body.carrier = LastCarrier(*setup, false);
     } else if (mount != "world") {
       body.link = mount.back() - '0';
     }
@@ -236,7 +260,8 @@ void ReadCell(const YAML::Node& cell, const fs::path& folder, const YAML::Node& 
     setup->X_WP = setup->X_WB * setup->X_WP;
   setup->home = Six(cell["home_deg"], kDegree);
   ReadTool(tool, setup);
-  ReadBodies(cell["bodies"], folder, setup);
+  ReadAxes(cell["external_axes"], setup);
+  ReadBodies(cell["bodies"], cell["external_axes"], folder, setup);
   for (const auto& pair : cell["excluded_pairs"])
     setup->excluded_pairs.emplace_back(pair[0].as<std::string>(), pair[1].as<std::string>());
   const YAML::Node stiffness = cell["stiffness"];
@@ -280,11 +305,45 @@ Setup ReadSetup(const std::string& job_text, const std::vector<fs::path>& starts
   Body workpiece;
   workpiece.name = workpiece.kind = "workpiece";
   workpiece.X_LG = setup.X_WP;
+  workpiece.carrier = LastCarrier(setup, false);
   workpiece.mesh = ReadStl(ReadFile(Resolve(starts, job["workpiece"]["mesh"].as<std::string>())),
                            UnitOf(job["workpiece"]["unit"].as<std::string>()));
   setup.bodies.push_back(std::move(workpiece));
   return setup;
 }
+
+namespace {
+
+/// The cell wherever rows have the external axes; what the tables of the part's frame say is turned with it.
+void MakeStations(Folder& folder) {
+  for (const Row& row : folder.rows) {
+    if (row.external.empty()) continue;
+    if (!folder.stations.contains(row.external)) {
+      Setup& at = folder.stations.emplace(row.external, At(folder.setup, row.external)).first->second;
+      if (at.urdf)
+        at.urdf->X_WS = Carried(folder.setup, LastCarrier(folder.setup, true), row.external) * at.urdf->X_WS;
+    }
+    const Matrix3 turned =
+        Carried(folder.setup, LastCarrier(folder.setup, false), row.external).block<3, 3>(0, 0);
+    if (const auto found = folder.deflected.find(row.point); found != folder.deflected.end())
+      for (Vector3* v : {&found->second.force, &found->second.moved}) *v = turned * *v;
+    if (const auto found = folder.compensated.find(row.point); found != folder.compensated.end())
+      for (Vector3* v : {&found->second.force, &found->second.shift}) *v = turned * *v;
+  }
+}
+
+void ReadCutter(const fs::path& path, Folder* folder) {
+  const YAML::Node tool =
+      ToolOf(YAML::Load(ReadFile(path / "cell.yaml")), YAML::Load(ReadFile(path / "job.yaml")));
+  const YAML::Node cutter = tool["cutter"];
+  const std::string shape = cutter["shape"].as<std::string>("flat");
+  folder->cutter_radius = cutter["diameter_mm"].as<double>() / 2;
+  folder->corner_radius = shape == "ball"   ? folder->cutter_radius
+                          : shape == "bull" ? Real{cutter["corner_radius_mm"].as<double>()}
+                                            : 0;
+}
+
+}  // namespace
 
 Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   Folder folder;
@@ -297,13 +356,16 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   folder.rows = ReadPoints(ReadFile(path / "points.csv"));
   folder.whole = std::ranges::all_of(folder.rows, &Row::planned);
   folder.goal = ReadGoal(ReadFile(path / "job.yaml"));
+  if (fs::exists(path / "cell.yaml")) ReadCutter(path, &folder);
   if (const std::string csv = optional("compensation.csv"); !csv.empty())
     folder.compensated = ReadCompensated(csv, folder.setup.X_WP.block<3, 3>(0, 0));
   if (const std::string csv = optional("deflection.csv"); !csv.empty())
     folder.deflected = ReadDeflected(csv, folder.setup.X_WP.block<3, 3>(0, 0));
+  MakeStations(folder);
   if (const std::string json = optional("summary.json"); !json.empty()) folder.summary = ReadSummary(json);
   if (const std::string cbor = optional("plan.cbor"); !cbor.empty()) folder.gaps = ReadGaps(cbor);
-  if (fs::exists(path / "programs"))
+  // Programs of cells with external axes have frames of their own at every station: verify replays them.
+  if (fs::exists(path / "programs") && folder.setup.axes.empty())
     for (const auto& controller : fs::directory_iterator(path / "programs"))
       for (const auto& file : fs::directory_iterator(controller.path()))
         if (file.is_regular_file())  // starts/ holds programs of single pieces: the whole one is judged
@@ -323,6 +385,15 @@ std::vector<PlannedGap> ReadGaps(const std::string& cbor) {
         for (size_t i = 0; i < 6; ++i) angles[i] = joints.at(i).get<double>();
         gap.joints.push_back(angles);
       }
+    if (gap.joints.size() > 0 && entry.contains("external")) {
+      const auto& move = entry.at("external");
+      const auto position = [&](const char* key) {
+        std::vector<Real> values;
+        for (const auto& value : move.at(key)) values.push_back(value.get<double>());
+        return values;
+      };
+      gap.move = {position("from"), position("to"), move.at("at").get<size_t>()};
+    }
     gaps.push_back(std::move(gap));
   }
   return gaps;
@@ -346,6 +417,16 @@ Goal ReadGoal(const std::string& job_text) {
   Goal goal;
   goal.objective = objective["name"].as<std::string>();
   goal.max_halfway = job["path"]["max_halfway_deviation_mm"].as<double>(5);
+  const auto range = [&](const char* key) -> std::array<Real, 2> {
+    const YAML::Node given = job["toolpath"][key];
+    if (given && given.IsMap())
+      return {given["from"].as<double>() * kDegree, given["to"].as<double>() * kDegree};
+    const Real fixed = given ? given.as<double>() * kDegree : 0;
+    return {fixed, fixed};
+  };
+  goal.lead = range("lead_deg");
+  goal.tilt = range("tilt_deg");
+  goal.max_lean_change = job["path"]["max_lean_change_deg_per_mm"].as<double>(0.5) * kDegree;
   if (const YAML::Node depth = job["toolpath"]["depth"]) {
     const auto mm = [&](const char* key, double otherwise) { return Real{depth[key].as<double>(otherwise)}; };
     goal.layers =
@@ -473,6 +554,8 @@ std::vector<Row> ReadPoints(const std::string& csv) {
       row.dexterity = table.Number("dexterity");
       row.objective = table.Number("objective");
       row.feed = table.Number("feed_mm_min") / 60;
+      if (table.Has("lead_deg"))
+        row.lean = {table.Number("lead_deg") * kDegree, table.Number("tilt_deg") * kDegree};
     }
     if (row.planned && table.Has("commanded_x_mm")) {
       Row::Commanded& commanded = row.commanded.emplace();
@@ -481,6 +564,12 @@ std::vector<Row> ReadPoints(const std::string& csv) {
       for (size_t i = 0; i < 6; ++i)
         commanded.angles[i] =
             table.Number(("commanded_a" + std::to_string(i + 1) + "_deg").c_str()) * kDegree;
+    }
+    for (int i = 1; i <= 3; ++i) {
+      const std::string name = "e" + std::to_string(i);
+      if (table.Has((name + "_mm").c_str())) row.external.push_back(table.Number((name + "_mm").c_str()));
+      if (table.Has((name + "_deg").c_str()))
+        row.external.push_back(table.Number((name + "_deg").c_str()) * kDegree);
     }
     rows.push_back(row);
   }

@@ -3,6 +3,7 @@
 // formats are read anew, so that a mistake there is not repeated here.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -28,12 +29,24 @@ struct Row {
     Angles angles;
   };
   std::optional<Commanded> commanded;
+  std::vector<Real> external = {};  ///< where the external axes stand, mm or rad; empty where there are none
+  /// How the tool leans towards the feed, then to its right, where the plan has chosen it; rad.
+  struct Lean {
+    Real lead, tilt;
+  };
+  std::optional<Lean> lean;
 };
 
 /// A planned way between two pieces, from plan.cbor; pass −1 is home.
 struct PlannedGap {
   int from_pass, from_piece, to_pass, to_piece;
   std::vector<Angles> joints;  ///< from the retracted tool to where the approach begins
+  /// The external axes move from one position to another while the arm stands at joints[at].
+  struct Move {
+    std::vector<Real> from, to;
+    size_t at;
+  };
+  std::optional<Move> move = {};
 };
 
 /// One row of deflection.csv, in W: the mean force on the tool (N) and what it moves (mm).
@@ -49,6 +62,10 @@ struct Goal {
   Vector3 given_force = Vector3::Zero();  ///< N, along feed, across, axis; zero: each point's own
   Real max_halfway = 5;                   ///< mm
   Real largest_shift = 0;                 ///< mm, of compensation; 0: none is allowed
+  /// Of leans that the plan chooses: their ranges, rad, and the largest change, rad/mm.
+  std::array<Real, 2> lead{0, 0}, tilt{0, 0};
+  Real max_lean_change = 0;
+  bool Leans() const { return lead[0] < lead[1] || tilt[0] < tilt[1]; }
   std::vector<Real> layers = {0};  ///< mm along the normals above the surface, as `toolpath.depth` says
 };
 
@@ -71,15 +88,22 @@ struct Summary {
 
 /// A folder as read.
 struct Folder {
-  Setup setup;
+  Setup setup;                                  ///< with the external axes at 0
+  std::map<std::vector<Real>, Setup> stations;  ///< with them where rows have them
   std::vector<Row> rows;
   bool whole = true;  ///< no point is skipped
   std::vector<PlannedGap> gaps;
   Goal goal;
-  std::map<int, Deflected> deflected;  ///< by point
+  Real cutter_radius = 0, corner_radius = 0;  ///< mm
+  std::map<int, Deflected> deflected;         ///< by point
   std::map<int, Compensated> compensated;
   std::optional<Summary> summary;
   std::map<std::string, std::map<std::string, std::string>> programs;  ///< controller → file name → text
+
+  /// The cell with the external axes somewhere that a row has them.
+  const Setup& At(const std::vector<Real>& external) const {
+    return external.empty() ? setup : stations.at(external);
+  }
 };
 
 /// Reads `path`. Cell and mesh are named in job.yaml relative to where the job was: `inputs`, else the folder

@@ -69,6 +69,28 @@ Real DeflectionError(const Deflected& stated, const Row& row, const Matrix3& c) 
   return moved.norm() > 0 ? off / moved.norm() : std::numeric_limits<Real>::infinity();
 }
 
+Vector3 ContactOf(const Folder& folder, const Row& row) {
+  if (!folder.goal.Leans()) return row.position;
+  // The cutter is a disc with a ring of the corner's radius around it: the lowest point of the disc's rim
+  // over the surface, and down from there by the ring.
+  const Vector3 n = row.normal.normalized(), a = row.axis.normalized();
+  const Vector3 centre = row.position + folder.corner_radius * a;
+  const Vector3 up = n - n.dot(a) * a;
+  const Real flat = folder.cutter_radius - folder.corner_radius;
+  const Vector3 rim = up.norm() > 1e-9L ? Vector3(centre - flat * up.normalized()) : centre;
+  return rim - folder.corner_radius * n;
+}
+
+Real LeanError(const Row& row) {
+  const Vector3 n = row.normal.normalized(), f = row.feed_direction.normalized();
+  const Vector3 forward = std::cos(row.lean->lead) * n + std::sin(row.lean->lead) * f;
+  // Turned about the feed, as a screw that goes forward with it.
+  const Vector3 across = f.cross(forward);
+  const Vector3 leaned = f.dot(forward) * f + std::cos(row.lean->tilt) * (forward - f.dot(forward) * f) +
+                         std::sin(row.lean->tilt) * across;
+  return AngleBetween(leaned, row.axis);
+}
+
 Real HalfwayDeviation(const Setup& setup, const Angles& from, const Angles& to) {
   Angles half;
   for (size_t i = 0; i < 6; ++i) half[i] = (from[i] + to[i]) / 2;

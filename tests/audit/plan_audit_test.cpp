@@ -62,9 +62,9 @@ AuditFigures AuditBeside(double gap, double share_of_angle = 1e-4) {
   pass.points[0].q = pass.points[1].q = cell.home;
   pass.points[1].q[5] += share_of_angle;
   pass.pieces.push_back({0, 0, 0, 1, false});
-  AdmissibleBounds bounds;
-  bounds.lower = cell.arm.lower, bounds.upper = cell.arm.upper;
-  return Audit(plan, Mesh(Triangles{}), cell, bounds, 0.5, 2, {});
+  PoseProblem problem;
+  problem.bounds.lower = cell.arm.lower, problem.bounds.upper = cell.arm.upper;
+  return Audit(plan, Mesh(Triangles{}), cell, problem, 0.5, 2, {});
 }
 
 TEST(PlanAudit, TellsContactAndClearanceApartByPair) {

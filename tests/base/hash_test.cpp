@@ -15,4 +15,14 @@ TEST(Hash, IsStableAndSeesEveryByte) {
   EXPECT_EQ(Hash(bytes), before);
 }
 
+TEST(Hasher, PartsCountAsTheWhole) {
+  const std::string bytes(1000, 'x');
+  for (const size_t part : {1u, 7u, 300u, 1000u}) {
+    Hasher hasher;
+    for (size_t at = 0; at < bytes.size(); at += part) hasher.Add(std::string_view(bytes).substr(at, part));
+    EXPECT_EQ(hasher.Digits(), Hash(bytes));
+  }
+  EXPECT_EQ(Hasher().Digits(), Hash(""));
+}
+
 }  // namespace millpose

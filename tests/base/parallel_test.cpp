@@ -27,4 +27,25 @@ TEST(ParallelFor, StopsAndPassesExceptionsOn) {
   EXPECT_THROW(ParallelFor(10, 2, {}, [](size_t) { throw InputError({"f"}, "bad"); }), InputError);
 }
 
+TEST(ParallelFor, NothingToDoIsDone) {
+  ParallelFor(0, 4, {}, [](size_t) { FAIL(); });
+  int done = 0;
+  ParallelFor(3, 0, {}, [&](size_t) { ++done; });  // no fewer than one thread
+  EXPECT_EQ(done, 3);
+}
+
+TEST(ParallelFor, WorkMayHaveWorkOfItsOwn) {
+  std::vector<std::atomic<int>> visits(50 * 40);
+  ParallelFor(50, 3, {}, [&](size_t i) { ParallelFor(40, 2, {}, [&](size_t j) { ++visits[40 * i + j]; }); });
+  for (const auto& count : visits) EXPECT_EQ(count, 1);
+}
+
+TEST(ParallelFor, AStopThatCameBeforeLetsNothingBegin) {
+  std::stop_source source;
+  source.request_stop();
+  EXPECT_THROW(ParallelFor(10, 2, source.get_token(), [](size_t) { ADD_FAILURE(); }), Interrupted);
+  EXPECT_THROW(CheckStop(source.get_token()), Interrupted);
+  EXPECT_NO_THROW(CheckStop({}));
+}
+
 }  // namespace millpose

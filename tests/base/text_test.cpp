@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/text.hpp"
 
+#include "base/random.hpp"
 #include "base/shown.hpp"
 
 namespace millpose {
@@ -35,6 +36,32 @@ TEST(ValidUtf8, KeepsWhatIsAndReplacesWhatIsNot) {
   EXPECT_EQ(ValidUtf8("\xED\xA0\x80"), mark + mark + mark);
   EXPECT_EQ(ValidUtf8("\xF5\x80"), mark + mark);
   EXPECT_EQ(ValidUtf8("\xE2\x80"), mark + mark);
+}
+
+TEST(Text, AnyDoubleReadsBackToItsBits) {
+  RandomStream random(1, 0);
+  for (int i = 0; i < 20000; ++i) {
+    const double value = std::bit_cast<double>(random.Next());
+    if (!std::isfinite(value)) continue;
+    const std::optional<double> read = ParseNumber(ShortestNumber(value));
+    ASSERT_TRUE(read) << ShortestNumber(value);
+    EXPECT_EQ(std::bit_cast<uint64_t>(*read), std::bit_cast<uint64_t>(value));
+  }
+}
+
+TEST(ValidUtf8, WhatItGivesIsValidAndStays) {
+  RandomStream random(2, 0);
+  for (int k = 0; k < 2000; ++k) {
+    std::string bytes;
+    for (int n = random.Below(12); n > 0; --n)  // half of them in the range of long characters
+      bytes += static_cast<char>(random.Below(2) != 0 ? random.Below(256) : 0x80 + random.Below(0x78));
+    const std::string valid = ValidUtf8(bytes);
+    EXPECT_EQ(ValidUtf8(valid), valid);
+    const std::string shown = Shown(valid, 1000);
+    EXPECT_EQ(std::ranges::count(shown, '?'), std::ranges::count_if(valid, [](char c) {
+                return c == '?' || (c >= 0 && c < ' ') || c == 0x7f;
+              }));
+  }
 }
 
 }  // namespace millpose

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What whole plans cost, by parts: CPU time a point on one thread, for jobs of growing size. Prints a table
-// and is no verdict; says nothing of plans that are resumed.
-//   bench_plan [points…]          of the panel, about so many; default 2000 and 10000
+// What whole plans cost, by parts: CPU time a point on one thread beside its goal, for jobs of growing size,
+// with the growth from the first to the last; then wall time on two threads; then what a change of a plan
+// that stands costs. Prints tables and is no verdict.
+//   bench_plan [points…]          of the panel, about so many; default 2000, 10000 and 100000
+//   bench_plan edits              changes alone, of 5,800 points
 //   bench_plan JOB.yaml [key=value…]
 #include <fmt/format.h>
 #include <sys/resource.h>
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <map>
 
 #include "base/cpu_time.hpp"
@@ -16,6 +19,10 @@
 
 namespace millpose {
 namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kPointsOfEdits = 5800;
 
 /// CPU seconds by stage.
 class StageClock : public Progress {
@@ -43,54 +50,154 @@ class StageClock : public Progress {
   double start_ = 0;
 };
 
+/// A folder that goes with its owner.
+class Scratch {
+ public:
+  Scratch() : path_(fs::temp_directory_path() / fmt::format("bench_plan_{}", ::getpid())) {}
+  ~Scratch() { fs::remove_all(path_); }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+struct Cost {
+  size_t points = 0;
+  double cpu = 0, wall = 0;  ///< s
+};
+
+double WallSeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Cost RunOnce(const PlanArguments& arguments, StageClock& clock) {
+  const double cpu = ProcessCpuSeconds(), wall = WallSeconds();
+  RunPlan(arguments, clock, {});
+  return {clock.points(), ProcessCpuSeconds() - cpu, WallSeconds() - wall};
+}
+
+PlanArguments Arguments(const fs::path& job, const fs::path& out, std::vector<Override> overrides,
+                        int threads) {
+  PlanArguments arguments;
+  arguments.job = job;
+  arguments.out = out;
+  arguments.threads = threads;
+  arguments.overrides = std::move(overrides);
+  return arguments;
+}
+
 void PrintRow(const char* part, double seconds, size_t points, double goal) {
   fmt::print("  {:<48} {:>9.2f} {:>9.3f} {:>7}\n", part, seconds, 1e3 * seconds / static_cast<double>(points),
              goal > 0 ? fmt::format("{:.2f}", goal) : "");
 }
 
-/// Plans a job and prints what it took; goals are those for the panel, ms a point.
-void Measure(const std::filesystem::path& job, std::vector<Override> overrides) {
-  const std::filesystem::path out =
-      std::filesystem::temp_directory_path() / fmt::format("bench_plan_{}", ::getpid());
-  PlanArguments arguments;
-  arguments.job = job;
-  arguments.out = out;
-  arguments.threads = 1;
-  arguments.overrides = std::move(overrides);
+double PeakMB() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+/// Plans a job on one thread and prints what it took; goals are those for the panel, ms a point.
+Cost Measure(const fs::path& job, const std::vector<Override>& overrides) {
+  const Scratch out;
   StageClock clock;
   const auto before = CpuSeconds();
-  const double start = ProcessCpuSeconds();
-  RunPlan(arguments, clock, {});
-  const double all = ProcessCpuSeconds() - start;
+  const Cost cost = RunOnce(Arguments(job, out.path(), overrides, 1), clock);
   auto parts = CpuSeconds();
   for (size_t i = 0; i < kCpuParts; ++i) parts[i] -= before[i];
-  std::filesystem::remove_all(out);
 
   const double optima = parts[static_cast<size_t>(CpuPart::kOptima)];
   const double interference = parts[static_cast<size_t>(CpuPart::kInterference)];
   const double passes = clock.Of({"passes"}), gaps = clock.Of({"gaps"}), programs = clock.Of({"programs"});
-  const size_t points = clock.points();
-  fmt::print("{}, {} points\n  {:<48} {:>9} {:>9} {:>7}\n", job.parent_path().filename().string(), points,
-             "part", "CPU s", "ms/point", "goal");
-  PrintRow("per-point optima", optima, points, 0.25);
+  const size_t points = cost.points;
+  fmt::print("{}, {} points, one thread\n  {:<48} {:>9} {:>9} {:>7}\n", job.parent_path().filename().string(),
+             points, "part", "CPU s", "ms/point", "goal");
+  PrintRow("per-point optima and table", optima, points, 0.25);
   PrintRow("ladder search, refinement, smoothing", passes - optima - interference, points, 0.25);
   PrintRow("interference of nodes and motions", interference, points, 0.45);
   PrintRow("gaps", gaps, points, 0.2);
   PrintRow("planning", passes + gaps, points, 1.15);
-  PrintRow("import, gouges, report", all - passes - gaps - programs, points, 0.15);
+  PrintRow("import, gouges, report", cost.cpu - passes - gaps - programs, points, 0.15);
   PrintRow("programs written, read back, replayed", programs, points, 0.3);
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  PrintRow("all", all, points, 0);
-  fmt::print("  peak memory so far {:.0f} MB\n", static_cast<double>(usage.ru_maxrss) / 1024);
+  PrintRow("all", cost.cpu, points, 0);
+  fmt::print("  peak memory so far {:.0f} MB (goal 1000)\n", PeakMB());
+  return cost;
 }
 
+struct Sample {
+  fs::path job;
+  std::vector<Override> overrides;
+};
+
 /// The panel with about `points` points: step-over and spacing shrink alike.
-void MeasurePanel(double points) {
+Sample Panel(double points) {
   const double finer = std::sqrt(2386 / points);
-  Measure(std::filesystem::path(SourceDir()) / "toolpaths/cabin_panel/job.yaml",
+  return {fs::path(SourceDir()) / "toolpaths/cabin_panel/job.yaml",
           {{"toolpath.stepover_mm", fmt::format("{:.3f}", 20 * finer)},
-           {"toolpath.spacing_mm", fmt::format("{:.3f}", 10 * finer)}});
+           {"toolpath.spacing_mm", fmt::format("{:.3f}", 10 * finer)}}};
+}
+
+/// Wall time on two threads: 7 s and 70 s at 10,000 and 100,000 points are the goals.
+void MeasureTwoThreads(const Sample& sample, const Cost& one) {
+  const Scratch out;
+  StageClock clock;
+  const Cost two = RunOnce(Arguments(sample.job, out.path(), sample.overrides, 2), clock);
+  fmt::print("  two threads: {:.1f} s of wall (goal {:.1f}), {:.2f} times as fast as one (goal 1.75)\n",
+             two.wall, 7e-4 * static_cast<double>(two.points), one.wall / two.wall);
+}
+
+void MeasurePanels(const std::vector<double>& sizes) {
+  std::vector<Cost> costs;
+  for (const double points : sizes) {
+    const Sample sample = Panel(points);
+    costs.push_back(Measure(sample.job, sample.overrides));
+    MeasureTwoThreads(sample, costs.back());
+  }
+  if (costs.size() < 2) return;
+  const Cost &first = costs.front(), &last = costs.back();
+  fmt::print("growth of CPU time from {} to {} points: exponent {:.3f} (goal 1.05)\n", first.points,
+             last.points,
+             std::log(last.cpu / first.cpu) /
+                 std::log(static_cast<double>(last.points) / static_cast<double>(first.points)));
+}
+
+/// The cell with another value of how well its tool is known, which reports alone read.
+fs::path CellFor(const fs::path& folder, double tip_uncertainty) {
+  std::ifstream from(fs::path(SourceDir()) / "cells/kr500_r2830.yaml");
+  const fs::path file = folder / fmt::format("cell{}.yaml", tip_uncertainty);
+  std::ofstream to(file);
+  for (std::string line; std::getline(from, line);) {
+    to << line << '\n';
+    if (line == "tool:") to << "  tip_uncertainty_mm: " << tip_uncertainty << '\n';
+  }
+  return file;
+}
+
+/// CPU of planning again after changes, each of the plan before.
+void MeasureEdits() {
+  const Scratch out;
+  const Sample sample = Panel(kPointsOfEdits);
+  fs::create_directories(out.path());
+  std::vector<Override> overrides = sample.overrides;
+  overrides.push_back({"cell", CellFor(out.path(), 0.1).string()});
+  const auto plan = [&](const char* what, double goal) {
+    StageClock clock;
+    const Cost cost = RunOnce(Arguments(sample.job, out.path() / "out", overrides, 1), clock);
+    fmt::print("  {:<48} {:>9.2f} {:>9} {:>7}\n", what, cost.cpu, "",
+               goal > 0 ? fmt::format("{:.1f}", goal) : "");
+  };
+  fmt::print("changes of a plan that stands, about {} points\n  {:<48} {:>9} {:>9} {:>7}\n", kPointsOfEdits,
+             "changed", "CPU s", "", "goal");
+  plan("everything", 0);
+  plan("nothing", 0.3);
+  overrides.back().value = CellFor(out.path(), 0.2).string();
+  plan("a key of reports (tool.tip_uncertainty_mm)", 0.5);
+  overrides.push_back({"program_options.path_tolerance_mm", "0.03"});
+  plan("a program option (path_tolerance_mm)", 2);
+  overrides.push_back({"process.min_feed_share", "0.4"});
+  plan("process.min_feed_share", 0.5);
 }
 
 }  // namespace
@@ -99,12 +206,17 @@ void MeasurePanel(double points) {
 int main(int argc, char** argv) {
   using namespace millpose;
   if (argc == 1) {
-    for (const double points : {2e3, 1e4}) MeasurePanel(points);
+    MeasurePanels({2e3, 1e4, 1e5});
+    MeasureEdits();
+  } else if (std::string(argv[1]) == "edits") {
+    MeasureEdits();
   } else if (std::string(argv[1]).ends_with(".yaml")) {
     std::vector<Override> overrides;
     for (int i = 2; i < argc; ++i) overrides.push_back(ParseOverride(argv[i]));
     Measure(argv[1], overrides);
   } else {
-    for (int i = 1; i < argc; ++i) MeasurePanel(std::stod(argv[i]));
+    std::vector<double> sizes;
+    for (int i = 1; i < argc; ++i) sizes.push_back(std::stod(argv[i]));
+    MeasurePanels(sizes);
   }
 }

@@ -60,7 +60,7 @@ std::vector<Layer> MakeLayers(int count) {
       layer.base.push_back(k);
       layer.genetic.push_back(false);
     }
-    for (int later = 1; later <= 8; ++later) layer.branch_begin[later] = kNodes;
+    for (int later = 1; later <= 8; ++later) layer.lane_begin[later] = kNodes;
     layer.joints.Finish();
   }
   return layers;

@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "program/krl/krl.hpp"
+#include "tests/program/station_plan.hpp"
 #include "tests/verify/sample_cell.hpp"
 
 namespace millpose::campaign {
@@ -17,6 +18,7 @@ PostSettings SettingsOf(const std::string& variant) {
   if (variant.ends_with("_more")) {
     settings.path_acceleration = 2000;
     settings.load = ToolLoad{85, {-120, 0, 130}, {4, 5, 6}};
+    settings.controller_axes = {{"E1", "", AxisKind::kLinear, 500}, {"E2", "", AxisKind::kRotary, -20.5}};
   }
   if (variant.ends_with("_split")) settings.max_motions = 10;
   return settings;
@@ -26,7 +28,6 @@ KrlOptions KrlOptionsOf(const std::string& variant) {
   KrlOptions options;
   if (variant.ends_with("_more")) {
     options.orientation_acceleration = 5;
-    options.external_axes = {500, -20.5};
     options.write_load = true;
   }
   if (variant.ends_with("_numbered")) {
@@ -36,8 +37,23 @@ KrlOptions KrlOptionsOf(const std::string& variant) {
   return options;
 }
 
+/// What a machine with rail and table has beside the arm.
+void AddExternal(const std::string& controller, const PlanResult& plan, Machine& machine) {
+  machine.external = controller == "krl"         ? std::vector<std::string>{"E1", "E2"}
+                     : controller == "sinumerik" ? std::vector<std::string>{"RAIL_AX", "TAB_AX"}
+                                                 : std::vector<std::string>{"U", "V"};
+  machine.coupled = controller == "krl";
+  const KrlCellNumbers numbers = KrlNumbers(plan, true);
+  machine.robroot.translation() = numbers.ersysroot;
+  machine.carriage.translation() = numbers.carriage;
+  machine.root.translation() = numbers.root;
+  machine.flange.translation() = Eigen::Vector3d(0, 0, 40);
+}
+
 /// No program has more than 100 lines: some need more of them for a pass.
 PlanResult PlanOf(const std::string& variant) {
+  if (variant == "linuxcnc_stations") return StationPlan("both", {.points = 2, .ring = false, .lift = 8});
+  if (variant.ends_with("_stations")) return StationPlan("both");
   const bool long_texts = variant == "linuxcnc" || variant == "krl_split" || variant == "krl_more";
   PlanResult plan =
       long_texts ? SamplePlan({.points = 3, .passes = 1, .lift = 20}) : SamplePlan({.points = 4});
@@ -59,6 +75,14 @@ Bed::Bed(const std::string& variant)
   program_ = MakeMotionProgram(plan_, OptionsOf());
   const KrlOptions krl = KrlOptionsOf(variant);
   post_ = controller_ == "krl" ? std::make_unique<KrlPost>(krl) : SamplePost(variant);
+  const bool stations = variant.ends_with("_stations");
+  if (stations) {
+    StationPost post(controller_, plan_, controller_ == "krl");
+    settings_.X_WB = post.settings.X_WB;
+    settings_.mechanism = post.settings.mechanism;
+    settings_.controller_axes = post.settings.controller_axes;
+    post_ = std::move(post.post);
+  }
   world_ = std::make_unique<World>(SampleCell(plan_));
   options_ = SampleOptions(plan_);
   machine_ = {plan_.arm,
@@ -70,6 +94,7 @@ Bed::Bed(const std::string& variant)
   machine_.base_number = krl.base_number;
   machine_.tool_number = krl.tool_number;
   machine_.X_BP = program_.X_BP.value_or(Pose::Identity());
+  if (stations) AddExternal(controller_, plan_, machine_);
   program_.frames_checked = variant == "krl_more";
   files_ = post_->Write(Prepared(program_, variant, settings_, plan_.arm), plan_.arm, settings_);
   trace_ = Run(files_);
@@ -97,8 +122,9 @@ Answer Bed::Ask(const Files& files) const {
 const std::vector<std::unique_ptr<Bed>>& Beds() {
   static const std::vector<std::unique_ptr<Bed>> beds = [] {
     std::vector<std::unique_ptr<Bed>> list;
-    for (const char* variant : {"krl", "krl_more", "krl_numbered", "krl_split", "sinumerik",
-                                "sinumerik_euler", "sinumerik_split", "linuxcnc", "linuxcnc_cartesian"})
+    for (const char* variant :
+         {"krl", "krl_more", "krl_numbered", "krl_split", "krl_stations", "sinumerik", "sinumerik_euler",
+          "sinumerik_split", "sinumerik_stations", "linuxcnc_stations", "linuxcnc", "linuxcnc_cartesian"})
       list.push_back(std::make_unique<Bed>(variant));
     return list;
   }();

@@ -221,6 +221,8 @@ class Krl : public Mover {
     if (!known.contains(name)) throw Refusal{"an unknown variable " + name};
     at.Need(at.TakeChar('='), "=");
     if (name == "$BASE" || name == "$TOOL") {
+      if (name == "$BASE" && at.Take("EK")) return MovingBase(at);
+      if (name == "$BASE") on_table_ = false;
       if (name == "$BASE")
         base_ = FrameOf(at, "BASE_DATA", machine_.base_number, machine_.X_BP);
       else
@@ -247,6 +249,39 @@ class Krl : public Mover {
       SetAdvance(*value);
     else
       Set(name, *value);  // $ACC, $APO.CVEL, …: as they are for every motion after
+  }
+
+  /// "EK": $BASE moves with the kinematic of that number (KSS, "Mathematical coupling"; posts of CAM
+  /// systems).
+  void MovingBase(Cursor& at) {
+    at.Need(at.TakeChar('('), "(");
+    bool known = machine_.coupled;
+    for (const char* part : {".ROOT", ".MECH_TYPE"}) {
+      at.Need(at.Take("MACHINE_DEF") && at.TakeChar('['), "MACHINE_DEF[");
+      const auto number = at.Number();
+      at.Need(number.has_value() && at.TakeChar(']'), "a number and ]");
+      known = known && *number == 2;
+      at.Need(at.Take(part) && at.TakeChar(','), part);
+    }
+    const Fields fields = FieldsOf(at, {"FRAME"});
+    at.Need(at.TakeChar(')') && at.Done(), ")");
+    Allow(fields, "XYZABC", false);
+    for (const char* field : {"X", "Y", "Z", "A", "B", "C"})
+      if (!fields.contains(field)) throw Refusal{"an incomplete frame"};
+    base_ = known ? std::optional(PoseOf(fields)) : std::nullopt;
+    on_table_ = true;
+  }
+
+  /// The base in the robot's foot, where the axes beside it stand as a target says.
+  Pose BaseAt(const Fields& fields) const {
+    if (!machine_.coupled) return *base_;
+    const auto value = [&](const char* name) {
+      if (!fields.contains(name)) throw Refusal{std::string("where is ") + name};
+      return fields.at(name);
+    };
+    const Pose foot = machine_.robroot * Frame(0, value("E1"), 0, Zyx(0, 0, 0)) * machine_.carriage;
+    const Pose table = machine_.root * Frame(0, 0, 0, Zyx(value("E2"), 0, 0)) * machine_.flange;
+    return foot.inverse() * (on_table_ ? table * *base_ : *base_);
   }
 
   /// "Inputs/outputs": a whole number in brackets; stops the advance run.
@@ -309,7 +344,7 @@ class Krl : public Mover {
         fields[name] = last_[name];
       }
     last_ = fields;
-    return *base_ * PoseOf(fields) * tool_->inverse();
+    return BaseAt(fields) * PoseOf(fields) * tool_->inverse();
   }
 
   std::string Words(const Fields& fields) const {
@@ -434,6 +469,7 @@ class Krl : public Mover {
   std::array<double, 2> turn_ = {200, 200};
   int advance_ = 3, depth_ = 0;
   int ifs_ = 0, skipped_ = 0, loops_ = 0;  // that are open; skipped: within one that does not hold
+  bool on_table_ = false;                  // the base moves with it
   bool spline_ = false, begun_ = false;    // a statement came
 };
 

@@ -271,14 +271,18 @@ class Sinumerik : public Mover {
       at.Need(!address.empty() && at.TakeChar('='), "=");
       value = at.Number();
       at.Need(value.has_value(), "a number");
-      const bool known =
-          address.size() == 1 || address.starts_with("RA") || address == "OTOL" || address == "CTOL";
+      const bool known = IsExternal(address) || address.size() == 1 || address.starts_with("RA") ||
+                         address == "OTOL" || address == "CTOL";
       if (!known) throw Refusal{"unknown address " + address};
     }
     if (at.Take("EX")) value = *value * std::pow(10, at.Number().value_or(0));  // "Exponents"
     if (address == "M") return block.m.push_back(*value);
     if (address == "G" || address == "L" || address == "E") throw Refusal{"unknown " + address};
     if (!block.words.emplace(address, *value).second) throw Refusal{"an address twice: " + address};
+  }
+
+  bool IsExternal(const std::string& address) const {
+    return std::find(machine_.external.begin(), machine_.external.end(), address) != machine_.external.end();
   }
 
   static void Mode(Block& block, int group, const std::string& name) {
@@ -360,13 +364,14 @@ class Sinumerik : public Mover {
       if (!pose && (group == 8 || group == 25 || group == 50 || group == 51)) continue;
       text += word + " ";
     }
+    for (const auto& [address, value] : external_) text += fmt::format("{}={:.3f} ", address, value);
     return text + (pose && reframed_ ? "framed" : "");
   }
 
   void Move(const Block& block, bool exact, const std::string& unframed) {
     bool axes = false, pose = false;
     for (const auto& [address, value] : block.words) {
-      axes = axes || address.starts_with("RA");
+      axes = axes || address.starts_with("RA") || IsExternal(address);
       pose = pose || (address.size() == 1 && std::string("XYZABC").find(address) != std::string::npos);
       if (address == "OTOL") angle_blend_ = value * kRadPerDeg;
       if (address == "CTOL") blend_ = value;
@@ -393,9 +398,12 @@ class Sinumerik : public Mover {
       ++given;
     }
     for (const auto& [address, value] : block.words)
-      if (address.starts_with("RA") && (address.size() != 3 || address[2] < '1' || address[2] > '6'))
+      if (IsExternal(address)) external_[address] = value;
+    for (const auto& [address, value] : block.words)
+      if (!IsExternal(address) && address.starts_with("RA") &&
+          (address.size() != 3 || address[2] < '1' || address[2] > '6'))
         throw Refusal{"no axis " + address};
-    if (given < 6 && !this->q()) {
+    if ((given < 6 && !this->q()) || external_.size() < machine_.external.size()) {
       Event(Step::Kind::kSwitch, "from where the machine stands");
       return;
     }
@@ -452,7 +460,8 @@ class Sinumerik : public Mover {
   std::map<int, Pose> frames_;
   std::optional<Pose> frame_;
   std::map<std::string, double> last_;
-  std::string speed_, tool_, text_;  // the present block as it stands
+  std::map<std::string, double> external_;  // where the axes beside the robot's stand
+  std::string speed_, tool_, text_;         // the present block as it stands
   double feed_ = 0, blend_ = 1e3, angle_blend_ = 1e3;
   bool transformed_ = false, reframed_ = false, turning_ = false;
   bool rounded_ = false;  // the motion before goes on into the next one

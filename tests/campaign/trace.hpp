@@ -23,7 +23,12 @@ struct Machine {
   std::string rotation = "rpy";                        ///< how A, B, C turn (SINUMERIK, LinuxCNC)
   bool cartesian = false;                              ///< LinuxCNC with tool poses in cuts
   std::string tool_name;
-  Pose robroot = Pose::Identity();       ///< KUKA's $ROBROOT, or $ERSYSROOT on a coupled rail
+  Pose robroot = Pose::Identity();         ///< KUKA's $ROBROOT, or $ERSYSROOT on a coupled rail
+  std::vector<std::string> external = {};  ///< axes beside the arm's, as texts name them
+  bool coupled = false;                  ///< KUKA: E1 is a rail along y of robroot, E2 turns about z of root
+  Pose carriage = Pose::Identity();      ///< the robot on that rail
+  Pose root = Pose::Identity();          ///< MACHINE_DEF[2].ROOT
+  Pose flange = Pose::Identity();        ///< what turns, in it
   int base_number = 0, tool_number = 0;  ///< of the frames that the controller holds; 0: none
   Pose X_BP = Pose::Identity();          ///< the base of that number
 };

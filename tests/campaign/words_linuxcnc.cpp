@@ -75,6 +75,8 @@ const Vocabulary& LinuxCncVocabulary() {
                      "X1",
                      "G1 X1",
                      "G0 X1",
+                     "G0 U150",
+                     "G1 U150",
                      "G2 X1 I1",
                      "o100 sub",
                      "G21 G21",

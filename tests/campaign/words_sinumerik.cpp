@@ -92,6 +92,8 @@ const Vocabulary& SinumerikVocabulary() {
                                                        "X1",
                                                        "G1 X1",
                                                        "G0 RA1=5",
+                                                       "G0 SUPA RAIL_AX=150",
+                                                       "RAIL_AX=150",
                                                        "RA1=5",
                                                        "OTOL=1",
                                                        "CTOL=1",

@@ -2,6 +2,7 @@
 """`millpose place`. Usage: place_test.py MILLPOSE TOP; with MILLPOSE_SLOW=1 also whole samples."""
 import csv
 import json
+import math
 import os
 import re
 import signal
@@ -23,6 +24,15 @@ def rows(path):
 
 def read(path):
     return json.loads(path.read_text())
+
+
+def box(path, lower, upper):
+    """An OFF file of a box."""
+    corners = [[(lower, upper)[i >> k & 1][k] for k in range(3)] for i in range(8)]
+    faces = "0 2 3 1  4 5 7 6  0 1 5 4  2 6 7 3  0 4 6 2  1 3 7 5".split("  ")
+    triangles = [triangle for a, b, c, d in map(str.split, faces) for triangle in ((a, b, c), (a, c, d))]
+    path.write_text(f"OFF\n8 12 0\n" + "".join("%g %g %g\n" % tuple(corner) for corner in corners)
+                    + "".join(f"3 {' '.join(triangle)}\n" for triangle in triangles))
 
 
 class Place(InFolder):
@@ -228,6 +238,8 @@ class Place(InFolder):
             ("placement: {points: 5}\n", r"job\.yaml:\d+:\d+: placement: give a range for one of x_mm, y_mm"),
             ("placement: {x_mm: {from: 5, to: 5}}\n", r"placement\.x_mm: `to` must be more than `from`"),
             ("placement: {x_mm: {from: 5}}\n", r"placement\.x_mm\.to: missing"),
+            ("placement: {x_mm: {from: 5, to: 6}, stations: {most: 2}}\n", r"placement\.stations\.error_mm: missing"),
+            ("placement: {x_mm: {from: 5, to: 6}, stations: {most: 1, error_mm: 1}}\n", r"placement\.stations\.most: given 1"),
             ("placement: {x_m: {from: 5, to: 6}}\n", r"placement\.x_m: unknown key; nearest known key: x_mm"),
             ("placement: {x_mm: {from: 5, to: 6}, points: 0}\n", r"placement\.points: given 0"),
             ("placement: {x_mm: {from: 5, to: 6}, keep_out: [{name: a, shape: {mesh: {file: a.stl, unit: mm}}, pose: {xyz_mm: [0, 0, 0], abc_deg: [0, 0, 0]}}]}\n",
@@ -238,10 +250,129 @@ class Place(InFolder):
                 self.assertEqual(done.returncode, 2, done.stdout)
                 self.assertRegex(done.stderr, told)
                 self.assertEqual([path.name for path in self.folder.iterdir()], ["job.yaml"])
+        stations = "placement: {x_mm: {from: 5, to: 6}, stations: {most: 2, error_mm: 1}}\n"
+        (self.folder / "path.csv").write_text("x_mm,y_mm,z_mm,i,j,k\n-50,0,0,0,0,1\n50,0,0,0,0,1\n")
+        for pattern, replacement, told in (
+            (r"planes: .*\n  stepover_mm.*\n  direction.*", "cam: {file: path.csv}", "the path of strategy cam is not split"),
+            (r"planes: (.*)", r"planes: \1\n  share: {direction: [1, 0, 0], to_mm: 3}", "toolpath.share says already what of the path is milled"),
+        ):
+            text, count = re.subn(pattern, replacement, PAD)
+            self.assertEqual(count, 1)
+            if "cam" in told:
+                text = re.sub(r"  region: .*\n", "", text).replace("parallel_planes", "cam").replace("  cutting: {material: 5A06, teeth: 4, depth_mm: 1}\n", "").replace("surface_error", "chen2021")
+            (self.folder / "job.yaml").write_text(text.replace("../../cells", str(TOP / "cells")).replace("mesh: support_pad", f"mesh: {TOP}/toolpaths/support_pad/support_pad") + stations)
+            done = run("place", self.folder / "job.yaml", "-q")
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("placement.stations: ", done.stderr)
+            self.assertIn(told, done.stderr)
+        sample = (TOP / "toolpaths" / "cabin_window" / "job.yaml").read_text().replace("../../cells", str(TOP / "cells"))
+        (self.folder / "window.yaml").write_text(re.sub(r"mesh: (\S+)", rf"mesh: {TOP}/toolpaths/cabin_window/\1", sample) + stations)
+        self.assertIn("a job of several operations is not split", run("place", self.folder / "window.yaml", "-q").stderr)
         targets = ", ".join("{nominal_mm: [%d, %d, 0], measured_mm: [2076, %d, %d]}" % (x, y, y, 1006 + x) for x, y in ((0, 0), (30, 0), (0, 30)))
         done = run("place", self.job(changes=[(r"pose: \{xyz_mm.*\}", f"targets: [{targets}]")]), "-q")
         self.assertEqual(done.returncode, 2)
-        self.assertIn("measured where the part stands already", done.stderr)
+        self.assertIn("these measure where the part is already", done.stderr)
+
+    def panel(self, length, placement, stepover=100, spacing=100, cutting=False):
+        """A job on a standing panel of 400 mm height, far longer than the arm reaches, with `length` mm of it in y."""
+        box(self.folder / "panel.off", (0, 0, -20), (400, length, 0))
+        text = re.sub(r"  joints_deg: .*\n", "", PAD).replace("../../cells", str(TOP / "cells"))
+        if not cutting:
+            text = re.sub(r"  cutting: .*\n", "", text).replace("{name: surface_error}", "{name: chen2021}")
+        for pattern, replacement in ((r"name: support_pad\n", "name: long_standing_panel\n"), (r"mesh: \S+", "mesh: panel.off"),
+                                     (r"normal: \[0, 1, 0\]", "normal: [1, 0, 0]"), (r"xyz_mm: \[2076, 0, 1006\]", f"xyz_mm: [2000, {-length / 2}, 800]"),
+                                     (r"stepover_mm: \S+", f"stepover_mm: {stepover}"), (r"spacing_mm: \S+", f"spacing_mm: {spacing}")):
+            text, count = re.subn(pattern, replacement, text)
+            assert count == 1, pattern
+        path = self.folder / "panel.yaml"
+        path.write_text(text + placement)
+        return path
+
+    STATIONS = ("placement:\n  x_mm: {from: 1700, to: 2300}\n  y_mm: {from: -6000, to: 3000}\n  z_mm: {from: 500, to: 1300}\n"
+                "  points: 60\n  places: 150\n  plans: 1\n  map_points: 2\n  stations: {most: 3, error_mm: 1.5}\n")
+
+    def covered(self, out, station, rows_apart):
+        """Of a planned station: by row of the panel the planned stretches of y in the part's frame, with the largest step."""
+        place = station["place"]
+        self.assertEqual([place[key] for key in ("a_deg", "b_deg", "c_deg")], [0, -90, 0])
+        lanes = {}
+        for row in rows(out / station["folder"] / "points.csv"):
+            self.assertEqual(row["status"], "planned", row)
+            # Turned by B = -90 degrees: x of the part is z of the world.
+            x, y = float(row["z_mm"]) - place["z_mm"], float(row["y_mm"]) - place["y_mm"]
+            self.assertAlmostEqual(float(row["x_mm"]), place["x_mm"], places=6)
+            lanes.setdefault(round(x / rows_apart, 6), []).append(y)
+        return {x: sorted(ys) for x, ys in lanes.items()}
+
+    def stations_cover(self, out, length, stepover, spacing):
+        """Stations mill all of the panel, overlap as stated, and leave no gap between points."""
+        found = read(out / "placement.json")
+        stations = found["stations"]
+        overlap = stations["overlap_mm"]
+        self.assertEqual(overlap, 2 * 1.5 + stepover)
+        self.assertEqual(stations["along"], [0, 1, 0])
+        split = stations["splits"][stations["recommended"]]
+        seams = [None] + [station["to_mm"] for station in split["stations"][:-1]] + [None]
+        for station, least, most in zip(split["stations"], seams, seams[1:]):
+            self.assertEqual((station["from_mm"], station["to_mm"]), (least, most))
+            lanes = self.covered(out, station, stepover)
+            self.assertEqual(len(lanes), math.ceil(400 / stepover - 1e-9))
+            for ys in lanes.values():
+                self.assertAlmostEqual(ys[0], 0 if least is None else least - overlap / 2, places=6)
+                self.assertAlmostEqual(ys[-1], length if most is None else most + overlap / 2, places=6)
+                self.assertLessEqual(max(b - a for a, b in zip(ys, ys[1:])), spacing + 1e-6)
+        return found, split
+
+    def test_a_part_twice_the_reach_is_split_between_stations(self):
+        job = self.panel(6000, self.STATIONS)
+        done = run("place", job, "--threads", "2", "-q")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        out = self.folder / "long_standing_panel.places"
+        found, split = self.stations_cover(out, 6000, 100, 100)
+        # No single place reaches all, in the sample nor in any plan.
+        self.assertTrue(all(int(row["free"]) < int(row["points"]) for row in rows(out / "places.csv")))
+        for plan in found["plans"]:
+            self.assertLess(plan["points"]["planned"], plan["points"]["total"])
+        self.assertEqual(split["points"]["planned"], split["points"]["total"])
+        self.assertEqual(split["objective_worst"], [max(station["objective_worst"][0] for station in split["stations"])])
+        self.assertIn(f"best       {len(split['stations'])} stations: {self.folder}/panel.station_1.yaml, ", done.stdout)
+        self.assertFalse((self.folder / "panel.placed.yaml").exists())
+        bases = set()
+        for number, station in enumerate(split["stations"], 1):
+            # Every station's job plans as it is, to what was planned, with programs of its own.
+            again = self.folder / f"again_{number}"
+            self.assertEqual(run("plan", self.folder / f"panel.station_{number}.yaml", "-o", again, "-q").returncode, 0)
+            for name in ("points.csv", f"programs/krl/long_standing_pan_s{number}.src"):
+                self.assertEqual((again / name).read_bytes(), (out / station["folder"] / name).read_bytes())
+            self.assertEqual(run("verify", out / station["folder"]).returncode, 0)
+            bases.add(re.search(r"\$BASE *= *\{.*\}", (again / f"programs/krl/long_standing_pan_s{number}.src").read_text())[0])
+            self.assertEqual([(one["coordinate"], one["by"]) for one in station["sensitivity"]],
+                             [(key, by) for key in ("x_mm", "y_mm", "z_mm") for by in (-20, 20)])
+        self.assertEqual(len(bases), len(split["stations"]))
+        page = (out / "placement.html").read_text()
+        self.assertIn("Split between stations", page)
+        self.assertEqual([f">station {number}</text>" in page for number in range(1, 4)], [number <= len(split["stations"]) for number in range(1, 4)])
+        # Splitting a share again is refused, and a station of an earlier split does not stay behind.
+        refused = run("place", self.folder / "panel.station_1.yaml", "-q")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("toolpath.share says already what of the path is milled", refused.stderr)
+        stale = self.folder / "panel.station_3.yaml"
+        if not stale.exists():
+            stale.write_text((self.folder / "panel.station_1.yaml").read_text())
+        wanted = self.results(out)
+        self.assertEqual(run("place", job, "--threads", "1", "-o", self.folder / "one", "-q").returncode, 0)
+        self.assertEqual(self.results(self.folder / "one"), wanted)
+        self.assertEqual(stale.exists(), len(split["stations"]) == 3)
+
+    def test_one_station_is_preferred_where_it_reaches_all(self):
+        placement = self.STATIONS.replace("places: 150", "places: 30").replace("y_mm: {from: -6000, to: 3000}", "y_mm: {from: -500, to: -300}")
+        for gain, splits in (("", 0), (", gain_percent: 99", 2)):
+            job = self.panel(800, placement.replace("error_mm: 1.5", "error_mm: 1.5" + gain), spacing=200, stepover=200)
+            done = run("place", job, "-q")
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            stations = read(self.folder / "long_standing_panel.places" / "placement.json")["stations"]
+            self.assertEqual((len(stations["splits"]), stations["recommended"]), (splits, None), gain)
+            self.assertEqual(list(self.folder.glob("panel.station_*")), [])
 
     def test_plan_takes_the_job_as_without_the_section(self):
         plans = []
@@ -250,6 +381,33 @@ class Place(InFolder):
             plans.append({name: data for name, data in self.results(self.folder / "out").items() if name.endswith((".src", ".mpf", ".ngc", "points.csv"))})
         self.assertEqual(*plans)
         self.assertGreater(len(plans[0]), 3)
+
+    @unittest.skipUnless(SLOW, "the quick twin is above, with few points")
+    def test_the_whole_panel_is_split_between_stations(self):
+        """As docs/placement.md shows it, with a cutting force; after kills it is the same."""
+        placement = self.STATIONS.replace("  points: 60\n  places: 150\n  plans: 1\n", "")
+        job = self.panel(6000, placement, stepover=16, spacing=10, cutting=True)
+        done = run("place", job, "-q")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        out = self.folder / "long_standing_panel.places"
+        found, split = self.stations_cover(out, 6000, 16, 10)
+        self.assertEqual(found["objective"], "surface_error")
+        self.assertEqual(len(split["stations"]), 2)
+        for number, station in enumerate(split["stations"], 1):
+            self.assertEqual(run("verify", out / station["folder"]).returncode, 0)
+        few = self.panel(6000, self.STATIONS)
+        self.assertEqual(run("place", few, "-o", self.folder / "whole", "-q").returncode, 0)
+        killed, wanted = self.folder / "killed", self.results(self.folder / "whole")
+        jobs = [path.read_bytes() for path in sorted(self.folder.glob("panel.station_*"))]
+        for seconds in (2, 4, 6, 8, 10, 12):
+            process = subprocess.Popen([MILLPOSE, "place", few, "-o", killed, "-q"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            time.sleep(seconds)
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+        for threads in (1, 4):
+            self.assertEqual(run("place", few, "-o", killed, "--threads", threads, "-q").returncode, 0)
+            self.assertEqual(self.results(killed), wanted)
+            self.assertEqual([path.read_bytes() for path in sorted(self.folder.glob("panel.station_*"))], jobs)
 
     @unittest.skipUnless(SLOW, "the quick twins are above, on a pad of few points")
     def test_samples_near_the_best_place_by_full_plans(self):

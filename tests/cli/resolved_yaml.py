@@ -87,9 +87,15 @@ def parse(text):
     return block(0)[0]
 
 
+def as_map(schema):
+    """Of a schema with alternatives the one that is a map with known keys."""
+    return next((option for option in schema.get("anyOf", []) if "properties" in option), schema)
+
+
 def leaves(schema, path=""):
-    """Paths of all keys that hold values and no keys, as in "bodies[].shape.box.size_mm"."""
-    found = []
+    """Paths of all keys that hold values, as in "bodies[].shape.box.size_mm"; of one that may hold a value or keys, both."""
+    found = [path] if as_map(schema) is not schema else []
+    schema = as_map(schema)
     for key, inner in schema.get("properties", {}).items():
         found += leaves(inner, f"{path}.{key}" if path else key)
     if isinstance(schema.get("additionalProperties"), dict):
@@ -101,6 +107,7 @@ def leaves(schema, path=""):
 
 def places(schema, value, path=""):
     """(path as in leaves(), container, key, schema) of every value that stands in `value`."""
+    schema = as_map(schema)
     known = schema.get("properties", {})
     for key, inner in value.items():
         rest = schema.get("additionalProperties")

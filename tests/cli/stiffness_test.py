@@ -198,7 +198,7 @@ class Identify(Answers):
             path = self.measurements(folder, ((0, 0, -737.8), (737.8, 0, 0)))
             with open(path, encoding="utf-8") as file:
                 good = file.read()
-            self.assertIn("as the stated deviation lets expect", run("identify", path, "--cell", cell).stdout)
+            self.assertIn("as expected from the stated deviation", run("identify", path, "--cell", cell).stdout)
             # Kilonewtons and metres together: the same stiffness.
             both = re.sub(r"force_N: \[(.*?)\], displacement_mm: \[(.*?)\]", lambda m: "force_N: [{}], displacement_mm: [{}]".format(
                 *(", ".join(repr(float(x) / 1000) for x in group.split(",")) for group in m.groups())), good)
@@ -208,7 +208,7 @@ class Identify(Answers):
             findings = "; ".join(json.loads(result.stdout)["findings"])
             self.assertIn("largest force is 0.7378 N", findings)
             self.assertIn("largest displacement is", findings)
-            self.assertIn("left as it was", result.stderr)
+            self.assertIn("is unchanged", result.stderr)
             with open(cell, encoding="utf-8") as file:
                 self.assertEqual(file.read(), before)
             # Two readings determine nothing, but they are two.

@@ -129,7 +129,7 @@ class Tools(InFolder):
             ("tool: dril_d5\n", CELL, r"job\.yaml:\d+:\d+: tool: given dril_d5; .*did you mean drill_d5\?"),
             ("tool: other\n", one, r"tool: given other; allowed, the tools of cell kr500_r2830: spindle_d20"),
             ("tool: a\n", CELL[:CELL.index("tools:")] + "tools: []\n" + CELL[CELL.index("tool_change_deg"):], r"tools: given no tool"),
-            ("tool: drill_d5\n", CELL + "tool:\n" + second.replace("  - name", "  name").replace("\n    ", "\n  "), r"cell\.yaml:\d+:\d+: tool: given beside tools"),
+            ("tool: drill_d5\n", CELL + "tool:\n" + second.replace("  - name", "  name").replace("\n    ", "\n  "), r"cell\.yaml:\d+:\d+: tool: given together with tools"),
             ("tool: drill_d5\n", CELL.replace("number: 2", "number: 1"), r"tools\[1\]\.number: given 1 twice"),
             ("tool: drill_d5\n", CELL.replace("name: drill_d5", "name: mill_d20"), r"tools\[1\]\.name: given mill_d20 twice"),
             ("tool: drill_d5\n", CELL.replace("    number: 2\n", "").replace("  linuxcnc: {}", "  linuxcnc: {texts: {tool_change: 'T{number} M6'}}"),

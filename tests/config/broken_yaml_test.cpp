@@ -114,7 +114,7 @@ const Slip kJobSlips[] = {
     {"stepover_mm: 8", "stepover: 5\n  stepover_mm: 8", 12, 3,
      "toolpath.stepover: the key lacks its unit; nearest known key: stepover_mm"},
     {"stepover_mm: 8", "stepover_mm: 8\n  stepover_mm: 9", 13, 3,
-     "stepover_mm: given twice; the first stands in line 12"},
+     "stepover_mm: given twice; the first is in line 12"},
     {"stepover_mm: 8", "stepover_mm: 0", 12, 16,
      "toolpath.stepover_mm: given 0; allowed: number 0.001…10000, mm"},
     {"stepover_mm: 8", "stepover_mm: 1e-8", 12, 16,
@@ -284,19 +284,34 @@ TEST(BrokenYaml, ColumnsCountCharacters) {
 TEST(BrokenYaml, WhatAControllerCannotFollowIsNamedWithItsLine) {
   const std::string cell = kCell;
   const int line = 1 + static_cast<int>(std::ranges::count(cell, '\n'));
-  const std::array<std::pair<const char*, const char*>, 12> slips = {{
+  const std::array<std::pair<const char*, const char*>, 18> slips = {{
       {"  sinumerik: {rotation: rpy}\n", "controllers.sinumerik: settable_frame is missing"},
       {"  krl: {ori_ipo_with_g_code: true}\n",
        "controllers.krl.ori_ipo_with_g_code: krl programs do not know this"},
       {"  sinumerik: {settable_frame: 505, base_number: 2}\n",
        "controllers.sinumerik.base_number: sinumerik programs do not know this"},
       {"  krl: {motion: spline}\n", "controllers.krl.motion: is no longer a key: KRL cuts are LIN"},
-      {"  krl: {external_axes: [1], ersysroot: {pose: {}, axis: 2}}\n",
-       "controllers.krl.ersysroot: its axis E2 is none of the 1 external_axes"},
+      {"  krl: {external_axes: [1500]}\n",
+       "controllers.krl.external_axes: given 1500: is no longer a list of numbers; give {name: E1, "
+       "constant_mm: 1500}"},
+      {"  krl: {external_axes: [{name: E1, constant_mm: 1, coupled: true}], ersysroot: {pose: {}, axis: "
+       "1}}\n",
+       "controllers.krl.ersysroot.axis: is no longer a key: give coupled: true in external_axes"},
+      {"  krl: {external_axes: [{name: E1, constant_mm: 1}], ersysroot: {pose: {}}}\n",
+       "controllers.krl.ersysroot: none of external_axes is coupled"},
+      {"  krl: {external_axes: [{name: E1, axis: rail}]}\n",
+       "controllers.krl.external_axes[0].coupled: missing; required with axis"},
+      {"  krl: {external_axes: [{name: E1, axis: rail, coupled: true, constant_mm: 4}]}\n",
+       "controllers.krl.external_axes[0]: given 2 of axis, constant_mm and constant_deg; allowed: one"},
+      {"  krl: {external_axes: [{name: E1, constant_mm: 1}, {name: E1, constant_mm: 2}]}\n",
+       "controllers.krl.external_axes[1].name: given 'E1' twice; allowed: once"},
+      {"  sinumerik: {settable_frame: 505, external_axes: [{name: 7th, axis: rail, coupled: false}]}\n",
+       "controllers.sinumerik.external_axes[0].name: given '7th'; allowed: letters"},
       {"  sinumerik: {settable_frame: 505, robroot: {}}\n",
        "controllers.sinumerik.robroot: sinumerik programs do not know this"},
-      {"  linuxcnc: {external_axes: [1]}\n",
-       "controllers.linuxcnc.external_axes: linuxcnc programs do not know"},
+      {"  linuxcnc: {external_axes: [{name: U, axis: rail, coupled: false, constant_mm: 4}]}\n",
+       "controllers.linuxcnc.external_axes[0].constant_mm: linuxcnc programs do not know this; allowed for: "
+       "krl"},
       {"  krl: {rotation: euler}\n",
        "controllers.krl.rotation: krl programs do not know this; allowed for: sinum"},
       {"  krl: {coordinates: cartesian}\n", "controllers.krl.coordinates: krl programs do not know this"},

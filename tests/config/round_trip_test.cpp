@@ -58,8 +58,9 @@ controllers:
     calls: [{name: WASH, moves: false}, {name: PARK, moves: true, from_deg: [1, 2, 3, 4, 5, 6], to_deg: [0, 0, 0, 0, 0, 0.1]}]
     path_acceleration_m_s2: 1.5
     robroot: {xyz_mm: [50, 0, 120], abc_deg: [90, 0, 0]}
-    external_axes: [10, 1500]
-    ersysroot: {pose: {xyz_mm: [0, -200, 300]}, axis: 2, direction: -y}
+    external_axes: [{name: E1, constant_deg: 10}, {name: E3, constant_mm: 1500, coupled: true}, {name: E2, axis: table, coupled: true}]
+    ersysroot: {pose: {xyz_mm: [0, -200, 300]}, direction: -y}
+    external_base: {machine_def: 2, root: {xyz_mm: [1, 2, 3]}, flange: {xyz_mm: [0, 0, 40]}}
     write_load: true
     tool_direction: z
     block_time_ms: 8
@@ -168,8 +169,14 @@ TEST(RoundTrip, WhatProgramsAreMadeOfSurvives) {
   EXPECT_EQ(shared.path_acceleration, 1500);
   EXPECT_EQ(krl.robroot->position, Eigen::Vector3d(50, 0, 120));
   EXPECT_EQ(krl.ersysroot->pose.position, Eigen::Vector3d(0, -200, 300));
-  EXPECT_EQ(krl.ersysroot->axis, 2);
   EXPECT_EQ(krl.ersysroot->direction, FrameAxis::kMinusY);
+  ASSERT_EQ(shared.controller_axes.size(), 3u);
+  EXPECT_EQ(shared.controller_axes[0].kind, AxisKind::kRotary);
+  EXPECT_EQ(shared.controller_axes[0].constant, 10);
+  EXPECT_TRUE(shared.controller_axes[1].coupled);
+  EXPECT_EQ(shared.controller_axes[2].axis, "table");
+  EXPECT_EQ(krl.external_base->machine_def, 2);
+  EXPECT_EQ(krl.external_base->flange.position, Eigen::Vector3d(0, 0, 40));
   EXPECT_EQ(krl.tool_direction, FrameAxis::kZ);
   EXPECT_EQ(shared.block_time, 0.008);
   EXPECT_EQ(krl.memory_kbytes, 8000);

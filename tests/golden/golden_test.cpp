@@ -8,16 +8,16 @@
 
 #include "base/file.hpp"
 #include "tests/base/source_dir.hpp"
-#include "tests/program/sample_plan.hpp"
+#include "tests/program/station_plan.hpp"
 
 namespace millpose {
 namespace {
 
 void ExpectGolden(const std::string& controller, const std::string& folder, const PlanResult& plan,
-                  const PostSettings& settings) {
+                  const Post& post, const PostSettings& settings) {
   MotionProgram program = MakeMotionProgram(plan);
   program.frames_checked = controller == "krl";
-  const ProgramFiles files = SamplePost(folder)->Write(program, plan.arm, settings);
+  const ProgramFiles files = post.Write(program, plan.arm, settings);
   for (const auto& [name, text] : files) {
     const std::filesystem::path golden = std::filesystem::path(SourceDir()) / "tests/golden" / folder / name;
     if (std::getenv("MILLPOSE_UPDATE_GOLDEN") != nullptr) {
@@ -38,7 +38,26 @@ TEST_P(Golden, WholeText) {
   const PostSettings settings = SampleSettings(GetParam());
   const bool long_one = GetParam() == "krl" || GetParam() == "sinumerik";
   ExpectGolden(ControllerOf(GetParam()), GetParam(),
-               SamplePlan({.points = long_one ? 6 : 4, .ring = long_one}), settings);
+               SamplePlan({.points = long_one ? 6 : 4, .ring = long_one}), *SamplePost(GetParam()), settings);
+}
+
+struct Carried {
+  const char *variant, *axes;
+  bool coupled;
+};
+
+class GoldenStations : public testing::TestWithParam<Carried> {};
+INSTANTIATE_TEST_SUITE_P(Variants, GoldenStations,
+                         testing::Values(Carried{"krl", "rail", true}, Carried{"krl", "table", true},
+                                         Carried{"krl", "table", false}, Carried{"sinumerik", "rail", false},
+                                         Carried{"linuxcnc", "both", false}));
+
+TEST_P(GoldenStations, WholeText) {
+  const auto [variant, axes, coupled] = GetParam();
+  const PlanResult plan = StationPlan(axes);
+  const StationPost post(variant, plan, coupled);
+  ExpectGolden(variant, fmt::format("stations/{}_{}{}", variant, axes, coupled ? "_coupled" : ""), plan,
+               *post.post, post.settings);
 }
 
 }  // namespace

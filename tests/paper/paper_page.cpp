@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 void WriteLine(const std::string& line) { page += line + '\n'; }
 
 void Head() {
-  Write("# Chen et al. 2021 beside millpose\n");
+  Write("# Chen et al. 2021 compared with millpose\n");
   Write(
       "Written by `tests/paper/paper_page.cpp`; the test `paper` fails when this page no longer says what "
       "the program");

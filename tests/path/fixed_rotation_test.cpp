@@ -48,7 +48,7 @@ TEST(FixedRotation, APlanIsNeverWorseByItsOwnCriterion) {
   problem.objective = MakeObjective("surface_error", {});
   const World world(EmptyCell(problem));
   const std::vector<PassResult> planned = Plan(problem, world, Rows(), true);
-  const FixedComparison found = CompareWithFixed(problem, world, planned, FixedOptions(true));
+  const FixedComparison found = CompareWithFixed(Stations(world, problem), planned, FixedOptions(true));
   ASSERT_EQ(found.plan.size(), 50u);
   ASSERT_EQ(found.job.size(), 50u) << found.job_in_the_way;
   ASSERT_EQ(found.passes.size(), 50u) << found.passes_in_the_way;
@@ -63,7 +63,7 @@ TEST(FixedRotation, IsTheBestOfAllThatServeEveryPoint) {
   const World world(EmptyCell(problem));
   const std::vector<Pass> rows = Rows();
   const std::vector<PassResult> planned = Plan(problem, world, rows, false);
-  const FixedComparison found = CompareWithFixed(problem, world, planned, FixedOptions(true));
+  const FixedComparison found = CompareWithFixed(Stations(world, problem), planned, FixedOptions(true));
   double best = std::numeric_limits<double>::infinity();
   for (int r = -90; r < 90; ++r) {
     const double rotation = r * DegToRad(2);
@@ -107,7 +107,7 @@ TEST(FixedRotation, SaysWhatIsInTheWay) {
   problem.bounds.upper[4] = middle + 1e-3;
   problem.bounds.lower[0] = planned[0].points[4].q[0] - 1e-3;
   problem.bounds.upper[0] = planned[0].points[4].q[0] + 1e-3;
-  const FixedComparison found = CompareWithFixed(problem, world, planned, FixedOptions(false));
+  const FixedComparison found = CompareWithFixed(Stations(world, problem), planned, FixedOptions(false));
   EXPECT_TRUE(found.job.empty());
   EXPECT_TRUE(found.passes.empty());
   EXPECT_NE(found.job_in_the_way.find("points: "), std::string::npos) << found.job_in_the_way;

@@ -72,7 +72,9 @@ void ExpectGoesRound(Swerve& swerve, double less) {
   ASSERT_TRUE(swerve.Free(world, swerve.row.path));
   ASSERT_FALSE(swerve.Free(world, swerve.Blind()));
   std::vector<PathNode> path = swerve.row.path;
-  PieceChecker checker(world, swerve.carrier, kResolution, {}, 2, {});
+  std::vector<std::shared_ptr<PointVerdicts>> known;
+  for (size_t i = 0; i < path.size(); ++i) known.push_back(std::make_shared<PointVerdicts>());
+  PieceChecker checker({world, swerve.carrier, kResolution, true, 2, {}}, known, {});
   SmoothFree(swerve.row.scorers, swerve.row.points, swerve.Options(), checker, path);
   EXPECT_TRUE(swerve.Free(world, path));
   EXPECT_GT(path[30].freedoms[0], swerve.row.path[30].freedoms[0] - less);
@@ -102,7 +104,9 @@ TEST(SmoothFree, IsSmoothPathWhereNothingIsInTheWay) {
   const World world(swerve.cell);
   const std::vector<PathNode> blind = swerve.Blind();
   std::vector<PathNode> path = swerve.row.path;
-  PieceChecker checker(world, swerve.carrier, kResolution, {}, 2, {});
+  std::vector<std::shared_ptr<PointVerdicts>> known;
+  for (size_t i = 0; i < path.size(); ++i) known.push_back(std::make_shared<PointVerdicts>());
+  PieceChecker checker({world, swerve.carrier, kResolution, true, 2, {}}, known, {});
   SmoothFree(swerve.row.scorers, swerve.row.points, swerve.Options(), checker, path);
   EXPECT_LE(swerve.Rms(path), swerve.Rms(blind));  // it may be run again
   EXPECT_GT(swerve.Rms(path), 0.9 * swerve.Rms(blind));

@@ -131,7 +131,7 @@ TEST(Gap, WithoutAWayTheObstacleIsNamed) {
   left[0] = DegToRad(65), right[0] = DegToRad(-65);
   const Gap gap = PlanGap(world, Piece0(0, left), Piece0(1, right), options, {});
   EXPECT_FALSE(gap.planned);
-  EXPECT_NE(gap.detail.find("no way found in 60 iterations"), std::string::npos) << gap.detail;
+  EXPECT_NE(gap.detail.find("no path found in 60 iterations"), std::string::npos) << gap.detail;
   EXPECT_NE(gap.detail.find("barrier and"), std::string::npos) << gap.detail;
 }
 
@@ -165,7 +165,7 @@ TEST(Gaps, SameBytesForAnyNumberOfThreads) {
     passes.push_back(pass);
   }
   const auto bytes = [&](int threads) {
-    const auto ends = GapEnds(world.cell().home, passes);
+    const auto ends = GapEnds({-1, -1, world.cell().home, {}}, passes);
     std::vector<Gap> gaps(ends.size());
     ParallelFor(ends.size(), threads, {},
                 [&](size_t i) { gaps[i] = PlanGap(world, ends[i].first, ends[i].second, {}, {}); });
@@ -225,7 +225,8 @@ TEST(Gaps, HomeInCollisionCostsItsOwnGapsAlone) {
   }
   const World world(cell);
   std::vector<Gap> gaps;
-  for (const auto& [from, to] : GapEnds(HomePose(), passes)) gaps.push_back(PlanGap(world, from, to, {}, {}));
+  for (const auto& [from, to] : GapEnds({-1, -1, HomePose(), {}}, passes))
+    gaps.push_back(PlanGap(world, from, to, {}, {}));
   ASSERT_EQ(gaps.size(), 3u);
   EXPECT_FALSE(gaps[0].planned);
   EXPECT_NE(gaps[0].detail.find("home: spindle touches clamp"), std::string::npos) << gaps[0].detail;

@@ -38,7 +38,7 @@ std::vector<Layer> RandomLayers(RandomStream& stream, int count, int most_nodes,
       layer.first.push_back(value);
       layer.base.push_back(layer.base.size());
       layer.genetic.push_back(false);
-      for (int later = branch + 1; later <= 8; ++later) layer.branch_begin[later] = layer.size();
+      for (int later = branch + 1; later <= 8; ++later) layer.lane_begin[later] = layer.size();
     }
     layer.joints.Finish();
   }

@@ -35,8 +35,7 @@ TEST(PlanPass, APointAloneBetweenSkippedOnesSaysSo) {
   ExpectSound(problem, Options(), pass, result);
   EXPECT_EQ(result.points[4].skip, Obstacle::kGouge);
   EXPECT_EQ(result.points[5].skip, Obstacle::kStep);
-  EXPECT_EQ(result.points[5].detail,
-            "stands alone between points that are skipped; a single point is no cut");
+  EXPECT_EQ(result.points[5].detail, "is alone between skipped points; a single point is no cut");
   EXPECT_EQ(result.pieces.size(), 2u);
 }
 

@@ -26,8 +26,7 @@ inline std::vector<Layer> SmallLayers(RandomStream& stream, int count) {
       layer.base.push_back(static_cast<size_t>(k));
       layer.genetic.push_back(false);
     }
-    for (int branch = 1; branch <= 8; ++branch)
-      layer.branch_begin[static_cast<size_t>(branch)] = layer.size();
+    for (int branch = 1; branch <= 8; ++branch) layer.lane_begin[static_cast<size_t>(branch)] = layer.size();
     layer.joints.Finish();
   }
   return layers;

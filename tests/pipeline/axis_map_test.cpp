@@ -26,7 +26,7 @@ const Planned& BehindABall() {
     p.world.emplace(CellWithBallAt(p.problem, before, kMet, 30));
     p.plan.objective_unit = p.problem.objective->Unit();
     p.plan.passes = {PlanPass(p.problem, *p.world, pass, 0, 0, Options(), 2, {})};
-    p.curves = SampleCurves(p.plan, p.problem, {}, 100, 2, {});
+    p.curves = SampleCurves(p.plan, Stations(*p.world, p.problem), {}, 100, 2, {});
     return p;
   }();
   return planned;
@@ -34,7 +34,7 @@ const Planned& BehindABall() {
 
 AxisMap Map(bool full, int threads) {
   const Planned& p = BehindABall();
-  return MakeAxisMap(p.plan, p.problem, p.curves, full ? &*p.world : nullptr, threads, {});
+  return MakeAxisMap(p.plan, Stations(*p.world, p.problem), p.curves, full, threads, {});
 }
 
 TEST(AxisMap, ZonesAreTheVerdictsOfThePosesThemselves) {

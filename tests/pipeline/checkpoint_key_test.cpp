@@ -42,11 +42,11 @@ TEST(ValueBytes, WhatIsCutElsewhereIsNotTheSame) {
 TEST(ValueBytes, SeesAllFieldsOfWhatStagesAreHanded) {
   using value_bytes_detail::CountFields;
   static_assert(CountFields<Arm>() == 18);
-  static_assert(CountFields<PathOptions>() == 16);
+  static_assert(CountFields<PathOptions>() == 17);
   static_assert(CountFields<GapOptions>() == 4);
-  static_assert(CountFields<PoseProblem>() == 9);
+  static_assert(CountFields<PoseProblem>() == 10);
   static_assert(CountFields<MillingPoint>() == 12);
-  static_assert(CountFields<Body>() == 6);
+  static_assert(CountFields<Body>() == 7);
 }
 
 PoseProblem Problem(const ObjectiveParameters& parameters) {

@@ -82,8 +82,8 @@ class Mounted : public testing::TestWithParam<Mounting> {
     KrlOptions krl = OwnOptions<KrlPost>(cell.controllers.at("krl"));
     if (mounting.root_place) krl.robroot = Settings(*mounting.root_place, *mounting.root_abc);
     if (mounting.coupled) {
-      krl.external_axes = {1500};
-      krl.ersysroot = KrlRail{Settings({0, -200, 300}, {0, 0, 0}), 1, FrameAxis::kY};
+      cell.controllers.at("krl").shared.controller_axes = {{"E1", "", AxisKind::kLinear, 1500, true}};
+      krl.ersysroot = KrlRail{Settings({0, -200, 300}, {0, 0, 0}), FrameAxis::kY};
     }
     SetOwnOptions<KrlPost>(cell.controllers.at("krl"), krl);
   }

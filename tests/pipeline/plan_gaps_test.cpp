@@ -40,7 +40,7 @@ Cell ClampedCell() {
 TEST(PlanAllGaps, APieceThatCannotBeLeftCostsItselfAlone) {
   const World world(ClampedCell());
   std::vector<PassResult> passes{PassAt(0, {kRight}), PassAt(1, {kLeft, kRight}), PassAt(2, {kRight})};
-  const PlannedGaps planned = PlanAllGaps(world, passes, {}, NoCheckpoints(), {.threads = 2});
+  const PlannedGaps planned = PlanAllGaps(Stations(world, {}), passes, {}, NoCheckpoints(), {.threads = 2});
   ASSERT_EQ(planned.gaps.size(), 4u);  // home, three pieces, home
   for (const Gap& gap : planned.gaps) EXPECT_TRUE(gap.planned) << gap.detail;
   EXPECT_EQ(planned.gaps[1].to_pass, 1);
@@ -71,7 +71,8 @@ TEST(PlanAllGaps, WhereNoWayIsFoundBetweenPiecesItGoesByHome) {
   std::vector<PassResult> passes{PassAt(0, {kLeft}), PassAt(1, {kRight})};
   const Joints left = passes[0].points[2].q, right = passes[1].points[0].q;
   ASSERT_FALSE(PlanGap(world, {0, 0, left}, {1, 0, right}, options, {}).planned);
-  const PlannedGaps planned = PlanAllGaps(world, passes, options, NoCheckpoints(), {.threads = 1});
+  const PlannedGaps planned =
+      PlanAllGaps(Stations(world, {}), passes, options, NoCheckpoints(), {.threads = 1});
   ASSERT_EQ(planned.gaps.size(), 3u);
   const Gap& gap = planned.gaps[1];
   ASSERT_TRUE(gap.planned) << gap.detail;
@@ -90,7 +91,8 @@ TEST(PlanAllGaps, NothingIsLeftOutWhereHomeIsBlocked) {
   Cell cell = ClampedCell();
   cell.home = kLeft;
   std::vector<PassResult> passes{PassAt(0, {kRight})};
-  const PlannedGaps planned = PlanAllGaps(World(cell), passes, {}, NoCheckpoints(), {.threads = 1});
+  const PlannedGaps planned =
+      PlanAllGaps(Stations(World(cell), {}), passes, {}, NoCheckpoints(), {.threads = 1});
   EXPECT_FALSE(planned.gaps[0].planned);
   EXPECT_EQ(passes[0].pieces.size(), 1u);
 }

@@ -273,7 +273,7 @@ TEST_F(UrdfCell, ATableGivesTheArmOfItsLengths) {
   EXPECT_NE(ErrorOf(five, "").find("given 5 rows; allowed: six"), std::string::npos) << ErrorOf(five, "");
   const std::string both =
       With(text, "  dh:", "  urdf: {file: robot/arm.urdf, base_link: a, flange_link: b}\n  dh:");
-  EXPECT_NE(ErrorOf(both, "").find("stands beside arm.urdf"), std::string::npos) << ErrorOf(both, "");
+  EXPECT_NE(ErrorOf(both, "").find("given together with arm.urdf"), std::string::npos) << ErrorOf(both, "");
   const std::string lengths = With(text, "  dh:", "  axis_signs: [1, 1, 1, 1, 1, 1]\n  dh:");
   EXPECT_NE(ErrorOf(lengths, "").find("is derived from the D-H table"), std::string::npos)
       << ErrorOf(lengths, "");

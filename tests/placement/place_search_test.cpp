@@ -22,7 +22,7 @@ double Waves(std::span<const double> shares) {
 
 std::vector<std::vector<double>> Asked(size_t dimensions, int evaluations, uint64_t seed) {
   std::vector<std::vector<double>> asked;
-  SearchShares(dimensions, evaluations, seed, [&](std::span<const double> shares) {
+  SearchShares(std::vector<double>(dimensions, 0.5), evaluations, seed, [&](std::span<const double> shares) {
     asked.emplace_back(shares.begin(), shares.end());
     return Waves(shares);
   });
@@ -57,7 +57,7 @@ TEST(SearchShares, AsksTheSameForASeed) {
 
 TEST(SearchShares, PassesOnWhatIsThrown) {
   int count = 0;
-  EXPECT_THROW(SearchShares(2, 500, 1,
+  EXPECT_THROW(SearchShares({0.5, 0.5}, 500, 1,
                             [&](std::span<const double>) {
                               if (++count == 60) throw std::runtime_error("stop");
                               return static_cast<double>(count);

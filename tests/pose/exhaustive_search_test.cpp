@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/pose/admissible_reference.hpp"
 #include "tests/pose/problems.hpp"
 
 namespace millpose {
@@ -32,7 +33,7 @@ TEST(ExhaustiveSearch, NoCandidateOfAFineGridIsBetter) {
     const PointScorer scorer(problem, point, Eigen::Vector3d::UnitZ());
     const PointOptimum best = ExhaustiveSearch(scorer, DegToRad(0.5));
     ASSERT_TRUE(best.found);
-    EXPECT_EQ(CheckAdmissible(problem, best.q), Obstacle::kNone);
+    EXPECT_EQ(ReferenceObstacle(problem, best.q), Obstacle::kNone);
     EXPECT_EQ(best.objective, scorer.ScoreOne(best.freedoms, best.branch).objective);
     std::vector<FreedomValues> grid;
     for (int i = 0; i < 14400; ++i) grid.push_back({-kPi + i * kPi / 7200});

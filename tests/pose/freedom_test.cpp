@@ -59,7 +59,8 @@ TEST(Freedom, UnknownNameIsAnErrorWithTheNearest) {
     MakeFreedom("rotatoin");
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "no freedom \"rotatoin\"; known: rotation; did you mean \"rotation\"?");
+    EXPECT_STREQ(error.what(),
+                 "no freedom \"rotatoin\"; known: rotation, lead, tilt; did you mean \"rotation\"?");
   }
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/pose/admissible_reference.hpp"
 #include "tests/pose/problems.hpp"
 
 namespace millpose {
@@ -90,7 +91,7 @@ TEST(GeneticSearch, DependsOnItsStreamAlone) {
   }
   EXPECT_NE(first[0].mean, other[0].mean);
   EXPECT_EQ(a.objective, scorer.ScoreOne(a.freedoms, a.branch).objective);
-  EXPECT_EQ(CheckAdmissible(problem, a.q), Obstacle::kNone);
+  EXPECT_EQ(ReferenceObstacle(problem, a.q), Obstacle::kNone);
 }
 
 TEST(GeneticSearch, RecordsOnlyAdmissibleIndividuals) {

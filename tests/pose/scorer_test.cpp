@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pose/scorer.hpp"
-
+#include "pose/judge_block.hpp"
+#include "tests/pose/admissible_reference.hpp"
 #include "tests/pose/problems.hpp"
 
 namespace millpose {
@@ -22,9 +22,9 @@ Candidate Reference(const PoseProblem& problem, const MillingPoint& point, doubl
     const auto indices =
         IndicesInPlane(C.topLeftCorner<3, 3>(), problem.X_WB.linear().transpose() * point.normal);
     candidate.objective = indices ? 0.5 * indices->lambda_t2 + 0.5 * indices->lambda_n : 1e9;
-    const std::vector<Joints> turns = FullRevolutions(q, problem.bounds.lower, problem.bounds.upper);
-    candidate.q = turns.empty() ? q : turns.front();
-    candidate.obstacle = turns.empty() ? Obstacle::kLimit : CheckAdmissible(problem, turns.front());
+    const std::vector<Joints> within = RevolutionsWithin(problem.bounds, q);
+    candidate.q = within.empty() ? q : within.front();
+    candidate.obstacle = within.empty() ? Obstacle::kLimit : ReferenceObstacle(problem, within.front());
   }
   return candidate;
 }
@@ -75,7 +75,7 @@ TEST(PointScorer, EqualsThePlainReference) {
           if (found.obstacle != Obstacle::kNone) continue;
           ++admissible;
           EXPECT_NEAR(found.objective / expected.objective, 1, 1e-9);
-          EXPECT_EQ(CheckAdmissible(problem, found.q), Obstacle::kNone);
+          EXPECT_EQ(ReferenceObstacle(problem, found.q), Obstacle::kNone);
           const Pose X_WT = problem.X_WB * ForwardFlange(arm, found.q) * problem.X_FT;
           EXPECT_LT((X_WT.matrix() - scorer.ToolPose(rotations[i]).matrix()).norm(), 1e-8);
         }
@@ -206,14 +206,68 @@ TEST(PointScorer, CountsCompliancesBesideTheJointsOnEveryBranch) {
   }
 }
 
+/// The predicate's answer for the pose that the angles `q` give, on their own branch.
+Obstacle AtJoints(const PoseProblem& problem, const Joints& q) {
+  FlangeBlock flange;
+  for (int l = 0; l < kLanes; ++l) flange.Set(l, ForwardFlange(problem.arm, q));
+  ArmBranches solved;
+  InverseBlock(problem.arm, flange, solved);
+  const int branch = Status(problem.arm, q), entry = branch % EntryCount(problem.arm);
+  CheckedBranch checked;
+  CheckAdmissible(problem, flange, solved[static_cast<size_t>(entry)], checked);
+  return (branch == entry ? checked.unflipped : checked.flipped).obstacle[0];
+}
+
 TEST(CheckAdmissible, SaysWhatIsMissed) {
   PoseProblem problem = MakeProblem(Kr500R2830());
-  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 45, 0)), Obstacle::kNone);
-  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 117.5, 0)), Obstacle::kLimit);    // margin
-  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 2, 0)), Obstacle::kSingular);     // wrist
-  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, -3.5, 0, 45, 0)), Obstacle::kSingular);  // elbow
+  const auto expect = [&](const Joints& q, Obstacle obstacle) {
+    EXPECT_EQ(AtJoints(problem, q), obstacle) << q.transpose();
+    EXPECT_EQ(ReferenceObstacle(problem, q), obstacle) << q.transpose();
+  };
+  expect(Degrees(0, -90, 90, 0, 45, 0), Obstacle::kNone);
+  expect(Degrees(0, -90, 90, 0, 117.5, 0), Obstacle::kLimit);    // margin
+  expect(Degrees(0, -90, 90, 0, 2, 0), Obstacle::kSingular);     // wrist
+  expect(Degrees(0, -90, -3.5, 0, 45, 0), Obstacle::kSingular);  // elbow
+  expect(Degrees(0, -90, -99, 0, 2, 0), Obstacle::kLimit);       // limits before singularities
   problem.bounds.dexterity_min = 0.9;
-  EXPECT_EQ(CheckAdmissible(problem, Degrees(0, -90, 90, 0, 45, 0)), Obstacle::kSingular);
+  expect(Degrees(0, -90, 90, 0, 45, 0), Obstacle::kSingular);
+}
+
+// Every bound alone, moved to where the pose is: a little below it the pose is admissible, a little above
+// not.
+TEST(CheckAdmissible, EveryBoundIsWhereTheReferenceMeasuresIt) {
+  constexpr double kLittle = 1e-6;
+  RandomStream stream(5, 2);
+  for (const Arm& arm : {Kr500R2830(), OddArm(), DoosanM1013(), LargeUr()}) {
+    PoseProblem problem = MakeProblem(arm, 0);
+    for (int k = 0; k < 20; ++k) {
+      Joints q;
+      for (int j = 0; j < 6; ++j) q[j] = stream.Uniform(arm.lower[j], arm.upper[j]);
+      const SingularityDistance distance = MeasuredDistance(arm, q);
+      const auto at = [&](double AdmissibleBounds::*bound, double value) {
+        problem.bounds = {arm.lower, arm.upper};
+        problem.bounds.*bound = value;
+        return AtJoints(problem, q);
+      };
+      const std::tuple<double AdmissibleBounds::*, double, double> bounds[] = {
+          {&AdmissibleBounds::wrist_min, distance.wrist, kLittle},
+          {&AdmissibleBounds::elbow_min, distance.elbow, kLittle},
+          {&AdmissibleBounds::shoulder_min_mm, distance.shoulder, 1e3 * kLittle},
+          {&AdmissibleBounds::dexterity_min, MeasuredDexterity(problem, q), kLittle}};
+      for (const auto& [bound, value, little] : bounds) {
+        EXPECT_EQ(at(bound, value - little), Obstacle::kNone) << arm.name << ' ' << q.transpose();
+        EXPECT_EQ(at(bound, value + little), Obstacle::kSingular) << arm.name << ' ' << q.transpose();
+      }
+      for (int j = 0; j < 6; ++j) {
+        problem.bounds = {arm.lower, arm.upper};
+        problem.bounds.upper[j] = q[j] - kLittle;
+        problem.bounds.lower[j] = q[j] - kPi;  // no revolution brings it back
+        EXPECT_EQ(AtJoints(problem, q), Obstacle::kLimit) << arm.name << ' ' << j;
+        problem.bounds.upper[j] = q[j] + kLittle;
+        EXPECT_EQ(AtJoints(problem, q), Obstacle::kNone) << arm.name << ' ' << j;
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "base/units.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
 #include "program/scanner.hpp"
+#include "tests/base/source_dir.hpp"
 
 namespace millpose {
 namespace {
@@ -24,7 +25,8 @@ constexpr const char* kMachine =
     "[RS274NGC]\nPARAMETER_FILE = machine.var\n[EMCIO]\nTOOL_TABLE = tool.tbl\n";
 
 struct CanonicalMove {
-  Joints words;  // degrees, or mm and degrees of a tool pose
+  Joints words;                  // degrees, or mm and degrees of a tool pose
+  std::vector<double> external;  // U, V, W, where the machine has them
   bool feed = false;
   double speed = 0;  // per minute along FeedLength()
 };
@@ -45,8 +47,11 @@ std::vector<CanonicalMove> Moves(const std::string& canonical) {
     if (const auto rate = numbers_after("SET_FEED_RATE("); !rate.empty()) speed = rate[0];
     for (const std::string_view word : {"STRAIGHT_FEED(", "STRAIGHT_TRAVERSE("}) {
       std::vector<double> numbers = numbers_after(word);
-      if (numbers.size() != 6) continue;
-      moves.push_back({Eigen::Map<Joints>(numbers.data()), word == "STRAIGHT_FEED(", speed});
+      if (numbers.size() != 6 && numbers.size() != 9) continue;
+      moves.push_back({Eigen::Map<Joints>(numbers.data()),
+                       {numbers.begin() + 6, numbers.end()},
+                       word == "STRAIGHT_FEED(",
+                       speed});
     }
   }
   return moves;
@@ -62,7 +67,7 @@ Joints WordsOf(const Motion& motion) {
 
 }  // namespace
 
-Interpreted Interpret(const std::string& program) {
+Interpreted Interpret(const std::string& program, bool nine_axes) {
   const fs::path folder = fs::path(testing::TempDir()) /
                           fmt::format("millpose-rs274-{}", getpid());  // several binaries run at once
   fs::create_directories(folder);
@@ -70,10 +75,14 @@ Interpreted Interpret(const std::string& program) {
   WriteFileAtomically(folder / "machine.var", "");
   WriteFileAtomically(folder / "tool.tbl", "\n");
   WriteFileAtomically(folder / "program.ngc", program);
-  // rs274 maps a tool table in the home folder: runs at the same time must not share it.
+  // rs274 maps a tool table in the home folder: runs at the same time must not share it. The module gcode is
+  // Debian's.
+  const std::string interpreter =
+      nine_axes ? fmt::format("PYTHONPATH=/usr/lib/python3/dist-packages /usr/bin/python3 '{}' program.ngc",
+                              (fs::path(SourceDir()) / "tests/program/nine_axes.py").string())
+                : "rs274 -g -i machine.ini -t tool.tbl program.ngc";
   const std::string command =
-      "cd '" + folder.string() +
-      "' && HOME=. rs274 -g -i machine.ini -t tool.tbl program.ngc > canonical.txt 2>&1 </dev/null";
+      fmt::format("cd '{}' && HOME=. {} > canonical.txt 2>&1 </dev/null", folder.string(), interpreter);
   Interpreted result;
   result.status = std::system(command.c_str());
   result.canonical = ReadFile(folder / "canonical.txt");
@@ -82,7 +91,7 @@ Interpreted Interpret(const std::string& program) {
 }
 
 void ExpectInterpreted(const std::string& text, const MotionProgram& read) {
-  const Interpreted result = Interpret(text);
+  const Interpreted result = Interpret(text, !read.external_axes.empty());
   ASSERT_EQ(result.status, 0) << result.canonical;
   const std::vector<CanonicalMove> moves = Moves(result.canonical);
   ASSERT_EQ(moves.size(), read.motions.size());
@@ -90,6 +99,11 @@ void ExpectInterpreted(const std::string& text, const MotionProgram& read) {
     const Motion& motion = read.motions[i];
     const bool pose = motion.type == MotionType::kLinear;
     EXPECT_LT((moves[i].words - WordsOf(motion)).cwiseAbs().maxCoeff(), 0.51e-4) << motion.line;
+    for (size_t k = 0; k < read.external_axes.size(); ++k) {
+      const bool turns = read.external_axes[k].kind == AxisKind::kRotary;
+      EXPECT_NEAR(moves[i].external[k], motion.external[k] * (turns ? kDegPerRad : 1), 0.51e-4)
+          << motion.line;
+    }
     EXPECT_EQ(moves[i].feed, pose || motion.duration > 0) << motion.line;
     if (pose && motion.duration == 0) {
       EXPECT_NEAR(moves[i].speed, motion.feed * 60, 0.51e-4) << motion.line;

@@ -12,9 +12,11 @@ struct Interpreted {
   int status = -1;
   std::string canonical;
 };
-Interpreted Interpret(const std::string& program);
+/// `nine_axes`: for a machine with U, V and W, by nine_axes.py; else rs274 itself.
+Interpreted Interpret(const std::string& program, bool nine_axes = false);
 
-/// rs274 accepts `text`, and its canonical moves and speeds are those that `read` has.
+/// The interpreter accepts `text`, and its canonical moves and speeds are those that `read` has, whose
+/// external axes are U, V, W in this order.
 void ExpectInterpreted(const std::string& text, const MotionProgram& read);
 
 }  // namespace millpose

@@ -114,8 +114,8 @@ TEST(KrlHead, TheBaseIsGivenInTheControllersWorld) {
 
 TEST(KrlHead, ARailIsCheckedByItsRoot) {
   Checked checked;
-  checked.options.ersysroot = KrlRail{{{0, 0, 600}, Vector3d::Zero()}, 1, FrameAxis::kX};
-  checked.options.external_axes = {1500};
+  checked.options.ersysroot = KrlRail{{{0, 0, 600}, Vector3d::Zero()}, FrameAxis::kX};
+  checked.settings.controller_axes = {{"E1", "", AxisKind::kLinear, 1500, true}};
   const std::string text = checked.Text();
   EXPECT_NE(text.find("Z 600.0000,A 0.000000,B 0.000000,C 0.000000}\nMP_OFF = INV_POS(MP_OFF):$ERSYSROOT"),
             std::string::npos);

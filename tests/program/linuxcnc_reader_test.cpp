@@ -28,7 +28,7 @@ INSTANTIATE_TEST_SUITE_P(Coordinates, LinuxCncReading, testing::Values("linuxcnc
 TEST_P(LinuxCncReading, CodeBetweenTwoCommentsIsCode) {
   const std::string text = sample.Inserted("(a) G4 P1 (b)", way, 2);
   Takes(text, "a dwell between comments");
-  Refuses("(a) G4 P1 (b)", cut, 3, "must not stand in a cut");
+  Refuses("(a) G4 P1 (b)", cut, 3, "is not allowed in a cut");
   Refuses("(a) G20 (b)", cut, 3, "");
   Refuses("(a) M5 (b)", cut, 3, "");
   Takes(sample.Inserted("(a) (b)", cut, 3), "two comments");
@@ -39,10 +39,10 @@ TEST_P(LinuxCncReading, CodeBetweenTwoCommentsIsCode) {
 
 TEST_P(LinuxCncReading, NothingStopsInACut) {
   for (const std::string line : {"M0", "M1", "G4 P0.5", "G49", "G92.1", "G59.3"}) {
-    Refuses(line, cut, 3, "must not stand in a cut");
+    Refuses(line, cut, 3, "is not allowed in a cut");
     Takes(sample.Inserted(line, way, 2), line);
   }
-  Refuses("G10 L2 P9 X0 Y0 Z0 A0 B0 C0 R0", cut, 3, "must not stand");
+  Refuses("G10 L2 P9 X0 Y0 Z0 A0 B0 C0 R0", cut, 3, "is not allowed");
 }
 
 TEST_P(LinuxCncReading, PointsAreNotMerged) {

@@ -120,7 +120,7 @@ TEST(ReaderErrors, SettingsAreStatedBeforeTheFirstMotion) {
            Case{"sinumerik", "G17 G710", "G17", "G710"},
            Case{"linuxcnc", "G59.3 ", "", "G59.3"},
            Case{"linuxcnc", "G21 G90", "G21", "G90"},
-           Case{"linuxcnc", kNoOffsets, "", kNoOffsets},
+           Case{"linuxcnc", "G10 L2 P9 X0 Y0 Z0 A0 B0 C0 R0", "", "G10 L2 P9 X0 Y0 Z0 A0 B0 C0 R0"},
        }) {
     const std::vector<Problem> problems = ProblemsWith(controller, text, without);
     ASSERT_EQ(problems.size(), 1u) << controller << " without " << name;

@@ -314,11 +314,11 @@ TEST_P(EachPost, LongPiecesAreHandedOverAtAStop) {
 
 TEST(Krl, NumberedFramesAndExternalAxes) {
   const PlanResult plan = SamplePlan();
-  const PostSettings settings = SampleSettings("krl");
+  PostSettings settings = SampleSettings("krl");
+  settings.controller_axes = {{"E1", "", AxisKind::kLinear, 1200.5}, {"E2", "", AxisKind::kRotary, -90}};
   KrlOptions options;
   options.base_number = 3;
   options.tool_number = 7;
-  options.external_axes = {1200.5, -90};
   auto post = std::make_unique<KrlPost>(options);
   const ProgramFiles files = post->Write(MakeMotionProgram(plan), plan.arm, settings);
   std::string text = files.rbegin()->second;

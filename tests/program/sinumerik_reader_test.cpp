@@ -27,8 +27,8 @@ class Sinumerik : public testing::Test {
 
 TEST_F(Sinumerik, ToolsAndEdgesBelongToTheHead) {
   for (const std::string line : {"D1", "M6", "T=\"SPINDLE_D20\"", "T=\"SPINDLE_D20\" D1"}) {
-    Refuses(line, kCut, 3, "must not stand in a cut");
-    Refuses(line, kPiece, 0, "must not stand");
+    Refuses(line, kCut, 3, "is not allowed in a cut");
+    Refuses(line, kPiece, 0, "is not allowed");
   }
   Refuses("D0", kCut, 3, "D1 expected");
   Refuses("D2", kPiece, 0, "D1 expected");

@@ -194,7 +194,8 @@ TEST(Structure, EveryTextIsWellFormed) {
       std::unique_ptr<Post> post = SamplePost(variant);
       if (ControllerOf(variant) == "krl") {
         KrlOptions krl;
-        if (most == 12) krl.external_axes = {100, -20};
+        if (most == 12)
+          settings.controller_axes = {{"E1", "", AxisKind::kLinear, 100}, {"E2", "", AxisKind::kRotary, -20}};
         krl.orientation_acceleration = 10;
         post = std::make_unique<KrlPost>(krl);
       }

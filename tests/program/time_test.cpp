@@ -63,9 +63,10 @@ TEST(ProgramTime, TheTrajectoryIsWhereTheArmIs) {
   const PlanResult plan = SamplePlan();
   const MotionProgram program = MakeMotionProgram(plan, SampleFeeds());
   const double total = MeasureTime(program, plan.arm, {}).all.Total();
-  const std::string csv = TrajectoryCsv(program, plan.arm, plan.X_WB, {500}, {}, 0.02);
+  const std::string csv =
+      TrajectoryCsv(program, plan.arm, plan.X_WB, {ExternalColumn{"e1_mm", {}, 500}}, {}, 0.02);
   EXPECT_TRUE(
-      csv.starts_with("t_s,a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,e1,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,"
+      csv.starts_with("t_s,a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,e1_mm,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,"
                       "speed_mm_s,pass,point\n"));
   const auto rows = Rows(csv);
   EXPECT_NEAR(rows.back()[0], total, 1e-4);

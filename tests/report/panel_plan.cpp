@@ -141,7 +141,7 @@ void AddGaps(PlanResult& plan) {
 }  // namespace
 
 HtmlInput Panel::Input() const {
-  HtmlInput input{plan, cell, CurveGrid(), curves, settings};
+  HtmlInput input{plan, cell, CurveGrid(), Packed(curves), settings};
   input.map = &map;
   input.timeline = &timeline;
   input.nearest = &nearest;
@@ -178,9 +178,10 @@ Panel MakePanel(const PanelSize& size, const std::string& job) {
                             ? kPointClearanceBound
                             : checker.Clearance(point.q, Phase::kCutting, kPointClearanceBound);
   panel.timeline = MakeTimeline(plan, {}, {});
-  panel.nearest = FindNearestPairs(plan, world, 2, {});
-  panel.curves = SampleCurves(plan, panel.problem, {}, 4000, 2, {});
-  panel.map = MakeAxisMap(plan, panel.problem, panel.curves, nullptr, 2, {});
+  const Stations stations(world, panel.problem);
+  panel.nearest = FindNearestPairs(plan, stations, 2, {});
+  panel.curves = SampleCurves(plan, stations, {}, 4000, 2, {});
+  panel.map = MakeAxisMap(plan, stations, panel.curves, false, 2, {});
   panel.settings = "job: |\n  " + job + "\ntoolpath: {stepover_mm: 8}\n";
   return panel;
 }

@@ -45,7 +45,7 @@ TEST(PoseReason, TheOptimumIsBeyondATouch) {
                  "the path has the best free pose"}));
   reason.beyond = 0;
   EXPECT_EQ(ReasonSentences(reason)[1],
-            "the optimum at -169 deg (S2, 10 µm) is barred: link4_fork and workpiece come too near, and no "
+            "the optimum at -169 deg (S2, 10 µm) is blocked: link4_fork and workpiece come too near, and no "
             "rotation "
             "on its branch is known to be free");
 }

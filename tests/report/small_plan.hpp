@@ -5,6 +5,14 @@
 
 namespace millpose {
 
+inline std::string PointsCsv(const PlanResult& plan) {
+  return BytesOf([&](const ByteSink& sink) { WritePointsCsv(plan, {}, 2, sink); });
+}
+
+inline std::string PathVtp(const PlanResult& plan) {
+  return BytesOf([&](const ByteSink& sink) { WritePathVtp(plan, 2, sink); });
+}
+
 // Three planned points and a skipped one with the plainest numbers.
 inline PlanResult SmallPlan() {
   PlanResult plan;

@@ -321,15 +321,15 @@ TEST(Urdf, WhatHangsBesideTheChainIsFixedToItsParentWithAWarning) {
   ASSERT_EQ(found.warnings.size(), 3u);
   EXPECT_EQ(
       found.warnings[0].substr(found.warnings[0].find(": ") + 2),
-      "joint 'rod_joint' (mimic) moves link 'rod' beside the chain from base to flange: the link is taken as "
-      "fixed to 'l2', and where it moves to is not looked at");
+      "joint 'rod_joint' (mimic) moves link 'rod' off the chain from base to flange: the link is taken as "
+      "fixed to 'l2', and where it moves to is not checked");
   const auto link = [&](const std::string& name) {
     return *std::ranges::find_if(found.links, [&](const AttachedLink& l) { return l.link.name == name; });
   };
   EXPECT_EQ(link("rod").moves_with, 2);
   EXPECT_EQ(link("piston").moves_with, 2);
   EXPECT_EQ(link("finger").moves_with, 6);
-  // The rod stands at its lower limit, 0.5 rad.
+  // The rod is at its lower limit, 0.5 rad.
   const Vector3d piston = Vector3d(100, 0, 0) + 200 * Vector3d(-std::sin(0.5), std::cos(0.5), 0);
   EXPECT_LT((link("piston").X_ML.translation() - piston).norm(), 1e-9);
   // The chain is what it was.

@@ -60,7 +60,7 @@ TEST(Plausibility, GoodMeasurementsAreBelieved) {
     EXPECT_TRUE(judged.usable);
     EXPECT_TRUE(judged.findings.empty()) << judged.findings.front();
     EXPECT_TRUE(judged.warnings.empty()) << judged.warnings.front();
-    EXPECT_TRUE(judged.residual.starts_with("as the stated deviation lets expect")) << judged.residual;
+    EXPECT_TRUE(judged.residual.starts_with("as expected from the stated deviation")) << judged.residual;
   }
 }
 

@@ -12,7 +12,7 @@ ImportResult Sample(const std::string& name) {
 }
 
 TEST(SampleMeshes, AreClosedSolidsThatNeedNoRepair) {
-  for (const char* name : {"support_pad", "cabin_panel", "cabin_ring"}) {
+  for (const char* name : {"support_pad", "cabin_panel", "cabin_ring", "cabin_barrel"}) {
     const ImportReport report = Sample(name).report;
     EXPECT_EQ(Findings(report), std::vector<std::string>{}) << name;
     EXPECT_EQ(report.closed_pieces, 1) << name;
@@ -26,6 +26,9 @@ TEST(SampleMeshes, HaveTheirSizes) {
   const ImportReport ring = Sample("cabin_ring").report;
   EXPECT_NEAR(ring.upper.y(), 500, 1e-4);
   EXPECT_NEAR(ring.upper.z(), 0, 1e-9);
+  const ImportReport barrel = Sample("cabin_barrel").report;
+  EXPECT_NEAR(barrel.upper.x(), 1206, 1e-4);
+  EXPECT_NEAR(barrel.upper.z(), 500, 1e-9);
 }
 
 }  // namespace

@@ -26,6 +26,12 @@ TEST(Cutter, TouchesThePlaneAtTheContactAndNowhereElse) {
       for (const double tilt : {0.0, 0.3}) {
         const Eigen::Vector3d axis = Leaning(lead, tilt), contact(3, -7, 0);
         const Eigen::Vector3d tip = TipAtContact(cutter, contact, Eigen::Vector3d::UnitZ(), axis);
+        EXPECT_LT((ContactAtTip(cutter, tip, Eigen::Vector3d::UnitZ(), axis) - contact).norm(), 1e-9);
+        const Eigen::Vector3d lever = contact - tip;
+        if (lead != 0 || tilt != 0) {
+          EXPECT_NEAR(ContactRadius(cutter, Eigen::Vector3d::UnitZ(), axis),
+                      (lever - lever.dot(axis) * axis).norm(), 1e-9);
+        }
         // The cutter's surface, sampled: nothing below the plane, the lowest point at the contact.
         const Eigen::Vector3d u = axis.unitOrthogonal(), v = axis.cross(u);
         double lowest = 1e9;

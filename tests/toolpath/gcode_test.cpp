@@ -308,7 +308,7 @@ TEST(Gcode, CodesOfTheKinematicsAreStatedByTheJob) {
 // A call was kept for a block that came later, where it pointed to nothing.
 TEST(Gcode, ACycleCallBesideADwellIsRefused) {
   EXPECT_EQ(ErrorOf("G0 X0 Y0 Z50\nG4 F1 CYCLE81(10,0,2,-5)\nG0 X5\n", {}),
-            "part.mpf:2:7: CYCLE81 beside a dwell in one block is not read");
+            "part.mpf:2:7: CYCLE81 together with a dwell in one block is not read");
 }
 
 TEST(Gcode, ToolVectorsInIJK) {

@@ -6,6 +6,7 @@
 #include "tests/toolpath/toolpath_laws.hpp"
 #include "tests/toolpath/with.hpp"
 #include "toolpath/gouge.hpp"
+#include "toolpath/pass_variants.hpp"
 
 namespace millpose {
 namespace {
@@ -103,6 +104,89 @@ TEST(StrategyLaws, FromMetresIsTheSame) {
     scale.unit = 1000;
     ExpectSame(MakeToolpath(ImportMesh(millimetres, {}, "a").mesh, given.options, {}),
                MakeToolpath(ImportMesh(metres, scale, "b").mesh, given.options, {}), 1e-6);
+  }
+}
+
+double LengthOf(const Toolpath& toolpath) {
+  double length = 0;
+  for (const Pass& pass : toolpath.passes)
+    for (size_t k = pass.closed ? 0 : 1; k < pass.points.size(); ++k)
+      length +=
+          (pass.points[k].position - pass.points[k == 0 ? pass.points.size() - 1 : k - 1].position).norm();
+  return length;
+}
+
+/// The whole path in three shares across a direction.
+std::vector<Toolpath> InThree(const Mesh& mesh, ToolpathOptions options, const Toolpath& whole,
+                              double overlap) {
+  const Eigen::Vector3d direction = Eigen::Vector3d(0.5, 0.7, -0.3).normalized();
+  double least = 1e9, most = -1e9;
+  for (const Pass& pass : whole.passes)
+    for (const MillingPoint& point : pass.points) {
+      least = std::min(least, direction.dot(point.position));
+      most = std::max(most, direction.dot(point.position));
+    }
+  const double first = least + 0.3 * (most - least), second = least + 0.65 * (most - least);
+  PathShare share{direction, -std::numeric_limits<double>::infinity(), first, overlap};
+  std::vector<Toolpath> shares;
+  for (const double next : {second, std::numeric_limits<double>::infinity(), 0.0}) {
+    options.share = share;
+    shares.push_back(MakeToolpath(mesh, options, {}));
+    ExpectSound(mesh, shares.back(), options);
+    for (const Pass& pass : shares.back().passes)
+      for (const MillingPoint& point : pass.points) {
+        EXPECT_GE(direction.dot(point.position), share.Least() - 1e-6);
+        EXPECT_LE(direction.dot(point.position), share.Most() + 1e-6);
+      }
+    // Nothing of the path between the planes is missing.
+    for (const Pass& pass : whole.passes)
+      for (const MillingPoint& point : pass.points) {
+        const double at = direction.dot(point.position);
+        if (at >= share.Least() + 0.1 && at <= share.Most() - 0.1) {
+          EXPECT_LE(DistanceFromPath(shares.back(), point.position), options.chord_tolerance + 1e-6);
+        }
+      }
+    share.from = share.to;
+    share.to = next;
+  }
+  return shares;
+}
+
+TEST(StrategyLaws, SharesTogetherAreTheWholePath) {
+  for (Given& given : Everything()) {
+    SCOPED_TRACE(given.name);
+    given.options.spacing = 8;
+    const Mesh mesh = SoundMesh(given.part);
+    const Toolpath whole = MakeToolpath(mesh, given.options, {});
+    double length = 0, overlapping = 0;
+    for (const Toolpath& share : InThree(mesh, given.options, whole, 0)) length += LengthOf(share);
+    EXPECT_NEAR(length, LengthOf(whole), 1e-3 * LengthOf(whole));
+    const std::vector<Toolpath> shares = InThree(mesh, given.options, whole, 6);
+    for (const Toolpath& share : shares) overlapping += LengthOf(share);
+    EXPECT_GT(overlapping, length + 6);
+    for (const Pass& pass : whole.passes)
+      for (const MillingPoint& point : pass.points)
+        EXPECT_TRUE(std::ranges::any_of(shares, [&](const Toolpath& share) {
+          return DistanceFromPath(share, point.position) <= given.options.chord_tolerance + 1e-6;
+        }));
+  }
+}
+
+// What is planned again with more points holds the points as laid, cut where they are.
+TEST(StrategyLaws, SharesInPartsHoldTheirPoints) {
+  for (Given& given : Everything()) {
+    SCOPED_TRACE(given.name);
+    given.options.share = PathShare{Eigen::Vector3d(0.5, 0.7, -0.3).normalized(), 5, 60, 0};
+    const Mesh mesh = SoundMesh(given.part);
+    const Toolpath laid = MakeToolpath(mesh, given.options, {});
+    given.options.parts = 2;
+    const Toolpath finer = MakeToolpath(mesh, given.options, {});
+    ASSERT_EQ(laid.passes.size(), finer.passes.size());
+    for (size_t i = 0; i < laid.passes.size(); ++i) {
+      const Pass& pass = laid.passes[i];
+      const std::vector<char> all(pass.points.size(), 1);
+      EXPECT_GE(WithPointsBetween(pass, finer.passes[i], all).points.size(), 2 * pass.points.size() - 1);
+    }
   }
 }
 

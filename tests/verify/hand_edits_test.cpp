@@ -98,7 +98,7 @@ TEST(HandEdits, TurnBitsNearZero) {
     };
     std::vector<Finding> found = findings(program);
     ASSERT_FALSE(found.empty()) << variant;
-    EXPECT_NE(found[0].message.find("A4 stands at 0.0000"), std::string::npos) << found[0].message;
+    EXPECT_NE(found[0].message.find("A4 is at 0.0000"), std::string::npos) << found[0].message;
     MotionProgram stated = program;
     EXPECT_EQ(StateEntriesByJoints(stated, settings.axes, 2 * kUncertainTurn), std::vector<size_t>{index});
     found = findings(stated);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/verify/sample_cell.hpp"
 
+#include "base/rotation.hpp"
+#include "base/units.hpp"
+
 namespace millpose {
 namespace {
 
@@ -12,6 +15,17 @@ Body ToolPart(const std::string& name, BodyClass body_class, double from, double
   body.X_MG.translation().z() = from + length / 2;
   body.shape = Cylinder{diameter / 2, length};
   return body;
+}
+
+/// A long wall along the rail, a drum on the table.
+void StandOnAxes(const PlanResult& plan, Cell& cell) {
+  cell.external_axes = plan.external_axes;
+  Body& part = cell.bodies.back();
+  part.shape = Box{{300, 1500, 20}};
+  if (plan.external_axes.back().name != "table") return;
+  part.shape = Cylinder{400, 300};
+  part.X_MG.translation() = Eigen::Vector3d(0, 0, -400);
+  part.X_MG.linear() = RotationAbout(Eigen::Vector3d::UnitY(), kPi / 2);
 }
 
 }  // namespace
@@ -35,6 +49,7 @@ Cell SampleCell(const PlanResult& plan) {
   wall.X_MG.translation().z() = -10;
   wall.shape = Box{{300, 300, 20}};
   cell.bodies.push_back(wall);
+  if (!plan.external_axes.empty()) StandOnAxes(plan, cell);
   return cell;
 }
 

@@ -27,7 +27,7 @@ class RotationAboutTool final : public Freedom {
 }  // namespace
 
 FreedomEntry RotationEntry() {
-  return {"rotation", [] { return std::make_unique<RotationAboutTool>(); }};
+  return {"rotation", [](const LeanRange&) { return std::make_unique<RotationAboutTool>(); }};
 }
 
 }  // namespace millpose

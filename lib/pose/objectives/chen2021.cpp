@@ -17,6 +17,7 @@ class Chen2021 final : public Objective {
   explicit Chen2021(const ObjectiveParameters& parameters);
   std::string Name() const override { return "chen2021"; }
   bool DependsOnFeed() const override { return false; }
+  bool ReadsToolAxis() const override { return false; }
   std::string Unit() const override { return normalised_ ? "1" : "mm/N"; }
   void Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const override;
 

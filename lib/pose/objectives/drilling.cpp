@@ -10,6 +10,7 @@ namespace {
 class Drilling final : public PlainObjective {
  public:
   using PlainObjective::PlainObjective;
+  bool ReadsToolAxis() const override { return true; }
   void Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const override;
 };
 

@@ -17,6 +17,7 @@ class ProcessForce final : public Objective {
   std::string Unit() const override { return "mm"; }
   bool DependsOnFeed() const override { return true; }
   bool NeedsForce() const override { return !given_; }
+  bool ReadsToolAxis() const override { return given_.has_value(); }
   void Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const override;
 
  private:

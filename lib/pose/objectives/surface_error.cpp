@@ -17,6 +17,7 @@ class SurfaceError final : public Objective {
   std::string Name() const override { return "surface_error"; }
   std::string Unit() const override { return "mm"; }
   bool DependsOnFeed() const override { return true; }
+  bool ReadsToolAxis() const override { return false; }
   bool NeedsForce() const override { return true; }
   void Evaluate(const ComplianceBlock& c, const ObjectiveContext& context, Lanes& out) const override;
 

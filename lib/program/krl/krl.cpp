@@ -6,6 +6,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
+#include "program/external_axes.hpp"
 #include "program/krl/krl_head.hpp"
 #include "program/rounding.hpp"
 #include "program/writer.hpp"
@@ -51,9 +52,11 @@ class KrlWriter : public ProgramWriter {
       : ProgramWriter(program, arm, settings, KrlTexts(settings)), options_(options) {}
 
   ProgramFiles Write() {
+    At(0);
     WriteSections();
     const std::string name = LegalName(program_.name, kLongestName, 1);
     ProgramFiles files;
+    At(0);
     std::string main = Head(name);
     const std::vector<std::string> parts = Parts();
     for (size_t i = 0; i < parts.size(); ++i) {
@@ -67,6 +70,25 @@ class KrlWriter : public ProgramWriter {
   }
 
  private:
+  /// What is written next belongs to motion `i`; the head states its base.
+  void At(size_t i) {
+    if (i >= program_.motions.size()) return;
+    motion_ = &program_.motions[i];
+    if (i == 0) base_ = Base();
+  }
+
+  /// What $BASE is given where the motion counts; empty where programs state none.
+  std::optional<Pose> Base() const {
+    const std::optional<Pose> X_BP = motion_ ? FrameOf(program_, *motion_) : program_.X_BP;
+    if (!X_BP || options_.base_number > 0) return std::nullopt;
+    return KrlBaseValue(options_, settings_, motion_ ? motion_->external : ExternalPosition(), *X_BP);
+  }
+
+  void Forget() override {
+    Begin();
+    base_ = Base();
+  }
+
   void Begin() override {
     feed_.clear();
     distance_.clear();
@@ -101,9 +123,9 @@ class KrlWriter : public ProgramWriter {
   void AddFrames(const Add& add) const {
     if (options_.base_number > 0) {
       add(fmt::format("BAS (#BASE,{} )", options_.base_number));
-    } else if (program_.X_BP) {
-      add(fmt::format("$BASE = {{FRAME: {}}}",
-                      KrlFields(KrlBase(options_) * *program_.X_BP, kAngleDecimals)));
+    } else if (const std::optional<Pose> base = Base()) {
+      add(BaseText(*base));
+      if (options_.external_base) add("$IPO_MODE = #BASE");
     }
     if (options_.tool_number > 0) {
       add(fmt::format("BAS (#TOOL,{} )", options_.tool_number));
@@ -112,6 +134,13 @@ class KrlWriter : public ProgramWriter {
       X_FC.linear() = X_FC.linear() * settings_.R_TC();
       add(fmt::format("$TOOL = {{FRAME: {}}}", KrlFields(X_FC, kAngleDecimals)));
     }
+  }
+
+  /// On a coupled table the statement, not its value, makes $BASE turn with it.
+  std::string BaseText(const Pose& base) const {
+    const std::string fields = KrlFields(base, kAngleDecimals);
+    if (!options_.external_base) return fmt::format("$BASE = {{FRAME: {}}}", fields);
+    return fmt::format("$BASE = {}{{{}}})", KrlTableBase(*options_.external_base), fields);
   }
 
   template <class Add>
@@ -135,6 +164,12 @@ class KrlWriter : public ProgramWriter {
 
   void AddMotion(size_t i) override {
     const Motion& motion = program_.motions[i];
+    At(i);
+    const bool by_pose = motion.type == MotionType::kLinear || motion.status;
+    if (const std::optional<Pose> base = Base(); by_pose && base && !(base_ && SameFrame(*base, *base_))) {
+      Line(BaseText(*base));
+      base_ = base;
+    }
     if (motion.type == MotionType::kLinear) return AddLinear(motion);
     AddTriggers();
     if (motion.status) {
@@ -167,12 +202,12 @@ class KrlWriter : public ProgramWriter {
     outputs_.clear();
   }
 
-  /// The constant external axes, as fields.
+  /// The axes beside the arm's six, as fields.
   std::string External() const {
     std::string fields;
-    for (size_t i = 0; i < options_.external_axes.size(); ++i) {
-      fields += fmt::format(",E{} {}", i + 1, Fixed(options_.external_axes[i], kLengthDecimals));
-    }
+    for (const ControllerAxis& axis : settings_.controller_axes)
+      fields += fmt::format(",{} {}", axis.name,
+                            Fixed(ValueOf(settings_, axis, motion_->external), kLengthDecimals));
     return fields;
   }
 
@@ -221,6 +256,8 @@ class KrlWriter : public ProgramWriter {
 
   const KrlOptions& options_;
   std::vector<PathOutput> outputs_;  // to be switched with the next straight motion
+  const Motion* motion_ = nullptr;   // that is being written, or the first
+  std::optional<Pose> base_;         // as $BASE was stated last
   std::string feed_, distance_;
   bool within_pass_ = false;  // the next section goes on with a pass
 };
@@ -270,7 +307,8 @@ PathDynamics KrlPost::Dynamics(const PostOptions& options) const {
 }
 
 std::string KrlPost::WhyNotIn(const PostSettings& settings) const {
-  const double apart = KrlTilt(options_, settings.X_WB);
+  if (const std::string refusal = KrlWhyNotWithAxes(options_, settings); !refusal.empty()) return refusal;
+  const double apart = KrlTilt(options_, settings);
   if (apart > kUpright)
     return fmt::format(
         "controllers.krl: base_in_world and robroot turn the robot by {:.1f} deg against each other, seen "

@@ -19,12 +19,11 @@ class KrlPost : public Post {
   void Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const override;
   bool HasOwnWorld() const override { return true; }
   double UsualCycle() const override { return 0.012; }  // KRC4
-  Pose BaseInWorld() const override { return KrlBase(options_); }
+  Pose BaseInWorld(const PostSettings& settings) const override { return KrlBase(options_, settings); }
   TimeOptions Times() const override {
     return {options_.ptp_speed_percent / 100.0, options_.orientation_speed};
   }
   PathDynamics Dynamics(const PostOptions& options) const override;
-  std::vector<double> ExternalAxes() const override { return options_.external_axes; }
   size_t Memory() const override { return static_cast<size_t>(options_.memory_kbytes) * 1000; }
   std::string WhyNotIn(const PostSettings& settings) const override;
   std::string ToolCheck(const PostSettings& settings) const override;

@@ -68,11 +68,17 @@ FrameTexts KrlPost::Frames(const PostSettings& settings) const {
   if (options_.ersysroot) {
     const KrlRail& rail = *options_.ersysroot;
     texts.more = {{"ersysroot", "assumed $ERSYSROOT: " + PoseText(MakePose(rail.pose))},
-                  {"rail", fmt::format("E{} along {} of it, the robot on the carriage:", rail.axis,
+                  {"rail", fmt::format("{} along {} of it, the robot on the carriage:", KrlCarriage(settings),
                                        WordOf(kFrameAxisWords, rail.direction))},
                   {"carriage", robroot}};
   } else {
     texts.more = {{"robroot", "assumed $ROBROOT: " + robroot}};
+  }
+  if (options_.external_base) {
+    const KrlTable& table = *options_.external_base;
+    texts.more.emplace_back(fmt::format("machine_def_{}", table.machine_def),
+                            "assumed ROOT: " + PoseText(MakePose(table.root)));
+    texts.more.emplace_back("table", "what turns, in that root: " + PoseText(MakePose(table.flange)));
   }
   if (settings.load) texts.more.emplace_back("load", LoadText(*settings.load));
   return texts;
@@ -84,6 +90,10 @@ std::string KrlFields(const Pose& pose, int decimals) {
   return fmt::format("X {},Y {},Z {},A {},B {},C {}", Fixed(p.x(), kLengthDecimals),
                      Fixed(p.y(), kLengthDecimals), Fixed(p.z(), kLengthDecimals), Fixed(abc[0], decimals),
                      Fixed(abc[1], decimals), Fixed(abc[2], decimals));
+}
+
+std::string KrlTableBase(const KrlTable& table) {
+  return fmt::format("EK(MACHINE_DEF[{0}].ROOT,MACHINE_DEF[{0}].MECH_TYPE,", table.machine_def);
 }
 
 std::string KrlDeclarations() { return kDeclarations; }
@@ -99,8 +109,12 @@ std::string KrlNotice(const std::string& notice) {
 }
 
 std::string KrlFrameCheck(const KrlOptions& options) {
-  return options.ersysroot ? Check("$ERSYSROOT", MakePose(options.ersysroot->pose))
-                           : Check("$ROBROOT", KrlRobroot(options));
+  std::string text = options.ersysroot ? Check("$ERSYSROOT", MakePose(options.ersysroot->pose))
+                                       : Check("$ROBROOT", KrlRobroot(options));
+  if (options.external_base)
+    text += Check(fmt::format("MACHINE_DEF[{}].ROOT", options.external_base->machine_def),
+                  MakePose(options.external_base->root));
+  return text;
 }
 
 std::string KrlLoad(const KrlOptions& options, const PostSettings& settings) {

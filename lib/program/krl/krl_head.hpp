@@ -12,10 +12,14 @@ std::string KrlDeclarations();
 /// A message that stays until the operator has seen it and stops nothing.
 std::string KrlNotice(const std::string& text);
 /// Statements that stop the program with a message where the controller's $ROBROOT ($ERSYSROOT on a coupled
-/// rail) is not the cell's.
+/// rail, and MACHINE_DEF[n].ROOT of a coupled table) is not the cell's.
 std::string KrlFrameCheck(const KrlOptions& options);
 /// $LOAD of the settings' load; empty where programs do not set it.
 std::string KrlLoad(const KrlOptions& options, const PostSettings& settings);
+
+/// What stands before the part's frame on a coupled table:
+/// "EK(MACHINE_DEF[2].ROOT,MACHINE_DEF[2].MECH_TYPE,".
+std::string KrlTableBase(const KrlTable& table);
 
 /// How many lines from `first` on are those of `text`, apart from case and white space, with blank lines
 /// between; 0 when they are not.

@@ -13,9 +13,20 @@ Codec<KrlRail> RailFields() {
   using R = KrlRail;
   return Section<R>({
       Key<R>("pose", MILLPOSE_AT(pose), PoseFields(), "$ERSYSROOT: the rail's root in $WORLD.").Required(),
-      Key<R>("axis", MILLPOSE_AT(axis), Integer(1, 6), "Which of external_axes is the carriage: 1 is E1."),
       Key<R>("direction", MILLPOSE_AT(direction), ChoiceOf(kFrameAxisWords),
              "Direction of $ERSYSROOT in which the carriage moves where its axis grows."),
+  });
+}
+
+Codec<KrlTable> TableFields() {
+  using T = KrlTable;
+  return Section<T>({
+      Key<T>("machine_def", MILLPOSE_AT(machine_def), Integer(2, 16),
+             "Number n of the kinematic in MACHINE_DEF.")
+          .Required(),
+      Key<T>("root", MILLPOSE_AT(root), PoseFields(), "MACHINE_DEF[n].ROOT: its root in $WORLD.").Required(),
+      Key<T>("flange", MILLPOSE_AT(flange), PoseFields(),
+             "The frame that the kinematic carries, in its root with its axes at 0."),
   });
 }
 
@@ -25,8 +36,6 @@ std::vector<Field<S>> FrameAndSpeedKeys() {
              "$BASE = BASE_DATA[number] instead of values; 0: values."),
       Key<S>("tool_number", MILLPOSE_AT(tool_number), Integer(0, 16),
              "$TOOL = TOOL_DATA[number] instead of values; 0: values."),
-      Key<S>("external_axes", MILLPOSE_AT(external_axes), ListOf(Real({"mm or deg"}, Between(-1e6, 1e6))),
-             "Constant E1, E2, … written with every target."),
       Key<S>("ptp_speed_percent", MILLPOSE_AT(ptp_speed_percent), Integer(1, 100),
              "Share of the axes' largest speed in motions between cuts."),
       Key<S>(
@@ -53,32 +62,34 @@ std::vector<Field<S>> ToolAndRobotKeys() {
              "base on the carriage at 0. Needed where the robot does not stand upright.")
           .DefaultText("zero, as delivered"),
       Key<S>("ersysroot", MILLPOSE_AT(ersysroot), Maybe(RailFields()),
-             "A rail that the controller counts in ($WORLD stays where it is when it moves)."),
+             "A rail that the controller counts in ($WORLD stays where it is when it moves); its carriage is "
+             "the "
+             "axis of external_axes that is coupled and carries the robot."),
+      Key<S>("external_base", MILLPOSE_AT(external_base), Maybe(TableFields()),
+             "A table that the controller counts in: $BASE = EK(MACHINE_DEF[n].ROOT, …) moves with it."),
       Key<S>("write_load", MILLPOSE_AT(write_load), Flag(),
              "Programs set $LOAD to tool.load; else the controller's own load data hold."),
   };
 }
 
-void Check(const Value& value, const Context& context, S& options) {
-  const size_t axes = options.external_axes.size();
-  if (options.ersysroot && options.ersysroot->axis > static_cast<int>(axes))
+void Check(const Value& value, const Context& context, PostSection<S>& section) {
+  const S& options = section.own;
+  if (options.ersysroot && std::ranges::none_of(section.shared.controller_axes, &ControllerAxis::coupled))
     context.Child("ersysroot")
         .Add(value.FindKey("ersysroot")->mark,
-             fmt::format("its axis E{} is none of the {} external_axes; allowed: one of them",
-                         options.ersysroot->axis, axes));
+             "none of external_axes is coupled; needed: the one that is the carriage");
   if (!options.tool_in_spindle.empty() && !IsWord(options.tool_in_spindle))
     context.Child("tool_in_spindle")
         .Add(value.FindKey("tool_in_spindle")->mark,
              fmt::format("given '{}'; allowed: letters, digits and '_', at most 31, beginning with a letter",
                          options.tool_in_spindle));
-  if (axes > 6)
-    context.Child("external_axes").Add(value.mark, fmt::format("given {} values; allowed: at most 6", axes));
 }
 
 }  // namespace
 
 PostEntry KrlEntry() {
   std::vector<PostKey<S>> keys = {ToolAxisKey(), AxisSignsKey(), AxisOffsetsKey()};
+  keys.emplace_back(ExternalAxesKey({"E1", "E2", "E3", "E4", "E5", "E6"}, true));
   std::ranges::copy(FrameAndSpeedKeys(), std::back_inserter(keys));
   keys.emplace_back(PathAccelerationKey());
   std::ranges::copy(ToolAndRobotKeys(), std::back_inserter(keys));

@@ -2,6 +2,7 @@
 // Reads KRL as far as robot programs of millpose and the usual hand edits go.
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
+#include "program/external_axes.hpp"
 #include "program/krl/krl.hpp"
 #include "program/krl/krl_head.hpp"
 #include "program/krl/krl_words.hpp"
@@ -16,6 +17,7 @@ using krl::ReadPositive;
 
 constexpr const char* kDefaults = "BAS (#INITMOV,0 )";
 constexpr const char* kPtpSpeed = "BAS (#VEL_PTP,…)";
+constexpr const char* kFollowsBase = "$IPO_MODE = #BASE";
 constexpr const char* kLoad = "$LOAD as in the cell";
 constexpr double kExternalSlack = 1e-4;  // mm or degrees
 constexpr double kSameSetting = 1e-6;    // relative: written with four decimals and more
@@ -135,16 +137,31 @@ class KrlReader : public ProgramReader {
                                      nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest)));
   }
 
+  /// $BASE: one for all poses, as long as no external axes are planned: then each station may have its own.
+  void ReadBase(LineScanner& scan, size_t start) {
+    const std::optional<Pose> value = ReadBaseValue(scan);
+    std::optional<Pose> X_BP;
+    if (value) X_BP = KrlBaseFrame(options_, settings_, {}, *value);
+    const bool same = Same(X_BP, program_.X_BP);
+    if (posed_ && !same && external_.empty())
+      scan.FailFrom(start, "one base for all poses of the program expected");
+    if (!same) last_.clear();
+    base_ = value;
+    program_.X_BP = X_BP;
+    Stated("$BASE");
+  }
+
+  /// On a coupled table the statement with which $BASE turns with it; else a frame.
+  std::optional<Pose> ReadBaseValue(LineScanner& scan) {
+    if (!options_.external_base) return ReadFrame(scan, "BASE_DATA", options_.base_number);
+    return krl::ReadTableBase(scan, options_.external_base->machine_def);
+  }
+
   /// $BASE and $TOOL: one of each for all poses; stated again, they say the same.
   bool ReadFrames(LineScanner& scan) {
     const size_t start = scan.Next();
     if (scan.Accept("$BASE")) {
-      std::optional<Pose> X_BP = ReadFrame(scan, "BASE_DATA", options_.base_number);
-      if (X_BP) X_BP = KrlBase(options_).inverse() * *X_BP;
-      if (posed_ && !Same(X_BP, program_.X_BP))
-        scan.FailFrom(start, "one base for all poses of the program expected");
-      program_.X_BP = X_BP;
-      Stated("$BASE");
+      ReadBase(scan, start);
     } else if (scan.Accept("$TOOL")) {
       std::optional<Pose> X_FT = ReadFrame(scan, "TOOL_DATA", options_.tool_number);
       if (X_FT) X_FT->linear() = X_FT->linear() * settings_.R_TC().transpose();
@@ -181,7 +198,12 @@ class KrlReader : public ProgramReader {
       return true;
     }
     Places places = kAtStops;
-    if (scan.Accept("$VEL.ORI1")) {
+    if (options_.external_base && scan.Accept("$IPO_MODE")) {
+      scan.Expect("=");
+      scan.Expect("#BASE");
+      Stated(kFollowsBase);
+      places = kOutsideCuts;
+    } else if (scan.Accept("$VEL.ORI1")) {
       turn_speed_[0] = ReadPositive(scan) * kRadPerDeg;
       Stated("$VEL.ORI1");
     } else if (scan.Accept("$VEL.ORI2")) {
@@ -300,10 +322,7 @@ class KrlReader : public ProgramReader {
       scan.Expect(fmt::format("{}[{}]", list, number));
       return std::nullopt;
     }
-    const std::vector<std::string> names = {"X", "Y", "Z", "A", "B", "C"};
-    const Fields fields = krl::ReadFields(scan, "FRAME", names);
-    ExpectAll(scan, fields, names);
-    return krl::PoseOf(fields);
+    return krl::ReadFrame(scan);
   }
 
   /// The tool in the workpiece frame of a motion's fields; what it leaves out stays as the motion before had
@@ -311,6 +330,7 @@ class KrlReader : public ProgramReader {
   Pose Target(LineScanner& scan, Fields fields) {
     posed_ = true;
     Require("$BASE");
+    if (options_.external_base) Require(kFollowsBase);
     Require("$TOOL");
     for (const std::string name : {"X", "Y", "Z", "A", "B", "C"}) {
       if (!fields.contains(name) && last_.contains(name)) fields[name] = last_[name];
@@ -322,19 +342,23 @@ class KrlReader : public ProgramReader {
     return X_PT;
   }
 
-  /// The fields that a target may have, and the external axes that it must have.
-  Fields ReadTarget(LineScanner& scan, std::vector<std::string> allowed) {
+  /// The fields that a target may have, and the external axes that it must have; `motion` ends where they
+  /// say.
+  Fields ReadTarget(LineScanner& scan, std::vector<std::string> allowed, Motion& motion) {
     std::vector<std::string> external;
-    for (size_t i = 0; i < options_.external_axes.size(); ++i) external.push_back(fmt::format("E{}", i + 1));
+    for (const ControllerAxis& axis : settings_.controller_axes) external.push_back(axis.name);
     allowed.insert(allowed.end(), external.begin(), external.end());
     Fields fields = krl::ReadFields(scan, allowed.front() == "A1" ? "E6AXIS" : "E6POS", allowed);
     ExpectAll(scan, fields, external);
-    for (size_t i = 0; i < external.size(); ++i) {
-      if (std::abs(fields.at(external[i]) - options_.external_axes[i]) > kExternalSlack) {
-        scan.Fail(fmt::format("{} stays at {} in this program; that value expected", external[i],
-                              options_.external_axes[i]));
-      }
+    for (const ControllerAxis& axis : settings_.controller_axes) {
+      const double value = fields.at(axis.name);
+      if (axis.axis.empty() && std::abs(value - axis.constant) > kExternalSlack)
+        scan.Fail(
+            fmt::format("{} stays at {} in this program; that value expected", axis.name, axis.constant));
+      SetValue(settings_, axis, value, external_);
     }
+    motion.external = external_;
+    if (base_ && !external_.empty()) motion.X_BP = KrlBaseFrame(options_, settings_, external_, *base_);
     return fields;
   }
 
@@ -345,7 +369,7 @@ class KrlReader : public ProgramReader {
     const std::vector<std::string> place = {"X", "Y", "Z", "A", "B", "C", "S", "T"};
     std::vector<std::string> both = axes;
     both.insert(both.end(), place.begin(), place.end());
-    const Fields fields = ReadTarget(scan, both);
+    const Fields fields = ReadTarget(scan, both, motion);
     const auto given = [&](const std::string& name) { return fields.contains(name); };
     if (std::any_of(axes.begin(), axes.end(), given)) {
       ExpectAll(scan, fields, axes);
@@ -365,7 +389,7 @@ class KrlReader : public ProgramReader {
   void ReadLin(LineScanner& scan) {
     Motion& motion = AddMotion(MotionType::kLinear);
     for (const char* setting : {"$VEL.CP", "$VEL.ORI1", "$VEL.ORI2", "$ORI_TYPE"}) Require(setting);
-    motion.X_PT = Target(scan, ReadTarget(scan, {"X", "Y", "Z", "A", "B", "C", "S", "T"}));
+    motion.X_PT = Target(scan, ReadTarget(scan, {"X", "Y", "Z", "A", "B", "C", "S", "T"}, motion));
     motion.feed = feed_;
     motion.turn_speed = std::min(turn_speed_[0], turn_speed_[1]);
     motion.exact = !scan.Accept("C_DIS");
@@ -375,6 +399,7 @@ class KrlReader : public ProgramReader {
   }
 
   const KrlOptions& options_;
+  std::optional<Pose> base_;                // what $BASE was given last
   Fields last_;                             // of the last Cartesian motion
   double feed_ = 0;                         // mm/s
   double blend_ = 0;                        // mm

@@ -85,6 +85,30 @@ Pose PoseOf(const Fields& fields) {
   return pose;
 }
 
+Pose ReadFrame(LineScanner& scan) {
+  const std::vector<std::string> names = {"X", "Y", "Z", "A", "B", "C"};
+  const Fields fields = ReadFields(scan, "FRAME", names);
+  ExpectAll(scan, fields, names);
+  return PoseOf(fields);
+}
+
+Pose ReadTableBase(LineScanner& scan, int machine_def) {
+  scan.Expect("=");
+  scan.Expect("EK");
+  scan.Expect("(");
+  for (const char* part : {".ROOT", ".MECH_TYPE"}) {
+    const size_t start = scan.Next();
+    scan.Expect("MACHINE_DEF");
+    if (ReadIndex(scan) != machine_def)
+      scan.FailFrom(start, fmt::format("MACHINE_DEF[{}] expected, as in the cell", machine_def));
+    scan.Expect(part);
+    scan.Expect(",");
+  }
+  const Pose frame = ReadFrame(scan);
+  scan.Expect(")");
+  return frame;
+}
+
 double ReadPositive(LineScanner& scan) {
   scan.Expect("=");
   const size_t start = scan.Next();

@@ -18,6 +18,11 @@ void ExpectAll(LineScanner& scan, const Fields& fields, const std::vector<std::s
 /// Of X, Y, Z (mm), A, B, C (degrees).
 Pose PoseOf(const Fields& fields);
 
+/// {FRAME: X 1,Y 2,Z 3,A 4,B 5,C 6}, all of them.
+Pose ReadFrame(LineScanner& scan);
+/// "= EK(MACHINE_DEF[2].ROOT,MACHINE_DEF[2].MECH_TYPE,{X 1,…})" with the number `machine_def`: the frame.
+Pose ReadTableBase(LineScanner& scan, int machine_def);
+
 /// "= 0.5": above 0.
 double ReadPositive(LineScanner& scan);
 

@@ -8,6 +8,7 @@
 #include "base/units.hpp"
 #include "motion/line.hpp"
 #include "program/controller_axes.hpp"
+#include "program/external_axes.hpp"
 #include "program/linuxcnc/linuxcnc_rounding.hpp"
 #include "program/writer.hpp"
 #include "robot/kinematics.hpp"
@@ -56,7 +57,7 @@ class LinuxCncWriter : public ProgramWriter {
   }
 
   std::string Settings() const override {
-    return fmt::format("G21 G90 G17 G40 G49 G94\n{}\nG59.3 G92.1\n", kNoOffsets);
+    return fmt::format("G21 G90 G17 G40 G49 G94\n{}\nG59.3 G92.1\n", NoOffsets(settings_));
   }
 
   void Begin() override { Restate(); }
@@ -64,6 +65,7 @@ class LinuxCncWriter : public ProgramWriter {
   void Forget() override {
     Restate();
     cartesian_.reset();
+    external_.clear();
   }
 
   /// Modal settings are to be stated again.
@@ -84,6 +86,7 @@ class LinuxCncWriter : public ProgramWriter {
   void AddMotion(size_t i) override {
     const Motion& motion = program_.motions[i];
     blend_ = motion.blend > 0 ? motion.blend : settings_.blend;
+    X_BP_ = FrameOf(program_, motion).value_or(Pose::Identity());
     if (motion.type == MotionType::kLinear && options_.cartesian) return AddPose(i);
     Coordinates(false);
     if (motion.type == MotionType::kLinear) {
@@ -95,7 +98,7 @@ class LinuxCncWriter : public ProgramWriter {
     } else {
       PathMode(motion.exact);
       const Joints angles = AsWritten(settings_.axes, *motion.q);
-      Line("G0 " + Words(angles));
+      Line("G0 " + Words(angles) + ExternalWords(motion));
       last_ = angles;
     }
   }
@@ -111,11 +114,10 @@ class LinuxCncWriter : public ProgramWriter {
     middle.linear() =
         Eigen::Quaterniond(first.coeffs() + side * second.coeffs()).normalized().toRotationMatrix();
     const Joints halfway = (q0 + q1) / 2;
-    const Pose reached = program_.X_BP->inverse() * ForwardFlange(arm_, halfway) * X_FT_;
+    const Pose reached = X_BP_.inverse() * ForwardFlange(arm_, halfway) * X_FT_;
     const Eigen::Vector3d off = reached.translation() - middle.translation();
     const double turned = AngleBetween(reached.linear(), middle.linear());
-    const auto q_middle =
-        InverseNear(arm_, *program_.X_BP * middle * X_FT_.inverse(), Status(arm_, q1), halfway);
+    const auto q_middle = InverseNear(arm_, X_BP_ * middle * X_FT_.inverse(), Status(arm_, q1), halfway);
     // Where the arm changes its branch half-way no joint motion follows the line; read-back says so.
     // A tip that is ahead or behind runs at another feed, and stands where the tool is turned otherwise.
     const PoseLine line(X0, X1);
@@ -146,7 +148,7 @@ class LinuxCncWriter : public ProgramWriter {
   }
 
   Pose ToolInBase(const Motion& motion) const {
-    Pose X_BC = program_.X_BP.value_or(Pose::Identity()) * motion.X_PT;
+    Pose X_BC = AsCounted(settings_, motion.external, X_BP_) * motion.X_PT;
     X_BC.linear() = X_BC.linear() * settings_.R_TC();
     return X_BC;
   }
@@ -220,6 +222,17 @@ class LinuxCncWriter : public ProgramWriter {
     return words;
   }
 
+  /// Words of the external axes that have moved since they were stated.
+  std::string ExternalWords(const Motion& motion) {
+    if (external_ == motion.external) return {};
+    std::string words;
+    for (const ControllerAxis& axis : settings_.controller_axes)
+      words +=
+          fmt::format(" {}{}", axis.name, Fixed(ValueOf(settings_, axis, motion.external), kAngleDecimals));
+    external_ = motion.external;
+    return words;
+  }
+
   void FeedMode(bool inverse) {
     if (inverse_time_ != inverse) Line(inverse ? "G93" : "G94");
     if (inverse_time_ != inverse) feed_.clear();
@@ -245,6 +258,8 @@ class LinuxCncWriter : public ProgramWriter {
   }
 
   const LinuxCncOptions& options_;
+  Pose X_BP_ = Pose::Identity();        // of the motion that is being written
+  ExternalPosition external_;           // as stated last; empty: not stated
   Joints last_ = Joints::Zero();        // degrees, as written
   Joints pose_words_ = Joints::Zero();  // X, Y, Z, A, B, C of the last tool pose, mm and degrees, as written
   std::optional<bool> cartesian_;       // tool poses, not joints
@@ -269,6 +284,30 @@ std::map<std::string, std::string> LinuxCncTexts(const PostSettings& settings) {
 
 double BlendDegrees(double blend, const Arm& arm, const Pose& X_FT) {
   return blend / (ArmLength(arm) + X_FT.translation().norm()) * kDegPerRad;
+}
+
+std::string NoOffsets(const PostSettings& settings) {
+  std::string words = "G10 L2 P9 X0 Y0 Z0 A0 B0 C0";
+  for (const ControllerAxis& axis : settings.controller_axes) words += fmt::format(" {}0", axis.name);
+  return words + " R0";
+}
+
+// Joints count from nothing; and how the tool's angles count on a coupled table, verification does not model.
+std::string LinuxCncPost::WhyNotIn(const PostSettings& settings) const {
+  for (const ControllerAxis& axis : settings.controller_axes) {
+    if (!axis.coupled) continue;
+    if (!options_.cartesian)
+      return "controllers.linuxcnc.external_axes: coupled: true has no effect in joint programs "
+             "(coordinates: "
+             "joint); expected: false";
+    if (const auto index = AxisOf(settings, axis);
+        index && settings.mechanism.axes()[*index].carries == Carries::kWorkpiece)
+      return fmt::format(
+          "controllers.linuxcnc.external_axes: coupled: true is not modelled for {}, which carries the "
+          "workpiece; expected: false",
+          axis.axis);
+  }
+  return "";
 }
 
 double FeedLength(const Joints& from, const Joints& to) {

@@ -25,6 +25,7 @@ class LinuxCncPost : public Post {
   std::string ToolCheck(const PostSettings& settings) const override;
   double AngleReserve() const override;
   void Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const override;
+  std::string WhyNotIn(const PostSettings& settings) const override;
   bool NeedsSphericalWrist() const override { return false; }
   bool ReadsFromDisk() const override { return true; }
   double UsualCycle() const override { return 0.001; }  // the servo period
@@ -49,8 +50,9 @@ inline constexpr double kAngleMargin = 1.7453e-5;
 /// LinuxCNC's texts for events where the cell gives none.
 std::map<std::string, std::string> LinuxCncTexts(const PostSettings& settings);
 
-/// Selects a coordinate system without offsets, whatever the machine's others hold.
-inline constexpr const char* kNoOffsets = "G10 L2 P9 X0 Y0 Z0 A0 B0 C0 R0";
+/// Selects a coordinate system without offsets, whatever the machine's others hold: "G10 L2 P9 X0 Y0 Z0 A0 B0
+/// C0 R0", with the letters of external axes.
+std::string NoOffsets(const PostSettings& settings);
 
 /// The interpreter turns G93's F into a speed of at least this many degrees (or mm) per minute.
 inline constexpr double kInverseTimeFloor = 0.1;

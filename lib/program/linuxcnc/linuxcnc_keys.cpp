@@ -12,8 +12,8 @@ PostEntry LinuxCncEntry() {
       {ToolAxisKey(), RotationKey(), AxisSignsKey(), AxisOffsetsKey(),
        Key<S>("coordinates", MILLPOSE_AT(cartesian), ChoiceOf<bool>({{"joint", false}, {"cartesian", true}}),
               "X Y Z A B C are joints throughout, or the tool's pose in cuts."),
-       PathAccelerationKey(), CycleKey(LinuxCncPost().UsualCycle()), BlockTimeKey(), OutputsKey(false),
-       TextsKey({"cartesian_on", "joints_on"}), CallsKey()});
+       ExternalAxesKey({"U", "V", "W"}, false), PathAccelerationKey(), CycleKey(LinuxCncPost().UsualCycle()),
+       BlockTimeKey(), OutputsKey(false), TextsKey({"cartesian_on", "joints_on"}), CallsKey()});
 }
 
 }  // namespace millpose

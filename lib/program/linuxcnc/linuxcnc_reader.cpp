@@ -2,6 +2,7 @@
 // Reads RS-274/NGC as LinuxCNC does, as far as robot programs of millpose and the usual hand edits go.
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
+#include "program/external_axes.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
 #include "program/reader.hpp"
 
@@ -58,6 +59,7 @@ class LinuxCncReader : public ProgramReader {
         options_(options) {
     program_.rotation = settings.rotation;
     program_.R_TC = settings.R_TC();
+    for (const ControllerAxis& axis : settings.controller_axes) axes_ += axis.name;
     program_.blend_overlaps = true;
     if (options.cartesian) program_.X_BP = Pose::Identity();  // poses are stated in the robot's base
   }
@@ -93,7 +95,7 @@ class LinuxCncReader : public ProgramReader {
   }
 
   std::vector<std::string> Needed() const override {
-    std::vector<std::string> needed = {"G21", "G40", "G49", "G90", kNoOffsets, "G59.3", "G92.1", kPathMode};
+    std::vector<std::string> needed = {"G21", "G40", "G49", "G90", no_offsets_, "G59.3", "G92.1", kPathMode};
     if (options_.cartesian) needed.emplace_back(kKinematics);
     return needed;
   }
@@ -108,6 +110,7 @@ class LinuxCncReader : public ProgramReader {
     rounds_ = false;
     inverse_time_.reset();
     last_.reset();
+    external_known_ = false;
   }
 
   void TextRead(const std::string& name) override {
@@ -160,7 +163,7 @@ class LinuxCncReader : public ProgramReader {
     }
     if (scan.AcceptAddress('G')) return AddG(scan, start, Whole(scan.ExpectDecimal(kBlanks), 10), block);
     if (scan.AcceptAddress('M')) return AddM(scan, start, Whole(scan.ExpectDecimal(kBlanks), 1), block);
-    for (const char letter : std::string_view("XYZABCFPQLR")) {
+    for (const char letter : axes_ + "FPQLR") {
       if (!scan.AcceptAddress(letter)) continue;
       const double value = scan.ExpectDecimal(kBlanks);
       if (letter != 'F' && std::abs(value) > kFarthest)  // F may be 1/min of a short block
@@ -242,7 +245,7 @@ class LinuxCncReader : public ProgramReader {
     for (const double g : block.g) Setting(scan, start, g, block);
     if (inverse_time_ == true && block.HasG(1) && !block.Has('F'))
       scan.FailFrom(start, "G93 needs F in every block with G1");
-    const bool moves = std::ranges::any_of(std::string_view("XYZABC"), [&](char c) { return block.Has(c); });
+    const bool moves = std::ranges::any_of(axes_, [&](char c) { return block.Has(c); });
     if (moves && !block.HasG(10)) Move(scan, block);
     if (block.HasM(2) || block.HasM(30)) EndFile();
   }
@@ -311,21 +314,34 @@ class LinuxCncReader : public ProgramReader {
 
   void NoOffsets(const LineScanner& scan, size_t start, const Block& block) {
     std::map<char, double> wanted = {{'L', 2}, {'P', 9}, {'R', 0}};
-    for (const char letter : std::string_view("XYZABC")) wanted[letter] = 0;
+    for (const char letter : axes_) wanted[letter] = 0;
     if (block.words != wanted || block.g.size() != 1 || !block.m.empty())
-      scan.FailFrom(start, fmt::format("{} expected", kNoOffsets));
-    Stated(kNoOffsets);
+      scan.FailFrom(start, fmt::format("{} expected", no_offsets_));
+    Stated(no_offsets_);
     Allow(scan, start, kOutsideCuts);
   }
 
   void Move(const LineScanner& scan, const Block& block) {
     if (motion_ < 0) scan.Fail("G0 or G1 before words of axes expected");
     if (motion_ == 0 && rounds_) scan.Fail("ways between cuts keep to their path: G61.1 before G0 expected");
+    MoveExternal(scan, block);
     if (cartesian_) {
       AddPose(scan, block);
     } else {
       AddTarget(scan, block);
     }
+  }
+
+  /// They stand still where something is cut.
+  void MoveExternal(const LineScanner& scan, const Block& block) {
+    for (const ControllerAxis& axis : settings_.controller_axes) {
+      const auto word = block.Word(axis.name.front());
+      if (!word && external_known_) continue;
+      if (!word) scan.Fail(fmt::format("{} is missing in the first motion", axis.name));
+      if (motion_ != 0) scan.Fail(fmt::format("{} moves with G0 alone", axis.name));
+      SetValue(settings_, axis, *word, external_);
+    }
+    external_known_ = true;
   }
 
   /// The six words as they hold: those of this block, else the last ones.
@@ -373,6 +389,7 @@ class LinuxCncReader : public ProgramReader {
     motion.angles = values.tail<3>() * kRadPerDeg;
     motion.X_PT.translation() = values.head<3>();
     motion.X_PT.linear() = FromToolAngles(settings_.rotation, *motion.angles) * settings_.R_TC().transpose();
+    if (!external_.empty()) motion.X_BP = FromCounted(settings_, external_, Pose::Identity());
     motion.exact = !rounds_;
     motion.blend = rounds_ ? blend_ : 0;
     const double length = last_ ? FeedLength(*last_, values) : 0;
@@ -399,11 +416,14 @@ class LinuxCncReader : public ProgramReader {
 
   const Arm& arm_;
   const LinuxCncOptions& options_;
-  std::optional<Joints> last_;  // degrees, or mm and degrees of a tool pose
-  std::optional<double> feed_;  // per minute, G94
-  double blend_ = 0;            // degrees; mm of tool poses
-  bool cartesian_ = false;      // tool poses, not joints
-  int motion_ = -1;             // of G0 and G1 the one that holds; −1: unknown
+  const std::string no_offsets_ = millpose::NoOffsets(settings_);
+  std::string axes_ = "XYZABC";  // letters of all axes
+  bool external_known_ = false;  // where the external axes stand
+  std::optional<Joints> last_;   // degrees, or mm and degrees of a tool pose
+  std::optional<double> feed_;   // per minute, G94
+  double blend_ = 0;             // degrees; mm of tool poses
+  bool cartesian_ = false;       // tool poses, not joints
+  int motion_ = -1;              // of G0 and G1 the one that holds; −1: unknown
   std::optional<bool> inverse_time_;
   bool rounds_ = false;
   bool percent_ = false;  // the file began with %

@@ -6,6 +6,8 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
+#include "program/external_axes.hpp"
+#include "program/sinumerik/sinumerik_block.hpp"
 #include "program/writer.hpp"
 
 namespace millpose {
@@ -23,8 +25,10 @@ class SinumerikWriter : public ProgramWriter {
       : ProgramWriter(program, arm, settings, SinumerikTexts()), options_(options) {}
 
   ProgramFiles Write() {
+    At(0);
     WriteSections();
     Transform(false);
+    At(0);
     const std::string name = LegalName(program_.name, kLongestName, 2);
     ProgramFiles files;
     std::string main = Head();
@@ -39,9 +43,28 @@ class SinumerikWriter : public ProgramWriter {
   }
 
  private:
+  /// What is written next belongs to motion `i`; the head states its frame.
+  void At(size_t i) {
+    if (i >= program_.motions.size()) return;
+    motion_ = &program_.motions[i];
+    if (i == 0) frame_ = Frame();
+  }
+
+  /// The workpiece as the transformation counts where the motion stands.
+  std::optional<Pose> Frame() const {
+    const std::optional<Pose> X_BP = motion_ ? FrameOf(program_, *motion_) : program_.X_BP;
+    if (!X_BP) return std::nullopt;
+    return AsCounted(settings_, motion_ ? motion_->external : ExternalPosition(), *X_BP);
+  }
+
   void Begin() override {
     feed_.clear();
     transformed_.reset();
+  }
+
+  void Forget() override {
+    Begin();
+    frame_ = Frame();
   }
 
   std::string Head() const {
@@ -69,7 +92,7 @@ class SinumerikWriter : public ProgramWriter {
 
   std::string Settings() const override {
     std::string settings = "G17 G710 G40 G90 G94\n";
-    if (program_.X_BP) settings += Frame(*program_.X_BP) + "\n";
+    if (const std::optional<Pose> frame = Frame()) settings += FrameLine(*frame) + "\n";
     return settings;
   }
 
@@ -101,7 +124,7 @@ class SinumerikWriter : public ProgramWriter {
     Line("COMPOF G642");
   }
 
-  std::string Frame(const Pose& X_BP) const {
+  std::string FrameLine(const Pose& X_BP) const {
     const Eigen::Vector3d p = X_BP.translation();
     const Eigen::Vector3d zyx = AnglesZyx(X_BP.linear()) * kDegPerRad;
     return fmt::format("$P_UIFR[{}]=CTRANS(X,{},Y,{},Z,{}):CROT(X,{},Y,{},Z,{})", options_.Frame() - 500,
@@ -112,6 +135,7 @@ class SinumerikWriter : public ProgramWriter {
 
   void AddMotion(size_t i) override {
     const Motion& motion = program_.motions[i];
+    At(i);
     if (motion.type == MotionType::kLinear) {
       AddLinear(motion);
     } else if (motion.status) {
@@ -142,6 +166,10 @@ class SinumerikWriter : public ProgramWriter {
     for (int i = 0; i < 6; ++i) {
       line += fmt::format(" {}={}", options_.axis_names[i], Fixed(angles[i], kAngleDecimals));
     }
+    for (const ControllerAxis& axis : settings_.controller_axes)
+      line += fmt::format(" {}={}", axis.name,
+                          Fixed(ValueOf(settings_, axis, motion.external),
+                                IsRotary(settings_, axis) ? kAngleDecimals : kLengthDecimals));
     Line(line);
     angles_ = ToolAngles(settings_.rotation, motion.X_PT.linear() * settings_.R_TC());
   }
@@ -149,6 +177,11 @@ class SinumerikWriter : public ProgramWriter {
   /// Switches the robot transformation: axes are addressed by themselves only without it.
   void Transform(bool on) {
     if (transformed_ == on) return;
+    // At another station the workpiece stands elsewhere; the frame takes effect with its word behind TRAORI.
+    if (const std::optional<Pose> frame = Frame(); on && frame && !(frame_ && SameFrame(*frame, *frame_))) {
+      Line(FrameLine(*frame));
+      frame_ = frame;
+    }
     Line(on ? "TRAORI" : "TRAFOOF");
     transformed_ = on;
     cartesian_ = false;
@@ -202,6 +235,8 @@ class SinumerikWriter : public ProgramWriter {
   }
 
   const SinumerikOptions& options_;
+  const Motion* motion_ = nullptr;  // that is being written, or the first
+  std::optional<Pose> frame_;       // as it was stated last
   std::string feed_;
   std::optional<Eigen::Vector3d> angles_;  // of the last pose, rad
   std::optional<bool> transformed_;        // TRAORI holds
@@ -231,6 +266,19 @@ std::vector<LineModel> SinumerikPost::Lines(const PostSettings& settings) const 
 
 std::map<std::string, std::string> SinumerikTexts() {
   return {{"spindle_on", "S{rpm} M3"}, {"spindle_off", "M5"}, {"tool_change", "T=\"{tool}\" D1\nM6"}};
+}
+
+// Axes by name stand beside the robot's in joint blocks: a name can be only one axis.
+std::string SinumerikPost::WhyNotIn(const PostSettings& settings) const {
+  for (const ControllerAxis& axis : settings.controller_axes) {
+    const bool robots = std::ranges::find(options_.axis_names, axis.name) != options_.axis_names.end();
+    if (robots || SinumerikBlock::IsAddress(axis.name))
+      return fmt::format(
+          "controllers.sinumerik.external_axes: {} is {}; expected: the name of a channel axis of "
+          "its own",
+          axis.name, robots ? "one of axis_names" : "an address of blocks");
+  }
+  return {};
 }
 
 ProgramFiles SinumerikPost::Write(const MotionProgram& program, const Arm& arm,

@@ -33,6 +33,7 @@ class SinumerikPost : public Post {
   std::vector<LineModel> Lines(const PostSettings& settings) const override;
   double Blend(const PathTolerance& tolerance, double) const override { return tolerance.position; }
   void Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const override;
+  std::string WhyNotIn(const PostSettings& settings) const override;
   double UsualCycle() const override { return 0.004; }  // 840D sl as it is often set up (MD10071)
   CallingSyntax Calling() const override;
   ProgramFiles Write(const MotionProgram& program, const Arm& arm,

@@ -35,6 +35,13 @@ int SinumerikBlock::GroupOf(const std::string& word) {
   return IsFrame(word) ? kFrameGroup : 0;
 }
 
+bool SinumerikBlock::IsAddress(const std::string& name) {
+  static const std::vector<std::string> addresses = {"A", "B", "C", "D", "F",  "G",    "M",    "N",   "S",
+                                                     "T", "X", "Y", "Z", "TU", "STAT", "CTOL", "OTOL"};
+  return GroupOf(name) != 0 ||
+         std::ranges::any_of(addresses, [&](const auto& address) { return SameWords(address, name); });
+}
+
 bool SinumerikBlock::Accept(LineScanner& scan) {
   return AcceptG(scan) || AcceptM(scan) || AcceptAddress(scan);
 }
@@ -97,6 +104,7 @@ bool SinumerikBlock::AcceptAddress(LineScanner& scan) {
     return true;
   }
   std::vector<std::string> named(axis_names_.begin(), axis_names_.end());
+  named.insert(named.end(), external_.begin(), external_.end());
   named.insert(named.end(), {"CTOL", "OTOL"});
   for (const std::string& address : named) {
     if (!scan.Accept(address)) continue;
@@ -149,7 +157,7 @@ bool SinumerikBlock::HasAxes() const {
   for (int i = 0; i < 6; ++i) {
     if (axis(i)) return true;
   }
-  return false;
+  return std::ranges::any_of(external_, [&](const std::string& name) { return Word(name).has_value(); });
 }
 
 }  // namespace millpose

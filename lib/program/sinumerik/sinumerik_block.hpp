@@ -17,7 +17,12 @@ class SinumerikBlock {
  public:
   static constexpr int kFrameGroup = 8;
 
-  explicit SinumerikBlock(const std::array<std::string, 6>& axis_names) : axis_names_(axis_names) {}
+  /// `external`: names of the axes beside the robot's.
+  SinumerikBlock(const std::array<std::string, 6>& axis_names, const std::vector<std::string>& external)
+      : axis_names_(axis_names), external_(external) {}
+
+  /// Whether a word of this address, or this G word, means something else than an axis beside the robot's.
+  static bool IsAddress(const std::string& name);
 
   /// Takes the word that comes next; false when it is none of a block's. InputError for what a block must not
   /// hold.
@@ -38,7 +43,7 @@ class SinumerikBlock {
   std::optional<double> pose(int i) const;                    ///< X, Y, Z mm, A, B, C degrees
   std::optional<double> axis(int i) const;                    ///< degrees
   bool HasPose() const;
-  bool HasAxes() const;
+  bool HasAxes() const;  ///< the robot's, or others
 
  private:
   bool AcceptG(LineScanner& scan);
@@ -48,6 +53,7 @@ class SinumerikBlock {
   void Add(const LineScanner& scan, size_t start, const std::string& address, double value);
 
   const std::array<std::string, 6>& axis_names_;
+  const std::vector<std::string>& external_;
   std::vector<std::string> g_words_;
   std::vector<int> m_codes_;
   std::map<std::string, double> words_;  // by address

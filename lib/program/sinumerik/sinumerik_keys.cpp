@@ -33,8 +33,8 @@ Codec<std::array<std::string, 6>> AxisNames() {
   return codec;
 }
 
-void Check(const Value& value, const Context& context, S& options) {
-  if (!options.settable_frame)
+void Check(const Value& value, const Context& context, PostSection<S>& section) {
+  if (!section.own.settable_frame)
     context.Add(value.mark,
                 "settable_frame is missing: a whole number 505…599, the settable frame (G505…) that programs "
                 "may overwrite with the workpiece's place; needed");
@@ -47,6 +47,7 @@ PostEntry SinumerikEntry() {
       {ToolAxisKey(), RotationKey(), AxisSignsKey(), AxisOffsetsKey(),
        Key<S>("axis_names", MILLPOSE_AT(axis_names), AxisNames(),
               "Names of the six robot axes as channel axes, for motions without transformation."),
+       ExternalAxesKey({}, false),
        Key<S>("settable_frame", MILLPOSE_AT(settable_frame), Maybe(Integer(505, 599)),
               "G505 to G599, the settable frame that programs overwrite with the workpiece's place; needed."),
        Key<S>("ori_ipo_with_g_code", MILLPOSE_AT(ori_ipo_with_g_code), Maybe(Flag()),

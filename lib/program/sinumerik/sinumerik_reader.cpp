@@ -2,6 +2,7 @@
 // Reads SINUMERIK programs as far as robot programs of millpose and the usual hand edits go.
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
+#include "program/external_axes.hpp"
 #include "program/reader.hpp"
 #include "program/sinumerik/sinumerik.hpp"
 #include "program/sinumerik/sinumerik_block.hpp"
@@ -19,6 +20,7 @@ class SinumerikReader : public ProgramReader {
         options_(options) {
     program_.swivel = settings.R_TC() * Eigen::Vector3d::UnitZ();
     program_.any_turn = !options.ori_ipo_with_g_code;
+    for (const ControllerAxis& axis : settings.controller_axes) external_names_.push_back(axis.name);
     program_.rotation = settings.rotation;
     program_.R_TC = settings.R_TC();
   }
@@ -47,7 +49,7 @@ class SinumerikReader : public ProgramReader {
 
   void ReadCode(LineScanner& scan) override {
     const size_t start = scan.Next();
-    SinumerikBlock block(options_.axis_names);
+    SinumerikBlock block(options_.axis_names, external_names_);
     if (scan.AcceptAddress('N', false)) scan.ExpectDecimal();
     ReadLabel(scan);
     while (!scan.AtEnd()) {
@@ -199,11 +201,12 @@ class SinumerikReader : public ProgramReader {
       scan.FailFrom(start, fmt::format("$P_UIFR[{}] expected: the cell's settable frame is G{}",
                                        options_.Frame() - 500, options_.Frame()));
     scan.Expect("=");
-    Pose X_BP = Pose::Identity();
+    Pose X_BP = Pose::Identity();  // with the coupled axes at 0
     X_BP.translation() = ReadTriple(scan, "CTRANS");
     scan.Expect(":");
     X_BP.linear() = FromAnglesZyx(ReadTriple(scan, "CROT").reverse() * kRadPerDeg);
-    if (posed_ && program_.X_BP && !X_BP.matrix().isApprox(program_.X_BP->matrix(), kSamePlace))
+    const bool same = program_.X_BP && X_BP.matrix().isApprox(program_.X_BP->matrix(), kSamePlace);
+    if (external_.empty() && posed_ && program_.X_BP && !same)
       scan.FailFrom(start, "one frame for all poses of the program expected");
     program_.X_BP = X_BP;
     frame_known_ = true;
@@ -321,10 +324,21 @@ class SinumerikReader : public ProgramReader {
       if (!block.axis(i)) scan.FailFrom(start, fmt::format("{} is missing", options_.axis_names[i]));
       angles[i] = *block.axis(i) * kRadPerDeg;
     }
+    for (const ControllerAxis& axis : settings_.controller_axes) {
+      const auto value = block.Word(axis.name);
+      if (!value) scan.FailFrom(start, fmt::format("{} is missing", axis.name));
+      SetValue(settings_, axis, *value, external_);
+    }
     Motion& motion = AddMotion(MotionType::kJoint);
     motion.q = FromController(settings_.axes, angles);
     motion.exact = true;
+    Stand(motion);
     last_ = {};
+  }
+
+  /// The frame that counts where the external axes stand.
+  void Stand(Motion& motion) const {
+    if (program_.X_BP && !external_.empty()) motion.X_BP = FromCounted(settings_, external_, *program_.X_BP);
   }
 
   void AddPose(const LineScanner& scan, size_t start, const SinumerikBlock& block) {
@@ -335,6 +349,9 @@ class SinumerikReader : public ProgramReader {
       if (block.pose(i)) last_[i] = block.pose(i);
       if (!last_[i]) scan.FailFrom(start, fmt::format("{} is missing", "XYZABC"[i]));
     }
+    if (InHead() && !external_.empty())
+      scan.FailFrom(start,
+                    "a joint block before the first pose expected: it says where the external axes stand");
     posed_ = true;
     ExpectSince(scan, start, {FrameWord(), AngleWord(), "ORIVECT", "ORIWKS"});
     if (!ptp_) scan.FailFrom(start, "PTP or CP expected");
@@ -357,6 +374,7 @@ class SinumerikReader : public ProgramReader {
     motion.angles = Eigen::Vector3d(*last_[3], *last_[4], *last_[5]) * kRadPerDeg;
     motion.X_PT.linear() = FromToolAngles(settings_.rotation, *motion.angles) * settings_.R_TC().transpose();
     motion.exact = !rounds;
+    Stand(motion);
     if (*ptp_) {
       motion.status = block.bits("STAT");
       motion.turn = block.bits("TU");
@@ -370,6 +388,7 @@ class SinumerikReader : public ProgramReader {
   }
 
   const SinumerikOptions& options_;
+  std::vector<std::string> external_names_;
   std::array<std::optional<double>, 6> last_;  // X, Y, Z, A, B, C as they hold
   double feed_ = 0;                            // mm/s
   struct {

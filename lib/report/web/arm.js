@@ -18,8 +18,11 @@
   const turnY = (a) => [Math.cos(a), 0, Math.sin(a), 0, 0, 1, 0, 0, -Math.sin(a), 0, Math.cos(a), 0, 0, 0, 0, 1];
   const turnZ = (a) => [Math.cos(a), -Math.sin(a), 0, 0, Math.sin(a), Math.cos(a), 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 
+  // Where the robot's base stands at a row: where the external axes have put it, as seen from the part.
+  m.baseAt = (data, row) => (data.bases ? data.bases[data.rows.pass[row]] : data.X_WB);
+
   // Frames 0 (base) … 6 (flange) in W, and the tool last.
-  m.armFrames = function (data, degrees) {
+  m.armFrames = function (data, degrees, base = data.X_WB) {
     const a = data.arm;
     const q = degrees.map((angle, i) => (a.sign[i] * angle + a.offset_deg[i]) * DEG);
     const steps = [
@@ -30,7 +33,7 @@
       [shift(0, -a.d5, 0), turnY(q[4])],
       [turnX(q[5]), shift(a.d6, 0, 0), turnY(Math.PI / 2)],
     ];
-    const frames = [data.X_WB];
+    const frames = [base];
     for (const step of steps) frames.push(step.reduce(m.multiply, frames[frames.length - 1]));
     frames.push(m.multiply(frames[6], data.X_FT));
     return frames;

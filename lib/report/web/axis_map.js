@@ -215,7 +215,7 @@
       this.actions.select(place.row);
       const joints = place.cell.zone === 0 ? null : m.jointsAt(this.data, place.row, place.rotation, place.cell.branch);
       $("map-pose").textContent = joints ? `The 3-D view shows ${this.words(place)}. ← and → go back to the path.` : `No pose to show: ${this.words(place)}.`;
-      if (joints && this.scene) this.scene.pose(joints, place.cell.zone >= m.ZONE.PAIR ? this.data.map.pairs[place.cell.zone - m.ZONE.PAIR] || "" : "");
+      if (joints && this.scene) this.scene.pose(joints, place.cell.zone >= m.ZONE.PAIR ? this.data.map.pairs[place.cell.zone - m.ZONE.PAIR] || "" : "", m.baseAt(this.data, place.row));
     }
 
     // What the worst point of the pass, and the selected one, give up and why.

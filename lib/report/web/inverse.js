@@ -52,8 +52,8 @@
   }
 
   // Joint angles in degrees with which the tool stands at X_WT on a branch; null out of reach.
-  m.armInverse = function (data, X_WT, branch) {
-    const X_BF = m.multiply(m.multiply(m.rigidInverse(data.X_WB), X_WT), m.rigidInverse(data.X_FT));
+  m.armInverse = function (data, X_WT, branch, base = data.X_WB) {
+    const X_BF = m.multiply(m.multiply(m.rigidInverse(base), X_WT), m.rigidInverse(data.X_FT));
     const q = inner(data.arm, X_BF, branch), a = data.arm;
     return q && q.map((angle, i) => {
       const outer = a.sign[i] * (angle / DEG - a.offset_deg[i]);
@@ -70,10 +70,10 @@
     for (let away = 0; from < 0 && (pass[row - away] === pass[row] || pass[row + away] === pass[row]); ++away)
       from = planned(row - away) ? row - away : planned(row + away) ? row + away : -1;
     if (from < 0) return null;
-    const X_WT = m.armFrames(data, m.jointsOf(data, from))[7];
+    const X_WT = m.armFrames(data, m.jointsOf(data, from), m.baseAt(data, row))[7];
     const turn = (rotation - data.column.rotation.values[from]) * DEG, c = Math.cos(turn), s = Math.sin(turn);
     const turned = m.multiply(X_WT, [c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     m.place(data, row).forEach((p, k) => { turned[4 * k + 3] = p; });
-    return m.armInverse(data, turned, branch);
+    return m.armInverse(data, turned, branch, m.baseAt(data, row));
   };
 })((window.millpose = window.millpose || {}));

@@ -6,8 +6,8 @@
 
   const $ = (id) => document.getElementById(id);
   const NO_ROW = 0xffffffff;
-  const STRETCHES = ["cutting", "lead", "approach", "retract", "gap", "gap that could not be planned"];
-  m.STRETCH = { CUT: 0, LEAD: 1, APPROACH: 2, RETRACT: 3, GAP: 4, MISSING: 5 };
+  const STRETCHES = ["cutting", "lead", "approach", "retract", "gap", "gap that could not be planned", "external axes move"];
+  m.STRETCH = { CUT: 0, LEAD: 1, APPROACH: 2, RETRACT: 3, GAP: 4, MISSING: 5, EXTERNAL: 6 };
 
   m.clock = function (seconds) {
     const whole = Math.floor(seconds + 1e-6), two = (v) => String(v).padStart(2, "0");
@@ -96,7 +96,7 @@
       const at = (this.now = this.line.at(this.seconds));
       this.slider.value = this.seconds;
       this.tell(at);
-      if (this.scene) this.scene.pose(at.joints, "");
+      if (this.scene) this.scene.pose(at.joints, "", this.data.bases && at.pass >= 0 ? this.data.bases[at.pass] : this.data.X_WB);
     }
     step(seconds) {
       this.seek(this.seconds + seconds);

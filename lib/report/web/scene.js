@@ -82,7 +82,7 @@
 
     select(row) {
       this.selected = row;
-      this.pose(m.jointsOf(this.data, row), "");
+      this.pose(m.jointsOf(this.data, row), "", m.baseAt(this.data, row));
       this.pointAtNearest(row);
     }
 
@@ -100,8 +100,12 @@
     }
 
     // The arm at joint angles (degrees; null: none), with the bodies of a pair that interferes in red.
-    pose(joints, pair) {
+    // `base`: where the robot's stands then.
+    pose(joints, pair, base = this.data.X_WB) {
       this.nearest = null;
+      if (this.data.bases)
+        for (const { mesh, body } of this.bodies)
+          if (body.mount === "link" && body.link === 0) mesh.matrix = matrix(base).multiply(matrix(body.X_MG));
       for (const { mesh, body, colour } of this.bodies) {
         const red = pair.split(" and ").includes(body.name);
         mesh.material.color.setHex(red ? parseInt(m.RED.slice(1), 16) : colour);
@@ -109,7 +113,7 @@
       }
       this.groups.arm.visible = joints !== null && this.showArm !== false;
       if (joints) {
-        const frames = m.armFrames(this.data, joints);
+        const frames = m.armFrames(this.data, joints, base);
         for (const { mesh, body, frame } of this.moving) mesh.matrix = matrix(frames[frame]).multiply(matrix(body.X_MG));
         const at = (f) => [frames[f][3], frames[f][7], frames[f][11]];
         const way = new Float32Array([0, 1, 2, 3, 5, 6, 7].flatMap(at));

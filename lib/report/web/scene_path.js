@@ -78,7 +78,7 @@
     // From piece to piece as the tip goes: dashed between retract and approach; what could not be planned straight.
     addWays() {
       const line = new m.Timeline(this.data), { stretch } = line.raw, S = m.STRETCH;
-      const of = { [S.APPROACH]: "lead", [S.RETRACT]: "lead", [S.GAP]: "gap", [S.MISSING]: "bad" };
+      const of = { [S.APPROACH]: "lead", [S.RETRACT]: "lead", [S.GAP]: "gap", [S.EXTERNAL]: "gap", [S.MISSING]: "bad" };
       const corners = { lead: [], gap: [], bad: [] };
       for (let i = 1; i < stretch.length; ++i) if (of[stretch[i]]) corners[of[stretch[i]]].push(...line.tip(i - 1), ...line.tip(i));
       for (const [name, places] of Object.entries(corners)) {

@@ -63,8 +63,8 @@ class GcodeReader {
       if (word.address != "G") TakeWord(word, move);
     const bool cycle = cycles_.active() && !move.machine && !move.reference;
     if (call_ && (move.dwell || cycle))
-      throw InputError(call_->place, fmt::format("{} beside {} in one block is not read", call_->address,
-                                                 move.dwell ? "a dwell" : "another cycle"));
+      throw InputError(call_->place, fmt::format("{} together with {} in one block is not read",
+                                                 call_->address, move.dwell ? "a dwell" : "another cycle"));
     if (move.dwell) return;
     modes_.SetFeed();
     if (scanner_.heidenhain()) heidenhain_.TakePole(move);

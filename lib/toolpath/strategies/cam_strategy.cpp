@@ -18,6 +18,7 @@ struct CamStrategy final : Strategy {
   std::string Name() const override { return "cam"; }
   std::string File() const override { return file; }
   bool IsPrescribed() const override { return true; }
+  std::vector<std::string> WithoutEffect() const override { return {"share"}; }
   LaidPath Make(const StrategyInputs& inputs, std::stop_token stop) const override;
 
  private:

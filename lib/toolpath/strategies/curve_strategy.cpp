@@ -105,7 +105,7 @@ Layout CurveStrategy::Lay(const Region& region, const ToolpathOptions&, std::sto
     }
   if (curves.empty() && backs)
     throw InputError({},
-                     "toolpath: looking along curve.project_along the line meets the backs of faces alone; "
+                     "toolpath: looking along curve.project_along the line only meets the backs of faces; "
                      "give the opposite direction");
   for (Curve& curve : curves)
     curve.closed = curve.pieces.size() > 2 && Meet(curve.pieces.back(), curve.pieces.front());
@@ -123,7 +123,7 @@ StrategyEntry CurveEntry() {
                                        "A polyline, in the workpiece frame.")
                                     .Required(),
                                 Key<S>("project_along", MILLPOSE_AT(project_along), yaml::Direction(),
-                                       "Looking along it, the line goes onto the first face met.")
+                                       "The line is projected along it onto the first face met.")
                                     .Required()},
                                CheckPoints));
 }

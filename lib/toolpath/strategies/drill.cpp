@@ -239,9 +239,20 @@ std::vector<std::string> Drill::WithoutEffect() const {
   return keys;
 }
 
+// A hole is drilled from one station: where its entrance lies.
+void KeepShare(const PathShare& share, std::vector<DrilledHole>& holes) {
+  if (share.overlap > 0)
+    throw InputError({},
+                     "toolpath.share.overlap_mm: has no effect with strategy drill: a hole is drilled from "
+                     "one station; leave it out");
+  std::erase_if(holes, [&](const DrilledHole& hole) { return !share.Owns(hole.entrance); });
+  if (holes.empty()) throw InputError({}, "toolpath.share: no hole lies in it");
+}
+
 LaidPath Drill::Make(const StrategyInputs& inputs, std::stop_token stop) const {
   LaidPath laid;
-  const std::vector<DrilledHole> drilled = HolesOf(*this, inputs, laid.warnings);
+  std::vector<DrilledHole> drilled = HolesOf(*this, inputs, laid.warnings);
+  if (inputs.options.share) KeepShare(*inputs.options.share, drilled);
   HoleMaker maker(*this, inputs.options);
   CheckCount(maker, drilled, inputs.options);
   std::vector<Eigen::Vector3d> entrances;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/strategies/scallop.hpp"
 
+#include <array>
+
 #include "base/trig.hpp"
 #include "base/units.hpp"
 
@@ -14,6 +16,14 @@ Eigen::Vector2d Unrolled(const Eigen::Vector2d& p, double curvature) {
   const Eigen::Vector2d d = std::copysign(1.0, radius) * (p + Eigen::Vector2d(0, radius));
   return {radius * Atan2(std::copysign(1.0, radius) * d.x(), d.y()),
           std::copysign(1.0, radius) * (d.norm() - std::abs(radius))};
+}
+
+// The other way.
+Eigen::Vector2d Rolled(const Eigen::Vector2d& p, double curvature) {
+  if (std::abs(curvature) < 1e-9) return p;
+  const double radius = 1 / curvature;
+  const SineCosine turn = SinCos(p.x() / radius);
+  return {(radius + p.y()) * turn.sin, (radius + p.y()) * turn.cos - radius};
 }
 
 }  // namespace
@@ -62,6 +72,54 @@ double Scallops::Reach(double height, double curvature, double side) const {
 double Scallops::Stepover(double height, double curvature) const {
   const double left = Reach(height, curvature, 1), right = Reach(height, curvature, -1);
   return back_and_forth_ ? 2 * std::min(left, right) : left + right;
+}
+
+std::pair<double, double> Scallops::Reaches(double height, double curvature) const {
+  const double left = Reach(height, curvature, 1), right = Reach(height, curvature, -1);
+  const double less = std::min(left, right);
+  return back_and_forth_ ? std::pair(less, less) : std::pair(left, right);
+}
+
+bool Scallops::Covers(double height, double curvature, double left, double right) const {
+  constexpr double kSlack = 1 - 1e-7;  // of the ways: rounding
+  return CoversSide(Rolled({kSlack * left, height}, curvature), 1) &&
+         CoversSide(Rolled({-kSlack * right, height}, curvature), -1);
+}
+
+// Whether a place lies within the outline and all that is above it: no direction from straight down to
+// sideways sees it beyond. As the direction turns, how far it is beyond rises to one greatest value and falls
+// again.
+bool Scallops::CoversSide(const Eigen::Vector2d& place, double side) const {
+  constexpr double kRounding = 1e-9;  // mm
+  constexpr int kDirections = 16, kSections = 32;
+  const double r = cutter_.corner_radius, a = cutter_.radius - r, b = a * SinCos(lead_).sin;
+  const auto [s, c] = SinCos(tilt_);
+  Eigen::Vector2d contact(0, -r);  // from the ellipse's centre: its support straight down
+  if (const double n = std::sqrt(a * a * s * s + b * b * c * c); n > 0) {
+    const double x = -a * a * s / n, y = -b * b * c / n;
+    contact += Eigen::Vector2d(c * x - s * y, s * x + c * y);
+  }
+  const auto beyond = [&, s = s, c = c](double angle) {
+    const SineCosine turn = SinCos(angle);
+    const Eigen::Vector2d u(side * turn.sin, -turn.cos);
+    const double x = c * u.x() + s * u.y(), y = -s * u.x() + c * u.y();
+    return u.dot(place + contact) - std::sqrt(a * a * x * x + b * b * y * y) - r;
+  };
+  int best = 0;
+  std::array<double, kDirections + 1> values;
+  for (int i = 0; i <= kDirections; ++i) {
+    values[static_cast<size_t>(i)] = beyond(kPi / 2 * i / kDirections);
+    if (values[static_cast<size_t>(i)] > values[static_cast<size_t>(best)]) best = i;
+  }
+  double low = kPi / 2 * std::max(0, best - 1) / kDirections;
+  double high = kPi / 2 * std::min(kDirections, best + 1) / kDirections;
+  for (int i = 0; i < kSections; ++i) {
+    const double first = low + (high - low) / 3, second = high - (high - low) / 3;
+    const double at_first = beyond(first), at_second = beyond(second);
+    if (std::max(at_first, at_second) > kRounding) return false;
+    (at_first < at_second ? low : high) = at_first < at_second ? first : second;
+  }
+  return values[static_cast<size_t>(best)] <= kRounding;
 }
 
 }  // namespace millpose

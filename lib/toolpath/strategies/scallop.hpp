@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <utility>
 
 #include "toolpath/cutter.hpp"
 
@@ -22,9 +23,16 @@ class Scallops {
   /// Back and forth: the smaller one of the two that alternate.
   double Stepover(double height, double curvature) const;
 
+  /// How far from the contact along the surface (mm) the outline rises to `height`: to the left and to the
+  /// right of the feed, the smaller one for both when back and forth.
+  std::pair<double, double> Reaches(double height, double curvature) const;
+  /// Whether the outline lies no higher than `height` up to these ways to the left and to the right.
+  bool Covers(double height, double curvature, double left, double right) const;
+
  private:
   double Reach(double height, double curvature, double side) const;
   Eigen::Vector2d Outline(double place, double side) const;
+  bool CoversSide(const Eigen::Vector2d& place, double side) const;
 
   CutterShape cutter_;
   double lead_, tilt_;

@@ -213,7 +213,7 @@ yaml::Codec<Trim> Fields() {
 }  // namespace
 
 std::vector<std::string> Trim::WithoutEffect() const {
-  return {"stepover_mm",         "stepover_on", "scallop_mm", "direction", "order",
+  return {"stepover_mm",         "stepover_on", "scallop_mm", "direction", "order",   "share",
           "normal_smoothing_mm", "depth",       "ends",       "lead_deg",  "tilt_deg"};
 }
 

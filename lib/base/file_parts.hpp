@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+
+#include "base/byte_sink.hpp"
+
+namespace millpose {
+
+/// WriteFileAtomically() (file.hpp) for bytes that need never be in memory together. What `write` throws is
+/// passed on.
+void WriteFileAtomically(const std::filesystem::path& path, const ByteSource& write);
+
+}  // namespace millpose

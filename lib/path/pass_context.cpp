@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "path/pass_context.hpp"
+
+#include <algorithm>
+
+#include "base/parallel.hpp"
+#include "path/lean_courses.hpp"
+#include "pose/lean_problem.hpp"
+
+namespace millpose {
+namespace {
+
+/// Whether a value is better than all of a table.
+bool IsBeyond(double objective, const CandidateTable* table) {
+  return !table || std::all_of(table->entries().begin(), table->entries().end(),
+                               [&](const auto& entry) { return objective < entry.objective; });
+}
+
+/// The admissible candidates of every point.
+std::vector<Layer> MakeLayers(const PassContext& context, bool all_revolutions) {
+  std::vector<Layer> layers(context.scorers.size());
+  const std::vector<size_t> leans = ChooseLeans(context);
+  const bool leaning = HasLean(context.problem);
+  ParallelFor(layers.size(), context.threads, context.stop, [&](size_t t) {
+    const PointScorer& scorer = context.scorers[t];
+    std::vector<NodeSeed> seeds;
+    if (context.tables[t]) seeds = leaning ? LeaningSeeds(context, t, leans) : SeedsOf(*context.tables[t]);
+    const auto add = [&](const PointOptimum& optimum, bool genetic) {
+      if (!optimum.found) return;
+      seeds.push_back(
+          {optimum.freedoms, scorer.ScoreOne(optimum.freedoms, optimum.branch), optimum.branch, genetic});
+    };
+    const PointOptimum& genetic = context.genetic[t];
+    // At a lean of its own no course would join it; the windows of the refinement take it in (refine.hpp).
+    if (!leaning) add(genetic, genetic.found && IsBeyond(genetic.objective, context.tables[t].get()));
+    // Intervals narrower than the grid: better the finer table's answer than a skipped point.
+    if (seeds.empty() && !leaning) add(context.optima[t], false);
+    layers[t] = MakeLayer(scorer, std::move(seeds), all_revolutions, static_cast<int>(leans.size()));
+  });
+  return layers;
+}
+
+}  // namespace
+
+StepRule MakeRule(const PassContext& context, bool all_revolutions) {
+  StepRule rule;
+  rule.motion_weight = context.motion_weight;
+  rule.modulo_revolutions = !all_revolutions;
+  return rule;
+}
+
+PassChecks MakeChecks(const PassContext& context) {
+  const PoseProblem& problem = context.problem;
+  return {.world = context.world,
+          .carrier = {problem.arm, problem.X_WB, problem.X_FT},
+          .swept_resolution = context.options.swept_resolution,
+          .rotates_first = problem.freedoms[0]->IsToolRotation(),
+          .threads = context.threads,
+          .stop = context.stop,
+          .gouges = {{problem.arm, problem.X_WB, problem.X_FT}, problem}};
+}
+
+std::shared_ptr<CandidateGraph> MakeGraph(const PassContext& context, bool all_revolutions) {
+  return std::make_shared<CandidateGraph>(MakeChecks(context), MakeLayers(context, all_revolutions),
+                                          StepBoundsAlong(context.options.steps, context.problem.arm,
+                                                          StepPoints(context.problem, context.points)),
+                                          context.verdicts);
+}
+
+LadderProblem MakeProblem(const PassContext& context, const CandidateGraph& graph, bool all_revolutions) {
+  // The band needs the one freedom to be the rotation (BandWidth).
+  const auto& freedoms = context.problem.freedoms;
+  const bool rotation = freedoms[0]->IsToolRotation(), banded = freedoms.size() == 1 && rotation;
+  // Along a lane the rotation alone differs.
+  const bool walls = banded || (rotation && HasLean(context.problem));
+  return {.layers = graph.layers(),
+          .rule = MakeRule(context, all_revolutions),
+          .blocked = graph.barred(),
+          .banded = banded,
+          .walls = walls,
+          .stop = context.stop,
+          .break_before = context.break_before,
+          .versions = graph.versions(),
+          .max_step = graph.max_step()};
+}
+
+double MotionWeight(double share, std::span<const PointOptimum> optima) {
+  std::vector<double> values;
+  for (const PointOptimum& optimum : optima)
+    if (optimum.found && optimum.objective > 0) values.push_back(optimum.objective);
+  if (values.empty()) return share;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return share * *middle;
+}
+
+}  // namespace millpose

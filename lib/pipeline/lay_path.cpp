@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/lay_path.hpp"
+
+#include "pipeline/job_engagement.hpp"
+#include "pipeline/kept_stage.hpp"
+#include "pipeline/narrow_inputs.hpp"
+
+namespace millpose {
+namespace {
+
+std::string Outcome(const Toolpath& toolpath) {
+  return fmt::format("{} points in {} passes", CountPoints(toolpath), toolpath.passes.size());
+}
+
+LaidPathOfJob Lay(const LayingInputs& laying, const Execution& execution) {
+  const JobInputs& inputs = laying.inputs;
+  LaidPathOfJob laid;
+  laid.made = MakeJobToolpath(inputs, laying.mesh, execution.stop);
+  JobToolpath& made = laid.made;
+  execution.progress.End(Outcome(made.toolpath));
+  execution.progress.Begin("gouges", 0);
+  CheckJobGouges(inputs, laying.mesh, execution.Threads(), made, execution.stop);
+  laid.heaviest = SetJobEngagement(inputs, laying.mesh, execution.Threads(), execution.stop, made.toolpath);
+  return laid;
+}
+
+}  // namespace
+
+LayingInputs MakeLayingInputs(const JobInputs& inputs, const Mesh& mesh) {
+  LayingInputs laying{InputsOfToolpath(inputs), mesh, {}};
+  laying.key = StageKey(laying.inputs.hash, laying.inputs.max_points, mesh.triangles());
+  return laying;
+}
+
+LaidPathOfJob LayPath(const LayingInputs& laying, const CheckpointStore& checkpoints,
+                      const Execution& execution) {
+  execution.progress.Begin("toolpath", 0);
+  bool made = false;
+  LaidPathOfJob laid = Kept<LaidPathOfJob>(checkpoints, "toolpath", laying.key, [&] {
+    made = true;
+    return Lay(laying, execution);
+  });
+  execution.progress.End(made ? fmt::format("{} points", laid.made.gouges.points)
+                              : Outcome(laid.made.toolpath) + ", as laid before");
+  return laid;
+}
+
+}  // namespace millpose

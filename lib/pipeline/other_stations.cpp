@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/other_stations.hpp"
+
+#include "pipeline/assemble.hpp"
+#include "pipeline/plan_passes.hpp"
+#include "plan/pass_value.hpp"
+#include "plan/skipped.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr double kGain = 0.005;  // of a pass's objective, that another station must be worth
+
+/// Points that another station could serve: a gouge is one everywhere.
+bool LosesPoints(const PassResult& pass) {
+  return std::ranges::any_of(pass.points, [](const PlannedPoint& point) {
+    return point.skip != Obstacle::kNone && point.skip != Obstacle::kGouge;
+  });
+}
+
+}  // namespace
+
+void PlanOtherStations(const JobInputs& inputs, PreparedJob& prepared, const CheckpointStore& checkpoints,
+                       const std::function<bool(size_t)>& wanted, const Execution& execution,
+                       std::vector<PassResult>& passes) {
+  const PathOptions options = MakePathOptions(inputs.job);
+  const auto& next = prepared.elsewhere;
+  size_t moved = 0, tried = 0;
+  for (size_t round = 0;; ++round) {
+    std::vector<char> again(passes.size(), 0);
+    size_t points = 0;
+    std::vector<ExternalPosition> external = prepared.external;
+    for (size_t i = 0; i < next.size(); ++i) {
+      again[i] = wanted(i) && round < next[i].size() && LosesPoints(passes[i]) ? 1 : 0;
+      if (again[i] == 0) continue;
+      external[i] = next[i][round];
+      points += prepared.toolpath.passes[i].points.size();
+    }
+    if (points == 0) break;
+    if (tried == 0) execution.progress.Begin("other stations", points);
+    tried += points;
+    const Toolpath placed = AtStations(inputs, prepared.made.toolpath, prepared.stations, external);
+    PlannedPasses planned = PlanPasses(
+        prepared.stations, external, placed, options, checkpoints, [&](size_t i) { return again[i] != 0; },
+        execution);
+    for (size_t i = 0; i < next.size(); ++i) {
+      if (again[i] == 0) continue;
+      if (!IsBetter(ValueOf(planned.passes[i]), ValueOf(passes[i]), options.worst_first, kGain)) continue;
+      passes[i] = std::move(planned.passes[i]);
+      prepared.toolpath.passes[i] = placed.passes[i];
+      prepared.external[i] = external[i];
+      ++moved;
+    }
+  }
+  if (tried > 0) execution.progress.End(fmt::format("{} passes moved to another station", moved));
+}
+
+}  // namespace millpose

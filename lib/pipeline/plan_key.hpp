@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "plan/plan_result.hpp"
+
+namespace millpose {
+
+/// The hash of every field of passes.
+std::string KeyOf(const std::vector<PassResult>& passes, int threads);
+
+/// Of every field of a plan but the hash of its inputs, which names it and says nothing of it.
+std::string KeyOf(const PlanResult& plan, int threads);
+
+}  // namespace millpose

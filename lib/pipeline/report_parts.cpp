@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/report_parts.hpp"
+
+#include "pipeline/assemble.hpp"
+#include "pipeline/axis_map.hpp"
+#include "pipeline/kept_stage.hpp"
+#include "pipeline/nearest_pairs.hpp"
+#include "pipeline/plan_key.hpp"
+#include "pipeline/sample_curves.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr size_t kMostCurves = 3000;  // points whose choice of pose report.html shows
+
+/// The choice of poses at some points.
+struct Choices {
+  std::vector<PackedCurve> curves;
+  AxisMap map;
+};
+
+}  // namespace
+
+ReportParts MakeReportParts(const JobInputs& inputs, const PlannedJob& job, bool full_map,
+                            const CheckpointStore& checkpoints, const Execution& execution) {
+  const PlanResult& plan = job.plan;
+  const PreparedJob& prepared = job.prepared;
+  const GeneticOptions genetic = MakePathOptions(inputs.job).genetic;
+  const std::string plan_key = KeyOf(plan, execution.Threads());
+  const std::string cell = HashOfValues(prepared.cell);
+  const Stations stations = prepared.stations.AtOwnAxis();
+  Choices choices = Kept<Choices>(
+      checkpoints, "choices", StageKey(plan_key, prepared.problem, genetic, full_map ? cell : ""), [&] {
+        const std::vector<PointCurves> curves =
+            SampleCurves(plan, stations, genetic, kMostCurves, execution.Threads(), execution.stop);
+        return Choices{Packed(curves),
+                       MakeAxisMap(plan, stations, curves, full_map, execution.Threads(), execution.stop)};
+      });
+  auto nearest = Kept<NearestPairs>(checkpoints, "nearest-pairs", StageKey(plan_key, cell), [&] {
+    return FindNearestPairs(plan, prepared.stations, execution.Threads(), execution.stop);
+  });
+  return {std::move(choices.curves), std::move(choices.map), std::move(nearest)};
+}
+
+}  // namespace millpose

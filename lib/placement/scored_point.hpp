@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "toolpath/obstacle.hpp"
+
+namespace millpose {
+
+/// A sampled point in some place: what keeps it, or its least objective.
+struct ScoredPoint {
+  Obstacle obstacle = Obstacle::kNone;
+  double objective = 0;
+};
+
+}  // namespace millpose

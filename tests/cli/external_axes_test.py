@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rails, lifts and tables: what `plan` makes of them. Usage: external_axes_test.py MILLPOSE MILLPOSE_AUDIT TOP [TEST…]
+With MILLPOSE_SLOW in the environment the barrel as it is."""
+import csv
+import json
+import os
+import random
+import re
+import signal
+import sys
+import time
+import unittest
+
+from plan_fixture import CUT_DOWN, WITHOUT_FORCE, Bench, contents, differences, kill_after, started
+
+BENCH = None
+SLOW = "MILLPOSE_SLOW" in os.environ
+AXES = """external_axes:
+  - {name: rail, kind: linear, carries: robot, axis: [1, 0, 0], limits_mm: [0, 400], home_mm: 150, speed_mm_s: 500, acceleration_mm_s2: 500}
+  - {name: lift, kind: linear, carries: workpiece, axis: [0, 0, 1], limits_mm: [-100, 100], speed_mm_s: 100, acceleration_mm_s2: 100}
+  - {name: turn, kind: rotary, carries: workpiece, axis: [0, 0, 1], origin_mm: [2000, 0, 0], limits_deg: [-90, 90], speed_deg_s: 20, acceleration_deg_s2: 20}
+"""
+SMALL = [*CUT_DOWN, *WITHOUT_FORCE, (r"frame: robot_base", "frame: world"), (r"programs: .*", "programs: []")]
+# Two of the lands, in few passes.
+BARREL = [] if SLOW else [(r"stepover_mm: 16", "stepover_mm: 45"), (r"spacing_mm: 12", "spacing_mm: 50"), (r"step_deg: 15", "step_deg: 60"),
+                          *((rf"\n      - connected: \{{seed_mm: \[{seed}[^\n]*", "") for seed in ("603.000, 1044", "-603.000, 1044", "-603.000, -1044", "603.000, -1044"))]
+
+
+def rows(folder):
+    with (folder / "points.csv").open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+class Standing(unittest.TestCase):
+    """External axes that the job puts somewhere."""
+
+    def cell(self, name, changes):
+        text = (BENCH.top / "cells" / "kr500_r2830.yaml").read_text(encoding="utf-8")
+        text = text.split("\ncontrollers:")[0] + "\n"  # which would have to name the axes
+        for old, new in changes:
+            self.assertEqual(text.count(old), 1, old)
+            text = text.replace(old, new)
+        (BENCH.top / "cells" / f"{name}.yaml").write_text(text, encoding="utf-8")
+        return (r"cell: .*", f"cell: ../../cells/{name}.yaml")
+
+    def with_axes(self):
+        return self.cell("axes", [("home_deg:", AXES + "home_deg:"), ("excluded_pairs: []", "excluded_pairs: [[platform, base], [platform, base_rear]]")])
+
+    def test_a_plan_at_a_station_is_that_of_a_cell_put_there_by_hand(self):
+        external = "external: [{axis: rail, scope: constant, at_mm: 150}, {axis: lift, scope: constant, at_mm: 40}]\ntoolpath:"
+        job = BENCH.job("support_pad", [*SMALL, self.with_axes(), (r"toolpath:", external)], "at_a_station")
+        by_hand = BENCH.job("support_pad", [*SMALL, self.cell("by_hand", [("{xyz_mm: [0, 0, 0], abc_deg: [0, 0, 0]}", "{xyz_mm: [150, 0, 0], abc_deg: [0, 0, 0]}")]),
+                                            (r"xyz_mm: \[2076, 0, 1006\]", "xyz_mm: [2076, 0, 1046]")], "by_hand")
+        folders = []
+        for path in (job, by_hand):
+            result, folder = BENCH.plan(path, path.stem)
+            self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+            folders.append(folder)
+        own, hand = map(rows, folders)
+        self.assertEqual([(row["e1_mm"], row["e2_mm"], row["e3_deg"]) for row in own], [("150", "40", "0")] * len(own))
+        self.assertEqual([{key: row[key] for key in hand[0]} for row in own], hand)
+        self.assertEqual(json.loads((folders[0] / "summary.json").read_text())["external"]["moves"], 2, "the lift's, there and back")
+
+    def test_what_is_not_so_is_refused_with_its_place(self):
+        cases = (
+            ("{axis: rial, scope: constant}", r"external\[0\].axis: given 'rial'; allowed: .*rail, lift, turn; did you mean 'rail'\?"),
+            ("{axis: rail, scope: continuous}", r"scope: given continuous; allowed: constant, per_pass: .*costs accuracy"),
+            ("{axis: rail, scope: constant, at_deg: 5}", r"external\[0\].at_deg: has no effect here: axis rail is linear; allowed: at_mm"),
+            ("{axis: rail, scope: constant, at_mm: 500}", r"external\[0\].at_mm: given 500; allowed: 0 to 400, the limits of rail"),
+            ("{axis: rail, scope: per_pass, at_mm: 5}", r"at_mm: has no effect here: with scope per_pass"),
+            ("{axis: rail, scope: constant}, {axis: rail, scope: per_pass}", r"external\[[01]\].axis: given rail twice"),
+            ("{axis: rail, scope: per_pass, step_mm: 0.1}", r"external: given steps make 4001 positions; allowed: up to 2000"),
+        )
+        for number, (entries, wanted) in enumerate(cases):
+            job = BENCH.job("support_pad", [*SMALL, self.with_axes(), (r"toolpath:", f"external: [{entries}]\ntoolpath:")], f"refused{number}")
+            result, _ = BENCH.plan(job, "refused")
+            self.assertEqual(result.returncode, 2, entries)
+            self.assertRegex(result.stderr, rf"refused{number}\.yaml:\d+:\d+: .*" + wanted)
+
+    def test_axes_and_carriages_of_a_cell_are_checked(self):
+        cases = (
+            ("limits_mm: [0, 400]", "limits_deg: [0, 400]", r"limits_deg: has no effect here: kind is linear; allowed: limits_mm"),
+            ("home_mm: 150", "home_mm: 500", r"home_mm: given 500; allowed: within limits_mm"),
+            ("name: lift", "name: rail", r"external_axes\[1\].name: given rail twice"),
+            ("origin_mm: [2000, 0, 0], ", "", r"origin_mm: missing; required where kind is rotary"),
+            ("speed_mm_s: 500", "speed_mm_s: 500, stiffness_N_mm: 1000", r"stiffness_source: missing; required with a stiffness"),
+            ("mount: world, shape: {box: {size_mm: [2000", "mount: carriage, axis: ral, shape: {box: {size_mm: [2000",
+             r"axis: given 'ral'; allowed: the name of one of external_axes; did you mean 'rail'\?"),
+            ("mount: world, shape: {box: {size_mm: [2000", "mount: world, axis: rail, shape: {box: {size_mm: [2000", r"axis: has no effect here: mount is not carriage"),
+        )
+        for old, new, wanted in cases:
+            cell = self.cell("wrong", [("home_deg:", AXES.replace(old, new) + "home_deg:"), *(() if old in AXES else ((old, new),))])
+            result, _ = BENCH.plan(BENCH.job("support_pad", [*SMALL, cell], "wrong"), "wrong")
+            self.assertEqual(result.returncode, 2, new)
+            self.assertRegex(result.stderr, r"wrong\.yaml:\d+:\d+: .*" + wanted)
+
+
+class Barrel(unittest.TestCase):
+    """Passes that need the table, whose stations the planner chooses."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.job = BENCH.job("cabin_barrel", BARREL, "barrel")
+        began = time.monotonic()
+        cls.result, cls.folder = BENCH.plan(cls.job, "barrel", "--threads", "1", timeout=3600)
+        cls.seconds = time.monotonic() - began
+        if cls.result.returncode != 0:
+            raise AssertionError(f"plan ends with {cls.result.returncode}:\n{cls.result.stdout}{cls.result.stderr}")
+
+    def test_every_land_is_milled_where_the_table_has_turned_it_to(self):
+        external = json.loads((self.folder / "summary.json").read_text())["external"]
+        self.assertEqual([axis["name"] for axis in external["axes"]], ["tilt", "turn"])
+        stations = {tuple(position) for position in external["passes"]}
+        self.assertEqual(len(stations), 6 if SLOW else 2)
+        self.assertEqual({tilt for tilt, _ in stations}, {0})
+        # From home and back, and from land to land: a change more than there are stations.
+        self.assertLessEqual(external["moves"], len(stations) + 1)
+        for row in rows(self.folder):
+            self.assertEqual(row["status"], "planned")
+            self.assertLess(float(row["x_mm"]), 3100 - 1100, "before the robot")
+
+    def test_the_judge_finds_nothing(self):
+        status, verdict = BENCH.audit(self.folder, self.job, "--travel-mm", "0.2" if SLOW else "2")
+        self.assertEqual((status, verdict["broken"]), (0, {}))
+        self.assertGreater(verdict["objectives_recomputed"], 10)
+
+    def test_the_same_bytes_for_any_threads_and_after_a_kill(self):
+        reference = contents(self.folder)
+        for threads in ("2", "4"):
+            _, folder = BENCH.plan(self.job, f"barrel{threads}", "--threads", threads, timeout=3600)
+            self.assertEqual(differences(reference, contents(folder)), [])
+        killed = BENCH.top / "killed"
+        with started(BENCH.millpose, "plan", self.job, "-o", killed) as process:
+            kill_after(process, random.uniform(0.3, 0.7) * self.seconds, signal.SIGKILL)
+        _, folder = BENCH.plan(self.job, "killed", timeout=3600)
+        self.assertEqual(differences(reference, contents(folder)), [])
+
+
+if __name__ == "__main__":
+    BENCH = Bench(*sys.argv[1:4])
+    unittest.main(argv=[sys.argv[0], *sys.argv[4:]])

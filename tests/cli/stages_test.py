@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a plan over an earlier one works out again, stage by stage: no more than what a change reaches, and the files are
+those of --fresh whatever was kept. Usage: stages_test.py MILLPOSE TOP"""
+import json
+import shutil
+import unittest
+
+import resolved_yaml
+from cli_fixture import FEW, TOP, InFolder, plan, run, tree
+
+PROGRAMS = {"programs-krl", "programs-sinumerik", "programs-linuxcnc"}
+OF_PLAN = {"ends", "fixed", "choices", "nearest-pairs", "base-window"} | PROGRAMS  # what follows from all passes
+
+
+class Stages(InFolder):
+    def setUp(self):
+        super().setUp()
+        self.assertEqual(plan(self.folder / "sample").returncode, 0)
+        self.job, self.cell = (resolved_yaml.parse((self.folder / "sample" / name).read_text())
+                               for name in ("job.yaml", "cell.yaml"))
+        shutil.copy(TOP / "toolpaths" / "support_pad" / "support_pad.stl", self.folder)
+        self.job["cell"] = "cell.yaml"
+        self.cell["tool"]["tip_uncertainty_mm"] = 0.2
+        self.plan()
+        self.made = self.stages()
+
+    def plan(self, out="out", *arguments):
+        (self.folder / "job.yaml").write_text(json.dumps(self.job))
+        (self.folder / "cell.yaml").write_text(json.dumps(self.cell))
+        done = run("plan", self.folder / "job.yaml", "-o", self.folder / out, "-q", *arguments)
+        self.assertLess(done.returncode, 2, done.stderr)
+
+    def stages(self):
+        """When each stage was last worked out; points that are inserted (`finer-N`) come and go with the passes."""
+        return {path.stem: path.stat().st_mtime_ns for path in (self.folder / "out" / "checkpoints").glob("*.stage")
+                if not path.stem.startswith("finer-")}
+
+    def check(self, again):
+        """Plans as the job is now; `again` names the stages that are worked out anew."""
+        self.plan()
+        made = self.stages()
+        self.assertEqual({stage for stage in made if made[stage] != self.made.get(stage)}, again)
+        self.made = made
+        self.plan("fresh", "--fresh")
+        old, new = tree(self.folder / "out"), tree(self.folder / "fresh")
+        self.assertEqual([name for name in old.keys() | new.keys() if old.get(name) != new.get(name)], [])
+
+    def test_each_change_reaches_its_own_stages(self):
+        self.assertLessEqual(OF_PLAN | {"toolpath"}, set(self.made))
+        self.cell["tool"]["tip_uncertainty_mm"] = 0.3  # for reports alone
+        self.check(set())
+        self.cell["controllers"]["krl"]["advance"] = 2
+        self.check({"programs-krl", "base-window"})  # the window is that of the first controller
+        self.job["program_options"]["path_tolerance_mm"] = 0.03
+        self.check(PROGRAMS | {"base-window"})
+        self.job["gaps"]["retract_mm"] = 40
+        self.check(OF_PLAN)
+        self.job["toolpath"]["rotation_reference"] = [0, 0.1, 1]  # which is laid anew, and every pass with it
+        self.check(set(self.made))
+
+    def test_what_is_damaged_is_made_again(self):
+        for stage in (self.folder / "out" / "checkpoints").glob("*.stage"):
+            bytes_ = bytearray(stage.read_bytes())
+            bytes_[len(bytes_) // 2] ^= 1
+            stage.write_bytes(bytes_)
+        self.made = self.stages()
+        self.job["process"]["min_feed_share"] = 0.4
+        self.check(set(self.made))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=["stages_test"])

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From one plan's results to the next one's: whatever was done when a run ended, one whole set is there
+// afterwards.
+#include <nlohmann/json.hpp>
+
+#include "pipeline/folder_lock.hpp"
+#include "pipeline/manifest.hpp"
+#include "pipeline/output_folder.hpp"
+#include "pipeline/result_swap.hpp"
+#include "tests/pipeline/small_job.hpp"
+
+namespace millpose::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Files = std::map<std::string, std::string>;
+
+/// All files below a folder with what they hold.
+Files FilesIn(const fs::path& folder) {
+  Files files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file())
+      files[entry.path().lexically_relative(folder).string()] = ReadFile(entry.path());
+  return files;
+}
+
+void Put(const fs::path& folder, const Files& files) {
+  for (const auto& [name, text] : files) {
+    fs::create_directories((folder / name).parent_path());
+    WriteFileAtomically(folder / name, text);
+  }
+}
+
+const Files kOld{{"job.yaml", "old job"},
+                 {"deflection.csv", "old"},
+                 {"programs/krl/a.src", "old a"},
+                 {"programs/krl/b.src", "old b"}};
+const Files kNew{{"job.yaml", "new job"}, {"report.html", "new"}, {"programs/krl/a.src", "new a"}};
+const Files kOwn{{"note.txt", "the user's"}};
+const std::vector<std::string> kOldNames{"deflection.csv", "job.yaml", "programs"},
+    kNewNames{"job.yaml", "programs", "report.html"};
+
+Files With(Files files) {
+  files.insert(kOwn.begin(), kOwn.end());
+  return files;
+}
+
+/// The renames of a swap in their order: the old set away, programs first; the new one in, programs last.
+std::vector<std::pair<std::string, std::string>> Renames() {
+  std::vector<std::pair<std::string, std::string>> renames;
+  for (const char* name : {"programs", "deflection.csv", "job.yaml"})
+    renames.emplace_back(name, std::string(".replaced/") + name);
+  for (const char* name : {"report.html", "job.yaml", "programs"})
+    renames.emplace_back(std::string(".staging/") + name, name);
+  return renames;
+}
+
+/// A folder in which a swap was ended after so many renames.
+void BeginSwap(const fs::path& folder, size_t renames) {
+  Put(folder, With(kOld));
+  Put(folder / ".staging", kNew);
+  Put(folder, {{".journal", nlohmann::json{{"new", kNewNames}, {"old", kOldNames}}.dump()}});
+  fs::create_directories(folder / ".replaced");
+  for (size_t i = 0; i < renames; ++i) fs::rename(folder / Renames()[i].first, folder / Renames()[i].second);
+}
+
+TEST(SwapResults, TheNewSetTakesThePlaceOfTheOld) {
+  const TestFolder folder("swap");
+  Put(folder.path(), With(kOld));
+  Put(StagingOf(folder.path()), kNew);
+  SwapResults(folder.path(), kOldNames);
+  EXPECT_EQ(FilesIn(folder.path()), With(kNew));
+  EXPECT_FALSE(IsSwapOpen(folder.path()));
+}
+
+TEST(RecoverResults, FinishesASwapWhereverItWasEnded) {
+  for (size_t renames = 0; renames <= Renames().size(); ++renames) {
+    const TestFolder folder("swap");
+    BeginSwap(folder.path(), renames);
+    EXPECT_TRUE(IsSwapOpen(folder.path()));
+    RecoverResults(folder.path());
+    EXPECT_EQ(FilesIn(folder.path()), With(kNew)) << renames;
+    RecoverResults(folder.path());
+    EXPECT_EQ(FilesIn(folder.path()), With(kNew)) << renames << ", once more";
+  }
+}
+
+// A file of the new set is gone: what was there before comes back as a whole.
+TEST(RecoverResults, TakesASwapBackThatCannotBeFinished) {
+  for (size_t renames = 0; renames <= 3; ++renames) {
+    const TestFolder folder("swap");
+    BeginSwap(folder.path(), renames);
+    fs::remove(folder.path() / ".staging" / "report.html");
+    RecoverResults(folder.path());
+    EXPECT_EQ(FilesIn(folder.path()), With(kOld)) << renames;
+  }
+}
+
+TEST(RecoverResults, WhatNeverBeganIsRemovedAndADamagedJournalIsNamed) {
+  const TestFolder folder("swap");
+  Put(folder.path(), With(kOld));
+  Put(StagingOf(folder.path()), kNew);
+  RecoverResults(folder.path());
+  EXPECT_EQ(FilesIn(folder.path()), With(kOld));
+  for (const char* journal : {"{", "[]", "{\"new\": 1}", "{\"new\": [], \"old\": [1]}"}) {
+    Put(folder.path(), {{".journal", journal}});
+    EXPECT_NE(RefusalOf([&] { RecoverResults(folder.path()); }).find(".journal: is damaged"),
+              std::string::npos)
+        << journal;
+  }
+}
+
+TEST(SwapResults, NamesOfTheSwapAreNoneOfASet) {
+  for (const char* name : {".staging", ".replaced", ".journal"}) EXPECT_TRUE(IsOfSwap(name));
+  for (const char* name : {"staging", "programs", ".lock", ""}) EXPECT_FALSE(IsOfSwap(name));
+}
+
+TEST(FolderLock, DISABLED_NamesWhoHasTheFolder) {
+  const TestFolder folder("folder_lock");
+  const FolderLock own(folder.path(), FileLock::Kind::kExclusive);
+  EXPECT_EQ(own.warning(), "");
+  const std::string refusal = RefusalOf([&] { FolderLock(folder.path(), FileLock::Kind::kShared); });
+  EXPECT_NE(refusal.find(fmt::format("another run works in this folder: process {} on ", ::getpid())),
+            std::string::npos)
+      << refusal;
+  EXPECT_NE(refusal.find("; wait for its end or choose another with -o DIR"), std::string::npos);
+}
+
+TEST(FolderLock, ManyAddCheckpointsAtOnceAndLeaveNothingBehind) {
+  const TestFolder folder("folder_lock");
+  {
+    const FolderLock first(folder.path(), FileLock::Kind::kShared),
+        second(folder.path(), FileLock::Kind::kShared);
+    for (const auto& [name, text] : FilesIn(folder.path())) EXPECT_TRUE(IsOfLock(name)) << name;
+  }
+  const FolderLock alone(folder.path(), FileLock::Kind::kExclusive);
+  EXPECT_EQ(FilesIn(folder.path()).size(), 2u) << "the lock, and who has it";
+}
+
+TEST(FolderLock, OneWhoIsAloneTidiesUpAfterThoseThatWereKilled) {
+  const TestFolder folder("folder_lock");
+  folder.Write(".owner.somewhere.4711",
+               R"({"host": "somewhere", "process": 4711, "since": "2026-01-01T00:00:00Z", "alone": true})");
+  folder.Write(".owner.damaged.1", "{");
+  const FolderLock alone(folder.path(), FileLock::Kind::kExclusive);
+  EXPECT_FALSE(fs::exists(folder.path() / ".owner.somewhere.4711"));
+  EXPECT_FALSE(fs::exists(folder.path() / ".owner.damaged.1"));
+}
+
+TEST(OutputFolder, OfSeveralOperationsIsNamedAsSuch) {
+  const TestFolder folder("several");
+  { const OutputFolder mark(folder.path() / "out", FolderUse::kResults); }
+  const fs::path out = folder.path() / "out";
+  EXPECT_TRUE(IsOutputFolder(out));
+  EXPECT_FALSE(HoldsSeveral(out));
+  EXPECT_NO_THROW(RefuseSeveral(out));
+  fs::create_directories(out / kOperationsFolder / "01_face");
+  fs::create_directories(out / kOperationsFolder / "02_trim");
+  for (const char* name : {"01_face", "02_trim"})
+    const OutputFolder mark(out / kOperationsFolder / name, FolderUse::kResults);
+  EXPECT_TRUE(HoldsSeveral(out));
+  const std::string refusal = RefusalOf([&] { RefuseSeveral(out); });
+  EXPECT_NE(refusal.find("01_face"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("02_trim"), std::string::npos) << refusal;
+}
+
+TEST(Manifest, WhatIsNoManifestIsRefused) {
+  for (const char* text : {"", "{", "[]", "{}", R"({"schema_version": 1, "key": 3, "files": []})",
+                           R"({"schema_version": 1, "key": "", "files": [{"path": "a", "bytes": -1}]})"})
+    EXPECT_NE(RefusalOf([&] { ParseManifest(text, "m.json"); }).find("m.json: is no manifest: "),
+              std::string::npos)
+        << text;
+  EXPECT_EQ(RefusalOf([] { ParseManifest(R"({"schema_version": 2, "key": "", "files": []})", "m.json"); }),
+            "m.json: is of another version of millpose");
+  Manifest manifest;
+  manifest.key = "k";
+  manifest.files = {{"a", {1, "h"}}, {"b/c \"d\" ä", {20000000000, ""}}};
+  EXPECT_EQ(ManifestJson(ParseManifest(ManifestJson(manifest), "m")), ManifestJson(manifest));
+}
+
+}  // namespace
+}  // namespace millpose::test
