@@ -316,7 +316,7 @@ class Adversarial(unittest.TestCase):
         self.assertLessEqual(depth, 1.2)
         self.assertGreater(len(left_out), 0)
         for entry in left_out:
-            self.assertRegex(entry["detail"], r"2\.00 mm deep beside what point \d+ \(pass \d+, interference\)")
+            self.assertRegex(entry["detail"], r"2\.00 mm deep next to the material that point \d+ \(pass \d+, interference\) leaves")
         self.assertIn(f"{len(left_out)} more are left out because the cutter would meet it there", text)
         depth, left_out, _ = deepest("cut_over", (r"\npath:", "\npath:\n  over_missing: cut"))
         self.assertGreater(depth, 1.9)
