@@ -2,6 +2,7 @@
 #include "pipeline/lean_freedoms.hpp"
 
 #include "pipeline/assemble.hpp"
+#include "toolpath/strategy.hpp"
 
 namespace millpose {
 namespace {
@@ -40,6 +41,8 @@ void AddLeanFreedoms(const JobInputs& inputs, const Mesh& mesh, const Pose& X_WP
   rules.tilt_free = toolpath.tilt_range.has_value();
   rules.back_and_forth = toolpath.direction == Direction::kZigzag;
   rules.stepover = toolpath.stepover;
+  const auto* on_surface = dynamic_cast<const SurfaceStrategy*>(toolpath.strategy.get());
+  rules.by_scallop = on_surface != nullptr && on_surface->IsLaidByScallop();
   rules.scallop = rules.cutter.IsBall() ? 0 : toolpath.scallop;
   rules.min_speed_share = toolpath.min_cutting_speed_share;
   // Where gouges are only reported they are no one's to avoid.

@@ -14,7 +14,8 @@ struct LeanRules {
   double lead = 0, tilt = 0;                ///< nominal: as the tool path is laid
   bool lead_free = true, tilt_free = true;  ///< else it stays at its nominal value
   bool back_and_forth = false;              ///< every other pass runs the other way
-  double stepover = 0;                      ///< largest distance of neighbouring passes
+  bool by_scallop = false;     ///< passes are laid nearer than `stepover` where the nominal lean needs that
+  double stepover = 0;         ///< largest distance of neighbouring passes
   double scallop = 0;          ///< largest height of what they leave; 0: a ball, whose leans leave the same
   double min_speed_share = 0;  ///< of the cutting speed at the nominal lean, of a ball
   std::shared_ptr<const LeanSurface> surface;  ///< null: no part; then nothing bends and nothing gouges
@@ -35,7 +36,7 @@ class LeanBound {
             const Eigen::Vector3d& feed);
 
   /// Whether the cutter leaves no more standing than it may towards either neighbour and, of a ball, cuts
-  /// fast enough. The nominal lean always is admitted.
+  /// fast enough. The nominal lean is admitted whatever it leaves: the tool path is laid at it.
   bool Admits(const Eigen::Vector3d& axis) const;
 
  private:

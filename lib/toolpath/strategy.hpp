@@ -91,6 +91,8 @@ class SurfaceStrategy : public Strategy {
   virtual double RimDistance(const ToolpathOptions& options) const { return options.region.rim_distance; }
   /// Neighbouring passes are a step-over apart everywhere: their number follows from the region's area.
   virtual bool IsLaidFromBorders() const { return false; }
+  /// Passes are as near to each other as `scallop_mm` asks for.
+  virtual bool IsLaidByScallop() const { return false; }
 };
 
 }  // namespace millpose

@@ -45,11 +45,34 @@ TEST(LeanBound, OfAFlatEndIsWhatTheOutlineLeaves) {
   EXPECT_NEAR(8 * std::tan(DegToRad(tilt)), 0.02, 1e-6);
   EXPECT_NEAR(tilt, 0.14, 0.005);
   EXPECT_FALSE(Admits(rules, 0, -0.05)) << "the neighbour's side stays uncut";
+  rules.back_and_forth = true;
+  EXPECT_TRUE(Admits(rules, 0, 0.05)) << "the tool path is laid so";
+  EXPECT_FALSE(Admits(rules, 0, 0.06)) << "every other gap stays uncut";
+  EXPECT_FALSE(Admits(rules, 0, -0.05));
+  EXPECT_TRUE(Admits(rules, 0.2, 0));
+  rules.back_and_forth = false;
 
   const double both = DegToRad(0.97);
   double height = 0.02;
   while (Scallops({10, 0, 40}, both, both, false).Stepover(height, 0) < 8) height += 1e-5;
   EXPECT_NEAR(height, 0.042, 0.0005);
+}
+
+// Leading by 3° a flat end reaches less than the step-over. Where passes are laid by the scallop they are as
+// near as it reaches, else as far apart as the job says.
+TEST(LeanBound, HoldsForPassesAsTheyAreLaid) {
+  LeanRules rules{.cutter = {10, 0, 40}, .stepover = 8, .scallop = 0.02, .surface = nullptr};
+  rules.lead = DegToRad(3);
+  ASSERT_LT(Scallops(rules.cutter, rules.lead, 0, false).Stepover(rules.scallop, 0), rules.stepover);
+  for (const bool by_scallop : {false, true}) {
+    rules.by_scallop = by_scallop;
+    EXPECT_TRUE(Admits(rules, 3, 0));
+    EXPECT_EQ(Admits(rules, 2.9, 0), by_scallop);
+    EXPECT_FALSE(Admits(rules, 3.1, 0));
+    EXPECT_TRUE(Admits(rules, 1.3, 0));
+    const double most = Largest([&](double lead) { return lead < 2.99 && Admits(rules, lead, 0); });
+    EXPECT_NEAR(most, by_scallop ? 2.99 : 1.372, 0.01);
+  }
 }
 
 // Against the outline's own way to the height, found by bisection.

@@ -11,6 +11,7 @@ struct ParallelPlanes final : SurfaceStrategy {
 
   std::string Name() const override { return "parallel_planes"; }
   Layout Lay(const Region& region, const ToolpathOptions& options, std::stop_token stop) const override;
+  bool IsLaidByScallop() const override { return true; }
 };
 
 }  // namespace millpose

@@ -34,6 +34,7 @@ struct Rings final : SurfaceStrategy {
 
   std::string Name() const override { return "rings"; }
   Layout Lay(const Region& region, const ToolpathOptions& options, std::stop_token stop) const override;
+  bool IsLaidByScallop() const override { return true; }
 };
 
 }  // namespace millpose
