@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <tuple>
 
 namespace millpose {
 namespace {
@@ -14,10 +15,23 @@ struct Choice {
   size_t place = 0;
 };
 
+/// How costs are compared. The worst value of a split is its worst part's, so that the other parts are free
+/// to be worse than they need for the sake of a sum: once it is known what the worst must be, `most`, the sum
+/// decides between parts that are no worse.
+struct Measure {
+  std::optional<double> most;
+
+  bool Allows(const SplitCost& cost) const { return !most || cost.worst <= *most; }
+  bool Less(const SplitCost& a, const SplitCost& b) const {
+    return most ? std::tie(a.missing, a.sum) < std::tie(b.missing, b.sum) : a < b;
+  }
+};
+
 /// The best place for what lies between any two of the edges (the part's ends and the seams between).
 class SpanTable {
  public:
-  explicit SpanTable(const SplitProblem& problem) : problem_(problem), order_(problem.along.size()) {
+  SpanTable(const SplitProblem& problem, const Measure& measure)
+      : problem_(problem), measure_(measure), order_(problem.along.size()) {
     const double end = std::numeric_limits<double>::infinity();
     edges_.push_back(-end);
     edges_.insert(edges_.end(), problem.seams.begin(), problem.seams.end());
@@ -48,11 +62,12 @@ class SpanTable {
         cost.Add(points[order_[rank]]);
       if (own == order_.size() || At(own) > edges_[to]) continue;
       std::optional<Choice>& best = best_[from * edges_.size() + to];
-      if (!best || cost < best->cost) best = Choice{cost, place};
+      if (measure_.Allows(cost) && (!best || measure_.Less(cost, best->cost))) best = Choice{cost, place};
     }
   }
 
   const SplitProblem& problem_;
+  const Measure& measure_;
   std::vector<double> edges_;
   std::vector<size_t> order_;
   std::vector<std::optional<Choice>> best_;
@@ -63,6 +78,39 @@ struct Reached {
   SplitCost cost;
   size_t from = 0;
 };
+
+struct Split {
+  SplitCost cost;
+  std::vector<SplitPart> parts;  ///< empty where there is none
+};
+
+Split Cheapest(const SplitProblem& problem, size_t count, const Measure& measure) {
+  const SpanTable spans(problem, measure);
+  const size_t edges = spans.edges().size();
+  std::vector<std::vector<std::optional<Reached>>> reached(count + 1,
+                                                           std::vector<std::optional<Reached>>(edges));
+  reached[0][0] = Reached{};
+  for (size_t n = 0; n < count; ++n)
+    for (size_t from = 0; from < edges; ++from) {
+      if (!reached[n][from]) continue;
+      for (size_t to = from + 1; to < edges; ++to) {
+        if (!spans.At(from, to)) continue;
+        const SplitCost cost = reached[n][from]->cost + spans.At(from, to)->cost;
+        std::optional<Reached>& best = reached[n + 1][to];
+        if (!best || measure.Less(cost, best->cost)) best = Reached{cost, from};
+      }
+    }
+  Split split;
+  if (!reached[count][edges - 1]) return split;
+  split.cost = reached[count][edges - 1]->cost;
+  for (size_t n = count, to = edges - 1; n > 0; --n) {
+    const size_t from = reached[n][to]->from;
+    split.parts.push_back({spans.At(from, to)->place, spans.edges()[from], spans.edges()[to]});
+    to = from;
+  }
+  std::ranges::reverse(split.parts);
+  return split;
+}
 
 }  // namespace
 
@@ -80,30 +128,9 @@ SplitCost SplitCost::operator+(const SplitCost& other) const {
 }
 
 std::vector<SplitPart> BestSplit(const SplitProblem& problem, size_t count) {
-  const SpanTable spans(problem);
-  const size_t edges = spans.edges().size();
-  std::vector<std::vector<std::optional<Reached>>> reached(count + 1,
-                                                           std::vector<std::optional<Reached>>(edges));
-  reached[0][0] = Reached{};
-  for (size_t n = 0; n < count; ++n)
-    for (size_t from = 0; from < edges; ++from) {
-      if (!reached[n][from]) continue;
-      for (size_t to = from + 1; to < edges; ++to) {
-        if (!spans.At(from, to)) continue;
-        const SplitCost cost = reached[n][from]->cost + spans.At(from, to)->cost;
-        std::optional<Reached>& best = reached[n + 1][to];
-        if (!best || cost < best->cost) best = Reached{cost, from};
-      }
-    }
-  std::vector<SplitPart> parts;
-  if (!reached[count][edges - 1]) return parts;
-  for (size_t n = count, to = edges - 1; n > 0; --n) {
-    const size_t from = reached[n][to]->from;
-    parts.push_back({spans.At(from, to)->place, spans.edges()[from], spans.edges()[to]});
-    to = from;
-  }
-  std::ranges::reverse(parts);
-  return parts;
+  const Split least = Cheapest(problem, count, {});
+  if (least.parts.empty()) return {};
+  return Cheapest(problem, count, {least.cost.worst}).parts;
 }
 
 }  // namespace millpose

@@ -33,8 +33,7 @@ struct SplitProblem {
   double overlap = 0;                              ///< parts run on by half of it beyond their seams, mm
 };
 
-/// The split into `count` parts that costs least (of splits alike in points and worst value not always the
-/// least sum); each holds a point. Empty where there is none.
+/// The split into `count` parts that costs least; each holds a point. Empty where there is none.
 std::vector<SplitPart> BestSplit(const SplitProblem& problem, size_t count);
 
 }  // namespace millpose
