@@ -66,13 +66,13 @@ TEST(LeanPlan, IsSoundAndBetterThanWithoutLeans) {
   const PassResult plan = Plan(problem, pass, options), nominal = Plan(AtOwnAxis(problem), pass, options);
   ExpectLeansSound(problem, options, pass, plan);
   EXPECT_LT(Sum(plan), 0.97 * Sum(nominal));
-  // Even leans: no step from one change to the next is more than what a change may be.
+  // Even leans: from one change to the next by less than what a change may be.
+  double uneven = 0;
   for (size_t t = 1; t + 1 < plan.points.size(); ++t)
     for (size_t d : {1, 2})
-      EXPECT_LT(std::abs(plan.points[t - 1].freedoms[d] - 2 * plan.points[t].freedoms[d] +
-                         plan.points[t + 1].freedoms[d]),
-                10 * options.max_lean_change)
-          << t;
+      uneven = std::max(uneven, std::abs(plan.points[t - 1].freedoms[d] - 2 * plan.points[t].freedoms[d] +
+                                         plan.points[t + 1].freedoms[d]));
+  EXPECT_LT(uneven, 0.9 * 10 * options.max_lean_change);
   // Back at the nominal lean, the points are those of the tool path.
   const PassResult laid = AtNominalLean(problem, plan);
   for (size_t t = 0; t < pass.points.size(); ++t)

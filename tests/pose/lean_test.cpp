@@ -92,23 +92,22 @@ TEST(Lean, CandidatesDoNotDependOnTheirNeighbours) {
     }
 }
 
-TEST(Lean, DISABLED_WhatTheLawBarsIsNoCandidate) {
+TEST(Lean, WhatTheLawBarsIsNoCandidate) {
   PoseProblem problem = LeaningProblem();
   problem.lean->lead = DegToRad(5);
   problem.lean->min_speed_share = 0.5;
   const PointScorer scorer(problem, PanelPoint(0, 0), Vector3d::UnitZ());
-  const std::vector<FreedomValues> settings{
-      {0.5, DegToRad(5), 0}, {0.5, DegToRad(1), 0}, {0.5, 0, DegToRad(-4)}};
-  std::vector<Candidate> candidates(24);
-  scorer.Score(settings, candidates);
-  const auto any = [&](size_t k) {
-    return std::any_of(candidates.begin() + static_cast<long>(8 * k),
-                       candidates.begin() + static_cast<long>(8 * k + 8),
-                       [](const Candidate& c) { return c.obstacle == Obstacle::kNone; });
+  const auto any = [&](double lead_deg, double tilt_deg) {
+    std::vector<FreedomValues> settings;
+    for (int k = 0; k < 36; ++k)
+      settings.push_back({DegToRad(10 * k), DegToRad(lead_deg), DegToRad(tilt_deg)});
+    std::vector<Candidate> candidates(8 * settings.size());
+    scorer.Score(settings, candidates);
+    return std::ranges::any_of(candidates, [](const Candidate& c) { return c.obstacle == Obstacle::kNone; });
   };
-  EXPECT_TRUE(any(0));
-  EXPECT_FALSE(any(1));
-  EXPECT_TRUE(any(2));
+  EXPECT_TRUE(any(5, 0));
+  EXPECT_FALSE(any(1, 0)) << "cuts too slowly";
+  EXPECT_TRUE(any(0, -4));
 }
 
 TEST(CandidateTable, FollowsEachFreedomsOwnStepAboutItsNominalValue) {
@@ -154,7 +153,8 @@ TEST(GeneticSearch, FindsLeansThatTheTableDoesNotLeadTo) {
   }
   EXPECT_GT(found, 24);
   EXPECT_LT(genetic, 0.999 * table);
-  EXPECT_LT(genetic, 1.005 * judge);
+  // The judge starts from every rotation on every setting of the leans, some twenty times as many places.
+  EXPECT_LT(genetic, 1.004 * judge);
 }
 
 }  // namespace
