@@ -4,6 +4,7 @@
 #include <fmt/chrono.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <climits>
 #include <csignal>
@@ -37,10 +38,16 @@ std::string HostName() {
   return host;
 }
 
+// Several locks of one process, on whatever folders, have a file each.
+int NextNumber() {
+  static std::atomic<int> next = 1;
+  return next++;
+}
+
 Owner Self(const fs::path& folder, FileLock::Kind kind) {
   const std::string host = HostName();
   const auto now = std::chrono::time_point_cast<std::chrono::seconds>(std::chrono::system_clock::now());
-  return {folder / fmt::format("{}{}.{}", kOwnerPrefix, host, ::getpid()), host,
+  return {folder / fmt::format("{}{}.{}.{}", kOwnerPrefix, host, ::getpid(), NextNumber()), host,
           fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now)), ::getpid(),
           kind == FileLock::Kind::kExclusive};
 }

@@ -91,8 +91,7 @@ std::vector<PointCurves> SampleCurves(const PlanResult& plan, const Stations& st
     std::vector<GenerationRecord> history;
     GeneticSearch(scorer, problem, options, RandomStream(plan.seed, place.number), &history);
     for (const GenerationRecord& record : history) {
-      // Both 0: no individual of the generation was admissible.
-      const bool none = record.best == 0 && record.mean == 0;
+      const bool none = record.admissible == 0;
       curves.best.push_back(none ? std::numeric_limits<double>::quiet_NaN() : record.best);
       curves.mean.push_back(none ? std::numeric_limits<double>::quiet_NaN() : record.mean);
     }

@@ -100,14 +100,13 @@ class Population {
   }
 
   GenerationRecord Record() const {
-    GenerationRecord record{0, 0};
-    int count = 0;
+    GenerationRecord record;
     for (const Individual& individual : current_) {
       if (individual.obstacle != Obstacle::kNone) continue;
-      if (count++ == 0) record.best = individual.objective;
+      if (record.admissible++ == 0) record.best = individual.objective;
       record.mean += individual.objective;
     }
-    if (count > 0) record.mean /= count;
+    if (record.admissible > 0) record.mean /= record.admissible;
     return record;
   }
 

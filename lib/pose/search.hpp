@@ -30,7 +30,8 @@ struct GeneticOptions {
 };
 
 struct GenerationRecord {
-  double best, mean;  ///< objective over the admissible individuals of a generation
+  int admissible = 0;         ///< individuals of a generation
+  double best = 0, mean = 0;  ///< objective over these; 0 where there is none
 };
 
 /// Chen 2021 section 5.2 over the freedoms: selection, crossover, mutation, elitism, then a local refinement

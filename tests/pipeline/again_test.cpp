@@ -58,7 +58,7 @@ TEST(RepairEnds, GivesAnEndAPoseThatItCanBeLeftIn) {
   EXPECT_FALSE(now.isApprox(end, 1e-3));
 }
 
-TEST(PlanFiner, DISABLED_InsertsPointsOnTheSurfaceWhereABoundPerStepLosesThem) {
+TEST(PlanFiner, InsertsPointsOnTheSurfaceWhereABoundPerStepLosesThem) {
   const PlannedJob job =
       PlanJob(SmallInputs({{"path.max_joint_step_deg", "[1, 1, 1, 4, 4, 4]"}, {"programs", "[]"}}),
               NoCheckpoints(), {.threads = 2});
@@ -76,10 +76,14 @@ TEST(PlanFiner, DISABLED_InsertsPointsOnTheSurfaceWhereABoundPerStepLosesThem) {
       EXPECT_LE(RadToDeg(step.head<3>().maxCoeff()), 1 + 1e-9);
     }
   }
+  size_t longer = 0;
+  for (size_t i = 0; i < job.plan.passes.size(); ++i)
+    longer += job.plan.passes[i].points.size() > job.prepared.made.toolpath.passes[i].points.size() ? 1 : 0;
+  const std::string words =
+      fmt::format("toolpath: {} points are inserted in {} passes, ", run - laid, longer);
   EXPECT_TRUE(std::ranges::any_of(job.prepared.warnings, [&](const std::string& warning) {
-    return warning.find(fmt::format("toolpath: {} points are inserted in 2 passes", run - laid)) !=
-           std::string::npos;
-  }));
+    return warning.starts_with(words);
+  })) << words;
 }
 
 TEST(PlanFiner, PathsFromAFileKeepTheirPoints) {

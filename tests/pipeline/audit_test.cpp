@@ -116,7 +116,7 @@ TEST(Audit, FindingsNameThePairOnceForEachThing) {
                                       "from home to pass 0 piece 0"}));
 }
 
-TEST(JudgeOptima, DISABLED_NoPointIsPlannedBelowTheJudgesOptimum) {
+TEST(JudgeOptima, NoPointIsPlannedBelowTheJudgesOptimum) {
   PlanResult plan = FreshPlan().plan;
   AuditFigures figures;
   const JobInputs inputs = SmallInputs();
@@ -124,8 +124,9 @@ TEST(JudgeOptima, DISABLED_NoPointIsPlannedBelowTheJudgesOptimum) {
               figures);
   for (const PassResult& pass : plan.passes)
     for (const PlannedPoint& point : pass.points) {
-      EXPECT_GT(point.exhaustive_optimum, 0);
       EXPECT_GE(point.objective, point.exhaustive_optimum * (1 - 1e-9));
+      EXPECT_EQ(point.exhaustive_optimum > 0, !point.point.engagement.force.isZero());
+      if (point.point.engagement.force.isZero()) continue;
       EXPECT_NEAR(point.own_optimum / point.exhaustive_optimum, 1, 1e-6);
     }
   EXPECT_EQ(figures.ga_share_within_0p1_percent, 100);
@@ -134,7 +135,7 @@ TEST(JudgeOptima, DISABLED_NoPointIsPlannedBelowTheJudgesOptimum) {
   EXPECT_GE(*figures.ga_share_without_table_percent, 0);
 }
 
-TEST(JudgeOptima, DISABLED_AGeneticOptimumThatIsMissedShows) {
+TEST(JudgeOptima, AGeneticOptimumThatIsMissedShows) {
   PlanResult plan = FreshPlan().plan;
   plan.passes[0].points[0].genetic_optimum *= 1.5;
   plan.passes[0].points[1].genetic_optimum = 0;  // it found none
@@ -143,7 +144,8 @@ TEST(JudgeOptima, DISABLED_AGeneticOptimumThatIsMissedShows) {
   JudgeOptima(FreshPlan().prepared.stations, SmallInputs().job.path.genetic, DegToRad(1), {.threads = 2},
               plan, figures);
   EXPECT_EQ(plan.passes[1].points[0].exhaustive_optimum, 0);
-  EXPECT_NEAR(figures.ga_share_within_0p1_percent, 60, 1e-9);  // three of five
+  // The last point of each pass cuts nothing: there is nothing to judge by. One of three is left.
+  EXPECT_NEAR(figures.ga_share_within_0p1_percent, 100.0 / 3, 1e-9);
   EXPECT_NEAR(figures.ga_worst_gap_percent, 100, 1e-9);
 }
 

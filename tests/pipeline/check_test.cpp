@@ -129,9 +129,9 @@ TEST(CheckJob, NamesThePointsOutOfReachAndTheAxesThatForbidThem) {
   EXPECT_NE(ToText(check).find("  farthest: A5      6 (100.0 %)\n"), std::string::npos) << ToText(check);
 }
 
-TEST(CheckJob, DISABLED_RefusesWhatPlanWouldRefuseInTheSameWords) {
+TEST(CheckJob, RefusesWhatPlanWouldRefuseInTheSameWords) {
   for (const Override& wrong :
-       {Override{"toolpath.region", "{facing: {direction: [1, 0, 0], within_deg: 1}}"},
+       {Override{"toolpath.region", "{facing: {direction: [1, 1, 0], within_deg: 1}}"},
         Override{"limits.margin_deg", "45"}}) {
     const std::string by_check =
                           RefusalOf([&] { CheckJob(SmallInputs({wrong}), {.threads = 1}, Silent(), {}); }),

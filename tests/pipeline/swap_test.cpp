@@ -116,7 +116,7 @@ TEST(SwapResults, NamesOfTheSwapAreNoneOfASet) {
   for (const char* name : {"staging", "programs", ".lock", ""}) EXPECT_FALSE(IsOfSwap(name));
 }
 
-TEST(FolderLock, DISABLED_NamesWhoHasTheFolder) {
+TEST(FolderLock, NamesWhoHasTheFolder) {
   const TestFolder folder("folder_lock");
   const FolderLock own(folder.path(), FileLock::Kind::kExclusive);
   EXPECT_EQ(own.warning(), "");
