@@ -44,14 +44,14 @@ struct Checker::Impl {
     }
   }
 
-  /// A lower bound at most `bound`; meaningless below `enough`.
-  double Least(const BodyPair& pair, double bound, double enough) const {
+  /// Whether a pair is proven to be `bound` apart, without its distance.
+  bool IsApart(const BodyPair& pair, double bound) const {
     const Placed &a = placed[pair.first], &b = placed[pair.second];
-    return BoxesApart(a, b, bound) ? bound : ProvenDistance(a, b, bound, enough);
+    return !world->measures_all && (BoxesApart(a, b, bound) || ProvenDistance(a, b, bound, bound) >= bound);
   }
 
   BoundedDistance Distance(const BodyPair& pair, double bound) const {
-    if (Least(pair, bound, bound) >= bound) return {bound, Eigen::Vector3d::Zero()};
+    if (IsApart(pair, bound)) return {bound, Eigen::Vector3d::Zero()};
     return DistanceUpTo(placed[pair.first], placed[pair.second], bound);
   }
 
@@ -61,12 +61,39 @@ struct Checker::Impl {
 
   /// Whether a pair is nearer than `bound` at the pose moved to.
   bool Nearer(const BodyPair& pair, double bound) const {
-    if (Least(pair, bound, bound) >= bound) return false;
+    if (IsApart(pair, bound)) return false;
     const Placed &a = placed[pair.first], &b = placed[pair.second];
-    const DistanceBracket certain = BracketOf(a, b, bound, bound - kSure);
+    const DistanceBracket certain = Bracket(pair, bound, bound - kSure);
     if (certain.most < bound - kSure) return true;
     if (certain.least >= bound) return false;
     return DistanceUpTo(a, b, bound).distance < bound;
+  }
+
+  DistanceBracket Bracket(const BodyPair& pair, double bound, double near) const {
+    if (world->measures_all) return {0, std::numeric_limits<double>::infinity()};
+    return BracketOf(placed[pair.first], placed[pair.second], bound, near);
+  }
+
+  /// Where the distance of a pair lies: below its clearance, from there on below what settles it, or beyond.
+  enum class Gap : uint8_t { kTooNear, kOpen, kWide };
+
+  /// The answer is that of the distance itself, whatever proves it first, so that a motion is cut up the same
+  /// way whatever is tried before. Distances to far meshes cost more than looking at shorter parts of the
+  /// motion: where more than kNearby is wanted, only the boxes settle a pair.
+  Gap Compare(const BodyPair& pair, double clearance, double wanted) const {
+    const Placed &a = placed[pair.first], &b = placed[pair.second];
+    const bool far = wanted > clearance + kNearby;
+    if ((far || !world->measures_all) && BoxesApart(a, b, wanted)) return Gap::kWide;
+    if (far) return Nearer(pair, clearance) ? Gap::kTooNear : Gap::kOpen;
+    const double least = world->measures_all ? 0 : ProvenDistance(a, b, wanted, clearance);
+    if (least >= wanted) return Gap::kWide;
+    const DistanceBracket certain = Bracket(pair, wanted, clearance - kSure);
+    if (certain.most < clearance - kSure) return Gap::kTooNear;
+    if (certain.least >= wanted) return Gap::kWide;
+    if (std::max(least, certain.least) >= clearance && certain.most < wanted - kSure) return Gap::kOpen;
+    const double distance = DistanceUpTo(a, b, wanted).distance;
+    if (distance < clearance) return Gap::kTooNear;
+    return distance < wanted ? Gap::kOpen : Gap::kWide;
   }
 
   Interference Report(const BodyPair& pair, const BoundedDistance& found) const {
@@ -115,6 +142,7 @@ std::optional<Sighting> Checker::Blocked(const Joints& q, Phase phase) {
 
 std::optional<Sighting> Checker::Blocked(const Joints& q, Phase phase, const std::vector<double>& freedoms,
                                          PointMemory& memory) {
+  if (impl_->world->measures_all) return Blocked(q, phase);
   impl_->MoveTo(q);
   const std::array<PointMemory::Entry*, 4> entries = memory.Entries(freedoms, q);
   const std::vector<BodyPair>& pairs = impl_->world->pairs;
@@ -152,9 +180,9 @@ std::optional<Interference> Checker::Nearest(const Joints& q, Phase phase, doubl
   for (const BodyPair& pair : impl_->world->pairs) {
     if (!pair.clearance[static_cast<int>(phase)]) continue;
     const Placed &a = impl_->placed[pair.first], &b = impl_->placed[pair.second];
-    const double apart = BoxDistance(a, b);
+    const double apart = impl_->world->measures_all ? 0 : BoxDistance(a, b);
     if (apart >= most) continue;
-    const DistanceBracket certain = BracketOf(a, b, most, 0);
+    const DistanceBracket certain = impl_->Bracket(pair, most, 0);
     most = std::min(most, certain.most + kSure);
     nearest.emplace_back(std::max(apart, certain.least), &pair);
   }
@@ -189,23 +217,9 @@ std::optional<Sighting> Checker::Impl::Certify(const Joints& middle, const Joint
     const double motion = (*bounds)[world->bodies[pair.first].link];
     // What settles the pair for the whole motion: even the worst movement leaves clearance − resolution.
     const double wanted = std::max(clearance, clearance - resolution + motion);
-    if (BoxesApart(placed[pair.first], placed[pair.second], wanted)) continue;
-    // Distances to far meshes cost more than looking at shorter parts of the motion.
-    const double bound = std::min(wanted, clearance + kNearby);
-    double distance = ProvenDistance(placed[pair.first], placed[pair.second], bound, clearance);
-    if (distance < clearance) {
-      const DistanceBracket certain =
-          BracketOf(placed[pair.first], placed[pair.second], bound, clearance - kSure);
-      if (certain.most < clearance - kSure) return Sighting{middle, index, bound};
-      // Where the bracket leaves open what follows from the distance, that is asked for.
-      if (certain.least >= clearance && (certain.least >= wanted || certain.most < wanted)) {
-        distance = certain.least;
-      } else {
-        distance = DistanceUpTo(placed[pair.first], placed[pair.second], bound).distance;
-        if (distance < clearance) return Sighting{middle, index, bound};
-      }
-    }
-    if (distance < wanted) undecided.push_back(index);
+    const Gap gap = Compare(pair, clearance, wanted);
+    if (gap == Gap::kTooNear) return Sighting{middle, index, std::min(wanted, clearance + kNearby)};
+    if (gap == Gap::kOpen) undecided.push_back(index);
   }
   return std::nullopt;
 }

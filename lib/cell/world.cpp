@@ -211,6 +211,12 @@ World World::At(const ExternalPosition& external) const {
   return World(std::move(moved));
 }
 
+World World::MeasuringAll() const {
+  auto measuring = std::make_shared<Impl>(*impl_);
+  measuring->measures_all = true;
+  return World(std::move(measuring));
+}
+
 std::vector<std::string> World::TouchedBy(Mount mount) const {
   const std::vector<Body>& bodies = impl_->cell.bodies;
   std::vector<std::string> touched;

@@ -43,6 +43,9 @@ class World {
   World With(const Pose& X_WB, const Pose& X_WP) const;
   /// Of a world whose external axes stand at 0: the same with them at `external`, one value for each.
   World At(const ExternalPosition& external) const;
+  /// The same world, whose checkers ask FCL for every distance and share nothing between poses: slow, to show
+  /// that what they try before changes no answer.
+  World MeasuringAll() const;
   /// Names of the bodies that stand still and that others touch which hang on `mount` and stand still too:
   /// the workpiece, or the robot's base (Mount::kLink).
   std::vector<std::string> TouchedBy(Mount mount) const;

@@ -27,6 +27,7 @@ struct World::Impl {
   Cell cell;
   std::vector<WorldBody> bodies;
   std::vector<BodyPair> pairs;  ///< in the order of checking: what touches most often first
+  bool measures_all = false;    ///< as World::MeasuringAll
 
   /// Turns a cell without problems into bodies and pairs.
   static std::shared_ptr<const Impl> Build(Cell cell);

@@ -7,7 +7,8 @@
 
 namespace millpose {
 void AppendTo(ValueBytes& bytes, const Freedom& freedom) {
-  bytes.Add(freedom.Name(), freedom.Lower(), freedom.Upper(), freedom.Periodic());
+  bytes.Add(freedom.Name(), freedom.Lower(), freedom.Upper(), freedom.Periodic(), freedom.Step(),
+            freedom.Nominal());
 }
 
 void AppendTo(ValueBytes& bytes, const Objective& objective) {
