@@ -25,14 +25,37 @@ struct Checker::Impl {
 
   const double share, reserve;  ///< of the clearances; mm less than that
 
+  std::shared_ptr<LookKeeper> keeper;  ///< is told `looks` in the end; null: nobody asks
+  LookKeeper looks;
+
   Impl(std::shared_ptr<const World::Impl> shared, double clearance_share, double clearance_reserve)
       : world(std::move(shared)), share(clearance_share), reserve(clearance_reserve) {
     for (const WorldBody& body : world->bodies) placed.push_back(PlacePart(body.part, body.X_LG));
   }
+  ~Impl() {
+    if (keeper) keeper->Take(looks);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
 
   void MoveTo(const Joints& q) {
     ++counts.poses;
+    ++counts.looks;
     Place(q);
+  }
+
+  /// Takes note of a question about the poses between q0 and q1, each joint up to `tube` beside them. What
+  /// stands still keeps `Clearances::free`, whatever the arm does.
+  void Look(const Joints& q0, const Joints& q1, const Joints& tube) {
+    if (keeper) looks.Add(q0.cwiseMin(q1) - tube, q0.cwiseMax(q1) + tube, world->cell.clearances.free);
+  }
+
+  /// Takes note of an answer.
+  void Tell(int pair) {
+    if (!keeper) return;
+    const WorldBody& first =
+        world->bodies[static_cast<size_t>(world->pairs[static_cast<size_t>(pair)].first)];
+    if (first.link == 0) looks.Meet(first.name);
   }
 
   void Place(const Joints& q) {
@@ -105,7 +128,9 @@ struct Checker::Impl {
 };
 
 Checker::Checker(const World& world, double clearance_share, double reserve)
-    : impl_(std::make_unique<Impl>(world.impl_, clearance_share, reserve)) {}
+    : impl_(std::make_unique<Impl>(world.impl_, clearance_share, reserve)) {
+  impl_->keeper = world.keeper_;
+}
 Checker::~Checker() = default;
 Checker::Checker(Checker&&) noexcept = default;
 
@@ -113,6 +138,7 @@ const CheckCounts& Checker::counts() const { return impl_->counts; }
 
 CheckCounts& CheckCounts::operator+=(const CheckCounts& other) {
   poses += other.poses;
+  looks += other.looks;
   pairs += other.pairs;
   pairs_saved += other.pairs_saved;
   return *this;
@@ -131,11 +157,14 @@ std::optional<Interference> Checker::At(const Joints& q, Phase phase) {
 
 std::optional<Sighting> Checker::Blocked(const Joints& q, Phase phase) {
   impl_->MoveTo(q);
+  impl_->Look(q, q, Joints::Zero());
   const std::vector<BodyPair>& pairs = impl_->world->pairs;
   for (int index = 0; index < static_cast<int>(pairs.size()); ++index) {
     if (!pairs[index].clearance[static_cast<int>(phase)]) continue;
     const double wanted = impl_->Wanted(pairs[index], static_cast<int>(phase));
-    if (impl_->Nearer(pairs[index], wanted)) return Sighting{q, index, wanted};
+    if (!impl_->Nearer(pairs[index], wanted)) continue;
+    impl_->Tell(index);
+    return Sighting{q, index, wanted};
   }
   return std::nullopt;
 }
@@ -144,6 +173,7 @@ std::optional<Sighting> Checker::Blocked(const Joints& q, Phase phase, const std
                                          PointMemory& memory) {
   if (impl_->world->measures_all) return Blocked(q, phase);
   impl_->MoveTo(q);
+  impl_->Look(q, q, Joints::Zero());
   const std::array<PointMemory::Entry*, 4> entries = memory.Entries(freedoms, q);
   const std::vector<BodyPair>& pairs = impl_->world->pairs;
   for (int index = 0; index < static_cast<int>(pairs.size()); ++index) {
@@ -151,12 +181,14 @@ std::optional<Sighting> Checker::Blocked(const Joints& q, Phase phase, const std
     PointMemory::Entry* entry = entries[static_cast<size_t>(pairs[index].kind)];
     if (entry && entry->known) {
       ++impl_->counts.pairs_saved;
-      if (entry->found.pair == index) return entry->found;
-      continue;
+      if (entry->found.pair != index) continue;
+      impl_->Tell(index);
+      return entry->found;
     }
     ++impl_->counts.pairs;
     const double wanted = impl_->Wanted(pairs[index], static_cast<int>(phase));
     if (!impl_->Nearer(pairs[index], wanted)) continue;
+    impl_->Tell(index);
     const Sighting found{q, index, wanted};
     // The first of its kind: those before were looked at.
     if (entry) *entry = {true, found};
@@ -194,6 +226,8 @@ std::optional<Interference> Checker::Nearest(const Joints& q, Phase phase, doubl
     const BoundedDistance found = impl_->Distance(*pair, smallest.distance);
     if (found.distance < smallest.distance) smallest = found, best = pair;
   }
+  if (best) impl_->Tell(static_cast<int>(best - impl_->world->pairs.data()));
+  if (impl_->keeper) impl_->looks.Add(q, q, smallest.distance);
   return best ? std::optional(impl_->Report(*best, smallest)) : std::nullopt;
 }
 
@@ -202,7 +236,8 @@ std::optional<Interference> Checker::Nearest(const Joints& q, Phase phase, doubl
 std::optional<Sighting> Checker::Impl::Certify(const Joints& middle, const Joints& half_turn, int phase,
                                                double resolution, const std::vector<int>& pairs,
                                                std::vector<int>& undecided) {
-  MoveTo(middle);
+  ++counts.looks;
+  Place(middle);
   const JointAxes axes = AxesOf(X_WL);
   std::vector<std::optional<std::array<double, 7>>> moved(placed.size());
   for (int index : pairs) {
@@ -238,6 +273,9 @@ std::optional<Sighting> Checker::BlockedBetween(const Joints& q0, const Joints& 
     std::vector<int> pairs;
   };
   const int phase_index = static_cast<int>(phase);
+  // One question, however often the motion is halved: that may depend on bodies that no answer tells of.
+  ++impl_->counts.poses;
+  impl_->Look(q0, q1, tube);
   std::vector<int> all;
   for (size_t i = 0; i < impl_->world->pairs.size(); ++i) {
     if (impl_->world->pairs[i].clearance[phase_index]) all.push_back(static_cast<int>(i));
@@ -252,12 +290,16 @@ std::optional<Sighting> Checker::BlockedBetween(const Joints& q0, const Joints& 
     std::vector<int> undecided;
     const auto found = impl_->Certify(q0 + middle * (q1 - q0), half_turn + tube, phase_index, resolution,
                                       interval.pairs, undecided);
-    if (found) return found;
+    if (found) {
+      impl_->Tell(found->pair);
+      return found;
+    }
     if (undecided.empty()) continue;
     // Once the interval is small against the tube, halving it settles nothing more.
     constexpr double kSmall = 0.05;
     if (half_turn.maxCoeff() < kSmall * tube.maxCoeff()) {
       const Joints q = q0 + middle * (q1 - q0);
+      impl_->Tell(undecided.front());
       return Sighting{q, undecided.front(), std::numeric_limits<double>::infinity()};
     }
     open.push_back({middle, interval.end, undecided});

@@ -326,6 +326,12 @@ bool BoxesApart(const Placed& a, const Placed& b, double bound) {
          GapAlongAxes(a, b, between) >= bound || GapAlongAxes(b, a, between) >= bound;
 }
 
+bool ApartFromStill(const Placed& still, const Placed& part, double bound) {
+  const Eigen::Vector3d between = part.centre - still.centre;
+  return between.norm() - still.part->radius - part.part->radius >= bound ||
+         GapAlongAxes(still, part, between) >= bound;
+}
+
 double ProvenDistance(const Placed& a, const Placed& b, double bound, double enough) {
   if (a.part->mesh() && b.part->mesh()) return 0;
   if (!a.part->mesh() && !b.part->mesh()) return std::clamp(WidestGap(a, b, bound), 0.0, bound);

@@ -50,6 +50,10 @@ double BoxDistance(const Placed& a, const Placed& b);
 /// BoxDistance(a, b) >= bound, worked out only as far as needed.
 bool BoxesApart(const Placed& a, const Placed& b, double bound);
 
+/// BoxesApart by what takes directions from `still` alone: if it holds with a bound greater by √3 m, it holds
+/// however `part`, or a point of its box, is moved by up to m.
+bool ApartFromStill(const Placed& still, const Placed& part, double bound);
+
 /// A lower bound of the distance of two parts from planes between them, mm, at most `bound` (> 0): never more
 /// than DistanceUpTo, at a fraction of its cost. Below `enough` nothing is proven but that it may be so near;
 /// the search stops there. 0 for two meshes and for a part wholly inside a closed mesh.

@@ -190,6 +190,12 @@ World::World(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
 World::~World() = default;
 
+World World::Watched(std::shared_ptr<LookKeeper> keeper) const {
+  World watched = *this;
+  watched.keeper_ = std::move(keeper);
+  return watched;
+}
+
 World World::With(const Pose& X_WB, const Pose& X_WP) const {
   auto moved = std::make_shared<Impl>(*impl_);
   moved->cell.X_WB = X_WB;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cell/cell.hpp"
+#include "cell/looks.hpp"
 
 namespace millpose {
 
@@ -49,6 +50,11 @@ class World {
   /// Names of the bodies that stand still and that others touch which hang on `mount` and stand still too:
   /// the workpiece, or the robot's base (Mount::kLink).
   std::vector<std::string> TouchedBy(Mount mount) const;
+  /// The same world, whose checkers tell `keeper` what they are asked (when they go).
+  World Watched(std::shared_ptr<LookKeeper> keeper) const;
+  /// Whether bodies of these names, which stand still, are so far from the arm in all of `looks` that no
+  /// answer tells whether they are there. May say no where that is so.
+  bool FarFrom(const std::vector<std::string>& still, const Looks& looks) const;
   /// Of a pair as in Sighting: "link4 and workpiece".
   std::string PairName(int pair) const;
 
@@ -58,11 +64,13 @@ class World {
   struct Impl;
   explicit World(std::shared_ptr<const Impl> impl);
   std::shared_ptr<const Impl> impl_;
+  std::shared_ptr<LookKeeper> keeper_;
 };
 
 /// What checks took.
 struct CheckCounts {
-  long long poses = 0;
+  long long poses = 0;  ///< and motions
+  long long looks = 0;  ///< at poses, also at those by which motions are divided; for tests
   long long pairs = 0,
             pairs_saved = 0;  ///< of bodies, at poses with a PointMemory: looked at, and not for its sake
   CheckCounts& operator+=(const CheckCounts& other);

@@ -59,6 +59,22 @@ Vector3d ForceAt(const EdgeModel& model, const EdgeSlice& slice, const StanceFra
   return f.x() * backwards - f.y() * normal + f.z() * upwards;
 }
 
+/// Integral of the force along an arc, N·rad.
+Vector3d ForceOfArc(const EdgeModel& model, const EdgeSlice& slice, const StanceFrame& frame,
+                    double feed_per_tooth, const EngagedArc& arc) {
+  const double length = arc.end - arc.start;
+  const int steps = std::max(4, static_cast<int>(std::ceil(length * kStepsPerTurn / (2 * kPi))));
+  Vector3d sum = Vector3d::Zero();
+  for (int i = 0; i < steps; ++i)
+    sum += ForceAt(model, slice, frame, feed_per_tooth, arc.start + length * (i + 0.5) / steps);
+  return sum * (length / steps);
+}
+
+/// Whether the force on two slices is the same at the same angle; it depends on neither radius nor height.
+bool FeelsTheSame(const EdgeSlice& a, const EdgeSlice& b) {
+  return a.length == b.length && a.sin_lead == b.sin_lead && a.cos_lead == b.cos_lead;
+}
+
 }  // namespace
 
 std::vector<EngagedArc> EngagedArcs(const std::vector<EdgeSlice>& slices, const CutterStance& stance,
@@ -100,15 +116,15 @@ std::vector<EngagedArc> EngagedArcs(const std::vector<EdgeSlice>& slices, const 
 Vector3d MeanForce(const EdgeModel& model, const std::vector<EdgeSlice>& slices, const CutterStance& stance,
                    const std::vector<EngagedArc>& arcs) {
   const StanceFrame frame(stance);
-  Vector3d sum = Vector3d::Zero();
+  Vector3d sum = Vector3d::Zero(), part = Vector3d::Zero();
+  const EngagedArc* last = nullptr;
   for (const EngagedArc& arc : arcs) {
-    const double length = arc.end - arc.start;
-    const int steps = std::max(4, static_cast<int>(std::ceil(length * kStepsPerTurn / (2 * kPi))));
-    Vector3d part = Vector3d::Zero();
-    for (int i = 0; i < steps; ++i)
-      part += ForceAt(model, slices[arc.slice], frame, stance.feed_per_tooth,
-                      arc.start + length * (i + 0.5) / steps);
-    sum += part * (length / steps);
+    // Slices of the cylinder are often in the material alike.
+    if (!last || !FeelsTheSame(slices[last->slice], slices[arc.slice]) || last->start != arc.start ||
+        last->end != arc.end)
+      part = ForceOfArc(model, slices[arc.slice], frame, stance.feed_per_tooth, arc);
+    sum += part;
+    last = &arc;
   }
   return sum * (model.teeth / (2 * kPi));
 }

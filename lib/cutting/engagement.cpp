@@ -38,8 +38,9 @@ class Cutting {
     }
     const std::vector<SweptPath::Near> before = swept_.Before(number, point.position, point.normal);
     const InMaterial stands = [&](const Vector3d& place) {
-      return options_.stock(place) &&
-             !swept_.Removed(before, (place - point.position).dot(point.normal), place);
+      // In this order: what was milled before costs less to ask than the stock.
+      return !swept_.Removed(before, (place - point.position).dot(point.normal), place) &&
+             options_.stock(place);
     };
     cut.slices = Slices(point, HeightAt(point, cut.stance, stands));
     cut.arcs = EngagedArcs(cut.slices, cut.stance, stands);
@@ -133,15 +134,13 @@ class Cutting {
 }  // namespace
 
 void SetEngagement(const EngagementOptions& options, int threads, const std::stop_token& stop,
-                   Toolpath& toolpath, const std::vector<char>& of) {
+                   Toolpath& toolpath, const std::vector<std::vector<char>>& of) {
   const Cutting cutting(options, toolpath);
   std::vector<std::pair<MillingPoint*, size_t>> points;  // with their numbers in the job
   size_t number = 0;
   for (size_t p = 0; p < toolpath.passes.size(); ++p)
-    for (MillingPoint& point : toolpath.passes[p].points) {
-      if (of.empty() || of[p] != 0) points.emplace_back(&point, number);
-      ++number;
-    }
+    for (size_t t = 0; t < toolpath.passes[p].points.size(); ++t, ++number)
+      if (of.empty() || of[p][t] != 0) points.emplace_back(&toolpath.passes[p].points[t], number);
   ParallelFor(points.size(), threads, stop, [&](size_t i) {
     const auto [point, at] = points[i];
     if (point->gouge > 0) {

@@ -29,9 +29,9 @@ struct EngagementOptions {
 
 /// Sets `engagement` of all points. Each sees the stock less what points before it have taken off, those of
 /// its own pass too; points with a gouge take nothing off. Lead-ins and lead-outs count as they run. `of`:
-/// one entry per pass, those that are set alone; empty: all. Throws Interrupted.
+/// by pass and point, those that are set alone; empty: all. Throws Interrupted.
 void SetEngagement(const EngagementOptions& options, int threads, const std::stop_token& stop,
-                   Toolpath& toolpath, const std::vector<char>& of = {});
+                   Toolpath& toolpath, const std::vector<std::vector<char>>& of = {});
 
 /// The greatest of the forces over a revolution, and how many teeth cut on average, where the mean is
 /// greatest.

@@ -3,62 +3,53 @@
 
 #include <algorithm>
 #include <cassert>
+#include <numeric>
 
 namespace millpose {
 
 BoxLeastSquares::BoxLeastSquares(size_t count) : gradient_(count, 0.0) {}
 
-/// The lower half of the matrix, with the damping.
-BoxLeastSquares::Matrix BoxLeastSquares::Curvatures(double damping) const {
-  const auto size = static_cast<Eigen::Index>(gradient_.size());
-  std::vector<Eigen::Triplet<double>> triplets;
-  triplets.reserve(gradient_.size() + entries_.size());
-  for (Eigen::Index t = 0; t < size; ++t) triplets.emplace_back(t, t, damping);
-  for (const Entry& e : entries_)
-    triplets.emplace_back(static_cast<Eigen::Index>(e.row), static_cast<Eigen::Index>(e.column), e.value);
-  Matrix matrix(size, size);
-  matrix.setFromTriplets(triplets.begin(), triplets.end());
+/// The matrix, with the damping.
+EnvelopeMatrix BoxLeastSquares::Curvatures(double damping) const {
+  std::vector<size_t> first(gradient_.size());
+  std::iota(first.begin(), first.end(), size_t{0});
+  for (const Entry& e : entries_) first[e.row] = std::min(first[e.row], e.column);
+  EnvelopeMatrix matrix(std::move(first));
+  for (size_t t = 0; t < matrix.size(); ++t) matrix.At(t, t) = damping;
+  for (const Entry& e : entries_) matrix.At(e.row, e.column) += e.value;
   return matrix;
 }
 
 /// Least sum over the numbers that are not held, the others where they are. False when to rounding there is
-/// no single least. `factor` has been shown the matrix's pattern.
-bool BoxLeastSquares::SolveFree(const Matrix& curvatures, const std::vector<bool>& held, Factor& factor,
+/// no single least.
+bool BoxLeastSquares::SolveFree(const EnvelopeMatrix& curvatures, const std::vector<bool>& held,
                                 std::vector<double>& delta) const {
-  Matrix matrix = curvatures;
-  Eigen::VectorXd right(matrix.rows());
-  for (Eigen::Index t = 0; t < matrix.rows(); ++t) {
-    const auto i = static_cast<size_t>(t);
-    right[t] = held[i] ? delta[i] : -gradient_[i];
-  }
-  for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
-    const auto c = static_cast<size_t>(column);
-    for (Matrix::InnerIterator entry(matrix, column); entry; ++entry) {
-      const auto r = static_cast<size_t>(entry.row());
+  EnvelopeMatrix matrix = curvatures;
+  std::vector<double> right(delta.size());
+  for (size_t t = 0; t < delta.size(); ++t) right[t] = held[t] ? delta[t] : -gradient_[t];
+  for (size_t r = 0; r < delta.size(); ++r) {
+    for (size_t c = matrix.First(r); c <= r; ++c) {
       if (!held[r] && !held[c]) continue;
+      double& value = matrix.At(r, c);
       if (r == c) {
-        entry.valueRef() = 1;
+        value = 1;
         continue;
       }
-      if (!held[r]) right[entry.row()] -= entry.value() * delta[c];
-      if (!held[c]) right[column] -= entry.value() * delta[r];
-      entry.valueRef() = 0;
+      if (!held[r]) right[r] -= value * delta[c];
+      if (!held[c]) right[c] -= value * delta[r];
+      value = 0;
     }
   }
-  factor.factorize(matrix);
-  if (factor.info() != Eigen::Success) return false;
-  const Eigen::VectorXd solved = factor.solve(right);
-  std::copy(solved.begin(), solved.end(), delta.begin());
+  if (!matrix.Factor()) return false;
+  matrix.Solve(right);
+  delta = std::move(right);
   return true;
 }
 
-std::vector<double> BoxLeastSquares::Slopes(const std::vector<double>& delta, double damping) const {
+std::vector<double> BoxLeastSquares::Slopes(const EnvelopeMatrix& curvatures,
+                                            const std::vector<double>& delta) const {
   std::vector<double> slopes = gradient_;
-  for (size_t t = 0; t < delta.size(); ++t) slopes[t] += damping * delta[t];
-  for (const Entry& e : entries_) {
-    slopes[e.row] += e.value * delta[e.column];
-    if (e.row != e.column) slopes[e.column] += e.value * delta[e.row];
-  }
+  curvatures.AddProduct(delta, slopes);
   return slopes;
 }
 
@@ -74,14 +65,12 @@ std::vector<double> BoxLeastSquares::Solve(const std::vector<double>& lower, con
   const double largest = *std::max_element(diagonal.begin(), diagonal.end());
   if (largest == 0) return delta;
   damping *= largest;
-  const Matrix curvatures = Curvatures(damping);
-  Factor factor;
-  factor.analyzePattern(curvatures);
+  const EnvelopeMatrix curvatures = Curvatures(damping);
   std::vector<bool> held(count);
   for (size_t t = 0; t < count; ++t) held[t] = !(lower[t] < upper[t]);
   for (int round = 0; round < kRounds; ++round) {
     std::vector<double> solved = delta;
-    if (!SolveFree(curvatures, held, factor, solved)) break;
+    if (!SolveFree(curvatures, held, solved)) break;
     bool done = true;
     for (size_t t = 0; t < count; ++t) {
       delta[t] = std::clamp(solved[t], lower[t], upper[t]);
@@ -91,7 +80,7 @@ std::vector<double> BoxLeastSquares::Solve(const std::vector<double>& lower, con
     }
     if (!done) continue;
     // Those that are held but would rather come back are let go.
-    const std::vector<double> slopes = Slopes(delta, damping);
+    const std::vector<double> slopes = Slopes(curvatures, delta);
     for (size_t t = 0; t < count; ++t) {
       if (!held[t] || !(lower[t] < upper[t])) continue;
       if (delta[t] == upper[t] ? slopes[t] <= 0 : slopes[t] >= 0) continue;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <Eigen/SparseCholesky>
 #include <array>
-#include <vector>
+
+#include "path/envelope.hpp"
 
 namespace millpose {
 
@@ -34,8 +34,9 @@ class BoxLeastSquares {
   }
 
   /// The δ within its bounds of the least sum, with `damping` (of the largest curvature, > 0)·½δ² added for
-  /// every number: sparse Cholesky and an active set, which takes in and lets go many at once and is ended
-  /// after a few rounds, so that the answer may be a little off the least but never out of bounds.
+  /// every number: Cholesky within the envelope and an active set, which takes in and lets go many at once
+  /// and is ended after a few rounds, so that the answer may be a little off the least but never out of
+  /// bounds.
   std::vector<double> Solve(const std::vector<double>& lower, const std::vector<double>& upper,
                             double damping) const;
 
@@ -47,13 +48,10 @@ class BoxLeastSquares {
   void AddEntry(size_t a, size_t b, double value) {
     entries_.push_back(a > b ? Entry{a, b, value} : Entry{b, a, value});
   }
-  using Matrix = Eigen::SparseMatrix<double>;
-  // In the natural order the matrix is a band, and its factor too.
-  using Factor = Eigen::SimplicialLLT<Matrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
-  Matrix Curvatures(double damping) const;
-  bool SolveFree(const Matrix& curvatures, const std::vector<bool>& held, Factor& factor,
+  EnvelopeMatrix Curvatures(double damping) const;
+  bool SolveFree(const EnvelopeMatrix& curvatures, const std::vector<bool>& held,
                  std::vector<double>& delta) const;
-  std::vector<double> Slopes(const std::vector<double>& delta, double damping) const;
+  std::vector<double> Slopes(const EnvelopeMatrix& curvatures, const std::vector<double>& delta) const;
 
   std::vector<double> gradient_;
   std::vector<Entry> entries_;

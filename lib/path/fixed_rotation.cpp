@@ -222,17 +222,21 @@ class Comparer {
 
   /// The rotation that leaves fewest points without a pose, and these.
   std::string WhyNoneServes() const {
+    std::vector<std::vector<std::vector<size_t>>> missing(passes_.size());  // by pass and rotation
+    ParallelFor(passes_.size(), options_.threads, options_.stop, [&](size_t i) {
+      missing[i] = PointsWithoutPose(passes_[i].problem(), *passes_[i].pass, passes_[i].table);
+    });
     size_t fewest = kNone, at = 0;
     for (size_t r = 0; r < passes_.front().table.rotations; ++r) {
-      size_t missing = 0;
-      for (const OfPass& pass : passes_) missing += pass.table.missing[r].size();
-      if (missing < fewest) fewest = missing, at = r;
+      size_t count = 0;
+      for (const auto& of_pass : missing) count += of_pass[r].size();
+      if (count < fewest) fewest = count, at = r;
     }
     const double degrees = RadToDeg(passes_.front().table.Rotation(at));
     std::vector<size_t> numbers;
-    for (const OfPass& pass : passes_)
-      for (const size_t t : pass.table.missing[at])
-        if (numbers.size() < 5) numbers.push_back(pass.first_point + t);
+    for (size_t i = 0; i < passes_.size(); ++i)
+      for (const size_t t : missing[i][at])
+        if (numbers.size() < 5) numbers.push_back(passes_[i].first_point + t);
     if (fewest > 0)
       return fmt::format(
           "the rotation that serves most, {:.0f} deg, has no pose within the limits at {} points: {}{}",

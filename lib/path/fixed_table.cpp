@@ -14,6 +14,14 @@ struct Course {
   Joints first, last, least, most;
 };
 
+/// Eight rotations of a table's grid from r on, other freedoms at 0; the last one fills up.
+std::vector<double> ValuesOfBlock(const FixedTable& table, size_t r, size_t dimensions) {
+  std::vector<double> values(kLanes * dimensions, 0.0);
+  for (size_t l = 0; l < kLanes; ++l)
+    values[l * dimensions] = table.Rotation(std::min(r + l, table.rotations - 1));
+  return values;
+}
+
 class TableMaker {
  public:
   TableMaker(const PoseProblem& problem, const FixedTableOptions& options)
@@ -24,7 +32,6 @@ class TableMaker {
     table_.first = freedom.Lower();
     table_.step = range / static_cast<double>(table_.rotations);
     table_.entries.resize(8 * table_.rotations);
-    table_.missing.resize(table_.rotations);
     courses_.resize(table_.entries.size());
   }
 
@@ -43,26 +50,23 @@ class TableMaker {
       piece = planned.piece;
       closed = pass.pieces[static_cast<size_t>(piece)].closed;
       ++table_.points;
-      Add(PointScorer(problem_, planned.point, pass.rotation_reference), t, starts, counts(planned));
+      Add(PointScorer(problem_, planned.point, pass.rotation_reference), starts, counts(planned));
     }
     if (piece >= 0) EndPiece(closed, *last, *first);
     return std::move(table_);
   }
 
  private:
-  void Add(const PointScorer& scorer, size_t t, bool starts, bool counts) {
-    const size_t dimensions = problem_.freedoms.size();
-    std::vector<double> values(kLanes * dimensions, 0.0);
+  /// Scores what still serves and nothing else: most rotations fail at one of the first points.
+  void Add(const PointScorer& scorer, bool starts, bool counts) {
     ScoredBlock block;
     for (size_t r = 0; r < table_.rotations; r += kLanes) {
-      for (size_t l = 0; l < kLanes; ++l)
-        values[l * dimensions] = table_.Rotation(std::min(r + l, table_.rotations - 1));
-      scorer.ScoreBlock(values, kAllArmBranches, block);
+      const unsigned serving = ArmBranchesServing(r);
+      if (serving == 0) continue;
+      scorer.ScoreBlock(ValuesOfBlock(table_, r, problem_.freedoms.size()), serving, block);
       for (size_t l = 0; l < kLanes && r + l < table_.rotations; ++l) {
-        bool any = false;
         for (int branch = 0; branch < 8; ++branch) {
           const bool admissible = block.obstacle[branch][l] == Obstacle::kNone;
-          any = any || admissible;
           FixedTable::Entry& entry = table_.entries[8 * (r + l) + static_cast<size_t>(branch)];
           entry.serves = entry.serves && admissible &&
                          Step(courses_[8 * (r + l) + static_cast<size_t>(branch)],
@@ -72,9 +76,16 @@ class TableMaker {
           entry.worst = std::max(entry.worst, value);
           entry.sum += value;
         }
-        if (!any) table_.missing[r + l].push_back(t);
       }
     }
+  }
+
+  /// As ScoreBlock takes them: those on which some rotation of the block from r serves so far.
+  unsigned ArmBranchesServing(size_t r) const {
+    unsigned serving = 0;
+    for (size_t k = 8 * r; k < std::min(8 * (r + kLanes), table_.entries.size()); ++k)
+      if (table_.entries[k].serves) serving |= 1u << (k & 3);
+    return serving;
   }
 
   /// Goes on to `q`, the short way round; false where a joint steps too far.
@@ -125,6 +136,24 @@ class TableMaker {
 FixedTable MakeFixedTable(const PoseProblem& problem, const PassResult& pass, const PointFilter& counts,
                           const FixedTableOptions& options) {
   return TableMaker(problem, options).Make(pass, counts);
+}
+
+std::vector<std::vector<size_t>> PointsWithoutPose(const PoseProblem& problem, const PassResult& pass,
+                                                   const FixedTable& table) {
+  std::vector<std::vector<size_t>> missing(table.rotations);
+  ScoredBlock block;
+  for (size_t t = 0; t < pass.points.size(); ++t) {
+    if (pass.points[t].skip != Obstacle::kNone) continue;
+    const PointScorer scorer(problem, pass.points[t].point, pass.rotation_reference);
+    for (size_t r = 0; r < table.rotations; r += kLanes) {
+      scorer.ScoreBlock(ValuesOfBlock(table, r, problem.freedoms.size()), kAllArmBranches, block);
+      for (size_t l = 0; l < kLanes && r + l < table.rotations; ++l)
+        if (std::ranges::none_of(block.obstacle,
+                                 [&](const auto& branch) { return branch[l] == Obstacle::kNone; }))
+          missing[r + l].push_back(t);
+    }
+  }
+  return missing;
 }
 
 }  // namespace millpose

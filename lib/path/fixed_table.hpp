@@ -16,9 +16,8 @@ struct FixedTable {
     double worst = 0, sum = 0;  ///< of the objective over the points that count
   };
   size_t rotations = 0, points = 0;
-  double first = 0, step = 0;                ///< rad, of the grid
-  std::vector<Entry> entries;                ///< 8 branches a rotation
-  std::vector<std::vector<size_t>> missing;  ///< per rotation: points without any admissible branch
+  double first = 0, step = 0;  ///< rad, of the grid
+  std::vector<Entry> entries;  ///< 8 branches a rotation; once one does not serve, its figures mean nothing
 
   const Entry& At(size_t rotation, int branch) const {
     return entries[8 * rotation + static_cast<size_t>(branch)];
@@ -34,5 +33,9 @@ struct FixedTableOptions {
 /// The rotation is the problem's first freedom, others are 0.
 FixedTable MakeFixedTable(const PoseProblem& problem, const PassResult& pass, const PointFilter& counts,
                           const FixedTableOptions& options);
+
+/// Per rotation of a pass's table, its planned points at which no branch is admissible.
+std::vector<std::vector<size_t>> PointsWithoutPose(const PoseProblem& problem, const PassResult& pass,
+                                                   const FixedTable& table);
 
 }  // namespace millpose

@@ -160,17 +160,18 @@ Joints FreedomCourse::Acceleration(const std::vector<CoursePlace>& places, const
          row.right * Step(places[row.middle], places[row.after]);
 }
 
-Merit FreedomCourse::Judge(const std::vector<CoursePlace>& places) const {
+Merit FreedomCourse::Judge(std::vector<CoursePlace>& places) const {
   Merit merit;
   for (const AccelerationRow& row : rows_)
     merit.square += row.share * Acceleration(places, row).squaredNorm();
   for (const CoursePlace& place : places) merit.objective += place.objective;
   for (size_t t = 0; t < motions_; ++t) {
-    const double off = Deviation(places, t) / limits_[t];
+    const Joints step = Step(places[t], places[Next(t)]);
+    places[t].off = Off(t, places[t].q, step);
+    const double off = places[t].off.norm() / limits_[t];
     const double beyond = std::max(0.0, off - kReserve);
     merit.violation += beyond * beyond;
     merit.within = merit.within && off <= 1;
-    const Joints step = Step(places[t], places[Next(t)]);
     for (int j = 0; j < 6; ++j) {
       const double share = std::abs(step[j]) / bounds_.max_step[t][j],
                    over = std::max(0.0, share - kStepReserve);
@@ -205,7 +206,7 @@ void FreedomCourse::AddViolations(BoxLeastSquares& squares, const std::vector<Co
                                   double weight) const {
   const CoursePlace &from = places[t], &to = places[Next(t)];
   const Joints step = Step(from, to);
-  const Eigen::Vector3d off = Off(t, from.q, step) / limits_[t];
+  const Eigen::Vector3d off = from.off / limits_[t];
   if (const double size = off.norm(); size > kReserve) {
     // The deviation's own derivatives, along its present direction.
     constexpr double kSmall = 1e-6;

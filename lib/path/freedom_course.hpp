@@ -21,6 +21,7 @@ struct CoursePlace {
   Joints turn = Joints::Zero();     ///< dq/dx
   double slope = 0, curvature = 0;  ///< of the objective; never curved downwards
   double lower = 0, upper = 0;      ///< how far x may move: admissible as far as it was looked at
+  Eigen::Vector3d off = Eigen::Vector3d::Zero();  ///< mm, of the motion from here, where it was judged
 };
 
 /// What a course is judged by.
@@ -56,12 +57,13 @@ class FreedomCourse {
   /// The points of `from` at the values `x`. One that is not admissible there stays as it is.
   std::vector<CoursePlace> Moved(const std::vector<double>& x, std::span<const FreedomRange> ranges,
                                  std::vector<CoursePlace> from) const;
-  Merit Judge(const std::vector<CoursePlace>& places) const;
+  /// Notes how far the motions leave their lines.
+  Merit Judge(std::vector<CoursePlace>& places) const;
   /// Tip half-way of each joint motion less that of the straight line, mm.
   double Deviation(const std::vector<CoursePlace>& places, size_t motion) const;
 
-  /// Adds what changes with the places: `square_weight` · mean square, `objective_weight` · objective and
-  /// `violation_weight` · violation, linear in dq.
+  /// Adds what changes with the places, which were judged: `square_weight` · mean square, `objective_weight`
+  /// · objective and `violation_weight` · violation, linear in dq.
   void AddTo(BoxLeastSquares& squares, const std::vector<CoursePlace>& places, double square_weight,
              double objective_weight, double violation_weight) const;
 

@@ -11,7 +11,11 @@ namespace millpose {
 /// without walls, and with all that was never looked at as free. `layers` are the problem's, their objectives
 /// as then known. Closed sequences: the first and the last node need not be the same, so the bound is a
 /// little lower than the least closed one. With `worst_first` also of the largest objective; the sum is then
-/// bounded among the sequences whose largest objective is no larger than that of `sequence`.
+/// bounded among the sequences whose largest objective is no larger than that of `sequence`. The problem's
+/// memory, if it has one, is of searches for the sum over the same layers with less pruned.
 LadderBound BoundLadder(LadderProblem problem, const Sequence& sequence, bool worst_first);
+
+/// The same where `sequence` is known to be the best of all: its own values.
+LadderBound BoundOfBest(std::span<const Layer> layers, const Sequence& sequence, bool worst_first);
 
 }  // namespace millpose

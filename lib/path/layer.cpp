@@ -13,31 +13,54 @@ bool Layer::usable() const {
   return std::any_of(objective.begin(), objective.end(), [](double value) { return std::isfinite(value); });
 }
 
+namespace {
+
+void Reserve(size_t count, Layer& layer) {
+  for (auto& row : layer.joints.q) row.reserve(count + kBlock);
+  layer.objective.reserve(count);
+  layer.freedoms.reserve(count);
+  layer.first.reserve(count);
+  layer.base.reserve(count);
+  layer.genetic.reserve(count);
+}
+
+}  // namespace
+
 Layer MakeLayer(const PointScorer& scorer, std::vector<NodeSeed> seeds, bool all_revolutions, int courses) {
-  std::erase_if(seeds, [](const NodeSeed& s) { return s.candidate.obstacle != Obstacle::kNone; });
-  std::stable_sort(seeds.begin(), seeds.end(), [](const NodeSeed& a, const NodeSeed& b) {
+  std::vector<uint32_t> order;  // of the admissible ones: seeds are too large to be moved about
+  order.reserve(seeds.size());
+  for (uint32_t i = 0; i < seeds.size(); ++i)
+    if (seeds[i].candidate.obstacle == Obstacle::kNone) order.push_back(i);
+  std::ranges::stable_sort(order, [&](uint32_t i, uint32_t k) {
+    const NodeSeed &a = seeds[i], &b = seeds[k];
     return a.lane() != b.lane() ? a.lane() < b.lane() : a.freedoms < b.freedoms;
   });
   const PoseProblem& problem = scorer.problem();
   Layer layer;
   layer.R_WT = scorer.ToolPose(FreedomValues(problem.freedoms.size(), 0.0)).linear();
   layer.lane_begin.assign(8 * static_cast<size_t>(courses) + 1, 0);
-  size_t base = 0;
-  for (const NodeSeed& seed : seeds) {
+  Reserve(order.size(), layer);
+  size_t base = 0, lane = 0;
+  const auto add = [&](const NodeSeed& seed, const Joints& q, FreedomValues freedoms) {
+    layer.joints.Add(q);
+    layer.objective.push_back(seed.candidate.objective);
+    layer.first.push_back(freedoms[0]);
+    layer.freedoms.push_back(std::move(freedoms));
+    layer.base.push_back(base);
+    layer.genetic.push_back(seed.genetic);
+  };
+  for (const uint32_t i : order) {
+    NodeSeed& seed = seeds[i];
     ++base;
-    std::vector<Joints> variants{seed.candidate.q};
-    if (all_revolutions)
-      variants = FullRevolutions(seed.candidate.q, problem.bounds.lower, problem.bounds.upper);
-    for (const Joints& q : variants) {
-      layer.joints.Add(q);
-      layer.objective.push_back(seed.candidate.objective);
-      layer.freedoms.push_back(seed.freedoms);
-      layer.first.push_back(seed.freedoms[0]);
-      layer.base.push_back(base);
-      layer.genetic.push_back(seed.genetic);
+    while (lane < static_cast<size_t>(seed.lane())) layer.lane_begin[++lane] = layer.size();
+    if (all_revolutions) {
+      for (const Joints& q : FullRevolutions(seed.candidate.q, problem.bounds.lower, problem.bounds.upper))
+        add(seed, q, seed.freedoms);
+    } else {
+      add(seed, seed.candidate.q, std::move(seed.freedoms));
     }
-    std::fill(layer.lane_begin.begin() + seed.lane() + 1, layer.lane_begin.end(), layer.size());
   }
+  while (lane + 1 < layer.lane_begin.size()) layer.lane_begin[++lane] = layer.size();
   layer.joints.Finish();
   return layer;
 }

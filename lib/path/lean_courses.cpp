@@ -19,15 +19,31 @@ struct Promise {
   double worst = 0, sum = 0;
 };
 
+/// Which leans of a point go into the part, where the nominal one does; empty where that is clear: what other
+/// leans do there is asked of the few poses that a search picks.
+std::vector<char> GougingLeans(const PassContext& context, size_t t, size_t leans) {
+  const PoseProblem& problem = context.problem;
+  if (!problem.lean || !problem.lean->surface) return {};
+  const auto gouges = [&](const MillingPoint& point) {
+    return problem.lean->surface->Gouge(point.position, point.tool_axis) > 0;
+  };
+  if (!gouges(context.points[t])) return {};
+  std::vector<char> gouging(leans);
+  for (size_t j = 0; j < leans; ++j)
+    gouging[j] = gouges(AtLean(problem, context.points[t], context.tables[t]->Setting(j)));
+  return gouging;
+}
+
 std::vector<Promise> PromisesOf(const PassContext& context, size_t leans) {
   std::vector<Promise> promises(leans);
   for (size_t j = 0; j < leans; ++j) promises[j].lean = j;
-  for (const auto& table : context.tables) {
-    if (!table) continue;
+  for (size_t t = 0; t < context.tables.size(); ++t) {
+    if (!context.tables[t]) continue;
     std::vector<double> least(leans, std::numeric_limits<double>::infinity());
-    for (const CandidateTable::Entry& entry : table->entries()) {
-      double& of = least[entry.setting % leans];
-      of = std::min(of, entry.objective);
+    const std::vector<char> gouging = GougingLeans(context, t, leans);
+    for (const CandidateTable::Entry& entry : context.tables[t]->entries()) {
+      const size_t lean = entry.setting % leans;
+      if (gouging.empty() || !gouging[lean]) least[lean] = std::min(least[lean], entry.objective);
     }
     for (size_t j = 0; j < leans; ++j) {
       if (!std::isfinite(least[j])) {

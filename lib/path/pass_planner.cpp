@@ -100,6 +100,12 @@ std::string WhyNoStep(const StepBounds& steps) {
       RadToDeg(steps.per_mm), steps.speed_share, steps.most.allFinite() ? ", max_joint_step_deg" : "");
 }
 
+/// How deep the cutter would go into the part at the nominal lean, mm, where another lean was looked for.
+double NominalGouge(const PassContext& context, size_t t) {
+  if (!context.problem.lean || !context.problem.lean->surface) return 0;
+  return context.problem.lean->surface->Gouge(context.points[t].position, context.points[t].tool_axis);
+}
+
 /// A point of which no piece has taken hold.
 void Skip(const PassContext& context, const PassPlan& plan, size_t t, PlannedPoint& point) {
   const PointOptimum& optimum = context.optima[t];
@@ -116,6 +122,10 @@ void Skip(const PassContext& context, const PassPlan& plan, size_t t, PlannedPoi
   } else if (plan.interference[t].empty()) {
     point.skip = Obstacle::kStep;
     point.detail = StandsAlone(context, plan, t) ? kAlone : WhyNoStep(context.options.steps);
+  } else if (const double depth = NominalGouge(context, t); depth > 0) {
+    point.skip = Obstacle::kGouge;
+    point.detail = fmt::format(
+        "the cutter would go {:.3f} mm into the part at the nominal lean, and no other is free", depth);
   } else {
     point.skip = Obstacle::kInterference;
     point.detail = plan.interference[t];

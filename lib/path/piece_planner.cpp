@@ -7,11 +7,9 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "path/closed_rounds.hpp"
 #include "path/collision_pruner.hpp"
 #include "path/end_guard.hpp"
-#include "path/free_smoothing.hpp"
-#include "path/ladder_bound.hpp"
-#include "path/layer_verdicts.hpp"
 #include "path/lean_courses.hpp"
 #include "path/ring_stripe.hpp"
 #include "path/worst_then_sum.hpp"
@@ -23,11 +21,6 @@ namespace {
 constexpr double kTurn = 2 * kPi;
 constexpr double kRounding = 1e-12;  // rad: of angles that full revolutions were added to
 constexpr int kRefineRounds = 5;
-
-PieceChecker MakeChecker(const PassContext& context, const Piece& piece) {
-  const auto first = static_cast<size_t>(piece.first), count = static_cast<size_t>(piece.last) - first + 1;
-  return {MakeChecks(context), std::span(context.verdicts).subspan(first, count), context.options.leave};
-}
 
 class PiecePlanner {
  public:
@@ -49,7 +42,7 @@ class PiecePlanner {
     graph_ = MakeGraph(context_, all_revolutions_);
     const Sequence sequence = SearchFree();
     TakeSequence(sequence);
-    plan_.searched = {graph_, sequence, all_revolutions_};
+    plan_.searched = {graph_, sequence, all_revolutions_, best_};
     double coarse = 0.0, refined = 0.0;
     for (const Piece& piece : plan_.pieces) {
       coarse += Cost(piece);
@@ -77,7 +70,7 @@ class PiecePlanner {
     // While there is interference to find, any good closed sequence finds it. A free one is kept when the
     // best of all is hardly cheaper.
     constexpr int kQuickSweeps = 3;
-    constexpr double kHardlyCheaper = 1e-3;
+    constexpr double kHardlyCheaper = 5e-4;
     const bool worst_first = context_.options.worst_first;
     WorstThenSum open_worst, closed_worst;
     const auto joins = [&](const Sequence& as) {
@@ -91,6 +84,11 @@ class PiecePlanner {
           [&] { return worst_first ? closed_worst.Closed(problem, sweeps) : SearchClosed(problem, sweeps); },
           joins);
     };
+    ClosedRounds rounds;
+    const auto search_closed_soon = [&] {
+      if (worst_first) return search_closed(kQuickSweeps);
+      return pruner.Straight([&] { return rounds.Search(problem, kQuickSweeps); }, joins);
+    };
     const auto search_open = [&] {
       return *pruner.Straight(
           [&] { return std::optional(worst_first ? open_worst.Open(problem) : SearchOpen(problem)); }, joins);
@@ -100,7 +98,7 @@ class PiecePlanner {
     double unbarred = std::numeric_limits<double>::infinity();  // a closed ring's cost without interference
     for (int round = 0;; ++round) {
       std::optional<Sequence> closed;
-      if (context_.closed) closed = search_closed(kQuickSweeps);
+      if (context_.closed) closed = search_closed_soon();
       if (context_.closed && !closed) closed = search_closed(kAllSweeps);
       if (closed && round == 0) unbarred = closed->cost;
       sequence = closed ? std::move(*closed) : search_open();
@@ -109,12 +107,14 @@ class PiecePlanner {
         std::optional<Sequence> best = search_closed(kAllSweeps);
         if (best && best->cost < (1 - kHardlyCheaper) * sequence.cost) {
           sequence = std::move(*best);
+          rounds.GoOnFrom(problem, sequence);
           free = pruner.Check(sequence);
         }
       }
       if (free && (!guard || guard->Check(sequence))) break;
       pruner.PruneInRound(sequence, round);
     }
+    best_ = IsBest(sequence, open_worst);
     for (size_t t = 0; guard && t < count_; ++t) plan_.access[t] = guard->Detail(t);
     if (sequence.closed) plan_.stripe = ExplainStripe({context_, problem, *graph_, sequence, unbarred});
     plan_.poses_checked += graph_->counts().poses;
@@ -127,6 +127,16 @@ class PiecePlanner {
       if (sequence.nodes[t] == kNoNode) plan_.interference[t] = graph_->Detail(t);
     }
     return sequence;
+  }
+
+  /// Whether an open search has found the best of all: where nothing was pruned, walls bar nothing.
+  bool IsBest(const Sequence& sequence, const WorstThenSum& worst) const {
+    if (sequence.closed || graph_->nodes_pruned() > 0) return false;
+    for (size_t t = 1; t < count_; ++t)
+      if (sequence.break_before[t] && (context_.break_before.empty() || !context_.break_before[t]))
+        return false;
+    if (std::ranges::count(sequence.nodes, kNoNode) > 0) return false;
+    return !context_.options.worst_first || WorstOf(graph_->layers(), sequence) <= worst.bound();
   }
 
   /// Cuts the sequence into pieces. A piece of one point is no cut; only a pass of one point keeps it.
@@ -275,6 +285,7 @@ class PiecePlanner {
   StepRule rule_;
   std::vector<double> max_lean_;  ///< LeanBounds
   std::shared_ptr<CandidateGraph> graph_;
+  bool best_ = false;  ///< PassPlan::Searched
   PassPlan plan_;
 };
 
@@ -282,44 +293,6 @@ class PiecePlanner {
 
 std::optional<PassPlan> PlanPieces(const PassContext& context, bool all_revolutions) {
   return PiecePlanner(context, all_revolutions).Plan();
-}
-
-void LookBack(const PassContext& context, PassPlan& plan) {
-  CandidateGraph& graph = *plan.searched.graph;
-  const Sequence& sequence = plan.searched.sequence;
-  graph.GiveBack(sequence);
-  const long long before = graph.counts().poses;
-  plan.free = FindFreeOptima(context.optima, sequence, graph);
-  plan.poses_checked += graph.counts().poses - before;
-  const LadderProblem problem = MakeProblem(context, graph, plan.searched.all_revolutions);
-  plan.bound = BoundLadder(problem, sequence, context.options.worst_first);
-  // What is known of one lean says nothing of the others, and the axis map shows one.
-  if (context.problem.freedoms.size() == 1 && context.problem.freedoms[0]->IsToolRotation()) {
-    for (size_t t = 0; t < graph.size(); ++t) plan.verdicts.push_back(PackVerdicts(LayerVerdicts(graph, t)));
-  }
-  plan.searched = {};
-}
-
-void SmoothPieces(const PassContext& context, PassPlan& plan) {
-  plan.unsmoothed = plan.nodes;
-  for (const Piece& piece : plan.pieces) {
-    PieceChecker checker = MakeChecker(context, piece);
-    const auto first = static_cast<size_t>(piece.first), count = static_cast<size_t>(piece.last) - first + 1;
-    const std::span<const MillingPoint> points = context.points.subspan(first, count);
-    SmoothOptions options;
-    options.loss = context.options.smoothing_loss / static_cast<double>(context.problem.freedoms.size());
-    options.max_step =
-        StepBoundsAlong(context.options.steps, context.problem.arm, StepPoints(context.problem, points));
-    options.max_lean = LeanBounds(context.problem, context.options.max_lean_change, points);
-    options.max_deviation = context.options.max_deviation;
-    options.keep_worst = context.options.worst_first;
-    options.closed = piece.closed;
-    options.stop = context.stop;
-    for (options.freedom = 0; options.freedom < context.problem.freedoms.size(); ++options.freedom)
-      SmoothFree(std::span(context.scorers).subspan(first, count), points, options, checker,
-                 std::span(plan.nodes).subspan(first, count));
-    plan.poses_checked += checker.poses_checked();
-  }
 }
 
 }  // namespace millpose

@@ -4,6 +4,7 @@
 
 #include "path/free_optimum.hpp"
 #include "path/pass_context.hpp"
+#include "path/piece_check.hpp"
 #include "path/refine.hpp"
 
 namespace millpose {
@@ -31,6 +32,7 @@ struct PassPlan {
     std::shared_ptr<CandidateGraph> graph;
     Sequence sequence;
     bool all_revolutions = false;
+    bool best = false;  ///< known to be the best of all sequences, with walls or without
   };
   Searched searched;
 };
@@ -38,6 +40,9 @@ struct PassPlan {
 /// Ladder search, pruning of what interferes, refinement, splits. Empty when, with all_revolutions
 /// false, a piece winds a joint out of its limits (Layer); with all_revolutions there is always a plan.
 std::optional<PassPlan> PlanPieces(const PassContext& context, bool all_revolutions);
+
+/// What checks a piece of the pass.
+PieceChecker MakeChecker(const PassContext& context, const Piece& piece);
 
 /// What the reports tell of the layers once the plan stands (price.hpp): free optima, bound, verdicts.
 void LookBack(const PassContext& context, PassPlan& plan);

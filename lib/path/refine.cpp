@@ -57,15 +57,29 @@ std::vector<Candidate> ScoreOn(const PointScorer& scorer, const std::vector<Free
   return candidates;
 }
 
-/// The window of a centre as nodes of a course; along the first freedom, also the ends of the intervals that
-/// lie between two neighbours.
-void AddWindow(const PointScorer& scorer, const PathNode& at, const FreedomValues& centre, const Span& span,
-               int course, std::vector<NodeSeed>& seeds) {
+/// Settings about a centre and what they are worth.
+struct ScoredWindow {
+  std::vector<FreedomValues> settings;
+  std::vector<Candidate> candidates;
+
+  ScoredWindow(const PointScorer& scorer, const FreedomValues& centre, const Span& span, int branch)
+      : settings(Window(scorer.problem(), centre, span)), candidates(ScoreOn(scorer, settings, branch)) {}
+
+  /// At `freedoms`; scored now where these are none of the settings.
+  Candidate At(const PointScorer& scorer, const FreedomValues& freedoms, int branch) const {
+    const auto found = std::ranges::find(settings, freedoms);
+    return found == settings.end() ? scorer.ScoreOne(freedoms, branch) : candidates[found - settings.begin()];
+  }
+};
+
+/// A window as nodes of a course; along the first freedom, also the ends of the intervals that lie between
+/// two neighbours.
+void AddWindow(const PointScorer& scorer, const PathNode& at, const ScoredWindow& window, int course,
+               std::vector<NodeSeed>& seeds) {
   const auto add = [&](const FreedomValues& freedoms, const Candidate& candidate) {
     seeds.push_back({freedoms, candidate, at.branch, false, course});
   };
-  const std::vector<FreedomValues> settings = Window(scorer.problem(), centre, span);
-  const std::vector<Candidate> candidates = ScoreOn(scorer, settings, at.branch);
+  const auto& [settings, candidates] = window;
   for (size_t k = 0; k < settings.size(); ++k) {
     const bool admissible = candidates[k].obstacle == Obstacle::kNone;
     if (settings[k] != at.freedoms) add(settings[k], candidates[k]);
@@ -85,10 +99,12 @@ void AddWindow(const PointScorer& scorer, const PathNode& at, const FreedomValue
 /// The nodes that a path may take at one point, all in one course.
 std::vector<NodeSeed> WindowSeeds(const PointScorer& scorer, const PointOptimum& genetic, const PathNode& at,
                                   const Span& span) {
+  if (at.frozen) return {{at.freedoms, scorer.ScoreOne(at.freedoms, at.branch), at.branch, at.genetic}};
   std::vector<NodeSeed> seeds;
-  seeds.push_back({at.freedoms, scorer.ScoreOne(at.freedoms, at.branch), at.branch, at.genetic});
-  if (at.frozen) return seeds;
-  AddWindow(scorer, at, at.freedoms, span, 0, seeds);
+  seeds.reserve(2 * kHalfWindow + 4);
+  const ScoredWindow window(scorer, at.freedoms, span, at.branch);
+  seeds.push_back({at.freedoms, window.At(scorer, at.freedoms, at.branch), at.branch, at.genetic});
+  AddWindow(scorer, at, window, 0, seeds);
   if (!at.genetic && genetic.found && genetic.branch == at.branch) {
     bool inside = std::abs(WrapToPi(genetic.freedoms[0] - at.freedoms[0])) <= kHalfWindow * span.step;
     for (size_t d = 1; d < at.freedoms.size(); ++d)
@@ -126,7 +142,7 @@ std::vector<NodeSeed> ShiftedSeeds(const PointScorer& scorer, const PathNode& at
       const Freedom& freedom = *scorer.problem().freedoms[d];
       centre[d] = std::clamp(centre[d] + shifts[course][d], freedom.Lower(), freedom.Upper());
     }
-    AddWindow(scorer, at, centre, span, static_cast<int>(course), seeds);
+    AddWindow(scorer, at, ScoredWindow(scorer, centre, span, at.branch), static_cast<int>(course), seeds);
   }
   return seeds;
 }

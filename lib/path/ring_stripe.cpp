@@ -71,7 +71,7 @@ std::pair<size_t, Run> RunBeside(const ClosedSearch& search, size_t at) {
 
 std::string ExplainStripe(const ClosedSearch& search) {
   constexpr double kNotable = 0.02, kShare = 1.0 / 3;
-  constexpr int kSweeps = 8;
+  constexpr int kSweeps = 2;
   const double closed = search.sequence.cost, barred = closed - search.unbarred;
   if (!(barred > kNotable * search.unbarred)) return "";
   const auto [sighting, points] = CommonPair(search.graph);

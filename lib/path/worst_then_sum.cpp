@@ -25,6 +25,21 @@ std::vector<double> PossibleBounds(const LadderProblem& problem, double most) {
   return values;
 }
 
+/// No sequence without breaks but those that are asked for has a smaller worst value: the largest of the
+/// layers' least ones; +inf where some layer has no node.
+double LeastWorstOf(const LadderProblem& problem) {
+  double least = 0;
+  for (const Layer& layer : problem.layers)
+    least = std::max(least, layer.size() == 0 ? kInfinity : *std::ranges::min_element(layer.objective));
+  return least <= problem.most ? least : kInfinity;
+}
+
+size_t BreaksAskedFor(const LadderProblem& problem) {
+  if (problem.break_before.empty()) return 0;
+  return problem.break_before.size() - static_cast<size_t>(std::ranges::count(problem.break_before, 0)) -
+         (problem.break_before[0] != 0 ? 1 : 0);
+}
+
 }  // namespace
 
 LadderProblem Within(LadderProblem problem, double bound) {
@@ -43,6 +58,16 @@ Sequence WorstThenSum::Open(const LadderProblem& problem) {
   if (std::isfinite(bound_)) {
     Sequence sequence = SearchOpen(Within(problem, bound_));
     if (Breaks(sequence) <= breaks_) return sequence;
+  }
+  // One search suffices where the worst value is that of a point which has none better.
+  const double least_bound = LeastWorstOf(problem);
+  if (std::isfinite(least_bound) && !(least_bound <= bound_ && std::isfinite(bound_))) {
+    Sequence sequence = SearchOpen(Within(problem, least_bound));
+    if (Breaks(sequence) <= BreaksAskedFor(problem) && WorstOf(problem.layers, sequence) == least_bound) {
+      bound_ = least_bound;
+      breaks_ = Breaks(sequence);
+      return sequence;
+    }
   }
   LadderProblem for_worst = problem;
   for_worst.worst = true;

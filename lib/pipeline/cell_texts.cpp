@@ -3,7 +3,7 @@
 
 #include "base/units.hpp"
 #include "path/gap_planner.hpp"
-#include "pipeline/assemble.hpp"
+#include "pipeline/text_settings.hpp"
 #include "program/controller_axes.hpp"
 #include "program/templates.hpp"
 
@@ -23,8 +23,10 @@ std::vector<DeclaredCall> CallsOf(const PostSettings& post, const std::string& t
   return calls;
 }
 
+/// External axes that the controller does not name matter where programs are asked for (LoadJobInputs).
 PostSettings SettingsOf(const CellSettings& cell, const std::string& controller) {
-  return MakePostSettings(JobSettings{}, cell, controller);
+  if (cell.external_axes.empty()) return MakePostSettings(JobSettings{}, cell, controller);
+  return MakeTextSettings(JobSettings{}, cell, controller);
 }
 
 /// The arm stands at home before and behind these texts; anywhere else it stands where a cut wants it.

@@ -2,6 +2,7 @@
 #include "pipeline/checkpoint_key.hpp"
 
 #include "base/process.hpp"
+#include "pipeline/kept_pass.hpp"
 #include "pipeline/value_bytes.hpp"
 #include "plan/pass_value.hpp"
 
@@ -19,7 +20,7 @@ void AppendTo(ValueBytes& bytes, const Objective& objective) {
 void AppendTo(ValueBytes& bytes, const LeanSurface& surface) { bytes.Add(surface.tolerance()); }
 
 std::string PassContext(const PoseProblem& problem, const World& world, const PathOptions& options) {
-  return HashOfValues(ProgramId(), problem, world.cell(), options);
+  return HashOfValues(ProgramId(), problem, WithoutPlaces(world.cell()), options);
 }
 
 std::string GapContext(const World& world, const GapOptions& options) {

@@ -15,7 +15,8 @@ void AppendTo(ValueBytes& bytes, const Freedom& freedom);
 void AppendTo(ValueBytes& bytes, const Objective& objective);
 void AppendTo(ValueBytes& bytes, const LeanSurface& surface);
 
-/// What all passes of a job are handed besides themselves, or all gaps besides their ends.
+/// What all passes of a job are handed besides themselves, or all gaps besides their ends. For passes without
+/// where obstacles stand: that is looked at apart (kept_pass.hpp).
 std::string PassContext(const PoseProblem& problem, const World& world, const PathOptions& options);
 std::string GapContext(const World& world, const GapOptions& options);
 

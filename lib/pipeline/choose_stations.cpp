@@ -20,8 +20,8 @@ namespace millpose {
 namespace {
 
 constexpr size_t kSample = 7;  // points of a pass
-constexpr size_t kLooks = 24;  // at a point on one branch for interference
-constexpr double kRotationStep = DegToRad(10);
+constexpr size_t kLooks = 72;  // at a point on one branch for interference
+constexpr double kRotationStep = DegToRad(5);
 constexpr size_t kNext = 3;  // further stations of a pass
 
 /// Every combination of the axes' values, the last axis fastest.

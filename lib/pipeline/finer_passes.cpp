@@ -40,19 +40,27 @@ bool CouldGain(const Pass& laid, const PassResult& pass) {
   return HasUnjoined(pass) || (!laid.closed && (pass.pieces.size() > 1 || PriceOf(pass) > kNoPrice));
 }
 
-/// The tool path in P, every step of the passes that `open` names cut into `parts`.
-Toolpath LayInParts(const LayingInputs& laying, const Toolpath& laid, int parts,
-                    const std::vector<char>& open, const Execution& execution) {
+/// The tool path in P, every step of the passes that `open` names cut into `parts`; those that are `turned`
+/// run from the other end than strategies lay them.
+Toolpath LayInParts(const PreparedJob& prepared, int parts, const std::vector<char>& open,
+                    const Execution& execution) {
+  const LayingInputs& laying = prepared.laying;
   const JobInputs& inputs = laying.inputs;
   JobToolpath made = MakeJobToolpath(inputs, laying.mesh, execution.stop, parts), checked;
-  Toolpath whole = laid;
+  Toolpath whole = prepared.made.toolpath;
   if (made.toolpath.passes.size() != open.size()) return whole;
   for (size_t i = 0; i < open.size(); ++i)
     if (open[i] != 0) checked.toolpath.passes.push_back(std::move(made.toolpath.passes[i]));
   CheckJobGouges(inputs, laying.mesh, execution.Threads(), checked, execution.stop);
-  for (size_t i = 0, k = 0; i < open.size(); ++i)
-    if (open[i] != 0) whole.passes[i] = std::move(checked.toolpath.passes[k++]);
-  SetEngagementOf(open, inputs, laying.mesh, execution, whole);
+  std::vector<std::vector<char>> points(open.size());
+  for (size_t i = 0, k = 0; i < open.size(); ++i) {
+    if (open[i] != 0) {
+      const Pass& pass = checked.toolpath.passes[k++];
+      whole.passes[i] = prepared.turned[i] != 0 ? RunFromEnd(pass) : pass;
+    }
+    points[i].assign(whole.passes[i].points.size(), open[i]);
+  }
+  SetEngagementOf(points, inputs, laying.mesh, execution, whole);
   return whole;
 }
 
@@ -66,11 +74,14 @@ void PlanFiner(const JobInputs& inputs, PreparedJob& prepared, const CheckpointS
   // Against a bound per step more points help in the end, even if twice as many do not.
   const bool steps_bounded = std::isfinite(options.steps.most.minCoeff());
   const auto value = [&](const PassResult& pass) { return ValueOf(AtNominalLean(prepared.problem, pass)); };
-  Toolpath tried = prepared.toolpath;
-  std::vector<PassResult> plans = passes;  // of what was tried last
   std::vector<char> open(passes.size(), 0);
-  for (size_t i = 0; i < passes.size(); ++i)
-    open[i] = wanted(i) && CouldGain(tried.passes[i], passes[i]) ? 1 : 0;
+  std::vector<PassResult> plans(passes.size());  // of what was tried last, where it is open
+  for (size_t i = 0; i < passes.size(); ++i) {
+    open[i] = wanted(i) && CouldGain(prepared.toolpath.passes[i], passes[i]) ? 1 : 0;
+    if (open[i] != 0) plans[i] = passes[i];
+  }
+  if (std::ranges::count(open, 1) == 0) return;
+  Toolpath tried = prepared.toolpath;
   for (int parts = 2; parts <= kMostParts; parts *= 2) {
     std::vector<std::vector<char>> large(passes.size());
     size_t points = 0;
@@ -84,13 +95,12 @@ void PlanFiner(const JobInputs& inputs, PreparedJob& prepared, const CheckpointS
     }
     if (points == 0) return;
     execution.progress.Begin("finer passes", points);
-    const Toolpath& laid = prepared.made.toolpath;
-    const Toolpath finer =
-        AtStations(inputs,
-                   Kept<Toolpath>(checkpoints, fmt::format("finer-{}", parts),
-                                  StageKey(prepared.laying.key, laid, parts, open),
-                                  [&] { return LayInParts(prepared.laying, laid, parts, open, execution); }),
-                   prepared.stations, prepared.external);
+    const Toolpath finer = AtStations(
+        inputs,
+        Kept<Toolpath>(checkpoints, fmt::format("finer-{}", parts),
+                       StageKey(prepared.laying.key, prepared.made.toolpath, prepared.turned, parts, open),
+                       [&] { return LayInParts(prepared, parts, open, execution); }),
+        prepared.stations, prepared.external);
     for (size_t i = 0; i < passes.size(); ++i)
       if (open[i] != 0) tried.passes[i] = WithPointsBetween(tried.passes[i], finer.passes[i], large[i]);
     PlannedPasses again = PlanPasses(

@@ -6,8 +6,8 @@
 namespace millpose {
 
 /// The right to write into an output folder: either to add checkpoints, beside others that do, or alone to
-/// write results. A file `.owner.HOST.PROCESS.NUMBER` says who has it; where the file system has no locks that file
-/// is all there is, and `warning` says so.
+/// write results. A file `.owner.HOST.PROCESS.NUMBER` says who has it; where the file system has no locks
+/// that file is all there is, and `warning` says so.
 class FolderLock {
  public:
   /// Throws InputError naming who has the folder (host, process, since when) where it cannot be had.

@@ -82,6 +82,13 @@ void CheckCutter(const JobInputs& inputs, std::vector<Problem>& problems) {
   check("toolpath.depth.per_layer_mm", std::min(job.toolpath.layers.total, job.toolpath.layers.per_layer));
 }
 
+/// A job without programs is planned in a cell whose controllers do not know its external axes.
+void CheckProgrammedAxes(const JobInputs& inputs) {
+  if (inputs.cell.external_axes.empty()) return;
+  for (const std::string& controller : inputs.job.programs)
+    if (inputs.cell.controllers.contains(controller)) MakePostSettings(inputs.job, inputs.cell, controller);
+}
+
 }  // namespace
 
 std::vector<std::string> CellWarnings(const CellSettings& cell) {
@@ -141,6 +148,7 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
   if (problems.empty()) CheckCutter(inputs, problems);
   if (problems.empty()) CheckLeanRanges(inputs, problems);
   if (problems.empty()) problems = CheckExternal(inputs.job, inputs.cell);
+  if (problems.empty()) Collect(problems, [&] { CheckProgrammedAxes(inputs); });
   if (problems.empty()) problems = CheckCompensation(inputs.job, inputs.cell);
   if (!problems.empty()) throw Located(InputError(std::move(problems)), inputs);
   inputs.hash = HashOf(inputs);

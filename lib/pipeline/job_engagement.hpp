@@ -23,8 +23,8 @@ double ChipExponent(const JobSettings& job);
 std::optional<CuttingForce> SetJobEngagement(const JobInputs& inputs, const Mesh& mesh, int threads,
                                              const std::stop_token& stop, Toolpath& toolpath);
 
-/// Sets the same for the passes that are set in `of` alone, in a variant of that tool path.
-void SetEngagementOf(const std::vector<char>& of, const JobInputs& inputs, const Mesh& mesh,
+/// Sets the same in a variant of that tool path, for the points alone that are set in `of`, by pass.
+void SetEngagementOf(const std::vector<std::vector<char>>& of, const JobInputs& inputs, const Mesh& mesh,
                      const Execution& execution, Toolpath& toolpath);
 
 /// Leaves out the pieces of a plan that would cut more than 20 % wider or deeper than any of the job's own

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.hpp"
 #include "pipeline/assemble.hpp"
+#include "pipeline/text_settings.hpp"
 #include "program/external_axes.hpp"
 
 namespace millpose {
@@ -120,7 +121,7 @@ std::string NoProgramsFor(const ArmSettings& arm, const std::string& controller)
       controller, arm.name, fmt::join(allowed, ", "));
 }
 
-PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
+PostSettings MakeTextSettings(const JobSettings& job, const CellSettings& cell,
                               const std::string& controller) {
   const Place place{job.file.empty() ? cell.file : job.file, job.programs_line};
   if (const std::string refusal = NoProgramsFor(cell.arm, controller); !refusal.empty())
@@ -147,9 +148,15 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
   post.tolerance = WrittenTolerance({job.program_options.path_tolerance, job.program_options.path_angle});
   post.blend = options.post->Blend(post.tolerance, job.toolpath.chord_tolerance);
   post.orientation_blend = post.tolerance.angle;
+  return post;
+}
+
+PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
+                              const std::string& controller) {
+  PostSettings post = MakeTextSettings(job, cell, controller);
   if (const std::string refusal = WhyNotWithAxes(post, controller); !refusal.empty())
     throw InputError(Place{cell.file, post.controller_axes_line}, refusal);
-  if (const std::string refusal = options.post->WhyNotIn(post); !refusal.empty())
+  if (const std::string refusal = cell.controllers.at(controller).post->WhyNotIn(post); !refusal.empty())
     throw InputError(Place{cell.file}, refusal);
   return post;
 }

@@ -10,12 +10,22 @@ namespace millpose {
 namespace {
 
 constexpr double kGain = 0.005;  // of a pass's objective, that another station must be worth
+constexpr double kJoined = 1.1;  // times its own optimum, that the worst point of a pass may have
 
 /// Points that another station could serve: a gouge is one everywhere.
 bool LosesPoints(const PassResult& pass) {
   return std::ranges::any_of(pass.points, [](const PlannedPoint& point) {
     return point.skip != Obstacle::kNone && point.skip != Obstacle::kGouge;
   });
+}
+
+/// Whether joining its poses costs the worst point of a pass much: the scores that stations are chosen by
+/// know nothing of that.
+bool PaysForJoining(const PassResult& pass) {
+  const PlannedPoint* worst = nullptr;
+  for (const PlannedPoint& point : pass.points)
+    if (point.skip == Obstacle::kNone && (!worst || point.objective > worst->objective)) worst = &point;
+  return worst && worst->own_optimum > 0 && worst->objective > kJoined * worst->own_optimum;
 }
 
 }  // namespace
@@ -31,7 +41,8 @@ void PlanOtherStations(const JobInputs& inputs, PreparedJob& prepared, const Che
     size_t points = 0;
     std::vector<ExternalPosition> external = prepared.external;
     for (size_t i = 0; i < next.size(); ++i) {
-      again[i] = wanted(i) && round < next[i].size() && LosesPoints(passes[i]) ? 1 : 0;
+      const bool poor = LosesPoints(passes[i]) || (options.worst_first && PaysForJoining(passes[i]));
+      again[i] = wanted(i) && round < next[i].size() && poor ? 1 : 0;
       if (again[i] == 0) continue;
       external[i] = next[i][round];
       points += prepared.toolpath.passes[i].points.size();

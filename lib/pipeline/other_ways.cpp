@@ -1,98 +1,108 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/other_ways.hpp"
 
-#include "base/parallel.hpp"
 #include "path/nominal_plan.hpp"
 #include "pipeline/assemble.hpp"
-#include "pipeline/job_engagement.hpp"
-#include "pipeline/kept_stage.hpp"
-#include "pipeline/plan_passes.hpp"
-#include "plan/pass_value.hpp"
-#include "pose/lean_problem.hpp"
-#include "pose/search.hpp"
+#include "pipeline/promised_ways.hpp"
 #include "toolpath/make_toolpath.hpp"
-#include "toolpath/pass_variants.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr double kGain = 0.05;  // of a pass's objective: less is not worth a longer way to the pass's start
-constexpr int kSettings = 48;   // of the rotation, for the first look at what the other way promises
-
-/// The objective at the points' own best poses.
-struct Promise {
-  double worst = 0, sum = 0;
-
-  void Take(double objective) {
-    worst = std::max(worst, objective);
-    sum += objective;
+class BestWays {
+ public:
+  BestWays(const JobInputs& inputs, PreparedJob& prepared, const CheckpointStore& checkpoints,
+           const Execution& execution)
+      : prepared_(prepared),
+        laid_(prepared.toolpath),
+        free_(FreeDirections(inputs.job) && prepared.problem.objective->DependsOnFeed()),
+        options_(MakePathOptions(inputs.job)),
+        checkpoints_(checkpoints),
+        execution_(execution) {
+    prepared_.turned.assign(laid_.passes.size(), 0);
   }
+
+  PlannedPasses Plan(const std::vector<char>& wanted) {
+    if (free_) Turn(wanted);
+    execution_.progress.Begin("passes", PointsOf(wanted));
+    PlannedPasses planned = PlanOf(prepared_.toolpath, wanted);
+    execution_.progress.End(
+        fmt::format("{} passes, {} of them from checkpoints", planned.passes.size(), planned.resumed));
+    if (free_) TurnBack(planned.passes);
+    return planned;
+  }
+
+ private:
+  size_t PointsOf(const std::vector<char>& wanted) const {
+    size_t count = 0;
+    for (size_t i = 0; i < wanted.size(); ++i)
+      if (wanted[i] != 0) count += laid_.passes[i].points.size();
+    return count;
+  }
+  PlannedPasses PlanOf(const Toolpath& toolpath, const std::vector<char>& wanted) const {
+    return PlanPasses(
+        prepared_.stations, prepared_.external, toolpath, options_, checkpoints_,
+        [&](size_t i) { return wanted[i] != 0; }, execution_);
+  }
+  PassValue ValueAtNominal(const PassResult& pass) const {
+    return ValueOf(AtNominalLean(prepared_.problem, pass));
+  }
+
+  /// Turns what promises to be better so.
+  void Turn(const std::vector<char>& wanted) {
+    execution_.progress.Begin("directions", 0);
+    ways_ = FindPromisedWays(prepared_, wanted, options_.worst_first, checkpoints_, execution_);
+    prepared_.turned = ways_.promising;
+    for (size_t i = 0; i < wanted.size(); ++i) {
+      if (prepared_.turned[i] == 0) continue;
+      Pass& pass = prepared_.toolpath.passes[i];
+      pass = ways_.turned.passes[i];
+      Transform(prepared_.stations.At(prepared_.external[i]).world.cell().X_WP, pass);
+      pass.rotation_reference = laid_.passes[i].rotation_reference;
+    }
+    execution_.progress.End(
+        fmt::format("{} passes promise more from their other end", std::ranges::count(ways_.promising, 1)));
+  }
+
+  /// Plans as they are laid those turned passes that could be better so, and keeps the better plan.
+  void TurnBack(std::vector<PassResult>& passes) {
+    if (std::ranges::count(prepared_.turned, 1) == 0) return;
+    std::vector<char> open(passes.size(), 0);
+    for (size_t i = 0; i < passes.size(); ++i)
+      open[i] = prepared_.turned[i] != 0 &&
+                !IsBetterThanAny(ValueAtNominal(passes[i]), ways_.laid[i], options_.worst_first);
+    execution_.progress.Begin("other ways", PointsOf(open));
+    PlannedPasses others = PlanOf(laid_, open);
+    std::vector<size_t> turns;
+    for (size_t i = 0; i < passes.size(); ++i) {
+      if (prepared_.turned[i] == 0) continue;
+      if (open[i] == 0 || IsBetter(ValueAtNominal(passes[i]), ValueAtNominal(others.passes[i]),
+                                   options_.worst_first, kGainOfTurning)) {
+        prepared_.made.toolpath.passes[i] = std::move(ways_.turned.passes[i]);
+        turns.push_back(i);
+      } else {
+        passes[i] = std::move(others.passes[i]);
+        prepared_.toolpath.passes[i] = laid_.passes[i];
+        prepared_.turned[i] = 0;
+      }
+    }
+    execution_.progress.End(fmt::format("{} passes run the other way round", turns.size()));
+    if (!turns.empty())
+      prepared_.warnings.push_back(
+          fmt::format("toolpath: passes {} run from their other end, where the force bends the arm less "
+                      "(direction: zigzag leaves it open)",
+                      fmt::join(turns, ", ")));
+  }
+
+  PreparedJob& prepared_;
+  const Toolpath laid_;  ///< in W
+  bool free_;
+  const PathOptions options_;
+  const CheckpointStore& checkpoints_;
+  const Execution& execution_;
+  PromisedWays ways_;
 };
-
-Promise PromiseOf(const PassResult& planned) {
-  Promise promise;
-  for (const PlannedPoint& point : planned.points)
-    if (point.point.kind == PointKind::kCut) promise.Take(point.own_optimum);
-  return promise;
-}
-
-PointOptimum OwnOptimum(const PointScorer& scorer) {
-  if (!HasLean(scorer.problem())) return RefineTable(scorer, CandidateTable::OfSize(scorer, kSettings));
-  const PointOptimum best = RefineTable(scorer, CandidateTable::OfStep(scorer, 2 * kPi / kSettings));
-  return best.found ? Descend(scorer, best) : best;
-}
-
-Promise PromiseOf(const PoseProblem& problem, const Pass& pass) {
-  Promise promise;
-  for (const MillingPoint& point : pass.points) {
-    if (point.kind != PointKind::kCut || point.gouge > 0) continue;
-    const PointScorer scorer(problem, point, pass.rotation_reference);
-    const PointOptimum best = OwnOptimum(scorer);
-    if (best.found) promise.Take(best.objective);
-  }
-  return promise;
-}
-
-/// Every pass that may be turned round run from its end, and what it promises then.
-struct OtherWays {
-  Toolpath turned;                ///< in W
-  std::vector<Promise> promises;  ///< by pass; of those that may be turned and are wanted
-};
-
-OtherWays TurnRound(const PreparedJob& prepared, const std::vector<char>& wanted,
-                    const Execution& execution) {
-  const std::vector<Pass>& laid = prepared.toolpath.passes;
-  OtherWays ways{prepared.toolpath, std::vector<Promise>(laid.size())};
-  std::vector<char> reversible;
-  for (Pass& pass : ways.turned.passes) {
-    reversible.push_back(pass.reversible ? 1 : 0);
-    if (pass.reversible) pass = RunFromEnd(pass);
-  }
-  const auto station = [&](size_t i) -> const Station& { return prepared.stations.At(prepared.external[i]); };
-  const auto part = [&](size_t i) { return station(i).world.cell().X_WP; };
-  Toolpath on_part = ways.turned;
-  for (size_t i = 0; i < laid.size(); ++i) Transform(part(i).inverse(), on_part.passes[i]);
-  SetEngagementOf(reversible, prepared.laying.inputs, prepared.laying.mesh, execution, on_part);
-  for (size_t i = 0; i < laid.size(); ++i) Transform(part(i), on_part.passes[i]);
-  ParallelFor(laid.size(), execution.Threads(), execution.stop, [&](size_t i) {
-    Pass& pass = ways.turned.passes[i];
-    for (size_t t = 0; t < pass.points.size(); ++t)
-      pass.points[t].engagement = on_part.passes[i].points[t].engagement;
-    if (wanted[i] != 0 && reversible[i] != 0) ways.promises[i] = PromiseOf(station(i).problem, pass);
-  });
-  return ways;
-}
-
-/// The same, or what it came to before.
-OtherWays KeptWays(const PreparedJob& prepared, const std::vector<char>& wanted,
-                   const CheckpointStore& checkpoints, const Execution& execution) {
-  const Cell& cell = prepared.cell;
-  const std::string key = StageKey(prepared.laying.key, prepared.toolpath, prepared.external,
-                                   prepared.problem, cell.X_WP, cell.external_axes, wanted);
-  return Kept<OtherWays>(checkpoints, "other-ways", key,
-                         [&] { return TurnRound(prepared, wanted, execution); });
-}
 
 }  // namespace
 
@@ -106,44 +116,11 @@ bool DependsOnFeed(const JobSettings& job, const Objective& objective) {
   return job.cutting || objective.DependsOnFeed();
 }
 
-void PlanOtherWays(const JobInputs& inputs, PreparedJob& prepared, const CheckpointStore& checkpoints,
-                   const std::function<bool(size_t)>& wanted, const Execution& execution,
-                   std::vector<PassResult>& passes) {
-  if (!FreeDirections(inputs.job) || !prepared.problem.objective->DependsOnFeed()) return;
-  const PathOptions options = MakePathOptions(inputs.job);
-  std::vector<char> asked(passes.size());
-  for (size_t i = 0; i < passes.size(); ++i) asked[i] = wanted(i) ? 1 : 0;
-  const auto [turned, promises] = KeptWays(prepared, asked, checkpoints, execution);
-  std::vector<char> promising(passes.size(), 0);
-  for (size_t i = 0; i < passes.size(); ++i) {
-    if (asked[i] == 0 || !turned.passes[i].reversible) continue;
-    const Promise now = PromiseOf(passes[i]), &other = promises[i];
-    promising[i] =
-        (options.worst_first && other.worst < now.worst * (1 - kGain)) || other.sum < now.sum * (1 - kGain);
-  }
-  size_t points = 0;
-  for (size_t i = 0; i < passes.size(); ++i)
-    if (promising[i] != 0) points += turned.passes[i].points.size();
-  if (points == 0) return;
-  execution.progress.Begin("other ways", points);
-  PlannedPasses again = PlanPasses(
-      prepared.stations, prepared.external, turned, options, checkpoints,
-      [&](size_t i) { return promising[i] != 0; }, execution);
-  std::vector<size_t> turns;
-  for (size_t i = 0; i < passes.size(); ++i) {
-    if (promising[i] == 0) continue;
-    const auto value = [&](const PassResult& pass) { return ValueOf(AtNominalLean(prepared.problem, pass)); };
-    if (!IsBetter(value(again.passes[i]), value(passes[i]), options.worst_first, kGain)) continue;
-    passes[i] = std::move(again.passes[i]);
-    prepared.toolpath.passes[i] = turned.passes[i];
-    turns.push_back(i);
-  }
-  execution.progress.End(fmt::format("{} passes run the other way round", turns.size()));
-  if (!turns.empty())
-    prepared.warnings.push_back(
-        fmt::format("toolpath: passes {} run from their other end, where the force bends the arm less "
-                    "(direction: zigzag leaves it open)",
-                    fmt::join(turns, ", ")));
+PlannedPasses PlanBestWays(const JobInputs& inputs, PreparedJob& prepared, const CheckpointStore& checkpoints,
+                           const std::function<bool(size_t)>& wanted, const Execution& execution) {
+  std::vector<char> of(prepared.toolpath.passes.size());
+  for (size_t i = 0; i < of.size(); ++i) of[i] = wanted(i) ? 1 : 0;
+  return BestWays(inputs, prepared, checkpoints, execution).Plan(of);
 }
 
 }  // namespace millpose

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "pipeline/plan_job.hpp"
+#include "pipeline/plan_passes.hpp"
 
 namespace millpose {
 
@@ -13,11 +14,11 @@ bool FreeDirections(const JobSettings& job);
 /// Whether what the poses of a job depend on knows the feed's direction, as a force does.
 bool DependsOnFeed(const JobSettings& job, const Objective& objective);
 
-/// In a zigzag whose poses depend on the feed, plans those of the `wanted` passes once more, run from their
-/// end with the force of that way, whose points could gain by it. A pass is turned round where its plan is
-/// better so (IsBetter), in `passes` and in `prepared.toolpath`; a warning names them. Throws Interrupted.
-void PlanOtherWays(const JobInputs& inputs, PreparedJob& prepared, const CheckpointStore& checkpoints,
-                   const std::function<bool(size_t)>& wanted, const Execution& execution,
-                   std::vector<PassResult>& passes);
+/// Plans the `wanted` passes. In a zigzag whose poses depend on the feed, one that promises a gain from its
+/// other end (FindPromisedWays) is planned from there, and as it is laid too where the first plan leaves open
+/// which is better (IsBetter); what is turned stands turned in `prepared` too, and a warning names it. Throws
+/// Interrupted.
+PlannedPasses PlanBestWays(const JobInputs& inputs, PreparedJob& prepared, const CheckpointStore& checkpoints,
+                           const std::function<bool(size_t)>& wanted, const Execution& execution);
 
 }  // namespace millpose

@@ -46,24 +46,12 @@ PlanResult StartPlan(const JobInputs& inputs, const PreparedJob& prepared) {
   return plan;
 }
 
-size_t PointsOf(const Share& share, const Toolpath& toolpath) {
-  size_t count = 0;
-  for (size_t i = share.index; i < toolpath.passes.size(); i += share.count)
-    count += toolpath.passes[i].points.size();
-  return count;
-}
-
 PlannedPasses PlanPassesOf(const JobInputs& inputs, PreparedJob& prepared, const Share& share,
                            const CheckpointStore& checkpoints, const Execution& execution) {
-  execution.progress.Begin("passes", PointsOf(share, prepared.toolpath));
   const auto own = [&](size_t pass) { return share.Has(pass); };
-  PlannedPasses planned = PlanPasses(prepared.stations, prepared.external, prepared.toolpath,
-                                     MakePathOptions(inputs.job), checkpoints, own, execution);
-  execution.progress.End(
-      fmt::format("{} passes, {} of them from checkpoints", planned.passes.size(), planned.resumed));
+  PlannedPasses planned = PlanBestWays(inputs, prepared, checkpoints, own, execution);
   PlanOtherStations(inputs, prepared, checkpoints, own, execution, planned.passes);
   PlanFiner(inputs, prepared, checkpoints, own, execution, planned.passes);
-  PlanOtherWays(inputs, prepared, checkpoints, own, execution, planned.passes);
   return planned;
 }
 
@@ -170,6 +158,7 @@ PreparedJob Prepare(const JobInputs& inputs, const CheckpointStore& checkpoints,
           std::move(laying),
           std::move(made),
           std::move(toolpath),
+          {},
           std::move(problem),
           stations,
           std::move(choices.external),

@@ -23,10 +23,11 @@ namespace millpose {
 struct PreparedJob {
   Cell cell;  ///< with the workpiece in its place; the external axes at 0, as in `world` and `problem`
   World world;
-  ImportResult surface;  ///< the workpiece's mesh, in P
-  LayingInputs laying;   ///< what the tool path was laid from
-  JobToolpath made;      ///< in P
-  Toolpath toolpath;     ///< in W, each pass at its station
+  ImportResult surface;      ///< the workpiece's mesh, in P
+  LayingInputs laying;       ///< what the tool path was laid from
+  JobToolpath made;          ///< in P, without points inserted later
+  Toolpath toolpath;         ///< in W, each pass at its station
+  std::vector<char> turned;  ///< passes that run from their other end than they were laid, in `made` too
   PoseProblem problem;
   Stations stations;
   std::vector<ExternalPosition> external;                ///< of each pass, where the external axes stand

@@ -9,26 +9,31 @@
 #include "path/nominal_plan.hpp"
 #include "path/station_gap.hpp"
 #include "pipeline/checkpoint_key.hpp"
+#include "pipeline/kept_pass.hpp"
 
 namespace millpose {
 namespace {
 
-// What `parse` reads from the checkpoint, if there is one and it is what was asked for. One that cannot be
-// read is as good as none.
-template <class Result>
-std::optional<Result> Resume(const CheckpointStore& checkpoints, const std::string& key,
-                             Result (*parse)(std::string_view, const std::string&),
-                             const std::function<bool(const Result&)>& fits) {
+// The gap kept under a key, if there is one and it is what was asked for. One that cannot be read is as good
+// as none.
+std::optional<Gap> ReadGap(const CheckpointStore& checkpoints, const std::string& key, const GapEnd& from,
+                           const GapEnd& to) {
   const std::optional<std::string> bytes = checkpoints.Read(key);
   if (!bytes) return std::nullopt;
   try {
-    Result result = parse(*bytes, key);
-    if (!fits(result)) return std::nullopt;
-    return result;
+    Gap gap = ParseGap(*bytes, key);
+    if (!IsGapOf(gap, from, to)) return std::nullopt;
+    return gap;
   } catch (const InputError&) {
     return std::nullopt;
   }
 }
+
+// What all passes at one station share.
+struct AtStation {
+  std::string context;
+  Obstacles obstacles;
+};
 
 }  // namespace
 
@@ -38,12 +43,12 @@ PlannedPasses PlanPasses(const Stations& stations, const std::vector<ExternalPos
                          const Execution& execution) {
   const int threads = execution.Threads();
   const size_t count = toolpath.passes.size();
-  std::map<ExternalPosition, std::string> contexts;
+  std::map<ExternalPosition, AtStation> at;
   for (size_t i = 0; i < count; ++i) {
-    if (!wanted(i)) continue;
-    std::string& context = contexts[external[i]];
+    if (!wanted(i) || at.contains(external[i])) continue;
     const Station& station = stations.At(external[i]);
-    if (context.empty()) context = PassContext(station.problem, station.world, options);
+    at[external[i]] = {PassContext(station.problem, station.world, options),
+                       ObstaclesOf(station.world.cell())};
   }
   std::vector<size_t> first_points(count, 0);
   for (size_t i = 1; i < count; ++i)
@@ -57,19 +62,21 @@ PlannedPasses PlanPasses(const Stations& stations, const std::vector<ExternalPos
   ParallelFor(count, threads, execution.stop, [&](size_t i) {
     if (!wanted(i)) return;
     const Pass& pass = toolpath.passes[i];
-    const std::string key = PassKey(contexts.at(external[i]), pass, i, first_points[i]);
+    const AtStation& shared = at.at(external[i]);
+    const std::string key = PassKey(shared.context, pass, i, first_points[i]);
+    const Station& station = stations.At(external[i]);
     const auto fits = [&](const PassResult& plan) {
       return IsPlanOf(AtNominalLean(stations.problem(), plan), pass, i);
     };
-    if (auto earlier = Resume<PassResult>(checkpoints, key, ParsePassResult, fits)) {
+    if (auto earlier = ReadPass(checkpoints, key, station.world, shared.obstacles, fits)) {
       planned.passes[i] = std::move(*earlier);
       ++resumed;
     } else {
-      const Station& station = stations.At(external[i]);
-      planned.passes[i] = PlanPass(station.problem, station.world, pass, static_cast<int>(i), first_points[i],
-                                   options, inner_threads, execution.stop);
+      const auto looks = std::make_shared<LookKeeper>();
+      planned.passes[i] = PlanPass(station.problem, station.world.Watched(looks), pass, static_cast<int>(i),
+                                   first_points[i], options, inner_threads, execution.stop);
       planned.passes[i].external = external[i];
-      checkpoints.Write(key, Serialise(planned.passes[i]));
+      WritePass(checkpoints, key, shared.obstacles, looks->Kept(), planned.passes[i]);
     }
     execution.progress.Advance(pass.points.size());
   });
@@ -87,8 +94,7 @@ PlannedGaps PlanGaps(const Stations& stations, const std::vector<std::pair<GapEn
   ParallelFor(ends.size(), execution.Threads(), execution.stop, [&](size_t i) {
     const GapEnd &from = ends[i].first, &to = ends[i].second;
     const std::string key = GapKey(context, from, to);
-    const auto fits = [&](const Gap& gap) { return IsGapOf(gap, from, to); };
-    if (auto earlier = Resume<Gap>(checkpoints, key, ParseGap, fits)) {
+    if (auto earlier = ReadGap(checkpoints, key, from, to)) {
       planned.gaps[i] = std::move(*earlier);
       ++resumed;
     } else {

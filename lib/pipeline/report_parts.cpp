@@ -11,7 +11,7 @@
 namespace millpose {
 namespace {
 
-constexpr size_t kMostCurves = 3000;  // points whose choice of pose report.html shows
+constexpr size_t kMostCurves = 1000;  // points whose choice of pose report.html shows
 
 /// The choice of poses at some points.
 struct Choices {

@@ -86,6 +86,16 @@ JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop
   return made;
 }
 
+namespace {
+
+/// What gouges at the nominal lean may be clear at another: the pose search asks for each (LeanGouges).
+void LeaveToLeans(Toolpath& toolpath) {
+  for (Pass& pass : toolpath.passes)
+    for (MillingPoint& point : pass.points) point.gouge = 0;
+}
+
+}  // namespace
+
 void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, int threads, JobToolpath& made,
                     std::stop_token stop) {
   const GougeOptions& options = inputs.job.toolpath.gouges;
@@ -113,7 +123,12 @@ void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, int threads, JobT
     size_t skipped = 0;
     for (const Pass& pass : made.toolpath.passes)
       for (const MillingPoint& point : pass.points) skipped += point.gouge > 0;
-    if (skipped > 0) sentence += fmt::format("; {} points are skipped", skipped);
+    if (skipped > 0 && inputs.job.toolpath.Leans()) {
+      LeaveToLeans(made.toolpath);
+      sentence += fmt::format("; {} points are planned at another lean or skipped", skipped);
+    } else if (skipped > 0) {
+      sentence += fmt::format("; {} points are skipped", skipped);
+    }
     made.warnings.push_back(sentence);
   }
 }

@@ -101,7 +101,9 @@ Timeline MakeTimeline(const PlanResult& plan, MotionOptions options, const TimeO
   Timeline timeline;
   if (plan.gaps.empty()) return timeline;
   options.calls.clear();
-  const PlanResult whole = WithLeaps(plan);
+  std::optional<PlanResult> leaping;  // a copy of the plan: made only where it differs
+  if (!std::ranges::all_of(plan.gaps, &Gap::planned)) leaping = WithLeaps(plan);
+  const PlanResult& whole = leaping ? *leaping : plan;
   const MotionProgram program = MakeMotionProgram(whole, options);
   const std::vector<TimeLaw> laws = TimeMotions(program, plan.arm, times);
   const std::vector<double> dwells = Dwells(program);

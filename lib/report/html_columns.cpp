@@ -7,6 +7,7 @@
 #include "base/units.hpp"
 #include "plan/point_clearance.hpp"
 #include "report/compensation.hpp"
+#include "report/leans.hpp"
 
 namespace millpose {
 namespace {
@@ -116,6 +117,12 @@ void AddMotion(const PlanResult& plan, Collector& c) {
           if (p.freedoms.empty()) return std::nullopt;
           return RadToDeg(p.freedoms[0]);
         });
+  if (HasLeans(plan)) {
+    c.Add("lead", "lead", "Lead of the tool axis towards the feed", "°", Worse::kNeither,
+          [](const PassResult& pass, size_t i) -> Value { return RadToDeg(LeansOf(pass.points[i]).lead); });
+    c.Add("tilt", "tilt", "Tilt of the tool axis to the feed's right", "°", Worse::kNeither,
+          [](const PassResult& pass, size_t i) -> Value { return RadToDeg(LeansOf(pass.points[i]).tilt); });
+  }
   for (int j = 0; j < 6; ++j) {
     c.Add(fmt::format("a{}", j + 1), fmt::format("A{}", j + 1), fmt::format("Joint {} angle", j + 1), "°",
           Worse::kNeither,

@@ -45,14 +45,16 @@ Json BodyJson(const Body& body, const HtmlLimits& limits) {
 }  // namespace
 
 std::string ScriptText(const Json& data) {
+  const std::string dumped = data.dump(-1, ' ', false, Json::error_handler_t::replace);
   std::string text;
-  for (const char c : data.dump(-1, ' ', false, Json::error_handler_t::replace)) {
-    if (c == '<')
-      text += "\\u003c";
-    else
-      text += c;
+  text.reserve(dumped.size());
+  for (size_t at = 0;;) {
+    const size_t open = dumped.find('<', at);
+    text.append(dumped, at, open - at);
+    if (open == std::string::npos) return text;
+    text += "\\u003c";
+    at = open + 1;
   }
-  return text;
 }
 
 Json Matrix(const Pose& pose) {

@@ -2,6 +2,7 @@
 // VTK XML PolyData (the VTK file format specification, "vtkPolyData serial"): what ParaView opens.
 #include "base/units.hpp"
 #include "plan/station.hpp"
+#include "report/leans.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
@@ -147,6 +148,10 @@ void AddPointData(const PlanResult& plan, ArrayWriter* out) {
   out->PoseNumbers("dexterity", [](P p) { return p.dexterity; });
   out->PoseNumbers("clearance_mm", [](P p) { return p.clearance; });
   out->PoseNumbers("rotation_deg", [](P p) { return RadToDeg(p.freedoms.at(0)); });
+  if (HasLeans(plan)) {
+    out->PoseNumbers("lead_deg", [](P p) { return RadToDeg(LeansOf(p).lead); });
+    out->PoseNumbers("tilt_deg", [](P p) { return RadToDeg(LeansOf(p).tilt); });
+  }
   out->PoseNumbers("branch", [](P p) { return p.branch; });
   for (int i = 0; i < 6; ++i)
     out->PoseNumbers(fmt::format("a{}_deg", i + 1), [i](P p) { return RadToDeg(p.q[i]); });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/units.hpp"
+#include "report/leans.hpp"
 #include "report/report.hpp"
-#include "toolpath/lean_law.hpp"
 
 namespace millpose {
 namespace {
@@ -124,14 +124,6 @@ std::string EndOfRow(const std::vector<ExternalAxis>& axes, const PassResult& pa
   return text + '\n';
 }
 
-// Whether some point has freedoms beside the rotation.
-bool HasLeans(const PlanResult& plan) {
-  for (const PassResult& pass : plan.passes)
-    for (const PlannedPoint& planned : pass.points)
-      if (planned.freedoms.size() > 1) return true;
-  return false;
-}
-
 void AppendLean(const PlanResult& plan, const PlannedPoint& planned, const CutterShape& cutter,
                 std::string& csv) {
   constexpr double kMetresPerMinute = 60e-3;  // of a mm/s
@@ -140,7 +132,7 @@ void AppendLean(const PlanResult& plan, const PlannedPoint& planned, const Cutte
     return;
   }
   const MillingPoint& point = planned.point;
-  const Leans leans = LeansOf(point.tool_axis, point.normal, point.feed);
+  const Leans leans = LeansOf(planned);
   csv += ',';  // goes on with a row
   Row row(csv);
   row.Number(RadToDeg(leans.lead)).Number(RadToDeg(leans.tilt));

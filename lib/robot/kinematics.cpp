@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "robot/kinematics.hpp"
 
+#include <cmath>
+
 #include "base/units.hpp"
 #include "robot/angles.hpp"
 
@@ -53,8 +55,10 @@ Joints OuterAngles(const Arm& arm, const Joints& q) {
 }
 
 Joints NearestEquivalent(const Joints& near, const Joints& q) {
+  constexpr double kNoTurn = 3.14;  // rad, a little less than half a turn: most angles
   Joints moved = q;
   for (int i = 0; i < 6; ++i) {
+    if (std::abs(near[i] - q[i]) < kNoTurn) continue;
     const double turns = std::round((near[i] - q[i]) / (2 * kPi));
     if (turns != 0.0) moved[i] += turns * (2 * kPi);
   }
@@ -82,34 +86,54 @@ ArmPlane PlaneOf(const Arm& arm, const Joints& q) {
           .elbow_sine = (third.sin * arm.d4 - third.cos * arm.dz) / forearm};
 }
 
-std::array<Pose, 7> LinkFrames(const Arm& arm, const Joints& A) {
+namespace {
+
+/// Of the frames of the links, after the fixed one.
+struct Chain {
+  Matrix3d R1, R2, R3, R4, R5, R_BF;
+  Vector3d top, shoulder, elbow, fourth, wrist, flange;
+};
+
+[[gnu::always_inline]] inline Chain ChainOf(const Arm& arm, const Joints& A) {
+  Chain chain;
   const Joints q = InnerAngles(arm, A);
   const SineCosine first = SinCos(q[0]);
   const ArmPlane plane = PlaneOf(arm, q);
-  Matrix3d R1 = Matrix3d::Identity();
-  R1 << first.cos, -first.sin, 0, first.sin, first.cos, 0, 0, 0, 1;
-  const Matrix3d R2 = TurnY(R1, plane.second), R3 = TurnY(R1, plane.sum);
+  chain.R1 << first.cos, -first.sin, 0, first.sin, first.cos, 0, 0, 0, 1;
+  chain.R2 = TurnY(chain.R1, plane.second);
+  chain.R3 = TurnY(chain.R1, plane.sum);
   const bool parallel = arm.family == ArmFamily::kParallelAxes;
-  const Matrix3d R4 = TurnX(parallel ? QuarterTurned(R3) : R3, SinCos(q[3])), R5 = TurnY(R4, SinCos(q[4])),
-                 R6 = TurnX(R5, SinCos(q[5]));
-  Matrix3d R_BF;  // R6·Ry(90°)
-  R_BF << -R6.col(2), R6.col(1), R6.col(0);
+  chain.R4 = TurnX(parallel ? QuarterTurned(chain.R3) : chain.R3, SinCos(q[3]));
+  chain.R5 = TurnY(chain.R4, SinCos(q[4]));
+  const Matrix3d R6 = TurnX(chain.R5, SinCos(q[5]));
+  chain.R_BF << -R6.col(2), R6.col(1), R6.col(0);  // R6·Ry(90°)
 
-  const Vector3d top(0, 0, arm.d1);
-  const Vector3d shoulder = top + arm.a1 * R1.col(0) + arm.dy * R1.col(1);
-  const Vector3d elbow = shoulder + arm.a2 * R2.col(0);
-  const Vector3d fourth = elbow + arm.d4 * R3.col(0) + arm.dz * R3.col(2);
-  const Vector3d wrist = fourth - arm.d5 * R4.col(1);
-  return {Pose::Identity(),
-          PoseOf(R1, top),
-          PoseOf(R2, shoulder),
-          PoseOf(R3, elbow),
-          PoseOf(R4, fourth),
-          PoseOf(R5, wrist),
-          PoseOf(R_BF, wrist + arm.d6 * R6.col(0))};
+  chain.top = Vector3d(0, 0, arm.d1);
+  chain.shoulder = chain.top + arm.a1 * chain.R1.col(0) + arm.dy * chain.R1.col(1);
+  chain.elbow = chain.shoulder + arm.a2 * chain.R2.col(0);
+  chain.fourth = chain.elbow + arm.d4 * chain.R3.col(0) + arm.dz * chain.R3.col(2);
+  chain.wrist = chain.fourth - arm.d5 * chain.R4.col(1);
+  chain.flange = chain.wrist + arm.d6 * R6.col(0);
+  return chain;
 }
 
-Pose ForwardFlange(const Arm& arm, const Joints& q) { return LinkFrames(arm, q)[6]; }
+}  // namespace
+
+std::array<Pose, 7> LinkFrames(const Arm& arm, const Joints& A) {
+  const Chain chain = ChainOf(arm, A);
+  return {Pose::Identity(),
+          PoseOf(chain.R1, chain.top),
+          PoseOf(chain.R2, chain.shoulder),
+          PoseOf(chain.R3, chain.elbow),
+          PoseOf(chain.R4, chain.fourth),
+          PoseOf(chain.R5, chain.wrist),
+          PoseOf(chain.R_BF, chain.flange)};
+}
+
+Pose ForwardFlange(const Arm& arm, const Joints& A) {
+  const Chain chain = ChainOf(arm, A);
+  return PoseOf(chain.R_BF, chain.flange);
+}
 
 Matrix6 Jacobian(const Arm& arm, const Joints& q, const Vector3d& p_FT) {
   const std::array<Pose, 7> frames = LinkFrames(arm, q);

@@ -106,7 +106,11 @@ Gouge Search(const Mesh& mesh, const CutterShape& cutter, const Eigen::Vector3d&
   DeepestPoint deepest(cutter, tolerance);
   Gouge gouge;
   const double reach = Hypot(cutter.radius, cutter.length / 2);
+  // No place is deeper than it is high over the tip, so most faces cannot be deeper than the best so far.
+  constexpr double kRounding = 1e-9;
+  const auto height = [&](int face, int k) { return axis.dot(mesh.Corner(face, k) - tip); };
   for (const int face : mesh.FacesNear(tip + axis * cutter.length / 2, reach)) {
+    if (std::max({height(face, 0), height(face, 1), height(face, 2)}) <= deepest.best() - kRounding) continue;
     Corners corner;
     for (int k = 0; k < 3; ++k) corner[k] = R * (mesh.Corner(face, k) - tip);
     for (const Corners& part : Below(corner, cutter.length)) {

@@ -22,24 +22,39 @@ Pose ProgrammedTool(const MotionProgram& program, const Motion& motion) {
 
 Pose ToolOf(const MotionProgram& program, const Cell& cell) { return program.X_FT.value_or(cell.X_FT); }
 
-int StepsOf(const ProgrammedLine& line, double step) {
+/// A straight motion in the frame that its target counts in.
+struct FramedLine {
+  ProgrammedLine line;
+  Pose X_BP = Pose::Identity();
+
+  Pose At(double share) const { return X_BP * line.At(share); }
+  double length() const { return line.length(); }
+  double angle() const { return line.angle(); }
+};
+
+int StepsOf(const FramedLine& line, double step) {
   return std::max(1, static_cast<int>(std::ceil(std::max(line.length() / step, line.angle() / kTurnStep))));
 }
 
 /// The straight motion `index` of a program from where the tool stands.
-ProgrammedLine LineOf(const MotionProgram& program, size_t index, const Pose& X_BT) {
+FramedLine LineOf(const MotionProgram& program, size_t index, const Pose& X_BT) {
   const Motion& motion = program.motions[index];
   const Pose target = ProgrammedTool(program, motion);
-  if (program.swivel) return {X_BT, target, *program.swivel};
-  if (!motion.angles) return {X_BT, target};
+  if (program.swivel) return {ProgrammedLine(X_BT, target, *program.swivel)};
+  if (!motion.angles) return {ProgrammedLine(X_BT, target)};
+  // Angles run evenly in the frame that they count in, which a coupled table turns in the robot's base.
+  const Pose X_BP = FrameOf(program, motion).value_or(Pose::Identity());
+  const Pose from = X_BP.inverse() * X_BT;
   const Motion* before = index > 0 ? &program.motions[index - 1] : nullptr;
   const Eigen::Vector3d first =
-      before && before->angles ? *before->angles : ToolAngles(program.rotation, X_BT.linear() * program.R_TC);
-  return {X_BT.translation(), target.translation(), program.rotation, program.R_TC, first, *motion.angles};
+      before && before->angles ? *before->angles : ToolAngles(program.rotation, from.linear() * program.R_TC);
+  return {ProgrammedLine(from.translation(), motion.X_PT.translation(), program.rotation, program.R_TC, first,
+                         *motion.angles),
+          X_BP};
 }
 
 /// The joint positions along a straight line; stops early where the branch ends. True when it came through.
-bool FollowLine(const Arm& arm, const Pose& X_FT, const ProgrammedLine& line, int steps, const Joints& start,
+bool FollowLine(const Arm& arm, const Pose& X_FT, const FramedLine& line, int steps, const Joints& start,
                 std::vector<Joints>& angles) {
   const int branch = Status(arm, start);
   const Pose X_TF = X_FT.inverse();
@@ -66,7 +81,7 @@ int FarOutside(const Arm& arm, const Joints& q) {
 std::optional<Joints> StraightTarget(const MotionProgram& program, const Cell& cell, size_t index,
                                      const Joints& q, std::string& reason) {
   const Pose X_FT = ToolOf(program, cell);
-  const ProgrammedLine line = LineOf(program, index, ForwardFlange(cell.arm, q) * X_FT);
+  const FramedLine line = LineOf(program, index, ForwardFlange(cell.arm, q) * X_FT);
   const int branch = Status(cell.arm, q);
   reason = fmt::format("the straight motion leaves the arm's reach in configuration S = {}", branch);
   if (!InverseNear(cell.arm, line.At(1) * X_FT.inverse(), branch, q)) return std::nullopt;
@@ -177,9 +192,9 @@ void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay
   const Joints &from = replay.targets[index - 1], &to = replay.targets[index];
   const Pose X_FT = ToolOf(program, cell);
   const Pose start = ForwardFlange(cell.arm, from) * X_FT;
-  const ProgrammedLine line = motion.type == MotionType::kLinear
-                                  ? LineOf(program, index, start)
-                                  : ProgrammedLine(start, ForwardFlange(cell.arm, to) * X_FT);
+  const FramedLine line = motion.type == MotionType::kLinear
+                              ? LineOf(program, index, start)
+                              : FramedLine{ProgrammedLine(start, ForwardFlange(cell.arm, to) * X_FT)};
   const int steps = StepsOf(line, step);
   std::vector<Joints> angles;
   if (motion.type == MotionType::kJoint) {

@@ -36,7 +36,7 @@ class StageClock : public Progress {
   void End(std::string_view) override { seconds_[stage_] += ProcessCpuSeconds() - start_; }
 
   size_t points() const { return points_; }
-  double Of(std::initializer_list<const char*> stages) const {
+  double Of(const std::vector<const char*>& stages) const {
     double sum = 0;
     for (const char* stage : stages)
       if (const auto found = seconds_.find(stage); found != seconds_.end()) sum += found->second;
@@ -88,9 +88,20 @@ PlanArguments Arguments(const fs::path& job, const fs::path& out, std::vector<Ov
   return arguments;
 }
 
-void PrintRow(const char* part, double seconds, size_t points, double goal) {
+/// `goal` in ms a point, 0 for none.
+void PrintRow(const std::string& part, double seconds, size_t points, double goal) {
   fmt::print("  {:<48} {:>9.2f} {:>9.3f} {:>7}\n", part, seconds, 1e3 * seconds / static_cast<double>(points),
              goal > 0 ? fmt::format("{:.2f}", goal) : "");
+}
+
+/// A part of the table that is made of stages, each with a row of its own, and their sum; returns the sum.
+double PrintStages(const std::string& part, const std::vector<const char*>& stages, double goal,
+                   const StageClock& clock) {
+  for (const char* stage : stages)
+    if (const double seconds = clock.Of({stage}); seconds > 0)
+      PrintRow(fmt::format("  {}", stage), seconds, clock.points(), 0);
+  PrintRow(part, clock.Of(stages), clock.points(), goal);
+  return clock.Of(stages);
 }
 
 double PeakMB() {
@@ -110,18 +121,24 @@ Cost Measure(const fs::path& job, const std::vector<Override>& overrides) {
 
   const double optima = parts[static_cast<size_t>(CpuPart::kOptima)];
   const double interference = parts[static_cast<size_t>(CpuPart::kInterference)];
-  const double passes = clock.Of({"passes"}), gaps = clock.Of({"gaps"}), programs = clock.Of({"programs"});
+  const std::vector<const char*> ways = {"directions", "passes", "other stations", "finer passes",
+                                         "other ways", "ends",   "passes again"};
+  const double passes = clock.Of(ways), gaps = clock.Of({"gaps", "starts"});
   const size_t points = cost.points;
   fmt::print("{}, {} points, one thread\n  {:<48} {:>9} {:>9} {:>7}\n", job.parent_path().filename().string(),
              points, "part", "CPU s", "ms/point", "goal");
   PrintRow("per-point optima and table", optima, points, 0.25);
-  PrintRow("ladder search, refinement, smoothing", passes - optima - interference, points, 0.25);
   PrintRow("interference of nodes and motions", interference, points, 0.45);
-  PrintRow("gaps", gaps, points, 0.2);
+  PrintRow("directions, ladder search, refinement, smoothing", passes - optima - interference, points, 0.25);
+  PrintRow("  of it directions", clock.Of({"directions"}), points, 0);
+  PrintStages("gaps", {"gaps", "starts"}, 0.2, clock);
   PrintRow("planning", passes + gaps, points, 1.15);
-  PrintRow("import, gouges, report", cost.cpu - passes - gaps - programs, points, 0.15);
-  PrintRow("programs written, read back, replayed", programs, points, 0.3);
-  PrintRow("all", cost.cpu, points, 0);
+  const double beside =
+      PrintStages("import, gouges, report",
+                  {"read", "surface", "toolpath", "gouges", "fixed rotations", "report"}, 0.15, clock);
+  const double programs = PrintStages("programs written, read back, replayed", {"programs"}, 0.3, clock);
+  PrintRow("outside of all stages", cost.cpu - passes - gaps - beside - programs, points, 0);
+  PrintRow("all", cost.cpu, points, 1.6);
   fmt::print("  peak memory so far {:.0f} MB (goal 1000)\n", PeakMB());
   return cost;
 }
@@ -163,17 +180,27 @@ void MeasurePanels(const std::vector<double>& sizes) {
                  std::log(static_cast<double>(last.points) / static_cast<double>(first.points)));
 }
 
-/// The cell with another value of how well its tool is known, which reports alone read.
-fs::path CellFor(const fs::path& folder, double tip_uncertainty) {
+/// Writes the cell with a clamp at this place and a value of how well its tool is known, which reports alone
+/// read.
+fs::path WriteCellFile(const fs::path& folder, double tip_uncertainty, const char* clamp) {
   std::ifstream from(fs::path(SourceDir()) / "cells/kr500_r2830.yaml");
-  const fs::path file = folder / fmt::format("cell{}.yaml", tip_uncertainty);
+  const fs::path file = folder / "cell.yaml";
   std::ofstream to(file);
   for (std::string line; std::getline(from, line);) {
+    if (line.starts_with("excluded_pairs:")) {
+      to << "  - {name: clamp, class: fixture, mount: world, shape: {box: {size_mm: [60, 60, 60]}}, "
+            "pose: {xyz_mm: "
+         << clamp << "}}\n";
+    }
     to << line << '\n';
     if (line == "tool:") to << "  tip_uncertainty_mm: " << tip_uncertainty << '\n';
   }
   return file;
 }
+
+// Away from the panel; beside some of its passes.
+constexpr const char *kAway = "[1300, -1400, 600]", *kFurther = "[1300, -1300, 600]",
+                     *kBeside = "[1750, -640, 1000]";
 
 /// CPU of planning again after changes, each of the plan before.
 void MeasureEdits() {
@@ -181,7 +208,7 @@ void MeasureEdits() {
   const Sample sample = Panel(kPointsOfEdits);
   fs::create_directories(out.path());
   std::vector<Override> overrides = sample.overrides;
-  overrides.push_back({"cell", CellFor(out.path(), 0.1).string()});
+  overrides.push_back({"cell", WriteCellFile(out.path(), 0.1, kAway).string()});
   const auto plan = [&](const char* what, double goal) {
     StageClock clock;
     const Cost cost = RunOnce(Arguments(sample.job, out.path() / "out", overrides, 1), clock);
@@ -192,12 +219,16 @@ void MeasureEdits() {
              "changed", "CPU s", "", "goal");
   plan("everything", 0);
   plan("nothing", 0.3);
-  overrides.back().value = CellFor(out.path(), 0.2).string();
+  WriteCellFile(out.path(), 0.2, kAway);
   plan("a key of reports (tool.tip_uncertainty_mm)", 0.5);
   overrides.push_back({"program_options.path_tolerance_mm", "0.03"});
   plan("a program option (path_tolerance_mm)", 2);
   overrides.push_back({"process.min_feed_share", "0.4"});
   plan("process.min_feed_share", 0.5);
+  WriteCellFile(out.path(), 0.2, kFurther);
+  plan("a clamp, moved away from all passes", 3);
+  WriteCellFile(out.path(), 0.2, kBeside);
+  plan("a clamp, moved beside some passes", 0);
 }
 
 }  // namespace

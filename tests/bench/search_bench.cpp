@@ -4,7 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "path/ladder_search.hpp"
-#include "tests/pose/problems.hpp"
+#include "tests/pose/lean_problems.hpp"
 
 namespace millpose {
 namespace {
@@ -41,6 +41,17 @@ void Genetic(benchmark::State& state) {
   }
 }
 BENCHMARK(Genetic)->Unit(benchmark::kMicrosecond);
+
+/// Rotation, lead and tilt.
+void GeneticOfThreeFreedoms(benchmark::State& state) {
+  const PoseProblem problem = LeaningProblem();
+  const PointScorer scorer(problem, PanelPoint(0, 0), Eigen::Vector3d::UnitZ());
+  uint64_t index = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(GeneticSearch(scorer, problem, {}, RandomStream(1, index++)));
+  }
+}
+BENCHMARK(GeneticOfThreeFreedoms)->Unit(benchmark::kMicrosecond);
 
 /// 500 nodes a layer on one branch, rotations around the whole turn, joints that follow the rotation.
 std::vector<Layer> MakeLayers(int count) {

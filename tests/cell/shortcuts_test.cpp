@@ -50,11 +50,11 @@ TEST(Shortcuts, ChangeNoAnswerOfAChecker) {
     const Joints q0 = Near(random, middle, 0.1), q1 = Near(random, q0, 0.03);
     ExpectSame(fast.Blocked(q0, phase), slow.Blocked(q0, phase));
     const Joints tube = Joints::Constant(trial % 3 ? 0 : 1e-5);
-    const long long before = fast.poses_checked(), slow_before = slow.poses_checked();
+    const long long before = fast.counts().looks, slow_before = slow.counts().looks;
     const auto found = fast.BlockedBetween(q0, q1, phase, 0.5, tube);
     ExpectSame(found, slow.BlockedBetween(q0, q1, phase, 0.5, tube));
-    EXPECT_EQ(fast.poses_checked() - before, slow.poses_checked() - slow_before) << "cut up alike";
-    halved += fast.poses_checked() - before > 3;
+    EXPECT_EQ(fast.counts().looks - before, slow.counts().looks - slow_before) << "cut up alike";
+    halved += fast.counts().looks - before > 3;
     ++(found ? blocked : free);
     const auto near = fast.Nearest(q0, phase, 50), measured = slow.Nearest(q0, phase, 50);
     ASSERT_EQ(near.has_value(), measured.has_value());

@@ -27,6 +27,12 @@ BARREL = [] if SLOW else [(r"stepover_mm: 16", "stepover_mm: 45"), (r"spacing_mm
                           *((rf"\n      - connected: \{{seed_mm: \[{seed}[^\n]*", "") for seed in ("603.000, 1044", "-603.000, 1044", "-603.000, -1044", "603.000, -1044"))]
 
 
+def program(folder, controller):
+    """The text with the motions."""
+    texts = [path.read_text(encoding="utf-8") for path in (folder / "programs" / controller).iterdir() if path.is_file()]
+    return max(texts, key=len)
+
+
 def rows(folder):
     with (folder / "points.csv").open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
@@ -35,17 +41,18 @@ def rows(folder):
 class Standing(unittest.TestCase):
     """External axes that the job puts somewhere."""
 
-    def cell(self, name, changes):
+    def cell(self, name, changes, controllers=False):
         text = (BENCH.top / "cells" / "kr500_r2830.yaml").read_text(encoding="utf-8")
-        text = text.split("\ncontrollers:")[0] + "\n"  # which would have to name the axes
+        if not controllers:
+            text = text.split("\ncontrollers:")[0] + "\n"
         for old, new in changes:
             self.assertEqual(text.count(old), 1, old)
             text = text.replace(old, new)
         (BENCH.top / "cells" / f"{name}.yaml").write_text(text, encoding="utf-8")
         return (r"cell: .*", f"cell: ../../cells/{name}.yaml")
 
-    def with_axes(self):
-        return self.cell("axes", [("home_deg:", AXES + "home_deg:"), ("excluded_pairs: []", "excluded_pairs: [[platform, base], [platform, base_rear]]")])
+    def with_axes(self, **more):
+        return self.cell("axes", [("home_deg:", AXES + "home_deg:"), ("excluded_pairs: []", "excluded_pairs: [[platform, base], [platform, base_rear]]")], **more)
 
     def test_a_plan_at_a_station_is_that_of_a_cell_put_there_by_hand(self):
         external = "external: [{axis: rail, scope: constant, at_mm: 150}, {axis: lift, scope: constant, at_mm: 40}]\ntoolpath:"
@@ -61,6 +68,28 @@ class Standing(unittest.TestCase):
         self.assertEqual([(row["e1_mm"], row["e2_mm"], row["e3_deg"]) for row in own], [("150", "40", "0")] * len(own))
         self.assertEqual([{key: row[key] for key in hand[0]} for row in own], hand)
         self.assertEqual(json.loads((folders[0] / "summary.json").read_text())["external"]["moves"], 2, "the lift's, there and back")
+
+    def test_controllers_must_name_the_axes_where_a_program_is_asked_for(self):
+        cell = self.with_axes(controllers=True)
+        result, folder = BENCH.plan(BENCH.job("support_pad", [*SMALL, cell], "unnamed"), "unnamed")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertFalse((folder / "programs").exists())
+        asked = [change for change in SMALL if "programs" not in change[0]]
+        for command in ("plan", "check"):
+            job = BENCH.job("support_pad", [*asked, cell, (r"programs: .*", "programs: [sinumerik]")], "asked")
+            result = BENCH.run(command, job)
+            self.assertEqual(result.returncode, 2, result.stdout)
+            self.assertRegex(result.stderr, r"axes\.yaml: controllers\.sinumerik.external_axes: the cell's axis 'rail' is missing")
+
+    def test_programs_of_the_sample_rail_drive_e1(self):
+        external = "external: [{axis: rail, scope: constant, at_mm: -300}]\ntoolpath:"
+        changes = [*SMALL[:-1], (r"cell: .*", "cell: ../../cells/kr500_rail.yaml"), (r"toolpath:", external)]
+        result, folder = BENCH.plan(BENCH.job("support_pad", changes, "on_the_rail"), "on_the_rail")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        words = {"krl": r"^LIN \{.*E1 -300\.0000\}", "sinumerik": r"SUPA .*RAIL_AX=-300\.0000", "linuxcnc": r"^G0 .* U-300\.0000"}
+        for controller, pattern in words.items():
+            self.assertRegex(program(folder, controller), re.compile(pattern, re.MULTILINE), controller)
+        self.assertEqual(BENCH.run("verify", folder).returncode, 0)
 
     def test_what_is_not_so_is_refused_with_its_place(self):
         cases = (
@@ -119,6 +148,30 @@ class Barrel(unittest.TestCase):
         for row in rows(self.folder):
             self.assertEqual(row["status"], "planned")
             self.assertLess(float(row["x_mm"]), 3100 - 1100, "before the robot")
+
+    def test_programs_turn_the_table_and_replay(self):
+        self.assertEqual({(p["controller"], p["verified"]) for p in json.loads((self.folder / "summary.json").read_text())["programs"]},
+                         {("krl", True), ("sinumerik", True), ("linuxcnc", True)})
+        self.assertEqual(BENCH.run("verify", self.folder, "--job", self.job).returncode, 0)
+        turns = {turn for _, turn in json.loads((self.folder / "summary.json").read_text())["external"]["passes"]}
+        found = {"krl": r"^LIN \{.*,E1 0\.0000,E2 (-?[\d.]+)\}", "sinumerik": r"TILT_AX=0\.0000\d* TURN_AX=(-?[\d.]+)", "linuxcnc": r"^G0 .* U0\.000000 V(-?[\d.]+)"}
+        for controller, pattern in found.items():
+            text = program(self.folder, controller)
+            self.assertEqual({round(float(word), 3) for word in re.findall(pattern, text, re.MULTILINE)} - {0}, {round(turn, 3) for turn in turns} - {0}, controller)
+        # A coupled table turns $BASE with it: stated once, and again where INITMOV has taken it away.
+        statements = set(re.findall(r"^\$BASE = .*", program(self.folder, "krl"), re.MULTILINE))
+        self.assertEqual(len(statements), 1)
+        self.assertIn("MACHINE_DEF[2].ROOT", statements.pop())
+
+    def test_linuxcnc_with_the_table_in_its_kinematics(self):
+        cell = BENCH.top / "cells" / "kr500_tilt_turn.yaml"
+        text, count = re.subn(r"  linuxcnc: .*", "  linuxcnc: {coordinates: cartesian, external_axes: [{name: U, axis: tilt, coupled: true}, {name: V, axis: turn, coupled: true}]}", cell.read_text(encoding="utf-8"))
+        self.assertEqual(count, 1)
+        cell.with_name("kinematics.yaml").write_text(text, encoding="utf-8")
+        job = BENCH.job("cabin_barrel", [*BARREL, (r"cell: .*", "cell: ../../cells/kinematics.yaml"), (r"programs: .*", "programs: [linuxcnc]")], "kinematics")
+        result, folder = BENCH.plan(job, "kinematics", timeout=3600)
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertEqual([p["verified"] for p in json.loads((folder / "summary.json").read_text())["programs"]], [True])
 
     def test_the_judge_finds_nothing(self):
         status, verdict = BENCH.audit(self.folder, self.job, "--travel-mm", "0.2" if SLOW else "2")

@@ -5,6 +5,7 @@ Usage: lean_test.py MILLPOSE MILLPOSE_AUDIT TOP"""
 import csv
 import json
 import math
+import re
 import subprocess
 import sys
 import unittest
@@ -53,6 +54,14 @@ class Lean(InFolder):
             sine = math.sqrt(max(0, 1 - sum(a * b for a, b in zip(n, t)) ** 2))
             self.assertAlmostEqual(float(row["cutting_speed_m_min"]), math.pi * 20 * sine * spindle / 1000, places=4)
         self.assertGreater(max(abs(float(row["lead_deg"])) + abs(float(row["tilt_deg"])) for row in rows), 1)
+        # The same in the other outputs.
+        vtp = (self.folder / "out" / "path.vtp").read_text(encoding="utf-8")
+        for key in ("lead_deg", "tilt_deg"):
+            array = re.search(rf'Name="{key}" [^>]*>\n([^<]*)\n<', vtp).group(1)
+            for shown, row in zip(map(float, array.split()), rows, strict=True):
+                self.assertAlmostEqual(shown, float(row[key]), places=4)
+        report = (self.folder / "out" / "report.html").read_text(encoding="utf-8")
+        self.assertIn("Lead of the tool axis towards the feed", report)
         # Never worse than at the nominal lean, and the same for any number of threads.
         upright = self.plan(self.job("upright.yaml", lean="lead_deg: 0\n  tilt_deg: 0"), "upright")
         self.assertEqual(upright.returncode, 0, upright.stderr)
@@ -60,6 +69,7 @@ class Lean(InFolder):
         self.assertLessEqual(max(value(rows)), max(value(self.points("upright"))))
         self.assertLessEqual(sum(value(rows)), sum(value(self.points("upright"))))
         self.assertNotIn("lead_deg", self.points("upright")[0])
+        self.assertNotIn("lead_deg", (self.folder / "upright" / "path.vtp").read_text(encoding="utf-8"))
         self.assertEqual(self.plan(self.job(), "one", "--audit", "--threads", "1").returncode, 0)
         self.assertEqual(tree(self.folder / "one"), tree(self.folder / "out"))
         # What was resolved plans again.

@@ -68,6 +68,28 @@ class Stages(InFolder):
         self.job["process"]["min_feed_share"] = 0.4
         self.check(set(self.made))
 
+    def test_a_moved_clamp_costs_the_passes_that_it_matters_to(self):
+        """On the panel, whose passes lie far apart: kept are those that the clamp is too far from, before and after."""
+        clamp = {"name": "clamp", "class": "fixture", "mount": "world", "shape": {"box": {"size_mm": [60, 60, 60]}}}
+        bodies, kept = self.cell["bodies"], []
+        for place in ([1300, -1400, 600], [1750, -620, 1000], [1750, -600, 1000]):
+            clamp["pose"] = {"xyz_mm": place}
+            self.cell["bodies"] = [*bodies, clamp]
+            (self.folder / "cell.yaml").write_text(json.dumps(self.cell))
+            for out, more in (("panel", ()), ("fresh", ("--fresh",))):
+                sets = (f"cell={self.folder / 'cell.yaml'}", "programs=[linuxcnc]", "toolpath.stepover_mm=60", "toolpath.spacing_mm=60")
+                done = run("plan", TOP / "toolpaths/cabin_panel/job.yaml", "-o", self.folder / out, "-q", *more,
+                           *(word for change in sets for word in ("--set", change)))
+                self.assertLess(done.returncode, 2, done.stderr)
+            old, new = tree(self.folder / "panel"), tree(self.folder / "fresh")
+            self.assertEqual([name for name in old.keys() | new.keys() if old.get(name) != new.get(name)], [])
+            kept.append(json.loads((self.folder / "panel" / "run.json").read_text())["resumed_passes"])
+        passes = json.loads((self.folder / "panel" / "summary.json").read_text())["passes"]
+        self.assertEqual(kept[0], 0)
+        for count in kept[1:]:
+            self.assertGreater(count, passes / 4)
+            self.assertLess(count, passes)
+
 
 if __name__ == "__main__":
     unittest.main(argv=["stages_test"])

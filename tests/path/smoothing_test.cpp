@@ -103,6 +103,39 @@ TEST(SmoothPath, LetsNoDeviationGrowThatItCannotRepair) {
   EXPECT_LE(course.Rms(), rms);
 }
 
+// Bands with rows that reach back to the first columns, as a ring's last ones do.
+TEST(EnvelopeMatrix, SolvesAsADenseMatrixDoes) {
+  RandomStream random(6, 0);
+  for (int round = 0; round < 100; ++round) {
+    const size_t count = 1 + random.Below(30);
+    std::vector<size_t> first(count);
+    for (size_t i = 0; i < count; ++i)
+      first[i] = i + 4 > count && random.Below(2) ? random.Below(static_cast<int>(i) + 1)
+                                                  : i - std::min<size_t>(i, random.Below(3));
+    EnvelopeMatrix matrix(first);
+    Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(count, count);
+    for (size_t i = 0; i < count; ++i)
+      for (size_t k = first[i]; k <= i; ++k)
+        dense(i, k) = dense(k, i) = matrix.At(i, k) = i == k ? 40 : random.Normal();
+    std::vector<double> x(count), product(count, 1.0);
+    for (double& value : x) value = random.Normal();
+    const Eigen::VectorXd right = Eigen::Map<Eigen::VectorXd>(x.data(), count);
+    matrix.AddProduct(x, product);
+    EXPECT_LT(
+        (Eigen::Map<Eigen::VectorXd>(product.data(), count) - Eigen::VectorXd::Ones(count) - dense * right)
+            .norm(),
+        1e-10);
+    ASSERT_TRUE(matrix.Factor());
+    matrix.Solve(x);
+    EXPECT_LT(
+        (Eigen::Map<Eigen::VectorXd>(x.data(), count) - Eigen::VectorXd(dense.llt().solve(right))).norm(),
+        1e-12);
+  }
+  EnvelopeMatrix flat({0, 0});
+  flat.At(0, 0) = flat.At(1, 0) = flat.At(1, 1) = 1;
+  EXPECT_FALSE(flat.Factor()) << "two equal rows";
+}
+
 TEST(BoxLeastSquares, MeetsTheConditionsOfItsLeast) {
   RandomStream random(5, 0);
   int bound = 0;

@@ -7,12 +7,15 @@
 #include "pipeline/compensate_job.hpp"
 #include "pipeline/exclude_pairs.hpp"
 #include "pipeline/finer_passes.hpp"
+#include "pipeline/job_engagement.hpp"
 #include "pipeline/other_ways.hpp"
 #include "pipeline/program_warnings.hpp"
+#include "pipeline/promised_ways.hpp"
 #include "pipeline/repair_ends.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/cell/sample_cell.hpp"
 #include "tests/pipeline/small_job.hpp"
+#include "toolpath/pass_variants.hpp"
 
 namespace millpose::test {
 namespace {
@@ -112,12 +115,13 @@ TEST(FreeDirections, AreThoseOfAZigzagWithAnUprightTool) {
   EXPECT_TRUE(DependsOnFeed(inputs.job, *MakeObjective("process_force", {{"feed_N", 1}})));
 }
 
-TEST(PlanOtherWays, ATurnedPassIsBetterAndNamed) {
+TEST(PlanBestWays, ATurnedPassIsBetterAndNamed) {
   const JobInputs inputs =
       LoadJobInputs(SamplePath("toolpaths/support_pad/job.yaml"),
                     {{"toolpath.stepover_mm", "16"}, {"toolpath.spacing_mm", "40"}, {"programs", "[]"}});
   const PlannedJob job = PlanJob(inputs, NoCheckpoints(), {.threads = 2});
-  const Toolpath laid = PlacedToolpath(inputs, job.prepared.made.toolpath, job.plan.X_WP);
+  const Toolpath laid =
+      PlacedToolpath(inputs, MakeJobToolpath(inputs, job.prepared.surface.mesh, {}).toolpath, job.plan.X_WP);
   std::vector<size_t> turned;
   for (size_t i = 0; i < laid.passes.size(); ++i)
     if (laid.passes[i].points.front().position != job.prepared.toolpath.passes[i].points.front().position) {
@@ -132,6 +136,53 @@ TEST(PlanOtherWays, ATurnedPassIsBetterAndNamed) {
   if (turned.empty()) return;
   EXPECT_NE(warned->find(fmt::format("toolpath: passes {} run", fmt::join(turned, ", "))), std::string::npos)
       << *warned;
+}
+
+// The slow way to the same end: every pass planned both ways, and the better plan kept.
+TEST(PlanBestWays, KeepsTheDirectionsThatPlanningEveryPassBothWaysKeeps) {
+  const JobInputs inputs =
+      LoadJobInputs(SamplePath("toolpaths/support_pad/job.yaml"),
+                    {{"toolpath.stepover_mm", "14"}, {"toolpath.spacing_mm", "30"}, {"programs", "[]"}});
+  const Execution execution{.threads = 2};
+  PreparedJob prepared = PrepareJob(inputs, NoCheckpoints(), execution);
+  const PreparedJob laid = prepared;
+  const auto all = [](size_t) { return true; };
+  const auto best = PlanBestWays(inputs, prepared, NoCheckpoints(), all, execution).passes;
+
+  Toolpath turned = laid.made.toolpath;
+  std::vector<std::vector<char>> points;
+  for (Pass& pass : turned.passes) {
+    if (pass.reversible) pass = RunFromEnd(pass);
+    points.emplace_back(pass.points.size(), 1);
+  }
+  SetEngagementOf(points, laid.laying.inputs, laid.laying.mesh, execution, turned);
+  const PathOptions options = MakePathOptions(inputs.job);
+  const auto plan = [&](const Toolpath& toolpath) {
+    return PlanPasses(laid.stations, laid.external, toolpath, options, NoCheckpoints(), all, execution)
+        .passes;
+  };
+  const auto one = plan(laid.toolpath),
+             other = plan(AtStations(inputs, turned, laid.stations, laid.external));
+  std::vector<char> expected;
+  for (size_t i = 0; i < one.size(); ++i) {
+    expected.push_back(turned.passes[i].reversible &&
+                       IsBetter(ValueOf(other[i]), ValueOf(one[i]), options.worst_first, kGainOfTurning));
+    EXPECT_EQ(Serialise(best[i]), Serialise(expected[i] != 0 ? other[i] : one[i])) << "pass " << i;
+  }
+  EXPECT_EQ(prepared.turned, expected);
+  EXPECT_GT(std::ranges::count(expected, 1), 0);
+  EXPECT_GT(std::ranges::count(expected, 0), 0);
+}
+
+TEST(PromisedWays, APlanSettlesWhatNoPlanOfThePromiseCouldBeat) {
+  const Promise promise{.worst = 10, .sum = 0, .mean = 4};
+  EXPECT_TRUE(IsBetterThanAny({0, 1, 9.4, 5}, promise, true)) << "the worst point decides";
+  EXPECT_FALSE(IsBetterThanAny({0, 1, 9.6, 4}, promise, true));
+  EXPECT_TRUE(IsBetterThanAny({0, 1, 10.4, 3.7}, promise, true)) << "the worst tells nothing, the mean does";
+  EXPECT_FALSE(IsBetterThanAny({0, 1, 10.6, 3.7}, promise, true));
+  EXPECT_TRUE(IsBetterThanAny({0, 1, 99, 3.7}, promise, false));
+  EXPECT_FALSE(IsBetterThanAny({1, 1, 9, 3}, promise, true)) << "as laid it may skip less";
+  EXPECT_FALSE(IsBetterThanAny({0, 2, 9, 3}, promise, true)) << "as laid it may be one piece";
 }
 
 /// kr500_r2830 with two more bodies on links 4 and 6, `apart` mm between wrist centre and the second.

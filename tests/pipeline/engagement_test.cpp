@@ -54,6 +54,15 @@ std::vector<double> ForcesOfPass(const PassResult& pass) {
   return forces;
 }
 
+std::vector<std::vector<char>> PointsOf(const Toolpath& path, const auto& wanted) {
+  std::vector<std::vector<char>> of;
+  for (size_t p = 0; p < path.passes.size(); ++p) {
+    of.emplace_back(path.passes[p].points.size());
+    for (size_t i = 0; i < of[p].size(); ++i) of[p][i] = wanted(p, i);
+  }
+  return of;
+}
+
 TEST(SetJobEngagement, DoesNothingWithoutAWordOnWhatIsCut) {
   JobInputs inputs = Wide().inputs;
   inputs.job.cutting.reset();
@@ -61,7 +70,8 @@ TEST(SetJobEngagement, DoesNothingWithoutAWordOnWhatIsCut) {
   for (Pass& pass : path.passes)
     for (MillingPoint& point : pass.points) point.engagement = {{1, 2, 3}, 4, 5, CutSide::kUp};
   EXPECT_FALSE(SetJobEngagement(inputs, Wide().mesh(), 2, {}, path));
-  SetEngagementOf(std::vector<char>(path.passes.size(), 1), inputs, Wide().mesh(), {.threads = 2}, path);
+  SetEngagementOf(PointsOf(path, [](size_t, size_t) { return true; }), inputs, Wide().mesh(), {.threads = 2},
+                  path);
   for (const Pass& pass : path.passes)
     for (const MillingPoint& point : pass.points) EXPECT_EQ(point.engagement.width, 4);
   PlanResult plan = Wide().AsPlanned();
@@ -71,20 +81,20 @@ TEST(SetJobEngagement, DoesNothingWithoutAWordOnWhatIsCut) {
   EXPECT_EQ(EntriesOnMaterial(inputs, Wide().mesh(), plan), "");
 }
 
-TEST(SetJobEngagement, OfSomePassesIsThatOfAll) {
+TEST(SetJobEngagement, OfSomePointsIsThatOfAll) {
   const Toolpath& whole = Wide().prepared.made.toolpath;
   Toolpath cleared = whole;
   for (Pass& pass : cleared.passes)
     for (MillingPoint& point : pass.points) point.engagement = {};
-  std::vector<char> of(whole.passes.size(), 0);
-  of[1] = of[4] = 1;
+  const std::vector<std::vector<char>> of =
+      PointsOf(whole, [](size_t p, size_t i) { return p == 1 || (p == 4 && i % 3 == 1); });
   SetEngagementOf(of, Wide().inputs, Wide().mesh(), {.threads = 2}, cleared);
   for (size_t p = 0; p < whole.passes.size(); ++p)
     for (size_t i = 0; i < whole.passes[p].points.size(); ++i) {
       const Engagement &now = cleared.passes[p].points[i].engagement,
                        &before = whole.passes[p].points[i].engagement;
-      EXPECT_EQ(now.force, of[p] != 0 ? before.force : Eigen::Vector3d(Eigen::Vector3d::Zero()));
-      EXPECT_EQ(now.width, of[p] != 0 ? before.width : 0);
+      EXPECT_EQ(now.force, of[p][i] != 0 ? before.force : Eigen::Vector3d(Eigen::Vector3d::Zero()));
+      EXPECT_EQ(now.width, of[p][i] != 0 ? before.width : 0);
     }
 }
 

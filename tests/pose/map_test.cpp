@@ -43,20 +43,22 @@ TEST(Map, ValuesAreThoseOfTheirPoses) {
                   (at.q.array() <= request.upper.array()).all());
       const PoseStiffness whole = EvaluatePose(request.arm, at.q, request.X_FT.translation(), request.normal,
                                                request.characteristic_length);
-      const double expected = index.name == "dexterity"             ? whole.dexterity
-                              : index.name == "mu"                  ? whole.indices->mu
-                              : index.name == "lambda_t1"           ? whole.indices->lambda_t1
-                              : index.name == "lambda_t2"           ? whole.indices->lambda_t2
-                              : index.name == "lambda_n"            ? whole.indices->lambda_n
-                              : index.name == "normal_deflection"   ? whole.deflections.normal
-                              : index.name == "in_plane_deflection" ? whole.deflections.in_plane
-                              : index.name == "worst_in_plane"      ? whole.deflections.largest
-                              : index.name == "cross_deflection"    ? whole.deflections.cross
-                              : index.name == "isotropy"            ? 1 / whole.indices->mu
-                              : index.name == "drilling"
-                                  ? whole.deflections.normal  // the axis is the normal here
-                                  : 0.5 * whole.indices->lambda_t2 + 0.5 * whole.indices->lambda_n;
-      EXPECT_NEAR(at.value / expected, 1, 1e-7) << index.name;
+      const auto& deflections = whole.deflections;
+      const std::map<std::string, double> expected{
+          {"dexterity", whole.dexterity},
+          {"mu", whole.indices->mu},
+          {"lambda_t1", whole.indices->lambda_t1},
+          {"lambda_t2", whole.indices->lambda_t2},
+          {"lambda_n", whole.indices->lambda_n},
+          {"normal_deflection", deflections.normal},
+          {"in_plane_deflection", deflections.in_plane},
+          {"worst_in_plane", deflections.largest},
+          {"cross_deflection", deflections.cross},
+          {"isotropy", 1 / whole.indices->mu},
+          {"drilling", deflections.normal},  // the axis is the normal here
+          {"chen2021", 0.5 * whole.indices->lambda_t2 + 0.5 * whole.indices->lambda_n}};
+      if (!expected.contains(index.name)) continue;  // a further objective, with a test of its own
+      EXPECT_NEAR(at.value / expected.at(index.name), 1, 1e-7) << index.name;
     }
     EXPECT_GT(reached, 10);
     EXPECT_LT(reached, 40);  // the far corner is out of reach

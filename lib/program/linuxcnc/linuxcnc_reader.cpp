@@ -228,6 +228,7 @@ class LinuxCncReader : public ProgramReader {
       }
       return name;
     }
+    if (const char first = scan.Peek(); first != 'M' && first != 'm') return std::nullopt;
     for (int code = 100; code < 200; ++code) {
       const std::string word = fmt::format("M{}", code);
       if (scan.Accept(word)) return word;
