@@ -36,17 +36,19 @@ void EnvelopeMatrix::AddProduct(std::span<const double> x, std::span<double> sum
 
 bool EnvelopeMatrix::Factor() {
   for (size_t i = 0; i < size(); ++i) {
-    double* row = Row(i).data() - first_[i];  // by column
-    double diagonal = row[i];
-    for (size_t k = first_[i]; k < i; ++k) {
-      const double* other = Row(k).data() - first_[k];
-      double value = row[k];
-      for (size_t j = std::max(first_[i], first_[k]); j < k; ++j) value -= other[j] * row[j];
-      row[k] = value / other[k];
-      diagonal -= row[k] * row[k];
+    double* row = Row(i).data();
+    const size_t first = first_[i];
+    double diagonal = row[i - first];
+    for (size_t k = first; k < i; ++k) {
+      const double* other = Row(k).data();
+      const size_t from = first_[k];
+      double value = row[k - first];
+      for (size_t j = std::max(first, from); j < k; ++j) value -= other[j - from] * row[j - first];
+      row[k - first] = value / other[k - from];
+      diagonal -= row[k - first] * row[k - first];
     }
     if (!(diagonal > 0)) return false;
-    row[i] = std::sqrt(diagonal);
+    row[i - first] = std::sqrt(diagonal);
   }
   return true;
 }

@@ -78,8 +78,14 @@ VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm);
 /// Why `controller` cannot run programs for an arm; empty where it can.
 std::string NoProgramsFor(const ArmSettings& arm, const std::string& controller);
 
-/// Settings of one post. InputError when the cell has no section for it, or the controller cannot run the
-/// arm.
+/// Settings of one post as far as the cell's texts need them: without asking whether the controller can run
+/// the cell as it stands, its external axes among it. InputError when the cell has no section for it, or the
+/// controller cannot run the arm.
+PostSettings MakeTextSettings(const JobSettings& job, const CellSettings& cell,
+                              const std::string& controller);
+
+/// Settings of one post, for programs. InputError as MakeTextSettings, and where the controller cannot run
+/// the cell as it stands.
 PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
                               const std::string& controller);
 

@@ -3,7 +3,7 @@
 
 #include "base/units.hpp"
 #include "path/gap_planner.hpp"
-#include "pipeline/text_settings.hpp"
+#include "pipeline/assemble.hpp"
 #include "program/controller_axes.hpp"
 #include "program/templates.hpp"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.hpp"
 #include "pipeline/assemble.hpp"
-#include "pipeline/text_settings.hpp"
 #include "program/external_axes.hpp"
 
 namespace millpose {

@@ -21,14 +21,6 @@ PointOptimum OwnOptimum(const PointScorer& scorer) {
   return best.found ? Descend(scorer, best) : best;
 }
 
-/// Half the way to the points on both sides.
-double WayOf(const std::vector<MillingPoint>& points, size_t t) {
-  double way = 0;
-  if (t > 0) way += (points[t].position - points[t - 1].position).norm() / 2;
-  if (t + 1 < points.size()) way += (points[t + 1].position - points[t].position).norm() / 2;
-  return way;
-}
-
 /// Of those points of a pass that `asked` names.
 Promise PromiseOf(const PoseProblem& problem, const Pass& pass, const std::vector<char>& asked) {
   Promise promise;
@@ -38,8 +30,9 @@ Promise PromiseOf(const PoseProblem& problem, const Pass& pass, const std::vecto
     if (points[t].gouge > 0 || asked[t] == 0) continue;
     const PointOptimum best = OwnOptimum(PointScorer(problem, points[t], pass.rotation_reference));
     if (!best.found) continue;
-    way += WayOf(points, t);
-    sum += WayOf(points, t) * best.objective;
+    const double own = WayAt(t, points.size(), [&](size_t i) { return points[i].position; });
+    way += own;
+    sum += own * best.objective;
     if (points[t].kind != PointKind::kCut) continue;
     promise.worst = std::max(promise.worst, best.objective);
     promise.sum += best.objective;

@@ -17,15 +17,20 @@ bool IsSamePlaceNearly(const MillingPoint& a, const MillingPoint& b) {
 
 }  // namespace
 
+double WayAt(size_t t, size_t count, const std::function<Eigen::Vector3d(size_t)>& place) {
+  double way = 0;
+  if (t > 0) way += (place(t) - place(t - 1)).norm() / 2;
+  if (t + 1 < count) way += (place(t + 1) - place(t)).norm() / 2;
+  return way;
+}
+
 PassValue ValueOf(const PassResult& pass) {
   PassValue value;
   value.pieces = pass.pieces.size();
   double cut = 0, sum = 0;
   const std::vector<PlannedPoint>& points = pass.points;
   for (size_t t = 0; t < points.size(); ++t) {
-    double way = 0;
-    if (t > 0) way += (points[t].point.position - points[t - 1].point.position).norm() / 2;
-    if (t + 1 < points.size()) way += (points[t + 1].point.position - points[t].point.position).norm() / 2;
+    const double way = WayAt(t, points.size(), [&](size_t i) { return points[i].point.position; });
     if (points[t].skip != Obstacle::kNone) {
       value.skipped += way;
       continue;

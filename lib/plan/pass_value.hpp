@@ -2,10 +2,15 @@
 // How good the plan of a pass is, beside another plan of the same pass.
 #pragma once
 
+#include <functional>
+
 #include "plan/plan_result.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {
+
+/// Half the way to the places before and behind the t-th of `count`, mm; `place(i)` is the i-th.
+double WayAt(size_t t, size_t count, const std::function<Eigen::Vector3d(size_t)>& place);
 
 /// Measured along the way, so that it does not depend on how densely the points lie.
 struct PassValue {

@@ -3,6 +3,9 @@
 // program against a plain dense one on 1,000 layers of 500 nodes.
 #include <benchmark/benchmark.h>
 
+#include <Eigen/SparseCholesky>
+
+#include "path/envelope.hpp"
 #include "path/ladder_search.hpp"
 #include "tests/pose/lean_problems.hpp"
 
@@ -52,6 +55,48 @@ void GeneticOfThreeFreedoms(benchmark::State& state) {
   }
 }
 BENCHMARK(GeneticOfThreeFreedoms)->Unit(benchmark::kMicrosecond);
+
+/// A step of smoothing: a band of two columns beside the diagonal, and a ring's corner.
+constexpr int kStepSize = 60;
+
+void FillStep(const auto& put) {
+  for (int i = 0; i < kStepSize; ++i)
+    for (int k = std::max(0, i - 2); k <= i; ++k) put(i, k, i == k ? 6.0 : -1.0 / (1 + i - k));
+  put(kStepSize - 1, 0, -1.0);
+}
+
+void SmoothingStep(benchmark::State& state) {
+  std::vector<double> x;
+  for (auto _ : state) {
+    std::vector<size_t> first(kStepSize, kStepSize);
+    FillStep([&](int i, int k, double) { first[i] = std::min(first[i], static_cast<size_t>(k)); });
+    EnvelopeMatrix matrix(std::move(first));
+    FillStep([&](int i, int k, double value) { matrix.At(i, k) = value; });
+    matrix.Factor();
+    x.assign(kStepSize, 1.0);
+    matrix.Solve(x);
+    benchmark::DoNotOptimize(x.data());
+  }
+  state.counters["x0"] = x[0];
+}
+BENCHMARK(SmoothingStep)->Unit(benchmark::kMicrosecond);
+
+/// The same by Eigen's sparse Cholesky, for comparison.
+void SmoothingStepBySparse(benchmark::State& state) {
+  Eigen::VectorXd x;
+  for (auto _ : state) {
+    std::vector<Eigen::Triplet<double>> triplets;
+    FillStep([&](int i, int k, double value) { triplets.emplace_back(i, k, value); });
+    Eigen::SparseMatrix<double> matrix(kStepSize, kStepSize);
+    matrix.setFromTriplets(triplets.begin(), triplets.end());
+    const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factor(
+        matrix);
+    x = factor.solve(Eigen::VectorXd::Ones(kStepSize));
+    benchmark::DoNotOptimize(x.data());
+  }
+  state.counters["x0"] = x[0];
+}
+BENCHMARK(SmoothingStepBySparse)->Unit(benchmark::kMicrosecond);
 
 /// 500 nodes a layer on one branch, rotations around the whole turn, joints that follow the rotation.
 std::vector<Layer> MakeLayers(int count) {

@@ -4,6 +4,7 @@
 
 #include "pipeline/assemble.hpp"
 #include "pipeline/checkpoint_key.hpp"
+#include "pipeline/workpiece.hpp"
 #include "pose/lean_problem.hpp"
 #include "tests/pipeline/small_job.hpp"
 
@@ -54,6 +55,24 @@ TEST(AddLeanFreedoms, GougesThatAreOnlyReportedBarNoLean) {
   EXPECT_EQ(tolerance("skip"), 0.07);
   EXPECT_EQ(tolerance("lift"), 0.07);
   EXPECT_TRUE(std::isinf(tolerance("report")));
+}
+
+TEST(CheckJobGouges, LeavesToLeansWhatGougesAtTheNominalOne) {
+  const auto check = [](const std::vector<Override>& more) {
+    JobToolpath made = FreshPlan().prepared.made;
+    MillingPoint& sunk = made.toolpath.passes[0].points[1];
+    sunk.position -= sunk.normal;  // 1 mm below the surface, and the ways to it
+    CheckJobGouges(SmallInputs(more), FreshPlan().prepared.surface.mesh, 2, made, {});
+    return made;
+  };
+  const JobToolpath upright = check({});
+  EXPECT_NEAR(upright.toolpath.passes[0].points[1].gouge, 1, 0.05);
+  ASSERT_EQ(upright.warnings.size(), FreshPlan().prepared.made.warnings.size() + 1);
+  EXPECT_NE(upright.warnings.back().find("; 3 points are skipped"), std::string::npos);
+  const JobToolpath leaning = check({kLead, kScallop});
+  EXPECT_EQ(leaning.toolpath.passes[0].points[1].gouge, 0);
+  EXPECT_NE(leaning.warnings.back().find("; 3 points are planned at another lean or skipped"),
+            std::string::npos);
 }
 
 TEST(AddLeanFreedoms, EveryPartOfARangeIsPartOfCheckpoints) {
