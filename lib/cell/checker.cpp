@@ -30,7 +30,7 @@ struct Checker::Impl {
 
   Impl(std::shared_ptr<const World::Impl> shared, double clearance_share, double clearance_reserve)
       : world(std::move(shared)), share(clearance_share), reserve(clearance_reserve) {
-    for (const WorldBody& body : world->bodies) placed.push_back(PlacePart(body.part, body.X_LG));
+    for (const WorldBody& body : world->bodies) placed.push_back(PlacePart(*body.part, body.X_LG));
   }
   ~Impl() {
     if (keeper) keeper->Take(looks);
@@ -47,7 +47,7 @@ struct Checker::Impl {
   /// Takes note of a question about the poses between q0 and q1, each joint up to `tube` beside them. What
   /// stands still keeps `Clearances::free`, whatever the arm does.
   void Look(const Joints& q0, const Joints& q1, const Joints& tube) {
-    if (keeper) looks.Add(q0.cwiseMin(q1) - tube, q0.cwiseMax(q1) + tube, world->cell.clearances.free);
+    if (keeper) looks.AddMotion(q0, q1, tube, world->cell.clearances.free);
   }
 
   /// Takes note of an answer.
@@ -63,7 +63,7 @@ struct Checker::Impl {
     for (Pose& X : X_WL) X = world->cell.X_WB * X;
     for (size_t i = 0; i < placed.size(); ++i) {
       const WorldBody& body = world->bodies[i];
-      if (body.link > 0) placed[i] = PlacePart(body.part, X_WL[body.link] * body.X_LG);
+      if (body.link > 0) placed[i] = PlacePart(*body.part, X_WL[body.link] * body.X_LG);
     }
   }
 

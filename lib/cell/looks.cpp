@@ -73,6 +73,21 @@ void LookKeeper::Add(const Joints& low, const Joints& high, double reach) {
   Widen(place, box);
 }
 
+void LookKeeper::AddMotion(const Joints& q0, const Joints& q1, const Joints& tube, double reach) {
+  double most = 0;
+  for (size_t i = 0; i < 6; ++i) {
+    const auto joint = static_cast<Eigen::Index>(i);
+    most = std::max(most, std::abs(q1[joint] - q0[joint]) / kTogether[i]);
+  }
+  // A long way by a box of its own would be one by all that lies between its corners.
+  const int parts = std::max(1, static_cast<int>(std::ceil(most)));
+  for (int k = 0; k < parts; ++k) {
+    const Joints a = q0 + static_cast<double>(k) / parts * (q1 - q0),
+                 b = k + 1 < parts ? Joints(q0 + static_cast<double>(k + 1) / parts * (q1 - q0)) : q1;
+    Add(a.cwiseMin(b) - tube, a.cwiseMax(b) + tube, reach);
+  }
+}
+
 void LookKeeper::Take(const LookKeeper& other) {
   const std::lock_guard lock(mutex_);
   for (const auto& [place, box] : other.boxes_) Widen(place, box);
@@ -94,7 +109,7 @@ bool World::FarFrom(const std::vector<std::string>& still, const Looks& looks) c
   std::vector<Placed> obstacles;
   for (const WorldBody& body : impl_->bodies) {
     if (body.link == 0 && std::find(still.begin(), still.end(), body.name) != still.end())
-      obstacles.push_back(PlacePart(body.part, body.X_LG));
+      obstacles.push_back(PlacePart(*body.part, body.X_LG));
   }
   Joints middle, turn;
   for (const PoseBox& box : looks.boxes) {
@@ -109,11 +124,11 @@ bool World::FarFrom(const std::vector<std::string>& still, const Looks& looks) c
     const JointAxes axes = AxesOf(X_WL);
     for (const WorldBody& body : impl_->bodies) {
       if (body.link == 0) continue;
-      const Placed part = PlacePart(body.part, X_WL[static_cast<size_t>(body.link)] * body.X_LG);
+      const Placed part = PlacePart(*body.part, X_WL[static_cast<size_t>(body.link)] * body.X_LG);
       // At another pose of the box, gaps along fixed directions are less by half of that at most, √3 / 2 of
       // it for three of them together; a motion is settled by one look where they exceed the clearance by all
       // of it (Checker::BlockedBetween).
-      const double enough = box.reach + 2 * BallMoves(axes, body.link, part.centre, body.part.radius, turn);
+      const double enough = box.reach + 2 * BallMoves(axes, body.link, part.centre, body.part->radius, turn);
       for (const Placed& obstacle : obstacles)
         if (!ApartFromStill(obstacle, part, enough)) return false;
     }

@@ -109,7 +109,7 @@ struct StationWay::Impl {
     for (size_t i = 0; i < mechanism.axes().size(); ++i) moved.push_back(mechanism.MovedWith(i, external));
     std::vector<Placed> placed;
     for (size_t i = 0; i < world->bodies.size(); ++i)
-      placed.push_back(PlacePart(world->bodies[i].part,
+      placed.push_back(PlacePart(*world->bodies[i].part,
                                  carrier[i] == kWorld ? at_zero[i] : moved[Index(carrier[i])] * at_zero[i]));
     return placed;
   }
@@ -156,6 +156,16 @@ std::optional<Interference> StationWay::At(const ExternalPosition& external) con
 
 std::optional<Interference> StationWay::Between(const ExternalPosition& from,
                                                 const ExternalPosition& to) const {
+  return Look(from, to, false);
+}
+
+std::optional<Interference> StationWay::StandingBetween(const ExternalPosition& from,
+                                                        const ExternalPosition& to) const {
+  return Look(from, to, true);
+}
+
+std::optional<Interference> StationWay::Look(const ExternalPosition& from, const ExternalPosition& to,
+                                             bool standing) const {
   struct Interval {
     double begin, end;  // of the move's 0..1
     std::vector<size_t> pairs;
@@ -163,8 +173,9 @@ std::optional<Interference> StationWay::Between(const ExternalPosition& from,
   const std::vector<Placed> start = impl_->Place(from);
   std::vector<double> travel;
   for (size_t i = 0; i < start.size(); ++i) travel.push_back(impl_->Travel(i, start[i], from, to));
-  std::vector<size_t> all(impl_->pairs.size());
-  for (size_t i = 0; i < all.size(); ++i) all[i] = i;
+  std::vector<size_t> all;
+  for (size_t i = 0; i < impl_->pairs.size(); ++i)
+    if (!standing || impl_->pairs[i].standing) all.push_back(i);
   std::vector<Interval> open{{0, 1, std::move(all)}};
   while (!open.empty()) {
     const Interval interval = std::move(open.back());

@@ -25,8 +25,13 @@ class StationWay {
   /// Conservative check of the whole move, all axes together and evenly: empty means that no pair comes
   /// nearer than its clearance less `resolution` (mm) anywhere on it.
   std::optional<Interference> Between(const ExternalPosition& from, const ExternalPosition& to) const;
+  /// The same of those pairs alone that stand still in passes: what the arm does makes no difference.
+  std::optional<Interference> StandingBetween(const ExternalPosition& from, const ExternalPosition& to) const;
 
  private:
+  std::optional<Interference> Look(const ExternalPosition& from, const ExternalPosition& to,
+                                   bool standing) const;
+
   struct Impl;
   std::unique_ptr<const Impl> impl_;
 };

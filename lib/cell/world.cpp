@@ -113,7 +113,8 @@ std::shared_ptr<const World::Impl> World::Impl::Build(Cell cell) {
     excluded.emplace(b, a);
   }
   for (const Body& body : cell.bodies) {
-    impl->bodies.push_back({body.name, MakePart(body.shape), LinkOf(body), PoseOnLink(cell, body)});
+    impl->bodies.push_back({body.name, std::make_shared<const FclPart>(MakePart(body.shape)), LinkOf(body),
+                            PoseOnLink(cell, body)});
   }
   std::vector<std::pair<int, BodyPair>> ranked;
   for (size_t i = 0; i < cell.bodies.size(); ++i) {
@@ -129,7 +130,11 @@ std::shared_ptr<const World::Impl> World::Impl::Build(Cell cell) {
   std::stable_sort(ranked.begin(), ranked.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   for (const auto& [rank, pair] : ranked) impl->pairs.push_back(pair);
-  impl->cell = std::move(cell);
+  impl->meshes_ = std::make_shared<const Cell>(cell);
+  for (Body& body : cell.bodies)
+    if (std::holds_alternative<Triangles>(body.shape)) body.shape = Triangles{};
+  impl->without_meshes_ = std::make_shared<const Cell>(std::move(cell));
+  impl->cell = *impl->without_meshes_;
   return impl;
 }
 
@@ -153,8 +158,8 @@ std::vector<BodyPair> World::Impl::PairsOf(const Cell& source, int i, int j) {
   const std::optional<Convex> above = AboveHeight(moving.shape, X_TG, source.cutter_length);
   if (!above || !ShapeProblem(*above).empty()) return {pair};  // nothing, or a sliver without volume
   const BodyPair shank{first, static_cast<int>(bodies.size()), {std::nullopt, cutting}};
-  bodies.push_back(
-      {fmt::format("{} above its cutting length", moving.name), MakePart(*above), 6, source.X_FT});
+  bodies.push_back({fmt::format("{} above its cutting length", moving.name),
+                    std::make_shared<const FclPart>(MakePart(*above)), 6, source.X_FT});
   return {pair, shank};
 }
 
@@ -164,7 +169,7 @@ PointMemory::Kind World::Impl::KindOf(const Cell& source, const BodyPair& pair) 
   if (second.link <= 3) return Kind::kArm;
   if (second.link < 6 || first.link > 0) return Kind::kOther;
   // A frustum counts as the polyhedron that it is checked as: not round.
-  const Shape& shape = second.part.shape;
+  const Shape& shape = second.part->shape;
   const bool round = std::holds_alternative<Sphere>(shape) || std::holds_alternative<Cylinder>(shape) ||
                      std::holds_alternative<Capsule>(shape);
   const Pose X_TG = source.X_FT.inverse(Eigen::Isometry) * second.X_LG;
@@ -178,6 +183,29 @@ PointMemory::Kind World::Impl::KindOf(const Cell& source, const BodyPair& pair) 
 void World::Impl::Replace() {
   // A world has the cell's bodies in their order, then those that it made itself, which hang on the tool.
   for (size_t i = 0; i < cell.bodies.size(); ++i) bodies[i].X_LG = PoseOnLink(cell, cell.bodies[i]);
+}
+
+std::shared_ptr<World::Impl> World::Impl::Copy() const {
+  auto copy = std::make_shared<Impl>();
+  copy->cell = *without_meshes_;
+  copy->cell.external = cell.external;
+  copy->cell.X_WB = cell.X_WB, copy->cell.X_WP = cell.X_WP;
+  copy->bodies = bodies;
+  copy->pairs = pairs;
+  copy->measures_all = measures_all;
+  copy->meshes_ = meshes_, copy->without_meshes_ = without_meshes_;
+  copy->later_ = std::make_shared<Later>();
+  return copy;
+}
+
+const Cell& World::Impl::Whole() const {
+  if (!later_) return *meshes_;
+  std::call_once(later_->once, [&] {
+    later_->cell = *meshes_;
+    later_->cell.external = cell.external;
+    later_->cell.X_WB = cell.X_WB, later_->cell.X_WP = cell.X_WP;
+  });
+  return later_->cell;
 }
 
 World::World(Cell cell) {
@@ -197,11 +225,11 @@ World World::Watched(std::shared_ptr<LookKeeper> keeper) const {
 }
 
 World World::With(const Pose& X_WB, const Pose& X_WP) const {
-  auto moved = std::make_shared<Impl>(*impl_);
+  const std::shared_ptr<Impl> moved = impl_->Copy();
   moved->cell.X_WB = X_WB;
   moved->cell.X_WP = X_WP;
   moved->Replace();
-  return World(std::move(moved));
+  return World(moved);
 }
 
 World World::At(const ExternalPosition& external) const {
@@ -209,18 +237,18 @@ World World::At(const ExternalPosition& external) const {
   assert(still.external.empty() && external.size() == still.external_axes.size());
   if (external.empty()) return *this;
   const Mechanism mechanism(still.external_axes);
-  auto moved = std::make_shared<Impl>(*impl_);
+  const std::shared_ptr<Impl> moved = impl_->Copy();
   moved->cell.external = external;
   moved->cell.X_WB = mechanism.Moved(Carries::kRobot, external) * still.X_WB;
   moved->cell.X_WP = mechanism.Moved(Carries::kWorkpiece, external) * still.X_WP;
   moved->Replace();
-  return World(std::move(moved));
+  return World(moved);
 }
 
 World World::MeasuringAll() const {
-  auto measuring = std::make_shared<Impl>(*impl_);
+  const std::shared_ptr<Impl> measuring = impl_->Copy();
   measuring->measures_all = true;
-  return World(std::move(measuring));
+  return World(measuring);
 }
 
 std::vector<std::string> World::TouchedBy(Mount mount) const {
@@ -228,10 +256,10 @@ std::vector<std::string> World::TouchedBy(Mount mount) const {
   std::vector<std::string> touched;
   for (size_t i = 0; i < bodies.size(); ++i) {
     if (LinkOf(bodies[i]) != 0 || bodies[i].mount == mount) continue;
-    const Placed still = PlacePart(impl_->bodies[i].part, impl_->bodies[i].X_LG);
+    const Placed still = PlacePart(*impl_->bodies[i].part, impl_->bodies[i].X_LG);
     for (size_t j = 0; j < bodies.size(); ++j) {
       if (LinkOf(bodies[j]) != 0 || bodies[j].mount != mount) continue;
-      const Placed part = PlacePart(impl_->bodies[j].part, impl_->bodies[j].X_LG);
+      const Placed part = PlacePart(*impl_->bodies[j].part, impl_->bodies[j].X_LG);
       constexpr double kNear = 1e-3;  // mm
       if (BoxesApart(still, part, kNear) || DistanceUpTo(still, part, kNear).distance > 0) continue;
       touched.push_back(bodies[i].name);
@@ -241,7 +269,7 @@ std::vector<std::string> World::TouchedBy(Mount mount) const {
   return touched;
 }
 
-const Cell& World::cell() const { return impl_->cell; }
+const Cell& World::cell() const { return impl_->Whole(); }
 
 std::string World::PairName(int pair) const {
   const BodyPair& of = impl_->pairs.at(static_cast<size_t>(pair));

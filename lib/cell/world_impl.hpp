@@ -2,6 +2,8 @@
 // What World builds and Checker reads. Only cell/*.cpp include it.
 #pragma once
 
+#include <mutex>
+
 #include "cell/fcl_part.hpp"
 #include "cell/point_memory.hpp"
 
@@ -10,7 +12,7 @@ namespace millpose {
 /// A body in the world: its part and the link that it moves with.
 struct WorldBody {
   std::string name;
-  FclPart part;
+  std::shared_ptr<const FclPart> part;
   int link = 0;  ///< 0: does not move; 1..6: moves with that link
   Pose X_LG;     ///< pose of the shape in its link, or in W when it does not move
 };
@@ -24,17 +26,29 @@ struct BodyPair {
 };
 
 struct World::Impl {
-  Cell cell;
+  Cell cell;  ///< without its meshes, which Whole() has
   std::vector<WorldBody> bodies;
   std::vector<BodyPair> pairs;  ///< in the order of checking: what touches most often first
   bool measures_all = false;    ///< as World::MeasuringAll
 
   /// Turns a cell without problems into bodies and pairs.
   static std::shared_ptr<const Impl> Build(Cell cell);
+  /// A copy whose poses may be changed before Replace(). It shares geometry and meshes with this one: passes
+  /// along which external axes move have a world for every point.
+  std::shared_ptr<Impl> Copy() const;
   /// Puts the bodies where the cell's poses are now.
   void Replace();
+  /// The cell with its meshes; of a copy made when it is first asked for.
+  const Cell& Whole() const;
 
  private:
+  struct Later {
+    std::once_flag once;
+    Cell cell;
+  };
+  std::shared_ptr<const Cell> meshes_, without_meshes_;  ///< as it was built
+  std::shared_ptr<Later> later_;                         ///< of a copy
+
   /// Bodies i and j as a pair; two pairs for a cutter at the workpiece: all of it in the air, the part above
   /// the cutting length (added to `bodies`) while cutting.
   std::vector<BodyPair> PairsOf(const Cell& source, int i, int j);

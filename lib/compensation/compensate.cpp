@@ -68,13 +68,11 @@ class Compensator {
  private:
   void RunPass(size_t p) {
     PassResult& pass = plan_.passes[p];
-    carrier_.X_WB = BaseAt(plan_, pass.external);
-    R_BW_ = carrier_.X_WB.linear().transpose();
-    to_zero_ = ToZero(plan_, pass.external);
-    beside_ = CompliancesAt(plan_, pass.external, options_.beside);
+    Stand(pass.external);
     for (size_t i = 0; i < pass.points.size(); ++i) {
       PlannedPoint& point = pass.points[i];
       point.compensation.reset();
+      if (point.external) Stand(*point.external);
       if (point.skip == Obstacle::kNone) point.compensation = Expected(point, forces_[p][i]);
     }
     const bool finished = p / per_layer_ + 1 >= options_.layers;
@@ -83,8 +81,19 @@ class Compensator {
       if (shifts) TakeOutOf(pass, piece, &Compensation::normal);
       if (shifts && options_.deflection == TakeOut::kFull) TakeOutOf(pass, piece, &Compensation::across);
     }
-    for (PlannedPoint& point : pass.points)
-      if (point.compensation) Command(point);
+    for (PlannedPoint& point : pass.points) {
+      if (!point.compensation) continue;
+      if (point.external) Stand(*point.external);
+      Command(point);
+    }
+  }
+
+  /// The external axes stand at `external`.
+  void Stand(const ExternalPosition& external) {
+    carrier_.X_WB = BaseAt(plan_, external);
+    R_BW_ = carrier_.X_WB.linear().transpose();
+    to_zero_ = ToZero(plan_, external);
+    beside_ = CompliancesAt(plan_, external, options_.beside);
   }
 
   /// What a point's tip is expected to do, and between which values that lies; nothing taken out yet.
@@ -118,7 +127,7 @@ class Compensator {
     for (size_t k = 0; k < points.size(); ++k) {
       const bool closing = piece.closed && k == 0;  // is passed twice, the second time in air
       amounts.push_back(closing ? 0 : TakenOut(*pass.points[points[k]].compensation.*member, options_.share));
-      times.push_back(Time(pass.points[points[k]].point, pass.points[points[(k + 1) % points.size()]].point));
+      times.push_back(Time(pass, points[k], points[(k + 1) % points.size()]));
     }
     LimitChange(amounts, times, kShiftSpeed, piece.closed);
     for (double& amount : amounts)
@@ -127,8 +136,14 @@ class Compensator {
       (*pass.points[points[k]].compensation.*member).taken = amounts[k];
   }
 
-  static double Time(const MillingPoint& from, const MillingPoint& to) {
-    return (to.position - from.position).norm() / to.feed_rate;
+  /// Of the way between two points of a pass, which is one on the part.
+  double Time(const PassResult& pass, size_t from, size_t to) const {
+    const MillingPoint &first = pass.points[from].point, &last = pass.points[to].point;
+    if (!pass.points[to].external) return (last.position - first.position).norm() / last.feed_rate;
+    return (OnPartAtZero(plan_, ExternalAt(pass, to), last.position) -
+            OnPartAtZero(plan_, ExternalAt(pass, from), first.position))
+               .norm() /
+           last.feed_rate;
   }
 
   /// The pose that takes out what is to be taken out, and what then remains for the layer below.
@@ -183,7 +198,7 @@ class Compensator {
   const CompensationOptions& options_;
   const PointForces& forces_;
   PlanResult& plan_;
-  Carrier carrier_;  ///< of the pass, as the next three
+  Carrier carrier_;  ///< of the pass, or of a point of it, as the next three
   Eigen::Matrix3d R_BW_;
   Pose to_zero_;
   std::vector<SeriesCompliance> beside_;

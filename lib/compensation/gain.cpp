@@ -22,10 +22,14 @@ struct Place {
 std::vector<Place> PlacesOf(const CompensationOptions& options, const PlanResult& plan) {
   std::vector<Place> places;
   for (const PassResult& pass : plan.passes) {
-    const Eigen::Matrix3d R_BW = BaseAt(plan, pass.external).linear().transpose();
-    const std::vector<SeriesCompliance> beside = CompliancesAt(plan, pass.external, options.beside);
+    Eigen::Matrix3d R_BW = BaseAt(plan, pass.external).linear().transpose();
+    std::vector<SeriesCompliance> beside = CompliancesAt(plan, pass.external, options.beside);
     for (const PlannedPoint& point : pass.points) {
       if (!point.compensation || point.compensation->normal.taken == 0) continue;
+      if (point.external) {
+        R_BW = BaseAt(plan, *point.external).linear().transpose();
+        beside = CompliancesAt(plan, *point.external, options.beside);
+      }
       const ComplianceParts parts(plan.arm, point.q, plan.X_FT.translation(), beside);
       const Vector3d normal = R_BW * point.point.normal;
       places.push_back({parts.Towards(normal), normal, R_BW * point.compensation->force,

@@ -165,14 +165,12 @@ void CheckExternal(const Value& value, const Context& context, ExternalSettings&
   const auto refuse = [&](const char* key, const char* why) {
     if (const Value::Key* given = value.FindKey(key)) context.Child(key).Add(given->mark, why);
   };
-  if (external.scope == ExternalScope::kContinuous)
-    context.Child("scope").Add(
-        value.FindKey("scope")->mark,
-        "given continuous; allowed: constant, per_pass: external axes stand still during "
-        "a cut, because one that moves costs accuracy");
-  if (external.scope == ExternalScope::kPerPass)
+  if (external.scope != ExternalScope::kConstant)
     for (const char* key : {"at_mm", "at_deg"})
-      refuse(key, "has no effect here: with scope per_pass the planner chooses");
+      if (const Value::Key* given = value.FindKey(key))
+        context.Child(key).Add(given->mark,
+                               fmt::format("has no effect here: with scope {} the planner chooses",
+                                           WordOf(kExternalScopeWords, external.scope)));
   if (external.at_mm || external.at_deg)
     for (const char* key : {"step_mm", "step_deg"}) refuse(key, "has no effect here: the position is given");
   using Units = std::pair<const char*, const char*>;
@@ -190,7 +188,8 @@ Codec<ExternalSettings> ExternalFields() {
           Key<S>("axis", MILLPOSE_AT(axis), Text(), "Name of one of the cell's `external_axes`.").Required(),
           Key<S>("scope", MILLPOSE_AT(scope), ChoiceOf(kExternalScopeWords),
                  "constant: one position for the whole job; per_pass: one for each pass, which the planner "
-                 "chooses. An external axis never moves during a cut: continuous is refused.")
+                 "chooses; continuous: it may also move evenly along a pass, from one position to another. A "
+                 "moving axis adds its own error to the cut, so that nothing moves unless asked for.")
               .Required(),
           Key<S>("at_mm", MILLPOSE_AT(at_mm), Maybe(Real(kMm, length)),
                  "With scope constant, of a linear axis: where it stands.")

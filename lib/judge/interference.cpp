@@ -44,6 +44,7 @@ struct Judge::Impl {
   std::vector<Item> items;
   std::vector<std::pair<size_t, size_t>> pairs;
   std::vector<std::pair<size_t, size_t>> standing;  ///< that external axes alone move against each other
+  long long poses = 0;                              ///< looked at so far
 
   explicit Impl(const Setup& given) : zero(given), setup(given) {
     zero.bodies.clear();
@@ -111,18 +112,20 @@ struct Judge::Impl {
   }
 
   /// Bound of how far any point travels on a move of the external axes, mm: each turns what it carries, which
-  /// the others have moved by at most all their ways.
-  Real MoveTravel(const Position& from, const Position& to) const {
+  /// the others have moved by at most all their ways, and the arm by `arm` mm. The bodies stand as with the
+  /// axes at `here`, a position on the move.
+  Real MoveTravel(const Position& from, const Position& to, const Position& here, Real arm) const {
     Real travel = 0;
     for (size_t i = zero.axes.size(); i-- > 0;) {
       const Real way = std::abs(to[i] - from[i]);
-      const Matrix4 X = Carried(zero, static_cast<int>(i), from);
+      const Matrix4 X = Carried(zero, static_cast<int>(i), here);
       const Vector3 place = X.block<3, 3>(0, 0) * zero.axes[i].origin + X.block<3, 1>(0, 3);
       Real reach = 1;
       if (zero.axes[i].rotary)
         for (const Item& item : items)
           if (CarrierOf(item.body) >= 0)
-            reach = std::max(reach, (Apply(item.X_WG, item.centre) - place).norm() + item.radius + travel);
+            reach =
+                std::max(reach, (Apply(item.X_WG, item.centre) - place).norm() + item.radius + travel + arm);
       travel += way * reach;
     }
     return travel;
@@ -211,27 +214,67 @@ struct Judge::Impl {
     return std::clamp(result.min_distance, 0.0, bound);
   }
 
-  /// Calls `look` at poses on a straight joint motion, no point of arm and tool travelling more than `travel`
-  /// mm from one to the next, until it returns true. It is told whether the pose ends a piece of the motion.
+  /// Calls `look` at poses on a motion, no point of what moves travelling more than `travel` mm from one to
+  /// the next, until it returns true. It is told whether the pose ends a piece of the motion. The bodies are
+  /// placed.
   template <class Look>
-  void Walk(const Angles& from, const Angles& to, double travel, Look look) {
+  void Walk(const Motion& motion, double travel, Look look) {
     // Pieces of at most 2° keep the reach taken at a piece's middle within 4 % of the reach anywhere on it.
     Real widest = 0;
-    for (size_t i = 0; i < 6; ++i) widest = std::max(widest, std::abs(to[i] - from[i]));
+    for (size_t i = 0; i < 6; ++i) widest = std::max(widest, std::abs(motion.to[i] - motion.from[i]));
     const int pieces = std::max(1, static_cast<int>(std::ceil(widest / (2 * kDegree))));
-    const auto point = [&](Real share) {
+    const auto angles_at = [&](Real share) {
       Angles angles;
-      for (size_t i = 0; i < 6; ++i) angles[i] = from[i] + (to[i] - from[i]) * share;
+      for (size_t i = 0; i < 6; ++i) angles[i] = motion.from[i] + (motion.to[i] - motion.from[i]) * share;
       return angles;
     };
+    const auto axes_at = [&](Real share) {
+      Position position = motion.external_from;
+      for (size_t i = 0; i < position.size(); ++i)
+        position[i] += (motion.external_to[i] - motion.external_from[i]) * share;
+      return position;
+    };
+    const bool axes = !motion.external_from.empty();
     for (int piece = 0; piece < pieces; ++piece) {
-      const Angles start = point(static_cast<Real>(piece) / pieces),
-                   end = point(static_cast<Real>(piece + 1) / pieces);
-      const int steps = std::max(1, static_cast<int>(std::ceil(Travel(start, end) * 1.04L / travel)));
-      for (int step = piece > 0 ? 1 : 0; step <= steps; ++step)
-        if (look(point((piece + static_cast<Real>(step) / steps) / pieces), step == 0 || step == steps))
-          return;
+      const Real begin = static_cast<Real>(piece) / pieces, end = static_cast<Real>(piece + 1) / pieces;
+      if (axes) Stand(axes_at((begin + end) / 2));
+      Real way = Travel(angles_at(begin), angles_at(end)) * 1.04L;
+      if (axes) way += MoveTravel(axes_at(begin), axes_at(end), axes_at((begin + end) / 2), way);
+      const int steps = std::max(1, static_cast<int>(std::ceil(way / travel)));
+      for (int step = piece > 0 ? 1 : 0; step <= steps; ++step) {
+        const Real share = (piece + static_cast<Real>(step) / steps) / pieces;
+        const Angles angles = angles_at(share);
+        if (axes) Stand(axes_at(share));
+        Place(angles);
+        ++poses;
+        if (look(angles, step == 0 || step == steps)) return;
+      }
     }
+  }
+
+  /// Calls `look` with every pair that can come together on a motion until it returns true: also those that
+  /// external axes alone move against each other, where these move.
+  template <class Look>
+  bool AnyPair(const Motion& motion, Look look) const {
+    for (const auto& [i, j] : pairs)
+      if (look(i, j)) return true;
+    if (motion.external_from != motion.external_to)
+      for (const auto& [i, j] : standing)
+        if (look(i, j)) return true;
+    return false;
+  }
+
+  /// The first pair that touches as the bodies are placed.
+  std::optional<Contact> Touching(const Motion& motion, const Angles& angles, bool inside) const {
+    std::optional<Contact> contact;
+    AnyPair(motion, [&](size_t i, size_t j) {
+      const Item &a = items[i], &b = items[j];
+      if (MayTouch(a, b, motion.cutting)) return false;
+      if (Touch(a, b) || (inside && (Inside(a, b) || Inside(b, a))))
+        contact = Contact{a.body.name, b.body.name, angles};
+      return contact.has_value();
+    });
+    return contact;
   }
 
   /// Bound of how far any point of a moving body travels on a straight joint motion, mm.
@@ -264,14 +307,15 @@ std::vector<Near> Judge::Moving(const Position& from, const Position& to, const 
                                 double travel) {
   impl_->Stand(from);
   impl_->Place(angles);
-  const auto steps = static_cast<int>(std::ceil(std::max<Real>(1, impl_->MoveTravel(from, to) / travel)));
+  const auto steps =
+      static_cast<int>(std::ceil(std::max<Real>(1, impl_->MoveTravel(from, to, from, 0) / travel)));
   std::map<std::pair<size_t, size_t>, Near> nearest;
   for (int step = 0; step <= steps; ++step) {
     Position position = from;
     for (size_t i = 0; i < position.size(); ++i) position[i] += (to[i] - from[i]) * step / steps;
     impl_->Stand(position);
     impl_->Place(angles);
-    ++poses;
+    ++impl_->poses;
     for (const auto* pairs : {&impl_->pairs, &impl_->standing})
       for (const auto& [i, j] : *pairs) {
         const Impl::Item &a = impl_->items[i], &b = impl_->items[j];
@@ -291,50 +335,45 @@ std::vector<Near> Judge::Moving(const Position& from, const Position& to, const 
 }
 
 std::optional<Contact> Judge::At(const Angles& angles, bool cutting, bool inside) {
-  ++poses;
+  ++impl_->poses;
   impl_->Place(angles);
-  for (const auto& [i, j] : impl_->pairs) {
-    const Impl::Item &a = impl_->items[i], &b = impl_->items[j];
-    if (Impl::MayTouch(a, b, cutting)) continue;
-    if (Impl::Touch(a, b) || (inside && (Impl::Inside(a, b) || Impl::Inside(b, a))))
-      return Contact{a.body.name, b.body.name, angles};
-  }
-  return std::nullopt;
+  return impl_->Touching({angles, angles, cutting}, angles, inside);
 }
 
-std::optional<Contact> Judge::Between(const Angles& from, const Angles& to, bool cutting, double travel) {
+std::optional<Contact> Judge::Between(const Motion& motion, double travel) {
   std::optional<Contact> contact;
-  impl_->Walk(from, to, travel, [&](const Angles& angles, bool ends) {
-    contact = At(angles, cutting, ends);
+  impl_->Walk(motion, travel, [&](const Angles& angles, bool ends) {
+    contact = impl_->Touching(motion, angles, ends);
     return contact.has_value();
   });
+  if (!motion.external_to.empty()) impl_->Stand(motion.external_to);
   return contact;
 }
 
-std::vector<Near> Judge::TooNear(const Angles& from, const Angles& to, bool cutting, double share,
-                                 double slack, double travel) {
+std::vector<Near> Judge::TooNear(const Motion& motion, double share, double slack, double travel) {
   std::map<std::pair<size_t, size_t>, Near> nearest;
-  impl_->Walk(from, to, travel, [&](const Angles& angles, bool) {
-    ++poses;
-    impl_->Place(angles);
-    for (const auto& [i, j] : impl_->pairs) {
+  impl_->Walk(motion, travel, [&](const Angles&, bool) {
+    return impl_->AnyPair(motion, [&](size_t i, size_t j) {
       const Impl::Item &a = impl_->items[i], &b = impl_->items[j];
-      if (Impl::MayTouch(a, b, cutting)) continue;
-      const double wanted = share * static_cast<double>(impl_->Clearance(a.body, b.body, cutting));
+      if (Impl::MayTouch(a, b, motion.cutting)) return false;
+      const double wanted = share * static_cast<double>(impl_->Clearance(a.body, b.body, motion.cutting));
       double bound = wanted - slack;
       const auto known = nearest.find({i, j});
       if (known != nearest.end()) bound = known->second.distance;
-      if (bound <= 0 || Impl::BoxGap(a, b) >= bound) continue;
+      if (bound <= 0 || Impl::BoxGap(a, b) >= bound) return false;
       const double distance = Impl::Apart(a, b, bound);
       if (distance < bound)
         nearest.insert_or_assign({i, j}, Near{a.body.name, b.body.name, distance, wanted});
-    }
-    return false;
+      return false;
+    });
   });
+  if (!motion.external_to.empty()) impl_->Stand(motion.external_to);
   std::vector<Near> near;
   for (const auto& [pair, found] : nearest) near.push_back(found);
   return near;
 }
+
+long long Judge::poses() const { return impl_->poses; }
 
 Real Judge::Distance(const std::string& first, const std::string& second, const Angles& angles, bool cutting,
                      Real bound) {

@@ -24,6 +24,14 @@ struct Near {
 /// Where the external axes stand: mm or rad, one for each.
 using Position = std::vector<Real>;
 
+/// Straight in joint space.
+struct Motion {
+  Angles from, to;
+  bool cutting = false;  ///< the cutter may be in the workpiece with its cutting length
+  /// The external axes go evenly from one to the other meanwhile; empty: they stand where they are.
+  Position external_from = {}, external_to = {};
+};
+
 /// Looks at poses and motions with plain FCL collision of full triangle meshes. What it finds touching
 /// touches; clearances are looked at apart.
 class Judge {
@@ -45,15 +53,14 @@ class Judge {
   /// be in the workpiece with its cutting length.
   std::optional<Contact> At(const Angles& angles, bool cutting, bool inside);
 
-  /// Looks at poses on the straight line in joint space so that no point of arm and tool travels more than
-  /// `travel` mm from one to the next; both ends included.
-  std::optional<Contact> Between(const Angles& from, const Angles& to, bool cutting, double travel);
+  /// Looks at poses on a motion so that no point of what moves travels more than `travel` mm from one to the
+  /// next; both ends included. Where external axes move, also at bodies that stand still otherwise; they
+  /// stand at the motion's end then.
+  std::optional<Contact> Between(const Motion& motion, double travel);
 
-  /// Pairs that come nearer than `share` of their clearance less `slack` (mm) at poses on the straight line
-  /// in joint space, no point travelling more than `travel` mm from one to the next: each with its least
-  /// distance.
-  std::vector<Near> TooNear(const Angles& from, const Angles& to, bool cutting, double share, double slack,
-                            double travel);
+  /// Pairs that come nearer than `share` of their clearance less `slack` (mm) at such poses: each with its
+  /// least distance.
+  std::vector<Near> TooNear(const Motion& motion, double share, double slack, double travel);
 
   /// Distance of the bodies of these names at a pose, mm, up to `bound`; 0 when they touch or one is inside
   /// the other. While cutting, the part of the cutter that may be in the workpiece is left out against it.
@@ -63,7 +70,7 @@ class Judge {
   /// Radius of the largest of the spheres around the bodies of that name, mm.
   Real Radius(const std::string& name) const;
 
-  long long poses = 0;  ///< looked at so far
+  long long poses() const;  ///< looked at so far
 
  private:
   struct Impl;

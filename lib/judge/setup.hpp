@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,11 +49,26 @@ struct Spring {
   Eigen::Matrix<Real, 6, 6> C;  ///< mm/N, 1/N, 1/N, rad/(N·mm)
 };
 
-/// A rail, lift or table. It stands still while a pass is milled.
+/// A rail, lift or table.
 struct ExternalAxis {
+  std::string name;
   bool rotary = false, carries_robot = false;
-  Vector3 direction, origin;  ///< in the world, with all of them at 0; mm
-  Real compliance = 0;        ///< mm/N, or rad/(N·mm)
+  Vector3 direction, origin;       ///< in the world, with all of them at 0; mm
+  Real lower, upper, home, speed;  ///< mm or rad, and per s
+  Real compliance = 0;             ///< mm/N, or rad/(N·mm)
+};
+
+/// What a controller calls an external axis, and whether its own kinematics count in it.
+struct ControllerAxis {
+  std::string name;
+  size_t axis;  ///< of Setup::axes
+  bool coupled;
+};
+
+/// The rail that a KRL controller counts in, in its $WORLD.
+struct KrlRail {
+  Matrix4 root;       ///< $ERSYSROOT
+  Vector3 direction;  ///< of the carriage, in it
 };
 
 /// The cell and job as far as the laws need them.
@@ -77,10 +93,14 @@ struct Setup {
   bool rings = false;              ///< passes may be closed
   bool laid = true;  ///< cut points lie on the workpiece or a layer over it: no hole, no trimmed edge
   std::string krl_tool_axis = "z", sinumerik_tool_axis = "z", sinumerik_rotation = "rpy";
-  std::string krl_tool_direction = "x";                             ///< $TOOL_DIRECTION
-  bool sinumerik_turn_known = false;                                ///< the cell says how MD21104 stands
-  std::string linuxcnc_tool_axis = "z", linuxcnc_rotation = "rpy";  ///< of tool poses
-  std::vector<Body> bodies;                                         ///< the workpiece last
+  std::string krl_tool_direction = "x";                                ///< $TOOL_DIRECTION
+  bool sinumerik_turn_known = false;                                   ///< the cell says how MD21104 stands
+  std::string linuxcnc_tool_axis = "z", linuxcnc_rotation = "rpy";     ///< of tool poses
+  std::map<std::string, std::vector<ControllerAxis>> controller_axes;  ///< by controller
+  std::optional<KrlRail> krl_rail;
+  Matrix4 krl_robot = Matrix4::Identity();  ///< $ROBROOT: the robot in $WORLD, or on the carriage of krl_rail
+  std::optional<Matrix4> krl_table;  ///< what $BASE = EK(…) counts from with the table at 0, in $WORLD
+  std::vector<Body> bodies;          ///< the workpiece last
   std::vector<std::pair<std::string, std::string>> excluded_pairs;
   std::optional<UrdfArm> urdf;                      ///< of a cell that names one
   Real clearance_free = 10, clearance_cutting = 2;  ///< mm

@@ -67,10 +67,13 @@ double CornerSpeed(const Corner& corner, double reach, const PathDynamics& dynam
 
 double BlockSpeed(double length, const PathDynamics& dynamics) { return length / dynamics.block_time; }
 
+double StopTime(const Joints& before, const Joints& after, const Joints& acceleration) {
+  return before.cwiseAbs().cwiseMax(after.cwiseAbs()).cwiseQuotient(acceleration).maxCoeff();
+}
+
 Joints OverlapRounding(const Joints& before, const Joints& after, const Joints& acceleration,
                        double shorter) {
-  const double stop = before.cwiseAbs().cwiseMax(after.cwiseAbs()).cwiseQuotient(acceleration).maxCoeff();
-  return std::min(stop, shorter) / 8 * (after - before);
+  return std::min(StopTime(before, after, acceleration), shorter) / 8 * (after - before);
 }
 
 }  // namespace millpose

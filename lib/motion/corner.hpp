@@ -64,6 +64,9 @@ double CornerSpeed(const Corner& corner, double reach, const PathDynamics& dynam
 /// The speed (mm/s) at which motions of this length (mm) can follow each other. An estimate.
 double BlockSpeed(double length, const PathDynamics& dynamics);
 
+/// s that the slowest joint needs to stop from the faster of two speeds (rad/s).
+double StopTime(const Joints& before, const Joints& after, const Joints& acceleration);
+
 /// How far (rad, joint by joint) the joints are from a corner that a control passes by overlapping the
 /// slowing down of one motion with the speeding up of the next (LinuxCNC): a parabola over the time t that
 /// the slowest joint needs to stop, no longer than the shorter motion takes, leaves it by t/8 of the change

@@ -9,37 +9,45 @@ namespace {
 constexpr double kRounding = 1e-9;  // relative: feeds nearer than this are the same
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// First and second derivative of the joints by arc length, rad/mm and rad/mm².
+/// All axes: the joints, then the external ones.
+constexpr int kAxes = 9;
+using Axes = Eigen::Matrix<double, kAxes, 1>;
+
+Axes AxesOf(const CutSample& sample) { return (Axes() << sample.q, sample.external).finished(); }
+Axes AxesOf(const Joints& joints, const Eigen::Vector3d& external) {
+  return (Axes() << joints, external).finished();
+}
+
+/// First and second derivative of the axes by arc length, rad/mm and rad/mm².
 struct Course {
-  std::vector<Joints> first, second;
+  std::vector<Axes> first, second;
 };
 
 Course DeriveCourse(std::span<const CutSample> cut) {
   const size_t count = cut.size();
-  Course course{std::vector<Joints>(count, Joints::Zero()), std::vector<Joints>(count, Joints::Zero())};
+  Course course{std::vector<Axes>(count, Axes::Zero()), std::vector<Axes>(count, Axes::Zero())};
   for (size_t i = 0; i < count && count > 1; ++i) {
     // The ends use the parabola of their neighbour; of two points there is only a line.
     const size_t m = count == 2 ? 1 : std::clamp<size_t>(i, 1, count - 2);
     const double before = cut[m].arc_length - cut[m - 1].arc_length;
-    const Joints left = (cut[m].q - cut[m - 1].q) / before;
+    const Axes left = (AxesOf(cut[m]) - AxesOf(cut[m - 1])) / before;
     if (count == 2) {
       course.first[i] = left;
       continue;
     }
     const double after = cut[m + 1].arc_length - cut[m].arc_length;
-    const Joints right = (cut[m + 1].q - cut[m].q) / after;
+    const Axes right = (AxesOf(cut[m + 1]) - AxesOf(cut[m])) / after;
     course.second[i] = 2 * (right - left) / (before + after);
-    const Joints middle = (after * left + before * right) / (before + after);
+    const Axes middle = (after * left + before * right) / (before + after);
     course.first[i] = middle + course.second[i] * (cut[i].arc_length - cut[m].arc_length);
   }
   return course;
 }
 
-/// Tangential accelerations u allowed at squared feed x: −a ≤ q''·x + q'·u ≤ a for every joint.
-std::pair<double, double> TangentialRange(const Joints& first, const Joints& second, double x,
-                                          const Joints& a) {
+/// Tangential accelerations u allowed at squared feed x: −a ≤ q''·x + q'·u ≤ a for every axis.
+std::pair<double, double> TangentialRange(const Axes& first, const Axes& second, double x, const Axes& a) {
   double low = -kInfinity, high = kInfinity;
-  for (int j = 0; j < 6; ++j) {
+  for (int j = 0; j < kAxes; ++j) {
     const double free_low = -a[j] - second[j] * x, free_high = a[j] - second[j] * x;
     if (first[j] == 0) {
       if (free_low > 0 || free_high < 0) return {kInfinity, -kInfinity};
@@ -61,10 +69,10 @@ double SquareByAcceleration(double second, double acceleration) {
 }
 
 /// The largest squared feed of one sample, alone: what it can hold without slowing down.
-double SquareCap(const CutSample& sample, const Joints& first, const Joints& second, const Joints& speed,
-                 const Joints& acceleration) {
+double SquareCap(const CutSample& sample, const Axes& first, const Axes& second, const Axes& speed,
+                 const Axes& acceleration) {
   double cap = sample.feed * sample.feed;
-  for (int j = 0; j < 6; ++j) {
+  for (int j = 0; j < kAxes; ++j) {
     cap =
         std::min({cap, SquareBySpeed(first[j], speed[j]), SquareByAcceleration(second[j], acceleration[j])});
   }
@@ -73,7 +81,7 @@ double SquareCap(const CutSample& sample, const Joints& first, const Joints& sec
 
 /// The largest x ≤ cap from which some allowed u leads into [0, next] over the distance ds. The set of such x
 /// is an interval from 0 on, because all bounds are linear in x and u.
-double LargestControllable(const Joints& first, const Joints& second, const Joints& a, double cap, double ds,
+double LargestControllable(const Axes& first, const Axes& second, const Axes& a, double cap, double ds,
                            double next) {
   const auto controllable = [&](double x) {
     const auto [low, high] = TangentialRange(first, second, x, a);
@@ -95,8 +103,9 @@ JointRates RatesAlong(std::span<const CutSample> cut) {
     const double ds = cut[after].arc_length - cut[before].arc_length;
     const double squares = cut[after].feed * cut[after].feed - cut[before].feed * cut[before].feed;
     const double tangential = ds > 0 ? 0.5 * squares / ds : 0;  // d(v²)/2ds
-    rates.speed.push_back(course.first[i] * cut[i].feed);
-    rates.acceleration.push_back(course.second[i] * cut[i].feed * cut[i].feed + course.first[i] * tangential);
+    rates.speed.push_back(course.first[i].head<6>() * cut[i].feed);
+    rates.acceleration.push_back(course.second[i].head<6>() * cut[i].feed * cut[i].feed +
+                                 course.first[i].head<6>() * tangential);
   }
   return rates;
 }
@@ -114,13 +123,15 @@ Joints TimeRms(std::span<const CutSample> cut, std::span<const Joints> values) {
   return time > 0 ? Joints((sum / time).cwiseSqrt()) : Joints(Joints::Zero());
 }
 
-std::vector<FeedShortfall> FindShortfalls(std::span<const CutSample> cut, const Joints& speed,
-                                          const Joints& acceleration) {
+std::vector<FeedShortfall> FindShortfalls(std::span<const CutSample> cut, const Joints& joint_speed,
+                                          const Joints& joint_acceleration, const ExternalBounds& external) {
+  const Axes speed = AxesOf(joint_speed, external.speed);
+  const Axes acceleration = AxesOf(joint_acceleration, external.acceleration);
   const Course course = DeriveCourse(cut);
   std::vector<FeedShortfall> shortfalls;
   for (size_t i = 0; i < cut.size(); ++i) {
     FeedShortfall worst{static_cast<int>(i), 0, false, cut[i].feed};
-    for (int j = 0; j < 6; ++j) {
+    for (int j = 0; j < kAxes; ++j) {
       const double by_speed = std::sqrt(SquareBySpeed(course.first[i][j], speed[j]));
       const double by_acceleration = std::sqrt(SquareByAcceleration(course.second[i][j], acceleration[j]));
       const double possible = std::min(by_speed, by_acceleration);
@@ -131,8 +142,10 @@ std::vector<FeedShortfall> FindShortfalls(std::span<const CutSample> cut, const 
   return shortfalls;
 }
 
-std::vector<double> ReducedFeeds(std::span<const CutSample> cut, const Joints& speed,
-                                 const Joints& acceleration) {
+std::vector<double> ReducedFeeds(std::span<const CutSample> cut, const Joints& joint_speed,
+                                 const Joints& joint_acceleration, const ExternalBounds& external) {
+  const Axes speed = AxesOf(joint_speed, external.speed);
+  const Axes acceleration = AxesOf(joint_acceleration, external.acceleration);
   const Course course = DeriveCourse(cut);
   const size_t count = cut.size();
   // Backwards: the largest squared feed from which the rest can still be run.

@@ -52,10 +52,12 @@ double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   return Atan2(twice_axis_sine.norm(), R.trace() - 1);
 }
 
-Pose Carrier::ToolPose(const Joints& q) const { return X_WB * ForwardFlange(arm, q) * X_FT; }
+Pose Carrier::ToolPose(const Joints& q, double share) const {
+  return BasePose(share) * ForwardFlange(arm, q) * X_FT;
+}
 
-Pose Carrier::FlangePose(const Pose& X_WT) const {
-  return X_WB.inverse(Eigen::Isometry) * X_WT * X_FT.inverse(Eigen::Isometry);
+Pose Carrier::FlangePose(const Pose& X_WT, double share) const {
+  return BasePose(share).inverse(Eigen::Isometry) * X_WT * X_FT.inverse(Eigen::Isometry);
 }
 
 LineMotion FollowLine(const Carrier& carrier, const Joints& q, const Pose& X_WT_end, const Joints& lower,
@@ -69,7 +71,7 @@ LineMotion FollowLine(const Carrier& carrier, const Joints& q, const Pose& X_WT_
   LineMotion motion{{q}, {}};
   for (int i = 1; i <= count; ++i) {
     const double share = static_cast<double>(i) / count;
-    const Pose X_BF = carrier.FlangePose(line.At(share));
+    const Pose X_BF = carrier.FlangePose(line.At(share), share);
     const std::optional<Joints> next = InverseNear(carrier.arm, X_BF, branch, motion.joints.back());
     const std::string problem =
         next ? SampleProblem(*next, motion.joints.back(), lower, upper, steps.joint_jump)
@@ -85,8 +87,9 @@ LineMotion FollowLine(const Carrier& carrier, const Joints& q, const Pose& X_WT_
 }
 
 std::optional<Joints> OnLine(const Carrier& carrier, const Joints& q0, const Joints& q1, double share) {
-  const Pose X_WT = PoseLine(carrier.ToolPose(q0), carrier.ToolPose(q1)).At(share);
-  return InverseNear(carrier.arm, carrier.FlangePose(X_WT), Status(carrier.arm, q0), q0 + share * (q1 - q0));
+  const Pose X_WT = PoseLine(carrier.ToolPose(q0), carrier.ToolPose(q1, 1)).At(share);
+  return InverseNear(carrier.arm, carrier.FlangePose(X_WT, share), Status(carrier.arm, q0),
+                     q0 + share * (q1 - q0));
 }
 
 std::optional<Joints> JointDeviation(const Carrier& carrier, const Joints& q0, const Joints& q1) {
@@ -101,8 +104,8 @@ std::optional<Joints> JointDeviation(const Carrier& carrier, const Joints& q0, c
 }
 
 Deviation HalfwayDeviation(const Carrier& carrier, const Joints& q0, const Joints& q1) {
-  const Pose commanded = PoseLine(carrier.ToolPose(q0), carrier.ToolPose(q1)).At(0.5);
-  const Pose real = carrier.ToolPose(0.5 * (q0 + q1));
+  const Pose commanded = PoseLine(carrier.ToolPose(q0), carrier.ToolPose(q1, 1)).At(0.5);
+  const Pose real = carrier.ToolPose(0.5 * (q0 + q1), 0.5);
   const Eigen::Vector3d a = commanded.linear().col(2), b = real.linear().col(2);
   return {(real.translation() - commanded.translation()).norm(), Atan2(a.cross(b).norm(), a.dot(b))};
 }

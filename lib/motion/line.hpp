@@ -3,11 +3,12 @@
 // proportion to the way done.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "robot/arm.hpp"
+#include "motion/ride.hpp"
 
 namespace millpose {
 
@@ -36,9 +37,15 @@ double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
 struct Carrier {
   Arm arm;
   Pose X_WB = Pose::Identity(), X_FT = Pose::Identity();
+  /// Where external axes move along a straight motion: how the base moves, once from its start to its end.
+  /// The motion is straight in the part's frame P, which then stands for W in all that follows; X_WB is not
+  /// read.
+  std::shared_ptr<const Ride> ride = nullptr;
 
-  Pose ToolPose(const Joints& q) const;     ///< X_WT
-  Pose FlangePose(const Pose& X_WT) const;  ///< X_BF for a tool pose
+  // `share`: of the ride, 0..1.
+  Pose BasePose(double share = 0) const { return ride ? ride->BaseInPart(share) : X_WB; }  ///< X_WB
+  Pose ToolPose(const Joints& q, double share = 0) const;                                  ///< X_WT
+  Pose FlangePose(const Pose& X_WT, double share = 0) const;  ///< X_BF for a tool pose
 };
 
 /// How finely a straight motion is followed.

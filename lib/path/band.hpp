@@ -9,6 +9,9 @@
 
 namespace millpose {
 
+/// Nodes of a layer: the first, and one beyond the last.
+using NodeRange = std::pair<size_t, size_t>;
+
 /// What of one layer steps reach from, as its nodes stand when this is made. Quick when it is asked in the
 /// order of the first freedom.
 class BandOfLayer {
@@ -18,12 +21,16 @@ class BandOfLayer {
     if (walls) FindWalls();
   }
 
-  /// Calls `visit(first, last)` for the ranges of nodes of `lane` whose first freedom lies within the band
-  /// about `value`, round the turn too.
-  template <typename Visit>
-  void VisitFrom(int lane, double value, const Visit& visit) {
+  /// The ranges of nodes (first, one beyond the last) of `lane` whose first freedom lies within the band
+  /// about `value`: about it as it stands, and round the turn either way, where that gives other nodes. Empty
+  /// ones have first = last.
+  std::array<NodeRange, 3> RangesFrom(int lane, double value) {
     const size_t from = layer_.lane_begin[lane], to = layer_.lane_begin[lane + 1];
-    if (band_ >= kPi && !walls_) return visit(from, to);
+    std::array<NodeRange, 3> ranges{};
+    if (band_ >= kPi && !walls_) {
+      ranges[0] = {from, to};
+      return ranges;
+    }
     const auto part = [&](double middle, Places& places) {
       size_t first = places.first = Seek(places.first, from, to, middle - band_, std::less<>());
       size_t last = places.last = Seek(places.last, from, to, middle + band_, std::less_equal<>());
@@ -33,11 +40,26 @@ class BandOfLayer {
         first = std::max(first, left_[at]);
         last = std::min(last, right_[at]);
       }
-      if (first < last) visit(first, last);
+      return NodeRange{first, std::max(first, last)};
     };
-    part(value, places_[0]);
-    if (value - band_ < -kPi) part(value + 2 * kPi, places_[1]);
-    if (value + band_ > kPi) part(value - 2 * kPi, places_[2]);
+    ranges[0] = part(value, places_[0]);
+    const auto [first, last] = ranges[0];
+    if (value - band_ < -kPi) {
+      NodeRange& above = ranges[1] = part(value + 2 * kPi, places_[1]);
+      if (first <= above.first) above = {std::max(above.first, last), std::max(above.second, last)};
+    }
+    if (value + band_ > kPi) {
+      NodeRange& below = ranges[2] = part(value - 2 * kPi, places_[2]);
+      if (below.second <= last) below = {std::min(below.first, first), std::min(below.second, first)};
+    }
+    return ranges;
+  }
+
+  /// Calls `visit(first, last)` for each of these ranges that is not empty.
+  template <typename Visit>
+  void VisitFrom(int lane, double value, const Visit& visit) {
+    for (const auto& [first, last] : RangesFrom(lane, value))
+      if (first < last) visit(first, last);
   }
 
  private:

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "motion/line.hpp"
-#include "pose/scorer.hpp"
+#include "path/pass_checks.hpp"
 
 namespace millpose {
 
@@ -10,12 +9,12 @@ namespace millpose {
 /// points lie too far apart for that, a little more than with the freedoms unchanged.
 class BendLaw {
  public:
-  BendLaw(const Carrier& carrier, std::span<const PointScorer> scorers, double bound)
-      : carrier_(&carrier), scorers_(scorers), bound_(bound) {}
+  BendLaw(const PassChecks& checks, std::span<const PointScorer> scorers, double bound)
+      : checks_(&checks), scorers_(scorers), bound_(bound) {}
 
-  /// Of the tip half-way, mm.
-  double Bend(const Joints& from, const Joints& step) const {
-    return HalfwayDeviation(*carrier_, from, from + step).position;
+  /// Of the tip half-way from point t to the next, mm.
+  double Bend(size_t t, const Joints& from, const Joints& step) const {
+    return HalfwayDeviation(checks_->CarrierFrom(t), from, from + step).position;
   }
 
   /// The step (rad) from point t at `q` to the pose at the next one on the same branch with the same
@@ -24,13 +23,13 @@ class BendLaw {
 
   /// mm: the bound, or `share` of the bend with the freedoms unchanged.
   double Most(double share, size_t t, const FreedomValues& freedoms, int branch, const Joints& q) const {
-    return std::max(bound_, share * Bend(q, UnchangedStep(t, freedoms, branch, q)));
+    return std::max(bound_, share * Bend(t, q, UnchangedStep(t, freedoms, branch, q)));
   }
 
   double bound() const { return bound_; }
 
  private:
-  const Carrier* carrier_;
+  const PassChecks* checks_;
   std::span<const PointScorer> scorers_;
   double bound_;
 };

@@ -23,18 +23,18 @@ CandidateGraph::CandidateGraph(PassChecks checks, std::vector<Layer> layers, std
   }
 }
 
-std::optional<Sighting> CandidateGraph::Meets(Checker& checker, size_t layer, const FreedomValues& freedoms,
-                                              const Joints& q) {
-  return known_[layer]->OfCandidate(checker, freedoms, q, checks_);
+std::optional<Sighting> CandidateGraph::Meets(PassCheckers& checkers, size_t layer,
+                                              const FreedomValues& freedoms, const Joints& q) {
+  return known_[layer]->OfCandidate(checkers.At(layer), freedoms, q, checks_);
 }
 
-bool CandidateGraph::Prunes(Checker& checker, size_t layer, size_t node) {
+bool CandidateGraph::Prunes(PassCheckers& checkers, size_t layer, size_t node) {
   Verdict& verdict = verdict_[layer][node];
   if (verdict != Verdict::kUnknown) return false;
   Layer& of = layers_[layer];
   const double gouge = checks_.gouges.At(of.joints.At(node));
   const std::optional<Sighting> hit =
-      gouge > 0 ? std::nullopt : Meets(checker, layer, of.freedoms[node], of.joints.At(node));
+      gouge > 0 ? std::nullopt : Meets(checkers, layer, of.freedoms[node], of.joints.At(node));
   verdict = hit || gouge > 0 ? Verdict::kBlocked : Verdict::kFree;
   if (verdict == Verdict::kFree) return false;
   last_problem_[layer] = CutProblem{hit, gouge};
@@ -44,8 +44,8 @@ bool CandidateGraph::Prunes(Checker& checker, size_t layer, size_t node) {
   return true;
 }
 
-bool CandidateGraph::IsFree(Checker& checker, size_t layer, size_t node) {
-  Prunes(checker, layer, node);
+bool CandidateGraph::IsFree(PassCheckers& checkers, size_t layer, size_t node) {
+  Prunes(checkers, layer, node);
   return verdict_[layer][node] == Verdict::kFree;
 }
 
@@ -78,12 +78,12 @@ std::optional<CandidateGraph::Transition> CandidateGraph::TransitionOf(const Seq
   return Transition{a, b, q, (layers_[to].joints.At(b) - q).unaryExpr(&WrapToPi)};
 }
 
-bool CandidateGraph::IsFree(Checker& checker, size_t t, const Transition& transition) {
+bool CandidateGraph::IsFree(PassCheckers& checkers, size_t t, const Transition& transition) {
   const Joints end = transition.q + transition.step;
   const double gouge = checks_.gouges.Between(transition.q, end);
-  const std::optional<CutProblem> problem = gouge > 0
-                                                ? std::optional(CutProblem{{}, gouge})
-                                                : known_[t]->OfMotion(checker, transition.q, end, checks_);
+  const std::optional<CutProblem> problem =
+      gouge > 0 ? std::optional(CutProblem{{}, gouge})
+                : known_[t]->OfMotion(checkers, t, transition.q, end, checks_);
   if (!problem) return true;
   last_problem_[t] = problem;
   Bar(t, transition);
@@ -105,8 +105,8 @@ void CandidateGraph::BoundStep(size_t t, const Joints& max_step) {
   ++versions_[t];
 }
 
-void CandidateGraph::InParallel(size_t count, const std::function<void(Checker&, size_t)>& work) {
-  counts_ += CheckInParallel(checks_.world, count, checks_.threads, checks_.stop, work);
+void CandidateGraph::InParallel(size_t count, const std::function<void(PassCheckers&, size_t)>& work) {
+  counts_ += CheckInParallel(checks_, count, work);
 }
 
 long long CandidateGraph::nodes() const {
@@ -131,8 +131,9 @@ int CandidateGraph::nodes_pruned() const {
 
 std::string CandidateGraph::Detail(size_t layer) const {
   if (!last_problem_[layer]) return {};
-  Checker checker(checks_.world);
-  return Describe(checker, *last_problem_[layer]);
+  const CutProblem& problem = *last_problem_[layer];
+  Checker checker(problem.external.empty() ? checks_.WorldAt(layer) : checks_.world.At(problem.external));
+  return Describe(checker, problem);
 }
 
 }  // namespace millpose

@@ -31,11 +31,11 @@ class CandidateGraph {
   /// Of a blocked node: the pair of bodies, as in Sighting; −1 where none interferes by itself.
   int PairOf(size_t layer, size_t node) const { return pair_[layer][node]; }
   /// Looks at a node of which nothing is known; true when it was pruned now.
-  bool Prunes(Checker& checker, size_t layer, size_t node);
+  bool Prunes(PassCheckers& checkers, size_t layer, size_t node);
   /// Whether a node is free; pruned when not.
-  bool IsFree(Checker& checker, size_t layer, size_t node);
+  bool IsFree(PassCheckers& checkers, size_t layer, size_t node);
   /// What a pose at a layer's point meets, be it a node or not.
-  std::optional<Sighting> Meets(Checker& checker, size_t layer, const FreedomValues& freedoms,
+  std::optional<Sighting> Meets(PassCheckers& checkers, size_t layer, const FreedomValues& freedoms,
                                 const Joints& q);
   /// Prunes a node that interferes with nothing by itself.
   void TakeOut(size_t layer, size_t node);
@@ -51,7 +51,7 @@ class CandidateGraph {
   std::optional<Transition> TransitionOf(const Sequence& sequence, size_t t) const;
   /// Whether the straight motion from a free node of layer t to a free node of the next is free; barred when
   /// not.
-  bool IsFree(Checker& checker, size_t t, const Transition& transition);
+  bool IsFree(PassCheckers& checkers, size_t t, const Transition& transition);
   void Bar(size_t t, const Transition& transition);
   /// Of what Bar alone has barred.
   void Unbar(size_t t, const Transition& transition);
@@ -64,8 +64,8 @@ class CandidateGraph {
   std::span<const uint64_t> versions() const { return versions_; }
   SweepMemory& sweeps() { return sweeps_; }
 
-  /// Runs `work(checker, i)` for i in 0..count−1 in parallel.
-  void InParallel(size_t count, const std::function<void(Checker&, size_t)>& work);
+  /// Runs `work(checkers, i)` for i in 0..count−1 in parallel.
+  void InParallel(size_t count, const std::function<void(PassCheckers&, size_t)>& work);
   /// Adds what was looked at by other checkers.
   void Count(const CheckCounts& counts) { counts_ += counts; }
   const CheckCounts& counts() const { return counts_; }

@@ -35,11 +35,11 @@ bool CollisionPruner::Straighten(const Sequence& sequence, const Joins& joins) {
   for (size_t t = 0; t < graph_.size(); ++t) {
     const std::optional<Transition> motion = graph_.TransitionOf(sequence, t);
     if (!motion) continue;
-    const double deviation = law_.Bend(motion->q, motion->step);
+    const double deviation = law_.Bend(t, motion->q, motion->step);
     if (deviation <= law_.bound()) continue;
     const Joints unchanged = UnchangedStep(t, motion->from), beside = StepBeside(t, motion->from);
     const auto most = [&](const Joints& step) {
-      return std::max(law_.bound(), kSearchedBend * law_.Bend(motion->q, step));
+      return std::max(law_.bound(), kSearchedBend * law_.Bend(t, motion->q, step));
     };
     const auto bent = [&](double bound, const Joints& least) {
       return Bent{t, *motion, kTighter * std::sqrt(bound / deviation), least};
@@ -136,8 +136,8 @@ bool CollisionPruner::Check(const Sequence& sequence) {
   flood_ = std::min(2 * flood_, count);
 
   std::vector<char> barred(count, 0);
-  graph_.InParallel(count,
-                    [&](Checker& checker, size_t t) { barred[t] = !CheckMotion(checker, t, sequence); });
+  graph_.InParallel(
+      count, [&](PassCheckers& checkers, size_t t) { barred[t] = !CheckMotion(checkers, t, sequence); });
   barred_.clear();
   for (size_t t = 0; t < count; ++t) {
     if (barred[t]) barred_.push_back(t);
@@ -154,9 +154,9 @@ std::vector<CollisionPruner::Interval> CollisionPruner::CheckNodes(
     if (k == 0 || nodes[k].first != nodes[k - 1].first) begin.push_back(k);
   }
   std::vector<std::optional<Interval>> found(nodes.size());
-  graph_.InParallel(begin.size(), [&](Checker& checker, size_t i) {
+  graph_.InParallel(begin.size(), [&](PassCheckers& checkers, size_t i) {
     const size_t end = i + 1 < begin.size() ? begin[i + 1] : nodes.size();
-    for (size_t k = begin[i]; k < end; ++k) found[k] = CheckNode(checker, nodes[k].first, nodes[k].second);
+    for (size_t k = begin[i]; k < end; ++k) found[k] = CheckNode(checkers, nodes[k].first, nodes[k].second);
   });
   std::vector<Interval> blocked;
   for (const std::optional<Interval>& interval : found) {
@@ -184,9 +184,9 @@ std::vector<std::pair<size_t, size_t>> CollisionPruner::Beside(const std::vector
 }
 
 /// What was pruned now: the node with its neighbours; nothing where it is free or was blocked before.
-std::optional<CollisionPruner::Interval> CollisionPruner::CheckNode(Checker& checker, size_t layer,
+std::optional<CollisionPruner::Interval> CollisionPruner::CheckNode(PassCheckers& checkers, size_t layer,
                                                                     size_t node) {
-  const auto prunes = [&](size_t k) { return graph_.Prunes(checker, layer, k); };
+  const auto prunes = [&](size_t k) { return graph_.Prunes(checkers, layer, k); };
   if (!prunes(node)) return std::nullopt;
   // Interference fills intervals: look for its ends now instead of meeting every node of it in a round of its
   // own.
@@ -199,13 +199,13 @@ std::optional<CollisionPruner::Interval> CollisionPruner::CheckNode(Checker& che
   return interval;
 }
 
-bool CollisionPruner::CheckMotion(Checker& checker, size_t from, const Sequence& sequence) {
+bool CollisionPruner::CheckMotion(PassCheckers& checkers, size_t from, const Sequence& sequence) {
   const std::optional<Transition> motion = graph_.TransitionOf(sequence, from);
   if (!motion) return true;
   constexpr auto kFree = CandidateGraph::Verdict::kFree;
   if (graph_.VerdictOf(from, motion->from) != kFree) return true;
   if (graph_.VerdictOf(graph_.Next(from), motion->to) != kFree) return true;
-  return graph_.IsFree(checker, from, *motion);
+  return graph_.IsFree(checkers, from, *motion);
 }
 
 void CollisionPruner::PruneInRound(const Sequence& sequence, int round) {

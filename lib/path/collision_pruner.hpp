@@ -49,10 +49,10 @@ class CollisionPruner {
   };
   enum class Extent { kNodes, kLayers };
 
-  std::optional<Interval> CheckNode(Checker& checker, size_t layer, size_t node);
+  std::optional<Interval> CheckNode(PassCheckers& checkers, size_t layer, size_t node);
   std::vector<Interval> CheckNodes(const std::vector<std::pair<size_t, size_t>>& nodes);
   std::vector<std::pair<size_t, size_t>> Beside(const std::vector<Interval>& blocked) const;
-  bool CheckMotion(Checker& checker, size_t from, const Sequence& sequence);
+  bool CheckMotion(PassCheckers& checkers, size_t from, const Sequence& sequence);
   bool Straighten(const Sequence& sequence, const Joins& joins);
   void Bar(const Bent& bent);
   bool BarWhatMayGo(std::span<const Bent> bents, const Sequence& sequence, const Joins& joins);

@@ -33,7 +33,34 @@ std::optional<CutProblem> CheckPart(Checker& checker, const Carrier& carrier, co
   return first ? first : CheckPart(checker, carrier, *middle, q1, resolution, depth + 1);
 }
 
+Carrier PartOf(const Carrier& carrier, double begin, double end) {
+  Carrier part = carrier;
+  Ride ride = *carrier.ride;
+  ride.from = carrier.ride->At(begin), ride.to = carrier.ride->At(end);
+  part.ride = std::make_shared<const Ride>(std::move(ride));
+  return part;
+}
+
+std::optional<CutProblem> CheckRide(RidingChecker& checker, const Carrier& carrier, const Joints& q0,
+                                    const Joints& q1, double resolution, int depth) {
+  const std::optional<Joints> deviation = JointDeviation(carrier, q0, q1);
+  const std::optional<Joints> middle = deviation ? OnLine(carrier, q0, q1, 0.5) : std::nullopt;
+  if (!middle) return CutProblem{};
+  if (depth == kDeepest || Movement(carrier, *deviation) <= kTubeShare * resolution) {
+    const auto found = checker.BlockedBetween({q0, carrier.ride->from}, {q1, carrier.ride->to},
+                                              Phase::kCutting, resolution, *deviation);
+    return found ? std::optional(CutProblem{found->sighting, 0, found->external}) : std::nullopt;
+  }
+  const auto first = CheckRide(checker, PartOf(carrier, 0, 0.5), q0, *middle, resolution, depth + 1);
+  return first ? first : CheckRide(checker, PartOf(carrier, 0.5, 1), *middle, q1, resolution, depth + 1);
+}
+
 }  // namespace
+
+std::optional<CutProblem> CheckCut(RidingChecker& checker, const Carrier& carrier, const Joints& q0,
+                                   const Joints& q1, double resolution) {
+  return CheckRide(checker, carrier, q0, q1, resolution, 0);
+}
 
 std::optional<CutProblem> CheckCut(Checker& checker, const Carrier& carrier, const Joints& q0,
                                    const Joints& q1, double resolution) {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "cell/world.hpp"
+#include "cell/riding_checker.hpp"
 #include "motion/line.hpp"
 
 namespace millpose {
@@ -13,6 +13,7 @@ namespace millpose {
 struct CutProblem {
   std::optional<Sighting> sighting;  ///< empty: the arm would change its branch, or the cutter gouge
   double gouge = 0;                  ///< how deep the cutter would go into the part, mm
+  ExternalPosition external = {};    ///< where the axes were at the sighting, on a motion along which they go
 };
 
 /// Checks the straight motion of the tool between the poses at q0 and q1 (LIN, G1: what every program runs in
@@ -23,7 +24,11 @@ struct CutProblem {
 std::optional<CutProblem> CheckCut(Checker& checker, const Carrier& carrier, const Joints& q0,
                                    const Joints& q1, double resolution);
 
-/// One line.
+/// The same where external axes move: `carrier` has their ride, and the motion is straight in P.
+std::optional<CutProblem> CheckCut(RidingChecker& checker, const Carrier& carrier, const Joints& q0,
+                                   const Joints& q1, double resolution);
+
+/// One line; `checker`: of the world where it was seen.
 std::string Describe(Checker& checker, const CutProblem& problem);
 
 }  // namespace millpose

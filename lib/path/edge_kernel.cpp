@@ -4,22 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/units.hpp"
+#include "path/short_way.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr double kTurn = 2 * kPi;
-constexpr double kPerTurn = 1 / kTurn;
-constexpr double kRound = 0x1.8p52;
+using short_way::kPerTurn, short_way::kTurn, short_way::Short, short_way::Turns;
+
 constexpr double kSlack = 1e-9;  // rad: rounding of the bounds
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-[[gnu::always_inline]] inline double Short(double angle, double per_turn) {
-  // Adding 1.5·2⁵² rounds to a whole number; with per_turn = 0 nothing is taken away.
-  const double turns = (angle * per_turn + kRound) - kRound;
-  return angle - turns * kTurn;
-}
 
 }  // namespace
 
@@ -34,9 +27,9 @@ void JointRows::Finish() {
     for (size_t node = 0; node < size; ++node) {
       Bound& of = bounds[node / width];
       for (int i = 0; i < 6; ++i) {
-        if (node % width == 0) of.first[i] = q[i][node], of.radius[i] = 0;
-        of.radius[i] = std::max(of.radius[i], std::fabs(Short(q[i][node] - of.first[i], kPerTurn)));
-        of.same_turn = of.same_turn && std::fabs(q[i][node] - of.first[i]) < kPi;
+        if (node % width == 0) of.middle[i] = q[i][std::min(node + width / 2, size - 1)], of.radius[i] = 0;
+        of.radius[i] = std::max(of.radius[i], std::fabs(Short(q[i][node] - of.middle[i])));
+        of.same_turn = of.same_turn && std::fabs(q[i][node] - of.middle[i]) < kPi;
       }
     }
     return bounds;
@@ -61,7 +54,7 @@ Joints JointRows::At(size_t node) const {
   return (Joints() << q[0][node], q[1][node], q[2][node], q[3][node], q[4][node], q[5][node]).finished();
 }
 
-double WrapToPi(double angle) { return Short(angle, kPerTurn); }
+double WrapToPi(double angle) { return Short(angle); }
 
 double StepCost(const StepRule& rule, const Joints& from, const Joints& to) {
   double sum = 0.0;
@@ -86,9 +79,8 @@ bool MayReach(const JointRows::Bound& block, const Target& target, double& squar
   constexpr std::array<int, 6> kOrder{3, 5, 4, 0, 1, 2};  // those first that turn most along a layer
   square = 0;
   for (const int i : kOrder) {
-    const double apart = target.t[i] - block.first[i];
-    const double turns = (apart * kPerTurn + kRound) - kRound;
-    const double least = std::fabs(apart - turns * kTurn) - block.radius[i] - kSlack;
+    const double apart = target.t[i] - block.middle[i];
+    const double least = std::fabs(Short(apart)) - block.radius[i] - kSlack;
     if (least > target.max_step[i]) return false;
     if (least > 0) square += least * least;
   }
@@ -99,8 +91,7 @@ bool MayReach(const JointRows::Bound& block, const Target& target, double& squar
 bool SetShifts(const JointRows::Bound& block, bool modulo_revolutions, Target& target) {
   bool one_shift = block.same_turn || !modulo_revolutions;
   for (int i = 0; i < 6; ++i) {
-    const double turns = ((target.t[i] - block.first[i]) * kPerTurn + kRound) - kRound;
-    target.shift[i] = modulo_revolutions ? turns * kTurn : 0.0;
+    target.shift[i] = modulo_revolutions ? Turns(target.t[i] - block.middle[i]) * kTurn : 0.0;
     one_shift = one_shift && (!modulo_revolutions || block.radius[i] + target.max_step[i] < 3.0);
   }
   return one_shift;
@@ -151,9 +142,7 @@ void RelaxFrom(const StepRule& rule, const JointRows& nodes, const CostRow& row,
     const auto shifted = [&] [[gnu::always_inline]] (int i, double q) {
       return (target.t[i] - q) - target.shift[i];
     };
-    const auto general = [&] [[gnu::always_inline]] (int i, double q) {
-      return Short(target.t[i] - q, kPerTurn);
-    };
+    const auto general = [&] [[gnu::always_inline]] (int i, double q) { return Short(target.t[i] - q); };
     if (SetShifts(nodes.blocks[block / kBlock], rule.modulo_revolutions, target)) {
       CostsOfBlock(set, nodes, row.costs.data() + block, block, target, shifted, out);
     } else {

@@ -21,12 +21,12 @@ struct StepRule {
 inline constexpr size_t kBlock = kLanes, kGroup = 8 * kBlock;
 
 /// Joint angles of many nodes as structure of arrays. `Finish` pads to full blocks, so that kernels may read
-/// beyond the end, and bounds each block and each group of blocks: its first angle and how far the others lie
-/// from it, the short way round.
+/// beyond the end, and bounds each block and each group of blocks: the angles of the node in its middle and
+/// how far the others lie from them, the short way round.
 struct JointRows {
   std::array<std::vector<double>, 6> q;
   struct Bound {
-    std::array<double, 6> first, radius;
+    std::array<double, 6> middle, radius;
     bool same_turn = true;  ///< the others lie that near as they stand
   };
   std::vector<Bound> blocks, groups;

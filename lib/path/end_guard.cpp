@@ -14,9 +14,9 @@ constexpr int kMostLost = 8;
 bool EndGuard::Check(const Sequence& sequence) {
   const std::vector<size_t> ends = EndsOf(sequence);
   std::vector<char> stuck(ends.size(), 0);
-  graph_.InParallel(ends.size(), [&](Checker& checker, size_t i) {
+  graph_.InParallel(ends.size(), [&](PassCheckers& checkers, size_t i) {
     const Joints q = graph_.layer(ends[i]).joints.At(sequence.nodes[ends[i]]);
-    stuck[i] = !CanLeave(checker, graph_.checks().carrier, q, options_);
+    stuck[i] = !CanLeave(checkers.At(ends[i]), graph_.checks().CarrierAt(ends[i]), q, options_);
   });
   bool free = true;
   for (size_t i = 0; i < ends.size(); ++i) {
@@ -45,17 +45,17 @@ void EndGuard::PruneWhatStays(size_t layer, size_t node) {
   settled_[layer] = 1;
   if (lost_ == kMostLost) return;
   const Layer& of = graph_.layer(layer);
-  const Carrier& carrier = graph_.checks().carrier;
+  const Carrier& carrier = graph_.checks().CarrierAt(layer);
   std::vector<size_t> free;
-  graph_.InParallel(1, [&](Checker& checker, size_t) {
+  graph_.InParallel(1, [&](PassCheckers& checkers, size_t) {
     for (size_t k = 0; k < of.size(); ++k)
-      if (std::isfinite(of.objective[k]) && graph_.IsFree(checker, layer, k)) free.push_back(k);
+      if (std::isfinite(of.objective[k]) && graph_.IsFree(checkers, layer, k)) free.push_back(k);
   });
   std::vector<char> leaves(free.size(), 0);
-  graph_.InParallel(free.size(), [&](Checker& full, size_t i) {
-    leaves[i] = CanLeave(full, carrier, of.joints.At(free[i]), options_);
+  graph_.InParallel(free.size(), [&](PassCheckers& checkers, size_t i) {
+    leaves[i] = CanLeave(checkers.At(layer), carrier, of.joints.At(free[i]), options_);
   });
-  Checker least(graph_.checks().world, kClearanceShares.back());
+  Checker least(graph_.checks().WorldAt(layer), kClearanceShares.back());
   if (std::ranges::count(leaves, 1) == 0)
     for (size_t i = 0; i < free.size(); ++i) {
       CheckStop(graph_.checks().stop);

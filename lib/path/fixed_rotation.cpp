@@ -7,8 +7,8 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
-#include "path/cut_check.hpp"
 #include "path/fixed_table.hpp"
+#include "path/pass_checks.hpp"
 #include "robot/angles.hpp"
 #include "stiffness/compliance.hpp"
 
@@ -29,15 +29,14 @@ class Comparer {
  public:
   Comparer(const Stations& stations, const std::vector<PassResult>& passes,
            const FixedRotationOptions& options)
-      : options_(options), compared_(Compared(passes)) {
+      : options_(options), stations_(stations), compared_(Compared(passes)) {
     size_t number = 0;
     for (const PassResult& pass : passes) {
-      passes_.push_back({&pass, &stations.At(pass.external), number, {}, {}, {}});
+      passes_.push_back({&pass, number, {}, {}, {}});
       number += pass.points.size();
     }
     ParallelFor(passes_.size(), options.threads, options.stop, [&](size_t i) {
-      passes_[i].table = MakeFixedTable(passes_[i].problem(), *passes_[i].pass, compared_,
-                                        {options.rotation_step, options.steps});
+      passes_[i].table = MakeFixedTable(In(passes_[i]), compared_, {options.rotation_step, options.steps});
       passes_[i].free.assign(8 * passes_[i].table.rotations, 0);
     });
     std::erase_if(passes_, [](const OfPass& pass) { return pass.table.points == 0; });
@@ -45,10 +44,14 @@ class Comparer {
 
   FixedComparison Compare() {
     FixedComparison comparison;
-    for (const OfPass& pass : passes_)
-      for (const PlannedPoint& planned : pass.pass->points)
+    for (const OfPass& pass : passes_) {
+      const PlannedIn in = In(pass);
+      for (size_t t = 0; t < pass.pass->points.size(); ++t) {
+        const PlannedPoint& planned = pass.pass->points[t];
         if (compared_(planned))
-          comparison.plan.push_back(FiguresAt(pass.problem(), planned, planned.q, planned.objective));
+          comparison.plan.push_back(FiguresAt(in.At(t).problem, planned, planned.q, planned.objective));
+      }
+    }
     if (passes_.empty()) {
       comparison.job_in_the_way = comparison.passes_in_the_way = "nothing is planned";
       return comparison;
@@ -61,14 +64,14 @@ class Comparer {
  private:
   struct OfPass {
     const PassResult* pass;
-    const Station* station;
     size_t first_point;
     FixedTable table;
     std::vector<char> free;   ///< per rotation and branch: 0 not looked at, 1 free, 2 not
     std::vector<size_t> met;  ///< points that met something before: looked at first
-
-    const PoseProblem& problem() const { return station->problem; }
   };
+
+  /// Made when it is needed: where axes move along passes all points together would be many.
+  PlannedIn In(const OfPass& pass) const { return {stations_, *pass.pass}; }
 
   bool Better(const Ranked& a, const Ranked& b) const {
     const auto key = [&](const Ranked& r) {
@@ -97,17 +100,25 @@ class Comparer {
   }
 
   bool LookAt(OfPass& pass, const Ranked& ranked) const {
-    Checker checker(pass.station->world);
-    const PoseProblem& problem = pass.problem();
-    const Carrier carrier{problem.arm, problem.X_WB, problem.X_FT};
+    const PlannedIn in = In(pass);
+    const PassChecks checks{.world = in.along.empty() ? in.station.world : stations_.world(),
+                            .carrier = in.CarrierAt(0),
+                            .swept_resolution = options_.swept_resolution,
+                            .rotates_first = true,
+                            .threads = 1,
+                            .stop = options_.stop,
+                            .along = in.along};
+    PassCheckers checkers(checks);
     const std::vector<PlannedPoint>& points = pass.pass->points;
     const double rotation = pass.table.Rotation(ranked.rotation);
     const auto joints = [&](size_t t) {
-      return PointScorer(problem, points[t].point, pass.pass->rotation_reference)
+      return PointScorer(in.At(t).problem, points[t].point, pass.pass->rotation_reference)
           .ScoreOne({rotation}, ranked.branch)
           .q;
     };
-    const auto blocked = [&](size_t t) { return checker.Blocked(joints(t), Phase::kCutting).has_value(); };
+    const auto blocked = [&](size_t t) {
+      return checkers.At(t).Blocked(joints(t), Phase::kCutting).has_value();
+    };
     for (const size_t t : pass.met)
       if (blocked(t)) return false;
     Joints last;
@@ -117,9 +128,8 @@ class Comparer {
       const Joints q = joints(t);
       const bool joined =
           t > 0 && points[t - 1].piece == points[t].piece && points[t - 1].skip == Obstacle::kNone;
-      const bool hit =
-          checker.Blocked(q, Phase::kCutting) ||
-          (joined && CheckCut(checker, carrier, last, NearestEquivalent(last, q), options_.swept_resolution));
+      const bool hit = checkers.At(t).Blocked(q, Phase::kCutting) ||
+                       (joined && CheckCut(checkers, checks, t - 1, last, NearestEquivalent(last, q)));
       if (hit) {
         if (pass.met.size() < 16) pass.met.push_back(t);
         return false;
@@ -128,8 +138,8 @@ class Comparer {
     }
     for (const Piece& piece : pass.pass->pieces) {
       const auto first = static_cast<size_t>(piece.first), end = static_cast<size_t>(piece.last);
-      if (!Leaves(*pass.station, points[first].q, joints(first))) return false;
-      if (!piece.closed && !Leaves(*pass.station, points[end].q, joints(end))) return false;
+      if (!Leaves(in.At(first), points[first].q, joints(first))) return false;
+      if (!piece.closed && !Leaves(in.At(end), points[end].q, joints(end))) return false;
     }
     return true;
   }
@@ -223,9 +233,8 @@ class Comparer {
   /// The rotation that leaves fewest points without a pose, and these.
   std::string WhyNoneServes() const {
     std::vector<std::vector<std::vector<size_t>>> missing(passes_.size());  // by pass and rotation
-    ParallelFor(passes_.size(), options_.threads, options_.stop, [&](size_t i) {
-      missing[i] = PointsWithoutPose(passes_[i].problem(), *passes_[i].pass, passes_[i].table);
-    });
+    ParallelFor(passes_.size(), options_.threads, options_.stop,
+                [&](size_t i) { missing[i] = PointsWithoutPose(In(passes_[i]), passes_[i].table); });
     size_t fewest = kNone, at = 0;
     for (size_t r = 0; r < passes_.front().table.rotations; ++r) {
       size_t count = 0;
@@ -271,15 +280,19 @@ class Comparer {
   }
 
   void AddFigures(const OfPass& pass, const Ranked& ranked, std::vector<PointFigures>& figures) const {
-    for (const PlannedPoint& planned : pass.pass->points) {
+    const PlannedIn in = In(pass);
+    for (size_t t = 0; t < pass.pass->points.size(); ++t) {
+      const PlannedPoint& planned = pass.pass->points[t];
       if (!compared_(planned)) continue;
-      const Candidate candidate = PointScorer(pass.problem(), planned.point, pass.pass->rotation_reference)
+      const PoseProblem& problem = in.At(t).problem;
+      const Candidate candidate = PointScorer(problem, planned.point, pass.pass->rotation_reference)
                                       .ScoreOne({pass.table.Rotation(ranked.rotation)}, ranked.branch);
-      figures.push_back(FiguresAt(pass.problem(), planned, candidate.q, candidate.objective));
+      figures.push_back(FiguresAt(problem, planned, candidate.q, candidate.objective));
     }
   }
 
   const FixedRotationOptions& options_;
+  const Stations& stations_;
   PointFilter compared_;
   std::vector<OfPass> passes_;
 };

@@ -3,6 +3,7 @@
 
 #include "base/units.hpp"
 #include "path/edge_kernel.hpp"
+#include "plan/station.hpp"
 
 namespace millpose {
 namespace {
@@ -35,24 +36,26 @@ class TableMaker {
     courses_.resize(table_.entries.size());
   }
 
-  FixedTable Make(const PassResult& pass, const PointFilter& counts) {
+  FixedTable Make(const PlannedIn& in, const PointFilter& counts) {
+    const PassResult& pass = in.pass;
     int piece = -1;
     bool closed = false;
-    const MillingPoint *first = nullptr, *last = nullptr;  // of the piece
+    MillingPoint first, last;  // of the piece
     for (size_t t = 0; t < pass.points.size(); ++t) {
       const PlannedPoint& planned = pass.points[t];
       if (planned.skip != Obstacle::kNone) continue;
       const bool starts = planned.piece != piece;
-      if (starts && piece >= 0) EndPiece(closed, *last, *first);
-      if (starts) first = last = &planned.point;
-      most_ = StepBound(options_.steps, problem_.arm, *last, planned.point);
-      last = &planned.point;
+      if (starts && piece >= 0) EndPiece(closed, last, first);
+      MillingPoint point = in.StepPoint(t);
+      if (starts) first = last = point;
+      most_ = StepBound(options_.steps, problem_.arm, last, point);
+      last = std::move(point);
       piece = planned.piece;
       closed = pass.pieces[static_cast<size_t>(piece)].closed;
       ++table_.points;
-      Add(PointScorer(problem_, planned.point, pass.rotation_reference), starts, counts(planned));
+      Add(PointScorer(in.At(t).problem, planned.point, pass.rotation_reference), starts, counts(planned));
     }
-    if (piece >= 0) EndPiece(closed, *last, *first);
+    if (piece >= 0) EndPiece(closed, last, first);
     return std::move(table_);
   }
 
@@ -133,17 +136,35 @@ class TableMaker {
 
 }  // namespace
 
-FixedTable MakeFixedTable(const PoseProblem& problem, const PassResult& pass, const PointFilter& counts,
-                          const FixedTableOptions& options) {
-  return TableMaker(problem, options).Make(pass, counts);
+PlannedIn::PlannedIn(const Stations& stations, const PassResult& planned)
+    : pass(planned), station(stations.At(planned.external)) {
+  if (planned.points.empty() || !planned.points.front().external) return;
+  std::vector<ExternalPosition> positions;
+  for (size_t t = 0; t < planned.points.size(); ++t) positions.push_back(ExternalAt(planned, t));
+  along = MakePlacesAlong(stations, positions);
 }
 
-std::vector<std::vector<size_t>> PointsWithoutPose(const PoseProblem& problem, const PassResult& pass,
-                                                   const FixedTable& table) {
+Carrier PlannedIn::CarrierAt(size_t t) const {
+  const PoseProblem& problem = At(t).problem;
+  return {problem.arm, problem.X_WB, problem.X_FT};
+}
+
+MillingPoint PlannedIn::StepPoint(size_t t) const {
+  return along.empty() ? pass.points[t].point : OnPart(along[t], pass.points[t].point);
+}
+
+FixedTable MakeFixedTable(const PlannedIn& planned, const PointFilter& counts,
+                          const FixedTableOptions& options) {
+  return TableMaker(planned.station.problem, options).Make(planned, counts);
+}
+
+std::vector<std::vector<size_t>> PointsWithoutPose(const PlannedIn& planned, const FixedTable& table) {
+  const PassResult& pass = planned.pass;
   std::vector<std::vector<size_t>> missing(table.rotations);
   ScoredBlock block;
   for (size_t t = 0; t < pass.points.size(); ++t) {
     if (pass.points[t].skip != Obstacle::kNone) continue;
+    const PoseProblem& problem = planned.At(t).problem;
     const PointScorer scorer(problem, pass.points[t].point, pass.rotation_reference);
     for (size_t r = 0; r < table.rotations; r += kLanes) {
       scorer.ScoreBlock(ValuesOfBlock(table, r, problem.freedoms.size()), kAllArmBranches, block);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "path/places_along.hpp"
 #include "path/step_bound.hpp"
 #include "plan/compared.hpp"
 #include "pose/scorer.hpp"
@@ -30,12 +31,24 @@ struct FixedTableOptions {
   StepBounds steps;
 };
 
+/// A planned pass and what its points were planned in.
+struct PlannedIn {
+  const PassResult& pass;
+  const Station& station;         ///< where the axes stand, or with them at the pass's first point
+  std::vector<PlaceAlong> along;  ///< of each point, where they move along the pass; else empty
+
+  PlannedIn(const Stations& stations, const PassResult& planned);
+  const Station& At(size_t t) const { return along.empty() ? station : *along[t].station; }
+  Carrier CarrierAt(size_t t) const;
+  /// In a frame that all points of the pass have in common.
+  MillingPoint StepPoint(size_t t) const;
+};
+
 /// The rotation is the problem's first freedom, others are 0.
-FixedTable MakeFixedTable(const PoseProblem& problem, const PassResult& pass, const PointFilter& counts,
+FixedTable MakeFixedTable(const PlannedIn& planned, const PointFilter& counts,
                           const FixedTableOptions& options);
 
 /// Per rotation of a pass's table, its planned points at which no branch is admissible.
-std::vector<std::vector<size_t>> PointsWithoutPose(const PoseProblem& problem, const PassResult& pass,
-                                                   const FixedTable& table);
+std::vector<std::vector<size_t>> PointsWithoutPose(const PlannedIn& planned, const FixedTable& table);
 
 }  // namespace millpose

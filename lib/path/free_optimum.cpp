@@ -5,7 +5,7 @@ namespace millpose {
 namespace {
 
 /// The least of the nodes of layer t that is free; `chosen` is.
-size_t LeastFree(size_t t, size_t chosen, CandidateGraph& graph, Checker& checker) {
+size_t LeastFree(size_t t, size_t chosen, CandidateGraph& graph, PassCheckers& checkers) {
   const Layer& layer = graph.layer(t);
   // The least on top, of equals the first.
   std::vector<std::pair<double, size_t>> better;
@@ -14,7 +14,7 @@ size_t LeastFree(size_t t, size_t chosen, CandidateGraph& graph, Checker& checke
   std::make_heap(better.begin(), better.end(), std::greater<>());
   while (!better.empty()) {
     const size_t node = better.front().second;
-    if (graph.IsFree(checker, t, node)) return node;
+    if (graph.IsFree(checkers, t, node)) return node;
     std::pop_heap(better.begin(), better.end(), std::greater<>());
     better.pop_back();
   }
@@ -26,7 +26,7 @@ size_t LeastFree(size_t t, size_t chosen, CandidateGraph& graph, Checker& checke
 std::vector<FreeOptimum> FindFreeOptima(std::span<const PointOptimum> optima, const Sequence& sequence,
                                         CandidateGraph& graph) {
   std::vector<FreeOptimum> found(graph.size());
-  graph.InParallel(graph.size(), [&](Checker& checker, size_t t) {
+  graph.InParallel(graph.size(), [&](PassCheckers& checkers, size_t t) {
     const size_t chosen = sequence.nodes[t];
     if (chosen == kNoNode) return;
     const Layer& layer = graph.layer(t);
@@ -34,13 +34,13 @@ std::vector<FreeOptimum> FindFreeOptima(std::span<const PointOptimum> optima, co
     FreeOptimum& best = found[t];
     if (own.found && own.objective <= layer.objective[chosen]) {
       const bool gouges = graph.checks().gouges.At(own.q) > 0;
-      if (!gouges) best.barred = graph.Meets(checker, t, own.freedoms, own.q);
+      if (!gouges) best.barred = graph.Meets(checkers, t, own.freedoms, own.q);
       if (!gouges && !best.barred) {
         best = {true, own.objective, own.freedoms, own.branch, {}};
         return;
       }
     }
-    const size_t node = LeastFree(t, chosen, graph, checker);
+    const size_t node = LeastFree(t, chosen, graph, checkers);
     best.found = true;
     best.objective = layer.objective[node];
     best.freedoms = layer.freedoms[node];

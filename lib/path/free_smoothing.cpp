@@ -28,8 +28,7 @@ class FreeSmoother {
         options_(std::move(options)),
         checker_(checker),
         path_(path),
-        carrier_{scorers[0].problem().arm, scorers[0].problem().X_WB, scorers[0].problem().X_FT},
-        law_(carrier_, scorers, options_.max_deviation),
+        law_(checker.checks(), scorers, options_.max_deviation),
         origin_(path.begin(), path.end()) {
     const Freedom& freedom = *scorers[0].problem().freedoms[options_.freedom];
     const double wide = freedom.Periodic() ? std::numeric_limits<double>::infinity() : 0;
@@ -129,7 +128,7 @@ class FreeSmoother {
 
   /// Whether a motion bends no further than it may, or, where it did before, no further than it did.
   bool BendsWithin(size_t i, const PathNode& from, const PathNode& to) const {
-    const double bend = law_.Bend(from.q, (to.q - from.q).unaryExpr(&WrapToPi));
+    const double bend = law_.Bend(i, from.q, (to.q - from.q).unaryExpr(&WrapToPi));
     const auto most = [&](const PathNode& node) {
       return law_.Most(kSmoothedBend, i, node.freedoms, node.branch, node.q);
     };
@@ -164,16 +163,16 @@ class FreeSmoother {
   double Was(size_t i) const { return origin_[i].freedoms[options_.freedom]; }
   double Now(size_t i) const { return path_[i].freedoms[options_.freedom]; }
 
-  bool PoseFree(Checker& checker, size_t i, double x) const {
+  bool PoseFree(PassCheckers& checkers, size_t i, double x) const {
     const std::optional<PathNode> node = At(i, x);
-    if (!node || (i == 0 && !EndsWithin(node->q)) || !checker_.PoseFree(checker, i, node->q)) return false;
-    if (i == 0 && !checker_.Leaves(node->q, ends_.first)) return false;
-    return i + 1 < path_.size() || checker_.Leaves(node->q, ends_.last);
+    if (!node || (i == 0 && !EndsWithin(node->q)) || !checker_.PoseFree(checkers, i, node->q)) return false;
+    if (i == 0 && !checker_.Leaves(0, node->q, ends_.first)) return false;
+    return i + 1 < path_.size() || checker_.Leaves(i, node->q, ends_.last);
   }
-  bool MotionFree(Checker& checker, size_t i, double x, double x_next) const {
+  bool MotionFree(PassCheckers& checkers, size_t i, double x, double x_next) const {
     const std::optional<PathNode> from = At(i, x), to = At(Next(i), x_next);
     return from && to && StepWithin(i, *from, *to) && BendsWithin(i, *from, *to) &&
-           checker_.MotionFree(checker, i, from->q, to->q);
+           checker_.MotionFree(checkers, i, from->q, to->q);
   }
 
   /// The largest share of 0..1 that was found free, 1 not being; 0 is.
@@ -189,16 +188,16 @@ class FreeSmoother {
 
   /// How far point `i` can go towards where it stands, in steps from where it was: beyond what interferes in
   /// between it may be free again, but it would have to pass through.
-  double ReachOf(Checker& checker, size_t i, bool interferes) {
+  double ReachOf(PassCheckers& checkers, size_t i, bool interferes) {
     const double x = Now(i);
     FreedomRange& seen = seen_free_[i];
     double& good = x > Was(i) ? seen.upper : seen.lower;
     if (interferes && std::abs(x - Was(i)) <= std::abs(good - Was(i))) good = Was(i);  // between two looks
     while (std::abs(x - Was(i)) > std::abs(good - Was(i))) {
       const double next = x > good ? std::min(good + kScan, x) : std::max(good - kScan, x);
-      if (!PoseFree(checker, i, next)) {
+      if (!PoseFree(checkers, i, next)) {
         good += (next - good) *
-                FreeShare([&](double share) { return PoseFree(checker, i, good + share * (next - good)); });
+                FreeShare([&](double share) { return PoseFree(checkers, i, good + share * (next - good)); });
         return good;
       }
       good = next;
@@ -211,16 +210,16 @@ class FreeSmoother {
     const size_t count = path_.size();
     const std::vector<bool> beside = Widened(hits.Points(), kFollow, options_.closed);
     std::vector<double> reach(count);
-    checker_.Each(count, [&](Checker& checker, size_t i) {
-      reach[i] = beside[i] ? ReachOf(checker, i, hits.pose[i]) : Now(i);
+    checker_.Each(count, [&](PassCheckers& checkers, size_t i) {
+      reach[i] = beside[i] ? ReachOf(checkers, i, hits.pose[i]) : Now(i);
     });
     const auto whole = [&](size_t i) { return reach[i] == Now(i); };
     std::vector<double> share(count, 1);
-    checker_.Each(count, [&](Checker& checker, size_t i) {
+    checker_.Each(count, [&](PassCheckers& checkers, size_t i) {
       const size_t next = Next(i);
       if (!hits.motion[i] || !whole(i) || !whole(next)) return;
       const auto at = [&](size_t k, double part) { return Was(k) + part * (reach[k] - Was(k)); };
-      share[i] = FreeShare([&](double part) { return MotionFree(checker, i, at(i, part), at(next, part)); });
+      share[i] = FreeShare([&](double part) { return MotionFree(checkers, i, at(i, part), at(next, part)); });
     });
     for (size_t i = 0; i < count; ++i) {
       End(i, reach[i], share[i]);
@@ -271,7 +270,6 @@ class FreeSmoother {
   SmoothOptions options_;
   PieceChecker& checker_;
   std::span<PathNode> path_;
-  Carrier carrier_;
   BendLaw law_;
   std::vector<PathNode> origin_;  ///< free
   EndShares ends_;

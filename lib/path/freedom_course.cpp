@@ -141,6 +141,7 @@ Eigen::Vector3d FreedomCourse::Off(size_t t, const Joints& from, const Joints& s
   };
   // A leaning tool's tip is not where the point has it.
   if (!bounds_.max_lean.empty()) return tip(from + 0.5 * step) - 0.5 * (tip(from) + tip(from + step));
+  if (!bounds_.middles.empty()) return tip(from + 0.5 * step) - bounds_.middles[t];
   const Eigen::Vector3d middle = 0.5 * (points_[t].position + points_[Next(t)].position);
   return tip(from + 0.5 * step) - problem_.X_WB.inverse(Eigen::Isometry) * middle;
 }

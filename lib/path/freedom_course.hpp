@@ -38,6 +38,8 @@ struct CourseBounds {
   std::span<const Joints> max_step;       ///< rad
   std::span<const double> max_lean = {};  ///< rad, of a freedom that leans; empty: nothing does
   size_t freedom = 0;
+  /// In B, half-way of each straight motion, mm; empty: of the points, where B stands.
+  std::span<const Eigen::Vector3d> middles = {};
 };
 
 /// One piece: its points, and the bounds between them. Branches and full revolutions are those of `path`,

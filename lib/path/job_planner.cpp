@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/job_planner.hpp"
 
+#include "plan/station.hpp"
 #include "robot/angles.hpp"
 
 namespace millpose {
@@ -12,8 +13,11 @@ std::vector<std::pair<GapEnd, GapEnd>> GapEnds(const GapEnd& home, const std::ve
   GapEnd from = home;
   for (const PassResult& pass : passes) {
     for (const Piece& piece : pass.pieces) {
-      GapEnd start{pass.pass, piece.piece, pass.points[piece.first].q, pass.external};
-      GapEnd end{pass.pass, piece.piece, pass.points[piece.last].q, pass.external};
+      const auto at = [&](int point) {
+        const auto t = static_cast<size_t>(point);
+        return GapEnd{pass.pass, piece.piece, pass.points[t].q, ExternalAt(pass, t)};
+      };
+      GapEnd start = at(piece.first), end = at(piece.last);
       if (piece.closed)
         end.q = NearestEquivalent(end.q, start.q);  // the cut goes on round to the first point
       gaps.emplace_back(from, start);

@@ -107,9 +107,9 @@ std::vector<NodeSeed> LeaningSeeds(const PassContext& context, size_t t, std::sp
 void DescendInLeans(PassContext& context, size_t t) {
   PointOptimum& own = context.optima[t];
   if (!HasLean(context.problem)) return;
-  if (own.found) own = Descend(context.scorers[t], own);
   const PointOptimum& genetic = context.genetic[t];
-  if (genetic.found && (!own.found || genetic.objective < own.objective)) own = genetic;
+  if (genetic.found && (!own.found || genetic.objective < own.objective))
+    own = Descend(context.scorers[t], genetic);
 }
 
 std::vector<MillingPoint> StepPoints(const PoseProblem& problem, std::span<const MillingPoint> points) {

@@ -20,8 +20,8 @@ std::vector<size_t> ChooseLeans(const PassContext& context);
 /// has, so that whatever could be planned without them still can.
 std::vector<NodeSeed> LeaningSeeds(const PassContext& context, size_t t, std::span<const size_t> leans);
 
-/// With leans the table is coarse: brings a point's own optimum down to the nearest local one in all
-/// freedoms, or to that of the genetic algorithm where it lies lower.
+/// With leans the table is coarse: where the genetic algorithm's answer lies lower than a point's own
+/// optimum, the local optimum that it leads to takes its place.
 void DescendInLeans(PassContext& context, size_t t);
 
 /// The points that the bounds of steps go by: where freedoms lean the tool, the contacts, the tool upright.

@@ -20,7 +20,7 @@ class FreeSearch {
   explicit FreeSearch(const PassContext& context)
       : context_(context),
         graph_(MakeGraph(context, false)),
-        law_(graph_->checks().carrier, context.scorers, context.options.max_deviation),
+        law_(graph_->checks(), context.scorers, context.options.max_deviation),
         pruner_(*graph_, law_) {}
 
   LadderProblem Problem() const { return MakeProblem(context_, *graph_, false); }

@@ -36,6 +36,8 @@ std::vector<Layer> MakeLayers(const PassContext& context, bool all_revolutions) 
     // Intervals narrower than the grid: better the finer table's answer than a skipped point.
     if (seeds.empty() && !leaning) add(context.optima[t], false);
     layers[t] = MakeLayer(scorer, std::move(seeds), all_revolutions, static_cast<int>(leans.size()));
+    // Bands bound how the tool turns as the arm turns it.
+    if (context.along) layers[t].R_WT = scorer.problem().X_WB.linear().transpose() * layers[t].R_WT;
   });
   return layers;
 }
@@ -51,19 +53,28 @@ StepRule MakeRule(const PassContext& context, bool all_revolutions) {
 
 PassChecks MakeChecks(const PassContext& context) {
   const PoseProblem& problem = context.problem;
-  return {.world = context.world,
-          .carrier = {problem.arm, problem.X_WB, problem.X_FT},
-          .swept_resolution = context.options.swept_resolution,
-          .rotates_first = problem.freedoms[0]->IsToolRotation(),
-          .threads = context.threads,
-          .stop = context.stop,
-          .gouges = {{problem.arm, problem.X_WB, problem.X_FT}, problem}};
+  return {
+      .world = context.world,
+      .carrier = {problem.arm, problem.X_WB, problem.X_FT},
+      .swept_resolution = context.options.swept_resolution,
+      .rotates_first = problem.freedoms[0]->IsToolRotation(),
+      .threads = context.threads,
+      .stop = context.stop,
+      .gouges = {{problem.arm, problem.X_WB, problem.X_FT}, problem},
+      .along = context.along ? std::span<const PlaceAlong>(*context.along) : std::span<const PlaceAlong>()};
+}
+
+std::vector<MillingPoint> StepPointsOf(const PassContext& context, size_t first, size_t count) {
+  std::vector<MillingPoint> points = StepPoints(context.problem, context.points.subspan(first, count));
+  for (size_t i = 0; context.along && i < count; ++i)
+    points[i] = OnPart((*context.along)[first + i], points[i]);
+  return points;
 }
 
 std::shared_ptr<CandidateGraph> MakeGraph(const PassContext& context, bool all_revolutions) {
   return std::make_shared<CandidateGraph>(MakeChecks(context), MakeLayers(context, all_revolutions),
                                           StepBoundsAlong(context.options.steps, context.problem.arm,
-                                                          StepPoints(context.problem, context.points)),
+                                                          StepPointsOf(context, 0, context.points.size())),
                                           context.verdicts);
 }
 

@@ -24,7 +24,14 @@ struct PassContext {
   std::vector<char> break_before = {};    ///< where the tool is lifted in any case
   std::vector<PaperResult> paper = {};    ///< per point with formulation paper, else empty
   double motion_weight = 0;               ///< objective units per rad² of joint motion (MotionWeight)
+  /// Of each point, where external axes move along the pass: `problem` and `world` are then with them at 0.
+  std::shared_ptr<const std::vector<PlaceAlong>> along = nullptr;
+
+  const PoseProblem& ProblemAt(size_t t) const { return along ? (*along)[t].station->problem : problem; }
 };
+
+/// The points first..first+count−1 as joint steps are bounded by (StepPoints): all in one frame.
+std::vector<MillingPoint> StepPointsOf(const PassContext& context, size_t first, size_t count);
 
 /// PathOptions::motion_share in units of the objective: times the median of the optima above 0 (a force
 /// acts), or times 1 where there is none.

@@ -59,6 +59,11 @@ void TellFreeOptimum(const PassContext& context, const PassPlan& plan, size_t t,
   if (free.found) take(free.objective, free.freedoms[0], free.branch);
   for (const PathNode& node : {plan.unsmoothed[t], plan.nodes[t]})
     take(node.objective, node.freedoms[0], node.branch);
+  // With several freedoms a search of one point alone may miss the valley that the path found.
+  if (context.problem.freedoms.size() == 1 || point.own_optimum <= point.free_optimum) return;
+  point.own_optimum = point.free_optimum;
+  point.own_rotation = point.free_rotation;
+  point.own_branch = point.free_branch;
 }
 
 /// What a planned point says about itself.
@@ -171,6 +176,7 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
   for (size_t t = 0; t < count; ++t) {
     PlannedPoint& point = result.points[t];
     point.point = planned.points->points[t].point;
+    if (context.along) point.external = (*context.along)[t].external;
     point.genetic_optimum = context.genetic[t].found ? context.genetic[t].objective : 0.0;
     point.own_optimum = context.optima[t].found ? context.optima[t].objective : 0.0;
     point.genetic_evaluations = context.genetic[t].evaluations;
@@ -187,7 +193,7 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
       Skip(context, plan, t, point);
     } else {
       point.piece = plan.piece[t];
-      Describe(context.problem, plan.nodes[t], point);
+      Describe(context.ProblemAt(t), plan.nodes[t], point);
       point.unsmoothed = plan.unsmoothed[t].objective;
       TellFreeOptimum(context, plan, t, point);
       const std::optional<Sighting>& barred = plan.free[t].barred;
@@ -195,29 +201,27 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
     }
   }
   const CheckCounts counts =
-      CheckInParallel(context.world, count, context.threads, context.stop, [&](Checker& checker, size_t t) {
+      CheckInParallel(MakeChecks(context), count, [&](PassCheckers& checkers, size_t t) {
         PlannedPoint& point = result.points[t];
         if (plan.piece[t] < 0) return;
-        point.clearance = checker.Clearance(point.q, Phase::kCutting, kPointClearanceBound);
+        point.clearance = checkers.At(t).Clearance(point.q, Phase::kCutting, kPointClearanceBound);
       });
   result.poses_checked = plan.poses_checked + counts.poses;
   MeasureSmoothing(plan, result);
   return result;
 }
 
-}  // namespace
-
-PassResult PlanPass(const PoseProblem& problem, const World& world, const Pass& pass, int pass_number,
-                    size_t first_point, const PathOptions& options, int threads, std::stop_token stop) {
+/// The points of a pass with their own optima. `along`: PassContext::along.
+std::shared_ptr<SplitPoints> Begin(PassContext given, const Pass& pass, size_t first_point) {
   auto own = std::make_shared<SplitPoints>();
   own->milling = pass.points;
-  own->context = std::make_unique<PassContext>(
-      PassContext{problem, world, options, own->milling, pass.closed, threads, stop});
+  given.points = own->milling;
+  own->context = std::make_unique<PassContext>(std::move(given));
   PassContext& context = *own->context;
   std::vector<size_t> all;
   for (size_t t = 0; t < pass.points.size(); ++t) {
     own->points.push_back({pass.points[t], t, -1, false});
-    context.scorers.emplace_back(problem, pass.points[t], pass.rotation_reference);
+    context.scorers.emplace_back(context.ProblemAt(t), pass.points[t], pass.rotation_reference);
     context.verdicts.push_back(std::make_shared<PointVerdicts>());
     all.push_back(t);
   }
@@ -225,7 +229,29 @@ PassResult PlanPass(const PoseProblem& problem, const World& world, const Pass& 
   context.tables.resize(all.size());
   context.optima.resize(all.size());
   FindOptima(all, first_point, context);
-  context.motion_weight = MotionWeight(options.motion_share, context.optima);
+  context.motion_weight = MotionWeight(context.options.motion_share, context.optima);
+  return own;
+}
+
+}  // namespace
+
+PassResult PlanPass(const RidingPass& riding, const Pass& pass, int pass_number, size_t first_point,
+                    const PathOptions& options, const Execution& execution) {
+  assert(!pass.closed && riding.external.size() == pass.points.size());
+  const Stations& stations = riding.stations;
+  PassContext given{stations.problem(),  stations.world(), options, {}, false,
+                    execution.Threads(), execution.stop};
+  given.along = std::make_shared<const std::vector<PlaceAlong>>(MakePlacesAlong(stations, riding.external));
+  PassResult result =
+      Assemble(pass, pass_number, PlanSplit(pass, Begin(std::move(given), pass, first_point), first_point));
+  result.external = *result.points.front().external;
+  return result;
+}
+
+PassResult PlanPass(const PoseProblem& problem, const World& world, const Pass& pass, int pass_number,
+                    size_t first_point, const PathOptions& options, int threads, std::stop_token stop) {
+  auto own = Begin({problem, world, options, {}, pass.closed, threads, stop}, pass, first_point);
+  const PassContext& context = *own->context;
   if (!IsOpenedRing(pass)) return Assemble(pass, pass_number, PlanSplit(pass, std::move(own), first_point));
   const FoundLifts start =
       pass.opening == RingOpening::kAnywhere ? FindRingStart(context, options.Price()) : FoundLifts{{0}, 0};

@@ -3,10 +3,11 @@
 
 #include <stop_token>
 
+#include "base/execution.hpp"
 #include "base/units.hpp"
-#include "cell/world.hpp"
 #include "path/lifted_search.hpp"
 #include "path/retract.hpp"
+#include "path/stations.hpp"
 #include "path/step_bound.hpp"
 #include "plan/plan_result.hpp"
 #include "pose/paper_formulation.hpp"
@@ -39,6 +40,12 @@ struct PathOptions {
   }
 };
 
+/// A pass along which external axes move, open, each point in W with them at its entry of `external`.
+struct RidingPass {
+  const Stations& stations;
+  const std::vector<ExternalPosition>& external;  ///< of each point of the pass
+};
+
 /// Plans one pass: own optima by both searches, ladder search with hard joint steps, lazy pruning of
 /// interfering nodes, refinement, splits, smoothing. Where it has to be split between two points, its parts
 /// overlap: the result then holds points more than once (WithOverlaps). Depends on nothing but its arguments;
@@ -46,5 +53,10 @@ struct PathOptions {
 /// job (random streams). `threads` bounds its own parallelism.
 PassResult PlanPass(const PoseProblem& problem, const World& world, const Pass& pass, int pass_number,
                     size_t first_point, const PathOptions& options, int threads, std::stop_token stop);
+
+/// The same where external axes move along the pass (docs/external-axes.md). Without lifts that pay; no
+/// freedom leans the tool.
+PassResult PlanPass(const RidingPass& riding, const Pass& pass, int pass_number, size_t first_point,
+                    const PathOptions& options, const Execution& execution);
 
 }  // namespace millpose

@@ -20,43 +20,44 @@ std::vector<bool> PieceHits::Points() const {
 
 EndShares PieceChecker::ToLeave(std::span<const PathNode> path, bool closed) {
   if (!leave_) return {};
-  const auto share = [&](const PathNode& end) {
-    return ShareToLeave(checks_.world, checks_.carrier, end.q, *leave_);
+  const auto share = [&](size_t i) {
+    return ShareToLeave(checks_.WorldAt(i), checks_.CarrierAt(i), path[i].q, *leave_);
   };
-  return {share(path.front()), closed ? 0 : share(path.back())};
+  return {share(0), closed ? 0 : share(path.size() - 1)};
 }
 
-bool PieceChecker::Leaves(const Joints& q, double share) const {
+bool PieceChecker::Leaves(size_t i, const Joints& q, double share) const {
   if (share == 0) return true;
-  Checker checker(checks_.world, share);
-  return CanLeave(checker, checks_.carrier, q, *leave_);
+  Checker checker(checks_.WorldAt(i), share);
+  return CanLeave(checker, checks_.CarrierAt(i), q, *leave_);
 }
 
 PieceHits PieceChecker::Check(std::span<const PathNode> path, bool closed, const EndShares& ends,
                               const std::vector<bool>& known) {
   PieceHits hits{std::vector<char>(path.size(), 0), std::vector<char>(path.size(), 0)};
-  Each(path.size(), [&](Checker& checker, size_t i) {
-    if (!known[i]) hits.pose[i] = !PoseFree(checker, i, path[i].q);
+  Each(path.size(), [&](PassCheckers& checkers, size_t i) {
+    if (!known[i]) hits.pose[i] = !PoseFree(checkers, i, path[i].q);
     const size_t next = (i + 1) % path.size();
     if ((next == 0 && !closed) || (known[i] && known[next])) return;
-    hits.motion[i] = !MotionFree(checker, i, path[i].q, path[next].q);
+    hits.motion[i] = !MotionFree(checkers, i, path[i].q, path[next].q);
   });
-  if (!known.front() && !hits.pose.front()) hits.pose.front() = !Leaves(path.front().q, ends.first);
-  if (!known.back() && !hits.pose.back()) hits.pose.back() = !Leaves(path.back().q, ends.last);
+  if (!known.front() && !hits.pose.front()) hits.pose.front() = !Leaves(0, path.front().q, ends.first);
+  if (!known.back() && !hits.pose.back())
+    hits.pose.back() = !Leaves(path.size() - 1, path.back().q, ends.last);
   return hits;
 }
 
-bool PieceChecker::PoseFree(Checker& checker, size_t i, const Joints& q) const {
-  return checks_.gouges.At(q) == 0 && !known_[i]->OfPose(checker, q);
+bool PieceChecker::PoseFree(PassCheckers& checkers, size_t i, const Joints& q) const {
+  return checks_.gouges.At(q) == 0 && !known_[i]->OfPose(checkers.At(i), q);
 }
 
-bool PieceChecker::MotionFree(Checker& checker, size_t i, const Joints& from, const Joints& to) const {
+bool PieceChecker::MotionFree(PassCheckers& checkers, size_t i, const Joints& from, const Joints& to) const {
   return checks_.gouges.Between(from, to) == 0 &&
-         !known_[i]->OfMotion(checker, from, NearestEquivalent(from, to), checks_);
+         !known_[i]->OfMotion(checkers, i, from, NearestEquivalent(from, to), checks_);
 }
 
-void PieceChecker::Each(size_t count, const std::function<void(Checker&, size_t)>& work) {
-  poses_checked_ += CheckInParallel(checks_.world, count, checks_.threads, checks_.stop, work).poses;
+void PieceChecker::Each(size_t count, const std::function<void(PassCheckers&, size_t)>& work) {
+  poses_checked_ += CheckInParallel(checks_, count, work).poses;
 }
 
 std::vector<bool> Widened(const std::vector<bool>& marked, size_t reach, bool closed) {

@@ -39,15 +39,16 @@ class PieceChecker {
   PieceHits Check(std::span<const PathNode> path, bool closed, const EndShares& ends,
                   const std::vector<bool>& known);
 
-  /// Whether the tool can leave `q` with a share of the clearances; with 0 always.
-  bool Leaves(const Joints& q, double share) const;
+  /// Whether the tool can leave `q` at point i with a share of the clearances; with 0 always.
+  bool Leaves(size_t i, const Joints& q, double share) const;
 
   /// Of a pose at point i, and of the motion from there.
-  bool PoseFree(Checker& checker, size_t i, const Joints& q) const;
-  bool MotionFree(Checker& checker, size_t i, const Joints& from, const Joints& to) const;
-  /// Runs `work(checker, i)` for i in 0..count−1 in parallel.
-  void Each(size_t count, const std::function<void(Checker&, size_t)>& work);
+  bool PoseFree(PassCheckers& checkers, size_t i, const Joints& q) const;
+  bool MotionFree(PassCheckers& checkers, size_t i, const Joints& from, const Joints& to) const;
+  /// Runs `work(checkers, i)` for i in 0..count−1 in parallel.
+  void Each(size_t count, const std::function<void(PassCheckers&, size_t)>& work);
 
+  const PassChecks& checks() const { return checks_; }
   long long poses_checked() const { return poses_checked_; }
 
  private:

@@ -10,7 +10,9 @@ namespace millpose {
 
 PieceChecker MakeChecker(const PassContext& context, const Piece& piece) {
   const auto first = static_cast<size_t>(piece.first), count = static_cast<size_t>(piece.last) - first + 1;
-  return {MakeChecks(context), std::span(context.verdicts).subspan(first, count), context.options.leave};
+  PassChecks checks = MakeChecks(context);
+  if (!checks.along.empty()) checks.along = checks.along.subspan(first, count);
+  return {std::move(checks), std::span(context.verdicts).subspan(first, count), context.options.leave};
 }
 
 void LookBack(const PassContext& context, PassPlan& plan) {
@@ -41,12 +43,14 @@ void SmoothPieces(const PassContext& context, PassPlan& plan) {
     SmoothOptions options;
     options.loss = context.options.smoothing_loss / static_cast<double>(context.problem.freedoms.size());
     options.max_step =
-        StepBoundsAlong(context.options.steps, context.problem.arm, StepPoints(context.problem, points));
+        StepBoundsAlong(context.options.steps, context.problem.arm, StepPointsOf(context, first, count));
     options.max_lean = LeanBounds(context.problem, context.options.max_lean_change, points);
     options.max_deviation = context.options.max_deviation;
     options.keep_worst = context.options.worst_first;
     options.closed = piece.closed;
     options.stop = context.stop;
+    if (context.along)
+      options.middles = MiddlesAlong(std::span(*context.along).subspan(first, count), points);
     for (options.freedom = 0; options.freedom < context.problem.freedoms.size(); ++options.freedom)
       SmoothFree(std::span(context.scorers).subspan(first, count), points, options, checker,
                  std::span(plan.nodes).subspan(first, count));

@@ -26,8 +26,8 @@ class PiecePlanner {
  public:
   PiecePlanner(const PassContext& context, bool all_revolutions)
       : context_(context),
-        carrier_{context.problem.arm, context.problem.X_WB, context.problem.X_FT},
-        law_(carrier_, context.scorers, context.options.max_deviation),
+        checks_(MakeChecks(context)),
+        law_(checks_, context.scorers, context.options.max_deviation),
         all_revolutions_(all_revolutions),
         count_(context.scorers.size()),
         rule_(MakeRule(context, all_revolutions)),
@@ -224,9 +224,9 @@ class PiecePlanner {
     for (size_t i = 0; i < path.size(); ++i) {
       const size_t next = (i + 1) % path.size();
       if ((next == 0 && !piece.closed) || (frozen[i] && frozen[next])) continue;
-      const double deviation = Bend(path[i].q, path[next].q);
+      const double deviation = Bend(piece.first + i, path[i].q, path[next].q);
       if (deviation <= context_.options.max_deviation) continue;
-      const double was = Bend(coarse[i].q, coarse[next].q);
+      const double was = Bend(piece.first + i, coarse[i].q, coarse[next].q);
       const auto most = [&](const PathNode& node) {
         return law_.Most(kSearchedBend, piece.first + i, node.freedoms, node.branch, node.q);
       };
@@ -234,8 +234,8 @@ class PiecePlanner {
     }
   }
 
-  double Bend(const Joints& from, const Joints& to) const {
-    return HalfwayDeviation(carrier_, from, millpose::NearestEquivalent(from, to)).position;
+  double Bend(size_t t, const Joints& from, const Joints& to) const {
+    return HalfwayDeviation(checks_.CarrierFrom(t), from, millpose::NearestEquivalent(from, to)).position;
   }
 
   /// Makes the joints of a piece continuous and moves each by as few full revolutions as bring all of the
@@ -278,7 +278,7 @@ class PiecePlanner {
   }
 
   const PassContext& context_;
-  Carrier carrier_;
+  PassChecks checks_;
   BendLaw law_;
   bool all_revolutions_;
   size_t count_;

@@ -31,13 +31,13 @@ const std::optional<Sighting>& PointVerdicts::OfCandidate(Checker& checker, cons
   return known->second;
 }
 
-const std::optional<CutProblem>& PointVerdicts::OfMotion(Checker& checker, const Joints& q0, const Joints& q1,
-                                                         const PassChecks& checks) {
+const std::optional<CutProblem>& PointVerdicts::OfMotion(PassCheckers& checkers, size_t t, const Joints& q0,
+                                                         const Joints& q1, const PassChecks& checks) {
   Bits<12> bits;
   Put(q0, 0, bits);
   Put(q1, 6, bits);
   const auto [known, unknown] = motions_.try_emplace(bits);
-  if (unknown) known->second = CheckCut(checker, checks.carrier, q0, q1, checks.swept_resolution);
+  if (unknown) known->second = CheckCut(checkers, checks, t, q0, q1);
   return known->second;
 }
 

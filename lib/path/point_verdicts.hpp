@@ -22,9 +22,10 @@ class PointVerdicts {
   /// The same of the pose with these freedoms, by what poses of the point share (PointMemory).
   const std::optional<Sighting>& OfCandidate(Checker& checker, const FreedomValues& freedoms, const Joints& q,
                                              const PassChecks& checks);
-  /// What is in the way of the straight motion from q0 to q1 (CheckCut).
-  const std::optional<CutProblem>& OfMotion(Checker& checker, const Joints& q0, const Joints& q1,
-                                            const PassChecks& checks);
+  /// What is in the way of the straight motion from q0 at this point, `t` of the pass, to q1 at the next
+  /// (CheckCut).
+  const std::optional<CutProblem>& OfMotion(PassCheckers& checkers, size_t t, const Joints& q0,
+                                            const Joints& q1, const PassChecks& checks);
 
  private:
   /// Angles bit by bit.

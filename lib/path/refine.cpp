@@ -10,11 +10,17 @@ namespace {
 
 constexpr int kHalfWindow = 4;           // steps to either side
 constexpr double kEndTolerance = 1e-12;  // rad
+constexpr double kLeaningEnd = 1e-4;     // steps: with leans, of which every one has ends of its own
 
 /// What a window spans to either side of a node: steps in the first freedom, and one in each other.
 struct Span {
   double step;                 ///< rad
   std::vector<double> others;  ///< rad or mm
+
+  /// To which ends of admissible intervals are located.
+  double EndTolerance() const {
+    return others.empty() ? kEndTolerance : std::max(kEndTolerance, kLeaningEnd * step);
+  }
 };
 
 /// Settings around a centre, the first freedom running fastest.
@@ -61,9 +67,12 @@ std::vector<Candidate> ScoreOn(const PointScorer& scorer, const std::vector<Free
 struct ScoredWindow {
   std::vector<FreedomValues> settings;
   std::vector<Candidate> candidates;
+  double end_tolerance;
 
   ScoredWindow(const PointScorer& scorer, const FreedomValues& centre, const Span& span, int branch)
-      : settings(Window(scorer.problem(), centre, span)), candidates(ScoreOn(scorer, settings, branch)) {}
+      : settings(Window(scorer.problem(), centre, span)),
+        candidates(ScoreOn(scorer, settings, branch)),
+        end_tolerance(span.EndTolerance()) {}
 
   /// At `freedoms`; scored now where these are none of the settings.
   Candidate At(const PointScorer& scorer, const FreedomValues& freedoms, int branch) const {
@@ -79,7 +88,7 @@ void AddWindow(const PointScorer& scorer, const PathNode& at, const ScoredWindow
   const auto add = [&](const FreedomValues& freedoms, const Candidate& candidate) {
     seeds.push_back({freedoms, candidate, at.branch, false, course});
   };
-  const auto& [settings, candidates] = window;
+  const auto& [settings, candidates, end_tolerance] = window;
   for (size_t k = 0; k < settings.size(); ++k) {
     const bool admissible = candidates[k].obstacle == Obstacle::kNone;
     if (settings[k] != at.freedoms) add(settings[k], candidates[k]);
@@ -90,7 +99,7 @@ void AddWindow(const PointScorer& scorer, const PathNode& at, const ScoredWindow
       FreedomValues end = settings[k];
       int evaluations = 0;
       end[0] =
-          IntervalEnd(scorer, settings[k], 0, at.branch, settings[beside][0], kEndTolerance, evaluations);
+          IntervalEnd(scorer, settings[k], 0, at.branch, settings[beside][0], end_tolerance, evaluations);
       if (end != settings[k]) add(end, scorer.ScoreOne(end, at.branch));
     }
   }

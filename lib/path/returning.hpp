@@ -2,19 +2,14 @@
 // Which nodes a closed sequence can come back to, whatever it costs.
 #pragma once
 
-#include <utility>
-#include <vector>
-
 #include "path/sweep.hpp"
 
 namespace millpose {
 
-/// Nodes first..second−1 of the first layer, which differ by full revolutions only.
-using NodeRange = std::pair<size_t, size_t>;
-
-/// For every range of nodes of LadderProblem::first_layer whether a closed sequence through nodes that
-/// `counts` says so of begins in it and ends in it. A sweep that carries no costs, only from which of 64
-/// ranges each node is reached: many ranges are told for the price of about one sweep.
+/// For every range of nodes of LadderProblem::first_layer, which differ by full revolutions only, whether a
+/// closed sequence through nodes that `counts` says so of begins in it and ends in it. A sweep that carries
+/// no costs, only from which of 64 ranges each node is reached: many ranges are told for the price of about
+/// one sweep.
 std::vector<char> AreReturning(const LadderProblem& problem, const std::vector<NodeRange>& ranges,
                                const NodeFilter& counts);
 

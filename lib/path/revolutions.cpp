@@ -144,6 +144,7 @@ void Reverse(PassResult& pass, const std::vector<Joints>& joints) {
     piece.last = count - 1 - piece.last;
     for (int i = piece.first; i <= piece.last; ++i) points[i].q = joints[static_cast<size_t>(piece.last - i)];
   }
+  if (points.front().external) pass.external = *points.front().external;
   for (PlannedPoint& planned : points) {
     TurnRound(length, planned.point);
     if (piece.closed && &planned == &points.front()) planned.point.arc_length = 0;

@@ -22,7 +22,7 @@ class Smoother {
         options_(options),
         path_(path),
         course_(scorers, points, path, options.closed,
-                {options.max_step, options.max_lean, options.freedom}) {}
+                {options.max_step, options.max_lean, options.freedom, options.middles}) {}
 
   bool Run() {
     const std::vector<CoursePlace> start = course_.Start(ranges_);
@@ -146,7 +146,7 @@ class Smoother {
 SmoothReference MeasurePath(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,
                             const SmoothOptions& options, std::span<const PathNode> path) {
   const FreedomCourse course(scorers, points, path, options.closed,
-                             {options.max_step, options.max_lean, options.freedom});
+                             {options.max_step, options.max_lean, options.freedom, options.middles});
   std::vector<CoursePlace> places(path.size());
   for (size_t t = 0; t < path.size(); ++t) places[t].q = path[t].q, places[t].objective = path[t].objective;
   const Merit merit = course.Judge(places);

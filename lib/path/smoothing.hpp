@@ -27,6 +27,7 @@ struct SmoothOptions {
   bool keep_worst = false;  ///< no point may come to have a larger objective than the worst had
   bool closed = false;
   std::stop_token stop;
+  std::vector<Eigen::Vector3d> middles = {};  ///< as CourseBounds::middles, where external axes move
 };
 
 SmoothReference MeasurePath(std::span<const PointScorer> scorers, std::span<const MillingPoint> points,

@@ -83,7 +83,8 @@ class SplitPlanner {
   void TryLifts(SplitPass& planned) {
     const PathOptions& options = own_->context->options;
     const LiftPrice price = options.Price();
-    if (price.most == 0 || (pass_.closed && !opened_)) return;
+    // Where external axes move, what a lift gains is not looked at.
+    if (price.most == 0 || (pass_.closed && !opened_) || own_->context->along) return;
     const FoundLifts found = FindLifts(*planned.points->context, planned.points->points, price);
     planned.plan.poses_checked += found.poses_checked;
     if (found.before.empty()) return;
@@ -191,11 +192,13 @@ class SplitPlanner {
       const std::array nominal{NominalSetting(context.problem, table)};
       return MakeLayer(context.scorers[t], SeedsOf(table, nominal), false);
     };
+    const auto point = [&](size_t t) {
+      return context.along ? OnPart((*context.along)[t], context.points[t]) : context.points[t];
+    };
     const size_t next = (after + 1) % context.scorers.size();
     const Layer from = layer(after), to = layer(next);
-    const StepRule rule{
-        StepBound(context.options.steps, context.problem.arm, context.points[after], context.points[next]), 0,
-        true};
+    const StepRule rule{StepBound(context.options.steps, context.problem.arm, point(after), point(next)), 0,
+                        true};
     const CostRow row(std::vector<double>(from.size(), 0.0));
     for (size_t node = 0; node < to.size(); ++node) {
       const auto branch = static_cast<size_t>(to.LaneOf(node));
@@ -237,13 +240,19 @@ class SplitPlanner {
         PassContext{from.problem, from.world, from.options, made->milling, false, from.threads, from.stop});
     PassContext& context = *made->context;
     context.motion_weight = from.motion_weight;
+    if (from.along) {
+      std::vector<size_t> sources;
+      for (const SplitPoint& point : made->points) sources.push_back(point.source);
+      context.along = std::make_shared<const std::vector<PlaceAlong>>(Selected(*from.along, sources));
+    }
     std::vector<size_t> leads;
     for (size_t i = 0; i < made->points.size(); ++i) {
       const SplitPoint& point = made->points[i];
       const bool own = point.point.position == pass_.points[point.source].position;
       if (!own) leads.push_back(i);
-      context.scorers.push_back(own ? from.scorers[point.source]
-                                    : PointScorer(from.problem, point.point, pass_.rotation_reference));
+      context.scorers.push_back(
+          own ? from.scorers[point.source]
+              : PointScorer(context.ProblemAt(i), point.point, pass_.rotation_reference));
       context.genetic.push_back(own ? from.genetic[point.source] : PointOptimum{});
       context.tables.push_back(own ? from.tables[point.source] : nullptr);
       // Of a point that is cut twice only one may have the pass's own.
@@ -274,17 +283,18 @@ SplitPass PlanSplit(const Pass& pass, std::shared_ptr<const SplitPoints> own, si
 
 void FindOptima(std::span<const size_t> points, uint64_t stream, PassContext& context) {
   const PathOptions& options = context.options;
-  const PoseProblem& problem = context.problem;
   if (options.paper) context.paper.resize(context.scorers.size());
   ParallelFor(points.size(), context.threads, context.stop, [&](size_t i) {
     const CpuTimer timer(CpuPart::kOptima);
     const size_t t = points[i];
     if (context.points[t].gouge > 0) return;  // not to be milled
     const PointScorer& scorer = context.scorers[t];
+    const PoseProblem& problem = scorer.problem();
     const RandomStream own(options.seed, stream + i);
     context.tables[t] =
         std::make_shared<const CandidateTable>(CandidateTable::OfStep(scorer, RotationStep(context)));
-    context.optima[t] = RefineTable(scorer, *context.tables[t]);
+    context.optima[t] = problem.freedoms.size() == 1 ? RefineTable(scorer, *context.tables[t])
+                                                     : DescendTable(scorer, *context.tables[t]);
     // Intervals narrower than the grid.
     if (!context.optima[t].found)
       context.optima[t] = ExhaustiveSearch(scorer, options.rotation_step / kFiner);

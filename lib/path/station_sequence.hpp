@@ -15,8 +15,15 @@ struct StationScore {
   bool operator<(const StationScore& other) const;  ///< better: fewer lost, then the lesser worst, then sum
 };
 
+/// One way to mill a pass: from which station to which, and what that is worth. Stations that do not move
+/// along the pass are both the same.
+struct CourseScore {
+  size_t from = 0, to = 0;
+  StationScore score;
+};
+
 struct StationSequence {
-  /// Of each pass: its station, then others, the best first.
+  /// Of each pass: its station (or choice), then others, the best first.
   std::vector<std::vector<size_t>> ranked;
   size_t lost = 0, changes = 0;
   double worst = 0;  ///< 0 where the sum alone counts
@@ -34,5 +41,10 @@ inline constexpr double kChangePrice = 0.05;
 /// other stations each pass is given.
 StationSequence FindStationSequence(const std::vector<std::vector<StationScore>>& scores, bool worst_first,
                                     size_t next);
+
+/// The same where stations may move along passes: `choices[pass]`, with a change where a pass does not begin
+/// at the station at which the one before ends.
+StationSequence FindCourseSequence(const std::vector<std::vector<CourseScore>>& choices, bool worst_first,
+                                   size_t next);
 
 }  // namespace millpose

@@ -17,18 +17,22 @@ Stations Stations::AtOwnAxis() const {
 const Station& Stations::At(const ExternalPosition& external) const {
   if (external.empty()) return made_->at_zero;
   const std::lock_guard lock(made_->mutex);
-  std::unique_ptr<const Station>& station = made_->stations[external];
-  if (station) return *station;
-  World world = made_->at_zero.world.At(external);
-  PoseProblem problem = made_->at_zero.problem;
-  problem.X_WB = world.cell().X_WB;
-  if (problem.lean && problem.lean->surface)
-    problem.lean->surface = std::make_shared<const LeanSurface>(problem.lean->surface->At(world.cell().X_WP));
-  const Mechanism mechanism(world.cell().external_axes);
-  for (SeriesCompliance& element : ExternalCompliances(mechanism, external, problem.X_WB))
-    problem.compliances.push_back(std::move(element));
-  station = std::make_unique<const Station>(Station{std::move(world), std::move(problem)});
+  std::shared_ptr<const Station>& station = made_->stations[external];
+  if (!station) station = Own(external);
   return *station;
+}
+
+std::shared_ptr<const Station> Stations::Own(const ExternalPosition& external) const {
+  const Cell& cell = world().cell();
+  const Mechanism mechanism(cell.external_axes);
+  PoseProblem moved = problem();
+  moved.X_WB = mechanism.Moved(Carries::kRobot, external) * cell.X_WB;
+  if (moved.lean && moved.lean->surface)
+    moved.lean->surface = std::make_shared<const LeanSurface>(
+        moved.lean->surface->At(mechanism.Moved(Carries::kWorkpiece, external) * cell.X_WP));
+  for (SeriesCompliance& element : ExternalCompliances(mechanism, external, moved.X_WB))
+    moved.compliances.push_back(std::move(element));
+  return std::make_shared<const Station>(Station{world().At(external), std::move(moved)});
 }
 
 }  // namespace millpose

@@ -25,6 +25,8 @@ class Stations {
 
   /// Valid as long as any copy lives. One value for each external axis; empty where there is none.
   const Station& At(const ExternalPosition& external) const;
+  /// The same, made for the caller alone: passes along which axes move have a station for every point.
+  std::shared_ptr<const Station> Own(const ExternalPosition& external) const;
   /// The same with tool axes as points have them: the rotation is the only freedom (AtOwnAxis).
   Stations AtOwnAxis() const;
   /// Where the axes stand when programs start and end.
@@ -40,7 +42,7 @@ class Stations {
     Station at_zero;
     ExternalPosition home;
     std::mutex mutex;
-    std::map<ExternalPosition, std::unique_ptr<const Station>> stations;
+    std::map<ExternalPosition, std::shared_ptr<const Station>> stations;
   };
   std::shared_ptr<Made> made_;
 };

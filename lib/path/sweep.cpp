@@ -2,7 +2,6 @@
 #include "path/sweep.hpp"
 
 #include "base/parallel.hpp"
-#include "motion/line.hpp"
 
 namespace millpose {
 namespace {
@@ -11,76 +10,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr uint32_t kBreak = 0xffffffffU, kEnter = 0xfffffffeU;
 
 }  // namespace
-
-double BandBetween(const LadderProblem& problem, const StepRule& rule, const Layer& from, const Layer& to) {
-  return problem.banded ? BandWidth(rule, AngleBetween(from.R_WT, to.R_WT)) : kInfinity;
-}
-
-const ToGo& LeastToGo(const LadderProblem& problem, const NodeFilter& counts, BackwardRows& rows) {
-  const std::span<const Layer> layers = problem.layers;
-  const size_t count = layers.size();
-  if (rows.layers.size() != count || rows.first_layer != problem.first_layer || rows.worst != problem.worst ||
-      problem.most > rows.most) {
-    rows.layers.assign(count, {});
-    rows.to_go.assign(count, {});
-  }
-  const bool all_known = problem.most == rows.most;
-  rows.first_layer = problem.first_layer;
-  rows.worst = problem.worst;
-  rows.most = problem.most;
-  // Of the nodes of the layer after, these counted; the last step is into the first layer.
-  std::vector<double> into_first(layers[problem.first_layer].size(), 0.0);
-  std::vector<char> changed(into_first.size(), 0);
-  for (size_t k = count; k-- > 0;) {
-    CheckStop(problem.stop);
-    const size_t t = (problem.first_layer + k) % count, to = (t + 1) % count;
-    const Layer &layer = layers[t], &next = layers[to];
-    BackwardRows::OfLayer& own = rows.layers[t];
-    const uint64_t version = problem.versions.empty() ? 0 : problem.versions[t];
-    const bool holds = all_known && own.relaxed.size() == layer.size() && own.version == version;
-    own.version = version;
-    if (!holds) own.relaxed.assign(layer.size(), {});
-    if (holds && std::ranges::count(changed, 1) == 0) {
-      changed.assign(layer.size(), 0);
-      continue;
-    }
-    const StepRule rule = problem.RuleFrom(t);
-    BandOfLayer band(next, BandBetween(problem, rule, layer, next), false);
-    const CostRow row(k + 1 == count ? into_first : rows.layers[to].beyond);
-    const std::vector<double> before = std::move(own.beyond);
-    own.beyond.assign(layer.size(), kInfinity);
-    rows.to_go[t].assign(layer.size(), kInfinity);
-    size_t guess = 0;
-    for (size_t node = 0; node < layer.size(); ++node) {
-      const double objective = layer.objective[node];
-      BestPredecessor& by = own.relaxed[node];
-      if (!(objective <= problem.most) || !std::isfinite(objective) || !counts(t, node)) {
-        by = {};
-        continue;
-      }
-      // Costs only rise: what was the cheapest step and still costs the same is so still.
-      if (!holds || (std::isfinite(by.cost) && changed[by.node])) {
-        by = {};
-        const Joints q = layer.joints.At(node);
-        band.VisitFrom(layer.LaneOf(node), layer.first[node], [&](size_t first, size_t last) {
-          double at_most = by.cost;
-          for (size_t i = guess; i < guess + 2; ++i)
-            if (i >= first && i < last)
-              at_most = std::min(at_most, row.costs[i] + StepCost(rule, next.joints.At(i), q));
-          RelaxFrom(rule, next.joints, row, first, last, q, at_most, by);
-        });
-      }
-      if (!std::isfinite(by.cost)) continue;
-      guess = by.node;
-      rows.to_go[t][node] = by.cost;
-      own.beyond[node] = problem.worst ? std::max(objective, by.cost) : objective + by.cost;
-    }
-    changed.assign(layer.size(), 1);
-    if (before.size() == own.beyond.size())
-      for (size_t node = 0; node < layer.size(); ++node) changed[node] = own.beyond[node] != before[node];
-  }
-  return rows.to_go;
-}
 
 void Sweep::LeaveOutAbove(double at_most, const ToGo& to_go) {
   limit_ = at_most;
@@ -202,22 +131,17 @@ void Sweep::RelaxAll(size_t t, bool must_break) {
   if (all_hold) return;
   if (!holds) known.relaxed.assign(layer.size(), {});
   if (must_break) return;
-  size_t guess = 0;
+  std::vector<char> wanted(layer.size());
   for (size_t node = 0; node < layer.size(); ++node) {
     BestPredecessor& by = known.relaxed[node];
-    if (!std::isfinite(Value(layer.objective[node]))) {
-      by = {};  // nobody asks for it under this bound
+    if (!std::isfinite(Value(layer.objective[node])) ||
+        IsAbove(Combined(least_, layer.objective[node]), t, node)) {
+      by = {};  // nobody asks for it under these bounds
       continue;
     }
-    if (IsAbove(Combined(least_, layer.objective[node]), t, node)) {
-      by = {};
-      continue;
-    }
-    if (holds && (!std::isfinite(by.cost) || !changes_.changed[by.node])) continue;
-    by = {};
-    Relax(t - 1, t, node, guess, by);
-    if (std::isfinite(by.cost)) guess = by.node;
+    wanted[node] = static_cast<char>(!holds || (std::isfinite(by.cost) && changes_.changed[by.node] != 0));
   }
+  StepsFrom(t - 1, t).Relax(rows_->layers[t - 1].row, wanted, known.relaxed);
 }
 
 /// The costs of layer t's nodes are known: what of them has changed, and the least.
@@ -242,14 +166,15 @@ void Sweep::Take(size_t t, std::vector<double> row) {
 }
 
 Sweep::Closing Sweep::Close(size_t first, size_t last) const {
+  const size_t end = layers_.size() - 1;
+  std::vector<char> wanted(layers_[At(0)].size());
+  std::fill(wanted.begin() + static_cast<std::ptrdiff_t>(first),
+            wanted.begin() + static_cast<std::ptrdiff_t>(last), 1);
+  std::vector<BestPredecessor> into(wanted.size());
+  StepsFrom(end, 0).Relax(rows_->layers[end].row, wanted, into);
   Closing best;
-  size_t guess = 0;
-  for (size_t node = first; node < last; ++node) {
-    BestPredecessor by;
-    Relax(layers_.size() - 1, 0, node, guess, by);
-    if (std::isfinite(by.cost)) guess = by.node;
-    if (by.cost < best.by.cost) best = {by, node};
-  }
+  for (size_t node = first; node < last; ++node)
+    if (into[node].cost < best.by.cost) best = {into[node], node};
   return best;
 }
 
@@ -289,45 +214,14 @@ size_t Sweep::TraceBack(size_t t, size_t node, Sequence& sequence) const {
   return kNoNode;
 }
 
-/// Best predecessor in layer `from` of a node of layer `to`; `guess` is one that may be as good as any.
-void Sweep::Relax(size_t from, size_t to, size_t node, size_t guess, BestPredecessor& by) const {
-  const Layer& source = layers_[At(from)];
-  const Layer& target = layers_[At(to)];
-  const CostRow& row = rows_->layers[from].row;
-  const int lane = target.LaneOf(node);
-  const Joints q = target.joints.At(node);
+/// The steps from a layer to the next, or from the last to the first.
+LayerSteps Sweep::StepsFrom(size_t from, size_t to) const {
+  const Layer &source = layers_[At(from)], &target = layers_[At(to)];
   const StepRule rule = problem_.RuleFrom(At(from));
-  BandOfLayer& band = Band(from, to);
-  band.VisitFrom(lane, target.first[node], [&](size_t first, size_t last) {
-    double at_most = by.cost;
-    // That of the node before and the one after it.
-    for (size_t k = guess; k < guess + 2; ++k) {
-      if (k < first || k >= last) continue;
-      at_most = std::min(at_most, row.costs[k] + StepCost(rule, source.joints.At(k), q));
-    }
-    RelaxFrom(rule, source.joints, row, first, last, q, at_most, by);
-  });
-  if (problem_.blocked.empty() || !std::isfinite(by.cost)) return;
-  const BlockedEdges& blocked = problem_.blocked[At(from)];
-  if (!blocked.contains({by.node, node})) return;
-  // Rare: the best is barred, so look again, one by one.
-  by = {};
-  band.VisitFrom(lane, target.first[node], [&](size_t first, size_t last) {
-    for (size_t k = first; k < last; ++k) {
-      const double cost = row.costs[k] + StepCost(rule, source.joints.At(k), q);
-      if (cost < by.cost && !blocked.contains({k, node})) by = {cost, k};
-    }
-  });
-}
-
-BandOfLayer& Sweep::Band(size_t from, size_t to) const {
-  if (!band_ || from != band_from_) {
-    band_from_ = from;
-    const Layer& source = layers_[At(from)];
-    const double width = BandBetween(problem_, problem_.RuleFrom(At(from)), source, layers_[At(to)]);
-    band_.emplace(source, width, problem_.walls);
-  }
-  return *band_;
+  return {source,
+          target,
+          {rule, BandBetween(problem_, rule, source, target), problem_.walls,
+           problem_.blocked.empty() ? nullptr : &problem_.blocked[At(from)]}};
 }
 
 }  // namespace millpose

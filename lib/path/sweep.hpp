@@ -2,10 +2,8 @@
 // One sweep of the ladder search's dynamic program, which keeps what it finds for the next.
 #pragma once
 
-#include <optional>
-
-#include "path/band.hpp"
-#include "path/ladder_search.hpp"
+#include "path/backward_sweep.hpp"
+#include "path/layer_steps.hpp"
 
 namespace millpose {
 
@@ -22,33 +20,6 @@ struct SweepRows {
   };
   std::vector<OfLayer> layers;
 };
-
-/// How far apart (rad) the first freedoms of nodes of two neighbouring layers may lie; +inf where the problem
-/// is not banded.
-double BandBetween(const LadderProblem& problem, const StepRule& rule, const Layer& from, const Layer& to);
-
-/// What the rest of a closed sequence costs at the least from each node of each layer on, the node itself not
-/// counted: walls and edges that were pruned are left aside, and it may close into any node of the first
-/// layer.
-using ToGo = std::vector<std::vector<double>>;
-
-/// A sweep back, which keeps what it finds for the next over the same layers with ever more pruned.
-struct BackwardRows {
-  struct OfLayer {
-    std::vector<BestPredecessor> relaxed;  ///< per node: the cheapest step on
-    std::vector<double> beyond;            ///< per node: what the rest costs, the node counted
-    uint64_t version = 0;
-  };
-  std::vector<OfLayer> layers;
-  ToGo to_go;
-  size_t first_layer = 0;
-  double most = 0;
-  bool worst = false;
-};
-
-/// Only through nodes that `counts` says so of, by layer and node.
-using NodeFilter = std::function<bool(size_t, size_t)>;
-const ToGo& LeastToGo(const LadderProblem& problem, const NodeFilter& counts, BackwardRows& rows);
 
 /// One sweep, from LadderProblem::first_layer on round; layers count from there. It gives the same costs and
 /// nodes, bit by bit, whatever the rows that it starts from have kept from an earlier sweep over the same
@@ -110,8 +81,7 @@ class Sweep {
   void Advance(size_t t, bool breaks, bool must_break);
   void RelaxAll(size_t t, bool must_break);
   void Take(size_t t, std::vector<double> row);
-  void Relax(size_t from, size_t to, size_t node, size_t guess, BestPredecessor& by) const;
-  BandOfLayer& Band(size_t from, size_t to) const;
+  LayerSteps StepsFrom(size_t from, size_t to) const;
   size_t TraceBack(size_t t, size_t node, Sequence& sequence) const;
 
   const LadderProblem& problem_;
@@ -125,8 +95,6 @@ class Sweep {
   std::vector<double> least_cost_before_, enter_;
   size_t last_used_ = kNoNode, least_node_ = 0;
   double least_ = std::numeric_limits<double>::infinity();
-  mutable size_t band_from_ = kNoNode;
-  mutable std::optional<BandOfLayer> band_;
 };
 
 }  // namespace millpose

@@ -17,6 +17,34 @@ namespace {
 constexpr double kTravel = 0.2;    // mm between poses that are looked at for contact
 constexpr double kNearTravel = 2;  // and for clearances
 
+/// Where external axes move along a pass: points at which one is beyond its limits, and motions to a point on
+/// which it would have to be faster than it can at the point's feed.
+long long BeyondAxes(const PlanResult& plan, const PassResult& pass) {
+  constexpr double kRounding = 1e-9;
+  long long beyond = 0;
+  for (size_t t = 0; t < pass.points.size(); ++t) {
+    const PlannedPoint& point = pass.points[t];
+    if (!point.external || point.skip != Obstacle::kNone) continue;
+    const bool goes = t > 0 && pass.points[t - 1].skip == Obstacle::kNone &&
+                      pass.points[t - 1].piece == point.piece && pass.points[t - 1].external;
+    const double way =
+        goes ? (OnPartAtZero(plan, *point.external, point.point.position) -
+                OnPartAtZero(plan, *pass.points[t - 1].external, pass.points[t - 1].point.position))
+                   .norm()
+             : 0;
+    for (size_t i = 0; i < plan.external_axes.size(); ++i) {
+      const ExternalAxis& axis = plan.external_axes[i];
+      const double value = (*point.external)[i];
+      if (value < axis.lower - kRounding || value > axis.upper + kRounding) ++beyond;
+      // A tip that stands still says nothing of how long the motion takes.
+      if (way > kRounding && std::abs(value - (*pass.points[t - 1].external)[i]) * point.point.feed_rate >
+                                 axis.speed * way * (1 + kRounding))
+        ++beyond;
+    }
+  }
+  return beyond;
+}
+
 void AuditPoints(const PlanResult& plan, const Mesh& mesh, const PoseProblem& problem,
                  AuditFigures* figures) {
   const AdmissibleBounds& bounds = problem.bounds;
@@ -25,8 +53,9 @@ void AuditPoints(const PlanResult& plan, const Mesh& mesh, const PoseProblem& pr
     return HasLean(problem) ? ContactOf(problem, point).place : point.position;
   };
   for (const PassResult& pass : plan.passes) {
-    const Pose X_PW = PartAt(plan, pass.external).inverse();
+    Pose X_PW = PartAt(plan, pass.external).inverse();
     for (const PlannedPoint& point : pass.points) {
+      if (point.external) X_PW = PartAt(plan, *point.external).inverse();
       if (point.point.kind == PointKind::kCut && mesh.face_count() > 0)
         figures->max_slice_distance_mm =
             std::max(figures->max_slice_distance_mm, mesh.Closest(X_PW * on_surface(point.point)).distance);
@@ -35,6 +64,7 @@ void AuditPoints(const PlanResult& plan, const Mesh& mesh, const PoseProblem& pr
                           (point.q.array() <= bounds.upper.array() + 1e-9).all();
       if (!inside) ++figures->limit_violations;
     }
+    figures->limit_violations += BeyondAxes(plan, pass);
   }
 }
 
@@ -46,21 +76,22 @@ struct Step {
   bool cutting;
   double share;  // of the clearances, with which it was planned
   std::string name;
-  const ExternalPosition* external;    // where the external axes stand
+  ExternalPosition external;           // where the external axes stand
   const ExternalMove* move = nullptr;  // they move, the arm stands still
+  ExternalPosition external_to = {};   // they move evenly there, with the arm
 };
 
-// A straight motion of the tool as programs run it in cuts.
+// A straight motion of the tool as programs run it in cuts: on the part, where external axes move with it.
 void AddLine(const Carrier& carrier, const Step& line, std::vector<Step>& steps) {
   Step part = line;
   for (int k = 1; k <= kLineParts; ++k) {
+    const double share = static_cast<double>(k) / kLineParts;
     // Where the arm leaves its branch the line is no motion; read-back says so.
-    part.to =
-        k == kLineParts
-            ? line.to
-            : OnLine(carrier, line.from, line.to, static_cast<double>(k) / kLineParts).value_or(part.from);
+    part.to = k == kLineParts ? line.to : OnLine(carrier, line.from, line.to, share).value_or(part.from);
+    if (carrier.ride) part.external_to = carrier.ride->At(share);
     steps.push_back(part);
     part.from = part.to;
+    if (carrier.ride) part.external = part.external_to;
   }
 }
 
@@ -69,8 +100,13 @@ std::string NameOf(const GapEnd& end) {
 }
 
 void AddCuts(const PlanResult& plan, const PassResult& pass, size_t& first_number, std::vector<Step>& steps) {
-  const Carrier carrier{plan.arm, BaseAt(plan, pass.external), plan.X_FT};
+  Carrier carrier{plan.arm, BaseAt(plan, pass.external), plan.X_FT};
   const auto add = [&](int from, int to) {
+    const ExternalPosition &here = ExternalAt(pass, static_cast<size_t>(from)),
+                           &there = ExternalAt(pass, static_cast<size_t>(to));
+    if (pass.points[static_cast<size_t>(to)].external)
+      carrier.ride =
+          std::make_shared<Ride>(Ride{Mechanism(plan.external_axes), plan.X_WB, plan.X_WP, here, there});
     const Joints& start = pass.points[static_cast<size_t>(from)].q;
     // A ring's joints have turned by full revolutions when it comes by its first point again.
     const Joints end = NearestEquivalent(start, pass.points[static_cast<size_t>(to)].q);
@@ -78,7 +114,7 @@ void AddCuts(const PlanResult& plan, const PassResult& pass, size_t& first_numbe
             {start, end, true, 1,
              fmt::format("point {} to {}", first_number + static_cast<size_t>(from),
                          first_number + static_cast<size_t>(to)),
-             &pass.external},
+             here},
             steps);
   };
   for (const Piece& piece : pass.pieces) {
@@ -94,18 +130,12 @@ void AddGap(const PlanResult& plan, const Gap& gap, const std::pair<GapEnd, GapE
   const auto& [from, to] = ends;
   const double share = gap.clearance_share;
   const std::string name = fmt::format("the way from {} to {}", NameOf(from), NameOf(to));
-  // Positions that live as long as the plan.
-  const auto station = [&](const GapEnd& end) {
-    return end.pass >= 0 ? &plan.passes[static_cast<size_t>(end.pass)].external : nullptr;
-  };
-  const ExternalPosition* here = gap.external     ? &gap.external->from
-                                 : from.pass >= 0 ? station(from)
-                                                  : station(to);
-  const auto carrier = [&] { return Carrier{plan.arm, BaseAt(plan, *here), plan.X_FT}; };
+  ExternalPosition here = gap.external ? gap.external->from : from.pass >= 0 ? from.external : to.external;
+  const auto carrier = [&] { return Carrier{plan.arm, BaseAt(plan, here), plan.X_FT}; };
   const auto move = [&](size_t at) {
     if (!gap.external || static_cast<size_t>(gap.external->at) != at) return;
     steps.push_back({gap.joints[at], gap.joints[at], false, 1, name, here, &*gap.external});
-    here = &gap.external->to;
+    here = gap.external->to;
   };
   if (from.pass >= 0) AddLine(carrier(), {from.q, gap.joints.front(), true, share, name, here}, steps);
   move(0);
@@ -162,7 +192,7 @@ void AuditMotions(const PlanResult& plan, const Cell& cell, double resolution, i
                   std::stop_token stop, AuditFigures* figures) {
   const audit::Setup setup = MakeJudgeSetup(cell);
   std::vector<Step> steps = StepsOf(plan);
-  const PlanResult commanded = Commanded(plan);  // which its steps point into
+  const PlanResult commanded = Commanded(plan);  // whose moves its steps point at
   if (IsCompensated(plan)) std::ranges::move(StepsOf(commanded), std::back_inserter(steps));
   std::vector<Found> found(steps.size());
   // A judge has a state of its own: one for each share of the steps.
@@ -180,9 +210,15 @@ void AuditMotions(const PlanResult& plan, const Cell& cell, double resolution, i
         stands = step.move->to;
         continue;
       }
-      if (stands != *step.external) judge.Stand(ToJudge(stands = *step.external));
-      found[i].contact = judge.Between(from, to, step.cutting, kTravel);
-      found[i].near = judge.TooNear(from, to, step.cutting, step.share, resolution, kNearTravel);
+      audit::Motion motion{from, to, step.cutting};
+      if (!step.external_to.empty()) {
+        motion.external_from = ToJudge(step.external), motion.external_to = ToJudge(step.external_to);
+        stands = step.external_to;
+      } else if (stands != step.external) {
+        judge.Stand(ToJudge(stands = step.external));
+      }
+      found[i].contact = judge.Between(motion, kTravel);
+      found[i].near = judge.TooNear(motion, step.share, resolution, kNearTravel);
     }
   });
   Collect(steps, found, figures);

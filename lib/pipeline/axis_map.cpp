@@ -6,6 +6,7 @@
 #include "base/parallel.hpp"
 #include "cell/point_memory.hpp"
 #include "pipeline/sample_curves.hpp"
+#include "plan/station.hpp"
 #include "plan/verdict_map.hpp"
 
 namespace millpose {
@@ -112,7 +113,7 @@ AxisMap MakeAxisMap(const PlanResult& plan, const Stations& stations, const std:
   ParallelFor(curves.size(), threads, stop, [&](size_t k) {
     const PassResult& pass = plan.passes[static_cast<size_t>(curves[k].pass)];
     const PlannedPoint& point = pass.points[static_cast<size_t>(curves[k].point)];
-    const auto& [world, problem] = stations.At(pass.external);
+    const auto& [world, problem] = stations.At(ExternalAt(pass, static_cast<size_t>(curves[k].point)));
     std::vector<Candidate> candidates(8 * rotations.size());
     PointScorer(problem, point.point, pass.rotation_reference).Score(rotations, candidates);
     map.zones[k] = ZonesOf(problem, point, candidates, of_pass[static_cast<size_t>(curves[k].pass)]);

@@ -27,12 +27,16 @@ std::vector<FacePlace> FaceOf(const PlanResult& plan, const JobInputs& inputs) {
   const DeflectionReport report =
       PredictDeflections(plan, CuttingForce{}, MakeCompliances(inputs.cell), finished_from);
   std::vector<const PlannedPoint*> points;
+  std::vector<const ExternalPosition*> externals;
   for (const PassResult& pass : plan.passes)
-    for (const PlannedPoint& point : pass.points) points.push_back(&point);
+    for (size_t i = 0; i < pass.points.size(); ++i) {
+      points.push_back(&pass.points[i]);
+      externals.push_back(&ExternalAt(pass, i));
+    }
   std::vector<FacePlace> face;
   for (const DeflectedPoint& deflected : report.points) {
     const PlannedPoint& point = *points[deflected.number];
-    const Pose X_PW = PartAt(plan, plan.passes[static_cast<size_t>(deflected.pass)].external).inverse();
+    const Pose X_PW = PartAt(plan, *externals[deflected.number]).inverse();
     if (deflected.pass < finished_from) continue;
     FaceReading predicted;
     predicted.side = deflected.engagement.side;

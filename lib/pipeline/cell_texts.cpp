@@ -5,6 +5,7 @@
 #include "path/gap_planner.hpp"
 #include "pipeline/assemble.hpp"
 #include "program/controller_axes.hpp"
+#include "program/external_axes.hpp"
 #include "program/templates.hpp"
 
 namespace millpose {
@@ -95,6 +96,24 @@ std::string AssumptionOf(const DeclaredCall& call) {
   };
   if (call.from == call.to) return fmt::format("{} leaves the arm at A1..A6 {}", call.name, text(call.to));
   return fmt::format("{} moves the arm from A1..A6 {} to {}", call.name, text(call.from), text(call.to));
+}
+
+std::vector<Problem> CheckAlongCuts(const JobSettings& job, const CellSettings& cell) {
+  std::vector<Problem> problems;
+  for (size_t i = 0; i < job.external.size(); ++i) {
+    if (job.external[i].scope != ExternalScope::kContinuous) continue;
+    for (const std::string& controller : job.programs) {
+      const auto found = cell.controllers.find(controller);
+      if (found == cell.controllers.end()) continue;
+      const std::string refusal =
+          WhyNotAlongCuts(MakeTextSettings(job, cell, controller), controller, job.external[i].axis,
+                          found->second.post->MovesAllTogether());
+      if (!refusal.empty())
+        problems.push_back(
+            {{job.file}, fmt::format("external[{}].scope: given continuous, but {}", i, refusal)});
+    }
+  }
+  return problems;
 }
 
 std::vector<std::string> AssumedCalls(const CellSettings& cell, const std::string& controller) {

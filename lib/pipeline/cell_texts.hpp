@@ -17,6 +17,10 @@ namespace millpose {
 /// Every program would carry them unproven, so the cell is refused as it is read.
 std::vector<Problem> CheckCellTexts(const CellSettings& cell);
 
+/// What keeps the job's external axes from moving along cuts (scope continuous) in the programs that it asks
+/// for: the controllers must count in them.
+std::vector<Problem> CheckAlongCuts(const JobSettings& job, const CellSettings& cell);
+
 /// What programs of this controller take the cell's word for: "SPINDLE_ON moves nothing", one for every call
 /// that its texts make.
 std::vector<std::string> AssumedCalls(const CellSettings& cell, const std::string& controller);

@@ -23,8 +23,17 @@ std::string PassContext(const PoseProblem& problem, const World& world, const Pa
   return HashOfValues(ProgramId(), problem, WithoutPlaces(world.cell()), options);
 }
 
+std::string RidingContext(const PoseProblem& problem, const World& at_zero, const PathOptions& options) {
+  return HashOfValues(ProgramId(), problem, at_zero.cell(), options);
+}
+
+std::string RidingKey(const std::string& context, const ExternalCourse& course) {
+  return HashOfValues(std::string("riding"), context, course.from, course.to);
+}
+
 std::string GapContext(const World& world, const GapOptions& options) {
-  return HashOfValues(ProgramId(), world.cell(), options);
+  const Cell& cell = world.cell();
+  return HashOfValues(ProgramId(), cell.external_axes.empty() ? WithoutPlaces(cell) : cell, options);
 }
 
 std::string PassKey(const std::string& context, const Pass& pass, size_t number, size_t first_point) {

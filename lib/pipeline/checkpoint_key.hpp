@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "path/external_course.hpp"
 #include "path/gap_planner.hpp"
 #include "path/pass_planner.hpp"
 
@@ -15,9 +16,14 @@ void AppendTo(ValueBytes& bytes, const Freedom& freedom);
 void AppendTo(ValueBytes& bytes, const Objective& objective);
 void AppendTo(ValueBytes& bytes, const LeanSurface& surface);
 
-/// What all passes of a job are handed besides themselves, or all gaps besides their ends. For passes without
-/// where obstacles stand: that is looked at apart (kept_pass.hpp).
+/// What all passes of a job are handed besides themselves, or all gaps besides their ends, without where
+/// obstacles stand: that is looked at apart (kept_pass.hpp). Of gaps in a cell with external axes, all of it.
 std::string PassContext(const PoseProblem& problem, const World& world, const PathOptions& options);
+/// What passes along which external axes move have in common: the cell with all that stands in it.
+std::string RidingContext(const PoseProblem& problem, const World& at_zero, const PathOptions& options);
+/// Of one of them, as PassKey takes it.
+std::string RidingKey(const std::string& context, const ExternalCourse& course);
+
 std::string GapContext(const World& world, const GapOptions& options);
 
 /// `number` of the pass in the job, `first_point` the number of its first point.

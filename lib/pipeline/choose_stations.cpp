@@ -7,21 +7,18 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "cell/station_way.hpp"
-#include "path/collision_pruner.hpp"
 #include "path/retract.hpp"
 #include "path/station_sequence.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/external_positions.hpp"
+#include "pipeline/moving_stations.hpp"
+#include "pipeline/station_sample.hpp"
 #include "pipeline/workpiece.hpp"
 #include "plan/station.hpp"
-#include "pose/candidate_table.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr size_t kSample = 7;  // points of a pass
-constexpr size_t kLooks = 72;  // at a point on one branch for interference
-constexpr double kRotationStep = DegToRad(5);
 constexpr size_t kNext = 3;  // further stations of a pass
 
 /// Every combination of the axes' values, the last axis fastest.
@@ -48,64 +45,15 @@ std::string BlockedBy(const Stations& stations, const ExternalPosition& external
   return "";
 }
 
-/// Some points of a pass, evenly over it, its ends among them.
-Pass SampleOf(const Pass& pass) {
-  Pass sample = pass;
-  std::erase_if(sample.points, [](const MillingPoint& point) { return point.gouge > 0; });
-  const size_t count = sample.points.size();
-  if (count <= kSample) return sample;
-  std::vector<MillingPoint> points;
-  for (size_t i = 0; i < kSample; ++i) points.push_back(sample.points[i * (count - 1) / (kSample - 1)]);
-  sample.points = std::move(points);
-  return sample;
+/// A pass at one station: every point of the sample at its best free rotation by itself.
+StationScore ScoreAt(const Station& station, const RetractOptions& leave, const Pass& sample) {
+  Checker checker(station.world);
+  std::vector<SampledPoint> points;
+  for (size_t t = 0; t < sample.points.size(); ++t)
+    points.emplace_back(station, checker, leave, sample.points[t], sample.rotation_reference,
+                        t == 0 || (!sample.closed && t + 1 == sample.points.size()));
+  return ScoreOf(points.size(), [&](size_t t, size_t branch) { return points[t].Best(branch); });
 }
-
-/// Scores passes at one station.
-class Scorer {
- public:
-  Scorer(const Station& station, const RetractOptions& leave)
-      : station_(station),
-        leave_(leave),
-        carrier_{station.problem.arm, station.problem.X_WB, station.problem.X_FT},
-        checker_(station.world) {}
-
-  /// On the branch that serves it best: every point at its best free rotation by itself.
-  StationScore Score(const Pass& sample) {
-    std::vector<CandidateTable> tables;
-    for (const MillingPoint& point : sample.points)
-      tables.push_back(CandidateTable::OfStep(PointScorer(station_.problem, point, sample.rotation_reference),
-                                              kRotationStep));
-    StationScore best{sample.points.size(), 0, 0};
-    for (size_t branch = 0; branch < 8; ++branch) {
-      StationScore score;
-      for (size_t t = 0; t < tables.size() && score.lost <= best.lost; ++t)
-        Add(tables[t], branch, t == 0 || (!sample.closed && t + 1 == tables.size()), score);
-      if (score < best) best = score;
-    }
-    return best;
-  }
-
- private:
-  void Add(const CandidateTable& table, size_t branch, bool end, StationScore& score) {
-    std::vector<const CandidateTable::Entry*> entries;
-    for (const CandidateTable::Entry& entry : table.entries())
-      if (entry.branch == branch) entries.push_back(&entry);
-    std::ranges::stable_sort(entries, {}, &CandidateTable::Entry::objective);
-    for (size_t i = 0; i < std::min(entries.size(), kLooks); ++i) {
-      const Joints& q = entries[i]->q;
-      if (checker_.Blocked(q, Phase::kCutting) || (end && !CanLeave(checker_, carrier_, q, leave_))) continue;
-      score.worst = std::max(score.worst, entries[i]->objective);
-      score.sum += entries[i]->objective;
-      return;
-    }
-    ++score.lost;
-  }
-
-  const Station& station_;
-  const RetractOptions& leave_;
-  Carrier carrier_;
-  Checker checker_;
-};
 
 /// Of every station every pass.
 std::vector<std::vector<StationScore>> ScoresOf(const JobInputs& inputs, const Stations& stations,
@@ -116,11 +64,10 @@ std::vector<std::vector<StationScore>> ScoresOf(const JobInputs& inputs, const S
   const RetractOptions leave = MakeGapOptions(inputs.job).leave;
   std::vector<std::vector<StationScore>> scores(positions.size());
   ParallelFor(positions.size(), execution.Threads(), execution.stop, [&](size_t s) {
-    const std::vector<ExternalPosition> here(samples.passes.size(), positions[s]);
-    Scorer scorer(stations.At(positions[s]), leave);
+    const std::vector<ExternalCourse> here(samples.passes.size(), StandingAt(positions[s]));
     for (const Pass& pass : AtStations(inputs, samples, stations, here).passes) {
       CheckStop(execution.stop);
-      scores[s].push_back(scorer.Score(pass));
+      scores[s].push_back(ScoreAt(stations.At(positions[s]), leave, pass));
     }
     execution.progress.Advance(1);
   });
@@ -158,6 +105,19 @@ std::vector<ExternalPosition> FreeOf(const JobInputs& inputs, const Stations& st
   return positions;
 }
 
+/// The choices of a pass as they are ranked; where axes move in the first, the best one that stands comes
+/// second.
+std::vector<size_t> StandingSecond(const std::vector<CourseScore>& choices, std::vector<size_t> ranked) {
+  const auto moves = [&](size_t c) { return choices[c].from != choices[c].to; };
+  if (!moves(ranked.front())) return ranked;
+  size_t best = choices.size();
+  for (size_t c = 0; c < choices.size(); ++c)
+    if (!moves(c) && (best == choices.size() || choices[c].score < choices[best].score)) best = c;
+  std::erase(ranked, best);
+  ranked.insert(ranked.begin() + 1, best);
+  return ranked;
+}
+
 }  // namespace
 
 StationChoices ChooseStations(const JobInputs& inputs, const Stations& stations, const Execution& execution,
@@ -169,7 +129,7 @@ StationChoices ChooseStations(const JobInputs& inputs, const Stations& stations,
   const std::vector<AxisPositions> axes = PositionsOf(inputs.job, inputs.cell);
   std::vector<ExternalPosition> positions = Combined(axes);
   if (positions.size() == 1) {
-    std::ranges::fill(choices.external, positions.front());
+    std::ranges::fill(choices.external, StandingAt(positions.front()));
     if (const std::string blocked = BlockedBy(stations, positions.front()); !blocked.empty())
       choices.warnings.push_back(
           fmt::format("{}: with the external axes at {} {}", inputs.cell.file,
@@ -179,21 +139,33 @@ StationChoices ChooseStations(const JobInputs& inputs, const Stations& stations,
   positions = FreeOf(inputs, stations, std::move(positions));
   execution.progress.Begin("stations", positions.size());
   const auto scores = ScoresOf(inputs, stations, positions, toolpath, execution);
+  const auto moving = ScoreMoving(inputs, {stations, axes, positions}, toolpath, execution);
   StationSequence best;
+  std::vector<std::vector<CourseScore>> choices_of;  // what `best` chose from
   for (const std::vector<size_t>& group : Groups(axes, positions)) {
-    std::vector<std::vector<StationScore>> own;
-    for (const size_t s : group) own.push_back(scores[s]);
-    StationSequence found = FindStationSequence(own, MakePathOptions(inputs.job).worst_first, kNext);
-    for (std::vector<size_t>& pass : found.ranked)
-      for (size_t& s : pass) s = group[s];
-    if (best.ranked.empty() || found.IsBetter(best)) best = std::move(found);
+    std::vector<std::vector<CourseScore>> own(toolpath.passes.size());
+    for (size_t p = 0; p < own.size(); ++p) {
+      for (const size_t s : group) own[p].push_back({s, s, scores[s][p]});
+      for (const CourseScore& course : moving[p])
+        if (std::ranges::binary_search(group, course.from)) own[p].push_back(course);
+    }
+    StationSequence found = FindCourseSequence(own, MakePathOptions(inputs.job).worst_first, kNext);
+    if (!best.ranked.empty() && !found.IsBetter(best)) continue;
+    best = std::move(found);
+    choices_of = std::move(own);
   }
+  size_t moves = 0;
   for (size_t p = 0; p < toolpath.passes.size(); ++p) {
-    choices.external[p] = positions[best.ranked[p].front()];
-    for (size_t k = 1; k < best.ranked[p].size(); ++k)
-      choices.elsewhere[p].push_back(positions[best.ranked[p][k]]);
+    const std::vector<size_t> ranked = StandingSecond(choices_of[p], best.ranked[p]);
+    std::vector<ExternalCourse> courses;
+    for (const size_t c : ranked)
+      courses.push_back({positions[choices_of[p][c].from], positions[choices_of[p][c].to]});
+    choices.external[p] = courses.front();
+    choices.elsewhere[p].assign(courses.begin() + 1, courses.end());
+    moves += courses.front().Moves();
   }
-  execution.progress.End(fmt::format("{} stations looked at, {} changes", positions.size(), best.changes));
+  execution.progress.End(fmt::format("{} stations looked at, {} changes{}", positions.size(), best.changes,
+                                     moves > 0 ? fmt::format(", axes move along {} passes", moves) : ""));
   return choices;
 }
 

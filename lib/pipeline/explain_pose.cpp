@@ -3,12 +3,12 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
-#include "path/stations.hpp"
 #include "pipeline/assemble.hpp"
 #include "pipeline/axis_map.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/sample_curves.hpp"
 #include "pipeline/write_results.hpp"
+#include "plan/station.hpp"
 #include "plan/verdict_map.hpp"
 #include "report/html_columns.hpp"
 #include "toolpath/lean_law.hpp"
@@ -23,6 +23,18 @@ double ShortWayTo(double from, double to) {
   const double way = to - from;
   return way - 2 * kPi * std::floor(way / (2 * kPi) + 0.5);
 }
+
+/// A pass, and what its points are planned in.
+struct PlannedIn {
+  const Stations& stations;
+  const PlanResult& plan;
+  const PassResult& pass;
+
+  const PoseProblem& ProblemAt(size_t point) const { return stations.At(ExternalAt(pass, point)).problem; }
+  Eigen::Vector3d OnPart(size_t point) const {
+    return OnPartAtZero(plan, ExternalAt(pass, point), pass.points[point].point.position);
+  }
+};
 
 /// All candidates of a point on the rotations of CurveGrid; index 8·rotation + branch.
 std::vector<Candidate> Candidates(const PoseProblem& problem, const PassResult& pass, size_t point) {
@@ -89,8 +101,8 @@ std::string WhatBars(const PoseProblem& problem, const PassResult& pass, const A
 /// Follows a point's best free pose one way along its piece.
 class Follower {
  public:
-  Follower(const PoseProblem& problem, const PassResult& pass, size_t point)
-      : problem_(problem), pass_(pass), start_(point), branch_(pass.points[point].free_branch) {}
+  Follower(const PlannedIn& in, size_t point)
+      : in_(in), pass_(in.pass), start_(point), branch_(pass_.points[point].free_branch) {}
 
   /// mm; what ends it, empty for the end of the piece.
   std::pair<double, std::string> Follow(int direction) const {
@@ -103,9 +115,7 @@ class Follower {
       const std::optional<int> next = Next(at, cell, obstacle);
       if (!next) return {length, obstacle};
       cell = *next;
-      length +=
-          (pass_.points[at].point.position - pass_.points[at - static_cast<size_t>(direction)].point.position)
-              .norm();
+      length += (in_.OnPart(at) - in_.OnPart(at - static_cast<size_t>(direction))).norm();
       const PlannedPoint& planned = pass_.points[at];
       if (planned.branch == branch_ &&
           std::abs(ShortWayTo(RotationOf(cell), planned.freedoms[0])) < kTogether)
@@ -117,7 +127,8 @@ class Follower {
  private:
   /// The least open cell near `cell`, else what bars that.
   std::optional<int> Next(size_t at, int cell, std::string& obstacle) const {
-    const std::vector<Candidate> candidates = Candidates(problem_, pass_, at);
+    const PoseProblem& problem = in_.ProblemAt(at);
+    const std::vector<Candidate> candidates = Candidates(problem, pass_, at);
     const AxisVerdicts verdicts = UnpackVerdicts(pass_.points[at].verdicts);
     std::optional<int> best;
     for (const int step : {0, -1, 1, -2, 2}) {
@@ -125,7 +136,7 @@ class Follower {
       const int k = (cell + step + kAxisRotations) % kAxisRotations;
       const Candidate& candidate =
           candidates[size_t{8} * static_cast<size_t>(k) + static_cast<size_t>(branch_)];
-      const std::string bars = WhatBars(problem_, pass_, verdicts, candidate, branch_, k);
+      const std::string bars = WhatBars(problem, pass_, verdicts, candidate, branch_, k);
       if (step == 0) obstacle = bars;
       if (!bars.empty()) continue;
       if (!best ||
@@ -136,14 +147,14 @@ class Follower {
     return best;
   }
 
-  const PoseProblem& problem_;
+  const PlannedIn& in_;
   const PassResult& pass_;
   size_t start_;
   int branch_;
 };
 
-FollowedStretch StretchOf(const PoseProblem& problem, const PassResult& pass, size_t point) {
-  const Follower follower(problem, pass, point);
+FollowedStretch StretchOf(const PlannedIn& in, size_t point) {
+  const Follower follower(in, point);
   const auto back = follower.Follow(-1), on = follower.Follow(1);
   FollowedStretch stretch{back.first + on.first, back.second.empty() && on.second.empty(), {}};
   stretch.obstacle = on.second.empty() ? back.second : on.second;
@@ -152,9 +163,9 @@ FollowedStretch StretchOf(const PoseProblem& problem, const PassResult& pass, si
 
 }  // namespace
 
-PoseReason ExplainPose(const PlanResult& plan, const PoseProblem& problem, size_t pass_number,
-                       size_t number) {
+PoseReason ExplainPose(const PlanResult& plan, const Stations& stations, size_t pass_number, size_t number) {
   const PassResult& pass = plan.passes[pass_number];
+  const PlannedIn in{stations, plan, pass};
   const PlannedPoint& point = pass.points[number];
   PoseReason reason;
   if (point.skip != Obstacle::kNone) {
@@ -177,9 +188,9 @@ PoseReason ExplainPose(const PlanResult& plan, const PoseProblem& problem, size_
     const Leans lean = LeansOf(point.point.tool_axis, point.point.normal, point.point.feed);
     reason.lean = std::array{lean.lead, lean.tilt};
   }
-  reason.forbidden = Forbidden(problem, pass, number);
+  reason.forbidden = Forbidden(in.ProblemAt(number), pass, number);
   if (reason.forbidden) reason.forbidden->pose.objective *= scale;
-  if (point.free_branch == point.branch && !leans) reason.stretch = StretchOf(problem, pass, number);
+  if (point.free_branch == point.branch && !leans) reason.stretch = StretchOf(in, number);
   return reason;
 }
 
@@ -196,14 +207,14 @@ PointStory TellPoint(const std::filesystem::path& folder, size_t number) {
     point -= plan.passes[pass++].points.size();
   if (pass == plan.passes.size())
     throw InputError({(folder / kPlanFile).string()}, fmt::format("holds no point {}", number));
-  const PoseProblem& problem = stations.At(plan.passes[pass].external).problem;
+  const PoseProblem& problem = stations.At(ExternalAt(plan.passes[pass], point)).problem;
   PointStory story;
   const std::vector<Candidate> candidates = Candidates(problem, plan.passes[pass], point);
   for (size_t i = 0; i < candidates.size(); ++i)
     if (candidates[i].obstacle == Obstacle::kNone)
       story.curve.push_back(
           {RotationOf(static_cast<int>(i / 8)), static_cast<int>(i % 8), candidates[i].objective});
-  story.reasons = ReasonSentences(ExplainPose(plan, problem, pass, point));
+  story.reasons = ReasonSentences(ExplainPose(plan, stations, pass, point));
   if (const std::optional<ToolUncertainty> tool = UncertaintyOf(cell.tool))
     story.steps = FindPoseStepsAt(plan, *tool, FinishedFrom(job, plan.passes.size()), number);
   return story;

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
+#include "path/stations.hpp"
 #include "plan/plan_result.hpp"
-#include "pose/scorer.hpp"
 #include "report/inspect.hpp"
 #include "report/pose_reason.hpp"
 
@@ -16,6 +16,6 @@ namespace millpose {
 PointStory TellPoint(const std::filesystem::path& folder, size_t number);
 
 /// Why the point of a pass has its pose. Interference is what the plan learned of it.
-PoseReason ExplainPose(const PlanResult& plan, const PoseProblem& problem, size_t pass, size_t point);
+PoseReason ExplainPose(const PlanResult& plan, const Stations& stations, size_t pass, size_t point);
 
 }  // namespace millpose

@@ -7,6 +7,7 @@ namespace millpose {
 namespace {
 
 constexpr size_t kMostPositions = 2000;          // of all axes together
+constexpr size_t kMostOfContinuous = 200;        // likewise, where one may move along passes: pairs count
 constexpr double kSteps = 8;                     // that a linear axis' range falls into
 constexpr double kRotaryStep = DegToRad(30);     // of a rotary one
 constexpr double kTurn = 2 * kPi, kSame = 1e-9;  // rad
@@ -23,6 +24,8 @@ std::vector<double> ValuesToChoose(const ExternalAxis& axis, const ExternalSetti
   if (axis.kind == AxisKind::kLinear)
     return Grid(axis.lower, axis.upper, external.step_mm.value_or((axis.upper - axis.lower) / kSteps));
   const double step = external.step_deg.value_or(kRotaryStep);
+  // One that turns along a pass does not come to the same by a turn more.
+  if (external.scope == ExternalScope::kContinuous) return Grid(axis.lower, axis.upper, step);
   if (axis.upper - axis.lower < kTurn - kSame) return Grid(axis.lower, axis.upper, step);
   // More than a turn: the one about home, whose ends are the same.
   const double lower = std::clamp(axis.home - kPi, axis.lower, axis.upper - kTurn);
@@ -66,7 +69,8 @@ std::vector<AxisPositions> PositionsOf(const JobSettings& job, const CellSetting
       own.values = {axis.home};
       continue;
     }
-    own.per_pass = entry->scope == ExternalScope::kPerPass;
+    own.continuous = entry->scope == ExternalScope::kContinuous;
+    own.per_pass = own.continuous || entry->scope == ExternalScope::kPerPass;
     const std::optional<double>& at = axis.kind == AxisKind::kLinear ? entry->at_mm : entry->at_deg;
     own.values = at ? std::vector<double>{*at} : ValuesToChoose(axis, *entry);
   }
@@ -94,11 +98,18 @@ std::vector<Problem> CheckExternal(const JobSettings& job, const CellSettings& c
   }
   if (!problems.empty()) return problems;
   double count = 1;
-  for (const AxisPositions& positions : PositionsOf(job, cell))
+  bool continuous = false;
+  for (const AxisPositions& positions : PositionsOf(job, cell)) {
     count *= static_cast<double>(positions.values.size());
-  if (count > static_cast<double>(kMostPositions))
-    add(fmt::format("external: given steps make {:.0f} positions; allowed: up to {}, with larger steps",
-                    count, kMostPositions));
+    continuous = continuous || positions.continuous;
+  }
+  const size_t most = continuous ? kMostOfContinuous : kMostPositions;
+  if (count > static_cast<double>(most))
+    add(fmt::format("external: given steps make {:.0f} positions; allowed: up to {}{}, with larger steps",
+                    count, most, continuous ? " where an axis has scope continuous" : ""));
+  if (continuous && job.toolpath.Leans())
+    add("external: given scope continuous, and ranges for toolpath.lead_deg or tilt_deg; allowed: one of "
+        "them: gouges are not looked for on a part that moves");
   return problems;
 }
 

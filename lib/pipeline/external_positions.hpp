@@ -11,6 +11,7 @@ namespace millpose {
 struct AxisPositions {
   std::vector<double> values;  ///< mm or rad, ascending; one where nothing is left to choose
   bool per_pass = false;       ///< each pass has its own; else the whole job has one
+  bool continuous = false;     ///< with per_pass: and may go from one to another while a pass is milled
 };
 
 /// Of every axis of the cell. Precondition: CheckExternal() finds nothing.

@@ -40,17 +40,28 @@ PointReach ReachOf(const PoseProblem& problem, const MillingPoint& point, const 
 }  // namespace
 
 std::vector<PointReach> FindReach(const PreparedJob& prepared, double step, const Execution& execution) {
-  std::vector<std::pair<size_t, const MillingPoint*>> points;
+  struct Asked {
+    size_t pass;
+    const MillingPoint* point;
+    ExternalPosition external;
+  };
+  std::vector<Asked> points;
   const std::vector<Pass>& passes = prepared.toolpath.passes;
-  for (size_t p = 0; p < passes.size(); ++p)
-    for (const MillingPoint& point : passes[p].points) points.emplace_back(p, &point);
+  for (size_t p = 0; p < passes.size(); ++p) {
+    std::vector<ExternalPosition> positions = PositionsAlong(prepared.external[p], passes[p]);
+    for (size_t t = 0; t < positions.size(); ++t)
+      points.push_back({p, &passes[p].points[t], std::move(positions[t])});
+  }
   std::vector<PointReach> reach(points.size());
   const Stations stations = prepared.stations.AtOwnAxis();
   execution.progress.Begin("reach", points.size());
   ParallelFor(points.size(), execution.Threads(), execution.stop, [&](size_t i) {
-    const auto& [pass, point] = points[i];
-    reach[i] =
-        ReachOf(stations.At(prepared.external[pass]).problem, *point, passes[pass].rotation_reference, step);
+    const auto& [pass, point, external] = points[i];
+    const Eigen::Vector3d& reference = passes[pass].rotation_reference;
+    if (prepared.external[pass].Moves())
+      reach[i] = ReachOf(stations.Own(external)->problem, *point, reference, step);
+    else
+      reach[i] = ReachOf(stations.At(external).problem, *point, reference, step);
     execution.progress.Advance(1);
   });
   const auto within = std::ranges::count(reach, Obstacle::kNone, &PointReach::best);

@@ -77,7 +77,10 @@ void PlanFiner(const JobInputs& inputs, PreparedJob& prepared, const CheckpointS
   std::vector<char> open(passes.size(), 0);
   std::vector<PassResult> plans(passes.size());  // of what was tried last, where it is open
   for (size_t i = 0; i < passes.size(); ++i) {
-    open[i] = wanted(i) && CouldGain(prepared.toolpath.passes[i], passes[i]) ? 1 : 0;
+    // What is laid closer together has other arc lengths, and moving axes would be elsewhere.
+    open[i] = wanted(i) && !prepared.external[i].Moves() && CouldGain(prepared.toolpath.passes[i], passes[i])
+                  ? 1
+                  : 0;
     if (open[i] != 0) plans[i] = passes[i];
   }
   if (std::ranges::count(open, 1) == 0) return;
@@ -87,7 +90,7 @@ void PlanFiner(const JobInputs& inputs, PreparedJob& prepared, const CheckpointS
     size_t points = 0;
     for (size_t i = 0; i < passes.size(); ++i) {
       if (open[i] == 0) continue;
-      const PoseProblem& problem = prepared.stations.At(prepared.external[i]).problem;
+      const PoseProblem& problem = prepared.stations.At(prepared.external[i].from).problem;
       const Carrier carrier{problem.arm, problem.X_WB, problem.X_FT};
       large[i] = LargeSteps(carrier, tried.passes[i], AtNominalLean(problem, plans[i]), options);
       open[i] = std::ranges::count(large[i], 1) > 0 ? 1 : 0;

@@ -149,6 +149,7 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
   if (problems.empty()) CheckLeanRanges(inputs, problems);
   if (problems.empty()) problems = CheckExternal(inputs.job, inputs.cell);
   if (problems.empty()) Collect(problems, [&] { CheckProgrammedAxes(inputs); });
+  if (problems.empty()) problems = CheckAlongCuts(inputs.job, inputs.cell);
   if (problems.empty()) problems = CheckCompensation(inputs.job, inputs.cell);
   if (!problems.empty()) throw Located(InputError(std::move(problems)), inputs);
   inputs.hash = HashOf(inputs);

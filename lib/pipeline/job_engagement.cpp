@@ -25,6 +25,21 @@ void SetEngagementOf(const std::vector<std::vector<char>>& of, const JobInputs& 
 
 namespace {
 
+/// Brings the points of a pass to P, or back to W, where each of them has the part then.
+void Move(const PlanResult& plan, const PassResult& planned, bool to_part, Pass& pass) {
+  const auto motion = [&](const ExternalPosition& external) {
+    const Pose X_WP = PartAt(plan, external);
+    return to_part ? X_WP.inverse() : X_WP;
+  };
+  if (!MovesAlong(planned)) return Transform(motion(planned.external), pass);
+  for (size_t i = 0; i < pass.points.size(); ++i) {
+    Pass single;
+    single.points = {pass.points[i]};
+    Transform(motion(ExternalAt(planned, i)), single);
+    pass.points[i] = std::move(single.points.front());
+  }
+}
+
 /// The passes of a plan as they mill, in P. `skipped`: what is not cut takes nothing off, else all is cut.
 Toolpath Milled(const JobInputs& inputs, const PlanResult& plan, bool skipped) {
   Toolpath milled;
@@ -35,7 +50,7 @@ Toolpath Milled(const JobInputs& inputs, const PlanResult& plan, bool skipped) {
       own.points.back().gouge = skipped && planned.skip != Obstacle::kNone ? 1 : 0;
     }
     own.closed = pass.pieces.size() == 1 && pass.pieces.front().closed;
-    Transform(PartAt(plan, pass.external).inverse(), own);
+    Move(plan, pass, true, own);
   }
   return milled;
 }
@@ -145,8 +160,7 @@ std::string CountWhatIsLeft(const JobInputs& inputs, const Mesh& mesh, int threa
   if (skipped == 0) return "";
   Toolpath milled = Milled(inputs, plan, true);
   SetEngagement(MakeEngagementOptions(inputs, mesh), threads, stop, milled);
-  for (size_t p = 0; p < plan.passes.size(); ++p)
-    Transform(PartAt(plan, plan.passes[p].external), milled.passes[p]);
+  for (size_t p = 0; p < plan.passes.size(); ++p) Move(plan, plan.passes[p], false, milled.passes[p]);
   size_t more = 0, over = 0;
   double most = 0;
   for (size_t p = 0; p < plan.passes.size(); ++p)

@@ -82,6 +82,9 @@ void AddBody(const Body& body, const Cell& cell, audit::Setup& setup) {
 
 void AddAxis(const ExternalAxis& axis, audit::Setup& setup) {
   audit::ExternalAxis added;
+  added.name = axis.name;
+  added.lower = axis.lower, added.upper = axis.upper;
+  added.home = axis.home, added.speed = axis.speed;
   added.rotary = axis.kind == AxisKind::kRotary;
   added.carries_robot = axis.carries == Carries::kRobot;
   added.direction = axis.direction.cast<audit::Real>();

@@ -9,10 +9,9 @@
 namespace millpose {
 namespace {
 
-struct KeptPass {
-  Obstacles obstacles;
-  Looks looks;
-  std::string plan;  ///< Serialise(PassResult)
+struct KeptPlan {
+  AskedOf asked;
+  std::string plan;  ///< Serialise() of it
 };
 
 bool IsObstacle(const Body& body) {
@@ -20,20 +19,26 @@ bool IsObstacle(const Body& body) {
          (body.mount == Mount::kWorld || body.mount == Mount::kWorkpiece);
 }
 
-/// Whether the plan would be the same with the obstacles as they are now.
-bool Holds(const KeptPass& kept, const World& world, const Obstacles& now) {
-  std::vector<std::string> changed;
-  for (const auto& [name, hash] : now) {
-    const auto before = kept.obstacles.find(name);
-    if (before == kept.obstacles.end()) return false;
-    if (before->second != hash) changed.push_back(name);
+/// Hands the plan that was kept under `key` to `take`, which says whether it is one of what is asked for.
+bool ReadPlan(const CheckpointStore& checkpoints, const std::string& key, const World& world,
+              const Obstacles& obstacles, const std::function<bool(const std::string&)>& take) {
+  const std::optional<std::string> bytes = checkpoints.Read(key);
+  KeptPlan kept;
+  if (!bytes || !ValueReader(*bytes).Read(kept) || !StillHolds(kept.asked, world, obstacles)) return false;
+  try {
+    if (!take(kept.plan)) return false;
+  } catch (const InputError&) {
+    return false;
   }
-  if (kept.obstacles.size() != now.size()) return false;
-  const auto met = [&](const std::string& name) {
-    return std::find(kept.looks.met.begin(), kept.looks.met.end(), name) != kept.looks.met.end();
-  };
-  return std::none_of(changed.begin(), changed.end(), met) &&
-         (changed.empty() || world.FarFrom(changed, kept.looks));
+  if (kept.asked.obstacles != obstacles) {
+    kept.asked.obstacles = obstacles;
+    checkpoints.Write(key, ValueBytes().Add(kept).bytes());
+  }
+  return true;
+}
+
+void WritePlan(const CheckpointStore& checkpoints, const std::string& key, AskedOf asked, std::string plan) {
+  checkpoints.Write(key, ValueBytes().Add(KeptPlan{std::move(asked), std::move(plan)}).bytes());
 }
 
 }  // namespace
@@ -54,28 +59,50 @@ Cell WithoutPlaces(Cell cell) {
   return cell;
 }
 
+bool StillHolds(const AskedOf& asked, const World& world, const Obstacles& now) {
+  std::vector<std::string> changed;
+  for (const auto& [name, hash] : now) {
+    const auto before = asked.obstacles.find(name);
+    if (before == asked.obstacles.end()) return false;
+    if (before->second != hash) changed.push_back(name);
+  }
+  if (asked.obstacles.size() != now.size()) return false;
+  const auto met = [&](const std::string& name) {
+    return std::find(asked.looks.met.begin(), asked.looks.met.end(), name) != asked.looks.met.end();
+  };
+  return std::none_of(changed.begin(), changed.end(), met) &&
+         (changed.empty() || world.FarFrom(changed, asked.looks));
+}
+
 std::optional<PassResult> ReadPass(const CheckpointStore& checkpoints, const std::string& key,
                                    const World& world, const Obstacles& obstacles,
                                    const std::function<bool(const PassResult&)>& fits) {
-  const std::optional<std::string> bytes = checkpoints.Read(key);
-  KeptPass kept;
-  if (!bytes || !ValueReader(*bytes).Read(kept) || !Holds(kept, world, obstacles)) return std::nullopt;
-  try {
-    PassResult plan = ParsePassResult(kept.plan, key);
-    if (!fits(plan)) return std::nullopt;
-    if (kept.obstacles != obstacles) {
-      kept.obstacles = obstacles;
-      checkpoints.Write(key, ValueBytes().Add(kept).bytes());
-    }
-    return plan;
-  } catch (const InputError&) {
-    return std::nullopt;
-  }
+  PassResult plan;
+  const auto take = [&](const std::string& bytes) {
+    plan = ParsePassResult(bytes, key);
+    return fits(plan);
+  };
+  return ReadPlan(checkpoints, key, world, obstacles, take) ? std::optional(std::move(plan)) : std::nullopt;
 }
 
 void WritePass(const CheckpointStore& checkpoints, const std::string& key, const Obstacles& obstacles,
                Looks looks, const PassResult& plan) {
-  checkpoints.Write(key, ValueBytes().Add(KeptPass{obstacles, std::move(looks), Serialise(plan)}).bytes());
+  WritePlan(checkpoints, key, {obstacles, std::move(looks)}, Serialise(plan));
+}
+
+std::optional<Gap> ReadGap(const CheckpointStore& checkpoints, const std::string& key, const World& world,
+                           const Obstacles& obstacles, const std::function<bool(const Gap&)>& fits) {
+  Gap gap;
+  const auto take = [&](const std::string& bytes) {
+    gap = ParseGap(bytes, key);
+    return fits(gap);
+  };
+  return ReadPlan(checkpoints, key, world, obstacles, take) ? std::optional(std::move(gap)) : std::nullopt;
+}
+
+void WriteGap(const CheckpointStore& checkpoints, const std::string& key, const Obstacles& obstacles,
+              Looks looks, const Gap& gap) {
+  WritePlan(checkpoints, key, {obstacles, std::move(looks)}, Serialise(gap));
 }
 
 }  // namespace millpose

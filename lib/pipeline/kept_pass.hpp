@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A planned pass as its checkpoint keeps it. Its key leaves out where obstacles stand and what they are
-// shaped like; so a pass is found again after a clamp was moved, and kept if the clamp made no difference to
-// it.
+// Planned passes and gaps as their checkpoints keep them. Their keys leave out where obstacles stand and what
+// they are shaped like; so they are found again after a clamp was moved, and kept if the clamp made no
+// difference to them.
 #pragma once
 
 #include <functional>
@@ -21,9 +21,19 @@ Obstacles ObstaclesOf(const Cell& cell);
 /// The cell with its obstacles' poses and shapes taken out.
 Cell WithoutPlaces(Cell cell);
 
+/// What was asked of a world, and where its obstacles stood then.
+struct AskedOf {
+  Obstacles obstacles;
+  Looks looks;
+};
+
+/// Whether all answers would be the same in `world`, whose obstacles are `now`: each is as it was, or no
+/// answer told of it and, as it is now, none would.
+bool StillHolds(const AskedOf& asked, const World& world, const Obstacles& now);
+
 /// The pass that was kept under `key`, if there is one that `fits` and planning it anew in `world`, whose
-/// obstacles are `obstacles`, would give the same: each obstacle is as it was, or no answer about the pass
-/// told of it and, as it is now, none would (Looks). Where the latter, the checkpoint is written anew.
+/// obstacles are `obstacles`, would give the same (StillHolds). Where one of them has changed, the checkpoint
+/// is written anew.
 std::optional<PassResult> ReadPass(const CheckpointStore& checkpoints, const std::string& key,
                                    const World& world, const Obstacles& obstacles,
                                    const std::function<bool(const PassResult&)>& fits);
@@ -31,5 +41,12 @@ std::optional<PassResult> ReadPass(const CheckpointStore& checkpoints, const std
 /// Keeps a pass that was planned in a world with these obstacles, and what was asked of it.
 void WritePass(const CheckpointStore& checkpoints, const std::string& key, const Obstacles& obstacles,
                Looks looks, const PassResult& plan);
+
+/// The same of gaps. Where the cell has external axes their keys hold all of it, and nothing is told of
+/// looks.
+std::optional<Gap> ReadGap(const CheckpointStore& checkpoints, const std::string& key, const World& world,
+                           const Obstacles& obstacles, const std::function<bool(const Gap&)>& fits);
+void WriteGap(const CheckpointStore& checkpoints, const std::string& key, const Obstacles& obstacles,
+              Looks looks, const Gap& gap);
 
 }  // namespace millpose

@@ -21,13 +21,13 @@ class MeasuredForces {
   PointForces Read() {
     PointForces forces;
     std::vector<const PlannedPoint*> points;
-    std::vector<const PassResult*> passes;  // of each
+    std::vector<const ExternalPosition*> externals;  // of each
     std::vector<Vector3d*> places;
     for (const PassResult& pass : plan_.passes) forces.emplace_back(pass.points.size(), Vector3d::Zero());
     for (size_t p = 0; p < plan_.passes.size(); ++p)
       for (size_t i = 0; i < plan_.passes[p].points.size(); ++i) {
         points.push_back(&plan_.passes[p].points[i]);
-        passes.push_back(&plan_.passes[p]);
+        externals.push_back(&ExternalAt(plan_.passes[p], i));
         places.push_back(&forces[p][i]);
       }
     std::vector<char> given(points.size(), 0);
@@ -44,7 +44,7 @@ class MeasuredForces {
       const Vector3d force = Three(row, {"force_x_N", "force_y_N", "force_z_N"});
       if (force.norm() > kMostForce)
         Add(row, fmt::format("a force of {:.6g} N; allowed: up to {} N", force.norm(), kMostForce));
-      *places[at] = PartAt(plan_, passes[at]->external).linear() * force;
+      *places[at] = PartAt(plan_, *externals[at]).linear() * force;
     }
     for (size_t at = 0; at < points.size() && problems_.size() < kMostProblems; ++at)
       if (given[at] == 0 && points[at]->skip == Obstacle::kNone && points[at]->point.kind == PointKind::kCut)

@@ -3,6 +3,7 @@
 
 #include "base/parallel.hpp"
 #include "plan/point_clearance.hpp"
+#include "plan/station.hpp"
 #include "report/html_columns.hpp"
 
 namespace millpose {
@@ -16,7 +17,7 @@ NearestPairs FindNearestPairs(const PlanResult& plan, const Stations& stations, 
                               std::stop_token stop) {
   struct Asked {
     uint32_t number;
-    const PassResult* pass;
+    const ExternalPosition* external;
     const PlannedPoint* point;
   };
   std::vector<Asked> asked;
@@ -26,14 +27,15 @@ NearestPairs FindNearestPairs(const PlanResult& plan, const Stations& stations, 
     const PlannedPoint& point = pass.points[static_cast<size_t>(row.point)];
     if (point.skip != Obstacle::kNone) continue;
     nearest[row.number];  // most have none: they are not asked
-    if (point.clearance < kPointClearanceBound) asked.push_back({row.number, &pass, &point});
+    if (point.clearance < kPointClearanceBound)
+      asked.push_back({row.number, &ExternalAt(pass, static_cast<size_t>(row.point)), &point});
   }
   std::vector<std::optional<Interference>> found(asked.size());
   ParallelFor((asked.size() + kBlock - 1) / kBlock, threads, std::move(stop), [&](size_t block) {
     std::optional<Checker> checker;
     const Station* at = nullptr;
     for (size_t i = kBlock * block; i < std::min(asked.size(), kBlock * (block + 1)); ++i) {
-      const Station* station = &stations.At(asked[i].pass->external);
+      const Station* station = &stations.At(*asked[i].external);
       if (std::exchange(at, station) != station) checker.emplace(station->world);
       found[i] = checker->Nearest(asked[i].point->q, Phase::kCutting, kPointClearanceBound);
     }

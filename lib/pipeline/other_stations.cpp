@@ -9,7 +9,7 @@
 namespace millpose {
 namespace {
 
-constexpr double kGain = 0.005;  // of a pass's objective, that another station must be worth
+constexpr double kGain = 0.005;  // of a pass's objective, that another station, or moving, must be worth
 constexpr double kJoined = 1.1;  // times its own optimum, that the worst point of a pass may have
 
 /// Points that another station could serve: a gouge is one everywhere.
@@ -28,6 +28,12 @@ bool PaysForJoining(const PassResult& pass) {
   return worst && worst->own_optimum > 0 && worst->objective > kJoined * worst->own_optimum;
 }
 
+/// Axes that move along a pass cost accuracy: they do so only where that makes the plan better than the one
+/// at the best station that stands, which comes first.
+bool MustEarnIt(const ExternalCourse& course, const std::vector<ExternalCourse>& next, size_t round) {
+  return course.Moves() && round < next.size() && !next[round].Moves() && round == 0;
+}
+
 }  // namespace
 
 void PlanOtherStations(const JobInputs& inputs, PreparedJob& prepared, const CheckpointStore& checkpoints,
@@ -39,9 +45,10 @@ void PlanOtherStations(const JobInputs& inputs, PreparedJob& prepared, const Che
   for (size_t round = 0;; ++round) {
     std::vector<char> again(passes.size(), 0);
     size_t points = 0;
-    std::vector<ExternalPosition> external = prepared.external;
+    std::vector<ExternalCourse> external = prepared.external;
     for (size_t i = 0; i < next.size(); ++i) {
-      const bool poor = LosesPoints(passes[i]) || (options.worst_first && PaysForJoining(passes[i]));
+      const bool poor = LosesPoints(passes[i]) || (options.worst_first && PaysForJoining(passes[i])) ||
+                        MustEarnIt(prepared.external[i], next[i], round);
       again[i] = wanted(i) && round < next[i].size() && poor ? 1 : 0;
       if (again[i] == 0) continue;
       external[i] = next[i][round];
@@ -56,7 +63,11 @@ void PlanOtherStations(const JobInputs& inputs, PreparedJob& prepared, const Che
         execution);
     for (size_t i = 0; i < next.size(); ++i) {
       if (again[i] == 0) continue;
-      if (!IsBetter(ValueOf(planned.passes[i]), ValueOf(passes[i]), options.worst_first, kGain)) continue;
+      const PassValue here = ValueOf(passes[i]), there = ValueOf(planned.passes[i]);
+      const bool stays = MustEarnIt(prepared.external[i], next[i], round)
+                             ? IsBetter(here, there, options.worst_first, kGain)
+                             : !IsBetter(there, here, options.worst_first, kGain);
+      if (stays) continue;
       passes[i] = std::move(planned.passes[i]);
       prepared.toolpath.passes[i] = placed.passes[i];
       prepared.external[i] = external[i];

@@ -58,7 +58,7 @@ class BestWays {
       if (prepared_.turned[i] == 0) continue;
       Pass& pass = prepared_.toolpath.passes[i];
       pass = ways_.turned.passes[i];
-      Transform(prepared_.stations.At(prepared_.external[i]).world.cell().X_WP, pass);
+      Transform(prepared_.stations.At(prepared_.external[i].from).world.cell().X_WP, pass);
       pass.rotation_reference = laid_.passes[i].rotation_reference;
     }
     execution_.progress.End(

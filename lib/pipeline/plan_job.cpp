@@ -74,11 +74,12 @@ FixedComparison KeptComparison(const JobInputs& inputs, const PreparedJob& prepa
                                const Execution& execution) {
   const FixedRotationOptions options = MakeFixedOptions(inputs.job, execution.Threads(), execution.stop);
   const auto& [rotation_step, steps, swept_resolution, worst_first, threads, stop, leave] = options;
-  const std::string key = StageKey(prepared.problem, prepared.cell, rotation_step, steps, swept_resolution,
-                                   worst_first, leave, KeyOf(passes, threads));
-  return Kept<FixedComparison>(checkpoints, "fixed", key, [&] {
-    return CompareWithFixed(prepared.stations.AtOwnAxis(), AtNominalLean(prepared.problem, passes), options);
-  });
+  const std::string key = StageKey(prepared.problem, rotation_step, steps, swept_resolution, worst_first,
+                                   leave, KeyOf(passes, threads));
+  return KeptInWorld<FixedComparison>(
+      checkpoints, "fixed", key, prepared.stations.AtOwnAxis(), [&](const Stations& stations) {
+        return CompareWithFixed(stations, AtNominalLean(prepared.problem, passes), options);
+      });
 }
 
 // Passes come in their directions and turns, then the ways between them.

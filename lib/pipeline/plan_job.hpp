@@ -30,8 +30,8 @@ struct PreparedJob {
   std::vector<char> turned;  ///< passes that run from their other end than they were laid, in `made` too
   PoseProblem problem;
   Stations stations;
-  std::vector<ExternalPosition> external;                ///< of each pass, where the external axes stand
-  std::vector<std::vector<ExternalPosition>> elsewhere;  ///< of each pass: as StationChoices::elsewhere
+  std::vector<ExternalCourse> external;                ///< of each pass, where the external axes are
+  std::vector<std::vector<ExternalCourse>> elsewhere;  ///< of each pass: as StationChoices::elsewhere
   std::optional<CuttingForce> heaviest;  ///< of all cuts, where the job says what the cutter takes off
   std::vector<std::string> warnings;     ///< what the user should know, one sentence each
 };

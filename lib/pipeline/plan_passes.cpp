@@ -4,7 +4,6 @@
 #include <atomic>
 #include <map>
 
-#include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "path/nominal_plan.hpp"
 #include "path/station_gap.hpp"
@@ -14,19 +13,12 @@
 namespace millpose {
 namespace {
 
-// The gap kept under a key, if there is one and it is what was asked for. One that cannot be read is as good
-// as none.
-std::optional<Gap> ReadGap(const CheckpointStore& checkpoints, const std::string& key, const GapEnd& from,
-                           const GapEnd& to) {
-  const std::optional<std::string> bytes = checkpoints.Read(key);
-  if (!bytes) return std::nullopt;
-  try {
-    Gap gap = ParseGap(*bytes, key);
-    if (!IsGapOf(gap, from, to)) return std::nullopt;
-    return gap;
-  } catch (const InputError&) {
-    return std::nullopt;
-  }
+// Plans a gap; where the cell has no external axes `keeper` is told what was asked.
+Gap PlanWatched(const Stations& stations, const std::pair<GapEnd, GapEnd>& ends, const GapOptions& options,
+                const std::shared_ptr<LookKeeper>& keeper, const std::stop_token& stop) {
+  if (!stations.world().cell().external_axes.empty())
+    return PlanStationGap(stations, ends.first, ends.second, options, stop);
+  return PlanGap(stations.world().Watched(keeper), ends.first, ends.second, options, stop);
 }
 
 // What all passes at one station share.
@@ -37,7 +29,7 @@ struct AtStation {
 
 }  // namespace
 
-PlannedPasses PlanPasses(const Stations& stations, const std::vector<ExternalPosition>& external,
+PlannedPasses PlanPasses(const Stations& stations, const std::vector<ExternalCourse>& external,
                          const Toolpath& toolpath, const PathOptions& options,
                          const CheckpointStore& checkpoints, const std::function<bool(size_t)>& wanted,
                          const Execution& execution) {
@@ -45,11 +37,12 @@ PlannedPasses PlanPasses(const Stations& stations, const std::vector<ExternalPos
   const size_t count = toolpath.passes.size();
   std::map<ExternalPosition, AtStation> at;
   for (size_t i = 0; i < count; ++i) {
-    if (!wanted(i) || at.contains(external[i])) continue;
-    const Station& station = stations.At(external[i]);
-    at[external[i]] = {PassContext(station.problem, station.world, options),
-                       ObstaclesOf(station.world.cell())};
+    if (!wanted(i) || external[i].Moves() || at.contains(external[i].from)) continue;
+    const Station& station = stations.At(external[i].from);
+    at[external[i].from] = {PassContext(station.problem, station.world, options),
+                            ObstaclesOf(station.world.cell())};
   }
+  const std::string riding = RidingContext(stations.problem(), stations.world(), options);
   std::vector<size_t> first_points(count, 0);
   for (size_t i = 1; i < count; ++i)
     first_points[i] = first_points[i - 1] + toolpath.passes[i - 1].points.size();
@@ -62,20 +55,29 @@ PlannedPasses PlanPasses(const Stations& stations, const std::vector<ExternalPos
   ParallelFor(count, threads, execution.stop, [&](size_t i) {
     if (!wanted(i)) return;
     const Pass& pass = toolpath.passes[i];
-    const AtStation& shared = at.at(external[i]);
+    const bool moves = external[i].Moves();
+    const AtStation none{RidingKey(riding, external[i]), {}};
+    const AtStation& shared = moves ? none : at.at(external[i].from);
     const std::string key = PassKey(shared.context, pass, i, first_points[i]);
-    const Station& station = stations.At(external[i]);
     const auto fits = [&](const PassResult& plan) {
       return IsPlanOf(AtNominalLean(stations.problem(), plan), pass, i);
     };
-    if (auto earlier = ReadPass(checkpoints, key, station.world, shared.obstacles, fits)) {
+    // Where axes move nobody notes what was asked about obstacles: they are all in the key.
+    const World& world = moves ? stations.world() : stations.At(external[i].from).world;
+    if (auto earlier = ReadPass(checkpoints, key, world, shared.obstacles, fits)) {
       planned.passes[i] = std::move(*earlier);
       ++resumed;
+    } else if (moves) {
+      const std::vector<ExternalPosition> positions = PositionsAlong(external[i], pass);
+      planned.passes[i] = PlanPass({stations, positions}, pass, static_cast<int>(i), first_points[i], options,
+                                   {inner_threads, execution.progress, execution.stop});
+      WritePass(checkpoints, key, shared.obstacles, {}, planned.passes[i]);
     } else {
+      const Station& station = stations.At(external[i].from);
       const auto looks = std::make_shared<LookKeeper>();
       planned.passes[i] = PlanPass(station.problem, station.world.Watched(looks), pass, static_cast<int>(i),
                                    first_points[i], options, inner_threads, execution.stop);
-      planned.passes[i].external = external[i];
+      planned.passes[i].external = external[i].from;
       WritePass(checkpoints, key, shared.obstacles, looks->Kept(), planned.passes[i]);
     }
     execution.progress.Advance(pass.points.size());
@@ -87,19 +89,23 @@ PlannedPasses PlanPasses(const Stations& stations, const std::vector<ExternalPos
 PlannedGaps PlanGaps(const Stations& stations, const std::vector<std::pair<GapEnd, GapEnd>>& ends,
                      const GapOptions& options, const CheckpointStore& checkpoints,
                      const Execution& execution) {
-  const std::string context = GapContext(stations.world(), options);
+  const World& world = stations.world();
+  const std::string context = GapContext(world, options);
+  const Obstacles obstacles = ObstaclesOf(world.cell());
   PlannedGaps planned;
   planned.gaps.resize(ends.size());
   std::atomic<size_t> resumed = 0;
   ParallelFor(ends.size(), execution.Threads(), execution.stop, [&](size_t i) {
     const GapEnd &from = ends[i].first, &to = ends[i].second;
     const std::string key = GapKey(context, from, to);
-    if (auto earlier = ReadGap(checkpoints, key, from, to)) {
+    const auto fits = [&](const Gap& gap) { return IsGapOf(gap, from, to); };
+    if (auto earlier = ReadGap(checkpoints, key, world, obstacles, fits)) {
       planned.gaps[i] = std::move(*earlier);
       ++resumed;
     } else {
-      planned.gaps[i] = PlanStationGap(stations, from, to, options, execution.stop);
-      checkpoints.Write(key, Serialise(planned.gaps[i]));
+      const auto looks = std::make_shared<LookKeeper>();
+      planned.gaps[i] = PlanWatched(stations, ends[i], options, looks, execution.stop);
+      WriteGap(checkpoints, key, obstacles, looks->Kept(), planned.gaps[i]);
     }
     execution.progress.Advance(1);
   });

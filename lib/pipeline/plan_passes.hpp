@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/execution.hpp"
+#include "path/external_course.hpp"
 #include "path/gap_planner.hpp"
 #include "path/pass_planner.hpp"
 #include "pipeline/plan_job.hpp"
@@ -13,10 +14,10 @@ struct PlannedPasses {
   size_t resumed = 0;  ///< how many came from checkpoints
 };
 
-/// Plans every pass in parallel, with the external axes at its entry of `external`. Each finished pass is
-/// written as a checkpoint at once (checkpoint_key.hpp), and one whose checkpoint is there is not planned
+/// Plans every pass in parallel, with the external axes as its entry of `external` says. Each finished pass
+/// is written as a checkpoint at once (checkpoint_key.hpp), and one whose checkpoint is there is not planned
 /// again. Passes whose numbers are not `wanted` stay empty.
-PlannedPasses PlanPasses(const Stations& stations, const std::vector<ExternalPosition>& external,
+PlannedPasses PlanPasses(const Stations& stations, const std::vector<ExternalCourse>& external,
                          const Toolpath& toolpath, const PathOptions& options,
                          const CheckpointStore& checkpoints, const std::function<bool(size_t)>& wanted,
                          const Execution& execution);

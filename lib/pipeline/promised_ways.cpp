@@ -17,8 +17,7 @@ constexpr size_t kEvery = 4;   // one in so many points is asked what the other 
 
 PointOptimum OwnOptimum(const PointScorer& scorer) {
   if (!HasLean(scorer.problem())) return RefineTable(scorer, CandidateTable::OfSize(scorer, kSettings));
-  const PointOptimum best = RefineTable(scorer, CandidateTable::OfStep(scorer, 2 * kPi / kSettings));
-  return best.found ? Descend(scorer, best) : best;
+  return DescendTable(scorer, CandidateTable::OfStep(scorer, 2 * kPi / kSettings));
 }
 
 /// Of those points of a pass that `asked` names.
@@ -69,7 +68,8 @@ class WayFinder {
     std::vector<std::vector<char>> asked(Count());
     for (size_t i = 0; i < Count(); ++i) {
       const Pass& pass = ways_.turned.passes[i];
-      asked[i] = pass.reversible && wanted[i] != 0 ? SampleOf(pass) : std::vector<char>(pass.points.size());
+      const bool may = pass.reversible && wanted[i] != 0 && !prepared_.external[i].Moves();
+      asked[i] = may ? SampleOf(pass) : std::vector<char>(pass.points.size());
     }
     SetEngagementAt(asked);
     Each([&](size_t i) { ways_.promising[i] = IsPromising(i, asked[i]) ? 1 : 0; });
@@ -86,7 +86,7 @@ class WayFinder {
 
  private:
   size_t Count() const { return prepared_.toolpath.passes.size(); }
-  const Station& StationOf(size_t pass) const { return prepared_.stations.At(prepared_.external[pass]); }
+  const Station& StationOf(size_t pass) const { return prepared_.stations.At(prepared_.external[pass].from); }
   const PoseProblem& Problem(size_t pass) const { return StationOf(pass).problem; }
 
   bool IsPromising(size_t i, const std::vector<char>& asked) const {

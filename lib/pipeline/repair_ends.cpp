@@ -5,6 +5,7 @@
 #include "pipeline/kept_stage.hpp"
 #include "pipeline/plan_key.hpp"
 #include "plan/skipped.hpp"
+#include "plan/station.hpp"
 
 namespace millpose {
 namespace {
@@ -16,14 +17,16 @@ struct EndLoss {
   size_t reduced = 0;  ///< ends that are left with less than all of the clearances
 };
 
-EndLoss LossOf(const Station& station, const RetractOptions& leave, const PassResult& pass) {
-  const Carrier carrier{station.problem.arm, station.problem.X_WB, station.problem.X_FT};
+EndLoss LossOf(const Stations& stations, const RetractOptions& leave, const PassResult& pass) {
   EndLoss loss;
   loss.pieces = pass.pieces.size();
   loss.points = CountSkipped(pass);
   for (const Piece& piece : pass.pieces) {
     const auto share = [&](int point) {
-      return ShareToLeave(station.world, carrier, pass.points[static_cast<size_t>(point)].q, leave);
+      const auto t = static_cast<size_t>(point);
+      const Station& station = stations.At(ExternalAt(pass, t));
+      const Carrier carrier{station.problem.arm, station.problem.X_WB, station.problem.X_FT};
+      return ShareToLeave(station.world, carrier, pass.points[t].q, leave);
     };
     const double first = share(piece.first), last = piece.closed ? 1 : share(piece.last);
     if (first == 0 || last == 0) loss.points += static_cast<size_t>(piece.last - piece.first) + 1;
@@ -42,9 +45,7 @@ bool IsBetter(const EndLoss& now, const EndLoss& before) {
 void RepairEnds(const PreparedJob& prepared, PathOptions options, const RetractOptions& leave,
                 const CheckpointStore& checkpoints, const Execution& execution,
                 std::vector<PassResult>& passes) {
-  const auto loss_of = [&](const PassResult& pass) {
-    return LossOf(prepared.stations.At(pass.external), leave, pass);
-  };
+  const auto loss_of = [&](const PassResult& pass) { return LossOf(prepared.stations, leave, pass); };
   execution.progress.Begin("ends", passes.size());
   const std::string key =
       StageKey(prepared.cell, prepared.problem, leave, KeyOf(passes, execution.Threads()));

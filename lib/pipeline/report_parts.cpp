@@ -36,9 +36,10 @@ ReportParts MakeReportParts(const JobInputs& inputs, const PlannedJob& job, bool
         return Choices{Packed(curves),
                        MakeAxisMap(plan, stations, curves, full_map, execution.Threads(), execution.stop)};
       });
-  auto nearest = Kept<NearestPairs>(checkpoints, "nearest-pairs", StageKey(plan_key, cell), [&] {
-    return FindNearestPairs(plan, prepared.stations, execution.Threads(), execution.stop);
-  });
+  auto nearest = KeptInWorld<NearestPairs>(
+      checkpoints, "nearest-pairs", plan_key, prepared.stations, [&](const Stations& watched) {
+        return FindNearestPairs(plan, watched, execution.Threads(), execution.stop);
+      });
   return {std::move(choices.curves), std::move(choices.map), std::move(nearest)};
 }
 

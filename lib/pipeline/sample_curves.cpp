@@ -5,6 +5,7 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "plan/station.hpp"
 
 namespace millpose {
 namespace {
@@ -78,7 +79,7 @@ std::vector<PointCurves> SampleCurves(const PlanResult& plan, const Stations& st
   ParallelFor(places.size(), threads, stop, [&](size_t i) {
     const PlanPlace& place = places[i];
     const PassResult& pass = plan.passes[place.pass];
-    const PoseProblem& problem = stations.At(pass.external).problem;
+    const PoseProblem& problem = stations.At(ExternalAt(pass, static_cast<size_t>(place.point))).problem;
     const PoseProblem free = WithoutBounds(problem);
     PointCurves& curves = all[i];
     curves.pass = place.pass;

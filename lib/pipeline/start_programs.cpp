@@ -10,6 +10,7 @@
 #include "pipeline/check_program.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/program_motions.hpp"
+#include "plan/station.hpp"
 #include "program/controller_axes.hpp"
 
 namespace millpose {
@@ -22,15 +23,25 @@ std::string StartName(const std::string& job, int pass, int piece) {
   return LegalName(job, kLongestName - suffix.size(), 2) + suffix;
 }
 
-/// The move that brings the external axes home again, where the way in had one.
-std::optional<ExternalMove> BackFrom(const Gap& in, size_t at) {
-  if (!in.external) return std::nullopt;
-  return ExternalMove{in.external->to, in.external->from, static_cast<int>(at), in.external->duration};
+/// The move that brings the external axes home again from where a piece leaves them.
+std::optional<ExternalMove> HomeFrom(const PlanResult& plan, const ExternalPosition& from, size_t at,
+                                     double duration) {
+  const ExternalPosition home = Mechanism(plan.external_axes).Home();
+  if (from == home) return std::nullopt;
+  return ExternalMove{from, home, static_cast<int>(at), duration};
+}
+
+/// Where the piece that `in` leads to leaves the external axes.
+const ExternalPosition& LeftAt(const PlanResult& plan, const Gap& in) {
+  const PassResult& pass = plan.passes[static_cast<size_t>(in.to_pass)];
+  const auto piece = std::ranges::find(pass.pieces, in.to_piece, &Piece::piece);
+  assert(piece != pass.pieces.end());
+  return ExternalAt(pass, static_cast<size_t>(piece->closed ? piece->first : piece->last));
 }
 
 /// Home from a piece that is reached by `in`: where the way on goes by home, there; else on to the next one's
 /// entry, and back along that one's way from home.
-Gap WayHome(Gap out, const Gap& next, const Gap& in) {
+Gap WayHome(Gap out, const Gap& next, const Gap& in, const PlanResult& plan) {
   if (out.planned && out.external) {
     out.joints.resize(static_cast<size_t>(out.external->at) + 1);
   } else {
@@ -39,7 +50,9 @@ Gap WayHome(Gap out, const Gap& next, const Gap& in) {
     if (out.planned) out.joints.insert(out.joints.end(), std::next(next.joints.rbegin()), next.joints.rend());
     out.clearance_share = std::min(out.clearance_share, next.clearance_share);
   }
-  out.external = out.planned ? BackFrom(in, out.joints.size() - 1) : std::nullopt;
+  const double duration = in.external ? in.external->duration : 0;
+  out.external =
+      out.planned ? HomeFrom(plan, LeftAt(plan, in), out.joints.size() - 1, duration) : std::nullopt;
   out.to_pass = out.to_piece = -1;
   return out;
 }
@@ -49,7 +62,8 @@ std::vector<Finding> ReadBack(const ProgramFiles& files, const ProgramMotions& m
                               VerifyOptions options, const World& world, int threads,
                               const std::stop_token& stop) {
   // The ways of starts lead to the nominal poses: to commanded ones nothing has looked at them yet.
-  options.interference |= IsCompensated(single);
+  // Nor at the move of external axes from where a cut along which they move has left them.
+  options.interference |= IsCompensated(single) || MovesAlong(single);
   try {
     MotionProgram back = post.Read(files, world.cell().arm, settings);
     CompleteFrames(back, motions.planned);
@@ -86,7 +100,7 @@ PlanResult SingleStart(const PlanResult& plan, const PlanResult& ways, size_t in
   single.X_WP = plan.X_WP;
   single.home = plan.home;
   single.spindle_speed = plan.spindle_speed;
-  single.gaps = {in, out.to_pass < 0 ? out : WayHome(out, ways.gaps[index], in)};
+  single.gaps = {in, out.to_pass < 0 ? out : WayHome(out, ways.gaps[index], in, plan)};
   single.passes.resize(plan.passes.size());
   single.passes[in.to_pass] = plan.passes[in.to_pass];
   return single;

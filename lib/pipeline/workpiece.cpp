@@ -133,6 +133,24 @@ void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, int threads, JobT
   }
 }
 
+namespace {
+
+/// A pass in P as it is in W while the part moves along it.
+Pass Moving(const Stations& stations, const ExternalCourse& course, Pass pass) {
+  const Cell& cell = stations.world().cell();
+  const Mechanism mechanism(cell.external_axes);
+  const std::vector<ExternalPosition> positions = PositionsAlong(course, pass);
+  for (size_t t = 0; t < pass.points.size(); ++t) {
+    Pass one;
+    one.points.push_back(std::move(pass.points[t]));
+    Transform(mechanism.Moved(Carries::kWorkpiece, positions[t]) * cell.X_WP, one);
+    pass.points[t] = std::move(one.points.front());
+  }
+  return pass;
+}
+
+}  // namespace
+
 Toolpath PlacedToolpath(const JobInputs& inputs, const Toolpath& toolpath, const Pose& X_WP) {
   Toolpath placed = Transformed(toolpath, X_WP);
   for (Pass& pass : placed.passes) pass.rotation_reference = inputs.job.toolpath.world_reference.normalized();
@@ -140,10 +158,13 @@ Toolpath PlacedToolpath(const JobInputs& inputs, const Toolpath& toolpath, const
 }
 
 Toolpath AtStations(const JobInputs& inputs, const Toolpath& toolpath, const Stations& stations,
-                    const std::vector<ExternalPosition>& external) {
+                    const std::vector<ExternalCourse>& external) {
   Toolpath placed = toolpath;
   for (size_t i = 0; i < placed.passes.size(); ++i) {
-    Transform(stations.At(external[i]).world.cell().X_WP, placed.passes[i]);
+    if (external[i].Moves())
+      placed.passes[i] = Moving(stations, external[i], EndingWhereItBegan(std::move(placed.passes[i])));
+    else
+      Transform(stations.At(external[i].from).world.cell().X_WP, placed.passes[i]);
     placed.passes[i].rotation_reference = inputs.job.toolpath.world_reference.normalized();
   }
   return placed;

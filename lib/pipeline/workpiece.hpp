@@ -5,6 +5,7 @@
 #include <stop_token>
 
 #include "cell/cell.hpp"
+#include "path/external_course.hpp"
 #include "path/stations.hpp"
 #include "pipeline/inputs.hpp"
 #include "surface/mesh_import.hpp"
@@ -54,9 +55,10 @@ void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, int threads, JobT
 /// The tool path in W.
 Toolpath PlacedToolpath(const JobInputs& inputs, const Toolpath& toolpath, const Pose& X_WP);
 
-/// The same, each pass with the external axes at its entry of `external`.
+/// The same, each pass with the external axes as its entry of `external` says. Where they move every point is
+/// in W with them where they are then, and a closed pass becomes an open one (EndingWhereItBegan).
 Toolpath AtStations(const JobInputs& inputs, const Toolpath& toolpath, const Stations& stations,
-                    const std::vector<ExternalPosition>& external);
+                    const std::vector<ExternalCourse>& external);
 
 size_t CountPoints(const Toolpath& toolpath);
 

@@ -23,20 +23,21 @@ std::vector<int> MotionsPerPass(const CheckedProgram& program, size_t passes) {
   return counts;
 }
 
-std::string ExplainFeed(const ContinuityFigures& continuity) {
+std::string ExplainFeed(const ContinuityFigures& continuity, const std::vector<ExternalAxis>& external) {
   const FeedFinding& first = continuity.feed_not_held.front();
   return fmt::format(
-      "the feed cannot be held at {} points; first at point {} (pass {}): the {} of A{} allows {:.1f} of "
+      "the feed cannot be held at {} points; first at point {} (pass {}): the {} of {} allows {:.1f} of "
       "{:.1f} "
       "mm/min; `process.feed: reduce` runs such points as fast as the joints can",
       continuity.feed_not_held.size(), first.point, first.pass,
-      first.by_acceleration ? "acceleration" : "speed", first.joint + 1, 60 * first.feed_possible,
-      60 * first.feed);
+      first.by_acceleration ? "acceleration" : "speed", AxisName(external, first.joint),
+      60 * first.feed_possible, 60 * first.feed);
 }
 
 // Where reduced feeds fall far below the programmed one: below the job's least share a finding, else a
 // warning.
-void ExplainSlow(const FeedReduction& reduction, double least_share, ReportInputs& report) {
+void ExplainSlow(const FeedReduction& reduction, const std::vector<ExternalAxis>& external,
+                 double least_share, ReportInputs& report) {
   constexpr size_t kTold = 8;  // of each, the slowest
   std::vector<SlowStretch> slow = reduction.slow;
   std::ranges::stable_sort(slow, {}, &SlowStretch::Share);
@@ -46,11 +47,11 @@ void ExplainSlow(const FeedReduction& reduction, double least_share, ReportInput
     std::vector<std::string>& list = rubs ? report.findings : report.warnings;
     if (++told[rubs] > kTold) continue;
     list.push_back(fmt::format(
-        "the feed falls to {:.0f} % ({:.1f} of {:.1f} mm/min) at point{} of pass {}: the {} of A{} allows no "
+        "the feed falls to {:.0f} % ({:.1f} of {:.1f} mm/min) at point{} of pass {}: the {} of {} allows no "
         "more{}",
         100 * s.Share(), 60 * s.feed, 60 * s.wanted,
         s.first == s.last ? fmt::format(" {}", s.first) : fmt::format("s {} to {}", s.first, s.last), s.pass,
-        s.by_acceleration ? "acceleration" : "speed", s.joint + 1,
+        s.by_acceleration ? "acceleration" : "speed", AxisName(external, s.joint),
         rubs ? fmt::format("; below {:.0f} % (`process.min_feed_share`) the edge rubs and the force model no "
                            "longer holds; a lower `process.feed_mm_min` or a smaller "
                            "`path.joint_speed_share` helps",
@@ -172,9 +173,9 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
     for (const std::string& warning : program.warnings)
       report.warnings.push_back(program.controller + ": " + warning);
   }
-  ExplainSlow(results.reduction, results.inputs.job.min_feed_share, report);
+  ExplainSlow(results.reduction, plan.external_axes, results.inputs.job.min_feed_share, report);
   if (results.inputs.job.feed_policy == FeedPolicy::kKeep && !report.continuity->feed_not_held.empty())
-    report.findings.push_back(ExplainFeed(*report.continuity));
+    report.findings.push_back(ExplainFeed(*report.continuity, plan.external_axes));
   if (results.heaviest)
     report.deflection = PredictDeflections(plan, *results.heaviest, MakeCompliances(results.inputs.cell),
                                            FinishedFrom(results.inputs.job, plan.passes.size()));

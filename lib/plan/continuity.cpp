@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "plan/continuity.hpp"
 
+#include <fmt/format.h>
+
 #include <limits>
 #include <utility>
 
@@ -20,12 +22,20 @@ struct Cut {
   std::vector<int> points;  ///< of each sample, into PassResult::points
 };
 
+/// The external axes where they move along; where they stand nothing follows from them.
+Eigen::Vector3d AlongOf(const PlannedPoint& point) {
+  Eigen::Vector3d along = Eigen::Vector3d::Zero();
+  for (size_t k = 0; point.external && k < point.external->size(); ++k)
+    along[static_cast<Eigen::Index>(k)] = (*point.external)[k];
+  return along;
+}
+
 Cut CutOf(const PassResult& pass, const Piece& piece) {
   constexpr double kSamePlace = 1e-9;  // mm
   Cut cut;
   for (int i = piece.first; i <= piece.last; ++i) {
     const PlannedPoint& point = pass.points[i];
-    const CutSample sample{point.q, point.point.arc_length, point.point.feed_rate};
+    const CutSample sample{point.q, point.point.arc_length, point.point.feed_rate, AlongOf(point)};
     if (!cut.samples.empty() && sample.arc_length < cut.samples.back().arc_length + kSamePlace) continue;
     cut.samples.push_back(sample);
     cut.points.push_back(i);
@@ -35,7 +45,7 @@ Cut CutOf(const PassResult& pass, const Piece& piece) {
     const double way = (first.point.position - last.point.position).norm();
     if (way > kSamePlace) {
       const Joints q = NearestEquivalent(last.q, first.q);
-      cut.samples.push_back({q, cut.samples.back().arc_length + way, first.point.feed_rate});
+      cut.samples.push_back({q, cut.samples.back().arc_length + way, first.point.feed_rate, AlongOf(first)});
       cut.points.push_back(piece.first);
     }
   }
@@ -58,8 +68,44 @@ struct SquareSum {
   double time = 0;
 };
 
-void AddCut(const Cut& cut, const Carrier& carrier, ContinuityFigures& figures, SquareSum& squares) {
-  const Arm& arm = carrier.arm;
+/// What carries the tool along the cuts of a pass.
+class Carriers {
+ public:
+  Carriers(const PlanResult& plan, const PassResult& pass)
+      : plan_(plan), pass_(pass), standing_{plan.arm, BaseAt(plan, pass.external), plan.X_FT} {}
+
+  /// From one sample of a cut to the next, `end`.
+  Carrier To(const Cut& cut, size_t end) const {
+    const auto external = [&](size_t i) { return ExternalAt(pass_, static_cast<size_t>(cut.points[i])); };
+    const PlannedPoint& point = pass_.points[static_cast<size_t>(cut.points[end])];
+    if (!point.external || external(end - 1) == external(end)) {
+      if (!point.external) return standing_;
+      return {plan_.arm, BaseAt(plan_, *point.external), plan_.X_FT};
+    }
+    return {plan_.arm, plan_.X_WB, plan_.X_FT,
+            std::make_shared<const Ride>(Ride{Mechanism(plan_.external_axes), plan_.X_WB, plan_.X_WP,
+                                              external(end - 1), external(end)})};
+  }
+
+ private:
+  const PlanResult& plan_;
+  const PassResult& pass_;
+  Carrier standing_;
+};
+
+/// `share`: of the speeds of the external axes.
+ExternalBounds BoundsOf(const PlanResult& plan, double share) {
+  ExternalBounds bounds;
+  for (size_t k = 0; k < plan.external_axes.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    bounds.speed[i] = share * plan.external_axes[k].speed;
+    bounds.acceleration[i] = plan.external_axes[k].acceleration;
+  }
+  return bounds;
+}
+
+void AddCut(const Cut& cut, const Arm& arm, const Carriers& carriers, ContinuityFigures& figures,
+            SquareSum& squares) {
   const JointRates rates = RatesAlong(cut.samples);
   const double time = TimeOf(cut);
   for (size_t i = 0; i < cut.samples.size(); ++i) {
@@ -73,7 +119,7 @@ void AddCut(const Cut& cut, const Carrier& carrier, ContinuityFigures& figures, 
     figures.shoulder =
         figures.shoulder == 0 ? singular.shoulder : std::min(figures.shoulder, singular.shoulder);
     if (i == 0) continue;
-    const Deviation deviation = HalfwayDeviation(carrier, cut.samples[i - 1].q, q);
+    const Deviation deviation = HalfwayDeviation(carriers.To(cut, i), cut.samples[i - 1].q, q);
     figures.halfway_deviation = std::max(figures.halfway_deviation, deviation.position);
     figures.halfway_axis = std::max(figures.halfway_axis, deviation.axis);
   }
@@ -88,11 +134,12 @@ ContinuityFigures AnalyseContinuity(const PlanResult& plan) {
   SquareSum squares;
   size_t first_point = 0;
   for (const PassResult& pass : plan.passes) {
-    const Carrier carrier{plan.arm, BaseAt(plan, pass.external), plan.X_FT};
+    const Carriers carriers(plan, pass);
     for (const Piece& piece : pass.pieces) {
       const Cut cut = CutOf(pass, piece);
-      AddCut(cut, carrier, figures, squares);
-      for (const FeedShortfall& s : FindShortfalls(cut.samples, plan.arm.speed, plan.arm.acceleration)) {
+      AddCut(cut, plan.arm, carriers, figures, squares);
+      for (const FeedShortfall& s :
+           FindShortfalls(cut.samples, plan.arm.speed, plan.arm.acceleration, BoundsOf(plan, 1))) {
         figures.feed_not_held.push_back({pass.pass, first_point + static_cast<size_t>(cut.points[s.sample]),
                                          s.joint, s.by_acceleration, cut.samples[s.sample].feed,
                                          s.feed_possible});
@@ -119,6 +166,8 @@ namespace {
 /// Share of a joint's largest speed that a reduced feed uses: verification, which allows all of it, follows
 /// the motions of the program, and these leave out points.
 constexpr double kJointSpeedUsed = 0.95;
+/// The same of external axes, which go evenly from point to point whatever the joints do.
+constexpr double kExternalSpeedUsed = 0.99;
 
 /// The feed, mm/s, at which the straight motion from one sample to the next uses kJointSpeedUsed of a joint's
 /// speed; the second value is that joint. Straight motions far from the limits are not followed.
@@ -151,14 +200,25 @@ struct Limit {
   double feed = std::numeric_limits<double>::infinity();  // mm/s, possible
 };
 
+/// The feed at which an external axis uses as much of its speed as it may, and which: 6 and on.
+std::pair<double, int> ExternalCap(const CutSample& from, const CutSample& to, const ExternalBounds& bounds) {
+  int axis = 0;
+  const double worst = (to.external - from.external).cwiseAbs().cwiseQuotient(bounds.speed).maxCoeff(&axis);
+  const double length = to.arc_length - from.arc_length;
+  return {worst > 0 ? length / worst : std::numeric_limits<double>::infinity(), 6 + axis};
+}
+
 /// The limits of a cut's samples by themselves; lowers their feeds to what straight motions allow.
-std::vector<Limit> CapFeeds(Cut& cut, const Carrier& carrier) {
+std::vector<Limit> CapFeeds(Cut& cut, const Arm& arm, const Carriers& carriers,
+                            const ExternalBounds& bounds) {
   std::vector<Limit> limits(cut.samples.size());
   for (const FeedShortfall& s :
-       FindShortfalls(cut.samples, kJointSpeedUsed * carrier.arm.speed, carrier.arm.acceleration))
+       FindShortfalls(cut.samples, kJointSpeedUsed * arm.speed, arm.acceleration, bounds))
     limits[s.sample] = {s.joint, s.by_acceleration, s.feed_possible};
   for (size_t i = 1; i < cut.samples.size(); ++i) {
-    const auto [cap, joint] = StraightCap(cut.samples[i - 1], cut.samples[i], carrier);
+    auto [cap, joint] = StraightCap(cut.samples[i - 1], cut.samples[i], carriers.To(cut, i));
+    const auto [external, axis] = ExternalCap(cut.samples[i - 1], cut.samples[i], bounds);
+    if (external < cap) cap = external, joint = axis;
     if (cap < limits[i].feed) limits[i] = {joint, false, cap};
     cut.samples[i].feed = std::min(cut.samples[i].feed, cap);
   }
@@ -196,18 +256,23 @@ void AddSlow(const Cut& cut, const std::vector<double>& wanted, const std::vecto
 
 }  // namespace
 
+std::string AxisName(const std::vector<ExternalAxis>& external, int axis) {
+  return axis < 6 ? fmt::format("A{}", axis + 1) : external.at(static_cast<size_t>(axis - 6)).name;
+}
+
 FeedReduction ReduceFeeds(PlanResult& plan) {
   FeedReduction reduction;
+  const ExternalBounds bounds = BoundsOf(plan, kExternalSpeedUsed);
   size_t first_point = 0;
   for (PassResult& pass : plan.passes) {
-    const Carrier carrier{plan.arm, BaseAt(plan, pass.external), plan.X_FT};
+    const Carriers carriers(plan, pass);
     for (const Piece& piece : pass.pieces) {
       Cut cut = CutOf(pass, piece);
       std::vector<double> wanted;
       for (const CutSample& sample : cut.samples) wanted.push_back(sample.feed);
-      const std::vector<Limit> limits = CapFeeds(cut, carrier);
+      const std::vector<Limit> limits = CapFeeds(cut, plan.arm, carriers, bounds);
       const std::vector<double> feeds =
-          ReducedFeeds(cut.samples, kJointSpeedUsed * plan.arm.speed, plan.arm.acceleration);
+          ReducedFeeds(cut.samples, kJointSpeedUsed * plan.arm.speed, plan.arm.acceleration, bounds);
       AddSlow(cut, wanted, feeds, limits, {pass.pass}, first_point, reduction.slow);
       for (size_t i = 0; i < feeds.size(); ++i) {
         double& feed = pass.points[cut.points[i]].point.feed_rate;

@@ -8,11 +8,11 @@
 
 namespace millpose {
 
-/// A point whose programmed feed the joints cannot hold.
+/// A point whose programmed feed the axes cannot hold.
 struct FeedFinding {
   int pass = 0;
   size_t point = 0;  ///< number in the job
-  int joint = 0;     ///< 0..5
+  int joint = 0;     ///< 0..5; 6 and on: an external axis
   bool by_acceleration = false;
   double feed = 0;           ///< mm/s, programmed
   double feed_possible = 0;  ///< mm/s, at this point by itself
@@ -38,13 +38,16 @@ double SquaredAcceleration(const PassResult& pass);
 struct SlowStretch {
   int pass = 0;
   size_t first = 0, last = 0;  ///< numbers in the job
-  int joint = 0;               ///< 0..5: the one that limits most
+  int joint = 0;               ///< 0..5: the one that limits most; 6 and on: an external axis
   bool by_acceleration = false;
   double feed = 0;    ///< mm/s, the lowest of them
   double wanted = 0;  ///< mm/s, programmed there
 
   double Share() const { return feed / wanted; }
 };
+
+/// "A3", or the name of an external axis: of the number in FeedFinding and SlowStretch.
+std::string AxisName(const std::vector<ExternalAxis>& external, int axis);
 
 inline constexpr double kSlowShare = 0.7;  ///< of the programmed feed: less is worth telling
 
@@ -56,7 +59,8 @@ struct FeedReduction {
 };
 
 /// Lowers the feeds of the points to what the joints can hold, changing no faster than they can follow
-/// (ReducedFeeds), and so that no joint exceeds 99 % of its speed on the straight motion to the point. Feeds
+/// (ReducedFeeds), and so that no joint exceeds 95 % of its speed on the straight motion to the point, nor an
+/// external axis 99 %. Feeds
 /// that can be held stay as they are.
 FeedReduction ReduceFeeds(PlanResult& plan);
 

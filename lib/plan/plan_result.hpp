@@ -72,6 +72,9 @@ struct PlannedPoint {
   bool from_genetic = false;  ///< its node came from the genetic algorithm (and may have been smoothed since)
   double clearance = 0;       ///< mm, bounded
   std::optional<Compensation> compensation;  ///< of a planned point, where the job asks for it
+  /// Where the external axes are at this point, in passes along which they move (ExternalAt); between two
+  /// points of a piece each goes evenly. Vectors in W are then of that moment.
+  std::optional<ExternalPosition> external;
 };
 
 /// Points first..last of a pass, cut without lifting the tool.
@@ -99,7 +102,7 @@ struct LadderBound {
 struct PassResult {
   int pass = 0;
   Eigen::Vector3d rotation_reference = Eigen::Vector3d::UnitZ();
-  ExternalPosition external;  ///< where the external axes stand while it is milled
+  ExternalPosition external;  ///< where the external axes stand while it is milled, or when it begins
   std::vector<PlannedPoint> points;
   std::vector<Piece> pieces;
   double grid_gap = 0;          ///< relative: (coarse path cost − refined path cost) ÷ refined

@@ -266,6 +266,7 @@ void Fields(Archive& a, PlannedPoint& p) {
   a("from_genetic", p.from_genetic);
   a("clearance", p.clearance);
   a("compensation", p.compensation);
+  a("external", p.external);
 }
 
 template <class Archive>

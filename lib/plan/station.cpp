@@ -24,6 +24,20 @@ Pose PartAt(const PlanResult& plan, const ExternalPosition& external) {
   return At(plan, Carries::kWorkpiece, plan.X_WP, external);
 }
 
+const ExternalPosition& ExternalAt(const PassResult& pass, size_t point) {
+  const std::optional<ExternalPosition>& own = pass.points[point].external;
+  return own ? *own : pass.external;
+}
+
+bool MovesAlong(const PassResult& pass) {
+  return std::ranges::any_of(pass.points,
+                             [](const PlannedPoint& point) { return point.external.has_value(); });
+}
+
+bool MovesAlong(const PlanResult& plan) {
+  return std::ranges::any_of(plan.passes, [](const PassResult& pass) { return MovesAlong(pass); });
+}
+
 std::string PositionText(const std::vector<ExternalAxis>& axes, const ExternalPosition& position) {
   std::vector<std::string> values;
   for (size_t i = 0; i < axes.size(); ++i)
@@ -41,6 +55,10 @@ Pose ToZero(const PlanResult& plan, const ExternalPosition& external) {
 Eigen::Vector3d OnPartAtZero(const PlanResult& plan, const ExternalPosition& external,
                              const Eigen::Vector3d& place) {
   return external.empty() ? place : Eigen::Vector3d(ToZero(plan, external) * place);
+}
+
+Pose BaseFromPartAtZero(const PlanResult& plan, const ExternalPosition& external) {
+  return ToZero(plan, external) * BaseAt(plan, external);
 }
 
 std::vector<SeriesCompliance> CompliancesAt(const PlanResult& plan, const ExternalPosition& external,

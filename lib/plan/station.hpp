@@ -12,6 +12,14 @@ namespace millpose {
 Pose BaseAt(const PlanResult& plan, const ExternalPosition& external);
 Pose PartAt(const PlanResult& plan, const ExternalPosition& external);
 
+/// Where the external axes are at point `point` of a pass: its own position, or that of the whole pass.
+const ExternalPosition& ExternalAt(const PassResult& pass, size_t point);
+
+/// Whether external axes move along a pass.
+bool MovesAlong(const PassResult& pass);
+/// Whether they do along any pass.
+bool MovesAlong(const PlanResult& plan);
+
 /// "rail 1500 mm, table 30 deg".
 std::string PositionText(const std::vector<ExternalAxis>& axes, const ExternalPosition& position);
 
@@ -21,6 +29,8 @@ Pose ToZero(const PlanResult& plan, const ExternalPosition& external);
 /// `place` itself where `external` is empty.
 Eigen::Vector3d OnPartAtZero(const PlanResult& plan, const ExternalPosition& external,
                              const Eigen::Vector3d& place);
+/// Where the robot's base then stands as seen from there.
+Pose BaseFromPartAtZero(const PlanResult& plan, const ExternalPosition& external);
 
 /// All that yields beside the joints with the external axes at `external`: `beside`, which the cell has
 /// anyway, and the external axes.

@@ -61,18 +61,6 @@ void Climb(std::vector<Climber>& climbers, Evaluator& evaluator, int max_evaluat
   }
 }
 
-PointOptimum Descend(const PointScorer& scorer, PointOptimum from) {
-  Individual start;
-  start.freedoms = from.freedoms;
-  start.branch = from.branch;
-  start.objective = from.objective;
-  Evaluator evaluator(scorer, from);
-  std::vector<Climber> climber;
-  climber.emplace_back(scorer.problem(), start, 1.0 / 720, 1e-6, 1e-9);
-  Climb(climber, evaluator, std::numeric_limits<int>::max());
-  return from;
-}
-
 std::vector<Individual> Niches(const PoseProblem& problem, std::vector<Individual> archive, size_t count) {
   std::stable_sort(archive.begin(), archive.end(), Fitter);
   std::vector<Individual> niches;

@@ -9,8 +9,9 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The share of the evaluations that generations may spend; the local refinement has the rest.
-constexpr double kGenerationShare = 0.6;
+// The share of the evaluations that generations may spend, with one freedom and with several, whose
+// refinement costs more; the local refinement has the rest.
+constexpr double kGenerationShare = 0.6, kSeveralShare = 0.35;
 constexpr int kArmBranches = 4;  // of a setting; one evaluation each
 
 class Population {
@@ -63,7 +64,10 @@ class Population {
   }
 
  private:
-  int Budget() const { return static_cast<int>(kGenerationShare * options_.max_evaluations); }
+  int Budget() const {
+    const double share = problem_.freedoms.size() == 1 ? kGenerationShare : kSeveralShare;
+    return static_cast<int>(share * options_.max_evaluations);
+  }
 
   Individual RandomIndividual() {
     Individual individual;
@@ -177,8 +181,9 @@ class Population {
 PointOptimum GeneticSearch(const PointScorer& scorer, const PoseProblem& problem,
                            const GeneticOptions& options, RandomStream stream,
                            std::vector<GenerationRecord>* history) {
-  const size_t niches = 12 * problem.freedoms.size();
-  constexpr int kPolishReserve = 100;
+  constexpr size_t kNiches = 12;
+  const bool several = problem.freedoms.size() > 1;
+  const int polish_reserve = several ? options.max_evaluations / 2 : 100;
   PointOptimum best;
   Evaluator evaluator(scorer, best);
   std::vector<Individual> archive;
@@ -188,11 +193,12 @@ PointOptimum GeneticSearch(const PointScorer& scorer, const PoseProblem& problem
 
   // First roughly from several places, so that the right one wins; then exactly from the winner.
   std::vector<Climber> climbers;
-  for (const Individual& niche : Niches(problem, std::move(archive), niches)) {
+  for (const Individual& niche : Niches(problem, std::move(archive), kNiches)) {
     climbers.emplace_back(problem, niche, 1.0 / 720, 1.0 / 3600, 1.0 / 7200);
   }
-  Climb(climbers, evaluator, options.max_evaluations - kPolishReserve);
+  Climb(climbers, evaluator, options.max_evaluations - polish_reserve);
   if (!best.found) return best;
+  if (several) return Descend(scorer, best, options.max_evaluations);
   Individual winner;
   winner.freedoms = best.freedoms;
   winner.branch = best.branch;

@@ -15,14 +15,19 @@ RotatedFlange::RotatedFlange(const Pose& X_BT, const Pose& X_TF) {
   sine_ = y * tool.row(0) - x * tool.row(1);
 }
 
-void RotatedFlange::Set(const Lanes& angle, FlangeBlock& out, InstructionSet set) const {
-  Lanes sine, cosine;
+SineCosineLanes SinCosOf(const Lanes& angle, InstructionSet set) {
+  SineCosineLanes out;
   ForEachLane(
       set, [&](int i) __attribute__((always_inline)) {
         const SineCosine of = SinCos(angle.v[i]);
-        sine.v[i] = of.sin;
-        cosine.v[i] = of.cos;
+        out.sin.v[i] = of.sin;
+        out.cos.v[i] = of.cos;
       });
+  return out;
+}
+
+void RotatedFlange::Set(const SineCosineLanes& angle, FlangeBlock& out, InstructionSet set) const {
+  const Lanes &sine = angle.sin, &cosine = angle.cos;
   const std::array<std::array<Lanes, 3>*, 4> columns{&out.x, &out.y, &out.z, &out.p};
   for (int column = 0; column < 4; ++column) {
     for (int row = 0; row < 3; ++row) {
@@ -32,6 +37,17 @@ void RotatedFlange::Set(const Lanes& angle, FlangeBlock& out, InstructionSet set
           set, [&](int i)
                    __attribute__((always_inline)) { to.v[i] = a + (b * cosine.v[i] + c * sine.v[i]); });
     }
+  }
+}
+
+void RotatedFlange::SetLane(size_t lane, const SineCosineLanes& angle, FlangeBlock& out) const {
+  const double sine = angle.sin.v[lane], cosine = angle.cos.v[lane];
+  const Matrix34 at = constant_ + (cosine_ * cosine + sine_ * sine);
+  for (int row = 0; row < 3; ++row) {
+    out.x[row].v[lane] = at(row, 0);
+    out.y[row].v[lane] = at(row, 1);
+    out.z[row].v[lane] = at(row, 2);
+    out.p[row].v[lane] = at(row, 3);
   }
 }
 

@@ -5,12 +5,17 @@
 
 namespace millpose {
 
+/// Of every lane.
+SineCosineLanes SinCosOf(const Lanes& angle, InstructionSet set = WidestInstructionSet());
+
 /// Flange poses as the tool turns about its own axis by θ: each entry of X_BF is a + b·cos θ + c·sin θ.
 struct RotatedFlange {
   RotatedFlange() = default;
   /// `X_BT`: the tool at θ = 0; `X_TF`: the flange in the tool.
   RotatedFlange(const Pose& X_BT, const Pose& X_TF);
-  void Set(const Lanes& angle, FlangeBlock& out, InstructionSet set = WidestInstructionSet()) const;
+  void Set(const SineCosineLanes& angle, FlangeBlock& out, InstructionSet set = WidestInstructionSet()) const;
+  /// One lane alone; the same bits.
+  void SetLane(size_t lane, const SineCosineLanes& angle, FlangeBlock& out) const;
 
  private:
   using Matrix34 = Eigen::Matrix<double, 3, 4>;

@@ -9,13 +9,13 @@
 namespace millpose {
 namespace {
 
-void CopyLane(const FlangeBlock& from, size_t lane, FlangeBlock& to) {
-  for (size_t row = 0; row < 3; ++row) {
-    to.x[row].v[lane] = from.x[row].v[lane];
-    to.y[row].v[lane] = from.y[row].v[lane];
-    to.z[row].v[lane] = from.z[row].v[lane];
-    to.p[row].v[lane] = from.p[row].v[lane];
-  }
+/// Whether all lanes have the same values of all freedoms but the first.
+bool AllAlike(std::span<const double> values, size_t dimensions) {
+  for (size_t l = 1; l < kLanes; ++l)
+    if (!std::equal(values.begin() + 1, values.begin() + static_cast<std::ptrdiff_t>(dimensions),
+                    values.begin() + static_cast<std::ptrdiff_t>(l * dimensions + 1)))
+      return false;
+  return true;
 }
 
 }  // namespace
@@ -58,33 +58,30 @@ void PointScorer::LeaningFlangePoses(std::span<const double> values, FlangeBlock
   const size_t dimensions = problem_->freedoms.size();
   Lanes angles;
   for (size_t l = 0; l < kLanes; ++l) angles.v[l] = values[l * dimensions];
+  const SineCosineLanes turns = SinCosOf(angles);
+  axes.alike = AllAlike(values, dimensions);
   RotatedFlange rotated;
-  FlangeBlock block;
   for (size_t l = 0; l < kLanes; ++l) {
     const double* own = values.data() + l * dimensions;
-    if (l > 0 && std::equal(own + 1, own + dimensions, own + 1 - dimensions)) {
+    if (l > 0 && (axes.alike || std::equal(own + 1, own + dimensions, own + 1 - dimensions))) {
       axes.axis[l] = axes.axis[l - 1];
       axes.barred |= (axes.barred >> (l - 1) & 1u) << l;
     } else {
       const ToolStance stance = StanceAt(*problem_, contact_, {own, dimensions});
       axes.axis[l] = stance.axis;
-      axes.alike = axes.alike && l == 0;
       if (!bound_->Admits(stance.axis)) axes.barred |= 1u << l;
       rotated = RotatedFlange(X_BW_ * NominalToolPose(stance, rotation_reference_), X_TF_);
-      rotated.Set(angles, block);
     }
-    if (l == 0)
-      out = block;
-    else if (!axes.alike)
-      CopyLane(block, l, out);
+    if (!axes.alike) rotated.SetLane(l, turns, out);
   }
+  if (axes.alike) rotated.Set(turns, out);
 }
 
 void PointScorer::FlangePoses(std::span<const double> values, FlangeBlock& out, BlockAxes& axes) const {
   if (rotation_only_) {
     Lanes angles;
     std::copy_n(values.begin(), kLanes, angles.v);
-    rotated_.Set(angles, out);
+    rotated_.Set(SinCosOf(angles), out);
     return;
   }
   if (rotates_and_leans_) return LeaningFlangePoses(values, out, axes);

@@ -3,6 +3,8 @@
 // exhaustive search that judges both.
 #pragma once
 
+#include <limits>
+
 #include "base/random.hpp"
 #include "pose/candidate_table.hpp"
 
@@ -49,7 +51,12 @@ PointOptimum RefineTable(const PointScorer& scorer, const CandidateTable& table)
 /// The same on a table of `step` (rad or mm); fine enough it judges the others.
 PointOptimum ExhaustiveSearch(const PointScorer& scorer, double step);
 
-/// The nearest local optimum from an admissible place on its branch, in all freedoms one after the other.
-PointOptimum Descend(const PointScorer& scorer, PointOptimum from);
+/// The nearest local optimum from an admissible place on its branch, in all freedoms together, with no more
+/// than `max_evaluations` in all.
+PointOptimum Descend(const PointScorer& scorer, PointOptimum from,
+                     int max_evaluations = std::numeric_limits<int>::max());
+
+/// The least of the local optima that a table's best places lead to; for several freedoms.
+PointOptimum DescendTable(const PointScorer& scorer, const CandidateTable& table);
 
 }  // namespace millpose

@@ -28,18 +28,24 @@ int PartsOf(const Pose& from, const Pose& to, const TurnBound& bound) {
   return kMostParts;
 }
 
-/// The points that divide the motion from `from` to `to`; none where the arm does not reach one of them.
-std::vector<Motion> Between(const MotionProgram& program, const Motion& from, const Motion& to, int parts,
-                            const Arm& arm) {
+/// The points that divide motion `i`; none where the arm does not reach one of them.
+std::vector<Motion> Between(const MotionProgram& program, size_t i, int parts, const Arm& arm) {
   std::vector<Motion> points;
+  const Motion &from = program.motions[i - 1], &to = program.motions[i];
   const PoseLine line(from.X_PT, to.X_PT);
-  for (int i = 1; i < parts; ++i) {
-    const double share = static_cast<double>(i) / parts;
+  for (int k = 1; k < parts; ++k) {
+    const double share = static_cast<double>(k) / parts;
     Motion& point = points.emplace_back(to);
     point.X_PT = line.At(share);
     point.exact = false;
     point.point = -1;
-    const Pose X_BF = *FrameOf(program, to) * point.X_PT * program.X_FT->inverse();
+    const Pose X_BP = FrameAt(program, i, share);
+    if (to.X_BP_begin) {
+      point.X_BP = X_BP;
+      if (k > 1) point.X_BP_begin = points[points.size() - 2].X_BP;
+      point.external = ExternalOf(program, i, share);
+    }
+    const Pose X_BF = X_BP * point.X_PT * program.X_FT->inverse();
     point.q = InverseNear(arm, X_BF, Status(arm, *to.q), *from.q + share * (*to.q - *from.q));
     if (!point.q) return {};
   }
@@ -59,13 +65,15 @@ int BoundTurns(MotionProgram& written, std::vector<size_t>& origin, const Arm& a
     if (single) {
       const Motion& from = written.motions[i - 1];
       const int parts = PartsOf(from.X_PT, motion.X_PT, bound);
-      for (Motion& point : Between(written, from, motion, parts, arm)) {
+      for (Motion& point : Between(written, i, parts, arm)) {
         motions.push_back(std::move(point));
         origins.push_back(origin[i]);
         ++inserted;
       }
     }
+    const bool divided = motion.X_BP_begin && motions.size() > place.back();
     motions.push_back(motion);
+    if (divided) motions.back().X_BP_begin = motions[motions.size() - 2].X_BP;
     origins.push_back(origin[i]);
   }
   place.push_back(motions.size());

@@ -29,10 +29,24 @@ std::vector<bool> MayGo(const MotionProgram& program) {
   return may;
 }
 
+/// Whether the external axes, which run evenly from where motion `first` − 1 ends to where motion `last`
+/// does, are within tolerance of where motion `i` has them at `share` of that way.
+bool KeepsExternal(const MotionProgram& program, size_t first, size_t last, size_t i, double share,
+                   const EconomyOptions& options) {
+  for (size_t k = 0; k < program.external_axes.size(); ++k) {
+    const double from = program.motions[first - 1].external[k], to = program.motions[last].external[k];
+    const bool linear = program.external_axes[k].kind == AxisKind::kLinear;
+    const double off = std::abs(from + share * (to - from) - program.motions[i].external[k]);
+    if (off > kUsed * (linear ? options.position_tolerance : options.angle_tolerance)) return false;
+  }
+  return true;
+}
+
 /// Whether the controller's straight motion `line` from pose `a` to pose `b` passes the targets first..last−1
 /// within tolerance, in order.
-bool Passes(const ProgrammedLine& line, const Pose& a, const Pose& b, const std::vector<Motion>& motions,
+bool Passes(const ProgrammedLine& line, const Pose& a, const Pose& b, const MotionProgram& program,
             size_t first, size_t last, const EconomyOptions& options) {
+  const std::vector<Motion>& motions = program.motions;
   const Eigen::Vector3d along = b.translation() - a.translation();
   double before = 0;
   const auto near = [&](double share, const Eigen::Matrix3d& R) {
@@ -44,6 +58,7 @@ bool Passes(const ProgrammedLine& line, const Pose& a, const Pose& b, const std:
     if (share < before || share > 1) return false;
     const double off = (offset - share * along).norm();
     if (off > kUsed * options.position_tolerance || !near(share, motions[i].X_PT.linear())) return false;
+    if (!KeepsExternal(program, first, last, i, share, options)) return false;
     // Another course of the orientation than the planned one leaves it between the points too.
     if (!options.lines.empty() &&
         !near((before + share) / 2, PoseLine(motions[i - 1].X_PT, motions[i].X_PT).At(0.5).linear()))
@@ -58,7 +73,7 @@ bool Passes(const ProgrammedLine& line, const Pose& a, const Pose& b, const std:
 class Thinning {
  public:
   Thinning(const MotionProgram& program, const EconomyOptions& options)
-      : motions_(program.motions), options_(options), may_go_(MayGo(program)) {}
+      : program_(program), motions_(program.motions), options_(options), may_go_(MayGo(program)) {}
 
   std::vector<size_t> Kept() {
     for (size_t i = 0; i < motions_.size();) {
@@ -79,9 +94,9 @@ class Thinning {
   bool Stands(size_t from, size_t to) const {
     const Pose &a = motions_[from].X_PT, &b = motions_[to].X_PT;
     if (to == from + 1) return true;  // nothing is left out
-    if (options_.lines.empty()) return Passes({a, b}, a, b, motions_, from + 1, to, options_);
+    if (options_.lines.empty()) return Passes({a, b}, a, b, program_, from + 1, to, options_);
     return std::ranges::all_of(options_.lines, [&](const LineModel& line) {
-      return Passes(line(a, b), a, b, motions_, from + 1, to, options_);
+      return Passes(line(a, b), a, b, program_, from + 1, to, options_);
     });
   }
 
@@ -114,11 +129,18 @@ class Thinning {
     }
   }
 
+  const MotionProgram& program_;
   const std::vector<Motion>& motions_;
   const EconomyOptions& options_;
   std::vector<bool> may_go_;
   std::vector<size_t> kept_;
 };
+
+/// What motion comes before `motion` now.
+void BeginWhere(const Motion& before, Motion& motion) {
+  motion.X_BP_begin.reset();
+  if (HasFeed(motion) && motion.external != before.external) motion.X_BP_begin = before.X_BP;
+}
 
 }  // namespace
 
@@ -135,6 +157,7 @@ EconomyResult Economise(const MotionProgram& program, const EconomyOptions& opti
     for (size_t old = from; old <= i; ++old) place[old] = k;
     const Motion& motion = program.motions[i];
     result.program.motions.push_back(motion);
+    if (k > 0) BeginWhere(program.motions[result.origin[k - 1]], result.program.motions.back());
     const bool cut = k > 0 && motion.point >= 0 && program.motions[result.origin[k - 1]].point >= 0;
     if (cut && thinning.Length(result.origin[k - 1], i) < options.spacing) ++result.near;
   }

@@ -22,10 +22,11 @@ struct EconomyResult {
 };
 
 /// Leaves out cut points between which the controller's own straight motion stays within the tolerances of
-/// every point left out. First and last point of a piece, exact stops, changes of the feed and places where
-/// something happens remain. Greedy: each motion is about as long as it can be, but where the last one before
-/// a point that must remain came out shorter than the spacing, the point before is moved back if the
-/// tolerances allow it.
+/// every point left out, and external axes that move along within those of where they are planned to be there
+/// (mm and rad as of the tip and the orientation). First and last point of a piece, exact stops, changes of
+/// the feed and places where something happens remain. Greedy: each motion is about as long as it can be, but
+/// where the last one before a point that must remain came out shorter than the spacing, the point before is
+/// moved back if the tolerances allow it.
 EconomyResult Economise(const MotionProgram& program, const EconomyOptions& options);
 
 /// Makes exact stops of cut points so that no more than `most` motions follow each other without one, and

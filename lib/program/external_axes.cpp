@@ -62,6 +62,28 @@ Pose FromCounted(const PostSettings& settings, const ExternalPosition& external,
   return external.empty() ? counted : Carried(settings, external).inverse() * counted;
 }
 
+std::string UncoupledMove(const PostSettings& settings, const ExternalPosition& from,
+                          const ExternalPosition& to) {
+  for (const ControllerAxis& axis : settings.controller_axes) {
+    const auto index = AxisOf(settings, axis);
+    if (index && !axis.coupled && from[*index] != to[*index]) return axis.name;
+  }
+  return {};
+}
+
+std::string WhyNotAlongCuts(const PostSettings& settings, const std::string& controller,
+                            const std::string& axis, bool joints) {
+  const auto own = std::ranges::find(settings.controller_axes, axis, &ControllerAxis::axis);
+  if (joints || own == settings.controller_axes.end() || own->coupled) return {};
+  return fmt::format(
+      "{1} does not count in axis {0} (controllers.{1}.external_axes: {2} is coupled: false), so that the "
+      "tip "
+      "would leave the part while it moves; allowed: constant, per_pass, programs without {1}, or coupled: "
+      "true "
+      "where the controller does count in it",
+      axis, controller, own->name);
+}
+
 bool SameFrame(const Pose& a, const Pose& b) {
   return (a.translation() - b.translation()).norm() <= kSameLength &&
          (a.linear() - b.linear()).cwiseAbs().maxCoeff() <= kSameTurn;

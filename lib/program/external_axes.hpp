@@ -25,6 +25,15 @@ Pose AsCounted(const PostSettings& settings, const ExternalPosition& external, c
 /// The inverse.
 Pose FromCounted(const PostSettings& settings, const ExternalPosition& external, const Pose& counted);
 
+/// The controller's name of an axis that differs between two positions and is not coupled; empty: none.
+std::string UncoupledMove(const PostSettings& settings, const ExternalPosition& from,
+                          const ExternalPosition& to);
+/// Why programs for the controller cannot have the cell's axis `axis` move along cuts; empty where they can:
+/// the controller must count in it, or, where `joints` says that its programs are joint motions in all axes
+/// together, need not.
+std::string WhyNotAlongCuts(const PostSettings& settings, const std::string& controller,
+                            const std::string& axis, bool joints);
+
 /// Two frames that a program need not state one after the other: they differ by what arithmetic makes of one.
 bool SameFrame(const Pose& a, const Pose& b);
 

@@ -11,19 +11,34 @@ const double kJointStep = DegToRad(5);  // between instants of a joint motion, a
 constexpr double kTipStep = 25;         // mm, between instants of an approach or retract, at most
 constexpr int kRampParts = 4;           // of speeding up, and of slowing down
 
-/// The joints at the first or the last planned point of a piece.
-Joints EndOf(const PlanResult& plan, int pass_number, int piece_number, bool last) {
+/// A planned end of a piece: the first point, or the last.
+struct PieceEnd {
+  const PassResult* pass;
+  size_t point;
+};
+
+PieceEnd EndOf(const PlanResult& plan, int pass_number, int piece_number, bool last) {
   const PassResult& pass = plan.passes[static_cast<size_t>(pass_number)];
   const auto piece = std::ranges::find(pass.pieces, piece_number, &Piece::piece);
   assert(piece != pass.pieces.end());
-  int at = last && !piece->closed ? piece->last : piece->first;
-  while (pass.points[static_cast<size_t>(at)].skip != Obstacle::kNone) at += last && !piece->closed ? -1 : 1;
-  return pass.points[static_cast<size_t>(at)].q;
+  const bool backwards = last && !piece->closed;
+  int at = backwards ? piece->last : piece->first;
+  while (pass.points[static_cast<size_t>(at)].skip != Obstacle::kNone) at += backwards ? -1 : 1;
+  return {&pass, static_cast<size_t>(at)};
 }
 
-/// Where the external axes stand while a pass is milled, or at home (−1).
-ExternalPosition StationOf(const PlanResult& plan, int pass) {
-  return pass < 0 ? Mechanism(plan.external_axes).Home() : plan.passes[static_cast<size_t>(pass)].external;
+/// The joints there, or at home (−1).
+Joints JointsAt(const PlanResult& plan, int pass, int piece, bool last) {
+  if (pass < 0) return plan.home;
+  const PieceEnd end = EndOf(plan, pass, piece, last);
+  return end.pass->points[end.point].q;
+}
+
+/// Where the external axes are there, or at home (−1).
+ExternalPosition StationOf(const PlanResult& plan, int pass, int piece, bool last) {
+  if (pass < 0) return Mechanism(plan.external_axes).Home();
+  const PieceEnd end = EndOf(plan, pass, piece, last);
+  return ExternalAt(*end.pass, end.point);
 }
 
 /// The plan with a leap in place of every gap that could not be planned.
@@ -31,9 +46,10 @@ PlanResult WithLeaps(const PlanResult& plan) {
   PlanResult whole = plan;
   for (Gap& gap : whole.gaps) {
     if (gap.planned) continue;
-    gap.joints = {gap.from_pass < 0 ? plan.home : EndOf(plan, gap.from_pass, gap.from_piece, true),
-                  gap.to_pass < 0 ? plan.home : EndOf(plan, gap.to_pass, gap.to_piece, false)};
-    const ExternalPosition from = StationOf(plan, gap.from_pass), to = StationOf(plan, gap.to_pass);
+    gap.joints = {JointsAt(plan, gap.from_pass, gap.from_piece, true),
+                  JointsAt(plan, gap.to_pass, gap.to_piece, false)};
+    const ExternalPosition from = StationOf(plan, gap.from_pass, gap.from_piece, true),
+                           to = StationOf(plan, gap.to_pass, gap.to_piece, false);
     if (from != to) gap.external = ExternalMove{from, to};
     gap.planned = true;
   }
@@ -59,7 +75,7 @@ std::vector<char> FindLeaps(const PlanResult& plan, const PlanResult& whole, con
 
 RunPart StretchOf(const PlanResult& plan, const MotionProgram& program, size_t i) {
   const Motion& motion = program.motions[i];
-  if (MovesExternal(program, i)) return RunPart::kExternal;
+  if (MovesExternal(program, i) && !HasFeed(motion)) return RunPart::kExternal;
   if (motion.type == MotionType::kJoint) return RunPart::kGap;
   if (motion.point < 0) return program.motions[i - 1].point >= 0 ? RunPart::kRetract : RunPart::kApproach;
   if (!IsCut(program, i)) return RunPart::kApproach;
@@ -114,7 +130,7 @@ Timeline MakeTimeline(const PlanResult& plan, MotionOptions options, const TimeO
     const RunPart stretch = leaps[i] ? RunPart::kMissing : StretchOf(plan, program, i);
     const auto add = [&](double time, double share) {
       ExternalPosition external = ExternalOf(program, i, share);
-      const Pose X_WP = external.empty() ? plan.X_WP : BaseAt(plan, external) * *FrameOf(program, motion);
+      const Pose X_WP = external.empty() ? plan.X_WP : BaseAt(plan, external) * FrameAt(program, i, share);
       timeline.push_back({.time = time,
                           .q = JointsOf(program, plan.arm, i, share),
                           .external = std::move(external),

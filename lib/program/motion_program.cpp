@@ -27,6 +27,7 @@ class ProgramBuilder {
     program_.header = {{"job", plan.job}, {"cell", plan.cell}, {"inputs", plan.input_hash}};
     program_.header.insert(program_.header.end(), options.header.begin(), options.header.end());
     program_.external_axes = plan.external_axes;
+    if (!plan.external_axes.empty()) program_.X_WB = plan.X_WB;
     program_.X_BP = plan.X_WB.inverse() * plan.X_WP;
     program_.X_FT = plan.X_FT;
   }
@@ -113,7 +114,11 @@ class ProgramBuilder {
 
   Motion& AddCut(const PassResult& pass, int i) {
     const MillingPoint& point = pass.points[i].point;
+    const Pose X_BP_before = X_BP_;
+    const bool rides = pass.points[i].external && *pass.points[i].external != external_;
+    if (rides) StandAt(*pass.points[i].external);
     Motion& motion = Add(MotionType::kLinear, pass.points[i].q, pass.pass, i);
+    if (rides) motion.X_BP_begin = X_BP_before;
     motion.feed = point.feed_rate;
     if (point.kind == PointKind::kLeadIn) motion.feed = std::min(motion.feed, PlungeFeed(point));
     return motion;
@@ -276,12 +281,40 @@ bool MovesExternal(const MotionProgram& program, size_t i) {
   return i > 0 && program.motions[i].external != program.motions[i - 1].external;
 }
 
+bool Rides(const MotionProgram& program, size_t i) {
+  return HasFeed(program.motions[i]) && MovesExternal(program, i);
+}
+
+bool HasRides(const MotionProgram& program) {
+  for (size_t i = 1; i < program.motions.size(); ++i)
+    if (Rides(program, i)) return true;
+  return false;
+}
+
 ExternalPosition ExternalOf(const MotionProgram& program, size_t i, double share) {
   ExternalPosition external = program.motions[i].external;
   if (!MovesExternal(program, i) || share >= 1) return external;
   const ExternalPosition& from = program.motions[i - 1].external;
   for (size_t k = 0; k < external.size(); ++k) external[k] = from[k] + share * (external[k] - from[k]);
   return external;
+}
+
+Pose BaseOnPart(const MotionProgram& program, const ExternalPosition& external) {
+  const Mechanism mechanism(program.external_axes);
+  return mechanism.Moved(Carries::kWorkpiece, external).inverse(Eigen::Isometry) *
+         mechanism.Moved(Carries::kRobot, external) * program.X_WB;
+}
+
+Pose FrameAt(const MotionProgram& program, size_t i, double share) {
+  const Motion& motion = program.motions[i];
+  const Pose& X_BP = *FrameOf(program, motion);
+  if (!motion.X_BP_begin || share >= 1) return X_BP;
+  if (share <= 0) return *motion.X_BP_begin;
+  // Carried by the axes as the cell has them, the frame is one and the same on the part; a controller that
+  // has measured them otherwise brings it from one place to another.
+  const PoseLine carried(BaseOnPart(program, program.motions[i - 1].external) * *motion.X_BP_begin,
+                         BaseOnPart(program, motion.external) * X_BP);
+  return BaseOnPart(program, ExternalOf(program, i, share)).inverse(Eigen::Isometry) * carried.At(share);
 }
 
 bool HasFeed(const Motion& motion) { return motion.type == MotionType::kLinear || motion.duration > 0; }

@@ -28,9 +28,10 @@ inline DeclaredCall ChangeByHand(const Joints& at) {
   return {"the change of tool", true, at, at, "tool_change"};
 }
 
-/// One motion to a target, at whose end all axes stand. The external axes move in joint motions alone, evenly
-/// with the joints. A joint motion goes to `q` where that is known, else to `X_PT` on the arm's branch
-/// `status` with the turns `turn`.
+/// One motion to a target, at whose end all axes stand. The external axes move evenly with it: in joint
+/// motions with the joints; in straight ones the tip stays on its line, and the tool turns as ever, in the
+/// frame that the target counts in, which they carry. A joint motion goes to `q` where that is known, else to
+/// `X_PT` on the arm's branch `status` with the turns `turn`.
 struct Motion {
   MotionType type = MotionType::kJoint;
   Pose X_PT = Pose::Identity();  ///< target, tool in the workpiece frame; unset when read from joint angles
@@ -40,6 +41,9 @@ struct Motion {
   ExternalPosition external;
   /// The frame that the target counts in, in the robot's base as it stands then; empty: the program's.
   std::optional<Pose> X_BP;
+  /// The same frame in the robot's base as it stands where a motion with feed begins on whose way external
+  /// axes move; else empty.
+  std::optional<Pose> X_BP_begin = std::nullopt;
   double feed = 0;      ///< mm/s of the tip, LIN only
   double duration = 0;  ///< s, joint motions in inverse time; 0: as fast as the axes allow
   /// Orientation as programmed in three angles (SINUMERIK, Cartesian LinuxCNC), rad, not wrapped. They run
@@ -96,9 +100,10 @@ struct MotionProgram {
   std::string name;
   std::vector<std::pair<std::string, std::string>> header;  ///< key, value: printed as comments
   std::vector<ExternalAxis> external_axes;                  ///< of the cell
-  std::optional<Pose> X_BP;  ///< workpiece (base) frame in the robot's base; empty when the text has none
-  std::optional<Pose> X_FT;  ///< tool in the flange; empty when the text has none
-  AxisConvention axes;       ///< that `turn` counts in
+  Pose X_WB = Pose::Identity();  ///< of the cell, with all of them at 0; unset where there are none
+  std::optional<Pose> X_BP;      ///< workpiece (base) frame in the robot's base; empty when the text has none
+  std::optional<Pose> X_FT;      ///< tool in the flange; empty when the text has none
+  AxisConvention axes;           ///< that `turn` counts in
   AngleOrder rotation = AngleOrder::kRpy;              ///< how `angles` of motions turn, see ToolAngles()
   Eigen::Matrix3d R_TC = Eigen::Matrix3d::Identity();  ///< controller's tool frame, whose `angles` these are
   bool blend_is_distance = false;  ///< of motions: from the corner to where its rounding may begin
@@ -124,8 +129,17 @@ inline const std::optional<Pose>& FrameOf(const MotionProgram& program, const Mo
 
 /// Whether the external axes move in motion `i`; where they come from before the first one is not known.
 bool MovesExternal(const MotionProgram& program, size_t i);
+/// Whether they move along a cut: in a motion with feed.
+bool Rides(const MotionProgram& program, size_t i);
+/// Whether they do so anywhere.
+bool HasRides(const MotionProgram& program);
 /// Where they stand at `share` (0..1) of its way.
 ExternalPosition ExternalOf(const MotionProgram& program, size_t i, double share);
+/// The robot's base as seen from what carries the part, which stands in W with all external axes at 0.
+Pose BaseOnPart(const MotionProgram& program, const ExternalPosition& external);
+/// The frame that its target counts in, in the robot's base as it stands at `share` of its way. Precondition:
+/// the motion has its frame.
+Pose FrameAt(const MotionProgram& program, size_t i, double share);
 
 /// The notice of a program whose poses take the expected deflection out: run twice it would cut twice.
 inline constexpr char kCompensatedNotice[] = "COMPENSATED: NOT TO BE RUN TWICE ON ONE PART";
@@ -165,7 +179,8 @@ PlanResult Lifted(PlanResult plan, double offset);
 /// home. The spindle turns from before the first approach to after the last retract. The last cut, both ends
 /// of approach and retract, where a cut turns back, and where it slows down on its way along the tool axis,
 /// are exact. Between stations the spindle stands still, and the external axes move in a joint motion of
-/// their own, in which the arm stands at home. Precondition: WhyNotProgrammable() is empty.
+/// their own, in which the arm stands at home; where they move along a cut each of its points has its own
+/// position of them. Precondition: WhyNotProgrammable() is empty.
 MotionProgram MakeMotionProgram(const PlanResult& plan, const MotionOptions& options = {});
 
 /// Straight and timed motions; the others move as fast as the axes allow.

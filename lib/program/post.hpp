@@ -96,6 +96,9 @@ class Post {
   virtual bool NeedsSphericalWrist() const { return true; }
   /// Whether programs are read from a disk as they run: no file is too long, and entries are joint angles.
   virtual bool ReadsFromDisk() const { return false; }
+  /// Whether all axes, the external ones among them, run evenly from place to place of its programs, which
+  /// are dense enough for that: then nothing need count in what moves along a cut.
+  virtual bool MovesAllTogether() const { return false; }
   virtual double UsualCycle() const = 0;  ///< s, of interpolation as it is often set up
   /// What it adds to the arm's own limits.
   virtual TimeOptions Times() const { return {}; }

@@ -18,12 +18,24 @@ constexpr double kTurnShare = 0.5;  // of the axes' speeds, in straight motions 
 
 bool IsWay(const Motion& motion) { return motion.type == MotionType::kJoint && motion.duration == 0; }
 
-/// s, running evenly.
-double EvenSeconds(const Motion& from, const Motion& to, const Arm& arm, const TimeOptions& options) {
+/// The largest of what the external axes do in motion `i`, each in parts of what `part` says of it.
+double LargestExternal(const MotionProgram& program, size_t i, double ExternalAxis::*part) {
+  double most = 0;
+  for (size_t k = 0; k < program.external_axes.size(); ++k) {
+    const double way = program.motions[i].external[k] - program.motions[i - 1].external[k];
+    most = std::max(most, std::abs(way) / (program.external_axes[k].*part));
+  }
+  return most;
+}
+
+/// s, running evenly. External axes that move along a cut are waited for.
+double EvenSeconds(const MotionProgram& program, size_t i, const Arm& arm, const TimeOptions& options) {
+  const Motion &from = program.motions[i - 1], &to = program.motions[i];
   if (to.duration > 0) return to.duration;
   const PoseLine line(from.X_PT, to.X_PT);
   double seconds = to.feed > 0 ? line.length() / to.feed : 0;
   if (options.orientation_speed > 0) seconds = std::max(seconds, line.angle() / options.orientation_speed);
+  if (Rides(program, i)) seconds = std::max(seconds, LargestExternal(program, i, &ExternalAxis::speed));
   const double turning = (*to.q - *from.q).cwiseAbs().cwiseQuotient(arm.speed).maxCoeff() / kTurnShare;
   return line.length() > 0 ? seconds : std::max(seconds, turning);
 }
@@ -51,9 +63,11 @@ TimeLaw LawOf(const MotionProgram& program, size_t i, const Arm& arm, const Time
     const TimeLaw external = ExternalLaw(program.external_axes, from, to, options.way_speed_share);
     return external.duration > law.duration ? external : law;
   }
-  const double seconds = EvenSeconds(from, to, arm, options);
+  const double seconds = EvenSeconds(program, i, arm, options);
   if (seconds <= 0) return {};
-  const double ramp = (delta.cwiseAbs() / seconds).cwiseQuotient(arm.acceleration).maxCoeff();
+  double ramp = (delta.cwiseAbs() / seconds).cwiseQuotient(arm.acceleration).maxCoeff();
+  if (Rides(program, i))
+    ramp = std::max(ramp, LargestExternal(program, i, &ExternalAxis::acceleration) / seconds);
   return FeedLaw(seconds, ramp, from.exact, to.exact);
 }
 
@@ -94,7 +108,7 @@ class TrajectoryWriter {
     const Joints q = JointsOf(program_, arm_, i, share) * kDegPerRad;
     const ExternalPosition external = ExternalOf(program_, i, share);
     const Pose tip = TipOf(program_, arm_, i, share);
-    const Pose X_WT = Base(external) * *FrameOf(program_, program_.motions[i]) * tip;
+    const Pose X_WT = Base(external) * FrameAt(program_, i, share) * tip;
     const double back = std::max(0.0, share - kNear);
     const double speed = i == 0 || rate == 0
                              ? 0
@@ -137,7 +151,7 @@ Pose TipOf(const MotionProgram& program, const Arm& arm, size_t i, double share)
   const Motion& motion = program.motions[i];
   if (i == 0 || share >= 1) return motion.X_PT;
   if (motion.type == MotionType::kLinear) return PoseLine(program.motions[i - 1].X_PT, motion.X_PT).At(share);
-  return FrameOf(program, motion)->inverse() * ForwardFlange(arm, JointsOf(program, arm, i, share)) *
+  return FrameAt(program, i, share).inverse() * ForwardFlange(arm, JointsOf(program, arm, i, share)) *
          *program.X_FT;
 }
 
@@ -147,7 +161,7 @@ Joints JointsOf(const MotionProgram& program, const Arm& arm, size_t i, double s
   const Joints& from = *program.motions[i - 1].q;
   const Joints even = from + share * (*motion.q - from);
   if (motion.type == MotionType::kJoint) return even;
-  const Pose X_BF = *FrameOf(program, motion) * TipOf(program, arm, i, share) * program.X_FT->inverse();
+  const Pose X_BF = FrameAt(program, i, share) * TipOf(program, arm, i, share) * program.X_FT->inverse();
   return InverseNear(arm, X_BF, Status(arm, from), even).value_or(even);
 }
 
@@ -174,7 +188,7 @@ ProgramTime MeasureTime(const MotionProgram& program, const Arm& arm, const Time
     if (IsWay(motion)) {
       part.gaps = laws[i].duration;
     } else if (laws[i].duration > 0) {
-      const double even = EvenSeconds(program.motions[i - 1], motion, arm, options);
+      const double even = EvenSeconds(program, i, arm, options);
       (IsCut(program, i) ? part.cuts : part.approaches) = even;
       part.stops = laws[i].duration - even;
     }

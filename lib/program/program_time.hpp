@@ -19,9 +19,10 @@ struct TimeOptions {
 
 /// The time law of every motion: joint motions between cuts, and those of the external axes, as fast as the
 /// axes allow (FastestLaw), motions
-/// with a feed at it, no faster than the tool or, where it only turns, half of the axes' speeds allow.
-/// Each speeds up after and slows down before an exact stop with the slowest joint's acceleration. Corners
-/// that are rounded are passed at the feed. Precondition: every motion has its q.
+/// with a feed at it, no faster than the tool, external axes that move along, or, where it only turns, half
+/// of the axes' speeds allow. Each speeds up after and slows down before an exact stop with the slowest
+/// axis's acceleration. Corners that are rounded are passed at the feed. Precondition: every motion has its
+/// q.
 std::vector<TimeLaw> TimeMotions(const MotionProgram& program, const Arm& arm, const TimeOptions& options);
 
 /// What TimeMotions adds up to.

@@ -31,6 +31,7 @@ ProgramReader::ProgramReader(const ProgramFiles& files, const PostSettings& sett
       templates_(std::move(templates)) {
   program_.axes = settings.axes;
   program_.external_axes = settings.mechanism.axes();
+  if (!external_.empty()) program_.X_WB = settings.X_WB;
 }
 
 MotionProgram ProgramReader::Read(const std::vector<std::string>& extensions) {

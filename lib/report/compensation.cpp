@@ -61,10 +61,11 @@ std::string CompensationCsv(const PlanResult& plan) {
   csv += ",shift_x_um,shift_y_um,shift_z_um,weight_x_um,weight_y_um,weight_z_um,cut_to_max\n";
   size_t number = 0;
   for (const PassResult& pass : plan.passes) {
-    const Eigen::Matrix3d R_PW = PartAt(plan, pass.external).linear().transpose();
-    for (const PlannedPoint& point : pass.points) {
+    for (size_t i = 0; i < pass.points.size(); ++i) {
+      const PlannedPoint& point = pass.points[i];
       const size_t here = number++;
       if (!point.compensation) continue;
+      const Eigen::Matrix3d R_PW = PartAt(plan, ExternalAt(pass, i)).linear().transpose();
       const Compensation& c = *point.compensation;
       std::string row = fmt::format("{},{}", here, pass.pass);
       AppendVector(R_PW * c.force, row);

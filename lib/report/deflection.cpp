@@ -4,6 +4,23 @@
 #include "plan/station.hpp"
 
 namespace millpose {
+namespace {
+
+/// What a deflection needs to know of the external axes' position.
+struct Standing {
+  Standing(const PlanResult& plan, const std::vector<SeriesCompliance>& compliances,
+           const ExternalPosition& external)
+      : R_BW(BaseAt(plan, external).linear().transpose()),
+        R_PB(PartAt(plan, external).linear().transpose() * BaseAt(plan, external).linear()),
+        to_zero(ToZero(plan, external)),
+        beside(CompliancesAt(plan, external, compliances)) {}
+
+  Eigen::Matrix3d R_BW, R_PB;
+  Pose to_zero;
+  std::vector<SeriesCompliance> beside;  ///< the joints
+};
+
+}  // namespace
 
 DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& heaviest,
                                     const std::vector<SeriesCompliance>& compliances, int finished_from) {
@@ -14,15 +31,14 @@ DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& 
   std::vector<FacePoint> face;
   size_t number = 0;
   for (const PassResult& pass : plan.passes) {
-    const Pose X_WB = BaseAt(plan, pass.external), X_WP = PartAt(plan, pass.external);
-    const Eigen::Matrix3d R_BW = X_WB.linear().transpose();
-    const Eigen::Matrix3d R_PB = X_WP.linear().transpose() * X_WB.linear();
-    const Pose to_zero = ToZero(plan, pass.external);
-    const std::vector<SeriesCompliance> beside = CompliancesAt(plan, pass.external, compliances);
-    for (const PlannedPoint& planned : pass.points) {
+    Standing at(plan, compliances, pass.external);
+    for (size_t i = 0; i < pass.points.size(); ++i) {
+      const PlannedPoint& planned = pass.points[i];
       const size_t here = number++;
       const MillingPoint& point = planned.point;
       if (planned.skip != Obstacle::kNone || point.kind != PointKind::kCut) continue;
+      if (planned.external) at = Standing(plan, compliances, *planned.external);
+      const auto& [R_BW, R_PB, to_zero, beside] = at;
       const Matrix6 C = Compliance(Jacobian(plan.arm, planned.q, origin), plan.arm.stiffness) +
                         SeriesComplianceAt(plan.arm, planned.q, origin, beside);
       const Eigen::Matrix3d c = C.topLeftCorner<3, 3>();

@@ -22,9 +22,17 @@ using namespace html;
 /// axes at 0.
 Json BasesJson(const PlanResult& plan) {
   Json bases = Json::array();
-  for (const PassResult& pass : plan.passes)
-    bases.push_back(Matrix(ToZero(plan, pass.external) * BaseAt(plan, pass.external)));
+  for (const PassResult& pass : plan.passes) bases.push_back(Matrix(BaseFromPartAtZero(plan, pass.external)));
   return bases;
+}
+
+/// The same of every row, where external axes move along passes.
+std::string RowBases(const PlanResult& plan, const std::vector<ReportRow>& rows) {
+  std::vector<Pose> bases;
+  for (const ReportRow& row : rows)
+    bases.push_back(BaseFromPartAtZero(
+        plan, ExternalAt(plan.passes[static_cast<size_t>(row.pass)], static_cast<size_t>(row.point))));
+  return PackPoses(bases);
 }
 
 /// Lengths of the passes, and where each begins when they are laid end to end, mm.
@@ -56,7 +64,7 @@ Json RowsJson(const PlanResult& plan, const std::vector<ReportRow>& rows, const 
     branch.push_back(static_cast<uint32_t>(p.branch));
     kind.push_back(static_cast<uint32_t>(p.point.kind));
     way.push_back(static_cast<float>(layout.begin[row.pass] + p.point.arc_length));
-    const std::vector<double>& external = plan.passes[row.pass].external;
+    const ExternalPosition& external = ExternalAt(plan.passes[row.pass], static_cast<size_t>(row.point));
     position.push_back(OnPartAtZero(plan, external, p.point.position));
     normal.push_back(external.empty() ? p.point.normal : ToZero(plan, external).linear() * p.point.normal);
   }
@@ -265,6 +273,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"settings", input.settings}};
   data["bodies"] = BodiesJson(input.cell, limits);
   if (!plan.external_axes.empty()) data["bases"] = BasesJson(plan);
+  if (MovesAlong(plan)) data["row_bases"] = RowBases(plan, rows);
 
   return ScriptText(data);
 }

@@ -16,6 +16,8 @@ Json Matrix(const Pose& pose);
 Json Degrees(const Joints& angles);
 /// x, y, z of each in turn, packed as floats.
 std::string PackVectors(const std::vector<Eigen::Vector3d>& vectors);
+/// The upper three rows of each in turn, row by row, mm, packed as floats.
+std::string PackPoses(const std::vector<Pose>& poses);
 
 /// As it may stand in a script element: "<" is written as an escape, bytes that are no UTF-8 are replaced.
 std::string ScriptText(const Json& data);

@@ -21,6 +21,7 @@ Json TimelineJson(const HtmlInput& input, const std::vector<ReportRow>& rows) {
   std::vector<float> time, degrees;
   std::vector<uint32_t> row, stretch, pass;
   std::vector<Eigen::Vector3d> tip;
+  std::vector<Pose> bases;
   for (const RunInstant& instant : *input.timeline) {
     const auto found = row_of.find({instant.pass, instant.point});
     if (instant.point >= 0 && found == row_of.end()) continue;  // of a point that is not shown
@@ -36,14 +37,17 @@ Json TimelineJson(const HtmlInput& input, const std::vector<ReportRow>& rows) {
     if (same) continue;
     for (const double q : instant.q) degrees.push_back(static_cast<float>(RadToDeg(q)));
     tip.push_back(OnPartAtZero(input.plan, instant.external, instant.tip));
+    bases.push_back(BaseFromPartAtZero(input.plan, instant.external));
   }
-  return {{"seconds", input.timeline->back().time},
-          {"time_s", PackFloats(time)},
-          {"stretch", PackUint32(stretch)},
-          {"pass", PackUint32(pass)},
-          {"row", PackUint32(row)},
-          {"joints_deg", PackFloats(degrees)},
-          {"tip_mm", PackVectors(tip)}};
+  Json json{{"seconds", input.timeline->back().time},
+            {"time_s", PackFloats(time)},
+            {"stretch", PackUint32(stretch)},
+            {"pass", PackUint32(pass)},
+            {"row", PackUint32(row)},
+            {"joints_deg", PackFloats(degrees)},
+            {"tip_mm", PackVectors(tip)}};
+  if (MovesAlong(input.plan)) json["bases"] = PackPoses(bases);
+  return json;
 }
 
 Json NearestJson(const HtmlInput& input, const std::vector<ReportRow>& rows) {
@@ -61,8 +65,9 @@ Json NearestJson(const HtmlInput& input, const std::vector<ReportRow>& rows) {
     if (fresh) pairs.push_back(names);
     pair.back() = 2 + entry->second;
     for (const Eigen::Vector3d& end : found->second->ends)
-      ends.push_back(
-          OnPartAtZero(input.plan, input.plan.passes[static_cast<size_t>(row.pass)].external, end));
+      ends.push_back(OnPartAtZero(
+          input.plan,
+          ExternalAt(input.plan.passes[static_cast<size_t>(row.pass)], static_cast<size_t>(row.point)), end));
   }
   return {{"pairs", pairs}, {"pair", PackUint32(pair)}, {"ends_mm", PackVectors(ends)}};
 }

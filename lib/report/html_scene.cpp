@@ -70,6 +70,15 @@ Json Degrees(const Joints& angles) {
   return list;
 }
 
+std::string PackPoses(const std::vector<Pose>& poses) {
+  std::vector<float> values;
+  values.reserve(12 * poses.size());
+  for (const Pose& pose : poses)
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 4; ++j) values.push_back(static_cast<float>(pose.matrix()(i, j)));
+  return PackFloats(values);
+}
+
 std::string PackVectors(const std::vector<Eigen::Vector3d>& vectors) {
   std::vector<float> values;
   values.reserve(3 * vectors.size());

@@ -21,9 +21,9 @@ std::vector<const PlannedPoint*> AllPoints(const PlanResult& plan) {
 PlanResult OnPart(PlanResult plan) {
   for (PassResult& pass : plan.passes) {
     if (pass.external.empty()) continue;
-    const Pose to_zero = ToZero(plan, pass.external);
-    for (PlannedPoint& planned : pass.points) {
-      MillingPoint& point = planned.point;
+    for (size_t i = 0; i < pass.points.size(); ++i) {
+      const Pose to_zero = ToZero(plan, ExternalAt(pass, i));
+      MillingPoint& point = pass.points[i].point;
       point.position = to_zero * point.position;
       for (Eigen::Vector3d* direction : {&point.normal, &point.tool_axis, &point.feed})
         *direction = to_zero.linear() * *direction;

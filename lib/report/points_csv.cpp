@@ -115,12 +115,12 @@ void AppendRow(const PassResult& pass, const PlannedPoint& planned, size_t numbe
   if (commanded) AppendCommanded(planned, &row);
 }
 
-// What stands behind every row of a pass.
-std::string EndOfRow(const std::vector<ExternalAxis>& axes, const PassResult& pass) {
+// What stands behind a row.
+std::string EndOfRow(const std::vector<ExternalAxis>& axes, const ExternalPosition& external) {
   std::string text;
   for (size_t i = 0; i < axes.size(); ++i)
     fmt::format_to(std::back_inserter(text), ",{:.17g}",
-                   axes[i].kind == AxisKind::kLinear ? pass.external[i] : RadToDeg(pass.external[i]));
+                   axes[i].kind == AxisKind::kLinear ? external[i] : RadToDeg(external[i]));
   return text + '\n';
 }
 
@@ -162,12 +162,12 @@ void WritePointsCsv(const PlanResult& plan, const CutterShape& cutter, int threa
   const auto rows = [&](size_t p) {
     std::string csv;
     const PassResult& pass = plan.passes[p];
-    const std::string end = EndOfRow(axes, pass);
+    const std::string standing = EndOfRow(axes, pass.external);
     for (size_t i = 0; i < pass.points.size(); ++i) {
       std::string row;
       AppendRow(pass, pass.points[i], first_numbers[p] + i, commanded, row);
       if (leans) AppendLean(plan, pass.points[i], cutter, row);
-      csv += row + end;
+      csv += row + (pass.points[i].external ? EndOfRow(axes, *pass.points[i].external) : standing);
     }
     return csv;
   };

@@ -8,6 +8,7 @@
 
 #include "base/trig.hpp"
 #include "base/units.hpp"
+#include "plan/station.hpp"
 
 namespace millpose {
 namespace {
@@ -16,6 +17,7 @@ struct CutPoint {
   const PlannedPoint* planned = nullptr;
   size_t number = 0;
   int pass = 0;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< on the part as it stands with all external axes at 0
 };
 
 PoseStep Between(const ToolUncertainty& tool, PoseStep::Why why, const CutPoint& a, const CutPoint& b) {
@@ -27,14 +29,16 @@ PoseStep Between(const ToolUncertainty& tool, PoseStep::Why why, const CutPoint&
 }
 
 /// The planned cut points of a pass by pieces.
-std::vector<std::vector<CutPoint>> CutsOf(const PassResult& pass, size_t first_number) {
+std::vector<std::vector<CutPoint>> CutsOf(const PlanResult& plan, const PassResult& pass,
+                                          size_t first_number) {
   std::vector<std::vector<CutPoint>> cuts;
   for (const Piece& piece : pass.pieces) {
     std::vector<CutPoint>& cut = cuts.emplace_back();
     for (int t = piece.first; t <= piece.last; ++t) {
       const PlannedPoint& point = pass.points[static_cast<size_t>(t)];
       if (point.skip == Obstacle::kNone && point.point.kind == PointKind::kCut)
-        cut.push_back({&point, first_number + static_cast<size_t>(t), pass.pass});
+        cut.push_back({&point, first_number + static_cast<size_t>(t), pass.pass,
+                       OnPartAtZero(plan, ExternalAt(pass, static_cast<size_t>(t)), point.point.position)});
     }
   }
   return cuts;
@@ -60,7 +64,7 @@ class Face {
     size_t first = 0;
     for (const PassResult& pass : plan.passes) {
       if (pass.pass >= finished_from)
-        for (const std::vector<CutPoint>& cut : CutsOf(pass, first))
+        for (const std::vector<CutPoint>& cut : CutsOf(plan, pass, first))
           points_.insert(points_.end(), cut.begin(), cut.end());
       first += pass.points.size();
     }
@@ -93,7 +97,7 @@ class Face {
   }
 
  private:
-  static const Eigen::Vector3d& At(const CutPoint& point) { return point.planned->point.position; }
+  static const Eigen::Vector3d& At(const CutPoint& point) { return point.place; }
 
   std::vector<CutPoint> points_;
   int axis_ = 0;
@@ -122,7 +126,7 @@ PoseSteps FindPoseSteps(const PlanResult& plan, const ToolUncertainty& tool, int
   PoseSteps steps{tool, {}, std::nullopt};
   size_t first = 0;
   for (const PassResult& pass : plan.passes) {
-    AddParts(pass, CutsOf(pass, first), tool, steps.parts);
+    AddParts(pass, CutsOf(plan, pass, first), tool, steps.parts);
     first += pass.points.size();
   }
   const Face face(plan, finished_from);

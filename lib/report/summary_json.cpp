@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/units.hpp"
+#include "plan/station.hpp"
 #include "report/compensation_json.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/lifts_json.hpp"
@@ -71,11 +72,19 @@ Json ExternalJson(const PlanResult& plan) {
                     {"carries", WordOf(kCarriesWords, axis.carries)},
                     {"unit", axis.kind == AxisKind::kLinear ? "mm" : "deg"}});
   for (const PassResult& pass : plan.passes) passes.push_back(shown(pass.external));
+  Json along = Json::array();  // from where to where, where they move in a cut
+  for (const PassResult& pass : plan.passes)
+    if (MovesAlong(pass))
+      along.push_back({{"pass", pass.pass},
+                       {"from", shown(ExternalAt(pass, 0))},
+                       {"to", shown(ExternalAt(pass, pass.points.size() - 1))}});
   size_t moves = 0;
   double seconds = 0;
   for (const Gap& gap : plan.gaps)
     if (gap.external) ++moves, seconds += gap.external->duration;
-  return {{"axes", axes}, {"passes", passes}, {"moves", moves}, {"moves_s", seconds}};
+  Json external{{"axes", axes}, {"passes", passes}, {"moves", moves}, {"moves_s", seconds}};
+  if (!along.empty()) external["along"] = along;
+  return external;
 }
 
 Json JointsJson(const Joints& values) { return std::vector<double>(values.begin(), values.end()); }

@@ -17,7 +17,8 @@ Eigen::Vector3d TowardNormal(const Eigen::Vector3d& normal, const Eigen::Vector3
 Eigen::Vector3d TipAtContact(const CutterShape& cutter, const Eigen::Vector3d& contact,
                              const Eigen::Vector3d& normal, const Eigen::Vector3d& axis) {
   const double r = cutter.corner_radius;
-  return contact + r * (normal - axis) + (cutter.radius - r) * TowardNormal(normal, axis);
+  const Eigen::Vector3d tip = contact + r * (normal - axis);
+  return cutter.IsBall() ? tip : tip + (cutter.radius - r) * TowardNormal(normal, axis);
 }
 
 Eigen::Vector3d ContactAtTip(const CutterShape& cutter, const Eigen::Vector3d& tip,

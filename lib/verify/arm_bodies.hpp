@@ -14,6 +14,8 @@ class ArmBodies {
 
   /// Whether any point of arm and tool may be further apart than `distance` (mm) at joint angles q and p.
   bool MovesFurther(const Joints& q, const Joints& p, double distance) const;
+  /// mm: no point of arm and tool is farther from the base.
+  double reach() const { return reach_; }
   const Cell& cell() const { return cell_; }
 
  private:

@@ -33,6 +33,7 @@ class PathFollower {
   PathDeviation Off(const Pose& pose) const;
   /// The segment where the follower stands.
   size_t segment() const { return segment_; }
+  double share() const { return share_; }  ///< and how far along it
 
  private:
   PathDeviation Measure(const Pose& pose, size_t segment, double from, double& share) const;

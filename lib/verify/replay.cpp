@@ -13,6 +13,7 @@ constexpr double kTurnStep = 0.5 * kRadPerDeg;
 constexpr double kLargestTurn = 4 * kPi;  // rad that a straight motion may turn; more is no program of ours
 constexpr double kFarOutside = 2 * kPi;   // rad beyond the limits: not sampled, the arm stays where it was
 constexpr double kCallSlack = 1e-4;       // rad: six decimals of a degree, and turns counted exactly
+constexpr double kMostSteps = 1e6;        // of one motion: lengths and turns are bounded before
 constexpr double kTargetStep = 5;  // mm: from target to target full revolutions must be followed, no more
 
 /// The programmed tool in B of a motion; the tool that the program believes in.
@@ -26,19 +27,39 @@ Pose ToolOf(const MotionProgram& program, const Cell& cell) { return program.X_F
 struct FramedLine {
   ProgrammedLine line;
   Pose X_BP = Pose::Identity();
+  /// Where external axes carry that frame along: the program, and which of its motions.
+  const MotionProgram* program = nullptr;
+  size_t index = 0;
 
-  Pose At(double share) const { return X_BP * line.At(share); }
+  Pose At(double share) const { return (program ? FrameAt(*program, index, share) : X_BP) * line.At(share); }
   double length() const { return line.length(); }
   double angle() const { return line.angle(); }
 };
 
-int StepsOf(const FramedLine& line, double step) {
-  return std::max(1, static_cast<int>(std::ceil(std::max(line.length() / step, line.angle() / kTurnStep))));
+int StepsOf(const FramedLine& line, double step, double external_parts = 0) {
+  const double parts = std::max({line.length() / step, line.angle() / kTurnStep, external_parts});
+  return std::max(1, static_cast<int>(std::ceil(std::min(parts, kMostSteps))));
+}
+
+/// The same where external axes carry the target's frame along: straight, and turning as ever, in that frame.
+FramedLine CarriedLineOf(const MotionProgram& program, size_t index, const Pose& X_BT) {
+  const Motion &motion = program.motions[index], &before = program.motions[index - 1];
+  const Pose from = motion.X_BP_begin->inverse() * X_BT;
+  const auto carried = [&](const ProgrammedLine& line) {
+    return FramedLine{line, Pose::Identity(), &program, index};
+  };
+  if (program.swivel) return carried(ProgrammedLine(from, motion.X_PT, *program.swivel));
+  if (!motion.angles) return carried(ProgrammedLine(from, motion.X_PT));
+  const Eigen::Vector3d first =
+      before.angles ? *before.angles : ToolAngles(program.rotation, from.linear() * program.R_TC);
+  return carried(ProgrammedLine(from.translation(), motion.X_PT.translation(), program.rotation, program.R_TC,
+                                first, *motion.angles));
 }
 
 /// The straight motion `index` of a program from where the tool stands.
 FramedLine LineOf(const MotionProgram& program, size_t index, const Pose& X_BT) {
   const Motion& motion = program.motions[index];
+  if (motion.X_BP_begin) return CarriedLineOf(program, index, X_BT);
   const Pose target = ProgrammedTool(program, motion);
   if (program.swivel) return {ProgrammedLine(X_BT, target, *program.swivel)};
   if (!motion.angles) return {ProgrammedLine(X_BT, target)};
@@ -90,7 +111,8 @@ std::optional<Joints> StraightTarget(const MotionProgram& program, const Cell& c
     return std::nullopt;
   }
   std::vector<Joints> angles;
-  if (!FollowLine(cell.arm, X_FT, line, StepsOf(line, kTargetStep), q, angles)) return std::nullopt;
+  const double parts = ExternalParts(program, index, kTargetStep, kTurnStep);
+  if (!FollowLine(cell.arm, X_FT, line, StepsOf(line, kTargetStep, parts), q, angles)) return std::nullopt;
   return angles.back();
 }
 
@@ -106,11 +128,27 @@ std::optional<Joints> CallTarget(const MotionProgram& program, const Motion& mot
   return std::nullopt;
 }
 
+/// The external axis that motion `index` takes along a cut to farther outside its limits than they are wide;
+/// empty for none.
+std::string FarAlong(const MotionProgram& program, size_t index) {
+  for (size_t k = 0; k < program.external_axes.size() && Rides(program, index); ++k) {
+    const ExternalAxis& axis = program.external_axes[k];
+    const double value = program.motions[index].external[k], range = axis.upper - axis.lower;
+    const bool near = value >= axis.lower - range && value <= axis.upper + range;
+    if (!near) return axis.name;
+  }
+  return {};
+}
+
 /// The joint target of one motion from `q`; empty with a reason.
 std::optional<Joints> Target(const MotionProgram& program, const Cell& cell, size_t index,
                              const std::optional<Joints>& q, std::string& reason) {
   const Motion& motion = program.motions[index];
   if (motion.call >= 0) return CallTarget(program, motion, q, reason);
+  if (const std::string far = FarAlong(program, index); !far.empty()) {
+    reason = fmt::format("{} leaves its limits by more than its whole range", far);
+    return std::nullopt;
+  }
   if (motion.type == MotionType::kJoint && motion.q) {
     const int axis = FarOutside(cell.arm, *motion.q);
     if (axis == 0) return motion.q;
@@ -141,6 +179,15 @@ std::optional<Joints> Target(const MotionProgram& program, const Cell& cell, siz
 
 }  // namespace
 
+double ExternalParts(const MotionProgram& program, size_t index, double length, double angle) {
+  double parts = 0;
+  for (size_t k = 0; k < program.external_axes.size() && MovesExternal(program, index); ++k) {
+    const double way = std::abs(program.motions[index].external[k] - program.motions[index - 1].external[k]);
+    parts = std::max(parts, way / (program.external_axes[k].kind == AxisKind::kLinear ? length : angle));
+  }
+  return parts;
+}
+
 Finding At(const MotionProgram& program, size_t motion, Cause cause, std::string message) {
   const Motion& at = program.motions[motion];
   const std::string file = at.file < static_cast<int>(program.files.size())
@@ -167,7 +214,9 @@ std::vector<ProgrammedLine> OtherWays(const MotionProgram& program, const Replay
                                       size_t index) {
   if (!program.any_turn || index == 0 || program.motions[index].type != MotionType::kLinear) return {};
   const Motion& motion = program.motions[index];
-  const Pose X_PB = FrameOf(program, motion).value_or(Pose::Identity()).inverse();
+  const Pose X_PB =
+      (motion.X_BP_begin ? *motion.X_BP_begin : FrameOf(program, motion).value_or(Pose::Identity()))
+          .inverse();
   const Pose start = X_PB * ForwardFlange(cell.arm, replay.targets[index - 1]) * ToolOf(program, cell);
   std::vector<ProgrammedLine> ways = {ProgrammedLine(start, motion.X_PT)};
   if (!motion.angles) return ways;
@@ -180,9 +229,11 @@ std::vector<ProgrammedLine> OtherWays(const MotionProgram& program, const Replay
   return ways;
 }
 
-Pose RealTool(const MotionProgram& program, const Cell& cell, size_t index, const Pose& X_PT) {
-  return FrameOf(program, program.motions[index]).value_or(Pose::Identity()) * X_PT *
-         ToolOf(program, cell).inverse() * cell.X_FT;
+Pose RealTool(const MotionProgram& program, const Cell& cell, size_t index, double share, const Pose& X_PT) {
+  const Motion& motion = program.motions[index];
+  const Pose X_BP = motion.X_BP_begin ? FrameAt(program, index, share)
+                                      : FrameOf(program, motion).value_or(Pose::Identity());
+  return X_BP * X_PT * ToolOf(program, cell).inverse() * cell.X_FT;
 }
 
 void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay& replay, size_t index,
@@ -195,7 +246,8 @@ void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay
   const FramedLine line = motion.type == MotionType::kLinear
                               ? LineOf(program, index, start)
                               : FramedLine{ProgrammedLine(start, ForwardFlange(cell.arm, to) * X_FT)};
-  const int steps = StepsOf(line, step);
+  const bool rides = Rides(program, index);
+  const int steps = StepsOf(line, step, rides ? ExternalParts(program, index, step, kTurnStep) : 0);
   std::vector<Joints> angles;
   if (motion.type == MotionType::kJoint) {
     for (int i = 1; i <= steps; ++i) angles.push_back(from + (to - from) * (static_cast<double>(i) / steps));

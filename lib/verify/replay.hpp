@@ -31,12 +31,17 @@ Replay ReplayTargets(const MotionProgram& program, const Cell& cell, std::vector
 void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay& replay, size_t index,
                     double step, std::vector<Instant>& instants, std::vector<Finding>& findings);
 
+/// In how many parts of `length` (mm) or `angle` (rad) the external axes move in motion `index`; 0 where they
+/// stand still.
+double ExternalParts(const MotionProgram& program, size_t index, double length, double angle);
+
 /// The straight motion `index` in P as the control may also turn the tool (MotionProgram::any_turn); empty
 /// where there is but one way.
 std::vector<ProgrammedLine> OtherWays(const MotionProgram& program, const Replay& replay, const Cell& cell,
                                       size_t index);
-/// X_BT of the cell's real tool where the program believes its own to be at X_PT in motion `index`.
-Pose RealTool(const MotionProgram& program, const Cell& cell, size_t index, const Pose& X_PT);
+/// X_BT of the cell's real tool where the program believes its own to be at X_PT at `share` of motion
+/// `index`.
+Pose RealTool(const MotionProgram& program, const Cell& cell, size_t index, double share, const Pose& X_PT);
 
 /// A finding at a motion of `program`.
 Finding At(const MotionProgram& program, size_t motion, Cause cause, std::string message);

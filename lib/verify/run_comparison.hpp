@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "program/overlap.hpp"
 #include "verify/arm_bodies.hpp"
 #include "verify/compare.hpp"
 #include "verify/corner.hpp"
@@ -19,20 +20,27 @@ class RunComparison {
 
  private:
   const Motion& PlanMotion(size_t segment) const { return plan_.program.motions[plan_run_.first + segment]; }
-  /// The real tool in the real workpiece's frame: what the plan states is compared there.
-  Pose Tool(const Joints& q) const;
+  /// The real tool in the real workpiece's frame, where motion `i` ends: what the plan states is compared
+  /// there.
+  Pose Tool(size_t i) const { return ToolAt(i, 1, replayed_.replay.targets[i]); }
+  Pose ToolAt(size_t i, double share, const Joints& q) const;
+  Pose BaseAt(size_t i, double share) const;
   bool ReachedAll() const;
   bool LengthsFit();
   void Sample();
   void CompareForward();
   bool CompareOtherWays(const Instant& instant, const PathFollower& follower);
-  void CompareFeed(const Instant& before, const Instant& instant, size_t segment);
-  bool LeavesProven(const Joints& q, size_t segment) const;
+  void CompareFeed(size_t instant, size_t segment);
+  bool CompareExternal(const Instant& instant, const PathFollower& follower, const PathDeviation& off);
+  double PassesBy(size_t axis, size_t segment, const PathDeviation& off) const;
+  bool LeavesProven(const Instant& instant, const PathFollower& follower) const;
   void CompareBackward();
   void CompareStops();
   void ComparePlannedStops();
   void CompareCorner(size_t i);
   CornerRounding OverlapAt(size_t i) const;
+  /// The tool where joints and external axes are by so much beside the end of motion `i`.
+  Pose Passed(size_t i, const AllAxes& off) const;
   bool PlannedStop(size_t i) const;
   std::string Name(size_t segment) const;
 
@@ -44,8 +52,9 @@ class RunComparison {
   const ArmBodies& bodies_;
   const VerifyOptions& options_;
   std::vector<Proof>& proofs_;
-  Pose X_PB_;
-  std::vector<Pose> path_;  // the plan's, segment k ends at path_[k + 1]
+  const bool plan_rides_, rides_;  // external axes move along: in the plan; in it or the program
+  Pose X_PB_;                      // where the run begins
+  std::vector<Pose> path_;         // the plan's, segment k ends at path_[k + 1]
   std::vector<Instant> instants_;
   std::vector<Pose> driven_;          // the instants' tools in P
   std::vector<ProgrammedLine> ways_;  // other than replayed, of motion ways_of_

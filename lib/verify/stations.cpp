@@ -10,6 +10,7 @@ namespace {
 constexpr double kArmStands = 1e-4;      // rad: six decimals of a degree
 constexpr double kSameLength = 1e-3;     // mm: four decimals
 constexpr double kSameTurn = 1.7453e-5;  // rad (0.001°)
+constexpr double kSpeedSlack = 1.001;
 
 bool IsRotary(const ExternalAxis& axis) { return axis.kind == AxisKind::kRotary; }
 double SlackOf(const ExternalAxis& axis) { return IsRotary(axis) ? kSameTurn : kSameLength; }
@@ -34,7 +35,7 @@ struct Station {
 std::vector<Station> StationsOf(const Replayed& replayed) {
   std::vector<Station> stations;
   for (size_t i = 0; i < replayed.program.motions.size(); ++i) {
-    if (i > 0 && !MovesExternal(replayed.program, i)) continue;
+    if (i > 0 && (!MovesExternal(replayed.program, i) || Rides(replayed.program, i))) continue;
     const auto runs = std::ranges::count_if(replayed.runs, [i](const FeedRun& run) { return run.first < i; });
     stations.push_back({replayed.program.motions[i].external, i, static_cast<size_t>(runs)});
   }
@@ -68,10 +69,7 @@ bool CheckExternal(const Replayed& replayed, size_t i, const Cell& cell, std::ve
                   fmt::format("{} at {} leaves its limits {} to {}", axes[k].name, ValueText(axes[k], value),
                               ValueText(axes[k], axes[k].lower), ValueText(axes[k], axes[k].upper)));
   }
-  if (!MovesExternal(replayed.program, i)) return true;
-  if (HasFeed(motions[i]))
-    return report(Cause::kPath, "the external axes move in a cut; they must stand still: " +
-                                    Text(axes, motions[i - 1].external) + " expected");
+  if (!MovesExternal(replayed.program, i) || Rides(replayed.program, i)) return true;
   const double turned = (replayed.replay.targets[i] - replayed.replay.targets[i - 1]).cwiseAbs().maxCoeff();
   if (turned > kArmStands)
     return report(Cause::kWay, fmt::format("the arm turns by {:.3f} deg of a joint while the external axes "
@@ -80,6 +78,36 @@ bool CheckExternal(const Replayed& replayed, size_t i, const Cell& cell, std::ve
   if (!motions[i].exact || !motions[i - 1].exact)
     return report(Cause::kStop, "no stop where the external axes begin and end to move");
   return true;
+}
+
+bool CheckExternalSpeed(const Replayed& replayed, size_t i, double seconds, std::vector<Finding>& findings) {
+  const MotionProgram& program = replayed.program;
+  if (!Rides(program, i)) return false;
+  for (size_t k = 0; k < program.external_axes.size(); ++k) {
+    const ExternalAxis& axis = program.external_axes[k];
+    const double speed =
+        std::abs(program.motions[i].external[k] - program.motions[i - 1].external[k]) / seconds;
+    if (speed <= axis.speed * kSpeedSlack) continue;
+    findings.push_back(At(program, i, Cause::kJointSpeed,
+                          fmt::format("{} would move at {}/s, it can do {}/s", axis.name,
+                                      ValueText(axis, speed), ValueText(axis, axis.speed))));
+    return true;
+  }
+  return false;
+}
+
+std::string ExternalJump(const Replayed& replayed, size_t i, double in, double out, double jump_time) {
+  const std::vector<Motion>& motions = replayed.program.motions;
+  for (size_t k = 0; k < replayed.program.external_axes.size(); ++k) {
+    const ExternalAxis& axis = replayed.program.external_axes[k];
+    const double jump = (motions[i + 1].external[k] - motions[i].external[k]) / out -
+                        (motions[i].external[k] - motions[i - 1].external[k]) / in;
+    if (std::abs(jump) > axis.acceleration * jump_time)
+      return fmt::format(
+          "{} would have to change its speed by {}/s at a corner that is passed without a stop", axis.name,
+          ValueText(axis, std::abs(jump)));
+  }
+  return {};
 }
 
 void CompareStations(const Replayed& replayed, const Replayed& plan, const VerifyOptions& options,

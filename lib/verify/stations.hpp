@@ -11,8 +11,15 @@ Pose BaseInWorld(const Cell& cell, const ExternalPosition& external);
 Pose BaseInPart(const Cell& cell, const ExternalPosition& external);
 
 /// What holds of the external axes whatever the plan: in motion `i` they stay within their limits, and where
-/// they move nothing else does, from a stop to a stop. True when motion `i` is as it should be.
+/// they move outside cuts nothing else does, from a stop to a stop. True when motion `i` is as it should be.
 bool CheckExternal(const Replayed& replayed, size_t i, const Cell& cell, std::vector<Finding>& findings);
+
+/// Whether external axes that move along with motion `i`, which takes `seconds`, are faster than they can be:
+/// a finding then.
+bool CheckExternalSpeed(const Replayed& replayed, size_t i, double seconds, std::vector<Finding>& findings);
+/// Why one cannot pass the corner behind motion `i` without a stop: motions `i` and i + 1 take `in` and `out`
+/// s; empty where all can.
+std::string ExternalJump(const Replayed& replayed, size_t i, double in, double out, double jump_time);
 
 /// Compares the stations in their order: where the external axes stand, after how many cuts they go there,
 /// where the arm stands meanwhile.

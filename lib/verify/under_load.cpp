@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "plan/station.hpp"
 #include "robot/kinematics.hpp"
 #include "verify/compare.hpp"
 #include "verify/stations.hpp"
@@ -12,12 +13,43 @@ namespace {
 
 using Eigen::Vector3d;
 
+/// A cut as the part sees it, which stands where it does with the external axes at one position.
+class OnPart {
+ public:
+  OnPart(const Cell& cell, const ExternalPosition& external) : cell_(cell), external_(external) {}
+
+  /// The tip with the external axes at `there`.
+  Vector3d Tip(const Joints& q, const ExternalPosition& there) const {
+    const Pose X_WB =
+        there == external_ ? BaseInWorld(cell_, there) : PartInWorld(external_) * BaseInPart(cell_, there);
+    return (X_WB * ForwardFlange(cell_.arm, q) * cell_.X_FT).translation();
+  }
+  /// What is at `place` in W with the external axes at `there`, and a direction.
+  Vector3d Place(const Vector3d& place, const ExternalPosition& there) const {
+    return there == external_ ? place : Vector3d(From(there) * place);
+  }
+  Vector3d Direction(const Vector3d& direction, const ExternalPosition& there) const {
+    return there == external_ ? direction : Vector3d(From(there).linear() * direction);
+  }
+
+ private:
+  Pose PartInWorld(const ExternalPosition& there) const {
+    return Mechanism(cell_.external_axes).Moved(Carries::kWorkpiece, there) * cell_.X_WP;
+  }
+  Pose From(const ExternalPosition& there) const {
+    return PartInWorld(external_) * PartInWorld(there).inverse(Eigen::Isometry);
+  }
+
+  const Cell& cell_;
+  const ExternalPosition& external_;
+};
+
 /// The way of the tip along one cut.
 class TipWay {
  public:
-  TipWay(const Replay& replay, const FeedRun& run, const Cell& cell, const Pose& X_WB) {
+  TipWay(const MotionProgram& program, const Replay& replay, const FeedRun& run, const OnPart& part) {
     for (size_t i = run.first == 0 ? 0 : run.first - 1; i <= run.last; ++i)
-      tips_.emplace_back((X_WB * ForwardFlange(cell.arm, replay.targets[i]) * cell.X_FT).translation());
+      tips_.push_back(part.Tip(replay.targets[i], program.motions[i].external));
     place_ = tips_.front();
   }
 
@@ -66,22 +98,24 @@ UnderLoad ReplayUnderLoad(const MotionProgram& program, const Cell& cell, const 
     const PassResult& pass = plan.passes[static_cast<size_t>(gap.to_pass)];
     const Piece* piece = FindPiece(pass, gap.to_piece);
     if (!piece) continue;
-    const Pose X_WB = BaseInWorld(cell, pass.external);
-    TipWay way(replay, runs[run++], cell, X_WB);
+    const OnPart part(cell, pass.external);
+    TipWay way(program, replay, runs[run++], part);
     std::optional<double> reach;
     for (int i = piece->first; i <= piece->last; ++i) {
-      const PlannedPoint& point = pass.points[static_cast<size_t>(i)];
+      const auto index = static_cast<size_t>(i);
+      const PlannedPoint& point = pass.points[index];
       if (!point.compensation) continue;
-      const Vector3d commanded =
-          (X_WB * ForwardFlange(cell.arm, point.compensation->q) * cell.X_FT).translation();
+      const ExternalPosition& external = ExternalAt(pass, index);
+      const Vector3d commanded = part.Tip(point.compensation->q, external);
       // The approach comes first, and a ring comes by once more at its end.
       if (!reach) reach = 1.5 * way.FromStart(commanded) + 1;
       if (i > piece->first) {
-        const double step =
-            (point.point.position - pass.points[static_cast<size_t>(i) - 1].point.position).norm();
-        reach = 2 * step + 1;
+        const Vector3d before =
+            part.Place(pass.points[index - 1].point.position, ExternalAt(pass, index - 1));
+        reach = 2 * (part.Place(point.point.position, external) - before).norm() + 1;
       }
-      const double off = std::abs((way.Nearest(commanded, *reach) - commanded).dot(point.point.normal));
+      const double off = std::abs(
+          (way.Nearest(commanded, *reach) - commanded).dot(part.Direction(point.point.normal, external)));
       if (off > result.largest) result = {off, pass.pass, i};
     }
   }

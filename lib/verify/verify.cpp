@@ -11,6 +11,7 @@
 #include "robot/kinematics.hpp"
 #include "verify/compare.hpp"
 #include "verify/corner.hpp"
+#include "verify/ride_way.hpp"
 #include "verify/stations.hpp"
 
 namespace millpose {
@@ -37,6 +38,7 @@ class MotionCheck {
     std::vector<Instant> instants;
     AppendInstants(replayed_.program, cell_, replayed_.replay, i, options_.step, instants, findings);
     const double seconds = Seconds(i);
+    if (seconds > 0 && CheckExternalSpeed(replayed_, i, seconds, findings)) return;
     Joints before = replayed_.replay.targets[i - 1];
     double share = 0;
     for (const Instant& instant : instants) {
@@ -74,6 +76,11 @@ class MotionCheck {
                                         j + 1, std::abs(jump[j]) * kDegPerRad)));
       return;
     }
+    if (const std::string why = ExternalJump(replayed_, i, Seconds(i), Seconds(i + 1), options_.jump_time);
+        !why.empty()) {
+      findings.push_back(At(replayed_.program, i, Cause::kCorner, why));
+      return;
+    }
     const double feed = Feed(i), after = Feed(i + 1);
     if (std::max(feed, after) <= options_.feed_jump * std::min(feed, after)) return;
     findings.push_back(
@@ -96,24 +103,27 @@ class MotionCheck {
     }
   }
 
-  /// mm/s along a motion that takes Seconds().
-  double Feed(size_t i) const {
+  /// mm that the tip goes on the part in motion `i`.
+  double Length(size_t i) const {
     const auto tip = [&](size_t k) {
       return Eigen::Vector3d(
           (ForwardFlange(cell_.arm, replayed_.replay.targets[k]) * cell_.X_FT).translation());
     };
-    return (tip(i) - tip(i - 1)).norm() / Seconds(i);
+    if (!Rides(replayed_.program, i)) return (tip(i) - tip(i - 1)).norm();
+    const auto on_part = [&](size_t k) {
+      return Eigen::Vector3d(BaseInPart(cell_, replayed_.program.motions[k].external) * tip(k));
+    };
+    return (on_part(i) - on_part(i - 1)).norm();
   }
+
+  /// mm/s along a motion that takes Seconds().
+  double Feed(size_t i) const { return Length(i) / Seconds(i); }
 
   /// 0 where nothing tells: the motion only turns, or has no feed.
   double Seconds(size_t i) const {
     const Motion& motion = replayed_.program.motions[i];
     if (motion.duration > 0 || motion.type == MotionType::kJoint) return motion.duration;
-    const auto tip = [&](size_t k) {
-      return Eigen::Vector3d(
-          (ForwardFlange(cell_.arm, replayed_.replay.targets[k]) * cell_.X_FT).translation());
-    };
-    const double length = (tip(i) - tip(i - 1)).norm();
+    const double length = Length(i);
     return motion.feed > 0 && length > 1e-3 ? length / motion.feed : 0;
   }
 
@@ -194,6 +204,25 @@ std::optional<Interference> InterferenceOf(const Replayed& replayed, size_t i, c
   return hit;
 }
 
+/// What motion `i` comes too near to on its whole way, external axes moving along, with so much of the
+/// clearances.
+std::optional<Interference> InterferenceAlong(const Replayed& replayed, size_t i, const World& world,
+                                              double share, const VerifyOptions& options) {
+  const MotionProgram& program = replayed.program;
+  std::vector<Instant> instants;
+  std::vector<Finding> said;
+  if (program.motions[i].type == MotionType::kLinear)
+    AppendInstants(program, world.cell(), replayed.replay, i, kInterferenceStep, instants, said);
+  else
+    instants.push_back({replayed.replay.targets[i], {}, i, 1});
+  RideWay way{Mechanism(program.external_axes),
+              program.motions[i - 1].external,
+              program.motions[i].external,
+              {{0, replayed.replay.targets[i - 1]}}};
+  for (const Instant& instant : instants) way.joints.emplace_back(instant.share, instant.q);
+  return FindOnRide(world, way, {share, options.clearance_reserve, options.swept_resolution});
+}
+
 /// Checkers of one world by where the external axes stand and the share of the clearances.
 class Checkers {
  public:
@@ -217,10 +246,13 @@ void CheckInterference(const Replayed& replayed, size_t i, const World& world, C
                        double share, const VerifyOptions& options, std::vector<Finding>& findings) {
   const Motion& motion = replayed.program.motions[i];
   if (!replayed.replay.reached[i] || motion.call >= 0) return;
-  const std::optional<Interference> hit =
-      MovesExternal(replayed.program, i)
-          ? InterferenceOfMove(replayed, i, world, options.swept_resolution)
-          : InterferenceOf(replayed, i, world.cell(), checkers.At(motion.external, share), options);
+  std::optional<Interference> hit;
+  if (Rides(replayed.program, i))
+    hit = InterferenceAlong(replayed, i, world, share, options);
+  else if (MovesExternal(replayed.program, i))
+    hit = InterferenceOfMove(replayed, i, world, options.swept_resolution);
+  else
+    hit = InterferenceOf(replayed, i, world.cell(), checkers.At(motion.external, share), options);
   if (!hit) return;
   findings.push_back(
       At(replayed.program, i, Cause::kInterference,

@@ -86,7 +86,8 @@ void AuditForce(const Folder& folder, const Row& row, Figures& figures) {
 Real OffSurface(const Folder& folder, const Row& row, Real layer) {
   const Setup& setup = folder.At(row.external);
   const Vector3 lowered = ContactOf(folder, row) - layer * row.normal - setup.X_WP.block<3, 1>(0, 3);
-  return Distance(Vector3(setup.X_WP.block<3, 3>(0, 0).transpose() * lowered), setup.bodies.back().mesh);
+  return Distance(Vector3(setup.X_WP.block<3, 3>(0, 0).transpose() * lowered),
+                  folder.setup.bodies.back().mesh);
 }
 
 /// The point of a pass that is farthest from a layer above the workpiece; looks no further once that is
@@ -135,6 +136,11 @@ void AuditRows(const Folder& folder, Figures& figures) {
     for (size_t i = 0; i < 6; ++i)
       if (row.angles[i] < setup.lower[i] - kAngleSlack || row.angles[i] > setup.upper[i] + kAngleSlack)
         figures.Count("limit_violations", fmt::format("A{} of point {}", i + 1, row.point));
+    for (size_t i = 0; i < row.external.size(); ++i) {
+      const ExternalAxis& axis = folder.setup.axes[i];
+      if (row.external[i] < axis.lower - kAngleSlack || row.external[i] > axis.upper + kAngleSlack)
+        figures.Count("limit_violations", fmt::format("{} of point {}", axis.name, row.point));
+    }
   }
 }
 
@@ -174,11 +180,20 @@ std::vector<Row> CommandedRows(std::vector<Row> rows) {
   return rows;
 }
 
-/// The way of a step, mm: of the tip or, where the tool turns on the spot, of a point 300 mm up its axis;
-/// where the plan chooses leans, of the contact and of a tool along the normal.
+/// A place (1) or a direction (0) of a row in the part's frame.
+Vector3 OnPart(const Folder& folder, const Row& row, const Vector3& v, int is_place) {
+  const Matrix4& X_WP = folder.At(row.external).X_WP;
+  return X_WP.block<3, 3>(0, 0).transpose() * (v - is_place * Vector3(X_WP.block<3, 1>(0, 3)));
+}
+
+/// The way of a step on the part, mm: of the tip or, where the tool turns on the spot, of a point 300 mm up
+/// its axis; where the plan chooses leans, of the contact and of a tool along the normal.
 Real WayOf(const Folder& folder, const Row& from, const Row& to) {
-  const Vector3 turn = folder.goal.Leans() ? Vector3(to.normal - from.normal) : Vector3(to.axis - from.axis);
-  return std::max((ContactOf(folder, to) - ContactOf(folder, from)).norm(), 300 * turn.norm());
+  const auto place = [&](const Row& row) { return OnPart(folder, row, ContactOf(folder, row), 1); };
+  const auto along = [&](const Row& row) {
+    return OnPart(folder, row, folder.goal.Leans() ? row.normal : row.axis, 0);
+  };
+  return std::max((place(to) - place(from)).norm(), 300 * (along(to) - along(from)).norm());
 }
 
 /// Leans keep their ranges, change no faster than they may, and are those of the axes.
@@ -222,6 +237,11 @@ void AuditSteps(const Folder& folder, const std::vector<Cut>& cuts, Figures& fig
           figures.Count("step_violations",
                         fmt::format("A{} from point {} to {}", i + 1, from.point, to.point));
       }
+      // Programs run a motion at the feed of the point that it leads to.
+      for (size_t i = 0; i < from.external.size(); ++i)
+        if (std::abs(to.external[i] - from.external[i]) > setup.axes[i].speed * way / to.feed + kAngleSlack)
+          figures.Count("step_violations",
+                        fmt::format("{} from point {} to {}", setup.axes[i].name, from.point, to.point));
     }
 }
 
@@ -231,11 +251,11 @@ void AuditHalfway(const Folder& folder, const std::vector<Cut>& cuts, Figures& f
   for (const Cut& cut : cuts)
     for (size_t k = 1; k < cut.rows.size() + (cut.closed ? 1 : 0); ++k) {
       const Row &from = *cut.rows[k - 1], &to = *cut.rows[k % cut.rows.size()];
-      const Real off =
-          HalfwayDeviation(folder.At(from.external), from.angles, TurnedNear(to.angles, from.angles));
+      const Real off = HalfwayDeviation(folder.setup, {from.angles, from.external},
+                                        {TurnedNear(to.angles, from.angles), to.external});
       largest = std::max(largest, off);
       if (off <= folder.goal.max_halfway) continue;
-      const Real most = MostHalfway(folder.goal, HalfwayUnchanged(folder.At(from.external), from, to));
+      const Real most = MostHalfway(folder.goal, HalfwayUnchanged(folder, from, to));
       figures.Raise("max_halfway_excess_mm", off - most, fmt::format("point {} to {}", from.point, to.point));
       if (off <= most) figures.AddExcused();
     }
@@ -264,7 +284,7 @@ struct JointMotion {
   bool cutting;
   std::string name;
   std::vector<Real> external = {};                ///< where the external axes stand
-  std::optional<std::vector<Real>> move_to = {};  ///< they move there, the arm stands still
+  std::optional<std::vector<Real>> move_to = {};  ///< they go evenly there meanwhile
 };
 
 std::vector<JointMotion> CutMotions(const std::vector<Cut>& cuts) {
@@ -274,6 +294,7 @@ std::vector<JointMotion> CutMotions(const std::vector<Cut>& cuts) {
       const Row &from = *cut.rows[k - 1], &to = *cut.rows[k % cut.rows.size()];
       motions.push_back(
           {from.angles, to.angles, true, fmt::format("point {} to {}", from.point, to.point), from.external});
+      if (to.external != from.external) motions.back().move_to = to.external;
     }
   return motions;
 }
@@ -294,12 +315,15 @@ std::vector<JointMotion> GapMotions(const std::vector<Target>& targets, const st
     const size_t end = c < cuts.size() ? cuts[c].first : targets.size() - 1;
     size_t retracted = begin, approach = end;
     if (c > 0)
-      while (retracted < end && IsAbove(targets[retracted + 1].X_WT, targets[begin].X_WT)) ++retracted;
+      while (retracted < end && IsAbove(targets[retracted + 1].X_PT, targets[begin].X_PT)) ++retracted;
     if (c < cuts.size())
-      while (approach > retracted && IsAbove(targets[approach - 1].X_WT, targets[end].X_WT)) --approach;
-    for (size_t j = begin; j < end; ++j)
+      while (approach > retracted && IsAbove(targets[approach - 1].X_PT, targets[end].X_PT)) --approach;
+    for (size_t j = begin; j < end; ++j) {
       motions.push_back({*targets[j].angles, *targets[j + 1].angles, j < retracted || j >= approach,
-                         targets[j + 1].file + ":" + std::to_string(targets[j + 1].line)});
+                         targets[j + 1].file + ":" + std::to_string(targets[j + 1].line),
+                         targets[j].external});
+      if (targets[j + 1].external != targets[j].external) motions.back().move_to = targets[j + 1].external;
+    }
     if (c < cuts.size()) begin = cuts[c].last;
   }
   return motions;
@@ -336,7 +360,7 @@ std::vector<JointMotion> PlannedGapMotions(const Folder& folder, const std::vect
     std::vector<Real> here;
     // Cuts have the positions of points.csv, which folder.At() knows.
     if (leaves)
-      here = leaves->rows.front()->external;
+      here = leaves->rows.back()->external;
     else if (gap.move)
       here = gap.move->from;
     else if (enters)
@@ -379,17 +403,21 @@ void AuditMotions(const Setup& setup, const std::vector<JointMotion>& motions, c
     std::vector<Real> stands;
     for (size_t k = part; k < motions.size(); k += parts) {
       const JointMotion& motion = motions[k];
-      if (motion.move_to) {
+      if (motion.move_to && motion.from == motion.to && !motion.cutting) {
         const std::vector<Near> near =
             judge.Moving(motion.external, *motion.move_to, motion.from, kMoveSlack, kMoveTravel);
         if (!near.empty()) contacts[k] = Contact{near.front().first, near.front().second, motion.from};
         stands = *motion.move_to;
         continue;
       }
-      if (stands != motion.external) judge.Stand(stands = motion.external);
-      contacts[k] = judge.Between(motion.from, motion.to, motion.cutting, options.travel_mm);
+      Motion looked_at{motion.from, motion.to, motion.cutting};
+      if (motion.move_to)
+        looked_at.external_from = motion.external, looked_at.external_to = stands = *motion.move_to;
+      else if (stands != motion.external)
+        judge.Stand(stands = motion.external);
+      contacts[k] = judge.Between(looked_at, options.travel_mm);
     }
-    poses[part] = judge.poses;
+    poses[part] = judge.poses();
   });
   for (const long long count : poses) figures.AddPoses(count);
   for (size_t k = 0; k < motions.size(); ++k)
@@ -447,6 +475,9 @@ Verdict Audit(const Folder& folder, const Options& options) {
   for (const auto& [controller, files] : folder.programs) {
     figures.Declare("program_deviation_mm_" + controller, static_cast<double>(kPositionBound));
     figures.Declare("program_deviation_deg_" + controller, static_cast<double>(kAngleBound / kDegree));
+    if (folder.setup.axes.empty()) continue;
+    figures.Declare("program_deviation_external_" + controller, static_cast<double>(kExternalBound));
+    figures.Declare("program_external_violations_" + controller, 0);
   }
 
   std::vector<Cut> cuts = CutsOf(folder.rows, folder.setup);
@@ -468,6 +499,11 @@ Verdict Audit(const Folder& folder, const Options& options) {
     const Deviation deviation = Compare(targets, cuts, folder.setup);
     figures.Raise("program_deviation_mm_" + controller, deviation.position, deviation.where);
     figures.Raise("program_deviation_deg_" + controller, deviation.angle / kDegree, deviation.where);
+    if (!folder.setup.axes.empty()) {
+      figures.Raise("program_deviation_external_" + controller, deviation.external, deviation.external_where);
+      for (const std::string& where : ExternalViolations(controller, targets, cuts, folder.setup))
+        figures.Count("program_external_violations_" + controller, where);
+    }
     // The one that may be in joint space throughout.
     const bool joints =
         std::ranges::all_of(targets, [](const Target& target) { return target.angles.has_value(); });

@@ -12,10 +12,12 @@ namespace {
 
 /// The cell wherever rows have the external axes; what the tables of the part's frame say is turned with it.
 void MakeStations(Folder& folder) {
+  Setup bare = folder.setup;  // there may be as many as points
+  bare.bodies.clear();
   for (const Row& row : folder.rows) {
     if (row.external.empty()) continue;
     if (!folder.stations.contains(row.external)) {
-      Setup& at = folder.stations.emplace(row.external, At(folder.setup, row.external)).first->second;
+      Setup& at = folder.stations.emplace(row.external, At(bare, row.external)).first->second;
       if (at.urdf)
         at.urdf->X_WS = Carried(folder.setup, LastCarrier(folder.setup, true), row.external) * at.urdf->X_WS;
     }
@@ -60,8 +62,7 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   MakeStations(folder);
   if (const std::string json = optional("summary.json"); !json.empty()) folder.summary = ReadSummary(json);
   if (const std::string cbor = optional("plan.cbor"); !cbor.empty()) folder.gaps = ReadGaps(cbor);
-  // Programs of cells with external axes have frames of their own at every station: verify replays them.
-  if (fs::exists(path / "programs") && folder.setup.axes.empty())
+  if (fs::exists(path / "programs"))
     for (const auto& controller : fs::directory_iterator(path / "programs"))
       for (const auto& file : fs::directory_iterator(controller.path()))
         if (file.is_regular_file())  // starts/ holds programs of single pieces: the whole one is judged

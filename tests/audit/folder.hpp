@@ -100,7 +100,7 @@ struct Folder {
   std::optional<Summary> summary;
   std::map<std::string, std::map<std::string, std::string>> programs;  ///< controller → file name → text
 
-  /// The cell with the external axes somewhere that a row has them.
+  /// The cell with the external axes somewhere that a row has them; without its bodies where it has any.
   const Setup& At(const std::vector<Real>& external) const {
     return external.empty() ? setup : stations.at(external);
   }

@@ -38,7 +38,19 @@ bodies:
 excluded_pairs: []
 stiffness: {at: tool_tip, characteristic_length_mm: 1000}
 controllers:
-  krl: {tool_axis: x}
+  krl: {tool_axis: xKRL_AXES}
+)";
+
+/// The rail along the base's y, as KRL and SINUMERIK count it in and LinuxCNC does not.
+constexpr const char* kRail = R"(external_axes:
+  - {name: rail, kind: linear, carries: robot, axis: [ALONG], limits_mm: [-150, 900], speed_mm_s: 14, acceleration_mm_s2: 500}
+)";
+constexpr const char* kKrlAxes =
+    ", external_axes: [{name: E1, axis: rail, coupled: true}], ersysroot: {pose: {xyz_mm: [0, 0, 50]}, "
+    "direction: y}, robroot: {xyz_mm: [0, 0, -50]}";
+constexpr const char* kOtherAxes =
+    R"(  sinumerik: {external_axes: [{name: RAIL_AX, axis: rail, coupled: true}]}
+  linuxcnc: {external_axes: [{name: U, axis: rail, coupled: false}]}
 )";
 
 constexpr const char* kJob = R"(millpose_job: 1
@@ -86,6 +98,7 @@ Setup MakeSetup() {
   s.X_FT = Matrix4::Identity();
   s.X_FT.block<3, 3>(0, 0) << 0, 0, 1, 0, -1, 0, 1, 0, 0;
   s.X_FT.block<3, 1>(0, 3) << -250, 0, 250;
+  s.X_WP = Matrix4::Identity();
   s.w1 = s.w2 = 0.5L;
   return s;
 }
@@ -122,8 +135,14 @@ class Programs {
     linuxcnc_ = "; joints\nG21 G90\n";
   }
 
+  /// The rail stands there from now on, mm; `here` is the cell then.
+  void Stand(const Setup& here, Real rail) {
+    here_ = here;
+    rail_ = static_cast<double>(rail);
+  }
+
   void Linear(const Angles& angles) {
-    Straight(Tool(setup_, angles));
+    Straight(Tool(here_, angles));
     if (!cartesian_) return LinuxCnc(angles);
     const Matrix4 X_BT = setup_.X_WB.inverse() * Tool(setup_, angles);
     const Vector3 turned = AbcOf(X_BT);
@@ -137,11 +156,11 @@ class Programs {
   void Straight(const Matrix4& X_WT) {
     const Matrix4 X_PT = (setup_.X_WB * X_BP_).inverse() * X_WT;
     const Vector3 abc = AbcOf(X_PT);
-    krl_ += fmt::format("LIN {{{}}} C_DIS\n", Krl(X_PT * X_TC_));
-    sinumerik_ += fmt::format("G1 X{:.4f} Y{:.4f} Z{:.4f} A={:.6f} B={:.6f} C={:.6f} F80\n",
+    krl_ += fmt::format("LIN {{{}{}}} C_DIS\n", Krl(X_PT * X_TC_), Word(",E1 "));
+    sinumerik_ += fmt::format("G1 X{:.4f} Y{:.4f} Z{:.4f} A={:.6f} B={:.6f} C={:.6f}{} F80\n",
                               static_cast<double>(X_PT(0, 3)), static_cast<double>(X_PT(1, 3)),
                               static_cast<double>(X_PT(2, 3)), static_cast<double>(abc[2]),
-                              static_cast<double>(abc[1]), static_cast<double>(abc[0]));
+                              static_cast<double>(abc[1]), static_cast<double>(abc[0]), Word(" RAIL_AX="));
   }
 
   void Joint(const Angles& angles) {
@@ -152,8 +171,8 @@ class Programs {
       krl_ += fmt::format("{}A{} {:.6f}", i ? "," : "", i + 1, degrees);
       sinumerik_ += fmt::format(" RA{}={:.6f}", i + 1, degrees);
     }
-    krl_ += "}\n";
-    sinumerik_ += "\nTRAORI\n";
+    krl_ += Word(",E1 ") + "}\n";
+    sinumerik_ += Word(" RAIL_AX=") + "\nTRAORI\n";
     LinuxCnc(angles);
   }
 
@@ -169,8 +188,10 @@ class Programs {
     linuxcnc_ += "G1";
     for (size_t i = 0; i < 6; ++i)
       linuxcnc_ += fmt::format(" {}{:.6f}", "XYZABC"[i], static_cast<double>(angles[i] / kDegree));
-    linuxcnc_ += " F1\n";
+    linuxcnc_ += Word(" U") + " F1\n";
   }
+
+  std::string Word(const char* name) const { return rail_ ? fmt::format("{}{:.4f}", name, *rail_) : ""; }
 
   static std::string Krl(const Matrix4& X) {
     const Vector3 abc = AbcOf(X);
@@ -180,6 +201,8 @@ class Programs {
   }
 
   const Setup& setup_;
+  Setup here_ = setup_;
+  std::optional<double> rail_;
   Matrix4 X_BP_, X_TC_;
   bool cartesian_;
   std::string krl_, sinumerik_, linuxcnc_;
@@ -189,20 +212,27 @@ class Programs {
 class Figures {
  public:
   Figures(const Setup& setup, const Matrix3& R_WP, bool forces) : R_WP_(R_WP), forces_(forces) {
-    folder_.setup = setup;
+    folder_.setup = here_ = setup;
     folder_.goal = {
         .objective = forces ? "surface_error" : "chen2021", .uncertainty = 0.3L, .direction = 20 * kDegree};
   }
 
+  /// The rail stands there from now on, mm; `here` is the cell then.
+  void Stand(const Setup& here, Real rail) {
+    here_ = here;
+    rail_ = rail;
+  }
+
   void Add(int pass, const Angles& angles, double rotation_deg, const char* kind) {
-    const Matrix4 X_WT = Tool(folder_.setup, angles);
+    const Matrix4 X_WT = Tool(here_, angles);
     Row row{};
+    if (rail_) row.external = {*rail_};
     row.point = static_cast<int>(folder_.rows.size());
     row.position = X_WT.block<3, 1>(0, 3);
     row.axis = row.normal = X_WT.block<3, 1>(0, 2);
     row.feed_direction = R_WP_.col(0);
     row.angles = angles;
-    const Indices indices = ComputeIndices(folder_.setup, angles, row.normal);
+    const Indices indices = ComputeIndices(here_, angles, row.normal);
     row.objective = forces_ ? Deflect(pass, row) : indices.objective;
     points_ += fmt::format("{},{},0,{},planned,0,{},{},{}", row.point, pass, kind, Join(row.position),
                            Join(row.axis), Join(row.axis));
@@ -211,20 +241,20 @@ class Figures {
     for (const Real figure : {indices.lambda_t1, indices.lambda_t2, indices.lambda_n, indices.mu,
                               indices.dexterity, row.objective})
       points_ += fmt::format(",{:.17g}", static_cast<double>(figure));
-    points_ += fmt::format(",10,80,{}\n", Join(row.feed_direction));
+    points_ += fmt::format(",10,80,{}", Join(row.feed_direction));
+    points_ += rail_ ? fmt::format(",{:.17g}\n", static_cast<double>(*rail_)) : "\n";
     folder_.rows.push_back(row);
   }
 
   void Finish(Texts& texts) {
-    texts["out/points.csv"] = points_;
+    texts["out/points.csv"] = rail_ ? Replaced(points_, "\n", ",e1_mm\n") : points_;
     if (!forces_) return;
     texts["out/deflection.csv"] = deflections_;
     Real best = folder_.rows[0].objective, worst = 0, halfway = 0;
     for (const Row& row : folder_.rows)
       best = std::min(best, row.objective), worst = std::max(worst, row.objective);
     for (const size_t k : {1u, 2u, 3u, 4u, 5u, 7u, 8u, 9u, 10u, 11u})  // within the two passes
-      halfway = std::max(halfway,
-                         HalfwayDeviation(folder_.setup, folder_.rows[k - 1].angles, folder_.rows[k].angles));
+      halfway = std::max(halfway, HalfwayDeviation(folder_.setup, PostureOf(k - 1), PostureOf(k)));
     texts["out/summary.json"] =
         fmt::format(R"({{"stiffness": {{"objective": {{"best": {:.17g}, "worst": {:.17g}}}}},
 "continuity": {{"halfway_deviation_max_mm": {:.17g}}}}})",
@@ -232,9 +262,11 @@ class Figures {
   }
 
  private:
+  Posture PostureOf(size_t k) const { return {folder_.rows[k].angles, folder_.rows[k].external}; }
+
   /// Writes a row of deflection.csv; the objective.
   Real Deflect(int pass, const Row& row) {
-    const Matrix3 c = ComplianceAt(folder_.setup, row.angles);
+    const Matrix3 c = ComplianceAt(here_, row.angles);
     const Vector3 force(-20 - row.point, 15, 4), F = R_WP_ * force, moved = c * F;
     folder_.deflected[row.point].force = F;
     const Vector3 across = row.normal.cross(row.feed_direction);
@@ -248,6 +280,8 @@ class Figures {
   }
 
   Folder folder_;
+  Setup here_ = folder_.setup;
+  std::optional<Real> rail_;
   Matrix3 R_WP_;
   bool forces_;
   std::string points_ = kHeader;
@@ -262,6 +296,15 @@ Texts MakeFolder(const Fault& fault) {
   constexpr int kPasses = 2, kPoints = 6;
   constexpr Real kRetract = 200;  // mm: from there the way home is free
   Setup setup = MakeSetup();
+  if (fault.rail_step_mm) {
+    ExternalAxis rail{};
+    rail.name = "rail";
+    rail.carries_robot = true;
+    rail.direction = setup.X_WB.block<3, 1>(0, 1);
+    rail.origin.setZero();
+    setup.axes.push_back(rail);
+  }
+  Setup here = setup;
   Angles angles{5, -65, 105, 25, 50, -40};
   for (Real& angle : angles) angle *= kDegree;
   // The block's place: four decimals of what the tool reaches at those angles, so that programs can state it
@@ -273,6 +316,13 @@ Texts MakeFolder(const Fault& fault) {
 
   Texts texts;
   Programs programs(setup, X_BP, fault.cartesian);
+  const auto stand = [&](Real rail, Figures* figures) {
+    if (!fault.rail_step_mm) return;
+    here = At(setup, {rail});
+    programs.Stand(here, rail);
+    if (figures) figures->Stand(here, rail);
+  };
+  stand(0, nullptr);
   programs.Joint(setup.home);
   Figures figures(setup, Matrix3((setup.X_WB * X_BP).block<3, 3>(0, 0)), fault.forces);
   Real largest = -1e9L, second = -1e9L;  // A1
@@ -280,13 +330,17 @@ Texts MakeFolder(const Fault& fault) {
     const auto pose = [&](int k, Real height, Real turn) {
       return Matrix4(setup.X_WB * X_BP * Shift(4 * k, 8 * pass, height) * Turn(2, turn));
     };
-    programs.Joint(Solve(setup, pose(0, kRetract, 0), angles));
+    if (fault.rail_step_mm && pass > 0) programs.Joint(setup.home);
+    stand(100 * (pass + 1), &figures);
+    if (fault.rail_step_mm) programs.Joint(setup.home);
+    programs.Joint(Solve(here, pose(0, kRetract, 0), angles));
     for (int k = 0; k < kPoints; ++k) {
       const bool faulty = pass == 1 && k == 3;
       const bool lead = fault.lead_mm != 0 && pass == 1 && k == kPoints - 1;
       const double lift = faulty ? fault.lift_mm : lead ? fault.lead_mm : 0;
+      stand(100 * (pass + 1) + fault.rail_step_mm.value_or(0) * k, &figures);
       angles = Solve(
-          setup,
+          here,
           pose(k, lift + (fault.layers && pass == 0 ? 1 : 0), faulty ? fault.rotation_deg * kDegree : 0),
           angles);
       figures.Add(pass, angles, faulty ? fault.rotation_deg : 0, lead ? "lead-out" : "cut");
@@ -294,9 +348,13 @@ Texts MakeFolder(const Fault& fault) {
       second = std::max(std::min(largest, angles[0]), second);
       largest = std::max(largest, angles[0]);
     }
-    programs.Linear(Solve(setup, pose(kPoints - 1, kRetract, 0), angles));
+    programs.Linear(Solve(here, pose(kPoints - 1, kRetract, 0), angles));
   }
   programs.Joint(setup.home);
+  if (fault.rail_step_mm) {
+    stand(0, nullptr);
+    programs.Joint(setup.home);
+  }
   programs.Finish(texts);
   figures.Finish(texts);
 
@@ -312,7 +370,13 @@ Texts MakeFolder(const Fault& fault) {
   if (fault.layers)
     texts["out/job.yaml"] = Replaced(texts["out/job.yaml"], "spacing_mm: 4",
                                      "spacing_mm: 4, depth: {total_mm: 2, per_layer_mm: 1}");
-  texts["cell.yaml"] = Replaced(kCell, "POST", fault.fixture_in_way ? "80" : "800");
+  const bool rail = fault.rail_step_mm.has_value();
+  std::string& cell = texts["cell.yaml"] = Replaced(
+      Replaced(kCell, "POST", fault.fixture_in_way ? "80" : "800"), "KRL_AXES", rail ? kKrlAxes : "");
+  if (rail) {
+    const std::string axes = Replaced(kRail, "ALONG", Join(setup.axes[0].direction));
+    cell = Replaced(cell, "home_deg", axes + "home_deg") + kOtherAxes;
+  }
   texts["block.stl"] = BlockStl();
   return texts;
 }

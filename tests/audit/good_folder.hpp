@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "tests/audit/folder.hpp"
@@ -18,6 +19,9 @@ struct Fault {
   bool layers = false;          ///< no fault: the first pass 1 mm above the surface, the second on it
   double lead_mm = 0;           ///< no fault: the last point of all is a lead's, so far above the cut
   bool cartesian = false;       ///< no fault: LinuxCNC's cuts as tool poses
+  /// No fault: on a rail along the base's y, which moves by so much from point to point of a pass and by 100
+  /// mm more for the second.
+  std::optional<double> rail_step_mm = {};
   bool forces = false;  ///< no fault: planned for `surface_error`, with deflection.csv and summary.json
 };
 

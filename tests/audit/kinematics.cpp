@@ -10,6 +10,12 @@ namespace millpose::audit {
 
 Matrix4 Tool(const Setup& setup, const Angles& angles) { return Frames(setup, angles)[6] * setup.X_FT; }
 
+Matrix4 ToolOnPart(const Setup& setup, const Angles& angles, const std::vector<Real>& external) {
+  if (external.empty()) return setup.X_WP.inverse() * Tool(setup, angles);
+  const Matrix4 X_WP = Carried(setup, LastCarrier(setup, false), external) * setup.X_WP;
+  return X_WP.inverse() * Carried(setup, LastCarrier(setup, true), external) * Tool(setup, angles);
+}
+
 Matrix4 UrdfTool(const UrdfArm& arm, const Angles& angles) {
   Matrix4 X = arm.X_WS;
   size_t turned = 0;

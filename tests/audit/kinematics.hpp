@@ -8,6 +8,9 @@ namespace millpose::audit {
 /// Tool tip in W.
 Matrix4 Tool(const Setup& setup, const Angles& angles);
 
+/// Tool tip on the part, with the external axes at `external` (empty: as the setup has them).
+Matrix4 ToolOnPart(const Setup& setup, const Angles& angles, const std::vector<Real>& external);
+
 /// The same by the joints of the URDF that the cell names.
 Matrix4 UrdfTool(const UrdfArm& arm, const Angles& angles);
 

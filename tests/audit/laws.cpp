@@ -91,16 +91,22 @@ Real LeanError(const Row& row) {
   return AngleBetween(leaned, row.axis);
 }
 
-Real HalfwayDeviation(const Setup& setup, const Angles& from, const Angles& to) {
-  Angles half;
-  for (size_t i = 0; i < 6; ++i) half[i] = (from[i] + to[i]) / 2;
-  const auto tip = [&](const Angles& angles) -> Vector3 { return Tool(setup, angles).block<3, 1>(0, 3); };
+Real HalfwayDeviation(const Setup& setup, const Posture& from, const Posture& to) {
+  Posture half = from;
+  for (size_t i = 0; i < 6; ++i) half.angles[i] = (from.angles[i] + to.angles[i]) / 2;
+  for (size_t i = 0; i < half.external.size(); ++i)
+    half.external[i] = (from.external[i] + to.external[i]) / 2;
+  const auto tip = [&](const Posture& posture) -> Vector3 {
+    return ToolOnPart(setup, posture.angles, posture.external).block<3, 1>(0, 3);
+  };
   return (tip(half) - (tip(from) + tip(to)) / 2).norm();
 }
 
-Real HalfwayUnchanged(const Setup& setup, const Row& from, const Row& to) {
+Real HalfwayUnchanged(const Folder& folder, const Row& from, const Row& to) {
+  const Setup& setup = folder.At(to.external);
   const Matrix4 X_WT = Tool(setup, to.angles) * Turn(2, from.rotation - to.rotation);
-  return HalfwayDeviation(setup, from.angles, Solve(setup, X_WT, from.angles));
+  return HalfwayDeviation(folder.setup, {from.angles, from.external},
+                          {Solve(setup, X_WT, from.angles), to.external});
 }
 
 Real MostHalfway(const Goal& goal, Real unchanged) { return std::max(goal.max_halfway, 1.25L * unchanged); }

@@ -30,11 +30,18 @@ Vector3 ContactOf(const Folder& folder, const Row& row);
 /// How far the lean of the tool's axis is from the one stated, rad.
 Real LeanError(const Row& row);
 
-/// How far the tip is from the middle of its straight way when all joints have turned half of theirs, mm.
-Real HalfwayDeviation(const Setup& setup, const Angles& from, const Angles& to);
+/// Where arm and external axes are.
+struct Posture {
+  Angles angles;
+  std::vector<Real> external = {};
+};
+
+/// How far the tip is from the middle of its straight way on the part when all joints have turned half of
+/// theirs and all external axes have gone half of their way, mm.
+Real HalfwayDeviation(const Setup& setup, const Posture& from, const Posture& to);
 
 /// The same for a step to the next point with the rotation about the tool axis as it was.
-Real HalfwayUnchanged(const Setup& setup, const Row& from, const Row& to);
+Real HalfwayUnchanged(const Folder& folder, const Row& from, const Row& to);
 
 /// What a step's deviation may be where `unchanged` is that with the rotation unchanged, mm: a quarter more
 /// than it, a fifth by the search and the rest by smoothing.

@@ -152,8 +152,8 @@ TEST(Interference, NothingThatTheArmSweepsIsMissed) {
   Judge judge(setup);
   EXPECT_FALSE(judge.At({}, false, true));
   EXPECT_FALSE(judge.At({1}, false, true));
-  EXPECT_TRUE(judge.Between({}, {1}, false, 0.2));
-  EXPECT_FALSE(judge.Between({1}, {2}, false, 0.2));
+  EXPECT_TRUE(judge.Between({{}, {1}}, 0.2));
+  EXPECT_FALSE(judge.Between({{1}, {2}}, 0.2));
 }
 
 TEST(Kinematics, KukaAtHomeLooksAlongX) {

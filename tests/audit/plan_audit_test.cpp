@@ -35,7 +35,7 @@ TEST(PlanAudit, TheJudgeSeesTheCellAsItReadsItItself) {
     const auto contact = given.At(q, cutting, true), same = read.At(q, cutting, true);
     EXPECT_EQ(contact.has_value(), same.has_value()) << k;
     touching += contact.has_value();
-    for (const audit::Near& pair : given.TooNear(q, q, cutting, 1, 0, 1)) {
+    for (const audit::Near& pair : given.TooNear({q, q, cutting}, 1, 0, 1)) {
       // Every pair of triangles measured, body by body of that name: never farther than told.
       const double distance = static_cast<double>(read.Distance(pair.first, pair.second, q, cutting, 20));
       EXPECT_LE(distance, pair.distance + 1e-3) << pair.first << " " << pair.second;
@@ -65,6 +65,54 @@ AuditFigures AuditBeside(double gap, double share_of_angle = 1e-4) {
   PoseProblem problem;
   problem.bounds.lower = cell.arm.lower, problem.bounds.upper = cell.arm.upper;
   return Audit(plan, Mesh(Triangles{}), cell, problem, 0.5, 2, {});
+}
+
+/// A cut along which the rail goes by `way` mm while the joints stand still, past a fixture that stands
+/// half-way of 400 mm, `gap` mm from the holder.
+AuditFigures AuditAlongRail(double way, double gap, double feed) {
+  std::map<std::string, std::string> bytes;
+  Cell cell = MakeCell(LoadCell(fs::path(SourceDir()) / "cells/kr500_rail.yaml", &bytes), bytes);
+  const Pose X_WT = cell.X_WB * ForwardFlange(cell.arm, cell.home) * cell.X_FT;
+  Body post{"post", BodyClass::kFixture, Mount::kWorld, 0, Pose::Identity(), Box{{10, 10, 10}}};
+  const Eigen::Vector3d beside = X_WT.linear().col(0).cross(Eigen::Vector3d::UnitY()).norm() > 0.5
+                                     ? X_WT.linear().col(0)
+                                     : X_WT.linear().col(1);
+  const Eigen::Vector3d out = (beside - beside.y() * Eigen::Vector3d::UnitY()).normalized();
+  post.X_MG =
+      Pose(Eigen::Translation3d(Eigen::Vector3d(X_WT.translation() + 90 * X_WT.linear().col(2) +
+                                                (63.0 / 2 + 5 + gap) * out + Eigen::Vector3d(0, 200, 0))));
+  cell.bodies.push_back(post);
+  PlanResult plan;
+  plan.arm = cell.arm, plan.X_WB = cell.X_WB, plan.X_FT = cell.X_FT, plan.home = cell.home;
+  plan.external_axes = cell.external_axes;
+  PassResult& pass = plan.passes.emplace_back();
+  pass.external = {0};
+  pass.points.resize(2);
+  for (size_t i = 0; i < 2; ++i) {
+    PlannedPoint& point = pass.points[i];
+    point.q = cell.home;
+    point.external = ExternalPosition{way * static_cast<double>(i)};
+    point.point.position = X_WT.translation() + way * static_cast<double>(i) * Eigen::Vector3d::UnitY();
+    point.point.feed_rate = feed;
+  }
+  pass.pieces.push_back({0, 0, 0, 1, false});
+  PoseProblem problem;
+  problem.bounds.lower = cell.arm.lower, problem.bounds.upper = cell.arm.upper;
+  return Audit(plan, Mesh(Triangles{}), cell, problem, 0.5, 2, {});
+}
+
+TEST(PlanAudit, FollowsARailThatMovesAlongACut) {
+  const AuditFigures past = AuditAlongRail(400, -2, 80), beside = AuditAlongRail(400, 4, 80),
+                     short_of = AuditAlongRail(100, -2, 80), clear = AuditAlongRail(400, 30, 80);
+  EXPECT_GT(past.interferences, 0);
+  EXPECT_EQ(beside.interferences, 0);
+  EXPECT_GT(beside.clearance_violations, 0);
+  for (const AuditFigures& free : {short_of, clear}) {
+    EXPECT_EQ(free.interferences + free.clearance_violations, 0);
+    EXPECT_EQ(free.limit_violations, 0);
+  }
+  EXPECT_EQ(AuditAlongRail(400, 30, 1001).limit_violations, 1) << "the rail makes 1000 mm/s";
+  EXPECT_EQ(AuditAlongRail(2001, 30, 80).limit_violations, 1) << "and 2000 mm";
 }
 
 TEST(PlanAudit, TellsContactAndClearanceApartByPair) {

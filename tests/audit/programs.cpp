@@ -84,34 +84,145 @@ Matrix4 ToolFrame(const std::string& name) {
   return X_TC;
 }
 
-Target AtAngles(const Line& line, const Setup& setup, const Angles& angles) {
-  return {line.file, line.number, angles, Tool(setup, angles)};
-}
+Matrix4 Inverse(const Matrix4& X) { return X.inverse(); }
+
+/// What a controller makes of the words of its external axes.
+class Axes {
+ public:
+  Axes(const std::string& controller, const Setup& setup)
+      : setup_(setup), position_(setup.axes.size()), known_(setup.axes.size(), 0) {
+    const auto found = setup.controller_axes.find(controller);
+    if (found != setup.controller_axes.end()) axes_ = found->second;
+    if (setup.axes.size() > axes_.size())
+      throw std::runtime_error("controllers." + controller + " does not name all external axes");
+  }
+
+  const std::vector<ControllerAxis>& named() const { return axes_; }
+
+  /// In mm or degrees.
+  void Take(const ControllerAxis& axis, Real word) {
+    position_[axis.axis] = word * (setup_.axes[axis.axis].rotary ? kDegree : 1);
+    known_[axis.axis] = 1;
+  }
+
+  /// Takes the words of a line and returns it without them. `between` stands between name and number.
+  std::string TakeFrom(const std::string& line, const std::string& between) {
+    std::string rest = line;
+    for (const ControllerAxis& axis : axes_) {
+      const std::regex word("\\b" + axis.name + between + R"(([-+]?[0-9]*\.?[0-9]+))");
+      std::smatch match;
+      if (!std::regex_search(rest, match, word)) continue;
+      Take(axis, std::stold(match[1]));
+      rest = match.prefix().str() + " " + match.suffix().str();
+    }
+    return rest;
+  }
+
+  /// A target with the joints at `angles`.
+  Target AtAngles(const Line& line, const Angles& angles) const {
+    const Matrix4 X_WT = Moved(true, position_) * Tool(setup_, angles);
+    return {line.file, line.number, angles, Inverse(PartNow()) * X_WT, {}, Position(line)};
+  }
+
+  /// From the cell's world, as the controller believes it to be with all axes that it counts in at 0, to the
+  /// part: `turned` is what counts from a table of which it knows. What is believed to be the robot's base is
+  /// where the base truly is.
+  Matrix4 FromBelieved(const Line& line, bool turned) const {
+    Position(line);
+    std::vector<Real> coupled(position_.size(), 0);
+    for (const ControllerAxis& axis : axes_)
+      if (axis.coupled) coupled[axis.axis] = position_[axis.axis];
+    Matrix4 believed = BelievedCarriage(coupled).inverse();
+    if (turned) believed *= Moved(false, coupled);
+    // All in W: base and part are moved from where they stand with the axes at 0.
+    return Inverse(PartNow()) * Moved(true, position_) * believed;
+  }
+
+  const std::vector<Real>& Position(const Line& line) const {
+    for (const char known : known_)
+      if (!known)
+        throw std::runtime_error(line.file + ":" + std::to_string(line.number) +
+                                 ": where the external axes are has not been said");
+    return position_;
+  }
+
+  /// The controller's rail moves as its own data say, whatever the cell's does.
+  void OnRail(const Vector3& direction_W) { rail_ = direction_W; }
+
+ private:
+  Matrix4 Moved(bool robot, const std::vector<Real>& position) const {
+    return position.empty() ? Matrix4(Matrix4::Identity())
+                            : Carried(setup_, LastCarrier(setup_, robot), position);
+  }
+  Matrix4 PartNow() const { return Moved(false, position_) * setup_.X_WP; }
+  Matrix4 BelievedCarriage(const std::vector<Real>& coupled) const {
+    if (!rail_) return Moved(true, coupled);
+    Vector3 way = Vector3::Zero();
+    for (const ControllerAxis& axis : axes_)
+      if (axis.coupled && setup_.axes[axis.axis].carries_robot) way += coupled[axis.axis] * *rail_;
+    return Shift(way[0], way[1], way[2]);
+  }
+
+  const Setup& setup_;
+  std::vector<ControllerAxis> axes_;
+  std::vector<Real> position_;  ///< mm or rad
+  std::vector<char> known_;
+  std::optional<Vector3> rail_;
+};
 
 Vector3 AxisOf(const std::string& name) { return Vector3::Unit(name.back() - 'x'); }
 
 std::vector<Target> ReadKrl(const std::map<std::string, std::string>& files, const Setup& setup) {
   static const std::regex motion(R"(^\s*(?:PTP|LIN|SLIN|SPL|SPTP)\s*\{([^}]*)\}.*)");
   static const std::regex frame(R"(^\s*\$(BASE|TOOL)\s*=\s*\{([^}]*)\}.*)");
-  Matrix4 X_BP = Matrix4::Identity(), X_FC = Matrix4::Identity();
+  static const std::regex table(R"(^\s*\$BASE\s*=\s*EK\s*\([^{]*\{([^}]*)\}.*)");
+  static const std::regex start(R"(^\s*BAS\s*\(\s*#INITMOV.*)");
+  Axes axes("krl", setup);
+  Matrix4 X_WorldB = setup.krl_robot;  // with the external axes at 0
+  if (setup.krl_rail) X_WorldB = setup.krl_rail->root * X_WorldB;
+  const Matrix4 X_WWorld = setup.X_WB * Inverse(X_WorldB);
+  if (setup.krl_rail)
+    axes.OnRail((X_WWorld * setup.krl_rail->root).block<3, 3>(0, 0) * setup.krl_rail->direction);
+  Matrix4 X_WorldP = Matrix4::Identity(), X_FC = Matrix4::Identity();
+  bool on_table = false, stated = true;
   std::vector<Target> targets;
   for (const Line& line : Whole(files, ".src")) {
     std::smatch match;
     if (std::regex_match(line.text, match, frame)) {
-      (match[1] == "BASE" ? X_BP : X_FC) = Frame(KrlFields(match[2]));
+      const Matrix4 X = Frame(KrlFields(match[2]));
+      if (match[1] == "TOOL") {
+        X_FC = X;
+        continue;
+      }
+      X_WorldP = X;
+      on_table = false;
+      stated = true;
+    } else if (std::regex_match(line.text, match, table)) {
+      if (!setup.krl_table)
+        throw std::runtime_error(line.file + ": EK without controllers.krl.external_base");
+      X_WorldP = *setup.krl_table * Frame(KrlFields(match[1]));
+      on_table = stated = true;
+    } else if (std::regex_match(line.text, start)) {
+      stated = stated && !on_table;  // what $BASE follows is forgotten
     } else if (std::regex_match(line.text, match, motion)) {
       const Fields fields = KrlFields(match[1]);
+      for (const ControllerAxis& axis : axes.named())
+        if (fields.contains(axis.name)) axes.Take(axis, fields.at(axis.name));
       if (fields.contains("A1")) {
         Angles angles;
         for (size_t i = 0; i < 6; ++i) angles[i] = fields.at("A" + std::to_string(i + 1)) * kDegree;
-        targets.push_back(AtAngles(line, setup, angles));
-      } else {
-        const Matrix4 X_CT = X_FC.inverse() * setup.X_FT;
-        // LIN with $ORI_TYPE = #VAR: $TOOL_DIRECTION swivels, the tool turns about it (docs/krl.md).
-        const Vector3 direction = X_CT.block<3, 3>(0, 0).transpose() * AxisOf(setup.krl_tool_direction);
-        targets.push_back({line.file, line.number, std::nullopt, setup.X_WB * X_BP * Frame(fields) * X_CT,
-                           Turning{.even = false, .swivel = direction}});
+        targets.push_back(axes.AtAngles(line, angles));
+        continue;
       }
+      if (!stated)
+        throw std::runtime_error(line.file + ":" + std::to_string(line.number) +
+                                 ": $BASE is not stated again");
+      const Matrix4 X_CT = X_FC.inverse() * setup.X_FT;
+      // LIN with $ORI_TYPE = #VAR: $TOOL_DIRECTION swivels, the tool turns about it (docs/krl.md).
+      const Vector3 direction = X_CT.block<3, 3>(0, 0).transpose() * AxisOf(setup.krl_tool_direction);
+      const Matrix4 X_PT = axes.FromBelieved(line, on_table) * X_WWorld * X_WorldP * Frame(fields) * X_CT;
+      targets.push_back({line.file, line.number, std::nullopt, X_PT,
+                         Turning{.even = false, .swivel = direction}, axes.Position(line)});
     }
   }
   return targets;
@@ -145,6 +256,7 @@ std::vector<Target> ReadSinumerik(const std::map<std::string, std::string>& file
   const Matrix4 X_CT = ToolFrame(setup.sinumerik_tool_axis).inverse();
   bool transformed = false;
   Fields modal;
+  Axes external("sinumerik", setup);
   Angles angles = setup.home;
   std::vector<Target> targets;
   for (const Line& line : Whole(files, ".mpf")) {
@@ -162,30 +274,30 @@ std::vector<Target> ReadSinumerik(const std::map<std::string, std::string>& file
     }
     if (line.text.find("TRAORI") != std::string::npos) transformed = true;
     if (line.text.find("TRAFOOF") != std::string::npos) transformed = false;
-    const std::string text =
-        std::regex_replace(line.text.substr(0, line.text.find("STAT")), std::regex(R"("[^"]*")"), "");
+    const std::string spoken = std::regex_replace(line.text, std::regex(R"("[^"]*")"), "");
+    const std::string own = external.TakeFrom(spoken, R"(\s*=\s*)"), text = own.substr(0, own.find("STAT"));
     bool moved = false;
     if (transformed) {
       for (std::sregex_iterator it(text.begin(), text.end(), pose), end; it != end; ++it) {
         modal[(*it)[1]] = std::stold((*it)[2]);
         moved = true;
       }
-      if (!moved) continue;
+      if (!moved && own == spoken) continue;
       const Matrix4 X_PC = Placed(modal, setup.sinumerik_rotation);
+      const Matrix4 X_PF = external.FromBelieved(line, true) * setup.X_WB * X_BP;
       // Z of the tool frame on a great circle; where machine data decide, as docs/sinumerik.md says.
       Turning turning;
-      if (!setup.sinumerik_turn_known)
-        turning = ByAngles(modal, setup.sinumerik_rotation, setup.X_WB * X_BP, X_CT);
+      if (!setup.sinumerik_turn_known) turning = ByAngles(modal, setup.sinumerik_rotation, X_PF, X_CT);
       turning.even = !setup.sinumerik_turn_known;
       turning.swivel = X_CT.block<3, 3>(0, 0).transpose() * Vector3::UnitZ();
-      targets.push_back(
-          {line.file, line.number, std::nullopt, setup.X_WB * X_BP * X_PC * X_CT, std::move(turning)});
+      targets.push_back({line.file, line.number, std::nullopt, X_PF * X_PC * X_CT, std::move(turning),
+                         external.Position(line)});
     } else {
       for (std::sregex_iterator it(text.begin(), text.end(), axes), end; it != end; ++it) {
         angles[static_cast<size_t>((*it)[1].str().back() - '1')] = std::stold((*it)[2]) * kDegree;
         moved = true;
       }
-      if (moved) targets.push_back(AtAngles(line, setup, angles));
+      if (moved || own != spoken) targets.push_back(external.AtAngles(line, angles));
     }
   }
   return targets;
@@ -196,29 +308,32 @@ std::vector<Target> ReadLinuxCnc(const std::map<std::string, std::string>& files
   static const std::regex comment(R"(\([^)]*\))");
   static const std::regex word(R"(([XYZABC])\s*([-+]?[0-9]*\.?[0-9]+))");
   const Matrix4 X_CT = ToolFrame(setup.linuxcnc_tool_axis).inverse();
+  Axes external("linuxcnc", setup);
   bool cartesian = false;
   Fields joints, pose;
   std::vector<Target> targets;
   for (const Line& line : Whole(files, ".ngc")) {
-    const std::string text = std::regex_replace(line.text, comment, "");
-    if (text.starts_with("G10 ")) continue;  // sets an offset, moves nothing
+    const std::string spoken = std::regex_replace(line.text, comment, "");
+    if (spoken.starts_with("G10 ")) continue;  // sets an offset, moves nothing
+    const std::string text = external.TakeFrom(spoken, R"(\s*)");
     if (text.starts_with("M68 E3")) cartesian = text.find("Q0") != std::string::npos;
     Fields& modal = cartesian ? pose : joints;
-    bool moved = false;
+    bool moved = text != spoken;
     for (std::sregex_iterator it(text.begin(), text.end(), word), end; it != end; ++it) {
       modal[(*it)[1]] = std::stold((*it)[2]);
       moved = true;
     }
     if (!moved) continue;
     if (cartesian) {
+      const Matrix4 X_PB = external.FromBelieved(line, true) * setup.X_WB;
       targets.push_back({line.file, line.number, std::nullopt,
-                         setup.X_WB * Placed(pose, setup.linuxcnc_rotation) * X_CT,
-                         ByAngles(pose, setup.linuxcnc_rotation, setup.X_WB, X_CT)});
+                         X_PB * Placed(pose, setup.linuxcnc_rotation) * X_CT,
+                         ByAngles(pose, setup.linuxcnc_rotation, X_PB, X_CT), external.Position(line)});
       continue;
     }
     Angles angles = setup.home;
     for (const auto& [name, value] : joints) angles[std::string("XYZABC").find(name)] = value * kDegree;
-    targets.push_back(AtAngles(line, setup, angles));
+    targets.push_back(external.AtAngles(line, angles));
   }
   return targets;
 }

@@ -64,6 +64,14 @@ void ReadAxes(const YAML::Node& axes, Setup* setup) {
     axis.carries_robot = node["carries"].as<std::string>() == "robot";
     axis.direction = Triple(node["axis"]).normalized();
     axis.origin = node["origin_mm"] ? Triple(node["origin_mm"]) : Vector3(Vector3::Zero());
+    const char* unit = axis.rotary ? "deg" : "mm";
+    const Real scale = axis.rotary ? kDegree : 1;
+    const auto key = [&](const std::string& name) { return name + unit; };
+    axis.name = node["name"].as<std::string>();
+    axis.lower = node[key("limits_")][0].as<double>() * scale;
+    axis.upper = node[key("limits_")][1].as<double>() * scale;
+    axis.home = node[key("home_")].as<double>(0) * scale;
+    axis.speed = node[key("speed_") + "_s"].as<double>() * scale;
     if (node["stiffness_N_mm"]) axis.compliance = 1 / Real{node["stiffness_N_mm"].as<double>()};
     if (node["stiffness_Nm_per_rad"])
       axis.compliance = 1 / (1000 * Real{node["stiffness_Nm_per_rad"].as<double>()});
@@ -128,6 +136,30 @@ void ReadJob(const YAML::Node& job, Setup* setup) {
   }
 }
 
+/// The axes of the cell as a controller has them; others stand still.
+void ReadControllerAxes(const YAML::detail::iterator_value& controller, Setup* setup) {
+  for (const auto& node : controller.second["external_axes"]) {
+    if (!node["axis"]) continue;
+    const std::string name = node["axis"].as<std::string>();
+    for (size_t i = 0; i < setup->axes.size(); ++i)
+      if (setup->axes[i].name == name)
+        setup->controller_axes[controller.first.as<std::string>()].push_back(
+            {node["name"].as<std::string>(), i, node["coupled"].as<bool>()});
+  }
+}
+
+void ReadKrlFrames(const YAML::Node& krl, Setup* setup) {
+  if (krl["robroot"]) setup->krl_robot = PoseOf(krl["robroot"]);
+  if (const YAML::Node rail = krl["ersysroot"]) {
+    const std::string direction = rail["direction"].as<std::string>("x");
+    const Vector3 along = Vector3::Unit(direction.back() - 'x');
+    setup->krl_rail = {PoseOf(rail["pose"]), direction.front() == '-' ? Vector3(-along) : along};
+  }
+  if (const YAML::Node table = krl["external_base"])
+    setup->krl_table =
+        PoseOf(table["root"]) * (table["flange"] ? PoseOf(table["flange"]) : Matrix4(Matrix4::Identity()));
+}
+
 void ReadControllers(const YAML::Node& controllers, Setup* setup) {
   if (!controllers) return;
   const auto text = [&](const char* controller, const char* key, const char* otherwise) {
@@ -141,6 +173,8 @@ void ReadControllers(const YAML::Node& controllers, Setup* setup) {
   setup->sinumerik_turn_known = !text("sinumerik", "ori_ipo_with_g_code", "").empty();
   setup->linuxcnc_tool_axis = text("linuxcnc", "tool_axis", "z");
   setup->linuxcnc_rotation = text("linuxcnc", "rotation", "rpy");
+  for (const auto& controller : controllers) ReadControllerAxes(controller, setup);
+  if (controllers["krl"]) ReadKrlFrames(controllers["krl"], setup);
 }
 
 void ReadSprings(const YAML::Node& compliances, Setup* setup) {

@@ -79,6 +79,39 @@ TEST(Looks, WhatIsFarFromThemChangesNoAnswer) {
   EXPECT_GT(changed, 40);
 }
 
+/// What long ways are answered with, from one side of the part to the other.
+std::string AskLong(const World& world, uint64_t stream) {
+  RandomStream random(7, stream);
+  Checker checker(world);
+  std::string answers;
+  for (int i = 0; i < 3; ++i) {
+    Joints from = test::Degrees(-40, -80, 90, 0, 60, 0), to = test::Degrees(40, -80, 90, 0, 60, 0);
+    for (int k = 0; k < 6; ++k) from[k] += random.Uniform(-0.2, 0.2), to[k] += random.Uniform(-0.2, 0.2);
+    answers += Text(checker, checker.BlockedBetween(from, to, Phase::kFree));
+    answers += Text(checker, checker.BlockedBetween(to, from, Phase::kFree, 0.5, Joints::Constant(1e-4)));
+  }
+  return answers;
+}
+
+TEST(Looks, ALongWayIsKnownByWhereItLeadsAndNotByAllBetweenItsEnds) {
+  RandomStream random(8, 0);
+  int same = 0, changed = 0;
+  for (uint64_t round = 0; round < 200; ++round) {
+    const Eigen::Vector3d before(-1500, 1500, 200),
+        after(random.Uniform(500, 3000), random.Uniform(-2000, 2000), random.Uniform(200, 2200));
+    const auto keeper = std::make_shared<LookKeeper>();
+    const World old(WithPost(before)), now(WithPost(after));
+    const std::string answers = AskLong(old.Watched(keeper), round);
+    const bool far = now.FarFrom({"post"}, keeper->Kept());
+    const bool differs = AskLong(now, round) != answers;
+    same += far;
+    changed += differs;
+    EXPECT_FALSE(far && differs) << round;
+  }
+  EXPECT_GT(same, 20);
+  EXPECT_GT(changed, 30);
+}
+
 TEST(Looks, SeveralCheckersAreKeptTogether) {
   const World world(WithPost({1500, 400, 1000}));
   const auto keeper = std::make_shared<LookKeeper>();

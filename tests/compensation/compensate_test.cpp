@@ -4,10 +4,55 @@
 #include <gtest/gtest.h>
 
 #include "compensation/gain.hpp"
+#include "plan/station.hpp"
+#include "robot/kinematics.hpp"
 #include "tests/compensation/forced_plan.hpp"
 
 namespace millpose {
 namespace {
+
+/// The forced plan with a soft rail along W's y: at each point of a pass where `at` says, the part at rest.
+PlanResult OnRail(const std::vector<double>& at) {
+  PlanResult plan = Forced();
+  plan.external_axes = {{.name = "rail", .direction = Eigen::Vector3d::UnitY(), .compliance = 1e-5}};
+  plan.passes.resize(1);
+  PassResult& pass = plan.passes[0];
+  pass.external = {at.front()};
+  for (size_t i = 0; i < pass.points.size(); ++i) {
+    // The joints stay: base and part move by the same, as if the tip rode along.
+    const double rail = at.size() > 1 ? at[i] : at.front();
+    pass.points[i].point.position.y() += rail;
+    if (at.size() > 1) pass.points[i].external = ExternalPosition{rail};
+  }
+  return plan;
+}
+
+TEST(Compensate, IsThatOfEachPointsOwnPosition) {
+  std::vector<double> along;
+  for (size_t i = 0; i < Forced().passes[0].points.size(); ++i)
+    along.push_back(100 + 3 * static_cast<double>(i));
+  PlanResult moving = OnRail(along);
+  const CompensationOptions options = Sure();
+  Compensate(options, ForcesOf(moving), moving);
+  size_t taken = 0;
+  for (size_t i = 0; i < along.size(); ++i) {
+    PlanResult still = OnRail({along[i]});
+    Compensate(options, ForcesOf(still), still);
+    const Compensation &own = *moving.passes[0].points[i].compensation,
+                       &there = *still.passes[0].points[i].compensation;
+    EXPECT_EQ(own.normal.expected, there.normal.expected);
+    EXPECT_EQ(own.normal.low, there.normal.low);
+    if (own.shift.isZero(0)) continue;
+    ++taken;
+    // The commanded pose is the shifted one in the base where it is then.
+    const Pose X_WB = BaseAt(moving, ExternalAt(moving.passes[0], i));
+    const auto tip = [&](const Joints& q) -> Eigen::Vector3d {
+      return (X_WB * ForwardFlange(moving.arm, q) * moving.X_FT).translation();
+    };
+    EXPECT_LT((tip(own.q) - tip(moving.passes[0].points[i].q) - own.shift).norm(), 1e-6);
+  }
+  EXPECT_GT(taken, 5u);
+}
 
 using Eigen::Vector3d;
 

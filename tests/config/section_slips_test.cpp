@@ -180,8 +180,9 @@ TEST(SectionSlips, OfWhereExternalAxesStand) {
     return JobWith("", "external:\n  - {axis: rail, " + keys + "}\n");
   };
   ASSERT_NO_THROW(ParseJob(external("scope: constant, at_mm: 1500"), "f.yaml"));
-  ExpectJob(external("^scope: continuous"),
-            "external[0].scope: given continuous; allowed: constant, per_pass");
+  ASSERT_NO_THROW(ParseJob(external("scope: continuous, step_mm: 500"), "f.yaml"));
+  ExpectJob(external("scope: continuous, ^at_mm: 3"),
+            "external[0].at_mm: has no effect here: with scope continuous the planner chooses");
   ExpectJob(external("scope: per_pass, ^at_mm: 3"),
             "external[0].at_mm: has no effect here: with scope per_pass the planner chooses");
   ExpectJob(external("scope: constant, at_mm: 3, ^step_mm: 3"),

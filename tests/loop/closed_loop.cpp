@@ -60,14 +60,15 @@ std::vector<std::pair<const Row*, Vector3>> TipsOf(const audit::Folder& folder,
   const auto targets = ReadProgram(controller, folder.programs.at(controller), folder.setup);
   std::vector<audit::Cut> cuts = CutsOf(rows, folder.setup);
   Compare(targets, cuts, folder.setup);
+  const auto tip_of = [&](size_t target) { return Tip(folder.setup.X_WP * targets[target].X_PT); };
   std::vector<std::pair<const Row*, Vector3>> tips;
   for (const audit::Cut& cut : cuts) {
     size_t segment = cut.first;
     for (const Row* row : cut.rows) {
-      Real best = (Tip(targets[segment].X_WT) - row->position).norm();
-      Vector3 tip = Tip(targets[segment].X_WT);
+      Vector3 tip = tip_of(segment);
+      Real best = (tip - row->position).norm();
       for (size_t k = segment; k + 1 <= std::min(cut.last, targets.size() - 1); ++k) {
-        const Vector3 from = Tip(targets[k].X_WT), way = Tip(targets[k + 1].X_WT) - from;
+        const Vector3 from = tip_of(k), way = tip_of(k + 1) - from;
         const Real square = way.squaredNorm();
         const Real share =
             square > 0 ? std::clamp((row->position - from).dot(way) / square, Real{0}, Real{1}) : 0;

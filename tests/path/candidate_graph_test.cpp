@@ -59,7 +59,7 @@ TEST(CandidateGraph, VerdictsAreThoseOfACheckerAlone) {
   const Fixture f;
   CandidateGraph graph = f.Graph();
   std::vector<size_t> blocked(graph.size(), 0);
-  graph.InParallel(graph.size(), [&](Checker& checker, size_t t) {
+  graph.InParallel(graph.size(), [&](PassCheckers& checker, size_t t) {
     for (size_t k = 0; k < graph.layer(t).size(); ++k) {
       EXPECT_EQ(graph.VerdictOf(t, k), Verdict::kUnknown);
       const bool free = graph.IsFree(checker, t, k);
@@ -78,7 +78,7 @@ TEST(CandidateGraph, WhatOneGraphLookedAtTheNextKnows) {
   const Fixture f;
   CandidateGraph first = f.Graph(), second = f.Graph();
   const auto look = [](CandidateGraph& graph) {
-    graph.InParallel(graph.size() - 1, [&](Checker& checker, size_t t) {
+    graph.InParallel(graph.size() - 1, [&](PassCheckers& checker, size_t t) {
       for (size_t k = 0; k < graph.layer(t).size(); k += 7) {
         const size_t next = Beside(graph, t, k);
         if (!graph.IsFree(checker, t, k) || next == kNoNode) continue;
@@ -115,7 +115,8 @@ TEST(CandidateGraph, PruningsAreOfOneGraphAlone) {
 TEST(CandidateGraph, ATransitionIsBarredByWhatCheckCutFinds) {
   const Fixture f;
   CandidateGraph graph = f.Graph();
-  Checker checker(f.world), alone(f.world);
+  PassCheckers checker(graph.checks());
+  Checker alone(f.world);
   size_t looked = 0, barred = 0;
   const auto look = [&](size_t t, size_t k, size_t next) {
     if (next == kNoNode || !graph.IsFree(checker, t, k) || !graph.IsFree(checker, t + 1, next)) return;

@@ -61,6 +61,41 @@ TEST(StationSequence, IsTheCheapestOfAll) {
   }
 }
 
+TEST(StationSequence, OfCoursesIsTheCheapestOfAll) {
+  RandomStream random(2, 0);
+  int moving = 0;
+  for (int round = 0; round < 200; ++round) {
+    constexpr size_t kPasses = 4;
+    std::vector<std::vector<CourseScore>> choices(kPasses);
+    for (auto& of : choices)
+      for (const auto& [from, to] : {std::pair(0, 0), std::pair(1, 1), std::pair(0, 1), std::pair(1, 0)})
+        of.push_back({static_cast<size_t>(from), static_cast<size_t>(to), {0, 1, random.Uniform(5, 5.6)}});
+    const auto cost = [&](const std::vector<size_t>& sequence) {
+      double sum = 0;
+      for (size_t p = 0; p < kPasses; ++p) {
+        double best = 1e9;
+        for (const CourseScore& choice : choices[p]) best = std::min(best, choice.score.sum);
+        sum += choices[p][sequence[p]].score.sum / best;
+        if (p > 0 && choices[p][sequence[p]].from != choices[p - 1][sequence[p - 1]].to) sum += kChangePrice;
+      }
+      return sum;
+    };
+    double least = 1e9;
+    for (size_t code = 0; code < 256; ++code)
+      least = std::min(least, cost({code % 4, code / 4 % 4, code / 16 % 4, code / 64}));
+    const StationSequence found = FindCourseSequence(choices, round % 2 == 0, 2);
+    std::vector<size_t> sequence;
+    for (const auto& pass : found.ranked) {
+      sequence.push_back(pass.front());
+      EXPECT_EQ(pass.size(), 3u);
+      moving +=
+          choices[sequence.size() - 1][pass.front()].from != choices[sequence.size() - 1][pass.front()].to;
+    }
+    EXPECT_NEAR(cost(sequence), least, 1e-12);
+  }
+  EXPECT_GT(moving, 100);
+}
+
 TEST(StationSequence, StaysWhereAChangeGainsLittle) {
   const auto at = [](double sum) { return StationScore{0, 1, sum}; };
   const Scores little{{at(1), at(1.04), at(1)}, {at(1.04), at(1), at(1.04)}};

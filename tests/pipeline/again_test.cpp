@@ -61,6 +61,26 @@ TEST(RepairEnds, GivesAnEndAPoseThatItCanBeLeftIn) {
   EXPECT_FALSE(now.isApprox(end, 1e-3));
 }
 
+// A retract that leads out of reach from every pose: what cannot be left is not milled, and says why.
+TEST(RepairEnds, APassThatNoPoseCanLeaveIsLeftOutWithItsReason) {
+  const JobInputs inputs = SmallInputs();
+  PreparedJob prepared = FreshPlan().prepared;
+  std::vector<PassResult> passes = FreshPlan().plan.passes;
+  RetractOptions leave = MakeGapOptions(inputs.job).leave;
+  leave.height = 3000;  // through the cell and beyond the arm's reach
+  const MemoryCheckpoints kept;
+  RepairEnds(prepared, MakePathOptions(inputs.job), leave, kept, {.threads = 2}, passes);
+  for (const PassResult& pass : passes)
+    for (const PlannedPoint& point : pass.points)
+      EXPECT_TRUE(point.detail.starts_with("no pose here can be entered or left: ")) << point.detail;
+  EXPECT_EQ(kept.writes, 2) << "both were tried";
+  const std::string once = BytesOf(passes);
+  // What was found out about the ends is not asked again; the plans are read.
+  RepairEnds(prepared, MakePathOptions(inputs.job), leave, kept, {.threads = 1}, passes);
+  EXPECT_EQ(BytesOf(passes), once);
+  EXPECT_EQ(kept.writes, 2);
+}
+
 TEST(PlanFiner, InsertsPointsOnTheSurfaceWhereABoundPerStepLosesThem) {
   const PlannedJob job =
       PlanJob(SmallInputs({{"path.max_joint_step_deg", "[1, 1, 1, 4, 4, 4]"}, {"programs", "[]"}}),

@@ -97,7 +97,7 @@ TEST(AxisMap, TheLimitIsThatOfTheAxisFarthestBeyondIt) {
 
 TEST(ExplainPose, NamesWhatBarsTheOptimum) {
   const Planned& p = BehindABall();
-  const PoseReason reason = ExplainPose(p.plan, p.problem, 0, kMet);
+  const PoseReason reason = ExplainPose(p.plan, Stations(*p.world, p.problem), 0, kMet);
   EXPECT_EQ(reason.barred, "ball and wrist");
   EXPECT_GT(reason.beyond, 0);
   EXPECT_GT(reason.path.objective, reason.own.objective);
@@ -112,7 +112,7 @@ TEST(ExplainPose, SkippedPointsSayWhy) {
   Planned p = BehindABall();
   p.plan.passes[0].points[3].skip = Obstacle::kLimit;
   p.plan.passes[0].points[3].detail = "every pose is beyond a limit";
-  EXPECT_EQ(ReasonSentences(ExplainPose(p.plan, p.problem, 0, 3)),
+  EXPECT_EQ(ReasonSentences(ExplainPose(p.plan, Stations(*p.world, p.problem), 0, 3)),
             std::vector<std::string>{"skipped: limit: every pose is beyond a limit"});
 }
 

@@ -35,6 +35,33 @@ TEST(CellTextsOfACell, AreRefusedWithTheirLine) {
   EXPECT_EQ(problems[1].place.file, cell.file);
 }
 
+TEST(AxesAlongCuts, NeedControllersThatCountInThem) {
+  const std::string name = std::string(SourceDir()) + "/cells/kr500_rail.yaml";
+  std::string text = ReadFile(name);
+  JobSettings job;
+  job.file = "job.yaml";
+  job.external.resize(1);
+  job.external[0].axis = "rail";
+  job.external[0].scope = ExternalScope::kContinuous;
+  EXPECT_TRUE(
+      CheckAlongCuts(job, ParseCell(text, name)).empty());  // LinuxCNC moves joints, the rail among them
+  text.replace(text.find("axis: rail, coupled: true}"), 26, "axis: rail, coupled: false}");
+  text.replace(text.find("    ersysroot:"), 14, "    #");
+  const CellSettings cell = ParseCell(text, name);
+  const std::vector<Problem> problems = CheckAlongCuts(job, cell);
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_EQ(problems[0].place.file, "job.yaml");
+  EXPECT_NE(
+      problems[0].message.find("external[0].scope: given continuous, but krl does not count in axis rail"),
+      std::string::npos)
+      << problems[0].message;
+  job.external[0].scope = ExternalScope::kPerPass;
+  EXPECT_TRUE(CheckAlongCuts(job, cell).empty());
+  job.external[0].scope = ExternalScope::kContinuous;
+  job.programs = {"sinumerik"};
+  EXPECT_TRUE(CheckAlongCuts(job, cell).empty());
+}
+
 TEST(CellTextsOfACell, MovingCallsStandAtHome) {
   const std::string call =
       "    calls: [{name: WASH, moves: true, from_deg: [0, -90, 90, 0, 0, 0], to_deg: [10, -90, 90, 0, 0, "

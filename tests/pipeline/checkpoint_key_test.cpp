@@ -63,6 +63,58 @@ TEST(CheckpointKey, AForceThatTheObjectiveIsMadeWithCounts) {
   EXPECT_NE(PassContext(Problem({{"feed_N", 11}}), world, {}), one);
 }
 
+TEST(CheckpointKey, WhateverAPassOrAGapIsHandedCounts) {
+  const PoseProblem problem = Problem({{"feed_N", 10}});
+  Cell cell;
+  cell.bodies.push_back({"link", BodyClass::kLink, Mount::kLink, 3, Pose::Identity(), Sphere{5}});
+  const std::string pass = PassContext(problem, World(cell), {}), gap = GapContext(World(cell), {});
+  const auto expect_other = [&](const auto& change) {
+    Cell changed = cell;
+    change(changed);
+    EXPECT_NE(PassContext(problem, World(changed), {}), pass);
+    EXPECT_NE(GapContext(World(changed), {}), gap);
+  };
+  expect_other([](Cell& c) { c.clearances.cutting += 1; });
+  expect_other([](Cell& c) { c.X_WP.translation().z() = 1e-9; });
+  expect_other([](Cell& c) { c.home[5] = 0.1; });
+  expect_other([](Cell& c) { c.bodies[0].shape = Sphere{5.1}; });
+  expect_other([](Cell& c) { c.bodies[0].link = 4; });
+  expect_other([](Cell& c) { c.cutter_length = 7; });
+  PoseProblem other = problem;
+  other.bounds.upper[2] += 0.1;
+  EXPECT_NE(PassContext(other, World(cell), {}), pass);
+  PathOptions options;
+  options.leave = RetractOptions{};
+  EXPECT_NE(PassContext(problem, World(cell), options), pass);
+  GapOptions gaps;
+  gaps.seed = 2;
+  EXPECT_NE(GapContext(World(cell), gaps), gap);
+}
+
+TEST(CheckpointKey, PassesAndGapsAreToldApartByPlaceAndNumber) {
+  Pass pass;
+  pass.points.emplace_back();
+  const std::string key = PassKey("context", pass, 2, 10);
+  EXPECT_EQ(PassKey("context", pass, 2, 10), key);
+  EXPECT_NE(PassKey("other", pass, 2, 10), key);
+  EXPECT_NE(PassKey("context", pass, 3, 10), key);
+  EXPECT_NE(PassKey("context", pass, 2, 11), key) << "its points have other random streams";
+  pass.points[0].feed_rate = 1;
+  EXPECT_NE(PassKey("context", pass, 2, 10), key);
+  const GapEnd home, piece{1, 0, Joints::Constant(0.1)};
+  const std::string there = GapKey("context", home, piece);
+  EXPECT_NE(GapKey("context", piece, home), there);
+  for (GapEnd end : {GapEnd{2, 0, piece.q}, GapEnd{1, 1, piece.q}, GapEnd{1, 0, Joints::Constant(0.2)},
+                     GapEnd{1, 0, piece.q, {5.0}}})
+    EXPECT_NE(GapKey("context", home, end), there);
+  Gap gap;
+  gap.to_pass = 1, gap.to_piece = 0;
+  EXPECT_TRUE(IsGapOf(gap, home, piece));
+  EXPECT_FALSE(IsGapOf(gap, piece, home));
+  gap.to_piece = 1;
+  EXPECT_FALSE(IsGapOf(gap, home, piece));
+}
+
 TEST(CheckpointKey, APlanIsOfItsPassWhateverSplitsAddToIt) {
   Pass pass;
   for (int i = 0; i < 3; ++i) pass.points.emplace_back().position.x() = i;

@@ -4,6 +4,8 @@
 #include "pipeline/lay_path.hpp"
 #include "pipeline/plan_key.hpp"
 #include "pipeline/report_parts.hpp"
+#include "robot/kinematics.hpp"
+#include "tests/cell/sample_cell.hpp"
 
 namespace millpose {
 namespace {
@@ -69,7 +71,7 @@ TEST(ValueReader, ReadsBackWhatWasWritten) {
 
 TEST(ValueReader, KnowsWhatStagesReturn) {
   using value_bytes_detail::CountFields;
-  static_assert(CountFields<PlannedPoint>() == 28);
+  static_assert(CountFields<PlannedPoint>() == 29);
   static_assert(CountFields<PlanResult>() == 16);
   static_assert(CountFields<CheckedProgram>() == 11);
   static_assert(CountFields<StartProgram>() == 6);
@@ -106,6 +108,58 @@ TEST(Kept, WorksAStageOutAgainOnlyWhereItIsHandedSomethingElse) {
   store.kept["stage"].second.pop_back();
   EXPECT_EQ(stage(1).items[0].maybe, 1);
   EXPECT_EQ(made, 4) << "damaged";
+}
+
+TEST(KeptInWorld, WorksAStageOutAgainOnlyWhereAnAnswerMayBeAnother) {
+  const Store store;
+  int made = 0;
+  Cell cell = test::SampleCell();
+  const auto post_at = [&](double y) { cell.bodies.back().X_MG = test::At(1500, y, 100); };
+  const auto stage = [&](const std::string& key, double pose) {
+    return KeptInWorld<double>(store, "stage", key, Stations(World(cell), {}), [&](const Stations& stations) {
+      ++made;
+      Checker checker(stations.At({}).world);
+      return checker.Clearance(test::Degrees(0, -60, 90, 0, 60, pose), Phase::kFree, 200);
+    });
+  };
+  cell.bodies.push_back({"post", BodyClass::kFixture, Mount::kWorld, 0, Pose::Identity(), Sphere{50}});
+  post_at(3000);
+  const double far = stage("a", 0);
+  EXPECT_EQ(stage("a", 0), far);
+  post_at(4000);
+  EXPECT_EQ(stage("a", 0), far);
+  EXPECT_EQ(made, 1);
+  stage("b", 0);
+  EXPECT_EQ(made, 2) << "handed something else";
+  cell.bodies.back().X_MG = ForwardFlange(cell.arm, test::Degrees(0, -60, 90, 0, 60, 0));  // in its way
+  EXPECT_LT(stage("b", 0), far);
+  EXPECT_EQ(made, 3);
+  post_at(4000);  // the answer told of it
+  EXPECT_EQ(stage("b", 0), far);
+  EXPECT_EQ(made, 4);
+  cell.bodies[0].shape = Sphere{10};  // no obstacle: a link
+  stage("b", 0);
+  EXPECT_EQ(made, 5);
+  store.kept["stage"].second.pop_back();
+  stage("b", 0);
+  EXPECT_EQ(made, 6) << "damaged";
+}
+
+TEST(KeptInWorld, OfACellWithExternalAxesWhateverStandsInItCounts) {
+  const Store store;
+  int made = 0;
+  Cell cell = test::SampleCell();
+  cell.external_axes.emplace_back().name = "rail";
+  const auto stage = [&] {
+    KeptInWorld<int>(store, "stage", "key", Stations(World(cell), {}),
+                     [&](const Stations&) { return ++made; });
+  };
+  stage();
+  stage();
+  EXPECT_EQ(made, 1);
+  cell.bodies.back().X_MG = test::At(0, 5000, -200);
+  stage();
+  EXPECT_EQ(made, 2);
 }
 
 TEST(PlanKey, SeesEveryFieldButTheHashThatNamesThePlan) {

@@ -263,7 +263,7 @@ TEST(ExplainPose, NamesThePathAndTheStiffestPoseThatIsForbidden) {
   for (size_t p = 0; p < job.plan.passes.size(); ++p)
     for (size_t i = 0; i < job.plan.passes[p].points.size(); ++i) {
       const PlannedPoint& point = job.plan.passes[p].points[i];
-      const PoseReason reason = ExplainPose(job.plan, job.prepared.problem, p, i);
+      const PoseReason reason = ExplainPose(job.plan, job.prepared.stations, p, i);
       EXPECT_EQ(reason.skipped, "");
       EXPECT_EQ(reason.path.branch, point.branch);
       EXPECT_EQ(reason.path.rotation, point.freedoms[0]);
@@ -278,7 +278,7 @@ TEST(ExplainPose, NamesThePathAndTheStiffestPoseThatIsForbidden) {
   PlanResult skipped = job.plan;
   skipped.passes[0].points[0].skip = Obstacle::kGouge;
   skipped.passes[0].points[0].detail = "3 mm deep";
-  EXPECT_EQ(ExplainPose(skipped, job.prepared.problem, 0, 0).skipped, "gouge: 3 mm deep");
+  EXPECT_EQ(ExplainPose(skipped, job.prepared.stations, 0, 0).skipped, "gouge: 3 mm deep");
 }
 
 TEST(StartEnds, LeadFromHomeToEveryPieceButTheFirst) {

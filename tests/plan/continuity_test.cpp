@@ -85,6 +85,49 @@ TEST(Continuity, ReducedFeedsHoldInTheReplayOfStraightMotions) {
   EXPECT_GT(most, 0.9);  // and are no lower than need be
 }
 
+/// The arm held still on a rail that runs with the tip, at `feed` mm/s, and for the middle third twice as
+/// far.
+PlanResult RailPlan(double feed) {
+  PlanResult plan = SwingingPlan(feed);
+  plan.external_axes = {{.name = "rail",
+                         .direction = Eigen::Vector3d::UnitX(),
+                         .lower = -1000,
+                         .upper = 1000,
+                         .speed = 30,
+                         .acceleration = 200,
+                         .compliance = {}}};
+  for (PassResult& pass : plan.passes) pass.external = {0};
+  double rail = 0;
+  for (PlannedPoint& point : plan.passes[1].points) {
+    point.q = Degrees(-4.5, -63.9, 103.3, 18.8, 53.1, 16.2);
+    point.external = ExternalPosition{rail};
+    rail += point.point.arc_length >= 70 && point.point.arc_length < 140 ? 2 : 1;
+  }
+  return plan;
+}
+
+TEST(Continuity, ReducedFeedsHoldTheSpeedsOfExternalAxes) {
+  EXPECT_TRUE(AnalyseContinuity(RailPlan(5)).feed_not_held.empty());
+  PlanResult plan = RailPlan(25);
+  const ContinuityFigures figures = AnalyseContinuity(plan);
+  ASSERT_FALSE(figures.feed_not_held.empty());
+  for (const FeedFinding& finding : figures.feed_not_held) EXPECT_EQ(finding.joint, 6);
+  EXPECT_EQ(AxisName(plan.external_axes, 6), "rail");
+  EXPECT_EQ(AxisName(plan.external_axes, 2), "A3");
+  EXPECT_LT(AnalyseContinuity(RailPlan(10)).halfway_deviation, 1e-9);  // straight on the part
+  ReduceFeeds(plan);
+  double most = 0;
+  for (const Piece& piece : plan.passes[1].pieces)
+    for (int i = piece.first + 1; i <= piece.last; ++i) {
+      const PlannedPoint &from = plan.passes[1].points[i - 1], &to = plan.passes[1].points[i];
+      const double seconds = (to.point.arc_length - from.point.arc_length) / to.point.feed_rate;
+      most = std::max(most, std::abs((*to.external)[0] - (*from.external)[0]) / seconds);
+    }
+  EXPECT_LE(most, 0.99 * 30 * (1 + 1e-9));
+  EXPECT_GT(most, 0.98 * 30);
+  EXPECT_TRUE(AnalyseContinuity(plan).feed_not_held.empty());
+}
+
 TEST(Continuity, TellsWhereReducedFeedsFallFarAndWhichJointIsToBlame) {
   PlanResult plan = SwingingPlan(120);
   const FeedReduction reduction = ReduceFeeds(plan);

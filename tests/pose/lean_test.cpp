@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pose/search.hpp"
+#include "pose/evaluator.hpp"
 #include "tests/pose/lean_problems.hpp"
 
 namespace millpose {
@@ -127,6 +127,54 @@ TEST(CandidateTable, FollowsEachFreedomsOwnStepAboutItsNominalValue) {
   EXPECT_EQ(table.entries().size(), admissible);
   for (const CandidateTable::Entry& entry : table.entries())
     EXPECT_EQ(entry.objective, scorer.ScoreOne(table.Setting(entry.setting), entry.branch).objective);
+}
+
+/// By how much, relative, the lowest of many poses close around a place lies below it.
+double LowerAround(const PointScorer& scorer, const PointOptimum& at, RandomStream& random) {
+  double lower = 0;
+  for (const double size : {3e-3, 1e-3, 1e-4})
+    for (int i = 0; i < 100; ++i) {
+      FreedomValues setting = at.freedoms;
+      for (size_t d = 0; d < setting.size(); ++d)
+        setting[d] = Confine(*scorer.problem().freedoms[d], setting[d] + random.Uniform(-size, size));
+      const Candidate candidate = scorer.ScoreOne(setting, at.branch);
+      if (candidate.obstacle == Obstacle::kNone)
+        lower = std::max(lower, 1 - candidate.objective / at.objective);
+    }
+  return lower;
+}
+
+// Where joints meet their limits and deflections change their sign, valleys run across all freedoms: one
+// freedom after the other gets stuck there.
+TEST(Descend, EndsWhereNothingAroundIsLower) {
+  for (const char* objective : {"chen2021", "surface_error"}) {
+    PoseProblem problem = LeaningProblem();
+    const bool force = std::string(objective) == "surface_error";
+    problem.objective = MakeObjective(
+        objective, force ? ObjectiveParameters{{"force_uncertainty_percent", 30}, {"force_direction_deg", 20}}
+                         : ObjectiveParameters{});
+    RandomStream random(23, 0), around(24, 0);
+    int found = 0, lower = 0;
+    for (int k = 0; k < 60; ++k) {
+      MillingPoint point = PanelPoint(random.Uniform(-450, 450), random.Uniform(-300, 300),
+                                      random.Uniform(1500, 2200), random.Uniform(700, 1500));
+      point.engagement.force = 20 * point.feed + 10 * point.normal.cross(point.feed) + 5 * point.normal;
+      const PointScorer scorer(problem, point, Vector3d::UnitZ());
+      const CandidateTable table = CandidateTable::OfStep(scorer, DegToRad(4));
+      const PointOptimum best = DescendTable(scorer, table);
+      EXPECT_EQ(best.found, !table.entries().empty());
+      if (!best.found) continue;
+      ++found;
+      for (const CandidateTable::Entry& entry : table.entries()) EXPECT_GE(entry.objective, best.objective);
+      EXPECT_EQ(scorer.ScoreOne(best.freedoms, best.branch).objective, best.objective);
+      lower += LowerAround(scorer, best, around) > 1e-5;
+      const PointOptimum few = Descend(scorer, best, best.evaluations + 20);
+      EXPECT_LE(few.evaluations, best.evaluations + 20);
+      EXPECT_LE(few.objective, best.objective);
+    }
+    EXPECT_GT(found, 50) << objective;
+    EXPECT_LE(lower, 2) << objective;
+  }
 }
 
 // With lead and tilt: what the genetic algorithm finds beyond a table refined along its lines and brought

@@ -65,6 +65,15 @@ Joints WordsOf(const Motion& motion) {
   return words;
 }
 
+/// What U, V, W move by, mm or degrees.
+Eigen::Vector3d ExternalWay(const Motion& from, const Motion& to, const std::vector<ExternalAxis>& axes) {
+  Eigen::Vector3d way = Eigen::Vector3d::Zero();
+  for (size_t k = 0; k < axes.size(); ++k)
+    way[static_cast<Eigen::Index>(k)] =
+        (to.external[k] - from.external[k]) * (axes[k].kind == AxisKind::kRotary ? kDegPerRad : 1);
+  return way;
+}
+
 }  // namespace
 
 Interpreted Interpret(const std::string& program, bool nine_axes) {
@@ -108,7 +117,8 @@ void ExpectInterpreted(const std::string& text, const MotionProgram& read) {
     if (pose && motion.duration == 0) {
       EXPECT_NEAR(moves[i].speed, motion.feed * 60, 0.51e-4) << motion.line;
     } else if (motion.duration > 0) {
-      const double length = FeedLength(WordsOf(read.motions[i - 1]), WordsOf(motion));
+      const double length = FeedLength(WordsOf(read.motions[i - 1]), WordsOf(motion),
+                                       ExternalWay(read.motions[i - 1], motion, read.external_axes));
       EXPECT_NEAR(moves[i].speed, length / motion.duration * 60, 0.51e-4) << motion.line;
     }
   }

@@ -2,7 +2,9 @@
 #include "tests/program/station_plan.hpp"
 
 #include "base/units.hpp"
+#include "plan/station.hpp"
 #include "program/krl/krl.hpp"
+#include "robot/kinematics.hpp"
 
 namespace millpose {
 namespace {
@@ -62,6 +64,54 @@ PlanResult StationPlan(const std::string& axes, const SampleShape& shape) {
   if (table) add(Table(), 5 * kRadPerDeg, 35 * kRadPerDeg);
   for (size_t i = 0; i < 2; ++i) plan.passes[i].external = stations[i + 1];
   for (size_t i = 0; i < 3; ++i) GoByHome(plan, stations[i], stations[i + 1], plan.gaps[i]);
+  return plan;
+}
+
+namespace {
+
+/// Where joints that are planned at one position of the external axes are at another, the tool standing still
+/// on the part.
+Joints Carried(const PlanResult& plan, const Joints& q, const ExternalPosition& from,
+               const ExternalPosition& to) {
+  const Pose X_PT =
+      PartAt(plan, from).inverse() * BaseAt(plan, from) * ForwardFlange(plan.arm, q) * plan.X_FT;
+  const Pose X_BF = BaseAt(plan, to).inverse() * PartAt(plan, to) * X_PT * plan.X_FT.inverse();
+  const auto moved = InverseNear(plan.arm, X_BF, Status(plan.arm, q), q);
+  if (!moved) throw std::logic_error("out of reach");
+  return *moved;
+}
+
+/// Brings a point's vectors to where tool and part are.
+void CarryVectors(const Pose& X_WT, const Pose& moved, MillingPoint& point) {
+  point.position = X_WT.translation();
+  for (Eigen::Vector3d* direction : {&point.normal, &point.feed, &point.tool_axis})
+    *direction = moved.linear() * *direction;
+}
+
+}  // namespace
+
+PlanResult RidePlan(const std::string& axes, const SampleShape& shape) {
+  PlanResult plan = StationPlan(axes, shape);
+  const std::vector<double> ways = axes == "rail"    ? std::vector<double>{60}
+                                   : axes == "table" ? std::vector<double>{-8 * kRadPerDeg}
+                                                     : std::vector{60, -8 * kRadPerDeg};
+  for (size_t p = 0; p < plan.passes.size(); ++p) {
+    PassResult& pass = plan.passes[p];
+    const ExternalPosition begin = pass.external;
+    ExternalPosition at = begin;
+    for (size_t i = 0; i < pass.points.size(); ++i) {
+      for (size_t k = 0; k < at.size(); ++k)
+        at[k] = begin[k] + ways[k] * static_cast<double>(i) / static_cast<double>(pass.points.size() - 1);
+      PlannedPoint& point = pass.points[i];
+      point.q = Carried(plan, point.q, begin, at);
+      CarryVectors(BaseAt(plan, at) * ForwardFlange(plan.arm, point.q) * plan.X_FT,
+                   PartAt(plan, at) * PartAt(plan, begin).inverse(), point.point);
+      point.external = at;
+    }
+    Gap& leaving = plan.gaps[p + 1];
+    leaving.joints.front() = Carried(plan, leaving.joints.front(), begin, at);
+    leaving.external->from = at;
+  }
   return plan;
 }
 

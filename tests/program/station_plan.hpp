@@ -12,6 +12,10 @@ namespace millpose {
 /// rail first.
 PlanResult StationPlan(const std::string& axes, const SampleShape& shape = {.points = 4, .ring = false});
 
+/// The same with axes that move along the cuts: in each pass from its station on, by 60 mm and −8 degrees,
+/// evenly from point to point. The tip's path on the part is that of StationPlan().
+PlanResult RidePlan(const std::string& axes, const SampleShape& shape = {.points = 4, .ring = false});
+
 /// A controller for StationPlan(): a variant as SampleSettings() knows it, with all axes coupled or none.
 struct StationPost {
   StationPost(const std::string& variant, const PlanResult& plan, bool coupled);

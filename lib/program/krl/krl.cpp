@@ -75,6 +75,7 @@ class KrlWriter : public ProgramWriter {
     if (i >= program_.motions.size()) return;
     motion_ = &program_.motions[i];
     if (i == 0) base_ = Base();
+    rides_ = (rides_ && HasFeed(*motion_)) || Rides(program_, i);
   }
 
   /// What $BASE is given where the motion counts; empty where programs state none.
@@ -156,8 +157,13 @@ class KrlWriter : public ProgramWriter {
     if (options_.orientation_acceleration) both("$ACC", *options_.orientation_acceleration);
   }
 
+  /// From where the external axes begin to move along a cut $BASE is not stated again before its end: should
+  /// the controller believe in another direction of the rail, the targets make up for it.
   Pose ToolInBase(const Motion& motion) const {
     Pose X_PC = motion.X_PT;
+    if (rides_ && base_)
+      X_PC = KrlBaseFrame(options_, settings_, motion.external, *base_).inverse(Eigen::Isometry) *
+             *FrameOf(program_, motion) * motion.X_PT;
     X_PC.linear() = X_PC.linear() * settings_.R_TC();
     return X_PC;
   }
@@ -166,7 +172,8 @@ class KrlWriter : public ProgramWriter {
     const Motion& motion = program_.motions[i];
     At(i);
     const bool by_pose = motion.type == MotionType::kLinear || motion.status;
-    if (const std::optional<Pose> base = Base(); by_pose && base && !(base_ && SameFrame(*base, *base_))) {
+    const std::optional<Pose> base = Base();
+    if (by_pose && base && !(base_ && (rides_ || SameFrame(*base, *base_)))) {
       Line(BaseText(*base));
       base_ = base;
     }
@@ -259,6 +266,7 @@ class KrlWriter : public ProgramWriter {
   const Motion* motion_ = nullptr;   // that is being written, or the first
   std::optional<Pose> base_;         // as $BASE was stated last
   std::string feed_, distance_;
+  bool rides_ = false;        // external axes move, or have moved, along the cut that is being written
   bool within_pass_ = false;  // the next section goes on with a pass
 };
 

@@ -386,10 +386,23 @@ class KrlReader : public ProgramReader {
     motion.exact = !scan.Accept("C_PTP");
   }
 
+  /// External axes that move along: the controller counts in them, so that $BASE holds all the way.
+  void Ride(const LineScanner& scan, const ExternalPosition& before, Motion& motion) const {
+    if (motion.external == before || !base_) return;
+    if (const std::string name = UncoupledMove(settings_, before, motion.external); !name.empty())
+      scan.Fail(
+          fmt::format("{} moves in a LIN; the controller does not count in it (coupled: false in the "
+                      "cell), so that it must stand still",
+                      name));
+    motion.X_BP_begin = KrlBaseFrame(options_, settings_, before, *base_);
+  }
+
   void ReadLin(LineScanner& scan) {
+    const ExternalPosition before = external_;
     Motion& motion = AddMotion(MotionType::kLinear);
     for (const char* setting : {"$VEL.CP", "$VEL.ORI1", "$VEL.ORI2", "$ORI_TYPE"}) Require(setting);
     motion.X_PT = Target(scan, ReadTarget(scan, {"X", "Y", "Z", "A", "B", "C", "S", "T"}, motion));
+    Ride(scan, before, motion);
     motion.feed = feed_;
     motion.turn_speed = std::min(turn_speed_[0], turn_speed_[1]);
     motion.exact = !scan.Accept("C_DIS");

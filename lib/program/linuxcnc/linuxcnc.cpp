@@ -91,64 +91,87 @@ class LinuxCncWriter : public ProgramWriter {
     Coordinates(false);
     if (motion.type == MotionType::kLinear) {
       const Motion& before = program_.motions[i - 1];
-      const double share = LinearDuration(before, motion, arm_);
-      AddLine(before.X_PT, *before.q, motion.X_PT, *motion.q, share, motion.exact, 0);
+      const Pace pace{0, LinearDuration(program_, i, arm_), motion.exact};
+      AddLine(i, {before.X_PT, *before.q, 0}, {motion.X_PT, *motion.q, 1}, pace, 0);
     } else if (motion.duration > 0) {
-      AddTimed(*motion.q, motion.duration, motion.exact);
+      AddTimed(*motion.q, {0, motion.duration, motion.exact}, motion.external);
     } else {
       PathMode(motion.exact);
       const Joints angles = AsWritten(settings_.axes, *motion.q);
-      Line("G0 " + Words(angles) + ExternalWords(motion));
+      Line("G0 " + Words(angles) + Stated(motion.external));
       last_ = angles;
     }
   }
 
-  /// A straight line of the tip from joints q0 to q1, halved until the joint motions between stay near it.
-  void AddLine(const Pose& X0, const Joints& q0, const Pose& X1, const Joints& q1, double duration,
-               bool exact, int depth) {
+  /// How a motion, or a part of one, is run.
+  struct Pace {
+    double feed, duration;  // mm/s, s
+    bool exact;
+    double begin = 0, end = 1;  // shares of the motion
+  };
+
+  /// A place of a straight motion.
+  struct LinePlace {
+    Pose X_PT;
+    Joints q;
+    double share;  // of the motion
+  };
+
+  /// The workpiece frame in the base at `share` of motion `i`.
+  Pose BaseFrame(size_t i, double share) const {
+    return program_.motions[i].X_BP_begin ? FrameAt(program_, i, share) : X_BP_;
+  }
+
+  /// A straight line of the tip, of motion `i`, halved until the joint motions between stay near it.
+  void AddLine(size_t i, const LinePlace& from, const LinePlace& to, const Pace& pace, int depth) {
+    const double share = (from.share + to.share) / 2;
     Pose middle = Pose::Identity();
-    middle.translation() = (X0.translation() + X1.translation()) / 2;
+    middle.translation() = (from.X_PT.translation() + to.X_PT.translation()) / 2;
     // Half-way of the shortest turn: the normalised sum of the two quaternions.
-    const Eigen::Quaterniond first(X0.linear()), second(X1.linear());
+    const Eigen::Quaterniond first(from.X_PT.linear()), second(to.X_PT.linear());
     const double side = first.dot(second) < 0 ? -1 : 1;
     middle.linear() =
         Eigen::Quaterniond(first.coeffs() + side * second.coeffs()).normalized().toRotationMatrix();
-    const Joints halfway = (q0 + q1) / 2;
-    const Pose reached = X_BP_.inverse() * ForwardFlange(arm_, halfway) * X_FT_;
+    const Joints halfway = (from.q + to.q) / 2;
+    const Pose X_BP = BaseFrame(i, share);
+    const Pose reached = X_BP.inverse() * ForwardFlange(arm_, halfway) * X_FT_;
     const Eigen::Vector3d off = reached.translation() - middle.translation();
     const double turned = AngleBetween(reached.linear(), middle.linear());
-    const auto q_middle = InverseNear(arm_, X_BP_ * middle * X_FT_.inverse(), Status(arm_, q1), halfway);
+    const auto q_middle = InverseNear(arm_, X_BP * middle * X_FT_.inverse(), Status(arm_, to.q), halfway);
     // Where the arm changes its branch half-way no joint motion follows the line; read-back says so.
     // A tip that is ahead or behind runs at another feed, and stands where the tool is turned otherwise.
-    const PoseLine line(X0, X1);
-    const Eigen::Vector3d way = X1.translation() - X0.translation();
+    const PoseLine line(from.X_PT, to.X_PT);
+    const Eigen::Vector3d way = to.X_PT.translation() - from.X_PT.translation();
     const double ahead = line.length() > kStandstill ? std::abs(off.dot(way)) / way.squaredNorm() : 0;
     const bool near = off.norm() <= kHalfwayDeviation && turned <= kHalfwayAngle && ahead <= kHalfwayLead &&
                       ahead * line.angle() <= kHalfwayTurn;
     if (near || depth == kDeepest || !q_middle) {
-      AddTimed(q1, duration, exact);
+      AddTimed(to.q, pace, ExternalOf(program_, i, to.share));
       return;
     }
-    AddLine(X0, q0, middle, *q_middle, duration / 2, false, depth + 1);
-    AddLine(middle, *q_middle, X1, q1, duration / 2, exact, depth + 1);
+    const LinePlace at{middle, *q_middle, share};
+    AddLine(i, from, at, {0, pace.duration / 2, false}, depth + 1);
+    AddLine(i, at, to, {0, pace.duration / 2, pace.exact}, depth + 1);
   }
 
-  void AddTimed(const Joints& q, double duration, bool exact) {
-    PathMode(exact);
+  void AddTimed(const Joints& q, const Pace& pace, const ExternalPosition& external) {
+    PathMode(pace.exact);
     Joints angles = AsWritten(settings_.axes, q);
     if ((angles - last_).head<3>().norm() < kStandstill) angles.head<3>() = last_.head<3>();
-    const double length = FeedLength(last_, angles);
+    const double length = FeedLength(last_, angles, ExternalWay(external));
     if (length == 0) return;
     // G93 floors the speed along that length; slower motions state the speed itself.
-    const double per_minute = length / duration * 60;
+    const double per_minute = length / pace.duration * 60;
     const bool inverse = per_minute > kInverseTimeFloor;
     FeedMode(inverse);
-    Line(fmt::format("G1 {} F{}", Words(angles), inverse ? Fixed(60 / duration, 6) : Fixed(per_minute, 9)));
+    Line(fmt::format("G1 {}{} F{}", Words(angles), Stated(external),
+                     inverse ? Fixed(60 / pace.duration, 6) : Fixed(per_minute, 9)));
     last_ = angles;
   }
 
   Pose ToolInBase(const Motion& motion) const {
-    Pose X_BC = AsCounted(settings_, motion.external, X_BP_) * motion.X_PT;
+    const Pose X_BP = FrameOf(program_, motion).value_or(Pose::Identity());
+    Pose X_BC = AsCounted(settings_, motion.external, X_BP) * motion.X_PT;
     X_BC.linear() = X_BC.linear() * settings_.R_TC();
     return X_BC;
   }
@@ -164,52 +187,50 @@ class LinuxCncWriter : public ProgramWriter {
       Coordinates(true);
     }
     if (motion.angles) {  // as read: short enough already
-      AddPoseBlock(X_BC.translation(), *motion.angles, motion.feed, motion.duration, motion.exact);
+      AddPoseBlock(X_BC.translation(), *motion.angles, {motion.feed, motion.duration, motion.exact},
+                   motion.external);
       return;
     }
     const Motion& before = program_.motions[i - 1];
     const double length = (motion.X_PT.translation() - before.X_PT.translation()).norm();
-    const double duration = LinearDuration(before, motion, arm_);
+    const double duration = LinearDuration(program_, i, arm_);
     const double feed = length / motion.feed < duration ? length / duration : motion.feed;
-    AddPoses(ToolInBase(before), X_BC, {feed, duration, motion.exact}, 0);
+    AddPoses(i, ToolInBase(before), X_BC, {feed, duration, motion.exact}, 0);
   }
 
-  struct Pace {
-    double feed, duration;  // mm/s, s
-    bool exact;
-  };
-
   /// A straight line, halved until A, B, C that run evenly stay near the even turn about one axis.
-  void AddPoses(const Pose& from, const Pose& to, const Pace& pace, int depth) {
+  void AddPoses(size_t i, const Pose& from, const Pose& to, const Pace& pace, int depth) {
     const Eigen::Vector3d first = pose_words_.tail<3>() * kRadPerDeg;
     const Eigen::Vector3d last = ToolAnglesNear(settings_.rotation, to.linear(), first);
     const Pose middle = PoseLine(from, to).At(0.5);
     const Eigen::Matrix3d halfway = FromToolAngles(settings_.rotation, (first + last) / 2);
     if (AngleBetween(halfway, middle.linear()) <= kHalfwayAngle || depth == kDeepest) {
-      AddPoseBlock(to.translation(), last, pace.feed, pace.duration, pace.exact);
+      AddPoseBlock(to.translation(), last, pace, ExternalOf(program_, i, pace.end));
       return;
     }
-    AddPoses(from, middle, {pace.feed, pace.duration / 2, false}, depth + 1);
-    AddPoses(middle, to, {pace.feed, pace.duration / 2, pace.exact}, depth + 1);
+    const double share = (pace.begin + pace.end) / 2;
+    AddPoses(i, from, middle, {pace.feed, pace.duration / 2, false, pace.begin, share}, depth + 1);
+    AddPoses(i, middle, to, {pace.feed, pace.duration / 2, pace.exact, share, pace.end}, depth + 1);
   }
 
-  void AddPoseBlock(const Eigen::Vector3d& place, const Eigen::Vector3d& angles, double feed, double duration,
-                    bool exact) {
+  void AddPoseBlock(const Eigen::Vector3d& place, const Eigen::Vector3d& angles, const Pace& pace,
+                    const ExternalPosition& external) {
     Joints words;
     words << place, angles * kDegPerRad;
     for (int i = 0; i < 6; ++i) words[i] = Rounded(words[i], i < 3 ? kLengthDecimals : kAngleDecimals);
     const bool moves = (words - pose_words_).head<3>().cwiseAbs().maxCoeff() > 0.5e-4;
     const bool turns = (words - pose_words_).tail<3>().cwiseAbs().maxCoeff() > 0.5e-6;
     pose_words_ = words;
-    if (!moves && !turns) return;
-    PathMode(exact);
+    if (!moves && !turns && ExternalWay(external).isZero(0)) return;
+    PathMode(pace.exact);
     FeedMode(!moves);
     std::string line = fmt::format("G1 X{} Y{} Z{} A{} B{} C{}", Fixed(words[0], kLengthDecimals),
                                    Fixed(words[1], kLengthDecimals), Fixed(words[2], kLengthDecimals),
                                    Fixed(words[3], kAngleDecimals), Fixed(words[4], kAngleDecimals),
-                                   Fixed(words[5], kAngleDecimals));
+                                   Fixed(words[5], kAngleDecimals)) +
+                       Stated(external);
     // F counts along X, Y, Z; a motion that only turns states its time.
-    const std::string feed_text = moves ? Fixed(feed * 60, 4) : Fixed(60 / duration, 6);
+    const std::string feed_text = moves ? Fixed(pace.feed * 60, 4) : Fixed(60 / pace.duration, 6);
     if (!moves || feed_text != feed_) line += " F" + feed_text;
     feed_ = moves ? feed_text : "";
     Line(line);
@@ -222,15 +243,25 @@ class LinuxCncWriter : public ProgramWriter {
     return words;
   }
 
-  /// Words of the external axes that have moved since they were stated.
-  std::string ExternalWords(const Motion& motion) {
-    if (external_ == motion.external) return {};
+  /// Words of the external axes where they have moved since they were stated; now they are stated.
+  std::string Stated(const ExternalPosition& external) {
+    if (external_ == external) return {};
     std::string words;
     for (const ControllerAxis& axis : settings_.controller_axes)
-      words +=
-          fmt::format(" {}{}", axis.name, Fixed(ValueOf(settings_, axis, motion.external), kAngleDecimals));
-    external_ = motion.external;
+      words += fmt::format(" {}{}", axis.name, Fixed(ValueOf(settings_, axis, external), kAngleDecimals));
+    external_ = external;
     return words;
+  }
+
+  /// What U, V, W move by, as written, from where they were stated.
+  Eigen::Vector3d ExternalWay(const ExternalPosition& external) const {
+    if (external_.empty() || external_ == external) return Eigen::Vector3d::Zero();
+    const auto words = [&](const ExternalPosition& at) {
+      return ExternalWords(settings_, at)
+          .unaryExpr([](double word) { return Rounded(word, kAngleDecimals); })
+          .eval();
+    };
+    return words(external) - words(external_);
   }
 
   void FeedMode(bool inverse) {
@@ -300,9 +331,17 @@ std::string LinuxCncPost::WhyNotIn(const PostSettings& settings) const {
          "joint); expected: false";
 }
 
-double FeedLength(const Joints& from, const Joints& to) {
-  const double xyz = (to - from).head<3>().norm();
-  return xyz > 0 ? xyz : (to - from).tail<3>().norm();
+Eigen::Vector3d ExternalWords(const PostSettings& settings, const ExternalPosition& external) {
+  Eigen::Vector3d words = Eigen::Vector3d::Zero();
+  for (size_t k = 0; k < std::min<size_t>(settings.controller_axes.size(), 3); ++k)
+    words[static_cast<Eigen::Index>(k)] = ValueOf(settings, settings.controller_axes[k], external);
+  return words;
+}
+
+double FeedLength(const Joints& from, const Joints& to, const Eigen::Vector3d& external) {
+  const double xyz = (to - from).head<3>().norm(), uvw = external.norm();
+  if (xyz > 0) return xyz;
+  return uvw > 0 ? uvw : (to - from).tail<3>().norm();
 }
 
 ProgramFiles LinuxCncPost::Write(const MotionProgram& program, const Arm& arm,

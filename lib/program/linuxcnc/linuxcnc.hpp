@@ -29,6 +29,7 @@ class LinuxCncPost : public Post {
   bool NeedsSphericalWrist() const override { return false; }
   bool ReadsFromDisk() const override { return true; }
   double UsualCycle() const override { return 0.001; }  // the servo period
+  bool MovesAllTogether() const override { return !options_.cartesian; }
   CallingSyntax Calling() const override;
   ProgramFiles Write(const MotionProgram& program, const Arm& arm,
                      const PostSettings& settings) const override;
@@ -61,8 +62,12 @@ inline constexpr double kInverseTimeFloor = 0.1;
 /// reach.
 double BlendDegrees(double blend, const Arm& arm, const Pose& X_FT);
 
-/// Length (degrees) that F counts along between two joint positions (degrees): that of X, Y, Z, or, where
-/// they stand still, that of A, B, C.
-double FeedLength(const Joints& from, const Joints& to);
+/// U, V, W (mm or degrees) of the external axes at `external`, in the order of the settings; 0 for others.
+Eigen::Vector3d ExternalWords(const PostSettings& settings, const ExternalPosition& external);
+
+/// Length that F counts along between two positions (degrees, or mm and degrees of tool poses), `external`
+/// (mm or degrees) being what U, V, W move by: that of X, Y, Z; where they stand still, that of U, V, W;
+/// where these do too, that of A, B, C.
+double FeedLength(const Joints& from, const Joints& to, const Eigen::Vector3d& external);
 
 }  // namespace millpose

@@ -325,21 +325,26 @@ class LinuxCncReader : public ProgramReader {
   void Move(const LineScanner& scan, const Block& block) {
     if (motion_ < 0) scan.Fail("G0 or G1 before words of axes expected");
     if (motion_ == 0 && rounds_) scan.Fail("ways between cuts keep to their path: G61.1 before G0 expected");
+    const ExternalPosition before = external_;
     MoveExternal(scan, block);
     if (cartesian_) {
-      AddPose(scan, block);
+      AddPose(scan, block, before);
     } else {
-      AddTarget(scan, block);
+      AddTarget(scan, block, before);
     }
   }
 
-  /// They stand still where something is cut.
+  /// In cuts they move along as joints, or where the kinematics counts in them.
   void MoveExternal(const LineScanner& scan, const Block& block) {
     for (const ControllerAxis& axis : settings_.controller_axes) {
       const auto word = block.Word(axis.name.front());
       if (!word && external_known_) continue;
       if (!word) scan.Fail(fmt::format("{} is missing in the first motion", axis.name));
-      if (motion_ != 0) scan.Fail(fmt::format("{} moves with G0 alone", axis.name));
+      if (motion_ != 0 && (!external_known_ || (cartesian_ && !axis.coupled)))
+        scan.Fail(fmt::format("{} moves with G0 alone{}", axis.name,
+                              external_known_
+                                  ? ": the kinematics does not count in it (coupled: false in the cell)"
+                                  : " before it is known where it stands"));
       SetValue(settings_, axis, *word, external_);
     }
     external_known_ = true;
@@ -363,7 +368,12 @@ class LinuxCncReader : public ProgramReader {
     return ToController(settings_.axes, *program_.motions.back().q) * kDegPerRad;
   }
 
-  void AddTarget(const LineScanner& scan, const Block& block) {
+  /// What U, V, W move by in this block.
+  Eigen::Vector3d ExternalWay(const ExternalPosition& before) const {
+    return ExternalWords(settings_, external_) - ExternalWords(settings_, before);
+  }
+
+  void AddTarget(const LineScanner& scan, const Block& block, const ExternalPosition& external_before) {
     const Joints angles = Complete(scan, block);
     const std::optional<Joints> before = Place();
     if (motion_ == 1 && !before) scan.Fail("G0 expected: where this motion begins is not known");
@@ -375,12 +385,14 @@ class LinuxCncReader : public ProgramReader {
       motion.angle_blend = blend_ * kRadPerDeg;
     }
     if (motion_ == 1) Require(kFeedMode);
-    if (motion_ == 1) motion.duration = Duration(scan, FeedLength(*before, angles), block.Word('F'));
+    if (motion_ == 1)
+      motion.duration =
+          Duration(scan, FeedLength(*before, angles, ExternalWay(external_before)), block.Word('F'));
     last_ = angles;
   }
 
   /// A pose of the tool in the robot's base, mm and degrees.
-  void AddPose(const LineScanner& scan, const Block& block) {
+  void AddPose(const LineScanner& scan, const Block& block, const ExternalPosition& external_before) {
     const Joints values = Complete(scan, block);
     if (motion_ == 0) scan.Fail("tool poses are approached at a feed: G1 expected");
     const bool moves = !last_ || (values - *last_).head<3>().norm() > 0;
@@ -391,9 +403,11 @@ class LinuxCncReader : public ProgramReader {
     motion.X_PT.translation() = values.head<3>();
     motion.X_PT.linear() = FromToolAngles(settings_.rotation, *motion.angles) * settings_.R_TC().transpose();
     if (!external_.empty()) motion.X_BP = FromCounted(settings_, external_, Pose::Identity());
+    if (external_ != external_before)
+      motion.X_BP_begin = FromCounted(settings_, external_before, Pose::Identity());
     motion.exact = !rounds_;
     motion.blend = rounds_ ? blend_ : 0;
-    const double length = last_ ? FeedLength(*last_, values) : 0;
+    const double length = last_ ? FeedLength(*last_, values, ExternalWay(external_before)) : 0;
     if (moves && inverse_time_ != true) {
       if (!feed_ || *feed_ <= 0) scan.Fail("G1 needs F");
       motion.feed = *feed_ / 60;

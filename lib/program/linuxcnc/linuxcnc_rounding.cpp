@@ -4,6 +4,7 @@
 #include "base/units.hpp"
 #include "motion/line.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
+#include "program/overlap.hpp"
 #include "robot/kinematics.hpp"
 
 namespace millpose {
@@ -13,30 +14,39 @@ constexpr double kNowhere = 1e-9;  // mm: so little that G64's bound shortens no
 
 /// The largest blend (mm) with which the corner behind motion `i` keeps its orientation within the tolerance;
 /// the tolerance of the tip where that is less.
-double LargestAt(const std::vector<Motion>& motions, size_t i, const Arm& arm, const PostSettings& settings,
+double LargestAt(const MotionProgram& program, size_t i, const Arm& arm, const PostSettings& settings,
                  bool cartesian) {
   const PathTolerance& tolerance = settings.tolerance;
-  const Motion &before = motions[i - 1], &corner = motions[i], &after = motions[i + 1];
-  const double in = LinearDuration(before, corner, arm), out = LinearDuration(corner, after, arm);
-  const Joints rounded = OverlapRounding((*corner.q - *before.q) / in, (*after.q - *corner.q) / out,
-                                         arm.acceleration, std::min(in, out));
-  const Pose at = ForwardFlange(arm, *corner.q) * settings.X_FT;
-  const Pose passed = ForwardFlange(arm, *corner.q + rounded) * settings.X_FT;
+  const std::vector<Motion>& motions = program.motions;
+  const Joints& q = *motions[i].q;
+  const double in = LinearDuration(program, i, arm), out = LinearDuration(program, i + 1, arm);
+  const AllAxes rounded =
+      OverlapOf(program, i, {*motions[i - 1].q, q, *motions[i + 1].q, in, out}, arm.acceleration);
+  // As seen from the base where the external axes stand at the corner.
+  const Pose carried = rounded.external.empty() ? Pose::Identity()
+                                                : FrameBeside(program, i, {}) *
+                                                      FrameBeside(program, i, rounded.external).inverse();
+  const Pose at = ForwardFlange(arm, q) * settings.X_FT;
+  Pose passed = ForwardFlange(arm, q + rounded.q) * settings.X_FT;
+  if (!rounded.external.empty()) passed = carried * passed;
   const double turned = AngleBetween(at.linear(), passed.linear());
   // What the bound counts: the tip, or the joints 1 to 3 at the arm's reach.
   const double reach = kDegPerRad / BlendDegrees(1, arm, settings.X_FT);
   const double off =
-      cartesian ? (passed.translation() - at.translation()).norm() : rounded.head<3>().norm() * reach;
+      cartesian ? (passed.translation() - at.translation()).norm() : rounded.q.head<3>().norm() * reach;
   if (turned <= tolerance.angle || off < kNowhere) return tolerance.position;
   return std::min(tolerance.position, off * tolerance.angle / turned);
 }
 
 }  // namespace
 
-double LinearDuration(const Motion& from, const Motion& to, const Arm& arm) {
+double LinearDuration(const MotionProgram& program, size_t i, const Arm& arm) {
+  const Motion &from = program.motions[i - 1], &to = program.motions[i];
   const double length = (to.X_PT.translation() - from.X_PT.translation()).norm();
-  const double turning = ((*to.q - *from.q).cwiseAbs().cwiseQuotient(arm.speed)).maxCoeff() * 2;
-  return std::max(length / to.feed, turning);
+  double least = ((*to.q - *from.q).cwiseAbs().cwiseQuotient(arm.speed)).maxCoeff() * 2;
+  for (size_t k = 0; k < program.external_axes.size(); ++k)
+    least = std::max(least, std::abs(to.external[k] - from.external[k]) / program.external_axes[k].speed);
+  return std::max(length / to.feed, least);
 }
 
 void ChooseOverlap(MotionProgram& program, const Arm& arm, const PostSettings& settings, bool cartesian) {
@@ -48,7 +58,7 @@ void ChooseOverlap(MotionProgram& program, const Arm& arm, const PostSettings& s
     double blend = settings.tolerance.position;
     for (; end < motions.size() && straight(end); ++end) {
       if (!motions[end].exact && end + 1 < motions.size() && straight(end + 1))
-        blend = std::min(blend, LargestAt(motions, end, arm, settings, cartesian));
+        blend = std::min(blend, LargestAt(program, end, arm, settings, cartesian));
     }
     for (; first < end; ++first) motions[first].blend = blend;
   }

@@ -12,8 +12,8 @@ namespace millpose {
 /// allows them. Precondition: every motion has its joints.
 void ChooseOverlap(MotionProgram& program, const Arm& arm, const PostSettings& settings, bool cartesian);
 
-/// s that LinuxCNC takes for a straight motion: by the feed, or, where it only turns, at half of the axes'
-/// largest speeds.
-double LinearDuration(const Motion& from, const Motion& to, const Arm& arm);
+/// s that LinuxCNC takes for the straight motion `i`: by the feed, or, where it only turns, at half of the
+/// axes' largest speeds; at no more than those of external axes that move along.
+double LinearDuration(const MotionProgram& program, size_t i, const Arm& arm);
 
 }  // namespace millpose

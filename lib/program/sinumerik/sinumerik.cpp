@@ -104,15 +104,20 @@ class SinumerikWriter : public ProgramWriter {
     const std::string counting = !options_.ori_def_with_g_code   ? fmt::format("MD21102 = 1 or {}", by_data)
                                  : *options_.ori_def_with_g_code ? "MD21102 = 1"
                                                                  : "MD21102 = 0 and " + by_data;
-    return {fmt::format("ASSUMED {}: angles as {}; MD10600 = 1: frame angles Z, Y', X''", counting, angles),
-            options_.ori_ipo_with_g_code
-                ? fmt::format("ASSUMED MD21104 = {}: the tool turns as {} says, on a great circle",
-                              *options_.ori_ipo_with_g_code ? 1 : 0,
-                              *options_.ori_ipo_with_g_code ? "ORIVECT" : "ORIWKS")
-                : "MD21104 not known: blocks are short enough for every way to turn the tool",
-            fmt::format("ASSUMED G{} is for this program and overwritten; no basic frame; its origin is the "
-                        "robot base",
-                        options_.Frame())};
+    std::vector<std::string> lines = {
+        fmt::format("ASSUMED {}: angles as {}; MD10600 = 1: frame angles Z, Y', X''", counting, angles),
+        options_.ori_ipo_with_g_code
+            ? fmt::format("ASSUMED MD21104 = {}: the tool turns as {} says, on a great circle",
+                          *options_.ori_ipo_with_g_code ? 1 : 0,
+                          *options_.ori_ipo_with_g_code ? "ORIVECT" : "ORIWKS")
+            : "MD21104 not known: blocks are short enough for every way to turn the tool",
+        fmt::format("ASSUMED G{} is for this program and overwritten; no basic frame; its origin is the "
+                    "robot base",
+                    options_.Frame())};
+    if (HasRides(program_))
+      lines.emplace_back(
+          "ASSUMED F counts along X, Y, Z alone (FGROUP); external axes move along in the same time");
+    return lines;
   }
 
   /// What holds after each TRAORI anew: the control then deselects the frame, and rounding ends.
@@ -137,7 +142,7 @@ class SinumerikWriter : public ProgramWriter {
     const Motion& motion = program_.motions[i];
     At(i);
     if (motion.type == MotionType::kLinear) {
-      AddLinear(motion);
+      AddLinear(motion, Rides(program_, i));
     } else if (motion.status) {
       Transform(true);
       Line(fmt::format("G0 {} STAT='B{:03b}' TU='B{:06b}' PTP", Words(motion), *motion.status,
@@ -148,9 +153,11 @@ class SinumerikWriter : public ProgramWriter {
     }
   }
 
-  void AddLinear(const Motion& motion) {
+  /// `rides`: external axes move along; they stand in the blocks in which they do.
+  void AddLinear(const Motion& motion, bool rides) {
     Transform(true);
     std::string line = fmt::format("{}G1 {}", motion.exact ? "G9 " : "", Words(motion));
+    if (rides) line += ExternalWords(motion, true);
     const std::string feed = Fixed(motion.feed * 60, 4);
     if (feed != feed_) line += " F" + feed;
     feed_ = feed;
@@ -166,12 +173,18 @@ class SinumerikWriter : public ProgramWriter {
     for (int i = 0; i < 6; ++i) {
       line += fmt::format(" {}={}", options_.axis_names[i], Fixed(angles[i], kAngleDecimals));
     }
-    for (const ControllerAxis& axis : settings_.controller_axes)
-      line += fmt::format(" {}={}", axis.name,
-                          Fixed(ValueOf(settings_, axis, motion.external),
-                                IsRotary(settings_, axis) ? kAngleDecimals : kLengthDecimals));
-    Line(line);
+    Line(line + ExternalWords(motion, false));
     angles_ = ToolAngles(settings_.rotation, motion.X_PT.linear() * settings_.R_TC());
+  }
+
+  std::string ExternalWords(const Motion& motion, bool coupled_alone) const {
+    std::string words;
+    for (const ControllerAxis& axis : settings_.controller_axes)
+      if (axis.coupled || !coupled_alone)
+        words += fmt::format(" {}={}", axis.name,
+                             Fixed(ValueOf(settings_, axis, motion.external),
+                                   IsRotary(settings_, axis) ? kAngleDecimals : kLengthDecimals));
+    return words;
   }
 
   /// Switches the robot transformation: axes are addressed by themselves only without it.

@@ -153,11 +153,16 @@ bool SinumerikBlock::HasPose() const {
   return false;
 }
 
-bool SinumerikBlock::HasAxes() const {
+bool SinumerikBlock::HasRobotAxes() const {
   for (int i = 0; i < 6; ++i) {
     if (axis(i)) return true;
   }
-  return std::ranges::any_of(external_, [&](const std::string& name) { return Word(name).has_value(); });
+  return false;
+}
+
+bool SinumerikBlock::HasAxes() const {
+  return HasRobotAxes() ||
+         std::ranges::any_of(external_, [&](const std::string& name) { return Word(name).has_value(); });
 }
 
 }  // namespace millpose

@@ -44,6 +44,7 @@ class SinumerikBlock {
   std::optional<double> axis(int i) const;                    ///< degrees
   bool HasPose() const;
   bool HasAxes() const;  ///< the robot's, or others
+  bool HasRobotAxes() const;
 
  private:
   bool AcceptG(LineScanner& scan);

@@ -240,7 +240,8 @@ class SinumerikReader : public ProgramReader {
       if (*feed <= 0) scan.FailFrom(start, "F above 0 expected");
       feed_ = *feed / 60;
     }
-    if (block.HasAxes()) {
+    const bool rides = block.HasPose() && !block.HasRobotAxes() && transformed_ == true;
+    if (block.HasAxes() && !rides) {
       AddAxes(scan, start, block);
     } else if (block.HasPose()) {
       AddPose(scan, start, block);
@@ -341,6 +342,22 @@ class SinumerikReader : public ProgramReader {
     if (program_.X_BP && !external_.empty()) motion.X_BP = FromCounted(settings_, external_, *program_.X_BP);
   }
 
+  /// External axes beside a pose: the transformation keeps the tip where it is on the part. What it does not
+  /// count in must stand still.
+  void RideAlong(const LineScanner& scan, size_t start, const SinumerikBlock& block) {
+    for (const ControllerAxis& axis : settings_.controller_axes) {
+      const auto value = block.Word(axis.name);
+      if (!value) continue;
+      if (!axis.coupled)
+        scan.FailFrom(start,
+                      fmt::format("{} stands still while TRAORI holds: the transformation does not count "
+                                  "in it (coupled: false in the cell)",
+                                  axis.name));
+      if (*ptp_) scan.FailFrom(start, fmt::format("{} moves with a pose in G1 alone", axis.name));
+      SetValue(settings_, axis, *value, external_);
+    }
+  }
+
   void AddPose(const LineScanner& scan, size_t start, const SinumerikBlock& block) {
     if (transformed_ != true) scan.FailFrom(start, "a pose can only be approached while TRAORI holds");
     if (block.Has("SUPA"))
@@ -369,12 +386,16 @@ class SinumerikReader : public ProgramReader {
             "_FINISH and OTOL=");
       }
     }
+    const ExternalPosition before = external_;
+    if (block.HasAxes()) RideAlong(scan, start, block);
     Motion& motion = AddMotion(*ptp_ ? MotionType::kJoint : MotionType::kLinear);
     motion.X_PT.translation() = Eigen::Vector3d(*last_[0], *last_[1], *last_[2]);
     motion.angles = Eigen::Vector3d(*last_[3], *last_[4], *last_[5]) * kRadPerDeg;
     motion.X_PT.linear() = FromToolAngles(settings_.rotation, *motion.angles) * settings_.R_TC().transpose();
     motion.exact = !rounds;
     Stand(motion);
+    if (external_ != before && program_.X_BP)
+      motion.X_BP_begin = FromCounted(settings_, before, *program_.X_BP);
     if (*ptp_) {
       motion.status = block.bits("STAT");
       motion.turn = block.bits("TU");

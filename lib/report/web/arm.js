@@ -19,7 +19,9 @@
   const turnZ = (a) => [Math.cos(a), -Math.sin(a), 0, 0, Math.sin(a), Math.cos(a), 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 
   // Where the robot's base stands at a row: where the external axes have put it, as seen from the part.
-  m.baseAt = (data, row) => (data.bases ? data.bases[data.rows.pass[row]] : data.X_WB);
+  m.baseAt = (data, row) => (data.rowBases ? m.baseOf(data.rowBases, row) : data.bases ? data.bases[data.rows.pass[row]] : data.X_WB);
+  // The pose number `i` of packed ones, 4x4.
+  m.baseOf = (packed, i) => [...packed.subarray(12 * i, 12 * i + 12), 0, 0, 0, 1];
 
   // Frames 0 (base) … 6 (flange) in W, and the tool last.
   m.armFrames = function (data, degrees, base = data.X_WB) {

@@ -61,6 +61,8 @@
     }
     data.timeline = raw.timeline && { seconds: raw.timeline.seconds, time: floats(raw.timeline.time_s), stretch: uint32(raw.timeline.stretch),
       pass: uint32(raw.timeline.pass), row: uint32(raw.timeline.row), joints: floats(raw.timeline.joints_deg), tip: floats(raw.timeline.tip_mm) };
+    if (raw.row_bases) data.rowBases = floats(raw.row_bases);  // external axes move along passes
+    if (raw.timeline && raw.timeline.bases) data.timeline.bases = floats(raw.timeline.bases);
     data.bodies = raw.bodies.map((b) => Object.assign({}, b, { vertices: floats(b.vertices), faces: uint32(b.faces) }));
     return data;
   };

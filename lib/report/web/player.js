@@ -35,7 +35,13 @@
       const { row, tip } = this.raw;
       return row[i] === NO_ROW ? Array.from(tip.subarray(3 * this.own[i], 3 * this.own[i] + 3)) : m.place(this.data, row[i]);
     }
-    // At a time: the joints, what the arm does there, the pass (−1: the way home) and the row reached last (−1: none).
+    // Where the base stands at an instant; only where external axes move along passes.
+    base(i) {
+      const { row, bases } = this.raw;
+      return row[i] === NO_ROW ? m.baseOf(bases, this.own[i]) : m.baseAt(this.data, row[i]);
+    }
+    // At a time: the joints, what the arm does there, the pass (−1: the way home), the row reached last (−1: none) and
+    // where the base stands, as evenly as eyes can tell.
     at(seconds) {
       const { time, stretch, pass, row } = this.raw;
       let low = 0, high = time.length - 1;
@@ -47,8 +53,10 @@
       const from = Math.max(0, low - 1), span = time[low] - time[from], share = span > 0 ? Math.max(0, Math.min(1, (seconds - time[from]) / span)) : 1;
       const a = this.joints(from), b = this.joints(low);
       const near = share < 0.5 ? from : low;
-      return { joints: b.map((q, k) => a[k] + share * (q - a[k])), stretch: stretch[low], pass: pass[low] === NO_ROW ? -1 : pass[low],
-        row: row[near] === NO_ROW ? -1 : row[near] };
+      const between = (a, b) => b.map((q, k) => a[k] + share * (q - a[k]));
+      const inPass = pass[low] === NO_ROW ? -1 : pass[low], { bases, X_WB } = this.data;
+      return { joints: between(a, b), stretch: stretch[low], pass: inPass, row: row[near] === NO_ROW ? -1 : row[near],
+        base: this.raw.bases ? between(this.base(from), this.base(low)) : bases && inPass >= 0 ? bases[inPass] : X_WB };
     }
   };
 
@@ -96,7 +104,7 @@
       const at = (this.now = this.line.at(this.seconds));
       this.slider.value = this.seconds;
       this.tell(at);
-      if (this.scene) this.scene.pose(at.joints, "", this.data.bases && at.pass >= 0 ? this.data.bases[at.pass] : this.data.X_WB);
+      if (this.scene) this.scene.pose(at.joints, "", at.base);
     }
     step(seconds) {
       this.seek(this.seconds + seconds);
