@@ -216,7 +216,7 @@ class Moving(unittest.TestCase):
 
     CELLS = {"rail": ("kr500_rail", "rail, scope: {scope}, step_mm: 500", "[1850, 0, 1200]"),
              "table": ("kr500_tilt_turn", "turn, scope: {scope}, step_deg: 20", "[2500, 0, 1300]")}
-    COARSE = [] if SLOW else [(r"stepover_mm: 20", "stepover_mm: 200"), (r"spacing_mm: 10", "spacing_mm: 60"), (r"chord_tolerance_mm: 0.01", "chord_tolerance_mm: 0.05")]
+    COARSE = [] if SLOW else [(r"stepover_mm: 20", "stepover_mm: 250"), (r"spacing_mm: 10", "spacing_mm: 75"), (r"chord_tolerance_mm: 0.01", "chord_tolerance_mm: 0.05")]
 
     def job(self, axis, scope, name):
         cell, entry, place = self.CELLS[axis]
