@@ -3,6 +3,7 @@
 
 #include "cell/world_impl.hpp"
 #include "robot/kinematics.hpp"
+#include "robot/position_between.hpp"
 
 namespace millpose {
 namespace {
@@ -10,23 +11,19 @@ namespace {
 /// Of the resolution: what is left for the axes' way. The arm's check takes the rest.
 constexpr double kAxesShare = 0.25;
 
-ExternalPosition Middle(const ExternalPosition& a, const ExternalPosition& b) {
-  ExternalPosition middle(a.size());
-  for (size_t i = 0; i < a.size(); ++i) middle[i] = 0.5 * (a[i] + b[i]);
-  return middle;
-}
-
 }  // namespace
 
 struct RidingChecker::Impl {
   World world;
   Mechanism mechanism;
+  double clearance_share, reserve;
   /// How far from the origins of base and part their bodies reach at most, and carriages from their own, mm.
   double robot_reach = 0, part_reach = 0;
   std::vector<double> radii;  ///< of the cell's bodies
   CheckCounts counts;
 
-  explicit Impl(const World& at_zero) : world(at_zero), mechanism(at_zero.cell().external_axes) {
+  Impl(const World& at_zero, double share, double short_by)
+      : world(at_zero), mechanism(at_zero.cell().external_axes), clearance_share(share), reserve(short_by) {
     const Cell& cell = world.cell();
     const std::array<Pose, 7> links = LinkFrames(cell.arm, Joints::Zero());
     double flange = 0;  // by the links' lengths, which no joint changes
@@ -77,7 +74,7 @@ struct RidingChecker::Impl {
 
   std::optional<RidingSighting> Look(const RidingPose& from, const RidingPose& to, Phase phase,
                                      double resolution, const Joints& tube) {
-    const ExternalPosition middle = Middle(from.external, to.external);
+    const ExternalPosition middle = PositionBetween(from.external, to.external, 0.5);
     ExternalPosition way = to.external;
     for (size_t i = 0; i < way.size(); ++i) way[i] -= from.external[i];
     // Two bodies that hang on the same axes move against each other by no more than the inner ones move them.
@@ -85,7 +82,7 @@ struct RidingChecker::Impl {
     // What keeps clearance + moved − share with the axes at the middle, less the arm's part of the
     // resolution, keeps clearance − resolution where they are.
     const double share = kAxesShare * resolution;
-    Checker checker(world.At(middle), 1, share - moved);
+    Checker checker(world.At(middle), clearance_share, reserve + share - moved);
     const std::optional<Sighting> found =
         checker.BlockedBetween(from.q, to.q, phase, resolution - share, tube);
     counts += checker.counts();
@@ -94,7 +91,7 @@ struct RidingChecker::Impl {
     // here.
     if (2 * moved <= share) return RidingSighting{*found, middle};
     const RidingPose halfway{0.5 * (from.q + to.q), middle};
-    Checker here(world.At(middle));
+    Checker here(world.At(middle), clearance_share, reserve);
     const std::optional<Sighting> met = here.Blocked(halfway.q, phase);
     counts += here.counts();
     if (met) return RidingSighting{*met, middle};
@@ -103,7 +100,8 @@ struct RidingChecker::Impl {
   }
 };
 
-RidingChecker::RidingChecker(const World& at_zero) : impl_(std::make_unique<Impl>(at_zero)) {}
+RidingChecker::RidingChecker(const World& at_zero, double clearance_share, double reserve)
+    : impl_(std::make_unique<Impl>(at_zero, clearance_share, reserve)) {}
 RidingChecker::~RidingChecker() = default;
 RidingChecker::RidingChecker(RidingChecker&&) noexcept = default;
 
@@ -111,6 +109,10 @@ std::optional<RidingSighting> RidingChecker::BlockedBetween(const RidingPose& fr
                                                             Phase phase, double resolution,
                                                             const Joints& tube) {
   return impl_->Look(from, to, phase, resolution, tube);
+}
+
+Interference RidingChecker::Measure(const RidingSighting& seen) const {
+  return Checker(impl_->world.At(seen.external)).Measure(seen.sighting);
 }
 
 const CheckCounts& RidingChecker::counts() const { return impl_->counts; }

@@ -24,8 +24,8 @@ struct RidingSighting {
 /// Asks a cell about motions on which joints and external axes move together. One per thread.
 class RidingChecker {
  public:
-  /// `at_zero`: with the external axes at 0.
-  explicit RidingChecker(const World& at_zero);
+  /// `at_zero`: with the external axes at 0; the others as those of Checker.
+  explicit RidingChecker(const World& at_zero, double clearance_share = 1, double reserve = 0);
   ~RidingChecker();
   RidingChecker(RidingChecker&&) noexcept;
 
@@ -36,6 +36,8 @@ class RidingChecker {
   /// clearance or, with a tube, may. Bodies that stand still in passes are StationWay's.
   std::optional<RidingSighting> BlockedBetween(const RidingPose& from, const RidingPose& to, Phase phase,
                                                double resolution, const Joints& tube = Joints::Zero());
+
+  Interference Measure(const RidingSighting& seen) const;
 
   const CheckCounts& counts() const;
 

@@ -64,8 +64,8 @@ struct ForceFactors {
   bool operator==(const ForceFactors&) const = default;
 };
 
-/// How long an external axis stays where it is. kContinuous is known so that it can be refused with its
-/// reason.
+/// How long an external axis stays where it is: for the job, for each pass, or, kContinuous, not even along a
+/// pass.
 enum class ExternalScope : uint8_t { kConstant, kPerPass, kContinuous };
 inline constexpr EnumWords<ExternalScope, 3> kExternalScopeWords = {
     {{"constant", ExternalScope::kConstant},

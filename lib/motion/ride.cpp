@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "motion/ride.hpp"
 
+#include "robot/position_between.hpp"
+
 namespace millpose {
 
-ExternalPosition Ride::At(double share) const {
-  ExternalPosition external(from.size());
-  for (size_t i = 0; i < from.size(); ++i) external[i] = from[i] + share * (to[i] - from[i]);
-  return external;
-}
+ExternalPosition Ride::At(double share) const { return PositionBetween(from, to, share); }
 
 Pose Ride::BaseInPart(double share) const {
   const ExternalPosition external = At(share);

@@ -3,14 +3,11 @@
 
 #include <algorithm>
 
+#include "robot/position_between.hpp"
+
 namespace millpose {
 
-ExternalPosition ExternalCourse::At(double share) const {
-  if (share >= 1) return to;
-  ExternalPosition position = from;
-  for (size_t i = 0; i < position.size(); ++i) position[i] += share * (to[i] - from[i]);
-  return position;
-}
+ExternalPosition ExternalCourse::At(double share) const { return PositionBetween(from, to, share); }
 
 ExternalCourse StandingAt(const ExternalPosition& external) { return {external, external}; }
 

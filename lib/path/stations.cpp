@@ -35,4 +35,9 @@ std::shared_ptr<const Station> Stations::Own(const ExternalPosition& external) c
   return std::make_shared<const Station>(Station{world().At(external), std::move(moved)});
 }
 
+std::shared_ptr<const Station> Stations::Of(const PassResult& pass, size_t point) const {
+  if (pass.points[point].external) return Own(*pass.points[point].external);
+  return {made_, &At(pass.external)};
+}
+
 }  // namespace millpose

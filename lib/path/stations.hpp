@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "cell/world.hpp"
+#include "plan/plan_result.hpp"
 #include "pose/scorer.hpp"
 
 namespace millpose {
@@ -27,6 +28,8 @@ class Stations {
   const Station& At(const ExternalPosition& external) const;
   /// The same, made for the caller alone: passes along which axes move have a station for every point.
   std::shared_ptr<const Station> Own(const ExternalPosition& external) const;
+  /// What point `point` of a planned pass was planned in: Own where axes move along the pass, else At.
+  std::shared_ptr<const Station> Of(const PassResult& pass, size_t point) const;
   /// The same with tool axes as points have them: the rotation is the only freedom (AtOwnAxis).
   Stations AtOwnAxis() const;
   /// Where the axes stand when programs start and end.

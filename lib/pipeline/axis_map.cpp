@@ -113,7 +113,8 @@ AxisMap MakeAxisMap(const PlanResult& plan, const Stations& stations, const std:
   ParallelFor(curves.size(), threads, stop, [&](size_t k) {
     const PassResult& pass = plan.passes[static_cast<size_t>(curves[k].pass)];
     const PlannedPoint& point = pass.points[static_cast<size_t>(curves[k].point)];
-    const auto& [world, problem] = stations.At(ExternalAt(pass, static_cast<size_t>(curves[k].point)));
+    const std::shared_ptr<const Station> station = stations.Of(pass, static_cast<size_t>(curves[k].point));
+    const auto& [world, problem] = *station;
     std::vector<Candidate> candidates(8 * rotations.size());
     PointScorer(problem, point.point, pass.rotation_reference).Score(rotations, candidates);
     map.zones[k] = ZonesOf(problem, point, candidates, of_pass[static_cast<size_t>(curves[k].pass)]);

@@ -75,7 +75,7 @@ std::string WhyNotAlong(const Stations& stations, const PlanResult& plan, const 
   const Joints to = NearestEquivalent(line.from, line.to), free = Joints::Constant(kAnyTurn);
   const LineMotion motion = FollowLine(carrier, line.from, carrier.ToolPose(to, 1), -free, free);
   if (!motion.problem.empty()) return motion.problem;
-  RideWay way{ride->mechanism, ride->from, ride->to, {}};
+  RideWay way{ride->from, ride->to, {}};
   for (size_t i = 0; i < motion.joints.size(); ++i)
     way.joints.emplace_back(static_cast<double>(i) / static_cast<double>(motion.joints.size() - 1),
                             motion.joints[i]);

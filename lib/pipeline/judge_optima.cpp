@@ -14,7 +14,7 @@ constexpr double kGoodEnough = 0.001;  // relative: "within 0.1 %"
 struct JudgedPoint {
   const PassResult* pass;
   PlannedPoint* point;
-  const ExternalPosition* external;
+  size_t number;             ///< in the pass
   double without_table = 0;  ///< the genetic algorithm's optimum; 0 when it has none
 };
 
@@ -46,14 +46,15 @@ void JudgeOptima(const Stations& stations, const GeneticOptions& genetic, double
   for (PassResult& pass : plan.passes)
     for (size_t i = 0; i < pass.points.size(); ++i) {
       PlannedPoint& point = pass.points[i];
-      judged_points.push_back({&pass, &point, &ExternalAt(pass, i)});
+      judged_points.push_back({&pass, &point, i});
       paper = paper || !point.paper.empty();
     }
   ParallelFor(judged_points.size(), execution.Threads(), execution.stop, [&](size_t i) {
     JudgedPoint& judged_point = judged_points[i];
     PlannedPoint& point = *judged_point.point;
     if (point.point.gouge > 0) return;
-    const PoseProblem& problem = stations.At(*judged_point.external).problem;
+    const std::shared_ptr<const Station> station = stations.Of(*judged_point.pass, judged_point.number);
+    const PoseProblem& problem = station->problem;
     const PointScorer scorer(problem, point.point, judged_point.pass->rotation_reference);
     const PointOptimum judge = Judge(scorer, step);
     point.exhaustive_optimum = judge.found ? judge.objective : 0;

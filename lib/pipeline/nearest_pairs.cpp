@@ -17,8 +17,8 @@ NearestPairs FindNearestPairs(const PlanResult& plan, const Stations& stations, 
                               std::stop_token stop) {
   struct Asked {
     uint32_t number;
-    const ExternalPosition* external;
-    const PlannedPoint* point;
+    const PassResult* pass;
+    size_t point;
   };
   std::vector<Asked> asked;
   NearestPairs nearest;
@@ -28,16 +28,17 @@ NearestPairs FindNearestPairs(const PlanResult& plan, const Stations& stations, 
     if (point.skip != Obstacle::kNone) continue;
     nearest[row.number];  // most have none: they are not asked
     if (point.clearance < kPointClearanceBound)
-      asked.push_back({row.number, &ExternalAt(pass, static_cast<size_t>(row.point)), &point});
+      asked.push_back({row.number, &pass, static_cast<size_t>(row.point)});
   }
   std::vector<std::optional<Interference>> found(asked.size());
   ParallelFor((asked.size() + kBlock - 1) / kBlock, threads, std::move(stop), [&](size_t block) {
     std::optional<Checker> checker;
-    const Station* at = nullptr;
+    std::shared_ptr<const Station> at;
     for (size_t i = kBlock * block; i < std::min(asked.size(), kBlock * (block + 1)); ++i) {
-      const Station* station = &stations.At(*asked[i].external);
+      const PassResult& pass = *asked[i].pass;
+      const std::shared_ptr<const Station> station = stations.Of(pass, asked[i].point);
       if (std::exchange(at, station) != station) checker.emplace(station->world);
-      found[i] = checker->Nearest(asked[i].point->q, Phase::kCutting, kPointClearanceBound);
+      found[i] = checker->Nearest(pass.points[asked[i].point].q, Phase::kCutting, kPointClearanceBound);
     }
   });
   for (size_t i = 0; i < asked.size(); ++i) nearest[asked[i].number] = found[i];

@@ -24,9 +24,10 @@ EndLoss LossOf(const Stations& stations, const RetractOptions& leave, const Pass
   for (const Piece& piece : pass.pieces) {
     const auto share = [&](int point) {
       const auto t = static_cast<size_t>(point);
-      const Station& station = stations.At(ExternalAt(pass, t));
-      const Carrier carrier{station.problem.arm, station.problem.X_WB, station.problem.X_FT};
-      return ShareToLeave(station.world, carrier, pass.points[t].q, leave);
+      const std::shared_ptr<const Station> station = stations.Of(pass, t);
+      const PoseProblem& problem = station->problem;
+      const Carrier carrier{problem.arm, problem.X_WB, problem.X_FT};
+      return ShareToLeave(station->world, carrier, pass.points[t].q, leave);
     };
     const double first = share(piece.first), last = piece.closed ? 1 : share(piece.last);
     if (first == 0 || last == 0) loss.points += static_cast<size_t>(piece.last - piece.first) + 1;

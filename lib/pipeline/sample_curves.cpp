@@ -79,7 +79,8 @@ std::vector<PointCurves> SampleCurves(const PlanResult& plan, const Stations& st
   ParallelFor(places.size(), threads, stop, [&](size_t i) {
     const PlanPlace& place = places[i];
     const PassResult& pass = plan.passes[place.pass];
-    const PoseProblem& problem = stations.At(ExternalAt(pass, static_cast<size_t>(place.point))).problem;
+    const std::shared_ptr<const Station> station = stations.Of(pass, static_cast<size_t>(place.point));
+    const PoseProblem& problem = station->problem;
     const PoseProblem free = WithoutBounds(problem);
     PointCurves& curves = all[i];
     curves.pass = place.pass;

@@ -8,6 +8,7 @@
 #include "plan/station.hpp"
 #include "robot/angles.hpp"
 #include "robot/kinematics.hpp"
+#include "robot/position_between.hpp"
 
 namespace millpose {
 namespace {
@@ -292,11 +293,9 @@ bool HasRides(const MotionProgram& program) {
 }
 
 ExternalPosition ExternalOf(const MotionProgram& program, size_t i, double share) {
-  ExternalPosition external = program.motions[i].external;
-  if (!MovesExternal(program, i) || share >= 1) return external;
-  const ExternalPosition& from = program.motions[i - 1].external;
-  for (size_t k = 0; k < external.size(); ++k) external[k] = from[k] + share * (external[k] - from[k]);
-  return external;
+  const ExternalPosition& external = program.motions[i].external;
+  return MovesExternal(program, i) ? PositionBetween(program.motions[i - 1].external, external, share)
+                                   : external;
 }
 
 Pose BaseOnPart(const MotionProgram& program, const ExternalPosition& external) {

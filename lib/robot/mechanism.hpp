@@ -20,7 +20,7 @@ enum class Carries : uint8_t { kRobot, kWorkpiece };
 inline constexpr EnumWords<Carries, 2> kCarriesWords = {
     {{"robot", Carries::kRobot}, {"workpiece", Carries::kWorkpiece}}};
 
-/// An axis beside the arm's six. It stands still while a pass is milled.
+/// An axis beside the arm's six. It stands still in cuts unless a job lets it move (docs/external-axes.md).
 struct ExternalAxis {
   std::string name;
   AxisKind kind = AxisKind::kLinear;

@@ -11,7 +11,6 @@ namespace millpose {
 
 /// A motion on which the external axes go evenly from one position to another.
 struct RideWay {
-  Mechanism mechanism;
   ExternalPosition from, to;
   /// At shares of the way, from 0 to 1; between two of them the joints turn evenly.
   std::vector<std::pair<double, Joints>> joints;

@@ -215,10 +215,8 @@ std::optional<Interference> InterferenceAlong(const Replayed& replayed, size_t i
     AppendInstants(program, world.cell(), replayed.replay, i, kInterferenceStep, instants, said);
   else
     instants.push_back({replayed.replay.targets[i], {}, i, 1});
-  RideWay way{Mechanism(program.external_axes),
-              program.motions[i - 1].external,
-              program.motions[i].external,
-              {{0, replayed.replay.targets[i - 1]}}};
+  RideWay way{
+      program.motions[i - 1].external, program.motions[i].external, {{0, replayed.replay.targets[i - 1]}}};
   for (const Instant& instant : instants) way.joints.emplace_back(instant.share, instant.q);
   return FindOnRide(world, way, {share, options.clearance_reserve, options.swept_resolution});
 }

@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The judge is judged: a good folder passes, and one wrong row or line raises exactly the figure that it
 // belongs to.
-#include "tests/audit/audit.hpp"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <nlohmann/json.hpp>
-#include <set>
 #include <sstream>
 
-#include "base/file.hpp"
 #include "judge/distance.hpp"
 #include "judge/interference.hpp"
 #include "judge/tessellate.hpp"
+#include "tests/audit/audit_fixture.hpp"
 #include "tests/audit/good_folder.hpp"
 #include "tests/audit/kinematics.hpp"
 #include "tests/audit/laws.hpp"
@@ -22,41 +18,6 @@
 
 namespace millpose::audit {
 namespace {
-
-namespace fs = std::filesystem;
-
-class AuditTest : public testing::Test {
- protected:
-  AuditTest() : top_(fs::temp_directory_path() / ("millpose_audit_test." + std::to_string(getpid()))) {
-    fs::create_directories(top_);
-  }
-  ~AuditTest() override { fs::remove_all(top_); }
-
-  Verdict Judged(const Texts& texts) {
-    for (const auto& [name, text] : texts) {
-      fs::create_directories((top_ / name).parent_path());
-      WriteFileAtomically(top_ / name, text);
-    }
-    Options options;
-    options.travel_mm = 25;
-    return Audit(ReadFolder(top_ / "out"), options);
-  }
-
-  fs::path Path(const std::string& name) const { return top_ / name; }
-
-  std::set<std::string> Broken(const Texts& texts) {
-    const Verdict verdict = Judged(texts);
-    std::set<std::string> names;
-    for (const Figure& figure : verdict.figures)
-      if (figure.value > figure.bound) names.insert(figure.name);
-    return names;
-  }
-
- private:
-  fs::path top_;
-};
-
-using Names = std::set<std::string>;
 
 /// Adds `by` to cell `column` of a line of comma-separated values.
 std::string AddTo(const std::string& line, size_t column, double by) {
@@ -68,16 +29,6 @@ std::string AddTo(const std::string& line, size_t column, double by) {
     result += (i ? "," : "") + (i == column ? std::string(text) : cell);
   }
   return result;
-}
-
-/// Adds `by` to the number that follows `name` in a line of a program.
-std::string AddAfter(const std::string& line, const std::string& name, double by) {
-  const size_t begin = line.find(name) + name.size();
-  size_t used = 0;
-  const double value = std::stod(line.substr(begin), &used);
-  char text[40];
-  std::snprintf(text, sizeof text, "%.6f", value + by);
-  return line.substr(0, begin) + text + line.substr(begin + used);
 }
 
 TEST_F(AuditTest, AGoodFolderPasses) {
@@ -248,7 +199,7 @@ TEST_F(AuditTest, ACutPointWithoutAForceIsMissed) {
   csv.erase(csv.rfind('\n', csv.size() - 2) + 1);
   EXPECT_EQ(Broken(texts), Names{"missing_forces"});
   texts.erase("out/deflection.csv");
-  fs::remove(Path("out/deflection.csv"));
+  std::filesystem::remove(Path("out/deflection.csv"));
   EXPECT_EQ(Broken(texts), Names{"missing_forces"});
 }
 
@@ -319,64 +270,6 @@ TEST_F(AuditTest, ToolPosesOfLinuxCncAreReadToo) {
     EditLine(texts[name], line - 1, [&](const std::string& text) { return AddAfter(text, word, by); });
     EXPECT_EQ(Broken(texts), Names{figure});
   }
-}
-
-TEST_F(AuditTest, ARailMayStandOrMoveAlongCuts) {
-  for (const double step : {0.0, 15.0, -40.0}) {
-    const Verdict verdict = Judged(MakeFolder({.rail_step_mm = step, .forces = true}));
-    EXPECT_TRUE(verdict.Holds()) << step << ToJson(verdict);
-    for (const std::string controller : {"krl", "sinumerik", "linuxcnc"}) {
-      EXPECT_LT(verdict["program_deviation_mm_" + controller].value, 1e-3);
-      EXPECT_LT(verdict["program_deviation_external_" + controller].value, 1e-3);
-    }
-  }
-}
-
-TEST_F(AuditTest, AWrongPositionOfARailIsFoundInEveryProgram) {
-  // Counted in, a wrong value moves the arm and not the tip.
-  const std::array<std::tuple<const char*, const char*, const char*>, 3> programs{
-      {{"krl", "src", "E1 "}, {"sinumerik", "mpf", "RAIL_AX="}, {"linuxcnc", "ngc", "U"}}};
-  for (const auto& [controller, extension, word] : programs)
-    for (const bool in_cut : {true, false})
-      for (const double by : {-1.0, 0.05}) {
-        const std::string name = fmt::format("out/programs/{}/by_hand.{}", controller, extension);
-        Texts texts = MakeFolder({.rail_step_mm = 15});
-        std::istringstream stream(texts[name]);
-        std::vector<size_t> lines;  // with a word of the rail: home twice, approach, six points, …
-        std::string text;
-        for (size_t line = 0; std::getline(stream, text); ++line)
-          if (text.find(word) != std::string::npos) lines.push_back(line);
-        ASSERT_EQ(lines.size(), 22u) << controller;
-        EditLine(texts[name], lines[in_cut ? 5 : 2],
-                 [&](const std::string& line) { return AddAfter(line, word, by); });
-        const Names broken = Broken(texts);
-        EXPECT_TRUE(broken.contains(
-            fmt::format("program_{}_{}", in_cut ? "deviation_external" : "external_violations", controller)))
-            << controller << in_cut << by;
-        EXPECT_EQ(broken.contains(std::string("program_deviation_mm_") + controller),
-                  in_cut && std::string(controller) == "linuxcnc")
-            << controller << by;
-      }
-}
-
-TEST_F(AuditTest, ARailThatRunsTheOtherWayIsFound) {
-  Texts texts = MakeFolder({.rail_step_mm = 15});
-  std::string& cell = texts["cell.yaml"];
-  cell.replace(cell.find("direction: y"), 12, "direction: -y");
-  EXPECT_TRUE(Broken(texts).contains("program_deviation_mm_krl"));
-  texts = MakeFolder({.rail_step_mm = 15});
-  std::string& uncounted = texts["cell.yaml"];
-  const std::string counted = "axis: rail, coupled: true}]}";  // SINUMERIK's
-  uncounted.replace(uncounted.find(counted), counted.size(), "axis: rail, coupled: false}]}");
-  const Names broken = Broken(texts);
-  EXPECT_TRUE(broken.contains("program_deviation_mm_sinumerik"));
-  EXPECT_TRUE(broken.contains("program_external_violations_sinumerik"));
-}
-
-TEST_F(AuditTest, ARailKeepsItsLimitsAndItsSpeed) {
-  // 3 s from point to point, and 14 mm/s.
-  EXPECT_EQ(Broken(MakeFolder({.rail_step_mm = 45})).contains("step_violations"), true);
-  EXPECT_EQ(Broken(MakeFolder({.rail_step_mm = -60})).contains("limit_violations"), true);
 }
 
 TEST_F(AuditTest, AMissingEndOfAProgramIsADeviation) {

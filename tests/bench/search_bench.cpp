@@ -5,6 +5,7 @@
 
 #include <Eigen/SparseCholesky>
 
+#include "path/block_kernel.hpp"
 #include "path/envelope.hpp"
 #include "path/ladder_search.hpp"
 #include "tests/pose/lean_problems.hpp"
@@ -159,6 +160,42 @@ void DenseReference(benchmark::State& state) {
   }
 }
 BENCHMARK(DenseReference)->Unit(benchmark::kMillisecond);
+
+/// All predecessors of a layer's nodes, one by one and in blocks.
+void RelaxOneByOne(benchmark::State& state) {
+  const std::vector<Layer> layers = MakeLayers(2);
+  const JointRows &from = layers[0].joints, &to = layers[1].joints;
+  const CostRow row(layers[0].objective);
+  const StepRule rule = BenchRule();
+  for (auto _ : state)
+    for (size_t node = 0; node < to.size; ++node) {
+      BestPredecessor best;
+      RelaxFrom(rule, from, row, 0, from.size, to.At(node), std::numeric_limits<double>::infinity(), best);
+      benchmark::DoNotOptimize(best);
+    }
+}
+BENCHMARK(RelaxOneByOne)->Unit(benchmark::kMicrosecond);
+
+void RelaxInBlocks(benchmark::State& state) {
+  const std::vector<Layer> layers = MakeLayers(2);
+  const JointRows &from = layers[0].joints, &to = layers[1].joints;
+  const CostRow row(layers[0].objective);
+  const StepRule rule = BenchRule();
+  size_t guess = 0;
+  for (auto _ : state)
+    for (size_t begin = 0; begin < to.size; begin += kBlock) {
+      TargetBlock block;
+      block.nodes = &to;
+      block.begin = begin;
+      const size_t count = std::min(kBlock, to.size - begin);
+      block.wanted = (1u << count) - 1;
+      std::fill_n(block.last.begin(), count, from.size);
+      RelaxBlock(rule, from, row, guess, block);
+      guess = block.best[0].node;
+      benchmark::DoNotOptimize(block);
+    }
+}
+BENCHMARK(RelaxInBlocks)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace millpose

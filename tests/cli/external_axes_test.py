@@ -215,7 +215,7 @@ class Moving(unittest.TestCase):
     """Passes along which an axis moves: a rail under the arm, a table under the part."""
 
     CELLS = {"rail": ("kr500_rail", "rail, scope: {scope}, step_mm: 500", "[1850, 0, 1200]"),
-             "table": ("kr500_tilt_turn", "turn, scope: {scope}, step_deg: 20", "[2500, 0, 1300]")}
+             "table": ("kr500_tilt_turn", "turn, scope: {scope}, step_deg: 30", "[2500, 0, 1300]")}
     COARSE = [] if SLOW else [(r"stepover_mm: 20", "stepover_mm: 250"), (r"spacing_mm: 10", "spacing_mm: 75"), (r"chord_tolerance_mm: 0.01", "chord_tolerance_mm: 0.05")]
 
     def job(self, axis, scope, name):
@@ -251,7 +251,7 @@ class Moving(unittest.TestCase):
             self.assertLessEqual(worst[0], worst[1], axis)
             self.assertEqual({(p["controller"], p["verified"]) for p in summary["programs"]}, {("krl", True), ("sinumerik", True), ("linuxcnc", True)})
             self.assertEqual(BENCH.run("verify", folder, "--job", job).returncode, 0)
-            status, verdict = BENCH.audit(folder, job, "--travel-mm", "0.5" if SLOW else "5")
+            status, verdict = BENCH.audit(folder, job, "--travel-mm", "0.5" if SLOW else "10")
             self.assertEqual((status, verdict["broken"]), (0, {}), axis)
             # One word of a cut half a unit off: the judge reads it where the tip does not show it, too.
             for controller, word in words[axis].items():
@@ -260,7 +260,7 @@ class Moving(unittest.TestCase):
                 found = [m for m in re.finditer(rf"^(?:N\d+ )?(?:LIN|G1) .*?{re.escape(word)}(-?[\d.]+)", right, re.MULTILINE)]
                 mid = found[len(found) // 2]
                 path.write_text(right[:mid.start(1)] + f"{float(mid[1]) + 0.5:.4f}" + right[mid.end(1):], encoding="utf-8")
-                broken = BENCH.audit(folder, job, "--travel-mm", "50")[1]["broken"]
+                broken = BENCH.audit(folder, job, "--travel-mm", "500")[1]["broken"]
                 self.assertTrue(any(controller in figure for figure in broken), f"{axis}, {controller}: {broken}")
                 path.write_text(right, encoding="utf-8")
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/ladder_search.hpp"
 
+#include "path/block_kernel.hpp"
 #include "path/returning.hpp"
 #include "tests/pose/problems.hpp"
 
@@ -332,6 +333,54 @@ TEST(RelaxFrom, EveryNodeOfABlockCounts) {
       }
     }
   }
+}
+
+/// Nodes near each other, as on a layer, with a few far off.
+JointRows RowOfNodes(RandomStream& stream, size_t count) {
+  JointRows nodes;
+  Joints q = Joints::Constant(2.9);
+  for (size_t k = 0; k < count; ++k) {
+    for (int j = 0; j < 6; ++j) q[j] += stream.Uniform(-0.05, 0.05);
+    nodes.Add(k % 17 == 16 ? Joints(q + Joints::Constant(stream.Uniform(-7, 7))) : q);
+  }
+  nodes.Finish();
+  return nodes;
+}
+
+TEST(RelaxBlock, FindsForEveryNodeWhatRelaxFromFinds) {
+  RandomStream stream(11, 0);
+  size_t found = 0, none = 0;
+  for (int round = 0; round < 400; ++round) {
+    const JointRows from = RowOfNodes(stream, 150), to = RowOfNodes(stream, 21);
+    std::vector<double> costs(150);
+    for (double& cost : costs) cost = std::floor(stream.Uniform(0, 8)) / 8;  // ties
+    const CostRow row(costs);
+    StepRule rule = Rule(stream.Uniform(1, 40), round % 3 == 0 ? 0 : stream.Uniform(0, 2));
+    rule.modulo_revolutions = round % 2 == 0;
+    for (size_t begin = 0; begin < 21; begin += kBlock) {
+      TargetBlock block;
+      block.nodes = &to;
+      block.begin = begin;
+      for (size_t l = 0; l < kBlock && begin + l < 21; ++l) {
+        if (stream.Uniform(0, 1) < 0.8) block.wanted |= 1u << l;
+        block.first[l] = static_cast<size_t>(stream.Uniform(0, 150));
+        block.last[l] = block.first[l] + static_cast<size_t>(stream.Uniform(0, 151.0 - block.first[l]));
+      }
+      RelaxBlock(rule, from, row, static_cast<size_t>(stream.Uniform(0, 150)), block);
+      for (size_t l = 0; l < kBlock; ++l) {
+        if ((block.wanted >> l & 1u) == 0) continue;
+        BestPredecessor expected;
+        RelaxFrom(rule, from, row, block.first[l], block.last[l], to.At(begin + l), kInfinity, expected);
+        ASSERT_EQ(block.best[l].cost, expected.cost) << round;
+        ++(std::isfinite(expected.cost) ? found : none);
+        if (std::isfinite(expected.cost)) {
+          ASSERT_EQ(block.best[l].node, expected.node) << round;
+        }
+      }
+    }
+  }
+  EXPECT_GT(found, 1000u);
+  EXPECT_GT(none, 1000u);
 }
 
 TEST(WrapToPi, TakesWholeTurnsAway) {

@@ -201,7 +201,7 @@ TEST(RideChecks, SpeedsAndLimitsOfTheAxesHold) {
 struct RailRide {
   PlanResult plan = StationPlan("rail");
   Cell cell = SampleCell(plan);
-  RideWay way{Mechanism(plan.external_axes), {0}, {400}, {{0, plan.home}, {1, plan.home}}};
+  RideWay way{{0}, {400}, {{0, plan.home}, {1, plan.home}}};
   Vector3d tip = (plan.X_WB * ForwardFlange(plan.arm, plan.home) * plan.X_FT).translation();
 
   std::optional<Interference> Find() const { return FindOnRide(World(cell), way, {1, 0, 0.5}); }
@@ -242,7 +242,7 @@ TEST(RideWays, AgreesWithLookingDensely) {
     const World world(cell);
     Joints end = q;
     end[0] -= 0.05;
-    RideWay way{Mechanism(plan.external_axes), {0, 0}, {60, 0.1}, {{0, q}, {1, end}}};
+    RideWay way{{0, 0}, {60, 0.1}, {{0, q}, {1, end}}};
     bool within = false, deep = false;  // a pair below its clearance, and by more than the resolution
     for (int i = 0; i <= 120; ++i) {
       const double share = i / 120.0;
