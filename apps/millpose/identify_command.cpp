@@ -9,8 +9,8 @@
 #include "base/units.hpp"
 #include "commands.hpp"
 #include "config/measurements.hpp"
-#include "pipeline/assemble.hpp"
-#include "pipeline/inputs.hpp"
+#include "job/assemble.hpp"
+#include "job/inputs.hpp"
 #include "stiffness/identify.hpp"
 #include "stiffness/plausibility.hpp"
 

@@ -6,8 +6,8 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "commands.hpp"
+#include "output/output_folder.hpp"
 #include "pipeline/explain_pose.hpp"
-#include "pipeline/output_folder.hpp"
 
 namespace millpose {
 namespace {

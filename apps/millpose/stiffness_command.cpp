@@ -8,8 +8,8 @@
 #include "base/file.hpp"
 #include "base/units.hpp"
 #include "commands.hpp"
-#include "pipeline/assemble.hpp"
-#include "pipeline/inputs.hpp"
+#include "job/assemble.hpp"
+#include "job/inputs.hpp"
 #include "pose/map.hpp"
 #include "stiffness_output.hpp"
 

@@ -11,7 +11,7 @@
 #include "batch/run_here.hpp"
 #include "batch/slurm.hpp"
 #include "operations/run_job.hpp"
-#include "pipeline/output_folder.hpp"
+#include "output/output_folder.hpp"
 #include "pipeline/up_to_date.hpp"
 #include "report/summary_version.hpp"
 

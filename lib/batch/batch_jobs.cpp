@@ -5,7 +5,7 @@
 
 #include "base/error.hpp"
 #include "batch/batch.hpp"
-#include "pipeline/output_folder.hpp"
+#include "output/output_folder.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;

@@ -2,7 +2,7 @@
 #include "batch/slurm.hpp"
 
 #include "batch/slurm_array.hpp"
-#include "pipeline/output_folder.hpp"
+#include "output/output_folder.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;

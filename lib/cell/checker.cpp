@@ -115,7 +115,8 @@ struct Checker::Impl {
     if (certain.least >= wanted) return Gap::kWide;
     if (std::max(least, certain.least) >= clearance && certain.most < wanted - kSure) return Gap::kOpen;
     const double distance = DistanceUpTo(a, b, wanted).distance;
-    if (distance < clearance) return Gap::kTooNear;
+    // The distance of two convex parts may come out too small: what boxes prove is not too near (FarFrom).
+    if (distance < clearance) return BoxesApart(a, b, clearance) ? Gap::kOpen : Gap::kTooNear;
     return distance < wanted ? Gap::kOpen : Gap::kWide;
   }
 
@@ -221,11 +222,17 @@ std::optional<Interference> Checker::Nearest(const Joints& q, Phase phase, doubl
   std::sort(nearest.begin(), nearest.end());
   const BodyPair* best = nullptr;
   BoundedDistance smallest{bound};
-  for (const auto& [least, pair] : nearest) {
-    if (smallest.distance <= kTouch || least >= std::min(smallest.distance, most)) break;
-    const BoundedDistance found = impl_->Distance(*pair, smallest.distance);
-    if (found.distance < smallest.distance) smallest = found, best = pair;
-  }
+  // The nearer FCL is told to look, the fewer triangles it does look at.
+  const auto measure_below = [&](double limit) {
+    for (const auto& [least, pair] : nearest) {
+      const double below = std::min(smallest.distance, limit);
+      if (smallest.distance <= kTouch || least >= below) break;
+      const BoundedDistance found = impl_->Distance(*pair, below);
+      if (found.distance < below) smallest = found, best = pair;
+    }
+  };
+  measure_below(most);
+  if (!best && most < bound) measure_below(bound);  // FCL finds farther what the brackets saw nearer
   if (best) impl_->Tell(static_cast<int>(best - impl_->world->pairs.data()));
   if (impl_->keeper) impl_->looks.Add(q, q, smallest.distance);
   return best ? std::optional(impl_->Report(*best, smallest)) : std::nullopt;
@@ -296,8 +303,7 @@ std::optional<Sighting> Checker::BlockedBetween(const Joints& q0, const Joints& 
     }
     if (undecided.empty()) continue;
     // Once the interval is small against the tube, halving it settles nothing more.
-    constexpr double kSmall = 0.05;
-    if (half_turn.maxCoeff() < kSmall * tube.maxCoeff()) {
+    if (half_turn.maxCoeff() < kSmallBesideTube * tube.maxCoeff()) {
       const Joints q = q0 + middle * (q1 - q0);
       impl_->Tell(undecided.front());
       return Sighting{q, undecided.front(), std::numeric_limits<double>::infinity()};

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/units.hpp"
 #include "cell/motion_bound.hpp"
@@ -79,12 +80,14 @@ void LookKeeper::AddMotion(const Joints& q0, const Joints& q1, const Joints& tub
     const auto joint = static_cast<Eigen::Index>(i);
     most = std::max(most, std::abs(q1[joint] - q0[joint]) / kTogether[i]);
   }
+  // The last interval that is looked at for the tube's sake reaches a little beyond (BlockedBetween).
+  const Joints beside = tube.array() + kSmallBesideTube * tube.maxCoeff();
   // A long way by a box of its own would be one by all that lies between its corners.
   const int parts = std::max(1, static_cast<int>(std::ceil(most)));
   for (int k = 0; k < parts; ++k) {
     const Joints a = q0 + static_cast<double>(k) / parts * (q1 - q0),
                  b = k + 1 < parts ? Joints(q0 + static_cast<double>(k + 1) / parts * (q1 - q0)) : q1;
-    Add(a.cwiseMin(b) - tube, a.cwiseMax(b) + tube, reach);
+    Add(a.cwiseMin(b) - beside, a.cwiseMax(b) + beside, reach);
   }
 }
 
@@ -116,8 +119,7 @@ bool World::FarFrom(const std::vector<std::string>& still, const Looks& looks) c
     for (size_t i = 0; i < 6; ++i) {
       const auto joint = static_cast<Eigen::Index>(i);
       middle[joint] = 0.5 * (static_cast<double>(box.low[i]) + box.high[i]);
-      // Twice the half: bounds the motion from any pose of the box to any other.
-      turn[joint] = static_cast<double>(box.high[i]) - box.low[i];
+      turn[joint] = 0.5 * (static_cast<double>(box.high[i]) - box.low[i]);
     }
     std::array<Pose, 7> X_WL = LinkFrames(impl_->cell.arm, middle);
     for (Pose& X : X_WL) X = impl_->cell.X_WB * X;
@@ -125,12 +127,20 @@ bool World::FarFrom(const std::vector<std::string>& still, const Looks& looks) c
     for (const WorldBody& body : impl_->bodies) {
       if (body.link == 0) continue;
       const Placed part = PlacePart(*body.part, X_WL[static_cast<size_t>(body.link)] * body.X_LG);
-      // At another pose of the box, gaps along fixed directions are less by half of that at most, √3 / 2 of
-      // it for three of them together; a motion is settled by one look where they exceed the clearance by all
-      // of it (Checker::BlockedBetween).
-      const double enough = box.reach + 2 * BallMoves(axes, body.link, part.centre, body.part->radius, turn);
-      for (const Placed& obstacle : obstacles)
-        if (!ApartFromStill(obstacle, part, enough)) return false;
+      // Gaps along the obstacle's directions are less at another pose of the box, all three together by √3
+      // times what the body moves at most. A motion is looked at in ever shorter parts until they suffice: as
+      // long as they exceed the clearance, no part ends the check.
+      constexpr double kAlongThree = 1.7320509;
+      const auto apart = [&](const Placed& obstacle, double moves) {
+        return ApartFromStill(obstacle, part, box.reach + kAlongThree * moves);
+      };
+      const double about = BallMoves(axes, body.link, part.centre, part.part->radius, turn);
+      std::optional<double> moves;  // the narrower bound, which costs more
+      for (const Placed& obstacle : obstacles) {
+        if (apart(obstacle, about)) continue;
+        if (!moves) moves = MotionBounds(axes, body.link, part.centre, part.half_axes, turn)[0];
+        if (!apart(obstacle, *moves)) return false;
+      }
     }
   }
   return true;

@@ -5,6 +5,10 @@
 
 namespace millpose {
 
+/// Parts of a motion in which no joint turns by more than this share of the tube about it are divided no
+/// further.
+inline constexpr double kSmallBesideTube = 0.05;
+
 /// The six joint axes at one pose of the arm: points on them and unit directions, in the world.
 struct JointAxes {
   std::array<Eigen::Vector3d, 6> point, direction;

@@ -2,6 +2,7 @@
 // A job file: its sections, each with a table of its own.
 #include "config/fields.hpp"
 #include "config/operations.hpp"
+#include "pose/freedom_entry.hpp"
 #include "pose/objective.hpp"
 #include "toolpath/strategy.hpp"
 
@@ -94,7 +95,7 @@ void CheckOverMissing(const Value& value, const Context& context, const JobSetti
         .Add(found->mark, "has no effect here: needs process.cutting, without a side");
 }
 
-void CheckLeans(const Value& value, const Context& context, const JobSettings& job) {
+void CheckFreedoms(const Value& value, const Context& context, const JobSettings& job) {
   const auto useless = [&](const char* section, const char* key, const std::string& why) {
     const Value* of = value.Find(section);
     if (const Value::Key* found = of ? of->FindKey(key) : nullptr)
@@ -102,11 +103,12 @@ void CheckLeans(const Value& value, const Context& context, const JobSettings& j
   };
   if (!job.toolpath.Leans())
     useless("path", "max_lean_change_deg_per_mm",
-            "has no effect here: needs a range in toolpath.lead_deg or tilt_deg");
-  else if (job.formulation == Formulation::kPaper)
-    useless("pose", "formulation",
-            "paper knows the rotation about the tool axis alone; give toolpath.lead_deg and tilt_deg as "
-            "numbers");
+            "has no effect here: needs a range in toolpath." + LeanKeys());
+  if (!job.toolpath.freedoms.empty() && job.formulation == Formulation::kPaper)
+    useless(
+        "pose", "formulation",
+        fmt::format("paper knows the rotation about the tool axis alone; leave out the range of toolpath.{}",
+                    Freedoms().At(job.toolpath.freedoms.begin()->first).key->info.key));
 }
 
 void Check(const Value& value, const Context& context, JobSettings& job) {
@@ -115,7 +117,7 @@ void Check(const Value& value, const Context& context, JobSettings& job) {
   CheckCutting(value, context, job);
   CheckFeeds(value, context, job);
   CheckOverMissing(value, context, job);
-  CheckLeans(value, context, job);
+  CheckFreedoms(value, context, job);
   CheckForce(value, context, job);
 }
 

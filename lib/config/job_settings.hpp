@@ -14,7 +14,7 @@
 #include "config/cell_settings.hpp"
 #include "config/placement_settings.hpp"
 #include "config/toolpath_settings.hpp"
-#include "path/gap_planner.hpp"
+#include "gaps/gap_planner.hpp"
 #include "path/pass_planner.hpp"
 #include "stiffness/process_force.hpp"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The keys of a job's `path:`, `interference:` and `gaps:`, one line each.
 #include "config/fields.hpp"
+#include "pose/freedom_entry.hpp"
 
 namespace millpose::config {
 
@@ -36,8 +37,9 @@ Codec<JobSettings> PathFields() {
           Key<S>(
               "max_lean_change_deg_per_mm", MILLPOSE_AT(path.max_lean_change),
               Real(kDeg, Between(0.001, 1000)),
-              "Where toolpath.lead_deg or tilt_deg is a range: largest change of each between neighbouring "
-              "points, for each mm of way between them.")
+              fmt::format("Where toolpath.{} is a range: largest change of each between neighbouring points, "
+                          "for each mm of way between them.",
+                          LeanKeys()))
               .WhenSet([](const S& s) { return s.toolpath.Leans(); })
               .DefaultText("0.5"),
           Key<S>(

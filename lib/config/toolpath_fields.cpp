@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The keys of a job's `toolpath:`, one line each.
 #include "config/fields.hpp"
+#include "pose/freedom_entry.hpp"
 #include "toolpath/strategy_entry.hpp"
 
 namespace millpose::config {
@@ -51,23 +52,22 @@ void CheckUseless(const Value& value, const Context& context, const ToolpathSett
 
 // Leans that the search chooses need a surface that they lean over.
 void CheckLeans(const Value& value, const Context& context, const ToolpathSettings& toolpath) {
-  const auto refuse = [&](const char* key, bool ranged, const std::string& why) {
-    if (const Value::Key* found = value.FindKey(key); found && ranged)
-      context.Child(key).Add(found->mark, why);
+  const auto refuse = [&](const std::string& key, const std::string& why) {
+    if (const Value::Key* found = value.FindKey(key)) context.Child(key).Add(found->mark, why);
   };
   const auto refuse_ranges = [&](const std::string& why) {
-    refuse("lead_deg", toolpath.lead_range.has_value(), why);
-    refuse("tilt_deg", toolpath.tilt_range.has_value(), why);
+    for (const FreedomEntry& entry : Freedoms().entries())
+      if (entry.leans && toolpath.Find(entry.name)) refuse(entry.key->info.key, why);
   };
   if (dynamic_cast<const SurfaceStrategy*>(toolpath.strategy.get()) == nullptr)
     refuse_ranges("a range is for strategies that mill a surface along it; give a number with strategy " +
                   toolpath.strategy->Name());
   else if (toolpath.tool_axis.rule != AxisRule::kNormal)
     refuse_ranges("a range leans the tool from the surface's normal; give a number, or leave tool_axis out");
-  const bool upright = toolpath.lead == 0 && toolpath.tilt == 0;
-  refuse("min_cutting_speed_share", !toolpath.Leans() || upright,
-         toolpath.Leans() ? "has no effect here: at the nominal lean, 0, the cutting speed is 0"
-                          : "has no effect here: needs a range in lead_deg or tilt_deg");
+  if (!toolpath.Leans())
+    refuse("min_cutting_speed_share", "has no effect here: needs a range in " + LeanKeys());
+  else if (toolpath.lead == 0 && toolpath.tilt == 0)
+    refuse("min_cutting_speed_share", "has no effect here: at the nominal lean, 0, the cutting speed is 0");
 }
 
 // A strategy's own section must be given with it and with no other.
@@ -85,76 +85,6 @@ void CheckStrategySections(const Value& value, const Context& context, ToolpathS
   }
   CheckUseless(value, context, toolpath);
   CheckLeans(value, context, toolpath);
-}
-
-/// What a job gives of a lean: its value, or the range that the pose search may take it from.
-struct LeanSetting {
-  double value = 0;
-  std::optional<LeanRange> range;
-};
-
-Codec<LeanRange> LeanRangeFields() {
-  using S = LeanRange;
-  const Codec<double> angle = Real(kDeg, Between(-60, 60));
-  const auto check = [](const Value& value, const Context& context, S& range) {
-    constexpr double kMostValues = 25;
-    const auto wrong = [&](const char* key, const std::string& allowed) {
-      context.Child(key).AddWrong(*value.Find(key), allowed);
-    };
-    const auto degrees = [](double rad) { return fmt::format("{:.6g}", RadToDeg(rad)); };
-    if (!(range.from < range.to)) return wrong("to", "above from, " + degrees(range.from));
-    const double width = range.to - range.from;
-    if (range.step > width || range.step * kMostValues < width)
-      wrong("step", fmt::format("{:.6g} to {:.6g}: at most {} steps in the range",
-                                RadToDeg(width) / kMostValues, RadToDeg(width), kMostValues));
-    if (!value.FindKey("nominal")) range.nominal = std::clamp(0.0, range.from, range.to);
-    if (range.nominal < range.from || range.nominal > range.to)
-      wrong("nominal", degrees(range.from) + " to " + degrees(range.to));
-  };
-  return Section<S>({Key<S>("from", MILLPOSE_AT(from), angle, "Least value.").Required(),
-                     Key<S>("to", MILLPOSE_AT(to), angle, "Largest value.").Required(),
-                     Key<S>("step", MILLPOSE_AT(step), Real(kDeg, Between(0.01, 60)),
-                            "Grid of the ladder search; between its values the path is refined.")
-                         .Required(),
-                     Key<S>("nominal", MILLPOSE_AT(nominal), angle, "How the tool path is laid.")
-                         .DefaultText("nearest to 0")},
-                    check);
-}
-
-Codec<LeanSetting> LeanFields() {
-  const Codec<double> number = Real(kDeg, Between(-89, 89));
-  const Codec<LeanRange> map = LeanRangeFields();
-  Codec<LeanSetting> codec;
-  codec.type = number.type + ", or a map";
-  codec.keys = map.keys;
-  codec.schema = Value::Map();
-  codec.schema.Put("anyOf", Value::List({number.schema, map.schema}));
-  codec.read = [number, map](const Value& value, const Context& context, LeanSetting& lean) {
-    if (value.kind != Value::Kind::kMap) {
-      lean.range.reset();
-      return number.read(value, context, lean.value);
-    }
-    LeanRange range;
-    const size_t before = context.problems.size();
-    map.read(value, context, range);
-    if (context.problems.size() == before) lean = {range.nominal, range};
-  };
-  codec.write = [number, map](const LeanSetting& lean) {
-    return lean.range ? map.write(*lean.range) : number.write(lean.value);
-  };
-  return codec;
-}
-
-Field<ToolpathSettings> LeanKey(const char* key, double ToolpathOptions::*value,
-                                std::optional<LeanRange> ToolpathOptions::*range, const char* doc) {
-  using S = ToolpathSettings;
-  return KeyBy<S, LeanSetting>(
-      key,
-      [=](const S& s) {
-        return LeanSetting{s.*value, s.*range};
-      },
-      [=](S& s, const LeanSetting& lean) { s.*value = lean.value, s.*range = lean.range; }, LeanFields(),
-      doc);
 }
 
 Codec<Layers> DepthFields() {
@@ -222,7 +152,7 @@ Codec<PassEnds> PassEndFields() {
   });
 }
 
-// The keys that all strategies share.
+// The keys that all strategies share, up to those of freedoms.
 std::vector<Field<ToolpathSettings>> CommonKeys() {
   using S = ToolpathSettings;
   using Way = millpose::Direction;
@@ -264,12 +194,22 @@ std::vector<Field<ToolpathSettings>> CommonKeys() {
       Key<S>("tool_axis", MILLPOSE_AT(tool_axis), ToolAxisFields(),
              "Where the tool comes from; along the surface's normal by default.")
           .WhenSet([](const S& s) { return s.tool_axis.rule != AxisRule::kNormal; }),
-      LeanKey(
-          "lead_deg", &ToolpathOptions::lead, &ToolpathOptions::lead_range,
-          "Tool axis leans towards the feed direction: by so much, or by what the pose search chooses from "
-          "a range (docs/lean.md)."),
-      LeanKey("tilt_deg", &ToolpathOptions::tilt, &ToolpathOptions::tilt_range,
-              "Tool axis leans across the feed direction, likewise."),
+  };
+}
+
+// The keys that open freedoms: each freedom's own (lib/pose/freedoms/).
+std::vector<Field<ToolpathSettings>> FreedomKeys() {
+  std::vector<Field<ToolpathSettings>> keys;
+  for (const FreedomEntry& entry : Freedoms().entries())
+    if (const auto& key = entry.key)
+      keys.push_back({key->info, key->read, key->write, key->schema, key->default_value});
+  return keys;
+}
+
+// And those behind them.
+std::vector<Field<ToolpathSettings>> LastKeys() {
+  using S = ToolpathSettings;
+  return {
       Key<S>(
           "min_cutting_speed_share", MILLPOSE_AT(min_cutting_speed_share), Real(kOne, UpTo(1)),
           "Where leans are ranges, of a ball: least cutting speed at the contact, as a share of that at the "
@@ -321,7 +261,8 @@ Codec<ToolpathSettings> ToolpathFields() {
                                                      "What is milled; everything by default.")};
   for (const StrategyEntry& entry : Strategies().entries())
     if (!entry.section.empty()) fields.push_back(OwnSection(entry));
-  std::ranges::move(CommonKeys(), std::back_inserter(fields));
+  for (const auto& keys : {CommonKeys(), FreedomKeys(), LastKeys()})
+    fields.insert(fields.end(), keys.begin(), keys.end());
   for (Field<S>& field : fields) LeaveOutUseless(field);
   Codec<S> codec = Section<S>(std::move(fields), CheckStrategySections);
   // Told beside other problems of the section, as keys that are always required are.

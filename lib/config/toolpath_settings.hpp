@@ -2,12 +2,12 @@
 // Settings of a job's `toolpath:` as read; inside units. Every default stands in the options of lib/toolpath.
 #pragma once
 
+#include "pose/open_toolpath.hpp"
 #include "toolpath/gouge.hpp"
-#include "toolpath/toolpath_options.hpp"
 
 namespace millpose {
 
-struct ToolpathSettings : ToolpathOptions {
+struct ToolpathSettings : OpenToolpath {
   GougeOptions gouges;
   Eigen::Vector3d world_reference =
       Eigen::Vector3d::UnitZ();  ///< the rotation about the tool axis counts from it, W

@@ -12,7 +12,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "init/sample_cells.hpp"
-#include "pipeline/workpiece.hpp"
+#include "job/workpiece.hpp"
 #include "robot/joint_chain.hpp"
 #include "robot/kinematics.hpp"
 

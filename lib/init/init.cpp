@@ -14,9 +14,9 @@
 #include "init/facing_groups.hpp"
 #include "init/job_text.hpp"
 #include "init/place_part.hpp"
-#include "pipeline/assemble.hpp"
+#include "job/assemble.hpp"
+#include "job/step_meshes.hpp"
 #include "pipeline/run.hpp"
-#include "pipeline/step_meshes.hpp"
 #include "surface/raw_mesh.hpp"
 #include "surface/step_reader.hpp"
 

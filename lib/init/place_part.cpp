@@ -6,7 +6,7 @@
 #include "base/error.hpp"
 #include "base/rotation.hpp"
 #include "cell/world.hpp"
-#include "pipeline/assemble.hpp"
+#include "job/assemble.hpp"
 #include "pose/scorer.hpp"
 #include "program/controller_axes.hpp"
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "init/facing_groups.hpp"
-#include "pipeline/inputs.hpp"
-#include "pipeline/workpiece.hpp"
+#include "job/inputs.hpp"
+#include "job/workpiece.hpp"
 
 namespace millpose {
 

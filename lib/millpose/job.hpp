@@ -2,4 +2,4 @@
 // A job, its cell and their meshes, read once.
 #pragma once
 
-#include "pipeline/inputs.hpp"
+#include "job/inputs.hpp"

@@ -4,7 +4,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "config/config.hpp"
-#include "pipeline/output_folder.hpp"
+#include "output/output_folder.hpp"
 #include "report/summary_version.hpp"
 
 namespace millpose {

@@ -5,10 +5,10 @@
 #include "base/file.hpp"
 #include "base/hash.hpp"
 #include "base/named_progress.hpp"
+#include "job/step_meshes.hpp"
 #include "operations/whole_report.hpp"
-#include "pipeline/output_folder.hpp"
+#include "output/output_folder.hpp"
 #include "pipeline/run_record.hpp"
-#include "pipeline/step_meshes.hpp"
 #include "pipeline/up_to_date.hpp"
 
 namespace millpose {

@@ -2,7 +2,7 @@
 // A job from its file to its output folder, also one of several operations (docs/operations.md).
 #pragma once
 
-#include "pipeline/inputs.hpp"
+#include "job/inputs.hpp"
 #include "pipeline/run.hpp"
 
 namespace millpose {

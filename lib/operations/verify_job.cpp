@@ -4,7 +4,7 @@
 #include "base/file.hpp"
 #include "config/config.hpp"
 #include "operations/whole_program.hpp"
-#include "pipeline/output_folder.hpp"
+#include "output/output_folder.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;

@@ -66,9 +66,9 @@ void EndGuard::PruneWhatStays(size_t layer, size_t node) {
   if (std::ranges::count(leaves, 1) == 0) {
     ++lost_;
     const Joints q = of.joints.At(node);
-    const auto [lower, upper] = LimitsAround(carrier.arm, options_.limit_margin, q);
-    detail_[layer] = "no pose here can be entered or left: " +
-                     FindRetract(least, carrier, q, lower, upper, options_).problem;
+    const JointLimits limits = LimitsAround(carrier.arm, options_.limit_margin, q);
+    detail_[layer] =
+        "no pose here can be entered or left: " + FindRetract(least, carrier, q, limits, options_).problem;
   }
   graph_.Count(least.counts());
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "path/candidate_graph.hpp"
-#include "path/retract.hpp"
+#include "gaps/retract.hpp"
+#include "graph/candidate_graph.hpp"
 
 namespace millpose {
 

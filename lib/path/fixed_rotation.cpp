@@ -7,9 +7,8 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
-#include "path/fixed_table.hpp"
-#include "path/pass_checks.hpp"
-#include "robot/angles.hpp"
+#include "path/fewest_missing.hpp"
+#include "path/fixed_interference.hpp"
 #include "stiffness/compliance.hpp"
 
 namespace millpose {
@@ -32,14 +31,14 @@ class Comparer {
       : options_(options), stations_(stations), compared_(Compared(passes)) {
     size_t number = 0;
     for (const PassResult& pass : passes) {
-      passes_.push_back({&pass, number, {}, {}, {}});
+      if (std::ranges::any_of(pass.points, [](const auto& point) { return point.skip == Obstacle::kNone; }))
+        passes_.push_back({&pass, number, {}, {stations, pass, options}, {}});
       number += pass.points.size();
     }
     ParallelFor(passes_.size(), options.threads, options.stop, [&](size_t i) {
       passes_[i].table = MakeFixedTable(In(passes_[i]), compared_, {options.rotation_step, options.steps});
       passes_[i].free.assign(8 * passes_[i].table.rotations, 0);
     });
-    std::erase_if(passes_, [](const OfPass& pass) { return pass.table.points == 0; });
   }
 
   FixedComparison Compare() {
@@ -66,8 +65,8 @@ class Comparer {
     const PassResult* pass;
     size_t first_point;
     FixedTable table;
-    std::vector<char> free;   ///< per rotation and branch: 0 not looked at, 1 free, 2 not
-    std::vector<size_t> met;  ///< points that met something before: looked at first
+    FixedInterference interference;
+    std::vector<char> free;  ///< per rotation and branch: 0 not looked at, 1 free, 2 not
   };
 
   /// Made when it is needed: where axes move along passes all points together would be many.
@@ -95,62 +94,9 @@ class Comparer {
   /// Whether the pass is free of interference at a rotation on a branch; remembered.
   bool Free(OfPass& pass, const Ranked& ranked) {
     char& free = pass.free[8 * ranked.rotation + static_cast<size_t>(ranked.branch)];
-    if (free == 0) free = LookAt(pass, ranked) ? 1 : 2;
+    if (free == 0)
+      free = pass.interference.IsFree(pass.table.Rotation(ranked.rotation), ranked.branch) ? 1 : 2;
     return free == 1;
-  }
-
-  bool LookAt(OfPass& pass, const Ranked& ranked) const {
-    const PlannedIn in = In(pass);
-    const PassChecks checks{.world = in.along.empty() ? in.station.world : stations_.world(),
-                            .carrier = in.CarrierAt(0),
-                            .swept_resolution = options_.swept_resolution,
-                            .rotates_first = true,
-                            .threads = 1,
-                            .stop = options_.stop,
-                            .along = in.along};
-    PassCheckers checkers(checks);
-    const std::vector<PlannedPoint>& points = pass.pass->points;
-    const double rotation = pass.table.Rotation(ranked.rotation);
-    const auto joints = [&](size_t t) {
-      return PointScorer(in.At(t).problem, points[t].point, pass.pass->rotation_reference)
-          .ScoreOne({rotation}, ranked.branch)
-          .q;
-    };
-    const auto blocked = [&](size_t t) {
-      return checkers.At(t).Blocked(joints(t), Phase::kCutting).has_value();
-    };
-    for (const size_t t : pass.met)
-      if (blocked(t)) return false;
-    Joints last;
-    for (size_t t = 0; t < points.size(); ++t) {
-      CheckStop(options_.stop);
-      if (points[t].skip != Obstacle::kNone) continue;
-      const Joints q = joints(t);
-      const bool joined =
-          t > 0 && points[t - 1].piece == points[t].piece && points[t - 1].skip == Obstacle::kNone;
-      const bool hit = checkers.At(t).Blocked(q, Phase::kCutting) ||
-                       (joined && CheckCut(checkers, checks, t - 1, last, NearestEquivalent(last, q)));
-      if (hit) {
-        if (pass.met.size() < 16) pass.met.push_back(t);
-        return false;
-      }
-      last = q;
-    }
-    for (const Piece& piece : pass.pass->pieces) {
-      const auto first = static_cast<size_t>(piece.first), end = static_cast<size_t>(piece.last);
-      if (!Leaves(in.At(first), points[first].q, joints(first))) return false;
-      if (!piece.closed && !Leaves(in.At(end), points[end].q, joints(end))) return false;
-    }
-    return true;
-  }
-
-  /// Whether the tool can leave `q`, as near to everything as where it stands in the plan.
-  bool Leaves(const Station& station, const Joints& planned, const Joints& q) const {
-    const Carrier carrier{station.problem.arm, station.problem.X_WB, station.problem.X_FT};
-    const double share = ShareToLeave(station.world, carrier, planned, options_.leave);
-    if (share == 0) return true;
-    Checker checker(station.world, share);
-    return CanLeave(checker, carrier, q, options_.leave);
   }
 
   /// The best free branch of a rotation over a pass.
@@ -206,50 +152,52 @@ class Comparer {
     for (size_t i = 0; i < chosen.size(); ++i) AddFigures(passes_[i], chosen[i], comparison.job);
   }
 
+  /// The best free rotation and branch of a pass.
+  std::optional<Ranked> BestOf(OfPass& pass) {
+    std::vector<Ranked> all;
+    for (size_t r = 0; r < pass.table.rotations; ++r)
+      std::ranges::copy(Branches(pass, r), std::back_inserter(all));
+    std::stable_sort(all.begin(), all.end(), [&](const Ranked& a, const Ranked& b) { return Better(a, b); });
+    for (const Ranked& ranked : all)
+      if (Free(pass, ranked)) return ranked;
+    return std::nullopt;
+  }
+
+  /// Passes after one that has none do not matter. In batches, so that what is looked at, which is kept with
+  /// the result, is the same for any number of threads.
   void ComparePasses(FixedComparison& comparison) {
     std::vector<std::optional<Ranked>> best(passes_.size());
-    ParallelFor(passes_.size(), options_.threads, options_.stop, [&](size_t i) {
-      std::vector<Ranked> all;
-      for (size_t r = 0; r < passes_[i].table.rotations; ++r)
-        std::ranges::copy(Branches(passes_[i], r), std::back_inserter(all));
-      std::stable_sort(all.begin(), all.end(),
-                       [&](const Ranked& a, const Ranked& b) { return Better(a, b); });
-      for (const Ranked& ranked : all) {
-        if (!Free(passes_[i], ranked)) continue;
-        best[i] = ranked;
-        break;
+    size_t done = 0;
+    for (size_t batch = 1; done < best.size(); batch *= 2) {
+      const size_t size = std::min(batch, best.size() - done);
+      ParallelFor(size, options_.threads, options_.stop,
+                  [&](size_t i) { best[done + i] = BestOf(passes_[done + i]); });
+      for (const size_t end = done + size; done < end; ++done) {
+        if (best[done]) continue;
+        comparison.passes_in_the_way =
+            fmt::format("no rotation serves pass {} on one branch within limits, steps and clearances",
+                        passes_[done].pass->pass);
+        return;
       }
-    });
-    for (size_t i = 0; i < best.size(); ++i) {
-      if (best[i]) continue;
-      comparison.passes_in_the_way =
-          fmt::format("no rotation serves pass {} on one branch within limits, steps and clearances",
-                      passes_[i].pass->pass);
-      return;
     }
     for (size_t i = 0; i < best.size(); ++i) AddFigures(passes_[i], *best[i], comparison.passes);
   }
 
   /// The rotation that leaves fewest points without a pose, and these.
   std::string WhyNoneServes() const {
-    std::vector<std::vector<std::vector<size_t>>> missing(passes_.size());  // by pass and rotation
-    ParallelFor(passes_.size(), options_.threads, options_.stop,
-                [&](size_t i) { missing[i] = PointsWithoutPose(In(passes_[i]), passes_[i].table); });
-    size_t fewest = kNone, at = 0;
-    for (size_t r = 0; r < passes_.front().table.rotations; ++r) {
-      size_t count = 0;
-      for (const auto& of_pass : missing) count += of_pass[r].size();
-      if (count < fewest) fewest = count, at = r;
-    }
-    const double degrees = RadToDeg(passes_.front().table.Rotation(at));
+    std::vector<const PassResult*> results;
+    for (const OfPass& pass : passes_) results.push_back(pass.pass);
+    const FixedTable& grid = passes_.front().table;
+    const MissingPoints missing = FewestMissing(stations_, results, grid, options_.threads, options_.stop);
+    const double degrees = RadToDeg(grid.Rotation(missing.rotation));
     std::vector<size_t> numbers;
     for (size_t i = 0; i < passes_.size(); ++i)
-      for (const size_t t : missing[i][at])
+      for (const size_t t : missing.of_pass[i])
         if (numbers.size() < 5) numbers.push_back(passes_[i].first_point + t);
-    if (fewest > 0)
+    if (missing.count > 0)
       return fmt::format(
           "the rotation that serves most, {:.0f} deg, has no pose within the limits at {} points: {}{}",
-          degrees, fewest, fmt::join(numbers, ", "), fewest > numbers.size() ? ", ..." : "");
+          degrees, missing.count, fmt::join(numbers, ", "), missing.count > numbers.size() ? ", ..." : "");
     return fmt::format(
         "at {:.0f} deg every point has a pose within the limits, but no branch serves every pass "
         "within the joint steps",
@@ -259,7 +207,7 @@ class Comparer {
   std::string WhyNoneIsFree(const std::vector<Ranked>& bounds, size_t in_the_way) const {
     const OfPass& pass = passes_[in_the_way];
     std::vector<size_t> numbers;
-    for (const size_t t : pass.met)
+    for (const size_t t : pass.interference.met())
       if (numbers.size() < 5) numbers.push_back(pass.first_point + t);
     return fmt::format(
         "{} rotations serve every point within the limits, none is free of interference; in pass "

@@ -4,12 +4,12 @@
 
 #include <stop_token>
 
-#include "path/retract.hpp"
-#include "path/stations.hpp"
-#include "path/step_bound.hpp"
+#include "gaps/retract.hpp"
+#include "ladder/step_bound.hpp"
 #include "plan/fixed_comparison.hpp"
 #include "plan/plan_result.hpp"
 #include "pose/scorer.hpp"
+#include "stations/stations.hpp"
 
 namespace millpose {
 

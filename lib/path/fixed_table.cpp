@@ -2,7 +2,7 @@
 #include "path/fixed_table.hpp"
 
 #include "base/units.hpp"
-#include "path/edge_kernel.hpp"
+#include "ladder/edge_kernel.hpp"
 #include "plan/station.hpp"
 
 namespace millpose {
@@ -14,14 +14,6 @@ constexpr double kRounding = 1e-12;  // rad: of angles that full revolutions wer
 struct Course {
   Joints first, last, least, most;
 };
-
-/// Eight rotations of a table's grid from r on, other freedoms at 0; the last one fills up.
-std::vector<double> ValuesOfBlock(const FixedTable& table, size_t r, size_t dimensions) {
-  std::vector<double> values(kLanes * dimensions, 0.0);
-  for (size_t l = 0; l < kLanes; ++l)
-    values[l * dimensions] = table.Rotation(std::min(r + l, table.rotations - 1));
-  return values;
-}
 
 class TableMaker {
  public:
@@ -52,7 +44,6 @@ class TableMaker {
       last = std::move(point);
       piece = planned.piece;
       closed = pass.pieces[static_cast<size_t>(piece)].closed;
-      ++table_.points;
       Add(PointScorer(in.At(t).problem, planned.point, pass.rotation_reference), starts, counts(planned));
     }
     if (piece >= 0) EndPiece(closed, last, first);
@@ -158,23 +149,11 @@ FixedTable MakeFixedTable(const PlannedIn& planned, const PointFilter& counts,
   return TableMaker(planned.station.problem, options).Make(planned, counts);
 }
 
-std::vector<std::vector<size_t>> PointsWithoutPose(const PlannedIn& planned, const FixedTable& table) {
-  const PassResult& pass = planned.pass;
-  std::vector<std::vector<size_t>> missing(table.rotations);
-  ScoredBlock block;
-  for (size_t t = 0; t < pass.points.size(); ++t) {
-    if (pass.points[t].skip != Obstacle::kNone) continue;
-    const PoseProblem& problem = planned.At(t).problem;
-    const PointScorer scorer(problem, pass.points[t].point, pass.rotation_reference);
-    for (size_t r = 0; r < table.rotations; r += kLanes) {
-      scorer.ScoreBlock(ValuesOfBlock(table, r, problem.freedoms.size()), kAllArmBranches, block);
-      for (size_t l = 0; l < kLanes && r + l < table.rotations; ++l)
-        if (std::ranges::none_of(block.obstacle,
-                                 [&](const auto& branch) { return branch[l] == Obstacle::kNone; }))
-          missing[r + l].push_back(t);
-    }
-  }
-  return missing;
+std::vector<double> ValuesOfBlock(const FixedTable& table, size_t r, size_t dimensions) {
+  std::vector<double> values(kLanes * dimensions, 0.0);
+  for (size_t l = 0; l < kLanes; ++l)
+    values[l * dimensions] = table.Rotation(std::min(r + l, table.rotations - 1));
+  return values;
 }
 
 }  // namespace millpose

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "path/places_along.hpp"
-#include "path/step_bound.hpp"
+#include "ladder/step_bound.hpp"
 #include "plan/compared.hpp"
 #include "pose/scorer.hpp"
+#include "stations/places_along.hpp"
 
 namespace millpose {
 
@@ -16,7 +16,7 @@ struct FixedTable {
         true;  ///< all points within limits, steps within their bound, full revolutions within the limits
     double worst = 0, sum = 0;  ///< of the objective over the points that count
   };
-  size_t rotations = 0, points = 0;
+  size_t rotations = 0;
   double first = 0, step = 0;  ///< rad, of the grid
   std::vector<Entry> entries;  ///< 8 branches a rotation; once one does not serve, its figures mean nothing
 
@@ -48,7 +48,8 @@ struct PlannedIn {
 FixedTable MakeFixedTable(const PlannedIn& planned, const PointFilter& counts,
                           const FixedTableOptions& options);
 
-/// Per rotation of a pass's table, its planned points at which no branch is admissible.
-std::vector<std::vector<size_t>> PointsWithoutPose(const PlannedIn& planned, const FixedTable& table);
+/// Eight rotations of a table's grid from r on, other freedoms at 0, as ScoreBlock takes them; the last one
+/// fills up.
+std::vector<double> ValuesOfBlock(const FixedTable& table, size_t r, size_t dimensions);
 
 }  // namespace millpose

@@ -4,8 +4,9 @@
 #include <limits>
 
 #include "base/units.hpp"
-#include "path/bend_law.hpp"
+#include "graph/bend_law.hpp"
 #include "path/lean_courses.hpp"
+#include "pose/score_along.hpp"
 #include "robot/angles.hpp"
 
 namespace millpose {
@@ -47,19 +48,29 @@ class FreeSmoother {
     double least = options_.before.square;
     std::vector<FreedomRange> moving = ranges_;
     PieceHits hits;
+    bool whole = true;  // all points moved at once
     for (int round = 0; round < kRounds; ++round) {
-      options_.repair = SmoothPath(scorers_, points_, moving, options_, path_);
-      hits = Check();
+      const Smoothed smoothed = SmoothPath(scorers_, points_, moving, options_, path_);
+      options_.repair = smoothed.repaired;
+      options_.weight = 0;
       const SmoothReference now = MeasurePath(scorers_, points_, options_, path_);
+      const bool better = now.square < kWorthwhile * least && Keeps(now);
+      // What is hardly better than a free course need not be looked at.
+      if (!better && least < options_.before.square) break;
+      hits = Check();
       if (hits.any()) {
         Bound(hits);
         moving = Clamped(hits.Points());
+        whole = false;
         continue;
       }
-      if (!(now.square < kWorthwhile * least) || !Keeps(now)) break;
-      // Free: once more, all points at once, between the bounds that were found.
+      if (!better) break;
       least = now.square;
       best.assign(path_.begin(), path_.end());
+      // Free: once more, all points at once, between the bounds that were found. If these are as they were,
+      // only on from there; a ring gains by looking for the weight again.
+      if (whole && !options_.closed) options_.weight = smoothed.weight;
+      whole = true;
       moving = ranges_;
     }
     if (least == options_.before.square) {
@@ -88,19 +99,29 @@ class FreeSmoother {
   /// Ends the ranges where the objective would exceed the path's worst.
   void BoundByWorst() {
     constexpr double kLook = 2 * kRadPerDeg;
-    constexpr int kLooks = 15;
     for (size_t i = 0; i < path_.size(); ++i) {
-      for (const double step : {-kLook, kLook}) {
-        double reach = Was(i);
-        for (int k = 1; k <= kLooks; ++k) {
-          const std::optional<PathNode> node = At(i, Was(i) + k * step);
-          if (!node || node->objective > options_.before.worst) break;
-          reach = Was(i) + k * step;
-        }
-        double& end = step < 0 ? ranges_[i].lower : ranges_[i].upper;
-        end = step < 0 ? std::max(end, reach) : std::min(end, reach);
+      ranges_[i].lower = std::max(ranges_[i].lower, ReachWithinWorst(i, -kLook));
+      ranges_[i].upper = std::min(ranges_[i].upper, ReachWithinWorst(i, kLook));
+    }
+  }
+
+  /// How far point `i` comes before the objective exceeds the path's worst, in looks by `step`.
+  double ReachWithinWorst(size_t i, double step) const {
+    constexpr int kLooks = 15;
+    double reach = Was(i);
+    for (int first = 1; first <= kLooks; first += kLanes) {
+      std::array<double, kLanes> x;
+      for (int l = 0; l < kLanes; ++l) x[static_cast<size_t>(l)] = Was(i) + (first + l) * step;
+      const std::array<Candidate, kLanes> found =
+          ScoreAlong(scorers_[i], origin_[i].freedoms, options_.freedom, x, origin_[i].branch);
+      for (int l = 0; l < kLanes && first + l <= kLooks; ++l) {
+        const std::optional<PathNode> node =
+            Stood(i, x[static_cast<size_t>(l)], found[static_cast<size_t>(l)]);
+        if (!node || node->objective > options_.before.worst) return reach;
+        reach = x[static_cast<size_t>(l)];
       }
     }
+    return reach;
   }
 
   /// Interference, steps beyond the bound and a ring whose end leaves the limits.
@@ -147,12 +168,16 @@ class FreeSmoother {
 
   /// Point `i` at a value of its freedom; empty where it is not admissible there.
   std::optional<PathNode> At(size_t i, double x) const {
-    PathNode node = origin_[i];
-    double& own = node.freedoms[options_.freedom];
-    if (x == own) return node;
-    own = x;
-    const Candidate candidate = scorers_[i].ScoreOne(node.freedoms, node.branch);
+    FreedomValues freedoms = origin_[i].freedoms;
+    if (x == Was(i)) return origin_[i];
+    freedoms[options_.freedom] = x;
+    return Stood(i, x, scorers_[i].ScoreOne(freedoms, origin_[i].branch));
+  }
+  /// The same, `candidate` being what it is there.
+  std::optional<PathNode> Stood(size_t i, double x, const Candidate& candidate) const {
     if (candidate.obstacle != Obstacle::kNone) return std::nullopt;
+    PathNode node = origin_[i];
+    node.freedoms[options_.freedom] = x;
     node.q = NearestEquivalent(node.q, candidate.q);
     node.objective = candidate.objective;
     const AdmissibleBounds& bounds = scorers_[i].problem().bounds;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "path/piece_check.hpp"
-#include "path/smoothing.hpp"
+#include "smoothing/smoothing.hpp"
 
 namespace millpose {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/large_steps.hpp"
 
-#include "path/edge_kernel.hpp"
+#include "ladder/edge_kernel.hpp"
 #include "plan/pass_value.hpp"
 
 namespace millpose {

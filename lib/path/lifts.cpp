@@ -5,9 +5,9 @@
 
 #include "base/trig.hpp"
 #include "base/units.hpp"
-#include "path/collision_pruner.hpp"
+#include "graph/collision_pruner.hpp"
+#include "ladder/worst_then_sum.hpp"
 #include "path/ring_opening.hpp"
-#include "path/worst_then_sum.hpp"
 
 namespace millpose {
 namespace {

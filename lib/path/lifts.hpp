@@ -2,7 +2,7 @@
 // Where a pass is lifted because that pays, and where a ring is opened: sequences free of interference.
 #pragma once
 
-#include "path/lifted_search.hpp"
+#include "ladder/lifted_search.hpp"
 #include "path/overlap.hpp"
 #include "path/piece_planner.hpp"
 

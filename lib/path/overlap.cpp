@@ -29,10 +29,19 @@ class Round {
   double around_ = 0;
 };
 
-/// Repeated points from index `from` on in direction `step`, `length` mm of them but at least one, then the
-/// lead beyond the last; outwards from the part that they are added to.
-std::vector<SplitPoint> Added(const Round& round, int from, int step, double length, const PassEnds& ends,
-                              double spacing, int split, size_t most) {
+/// How a part grows beyond a split: by points from index `from` on in direction `step`, `length` mm of them
+/// but at least one and `most` at most.
+struct Growth {
+  int split;
+  int from, step;
+  double length;
+  size_t most;
+};
+
+/// The repeated points, then the lead beyond the last; outwards from the part that they are added to.
+std::vector<SplitPoint> Added(const Round& round, const Growth& growth, const PassEnds& ends,
+                              double spacing) {
+  const auto& [split, from, step, length, most] = growth;
   std::vector<SplitPoint> added;
   const PointKind kind = step > 0 ? PointKind::kLeadOut : PointKind::kLeadIn;
   const double start = round.Has(from - step) ? round.At(from - step).arc_length : 0;
@@ -85,8 +94,9 @@ std::vector<SplitPoint> WithOverlaps(const Pass& pass, std::span<const Split> sp
     const bool seam = splits[split].after + 1 == count;
     // The later part grows backwards from the split, the earlier one forwards.
     const int from = by == By::kEarlier ? after + 1 : seam ? -1 : after;
-    return Added(round, from, by == By::kEarlier ? 1 : -1, splits[split].overlap.length, ends, spacing,
-                 static_cast<int>(split), count - 1);
+    const int step = by == By::kEarlier ? 1 : -1;
+    return Added(round, {static_cast<int>(split), from, step, splits[split].overlap.length, count - 1}, ends,
+                 spacing);
   };
   std::vector<SplitPoint> points;
   bool lifted = false;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/parallel.hpp"
+#include "ladder/table_layer.hpp"
 #include "path/lean_courses.hpp"
 #include "pose/lean_problem.hpp"
 
@@ -21,10 +22,12 @@ std::vector<Layer> MakeLayers(const PassContext& context, bool all_revolutions) 
   std::vector<Layer> layers(context.scorers.size());
   const std::vector<size_t> leans = ChooseLeans(context);
   const bool leaning = HasLean(context.problem);
+  const int courses = leaning ? static_cast<int>(leans.size()) : 1;
   ParallelFor(layers.size(), context.threads, context.stop, [&](size_t t) {
     const PointScorer& scorer = context.scorers[t];
     std::vector<NodeSeed> seeds;
-    if (context.tables[t]) seeds = leaning ? LeaningSeeds(context, t, leans) : SeedsOf(*context.tables[t]);
+    const CandidateTable* table = context.tables[t].get();
+    if (table && leaning) seeds = LeaningSeeds(context, t, leans);
     const auto add = [&](const PointOptimum& optimum, bool genetic) {
       if (!optimum.found) return;
       seeds.push_back(
@@ -32,10 +35,12 @@ std::vector<Layer> MakeLayers(const PassContext& context, bool all_revolutions) 
     };
     const PointOptimum& genetic = context.genetic[t];
     // At a lean of its own no course would join it; the windows of the refinement take it in (refine.hpp).
-    if (!leaning) add(genetic, genetic.found && IsBeyond(genetic.objective, context.tables[t].get()));
+    if (!leaning) add(genetic, genetic.found && IsBeyond(genetic.objective, table));
     // Intervals narrower than the grid: better the finer table's answer than a skipped point.
-    if (seeds.empty() && !leaning) add(context.optima[t], false);
-    layers[t] = MakeLayer(scorer, std::move(seeds), all_revolutions, static_cast<int>(leans.size()));
+    const bool none = seeds.empty() && (!table || table->entries().empty());
+    if (none && !leaning) add(context.optima[t], false);
+    layers[t] = table && !leaning ? MakeLayer(scorer, *table, std::move(seeds), all_revolutions)
+                                  : MakeLayer(scorer, std::move(seeds), all_revolutions, courses);
     // Bands bound how the tool turns as the arm turns it.
     if (context.along) layers[t].R_WT = scorer.problem().X_WB.linear().transpose() * layers[t].R_WT;
   });

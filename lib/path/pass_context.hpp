@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "path/candidate_graph.hpp"
+#include "graph/candidate_graph.hpp"
 #include "path/pass_planner.hpp"
 
 namespace millpose {

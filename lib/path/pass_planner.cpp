@@ -235,29 +235,32 @@ std::shared_ptr<SplitPoints> Begin(PassContext given, const Pass& pass, size_t f
 
 }  // namespace
 
-PassResult PlanPass(const RidingPass& riding, const Pass& pass, int pass_number, size_t first_point,
-                    const PathOptions& options, const Execution& execution) {
+PassResult PlanPass(const RidingPass& riding, const PassToPlan& wanted, const PathOptions& options,
+                    const Execution& execution) {
+  const auto& [pass, number, first_point] = wanted;
   assert(!pass.closed && riding.external.size() == pass.points.size());
   const Stations& stations = riding.stations;
   PassContext given{stations.problem(),  stations.world(), options, {}, false,
                     execution.Threads(), execution.stop};
   given.along = std::make_shared<const std::vector<PlaceAlong>>(MakePlacesAlong(stations, riding.external));
   PassResult result =
-      Assemble(pass, pass_number, PlanSplit(pass, Begin(std::move(given), pass, first_point), first_point));
+      Assemble(pass, number, PlanSplit(pass, Begin(std::move(given), pass, first_point), first_point));
   result.external = *result.points.front().external;
   return result;
 }
 
-PassResult PlanPass(const PoseProblem& problem, const World& world, const Pass& pass, int pass_number,
-                    size_t first_point, const PathOptions& options, int threads, std::stop_token stop) {
-  auto own = Begin({problem, world, options, {}, pass.closed, threads, stop}, pass, first_point);
+PassResult PlanPass(const PoseProblem& problem, const World& world, const PassToPlan& wanted,
+                    const PathOptions& options, const Execution& execution) {
+  const auto& [pass, number, first_point] = wanted;
+  auto own = Begin({problem, world, options, {}, pass.closed, execution.Threads(), execution.stop}, pass,
+                   first_point);
   const PassContext& context = *own->context;
-  if (!IsOpenedRing(pass)) return Assemble(pass, pass_number, PlanSplit(pass, std::move(own), first_point));
+  if (!IsOpenedRing(pass)) return Assemble(pass, number, PlanSplit(pass, std::move(own), first_point));
   const FoundLifts start =
       pass.opening == RingOpening::kAnywhere ? FindRingStart(context, options.Price()) : FoundLifts{{0}, 0};
   const Pass turned = BeginningAt(pass, start.before.front());
   TurnToBegin(turned, start.before.front(), *own);
-  PassResult result = Assemble(turned, pass_number, PlanSplit(turned, std::move(own), first_point));
+  PassResult result = Assemble(turned, number, PlanSplit(turned, std::move(own), first_point));
   result.poses_checked += start.poses_checked;
   result.opened_at = static_cast<int>(start.before.front());
   return result;

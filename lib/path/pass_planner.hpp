@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <stop_token>
-
 #include "base/execution.hpp"
 #include "base/units.hpp"
-#include "path/lifted_search.hpp"
-#include "path/retract.hpp"
-#include "path/stations.hpp"
-#include "path/step_bound.hpp"
+#include "gaps/retract.hpp"
+#include "ladder/lifted_search.hpp"
+#include "ladder/step_bound.hpp"
 #include "plan/plan_result.hpp"
 #include "pose/paper_formulation.hpp"
+#include "stations/stations.hpp"
 #include "toolpath/pass_ends.hpp"
 
 namespace millpose {
@@ -46,17 +44,23 @@ struct RidingPass {
   const std::vector<ExternalPosition>& external;  ///< of each point of the pass
 };
 
+/// A pass to be planned, in W.
+struct PassToPlan {
+  const Pass& pass;
+  int number = 0;          ///< in the tool path
+  size_t first_point = 0;  ///< index of its first point in the job (random streams)
+};
+
 /// Plans one pass: own optima by both searches, ladder search with hard joint steps, lazy pruning of
 /// interfering nodes, refinement, splits, smoothing. Where it has to be split between two points, its parts
 /// overlap: the result then holds points more than once (WithOverlaps). Depends on nothing but its arguments;
-/// the same result for any thread count. `pass` in W; `first_point` is the index of its first point in the
-/// job (random streams). `threads` bounds its own parallelism.
-PassResult PlanPass(const PoseProblem& problem, const World& world, const Pass& pass, int pass_number,
-                    size_t first_point, const PathOptions& options, int threads, std::stop_token stop);
+/// the same result for any thread count. `execution` bounds its own parallelism.
+PassResult PlanPass(const PoseProblem& problem, const World& world, const PassToPlan& pass,
+                    const PathOptions& options, const Execution& execution);
 
 /// The same where external axes move along the pass (docs/external-axes.md). Without lifts that pay; no
 /// freedom leans the tool.
-PassResult PlanPass(const RidingPass& riding, const Pass& pass, int pass_number, size_t first_point,
-                    const PathOptions& options, const Execution& execution);
+PassResult PlanPass(const RidingPass& riding, const PassToPlan& pass, const PathOptions& options,
+                    const Execution& execution);
 
 }  // namespace millpose

@@ -4,9 +4,9 @@
 
 #include <memory>
 
-#include "path/point_verdicts.hpp"
-#include "path/refine.hpp"
-#include "path/retract.hpp"
+#include "gaps/retract.hpp"
+#include "graph/point_verdicts.hpp"
+#include "ladder/refine.hpp"
 
 namespace millpose {
 

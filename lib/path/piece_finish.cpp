@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What comes after the search of a pass: what reports tell of it, and smoothing.
+#include "graph/layer_verdicts.hpp"
+#include "ladder/ladder_bound.hpp"
 #include "path/free_smoothing.hpp"
-#include "path/ladder_bound.hpp"
-#include "path/layer_verdicts.hpp"
 #include "path/lean_courses.hpp"
 #include "path/piece_planner.hpp"
 

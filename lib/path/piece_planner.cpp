@@ -7,18 +7,19 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
-#include "path/closed_rounds.hpp"
-#include "path/collision_pruner.hpp"
+#include "graph/collision_pruner.hpp"
+#include "ladder/closed_rounds.hpp"
+#include "ladder/table_layer.hpp"
+#include "ladder/worst_then_sum.hpp"
 #include "path/end_guard.hpp"
 #include "path/lean_courses.hpp"
 #include "path/ring_stripe.hpp"
-#include "path/worst_then_sum.hpp"
 #include "robot/angles.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr double kTurn = 2 * kPi;
+constexpr double kInfinity = std::numeric_limits<double>::infinity(), kTurn = 2 * kPi;
 constexpr double kRounding = 1e-12;  // rad: of angles that full revolutions were added to
 constexpr int kRefineRounds = 5;
 
@@ -79,10 +80,11 @@ class PiecePlanner {
       if (as.closed) return SearchClosed(joined, kQuickSweeps).has_value();
       return Breaks(SearchOpen(joined)) <= Breaks(as);
     };
-    const auto search_closed = [&](int sweeps) {
-      return pruner.Straight(
-          [&] { return worst_first ? closed_worst.Closed(problem, sweeps) : SearchClosed(problem, sweeps); },
-          joins);
+    const auto search_closed = [&](int sweeps, double below = kInfinity) {
+      const auto search = [&] {
+        return worst_first ? closed_worst.Closed(problem, sweeps) : SearchClosed(problem, sweeps, below);
+      };
+      return pruner.Straight(search, joins);
     };
     ClosedRounds rounds;
     const auto search_closed_soon = [&] {
@@ -95,7 +97,7 @@ class PiecePlanner {
     };
     constexpr int kAllSweeps = std::numeric_limits<int>::max();
     Sequence sequence;
-    double unbarred = std::numeric_limits<double>::infinity();  // a closed ring's cost without interference
+    double unbarred = kInfinity;  // a closed ring's cost without interference
     for (int round = 0;; ++round) {
       std::optional<Sequence> closed;
       if (context_.closed) closed = search_closed_soon();
@@ -104,8 +106,9 @@ class PiecePlanner {
       sequence = closed ? std::move(*closed) : search_open();
       bool free = pruner.Check(sequence);
       if (free && sequence.closed) {
-        std::optional<Sequence> best = search_closed(kAllSweeps);
-        if (best && best->cost < (1 - kHardlyCheaper) * sequence.cost) {
+        const double below = (1 - kHardlyCheaper) * sequence.cost;
+        std::optional<Sequence> best = search_closed(kAllSweeps, below);
+        if (best && best->cost < below) {
           sequence = std::move(*best);
           rounds.GoOnFrom(problem, sequence);
           free = pruner.Check(sequence);
@@ -166,8 +169,8 @@ class PiecePlanner {
   }
 
   static PathNode NodeOf(const Layer& layer, size_t node) {
-    return {layer.freedoms[node],  layer.BranchOf(node),      layer.joints.At(node),
-            layer.objective[node], bool(layer.genetic[node]), false};
+    return {FreedomsOf(layer, node), layer.BranchOf(node),      layer.joints.At(node),
+            layer.objective[node],   bool(layer.genetic[node]), false};
   }
 
   std::span<PathNode> NodesOf(const Piece& piece) {

@@ -2,10 +2,10 @@
 // The inner part of PlanPass: from the points' own optima to pieces without interference.
 #pragma once
 
-#include "path/free_optimum.hpp"
+#include "graph/free_optimum.hpp"
+#include "ladder/refine.hpp"
 #include "path/pass_context.hpp"
 #include "path/piece_check.hpp"
-#include "path/refine.hpp"
 
 namespace millpose {
 

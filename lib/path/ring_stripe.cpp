@@ -4,7 +4,7 @@
 #include <map>
 
 #include "base/units.hpp"
-#include "path/lifted_search.hpp"
+#include "ladder/lifted_search.hpp"
 
 namespace millpose {
 namespace {

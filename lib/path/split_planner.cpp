@@ -148,16 +148,22 @@ class SplitPlanner {
     std::ranges::sort(splits_, {}, [](const Tried& tried) { return tried.split.after; });
   }
 
+  /// What a plan says about the splits, and where new ones are.
+  struct Findings {
+    std::vector<bool> failed, cut;  ///< of each split
+    std::vector<size_t> found;      ///< points after which the pass is split where no split is known
+  };
+
   /// Notes new splits, and the next choice for those that failed. True when there is something to plan again.
   bool Revise(const SplitPass& planned, int round) {
     const std::vector<SplitPoint>& points = planned.points->points;
     const std::vector<int>& piece = planned.plan.piece;
-    std::vector<bool> failed(splits_.size(), false), cut(splits_.size(), false);
-    std::vector<size_t> found;
+    Findings findings{std::vector<bool>(splits_.size()), std::vector<bool>(splits_.size()), {}};
+    auto& [failed, cut, found] = findings;
     for (size_t i = 0; i < points.size(); ++i) {
       if (points[i].added_by >= 0 && piece[i] < 0) failed[points[i].added_by] = true;
       if (i + 1 < points.size()) {
-        Look(points[i], points[i + 1], piece[i], piece[i + 1], failed, cut, found);
+        Look(planned, i, findings);
       } else if (pass_.closed && splits_.empty() && piece[i] >= 0 && piece[0] >= 0) {
         if (planned.plan.pieces.empty() || !planned.plan.pieces.front().closed) found.push_back(i);
       }
@@ -210,10 +216,12 @@ class SplitPlanner {
     return false;
   }
 
-  /// What two neighbours say about the splits: whether they cut the step of one, or are apart where no split
-  /// is known.
-  void Look(const SplitPoint& a, const SplitPoint& b, int piece_a, int piece_b, std::vector<bool>& failed,
-            std::vector<bool>& cut, std::vector<size_t>& found) const {
+  /// What a point and its next say about the splits: whether they cut the step of one, or are apart where no
+  /// split is known.
+  void Look(const SplitPass& planned, size_t i, Findings& findings) const {
+    auto& [failed, cut, found] = findings;
+    const SplitPoint &a = planned.points->points[i], &b = planned.points->points[i + 1];
+    const int piece_a = planned.plan.piece[i], piece_b = planned.plan.piece[i + 1];
     if (piece_a < 0 || piece_b < 0) return;
     if (piece_a == piece_b) {
       for (size_t k = 0; k < splits_.size(); ++k) {

@@ -3,9 +3,9 @@
 
 #include "base/parallel.hpp"
 #include "compensation/compensate.hpp"
+#include "gaps/job_planner.hpp"
 #include "judge/interference.hpp"
 #include "motion/line.hpp"
-#include "path/job_planner.hpp"
 #include "pipeline/judge_setup.hpp"
 #include "plan/station.hpp"
 #include "pose/lean_problem.hpp"

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "base/units.hpp"
-#include "pipeline/assemble.hpp"
+#include "job/assemble.hpp"
 #include "pipeline/program_motions.hpp"
 #include "program/controller_axes.hpp"
 

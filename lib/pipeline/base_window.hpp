@@ -5,7 +5,7 @@
 #include <stop_token>
 
 #include "cell/cell.hpp"
-#include "pipeline/inputs.hpp"
+#include "job/inputs.hpp"
 #include "plan/plan_result.hpp"
 #include "report/report.hpp"
 

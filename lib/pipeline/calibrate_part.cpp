@@ -5,8 +5,8 @@
 
 #include "base/csv.hpp"
 #include "base/error.hpp"
-#include "pipeline/assemble.hpp"
-#include "pipeline/output_folder.hpp"
+#include "job/assemble.hpp"
+#include "output/output_folder.hpp"
 #include "pipeline/write_results.hpp"
 #include "plan/station.hpp"
 #include "report/deflection.hpp"

@@ -5,10 +5,10 @@
 
 #include "base/file.hpp"
 #include "base/units.hpp"
-#include "pipeline/assemble.hpp"
+#include "job/assemble.hpp"
+#include "job/locate.hpp"
+#include "job/step_meshes.hpp"
 #include "pipeline/find_reach.hpp"
-#include "pipeline/locate.hpp"
-#include "pipeline/step_meshes.hpp"
 #include "report/check_html.hpp"
 #include "surface/corner_normals.hpp"
 #include "surface/round_holes.hpp"

@@ -11,7 +11,7 @@
 
 #include "base/file_root.hpp"
 #include "base/progress.hpp"
-#include "pipeline/inputs.hpp"
+#include "job/inputs.hpp"
 #include "surface/mesh_import.hpp"
 
 namespace millpose {

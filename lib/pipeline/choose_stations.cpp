@@ -7,14 +7,14 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "cell/station_way.hpp"
-#include "path/retract.hpp"
-#include "path/station_sequence.hpp"
-#include "pipeline/assemble.hpp"
-#include "pipeline/external_positions.hpp"
+#include "gaps/retract.hpp"
+#include "job/assemble.hpp"
+#include "job/external_positions.hpp"
+#include "job/workpiece.hpp"
 #include "pipeline/moving_stations.hpp"
 #include "pipeline/station_sample.hpp"
-#include "pipeline/workpiece.hpp"
 #include "plan/station.hpp"
+#include "stations/station_sequence.hpp"
 
 namespace millpose {
 namespace {

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "path/external_course.hpp"
-#include "path/stations.hpp"
-#include "pipeline/inputs.hpp"
+#include "job/inputs.hpp"
+#include "stations/external_course.hpp"
+#include "stations/stations.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {

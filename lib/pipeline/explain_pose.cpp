@@ -3,14 +3,15 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
-#include "pipeline/assemble.hpp"
-#include "pipeline/axis_map.hpp"
+#include "job/assemble.hpp"
 #include "pipeline/make_programs.hpp"
-#include "pipeline/sample_curves.hpp"
 #include "pipeline/write_results.hpp"
 #include "plan/station.hpp"
 #include "plan/verdict_map.hpp"
+#include "pose/lean_problem.hpp"
 #include "report/html_columns.hpp"
+#include "sampling/axis_map.hpp"
+#include "sampling/sample_curves.hpp"
 #include "toolpath/lean_law.hpp"
 
 namespace millpose {
@@ -25,7 +26,7 @@ double ShortWayTo(double from, double to) {
 }
 
 /// A pass, and what its points are planned in.
-struct PlannedIn {
+struct PassOfPlan {
   const Stations& stations;
   const PlanResult& plan;
   const PassResult& pass;
@@ -101,7 +102,7 @@ std::string WhatBars(const PoseProblem& problem, const PassResult& pass, const A
 /// Follows a point's best free pose one way along its piece.
 class Follower {
  public:
-  Follower(const PlannedIn& in, size_t point)
+  Follower(const PassOfPlan& in, size_t point)
       : in_(in), pass_(in.pass), start_(point), branch_(pass_.points[point].free_branch) {}
 
   /// mm; what ends it, empty for the end of the piece.
@@ -147,13 +148,13 @@ class Follower {
     return best;
   }
 
-  const PlannedIn& in_;
+  const PassOfPlan& in_;
   const PassResult& pass_;
   size_t start_;
   int branch_;
 };
 
-FollowedStretch StretchOf(const PlannedIn& in, size_t point) {
+FollowedStretch StretchOf(const PassOfPlan& in, size_t point) {
   const Follower follower(in, point);
   const auto back = follower.Follow(-1), on = follower.Follow(1);
   FollowedStretch stretch{back.first + on.first, back.second.empty() && on.second.empty(), {}};
@@ -165,7 +166,7 @@ FollowedStretch StretchOf(const PlannedIn& in, size_t point) {
 
 PoseReason ExplainPose(const PlanResult& plan, const Stations& stations, size_t pass_number, size_t number) {
   const PassResult& pass = plan.passes[pass_number];
-  const PlannedIn in{stations, plan, pass};
+  const PassOfPlan in{stations, plan, pass};
   const PlannedPoint& point = pass.points[number];
   PoseReason reason;
   if (point.skip != Obstacle::kNone) {
@@ -200,7 +201,7 @@ PointStory TellPoint(const std::filesystem::path& folder, size_t number) {
   SelectTool(job.tool, &cell);
   cell.bodies.clear();  // the objective knows no bodies
   const Cell bare = MakeCell(cell, {});
-  const Stations stations(World(bare), MakePoseProblem(job, cell, bare));
+  const Stations stations(World(bare), AtOwnAxis(MakePoseProblem(job, cell, bare)));
   const PlanResult plan = ParsePlanResult(ReadFile(folder / kPlanFile), (folder / kPlanFile).string());
   size_t pass = 0, point = number;
   while (pass < plan.passes.size() && point >= plan.passes[pass].points.size())

@@ -3,10 +3,10 @@
 
 #include <filesystem>
 
-#include "path/stations.hpp"
 #include "plan/plan_result.hpp"
 #include "report/inspect.hpp"
 #include "report/pose_reason.hpp"
+#include "stations/stations.hpp"
 
 namespace millpose {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/finer_passes.hpp"
 
+#include "job/assemble.hpp"
+#include "job/job_engagement.hpp"
+#include "kept/kept_stage.hpp"
 #include "path/large_steps.hpp"
 #include "path/nominal_plan.hpp"
-#include "pipeline/assemble.hpp"
-#include "pipeline/job_engagement.hpp"
-#include "pipeline/kept_stage.hpp"
 #include "pipeline/plan_passes.hpp"
 #include "plan/pass_value.hpp"
 #include "toolpath/pass_variants.hpp"
@@ -106,9 +106,9 @@ void PlanFiner(const JobInputs& inputs, PreparedJob& prepared, const CheckpointS
         prepared.stations, prepared.external);
     for (size_t i = 0; i < passes.size(); ++i)
       if (open[i] != 0) tried.passes[i] = WithPointsBetween(tried.passes[i], finer.passes[i], large[i]);
-    PlannedPasses again = PlanPasses(
-        prepared.stations, prepared.external, tried, options, checkpoints,
-        [&](size_t i) { return open[i] != 0; }, execution);
+    PlannedPasses again =
+        PlanPasses(prepared.stations, {tried, prepared.external, [&](size_t i) { return open[i] != 0; }},
+                   options, checkpoints, execution);
     size_t kept = 0, inserted = 0;
     for (size_t i = 0; i < passes.size(); ++i) {
       if (open[i] == 0) continue;

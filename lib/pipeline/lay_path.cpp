@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/lay_path.hpp"
 
-#include "pipeline/job_engagement.hpp"
-#include "pipeline/kept_stage.hpp"
-#include "pipeline/narrow_inputs.hpp"
+#include "job/job_engagement.hpp"
+#include "job/narrow_inputs.hpp"
+#include "kept/kept_stage.hpp"
 
 namespace millpose {
 namespace {

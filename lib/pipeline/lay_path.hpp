@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "pipeline/checkpoints.hpp"
-#include "pipeline/workpiece.hpp"
+#include "job/workpiece.hpp"
+#include "kept/checkpoints.hpp"
 #include "stiffness/process_force.hpp"
 
 namespace millpose {

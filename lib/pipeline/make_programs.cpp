@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/make_programs.hpp"
 
+#include <cassert>
+
 #include "base/error.hpp"
-#include "pipeline/assemble.hpp"
-#include "pipeline/cell_texts.hpp"
+#include "job/assemble.hpp"
+#include "job/cell_texts.hpp"
 #include "pipeline/check_program.hpp"
 #include "pipeline/program_motions.hpp"
 #include "pipeline/program_warnings.hpp"
@@ -21,6 +23,14 @@ void CompleteFrames(MotionProgram& program, const MotionProgram& planned) {
 void NameInputs(const std::string& hash, MotionProgram& program) {
   for (auto& [key, value] : program.header)
     if (key == "inputs") value = hash;
+}
+
+void NameInputs(const std::string& earlier, const std::string& hash, ProgramFiles& files) {
+  assert(earlier.size() == hash.size());
+  const std::string line = "inputs: " + earlier;
+  for (auto& [name, text] : files)
+    for (size_t at = text.find(line); at != std::string::npos; at = text.find(line, at + line.size()))
+      text.replace(at + line.size() - earlier.size(), earlier.size(), hash);
 }
 
 std::string CheckedProgram::WhyWithheld() const {

@@ -5,7 +5,7 @@
 #include <stop_token>
 
 #include "cell/world.hpp"
-#include "pipeline/inputs.hpp"
+#include "job/inputs.hpp"
 #include "plan/cycle_time.hpp"
 #include "plan/plan_result.hpp"
 #include "report/report.hpp"
@@ -44,6 +44,10 @@ void CompleteFrames(MotionProgram& program, const MotionProgram& planned);
 
 /// Names in the head of a program the hash of the inputs that it is made from.
 void NameInputs(const std::string& hash, MotionProgram& program);
+
+/// Names in the heads of written programs `hash` where they name `earlier`, which is as long. A line of the
+/// head that no reader makes anything of: what was verified stays so.
+void NameInputs(const std::string& earlier, const std::string& hash, ProgramFiles& files);
 
 /// Writes the program of the first controller that the job names, reads it back and replays it.
 /// `not_machined`: holes of the tool path that are left out, named in the head, as the window is

@@ -7,9 +7,9 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "cell/station_way.hpp"
-#include "path/external_course.hpp"
-#include "pipeline/assemble.hpp"
+#include "job/assemble.hpp"
 #include "pipeline/station_sample.hpp"
+#include "stations/external_course.hpp"
 #include "toolpath/make_toolpath.hpp"
 
 namespace millpose {

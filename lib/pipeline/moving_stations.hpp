@@ -3,10 +3,10 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "path/station_sequence.hpp"
-#include "path/stations.hpp"
-#include "pipeline/external_positions.hpp"
-#include "pipeline/inputs.hpp"
+#include "job/external_positions.hpp"
+#include "job/inputs.hpp"
+#include "stations/station_sequence.hpp"
+#include "stations/stations.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/other_stations.hpp"
 
-#include "pipeline/assemble.hpp"
+#include "job/assemble.hpp"
 #include "pipeline/plan_passes.hpp"
 #include "plan/pass_value.hpp"
 #include "plan/skipped.hpp"
@@ -58,9 +58,9 @@ void PlanOtherStations(const JobInputs& inputs, PreparedJob& prepared, const Che
     if (tried == 0) execution.progress.Begin("other stations", points);
     tried += points;
     const Toolpath placed = AtStations(inputs, prepared.made.toolpath, prepared.stations, external);
-    PlannedPasses planned = PlanPasses(
-        prepared.stations, external, placed, options, checkpoints, [&](size_t i) { return again[i] != 0; },
-        execution);
+    PlannedPasses planned =
+        PlanPasses(prepared.stations, {placed, external, [&](size_t i) { return again[i] != 0; }}, options,
+                   checkpoints, execution);
     for (size_t i = 0; i < next.size(); ++i) {
       if (again[i] == 0) continue;
       const PassValue here = ValueOf(passes[i]), there = ValueOf(planned.passes[i]);

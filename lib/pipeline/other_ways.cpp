@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/other_ways.hpp"
 
+#include "job/assemble.hpp"
 #include "path/nominal_plan.hpp"
-#include "pipeline/assemble.hpp"
 #include "pipeline/promised_ways.hpp"
 #include "toolpath/make_toolpath.hpp"
 #include "toolpath/strategy.hpp"
@@ -41,9 +41,9 @@ class BestWays {
     return count;
   }
   PlannedPasses PlanOf(const Toolpath& toolpath, const std::vector<char>& wanted) const {
-    return PlanPasses(
-        prepared_.stations, prepared_.external, toolpath, options_, checkpoints_,
-        [&](size_t i) { return wanted[i] != 0; }, execution_);
+    return PlanPasses(prepared_.stations,
+                      {toolpath, prepared_.external, [&](size_t i) { return wanted[i] != 0; }}, options_,
+                      checkpoints_, execution_);
   }
   PassValue ValueAtNominal(const PassResult& pass) const {
     return ValueOf(AtNominalLean(prepared_.problem, pass));

@@ -3,8 +3,8 @@
 
 #include <map>
 
-#include "path/job_planner.hpp"
-#include "path/station_gap.hpp"
+#include "gaps/job_planner.hpp"
+#include "gaps/station_gap.hpp"
 #include "plan/skipped.hpp"
 
 namespace millpose {

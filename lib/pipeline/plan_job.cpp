@@ -2,21 +2,21 @@
 #include "pipeline/plan_job.hpp"
 
 #include "base/error.hpp"
-#include "path/job_planner.hpp"
+#include "gaps/job_planner.hpp"
+#include "graph/pass_checks.hpp"
+#include "job/assemble.hpp"
+#include "job/compensate_job.hpp"
+#include "job/job_engagement.hpp"
+#include "job/lean_freedoms.hpp"
+#include "job/locate.hpp"
+#include "kept/kept_stage.hpp"
+#include "kept/plan_key.hpp"
 #include "path/nominal_plan.hpp"
-#include "path/pass_checks.hpp"
 #include "path/revolutions.hpp"
-#include "pipeline/assemble.hpp"
-#include "pipeline/compensate_job.hpp"
 #include "pipeline/finer_passes.hpp"
-#include "pipeline/job_engagement.hpp"
-#include "pipeline/kept_stage.hpp"
-#include "pipeline/lean_freedoms.hpp"
-#include "pipeline/locate.hpp"
 #include "pipeline/other_stations.hpp"
 #include "pipeline/other_ways.hpp"
 #include "pipeline/plan_gaps.hpp"
-#include "pipeline/plan_key.hpp"
 #include "pipeline/plan_passes.hpp"
 #include "pipeline/program_stage.hpp"
 #include "pipeline/repair_ends.hpp"
@@ -146,7 +146,7 @@ PreparedJob Prepare(const JobInputs& inputs, const CheckpointStore& checkpoints,
   std::ranges::copy(made.notes, std::back_inserter(warnings));
   const World world(cell);
   PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, cell);
-  AddLeanFreedoms(inputs, mesh, cell.X_WP, &problem);
+  BoundLeans(inputs, mesh, cell.X_WP, &problem);
   const Stations stations(world, problem);
   if (const auto found = Checker(stations.At(stations.home()).world).At(cell.home, Phase::kFree))
     warnings.push_back(HomeWarning(inputs.cell.file, *found));

@@ -4,17 +4,17 @@
 
 #include "base/execution.hpp"
 #include "cell/world.hpp"
+#include "job/inputs.hpp"
+#include "job/workpiece.hpp"
+#include "kept/checkpoints.hpp"
 #include "path/fixed_rotation.hpp"
-#include "path/stations.hpp"
-#include "pipeline/checkpoints.hpp"
 #include "pipeline/choose_stations.hpp"
-#include "pipeline/inputs.hpp"
 #include "pipeline/lay_path.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/start_programs.hpp"
-#include "pipeline/workpiece.hpp"
 #include "plan/plan_result.hpp"
 #include "pose/scorer.hpp"
+#include "stations/stations.hpp"
 #include "stiffness/process_force.hpp"
 
 namespace millpose {

@@ -5,10 +5,10 @@
 #include <map>
 
 #include "base/parallel.hpp"
+#include "gaps/station_gap.hpp"
+#include "kept/checkpoint_key.hpp"
+#include "kept/kept_pass.hpp"
 #include "path/nominal_plan.hpp"
-#include "path/station_gap.hpp"
-#include "pipeline/checkpoint_key.hpp"
-#include "pipeline/kept_pass.hpp"
 
 namespace millpose {
 namespace {
@@ -29,15 +29,15 @@ struct AtStation {
 
 }  // namespace
 
-PlannedPasses PlanPasses(const Stations& stations, const std::vector<ExternalCourse>& external,
-                         const Toolpath& toolpath, const PathOptions& options,
-                         const CheckpointStore& checkpoints, const std::function<bool(size_t)>& wanted,
-                         const Execution& execution) {
+PlannedPasses PlanPasses(const Stations& stations, const PassesToPlan& request, const PathOptions& options,
+                         const CheckpointStore& checkpoints, const Execution& execution) {
+  const Toolpath& toolpath = request.toolpath;
+  const std::vector<ExternalCourse>& external = request.external;
   const int threads = execution.Threads();
   const size_t count = toolpath.passes.size();
   std::map<ExternalPosition, AtStation> at;
   for (size_t i = 0; i < count; ++i) {
-    if (!wanted(i) || external[i].Moves() || at.contains(external[i].from)) continue;
+    if (!request.wanted(i) || external[i].Moves() || at.contains(external[i].from)) continue;
     const Station& station = stations.At(external[i].from);
     at[external[i].from] = {PassContext(station.problem, station.world, options),
                             ObstaclesOf(station.world.cell())};
@@ -48,13 +48,15 @@ PlannedPasses PlanPasses(const Stations& stations, const std::vector<ExternalCou
     first_points[i] = first_points[i - 1] + toolpath.passes[i - 1].points.size();
 
   // A job of few passes spends its threads inside them.
-  const int inner_threads = count >= static_cast<size_t>(threads) ? 1 : threads;
+  const Execution inner{count >= static_cast<size_t>(threads) ? 1 : threads, execution.progress,
+                        execution.stop};
   PlannedPasses planned;
   planned.passes.resize(count);
   std::atomic<size_t> resumed = 0;
   ParallelFor(count, threads, execution.stop, [&](size_t i) {
-    if (!wanted(i)) return;
+    if (!request.wanted(i)) return;
     const Pass& pass = toolpath.passes[i];
+    const PassToPlan wanted{pass, static_cast<int>(i), first_points[i]};
     const bool moves = external[i].Moves();
     const AtStation none{RidingKey(riding, external[i]), {}};
     const AtStation& shared = moves ? none : at.at(external[i].from);
@@ -69,14 +71,12 @@ PlannedPasses PlanPasses(const Stations& stations, const std::vector<ExternalCou
       ++resumed;
     } else if (moves) {
       const std::vector<ExternalPosition> positions = PositionsAlong(external[i], pass);
-      planned.passes[i] = PlanPass({stations, positions}, pass, static_cast<int>(i), first_points[i], options,
-                                   {inner_threads, execution.progress, execution.stop});
+      planned.passes[i] = PlanPass({stations, positions}, wanted, options, inner);
       WritePass(checkpoints, key, shared.obstacles, {}, planned.passes[i]);
     } else {
       const Station& station = stations.At(external[i].from);
       const auto looks = std::make_shared<LookKeeper>();
-      planned.passes[i] = PlanPass(station.problem, station.world.Watched(looks), pass, static_cast<int>(i),
-                                   first_points[i], options, inner_threads, execution.stop);
+      planned.passes[i] = PlanPass(station.problem, station.world.Watched(looks), wanted, options, inner);
       planned.passes[i].external = external[i].from;
       WritePass(checkpoints, key, shared.obstacles, looks->Kept(), planned.passes[i]);
     }

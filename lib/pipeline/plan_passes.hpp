@@ -2,10 +2,10 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "path/external_course.hpp"
-#include "path/gap_planner.hpp"
+#include "gaps/gap_planner.hpp"
 #include "path/pass_planner.hpp"
 #include "pipeline/plan_job.hpp"
+#include "stations/external_course.hpp"
 
 namespace millpose {
 
@@ -14,13 +14,16 @@ struct PlannedPasses {
   size_t resumed = 0;  ///< how many came from checkpoints
 };
 
-/// Plans every pass in parallel, with the external axes as its entry of `external` says. Each finished pass
-/// is written as a checkpoint at once (checkpoint_key.hpp), and one whose checkpoint is there is not planned
-/// again. Passes whose numbers are not `wanted` stay empty.
-PlannedPasses PlanPasses(const Stations& stations, const std::vector<ExternalCourse>& external,
-                         const Toolpath& toolpath, const PathOptions& options,
-                         const CheckpointStore& checkpoints, const std::function<bool(size_t)>& wanted,
-                         const Execution& execution);
+struct PassesToPlan {
+  const Toolpath& toolpath;
+  const std::vector<ExternalCourse>& external;  ///< of each pass
+  std::function<bool(size_t)> wanted;           ///< by number; passes that are not stay empty
+};
+
+/// Plans passes in parallel. Each finished pass is written as a checkpoint at once (checkpoint_key.hpp), and
+/// one whose checkpoint is there is not planned again.
+PlannedPasses PlanPasses(const Stations& stations, const PassesToPlan& request, const PathOptions& options,
+                         const CheckpointStore& checkpoints, const Execution& execution);
 
 struct PlannedGaps {
   std::vector<Gap> gaps;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "pipeline/inputs.hpp"
+#include "job/inputs.hpp"
 #include "plan/timeline.hpp"
 
 namespace millpose {

@@ -3,9 +3,9 @@
 
 #include "base/units.hpp"
 #include "compensation/compensate.hpp"
-#include "pipeline/assemble.hpp"
+#include "job/assemble.hpp"
+#include "job/cell_texts.hpp"
 #include "pipeline/base_window.hpp"
-#include "pipeline/cell_texts.hpp"
 #include "program/bound_turns.hpp"
 #include "program/controller_axes.hpp"
 #include "program/pose_text.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "pipeline/inputs.hpp"
+#include "job/inputs.hpp"
 #include "program/economy.hpp"
 #include "program/program_time.hpp"
 #include "report/report.hpp"

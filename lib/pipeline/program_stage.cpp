@@ -2,11 +2,11 @@
 #include "pipeline/program_stage.hpp"
 
 #include "base/parallel.hpp"
+#include "job/narrow_inputs.hpp"
+#include "kept/kept_stage.hpp"
+#include "kept/plan_key.hpp"
 #include "pipeline/base_window.hpp"
-#include "pipeline/kept_stage.hpp"
-#include "pipeline/narrow_inputs.hpp"
 #include "pipeline/plan_job.hpp"
-#include "pipeline/plan_key.hpp"
 
 namespace millpose {
 namespace {
@@ -25,7 +25,7 @@ class ProgramStage {
         checkpoints_(checkpoints),
         execution_(execution),
         job_(job),
-        handed_(StageKey(KeyOf(job.plan, execution.Threads()), job.starts.ways.gaps, job.prepared.cell,
+        handed_(StageKey(KeyOf(job.plan, execution.Threads()), KeyOf(job.starts.ways.gaps),
                          job.prepared.made.holes_left_out, inputs.trajectory)) {}
 
   void Make() {
@@ -44,26 +44,41 @@ class ProgramStage {
  private:
   std::optional<BaseWindow> Window() const {
     const JobInputs own = InputsOfProgram(inputs_, inputs_.job.programs.front());
-    return Kept<std::optional<BaseWindow>>(checkpoints_, "base-window", StageKey(handed_, own.hash), [&] {
+    const std::string key = StageKey(handed_, job_.prepared.cell, own.hash);
+    return Kept<std::optional<BaseWindow>>(checkpoints_, "base-window", key, [&] {
       return FindBaseWindow(job_.plan, own, job_.prepared.cell, execution_.Threads(), execution_.stop);
     });
   }
 
+  /// The head names all that a program is made from, also what stands in the cell and makes no difference.
   ControllerPrograms Of(const std::string& controller) const {
-    const JobInputs own = InputsOfProgram(inputs_, controller);
-    const std::optional<BaseWindow>& window = job_.programs.base_window;
+    const JobInputs own = InputsOfProgram(inputs_, controller), handed = WithoutPlaces(own);
+    ControllerPrograms programs = KeptInWorld<ControllerPrograms>(
+        checkpoints_, "programs-" + controller, KeyOfPrograms(handed), job_.prepared.stations,
+        [&](const Stations& stations) { return MakeIn(stations.world(), handed, controller); });
+    NameInputs(handed.hash, own.hash, programs.whole.files);
+    for (StartProgram& start : programs.starts) NameInputs(handed.hash, own.hash, start.files);
+    return programs;
+  }
+
+  std::string KeyOfPrograms(const JobInputs& handed) const {
+    // Ways to the change of one tool for another are planned in a world that nobody watches.
+    const bool unwatched = handed.cell.tools.size() > 1;
     // What reading the cell's URDF said stands in the program's head and not in the resolved cell.
-    const std::string key = StageKey(handed_, own.hash, window, CellWarnings(own.cell));
-    return Kept<ControllerPrograms>(checkpoints_, "programs-" + controller, key, [&] {
-      const std::vector<std::string>& not_machined = job_.prepared.made.holes_left_out;
-      ControllerPrograms made;
-      made.whole = MakeProgram(job_.plan, own, not_machined, job_.prepared.world, window,
-                               execution_.Threads(), execution_.stop);
-      if (made.whole.Confirmed())
-        made.starts = MakeStartPrograms(job_.plan, job_.starts.ways, own, not_machined, controller,
-                                        job_.prepared.world, execution_.Threads(), execution_.stop);
-      return made;
-    });
+    return StageKey(handed_, handed.hash, job_.programs.base_window, CellWarnings(handed.cell),
+                    unwatched ? ObstaclesOf(job_.prepared.cell) : Obstacles{});
+  }
+
+  ControllerPrograms MakeIn(const World& world, const JobInputs& handed,
+                            const std::string& controller) const {
+    const std::vector<std::string>& not_machined = job_.prepared.made.holes_left_out;
+    ControllerPrograms made;
+    made.whole = MakeProgram(job_.plan, handed, not_machined, world, job_.programs.base_window,
+                             execution_.Threads(), execution_.stop);
+    if (made.whole.Confirmed())
+      made.starts = MakeStartPrograms(job_.plan, job_.starts.ways, handed, not_machined, controller, world,
+                                      execution_.Threads(), execution_.stop);
+    return made;
   }
 
   const JobInputs& inputs_;

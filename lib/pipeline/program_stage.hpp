@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "pipeline/checkpoints.hpp"
-#include "pipeline/inputs.hpp"
+#include "job/inputs.hpp"
+#include "kept/checkpoints.hpp"
 
 namespace millpose {
 

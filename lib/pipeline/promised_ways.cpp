@@ -2,8 +2,8 @@
 #include "pipeline/promised_ways.hpp"
 
 #include "base/parallel.hpp"
-#include "pipeline/job_engagement.hpp"
-#include "pipeline/kept_stage.hpp"
+#include "job/job_engagement.hpp"
+#include "kept/kept_stage.hpp"
 #include "pose/lean_problem.hpp"
 #include "pose/search.hpp"
 #include "toolpath/make_toolpath.hpp"

@@ -2,8 +2,8 @@
 #include "pipeline/repair_ends.hpp"
 
 #include "base/parallel.hpp"
-#include "pipeline/kept_stage.hpp"
-#include "pipeline/plan_key.hpp"
+#include "kept/kept_stage.hpp"
+#include "kept/plan_key.hpp"
 #include "plan/skipped.hpp"
 #include "plan/station.hpp"
 
@@ -46,18 +46,18 @@ bool IsBetter(const EndLoss& now, const EndLoss& before) {
 void RepairEnds(const PreparedJob& prepared, PathOptions options, const RetractOptions& leave,
                 const CheckpointStore& checkpoints, const Execution& execution,
                 std::vector<PassResult>& passes) {
-  const auto loss_of = [&](const PassResult& pass) { return LossOf(prepared.stations, leave, pass); };
   execution.progress.Begin("ends", passes.size());
-  const std::string key =
-      StageKey(prepared.cell, prepared.problem, leave, KeyOf(passes, execution.Threads()));
-  const auto before = Kept<std::vector<EndLoss>>(checkpoints, "ends", key, [&] {
+  const auto losses_in = [&](const Stations& stations) {
     std::vector<EndLoss> losses(passes.size());
     ParallelFor(passes.size(), execution.Threads(), execution.stop, [&](size_t i) {
-      losses[i] = loss_of(passes[i]);
+      losses[i] = LossOf(stations, leave, passes[i]);
       execution.progress.Advance(1);
     });
     return losses;
-  });
+  };
+  const std::string key = StageKey(prepared.problem, leave, KeyOf(passes, execution.Threads()));
+  const auto before =
+      KeptInWorld<std::vector<EndLoss>>(checkpoints, "ends", key, prepared.stations, losses_in);
   const auto stuck = [&](size_t i) { return before[i].reduced > 0; };
   const auto count = std::ranges::count_if(before, [](const EndLoss& loss) { return loss.reduced > 0; });
   execution.progress.End(fmt::format("{} passes with an end near something", count));
@@ -67,10 +67,10 @@ void RepairEnds(const PreparedJob& prepared, PathOptions options, const RetractO
     if (stuck(i)) points += prepared.toolpath.passes[i].points.size();
   execution.progress.Begin("passes again", points);
   options.leave = leave;
-  PlannedPasses again = PlanPasses(prepared.stations, prepared.external, prepared.toolpath, options,
-                                   checkpoints, stuck, execution);
+  PlannedPasses again = PlanPasses(prepared.stations, {prepared.toolpath, prepared.external, stuck}, options,
+                                   checkpoints, execution);
   for (size_t i = 0; i < passes.size(); ++i) {
-    if (!stuck(i) || !IsBetter(loss_of(again.passes[i]), before[i])) continue;
+    if (!stuck(i) || !IsBetter(LossOf(prepared.stations, leave, again.passes[i]), before[i])) continue;
     passes[i] = std::move(again.passes[i]);
     ++repaired;
   }

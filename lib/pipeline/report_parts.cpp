@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/report_parts.hpp"
 
-#include "pipeline/assemble.hpp"
-#include "pipeline/axis_map.hpp"
-#include "pipeline/kept_stage.hpp"
-#include "pipeline/nearest_pairs.hpp"
-#include "pipeline/plan_key.hpp"
-#include "pipeline/sample_curves.hpp"
+#include "job/assemble.hpp"
+#include "kept/kept_stage.hpp"
+#include "kept/plan_key.hpp"
+#include "sampling/axis_map.hpp"
+#include "sampling/nearest_pairs.hpp"
+#include "sampling/sample_curves.hpp"
 
 namespace millpose {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "pipeline/checkpoints.hpp"
+#include "kept/checkpoints.hpp"
 #include "pipeline/plan_job.hpp"
 #include "report/html.hpp"
 

@@ -3,17 +3,17 @@
 
 #include "base/file.hpp"
 #include "config/config.hpp"
+#include "job/step_meshes.hpp"
+#include "output/output_folder.hpp"
 #include "pipeline/audit.hpp"
-#include "pipeline/judge_optima.hpp"
-#include "pipeline/output_folder.hpp"
 #include "pipeline/plan_timeline.hpp"
 #include "pipeline/report_parts.hpp"
 #include "pipeline/run_record.hpp"
-#include "pipeline/sample_curves.hpp"
 #include "pipeline/stages.hpp"
-#include "pipeline/step_meshes.hpp"
 #include "pipeline/up_to_date.hpp"
 #include "pipeline/write_results.hpp"
+#include "sampling/judge_optima.hpp"
+#include "sampling/sample_curves.hpp"
 
 namespace millpose {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "base/process.hpp"
 #include "base/text.hpp"
-#include "pipeline/origin.hpp"
+#include "job/origin.hpp"
 #include "pipeline/write_results.hpp"
 
 namespace millpose {

@@ -2,7 +2,7 @@
 // What run.json says of a run of `plan`, and where its folder is.
 #pragma once
 
-#include "pipeline/output_folder.hpp"
+#include "output/output_folder.hpp"
 #include "pipeline/run.hpp"
 #include "pipeline/stages.hpp"
 #include "report/report.hpp"

@@ -5,8 +5,8 @@
 
 #include "base/error.hpp"
 #include "compensation/compensate.hpp"
-#include "pipeline/assemble.hpp"
-#include "pipeline/cell_texts.hpp"
+#include "job/assemble.hpp"
+#include "job/cell_texts.hpp"
 #include "pipeline/check_program.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/program_motions.hpp"

@@ -6,8 +6,8 @@
 #include <stop_token>
 
 #include "cell/world.hpp"
-#include "path/job_planner.hpp"
-#include "pipeline/inputs.hpp"
+#include "gaps/job_planner.hpp"
+#include "job/inputs.hpp"
 #include "program/post.hpp"
 #include "verify/verify.hpp"
 

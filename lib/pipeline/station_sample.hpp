@@ -4,10 +4,10 @@
 
 #include <functional>
 
-#include "path/retract.hpp"
-#include "path/station_sequence.hpp"
-#include "path/stations.hpp"
+#include "gaps/retract.hpp"
 #include "pose/candidate_table.hpp"
+#include "stations/station_sequence.hpp"
+#include "stations/stations.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {

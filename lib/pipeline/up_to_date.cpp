@@ -5,8 +5,8 @@
 
 #include "base/file.hpp"
 #include "base/process.hpp"
-#include "pipeline/manifest.hpp"
-#include "pipeline/result_swap.hpp"
+#include "output/manifest.hpp"
+#include "output/result_swap.hpp"
 
 namespace millpose {
 

@@ -5,15 +5,15 @@
 #include <thread>
 
 #include "base/error.hpp"
-#include "pipeline/assemble.hpp"
-#include "pipeline/cell_texts.hpp"
+#include "job/assemble.hpp"
+#include "job/cell_texts.hpp"
+#include "job/step_meshes.hpp"
+#include "job/workpiece.hpp"
+#include "output/output_folder.hpp"
 #include "pipeline/check_program.hpp"
 #include "pipeline/make_programs.hpp"
-#include "pipeline/output_folder.hpp"
 #include "pipeline/program_motions.hpp"
 #include "pipeline/start_programs.hpp"
-#include "pipeline/step_meshes.hpp"
-#include "pipeline/workpiece.hpp"
 #include "program/reader.hpp"
 #include "verify/causes.hpp"
 

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "config/config.hpp"
-#include "pipeline/assemble.hpp"
+#include "job/assemble.hpp"
 #include "plan/write_plan.hpp"
 #include "toolpath/pass_ends.hpp"
 #include "verify/causes.hpp"

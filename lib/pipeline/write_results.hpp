@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "pipeline/inputs.hpp"
+#include "job/inputs.hpp"
+#include "output/output_folder.hpp"
 #include "pipeline/make_programs.hpp"
-#include "pipeline/output_folder.hpp"
 #include "pipeline/report_parts.hpp"
 #include "pipeline/start_programs.hpp"
 #include "report/html.hpp"

@@ -6,8 +6,8 @@
 
 #include "base/parallel.hpp"
 #include "cell/point_memory.hpp"
-#include "path/retract.hpp"
-#include "pipeline/assemble.hpp"
+#include "gaps/retract.hpp"
+#include "job/assemble.hpp"
 #include "placement/sample.hpp"
 #include "pose/candidate_table.hpp"
 #include "pose/lean_problem.hpp"

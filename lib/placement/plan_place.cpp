@@ -8,7 +8,7 @@
 #include "base/named_progress.hpp"
 #include "base/text.hpp"
 #include "operations/done_operation.hpp"
-#include "pipeline/output_folder.hpp"
+#include "output/output_folder.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;

@@ -3,10 +3,10 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "job/step_meshes.hpp"
 #include "operations/done_operation.hpp"
-#include "pipeline/output_folder.hpp"
+#include "output/output_folder.hpp"
 #include "pipeline/run_record.hpp"
-#include "pipeline/step_meshes.hpp"
 #include "placement/place_results.hpp"
 #include "placement/place_search.hpp"
 #include "placement/placed_jobs.hpp"

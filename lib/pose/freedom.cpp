@@ -6,23 +6,9 @@
 
 namespace millpose {
 
-/// Defined in freedoms/<name>.cpp.
-FreedomEntry RotationEntry();
-FreedomEntry LeadEntry();
-FreedomEntry TiltEntry();
-
 ToolStance Freedom::Lean(const CutterContact&, const ToolStance& from, double) const { return from; }
 
 Pose Freedom::Apply(const Pose& X_WT, double) const { return X_WT; }
-
-Registry<FreedomEntry>& Freedoms() {
-  static Registry<FreedomEntry> freedoms{"freedom", {RotationEntry(), LeadEntry(), TiltEntry()}};
-  return freedoms;
-}
-
-std::unique_ptr<Freedom> MakeFreedom(const std::string& name, const LeanRange& range) {
-  return Freedoms().At(name).make(range);
-}
 
 Pose NominalToolPose(const ToolStance& stance, const Eigen::Vector3d& rotation_reference) {
   const Eigen::Vector3d z = stance.axis.normalized();

@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "base/registry.hpp"
 #include "robot/arm.hpp"
 #include "toolpath/cutter.hpp"
-#include "toolpath/lean_range.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {
 
+struct LeanRules;
+
 /// Values of a candidate's freedoms, one entry per Freedom of the problem: the rotation about the tool axis,
-/// then lead and tilt where a job leaves them open.
+/// then those that a job opens, such as lead and tilt.
 using FreedomValues = std::vector<double>;
 
 /// How the cutter meets the surface at a milling point; W, unit vectors.
@@ -29,7 +28,9 @@ struct ToolStance {
   Eigen::Vector3d tip, axis;
 };
 
-/// A coordinate in which a milling point may be taken differently without changing the cut.
+/// A coordinate in which a milling point may be taken differently without changing the cut. An implementation
+/// is a file in freedoms/, which ends with its FreedomEntry (freedom_entry.hpp), and its name in
+/// freedom_entry.cpp.
 class Freedom {
  public:
   virtual ~Freedom() = default;
@@ -42,27 +43,24 @@ class Freedom {
   virtual double Step() const { return 0; }
   /// The value at which the tool path was laid.
   virtual double Nominal() const { return 0; }
+  /// Whatever else it depends on.
+  virtual std::vector<double> Parameters() const { return {}; }
   /// True for the rotation about the tool axis by the value itself, which the scorer has a fast way for.
   virtual bool IsToolRotation() const { return false; }
-  /// True where it moves the tool axis about the contact, by Lean; else it moves the pose, by Apply. Axes
-  /// start along the normal and lean by one such freedom after the other.
+  /// True where it moves the tool over the contact, by Lean; else it turns the tool about its axis, by Apply.
+  /// Axes start along the normal and lean by one such freedom after the other.
   virtual bool IsLean() const { return false; }
   virtual ToolStance Lean(const CutterContact& contact, const ToolStance& from, double value) const;
+  /// Says in the rules of leans what of the tool path it leaves open.
+  virtual void Open(LeanRules&) const {}
   /// The tool pose after moving by `value` from X_WT.
   virtual Pose Apply(const Pose& X_WT, double value) const;
 };
 
-struct FreedomEntry {
-  std::string name;
-  /// Freedoms that have a range of their own leave the given one alone.
-  std::function<std::unique_ptr<Freedom>(const LeanRange&)> make;
-};
+using FreedomPointer = std::shared_ptr<const Freedom>;
 
-/// All freedoms; programs that link the library may add theirs.
-Registry<FreedomEntry>& Freedoms();
-
-/// The freedom registered under `name`; InputError with the nearest name when there is none.
-std::unique_ptr<Freedom> MakeFreedom(const std::string& name, const LeanRange& range = {});
+/// The freedom that every job has.
+FreedomPointer RotationAboutTool();
 
 /// The tool pose of a stance where the rotation is 0: z along the tool axis, x along
 /// `rotation_reference` projected into the plane normal to the tool axis (design.md, conventions). When the

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "pose/climber.hpp"
+#include "pose/generations.hpp"
 
 namespace millpose {
 namespace {
@@ -207,6 +208,18 @@ PointOptimum GeneticSearch(const PointScorer& scorer, const PoseProblem& problem
   last.emplace_back(problem, winner, 1.0 / 7200, 1e-8, 1e-13);
   Climb(last, evaluator, options.max_evaluations);
   return best;
+}
+
+std::vector<GenerationRecord> Generations(const PointScorer& scorer, const PoseProblem& problem,
+                                          const GeneticOptions& options, RandomStream stream) {
+  PointOptimum best;
+  Evaluator evaluator(scorer, best);
+  std::vector<Individual> archive;
+  std::vector<GenerationRecord> records;
+  Population population(problem, options, stream, evaluator);
+  population.Seed(scorer, archive);
+  population.Evolve(archive, &records);
+  return records;
 }
 
 }  // namespace millpose

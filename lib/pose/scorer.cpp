@@ -5,6 +5,7 @@
 
 #include "pose/judge_block.hpp"
 #include "pose/lean_problem.hpp"
+#include "robot/inverse_entries.hpp"
 
 namespace millpose {
 namespace {
@@ -104,7 +105,7 @@ void PointScorer::ScoreBlock(std::span<const double> values, unsigned arm_branch
   FlangePoses(values, flange, axes);
   if (axes.barred == (1u << kLanes) - 1) return;
   ArmBranches solved;
-  InverseBlock(problem_->arm, flange, solved);
+  InverseEntries(problem_->arm, flange, arm_branches | arm_branches << 4, solved);
   for (int entry = 0; entry < EntryCount(problem_->arm); ++entry) {
     if (arm_branches >> (entry & 3) & 1u) ScoreEntry(entry, flange, solved[entry], axes, out);
   }

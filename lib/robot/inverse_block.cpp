@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "robot/inverse_block.hpp"
-
 #include "base/units.hpp"
 #include "robot/angles.hpp"
 #include "robot/closed_form.hpp"
+#include "robot/inverse_entries.hpp"
 
 namespace millpose {
 
@@ -66,13 +65,17 @@ void SolveShoulders(const closed_form::Lengths& lengths, double d6, const Flange
 
 }  // namespace
 
-void InverseBlock(const Arm& arm, const FlangeBlock& flange, ArmBranches& out, InstructionSet set) {
+void InverseEntries(const Arm& arm, const FlangeBlock& flange, unsigned entries, ArmBranches& out,
+                    InstructionSet set) {
+  constexpr unsigned kInFront = 0b01010101;  // entries with the shoulder in front
   const closed_form::Lengths lengths(arm);
   const double d6 = arm.d6;
   std::array<ShoulderBlock, 2> shoulders;
   for (int behind = 0; behind < 2; ++behind)
-    SolveShoulders(lengths, d6, flange, behind ? -1 : 1, shoulders[behind], set);
+    if ((entries & kInFront << behind) != 0)
+      SolveShoulders(lengths, d6, flange, behind ? -1 : 1, shoulders[behind], set);
   for (int branch = 0; branch < EntryCount(arm); ++branch) {
+    if ((entries >> branch & 1u) == 0) continue;
     const Choice choice(branch);
     const ShoulderBlock& shoulder = shoulders[branch & 1];
     ArmBranchBlock& to = out[branch];
@@ -94,6 +97,10 @@ void InverseBlock(const Arm& arm, const FlangeBlock& flange, ArmBranches& out, I
           });
     }
   }
+}
+
+void InverseBlock(const Arm& arm, const FlangeBlock& flange, ArmBranches& out, InstructionSet set) {
+  InverseEntries(arm, flange, (1u << EntryCount(arm)) - 1, out, set);
 }
 
 void AnglesOfBranch(const Arm& arm, const ArmBranchBlock& branch, AnglesBlock& out, InstructionSet set) {

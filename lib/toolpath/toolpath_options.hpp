@@ -6,7 +6,6 @@
 
 #include "toolpath/budget.hpp"
 #include "toolpath/cutter.hpp"
-#include "toolpath/lean_range.hpp"
 #include "toolpath/pass_ends.hpp"
 #include "toolpath/path_share.hpp"
 #include "toolpath/region.hpp"
@@ -53,11 +52,8 @@ struct ToolpathOptions {
   double plunge_feed = 0;   ///< along the tool axis into the material; 0: the feed rate
   double retract_feed = 0;  ///< along it out of the material; 0: the feed rate
   PointBudget budget;
-  /// Where the pose search chooses lead and tilt; those above are then their nominal values.
-  std::optional<LeanRange> lead_range, tilt_range;
-  double min_cutting_speed_share = 0.3;  ///< of a ball's cutting speed at the nominal lean, likewise
-
-  bool Leans() const { return lead_range || tilt_range; }
+  /// Of a ball's cutting speed at the nominal lean, where the pose search leans the tool.
+  double min_cutting_speed_share = 0.3;
 };
 
 }  // namespace millpose

@@ -2,6 +2,8 @@
 // A program's replay against the plan's motions.
 #pragma once
 
+#include <functional>
+#include <span>
 #include <stop_token>
 
 #include "verify/replay.hpp"
@@ -27,12 +29,18 @@ struct Replayed {
 struct Proof {
   bool proven = true;          ///< as planned, within the options' clearance_reserve
   double clearance_share = 1;  ///< of the cell's clearances, with which the plan made it
+  bool sampled = false;        ///< it was handed to the MotionLook
 };
 
+/// Told of a motion of a run and of its instants after its start, `options.step` apart; from several threads.
+using MotionLook =
+    std::function<void(size_t motion, std::span<const Instant> instants, std::vector<Finding>& findings)>;
+
 /// Compares the feed runs in their order (tip, axis, rotation, feed, exact stops, corners), the joint motions
-/// between them, spindle and outputs. Returns what is known of every motion of `replayed`.
+/// between them, spindle and outputs. What it samples on the way is handed to `look`. Returns what is known
+/// of every motion of `replayed`.
 std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const Cell& cell,
-                           const VerifyOptions& options, int threads, std::stop_token stop,
-                           std::vector<Finding>& findings);
+                           const VerifyOptions& options, const MotionLook& look, int threads,
+                           std::stop_token stop, std::vector<Finding>& findings);
 
 }  // namespace millpose

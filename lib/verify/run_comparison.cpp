@@ -47,6 +47,15 @@ std::vector<Finding> RunComparison::Compare() {
   return std::move(findings_);
 }
 
+void RunComparison::HandOn(const MotionLook& look, std::vector<Finding>& findings) const {
+  for (size_t begin = 1, end = 1; begin < instants_.size(); begin = end) {  // behind the start of the run
+    const size_t motion = instants_[begin].motion;
+    while (end < instants_.size() && instants_[end].motion == motion) ++end;
+    look(motion, std::span(instants_).subspan(begin, end - begin), findings);
+    proofs_[motion].sampled = true;
+  }
+}
+
 Pose RunComparison::BaseAt(size_t i, double share) const {
   return rides_ ? BaseInPart(cell_, ExternalOf(replayed_.program, i, share)) : X_PB_;
 }

@@ -17,6 +17,8 @@ class RunComparison {
                 const ArmBodies& bodies, const VerifyOptions& options, std::vector<Proof>& proofs);
 
   std::vector<Finding> Compare();
+  /// What Compare() has sampled, motion by motion.
+  void HandOn(const MotionLook& look, std::vector<Finding>& findings) const;
 
  private:
   const Motion& PlanMotion(size_t segment) const { return plan_.program.motions[plan_run_.first + segment]; }

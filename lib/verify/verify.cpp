@@ -4,6 +4,7 @@
 #include <cassert>
 #include <map>
 #include <set>
+#include <span>
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
@@ -31,12 +32,27 @@ class MotionCheck {
       : replayed_(replayed), cell_(cell), options_(options), jumps_(jumps) {}
 
   void Check(size_t i, std::vector<Finding>& findings) const {
-    const Motion& motion = replayed_.program.motions[i];
-    if (!replayed_.replay.reached[i] || !CheckExternal(replayed_, i, cell_, findings)) return;
-    CheckTurn(i, findings);
-    if (CheckLimits(i, replayed_.replay.targets[i], findings) || i == 0 || !HasFeed(motion)) return;
+    if (!CheckTarget(i, findings)) return;
     std::vector<Instant> instants;
     AppendInstants(replayed_.program, cell_, replayed_.replay, i, options_.step, instants, findings);
+    CheckWay(i, instants, findings);
+  }
+  /// The same of a motion whose instants are known.
+  void Check(size_t i, std::span<const Instant> instants, std::vector<Finding>& findings) const {
+    if (CheckTarget(i, findings)) CheckWay(i, instants, findings);
+  }
+
+ private:
+  /// What is to be said of the end of motion `i`; returns whether the way there is to be looked at.
+  bool CheckTarget(size_t i, std::vector<Finding>& findings) const {
+    if (!replayed_.replay.reached[i] || !CheckExternal(replayed_, i, cell_, findings)) return false;
+    CheckTurn(i, findings);
+    if (CheckLimits(i, replayed_.replay.targets[i], findings)) return false;
+    return i > 0 && HasFeed(replayed_.program.motions[i]);
+  }
+
+  void CheckWay(size_t i, std::span<const Instant> instants, std::vector<Finding>& findings) const {
+    const Motion& motion = replayed_.program.motions[i];
     const double seconds = Seconds(i);
     if (seconds > 0 && CheckExternalSpeed(replayed_, i, seconds, findings)) return;
     Joints before = replayed_.replay.targets[i - 1];
@@ -52,9 +68,8 @@ class MotionCheck {
     if (jumps_) CheckJump(i, instants, findings);
   }
 
- private:
   /// Whether the speeds of tip and joints go on at the corner between motion i and the next.
-  void CheckJump(size_t i, const std::vector<Instant>& instants, std::vector<Finding>& findings) const {
+  void CheckJump(size_t i, std::span<const Instant> instants, std::vector<Finding>& findings) const {
     const std::vector<Motion>& motions = replayed_.program.motions;
     if (motions[i].exact || i + 1 >= motions.size() || !HasFeed(motions[i + 1])) return;
     if (!replayed_.replay.reached[i + 1] || Seconds(i) <= 0 || Seconds(i + 1) <= 0) return;
@@ -321,16 +336,19 @@ std::vector<Finding> Verify(const MotionProgram& program, const World& world, co
   const Replayed replayed{program, ReplayTargets(program, cell, findings), FeedRuns(program)};
 
   const MotionCheck check(replayed, cell, options, plan == nullptr);
-  ForMotions(program.motions.size(), threads, stop, findings,
-             [&](size_t first, size_t last, std::vector<Finding>& found) {
-               for (size_t i = first; i < last; ++i) check.Check(i, found);
-             });
-
   std::vector<Proof> proofs(program.motions.size(), Proof{false, 1});
   if (plan != nullptr) {
     const Replayed planned{*plan, ReplayTargets(*plan, cell, findings), FeedRuns(*plan)};
-    proofs = Compare(replayed, planned, cell, options, threads, stop, findings);
+    const MotionLook look = [&](size_t i, std::span<const Instant> instants, std::vector<Finding>& found) {
+      check.Check(i, instants, found);
+    };
+    proofs = Compare(replayed, planned, cell, options, look, threads, stop, findings);
   }
+  ForMotions(program.motions.size(), threads, stop, findings,
+             [&](size_t first, size_t last, std::vector<Finding>& found) {
+               for (size_t i = first; i < last; ++i)
+                 if (!proofs[i].sampled) check.Check(i, found);
+             });
   const std::vector<bool> faulty = WithFindings(replayed, findings);
   std::vector<size_t> unproven;
   for (size_t i = 0; i < proofs.size(); ++i) {

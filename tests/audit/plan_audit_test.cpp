@@ -2,11 +2,11 @@
 // The audit of `plan --audit`: the cell that it hands to the judge, and what it makes of the judge's answers.
 #include "base/file.hpp"
 #include "base/random.hpp"
+#include "job/assemble.hpp"
+#include "job/workpiece.hpp"
 #include "judge/interference.hpp"
-#include "pipeline/assemble.hpp"
 #include "pipeline/audit.hpp"
 #include "pipeline/judge_setup.hpp"
-#include "pipeline/workpiece.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/audit/folder.hpp"
 #include "tests/base/source_dir.hpp"

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "robot/inverse_entries.hpp"
 #include "stiffness/indices_block.hpp"
 #include "tests/robot/arms.hpp"
 
@@ -57,6 +58,21 @@ void InverseOfBlocks(benchmark::State& state) {
   Items(state);
 }
 BENCHMARK(InverseOfBlocks)->DenseRange(0, 2);
+
+/// One branch of four, as smoothing and refinement ask for it.
+void InverseOfOneBranch(benchmark::State& state) {
+  const Arm arm = Kr500R2830();
+  if (!Supports(SetOf(state))) return state.SkipWithError("not on this processor");
+  const std::vector<FlangeBlock> flanges = Flanges(arm);
+  ArmBranches branches;
+  for (auto _ : state)
+    for (const FlangeBlock& flange : flanges) {
+      InverseEntries(arm, flange, 0b0100, branches, SetOf(state));
+      benchmark::DoNotOptimize(branches);
+    }
+  Items(state);
+}
+BENCHMARK(InverseOfOneBranch)->DenseRange(0, 2);
 
 void InverseOfBlocksWithAngles(benchmark::State& state) {
   const Arm arm = Kr500R2830();

@@ -5,9 +5,10 @@
 
 #include <Eigen/SparseCholesky>
 
-#include "path/block_kernel.hpp"
-#include "path/envelope.hpp"
-#include "path/ladder_search.hpp"
+#include "ladder/block_kernel.hpp"
+#include "ladder/ladder_search.hpp"
+#include "ladder/table_layer.hpp"
+#include "smoothing/envelope.hpp"
 #include "tests/pose/lean_problems.hpp"
 
 namespace millpose {
@@ -28,6 +29,20 @@ void ScoreRotations(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * 360 * 8);  // candidates: rotation × branch
 }
 BENCHMARK(ScoreRotations);
+
+/// A point's layer from its table, and by way of a seed for every entry.
+void LayerOfTable(benchmark::State& state) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const PointScorer scorer(problem, PanelPoint(0, 0), Eigen::Vector3d::UnitZ());
+  const CandidateTable table = CandidateTable::OfStep(scorer, DegToRad(1));
+  for (auto _ : state) {
+    if (state.range(0) != 0)
+      benchmark::DoNotOptimize(MakeLayer(scorer, SeedsOf(table), false));
+    else
+      benchmark::DoNotOptimize(MakeLayer(scorer, table, {}, false));
+  }
+}
+BENCHMARK(LayerOfTable)->ArgName("seeds")->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
 
 void Exhaustive(benchmark::State& state) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
@@ -190,12 +205,18 @@ void RelaxInBlocks(benchmark::State& state) {
       const size_t count = std::min(kBlock, to.size - begin);
       block.wanted = (1u << count) - 1;
       std::fill_n(block.last.begin(), count, from.size);
+      if (state.range(0) != 0) {  // as where a band reaches round the turn
+        std::fill_n(block.first.begin(), count, from.size / 5);
+        RelaxBlock(rule, from, row, guess, block);
+        std::fill_n(block.last.begin(), count, from.size / 5);
+        block.first = {};
+      }
       RelaxBlock(rule, from, row, guess, block);
       guess = block.best[0].node;
       benchmark::DoNotOptimize(block);
     }
 }
-BENCHMARK(RelaxInBlocks)->Unit(benchmark::kMicrosecond);
+BENCHMARK(RelaxInBlocks)->ArgName("two_parts")->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace millpose

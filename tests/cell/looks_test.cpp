@@ -79,6 +79,31 @@ TEST(Looks, WhatIsFarFromThemChangesNoAnswer) {
   EXPECT_GT(changed, 40);
 }
 
+// A post that comes in from afar, from the front, a side or above: where the record still lets it stand, no
+// answer is another.
+TEST(Looks, HoldToTheNearestPlaceThatTheyAllow) {
+  RandomStream random(9, 0);
+  int changed = 0;
+  for (uint64_t round = 0; round < 150; ++round) {
+    const Eigen::Vector3d towards(random.Uniform(900, 2300), random.Uniform(-500, 500),
+                                  random.Uniform(900, 1700));
+    const Eigen::Vector3d from =
+        Eigen::Vector3d::Unit(round % 3) * (round % 2 == 0 || round % 3 != 1 ? 1 : -1);
+    const auto world = [&](double away) { return World(WithPost(towards + away * from)); };
+    const auto keeper = std::make_shared<LookKeeper>();
+    const std::string answers = Ask(world(5000).Watched(keeper), round);
+    const Looks looks = keeper->Kept();
+    double far = 5000, near = 0;
+    while (far - near > 0.5) {
+      const double middle = 0.5 * (far + near);
+      (world(middle).FarFrom({"post"}, looks) ? far : near) = middle;
+    }
+    EXPECT_EQ(Ask(world(far), round), answers) << round << " at " << far;
+    changed += Ask(world(far - 250), round) != answers;
+  }
+  EXPECT_GT(changed, 20) << "little is given away";
+}
+
 /// What long ways are answered with, from one side of the part to the other.
 std::string AskLong(const World& world, uint64_t stream) {
   RandomStream random(7, stream);

@@ -59,6 +59,15 @@ class Stages(InFolder):
         self.job["toolpath"]["rotation_reference"] = [0, 0.1, 1]  # which is laid anew, and every pass with it
         self.check(set(self.made))
 
+    def test_a_clamp_moved_far_from_everything_reaches_no_stage(self):
+        """But the window of $BASE, which moves the part itself. Heads of programs name the new inputs all the same."""
+        clamp = {"name": "clamp", "class": "fixture", "mount": "world", "shape": {"box": {"size_mm": [60, 60, 60]}}}
+        self.cell["bodies"].append(clamp)
+        for place, again in (([-3000, 0, 50], OF_PLAN), ([-3000, 1500, 50], {"base-window"}),
+                             ([-3000, 0, 50], {"base-window"})):
+            clamp["pose"] = {"xyz_mm": place}
+            self.check(again)
+
     def test_what_is_damaged_is_made_again(self):
         for stage in (self.folder / "out" / "checkpoints").glob("*.stage"):
             bytes_ = bytearray(stage.read_bytes())

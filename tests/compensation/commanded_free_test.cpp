@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pipeline/commanded_free.hpp"
+#include "job/commanded_free.hpp"
 
 #include <gtest/gtest.h>
 

@@ -76,7 +76,7 @@ TEST(SectionSlips, OfLeans) {
   ExpectJob(JobWith("  tilt_deg: {from: 1, to: 3, step: 1, nominal: ^0}\n"),
             "toolpath.tilt_deg.nominal: given 0");
   ExpectJob(JobWith("  ^min_cutting_speed_share: 0.5\n"),
-            "toolpath.min_cutting_speed_share: has no effect here: needs a range in lead_deg or tilt_deg");
+            "toolpath.min_cutting_speed_share: has no effect here: needs a range in lead_deg");
   ExpectJob(JobWith("  tilt_deg: {from: -3, to: 3, step: 1}\n  ^min_cutting_speed_share: 0.5\n"),
             "toolpath.min_cutting_speed_share: has no effect here: at the nominal lean, 0");
   ExpectJob(
@@ -92,7 +92,7 @@ TEST(SectionSlips, OfLeans) {
 TEST(SectionSlips, TheNominalLeanIsTheOneNearestToUpright) {
   const auto nominal = [](const char* range) {
     const JobSettings job = ParseJob(JobWith(fmt::format("  lead_deg: {}\n", range)), "f.yaml");
-    EXPECT_EQ(job.toolpath.lead, job.toolpath.lead_range->nominal) << "the path is laid at it";
+    EXPECT_EQ(job.toolpath.lead, job.toolpath.Find("lead")->Nominal()) << "the path is laid at it";
     return RadToDeg(job.toolpath.lead);
   };
   EXPECT_DOUBLE_EQ(nominal("{from: 1, to: 3, step: 1}"), 1);

@@ -10,7 +10,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "base/hash.hpp"
-#include "pipeline/output_folder.hpp"
+#include "output/output_folder.hpp"
 
 namespace millpose {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "path/candidate_graph.hpp"
+#include "graph/candidate_graph.hpp"
 
 #include "tests/path/pass_problem.hpp"
 
@@ -14,7 +14,7 @@ struct Fixture {
   Pass pass = Row(-60, 60, 12);
   std::vector<PointScorer> scorers;
   World world{CellWithBallAt(
-      problem, PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, Options(), 2, {}), 6, 60)};
+      problem, PlanPass(problem, World(EmptyCell(problem)), {pass}, Options(), {.threads = 2}), 6, 60)};
   std::vector<std::shared_ptr<PointVerdicts>> known;
 
   Fixture() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Closed sequences over layers of which ever more is pruned, against exact searches.
-#include "path/closed_rounds.hpp"
+#include "ladder/closed_rounds.hpp"
 
 #include <gtest/gtest.h>
 

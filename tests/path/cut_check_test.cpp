@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "path/cut_check.hpp"
+#include "graph/cut_check.hpp"
 
 #include "robot/kinematics.hpp"
 #include "tests/cell/sample_cell.hpp"

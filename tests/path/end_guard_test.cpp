@@ -17,7 +17,7 @@ Cell CellAbove(const PoseProblem& problem, const std::vector<Joints>& poses) {
   const Carrier carrier{problem.arm, problem.X_WB, problem.X_FT};
   for (const Joints& q : poses) {
     Checker checker{World(EmptyCell(problem))};
-    const Retract retract = FindRetract(checker, carrier, q, problem.arm.lower, problem.arm.upper, {});
+    const Retract retract = FindRetract(checker, carrier, q, {problem.arm.lower, problem.arm.upper}, {});
     Body ball{.name = "ball", .body_class = BodyClass::kFixture, .mount = Mount::kWorld, .shape = Sphere{15}};
     ball.X_MG.translation() =
         (problem.X_WB * LinkFrames(problem.arm, retract.joints.back())[5]).translation();
@@ -31,7 +31,7 @@ struct Fixture {
   Pass pass = Row(-60, 60, 24);
   Carrier carrier{problem.arm, problem.X_WB, problem.X_FT};
   PathOptions options = Options();
-  PassResult before = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, options, 2, {});
+  PassResult before = PlanPass(problem, World(EmptyCell(problem)), {pass}, options, {.threads = 2});
 
   bool Leaves(const World& world, const Joints& q, double share = 1) const {
     Checker checker(world, share);
@@ -42,11 +42,11 @@ struct Fixture {
 TEST(EndGuard, TakesAnotherPoseWhereAnEndCannotBeLeft) {
   Fixture f;
   const World world(CellAbove(f.problem, {f.before.points[23].q}));
-  const PassResult unguarded = PlanPass(f.problem, world, f.pass, 0, 0, f.options, 2, {});
+  const PassResult unguarded = PlanPass(f.problem, world, {f.pass}, f.options, {.threads = 2});
   ASSERT_FALSE(f.Leaves(world, unguarded.points[23].q));
   ASSERT_FALSE(f.Leaves(world, unguarded.points[23].q, kClearanceShares.back()));
   f.options.leave.emplace();
-  const PassResult guarded = PlanPass(f.problem, world, f.pass, 0, 0, f.options, 2, {});
+  const PassResult guarded = PlanPass(f.problem, world, {f.pass}, f.options, {.threads = 2});
   ExpectSound(f.problem, f.options, f.pass, guarded);
   ASSERT_EQ(guarded.pieces.size(), 1u);
   EXPECT_EQ(guarded.pieces[0].last, 23);
@@ -64,10 +64,10 @@ TEST(EndGuard, TakesAnotherPoseWhereAnEndCannotBeLeft) {
 TEST(EndGuard, ChangesNothingWhereTheEndsAreFree) {
   Fixture f;
   const World world(CellAbove(f.problem, {f.before.points[12].q}));  // not an end
-  const PassResult unguarded = PlanPass(f.problem, world, f.pass, 0, 0, f.options, 2, {});
+  const PassResult unguarded = PlanPass(f.problem, world, {f.pass}, f.options, {.threads = 2});
   ASSERT_FALSE(f.Leaves(world, unguarded.points[12].q));
   f.options.leave.emplace();
-  const PassResult guarded = PlanPass(f.problem, world, f.pass, 0, 0, f.options, 2, {});
+  const PassResult guarded = PlanPass(f.problem, world, {f.pass}, f.options, {.threads = 2});
   for (size_t t = 0; t < 24; ++t) EXPECT_EQ(guarded.points[t].q, unguarded.points[t].q) << t;
 }
 
@@ -83,7 +83,7 @@ TEST(EndGuard, APointThatNoPoseLeavesEndsThePieceBeforeIt) {
   cell.bodies = {holder, stop};
   const World world(cell);
   f.options.leave.emplace();
-  const PassResult guarded = PlanPass(f.problem, world, f.pass, 0, 0, f.options, 2, {});
+  const PassResult guarded = PlanPass(f.problem, world, {f.pass}, f.options, {.threads = 2});
   ExpectSound(f.problem, f.options, f.pass, guarded);
   ASSERT_EQ(guarded.pieces.size(), 1u);
   const auto end = static_cast<size_t>(guarded.pieces[0].last);

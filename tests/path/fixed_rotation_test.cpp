@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/fixed_rotation.hpp"
 
+#include "base/random.hpp"
+#include "graph/pass_checks.hpp"
+#include "path/fewest_missing.hpp"
+#include "path/fixed_interference.hpp"
+#include "robot/angles.hpp"
 #include "stiffness/compliance.hpp"
 #include "tests/path/pass_problem.hpp"
 
@@ -27,7 +32,8 @@ std::vector<PassResult> Plan(const PoseProblem& problem, const World& world, con
   options.worst_first = worst_first;
   std::vector<PassResult> planned;
   for (size_t i = 0; i < rows.size(); ++i)
-    planned.push_back(PlanPass(problem, world, rows[i], static_cast<int>(i), 25 * i, options, 2, {}));
+    planned.push_back(
+        PlanPass(problem, world, {rows[i], static_cast<int>(i), 25 * i}, options, {.threads = 2}));
   return planned;
 }
 
@@ -112,6 +118,108 @@ TEST(FixedRotation, SaysWhatIsInTheWay) {
   EXPECT_TRUE(found.passes.empty());
   EXPECT_NE(found.job_in_the_way.find("points: "), std::string::npos) << found.job_in_the_way;
   EXPECT_NE(found.passes_in_the_way.find("pass 0"), std::string::npos) << found.passes_in_the_way;
+}
+
+/// What is in the way of a rotation.
+enum class Hit : uint8_t { kNone, kPose, kMotion };
+
+Hit HitOf(const PoseProblem& problem, const World& world, const PassResult& pass, double rotation,
+          int branch) {
+  const Carrier carrier{problem.arm, problem.X_WB, problem.X_FT};
+  Checker checker(world);
+  std::vector<Joints> q;
+  for (const PlannedPoint& point : pass.points)
+    q.push_back(PointScorer(problem, point.point, pass.rotation_reference).ScoreOne({rotation}, branch).q);
+  for (const Joints& at : q)
+    if (checker.Blocked(at, Phase::kCutting)) return Hit::kPose;
+  for (size_t t = 1; t < q.size(); ++t)
+    if (CheckCut(checker, carrier, q[t - 1], NearestEquivalent(q[t - 1], q[t]), Options().swept_resolution))
+      return Hit::kMotion;
+  return Hit::kNone;
+}
+
+TEST(FixedInterference, IsThatOfEveryPoseAndMotionWhateverWasLookedAtBefore) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  PathOptions far = Options();
+  far.steps = {kPi, 1e9, Joints::Constant(DegToRad(30))};
+  const PassResult planned =
+      PlanPass(problem, World(EmptyCell(problem)), {Row(-380, 380, 20)}, far, {.threads = 2});
+  const int branch = planned.points[10].branch;
+  const FixedRotationOptions options = FixedOptions(false);
+  std::array<int, 3> found{};
+  for (const size_t at : {10, 17}) {
+    // Two small balls: one stands where the wrist comes by, at a point or half-way to the next.
+    Cell cell = EmptyCell(problem);
+    Body wrist{.name = "wrist",
+               .body_class = BodyClass::kLink,
+               .mount = Mount::kLink,
+               .link = 5,
+               .shape = Sphere{8}};
+    Body ball{.name = "ball", .body_class = BodyClass::kFixture, .mount = Mount::kWorld, .shape = Sphere{4}};
+    const auto wrist_at = [&](size_t t) {
+      return Eigen::Vector3d((problem.X_WB * LinkFrames(problem.arm, planned.points[t].q)[5]).translation());
+    };
+    ball.X_MG.translation() = at == 10 ? wrist_at(10) : Eigen::Vector3d((wrist_at(17) + wrist_at(18)) / 2);
+    cell.bodies = {wrist, ball};
+    const World world(cell);
+    const Stations stations(world, problem);
+    FixedInterference interference(stations, planned, options);
+    const double plan = planned.points[at].freedoms[0];
+    for (int turn = 0; turn < 2; ++turn) {
+      for (int k = -12; k <= 12; ++k) {
+        const double rotation = plan + DegToRad(0.5) * (turn == 0 ? k : -k);
+        const Hit hit = HitOf(problem, world, planned, rotation, branch);
+        EXPECT_EQ(interference.IsFree(rotation, branch), hit == Hit::kNone) << at << ' ' << k;
+        ++found[static_cast<size_t>(hit)];
+      }
+    }
+  }
+  for (const int count : found) EXPECT_GT(count, 5);
+}
+
+/// Whether some branch of a rotation has a pose.
+bool HasPose(const PoseProblem& problem, const PassResult& pass, size_t t, double rotation) {
+  const PointScorer scorer(problem, pass.points[t].point, pass.rotation_reference);
+  for (int branch = 0; branch < 8; ++branch)
+    if (scorer.ScoreOne({rotation}, branch).obstacle == Obstacle::kNone) return true;
+  return false;
+}
+
+TEST(FewestMissing, IsTheFirstOfTheRotationsThatServeMost) {
+  const PoseProblem wide = MakeProblem(Kr500R2830());
+  const World world(EmptyCell(wide));
+  const std::vector<PassResult> planned = Plan(wide, world, Rows(), false);
+  const std::vector<const PassResult*> passes{&planned[0], &planned[1]};
+  FixedTable grid;
+  grid.rotations = 45;
+  grid.first = -kPi;
+  grid.step = DegToRad(8);
+  RandomStream stream(51, 0);
+  int none_missing = 0, some_missing = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    PoseProblem problem = wide;
+    for (int j = 0; j < 6; ++j) {
+      const double middle = planned[0].points[static_cast<size_t>(stream.Below(25))].q[j];
+      problem.bounds.lower[j] = std::max(wide.bounds.lower[j], middle - stream.Uniform(0.02, 1.2));
+      problem.bounds.upper[j] = std::min(wide.bounds.upper[j], middle + stream.Uniform(0.02, 1.2));
+    }
+    MissingPoints expected{0, std::numeric_limits<size_t>::max(), {}};
+    for (size_t r = 0; r < grid.rotations; ++r) {
+      MissingPoints of{r, 0, {{}, {}}};
+      for (size_t pass = 0; pass < 2; ++pass)
+        for (size_t t = 0; t < planned[pass].points.size(); ++t)
+          if (!HasPose(problem, planned[pass], t, grid.Rotation(r)))
+            ++of.count, of.of_pass[pass].push_back(t);
+      if (of.count < expected.count) expected = of;
+    }
+    const MissingPoints found = FewestMissing(Stations(world, problem), passes, grid, 2, {});
+    EXPECT_EQ(found.rotation, expected.rotation);
+    EXPECT_EQ(found.count, expected.count);
+    EXPECT_EQ(found.of_pass, expected.of_pass);
+    ++(found.count > 0 ? some_missing : none_missing);
+  }
+  EXPECT_GT(none_missing, 3);
+  EXPECT_GT(some_missing, 3);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/free_smoothing.hpp"
 
-#include "path/cut_check.hpp"
+#include "graph/cut_check.hpp"
 #include "tests/path/rough_row.hpp"
 
 namespace millpose {

@@ -3,9 +3,9 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "gaps/gap_planner.hpp"
+#include "gaps/job_planner.hpp"
 #include "motion/time_law.hpp"
-#include "path/gap_planner.hpp"
-#include "path/job_planner.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/cell/sample_cell.hpp"
 

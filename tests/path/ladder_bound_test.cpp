@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "path/ladder_bound.hpp"
+#include "ladder/ladder_bound.hpp"
 
-#include "path/worst_then_sum.hpp"
+#include "ladder/worst_then_sum.hpp"
 #include "tests/path/pass_problem.hpp"
 #include "tests/path/small_layers.hpp"
 
@@ -107,7 +107,7 @@ TEST(LadderBound, IsTheSameOverEarlierSweeps) {
 TEST(LadderBound, OfAPassRoundAnObstacle) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   const Pass pass = Row(-60, 60, 24);
-  const PassResult before = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, Options(), 2, {});
+  const PassResult before = PlanPass(problem, World(EmptyCell(problem)), {pass}, Options(), {.threads = 2});
   for (const PlannedPoint& point : before.points) {
     EXPECT_LE(point.free_optimum, std::min(point.unsmoothed, point.objective));
     EXPECT_NEAR(point.free_optimum, point.own_optimum, 1e-4 * point.own_optimum) << "nothing is met";
@@ -117,7 +117,7 @@ TEST(LadderBound, OfAPassRoundAnObstacle) {
   const World world(CellWithBallAt(problem, before, 12, 30));
   PathOptions options = Options();
   options.worst_first = true;
-  const PassResult result = PlanPass(problem, world, pass, 0, 0, options, 2, {});
+  const PassResult result = PlanPass(problem, world, {pass}, options, {.threads = 2});
   EXPECT_GT(result.bound.cost_bound, 0);
   EXPECT_LE(result.bound.cost_bound, result.bound.cost);
   EXPECT_GT(result.bound.worst_bound, 0);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "path/ladder_search.hpp"
+#include "ladder/ladder_search.hpp"
 
-#include "path/block_kernel.hpp"
-#include "path/returning.hpp"
-#include "tests/pose/problems.hpp"
+#include "ladder/block_kernel.hpp"
+#include "ladder/returning.hpp"
+#include "ladder/table_layer.hpp"
+#include "tests/path/random_layers.hpp"
+#include "tests/pose/lean_problems.hpp"
 
 namespace millpose {
 namespace {
@@ -22,28 +24,57 @@ std::vector<Layer> PanelLayers(const PoseProblem& problem, int count, double ste
   return layers;
 }
 
-/// Layers without meaning: few branches, joints near one another, so that ties, breaks and detours happen.
-std::vector<Layer> RandomLayers(RandomStream& stream, int count, int most_nodes, double spread) {
-  std::vector<Layer> layers(count);
-  for (Layer& layer : layers) {
-    const int nodes = stream.Below(most_nodes + 1);
-    std::vector<std::pair<int, double>> places;
-    for (int k = 0; k < nodes; ++k) places.emplace_back(stream.Below(2), stream.Uniform(-kPi, kPi));
-    std::sort(places.begin(), places.end());
-    for (const auto& [branch, value] : places) {
-      Joints q;
-      for (int j = 0; j < 6; ++j) q[j] = spread * stream.Normal() + (stream.Below(2) ? 2 * kPi : 0.0);
-      layer.joints.Add(q);
-      layer.objective.push_back(stream.Below(12) == 0 ? kInfinity : stream.Uniform(1, 2));
-      layer.freedoms.push_back({value});
-      layer.first.push_back(value);
-      layer.base.push_back(layer.base.size());
-      layer.genetic.push_back(false);
-      for (int later = branch + 1; later <= 8; ++later) layer.lane_begin[later] = layer.size();
+void ExpectSameNodes(const Layer& a, const Layer& b) {
+  ASSERT_EQ(a.size(), b.size());
+  EXPECT_EQ(a.lane_begin, b.lane_begin);
+  EXPECT_EQ(a.joints.q, b.joints.q);
+  EXPECT_EQ(a.objective, b.objective);
+  EXPECT_EQ(a.freedoms, b.freedoms);
+  EXPECT_EQ(a.first, b.first);
+  EXPECT_EQ(a.base, b.base);
+  EXPECT_EQ(a.genetic, b.genetic);
+}
+
+TEST(MakeLayer, OfATableIsThatOfASeedForEveryEntry) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  const PointScorer scorer(problem, PanelPoint(100, 60), Eigen::Vector3d::UnitZ());
+  const CandidateTable table = CandidateTable::OfStep(scorer, DegToRad(3));
+  for (const bool all_revolutions : {false, true}) {
+    std::vector<NodeSeed> seeds = SeedsOf(table), others;
+    const std::vector<NodeSeed> of_table = seeds;
+    // Between two entries, as another, before the first and after the last of their branches, and a branch
+    // without entries.
+    for (size_t i = 0; i < of_table.size(); i += 7) {
+      NodeSeed other = of_table[i];
+      other.genetic = true;
+      other.freedoms[0] += DegToRad(static_cast<double>(i % 3) - 1) + (i % 5 == 0 ? 4 : 0);
+      if (i % 11 == 0) other.branch = 7 - other.branch;
+      others.push_back(other);
     }
-    layer.joints.Finish();
+    others.push_back(of_table[1]);
+    others.push_back(of_table[2]);
+    others.back().candidate.obstacle = Obstacle::kLimit;
+    seeds.insert(seeds.end(), others.begin(), others.end());
+    ExpectSameNodes(MakeLayer(scorer, table, others, all_revolutions),
+                    MakeLayer(scorer, seeds, all_revolutions));
   }
-  return layers;
+}
+
+TEST(FreedomsOf, AreThoseOfTheSeeds) {
+  for (const PoseProblem& problem : {MakeProblem(Kr500R2830()), LeaningProblem()}) {
+    const PointScorer scorer(problem, PanelPoint(100, 60), Eigen::Vector3d::UnitZ());
+    const CandidateTable table = CandidateTable::OfSize(scorer, 200);
+    const Layer of_seeds = MakeLayer(scorer, SeedsOf(table), false),
+                of_table = MakeLayer(scorer, table, {}, false);
+    ASSERT_EQ(of_table.size(), table.entries().size());
+    size_t node = 0;
+    for (int branch = 0; branch < 8; ++branch)
+      for (const CandidateTable::Entry& entry : table.entries()) {
+        if (entry.branch != branch) continue;
+        EXPECT_EQ(FreedomsOf(of_table, node), table.Setting(entry.setting));
+        EXPECT_EQ(FreedomsOf(of_seeds, node++), table.Setting(entry.setting));
+      }
+  }
 }
 
 struct Dense {
@@ -111,13 +142,6 @@ Dense Measure(const LadderProblem& problem, const Sequence& sequence) {
     previous = t;
   }
   return dense;
-}
-
-StepRule Rule(double step_deg, double weight = 1e-5) {
-  StepRule rule;
-  rule.max_step = Joints::Constant(DegToRad(step_deg));
-  rule.motion_weight = weight;
-  return rule;
 }
 
 TEST(SearchOpen, EqualsTheDenseReferenceOnRandomLayers) {
@@ -208,8 +232,7 @@ TEST(AreReturning, EqualsTheDenseReferenceOnRandomLayers) {
     std::vector<NodeRange> ranges;
     for (size_t node = 0; node < layers[problem.first_layer].size(); ++node)
       ranges.emplace_back(node, node + 1);
-    const std::vector<char> found =
-        AreReturning(problem, ranges, [&](size_t t, size_t node) { return counts[t][node] != 0; });
+    const std::vector<char> found = AreReturning(problem, ranges, counts);
     for (size_t start = 0; start < ranges.size(); ++start) {
       bool expected = false;
       const std::vector<Dense> row = DenseRow(reference, start, false);
@@ -222,28 +245,6 @@ TEST(AreReturning, EqualsTheDenseReferenceOnRandomLayers) {
   }
   EXPECT_GT(returning, 200u);
   EXPECT_GT(lost, 200u);
-}
-
-/// Prunes a few nodes and edges, as interference does.
-void BlockSome(RandomStream& stream, std::vector<Layer>& layers, std::vector<BlockedEdges>& blocked,
-               std::vector<uint64_t>& versions) {
-  for (int k = 0; k < 3; ++k) {
-    const auto t = static_cast<size_t>(stream.Below(static_cast<int>(layers.size())));
-    if (layers[t].size() == 0) continue;
-    const auto node = static_cast<size_t>(stream.Below(static_cast<int>(layers[t].size())));
-    ++versions[t];
-    if (stream.Below(3) > 0) {
-      layers[t].objective[node] = kInfinity;
-    } else if (const size_t next = layers[(t + 1) % layers.size()].size(); next > 0) {
-      blocked[t].insert({node, static_cast<size_t>(stream.Below(static_cast<int>(next)))});
-    }
-  }
-}
-
-void ExpectSame(const Sequence& a, const Sequence& b) {
-  EXPECT_EQ(a.nodes, b.nodes);
-  EXPECT_EQ(a.break_before, b.break_before);
-  EXPECT_EQ(a.cost, b.cost);
 }
 
 TEST(SweepMemory, WhatSweepsKeepChangesNoBit) {
@@ -366,11 +367,17 @@ TEST(RelaxBlock, FindsForEveryNodeWhatRelaxFromFinds) {
         block.first[l] = static_cast<size_t>(stream.Uniform(0, 150));
         block.last[l] = block.first[l] + static_cast<size_t>(stream.Uniform(0, 151.0 - block.first[l]));
       }
+      const TargetBlock one_part = block;
+      RelaxBlock(rule, from, row, static_cast<size_t>(stream.Uniform(0, 150)), block);
+      // The other part of a band: what it holds that is no better leaves the best as it is.
+      for (size_t l = 0; l < kBlock; ++l) block.first[l] = one_part.last[l], block.last[l] = 150;
       RelaxBlock(rule, from, row, static_cast<size_t>(stream.Uniform(0, 150)), block);
       for (size_t l = 0; l < kBlock; ++l) {
         if ((block.wanted >> l & 1u) == 0) continue;
         BestPredecessor expected;
-        RelaxFrom(rule, from, row, block.first[l], block.last[l], to.At(begin + l), kInfinity, expected);
+        const Joints at = to.At(begin + l);
+        for (const TargetBlock& part : {one_part, block})
+          RelaxFrom(rule, from, row, part.first[l], part.last[l], at, kInfinity, expected);
         ASSERT_EQ(block.best[l].cost, expected.cost) << round;
         ++(std::isfinite(expected.cost) ? found : none);
         if (std::isfinite(expected.cost)) {

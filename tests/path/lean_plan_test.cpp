@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector3d;
 
 PassResult Plan(const PoseProblem& problem, const Pass& pass, const PathOptions& options, int threads = 2) {
-  return PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, options, threads, {});
+  return PlanPass(problem, World(EmptyCell(problem)), {pass}, options, {.threads = threads});
 }
 
 double Sum(const PassResult& plan) {
@@ -234,8 +234,8 @@ TEST(LeanPlan, LosesNothingToInterferenceThatTheNominalLeanKeeps) {
   const PassResult free = Plan(problem, pass, options);
   const Cell cell = CellWithBallAt(problem, free, 10, 60);
   const World world(cell);
-  const PassResult plan = PlanPass(problem, world, pass, 0, 0, options, 2, {});
-  const PassResult nominal = PlanPass(AtOwnAxis(problem), world, pass, 0, 0, options, 2, {});
+  const PassResult plan = PlanPass(problem, world, {pass}, options, {.threads = 2});
+  const PassResult nominal = PlanPass(AtOwnAxis(problem), world, {pass}, options, {.threads = 2});
   const auto skipped = [](const PassResult& of) {
     return std::ranges::count_if(of.points, [](const PlannedPoint& p) { return p.skip != Obstacle::kNone; });
   };

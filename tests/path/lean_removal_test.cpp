@@ -4,6 +4,7 @@
 
 #include "base/random.hpp"
 #include "base/units.hpp"
+#include "pose/freedoms/lean.hpp"
 #include "pose/lean_problem.hpp"
 #include "tests/base/tier.hpp"
 #include "tests/path/pass_problem.hpp"
@@ -21,9 +22,9 @@ const Vector3d kNormal = -Vector3d::UnitX();
 PoseProblem FlatEnd() {
   PoseProblem problem = MakeProblem(Kr500R2830());
   problem.freedoms.push_back(
-      MakeFreedom("lead", LeanRange{DegToRad(0.5), DegToRad(6.5), DegToRad(1), DegToRad(1)}));
+      std::make_shared<Lead>(LeanRange{DegToRad(0.5), DegToRad(6.5), DegToRad(1), DegToRad(1)}));
   problem.freedoms.push_back(
-      MakeFreedom("tilt", LeanRange{DegToRad(-0.5), DegToRad(0.5), DegToRad(0.25), 0}));
+      std::make_shared<Tilt>(LeanRange{DegToRad(-0.5), DegToRad(0.5), DegToRad(0.25), 0}));
   problem.lean = LeanRules{.cutter = {8, 0, 40},
                            .lead = DegToRad(1),
                            .back_and_forth = true,
@@ -113,7 +114,8 @@ TEST(LeanRemoval, APlanLeavesNoMoreThanTheScallopAndKeepsItsContacts) {
       point.arc_length = 5 * t;
       pass.points.push_back(point);
     }
-    const PassResult plan = PlanPass(problem, World(EmptyCell(problem)), pass, p, 0, Options(), 2, {});
+    const PassResult plan =
+        PlanPass(problem, World(EmptyCell(problem)), {pass, p, 0}, Options(), {.threads = 2});
     Way& way = ways.emplace_back();
     for (const PlannedPoint& planned : plan.points) {
       ASSERT_EQ(planned.skip, Obstacle::kNone) << planned.detail;

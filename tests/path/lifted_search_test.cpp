@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Against every sequence and every set of lifts there is, and rings against all starts.
-#include "path/lifted_search.hpp"
+#include "ladder/lifted_search.hpp"
 
 #include <gtest/gtest.h>
 
-#include "path/worst_then_sum.hpp"
+#include "ladder/worst_then_sum.hpp"
 #include "tests/path/small_layers.hpp"
 
 namespace millpose {

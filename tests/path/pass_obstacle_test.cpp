@@ -8,10 +8,10 @@ namespace {
 TEST(PlanPass, GoesRoundWhatIsInTheWay) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   const Pass pass = Row(-60, 60, 24);
-  const PassResult before = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, Options(), 2, {});
+  const PassResult before = PlanPass(problem, World(EmptyCell(problem)), {pass}, Options(), {.threads = 2});
   const World world(CellWithBallAt(problem, before, 12, 30));
   ASSERT_TRUE(Checker(world).At(before.points[12].q, Phase::kCutting).has_value());
-  const PassResult result = PlanPass(problem, world, pass, 0, 0, Options(), 2, {});
+  const PassResult result = PlanPass(problem, world, {pass}, Options(), {.threads = 2});
   ExpectSound(problem, Options(), pass, result);
   EXPECT_GT(result.nodes_pruned, 0);
   EXPECT_GT(result.poses_checked, 0);
@@ -34,7 +34,7 @@ TEST(PlanPass, GoesRoundWhatIsInTheWay) {
 TEST(PlanPass, SaysWhichBodiesBarAPoint) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   Pass pass = Row(-100, 100, 16);
-  const PassResult before = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, Options(), 2, {});
+  const PassResult before = PlanPass(problem, World(EmptyCell(problem)), {pass}, Options(), {.threads = 2});
   Cell cell = EmptyCell(problem);
   Body spindle{
       .name = "spindle", .body_class = BodyClass::kSpindle, .mount = Mount::kTool, .shape = Cylinder{8, 200}};
@@ -42,7 +42,7 @@ TEST(PlanPass, SaysWhichBodiesBarAPoint) {
   Body rod{.name = "rod", .body_class = BodyClass::kFixture, .mount = Mount::kWorld, .shape = Sphere{2}};
   rod.X_MG.translation() = pass.points[6].position + 200 * pass.points[6].tool_axis;
   cell.bodies = {spindle, rod};
-  const PassResult result = PlanPass(problem, World(cell), pass, 0, 0, Options(), 2, {});
+  const PassResult result = PlanPass(problem, World(cell), {pass}, Options(), {.threads = 2});
   ExpectSound(problem, Options(), pass, result);
   EXPECT_EQ(result.points[6].skip, Obstacle::kInterference);
   EXPECT_NE(result.points[6].detail.find("spindle"), std::string::npos) << result.points[6].detail;

@@ -2,7 +2,7 @@
 #include "path/pass_planner.hpp"
 
 #include "base/error.hpp"
-#include "path/edge_kernel.hpp"
+#include "ladder/edge_kernel.hpp"
 #include "path/revolutions.hpp"
 #include "tests/path/pass_problem.hpp"
 
@@ -13,7 +13,7 @@ TEST(PlanPass, FollowsARow) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   const World world(EmptyCell(problem));
   const Pass pass = Row(-300, 300, 60);
-  const PassResult result = PlanPass(problem, world, pass, 3, 100, Options(), 2, {});
+  const PassResult result = PlanPass(problem, world, {pass, 3, 100}, Options(), {.threads = 2});
   ExpectSound(problem, Options(), pass, result);
   ASSERT_EQ(result.pieces.size(), 1u);
   EXPECT_EQ(result.pieces[0].pass, 3);
@@ -31,7 +31,7 @@ TEST(PlanPass, APointAloneBetweenSkippedOnesSaysSo) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   Pass pass = Row(-60, 60, 12);
   pass.points[4].gouge = pass.points[6].gouge = 0.2;
-  const PassResult result = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, Options(), 2, {});
+  const PassResult result = PlanPass(problem, World(EmptyCell(problem)), {pass}, Options(), {.threads = 2});
   ExpectSound(problem, Options(), pass, result);
   EXPECT_EQ(result.points[4].skip, Obstacle::kGouge);
   EXPECT_EQ(result.points[5].skip, Obstacle::kStep);
@@ -45,7 +45,7 @@ TEST(PlanPass, SameBytesForAnyNumberOfThreads) {
   const Pass pass = Row(-60, 60, 12);
   std::vector<PassResult> results;
   for (const int threads : {1, 2, 4}) {
-    results.push_back(PlanPass(problem, world, pass, 0, 0, Options(), threads, {}));
+    results.push_back(PlanPass(problem, world, {pass}, Options(), {.threads = threads}));
   }
   for (size_t t = 0; t < pass.points.size(); ++t) {
     for (const PassResult& other : results) {
@@ -60,7 +60,7 @@ TEST(PlanPass, ClosesARing) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   const World world(EmptyCell(problem));
   const Pass pass = Ring(400, 150);
-  const PassResult result = PlanPass(problem, world, pass, 0, 0, Options(), 2, {});
+  const PassResult result = PlanPass(problem, world, {pass}, Options(), {.threads = 2});
   ExpectSound(problem, Options(), pass, result);
   ASSERT_EQ(result.pieces.size(), 1u);
   EXPECT_TRUE(result.pieces[0].closed);
@@ -72,7 +72,7 @@ TEST(PlanPass, OneBadPointDoesNotCostThePass) {
   Pass pass = Row(-40, 40, 16);
   pass.points[5].position.x() += 9000;
   pass.points[7].position.x() += 9000;  // leaves point 6 alone
-  const PassResult result = PlanPass(problem, world, pass, 0, 0, Options(), 2, {});
+  const PassResult result = PlanPass(problem, world, {pass}, Options(), {.threads = 2});
   ExpectSound(problem, Options(), pass, result);
   EXPECT_EQ(result.points[5].skip, Obstacle::kUnreachable);
   EXPECT_EQ(result.points[6].skip, Obstacle::kStep);
@@ -86,7 +86,7 @@ TEST(PlanPass, HalfThePartOutOfReachLeavesTheOtherHalf) {
   const World world(EmptyCell(problem));
   Pass pass = Row(-60, 60, 24);
   for (int t = 12; t < 24; ++t) pass.points[t].position.x() += 3000;
-  const PassResult result = PlanPass(problem, world, pass, 0, 0, Options(), 2, {});
+  const PassResult result = PlanPass(problem, world, {pass}, Options(), {.threads = 2});
   ExpectSound(problem, Options(), pass, result);
   ASSERT_EQ(result.pieces.size(), 1u);
   for (int t = 0; t < 24; ++t) {
@@ -103,9 +103,9 @@ TEST(PlanPass, SmoothsWhatItFinds) {
   options.max_deviation = 0.5;
   PathOptions rough = options;
   rough.smoothing_loss = 0;
-  const PassResult smooth = PlanPass(problem, world, pass, 0, 0, options, 2, {});
+  const PassResult smooth = PlanPass(problem, world, {pass}, options, {.threads = 2});
   ExpectSound(problem, options, pass, smooth);
-  const PassResult before = PlanPass(problem, world, pass, 0, 0, rough, 2, {});
+  const PassResult before = PlanPass(problem, world, {pass}, rough, {.threads = 2});
   const Smoothing& figures = smooth.smoothing;
   EXPECT_LT(figures.square_after, 0.25 * figures.square_before);
   EXPECT_LE(figures.objective_after, 1.01 * figures.objective_before);
@@ -139,7 +139,8 @@ TEST(PlanPass, RingsInsideACabinWindAJointAndTheNextRunsTheOtherWay) {
   std::vector<PassResult> as_laid;
   for (int p = 0; p < 3; ++p) {
     const Pass pass = ring(1900 + 20 * p);
-    as_laid.push_back(PlanPass(problem, world, pass, p, 100 * p, Options(), 2, {}));
+    as_laid.push_back(
+        PlanPass(problem, world, {pass, p, 100 * static_cast<size_t>(p)}, Options(), {.threads = 2}));
     ExpectSound(problem, Options(), pass, as_laid.back());
     ASSERT_EQ(as_laid.back().pieces.size(), 1u);
     ASSERT_TRUE(as_laid.back().pieces[0].closed);
@@ -178,9 +179,9 @@ TEST(PlanPass, StopsWhenAsked) {
   const PoseProblem problem = MakeProblem(Kr500R2830());
   std::stop_source source;
   source.request_stop();
-  EXPECT_THROW(
-      PlanPass(problem, World(EmptyCell(problem)), Row(-60, 60, 8), 0, 0, Options(), 1, source.get_token()),
-      Interrupted);
+  EXPECT_THROW(PlanPass(problem, World(EmptyCell(problem)), {Row(-60, 60, 8)}, Options(),
+                        {.threads = 1, .stop = source.get_token()}),
+               Interrupted);
 }
 
 }  // namespace

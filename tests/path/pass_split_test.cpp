@@ -22,7 +22,7 @@ void HoldArm(PoseProblem& problem, const PassResult& result, double margin_deg) 
 /// The rotation about the tool axis, but within 4° of a value only.
 class HeldRotation final : public Freedom {
  public:
-  explicit HeldRotation(double middle) : middle_(middle), rotation_(MakeFreedom("rotation")) {}
+  explicit HeldRotation(double middle) : middle_(middle), rotation_(RotationAboutTool()) {}
   std::string Name() const override { return "held rotation"; }
   double Lower() const override { return middle_ - DegToRad(4); }
   double Upper() const override { return middle_ + DegToRad(4); }
@@ -32,7 +32,7 @@ class HeldRotation final : public Freedom {
 
  private:
   double middle_;
-  std::unique_ptr<Freedom> rotation_;
+  FreedomPointer rotation_;
 };
 
 /// A rotation at which the points of a pass, 4° to either side too, are reached with the wrist unflipped and
@@ -69,7 +69,7 @@ TEST(PlanPass, SplitsWhereNoStepIsSmallEnough) {
     const Eigen::AngleAxisd turn(DegToRad(35), Eigen::Vector3d::UnitZ());
     pass.points[t].normal = pass.points[t].tool_axis = turn * pass.points[t].normal;
   }
-  const PassResult result = PlanPass(problem, world, pass, 0, 0, Options(), 2, {});
+  const PassResult result = PlanPass(problem, world, {pass}, Options(), {.threads = 2});
   ExpectSound(problem, Options(), pass, result);
   ASSERT_EQ(result.pieces.size(), 2u);
   EXPECT_EQ(result.pieces[0].last, 9);
@@ -103,7 +103,7 @@ TEST(PlanPass, UnwindsWhereAJointRunsOutOfTurns) {
   PoseProblem problem = MakeProblem(Kr500R2830(), 1);
   const Pass pass = RingAboutTheArm();
   const PathOptions options = CoarseOptions();
-  const PassResult result = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, options, 2, {});
+  const PassResult result = PlanPass(problem, World(EmptyCell(problem)), {pass}, options, {.threads = 2});
   ExpectSound(problem, options, pass, result);
   ASSERT_EQ(result.pieces.size(), 2u);
   EXPECT_FALSE(result.pieces[0].closed);
@@ -112,7 +112,7 @@ TEST(PlanPass, UnwindsWhereAJointRunsOutOfTurns) {
   // The same ring with a joint that may turn on needs no split.
   problem.bounds.lower[0] = DegToRad(-400);
   problem.bounds.upper[0] = DegToRad(400);
-  const PassResult free = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, options, 2, {});
+  const PassResult free = PlanPass(problem, World(EmptyCell(problem)), {pass}, options, {.threads = 2});
   ExpectSound(problem, options, pass, free);
   ASSERT_EQ(free.pieces.size(), 1u);
   EXPECT_TRUE(free.pieces[0].closed);
@@ -127,7 +127,7 @@ TEST(PlanPass, LeadsOfTheJobFollowBeyondTheOverlapOfASplit) {
     PathOptions options = CoarseOptions();
     options.ends.lead = shape;
     options.ends.lead_length = 40;
-    const PassResult result = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, options, 2, {});
+    const PassResult result = PlanPass(problem, World(EmptyCell(problem)), {pass}, options, {.threads = 2});
     ExpectSound(problem, options, pass, result);
     ASSERT_GE(result.pieces.size(), 2u);
     EXPECT_TRUE(result.uncut.empty());
@@ -181,7 +181,7 @@ TEST(PlanPass, PostsThatForceAnotherBranchInMidPassSplitItWithAnOverlap) {
   const World world(cell);
   PathOptions options = Options();
   options.rotation_step = DegToRad(1);
-  const PassResult result = PlanPass(problem, world, pass, 0, 0, options, 2, {});
+  const PassResult result = PlanPass(problem, world, {pass}, options, {.threads = 2});
   ExpectSound(problem, options, pass, result);
   ASSERT_EQ(result.pieces.size(), 2u);
   EXPECT_TRUE(result.uncut.empty());
@@ -216,7 +216,7 @@ TEST(PlanPass, NeverRunsThroughTheWristSingularity) {
   HoldArm(problem, course, 0.2);
   PathOptions options = Options();
   options.rotation_step = DegToRad(0.25);
-  const PassResult result = PlanPass(problem, World(EmptyCell(problem)), pass, 0, 0, options, 2, {});
+  const PassResult result = PlanPass(problem, World(EmptyCell(problem)), {pass}, options, {.threads = 2});
   ExpectSound(problem, options, pass, result);  // every piece keeps its branch
   EXPECT_GE(result.pieces.size(), 2u);
   int singular = 0, before = 0, after = 0;

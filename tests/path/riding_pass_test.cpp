@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Passes along which external axes move.
 #include "motion/line.hpp"
-#include "path/external_course.hpp"
+#include "stations/external_course.hpp"
 #include "tests/path/pass_problem.hpp"
 #include "toolpath/make_toolpath.hpp"
 
@@ -42,7 +42,7 @@ struct Riding {
     }
   }
   PassResult Plan(const PathOptions& options, int threads = 2) const {
-    return PlanPass({stations, positions}, pass, 0, 0, options, {.threads = threads});
+    return PlanPass({stations, positions}, {pass}, options, {.threads = threads});
   }
   Carrier Between(const ExternalPosition& from, const ExternalPosition& to) const {
     const Cell& cell = stations.world().cell();
@@ -115,7 +115,8 @@ TEST(RidingPass, AxesThatDoNotMoveGiveThePlanOfAStationThatStands) {
   const Riding riding(problem, RailAndTable(EmptyCell(problem)), StandingAt(at), Row(-300, 300, 30));
   const PassResult rides = riding.Plan(Options());
   const Station& station = riding.stations.At(at);
-  const PassResult stands = PlanPass(station.problem, station.world, riding.pass, 0, 0, Options(), 2, {});
+  const PassResult stands =
+      PlanPass(station.problem, station.world, {riding.pass}, Options(), {.threads = 2});
   ASSERT_EQ(rides.points.size(), stands.points.size());
   for (size_t t = 0; t < stands.points.size(); ++t) {
     EXPECT_LT((rides.points[t].q - stands.points[t].q).cwiseAbs().maxCoeff(), 1e-6) << t;

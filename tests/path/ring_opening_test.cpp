@@ -64,7 +64,7 @@ TEST(OpenRing, BeginsWhereThatCostsLeast) {
   const Pass pass = OpenRing(450, 60, RingOpening::kAnywhere);
   for (const bool worst_first : {false, true}) {
     options.worst_first = worst_first;
-    const PassResult result = PlanPass(problem, world, pass, 0, 0, options, 1, {});
+    const PassResult result = PlanPass(problem, world, {pass}, options, {.threads = 1});
     ExpectSound(problem, options, pass, result);
     ExpectOpened(pass, result);
     // Neither closed nor from any other start does it cost less, but for the overlap, refinement and
@@ -73,18 +73,18 @@ TEST(OpenRing, BeginsWhereThatCostsLeast) {
     Pass given = pass;
     for (const size_t start : {0, 15}) {
       given.opening = RingOpening::kAtStart;
-      const PassResult other = PlanPass(problem, world, BeginningAt(given, start), 0, 0, options, 2, {});
+      const PassResult other = PlanPass(problem, world, {BeginningAt(given, start)}, options, {.threads = 2});
       EXPECT_EQ(other.opened_at, 0);
       EXPECT_GT(worst_first ? WorstOf(other) : SumOf(other), 0.99 * value) << start;
     }
     given.opening = RingOpening::kNone;
-    const PassResult closed = PlanPass(problem, world, given, 0, 0, options, 2, {});
+    const PassResult closed = PlanPass(problem, world, {given}, options, {.threads = 2});
     EXPECT_TRUE(closed.pieces[0].closed);
     EXPECT_GT(worst_first ? WorstOf(closed) : SumOf(closed), 1.05 * value);
     if (worst_first) continue;
     const std::string bytes = Serialise(result);
-    EXPECT_EQ(Serialise(PlanPass(problem, world, pass, 0, 0, options, 2, {})), bytes);
-    EXPECT_EQ(Serialise(PlanPass(problem, world, pass, 0, 0, options, 4, {})), bytes);
+    EXPECT_EQ(Serialise(PlanPass(problem, world, {pass}, options, {.threads = 2})), bytes);
+    EXPECT_EQ(Serialise(PlanPass(problem, world, {pass}, options, {.threads = 4})), bytes);
   }
 }
 
@@ -96,12 +96,12 @@ TEST(Lifts, AreMadeWhereTheyPayAndCutEverything) {
   for (const bool worst_first : {false, true}) {
     options.worst_first = worst_first;
     options.lift_gain = 0;
-    const PassResult whole = PlanPass(problem, world, pass, 0, 0, options, 2, {});
+    const PassResult whole = PlanPass(problem, world, {pass}, options, {.threads = 2});
     ASSERT_EQ(whole.pieces.size(), 1u);
     EXPECT_TRUE(whole.lifts.empty());
     options.lift_gain = 0.005;
     options.max_lifts = 2;
-    const PassResult lifted = PlanPass(problem, world, pass, 0, 0, options, 1, {});
+    const PassResult lifted = PlanPass(problem, world, {pass}, options, {.threads = 1});
     ExpectSound(problem, options, pass, lifted);
     EXPECT_EQ(lifted.lifts, (std::vector<int>{1, 2}));
     EXPECT_EQ(lifted.pieces.size(), 3u);
@@ -112,10 +112,10 @@ TEST(Lifts, AreMadeWhereTheyPayAndCutEverything) {
     if (worst_first) {
       EXPECT_LE(WorstOf(lifted), WorstOf(whole) * (1 + 1e-5));
     }
-    EXPECT_EQ(Serialise(PlanPass(problem, world, pass, 0, 0, options, 4, {})), Serialise(lifted));
+    EXPECT_EQ(Serialise(PlanPass(problem, world, {pass}, options, {.threads = 4})), Serialise(lifted));
     // Two lifts that gain 5 % together are not worth 5 % each.
     options.lift_gain = 0.05;
-    const PassResult dear = PlanPass(problem, world, pass, 0, 0, options, 2, {});
+    const PassResult dear = PlanPass(problem, world, {pass}, options, {.threads = 2});
     EXPECT_TRUE(dear.lifts.empty());
     ASSERT_EQ(dear.points.size(), whole.points.size());
     for (size_t t = 0; t < whole.points.size(); ++t) EXPECT_EQ(dear.points[t].q, whole.points[t].q);

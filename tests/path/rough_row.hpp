@@ -3,7 +3,7 @@
 #pragma once
 
 #include "motion/cut_feed.hpp"
-#include "path/smoothing.hpp"
+#include "smoothing/smoothing.hpp"
 #include "tests/pose/problems.hpp"
 
 namespace millpose {

@@ -7,7 +7,7 @@
 
 #include "base/random.hpp"
 #include "base/units.hpp"
-#include "path/ladder_search.hpp"
+#include "ladder/ladder_search.hpp"
 
 namespace millpose {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "path/smoothing.hpp"
+#include "smoothing/smoothing.hpp"
 
 #include <limits>
 
 #include "motion/line.hpp"
-#include "path/box_step.hpp"
+#include "smoothing/box_step.hpp"
 #include "tests/path/rough_row.hpp"
 
 namespace millpose {
@@ -34,6 +34,29 @@ TEST(SmoothPath, HalvesTheAccelerationsOfStairsAtLittleLoss) {
   for (size_t t = 0; t < start.size(); ++t) EXPECT_EQ(again[t].q, course.path[t].q);
 }
 
+// A place that stands is neither scored nor judged again.
+TEST(FreedomCourse, JudgesMovedPlacesAsIfAllWereNew) {
+  for (const bool closed : {false, true}) {
+    RoughRow row(30, 10, Stairs);
+    SmoothOptions options = row.Options();
+    const FreedomCourse course(row.scorers, row.points, row.path, closed, {options.max_step});
+    std::vector<CoursePlace> places = course.Start(row.ranges);
+    course.Judge(places);
+    std::vector<double> x;
+    for (size_t t = 0; t < places.size(); ++t)
+      x.push_back(places[t].x + (t % 7 == 0 || t == 29 ? DegToRad(0.1) : 0.0));
+    std::vector<CoursePlace> moved = course.Moved(x, row.ranges, places);
+    const Merit merit = course.Judge(moved);
+    EXPECT_NE(moved[7].q, places[7].q);
+    std::vector<CoursePlace> fresh = moved;
+    for (CoursePlace& place : fresh) place.judged = false, place.off.setZero();
+    const Merit anew = course.Judge(fresh);
+    EXPECT_EQ(merit.square, anew.square);
+    EXPECT_EQ(merit.violation, anew.violation);
+    for (size_t t = 0; t < course.motions(); ++t) EXPECT_EQ(moved[t].off, fresh[t].off) << t;
+  }
+}
+
 TEST(SmoothPath, LosesNoMoreThanAllowed) {
   double last = std::numeric_limits<double>::infinity();
   for (const double loss : {0.0, 0.001, 0.01, 0.1}) {
@@ -46,6 +69,28 @@ TEST(SmoothPath, LosesNoMoreThanAllowed) {
     EXPECT_LE(course.Rms(), last * 1.05);  // more may be given, more is gained
     last = course.Rms();
   }
+}
+
+TEST(SmoothPath, SaysWithWhichWeightItCameOut) {
+  RoughRow course(60, 10, Stairs);
+  SmoothOptions options = course.Options();
+  const auto smooth = [&](std::vector<PathNode> path, double weight) {
+    options.weight = weight;
+    const Smoothed smoothed = SmoothPath(course.scorers, course.points, course.ranges, options, path);
+    return std::pair(smoothed.weight, std::move(path));
+  };
+  const auto square = [&](const std::vector<PathNode>& path) {
+    return MeasurePath(course.scorers, course.points, options, path).square;
+  };
+  const auto [weight, found] = smooth(course.path, 0);
+  ASSERT_GT(weight, 0);
+  const double least = square(found);
+  // With it the path gets no worse, with much more for the objective it would be another.
+  const double again = square(smooth(found, weight).second);
+  EXPECT_LE(again, least);
+  EXPECT_GT(again, 0.5 * least);
+  EXPECT_GT(square(smooth(course.path, 1000 * weight).second), 1.2 * least);
+  EXPECT_EQ(smooth(course.path, weight).first, weight);
 }
 
 TEST(SmoothPath, KeepsToItsRanges) {

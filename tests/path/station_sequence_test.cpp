@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "path/station_sequence.hpp"
+#include "stations/station_sequence.hpp"
 
 #include <gtest/gtest.h>
 

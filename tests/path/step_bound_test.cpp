@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "path/step_bound.hpp"
+#include "ladder/step_bound.hpp"
 
 #include <gtest/gtest.h>
 
@@ -58,7 +58,7 @@ TEST(StepLimits, NoMotionBendsFurtherThanItMay) {
   for (const auto& [most, loss] : {std::pair(0.5, 0.0), std::pair(0.5, 0.01), std::pair(0.2, 0.01)}) {
     options.max_deviation = most;
     options.smoothing_loss = loss;
-    const PassResult result = PlanPass(problem, world, pass, 0, 0, options, 1, {});
+    const PassResult result = PlanPass(problem, world, {pass}, options, {.threads = 1});
     ExpectSound(problem, options, pass, result);
     for (const Piece& piece : result.pieces)
       for (int t = piece.first + 1; t <= piece.last; ++t) {
@@ -112,7 +112,7 @@ TEST(StepLimits, WhatBendsFurtherThanAskedForIsAvoidedWhereItCanBe) {
       options.max_deviation = 0.002;
       options.smoothing_loss = loss;
       const Pass pass = Row(-400, 400, 41);
-      const PassResult result = PlanPass(problem, world, pass, 0, 0, options, 1, {});
+      const PassResult result = PlanPass(problem, world, {pass}, options, {.threads = 1});
       ExpectSound(problem, options, pass, result);
       int beyond = 0;
       EXPECT_LE(LargestExcess(problem, pass, result, options.max_deviation, &beyond), 1e-9) << limits.joint;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Against every sequence there is, on graphs so small that all can be looked at.
-#include "path/worst_then_sum.hpp"
+#include "ladder/worst_then_sum.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What plans passes once more: ends without room, points inserted, the other direction; and pairs that always
 // touch.
-#include "path/job_planner.hpp"
-#include "path/retract.hpp"
-#include "pipeline/assemble.hpp"
-#include "pipeline/compensate_job.hpp"
-#include "pipeline/exclude_pairs.hpp"
+#include "gaps/job_planner.hpp"
+#include "gaps/retract.hpp"
+#include "job/assemble.hpp"
+#include "job/compensate_job.hpp"
+#include "job/exclude_pairs.hpp"
+#include "job/job_engagement.hpp"
 #include "pipeline/finer_passes.hpp"
-#include "pipeline/job_engagement.hpp"
 #include "pipeline/other_ways.hpp"
 #include "pipeline/program_warnings.hpp"
 #include "pipeline/promised_ways.hpp"
@@ -178,7 +178,7 @@ TEST(PlanBestWays, KeepsTheDirectionsThatPlanningEveryPassBothWaysKeeps) {
   SetEngagementOf(points, laid.laying.inputs, laid.laying.mesh, execution, turned);
   const PathOptions options = MakePathOptions(inputs.job);
   const auto plan = [&](const Toolpath& toolpath) {
-    return PlanPasses(laid.stations, laid.external, toolpath, options, NoCheckpoints(), all, execution)
+    return PlanPasses(laid.stations, {toolpath, laid.external, all}, options, NoCheckpoints(), execution)
         .passes;
   };
   const auto one = plan(laid.toolpath),

@@ -3,9 +3,9 @@
 // by.
 #include "pipeline/audit.hpp"
 
-#include "pipeline/assemble.hpp"
-#include "pipeline/judge_optima.hpp"
+#include "job/assemble.hpp"
 #include "robot/kinematics.hpp"
+#include "sampling/judge_optima.hpp"
 #include "tests/cell/sample_cell.hpp"
 #include "tests/pipeline/small_job.hpp"
 

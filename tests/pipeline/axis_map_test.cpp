@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the axis map and the sentences on a pose say of a pass with something in its way.
-#include "pipeline/axis_map.hpp"
+#include "sampling/axis_map.hpp"
 
 #include "pipeline/explain_pose.hpp"
-#include "pipeline/sample_curves.hpp"
+#include "sampling/sample_curves.hpp"
 #include "tests/path/pass_problem.hpp"
 
 namespace millpose {
@@ -22,10 +22,11 @@ const Planned& BehindABall() {
   static const Planned planned = [] {
     Planned p;
     const Pass pass = Row(-60, 60, 24);
-    const PassResult before = PlanPass(p.problem, World(EmptyCell(p.problem)), pass, 0, 0, Options(), 2, {});
+    const PassResult before =
+        PlanPass(p.problem, World(EmptyCell(p.problem)), {pass}, Options(), {.threads = 2});
     p.world.emplace(CellWithBallAt(p.problem, before, kMet, 30));
     p.plan.objective_unit = p.problem.objective->Unit();
-    p.plan.passes = {PlanPass(p.problem, *p.world, pass, 0, 0, Options(), 2, {})};
+    p.plan.passes = {PlanPass(p.problem, *p.world, {pass}, Options(), {.threads = 2})};
     p.curves = SampleCurves(p.plan, Stations(*p.world, p.problem), {}, 100, 2, {});
     return p;
   }();

@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pipeline/assemble.hpp"
-#include "pipeline/output_folder.hpp"
+#include "job/assemble.hpp"
+#include "output/output_folder.hpp"
 #include "pipeline/run.hpp"
 #include "report/deflection.hpp"
 #include "tests/pipeline/small_job.hpp"

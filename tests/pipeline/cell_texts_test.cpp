@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A cell whose texts no reader models is refused as it is read, with the line.
-#include "pipeline/cell_texts.hpp"
+#include "job/cell_texts.hpp"
 
 #include "base/file.hpp"
 #include "base/units.hpp"
 #include "config/config.hpp"
-#include "pipeline/assemble.hpp"
+#include "job/assemble.hpp"
 #include "tests/base/source_dir.hpp"
 
 namespace millpose {

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pipeline/workpiece.hpp"
+#include "job/workpiece.hpp"
 #include "tests/cell/sample_cell.hpp"
 #include "tests/pipeline/small_job.hpp"
 

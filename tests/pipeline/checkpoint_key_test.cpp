@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pipeline/checkpoint_key.hpp"
+#include "kept/checkpoint_key.hpp"
 
-#include "pipeline/value_bytes.hpp"
+#include "kept/value_bytes.hpp"
 
 namespace millpose {
 namespace {
@@ -51,7 +51,7 @@ TEST(ValueBytes, SeesAllFieldsOfWhatStagesAreHanded) {
 
 PoseProblem Problem(const ObjectiveParameters& parameters) {
   PoseProblem problem;
-  problem.freedoms.push_back(MakeFreedom("rotation"));
+  problem.freedoms.push_back(RotationAboutTool());
   problem.objective = MakeObjective("process_force", parameters);
   return problem;
 }
@@ -61,6 +61,28 @@ TEST(CheckpointKey, AForceThatTheObjectiveIsMadeWithCounts) {
   const std::string one = PassContext(Problem({{"feed_N", 10}}), world, {});
   EXPECT_EQ(PassContext(Problem({{"feed_N", 10}}), world, {}), one);
   EXPECT_NE(PassContext(Problem({{"feed_N", 11}}), world, {}), one);
+}
+
+TEST(CheckpointKey, WhateverElseAFreedomDependsOnCounts) {
+  class Steered final : public Freedom {
+   public:
+    explicit Steered(double by) : by_(by) {}
+    std::string Name() const override { return "steered"; }
+    double Lower() const override { return 0; }
+    double Upper() const override { return 1; }
+    bool Periodic() const override { return false; }
+    std::vector<double> Parameters() const override { return {by_}; }
+
+   private:
+    double by_;
+  };
+  const auto key = [](double by) {
+    PoseProblem problem = Problem({{"feed_N", 10}});
+    problem.freedoms.push_back(std::make_shared<Steered>(by));
+    return PassContext(problem, World{Cell{}}, {});
+  };
+  EXPECT_EQ(key(1), key(1));
+  EXPECT_NE(key(1), key(2));
 }
 
 TEST(CheckpointKey, WhateverAPassOrAGapIsHandedCounts) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the cutter takes off along a job's path, and what follows where points before it are skipped.
-#include "pipeline/assemble.hpp"
-#include "pipeline/job_engagement.hpp"
+#include "job/assemble.hpp"
+#include "job/job_engagement.hpp"
 #include "plan/skipped.hpp"
 #include "tests/pipeline/small_job.hpp"
 

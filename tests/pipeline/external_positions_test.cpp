@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where the external axes may stand, by what a job says of them; what no cell can do with it is refused.
-#include "pipeline/external_positions.hpp"
+#include "job/external_positions.hpp"
 
 #include "base/random.hpp"
 #include "base/units.hpp"

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "config/config.hpp"
-#include "pipeline/assemble.hpp"
-#include "pipeline/workpiece.hpp"
+#include "job/assemble.hpp"
+#include "job/workpiece.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/cell/sample_cell.hpp"
 #include "tests/pipeline/small_job.hpp"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pipeline/kept_pass.hpp"
+#include "kept/kept_pass.hpp"
 
 #include <gtest/gtest.h>
 
 #include "base/random.hpp"
+#include "kept/value_bytes.hpp"
 #include "pipeline/plan_passes.hpp"
-#include "pipeline/value_bytes.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/pipeline/small_job.hpp"
 
@@ -17,12 +17,13 @@ class Posts {
  public:
   Posts() : folder_("posts") { test::CopySmallJob(folder_); }
 
-  PlannedJob Plan(const std::string& post, const CheckpointStore& checkpoints) {
+  PlannedJob Plan(const std::string& post, const CheckpointStore& checkpoints,
+                  const std::vector<Override>& overrides = {}) {
     folder_.Write("cell.yaml", ReadFile(test::SamplePath("cells/kr500_r2830.yaml")));
     folder_.Change(
         "cell.yaml", "excluded_pairs: []",
         fmt::format("  - {{name: post, class: fixture, mount: world, {}}}\nexcluded_pairs: []", post));
-    return PlanJob(LoadJobInputs(folder_.path() / "job.yaml", {}), checkpoints, {.threads = 1});
+    return PlanJob(LoadJobInputs(folder_.path() / "job.yaml", overrides), checkpoints, {.threads = 1});
   }
 
  private:
@@ -56,6 +57,55 @@ TEST(KeptPass, AMovedFixtureCostsOnlyThePassesItMatters) {
   const PlannedJob away = posts.Plan(Box(-3000, 0, 50), kept);
   EXPECT_EQ(away.resumed_passes, 0);
   EXPECT_EQ(test::BytesOf(away), test::BytesOf(first));
+}
+
+// A stage that is made again takes note of where the post stands.
+TEST(KeptPass, WhatFollowsFromAllPassesIsKeptAsWell) {
+  Posts posts;
+  const test::MemoryCheckpoints kept;
+  const PlannedJob first = posts.Plan(Box(-3000, 0, 50), kept);
+  const auto before = kept.stages;
+  const std::string far = Box(-3000, 1500, 50);
+  const PlannedJob again = posts.Plan(far, kept);
+  for (const std::string stage : {"ends", "fixed", "programs-linuxcnc"})
+    EXPECT_EQ(kept.stages.at(stage), before.at(stage)) << stage;
+  EXPECT_EQ(test::BytesOf(again), test::BytesOf(posts.Plan(far, NoCheckpoints())));
+  EXPECT_NE(again.programs.programs[0].files, first.programs.programs[0].files) << "the inputs have a name";
+  EXPECT_EQ(again.programs.programs[0].files.begin()->second.size(),
+            first.programs.programs[0].files.begin()->second.size());
+}
+
+// The verification of a program asks about poses in a dry run alone, the others are proven by the plan: a
+// post is brought nearer until it may matter to that, but to no pass.
+TEST(KeptPass, AProgramIsVerifiedAgainWhereAMovedFixtureMayMatterToIt) {
+  Posts posts;
+  std::string near;
+  for (const bool dry : {true, false}) {
+    const std::vector<Override> overrides{{"program_options.dry_run_offset_mm", dry ? "100" : "0"}};
+    const test::MemoryCheckpoints kept;
+    const PlannedJob first = posts.Plan(Box(-3000, 0, 50), kept, overrides);
+    const auto before = kept.stages.at("programs-linuxcnc");
+    const auto is_made_again = [&] {
+      const PlannedJob again = posts.Plan(near, kept, overrides);
+      for (size_t p = 0; p < first.plan.passes.size(); ++p)
+        EXPECT_TRUE(Serialise(again.plan.passes[p]) == Serialise(first.plan.passes[p])) << "it is in no way";
+      return kept.stages.at("programs-linuxcnc") != before;
+    };
+    if (!dry) {
+      EXPECT_FALSE(is_made_again());
+      continue;
+    }
+    const Joints& q = first.plan.passes[0].points[0].q;
+    const Eigen::Vector3d flange = (first.plan.X_WB * ForwardFlange(first.plan.arm, q)).translation();
+    double beside = 700;
+    do {
+      beside -= 50;
+      near = Box(flange.x() - 300, flange.y() - beside, flange.z(), 20);
+    } while (!is_made_again() && beside > 0);
+    EXPECT_GT(beside, 300);
+    EXPECT_TRUE(test::BytesOf(posts.Plan(near, kept, overrides)) ==
+                test::BytesOf(posts.Plan(near, NoCheckpoints(), overrides)));
+  }
 }
 
 TEST(KeptPass, AnotherShapeIsAChange) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pipeline/kept_stage.hpp"
+#include "kept/kept_stage.hpp"
 
+#include "kept/plan_key.hpp"
 #include "pipeline/lay_path.hpp"
-#include "pipeline/plan_key.hpp"
 #include "pipeline/report_parts.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/cell/sample_cell.hpp"
@@ -162,7 +162,7 @@ TEST(KeptInWorld, OfACellWithExternalAxesWhateverStandsInItCounts) {
   EXPECT_EQ(made, 2);
 }
 
-TEST(PlanKey, SeesEveryFieldButTheHashThatNamesThePlan) {
+TEST(PlanKey, SeesEveryFieldButTheHashThatNamesThePlanAndWhatGapsTook) {
   PlanResult plan;
   plan.passes.resize(2);
   plan.passes[1].points.resize(3);
@@ -176,6 +176,7 @@ TEST(PlanKey, SeesEveryFieldButTheHashThatNamesThePlan) {
   change([](PlanResult& p) { p.job = "x"; });
   change([](PlanResult& p) { p.home[2] = 1e-300; });
   change([](PlanResult& p) { p.gaps.emplace_back(); });
+  change([](PlanResult& p) { p.gaps.emplace_back().joints.emplace_back(Joints::Zero()); });
   change([](PlanResult& p) { p.passes.pop_back(); });
   change([](PlanResult& p) { p.passes[1].points[2].verdicts = {0, 1}; });
   change([](PlanResult& p) { p.passes[1].points[2].exhaustive_optimum = 1; });
@@ -185,6 +186,10 @@ TEST(PlanKey, SeesEveryFieldButTheHashThatNamesThePlan) {
   EXPECT_EQ(std::ranges::adjacent_find(keys), keys.end());
   PlanResult named = plan;
   named.input_hash = "other";
+  EXPECT_EQ(KeyOf(named, 1), KeyOf(plan, 1));
+  named.gaps.resize(1);
+  plan.gaps.resize(1);
+  named.gaps[0].poses_checked = 7;  // that summaries alone count
   EXPECT_EQ(KeyOf(named, 1), KeyOf(plan, 1));
 }
 

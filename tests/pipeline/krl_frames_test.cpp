@@ -3,7 +3,7 @@
 // controller is warned of.
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "pipeline/assemble.hpp"
+#include "job/assemble.hpp"
 #include "pipeline/program_warnings.hpp"
 #include "program/krl/krl.hpp"
 #include "tests/base/source_dir.hpp"

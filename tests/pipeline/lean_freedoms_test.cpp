@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // From lead_deg and tilt_deg to the freedoms of the pose search: docs/lean.md.
-#include "pipeline/lean_freedoms.hpp"
+#include "job/lean_freedoms.hpp"
 
-#include "pipeline/assemble.hpp"
-#include "pipeline/checkpoint_key.hpp"
-#include "pipeline/workpiece.hpp"
+#include "job/assemble.hpp"
+#include "job/workpiece.hpp"
+#include "kept/checkpoint_key.hpp"
 #include "pose/lean_problem.hpp"
 #include "tests/pipeline/small_job.hpp"
 
@@ -17,11 +17,11 @@ const Override kScallop{"toolpath.scallop_mm", "0.02"};
 
 PoseProblem ProblemOf(const JobInputs& inputs, const PreparedJob& prepared) {
   PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, prepared.cell);
-  AddLeanFreedoms(inputs, prepared.surface.mesh, prepared.cell.X_WP, &problem);
+  BoundLeans(inputs, prepared.surface.mesh, prepared.cell.X_WP, &problem);
   return problem;
 }
 
-TEST(AddLeanFreedoms, AddsThoseThatAreRangesInTheirOrder) {
+TEST(BoundLeans, AddsThoseThatAreRangesInTheirOrder) {
   const PreparedJob& prepared = FreshPlan().prepared;
   EXPECT_FALSE(ProblemOf(SmallInputs(), prepared).lean);
   EXPECT_EQ(ProblemOf(SmallInputs(), prepared).freedoms.size(), 1u);
@@ -45,7 +45,7 @@ TEST(AddLeanFreedoms, AddsThoseThatAreRangesInTheirOrder) {
   EXPECT_DOUBLE_EQ(one.lean->tilt, DegToRad(1));
 }
 
-TEST(AddLeanFreedoms, GougesThatAreOnlyReportedBarNoLean) {
+TEST(BoundLeans, GougesThatAreOnlyReportedBarNoLean) {
   const PreparedJob& prepared = FreshPlan().prepared;
   const auto tolerance = [&](const std::string& action) {
     const JobInputs inputs =
@@ -75,7 +75,7 @@ TEST(CheckJobGouges, LeavesToLeansWhatGougesAtTheNominalOne) {
             std::string::npos);
 }
 
-TEST(AddLeanFreedoms, EveryPartOfARangeIsPartOfCheckpoints) {
+TEST(BoundLeans, EveryPartOfARangeIsPartOfCheckpoints) {
   const PreparedJob& prepared = FreshPlan().prepared;
   const auto key = [&](const std::string& range) {
     return PassContext(ProblemOf(SmallInputs({{"toolpath.lead_deg", range}, kScallop}), prepared),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pipeline/locate.hpp"
+#include "job/locate.hpp"
 
 #include <gtest/gtest.h>
 

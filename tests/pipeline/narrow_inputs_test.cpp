@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Stages whose results are kept are handed no more than they read: what they do not depend on does not make
 // them run again, and what they depend on does.
-#include "pipeline/narrow_inputs.hpp"
+#include "job/narrow_inputs.hpp"
 
+#include "kept/kept_pass.hpp"
 #include "pipeline/lay_path.hpp"
 #include "pipeline/make_programs.hpp"
 #include "pipeline/start_programs.hpp"
@@ -58,6 +59,42 @@ TEST(InputsOfProgram, OtherControllersAndWhatReportsSayDoNot) {
   EXPECT_EQ(InputsOfProgram(inputs, "linuxcnc").hash, key);
   inputs.cell.controllers.erase("krl");
   EXPECT_EQ(InputsOfProgram(inputs, "linuxcnc").hash, key);
+}
+
+TEST(WithoutPlaces, ForgetsWhereObstaclesStandAndNothingElse) {
+  JobInputs inputs = SmallInputs();
+  BodySettings& post = inputs.cell.bodies.emplace_back();
+  post.name = "post";
+  post.body_class = BodyClass::kFixture;
+  const auto key = [&] { return WithoutPlaces(inputs).hash; };
+  const std::string before = key();
+  EXPECT_EQ(before, HashOf(WithoutPlaces(inputs)));
+  inputs.cell.bodies.back().pose.position.x() = 100;
+  inputs.cell.bodies.back().shape.size.setConstant(50);
+  EXPECT_EQ(key(), before);
+  for (const auto& change : std::vector<std::function<void(BodySettings&)>>{
+           [](BodySettings& body) { body.name = "other"; },
+           [](BodySettings& body) { body.mount.mount = Mount::kWorkpiece; },
+           [](BodySettings& body) { body.body_class = BodyClass::kLink; },
+           [](BodySettings& body) {
+             body.mount = {Mount::kLink, 3};
+           }}) {
+    JobInputs changed = inputs;
+    change(changed.cell.bodies.back());
+    EXPECT_NE(WithoutPlaces(changed).hash, before);
+    changed.hash = WithoutPlaces(changed).hash;
+    changed.cell.bodies.back().pose.position.y() = 1;
+    const bool still =
+        IsObstacle(changed.cell.bodies.back().body_class, changed.cell.bodies.back().mount.mount);
+    EXPECT_EQ(WithoutPlaces(changed).hash == changed.hash, still) << "what moves with the arm counts";
+  }
+}
+
+TEST(NameInputs, ChangesTheLineOfTheHeadAlone) {
+  ProgramFiles files{{"a.src", "; inputs: aaaa\nPTP aaaa\n"}, {"c.dat", "aaaa"}};
+  NameInputs("aaaa", "bbbb", files);
+  EXPECT_EQ(files["a.src"], "; inputs: bbbb\nPTP aaaa\n");
+  EXPECT_EQ(files["c.dat"], "aaaa");
 }
 
 // The narrowed inputs are enough: stages make of them what they make of all.

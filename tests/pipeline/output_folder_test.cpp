@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pipeline/output_folder.hpp"
+#include "output/output_folder.hpp"
 
 #include <unistd.h>
 
 #include "base/error.hpp"
 #include "base/file.hpp"
-#include "pipeline/result_swap.hpp"
+#include "output/result_swap.hpp"
 
 namespace millpose {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A job's plan as a value: what holds of every plan, and that neither threads nor checkpoints change it.
-#include "path/job_planner.hpp"
-#include "pipeline/assemble.hpp"
-#include "pipeline/narrow_inputs.hpp"
+#include "gaps/job_planner.hpp"
+#include "job/assemble.hpp"
+#include "job/narrow_inputs.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/pipeline/small_job.hpp"
 

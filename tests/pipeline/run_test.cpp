@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "base/process.hpp"
-#include "pipeline/manifest.hpp"
-#include "pipeline/origin.hpp"
-#include "pipeline/result_swap.hpp"
+#include "job/origin.hpp"
+#include "output/manifest.hpp"
+#include "output/result_swap.hpp"
 #include "pipeline/run_record.hpp"
 #include "pipeline/up_to_date.hpp"
 #include "pipeline/verify_programs.hpp"

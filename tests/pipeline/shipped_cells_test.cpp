@@ -2,7 +2,7 @@
 // Every cell of the project is free of interference with itself where it should be, and not everywhere.
 #include "base/random.hpp"
 #include "cell/world.hpp"
-#include "pipeline/assemble.hpp"
+#include "job/assemble.hpp"
 #include "tests/base/source_dir.hpp"
 
 namespace millpose {

@@ -3,9 +3,9 @@
 // distance.
 #include <nlohmann/json.hpp>
 
-#include "path/job_planner.hpp"
+#include "gaps/job_planner.hpp"
+#include "job/assemble.hpp"
 #include "path/revolutions.hpp"
-#include "pipeline/assemble.hpp"
 #include "pipeline/plan_gaps.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/cell/sample_cell.hpp"
@@ -24,9 +24,8 @@ Json PlanIn(const World& world, int threads) {
   const Stations stations(world, prepared.problem);
   const Execution execution{.threads = threads};
   std::vector<PassResult> passes =
-      PlanPasses(
-          stations, prepared.external, prepared.toolpath, MakePathOptions(inputs.job), NoCheckpoints(),
-          [](size_t) { return true; }, execution)
+      PlanPasses(stations, {prepared.toolpath, prepared.external, [](size_t) { return true; }},
+                 MakePathOptions(inputs.job), NoCheckpoints(), execution)
           .passes;
   const AdmissibleBounds& bounds = prepared.problem.bounds;
   ChooseRevolutions(passes, {prepared.cell.home, bounds.lower, bounds.upper, false});

@@ -4,17 +4,17 @@
 
 #include <thread>
 
-#include "path/job_planner.hpp"
-#include "pipeline/assemble.hpp"
-#include "pipeline/axis_map.hpp"
+#include "gaps/job_planner.hpp"
+#include "job/assemble.hpp"
+#include "job/measured_forces.hpp"
 #include "pipeline/explain_pose.hpp"
 #include "pipeline/find_reach.hpp"
-#include "pipeline/measured_forces.hpp"
-#include "pipeline/nearest_pairs.hpp"
 #include "pipeline/plan_timeline.hpp"
-#include "pipeline/sample_curves.hpp"
 #include "plan/point_clearance.hpp"
 #include "plan/verdict_map.hpp"
+#include "sampling/axis_map.hpp"
+#include "sampling/nearest_pairs.hpp"
+#include "sampling/sample_curves.hpp"
 #include "tests/cell/sample_cell.hpp"
 #include "tests/pipeline/small_job.hpp"
 

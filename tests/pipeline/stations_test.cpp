@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where the external axes stand for each pass: chosen from the job's positions, and left again for another
 // where a pass is planned better there.
-#include "pipeline/assemble.hpp"
+#include "job/assemble.hpp"
+#include "job/external_positions.hpp"
 #include "pipeline/choose_stations.hpp"
-#include "pipeline/external_positions.hpp"
 #include "pipeline/other_stations.hpp"
 #include "plan/pass_value.hpp"
 #include "plan/skipped.hpp"

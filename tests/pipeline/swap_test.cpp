@@ -3,10 +3,10 @@
 // afterwards.
 #include <nlohmann/json.hpp>
 
-#include "pipeline/folder_lock.hpp"
-#include "pipeline/manifest.hpp"
-#include "pipeline/output_folder.hpp"
-#include "pipeline/result_swap.hpp"
+#include "output/folder_lock.hpp"
+#include "output/manifest.hpp"
+#include "output/output_folder.hpp"
+#include "output/result_swap.hpp"
 #include "tests/pipeline/small_job.hpp"
 
 namespace millpose::test {

@@ -5,7 +5,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "base/random.hpp"
-#include "pipeline/assemble.hpp"
+#include "job/assemble.hpp"
 #include "robot/joint_chain.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/base/source_dir.hpp"

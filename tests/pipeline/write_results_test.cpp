@@ -3,7 +3,7 @@
 // is not written.
 #include "pipeline/write_results.hpp"
 
-#include "pipeline/sample_curves.hpp"
+#include "sampling/sample_curves.hpp"
 #include "tests/pipeline/small_job.hpp"
 
 namespace millpose::test {

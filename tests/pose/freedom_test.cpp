@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pose/freedom.hpp"
-
 #include "base/error.hpp"
 #include "pose/evaluator.hpp"
+#include "pose/freedom_entry.hpp"
 #include "tests/pose/problems.hpp"
 
 namespace millpose {
@@ -43,7 +42,7 @@ TEST(NominalToolPose, FallsBackToTheLeastAlignedAxis) {
 }
 
 TEST(Freedom, RotationTurnsAboutTheToolAxis) {
-  const auto rotation = MakeFreedom("rotation");
+  const auto rotation = RotationAboutTool();
   EXPECT_TRUE(rotation->Periodic());
   const Pose X = NominalToolPose(PointWithAxis(Vector3d(-1, 0.2, 0.3)), Vector3d::UnitZ());
   for (const double angle : {-3.0, -0.4, 0.0, 1.0, 3.1}) {
@@ -54,19 +53,86 @@ TEST(Freedom, RotationTurnsAboutTheToolAxis) {
   EXPECT_LT((lower.matrix() - upper.matrix()).norm(), 1e-14);
 }
 
-TEST(Freedom, UnknownNameIsAnErrorWithTheNearest) {
-  try {
-    MakeFreedom("rotatoin");
-    FAIL();
-  } catch (const InputError& error) {
-    const std::string told = error.what();
-    EXPECT_TRUE(told.starts_with("no freedom \"rotatoin\"; known: rotation, lead, tilt")) << told;
-    EXPECT_TRUE(told.ends_with("; did you mean \"rotation\"?")) << told;
+/// Lifts the tool off its contact by 0 … `most`.
+class Lift final : public Freedom {
+ public:
+  struct Options {
+    double most = 0;
+  };
+  explicit Lift(Options options) : options_(options) {}
+  const Options& options() const { return options_; }
+  std::string Name() const override { return "lift"; }
+  double Lower() const override { return 0; }
+  double Upper() const override { return options_.most; }
+  bool Periodic() const override { return false; }
+  bool IsLean() const override { return true; }
+  ToolStance Lean(const CutterContact&, const ToolStance& from, double value) const override {
+    return {from.tip + value * from.axis, from.axis};
   }
+
+ private:
+  Options options_;
+};
+
+FreedomEntry LiftEntry() {
+  using S = Lift::Options;
+  return EntryOf<Lift>(
+      "lift_mm", "How far it may go.",
+      yaml::Section<S>({yaml::Key<S>("most", MILLPOSE_AT(most), yaml::Real(yaml::kMm, yaml::UpTo(5)), "Most.")
+                            .Required()}));
+}
+
+TEST(FreedomEntry, MakesItsFreedomWhereTheKeyIsGiven) {
+  const FreedomEntry entry = LiftEntry();
+  EXPECT_EQ(entry.name, "lift");
+  EXPECT_TRUE(entry.leans);
+  EXPECT_EQ(entry.key->info.key, "lift_mm");
+  EXPECT_EQ(entry.key->info.keys.at(0).key, "most");
+  OpenToolpath toolpath;
+  EXPECT_EQ(entry.key->write(toolpath).kind, yaml::Value::Kind::kNull) << "left out of the resolved job";
+  EXPECT_FALSE(toolpath.Leans());
+  const std::string file = "job.yaml";
+  std::vector<Problem> problems;
+  const auto read = [&](const std::string& text) {
+    problems.clear();
+    entry.key->read(yaml::ReadYaml(text, file), {file, problems, "toolpath.lift_mm"}, toolpath);
+  };
+  read("{most: 2}");
+  ASSERT_TRUE(problems.empty());
+  ASSERT_NE(toolpath.Find("lift"), nullptr);
+  EXPECT_EQ(toolpath.Find("lift")->Upper(), 2);
+  EXPECT_TRUE(toolpath.Leans());
+  EXPECT_EQ(yaml::WriteYamlLine(entry.key->write(toolpath)), "{most: 2}");
+  read("\n most: 6");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_EQ(problems[0].place.line, 2);
+  EXPECT_EQ(problems[0].place.column, 8);
+  EXPECT_TRUE(problems[0].message.starts_with("toolpath.lift_mm.most: given 6")) << problems[0].message;
+  EXPECT_EQ(toolpath.Find("lift")->Upper(), 2) << "what is wrong changes nothing";
+}
+
+TEST(FreedomsOf, AreThoseThatTheJobOpensInTheRegistrysOrder) {
+  const auto names = [](const OpenToolpath& toolpath) {
+    std::vector<std::string> all;
+    for (const FreedomPointer& freedom : FreedomsOf(toolpath)) all.push_back(freedom->Name());
+    return all;
+  };
+  OpenToolpath toolpath;
+  EXPECT_EQ(names(toolpath), std::vector<std::string>{"rotation"});
+  for (const char* key : {"tilt", "lead"}) {
+    const std::string file;
+    std::vector<Problem> problems;
+    Freedoms().At(key).key->read(yaml::ReadYaml("{from: 1, to: 3, step: 1}", file), {file, problems, key},
+                                 toolpath);
+    EXPECT_TRUE(problems.empty()) << key;
+  }
+  EXPECT_EQ(names(toolpath), (std::vector<std::string>{"rotation", "lead", "tilt"}));
+  EXPECT_TRUE(LeanKeys().starts_with("lead_deg")) << LeanKeys();
+  EXPECT_NE(LeanKeys().find("tilt_deg"), std::string::npos) << LeanKeys();
 }
 
 TEST(Freedom, ValuesAreBroughtIntoTheRangeAndComparedTheShortWay) {
-  const auto rotation = MakeFreedom("rotation");
+  const auto rotation = RotationAboutTool();
   for (double value = -20; value < 20; value += 0.37) {
     const double inside = Confine(*rotation, value);
     EXPECT_GE(inside, -kPi - 1e-12);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "pose/generations.hpp"
 #include "tests/pose/admissible_reference.hpp"
 #include "tests/pose/problems.hpp"
 
@@ -81,9 +82,14 @@ TEST(GeneticSearch, DependsOnItsStreamAlone) {
   GeneticSearch(scorer, problem, {}, RandomStream(1, 8), &other);
   EXPECT_EQ(a.objective, b.objective);
   EXPECT_EQ(a.q, b.q);
+  const std::vector<GenerationRecord> alone = Generations(scorer, problem, {}, RandomStream(1, 7));
   ASSERT_EQ(first.size(), again.size());
+  ASSERT_EQ(first.size(), alone.size());
   ASSERT_GT(first.size(), 5u);
   for (size_t g = 0; g < first.size(); ++g) {
+    EXPECT_EQ(first[g].best, alone[g].best);
+    EXPECT_EQ(first[g].mean, alone[g].mean);
+    EXPECT_EQ(first[g].admissible, alone[g].admissible);
     EXPECT_EQ(first[g].best, again[g].best);
     EXPECT_EQ(first[g].mean, again[g].mean);
     EXPECT_LE(first[g].best, first[g].mean);

@@ -2,6 +2,7 @@
 // Pose problems whose leans are free.
 #pragma once
 
+#include "pose/freedoms/lean.hpp"
 #include "pose/lean_problem.hpp"
 #include "tests/pose/problems.hpp"
 
@@ -11,8 +12,8 @@ namespace millpose {
 inline PoseProblem LeaningProblem(double most_deg = 10, double step_deg = 5) {
   PoseProblem problem = MakeProblem(Kr500R2830());
   const LeanRange range{DegToRad(-most_deg), DegToRad(most_deg), DegToRad(step_deg), 0};
-  problem.freedoms.push_back(MakeFreedom("lead", range));
-  problem.freedoms.push_back(MakeFreedom("tilt", range));
+  problem.freedoms.push_back(std::make_shared<Lead>(range));
+  problem.freedoms.push_back(std::make_shared<Tilt>(range));
   problem.lean = LeanRules{.cutter = {8, 8, 40}, .stepover = 3, .surface = nullptr};
   return problem;
 }

@@ -112,7 +112,8 @@ TEST(Lean, WhatTheLawBarsIsNoCandidate) {
 
 TEST(CandidateTable, FollowsEachFreedomsOwnStepAboutItsNominalValue) {
   PoseProblem problem = LeaningProblem();
-  problem.freedoms[1] = MakeFreedom("lead", {DegToRad(-3), DegToRad(10), DegToRad(4), DegToRad(2)});
+  problem.freedoms[1] =
+      std::make_shared<Lead>(LeanRange{DegToRad(-3), DegToRad(10), DegToRad(4), DegToRad(2)});
   const PointScorer scorer(problem, PanelPoint(0, 0), Vector3d::UnitZ());
   const CandidateTable table = CandidateTable::OfStep(scorer, DegToRad(6));
   EXPECT_EQ(table.line_length(), 60);

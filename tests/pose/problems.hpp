@@ -28,7 +28,7 @@ inline PoseProblem MakeProblem(const Arm& arm, double margin_deg = 3) {
   problem.bounds.wrist_min = 0.05;
   problem.bounds.elbow_min = 0.05;
   problem.bounds.shoulder_min_mm = 50;
-  problem.freedoms.push_back(MakeFreedom("rotation"));
+  problem.freedoms.push_back(RotationAboutTool());
   problem.objective = MakeObjective("chen2021", {});
   return problem;
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pose/judge_block.hpp"
+#include "pose/score_along.hpp"
 #include "tests/pose/admissible_reference.hpp"
-#include "tests/pose/problems.hpp"
+#include "tests/pose/lean_problems.hpp"
 
 namespace millpose {
 namespace {
@@ -137,6 +138,28 @@ TEST(PointScorer, AnEntryDoesNotDependOnItsNeighbours) {
         EXPECT_EQ(a.obstacle, b.obstacle);
         EXPECT_EQ(a.objective, b.objective);
         EXPECT_EQ(a.q, b.q);
+      }
+    }
+  }
+}
+
+TEST(ScoreAlong, GivesWhatEachSettingGivesAlone) {
+  for (const PoseProblem& problem : {MakeProblem(Kr500R2830()), LeaningProblem()}) {
+    const PointScorer scorer(problem, PanelPoint(100, 50), Eigen::Vector3d::UnitZ());
+    FreedomValues freedoms(problem.freedoms.size(), 0.05);
+    for (size_t d = 0; d < freedoms.size(); ++d) {
+      for (int branch = 0; branch < 8; ++branch) {
+        std::array<double, kLanes> values;
+        for (size_t l = 0; l < kLanes; ++l) values[l] = freedoms[d] + 0.03 * static_cast<double>(l);
+        const std::array<Candidate, kLanes> together = ScoreAlong(scorer, freedoms, d, values, branch);
+        for (size_t l = 0; l < kLanes; ++l) {
+          FreedomValues setting = freedoms;
+          setting[d] = values[l];
+          const Candidate alone = scorer.ScoreOne(setting, branch);
+          EXPECT_EQ(together[l].obstacle, alone.obstacle);
+          EXPECT_EQ(together[l].objective, alone.objective);
+          EXPECT_EQ(together[l].q, alone.q);
+        }
       }
     }
   }

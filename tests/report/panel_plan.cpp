@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/report/panel_plan.hpp"
 
-#include "pipeline/axis_map.hpp"
-#include "pipeline/nearest_pairs.hpp"
-#include "pipeline/sample_curves.hpp"
 #include "plan/point_clearance.hpp"
 #include "plan/verdict_map.hpp"
 #include "program/make_timeline.hpp"
+#include "sampling/axis_map.hpp"
+#include "sampling/nearest_pairs.hpp"
+#include "sampling/sample_curves.hpp"
 #include "tests/cell/sample_cell.hpp"
 #include "tests/pose/problems.hpp"
 

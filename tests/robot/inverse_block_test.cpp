@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "robot/inverse_block.hpp"
-
 #include <cstring>
 
+#include "robot/inverse_entries.hpp"
 #include "tests/robot/arms.hpp"
 
 namespace millpose {
@@ -97,6 +96,31 @@ TEST(InverseBlock, IsFiniteAndTheSameForEveryInstructionSet) {
           AnglesOfBranch(arm, wide[b], wide_angles, set);
           ASSERT_EQ(std::memcmp(&wide_angles, &angles[b], sizeof(wide_angles)), 0);
         }
+      }
+    }
+  }
+}
+
+TEST(InverseEntries, SolvesThoseAskedForAsInverseBlockDoes) {
+  RandomStream stream(3, 0);
+  for (const Arm& arm : AllArms()) {
+    for (int round = 0; round < 100; ++round) {
+      FlangeBlock flange;
+      const std::array<Pose, kLanes> poses = RandomPoses(arm, stream);
+      for (int i = 0; i < kLanes; ++i) flange.Set(i, poses[i]);
+      ArmBranches all, some, before;
+      InverseBlock(arm, flange, all);
+      FlangeBlock other;  // what it leaves in memory would not do
+      for (int i = 0; i < kLanes; ++i) other.Set(i, poses[kLanes - 1 - i]);
+      InverseBlock(arm, other, some);
+      std::memset(static_cast<void*>(&some), 1, sizeof(some));
+      before = some;
+      const auto entries = static_cast<unsigned>(stream.Below(256));
+      InverseEntries(arm, flange, entries, some);
+      for (int b = 0; b < 8; ++b) {
+        const bool asked = b < EntryCount(arm) && (entries >> b & 1u) != 0;
+        ASSERT_EQ(std::memcmp(&some[b], asked ? &all[b] : &before[b], sizeof(ArmBranchBlock)), 0)
+            << arm.name << ' ' << b << " of " << entries;
       }
     }
   }

@@ -4,8 +4,8 @@
 #include <sstream>
 
 #include "base/file.hpp"
-#include "pipeline/assemble.hpp"
-#include "pipeline/workpiece.hpp"
+#include "job/assemble.hpp"
+#include "job/workpiece.hpp"
 #include "robot/kinematics.hpp"
 #include "tests/base/source_dir.hpp"
 

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "cell/cell.hpp"
-#include "pipeline/inputs.hpp"
+#include "job/inputs.hpp"
 #include "plan/plan_result.hpp"
 
 namespace millpose {

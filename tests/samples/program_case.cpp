@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/samples/program_case.hpp"
 
-#include "pipeline/assemble.hpp"
+#include "job/assemble.hpp"
 #include "pipeline/make_programs.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
 #include "tests/program/own_options.hpp"

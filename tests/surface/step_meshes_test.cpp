@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The triangles of a STEP file as an input of their own, kept in the output folder.
-#include "pipeline/step_meshes.hpp"
+#include "job/step_meshes.hpp"
 
 #include <unistd.h>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/trig.hpp"
 #include "base/units.hpp"
-#include "pose/freedom.hpp"
+#include "pose/freedom_entry.hpp"
 
 namespace millpose {
 namespace {
 
 /// Turns the tool about its own axis: the freedom that every round cutter has.
-class RotationAboutTool final : public Freedom {
+class ToolRotation final : public Freedom {
  public:
   std::string Name() const override { return "rotation"; }
   double Lower() const override { return -kPi; }
@@ -26,8 +26,8 @@ class RotationAboutTool final : public Freedom {
 
 }  // namespace
 
-FreedomEntry RotationEntry() {
-  return {"rotation", [](const LeanRange&) { return std::make_unique<RotationAboutTool>(); }};
-}
+FreedomPointer RotationAboutTool() { return std::make_shared<const ToolRotation>(); }
+
+FreedomEntry RotationEntry() { return {.name = "rotation", .always = RotationAboutTool()}; }
 
 }  // namespace millpose

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include "base/error.hpp"
 #include "base/trig.hpp"
 #include "base/units.hpp"
@@ -40,17 +42,21 @@ void SurfaceError::Evaluate(const ComplianceBlock& c, const ObjectiveContext& co
   const double nx = context.normal.x(), ny = context.normal.y(), nz = context.normal.z();
   const double fx = context.force.x(), fy = context.force.y(), fz = context.force.z();
   const double force2 = fx * fx + fy * fy + fz * fz;
-  for (int i = 0; i < kLanes; ++i) {
-    const double gx = c.xx.v[i] * nx + c.xy.v[i] * ny + c.xz.v[i] * nz;
-    const double gy = c.xy.v[i] * nx + c.yy.v[i] * ny + c.yz.v[i] * nz;
-    const double gz = c.xz.v[i] * nx + c.yz.v[i] * ny + c.zz.v[i] * nz;
-    const double along = std::fabs(gx * fx + gy * fy + gz * fz);  // |g|·|F|·cos θ
-    const double square = (gx * gx + gy * gy + gz * gz) * force2;
-    const double whole = std::sqrt(square);
-    const double beside = std::sqrt(std::max(0.0, square - along * along));  // |g|·|F|·sin θ
-    // cos(θ − δ), or 1 where θ ≤ δ.
-    out.v[i] = factor_ * (along >= whole * off_.cos ? whole : along * off_.cos + beside * off_.sin);
-  }
+  const double factor = factor_, off_cos = off_.cos, off_sin = off_.sin;
+  ForEachLane(
+      WidestInstructionSet(), [&](int i) __attribute__((always_inline)) {
+        const double gx = c.xx.v[i] * nx + c.xy.v[i] * ny + c.xz.v[i] * nz;
+        const double gy = c.xy.v[i] * nx + c.yy.v[i] * ny + c.yz.v[i] * nz;
+        const double gz = c.xz.v[i] * nx + c.yz.v[i] * ny + c.zz.v[i] * nz;
+        const double along = std::fabs(gx * fx + gy * fy + gz * fz);  // |g|·|F|·cos θ
+        const double square = (gx * gx + gy * gy + gz * gz) * force2;
+        const double whole = std::sqrt(square);
+        const double rest = square - along * along;
+        const double beside = std::sqrt(rest > 0.0 ? rest : 0.0);  // |g|·|F|·sin θ
+        // cos(θ − δ), or 1 where θ ≤ δ.
+        const double off = along * off_cos + beside * off_sin;
+        out.v[i] = factor * (along >= whole * off_cos ? whole : off);
+      });
 }
 
 }  // namespace

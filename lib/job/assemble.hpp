@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From settings, which config reads, to the values that the stages work on. The only place that knows both.
+#pragma once
+
+#include "cell/cell.hpp"
+#include "config/cell_settings.hpp"
+#include "config/job_settings.hpp"
+#include "gaps/gap_planner.hpp"
+#include "job/inputs.hpp"
+#include "path/fixed_rotation.hpp"
+#include "path/pass_planner.hpp"
+#include "program/pose_text.hpp"
+#include "program/post.hpp"
+#include "stiffness/series.hpp"
+#include "surface/step_options.hpp"
+#include "toolpath/gouge.hpp"
+#include "toolpath/toolpath_options.hpp"
+#include "verify/verify.hpp"
+
+namespace millpose {
+
+Arm MakeArm(const ArmSettings& settings);
+
+/// Compliances beside the joints.
+std::vector<SeriesCompliance> MakeCompliances(const CellSettings& settings);
+
+/// The same with the external axes', which stand at home.
+std::vector<SeriesCompliance> MakeCompliancesAtHome(const CellSettings& settings);
+
+/// Weights as the cell gives them; empty when it gives none.
+struct GravityModel {
+  Joints reference;  ///< pose in which the arm was calibrated, rad
+  std::vector<LinkMass> masses;
+  Counterbalance counterbalance;
+  bool counterbalance_given = false;
+  Eigen::Vector3d gravity;  ///< in B, mm/s²
+};
+std::optional<GravityModel> MakeGravity(const CellSettings& settings);
+
+/// X_FT of a tool: z along its axis from tip to holder, x as near to its x as a right angle allows.
+Pose MakeToolPose(const ToolSettings& settings);
+
+/// The cell without a workpiece. `body_bytes` holds the mesh files that bodies name.
+Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::string>& body_bytes);
+
+/// A body that stands in the cell where the part must not be.
+Body MakeKeepOut(const KeepOutSettings& settings);
+
+/// The cell with the stacks of all its tools in the spindle at once: what is free with it is free with any.
+Cell WithAllTools(Cell cell, const CellSettings& settings);
+
+/// How a part's STEP file is read, and what that may take.
+StepOptions MakeStepOptions(const WorkpieceSettings& workpiece);
+
+/// Material on the part's surface, mm.
+double AllowanceOf(const JobSettings& job);
+
+/// Puts the workpiece into the cell: the finished part with its allowance, and the stock where the job has
+/// one.
+void AddWorkpiece(const JobInputs& inputs, Triangles finished, Cell* cell);
+
+/// Where the workpiece stands in W: as given, or where its measured targets fit best. Throws InputError when
+/// they do not determine it or a residual is above the job's bound.
+Pose MakeWorkpiecePose(const WorkpieceSettings& settings, const Pose& X_WB);
+
+/// The admissible limits of a job: the arm's, narrowed by the task's, less the margin.
+AdmissibleBounds MakeBounds(const JobSettings& job, const Arm& arm);
+
+PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_settings, const Cell& cell);
+CutterShape MakeCutterShape(const ToolSettings& tool);
+/// The job's own, with cutter and feed.
+ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& tool);
+PathOptions MakePathOptions(const JobSettings& job);
+FixedRotationOptions MakeFixedOptions(const JobSettings& job, int threads, std::stop_token stop);
+GapOptions MakeGapOptions(const JobSettings& job);
+VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm);
+
+/// Why `controller` cannot run programs for an arm; empty where it can.
+std::string NoProgramsFor(const ArmSettings& arm, const std::string& controller);
+
+/// Settings of one post as far as the cell's texts need them: without asking whether the controller can run
+/// the cell as it stands, its external axes among it. InputError when the cell has no section for it, or the
+/// controller cannot run the arm.
+PostSettings MakeTextSettings(const JobSettings& job, const CellSettings& cell,
+                              const std::string& controller);
+
+/// Settings of one post, for programs. InputError as MakeTextSettings, and where the controller cannot run
+/// the cell as it stands.
+PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
+                              const std::string& controller);
+
+}  // namespace millpose

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "job/compensate_job.hpp"
+
+#include "base/trig.hpp"
+#include "compensation/gain.hpp"
+#include "job/assemble.hpp"
+#include "job/commanded_free.hpp"
+#include "job/job_engagement.hpp"
+#include "job/measured_forces.hpp"
+
+namespace millpose {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Forces are worked out for the feeds that passes were laid with: Kienzle's law takes them to those that the
+/// joints can hold.
+void ScaleToFeeds(const JobInputs& inputs, const std::vector<std::vector<double>>& planned_feeds,
+                  const PlanResult& plan, PointForces& forces) {
+  const double exponent = 1 - ChipExponent(inputs.job);
+  for (size_t p = 0; p < plan.passes.size(); ++p)
+    for (size_t i = 0; i < plan.passes[p].points.size(); ++i) {
+      const double feed = plan.passes[p].points[i].point.feed_rate;
+      if (feed < planned_feeds[p][i]) forces[p][i] *= Pow(feed / planned_feeds[p][i], exponent);
+    }
+}
+
+void CheckWeight(const JobSettings& job, const CellSettings& cell, std::vector<Problem>& problems) {
+  if (!job.compensation.weight) return;
+  if (cell.arm.absolute_accuracy)
+    problems.push_back({{job.file},
+                        fmt::format("compensation.weight: given true, but the controller of cell {} does it "
+                                    "already (arm.absolute_accuracy: true)",
+                                    cell.name)});
+  if (!cell.gravity)
+    problems.push_back(
+        {{job.file},
+         fmt::format("compensation.weight: given true; cell {} has no stiffness.gravity, which says what "
+                     "weighs how much and in which pose the workpiece's frame was measured",
+                     cell.name)});
+}
+
+}  // namespace
+
+namespace {
+
+// Weight is known in the base's frame, whose tilt must then be that of the cell.
+void CheckTilt(const JobSettings& job, const CellSettings& cell, std::vector<Problem>& problems) {
+  constexpr double kUpright = 1e-9;
+  if (!job.compensation.weight) return;
+  for (const ExternalAxis& axis : cell.external_axes)
+    if (axis.kind == AxisKind::kRotary && axis.carries == Carries::kRobot &&
+        axis.direction.head<2>().norm() > kUpright)
+      problems.push_back(
+          {{job.file},
+           fmt::format("compensation.weight: given true; external axis {} of cell {} tilts the "
+                       "robot, so that its weight bends it another way at every station",
+                       axis.name, cell.name)});
+}
+
+}  // namespace
+
+std::vector<Problem> CheckCompensation(const JobSettings& job, const CellSettings& cell) {
+  std::vector<Problem> problems;
+  CheckWeight(job, cell, problems);
+  CheckTilt(job, cell, problems);
+  const bool on = job.compensation.deflection != TakeOut::kOff || job.compensation.weight;
+  if (on && cell.stiffness_at != StiffnessOrigin::kToolTip)
+    problems.push_back({{job.file},
+                        fmt::format("compensation: needs stiffness at the tool tip; cell {} gives "
+                                    "stiffness.at: flange",
+                                    cell.name)});
+  return problems;
+}
+
+CompensationOptions MakeCompensationOptions(const JobSettings& job, const CellSettings& cell) {
+  const CompensationSettings& from = job.compensation;
+  CompensationOptions options;
+  options.deflection = from.deflection;
+  options.share = from.shrink;
+  options.force = {0.01 * job.force_uncertainty_percent, DegToRad(job.force_direction_deg)};
+  options.stiffness.joints.setConstant(kStiffnessUncertainty);
+  if (!cell.arm.stiffness_uncertainty.isZero(0.0)) options.stiffness.joints = cell.arm.stiffness_uncertainty;
+  if (from.stiffness_uncertainty) options.stiffness.joints.setConstant(*from.stiffness_uncertainty);
+  options.stiffness.beside = from.stiffness_uncertainty.value_or(kStiffnessUncertainty);
+  options.most = from.most;
+  options.which = from.layers;
+  options.layers = LayerOffsets(job.toolpath.layers).size();
+  options.cutter_radius = cell.tool.cutter_diameter / 2;
+  options.beside = MakeCompliances(cell);
+  if (from.weight) {
+    const Arm arm = MakeArm(cell.arm);
+    const Vector3d tip = cell.tool.tip;
+    options.weight = [model = *MakeGravity(cell), arm, tip](const Joints& q) {
+      return GravityDeflection(arm, q, model.reference, tip, model.masses, model.counterbalance,
+                               model.gravity);
+    };
+  }
+  return options;
+}
+
+std::vector<std::vector<double>> FeedsOf(const PlanResult& plan) {
+  std::vector<std::vector<double>> feeds;
+  for (const PassResult& pass : plan.passes) {
+    std::vector<double>& own = feeds.emplace_back();
+    for (const PlannedPoint& point : pass.points) own.push_back(point.point.feed_rate);
+  }
+  return feeds;
+}
+
+CompensationNotes CompensateJob(const JobInputs& inputs, const Stations& stations,
+                                const std::vector<std::vector<double>>& planned_feeds,
+                                const Execution& execution, PlanResult& plan) {
+  const CompensationOptions options = MakeCompensationOptions(inputs.job, inputs.cell);
+  if (!IsOn(options)) return {};
+  PointForces forces = ForcesOf(plan);
+  if (!inputs.job.force_file.empty())
+    forces = ReadMeasuredForces(inputs, plan);
+  else if (inputs.job.cutting)
+    ScaleToFeeds(inputs, planned_feeds, plan, forces);
+  const CompensationCounts counts = Compensate(options, forces, plan);
+  CompensationNotes notes;
+  execution.progress.Begin("compensation", 0);
+  notes.findings = KeepCommandedFree(stations, inputs.job.swept_resolution, execution, plan);
+  notes.remains = MedianRemains(options, plan);
+  execution.progress.End(fmt::format("{} points shifted", counts.shifted));
+  if (counts.cut > 0)
+    notes.warnings.push_back(fmt::format(
+        "compensation: {} shifts are cut to {:.6g} mm (compensation.max_mm), the largest would be "
+        "{:.4f} mm; compensation.csv names the points",
+        counts.cut, options.most, counts.largest_cut));
+  if (counts.unreached > 0)
+    notes.findings.push_back(
+        fmt::format("compensation: {} points keep their nominal poses, the arm does not reach the others",
+                    counts.unreached));
+  return notes;
+}
+
+}  // namespace millpose

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "job/inputs.hpp"
+
+#include "base/error.hpp"
+#include "base/hash.hpp"
+#include "config/config.hpp"
+#include "job/assemble.hpp"
+#include "job/cell_texts.hpp"
+#include "job/compensate_job.hpp"
+#include "job/exclude_pairs.hpp"
+#include "job/external_positions.hpp"
+#include "job/lean_freedoms.hpp"
+#include "job/locate.hpp"
+#include "job/origin.hpp"
+#include "job/resolve_urdf.hpp"
+#include "toolpath/strategy.hpp"
+
+namespace millpose {
+namespace {
+
+// Runs `step`; what is wrong with its input joins `problems` so that the user sees everything at once.
+template <class Step>
+void Collect(std::vector<Problem>& problems, Step step) {
+  try {
+    step();
+  } catch (const InputError& error) {
+    problems.insert(problems.end(), error.problems().begin(), error.problems().end());
+  }
+}
+
+// A link without a body would never be seen to touch. Link 6 carries the tool's stack.
+void CheckLinks(const CellSettings& cell, std::vector<Problem>& problems) {
+  for (int link = 0; link < 6; ++link) {
+    const bool named = std::ranges::find(cell.unchecked_links, link) != cell.unchecked_links.end();
+    const MountSettings on_it{Mount::kLink, link};
+    const bool has_body = std::ranges::find(cell.bodies, on_it, &BodySettings::mount) != cell.bodies.end();
+    const std::string mount = WordOf(kLinkWords, link);
+    if (named && has_body)
+      problems.push_back(
+          {{cell.file, cell.bodies_line},
+           fmt::format("interference.unchecked_links: {0} has a body; allowed: links without", mount)});
+    if (!named && !has_body)
+      problems.push_back(
+          {{cell.file, cell.bodies_line},
+           fmt::format(
+               "bodies: {0} has no body, so its interference would never be found; add one with mount: "
+               "{0}, or name it in interference.unchecked_links",
+               mount)});
+  }
+}
+
+// What a controller cannot run needs no settings either.
+std::vector<Problem> CheckControllers(const CellSettings& cell) {
+  std::vector<Problem> problems;
+  for (const auto& [controller, settings] : cell.controllers)
+    if (const std::string refusal = NoProgramsFor(cell.arm, controller); !refusal.empty())
+      problems.push_back({{cell.file, cell.controllers_line}, "controllers: " + refusal});
+  return problems;
+}
+
+// The largest depth of cut that a job asks for must be one that the cutter has edges for, its ramps such as
+// the cutter can go down.
+void CheckCutter(const JobInputs& inputs, std::vector<Problem>& problems) {
+  const JobSettings& job = inputs.job;
+  const double length = inputs.cell.tool.cutting_length;
+  const auto check = [&](const char* key, double depth) {
+    if (depth > length)
+      problems.push_back(
+          {{job.file},
+           fmt::format("{}: given {:.6g}; allowed: at most tool.cutter.cutting_length_mm of cell {}, "
+                       "{:.6g}, above which the cutter does not cut",
+                       key, depth, inputs.cell.name, length)});
+  };
+  const PassEnds& ends = job.toolpath.ends;
+  const double steepest = inputs.cell.tool.max_ramp;
+  if (ends.lead == LeadShape::kAlong && ends.ramp_angle > steepest + 1e-12)
+    problems.push_back({{job.file},
+                        fmt::format("toolpath.ends.ramp_deg: given {:.6g}; allowed: at most "
+                                    "tool.cutter.max_ramp_deg of cell {}, {:.6g}",
+                                    RadToDeg(ends.ramp_angle), inputs.cell.name, RadToDeg(steepest))});
+  if (job.cutting) check("process.cutting.depth_mm", job.cutting->depth.value_or(0));
+  check("toolpath.depth.per_layer_mm", std::min(job.toolpath.layers.total, job.toolpath.layers.per_layer));
+}
+
+/// A job without programs is planned in a cell whose controllers do not know its external axes.
+void CheckProgrammedAxes(const JobInputs& inputs) {
+  if (inputs.cell.external_axes.empty()) return;
+  for (const std::string& controller : inputs.job.programs)
+    if (inputs.cell.controllers.contains(controller)) MakePostSettings(inputs.job, inputs.cell, controller);
+}
+
+}  // namespace
+
+std::vector<std::string> CellWarnings(const CellSettings& cell) {
+  std::vector<std::string> warnings = cell.warnings;
+  std::vector<std::string> unchecked;
+  for (const int link : cell.unchecked_links) unchecked.push_back(WordOf(kLinkWords, link));
+  if (!unchecked.empty())
+    warnings.push_back(fmt::format("{}: interference of {} is not checked (interference.unchecked_links)",
+                                   cell.name, fmt::join(unchecked, ", ")));
+  return warnings;
+}
+
+CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::string, std::string>* body_bytes,
+                      const FileRoot& root, const std::optional<PoseSettings>& base) {
+  CellSettings cell = ParseCell(root.Read(cell_file), cell_file.string());
+  if (base) cell.base_in_world = *base;
+  cell.stated_base = cell.base_in_world;
+  const bool from_urdf = !cell.arm.urdf.file.empty();
+  ResolveUrdf(cell_file.parent_path(), root, &cell);
+  std::vector<Problem> problems = CheckControllers(cell);
+  if (problems.empty()) problems = CheckCellTexts(cell);
+  CheckLinks(cell, problems);
+  for (const BodySettings& body : cell.bodies) {
+    if (body.shape.kind != ShapeKind::kMesh || body_bytes->contains(body.shape.mesh_file)) continue;
+    Collect(problems, [&] {
+      (*body_bytes)[body.shape.mesh_file] = root.Read(cell_file.parent_path() / body.shape.mesh_file);
+    });
+  }
+  if (!problems.empty()) throw InputError(std::move(problems));
+  ExcludeTouchingNeighbours(*body_bytes, from_urdf, &cell);
+  return cell;
+}
+
+JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector<Override>& overrides,
+                        const std::optional<std::filesystem::path>& origin, const FileRoot& root,
+                        std::optional<size_t> operation) {
+  JobInputs inputs;
+  inputs.job_file = job_file;
+  inputs.job_text = root.Read(job_file);
+  inputs.operation = operation;
+  inputs.job = ParseJob(inputs.job_text, job_file.string(), overrides, operation);
+  inputs.folder = origin ? *origin : OriginOf(job_file, inputs.job.cell_file, root);
+  const std::filesystem::path& folder = inputs.folder;
+  std::vector<Problem> problems;
+  Collect(problems, [&] {
+    inputs.cell = LoadCell(folder / inputs.job.cell_file, &inputs.body_bytes, root, inputs.job.base_in_world);
+  });
+  if (problems.empty()) Collect(problems, [&] { SelectTool(inputs.job.tool, &inputs.cell); });
+  if (!inputs.job.workpiece.mesh_file.empty())
+    Collect(problems, [&] { inputs.workpiece_bytes = root.Read(folder / inputs.job.workpiece.mesh_file); });
+  if (!inputs.job.workpiece.stock_file.empty())
+    Collect(problems, [&] { inputs.stock_bytes = root.Read(folder / inputs.job.workpiece.stock_file); });
+  if (!inputs.job.force_file.empty())
+    Collect(problems, [&] { inputs.force_bytes = root.Read(folder / inputs.job.force_file); });
+  if (const std::string file = inputs.job.toolpath.strategy->File(); !file.empty())
+    Collect(problems, [&] { inputs.path_bytes = root.Read(folder / file); });
+  if (problems.empty()) CheckCutter(inputs, problems);
+  if (problems.empty()) CheckLeanRanges(inputs, problems);
+  if (problems.empty()) problems = CheckExternal(inputs.job, inputs.cell);
+  if (problems.empty()) Collect(problems, [&] { CheckProgrammedAxes(inputs); });
+  if (problems.empty()) problems = CheckAlongCuts(inputs.job, inputs.cell);
+  if (problems.empty()) problems = CheckCompensation(inputs.job, inputs.cell);
+  if (!problems.empty()) throw Located(InputError(std::move(problems)), inputs);
+  inputs.hash = HashOf(inputs);
+  return inputs;
+}
+
+std::string PlannedJobText(JobSettings job) {
+  job.placement.reset();
+  return WriteJob(job);
+}
+
+std::string HashOf(const JobInputs& inputs) {
+  std::string all = PlannedJobText(inputs.job) + '\0' + WriteCell(inputs.cell) + '\0' +
+                    Hash(inputs.workpiece_bytes) + '\0' + Hash(inputs.stock_bytes) + '\0' +
+                    Hash(inputs.path_bytes);
+  if (!inputs.job.force_file.empty()) all += '\0' + Hash(inputs.force_bytes);
+  for (const auto& [name, bytes] : inputs.body_bytes) all += '\0' + name + '\0' + Hash(bytes);
+  return Hash(all);
+}
+
+}  // namespace millpose

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "job/workpiece.hpp"
+
+#include <Eigen/Geometry>
+
+#include "base/error.hpp"
+#include "base/process.hpp"
+#include "job/assemble.hpp"
+#include "robot/kinematics.hpp"
+#include "surface/step_reader.hpp"
+#include "toolpath/make_toolpath.hpp"
+#include "toolpath/strategy.hpp"
+
+namespace millpose {
+namespace {
+
+// Points that the path may have: as asked for, and no more than the machine's memory holds.
+PointBudget MakeBudget(const JobInputs& inputs, const Mesh& mesh) {
+  constexpr double kBytesPerPoint = 5e3;  // docs/cluster.md measured 4.4 kB
+  PointBudget budget;
+  budget.most = inputs.max_points;
+  const double memory = MachineMemory();
+  if (memory / kBytesPerPoint < budget.most) {
+    budget.most = memory / kBytesPerPoint;
+    budget.set_by = fmt::format("{:.0f} MB of memory", memory / 1e6);
+  }
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : mesh.triangles().vertices) box.extend(p);
+  const double size = box.isEmpty() ? 0 : box.sizes().maxCoeff();
+  const double reach = Reach(MakeArm(inputs.cell.arm), inputs.cell.tool.tip);
+  if (const auto doubt = UnitWarning(size, reach); doubt && size > reach) budget.unit_doubt = *doubt;
+  return budget;
+}
+
+}  // namespace
+
+double Reach(const Arm& arm, const Eigen::Vector3d& p_FT) { return ArmLength(arm) + p_FT.norm(); }
+
+double Reach(const Cell& cell) { return Reach(cell.arm, cell.X_FT.translation()); }
+
+std::string SurfaceStage(const JobInputs& inputs) {
+  const WorkpieceSettings& workpiece = inputs.job.workpiece;
+  return SurfaceStage(inputs.workpiece_bytes, workpiece.step_seconds, workpiece.step_memory);
+}
+
+std::string SurfaceStage(std::string_view mesh, int seconds, int memory_MB) {
+  if (!LooksLikeStep(mesh)) return "surface";
+  return fmt::format("surface (STEP: at most {} s, {} MB)", seconds, memory_MB);
+}
+
+Part ReadPart(const JobInputs& inputs, const Cell& cell) {
+  const std::string& name = inputs.job.workpiece.mesh_file;
+  if (name.empty()) {
+    Part none{{Mesh(Triangles{}), {}}, CellWarnings(inputs.cell)};
+    none.warnings.emplace_back(
+        "no part is given: the tool axes serve as normals, and interference with the part is not checked");
+    return none;
+  }
+  ImportOptions options;
+  options.unit = inputs.job.workpiece.unit;
+  options.weld_tolerance = inputs.job.workpiece.weld_tolerance;
+  options.flip = inputs.job.workpiece.flip;
+  Part part{ImportMesh(ReadMesh(inputs.workpiece_bytes, name, MakeStepOptions(inputs.job.workpiece)), options,
+                       name),
+            CellWarnings(inputs.cell)};
+  for (const std::string& finding : Findings(part.import.report))
+    part.warnings.push_back(fmt::format("{}: {}", name, finding));
+  const Eigen::Vector3d size = part.import.report.upper - part.import.report.lower;
+  if (const auto warning = UnitWarning(size.maxCoeff(), Reach(cell)))
+    part.warnings.push_back(name + ": " + *warning);
+  return part;
+}
+
+JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop_token stop, int parts) {
+  ToolpathOptions options = MakeToolpathOptions(inputs.job, inputs.cell.tool);
+  options.parts = parts;
+  options.budget = MakeBudget(inputs, mesh);
+  options.budget.most *= parts;  // few of these points are planned
+  LaidPath laid = options.strategy->Make({mesh, options, inputs.path_bytes}, std::move(stop));
+  JobToolpath made;
+  made.toolpath = std::move(laid.toolpath);
+  made.warnings = std::move(laid.warnings);
+  made.findings = std::move(laid.findings);
+  made.notes = std::move(laid.notes);
+  made.holes_left_out = std::move(laid.holes_left_out);
+  return made;
+}
+
+namespace {
+
+/// What gouges at the nominal lean may be clear at another: the pose search asks for each (LeanGouges).
+void LeaveToLeans(Toolpath& toolpath) {
+  for (Pass& pass : toolpath.passes)
+    for (MillingPoint& point : pass.points) point.gouge = 0;
+}
+
+}  // namespace
+
+void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, int threads, JobToolpath& made,
+                    std::stop_token stop) {
+  const GougeOptions& options = inputs.job.toolpath.gouges;
+  made.gouges =
+      CheckGouges(mesh, MakeCutterShape(inputs.cell.tool), options, threads, made.toolpath, std::move(stop));
+  const GougeReport& found = made.gouges;
+  if (found.points == 0) return;
+  const Eigen::Vector3d& place = found.deepest.place;
+  std::string sentence = fmt::format(
+      "toolpath: the cutter would go up to {:.3f} mm into the part at {} points (deepest at {:.3f}, {:.3f}, "
+      "{:.3f} mm in the workpiece frame; allowed: {} mm)",
+      found.deepest.depth, found.points, place.x(), place.y(), place.z(), options.tolerance);
+  if (found.leads_left_out > 0)
+    made.warnings.push_back(
+        fmt::format("toolpath: {} leads are left out, because the cutter would go into the "
+                    "part on them",
+                    found.leads_left_out));
+  if (options.action == GougeAction::kReport) {
+    made.findings.push_back(sentence + "; they stay in the path (gouges: {action: report})");
+  } else if (options.action == GougeAction::kLift) {
+    made.warnings.push_back(sentence +
+                            fmt::format("; the tool is lifted there by up to {:.3f} mm", found.largest_lift));
+  } else {
+    // What gouges may be a lead or a place between points: then nothing that was asked for is missing.
+    size_t skipped = 0;
+    for (const Pass& pass : made.toolpath.passes)
+      for (const MillingPoint& point : pass.points) skipped += point.gouge > 0;
+    if (skipped > 0 && inputs.job.toolpath.Leans()) {
+      LeaveToLeans(made.toolpath);
+      sentence += fmt::format("; {} points are planned at another lean or skipped", skipped);
+    } else if (skipped > 0) {
+      sentence += fmt::format("; {} points are skipped", skipped);
+    }
+    made.warnings.push_back(sentence);
+  }
+}
+
+namespace {
+
+/// A pass in P as it is in W while the part moves along it.
+Pass Moving(const Stations& stations, const ExternalCourse& course, Pass pass) {
+  const Cell& cell = stations.world().cell();
+  const Mechanism mechanism(cell.external_axes);
+  const std::vector<ExternalPosition> positions = PositionsAlong(course, pass);
+  for (size_t t = 0; t < pass.points.size(); ++t) {
+    Pass one;
+    one.points.push_back(std::move(pass.points[t]));
+    Transform(mechanism.Moved(Carries::kWorkpiece, positions[t]) * cell.X_WP, one);
+    pass.points[t] = std::move(one.points.front());
+  }
+  return pass;
+}
+
+}  // namespace
+
+Toolpath PlacedToolpath(const JobInputs& inputs, const Toolpath& toolpath, const Pose& X_WP) {
+  Toolpath placed = Transformed(toolpath, X_WP);
+  for (Pass& pass : placed.passes) pass.rotation_reference = inputs.job.toolpath.world_reference.normalized();
+  return placed;
+}
+
+Toolpath AtStations(const JobInputs& inputs, const Toolpath& toolpath, const Stations& stations,
+                    const std::vector<ExternalCourse>& external) {
+  Toolpath placed = toolpath;
+  for (size_t i = 0; i < placed.passes.size(); ++i) {
+    if (external[i].Moves())
+      placed.passes[i] = Moving(stations, external[i], EndingWhereItBegan(std::move(placed.passes[i])));
+    else
+      Transform(stations.At(external[i].from).world.cell().X_WP, placed.passes[i]);
+    placed.passes[i].rotation_reference = inputs.job.toolpath.world_reference.normalized();
+  }
+  return placed;
+}
+
+size_t CountPoints(const Toolpath& toolpath) {
+  size_t count = 0;
+  for (const Pass& pass : toolpath.passes) count += pass.points.size();
+  return count;
+}
+
+}  // namespace millpose
