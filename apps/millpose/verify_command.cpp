@@ -28,8 +28,9 @@ void AddVerifyCommand(CLI::App& app, Run& run) {
   command
       ->add_option(
           "DIR|PROGRAM", arguments->target,
-          "Output folder of millpose plan: its programs against its plan; or the main file of a program "
-          "(.src, .mpf, .ngc): reach, limits, speeds, singularity, interference")
+          fmt::format("Output folder of millpose plan: its programs against its plan; or the main file of a "
+                      "program ({}): reach, limits, speeds, singularity, interference",
+                      fmt::join(MainEndings(), ", ")))
       ->required();
   command->add_option("--cell", arguments->cell, "Cell of a program (YAML)");
   command->add_option("--tool", arguments->tool,

@@ -10,7 +10,7 @@
 namespace millpose {
 namespace {
 
-constexpr size_t kMostProblems = 100;
+constexpr size_t kMostOfTable = 100;
 
 struct Cell {
   std::string_view text;
@@ -44,7 +44,7 @@ class Reader {
 
   CsvTable Read(std::string_view text) {
     int number = 0;
-    while (!text.empty() && problems_.size() < kMostProblems) {
+    while (!text.empty() && problems_.size() < kMostOfTable) {
       const size_t end = std::min(text.find('\n'), text.size());
       std::string_view line = text.substr(0, end);
       text.remove_prefix(std::min(end + 1, text.size()));

@@ -11,15 +11,15 @@ constexpr int kWorld = -1;  // moved by no external axis
 /// Distances are asked for up to this much more than the clearance, mm.
 constexpr double kNearby = 200;
 
-struct WayPair {
-  size_t first, second;
-  double clearance;
-  bool standing;  ///< both stand still in passes
-};
-
 }  // namespace
 
 struct StationWay::Impl {
+  struct WayPair {
+    size_t first, second;
+    double clearance;
+    bool standing;  ///< both stand still in passes
+  };
+
   std::shared_ptr<const World::Impl> world;
   Mechanism mechanism;
   double resolution;
@@ -143,7 +143,7 @@ StationWay::~StationWay() = default;
 
 std::optional<Interference> StationWay::At(const ExternalPosition& external) const {
   const std::vector<Placed> placed = impl_->Place(external);
-  for (const WayPair& pair : impl_->pairs) {
+  for (const Impl::WayPair& pair : impl_->pairs) {
     if (!pair.standing) continue;
     const Placed &a = placed[pair.first], &b = placed[pair.second];
     const double wanted = std::max(pair.clearance, 1e-6);
@@ -186,7 +186,7 @@ std::optional<Interference> StationWay::Look(const ExternalPosition& from, const
     const std::vector<Placed> placed = impl_->Place(at);
     std::vector<size_t> undecided;
     for (const size_t index : interval.pairs) {
-      const WayPair& pair = impl_->pairs[index];
+      const Impl::WayPair& pair = impl_->pairs[index];
       const Placed &a = placed[pair.first], &b = placed[pair.second];
       const double clearance = std::max(pair.clearance, 1e-6);
       const double motion = half * (travel[pair.first] + travel[pair.second]);

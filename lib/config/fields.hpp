@@ -10,7 +10,6 @@ namespace millpose::config {
 
 using namespace yaml;   // NOLINT: the tables are written in its words
 using yaml::Direction;  // not the enum
-using yaml::Place;      // not the struct
 
 /// The files.
 const Codec<JobSettings>& JobFields();

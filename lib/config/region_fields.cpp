@@ -7,7 +7,7 @@ namespace {
 Codec<RegionBox> BoxFields() {
   using S = RegionBox;
   const auto corner = [](const char* key, auto access, const char* doc) {
-    return Key<S>(key, access, Place(), doc).Required();
+    return Key<S>(key, access, Coordinates(), doc).Required();
   };
   const auto check = [](const Value& value, const Context& context, S& box) {
     if (!(box.lower.array() < box.upper.array()).all())
@@ -21,7 +21,7 @@ Codec<RegionBox> BoxFields() {
 Codec<HalfSpace> HalfSpaceFields() {
   using S = HalfSpace;
   return Section<S>(
-      {Key<S>("point_mm", MILLPOSE_AT(point), Place(), "A point of the bounding plane.").Required(),
+      {Key<S>("point_mm", MILLPOSE_AT(point), Coordinates(), "A point of the bounding plane.").Required(),
        Key<S>("normal", MILLPOSE_AT(normal), Direction(), "Points to what is in.").Required()});
 }
 
@@ -33,7 +33,7 @@ Codec<ProjectedPolygon> PolygonFields() {
                   fmt::format("a polygon needs 3 points or more, given {}", polygon.points.size()));
   };
   return Section<S>(
-      {Key<S>("points_mm", MILLPOSE_AT(points), ListOf(Place()), "Corners in order, either way round.")
+      {Key<S>("points_mm", MILLPOSE_AT(points), ListOf(Coordinates()), "Corners in order, either way round.")
            .Required(),
        Key<S>("direction", MILLPOSE_AT(direction), Direction(),
               "Along it the polygon is projected onto the part.")
@@ -43,15 +43,15 @@ Codec<ProjectedPolygon> PolygonFields() {
 
 Codec<ConnectedFaces> ConnectedFields() {
   using S = ConnectedFaces;
-  return Section<S>({Key<S>("seed_mm", MILLPOSE_AT(seed), Place(), "A point at the surface.").Required(),
-                     Key<S>("crease_deg", MILLPOSE_AT(crease), Real(kDeg, Between(0, 180)),
-                            "The faces end at edges that bend more sharply.")});
+  return Section<S>(
+      {Key<S>("seed_mm", MILLPOSE_AT(seed), Coordinates(), "A point at the surface.").Required(),
+       Key<S>("crease_deg", MILLPOSE_AT(crease), Real(kDeg, Between(0, 180)),
+              "The faces end at edges that bend more sharply.")});
 }
 
-using S = RegionOptions;
-
 // The keys that nested conditions have too.
-std::vector<Field<S>> ConditionKeys() {
+std::vector<Field<RegionOptions>> ConditionKeys() {
+  using S = RegionOptions;
   return {
       Key<S>("box", MILLPOSE_AT(box), Maybe(BoxFields()),
              "Only what lies in this box, in the workpiece frame."),
@@ -79,6 +79,7 @@ std::vector<Field<S>> ConditionKeys() {
 }  // namespace
 
 Codec<RegionOptions> RegionFields() {
+  using S = RegionOptions;
   const auto list = [](const char* key, auto access, const char* doc) {
     return Key<S>(key, access, ListOf(Section<S>(ConditionKeys())), doc).WhenSet([access](const S& s) {
       return !access(s).empty();

@@ -37,7 +37,7 @@ Codec<ToolAxisOptions> ToolAxisFields() {
               "point_mm, and without it "
               "the point counts.")
            .WhenSet([](const S& s) { return s.direction.norm() > 0; }),
-       Key<S>("point_mm", MILLPOSE_AT(point), Place(), "Of toward and away, in the workpiece frame.")
+       Key<S>("point_mm", MILLPOSE_AT(point), Coordinates(), "Of toward and away, in the workpiece frame.")
            .WhenSet(by_place)},
       check);
 }

@@ -8,8 +8,8 @@ namespace {
 Codec<TargetSettings> TargetFields() {
   using S = TargetSettings;
   return Section<S>(
-      {Key<S>("nominal_mm", MILLPOSE_AT(nominal), Place(), "In the workpiece frame.").Required(),
-       Key<S>("measured_mm", MILLPOSE_AT(measured), Place(), "In `frame`.").Required()});
+      {Key<S>("nominal_mm", MILLPOSE_AT(nominal), Coordinates(), "In the workpiece frame.").Required(),
+       Key<S>("measured_mm", MILLPOSE_AT(measured), Coordinates(), "In `frame`.").Required()});
 }
 
 void CheckPlacement(const Value& value, const Context& context, WorkpieceSettings& workpiece) {

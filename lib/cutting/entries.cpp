@@ -9,9 +9,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kAbove = 0.05;   // mm over the tip: below this a cutter only touches
-constexpr double kMiddle = 0.25;  // of its radius: where a cutter without a centre edge cuts nothing
-constexpr int kProbes = 6;        // around the middle
+constexpr double kAbove = 0.05;         // mm over the tip: below this a cutter only touches
+constexpr double kMiddle = 0.25;        // of its radius: where a cutter without a centre edge cuts nothing
+constexpr int kProbesAroundMiddle = 6;  // around the middle
 
 }  // namespace
 
@@ -34,8 +34,8 @@ std::vector<char> MeetsMaterial(const EngagementOptions& options, const Toolpath
     const Vector3d middle = point.position + kAbove * point.tool_axis;
     const Vector3d across = point.tool_axis.unitOrthogonal(), beside = point.tool_axis.cross(across);
     bool meets_any = stands(middle);
-    for (int i = 0; i < kProbes && !meets_any; ++i) {
-      const auto [s, c] = SinCos(2 * kPi * i / kProbes);
+    for (int i = 0; i < kProbesAroundMiddle && !meets_any; ++i) {
+      const auto [s, c] = SinCos(2 * kPi * i / kProbesAroundMiddle);
       meets_any = stands(middle + kMiddle * options.edge.cutter.radius * (c * across + s * beside));
     }
     meets.push_back(meets_any);

@@ -11,7 +11,7 @@
 namespace millpose {
 namespace {
 
-constexpr double kSame = 0.05;  // share by which given and worked out may differ
+constexpr double kSameShare = 0.05;  // share by which given and worked out may differ
 
 CuttingMaterial MaterialOf(const CuttingSettings& cutting) {
   if (cutting.kc11 > 0) return {cutting.material, cutting.kc11, cutting.mc, "job"};
@@ -65,7 +65,7 @@ class CuttingReader {
         most = std::max(most, offsets[i - 1] - offsets[i]);
       }
       options.depth = least;
-      if (from_.depth && std::abs(*from_.depth - most) > kSame * most)
+      if (from_.depth && std::abs(*from_.depth - most) > kSameShare * most)
         Add(
             fmt::format("process.cutting.depth_mm: given {:.6g}, but the layers of toolpath.depth are {:.6g} "
                         "mm deep; leave it out",
@@ -89,7 +89,7 @@ class CuttingReader {
           "mm",
           *from_.width, diameter));
     if (from_.width && by_step && from_.side != MillingSide::kSlot &&
-        std::abs(*from_.width - from_step) > kSame * diameter)
+        std::abs(*from_.width - from_step) > kSameShare * diameter)
       Add(
           fmt::format("process.cutting.width_mm: given {:.6g}, but passes are {:.6g} mm apart "
                       "(toolpath.stepover_mm); leave it out, or give {:.6g}",

@@ -7,15 +7,15 @@
 namespace millpose {
 namespace {
 
-constexpr size_t kMostPositions = 2000;          // of all axes together
-constexpr size_t kMostOfContinuous = 200;        // likewise, where one may move along passes: pairs count
-constexpr double kSteps = 8;                     // that a linear axis' range falls into
-constexpr double kRotaryStep = DegToRad(30);     // of a rotary one
-constexpr double kTurn = 2 * kPi, kSame = 1e-9;  // rad
+constexpr size_t kMostPositions = 2000;       // of all axes together
+constexpr size_t kMostOfContinuous = 200;     // likewise, where one may move along passes: pairs count
+constexpr double kSteps = 8;                  // that a linear axis' range falls into
+constexpr double kRotaryStep = DegToRad(30);  // of a rotary one
+constexpr double kTurn = 2 * kPi, kSameAngle = 1e-9;  // rad
 
 /// Evenly from `lower` to `upper`, at most `step` apart.
 std::vector<double> Grid(double lower, double upper, double step) {
-  const int count = std::max(1, static_cast<int>(std::ceil((upper - lower) / step - kSame)));
+  const int count = std::max(1, static_cast<int>(std::ceil((upper - lower) / step - kSameAngle)));
   std::vector<double> values;
   for (int i = 0; i <= count; ++i) values.push_back(lower + (upper - lower) * i / count);
   return values;
@@ -27,7 +27,7 @@ std::vector<double> ValuesToChoose(const ExternalAxis& axis, const ExternalSetti
   const double step = external.step_deg.value_or(kRotaryStep);
   // One that turns along a pass does not come to the same by a turn more.
   if (external.scope == ExternalScope::kContinuous) return Grid(axis.lower, axis.upper, step);
-  if (axis.upper - axis.lower < kTurn - kSame) return Grid(axis.lower, axis.upper, step);
+  if (axis.upper - axis.lower < kTurn - kSameAngle) return Grid(axis.lower, axis.upper, step);
   // More than a turn: the one about home, whose ends are the same.
   const double lower = std::clamp(axis.home - kPi, axis.lower, axis.upper - kTurn);
   std::vector<double> values = Grid(lower, lower + kTurn, step);

@@ -2,14 +2,11 @@
 #include "ladder/backward_sweep.hpp"
 
 #include "base/parallel.hpp"
+#include "base/units.hpp"
 #include "ladder/layer_steps.hpp"
 
 namespace millpose {
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
+namespace {}  // namespace
 
 const ToGo& LeastToGo(const LadderProblem& problem, const NodeMask& counted, BackwardRows& rows) {
   const std::span<const Layer> layers = problem.layers;

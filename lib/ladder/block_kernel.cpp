@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/units.hpp"
 #include "ladder/short_way.hpp"
 
 namespace millpose {
@@ -11,7 +12,6 @@ namespace {
 
 static_assert(kBlock == 8);
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSlack = 1e-9;      // rad: rounding of the bounds
 constexpr double kLess = 1 - 1e-12;  // rounding of a lower bound
 constexpr double kOneTurn = 3.0;     // rad: angles that lie nearer are as many turns away

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ladder/closed_rounds.hpp"
 
+#include "base/units.hpp"
+
 namespace millpose {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMore = 0.03;  // that a sequence may cost above the one before; then ever more
-constexpr double kAnew = 1.1;   // times what one cost when its node was chosen: another may now be better
+constexpr double kMoreThanBefore = 0.03;  // that a sequence may cost above the one before; then ever more
+constexpr double kAnew = 1.1;  // times what one cost when its node was chosen: another may now be better
 constexpr double kSurely = 1 - 1e-9;  // rounding of a lower bound
 constexpr int kRaises = 5;            // of the limit, each by twice as much; then there is none
 
@@ -43,13 +44,13 @@ std::optional<Sequence> ClosedRounds::Search(const LadderProblem& problem, int m
 /// Through the node with the limit as it is (0) or raised ever more; no sequence through it costs less than
 /// `least`.
 std::optional<Sequence> ClosedRounds::ThroughRaised(const LadderProblem& problem, double least, int raise) {
-  const double from = std::max(limit_ / (1 + kMore), least);
+  const double from = std::max(limit_ / (1 + kMoreThanBefore), least);
   for (; raise <= kRaises; ++raise) {
-    if (raise > 0) limit_ = raise < kRaises ? (1 + std::ldexp(kMore, raise)) * from : kInfinity;
+    if (raise > 0) limit_ = raise < kRaises ? (1 + std::ldexp(kMoreThanBefore, raise)) * from : kInfinity;
     if (least > limit_) continue;
     std::optional<Sequence> found = Through(problem);
     if (!found) continue;
-    if (!std::isfinite(limit_)) limit_ = (1 + kMore) * found->cost;
+    if (!std::isfinite(limit_)) limit_ = (1 + kMoreThanBefore) * found->cost;
     return found;
   }
   return std::nullopt;
@@ -61,7 +62,7 @@ void ClosedRounds::GoOnFrom(const LadderProblem& problem, const Sequence& sequen
   first_ = last_ = node;
   while (first_ > 0 && base[first_ - 1] == base[node]) --first_;
   while (last_ < base.size() && base[last_] == base[node]) ++last_;
-  limit_ = (1 + kMore) * sequence.cost;
+  limit_ = (1 + kMoreThanBefore) * sequence.cost;
   chosen_at_ = sequence.cost;
   rows_ = {};
   versions_.assign(problem.versions.begin(), problem.versions.end());

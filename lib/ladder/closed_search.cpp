@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/units.hpp"
 #include "ladder/first_node.hpp"
 #include "ladder/returning.hpp"
 #include "ladder/sweep.hpp"
@@ -6,7 +7,6 @@
 namespace millpose {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // So many sweeps or fewer ask for any good sequence.
 constexpr int kQuick = 16;
 // Limits that are tried one after the other, shares above the bound.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/units.hpp"
 #include "ladder/short_way.hpp"
 
 namespace millpose {
@@ -12,7 +13,6 @@ namespace {
 using short_way::kPerTurn, short_way::kTurn, short_way::Short, short_way::Turns;
 
 constexpr double kSlack = 1e-9;  // rad: rounding of the bounds
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ladder/ladder_search.hpp"
 
+#include "base/units.hpp"
 #include "ladder/sweep.hpp"
 
 namespace millpose {
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
+namespace {}  // namespace
 
 size_t Breaks(const Sequence& sequence) {
   size_t breaks = 0;

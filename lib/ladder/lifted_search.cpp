@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ladder/lifted_search.hpp"
 
+#include "base/units.hpp"
 #include "ladder/first_node.hpp"
 #include "ladder/sweep.hpp"
 #include "ladder/worst_then_sum.hpp"
 
 namespace millpose {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A sweep for each number of lifts: row j may be entered anew from where row j − 1 has come to.
 class LiftedSweep {

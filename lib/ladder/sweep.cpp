@@ -2,11 +2,11 @@
 #include "ladder/sweep.hpp"
 
 #include "base/parallel.hpp"
+#include "base/units.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr uint32_t kBreak = 0xffffffffU, kEnter = 0xfffffffeU;
 
 }  // namespace

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ladder/worst_then_sum.hpp"
 
+#include "base/units.hpp"
+
 namespace millpose {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kWorstSweeps = 64;       // of a closed search for the worst value
 constexpr int kSweeps = 16;            // of a closed search that only asks whether there is a sequence
 constexpr double kNearEnough = 1.001;  // between the bounds of a bisection

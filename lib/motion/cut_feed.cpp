@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "motion/cut_feed.hpp"
 
-#include <limits>
+#include "base/units.hpp"
 
 namespace millpose {
 namespace {
 
 constexpr double kRounding = 1e-9;  // relative: feeds nearer than this are the same
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// All axes: the joints, then the external ones.
 constexpr int kAxes = 9;

@@ -14,7 +14,6 @@
 namespace millpose {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr size_t kNone = std::numeric_limits<size_t>::max();
 
 /// One rotation and branch over a pass, by its value.

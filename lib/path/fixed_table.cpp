@@ -8,8 +8,6 @@
 namespace millpose {
 namespace {
 
-constexpr double kRounding = 1e-12;  // rad: of angles that full revolutions were added to
-
 /// Where a rotation on a branch has come to along a piece.
 struct Course {
   Joints first, last, least, most;
@@ -111,8 +109,8 @@ class TableMaker {
     const AdmissibleBounds& bounds = problem_.bounds;
     for (int turns = -2; turns <= 2; ++turns) {
       const double shift = turns * 2 * kPi;
-      if (course.least[j] + shift >= bounds.lower[j] - kRounding &&
-          course.most[j] + shift <= bounds.upper[j] + kRounding)
+      if (course.least[j] + shift >= bounds.lower[j] - kRevolutionRounding &&
+          course.most[j] + shift <= bounds.upper[j] + kRevolutionRounding)
         return true;
     }
     return false;

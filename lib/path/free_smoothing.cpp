@@ -18,7 +18,6 @@ constexpr int kHalvings = 6;                   // of the way back to where a poi
 constexpr double kMargin = 0.05 * kRadPerDeg;  // a range ends this much before what interferes
 constexpr double kScan = 1 * kRadPerDeg;       // between looks on the way from there
 constexpr size_t kFollow = 40;                 // points to either side that are smoothed again
-constexpr double kRounding = 1e-12;            // rad: of angles that full revolutions were added to
 
 class FreeSmoother {
  public:
@@ -144,7 +143,7 @@ class FreeSmoother {
     const Joints step = (to.q - from.q).unaryExpr(&WrapToPi);
     if (!options_.max_lean.empty() && !LeansWithin(from.freedoms, to.freedoms, options_.max_lean[i]))
       return false;
-    return (step.cwiseAbs().array() <= options_.max_step[i].array() + kRounding).all();
+    return (step.cwiseAbs().array() <= options_.max_step[i].array() + kRevolutionRounding).all();
   }
 
   /// Whether a motion bends no further than it may, or, where it did before, no further than it did.
@@ -162,8 +161,8 @@ class FreeSmoother {
   bool EndsWithin(const Joints& first) const {
     const AdmissibleBounds& bounds = scorers_[0].problem().bounds;
     const Joints end = first + closing_;
-    return (end.array() >= bounds.lower.array() - kRounding).all() &&
-           (end.array() <= bounds.upper.array() + kRounding).all();
+    return (end.array() >= bounds.lower.array() - kRevolutionRounding).all() &&
+           (end.array() <= bounds.upper.array() + kRevolutionRounding).all();
   }
 
   /// Point `i` at a value of its freedom; empty where it is not admissible there.
@@ -181,8 +180,8 @@ class FreeSmoother {
     node.q = NearestEquivalent(node.q, candidate.q);
     node.objective = candidate.objective;
     const AdmissibleBounds& bounds = scorers_[i].problem().bounds;
-    if ((node.q.array() < bounds.lower.array() - kRounding).any()) return std::nullopt;
-    if ((node.q.array() > bounds.upper.array() + kRounding).any()) return std::nullopt;
+    if ((node.q.array() < bounds.lower.array() - kRevolutionRounding).any()) return std::nullopt;
+    if ((node.q.array() > bounds.upper.array() + kRevolutionRounding).any()) return std::nullopt;
     return node;
   }
   double Was(size_t i) const { return origin_[i].freedoms[options_.freedom]; }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kRotationStep = 4 * kRadPerDeg;  // with leans: the windows are finer
 constexpr size_t kMostCourses = 5;
-constexpr double kRounding = 1e-12;  // rad
+constexpr double kSameLean = 1e-12;  // rad
 
 /// What a lean promises: the best candidates of each point, whether or not they can be joined.
 struct Promise {
@@ -130,7 +130,7 @@ std::vector<double> LeanBounds(const PoseProblem& problem, double per_mm,
 
 bool LeansWithin(const FreedomValues& from, const FreedomValues& to, double most) {
   for (size_t d = 1; d < from.size(); ++d)
-    if (std::abs(to[d] - from[d]) > most + kRounding) return false;
+    if (std::abs(to[d] - from[d]) > most + kSameLean) return false;
   return true;
 }
 

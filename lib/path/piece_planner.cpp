@@ -19,8 +19,7 @@
 namespace millpose {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity(), kTurn = 2 * kPi;
-constexpr double kRounding = 1e-12;  // rad: of angles that full revolutions were added to
+constexpr double kTurn = 2 * kPi;
 constexpr int kRefineRounds = 5;
 
 class PiecePlanner {
@@ -252,7 +251,8 @@ class PiecePlanner {
       bool fits = false;
       for (const int turns : {0, -1, 1, -2, 2}) {
         const double shift = turns * kTurn;
-        if (least[j] + shift < bounds.lower[j] - kRounding || most[j] + shift > bounds.upper[j] + kRounding) {
+        if (least[j] + shift < bounds.lower[j] - kRevolutionRounding ||
+            most[j] + shift > bounds.upper[j] + kRevolutionRounding) {
           continue;
         }
         for (PathNode& node : path) node.q[j] += shift;

@@ -90,7 +90,8 @@ std::string ExplainStripe(const ClosedSearch& search) {
   return fmt::format(
       "as a closed ring it costs {:.1f} % more than its points' own optima, {:.1f} % if nothing interfered, "
       "about {:.1f} % "
-      "left open (`rings: {{path: open}}`): {} and {} bar a stripe of rotations, {:.0f} to {:.0f} deg at "
+      "left open (strategy rings: `path: open`): {} and {} bar a stripe of rotations, {:.0f} to {:.0f} deg "
+      "at "
       "point {}, met at {} "
       "of {} points, which no closed ring gets across where it would have to; most is lost at point {}",
       above(closed), above(search.unbarred), above(open->cost), between.first, between.second,

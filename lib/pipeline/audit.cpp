@@ -8,8 +8,8 @@
 #include "motion/line.hpp"
 #include "pipeline/judge_setup.hpp"
 #include "plan/station.hpp"
-#include "pose/lean_problem.hpp"
 #include "robot/angles.hpp"
+#include "toolpath/cutter.hpp"
 
 namespace millpose {
 namespace {
@@ -45,12 +45,11 @@ long long BeyondAxes(const PlanResult& plan, const PassResult& pass) {
   return beyond;
 }
 
-void AuditPoints(const PlanResult& plan, const Mesh& mesh, const PoseProblem& problem,
-                 AuditFigures* figures) {
-  const AdmissibleBounds& bounds = problem.bounds;
+void AuditPoints(const PlanResult& plan, const Mesh& mesh, const AuditRules& rules, AuditFigures* figures) {
+  const AdmissibleBounds& bounds = rules.bounds;
   // Of a leaning cutter not the tip lies on the surface.
   const auto on_surface = [&](const MillingPoint& point) {
-    return HasLean(problem) ? ContactOf(problem, point).place : point.position;
+    return ContactAtTip(rules.cutter, point.position, point.normal, point.tool_axis);
   };
   for (const PassResult& pass : plan.passes) {
     Pose X_PW = PartAt(plan, pass.external).inverse();
@@ -226,11 +225,11 @@ void AuditMotions(const PlanResult& plan, const Cell& cell, double resolution, i
 
 }  // namespace
 
-AuditFigures Audit(const PlanResult& plan, const Mesh& mesh, const Cell& cell, const PoseProblem& problem,
-                   double resolution, int threads, std::stop_token stop) {
+AuditFigures Audit(const PlanResult& plan, const Mesh& mesh, const Cell& cell, const AuditRules& rules,
+                   int threads, std::stop_token stop) {
   AuditFigures figures;
-  AuditPoints(plan, mesh, problem, &figures);
-  AuditMotions(plan, cell, resolution, threads, std::move(stop), &figures);
+  AuditPoints(plan, mesh, rules, &figures);
+  AuditMotions(plan, cell, rules.resolution, threads, std::move(stop), &figures);
   return figures;
 }
 

@@ -14,8 +14,8 @@
 namespace millpose {
 namespace {
 
-constexpr int kMostParts = 16;     // that a step as laid is cut into
-constexpr double kGain = 0.005;    // of a pass's objective, that inserted points must be worth
+constexpr int kMostParts = 16;           // that a step as laid is cut into
+constexpr double kGainOfPoints = 0.005;  // of a pass's objective, that inserted points must be worth
 constexpr double kNoPrice = 0.03;  // of its free optima: what continuity may cost without a search for more
 
 /// What a pass pays for being one motion, as a share of what its points could have.
@@ -113,7 +113,7 @@ void PlanFiner(const JobInputs& inputs, PreparedJob& prepared, const CheckpointS
     for (size_t i = 0; i < passes.size(); ++i) {
       if (open[i] == 0) continue;
       plans[i] = std::move(again.passes[i]);
-      const bool better = IsBetter(value(plans[i]), value(passes[i]), options.worst_first, kGain);
+      const bool better = IsBetter(value(plans[i]), value(passes[i]), options.worst_first, kGainOfPoints);
       open[i] = better || (steps_bounded && HasUnjoined(plans[i])) ? 1 : 0;
       if (!better) continue;
       inserted += tried.passes[i].points.size() - prepared.toolpath.passes[i].points.size();

@@ -9,7 +9,8 @@
 namespace millpose {
 namespace {
 
-constexpr double kGain = 0.005;  // of a pass's objective, that another station, or moving, must be worth
+constexpr double kGainElsewhere =
+    0.005;                       // of a pass's objective, that another station, or moving, must be worth
 constexpr double kJoined = 1.1;  // times its own optimum, that the worst point of a pass may have
 
 /// Points that another station could serve: a gouge is one everywhere.
@@ -65,8 +66,8 @@ void PlanOtherStations(const JobInputs& inputs, PreparedJob& prepared, const Che
       if (again[i] == 0) continue;
       const PassValue here = ValueOf(passes[i]), there = ValueOf(planned.passes[i]);
       const bool stays = MustEarnIt(prepared.external[i], next[i], round)
-                             ? IsBetter(here, there, options.worst_first, kGain)
-                             : !IsBetter(there, here, options.worst_first, kGain);
+                             ? IsBetter(here, there, options.worst_first, kGainElsewhere)
+                             : !IsBetter(there, here, options.worst_first, kGainElsewhere);
       if (stays) continue;
       passes[i] = std::move(planned.passes[i]);
       prepared.toolpath.passes[i] = placed.passes[i];

@@ -3,6 +3,7 @@
 
 #include "base/file.hpp"
 #include "config/config.hpp"
+#include "job/assemble.hpp"
 #include "job/step_meshes.hpp"
 #include "output/output_folder.hpp"
 #include "pipeline/audit.hpp"
@@ -41,8 +42,10 @@ bool IsComplete(const PlanResult& plan, const ReportInputs& report) {
 AuditFigures JudgePlan(const JobInputs& inputs, const Execution& execution, PlannedJob& job,
                        std::vector<std::string>& findings) {
   execution.progress.Begin("audit", 0);
-  AuditFigures audit = Audit(job.plan, job.prepared.surface.mesh, job.prepared.cell, job.prepared.problem,
-                             inputs.job.swept_resolution, execution.Threads(), execution.stop);
+  const AuditRules rules{job.prepared.problem.bounds, MakeCutterShape(inputs.cell.tool),
+                         inputs.job.swept_resolution};
+  AuditFigures audit = Audit(job.plan, job.prepared.surface.mesh, job.prepared.cell, rules,
+                             execution.Threads(), execution.stop);
   JudgeOptima(job.prepared.stations, inputs.job.path.genetic, inputs.job.exhaustive_step, execution, job.plan,
               audit);
   std::ranges::copy(Findings(audit), std::back_inserter(findings));

@@ -35,13 +35,16 @@ std::vector<std::string> SortedFiles(const fs::path& folder) {
   return names;
 }
 
-/// The controller whose main programs end like this file.
-std::string ControllerOf(const fs::path& program) {
-  std::vector<std::string> endings;
+/// The controller whose main programs end like this file; of several the first that the cell has.
+std::string ControllerOf(const fs::path& program, const CellSettings& cell) {
+  std::string found;
   for (const PostEntry& entry : Posts().entries()) {
-    endings.push_back(entry.make()->Endings().front());
-    if (program.extension() == endings.back()) return entry.name;
+    if (program.extension() != entry.make()->Endings().front()) continue;
+    if (cell.controllers.contains(entry.name)) return entry.name;
+    if (found.empty()) found = entry.name;
   }
+  if (!found.empty()) return found;
+  std::vector<std::string> endings = MainEndings();
   const std::string last = endings.back();
   endings.pop_back();
   throw InputError(Place{program.string(), 0, 0, -1},
@@ -100,9 +103,9 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::
     throw InputError(Place{arguments.target.string(), 0, 0, -1},
                      "a program needs its cell: --cell CELL.yaml expected");
   }
-  const std::string controller = ControllerOf(arguments.target);
   JobInputs inputs;
   inputs.cell = LoadCell(*arguments.cell, &inputs.body_bytes, arguments.root);
+  const std::string controller = ControllerOf(arguments.target, inputs.cell);
   SelectTool(arguments.tool, &inputs.cell);
   const World world(MakeCell(inputs.cell, inputs.body_bytes));
   const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
@@ -191,6 +194,15 @@ std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Prog
 }
 
 }  // namespace
+
+std::vector<std::string> MainEndings() {
+  std::vector<std::string> endings;
+  for (const PostEntry& entry : Posts().entries()) {
+    const std::string ending = entry.make()->Endings().front();
+    if (std::ranges::find(endings, ending) == endings.end()) endings.push_back(ending);
+  }
+  return endings;
+}
 
 std::vector<VerifiedProgram> VerifyPrograms(const VerifyArguments& arguments, Progress& progress,
                                             std::stop_token stop) {

@@ -34,6 +34,9 @@ struct VerifiedProgram {
   std::vector<std::string> assumptions;
 };
 
+/// What main programs end in, each once, in the order of the controllers: {".src", ".mpf", …}.
+std::vector<std::string> MainEndings();
+
 /// Reads the programs and replays them. Throws InputError for what cannot be read (a program among it).
 std::vector<VerifiedProgram> VerifyPrograms(const VerifyArguments& arguments, Progress& progress,
                                             std::stop_token stop);

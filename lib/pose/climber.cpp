@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pose/climber.hpp"
 
+#include "base/units.hpp"
+
 namespace millpose {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Refined places lie at least this share of a freedom's range apart.
 constexpr double kNicheSize = 1.0 / 60.0;
 

@@ -9,12 +9,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/units.hpp"
 #include "pose/climber.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kGridSteps = 90;         // of a freedom without a step of its own
 constexpr double kFirst = 0.5;            // steps of its grid that a freedom is moved by
 constexpr double kLast = 1e-5;            // likewise; then it is the optimum

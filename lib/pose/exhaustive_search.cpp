@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <bit>
-#include <limits>
 
+#include "base/units.hpp"
 #include "pose/interval_end.hpp"
 #include "pose/search.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMinimumTolerance = 1e-7;  // rad or mm: the value is flat there to 14 digits
 constexpr double kEndTolerance = 1e-12;
 

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <limits>
 #include <numeric>
 
+#include "base/units.hpp"
 #include "pose/climber.hpp"
 #include "pose/generations.hpp"
 
 namespace millpose {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The share of the evaluations that generations may spend, with one freedom and with several, whose
 // refinement costs more; the local refinement has the rest.

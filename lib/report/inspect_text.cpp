@@ -11,14 +11,14 @@
 namespace millpose {
 namespace {
 
-using Json = nlohmann::json;
-constexpr size_t kBins = 12, kBarWidth = 40;
+using PlainJson = nlohmann::json;
+constexpr size_t kBinsOfText = 12, kBarWidth = 40;
 constexpr int kPlotWidth = 72, kPlotHeight = 14;
 
 void Append(std::string* text, const std::string& line) { *text += line + '\n'; }
 
 /// As StepJson has it.
-void AppendStep(const Json& step, const char* indent, std::string* text) {
+void AppendStep(const PlainJson& step, const char* indent, std::string* text) {
   Append(text, fmt::format("{}step up to {:.3g} mm ({}): points {} and {}, rotation {:.1f} deg apart{}",
                            indent, step.at("height_mm").get<double>(), step.at("why").get<std::string>(),
                            step.at("point").get<size_t>(), step.at("other_point").get<size_t>(),
@@ -29,8 +29,8 @@ void AppendStep(const Json& step, const char* indent, std::string* text) {
 void AppendSummary(const std::string& summary_json, const std::string& name, std::string* text) {
   CheckSummaryVersion(summary_json, name);
   try {
-    const Json summary = Json::parse(summary_json);
-    const Json &points = summary.at("points"), &gaps = summary.at("gaps");
+    const PlainJson summary = PlainJson::parse(summary_json);
+    const PlainJson &points = summary.at("points"), &gaps = summary.at("gaps");
     Append(text, fmt::format("job {} on {} ({}); stiffness at the {}", summary.at("job").get<std::string>(),
                              summary.at("cell").at("name").get<std::string>(),
                              summary.at("cell").at("robot").get<std::string>(),
@@ -42,12 +42,12 @@ void AppendSummary(const std::string& summary_json, const std::string& name, std
     const std::string unit = summary.at("stiffness").at("units").at("objective").get<std::string>();
     Append(text, fmt::format("objective {}{}, smaller is stiffer", summary.at("objective").get<std::string>(),
                              unit.empty() ? "" : " in " + unit));
-    const Json paper = summary.value("paper_formulation", Json());
+    const PlainJson paper = summary.value("paper_formulation", PlainJson());
     if (!paper.is_null())
       Append(text, fmt::format("paper's formulation: {} of {} points within its tolerance, {} on the path",
                                paper.at("within_tolerance").get<size_t>(), paper.at("points").get<size_t>(),
                                paper.at("on_path").get<size_t>()));
-    const Json deflection = summary.value("deflection", Json());
+    const PlainJson deflection = summary.value("deflection", PlainJson());
     if (!deflection.is_null() && !deflection.at("level_mm").is_null())
       Append(text,
              fmt::format("deflection along the normal: level {:.4g} mm, variation {:.4g} mm, step "
@@ -55,28 +55,28 @@ void AppendSummary(const std::string& summary_json, const std::string& name, std
                          deflection.at("level_mm").get<double>(), deflection.at("variation_mm").get<double>(),
                          deflection.at("largest_step_between_passes_mm").get<double>(),
                          deflection.at("model").get<std::string>()));
-    const Json steps = summary.value("pose_steps", Json());
+    const PlainJson steps = summary.value("pose_steps", PlainJson());
     if (!steps.is_null()) {
-      std::vector<Json> told;
-      for (const Json& step : steps.at("parts")) told.push_back(step);
+      std::vector<PlainJson> told;
+      for (const PlainJson& step : steps.at("parts")) told.push_back(step);
       if (!steps.at("neighbours").is_null()) told.push_back(steps.at("neighbours"));
-      for (const Json& step : told) AppendStep(step, "", text);
+      for (const PlainJson& step : told) AppendStep(step, "", text);
     }
-    const Json& continuity = summary.at("continuity");
+    const PlainJson& continuity = summary.at("continuity");
     if (continuity.is_null() || continuity.at("smoothing").at("acceleration_rms_ratio").is_null()) return;
-    const Json& smoothing = continuity.at("smoothing");
+    const PlainJson& smoothing = continuity.at("smoothing");
     Append(text,
            fmt::format("smoothing: joint accelerations (RMS) at {:.1f} % of before, for {:.2f} % of the "
                        "objective",
                        100 * smoothing.at("acceleration_rms_ratio").get<double>(),
                        smoothing.at("objective_lost_percent").get<double>()));
-  } catch (const Json::exception& error) {
+  } catch (const PlainJson::exception& error) {
     throw InputError({name}, std::string("is no summary of millpose plan: ") + error.what());
   }
 }
 
 void AppendHistogram(const PointsTable& points, const std::vector<size_t>& rows, std::string* text) {
-  const Histogram histogram = ObjectiveHistogram(points, rows, kBins);
+  const Histogram histogram = ObjectiveHistogram(points, rows, kBinsOfText);
   const size_t largest = histogram.counts.empty() ? 0 : std::ranges::max(histogram.counts);
   Append(text, "histogram of the objective, points");
   for (size_t i = 0; i < histogram.counts.size(); ++i) {

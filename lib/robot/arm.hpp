@@ -17,6 +17,9 @@ using Joints = Eigen::Matrix<double, 6, 1>;
 using Pose = Eigen::Isometry3d;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+/// What full revolutions that were added to an angle may have cost it by rounding, rad.
+inline constexpr double kRevolutionRounding = 1e-12;
+
 /// The two families of six-axis arms whose inverse has a closed form here.
 enum class ArmFamily : uint8_t {
   kSphericalWrist,  ///< axes 4, 5 and 6 meet in one point

@@ -14,7 +14,6 @@ namespace {
 /// What is looked at to either side of a value: for derivatives, and for how far it may go.
 constexpr double kNear = 0.03 * kRadPerDeg, kFarther = 8 * kNear, kFar = 64 * kNear;
 constexpr double kSamePlace = 1e-9;  // mm
-constexpr double kRounding = 1e-12;  // rad: of angles that full revolutions were added to
 /// Bounds are aimed at with this reserve.
 constexpr double kReserve = 0.95, kStepReserve = 0.97;
 
@@ -122,8 +121,8 @@ void FreedomCourse::Probe(size_t t, double x, const FreedomRange& range, CourseP
     at[l].q = NearestEquivalent(place.q, at[l].q);
     // The point itself was admitted before; turned back, its angles may differ by rounding.
     good[l] = at[l].obstacle == Obstacle::kNone &&
-              (at[l].q.array() >= problem_.bounds.lower.array() - kRounding).all() &&
-              (at[l].q.array() <= problem_.bounds.upper.array() + kRounding).all();
+              (at[l].q.array() >= problem_.bounds.lower.array() - kRevolutionRounding).all() &&
+              (at[l].q.array() <= problem_.bounds.upper.array() + kRevolutionRounding).all();
   }
   const bool stays = x == place.x;
   if (!good[0] && !stays) return;
@@ -169,11 +168,11 @@ Merit FreedomCourse::Judge(std::vector<CoursePlace>& places) const {
       const double share = std::abs(step[j]) / bounds_.max_step[t][j],
                    over = std::max(0.0, share - kStepReserve);
       merit.violation += over * over;
-      merit.steps = merit.steps && share <= 1 + kRounding;
+      merit.steps = merit.steps && share <= 1 + kRevolutionRounding;
     }
     const double lean = std::abs(LeanShare(places, t)), over = std::max(0.0, lean - kStepReserve);
     merit.violation += over * over;
-    merit.steps = merit.steps && lean <= 1 + kRounding;
+    merit.steps = merit.steps && lean <= 1 + kRevolutionRounding;
   }
   for (CoursePlace& place : places) place.judged = true;
   return merit;

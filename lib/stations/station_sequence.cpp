@@ -7,10 +7,10 @@
 #include <numeric>
 #include <tuple>
 
+#include "base/units.hpp"
+
 namespace millpose {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Choices = std::vector<CourseScore>;  // of one pass
 

@@ -3,8 +3,8 @@
 
 #include <Eigen/Cholesky>
 #include <bit>
-#include <limits>
 
+#include "base/units.hpp"
 #include "stiffness/identify_system.hpp"
 #include "stiffness/student.hpp"
 
@@ -14,8 +14,6 @@ namespace {
 using identify::Rows;
 using identify::Six;
 using identify::System;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Least squares c ≥ 0 over the joints in `free`.
 struct Solution {

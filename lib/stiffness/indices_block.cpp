@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stiffness/indices_block.hpp"
 
-#include <limits>
-
+#include "base/units.hpp"
 #include "stiffness/small_vector.hpp"
 
 namespace millpose {
@@ -22,7 +21,6 @@ Vec ToVec(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 void IndicesInPlane(const ComplianceBlock& c, const Eigen::Vector3d& normal, PlaneIndicesBlock& out,
                     InstructionSet set) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const PlaneBasis basis = BasisOfPlane(normal);
   const Vec n = ToVec(normal), first = ToVec(basis.first), second = ToVec(basis.second);
   ForEachLane(

@@ -63,18 +63,18 @@ void DescribeFaces(const Mesh& mesh, MeshParts& parts) {
   }
 }
 
-struct Side {
+struct BoundarySide {
   std::array<int, 2> ends;
   Eigen::Vector3d normal;  ///< sum of its faces'
 };
 
 /// Splits the sides between two faces into what hangs together.
-std::vector<std::vector<Side>> Connected(const std::vector<Side>& sides) {
+std::vector<std::vector<BoundarySide>> Connected(const std::vector<BoundarySide>& sides) {
   std::map<int, std::vector<size_t>> at;
   for (size_t i = 0; i < sides.size(); ++i)
     for (const int end : sides[i].ends) at[end].push_back(i);
   std::vector<char> seen(sides.size(), 0);
-  std::vector<std::vector<Side>> found;
+  std::vector<std::vector<BoundarySide>> found;
   for (size_t start = 0; start < sides.size(); ++start) {
     if (seen[start]) continue;
     std::vector<size_t> open{start};
@@ -92,13 +92,13 @@ std::vector<std::vector<Side>> Connected(const std::vector<Side>& sides) {
   return found;
 }
 
-EdgePart DescribeEdge(const Mesh& mesh, int first, int second, const std::vector<Side>& sides) {
+EdgePart DescribeEdge(const Mesh& mesh, int first, int second, const std::vector<BoundarySide>& sides) {
   const std::vector<Eigen::Vector3d>& vertices = mesh.triangles().vertices;
   EdgePart edge;
   edge.first = first, edge.second = second;
   std::map<int, int> ends;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const Side& side : sides) {
+  for (const BoundarySide& side : sides) {
     const Eigen::Vector3d &a = vertices[static_cast<size_t>(side.ends[0])],
                           &b = vertices[static_cast<size_t>(side.ends[1])];
     const double length = (b - a).norm();
@@ -110,7 +110,7 @@ EdgePart DescribeEdge(const Mesh& mesh, int first, int second, const std::vector
   edge.closed = std::ranges::all_of(ends, [](const auto& end) { return end.second == 2; });
   middle /= edge.length;
   double nearest = std::numeric_limits<double>::infinity();
-  for (const Side& side : sides) {
+  for (const BoundarySide& side : sides) {
     const Eigen::Vector3d at =
         0.5 * (vertices[static_cast<size_t>(side.ends[0])] + vertices[static_cast<size_t>(side.ends[1])]);
     if ((at - middle).norm() >= nearest) continue;
@@ -131,7 +131,7 @@ MeshParts FindMeshParts(const Mesh& mesh, double crease) {
   for (const int number : parts.face_of) count = std::max(count, number + 1);
   parts.faces.resize(static_cast<size_t>(count));
   DescribeFaces(mesh, parts);
-  std::map<std::pair<int, int>, std::vector<Side>> between;
+  std::map<std::pair<int, int>, std::vector<BoundarySide>> between;
   for (int face = 0; face < mesh.face_count(); ++face)
     for (int k = 0; k < 3; ++k) {
       const int other = mesh.Neighbour(face, k);
@@ -140,13 +140,13 @@ MeshParts FindMeshParts(const Mesh& mesh, double crease) {
                 far = other < 0 ? -1 : parts.face_of[static_cast<size_t>(other)];
       if (own == far) continue;
       const auto& corners = triangles.faces[static_cast<size_t>(face)];
-      Side side{{corners[static_cast<size_t>(k)], corners[static_cast<size_t>((k + 1) % 3)]},
-                mesh.FaceNormal(face)};
+      BoundarySide side{{corners[static_cast<size_t>(k)], corners[static_cast<size_t>((k + 1) % 3)]},
+                        mesh.FaceNormal(face)};
       if (other >= 0) side.normal += mesh.FaceNormal(other);
       between[far < 0 ? std::pair(own, -1) : std::minmax({own, far})].push_back(side);
     }
   for (const auto& [faces, sides] : between)
-    for (const std::vector<Side>& connected : Connected(sides))
+    for (const std::vector<BoundarySide>& connected : Connected(sides))
       parts.edges.push_back(DescribeEdge(mesh, faces.first, faces.second, connected));
   return parts;
 }

@@ -59,10 +59,10 @@ void Append(std::string& bytes, const T* values, size_t count) {
 
 static_assert(std::endian::native == std::endian::little);  // answers may go to another machine
 
-// Values behind the header.
-class Values {
+// DataValues behind the header.
+class DataValues {
  public:
-  Values(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
+  DataValues(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
   template <typename T>
   T Next() {
     if (bytes_.size() < sizeof(T)) throw InputError({name_}, "the STEP reader's answer is cut off");
@@ -159,7 +159,7 @@ RawMesh ReadStepTriangles(std::string_view bytes, const std::string& name) {
     face.name = rest;
   }
   for (long long i = 0; i < notes; ++i) mesh.notes.emplace_back(scanner.Line());
-  Values values(bytes.substr(scanner.position()), name);
+  DataValues values(bytes.substr(scanner.position()), name);
   triangles.vertices.reserve(vertices);
   for (long long i = 0; i < vertices; ++i) {
     const double x = values.Next<double>(), y = values.Next<double>(), z = values.Next<double>();

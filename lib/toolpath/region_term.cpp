@@ -3,13 +3,12 @@
 
 #include "base/error.hpp"
 #include "base/trig.hpp"
+#include "base/units.hpp"
 #include "surface/corner_normals.hpp"
 #include "surface/triangle.hpp"
 
 namespace millpose {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::vector<char> Facing(const Mesh& mesh, const Eigen::Vector3d& direction, double within) {
   std::vector<char> facing(mesh.face_count());

@@ -128,14 +128,17 @@ std::optional<Joints> CallTarget(const MotionProgram& program, const Motion& mot
   return std::nullopt;
 }
 
-/// The external axis that motion `index` takes along a cut to farther outside its limits than they are wide;
-/// empty for none.
+/// The external axis that motion `index` takes along a cut to or from farther outside its limits than they
+/// are wide; empty for none. Such a way is not worth following: it may be kilometres long.
 std::string FarAlong(const MotionProgram& program, size_t index) {
   for (size_t k = 0; k < program.external_axes.size() && Rides(program, index); ++k) {
     const ExternalAxis& axis = program.external_axes[k];
-    const double value = program.motions[index].external[k], range = axis.upper - axis.lower;
-    const bool near = value >= axis.lower - range && value <= axis.upper + range;
-    if (!near) return axis.name;
+    const double range = axis.upper - axis.lower;
+    for (const size_t end : {index - 1, index}) {
+      const double value = program.motions[end].external[k];
+      const bool near = value >= axis.lower - range && value <= axis.upper + range;
+      if (!near) return axis.name;
+    }
   }
   return {};
 }

@@ -10,7 +10,6 @@ namespace {
 constexpr double kArmStands = 1e-4;      // rad: six decimals of a degree
 constexpr double kSameLength = 1e-3;     // mm: four decimals
 constexpr double kSameTurn = 1.7453e-5;  // rad (0.001°)
-constexpr double kSpeedSlack = 1.001;
 
 bool IsRotary(const ExternalAxis& axis) { return axis.kind == AxisKind::kRotary; }
 double SlackOf(const ExternalAxis& axis) { return IsRotary(axis) ? kSameTurn : kSameLength; }

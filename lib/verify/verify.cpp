@@ -19,7 +19,6 @@ namespace millpose {
 namespace {
 
 constexpr double kLimitSlack = 1e-7;  // rad: rounding of six decimals of a degree
-constexpr double kSpeedSlack = 1.001;
 constexpr size_t kMotionsPerTask = 64;
 constexpr int kRoundingPlaces = 9;       // of the largest rounding of a way
 constexpr double kInterferenceStep = 5;  // mm between joint motions that stand for a straight one

@@ -33,6 +33,9 @@ struct Finding {
   size_t count = 1;  ///< findings that it stands for: more for the one that tells how many are not listed
 };
 
+/// Times its limit that a speed may come out at by the rounding of numbers in a program.
+inline constexpr double kSpeedSlack = 1.001;
+
 struct VerifyOptions {
   double position_tolerance = 0.02;        ///< mm; likewise of a rounded corner
   double angle_tolerance = 0.00034906585;  ///< rad (0.02°); likewise

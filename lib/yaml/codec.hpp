@@ -84,7 +84,7 @@ Codec<std::string> Lines();
 Codec<std::string> FileName();
 Codec<std::string> Choice(std::vector<std::string> names);
 /// A point, mm, within a kilometre.
-Codec<Eigen::Vector3d> Place();
+Codec<Eigen::Vector3d> Coordinates();
 Codec<Eigen::Vector3d> Numbers3(const Unit& unit, const Range& range);
 Codec<Six> Numbers6(const Unit& unit, const Range& range);
 /// Three numbers, not all zero; made a unit vector.

@@ -34,7 +34,7 @@ Codec<Eigen::Matrix<double, N, 1>> NumberList(const Unit& unit, const Range& ran
 }  // namespace
 
 Codec<Eigen::Vector3d> Numbers3(const Unit& unit, const Range& range) { return NumberList<3>(unit, range); }
-Codec<Eigen::Vector3d> Place() { return Numbers3(kMm, Between(-1e6, 1e6)); }
+Codec<Eigen::Vector3d> Coordinates() { return Numbers3(kMm, Between(-1e6, 1e6)); }
 Codec<Six> Numbers6(const Unit& unit, const Range& range) { return NumberList<6>(unit, range); }
 
 Codec<Eigen::Vector3d> Direction() {

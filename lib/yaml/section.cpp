@@ -121,7 +121,7 @@ namespace millpose::yaml {
 Codec<PoseSettings> PoseFields() {
   using S = PoseSettings;
   return Section<S>({
-      Key<S>("xyz_mm", MILLPOSE_AT(position), Place(), "Origin."),
+      Key<S>("xyz_mm", MILLPOSE_AT(position), Coordinates(), "Origin."),
       Key<S>("abc_deg", MILLPOSE_AT(abc), Numbers3(kDeg, Between(-360, 360)),
              "A about Z, then B about the new Y, then C about the new X."),
   });

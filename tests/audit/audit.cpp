@@ -190,9 +190,11 @@ Vector3 OnPart(const Folder& folder, const Row& row, const Vector3& v, int is_pl
 /// The way of a step on the part, mm: of the tip or, where the tool turns on the spot, of a point 300 mm up
 /// its axis; where the plan chooses leans, of the contact and of a tool along the normal.
 Real WayOf(const Folder& folder, const Row& from, const Row& to) {
-  const auto place = [&](const Row& row) { return OnPart(folder, row, ContactOf(folder, row), 1); };
+  const auto place = [&](const Row& row) {
+    return OnPart(folder, row, folder.leans ? ContactOf(folder, row) : row.position, 1);
+  };
   const auto along = [&](const Row& row) {
-    return OnPart(folder, row, folder.goal.Leans() ? row.normal : row.axis, 0);
+    return OnPart(folder, row, folder.leans ? row.normal : row.axis, 0);
   };
   return std::max((place(to) - place(from)).norm(), 300 * (along(to) - along(from)).norm());
 }
@@ -339,7 +341,7 @@ Verdict Audit(const Folder& folder, const Options& options) {
   figures.Declare("max_slice_distance_mm", 1e-6);
   figures.Declare("limit_violations", 0);
   figures.Declare("step_violations", 0);
-  if (folder.goal.Leans()) {
+  if (folder.leans) {
     figures.Declare("max_lean_error_deg", 1e-7);
     figures.Declare("lean_violations", 0);
   }

@@ -14,6 +14,7 @@
 #include "tests/audit/good_folder.hpp"
 #include "tests/audit/kinematics.hpp"
 #include "tests/audit/laws.hpp"
+#include "tests/audit/motions.hpp"
 #include "tests/audit/programs.hpp"
 
 namespace millpose::audit {
@@ -289,7 +290,7 @@ std::string PlanWithGap(const std::vector<Angles>& joints) {
     gap["joints"].push_back(six);
   }
   std::string bytes;
-  nlohmann::json::to_cbor(nlohmann::json{{"gaps", {gap}}}, bytes);
+  nlohmann::json::to_cbor(nlohmann::json{{"gaps", {gap}}, {"passes", nlohmann::json::array()}}, bytes);
   return bytes;
 }
 
@@ -333,6 +334,46 @@ TEST(Programs, ShortWaysAfterLongOnesAreFollowed) {
   targets[4].X_PT(2, 3) += 0.05L;
   std::vector<Cut> again = CutsOf(rows, setup);
   EXPECT_GT(static_cast<double>(Compare(targets, again, setup).position), 0.04);
+}
+
+// Whatever strategy laid it.
+TEST(CutsOf, APieceThatReturnsToItsFirstPointIsClosed) {
+  std::vector<Row> rows;
+  for (int i = 0; i < 8; ++i) {
+    Row row{};
+    row.point = i;
+    row.pass = i / 4;
+    row.planned = true;
+    row.position = Vector3(i % 4, i % 2, 0);
+    rows.push_back(row);
+  }
+  const auto piece = [](int pass, bool closed) {
+    return nlohmann::json{{"pass", pass}, {"piece", 0}, {"closed", closed}};
+  };
+  std::string bytes;
+  const auto pass = [&](int number, bool closed) {
+    return nlohmann::json{{"pieces", {piece(number, closed)}}};
+  };
+  nlohmann::json::to_cbor(nlohmann::json{{"passes", {pass(0, false), pass(1, true)}}}, bytes);
+  MarkClosed(bytes, rows);
+  const std::vector<Cut> cuts = CutsOf(rows, audit::Setup{});
+  ASSERT_EQ(cuts.size(), 2u);
+  EXPECT_FALSE(cuts[0].closed);
+  EXPECT_TRUE(cuts[1].closed);
+  EXPECT_EQ(CutMotions(cuts).size(), 3u + 4u);
+}
+
+// Whatever freedom of the job it comes from: one that the judge does not know has no range.
+TEST_F(AuditTest, ALeanOutsideOfItsRangeIsALeanViolation) {
+  Texts texts = MakeFolder({});
+  std::string& points = texts["out/points.csv"];
+  std::string told;
+  for (size_t begin = 0, end = 0; (end = points.find('\n', begin)) != std::string::npos; begin = end + 1)
+    told += points.substr(begin, end - begin) + (begin == 0 ? ",lead_deg,tilt_deg\n" : ",0,0\n");
+  points = told;
+  EXPECT_EQ(Broken(texts), Names{});
+  points.replace(points.rfind(",0,0\n"), 5, ",5,0\n");
+  EXPECT_EQ(Broken(texts), (Names{"lean_violations", "max_lean_error_deg"}));
 }
 
 /// Three points 10 mm apart: in each of the two steps the tool turns by 12.3° about its axis, which leans

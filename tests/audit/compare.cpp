@@ -206,8 +206,9 @@ std::vector<Cut> CutsOf(const std::vector<Row>& rows, const Setup& setup) {
     const Real opening = (cut.rows.back()->position - cut.rows.front()->position).norm();
     const bool moving =
         std::ranges::any_of(cut.rows, [&](const Row* row) { return row->external != cut.rows[0]->external; });
-    cut.closed = setup.rings && !moving && cut.rows.size() == of_pass && of_pass > 3 &&
-                 opening <= 1.01L * setup.spacing;
+    const bool ring = setup.rings && !moving && cut.rows.size() == of_pass && of_pass > 3 &&
+                      opening <= 1.01L * setup.spacing;
+    cut.closed = ring || cut.rows[0]->closed;
   }
   return cuts;
 }

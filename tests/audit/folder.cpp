@@ -2,6 +2,7 @@
 #include "tests/audit/folder.hpp"
 
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "base/file.hpp"
 #include "tests/audit/yaml_values.hpp"
@@ -41,6 +42,14 @@ void ReadCutter(const fs::path& path, Folder* folder) {
                                             : 0;
 }
 
+/// Whether the job has the tool along the surface's normal throughout.
+bool AlongNormal(const std::string& job_text) {
+  const YAML::Node toolpath = YAML::Load(job_text)["toolpath"];
+  for (const char* key : {"lead_deg", "tilt_deg"})
+    if (toolpath[key] && (toolpath[key].IsMap() || toolpath[key].as<double>() != 0)) return false;
+  return !toolpath["tool_axis"] || toolpath["tool_axis"]["rule"].as<std::string>() == "normal";
+}
+
 }  // namespace
 
 Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
@@ -53,7 +62,9 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   folder.setup = ReadSetup(ReadFile(path / "job.yaml"), starts, optional("cell.yaml"));
   folder.rows = ReadPoints(ReadFile(path / "points.csv"));
   folder.whole = std::ranges::all_of(folder.rows, &Row::planned);
+  folder.leans = std::ranges::any_of(folder.rows, [](const Row& row) { return row.lean.has_value(); });
   folder.goal = ReadGoal(ReadFile(path / "job.yaml"));
+  folder.along_normal = AlongNormal(ReadFile(path / "job.yaml"));
   if (fs::exists(path / "cell.yaml")) ReadCutter(path, &folder);
   if (const std::string csv = optional("compensation.csv"); !csv.empty())
     folder.compensated = ReadCompensated(csv, folder.setup.X_WP.block<3, 3>(0, 0));
@@ -61,7 +72,10 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
     folder.deflected = ReadDeflected(csv, folder.setup.X_WP.block<3, 3>(0, 0));
   MakeStations(folder);
   if (const std::string json = optional("summary.json"); !json.empty()) folder.summary = ReadSummary(json);
-  if (const std::string cbor = optional("plan.cbor"); !cbor.empty()) folder.gaps = ReadGaps(cbor);
+  if (const std::string cbor = optional("plan.cbor"); !cbor.empty()) {
+    folder.gaps = ReadGaps(cbor);
+    MarkClosed(cbor, folder.rows);
+  }
   if (fs::exists(path / "programs"))
     for (const auto& controller : fs::directory_iterator(path / "programs"))
       for (const auto& file : fs::directory_iterator(controller.path()))
@@ -94,6 +108,15 @@ std::vector<PlannedGap> ReadGaps(const std::string& cbor) {
     gaps.push_back(std::move(gap));
   }
   return gaps;
+}
+
+void MarkClosed(const std::string& cbor, std::vector<Row>& rows) {
+  std::set<std::pair<int, int>> closed;
+  const nlohmann::json plan = nlohmann::json::from_cbor(cbor);
+  for (const auto& pass : plan.at("passes"))
+    for (const auto& piece : pass.at("pieces"))
+      if (piece.at("closed").get<bool>()) closed.emplace(piece.at("pass"), piece.at("piece"));
+  for (Row& row : rows) row.closed = row.planned && closed.contains({row.pass, row.piece});
 }
 
 std::vector<Real> LayersOf(Real total, Real per_layer, Real allowance, Real finishing) {

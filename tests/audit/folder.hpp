@@ -35,6 +35,7 @@ struct Row {
     Real lead, tilt;
   };
   std::optional<Lean> lean;
+  bool closed = false;  ///< of a piece that returns to its first point, as plan.cbor says
 };
 
 /// A planned way between two pieces, from plan.cbor; pass −1 is home.
@@ -65,7 +66,6 @@ struct Goal {
   /// Of leans that the plan chooses: their ranges, rad, and the largest change, rad/mm.
   std::array<Real, 2> lead{0, 0}, tilt{0, 0};
   Real max_lean_change = 0;
-  bool Leans() const { return lead[0] < lead[1] || tilt[0] < tilt[1]; }
   std::vector<Real> layers = {0};  ///< mm along the normals above the surface, as `toolpath.depth` says
 };
 
@@ -91,7 +91,9 @@ struct Folder {
   Setup setup;                                  ///< with the external axes at 0
   std::map<std::vector<Real>, Setup> stations;  ///< with them where rows have them
   std::vector<Row> rows;
-  bool whole = true;  ///< no point is skipped
+  bool whole = true;         ///< no point is skipped
+  bool leans = false;        ///< the plan chose them: points.csv tells them
+  bool along_normal = true;  ///< the job has the tool along the surface's normal, the tip on the surface
   std::vector<PlannedGap> gaps;
   Goal goal;
   Real cutter_radius = 0, corner_radius = 0;  ///< mm
@@ -121,6 +123,8 @@ std::map<int, Compensated> ReadCompensated(const std::string& csv, const Matrix3
 std::map<int, Deflected> ReadDeflected(const std::string& csv, const Matrix3& R_WP);
 std::optional<Summary> ReadSummary(const std::string& json);
 std::vector<PlannedGap> ReadGaps(const std::string& cbor);
+/// Marks the rows of pieces that return to their first point.
+void MarkClosed(const std::string& cbor, std::vector<Row>& rows);
 UrdfArm ReadUrdf(const std::string& xml, const std::string& base, const std::string& flange);
 std::vector<Row> ReadPoints(const std::string& csv);
 Mesh ReadStl(const std::string& bytes, Real unit);

@@ -70,7 +70,7 @@ Real DeflectionError(const Deflected& stated, const Row& row, const Matrix3& c) 
 }
 
 Vector3 ContactOf(const Folder& folder, const Row& row) {
-  if (!folder.goal.Leans()) return row.position;
+  if (folder.along_normal && !folder.leans) return row.position;
   // The cutter is a disc with a ring of the corner's radius around it: the lowest point of the disc's rim
   // over the surface, and down from there by the ring.
   const Vector3 n = row.normal.normalized(), a = row.axis.normalized();

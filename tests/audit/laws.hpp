@@ -24,7 +24,7 @@ bool NeedsForces(const Goal& goal);
 /// Largest difference between a row of deflection.csv and c·F, as a share of |c·F|.
 Real DeflectionError(const Deflected& stated, const Row& row, const Matrix3& c);
 
-/// Where the cutter touches the surface, mm in W: the tip itself where no lean was chosen.
+/// Where the cutter touches the surface, mm in W: the tip itself where the tool stands along its normal.
 Vector3 ContactOf(const Folder& folder, const Row& row);
 
 /// How far the lean of the tool's axis is from the one stated, rad.

@@ -62,9 +62,9 @@ AuditFigures AuditBeside(double gap, double share_of_angle = 1e-4) {
   pass.points[0].q = pass.points[1].q = cell.home;
   pass.points[1].q[5] += share_of_angle;
   pass.pieces.push_back({0, 0, 0, 1, false});
-  PoseProblem problem;
-  problem.bounds.lower = cell.arm.lower, problem.bounds.upper = cell.arm.upper;
-  return Audit(plan, Mesh(Triangles{}), cell, problem, 0.5, 2, {});
+  AuditRules rules{.bounds = {}, .cutter = {}, .resolution = 0.5};
+  rules.bounds.lower = cell.arm.lower, rules.bounds.upper = cell.arm.upper;
+  return Audit(plan, Mesh(Triangles{}), cell, rules, 2, {});
 }
 
 /// A cut along which the rail goes by `way` mm while the joints stand still, past a fixture that stands
@@ -96,9 +96,9 @@ AuditFigures AuditAlongRail(double way, double gap, double feed) {
     point.point.feed_rate = feed;
   }
   pass.pieces.push_back({0, 0, 0, 1, false});
-  PoseProblem problem;
-  problem.bounds.lower = cell.arm.lower, problem.bounds.upper = cell.arm.upper;
-  return Audit(plan, Mesh(Triangles{}), cell, problem, 0.5, 2, {});
+  AuditRules rules{.bounds = {}, .cutter = {}, .resolution = 0.5};
+  rules.bounds.lower = cell.arm.lower, rules.bounds.upper = cell.arm.upper;
+  return Audit(plan, Mesh(Triangles{}), cell, rules, 2, {});
 }
 
 TEST(PlanAudit, FollowsARailThatMovesAlongACut) {

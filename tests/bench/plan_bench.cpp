@@ -198,9 +198,9 @@ fs::path WriteCellFile(const fs::path& folder, double tip_uncertainty, const cha
   return file;
 }
 
-// Away from the panel; beside some of its passes.
-constexpr const char *kAway = "[1300, -1400, 600]", *kFurther = "[1300, -1300, 600]",
-                     *kBeside = "[1750, -640, 1000]";
+// Where the arm never is; beside ways between passes; beside passes.
+constexpr const char *kAside = "[-2200, 2200, 400]", *kStillAside = "[-2200, 2300, 400]",
+                     *kBesideWays = "[1300, -1300, 600]", *kBesidePasses = "[1750, -640, 1000]";
 
 /// CPU of planning again after changes, each of the plan before.
 void MeasureEdits() {
@@ -208,7 +208,7 @@ void MeasureEdits() {
   const Sample sample = Panel(kPointsOfEdits);
   fs::create_directories(out.path());
   std::vector<Override> overrides = sample.overrides;
-  overrides.push_back({"cell", WriteCellFile(out.path(), 0.1, kAway).string()});
+  overrides.push_back({"cell", WriteCellFile(out.path(), 0.1, kAside).string()});
   const auto plan = [&](const char* what, double goal) {
     StageClock clock;
     const Cost cost = RunOnce(Arguments(sample.job, out.path() / "out", overrides, 1), clock);
@@ -219,15 +219,17 @@ void MeasureEdits() {
              "changed", "CPU s", "", "goal");
   plan("everything", 0);
   plan("nothing", 0.3);
-  WriteCellFile(out.path(), 0.2, kAway);
+  WriteCellFile(out.path(), 0.2, kAside);
   plan("a key of reports (tool.tip_uncertainty_mm)", 0.5);
   overrides.push_back({"program_options.path_tolerance_mm", "0.03"});
   plan("a program option (path_tolerance_mm)", 2);
   overrides.push_back({"process.min_feed_share", "0.4"});
   plan("process.min_feed_share", 0.5);
-  WriteCellFile(out.path(), 0.2, kFurther);
-  plan("a clamp, moved away from all passes", 3);
-  WriteCellFile(out.path(), 0.2, kBeside);
+  WriteCellFile(out.path(), 0.2, kStillAside);
+  plan("a clamp, moved where the arm never is", 3);
+  WriteCellFile(out.path(), 0.2, kBesideWays);
+  plan("a clamp, moved beside ways between passes", 3);
+  WriteCellFile(out.path(), 0.2, kBesidePasses);
   plan("a clamp, moved beside some passes", 0);
 }
 

@@ -36,21 +36,34 @@ struct Verdict {
 struct Block {
   Step::Kind kind = Step::Kind::kWay;
   Joints start = Joints::Zero();
+  std::map<std::string, double> external;  // likewise
   std::vector<Step> steps;
   bool first = false;  // of the program: where it starts is where its first motion ends
 };
 
 std::vector<Block> BlocksOf(const Trace& trace) {
   std::vector<Block> blocks;
-  Joints last = Joints::Zero();
+  const Step* last = nullptr;
   for (const Step& step : trace.steps) {
     if (step.kind != Step::Kind::kWay && step.kind != Step::Kind::kCut) continue;
+    const Step& before = last ? *last : step;
     if (blocks.empty() || blocks.back().kind != step.kind)
-      blocks.push_back({step.kind, blocks.empty() ? step.q : last, {}, blocks.empty()});
+      blocks.push_back({step.kind, before.q, before.external, {}, blocks.empty()});
     blocks.back().steps.push_back(step);
-    last = step.q;
+    last = &step;
   }
   return blocks;
+}
+
+/// How far apart the axes beside the arm's stand, in tolerances.
+double ExternalOff(const Step& a, const Step& b) {
+  if (a.external.size() != b.external.size()) return kInfinity;
+  double off = 0;
+  for (const auto& [name, value] : a.external) {
+    const auto other = b.external.find(name);
+    off = std::max(off, other == b.external.end() ? kInfinity : std::abs(other->second - value));
+  }
+  return off / kTolerance;  // as many degrees as mm
 }
 
 void JudgeWay(const Block& original, const Block& mutant, Verdict& verdict) {
@@ -62,13 +75,20 @@ void JudgeWay(const Block& original, const Block& mutant, Verdict& verdict) {
   const std::vector<Joints> a = course(original), b = course(mutant);
   verdict.Grade(std::max(FarthestOf(a, b), FarthestOf(b, a)), kWayHarmless, kWayClear, "way off by rad");
   Joints before = mutant.start;
+  std::map<std::string, double> external = mutant.external;
   for (const Step& step : mutant.steps) {
-    const bool stands = (step.q - std::exchange(before, step.q)).norm() < 1e-7;
+    const bool stands = (step.q - std::exchange(before, step.q)).norm() < 1e-7 &&
+                        step.external == std::exchange(external, step.external);
     if (stands && !(mutant.first && &step == &mutant.steps[0])) continue;
     const auto same_words = [&](const Step& other) { return other.words == step.words; };
     const auto same = [&](const Step& other) { return same_words(other) && other.aside == step.aside; };
+    double off = kInfinity;
+    for (const Step& other : original.steps)
+      if (same_words(other)) off = std::min(off, ExternalOff(other, step));
     if (std::none_of(original.steps.begin(), original.steps.end(), same_words))
       verdict.Say(Effect::kChanged, "words of a way: " + step.words);
+    else
+      verdict.Grade(off, kHarmless, kClear, "axes beside the arm off by tolerances");
     if (std::none_of(original.steps.begin(), original.steps.end(), same))
       verdict.Say(Effect::kBorder, "holds on a way: " + step.aside);
     if (!step.exact) verdict.Say(Effect::kChanged, "a way-point is rounded");
@@ -107,6 +127,8 @@ void JudgeFeeds(const Block& original, const Polyline& fixed, const Block& mutan
     verdict.Grade(wanted / feed, 1.005, 1 / 0.45, "slower by");
     if (mutant.steps[at].words != original.steps[planned].words)
       verdict.Say(Effect::kChanged, "words of a cut: " + mutant.steps[at].words);
+    verdict.Grade(ExternalOff(original.steps[planned], mutant.steps[at]), kHarmless, kClear,
+                  "axes beside the arm off by tolerances");
     if (mutant.steps[at].aside != original.steps[planned].aside)
       verdict.Say(Effect::kBorder, "holds in a cut: " + mutant.steps[at].aside);
   }
@@ -237,9 +259,9 @@ bool SameBlock(const Block& a, const Block& b) {
     return x.q == y.q && x.straight == y.straight && x.angles == y.angles && x.feed == y.feed &&
            x.seconds == y.seconds && x.turn_speed == y.turn_speed && x.way_speed == y.way_speed &&
            x.exact == y.exact && x.blend == y.blend && x.angle_blend == y.angle_blend && x.words == y.words &&
-           x.aside == y.aside;
+           x.aside == y.aside && x.external == y.external;
   };
-  return a.kind == b.kind && a.start == b.start &&
+  return a.kind == b.kind && a.start == b.start && a.external == b.external &&
          std::equal(a.steps.begin(), a.steps.end(), b.steps.begin(), b.steps.end(), same);
 }
 

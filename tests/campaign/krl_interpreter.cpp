@@ -347,24 +347,25 @@ class Krl : public Mover {
     return BaseAt(fields) * PoseOf(fields) * tool_->inverse();
   }
 
-  std::string Words(const Fields& fields) const {
+  void StandAt(const Fields& fields) {
+    for (const auto& [name, value] : fields)
+      if (name[0] == 'E') external_[name] = value;
+  }
+
+  std::string Words() const {
     std::string words;
     for (const auto& [name, value] : modal_)
       if (!name.starts_with("$ACC")) words += name + "=" + value + " ";
-    for (const auto& [name, value] : fields)
-      if (name[0] == 'E') words += fmt::format("{}={:.3f} ", name, value);
     return words;
   }
 
-  /// What is not modelled: accelerations, settings as the plant's BAS leaves them, the last digits of E1.
-  std::string Aside(const Fields& fields) const {
+  /// What is not modelled: accelerations, settings as the plant's BAS leaves them.
+  std::string Aside() const {
     std::string words;
     for (const auto& [name, value] : modal_)
       if (name.starts_with("$ACC")) words += name + "=" + value + " ";
     for (const std::string& name : stated_) words += name + " ";
     words += load_;
-    for (const auto& [name, value] : fields)
-      if (name[0] == 'E') words += fmt::format("{}={:.6f} ", name, value);
     return words;
   }
 
@@ -375,6 +376,7 @@ class Krl : public Mover {
     if (rounded && (at.Take("C_DIS") || at.Take("C_VEL") || at.Take("C_ORI"))) {
     }
     at.Need(at.Done(), "the end of the line");
+    StandAt(fields);
     Step* step = nullptr;
     if (fields.contains("A1") || fields.contains("A2") || fields.contains("A3")) {
       Joints q = this->q().value_or(Joints::Zero());
@@ -396,8 +398,8 @@ class Krl : public Mover {
     }
     step->way_speed = way_speed_;
     step->exact = !rounded || advance_ == 0;
-    step->words = Words(fields);
-    step->aside = Aside(fields);
+    step->words = Words();
+    step->aside = Aside();
   }
 
   /// "LIN", "SLIN", "Approximate positioning": C_DIS by $APO.CDIS; without the advance run every point is
@@ -415,6 +417,7 @@ class Krl : public Mover {
       feed = Positive(at.Number(true).value_or(0));
     }
     at.Need(at.Done(), "the end of the line");
+    StandAt(fields);
     const Pose X_BF = Flange(fields);
     Step& step = CutTo(X_BF);
     step.feed = feed * 60000;
@@ -423,8 +426,8 @@ class Krl : public Mover {
     step.blend = blend_;
     step.exact = (how.empty() && !spline_) || advance_ == 0 || (!spline_ && blend_ <= 0);
     if (spline_) step.blend = 0;
-    step.words = Words(fields) + (how == "C_VEL" || how == "C_ORI" ? how : "");
-    step.aside = Aside(fields);
+    step.words = Words() + (how == "C_VEL" || how == "C_ORI" ? how : "");
+    step.aside = Aside();
   }
 
   void BeginSpline(Cursor& at) {

@@ -302,7 +302,6 @@ class LinuxCnc : public Mover {
     std::string text;
     for (const auto& [group, mode] : modal_)
       if (group != 13 && group != 2) text += mode + " ";
-    for (const auto& [letter, value] : external_) text += fmt::format("{}{:.3f} ", letter, value);
     return text;
   }
 
@@ -310,17 +309,17 @@ class LinuxCnc : public Mover {
   std::string Plane() const { return modal_.contains(2) ? modal_.at(2) + " " : ""; }
 
   void Move(const Block& block) {
+    if (motion_ >= 1 && motion_ <= 3 && feed_ <= 0) throw Refusal{"G1 to G3 need F"};
     if (motion_ != 0 && motion_ != 1) {
       Event(Step::Kind::kSwitch, "another motion: " + block.text);
       return;
     }
-    if (motion_ == 1 && feed_ <= 0) throw Refusal{"G1 needs F"};
     for (const char letter : std::string("UVW")) {  // "Axes": those that the machine has
       const std::string name(1, letter);
       const bool known =
           std::find(machine_.external.begin(), machine_.external.end(), name) != machine_.external.end();
       if (block.Word(letter) && !known) throw Refusal{"a bad character: " + name};
-      if (block.Word(letter)) external_[letter] = *block.Word(letter);
+      if (block.Word(letter)) external_[name] = *block.Word(letter);
     }
     if (external_.size() < machine_.external.size())
       return static_cast<void>(Event(Step::Kind::kSwitch, "from where the machine stands"));
@@ -395,7 +394,6 @@ class LinuxCnc : public Mover {
   }
 
   std::map<char, double> words_;                   // degrees; mm and degrees of tool poses
-  std::map<char, double> external_;                // U, V, W
   std::map<int, std::string> modal_ = {{13, ""}};  // by group; 100, 101: offsets
   double feed_ = 0, feed_mode_ = 94, blend_ = 1e6, speed_ = 0, motion_ = 80;
   bool fresh_feed_ = false, exact_ = false, turning_ = false, poses_ = false, ended_ = false;

@@ -162,6 +162,7 @@ Step& Mover::Add(Step::Kind kind, const Joints& q) {
   step.kind = kind;
   step.q = q;
   step.X_BT = ForwardFlange(machine_.arm, q) * machine_.X_FT;
+  step.external = external_;
   step.line = line;
   q_ = q;
   return step;

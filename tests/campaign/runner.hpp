@@ -67,6 +67,7 @@ class Mover {
 
  protected:
   const Machine& machine_;
+  std::map<std::string, double> external_;  ///< where the axes beside the arm's stand, mm or deg
 
  private:
   Step& Add(Step::Kind kind, const Joints& q);

@@ -364,7 +364,6 @@ class Sinumerik : public Mover {
       if (!pose && (group == 8 || group == 25 || group == 50 || group == 51)) continue;
       text += word + " ";
     }
-    for (const auto& [address, value] : external_) text += fmt::format("{}={:.3f} ", address, value);
     return text + (pose && reframed_ ? "framed" : "");
   }
 
@@ -460,8 +459,7 @@ class Sinumerik : public Mover {
   std::map<int, Pose> frames_;
   std::optional<Pose> frame_;
   std::map<std::string, double> last_;
-  std::map<std::string, double> external_;  // where the axes beside the robot's stand
-  std::string speed_, tool_, text_;         // the present block as it stands
+  std::string speed_, tool_, text_;  // the present block as it stands
   double feed_ = 0, blend_ = 1e3, angle_blend_ = 1e3;
   bool transformed_ = false, reframed_ = false, turning_ = false;
   bool rounded_ = false;  // the motion before goes on into the next one

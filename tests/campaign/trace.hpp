@@ -36,21 +36,22 @@ struct Machine {
 /// One thing that the machine does.
 struct Step {
   enum class Kind { kWay, kCut, kSwitch, kStop } kind = Kind::kWay;
-  Joints q = Joints::Zero();              ///< where a motion ends, rad
-  Pose X_BT = Pose::Identity();           ///< the real tip there
-  bool straight = false;                  ///< the tip on a line, else the joints together
-  std::optional<Eigen::Vector3d> angles;  ///< rad, of a straight motion whose three angles run evenly
-  double feed = 0;                        ///< of cuts, mm/min along the tip's way; 0: see seconds
-  double seconds = 0;                     ///< of cuts in inverse time, or that only turn
-  double turn_speed = 0;                  ///< rad/s, of straight cuts; 0: none
-  double way_speed = 1;                   ///< share, of ways
-  bool exact = true;                      ///< stops at its end
-  double blend = 0;                       ///< where it does not: mm from the corner (KRL), or from the path
-  bool from_corner = false;               ///< which of the two
-  double angle_blend = 0;                 ///< bound of the orientation, rad; 0: none
-  std::optional<Joints> programmed;       ///< six words as given, where a text gives six (LinuxCNC)
-  std::string words;                      ///< all else that counts: what is switched, modes, external axes
-  std::string aside;                      ///< what holds too and is not modelled: a change of it is no harm
+  Joints q = Joints::Zero();               ///< where a motion ends, rad
+  Pose X_BT = Pose::Identity();            ///< the real tip there
+  bool straight = false;                   ///< the tip on a line, else the joints together
+  std::optional<Eigen::Vector3d> angles;   ///< rad, of a straight motion whose three angles run evenly
+  double feed = 0;                         ///< of cuts, mm/min along the tip's way; 0: see seconds
+  double seconds = 0;                      ///< of cuts in inverse time, or that only turn
+  double turn_speed = 0;                   ///< rad/s, of straight cuts; 0: none
+  double way_speed = 1;                    ///< share, of ways
+  bool exact = true;                       ///< stops at its end
+  double blend = 0;                        ///< where it does not: mm from the corner (KRL), or from the path
+  bool from_corner = false;                ///< which of the two
+  double angle_blend = 0;                  ///< bound of the orientation, rad; 0: none
+  std::optional<Joints> programmed;        ///< six words as given, where a text gives six (LinuxCNC)
+  std::map<std::string, double> external;  ///< where the axes beside the arm's stand, mm or deg
+  std::string words;                       ///< all else that counts: what is switched, modes
+  std::string aside;                       ///< what holds too and is not modelled: a change of it is no harm
   int line = 0;
 };
 

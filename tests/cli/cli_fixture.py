@@ -22,7 +22,7 @@ def without_force():
 
 
 def run(*arguments, cwd=None, env=None):
-    return subprocess.run([MILLPOSE, *map(str, arguments)], capture_output=True, text=True, timeout=300, cwd=cwd,
+    return subprocess.run([MILLPOSE, *map(str, arguments)], capture_output=True, text=True, timeout=1800, cwd=cwd,
                           env=env)
 
 

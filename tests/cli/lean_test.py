@@ -81,6 +81,15 @@ class Lean(InFolder):
         self.assertRegex(inspected.stdout, r"lead -?\d+\.\d and tilt -?\d+\.\d deg")
         self.assertEqual(run("check", self.folder / "job.yaml").returncode, 0)
 
+    def test_the_contact_lies_on_the_surface_where_the_tool_leans_by_what_the_job_says(self):
+        for cutter, lean in (("shape: ball, diameter_mm: 20", "lead_deg: 15\n  tilt_deg: 0"), ("shape: flat, diameter_mm: 20", "lead_deg: 4\n  tilt_deg: 2")):
+            planned = self.plan(self.job(cutter=cutter, lean=lean), "out", "--audit", "--fresh")
+            self.assertIn(planned.returncode, (0, 1), planned.stderr)
+            summary = json.loads((self.folder / "out" / "summary.json").read_text())
+            self.assertLess(summary["audit"]["max_slice_distance_mm"], 1e-6)
+            judged = subprocess.run([AUDIT, self.folder / "out", "--inputs", self.folder, "--travel-mm", "5"], capture_output=True, text=True, check=False)
+            self.assertNotIn("max_slice_distance_mm", json.loads(judged.stdout)["broken"], judged.stdout)
+
     def refused(self, *sentences, **job):
         told = run("check", self.job(**job))
         self.assertEqual(told.returncode, 2, told.stdout)

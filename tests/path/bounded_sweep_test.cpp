@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sweeps that leave out what costs too much, against those that look at everything.
+#include "base/units.hpp"
 #include "ladder/first_node.hpp"
 #include "ladder/sweep.hpp"
 #include "tests/path/random_layers.hpp"
 
 namespace millpose {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(LayerSteps, FindWhatCostsLessThanItMay) {
   int kept = 0, above = 0;

@@ -4,12 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include "base/units.hpp"
 #include "tests/path/small_layers.hpp"
 
 namespace millpose {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The cost of the best closed sequence through one node of the first layer.
 double BestThrough(std::vector<Layer> layers, size_t node, const LadderProblem& problem) {

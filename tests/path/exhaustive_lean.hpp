@@ -2,6 +2,7 @@
 // A dense reference for passes whose leans are free: every sequence on a grid, without windows and lanes.
 #pragma once
 
+#include "base/units.hpp"
 #include "path/lean_courses.hpp"
 #include "pose/lean_problem.hpp"
 
@@ -11,7 +12,6 @@ namespace millpose {
 /// leans; +inf where there is none. Motion costs nothing.
 inline double ExhaustiveLeanSum(const PoseProblem& problem, const PathOptions& options, const Pass& pass,
                                 double rotation_step, double lean_step) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const int rotations = static_cast<int>(std::lround(2 * kPi / rotation_step));
   const int leans = static_cast<int>(std::lround(
                         (problem.freedoms[1]->Upper() - problem.freedoms[1]->Lower()) / lean_step)) +

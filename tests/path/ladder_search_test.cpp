@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ladder/ladder_search.hpp"
 
+#include "base/units.hpp"
 #include "ladder/block_kernel.hpp"
 #include "ladder/returning.hpp"
 #include "ladder/table_layer.hpp"
@@ -9,8 +10,6 @@
 
 namespace millpose {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Layers of a row of panel points on a real arm.
 std::vector<Layer> PanelLayers(const PoseProblem& problem, int count, double step,

@@ -4,13 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "base/units.hpp"
 #include "ladder/worst_then_sum.hpp"
 #include "tests/path/small_layers.hpp"
 
 namespace millpose {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The best value with at most `most` lifts, by looking at all: the least worst, then the least cost, or the
 /// least cost alone. `closed`: round, with the step from the last layer to the first; the tool may be lifted

@@ -4,12 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include "base/units.hpp"
 #include "tests/path/small_layers.hpp"
 
 namespace millpose {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Value {
   int breaks = 1000;

@@ -45,10 +45,10 @@ struct Ring {
   }
 
   AuditFigures Judged() const {
-    PoseProblem problem;
-    problem.bounds.lower = cell.arm.lower;
-    problem.bounds.upper = cell.arm.upper;
-    return Audit(plan, Mesh(Triangles{}), cell, problem, 0.5, 2, {});
+    AuditRules rules{.bounds = {}, .cutter = {}, .resolution = 0.5};
+    rules.bounds.lower = cell.arm.lower;
+    rules.bounds.upper = cell.arm.upper;
+    return Audit(plan, Mesh(Triangles{}), cell, rules, 2, {});
   }
 };
 
@@ -68,9 +68,9 @@ AuditFigures JudgedSmall(const std::function<void(PlanResult&, Cell&, Admissible
   PlanResult plan = job.plan;
   plan.gaps.clear();
   Cell cell = job.prepared.cell;
-  PoseProblem problem = job.prepared.problem;
-  change(plan, cell, problem.bounds);
-  return Audit(plan, job.prepared.surface.mesh, cell, problem, 0.5, 2, {});
+  AuditRules rules{.bounds = job.prepared.problem.bounds, .cutter = {}, .resolution = 0.5};
+  change(plan, cell, rules.bounds);
+  return Audit(plan, job.prepared.surface.mesh, cell, rules, 2, {});
 }
 
 TEST(Audit, ASoundPlanHasNoFindings) {

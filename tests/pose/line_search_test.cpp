@@ -3,10 +3,10 @@
 
 #include <functional>
 
+#include "base/units.hpp"
+
 namespace millpose {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Outcome {
   double place, value;

@@ -2,6 +2,8 @@
 // What the LinuxCNC reader allows where, beside what the real interpreter makes of the same text.
 #include <gtest/gtest.h>
 
+#include "base/error.hpp"
+#include "program/linuxcnc/linuxcnc.hpp"
 #include "tests/program/interpreter.hpp"
 #include "tests/program/text_places.hpp"
 
@@ -90,6 +92,30 @@ TEST_P(LinuxCncReading, ARepeatedG94NeedsItsFeed) {
   const std::string text =
       sample.Inserted("G94", GetParam() == "linuxcnc" ? "\nM2" : cut, GetParam() == "linuxcnc" ? 0 : 3);
   EXPECT_EQ(sample.Problems(text).empty(), Interpret(text).status == 0) << sample.Problems(text);
+}
+
+/// A control that is built on LinuxCNC.
+class DerivedPost final : public LinuxCncPost {
+ public:
+  using LinuxCncPost::LinuxCncPost;
+  std::string Name() const override { return "derived"; }
+  std::vector<std::string> Endings() const override { return {".nc"}; }
+};
+
+TEST(DerivedLinuxCnc, HasItsOwnNameAndEnding) {
+  const DerivedPost post;
+  PostSettings settings = SampleSettings("derived");
+  const PlanResult plan = SamplePlan();
+  const ProgramFiles files = post.Write(MakeMotionProgram(plan), plan.arm, settings);
+  ASSERT_EQ(files.size(), 1u);
+  EXPECT_TRUE(files.begin()->first.ends_with(".nc")) << files.begin()->first;
+  EXPECT_EQ(post.Write(post.Read(files, plan.arm, settings), plan.arm, settings), files);
+  EXPECT_THROW(LinuxCncPost().Read(files, plan.arm, settings), InputError);
+  EXPECT_EQ(post.Calling().ending, ".nc");
+  EXPECT_EQ(post.Calling().called_ending, ".nc");
+  settings.controller_axes = {ControllerAxis{.name = "U", .axis = "rail", .coupled = true}};
+  EXPECT_TRUE(post.WhyNotIn(settings).starts_with("controllers.derived.external_axes:"))
+      << post.WhyNotIn(settings);
 }
 
 }  // namespace

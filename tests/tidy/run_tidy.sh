@@ -6,7 +6,7 @@ set -euo pipefail
 top=$1 build=$2 only=${3:-.}
 # A configuration of its own: clang cannot read the precompiled headers of g++, so their source is included.
 cmake -S "$top" -B "$build" -G Ninja -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON \
-  -DMILLPOSE_TESTS=OFF >/dev/null
+  -DMILLPOSE_TESTS=OFF -DMILLPOSE_UNITY=OFF >/dev/null
 mapfile -t files < <(cd "$top" && git ls-files 'lib/*.cpp' 'apps/*.cpp' | grep -E "$only" |
   xargs grep -LE '#include <(CGAL|ompl|fcl)/')
 [ ${#files[@]} -gt 0 ] || { echo "no file matches $only"; exit 1; }

@@ -177,6 +177,19 @@ TEST(RideChecks, AnAxisThatStandsWhereItShouldMoveIsFound) {
   EXPECT_NE(standing.Why(edited).find("the external axes move in a cut: rail at"), std::string::npos);
 }
 
+// Neither the way there nor the way back is followed.
+TEST(RideChecks, AWayToKilometresOffIsRefusedAtBothItsEnds) {
+  const Riding riding("krl", "rail");
+  const std::vector<Word> words = WordsOfCuts(riding.text, "^LIN .*,E1 ([-0-9.]+)");
+  ASSERT_GT(words.size(), 3u);
+  std::string edited = riding.text;
+  edited.replace(words[1].begin, words[1].end - words[1].begin, "1000000");
+  size_t refused = 0;
+  for (const auto& [line, message] : riding.Said(edited))
+    refused += message == "rail leaves its limits by more than its whole range" ? 1 : 0;
+  EXPECT_EQ(refused, 2u) << riding.Why(edited);
+}
+
 TEST(RideChecks, SpeedsAndLimitsOfTheAxesHold) {
   PlanResult plan = RidePlan("rail");
   Riding riding("krl", plan);

@@ -37,9 +37,9 @@ class LinuxCncWriter : public ProgramWriter {
                  const LinuxCncOptions& options)
       : ProgramWriter(program, arm, settings, LinuxCncTexts(settings)), options_(options) {}
 
-  ProgramFiles Write() {
+  ProgramFiles Write(const std::string& ending) {
     WriteSections();
-    return {{LegalName(program_.name, kLongestName, 1) + ".ngc",
+    return {{LegalName(program_.name, kLongestName, 1) + ending,
              Head() + MainText({}) + TextLines("footer") + "M2\n"}};
   }
 
@@ -327,8 +327,10 @@ std::string NoOffsets(const PostSettings& settings) {
 std::string LinuxCncPost::WhyNotIn(const PostSettings& settings) const {
   if (options_.cartesian || std::ranges::none_of(settings.controller_axes, &ControllerAxis::coupled))
     return "";
-  return "controllers.linuxcnc.external_axes: coupled: true has no effect in joint programs (coordinates: "
-         "joint); expected: false";
+  return fmt::format(
+      "controllers.{}.external_axes: coupled: true has no effect in joint programs (coordinates: joint); "
+      "expected: false",
+      Name());
 }
 
 Eigen::Vector3d ExternalWords(const PostSettings& settings, const ExternalPosition& external) {
@@ -347,18 +349,18 @@ double FeedLength(const Joints& from, const Joints& to, const Eigen::Vector3d& e
 ProgramFiles LinuxCncPost::Write(const MotionProgram& program, const Arm& arm,
                                  const PostSettings& settings) const {
   assert(IsWellFormed(program));
-  return LinuxCncWriter(program, arm, settings, options_).Write();
+  return LinuxCncWriter(program, arm, settings, options_).Write(Endings().front());
 }
 
 // The interpreter looks for a file of the name in lower case.
 CallingSyntax LinuxCncPost::Calling() const {
   return {.longest = kLongestName,
           .letters = 1,
-          .ending = ".ngc",
+          .ending = Endings().front(),
           .head = "; written by millpose for LinuxCNC\n",
           .call = "O<{name}> CALL\n",
           .tail = "M2\n",
-          .called_ending = ".ngc",
+          .called_ending = Endings().front(),
           .called_head = "O<{name}> SUB\n",
           .called_tail = "O<{name}> ENDSUB\n",
           .called_lower = true};

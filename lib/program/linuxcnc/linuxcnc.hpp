@@ -14,7 +14,8 @@ struct LinuxCncOptions {
 /// degrees; straight lines of the tip become joint motions in inverse time, short enough that the tip leaves
 /// the line by at most kHalfwayDeviation. Cartesian, cuts are poses of the tool in the robot's base with A,
 /// B, C running evenly, short enough that the orientation stays within kHalfwayAngle of an even turn; motions
-/// between cuts remain joint positions, between two switches of the kinematics.
+/// between cuts remain joint positions, between two switches of the kinematics. A control built on LinuxCNC
+/// is one of these with another Name() and Endings().
 class LinuxCncPost : public Post {
  public:
   using Options = LinuxCncOptions;

@@ -452,7 +452,7 @@ std::vector<Problem> LinuxCncPost::CheckTexts(const Arm& arm, const PostSettings
 
 MotionProgram LinuxCncPost::Read(const ProgramFiles& files, const Arm& arm,
                                  const PostSettings& settings) const {
-  return LinuxCncReader(files, arm, settings, options_).Read({".ngc"});
+  return LinuxCncReader(files, arm, settings, options_).Read(Endings());
 }
 
 }  // namespace millpose

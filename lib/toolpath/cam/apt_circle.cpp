@@ -54,11 +54,11 @@ std::optional<bool> RunsOnRight(const AptCircle& circle, const Eigen::Vector3d& 
 // Half a turn or a full one: their two ways differ by nothing but the direction.
 bool IsHalfOrFull(const AptCircle& circle, const Eigen::Vector3d& axis, const Eigen::Vector3d& from,
                   const Eigen::Vector3d& to) {
-  constexpr double kHalf = 1e-3;  // rad
-  constexpr double kSame = 1e-4;  // mm
+  constexpr double kHalf = 1e-3;       // rad
+  constexpr double kSamePoint = 1e-4;  // mm
   const Eigen::Vector3d a = Across(from - circle.centre, axis), b = Across(to - circle.centre, axis);
   const double sine = axis.dot(a.cross(b)) / (a.norm() * b.norm());
-  return (a - b).norm() <= kSame || (std::abs(sine) <= kHalf && a.dot(b) < 0);
+  return (a - b).norm() <= kSamePoint || (std::abs(sine) <= kHalf && a.dot(b) < 0);
 }
 
 // Whether the right-hand turn about the axis is meant.

@@ -10,8 +10,8 @@ namespace {
 const std::set<std::string_view> kDrilling{"CYCLE81", "CYCLE82", "CYCLE83"};
 const std::set<std::string_view> kSpindle{"CYCLE84", "CYCLE840", "CYCLE85", "CYCLE86",
                                           "CYCLE87", "CYCLE88",  "CYCLE89"};
-constexpr double kChipRetract = 1;  // mm, CYCLE83's own where _VRT gives none
-constexpr double kSame = 1e-6;      // mm
+constexpr double kChipRetract = 1;   // mm, CYCLE83's own where _VRT gives none
+constexpr double kSameDepth = 1e-6;  // mm
 
 }  // namespace
 
@@ -76,7 +76,7 @@ void SinumerikCycles::ReadHeights(const Arguments& arguments, GcodeHole& hole) c
   } else if (!arguments[0] || !arguments[1] || (!arguments[3] && !arguments[4])) {
     hole.left_out = "it names no retraction plane, no reference plane or no depth";
   } else if (arguments[3] && arguments[4] &&
-             std::abs(*arguments[3] - (*arguments[1] - std::abs(*arguments[4]))) > kSame) {
+             std::abs(*arguments[3] - (*arguments[1] - std::abs(*arguments[4]))) > kSameDepth) {
     hole.left_out = "its two depths (DP and DPR) contradict";
   } else {
     ReadStrokes(arguments, hole, reference);

@@ -28,9 +28,9 @@ struct CamStrategy final : Strategy {
 // Cutters of the file that are not the cell's.
 void TellOtherCutters(const CamPath& path, double diameter, const std::string& file,
                       std::vector<std::string>& warnings) {
-  constexpr double kSame = 1e-3;  // mm
+  constexpr double kSameDiameter = 1e-3;  // mm
   for (const CamCutter& cutter : path.cutters)
-    if (std::abs(cutter.diameter - diameter) > kSame)
+    if (std::abs(cutter.diameter - diameter) > kSameDiameter)
       warnings.push_back(fmt::format("{}:{}: the path is for a cutter of {:.6g} mm, the cell's has {:.6g} mm",
                                      file, cutter.line, cutter.diameter, diameter));
 }
@@ -92,7 +92,7 @@ yaml::Codec<RotaryAxis> RotaryAxisFields() {
            .Required(),
        Key<Axis>("carries", MILLPOSE_AT(carries_workpiece),
                  ChoiceOf<bool>({{"tool", false}, {"workpiece", true}}), "What it turns."),
-       Key<Axis>("point_mm", MILLPOSE_AT(point), yaml::Place(),
+       Key<Axis>("point_mm", MILLPOSE_AT(point), yaml::Coordinates(),
                  "A point of the axis: in the workpiece frame, of one that carries the tool from its tip. "
                  "Needed where the program does not name the tip (no TRAORI, no G43.4).")});
 }

@@ -119,7 +119,7 @@ StrategyEntry CurveEntry() {
   using S = CurveStrategy;
   using namespace yaml;
   return EntryOf<S>("curve", "Strategy curve: a single line.",
-                    Section<S>({Key<S>("points_mm", MILLPOSE_AT(points), ListOf(yaml::Place()),
+                    Section<S>({Key<S>("points_mm", MILLPOSE_AT(points), ListOf(yaml::Coordinates()),
                                        "A polyline, in the workpiece frame.")
                                     .Required(),
                                 Key<S>("project_along", MILLPOSE_AT(project_along), yaml::Direction(),

@@ -166,7 +166,7 @@ yaml::Codec<HolePlace> HoleFields() {
   using S = HolePlace;
   using namespace yaml;
   return Section<S>(
-      {Key<S>("at_mm", MILLPOSE_AT(entrance), yaml::Place(),
+      {Key<S>("at_mm", MILLPOSE_AT(entrance), yaml::Coordinates(),
               "Middle of its entrance, in the workpiece frame.")
            .Required(),
        Key<S>("axis", MILLPOSE_AT(axis), yaml::Direction(),

@@ -164,7 +164,7 @@ StrategyEntry RingsEntry() {
   using namespace yaml;
   return EntryOf<S>(
       "rings", "Strategy rings: around an axis.",
-      Section<S>({Key<S>("point_mm", MILLPOSE_AT(axis_point), yaml::Place(),
+      Section<S>({Key<S>("point_mm", MILLPOSE_AT(axis_point), yaml::Coordinates(),
                          "A point of the axis, in the workpiece frame.")
                       .Required(),
                   Key<S>("axis", MILLPOSE_AT(axis_direction), yaml::Direction(),

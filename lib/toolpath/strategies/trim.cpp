@@ -118,9 +118,9 @@ yaml::Codec<TrimBorder> BorderFields() {
   using S = TrimBorder;
   using namespace yaml;
   return Section<S>(
-      {Key<S>("near_mm", MILLPOSE_AT(near), Maybe(yaml::Place()),
+      {Key<S>("near_mm", MILLPOSE_AT(near), Maybe(yaml::Coordinates()),
               "The border that comes nearest to this place; needed where the region has several."),
-       Key<S>("between_mm", MILLPOSE_AT(between), ListOf(yaml::Place()),
+       Key<S>("between_mm", MILLPOSE_AT(between), ListOf(yaml::Coordinates()),
               "Only the stretch between the places of the border that are nearest to these two; near_mm lies "
               "by it.")
            .WhenSet([](const S& s) { return !s.between.empty(); })});
@@ -130,7 +130,7 @@ yaml::Codec<TrimLine> LineFields() {
   using S = TrimLine;
   using namespace yaml;
   return Section<S>(
-      {Key<S>("points_mm", MILLPOSE_AT(points), ListOf(yaml::Place()),
+      {Key<S>("points_mm", MILLPOSE_AT(points), ListOf(yaml::Coordinates()),
               "On the part's surface, in the workpiece frame; straight between them.")
            .Required(),
        Key<S>("closed", MILLPOSE_AT(closed), Flag(), "Whether the last point is joined to the first."),
@@ -152,7 +152,8 @@ yaml::Codec<TrimTabs> TabFields() {
   using namespace yaml;
   return Section<S>(
       {Key<S>("count", MILLPOSE_AT(count), Maybe(Integer(1, 1000)), "Evenly along the contour, or:"),
-       Key<S>("at_mm", MILLPOSE_AT(places), ListOf(yaml::Place()), "one nearest to each of these places.")
+       Key<S>("at_mm", MILLPOSE_AT(places), ListOf(yaml::Coordinates()),
+              "one nearest to each of these places.")
            .WhenSet([](const S& s) { return !s.places.empty(); }),
        Key<S>("width_mm", MILLPOSE_AT(width), Real(kMm, Positive(1000)), "Along the contour, at the top.")
            .Required(),
@@ -171,7 +172,7 @@ std::vector<yaml::Field<Trim>> WayKeys() {
                  "A closed contour runs on over its start by this.")
               .WhenSet([](const S& s) { return !IsOpen(s); })
               .DefaultText("2"),
-          Key<S>("start_mm", MILLPOSE_AT(start), Maybe(yaml::Place()),
+          Key<S>("start_mm", MILLPOSE_AT(start), Maybe(yaml::Coordinates()),
                  "A closed contour begins nearest to this place; by default in the middle of the longest "
                  "straight with "
                  "room for the leads."),

@@ -12,7 +12,7 @@
 namespace millpose {
 namespace {
 
-constexpr double kSame = 1e-6;  // mm
+constexpr double kSamePlace = 1e-6;  // mm
 
 // A closed border of a region as sides (face, corner) of its faces, which lie on the left of their way.
 using Loop = std::vector<std::pair<int, int>>;
@@ -88,7 +88,7 @@ ContourPoint At(const Contour& contour, double along) {
 }
 
 // A closed contour's part from one place to another, in its own way.
-Contour Stretch(const Contour& contour, double from, double to) {
+Contour StretchOf(const Contour& contour, double from, double to) {
   const auto count = static_cast<double>(contour.points.size());
   if (to <= from) to += count;
   Contour part;
@@ -103,8 +103,8 @@ Contour Stretch(const Contour& contour, double from, double to) {
 void DropRepeated(Contour& contour) {
   std::vector<ContourPoint> kept;
   for (const ContourPoint& point : contour.points)
-    if (kept.empty() || (point.place - kept.back().place).norm() > kSame) kept.push_back(point);
-  while (contour.closed && kept.size() > 1 && (kept.back().place - kept.front().place).norm() <= kSame)
+    if (kept.empty() || (point.place - kept.back().place).norm() > kSamePlace) kept.push_back(point);
+  while (contour.closed && kept.size() > 1 && (kept.back().place - kept.front().place).norm() <= kSamePlace)
     kept.pop_back();
   contour.points = std::move(kept);
 }
@@ -158,7 +158,7 @@ Contour FromBorder(const TrimBorder& border, const StrategyInputs& inputs) {
   const auto within = [&](double from, double to) {
     return from < to ? from < middle && middle < to : middle > from || middle < to;
   };
-  Contour stretch = within(a, b) ? Stretch(whole, a, b) : Stretch(whole, b, a);
+  Contour stretch = within(a, b) ? StretchOf(whole, a, b) : StretchOf(whole, b, a);
   DropRepeated(stretch);
   return stretch;
 }
