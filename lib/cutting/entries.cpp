@@ -9,9 +9,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kAbove = 0.05;         // mm over the tip: below this a cutter only touches
-constexpr double kMiddle = 0.25;        // of its radius: where a cutter without a centre edge cuts nothing
-constexpr int kProbesAroundMiddle = 6;  // around the middle
+constexpr double kAbove = 0.05;   // mm over the tip: below this a cutter only touches
+constexpr double kMiddle = 0.25;  // of its radius: where a cutter without a centre edge cuts nothing
+constexpr int kProbesAroundMiddle = 6;
 
 }  // namespace
 

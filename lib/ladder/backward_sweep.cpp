@@ -6,7 +6,6 @@
 #include "ladder/layer_steps.hpp"
 
 namespace millpose {
-namespace {}  // namespace
 
 const ToGo& LeastToGo(const LadderProblem& problem, const NodeMask& counted, BackwardRows& rows) {
   const std::span<const Layer> layers = problem.layers;

@@ -5,7 +5,6 @@
 #include "ladder/sweep.hpp"
 
 namespace millpose {
-namespace {}  // namespace
 
 size_t Breaks(const Sequence& sequence) {
   size_t breaks = 0;

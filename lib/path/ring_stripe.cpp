@@ -89,11 +89,9 @@ std::string ExplainStripe(const ClosedSearch& search) {
   const Interference between = checker.Measure(*sighting);
   return fmt::format(
       "as a closed ring it costs {:.1f} % more than its points' own optima, {:.1f} % if nothing interfered, "
-      "about {:.1f} % "
-      "left open (strategy rings: `path: open`): {} and {} bar a stripe of rotations, {:.0f} to {:.0f} deg "
-      "at "
-      "point {}, met at {} "
-      "of {} points, which no closed ring gets across where it would have to; most is lost at point {}",
+      "about {:.1f} % left open (strategy rings: `path: open`): {} and {} bar a stripe of rotations, "
+      "{:.0f} to {:.0f} deg at point {}, met at {} of {} points, which no closed ring gets across where it "
+      "would have to; most is lost at point {}",
       above(closed), above(search.unbarred), above(open->cost), between.first, between.second,
       RadToDeg(run.lower), RadToDeg(run.upper), beside, points, search.problem.layers.size(), worst);
 }

@@ -9,9 +9,9 @@
 namespace millpose {
 namespace {
 
-constexpr double kGainElsewhere =
-    0.005;                       // of a pass's objective, that another station, or moving, must be worth
 constexpr double kJoined = 1.1;  // times its own optimum, that the worst point of a pass may have
+/// Share of a pass's objective that another station, or moving along, must be worth.
+constexpr double kGainElsewhere = 0.005;
 
 /// Points that another station could serve: a gouge is one everywhere.
 bool LosesPoints(const PassResult& pass) {

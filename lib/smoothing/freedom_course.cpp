@@ -16,6 +16,7 @@ constexpr double kNear = 0.03 * kRadPerDeg, kFarther = 8 * kNear, kFar = 64 * kN
 constexpr double kSamePlace = 1e-9;  // mm
 /// Bounds are aimed at with this reserve.
 constexpr double kReserve = 0.95, kStepReserve = 0.97;
+constexpr double kShareRounding = 1e-12;
 
 bool Moves(const FreedomRange& range) { return range.lower != range.upper; }
 
@@ -168,11 +169,11 @@ Merit FreedomCourse::Judge(std::vector<CoursePlace>& places) const {
       const double share = std::abs(step[j]) / bounds_.max_step[t][j],
                    over = std::max(0.0, share - kStepReserve);
       merit.violation += over * over;
-      merit.steps = merit.steps && share <= 1 + kRevolutionRounding;
+      merit.steps = merit.steps && share <= 1 + kShareRounding;
     }
     const double lean = std::abs(LeanShare(places, t)), over = std::max(0.0, lean - kStepReserve);
     merit.violation += over * over;
-    merit.steps = merit.steps && lean <= 1 + kRevolutionRounding;
+    merit.steps = merit.steps && lean <= 1 + kShareRounding;
   }
   for (CoursePlace& place : places) place.judged = true;
   return merit;

@@ -347,36 +347,35 @@ class Krl : public Mover {
     return BaseAt(fields) * PoseOf(fields) * tool_->inverse();
   }
 
-  void StandAt(const Fields& fields) {
+  /// What a motion goes to; the axes beside the arm go there with it.
+  Fields TargetOf(Cursor& at, std::initializer_list<const char*> types) {
+    Fields fields = FieldsOf(at, types);
     for (const auto& [name, value] : fields)
       if (name[0] == 'E') external_[name] = value;
+    return fields;
   }
 
-  std::string Words() const {
+  std::string Modes(bool accelerations) const {
     std::string words;
     for (const auto& [name, value] : modal_)
-      if (!name.starts_with("$ACC")) words += name + "=" + value + " ";
+      if (name.starts_with("$ACC") == accelerations) words += name + "=" + value + " ";
     return words;
   }
 
   /// What is not modelled: accelerations, settings as the plant's BAS leaves them.
   std::string Aside() const {
-    std::string words;
-    for (const auto& [name, value] : modal_)
-      if (name.starts_with("$ACC")) words += name + "=" + value + " ";
+    std::string words = Modes(true);
     for (const std::string& name : stated_) words += name + " ";
-    words += load_;
-    return words;
+    return words + load_;
   }
 
   /// "PTP": axes or a pose with S and T; C_PTP rounds.
   void Ptp(Cursor& at) {
-    Fields fields = FieldsOf(at, {"E6AXIS", "AXIS", "E6POS", "POS", "FRAME"});
+    Fields fields = TargetOf(at, {"E6AXIS", "AXIS", "E6POS", "POS", "FRAME"});
     const bool rounded = at.Take("C_PTP");
     if (rounded && (at.Take("C_DIS") || at.Take("C_VEL") || at.Take("C_ORI"))) {
     }
     at.Need(at.Done(), "the end of the line");
-    StandAt(fields);
     Step* step = nullptr;
     if (fields.contains("A1") || fields.contains("A2") || fields.contains("A3")) {
       Joints q = this->q().value_or(Joints::Zero());
@@ -398,14 +397,14 @@ class Krl : public Mover {
     }
     step->way_speed = way_speed_;
     step->exact = !rounded || advance_ == 0;
-    step->words = Words();
+    step->words = Modes(false);
     step->aside = Aside();
   }
 
   /// "LIN", "SLIN", "Approximate positioning": C_DIS by $APO.CDIS; without the advance run every point is
   /// exact.
   void Lin(Cursor& at, bool spline) {
-    Fields fields = FieldsOf(at, {"E6POS", "POS", "FRAME"});
+    Fields fields = TargetOf(at, {"E6POS", "POS", "FRAME"});
     std::string how;
     if (!spline || !spline_)
       for (const char* word : {"C_DIS", "C_VEL", "C_ORI"})
@@ -417,7 +416,6 @@ class Krl : public Mover {
       feed = Positive(at.Number(true).value_or(0));
     }
     at.Need(at.Done(), "the end of the line");
-    StandAt(fields);
     const Pose X_BF = Flange(fields);
     Step& step = CutTo(X_BF);
     step.feed = feed * 60000;
@@ -426,7 +424,7 @@ class Krl : public Mover {
     step.blend = blend_;
     step.exact = (how.empty() && !spline_) || advance_ == 0 || (!spline_ && blend_ <= 0);
     if (spline_) step.blend = 0;
-    step.words = Words() + (how == "C_VEL" || how == "C_ORI" ? how : "");
+    step.words = Modes(false) + (how == "C_VEL" || how == "C_ORI" ? how : "");
     step.aside = Aside();
   }
 

@@ -21,8 +21,8 @@ def without_force():
     return "".join(line for line in lines if "cutting:" not in line and "objective:" not in line)
 
 
-def run(*arguments, cwd=None, env=None):
-    return subprocess.run([MILLPOSE, *map(str, arguments)], capture_output=True, text=True, timeout=1800, cwd=cwd,
+def run(*arguments, cwd=None, env=None, timeout=300):
+    return subprocess.run([MILLPOSE, *map(str, arguments)], capture_output=True, text=True, timeout=timeout, cwd=cwd,
                           env=env)
 
 

@@ -387,7 +387,7 @@ class Place(InFolder):
         """As docs/placement.md shows it, with a cutting force; after kills it is the same."""
         placement = self.STATIONS.replace("  points: 60\n  places: 150\n  plans: 1\n", "")
         job = self.panel(6000, placement, stepover=16, spacing=10, cutting=True)
-        done = run("place", job, "-q")
+        done = run("place", job, "-q", timeout=1800)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         out = self.folder / "long_standing_panel.places"
         found, split = self.stations_cover(out, 6000, 16, 10)
@@ -396,7 +396,7 @@ class Place(InFolder):
         for number, station in enumerate(split["stations"], 1):
             self.assertEqual(run("verify", out / station["folder"]).returncode, 0)
         few = self.panel(6000, self.STATIONS)
-        self.assertEqual(run("place", few, "-o", self.folder / "whole", "-q").returncode, 0)
+        self.assertEqual(run("place", few, "-o", self.folder / "whole", "-q", timeout=1800).returncode, 0)
         killed, wanted = self.folder / "killed", self.results(self.folder / "whole")
         jobs = [path.read_bytes() for path in sorted(self.folder.glob("panel.station_*"))]
         for seconds in (2, 4, 6, 8, 10, 12):
@@ -405,7 +405,7 @@ class Place(InFolder):
             process.send_signal(signal.SIGKILL)
             process.wait()
         for threads in (1, 4):
-            self.assertEqual(run("place", few, "-o", killed, "--threads", threads, "-q").returncode, 0)
+            self.assertEqual(run("place", few, "-o", killed, "--threads", threads, "-q", timeout=1800).returncode, 0)
             self.assertEqual(self.results(killed), wanted)
             self.assertEqual([path.read_bytes() for path in sorted(self.folder.glob("panel.station_*"))], jobs)
 
