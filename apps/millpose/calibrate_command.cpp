@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr double kMicrometres = 1000;
 
-struct Options {
+struct CalibrateOptions {
   std::filesystem::path measured, plan, job, write_job;
   bool json = false;
 };
@@ -80,7 +80,7 @@ std::string FactorsText(const ForceFactors& factors) {
   return fmt::format("{{up: {:.3f}, down: {:.3f}, slot: {:.3f}}}", factors.up, factors.down, factors.slot);
 }
 
-int Calibrate(const Options& options) {
+int Calibrate(const CalibrateOptions& options) {
   CalibrateArguments arguments{options.measured, options.plan, std::nullopt, {}};
   if (!options.job.empty()) arguments.job = options.job;
   const CalibratedPart part = CalibratePart(arguments);
@@ -113,7 +113,7 @@ void AddCalibrateCommand(CLI::App& app, Run& run) {
       "A milled part's measured face against the deflection that was predicted for it: scale, factors of the "
       "cutting force, and whether the model explains the part (docs/compensation.md).\n"
       "Exit status 1: it does not.");
-  static Options options;
+  static CalibrateOptions options;
   command
       ->add_option(
           "measured", options.measured,

@@ -7,9 +7,9 @@
 namespace millpose {
 namespace {
 
-struct Options {
+struct CheckOptions {
   std::filesystem::path file;
-  std::string unit;
+  UnitOption unit;
   double weld_tolerance = 1e-4, chord_tolerance = 0.05;
   int threads = 0;
   double max_points = 2e6;
@@ -18,15 +18,13 @@ struct Options {
   RootOption root;
 };
 
-const std::map<std::string, double> kUnits{{"mm", 1}, {"cm", 10}, {"in", 25.4}, {"m", 1000}};
-
 template <class Check>
 int Tell(const Check& check, bool json) {
   fmt::print("{}", json ? ToJson(check) : ToText(check));
   return HasFindings(check) ? kFindings : kDone;
 }
 
-int TellJob(const std::vector<JobCheck>& checks, const Options& options) {
+int TellJob(const std::vector<JobCheck>& checks, const CheckOptions& options) {
   if (checks.size() == 1 && checks.front().operation.empty()) return Tell(checks.front(), options.json);
   if (options.json) {
     fmt::print("{}", ToJson(checks));
@@ -41,7 +39,7 @@ int TellJob(const std::vector<JobCheck>& checks, const Options& options) {
                                                                                                : kDone;
 }
 
-int Check(const Options& options, Session& session) {
+int Check(const CheckOptions& options, Session& session) {
   const std::string extension = options.file.extension().string();
   const FileRoot root = FileRoot::Of(*options.root);
   const ViewFile view = options.view.empty() ? ViewFile() : ViewFile(options.view);
@@ -51,9 +49,8 @@ int Check(const Options& options, Session& session) {
                                    session.progress, session.stop),
                    options);
   }
-  std::optional<double> unit;
-  if (!options.unit.empty()) unit = kUnits.at(options.unit);
-  return Tell(CheckMesh({options.file, unit, options.weld_tolerance, options.chord_tolerance, root, view},
+  return Tell(CheckMesh({options.file, MillimetresOf(options.unit), options.weld_tolerance,
+                         options.chord_tolerance, root, view},
                         session.progress, session.stop),
               options.json);
 }
@@ -63,12 +60,10 @@ int Check(const Options& options, Session& session) {
 void AddCheckCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand(
       "check", "Describe a mesh, a cell, or a job's part, tool path and reach; plans nothing");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CheckOptions>();
   command->add_option("FILE", options->file, "Job or cell (.yaml) or part (STL, OBJ, PLY, OFF, STEP)")
       ->required();
-  command
-      ->add_option("--unit", options->unit, "Unit of a part: mm, cm, in, m; by default the file's, else mm")
-      ->check(CLI::IsMember({"mm", "cm", "in", "m"}));
+  options->unit = AddUnitOption(*command);
   command
       ->add_option("--chord-tolerance-mm", options->chord_tolerance,
                    "Of a STEP part: distance between its faces and their triangles")

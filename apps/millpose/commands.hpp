@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <stop_token>
+#include <string>
 
 #include "base/progress.hpp"
 
@@ -31,6 +32,11 @@ using Run = std::function<int(Session&)>;
 /// The option --root of the commands that run other people's jobs; empty when it is not given.
 using RootOption = std::shared_ptr<std::optional<std::filesystem::path>>;
 RootOption AddRootOption(CLI::App& command);
+
+/// The option --unit of the commands that read a part; its value in mm, none when it is not given.
+using UnitOption = std::shared_ptr<std::string>;
+UnitOption AddUnitOption(CLI::App& command);
+std::optional<double> MillimetresOf(const UnitOption& unit);
 
 void AddBatchCommand(CLI::App& app, Run& run);
 void AddCalibrateCommand(CLI::App& app, Run& run);

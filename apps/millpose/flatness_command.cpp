@@ -12,7 +12,7 @@
 namespace millpose {
 namespace {
 
-struct Options {
+struct FlatnessOptions {
   std::string file;
   bool json = false;
 };
@@ -47,7 +47,7 @@ void Print(const Flatness& found, const CsvTable& table) {
     fmt::print("  line {:<6}        {:+.6g} mm\n", table.line(i), found.distances[i]);
 }
 
-int Measure(const Options& options) {
+int Measure(const FlatnessOptions& options) {
   const CsvTable table = ReadCsv(ReadFile(options.file), options.file, {{"x_mm", "y_mm", "z_mm"}, {}});
   std::vector<Eigen::Vector3d> points;
   for (size_t i = 0; i < table.size(); ++i)
@@ -73,7 +73,7 @@ int Measure(const Options& options) {
 void AddFlatnessCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand(
       "flatness", "Least-squares plane, flatness and minimum zone of measured points (docs/flatness.md)");
-  static Options options;
+  static FlatnessOptions options;
   command->add_option("points", options.file, "CSV with columns x_mm,y_mm,z_mm")->required();
   command->add_flag("--json", options.json, "Results as JSON on stdout");
   command->callback([&run] { run = [](Session&) { return Measure(options); }; });

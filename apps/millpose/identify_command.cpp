@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr double kNmPerNmm = 1e-3;
 
-struct Options {
+struct IdentifyWords {
   std::string file, cell, write_cell;
   std::vector<double> load_point, measured_point;
   int propose = -1;
@@ -35,7 +35,7 @@ struct Task {
   IdentifyOptions options;
 };
 
-Task Load(const Options& options) {
+Task Load(const IdentifyWords& options) {
   Task task;
   const std::string bytes = ReadFile(options.file);
   const std::filesystem::path path(options.file);
@@ -162,7 +162,7 @@ double UncertaintyOf(const JointEstimate& joint) {
   return std::min(kMost, std::ceil(200 * half / joint.stiffness) / 200);
 }
 
-void WriteCellFile(const Options& options, const Task& task, const Identification& found) {
+void WriteCellFile(const IdentifyWords& options, const Task& task, const Identification& found) {
   if (task.cell_file.lexically_normal() != std::filesystem::path(options.write_cell).lexically_normal())
     throw InputError({options.write_cell}, fmt::format("--write-cell: another cell than the one read, {}",
                                                        task.cell_file.string()));
@@ -187,7 +187,7 @@ void WriteCellFile(const Options& options, const Task& task, const Identificatio
   std::fputs(fmt::format("millpose: {} updated{}\n", options.write_cell, note).c_str(), stderr);
 }
 
-int Propose(const Options& options, const Task& task) {
+int Propose(const IdentifyWords& options, const Task& task) {
   const std::vector<LoadCase> candidates = MakeCases(task.settings, task.settings.candidates);
   if (candidates.empty()) throw InputError({options.file}, "--propose: the file has no `candidates`");
   const std::vector<size_t> chosen =
@@ -217,7 +217,7 @@ int Propose(const Options& options, const Task& task) {
   return blind.empty() ? kDone : kFindings;
 }
 
-int Identify(const Options& options) {
+int Identify(const IdentifyWords& options) {
   const Task task = Load(options);
   if (options.propose >= 0) return Propose(options, task);
   if (task.settings.measurements.empty())
@@ -243,7 +243,7 @@ void AddIdentifyCommand(CLI::App& app, Run& run) {
       "identify",
       "Joint stiffness, N·m/rad, from measured deflections under load (docs/identification.md).\n"
       "Exit status 1: some joint could not be determined, or a finding on readings, stiffness or residual.");
-  static Options options;
+  static IdentifyWords options;
   command->add_option("measurements", options.file, "Measurements, YAML or CSV")->required();
   command->add_option("--cell", options.cell,
                       "Cell YAML with the arm's geometry; default: the one the file names");

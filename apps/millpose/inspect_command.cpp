@@ -12,13 +12,13 @@
 namespace millpose {
 namespace {
 
-struct Arguments {
+struct InspectWords {
   std::filesystem::path folder;
   InspectOptions options;
   bool json = false;
 };
 
-int Inspect(const Arguments& arguments) {
+int Inspect(const InspectWords& arguments) {
   RefuseSeveral(arguments.folder);
   const std::filesystem::path points_file = arguments.folder / "points.csv";
   const std::filesystem::path summary_file = arguments.folder / "summary.json";
@@ -39,7 +39,7 @@ int Inspect(const Arguments& arguments) {
 
 void AddInspectCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand("inspect", "Show the stiffness of a plan, point by point");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<InspectWords>();
   command->add_option("DIR", arguments->folder, "Output folder of millpose plan")->required();
   command->add_option("--worst", arguments->options.worst, "List this many of the softest points");
   command->add_option("--point", arguments->options.point,

@@ -28,7 +28,7 @@ constexpr const char* kClearLine = "\r\x1b[K";  // of a bar that stands there
 
 // As fmt::print, for stderr: where nobody can read it, the work goes on.
 template <class... T>
-void Tell(fmt::format_string<T...> format, T&&... values) {
+void ToStderr(fmt::format_string<T...> format, T&&... values) {
   const std::string text = fmt::format(format, std::forward<T>(values)...);
   std::fwrite(text.data(), 1, text.size(), stderr);
 }
@@ -38,9 +38,9 @@ void Report(const std::string& text, int status, bool json) {
   if (json) {
     using Json = nlohmann::ordered_json;
     const Json line{{"event", "error"}, {"status", status}, {"message", text}};
-    Tell("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
+    ToStderr("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
   } else {
-    Tell("{}millpose: {}\n", isatty(STDERR_FILENO) != 0 ? kClearLine : "", text);
+    ToStderr("{}millpose: {}\n", isatty(STDERR_FILENO) != 0 ? kClearLine : "", text);
   }
 }
 
@@ -142,8 +142,8 @@ std::vector<std::string> CommandNames(const CLI::App& app) {
 
 void ReportUnknownCommand(const std::string& given, const std::vector<std::string>& names) {
   const std::string near = NearestName(given, names);
-  Tell("millpose: unknown command {}; {}\n", given,
-       near.empty() ? fmt::format("allowed: {}", fmt::join(names, ", ")) : "nearest: " + near);
+  ToStderr("millpose: unknown command {}; {}\n", given,
+           near.empty() ? fmt::format("allowed: {}", fmt::join(names, ", ")) : "nearest: " + near);
 }
 
 // What the chosen subcommand does not know: a mistyped option with the nearest one, or a word too many.
@@ -159,8 +159,8 @@ void ReportUnknownArgument(const CLI::App& app) {
       for (const std::string& name : knows->get_lnames()) known.push_back("--" + name);
   }
   const std::string near = option != words.end() ? NearestName(given.substr(0, given.find('=')), known) : "";
-  Tell("millpose: {} {} is not known to {}; {}\n", option != words.end() ? "option" : "argument", given,
-       command, near.empty() ? fmt::format("{} --help lists what is", command) : "nearest: " + near);
+  ToStderr("millpose: {} {} is not known to {}; {}\n", option != words.end() ? "option" : "argument", given,
+           command, near.empty() ? fmt::format("{} --help lists what is", command) : "nearest: " + near);
 }
 
 int Main(int argc, char** argv) {

@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-struct Options {
+struct StiffnessOptions {
   std::string cell, at, poses, axis, map_index, output;
   std::vector<double> joints, normal, plane, tool_axis;
   std::vector<int> steps;
@@ -45,7 +45,7 @@ struct Subject {
   Vector3d Point() const { return at_flange ? Vector3d::Zero() : Vector3d(X_FT.translation()); }
 };
 
-Subject Load(const Options& options) {
+Subject Load(const StiffnessOptions& options) {
   std::map<std::string, std::string> bytes;
   Subject subject{.cell = LoadCell(options.cell, &bytes),
                   .arm = {},
@@ -63,7 +63,7 @@ Subject Load(const Options& options) {
   return subject;
 }
 
-PoseReport Evaluate(const Options& options, const Subject& subject, const Joints& q,
+PoseReport Evaluate(const StiffnessOptions& options, const Subject& subject, const Joints& q,
                     const std::optional<Vector3d>& given) {
   if (!given && options.axis.empty() && options.normal.empty())
     throw InputError({}, "no milling plane; allowed: --normal X Y Z, --axis tool, or nx,ny,nz in --poses");
@@ -97,14 +97,14 @@ Joints FromDegrees(const std::vector<double>& degrees, const char* source, const
   return q;
 }
 
-int OnePose(const Options& options, const Subject& subject) {
+int OnePose(const StiffnessOptions& options, const Subject& subject) {
   const PoseReport report =
       Evaluate(options, subject, FromDegrees(options.joints, "--joints-deg"), std::nullopt);
   fmt::print("{}", options.json ? ReportAsJson(report) : ReportAsText(report));
   return report.stiffness.indices && report.stiffness.K ? kDone : kFindings;
 }
 
-int ManyPoses(const Options& options, const Subject& subject) {
+int ManyPoses(const StiffnessOptions& options, const Subject& subject) {
   const CsvTable table =
       ReadCsv(ReadFile(options.poses), options.poses,
               {{"a1_deg", "a2_deg", "a3_deg", "a4_deg", "a5_deg", "a6_deg"}, {"nx", "ny", "nz"}});
@@ -127,7 +127,7 @@ int ManyPoses(const Options& options, const Subject& subject) {
   return std::all_of(reports.begin(), reports.end(), regular) ? kDone : kFindings;
 }
 
-MapRequest MakeRequest(const Options& options, const Subject& subject) {
+MapRequest MakeRequest(const StiffnessOptions& options, const Subject& subject) {
   if (options.plane.empty() || options.steps.empty())
     throw InputError(
         {}, "--map needs --plane (9 numbers: corner, end of the first edge, end of the second) and --steps");
@@ -169,7 +169,7 @@ MapRequest MakeRequest(const Options& options, const Subject& subject) {
   return request;
 }
 
-int Map(const Options& options, const Subject& subject) {
+int Map(const StiffnessOptions& options, const Subject& subject) {
   const MapRequest request = MakeRequest(options, subject);
   const std::vector<MapPoint> points = DrawMap(request);
   if (!options.output.empty()) {
@@ -183,7 +183,7 @@ int Map(const Options& options, const Subject& subject) {
   return std::any_of(points.begin(), points.end(), reached) ? kDone : kFindings;
 }
 
-int Stiffness(const Options& options) {
+int Stiffness(const StiffnessOptions& options) {
   const int asked = !options.joints.empty() + !options.poses.empty() + !options.map_index.empty();
   if (asked != 1) throw InputError({}, "give one of --joints-deg, --poses and --map");
   const Subject subject = Load(options);
@@ -199,7 +199,7 @@ void AddStiffnessCommand(CLI::App& app, Run& run) {
       "Compliance and its indices in one pose, in many, or over a plane of the cell (docs/stiffness.md).\n"
       "Directions and positions are in the robot base frame; compliance mm/N, angles deg.\n"
       "Exit status 1: a singular pose, or a map without a reached point.");
-  static Options options;
+  static StiffnessOptions options;
   std::vector<std::string> names;
   for (const MapIndex& index : MapIndices()) names.push_back(index.name);
   command->add_option("cell", options.cell, "Cell YAML")->required();

@@ -27,7 +27,7 @@ Json Rows(const Matrix& m) {
 
 Json Numbers(const Eigen::VectorXd& v) { return Json(std::vector<double>(v.begin(), v.end())); }
 
-std::string Direction(const Vector3d& v) {
+std::string DirectionText(const Vector3d& v) {
   return fmt::format("({:+.4f} {:+.4f} {:+.4f})", v.x(), v.y(), v.z());
 }
 
@@ -42,7 +42,7 @@ std::string Table(const Matrix& m) {
   return text;
 }
 
-double Objective(const MillingPlaneIndices& at) { return 0.5 * at.lambda_t2 + 0.5 * at.lambda_n; }
+double PaperObjective(const MillingPlaneIndices& at) { return 0.5 * at.lambda_t2 + 0.5 * at.lambda_n; }
 
 Json ToJson(const PoseReport& report) {
   const PoseStiffness& s = report.stiffness;
@@ -66,7 +66,7 @@ Json ToJson(const PoseReport& report) {
   json["lambda_t2_direction"] = s.indices ? Numbers(s.t2_direction) : Json();
   json["lambda_n"] = maybe([](const auto& at) { return at.lambda_n; });
   json["mu"] = maybe([](const auto& at) { return at.mu; });
-  json["f"] = maybe(Objective);
+  json["f"] = maybe(PaperObjective);
   json["normal_deflection"] = s.deflections.normal;
   json["in_plane_deflection"] = s.deflections.in_plane;
   json["worst_in_plane"] = s.deflections.largest;
@@ -87,21 +87,21 @@ std::string ReportAsText(const PoseReport& report) {
   std::string text = fmt::format(
       "Stiffness at the {}, x y z = {:.4f} {:.4f} {:.4f} mm in the robot base frame\n",
       report.origin == "flange" ? "flange" : "tool tip", s.origin.x(), s.origin.y(), s.origin.z());
-  text += "normal of the milling plane  " + Direction(report.normal) + "\n\n";
+  text += "normal of the milling plane  " + DirectionText(report.normal) + "\n\n";
   const char* names[3] = {"lambda1", "lambda2", "lambda3"};
   for (int i = 0; i < 3; ++i)
-    text +=
-        fmt::format("{:<28} {:.6e} mm/N  along {}\n", names[i], s.lambda[i], Direction(s.directions.col(i)));
+    text += fmt::format("{:<28} {:.6e} mm/N  along {}\n", names[i], s.lambda[i],
+                        DirectionText(s.directions.col(i)));
   if (s.indices) {
     text += fmt::format("{:<28} {:.6e} mm/N  along {}\n", "lambda_t1 (in plane)", s.indices->lambda_t1,
-                        Direction(s.t1_direction));
+                        DirectionText(s.t1_direction));
     text += fmt::format("{:<28} {:.6e} mm/N  along {}\n", "lambda_t2 (in plane)", s.indices->lambda_t2,
-                        Direction(s.t2_direction));
+                        DirectionText(s.t2_direction));
     text += fmt::format("{:<28} {:.6e} mm/N  radius along the normal, not a displacement\n", "lambda_n",
                         s.indices->lambda_n);
     text += fmt::format("{:<28} {:.6f}           lambda_t2/lambda_t1\n", "mu", s.indices->mu);
     text += fmt::format("{:<28} {:.6e} mm/N  0.5 lambda_t2 + 0.5 lambda_n (eq. 23)\n", "f",
-                        Objective(*s.indices));
+                        PaperObjective(*s.indices));
   } else {
     text += "lambda_t1, lambda_t2, lambda_n, mu, f: none, the linear compliance is singular in this pose\n";
   }
@@ -156,7 +156,7 @@ std::string ReportsAsCsv(const std::vector<PoseReport>& reports) {
     for (int i = 0; i < 3; ++i) add(s.lambda[i]);
     if (s.indices)
       for (const double value : {s.indices->lambda_t1, s.indices->lambda_t2, s.indices->lambda_n,
-                                 s.indices->mu, Objective(*s.indices)})
+                                 s.indices->mu, PaperObjective(*s.indices)})
         add(value);
     else
       cells.insert(cells.end(), 5, "");

@@ -7,11 +7,11 @@
 namespace millpose {
 namespace {
 
-struct Arguments : VerifyArguments {
+struct VerifyWords : VerifyArguments {
   bool json = false;
 };
 
-int VerifyAndPrint(const Arguments& arguments, Session& session) {
+int VerifyAndPrint(const VerifyWords& arguments, Session& session) {
   const std::vector<VerifiedProgram> programs = VerifyJob(arguments, session.progress, session.stop);
   fmt::print("{}", arguments.json ? VerifyJson(programs) : VerifyText(programs));
   for (const VerifiedProgram& program : programs) {
@@ -24,7 +24,7 @@ int VerifyAndPrint(const Arguments& arguments, Session& session) {
 
 void AddVerifyCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand("verify", "Read programs back and replay them through arm and cell");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<VerifyWords>();
   command
       ->add_option(
           "DIR|PROGRAM", arguments->target,

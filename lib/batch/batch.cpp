@@ -19,7 +19,7 @@ namespace millpose {
 namespace fs = std::filesystem;
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 // What a process wrote to stderr, without the program's name in front and the line end behind.
 std::string CauseOf(std::string errors) {

@@ -23,7 +23,7 @@ constexpr int kLooksAfterEnd = 3;  // a shared folder may show a file a little l
 constexpr const char* kSubmitted = "submitted";
 
 // A word of a command for the shell. A line of commands.txt is a task: what would break the line is refused.
-std::string Quoted(const std::string& word) {
+std::string ShellWord(const std::string& word) {
   if (std::ranges::any_of(word, [](char c) { return (c >= 0 && c < ' ') || c == 0x7f; }))
     throw InputError(
         Place{Shown(word)},
@@ -35,7 +35,7 @@ std::string Quoted(const std::string& word) {
 
 std::string ShellLine(const std::vector<std::string>& command) {
   std::string line;
-  for (const std::string& word : command) line += Quoted(word) + ' ';
+  for (const std::string& word : command) line += ShellWord(word) + ' ';
   return line;
 }
 
@@ -52,7 +52,7 @@ std::string Script(const fs::path& folder) {
       "eval \"$command\" > \"$task.out\" 2> \"$task.err\"\n"
       "status=$?\n"
       "echo \"$status\" > \"$task.tmp\" && mv \"$task.tmp\" \"$task.status\"\n",
-      Quoted(folder.string()));
+      ShellWord(folder.string()));
 }
 
 void Pause(std::chrono::milliseconds time, const std::stop_token& stop) {

@@ -16,10 +16,14 @@ RegionOptions WithoutRim(RegionOptions options) {
 }  // namespace
 
 RaisedRegion::RaisedRegion(const Mesh& mesh, RegionOptions region, double top, double cutter_radius)
-    : mesh_(mesh), region_(mesh, WithoutRim(std::move(region))), top_(top), beside_(0.02 * cutter_radius) {}
+    : mesh_(mesh),
+      region_(mesh, WithoutRim(std::move(region))),
+      top_(top),
+      beside_(0.02 * cutter_radius),
+      within_(1.001 * (std::max(top, kTouch) + beside_)) {}
 
 bool RaisedRegion::Holds(const Eigen::Vector3d& place) const {
-  const SurfacePoint foot = mesh_.Closest(place);
+  const SurfacePoint foot = mesh_.Closest(place, within_);
   if (foot.face < 0 || !region_.HasFace(foot.face)) return false;
   const Eigen::Vector3d away = place - foot.position;
   const double height = away.dot(mesh_.FaceNormal(foot.face));

@@ -21,6 +21,7 @@ class RaisedRegion {
   Region region_;
   double top_;
   double beside_;  ///< mm: places this far beside the border still count as over it
+  double within_;  ///< mm: no place that is held lies farther from the surface
 };
 
 /// The volumes that a cutter sweeps along a tool path, in the order of its points, which are numbered

@@ -11,13 +11,12 @@
 #include "program/post_entry.hpp"
 #include "program/scanner.hpp"
 #include "report/escaped.hpp"
+#include "report/report.hpp"
 
 namespace millpose {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr int kSummaryVersion = 2;
 
 /// An operation with its summary.json as a tree.
 struct ToldOperation : DoneOperation {
@@ -107,7 +106,7 @@ Json Pick(const std::vector<ToldOperation>& operations, const char* place, Bette
   return picked;
 }
 
-Json Spread(const std::vector<ToldOperation>& operations, const std::string& index) {
+Json SpreadOf(const std::vector<ToldOperation>& operations, const std::string& index) {
   const std::string place = "/stiffness/" + index;
   return {{"best", Pick(operations, (place + "/best").c_str(), std::less())},
           {"median", nullptr},
@@ -173,8 +172,8 @@ std::string WholeSummary(const std::string& job, const std::vector<DoneOperation
       {"objective", same_objective ? first.at("objective") : Json("several")}};
   Json& stiffness = json["stiffness"];
   for (const char* index : {"lambda_t1", "lambda_t2", "lambda_n"})
-    stiffness[index] = Spread(operations, index);
-  stiffness["objective"] = same_objective ? Spread(operations, "objective") : Json(nullptr);
+    stiffness[index] = SpreadOf(operations, index);
+  stiffness["objective"] = same_objective ? SpreadOf(operations, "objective") : Json(nullptr);
   stiffness["units"] = first.at("stiffness").at("units");
   if (!same_objective) stiffness["units"]["objective"] = "";
   json["clearance_min_mm"] = Pick(operations, "/clearance_min_mm", std::less());

@@ -14,7 +14,7 @@ namespace millpose {
 namespace fs = std::filesystem;
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 std::optional<double> NumberAt(const Json& json, const char* pointer) {
   const Json::json_pointer at(pointer);

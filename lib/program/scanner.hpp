@@ -17,6 +17,9 @@ std::vector<std::string_view> SplitLines(std::string_view text);
 /// `text` without the white space at both ends.
 std::string_view Trim(std::string_view text);
 
+/// A letter (ASCII), digit, '_' or '$'.
+bool IsWordCharacter(char c);
+
 /// Equal apart from case (ASCII) and the amount of white space.
 bool SameWords(std::string_view a, std::string_view b);
 

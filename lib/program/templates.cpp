@@ -15,8 +15,6 @@ std::vector<std::string> LinesOf(const std::string& text) {
   return lines;
 }
 
-bool IsWordCharacter(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '$'; }
-
 /// Characters that a blank keeps apart: of words, and of the holes that words take.
 bool KeepsBlank(char c) { return IsWordCharacter(c) || c == '{' || c == '}' || c == '.' || c == '"'; }
 

@@ -122,8 +122,8 @@ void AppendPlot(const std::vector<RotationSample>& curve, double chosen_rotation
     const double turn = rotation / (2 * kPi) + 0.5;
     const int column =
         std::clamp(static_cast<int>((turn - std::floor(turn)) * kPlotWidth), 0, kPlotWidth - 1);
-    const int row = std::clamp(static_cast<int>((upper - objective) / span * (kPlotHeight - 1) + 0.5), 0,
-                               kPlotHeight - 1);
+    const int row = std::clamp(static_cast<int>(std::lround((upper - objective) / span * (kPlotHeight - 1))),
+                               0, kPlotHeight - 1);
     canvas[static_cast<size_t>(row)][static_cast<size_t>(column)] = mark;
   };
   for (const RotationSample& sample : curve)

@@ -5,8 +5,8 @@
 
 namespace millpose {
 
-Stations::Stations(World world, PoseProblem problem)
-    : made_(std::make_shared<Made>(Station{std::move(world), std::move(problem)})) {
+Stations::Stations(const World& world, PoseProblem problem)
+    : made_(std::make_shared<Made>(Station{world, std::move(problem)})) {
   made_->home = Mechanism(made_->at_zero.world.cell().external_axes).Home();
 }
 

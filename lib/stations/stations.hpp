@@ -22,7 +22,7 @@ struct Station {
 class Stations {
  public:
   /// Both with the external axes at 0.
-  Stations(World world, PoseProblem problem);
+  Stations(const World& world, PoseProblem problem);
 
   /// Valid as long as any copy lives. One value for each external axis; empty where there is none.
   const Station& At(const ExternalPosition& external) const;

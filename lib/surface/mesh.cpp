@@ -86,12 +86,12 @@ SurfacePoint Mesh::ClosestOnFace(const Eigen::Vector3d& p, int face) const {
   return point;
 }
 
-SurfacePoint Mesh::Closest(const Eigen::Vector3d& p) const {
-  const auto [face, squared] = impl_->tree.Nearest(p, std::numeric_limits<double>::infinity(), [&](int f) {
+SurfacePoint Mesh::Closest(const Eigen::Vector3d& p, double within) const {
+  const auto [face, squared] = impl_->tree.Nearest(p, within * within, [&](int f) {
     const double distance = ClosestOnFace(p, f).distance;
     return distance * distance;
   });
-  return ClosestOnFace(p, face);
+  return face < 0 ? SurfacePoint() : ClosestOnFace(p, face);
 }
 
 std::vector<int> Mesh::FacesNear(const Eigen::Vector3d& p, double distance) const {

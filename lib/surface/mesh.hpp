@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <limits>
 #include <memory>
 
 #include "surface/triangles.hpp"
@@ -30,8 +31,9 @@ class Mesh {
   /// The face over side `k` (from corner k to corner k+1), or -1 at a rim.
   int Neighbour(int face, int k) const;
 
-  /// The point of the surface that is nearest to p.
-  SurfacePoint Closest(const Eigen::Vector3d& p) const;
+  /// The point of the surface that is nearest to p; face −1 where none is nearer than `within`, mm.
+  SurfacePoint Closest(const Eigen::Vector3d& p,
+                       double within = std::numeric_limits<double>::infinity()) const;
   /// The point of one face that is nearest to p.
   SurfacePoint ClosestOnFace(const Eigen::Vector3d& p, int face) const;
   /// All faces within `distance` (mm) of p, ascending.

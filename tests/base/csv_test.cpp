@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/random.hpp"
+#include "tests/base/refusal.hpp"
 
 namespace millpose {
 namespace {
@@ -10,12 +11,7 @@ namespace {
 const CsvColumns kColumns{{"x_mm", "y_mm"}, {"feed_mm_min"}};
 
 std::string Complaint(const std::string& text) {
-  try {
-    ReadCsv(text, "p.csv", kColumns);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return RefusalOf([&] { ReadCsv(text, "p.csv", kColumns); });
 }
 
 TEST(Csv, ReadsColumnsInAnyOrder) {

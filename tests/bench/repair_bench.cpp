@@ -41,13 +41,6 @@ struct Tally {
   }
 };
 
-double Volume(const Triangles& mesh) {
-  double volume = 0;
-  for (const auto& [a, b, c] : mesh.faces)
-    volume += mesh.vertices[a].dot(mesh.vertices[b].cross(mesh.vertices[c])) / 6;
-  return volume;
-}
-
 void Ours(benchmark::State& state) {
   for (auto _ : state) {
     Tally tally;

@@ -12,7 +12,7 @@
 namespace millpose::campaign {
 namespace {
 
-struct Block {
+struct LinuxcncBlock {
   std::map<char, double> words;  // all but G and M
   std::vector<double> g, m;
   std::string text;
@@ -117,8 +117,8 @@ class LinuxCnc : public Mover {
   }
 
   /// "Word", "Numbers", "Repeated Items".
-  Block Parse(const std::string& code) {
-    Block block;
+  LinuxcncBlock Parse(const std::string& code) {
+    LinuxcncBlock block;
     block.text = code;
     Cursor at(code);
     if (at.TakeChar('/')) Event(Step::Kind::kSwitch, "block delete");  // "Block Delete Character"
@@ -145,7 +145,7 @@ class LinuxCnc : public Mover {
     return std::abs(value - whole) < (parts > 1 ? 1.01e-4 : 0.99e-4) ? whole : value;
   }
 
-  static void CheckGroups(const Block& block) {
+  static void CheckGroups(const LinuxcncBlock& block) {
     std::set<int> groups, m_groups;
     for (const double g : block.g) {
       const int group = GroupOf(g);
@@ -165,7 +165,7 @@ class LinuxCnc : public Mover {
 
   /// "Order of Execution".
   void RunBlock(const std::string& code) {
-    const Block block = Parse(code);
+    const LinuxcncBlock block = Parse(code);
     for (const char letter : block.Letters())
       if (std::string("XYZABCFSPQNELRTDHIJKUVWO").find(letter) == std::string::npos)
         throw Refusal{"an unknown word"};
@@ -209,7 +209,7 @@ class LinuxCnc : public Mover {
   }
 
   /// Letters belong to codes: P, Q, L, E, R, D, H without one that takes them are an error.
-  static void CheckParameters(const Block& block) {
+  static void CheckParameters(const LinuxcncBlock& block) {
     const auto takes = [&](std::initializer_list<double> g, std::initializer_list<double> m) {
       for (const double code : g)
         if (Has(block.g, code)) return true;
@@ -236,7 +236,7 @@ class LinuxCnc : public Mover {
   }
 
   /// "M-codes".
-  void RunM(const Block& block) {
+  void RunM(const LinuxcncBlock& block) {
     for (const double m : block.m) {
       if (m == 3 || m == 4 || m == 5) {
         turning_ = m != 5;
@@ -265,7 +265,7 @@ class LinuxCnc : public Mover {
   }
 
   /// Units, plane, compensation, coordinate system, path control, distance mode.
-  void RunModes(const Block& block) {
+  void RunModes(const LinuxcncBlock& block) {
     for (const double g : block.g) {
       const int group = GroupOf(g);
       if (group == 13) {
@@ -283,14 +283,14 @@ class LinuxCnc : public Mover {
     }
   }
 
-  static std::string Words(const Block& block) {
+  static std::string Words(const LinuxcncBlock& block) {
     std::string text;
     for (const auto& [letter, value] : block.words)
       if (letter != 'N') text += fmt::format("{}{} ", letter, value + 0.0);
     return text;
   }
 
-  bool RunOnce(const Block& block, double g) {
+  bool RunOnce(const LinuxcncBlock& block, double g) {
     if (GroupOf(g) != 0 || g == 4) return false;
     if (g == 10) modal_[100] = Words(block);  // "G10 L2"
     if (g == 92.1) modal_[101] = "G92.1";
@@ -308,7 +308,7 @@ class LinuxCnc : public Mover {
   /// "Plane Selection": of arcs, not of straight motions.
   std::string Plane() const { return modal_.contains(2) ? modal_.at(2) + " " : ""; }
 
-  void Move(const Block& block) {
+  void Move(const LinuxcncBlock& block) {
     if (motion_ >= 1 && motion_ <= 3 && feed_ <= 0) throw Refusal{"G1 to G3 need F"};
     if (motion_ != 0 && motion_ != 1) {
       Event(Step::Kind::kSwitch, "another motion: " + block.text);

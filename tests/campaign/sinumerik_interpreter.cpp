@@ -28,7 +28,7 @@ const std::map<std::string, int>& Groups() {
   return groups;
 }
 
-struct Block {
+struct SinumerikBlock {
   std::map<std::string, double> words;  // addresses
   std::map<int, std::string> modes;     // of each group
   std::vector<double> m;
@@ -117,7 +117,7 @@ class Sinumerik : public Mover {
     }
     at = start;
     if (Special(at, code)) return false;
-    const Block block = Parse(at);
+    const SinumerikBlock block = Parse(at);
     return RunBlock(block);
   }
 
@@ -235,14 +235,14 @@ class Sinumerik : public Mover {
     return values;
   }
 
-  Block Parse(Cursor& at) {
-    Block block;
+  SinumerikBlock Parse(Cursor& at) {
+    SinumerikBlock block;
     while (!at.Done()) ParseWord(at, block);
     return block;
   }
 
   /// "Addresses": a letter with its number, or a name = its value; each once in a block.
-  void ParseWord(Cursor& at, Block& block) {
+  void ParseWord(Cursor& at, SinumerikBlock& block) {
     const Cursor start = at;
     std::string name = at.Name();
     while (name.size() > 2 && name[0] == 'G' && name[1] == '0') name.erase(1, 1);  // "leading zeros"
@@ -285,7 +285,7 @@ class Sinumerik : public Mover {
     return std::find(machine_.external.begin(), machine_.external.end(), address) != machine_.external.end();
   }
 
-  static void Mode(Block& block, int group, const std::string& name) {
+  static void Mode(SinumerikBlock& block, int group, const std::string& name) {
     if (!block.modes.emplace(group, name).second) throw Refusal{"two words of one group"};
   }
 
@@ -301,7 +301,7 @@ class Sinumerik : public Mover {
     Event(Step::Kind::kSwitch, "T " + tool_);
   }
 
-  bool RunBlock(const Block& block) {
+  bool RunBlock(const SinumerikBlock& block) {
     if (block.m.size() > 5) throw Refusal{"more than five M"};  // "M functions"
     const auto mode = [&](int group) {
       return block.modes.contains(group) ? block.modes.at(group) : std::string();
@@ -329,7 +329,7 @@ class Sinumerik : public Mover {
     if (turning_) Event(Step::Kind::kSwitch, speed);
   }
 
-  bool RunM(const Block& block) {
+  bool RunM(const SinumerikBlock& block) {
     bool end = false;
     for (const double m : block.m) {
       if (m == 0 || m == 1) {
@@ -367,7 +367,7 @@ class Sinumerik : public Mover {
     return text + (pose && reframed_ ? "framed" : "");
   }
 
-  void Move(const Block& block, bool exact, const std::string& unframed) {
+  void Move(const SinumerikBlock& block, bool exact, const std::string& unframed) {
     bool axes = false, pose = false;
     for (const auto& [address, value] : block.words) {
       axes = axes || address.starts_with("RA") || IsExternal(address);
@@ -386,7 +386,7 @@ class Sinumerik : public Mover {
   }
 
   /// "PTP", "Axes": without transformation every axis by its name.
-  void MoveAxes(const Block& block, const std::string& unframed) {
+  void MoveAxes(const SinumerikBlock& block, const std::string& unframed) {
     if (transformed_) throw Refusal{"axes of the transformation cannot be programmed"};
     Joints q = this->q().value_or(Joints::Zero());
     int given = 0;
@@ -415,7 +415,7 @@ class Sinumerik : public Mover {
     rounded_ = false;
   }
 
-  void MovePose(const Block& block, bool exact, const std::string& unframed) {
+  void MovePose(const SinumerikBlock& block, bool exact, const std::string& unframed) {
     for (const char* name : {"X", "Y", "Z", "A", "B", "C"}) {
       if (block.Has(name)) last_[name] = block.words.at(name) + (modal_[14] == "G91" ? last_[name] : 0);
       if (!last_.contains(name)) {

@@ -5,12 +5,13 @@
 
 #include "base/random.hpp"
 #include "robot/kinematics.hpp"
+#include "tests/cell/sample_cell.hpp"
 #include "tests/robot/arms.hpp"
 
 namespace millpose {
 namespace {
 
-Pose At(double x, double y, double z) { return Pose(Eigen::Translation3d(x, y, z)); }
+using test::At;
 
 /// A ball on the flange, balls on the part and in the world, a post on the rail's carriage.
 Cell Balls(RandomStream& random) {

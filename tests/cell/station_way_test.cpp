@@ -5,12 +5,13 @@
 
 #include "base/random.hpp"
 #include "base/units.hpp"
+#include "tests/cell/sample_cell.hpp"
 #include "tests/robot/arms.hpp"
 
 namespace millpose {
 namespace {
 
-Pose At(double x, double y, double z) { return Pose(Eigen::Translation3d(x, y, z)); }
+using test::At;
 
 /// A ball on the part's table, one on a rail's carriage, one on the arm's base, one in the world.
 Cell FourBalls(const std::vector<ExternalAxis>& axes, RandomStream& random) {

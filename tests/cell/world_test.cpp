@@ -2,18 +2,14 @@
 #include "cell/world.hpp"
 
 #include "base/error.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/cell/sample_cell.hpp"
 
 namespace millpose::test {
 namespace {
 
 std::string ErrorOf(const Cell& cell) {
-  try {
-    World world(cell);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return {};
+  return RefusalOf([&] { World world(cell); });
 }
 
 TEST(World, ExcludedPairsMustNameBodies) {

@@ -45,7 +45,7 @@ struct Slip {
   const char* message = "";  ///< beginning of the message
 };
 
-std::string Replaced(std::string text, const Slip& slip) {
+std::string Slipped(std::string text, const Slip& slip) {
   const size_t at = text.find(slip.from);
   EXPECT_NE(at, std::string::npos) << slip.from;
   return text.replace(at, std::string_view(slip.from).size(), slip.to);
@@ -201,17 +201,17 @@ const Slip kCellSlips[] = {
 TEST(BrokenYaml, JobSlipsAreNamedWithTheirPlace) {
   ASSERT_NO_THROW(ParseJob(kJob, "f.yaml"));
   const auto parse = [](const std::string& text, const std::string& name) { ParseJob(text, name); };
-  for (const Slip& slip : kJobSlips) ExpectProblem(slip, Replaced(kJob, slip), parse);
+  for (const Slip& slip : kJobSlips) ExpectProblem(slip, Slipped(kJob, slip), parse);
 }
 
 TEST(BrokenYaml, CellSlipsAreNamedWithTheirPlace) {
   ASSERT_NO_THROW(ParseCell(kCell, "f.yaml"));
-  for (const Slip& slip : kCellSlips) ExpectProblem(slip, Replaced(kCell, slip), ParseCell);
+  for (const Slip& slip : kCellSlips) ExpectProblem(slip, Slipped(kCell, slip), ParseCell);
 }
 
 TEST(BrokenYaml, MaterialsMayLookLikeNumbersAndAreKnownByNameOrAlias) {
   const auto with = [](const std::string& cutting) {
-    return Replaced(kJob, {"  spindle_rpm: 7000", ("  spindle_rpm: 7000\n  cutting: " + cutting).c_str()});
+    return Slipped(kJob, {"  spindle_rpm: 7000", ("  spindle_rpm: 7000\n  cutting: " + cutting).c_str()});
   };
   const auto problem = [&](const std::string& cutting) -> std::string {
     try {
@@ -240,7 +240,7 @@ TEST(BrokenYaml, AllProblemsAreToldInTheOrderOfTheText) {
                            {"unit: mm", "unit: yard"},
                            {"feed_mm_min: 80", "feed_mm_min: x"},
                            {"5, 5]", "0, 5]"}})
-    text = Replaced(text, slip);
+    text = Slipped(text, slip);
   try {
     ParseJob(text, "f.yaml");
     FAIL();

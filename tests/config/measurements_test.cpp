@@ -6,6 +6,7 @@
 #include "base/file.hpp"
 #include "base/random.hpp"
 #include "config/config.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/base/source_dir.hpp"
 
 namespace millpose {
@@ -38,19 +39,10 @@ TEST(Measurements, AreReadInInsideUnits) {
   EXPECT_EQ(second.rotation, Eigen::Vector3d(0, 1e-4, 0));
 }
 
-std::string Refusal(const std::function<void()>& read) {
-  try {
-    read();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
 TEST(Measurements, ALoadAndADisplacementAreRequired) {
   const auto refused = [](const std::string& from, const std::string& to) {
     std::string text = kYaml;
-    return Refusal([&] { ParseMeasurements(text.replace(text.find(from), from.size(), to), "m.yaml"); });
+    return RefusalOf([&] { ParseMeasurements(text.replace(text.find(from), from.size(), to), "m.yaml"); });
   };
   EXPECT_EQ(refused("force_N: [0, 0, -1000]", "force_N: [0, 0, 0]"),
             "m.yaml:7:5: measurements[0]: no load; allowed: force_N or moment_Nm other than 0");
@@ -90,7 +82,7 @@ TEST(Measurements, TheCsvFormSaysTheSameAsTheYamlForm) {
 
 TEST(Measurements, OfACsvEveryWrongRowIsNamed) {
   const auto refused = [](const std::string& columns, const std::string& rows) {
-    return Refusal([&] { ParseMeasurementsCsv(columns + "\n" + rows, "m.csv"); });
+    return RefusalOf([&] { ParseMeasurementsCsv(columns + "\n" + rows, "m.csv"); });
   };
   EXPECT_EQ(refused(kColumns, "0,0,0,0,0,0,0,0,0,1,1,1\n3601,0,0,0,0,0,1,0,0,1,1,1\n"),
             "m.csv:2: no load; allowed: a force or a moment other than 0\n"
@@ -134,7 +126,7 @@ TEST(ReplaceJointStiffness, ChangesItsKeysAndNothingElse) {
 }
 
 TEST(ReplaceJointStiffness, ACellWithoutTheKeyIsRefused) {
-  EXPECT_EQ(Refusal([] { ReplaceJointStiffness("millpose_cell: 1\narm: {name: a}\n", "c.yaml", {}); }),
+  EXPECT_EQ(RefusalOf([] { ReplaceJointStiffness("millpose_cell: 1\narm: {name: a}\n", "c.yaml", {}); }),
             "c.yaml: arm.joint_stiffness_Nm_per_rad is missing");
 }
 

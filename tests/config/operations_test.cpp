@@ -3,12 +3,14 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "config/config.hpp"
+#include "tests/base/refusal.hpp"
+#include "tests/base/replaced.hpp"
 #include "tests/base/source_dir.hpp"
 
 namespace millpose {
 namespace {
 
-const std::string kJob = R"(millpose_job: 1
+const std::string kWallJob = R"(millpose_job: 1
 name: wall
 cell: cell.yaml
 tool: mill
@@ -26,24 +28,14 @@ operations:
 programs: [krl]
 )";
 
-std::string Replaced(std::string text, const std::string& from, const std::string& to) {
-  const size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
-
 /// What a text is refused with; "accepted" where it is not.
-std::string Refusal(const std::string& text, std::optional<size_t> operation = 0) {
-  try {
-    ParseJob(text, "job.yaml", {}, operation);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+std::string JobRefusal(const std::string& text, std::optional<size_t> operation = 0) {
+  return RefusalOf([&] { ParseJob(text, "job.yaml", {}, operation); });
 }
 
 TEST(Operations, HaveTheJobsKeysWhereTheyGiveNone) {
-  const JobSettings rough = ParseJob(kJob, "job.yaml", {}, 0), finish = ParseJob(kJob, "job.yaml", {}, 1);
+  const JobSettings rough = ParseJob(kWallJob, "job.yaml", {}, 0),
+                    finish = ParseJob(kWallJob, "job.yaml", {}, 1);
   EXPECT_EQ(rough.name, "wall_1");
   EXPECT_EQ(finish.name, "wall_2");
   EXPECT_EQ(rough.operation, "rough");
@@ -62,41 +54,41 @@ TEST(Operations, HaveTheJobsKeysWhereTheyGiveNone) {
 
 TEST(Operations, WhatALaterOneTakesOffIsOnThePartUntilThen) {
   const std::string deep_last =
-      Replaced(Replaced(kJob, ", depth: {total_mm: 6, per_layer_mm: 2}", ""), "stepover_mm: 2}",
+      Replaced(Replaced(kWallJob, ", depth: {total_mm: 6, per_layer_mm: 2}", ""), "stepover_mm: 2}",
                "stepover_mm: 2, depth: {total_mm: 4, per_layer_mm: 2}}");
   EXPECT_EQ(ParseJob(deep_last, "job.yaml", {}, 0).workpiece.allowance, 4);
   EXPECT_FALSE(ParseJob(deep_last, "job.yaml", {}, 1).workpiece.allowance);
-  EXPECT_FALSE(ParseJob(kJob, "job.yaml", {}, 0).workpiece.allowance) << "its own depth";
+  EXPECT_FALSE(ParseJob(kWallJob, "job.yaml", {}, 0).workpiece.allowance) << "its own depth";
   const std::string stated = Replaced(deep_last, "unit: mm,", "unit: mm, allowance_mm: 1,");
   EXPECT_EQ(ParseJob(stated, "job.yaml", {}, 0).workpiece.allowance, 1);
 }
 
 TEST(Operations, AnOutlineNamesThem) {
-  const JobOutline outline = OutlineOf(kJob, "job.yaml");
+  const JobOutline outline = OutlineOf(kWallJob, "job.yaml");
   EXPECT_EQ(outline.name, "wall");
   EXPECT_EQ(outline.operations, (std::vector<std::string>{"rough", "finish"}));
   EXPECT_TRUE(OutlineOf("millpose_job: 1\nname: one\n", "job.yaml").operations.empty());
 }
 
 TEST(Operations, OneAtATimeIsReadAndTheErrorSaysSo) {
-  EXPECT_TRUE(
-      Refusal(kJob, std::nullopt).starts_with("job.yaml:8:1: operations: given 2; one at a time allowed"));
+  EXPECT_TRUE(JobRefusal(kWallJob, std::nullopt)
+                  .starts_with("job.yaml:8:1: operations: given 2; one at a time allowed"));
 }
 
 TEST(Operations, EachIsCheckedWhicheverIsAskedFor) {
-  const std::string wrong = Replaced(kJob, "stepover_mm: 2", "stepover_mm: -2");
+  const std::string wrong = Replaced(kWallJob, "stepover_mm: 2", "stepover_mm: -2");
   for (const size_t asked : {0u, 1u})
-    EXPECT_EQ(Refusal(wrong, asked),
+    EXPECT_EQ(JobRefusal(wrong, asked),
               "job.yaml:15:85: toolpath.stepover_mm: given -2; allowed: number 0.001…10000, mm");
   // What is wrong in the job's own sections is reported once.
-  EXPECT_EQ(Refusal(Replaced(kJob, "spindle_rpm: 7000", "spindle_rpm: x")),
+  EXPECT_EQ(JobRefusal(Replaced(kWallJob, "spindle_rpm: 7000", "spindle_rpm: x")),
             "job.yaml:6:24: process.spindle_rpm: given x; allowed: number 0…500000, rev/min (written like 1, "
             "1.5 or 1e-5)");
 }
 
 TEST(Operations, NamesAndKeysAreChecked) {
   const auto refused = [](const std::string& from, const std::string& to) {
-    return Refusal(Replaced(kJob, from, to));
+    return JobRefusal(Replaced(kWallJob, from, to));
   };
   EXPECT_EQ(refused("name: finish", "name: rough"), "job.yaml:11:11: operations[1].name: given rough twice");
   EXPECT_TRUE(
@@ -110,24 +102,25 @@ TEST(Operations, NamesAndKeysAreChecked) {
 }
 
 TEST(Operations, AKeyThatAllOfThemHaveOtherwiseHasNoEffect) {
-  EXPECT_EQ(Refusal(Replaced(kJob, "  - name: rough\n", "  - name: rough\n    tool: saw\n")),
+  EXPECT_EQ(JobRefusal(Replaced(kWallJob, "  - name: rough\n", "  - name: rough\n    tool: saw\n")),
             "job.yaml:4:1: tool has no effect here: every operation has its own");
-  EXPECT_EQ(Refusal(Replaced(kJob, "  - name: rough\n", "  - name: rough\n    limits: {margin_deg: 1}\n")),
-            "job.yaml:7:10: limits.margin_deg has no effect here: every operation has its own");
+  EXPECT_EQ(
+      JobRefusal(Replaced(kWallJob, "  - name: rough\n", "  - name: rough\n    limits: {margin_deg: 1}\n")),
+      "job.yaml:7:10: limits.margin_deg has no effect here: every operation has its own");
 }
 
 TEST(Operations, WhatIsNoListOfMapsIsRefused) {
-  const std::string head = kJob.substr(0, kJob.find("operations:"));
+  const std::string head = kWallJob.substr(0, kWallJob.find("operations:"));
   for (const char* given : {"[]", "{}", "7", "[1]", "[{}]", "[[]]"})
-    EXPECT_TRUE(Refusal(head + "operations: " + given + "\n").starts_with("job.yaml:8:")) << given;
+    EXPECT_TRUE(JobRefusal(head + "operations: " + given + "\n").starts_with("job.yaml:8:")) << given;
   std::string many = head + "operations:\n";
   for (int i = 0; i < 100; ++i) many += fmt::format("  - name: o{}\n", i);
-  EXPECT_NE(Refusal(many).find("a list of 1 to 99 operations"), std::string::npos);
+  EXPECT_NE(JobRefusal(many).find("a list of 1 to 99 operations"), std::string::npos);
 }
 
 TEST(Operations, TheResolvedFileOfOneReadsBackToItself) {
   for (const size_t i : {0u, 1u}) {
-    const std::string written = WriteJob(ParseJob(kJob, "job.yaml", {}, i));
+    const std::string written = WriteJob(ParseJob(kWallJob, "job.yaml", {}, i));
     EXPECT_EQ(WriteJob(ParseJob(written, "job.yaml")), written);
   }
 }

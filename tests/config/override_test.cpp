@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "config/config.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/base/source_dir.hpp"
 
 namespace millpose {
@@ -17,13 +18,8 @@ JobSettings With(const std::vector<std::string>& changes) {
   return ParseJob(yaml, "job.yaml", overrides);
 }
 
-std::string Refusal(const std::string& change) {
-  try {
-    With({change});
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+std::string ChangeRefusal(const std::string& change) {
+  return RefusalOf([&] { With({change}); });
 }
 
 }  // namespace
@@ -41,15 +37,15 @@ TEST(Override, ReplacesAndAddsKeys) {
 TEST(Override, TheLastOneHolds) { EXPECT_EQ(With({"seed=2", "seed=3"}).seed, 3u); }
 
 TEST(Override, WhatIsWrongIsNamedAsInTheFile) {
-  EXPECT_EQ(Refusal("toolpath.stepover=4"),
+  EXPECT_EQ(ChangeRefusal("toolpath.stepover=4"),
             "job.yaml: toolpath.stepover: the key lacks its unit; nearest known key: stepover_mm");
-  EXPECT_EQ(Refusal("toolpath.stepover_mm=-4"),
+  EXPECT_EQ(ChangeRefusal("toolpath.stepover_mm=-4"),
             "job.yaml: toolpath.stepover_mm: given -4; allowed: number 0.001…10000, mm");
-  EXPECT_TRUE(
-      Refusal("name.first=4").starts_with("job.yaml: name: given a map; allowed: name that a file can have"));
-  EXPECT_TRUE(Refusal("seed=[").starts_with("--set seed:"));
+  EXPECT_TRUE(ChangeRefusal("name.first=4")
+                  .starts_with("job.yaml: name: given a map; allowed: name that a file can have"));
+  EXPECT_TRUE(ChangeRefusal("seed=[").starts_with("--set seed:"));
   for (const char* text : {"seed", "=4", "seed="})
-    EXPECT_TRUE(Refusal(text).starts_with("--set: given ")) << text;
+    EXPECT_TRUE(ChangeRefusal(text).starts_with("--set: given ")) << text;
 }
 
 }  // namespace millpose

@@ -43,18 +43,18 @@ const bool kAdded = [] {
 }();
 
 /// A cell up to its last section.
-std::string CellText() {
+std::string CellHead() {
   const std::string cell = ReadFile(std::filesystem::path(SourceDir()) / "cells/kr500_r2830.yaml");
   return cell.substr(0, cell.find("\ncontrollers:\n")) + "\ncontrollers:\n";
 }
 
-CellSettings CellWith(const std::string& controllers) {
-  return ParseCell(CellText() + controllers, "cell.yaml");
+CellSettings CellOf(const std::string& controllers) {
+  return ParseCell(CellHead() + controllers, "cell.yaml");
 }
 
 std::vector<Problem> ProblemsOf(const std::string& controllers) {
   try {
-    CellWith(controllers);
+    CellOf(controllers);
   } catch (const InputError& error) {
     return error.problems();
   }
@@ -63,12 +63,12 @@ std::vector<Problem> ProblemsOf(const std::string& controllers) {
 
 TEST(OwnController, ItsKeysAreReadAndWritten) {
   ASSERT_TRUE(kAdded);
-  const CellSettings cell = CellWith("  plain: {tool_axis: -y, spindle_port: 7}\n");
+  const CellSettings cell = CellOf("  plain: {tool_axis: -y, spindle_port: 7}\n");
   EXPECT_EQ(cell.controllers.at("plain").shared.tool_axis, FrameAxis::kMinusY);
   EXPECT_EQ(OwnOptions<PlainPost>(cell.controllers.at("plain")).spindle_port, 7);
   const CellSettings again = ParseCell(WriteCell(cell), "written");
   EXPECT_EQ(OwnOptions<PlainPost>(again.controllers.at("plain")).spindle_port, 7);
-  EXPECT_EQ(OwnOptions<PlainPost>(CellWith("  plain: {}\n").controllers.at("plain")).spindle_port, 1);
+  EXPECT_EQ(OwnOptions<PlainPost>(CellOf("  plain: {}\n").controllers.at("plain")).spindle_port, 1);
 }
 
 TEST(OwnController, SlipsAreToldWithTheirPlace) {
@@ -86,7 +86,7 @@ TEST(OwnController, SlipsAreToldWithTheirPlace) {
     const std::vector<Problem> problems = ProblemsOf(text);
     ASSERT_EQ(problems.size(), 1u) << text;
     EXPECT_EQ(problems[0].message, message);
-    EXPECT_EQ(problems[0].place.line, std::ranges::count(CellText(), '\n') + 2);
+    EXPECT_EQ(problems[0].place.line, std::ranges::count(CellHead(), '\n') + 2);
   }
 }
 

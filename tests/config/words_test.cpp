@@ -20,7 +20,7 @@ struct Choice {
   std::vector<std::string> words;
 };
 
-std::string NameOf(const Choice& choice) { return fmt::format("{}", fmt::join(choice.path, ".")); }
+std::string PathOf(const Choice& choice) { return fmt::format("{}", fmt::join(choice.path, ".")); }
 
 void FindChoices(const Json& schema, const std::vector<std::string>& path, std::vector<Choice>& found) {
   if (schema.contains("enum") && schema["enum"][0].is_string()) found.push_back({path, schema["enum"]});
@@ -73,11 +73,11 @@ int TryEach(const std::string& file, const std::string& schema, const Resolve& r
         continue;
       }
       ++taken;
-      EXPECT_EQ(resolve(written), written) << NameOf(choice) << ": " << word;
+      EXPECT_EQ(resolve(written), written) << PathOf(choice) << ": " << word;
       Value again = yaml::ReadYaml(written, "written");
       const Value* back = PlaceOf(again, choice);
       const bool stands = back != nullptr && back->text == word;
-      EXPECT_TRUE(stands || written == unchanged) << NameOf(choice) << ": " << word;  // or is the default
+      EXPECT_TRUE(stands || written == unchanged) << PathOf(choice) << ": " << word;  // or is the default
     }
   }
   return taken;

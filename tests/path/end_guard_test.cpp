@@ -26,7 +26,7 @@ Cell CellAbove(const PoseProblem& problem, const std::vector<Joints>& poses) {
   return cell;
 }
 
-struct Fixture {
+struct EndFixture {
   PoseProblem problem = MakeProblem(Kr500R2830());
   Pass pass = Row(-60, 60, 24);
   Carrier carrier{problem.arm, problem.X_WB, problem.X_FT};
@@ -40,7 +40,7 @@ struct Fixture {
 };
 
 TEST(EndGuard, TakesAnotherPoseWhereAnEndCannotBeLeft) {
-  Fixture f;
+  EndFixture f;
   const World world(CellAbove(f.problem, {f.before.points[23].q}));
   const PassResult unguarded = PlanPass(f.problem, world, {f.pass}, f.options, {.threads = 2});
   ASSERT_FALSE(f.Leaves(world, unguarded.points[23].q));
@@ -62,7 +62,7 @@ TEST(EndGuard, TakesAnotherPoseWhereAnEndCannotBeLeft) {
 }
 
 TEST(EndGuard, ChangesNothingWhereTheEndsAreFree) {
-  Fixture f;
+  EndFixture f;
   const World world(CellAbove(f.problem, {f.before.points[12].q}));  // not an end
   const PassResult unguarded = PlanPass(f.problem, world, {f.pass}, f.options, {.threads = 2});
   ASSERT_FALSE(f.Leaves(world, unguarded.points[12].q));
@@ -72,7 +72,7 @@ TEST(EndGuard, ChangesNothingWhereTheEndsAreFree) {
 }
 
 TEST(EndGuard, APointThatNoPoseLeavesEndsThePieceBeforeIt) {
-  Fixture f;
+  EndFixture f;
   // A plate over the last point that the spindle's holder would meet on its way out, in every rotation.
   Cell cell = EmptyCell(f.problem);
   Body holder{.name = "holder", .body_class = BodyClass::kSpindle, .mount = Mount::kTool, .shape = Sphere{4}};

@@ -11,16 +11,16 @@ namespace {
 
 constexpr size_t kMet = 12;  // the point whose best pose the ball is in the way of
 
-struct Planned {
+struct BallScene {
   PoseProblem problem = MakeProblem(Kr500R2830());
   std::optional<World> world;
   PlanResult plan;
   std::vector<PointCurves> curves;
 };
 
-const Planned& BehindABall() {
-  static const Planned planned = [] {
-    Planned p;
+const BallScene& BehindABall() {
+  static const BallScene planned = [] {
+    BallScene p;
     const Pass pass = Row(-60, 60, 24);
     const PassResult before =
         PlanPass(p.problem, World(EmptyCell(p.problem)), {pass}, Options(), {.threads = 2});
@@ -34,12 +34,12 @@ const Planned& BehindABall() {
 }
 
 AxisMap Map(bool full, int threads) {
-  const Planned& p = BehindABall();
+  const BallScene& p = BehindABall();
   return MakeAxisMap(p.plan, Stations(*p.world, p.problem), p.curves, full, threads, {});
 }
 
 TEST(AxisMap, ZonesAreTheVerdictsOfThePosesThemselves) {
-  const Planned& p = BehindABall();
+  const BallScene& p = BehindABall();
   const AxisMap known = Map(false, 2), full = Map(true, 2);
   EXPECT_FALSE(known.full);
   ASSERT_EQ(full.zones.size(), 24u);
@@ -97,7 +97,7 @@ TEST(AxisMap, TheLimitIsThatOfTheAxisFarthestBeyondIt) {
 }
 
 TEST(ExplainPose, NamesWhatBarsTheOptimum) {
-  const Planned& p = BehindABall();
+  const BallScene& p = BehindABall();
   const PoseReason reason = ExplainPose(p.plan, Stations(*p.world, p.problem), 0, kMet);
   EXPECT_EQ(reason.barred, "ball and wrist");
   EXPECT_GT(reason.beyond, 0);
@@ -110,7 +110,7 @@ TEST(ExplainPose, NamesWhatBarsTheOptimum) {
 }
 
 TEST(ExplainPose, SkippedPointsSayWhy) {
-  Planned p = BehindABall();
+  BallScene p = BehindABall();
   p.plan.passes[0].points[3].skip = Obstacle::kLimit;
   p.plan.passes[0].points[3].detail = "every pose is beyond a limit";
   EXPECT_EQ(ReasonSentences(ExplainPose(p.plan, Stations(*p.world, p.problem), 0, 3)),

@@ -8,6 +8,7 @@
 #include "output/output_folder.hpp"
 #include "pipeline/run.hpp"
 #include "report/deflection.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/pipeline/small_job.hpp"
 
 namespace millpose::test {

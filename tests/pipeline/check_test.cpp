@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "job/workpiece.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/cell/sample_cell.hpp"
 #include "tests/pipeline/small_job.hpp"
 

@@ -18,7 +18,7 @@ struct Outer {
   Eigen::Vector3d vector = Eigen::Vector3d::Zero();
 };
 
-std::string BytesOf(const auto& value) { return ValueBytes().Add(value).bytes(); }
+std::string KeyOf(const auto& value) { return ValueBytes().Add(value).bytes(); }
 
 TEST(ValueBytes, EveryFieldCounts) {
   std::vector<Outer> values(8);
@@ -31,12 +31,12 @@ TEST(ValueBytes, EveryFieldCounts) {
   values[7].one = 4;
   for (size_t i = 0; i < values.size(); ++i)
     for (size_t j = 0; j < values.size(); ++j)
-      EXPECT_EQ(BytesOf(values[i]) == BytesOf(values[j]), i == j) << i << " " << j;
+      EXPECT_EQ(KeyOf(values[i]) == KeyOf(values[j]), i == j) << i << " " << j;
 }
 
 TEST(ValueBytes, WhatIsCutElsewhereIsNotTheSame) {
   const std::vector<std::string> a{"ab", "c"}, b{"a", "bc"};
-  EXPECT_NE(BytesOf(a), BytesOf(b));
+  EXPECT_NE(KeyOf(a), KeyOf(b));
 }
 
 TEST(ValueBytes, SeesAllFieldsOfWhatStagesAreHanded) {

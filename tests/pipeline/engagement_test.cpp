@@ -3,6 +3,7 @@
 #include "job/assemble.hpp"
 #include "job/job_engagement.hpp"
 #include "plan/skipped.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/pipeline/small_job.hpp"
 
 namespace millpose::test {

@@ -7,6 +7,7 @@
 #include "job/assemble.hpp"
 #include "job/workpiece.hpp"
 #include "robot/kinematics.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/cell/sample_cell.hpp"
 #include "tests/pipeline/small_job.hpp"
 

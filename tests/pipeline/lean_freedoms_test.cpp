@@ -6,6 +6,7 @@
 #include "job/workpiece.hpp"
 #include "kept/checkpoint_key.hpp"
 #include "pose/lean_problem.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/pipeline/small_job.hpp"
 
 namespace millpose::test {

@@ -4,6 +4,7 @@
 #include "job/assemble.hpp"
 #include "job/narrow_inputs.hpp"
 #include "robot/kinematics.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/pipeline/small_job.hpp"
 
 namespace millpose::test {

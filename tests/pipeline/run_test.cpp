@@ -12,6 +12,7 @@
 #include "pipeline/up_to_date.hpp"
 #include "pipeline/verify_programs.hpp"
 #include "pipeline/write_results.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/pipeline/small_job.hpp"
 
 namespace millpose::test {

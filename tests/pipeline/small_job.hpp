@@ -120,14 +120,4 @@ inline std::string BytesOf(const PlannedJob& job) {
   return bytes;
 }
 
-/// What `call` is refused with; "accepted" where it is not.
-inline std::string RefusalOf(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
 }  // namespace millpose::test

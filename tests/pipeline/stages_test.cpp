@@ -15,6 +15,7 @@
 #include "sampling/axis_map.hpp"
 #include "sampling/nearest_pairs.hpp"
 #include "sampling/sample_curves.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/cell/sample_cell.hpp"
 #include "tests/pipeline/small_job.hpp"
 

@@ -7,6 +7,7 @@
 #include "pipeline/other_stations.hpp"
 #include "plan/pass_value.hpp"
 #include "plan/skipped.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/pipeline/small_job.hpp"
 
 namespace millpose::test {

@@ -7,6 +7,7 @@
 #include "output/manifest.hpp"
 #include "output/output_folder.hpp"
 #include "output/result_swap.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/pipeline/small_job.hpp"
 
 namespace millpose::test {

@@ -8,8 +8,8 @@
 namespace millpose {
 namespace {
 
-std::vector<Problem> Check(const std::string& variant, const std::string& name, const std::string& text,
-                           std::vector<DeclaredCall> calls = {}) {
+std::vector<Problem> TextProblems(const std::string& variant, const std::string& name,
+                                  const std::string& text, std::vector<DeclaredCall> calls = {}) {
   PostSettings settings = SampleSettings(variant);
   settings.texts = {{name, text}};
   settings.calls = std::move(calls);
@@ -38,7 +38,7 @@ TEST(CellTexts, WhatNoReaderModelsIsRefused) {
            Case{"linuxcnc", "M101", 1},
            Case{"linuxcnc", "G92 X0", 1},
        }) {
-    const std::vector<Problem> problems = Check(controller, "pass_begin", text);
+    const std::vector<Problem> problems = TextProblems(controller, "pass_begin", text);
     ASSERT_FALSE(problems.empty()) << controller << ": " << text;
     EXPECT_EQ(problems[0].place.file, "pass_begin");
     EXPECT_EQ(problems[0].place.line, line) << text;
@@ -59,7 +59,7 @@ TEST(CellTexts, WordsThatSwitchAreRead) {
            Case{"linuxcnc", "S{rpm} M3\nM8\nM64 P3\nM66 P0 L3 Q5\nG4 P2\n(pass {pass})"},
            Case{"linuxcnc", "M68 E3 Q0\nM66 E0 L0"},
        }) {
-    const std::vector<Problem> problems = Check(controller, "pass_begin", text);
+    const std::vector<Problem> problems = TextProblems(controller, "pass_begin", text);
     EXPECT_TRUE(problems.empty()) << text << ": " << problems[0].message;
   }
 }
@@ -73,8 +73,9 @@ TEST(CellTexts, DeclaredCallsAreRead) {
         Case{"krl", "SPINDLE_ON()", "SPINDLE_ON"}, Case{"sinumerik", "SPINDLE_ON({rpm})", "SPINDLE_ON"},
         Case{"sinumerik", "spindle_on", "SPINDLE_ON"},
         Case{"linuxcnc", "O<spindle_on> CALL [{rpm}]", "spindle_on"}, Case{"linuxcnc", "M101", "M101"}}) {
-    EXPECT_FALSE(Check(controller, "pass_begin", text).empty()) << text;
-    const std::vector<Problem> problems = Check(controller, "pass_begin", text, {{name, false, {}, {}}});
+    EXPECT_FALSE(TextProblems(controller, "pass_begin", text).empty()) << text;
+    const std::vector<Problem> problems =
+        TextProblems(controller, "pass_begin", text, {{name, false, {}, {}}});
     EXPECT_TRUE(problems.empty()) << text << ": " << problems[0].message;
   }
 }

@@ -30,11 +30,11 @@ Vector3d TipOnPart(const PlanResult& plan, const Joints& q, const ExternalPositi
       .translation();
 }
 
-struct Case {
+struct RideCase {
   std::string variant, axes;
 };
 
-class RidePosts : public testing::TestWithParam<Case> {
+class RidePosts : public testing::TestWithParam<RideCase> {
  protected:
   PlanResult plan = RidePlan(GetParam().axes);
   MotionProgram program = MakeMotionProgram(plan, SampleFeeds());
@@ -45,13 +45,13 @@ class RidePosts : public testing::TestWithParam<Case> {
   MotionProgram Read() const { return post.post->Read(files, plan.arm, post.settings); }
 };
 
-std::vector<Case> Cases() {
-  std::vector<Case> cases;
+std::vector<RideCase> RideCases() {
+  std::vector<RideCase> cases;
   for (const char* variant : {"krl", "sinumerik", "sinumerik_euler", "linuxcnc", "linuxcnc_cartesian"})
     for (const char* axes : {"rail", "table", "both"}) cases.push_back({variant, axes});
   return cases;
 }
-INSTANTIATE_TEST_SUITE_P(All, RidePosts, testing::ValuesIn(Cases()),
+INSTANTIATE_TEST_SUITE_P(All, RidePosts, testing::ValuesIn(RideCases()),
                          [](const auto& c) { return c.param.variant + "_" + c.param.axes; });
 
 TEST(RideMotions, EachPointHasItsOwnPositionAndTheTipItsPath) {

@@ -71,8 +71,8 @@ namespace {
 
 /// Where joints that are planned at one position of the external axes are at another, the tool standing still
 /// on the part.
-Joints Carried(const PlanResult& plan, const Joints& q, const ExternalPosition& from,
-               const ExternalPosition& to) {
+Joints CarriedJoints(const PlanResult& plan, const Joints& q, const ExternalPosition& from,
+                     const ExternalPosition& to) {
   const Pose X_PT =
       PartAt(plan, from).inverse() * BaseAt(plan, from) * ForwardFlange(plan.arm, q) * plan.X_FT;
   const Pose X_BF = BaseAt(plan, to).inverse() * PartAt(plan, to) * X_PT * plan.X_FT.inverse();
@@ -103,13 +103,13 @@ PlanResult RidePlan(const std::string& axes, const SampleShape& shape) {
       for (size_t k = 0; k < at.size(); ++k)
         at[k] = begin[k] + ways[k] * static_cast<double>(i) / static_cast<double>(pass.points.size() - 1);
       PlannedPoint& point = pass.points[i];
-      point.q = Carried(plan, point.q, begin, at);
+      point.q = CarriedJoints(plan, point.q, begin, at);
       CarryVectors(BaseAt(plan, at) * ForwardFlange(plan.arm, point.q) * plan.X_FT,
                    PartAt(plan, at) * PartAt(plan, begin).inverse(), point.point);
       point.external = at;
     }
     Gap& leaving = plan.gaps[p + 1];
-    leaving.joints.front() = Carried(plan, leaving.joints.front(), begin, at);
+    leaving.joints.front() = CarriedJoints(plan, leaving.joints.front(), begin, at);
     leaving.external->from = at;
   }
   return plan;

@@ -22,12 +22,12 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-struct Case {
+struct StationCase {
   std::string variant, axes;
   bool coupled;
 };
 
-class Stations : public testing::TestWithParam<Case> {
+class Stations : public testing::TestWithParam<StationCase> {
  protected:
   PlanResult plan = StationPlan(GetParam().axes);
   MotionProgram program = MakeMotionProgram(plan, SampleFeeds());
@@ -38,15 +38,15 @@ class Stations : public testing::TestWithParam<Case> {
   MotionProgram Read() const { return post.post->Read(files, plan.arm, post.settings); }
 };
 
-std::vector<Case> Cases() {
-  std::vector<Case> cases;
+std::vector<StationCase> StationCases() {
+  std::vector<StationCase> cases;
   for (const char* variant : {"krl", "sinumerik", "linuxcnc", "linuxcnc_cartesian"})
     for (const char* axes : {"rail", "table", "both"})
       for (const bool coupled : {true, false})
         if (!coupled || variant != std::string("linuxcnc")) cases.push_back({variant, axes, coupled});
   return cases;
 }
-INSTANTIATE_TEST_SUITE_P(All, Stations, testing::ValuesIn(Cases()), [](const auto& c) {
+INSTANTIATE_TEST_SUITE_P(All, Stations, testing::ValuesIn(StationCases()), [](const auto& c) {
   return c.param.variant + "_" + c.param.axes + (c.param.coupled ? "_coupled" : "_alone");
 });
 

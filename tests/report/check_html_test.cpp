@@ -29,7 +29,7 @@ CheckHtmlInput Input(const Cell& cell, const Mesh& part, const Toolpath& path) {
   return input;
 }
 
-Json DataOf(const std::string& page) {
+Json CheckDataOf(const std::string& page) {
   const std::string open = "id=\"check-data\">";
   const size_t from = page.find(open) + open.size();
   return Json::parse(page.substr(from, page.find("</script>", from) - from));
@@ -41,7 +41,7 @@ TEST(CheckHtml, CarriesFacesEdgesPointsAndWhatLimitsThem) {
   Toolpath path;
   path.passes.resize(1);
   path.passes[0].points.resize(3);
-  const Json data = DataOf(CheckHtml(Input(cell, part, path)));
+  const Json data = CheckDataOf(CheckHtml(Input(cell, part, path)));
   EXPECT_EQ(data["part"]["faces"].size(), 2u);
   EXPECT_EQ(data["part"]["faces"][0]["normal"], Json({0.0, 0.0, -1.0}));
   EXPECT_EQ(data["part"]["edges"].size(), 3u);  // the crease and an open border of each
@@ -73,12 +73,12 @@ TEST(CheckHtml, APartOrACellAloneIsAPageToo) {
   const Mesh part = Wedge();
   CheckHtmlInput alone;
   alone.part = &part;
-  EXPECT_TRUE(DataOf(CheckHtml(alone))["cell"].is_null());
+  EXPECT_TRUE(CheckDataOf(CheckHtml(alone))["cell"].is_null());
   const Cell cell = test::SampleCell();
   alone.part = nullptr;
   alone.cell = &cell;
-  EXPECT_TRUE(DataOf(CheckHtml(alone))["part"].is_null());
-  EXPECT_TRUE(DataOf(CheckHtml(alone))["path"].is_null());
+  EXPECT_TRUE(CheckDataOf(CheckHtml(alone))["part"].is_null());
+  EXPECT_TRUE(CheckDataOf(CheckHtml(alone))["path"].is_null());
 }
 
 }  // namespace

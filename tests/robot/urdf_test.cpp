@@ -9,6 +9,7 @@
 #include "base/file.hpp"
 #include "robot/joint_chain.hpp"
 #include "robot/kinematics.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/base/source_dir.hpp"
 #include "tests/robot/arms.hpp"
 #include "tests/robot/urdf_text.hpp"
@@ -102,12 +103,8 @@ Arm RandomArmBeside(int k, RandomStream& random) {
 
 std::string ErrorOf(const std::string& urdf, const std::string& base = "l0",
                     const std::string& flange = "l7") {
-  try {
-    DeriveArm(FindChain(ReadUrdf(urdf, "own.urdf"), base, flange).chain, 0.01, "own.urdf");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return RefusalOf(
+      [&] { DeriveArm(FindChain(ReadUrdf(urdf, "own.urdf"), base, flange).chain, 0.01, "own.urdf"); });
 }
 
 /// Compares with KDL in mm and checks that the closed-form inverse leads back.

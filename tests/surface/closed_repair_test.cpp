@@ -10,13 +10,6 @@
 namespace millpose {
 namespace {
 
-double Volume(const Triangles& mesh) {
-  double volume = 0;
-  for (const auto& [a, b, c] : mesh.faces)
-    volume += mesh.vertices[a].dot(mesh.vertices[b].cross(mesh.vertices[c])) / 6;
-  return volume;
-}
-
 TEST(ClosedRepair, OpensNothing) {
   const int meshes = OfTier(300, 10000);
   int sound = 0, split = 0, flat = 0;

@@ -4,6 +4,7 @@
 
 #include "base/error.hpp"
 #include "surface/raw_mesh.hpp"
+#include "tests/base/replaced.hpp"
 #include "tests/surface/formats.hpp"
 #include "tests/surface/shapes.hpp"
 
@@ -11,18 +12,6 @@ namespace millpose {
 namespace {
 
 const std::map<std::string, std::string> kSound = InAllFormats(Polygons(BoxShape({0, 0, 0}, {1, 2, 3})));
-
-std::string Replaced(std::string text, const std::string& from, const std::string& to) {
-  const size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
-
-std::string Everywhere(std::string text, const std::string& from, const std::string& to) {
-  for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
-  return text;
-}
 
 std::string UpperCase(std::string text) {
   for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
@@ -37,7 +26,7 @@ std::string Written(std::string bytes, size_t at, T value) {
   return bytes;
 }
 
-std::string Ply(const std::string& header, const std::string& values) {
+std::string PlyText(const std::string& header, const std::string& values) {
   return "ply\n" + header + "end_header\n" + values;
 }
 const char* const kXyz = "property float x\nproperty float y\nproperty float z\n";
@@ -50,7 +39,7 @@ struct File {
   size_t triangles = 12;
 };
 
-std::vector<File> Stl() {
+std::vector<File> StlFiles() {
   const std::string binary = kSound.at("stl"), text = kSound.at("stl text");
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   return {
@@ -105,7 +94,7 @@ std::vector<File> Stl() {
            "…\"; STL, OBJ, PLY, OFF and STEP are read"}};
 }
 
-std::vector<File> Obj() {
+std::vector<File> ObjFiles() {
   const std::string text = kSound.at("obj"), first = "f 1 4 2\n";
   const auto with = [&](const std::string& face) {
     return Replaced(text, text.substr(text.find("f "), text.find('\n', text.find("f ")) - text.find("f ")),
@@ -143,7 +132,7 @@ std::vector<File> PlyFiles() {
           {"an unknown format", Replaced(ascii, "ascii", "utf8"),
            "part:2:8: \"utf8\" is no PLY format; there are ascii, binary_little_endian, binary_big_endian"},
           {"an unknown type", Replaced(ascii, "double x", "real x"), "part:4:10: \"real\" is no PLY type"},
-          {"a property before its element", Ply("format ascii 1.0\nproperty float x\n", ""),
+          {"a property before its element", PlyText("format ascii 1.0\nproperty float x\n", ""),
            "part:3:1: a property stands before the first element"},
           {"a list counted in floats", Replaced(ascii, "list uchar", "list float"),
            "part:8:15: the length of a list must be a whole number"},
@@ -155,22 +144,22 @@ std::vector<File> PlyFiles() {
            "part:7:14: the number of elements must be a whole number from 0 to 2147483648, found \"-1\""},
           {"no z", Replaced(ascii, "double z", "double w"), "part: the vertices lack x, y or z"},
           {"an index beyond",
-           Ply(std::string("format ascii 1.0\nelement vertex 3\n") + kXyz + "element face 1\n" + kCorners,
-               "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
+           PlyText(std::string("format ascii 1.0\nelement vertex 3\n") + kXyz + "element face 1\n" + kCorners,
+                   "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
            "part:13:7: a face's vertex must be from 0 to 2, found 3"},
           {"a negative index",
-           Ply(std::string("format ascii 1.0\nelement vertex 3\n") + kXyz + "element face 1\n" + kCorners,
-               "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n"),
+           PlyText(std::string("format ascii 1.0\nelement vertex 3\n") + kXyz + "element face 1\n" + kCorners,
+                   "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n"),
            "part:13:7: a face's vertex must be from 0 to 2, found -1"},
           {"half an index",
-           Ply(std::string("format ascii 1.0\nelement vertex 3\n") + kXyz +
-                   "element face 1\nproperty list uchar float vertex_indices\n",
-               "0 0 0\n1 0 0\n0 1 0\n3 0 0.5 2\n"),
+           PlyText(std::string("format ascii 1.0\nelement vertex 3\n") + kXyz +
+                       "element face 1\nproperty list uchar float vertex_indices\n",
+                   "0 0 0\n1 0 0\n0 1 0\n3 0 0.5 2\n"),
            "part:13:5: a face's vertex must be from 0 to 2, found 0.5"},
           {"a face of too many corners",
-           Ply(std::string("format ascii 1.0\nelement vertex 3\n") + kXyz +
-                   "element face 1\nproperty list int int vertex_indices\n",
-               "0 0 0\n1 0 0\n0 1 0\n2000 0 1 2\n"),
+           PlyText(std::string("format ascii 1.0\nelement vertex 3\n") + kXyz +
+                       "element face 1\nproperty list int int vertex_indices\n",
+                   "0 0 0\n1 0 0\n0 1 0\n2000 0 1 2\n"),
            "part:13:1: a face of 2000 corners; 0 to 1000 are possible"},
           {"nan as text", Replaced(ascii, "end_header\n0 0 0", "end_header\n0 nan 0"),
            "part:10:3: expected a finite number, found \"nan\""},
@@ -186,11 +175,11 @@ std::vector<File> PlyFiles() {
                "5\n",
            "",
            {"1 elements \"edge\" were ignored"}},
-          {"no faces", Ply(std::string("format ascii 1.0\nelement vertex 1\n") + kXyz, "0 0 0\n"),
+          {"no faces", PlyText(std::string("format ascii 1.0\nelement vertex 1\n") + kXyz, "0 0 0\n"),
            "part: the file holds no triangles"}};
 }
 
-std::vector<File> Off() {
+std::vector<File> OffFiles() {
   const std::string text = kSound.at("off");
   return {
       {"four dimensions", Replaced(text, "OFF", "4OFF"), "part:1:1: \"4OFF\" has more than three dimensions"},
@@ -214,8 +203,8 @@ std::vector<File> Off() {
 
 TEST(CorpusFiles, EveryDefectOfFormHasItsOutcome) {
   size_t count = 0;
-  for (const auto& [format, files] : {std::pair("stl", Stl()), std::pair("obj", Obj()),
-                                      std::pair("ply", PlyFiles()), std::pair("off", Off())})
+  for (const auto& [format, files] : {std::pair("stl", StlFiles()), std::pair("obj", ObjFiles()),
+                                      std::pair("ply", PlyFiles()), std::pair("off", OffFiles())})
     for (const File& file : files) {
       SCOPED_TRACE(std::string(format) + ": " + file.name);
       ++count;

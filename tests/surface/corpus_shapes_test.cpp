@@ -23,10 +23,10 @@ struct Defect {
   std::vector<std::string> formats{};  ///< only these, where a format cannot hold the defect; all when empty
 };
 
-const Triangles kBox = BoxShape({0, 0, 0}, {10, 20, 30});
+const Triangles kBlock = BoxShape({0, 0, 0}, {10, 20, 30});
 
 template <class Change>
-PolygonMesh Changed(Change change, Triangles mesh = kBox) {
+PolygonMesh Changed(Change change, Triangles mesh = kBlock) {
   change(mesh);
   return Polygons(mesh);
 }
@@ -43,7 +43,7 @@ Triangles Inverted(Triangles mesh) {
 
 // The box's top {4, 5, 7}, {4, 7, 6} cut at a vertex on its diagonal, the crack filled by a flat triangle.
 Triangles FlatFiller() {
-  Triangles mesh = kBox;
+  Triangles mesh = kBlock;
   mesh.vertices.emplace_back(5, 10, 30);
   std::erase(mesh.faces, std::array<int, 3>{4, 5, 7});
   mesh.faces.insert(mesh.faces.end(), {{4, 5, 8}, {5, 7, 8}, {4, 8, 7}});
@@ -53,24 +53,24 @@ Triangles FlatFiller() {
 std::vector<Defect> Closed() {
   const Eigen::Vector3d far(1e5, -2e5, 3e5);
   RandomStream random(3, 0);
-  Triangles jitter = Soup(kBox), metres = kBox, away = kBox;
+  Triangles jitter = Soup(kBlock), metres = kBlock, away = kBlock;
   for (auto& p : jitter.vertices)
     p += 2e-5 * Eigen::Vector3d{random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-1, 1)};
   for (auto& p : metres.vertices) p /= 1000;
   for (auto& p : away.vertices) p += far;
-  Triangles cavity = Joined(kBox, Inverted(BoxShape({2, 2, 2}, {4, 4, 4})));
+  Triangles cavity = Joined(kBlock, Inverted(BoxShape({2, 2, 2}, {4, 4, 4})));
   return {
-      {"sound", Polygons(kBox), {}},
-      {"every triangle on its own", Polygons(Soup(kBox)), {}},
+      {"sound", Polygons(kBlock), {}},
+      {"every triangle on its own", Polygons(Soup(kBlock)), {}},
       {"one triangle turned", Changed([](Triangles& m) { Flip(m, 4); }), {.flipped = 1}},
       {"five triangles turned",
        Changed([](Triangles& m) {
          for (const size_t f : {0, 3, 5, 8, 11}) Flip(m, f);
        }),
        {.flipped = 5}},
-      {"inside out", Polygons(Inverted(kBox)), {.turned = 1}},
+      {"inside out", Polygons(Inverted(kBlock)), {.turned = 1}},
       {"inside out but for one",
-       Changed([](Triangles& m) { Flip(m, 4); }, Inverted(kBox)),
+       Changed([](Triangles& m) { Flip(m, 4); }, Inverted(kBlock)),
        {.flipped = 1, .turned = 1}},
       {"a triangle twice", Changed([](Triangles& m) { m.faces.push_back(m.faces[3]); }), {.duplicate = 1}},
       {"a triangle twice, turned",
@@ -78,7 +78,7 @@ std::vector<Defect> Closed() {
          m.faces.push_back({m.faces[3][1], m.faces[3][0], m.faces[3][2]});
        }),
        {.duplicate = 1}},
-      {"the whole part twice", Polygons(Joined(kBox, kBox)), {.duplicate = 12}},
+      {"the whole part twice", Polygons(Joined(kBlock, kBlock)), {.duplicate = 12}},
       {"a corner twice",
        Changed([](Triangles& m) {
          m.faces.push_back({1, 1, 2});
@@ -105,25 +105,25 @@ std::vector<Defect> Closed() {
        }),
        {}},
       {"two boxes apart",
-       Polygons(Joined(kBox, BoxShape({50, 0, 0}, {60, 9, 9}))),
+       Polygons(Joined(kBlock, BoxShape({50, 0, 0}, {60, 9, 9}))),
        {.triangles = 24, .vertices = 16, .pieces = 2, .closed = 2}},
       {"a cavity", Polygons(cavity), {.triangles = 24, .vertices = 16, .pieces = 2, .closed = 2}},
       {"a cavity and its part inside out",
-       Polygons(Joined(Inverted(kBox), Inverted(BoxShape({2, 2, 2}, {4, 4, 4})))),
+       Polygons(Joined(Inverted(kBlock), Inverted(BoxShape({2, 2, 2}, {4, 4, 4})))),
        {.triangles = 24, .vertices = 16, .pieces = 2, .closed = 2, .turned = 1}},
       {"two boxes with an edge in common",
-       Polygons(Joined(kBox, BoxShape({10, 20, 0}, {20, 40, 30}))),
+       Polygons(Joined(kBlock, BoxShape({10, 20, 0}, {20, 40, 30}))),
        {.triangles = 24, .vertices = 16, .pieces = 2, .closed = 2, .edges = 1, .fans = 2}},
       {"two boxes with a corner in common",
-       Polygons(Joined(kBox, BoxShape({10, 20, 30}, {20, 30, 40}))),
+       Polygons(Joined(kBlock, BoxShape({10, 20, 30}, {20, 30, 40}))),
        {.triangles = 24, .vertices = 16, .pieces = 2, .closed = 2, .fans = 1}},
       // Each wall is met in one of its triangles, by the eight of the bar's sides; a box that touches it adds
       // its two of the end.
       {"a bar through the part",
-       Polygons(Joined(kBox, BoxShape({-5, 12, 2}, {15, 14, 4}))),
+       Polygons(Joined(kBlock, BoxShape({-5, 12, 2}, {15, 14, 4}))),
        {.triangles = 24, .vertices = 16, .pieces = 2, .closed = 2, .crossings = 16}},
       {"two boxes that touch",
-       Polygons(Joined(kBox, BoxShape({10, 12, 2}, {20, 14, 4}))),
+       Polygons(Joined(kBlock, BoxShape({10, 12, 2}, {20, 14, 4}))),
        {.triangles = 24, .vertices = 16, .pieces = 2, .closed = 2, .crossings = 10}}};
 }
 
@@ -186,11 +186,11 @@ std::vector<Defect> Open() {
 
 // Faces of more corners; STL has none.
 std::vector<Defect> OfPolygons() {
-  PolygonMesh squares{kBox.vertices,
+  PolygonMesh squares{kBlock.vertices,
                       {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
   PolygonMesh concave{{{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {5, 2, 0}, {0, 10, 0}}, {{0, 1, 2, 3, 4}}};
-  PolygonMesh digon{kBox.vertices, {{0, 1}}};
-  for (const auto& [a, b, c] : kBox.faces) digon.faces.push_back({a, b, c});
+  PolygonMesh digon{kBlock.vertices, {{0, 1}}};
+  for (const auto& [a, b, c] : kBlock.faces) digon.faces.push_back({a, b, c});
   const std::vector<std::string> formats{"obj", "off", "ply", "ply little", "ply big"};
   return {{"squares", squares, {}, 1, formats},
           {"a concave polygon", concave, {.triangles = 3, .vertices = 5, .closed = 0, .rims = 1}, 1, formats},

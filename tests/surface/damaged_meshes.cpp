@@ -11,13 +11,6 @@ Eigen::Vector3d Offset(RandomStream& random, double size) {
   return size * Eigen::Vector3d{random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-1, 1)};
 }
 
-double Volume(const Triangles& mesh) {
-  double volume = 0;
-  for (const auto& [a, b, c] : mesh.faces)
-    volume += mesh.vertices[a].dot(mesh.vertices[b].cross(mesh.vertices[c])) / 6;
-  return volume;
-}
-
 /// Damages that keep a mesh closed: what tessellators and file formats leave.
 class Damage {
  public:
@@ -98,6 +91,13 @@ Triangles Shape(RandomStream& random) {
 }
 
 }  // namespace
+
+double Volume(const Triangles& mesh) {
+  double volume = 0;
+  for (const auto& [a, b, c] : mesh.faces)
+    volume += mesh.vertices[a].dot(mesh.vertices[b].cross(mesh.vertices[c])) / 6;
+  return volume;
+}
 
 DamagedMesh MakeDamagedMesh(uint64_t number) {
   RandomStream random(31, number);

@@ -19,4 +19,7 @@ struct DamagedMesh {
 /// edge.
 DamagedMesh MakeDamagedMesh(uint64_t number);
 
+/// What a closed mesh encloses, in its unit cubed; negative where it is inside out.
+double Volume(const Triangles& mesh);
+
 }  // namespace millpose

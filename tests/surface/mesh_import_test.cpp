@@ -22,7 +22,7 @@ double Volume(const Mesh& mesh) {
 const Triangles kBox = BoxShape({0, 0, 0}, {10, 20, 30});
 
 // A second import of what came out finds nothing to repair.
-void ExpectIdempotent(const ImportResult& first) {
+void ExpectNothingToRepair(const ImportResult& first) {
   const ImportResult again = Import(first.mesh.triangles(), {1, 0});
   EXPECT_EQ(again.report.triangles, first.report.triangles);
   EXPECT_EQ(again.report.repairs.flipped + again.report.repairs.duplicate + again.report.repairs.degenerate,
@@ -66,7 +66,7 @@ TEST(MeshImport, CountsDuplicatesOfAnyOrder) {
   EXPECT_EQ(result.report.repairs.duplicate, 2);
   EXPECT_EQ(result.report.triangles, 12);
   EXPECT_EQ(result.report.closed_pieces, 1);
-  ExpectIdempotent(result);
+  ExpectNothingToRepair(result);
 }
 
 TEST(MeshImport, TurnsFlippedTriangles) {
@@ -77,7 +77,7 @@ TEST(MeshImport, TurnsFlippedTriangles) {
   EXPECT_EQ(result.report.repairs.flipped, 2);
   EXPECT_EQ(result.report.repairs.turned_pieces, 0);
   EXPECT_NEAR(Volume(result.mesh), 6000, 1e-9);
-  ExpectIdempotent(result);
+  ExpectNothingToRepair(result);
 }
 
 TEST(MeshImport, TurnsClosedPiecesOutsideOutAndKeepsCavities) {
@@ -112,7 +112,7 @@ TEST(MeshImport, RemovesTrianglesWithoutAreaAndLeavesNoCrack) {
   EXPECT_EQ(result.report.triangles, 14);
   EXPECT_EQ(result.report.rims, 0);
   EXPECT_NEAR(Volume(result.mesh), 6000, 1e-9);
-  ExpectIdempotent(result);
+  ExpectNothingToRepair(result);
 }
 
 TEST(MeshImport, CountsNoMoreFlatTrianglesThanThereWere) {

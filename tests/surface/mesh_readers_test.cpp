@@ -3,50 +3,41 @@
 #include "base/error.hpp"
 #include "surface/mesh_import.hpp"
 #include "surface/polygon.hpp"
+#include "tests/base/refusal.hpp"
+#include "tests/base/replaced.hpp"
 #include "tests/surface/shapes.hpp"
 
 namespace millpose {
 namespace {
 
-const Triangles kBox = BoxShape({0, 0, 0}, {1, 2, 3});
+const Triangles kReadBox = BoxShape({0, 0, 0}, {1, 2, 3});
 
 void ExpectBox(const std::string& bytes) {
   const RawMesh mesh = ReadMesh(bytes, "part");
-  EXPECT_EQ(mesh.triangles.faces, kBox.faces);
-  EXPECT_EQ(mesh.triangles.vertices, kBox.vertices);
+  EXPECT_EQ(mesh.triangles.faces, kReadBox.faces);
+  EXPECT_EQ(mesh.triangles.vertices, kReadBox.vertices);
   EXPECT_TRUE(mesh.notes.empty());
 }
 
-std::string ErrorOf(const std::string& bytes) {
-  try {
-    ReadMesh(bytes, "part");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
+std::string MeshError(const std::string& bytes) {
+  return RefusalOf([&] { ReadMesh(bytes, "part"); });
 }
 
-std::string Replaced(std::string text, const std::string& from, const std::string& to) {
-  for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
-  return text;
-}
-
-std::string Obj(const std::string& face_format) {
+std::string ObjBox(const std::string& face_format) {
   std::string text = "# a box\nmtllib x.mtl\no box\n";
-  for (const auto& p : kBox.vertices) text += fmt::format("v {} {} {} 1.0\n", p.x(), p.y(), p.z());
-  for (const auto& [a, b, c] : kBox.faces)
+  for (const auto& p : kReadBox.vertices) text += fmt::format("v {} {} {} 1.0\n", p.x(), p.y(), p.z());
+  for (const auto& [a, b, c] : kReadBox.faces)
     text += fmt::format(fmt::runtime(face_format), a + 1, b + 1, c + 1);
   return text;
 }
 
 TEST(ObjReader, ReadsAllKindsOfCorners) {
-  ExpectBox(Obj("f {} {} {}\n"));
-  ExpectBox(Obj("f {}/1 {}/2 {}/3 # end\n"));
-  ExpectBox(Obj("f {}//1 {}//2 {}//3\n"));
-  ExpectBox(Obj("f {}/1/1 {}/2/2 \\\n {}/3/3\r\n"));
-  std::string negative = Obj("");
-  for (const auto& [a, b, c] : kBox.faces) negative += fmt::format("f {} {} {}\n", a - 8, b - 8, c - 8);
+  ExpectBox(ObjBox("f {} {} {}\n"));
+  ExpectBox(ObjBox("f {}/1 {}/2 {}/3 # end\n"));
+  ExpectBox(ObjBox("f {}//1 {}//2 {}//3\n"));
+  ExpectBox(ObjBox("f {}/1/1 {}/2/2 \\\n {}/3/3\r\n"));
+  std::string negative = ObjBox("");
+  for (const auto& [a, b, c] : kReadBox.faces) negative += fmt::format("f {} {} {}\n", a - 8, b - 8, c - 8);
   ExpectBox(negative);
 }
 
@@ -57,38 +48,38 @@ TEST(ObjReader, CutsPolygonsIntoTriangles) {
 }
 
 TEST(ObjReader, TellsThePlaceOfErrors) {
-  EXPECT_EQ(ErrorOf("v 0 0 0\nv 1 0\nf 1 2 3\n"), "part:3:1: expected a finite number, found \"f\"");
-  EXPECT_EQ(ErrorOf("v 0 0 0\nf 1 1 2\n"),
+  EXPECT_EQ(MeshError("v 0 0 0\nv 1 0\nf 1 2 3\n"), "part:3:1: expected a finite number, found \"f\"");
+  EXPECT_EQ(MeshError("v 0 0 0\nf 1 1 2\n"),
             "part:2:7: a face needs vertices from 1 to 1 (or -1 to -1), found \"2\"");
-  EXPECT_EQ(ErrorOf("v 0 0 0\nf 0 1 1\n").substr(0, 9), "part:2:3:");
-  EXPECT_EQ(ErrorOf("v 0 0 0\nf 1 1\n"), "part:2:5: a face needs three vertices or more, found 2");
-  EXPECT_EQ(ErrorOf("v 0 0 nan\n"), "part:1:7: expected a finite number, found \"nan\"");
-  EXPECT_EQ(ErrorOf("v 0 0 0\n"), "part: the file holds no triangles");
+  EXPECT_EQ(MeshError("v 0 0 0\nf 0 1 1\n").substr(0, 9), "part:2:3:");
+  EXPECT_EQ(MeshError("v 0 0 0\nf 1 1\n"), "part:2:5: a face needs three vertices or more, found 2");
+  EXPECT_EQ(MeshError("v 0 0 nan\n"), "part:1:7: expected a finite number, found \"nan\"");
+  EXPECT_EQ(MeshError("v 0 0 0\n"), "part: the file holds no triangles");
 }
 
-std::string Off(const std::string& magic) {
+std::string OffBox(const std::string& magic) {
   std::string text = magic + "\n# box\n8 12 18\n";
-  for (const auto& p : kBox.vertices) text += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
-  for (const auto& [a, b, c] : kBox.faces) text += fmt::format("3 {} {} {} 0.5 0.5 0.5\n", a, b, c);
+  for (const auto& p : kReadBox.vertices) text += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
+  for (const auto& [a, b, c] : kReadBox.faces) text += fmt::format("3 {} {} {} 0.5 0.5 0.5\n", a, b, c);
   return text;
 }
 
 TEST(OffReader, ReadsBoxes) {
-  ExpectBox(Off("OFF"));
-  ExpectBox(Replaced(Off("COFF"), "\n", "\r\n"));
-  ExpectBox(Replaced(Off("OFF"), "OFF\n# box\n", "OFF "));
+  ExpectBox(OffBox("OFF"));
+  ExpectBox(Everywhere(OffBox("COFF"), "\n", "\r\n"));
+  ExpectBox(Everywhere(OffBox("OFF"), "OFF\n# box\n", "OFF "));
 }
 
 TEST(OffReader, TellsThePlaceOfErrors) {
   EXPECT_EQ(
-      ErrorOf("OFF\n1000000 2 0\n0 0 0\n"),
+      MeshError("OFF\n1000000 2 0\n0 0 0\n"),
       "part:2:1: the number of vertices (by the size of the file) must be a whole number from 0 to 3, found "
       "\"1000000\"");
-  EXPECT_EQ(ErrorOf("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
+  EXPECT_EQ(MeshError("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
             "part:6:7: a face's vertex must be a whole number from 0 to 2, found \"3\"");
-  EXPECT_EQ(ErrorOf("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n"),
+  EXPECT_EQ(MeshError("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n"),
             "part:7:1: a face's vertex must be a whole number from 0 to 2, found the end of the file");
-  EXPECT_EQ(ErrorOf("OFF BINARY\n").substr(0, 9), "part:1:5:");
+  EXPECT_EQ(MeshError("OFF BINARY\n").substr(0, 9), "part:1:5:");
 }
 
 std::string PlyHeaderText(const std::string& format) {
@@ -100,8 +91,8 @@ std::string PlyHeaderText(const std::string& format) {
 
 std::string TextPly() {
   std::string text = PlyHeaderText("ascii");
-  for (const auto& p : kBox.vertices) text += fmt::format("{} {} {} 255\n", p.x(), p.y(), p.z());
-  for (const auto& [a, b, c] : kBox.faces) text += fmt::format("3 {} {} {}\n", a, b, c);
+  for (const auto& p : kReadBox.vertices) text += fmt::format("{} {} {} 255\n", p.x(), p.y(), p.z());
+  for (const auto& [a, b, c] : kReadBox.faces) text += fmt::format("3 {} {} {}\n", a, b, c);
   return text;
 }
 
@@ -112,13 +103,13 @@ std::string BinaryPly(bool big) {
     if (big) std::ranges::reverse(raw);
     bytes += raw;
   };
-  for (const auto& p : kBox.vertices) {
+  for (const auto& p : kReadBox.vertices) {
     append(static_cast<float>(p.x()));
     append(static_cast<float>(p.y()));
     append(p.z());
     append(static_cast<uint8_t>(255));
   }
-  for (const auto& face : kBox.faces) {
+  for (const auto& face : kReadBox.faces) {
     append(static_cast<uint8_t>(3));
     for (const int v : face) append(static_cast<int32_t>(v));
   }
@@ -127,31 +118,31 @@ std::string BinaryPly(bool big) {
 
 TEST(PlyReader, ReadsTextAndBothByteOrders) {
   ExpectBox(TextPly());
-  ExpectBox(Replaced(TextPly(), "\n", "\r\n"));
+  ExpectBox(Everywhere(TextPly(), "\n", "\r\n"));
   ExpectBox(BinaryPly(false));
   ExpectBox(BinaryPly(true));
 }
 
 TEST(PlyReader, NotesOtherElements) {
   const std::string text =
-      Replaced(TextPly(), "end_header\n", "element edge 1\nproperty int a\nend_header\n") + "7\n";
+      Everywhere(TextPly(), "end_header\n", "element edge 1\nproperty int a\nend_header\n") + "7\n";
   EXPECT_EQ(ReadMesh(text, "part").notes, std::vector<std::string>{"1 elements \"edge\" were ignored"});
 }
 
 TEST(PlyReader, TellsThePlaceOfErrors) {
-  EXPECT_EQ(ErrorOf("ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\n"),
+  EXPECT_EQ(MeshError("ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\n"),
             "part:5:1: the header has no \"end_header\"");
-  EXPECT_EQ(ErrorOf(Replaced(TextPly(), "vertex 8", "vertex 4000000")).substr(0, 69),
+  EXPECT_EQ(MeshError(Everywhere(TextPly(), "vertex 8", "vertex 4000000")).substr(0, 69),
             "part:4:16: 4000000 elements \"vertex\" do not fit into the 176 bytes be");
-  EXPECT_EQ(ErrorOf(Replaced(BinaryPly(true), "face 12", "face 200000000")).substr(0, 10), "part:9:14:");
-  EXPECT_EQ(ErrorOf(BinaryPly(false).substr(0, BinaryPly(false).size() - 2)).substr(0, 10), "part, byte");
-  EXPECT_EQ(ErrorOf(Replaced(TextPly(), "3 0 2 3", "3 0 2 8")),
+  EXPECT_EQ(MeshError(Everywhere(BinaryPly(true), "face 12", "face 200000000")).substr(0, 10), "part:9:14:");
+  EXPECT_EQ(MeshError(BinaryPly(false).substr(0, BinaryPly(false).size() - 2)).substr(0, 10), "part, byte");
+  EXPECT_EQ(MeshError(Everywhere(TextPly(), "3 0 2 3", "3 0 2 8")),
             "part:20:7: a face's vertex must be from 0 to 7, found 8");
-  EXPECT_EQ(ErrorOf(Replaced(TextPly(), "1 2 3 255", "1 inf 3 255")),
+  EXPECT_EQ(MeshError(Everywhere(TextPly(), "1 2 3 255", "1 inf 3 255")),
             "part:19:3: expected a finite number, found \"inf\"");
-  EXPECT_EQ(ErrorOf(Replaced(TextPly(), "property float y\n", "")).substr(0, 30),
+  EXPECT_EQ(MeshError(Everywhere(TextPly(), "property float y\n", "")).substr(0, 30),
             "part: the vertices lack x, y o");
-  EXPECT_EQ(ErrorOf(Replaced(TextPly(), "float x", "real x")), "part:5:10: \"real\" is no PLY type");
+  EXPECT_EQ(MeshError(Everywhere(TextPly(), "float x", "real x")), "part:5:10: \"real\" is no PLY type");
 }
 
 TEST(Polygon, ConcaveOnesKeepTheirArea) {
@@ -186,17 +177,17 @@ TEST(ReadMesh, TakesTheMarkOfUtf8Away) {
 TEST(ReadMesh, SaysWhatTextIsNoMesh) {
   std::string wide = "\xff\xfe";
   for (const char c : kTetrahedron) wide += std::string{c, '\0'};
-  EXPECT_EQ(ErrorOf(wide),
+  EXPECT_EQ(MeshError(wide),
             "part: the file is text in UTF-16; save it as UTF-8. STL, OBJ, PLY, OFF and STEP are read");
   std::string prose;
   for (int i = 0; i < 20; ++i) prose += "This part is milled from 5A06.\n";
   EXPECT_EQ(
-      ErrorOf(prose),
+      MeshError(prose),
       "part:1:1: text of no known mesh format begins with \"This\"; STL, OBJ, PLY, OFF and STEP are read");
 }
 
 TEST(ReadMesh, MessagesSurviveZeroBytes) {
-  EXPECT_EQ(ErrorOf(Replaced(kTetrahedron, "f 1 3 2", std::string("f 1 \0q 2", 8))),
+  EXPECT_EQ(MeshError(Everywhere(kTetrahedron, "f 1 3 2", std::string("f 1 \0q 2", 8))),
             "part:5:5: a face needs vertices from 1 to 4 (or -1 to -4), found \"?q\"");
 }
 

@@ -23,6 +23,8 @@ TEST(Mesh, ClosestPointAgreesWithTryingEveryFace) {
     EXPECT_EQ(closest.distance, best);
     EXPECT_NEAR((closest.position - p).norm(), best, 1e-12);
     EXPECT_NEAR(closest.barycentric.sum(), 1, 1e-12);
+    EXPECT_EQ(mesh.Closest(p, 0.999 * best).face, -1);
+    EXPECT_EQ(mesh.Closest(p, 1.001 * best).face, closest.face);
   }
 }
 

@@ -8,7 +8,7 @@
 namespace millpose {
 namespace {
 
-std::string Ply(const std::string& format) {
+std::string PlyTetrahedron(const std::string& format) {
   std::string bytes = "ply\nformat " + format +
                       " 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
                       "element face 4\nproperty list uchar int vertex_indices\nend_header\n";
@@ -33,8 +33,9 @@ TEST(ReaderMutation, SpoiltFilesAreReadOrRefused) {
       "# tetra\nv 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1/1 3/1 2/1\nf 1 2 4\nf -4 -1 -2\nf 2 3 4\n";
   const std::string off = "OFF\n4 4 6\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
   size_t read = 0, refused = 0;
-  for (const std::string& seed : {BinaryStl(box), TextStl(box), obj, off, Ply("ascii"),
-                                  Ply("binary_little_endian"), Ply("binary_big_endian")}) {
+  for (const std::string& seed :
+       {BinaryStl(box), TextStl(box), obj, off, PlyTetrahedron("ascii"),
+        PlyTetrahedron("binary_little_endian"), PlyTetrahedron("binary_big_endian")}) {
     ASSERT_NO_THROW(ReadMesh(seed, "seed"));
     for (uint64_t i = 0; i < 2000; ++i) {
       RandomStream random(i, 23);

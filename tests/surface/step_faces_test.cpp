@@ -27,7 +27,7 @@
 namespace millpose {
 namespace {
 
-StepOptions Options() {
+StepOptions FaceOptions() {
   StepOptions options;
   options.program = MILLPOSE_STEP_PROGRAM;
   return options;
@@ -39,14 +39,15 @@ const std::string kLost =
 
 TEST(StepFaces, ALostFaceIsNamedWithNumberAreaAndPlace) {
   const ImportResult import =
-      ImportMesh(ReadMesh(LostFaceStep(), "part.step", Options()), {1, 1e-4}, "part.step");
+      ImportMesh(ReadMesh(LostFaceStep(), "part.step", FaceOptions()), {1, 1e-4}, "part.step");
   EXPECT_EQ(import.report.lost_faces, std::vector<std::string>{kLost});
   EXPECT_EQ(std::ranges::count(Findings(import.report), kLost), 1);
   EXPECT_EQ(import.report.closed_pieces, 1);
 }
 
 TEST(StepFaces, ALostFaceInTheRegionIsAnError) {
-  const Mesh mesh = ImportMesh(ReadMesh(LostFaceStep(), "part.step", Options()), {1, 1e-4}, "part.step").mesh;
+  const Mesh mesh =
+      ImportMesh(ReadMesh(LostFaceStep(), "part.step", FaceOptions()), {1, 1e-4}, "part.step").mesh;
   ToolpathOptions options;
   options.strategy = std::make_shared<ParallelPlanes>();
   options.stepover = 8;
@@ -109,7 +110,7 @@ TEST(StepFaces, EveryOtherWayCutsSoundFaces) {
 
 TEST(StepFaces, ProgressGoesUpTo100) {
   std::vector<int> told;
-  StepOptions options = Options();
+  StepOptions options = FaceOptions();
   options.percent = [&](int percent) { told.push_back(percent); };
   ReadMesh(DrilledBlockStep("MM"), "part.step", options);
   ASSERT_GT(told.size(), 5u);
@@ -118,7 +119,7 @@ TEST(StepFaces, ProgressGoesUpTo100) {
 }
 
 TEST(StepFaces, AStopEndsTheReading) {
-  StepOptions options = Options();
+  StepOptions options = FaceOptions();
   options.chord_tolerance = 1e-4;
   std::stop_source stop;
   options.stop = stop.get_token();
@@ -147,7 +148,7 @@ TEST(StepFaces, NothingStaysWhenTheParentIsKilled) {
   const pid_t parent = ::fork();
   ASSERT_GE(parent, 0);
   if (parent == 0) {
-    StepOptions options = Options();
+    StepOptions options = FaceOptions();
     options.chord_tolerance = 1e-4;
     try {
       ReadMesh(ball, "part.step", options);

@@ -10,6 +10,7 @@
 #include "base/units.hpp"
 #include "surface/mesh_import.hpp"
 #include "surface/step_reader.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/surface/mutate.hpp"
 #include "tests/surface/step_parts.hpp"
 #include "toolpath/region.hpp"
@@ -24,13 +25,8 @@ StepOptions Options(double chord_tolerance = 0.05) {
   return options;
 }
 
-std::string ErrorOf(const std::string& bytes, const StepOptions& options) {
-  try {
-    ReadMesh(bytes, "part.step", options);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
+std::string StepError(const std::string& bytes, const StepOptions& options) {
+  return RefusalOf([&] { ReadMesh(bytes, "part.step", options); });
 }
 
 double AreaOf(const Mesh& mesh, int source) {
@@ -143,14 +139,14 @@ TEST(Step, RepairsKeepTheFacesOfTriangles) {
 
 TEST(Step, WhatCannotBeReadIsAnError) {
   const std::string sound = DrilledBlockStep("MM");
-  EXPECT_EQ(ErrorOf("ISO-10303-21;\nrubbish", Options()).substr(0, 11), "part.step: ");
+  EXPECT_EQ(StepError("ISO-10303-21;\nrubbish", Options()).substr(0, 11), "part.step: ");
   for (const double share : {0.1, 0.5, 0.9}) {
     const std::string cut = sound.substr(0, static_cast<size_t>(share * static_cast<double>(sound.size())));
-    EXPECT_EQ(ErrorOf(cut, Options()).substr(0, 11), "part.step: ") << share;
+    EXPECT_EQ(StepError(cut, Options()).substr(0, 11), "part.step: ") << share;
   }
   StepOptions nothing = Options();
   nothing.program = "/no/such/program";
-  EXPECT_NE(ErrorOf(sound, nothing).find("cannot be started"), std::string::npos);
+  EXPECT_NE(StepError(sound, nothing).find("cannot be started"), std::string::npos);
 }
 
 TEST(Step, LimitsAndCrashesAreTold) {
@@ -160,17 +156,17 @@ TEST(Step, LimitsAndCrashesAreTold) {
   StepOptions small = Options();
   small.memory_MB = 160;  // little more than the libraries
   small.chord_tolerance = 1e-4;
-  EXPECT_EQ(ErrorOf(BallStep(5000), small),
+  EXPECT_EQ(StepError(BallStep(5000), small),
             "part.step: reading the STEP file takes more than 160 MB of memory");
   StepOptions quick = Options(1e-4);
   quick.seconds = 1;
-  EXPECT_EQ(ErrorOf(BallStep(20000), quick), "part.step: reading the STEP file took more than 1 s");
+  EXPECT_EQ(StepError(BallStep(20000), quick), "part.step: reading the STEP file took more than 1 s");
   const auto script = std::filesystem::temp_directory_path() / "millpose_step_crash.sh";
   WriteFileAtomically(script, "#!/bin/sh\nkill -SEGV $$\n");
   ::chmod(script.c_str(), 0700);
   StepOptions crash = Options();
   crash.program = script;
-  EXPECT_EQ(ErrorOf(BallStep(1), crash), "part.step: the STEP reader crashed on this file (signal 11)");
+  EXPECT_EQ(StepError(BallStep(1), crash), "part.step: the STEP reader crashed on this file (signal 11)");
   std::filesystem::remove(script);
 }
 

@@ -4,27 +4,24 @@
 #include <cstring>
 
 #include "base/error.hpp"
+#include "tests/base/refusal.hpp"
+#include "tests/base/replaced.hpp"
 #include "tests/surface/shapes.hpp"
 
 namespace millpose {
 namespace {
 
-const Triangles kBox = BoxShape({0, 0, 0}, {1, 2, 3});
+const Triangles kStlBox = BoxShape({0, 0, 0}, {1, 2, 3});
 
 void ExpectBox(const RawMesh& mesh) {
   ASSERT_EQ(mesh.triangles.faces.size(), 12);
-  const Triangles soup = Soup(kBox);
+  const Triangles soup = Soup(kStlBox);
   EXPECT_EQ(mesh.triangles.faces, soup.faces);
   EXPECT_EQ(mesh.triangles.vertices, soup.vertices);
 }
 
-std::string ErrorOf(const std::string& bytes) {
-  try {
-    ReadMesh(bytes, "part.stl");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
+std::string StlError(const std::string& bytes) {
+  return RefusalOf([&] { ReadMesh(bytes, "part.stl"); });
 }
 
 std::string Upper(std::string text) {
@@ -32,29 +29,23 @@ std::string Upper(std::string text) {
   return text;
 }
 
-std::string Replaced(std::string text, const std::string& from, const std::string& to) {
-  for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
-  return text;
-}
-
 TEST(StlReader, ReadsBinaryAlsoBehindASolidHeader) {
-  ExpectBox(ReadMesh(BinaryStl(kBox), "part.stl"));
-  ExpectBox(ReadMesh(BinaryStl(kBox, "solid made by a CAD system"), "part.stl"));
-  ExpectBox(ReadMesh(BinaryStl(kBox, "solid x\nfacet normal"), "part.stl"));
+  ExpectBox(ReadMesh(BinaryStl(kStlBox), "part.stl"));
+  ExpectBox(ReadMesh(BinaryStl(kStlBox, "solid made by a CAD system"), "part.stl"));
+  ExpectBox(ReadMesh(BinaryStl(kStlBox, "solid x\nfacet normal"), "part.stl"));
 }
 
 TEST(StlReader, ReadsTextInAnyCaseWithAnyLineEnds) {
-  const std::string text = TextStl(kBox);
+  const std::string text = TextStl(kStlBox);
   ExpectBox(ReadMesh(text, "part.stl"));
   ExpectBox(ReadMesh(Upper(text), "part.stl"));
-  ExpectBox(ReadMesh(Replaced(text, "\n", "\r\n"), "part.stl"));
-  ExpectBox(ReadMesh(Replaced(text, "\n", "\r"), "part.stl"));
-  ExpectBox(ReadMesh("\n  " + Replaced(text, "solid test", "solid"), "part.stl"));
+  ExpectBox(ReadMesh(Everywhere(text, "\n", "\r\n"), "part.stl"));
+  ExpectBox(ReadMesh(Everywhere(text, "\n", "\r"), "part.stl"));
+  ExpectBox(ReadMesh("\n  " + Everywhere(text, "solid test", "solid"), "part.stl"));
 }
 
 TEST(StlReader, ReadsSeveralSolidsAndNotesAMissingEnd) {
-  const std::string text = TextStl(kBox);
+  const std::string text = TextStl(kStlBox);
   EXPECT_EQ(ReadMesh(text + text, "part.stl").triangles.faces.size(), 24);
   const RawMesh mesh = ReadMesh(text.substr(0, text.find("endsolid")), "part.stl");
   ExpectBox(mesh);
@@ -63,44 +54,44 @@ TEST(StlReader, ReadsSeveralSolidsAndNotesAMissingEnd) {
 }
 
 TEST(StlReader, NotesBytesBehindTheLastFacet) {
-  const RawMesh mesh = ReadMesh(BinaryStl(kBox) + "tail", "part.stl");
+  const RawMesh mesh = ReadMesh(BinaryStl(kStlBox) + "tail", "part.stl");
   ExpectBox(mesh);
   EXPECT_EQ(mesh.notes, std::vector<std::string>{"4 bytes behind the last facet were ignored"});
 }
 
 TEST(StlReader, RefusesWhatTheSizeCannotHold) {
-  std::string bytes = BinaryStl(kBox);
-  EXPECT_EQ(ErrorOf(bytes.substr(0, 300)),
+  std::string bytes = BinaryStl(kStlBox);
+  EXPECT_EQ(StlError(bytes.substr(0, 300)),
             "part.stl, byte 80: the header promises 12 facets, the 300 bytes of the file hold 4: the file is "
             "cut off "
             "or not an STL");
   std::memset(&bytes[80], 0xff, 4);
-  EXPECT_EQ(ErrorOf(bytes).substr(0, 61), "part.stl, byte 80: the header promises 4294967295 facets, the");
-  EXPECT_EQ(ErrorOf(""), "part.stl: the file is empty");
-  EXPECT_EQ(ErrorOf("solid nothing\nendsolid nothing\n"), "part.stl: the file holds no triangles");
-  EXPECT_EQ(ErrorOf(BinaryStl({})), "part.stl: the file holds no triangles");
-  EXPECT_EQ(ErrorOf("short"),
+  EXPECT_EQ(StlError(bytes).substr(0, 61), "part.stl, byte 80: the header promises 4294967295 facets, the");
+  EXPECT_EQ(StlError(""), "part.stl: the file is empty");
+  EXPECT_EQ(StlError("solid nothing\nendsolid nothing\n"), "part.stl: the file holds no triangles");
+  EXPECT_EQ(StlError(BinaryStl({})), "part.stl: the file holds no triangles");
+  EXPECT_EQ(StlError("short"),
             "part.stl:1:1: text of no known mesh format begins with \"short\"; STL, OBJ, PLY, OFF and STEP "
             "are read");
 }
 
 TEST(StlReader, RefusesNumbersThatAreNotFinite) {
-  std::string bytes = BinaryStl(kBox);
+  std::string bytes = BinaryStl(kStlBox);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::memcpy(&bytes[84 + 50 * 3 + 12 + 4], &nan, 4);
-  EXPECT_EQ(ErrorOf(bytes), "part.stl, byte 246: facet 4: vertex (0, nan, 3) is not finite");
-  EXPECT_EQ(ErrorOf(Replaced(TextStl(kBox), "vertex 1 2 3", "vertex 1 inf 3")).substr(0, 67),
+  EXPECT_EQ(StlError(bytes), "part.stl, byte 246: facet 4: vertex (0, nan, 3) is not finite");
+  EXPECT_EQ(StlError(Everywhere(TextStl(kStlBox), "vertex 1 2 3", "vertex 1 inf 3")).substr(0, 67),
             "part.stl:20:16: expected a finite number, found \"inf\"");
 }
 
 TEST(StlReader, TellsThePlaceOfWhatItCannotRead) {
-  EXPECT_EQ(ErrorOf("solid a\nfacet normal 0 0 1\n outer loop\n  vertex 1 2 x3\n"),
+  EXPECT_EQ(StlError("solid a\nfacet normal 0 0 1\n outer loop\n  vertex 1 2 x3\n"),
             "part.stl:4:14: expected a finite number, found \"x3\"");
-  EXPECT_EQ(ErrorOf("solid a\nfacet normal 0 0 1\n outer loop\n  vertex 1 2 3\n  vertex 1 2 3\n endloop\n"),
+  EXPECT_EQ(StlError("solid a\nfacet normal 0 0 1\n outer loop\n  vertex 1 2 3\n  vertex 1 2 3\n endloop\n"),
             "part.stl:6:2: expected \"vertex\", found \"endloop\"");
-  EXPECT_EQ(ErrorOf("solid a\rfacet normal 0 0 1\r outer lop\r"),
+  EXPECT_EQ(StlError("solid a\rfacet normal 0 0 1\r outer lop\r"),
             "part.stl:3:8: expected \"loop\", found \"lop\"");
-  EXPECT_EQ(ErrorOf("solid a\nfacet normal 0 0 1\n outer loop\n  vertex 1 2"),
+  EXPECT_EQ(StlError("solid a\nfacet normal 0 0 1\n outer loop\n  vertex 1 2"),
             "part.stl:4:13: expected a finite number, found the end of the file");
 }
 

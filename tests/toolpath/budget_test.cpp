@@ -19,7 +19,7 @@ double NumberOfPoints(const Toolpath& toolpath) {
 }
 
 /// The refusal of these options; empty when they are taken. It must come quickly.
-std::string Refusal(const char* sample, const ToolpathOptions& options) {
+std::string QuickRefusal(const char* sample, const ToolpathOptions& options) {
   const std::clock_t start = std::clock();
   std::string text;
   try {
@@ -47,8 +47,8 @@ TEST(Budget, TheWayIsForeseen) {
     ToolpathOptions enough = options, little = options;
     enough.budget.most = 1.05 * points + 2;
     little.budget.most = 0.95 * points - 2;
-    EXPECT_EQ(Refusal(sample, enough), "") << sample;
-    EXPECT_NE(Refusal(sample, little), "") << sample;
+    EXPECT_EQ(QuickRefusal(sample, enough), "") << sample;
+    EXPECT_NE(QuickRefusal(sample, little), "") << sample;
   }
 }
 
@@ -56,7 +56,7 @@ TEST(Budget, TheKeyThatAsksForTooMuchIsNamed) {
   const auto refused = [](auto change, const char* sample = "support_pad") {
     ToolpathOptions options = std::string_view(sample) == "support_pad" ? PadOptions() : RingOptions();
     change(options);
-    return Refusal(sample, options);
+    return QuickRefusal(sample, options);
   };
   EXPECT_TRUE(refused([](ToolpathOptions& o) {
                 o.stepover = 1e-8;
@@ -84,7 +84,7 @@ TEST(Budget, AnOddUnitIsNamedFirst) {
   ToolpathOptions options = PadOptions();
   options.stepover = 1e-4;
   options.budget.unit_doubt = "the part is 500000 mm long";
-  EXPECT_TRUE(Refusal("support_pad", options).starts_with("workpiece.unit: the part is 500000 mm long"));
+  EXPECT_TRUE(QuickRefusal("support_pad", options).starts_with("workpiece.unit: the part is 500000 mm long"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "surface/mesh_import.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/base/source_dir.hpp"
 #include "tests/surface/shapes.hpp"
 #include "tests/toolpath/cam_writer.hpp"
@@ -16,13 +17,8 @@ namespace {
 
 CamPath Apt(const std::string& text) { return ReadCamPath(text, "path.cls", {}); }
 
-std::string ErrorOf(const std::string& text) {
-  try {
-    Apt(text);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
+std::string AptError(const std::string& text) {
+  return RefusalOf([&] { Apt(text); });
 }
 
 TEST(Apt, AxesAreModalAndRapidHoldsOnce) {
@@ -58,11 +54,11 @@ TEST(Apt, InchesContinuedLinesSequenceNumbersAndDeltas) {
 }
 
 TEST(Apt, InverseTimesAreRefusedOriginsAreTheMachinesAndTracutMustBeOver) {
-  EXPECT_EQ(ErrorOf("GOTO/0,0,0\nFEDRAT/INVERS,12.5\nGOTO/1,0,0\n"),
+  EXPECT_EQ(AptError("GOTO/0,0,0\nFEDRAT/INVERS,12.5\nGOTO/1,0,0\n"),
             "path.cls:2:8: FEDRAT/INVERS with a value is not read: let the CAM system write feeds per minute "
             "or per "
             "revolution (MMPM, IPM, MMPR, IPR)");
-  EXPECT_EQ(ErrorOf("GOTO/0,0,0\nFEDRAT/12.5,INVERS\nGOTO/1,0,0\n").substr(0, 13), "path.cls:2:13");
+  EXPECT_EQ(AptError("GOTO/0,0,0\nFEDRAT/12.5,INVERS\nGOTO/1,0,0\n").substr(0, 13), "path.cls:2:13");
   const CamPath path =
       Apt("FEDRAT/600,MMPM\nFEDRAT/INVERS,AUTO\nORIGIN/100,200,300\nTRACUT/NOMORE\nGOTO/1,2,3\n"
           "TRANS/0,0,5\nGOTO/4,5,6\n");
@@ -73,8 +69,8 @@ TEST(Apt, InverseTimesAreRefusedOriginsAreTheMachinesAndTracutMustBeOver) {
       "2 ORIGIN or TRANS: where the machine's zero lies; the points are taken in the part's system as given",
       "skipped, as they say nothing about the motion: 1 TRACUT"};
   EXPECT_EQ(path.notes, notes);
-  EXPECT_EQ(ErrorOf("ORIGIN/A,B\nGOTO/1,2,3\n"), "path.cls:1:8: ORIGIN needs numbers, found \"A\"");
-  EXPECT_EQ(ErrorOf("TRACUT/1,0,0,5,0,1,0,0,0,0,1,0\nGOTO/1,2,3\n"),
+  EXPECT_EQ(AptError("ORIGIN/A,B\nGOTO/1,2,3\n"), "path.cls:1:8: ORIGIN needs numbers, found \"A\"");
+  EXPECT_EQ(AptError("TRACUT/1,0,0,5,0,1,0,0,0,0,1,0\nGOTO/1,2,3\n"),
             "path.cls:1:1: TRACUT is not read: let the CAM system write the points as they are milled");
 }
 
@@ -93,13 +89,13 @@ TEST(Apt, LoadedToolsCommentsAndSilentWords) {
 
 TEST(CamPath, PointsBeyondReachAreRefusedInEveryFormat) {
   const auto error = [](const std::string& text) {
-    const std::string what = ErrorOf(text);
+    const std::string what = AptError(text);
     return what.substr(0, what.find(" (") + 2);
   };
   EXPECT_EQ(error("GOTO/0,0,0\nGOTO/0,0,1.1E9\n"), "path.cls:2: the point (");
   EXPECT_EQ(error("GOTO/0,0,0\nGODLTA/0,0,1E9\nGODLTA/0,0,1E9\n"), "path.cls:3: the point (");
   EXPECT_EQ(error("x_m,y_m,z_m\n1,2,3\n1E7,0,0\n"), "path.cls:3: the point (");
-  EXPECT_EQ(ErrorOf("G1 X0 Y0 Z0 F100\nX9999999999\n").substr(0, 13), "path.cls:2:1:");
+  EXPECT_EQ(AptError("G1 X0 Y0 Z0 F100\nX9999999999\n").substr(0, 13), "path.cls:2:1:");
 }
 
 // The angle that the path sweeps about the z axis through the origin, rad.
@@ -146,10 +142,10 @@ TEST(Apt, CirclesGoTheWayThatTheirSystemMeans) {
   EXPECT_NEAR(Swept(Apt("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/9.961947,-0.871557,0\n")), DegToRad(355),
               1e-6);
   EXPECT_EQ(
-      ErrorOf("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/0,12,0\n"),
+      AptError("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/0,12,0\n"),
       "path.cls:2:1: the points before and after the circle lie 10 mm and 12 mm from its axis, its radius "
       "is 10 mm");
-  EXPECT_EQ(ErrorOf("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10,0.06,0.5,30,0,TIMES,0\nGOTO/10,0,0\n"),
+  EXPECT_EQ(AptError("GOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10,0.06,0.5,30,0,TIMES,0\nGOTO/10,0,0\n"),
             "path.cls:2:43: TIMES needs a whole number from 1 to 1000");
 }
 
@@ -161,7 +157,7 @@ TEST(Apt, TangentAndSignOfACircleMustAgree) {
   const auto from = [](const std::string& start) { return Swept(Apt(start)); };
   EXPECT_NEAR(Swept(Apt(beside + circle + to)) - from(beside), 3 * quarter, 1e-9);
   EXPECT_EQ(
-      ErrorOf(within + circle + to),
+      AptError(within + circle + to),
       "path.cls:3:1: the cut before runs on into the clockwise turn about the circle's axis, the axis's "
       "sign says counter-clockwise: state toolpath.cam.circle: tangent or axis, whichever holds in this "
       "file");
@@ -193,12 +189,13 @@ TEST(Apt, ReadsTheCirclesOfCatia) {
   const CamPath whole = Apt(start + ",ON,2,INTOF,$\n(LINE/ 0,0,5,10,0,5)\n");
   EXPECT_NEAR(Swept(whole), -4 * quarter, 1e-9);
   EXPECT_EQ(whole.points.back().position, Eigen::Vector3d(10, 0, 5));
-  EXPECT_EQ(ErrorOf("GOTO/10,0,0\nTLON,GOFWD/(CIRCLE/0,0,0,10),ON,(LINE/0,0,0,0,10,0)\n"),
+  EXPECT_EQ(AptError("GOTO/10,0,0\nTLON,GOFWD/(CIRCLE/0,0,0,10),ON,(LINE/0,0,0,0,10,0)\n"),
             "path.cls:2:1: the circle needs an INDIRV before it that is not radial");
-  EXPECT_EQ(ErrorOf("GOTO/10,0,0\nINDIRV/0,1,0\nTLON,GOFWD/(CYLNDR/0,0,0,10),ON,(LINE/0,0,0,0,10,0)\n")
+  EXPECT_EQ(AptError("GOTO/10,0,0\nINDIRV/0,1,0\nTLON,GOFWD/(CYLNDR/0,0,0,10),ON,(LINE/0,0,0,0,10,0)\n")
                 .substr(0, 49),
             "path.cls:3:12: the motion \"TLON,GOFWD\" cannot be ");
-  EXPECT_EQ(ErrorOf("GOTO/10,0,0\nGOLFT/L1,PAST,L2\n").substr(0, 34), "path.cls:2:7: the motion \"GOLFT\" c");
+  EXPECT_EQ(AptError("GOTO/10,0,0\nGOLFT/L1,PAST,L2\n").substr(0, 34),
+            "path.cls:2:7: the motion \"GOLFT\" c");
 }
 
 TEST(Apt, NamesItsCutters) {
@@ -228,7 +225,7 @@ TEST(Apt, UnknownWordsAreCountedAndMotionsMustBeReadable) {
             std::vector<std::string>{"skipped, as they say nothing about the motion: 2 PAINT, 1 PPRINT"});
   // All unknown words are reported at once, with the error that ended the reading.
   EXPECT_EQ(
-      ErrorOf("WHATEVER/1\nGOTO/0,0,0\nMOVARC/1\nWHATEVER/2\nGOTO/1\n"),
+      AptError("WHATEVER/1\nGOTO/0,0,0\nMOVARC/1\nWHATEVER/2\nGOTO/1\n"),
       "path.cls:1:1: \"WHATEVER\" is not known (2 in the file), and a word that is not known may change the "
       "path: take it out if it says nothing about the motion\n"
       "path.cls:3:1: \"MOVARC\" is not known (1 in the file), and a word that is not known may change the "
@@ -236,22 +233,22 @@ TEST(Apt, UnknownWordsAreCountedAndMotionsMustBeReadable) {
       "path.cls:5:1: GOTO needs 3 to 6 numbers, found 1");
   for (const std::string word :
        {"CUTCOM/LEFT,1", "INSERT/G01 X5", "INSERT/M428", "PREFUN/41", "ROTABL/45", "COPY/1"})
-    EXPECT_EQ(ErrorOf("GOTO/0,0,0\n" + std::string(word) + "\n").substr(0, 13), "path.cls:2:1:") << word;
-  EXPECT_EQ(ErrorOf("GOTO/1,2\n"), "path.cls:1:1: GOTO needs 3 to 6 numbers, found 2");
-  EXPECT_EQ(ErrorOf("GOTO/0,0,0\n  GOTO/1, 2x,3\n"), "path.cls:2:11: GOTO needs numbers, found \"2X\"");
-  EXPECT_EQ(ErrorOf("GOTO/0,0,$\n nan\n"), "path.cls:2:2: GOTO needs numbers, found \"NAN\"");
-  EXPECT_EQ(ErrorOf("GOTO/0,0,0,0,0,0\n"), "path.cls:1:12: the direction has no length");
-  EXPECT_EQ(ErrorOf("GOTO/0,0,0\nCIRCLE/0,0,0,0,0,1,5\n"),
+    EXPECT_EQ(AptError("GOTO/0,0,0\n" + std::string(word) + "\n").substr(0, 13), "path.cls:2:1:") << word;
+  EXPECT_EQ(AptError("GOTO/1,2\n"), "path.cls:1:1: GOTO needs 3 to 6 numbers, found 2");
+  EXPECT_EQ(AptError("GOTO/0,0,0\n  GOTO/1, 2x,3\n"), "path.cls:2:11: GOTO needs numbers, found \"2X\"");
+  EXPECT_EQ(AptError("GOTO/0,0,$\n nan\n"), "path.cls:2:2: GOTO needs numbers, found \"NAN\"");
+  EXPECT_EQ(AptError("GOTO/0,0,0,0,0,0\n"), "path.cls:1:12: the direction has no length");
+  EXPECT_EQ(AptError("GOTO/0,0,0\nCIRCLE/0,0,0,0,0,1,5\n"),
             "path.cls:2:1: a CIRCLE is not followed by the GOTO that it leads to");
-  EXPECT_EQ(ErrorOf("GOTO/0,0,0\nCIRCLE/1E9,0,0,0,0,1,1E9\nGOTO/0,0,1\n"),
+  EXPECT_EQ(AptError("GOTO/0,0,0\nCIRCLE/1E9,0,0,0,0,1,1E9\nGOTO/0,0,1\n"),
             "path.cls:2:1: the circle's radius of 1e+09 mm is above 1000000 mm");
-  EXPECT_EQ(ErrorOf("GOTO/1E6,0,0\nCIRCLE/0,0,0,0,0,1,1E6,0.06,0.5,30,0,TIMES,1000\nGOTO/1E6,0,9\n"),
+  EXPECT_EQ(AptError("GOTO/1E6,0,0\nCIRCLE/0,0,0,0,0,1,1E6,0.06,0.5,30,0,TIMES,1000\nGOTO/1E6,0,9\n"),
             "path.cls:2:1: an arc of more than 1000000 points: is the chord tolerance of 0.01 mm meant?");
   std::string many = "GOTO/1E6,0,0\n";
   for (int i = 0; i < 200; ++i) many += "CIRCLE/0,0,0,0,0,1,1E6,0.06,0.5,30,0\nGOTO/1E6,0,0\n";
-  EXPECT_NE(ErrorOf(many).find("the path has more than 2000000 points"), std::string::npos);
-  EXPECT_EQ(ErrorOf("FINI\n"), "path.cls: the file holds no GOTO");
-  EXPECT_EQ(ErrorOf("UNITS/FEET\n").substr(0, 14), "path.cls:1:1: ");
+  EXPECT_NE(AptError(many).find("the path has more than 2000000 points"), std::string::npos);
+  EXPECT_EQ(AptError("FINI\n"), "path.cls: the file holds no GOTO");
+  EXPECT_EQ(AptError("UNITS/FEET\n").substr(0, 14), "path.cls:1:1: ");
 }
 
 TEST(CamCsv, ReadsUnitsSeparatorsAndPasses) {
@@ -267,23 +264,24 @@ TEST(CamCsv, ReadsUnitsSeparatorsAndPasses) {
 }
 
 TEST(CamCsv, TellsThePlaceOfErrors) {
-  EXPECT_EQ(ErrorOf("x_mm,y_mm,z_mm,a_deg,b_deg\n1,2,3,4,5\n"),
+  EXPECT_EQ(AptError("x_mm,y_mm,z_mm,a_deg,b_deg\n1,2,3,4,5\n"),
             "path.cls:1:16: \"column a_deg\" is not known (1 in the file), and a word that is not known may "
             "change the "
             "path: take it out if it says nothing about the motion\n"
             "path.cls:1:22: \"column b_deg\" is not known (1 in the file), and a word that is not known may "
             "change the "
             "path: take it out if it says nothing about the motion");
-  EXPECT_EQ(ErrorOf("x_mm,y_mm,z_mm,rapid\n1,2,3,2\n"), "path.cls:2:1: rapid is 0 or 1, found 2");
-  EXPECT_EQ(ErrorOf("x_mm,y_mm,z_mm\n1,2,3\n1,b,3\n"), "path.cls:3:3: expected a finite number, found \"b\"");
-  EXPECT_EQ(ErrorOf("x_mm,y_mm,z_mm\n1,2\n"), "path.cls:2:1: 2 values, the header names 3 columns");
-  EXPECT_EQ(ErrorOf("x_mm,y_mm\n1,2\n"), "path.cls:1:1: the header names no column z_mm (or z_m, z_in)");
-  EXPECT_EQ(ErrorOf("x_mm,y_mm,z_mm,i\n"), "path.cls:1:1: the tool axis needs all of the columns i, j, k");
+  EXPECT_EQ(AptError("x_mm,y_mm,z_mm,rapid\n1,2,3,2\n"), "path.cls:2:1: rapid is 0 or 1, found 2");
+  EXPECT_EQ(AptError("x_mm,y_mm,z_mm\n1,2,3\n1,b,3\n"),
+            "path.cls:3:3: expected a finite number, found \"b\"");
+  EXPECT_EQ(AptError("x_mm,y_mm,z_mm\n1,2\n"), "path.cls:2:1: 2 values, the header names 3 columns");
+  EXPECT_EQ(AptError("x_mm,y_mm\n1,2\n"), "path.cls:1:1: the header names no column z_mm (or z_m, z_in)");
+  EXPECT_EQ(AptError("x_mm,y_mm,z_mm,i\n"), "path.cls:1:1: the tool axis needs all of the columns i, j, k");
 }
 
 TEST(CamPath, FilesThatAreNoToolPathSayWhatTheySeemToBe) {
   const auto guess = [](const std::string& text) {
-    const std::string what = ErrorOf(text);
+    const std::string what = AptError(text);
     const size_t at = what.find("seems to be ");
     return at == std::string::npos ? what : what.substr(at + 12, what.find(';') - at - 12);
   };

@@ -3,21 +3,15 @@
 
 #include "base/units.hpp"
 #include "tests/surface/shapes.hpp"
+#include "tests/toolpath/cutters.hpp"
 
 namespace millpose {
 namespace {
-
-const std::array<CutterShape, 3> kCutters{{{10, 0, 40}, {10, 10, 40}, {10, 3, 40}}};
 
 // Height of the cutter's bottom over its tip at a distance from the axis.
 double Bottom(const CutterShape& cutter, double distance) {
   const double r = cutter.corner_radius, beyond = std::max(0.0, distance - (cutter.radius - r));
   return r - std::sqrt(std::max(0.0, r * r - beyond * beyond));
-}
-
-Eigen::Vector3d Leaning(double lead, double tilt) {
-  return Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()) *
-         Eigen::AngleAxisd(lead, Eigen::Vector3d::UnitY()) * Eigen::Vector3d::UnitZ();
 }
 
 TEST(Cutter, TouchesThePlaneAtTheContactAndNowhereElse) {

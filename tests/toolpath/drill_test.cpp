@@ -36,15 +36,6 @@ double HeightOf(const MillingPoint& point, const HolePlace& hole) {
   return hole.axis.dot(point.position - hole.entrance);
 }
 
-std::string RefusalOf(const Mesh& mesh, const ToolpathOptions& options) {
-  try {
-    MakeToolpath(mesh, options, {});
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
-}
-
 // A block of 60 × 60 × 20 mm, its top at z = 0, with a hole of radius 3 down through it at the origin.
 Mesh Bored() { return SoundMesh(LatheShape({{3, -20}, {30, -20}, {30, 0}, {3, 0}, {3, -20}}, 48)); }
 
@@ -138,22 +129,22 @@ TEST(Drill, ACountersinkReachesItsDiameterAtTheEntrance) {
 
 TEST(Drill, WhatIsNotStatedIsAskedFor) {
   Drill drill = Circles(std::nullopt);
-  EXPECT_NE(RefusalOf(Bored(), Drilling(drill)).find("from: missing"), std::string::npos);
+  EXPECT_NE(PathRefusal(Bored(), Drilling(drill)).find("from: missing"), std::string::npos);
   drill = Circles();
   drill.breakthrough.reset();
-  EXPECT_NE(RefusalOf(Bored(), Drilling(drill)).find("breakthrough_mm: missing"), std::string::npos);
+  EXPECT_NE(PathRefusal(Bored(), Drilling(drill)).find("breakthrough_mm: missing"), std::string::npos);
   drill = Circles();
   drill.circles->diameter = 7;
-  EXPECT_NE(RefusalOf(Bored(), Drilling(drill)).find("1 of 6.000 mm"), std::string::npos);
+  EXPECT_NE(PathRefusal(Bored(), Drilling(drill)).find("1 of 6.000 mm"), std::string::npos);
   drill = Circles(Eigen::Vector3d::UnitX());
-  EXPECT_NE(RefusalOf(Bored(), Drilling(drill)).find("runs across"), std::string::npos);
+  EXPECT_NE(PathRefusal(Bored(), Drilling(drill)).find("runs across"), std::string::npos);
   ToolpathOptions large = Drilling(Circles());
   large.cutter.radius = 3.1;
-  EXPECT_NE(RefusalOf(Bored(), large).find("too large"), std::string::npos);
+  EXPECT_NE(PathRefusal(Bored(), large).find("too large"), std::string::npos);
   drill = Circles();
   drill.breakthrough.reset();
   const Mesh sheet = SoundMesh(LatheShape({{30, 0}, {3, 0}}, 48));
-  EXPECT_NE(RefusalOf(sheet, Drilling(drill)).find("depth_mm: missing"), std::string::npos);
+  EXPECT_NE(PathRefusal(sheet, Drilling(drill)).find("depth_mm: missing"), std::string::npos);
 }
 
 TEST(Drill, ARegionChoosesAmongTheHoles) {

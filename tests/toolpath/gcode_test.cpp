@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "tests/base/refusal.hpp"
 #include "toolpath/cam/cam_path.hpp"
 
 namespace millpose {
@@ -28,13 +29,8 @@ CamPath Read(const std::string& text, const CamReadOptions& options = {}) {
   return ReadCamPath(text, "part.mpf", options);
 }
 
-std::string ErrorOf(const std::string& text, const CamReadOptions& options = {}) {
-  try {
-    Read(text, options);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
+std::string GcodeError(const std::string& text, const CamReadOptions& options = {}) {
+  return RefusalOf([&] { Read(text, options); });
 }
 
 void ExpectNear(const Vector& a, const Vector& b, double tolerance = 1e-9) {
@@ -129,9 +125,9 @@ TEST(Gcode, ToolVectorsAndRotaryAxesGiveTheAxis) {
   ExpectNear(rotary.points[1].axis, {0, 1, 0});
   ExpectNear(rotary.points[2].axis, {-1, 0, 0});
   ExpectNear(rotary.points[1].position, {4, 2, 3});
-  EXPECT_EQ(ErrorOf("G0 X0 Y0 Z0 B5\n"),
+  EXPECT_EQ(GcodeError("G0 X0 Y0 Z0 B5\n"),
             "part.mpf:1:13: the program turns axis B, and toolpath.cam.rotary_axes does not state an axis B");
-  EXPECT_EQ(ErrorOf("G0 X0 Y0 Z0 B0 C0\n"), "no error");
+  EXPECT_EQ(GcodeError("G0 X0 Y0 Z0 B0 C0\n"), "accepted");
 }
 
 TEST(Gcode, WithoutTipProgrammingTheMachinesGeometryCounts) {
@@ -199,7 +195,7 @@ TEST(Gcode, VariablesWithPlainNumbersAndMachineCoordinates) {
   ExpectNear(path.points[1].position, {3, 0, -3});
   EXPECT_EQ(path.points[1].feed_rate, 20);
   EXPECT_TRUE(path.points[2].fresh) << "the way back from home is no cut";
-  EXPECT_EQ(ErrorOf("G0 X=_NOTHING\n"), "part.mpf:1:4: the variable \"_NOTHING\" has no value");
+  EXPECT_EQ(GcodeError("G0 X=_NOTHING\n"), "part.mpf:1:4: the variable \"_NOTHING\" has no value");
 }
 
 TEST(Gcode, UnknownWordsAreCountedOnce) {
@@ -216,7 +212,7 @@ TEST(Gcode, UnknownWordsAreCountedOnce) {
       " in the file), and a word that is not known may change the path: take it out if it says nothing about "
       "the "
       "motion";
-  EXPECT_EQ(ErrorOf("G0 X0 Y0 Z0 Q5\nG1 X1 F5 Q6 G123\nX2 E5\n"),
+  EXPECT_EQ(GcodeError("G0 X0 Y0 Z0 Q5\nG1 X1 F5 Q6 G123\nX2 E5\n"),
             "part.mpf:1:13: \"Q\" is not known (2" + why + "\npart.mpf:2:13: \"G123\" is not known (1" + why +
                 "\npart.mpf:3:4: \"E\" is not known (1" + why);
 }
@@ -263,14 +259,14 @@ TEST(Gcode, WhatCannotBeReadIsToldWithItsPlace) {
         std::pair("$P_UIFR[1]=CTRANS(X,1)\n", "2:12: $P_UIFR[1]: expressions"),
         std::pair("G1 C4=3\n", "2:4: C4 is not read"),
         std::pair("CYCLE800(0,\"TC1\",0,57)\n", "2:1: \"CYCLE800\" is not known")}) {
-    const std::string error = ErrorOf(start + text);
+    const std::string error = GcodeError(start + text);
     EXPECT_EQ(error.substr(0, 9 + std::string(place).size()), "part.mpf:" + std::string(place))
         << text << error;
   }
-  EXPECT_EQ(ErrorOf("G93 G0 X0 Y0 Z0\nG1 X1\n"), "part.mpf:2:1: under G93 each cut needs its F");
-  EXPECT_EQ(ErrorOf("G1 X1 F5\n"), "part.mpf:1:1: a cut before X, Y and Z have been given in this system");
-  EXPECT_EQ(ErrorOf("G91 G0 X1\n"), "part.mpf:1:8: a step from a place that is not known");
-  EXPECT_EQ(ErrorOf("G21\nM30\n"), "part.mpf: the program holds no motion");
+  EXPECT_EQ(GcodeError("G93 G0 X0 Y0 Z0\nG1 X1\n"), "part.mpf:2:1: under G93 each cut needs its F");
+  EXPECT_EQ(GcodeError("G1 X1 F5\n"), "part.mpf:1:1: a cut before X, Y and Z have been given in this system");
+  EXPECT_EQ(GcodeError("G91 G0 X1\n"), "part.mpf:1:8: a step from a place that is not known");
+  EXPECT_EQ(GcodeError("G21\nM30\n"), "part.mpf: the program holds no motion");
 }
 
 TEST(Gcode, HarmlessWordsOfPostprocessors) {
@@ -279,7 +275,7 @@ TEST(Gcode, HarmlessWordsOfPostprocessors) {
       "E0.01\n"
       "M66 P0 L0 Q1\nM30 %\n");
   EXPECT_EQ(path.points.size(), 1u);
-  EXPECT_EQ(ErrorOf("G0 X0 Y0 Z0\nONONAME\n").substr(0, 33), "part.mpf:2:1: \"ONONAME\" is not kn");
+  EXPECT_EQ(GcodeError("G0 X0 Y0 Z0\nONONAME\n").substr(0, 33), "part.mpf:2:1: \"ONONAME\" is not kn");
 }
 
 TEST(Gcode, CodesOfTheKinematicsAreStatedByTheJob) {
@@ -298,7 +294,7 @@ TEST(Gcode, CodesOfTheKinematicsAreStatedByTheJob) {
   // Only one of two codes is stated.
   options.tip_programming.reset();
   options.kinematics_codes = {{429, false}};
-  EXPECT_EQ(ErrorOf(text, options).substr(0, 19), "part.mpf:4:1: M428 ");
+  EXPECT_EQ(GcodeError(text, options).substr(0, 19), "part.mpf:4:1: M428 ");
   // A code is the whole number.
   options.kinematics_codes = {{429, true}};
   ExpectNear(Read("G0 X0 Y0 Z0 B0\nM429.5\nG0 B90 Z0\nG1 X1 F100\n", options).points[1].position,
@@ -307,7 +303,7 @@ TEST(Gcode, CodesOfTheKinematicsAreStatedByTheJob) {
 
 // A call was kept for a block that came later, where it pointed to nothing.
 TEST(Gcode, ACycleCallBesideADwellIsRefused) {
-  EXPECT_EQ(ErrorOf("G0 X0 Y0 Z50\nG4 F1 CYCLE81(10,0,2,-5)\nG0 X5\n", {}),
+  EXPECT_EQ(GcodeError("G0 X0 Y0 Z50\nG4 F1 CYCLE81(10,0,2,-5)\nG0 X5\n", {}),
             "part.mpf:2:7: CYCLE81 together with a dwell in one block is not read");
 }
 
@@ -316,7 +312,8 @@ TEST(Gcode, ToolVectorsInIJK) {
   ExpectNear(path.points[0].axis, {0, 0.6, 0.8});
   ExpectNear(path.points[1].axis, {0, 0.6, 0.8});
   ExpectNear(path.points[2].axis, {1, 0, 0});
-  EXPECT_EQ(ErrorOf("G43.5\nG1 X0 Y0 Z0 K1 F1\nG2 X5 I1\n"), "part.mpf:3:1: arcs under G43.5 are not read");
+  EXPECT_EQ(GcodeError("G43.5\nG1 X0 Y0 Z0 K1 F1\nG2 X5 I1\n"),
+            "part.mpf:3:1: arcs under G43.5 are not read");
 }
 
 }  // namespace

@@ -4,16 +4,10 @@
 #include "base/random.hpp"
 #include "base/units.hpp"
 #include "tests/surface/shapes.hpp"
+#include "tests/toolpath/cutters.hpp"
 
 namespace millpose {
 namespace {
-
-const std::array<CutterShape, 3> kCutters{{{10, 0, 40}, {10, 10, 40}, {10, 3, 40}}};
-
-Eigen::Vector3d Leaning(double lead, double tilt) {
-  return Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()) *
-         Eigen::AngleAxisd(lead, Eigen::Vector3d::UnitY()) * Eigen::Vector3d::UnitZ();
-}
 
 // Depth of a point in a cutter at the origin by its support function: the least way out over many directions.
 double BruteDepth(const CutterShape& cutter, const Eigen::Vector3d& axis, const Eigen::Vector3d& p) {

@@ -74,19 +74,10 @@ TEST(ClipToShare, LeavesClosedWhatItDoesNotCut) {
   EXPECT_NEAR(LengthOf(one), 10 * kPi, 1e-9);
 }
 
-std::string RefusalOf(const Mesh& mesh, const ToolpathOptions& options) {
-  try {
-    MakeToolpath(mesh, options, {});
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
-}
-
 TEST(PathShare, SaysHowFarThePathGoesWhereItHoldsNothing) {
   ToolpathOptions options = PadOptions();
   options.share = PathShare{Eigen::Vector3d::UnitX(), 900, 1000, 0};
-  const std::string told = RefusalOf(SampleMesh("support_pad"), options);
+  const std::string told = PathRefusal(SampleMesh("support_pad"), options);
   EXPECT_NE(told.find("toolpath.share: nothing of the tool path lies in it"), std::string::npos) << told;
   EXPECT_NE(told.find("-40.000 to 40.000 mm"), std::string::npos) << told;
 }
@@ -108,10 +99,10 @@ TEST(PathShare, HasEveryHoleOnce) {
   }
   EXPECT_EQ(holes, (std::vector<double>{0, 10, 20, 30, 40, 50, 60}));
   options.share->overlap = 1;
-  EXPECT_NE(RefusalOf(none, options).find("toolpath.share.overlap_mm: has no effect with strategy drill"),
+  EXPECT_NE(PathRefusal(none, options).find("toolpath.share.overlap_mm: has no effect with strategy drill"),
             std::string::npos);
   options.share = PathShare{Eigen::Vector3d::UnitX(), 200, 300, 0};
-  EXPECT_NE(RefusalOf(none, options).find("no hole lies in it"), std::string::npos);
+  EXPECT_NE(PathRefusal(none, options).find("no hole lies in it"), std::string::npos);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ Curve Polyline(const std::vector<Eigen::Vector3d>& points) {
   return curve;
 }
 
-Curve Circle(double radius, double angle) {
+Curve CirclePart(double radius, double angle) {
   CurvePiece piece;
   piece.face = 0;
   piece.arc = true;
@@ -69,7 +69,7 @@ TEST(Resample, CornersStay) {
 TEST(Resample, ArcsKeepToleranceAndSpacing) {
   for (const double angle : {0.5, 3.0, 2 * kPi})
     for (const double tolerance : {0.001, 0.01, 0.5}) {
-      const Curve curve = Circle(100, angle);
+      const Curve curve = CirclePart(100, angle);
       const auto points = Resample(curve, tolerance, 5);
       const auto [deviation, spacing] = DeviationAndSpacing(curve, points);
       EXPECT_LE(deviation, tolerance);
@@ -99,7 +99,7 @@ TEST(Resample, RandomPolylinesKeepToleranceAndSpacing) {
 
 TEST(Resample, PartsKeepThePointsOfFewerParts) {
   for (const Curve& curve :
-       {Circle(100, 3), Circle(100, 2 * kPi), Polyline({{0, 0, 0}, {7, 0.3, 0}, {31, 4, 1}})}) {
+       {CirclePart(100, 3), CirclePart(100, 2 * kPi), Polyline({{0, 0, 0}, {7, 0.3, 0}, {31, 4, 1}})}) {
     std::vector<CurvePoint> before = Resample(curve, 0.01, 5);
     for (const int parts : {2, 4, 16}) {
       const std::vector<CurvePoint> finer = Resample(curve, 0.01, 5, parts);
@@ -116,7 +116,7 @@ TEST(Resample, PartsKeepThePointsOfFewerParts) {
 }
 
 TEST(Resample, ClosedCurvesDoNotRepeatTheirStart) {
-  const Curve curve = Circle(50, 2 * kPi);
+  const Curve curve = CirclePart(50, 2 * kPi);
   const auto points = Resample(curve, 0.01, 5);
   EXPECT_LT(points.back().arc_length, 2 * kPi * 50 - 1);
 }

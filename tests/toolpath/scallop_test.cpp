@@ -10,7 +10,7 @@
 namespace millpose {
 namespace {
 
-constexpr double kRadius = 200;
+constexpr double kSphereRadius = 200;
 
 // How far a place is from what a cutter takes off that is led along y: from the rounded disc and all that is
 // above it. A convex set, so the distance along y has one least value, found by halving thirds.
@@ -33,7 +33,7 @@ bool IsTaken(const CutterShape& cutter, const MillingPoint& tool, const Eigen::V
 double LeftStanding(const CutterShape& cutter, const std::vector<MillingPoint>& tools, double curvature,
                     double angle) {
   const double side = curvature > 0 ? 1 : -1;
-  const Eigen::Vector3d radial(std::cos(angle), 0, std::sin(angle)), surface = kRadius * radial;
+  const Eigen::Vector3d radial(std::cos(angle), 0, std::sin(angle)), surface = kSphereRadius * radial;
   double left = 2;
   for (const MillingPoint& tool : tools) {
     double low = -0.01, high = left;
@@ -72,7 +72,7 @@ void ExpectScallops(const Case& given, double wanted, Direction direction, int g
   options.lead = DegToRad(given.lead_deg);
   options.tilt = DegToRad(given.tilt_deg);
   options.direction = direction;
-  const Mesh mesh = SoundMesh(Vault(kRadius, 700, given.curvature > 0));
+  const Mesh mesh = SoundMesh(Vault(kSphereRadius, 700, given.curvature > 0));
   std::vector<MillingPoint> tools;
   std::vector<double> angles;  // of the contacts
   for (const Pass& pass : MakeToolpath(mesh, options, {}).passes) {
@@ -87,7 +87,7 @@ void ExpectScallops(const Case& given, double wanted, Direction direction, int g
   const size_t count = tools.size(), every = std::max<size_t>(1, count / static_cast<size_t>(gaps));
   double highest = 0;
   for (size_t i = 2; i + 3 < count; i += i % 2 == 0 ? 1 : every / 2 * 2 + 1) {  // two after each other
-    const double laid = kRadius * std::abs(angles[i + 1] - angles[i]);
+    const double laid = kSphereRadius * std::abs(angles[i + 1] - angles[i]);
     EXPECT_LE(laid, std::min(widest, options.stepover) * 1.002);
     double left = 0;
     for (int k = 0; k <= rays; ++k)
@@ -111,16 +111,16 @@ void ExpectScallops(const Case& given, double wanted, Direction direction, int g
 TEST(Scallops, StandAsHighAsPredictedOnConvexAndConcaveVaults) {
   const CutterShape ball{8, 8, 30}, bull{8, 2, 30}, flat{8, 0, 30};
   for (const double wanted : {0.02, 0.1})
-    for (const Case& given : std::initializer_list<Case>{{ball, 0, 0, 1 / kRadius},
-                                                         {bull, 0, 0, 1 / kRadius},
-                                                         {flat, 0, 0, 1 / kRadius},
-                                                         {ball, 0, 0, -1 / kRadius},
-                                                         {ball, 8, 5, 1 / kRadius},
-                                                         {bull, 6, 0, 1 / kRadius},
-                                                         {bull, 6, 4, -1 / kRadius},
-                                                         {flat, 5, 0, 1 / kRadius},
-                                                         {flat, 8, 0, -1 / kRadius},
-                                                         {flat, 6, 3, 1 / kRadius}}) {
+    for (const Case& given : std::initializer_list<Case>{{ball, 0, 0, 1 / kSphereRadius},
+                                                         {bull, 0, 0, 1 / kSphereRadius},
+                                                         {flat, 0, 0, 1 / kSphereRadius},
+                                                         {ball, 0, 0, -1 / kSphereRadius},
+                                                         {ball, 8, 5, 1 / kSphereRadius},
+                                                         {bull, 6, 0, 1 / kSphereRadius},
+                                                         {bull, 6, 4, -1 / kSphereRadius},
+                                                         {flat, 5, 0, 1 / kSphereRadius},
+                                                         {flat, 8, 0, -1 / kSphereRadius},
+                                                         {flat, 6, 3, 1 / kSphereRadius}}) {
       SCOPED_TRACE(fmt::format("r {} lead {} tilt {} curvature {} H {}", given.cutter.corner_radius,
                                given.lead_deg, given.tilt_deg, given.curvature, wanted));
       ExpectScallops(given, wanted, Direction::kOneWay, OfTier(2, 4), 60);
@@ -128,7 +128,7 @@ TEST(Scallops, StandAsHighAsPredictedOnConvexAndConcaveVaults) {
 }
 
 TEST(Scallops, OfATiltedCutterBackAndForthAreNotHigherThanWanted) {
-  ExpectScallops({{8, 0, 30}, 6, 3, 1 / kRadius}, 0.05, Direction::kZigzag, 8, 60);
+  ExpectScallops({{8, 0, 30}, 6, 3, 1 / kSphereRadius}, 0.05, Direction::kZigzag, 8, 60);
 }
 
 TEST(Scallops, AgreeWithTheFormulas) {

@@ -13,7 +13,7 @@ namespace {
 // A round cavity of radius 20, 40 deep, whose wall leans outwards by 2 mm in 20.
 Mesh Cavity() { return SoundMesh(LatheShape({{60, 0}, {20, 0}, {16, -40}, {0, -40}}, 90)); }
 
-ToolpathOptions Rings(const ToolAxisOptions& axis) {
+ToolpathOptions RingsAlong(const ToolAxisOptions& axis) {
   ToolpathOptions options = WallRings();
   options.region = {};
   options.region.box = RegionBox{{-45, -45, -34}, {45, 45, -1}};
@@ -35,7 +35,7 @@ TEST(ToolAxis, IsTheOneOfItsRuleWhereverTheSurfaceLeans) {
                                            {AxisRule::kToward, above, Eigen::Vector3d::UnitY()},
                                            {AxisRule::kAway, -above, Eigen::Vector3d::Zero()}};
   for (const ToolAxisOptions& rule : rules) {
-    ToolpathOptions options = Rings(rule);
+    ToolpathOptions options = RingsAlong(rule);
     const Toolpath toolpath = MakeToolpath(Cavity(), options, {});
     for (const Pass& pass : toolpath.passes)
       for (const MillingPoint& point : pass.points) {
@@ -57,15 +57,15 @@ TEST(ToolAxis, IsTheOneOfItsRuleWhereverTheSurfaceLeans) {
 TEST(ToolAxis, OfACavityThatNormalsDoNotReachMakesItsWallReachable) {
   // Along the normals the holder's side of a long cutter runs into the wall opposite.
   const CutterShape cutter{5, 5, 60};
-  const Toolpath normal = MakeToolpath(Cavity(), Rings({}), {});
+  const Toolpath normal = MakeToolpath(Cavity(), RingsAlong({}), {});
   const Toolpath upright =
-      MakeToolpath(Cavity(), Rings({AxisRule::kFixed, {}, Eigen::Vector3d::UnitZ()}), {});
+      MakeToolpath(Cavity(), RingsAlong({AxisRule::kFixed, {}, Eigen::Vector3d::UnitZ()}), {});
   EXPECT_GT(Gouged(Cavity(), normal, cutter), PointsOf(normal) / 2);
   EXPECT_EQ(Gouged(Cavity(), upright, cutter), 0);
 }
 
 TEST(ToolAxis, WhatItWouldReachFromUnderTheSurfaceIsNotMilled) {
-  ToolpathOptions options = Rings({AxisRule::kFixed, {}, -Eigen::Vector3d::UnitZ()});
+  ToolpathOptions options = RingsAlong({AxisRule::kFixed, {}, -Eigen::Vector3d::UnitZ()});
   Toolpath toolpath = MakeToolpath(Cavity(), options, {});
   ASSERT_FALSE(toolpath.notes.empty());
   EXPECT_NE(toolpath.notes.back().find("under the surface"), std::string::npos);
@@ -75,7 +75,7 @@ TEST(ToolAxis, WhatItWouldReachFromUnderTheSurfaceIsNotMilled) {
 }
 
 TEST(ToolAxis, LeadAndTiltLeanFromIt) {
-  ToolpathOptions options = Rings({AxisRule::kFixed, {}, Eigen::Vector3d::UnitZ()});
+  ToolpathOptions options = RingsAlong({AxisRule::kFixed, {}, Eigen::Vector3d::UnitZ()});
   options.lead = DegToRad(10);
   for (const Pass& pass : MakeToolpath(Cavity(), options, {}).passes)
     for (const MillingPoint& point : pass.points) {
@@ -91,7 +91,7 @@ Mesh Bore(double lean) {
 
 TEST(ToolAxis, AlongAWallItFollowsItsLean) {
   for (const double lean : {0.05, 0.3, 0.8}) {
-    ToolpathOptions options = Rings({AxisRule::kWall, {}, Eigen::Vector3d::UnitZ()});
+    ToolpathOptions options = RingsAlong({AxisRule::kWall, {}, Eigen::Vector3d::UnitZ()});
     options.cutter = {5, 0, 60};
     options.region.box = RegionBox{{-69, -69, -34}, {69, 69, -4}};
     const Mesh bore = Bore(lean);

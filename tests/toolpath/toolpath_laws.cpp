@@ -3,10 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/base/refusal.hpp"
 #include "tests/surface/shapes.hpp"
 #include "tests/toolpath/with.hpp"
 
 namespace millpose {
+
+std::string PathRefusal(const Mesh& mesh, const ToolpathOptions& options) {
+  return RefusalOf([&] { MakeToolpath(mesh, options, {}); });
+}
 
 size_t PointsOf(const Toolpath& toolpath) {
   size_t points = 0;

@@ -13,6 +13,8 @@ ToolpathOptions PadOptions();
 /// Rings on the wall of a cylinder of radius 60 mm, height 40 mm.
 ToolpathOptions WallRings();
 
+/// What options are refused with; "accepted" where they are not.
+std::string PathRefusal(const Mesh& mesh, const ToolpathOptions& options);
 size_t PointsOf(const Toolpath& toolpath);
 /// What holds for every tool path whose positions lie on a mesh.
 void ExpectSound(const Mesh& mesh, const Toolpath& toolpath, const ToolpathOptions& options);

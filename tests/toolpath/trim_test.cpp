@@ -2,6 +2,7 @@
 #include "toolpath/strategies/trim.hpp"
 
 #include "base/error.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/surface/shapes.hpp"
 #include "tests/toolpath/with.hpp"
 #include "toolpath/gouge.hpp"
@@ -11,7 +12,7 @@
 namespace millpose {
 namespace {
 
-constexpr double kRadius = 3;
+constexpr double kTrimRadius = 3;
 
 // A sheet of 100 mm in z = 0 with a square window of 20 mm in its middle.
 Mesh Windowed() { return SoundMesh(PlateShape(10, 10, 10, {{{{40, 40}, {60, 60}}}})); }
@@ -28,7 +29,7 @@ Trim Through(const Eigen::Vector3d& near) {
 ToolpathOptions Trimming(const Trim& trim) {
   ToolpathOptions options;
   options.strategy = std::make_shared<Trim>(trim);
-  options.cutter = {kRadius, 0, 30};
+  options.cutter = {kTrimRadius, 0, 30};
   options.feed_rate = 10;
   options.plunge_feed = 2;
   options.retract_feed = 50;
@@ -40,13 +41,8 @@ LaidPath Laid(const Mesh& mesh, const ToolpathOptions& options) {
   return options.strategy->Make({mesh, options, {}}, {});
 }
 
-std::string RefusalOf(const Mesh& mesh, const ToolpathOptions& options) {
-  try {
-    Laid(mesh, options);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
+std::string TrimRefusal(const Mesh& mesh, const ToolpathOptions& options) {
+  return RefusalOf([&] { Laid(mesh, options); });
 }
 
 // Seen from above, the nearest place of a square's sides.
@@ -82,16 +78,16 @@ TEST(Trim, RunsAtTheCuttersRadiusBesideAWindowAndARim) {
       least = std::min(least, FromSquare(p, low, high));
       most = std::max(most, FromSquare(p, low, high));
     }
-    EXPECT_GT(least, kRadius - 0.011) << "chords round outer corners";
-    EXPECT_LT(most, kRadius + 1e-4);
+    EXPECT_GT(least, kTrimRadius - 0.011) << "chords round outer corners";
+    EXPECT_LT(most, kTrimRadius + 1e-4);
     // Everywhere along the edge the cutter comes by.
     const std::vector<Eigen::Vector3d> dense = Dense(laid.toolpath.passes[0]);
-    for (double s = low + (window ? kRadius : 0); s <= high - (window ? kRadius : 0); s += 1)
+    for (double s = low + (window ? kTrimRadius : 0); s <= high - (window ? kTrimRadius : 0); s += 1)
       for (const Eigen::Vector3d& edge : {Eigen::Vector3d(s, low, 0), Eigen::Vector3d(s, high, 0),
                                           Eigen::Vector3d(low, s, 0), Eigen::Vector3d(high, s, 0)}) {
         double nearest = 1e9;
         for (const Eigen::Vector3d& p : dense) nearest = std::min(nearest, (p - edge).head<2>().norm());
-        EXPECT_LT(nearest, kRadius + 0.01) << edge.transpose();
+        EXPECT_LT(nearest, kTrimRadius + 0.01) << edge.transpose();
       }
   }
 }
@@ -99,7 +95,7 @@ TEST(Trim, RunsAtTheCuttersRadiusBesideAWindowAndARim) {
 TEST(Trim, InnerCornersTighterThanTheCutterAreTold) {
   const LaidPath window = Laid(Windowed(), Trimming(Through(kAtWindow)));
   ASSERT_EQ(window.findings.size(), 4);
-  EXPECT_NE(window.findings[0].find(fmt::format("leaves {:.3f} mm", kRadius * (std::sqrt(2) - 1))),
+  EXPECT_NE(window.findings[0].find(fmt::format("leaves {:.3f} mm", kTrimRadius * (std::sqrt(2) - 1))),
             std::string::npos)
       << window.findings[0];
   EXPECT_TRUE(Laid(Windowed(), Trimming(Through(kAtRim))).findings.empty());
@@ -112,8 +108,8 @@ TEST(Trim, TheCutterFollowsARoundWindowWithinAHundredth) {
   const Mesh ring = SoundMesh(LatheShape({{40, 0}, {20, 0}}, 180));
   ToolpathOptions options = Trimming(Through({20, 0, 0}));
   for (const Eigen::Vector3d& p : Dense(Laid(ring, options).toolpath.passes[0])) {
-    EXPECT_LT(p.head<2>().norm(), 20 - kRadius + 1e-6);
-    EXPECT_GT(p.head<2>().norm(), 20 - kRadius - 0.01);
+    EXPECT_LT(p.head<2>().norm(), 20 - kTrimRadius + 1e-6);
+    EXPECT_GT(p.head<2>().norm(), 20 - kTrimRadius - 0.01);
   }
 }
 
@@ -126,13 +122,13 @@ TEST(Trim, ClimbHasThePartOnTheRight) {
       size_t right = 0, cut = 0;
       for (const MillingPoint& point : laid.toolpath.passes[0].points) {
         if (point.kind != PointKind::kCut) continue;
-        Eigen::Vector3d aside = point.position + 1.2 * kRadius * point.feed.cross(point.tool_axis);
+        Eigen::Vector3d aside = point.position + 1.2 * kTrimRadius * point.feed.cross(point.tool_axis);
         aside.z() = 0;
         right += Windowed().Closest(aside).distance < 1e-6 ? 1 : 0;
         ++cut;
         EXPECT_LT(std::abs(point.normal.dot(point.tool_axis)), 1e-9);
         EXPECT_LT(std::abs(point.normal.dot(point.feed)), 1e-9);
-        Eigen::Vector3d part = point.position - 1.2 * kRadius * point.normal;
+        Eigen::Vector3d part = point.position - 1.2 * kTrimRadius * point.normal;
         part.z() = 0;
         EXPECT_LT(Windowed().Closest(part).distance, 1.0) << "the normal leads away from the part";
       }
@@ -174,7 +170,7 @@ TEST(Trim, GoesDownInRoundsAndNowhereSteeperThanItsRamp) {
     for (const auto& [depth, length] : way) {
       EXPECT_LE(static_cast<double>(depth) / 1000 - before, per_depth + 1e-3);
       before = static_cast<double>(depth) / 1000;
-      EXPECT_GT(length, 4 * (20 - 2 * kRadius)) << "all round";
+      EXPECT_GT(length, 4 * (20 - 2 * kTrimRadius)) << "all round";
     }
   }
 }
@@ -194,15 +190,15 @@ TEST(Trim, TabsStayUpByWidthAndHeight) {
                                         Eigen::Vector3d(0, s, 0), Eigen::Vector3d(100, s, 0)}) {
       double deepest = 0;
       for (const Eigen::Vector3d& p : dense)
-        if ((p - edge).head<2>().norm() < kRadius + 0.02) deepest = std::max(deepest, -p.z());
+        if ((p - edge).head<2>().norm() < kTrimRadius + 0.02) deepest = std::max(deepest, -p.z());
       if (deepest <= 4 - 1.2 + 1e-6) standing += 0.1;
       if (deepest < 4 - 1.2 - 1e-6) lost += 0.1;
     }
-  EXPECT_GT(standing, 3 * (5 + 2 * kRadius - 1));
-  EXPECT_LT(standing, 3 * (5 + 2 * kRadius + 1));
+  EXPECT_GT(standing, 3 * (5 + 2 * kTrimRadius - 1));
+  EXPECT_LT(standing, 3 * (5 + 2 * kTrimRadius + 1));
   EXPECT_EQ(lost, 0) << "no deeper round is left out beside the tabs";
   trim.tabs->count = 40;
-  EXPECT_NE(RefusalOf(Windowed(), Trimming(trim)).find("has no room"), std::string::npos);
+  EXPECT_NE(TrimRefusal(Windowed(), Trimming(trim)).find("has no room"), std::string::npos);
   trim.tabs.reset();
   const LaidPath without = Laid(Windowed(), Trimming(trim));
   ASSERT_EQ(without.warnings.size(), 1);
@@ -215,7 +211,7 @@ TEST(Trim, LeadsStayOnTheWastesSideAndMeetTheWayTangentially) {
     const std::vector<MillingPoint>& points = laid.toolpath.passes[0].points;
     const double low = near == kAtWindow ? 40 : 0, high = near == kAtWindow ? 60 : 100;
     for (size_t i = 0; i < points.size(); ++i) {
-      EXPECT_GT(FromSquare(points[i].position, low, high), kRadius - 0.011);
+      EXPECT_GT(FromSquare(points[i].position, low, high), kTrimRadius - 0.011);
       if (i == 0 || i + 1 == points.size() || points[i].kind == points[i - 1].kind) continue;
       const Eigen::Vector3d in = (points[i].position - points[i - 1].position).normalized();
       const Eigen::Vector3d out = (points[i + 1].position - points[i].position).normalized();
@@ -255,7 +251,7 @@ TEST(Trim, AStretchRunsBetweenItsPlacesByTheNearOne) {
   EXPECT_TRUE(laid.warnings.empty()) << "nothing falls";
   double least = 1e9, most = -1e9;
   for (const Eigen::Vector3d& p : Dense(laid.toolpath.passes[0])) {
-    EXPECT_NEAR(p.y(), -kRadius, 1e-9);
+    EXPECT_NEAR(p.y(), -kTrimRadius, 1e-9);
     least = std::min(least, p.x());
     most = std::max(most, p.x());
   }
@@ -280,26 +276,26 @@ TEST(Trim, WhereTheCutterDoesNotPassThePartsAreTold) {
     for (const Eigen::Vector3d& p : Dense(pass)) {
       Eigen::Vector3d on = p;
       on.z() = 0;
-      EXPECT_GT(plate.Closest(on).distance, kRadius - 0.01);
+      EXPECT_GT(plate.Closest(on).distance, kTrimRadius - 0.01);
     }
   ToolpathOptions large = Trimming(Through({10, 20, 0}));
   large.cutter.radius = 16;
-  EXPECT_NE(RefusalOf(plate, large).find("fits nowhere"), std::string::npos);
+  EXPECT_NE(TrimRefusal(plate, large).find("fits nowhere"), std::string::npos);
 }
 
 TEST(Trim, WhatCannotBeIsRefused) {
   Trim trim = Through(kAtWindow);
   trim.border->near.reset();
-  EXPECT_NE(RefusalOf(Windowed(), Trimming(trim)).find("has 2 borders"), std::string::npos);
+  EXPECT_NE(TrimRefusal(Windowed(), Trimming(trim)).find("has 2 borders"), std::string::npos);
   trim = Through(kAtWindow);
   trim.through = 31;
-  EXPECT_NE(RefusalOf(Windowed(), Trimming(trim)).find("shank"), std::string::npos);
+  EXPECT_NE(TrimRefusal(Windowed(), Trimming(trim)).find("shank"), std::string::npos);
   trim = Through(kAtWindow);
   trim.lead_radius = 4;
-  EXPECT_NE(RefusalOf(Windowed(), Trimming(trim)).find("core"), std::string::npos);
+  EXPECT_NE(TrimRefusal(Windowed(), Trimming(trim)).find("core"), std::string::npos);
   trim.entry = TrimEntry::kPlunge;
   trim.lead_radius = 9;
-  EXPECT_NE(RefusalOf(Windowed(), Trimming(trim)).find("no room anywhere"), std::string::npos);
+  EXPECT_NE(TrimRefusal(Windowed(), Trimming(trim)).find("no room anywhere"), std::string::npos);
 }
 
 TEST(Trim, FinerPassesHoldThePointsOfTheCoarse) {
