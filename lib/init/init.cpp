@@ -172,7 +172,7 @@ class Init {
     } catch (const InputError&) {  // this strategy has nothing to lay there
       return false;
     }
-    CheckJobGouges(draft_.inputs, mesh, Execution{arguments_.threads}.Threads(), made, stop_);
+    CheckJobGouges(draft_.inputs, mesh, {.threads = arguments_.threads, .stop = stop_}, made);
     const bool ball = job_.strategy == FirstStrategy::kBall;
     if (ball ? made.gouges.largest_lift > kMostLift : made.gouges.points > 0) return false;
     if (!made.findings.empty()) return false;

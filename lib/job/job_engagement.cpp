@@ -9,11 +9,11 @@
 #include "toolpath/make_toolpath.hpp"
 
 namespace millpose {
-std::optional<CuttingForce> SetJobEngagement(const JobInputs& inputs, const Mesh& mesh, int threads,
-                                             const std::stop_token& stop, Toolpath& toolpath) {
+std::optional<CuttingForce> SetJobEngagement(const JobInputs& inputs, const Mesh& mesh,
+                                             const Execution& execution, Toolpath& toolpath) {
   if (!inputs.job.cutting) return std::nullopt;
   const EngagementOptions options = MakeEngagementOptions(inputs, mesh);
-  SetEngagement(options, threads, stop, toolpath);
+  SetEngagement(options, execution.Threads(), execution.stop, toolpath);
   return HeaviestCut(options, toolpath);
 }
 
@@ -125,19 +125,19 @@ class MissingMaterial {
 
 }  // namespace
 
-size_t LeaveOverMissing(const JobInputs& inputs, const Mesh& mesh, int threads, const std::stop_token& stop,
+size_t LeaveOverMissing(const JobInputs& inputs, const Mesh& mesh, const Execution& execution,
                         PlanResult& plan) {
   if (!inputs.job.cutting || inputs.job.cutting->side || inputs.job.over_missing == OverMissing::kCut)
     return 0;
   if (CountSkipped(plan) == 0) return 0;
   const EngagementOptions options = MakeEngagementOptions(inputs, mesh);
   Toolpath whole = Milled(inputs, plan, false);
-  SetEngagement(options, threads, stop, whole);
+  SetEngagement(options, execution.Threads(), execution.stop, whole);
   const Largest largest(whole);
   size_t left_out = 0;
   for (;;) {
     Toolpath now = Milled(inputs, plan, true);
-    SetEngagement(options, threads, stop, now);
+    SetEngagement(options, execution.Threads(), execution.stop, now);
     const MissingMaterial missing(plan, now, largest);
     std::vector<std::tuple<size_t, int, std::string>> pieces;
     for (size_t p = 0; p < plan.passes.size(); ++p)
@@ -152,14 +152,14 @@ size_t LeaveOverMissing(const JobInputs& inputs, const Mesh& mesh, int threads, 
   }
 }
 
-std::string CountWhatIsLeft(const JobInputs& inputs, const Mesh& mesh, int threads,
-                            const std::stop_token& stop, PlanResult& plan) {
+std::string CountWhatIsLeft(const JobInputs& inputs, const Mesh& mesh, const Execution& execution,
+                            PlanResult& plan) {
   constexpr double kMore = 1.2;  // times the force that was planned for: worth telling
   if (!inputs.job.cutting) return "";
   const size_t skipped = CountSkipped(plan);
   if (skipped == 0) return "";
   Toolpath milled = Milled(inputs, plan, true);
-  SetEngagement(MakeEngagementOptions(inputs, mesh), threads, stop, milled);
+  SetEngagement(MakeEngagementOptions(inputs, mesh), execution.Threads(), execution.stop, milled);
   for (size_t p = 0; p < plan.passes.size(); ++p) Move(plan, plan.passes[p], false, milled.passes[p]);
   size_t more = 0, over = 0;
   double most = 0;

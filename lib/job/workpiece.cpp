@@ -96,11 +96,10 @@ void LeaveToLeans(Toolpath& toolpath) {
 
 }  // namespace
 
-void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, int threads, JobToolpath& made,
-                    std::stop_token stop) {
+void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, const Execution& execution,
+                    JobToolpath& made) {
   const GougeOptions& options = inputs.job.toolpath.gouges;
-  made.gouges =
-      CheckGouges(mesh, MakeCutterShape(inputs.cell.tool), options, threads, made.toolpath, std::move(stop));
+  made.gouges = CheckGouges(mesh, MakeCutterShape(inputs.cell.tool), options, execution, made.toolpath);
   const GougeReport& found = made.gouges;
   if (found.points == 0) return;
   const Eigen::Vector3d& place = found.deepest.place;

@@ -4,6 +4,7 @@
 
 #include <stop_token>
 
+#include "base/execution.hpp"
 #include "cell/cell.hpp"
 #include "job/inputs.hpp"
 #include "stations/external_course.hpp"
@@ -49,8 +50,7 @@ JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop
 
 /// Checks the cutter against the whole part and does what the job asks for where it would go into it. Throws
 /// Interrupted.
-void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, int threads, JobToolpath& made,
-                    std::stop_token stop);
+void CheckJobGouges(const JobInputs& inputs, const Mesh& mesh, const Execution& execution, JobToolpath& made);
 
 /// The tool path in W.
 Toolpath PlacedToolpath(const JobInputs& inputs, const Toolpath& toolpath, const Pose& X_WP);

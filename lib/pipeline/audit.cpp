@@ -187,20 +187,20 @@ void Collect(const std::vector<Step>& steps, const std::vector<Found>& found, Au
   }
 }
 
-void AuditMotions(const PlanResult& plan, const Cell& cell, double resolution, int threads,
-                  std::stop_token stop, AuditFigures* figures) {
+void AuditMotions(const PlanResult& plan, const Cell& cell, double resolution, const Execution& execution,
+                  AuditFigures* figures) {
   const audit::Setup setup = MakeJudgeSetup(cell);
   std::vector<Step> steps = StepsOf(plan);
   const PlanResult commanded = Commanded(plan);  // whose moves its steps point at
   if (IsCompensated(plan)) std::ranges::move(StepsOf(commanded), std::back_inserter(steps));
   std::vector<Found> found(steps.size());
   // A judge has a state of its own: one for each share of the steps.
-  const auto parts = static_cast<size_t>(std::max(1, threads));
-  ParallelFor(parts, threads, stop, [&](size_t part) {
+  const auto parts = static_cast<size_t>(std::max(1, execution.Threads()));
+  ParallelFor(parts, execution.Threads(), execution.stop, [&](size_t part) {
     audit::Judge judge(setup);
     ExternalPosition stands;
     for (size_t i = part; i < steps.size(); i += parts) {
-      CheckStop(stop);
+      CheckStop(execution.stop);
       const Step& step = steps[i];
       const audit::Angles from = ToJudge(step.from), to = ToJudge(step.to);
       if (step.move) {
@@ -226,10 +226,10 @@ void AuditMotions(const PlanResult& plan, const Cell& cell, double resolution, i
 }  // namespace
 
 AuditFigures Audit(const PlanResult& plan, const Mesh& mesh, const Cell& cell, const AuditRules& rules,
-                   int threads, std::stop_token stop) {
+                   const Execution& execution) {
   AuditFigures figures;
   AuditPoints(plan, mesh, rules, &figures);
-  AuditMotions(plan, cell, rules.resolution, threads, std::move(stop), &figures);
+  AuditMotions(plan, cell, rules.resolution, execution, &figures);
   return figures;
 }
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <optional>
-#include <stop_token>
 
+#include "base/execution.hpp"
 #include "cell/cell.hpp"
 #include "plan/plan_result.hpp"
 #include "pose/scorer.hpp"
@@ -26,7 +26,7 @@ struct AuditRules {
 /// shares nothing with the checker that the plan was made with; each motion is held to the share of the
 /// clearances that the plan states for it, less the resolution.
 AuditFigures Audit(const PlanResult& plan, const Mesh& mesh, const Cell& cell, const AuditRules& rules,
-                   int threads, std::stop_token stop);
+                   const Execution& execution);
 
 /// What of it is wrong, one sentence each; empty when all is well.
 std::vector<std::string> Findings(const AuditFigures& figures);

@@ -31,7 +31,7 @@ Pose WindowCorner(int i, double shift, double turn) {
 
 /// What goes wrong with the base shifted; empty when nothing does.
 std::string WhatBars(const MotionProgram& planned, const Cell& cell, const Pose& X_PP,
-                     const VerifyOptions& options, int threads, const std::stop_token& stop) {
+                     const VerifyOptions& options, const Execution& execution) {
   MotionProgram program = planned;
   program.X_BP = *planned.X_BP * X_PP;
   program.files = {"shifted"};
@@ -50,14 +50,14 @@ std::string WhatBars(const MotionProgram& planned, const Cell& cell, const Pose&
     motion.q = *q;
   }
   // Compared with itself: only its own motion can be wrong.
-  const std::vector<Finding> findings = Verify(program, World(shifted), &program, options, threads, stop);
+  const std::vector<Finding> findings = Verify(program, World(shifted), &program, options, execution);
   return findings.empty() ? std::string() : findings.front().message;
 }
 
 }  // namespace
 
 std::optional<BaseWindow> FindBaseWindow(const PlanResult& plan, const JobInputs& inputs, const Cell& cell,
-                                         int threads, std::stop_token stop) {
+                                         const Execution& execution) {
   const JobSettings& job = inputs.job;
   const bool wanted = job.program_options.base_shift > 0 || job.program_options.base_turn > 0;
   if (job.workpiece.targets.empty() || job.programs.empty() || !wanted) return std::nullopt;
@@ -72,7 +72,7 @@ std::optional<BaseWindow> FindBaseWindow(const PlanResult& plan, const JobInputs
     window.turn = share * job.program_options.base_turn;
     std::string obstacle;
     for (int i = 0; i < kCorners && obstacle.empty(); ++i)
-      obstacle = WhatBars(planned, cell, WindowCorner(i, window.shift, window.turn), options, threads, stop);
+      obstacle = WhatBars(planned, cell, WindowCorner(i, window.shift, window.turn), options, execution);
     if (obstacle.empty()) return window;
     window.obstacle = obstacle;
   }

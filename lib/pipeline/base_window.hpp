@@ -2,8 +2,8 @@
 #pragma once
 
 #include <optional>
-#include <stop_token>
 
+#include "base/execution.hpp"
 #include "cell/cell.hpp"
 #include "job/inputs.hpp"
 #include "plan/plan_result.hpp"
@@ -16,7 +16,7 @@ namespace millpose {
 /// configuration, limits, speeds, singularity and interference (docs/verification.md). Empty when the place
 /// was not measured or there is no program. Throws Interrupted.
 std::optional<BaseWindow> FindBaseWindow(const PlanResult& plan, const JobInputs& inputs, const Cell& cell,
-                                         int threads, std::stop_token stop);
+                                         const Execution& execution);
 
 /// The window in a line, as programs' headers print it.
 std::string BaseWindowText(const BaseWindow& window);

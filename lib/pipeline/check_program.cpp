@@ -4,12 +4,11 @@
 namespace millpose {
 
 ProgramCheck CheckProgram(const MotionProgram& program, const ProgramMotions& motions, const PlanResult& plan,
-                          const World& world, const VerifyOptions& options, int threads,
-                          std::stop_token stop) {
+                          const Programming& with) {
   ProgramCheck check;
-  check.findings = Verify(program, world, &motions.planned, options, threads, std::move(stop));
+  check.findings = Verify(program, with.world, &motions.planned, with.options, with.execution);
   if (!check.findings.empty() || motions.planned.notice.empty()) return check;
-  check.under_load = ReplayUnderLoad(program, world.cell(), plan);
+  check.under_load = ReplayUnderLoad(program, with.world.cell(), plan);
   CheckUnderLoad(*check.under_load, motions.chord, check.findings);
   return check;
 }

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <stop_token>
-
-#include "cell/world.hpp"
 #include "pipeline/program_motions.hpp"
+#include "pipeline/programming.hpp"
 #include "verify/under_load.hpp"
-#include "verify/verify.hpp"
 
 namespace millpose {
 
@@ -18,7 +15,6 @@ struct ProgramCheck {
 
 /// Verify(), and for a compensated plan whether the program carries its shifts.
 ProgramCheck CheckProgram(const MotionProgram& program, const ProgramMotions& motions, const PlanResult& plan,
-                          const World& world, const VerifyOptions& options, int threads,
-                          std::stop_token stop);
+                          const Programming& with);
 
 }  // namespace millpose

@@ -51,7 +51,7 @@ Toolpath LayInParts(const PreparedJob& prepared, int parts, const std::vector<ch
   if (made.toolpath.passes.size() != open.size()) return whole;
   for (size_t i = 0; i < open.size(); ++i)
     if (open[i] != 0) checked.toolpath.passes.push_back(std::move(made.toolpath.passes[i]));
-  CheckJobGouges(inputs, laying.mesh, execution.Threads(), checked, execution.stop);
+  CheckJobGouges(inputs, laying.mesh, execution, checked);
   std::vector<std::vector<char>> points(open.size());
   for (size_t i = 0, k = 0; i < open.size(); ++i) {
     if (open[i] != 0) {

@@ -19,8 +19,8 @@ LaidPathOfJob Lay(const LayingInputs& laying, const Execution& execution) {
   JobToolpath& made = laid.made;
   execution.progress.End(Outcome(made.toolpath));
   execution.progress.Begin("gouges", 0);
-  CheckJobGouges(inputs, laying.mesh, execution.Threads(), made, execution.stop);
-  laid.heaviest = SetJobEngagement(inputs, laying.mesh, execution.Threads(), execution.stop, made.toolpath);
+  CheckJobGouges(inputs, laying.mesh, execution, made);
+  laid.heaviest = SetJobEngagement(inputs, laying.mesh, execution, made.toolpath);
   return laid;
 }
 

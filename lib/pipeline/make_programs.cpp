@@ -4,7 +4,6 @@
 #include <cassert>
 
 #include "base/error.hpp"
-#include "job/assemble.hpp"
 #include "job/cell_texts.hpp"
 #include "pipeline/check_program.hpp"
 #include "pipeline/program_motions.hpp"
@@ -56,17 +55,16 @@ std::string WhatIsLeftOut(const PlanResult& plan) {
 
 }  // namespace
 
-CheckedProgram MakeProgram(const PlanResult& plan, const JobInputs& inputs,
-                           const std::vector<std::string>& not_machined, const World& world,
-                           const std::optional<BaseWindow>& window, int threads, std::stop_token stop) {
-  const std::string& controller = inputs.job.programs.front();
-  const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
-  const PostPointer& post = inputs.cell.controllers.at(controller).post;
+CheckedProgram MakeProgram(const PlanResult& plan, const std::vector<std::string>& not_machined,
+                           const std::optional<BaseWindow>& window, const Programming& with) {
+  const JobInputs& inputs = with.inputs;
+  const std::string& controller = with.controller;
+  const Post& post = with.post;
   CheckedProgram program;
   program.controller = controller;
   std::vector<CallWay> calls;
   try {
-    calls = PlanCallWays(world, inputs, controller, stop);
+    calls = PlanCallWays(with.world, inputs, controller, with.execution.stop);
   } catch (const InputError& error) {
     program.findings.push_back({"", 0, error.problems().front().message, Cause::kText});
     return program;
@@ -82,19 +80,18 @@ CheckedProgram MakeProgram(const PlanResult& plan, const JobInputs& inputs,
   program.warnings = motions.warnings;
   program.time = motions.time;
   if (inputs.trajectory)
-    program.trajectory = TrajectoryCsv(motions.written, plan.arm, plan.X_WB, ExternalColumns(settings),
-                                       post->Times(), *inputs.trajectory);
-  program.files = post->Write(motions.written, plan.arm, settings);
-  program.speed = EstimatePathSpeed(motions.written, controller, post->Dynamics(settings));
+    program.trajectory = TrajectoryCsv(motions.written, plan.arm, plan.X_WB, ExternalColumns(with.settings),
+                                       post.Times(), *inputs.trajectory);
+  program.files = post.Write(motions.written, plan.arm, with.settings);
+  program.speed = EstimatePathSpeed(motions.written, controller, post.Dynamics(with.settings));
   for (const std::string& warning :
-       {SpeedWarning(*program.speed), MemoryWarning(program.files, post->Memory())})
+       {SpeedWarning(*program.speed), MemoryWarning(program.files, post.Memory())})
     if (!warning.empty()) program.warnings.push_back(warning);
   for (const Motion& motion : motions.written.motions) program.pass_of_motion.push_back(motion.pass);
   try {
-    MotionProgram back = post->Read(program.files, plan.arm, settings);
+    MotionProgram back = post.Read(program.files, plan.arm, with.settings);
     CompleteFrames(back, motions.planned);
-    ProgramCheck check =
-        CheckProgram(back, motions, plan, world, MakeVerifyOptions(inputs.job, plan.arm), threads, stop);
+    ProgramCheck check = CheckProgram(back, motions, plan, with);
     program.findings = std::move(check.findings);
     program.under_load = check.under_load;
   } catch (const InputError& error) {  // our own program must be readable: a finding, not the user's mistake

@@ -2,15 +2,12 @@
 #pragma once
 
 #include <map>
-#include <stop_token>
 
-#include "cell/world.hpp"
-#include "job/inputs.hpp"
+#include "pipeline/programming.hpp"
 #include "plan/cycle_time.hpp"
 #include "plan/plan_result.hpp"
 #include "report/report.hpp"
 #include "verify/under_load.hpp"
-#include "verify/verify.hpp"
 
 namespace millpose {
 
@@ -49,12 +46,11 @@ void NameInputs(const std::string& hash, MotionProgram& program);
 /// head that no reader makes anything of: what was verified stays so.
 void NameInputs(const std::string& earlier, const std::string& hash, ProgramFiles& files);
 
-/// Writes the program of the first controller that the job names, reads it back and replays it.
+/// Writes the program, reads it back and replays it.
 /// `not_machined`: holes of the tool path that are left out, named in the head, as the window is
 /// (FindBaseWindow); with JobInputs::trajectory also where the arm is at these steps. Precondition:
 /// WhyNotProgrammable() is empty.
-CheckedProgram MakeProgram(const PlanResult& plan, const JobInputs& inputs,
-                           const std::vector<std::string>& not_machined, const World& world,
-                           const std::optional<BaseWindow>& window, int threads, std::stop_token stop);
+CheckedProgram MakeProgram(const PlanResult& plan, const std::vector<std::string>& not_machined,
+                           const std::optional<BaseWindow>& window, const Programming& with);
 
 }  // namespace millpose

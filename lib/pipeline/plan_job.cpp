@@ -95,7 +95,7 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   const GapOptions options = MakeGapOptions(inputs.job);
   const auto leave_over_missing = [&] {
     return LeaveIncomplete(job.prepared.toolpath, plan.passes) +
-           LeaveOverMissing(inputs, job.prepared.surface.mesh, execution.Threads(), execution.stop, plan);
+           LeaveOverMissing(inputs, job.prepared.surface.mesh, execution, plan);
   };
   leave_over_missing();
   execution.progress.Begin("gaps", GapEnds(HomeOf(plan), plan.passes).size());
@@ -109,8 +109,7 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   execution.progress.Begin("fixed rotations", 0);
   job.fixed = KeptComparison(inputs, job.prepared, plan.passes, checkpoints, execution);
   execution.progress.End(fmt::format("{} points compared", job.fixed.plan.size()));
-  const std::string left =
-      CountWhatIsLeft(inputs, job.prepared.surface.mesh, execution.Threads(), execution.stop, plan);
+  const std::string left = CountWhatIsLeft(inputs, job.prepared.surface.mesh, execution, plan);
   if (!left.empty()) job.prepared.warnings.push_back(left);
   const std::string entries = EntriesOnMaterial(inputs, job.prepared.surface.mesh, plan);
   if (!entries.empty()) job.prepared.warnings.push_back(entries);

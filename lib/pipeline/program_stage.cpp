@@ -46,7 +46,7 @@ class ProgramStage {
     const JobInputs own = InputsOfProgram(inputs_, inputs_.job.programs.front());
     const std::string key = StageKey(handed_, job_.prepared.cell, own.hash);
     return Kept<std::optional<BaseWindow>>(checkpoints_, "base-window", key, [&] {
-      return FindBaseWindow(job_.plan, own, job_.prepared.cell, execution_.Threads(), execution_.stop);
+      return FindBaseWindow(job_.plan, own, job_.prepared.cell, execution_);
     });
   }
 
@@ -73,11 +73,10 @@ class ProgramStage {
                             const std::string& controller) const {
     const std::vector<std::string>& not_machined = job_.prepared.made.holes_left_out;
     ControllerPrograms made;
-    made.whole = MakeProgram(job_.plan, handed, not_machined, world, job_.programs.base_window,
-                             execution_.Threads(), execution_.stop);
+    const Programming with(handed, controller, world, execution_);
+    made.whole = MakeProgram(job_.plan, not_machined, job_.programs.base_window, with);
     if (made.whole.Confirmed())
-      made.starts = MakeStartPrograms(job_.plan, job_.starts.ways, handed, not_machined, controller, world,
-                                      execution_.Threads(), execution_.stop);
+      made.starts = MakeStartPrograms(job_.plan, job_.starts.ways, not_machined, with);
     return made;
   }
 

@@ -31,15 +31,12 @@ ReportParts MakeReportParts(const JobInputs& inputs, const PlannedJob& job, bool
   const Stations stations = prepared.stations.AtOwnAxis();
   Choices choices = Kept<Choices>(
       checkpoints, "choices", StageKey(plan_key, prepared.problem, genetic, full_map ? cell : ""), [&] {
-        const std::vector<PointCurves> curves =
-            SampleCurves(plan, stations, genetic, kMostCurves, execution.Threads(), execution.stop);
-        return Choices{Packed(curves),
-                       MakeAxisMap(plan, stations, curves, full_map, execution.Threads(), execution.stop)};
+        const std::vector<PointCurves> curves = SampleCurves(plan, stations, genetic, kMostCurves, execution);
+        return Choices{Packed(curves), MakeAxisMap(plan, stations, curves, full_map, execution)};
       });
   auto nearest = KeptInWorld<NearestPairs>(
-      checkpoints, "nearest-pairs", plan_key, prepared.stations, [&](const Stations& watched) {
-        return FindNearestPairs(plan, watched, execution.Threads(), execution.stop);
-      });
+      checkpoints, "nearest-pairs", plan_key, prepared.stations,
+      [&](const Stations& watched) { return FindNearestPairs(plan, watched, execution); });
   return {std::move(choices.curves), std::move(choices.map), std::move(nearest)};
 }
 

@@ -44,8 +44,7 @@ AuditFigures JudgePlan(const JobInputs& inputs, const Execution& execution, Plan
   execution.progress.Begin("audit", 0);
   const AuditRules rules{job.prepared.problem.bounds, MakeCutterShape(inputs.cell.tool),
                          inputs.job.swept_resolution};
-  AuditFigures audit = Audit(job.plan, job.prepared.surface.mesh, job.prepared.cell, rules,
-                             execution.Threads(), execution.stop);
+  AuditFigures audit = Audit(job.plan, job.prepared.surface.mesh, job.prepared.cell, rules, execution);
   JudgeOptima(job.prepared.stations, inputs.job.path.genetic, inputs.job.exhaustive_step, execution, job.plan,
               audit);
   std::ranges::copy(Findings(audit), std::back_inserter(findings));

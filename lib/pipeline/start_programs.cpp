@@ -5,7 +5,6 @@
 
 #include "base/error.hpp"
 #include "compensation/compensate.hpp"
-#include "job/assemble.hpp"
 #include "job/cell_texts.hpp"
 #include "pipeline/check_program.hpp"
 #include "pipeline/make_programs.hpp"
@@ -58,16 +57,14 @@ Gap WayHome(Gap out, const Gap& next, const Gap& in, const PlanResult& plan) {
 }
 
 std::vector<Finding> ReadBack(const ProgramFiles& files, const ProgramMotions& motions,
-                              const PlanResult& single, const Post& post, const PostSettings& settings,
-                              VerifyOptions options, const World& world, int threads,
-                              const std::stop_token& stop) {
+                              const PlanResult& single, Programming with) {
   // The ways of starts lead to the nominal poses: to commanded ones nothing has looked at them yet.
   // Nor at the move of external axes from where a cut along which they move has left them.
-  options.interference |= IsCompensated(single) || MovesAlong(single);
+  with.options.interference |= IsCompensated(single) || MovesAlong(single);
   try {
-    MotionProgram back = post.Read(files, world.cell().arm, settings);
+    MotionProgram back = with.post.Read(files, with.world.cell().arm, with.settings);
     CompleteFrames(back, motions.planned);
-    return CheckProgram(back, motions, single, world, options, threads, stop).findings;
+    return CheckProgram(back, motions, single, with).findings;
   } catch (const InputError& error) {
     std::vector<Finding> findings;
     for (const Problem& problem : error.problems())
@@ -107,16 +104,12 @@ PlanResult SingleStart(const PlanResult& plan, const PlanResult& ways, size_t in
 }
 
 std::vector<StartProgram> MakeStartPrograms(const PlanResult& plan, const PlanResult& ways,
-                                            const JobInputs& inputs,
                                             const std::vector<std::string>& not_machined,
-                                            const std::string& controller, const World& world, int threads,
-                                            std::stop_token stop) {
+                                            const Programming& with) {
   std::vector<StartProgram> starts;
   if (ways.gaps.empty()) return starts;
-  const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
-  const PostPointer& post = inputs.cell.controllers.at(controller).post;
-  const VerifyOptions options = MakeVerifyOptions(inputs.job, plan.arm);
-  const std::vector<CallWay> calls = PlanCallWays(world, inputs, controller, stop);
+  const std::vector<CallWay> calls =
+      PlanCallWays(with.world, with.inputs, with.controller, with.execution.stop);
   for (size_t i = 0; i + 1 < plan.gaps.size(); ++i) {
     const PlanResult single = SingleStart(plan, ways, i);
     StartProgram& start = starts.emplace_back();
@@ -125,12 +118,12 @@ std::vector<StartProgram> MakeStartPrograms(const PlanResult& plan, const PlanRe
     start.name = single.job;
     start.obstacle = WhyNotProgrammable(single);
     if (!start.obstacle.empty()) continue;
-    ProgramMotions motions = MakeProgramMotions(single, inputs, controller, {}, calls);
-    NameInputs(inputs.hash, motions.written);
+    ProgramMotions motions = MakeProgramMotions(single, with.inputs, with.controller, {}, calls);
+    NameInputs(with.inputs.hash, motions.written);
     motions.written.header.emplace_back("cycle_time", TimeText(motions.time.all) + " h:min:s, as replayed");
     for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
-    start.files = post->Write(motions.written, single.arm, settings);
-    start.findings = ReadBack(start.files, motions, single, *post, settings, options, world, threads, stop);
+    start.files = with.post.Write(motions.written, single.arm, with.settings);
+    start.findings = ReadBack(start.files, motions, single, with);
   }
   return starts;
 }

@@ -3,13 +3,9 @@
 #pragma once
 
 #include <map>
-#include <stop_token>
 
-#include "cell/world.hpp"
 #include "gaps/job_planner.hpp"
-#include "job/inputs.hpp"
-#include "program/post.hpp"
-#include "verify/verify.hpp"
+#include "pipeline/programming.hpp"
 
 namespace millpose {
 
@@ -46,9 +42,7 @@ PlanResult SingleStart(const PlanResult& plan, const PlanResult& ways, size_t in
 /// The programs that start each piece, written and read back; none where there is one piece, which the whole
 /// program starts. `not_machined` as for MakeProgram(). Precondition: WhyNotProgrammable(plan) is empty.
 std::vector<StartProgram> MakeStartPrograms(const PlanResult& plan, const PlanResult& ways,
-                                            const JobInputs& inputs,
                                             const std::vector<std::string>& not_machined,
-                                            const std::string& controller, const World& world, int threads,
-                                            std::stop_token stop);
+                                            const Programming& with);
 
 }  // namespace millpose

@@ -2,7 +2,6 @@
 #include "pipeline/verify_programs.hpp"
 
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "base/error.hpp"
 #include "job/assemble.hpp"
@@ -21,10 +20,6 @@ namespace millpose {
 namespace {
 
 namespace fs = std::filesystem;
-
-int Threads(const VerifyArguments& arguments) {
-  return arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
-}
 
 std::vector<std::string> SortedFiles(const fs::path& folder) {
   std::vector<std::string> names;
@@ -98,7 +93,7 @@ std::vector<std::string> AssumeFrames(MotionProgram& program, const Pose& X_KB) 
   return assumptions;
 }
 
-std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::stop_token stop) {
+std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, const Execution& execution) {
   if (!arguments.cell) {
     throw InputError(Place{arguments.target.string(), 0, 0, -1},
                      "a program needs its cell: --cell CELL.yaml expected");
@@ -108,16 +103,15 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, std::
   const std::string controller = ControllerOf(arguments.target, inputs.cell);
   SelectTool(arguments.tool, &inputs.cell);
   const World world(MakeCell(inputs.cell, inputs.body_bytes));
-  const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
-  const PostPointer& post = inputs.cell.controllers.at(controller).post;
-  const Arm& arm = world.cell().arm;
-  MotionProgram program = post->Read(FilesOf(arguments.target, *post, arguments.root), arm, settings);
-  std::vector<std::string> assumptions = AssumeFrames(program, post->BaseInWorld(settings));
+  const Programming with(inputs, controller, world, execution);
+  const Post& post = with.post;
+  MotionProgram program =
+      post.Read(FilesOf(arguments.target, post, arguments.root), world.cell().arm, with.settings);
+  std::vector<std::string> assumptions = AssumeFrames(program, post.BaseInWorld(with.settings));
   for (const DeclaredCall& call : program.calls) assumptions.push_back(AssumptionOf(call));
   std::ranges::copy(CellWarnings(inputs.cell), std::back_inserter(assumptions));
-  const VerifyOptions options = MakeVerifyOptions(inputs.job, arm);
   return {{controller, arguments.target.string(), program.motions.size(),
-           Verify(program, world, nullptr, options, Threads(arguments), stop), assumptions}};
+           Verify(program, world, nullptr, with.options, with.execution), assumptions}};
 }
 
 /// The resolved job of an output folder with everything it names.
@@ -130,32 +124,26 @@ JobInputs InputsOf(const VerifyArguments& arguments) {
 }
 
 /// The programs of single pieces, where the folder holds some.
-void VerifyStarts(const PlanResult& plan, const JobInputs& inputs, const std::string& controller,
-                  const World& world, const VerifyOptions& options, const VerifyArguments& arguments,
-                  std::stop_token stop, std::vector<VerifiedProgram>& programs) {
-  const fs::path folder = arguments.target / "programs" / controller / kStarts;
+void VerifyStarts(const PlanResult& plan, const VerifyArguments& arguments, const std::vector<CallWay>& calls,
+                  const Programming& with, std::vector<VerifiedProgram>& programs) {
+  const fs::path folder = arguments.target / "programs" / with.controller / kStarts;
   const fs::path ways_file = arguments.target / kStartWays;
   if (!fs::is_directory(folder)) return;
   const PlanResult ways = ParsePlanResult(arguments.root.Read(ways_file), ways_file.string());
-  const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
-  const PostPointer& post = inputs.cell.controllers.at(controller).post;
-  const std::vector<CallWay> calls = PlanCallWays(world, inputs, controller, stop);
   for (size_t i = 0; i + 1 < plan.gaps.size(); ++i) {
     const PlanResult single = SingleStart(plan, ways, i);
-    const fs::path file = folder / (single.job + post->Endings().front());
+    const fs::path file = folder / (single.job + with.post.Endings().front());
     if (!fs::exists(file)) continue;  // withheld
-    MotionProgram program = post->Read(FilesOf(file, *post, arguments.root), plan.arm, settings);
-    const ProgramMotions motions = MakeProgramMotions(single, inputs, controller, {}, calls);
+    MotionProgram program = with.post.Read(FilesOf(file, with.post, arguments.root), plan.arm, with.settings);
+    const ProgramMotions motions = MakeProgramMotions(single, with.inputs, with.controller, {}, calls);
     CompleteFrames(program, motions.planned);
-    programs.push_back(
-        {controller, file.string(), program.motions.size(),
-         CheckProgram(program, motions, single, world, options, Threads(arguments), stop).findings,
-         CellWarnings(inputs.cell)});
+    programs.push_back({with.controller, file.string(), program.motions.size(),
+                        CheckProgram(program, motions, single, with).findings,
+                        CellWarnings(with.inputs.cell)});
   }
 }
 
-std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Progress& progress,
-                                          std::stop_token stop) {
+std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, const Execution& execution) {
   arguments.root.CheckFolder(arguments.target);
   RecoverOutputFolder(arguments.target);
   CheckManifest(arguments.target);
@@ -163,30 +151,29 @@ std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, Prog
   const PlanResult plan = ParsePlanResult(arguments.root.Read(plan_file), plan_file.string());
   const JobInputs inputs = InputsOf(arguments);
   const World world(MakeJobCell(inputs));
-  VerifyOptions options = MakeVerifyOptions(inputs.job, plan.arm);
-  options.interference |= arguments.interference;
   std::vector<VerifiedProgram> programs;
   std::vector<std::string> controllers = Posts().Names();
   std::ranges::sort(controllers);
   for (const std::string& controller : controllers) {
     const fs::path folder = arguments.target / "programs" / controller;
     if (!fs::is_directory(folder)) continue;
-    progress.Begin(controller, 0);
+    execution.progress.Begin(controller, 0);
     ProgramFiles files;
     for (const std::string& name : SortedFiles(folder)) files[name] = arguments.root.Read(folder / name);
-    const PostSettings settings = MakePostSettings(inputs.job, inputs.cell, controller);
-    MotionProgram program = inputs.cell.controllers.at(controller).post->Read(files, plan.arm, settings);
-    const std::vector<CallWay> calls = PlanCallWays(world, inputs, controller, stop);
+    Programming with(inputs, controller, world, execution);
+    with.options.interference |= arguments.interference;
+    MotionProgram program = with.post.Read(files, plan.arm, with.settings);
+    const std::vector<CallWay> calls = PlanCallWays(world, inputs, controller, with.execution.stop);
     const ProgramMotions motions = MakeProgramMotions(plan, inputs, controller, {}, calls);
     CompleteFrames(program, motions.planned);
     VerifiedProgram verified{
         controller, folder.string(), program.motions.size(), {}, CellWarnings(inputs.cell)};
     for (const DeclaredCall& call : program.calls) verified.assumptions.push_back(AssumptionOf(call));
-    verified.findings =
-        CheckProgram(program, motions, plan, world, options, Threads(arguments), stop).findings;
-    progress.End(fmt::format("{} motions, {} findings", verified.motions, verified.findings.size()));
+    verified.findings = CheckProgram(program, motions, plan, with).findings;
+    execution.progress.End(
+        fmt::format("{} motions, {} findings", verified.motions, verified.findings.size()));
     programs.push_back(std::move(verified));
-    VerifyStarts(plan, inputs, controller, world, options, arguments, stop, programs);
+    VerifyStarts(plan, arguments, calls, with, programs);
   }
   if (programs.empty())
     throw InputError(Place{arguments.target.string(), 0, 0, -1}, "the folder holds no programs");
@@ -206,8 +193,9 @@ std::vector<std::string> MainEndings() {
 
 std::vector<VerifiedProgram> VerifyPrograms(const VerifyArguments& arguments, Progress& progress,
                                             std::stop_token stop) {
-  return fs::is_directory(arguments.target) ? VerifyFolder(arguments, progress, stop)
-                                            : VerifyAlone(arguments, stop);
+  const Execution execution{arguments.threads, progress, std::move(stop)};
+  return fs::is_directory(arguments.target) ? VerifyFolder(arguments, execution)
+                                            : VerifyAlone(arguments, execution);
 }
 
 std::string VerifyText(const std::vector<VerifiedProgram>& programs) {

@@ -100,7 +100,7 @@ BeyondLimit FarthestBeyond(const AdmissibleBounds& bounds, const Joints& q) {
 }
 
 AxisMap MakeAxisMap(const PlanResult& plan, const Stations& stations, const std::vector<PointCurves>& curves,
-                    bool full, int threads, std::stop_token stop) {
+                    bool full, const Execution& execution) {
   AxisMap map;
   map.full = full;
   std::map<std::string, int> numbers;
@@ -111,7 +111,7 @@ AxisMap MakeAxisMap(const PlanResult& plan, const Stations& stations, const std:
   for (int i = 0; i < grid.count; ++i) rotations.push_back({grid.first + i * grid.step});
   map.zones.resize(curves.size());
   std::vector<std::vector<std::pair<size_t, int>>> checked(curves.size());
-  ParallelFor(curves.size(), threads, stop, [&](size_t k) {
+  ParallelFor(curves.size(), execution.Threads(), execution.stop, [&](size_t k) {
     const PassResult& pass = plan.passes[static_cast<size_t>(curves[k].pass)];
     const PlannedPoint& point = pass.points[static_cast<size_t>(curves[k].point)];
     map.zones[k] = ZonesOf(point, curves[k], of_pass[static_cast<size_t>(curves[k].pass)]);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <stop_token>
-
+#include "base/execution.hpp"
 #include "pose/scorer.hpp"
 #include "report/html.hpp"
 #include "stations/stations.hpp"
@@ -13,7 +12,7 @@ namespace millpose {
 /// singularities and reach as the curves have them, interference is what the plan learned of it. With `full`
 /// what it never looked at is checked too. The same for any number of threads.
 AxisMap MakeAxisMap(const PlanResult& plan, const Stations& stations, const std::vector<PointCurves>& curves,
-                    bool full, int threads, std::stop_token stop);
+                    bool full, const Execution& execution);
 
 /// The joint that is farthest beyond its limits, 0..5, and by how much, rad: full revolutions are taken off
 /// first.

@@ -13,8 +13,7 @@ constexpr size_t kBlock = 64;  // points that share a Checker
 
 }  // namespace
 
-NearestPairs FindNearestPairs(const PlanResult& plan, const Stations& stations, int threads,
-                              std::stop_token stop) {
+NearestPairs FindNearestPairs(const PlanResult& plan, const Stations& stations, const Execution& execution) {
   struct Asked {
     uint32_t number;
     const PassResult* pass;
@@ -31,7 +30,7 @@ NearestPairs FindNearestPairs(const PlanResult& plan, const Stations& stations, 
       asked.push_back({row.number, &pass, static_cast<size_t>(row.point)});
   }
   std::vector<std::optional<Interference>> found(asked.size());
-  ParallelFor((asked.size() + kBlock - 1) / kBlock, threads, std::move(stop), [&](size_t block) {
+  ParallelFor((asked.size() + kBlock - 1) / kBlock, execution.Threads(), execution.stop, [&](size_t block) {
     std::optional<Checker> checker;
     std::shared_ptr<const Station> at;
     for (size_t i = kBlock * block; i < std::min(asked.size(), kBlock * (block + 1)); ++i) {

@@ -95,13 +95,13 @@ PoseProblem WithoutBounds(PoseProblem problem) {
 RotationGrid CurveGrid() { return {-kPi, DegToRad(3), 120}; }
 
 std::vector<PointCurves> SampleCurves(const PlanResult& plan, const Stations& stations,
-                                      const GeneticOptions& options, size_t most, int threads,
-                                      std::stop_token stop) {
+                                      const GeneticOptions& options, size_t most,
+                                      const Execution& execution) {
   assert(stations.problem().freedoms.size() == 1 && "the page shows the rotation about the tool axis alone");
   const RotationGrid grid = CurveGrid();
   const std::vector<PlanPlace> places = ChosenPlaces(plan, most);
   std::vector<PointCurves> all(places.size());
-  ParallelFor(places.size(), threads, stop, [&](size_t i) {
+  ParallelFor(places.size(), execution.Threads(), execution.stop, [&](size_t i) {
     const PlanPlace& place = places[i];
     const PassResult& pass = plan.passes[place.pass];
     const std::shared_ptr<const Station> station = stations.Of(pass, static_cast<size_t>(place.point));

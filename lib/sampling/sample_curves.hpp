@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <stop_token>
-
+#include "base/execution.hpp"
 #include "pose/search.hpp"
 #include "report/html.hpp"
 #include "stations/stations.hpp"
@@ -20,7 +19,6 @@ PoseProblem WithoutBounds(PoseProblem problem);
 /// with each point's own stream of `seed` (so its generations are those of the plan). At most `most` points:
 /// all of them, or every k-th with the worst by objective. The same for any number of threads.
 std::vector<PointCurves> SampleCurves(const PlanResult& plan, const Stations& stations,
-                                      const GeneticOptions& options, size_t most, int threads,
-                                      std::stop_token stop);
+                                      const GeneticOptions& options, size_t most, const Execution& execution);
 
 }  // namespace millpose

@@ -136,11 +136,11 @@ struct PointState {
 };
 
 // Every way of a pass, from each point to the next (of an open pass the last to itself).
-std::vector<GougeChecker::Found> LookAt(const GougeChecker& checker, const Pass& pass, int threads,
-                                        const std::stop_token& stop) {
+std::vector<GougeChecker::Found> LookAt(const GougeChecker& checker, const Pass& pass,
+                                        const Execution& execution) {
   const size_t count = pass.points.size();
   std::vector<GougeChecker::Found> found(count);
-  ParallelFor(count, threads, stop, [&](size_t i) {
+  ParallelFor(count, execution.Threads(), execution.stop, [&](size_t i) {
     const size_t next = i + 1 < count ? i + 1 : pass.closed ? 0 : i;
     found[i] = checker.Look(pass.points[i], pass.points[next]);
   });
@@ -193,12 +193,12 @@ int GougeSteps(const CutterShape& cutter, double way) {
   return std::max(1, static_cast<int>(std::ceil(way / std::max(0.5, cutter.radius / 10))));
 }
 
-GougeReport CheckGouges(const Mesh& mesh, const CutterShape& cutter, const GougeOptions& options, int threads,
-                        Toolpath& toolpath, std::stop_token stop) {
+GougeReport CheckGouges(const Mesh& mesh, const CutterShape& cutter, const GougeOptions& options,
+                        const Execution& execution, Toolpath& toolpath) {
   const GougeChecker checker(mesh, cutter, options);
   GougeReport report;
   for (Pass& pass : toolpath.passes) {
-    const auto found = LookAt(checker, pass, threads, stop);
+    const auto found = LookAt(checker, pass, execution);
     for (const auto& way : found)
       if (way.deepest.depth > report.deepest.depth) report.deepest = way.deepest;
     std::vector<PointState> states = StatesOf(found, pass.closed);
@@ -208,7 +208,7 @@ GougeReport CheckGouges(const Mesh& mesh, const CutterShape& cutter, const Gouge
     if (bad == 0 || options.action == GougeAction::kReport) continue;
     if (options.action == GougeAction::kLift) {
       Lift(pass, states, report);
-      states = StatesOf(LookAt(checker, pass, threads, stop), pass.closed);
+      states = StatesOf(LookAt(checker, pass, execution), pass.closed);
     }
     if (!pass.whole) report.leads_left_out += DropLeads(pass, states);  // else its entry counts as all of it
     const double begin = pass.points.empty() ? 0.0 : pass.points[0].arc_length;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <stop_token>
-
+#include "base/execution.hpp"
 #include "toolpath/deepest_gouge.hpp"
 #include "toolpath/milling_point.hpp"
 
@@ -35,7 +34,7 @@ int GougeSteps(const CutterShape& cutter, double way);
 /// Checks a tool path in frame P against the whole part, at its points and between them in steps of a tenth
 /// of the cutter's radius (0.5 mm at least), and does what `options` say. A cutter that touches no surface
 /// because it is wholly inside a closed piece of the part counts as well. Throws Interrupted.
-GougeReport CheckGouges(const Mesh& mesh, const CutterShape& cutter, const GougeOptions& options, int threads,
-                        Toolpath& toolpath, std::stop_token stop);
+GougeReport CheckGouges(const Mesh& mesh, const CutterShape& cutter, const GougeOptions& options,
+                        const Execution& execution, Toolpath& toolpath);
 
 }  // namespace millpose

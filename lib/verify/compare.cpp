@@ -268,8 +268,8 @@ std::vector<FeedRun> FeedRuns(const MotionProgram& program) {
 }
 
 std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const Cell& cell,
-                           const VerifyOptions& options, const MotionLook& look, int threads,
-                           std::stop_token stop, std::vector<Finding>& findings) {
+                           const VerifyOptions& options, const MotionLook& look, const Execution& execution,
+                           std::vector<Finding>& findings) {
   const size_t common = std::min(replayed.runs.size(), plan.runs.size());
   std::vector<Proof> proofs(replayed.program.motions.size());
   if (replayed.runs.size() != plan.runs.size()) {
@@ -281,7 +281,7 @@ std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const
   }
   const ArmBodies bodies(cell);
   std::vector<std::vector<Finding>> of_runs(common);
-  ParallelFor(common, threads, stop, [&](size_t i) {
+  ParallelFor(common, execution.Threads(), execution.stop, [&](size_t i) {
     RunComparison comparison(replayed, replayed.runs[i], plan, plan.runs[i], bodies, options, proofs);
     of_runs[i] = comparison.Compare();
     comparison.HandOn(look, of_runs[i]);

@@ -4,8 +4,8 @@
 
 #include <functional>
 #include <span>
-#include <stop_token>
 
+#include "base/execution.hpp"
 #include "verify/replay.hpp"
 
 namespace millpose {
@@ -40,7 +40,7 @@ using MotionLook =
 /// between them, spindle and outputs. What it samples on the way is handed to `look`. Returns what is known
 /// of every motion of `replayed`.
 std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const Cell& cell,
-                           const VerifyOptions& options, const MotionLook& look, int threads,
-                           std::stop_token stop, std::vector<Finding>& findings);
+                           const VerifyOptions& options, const MotionLook& look, const Execution& execution,
+                           std::vector<Finding>& findings);
 
 }  // namespace millpose

@@ -286,11 +286,11 @@ std::vector<bool> WithFindings(const Replayed& replayed, const std::vector<Findi
 }
 
 /// Runs `work` over `count` motions in blocks and appends what it found in order.
-void ForMotions(size_t count, int threads, const std::stop_token& stop, std::vector<Finding>& findings,
+void ForMotions(size_t count, const Execution& execution, std::vector<Finding>& findings,
                 const std::function<void(size_t first, size_t last, std::vector<Finding>&)>& work) {
   const size_t tasks = (count + kMotionsPerTask - 1) / kMotionsPerTask;
   std::vector<std::vector<Finding>> found(tasks);
-  ParallelFor(tasks, threads, stop, [&](size_t task) {
+  ParallelFor(tasks, execution.Threads(), execution.stop, [&](size_t task) {
     work(task * kMotionsPerTask, std::min(count, (task + 1) * kMotionsPerTask), found[task]);
   });
   for (const auto& list : found) findings.insert(findings.end(), list.begin(), list.end());
@@ -326,7 +326,7 @@ std::vector<Finding> Ordered(std::vector<Finding> findings, const VerifyOptions&
 }  // namespace
 
 std::vector<Finding> Verify(const MotionProgram& program, const World& world, const MotionProgram* plan,
-                            const VerifyOptions& options, int threads, std::stop_token stop) {
+                            const VerifyOptions& options, const Execution& execution) {
   assert(IsWellFormed(program));
   const Cell& cell = world.cell();
   std::vector<Finding> findings;
@@ -341,9 +341,9 @@ std::vector<Finding> Verify(const MotionProgram& program, const World& world, co
     const MotionLook look = [&](size_t i, std::span<const Instant> instants, std::vector<Finding>& found) {
       check.Check(i, instants, found);
     };
-    proofs = Compare(replayed, planned, cell, options, look, threads, stop, findings);
+    proofs = Compare(replayed, planned, cell, options, look, execution, findings);
   }
-  ForMotions(program.motions.size(), threads, stop, findings,
+  ForMotions(program.motions.size(), execution, findings,
              [&](size_t first, size_t last, std::vector<Finding>& found) {
                for (size_t i = first; i < last; ++i)
                  if (!proofs[i].sampled) check.Check(i, found);
@@ -354,7 +354,7 @@ std::vector<Finding> Verify(const MotionProgram& program, const World& world, co
     const bool needed = options.interference || !proofs[i].proven;
     if (needed && !faulty[i] && (i == 0 || !faulty[i - 1])) unproven.push_back(i);
   }
-  ForMotions(unproven.size(), threads, stop, findings,
+  ForMotions(unproven.size(), execution, findings,
              [&](size_t first, size_t last, std::vector<Finding>& found) {
                Checkers checkers(world, options);
                for (size_t k = first; k < last; ++k)

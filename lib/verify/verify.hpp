@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <stop_token>
-
+#include "base/execution.hpp"
 #include "cell/world.hpp"
 #include "program/motion_program.hpp"
 #include "program/post.hpp"
@@ -70,6 +69,6 @@ struct VerifyOptions {
 /// limits, joint speeds, singularity, interference. Detection rests on the replayed motion alone, not on the
 /// text, so edits that change no motion pass. Empty = confirmed. Ordered by file and line.
 std::vector<Finding> Verify(const MotionProgram& program, const World& world, const MotionProgram* plan,
-                            const VerifyOptions& options, int threads, std::stop_token stop);
+                            const VerifyOptions& options, const Execution& execution);
 
 }  // namespace millpose

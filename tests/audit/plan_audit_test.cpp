@@ -64,7 +64,7 @@ AuditFigures AuditBeside(double gap, double share_of_angle = 1e-4) {
   pass.pieces.push_back({0, 0, 0, 1, false});
   AuditRules rules{.bounds = {}, .cutter = {}, .resolution = 0.5};
   rules.bounds.lower = cell.arm.lower, rules.bounds.upper = cell.arm.upper;
-  return Audit(plan, Mesh(Triangles{}), cell, rules, 2, {});
+  return Audit(plan, Mesh(Triangles{}), cell, rules, {.threads = 2});
 }
 
 /// A cut along which the rail goes by `way` mm while the joints stand still, past a fixture that stands
@@ -98,7 +98,7 @@ AuditFigures AuditAlongRail(double way, double gap, double feed) {
   pass.pieces.push_back({0, 0, 0, 1, false});
   AuditRules rules{.bounds = {}, .cutter = {}, .resolution = 0.5};
   rules.bounds.lower = cell.arm.lower, rules.bounds.upper = cell.arm.upper;
-  return Audit(plan, Mesh(Triangles{}), cell, rules, 2, {});
+  return Audit(plan, Mesh(Triangles{}), cell, rules, {.threads = 2});
 }
 
 TEST(PlanAudit, FollowsARailThatMovesAlongACut) {

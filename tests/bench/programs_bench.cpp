@@ -21,7 +21,7 @@ void WriteAndVerify(benchmark::State& state, const std::string& variant, const E
     const MotionProgram written = Economise(program, economy).program;
     const ProgramFiles files = post->Write(written, plan.arm, settings);
     const MotionProgram read = post->Read(files, plan.arm, settings);
-    findings += Verify(read, world, &program, SampleOptions(plan), 2, {}).size();
+    findings += Verify(read, world, &program, SampleOptions(plan), {.threads = 2}).size();
     motions = read.motions.size();
   }
   state.counters["motions"] = static_cast<double>(motions);

@@ -111,7 +111,7 @@ Answer Bed::Ask(const Files& files) const {
     MotionProgram read = post_->Read(files, plan_.arm, settings_);
     if (!read.X_BP) read.X_BP = program_.X_BP;
     if (!read.X_FT) read.X_FT = program_.X_FT;
-    const std::vector<Finding> findings = Verify(read, *world_, &program_, options_, 1, {});
+    const std::vector<Finding> findings = Verify(read, *world_, &program_, options_, {.threads = 1});
     if (findings.empty()) return {true, ""};
     return {false, fmt::format("{}:{}: {}", findings[0].file, findings[0].line, findings[0].message)};
   } catch (const InputError& error) {

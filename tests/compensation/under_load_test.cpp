@@ -45,7 +45,7 @@ TEST(UnderLoad, AShiftBelowTheTolerancesIsMissedByNothingElse) {
   ASSERT_LT(LargestNormalShift(plan), 0.02);
   const Cell cell = SampleCell(plan);
   const MotionProgram commanded = MakeMotionProgram(Commanded(plan)), nominal = MakeMotionProgram(plan);
-  EXPECT_TRUE(Verify(nominal, World(cell), &commanded, SampleOptions(plan), 1, {}).empty());
+  EXPECT_TRUE(Verify(nominal, World(cell), &commanded, SampleOptions(plan), {.threads = 1}).empty());
   EXPECT_GT(ReplayUnderLoad(nominal, cell, plan).largest, 0.003);
 }
 
@@ -75,7 +75,7 @@ TEST_P(Notice, IsWrittenReadBackAndMissed) {
     EXPECT_EQ(back.notice, "");
     MotionProgram wanted = program;
     const std::vector<Finding> findings =
-        Verify(back, World(SampleCell(plan)), &wanted, SampleOptions(plan), 1, {});
+        Verify(back, World(SampleCell(plan)), &wanted, SampleOptions(plan), {.threads = 1});
     EXPECT_TRUE(std::ranges::any_of(findings, [](const Finding& finding) {
       return finding.message.find("notice") != std::string::npos;
     }));

@@ -59,7 +59,7 @@ void VerifyText(std::string_view bytes) {
       if (!program.X_BP) program.X_BP = folder.planned.X_BP;  // what the controller holds
       if (!program.X_FT) program.X_FT = folder.planned.X_FT;
       for (const MotionProgram* plan : {&folder.planned, static_cast<const MotionProgram*>(nullptr)})
-        Listed(Verify(program, bed.world, plan, bed.options, 1, {}), lines);
+        Listed(Verify(program, bed.world, plan, bed.options, {.threads = 1}), lines);
       ++programs_replayed;
     });
   }

@@ -48,7 +48,7 @@ struct Ring {
     AuditRules rules{.bounds = {}, .cutter = {}, .resolution = 0.5};
     rules.bounds.lower = cell.arm.lower;
     rules.bounds.upper = cell.arm.upper;
-    return Audit(plan, Mesh(Triangles{}), cell, rules, 2, {});
+    return Audit(plan, Mesh(Triangles{}), cell, rules, {.threads = 2});
   }
 };
 
@@ -70,7 +70,7 @@ AuditFigures JudgedSmall(const std::function<void(PlanResult&, Cell&, Admissible
   Cell cell = job.prepared.cell;
   AuditRules rules{.bounds = job.prepared.problem.bounds, .cutter = {}, .resolution = 0.5};
   change(plan, cell, rules.bounds);
-  return Audit(plan, job.prepared.surface.mesh, cell, rules, 2, {});
+  return Audit(plan, job.prepared.surface.mesh, cell, rules, {.threads = 2});
 }
 
 TEST(Audit, ASoundPlanHasNoFindings) {

@@ -27,7 +27,7 @@ const BallScene& BehindABall() {
     p.world.emplace(CellWithBallAt(p.problem, before, kMet, 30));
     p.plan.objective_unit = p.problem.objective->Unit();
     p.plan.passes = {PlanPass(p.problem, *p.world, {pass}, Options(), {.threads = 2})};
-    p.curves = SampleCurves(p.plan, Stations(*p.world, p.problem), {}, 100, 2, {});
+    p.curves = SampleCurves(p.plan, Stations(*p.world, p.problem), {}, 100, {.threads = 2});
     return p;
   }();
   return planned;
@@ -35,7 +35,7 @@ const BallScene& BehindABall() {
 
 AxisMap Map(bool full, int threads) {
   const BallScene& p = BehindABall();
-  return MakeAxisMap(p.plan, Stations(*p.world, p.problem), p.curves, full, threads, {});
+  return MakeAxisMap(p.plan, Stations(*p.world, p.problem), p.curves, full, {.threads = threads});
 }
 
 TEST(AxisMap, ZonesAreTheVerdictsOfThePosesThemselves) {

@@ -70,15 +70,15 @@ TEST(SetJobEngagement, DoesNothingWithoutAWordOnWhatIsCut) {
   Toolpath path = Wide().prepared.made.toolpath;
   for (Pass& pass : path.passes)
     for (MillingPoint& point : pass.points) point.engagement = {{1, 2, 3}, 4, 5, CutSide::kUp};
-  EXPECT_FALSE(SetJobEngagement(inputs, Wide().mesh(), 2, {}, path));
+  EXPECT_FALSE(SetJobEngagement(inputs, Wide().mesh(), {.threads = 2}, path));
   SetEngagementOf(PointsOf(path, [](size_t, size_t) { return true; }), inputs, Wide().mesh(), {.threads = 2},
                   path);
   for (const Pass& pass : path.passes)
     for (const MillingPoint& point : pass.points) EXPECT_EQ(point.engagement.width, 4);
   PlanResult plan = Wide().AsPlanned();
   Skip(plan.passes[0]);
-  EXPECT_EQ(CountWhatIsLeft(inputs, Wide().mesh(), 2, {}, plan), "");
-  EXPECT_EQ(LeaveOverMissing(inputs, Wide().mesh(), 2, {}, plan), 0u);
+  EXPECT_EQ(CountWhatIsLeft(inputs, Wide().mesh(), {.threads = 2}, plan), "");
+  EXPECT_EQ(LeaveOverMissing(inputs, Wide().mesh(), {.threads = 2}, plan), 0u);
   EXPECT_EQ(EntriesOnMaterial(inputs, Wide().mesh(), plan), "");
 }
 
@@ -127,7 +127,8 @@ TEST(SetJobEngagement, AStatedSideHoldsEverywhere) {
     }
   PlanResult plan = slot.AsPlanned();
   Skip(plan.passes[0]);
-  EXPECT_EQ(LeaveOverMissing(slot.inputs, slot.mesh(), 2, {}, plan), 0u) << "nothing is taken from the stock";
+  EXPECT_EQ(LeaveOverMissing(slot.inputs, slot.mesh(), {.threads = 2}, plan), 0u)
+      << "nothing is taken from the stock";
 }
 
 TEST(SetJobEngagement, WhatCannotBeOrContradictsThePathIsNamed) {
@@ -156,8 +157,8 @@ TEST(SetJobEngagement, WhatCannotBeOrContradictsThePathIsNamed) {
 TEST(CountWhatIsLeft, SaysNothingWhereNothingIsSkippedAndChangesNothing) {
   PlanResult plan = Wide().AsPlanned();
   const std::string before = Serialise(plan);
-  EXPECT_EQ(CountWhatIsLeft(Wide().inputs, Wide().mesh(), 2, {}, plan), "");
-  EXPECT_EQ(LeaveOverMissing(Wide().inputs, Wide().mesh(), 2, {}, plan), 0u);
+  EXPECT_EQ(CountWhatIsLeft(Wide().inputs, Wide().mesh(), {.threads = 2}, plan), "");
+  EXPECT_EQ(LeaveOverMissing(Wide().inputs, Wide().mesh(), {.threads = 2}, plan), 0u);
   EXPECT_EQ(Serialise(plan), before);
 }
 
@@ -166,7 +167,7 @@ TEST(CountWhatIsLeft, TheNeighbourOfASkippedPassCutsMore) {
   PlanResult plan = Wide().AsPlanned();
   Skip(plan.passes[3]);
   const PlanResult before = plan;
-  const std::string told = CountWhatIsLeft(Wide().inputs, Wide().mesh(), 2, {}, plan);
+  const std::string told = CountWhatIsLeft(Wide().inputs, Wide().mesh(), {.threads = 2}, plan);
   EXPECT_TRUE(told.starts_with("5 points are skipped, and the material that they leave is cut at ")) << told;
   for (const size_t same : {0u, 1u, 2u, 6u, 9u}) {
     const auto was = ForcesOfPass(before.passes[same]), is = ForcesOfPass(plan.passes[same]);
@@ -177,7 +178,7 @@ TEST(CountWhatIsLeft, TheNeighbourOfASkippedPassCutsMore) {
   EXPECT_EQ(plan.passes[4].points[2].point.position, before.passes[4].points[2].point.position);
   // Whatever number of threads works it out.
   PlanResult alone = before;
-  EXPECT_EQ(CountWhatIsLeft(Wide().inputs, Wide().mesh(), 1, {}, alone), told);
+  EXPECT_EQ(CountWhatIsLeft(Wide().inputs, Wide().mesh(), {.threads = 1}, alone), told);
   EXPECT_EQ(Serialise(alone), Serialise(plan));
 }
 
@@ -188,11 +189,11 @@ TEST(LeaveOverMissing, LeavesOutWhatWouldCutMuchWiderThanTheJobsOwnCuts) {
   PlanResult cut = plan;
   JobInputs inputs = Wide().inputs;
   inputs.job.over_missing = OverMissing::kCut;
-  EXPECT_EQ(LeaveOverMissing(inputs, Wide().mesh(), 2, {}, cut), 0u);
+  EXPECT_EQ(LeaveOverMissing(inputs, Wide().mesh(), {.threads = 2}, cut), 0u);
   EXPECT_EQ(Serialise(cut), Serialise(plan));
-  const size_t left_out = LeaveOverMissing(Wide().inputs, Wide().mesh(), 2, {}, plan);
+  const size_t left_out = LeaveOverMissing(Wide().inputs, Wide().mesh(), {.threads = 2}, plan);
   // Until every cut that is left is no more than a fifth wider than the job's widest.
-  CountWhatIsLeft(Wide().inputs, Wide().mesh(), 2, {}, plan);
+  CountWhatIsLeft(Wide().inputs, Wide().mesh(), {.threads = 2}, plan);
   size_t pieces = 0, next_to_skipped = 0;
   for (const PassResult& pass : plan.passes) {
     pieces += pass.pieces.size();

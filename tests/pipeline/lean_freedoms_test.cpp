@@ -63,7 +63,7 @@ TEST(CheckJobGouges, LeavesToLeansWhatGougesAtTheNominalOne) {
     JobToolpath made = FreshPlan().prepared.made;
     MillingPoint& sunk = made.toolpath.passes[0].points[1];
     sunk.position -= sunk.normal;  // 1 mm below the surface, and the ways to it
-    CheckJobGouges(SmallInputs(more), FreshPlan().prepared.surface.mesh, 2, made, {});
+    CheckJobGouges(SmallInputs(more), FreshPlan().prepared.surface.mesh, {.threads = 2}, made);
     return made;
   };
   const JobToolpath upright = check({});

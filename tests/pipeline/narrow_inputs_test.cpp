@@ -121,13 +121,12 @@ TEST(InputsOfProgram, MakeTheSameProgramButForTheirName) {
   const JobInputs all = SmallInputs(), narrow = InputsOfProgram(all, "linuxcnc");
   const auto text = [&](JobInputs inputs) {
     inputs.hash = "named";
-    const CheckedProgram program =
-        MakeProgram(job.plan, inputs, {}, job.prepared.world, job.programs.base_window, 2, {});
+    const Programming with(inputs, "linuxcnc", job.prepared.world, {.threads = 2});
+    const CheckedProgram program = MakeProgram(job.plan, {}, job.programs.base_window, with);
     EXPECT_TRUE(program.Confirmed()) << program.WhyWithheld();
     std::string whole;
     for (const auto& [name, bytes] : program.files) whole += name + bytes;
-    for (const StartProgram& start :
-         MakeStartPrograms(job.plan, job.starts.ways, inputs, {}, "linuxcnc", job.prepared.world, 2, {}))
+    for (const StartProgram& start : MakeStartPrograms(job.plan, job.starts.ways, {}, with))
       for (const auto& [name, bytes] : start.files) whole += name + bytes;
     return whole;
   };

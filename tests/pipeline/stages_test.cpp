@@ -132,7 +132,7 @@ TEST(FindReach, TellsWhatForbidsAPointThatHasNoPose) {
 
 TEST(NearestPairs, AreThoseOfThePoses) {
   const PlannedJob& job = FreshPlan();
-  const NearestPairs pairs = FindNearestPairs(job.plan, job.prepared.stations, 2, {});
+  const NearestPairs pairs = FindNearestPairs(job.plan, job.prepared.stations, {.threads = 2});
   ASSERT_EQ(pairs.size(), 6u);
   Checker checker(job.prepared.world);
   uint32_t number = 0;
@@ -148,7 +148,7 @@ TEST(NearestPairs, AreThoseOfThePoses) {
     }
   PlanResult skipped = job.plan;
   skipped.passes[0].points[1].skip = Obstacle::kLimit;
-  EXPECT_FALSE(FindNearestPairs(skipped, job.prepared.stations, 1, {}).contains(1));
+  EXPECT_FALSE(FindNearestPairs(skipped, job.prepared.stations, {.threads = 1}).contains(1));
 }
 
 TEST(SampleCurves, HoldEveryPoseOfTheGridAsTheScorerHasIt) {
@@ -157,7 +157,8 @@ TEST(SampleCurves, HoldEveryPoseOfTheGridAsTheScorerHasIt) {
   EXPECT_EQ(grid.count, kAxisRotations);
   EXPECT_DOUBLE_EQ(grid.first, -kPi);
   const GeneticOptions genetic = SmallInputs().job.path.genetic;
-  const std::vector<PointCurves> curves = SampleCurves(job.plan, job.prepared.stations, genetic, 100, 2, {});
+  const std::vector<PointCurves> curves =
+      SampleCurves(job.plan, job.prepared.stations, genetic, 100, {.threads = 2});
   ASSERT_EQ(curves.size(), 6u);
   for (const PointCurves& curve : curves) {
     const PassResult& pass = job.plan.passes[static_cast<size_t>(curve.pass)];
@@ -181,7 +182,7 @@ TEST(SampleCurves, HoldEveryPoseOfTheGridAsTheScorerHasIt) {
     // Also where every pose is as good as any other and the optimum is 0.
     EXPECT_TRUE(std::isfinite(curve.mean.back()));
   }
-  const auto alone = SampleCurves(job.plan, job.prepared.stations, genetic, 100, 1, {});
+  const auto alone = SampleCurves(job.plan, job.prepared.stations, genetic, 100, {.threads = 1});
   for (size_t i = 0; i < curves.size(); ++i) EXPECT_EQ(curves[i].objective, alone[i].objective);
 }
 
@@ -190,7 +191,7 @@ TEST(SampleCurves, OfManyPointsTheWorstAreAmongThoseKept) {
   PlanResult plan = job.plan;
   plan.passes[1].points[1].objective = 10;
   const std::vector<PointCurves> curves =
-      SampleCurves(plan, job.prepared.stations, SmallInputs().job.path.genetic, 4, 2, {});
+      SampleCurves(plan, job.prepared.stations, SmallInputs().job.path.genetic, 4, {.threads = 2});
   EXPECT_LE(curves.size(), 4u);
   EXPECT_TRUE(std::ranges::any_of(curves, [](const PointCurves& c) { return c.pass == 1 && c.point == 1; }));
 }
@@ -217,9 +218,9 @@ TEST(WithoutBounds, EveryReachedPoseHasAnObjective) {
 TEST(AxisMap, SaysOfEveryPoseWhatForbidsIt) {
   const PlannedJob& job = FreshPlan();
   const auto curves =
-      SampleCurves(job.plan, job.prepared.stations, SmallInputs().job.path.genetic, 100, 2, {});
-  const AxisMap known = MakeAxisMap(job.plan, job.prepared.stations, curves, false, 2, {}),
-                full = MakeAxisMap(job.plan, job.prepared.stations, curves, true, 2, {});
+      SampleCurves(job.plan, job.prepared.stations, SmallInputs().job.path.genetic, 100, {.threads = 2});
+  const AxisMap known = MakeAxisMap(job.plan, job.prepared.stations, curves, false, {.threads = 2}),
+                full = MakeAxisMap(job.plan, job.prepared.stations, curves, true, {.threads = 2});
   EXPECT_TRUE(full.full && !known.full);
   int on_path = 0;
   for (size_t k = 0; k < curves.size(); ++k) {

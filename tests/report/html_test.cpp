@@ -358,7 +358,8 @@ TEST(SampleCurves, AgreesWithTheSlowWayWithinBoundsAndBeyond) {
 
 TEST(SampleCurves, TakesTheWorstWhenNotAllAreSampled) {
   const Panel& panel = SmallPanel();
-  const auto some = SampleCurves(panel.plan, Stations(World(panel.cell), panel.problem), {}, 20, 2, {});
+  const auto some =
+      SampleCurves(panel.plan, Stations(World(panel.cell), panel.problem), {}, 20, {.threads = 2});
   EXPECT_LE(some.size(), 20u);
   EXPECT_GT(some.size(), 10u);
   double worst = 0;

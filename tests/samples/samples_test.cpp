@@ -99,7 +99,7 @@ TEST_P(SampleProgram, IsTheGoldenText) {
 TEST_P(SampleProgram, IsConfirmed) {
   const World world(sample.cell);
   const MotionProgram read = made.Read(plan.arm, text);
-  EXPECT_EQ(Text(Verify(read, world, &made.motions.planned, made.options, 2, {})), "");
+  EXPECT_EQ(Text(Verify(read, world, &made.motions.planned, made.options, {.threads = 2})), "");
   EXPECT_EQ(made.post->Write(read, plan.arm, made.settings), made.files);
 }
 
@@ -193,7 +193,8 @@ TEST(Samples, SinumerikStaysNearThePlanHoweverItTurnsTheTool) {
         ProgramCase made = MakeCase(sample, "sinumerik");
         made.options.step /= 10;  // ten times as dense as verification
         const MotionProgram read = made.Read(sample.plan.arm, made.files.at(made.name));
-        EXPECT_EQ(Text(Verify(read, World(sample.cell), &made.motions.planned, made.options, 2, {})), "")
+        EXPECT_EQ(Text(Verify(read, World(sample.cell), &made.motions.planned, made.options, {.threads = 2})),
+                  "")
             << name << " " << WordOf(kFrameAxisWords, axis);
         fmt::print("{} {} MD21104 {}: {} motions\n", name, WordOf(kFrameAxisWords, axis),
                    by_g_code ? "known" : "unknown", read.motions.size());
@@ -231,7 +232,7 @@ TEST_P(SampleProgram, DamageIsCaughtWithItsLine) {
     ++kinds;
     try {
       const MotionProgram read = made.Read(plan.arm, *edited);
-      const auto findings = Verify(read, world, &made.motions.planned, made.options, 2, {});
+      const auto findings = Verify(read, world, &made.motions.planned, made.options, {.threads = 2});
       if (findings.empty()) {
         EXPECT_TRUE(SameMotions(written, read, plan)) << damage.name << " is not caught";
       } else {
@@ -257,7 +258,8 @@ TEST_P(SampleProgram, HarmlessEditsPass) {
     if (!edited) continue;
     ++kinds;
     try {
-      EXPECT_EQ(Text(Verify(made.Read(plan.arm, *edited), world, &made.motions.planned, made.options, 2, {})),
+      EXPECT_EQ(Text(Verify(made.Read(plan.arm, *edited), world, &made.motions.planned, made.options,
+                            {.threads = 2})),
                 "")
           << edit.name;
     } catch (const InputError& error) {
@@ -275,7 +277,7 @@ TEST_P(SampleProgram, TheRealInterpreterAgrees) {
 #ifndef MILLPOSE_WHOLE_SAMPLES
 TEST(BaseWindow, IsReplayedAtItsCorners) {
   Sample sample = SampleOf("support_pad");
-  const auto window = [&] { return FindBaseWindow(sample.plan, sample.inputs, sample.cell, 2, {}); };
+  const auto window = [&] { return FindBaseWindow(sample.plan, sample.inputs, sample.cell, {.threads = 2}); };
   EXPECT_FALSE(window());  // the place was not measured
   sample.inputs.job.workpiece.targets.resize(3);
   const std::optional<BaseWindow> found = window();

@@ -159,7 +159,7 @@ TEST(Drill, ARegionChoosesAmongTheHoles) {
 }
 
 size_t Gouged(const Mesh& mesh, Toolpath toolpath) {
-  return CheckGouges(mesh, kDrill, {}, 1, toolpath, {}).points;
+  return CheckGouges(mesh, kDrill, {}, {.threads = 1}, toolpath).points;
 }
 
 TEST(Drill, ItsOwnHoleIsNoGougeButAllElseIs) {

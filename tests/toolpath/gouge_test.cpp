@@ -118,7 +118,7 @@ const CutterShape kFlat{10, 0, 30};
 TEST(Gouge, PointsNearAWallAreMarkedAndOnlyThose) {
   const Mesh mesh = Step();
   Toolpath toolpath = TowardsTheStep();
-  const GougeReport report = CheckGouges(mesh, kFlat, {GougeAction::kSkip, 0.05}, 2, toolpath, {});
+  const GougeReport report = CheckGouges(mesh, kFlat, {GougeAction::kSkip, 0.05}, {.threads = 2}, toolpath);
   size_t marked = 0;
   for (const MillingPoint& point : toolpath.passes[0].points) {
     // The wall at 50 mm is touched 10 mm before it; half a way is looked at on both sides.
@@ -139,10 +139,10 @@ TEST(Gouge, PointsNearAWallAreMarkedAndOnlyThose) {
 TEST(Gouge, LiftedPointsAreClear) {
   const Mesh mesh = Step();
   Toolpath toolpath = TowardsTheStep();
-  const GougeReport report = CheckGouges(mesh, kFlat, {GougeAction::kLift, 0.05}, 1, toolpath, {});
+  const GougeReport report = CheckGouges(mesh, kFlat, {GougeAction::kLift, 0.05}, {.threads = 1}, toolpath);
   EXPECT_NEAR(report.largest_lift, 4.95, 0.01);
   Toolpath again = toolpath;
-  EXPECT_EQ(CheckGouges(mesh, kFlat, {GougeAction::kReport, 0.05}, 1, again, {}).points, 0);
+  EXPECT_EQ(CheckGouges(mesh, kFlat, {GougeAction::kReport, 0.05}, {.threads = 1}, again).points, 0);
   EXPECT_EQ(toolpath.passes[0].points[0].position.z(), 0);
   EXPECT_GT(toolpath.passes[0].points[12].position.z(), 4.9);
 }
@@ -150,10 +150,10 @@ TEST(Gouge, LiftedPointsAreClear) {
 TEST(Gouge, ReportedPointsStayAndLeadsGoAsAWhole) {
   const Mesh mesh = Step();
   Toolpath toolpath = TowardsTheStep();
-  EXPECT_GT(CheckGouges(mesh, kFlat, {GougeAction::kReport, 0.05}, 1, toolpath, {}).points, 5);
+  EXPECT_GT(CheckGouges(mesh, kFlat, {GougeAction::kReport, 0.05}, {.threads = 1}, toolpath).points, 5);
   for (const MillingPoint& point : toolpath.passes[0].points) EXPECT_EQ(point.gouge, 0);
   for (size_t i = 9; i < 16; ++i) toolpath.passes[0].points[i].kind = PointKind::kLeadOut;
-  const GougeReport report = CheckGouges(mesh, kFlat, {GougeAction::kSkip, 0.05}, 1, toolpath, {});
+  const GougeReport report = CheckGouges(mesh, kFlat, {GougeAction::kSkip, 0.05}, {.threads = 1}, toolpath);
   EXPECT_EQ(report.leads_left_out, 1);
   EXPECT_EQ(toolpath.passes[0].points.size(), 9);
 }
@@ -164,7 +164,9 @@ TEST(Gouge, ANarrowRibBetweenTwoPointsIsSeen) {
   Toolpath toolpath;
   Pass& pass = toolpath.passes.emplace_back();
   for (const double x : {30.0, 70.0}) pass.points.emplace_back().position = {x, 50, 0};
-  EXPECT_EQ(CheckGouges(SoundMesh(part), {5, 0, 30}, {GougeAction::kSkip, 0.05}, 1, toolpath, {}).points, 2);
+  EXPECT_EQ(
+      CheckGouges(SoundMesh(part), {5, 0, 30}, {GougeAction::kSkip, 0.05}, {.threads = 1}, toolpath).points,
+      2);
 }
 
 TEST(Gouge, ACutterWhollyInsideIsFound) {
@@ -183,7 +185,7 @@ TEST(Gouge, ACutterWhollyInsideIsFound) {
     Pass& hole = toolpath.passes.emplace_back();
     for (const double z : {-50.0, -45.0}) hole.points.emplace_back().position = {75, 50, z};  // in the cavity
     const GougeReport report =
-        CheckGouges(SoundMesh(part), small, {GougeAction::kSkip, 0.05}, 2, toolpath, {});
+        CheckGouges(SoundMesh(part), small, {GougeAction::kSkip, 0.05}, {.threads = 2}, toolpath);
     EXPECT_EQ(report.points, 2);
     EXPECT_NEAR(report.deepest.depth, 30, 1e-9);
     EXPECT_GT(toolpath.passes[0].points[0].gouge, 29);
@@ -193,7 +195,7 @@ TEST(Gouge, ACutterWhollyInsideIsFound) {
   Toolpath toolpath;
   Pass& pass = toolpath.passes.emplace_back();
   for (const double x : {30.0, 33.0}) pass.points.emplace_back().position = {x, 50, -11};
-  CheckGouges(SoundMesh(hollow), small, {GougeAction::kLift, 0.05}, 1, toolpath, {});
+  CheckGouges(SoundMesh(hollow), small, {GougeAction::kLift, 0.05}, {.threads = 1}, toolpath);
   EXPECT_EQ(pass.points[0].position.z(), -11);
   EXPECT_NEAR(pass.points[0].gouge, 11, 1e-9);
 }
@@ -207,7 +209,7 @@ TEST(Gouge, BallsAreLiftedOntoSpheres) {
   Toolpath toolpath;
   Pass& pass = toolpath.passes.emplace_back();
   for (int i = -15; i <= 15; ++i) pass.points.emplace_back().position = {4.0 * i, 5, 20};
-  EXPECT_GT(CheckGouges(mesh, ball, {GougeAction::kLift, tolerance}, 2, toolpath, {}).points, 10);
+  EXPECT_GT(CheckGouges(mesh, ball, {GougeAction::kLift, tolerance}, {.threads = 2}, toolpath).points, 10);
   for (const MillingPoint& point : pass.points) {
     const double across = point.position.head<2>().norm(), together = rho + 8 - tolerance;
     const double clear = across < together ? std::sqrt(together * together - across * across) - 8 : -100;
@@ -235,7 +237,8 @@ TEST(Gouge, WhatIsLiftedOverHillsIsClearOrMarked) {
         point.tool_axis = Leaning(0.1, 0.05);
       }
     }
-    const GougeReport report = CheckGouges(mesh, cutter, {GougeAction::kLift, 0.05}, 2, toolpath, {});
+    const GougeReport report =
+        CheckGouges(mesh, cutter, {GougeAction::kLift, 0.05}, {.threads = 2}, toolpath);
     EXPECT_GT(report.points, 40);
     EXPECT_GT(report.largest_lift, 0.5);
     size_t marked = 0;
@@ -247,7 +250,7 @@ TEST(Gouge, WhatIsLiftedOverHillsIsClearOrMarked) {
         }
       }
     Toolpath again = toolpath;
-    EXPECT_EQ(CheckGouges(mesh, cutter, {GougeAction::kReport, 0.05}, 2, again, {}).points, marked);
+    EXPECT_EQ(CheckGouges(mesh, cutter, {GougeAction::kReport, 0.05}, {.threads = 2}, again).points, marked);
     EXPECT_LT(marked, report.points / 5);
   }
 }

@@ -206,7 +206,7 @@ TEST(StrategyLaws, SameForAnyNumberOfThreads) {
         Toolpath toolpath = MakeToolpath(mesh, given.options, {});
         for (Pass& pass : toolpath.passes)  // into the part on purpose
           for (MillingPoint& point : pass.points) point.position -= 0.3 * point.normal;
-        reports.push_back(CheckGouges(mesh, {6, 0, 30}, {action, 0.05}, threads, toolpath, {}));
+        reports.push_back(CheckGouges(mesh, {6, 0, 30}, {action, 0.05}, {.threads = threads}, toolpath));
         toolpaths.push_back(std::move(toolpath));
       }
       EXPECT_GT(reports[0].points, 0);

@@ -25,7 +25,7 @@ ToolpathOptions RingsAlong(const ToolAxisOptions& axis) {
 }
 
 size_t Gouged(const Mesh& mesh, Toolpath toolpath, const CutterShape& cutter) {
-  return CheckGouges(mesh, cutter, {}, 1, toolpath, {}).points;
+  return CheckGouges(mesh, cutter, {}, {.threads = 1}, toolpath).points;
 }
 
 TEST(ToolAxis, IsTheOneOfItsRuleWhereverTheSurfaceLeans) {
@@ -69,7 +69,7 @@ TEST(ToolAxis, WhatItWouldReachFromUnderTheSurfaceIsNotMilled) {
   Toolpath toolpath = MakeToolpath(Cavity(), options, {});
   ASSERT_FALSE(toolpath.notes.empty());
   EXPECT_NE(toolpath.notes.back().find("under the surface"), std::string::npos);
-  CheckGouges(Cavity(), options.cutter, {}, 1, toolpath, {});
+  CheckGouges(Cavity(), options.cutter, {}, {.threads = 1}, toolpath);
   for (const Pass& pass : toolpath.passes)
     for (const MillingPoint& point : pass.points) EXPECT_GT(point.gouge, 0);
 }

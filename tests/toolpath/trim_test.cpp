@@ -236,11 +236,11 @@ TEST(Trim, ALineIsTrimmedOnTheSideThatIsNamed) {
       for (const Eigen::Vector3d& p : Dense(laid.toolpath.passes[0]))
         ASSERT_EQ(p.x() > 40 && p.x() < 60 && p.y() > 40 && p.y() < 60, inside);
       // The kerf in the blank is no gouge; said to be cut already, it is.
-      EXPECT_EQ(CheckGouges(block, options.cutter, {}, 1, laid.toolpath, {}).points, 0);
+      EXPECT_EQ(CheckGouges(block, options.cutter, {}, {.threads = 1}, laid.toolpath).points, 0);
       trim.line->blank = false;
       options.strategy = std::make_shared<Trim>(trim);
       Toolpath modelled = Laid(block, options).toolpath;
-      EXPECT_GT(CheckGouges(block, options.cutter, {}, 1, modelled, {}).points, 0);
+      EXPECT_GT(CheckGouges(block, options.cutter, {}, {.threads = 1}, modelled).points, 0);
     }
 }
 
@@ -333,7 +333,7 @@ TEST(Trim, TheWindowOfACurvedPanelIsMetWithinAHundredth) {
   }
   EXPECT_GT(least, 10 - 0.01);
   EXPECT_LT(most, 10 + 0.01);
-  EXPECT_EQ(CheckGouges(panel, options.cutter, {}, 1, laid.toolpath, {}).points, 0);
+  EXPECT_EQ(CheckGouges(panel, options.cutter, {}, {.threads = 1}, laid.toolpath).points, 0);
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ class CallingProgram : public testing::TestWithParam<std::string> {
     std::string said;
     try {
       const MotionProgram read = post->Read(texts, plan.arm, settings);
-      for (const Finding& finding : Verify(read, world, against, SampleOptions(plan), 2, {}))
+      for (const Finding& finding : Verify(read, world, against, SampleOptions(plan), {.threads = 2}))
         said += fmt::format("{}: {}\n", finding.line, finding.message);
     } catch (const InputError& error) {
       said = error.what();

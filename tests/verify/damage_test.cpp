@@ -73,7 +73,7 @@ TEST_P(DamagedProgram, IsCaughtWithItsLine) {
     ++kinds;
     try {
       const MotionProgram read = Read(*edited);
-      const std::vector<Finding> findings = Verify(read, world, &program, options, 2, {});
+      const std::vector<Finding> findings = Verify(read, world, &program, options, {.threads = 2});
       if (findings.empty()) {
         EXPECT_TRUE(SameMotions(written, read, plan)) << damage.name << " is not caught";
         continue;
@@ -100,11 +100,12 @@ TEST_P(DamagedProgram, SubprogramsInAnotherOrderAreCaught) {
   std::string& main = parts.at("Sample_wall_plan" + extension);
   const size_t first = main.find("_001"), second = main.find("_002");
   ASSERT_NE(second, std::string::npos);
-  EXPECT_TRUE(Verify(post->Read(parts, plan.arm, settings), world, &program, options, 2, {}).empty());
+  EXPECT_TRUE(
+      Verify(post->Read(parts, plan.arm, settings), world, &program, options, {.threads = 2}).empty());
   main[first + 3] = '2';
   main[second + 3] = '1';
   const std::vector<Finding> findings =
-      Verify(post->Read(parts, plan.arm, settings), world, &program, options, 2, {});
+      Verify(post->Read(parts, plan.arm, settings), world, &program, options, {.threads = 2});
   ASSERT_FALSE(findings.empty());
   EXPECT_GT(findings.front().line, 0);
   // One call twice and the other lost.
@@ -121,7 +122,7 @@ TEST_P(DamagedProgram, HarmlessEditsPass) {
     if (!edited) continue;
     ++kinds;
     try {
-      for (const Finding& finding : Verify(Read(*edited), world, &program, options, 2, {})) {
+      for (const Finding& finding : Verify(Read(*edited), world, &program, options, {.threads = 2})) {
         ADD_FAILURE() << edit.name << ": " << finding.line << ": " << finding.message;
       }
     } catch (const InputError& error) {

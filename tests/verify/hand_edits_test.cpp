@@ -24,7 +24,7 @@ struct HandEdit : ProgramLines {
       const MotionProgram read = Read();
       const World world(SampleCell(plan));
       for (const Finding& finding :
-           Verify(read, world, with_plan ? &program : nullptr, SampleOptions(plan), 2, {}))
+           Verify(read, world, with_plan ? &program : nullptr, SampleOptions(plan), {.threads = 2}))
         said += fmt::format("{}: {}\n", finding.line, finding.message);
     } catch (const InputError& error) {
       for (const Problem& problem : error.problems())
@@ -94,7 +94,7 @@ TEST(HandEdits, TurnBitsNearZero) {
     const World world(SampleCell(plan));
     const auto findings = [&](const MotionProgram& written) {
       const MotionProgram read = post->Read(post->Write(written, plan.arm, settings), plan.arm, settings);
-      return Verify(read, world, &program, SampleOptions(plan), 2, {});
+      return Verify(read, world, &program, SampleOptions(plan), {.threads = 2});
     };
     std::vector<Finding> found = findings(program);
     ASSERT_FALSE(found.empty()) << variant;

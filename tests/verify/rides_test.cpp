@@ -38,7 +38,7 @@ struct Riding {
   std::vector<Finding> Findings(const std::string& edited, bool with_plan = true) const {
     VerifyOptions options = SampleOptions(plan);
     options.interference = interference;
-    return Verify(Read(edited), World(cell), with_plan ? &program : nullptr, options, 2, {});
+    return Verify(Read(edited), World(cell), with_plan ? &program : nullptr, options, {.threads = 2});
   }
   /// The findings of an edited text by line, or what its reader refuses.
   std::vector<std::pair<int, std::string>> Said(const std::string& edited, bool with_plan = true) const {

@@ -39,7 +39,7 @@ struct Station {
   std::vector<Finding> Findings(const std::string& edited, bool with_plan = true) const {
     VerifyOptions options = SampleOptions(plan);
     options.interference = true;
-    return Verify(Read(edited), World(cell), with_plan ? &program : nullptr, options, 2, {});
+    return Verify(Read(edited), World(cell), with_plan ? &program : nullptr, options, {.threads = 2});
   }
   /// What is wrong with an edited text; empty when it is confirmed.
   std::string Why(const std::string& edited) const {

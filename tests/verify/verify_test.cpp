@@ -43,7 +43,7 @@ INSTANTIATE_TEST_SUITE_P(Controllers, VerifyPost,
 
 TEST_P(VerifyPost, ConfirmsWhatWasWritten) {
   options.interference = true;
-  EXPECT_EQ(Text(Verify(WrittenAndRead(), world, &program, options, 2, {})), "");
+  EXPECT_EQ(Text(Verify(WrittenAndRead(), world, &program, options, {.threads = 2})), "");
 }
 
 // Of a part of the approach that is shorter than a program's decimals only the stop would be left, or not
@@ -52,41 +52,41 @@ TEST_P(VerifyPost, AnApproachIsNotCutInTwoForNothing) {
   for (const double more : {1e-7, 1e-5, 1e-3, 0.04, 0.06, 1.0}) {
     plan = SamplePlan({.lift = 5 + more});
     program = MakeMotionProgram(plan, SampleFeeds());
-    EXPECT_EQ(Text(Verify(WrittenAndRead(), world, &program, options, 2, {})), "") << more;
+    EXPECT_EQ(Text(Verify(WrittenAndRead(), world, &program, options, {.threads = 2})), "") << more;
   }
 }
 
 TEST_P(VerifyPost, ConfirmsWithoutAPlan) {
-  EXPECT_EQ(Text(Verify(WrittenAndRead(), world, nullptr, options, 2, {})), "");
+  EXPECT_EQ(Text(Verify(WrittenAndRead(), world, nullptr, options, {.threads = 2})), "");
 }
 
 TEST_P(VerifyPost, SameForAnyNumberOfThreads) {
   MotionProgram read = WrittenAndRead();
   for (size_t i = 6; i < read.motions.size(); i += 3)
     read.motions[i].feed *= 3, read.motions[i].duration /= 3;
-  const std::string one = Text(Verify(read, world, &program, options, 1, {}));
+  const std::string one = Text(Verify(read, world, &program, options, {.threads = 1}));
   EXPECT_NE(one, "");
-  EXPECT_EQ(one, Text(Verify(read, world, &program, options, 4, {})));
+  EXPECT_EQ(one, Text(Verify(read, world, &program, options, {.threads = 4})));
 }
 
 TEST_P(VerifyPost, SeesAWorkpieceElsewhere) {
   // The program is right, the cell is another: the replay goes through the cell.
   Cell moved = SampleCell(plan);
   moved.X_WP.translation().x() += 0.05;
-  EXPECT_NE(Text(Verify(WrittenAndRead(), World(moved), &program, options, 2, {})), "");
+  EXPECT_NE(Text(Verify(WrittenAndRead(), World(moved), &program, options, {.threads = 2})), "");
 }
 
 TEST_P(VerifyPost, SeesAnotherTool) {
   Cell moved = SampleCell(plan);
   moved.X_FT.translation().x() += 0.05;
-  const std::string text = Text(Verify(WrittenAndRead(), World(moved), &program, options, 2, {}));
+  const std::string text = Text(Verify(WrittenAndRead(), World(moved), &program, options, {.threads = 2}));
   // SINUMERIK takes the tool from the control's own data, so the program says nothing about it.
   EXPECT_EQ(text.empty(), ControllerOf(GetParam()) == "sinumerik") << text;
 }
 
 TEST_P(VerifyPost, SeesLimits) {
   options.upper[4] = 0.1;
-  const std::string text = Text(Verify(WrittenAndRead(), world, &program, options, 2, {}));
+  const std::string text = Text(Verify(WrittenAndRead(), world, &program, options, {.threads = 2}));
   EXPECT_NE(text.find("A5 at"), std::string::npos) << text;
 }
 
@@ -97,7 +97,7 @@ TEST_P(VerifyPost, SeesInterference) {
   post_body.X_MG.translation() = plan.X_WP.translation() + Eigen::Vector3d(-250, 0, 0);
   post_body.shape = Box{{60, 60, 60}};
   narrow.bodies.push_back(post_body);
-  const std::string text = Text(Verify(WrittenAndRead(), World(narrow), nullptr, options, 2, {}));
+  const std::string text = Text(Verify(WrittenAndRead(), World(narrow), nullptr, options, {.threads = 2}));
   EXPECT_NE(text.find("post"), std::string::npos) << text;
 }
 
@@ -134,7 +134,7 @@ TEST(Verify, WhatIsLeftOutAndWhatTheControlDoesStayWithinTheTolerance) {
       const MotionProgram prepared = Prepared(thinned, variant, settings, plan.arm);
       const MotionProgram read = post->Read(post->Write(prepared, plan.arm, settings), plan.arm, settings);
       std::string text;
-      for (const Finding& finding : Verify(read, world, &planned, SampleOptions(plan), 2, {}))
+      for (const Finding& finding : Verify(read, world, &planned, SampleOptions(plan), {.threads = 2}))
         if (finding.message.find("leaves the plan") != std::string::npos) text += finding.message + "\n";
       EXPECT_EQ(text, "") << variant << " " << bend;
     }
@@ -161,7 +161,7 @@ TEST(Verify, HowEverTheToolTurnsItStaysWithinTheTolerance) {
                            const PostSettings& settings) {
     const MotionProgram read = post.Read(post.Write(written, plan.arm, settings), plan.arm, settings);
     std::string text;
-    for (const Finding& finding : Verify(read, world, &planned, SampleOptions(plan), 2, {}))
+    for (const Finding& finding : Verify(read, world, &planned, SampleOptions(plan), {.threads = 2}))
       if (finding.message.find("leaves the plan") != std::string::npos) text += finding.message + "\n";
     return text;
   };
@@ -188,11 +188,11 @@ TEST(Verify, CornersThatAreHardlyAnyMayBeRounded) {
   for (Motion& motion : rounded.motions)
     if (!motion.exact) motion.blend = 1;
   // The straight passes have no corners; the ring's turn by 30°: 1/2·sin(15°) = 0.129 mm.
-  const std::vector<Finding> findings = Verify(rounded, world, &program, SampleOptions(plan), 2, {});
+  const std::vector<Finding> findings = Verify(rounded, world, &program, SampleOptions(plan), {.threads = 2});
   EXPECT_NE(Text(findings).find("rounded by 0.129 mm"), std::string::npos) << Text(findings);
   EXPECT_EQ(Text(findings).find("rounded by 0.13"), std::string::npos) << Text(findings);
   for (Motion& motion : rounded.motions) motion.blend = motion.exact ? 0 : 0.1;
-  EXPECT_EQ(Text(Verify(rounded, world, &program, SampleOptions(plan), 2, {})), "");
+  EXPECT_EQ(Text(Verify(rounded, world, &program, SampleOptions(plan), {.threads = 2})), "");
 }
 
 TEST(Verify, OverlappingMotionsRoundTheOrientation) {
@@ -212,7 +212,7 @@ TEST(Verify, OverlappingMotionsRoundTheOrientation) {
     const MotionProgram read = post->Read(post->Write(program, plan.arm, settings), plan.arm, settings);
     Cell cell = SampleCell(plan);
     cell.arm.acceleration.setConstant(acceleration);
-    const std::string text = Text(Verify(read, World(cell), &program, SampleOptions(plan), 2, {}));
+    const std::string text = Text(Verify(read, World(cell), &program, SampleOptions(plan), {.threads = 2}));
     return text.find("the corner is rounded by") != std::string::npos;
   };
   EXPECT_FALSE(rounded("linuxcnc_cartesian", 1e5));
@@ -229,13 +229,13 @@ TEST(Verify, SeesAPointLeftOutOnAWayThereAndBack) {
   points = {points[0], points[1], points[4], points[5], points[3], points[2]};
   const MotionProgram program = MakeMotionProgram(plan);
   const World world(SampleCell(plan));
-  EXPECT_EQ(Text(Verify(program, world, &program, SampleOptions(plan), 2, {})), "");
+  EXPECT_EQ(Text(Verify(program, world, &program, SampleOptions(plan), {.threads = 2})), "");
   MotionProgram shorter = program;
   std::erase_if(shorter.motions, [](const Motion& motion) { return motion.point == 3; });
   for (ProgramEvent& event : shorter.events)
     if (event.before_motion == program.motions.size() || event.before_motion > 4) event.before_motion -= 1;
   ASSERT_EQ(shorter.motions.size() + 1, program.motions.size());
-  const std::string text = Text(Verify(shorter, world, &program, SampleOptions(plan), 2, {}));
+  const std::string text = Text(Verify(shorter, world, &program, SampleOptions(plan), {.threads = 2}));
   EXPECT_NE(text.find("is not reached"), std::string::npos) << text;
 }
 
@@ -243,15 +243,16 @@ TEST(Verify, SeesAWristThatIsSingularAndJointsThatAreTooFast) {
   const PlanResult plan = SamplePlan();
   const MotionProgram program = MakeMotionProgram(plan);
   VerifyOptions options = SampleOptions(plan);
-  EXPECT_EQ(Text(Verify(program, World(SampleCell(plan)), &program, options, 2, {})), "");
+  EXPECT_EQ(Text(Verify(program, World(SampleCell(plan)), &program, options, {.threads = 2})), "");
   options.wrist_least = 2;  // no angle has so large a sine
-  EXPECT_NE(
-      Text(Verify(program, World(SampleCell(plan)), &program, options, 2, {})).find("wrist is singular"),
-      std::string::npos);
+  EXPECT_NE(Text(Verify(program, World(SampleCell(plan)), &program, options, {.threads = 2}))
+                .find("wrist is singular"),
+            std::string::npos);
   Cell slow = SampleCell(plan);
   slow.arm.speed *= 1e-4;
-  EXPECT_NE(Text(Verify(program, World(slow), &program, SampleOptions(plan), 2, {})).find("would turn at"),
-            std::string::npos);
+  EXPECT_NE(
+      Text(Verify(program, World(slow), &program, SampleOptions(plan), {.threads = 2})).find("would turn at"),
+      std::string::npos);
 }
 
 TEST(Verify, OverlapIsAParabola) {
@@ -270,9 +271,9 @@ TEST(Verify, SlowTurningSlowsTheFeed) {
   const World world(SampleCell(plan));
   MotionProgram slow = program;
   for (Motion& motion : slow.motions) motion.turn_speed = 200 * kRadPerDeg;
-  EXPECT_EQ(Text(Verify(slow, world, &program, SampleOptions(plan), 2, {})), "");
+  EXPECT_EQ(Text(Verify(slow, world, &program, SampleOptions(plan), {.threads = 2})), "");
   for (Motion& motion : slow.motions) motion.turn_speed = 0.01 * kRadPerDeg;
-  EXPECT_NE(Text(Verify(slow, world, &program, SampleOptions(plan), 2, {})).find("runs at"),
+  EXPECT_NE(Text(Verify(slow, world, &program, SampleOptions(plan), {.threads = 2})).find("runs at"),
             std::string::npos);
 }
 
@@ -285,7 +286,7 @@ TEST(Verify, SeesOutputsElsewhere) {
   const auto verified = [&](const std::function<void(std::vector<ProgramEvent>&)>& edit) {
     MotionProgram other = program;
     edit(other.events);
-    return Text(Verify(other, world, &program, SampleOptions(plan), 2, {}));
+    return Text(Verify(other, world, &program, SampleOptions(plan), {.threads = 2}));
   };
   const auto output = [](std::vector<ProgramEvent>& events) {
     return std::find_if(events.begin(), events.end(),
@@ -316,7 +317,7 @@ TEST(Verify, SeesDwellsElsewhere) {
   };
   const MotionProgram planned = with(behind, 0.5);
   const auto told = [&](const MotionProgram& given) {
-    return Text(Verify(given, world, &planned, SampleOptions(plan), 2, {}));
+    return Text(Verify(given, world, &planned, SampleOptions(plan), {.threads = 2}));
   };
   EXPECT_EQ(told(planned), "");
   EXPECT_NE(told(program).find("a dwell in the cut here: none, planned: 0.5 s"), std::string::npos);
@@ -373,7 +374,7 @@ TEST(Verify, ChecksAgainWhatLeavesTheProvenMotion) {
   const World world(WithBlock(plan, plan.passes[0].points[3].q, 8));
   VerifyOptions options = SampleOptions(plan);
   const auto sees_block = [&] {
-    return Text(Verify(program, world, &program, options, 2, {})).find("block") != std::string::npos;
+    return Text(Verify(program, world, &program, options, {.threads = 2})).find("block") != std::string::npos;
   };
   // As far as verification knows the planner has proven that: it looks only at what leaves the proof.
   EXPECT_FALSE(sees_block());
@@ -405,7 +406,8 @@ TEST(Verify, AReducedGapKeepsItsShareOfTheClearance) {
   options.interference = true;
   const auto sees_block = [&] {
     const MotionProgram program = MakeMotionProgram(plan);
-    return Text(Verify(program, *world, &program, options, 2, {})).find("block") != std::string::npos;
+    return Text(Verify(program, *world, &program, options, {.threads = 2})).find("block") !=
+           std::string::npos;
   };
   EXPECT_TRUE(sees_block());
   // The last gap runs by the same way-point.
@@ -419,11 +421,11 @@ TEST(Verify, SeesJumpsOfTheSpeedWithoutAPlan) {
   const PlanResult plan = SamplePlan();
   const World world(SampleCell(plan));
   MotionProgram program = MakeMotionProgram(plan);
-  EXPECT_EQ(Text(Verify(program, world, nullptr, SampleOptions(plan), 2, {})), "");
+  EXPECT_EQ(Text(Verify(program, world, nullptr, SampleOptions(plan), {.threads = 2})), "");
   const auto cut = std::find_if(program.motions.begin(), program.motions.end(),
                                 [](const Motion& motion) { return motion.point >= 3 && !motion.exact; });
   cut->feed *= 20;
-  const std::string text = Text(Verify(program, world, nullptr, SampleOptions(plan), 2, {}));
+  const std::string text = Text(Verify(program, world, nullptr, SampleOptions(plan), {.threads = 2}));
   EXPECT_NE(text.find("the feed jumps from"), std::string::npos) << text;
 }
 
