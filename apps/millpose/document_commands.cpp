@@ -136,7 +136,7 @@ std::string ValueCases(const CLI::App& command, const std::string& name) {
 std::string ArgumentWords(const CLI::App& command) {
   for (const CLI::Option* option : Options(command))
     if (option->get_positional())
-      if (const std::string words = WordsOf(*option); !words.empty()) return words;
+      if (std::string words = WordsOf(*option); !words.empty()) return words;
   return "";
 }
 

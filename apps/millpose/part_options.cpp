@@ -7,7 +7,7 @@
 namespace millpose {
 
 RootOption AddRootOption(CLI::App& command) {
-  const auto folder = std::make_shared<std::optional<std::filesystem::path>>();
+  auto folder = std::make_shared<std::optional<std::filesystem::path>>();
   command.add_option(
       "--root", *folder,
       "For jobs of others: no file outside of this folder is read, none that a job names is written "
@@ -16,7 +16,7 @@ RootOption AddRootOption(CLI::App& command) {
 }
 
 UnitOption AddUnitOption(CLI::App& command) {
-  const auto unit = std::make_shared<std::string>();
+  auto unit = std::make_shared<std::string>();
   command.add_option("--unit", *unit, "Unit of a part: mm, cm, in, m; by default the file's, else mm")
       ->check(CLI::IsMember({"mm", "cm", "in", "m"}));
   return unit;

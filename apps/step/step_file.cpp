@@ -110,7 +110,7 @@ SourceFace Described(const STEPControl_Reader& reader, const FaceEntities& entit
   BRepGProp::SurfaceProperties(face, properties);
   source.area = std::max(0.0, properties.Mass());
   if (!entities.IsBound(face.TShape())) return source;
-  const Handle(Standard_Transient) entity = entities.Find(face.TShape());
+  const Handle(Standard_Transient)& entity = entities.Find(face.TShape());
   const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(reader.Model());
   if (!model.IsNull()) source.id = "#" + std::to_string(model->IdentLabel(entity));
   const Handle(StepRepr_RepresentationItem) item = Handle(StepRepr_RepresentationItem)::DownCast(entity);

@@ -295,8 +295,8 @@ std::optional<Sighting> Checker::BlockedBetween(const Joints& q0, const Joints& 
     const double middle = 0.5 * (interval.begin + interval.end);
     const Joints half_turn = 0.5 * (interval.end - interval.begin) * (q1 - q0).cwiseAbs();
     std::vector<int> undecided;
-    const auto found = impl_->Certify(q0 + middle * (q1 - q0), half_turn + tube, phase_index, resolution,
-                                      interval.pairs, undecided);
+    auto found = impl_->Certify(q0 + middle * (q1 - q0), half_turn + tube, phase_index, resolution,
+                                interval.pairs, undecided);
     if (found) {
       impl_->Tell(found->pair);
       return found;

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 double AreaOf(const Mesh& mesh, int face) {
-  const Vector3d a = mesh.Corner(face, 0);
+  const Vector3d& a = mesh.Corner(face, 0);
   return (mesh.Corner(face, 1) - a).cross(mesh.Corner(face, 2) - a).norm() / 2;
 }
 
@@ -95,7 +95,7 @@ FacingGroup BestFacing(const Mesh& mesh, const std::vector<int>& faces) {
   FacingGroup best;
   if (sum.norm() > 0.5 * area) {
     const Vector3d mean = sum.normalized();
-    const FacingGroup flat = Facing(mesh, faces, mean, true);
+    FacingGroup flat = Facing(mesh, faces, mean, true);
     if (flat.area > 0.999 * area) return flat;
     best = Facing(mesh, faces, mean, false);
   }

@@ -28,7 +28,7 @@ std::vector<int> PackVerdicts(const AxisVerdicts& verdicts) {
 }
 
 AxisVerdicts UnpackVerdicts(const std::vector<int>& runs) {
-  constexpr size_t kCells = 8 * kAxisRotations;
+  constexpr size_t kCells = size_t{8} * kAxisRotations;
   AxisVerdicts verdicts;
   for (size_t i = 0; i + 1 < runs.size(); i += 2) {
     const size_t length = static_cast<size_t>(std::max(0, runs[i + 1]));

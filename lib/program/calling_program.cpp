@@ -64,7 +64,7 @@ ProgramFiles WriteCalling(const CallingSyntax& syntax, const std::string& job,
                           const std::vector<CalledProgram>& programs) {
   const std::string name = ProgramName(syntax, job);
   std::string text = Filled(syntax.head, name);
-  for (const auto& [key, value] : header) text += CommentLine(key + ": " + value);
+  for (const auto& [key, value] : header) text += CommentLine(fmt::format("{}: {}", key, value));
   for (const CalledProgram& program : programs) {
     for (const std::string& comment : program.comments) text += CommentLine(comment);
     text += Filled(syntax.call, program.name);

@@ -159,7 +159,7 @@ Joints JointsOf(const MotionProgram& program, const Arm& arm, size_t i, double s
   const Motion& motion = program.motions[i];
   if (i == 0 || share >= 1) return *motion.q;
   const Joints& from = *program.motions[i - 1].q;
-  const Joints even = from + share * (*motion.q - from);
+  Joints even = from + share * (*motion.q - from);
   if (motion.type == MotionType::kJoint) return even;
   const Pose X_BF = FrameAt(program, i, share) * TipOf(program, arm, i, share) * program.X_FT->inverse();
   return InverseNear(arm, X_BF, Status(arm, from), even).value_or(even);

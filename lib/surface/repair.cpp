@@ -91,8 +91,10 @@ class FlatRemoval {
   std::span<const EdgeSide> SidesOn(int face, int side) const {
     const std::array<int, 3>& f = mesh_.faces[face];
     const auto [low, high] = std::minmax(f[side], f[(side + 1) % 3]);
-    return std::ranges::equal_range(sides_, std::pair(low, high), {},
-                                    [](const EdgeSide& s) { return std::pair(s.low, s.high); });
+    const std::pair<int, int> edge(low, high);
+    const auto edge_of = [](const EdgeSide& s) { return std::pair(s.low, s.high); };
+    return {std::ranges::lower_bound(sides_, edge, {}, edge_of),
+            std::ranges::upper_bound(sides_, edge, {}, edge_of)};
   }
 
   // Whether the mesh is closed better without the face: its long edge and another one have a side too many.

@@ -51,8 +51,7 @@ std::vector<std::vector<Junction>> JunctionsOn(const std::vector<Edge>& edges,
   }
   const Bvh tree(boxes);
   std::ranges::sort(vertices);
-  const auto repeated = std::ranges::unique(vertices);
-  vertices.erase(repeated.begin(), repeated.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   std::vector<std::vector<Junction>> junctions(edges.size());
   for (const int vertex : vertices) {
     const Eigen::Vector3d& p = at[vertex];

@@ -95,7 +95,7 @@ class GougeChecker {
   }
 
   Gouge DeepestOf(const Part& part, const Eigen::Vector3d& axis) const {
-    const Gouge gouge = DeepestGouge(mesh_, part.cutter, part.tip, axis, options_.tolerance);
+    Gouge gouge = DeepestGouge(mesh_, part.cutter, part.tip, axis, options_.tolerance);
     if (gouge.face >= 0 || !IsBuried(part, axis)) return gouge;
     const SurfacePoint surface = solid_->Closest(part.tip);
     return {surface.distance, surface.position, surface.face};

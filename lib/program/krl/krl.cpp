@@ -315,7 +315,7 @@ PathDynamics KrlPost::Dynamics(const PostOptions& options) const {
 }
 
 std::string KrlPost::WhyNotIn(const PostSettings& settings) const {
-  if (const std::string refusal = KrlWhyNotWithAxes(options_, settings); !refusal.empty()) return refusal;
+  if (std::string refusal = KrlWhyNotWithAxes(options_, settings); !refusal.empty()) return refusal;
   const double apart = KrlTilt(options_, settings);
   if (apart > kUpright)
     return fmt::format(

@@ -77,7 +77,7 @@ double KrlTilt(const KrlOptions& options, const PostSettings& settings) {
 Pose KrlTableFrame(const KrlOptions& options, const PostSettings& settings,
                    const ExternalPosition& external) {
   const KrlTable& table = *options.external_base;
-  const Pose at_zero = MakePose(table.root) * MakePose(table.flange);
+  Pose at_zero = MakePose(table.root) * MakePose(table.flange);
   if (external.empty()) return at_zero;
   const Pose X_KW = WorldInWorld(options, settings);
   return X_KW * settings.mechanism.Moved(Carries::kWorkpiece, CoupledPart(settings, external)) *

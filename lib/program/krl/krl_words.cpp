@@ -104,7 +104,7 @@ Pose ReadTableBase(LineScanner& scan, int machine_def) {
     scan.Expect(part);
     scan.Expect(",");
   }
-  const Pose frame = ReadFrame(scan);
+  Pose frame = ReadFrame(scan);
   scan.Expect(")");
   return frame;
 }

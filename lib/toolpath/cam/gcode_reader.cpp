@@ -196,11 +196,7 @@ class GcodeReader {
       modal_line_ = word.place.line;
     } else if (SinumerikCycles::IsCycle(name)) {
       TakeCall(word);
-    } else if (name == "CYCLE800" && empty) {
-      tally_.CountHarmless(name);  // swivels back
-    } else if (scanner_.heidenhain() && Heidenhain::IsHarmlessName(name)) {
-      tally_.CountHarmless(name);
-    } else if (const GcodeMeaning meaning = MeaningOfName(name); meaning == GcodeMeaning::kRefused) {
+    } else if (const GcodeMeaning meaning = MeaningHere(name, empty); meaning == GcodeMeaning::kRefused) {
       throw InputError(word.place,
                        fmt::format("{} is not read: let the CAM system write G0, G1, G2 and G3", name));
     } else if (meaning == GcodeMeaning::kUnknown) {
@@ -211,6 +207,13 @@ class GcodeReader {
     } else {
       tally_.CountHarmless(name);
     }
+  }
+
+  GcodeMeaning MeaningHere(const std::string& name, bool empty) const {
+    const bool swivels_back = name == "CYCLE800" && empty;
+    if (swivels_back || (scanner_.heidenhain() && Heidenhain::IsHarmlessName(name)))
+      return GcodeMeaning::kHarmless;
+    return MeaningOfName(name);
   }
 
   // MCALL stands before the cycle that it makes modal.

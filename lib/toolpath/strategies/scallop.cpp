@@ -22,7 +22,7 @@ Eigen::Vector2d Unrolled(const Eigen::Vector2d& p, double curvature) {
 Eigen::Vector2d Rolled(const Eigen::Vector2d& p, double curvature) {
   if (std::abs(curvature) < 1e-9) return p;
   const double radius = 1 / curvature;
-  const SineCosine turn = SinCos(p.x() / radius);
+  const auto turn = SinCos(p.x() / radius);
   return {(radius + p.y()) * turn.sin, (radius + p.y()) * turn.cos - radius};
 }
 
@@ -32,7 +32,8 @@ Eigen::Vector2d Rolled(const Eigen::Vector2d& p, double curvature) {
 // coordinates along the surface and out of it, the contact at the origin.
 Eigen::Vector2d Scallops::Outline(double place, double side) const {
   const double a = cutter_.radius - cutter_.corner_radius, b = a * SinCos(lead_).sin;
-  const auto [s, c] = SinCos(tilt_);
+  const auto turn = SinCos(tilt_);
+  const double s = turn.sin, c = turn.cos;
   const auto support = [&](const Eigen::Vector2d& u) -> Eigen::Vector2d {
     const Eigen::Vector2d own(c * u.x() + s * u.y(), -s * u.x() + c * u.y());  // in the ellipse's axes
     const Eigen::Vector2d scaled(a * own.x(), b * own.y());
@@ -100,7 +101,7 @@ bool Scallops::CoversSide(const Eigen::Vector2d& place, double side) const {
     contact += Eigen::Vector2d(c * x - s * y, s * x + c * y);
   }
   const auto beyond = [&, s = s, c = c](double angle) {
-    const SineCosine turn = SinCos(angle);
+    const auto turn = SinCos(angle);
     const Eigen::Vector2d u(side * turn.sin, -turn.cos);
     const double x = c * u.x() + s * u.y(), y = -s * u.x() + c * u.y();
     return u.dot(place + contact) - std::sqrt(a * a * x * x + b * b * y * y) - r;
