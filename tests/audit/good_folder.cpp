@@ -7,6 +7,7 @@
 
 #include "tests/audit/kinematics.hpp"
 #include "tests/audit/laws.hpp"
+#include "tests/base/replaced.hpp"
 
 namespace millpose::audit {
 namespace {
@@ -73,10 +74,6 @@ const char* const kHeader =
 std::string Join(const Vector3& v) {
   return fmt::format("{:.17g},{:.17g},{:.17g}", static_cast<double>(v[0]), static_cast<double>(v[1]),
                      static_cast<double>(v[2]));
-}
-
-std::string Replaced(std::string text, const std::string& what, const std::string& with) {
-  return text.replace(text.find(what), what.size(), with);
 }
 
 /// A, B, C in degrees of Rz(A)·Ry(B)·Rx(C).

@@ -8,6 +8,7 @@
 #include "job/assemble.hpp"
 #include "robot/joint_chain.hpp"
 #include "robot/kinematics.hpp"
+#include "tests/base/refusal.hpp"
 #include "tests/base/source_dir.hpp"
 
 namespace millpose {
@@ -55,12 +56,7 @@ class UrdfCell : public testing::Test {
     return LoadCell(base_ / "cell.yaml", &bytes_);
   }
   std::string ErrorOf(const std::string& cell, const std::string& urdf) {
-    try {
-      Load(cell, urdf);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return RefusalOf([&] { Load(cell, urdf); });
   }
   static Pose Of(double x, double y, double z) { return Pose(Eigen::Translation3d(x, y, z)); }
   static Pose PlaceOf(const Cell& cell, const Joints& angles, const std::string& name) {
