@@ -62,6 +62,21 @@ void Pause(std::chrono::milliseconds time, const std::stop_token& stop) {
   }
 }
 
+// The id that `sbatch --parsable` answers with: "ID" or "ID;CLUSTER", in one line. Anything else submitted
+// nothing that could be waited for.
+std::string IdOf(const std::string& answer) {
+  const std::string line = answer.substr(0, answer.find('\n'));
+  const std::string id = line.substr(0, line.find(';'));
+  const bool is_id = !id.empty() && std::ranges::all_of(id, [](char c) { return c >= '0' && c <= '9'; });
+  if (!is_id || answer.size() > line.size() + 1)
+    throw InputError(
+        Place{"sbatch"},
+        fmt::format("answered \"{}\", which is no job id; allowed: what sbatch --parsable prints, "
+                    "like 4711 or 4711;cluster",
+                    Shown(answer)));
+  return id;
+}
+
 // Whether Slurm still has the job waiting or running. A controller that does not answer is no answer: yes.
 bool IsQueued(const std::string& id, const std::stop_token& stop) {
   const ProcessResult result = RunProcess({"squeue", "--noheader", "--jobs=" + id, "--format=%i"}, stop);
@@ -97,8 +112,8 @@ std::vector<std::string> SlurmArray::SubmitTasks(const std::vector<size_t>& task
     command.push_back(std::to_string(first));
     const ProcessResult result = RunProcess(command, stop);
     if (result.status != 0)
-      throw InputError(Place{"sbatch"}, fmt::format("refused the tasks: {}", result.errors));
-    ids.push_back(result.output.substr(0, result.output.find_first_of(";\n")));
+      throw InputError(Place{"sbatch"}, fmt::format("refused the tasks: {}", Shown(result.errors, 400)));
+    ids.push_back(IdOf(result.output));
     std::string submitted = fs::exists(folder_ / kSubmitted) ? ReadFile(folder_ / kSubmitted) : "";
     WriteFileAtomically(folder_ / kSubmitted, submitted + ids.back() + '\n');
   }

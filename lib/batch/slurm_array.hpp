@@ -24,7 +24,7 @@ class SlurmArray {
 
   /// Submits all tasks; they begin when the jobs `after` have ended. `options` are further ones of sbatch.
   /// Returns the ids of the array jobs: one for each 1,000 tasks, as Slurm allows by default. Throws
-  /// InputError when sbatch refuses, Interrupted.
+  /// InputError when sbatch refuses or answers with no job id, Interrupted.
   std::vector<std::string> Submit(const std::vector<std::string>& options,
                                   const std::vector<std::string>& after, std::stop_token stop) const;
 

@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "base/file.hpp"
+#include "base/loose_file.hpp"
 #include "base/units.hpp"
 #include "job/assemble.hpp"
 #include "job/locate.hpp"
@@ -81,7 +81,7 @@ void Count(const std::vector<PointReach>& reach, JobCheck& check) {
 }
 
 void WriteView(const ViewFile& file, const CheckHtmlInput& input) {
-  if (file) WriteFileAtomically(*file, CheckHtml(input));
+  if (file) WriteLooseFile(*file, CheckHtml(input));
 }
 
 }  // namespace

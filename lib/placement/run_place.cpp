@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "placement/run_place.hpp"
 
+#include <set>
+
 #include "base/error.hpp"
+#include "base/file.hpp"
 #include "base/parallel.hpp"
 #include "job/step_meshes.hpp"
 #include "operations/done_operation.hpp"
@@ -240,6 +243,16 @@ void RefuseExternalAxes(const std::vector<JobInputs>& inputs) {
                        "external_axes: allowed in cells that millpose place looks for places in: none");
 }
 
+// Plans of earlier runs that this one has not made.
+void RemoveOtherPlans(const fs::path& out, const FoundPlaces& found) {
+  std::set<fs::path> made;
+  for (const PlannedPlace& plan : found.plans) made.insert(out / plan.folder);
+  for (const PlannedSplit& split : found.splits)
+    for (const PlannedStation& station : split.stations) made.insert(out / station.plan.folder);
+  for (const fs::path& plan : EntriesOf(out / kPlansFolder))
+    if (!made.contains(plan) && !fs::is_symlink(plan) && IsOutputFolder(plan)) RemoveAll(plan);
+}
+
 }  // namespace
 
 PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const std::stop_token& stop) {
@@ -249,7 +262,6 @@ PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const 
   const PlaceSpace checked(inputs.front().job,
                            inputs.front().cell.stated_base);  // refuses before anything is written
   CheckStations(inputs);
-  RefuseForeignFiles(arguments.job, *inputs.front().job.placement);
   for (JobInputs& own : inputs) {
     own.max_points = arguments.max_points;
     CheckPrograms(own);
@@ -260,7 +272,6 @@ PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const 
       OutlineOf(inputs.front().job_text, arguments.job.string(), arguments.overrides).name;
   const fs::path out = arguments.out.value_or(FolderOf(arguments.job) / (name + ".places"));
   if (!arguments.out) arguments.root.CheckFolder(out);
-  RecoverOutputFolder(out);
   const OutputFolder folder(out, FolderUse::kResults);
   const RunFigures begun = BeginRun(AsPlan(arguments, out), name, inputs.front().folder, folder);
   const FoundPlaces found = PlaceRun(arguments, inputs, out, stages, stop).Run(name);
@@ -281,7 +292,8 @@ PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const 
   run.manifest = results.AddManifest(KeyOf(inputs, out));
   results.Add(kRunFile, RunJson(run));
   results.Publish();
-  WritePlacedJobs(arguments.job, jobs, found.split.has_value());
+  RemoveOtherPlans(out, found);
+  WritePlacedJobs(arguments.job, jobs);
   return {run.exit_status, run.told};
 }
 
