@@ -3,19 +3,20 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 
 #include "base/error.hpp"
 #include "base/execution.hpp"
 #include "base/file.hpp"
+#include "base/loose_file.hpp"
 #include "init/cell_text.hpp"
 #include "init/facing_groups.hpp"
 #include "init/job_text.hpp"
 #include "init/place_part.hpp"
 #include "job/assemble.hpp"
 #include "job/step_meshes.hpp"
+#include "output/remove_folder.hpp"
 #include "pipeline/run.hpp"
 #include "surface/raw_mesh.hpp"
 #include "surface/step_reader.hpp"
@@ -31,28 +32,50 @@ constexpr double kSmallPatch = 0.25;
 constexpr double kMostLift = 0.5;  // mm: what rough facets ask for; more is another face in the way
 constexpr size_t kPlacesEach = 2;  // of a tool path that are planned
 
-/// A folder beside the one to come, so that relative paths hold in both; gone with the object.
-class Staging {
+constexpr std::array kWritten = {"cell.yaml", "job.yaml"};
+
+/// The folder that init works in: beside the one to come, so that relative paths hold in both. It outlives a
+/// kill and an interrupt: the next init for the same folder finds what was planned there, goes on, and
+/// removes it.
+class WorkFolder {
  public:
-  explicit Staging(const fs::path& out)
-      : path_(out.parent_path() / fmt::format(".{}.init-{}", out.filename().string(), getpid())) {
-    MakeFolders(path_);
+  static fs::path PathFor(const fs::path& out) {
+    return out.parent_path() / fmt::format(".{}.init", out.filename().string());
   }
-  ~Staging() {
+
+  explicit WorkFolder(const fs::path& out) : path_(PathFor(out)) {
+    for (fs::path parent = path_.parent_path(); !Exists(parent); parent = parent.parent_path())
+      made_.push_back(parent);
+    folder_.emplace(path_, FolderUse::kResults);
+  }
+  ~WorkFolder() {
+    if (stays_) return;
     try {
-      RemoveAll(path_);
+      RemoveOutputFolder(*folder_);
     } catch (const InputError&) {  // what cannot be removed stays; the files that count are not in it
     }
+    std::error_code ignored;
+    for (const fs::path& parent : made_) fs::remove(parent, ignored);  // only where nothing is in it
   }
-  Staging(const Staging&) = delete;
-  Staging& operator=(const Staging&) = delete;
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
 
-  const fs::path& path() const { return path_; }
-  fs::path Job() const { return path_ / "job.yaml"; }
-  fs::path CellFile() const { return path_ / "cell.yaml"; }
+  /// Leaves it to the next init.
+  void Stay() { stays_ = true; }
+
+  fs::path CellFile() const { return path_ / kWritten[0]; }
+  /// Not job.yaml: in a folder of millpose's that is the resolved job of a plan.
+  fs::path Job() const { return path_ / "first_job.yaml"; }
+  void WriteCell(const std::string& text) const { folder_->Write(kWritten[0], text); }
+  void WriteJob(const std::string& text) const { folder_->Write("first_job.yaml", text); }
+  /// The output folder of a trial, from 1.
+  fs::path Trial(int number) const { return path_ / fmt::format("trial_{}", number); }
 
  private:
   fs::path path_;
+  std::vector<fs::path> made_;  ///< parents that were missing, the innermost first
+  std::optional<OutputFolder> folder_;
+  bool stays_ = false;
 };
 
 fs::path FileOf(const fs::path& given) {
@@ -65,13 +88,17 @@ fs::path FolderFor(const InitArguments& arguments) {
   const fs::path given = arguments.out.value_or(arguments.part.stem());
   fs::path folder = fs::weakly_canonical(fs::absolute(given));
   if (!folder.has_filename()) folder = folder.parent_path();
-  for (const char* name : {"cell.yaml", "job.yaml"})
-    if (Exists(folder / name))
-      throw InputError({(folder / name).string()},
-                       "exists already; allowed: a folder without it (--out DIR)");
   if (Exists(folder) && !fs::is_directory(folder))
     throw InputError({folder.string()}, "is a file; allowed: a folder, or a name that is free (--out DIR)");
   return folder;
+}
+
+bool Stands(const fs::path& file) { return fs::symlink_status(file).type() != fs::file_type::not_found; }
+
+void RefuseTaken(const fs::path& out) {
+  for (const char* name : kWritten)
+    if (Stands(out / name))
+      throw InputError({(out / name).string()}, "exists already; allowed: a folder without it (--out DIR)");
 }
 
 /// A name that job files allow, from the part's.
@@ -96,12 +123,25 @@ class Init {
         progress_(progress),
         stop_(std::move(stop)),
         out_(FolderFor(arguments)),
-        part_(FileOf(arguments.part)),
-        staging_(out_) {}
+        part_(FileOf(arguments.part)) {}
 
   InitOutcome Run() {
+    if (!Exists(WorkFolder::PathFor(out_))) RefuseTaken(out_);
+    work_.emplace(out_);
+    try {
+      return Work();
+    } catch (const Interrupted&) {
+      work_->Stay();
+      throw;
+    }
+  }
+
+ private:
+  InitOutcome Work() {
+    TakeBack();
+    RefuseTaken(out_);
     cell_text_ = CellText();
-    WriteFileAtomically(staging_.CellFile(), cell_text_);
+    work_->WriteCell(cell_text_);
     job_.name = JobName(part_);
     job_.part = YamlPath(part_, out_);
     job_.unit = UnitOfPart();
@@ -121,7 +161,6 @@ class Init {
     Refuse(groups);
   }
 
- private:
   std::string CellText() const {
     const bool is_file = Exists(arguments_.arm);
     if (!is_file && fs::path(arguments_.arm).extension() != ".urdf") return SampleCellText(arguments_.arm);
@@ -138,11 +177,11 @@ class Init {
 
   void ReadDraft() {
     std::map<std::string, std::string> body_bytes;
-    const CellSettings cell = LoadCell(staging_.CellFile(), &body_bytes);
+    const CellSettings cell = LoadCell(work_->CellFile(), &body_bytes);
     draft_.reach = Reach(MakeCell(cell, body_bytes));
-    cell_ = ParseCell(ReadFile(staging_.CellFile()), (out_ / "cell.yaml").string());
-    WriteFileAtomically(staging_.Job(), JobText(job_, cell_));
-    draft_.inputs = LoadJobInputs(staging_.Job());
+    cell_ = ParseCell(ReadFile(work_->CellFile()), (out_ / "cell.yaml").string());
+    work_->WriteJob(JobText(job_, cell_));
+    draft_.inputs = LoadJobInputs(work_->Job());
     progress_.Begin(SurfaceStage(draft_.inputs), 0);
     CutStepFiles(
         &draft_.inputs, [&](int percent) { progress_.Percent(percent); }, stop_);
@@ -158,14 +197,14 @@ class Init {
   void TakeCutter(CutterTip tip) {
     if (draft_.inputs.cell.tool.cutter_tip == tip) return;
     draft_.inputs.cell.tool.cutter_tip = tip;
-    WriteFileAtomically(staging_.CellFile(), tip == CutterTip::kBall ? WithBall(cell_text_) : cell_text_);
+    work_->WriteCell(tip == CutterTip::kBall ? WithBall(cell_text_) : cell_text_);
   }
 
-  /// Whether a place was found at which the group is planned whole; staging holds its job then.
+  /// Whether a place was found at which the group is planned whole; the work folder holds its job then.
   bool TryGroup() {
     const Mesh& mesh = draft_.part->import.mesh;
     TakeCutter(job_.strategy == FirstStrategy::kBall ? CutterTip::kBall : cell_.tool.cutter_tip);
-    draft_.inputs.job = ParseJob(JobText(job_, cell_), staging_.Job().string());
+    draft_.inputs.job = ParseJob(JobText(job_, cell_), work_->Job().string());
     JobToolpath made;
     try {
       made = MakeJobToolpath(draft_.inputs, mesh, stop_);
@@ -188,18 +227,18 @@ class Init {
     return false;
   }
 
-  /// What counts is `plan` itself.
+  /// What counts is `plan` itself. The folders of earlier trials stay until the end: an init that goes on
+  /// finds their plans.
   bool Plans() {
-    WriteFileAtomically(staging_.Job(), JobText(job_, cell_));
+    work_->WriteJob(JobText(job_, cell_));
     PlanArguments plan;
-    plan.job = staging_.Job();
-    plan.out = staging_.path() / "trial.out";
+    plan.job = work_->Job();
+    plan.out = work_->Trial(failed_plans_ + 1);
     plan.threads = arguments_.threads;
     progress_.Begin(fmt::format("trial {}", failed_plans_ + 1), 0);
     const PlanOutcome outcome = RunPlan(plan, Silent(), stop_);
     progress_.End(outcome.exit_status == 0 ? "planned completely"
                                            : "not planned completely; another place or region is tried");
-    RemoveAll(*plan.out);
     return outcome.exit_status == 0;
   }
 
@@ -214,12 +253,27 @@ class Init {
             groups.size(), groups.empty() ? 0 : groups[0].area, failed_plans_, cell_.tool.cutter_diameter));
   }
 
+  /// The cell comes first. One that stands alone and is the one of the work folder was left by an init that
+  /// was ended between the two.
+  void TakeBack() const {
+    const fs::path cell = out_ / kWritten[0];
+    if (Stands(out_ / kWritten[1]) || fs::symlink_status(cell).type() != fs::file_type::regular) return;
+    if (Exists(work_->CellFile()) && ReadFile(cell) == ReadFile(work_->CellFile())) RemoveAll(cell);
+  }
+
   InitOutcome Publish() {
-    FolderFor(arguments_);  // somebody may have written there meanwhile
+    RefuseTaken(out_);  // somebody may have written there meanwhile
+    const bool made = !Exists(out_);
     MakeFolders(out_);
-    Rename(staging_.CellFile(), out_ / "cell.yaml");
-    Rename(staging_.Job(), out_ / "job.yaml");
-    SyncFolder(out_);
+    try {
+      WriteLooseFile(out_ / kWritten[0], ReadFile(work_->CellFile()));
+      WriteLooseFile(out_ / kWritten[1], ReadFile(work_->Job()));
+    } catch (const InputError&) {
+      TakeBack();
+      std::error_code ignored;
+      if (made) fs::remove(out_, ignored);
+      throw;
+    }
     const FacingGroup& group = job_.group;
     InitOutcome outcome{out_, ""};
     const fs::path shown = arguments_.out.value_or(arguments_.part.stem());
@@ -240,7 +294,7 @@ class Init {
   Progress& progress_;
   std::stop_token stop_;
   fs::path out_, part_;
-  Staging staging_;
+  std::optional<WorkFolder> work_;
   FirstJob job_;
   std::string cell_text_;  ///< with its first cutter
   CellSettings cell_;

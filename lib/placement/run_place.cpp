@@ -8,7 +8,7 @@
 #include "base/parallel.hpp"
 #include "job/step_meshes.hpp"
 #include "operations/done_operation.hpp"
-#include "output/output_folder.hpp"
+#include "output/remove_folder.hpp"
 #include "pipeline/run_record.hpp"
 #include "placement/place_results.hpp"
 #include "placement/place_search.hpp"
@@ -243,14 +243,20 @@ void RefuseExternalAxes(const std::vector<JobInputs>& inputs) {
                        "external_axes: allowed in cells that millpose place looks for places in: none");
 }
 
-// Plans of earlier runs that this one has not made.
+// Plans of earlier runs that this one has not made. One that somebody else works in just now stays until the
+// next run.
 void RemoveOtherPlans(const fs::path& out, const FoundPlaces& found) {
   std::set<fs::path> made;
   for (const PlannedPlace& plan : found.plans) made.insert(out / plan.folder);
   for (const PlannedSplit& split : found.splits)
     for (const PlannedStation& station : split.stations) made.insert(out / station.plan.folder);
   for (const fs::path& plan : EntriesOf(out / kPlansFolder))
-    if (!made.contains(plan) && !fs::is_symlink(plan) && IsOutputFolder(plan)) RemoveAll(plan);
+    if (!made.contains(plan) && !fs::is_symlink(plan) && IsOutputFolder(plan)) {
+      try {
+        RemoveOutputFolder(OutputFolder(plan, FolderUse::kResults));
+      } catch (const InputError&) {
+      }
+    }
 }
 
 }  // namespace
