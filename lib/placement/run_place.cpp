@@ -232,6 +232,9 @@ class PlaceRun {
   FoundPlaces found_;
 };
 
+const SetNames kPlaceNames{"placement.json", "placement.html", "places.csv", "map.csv",
+                           "map.vtk",        kRunFile,         kManifestFile};
+
 // Where external axes stand decides what a place is worth, and a place is scored without them.
 void RefuseExternalAxes(const std::vector<JobInputs>& inputs) {
   for (const JobInputs& own : inputs)
@@ -260,7 +263,6 @@ PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const 
       OutlineOf(inputs.front().job_text, arguments.job.string(), arguments.overrides).name;
   const fs::path out = arguments.out.value_or(FolderOf(arguments.job) / (name + ".places"));
   if (!arguments.out) arguments.root.CheckFolder(out);
-  RecoverOutputFolder(out);
   const OutputFolder folder(out, FolderUse::kResults);
   const RunFigures begun = BeginRun(AsPlan(arguments, out), name, inputs.front().folder, folder);
   const FoundPlaces found = PlaceRun(arguments, inputs, out, stages, stop).Run(name);
@@ -272,14 +274,14 @@ PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const 
   run.exit_status =
       std::ranges::all_of(Recommended(found), [](const auto* plan) { return plan->IsWhole(); }) ? 0 : 1;
   run.told = PlacementText(found, placed);
-  ResultSet results(folder);
+  ResultSet results(folder, kPlaceNames);
   results.Add("placement.json", PlacementJson(found));
   results.Add("placement.html", PlacementPage(found));
   results.Add("places.csv", PlacesCsv(found.places));
   results.Add("map.csv", PlacesCsv(found.map));
   results.Add("map.vtk", PlacementMapVtk(found));
   run.manifest = results.AddManifest(KeyOf(inputs, out));
-  results.Add(kRunFile, RunJson(run));
+  results.AddRun(RunJson(run));
   results.Publish();
   WritePlacedJobs(arguments.job, jobs, found.split.has_value());
   return {run.exit_status, run.told};
