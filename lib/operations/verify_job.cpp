@@ -5,15 +5,15 @@
 #include "config/config.hpp"
 #include "operations/whole_program.hpp"
 #include "output/output_folder.hpp"
+#include "output/read_whole.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
 
-std::vector<VerifiedProgram> VerifyJob(const VerifyArguments& arguments, Progress& progress,
-                                       std::stop_token stop) {
-  if (!HoldsSeveral(arguments.target)) return VerifyPrograms(arguments, progress, std::move(stop));
-  arguments.root.CheckFolder(arguments.target);
-  RecoverOutputFolder(arguments.target);
+namespace {
+
+std::vector<VerifiedProgram> VerifySeveral(const VerifyArguments& arguments, Progress& progress,
+                                           const std::stop_token& stop) {
   const Manifest manifest = CheckManifest(arguments.target);
   const fs::path job_file = arguments.target / "job.yaml";
   const std::string job = OutlineOf(arguments.root.Read(job_file), job_file.string()).name;
@@ -38,6 +38,20 @@ std::vector<VerifiedProgram> VerifyJob(const VerifyArguments& arguments, Progres
                         0,
                         CheckWholeProgram(job, controller, operations, files),
                         {}});
+  return programs;
+}
+
+}  // namespace
+
+std::vector<VerifiedProgram> VerifyJob(const VerifyArguments& arguments, Progress& progress,
+                                       std::stop_token stop) {
+  if (!fs::is_directory(arguments.target)) return VerifyPrograms(arguments, progress, std::move(stop));
+  arguments.root.CheckFolder(arguments.target);
+  std::vector<VerifiedProgram> programs;
+  ReadWhole(arguments.target, [&] {
+    programs = HoldsSeveral(arguments.target) ? VerifySeveral(arguments, progress, stop)
+                                              : VerifyPrograms(arguments, progress, stop);
+  });
   return programs;
 }
 

@@ -6,13 +6,14 @@
 
 #include <atomic>
 #include <cerrno>
-#include <climits>
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "base/folder.hpp"
+#include "base/writer_name.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -21,7 +22,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr const char* kLockFile = ".lock";
 constexpr const char* kOwnerPrefix = ".owner.";
-constexpr int kLooks = 50;  // for the one who has the lock
+constexpr size_t kLongestOwner = 65536;  // bytes of such a file
+constexpr int kLooks = 50;               // for the one who has the lock
 constexpr std::chrono::milliseconds kBetweenLooks{20};
 
 // Who works in a folder, as its owner file says.
@@ -31,12 +33,6 @@ struct Owner {
   int process = 0;
   bool alone = false;  // writes results
 };
-
-std::string HostName() {
-  char host[HOST_NAME_MAX + 1] = "";
-  ::gethostname(host, sizeof host - 1);
-  return host;
-}
 
 // Several locks of one process, on whatever folders, have a file each.
 int NextNumber() {
@@ -77,13 +73,14 @@ bool HasEnded(const Owner& owner) {
 // just ended, or was not finished by one who was killed.
 std::vector<Owner> OthersIn(const fs::path& folder, const fs::path& own_file) {
   std::vector<Owner> owners;
-  for (const fs::path& file : EntriesOf(folder)) {
-    const std::string name = file.filename().string();
-    if (!name.starts_with(kOwnerPrefix) || name.ends_with(".tmp") || file == own_file) continue;
+  const Folder open(folder);
+  for (const std::string& name : open.Names()) {
+    if (!name.starts_with(kOwnerPrefix) || name.ends_with(".tmp") || name == own_file.filename()) continue;
     try {
-      const Json json = Json::parse(ReadFile(file));
-      const Owner owner{file, json.at("host").get<std::string>(), json.at("since").get<std::string>(),
-                        json.at("process").get<int>(), json.at("alone").get<bool>()};
+      const Json json = Json::parse(open.Read(name, kLongestOwner));
+      const Owner owner{folder / name, json.at("host").get<std::string>(),
+                        json.at("since").get<std::string>(), json.at("process").get<int>(),
+                        json.at("alone").get<bool>()};
       if (!HasEnded(owner)) owners.push_back(owner);
     } catch (const InputError&) {
     } catch (const Json::exception&) {
@@ -117,11 +114,12 @@ std::vector<Owner> HoldersOf(const fs::path& folder, const fs::path& own_file) {
 
 // What runs that were killed left; only for one who is alone here.
 void RemoveOwners(const fs::path& folder, const fs::path& own_file) {
-  for (const fs::path& file : EntriesOf(folder))
-    if (file.filename().string().starts_with(kOwnerPrefix) && file != own_file) {
-      std::error_code ignored;  // one that stays only misleads where somebody else is named
-      fs::remove(file, ignored);
-    }
+  const Folder open(folder);
+  for (const std::string& name : open.Names())
+    if (name.starts_with(kOwnerPrefix) && name != own_file.filename()) try {
+        open.RemoveAll(name);
+      } catch (const InputError&) {  // one that stays only misleads where somebody else is named
+      }
 }
 
 }  // namespace

@@ -2,13 +2,9 @@
 #include "output/remove_folder.hpp"
 
 #include "base/folder.hpp"
+#include "output/result_swap.hpp"
 
 namespace millpose {
-namespace {
-
-constexpr const char* kMarkFile = ".millpose";
-
-}  // namespace
 
 void RemoveOutputFolder(const OutputFolder& folder) {
   const std::filesystem::path path = folder.path();
@@ -16,7 +12,7 @@ void RemoveOutputFolder(const OutputFolder& folder) {
   const std::string name = path.filename().string();
   const Folder own = parent.Below(name);
   for (const std::string& entry : own.Names())
-    if (entry != kMarkFile) own.RemoveAll(entry);
+    if (entry != kMark) own.RemoveAll(entry);
   parent.RemoveAll(name);
 }
 

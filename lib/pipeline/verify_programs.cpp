@@ -144,8 +144,6 @@ void VerifyStarts(const PlanResult& plan, const VerifyArguments& arguments, cons
 }
 
 std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, const Execution& execution) {
-  arguments.root.CheckFolder(arguments.target);
-  RecoverOutputFolder(arguments.target);
   CheckManifest(arguments.target);
   const fs::path plan_file = arguments.target / kPlanFile;
   const PlanResult plan = ParsePlanResult(arguments.root.Read(plan_file), plan_file.string());

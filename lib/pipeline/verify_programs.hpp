@@ -37,7 +37,7 @@ struct VerifiedProgram {
 /// What main programs end in, each once, in the order of the controllers: {".src", ".mpf", …}.
 std::vector<std::string> MainEndings();
 
-/// Reads the programs and replays them. Throws InputError for what cannot be read (a program among it).
+/// Reads the programs and replays them; a folder as one who knows that it stands still (VerifyJob). Throws InputError for what cannot be read (a program among it).
 std::vector<VerifiedProgram> VerifyPrograms(const VerifyArguments& arguments, Progress& progress,
                                             std::stop_token stop);
 

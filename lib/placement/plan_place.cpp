@@ -114,9 +114,8 @@ PlanArguments AsPlan(const PlaceArguments& arguments, const fs::path& out) {
 PlannedPlace PlanWhole(const PlaceArguments& arguments, const fs::path& out, const std::string& name,
                        const std::vector<Override>& changes, const Execution& execution) {
   const std::string folder = fmt::format("{}/{}", kPlansFolder, name);
-  PlanArguments own = AsPlan(arguments, out / folder);
+  PlanArguments own = AsPlan(arguments, Folder(out).MakeBelow(folder).path());
   std::ranges::copy(changes, std::back_inserter(own.overrides));
-  MakeFolders(own.out->parent_path());
   NamedProgress told(execution.progress, "plan " + name);
   RunJob(own, told, execution.stop);
   return ReadPlan(out, folder, arguments.root);

@@ -4,7 +4,6 @@
 #include <set>
 
 #include "base/error.hpp"
-#include "base/file.hpp"
 #include "base/parallel.hpp"
 #include "job/step_meshes.hpp"
 #include "operations/done_operation.hpp"
@@ -235,6 +234,9 @@ class PlaceRun {
   FoundPlaces found_;
 };
 
+const SetNames kPlaceNames{"placement.json", "placement.html", "places.csv", "map.csv",
+                           "map.vtk",        kRunFile,         kManifestFile};
+
 // Where external axes stand decides what a place is worth, and a place is scored without them.
 void RefuseExternalAxes(const std::vector<JobInputs>& inputs) {
   for (const JobInputs& own : inputs)
@@ -245,18 +247,21 @@ void RefuseExternalAxes(const std::vector<JobInputs>& inputs) {
 
 // Plans of earlier runs that this one has not made. One that somebody else works in just now stays until the
 // next run.
-void RemoveOtherPlans(const fs::path& out, const FoundPlaces& found) {
-  std::set<fs::path> made;
-  for (const PlannedPlace& plan : found.plans) made.insert(out / plan.folder);
+void RemoveOtherPlans(const OutputFolder& folder, const FoundPlaces& found) {
+  std::set<std::string> made;
+  for (const PlannedPlace& plan : found.plans) made.insert(plan.folder);
   for (const PlannedSplit& split : found.splits)
-    for (const PlannedStation& station : split.stations) made.insert(out / station.plan.folder);
-  for (const fs::path& plan : EntriesOf(out / kPlansFolder))
-    if (!made.contains(plan) && !fs::is_symlink(plan) && IsOutputFolder(plan)) {
-      try {
-        RemoveOutputFolder(OutputFolder(plan, FolderUse::kResults));
-      } catch (const InputError&) {
-      }
+    for (const PlannedStation& station : split.stations) made.insert(station.plan.folder);
+  const std::optional<Folder> plans = folder.folder().FindBelow(kPlansFolder);
+  if (!plans) return;
+  for (const std::string& name : plans->Names()) {
+    const bool is_ours = plans->KindOf(name) == Folder::Kind::kFolder && IsOutputFolder(plans->path() / name);
+    if (!is_ours || made.contains(fmt::format("{}/{}", kPlansFolder, name))) continue;
+    try {
+      RemoveOutputFolder(OutputFolder(plans->path() / name, FolderUse::kResults));
+    } catch (const InputError&) {
     }
+  }
 }
 
 }  // namespace
@@ -289,18 +294,20 @@ PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const 
   run.exit_status =
       std::ranges::all_of(Recommended(found), [](const auto* plan) { return plan->IsWhole(); }) ? 0 : 1;
   run.told = PlacementText(found, placed);
-  ResultSet results(folder);
+  ResultSet results(folder, kPlaceNames);
   results.Add("placement.json", PlacementJson(found));
   results.Add("placement.html", PlacementPage(found));
   results.Add("places.csv", PlacesCsv(found.places));
   results.Add("map.csv", PlacesCsv(found.map));
   results.Add("map.vtk", PlacementMapVtk(found));
   run.manifest = results.AddManifest(KeyOf(inputs, out));
-  results.Add(kRunFile, RunJson(run));
+  results.AddRun(RunJson(run));
   results.Publish();
-  RemoveOtherPlans(out, found);
+  RemoveOtherPlans(folder, found);
   WritePlacedJobs(arguments.job, jobs);
-  return {run.exit_status, run.told};
+  std::string text = run.told;
+  for (const std::string& warning : folder.warnings()) text += fmt::format("warning    {}\n", warning);
+  return {run.exit_status, text};
 }
 
 }  // namespace millpose
