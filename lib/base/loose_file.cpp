@@ -27,12 +27,17 @@ std::string Reason() { return std::generic_category().message(errno); }
   throw InputError({path.string()}, "cannot write: " + Reason());
 }
 
-// The file that stands at `path`, links followed; none where there is none.
+// What stands at `path`, links followed; none where there is nothing.
 std::optional<struct stat> StatOf(const fs::path& path) {
   struct stat info {};
   if (::stat(path.c_str(), &info) == 0) return info;
-  if (errno != ENOENT) Refuse(path);
+  if (errno != ENOENT && errno != ELOOP) Refuse(path);
   return std::nullopt;
+}
+
+bool IsLink(const fs::path& path) {
+  std::error_code none;
+  return fs::is_symlink(fs::symlink_status(path, none));
 }
 
 fs::path FolderOf(const fs::path& file) {
@@ -101,35 +106,36 @@ class Unfinished {
   bool done_ = false;
 };
 
-}  // namespace
-
-fs::path BehindLinks(const fs::path& path) {
-  fs::path at = path;
-  for (int links = 0; links < kMostLinks; ++links) {
-    std::error_code error;
-    const fs::path next = fs::read_symlink(at, error);
-    if (error) return at;  // is none
-    at = next.is_absolute() ? next : at.parent_path() / next;
-  }
-  throw InputError({path.string()}, "is a link that leads to itself; allowed: a file, or a link to one");
-}
-
-void WriteLooseFile(const fs::path& path, std::string_view bytes) {
-  const fs::path target = BehindLinks(path);
+// `target` is no link, unless one that is to be replaced; `path` is what messages name.
+void Replace(const fs::path& target, const fs::path& path, std::string_view bytes) {
   const std::optional<struct stat> old = StatOf(target);
   if (old && !S_ISREG(old->st_mode))
     throw InputError({path.string()}, "is not a regular file; allowed: a file, or a name that is free");
+  const bool resembles = old && !IsLink(target);
   RemoveLeftBehind(FolderOf(target));
-  Unfinished fresh(target, path, old ? 0600 : 0644);
+  Unfinished fresh(target, path, resembles ? 0600 : 0644);
   fresh.Write(bytes);
-  if (old) fresh.Resemble(target, *old);
+  if (resembles) fresh.Resemble(target, *old);
   fresh.PutInPlaceOf(target);
   SyncFolder(FolderOf(target));
 }
 
+fs::path BehindLinks(const fs::path& path) {
+  fs::path at = path;
+  for (int links = 0; links < kMostLinks && IsLink(at); ++links) {
+    const fs::path next = fs::read_symlink(at);
+    at = next.is_absolute() ? next : at.parent_path() / next;
+  }
+  return at;
+}
+
+}  // namespace
+
+void WriteLooseFile(const fs::path& path, std::string_view bytes) { Replace(path, path, bytes); }
+
 void EditLooseFile(const fs::path& path, const std::function<std::string(const std::string& text)>& change) {
   const std::string old = ReadFile(path), fresh = change(old);
-  if (fresh != old) WriteLooseFile(path, fresh);
+  if (fresh != old) Replace(BehindLinks(path), path, fresh);
 }
 
 }  // namespace millpose

@@ -41,25 +41,37 @@ TEST_F(LooseFile, ANewFileIsWrittenAndNothingElseIsLeft) {
   EXPECT_THROW(WriteLooseFile(folder_ / "no" / "x", ""), InputError);
 }
 
-TEST_F(LooseFile, LinksStayAndTheFileBehindThemKeepsItsMode) {
+TEST_F(LooseFile, AnEditFollowsLinksAndTheFileBehindThemKeepsItsMode) {
   const fs::path file = folder_ / "elsewhere" / "cell.yaml";
   WriteFileAtomically(file, "old");
   ::chmod(file.c_str(), 0640);
   fs::create_symlink("elsewhere/cell.yaml", folder_ / "relative");
   fs::create_symlink(folder_ / "relative", folder_ / "chain");
-  for (const char* name : {"relative", "chain"}) {
-    WriteLooseFile(folder_ / name, name);
+  for (const std::string name : {"relative", "chain"}) {
+    EditLooseFile(folder_ / name, [&](const std::string&) { return name; });
     EXPECT_TRUE(fs::is_symlink(folder_ / name));
     EXPECT_EQ(ReadFile(file), name);
     EXPECT_EQ(ModeOf(file), 0640u);
   }
-  fs::create_symlink("elsewhere/new", folder_ / "to_none");
-  WriteLooseFile(folder_ / "to_none", "made");
-  EXPECT_EQ(ReadFile(folder_ / "elsewhere" / "new"), "made");
-  EXPECT_TRUE(fs::is_symlink(folder_ / "to_none"));
   fs::create_symlink("b", folder_ / "a");
   fs::create_symlink("a", folder_ / "b");
-  EXPECT_THROW(WriteLooseFile(folder_ / "a", ""), InputError);
+  EXPECT_THROW(EditLooseFile(folder_ / "a", [](const std::string&) { return ""; }), InputError);
+}
+
+// It may stand in a folder of somebody who is not trusted.
+TEST_F(LooseFile, AResultIsNeverWrittenThroughALink) {
+  WriteFileAtomically(folder_ / "elsewhere" / "victim", "untouched");
+  fs::create_symlink("elsewhere/victim", folder_ / "to_victim");
+  fs::create_symlink("elsewhere/new", folder_ / "to_nothing");
+  fs::create_symlink("to_itself", folder_ / "to_itself");
+  for (const char* name : {"to_victim", "to_nothing", "to_itself"}) {
+    WriteLooseFile(folder_ / name, "result");
+    EXPECT_FALSE(fs::is_symlink(folder_ / name));
+    EXPECT_EQ(ReadFile(folder_ / name), "result");
+    EXPECT_EQ(ModeOf(folder_ / name), 0644u);
+  }
+  EXPECT_EQ(ReadFile(folder_ / "elsewhere" / "victim"), "untouched");
+  EXPECT_EQ(Names(folder_ / "elsewhere"), std::vector<std::string>{"victim"});
 }
 
 TEST_F(LooseFile, TheOwnerStays) {

@@ -110,7 +110,8 @@ class Hostile(unittest.TestCase):
         return {"plan --root": (out, ("plan", job, *root)), "plan": (out, ("plan", job)), "plan --fresh": (out, ("plan", job, "--fresh", *root)),
                 "verify": (out, ("verify", out, *root)), "batch": (out, ("batch", job, "-o", out, *root)),
                 "place": (theirs / "support_pad.places", ("place", job, *root)), "inspect": (out, ("inspect", out)),
-                "calibrate": (out, ("calibrate", self.top / "measured.csv", "--plan", out, "--job", job)), "check": (out, ("check", out / "job.yaml", *root))}
+                "calibrate": (out, ("calibrate", self.top / "measured.csv", "--plan", out, "--job", job)), "check": (out, ("check", out / "job.yaml", *root)),
+                "check --view": (out, ("check", job, "--view", out / "report.html", *root))}
 
     def run_on(self, command, plant, more=None):
         """Runs the command on a good folder in which `plant` has been."""
