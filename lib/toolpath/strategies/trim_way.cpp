@@ -6,12 +6,14 @@
 #include "base/error.hpp"
 #include "base/trig.hpp"
 #include "surface/triangle.hpp"
+#include "toolpath/strategies/trim_distance.hpp"
 
 namespace millpose {
 namespace {
 
 constexpr double kOver = 2;          // mm over the surface, where entries begin and ways back run
 constexpr double kLeadTouch = 1e-3;  // mm by which leads may come nearer to the contour
+constexpr double kNearStop = 0.1;    // mm: a bend of the way nearer to a stop may go
 
 /// A place of the way; the tip lies `depth` under the surface along the axis.
 struct Stop {
@@ -50,6 +52,13 @@ class Track {
   Eigen::Vector3d Along(double s) const {
     const size_t i = SegmentAt(s);
     return (path_.To(i).place - path_.From(i).place).normalized();
+  }
+
+  /// By how much the direction changes at a node, as a share of its length.
+  double Bend(double s) const {
+    const double before = s - 1e-6 < 0 && closed() ? s - 1e-6 + length() : s - 1e-6;
+    const double after = s + 1e-6 > length() && closed() ? s + 1e-6 - length() : s + 1e-6;
+    return (Along(after) - Along(before)).norm();
   }
 
   double Nearest(const Eigen::Vector3d& p) const {
@@ -251,12 +260,9 @@ class WayMaker {
   // Once round, or along the stretch.
   void AddRound(double depth) {
     const double length = track_.length(), end = track_.closed() ? length + trim_.overlap : length;
-    std::vector<double> places{end};  // from the start
-    for (const double begin : track_.begins())
-      for (const double s : {begin - start_, begin - start_ + length})
-        if (s > 1e-9 && s < end) places.push_back(s);
+    std::vector<double> places{0, end};  // from the start
     tabs_.AddBends(depth, places);
-    std::ranges::sort(places);
+    AddBends(end, places);
     double before = 0;
     for (const double s : places) {
       if (s <= before + 1e-6 || s > end) continue;
@@ -265,6 +271,24 @@ class WayMaker {
       Add(track_.At(on), tabs_.Depth(s > length ? s - length : s, depth), options_.feed_rate);
       before = s;
     }
+  }
+
+  // The way's own bends up to `end`, but those so close to a place that is there already that the way keeps
+  // its tolerance without them.
+  void AddBends(double end, std::vector<double>& places) const {
+    std::ranges::sort(places);
+    const std::vector<double> given = places;
+    const double length = track_.length();
+    for (const double begin : track_.begins())
+      for (const double s : {begin - start_, begin - start_ + length}) {
+        if (s <= 1e-9 || s >= end) continue;
+        const auto after = std::ranges::lower_bound(given, s);
+        const double gap = std::min(after == given.end() ? kNearStop : *after - s,
+                                    after == given.begin() ? kNearStop : s - *std::prev(after));
+        if (gap >= kNearStop || gap * track_.Bend(Wrapped(s + start_)) > options_.chord_tolerance)
+          places.push_back(s);
+      }
+    std::ranges::sort(places);
   }
 
   // To where the next round's entry begins.
