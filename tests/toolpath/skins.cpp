@@ -29,6 +29,8 @@ std::vector<Eigen::Vector2d> Border(const Skin& skin) {
   return border;
 }
 
+}  // namespace
+
 Eigen::Vector3d OnSkin(const Skin& skin, const Eigen::Vector2d& p) {
   const double r = skin.radius;
   if (skin.form == SkinForm::kCylinder)
@@ -36,8 +38,6 @@ Eigen::Vector3d OnSkin(const Skin& skin, const Eigen::Vector2d& p) {
   if (skin.form == SkinForm::kSphere) return {p.x(), p.y(), std::sqrt(r * r - p.squaredNorm()) - r};
   return {p.x(), p.y(), 0};
 }
-
-}  // namespace
 
 Triangles SkinShape(const Skin& skin) {
   constexpr int kRings = 6;

@@ -21,6 +21,10 @@ struct Skin {
 /// the origin is. All vertices lie on the skin.
 Triangles SkinShape(const Skin& skin);
 
+/// Where a place of the development lies: the first number along x, the second along the arc. A sphere has
+/// none; it is seen along z.
+Eigen::Vector3d OnSkin(const Skin& skin, const Eigen::Vector2d& p);
+
 /// The skin's unit normal at a place on it, or beside it.
 Eigen::Vector3d SkinNormal(const Skin& skin, const Eigen::Vector3d& p);
 

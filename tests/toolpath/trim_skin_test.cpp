@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Trims of windows in curved skins: known lengths, steps and turns of the tool axis.
+#include "base/random.hpp"
 #include "base/rotation.hpp"
 #include "tests/surface/shapes.hpp"
 #include "tests/toolpath/skins.hpp"
 #include "toolpath/strategies/trim.hpp"
 #include "toolpath/strategies/trim_distance.hpp"
+#include "toolpath/strategies/trim_offset.hpp"
 
 namespace millpose {
 namespace {
@@ -147,6 +149,84 @@ TEST(TrimSkin, TheAxisIsTheSkinsNormalButAtCornersAndSaysByHowMuch) {
     const bool told = std::ranges::any_of(
         laid.notes, [](const std::string& note) { return note.find("leans by up to") != std::string::npos; });
     EXPECT_EQ(told, skin.form != SkinForm::kFlat && (skin.radius < 10000 || skin.corner < kCutter));
+  }
+}
+
+// A closed line with corners, notches and bays, some narrower than the cutter.
+Contour AnyContour(const Skin& skin, RandomStream& random) {
+  const int count = 12 + random.Below(80);
+  const double rough = random.Uniform(0, 0.35), lobes = 2 + random.Below(5), deep = random.Uniform(0, 0.5);
+  Contour contour;
+  contour.closed = true;
+  for (int i = 0; i < count; ++i) {
+    const double at = 2 * kPi * i / count;
+    const double r = 70 * (1 + deep * std::cos(lobes * at)) * (1 + random.Uniform(-rough, rough));
+    const Eigen::Vector3d place = OnSkin(skin, {r * std::cos(at), r * std::sin(at)});
+    contour.points.push_back({place, SkinNormal(skin, place)});
+  }
+  if (random.Below(2) == 0) std::ranges::reverse(contour.points);
+  return contour;
+}
+
+// The length of all places that are moved aside from the contour by the distance and come nowhere nearer,
+// found by looking at each.
+double FittingLength(const Contour& contour, double distance) {
+  const ContourDistance near(contour, 3 * distance);
+  double length = 0;
+  const auto add = [&](int steps, const auto& node_at) {
+    for (int k = 0; k < steps; ++k) {
+      const OffsetNode a = node_at(static_cast<double>(k) / steps), b = node_at((k + 1.0) / steps);
+      const OffsetNode middle = node_at((k + 0.5) / steps);
+      if (near.At(middle.place, middle.axis) > distance - 2e-3) length += (b.place - a.place).norm();
+    }
+  };
+  const size_t count = contour.points.size();
+  for (size_t i = 0; i < count; ++i) {
+    const ContourPoint &before = contour.points[(i + count - 1) % count], &at = contour.points[i],
+                       &to = contour.To(i);
+    const auto left = [](const Eigen::Vector3d& axis, const Eigen::Vector3d& along) -> Eigen::Vector3d {
+      return axis.cross(along).normalized();
+    };
+    add(static_cast<int>((to.place - at.place).norm() / 0.05) + 1, [&](double share) -> OffsetNode {
+      const Eigen::Vector3d axis = (at.axis + share * (to.axis - at.axis)).normalized();
+      return {at.place + share * (to.place - at.place) + distance * left(axis, to.place - at.place), axis};
+    });
+    const Eigen::Vector3d in = left(at.axis, at.place - before.place),
+                          out = left(at.axis, to.place - at.place);
+    const double turn = std::atan2(in.cross(out).dot(at.axis), in.dot(out));
+    if (turn >= 0) continue;
+    add(static_cast<int>(-turn * distance / 0.05) + 1, [&](double share) -> OffsetNode {
+      return {at.place + distance * (RotationAbout(at.axis, turn * share) * in), at.axis};
+    });
+  }
+  return length;
+}
+
+TEST(TrimSkin, OfAnyContourAllThatFitsIsOnTheWay) {
+  constexpr double kDistance = 8;
+  for (int number = 0; number < 60; ++number) {
+    RandomStream random(7, static_cast<uint64_t>(number));
+    const SkinForm forms[] = {SkinForm::kFlat, SkinForm::kCylinder, SkinForm::kSphere};
+    const Skin skin{.form = forms[number % 3], .radius = random.Uniform(300, 3000)};
+    SCOPED_TRACE(fmt::format("contour {}, {}", number, Told(skin)));
+    const Contour contour = AnyContour(skin, random);
+    const Offset offset = OffsetOf(contour, {kDistance, 0.01, DegToRad(30), kDistance, 5}, {});
+    const ContourDistance near(contour, 3 * kDistance);
+    double length = 0, least = 1e9, most = 0;
+    for (const OffsetPath& path : offset.paths) {
+      EXPECT_TRUE(path.closed);
+      for (size_t i = 0; i < path.Segments(); ++i) {
+        length += (path.To(i).place - path.From(i).place).norm();
+        const double at = near.At(path.From(i).place, path.From(i).axis);
+        least = std::min(least, at);
+        most = std::max(most, at);
+      }
+    }
+    const double fitting = FittingLength(contour, kDistance);
+    EXPECT_NEAR(length, fitting, 0.005 * fitting + 1) << offset.paths.size() << " ways";
+    if (offset.paths.empty()) continue;
+    EXPECT_GT(least, kDistance - 0.01);
+    EXPECT_LT(most, kDistance + 0.01);
   }
 }
 
