@@ -67,7 +67,7 @@ std::string CornerText(const TightCorner& corner, double diameter) {
       p.x(), p.y(), p.z(), diameter, corner.left);
 }
 
-constexpr double kToldLean = 0.01;  // degrees
+constexpr double kToldLean = 0.015;  // degrees
 
 std::string LeanText(double lean, double length) {
   return fmt::format(
