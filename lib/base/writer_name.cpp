@@ -39,18 +39,6 @@ uint64_t StartOf(int process) {
   return start;
 }
 
-template <class Number>
-std::optional<Number> TakeNumber(std::string_view* text) {
-  const size_t dot = text->rfind('.');
-  if (dot == std::string_view::npos) return std::nullopt;
-  Number number = 0;
-  const char* end = text->data() + text->size();
-  const auto [stopped, error] = std::from_chars(text->data() + dot + 1, end, number);
-  if (error != std::errc() || stopped != end || stopped == text->data() + dot + 1) return std::nullopt;
-  text->remove_suffix(text->size() - dot);
-  return number;
-}
-
 // As one component of a name.
 std::string HostPart() {
   std::string host = HostName();
@@ -58,16 +46,30 @@ std::string HostPart() {
   return host;
 }
 
+// Takes ".NUMBER" off the end.
+template <class Number>
+bool TakeNumber(std::string_view* text, Number* number) {
+  const size_t dot = text->rfind('.');
+  if (dot == std::string_view::npos || dot + 1 == text->size()) return false;
+  const char* end = text->data() + text->size();
+  const auto [stopped, error] = std::from_chars(text->data() + dot + 1, end, *number);
+  text->remove_suffix(text->size() - dot);
+  return error == std::errc() && stopped == end;
+}
+
 // Read from behind: the name may hold dots.
 std::optional<Writer> WriterOf(std::string_view name) {
   if (!name.starts_with('.') || !name.ends_with(kTemporaryEnding)) return std::nullopt;
   name.remove_suffix(kTemporaryEnding.size());
-  const auto number = TakeNumber<unsigned>(&name);
-  const auto start = number ? TakeNumber<uint64_t>(&name) : std::nullopt;
-  const auto process = start ? TakeNumber<int>(&name) : std::nullopt;
+  Writer writer;
+  unsigned number = 0;
+  if (!TakeNumber(&name, &number) || !TakeNumber(&name, &writer.start) ||
+      !TakeNumber(&name, &writer.process) || writer.process <= 0)
+    return std::nullopt;
   const size_t dot = name.rfind('.');
-  if (!process || *process <= 0 || dot == std::string_view::npos || dot == 0) return std::nullopt;
-  return Writer{std::string(name.substr(dot + 1)), *process, *start};
+  if (dot == std::string_view::npos || dot == 0) return std::nullopt;
+  writer.host = name.substr(dot + 1);
+  return writer;
 }
 
 bool HasEnded(const Writer& writer) {
