@@ -17,11 +17,19 @@ constexpr const char* kMarkText = "This folder is written by millpose; a new pla
 
 bool IsMarked(const Folder& folder) { return folder.KindOf(kMark) == Folder::Kind::kFile; }
 
-// What a run that has ended had not finished writing, in a folder that nobody else writes results into. Who
-// is waiting for it may be writing a word of that; what other processes of this machine write stays.
-void RemoveUnfinished(const Folder& folder) {
+// What a run that has ended had not finished writing. Of other machines only one who is alone knows; of this
+// one, who waits for the folder may be writing that it does.
+void RemoveUnfinished(const Folder& folder, bool alone) {
   for (const std::string& name : folder.Names())
-    if (IsOfNoWriterHere(name)) folder.RemoveAll(name);
+    if (alone ? IsOfNoWriterHere(name) : IsOfEndedWriter(name)) folder.RemoveAll(name);
+}
+
+void RemoveUnfinishedCheckpoints(const Folder& folder, bool alone) {
+  const std::optional<Folder> checkpoints = folder.FindBelow(kCheckpointsFolder);
+  if (!checkpoints) return;
+  RemoveUnfinished(*checkpoints, alone);
+  for (const std::string& name : checkpoints->Names())
+    if (checkpoints->KindOf(name) == Folder::Kind::kFolder) RemoveUnfinished(checkpoints->Below(name), alone);
 }
 
 // Whether nothing stands in the folder, or only what a run leaves that was killed while it took it over or
@@ -120,14 +128,10 @@ OutputFolder::OutputFolder(const fs::path& path, FolderUse use)
       std::make_shared<const FolderLock>(path, alone ? FileLock::Kind::kExclusive : FileLock::Kind::kShared);
   if (!lock_->warning().empty()) warnings_->push_back(lock_->warning());
   RefuseInPlaceOfFolder(*folder_, kCheckpointsFolder);
-  if (!alone) return;
-  if (const std::string damage = RecoverResults(*folder_); !damage.empty()) warnings_->push_back(damage);
-  RemoveUnfinished(*folder_);
-  if (const std::optional<Folder> checkpoints = folder_->FindBelow(checkpoints_)) {
-    RemoveUnfinished(*checkpoints);
-    for (const std::string& name : checkpoints->Names())
-      if (checkpoints->KindOf(name) == Folder::Kind::kFolder) RemoveUnfinished(checkpoints->Below(name));
-  }
+  if (alone)
+    if (const std::string damage = RecoverResults(*folder_); !damage.empty()) warnings_->push_back(damage);
+  RemoveUnfinished(*folder_, alone);
+  RemoveUnfinishedCheckpoints(*folder_, alone);
 }
 
 OutputFolder OutputFolder::Operation(const std::string& name) const {
