@@ -82,6 +82,7 @@ enum class CutterTip : uint8_t { kFlat, kBall, kBull };
 
 struct ToolSettings {
   std::string name;
+  int name_line = 0;                                ///< of the YAML, for later errors
   std::optional<int> number;                        ///< by which controllers know it
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();    ///< in F, mm
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< T's z in F, from tip to holder, unit

@@ -3,6 +3,7 @@
 #include "job/assemble.hpp"
 #include "pose/freedom_entry.hpp"
 #include "program/external_axes.hpp"
+#include "program/program_name.hpp"
 
 namespace millpose {
 
@@ -156,8 +157,14 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
   PostSettings post = MakeTextSettings(job, cell, controller);
   if (const std::string refusal = WhyNotWithAxes(post, controller); !refusal.empty())
     throw InputError(Place{cell.file, post.controller_axes_line}, refusal);
+  if (!IsToolName(post.tool_name))
+    throw InputError(
+        Place{cell.file, cell.tool.name_line},
+        fmt::format("tool.name: given '{}'; allowed where programs are written: 1 to 32 plain ASCII "
+                    "characters, none of \" ( ) {{ }} ;, blanks only one at a time between others",
+                    post.tool_name));
   if (const std::string refusal = cell.controllers.at(controller).post->WhyNotIn(post); !refusal.empty())
-    throw InputError(Place{cell.file}, refusal);
+    throw InputError(Place{cell.file, cell.controllers_line}, refusal);
   return post;
 }
 

@@ -92,7 +92,8 @@ struct Setup {
   Real spacing = 0;                ///< mm
   bool rings = false;              ///< passes may be closed
   bool laid = true;  ///< cut points lie on the workpiece or a layer over it: no hole, no trimmed edge
-  std::string krl_tool_axis = "z", sinumerik_tool_axis = "z", sinumerik_rotation = "rpy";
+  std::string krl_tool_axis = "z", sinumerik_tool_axis = "z", sinumerik_rotation = "orirpy";
+  std::vector<std::string> sinumerik_words = {"A", "B", "C"};          ///< of the angles
   std::string krl_tool_direction = "x";                                ///< $TOOL_DIRECTION
   bool sinumerik_turn_known = false;                                   ///< the cell says how MD21104 stands
   std::string linuxcnc_tool_axis = "z", linuxcnc_rotation = "rpy";     ///< of tool poses

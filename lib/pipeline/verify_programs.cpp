@@ -109,6 +109,7 @@ std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, const
       post.Read(FilesOf(arguments.target, post, arguments.root), world.cell().arm, with.settings);
   std::vector<std::string> assumptions = AssumeFrames(program, post.BaseInWorld(with.settings));
   for (const DeclaredCall& call : program.calls) assumptions.push_back(AssumptionOf(call));
+  std::ranges::copy(post.Assumptions(with.settings), std::back_inserter(assumptions));
   std::ranges::copy(CellWarnings(inputs.cell), std::back_inserter(assumptions));
   return {{controller, arguments.target.string(), program.motions.size(),
            Verify(program, world, nullptr, with.options, with.execution), assumptions}};
@@ -167,6 +168,7 @@ std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, cons
     VerifiedProgram verified{
         controller, folder.string(), program.motions.size(), {}, CellWarnings(inputs.cell)};
     for (const DeclaredCall& call : program.calls) verified.assumptions.push_back(AssumptionOf(call));
+    std::ranges::copy(with.post.Assumptions(with.settings), std::back_inserter(verified.assumptions));
     verified.findings = CheckProgram(program, motions, plan, with).findings;
     execution.progress.End(
         fmt::format("{} motions, {} findings", verified.motions, verified.findings.size()));

@@ -110,6 +110,11 @@ class Post {
   /// Why it cannot be programmed in a cell, in one sentence; empty where it can. The names of its external
   /// axes are known to be those of the cell.
   virtual std::string WhyNotIn(const PostSettings&) const { return {}; }
+  /// What the cell says of the controller and no program can check: one sentence each, for heads and reports.
+  virtual std::vector<std::string> Assumptions(const PostSettings&) const { return {}; }
+  /// What somebody does by hand before the first run in a cell, in that order: what it is about, and what to
+  /// do.
+  virtual std::vector<std::pair<std::string, std::string>> BeforeFirstRun(const PostSettings& settings) const;
   virtual FrameTexts Frames(const PostSettings& settings) const;
   /// Lines behind the change of tool that let nothing go on before the controller says that the right one is
   /// in the spindle; empty where it cannot tell.
@@ -128,6 +133,9 @@ class Post {
   /// ProgramReader::CheckTexts().
   virtual std::vector<Problem> CheckTexts(const Arm& arm, const PostSettings& settings) const = 0;
 };
+
+/// What to do about the cell's texts before a first run.
+std::string TextsToTry(const PostSettings& settings);
 
 /// The post registered under `name`, with default options; InputError with the nearest name when there is
 /// none.

@@ -169,7 +169,11 @@ void ReadControllers(const YAML::Node& controllers, Setup* setup) {
   setup->krl_tool_axis = text("krl", "tool_axis", "z");
   setup->krl_tool_direction = text("krl", "tool_direction", "x");
   setup->sinumerik_tool_axis = text("sinumerik", "tool_axis", "z");
-  setup->sinumerik_rotation = text("sinumerik", "rotation", "rpy");
+  if (controllers["sinumerik"]) {
+    const YAML::Node words = controllers["sinumerik"]["orientation_words"];
+    if (words) setup->sinumerik_rotation = words["group"].as<std::string>();
+    if (words) setup->sinumerik_words = words["names"].as<std::vector<std::string>>();
+  }
   setup->sinumerik_turn_known = !text("sinumerik", "ori_ipo_with_g_code", "").empty();
   setup->linuxcnc_tool_axis = text("linuxcnc", "tool_axis", "z");
   setup->linuxcnc_rotation = text("linuxcnc", "rotation", "rpy");

@@ -325,7 +325,7 @@ TEST(Krl, NumberedFramesAndExternalAxes) {
   const ProgramFiles files = post->Write(MakeMotionProgram(plan), plan.arm, settings);
   std::string text = files.rbegin()->second;
   EXPECT_NE(text.find("BAS (#BASE,3 )\nBAS (#TOOL,7 )\n"), std::string::npos);
-  EXPECT_NE(text.find(",E1 1200.5000,E2 -90.0000}"), std::string::npos);
+  EXPECT_NE(text.find(",E1 1200.5,E2 -90}"), std::string::npos);
   const MotionProgram read = post->Read(files, plan.arm, settings);
   EXPECT_FALSE(read.X_BP || read.X_FT);
   EXPECT_EQ(post->Write(read, plan.arm, settings), files);

@@ -26,6 +26,8 @@ class KrlPost : public Post {
   PathDynamics Dynamics(const PostOptions& options) const override;
   size_t Memory() const override { return static_cast<size_t>(options_.memory_kbytes) * 1000; }
   std::string WhyNotIn(const PostSettings& settings) const override;
+  std::vector<std::pair<std::string, std::string>> BeforeFirstRun(
+      const PostSettings& settings) const override;
   std::string ToolCheck(const PostSettings& settings) const override;
   FrameTexts Frames(const PostSettings& settings) const override;
   CallingSyntax Calling() const override;
