@@ -183,7 +183,7 @@ class KrlWriter : public ProgramWriter {
       Line(fmt::format("PTP {{{},S {},T {}{}}}", KrlFields(ToolInBase(motion), kEntryDecimals),
                        Binary(*motion.status, 3), Binary(TurnOf(motion), 6), External()));
     } else {
-      const Joints angles = ToController(settings_.axes, *motion.q) * kDegPerRad;
+      const Joints angles = settings_.axes.FromArm(*motion.q) * kDegPerRad;
       std::string fields;
       for (int k = 0; k < 6; ++k)
         fields += fmt::format("{}A{} {}", k ? "," : "", k + 1, Fixed(angles[k], kAngleDecimals));
