@@ -10,10 +10,13 @@
 #include "base/execution.hpp"
 #include "base/file.hpp"
 #include "base/loose_file.hpp"
+#include "base/named_progress.hpp"
+#include "config/config.hpp"
 #include "init/cell_text.hpp"
 #include "init/facing_groups.hpp"
 #include "init/job_text.hpp"
 #include "init/place_part.hpp"
+#include "job/arrival.hpp"
 #include "job/assemble.hpp"
 #include "job/step_meshes.hpp"
 #include "output/remove_folder.hpp"
@@ -95,12 +98,6 @@ fs::path FolderFor(const InitArguments& arguments) {
 
 bool Stands(const fs::path& file) { return fs::symlink_status(file).type() != fs::file_type::not_found; }
 
-void RefuseTaken(const fs::path& out) {
-  for (const char* name : kWritten)
-    if (Stands(out / name))
-      throw InputError({(out / name).string()}, "exists already; allowed: a folder without it (--out DIR)");
-}
-
 /// A name that job files allow, from the part's.
 std::string JobName(const fs::path& part) {
   std::string name;
@@ -126,7 +123,7 @@ class Init {
         part_(FileOf(arguments.part)) {}
 
   InitOutcome Run() {
-    if (!Exists(WorkFolder::PathFor(out_))) RefuseTaken(out_);
+    if (!Exists(WorkFolder::PathFor(out_))) RefuseTaken();
     work_.emplace(out_);
     try {
       return Work();
@@ -139,9 +136,15 @@ class Init {
  private:
   InitOutcome Work() {
     TakeBack();
-    RefuseTaken(out_);
-    cell_text_ = CellText();
-    work_->WriteCell(cell_text_);
+    RefuseTaken();
+    if (arguments_.cell) {
+      cell_file_ = FileOf(*arguments_.cell);
+      job_.cell = YamlPath(cell_file_, out_);
+    } else {
+      cell_file_ = work_->CellFile();
+      cell_text_ = CellText();
+      work_->WriteCell(cell_text_);
+    }
     job_.name = JobName(part_);
     job_.part = YamlPath(part_, out_);
     job_.unit = UnitOfPart();
@@ -152,6 +155,11 @@ class Init {
         for (const FirstStrategy strategy : {FirstStrategy::kPad, FirstStrategy::kPlanesFree,
                                              FirstStrategy::kPlanes, FirstStrategy::kBall}) {
           if (strategy == (group.flat ? FirstStrategy::kBall : FirstStrategy::kPad)) continue;
+          // The cutter of the user's own cell is what it is.
+          if (arguments_.cell &&
+              (strategy == FirstStrategy::kBall) != (cell_.tool.cutter_tip == CutterTip::kBall) &&
+              !group.flat)
+            continue;
           job_.group = group;
           job_.strategy = strategy;
           job_.patch_half = share * PatchHalf(draft_.reach);
@@ -161,10 +169,19 @@ class Init {
     Refuse(groups);
   }
 
+  /// Nothing of the user's is written over; with a cell of the user's own only the job is written.
+  void RefuseTaken() const {
+    for (const char* name : kWritten)
+      if (Stands(out_ / name) && !(arguments_.cell && name == kWritten[0]))
+        throw InputError({(out_ / name).string()},
+                         "exists already; allowed: a folder without it (--out DIR)");
+  }
+
   std::string CellText() const {
     const bool is_file = Exists(arguments_.arm);
     if (!is_file && fs::path(arguments_.arm).extension() != ".urdf") return SampleCellText(arguments_.arm);
-    return UrdfCellText({FileOf(arguments_.arm), arguments_.base_link, arguments_.flange_link}, out_);
+    return UrdfCellText(
+        {FileOf(arguments_.arm), arguments_.base_link, arguments_.flange_link, arguments_.tolerance}, out_);
   }
 
   /// The file's own unit where it states one; never one that makes the part fit.
@@ -177,9 +194,15 @@ class Init {
 
   void ReadDraft() {
     std::map<std::string, std::string> body_bytes;
-    const CellSettings cell = LoadCell(work_->CellFile(), &body_bytes);
-    draft_.reach = Reach(MakeCell(cell, body_bytes));
-    cell_ = ParseCell(ReadFile(work_->CellFile()), (out_ / "cell.yaml").string());
+    CellSettings cell = LoadCell(cell_file_, &body_bytes);
+    SelectTool(arguments_.tool.empty() && !cell.tools.empty() ? cell.tools.front().name : arguments_.tool,
+               &cell);
+    if (!cell.tools.empty()) job_.tool = cell.tool.name;
+    const Cell made = MakeCell(cell, body_bytes);
+    arguments_.say(fmt::format("arm                 {}, reach {:.4g} mm\n", cell.arm.name, Reach(made)) +
+                   ToText(DescribeArrival(cell, made)));
+    draft_.reach = Reach(made);
+    cell_ = std::move(cell);
     work_->WriteJob(JobText(job_, cell_));
     draft_.inputs = LoadJobInputs(work_->Job());
     progress_.Begin(SurfaceStage(draft_.inputs), 0);
@@ -188,14 +211,28 @@ class Init {
     draft_.part = ReadPart(draft_.inputs, MakeCell(draft_.inputs.cell, draft_.inputs.body_bytes));
     progress_.End(fmt::format("{} triangles", draft_.part->import.report.triangles));
     const ImportReport& report = draft_.part->import.report;
+    CheckSize((report.upper - report.lower).maxCoeff());
     if (arguments_.unit) return;
     if (const auto doubt = UnitWarning((report.upper - report.lower).maxCoeff(), draft_.reach))
       throw InputError({part_.string()}, *doubt + "; give --unit mm, cm, in or m");
   }
 
+  /// A part longer than the arm's whole space has no place before it.
+  void CheckSize(double size) const {
+    if (size <= 2 * draft_.reach) return;
+    const auto unit = UnitWarning(size, draft_.reach);
+    throw InputError(
+        {part_.string()},
+        fmt::format(
+            "is {:.4g} m long, while the arm with its tool reaches {:.4g} m to either side{}; allowed: "
+            "a smaller part, another arm, or a job written by hand that mills it from several "
+            "places (docs/placement.md)",
+            size / 1000, draft_.reach / 1000, unit ? fmt::format(" ({}: --unit?)", *unit) : ""));
+  }
+
   /// Puts the cutter's shape into the cell: curved faces of rough facets want a ball.
   void TakeCutter(CutterTip tip) {
-    if (draft_.inputs.cell.tool.cutter_tip == tip) return;
+    if (arguments_.cell || draft_.inputs.cell.tool.cutter_tip == tip) return;
     draft_.inputs.cell.tool.cutter_tip = tip;
     work_->WriteCell(tip == CutterTip::kBall ? WithBall(cell_text_) : cell_text_);
   }
@@ -235,8 +272,10 @@ class Init {
     plan.job = work_->Job();
     plan.out = work_->Trial(failed_plans_ + 1);
     plan.threads = arguments_.threads;
-    progress_.Begin(fmt::format("trial {}", failed_plans_ + 1), 0);
-    const PlanOutcome outcome = RunPlan(plan, Silent(), stop_);
+    const std::string trial = fmt::format("trial {}", failed_plans_ + 1);
+    NamedProgress told(progress_, trial);
+    const PlanOutcome outcome = RunPlan(plan, told, stop_);
+    progress_.Begin(trial, 0);
     progress_.End(outcome.exit_status == 0 ? "planned completely"
                                            : "not planned completely; another place or region is tried");
     return outcome.exit_status == 0;
@@ -256,17 +295,18 @@ class Init {
   /// The cell comes first. One that stands alone and is the one of the work folder was left by an init that
   /// was ended between the two.
   void TakeBack() const {
+    if (arguments_.cell) return;
     const fs::path cell = out_ / kWritten[0];
     if (Stands(out_ / kWritten[1]) || fs::symlink_status(cell).type() != fs::file_type::regular) return;
     if (Exists(work_->CellFile()) && ReadFile(cell) == ReadFile(work_->CellFile())) RemoveAll(cell);
   }
 
   InitOutcome Publish() {
-    RefuseTaken(out_);  // somebody may have written there meanwhile
+    RefuseTaken();  // somebody may have written there meanwhile
     const bool made = !Exists(out_);
     MakeFolders(out_);
     try {
-      WriteLooseFile(out_ / kWritten[0], ReadFile(work_->CellFile()));
+      if (!arguments_.cell) WriteLooseFile(out_ / kWritten[0], ReadFile(work_->CellFile()));
       WriteLooseFile(out_ / kWritten[1], ReadFile(work_->Job()));
     } catch (const InputError&) {
       TakeBack();
@@ -278,7 +318,7 @@ class Init {
     InitOutcome outcome{out_, ""};
     const fs::path shown = arguments_.out.value_or(arguments_.part.stem());
     outcome.text = fmt::format(
-        "wrote      {0}/cell.yaml\nwrote      {0}/job.yaml\n"
+        "{8}wrote      {0}/job.yaml\n"
         "region     {1}{2:.0f} mm², about {3:.1f}, {4:.1f}, {5:.1f} mm on the part\n"
         "place      {6}, {7:.1f}, {8:.1f}, {9:.1f} mm in the world\n"
         "it plans   millpose plan {0}/job.yaml\n"
@@ -286,7 +326,8 @@ class Init {
         shown.string(), group.flat ? "a plane face, " : "a curved face, ", group.area, group.seed.x(),
         group.seed.y(), group.seed.z(), job_.placement.upright ? "upright before the arm" : "facing up",
         job_.placement.X_WP.translation().x(), job_.placement.X_WP.translation().y(),
-        job_.placement.X_WP.translation().z());
+        job_.placement.X_WP.translation().z(),
+        arguments_.cell ? "" : fmt::format("wrote      {}/cell.yaml\n", shown.string()));
     return outcome;
   }
 
@@ -296,7 +337,8 @@ class Init {
   fs::path out_, part_;
   std::optional<WorkFolder> work_;
   FirstJob job_;
-  std::string cell_text_;  ///< with its first cutter
+  fs::path cell_file_;
+  std::string cell_text_;  ///< with its first cutter; empty of the user's own
   CellSettings cell_;
   Draft draft_{};
   int failed_plans_ = 0;

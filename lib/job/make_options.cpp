@@ -22,6 +22,8 @@ AdmissibleBounds MakeBounds(const JobSettings& job, const Arm& arm) {
       throw InputError({job.file},
                        fmt::format("limits: axis {} has no range left: {:.3f}..{:.3f} deg after the margin",
                                    i + 1, RadToDeg(bounds.lower[i]), RadToDeg(bounds.upper[i])));
+  bounds.coupled = arm.coupled_limits;
+  for (CoupledLimit& limit : bounds.coupled) limit.at_most -= job.limit_margin;
   bounds.dexterity_min = job.dexterity_min;
   bounds.wrist_min = job.wrist_min;
   bounds.elbow_min = job.elbow_min;
@@ -104,6 +106,7 @@ VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm) {
   options.angle_tolerance = job.program_options.path_angle;
   options.lower = arm.lower;
   options.upper = arm.upper;
+  options.coupled = arm.coupled_limits;
   options.swept_resolution = job.swept_resolution;
   options.clearance_reserve = job.swept_resolution;
   options.interference = job.program_options.dry_run_offset > 0;  // the lifted motions were never checked
@@ -137,6 +140,7 @@ PostSettings MakeTextSettings(const JobSettings& job, const CellSettings& cell,
   const ControllerOptions& options = found->second;
   PostSettings post;
   static_cast<PostOptions&>(post) = options.shared;
+  post.axes = post.Axes();
   post.X_FT = MakeToolPose(cell.tool);
   post.X_WB = MakePose(cell.base_in_world);
   post.mechanism = Mechanism(std::vector<ExternalAxis>(cell.external_axes.begin(), cell.external_axes.end()));

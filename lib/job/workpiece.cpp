@@ -81,7 +81,8 @@ JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop
   made.toolpath = std::move(laid.toolpath);
   made.warnings = std::move(laid.warnings);
   made.findings = std::move(laid.findings);
-  made.notes = std::move(laid.notes);
+  made.notes = inputs.cell.notes;
+  std::ranges::move(laid.notes, std::back_inserter(made.notes));
   made.holes_left_out = std::move(laid.holes_left_out);
   return made;
 }

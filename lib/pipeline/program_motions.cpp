@@ -79,7 +79,7 @@ void HandOver(const PostSettings& settings, ProgramMotions& motions, const std::
 void StateEntries(const PostSettings& settings, ProgramMotions& motions) {
   for (const size_t i : StateEntriesByJoints(motions.written, settings.axes, kTurnLeast)) {
     const Motion& entry = motions.written.motions[i];
-    const Joints angles = ToController(settings.axes, *entry.q) * kDegPerRad;
+    const Joints angles = settings.axes.FromArm(*entry.q) * kDegPerRad;
     for (int j = 0; j < 6; ++j) {
       if (std::abs(std::remainder(angles[j], 360)) >= kTurnLeast * kDegPerRad) continue;
       motions.warnings.push_back(

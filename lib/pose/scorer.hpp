@@ -23,6 +23,13 @@ struct AdmissibleBounds {
   double wrist_min = 0;                                   ///< least |sin q5|
   double elbow_min = 0;                                   ///< least |sin| of the elbow
   double shoulder_min_mm = 0;                             ///< least distance of SingularityDistance::shoulder
+  std::vector<CoupledLimit> coupled = {};                 ///< likewise minus the margin
+
+  /// Whether `q` (its revolutions as they are) is within all limits, to `slack` rad.
+  bool Hold(const Joints& q, double slack) const {
+    return (q.array() >= lower.array() - slack).all() && (q.array() <= upper.array() + slack).all() &&
+           FirstBeyond(coupled, q, slack) == nullptr;
+  }
 };
 
 /// All that the choice of a pose depends on besides the point itself; shared and immutable.

@@ -83,16 +83,8 @@ Vector3d ToolAnglesNear(AngleOrder rotation, const Matrix3d& R, const Vector3d& 
   return (b - near).cwiseAbs().maxCoeff() < (a - near).cwiseAbs().maxCoeff() ? b : a;
 }
 
-Joints ToController(const AxisConvention& axes, const Joints& q) {
-  return axes.sign.cwiseProduct(q) + axes.offset;
-}
-
-Joints FromController(const AxisConvention& axes, const Joints& angles) {
-  return axes.sign.cwiseProduct(angles - axes.offset);
-}
-
 int ControllerTurn(const AxisConvention& axes, const Joints& q) {
-  const Joints angles = ToController(axes, q);
+  const Joints angles = axes.FromArm(q);
   int turn = 0;
   for (int i = 0; i < 6; ++i) turn |= (angles[i] < 0 ? 1 : 0) << i;
   return turn;
@@ -103,7 +95,7 @@ std::optional<Joints> AnglesAt(const Arm& arm, const AxisConvention& axes, const
   const InverseResult inverse = Inverse(arm, X_BF);
   for (int s = 0; s < inverse.count; ++s) {
     if (inverse.solutions[s].branch != status) continue;
-    Joints angles = ToController(axes, inverse.solutions[s].q);
+    Joints angles = axes.FromArm(inverse.solutions[s].q);
     for (int i = 0; i < 6; ++i) {
       angles[i] = std::remainder(angles[i], 2 * kPi);
       // At 0 the sign is a matter of the last bit: there either state of the turn bit means 0, not a full
@@ -112,7 +104,7 @@ std::optional<Joints> AnglesAt(const Arm& arm, const AxisConvention& axes, const
       if (negative && angles[i] > kZeroAngle) angles[i] -= 2 * kPi;
       if (!negative && angles[i] < -kZeroAngle) angles[i] += 2 * kPi;
     }
-    return FromController(axes, angles);
+    return axes.ToArm(angles);
   }
   return std::nullopt;
 }

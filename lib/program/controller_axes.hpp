@@ -28,10 +28,6 @@ Eigen::Matrix3d FromToolAngles(AngleOrder rotation, const Eigen::Vector3d& abc);
 /// that turns outermost (of rpy2: innermost) stays.
 Eigen::Vector3d ToolAnglesNear(AngleOrder rotation, const Eigen::Matrix3d& R, const Eigen::Vector3d& near);
 
-/// The controller's angles of the arm's angles `q`, and back; rad.
-Joints ToController(const AxisConvention& axes, const Joints& q);
-Joints FromController(const AxisConvention& axes, const Joints& angles);
-
 /// rad (0.001°): nearer to 0 the controller's own arithmetic decides what a turn bit means, 0 or a full
 /// revolution.
 inline constexpr double kUncertainTurn = 1.7453293e-5;

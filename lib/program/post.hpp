@@ -23,6 +23,7 @@ struct ToolLoad {
 
 /// What a program needs to know beyond its motions and the controller's own options.
 struct PostSettings : PostOptions {
+  AxisConvention axes;             ///< how the controller counts the arm's angles
   Pose X_FT = Pose::Identity();    ///< tool in the flange, for programs that state none
   Pose X_WB = Pose::Identity();    ///< the robot's base in the cell, whose z points up
   Mechanism mechanism;             ///< the cell's external axes; X_WB holds with all of them at 0
@@ -92,6 +93,8 @@ class Post {
   /// The robot's base in that world, with the cell's external axes at 0, as the cell says that the controller
   /// has it.
   virtual Pose BaseInWorld(const PostSettings&) const { return Pose::Identity(); }
+  /// How it counts the inner angles of every arm that it runs, where its maker fixes that: signs and zero.
+  virtual std::optional<AxisConvention> OwnZero() const { return std::nullopt; }
   /// Whether its programs tell configurations by those of a spherical wrist.
   virtual bool NeedsSphericalWrist() const { return true; }
   /// Whether programs are read from a disk as they run: no file is too long, and entries are joint angles.

@@ -172,6 +172,13 @@ class Axes {
 
 Vector3 AxisOf(const std::string& name) { return Vector3::Unit(name.back() - 'x'); }
 
+/// The arm's own angle of one that a controller's text gives (rad).
+Real OfArm(const Setup& setup, const std::string& controller, size_t axis, Real angle) {
+  const auto count = setup.counts.find(controller);
+  if (count == setup.counts.end()) return angle;
+  return count->second.sign[axis] * (angle - count->second.offset[axis]);
+}
+
 std::vector<Target> ReadKrl(const std::map<std::string, std::string>& files, const Setup& setup) {
   static const std::regex motion(R"(^\s*(?:PTP|LIN|SLIN|SPL|SPTP)\s*\{([^}]*)\}.*)");
   static const std::regex frame(R"(^\s*\$(BASE|TOOL)\s*=\s*\{([^}]*)\}.*)");
@@ -211,7 +218,8 @@ std::vector<Target> ReadKrl(const std::map<std::string, std::string>& files, con
         if (fields.contains(axis.name)) axes.Take(axis, fields.at(axis.name));
       if (fields.contains("A1")) {
         Angles angles;
-        for (size_t i = 0; i < 6; ++i) angles[i] = fields.at("A" + std::to_string(i + 1)) * kDegree;
+        for (size_t i = 0; i < 6; ++i)
+          angles[i] = OfArm(setup, "krl", i, fields.at("A" + std::to_string(i + 1)) * kDegree);
         targets.push_back(axes.AtAngles(line, angles));
         last.clear();
         continue;
@@ -304,7 +312,8 @@ std::vector<Target> ReadSinumerik(const std::map<std::string, std::string>& file
                          external.Position(line)});
     } else {
       for (std::sregex_iterator it(text.begin(), text.end(), axes), end; it != end; ++it) {
-        angles[static_cast<size_t>((*it)[1].str().back() - '1')] = std::stold((*it)[2]) * kDegree;
+        const auto axis = static_cast<size_t>((*it)[1].str().back() - '1');
+        angles[axis] = OfArm(setup, "sinumerik", axis, std::stold((*it)[2]) * kDegree);
         moved = true;
       }
       if (moved || own != spoken) targets.push_back(external.AtAngles(line, angles));
@@ -342,7 +351,10 @@ std::vector<Target> ReadLinuxCnc(const std::map<std::string, std::string>& files
       continue;
     }
     Angles angles = setup.home;
-    for (const auto& [name, value] : joints) angles[std::string("XYZABC").find(name)] = value * kDegree;
+    for (const auto& [name, value] : joints) {
+      const size_t axis = std::string("XYZABC").find(name);
+      angles[axis] = OfArm(setup, "linuxcnc", axis, value * kDegree);
+    }
     targets.push_back(external.AtAngles(line, angles));
   }
   return targets;

@@ -100,15 +100,14 @@ TEST(ToolAxis, PutsTheNamedAxisAlongTheTool) {
 
 TEST(Turn, StatusAndTurnNameOneJointPosition) {
   const Arm arm = SampleArm();
-  AxisConvention axes;
-  axes.sign << 1, -1, 1, 1, -1, 1;
-  axes.offset << 0, 0.5, 0, 0, 0, -1;
+  const AxisConvention axes =
+      AxisConvention::OfSigns({1, -1, 1, 1, -1, 1}, (Joints() << 0, 0.5, 0, 0, 0, -1).finished());
   RandomStream stream(3, 0);
   int compared = 0;
   for (int i = 0; i < 500; ++i) {
     Joints q;
     for (int j = 0; j < 6; ++j) q[j] = stream.Uniform(arm.lower[j], arm.upper[j]);
-    if ((ToController(axes, q).cwiseAbs().array() > 2 * kPi).any()) continue;
+    if ((axes.FromArm(q).cwiseAbs().array() > 2 * kPi).any()) continue;
     if (DistanceToSingularity(arm, q).wrist < 0.01) continue;
     const auto found = AnglesAt(arm, axes, ForwardFlange(arm, q), Status(arm, q), ControllerTurn(axes, q));
     ASSERT_TRUE(found);

@@ -158,8 +158,11 @@ TEST_P(EachPost, RoundingKeepsTheTipAndTheMarks) {
 }
 
 TEST_P(EachPost, AxisConventionIsUndoneWhenReading) {
-  settings.axes.sign << 1, -1, 1, -1, 1, -1;
-  settings.axes.offset << 0, 0.5, 0, 0, -0.25, 1;
+  // FANUC's third axis counts against the second: couplings go the same way.
+  Matrix6 matrix = Matrix6::Identity();
+  matrix.diagonal() << 1, -1, 1, -1, 1, -1;
+  matrix(2, 1) = -1;
+  settings.axes = AxisConvention(matrix, (Joints() << 0, 0.5, 0, 0, -0.25, 1).finished());
   const ProgramFiles other = post->Write(program, plan.arm, settings);
   EXPECT_NE(other, files);
   const MotionProgram read = Read(other);

@@ -188,7 +188,7 @@ class KrlWriter : public ProgramWriter {
                        Binary(TurnOf(motion), 6), External()));
     } else {
       words_.reset();
-      const Joints angles = ToController(settings_.axes, *motion.q) * kDegPerRad;
+      const Joints angles = settings_.axes.FromArm(*motion.q) * kDegPerRad;
       std::string fields;
       for (int k = 0; k < 6; ++k)
         fields += fmt::format("{}A{} {}", k ? "," : "", k + 1, Short(angles[k], kAngleDecimals));

@@ -19,6 +19,10 @@ class KrlPost : public Post {
   void Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const override;
   bool HasOwnWorld() const override { return true; }
   double UsualCycle() const override { return 0.012; }  // KRC4
+  /// KUKA's zero: upper arm and forearm level and in one line; the senses of KUKA's axes.
+  std::optional<AxisConvention> OwnZero() const override {
+    return AxisConvention::OfSigns({-1, 1, 1, -1, 1, -1}, Joints::Zero());
+  }
   Pose BaseInWorld(const PostSettings& settings) const override { return KrlBase(options_, settings); }
   TimeOptions Times() const override {
     return {options_.ptp_speed_percent / 100.0, options_.orientation_speed};

@@ -458,7 +458,7 @@ class KrlReader : public ProgramReader {
       if (std::any_of(place.begin(), place.end(), given)) scan.Fail("axes or a pose expected, not both");
       Joints angles;
       for (int i = 0; i < 6; ++i) angles[i] = fields.at(fmt::format("A{}", i + 1)) * kRadPerDeg;
-      motion.q = FromController(settings_.axes, angles);
+      motion.q = settings_.axes.ToArm(angles);
       last_.clear();
     } else {
       if (fields.contains("S")) motion.status = static_cast<int>(fields.at("S"));

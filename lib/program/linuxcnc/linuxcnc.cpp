@@ -29,7 +29,7 @@ constexpr double kStandstill = 2e-5;
 
 /// A joint position of the text: degrees as rounded there.
 Joints AsWritten(const AxisConvention& axes, const Joints& q) {
-  Joints angles = ToController(axes, q) * kDegPerRad;
+  Joints angles = axes.FromArm(q) * kDegPerRad;
   for (double& angle : angles) angle = Rounded(angle, kAngleDecimals);
   return angles;
 }

@@ -168,7 +168,7 @@ class SinumerikWriter : public ProgramWriter {
 
   void AddJoint(const Motion& motion) {
     Transform(false);
-    const Joints angles = ToController(settings_.axes, *motion.q) * kDegPerRad;
+    const Joints angles = settings_.axes.FromArm(*motion.q) * kDegPerRad;
     std::string line = "G0 SUPA";  // neither frame nor, where MD10760 says so, tool length act on the joints
     for (int i = 0; i < 6; ++i) {
       line += fmt::format(" {}={}", options_.axis_names[i], Fixed(angles[i], kAngleDecimals));

@@ -329,7 +329,7 @@ class SinumerikReader : public ProgramReader {
       SetValue(settings_, axis, *value, external_);
     }
     Motion& motion = AddMotion(MotionType::kJoint);
-    motion.q = FromController(settings_.axes, angles);
+    motion.q = settings_.axes.ToArm(angles);
     motion.exact = true;
     Stand(motion);
     last_ = {};
