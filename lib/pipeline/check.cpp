@@ -188,6 +188,7 @@ JobCheck Check(JobInputs& inputs, const CheckJobArguments& arguments, const Exec
   check.mesh = Described(inputs.job.workpiece.mesh_file, inputs.job.workpiece.unit, prepared.surface,
                          Reach(prepared.cell), std::move(warnings));
   check.mesh.notes = prepared.made.notes;
+  check.source = prepared.made.source;
   check.job = inputs.job.name;
   check.operation = inputs.job.operation;
   check.cell = inputs.cell.name;

@@ -15,6 +15,7 @@
 #include "job/inputs.hpp"
 #include "surface/mesh_import.hpp"
 #include "surface/mesh_parts.hpp"
+#include "toolpath/cam/cam_source.hpp"
 
 namespace millpose {
 
@@ -72,6 +73,7 @@ struct JobCheck {
   std::array<size_t, 4> reach{};
   std::array<size_t, 6> limited{};  ///< points outside the limits by the axis that is farthest beyond its own
   std::vector<size_t> out_of_reach;  ///< numbers of the first points that are not admissible
+  std::optional<CamSource> source;   ///< of a CAM path: who wrote it, and how it was taken
   size_t gouges = 0;         ///< points where the cutter would go into the part beyond the job's tolerance
   double deepest_gouge = 0;  ///< mm
   Eigen::Vector3d gouge_place = Eigen::Vector3d::Zero();  ///< in P

@@ -108,6 +108,34 @@ Json ArrivalJson(const ArmArrival& arrival) {
           {"notes", arrival.notes}};
 }
 
+std::string_view NameOf(SpindleSense sense) {
+  if (sense == SpindleSense::kNotStated) return "not_stated";
+  return sense == SpindleSense::kClockwise ? "clockwise" : "counter_clockwise";
+}
+
+Json OrNull(const std::optional<double>& value, double factor) {
+  return value ? Json(factor * *value) : Json();
+}
+
+// Null for a path that no file gave.
+Json SourceJson(const std::optional<CamSource>& source) {
+  if (!source) return {};
+  Json sections = Json::array();
+  for (const CamSection& section : source->sections)
+    sections.push_back({{"tool", section.tool},
+                        {"cutter_mm", OrNull(section.diameter, 1)},
+                        {"corner_radius_mm", section.corner_radius},
+                        {"spindle_rpm", OrNull(section.speed, 60)},
+                        {"spindle_sense", NameOf(section.sense)},
+                        {"first_line", section.first_line},
+                        {"last_line", section.last_line}});
+  return {{"sender", source->sender},
+          {"unit", source->unit},
+          {"frame", source->frame},
+          {"three_numbers", source->three_numbers.empty() ? Json() : Json(source->three_numbers)},
+          {"sections", std::move(sections)}};
+}
+
 Json JobJson(const JobCheck& check) {
   Json json{{"job", check.job},
             {"cell", check.cell},
@@ -115,6 +143,7 @@ Json JobJson(const JobCheck& check) {
             {"mesh", MeshJson(check.mesh)},
             {"passes", check.passes},
             {"points", check.points},
+            {"cam", SourceJson(check.source)},
             {"reach",
              {{"admissible", check.reach[0]},
               {"unreachable", check.reach[1]},
