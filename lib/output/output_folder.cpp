@@ -190,11 +190,14 @@ void OutputFolder::RemoveCheckpoints() const {
 }
 
 void OutputFolder::KeepOperations(const std::vector<std::string>& names) const {
-  const std::optional<Folder> checkpoints = folder_->FindBelow(kCheckpointsFolder);
-  if (!checkpoints) return;
-  for (const std::string& name : checkpoints->Names())
-    if (checkpoints->KindOf(name) == Folder::Kind::kFolder && std::ranges::find(names, name) == names.end())
-      checkpoints->RemoveAll(name);
+  try {
+    const std::optional<Folder> checkpoints = folder_->FindBelow(kCheckpointsFolder);
+    if (!checkpoints) return;
+    for (const std::string& name : checkpoints->Names())
+      if (checkpoints->KindOf(name) == Folder::Kind::kFolder && std::ranges::find(names, name) == names.end())
+        checkpoints->RemoveAll(name);
+  } catch (const InputError&) {  // the results stand; what stays is in nobody's way
+  }
 }
 
 ResultSet::ResultSet(const OutputFolder& folder, const SetNames& names) : folder_(folder), names_(names) {}

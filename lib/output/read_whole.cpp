@@ -38,7 +38,9 @@ Standing StandingIn(const std::filesystem::path& path) {
 }
 
 // What a reader is about to open must be of this folder.
-void RefuseLinks(const std::filesystem::path& path) {
+void RefuseOthers(const std::filesystem::path& path) {
+  std::error_code none;
+  if (!std::filesystem::is_directory(path, none)) return;
   const Folder folder(path);
   for (const std::string& name : folder.Names())
     if (IsPlanName(name) && folder.KindOf(name) == Folder::Kind::kOther)
@@ -54,7 +56,7 @@ void ReadWhole(const std::filesystem::path& folder, const std::function<void()>&
     if (before.being_replaced) continue;
     std::exception_ptr refusal;
     try {
-      RefuseLinks(folder);
+      RefuseOthers(folder);
       reading();
     } catch (const InputError&) {
       refusal = std::current_exception();
