@@ -205,6 +205,7 @@ TEST(Frames, ZeroOffsetsAreStatedWhereAFileHasSeveral) {
   EXPECT_NE(Refusal(head + "G0 X0 Y0 Z0\nG58 X5 Y0\nG1 X1 F9\n").find("state toolpath.cam.sender"),
             std::string::npos);
   EXPECT_NE(Refusal("G710 G90\nG0 X0 Y0 Z0\nG58 X5\nG1 X1 F9\n").find("shifts the frame"), std::string::npos);
+  EXPECT_EQ(Path("%P G71 *\nG247 Q339=+1 *\nG00 X+0 Y+0 Z+0 *\nG01 X+1 F100 *\n").points.size(), 2u);
   EXPECT_NE(
       Refusal("%P G71 *\nG247 Q339=+1 *\nG00 X+0 Y+0 Z+0 *\nG01 X+1 F100 *\nG247 Q339=+2 *\nG01 X+0 *\n"),
       "");
@@ -291,6 +292,7 @@ TEST(Sections, AreWhatOneToolCutsAtOneSpeed) {
   // T names the next tool where M6 changes it.
   const std::string blocks = "G21\nT1 M6\nS9 M3\nG0 X0 Y0 Z0\nG1 X1 F9\nT2\nX2\n";
   EXPECT_EQ(Path(blocks).source.sections.size(), 1u);
+  EXPECT_FALSE(Path(blocks).points[2].fresh) << "the next tool is named while this one cuts";
   EXPECT_EQ(Path(blocks + "M6\nG0 Z9\nG1 Z0\n").source.sections.size(), 2u);
   EXPECT_EQ(Path("G21\nT1\nG0 X0 Y0 Z0\nG1 X1 F9\nT2\nG0 Z9\nG1 Z0\n").source.sections.size(), 2u);
   EXPECT_EQ(Path("(T1 D=8. CR=4. - BALL)\n" + blocks).source.sections[0].ToText(),

@@ -76,7 +76,7 @@ class AptReader {
     motion_.SetAxis(system_.rotation.col(2));
     leaned_ = stale_ = false;
     frame_name_ = std::move(name);
-    moved_ = moved_ || system_.IsMoved();
+    if (system_.IsMoved() && moved_out_of_.empty()) moved_out_of_ = frame_name_;
   }
 
   void Take(const AptStatement& statement) {
@@ -306,11 +306,11 @@ class AptReader {
     note(
         zeros_.count(),
         "ORIGIN or TRANS: where the machine's zero lies; the points are taken in the part's system as given");
-    if (moved_)
+    if (!moved_out_of_.empty())
       path_.notes.push_back(
           fmt::format("coordinates were moved out of their system ({}) into the one that it "
                       "refers to",
-                      frame_name_));
+                      moved_out_of_));
     tally_.AddNote(path_.notes);
   }
 
@@ -345,7 +345,8 @@ class AptReader {
   std::optional<AptCycle> last_cycle_;
   WordTally tally_;
   std::string frame_name_ = "as written";
-  bool moved_ = false, units_stated_ = false;
+  std::string moved_out_of_;  // the first system that moves points
+  bool units_stated_ = false;
   bool leaned_ = false;  // the axis is the one of a point with six numbers
   bool stale_ = false;   // system and axis are those of another operation
   bool three_ = false;   // a point gave three numbers
