@@ -206,9 +206,10 @@ TEST(Frames, ZeroOffsetsAreStatedWhereAFileHasSeveral) {
             std::string::npos);
   EXPECT_NE(Refusal("G710 G90\nG0 X0 Y0 Z0\nG58 X5\nG1 X1 F9\n").find("shifts the frame"), std::string::npos);
   EXPECT_EQ(Path("%P G71 *\nG247 Q339=+1 *\nG00 X+0 Y+0 Z+0 *\nG01 X+1 F100 *\n").points.size(), 2u);
-  EXPECT_NE(
-      Refusal("%P G71 *\nG247 Q339=+1 *\nG00 X+0 Y+0 Z+0 *\nG01 X+1 F100 *\nG247 Q339=+2 *\nG01 X+0 *\n"),
-      "");
+  EXPECT_EQ(
+      Refusal("%P G71 *\nG247 Q339=+1 *\nG00 X+0 Y+0 Z+0 *\nG01 X+1 F100 *\nG247 Q339=+2 *\nG01 X+0 *\n")
+          .substr(0, 48),
+      "path:5:1: G247 chooses preset Q339=2 behind Q339");
 }
 
 TEST(Units, AreStatedOrToldByFeeds) {
