@@ -78,9 +78,12 @@ TEST(Sender, DecidesWhatThreeNumbersMeanBehindALeaningTool) {
   }
   EXPECT_EQ(
       Refusal("PARTNO/X\n" + body),
-      "path:6:1: three numbers behind a leaning tool: the axis stays (NX, CATIA), or the tool stands along "
-      "+z (Creo, Autodesk), and who wrote the file is not recognised: state toolpath.cam.sender: nx, catia, "
-      "creo, autodesk, solidworks_cam, mastercam");
+      "path:6:1: three numbers behind a leaning tool: the axis stays, or the tool stands along +z, and who "
+      "wrote "
+      "the file is not recognised: state whose way this file follows, toolpath.cam.sender: nx or catia (it "
+      "stays), creo or autodesk (+z)");
+  EXPECT_NE(Refusal("PPRINT/MASTERCAM\n" + body).find("which one Mastercam means is not known"),
+            std::string::npos);
   ExpectAt(Path("PARTNO/X\n" + body, By(CamSender::kCreo)).points[2], {5, 0, 0}, kUp);
   ExpectAt(Path("PARTNO/X\n" + body, By(CamSender::kCatia)).points[2], {5, 0, 0}, kLean);
   // An axis by a word of its own, or none that leans, is no question.

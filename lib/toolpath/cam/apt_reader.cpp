@@ -190,6 +190,13 @@ class AptReader {
     stale_ = motion_.HasPoint() && (leaned_ || system_.IsMoved());
   }
 
+  std::string WhyAsked() const {
+    if (rules_.sender != CamSender::kPlain)
+      return fmt::format("which one {} means is not known", rules_.name);
+    return "who wrote the file is not recognised" +
+           (recognised_.conflict.empty() ? "" : " (marks of " + recognised_.conflict + ")");
+  }
+
   // The axis of a point that gives none.
   Eigen::Vector3d AxisOfThree(const AptStatement& statement) {
     const Eigen::Vector3d up = system_.rotation.col(2);
@@ -201,11 +208,10 @@ class AptReader {
       throw InputError(
           statement.major.place,
           fmt::format(
-              "three numbers behind a leaning tool: the axis stays (NX, CATIA), or the tool stands along "
-              "+z (Creo, Autodesk), and who wrote the file is not recognised{}: state "
-              "toolpath.cam.sender: {}",
-              recognised_.conflict.empty() ? "" : " (marks of " + recognised_.conflict + ")",
-              SenderKeys(false)));
+              "three numbers behind a leaning tool: the axis stays, or the tool stands along +z, and {}: "
+              "state whose way this file follows, toolpath.cam.sender: nx or catia (it stays), creo or "
+              "autodesk (+z)",
+              WhyAsked()));
     three_ = true;
     if (leaned_ && rules_.three_numbers == ThreeNumbers::kUp) return up;
     return motion_.axis();
