@@ -15,6 +15,7 @@
 #include "init/job_text.hpp"
 #include "init/place_part.hpp"
 #include "job/assemble.hpp"
+#include "job/plausible.hpp"
 #include "job/step_meshes.hpp"
 #include "pipeline/run.hpp"
 #include "surface/raw_mesh.hpp"
@@ -139,7 +140,9 @@ class Init {
   void ReadDraft() {
     std::map<std::string, std::string> body_bytes;
     const CellSettings cell = LoadCell(staging_.CellFile(), &body_bytes);
-    draft_.reach = Reach(MakeCell(cell, body_bytes));
+    const Cell made = MakeCell(cell, body_bytes);
+    RefuseDoubts(cell, made);
+    draft_.reach = Reach(made);
     cell_ = ParseCell(ReadFile(staging_.CellFile()), (out_ / "cell.yaml").string());
     WriteFileAtomically(staging_.Job(), JobText(job_, cell_));
     draft_.inputs = LoadJobInputs(staging_.Job());
@@ -152,6 +155,13 @@ class Init {
     if (arguments_.unit) return;
     if (const auto doubt = UnitWarning((report.upper - report.lower).maxCoeff(), draft_.reach))
       throw InputError({part_.string()}, *doubt + "; give --unit mm, cm, in or m");
+  }
+
+  /// No plan in such a cell would be without findings.
+  static void RefuseDoubts(const CellSettings& cell, const Cell& made) {
+    std::vector<Problem> problems;
+    for (const std::string& doubt : TellDoubts(DoubtsOf({cell, made}), cell)) problems.push_back({{}, doubt});
+    if (!problems.empty()) throw InputError(std::move(problems));
   }
 
   /// Puts the cutter's shape into the cell: curved faces of rough facets want a ball.
