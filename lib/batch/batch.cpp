@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "batch/batch.hpp"
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <thread>
 
 #include "base/error.hpp"
@@ -53,6 +55,37 @@ std::string Shortfall(const Json& summary) {
   add(gaps.at("total").get<size_t>() - gaps.at("planned").get<size_t>(), "gaps not planned");
   add(summary.at("findings").size(), "findings on programs");
   return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+// Which points, gaps and programs they are, one line each.
+std::vector<std::string> FindingsOf(const Json& summary) {
+  constexpr size_t kMost = 50;
+  struct Skipped {
+    size_t count = 0;
+    std::string first;
+  };
+  std::map<std::string, Skipped> skipped;  // by reason
+  for (const Json& point : summary.value("skipped", Json::array())) {
+    Skipped& of_reason = skipped[point.at("reason").get<std::string>()];
+    if (of_reason.count++ == 0)
+      of_reason.first = fmt::format("point {} (pass {}): {}", point.at("point").dump(),
+                                    point.at("pass").dump(), point.at("detail").get<std::string>());
+  }
+  std::vector<std::string> findings;
+  for (const auto& [reason, points] : skipped)
+    findings.push_back(fmt::format("{} point{} skipped, {}: first {}", points.count,
+                                   points.count > 1 ? "s" : "", reason, points.first));
+  for (const Json& gap : summary.value("gap_remarks", Json::array()))
+    if (!gap.at("planned").get<bool>())
+      findings.push_back(
+          fmt::format("gap {} not planned: {}", gap.at("gap").dump(), gap.at("detail").get<std::string>()));
+  for (const Json& finding : summary.at("findings")) findings.push_back(finding.get<std::string>());
+  if (findings.size() > kMost) {
+    const size_t more = findings.size() - kMost;
+    findings.resize(kMost);
+    findings.push_back(fmt::format("{} more, in summary.json", more));
+  }
+  return findings;
 }
 
 std::optional<double> NumberAt(const Json& json, const char* place) {
@@ -123,6 +156,7 @@ JobOutcome Judge(const fs::path& folder, int status, const std::string& errors) 
     outcome.figures = FiguresOf(summary, folder);
     outcome.cause = Shortfall(summary);
     if (!outcome.cause.empty()) outcome.status = 1;
+    if (outcome.status == 1) outcome.findings = FindingsOf(summary);
     const Json run = Json::parse(ReadFile(folder / kRunFile));
     outcome.wall_s = run.at("wall_s").get<double>();
     outcome.peak_memory_MB = run.at("peak_memory_MB").get<double>();
@@ -131,6 +165,27 @@ JobOutcome Judge(const fs::path& folder, int status, const std::string& errors) 
     outcome.cause = std::string("its results cannot be used: ") + error.what();
   }
   return outcome;
+}
+
+std::string AtManifest(const std::string& cause, const BatchJob& job) {
+  std::vector<std::string> lines;
+  std::istringstream stream(cause);
+  for (std::string line; std::getline(stream, line);) {
+    for (const Override& change : job.overrides) {
+      // "FILE[:LINE:COLUMN]: KEY: …", or what is no YAML: "--set KEY:LINE:COLUMN: …"
+      const size_t message = line.find(": ");
+      const std::string_view about =
+          std::string_view(line).substr(message == std::string::npos ? 0 : message + 2);
+      const bool names_key =
+          about.starts_with(change.path) && about.size() > change.path.size() &&
+          std::string_view(":.[").find(about[change.path.size()]) != std::string_view::npos;
+      if (change.place.line == 0 || (!names_key && !line.starts_with("--set " + change.path + ":"))) continue;
+      line = fmt::format("{}: set: {}", ToString(change.place), line);
+      break;
+    }
+    lines.push_back(std::move(line));
+  }
+  return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
 std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) {
@@ -163,6 +218,7 @@ BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::
         arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
     outcomes = RunHere(jobs, folder.path(), arguments, threads, progress, stop);
   }
+  for (size_t i = 0; i < jobs.size(); ++i) outcomes[i].cause = AtManifest(outcomes[i].cause, jobs[i]);
   ResultSet results(folder, kBatchNames);
   results.Add("batch.json", BatchJson(jobs, outcomes));
   results.Add("batch.csv", BatchCsv(jobs, outcomes));

@@ -64,9 +64,10 @@ struct JobFigures {
 
 /// How one job ended.
 struct JobOutcome {
-  int status = 0;           ///< exit status of `millpose plan`
-  bool up_to_date = false;  ///< done by an earlier run with the same inputs
-  std::string cause;        ///< lines, empty when all is well
+  int status = 0;                     ///< exit status of `millpose plan`
+  bool up_to_date = false;            ///< done by an earlier run with the same inputs
+  std::string cause;                  ///< lines, empty when all is well
+  std::vector<std::string> findings;  ///< of a plan that is not complete: which points, gaps, programs
   std::optional<size_t> points, planned;
   std::optional<JobFigures> figures;
   double wall_s = 0, peak_memory_MB = 0;
@@ -94,6 +95,9 @@ std::vector<std::string> PlanCommand(const BatchJob& job, const std::filesystem:
 
 /// How a job stands by its folder's files, given how its process ended.
 JobOutcome Judge(const std::filesystem::path& folder, int status, const std::string& errors);
+
+/// The lines of a job's cause; one about a key that its manifest sets names the manifest's place.
+std::string AtManifest(const std::string& cause, const BatchJob& job);
 
 /// The outcome that an earlier run left for the same inputs and version, if it did.
 std::optional<JobOutcome> UpToDate(const BatchJob& job, const std::filesystem::path& folder);

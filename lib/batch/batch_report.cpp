@@ -77,6 +77,7 @@ std::string BatchJson(const std::vector<BatchJob>& jobs, const std::vector<JobOu
                             {"outcome", StatusName(outcome)},
                             {"up_to_date", outcome.up_to_date},
                             {"cause", outcome.cause.empty() ? Json() : Json(outcome.cause)},
+                            {"findings", outcome.findings},
                             {"points", count(outcome.points)},
                             {"planned", count(outcome.planned)},
                             {"figures", FiguresJson(outcome.figures)},
@@ -97,12 +98,15 @@ std::string JUnitXml(const std::vector<BatchJob>& jobs, const std::vector<JobOut
     const JobOutcome& outcome = outcomes[i];
     xml += fmt::format("  <testcase classname=\"millpose.plan\" name=\"{}\" time=\"{:.3f}\"",
                        Escaped(jobs[i].name), outcome.wall_s);
-    if (outcome.status == 0)
+    if (outcome.status == 0) {
       xml += "/>\n";
-    else
-      xml += fmt::format("><{0} message=\"{1}\">{2}</{0}></testcase>\n",
-                         outcome.status == 1 ? "failure" : "error", Escaped(FirstLine(outcome.cause)),
-                         Escaped(outcome.cause));
+      continue;
+    }
+    std::string message = FirstLine(outcome.cause), text = outcome.cause;
+    if (!outcome.findings.empty()) message += ": " + outcome.findings.front();
+    for (const std::string& finding : outcome.findings) text += '\n' + finding;
+    xml += fmt::format("><{0} message=\"{1}\">{2}</{0}></testcase>\n",
+                       outcome.status == 1 ? "failure" : "error", Escaped(message), Escaped(text));
   }
   return xml + "</testsuite>\n";
 }

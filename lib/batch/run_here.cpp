@@ -226,8 +226,12 @@ std::vector<JobOutcome> RunHere(const std::vector<BatchJob>& jobs, const fs::pat
     }
   };
   {
-    std::vector<std::jthread> workers;
-    for (int i = 0; i < parallel; ++i) workers.emplace_back(work);
+    std::vector<std::jthread> others;
+    try {
+      for (int i = 1; i < parallel; ++i) others.emplace_back(work);
+    } catch (const std::system_error&) {  // no more threads to be had: those that there are do it
+    }
+    work();
   }
   if (stop.stop_requested()) throw Interrupted();
   progress.End(fmt::format("{} jobs", jobs.size()));

@@ -7,17 +7,25 @@ namespace millpose {
 namespace config {
 namespace {
 
-// Any value, kept as a line of YAML; the job's own fields judge it.
-Codec<std::string> AnyValue() {
-  Codec<std::string> codec;
+/// A value as a line of YAML, and where it stands.
+struct Change {
+  std::string value;
+  Place place;
+};
+
+// Any value; the job's own fields judge it.
+Codec<Change> AnyValue() {
+  Codec<Change> codec;
   codec.type = "value of that key";
   codec.schema = Value::Map();
-  codec.read = [](const Value& value, const Context&, std::string& result) { result = WriteYamlLine(value); };
-  codec.write = [](const std::string& text) { return Value::Plain(text); };
+  codec.read = [](const Value& value, const Context& context, Change& result) {
+    result = {WriteYamlLine(value), {context.file, value.mark.line, value.mark.column}};
+  };
+  codec.write = [](const Change& change) { return Value::Plain(change.value); };
   return codec;
 }
 
-using Changes = std::map<std::string, std::string>;
+using Changes = std::map<std::string, Change>;
 
 Codec<BatchEntry> EntryFields() {
   using S = BatchEntry;
@@ -32,13 +40,14 @@ Codec<BatchEntry> EntryFields() {
           "set",
           [](const S& s) {
             Changes changes;
-            for (const Override& change : s.overrides) changes[change.path] = change.value;
+            for (const Override& change : s.overrides) changes[change.path] = {change.value, change.place};
             return changes;
           },
           [](S& s, const Changes& changes) {
-            for (const auto& [path, value] : changes) s.overrides.push_back({path, value});
+            for (const auto& [path, change] : changes)
+              s.overrides.push_back({path, change.value, change.place});
           },
-          MapOf<std::string>({}, AnyValue()), "Keys of the job with dots, with the values to use instead."),
+          MapOf<Change>({}, AnyValue()), "Keys of the job with dots, with the values to use instead."),
   });
 }
 

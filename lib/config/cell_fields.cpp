@@ -125,7 +125,12 @@ Codec<CellSettings> CheckedFields() {
           "unchecked_links", MILLPOSE_AT(unchecked_links),
           ListOf(ChoiceOf<int>({kLinkWords.begin(), kLinkWords.end() - 1})),
           "Links that have no body on purpose, so that nothing sees them touch: a warning in every output.")
-          .Required(),
+          .RequiredUnless("far_bodies")
+          .WhenSet([](const S& s) { return !s.unchecked_links.empty(); }),
+      Key<S>("far_bodies", MILLPOSE_AT(far_bodies), ListOf(Text()),
+             "Bodies that lie farther from the link that they hang on than the arm is long, on purpose: else "
+             "an error, since it is mostly a slip in a unit.")
+          .WhenSet([](const S& s) { return !s.far_bodies.empty(); }),
   });
 }
 
@@ -161,7 +166,7 @@ const Codec<CellSettings>& CellFields() {
               "auto_excluded_pairs", MILLPOSE_AT(auto_excluded_pairs), Flag(),
               "Adds to them the bodies on links at most two joints apart that touch in each of 200 poses."),
           Key<S>("interference", kSelf, CheckedFields(), "What interference is not checked for.")
-              .WhenSet([](const S& s) { return !s.unchecked_links.empty(); }),
+              .WhenSet([](const S& s) { return !s.unchecked_links.empty() || !s.far_bodies.empty(); }),
           Key<S>("clearance_mm", kSelf,
                  Section<S>({
                      Key<S>("free", MILLPOSE_AT(clearance_free), Real(kMm, UpTo(1000)),

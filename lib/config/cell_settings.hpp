@@ -135,6 +135,7 @@ struct BodySettings {
   std::string axis;  ///< whose carriage it is on, where that is its mount
   ShapeSettings shape;
   PoseSettings pose;
+  bool from_urdf = false;  ///< not of the cell file
 };
 
 struct MassSettings {
@@ -160,6 +161,7 @@ struct ExternalAxisSettings : ExternalAxis {
 
 struct CellSettings {
   std::string file;  ///< as given, for messages
+  std::string text;  ///< of the file, for the places of later errors
   std::string name;
   ArmSettings arm;
   PoseSettings base_in_world;  ///< of B; as long as no URDF is resolved, what the file says
@@ -171,10 +173,11 @@ struct CellSettings {
   std::optional<Vector6> change_at;  ///< where the arm stands while the tool is changed, rad; else home
   std::vector<BodySettings> bodies;
   std::vector<std::pair<std::string, std::string>> excluded_pairs;
-  bool auto_excluded_pairs = false;   ///< neighbours that touch in every sampled pose are added to them
-  std::vector<std::string> warnings;  ///< of reading the cell's URDF; not written
-  int bodies_line = 0;                ///< of the key, for later errors
-  std::vector<int> unchecked_links;   ///< 0 (base) to 5: without a body on purpose
+  bool auto_excluded_pairs = false;     ///< neighbours that touch in every sampled pose are added to them
+  std::vector<std::string> warnings;    ///< of reading the cell's URDF; not written
+  int bodies_line = 0;                  ///< of the key, for later errors
+  std::vector<int> unchecked_links;     ///< 0 (base) to 5: without a body on purpose
+  std::vector<std::string> far_bodies;  ///< farther from their link than the arm is long, on purpose
   double clearance_free = 10, clearance_cutting = 2;  ///< mm
   StiffnessOrigin stiffness_at = StiffnessOrigin::kToolTip;
   double characteristic_length = 1000;          ///< mm

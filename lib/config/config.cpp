@@ -77,6 +77,11 @@ std::vector<std::string> NamesOf(const config::Value& root, const std::string& n
   if (!root.Find("operations")) return {};
   std::vector<Problem> problems;
   std::vector<std::string> names = config::OperationNames(root, {name, problems, ""});
+  // As given: its operations' names are made from it.
+  if (const config::Value* own = root.Find("name")) {
+    std::string ignored;
+    config::FileName().read(*own, config::Context{name, problems, ""}.Child("name"), ignored);
+  }
   if (!problems.empty()) ThrowInOrder(std::move(problems));
   return names;
 }

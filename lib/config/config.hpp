@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/error.hpp"
 #include "config/cell_settings.hpp"
 #include "config/job_settings.hpp"
 
@@ -13,6 +14,7 @@ namespace millpose {
 /// A setting given in place of the file's: key path with dots, value as YAML ("toolpath.stepover_mm", "4").
 struct Override {
   std::string path, value;
+  Place place = {};  ///< of a manifest's
 };
 /// Splits "toolpath.stepover_mm=4"; throws InputError without an equals sign or a key.
 Override ParseOverride(const std::string& text);

@@ -167,7 +167,9 @@ const Codec<JobSettings>& JobFields() {
   static const Codec<S> fields = [] {
     std::vector<Field<S>> all = kOwn;
     all.push_back(OperationsField(kOwn));
-    return Section<S>(std::move(all), Check);
+    Codec<S> job = Section<S>(std::move(all), Check);
+    LeaveToOperations(job.schema);
+    return job;
   }();
   return fields;
 }

@@ -119,6 +119,24 @@ Field<JobSettings> OperationsField(const std::vector<Field<JobSettings>>& fields
   return field;
 }
 
+void LeaveToOperations(Value& schema) {
+  Value sections = Value::Map();
+  Value& properties = *schema.Find("properties");
+  for (const std::string& name : kSections) {
+    Value* section = properties.Find(name);
+    const Value::Key* key = section && !IsWhole(name) ? section->FindKey("required") : nullptr;
+    if (!key) continue;
+    Value required = Value::Map();
+    required.Put("required", *section->Find("required"));
+    sections.Put(name, std::move(required));
+    const auto at = key - section->keys.data();
+    section->keys.erase(section->keys.begin() + at);
+    section->items.erase(section->items.begin() + at);
+  }
+  // The other choice beside `operations`: all is the job's own.
+  schema.Find("allOf")->items.front().Find("anyOf")->items.back().Put("properties", std::move(sections));
+}
+
 std::vector<std::string> OperationNames(const Value& root, const Context& context) {
   const Value& list = *root.Find("operations");
   const Context at_list = context.Child("operations");

@@ -12,6 +12,10 @@ namespace millpose::config {
 /// by OperationNames() and OperationRoot(), before a job's fields are.
 Field<JobSettings> OperationsField(const std::vector<Field<JobSettings>>& fields);
 
+/// What is required of a section that operations have key by key moves in the schema of a job to those
+/// without `operations`.
+void LeaveToOperations(Value& schema);
+
 /// The names of the operations in their order; problems join `context`'s.
 std::vector<std::string> OperationNames(const Value& root, const Context& context);
 

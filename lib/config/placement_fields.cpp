@@ -16,19 +16,11 @@ Codec<std::optional<PlaceRange>> RangeFields(const Unit& unit, const Range& rang
                           CheckRange));
 }
 
-void CheckKeepOut(const Value& value, const Context& context, KeepOutSettings& body) {
-  if (body.shape.kind == ShapeKind::kMesh)
-    context.Child("shape").Add(value.mark,
-                               "given mesh; allowed here: box, sphere, cylinder, capsule, cone, "
-                               "convex");
-}
-
 Codec<KeepOutSettings> KeepOutFields() {
   using S = KeepOutSettings;
   return Section<S>({Key<S>("name", MILLPOSE_AT(name), Text(), "For messages.").Required(),
                      Key<S>("shape", MILLPOSE_AT(shape), ShapeFields(), "What it looks like.").Required(),
-                     Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "In the world.").Required()},
-                    CheckKeepOut);
+                     Key<S>("pose", MILLPOSE_AT(pose), PoseFields(), "In the world.").Required()});
 }
 
 Codec<StationSettings> StationFields() {

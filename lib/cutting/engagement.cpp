@@ -36,11 +36,10 @@ class Cutting {
       cut.arcs = EngagedArcs(cut.slices, cut.stance, Stated(point, cut.stance));
       return cut;
     }
-    const std::vector<SweptPath::Near> before = swept_.Before(number, point.position, point.normal);
+    const SweptPath::Near before = swept_.Before(number, point.position, point.normal);
     const InMaterial stands = [&](const Vector3d& place) {
       // In this order: what was milled before costs less to ask than the stock.
-      return !swept_.Removed(before, (place - point.position).dot(point.normal), place) &&
-             options_.stock(place);
+      return !swept_.Removed(before, place) && options_.stock(place);
     };
     cut.slices = Slices(point, HeightAt(point, cut.stance, stands));
     cut.arcs = EngagedArcs(cut.slices, cut.stance, stands);

@@ -25,11 +25,10 @@ std::vector<char> MeetsMaterial(const EngagementOptions& options, const Toolpath
   std::vector<char> meets;
   for (const size_t number : entries) {
     const MillingPoint& point = *points.at(number);
-    std::vector<SweptPath::Near> before;  // without what the cutter clears by standing at the point itself
+    SweptPath::Near before;  // without what the cutter clears by standing at the point itself
     if (number > 0) before = swept.Before(number - 1, point.position, point.normal);
     const auto stands = [&](const Vector3d& place) {
-      return options.stock(place) &&
-             !swept.Removed(before, (place - point.position).dot(point.normal), place);
+      return options.stock(place) && !swept.Removed(before, place);
     };
     const Vector3d middle = point.position + kAbove * point.tool_axis;
     const Vector3d across = point.tool_axis.unitOrthogonal(), beside = point.tool_axis.cross(across);

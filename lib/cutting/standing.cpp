@@ -49,32 +49,66 @@ SweptPath::SweptPath(const CutterShape& cutter, const Toolpath& toolpath) : cutt
     if (pass.closed && !(points.front().gouge > 0) && !(points.back().gouge > 0))
       Add(points.back(), points.front(), number);
   }
-  std::vector<Eigen::AlignedBox3d> boxes;
-  for (const Motion& motion : motions_) {
-    Eigen::AlignedBox3d& box = boxes.emplace_back(motion.from);
-    box.extend(motion.to);
-  }
-  tree_ = Bvh(boxes);
+  if (motions_.empty()) return;
+  stretches_.reserve(2 * motions_.size());
+  stretches_.emplace_back();
+  Build(0, 0, static_cast<int>(motions_.size()));
 }
 
 void SweptPath::Add(const MillingPoint& from, const MillingPoint& to, size_t number) {
   motions_.push_back({from.position, to.position, to.tool_axis, number});
 }
 
-std::vector<SweptPath::Near> SweptPath::Before(size_t number, const Eigen::Vector3d& place,
-                                               const Eigen::Vector3d& normal) const {
-  const double reach = 2 * cutter_.radius;
-  const Eigen::AlignedBox3d box(place.array() - reach, place.array() + reach);
-  std::vector<Near> near;
-  tree_.ForEachIn(box, [&](int i) {
+void SweptPath::Build(int stretch, int first, int count) {
+  Stretch made;
+  made.first = first;
+  made.count = count;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int i = first; i < first + count; ++i) {
     const Motion& motion = motions_[static_cast<size_t>(i)];
-    if (motion.number > number) return;
-    const double at_start = (motion.from - place).dot(normal), at_end = (motion.to - place).dot(normal);
-    near.push_back({i, std::min(at_start, at_end)});
-  });
-  std::sort(near.begin(), near.end(), [](const Near& a, const Near& b) {
-    return a.height != b.height ? a.height < b.height : a.motion < b.motion;
-  });
+    made.box.extend(motion.from);
+    made.box.extend(motion.to);
+    sum += motion.axis;
+  }
+  made.axis = sum.norm() > 0 ? Eigen::Vector3d(sum.normalized()) : motions_[static_cast<size_t>(first)].axis;
+  for (int i = first; i < first + count; ++i)
+    made.lean = std::max(made.lean, (motions_[static_cast<size_t>(i)].axis - made.axis).norm());
+  made.reach = made.box.diagonal().norm() / 2;
+  if (count > 1) {
+    made.half = static_cast<int>(stretches_.size());
+    stretches_.emplace_back();
+    stretches_.emplace_back();
+  }
+  stretches_[static_cast<size_t>(stretch)] = made;
+  if (count == 1) return;
+  Build(made.half, first, count / 2);
+  Build(made.half + 1, first + count / 2, count - count / 2);
+}
+
+Eigen::AlignedBox3d SweptPath::BoxAbout(const Eigen::Vector3d& place) const {
+  const double reach = 2 * cutter_.radius;
+  return {place.array() - reach, place.array() + reach};
+}
+
+SweptPath::Near SweptPath::Before(size_t number, const Eigen::Vector3d& place,
+                                  const Eigen::Vector3d& normal) const {
+  Near near{number, place, normal, {}};
+  const Eigen::AlignedBox3d about = BoxAbout(place);
+  // Short enough that most of what is asked about a stretch is answered for all of it.
+  const double is_short = cutter_.radius / 4;
+  std::vector<int> open;
+  if (!stretches_.empty()) open.push_back(0);
+  while (!open.empty()) {
+    const int index = open.back();
+    open.pop_back();
+    const Stretch& stretch = stretches_[static_cast<size_t>(index)];
+    if (motions_[static_cast<size_t>(stretch.first)].number > number || !stretch.box.intersects(about))
+      continue;
+    if (stretch.half == 0 || stretch.reach < is_short)
+      near.stretches.push_back(index);
+    else
+      open.insert(open.end(), {stretch.half, stretch.half + 1});
+  }
   return near;
 }
 
@@ -91,12 +125,31 @@ bool SweptPath::Takes(const Motion& motion, const Eigen::Vector3d& place) const 
   return radius > 0 && from_tip.squaredNorm() - up * up < radius * radius;
 }
 
-bool SweptPath::Removed(const std::vector<Near>& swept, double height, const Eigen::Vector3d& place) const {
-  for (const Near& near : swept) {
-    if (near.height > height + drop_) return false;
-    if (Takes(motions_[static_cast<size_t>(near.motion)], place)) return true;
-  }
-  return false;
+// False where none of its motions can: all of them run too far beside the place, or too high above it.
+bool SweptPath::MayTake(const Stretch& stretch, const Near& near, const Eigen::Vector3d& place) const {
+  const Eigen::Vector3d middle = stretch.box.center(), away = place - middle;
+  if (motions_[static_cast<size_t>(stretch.first)].number > near.number) return false;
+  if ((middle - place).dot(near.normal) - stretch.reach > drop_) return false;
+  const double distance = away.norm(), along = away.dot(stretch.axis);
+  const double beside = std::sqrt(std::max(0.0, distance * distance - along * along));
+  return beside - stretch.reach - (distance + stretch.reach) * stretch.lean < cutter_.radius;
+}
+
+bool SweptPath::Removed(int index, const Near& near, const Eigen::Vector3d& place) const {
+  const Stretch& stretch = stretches_[static_cast<size_t>(index)];
+  if (stretch.half > 0)
+    return MayTake(stretch, near, place) &&
+           (Removed(stretch.half + 1, near, place) || Removed(stretch.half, near, place));
+  const Motion& motion = motions_[static_cast<size_t>(stretch.first)];
+  if (motion.number > near.number || !stretch.box.intersects(BoxAbout(near.place))) return false;
+  const double height = (place - near.place).dot(near.normal);
+  const double at_start = (motion.from - near.place).dot(near.normal);
+  const double at_end = (motion.to - near.place).dot(near.normal);
+  return std::min(at_start, at_end) <= height + drop_ && Takes(motion, place);
+}
+
+bool SweptPath::Removed(const Near& near, const Eigen::Vector3d& place) const {
+  return std::ranges::any_of(near.stretches, [&](int stretch) { return Removed(stretch, near, place); });
 }
 
 }  // namespace millpose

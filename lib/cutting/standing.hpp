@@ -3,7 +3,7 @@
 #pragma once
 
 #include "cutting/edge_cut.hpp"
-#include "surface/bvh.hpp"
+#include "surface/mesh.hpp"
 #include "toolpath/milling_point.hpp"
 #include "toolpath/region.hpp"
 
@@ -31,28 +31,42 @@ class SweptPath {
  public:
   SweptPath(const CutterShape& cutter, const Toolpath& toolpath);
 
-  /// A stretch of the path near a place, and how high it runs above it along the place's normal.
+  /// What has been swept near a place when the cutter comes to a point.
   struct Near {
-    int motion;
-    double height;
+    size_t number = 0;              ///< of the point
+    Eigen::Vector3d place, normal;  ///< its own
+    std::vector<int> stretches;     ///< of the path, the last first
   };
-  /// What has been swept near `place` when the cutter comes to point `number`, from low to high.
-  std::vector<Near> Before(size_t number, const Eigen::Vector3d& place, const Eigen::Vector3d& normal) const;
-  /// Whether one of them has taken `place`, `height` above the one they were asked for, off.
-  bool Removed(const std::vector<Near>& swept, double height, const Eigen::Vector3d& place) const;
+  Near Before(size_t number, const Eigen::Vector3d& place, const Eigen::Vector3d& normal) const;
+  /// Whether any of it has taken `place` off, which is no farther from the point than the cutter's radius.
+  bool Removed(const Near& near, const Eigen::Vector3d& place) const;
 
  private:
   struct Motion {
     Eigen::Vector3d from, to, axis;
     size_t number;  ///< of the first point at which it is done
   };
+  /// Motions one after the other; the halves of a stretch are `half` and `half + 1`. Along a path points may
+  /// stand as close as they like: what is asked costs by its length.
+  struct Stretch {
+    Eigen::AlignedBox3d box;  ///< of the tips
+    Eigen::Vector3d axis;     ///< of the cutter in the mean
+    double reach = 0;         ///< of the box about its middle, mm
+    double lean = 0;          ///< of the axes about the mean: largest length of the difference
+    int first = 0, count = 0;
+    int half = 0;  ///< 0: a single motion
+  };
   void Add(const MillingPoint& from, const MillingPoint& to, size_t number);
+  void Build(int stretch, int first, int count);
   bool Takes(const Motion& motion, const Eigen::Vector3d& place) const;
+  bool MayTake(const Stretch& stretch, const Near& near, const Eigen::Vector3d& place) const;
+  bool Removed(int stretch, const Near& near, const Eigen::Vector3d& place) const;
+  Eigen::AlignedBox3d BoxAbout(const Eigen::Vector3d& place) const;
 
   CutterShape cutter_;
   double drop_ = 0;  ///< mm: no place of the cutter lies lower than this below its tip, seen from near it
   std::vector<Motion> motions_;
-  Bvh tree_;
+  std::vector<Stretch> stretches_;
 };
 
 }  // namespace millpose

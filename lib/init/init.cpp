@@ -18,6 +18,7 @@
 #include "init/place_part.hpp"
 #include "job/arrival.hpp"
 #include "job/assemble.hpp"
+#include "job/plausible.hpp"
 #include "job/step_meshes.hpp"
 #include "output/remove_folder.hpp"
 #include "pipeline/run.hpp"
@@ -201,6 +202,7 @@ class Init {
     const Cell made = MakeCell(cell, body_bytes);
     arguments_.say(fmt::format("arm                 {}, reach {:.4g} mm\n", cell.arm.name, Reach(made)) +
                    ToText(DescribeArrival(cell, made)));
+    RefuseDoubts(cell, made);
     draft_.reach = Reach(made);
     cell_ = std::move(cell);
     work_->WriteJob(JobText(job_, cell_));
@@ -228,6 +230,13 @@ class Init {
             "a smaller part, another arm, or a job written by hand that mills it from several "
             "places (docs/placement.md)",
             size / 1000, draft_.reach / 1000, unit ? fmt::format(" ({}: --unit?)", *unit) : ""));
+  }
+
+  /// No plan in such a cell would be without findings.
+  static void RefuseDoubts(const CellSettings& cell, const Cell& made) {
+    std::vector<Problem> problems;
+    for (const std::string& doubt : TellDoubts(DoubtsOf({cell, made}), cell)) problems.push_back({{}, doubt});
+    if (!problems.empty()) throw InputError(std::move(problems));
   }
 
   /// Puts the cutter's shape into the cell: curved faces of rough facets want a ball.

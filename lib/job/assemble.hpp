@@ -43,8 +43,8 @@ Pose MakeToolPose(const ToolSettings& settings);
 /// The cell without a workpiece. `body_bytes` holds the mesh files that bodies name.
 Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::string>& body_bytes);
 
-/// A body that stands in the cell where the part must not be.
-Body MakeKeepOut(const KeepOutSettings& settings);
+/// A body that stands in the cell where the part must not be; `mesh_bytes`: JobInputs::keep_out_bytes.
+Body MakeKeepOut(const KeepOutSettings& settings, const std::map<std::string, std::string>& mesh_bytes);
 
 /// The cell with the stacks of all its tools in the spindle at once: what is free with it is free with any.
 Cell WithAllTools(Cell cell, const CellSettings& settings);

@@ -26,6 +26,8 @@ struct JobInputs {
   std::map<std::string, std::string>
       body_bytes;  ///< of the mesh files that the cell's bodies name, by that name
   std::map<std::string, std::string>
+      keep_out_bytes{};  ///< likewise of placement.keep_out; no plan needs them
+  std::map<std::string, std::string>
       step_meshes{};  ///< STEP files that became triangles: hash of these by their key (step_meshes.hpp)
   std::string hash;   ///< of all of it, resolved
   double max_points = 2e6;                ///< that the tool path may have

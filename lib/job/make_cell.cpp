@@ -133,11 +133,11 @@ Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::str
   return cell;
 }
 
-Body MakeKeepOut(const KeepOutSettings& settings) {
+Body MakeKeepOut(const KeepOutSettings& settings, const std::map<std::string, std::string>& mesh_bytes) {
   Body body;
   body.name = settings.name;
   body.X_MG = MakePose(settings.pose);
-  body.shape = MakeShape(settings.shape, {});
+  body.shape = MakeShape(settings.shape, mesh_bytes);
   return body;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "ladder/table_layer.hpp"
 #include "path/lean_courses.hpp"
@@ -17,8 +18,26 @@ bool IsBeyond(double objective, const CandidateTable* table) {
                                [&](const auto& entry) { return objective < entry.objective; });
 }
 
+/// What the nodes of all points take at most, bytes.
+double BytesOfNodes(const PassContext& context, bool all_revolutions) {
+  // Of a node in Layer, CandidateGraph and the rows of a search.
+  constexpr double kNode = 120;
+  const AdmissibleBounds& bounds = context.problem.bounds;
+  double nodes = 0;
+  for (const auto& table : context.tables) {
+    if (!table) continue;
+    if (!all_revolutions)
+      nodes += static_cast<double>(table->entries().size());
+    else
+      for (const CandidateTable::Entry& entry : table->entries())
+        nodes += CountRevolutions(entry.q, bounds.lower, bounds.upper);
+  }
+  return kNode * nodes;
+}
+
 /// The admissible candidates of every point.
 std::vector<Layer> MakeLayers(const PassContext& context, bool all_revolutions) {
+  CheckMemory(context, BytesOfNodes(context, all_revolutions));
   std::vector<Layer> layers(context.scorers.size());
   const std::vector<size_t> leans = ChooseLeans(context);
   const bool leaning = HasLean(context.problem);
@@ -48,6 +67,18 @@ std::vector<Layer> MakeLayers(const PassContext& context, bool all_revolutions) 
 }
 
 }  // namespace
+
+void CheckMemory(const PassContext& context, double bytes) {
+  if (bytes <= context.memory) return;
+  throw InputError(
+      {},
+      fmt::format("path.rotation_step_deg: given {:.6g}; the candidates of a pass of {} points would take "
+                  "more than {:.4g} MB; allowed: half of the machine's memory, shared by the passes that "
+                  "are planned at once: {:.4g} MB; give a larger step, shorter passes, narrower "
+                  "limits.joints_deg or fewer --threads",
+                  RadToDeg(context.options.rotation_step), context.points.size(), std::floor(bytes / 1e6),
+                  std::floor(context.memory / 1e6)));
+}
 
 StepRule MakeRule(const PassContext& context, bool all_revolutions) {
   StepRule rule;

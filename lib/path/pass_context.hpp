@@ -15,6 +15,7 @@ struct PassContext {
   bool closed;
   int threads;
   std::stop_token stop;
+  double memory;                          ///< bytes that its candidates may take
   std::vector<PointScorer> scorers = {};  ///< one per point, as the following
   /// On the grid of the ladder search; null where nothing is to be milled.
   std::vector<std::shared_ptr<const CandidateTable>> tables = {};
@@ -37,12 +38,15 @@ std::vector<MillingPoint> StepPointsOf(const PassContext& context, size_t first,
 /// acts), or times 1 where there is none.
 double MotionWeight(double share, std::span<const PointOptimum> optima);
 
+/// Throws InputError where `bytes` of candidates are more than they may take.
+void CheckMemory(const PassContext& context, double bytes);
+
 /// What a step between neighbouring points costs; how large it may be is the graph's.
 StepRule MakeRule(const PassContext& context, bool all_revolutions);
 
 PassChecks MakeChecks(const PassContext& context);
 
-/// The admissible candidates of every point; of the context's verdicts.
+/// The admissible candidates of every point; of the context's verdicts. Throws InputError as CheckMemory().
 std::shared_ptr<CandidateGraph> MakeGraph(const PassContext& context, bool all_revolutions);
 
 /// The ladder search over such a graph; keeps no memory.

@@ -240,8 +240,8 @@ PassResult PlanPass(const RidingPass& riding, const PassToPlan& wanted, const Pa
   const auto& [pass, number, first_point] = wanted;
   assert(!pass.closed && riding.external.size() == pass.points.size());
   const Stations& stations = riding.stations;
-  PassContext given{stations.problem(),  stations.world(), options, {}, false,
-                    execution.Threads(), execution.stop};
+  PassContext given{stations.problem(),  stations.world(), options,           {}, false,
+                    execution.Threads(), execution.stop,   execution.Memory()};
   given.along = std::make_shared<const std::vector<PlaceAlong>>(MakePlacesAlong(stations, riding.external));
   PassResult result =
       Assemble(pass, number, PlanSplit(pass, Begin(std::move(given), pass, first_point), first_point));
@@ -252,8 +252,9 @@ PassResult PlanPass(const RidingPass& riding, const PassToPlan& wanted, const Pa
 PassResult PlanPass(const PoseProblem& problem, const World& world, const PassToPlan& wanted,
                     const PathOptions& options, const Execution& execution) {
   const auto& [pass, number, first_point] = wanted;
-  auto own = Begin({problem, world, options, {}, pass.closed, execution.Threads(), execution.stop}, pass,
-                   first_point);
+  auto own = Begin(
+      {problem, world, options, {}, pass.closed, execution.Threads(), execution.stop, execution.Memory()},
+      pass, first_point);
   const PassContext& context = *own->context;
   if (!IsOpenedRing(pass)) return Assemble(pass, number, PlanSplit(pass, std::move(own), first_point));
   const FoundLifts start =

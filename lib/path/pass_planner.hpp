@@ -54,7 +54,8 @@ struct PassToPlan {
 /// Plans one pass: own optima by both searches, ladder search with hard joint steps, lazy pruning of
 /// interfering nodes, refinement, splits, smoothing. Where it has to be split between two points, its parts
 /// overlap: the result then holds points more than once (WithOverlaps). Depends on nothing but its arguments;
-/// the same result for any thread count. `execution` bounds its own parallelism.
+/// the same result for any thread count. `execution` bounds its own parallelism and the memory of its
+/// candidates; throws InputError where they need more.
 PassResult PlanPass(const PoseProblem& problem, const World& world, const PassToPlan& pass,
                     const PathOptions& options, const Execution& execution);
 

@@ -11,6 +11,9 @@ namespace millpose {
 namespace {
 
 constexpr double kTurn = 2 * kPi;
+// Of full revolutions of all joints of a piece: ordinary arms have 8, with ±360° on every axis 64. Each costs
+// memory, and time by their square.
+constexpr double kMostCombinations = 256;
 
 /// A piece as the search over turns sees it: the course of its joints, made continuous.
 struct Course {
@@ -62,10 +65,39 @@ struct State {
   size_t before = 0;
 };
 
-std::vector<State> StatesOf(const Course& course, const TurnOptions& options) {
+/// The full revolutions of each joint to choose from. Of more than kMostCombinations those farthest from home
+/// are left out, where there are most; `narrowed` tells.
+std::array<std::pair<int, int>, 6> TurnRanges(const Course& course, const TurnOptions& options,
+                                              bool& narrowed) {
+  std::array<std::pair<int, int>, 6> ranges;
+  for (int j = 0; j < 6; ++j)
+    ranges[static_cast<size_t>(j)] = TurnRange(course, j, options.lower[j], options.upper[j]);
+  const auto width = [](const std::pair<int, int>& range) { return range.second - range.first + 1; };
+  const auto combinations = [&] {
+    double product = 1;
+    for (const auto& range : ranges) product *= width(range);
+    return product;
+  };
+  narrowed = combinations() > kMostCombinations;
+  while (combinations() > kMostCombinations) {
+    const auto widest = std::ranges::max_element(ranges, {}, width);
+    const auto j = static_cast<Eigen::Index>(widest - ranges.begin());
+    const auto from_home = [&](int turns) {
+      return std::abs(course.joints.front()[j] + kTurn * turns - options.home[j]);
+    };
+    if (from_home(widest->first) > from_home(widest->second))
+      ++widest->first;
+    else
+      --widest->second;
+  }
+  return ranges;
+}
+
+std::vector<State> StatesOf(const Course& course, const TurnOptions& options, bool& narrowed) {
   std::vector<State> states(1);
+  const auto ranges = TurnRanges(course, options, narrowed);
   for (int j = 0; j < 6; ++j) {
-    const auto [first, last] = TurnRange(course, j, options.lower[j], options.upper[j]);
+    const auto [first, last] = ranges[static_cast<size_t>(j)];
     std::vector<State> more;
     for (const State& state : states) {
       for (int k = first; k <= last; ++k) {
@@ -92,11 +124,14 @@ std::vector<State> StatesOf(const Course& course, const TurnOptions& options) {
 
 double Turning(const Joints& from, const Joints& to) { return (to - from).cwiseAbs().sum(); }
 
-/// One state per course: a dynamic program over the courses in their order. Of equals the first.
-std::vector<State> Choose(const std::vector<Course>& courses, const TurnOptions& options) {
+/// One state per course: a dynamic program over the courses in their order. Of equals the first. `narrowed`:
+/// courses of which not all combinations were looked at.
+std::vector<State> Choose(const std::vector<Course>& courses, const TurnOptions& options, size_t& narrowed) {
   std::vector<std::vector<State>> stages;
   for (const Course& course : courses) {
-    std::vector<State> states = StatesOf(course, options);
+    bool left_out = false;
+    std::vector<State> states = StatesOf(course, options, left_out);
+    narrowed += left_out ? 1 : 0;
     for (State& state : states) {
       state.cost = Turning(options.home, state.start);
       if (!stages.empty()) {
@@ -153,9 +188,10 @@ void Reverse(PassResult& pass, const std::vector<Joints>& joints) {
 
 }  // namespace
 
-void ChooseRevolutions(std::vector<PassResult>& passes, const TurnOptions& options) {
+size_t ChooseRevolutions(std::vector<PassResult>& passes, const TurnOptions& options) {
   std::vector<Course> courses = Courses(passes, options.free_directions);
-  const std::vector<State> chosen = Choose(courses, options);
+  size_t narrowed = 0;
+  const std::vector<State> chosen = Choose(courses, options, narrowed);
   for (size_t i = 0; i < courses.size(); ++i) {
     Course& course = courses[i];
     for (Joints& q : course.joints) q += chosen[i].shift;
@@ -167,6 +203,7 @@ void ChooseRevolutions(std::vector<PassResult>& passes, const TurnOptions& optio
       course.pass->points[k].q = course.joints[static_cast<size_t>(k - course.piece->first)];
     }
   }
+  return narrowed;
 }
 
 }  // namespace millpose

@@ -16,7 +16,9 @@ struct TurnOptions {
 /// combination with the least turning of all joints in the gaps, Σ |start of a piece − end of the piece
 /// before|, home first and last, where a reversed pass counts kReversal more. Shifts the joint angles
 /// accordingly; reversed passes hold their points in the order in which they are run.
-void ChooseRevolutions(std::vector<PassResult>& passes, const TurnOptions& options);
+/// Returns the number of pieces whose limits admit so many combinations that only those nearest home were
+/// looked at.
+size_t ChooseRevolutions(std::vector<PassResult>& passes, const TurnOptions& options);
 
 /// What reversing a pass must save, rad of turning.
 inline constexpr double kReversal = 0.17453292519943295;  // 10°

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "path/split_planner.hpp"
 
+#include <atomic>
+
 #include "base/cpu_time.hpp"
 #include "base/parallel.hpp"
 #include "path/lean_courses.hpp"
@@ -244,8 +246,8 @@ class SplitPlanner {
     if (opened_ && splits.back().overlap.by != OverlapChoice::By::kNone)
       AddRingLeads(ends_, from.options.lead_spacing, static_cast<int>(splits.size()) - 1, made->points);
     for (const SplitPoint& point : made->points) made->milling.push_back(point.point);
-    made->context = std::make_unique<PassContext>(
-        PassContext{from.problem, from.world, from.options, made->milling, false, from.threads, from.stop});
+    made->context = std::make_unique<PassContext>(PassContext{
+        from.problem, from.world, from.options, made->milling, false, from.threads, from.stop, from.memory});
     PassContext& context = *made->context;
     context.motion_weight = from.motion_weight;
     if (from.along) {
@@ -292,6 +294,7 @@ SplitPass PlanSplit(const Pass& pass, std::shared_ptr<const SplitPoints> own, si
 void FindOptima(std::span<const size_t> points, uint64_t stream, PassContext& context) {
   const PathOptions& options = context.options;
   if (options.paper) context.paper.resize(context.scorers.size());
+  std::atomic<size_t> entries = 0;
   ParallelFor(points.size(), context.threads, context.stop, [&](size_t i) {
     const CpuTimer timer(CpuPart::kOptima);
     const size_t t = points[i];
@@ -301,6 +304,8 @@ void FindOptima(std::span<const size_t> points, uint64_t stream, PassContext& co
     const RandomStream own(options.seed, stream + i);
     context.tables[t] =
         std::make_shared<const CandidateTable>(CandidateTable::OfStep(scorer, RotationStep(context)));
+    entries += context.tables[t]->entries().size();
+    CheckMemory(context, static_cast<double>(entries) * sizeof(CandidateTable::Entry));
     context.optima[t] = problem.freedoms.size() == 1 ? RefineTable(scorer, *context.tables[t])
                                                      : DescendTable(scorer, *context.tables[t]);
     // Intervals narrower than the grid.

@@ -7,6 +7,7 @@
 #include "base/units.hpp"
 #include "job/assemble.hpp"
 #include "job/locate.hpp"
+#include "job/plausible.hpp"
 #include "job/step_meshes.hpp"
 #include "pipeline/find_reach.hpp"
 #include "report/check_html.hpp"
@@ -239,6 +240,7 @@ CellCheck CheckCell(const CheckCellArguments& arguments) {
   for (const auto& [controller, post] : settings.controllers) check.controllers.push_back(controller);
   check.arrival = DescribeArrival(settings, cell);
   check.warnings = CellWarnings(settings);
+  std::ranges::move(TellDoubts(DoubtsOf({settings, cell}), settings), std::back_inserter(check.warnings));
   if (const auto found = Checker(World(cell)).At(cell.home, Phase::kFree))
     check.warnings.push_back(HomeWarning(settings.file, *found));
   if (!arguments.view) return check;

@@ -12,6 +12,8 @@ std::string Outcome(const Toolpath& toolpath) {
   return fmt::format("{} points in {} passes", CountPoints(toolpath), toolpath.passes.size());
 }
 
+std::string GougesOf(const LaidPathOfJob& laid) { return fmt::format("{} points", laid.made.gouges.points); }
+
 LaidPathOfJob Lay(const LayingInputs& laying, const Execution& execution) {
   const JobInputs& inputs = laying.inputs;
   LaidPathOfJob laid;
@@ -20,6 +22,9 @@ LaidPathOfJob Lay(const LayingInputs& laying, const Execution& execution) {
   execution.progress.End(Outcome(made.toolpath));
   execution.progress.Begin("gouges", 0);
   CheckJobGouges(inputs, laying.mesh, execution, made);
+  if (!inputs.job.cutting) return laid;
+  execution.progress.End(GougesOf(laid));
+  execution.progress.Begin("engagement", 0);
   laid.heaviest = SetJobEngagement(inputs, laying.mesh, execution, made.toolpath);
   return laid;
 }
@@ -40,8 +45,10 @@ LaidPathOfJob LayPath(const LayingInputs& laying, const CheckpointStore& checkpo
     made = true;
     return Lay(laying, execution);
   });
-  execution.progress.End(made ? fmt::format("{} points", laid.made.gouges.points)
-                              : Outcome(laid.made.toolpath) + ", as laid before");
+  execution.progress.End(!made ? Outcome(laid.made.toolpath) + ", as laid before"
+                         : laying.inputs.job.cutting
+                             ? fmt::format("{} points", CountPoints(laid.made.toolpath))
+                             : GougesOf(laid));
   return laid;
 }
 

@@ -9,6 +9,7 @@
 #include "job/job_engagement.hpp"
 #include "job/lean_freedoms.hpp"
 #include "job/locate.hpp"
+#include "job/plausible.hpp"
 #include "kept/kept_stage.hpp"
 #include "kept/plan_key.hpp"
 #include "path/nominal_plan.hpp"
@@ -89,9 +90,15 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   PlanResult& plan = job.plan;
   RepairEnds(job.prepared, MakePathOptions(inputs.job), MakeGapOptions(inputs.job).leave, checkpoints,
              execution, plan.passes);
-  ChooseRevolutions(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
-                                  FreeDirections(inputs.job) && !inputs.job.toolpath.Leans() &&
-                                      !DependsOnFeed(inputs.job, *problem.objective)});
+  const size_t narrowed =
+      ChooseRevolutions(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
+                                      FreeDirections(inputs.job) && !inputs.job.toolpath.Leans() &&
+                                          !DependsOnFeed(inputs.job, *problem.objective)});
+  if (narrowed > 0)
+    job.prepared.warnings.push_back(fmt::format(
+        "the limits of the axes admit many full revolutions of {} pieces: only those nearest home "
+        "are compared (arm.limits_deg, limits.joints_deg)",
+        narrowed));
   const GapOptions options = MakeGapOptions(inputs.job);
   const auto leave_over_missing = [&] {
     return LeaveIncomplete(job.prepared.toolpath, plan.passes) +
@@ -130,15 +137,18 @@ PreparedJob Prepare(const JobInputs& inputs, const CheckpointStore& checkpoints,
   Progress& progress = execution.progress;
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
   cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
+  TellDoubts(DoubtsOf({inputs.cell, cell, &inputs.job}), inputs);  // here only what is refused
   progress.Begin(SurfaceStage(inputs), 0);
   Part part = ReadPart(inputs, cell);
   const Mesh& mesh = part.import.mesh;
   const Eigen::Vector3d size = part.import.report.upper - part.import.report.lower;
   progress.End(fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} mm", inputs.job.workpiece.mesh_file,
                            part.import.report.triangles, size.x(), size.y(), size.z()));
-  AddWorkpiece(inputs, mesh.triangles(), &cell);
   LayingInputs laying = MakeLayingInputs(inputs, mesh);
   auto [made, heaviest] = LayPath(laying, checkpoints, execution);
+  std::ranges::move(TellDoubts(DoubtsOf({inputs.cell, cell, &inputs.job, size, heaviest}), inputs),
+                    std::back_inserter(made.findings));
+  AddWorkpiece(inputs, mesh.triangles(), &cell);
   for (const std::string& hole : made.holes_left_out) made.findings.push_back("NOT MACHINED: " + hole);
   std::vector<std::string> warnings = std::move(part.warnings);
   std::ranges::copy(made.warnings, std::back_inserter(warnings));

@@ -233,7 +233,7 @@ Cell StandingBodies(const JobInputs& inputs, const Cell& cell) {
     return body.mount == Mount::kTool || (body.mount == Mount::kLink && body.link > 0);
   });
   for (const KeepOutSettings& keep_out : inputs.job.placement->keep_out)
-    standing.bodies.push_back(MakeKeepOut(keep_out));
+    standing.bodies.push_back(MakeKeepOut(keep_out, inputs.keep_out_bytes));
   return standing;
 }
 

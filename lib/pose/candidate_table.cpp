@@ -3,6 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "base/error.hpp"
+#include "base/process.hpp"
 
 namespace millpose {
 namespace {
@@ -26,6 +30,18 @@ std::vector<double> OwnGrid(const Freedom& freedom) {
   if (values.front() > lower + kSame) values.insert(values.begin(), lower);
   if (values.back() < upper - kSame) values.push_back(upper);
   return values;
+}
+
+/// Settings are numbered by 32 bits.
+void CheckSize(const std::vector<std::vector<double>>& values) {
+  double settings = 1;
+  for (const std::vector<double>& of : values) settings *= static_cast<double>(of.size());
+  const double bytes = CandidateTable::BytesOf(settings), most = MachineMemory() / 2;
+  if (bytes > most || settings > std::numeric_limits<uint32_t>::max())
+    throw InputError({}, fmt::format("path.rotation_step_deg and the steps of toolpath's freedoms: one point "
+                                     "would have {:.3g} candidates in {:.3g} MB; allowed: at most {:.3g} MB, "
+                                     "half of the machine's memory; give larger steps",
+                                     8 * settings, bytes / 1e6, most / 1e6));
 }
 
 }  // namespace
@@ -67,6 +83,7 @@ CandidateTable::CandidateTable(const PointScorer& scorer, std::vector<std::vecto
   const size_t dimensions = freedoms.size();
   const size_t intervals = values_[0].size() - (freedoms[0]->Periodic() ? 0 : 1);
   first_step_ = (freedoms[0]->Upper() - freedoms[0]->Lower()) / static_cast<double>(intervals);
+  CheckSize(values_);
   for (const std::vector<double>& of : values_) settings_ *= of.size();
   // Line by line, so that the settings of a block share what the first freedom leaves as it is.
   const size_t length = values_[0].size(), lines = stride();

@@ -19,11 +19,15 @@ class CandidateTable {
   };
 
   /// A grid over every freedom, ends included: of its own step about its nominal value where it has one, else
-  /// of at most `step` (rad or mm, as the freedom).
+  /// of at most `step` (rad or mm, as the freedom). Throws InputError where it would take more than half of
+  /// the machine's memory.
   static CandidateTable OfStep(const PointScorer& scorer, double step);
   /// A grid of at most `settings` settings (and at least two of each freedom), as many of one freedom as of
   /// any other.
   static CandidateTable OfSize(const PointScorer& scorer, int settings);
+
+  /// What a table of every branch of so many settings takes at most, bytes.
+  static double BytesOf(double settings) { return settings * 8 * sizeof(Entry); }
 
   /// Ascending by setting, then by branch.
   const std::vector<Entry>& entries() const { return entries_; }

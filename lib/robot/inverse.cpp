@@ -72,6 +72,16 @@ std::optional<Joints> InverseNear(const Arm& arm, const Pose& X_BF, int branch, 
   return q;
 }
 
+double CountRevolutions(const Joints& q, const Joints& lower, const Joints& upper) {
+  double count = 1;
+  for (int i = 0; i < 6; ++i) {
+    const double first = std::ceil((lower[i] - q[i]) / (2 * kPi)),
+                 last = std::floor((upper[i] - q[i]) / (2 * kPi));
+    count *= std::max(0.0, last - first + 1);
+  }
+  return count;
+}
+
 std::vector<Joints> FullRevolutions(const Joints& q, const Joints& lower, const Joints& upper) {
   std::vector<Joints> all{q};
   for (int i = 0; i < 6; ++i) {

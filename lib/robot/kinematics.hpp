@@ -52,6 +52,8 @@ std::optional<Joints> InverseNear(const Arm& arm, const Pose& X_BF, int branch, 
 
 /// All vectors equal to `q` up to full revolutions of single joints that lie within [lower, upper].
 std::vector<Joints> FullRevolutions(const Joints& q, const Joints& lower, const Joints& upper);
+/// How many these are.
+double CountRevolutions(const Joints& q, const Joints& lower, const Joints& upper);
 
 /// The branch's number, status S: bit 0 = wrist centre behind axis 1 (overhead), bit 1 = A3 ≥ atan2(dz, d4)
 /// (elbow), bit 2 = A5 < 0, each on the arm's inner angles. For a KUKA arm that is the controller's S; arms

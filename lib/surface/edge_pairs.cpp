@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include "base/trig.hpp"
 
@@ -40,15 +41,23 @@ void Join(Side a, Side b, std::vector<Side>& partner) {
 
 // Pairs the sides of components that come with one side either way; the others remain.
 std::vector<Spoke> PairWithThemselves(std::vector<Spoke> spokes, std::vector<Side>& partner) {
+  struct Own {
+    size_t count = 0;
+    const Spoke *first = nullptr, *last = nullptr;
+  };
+  std::unordered_map<int, Own> of_component;
+  for (const Spoke& spoke : spokes) {
+    Own& own = of_component[spoke.component];
+    if (own.count++ == 0) own.first = &spoke;
+    own.last = &spoke;
+  }
   std::vector<Spoke> others;
   for (const Spoke& spoke : spokes) {
-    std::vector<const Spoke*> own;
-    for (const Spoke& s : spokes)
-      if (s.component == spoke.component) own.push_back(&s);
-    if (own.size() != 2 || own[0]->forward == own[1]->forward) {
+    const Own& own = of_component[spoke.component];
+    if (own.count != 2 || own.first->forward == own.last->forward) {
       others.push_back(spoke);
-    } else if (&spoke == own[0]) {
-      Join(own[0]->side, own[1]->side, partner);
+    } else if (&spoke == own.first) {
+      Join(own.first->side, own.last->side, partner);
     }
   }
   return others;

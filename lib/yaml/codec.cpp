@@ -153,6 +153,8 @@ Codec<T> WholeNumber(double lower, double upper) {
   return codec;
 }
 
+bool IsControl(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
+
 Codec<std::string> TextOf(std::string type, bool lines) {
   Codec<std::string> codec;
   codec.type = std::move(type);
@@ -163,6 +165,8 @@ Codec<std::string> TextOf(std::string type, bool lines) {
       return context.AddWrong(value, type + " (in quotes when it looks like a number, true or false)");
     if (!lines && (value.text.empty() || value.text.find('\n') != std::string::npos))
       return context.AddWrong(value, type);
+    if (std::ranges::any_of(value.text, [](char c) { return IsControl(c) && c != '\n' && c != '\t'; }))
+      return context.AddWrong(value, type + " without control characters");
     result = value.text;
   };
   codec.write = [](const std::string& text) { return Value::Text(text); };
@@ -172,9 +176,8 @@ Codec<std::string> TextOf(std::string type, bool lines) {
 constexpr size_t kLongestName = 100;  // with what is put behind it, file systems allow 255
 
 bool IsFileName(const std::string& name) {
-  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
   return !name.empty() && name.size() <= kLongestName && name.find_first_of("/\\") == std::string::npos &&
-         !name.starts_with('-') && !name.starts_with('.') && std::ranges::none_of(name, is_control) &&
+         !name.starts_with('-') && !name.starts_with('.') && std::ranges::none_of(name, IsControl) &&
          ValidUtf8(name) == name;
 }
 

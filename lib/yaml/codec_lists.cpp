@@ -83,7 +83,7 @@ Codec<std::array<int, 6>> Signs() {
 }
 
 Codec<std::array<Six, 2>> Limits() {
-  const Codec<double> angle = Real(kDeg, Between(-3600, 3600));
+  const Codec<double> angle = Real(kDeg, Between(-720, 720));
   const std::string pair_type = "[lower, upper] in deg, lower < upper";
   Codec<std::array<Six, 2>> codec;
   codec.type = "list of 6 pairs " + pair_type;

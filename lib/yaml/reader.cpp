@@ -16,6 +16,7 @@ namespace millpose::yaml {
 namespace {
 
 constexpr size_t kMaxBytes = 4 << 20;
+constexpr size_t kMaxValues = 1'000'000;  // 100 MB as a tree
 constexpr size_t kMaxDepth = 32;
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
@@ -26,7 +27,7 @@ class Source {
  public:
   Source(std::string_view text, const std::string& name) : text_(text), name_(name) {
     lines_.push_back(text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0);  // which has no column
-    for (size_t i = 0; i < text.size(); ++i)
+    for (size_t i = 0; i < std::min(text.size(), kMaxBytes); ++i)
       if (text[i] == '\n') lines_.push_back(i + 1);
   }
 
@@ -42,7 +43,9 @@ class Source {
   // What yaml-cpp would take silently for something else: byte 4 ends its input, a tab counts as a blank.
   void RefuseOddCharacters() const {
     if (text_.size() > kMaxBytes)
-      Fail({}, fmt::format("the file has {} bytes; allowed: at most {}", text_.size(), kMaxBytes));
+      Fail(
+          InLine(static_cast<int>(lines_.size()) - 1, static_cast<int>(kMaxBytes - lines_.back())),
+          fmt::format("the file has {} bytes; allowed: at most {}, which end here", text_.size(), kMaxBytes));
     if (text_.starts_with("\xff\xfe") || text_.starts_with("\xfe\xff"))
       Fail({1, 1}, "the text is in UTF-16; allowed: UTF-8");
     for (size_t line = 0; line < lines_.size(); ++line) {
@@ -63,14 +66,25 @@ class Source {
  private:
   Mark InLine(int line, int byte) const {
     if (line < 0 || static_cast<size_t>(line) >= lines_.size()) return {line + 1, byte + 1};
-    const std::string_view before =
-        text_.substr(lines_[line], std::min<size_t>(byte, text_.size() - lines_[line]));
-    return {line + 1, byte + 1 - static_cast<int>(std::ranges::count_if(before, IsContinuationByte))};
+    // A line may hold everything: what was counted for the place before is not counted again.
+    if (line != counted_.line || byte < counted_.byte) counted_ = {line, 0, 0};
+    const size_t from = lines_[line] + static_cast<size_t>(counted_.byte);
+    const size_t end = std::min(lines_[line] + static_cast<size_t>(byte), text_.size());
+    if (from < end)
+      counted_.continuations +=
+          static_cast<int>(std::ranges::count_if(text_.substr(from, end - from), IsContinuationByte));
+    counted_.byte = byte;
+    return {line + 1, byte + 1 - counted_.continuations};
   }
+
+  struct Counted {
+    int line = -1, byte = 0, continuations = 0;
+  };
 
   std::string_view text_;
   const std::string& name_;
   std::vector<size_t> lines_;
+  mutable Counted counted_;
 };
 
 class TreeBuilder : public YAML::EventHandler {
@@ -142,6 +156,9 @@ class TreeBuilder : public YAML::EventHandler {
   // Adds a node to what is open: in a map, keys and values come in turn. References into the innermost open
   // node stay valid because only that node grows.
   Value& Add(Value value, bool is_container) {
+    if (++values_ > kMaxValues)
+      source_.Fail(value.mark,
+                   fmt::format("more than {} keys and values; allowed: at most as many", kMaxValues));
     if (open_.empty()) return root_ = std::move(value);
     Value& parent = *open_.back();
     if (parent.kind == Value::Kind::kMap && parent.keys.size() == parent.items.size()) {
@@ -161,7 +178,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   void AddKey(Value& parent, const Value& key) {
     const auto [first, is_new] = key_lines_.back().emplace(key.text, key.mark.line);
-    if (!is_new)
+    if (!is_new && duplicates_.size() <= kMostProblems)
       duplicates_.emplace_back(
           key.mark, fmt::format("{}: given twice; the first is in line {}", Shown(key.text), first->second));
     parent.keys.push_back({key.text, key.mark});
@@ -173,6 +190,7 @@ class TreeBuilder : public YAML::EventHandler {
   std::vector<std::unordered_map<std::string, int>> key_lines_;  ///< of what is open, if a map
   std::vector<std::pair<Mark, std::string>> duplicates_;
   int documents_ = 0;
+  size_t values_ = 0;
 };
 
 }  // namespace

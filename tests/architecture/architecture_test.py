@@ -23,7 +23,7 @@ class Rules(unittest.TestCase):
         self.addCleanup(self.folder.cleanup)
         self.top = self.folder.name
         cmake = "# SPDX-License-Identifier: GPL-3.0-or-later\n"
-        write(self.top, "lib/base/CMakeLists.txt", cmake + "millpose_module(base SOURCES file.cpp LINK tbb)")
+        write(self.top, "lib/base/CMakeLists.txt", cmake + "millpose_module(base SOURCES file.cpp LINK xxhash)")
         write(self.top, "lib/base/file.cpp", SPDX + "#include <fstream>\n")
         write(self.top, "lib/robot/CMakeLists.txt", cmake + "millpose_module(robot SOURCES arm.cpp USES base)")
         write(self.top, "lib/robot/arm.hpp", HEADER + '#include "base/error.hpp"\n')

@@ -6,6 +6,7 @@
 #include "base/shown.hpp"
 #include "config/config.hpp"
 #include "tests/config/cell_head.hpp"
+#include "yaml/value.hpp"
 
 namespace millpose {
 namespace {
@@ -372,6 +373,87 @@ TEST(BrokenYaml, ManyUnknownKeysAreToldQuickly) {
   const std::clock_t start = std::clock();
   EXPECT_THROW(ParseJob(text, "f.yaml"), InputError);
   EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 5.0);
+}
+
+// Columns were counted from the line's begin for every value: 200,000 in one line took 36 s.
+TEST(BrokenYaml, ALongListCostsInProportion) {
+  const auto seconds = [](size_t count) {
+    std::string list = "[";
+    for (size_t i = 0; i < count; ++i) list += "1,";
+    list.back() = ']';
+    const std::clock_t start = std::clock();
+    EXPECT_EQ(yaml::ReadYaml(list, "x.yaml").items.size(), count);
+    return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  };
+  const double few = std::min(seconds(20000), seconds(20000));
+  EXPECT_LT(seconds(80000), 8 * few + 0.05);  // 16 times were it quadratic
+}
+
+TEST(BrokenYaml, ColumnsAfterALongLineAreThoseOfCharacters) {
+  std::string list = "[";
+  for (int i = 0; i < 3000; ++i) list += "ü, ";
+  const auto place = [&](const std::string& text) {
+    try {
+      yaml::ReadYaml(text, "x.yaml");
+    } catch (const InputError& error) {
+      return error.problems().at(0).place;
+    }
+    return Place{};
+  };
+  EXPECT_EQ(place(list + "*a]").column, 1 + 3 * 3000 + 1);
+  EXPECT_EQ(place(list + "x,\n ü, *a]").line, 2);
+  EXPECT_EQ(place(list + "x,\n ü, *a]").column, 5);
+}
+
+TEST(BrokenYaml, TooLargeFilesAreRefusedWhereTheyBecomeSo) {
+  const auto told = [](const std::string& text) -> std::string {
+    try {
+      yaml::ReadYaml(text, "x.yaml");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  const std::string line(99, '#');
+  std::string large;
+  while (large.size() <= (size_t{4} << 20)) large += line + '\n';
+  EXPECT_EQ(told(large),
+            "x.yaml:41944:5: the file has 4194400 bytes; allowed: at most 4194304, which end here");
+  std::string many = "[";
+  for (int i = 0; i < 500000; ++i) many += "1,2,\n";
+  EXPECT_EQ(told(many + "3]"),
+            "x.yaml:500000:3: more than 1000000 keys and values; allowed: at most as many");
+}
+
+TEST(BrokenYaml, ControlCharactersInTextsAreRefused) {
+  const auto told = [](const std::string& text) -> std::string {
+    try {
+      ParseJob(text, "x.yaml");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  std::string job = kJob;
+  job.replace(job.find("cell: cell.yaml"), 15, R"(cell: "a\e[31mb")");
+  EXPECT_EQ(told(job),
+            "x.yaml:3:7: cell: given the text \"a?[31mb\"; allowed: text of one line without control "
+            "characters");
+}
+
+TEST(BrokenYaml, TheNameOfAJobOfSeveralOperationsIsReadAsGiven) {
+  std::string job = kJob;
+  job.replace(job.find("name: part"), 10, "name: \"\"");
+  job += "operations: [{name: first}, {name: second}]\n";
+  const std::string told = [&]() -> std::string {
+    try {
+      OutlineOf(job, "x.yaml");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "nothing";
+  }();
+  EXPECT_EQ(told.substr(0, 41), "x.yaml:2:7: name: given the text \"\"; allo");
 }
 
 TEST(BrokenYaml, WindowsLineEndsAndByteOrderMarksAreRead) {

@@ -123,9 +123,6 @@ TEST(SectionSlips, OfPlacement) {
             "placement.map: given y_mm, which has no range");
   ExpectJob(placement("{x_mm: {from: 0, to: 1}, ^map: [x_mm, x_mm]}"),
             "placement.map: give one direction or two different ones");
-  ExpectJob(placement("{x_mm: {from: 0, to: 1}, keep_out: [^{name: a, pose: {}, shape: {mesh: {file: a.stl, "
-                      "unit: mm}}}]}"),
-            "placement.keep_out[0].shape: given mesh; allowed here: box");
   ExpectJob(placement("{x_mm: {from: 0, to: 1}, stations: {most: ^1, error_mm: 1}}"),
             "placement.stations.most: given 1; allowed: integer 2…9");
   ExpectJob(placement("{x_mm: {from: 0, to: 1}, stations: ^{most: 2}}"),

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <ctime>
+
 #include "base/trig.hpp"
 #include "base/units.hpp"
 #include "cutting/entries.hpp"
@@ -182,6 +184,38 @@ TEST(Engagement, OfAZigzagIsASlotFirstThenUpAndDownInTurns) {
     EXPECT_NEAR(middle.width, 4, 0.05);
     EXPECT_NEAR(middle.depth, kDepth, 1e-9);
   }
+}
+
+// Points may stand as close as they like: what they take off is the same, and 16 times as many cost no 16
+// times 16 as much.
+TEST(Engagement, OfDensePointsIsThatOfTheSameWay) {
+  const auto zigzag = [](double spacing) {
+    Toolpath path;
+    for (int k = 0; k < 3; ++k) {
+      const double y = 8 + 4 * k;
+      path.passes.push_back(
+          PassAlong(k % 2 == 0 ? Line({-8, y}, {68, y}, spacing) : Line({68, y}, {-8, y}, spacing)));
+    }
+    return path;
+  };
+  const auto seconds = [](Toolpath& path) {
+    const std::clock_t start = std::clock();
+    SetEngagement(Flat(), 1, {}, path);
+    return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  };
+  Toolpath coarse = zigzag(2), dense = zigzag(0.125), denser = zigzag(0.03125);
+  seconds(coarse);
+  const double few = seconds(dense), many = seconds(denser);
+  EXPECT_LT(many, 8 * few + 0.1);  // of four times as many; 16 times were it quadratic
+  for (size_t k = 0; k < 3; ++k)
+    for (size_t i = 0; i < coarse.passes[k].points.size(); ++i) {
+      const MillingPoint& at = coarse.passes[k].points[i];
+      const MillingPoint& same = dense.passes[k].points[16 * i];
+      ASSERT_LT((at.position - same.position).norm(), 1e-9);
+      EXPECT_NEAR(at.engagement.width, same.engagement.width, 0.05);
+      EXPECT_LT((at.engagement.force - same.engagement.force).norm(),
+                0.02 * at.engagement.force.norm() + 0.5);
+    }
 }
 
 TEST(Engagement, OfRingsInwardsAndOutwardsAndOfASpiral) {

@@ -180,5 +180,19 @@ TEST(Turns, ChoosesDirectionsOfLeastTurningOfAllCombinations) {
   EXPECT_GT(reversed, 20);
 }
 
+// Limits of ±178 "radians" on six axes: 57^6 combinations of full revolutions.
+TEST(Turns, OfMoreCombinationsThanMatterThoseNearestHomeAreCompared) {
+  std::vector<PassResult> passes{Course(0, {{10, 20}, {12, 24}}), Course(1, {{170, -160}, {175, -165}})};
+  const std::vector<PassResult> given = passes;
+  const Joints wide = Joints::Constant(178);
+  EXPECT_EQ(ChooseRevolutions(passes, {HomePose(), -wide, wide, false}), 2u);
+  for (size_t p = 0; p < passes.size(); ++p)
+    for (size_t i = 0; i < passes[p].points.size(); ++i)
+      EXPECT_LT((passes[p].points[i].q - given[p].points[i].q).cwiseAbs().maxCoeff(), 2 * kPi + 1e-9);
+  EXPECT_LE(Turning(passes, HomePose(), 3), Turning(given, HomePose(), 3) + 1e-9);
+  const Arm arm = SampleArm();
+  EXPECT_EQ(ChooseRevolutions(passes, {HomePose(), arm.lower, arm.upper, true}), 0u);
+}
+
 }  // namespace
 }  // namespace millpose::test

@@ -282,5 +282,20 @@ TEST(Reach, IsThatOfTheStretchedArmWithItsTool) {
   EXPECT_GT(farthest, 0.7 * reach);
 }
 
+// Whether or not a job asks for the controller.
+TEST_F(Inputs, AControllerNamesAxesOfTheCellAlone) {
+  folder_.Write("cell.yaml", ReadFile(SamplePath("cells/kr500_rail.yaml")));
+  std::map<std::string, std::string> bytes;
+  EXPECT_NO_THROW(LoadCell(folder_.path() / "cell.yaml", &bytes));
+  folder_.Change("cell.yaml", "axis: rail, coupled: true", "axis: rial, coupled: true");
+  const std::string told = RefusalOf([&] { LoadCell(folder_.path() / "cell.yaml", &bytes); });
+  EXPECT_NE(
+      told.find(
+          "is given the axis 'rial', which the cell's external_axes do not have; allowed: rail; did you mean "
+          "rail?"),
+      std::string::npos)
+      << told;
+}
+
 }  // namespace
 }  // namespace millpose::test

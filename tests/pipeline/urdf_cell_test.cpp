@@ -277,5 +277,21 @@ TEST_F(UrdfCell, ATableGivesTheArmOfItsLengths) {
   EXPECT_NE(ErrorOf(offset, "").find("arm.dh: no spherical wrist"), std::string::npos) << ErrorOf(offset, "");
 }
 
+TEST_F(UrdfCell, LimitsInDegreesAreToldAsSuch) {
+  const std::string degrees = With(urdf_, "lower=\"-3\" upper=\"3\"", "lower=\"-178\" upper=\"178\"");
+  const std::string told = ErrorOf(kCell, degrees);
+  EXPECT_NE(told.find("arm.urdf:"), std::string::npos) << told;
+  EXPECT_NE(
+      told.find("joint 'joint_1': limits -178 to 178 rad are 56.7 revolutions; allowed: within ±12.57 rad "
+                "(±720°); are they given in degrees?"),
+      std::string::npos)
+      << told;
+  // Where the cell says them they do not matter.
+  const std::string own = With(
+      kCell, "  accelerations",
+      "  limits_deg: [[-10, 10], [-20, 20], [-30, 30], [-40, 40], [-50, 50], [-60, 60]]\n  accelerations");
+  EXPECT_EQ(ErrorOf(own, degrees), "accepted");
+}
+
 }  // namespace
 }  // namespace millpose

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/mesh_import.hpp"
 
+#include <ctime>
+
 #include "base/error.hpp"
 #include "base/random.hpp"
+#include "base/trig.hpp"
+#include "base/units.hpp"
 #include "tests/surface/shapes.hpp"
 
 namespace millpose {
@@ -194,6 +198,26 @@ TEST(MeshImport, CutsAMoebiusBand) {
   EXPECT_EQ(result.report.repairs.not_orientable_edges, 1);
   EXPECT_EQ(result.report.triangles, 24);
   EXPECT_EQ(result.report.rims, 1);
+}
+
+// Every pair of triangles on the edge was looked at: 20,000 took 15 s.
+TEST(MeshImport, AFanOnOneEdgeCostsInProportion) {
+  const auto seconds = [](int count) {
+    Triangles fan;
+    fan.vertices = {{0, 0, 0}, {0, 0, 10}};
+    for (int i = 0; i < count; ++i) {
+      const auto [s, c] = SinCos(2 * kPi * i / count);
+      fan.vertices.emplace_back(50 * c, 50 * s, 5);
+      fan.faces.push_back({0, 1, i + 2});
+    }
+    const std::clock_t start = std::clock();
+    const ImportResult result = ImportMesh({fan, {}, {}}, {}, "fan.obj");
+    EXPECT_EQ(result.report.triangles, static_cast<size_t>(count));
+    EXPECT_EQ(result.report.repairs.non_manifold_edges, 1u);
+    return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  };
+  const double few = std::min(seconds(1000), seconds(1000));
+  EXPECT_LT(seconds(4000), 10 * few + 0.1);
 }
 
 TEST(MeshImport, RefusesWhatHasNoArea) {
