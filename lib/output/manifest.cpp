@@ -70,7 +70,7 @@ Manifest ParseManifest(std::string_view text, const std::string& name) {
   }
 }
 
-Manifest CheckManifest(const fs::path& folder) {
+Manifest CheckManifest(const fs::path& folder, std::vector<std::string>* changed) {
   const fs::path file = folder / kManifestFile;
   if (!Exists(file))
     throw InputError({file.string()},
@@ -80,7 +80,10 @@ Manifest CheckManifest(const fs::path& folder) {
   std::vector<Problem> problems;
   for (const auto& [name, expected] : manifest.files) {
     const std::string difference = Difference(folder / name, expected);
-    if (!difference.empty())
+    if (difference.empty()) continue;
+    if (changed && *fs::path(name).begin() == kProgramsFolder && Exists(folder / name))
+      changed->push_back(name);
+    else
       problems.push_back({Place{(folder / name).string()}, difference + " (manifest.json)"});
   }
   FindForeignPrograms(folder, folder / kProgramsFolder, manifest, &problems);
