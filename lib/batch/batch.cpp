@@ -21,6 +21,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// The folders of the jobs beside them are each a set of its own.
+const SetNames kBatchNames{"batch.json", "batch.csv", "index.html", "junit.xml", kManifestFile};
+
+// Each is written into by a process of its own, which cannot know that it was to stay in this folder.
+void RefuseLinks(const Folder& folder, const std::vector<BatchJob>& jobs) {
+  std::vector<Problem> problems;
+  for (const BatchJob& job : jobs)
+    if (folder.KindOf(job.name) == Folder::Kind::kOther)
+      problems.push_back({Place{(folder.path() / job.name).string()},
+                          "is a symbolic link or the like; allowed for the folder of a job: a folder"});
+  if (!problems.empty()) throw InputError(std::move(problems));
+}
+
 // What a process wrote to stderr, without the program's name in front and the line end behind.
 std::string CauseOf(std::string errors) {
   constexpr std::string_view kPrefix = "millpose: ";
@@ -122,7 +135,7 @@ JobOutcome Judge(const fs::path& folder, int status, const std::string& errors) 
 
 std::optional<JobOutcome> UpToDate(const BatchJob& job, const fs::path& folder) {
   try {
-    if (!Exists(folder / kManifestFile)) return std::nullopt;
+    if (!IsOutputFolder(folder)) return std::nullopt;
     const std::string key = KeyOf(LoadOperations(job.file, job.overrides, job.root), folder);
     if (!HoldsPlanOf(folder, key)) return std::nullopt;
     JobOutcome outcome = Judge(folder, 0, "");
@@ -138,6 +151,7 @@ BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::
   std::vector<BatchJob> jobs = CollectJobs(arguments.jobs, arguments.root);
   for (BatchJob& job : jobs) job.max_points = arguments.max_points;
   const OutputFolder folder(arguments.out, FolderUse::kResults);
+  RefuseLinks(folder.folder(), jobs);
   std::vector<JobOutcome> outcomes;
   if (arguments.slurm) {
     auto result = RunOnSlurm(jobs, folder.path(), std::max(1, arguments.threads), arguments.fresh,
@@ -149,12 +163,15 @@ BatchOutcome RunBatch(const BatchArguments& arguments, Progress& progress, std::
         arguments.threads > 0 ? arguments.threads : static_cast<int>(std::thread::hardware_concurrency());
     outcomes = RunHere(jobs, folder.path(), arguments, threads, progress, stop);
   }
-  folder.Write("batch.json", BatchJson(jobs, outcomes));
-  folder.Write("batch.csv", BatchCsv(jobs, outcomes));
-  folder.Write("index.html", BatchIndex(jobs, outcomes));
-  folder.Write("junit.xml", JUnitXml(jobs, outcomes));
+  ResultSet results(folder, kBatchNames);
+  results.Add("batch.json", BatchJson(jobs, outcomes));
+  results.Add("batch.csv", BatchCsv(jobs, outcomes));
+  results.Add("index.html", BatchIndex(jobs, outcomes));
+  results.Add("junit.xml", JUnitXml(jobs, outcomes));
+  results.AddManifest("");
+  results.Publish();
   BatchOutcome outcome{0, BatchText(jobs, outcomes)};
-  if (!folder.warning().empty()) outcome.text += folder.warning() + '\n';
+  for (const std::string& warning : folder.warnings()) outcome.text += warning + '\n';
   for (const JobOutcome& job : outcomes) outcome.exit_status = std::max(outcome.exit_status, job.status);
   // A job ended by a signal is an internal error of the batch: the statuses stay those of millpose.
   if (outcome.exit_status > 3) outcome.exit_status = 3;

@@ -6,6 +6,8 @@
 #include "base/error.hpp"
 #include "batch/batch.hpp"
 #include "output/output_folder.hpp"
+#include "program/calling_program.hpp"
+#include "program/program_name.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -119,6 +121,53 @@ void RefuseDoubles(const std::vector<BatchJob>& jobs) {
   if (!problems.empty()) throw InputError(std::move(problems));
 }
 
+/// The files, as a controller tells them apart, that the job's main program and those of its operations are
+/// in: "krl/panel". None where the job cannot be read: its own run will say why.
+std::vector<std::string> ProgramFilesOf(const BatchJob& job) {
+  try {
+    const std::string text = job.root.Read(job.file), file = job.file.string();
+    const JobOutline outline = OutlineOf(text, file, job.overrides);
+    const bool several = !outline.operations.empty();
+    std::vector<std::string> names{outline.name}, files;
+    for (const std::string& operation : outline.operations)
+      names.push_back(OperationName(outline.name, operation));
+    for (const std::string& controller :
+         (several ? ParseJob(text, file, job.overrides, 0) : ParseJob(text, file, job.overrides)).programs) {
+      const CallingSyntax syntax = MakePost(controller)->Calling();
+      for (const std::string& name : names)
+        files.push_back(controller + '/' + AsTold(ProgramName(syntax, name)));
+    }
+    return files;
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+/// Loaded onto one controller, the programs of one job would take the place of the other's.
+void RefuseMeetingPrograms(const std::vector<BatchJob>& jobs) {
+  std::map<std::string, size_t> first;  // job by file
+  std::vector<std::vector<std::string>> files;
+  for (size_t i = 0; i < jobs.size(); ++i) {
+    files.push_back(ProgramFilesOf(jobs[i]));
+    for (const std::string& file : files.back()) first.emplace(file, i);
+  }
+  std::vector<Problem> problems;
+  for (size_t i = 0; i < jobs.size(); ++i)
+    for (const std::string& file : files[i]) {
+      auto other = first.find(file);
+      if (other->second == i) other = first.find(WithoutPart(file));
+      if (other == first.end() || other->second == i) continue;
+      const BatchJob& one = jobs[other->second];
+      problems.push_back(
+          {Place{jobs[i].file.string()},
+           fmt::format("name: programs of {} and of {} ({}) are both called {}; give one of the "
+                       "jobs another name",
+                       jobs[i].name, one.name, one.file.string(), other->first)});
+      break;
+    }
+  if (!problems.empty()) throw InputError(std::move(problems));
+}
+
 }  // namespace
 
 std::vector<BatchJob> CollectJobs(const std::vector<std::string>& arguments, const FileRoot& root) {
@@ -139,6 +188,7 @@ std::vector<BatchJob> CollectJobs(const std::vector<std::string>& arguments, con
   if (!problems.empty()) throw InputError(std::move(problems));
   if (jobs.empty()) throw InputError(Place{}, "batch: no job is given");
   RefuseDoubles(jobs);
+  RefuseMeetingPrograms(jobs);
   return jobs;
 }
 

@@ -21,16 +21,20 @@ void AddShares(const Command& command, int shares, std::vector<Command>* command
 
 // What an earlier call of the same command submitted must have ended before two tasks write into one folder.
 // Returns the ids of what runs, when it is not waited for.
-std::vector<std::string> TakeUpEarlier(const fs::path& place, bool wait, Progress& progress,
+std::vector<std::string> TakeUpEarlier(const Folder& place, bool wait, Progress& progress,
                                        const std::stop_token& stop) {
   std::vector<std::string> ids;
   for (const char* name : {"shares", "jobs"}) {
-    const std::vector<std::string> running = SlurmArray::InQueue(place / name, stop);
+    const std::optional<Folder> earlier = place.FindBelow(name);
+    if (!earlier) continue;
+    const std::vector<std::string> running = SlurmArray::InQueue(*earlier, stop);
     ids.insert(ids.end(), running.begin(), running.end());
   }
   if (ids.empty() || !wait) return ids;
   progress.Begin("submitted", 0);
-  for (const char* name : {"shares", "jobs"}) SlurmArray::WaitForEarlier(place / name, stop);
+  for (const char* name : {"shares", "jobs"})
+    if (const std::optional<Folder> earlier = place.FindBelow(name))
+      SlurmArray::WaitForEarlier(*earlier, stop);
   progress.End(fmt::format("jobs {} of an earlier call", fmt::join(ids, ", ")));
   return {};
 }
@@ -53,7 +57,7 @@ std::variant<std::vector<JobOutcome>, std::string> RunOnSlurm(const std::vector<
                                                               const fs::path& folder, int threads, bool fresh,
                                                               const SlurmOptions& options, Progress& progress,
                                                               std::stop_token stop) {
-  const fs::path place = fs::absolute(folder) / "slurm";
+  const Folder place = Folder(fs::absolute(folder)).MakeBelow("slurm");
   const std::vector<std::string> running = TakeUpEarlier(place, !options.detach, progress, stop);
   if (!running.empty())
     return fmt::format("jobs {} of an earlier call still run; the same command without --detach waits\n",
@@ -80,8 +84,8 @@ std::variant<std::vector<JobOutcome>, std::string> RunOnSlurm(const std::vector<
   std::vector<std::string> extra = options.sbatch;
   extra.push_back(fmt::format("--cpus-per-task={}", threads));
   std::optional<SlurmArray> shares;
-  if (!parts.empty()) shares.emplace(place / "shares", std::move(parts));
-  const SlurmArray finish(place / "jobs", std::move(whole));
+  if (!parts.empty()) shares.emplace(place.MakeBelow("shares"), std::move(parts));
+  const SlurmArray finish(place.MakeBelow("jobs"), std::move(whole));
   if (options.detach) return SubmitAll(shares, finish, extra, stop);
   const auto run = [&](const char* name, const SlurmArray& array) {
     progress.Begin(name, array.size());

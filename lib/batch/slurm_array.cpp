@@ -6,7 +6,6 @@
 #include <thread>
 
 #include "base/error.hpp"
-#include "base/file.hpp"
 #include "base/parallel.hpp"
 #include "base/process.hpp"
 #include "base/shown.hpp"
@@ -62,6 +61,28 @@ void Pause(std::chrono::milliseconds time, const std::stop_token& stop) {
   }
 }
 
+// The id that `sbatch --parsable` answers with: "ID" or "ID;CLUSTER", in one line. Anything else submitted
+// nothing that could be waited for.
+std::string IdOf(const std::string& answer) {
+  const std::string line = answer.substr(0, answer.find('\n'));
+  const std::string id = line.substr(0, line.find(';'));
+  const bool is_id = !id.empty() && std::ranges::all_of(id, [](char c) { return c >= '0' && c <= '9'; });
+  if (!is_id || answer.size() > line.size() + 1)
+    throw InputError(
+        Place{"sbatch"},
+        fmt::format("answered \"{}\", which is no job id; allowed: what sbatch --parsable prints, "
+                    "like 4711 or 4711;cluster",
+                    Shown(answer)));
+  return id;
+}
+
+std::string StatusFile(size_t task) { return fmt::format("{}.status", task); }
+
+// A file's content; `none` where there is no such file.
+std::string ReadOr(const Folder& folder, const std::string& name, const std::string& none) {
+  return folder.KindOf(name) == Folder::Kind::kNothing ? none : folder.Read(name);
+}
+
 // Whether Slurm still has the job waiting or running. A controller that does not answer is no answer: yes.
 bool IsQueued(const std::string& id, const std::stop_token& stop) {
   const ProcessResult result = RunProcess({"squeue", "--noheader", "--jobs=" + id, "--format=%i"}, stop);
@@ -71,14 +92,13 @@ bool IsQueued(const std::string& id, const std::stop_token& stop) {
 
 }  // namespace
 
-SlurmArray::SlurmArray(fs::path folder, std::vector<Command> commands)
+SlurmArray::SlurmArray(Folder folder, std::vector<Command> commands)
     : folder_(std::move(folder)), commands_(std::move(commands)) {
-  fs::remove_all(folder_);
-  fs::create_directories(folder_);
+  for (const std::string& name : folder_.Names()) folder_.RemoveAll(name);
   std::string lines;
   for (const Command& command : commands_) lines += ShellLine(command) + '\n';
-  WriteFileAtomically(folder_ / "commands.txt", lines);
-  WriteFileAtomically(folder_ / "task.sh", Script(folder_));
+  folder_.Write("commands.txt", lines);
+  folder_.Write("task.sh", Script(folder_.path()));
 }
 
 std::vector<std::string> SlurmArray::SubmitTasks(const std::vector<size_t>& tasks,
@@ -93,14 +113,13 @@ std::vector<std::string> SlurmArray::SubmitTasks(const std::vector<size_t>& task
     Command command{"sbatch", "--parsable", "--job-name=millpose", "--output=/dev/null",
                     fmt::format("--array={}", fmt::join(indices, ","))};
     command.insert(command.end(), options.begin(), options.end());
-    command.push_back((folder_ / "task.sh").string());
+    command.push_back((folder_.path() / "task.sh").string());
     command.push_back(std::to_string(first));
     const ProcessResult result = RunProcess(command, stop);
     if (result.status != 0)
-      throw InputError(Place{"sbatch"}, fmt::format("refused the tasks: {}", result.errors));
-    ids.push_back(result.output.substr(0, result.output.find_first_of(";\n")));
-    std::string submitted = fs::exists(folder_ / kSubmitted) ? ReadFile(folder_ / kSubmitted) : "";
-    WriteFileAtomically(folder_ / kSubmitted, submitted + ids.back() + '\n');
+      throw InputError(Place{"sbatch"}, fmt::format("refused the tasks: {}", Shown(result.errors, 400)));
+    ids.push_back(IdOf(result.output));
+    folder_.Write(kSubmitted, ReadOr(folder_, kSubmitted, "") + ids.back() + '\n');
   }
   return ids;
 }
@@ -121,9 +140,8 @@ void SlurmArray::Wait(const std::vector<std::string>& ids, const std::vector<siz
   auto pause = std::chrono::milliseconds(kFirstPause);
   for (int looks = 0; looks < kLooksAfterEnd;) {
     size_t ended = 0;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
-      if (entry.path().extension() == ".status")
-        ended += std::ranges::count(tasks, std::stoul(entry.path().stem().string()));
+    const std::vector<std::string> names = folder_.Names();  // sorted
+    for (const size_t task : tasks) ended += std::ranges::binary_search(names, StatusFile(task)) ? 1 : 0;
     if (ended > told) progress.Advance(ended - told);
     told = std::max(told, ended);
     if (ended == tasks.size()) return;
@@ -141,27 +159,23 @@ void SlurmArray::Run(const std::vector<std::string>& options, Progress& progress
     Wait(SubmitTasks(open, options, stop), open, progress, stop);
     std::erase_if(open, [this](size_t task) { return !Failed(task); });
     if (attempt == 0)
-      for (const size_t task : open) fs::remove(folder_ / fmt::format("{}.status", task));
+      for (const size_t task : open) folder_.RemoveAll(StatusFile(task));
   }
 }
 
 int SlurmArray::StatusOf(size_t task) const {
-  const fs::path file = folder_ / fmt::format("{}.status", task);
-  if (!fs::exists(file)) return 3;
-  const std::string text = ReadFile(file);
+  const std::string text = ReadOr(folder_, StatusFile(task), "");
   const std::optional<double> status = ParseNumber(text.substr(0, text.find('\n')));
   return status ? static_cast<int>(*status) : 3;
 }
 
 std::string SlurmArray::ErrorsOf(size_t task) const {
-  const fs::path file = folder_ / fmt::format("{}.err", task);
-  return fs::exists(file) ? ReadFile(file) : "the task left no result\n";
+  return ReadOr(folder_, fmt::format("{}.err", task), "the task left no result\n");
 }
 
-std::vector<std::string> SlurmArray::InQueue(const fs::path& folder, std::stop_token stop) {
+std::vector<std::string> SlurmArray::InQueue(const Folder& folder, std::stop_token stop) {
   std::vector<std::string> ids;
-  if (!fs::exists(folder / kSubmitted)) return ids;
-  const std::string submitted = ReadFile(folder / kSubmitted);
+  const std::string submitted = ReadOr(folder, kSubmitted, "");
   for (size_t at = 0, end; (end = submitted.find('\n', at)) != std::string::npos; at = end + 1) {
     const std::string id = submitted.substr(at, end - at);
     if (IsQueued(id, stop)) ids.push_back(id);
@@ -169,7 +183,7 @@ std::vector<std::string> SlurmArray::InQueue(const fs::path& folder, std::stop_t
   return ids;
 }
 
-void SlurmArray::WaitForEarlier(const fs::path& folder, std::stop_token stop) {
+void SlurmArray::WaitForEarlier(const Folder& folder, std::stop_token stop) {
   auto pause = std::chrono::milliseconds(kFirstPause);
   while (!InQueue(folder, stop).empty()) {
     Pause(pause, stop);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
 #include <stop_token>
 #include <string>
 #include <vector>
 
+#include "base/folder.hpp"
 #include "base/progress.hpp"
 
 namespace millpose {
@@ -18,13 +18,13 @@ class SlurmArray {
   using Command = std::vector<std::string>;
 
   /// Writes the files into `folder`, which is emptied first.
-  SlurmArray(std::filesystem::path folder, std::vector<Command> commands);
+  SlurmArray(Folder folder, std::vector<Command> commands);
 
   size_t size() const { return commands_.size(); }
 
   /// Submits all tasks; they begin when the jobs `after` have ended. `options` are further ones of sbatch.
   /// Returns the ids of the array jobs: one for each 1,000 tasks, as Slurm allows by default. Throws
-  /// InputError when sbatch refuses, Interrupted.
+  /// InputError when sbatch refuses or answers with no job id, Interrupted.
   std::vector<std::string> Submit(const std::vector<std::string>& options,
                                   const std::vector<std::string>& after, std::stop_token stop) const;
 
@@ -37,9 +37,9 @@ class SlurmArray {
   std::string ErrorsOf(size_t task) const;
 
   /// Waits until no job that was submitted through `folder` is in Slurm's queue any more. Throws Interrupted.
-  static void WaitForEarlier(const std::filesystem::path& folder, std::stop_token stop);
+  static void WaitForEarlier(const Folder& folder, std::stop_token stop);
   /// Ids of the jobs submitted through `folder` that are in the queue.
-  static std::vector<std::string> InQueue(const std::filesystem::path& folder, std::stop_token stop);
+  static std::vector<std::string> InQueue(const Folder& folder, std::stop_token stop);
 
  private:
   std::vector<std::string> SubmitTasks(const std::vector<size_t>& tasks,
@@ -49,7 +49,7 @@ class SlurmArray {
   /// Whether a task is to be run again: killed, internal error, or no result. Bad input stays bad.
   bool Failed(size_t task) const { return StatusOf(task) > 2; }
 
-  std::filesystem::path folder_;
+  Folder folder_;
   std::vector<Command> commands_;
 };
 

@@ -174,8 +174,9 @@ class Compensator {
     Pose X_WT = carrier_.ToolPose(planned.q);
     X_WT.translation() += c.shift;
     const auto q = InverseNear(plan_.arm, carrier_.FlangePose(X_WT), Status(plan_.arm, planned.q), planned.q);
-    const bool within =
-        q && (q->array() >= plan_.arm.lower.array()).all() && (q->array() <= plan_.arm.upper.array()).all();
+    const bool within = q && (q->array() >= plan_.arm.lower.array()).all() &&
+                        (q->array() <= plan_.arm.upper.array()).all() &&
+                        FirstBeyond(plan_.arm.coupled_limits, *q, kRevolutionRounding) == nullptr;
     if (within) {
       c.q = *q;
       ++counts_.shifted;

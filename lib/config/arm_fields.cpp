@@ -59,6 +59,16 @@ Codec<DhSettings> DhFields() {
       check);
 }
 
+Codec<CoupledLimit> CoupledFields() {
+  using S = CoupledLimit;
+  return Section<S>({Key<S>("a", MILLPOSE_AT(factors), Numbers6(kOne, Between(-100, 100)),
+                            "Factors of the six axes; 0 for those that do not matter.")
+                         .Required(),
+                     Key<S>("at_most", MILLPOSE_AT(at_most), Real(kDeg, Between(-3600, 3600)),
+                            "Largest sum of factors times angles, deg.")
+                         .Required()});
+}
+
 /// d5 belongs to parallel axes, and to nothing else.
 void CheckLengths(const Value& lengths, const Context& context, const ArmSettings& arm) {
   const auto* given = lengths.FindKey("d5");
@@ -72,6 +82,7 @@ void CheckLengths(const Value& lengths, const Context& context, const ArmSetting
 
 /// With a URDF, what it says is not said again; what it does not say must be.
 void CheckArm(const Value& value, const Context& context, ArmSettings& arm) {
+  if (const auto* coupled = value.FindKey("coupled_limits_deg")) arm.coupled_line = coupled->mark.line;
   const bool table = !arm.dh.rows.empty();
   if (arm.urdf.file.empty() && !table)
     return CheckLengths(*value.Find("lengths_mm"), context.Child("lengths_mm"), arm);
@@ -152,6 +163,12 @@ Codec<ArmSettings> ArmFields() {
                  "Largest speeds of the axes; with a URDF, in place of its own.")
               .WhenSet([](const S& s) { return !s.speed.isZero(0.0); })
               .RequiredUnless("urdf"),
+          Key<S>("coupled_limits_deg", MILLPOSE_AT(coupled_limits), ListOf(CoupledFields()),
+                 "Limits that couple axes, in the arm's own angles: the sum of a[i] × A[i] is at_most that. "
+                 "A3 - A2 "
+                 "≤ 67°: {a: [0, -1, 1, 0, 0, 0], at_most: 67}.")
+              .WhenSet([](const S& s) { return !s.coupled_limits.empty(); })
+              .DefaultText("none"),
           Key<S>("limits_source", MILLPOSE_AT(limits_source), Lines(), "Where limits and speeds come from."),
           Key<S>("accelerations_deg_s2", MILLPOSE_AT(acceleration), Numbers6(kDegPerS2, Positive(1e5)),
                  "Largest accelerations of the axes.")

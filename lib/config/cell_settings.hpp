@@ -48,8 +48,10 @@ struct ArmSettings {
   ArmFamily family = ArmFamily::kSphericalWrist;
   double d1 = 0, a1 = 0, dy = 0, a2 = 0, d4 = 0, dz = 0, d5 = 0, d6 = 0;  ///< mm
   std::array<int, 6> sign{};
-  Vector6 offset = Vector6::Zero();                                 ///< rad
-  Vector6 lower = Vector6::Zero(), upper = Vector6::Zero();         ///< rad
+  Vector6 offset = Vector6::Zero();                          ///< rad
+  Vector6 lower = Vector6::Zero(), upper = Vector6::Zero();  ///< rad
+  std::vector<CoupledLimit> coupled_limits;
+  int coupled_line = 0;                                             ///< of the key, for later errors
   Vector6 speed = Vector6::Zero(), acceleration = Vector6::Zero();  ///< rad/s, rad/s²
   std::string limits_source, stiffness_source;
   bool acceleration_assumed = true;
@@ -57,6 +59,9 @@ struct ArmSettings {
   /// Half the width of each joint's stiffness interval, a share of it; zero: nobody says.
   Vector6 stiffness_uncertainty = Vector6::Zero();
   bool absolute_accuracy = false;  ///< the controller takes out what weight bends
+  // How an arm from a URDF or a table arrived; not of the file.
+  std::string joints;               ///< which, from where to where; empty: of no URDF
+  std::optional<double> deviation;  ///< mm, of the closed form
 };
 
 /// A compliance in series with the joints, at a frame that hangs on a link.
@@ -82,6 +87,7 @@ enum class CutterTip : uint8_t { kFlat, kBall, kBull };
 
 struct ToolSettings {
   std::string name;
+  int name_line = 0;                                ///< of the YAML, for later errors
   std::optional<int> number;                        ///< by which controllers know it
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();    ///< in F, mm
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< T's z in F, from tip to holder, unit
@@ -176,7 +182,8 @@ struct CellSettings {
   std::optional<GravitySettings> gravity;
   bool programs_allowed = true;  ///< key `reproduction_only: true` forbids programs
   std::map<std::string, ControllerOptions> controllers;
-  int controllers_line = 0;  ///< of the key, for later errors
+  int controllers_line = 0;        ///< of the key, for later errors
+  std::vector<std::string> notes;  ///< what followed from what was read, and is said once
 };
 
 }  // namespace millpose

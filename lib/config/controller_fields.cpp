@@ -37,8 +37,11 @@ void TakeOutForeign(Value& value, const Context& context, const Known& own, cons
         names.push_back(other.controller);
       }
     if (!info && !names.empty()) {
-      context.Child(key).Add(value.keys[i].mark, fmt::format("{} programs do not know this; allowed for: {}",
-                                                             own.controller, fmt::join(names, ", ")));
+      const Context at = context.Child(key);
+      const std::string* former = codec_detail::FormerKey(at.path);
+      at.Add(value.keys[i].mark, former ? *former
+                                        : fmt::format("{} programs do not know this; allowed for: {}",
+                                                      own.controller, fmt::join(names, ", ")));
       continue;
     }
     if (info) TakeOutForeign(value.items[i], context.Child(key), {own.controller, info->keys}, inside);

@@ -145,6 +145,17 @@ void CheckExternalAxes(const Value& value, const Context& context, const CellSet
           .Add(list->items[i].mark, fmt::format("given {} twice", axes[i].name));
     names.push_back(axes[i].name);
   }
+  for (const auto& [controller, options] : cell.controllers)
+    for (const ControllerAxis& axis : options.shared.controller_axes) {
+      if (axis.axis.empty() || std::ranges::find(names, axis.axis) != names.end()) continue;
+      const std::string nearest = NearestName(axis.axis, names);
+      context.Child("controllers")
+          .Child(controller)
+          .Child("external_axes")
+          .Add(yaml::Mark{options.shared.controller_axes_line, 0},
+               fmt::format("{}: given axis '{}'; allowed: the name of one of external_axes{}", axis.name,
+                           axis.axis, nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
+    }
   for (size_t i = 0; i < cell.bodies.size(); ++i) {
     const BodySettings& body = cell.bodies[i];
     const Value& given = value.Find("bodies")->items[i];

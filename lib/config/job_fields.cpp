@@ -137,6 +137,8 @@ const Codec<JobSettings>& JobFields() {
       Key<S>("operation", MILLPOSE_AT(operation), Text(),
              "Of a job that millpose wrote: which operation of a job with several it is.")
           .WhenSet([](const S& s) { return !s.operation.empty(); }),
+      Key<S>("operation_of", MILLPOSE_AT(operation_of), Text(), "Likewise: the name of that job.")
+          .WhenSet([](const S& s) { return !s.operation_of.empty(); }),
       Key<S>("seed", MILLPOSE_AT(seed), Seed(), "Seed of all random numbers."),
       Key<S>("workpiece", MILLPOSE_AT(workpiece), WorkpieceFields(), "The part and its place.").Required(),
       Key<S>("toolpath", MILLPOSE_AT(toolpath), ToolpathFields(), "Where the tool goes.")

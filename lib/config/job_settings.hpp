@@ -122,6 +122,7 @@ struct JobSettings {
   std::string tool;                           ///< which of the cell's; empty: its only one
   std::optional<PoseSettings> base_in_world;  ///< of the robot; none: the cell's
   std::string operation;                      ///< of a job that has several, which this one is; else empty
+  std::string operation_of;                   ///< the name of that job
   uint64_t seed = 1;
   WorkpieceSettings workpiece;
   ToolpathSettings toolpath;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/operations.hpp"
 
+#include "program/program_name.hpp"
+
 namespace millpose::config {
 namespace {
 
@@ -8,8 +10,6 @@ namespace {
 const std::vector<std::string> kSections = {
     "tool",         "toolpath", "process",         "pose",        "limits", "path",
     "interference", "gaps",     "program_options", "compensation"};
-constexpr size_t kLongestStem =
-    17;  // of the job's name in an operation's: a program's name has 20 characters
 constexpr size_t kMost = 99;
 
 // Of a section that an operation has not key by key.
@@ -158,9 +158,12 @@ Value OperationRoot(const Value& root, size_t number) {
   }
   for (size_t i = 0; i < operation.keys.size(); ++i)
     if (operation.keys[i].text != "name") Override(own, operation.keys[i], operation.items[i]);
-  own.Put("operation", Value::Text(operation.Find("name")->text));
-  if (Value* name = own.Find("name"); name && name->kind == Value::Kind::kScalar)
-    name->text = fmt::format("{}_{}", name->text.substr(0, kLongestStem), number + 1);
+  const std::string operation_name = operation.Find("name")->text;
+  own.Put("operation", Value::Text(operation_name));
+  if (Value* name = own.Find("name"); name && name->kind == Value::Kind::kScalar) {
+    const std::string job = std::exchange(name->text, OperationName(name->text, operation_name));
+    own.Put("operation_of", Value::Text(job));
+  }
   return own;
 }
 

@@ -31,8 +31,7 @@ class GapPlanner {
         clearance_share_(clearance_share),
         checker_(world, clearance_share),
         limits_(LimitsAround(carrier_.arm, options.leave.limit_margin, from_.q)) {
-    limits_.lower = limits_.lower.cwiseMin(to_.q);
-    limits_.upper = limits_.upper.cwiseMax(to_.q);
+    limits_.Include(to_.q);
   }
 
   Gap Plan() {

@@ -46,6 +46,8 @@ class Judge {
   bool Valid(const Joints& q) {
     if ((q.array() < options_.limits.lower.array() - 1e-12).any()) return false;
     if ((q.array() > options_.limits.upper.array() + 1e-12).any()) return false;
+    // Of a straight motion in the joints between two poses that keep it every pose does.
+    if (FirstBeyond(options_.limits.coupled, q, 1e-12) != nullptr) return false;
     return Count(checker_.Blocked(q, Phase::kFree));
   }
   /// The motion to `to`, with `to` itself, from a valid pose.

@@ -13,6 +13,11 @@ Retract RetractByHeight(Checker& checker, const Carrier& carrier, const Joints& 
   retract.X_WT_end = carrier.ToolPose(q) * Pose(Eigen::Translation3d(0, 0, options.height));
   LineMotion line = FollowLine(carrier, q, retract.X_WT_end, limits.lower, limits.upper);
   retract.problem = line.problem;
+  for (const Joints& along : line.joints) {
+    if (!retract.problem.empty()) break;
+    if (const CoupledLimit* beyond = FirstBeyond(limits.coupled, along, kRevolutionRounding))
+      retract.problem = CoupledText(*beyond, along);
+  }
   for (size_t i = 1; i < line.joints.size() && retract.problem.empty(); ++i) {
     const auto found =
         checker.Between(line.joints[i - 1], line.joints[i], Phase::kCutting, options.swept_resolution);
@@ -30,8 +35,16 @@ Retract RetractByHeight(Checker& checker, const Carrier& carrier, const Joints& 
 }  // namespace
 
 JointLimits LimitsAround(const Arm& arm, double margin, const Joints& q) {
-  return {(arm.lower.array() + margin).matrix().cwiseMin(q),
-          (arm.upper.array() - margin).matrix().cwiseMax(q)};
+  JointLimits limits{arm.lower.array() + margin, arm.upper.array() - margin, arm.coupled_limits};
+  for (CoupledLimit& limit : limits.coupled) limit.at_most -= margin;
+  limits.Include(q);
+  return limits;
+}
+
+void JointLimits::Include(const Joints& q) {
+  lower = lower.cwiseMin(q);
+  upper = upper.cwiseMax(q);
+  for (CoupledLimit& limit : coupled) limit.at_most = std::max(limit.at_most, limit.factors.dot(q));
 }
 
 Retract FindRetract(Checker& checker, const Carrier& carrier, const Joints& q, const JointLimits& limits,

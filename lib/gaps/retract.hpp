@@ -27,6 +27,10 @@ struct Retract {
 /// What the joints must keep within, rad.
 struct JointLimits {
   Joints lower, upper;
+  std::vector<CoupledLimit> coupled = {};
+
+  /// No narrower than `q`.
+  void Include(const Joints& q);
 };
 
 /// The arm's limits less a margin (rad), but no narrower than `q`: where a piece ends may be planned nearer.

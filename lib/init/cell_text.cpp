@@ -84,6 +84,7 @@ class Links {
       for (const UrdfLink& link : model_.links)
         if (link.name == usual) return usual;
     if (roots.size() == 1) return roots[0];
+    if (roots.empty()) throw InputError({model_.file}, "every link has a parent: the joints form a ring");
     throw InputError({model_.file}, fmt::format("has {} links without a parent; say which is the base: "
                                                 "--base-link, one of {}",
                                                 roots.size(), fmt::join(roots, ", ")));
@@ -94,6 +95,7 @@ class Links {
     std::vector<std::string> found;
     std::set<std::string> parents;
     for (const UrdfJoint& joint : model_.joints) parents.insert(joint.parent);
+    CheckNumber(base);
     for (const UrdfLink& link : model_.links)
       if (MovingJoints(base, link.name) == 6) found.push_back(link.name);
     for (const char* usual : {"tool0", "flange"})
@@ -104,16 +106,36 @@ class Links {
     if (ends.size() == 1) return ends[0];
     throw InputError(
         {model_.file},
-        found.empty()
-            ? fmt::format(
-                  "has no link with six moving joints between link '{}' and it; allowed: arms with six "
-                  "axes, or another --base-link",
-                  base)
-            : fmt::format("has several links that could be the flange; say which: --flange-link, one of {}",
-                          fmt::join(found, ", ")));
+        fmt::format("has several links that could be the flange; say which: --flange-link, one of {}",
+                    fmt::join(found, ", ")));
   }
 
  private:
+  /// Refuses what is no arm with six axes by what it is: the longest row of joints that move by themselves.
+  void CheckNumber(const std::string& base) const {
+    int most = -1;
+    std::string end;
+    for (const UrdfLink& link : model_.links)
+      if (const int moving = MovingJoints(base, link.name); moving > most) most = moving, end = link.name;
+    if (most == 6 || (most > 6 && IsUsual(base))) return;
+    std::vector<std::string> names;
+    for (std::string at = end; at != base; at = above_.at(at)->parent)
+      if (above_.at(at)->type != UrdfJoint::Type::kFixed)
+        names.insert(names.begin(), above_.at(at)->name + (above_.at(at)->mimic ? ", a mimic" : ""));
+    throw InputError(
+        {model_.file},
+        fmt::format("{} joints move between '{}' and '{}'{}; allowed: arms with six, or another "
+                    "--base-link or --flange-link",
+                    most, base, end, names.empty() ? "" : fmt::format(" ({})", fmt::join(names, ", "))));
+  }
+
+  /// Whether tool0 or flange stands behind six joints: what moves beyond is a gripper.
+  bool IsUsual(const std::string& base) const {
+    return std::ranges::any_of(model_.links, [&](const UrdfLink& link) {
+      return (link.name == "tool0" || link.name == "flange") && MovingJoints(base, link.name) == 6;
+    });
+  }
+
   int MovingJoints(const std::string& base, std::string link) const {
     int moving = 0;
     for (size_t steps = 0; steps <= model_.joints.size(); ++steps) {
@@ -310,22 +332,24 @@ std::string WithBall(std::string cell) {
 }
 
 std::string UrdfCellText(const UrdfChoice& choice, const fs::path& folder) {
-  constexpr double kTolerance = 0.01;
   constexpr size_t kMaxBytes = size_t{16} << 20;
   const std::string name = choice.file.string();
-  const UrdfModel model = ReadUrdf(ReadFile(choice.file, kMaxBytes), name);
+  const UrdfModel model = ReadUrdf(ReadFile(choice.file, kMaxBytes), name,
+                                   [](const std::string& included) { return ReadFile(included, kMaxBytes); });
   const Links links(model);
   const std::string base = links.Base(choice.base_link);
   CheckLink(model, base);
   const std::string flange = links.Flange(choice.flange_link, base);
   const ChainOfLinks found = FindChain(model, base, flange);
-  const DerivedArm derived = DeriveArm(found.chain, kTolerance, name);
+  const DerivedArm derived =
+      DeriveArm(found.chain, choice.tolerance.value_or(UrdfSettings{}.tolerance), name, "--tolerance-mm");
   const double reach = ArmLength(derived.arm);
   const FirstTool tool = ToolFor(reach);
   std::string packages;
   for (const auto& [package, at] : FindPackages(model, choice.file))
     packages += fmt::format("{}{}: {}", packages.empty() ? "" : ", ", Quoted(package), YamlPath(at, folder));
   if (!packages.empty()) packages = fmt::format(", packages: {{{}}}", packages);
+  if (choice.tolerance) packages += fmt::format(", tolerance_mm: {}", ShortestNumber(*choice.tolerance));
 
   std::string text = kHead;
   text += fmt::format(
@@ -364,7 +388,10 @@ std::string UrdfCellText(const UrdfChoice& choice, const fs::path& folder) {
          "# GUESS: LinuxCNC needs nothing more. KRL and SINUMERIK need the texts of your plant "
          "(docs/krl.md,\n"
          "# docs/sinumerik.md), then their names under `programs` of the job.\n"
-         "controllers:\n  linuxcnc: {}\n";
+         "controllers:\n  linuxcnc:\n"
+         "    # GUESS: the controller counts the axes as the URDF does. Compare signs and zeros joint by "
+         "joint.\n"
+         "    axis_signs: [1, 1, 1, 1, 1, 1]\n    axis_offsets_deg: [0, 0, 0, 0, 0, 0]\n";
 }
 
 }  // namespace millpose

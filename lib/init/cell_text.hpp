@@ -19,6 +19,7 @@ std::string WithBall(std::string cell);
 struct UrdfChoice {
   std::filesystem::path file;          ///< absolute
   std::string base_link, flange_link;  ///< empty: what suits
+  std::optional<double> tolerance;     ///< mm, between its joints and the closed form
 };
 
 /// A cell whose arm is a URDF's, for a file in `folder` (absolute). Throws InputError for a URDF without a

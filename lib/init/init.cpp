@@ -3,19 +3,23 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 
 #include "base/error.hpp"
 #include "base/execution.hpp"
 #include "base/file.hpp"
+#include "base/loose_file.hpp"
+#include "base/named_progress.hpp"
+#include "config/config.hpp"
 #include "init/cell_text.hpp"
 #include "init/facing_groups.hpp"
 #include "init/job_text.hpp"
 #include "init/place_part.hpp"
+#include "job/arrival.hpp"
 #include "job/assemble.hpp"
 #include "job/step_meshes.hpp"
+#include "output/remove_folder.hpp"
 #include "pipeline/run.hpp"
 #include "surface/raw_mesh.hpp"
 #include "surface/step_reader.hpp"
@@ -31,28 +35,50 @@ constexpr double kSmallPatch = 0.25;
 constexpr double kMostLift = 0.5;  // mm: what rough facets ask for; more is another face in the way
 constexpr size_t kPlacesEach = 2;  // of a tool path that are planned
 
-/// A folder beside the one to come, so that relative paths hold in both; gone with the object.
-class Staging {
+constexpr std::array kWritten = {"cell.yaml", "job.yaml"};
+
+/// The folder that init works in: beside the one to come, so that relative paths hold in both. It outlives a
+/// kill and an interrupt: the next init for the same folder finds what was planned there, goes on, and
+/// removes it.
+class WorkFolder {
  public:
-  explicit Staging(const fs::path& out)
-      : path_(out.parent_path() / fmt::format(".{}.init-{}", out.filename().string(), getpid())) {
-    MakeFolders(path_);
+  static fs::path PathFor(const fs::path& out) {
+    return out.parent_path() / fmt::format(".{}.init", out.filename().string());
   }
-  ~Staging() {
+
+  explicit WorkFolder(const fs::path& out) : path_(PathFor(out)) {
+    for (fs::path parent = path_.parent_path(); !Exists(parent); parent = parent.parent_path())
+      made_.push_back(parent);
+    folder_.emplace(path_, FolderUse::kResults);
+  }
+  ~WorkFolder() {
+    if (stays_) return;
     try {
-      RemoveAll(path_);
+      RemoveOutputFolder(*folder_);
     } catch (const InputError&) {  // what cannot be removed stays; the files that count are not in it
     }
+    std::error_code ignored;
+    for (const fs::path& parent : made_) fs::remove(parent, ignored);  // only where nothing is in it
   }
-  Staging(const Staging&) = delete;
-  Staging& operator=(const Staging&) = delete;
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
 
-  const fs::path& path() const { return path_; }
-  fs::path Job() const { return path_ / "job.yaml"; }
-  fs::path CellFile() const { return path_ / "cell.yaml"; }
+  /// Leaves it to the next init.
+  void Stay() { stays_ = true; }
+
+  fs::path CellFile() const { return path_ / kWritten[0]; }
+  /// Not job.yaml: in a folder of millpose's that is the resolved job of a plan.
+  fs::path Job() const { return path_ / "first_job.yaml"; }
+  void WriteCell(const std::string& text) const { folder_->Write(kWritten[0], text); }
+  void WriteJob(const std::string& text) const { folder_->Write("first_job.yaml", text); }
+  /// The output folder of a trial, from 1.
+  fs::path Trial(int number) const { return path_ / fmt::format("trial_{}", number); }
 
  private:
   fs::path path_;
+  std::vector<fs::path> made_;  ///< parents that were missing, the innermost first
+  std::optional<OutputFolder> folder_;
+  bool stays_ = false;
 };
 
 fs::path FileOf(const fs::path& given) {
@@ -65,14 +91,12 @@ fs::path FolderFor(const InitArguments& arguments) {
   const fs::path given = arguments.out.value_or(arguments.part.stem());
   fs::path folder = fs::weakly_canonical(fs::absolute(given));
   if (!folder.has_filename()) folder = folder.parent_path();
-  for (const char* name : {"cell.yaml", "job.yaml"})
-    if (Exists(folder / name))
-      throw InputError({(folder / name).string()},
-                       "exists already; allowed: a folder without it (--out DIR)");
   if (Exists(folder) && !fs::is_directory(folder))
     throw InputError({folder.string()}, "is a file; allowed: a folder, or a name that is free (--out DIR)");
   return folder;
 }
+
+bool Stands(const fs::path& file) { return fs::symlink_status(file).type() != fs::file_type::not_found; }
 
 /// A name that job files allow, from the part's.
 std::string JobName(const fs::path& part) {
@@ -96,12 +120,31 @@ class Init {
         progress_(progress),
         stop_(std::move(stop)),
         out_(FolderFor(arguments)),
-        part_(FileOf(arguments.part)),
-        staging_(out_) {}
+        part_(FileOf(arguments.part)) {}
 
   InitOutcome Run() {
-    cell_text_ = CellText();
-    WriteFileAtomically(staging_.CellFile(), cell_text_);
+    if (!Exists(WorkFolder::PathFor(out_))) RefuseTaken();
+    work_.emplace(out_);
+    try {
+      return Work();
+    } catch (const Interrupted&) {
+      work_->Stay();
+      throw;
+    }
+  }
+
+ private:
+  InitOutcome Work() {
+    TakeBack();
+    RefuseTaken();
+    if (arguments_.cell) {
+      cell_file_ = FileOf(*arguments_.cell);
+      job_.cell = YamlPath(cell_file_, out_);
+    } else {
+      cell_file_ = work_->CellFile();
+      cell_text_ = CellText();
+      work_->WriteCell(cell_text_);
+    }
     job_.name = JobName(part_);
     job_.part = YamlPath(part_, out_);
     job_.unit = UnitOfPart();
@@ -112,6 +155,11 @@ class Init {
         for (const FirstStrategy strategy : {FirstStrategy::kPad, FirstStrategy::kPlanesFree,
                                              FirstStrategy::kPlanes, FirstStrategy::kBall}) {
           if (strategy == (group.flat ? FirstStrategy::kBall : FirstStrategy::kPad)) continue;
+          // The cutter of the user's own cell is what it is.
+          if (arguments_.cell &&
+              (strategy == FirstStrategy::kBall) != (cell_.tool.cutter_tip == CutterTip::kBall) &&
+              !group.flat)
+            continue;
           job_.group = group;
           job_.strategy = strategy;
           job_.patch_half = share * PatchHalf(draft_.reach);
@@ -121,11 +169,19 @@ class Init {
     Refuse(groups);
   }
 
- private:
+  /// Nothing of the user's is written over; with a cell of the user's own only the job is written.
+  void RefuseTaken() const {
+    for (const char* name : kWritten)
+      if (Stands(out_ / name) && !(arguments_.cell && name == kWritten[0]))
+        throw InputError({(out_ / name).string()},
+                         "exists already; allowed: a folder without it (--out DIR)");
+  }
+
   std::string CellText() const {
     const bool is_file = Exists(arguments_.arm);
     if (!is_file && fs::path(arguments_.arm).extension() != ".urdf") return SampleCellText(arguments_.arm);
-    return UrdfCellText({FileOf(arguments_.arm), arguments_.base_link, arguments_.flange_link}, out_);
+    return UrdfCellText(
+        {FileOf(arguments_.arm), arguments_.base_link, arguments_.flange_link, arguments_.tolerance}, out_);
   }
 
   /// The file's own unit where it states one; never one that makes the part fit.
@@ -138,34 +194,54 @@ class Init {
 
   void ReadDraft() {
     std::map<std::string, std::string> body_bytes;
-    const CellSettings cell = LoadCell(staging_.CellFile(), &body_bytes);
-    draft_.reach = Reach(MakeCell(cell, body_bytes));
-    cell_ = ParseCell(ReadFile(staging_.CellFile()), (out_ / "cell.yaml").string());
-    WriteFileAtomically(staging_.Job(), JobText(job_, cell_));
-    draft_.inputs = LoadJobInputs(staging_.Job());
+    CellSettings cell = LoadCell(cell_file_, &body_bytes);
+    SelectTool(arguments_.tool.empty() && !cell.tools.empty() ? cell.tools.front().name : arguments_.tool,
+               &cell);
+    if (!cell.tools.empty()) job_.tool = cell.tool.name;
+    const Cell made = MakeCell(cell, body_bytes);
+    arguments_.say(fmt::format("arm                 {}, reach {:.4g} mm\n", cell.arm.name, Reach(made)) +
+                   ToText(DescribeArrival(cell, made)));
+    draft_.reach = Reach(made);
+    cell_ = std::move(cell);
+    work_->WriteJob(JobText(job_, cell_));
+    draft_.inputs = LoadJobInputs(work_->Job());
     progress_.Begin(SurfaceStage(draft_.inputs), 0);
     CutStepFiles(
         &draft_.inputs, [&](int percent) { progress_.Percent(percent); }, stop_);
     draft_.part = ReadPart(draft_.inputs, MakeCell(draft_.inputs.cell, draft_.inputs.body_bytes));
     progress_.End(fmt::format("{} triangles", draft_.part->import.report.triangles));
     const ImportReport& report = draft_.part->import.report;
+    CheckSize((report.upper - report.lower).maxCoeff());
     if (arguments_.unit) return;
     if (const auto doubt = UnitWarning((report.upper - report.lower).maxCoeff(), draft_.reach))
       throw InputError({part_.string()}, *doubt + "; give --unit mm, cm, in or m");
   }
 
-  /// Puts the cutter's shape into the cell: curved faces of rough facets want a ball.
-  void TakeCutter(CutterTip tip) {
-    if (draft_.inputs.cell.tool.cutter_tip == tip) return;
-    draft_.inputs.cell.tool.cutter_tip = tip;
-    WriteFileAtomically(staging_.CellFile(), tip == CutterTip::kBall ? WithBall(cell_text_) : cell_text_);
+  /// A part longer than the arm's whole space has no place before it.
+  void CheckSize(double size) const {
+    if (size <= 2 * draft_.reach) return;
+    const auto unit = UnitWarning(size, draft_.reach);
+    throw InputError(
+        {part_.string()},
+        fmt::format(
+            "is {:.4g} m long, while the arm with its tool reaches {:.4g} m to either side{}; allowed: "
+            "a smaller part, another arm, or a job written by hand that mills it from several "
+            "places (docs/placement.md)",
+            size / 1000, draft_.reach / 1000, unit ? fmt::format(" ({}: --unit?)", *unit) : ""));
   }
 
-  /// Whether a place was found at which the group is planned whole; staging holds its job then.
+  /// Puts the cutter's shape into the cell: curved faces of rough facets want a ball.
+  void TakeCutter(CutterTip tip) {
+    if (arguments_.cell || draft_.inputs.cell.tool.cutter_tip == tip) return;
+    draft_.inputs.cell.tool.cutter_tip = tip;
+    work_->WriteCell(tip == CutterTip::kBall ? WithBall(cell_text_) : cell_text_);
+  }
+
+  /// Whether a place was found at which the group is planned whole; the work folder holds its job then.
   bool TryGroup() {
     const Mesh& mesh = draft_.part->import.mesh;
     TakeCutter(job_.strategy == FirstStrategy::kBall ? CutterTip::kBall : cell_.tool.cutter_tip);
-    draft_.inputs.job = ParseJob(JobText(job_, cell_), staging_.Job().string());
+    draft_.inputs.job = ParseJob(JobText(job_, cell_), work_->Job().string());
     JobToolpath made;
     try {
       made = MakeJobToolpath(draft_.inputs, mesh, stop_);
@@ -188,18 +264,20 @@ class Init {
     return false;
   }
 
-  /// What counts is `plan` itself.
+  /// What counts is `plan` itself. The folders of earlier trials stay until the end: an init that goes on
+  /// finds their plans.
   bool Plans() {
-    WriteFileAtomically(staging_.Job(), JobText(job_, cell_));
+    work_->WriteJob(JobText(job_, cell_));
     PlanArguments plan;
-    plan.job = staging_.Job();
-    plan.out = staging_.path() / "trial.out";
+    plan.job = work_->Job();
+    plan.out = work_->Trial(failed_plans_ + 1);
     plan.threads = arguments_.threads;
-    progress_.Begin(fmt::format("trial {}", failed_plans_ + 1), 0);
-    const PlanOutcome outcome = RunPlan(plan, Silent(), stop_);
+    const std::string trial = fmt::format("trial {}", failed_plans_ + 1);
+    NamedProgress told(progress_, trial);
+    const PlanOutcome outcome = RunPlan(plan, told, stop_);
+    progress_.Begin(trial, 0);
     progress_.End(outcome.exit_status == 0 ? "planned completely"
                                            : "not planned completely; another place or region is tried");
-    RemoveAll(*plan.out);
     return outcome.exit_status == 0;
   }
 
@@ -214,17 +292,33 @@ class Init {
             groups.size(), groups.empty() ? 0 : groups[0].area, failed_plans_, cell_.tool.cutter_diameter));
   }
 
+  /// The cell comes first. One that stands alone and is the one of the work folder was left by an init that
+  /// was ended between the two.
+  void TakeBack() const {
+    if (arguments_.cell) return;
+    const fs::path cell = out_ / kWritten[0];
+    if (Stands(out_ / kWritten[1]) || fs::symlink_status(cell).type() != fs::file_type::regular) return;
+    if (Exists(work_->CellFile()) && ReadFile(cell) == ReadFile(work_->CellFile())) RemoveAll(cell);
+  }
+
   InitOutcome Publish() {
-    FolderFor(arguments_);  // somebody may have written there meanwhile
+    RefuseTaken();  // somebody may have written there meanwhile
+    const bool made = !Exists(out_);
     MakeFolders(out_);
-    Rename(staging_.CellFile(), out_ / "cell.yaml");
-    Rename(staging_.Job(), out_ / "job.yaml");
-    SyncFolder(out_);
+    try {
+      if (!arguments_.cell) WriteLooseFile(out_ / kWritten[0], ReadFile(work_->CellFile()));
+      WriteLooseFile(out_ / kWritten[1], ReadFile(work_->Job()));
+    } catch (const InputError&) {
+      TakeBack();
+      std::error_code ignored;
+      if (made) fs::remove(out_, ignored);
+      throw;
+    }
     const FacingGroup& group = job_.group;
     InitOutcome outcome{out_, ""};
     const fs::path shown = arguments_.out.value_or(arguments_.part.stem());
     outcome.text = fmt::format(
-        "wrote      {0}/cell.yaml\nwrote      {0}/job.yaml\n"
+        "{8}wrote      {0}/job.yaml\n"
         "region     {1}{2:.0f} mm², about {3:.1f}, {4:.1f}, {5:.1f} mm on the part\n"
         "place      {6}, {7:.1f}, {8:.1f}, {9:.1f} mm in the world\n"
         "it plans   millpose plan {0}/job.yaml\n"
@@ -232,7 +326,8 @@ class Init {
         shown.string(), group.flat ? "a plane face, " : "a curved face, ", group.area, group.seed.x(),
         group.seed.y(), group.seed.z(), job_.placement.upright ? "upright before the arm" : "facing up",
         job_.placement.X_WP.translation().x(), job_.placement.X_WP.translation().y(),
-        job_.placement.X_WP.translation().z());
+        job_.placement.X_WP.translation().z(),
+        arguments_.cell ? "" : fmt::format("wrote      {}/cell.yaml\n", shown.string()));
     return outcome;
   }
 
@@ -240,9 +335,10 @@ class Init {
   Progress& progress_;
   std::stop_token stop_;
   fs::path out_, part_;
-  Staging staging_;
+  std::optional<WorkFolder> work_;
   FirstJob job_;
-  std::string cell_text_;  ///< with its first cutter
+  fs::path cell_file_;
+  std::string cell_text_;  ///< with its first cutter; empty of the user's own
   CellSettings cell_;
   Draft draft_{};
   int failed_plans_ = 0;

@@ -66,13 +66,14 @@ std::string JobText(const FirstJob& job, const CellSettings& cell) {
       "GUESS:\n"
       "# measure or replace it before a program goes to a machine. Keys: docs/yaml-reference.md.\n";
   text += fmt::format(
-      "millpose_job: 1\nname: {}\ncell: cell.yaml\nseed: 1\nworkpiece:\n  mesh: {}\n  unit: {}\n  frame: "
+      "millpose_job: 1\nname: {}\ncell: {}\n{}seed: 1\nworkpiece:\n  mesh: {}\n  unit: {}\n  frame: "
       "world\n"
       "  # GUESS: a place in front of the arm, {}. Measure where the part is, or give\n"
       "  # `targets` in place of `pose`: places on the part and where a tracker saw them "
       "(docs/mesh-import.md).\n"
       "  pose: {{xyz_mm: {}, abc_deg: {}}}\n",
-      job.name, job.part, UnitName(job.unit),
+      job.name, job.cell, job.tool.empty() ? "" : fmt::format("tool: {}\n", job.tool), job.part,
+      UnitName(job.unit),
       job.placement.upright ? "what is milled upright like a wall" : "what is milled facing up",
       Vector(job.placement.X_WP.translation(), 1),
       Vector(AnglesZyx(job.placement.X_WP.linear()) * kDegPerRad, 3));

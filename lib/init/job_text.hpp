@@ -19,8 +19,10 @@ enum class FirstStrategy : uint8_t {
 };
 
 struct FirstJob {
-  std::string name, part;  ///< the part's file as YAML
-  double unit = 1;         ///< mm per unit of the file
+  std::string name, part;          ///< the part's file as YAML
+  std::string cell = "cell.yaml";  ///< likewise
+  std::string tool = {};           ///< of a cell with several
+  double unit = 1;                 ///< mm per unit of the file
   FacingGroup group;
   double patch_half = 0;  ///< how far from its seed at most it is milled, mm
   FirstStrategy strategy = FirstStrategy::kPad;

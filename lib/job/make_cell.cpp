@@ -98,6 +98,7 @@ Arm MakeArm(const ArmSettings& settings) {
   arm.offset = settings.offset;
   arm.lower = settings.lower;
   arm.upper = settings.upper;
+  arm.coupled_limits = settings.coupled_limits;
   arm.speed = settings.speed;
   arm.acceleration = settings.acceleration;
   arm.acceleration_assumed = settings.acceleration_assumed;

@@ -83,19 +83,25 @@ class Resolver {
       : cell_(cell), root_(root), urdf_(cell.arm.urdf), file_((folder / urdf_.file).string()) {}
 
   void Resolve() {
-    const UrdfModel model = ReadUrdf(root_.Read(file_, kMaxBytes), file_);
+    const UrdfModel model = ReadUrdf(root_.Read(file_, kMaxBytes), file_,
+                                     [&](const std::string& name) { return root_.Read(name, kMaxBytes); });
     const ChainOfLinks found = FindChain(model, urdf_.base_link, urdf_.flange_link);
     derived_ = DeriveArm(found.chain, urdf_.tolerance, file_);
     FillArm(found.chain);
     MoveToArm(derived_, cell_);
     for (const AttachedLink& link : found.links) AddBodies(found.chain, link);
     cell_.warnings = found.warnings;
+    cell_.notes = model.notes;
+    const auto& joints = found.chain.joints;
+    cell_.arm.joints = fmt::format("{} … {}, from {} to {} of {} (metres, radians)", joints.front().name,
+                                   joints.back().name, urdf_.base_link, urdf_.flange_link, urdf_.file);
     if (!problems_.empty()) throw InputError(std::move(problems_));
     cell_.arm.urdf = {};
   }
 
  private:
   static constexpr size_t kMaxBytes = size_t{16} << 20;
+  static constexpr double kMostRevolutions = 2;  // either way: no arm's cables bear more
 
   void AddToCell(std::string message) {
     problems_.push_back({{cell_.file, urdf_.line}, "arm.urdf: " + std::move(message)});
@@ -105,8 +111,17 @@ class Resolver {
     ArmSettings& arm = cell_.arm;
     const Arm& from = derived_.arm;
     TakeLengths(from, arm);
+    arm.deviation = derived_.deviation;
     const bool own_limits = arm.lower != arm.upper, own_speeds = !arm.speed.isZero(0.0);
     for (const JointChain::Joint& joint : chain.joints) {
+      if (const double most = std::max(std::abs(joint.lower), std::abs(joint.upper));
+          !own_limits && most > kMostRevolutions * 2 * kPi)
+        problems_.push_back(
+            {{file_, joint.line},
+             fmt::format(
+                 "joint '{}': limits {:.6g}…{:.6g} rad are up to {:.3g} revolutions: degrees? A URDF has "
+                 "radians; mend the file, or give arm.limits_deg",
+                 joint.name, joint.lower, joint.upper, most / (2 * kPi))});
       if (!own_limits && !joint.limited) {
         AddToCell(fmt::format("joint '{}' is continuous, without limits; give arm.limits_deg", joint.name));
       }
@@ -214,6 +229,7 @@ void ResolveTable(CellSettings& cell) {
     const DerivedArm derived =
         DeriveArm(ChainOf(rows, table.convention), table.tolerance, cell.file, "arm.dh.tolerance_mm");
     TakeLengths(derived.arm, cell.arm);
+    cell.arm.deviation = derived.deviation;
     MoveToArm(derived, cell);
   } catch (const InputError& error) {
     std::vector<Problem> problems = error.problems();

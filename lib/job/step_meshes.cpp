@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "base/folder.hpp"
 #include "base/hash.hpp"
 #include "base/text.hpp"
 #include "job/assemble.hpp"
@@ -51,8 +52,8 @@ void TakeFrom(const std::function<std::optional<std::string>(const std::string& 
 }
 
 std::optional<std::string> InResults(const std::filesystem::path& folder, const std::string& key) {
-  if (!Exists(folder / FileOf(key))) return std::nullopt;
-  return ReadFile(folder / FileOf(key));
+  if (!Exists(folder) || Folder(folder).KindOf(FileOf(key)) != Folder::Kind::kFile) return std::nullopt;
+  return Folder(folder).Read(FileOf(key));
 }
 
 // A body without one of its faces would be passed through there.

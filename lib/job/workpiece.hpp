@@ -10,6 +10,7 @@
 #include "stations/external_course.hpp"
 #include "stations/stations.hpp"
 #include "surface/mesh_import.hpp"
+#include "toolpath/cam/cam_source.hpp"
 #include "toolpath/gouge.hpp"
 
 namespace millpose {
@@ -42,6 +43,8 @@ struct JobToolpath {
   std::vector<std::string> findings;        ///< of the strategy; gouges that stay in the path
   std::vector<std::string> notes;           ///< how a CAM path was read
   std::vector<std::string> holes_left_out;  ///< of a CAM path's cycles: not machined, one sentence each
+  std::optional<CamSource> source;          ///< of a CAM path
+  std::optional<double> spindle_speed;  ///< that a CAM path asks for, rev/s; it holds in place of the job's
 };
 
 /// Makes the job's tool path on the mesh, or imports it. Throws InputError when it holds no point;

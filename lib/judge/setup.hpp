@@ -78,6 +78,13 @@ struct Setup {
   bool parallel = false;              ///< axes 2, 3 and 4 are; else the wrist is spherical
   Angles sign, offset, lower, upper;  ///< 1, rad
   Angles hard_lower, hard_upper;      ///< the arm's own limits, rad
+  /// Σ factors·angles ≤ at_most (rad), without the job's margin.
+  struct Coupled {
+    Angles factors;
+    Real at_most;
+  };
+  std::vector<Coupled> coupled;
+  Real coupled_margin = 0;            ///< rad, that points keep from them
   Angles stiffness;                   ///< N·mm/rad
   Angles max_step;                    ///< rad, infinite where the job has none
   Angles max_step_speed;              ///< rad/s: the job's share of the arm's
@@ -92,11 +99,17 @@ struct Setup {
   Real spacing = 0;                ///< mm
   bool rings = false;              ///< passes may be closed
   bool laid = true;  ///< cut points lie on the workpiece or a layer over it: no hole, no trimmed edge
-  std::string krl_tool_axis = "z", sinumerik_tool_axis = "z", sinumerik_rotation = "rpy";
+  std::string krl_tool_axis = "z", sinumerik_tool_axis = "z", sinumerik_rotation = "orirpy";
+  std::vector<std::string> sinumerik_words = {"A", "B", "C"};          ///< of the angles
   std::string krl_tool_direction = "x";                                ///< $TOOL_DIRECTION
   bool sinumerik_turn_known = false;                                   ///< the cell says how MD21104 stands
   std::string linuxcnc_tool_axis = "z", linuxcnc_rotation = "rpy";     ///< of tool poses
   std::map<std::string, std::vector<ControllerAxis>> controller_axes;  ///< by controller
+  /// How a controller counts: its angle = sign · the arm's + offset (rad).
+  struct Count {
+    Angles sign, offset;
+  };
+  std::map<std::string, Count> counts;  ///< by controller; those that are not here count as the arm does
   std::optional<KrlRail> krl_rail;
   Matrix4 krl_robot = Matrix4::Identity();  ///< $ROBROOT: the robot in $WORLD, or on the carriage of krl_rail
   std::optional<Matrix4> krl_table;  ///< what $BASE = EK(…) counts from with the table at 0, in $WORLD

@@ -15,11 +15,7 @@ namespace millpose {
 namespace fs = std::filesystem;
 namespace {
 
-/// Folders of operations that the job has no more.
-void RemoveOthers(const fs::path& out, const std::vector<std::string>& folders) {
-  for (const std::string& folder : OperationFolders(out))
-    if (std::ranges::find(folders, folder) == folders.end()) RemoveAll(out / folder);
-}
+bool IsWritten(const WholeProgram& program) { return program.withheld.empty() && program.findings.empty(); }
 
 void AddResults(const std::string& name, const std::vector<DoneOperation>& operations,
                 const std::vector<WholeProgram>& programs, ResultSet& results) {
@@ -27,10 +23,73 @@ void AddResults(const std::string& name, const std::vector<DoneOperation>& opera
   results.Add("summary.json", WholeSummary(name, operations, programs));
   results.Add("report.html", WholeReport(name, operations, programs));
   for (const WholeProgram& program : programs) {
-    if (!program.withheld.empty() || !program.findings.empty()) continue;
+    if (!IsWritten(program)) continue;
     for (const auto& [file, text] : program.files)
       results.Add(fmt::format("{}/{}/{}", kProgramsFolder, program.controller, file), text);
   }
+}
+
+/// Each planned into `whole`, which is null where only a share is.
+PlanOutcome PlanEach(const PlanArguments& arguments, const std::vector<JobInputs>& inputs,
+                     const OutputFolder& folder, ResultSet* whole, Stages& stages,
+                     const std::stop_token& stop) {
+  PlanOutcome all;
+  for (size_t i = 0; i < inputs.size(); ++i) {
+    const std::string& name = inputs[i].job.operation;
+    PlanArguments own = arguments;
+    own.operation = i;
+    NamedProgress told(stages, name);
+    const PlanOutcome outcome =
+        PlanOperation(own, folder.Operation(OperationFolder(i, name)), whole, told, stop);
+    all.exit_status = std::max(all.exit_status, outcome.exit_status);
+    if (arguments.share) all.text += fmt::format("operation {}: {}", name, outcome.text);
+  }
+  return all;
+}
+
+/// The operations as they are staged, in their order.
+std::vector<DoneOperation> Staged(const std::vector<JobInputs>& inputs, const ResultSet& results,
+                                  const FileRoot& root) {
+  std::vector<DoneOperation> operations;
+  for (size_t i = 0; i < inputs.size(); ++i)
+    operations.push_back(ReadOperation(
+        results.staged(),
+        fmt::format("{}/{}", kOperationsFolder, OperationFolder(i, inputs[i].job.operation)), root));
+  return operations;
+}
+
+std::vector<WholeProgram> MainPrograms(const JobInputs& job, const std::string& name,
+                                       const std::vector<DoneOperation>& operations) {
+  std::vector<WholeProgram> programs;
+  for (const std::string& controller : job.job.programs)
+    programs.push_back(MakeWholeProgram(name, controller, operations));
+  return programs;
+}
+
+PlanOutcome PlanWhole(const PlanArguments& arguments, const std::string& name,
+                      const std::vector<JobInputs>& inputs, const OutputFolder& folder,
+                      const RunFigures& begun, Stages& stages, const std::stop_token& stop) {
+  ResultSet results(folder, kPlanNames);
+  PlanOutcome outcome = PlanEach(arguments, inputs, folder, &results, stages, stop);
+  stages.Begin("main programs", 0);
+  const std::vector<DoneOperation> operations = Staged(inputs, results, arguments.root);
+  const std::vector<WholeProgram> programs = MainPrograms(inputs.front(), name, operations);
+  if (!std::ranges::all_of(programs, IsWritten)) outcome.exit_status = 1;
+  results.Add("job.yaml",
+              WithOverrides(inputs.front().job_text, arguments.job.string(), OverridesOf(arguments)));
+  AddResults(name, operations, programs, results);
+  stages.End(
+      fmt::format("{} of {} controllers", std::ranges::count_if(programs, IsWritten), programs.size()));
+  RunFigures run = EndRun(begun, stages, Execution{arguments.threads, stages, stop}.Threads());
+  run.manifest = results.AddManifest(KeyOf(inputs, results.staged()));
+  run.exit_status = outcome.exit_status;
+  run.told = WholeText(operations, programs, folder.path());
+  results.AddRun(RunJson(run));
+  results.Publish();
+  std::vector<std::string> folders;
+  for (const DoneOperation& done : operations) folders.push_back(fs::path(done.folder).filename().string());
+  folder.KeepOperations(folders);
+  return {outcome.exit_status, run.told};
 }
 
 PlanOutcome RunOperations(const PlanArguments& arguments, const JobOutline& outline, Progress& progress,
@@ -41,49 +100,18 @@ PlanOutcome RunOperations(const PlanArguments& arguments, const JobOutline& outl
   if (!arguments.out) arguments.root.CheckFolder(out);
   const OutputFolder folder(out, arguments.share ? FolderUse::kCheckpoints : FolderUse::kResults);
   const RunFigures begun = BeginRun(arguments, outline.name, inputs.front().folder, folder);
-  std::vector<std::string> folders;
-  std::string shares;
-  int status = 0;
-  for (size_t i = 0; i < inputs.size(); ++i) {
-    const std::string& name = inputs[i].job.operation;
-    folders.push_back(fmt::format("{}/{}", kOperationsFolder, OperationFolder(i, name)));
-    PlanArguments own = arguments;
-    own.operation = i;
-    own.out = out / folders.back();
-    MakeFolders(own.out->parent_path());
-    NamedProgress told(stages, name);
-    const PlanOutcome outcome = RunPlan(own, told, stop);
-    status = std::max(status, outcome.exit_status);
-    if (arguments.share) shares += fmt::format("operation {}: {}", name, outcome.text);
+  if (arguments.fresh && !arguments.share) folder.RemoveCheckpoints();
+  PlanOutcome outcome;
+  if (arguments.share) {
+    outcome.text = PlanEach(arguments, inputs, folder, nullptr, stages, stop).text;
+  } else if (const auto standing =
+                 arguments.fresh ? std::nullopt : FindStandingPlan(out, KeyOf(inputs, out), begun)) {
+    outcome = {standing->exit_status, standing->told + kUnchanged};
+  } else {
+    outcome = PlanWhole(arguments, outline.name, inputs, folder, begun, stages, stop);
   }
-  if (arguments.share) return {0, shares};
-  RemoveOthers(out, folders);
-
-  stages.Begin("main programs", 0);
-  std::vector<DoneOperation> operations;
-  for (const std::string& own : folders) operations.push_back(ReadOperation(out, own, arguments.root));
-  std::vector<WholeProgram> programs;
-  for (const std::string& controller : inputs.front().job.programs) {
-    programs.push_back(MakeWholeProgram(outline.name, controller, operations));
-    if (!programs.back().withheld.empty() || !programs.back().findings.empty()) status = 1;
-  }
-  ResultSet results(folder);
-  results.Add("job.yaml",
-              WithOverrides(inputs.front().job_text, arguments.job.string(), OverridesOf(arguments)));
-  AddResults(outline.name, operations, programs, results);
-  stages.End(fmt::format("{} of {} controllers",
-                         std::ranges::count_if(programs,
-                                               [](const WholeProgram& program) {
-                                                 return program.withheld.empty() && program.findings.empty();
-                                               }),
-                         programs.size()));
-  RunFigures run = EndRun(begun, stages, Execution{arguments.threads, stages, stop}.Threads());
-  run.manifest = results.AddManifest(KeyOf(inputs, out));
-  run.exit_status = status;
-  run.told = WholeText(operations, programs, out);
-  results.Add(kRunFile, RunJson(run));
-  results.Publish();
-  return {status, run.told + (folder.warning().empty() ? "" : "warning    " + folder.warning() + '\n')};
+  outcome.text += WarningLines(folder);
+  return outcome;
 }
 
 }  // namespace
@@ -129,8 +157,8 @@ std::string KeyOf(std::vector<JobInputs> inputs, const fs::path& folder) {
 }
 
 PlanOutcome RunJob(const PlanArguments& arguments, Progress& progress, std::stop_token stop) {
-  RecoverOutputFolder(
-      FolderOf(arguments.job));  // the job may be the resolved one of a folder that a killed run left
+  // The job may be the resolved one of a folder that a killed run left between two plans.
+  FinishSwap(FolderOf(arguments.job), arguments.root);
   const JobOutline outline =
       OutlineOf(arguments.root.Read(arguments.job), arguments.job.string(), OverridesOf(arguments));
   if (outline.operations.empty()) return RunPlan(arguments, progress, std::move(stop));

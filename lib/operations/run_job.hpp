@@ -22,7 +22,7 @@ std::vector<JobInputs> LoadOperations(const std::filesystem::path& job,
 /// LoadOperations() returns them.
 std::string KeyOf(std::vector<JobInputs> inputs, const std::filesystem::path& folder);
 
-/// "2_drill": the folder of operation `number`, from 0.
+/// "02_drill": the folder of operation `number`, from 0.
 std::string OperationFolder(size_t number, const std::string& name);
 
 }  // namespace millpose

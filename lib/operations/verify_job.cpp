@@ -9,6 +9,7 @@
 #include "config/config.hpp"
 #include "operations/whole_program.hpp"
 #include "output/output_folder.hpp"
+#include "output/read_whole.hpp"
 #include "pipeline/planned_folder.hpp"
 #include "program/calling_program.hpp"
 
@@ -117,8 +118,6 @@ class WholeFolder {
 
 std::vector<VerifiedProgram> VerifySeveral(const VerifyArguments& arguments, Progress& progress,
                                            const std::stop_token& stop) {
-  arguments.root.CheckFolder(arguments.target);
-  RecoverOutputFolder(arguments.target);
   std::vector<std::string> changed;
   const Manifest manifest = CheckManifest(arguments.target, &changed);
   std::vector<VerifiedProgram> programs;
@@ -133,21 +132,30 @@ std::vector<VerifiedProgram> VerifySeveral(const VerifyArguments& arguments, Pro
   return programs;
 }
 
+std::vector<VerifiedProgram> HoldOne(const VerifyArguments& arguments, const Execution& execution) {
+  std::vector<std::string> changed;
+  CheckManifest(*arguments.plan, &changed);
+  return WholeFolder(*arguments.plan, arguments, execution).Hold(arguments.target);
+}
+
 }  // namespace
 
 std::vector<VerifiedProgram> VerifyJob(const VerifyArguments& arguments, Progress& progress,
                                        std::stop_token stop) {
-  if (arguments.plan && HoldsSeveral(*arguments.plan)) {
-    arguments.root.CheckFolder(*arguments.plan);
-    RecoverOutputFolder(*arguments.plan);
-    std::vector<std::string> changed;
-    CheckManifest(*arguments.plan, &changed);
-    return WholeFolder(*arguments.plan, arguments, {arguments.threads, progress, stop})
-        .Hold(arguments.target);
-  }
-  if (arguments.plan || !HoldsSeveral(arguments.target))
-    return VerifyPrograms(arguments, progress, std::move(stop));
-  return VerifySeveral(arguments, progress, stop);
+  const bool folder = fs::is_directory(arguments.target);
+  if (!folder && !arguments.plan) return VerifyPrograms(arguments, progress, std::move(stop));
+  const fs::path planned = folder ? arguments.target : *arguments.plan;
+  arguments.root.CheckFolder(planned);
+  std::vector<VerifiedProgram> programs;
+  ReadWhole(planned, [&] {
+    if (!HoldsSeveral(planned))
+      programs = VerifyPrograms(arguments, progress, stop);
+    else if (folder)
+      programs = VerifySeveral(arguments, progress, stop);
+    else
+      programs = HoldOne(arguments, {arguments.threads, progress, stop});
+  });
+  return programs;
 }
 
 }  // namespace millpose

@@ -15,7 +15,7 @@ std::vector<CalledProgram> CalledBy(const CallingSyntax& syntax, const std::stri
   std::vector<CalledProgram> called;
   for (const DoneOperation& operation : operations) {
     called.push_back(AsCalled(syntax, operation.job, operation.programs.at(controller)));
-    called.back().comments = {fmt::format("operation {}, tool {}", operation.name, operation.tool)};
+    called.back().comments = {{"operation", operation.name}, {"tool", operation.tool}};
   }
   return called;
 }
@@ -34,7 +34,11 @@ WholeProgram MakeWholeProgram(const std::string& job, const std::string& control
   const CallingSyntax syntax = MakePost(controller)->Calling();
   const std::vector<CalledProgram> called = CalledBy(syntax, controller, operations);
   whole.files = WriteCalling(
-      syntax, job, {{"job", job}, {"version", std::string("millpose ") + MILLPOSE_VERSION}}, called);
+      syntax, job,
+      {{"job", job},
+       {"version", std::string("millpose ") + MILLPOSE_VERSION},
+       {"assumed", "the programs called are of this plan; their names say of which job and operation alone"}},
+      called);
   for (const CalledProgram& program : called) whole.files.insert(program.files.begin(), program.files.end());
   whole.findings = CheckWholeProgram(job, controller, operations, whole.files);
   return whole;

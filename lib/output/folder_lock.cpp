@@ -6,13 +6,14 @@
 
 #include <atomic>
 #include <cerrno>
-#include <climits>
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "base/folder.hpp"
+#include "base/writer_name.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -21,7 +22,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr const char* kLockFile = ".lock";
 constexpr const char* kOwnerPrefix = ".owner.";
-constexpr int kLooks = 50;  // for the one who has the lock
+constexpr size_t kLongestOwner = 65536;  // bytes of such a file
+constexpr int kLooks = 50;               // for the one who has the lock
 constexpr std::chrono::milliseconds kBetweenLooks{20};
 
 // Who works in a folder, as its owner file says.
@@ -31,12 +33,6 @@ struct Owner {
   int process = 0;
   bool alone = false;  // writes results
 };
-
-std::string HostName() {
-  char host[HOST_NAME_MAX + 1] = "";
-  ::gethostname(host, sizeof host - 1);
-  return host;
-}
 
 // Several locks of one process, on whatever folders, have a file each.
 int NextNumber() {
@@ -73,21 +69,28 @@ bool HasEnded(const Owner& owner) {
   return owner.host == HostName() && ::kill(owner.process, 0) != 0 && errno == ESRCH;
 }
 
-// Those who say that they work in the folder and may still do. A file that cannot be read is of one who has
-// just ended, or was not finished by one who was killed.
+// What an owner file says. None where it cannot be read: it is of one who has just ended, or was not finished
+// by one who was killed.
+std::optional<Owner> ReadOwner(const Folder& folder, const std::string& name) {
+  try {
+    const Json json = Json::parse(folder.Read(name, kLongestOwner));
+    return Owner{folder.path() / name, json.at("host").get<std::string>(),
+                 json.at("since").get<std::string>(), json.at("process").get<int>(),
+                 json.at("alone").get<bool>()};
+  } catch (const InputError&) {
+  } catch (const Json::exception&) {
+  }
+  return std::nullopt;
+}
+
+// Those who say that they work in the folder and may still do.
 std::vector<Owner> OthersIn(const fs::path& folder, const fs::path& own_file) {
   std::vector<Owner> owners;
-  for (const fs::path& file : EntriesOf(folder)) {
-    const std::string name = file.filename().string();
-    if (!name.starts_with(kOwnerPrefix) || name.ends_with(".tmp") || file == own_file) continue;
-    try {
-      const Json json = Json::parse(ReadFile(file));
-      const Owner owner{file, json.at("host").get<std::string>(), json.at("since").get<std::string>(),
-                        json.at("process").get<int>(), json.at("alone").get<bool>()};
-      if (!HasEnded(owner)) owners.push_back(owner);
-    } catch (const InputError&) {
-    } catch (const Json::exception&) {
-    }
+  const Folder open(folder);
+  for (const std::string& name : open.Names()) {
+    if (!name.starts_with(kOwnerPrefix) || name.ends_with(".tmp") || name == own_file.filename()) continue;
+    if (const std::optional<Owner> owner = ReadOwner(open, name); owner && !HasEnded(*owner))
+      owners.push_back(*owner);
   }
   return owners;
 }
@@ -115,13 +118,17 @@ std::vector<Owner> HoldersOf(const fs::path& folder, const fs::path& own_file) {
                                who.empty() ? "who is not known" : fmt::format("{}", fmt::join(who, ", "))));
 }
 
-// What runs that were killed left; only for one who is alone here.
-void RemoveOwners(const fs::path& folder, const fs::path& own_file) {
-  for (const fs::path& file : EntriesOf(folder))
-    if (file.filename().string().starts_with(kOwnerPrefix) && file != own_file) {
-      std::error_code ignored;  // one that stays only misleads where somebody else is named
-      fs::remove(file, ignored);
+// What runs that were killed left: for one who is alone here all, for others of this machine.
+void RemoveOwners(const fs::path& folder, const fs::path& own_file, bool alone) {
+  const Folder open(folder);
+  for (const std::string& name : open.Names()) {
+    if (!name.starts_with(kOwnerPrefix) || name == own_file.filename()) continue;
+    try {
+      const std::optional<Owner> owner = ReadOwner(open, name);
+      if (alone || (owner && HasEnded(*owner))) open.RemoveAll(name);
+    } catch (const InputError&) {  // one that stays only misleads where somebody else is named
     }
+  }
 }
 
 }  // namespace
@@ -148,7 +155,7 @@ FolderLock::FolderLock(const fs::path& folder, FileLock::Kind kind) : lock_(fold
     Refuse(folder, others, outcome == FileLock::Outcome::kBusy);
   }
   if (!said || !fs::exists(self.file)) Write(self);
-  if (self.alone) RemoveOwners(folder, self.file);
+  RemoveOwners(folder, self.file, self.alone);
 }
 
 FolderLock::~FolderLock() {

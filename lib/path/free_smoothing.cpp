@@ -159,10 +159,7 @@ class FreeSmoother {
 
   /// A ring comes back to its first point with the turns that it made.
   bool EndsWithin(const Joints& first) const {
-    const AdmissibleBounds& bounds = scorers_[0].problem().bounds;
-    const Joints end = first + closing_;
-    return (end.array() >= bounds.lower.array() - kRevolutionRounding).all() &&
-           (end.array() <= bounds.upper.array() + kRevolutionRounding).all();
+    return scorers_[0].problem().bounds.Hold(first + closing_, kRevolutionRounding);
   }
 
   /// Point `i` at a value of its freedom; empty where it is not admissible there.
@@ -179,9 +176,7 @@ class FreeSmoother {
     node.freedoms[options_.freedom] = x;
     node.q = NearestEquivalent(node.q, candidate.q);
     node.objective = candidate.objective;
-    const AdmissibleBounds& bounds = scorers_[i].problem().bounds;
-    if ((node.q.array() < bounds.lower.array() - kRevolutionRounding).any()) return std::nullopt;
-    if ((node.q.array() > bounds.upper.array() + kRevolutionRounding).any()) return std::nullopt;
+    if (!scorers_[i].problem().bounds.Hold(node.q, kRevolutionRounding)) return std::nullopt;
     return node;
   }
   double Was(size_t i) const { return origin_[i].freedoms[options_.freedom]; }

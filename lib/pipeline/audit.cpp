@@ -59,9 +59,7 @@ void AuditPoints(const PlanResult& plan, const Mesh& mesh, const AuditRules& rul
         figures->max_slice_distance_mm =
             std::max(figures->max_slice_distance_mm, mesh.Closest(X_PW * on_surface(point.point)).distance);
       if (point.skip != Obstacle::kNone) continue;
-      const bool inside = (point.q.array() >= bounds.lower.array() - 1e-9).all() &&
-                          (point.q.array() <= bounds.upper.array() + 1e-9).all();
-      if (!inside) ++figures->limit_violations;
+      if (!bounds.Hold(point.q, 1e-9)) ++figures->limit_violations;
     }
     figures->limit_violations += BeyondAxes(plan, pass);
   }

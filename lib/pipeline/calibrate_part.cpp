@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "job/assemble.hpp"
 #include "output/output_folder.hpp"
+#include "output/read_whole.hpp"
 #include "pipeline/write_results.hpp"
 #include "plan/station.hpp"
 #include "report/deflection.hpp"
@@ -64,6 +65,21 @@ void NumberPlaces(const std::vector<Vector3d>& places, std::vector<FaceReading>&
       }
 }
 
+/// The plan and its job, of one set.
+std::pair<PlanResult, JobInputs> ReadPlan(const CalibrateArguments& arguments) {
+  std::pair<PlanResult, JobInputs> read;
+  arguments.root.CheckFolder(arguments.plan);
+  ReadWhole(arguments.plan, [&] {
+    RefuseSeveral(arguments.plan);
+    const std::filesystem::path plan_file = arguments.plan / kPlanFile;
+    read.first = ParsePlanResult(arguments.root.Read(plan_file), plan_file.string());
+    std::optional<std::filesystem::path> origin;
+    if (arguments.job) origin = std::filesystem::absolute(*arguments.job).parent_path();
+    read.second = LoadJobInputs(arguments.plan / "job.yaml", {}, origin, arguments.root);
+  });
+  return read;
+}
+
 }  // namespace
 
 CalibratedPart CalibratePart(const CalibrateArguments& arguments) {
@@ -71,13 +87,7 @@ CalibratedPart CalibratePart(const CalibrateArguments& arguments) {
   const std::string name = arguments.measured.string();
   const CsvTable table =
       ReadCsv(arguments.root.Read(arguments.measured), name, {{"x_mm", "y_mm", "z_mm", "error_um"}, {}});
-  RecoverOutputFolder(arguments.plan);
-  const std::filesystem::path plan_file = arguments.plan / kPlanFile;
-  const PlanResult plan = ParsePlanResult(arguments.root.Read(plan_file), plan_file.string());
-  std::optional<std::filesystem::path> origin;
-  if (arguments.job) origin = std::filesystem::absolute(*arguments.job).parent_path();
-  RefuseSeveral(arguments.plan);
-  const JobInputs inputs = LoadJobInputs(arguments.plan / "job.yaml", {}, origin, arguments.root);
+  const auto [plan, inputs] = ReadPlan(arguments);
   const std::vector<FacePlace> face = FaceOf(plan, inputs);
   if (face.empty())
     throw InputError({arguments.plan.string()},

@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "base/file.hpp"
+#include "base/loose_file.hpp"
 #include "base/units.hpp"
 #include "job/assemble.hpp"
 #include "job/locate.hpp"
@@ -54,6 +54,21 @@ void CountHoles(const Mesh& mesh, MeshCheck& check) {
   for (const auto& [micrometres, holes] : found) check.holes.push_back(holes);
 }
 
+void ListFaces(const Mesh& mesh, MeshCheck& check) {
+  constexpr size_t kMostOfMesh = 40;  // a scan has as many as triangles
+  const std::vector<SourceFace>& source = mesh.triangles().source_faces;
+  check.from_step = !source.empty();
+  const MeshParts parts = FindMeshParts(mesh);
+  for (size_t i = 0; i < parts.faces.size(); ++i) {
+    MeshCheck::Face face{i + 1, i < source.size() ? source[i] : SourceFace{}, parts.faces[i]};
+    if (!check.from_step) face.source.area = face.part.area;
+    check.faces.push_back(std::move(face));
+  }
+  if (check.from_step || check.faces.size() <= kMostOfMesh) return;
+  std::ranges::stable_sort(check.faces, std::greater<>(), [](const auto& face) { return face.source.area; });
+  check.faces.resize(kMostOfMesh);
+}
+
 MeshCheck Described(const std::string& file, double unit, const ImportResult& import, double reach,
                     std::vector<std::string> warnings) {
   MeshCheck check;
@@ -61,7 +76,7 @@ MeshCheck Described(const std::string& file, double unit, const ImportResult& im
   check.unit = unit;
   check.unit_plausible = import.mesh.face_count() == 0 ||
                          !UnitWarning((import.report.upper - import.report.lower).maxCoeff(), reach);
-  check.source_faces = import.mesh.triangles().source_faces;
+  ListFaces(import.mesh, check);
   check.report = import.report;
   CountHoles(import.mesh, check);
   check.warnings = std::move(warnings);
@@ -80,8 +95,50 @@ void Count(const std::vector<PointReach>& reach, JobCheck& check) {
   }
 }
 
+/// What of most of a job's points tells that the part, or its region, is the wrong way round: normals that
+/// look away from the arm, tools that come from below.
+std::vector<std::string> WrongWayRound(const PreparedJob& prepared) {
+  const Cell& cell = prepared.cell;
+  const Eigen::Vector3d shoulder = cell.X_WB * Eigen::Vector3d(0, 0, cell.arm.d1);
+  size_t points = 0, away = 0, below = 0;
+  std::optional<Eigen::Vector3d> normal, axis;  // of the first such
+  for (const Pass& pass : prepared.toolpath.passes)
+    for (const MillingPoint& point : pass.points) {
+      if (point.kind != PointKind::kCut) continue;
+      ++points;
+      // More than 120° from the direction to the shoulder: not even a face that is milled from above or
+      // beside.
+      if (point.normal.dot((shoulder - point.position).normalized()) < -0.5) {
+        ++away;
+        if (!normal) normal = point.normal;
+      }
+      // The spindle hangs lower than the tip, by more than 17°.
+      if (point.tool_axis.z() < -0.3) {
+        ++below;
+        if (!axis) axis = point.tool_axis;
+      }
+    }
+  const auto most = [&](size_t count) { return 2 * count > points; };
+  const auto text = [](const Eigen::Vector3d& v) {
+    const Eigen::Vector3d r = ((v * 1000).array().round() / 1000 + 0.0).matrix();
+    return fmt::format("({:.3f}, {:.3f}, {:.3f})", r.x(), r.y(), r.z());
+  };
+  std::vector<std::string> found;
+  if (most(away))
+    found.push_back(
+        fmt::format("{} of {} points have a normal that looks away from the arm, such as {} in the world: is "
+                    "the part the right way round, and the region the face that is meant?",
+                    away, points, text(*normal)));
+  if (most(below))
+    found.push_back(fmt::format(
+        "at {} of {} points the tool comes from below the part, with the axis {} in the world from "
+        "tip to holder: is the part the right way up?",
+        below, points, text(*axis)));
+  return found;
+}
+
 void WriteView(const ViewFile& file, const CheckHtmlInput& input) {
-  if (file) WriteFileAtomically(*file, CheckHtml(input));
+  if (file) WriteLooseFile(*file, CheckHtml(input));
 }
 
 }  // namespace
@@ -127,9 +184,11 @@ JobCheck Check(JobInputs& inputs, const CheckJobArguments& arguments, const Exec
     if (std::ranges::find(prepared.made.notes, warning) == prepared.made.notes.end())
       warnings.push_back(warning);
   warnings.insert(warnings.end(), prepared.made.findings.begin(), prepared.made.findings.end());
+  std::ranges::move(WrongWayRound(prepared), std::back_inserter(warnings));
   check.mesh = Described(inputs.job.workpiece.mesh_file, inputs.job.workpiece.unit, prepared.surface,
                          Reach(prepared.cell), std::move(warnings));
   check.mesh.notes = prepared.made.notes;
+  check.source = prepared.made.source;
   check.job = inputs.job.name;
   check.operation = inputs.job.operation;
   check.cell = inputs.cell.name;
@@ -178,6 +237,7 @@ CellCheck CheckCell(const CheckCellArguments& arguments) {
   check.bodies = cell.bodies.size();
   check.reach = Reach(cell);
   for (const auto& [controller, post] : settings.controllers) check.controllers.push_back(controller);
+  check.arrival = DescribeArrival(settings, cell);
   check.warnings = CellWarnings(settings);
   if (const auto found = Checker(World(cell)).At(cell.home, Phase::kFree))
     check.warnings.push_back(HomeWarning(settings.file, *found));

@@ -11,8 +11,11 @@
 
 #include "base/file_root.hpp"
 #include "base/progress.hpp"
+#include "job/arrival.hpp"
 #include "job/inputs.hpp"
 #include "surface/mesh_import.hpp"
+#include "surface/mesh_parts.hpp"
+#include "toolpath/cam/cam_source.hpp"
 
 namespace millpose {
 
@@ -26,8 +29,16 @@ struct MeshCheck {
   double median_bend = 0;  ///< of edges that are neither flat (below 0.1°) nor creases, rad; 0 without any
   size_t creases = 0;      ///< edges that bend by more than 30°
   double unit = 1;         ///< mm per unit of the file, as taken
-  bool unit_plausible = true;            ///< for the arm; else a warning names the units that would be
-  std::vector<SourceFace> source_faces;  ///< of a STEP part, in its order
+  bool unit_plausible = true;  ///< for the arm; else a warning names the units that would be
+  /// A face of a STEP part in its order, or of a mesh: what hangs together over edges that bend by at most
+  /// 30°.
+  struct Face {
+    size_t number = 0;    ///< as check's page and, of a STEP part, step_faces count
+    SourceFace source{};  ///< of a mesh without id, name and kind
+    FacePart part;
+  };
+  std::vector<Face> faces;  ///< of a mesh the largest ones
+  bool from_step = false;
   /// Round holes of one diameter.
   struct Holes {
     double diameter = 0;                      ///< mm
@@ -62,6 +73,7 @@ struct JobCheck {
   std::array<size_t, 4> reach{};
   std::array<size_t, 6> limited{};  ///< points outside the limits by the axis that is farthest beyond its own
   std::vector<size_t> out_of_reach;  ///< numbers of the first points that are not admissible
+  std::optional<CamSource> source;   ///< of a CAM path: who wrote it, and how it was taken
   size_t gouges = 0;         ///< points where the cutter would go into the part beyond the job's tolerance
   double deepest_gouge = 0;  ///< mm
   Eigen::Vector3d gouge_place = Eigen::Vector3d::Zero();  ///< in P
@@ -73,6 +85,7 @@ struct CellCheck {
   size_t bodies = 0;
   double reach = 0;                      ///< mm, from axis 1 to the tool's tip
   std::vector<std::string> controllers;  ///< for which programs can be written
+  ArmArrival arrival;
   std::vector<std::string> warnings;
 };
 

@@ -15,11 +15,34 @@ std::string Size(const Eigen::Vector3d& size) {
 
 Json ToList(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-Json FacesJson(const std::vector<SourceFace>& faces) {
+Json FacesJson(const std::vector<MeshCheck::Face>& faces, bool from_step) {
   Json list = Json::array();
-  for (const SourceFace& face : faces)
-    list.push_back({{"id", face.id}, {"name", face.name}, {"kind", face.kind}, {"area_mm2", face.area}});
+  for (const MeshCheck::Face& face : faces) {
+    Json entry{{"number", face.number}};
+    if (from_step) {
+      entry["id"] = face.source.id;
+      entry["name"] = face.source.name;
+      entry["kind"] = face.source.kind;
+    }
+    entry["area_mm2"] = face.source.area;
+    const bool seen = face.part.triangles > 0;
+    entry["place_mm"] = seen ? ToList(face.part.place) : Json();
+    entry["normal"] = seen ? ToList(face.part.normal) : Json();
+    entry["radius_mm"] = face.part.radius > 0 ? Json(face.part.radius) : Json();
+    list.push_back(std::move(entry));
+  }
   return list;
+}
+
+/// "at (1.0, 2.0, 3.0) mm looking (0.00, 0.00, 1.00), radius 5.000 mm".
+std::string WhereText(const FacePart& part) {
+  if (part.triangles == 0) return "without triangles";
+  // Of noise, no minus before a zero.
+  const Eigen::Vector3d n = ((part.normal * 1000).array().round() / 1000 + 0.0).matrix();
+  std::string text = fmt::format("at ({:.1f}, {:.1f}, {:.1f}) mm looking ({:.3f}, {:.3f}, {:.3f})",
+                                 part.place.x(), part.place.y(), part.place.z(), n.x(), n.y(), n.z());
+  if (part.radius > 0) text += fmt::format(", radius {:.3f} mm", part.radius);
+  return text;
 }
 
 Json HolesJson(const std::vector<MeshCheck::Holes>& all) {
@@ -68,10 +91,49 @@ Json MeshJson(const MeshCheck& check) {
           {"creases", check.creases},
           {"crossings", report.crossings.pairs},
           {"crossings_complete", report.crossings.complete},
-          {"step_faces", FacesJson(check.source_faces)},
+          {"step_faces", check.from_step ? FacesJson(check.faces, true) : Json::array()},
+          {"mesh_faces", check.from_step ? Json::array() : FacesJson(check.faces, false)},
           {"round_holes", HolesJson(check.holes)},
           {"warnings", check.warnings},
           {"notes", check.notes}};
+}
+
+Json ArrivalJson(const ArmArrival& arrival) {
+  Json bodies = Json::array();
+  for (const ArmArrival::Body& body : arrival.bodies)
+    bodies.push_back({{"name", body.name}, {"mount", body.mount}, {"size_mm", ToList(body.size)}});
+  return {{"joints", arrival.joints}, {"zero", arrival.zero},
+          {"wrist", arrival.wrist},   {"limits_revolutions", arrival.limits},
+          {"link_bodies", bodies},    {"controllers", arrival.controllers},
+          {"notes", arrival.notes}};
+}
+
+std::string_view NameOf(SpindleSense sense) {
+  if (sense == SpindleSense::kNotStated) return "not_stated";
+  return sense == SpindleSense::kClockwise ? "clockwise" : "counter_clockwise";
+}
+
+Json OrNull(const std::optional<double>& value, double factor) {
+  return value ? Json(factor * *value) : Json();
+}
+
+// Null for a path that no file gave.
+Json SourceJson(const std::optional<CamSource>& source) {
+  if (!source) return {};
+  Json sections = Json::array();
+  for (const CamSection& section : source->sections)
+    sections.push_back({{"tool", section.tool},
+                        {"cutter_mm", OrNull(section.diameter, 1)},
+                        {"corner_radius_mm", section.corner_radius},
+                        {"spindle_rpm", OrNull(section.speed, 60)},
+                        {"spindle_sense", NameOf(section.sense)},
+                        {"first_line", section.first_line},
+                        {"last_line", section.last_line}});
+  return {{"sender", source->sender},
+          {"unit", source->unit},
+          {"frame", source->frame},
+          {"three_numbers", source->three_numbers.empty() ? Json() : Json(source->three_numbers)},
+          {"sections", std::move(sections)}};
 }
 
 Json JobJson(const JobCheck& check) {
@@ -81,6 +143,7 @@ Json JobJson(const JobCheck& check) {
             {"mesh", MeshJson(check.mesh)},
             {"passes", check.passes},
             {"points", check.points},
+            {"cam", SourceJson(check.source)},
             {"reach",
              {{"admissible", check.reach[0]},
               {"unreachable", check.reach[1]},
@@ -113,10 +176,14 @@ std::string ToText(const MeshCheck& check) {
       "normals             outside is certain on {:.1f} % of the area; facets bend by {:.2g}° in the "
       "median; {} edges are creases (above 30°)\n",
       100 * ClosedShare(report), RadToDeg(check.median_bend), check.creases);
-  for (size_t i = 0; i < check.source_faces.size(); ++i) {
-    const SourceFace& face = check.source_faces[i];
-    text += fmt::format("STEP face {:<10}{:<8} {:<10}{:>14.6g} mm²  {}\n", i + 1, face.id, face.kind,
-                        face.area, face.name);
+  for (const MeshCheck::Face& face : check.faces) {
+    const std::string where = WhereText(face.part);
+    if (check.from_step)
+      text += fmt::format("STEP face {:<10}{:<8} {:<10}{:>14.6g} mm²  {}{}{}\n", face.number, face.source.id,
+                          face.source.kind, face.source.area, where, face.source.name.empty() ? "" : "  ",
+                          face.source.name);
+    else
+      text += fmt::format("face {:<15}{:>14.6g} mm²  {}\n", face.number, face.source.area, where);
   }
   for (const MeshCheck::Holes& holes : check.holes)
     text += fmt::format("round holes         {:.3f} mm: {} through, {} blind, {} in sheet\n", holes.diameter,
@@ -161,6 +228,7 @@ std::string ToText(const CellCheck& check) {
   text +=
       fmt::format("controllers         {}\n",
                   check.controllers.empty() ? "none" : fmt::format("{}", fmt::join(check.controllers, ", ")));
+  text += ToText(check.arrival);
   for (const std::string& warning : check.warnings) text += "  - " + warning + "\n";
   return text;
 }
@@ -171,6 +239,7 @@ std::string ToJson(const CellCheck& check) {
                   {"bodies", check.bodies},
                   {"reach_mm", check.reach},
                   {"controllers", check.controllers},
+                  {"arrival", ArrivalJson(check.arrival)},
                   {"warnings", check.warnings}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -116,6 +116,8 @@ audit::Setup MakeJudgeSetup(const Cell& cell) {
   setup.offset = ToJudge(arm.offset);
   setup.lower = setup.hard_lower = ToJudge(arm.lower);
   setup.upper = setup.hard_upper = ToJudge(arm.upper);
+  for (const CoupledLimit& limit : arm.coupled_limits)
+    setup.coupled.push_back({ToJudge(limit.factors), limit.at_most});
   setup.X_WB = ToJudge(cell.X_WB);
   setup.X_FT = ToJudge(cell.X_FT);
   setup.X_WP = ToJudge(cell.X_WP);

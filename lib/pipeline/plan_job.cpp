@@ -39,7 +39,7 @@ PlanResult StartPlan(const JobInputs& inputs, const PreparedJob& prepared) {
   plan.X_FT = cell.X_FT;
   plan.X_WP = cell.X_WP;
   plan.home = cell.home;
-  plan.spindle_speed = inputs.job.spindle_speed;
+  plan.spindle_speed = prepared.made.spindle_speed.value_or(inputs.job.spindle_speed);
   plan.objective_name = problem.objective->Name();
   plan.objective_unit = problem.objective->Unit();
   plan.stiffness_origin = inputs.cell.stiffness_at;

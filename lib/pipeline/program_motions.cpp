@@ -33,6 +33,9 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
                     {"base", frames.base},
                     {"base_pose", PoseText(post.BaseInWorld(settings) * plan.X_WB.inverse() * plan.X_WP)},
                     {"units", "mm, degrees"}};
+  if (!job.operation.empty())
+    options.header.insert(options.header.begin(),
+                          {"operation", fmt::format("{} of {}", job.operation, job.operation_of)});
   for (const std::string& warning : CellWarnings(inputs.cell))
     options.header.emplace_back("unchecked", warning);
   if (window) options.header.emplace_back("base_window", BaseWindowText(*window));
@@ -44,6 +47,8 @@ MotionOptions MakeMotionOptions(const PlanResult& plan, const JobInputs& inputs,
   if (!job.program_options.date.empty()) options.header.emplace_back("date", job.program_options.date);
   for (const std::string& call : AssumedCalls(inputs.cell, controller_name))
     options.header.emplace_back("call", call);
+  for (const std::string& assumption : post.Assumptions(settings))
+    options.header.emplace_back("assumed", assumption);
   if (lift == 0 && IsCompensated(plan)) {
     options.header.emplace_back("COMPENSATED", "NOT TO BE RUN TWICE ON ONE PART");
     options.notice = kCompensatedNotice;
@@ -75,7 +80,7 @@ void HandOver(const PostSettings& settings, ProgramMotions& motions, const std::
 void StateEntries(const PostSettings& settings, ProgramMotions& motions) {
   for (const size_t i : StateEntriesByJoints(motions.written, settings.axes, kTurnLeast)) {
     const Motion& entry = motions.written.motions[i];
-    const Joints angles = ToController(settings.axes, *entry.q) * kDegPerRad;
+    const Joints angles = settings.axes.FromArm(*entry.q) * kDegPerRad;
     for (int j = 0; j < 6; ++j) {
       if (std::abs(std::remainder(angles[j], 360)) >= kTurnLeast * kDegPerRad) continue;
       motions.warnings.push_back(
@@ -130,6 +135,8 @@ ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& input
         BoundTurns(motions.written, thinned.origin, plan.arm, {economy.lines, settings.tolerance.angle});
   for (const std::string& call : AssumedCalls(inputs.cell, controller))
     motions.warnings.push_back("assumed: " + call);
+  for (const std::string& assumption : post.Assumptions(settings))
+    motions.warnings.push_back("assumed: " + assumption);
   if (!post.ReadsFromDisk()) {
     StateEntries(settings, motions);
     HandOver(settings, motions, thinned.origin);

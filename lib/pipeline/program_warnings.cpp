@@ -43,9 +43,14 @@ std::string SpeedWarning(const PathSpeed& speed) {
       worst.size(), fmt::join(named, ", "), worst.size() > kNamed ? ", ..." : "");
 }
 
-std::string MemoryWarning(const ProgramFiles& files, size_t memory) {
+size_t BytesOf(const ProgramFiles& files) {
   size_t bytes = 0;
   for (const auto& [name, text] : files) bytes += text.size();
+  return bytes;
+}
+
+std::string MemoryWarning(const ProgramFiles& files, size_t memory) {
+  const size_t bytes = BytesOf(files);
   if (memory == 0 || bytes <= memory) return {};
   return fmt::format(
       "all files together take {} kB, the controller's memory for programs holds "

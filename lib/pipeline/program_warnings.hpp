@@ -14,6 +14,9 @@ PathSpeed EstimatePathSpeed(const MotionProgram& written, const std::string& con
 /// A sentence that names the slowest points and what helps; empty where the feed is held.
 std::string SpeedWarning(const PathSpeed& speed);
 
+/// Bytes that all files of a program take together.
+size_t BytesOf(const ProgramFiles& files);
+
 /// A sentence where the files together exceed `memory`, the bytes that the controller has for programs (0: no
 /// such bound), with what helps; else empty.
 std::string MemoryWarning(const ProgramFiles& files, size_t memory);

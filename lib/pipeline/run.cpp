@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/run.hpp"
 
-#include "base/file.hpp"
+#include "base/error.hpp"
 #include "config/config.hpp"
 #include "job/assemble.hpp"
 #include "job/step_meshes.hpp"
@@ -20,8 +20,6 @@ namespace millpose {
 namespace {
 
 JobInputs ReadInputs(const PlanArguments& arguments, Stages& stages) {
-  // The job may be the resolved one of a folder that a killed run left between two plans.
-  RecoverOutputFolder(FolderOf(arguments.job));
   stages.Begin("read", 0);
   JobInputs inputs =
       LoadJobInputs(arguments.job, OverridesOf(arguments), {}, arguments.root, arguments.operation);
@@ -76,38 +74,32 @@ class FolderCheckpoints final : public CheckpointStore {
   bool read_;
 };
 
-}  // namespace
+// An operation's folder is a part of the set of its job's, which nobody else puts in its place.
+void RefuseOperation(const std::filesystem::path& out) {
+  const std::filesystem::path operations = std::filesystem::weakly_canonical(out).parent_path();
+  if (operations.filename() == kOperationsFolder && IsOutputFolder(operations.parent_path()))
+    throw InputError(
+        {out.string()},
+        fmt::format("is of one operation of the job whose folder is {}; allowed: that job "
+                    "({}), or another folder with -o DIR",
+                    operations.parent_path().string(), (operations.parent_path() / "job.yaml").string()));
+}
 
-PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::stop_token stop) {
-  Stages stages(progress);
-  const Execution execution{arguments.threads, stages, std::move(stop)};
-  JobInputs inputs = ReadInputs(arguments, stages);
-  const std::filesystem::path out = arguments.out.value_or(DefaultFolder(arguments.job, inputs.job.name));
-  if (!arguments.out) arguments.root.CheckFolder(out);
-  const OutputFolder folder(out, arguments.share ? FolderUse::kCheckpoints : FolderUse::kResults);
-  const RunFigures begun = BeginRun(arguments, inputs.job.name, inputs.folder, folder);
-  if (arguments.fresh && !arguments.share) folder.RemoveCheckpoints();
-  const FolderCheckpoints checkpoints(folder, !arguments.fresh);
-  const std::string lock_warning = folder.warning().empty() ? "" : "warning    " + folder.warning() + '\n';
-  if (!arguments.fresh) {
-    TakeKeptMeshes(folder, &inputs);
-    const auto standing = FindStandingPlan(folder.path(), inputs.hash, begun);
-    if (standing && !arguments.share)
-      return {
-          standing->exit_status,
-          standing->told + "unchanged  this plan is up to date; nothing was planned again\n" + lock_warning};
-  }
-  stages.Begin(SurfaceStage(inputs), 0);  // which PrepareJob goes on with
-  CutStepFiles(
-      &inputs, [&](int percent) { stages.Percent(percent); }, execution.stop);
-  KeepMeshes(inputs, folder);
-  if (arguments.share) {
-    PlanShare(inputs, *arguments.share, checkpoints, execution);
-    return {0, fmt::format("share {} of {} is planned\n{}", arguments.share->index + 1,
-                           arguments.share->count, lock_warning)};
-  }
+// What `inputs` are planned into: checkpoints into `folder`, results into what `results` makes.
+struct Destination {
+  const OutputFolder& folder;
+  std::function<ResultSet&()> results;
+};
 
-  PlannedJob job = PlanJob(inputs, checkpoints, execution);
+// How that ended; `made`: it is in the results, and does not stand in the folder already.
+struct Planned {
+  PlanOutcome outcome;
+  bool made = false;
+};
+
+Planned WritePlanned(const PlanArguments& arguments, const JobInputs& inputs, const RunFigures& begun,
+                     const FolderCheckpoints& checkpoints, PlannedJob& job, const Destination& to,
+                     Stages& stages, const Execution& execution) {
   std::vector<std::string> findings = job.prepared.made.findings;
   std::optional<AuditFigures> audit;
   if (arguments.audit) audit = JudgePlan(inputs, execution, job, findings);
@@ -115,13 +107,13 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   stages.Begin("report", 0);
   const ReportParts parts = MakeReportParts(inputs, job, arguments.full_axis_map, checkpoints, execution);
   const Timeline timeline = PlanTimeline(job.plan, inputs);
-  ResultSet results(folder);
+  ResultSet& results = to.results();
   const ReportInputs report =
       WriteResults({inputs, job.prepared.cell, job.plan, job.programs, job.starts, audit, job.reduction,
                     job.prepared.warnings, findings, CurveGrid(), parts, timeline, job.fixed,
                     job.prepared.heaviest, job.compensation_remains, execution},
                    results);
-  stages.End(folder.path().string());
+  stages.End(to.folder.path().string());
   RunFigures run = EndRun(begun, stages, execution.Threads());
   run.resumed_passes = job.resumed_passes;
   run.resumed_gaps = job.resumed_gaps;
@@ -129,10 +121,70 @@ PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::sto
   run.manifest = results.AddManifest(inputs.hash);
   run.exit_status = IsComplete(job.plan, report) ? 0 : 1;
   run.told = SummaryText(job.plan, report, run);
-  results.Add(kRunFile, RunJson(run));
-  results.Publish();
-  RemoveAll(folder.path() / kOperationsFolder);  // which the job had before
-  return {run.exit_status, run.told + lock_warning};
+  results.AddRun(RunJson(run));
+  return {{run.exit_status, run.told}, true};
+}
+
+Planned PlanInto(const Destination& to, const PlanArguments& arguments, JobInputs inputs, Stages& stages,
+                 const Execution& execution) {
+  const RunFigures begun = BeginRun(arguments, inputs.job.name, inputs.folder, to.folder);
+  if (arguments.fresh && !arguments.share) to.folder.RemoveCheckpoints();
+  const FolderCheckpoints checkpoints(to.folder, !arguments.fresh);
+  if (!arguments.fresh) {
+    TakeKeptMeshes(to.folder, &inputs);
+    const auto standing = FindStandingPlan(to.folder.path(), inputs.hash, begun);
+    if (standing && !arguments.share) return {{standing->exit_status, standing->told + kUnchanged}, false};
+  }
+  stages.Begin(SurfaceStage(inputs), 0);  // which PrepareJob goes on with
+  CutStepFiles(
+      &inputs, [&](int percent) { stages.Percent(percent); }, execution.stop);
+  KeepMeshes(inputs, to.folder);
+  if (arguments.share) {
+    PlanShare(inputs, *arguments.share, checkpoints, execution);
+    return {
+        {0, fmt::format("share {} of {} is planned\n", arguments.share->index + 1, arguments.share->count)},
+        false};
+  }
+  PlannedJob job = PlanJob(inputs, checkpoints, execution);
+  return WritePlanned(arguments, inputs, begun, checkpoints, job, to, stages, execution);
+}
+
+}  // namespace
+
+std::string WarningLines(const OutputFolder& folder) {
+  std::string lines;
+  for (const std::string& warning : folder.warnings()) lines += "warning    " + warning + '\n';
+  return lines;
+}
+
+PlanOutcome PlanOperation(const PlanArguments& arguments, const OutputFolder& folder, ResultSet* whole,
+                          Progress& progress, std::stop_token stop) {
+  Stages stages(progress);
+  JobInputs inputs = ReadInputs(arguments, stages);
+  std::optional<ResultSet> results;
+  const auto of_whole = [&]() -> ResultSet& { return results.emplace(*whole, folder); };
+  const Planned planned = PlanInto({folder, of_whole}, arguments, std::move(inputs), stages,
+                                   {arguments.threads, stages, std::move(stop)});
+  if (!planned.made && whole) of_whole().AddStanding();
+  return planned.outcome;
+}
+
+PlanOutcome RunPlan(const PlanArguments& arguments, Progress& progress, std::stop_token stop) {
+  Stages stages(progress);
+  JobInputs inputs = ReadInputs(arguments, stages);
+  const std::filesystem::path out = arguments.out.value_or(DefaultFolder(arguments.job, inputs.job.name));
+  if (!arguments.out) arguments.root.CheckFolder(out);
+  RefuseOperation(out);
+  const OutputFolder folder(out, arguments.share ? FolderUse::kCheckpoints : FolderUse::kResults);
+  ResultSet results(folder, kPlanNames);
+  Planned planned = PlanInto({folder, [&]() -> ResultSet& { return results; }}, arguments, std::move(inputs),
+                             stages, {arguments.threads, stages, std::move(stop)});
+  if (planned.made) {
+    results.Publish();
+    folder.KeepOperations({});  // which the job had before
+  }
+  planned.outcome.text += WarningLines(folder);
+  return planned.outcome;
 }
 
 }  // namespace millpose

@@ -9,6 +9,7 @@
 #include "base/file_root.hpp"
 #include "base/progress.hpp"
 #include "config/config.hpp"
+#include "output/output_folder.hpp"
 #include "pipeline/plan_job.hpp"
 
 namespace millpose {
@@ -34,6 +35,15 @@ struct PlanOutcome {
   int exit_status = 0;  ///< 0 done, 1 done with findings
   std::string text;     ///< the screenful for the user
 };
+
+/// What a run in an output folder has to say of it, as lines for the user.
+std::string WarningLines(const OutputFolder& folder);
+
+/// One operation of a job with several (PlanArguments::operation): its results are added to those of `whole`,
+/// the ones that stand in `folder` (OutputFolder::Operation) where they are up to date. `whole` is null where
+/// only a share is planned. Throws as RunPlan().
+PlanOutcome PlanOperation(const PlanArguments& arguments, const OutputFolder& folder, ResultSet* whole,
+                          Progress& progress, std::stop_token stop);
 
 /// The whole way from a job file to a folder of programs and reports. Throws InputError for bad input,
 /// Interrupted when `stop` was requested (what was planned stays as checkpoints).

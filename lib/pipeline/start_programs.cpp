@@ -10,17 +10,10 @@
 #include "pipeline/make_programs.hpp"
 #include "pipeline/program_motions.hpp"
 #include "plan/station.hpp"
-#include "program/controller_axes.hpp"
+#include "program/program_name.hpp"
 
 namespace millpose {
 namespace {
-
-constexpr size_t kLongestName = 20;  // names have 24 characters, of which sub-programs take four
-
-std::string StartName(const std::string& job, int pass, int piece) {
-  const std::string suffix = fmt::format("_P{}_{}", pass, piece);
-  return LegalName(job, kLongestName - suffix.size(), 2) + suffix;
-}
 
 /// The move that brings the external axes home again from where a piece leaves them.
 std::optional<ExternalMove> HomeFrom(const PlanResult& plan, const ExternalPosition& from, size_t at,

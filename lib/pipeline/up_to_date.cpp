@@ -3,9 +3,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/file.hpp"
+#include "base/folder.hpp"
 #include "base/process.hpp"
 #include "output/manifest.hpp"
+#include "output/output_folder.hpp"
 #include "output/result_swap.hpp"
 
 namespace millpose {
@@ -13,14 +14,14 @@ namespace millpose {
 namespace {
 
 nlohmann::json RunOf(const std::filesystem::path& folder) {
-  return nlohmann::json::parse(ReadFile(folder / kRunFile));
+  return nlohmann::json::parse(Folder(folder).Read(kRunFile));
 }
 
 }  // namespace
 
 bool HoldsPlanOf(const std::filesystem::path& folder, const std::string& key) {
   try {
-    return Exists(folder / kManifestFile) && !IsSwapOpen(folder) &&
+    return IsOutputFolder(folder) && !IsSwapOpen(Folder(folder)) &&
            RunOf(folder).at("program_id") == ProgramId() && CheckManifest(folder).key == key;
   } catch (const std::exception&) {  // whatever is wrong with the folder: it is planned anew
     return false;

@@ -16,6 +16,9 @@ struct StandingPlan {
   std::string told;
 };
 
+/// What `plan` adds to what was told where nothing was planned again.
+inline constexpr const char* kUnchanged = "unchanged  this plan is up to date; nothing was planned again\n";
+
 /// Whether the plan in `folder` was made by this very program, of inputs whose hash is `key`, and every file
 /// is as it was written.
 bool HoldsPlanOf(const std::filesystem::path& folder, const std::string& key);

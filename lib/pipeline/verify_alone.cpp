@@ -52,6 +52,7 @@ VerifiedProgram VerifyOne(const fs::path& file, const JobInputs& inputs, const s
   VerifiedProgram verified{controller, file.string(), program.motions.size(), {}, {}, {}, ScopeOf(program)};
   verified.assumptions = AssumeFrames(program, post.BaseInWorld(with.settings));
   for (const DeclaredCall& call : program.calls) verified.assumptions.push_back(AssumptionOf(call));
+  std::ranges::copy(post.Assumptions(with.settings), std::back_inserter(verified.assumptions));
   std::ranges::copy(CellWarnings(inputs.cell), std::back_inserter(verified.assumptions));
   verified.findings = CheckStandingAlone(program, world.cell(), post.HasOwnWorld(), with.options);
   std::ranges::copy(Verify(program, world, nullptr, with.options, with.execution),

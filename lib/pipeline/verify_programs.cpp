@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
-#include "output/output_folder.hpp"
+#include "output/manifest.hpp"
 #include "pipeline/planned_folder.hpp"
 #include "pipeline/verify_alone.hpp"
 #include "verify/causes.hpp"
@@ -15,8 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, const Execution& execution) {
-  arguments.root.CheckFolder(arguments.target);
-  RecoverOutputFolder(arguments.target);
   std::vector<std::string> changed;
   const Manifest manifest = CheckManifest(arguments.target, &changed);
   std::vector<VerifiedProgram> programs =
@@ -29,8 +27,6 @@ std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, cons
 /// A program, wherever it is, against the plan of a folder.
 std::vector<VerifiedProgram> VerifyAgainst(const VerifyArguments& arguments, const Execution& execution) {
   const fs::path& folder = *arguments.plan;
-  arguments.root.CheckFolder(folder);
-  RecoverOutputFolder(folder);
   std::vector<std::string> changed;
   const Manifest manifest = CheckManifest(folder, &changed);
   return {PlannedFolder(folder, manifest, arguments, execution).Hold(arguments.target)};

@@ -39,7 +39,8 @@ struct VerifiedProgram {
   std::string scope = {};  ///< what was compared, where that is not all of the plan
 };
 
-/// Reads the programs and replays them. Throws InputError for what cannot be read (a program among it).
+/// Reads the programs and replays them; a folder as one who knows that it stands still (VerifyJob). Throws
+/// InputError for what cannot be read (a program among it).
 std::vector<VerifiedProgram> VerifyPrograms(const VerifyArguments& arguments, Progress& progress,
                                             std::stop_token stop);
 

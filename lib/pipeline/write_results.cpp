@@ -198,6 +198,11 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
                                  MotionsPerPass(program, plan.passes.size()), program.saved, program.near,
                                  program.Confirmed(), program.WhyWithheld()});
     }
+  for (const CheckedProgram& program : programs) {
+    const Post& post = *results.inputs.cell.controllers.at(program.controller).post;
+    report.program_sizes.push_back(
+        {program.controller, program.files.size(), BytesOf(program.files), post.Memory()});
+  }
   AddStarts(results.starts, report, files);
   const std::string job = PlannedJobText(results.inputs.job), cell = WriteCell(results.inputs.cell);
   set.Add("job.yaml", job);

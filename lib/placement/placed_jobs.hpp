@@ -11,15 +11,13 @@ struct PlacedJob {
   std::string text;
 };
 
-/// Throws InputError where a file of somebody else's stands in the way of what may be written.
-void RefuseForeignFiles(const std::filesystem::path& job, const PlacementSettings& placement);
-
 /// The job that is recommended (JOB.placed.yaml), or one of every station (JOB.station_1.yaml and so on);
-/// none where the job's own place is the best.
+/// none where the job's own place is the best. What stands under such a name and is not as millpose place
+/// wrote it stays: the next name is taken (JOB.placed.1.yaml).
 std::vector<PlacedJob> PlacedJobs(const FoundPlaces& found, const JobInputs& inputs,
                                   const PlaceArguments& arguments);
 
-/// Writes them; of `stations` those go away that an earlier split had more of.
-void WritePlacedJobs(const std::filesystem::path& job, const std::vector<PlacedJob>& jobs, bool stations);
+/// Writes them; those that earlier runs wrote beside the job, and nobody edited, go away.
+void WritePlacedJobs(const std::filesystem::path& job, const std::vector<PlacedJob>& jobs);
 
 }  // namespace millpose

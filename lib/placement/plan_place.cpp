@@ -9,6 +9,7 @@
 #include "base/text.hpp"
 #include "operations/done_operation.hpp"
 #include "output/output_folder.hpp"
+#include "program/program_name.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -88,7 +89,9 @@ std::vector<Override> OverridesOf(const PoseSettings& place, bool robot) {
 
 std::vector<Override> StationOverrides(const std::string& name, size_t number, const PathShare& share,
                                        const PoseSettings& place, bool robot) {
-  constexpr size_t kLongestStem = 17;  // a program's name has 20 characters
+  // The station stands in the name of its programs too.
+  const size_t longest = kProgramNameLength - 3;
+  const std::string stem = name.size() <= longest ? name : LegalName(name, longest, 2);
   std::string text = fmt::format("direction: [{}, {}, {}]", ShortestNumber(share.direction.x()),
                                  ShortestNumber(share.direction.y()), ShortestNumber(share.direction.z()));
   if (std::isfinite(share.from)) text += ", from_mm: " + ShortestNumber(share.from);
@@ -96,7 +99,7 @@ std::vector<Override> StationOverrides(const std::string& name, size_t number, c
   if (share.overlap > 0) text += ", overlap_mm: " + ShortestNumber(share.overlap);
   std::vector<Override> overrides = OverridesOf(place, robot);
   overrides.push_back({"toolpath.share", "{" + text + "}"});
-  overrides.push_back({"name", fmt::format("{}_s{}", name.substr(0, kLongestStem), number)});
+  overrides.push_back({"name", fmt::format("{}_s{}", stem, number)});
   return overrides;
 }
 
@@ -114,9 +117,8 @@ PlanArguments AsPlan(const PlaceArguments& arguments, const fs::path& out) {
 PlannedPlace PlanWhole(const PlaceArguments& arguments, const fs::path& out, const std::string& name,
                        const std::vector<Override>& changes, const Execution& execution) {
   const std::string folder = fmt::format("{}/{}", kPlansFolder, name);
-  PlanArguments own = AsPlan(arguments, out / folder);
+  PlanArguments own = AsPlan(arguments, Folder(out).MakeBelow(folder).path());
   std::ranges::copy(changes, std::back_inserter(own.overrides));
-  MakeFolders(own.out->parent_path());
   NamedProgress told(execution.progress, "plan " + name);
   RunJob(own, told, execution.stop);
   return ReadPlan(out, folder, arguments.root);

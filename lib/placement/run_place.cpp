@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "placement/run_place.hpp"
 
+#include <set>
+
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "job/step_meshes.hpp"
 #include "operations/done_operation.hpp"
-#include "output/output_folder.hpp"
+#include "output/remove_folder.hpp"
 #include "pipeline/run_record.hpp"
 #include "placement/place_results.hpp"
 #include "placement/place_search.hpp"
@@ -232,12 +234,34 @@ class PlaceRun {
   FoundPlaces found_;
 };
 
+const SetNames kPlaceNames{"placement.json", "placement.html", "places.csv", "map.csv",
+                           "map.vtk",        kRunFile,         kManifestFile};
+
 // Where external axes stand decides what a place is worth, and a place is scored without them.
 void RefuseExternalAxes(const std::vector<JobInputs>& inputs) {
   for (const JobInputs& own : inputs)
     if (!own.cell.external_axes.empty())
       throw InputError(Place{own.cell.file},
                        "external_axes: allowed in cells that millpose place looks for places in: none");
+}
+
+// Plans of earlier runs that this one has not made. One that somebody else works in just now stays until the
+// next run.
+void RemoveOtherPlans(const OutputFolder& folder, const FoundPlaces& found) {
+  std::set<std::string> made;
+  for (const PlannedPlace& plan : found.plans) made.insert(plan.folder);
+  for (const PlannedSplit& split : found.splits)
+    for (const PlannedStation& station : split.stations) made.insert(station.plan.folder);
+  const std::optional<Folder> plans = folder.folder().FindBelow(kPlansFolder);
+  if (!plans) return;
+  for (const std::string& name : plans->Names()) {
+    const bool is_ours = plans->KindOf(name) == Folder::Kind::kFolder && IsOutputFolder(plans->path() / name);
+    if (!is_ours || made.contains(fmt::format("{}/{}", kPlansFolder, name))) continue;
+    try {
+      RemoveOutputFolder(OutputFolder(plans->path() / name, FolderUse::kResults));
+    } catch (const InputError&) {
+    }
+  }
 }
 
 }  // namespace
@@ -249,7 +273,6 @@ PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const 
   const PlaceSpace checked(inputs.front().job,
                            inputs.front().cell.stated_base);  // refuses before anything is written
   CheckStations(inputs);
-  RefuseForeignFiles(arguments.job, *inputs.front().job.placement);
   for (JobInputs& own : inputs) {
     own.max_points = arguments.max_points;
     CheckPrograms(own);
@@ -260,7 +283,6 @@ PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const 
       OutlineOf(inputs.front().job_text, arguments.job.string(), arguments.overrides).name;
   const fs::path out = arguments.out.value_or(FolderOf(arguments.job) / (name + ".places"));
   if (!arguments.out) arguments.root.CheckFolder(out);
-  RecoverOutputFolder(out);
   const OutputFolder folder(out, FolderUse::kResults);
   const RunFigures begun = BeginRun(AsPlan(arguments, out), name, inputs.front().folder, folder);
   const FoundPlaces found = PlaceRun(arguments, inputs, out, stages, stop).Run(name);
@@ -272,17 +294,20 @@ PlanOutcome RunPlace(const PlaceArguments& arguments, Progress& progress, const 
   run.exit_status =
       std::ranges::all_of(Recommended(found), [](const auto* plan) { return plan->IsWhole(); }) ? 0 : 1;
   run.told = PlacementText(found, placed);
-  ResultSet results(folder);
+  ResultSet results(folder, kPlaceNames);
   results.Add("placement.json", PlacementJson(found));
   results.Add("placement.html", PlacementPage(found));
   results.Add("places.csv", PlacesCsv(found.places));
   results.Add("map.csv", PlacesCsv(found.map));
   results.Add("map.vtk", PlacementMapVtk(found));
   run.manifest = results.AddManifest(KeyOf(inputs, out));
-  results.Add(kRunFile, RunJson(run));
+  results.AddRun(RunJson(run));
   results.Publish();
-  WritePlacedJobs(arguments.job, jobs, found.split.has_value());
-  return {run.exit_status, run.told};
+  RemoveOtherPlans(folder, found);
+  WritePlacedJobs(arguments.job, jobs);
+  std::string text = run.told;
+  for (const std::string& warning : folder.warnings()) text += fmt::format("warning    {}\n", warning);
+  return {run.exit_status, text};
 }
 
 }  // namespace millpose

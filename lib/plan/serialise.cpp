@@ -345,6 +345,12 @@ void Fields(Archive& a, Gap& g) {
 }
 
 template <class Archive>
+void Fields(Archive& a, CoupledLimit& limit) {
+  a("factors", limit.factors);
+  a("at_most", limit.at_most);
+}
+
+template <class Archive>
 void Fields(Archive& a, Arm& arm) {
   a("name", arm.name);
   a("family", arm.family);
@@ -360,6 +366,7 @@ void Fields(Archive& a, Arm& arm) {
   a("offset", arm.offset);
   a("lower", arm.lower);
   a("upper", arm.upper);
+  a("coupled_limits", arm.coupled_limits);
   a("speed", arm.speed);
   a("acceleration", arm.acceleration);
   a("acceleration_assumed", arm.acceleration_assumed);

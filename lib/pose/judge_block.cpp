@@ -54,6 +54,18 @@ void CheckLimits(const AdmissibleBounds& bounds, const AnglesBlock& angles, Chec
   }
 }
 
+/// Adds by how much a wrist's angles are beyond limits that couple axes. Axes in them have one revolution
+/// within their own limits at most, so the one that was taken is the only one.
+void CheckCoupled(const std::vector<CoupledLimit>& limits, CheckedWrist& wrist) {
+  for (const CoupledLimit& limit : limits)
+    for (int l = 0; l < kLanes; ++l) {
+      Joints q;
+      for (int j = 0; j < 6; ++j) q[j] = wrist.q[static_cast<size_t>(j)].v[l];
+      const double beyond = limit.Beyond(q);
+      if (beyond > kRevolutionRounding) wrist.shortfall.v[l] += beyond;
+    }
+}
+
 /// What is missed of the bounds on singularity (sines, m) and dexterity, of both wrists alike.
 void MissedOfSingular(const PoseProblem& problem, const FlangeBlock& flange, const ArmBranchBlock& branch,
                       Lanes& missed, InstructionSet set) {
@@ -82,6 +94,8 @@ void CheckAdmissible(const PoseProblem& problem, const FlangeBlock& flange, cons
   AnglesBlock angles;
   AnglesOfBranch(problem.arm, branch, angles);
   CheckLimits(problem.bounds, angles, out, set);
+  CheckCoupled(problem.bounds.coupled, out.unflipped);
+  CheckCoupled(problem.bounds.coupled, out.flipped);
   Lanes missed;
   MissedOfSingular(problem, flange, branch, missed, set);
   for (CheckedWrist* wrist : {&out.unflipped, &out.flipped}) {

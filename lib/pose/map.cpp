@@ -9,6 +9,7 @@
 #include "base/units.hpp"
 #include "pose/objective.hpp"
 #include "stiffness/indices_block.hpp"
+#include "stiffness/series_block.hpp"
 
 namespace millpose {
 namespace {
@@ -34,17 +35,21 @@ Drawn DrawnBy(const std::string& name) {
   return {static_cast<Index>(place), nullptr};
 }
 
-/// The value of every lane of one branch, `q` its joints.
-void Evaluate(const MapRequest& request, const Drawn& drawn, const FlangeBlock& flange,
-              const ArmBranchBlock& branch, const std::array<Lanes, 6>& q, Lanes& out) {
+/// Where stiffness is asked for, in F, mm.
+Vector3d StiffnessPoint(const MapRequest& request) {
+  return request.at_flange ? Vector3d(Vector3d::Zero()) : Vector3d(request.X_FT.translation());
+}
+
+/// The value of every lane of one branch, or of the other wrist that it stands for.
+void Evaluate(const MapRequest& request, const Drawn& drawn, const SeriesBlock& series,
+              const FlangeBlock& flange, const ArmBranchBlock& branch, bool flipped, Lanes& out) {
   const Vector3d tip = request.X_FT.translation();
   if (!drawn.objective && drawn.index == kDexterity)
     return DexterityOfBlock(request.arm, flange, branch, tip, request.characteristic_length, out);
-  const Vector3d point = request.at_flange ? Vector3d::Zero() : tip;
+  const Vector3d point = StiffnessPoint(request);
   ComplianceBlock c;
   LinearCompliance(request.arm, flange, branch, point, c);
-  if (!request.elements.empty())
-    AddSeriesCompliance(request.arm, request.elements, point, branch.reached, q, c);
+  series.AddTo(flange, branch, flipped, c);
   if (drawn.objective) {
     const Vector3d feed = BasisOfPlane(request.tool_axis).first;  // any: values do not depend on it
     return drawn.objective->Evaluate(c, {request.normal, feed, request.tool_axis}, out);
@@ -71,6 +76,7 @@ MapPoint BestPose(const MapRequest& request, const Drawn& drawn, const Vector3d&
   const PlaneBasis basis = BasisOfPlane(request.tool_axis);
   const int rotations = std::max(1, static_cast<int>(std::ceil(2 * kPi / request.rotation_step - 1e-9)));
   const Pose X_TF = request.X_FT.inverse();
+  const SeriesBlock series(request.arm, request.elements, StiffnessPoint(request));
   MapPoint best;
   best.point = point;
   for (int first = 0; first < rotations; first += kLanes) {
@@ -99,7 +105,7 @@ MapPoint BestPose(const MapRequest& request, const Drawn& drawn, const Vector3d&
         angles.unflipped[5] = angles.flipped6;
       }
       Lanes values;
-      Evaluate(request, drawn, flange, solved, angles.unflipped, values);
+      Evaluate(request, drawn, series, flange, solved, branch != entry, values);
       for (int lane = 0; lane < kLanes; ++lane) {
         if (solved.reached.v[lane] == 0 || solved.wrist.v[lane] < 1e-6) continue;
         Joints q;

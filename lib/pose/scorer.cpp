@@ -28,7 +28,8 @@ PointScorer::PointScorer(const PoseProblem& problem, const MillingPoint& point,
       X_BW_(problem.X_WB.inverse()),
       X_TF_(problem.X_FT.inverse()),
       p_FO_(problem.origin == StiffnessOrigin::kToolTip ? Eigen::Vector3d(problem.X_FT.translation())
-                                                        : Eigen::Vector3d::Zero()) {
+                                                        : Eigen::Vector3d::Zero()),
+      series_(problem.arm, problem.compliances, p_FO_) {
   context_.normal = X_BW_.linear() * point.normal;
   context_.feed = X_BW_.linear() * point.feed;
   context_.tool_axis = X_BW_.linear() * point.tool_axis;
@@ -150,14 +151,13 @@ void PointScorer::ScoreEntry(int entry, const FlangeBlock& flange, const ArmBran
   if (!any_admissible) return;
   ComplianceBlock joints;
   LinearCompliance(problem_->arm, flange, solved, p_FO_, joints);
-  Evaluate(joints, axes, out.objective[entry]);
   for (int branch = entry; branch < 8; branch += EntryCount(problem_->arm)) {
-    if (branch != entry && problem_->compliances.empty()) out.objective[branch] = out.objective[entry];
-    if (!problem_->compliances.empty()) {
+    if (branch == entry || series_.TurnsWithWrist()) {
       ComplianceBlock whole = joints;
-      AddSeriesCompliance(problem_->arm, problem_->compliances, p_FO_, solved.reached,
-                          branch == entry ? checked.unflipped.q : checked.flipped.q, whole);
+      if (!series_.empty()) series_.AddTo(flange, solved, branch != entry, whole);
       Evaluate(whole, axes, out.objective[branch]);
+    } else {
+      out.objective[branch] = out.objective[entry];
     }
     // A compliance without an objective's value is singular, whatever the bounds say.
     for (int l = 0; l < kLanes; ++l) {

@@ -9,7 +9,7 @@
 #include "pose/rotated_flange.hpp"
 #include "robot/kinematics.hpp"
 #include "stiffness/compliance.hpp"
-#include "stiffness/series.hpp"
+#include "stiffness/series_block.hpp"
 #include "toolpath/lean_law.hpp"
 #include "toolpath/obstacle.hpp"
 
@@ -23,6 +23,13 @@ struct AdmissibleBounds {
   double wrist_min = 0;                                   ///< least |sin q5|
   double elbow_min = 0;                                   ///< least |sin| of the elbow
   double shoulder_min_mm = 0;                             ///< least distance of SingularityDistance::shoulder
+  std::vector<CoupledLimit> coupled = {};                 ///< likewise minus the margin
+
+  /// Whether `q` (its revolutions as they are) is within all limits, to `slack` rad.
+  bool Hold(const Joints& q, double slack) const {
+    return (q.array() >= lower.array() - slack).all() && (q.array() <= upper.array() + slack).all() &&
+           FirstBeyond(coupled, q, slack) == nullptr;
+  }
 };
 
 /// All that the choice of a pose depends on besides the point itself; shared and immutable.
@@ -32,7 +39,7 @@ struct PoseProblem {
   StiffnessOrigin origin = StiffnessOrigin::kToolTip;
   double characteristic_length = 1000;  ///< mm, for dexterity
   AdmissibleBounds bounds;
-  std::vector<SeriesCompliance> compliances;  ///< in series with the joints'; each makes scoring slower
+  std::vector<SeriesCompliance> compliances;  ///< in series with the joints'
   /// The rotation about the tool axis first, then those that lean the axis.
   std::vector<std::shared_ptr<const Freedom>> freedoms;
   std::optional<LeanRules> lean;  ///< where a freedom leans the axis
@@ -103,6 +110,7 @@ class PointScorer {
   Pose X_BW_, X_TF_;
   Eigen::Vector3d p_FO_;  ///< the stiffness origin in F, mm
   ObjectiveContext context_;
+  SeriesBlock series_;     ///< the problem's compliances at that point
   RotatedFlange rotated_;  ///< where the rotation about the tool axis is the only freedom
   bool rotation_only_, leans_, rotates_and_leans_;
   CutterContact contact_;  ///< where freedoms lean, as the following

@@ -3,9 +3,10 @@
 
 #include <cassert>
 
-#include "program/controller_axes.hpp"
 #include "program/post_keys.hpp"
+#include "program/program_name.hpp"
 #include "program/scanner.hpp"
+#include "program/writer.hpp"
 
 namespace millpose {
 namespace {
@@ -26,9 +27,10 @@ std::string CalledName(const CallingSyntax& syntax, const std::string& job) {
   return name;
 }
 
-std::string CommentLine(std::string text) {
-  for (char& c : text) c = c < ' ' || c > '~' ? '?' : c;
-  return "; " + text.substr(0, kWidth) + "\n";
+std::string Comments(const std::string& key, const std::string& value) {
+  std::string text;
+  for (const std::string& line : HeaderLines(key, value, kWidth)) text += "; " + line + "\n";
+  return text;
 }
 
 /// Whether the line holds a statement.
@@ -67,9 +69,9 @@ ProgramFiles WriteCalling(const CallingSyntax& syntax, const std::string& job,
                           const std::vector<CalledProgram>& programs) {
   const std::string name = ProgramName(syntax, job);
   std::string text = Filled(syntax.head, name);
-  for (const auto& [key, value] : header) text += CommentLine(fmt::format("{}: {}", key, value));
+  for (const auto& [key, value] : header) text += Comments(key, value);
   for (const CalledProgram& program : programs) {
-    for (const std::string& comment : program.comments) text += CommentLine(comment);
+    for (const auto& [key, value] : program.comments) text += Comments(key, value);
     text += Filled(syntax.call, program.name);
   }
   ProgramFiles files = {{name + syntax.ending, text + syntax.tail}};

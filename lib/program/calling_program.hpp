@@ -8,9 +8,9 @@ namespace millpose {
 
 /// A program that another one calls: the files of one that stands by itself, changed as little as that takes.
 struct CalledProgram {
-  std::string name;                   ///< by which it is called
-  ProgramFiles files;                 ///< by name
-  std::vector<std::string> comments;  ///< before its call
+  std::string name;                                                ///< by which it is called
+  ProgramFiles files;                                              ///< by name
+  std::vector<std::pair<std::string, std::string>> comments = {};  ///< key, value: before its call
 };
 
 /// The name of the main file of a program, without its ending.

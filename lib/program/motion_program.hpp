@@ -9,6 +9,7 @@
 
 #include "plan/plan_result.hpp"
 #include "program/conventions.hpp"
+#include "robot/axis_convention.hpp"
 
 namespace millpose {
 
@@ -99,12 +100,6 @@ struct ProgramEvent {
   std::string of = {};       ///< of a kCall: the cell's text that makes this call; empty: none does
 };
 
-/// Controller angle = sign · A + offset: how a controller counts the arm's angles.
-struct AxisConvention {
-  Joints sign = Joints::Ones();
-  Joints offset = Joints::Zero();  ///< rad
-};
-
 struct MotionProgram {
   std::string name;
   std::vector<std::pair<std::string, std::string>> header;  ///< key, value: printed as comments
@@ -112,7 +107,7 @@ struct MotionProgram {
   Pose X_WB = Pose::Identity();  ///< of the cell, with all of them at 0; unset where there are none
   std::optional<Pose> X_BP;      ///< workpiece (base) frame in the robot's base; empty when the text has none
   std::optional<Pose> X_FT;      ///< tool in the flange; empty when the text has none
-  AxisConvention axes;           ///< that `turn` counts in
+  AxisConvention axes;           ///< of the controller, that `turn` counts in
   AngleOrder rotation = AngleOrder::kRpy;              ///< how `angles` of motions turn, see ToolAngles()
   Eigen::Matrix3d R_TC = Eigen::Matrix3d::Identity();  ///< controller's tool frame, whose `angles` these are
   bool blend_is_distance = false;  ///< of motions: from the corner to where its rounding may begin

@@ -183,6 +183,13 @@ std::string LineScanner::Rest() {
   return rest;
 }
 
+std::string LineScanner::TakeUntil(char end) {
+  const size_t stop = std::min(line_.find(end, position_), line_.size());
+  std::string taken(line_.substr(position_, stop - position_));
+  position_ = stop;
+  return taken;
+}
+
 size_t LineScanner::Next() {
   SkipSpace();
   return position_;

@@ -52,6 +52,7 @@ class LineScanner {
   int ExpectBits();                         ///< 'B0101'
   std::optional<std::string> AcceptName();  ///< letters, digits, '_', '$'; upper case as written
   std::string Rest();                       ///< takes what is left, trimmed
+  std::string TakeUntil(char end);          ///< takes what stands before `end`, or before the line's end
   /// Where the next word begins, for FailFrom().
   size_t Next();
   /// What comes next is wrong.

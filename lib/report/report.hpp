@@ -30,6 +30,13 @@ struct ReportedProgram {
   std::string withheld;   ///< why it is not
 };
 
+/// What all files of one controller's program take.
+struct ProgramSize {
+  std::string controller;
+  size_t files = 0, bytes = 0;
+  size_t memory = 0;  ///< bytes that the controller has for them; 0: no such bound
+};
+
 /// What the audit found on a pair of bodies.
 struct AuditPair {
   std::string first, second;
@@ -73,6 +80,7 @@ struct PathSpeed {
 /// What a report tells beyond the plan itself.
 struct ReportInputs {
   std::vector<ReportedProgram> programs;
+  std::vector<ProgramSize> program_sizes;
   std::vector<std::string> warnings;  ///< repairs of the mesh, doubtful units
   std::vector<std::string> findings;  ///< what stands in the way of trust, one sentence each
   std::optional<AuditFigures> audit;

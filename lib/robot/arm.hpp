@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "base/enum_words.hpp"
 
@@ -28,6 +29,27 @@ enum class ArmFamily : uint8_t {
 inline constexpr EnumWords<ArmFamily, 2> kArmFamilyWords = {
     {{"spherical_wrist", ArmFamily::kSphericalWrist}, {"parallel_axes", ArmFamily::kParallelAxes}}};
 
+/// A limit that couples axes: factors · A ≤ at_most, A being the arm's own angles. Makers state one for axes
+/// 2 and 3 of arms with a parallelogram (IRB 8700: A3 − A2 ≤ 67°).
+struct CoupledLimit {
+  Joints factors = Joints::Zero();
+  double at_most = 0;  ///< rad
+
+  /// By how much `q` is beyond it, rad; negative within.
+  double Beyond(const Joints& q) const { return factors.dot(q) - at_most; }
+};
+
+/// The first of `limits` that `q` is beyond by more than `slack` (rad); null for none.
+inline const CoupledLimit* FirstBeyond(const std::vector<CoupledLimit>& limits, const Joints& q,
+                                       double slack) {
+  for (const CoupledLimit& limit : limits)
+    if (limit.Beyond(q) > slack) return &limit;
+  return nullptr;
+}
+
+/// "A3 − A2 = 70.000° is above 67.000°".
+std::string CoupledText(const CoupledLimit& limit, const Joints& q);
+
 /// A six-axis arm. With q_i = sign_i · A_i + offset_i its forward kinematics are
 ///   X_BF = T(0,0,d1)·Rz(q1)·T(a1,dy,0)·Ry(q2)·T(a2,0,0)·Ry(q3)·T(d4,0,dz)·H
 ///          ·Rx(q4)·T(0,−d5,0)·Ry(q5)·Rx(q6)·T(d6,0,0)·Ry(90°)
@@ -42,7 +64,9 @@ struct Arm {
   Joints offset = Joints::Zero();                                         ///< rad
   Joints lower = Joints::Zero();                                          ///< lower limits, rad
   Joints upper = Joints::Zero();                                          ///< upper limits, rad
-  Joints speed = Joints::Zero();                                          ///< largest joint speeds, rad/s
+  /// Of axes whose limits span less than a revolution, so that full revolutions do not matter to them.
+  std::vector<CoupledLimit> coupled_limits = {};
+  Joints speed = Joints::Zero();         ///< largest joint speeds, rad/s
   Joints acceleration = Joints::Zero();  ///< largest joint accelerations, rad/s²
   bool acceleration_assumed = true;      ///< no source for the accelerations
   Joints stiffness = Joints::Zero();     ///< joint stiffness, N·mm/rad (Chen 2021 eq. 14)

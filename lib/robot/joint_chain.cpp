@@ -4,7 +4,9 @@
 #include <set>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "base/trig.hpp"
+#include "base/units.hpp"
 
 namespace millpose {
 namespace {
@@ -15,6 +17,19 @@ Eigen::Matrix3d About(const Eigen::Vector3d& axis, double angle) {
   Eigen::Matrix3d cross;
   cross << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
   return Eigen::Matrix3d::Identity() + t.sin * cross + (1 - t.cos) * cross * cross;
+}
+
+double NearestRightAngle(const std::string& text) {
+  return std::round(ParseNumber(text).value_or(0) / (kPi / 2)) * (kPi / 2);
+}
+std::string RightAngleDigits(const std::string& text) { return ShortestNumber(NearestRightAngle(text)); }
+/// "π", "−π/2", "3π/2".
+std::string RightAngleName(const std::string& text) {
+  const int quarters = static_cast<int>(std::round(NearestRightAngle(text) / (kPi / 2)));
+  const int most = std::abs(quarters);
+  const std::string sign = quarters < 0 ? "−" : "";
+  if (most % 2 == 0) return fmt::format("{}{}π", sign, most == 2 ? "" : fmt::format("{}", most / 2));
+  return fmt::format("{}{}π/2", sign, most == 1 ? "" : fmt::format("{}", most));
 }
 
 class Finder {
@@ -70,17 +85,26 @@ class Finder {
       at = joint->parent;
     }
     std::ranges::reverse(path);
-    const auto moving = std::ranges::count_if(
-        path, [](const UrdfJoint* joint) { return joint->type != UrdfJoint::Type::kFixed; });
-    if (moving != 6) {
-      Add(0, fmt::format("{} joints move between '{}' and '{}'; allowed: six", moving, base, link));
-    }
+    std::vector<std::string> moving;
+    for (const UrdfJoint* joint : path)
+      if (joint->type != UrdfJoint::Type::kFixed)
+        moving.push_back(joint->name + (joint->mimic ? ", a mimic" : ""));
+    if (moving.size() != 6)
+      Add(0, fmt::format("{} joints move between '{}' and '{}' ({}); allowed: arms with six", moving.size(),
+                         base, link, fmt::join(moving, ", ")));
     for (const UrdfJoint* joint : path) {
       if (joint->type == UrdfJoint::Type::kOther) {
         Add(joint->line,
             fmt::format("joint '{}': allowed between base and flange: revolute, continuous, fixed",
                         joint->name));
       }
+      if (!joint->rounded_angle.empty())
+        Add(joint->line,
+            fmt::format(
+                "joint '{}': its origin's rpy {} is a rounded {}, off by more than {} rad; write {} with all "
+                "its digits",
+                joint->name, joint->rounded_angle, RightAngleName(joint->rounded_angle), kRightAngleWithin,
+                RightAngleDigits(joint->rounded_angle)));
       if (joint->mimic)
         Add(joint->line,
             fmt::format("joint '{}' mimics another; between base and flange each of the six must "
@@ -102,7 +126,8 @@ class Finder {
                                joint->lower,
                                joint->upper,
                                joint->speed,
-                               joint->type == UrdfJoint::Type::kRevolute};
+                               joint->type == UrdfJoint::Type::kRevolute,
+                               joint->line};
       merged = Pose::Identity();
     }
     chain.X_LE = merged;

@@ -48,6 +48,19 @@ Pose PoseOf(const Matrix3d& R, const Vector3d& p) {
 
 }  // namespace
 
+std::string CoupledText(const CoupledLimit& limit, const Joints& q) {
+  std::string sum;
+  for (int i = 0; i < 6; ++i) {
+    const double factor = limit.factors[i];
+    if (factor == 0) continue;
+    sum += sum.empty() ? (factor < 0 ? "−" : "") : (factor < 0 ? " − " : " + ");
+    if (std::abs(factor) != 1) sum += fmt::format("{:.6g}·", std::abs(factor));
+    sum += fmt::format("A{}", i + 1);
+  }
+  return fmt::format("{} = {:.3f}° is above {:.3f}°", sum, RadToDeg(limit.factors.dot(q)),
+                     RadToDeg(limit.at_most));
+}
+
 Joints OuterAngles(const Arm& arm, const Joints& q) {
   Joints A;
   for (int i = 0; i < 6; ++i) A[i] = Principal(arm.sign[i] * (q[i] - arm.offset[i]));

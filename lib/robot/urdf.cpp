@@ -4,11 +4,14 @@
 #include <tinyxml2.h>
 
 #include <cstring>
+#include <map>
 #include <set>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/trig.hpp"
+#include "base/units.hpp"
+#include "robot/xacro.hpp"
 
 namespace millpose {
 namespace {
@@ -28,25 +31,67 @@ Eigen::Matrix3d RollPitchYaw(const Eigen::Vector3d& rpy) {
   return R;
 }
 
+/// Decimals of a plain number; those of one with an exponent count as many.
+size_t Decimals(std::string_view text) {
+  if (text.find_first_of("eE") != std::string_view::npos) return 17;
+  const size_t point = text.find('.');
+  if (point == std::string_view::npos) return 0;
+  const size_t last = text.find_last_not_of('0');
+  return last > point ? last - point : 0;
+}
+
+/// What a number of a joint's rpy is taken for.
+struct SnappedAngle {
+  double angle = 0;
+  bool noted = false;    ///< it differs from what is written by more than its last digits
+  bool rounded = false;  ///< a right angle rounded so far that nobody can tell
+};
+
+/// Quarter turns other than 0, written as rounding or cutting off leaves them. With few digits anything near
+/// counts as that; with many an angle that is off was measured.
+SnappedAngle Snap(double angle, std::string_view text) {
+  constexpr size_t kFewDecimals = 5, kTwo = 2;
+  const double right = std::round(angle / (kPi / 2)) * (kPi / 2), off = std::abs(angle - right);
+  const size_t decimals = Decimals(text);
+  double unit = 1;  // of the last digit
+  for (size_t i = 0; i < decimals; ++i) unit /= 10;
+  // Rounded or cut off.
+  const bool digits_of_it =
+      off <= unit * (0.5 + 1e-9) || (std::abs(angle) < std::abs(right) && off < unit * (1 + 1e-9));
+  if (right == 0 || off == 0) return {angle};
+  if (off <= kRightAngleWithin && (decimals <= kFewDecimals || digits_of_it)) return {right, off > 1e-6};
+  return {angle, false, decimals >= kTwo && decimals <= kFewDecimals && digits_of_it};
+}
+
 class Reader {
  public:
   explicit Reader(std::string file) { model_.file = std::move(file); }
 
-  UrdfModel Read(std::string_view bytes) {
+  UrdfModel Read(std::string_view bytes, const XacroInclude& include) {
     tinyxml2::XMLDocument document;
     if (document.Parse(bytes.data(), bytes.size()) != tinyxml2::XML_SUCCESS) {
       Add(document.ErrorLineNum(), fmt::format("not XML: {}", document.ErrorName()));
-    } else if (const XMLElement* robot = document.FirstChildElement("robot")) {
-      ReadRobot(*robot);
     } else {
-      Add(1, "there is no element <robot>");
+      if (IsXacro(document)) ExpandXacro(document, model_.file, include);
+      ReadDocument(document);
     }
     if (!problems_.empty()) throw InputError(std::move(problems_));
+    for (const auto& [text, lines] : snapped_)
+      model_.notes.push_back(fmt::format("{}: {} of joints taken for a right angle ({} {})", model_.file,
+                                         text, lines.size() == 1 ? "line" : "lines", fmt::join(lines, ", ")));
     return std::move(model_);
   }
 
  private:
   void Add(int line, std::string message) { problems_.push_back({{model_.file, line}, std::move(message)}); }
+
+  void ReadDocument(const tinyxml2::XMLDocument& document) {
+    const XMLElement* robot = document.FirstChildElement("robot");
+    if (robot)
+      ReadRobot(*robot);
+    else
+      Add(1, "there is no element <robot>");
+  }
 
   void ReadRobot(const XMLElement& robot) {
     model_.name = Attribute(robot, "name");
@@ -88,19 +133,26 @@ class Reader {
     return value;
   }
 
-  Eigen::Vector3d Triple(const XMLElement& element, const char* name, const Eigen::Vector3d& otherwise) {
-    const char* text = element.Attribute(name);
-    if (!text) return otherwise;
-    std::vector<double> numbers;
-    const std::string_view all(text);
+  static std::vector<std::string_view> Words(std::string_view all) {
+    std::vector<std::string_view> words;
     for (size_t begin = 0; begin < all.size();) {
       begin = all.find_first_not_of(" \t\r\n", begin);
       if (begin == std::string_view::npos) break;
       const size_t end = std::min(all.find_first_of(" \t\r\n", begin), all.size());
-      const std::optional<double> number = Number(element, name, all.substr(begin, end - begin));
+      words.push_back(all.substr(begin, end - begin));
+      begin = end;
+    }
+    return words;
+  }
+
+  Eigen::Vector3d Triple(const XMLElement& element, const char* name, const Eigen::Vector3d& otherwise) {
+    const char* text = element.Attribute(name);
+    if (!text) return otherwise;
+    std::vector<double> numbers;
+    for (const std::string_view word : Words(text)) {
+      const std::optional<double> number = Number(element, name, word);
       if (!number) return otherwise;
       numbers.push_back(*number);
-      begin = end;
     }
     if (numbers.size() == 3) return {numbers[0], numbers[1], numbers[2]};
     Add(element.GetLineNum(),
@@ -108,13 +160,30 @@ class Reader {
     return otherwise;
   }
 
-  Pose Origin(const XMLElement& parent) {
+  /// Of a collision shape, or of a `joint`, whose right angles are snapped.
+  Pose Origin(const XMLElement& parent, UrdfJoint* joint = nullptr) {
     Pose X = Pose::Identity();
     if (const XMLElement* origin = parent.FirstChildElement("origin")) {
       X.translation() = kMmPerMetre * Triple(*origin, "xyz", Eigen::Vector3d::Zero());
-      X.linear() = RollPitchYaw(Triple(*origin, "rpy", Eigen::Vector3d::Zero()));
+      Eigen::Vector3d rpy = Triple(*origin, "rpy", Eigen::Vector3d::Zero());
+      if (joint) SnapAngles(*origin, rpy, *joint);
+      X.linear() = RollPitchYaw(rpy);
     }
     return X;
+  }
+
+  void SnapAngles(const XMLElement& origin, Eigen::Vector3d& rpy, UrdfJoint& joint) {
+    const char* text = origin.Attribute("rpy");
+    if (!text) return;
+    const std::vector<std::string_view> words = Words(text);
+    if (words.size() != 3) return;  // reported already
+    for (size_t i = 0; i < 3; ++i) {
+      double& angle = rpy[static_cast<Eigen::Index>(i)];
+      const SnappedAngle snapped = Snap(angle, words[i]);
+      angle = snapped.angle;
+      if (snapped.noted) snapped_[std::string(words[i])].insert(origin.GetLineNum());
+      if (snapped.rounded) joint.rounded_angle = words[i].substr(words[i].starts_with('+') ? 1 : 0);
+    }
   }
 
   void ReadLink(const XMLElement& element) {
@@ -161,7 +230,7 @@ class Reader {
     UrdfJoint joint;
     joint.name = Attribute(element, "name");
     joint.line = element.GetLineNum();
-    joint.X_PC = Origin(element);
+    joint.X_PC = Origin(element, &joint);
     const std::string type = Attribute(element, "type");
     joint.type = type == "fixed"        ? UrdfJoint::Type::kFixed
                  : type == "revolute"   ? UrdfJoint::Type::kRevolute
@@ -234,12 +303,15 @@ class Reader {
   }
 
   UrdfModel model_;
+  std::map<std::string, std::set<int>> snapped_;  // angles as written, and their lines
   size_t shapes_ = 0;
   std::vector<Problem> problems_;
 };
 
 }  // namespace
 
-UrdfModel ReadUrdf(std::string_view bytes, const std::string& file) { return Reader(file).Read(bytes); }
+UrdfModel ReadUrdf(std::string_view bytes, const std::string& file, const XacroInclude& include) {
+  return Reader(file).Read(bytes, include);
+}
 
 }  // namespace millpose

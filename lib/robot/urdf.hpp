@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,9 @@
 #include "robot/arm.hpp"
 
 namespace millpose {
+
+/// The bytes of a file by the name (a path) that a xacro file includes it by.
+using XacroInclude = std::function<std::string(const std::string&)>;
 
 /// One collision shape of a URDF link, in mm.
 struct UrdfShape {
@@ -38,6 +42,7 @@ struct UrdfJoint {
   double lower = 0, upper = 0;                      ///< rad; of a revolute joint
   double speed = 0;                                 ///< rad/s; 0: not given
   bool mimic = false;                               ///< follows another joint
+  std::string rounded_angle = {};  ///< an angle of X_PC as written that is a right angle, and rounded too far
 };
 
 /// What a URDF says of links, joints and collision geometry. Visuals, inertias and transmissions are left.
@@ -46,10 +51,20 @@ struct UrdfModel {
   std::string name;
   std::vector<UrdfLink> links;
   std::vector<UrdfJoint> joints;
+  std::vector<std::string> notes;  ///< what was taken for something else than it says: right angles
 };
 
+/// Right angles that were written with few digits are meant as such where they are off by at most this,
+/// rad: 1.571 is off by 2.04e-4.
+inline constexpr double kRightAngleWithin = 2.1e-4;
+
 /// Reads a URDF (http://wiki.ros.org/urdf/XML), metres and radians. Throws InputError with every problem
-/// found, with its line: not XML, missing or malformed attributes, names given twice or that name nothing.
-UrdfModel ReadUrdf(std::string_view bytes, const std::string& file);
+/// found, with its line. Angles of joints that are right angles rounded to few digits are snapped, with a
+/// note; one that is rounded further (3.141, 1.57) is left as written and named in its joint. Not XML,
+/// missing or malformed attributes, names given twice or that name nothing.
+///
+/// A xacro file is expanded first as far as that needs no evaluation (docs/urdf.md): `include` gives the
+/// bytes of a file that it names, relative to the one that it stands in; places have no line then.
+UrdfModel ReadUrdf(std::string_view bytes, const std::string& file, const XacroInclude& include = {});
 
 }  // namespace millpose

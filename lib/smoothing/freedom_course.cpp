@@ -121,9 +121,7 @@ void FreedomCourse::Probe(size_t t, double x, const FreedomRange& range, CourseP
   for (size_t l = 0; l < kLanes; ++l) {
     at[l].q = NearestEquivalent(place.q, at[l].q);
     // The point itself was admitted before; turned back, its angles may differ by rounding.
-    good[l] = at[l].obstacle == Obstacle::kNone &&
-              (at[l].q.array() >= problem_.bounds.lower.array() - kRevolutionRounding).all() &&
-              (at[l].q.array() <= problem_.bounds.upper.array() + kRevolutionRounding).all();
+    good[l] = at[l].obstacle == Obstacle::kNone && problem_.bounds.Hold(at[l].q, kRevolutionRounding);
   }
   const bool stays = x == place.x;
   if (!good[0] && !stays) return;

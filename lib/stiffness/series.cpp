@@ -39,33 +39,26 @@ std::vector<SeriesCompliance> ExternalCompliances(const Mechanism& mechanism,
   return elements;
 }
 
+Matrix6 ComplianceAt(const SeriesCompliance& element, const Vector3d& point) {
+  const Pose& X = element.X_LK;
+  Matrix6 adjoint = Matrix6::Zero();
+  adjoint.topLeftCorner<3, 3>() = X.linear();
+  adjoint.topRightCorner<3, 3>() = -Skew(point - X.translation()) * X.linear();
+  adjoint.bottomRightCorner<3, 3>() = X.linear();
+  return adjoint * element.C * adjoint.transpose();
+}
+
 Matrix6 SeriesComplianceAt(const Arm& arm, const Joints& q, const Vector3d& p_FT,
                            const std::vector<SeriesCompliance>& elements) {
   const std::array<Pose, 7> frames = LinkFrames(arm, q);
   const Vector3d point = frames[6] * p_FT;
   Matrix6 sum = Matrix6::Zero();
-  for (const SeriesCompliance& element : elements) {
+  for (SeriesCompliance element : elements) {
     assert(element.link >= 0 && element.link <= 6);
-    const Pose X_BK = frames[element.link] * element.X_LK;
-    Matrix6 adjoint = Matrix6::Zero();
-    adjoint.topLeftCorner<3, 3>() = X_BK.linear();
-    adjoint.topRightCorner<3, 3>() = -Skew(point - X_BK.translation()) * X_BK.linear();
-    adjoint.bottomRightCorner<3, 3>() = X_BK.linear();
-    sum += adjoint * element.C * adjoint.transpose();
+    element.X_LK = frames[static_cast<size_t>(element.link)] * element.X_LK;
+    sum += ComplianceAt(element, point);
   }
   return 0.5 * (sum + sum.transpose());
-}
-
-void AddSeriesCompliance(const Arm& arm, const std::vector<SeriesCompliance>& elements, const Vector3d& p_FT,
-                         const Lanes& reached, const std::array<Lanes, 6>& q, ComplianceBlock& c) {
-  for (int l = 0; l < kLanes; ++l) {
-    if (!(reached.v[l] > 0.0)) continue;
-    Joints pose;
-    for (int i = 0; i < 6; ++i) pose[i] = q[static_cast<size_t>(i)].v[l];
-    const Matrix6 C = SeriesComplianceAt(arm, pose, p_FT, elements);
-    c.xx.v[l] += C(0, 0), c.yy.v[l] += C(1, 1), c.zz.v[l] += C(2, 2);
-    c.xy.v[l] += C(0, 1), c.xz.v[l] += C(0, 2), c.yz.v[l] += C(1, 2);
-  }
 }
 
 Joints GravityTorques(const Arm& arm, const Joints& q, const std::vector<LinkMass>& masses,

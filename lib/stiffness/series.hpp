@@ -7,7 +7,6 @@
 
 #include "robot/kinematics.hpp"
 #include "robot/mechanism.hpp"
-#include "stiffness/compliance_block.hpp"
 
 namespace millpose {
 
@@ -32,12 +31,9 @@ std::vector<SeriesCompliance> ExternalCompliances(const Mechanism& mechanism,
 Matrix6 SeriesComplianceAt(const Arm& arm, const Joints& q, const Eigen::Vector3d& p_FT,
                            const std::vector<SeriesCompliance>& elements);
 
-/// Adds what the elements give at `p_FT` to a block's linear compliance, pose by pose (cells with elements
-/// are the exception); `q` per joint, lanes with `reached` 0 stay. Elements on links 4 and 5 turn with the
-/// wrist, so a wrist flip may change what they give.
-void AddSeriesCompliance(const Arm& arm, const std::vector<SeriesCompliance>& elements,
-                         const Eigen::Vector3d& p_FT, const Lanes& reached, const std::array<Lanes, 6>& q,
-                         ComplianceBlock& c);
+/// The compliance of one element at `point`, both in the frame of the link that it hangs on: Ad·C·Adᵀ as
+/// above.
+Matrix6 ComplianceAt(const SeriesCompliance& element, const Eigen::Vector3d& point);
 
 /// A mass that hangs on a link.
 struct LinkMass {

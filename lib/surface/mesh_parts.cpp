@@ -63,6 +63,65 @@ void DescribeFaces(const Mesh& mesh, MeshParts& parts) {
   }
 }
 
+/// What the triangles of a face say of it as a cylinder: their normals lie across one direction.
+struct NormalSpread {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  double area = 0;
+  std::vector<int> vertices;
+};
+
+/// The radius of the circle through `points` (mm) by least squares; 0 where one is off it by more than a
+/// hundredth of the radius.
+double RadiusOf(const std::vector<Eigen::Vector2d>& points) {
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& p : points) middle += p / static_cast<double>(points.size());
+  // x² + y² = 2·c·p + w about the middle.
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector2d& p : points) {
+    const Eigen::Vector2d q = p - middle;
+    const Eigen::Vector3d row(2 * q.x(), 2 * q.y(), 1);
+    A += row * row.transpose();
+    b += row * q.squaredNorm();
+  }
+  const Eigen::Vector3d x = A.fullPivLu().solve(b);
+  const double squared = x[2] + x.head<2>().squaredNorm();
+  if (!(squared > 0)) return 0;
+  const double radius = std::sqrt(squared);
+  for (const Eigen::Vector2d& p : points)
+    if (std::abs((p - middle - x.head<2>()).norm() - radius) > 0.01 * radius) return 0;
+  return radius;
+}
+
+double CylinderRadius(const Mesh& mesh, const NormalSpread& spread) {
+  constexpr double kAcross = 1e-4;  // of the normals' squares: half a degree off
+  constexpr double kCurved = 1e-3;  // likewise: less than a few degrees of a circle says nothing
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(Eigen::Matrix3d(spread.sum / spread.area));
+  const Eigen::Vector3d values = solver.eigenvalues();  // ascending
+  if (values[0] > kAcross || values[1] < kCurved) return 0;
+  const Eigen::Vector3d u = solver.eigenvectors().col(1), v = solver.eigenvectors().col(2);
+  std::vector<Eigen::Vector2d> points;
+  for (const int vertex : spread.vertices) {
+    const Eigen::Vector3d& p = mesh.triangles().vertices[static_cast<size_t>(vertex)];
+    points.emplace_back(u.dot(p), v.dot(p));
+  }
+  return RadiusOf(points);
+}
+
+void FindRadii(const Mesh& mesh, MeshParts& parts) {
+  std::vector<NormalSpread> spreads(parts.faces.size());
+  for (int face = 0; face < mesh.face_count(); ++face) {
+    NormalSpread& spread = spreads[static_cast<size_t>(parts.face_of[static_cast<size_t>(face)])];
+    const double area = AreaOf(mesh, face);
+    spread.sum += area * mesh.FaceNormal(face) * mesh.FaceNormal(face).transpose();
+    spread.area += area;
+    for (const int vertex : mesh.triangles().faces[static_cast<size_t>(face)])
+      spread.vertices.push_back(vertex);
+  }
+  for (size_t i = 0; i < spreads.size(); ++i)
+    if (spreads[i].area > 0) parts.faces[i].radius = CylinderRadius(mesh, spreads[i]);
+}
+
 struct BoundarySide {
   std::array<int, 2> ends;
   Eigen::Vector3d normal;  ///< sum of its faces'
@@ -131,6 +190,7 @@ MeshParts FindMeshParts(const Mesh& mesh, double crease) {
   for (const int number : parts.face_of) count = std::max(count, number + 1);
   parts.faces.resize(static_cast<size_t>(count));
   DescribeFaces(mesh, parts);
+  FindRadii(mesh, parts);
   std::map<std::pair<int, int>, std::vector<BoundarySide>> between;
   for (int face = 0; face < mesh.face_count(); ++face)
     for (int k = 0; k < 3; ++k) {

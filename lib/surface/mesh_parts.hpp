@@ -16,6 +16,7 @@ struct FacePart {
   double area = 0;                                   ///< mm², of the triangles
   Eigen::Vector3d place = Eigen::Vector3d::Zero();   ///< on the face, near its middle
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, there
+  double radius = 0;                                 ///< mm, where it is a cylinder's; else 0
 };
 
 /// Where two faces meet, or one ends: what hangs together of that.

@@ -108,7 +108,7 @@ class MotionCheck {
   void CheckTurn(size_t i, std::vector<Finding>& findings) const {
     const Motion& motion = replayed_.program.motions[i];
     if (motion.q || !motion.turn || motion.type != MotionType::kJoint) return;
-    const Joints angles = ToController(replayed_.program.axes, replayed_.replay.targets[i]);
+    const Joints angles = replayed_.program.axes.FromArm(replayed_.replay.targets[i]);
     for (int j = 0; j < 6; ++j) {
       if (std::abs(std::remainder(angles[j], 2 * kPi)) >= kUncertainTurn) continue;
       findings.push_back(At(replayed_.program, i, Cause::kReach,
@@ -152,7 +152,10 @@ class MotionCheck {
                          options_.lower[j] * kDegPerRad, options_.upper[j] * kDegPerRad)));
       return true;
     }
-    return false;
+    const CoupledLimit* beyond = FirstBeyond(options_.coupled, q, kLimitSlack);
+    if (beyond == nullptr) return false;
+    findings.push_back(At(replayed_.program, i, Cause::kReach, CoupledText(*beyond, q)));
+    return true;
   }
 
   bool CheckSpeed(size_t i, const Joints& speed, std::vector<Finding>& findings) const {

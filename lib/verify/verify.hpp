@@ -40,6 +40,7 @@ struct VerifyOptions {
   double angle_tolerance = 0.00034906585;  ///< rad (0.02°); likewise
   double step = 0.5;                       ///< mm of tip travel between replayed poses
   Joints lower, upper;                     ///< limits, rad
+  std::vector<CoupledLimit> coupled = {};  ///< likewise
   double swept_resolution = 0.5;           ///< mm
   /// mm by which the replay may leave the motion whose clearance was proven before it is checked again, and
   /// by which it may then fall short of that clearance.

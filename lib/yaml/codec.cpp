@@ -173,7 +173,7 @@ constexpr size_t kLongestName = 100;  // with what is put behind it, file system
 
 bool IsFileName(const std::string& name) {
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
-  return name.size() <= kLongestName && name.find_first_of("/\\") == std::string::npos &&
+  return !name.empty() && name.size() <= kLongestName && name.find_first_of("/\\") == std::string::npos &&
          !name.starts_with('-') && !name.starts_with('.') && std::ranges::none_of(name, is_control) &&
          ValidUtf8(name) == name;
 }
@@ -196,7 +196,7 @@ Codec<std::string> FileName() {
     if (context.problems.size() != problems_before) return;
     if (!IsFileName(name))
       return context.AddWrong(
-          value, fmt::format("a name that a file can have: at most {} bytes of UTF-8, no / or \\, no "
+          value, fmt::format("a name that a file can have: 1 to {} bytes of UTF-8, no / or \\, no "
                              "control characters, no - or . in front",
                              kLongestName));
     result = name;

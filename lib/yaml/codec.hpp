@@ -103,6 +103,8 @@ namespace codec_detail {
 Value SchemaOf(const std::string& type);
 Value ListSchema(const Value& item, size_t count);
 /// Adds a problem for every key of `map` that is not known, and for every known one that is missing.
+/// What is said of a key of earlier versions, by its path; null where it is none.
+const std::string* FormerKey(const std::string& path);
 void CheckKeys(const Value& map, const Context& context, const std::vector<FieldInfo>& known);
 }  // namespace codec_detail
 

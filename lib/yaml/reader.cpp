@@ -17,6 +17,7 @@ namespace {
 
 constexpr size_t kMaxBytes = 4 << 20;
 constexpr size_t kMaxDepth = 32;
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 bool IsContinuationByte(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
 
@@ -24,7 +25,7 @@ bool IsContinuationByte(char c) { return (static_cast<unsigned char>(c) & 0xc0) 
 class Source {
  public:
   Source(std::string_view text, const std::string& name) : text_(text), name_(name) {
-    lines_.push_back(0);
+    lines_.push_back(text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0);  // which has no column
     for (size_t i = 0; i < text.size(); ++i)
       if (text[i] == '\n') lines_.push_back(i + 1);
   }

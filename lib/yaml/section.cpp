@@ -18,6 +18,10 @@ const std::map<std::string, std::string>& FormerKeys() {
        "goes onto the first face that it meets"},
       {".ersysroot.axis",
        "is no longer a key: give coupled: true in external_axes to the axis that is the carriage"},
+      {"controllers.sinumerik.rotation",
+       "is no longer a key: give orientation_words: {names: [A2, B2, C2], group: orirpy}; rpy is orirpy, "
+       "euler is "
+       "orieuler"},
       {".motion",
        "is no longer a key: KRL cuts are LIN with C_DIS, SLINs stop at every corner of a SPLINE block"},
       {".motion_weight",
@@ -40,13 +44,13 @@ std::vector<std::string> Names(std::string_view list) {
   return names;
 }
 
+}  // namespace
+
 const std::string* FormerKey(const std::string& path) {
   for (const auto& [end, message] : FormerKeys())
     if (('.' + path).ends_with(end)) return &message;
   return nullptr;
 }
-
-}  // namespace
 
 void CheckKeys(const Value& map, const Context& context, const std::vector<FieldInfo>& known) {
   std::vector<std::string> names;

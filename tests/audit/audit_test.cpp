@@ -110,6 +110,11 @@ TEST_F(AuditTest, AnAngleBeyondTheJobsLimitIsALimitViolation) {
   EXPECT_EQ(Broken(MakeFolder({.narrow_limits = true})), Names{"limit_violations"});
 }
 
+TEST_F(AuditTest, ASumOfAnglesBeyondItsLimitIsALimitViolation) {
+  EXPECT_EQ(Broken(MakeFolder({.coupled_room_deg = 0.01})), Names{});
+  EXPECT_EQ(Broken(MakeFolder({.coupled_room_deg = -0.01})), Names{"limit_violations"});
+}
+
 TEST_F(AuditTest, AJumpIsAStepViolation) {
   EXPECT_EQ(Broken(MakeFolder({.rotation_deg = 8})), Names{"step_violations"});
 }

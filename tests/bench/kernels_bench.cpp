@@ -83,8 +83,8 @@ void InverseOfBlocksWithAngles(benchmark::State& state) {
   for (auto _ : state)
     for (const FlangeBlock& flange : flanges) {
       InverseBlock(arm, flange, branches, SetOf(state));
-      for (const ArmBranchBlock& branch : branches) {
-        AnglesOfBranch(arm, branch, angles, SetOf(state));
+      for (int entry = 0; entry < EntryCount(arm); ++entry) {
+        AnglesOfBranch(arm, branches[static_cast<size_t>(entry)], angles, SetOf(state));
         benchmark::DoNotOptimize(angles);
       }
     }

@@ -219,6 +219,12 @@ class Krl : public Mover {
     } else if (command == "VEL_PTP") {
       if (*value <= 0 || *value > 100) throw Refusal{"a speed of 1 to 100 % expected"};
       way_speed_ = *value / 100;
+    } else if (command == "VEL_CP") {  // bas.src: $VEL.CP
+      feed_ = Positive(*value);
+    } else if (command == "ACC_CP") {  // bas.src: $ACC.CP
+      Set("$ACC.CP", *value);
+    } else if (command == "ACC_PTP") {  // $ACC_AXIS of all: how long ways take
+      if (*value <= 0 || *value > 100) throw Refusal{"an acceleration of 1 to 100 % expected"};
     } else {
       modal_["BAS " + command] = fmt::format("{}", *value);
     }
@@ -253,7 +259,11 @@ class Krl : public Mover {
       return;
     }
     if (name == "$ORI_TYPE" || name == "$CIRC_TYPE" || name == "$IPO_MODE") {
-      modal_[name] = at.Rest();
+      const std::string word = at.Rest();
+      if (name == "$CIRC_TYPE" && (word == "#BASE" || word == "#PATH")) return;  // no circle follows
+      // As delivered, and as INITMOV leaves it; a moving base must have it stated.
+      if (name == "$IPO_MODE" && word == "#BASE" && !machine_.coupled) return;
+      modal_[name] = word;
       return;
     }
     const auto value = at.Number(true);
@@ -264,6 +274,10 @@ class Krl : public Mover {
       turn_[name.back() - '1'] = Positive(*value), stated_.insert(name);
     else if (name == "$APO.CDIS")
       blend_ = *value;
+    else if (name == "$OV_PRO" && *value >= 1 && *value <= 100)
+      return;  // the operator's too: all is slower alike
+    else if (name == "$APO.CPTP" || name == "$APO.CVEL" || name == "$APO.CORI")
+      return;  // of C_PTP, which is taken as far as it can go, C_VEL and C_ORI, which stand in `words`
     else if (name == "$ADVANCE")
       SetAdvance(*value);
     else

@@ -74,7 +74,7 @@ class Init(InFolder):
                     self.assertEqual(result.returncode, 0, result.stderr)
                     self.assertEqual(sorted(p.name for p in out.iterdir()), ["cell.yaml", "job.yaml"])
                     self.assert_plans(out)
-        self.assertEqual(list(self.folder.rglob("*init-*")), [])
+        self.assertEqual(list(self.folder.rglob("*.init")), [])
 
     def test_a_block_plans_with_a_urdf_and_a_named_arm(self):
         self.try_parts({"block": make_meshes.support_pad()}, (self.arm(), "kr500_r2830"))

@@ -86,8 +86,9 @@ class Operations(InFolder):
         programs = self.out / "programs"
         for controller, main, ending in (("krl", ".src", ".src"), ("sinumerik", ".mpf", ".spf"), ("linuxcnc", ".ngc", ".ngc")):
             text = (programs / controller / f"cabin_window{main}").read_text()
-            calls = [name for name in re.findall(r"^(?:O<)?(cabin_window_\d)\b", text, re.M)]
-            self.assertEqual(calls, ["cabin_window_1", "cabin_window_2", "cabin_window_3"])
+            calls = re.findall(r"^(?:O<)?(\w+_[0-9a-z]{5})(?: \( \)|> CALL|)$", text, re.M)
+            self.assertEqual([name[:-6] for name in calls], ["face_pads", "trim_window", "drill_holes"])
+            self.assertEqual(len({name[-5:] for name in calls}), 3, "each has a hash of its own")
             for folder, name in zip(FOLDERS, calls):
                 own = (self.out / "operations" / folder / "programs" / controller / (name + main)).read_text()
                 called = (programs / controller / (name + ending)).read_text()
@@ -119,8 +120,8 @@ class Operations(InFolder):
             return re.findall(r"N\.+ ((?:STRAIGHT|CHANGE_TOOL|START_SPINDLE|PROGRAM_).*)", result.stdout)
 
         whole = interpreted(self.out / "programs" / "linuxcnc" / "cabin_window.ngc")
-        parts = [line for i, folder in enumerate(FOLDERS)
-                 for line in interpreted(self.out / "operations" / folder / "programs" / "linuxcnc" / f"cabin_window_{i + 1}.ngc")]
+        parts = [line for folder in FOLDERS
+                 for line in interpreted(next((self.out / "operations" / folder / "programs" / "linuxcnc").glob(f"{folder[3:]}_*.ngc")))]
         self.assertEqual(whole[-1], "PROGRAM_END()")
         self.assertEqual(whole[:-1], [line for line in parts if line != "PROGRAM_END()"])
         self.assertEqual([line for line in whole if line.startswith("CHANGE")], ["CHANGE_TOOL(1)", "CHANGE_TOOL(1)", "CHANGE_TOOL(2)"])
@@ -130,7 +131,7 @@ class Operations(InFolder):
         for controller, on, off, change in (("krl", r"\$OUT\[1\]=TRUE", r"\$OUT\[1\]=FALSE", "put it in"),
                                             ("sinumerik", r"\bM3\b", r"\bM5\b", r"\bM6\b"), ("linuxcnc", r"\bM3\b", r"\bM5\b", r"\bM6\b")):
             folder = self.out / "programs" / controller
-            text = "".join(path.read_text() for path in sorted(folder.iterdir()) if re.search(r"_\d\.\w+$", path.name))
+            text = "".join(path.read_text() for path in sorted(folder.iterdir()) if re.search(r"_[0-9a-z]{5}\.(?!dat)\w+$", path.name))
             order = re.findall(f"({on})|({off})|({change})", text)
             self.assertEqual([next(i for i, word in enumerate(words) if word) for words in order], [2, 0, 1] * 3, controller)
 

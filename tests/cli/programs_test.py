@@ -29,9 +29,13 @@ def header(text):
 
 
 def straight(text):
-    """X, Y, Z, A, B, C of every LIN, in order."""
-    fields = ",".join(f"{name} {NUMBER}" for name in "XYZABC")
-    return [[float(value) for value in match] for match in re.findall(rf"(?m)^LIN \{{{fields}", text)]
+    """X, Y, Z, A, B, C of every LIN, in order; what a target does not name stays as it was."""
+    poses, words = [], {}
+    for kind, fields in re.findall(r"(?m)^(PTP|LIN) \{([^}]*)\}", text):
+        words.update((name, float(value)) for name, value in re.findall(rf"\b([XYZABC]) {NUMBER}", fields))
+        if kind == "LIN":
+            poses.append([words[name] for name in "XYZABC"])
+    return poses
 
 
 def cell(name, krl):

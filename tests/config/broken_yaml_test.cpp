@@ -167,6 +167,7 @@ const Slip kJobSlips[] = {
     {"name: part", "name: part\npose: {objective: {name: chen2021, w1: -1}}", 3, 40,
      "pose.objective.w1: given -1; allowed: at least 0"},
     {"millpose_job: 1", "millpose_job: 2", 1, 15, "millpose_job: given 2; allowed: integer 1"},
+    {"millpose_job: 1", "\xef\xbb\xbfmillpose_job: 2", 1, 15, "millpose_job: given 2; allowed: integer 1"},
     {"programs: [krl]", "programs: [krl, fanuc]", 18, 17, "programs[1]: given fanuc; allowed: one of krl"},
     {"programs: [krl]", "programs: krl", 18, 11, "programs: given krl; allowed: a list"},
     {"programs: [krl]", "programs: [krl", 19, 1, "not YAML: "},
@@ -264,11 +265,20 @@ TEST(BrokenYaml, ColumnsCountCharacters) {
 TEST(BrokenYaml, WhatAControllerCannotFollowIsNamedWithItsLine) {
   const std::string cell = kCell;
   const int line = 1 + static_cast<int>(std::ranges::count(cell, '\n'));
-  const std::array<std::pair<const char*, const char*>, 18> slips = {{
-      {"  sinumerik: {rotation: rpy}\n", "controllers.sinumerik: settable_frame is missing"},
+  const std::array<std::pair<const char*, const char*>, 22> slips = {{
+      {"  sinumerik: {orientation_words: {names: [A2, B2, C2], group: orirpy}, stat_a5_positive: false}\n",
+       "controllers.sinumerik: settable_frame is missing"},
+      {"  sinumerik: {settable_frame: 505, stat_a5_positive: false}\n",
+       "controllers.sinumerik: orientation_words is missing: {names: "},
+      {"  sinumerik: {settable_frame: 505, orientation_words: {names: [A2, B2, C2], group: orirpy}}\n",
+       "controllers.sinumerik: stat_a5_positive is missing: true where"},
+      {"  sinumerik: {FULL, rotation: rpy}\n",
+       "controllers.sinumerik.rotation: is no longer a key: give orientation_words: {names: [A2, B2, C2]"},
+      {"  sinumerik: {settable_frame: 505, orientation_words: {names: [A2, X, C2], group: orirpy}}\n",
+       "controllers.sinumerik.orientation_words.names: given 'X'; allowed: a word that means nothing else"},
       {"  krl: {ori_ipo_with_g_code: true}\n",
        "controllers.krl.ori_ipo_with_g_code: krl programs do not know this"},
-      {"  sinumerik: {settable_frame: 505, base_number: 2}\n",
+      {"  sinumerik: {FULL, base_number: 2}\n",
        "controllers.sinumerik.base_number: sinumerik programs do not know this"},
       {"  krl: {motion: spline}\n", "controllers.krl.motion: is no longer a key: KRL cuts are LIN"},
       {"  krl: {external_axes: [1500]}\n",
@@ -285,24 +295,29 @@ TEST(BrokenYaml, WhatAControllerCannotFollowIsNamedWithItsLine) {
        "controllers.krl.external_axes[0]: given 2 of axis, constant_mm and constant_deg; allowed: one"},
       {"  krl: {external_axes: [{name: E1, constant_mm: 1}, {name: E1, constant_mm: 2}]}\n",
        "controllers.krl.external_axes[1].name: given 'E1' twice; allowed: once"},
-      {"  sinumerik: {settable_frame: 505, external_axes: [{name: 7th, axis: rail, coupled: false}]}\n",
+      {"  sinumerik: {FULL, external_axes: [{name: 7th, axis: rail, coupled: false}]}\n",
        "controllers.sinumerik.external_axes[0].name: given '7th'; allowed: letters"},
-      {"  sinumerik: {settable_frame: 505, robroot: {}}\n",
+      {"  sinumerik: {FULL, robroot: {}}\n",
        "controllers.sinumerik.robroot: sinumerik programs do not know this"},
       {"  linuxcnc: {external_axes: [{name: U, axis: rail, coupled: false, constant_mm: 4}]}\n",
        "controllers.linuxcnc.external_axes[0].constant_mm: linuxcnc programs do not know this; allowed for: "
        "krl"},
       {"  krl: {rotation: euler}\n",
-       "controllers.krl.rotation: krl programs do not know this; allowed for: sinum"},
+       "controllers.krl.rotation: krl programs do not know this; allowed for: linuxcnc"},
       {"  krl: {coordinates: cartesian}\n", "controllers.krl.coordinates: krl programs do not know this"},
       {"  linuxcnc: {outputs: [{number: 1, at: cut_end, set: true, delay_ms: 5}]}\n",
        "controllers.linuxcnc.outputs[0].delay_ms: linuxcnc programs do not know this; allowed for: krl"},
-      {"  sinumerik: {settable_frame: 505, texts: {joints_on: M5}}\n",
+      {"  sinumerik: {FULL, texts: {joints_on: M5}}\n",
        "controllers.sinumerik.texts.joints_on: sinumerik programs"},
       {"  krl: {texts: {header: \"; gr\u00fcn\"}}\n",
        "controllers.krl.texts.header: programs are plain ASCII"},
   }};
-  for (const auto& [text, message] : slips) {
+  // What a section must have.
+  const std::string full =
+      "settable_frame: 505, orientation_words: {names: [A2, B2, C2], group: orirpy}, stat_a5_positive: false";
+  for (const auto& [slip, message] : slips) {
+    std::string text = slip;
+    if (const size_t at = text.find("FULL"); at != std::string::npos) text.replace(at, 4, full);
     try {
       ParseCell(cell + "controllers:\n" + text, "f.yaml");
       ADD_FAILURE() << "accepted: " << text;

@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "config/config.hpp"
+#include "program/program_name.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/base/replaced.hpp"
 #include "tests/base/source_dir.hpp"
@@ -36,8 +37,9 @@ std::string JobRefusal(const std::string& text, std::optional<size_t> operation 
 TEST(Operations, HaveTheJobsKeysWhereTheyGiveNone) {
   const JobSettings rough = ParseJob(kWallJob, "job.yaml", {}, 0),
                     finish = ParseJob(kWallJob, "job.yaml", {}, 1);
-  EXPECT_EQ(rough.name, "wall_1");
-  EXPECT_EQ(finish.name, "wall_2");
+  EXPECT_EQ(rough.name, OperationName("wall", "rough"));
+  EXPECT_EQ(rough.operation_of, "wall");
+  EXPECT_EQ(finish.name, OperationName("wall", "finish"));
   EXPECT_EQ(rough.operation, "rough");
   EXPECT_EQ(finish.operation, "finish");
   EXPECT_EQ(rough.tool, "mill");

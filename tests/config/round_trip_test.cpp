@@ -5,6 +5,7 @@
 #include "config/config.hpp"
 #include "program/krl/krl.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
+#include "program/sinumerik/sinumerik.hpp"
 #include "tests/base/source_dir.hpp"
 #include "tests/program/own_options.hpp"
 
@@ -66,6 +67,7 @@ controllers:
     block_time_ms: 8
     program_memory_kbytes: 8000
     outputs: [{number: 3, at: cut_begin, set: true, delay_ms: -20}, {number: 3, at: cut_end, set: false}]
+  sinumerik: {settable_frame: 507, orientation_words: {names: [RX, RY, RZ], group: orirpy2}, stat_a5_positive: true}
   linuxcnc: {coordinates: cartesian, rotation: euler, outputs: [{number: 0, at: cut_end, set: true}]}
 )";
 
@@ -180,7 +182,7 @@ TEST(RoundTrip, WhatProgramsAreMadeOfSurvives) {
   EXPECT_EQ(krl.tool_direction, FrameAxis::kZ);
   EXPECT_EQ(shared.block_time, 0.008);
   EXPECT_EQ(krl.memory_kbytes, 8000);
-  EXPECT_TRUE(krl.write_load);
+  EXPECT_EQ(krl.write_load, true);
   EXPECT_EQ(cell.tool.load->mass, 182.5);
   EXPECT_EQ(cell.tool.load->inertia, Eigen::Vector3d(9, 11, 4.5));
   ASSERT_EQ(shared.outputs.size(), 2u);
@@ -191,6 +193,10 @@ TEST(RoundTrip, WhatProgramsAreMadeOfSurvives) {
   EXPECT_DOUBLE_EQ(shared.calls[1].to[5], DegToRad(0.1));
   EXPECT_TRUE(OwnOptions<LinuxCncPost>(cell.controllers.at("linuxcnc")).cartesian);
   EXPECT_EQ(cell.controllers.at("linuxcnc").shared.rotation, AngleOrder::kEuler);
+  const SinumerikOptions sinumerik = OwnOptions<SinumerikPost>(cell.controllers.at("sinumerik"));
+  EXPECT_EQ(sinumerik.Words(), (std::array<std::string, 3>{"RX", "RY", "RZ"}));
+  EXPECT_EQ(sinumerik.stat_a5_positive, true);
+  EXPECT_EQ(cell.controllers.at("sinumerik").shared.rotation, AngleOrder::kRpy2);
   std::string text = ReadFile(std::filesystem::path(SourceDir()) / "toolpaths/support_pad/job.yaml");
   text +=
       "program_options: {path_tolerance_mm: 0.05, point_economy: {chord_mm: 0}, dry_run_offset_mm: 20, date: "

@@ -14,9 +14,10 @@ ALL = os.environ.get("MILLPOSE_FAULT_PLACES") == "all"
 CAUSES = {"ENOSPC": "No space left on device", "EACCES": "Permission denied", "EROFS": "Read-only file system"}
 
 
-def run(command, root, at=0, fault="kill", stays=False, count=None):
-    """The command with a fault at the at-th operation on files below `root`; 0: none, they are only counted."""
-    env = dict(os.environ, LD_PRELOAD=str(FAULTS), MILLPOSE_FAULT_ROOT=str(root), MILLPOSE_FAULT_AT=str(at),
+def run(command, root, at=0, fault="kill", stays=False, count=None, more=None):
+    """The command with a fault at the at-th operation on files below `root`; 0: none, they are only counted. `more`: of the
+    environment."""
+    env = dict(os.environ, **(more or {}), LD_PRELOAD=str(FAULTS), MILLPOSE_FAULT_ROOT=str(root), MILLPOSE_FAULT_AT=str(at),
                MILLPOSE_FAULT=fault, MILLPOSE_FAULT_STAYS="1" if stays else "",
                MILLPOSE_FAULT_COUNT=str(count) if count else "")
     return subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=600, env=env)

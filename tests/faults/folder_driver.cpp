@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Writes a small set of results as a plan does, to be killed on the way.
 // Usage: folder_driver FOLDER LETTER: files hold the letter; with set B one file less and one more than with
-// A. `folder_driver FOLDER -` repairs the folder, as verify does, and checks its manifest; `… sign` makes the
-// manifest one of what stands there.
+// A. `folder_driver FOLDER -` repairs the folder, as `plan` does that finds one open, and checks its
+// manifest; `… sign` makes the manifest one of what stands there.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -18,13 +18,13 @@ namespace {
 void Write(const std::string& folder_name, const std::string& letter) {
   const OutputFolder folder(folder_name, FolderUse::kResults);
   folder.WriteCheckpoint("key" + letter, letter);
-  ResultSet set(folder);
+  ResultSet set(folder, kPlanNames);
   for (const char* name : {"job.yaml", "summary.json", "programs/krl/a.src", "programs/krl/a.dat"})
     set.Add(name, letter + letter);
   set.Add(letter == "A" ? "deflection.csv" : "path.vtp", letter);
   set.Add(letter == "A" ? "programs/linuxcnc/a.ngc" : "programs/sinumerik/a.mpf", letter);
   const std::string manifest = set.AddManifest(letter);
-  set.Add(kRunFile, fmt::format("{{\"manifest\": \"{}\"}}\n", manifest));
+  set.AddRun(fmt::format("{{\"manifest\": \"{}\"}}\n", manifest));
   set.Publish();
 }
 
@@ -42,7 +42,7 @@ void Sign(const std::filesystem::path& folder) {
 }
 
 void Repair(const std::string& folder) {
-  RecoverOutputFolder(folder);
+  FinishSwap(folder, {});
   fmt::print("{}\n", CheckManifest(folder).key);
 }
 

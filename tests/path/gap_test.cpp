@@ -89,6 +89,40 @@ TEST(Gap, GoesRoundAWall) {
   EXPECT_LT(gap.duration, 6 * PathDuration(straight, 0.5 * arm.speed, 0.5 * arm.acceleration));
 }
 
+TEST(Gap, KeepsALimitThatCouplesAxes) {
+  Cell cell = WallCell();
+  const GapEnd from = Piece0(0, kLeft), to = Piece0(1, kRight);
+  CoupledLimit limit{(Joints() << 0, -1, 1, 0, 0, 0).finished(), 0};
+  const auto most = [&](const Gap& gap) {
+    double largest = -1e9;
+    for (const Joints& q : gap.joints) largest = std::max(largest, limit.factors.dot(q));
+    return largest;
+  };
+  const Gap free = PlanGap(World(cell), from, to, {}, {});
+  const double without = most(free), at_ends = std::max(limit.factors.dot(free.joints.front()),
+                                                        limit.factors.dot(free.joints.back()));
+  ASSERT_GT(without, at_ends + DegToRad(2)) << "the way over the wall folds the arm";
+  limit.at_most = (without + at_ends) / 2 + GapOptions{}.leave.limit_margin;
+  cell.arm.coupled_limits = {limit};
+  const World world(cell);
+  const Gap gap = PlanGap(world, from, to, {}, {});
+  ExpectGood(world, gap, from, to);
+  EXPECT_LE(most(gap), limit.at_most + 1e-9);
+}
+
+TEST(Gap, ARetractKeepsALimitThatCouplesAxes) {
+  Cell cell = SampleCell();
+  const GapEnd from = Piece0(0, kLeft);
+  const Joints out = PlanGap(World(cell), from, Home(), {}, {}).joints.front();  // retracted
+  Joints factors = Joints::Zero();
+  factors.segment<2>(1) = (out - kLeft).segment<2>(1);  // what grows on the way out
+  ASSERT_GT(factors.norm(), 1e-3);
+  cell.arm.coupled_limits = {{factors, factors.dot(kLeft)}};
+  const Gap gap = PlanGap(World(cell), from, Home(), {}, {});
+  EXPECT_FALSE(gap.planned);
+  EXPECT_NE(gap.detail.find("is above"), std::string::npos) << gap.detail;
+}
+
 TEST(Gap, BlockedEndsAreNamed) {
   Cell cell = SampleCell();
   AddBox(cell, "clamp", kLeft, At(90, 0, 280), {40, 40, 40});

@@ -35,6 +35,49 @@ TEST(CellTextsOfACell, AreRefusedWithTheirLine) {
   EXPECT_EQ(problems[1].place.file, cell.file);
 }
 
+TEST(ToolNamesOfACell, AreRefusedAtTheirLineWhereProgramsAreAskedFor) {
+  const std::string name = std::string(SourceDir()) + "/cells/kr500_r2830.yaml", text = ReadFile(name);
+  const size_t tool = text.find("\ntool:") + 1, at = text.find("name: ", tool), end = text.find('\n', at);
+  const int line = 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(at), '\n'));
+  for (const auto& [given, good] : {std::pair{"mill 20", true},
+                                    {"mill-20", true},
+                                    {"Fr\u00e4ser", false},
+                                    {"\u00d820", false},
+                                    {"", false},
+                                    {"mill(20)", false}}) {
+    std::string changed = text;
+    const CellSettings cell =
+        ParseCell(changed.replace(at, end - at, fmt::format("name: '{}'", given)), name);
+    for (const char* controller : {"krl", "sinumerik", "linuxcnc"}) {
+      try {
+        MakePostSettings({}, cell, controller);
+        EXPECT_TRUE(good) << given;
+      } catch (const InputError& error) {
+        ASSERT_FALSE(good) << error.what();
+        EXPECT_EQ(error.problems()[0].place.line, line);
+        EXPECT_TRUE(error.problems()[0].message.starts_with("tool.name: given '")) << error.what();
+      }
+    }
+  }
+}
+
+TEST(AxesOfControllers, AreTheCellsAlsoWhereNobodyAsksForThem) {
+  const std::string name = std::string(SourceDir()) + "/cells/kr500_rail.yaml";
+  std::string text = ReadFile(name);
+  text.replace(text.find("{name: U, axis: rail"), 20, "{name: U, axis: rael");
+  try {
+    ParseCell(text, name);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what())
+                  .find("controllers.linuxcnc.external_axes: U: given axis 'rael'; allowed: the "
+                        "name of one of external_axes; did you mean 'rail'?"),
+              std::string::npos)
+        << error.what();
+    EXPECT_GT(error.problems()[0].place.line, 1);
+  }
+}
+
 TEST(AxesAlongCuts, NeedControllersThatCountInThem) {
   const std::string name = std::string(SourceDir()) + "/cells/kr500_rail.yaml";
   std::string text = ReadFile(name);

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/trig.hpp"
+#include "base/units.hpp"
 #include "job/workpiece.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/cell/sample_cell.hpp"
@@ -47,6 +49,52 @@ TEST(CheckMesh, MeasuresABox) {
   EXPECT_EQ(json["triangles"], 12);
   EXPECT_EQ(json["upper_mm"][0], 60);
   EXPECT_EQ(json["closed_area_share"], 1);
+}
+
+TEST(CheckMesh, ListsFacesByPlaceNormalAndArea) {
+  const MeshCheck check = Checked("box.obj", BoxObj(1));
+  ASSERT_EQ(check.faces.size(), 6u);
+  double area = 0;
+  for (const MeshCheck::Face& face : check.faces) {
+    area += face.source.area;
+    const Eigen::Vector3d half(60, 40, 10);
+    EXPECT_NEAR(face.part.normal.dot(face.part.place), face.part.normal.cwiseAbs().dot(half), 1e-9)
+        << "on the box";
+    EXPECT_EQ(face.part.radius, 0);
+  }
+  EXPECT_NEAR(area, check.report.area, 1e-9);
+  const Json json = Json::parse(ToJson(check));
+  ASSERT_EQ(json["mesh_faces"].size(), 6u);
+  EXPECT_TRUE(json["step_faces"].empty());
+  EXPECT_TRUE(json["mesh_faces"][0]["radius_mm"].is_null());
+  EXPECT_NE(ToText(check).find("looking (0.000, 0.000, 1.000)"), std::string::npos) << ToText(check);
+}
+
+TEST(CheckMesh, ACylindersFaceHasItsRadius) {
+  constexpr int kSides = 64;
+  constexpr double kRadius = 12.5;
+  std::string text;
+  for (const double z : {0.0, 30.0})
+    for (int i = 0; i < kSides; ++i) {
+      const SineCosine t = SinCos(2 * kPi * i / kSides);
+      text += fmt::format("v {:.17g} {:.17g} {}\n", 100 + kRadius * t.cos, kRadius * t.sin - 7, z);
+    }
+  text += fmt::format("v 100 -7 0\nv 100 -7 30\n");
+  for (int i = 0; i < kSides; ++i) {
+    const int a = i + 1, b = (i + 1) % kSides + 1, below = 2 * kSides + 1, above = below + 1;
+    text += fmt::format("f {0} {1} {3}\nf {0} {3} {2}\nf {1} {0} {4}\nf {2} {3} {5}\n", a, b, a + kSides,
+                        b + kSides, below, above);
+  }
+  const MeshCheck check = Checked("cylinder.obj", text);
+  ASSERT_EQ(check.faces.size(), 3u) << ToText(check);
+  size_t round = 0;
+  for (const MeshCheck::Face& face : check.faces) {
+    if (face.part.radius == 0) continue;
+    ++round;
+    EXPECT_NEAR(face.part.radius, kRadius, 1e-9);
+  }
+  EXPECT_EQ(round, 1u);
+  EXPECT_NE(ToText(check).find(", radius 12.500 mm"), std::string::npos) << ToText(check);
 }
 
 TEST(CheckMesh, AUnitThatCannotBeIsWarnedOfWithThoseThatCould) {
@@ -128,6 +176,27 @@ TEST(CheckJob, NamesThePointsOutOfReachAndTheAxesThatForbidThem) {
   EXPECT_EQ(check.reach[2], 6u);
   EXPECT_EQ(check.limited[4], 6u) << "axis 5";
   EXPECT_NE(ToText(check).find("  farthest: A5      6 (100.0 %)\n"), std::string::npos) << ToText(check);
+}
+
+TEST(CheckJob, APartTheWrongWayRoundIsAFinding) {
+  const auto findings = [](const std::string& abc) {
+    return ToText(CheckJob(SmallInputs({{"workpiece.pose.abc_deg", abc}}), {.threads = 2}, Silent(), {}));
+  };
+  // The wall's back, which the arm would have to reach round.
+  const std::string back = findings("[0, 90, 0]");
+  EXPECT_NE(
+      back.find("6 of 6 points have a normal that looks away from the arm, such as (1.000, 0.000, 0.000)"),
+      std::string::npos)
+      << back;
+  EXPECT_EQ(back.find("comes from below"), std::string::npos) << back;
+  const std::string upside_down = findings("[0, 180, 0]");
+  EXPECT_NE(upside_down.find(
+                "at 6 of 6 points the tool comes from below the part, with the axis (0.000, 0.000, -1.000)"),
+            std::string::npos)
+      << upside_down;
+  const std::string right = findings("[0, -90, 0]");
+  EXPECT_EQ(right.find("looks away"), std::string::npos) << right;
+  EXPECT_EQ(right.find("from below"), std::string::npos) << right;
 }
 
 TEST(CheckJob, RefusesWhatPlanWouldRefuseInTheSameWords) {

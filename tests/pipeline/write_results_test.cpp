@@ -35,7 +35,7 @@ Written Write(const Handed& handed) {
   const OutputFolder folder(home.path() / "out", FolderUse::kResults);
   Written written;
   {
-    ResultSet set(folder);
+    ResultSet set(folder, kPlanNames);
     written.report = WriteResults({.inputs = handed.inputs,
                                    .cell = prepared.cell,
                                    .plan = handed.plan,

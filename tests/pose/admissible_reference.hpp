@@ -64,6 +64,11 @@ inline Obstacle ReferenceObstacle(const PoseProblem& problem, const Joints& q, d
   const AdmissibleBounds& bounds = problem.bounds;
   for (int j = 0; j < 6; ++j)
     if (q[j] < bounds.lower[j] || q[j] > bounds.upper[j]) return Obstacle::kLimit;
+  for (const CoupledLimit& limit : bounds.coupled) {
+    double sum = -limit.at_most;
+    for (int j = 0; j < 6; ++j) sum += limit.factors[j] * q[j];
+    if (sum > 1e-12) return Obstacle::kLimit;
+  }
   const SingularityDistance distance = MeasuredDistance(problem.arm, q);
   double missed = std::max(0.0, bounds.wrist_min - distance.wrist) +
                   std::max(0.0, bounds.elbow_min - distance.elbow) +

@@ -55,6 +55,10 @@ TEST(PointScorer, EqualsThePlainReference) {
       if (k % 4 == 1) problem.bounds.wrist_min = 0.7;
       if (k % 4 == 2) problem.bounds.elbow_min = 0.9;
       if (k % 4 == 3) problem.bounds.shoulder_min_mm = 1800;
+      // Axes that couple have less than a revolution.
+      if (k % 5 == 0 && arm.family == ArmFamily::kSphericalWrist)
+        problem.bounds.coupled = {{(Joints() << 0, -1, 1, 0, 0, 0).finished(), stream.Uniform(2.2, 3)},
+                                  {(Joints() << 0, -0.5, 0, 0, 1, 0).finished(), stream.Uniform(0.5, 2)}};
       const MillingPoint point = PanelPoint(stream.Uniform(-700, 700), stream.Uniform(-600, 900));
       const PointScorer scorer(problem, point, Eigen::Vector3d::UnitZ());
       std::vector<FreedomValues> rotations;

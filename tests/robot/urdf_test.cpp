@@ -196,22 +196,29 @@ TEST(Urdf, AUrHasTheLengthsOfItsTable) {
 }
 
 TEST(Urdf, AWristBesideAxis1IsTakenAsItIs) {
-  // Frames as in the URDF of a Doosan M1013, whose right angles are rounded to 1.571.
+  // Frames as in the URDF of a Doosan M1013, whose right angles are rounded to 1.571: taken for what they
+  // are. Written with more digits they would be a calibrated arm's.
   const Vector3d z(0, 0, 1), none = Vector3d::Zero();
-  const double quarter = 1.571;
-  Spec spec;
-  spec.joints = {{{{0, 0, 0.1525}, none, z},
-                  {{0, 0.0345, 0}, {0, -quarter, -quarter}, z},
-                  {{0.62, 0, 0}, {0, 0, quarter}, z},
-                  {{0, -0.559, 0}, {quarter, 0, 0}, z},
-                  {none, {-quarter, 0, 0}, z},
-                  {{0, -0.121, 0}, {quarter, 0, 0}, z}}};
-  const DerivedArm derived = Derive(UrdfOf(spec), 2);
-  EXPECT_EQ(derived.arm.family, ArmFamily::kSphericalWrist);
+  const auto with = [&](double quarter) {
+    Spec spec;
+    spec.joints = {{{{0, 0, 0.1525}, none, z},
+                    {{0, 0.0345, 0}, {0, -quarter, -quarter}, z},
+                    {{0.62, 0, 0}, {0, 0, quarter}, z},
+                    {{0, -0.559, 0}, {quarter, 0, 0}, z},
+                    {none, {-quarter, 0, 0}, z},
+                    {{0, -0.121, 0}, {quarter, 0, 0}, z}}};
+    return UrdfOf(spec);
+  };
+  const DerivedArm rounded = Derive(with(1.571));
+  EXPECT_EQ(rounded.arm.family, ArmFamily::kSphericalWrist);
+  EXPECT_NEAR(std::abs(rounded.arm.dy), 34.5, 1e-9);
+  EXPECT_NEAR(rounded.arm.a2, 620, 1e-9);
+  const std::string measured = with(1.57100123);
+  const DerivedArm derived = Derive(measured, 2);
   EXPECT_NEAR(std::abs(derived.arm.dy), 34.5, 0.5);
   EXPECT_NEAR(derived.arm.a2, 620, 0.5);
   EXPECT_LT(derived.deviation, 1.5);
-  EXPECT_NE(ErrorOf(UrdfOf(spec)).find("allowed by arm.urdf.tolerance_mm: 0.01 mm"), std::string::npos);
+  EXPECT_NE(ErrorOf(measured).find("allowed by arm.urdf.tolerance_mm: 0.01 mm"), std::string::npos);
 }
 
 TEST(Urdf, OwnFileIsDerivedWithItsLengths) {
@@ -287,7 +294,7 @@ TEST(Urdf, ErrorsHaveTheirLine) {
   expect(ErrorOf(with("<link name=\"l3\"/>", "<link name=\"l2\"/>")), "two links 'l2'");
   expect(ErrorOf(with("xyz=\"", "xyz=\"1 ")), "allowed: three numbers");
   expect(ErrorOf(with("type=\"revolute\"", "type=\"fixed\"")),
-         "5 joints move between 'l0' and 'l7'; allowed: six");
+         "5 joints move between 'l0' and 'l7' (j2, j3, j4, j5, j6); allowed: arms with six");
   expect(ErrorOf(with("type=\"revolute\"", "type=\"prismatic\"")),
          "own.urdf:11: joint 'j1': allowed between");
   expect(ErrorOf(good, "l0", "l8"), "flange_link: given 'l8'; allowed: l0, l1");

@@ -168,32 +168,6 @@ TEST(Series, AgreesWithAnElastostaticSolveByDifferences) {
   }
 }
 
-TEST(Series, BlocksGetWhatEveryPoseGets) {
-  const Arm arm = Kr500R2830();
-  const Vector3d p_FT(-250, 31, 250);
-  RandomStream stream(7, 0);
-  std::vector<SeriesCompliance> elements = RandomElements({1, 4, 6}, stream);
-  for (SeriesCompliance& element : elements) element.C.diagonal() << 1e-5, 2e-5, 3e-5, 1e-11, 2e-11, 3e-11;
-  std::array<Joints, kLanes> poses;
-  std::array<Lanes, 6> q;
-  Lanes reached;
-  for (int l = 0; l < kLanes; ++l) {
-    poses[l] = RegularJoints(arm, stream);
-    reached.v[l] = l == 3 ? 0 : 1;
-    for (size_t i = 0; i < 6; ++i) q[i].v[l] = poses[l][static_cast<Eigen::Index>(i)];
-  }
-  ComplianceBlock c;
-  for (Lanes* part : {&c.xx, &c.yy, &c.zz, &c.xy, &c.xz, &c.yz}) std::fill_n(part->v, kLanes, 1e-3);
-  AddSeriesCompliance(arm, elements, p_FT, reached, q, c);
-  for (int l = 0; l < kLanes; ++l) {
-    Matrix3d added = Matrix3d::Zero();
-    if (l != 3) added = SeriesComplianceAt(arm, poses[l], p_FT, elements).topLeftCorner<3, 3>();
-    Matrix3d got;
-    got << c.xx.v[l], c.xy.v[l], c.xz.v[l], c.xy.v[l], c.yy.v[l], c.yz.v[l], c.xz.v[l], c.yz.v[l], c.zz.v[l];
-    EXPECT_LT((got - Matrix3d::Constant(1e-3) - added).cwiseAbs().maxCoeff(), 1e-16) << l;
-  }
-}
-
 TEST(Series, JointsAndElementsTogetherMinimiseTheEnergy) {
   // Give x of all joints and elements that minimises ½xᵀKx − w·u(x), with du/dx from differences of the
   // deformed arm alone: no Jacobian, no adjoint, no statics.

@@ -72,10 +72,10 @@ TEST_F(StepMeshes, TheManifestNamesTheMeshAndVerifyTakesIt) {
   CutStepFiles(&cut, {}, {});
   {
     const OutputFolder folder(base_, FolderUse::kResults);
-    ResultSet results(folder);
+    ResultSet results(folder, kPlanNames);
     AddMeshes(cut, &results);
     const std::string manifest = results.AddManifest(cut.hash);
-    results.Add(kRunFile, fmt::format("{{\"manifest\": \"{}\"}}", manifest));
+    results.AddRun(fmt::format("{{\"manifest\": \"{}\"}}", manifest));
     results.Publish();
   }
   const auto& [key, hash] = *cut.step_meshes.begin();

@@ -9,6 +9,7 @@
 #include "base/file.hpp"
 #include "base/units.hpp"
 #include "surface/mesh_import.hpp"
+#include "surface/mesh_parts.hpp"
 #include "surface/step_reader.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/surface/mutate.hpp"
@@ -119,6 +120,33 @@ TEST(Step, FacesAreRegionsByNumberIdAndName) {
     EXPECT_EQ(error.problems()[0].message.substr(0, 55),
               "toolpath: the part has no STEP face \"8\"; there are 1 to");
   }
+}
+
+TEST(Step, FacesAreRegionsByAPlaceOnThem) {
+  const Mesh mesh = Imported(DrilledBlockStep("MM"), 1).mesh;
+  const Triangles& triangles = mesh.triangles();
+  const MeshParts parts = FindMeshParts(mesh);
+  for (size_t i = 0; i < parts.faces.size(); ++i) {
+    const Eigen::Vector3d& at = parts.faces[i].place;
+    RegionOptions options;
+    options.source_faces = {fmt::format("near {:.2f} {:.2f} {:.2f}", at.x(), at.y(), at.z())};
+    const Region region(mesh, options);
+    for (int f = 0; f < mesh.face_count(); ++f)
+      EXPECT_EQ(region.HasFace(f), triangles.source[f] == static_cast<int>(i)) << options.source_faces[0];
+    // A cylinder's radius is that of the solid model.
+    EXPECT_EQ(parts.faces[i].radius > 0, triangles.source_faces[i].kind == "cylinder");
+  }
+  const auto refusal = [&](const std::string& name) {
+    RegionOptions options;
+    options.source_faces = {name};
+    return RefusalOf([&] { const Region region(mesh, options); });
+  };
+  EXPECT_NE(refusal("near 1000 0 0").find("mm away; allowed: at most 1 mm"), std::string::npos)
+      << refusal("near 1000 0 0");
+  const Eigen::Vector3d& edge = parts.edges.front().place;
+  const std::string at_edge = refusal(fmt::format("near {} {} {}", edge.x(), edge.y(), edge.z()));
+  EXPECT_NE(at_edge.find("is at the edge of faces"), std::string::npos) << at_edge;
+  EXPECT_NE(refusal("near 1 2").find("no STEP face"), std::string::npos);
 }
 
 TEST(Step, RepairsKeepTheFacesOfTriangles) {

@@ -7,7 +7,7 @@
 #include "tests/toolpath/with.hpp"
 #include "toolpath/gouge.hpp"
 #include "toolpath/pass_variants.hpp"
-#include "toolpath/strategies/trim_offset.hpp"
+#include "toolpath/strategies/trim_distance.hpp"
 
 namespace millpose {
 namespace {

@@ -78,6 +78,27 @@ TEST(HandEdits, PlannedStopsStay) {
   }
 }
 
+/// A limit that couples axes is asked of every replayed pose.
+TEST(HandEdits, LimitsThatCoupleAxesAreAsked) {
+  const HandEdit as_written("krl");
+  const World world(SampleCell(as_written.plan));
+  VerifyOptions options = SampleOptions(as_written.plan);
+  const auto findings = [&] {
+    return Verify(as_written.Read(), world, &as_written.program, options, {.threads = 2});
+  };
+  CoupledLimit limit{(Joints() << 0, -1, 1, 0, 0, 0).finished(), -1e9};
+  for (const Motion& motion : as_written.program.motions)
+    if (motion.q) limit.at_most = std::max(limit.at_most, limit.factors.dot(*motion.q));
+  limit.at_most += DegToRad(0.2);
+  options.coupled = {limit};
+  EXPECT_TRUE(findings().empty());
+  options.coupled[0].at_most -= DegToRad(0.5);
+  const std::vector<Finding> found = findings();
+  ASSERT_FALSE(found.empty());
+  EXPECT_NE(found[0].message.find("A3 = "), std::string::npos) << found[0].message;
+  EXPECT_NE(found[0].message.find("is above"), std::string::npos) << found[0].message;
+}
+
 /// At 0 a turn bit says nothing: the entry must be stated by joints.
 TEST(HandEdits, TurnBitsNearZero) {
   const PlanResult plan = SamplePlan();
@@ -89,7 +110,10 @@ TEST(HandEdits, TurnBitsNearZero) {
     ASSERT_NE(entry, program.motions.end());
     const size_t index = static_cast<size_t>(entry - program.motions.begin());
     // The controller counts A4 from where it stands at the entry.
-    settings.axes.offset[3] = -settings.axes.sign[3] * (*entry->q)[3] + 1e-6;
+    const AxisConvention& axes = settings.axes;
+    Joints offset = axes.offset();
+    offset[3] = -axes.matrix()(3, 3) * (*entry->q)[3] + 1e-6;
+    settings.axes = AxisConvention(axes.matrix(), offset);
     const auto post = SamplePost(variant);
     const World world(SampleCell(plan));
     const auto findings = [&](const MotionProgram& written) {

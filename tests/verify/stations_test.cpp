@@ -114,16 +114,14 @@ struct Damage {
 TEST(Stations, WordsOfAxesAndFramesAreRefusedWhenTheyAreOthers) {
   const std::vector<Damage> damages = {
       // E1 off by 1 mm, E2 by 0.1 degrees: in one motion, in all of a station.
-      {"krl", "both", true, "^(LIN .*)E1 100.0000", "$1E1 101.0000", false,
-       "the external axes move in a cut"},
-      {"krl", "both", true, "E1 100.0000", "E1 101.0000", false, "planned: to rail 100.0000 mm"},
-      {"krl", "both", true, "E1 100.0000", "E1 101.0000", true, "planned: to rail 100.0000 mm"},
-      {"krl", "both", true, "E2 35.0000", "E2 35.1000", true,
-       "planned: to rail 400.0000 mm, table 35.0000 deg"},
-      {"krl", "rail", false, "E1 400.0000", "E1 401.0000", true, "planned: to rail 400.0000 mm"},
-      {"krl", "both", true, ",E1 100.0000", "", false, "field E1 is missing"},
-      {"krl", "both", true, ",E2 35.0000", "", false, "field E2 is missing"},
-      {"krl", "both", true, "E1 400.0000", "E1 4400.0000", true, "rail at 4400.0000 mm leaves its limits"},
+      {"krl", "both", true, "^(LIN .*)E1 100", "$1E1 101", false, "the external axes move in a cut"},
+      {"krl", "both", true, "E1 100", "E1 101", false, "planned: to rail 100.0000 mm"},
+      {"krl", "both", true, "E1 100", "E1 101", true, "planned: to rail 100.0000 mm"},
+      {"krl", "both", true, "E2 35", "E2 35.1", true, "planned: to rail 400.0000 mm, table 35.0000 deg"},
+      {"krl", "rail", false, "E1 400", "E1 401", true, "planned: to rail 400.0000 mm"},
+      {"krl", "both", true, ",E1 100", "", false, "field E1 is missing"},
+      {"krl", "both", true, ",E2 35", "", false, "field E2 is missing"},
+      {"krl", "both", true, "E1 400", "E1 4400", true, "rail at 4400.0000 mm leaves its limits"},
       // The base of the table.
       {"krl", "table", true, "^\\$BASE = EK.*\n", "", false, "$BASE must be stated"},
       {"krl", "table", true, "^\\$IPO_MODE = #BASE\n", "", false, "$IPO_MODE = #BASE must be stated"},
@@ -169,23 +167,22 @@ TEST(Stations, WordsOfAxesAndFramesAreRefusedWhenTheyAreOthers) {
 
 TEST(Stations, TheMoveBetweenThemIsWherePlanned) {
   const Station station("krl", "rail", true);
-  const std::string home =
-      "PTP {A1 0.000000,A2 -90.000000,A3 90.000000,A4 0.000000,A5 0.000000,A6 0.000000,E1 ";
+  const std::string home = "PTP {A1 0,A2 -90,A3 90,A4 0,A5 0,A6 0,E1 ";
   const auto with = [&](const std::string& line, const std::string& instead, bool last = false) {
     std::string edited = station.text;
     const size_t at = last ? edited.rfind(line) : edited.find(line);
     EXPECT_NE(at, std::string::npos) << line;
     return station.Why(edited.replace(at, line.size(), instead));
   };
-  const std::string move = home + "400.0000}\n";
+  const std::string move = home + "400}\n";
   EXPECT_EQ(with(move, move), "");
   // Left out: the next motion would take arm and rail along together.
   EXPECT_NE(with(move, "").find("while the external axes move"), std::string::npos);
-  EXPECT_NE(with(home + "0.0000}\n", "", true), "");
+  EXPECT_NE(with(home + "0}\n", "", true), "");
   // Without a stop.
-  EXPECT_NE(with(move, home + "400.0000} C_PTP\n").find("no stop"), std::string::npos);
+  EXPECT_NE(with(move, home + "400} C_PTP\n").find("no stop"), std::string::npos);
   // There and back once more.
-  EXPECT_NE(with(move, move + home + "300.0000}\n" + move), "");
+  EXPECT_NE(with(move, move + home + "300}\n" + move), "");
 }
 
 /// A post beside the rail that the arm, standing at home, passes between stations 100 and 2000 mm.

@@ -385,7 +385,7 @@ class LinuxCncReader : public ProgramReader {
   std::optional<Joints> Place() const {
     if (last_) return last_;
     if (program_.motions.empty() || !program_.motions.back().q) return std::nullopt;
-    return ToController(settings_.axes, *program_.motions.back().q) * kDegPerRad;
+    return settings_.axes.FromArm(*program_.motions.back().q) * kDegPerRad;
   }
 
   /// What U, V, W move by in this block.
@@ -398,7 +398,7 @@ class LinuxCncReader : public ProgramReader {
     const std::optional<Joints> before = Place();
     if (motion_ == 1 && !before) scan.Fail("G0 expected: where this motion begins is not known");
     Motion& motion = AddMotion(MotionType::kJoint);
-    motion.q = FromController(settings_.axes, angles * kRadPerDeg);
+    motion.q = settings_.axes.ToArm(angles * kRadPerDeg);
     motion.exact = !rounds_;
     if (rounds_) {
       motion.blend = settings_.blend * blend_ / BlendDegrees(settings_.blend, arm_, settings_.X_FT);
