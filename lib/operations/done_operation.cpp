@@ -10,11 +10,12 @@
 namespace millpose {
 namespace fs = std::filesystem;
 
-DoneOperation ReadOperation(const fs::path& out, const std::string& folder, const FileRoot& root) {
+DoneOperation ReadOperation(const fs::path& out, const std::string& folder, const FileRoot& root,
+                            std::vector<std::string>* changed) {
   const fs::path own = out / folder;
   DoneOperation done;
   done.folder = folder;
-  const Manifest manifest = CheckManifest(own);
+  const Manifest manifest = CheckManifest(own, changed);
   const fs::path job_file = own / "job.yaml", summary_file = own / "summary.json";
   const JobSettings job = ParseJob(root.Read(job_file), job_file.string());
   CellSettings cell = ParseCell(root.Read(own / "cell.yaml"), (own / "cell.yaml").string());

@@ -21,9 +21,10 @@ struct DoneOperation {
   int exit_status = 0;
 };
 
-/// Reads what the manifest of the operation's folder names. Throws InputError for a folder that was changed.
-DoneOperation ReadOperation(const std::filesystem::path& out, const std::string& folder,
-                            const FileRoot& root);
+/// Reads what the manifest of the operation's folder names. Throws InputError for a folder that was changed;
+/// with `changed`, programs that were are listed there (CheckManifest).
+DoneOperation ReadOperation(const std::filesystem::path& out, const std::string& folder, const FileRoot& root,
+                            std::vector<std::string>* changed = nullptr);
 
 /// The folders of all operations in `out`, in their order; none where the plan there is one of a single
 /// operation.

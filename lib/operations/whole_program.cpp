@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "operations/whole_program.hpp"
 
+#include <set>
+
+#include "pipeline/program_files.hpp"
 #include "program/calling_program.hpp"
 #include "program/post_entry.hpp"
 
@@ -43,28 +46,42 @@ WholeProgram MakeWholeProgram(const std::string& job, const std::string& control
 
 std::vector<Finding> CheckWholeProgram(const std::string& job, const std::string& controller,
                                        const std::vector<DoneOperation>& operations,
-                                       const ProgramFiles& files) {
+                                       const ProgramFiles& files, const HoldCalled& hold) {
   std::vector<Finding> findings;
   const auto add = [&](const std::string& file, int line, const std::string& message) {
     findings.push_back({file, line, message, Cause::kText});
   };
   const CallingSyntax syntax = MakePost(controller)->Calling();
   std::vector<std::string> expected;
-  for (const CalledProgram& program : CalledBy(syntax, controller, operations)) {
-    expected.push_back(program.name);
-    for (const auto& [name, text] : program.files) {
+  const std::vector<CalledProgram> called = CalledBy(syntax, controller, operations);
+  const std::string main = ProgramName(syntax, job) + syntax.ending;
+  std::set<std::string> read = {main};
+  for (size_t i = 0; i < called.size(); ++i) {
+    expected.push_back(called[i].name);
+    ProgramFiles given;
+    bool missing = false, same = true;
+    for (const auto& [name, text] : called[i].files) {
+      read.insert(name);
       const auto found = files.find(name);
-      if (found == files.end())
+      missing |= found == files.end();
+      if (found == files.end()) {
         add(name, 0, "is missing");
-      else if (found->second != text)
+        continue;
+      }
+      given.insert(*found);
+      same &= found->second == text;
+      if (found->second != text && !hold)
         add(name, 1, "is not the program that the operation's own folder holds");
     }
+    if (!same && !missing && hold)
+      std::ranges::copy(hold(operations[i], given), std::back_inserter(findings));
   }
+  ProgramFiles written = WriteCalling(syntax, job, {}, called);
+  CompareBeside(files, written, read, findings);
   try {
     const std::vector<std::string> calls = ReadCalling(syntax, job, files);
     if (calls != expected)
-      add(ProgramName(syntax, job) + syntax.ending, 1,
-          fmt::format("calls {}; expected: {}", fmt::join(calls, ", "), fmt::join(expected, ", ")));
+      add(main, 1, fmt::format("calls {}; expected: {}", fmt::join(calls, ", "), fmt::join(expected, ", ")));
   } catch (const InputError& error) {
     for (const Problem& problem : error.problems())
       add(problem.place.file, problem.place.line, problem.message);

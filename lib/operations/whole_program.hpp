@@ -2,6 +2,8 @@
 // The main program of a job with several operations.
 #pragma once
 
+#include <functional>
+
 #include "operations/done_operation.hpp"
 #include "verify/verify.hpp"
 
@@ -19,10 +21,14 @@ struct WholeProgram {
 WholeProgram MakeWholeProgram(const std::string& job, const std::string& controller,
                               const std::vector<DoneOperation>& operations);
 
+/// What matters of an operation's files that a main program calls and that are not as the operation's folder
+/// has them.
+using HoldCalled = std::function<std::vector<Finding>(const DoneOperation&, const ProgramFiles& called)>;
+
 /// What of `files` is not the main program of `job` with the operations' own programs, each as its folder has
-/// it.
+/// it, or, where it was edited, as `hold` says (without it: any difference), with no file more.
 std::vector<Finding> CheckWholeProgram(const std::string& job, const std::string& controller,
                                        const std::vector<DoneOperation>& operations,
-                                       const ProgramFiles& files);
+                                       const ProgramFiles& files, const HoldCalled& hold = nullptr);
 
 }  // namespace millpose

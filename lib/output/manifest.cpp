@@ -29,6 +29,13 @@ std::string Difference(const Folder& folder, const std::string& name, const Mani
                                                                         : "was changed or is of another plan";
 }
 
+// A file of the folder `programs` of a plan, or of one of its operations.
+bool IsProgram(const fs::path& name) {
+  auto part = name.begin();
+  if (*part == kOperationsFolder) std::advance(part, std::min<long>(2, std::distance(part, name.end())));
+  return part != name.end() && *part == kProgramsFolder;
+}
+
 // Programs that stand in the folder and not in the manifest.
 void FindForeignPrograms(const Folder& folder, const fs::path& at, const Manifest& manifest,
                          std::vector<Problem>* problems) {
@@ -97,7 +104,7 @@ Manifest ParseManifest(std::string_view text, const std::string& name) {
   }
 }
 
-Manifest CheckManifest(const fs::path& path) {
+Manifest CheckManifest(const fs::path& path, std::vector<std::string>* changed) {
   const Folder folder(path);
   const fs::path file = path / kManifestFile;
   if (folder.KindOf(kManifestFile) == Folder::Kind::kNothing)
@@ -108,7 +115,10 @@ Manifest CheckManifest(const fs::path& path) {
   std::vector<Problem> problems;
   for (const auto& [name, expected] : manifest.files) {
     const std::string difference = Difference(folder, name, expected);
-    if (!difference.empty())
+    if (difference.empty()) continue;
+    if (changed && IsProgram(name) && folder.KindOf(name) == Folder::Kind::kFile)
+      changed->push_back(name);
+    else
       problems.push_back({Place{(path / name).string()}, difference + " (manifest.json)"});
   }
   CheckUnlisted(folder, "", text, manifest, &problems);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace millpose {
 
@@ -29,7 +30,8 @@ std::string ManifestJson(const Manifest& manifest);
 Manifest ParseManifest(std::string_view text, const std::string& name);
 
 /// Reads a folder's manifest and every file that it names, through no link. Throws InputError with all that
-/// is missing or differs, programs that it does not name, and a run.json of another plan.
-Manifest CheckManifest(const std::filesystem::path& folder);
+/// is missing or differs, programs that it does not name, and a run.json of another plan. With `changed`,
+/// programs that differ are no error but listed there by their names in the folder: somebody edited them.
+Manifest CheckManifest(const std::filesystem::path& folder, std::vector<std::string>* changed = nullptr);
 
 }  // namespace millpose

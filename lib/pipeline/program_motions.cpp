@@ -9,6 +9,7 @@
 #include "program/bound_turns.hpp"
 #include "program/controller_axes.hpp"
 #include "program/pose_text.hpp"
+#include "program/stated_speeds.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {
@@ -141,6 +142,7 @@ ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& input
     HandOver(settings, motions, thinned.origin);
   }
   post.Round(motions.written, plan.arm, settings);
+  StateSpeeds(motions.written);
   motions.time = MeasureTime(motions.written, plan.arm, post.Times());
   return motions;
 }

@@ -10,6 +10,7 @@
 
 #include "base/file_root.hpp"
 #include "base/progress.hpp"
+#include "pipeline/program_files.hpp"
 #include "verify/verify.hpp"
 
 namespace millpose {
@@ -19,10 +20,11 @@ struct VerifyArguments {
   std::optional<std::filesystem::path> cell;  ///< for a program
   std::string tool;                           ///< likewise: which of the cell's; empty: its only one
   std::optional<std::filesystem::path>
-      job;                    ///< for a folder: its job, where it does not stand beside the folder
-  bool interference = false;  ///< check every motion again, not only what leaves the plan's
-  int threads = 0;            ///< 0: all cores
-  FileRoot root{};            ///< that all files must lie in
+      job;  ///< for a folder: its job, where it does not stand beside the folder
+  std::optional<std::filesystem::path> plan;  ///< for a program: the output folder that it was written in
+  bool interference = false;                  ///< check every motion again, not only what leaves the plan's
+  int threads = 0;                            ///< 0: all cores
+  FileRoot root{};                            ///< that all files must lie in
 };
 
 /// One program as replayed.
@@ -32,12 +34,13 @@ struct VerifiedProgram {
   std::vector<Finding> findings;  ///< empty: confirmed
   /// What the verdict rests on beyond program and cell, where there is no plan.
   std::vector<std::string> assumptions;
+  /// Files of it that are not as they were written, by name; what counts in them is compared all the same.
+  std::vector<std::string> changed = {};
+  std::string scope = {};  ///< what was compared, where that is not all of the plan
 };
 
-/// What main programs end in, each once, in the order of the controllers: {".src", ".mpf", …}.
-std::vector<std::string> MainEndings();
-
-/// Reads the programs and replays them; a folder as one who knows that it stands still (VerifyJob). Throws InputError for what cannot be read (a program among it).
+/// Reads the programs and replays them; a folder as one who knows that it stands still (VerifyJob). Throws
+/// InputError for what cannot be read (a program among it).
 std::vector<VerifiedProgram> VerifyPrograms(const VerifyArguments& arguments, Progress& progress,
                                             std::stop_token stop);
 

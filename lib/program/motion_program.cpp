@@ -278,6 +278,13 @@ MotionProgram MakeMotionProgram(const PlanResult& plan, const MotionOptions& opt
   return builder.Take();
 }
 
+std::string HeaderValue(const MotionProgram& program, const std::string& key) {
+  std::string whole;
+  for (const auto& [name, value] : program.header)
+    if (name == key) whole += (whole.empty() ? "" : " ") + value;
+  return whole;
+}
+
 bool MovesExternal(const MotionProgram& program, size_t i) {
   return i > 0 && program.motions[i].external != program.motions[i - 1].external;
 }

@@ -5,14 +5,13 @@
 #include "base/units.hpp"
 #include "program/program_place.hpp"
 #include "robot/kinematics.hpp"
+#include "verify/compare_events.hpp"
 #include "verify/corner.hpp"
 #include "verify/run_comparison.hpp"
 #include "verify/stations.hpp"
 
 namespace millpose {
 namespace {
-
-constexpr double kSameDwell = 0.5e-3;  // s
 
 /// Distance (rad, largest joint) of q from the straight joint motion a → b, and where on it.
 double JointDistance(const Joints& a, const Joints& b, const Joints& q, double from, double& share) {
@@ -113,148 +112,6 @@ void CompareWayStops(const Replayed& replayed, size_t first, size_t last, const 
   }
 }
 
-/// The spindle's changes: after how many feed motions' runs, and within one or not.
-struct SpindleChange {
-  bool on;
-  double speed;
-  size_t runs;
-  bool within;
-  const ProgramEvent* event;
-};
-
-std::vector<SpindleChange> SpindleChanges(const Replayed& replayed) {
-  std::vector<SpindleChange> changes;
-  for (const ProgramEvent& event : replayed.program.events) {
-    const bool on = event.kind == ProgramEvent::Kind::kSpindleOn;
-    if (!on && event.kind != ProgramEvent::Kind::kSpindleOff) continue;
-    SpindleChange change{on, on ? event.value : 0, 0, false, &event};
-    for (const FeedRun& run : replayed.runs) {
-      if (run.first < event.before_motion) change.runs += 1;
-      if (run.first < event.before_motion && event.before_motion <= run.last) change.within = true;
-    }
-    changes.push_back(change);
-  }
-  return changes;
-}
-
-void CompareSpindle(const Replayed& replayed, const Replayed& plan, const VerifyOptions& options,
-                    std::vector<Finding>& findings) {
-  const std::vector<SpindleChange> given = SpindleChanges(replayed), wanted = SpindleChanges(plan);
-  for (size_t i = 0; i < std::max(given.size(), wanted.size()); ++i) {
-    if (i < given.size() && i < wanted.size()) {
-      const SpindleChange &a = given[i], &b = wanted[i];
-      const bool same = a.on == b.on && a.runs == b.runs && a.within == b.within &&
-                        std::abs(a.speed - b.speed) <= options.spindle_tolerance;
-      if (same) continue;
-    }
-    const auto name = [](const SpindleChange& change) {
-      return change.on ? fmt::format("on at {:.3f} 1/min after cut {}", change.speed * 60, change.runs)
-                       : fmt::format("off after cut {}", change.runs);
-    };
-    // A change that is missing shows where the cut before it ends.
-    const size_t runs = i < wanted.size() ? std::min(wanted[i].runs, replayed.runs.size()) : 0;
-    const size_t motion = runs == 0 ? 0 : replayed.runs[runs - 1].last;
-    Finding finding = At(replayed.program, motion, Cause::kSwitching, "");
-    if (i < given.size()) finding.line = given[i].event->line;
-    finding.message = fmt::format("the spindle is switched {}, planned is {}",
-                                  i < given.size() ? name(given[i]) : "no more",
-                                  i < wanted.size() ? name(wanted[i]) : "no change");
-    findings.push_back(finding);
-    return;
-  }
-}
-
-/// X_PT where the motion before an event ends.
-Pose ToolBefore(const Replayed& replayed, const Cell& cell, const ProgramEvent& event) {
-  const size_t before = event.before_motion > 0 ? event.before_motion - 1 : 0;
-  const Pose X_BT = ForwardFlange(cell.arm, replayed.replay.targets[before]) * cell.X_FT;
-  return BaseInPart(cell, replayed.program.motions[before].external) * X_BT;
-}
-
-/// Outputs are switched where the tool is.
-struct Switching {
-  PathOutput output;
-  Pose X_PT;
-  const ProgramEvent* event;
-};
-
-std::vector<Switching> SwitchingsOf(const Replayed& replayed, const Cell& cell) {
-  std::vector<Switching> list;
-  for (const ProgramEvent& event : replayed.program.events) {
-    if (event.kind != ProgramEvent::Kind::kOutput) continue;
-    list.push_back({event.output, ToolBefore(replayed, cell, event), &event});
-  }
-  return list;
-}
-
-void CompareOutputs(const Replayed& replayed, const Replayed& plan, const Cell& cell,
-                    const VerifyOptions& options, std::vector<Finding>& findings) {
-  const std::vector<Switching> given = SwitchingsOf(replayed, cell), wanted = SwitchingsOf(plan, cell);
-  const auto name = [](const PathOutput& output) {
-    return fmt::format("output {} {}", output.number, output.on ? "on" : "off");
-  };
-  for (size_t i = 0; i < std::max(given.size(), wanted.size()); ++i) {
-    if (i < given.size() && i < wanted.size()) {
-      const Switching &a = given[i], &b = wanted[i];
-      const bool same = a.output.number == b.output.number && a.output.on == b.output.on &&
-                        std::abs(a.output.delay - b.output.delay) < 0.5e-3 &&
-                        (a.X_PT.translation() - b.X_PT.translation()).norm() <= options.position_tolerance;
-      if (same) continue;
-    }
-    // One that is missing shows where the next one is, or at the end.
-    const ProgramEvent* event = i < given.size() ? given[i].event : nullptr;
-    Finding finding = At(replayed.program,
-                         event ? std::min(event->before_motion, replayed.program.motions.size() - 1)
-                               : replayed.program.motions.size() - 1,
-                         Cause::kSwitching, "");
-    if (event) finding.line = event->line;
-    finding.message =
-        fmt::format("{} is switched here, planned is {}", event ? name(given[i].output) : "no output",
-                    i < wanted.size() ? name(wanted[i].output) + " at its place" : "none");
-    findings.push_back(finding);
-    return;
-  }
-}
-
-/// Dwells within cuts, where the tool is; elsewhere they may be any.
-struct Dwell {
-  double seconds;
-  Pose X_PT;
-  const ProgramEvent* event;
-};
-
-std::vector<Dwell> DwellsOf(const Replayed& replayed, const Cell& cell) {
-  std::vector<Dwell> list;
-  for (const ProgramEvent& event : replayed.program.events)
-    if (event.kind == ProgramEvent::Kind::kDwell &&
-        PlaceOf(replayed.program, event.before_motion) == ProgramPlace::kStop)
-      list.push_back({event.value, ToolBefore(replayed, cell, event), &event});
-  return list;
-}
-
-void CompareDwells(const Replayed& replayed, const Replayed& plan, const Cell& cell,
-                   const VerifyOptions& options, std::vector<Finding>& findings) {
-  const std::vector<Dwell> given = DwellsOf(replayed, cell), wanted = DwellsOf(plan, cell);
-  for (size_t i = 0; i < std::max(given.size(), wanted.size()); ++i) {
-    if (i < given.size() && i < wanted.size() &&
-        std::abs(given[i].seconds - wanted[i].seconds) < kSameDwell &&
-        (given[i].X_PT.translation() - wanted[i].X_PT.translation()).norm() <= options.position_tolerance)
-      continue;
-    const auto name = [&](const std::vector<Dwell>& list) {
-      return i < list.size() ? fmt::format("{} s", list[i].seconds) : std::string("none");
-    };
-    Finding finding =
-        At(replayed.program,
-           i < given.size() ? given[i].event->before_motion : replayed.program.motions.size() - 1,
-           Cause::kStop, "");
-    if (i < given.size()) finding.line = given[i].event->line;
-    finding.message = fmt::format("a dwell in the cut here: {}, planned: {}{}", name(given), name(wanted),
-                                  i < wanted.size() ? " at its place" : "");
-    findings.push_back(finding);
-    return;
-  }
-}
-
 }  // namespace
 
 std::vector<FeedRun> FeedRuns(const MotionProgram& program) {
@@ -307,9 +164,7 @@ std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const
                               ? fmt::format("says \"{}\", which the plan does not", replayed.program.notice)
                               : fmt::format("the notice \"{}\" is missing", plan.program.notice)));
   CompareStations(replayed, plan, options, findings);
-  CompareSpindle(replayed, plan, options, findings);
-  CompareOutputs(replayed, plan, cell, options, findings);
-  CompareDwells(replayed, plan, cell, options, findings);
+  CompareEvents(replayed, plan, false, cell, options, findings);
   return proofs;
 }
 

@@ -44,16 +44,26 @@ class OnPart {
   const ExternalPosition& external_;
 };
 
-/// The way of the tip along one cut.
+/// The way of the tip along one cut, without approach and retract: they lead through places above a point
+/// that is too deep.
 class TipWay {
  public:
-  TipWay(const MotionProgram& program, const Replay& replay, const FeedRun& run, const OnPart& part) {
-    for (size_t i = run.first == 0 ? 0 : run.first - 1; i <= run.last; ++i)
+  /// From the stop at `first` to that at `last`, both as commanded.
+  TipWay(const MotionProgram& program, const Replay& replay, const FeedRun& run, const OnPart& part,
+         const Vector3d& first, const Vector3d& last) {
+    std::vector<size_t> stops;  // indices of tips
+    for (size_t i = run.first; i <= run.last; ++i) {
+      if (program.motions[i].exact) stops.push_back(tips_.size());
       tips_.push_back(part.Tip(replay.targets[i], program.motions[i].external));
+    }
+    const size_t begin = FirstAt(stops, first), end = FirstAt({stops.rbegin(), stops.rend()}, last);
+    if (begin <= end)
+      tips_ = {tips_.begin() + static_cast<long>(begin), tips_.begin() + static_cast<long>(end) + 1};
     place_ = tips_.front();
   }
 
-  double FromStart(const Vector3d& tip) const { return (tip - tips_.front()).norm(); }
+  const Vector3d& Begin() const { return tips_.front(); }
+  const Vector3d& End() const { return tips_.back(); }
 
   /// The place of the way nearest to `tip`, from where the last answer was on and within `reach` (mm) of way.
   Vector3d Nearest(const Vector3d& tip, double reach) {
@@ -75,14 +85,60 @@ class TipWay {
   }
 
  private:
+  /// The first of the stops that is hardly farther from `place` than the nearest: a ring stops twice there.
+  size_t FirstAt(const std::vector<size_t>& stops, const Vector3d& place) const {
+    constexpr double kHardly = 0.05;  // mm
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const size_t stop : stops) nearest = std::min(nearest, (tips_[stop] - place).norm());
+    for (const size_t stop : stops)
+      if ((tips_[stop] - place).norm() <= nearest + kHardly) return stop;
+    return 0;
+  }
+
   std::vector<Vector3d> tips_;
   size_t segment_ = 0;
   Vector3d place_;
 };
 
+/// The points of a piece that have a commanded pose.
+std::vector<int> PointsOf(const PassResult& pass, const Piece& piece) {
+  std::vector<int> points;
+  for (int i = piece.first; i <= piece.last; ++i)
+    if (pass.points[static_cast<size_t>(i)].compensation) points.push_back(i);
+  return points;
+}
+
 const Piece* FindPiece(const PassResult& pass, int number) {
   const auto found = std::ranges::find(pass.pieces, number, &Piece::piece);
   return found == pass.pieces.end() ? nullptr : &*found;
+}
+
+/// How far the points of one cut are off, into `result` where that is more.
+void LookAlong(const MotionProgram& program, const Replay& replay, const FeedRun& run, const Cell& cell,
+               const PassResult& pass, const Piece& piece, UnderLoad& result) {
+  const OnPart part(cell, pass.external);
+  std::vector<int> points = PointsOf(pass, piece);
+  if (points.empty()) return;
+  if (piece.closed) points.push_back(points.front());  // where a ring comes by once more at its end
+  const auto commanded = [&](int point) {
+    const auto i = static_cast<size_t>(point);
+    return part.Tip(pass.points[i].compensation->q, ExternalAt(pass, i));
+  };
+  const auto nominal = [&](int point) {
+    const auto i = static_cast<size_t>(point);
+    return part.Place(pass.points[i].point.position, ExternalAt(pass, i));
+  };
+  TipWay way(program, replay, run, part, commanded(points.front()), commanded(points.back()));
+  for (size_t k = 0; k < points.size(); ++k) {
+    const auto i = static_cast<size_t>(points[k]);
+    const Vector3d wanted = commanded(points[k]);
+    const double step = k > 0 ? (nominal(points[k]) - nominal(points[k - 1])).norm() : 0;
+    const bool end = k + 1 == points.size();
+    const Vector3d there = k == 0 ? way.Begin() : end ? way.End() : way.Nearest(wanted, 2 * step + 1);
+    const double off =
+        std::abs((there - wanted).dot(part.Direction(pass.points[i].point.normal, ExternalAt(pass, i))));
+    if (off > result.largest) result = {off, pass.pass, points[k]};
+  }
 }
 
 }  // namespace
@@ -98,26 +154,7 @@ UnderLoad ReplayUnderLoad(const MotionProgram& program, const Cell& cell, const 
     const PassResult& pass = plan.passes[static_cast<size_t>(gap.to_pass)];
     const Piece* piece = FindPiece(pass, gap.to_piece);
     if (!piece) continue;
-    const OnPart part(cell, pass.external);
-    TipWay way(program, replay, runs[run++], part);
-    std::optional<double> reach;
-    for (int i = piece->first; i <= piece->last; ++i) {
-      const auto index = static_cast<size_t>(i);
-      const PlannedPoint& point = pass.points[index];
-      if (!point.compensation) continue;
-      const ExternalPosition& external = ExternalAt(pass, index);
-      const Vector3d commanded = part.Tip(point.compensation->q, external);
-      // The approach comes first, and a ring comes by once more at its end.
-      if (!reach) reach = 1.5 * way.FromStart(commanded) + 1;
-      if (i > piece->first) {
-        const Vector3d before =
-            part.Place(pass.points[index - 1].point.position, ExternalAt(pass, index - 1));
-        reach = 2 * (part.Place(point.point.position, external) - before).norm() + 1;
-      }
-      const double off = std::abs(
-          (way.Nearest(commanded, *reach) - commanded).dot(part.Direction(point.point.normal, external)));
-      if (off > result.largest) result = {off, pass.pass, i};
-    }
+    LookAlong(program, replay, runs[run++], cell, pass, *piece, result);
   }
   return result;
 }

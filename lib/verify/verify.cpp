@@ -9,8 +9,10 @@
 #include "base/parallel.hpp"
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
+#include "program/stated_speeds.hpp"
 #include "robot/kinematics.hpp"
 #include "verify/compare.hpp"
+#include "verify/compare_events.hpp"
 #include "verify/corner.hpp"
 #include "verify/ride_way.hpp"
 #include "verify/stations.hpp"
@@ -337,7 +339,8 @@ std::vector<Finding> Verify(const MotionProgram& program, const World& world, co
     return {{program.files.empty() ? "" : program.files[0], 0, "the program moves nothing", Cause::kPath}};
   const Replayed replayed{program, ReplayTargets(program, cell, findings), FeedRuns(program)};
 
-  const MotionCheck check(replayed, cell, options, plan == nullptr);
+  // A program that states its feeds is held to them; for corners its control slows down.
+  const MotionCheck check(replayed, cell, options, plan == nullptr && !StatedFeedsOf(program));
   std::vector<Proof> proofs(program.motions.size(), Proof{false, 1});
   if (plan != nullptr) {
     const Replayed planned{*plan, ReplayTargets(*plan, cell, findings), FeedRuns(*plan)};
@@ -345,6 +348,12 @@ std::vector<Finding> Verify(const MotionProgram& program, const World& world, co
       check.Check(i, instants, found);
     };
     proofs = Compare(replayed, planned, cell, options, look, execution, findings);
+    if (options.written) {
+      std::vector<Finding> said;  // of what was confirmed when it was written
+      const Replayed written{*options.written, ReplayTargets(*options.written, cell, said),
+                             FeedRuns(*options.written)};
+      CompareEvents(replayed, written, true, cell, options, findings);
+    }
   }
   ForMotions(program.motions.size(), execution, findings,
              [&](size_t first, size_t last, std::vector<Finding>& found) {

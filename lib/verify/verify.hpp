@@ -61,6 +61,9 @@ struct VerifyOptions {
   bool interference =
       false;  ///< check every motion, not only what leaves the plan's; always so without a plan
   size_t most_findings = 200;  ///< of each cause; the rest is counted
+  /// With a plan: its program as written and read back, frames completed. What texts and hands put into the
+  /// program (texts of the cell, calls, stops, waits, messages, tools) must then be what stands there.
+  const MotionProgram* written = nullptr;
 };
 
 /// Replays `program` as its controller would (straight lines with interpolated orientation, joint motions,

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "robot/kinematics.hpp"
 #include "tests/compensation/forced_plan.hpp"
 #include "tests/verify/sample_cell.hpp"
 
@@ -47,6 +48,29 @@ TEST(UnderLoad, AShiftBelowTheTolerancesIsMissedByNothingElse) {
   const MotionProgram commanded = MakeMotionProgram(Commanded(plan)), nominal = MakeMotionProgram(plan);
   EXPECT_TRUE(Verify(nominal, World(cell), &commanded, SampleOptions(plan), {.threads = 1}).empty());
   EXPECT_GT(ReplayUnderLoad(nominal, cell, plan).largest, 0.003);
+}
+
+/// On its way to a first point that is too deep the tool passes the right one, and again on its way up.
+TEST(UnderLoad, EndsOfCutsAreHeldLikeInnerPoints) {
+  const PlanResult plan = Compensated();
+  const Cell cell = SampleCell(plan);
+  constexpr double kDeeper = 0.0136;  // mm: within the path's tolerance
+  const MotionProgram commanded = MakeMotionProgram(Commanded(plan));
+  for (const PassResult& pass : plan.passes) {
+    for (const int point : {pass.pieces[0].first, pass.pieces[0].last}) {
+      MotionProgram program = commanded;
+      const auto at = std::ranges::find_if(program.motions, [&](const Motion& motion) {
+        return motion.pass == pass.pass && motion.point == point;
+      });
+      ASSERT_NE(at, program.motions.end());
+      const Pose X_BF = ForwardFlange(plan.arm, *at->q) * plan.X_FT * Eigen::Translation3d(0, 0, -kDeeper) *
+                        plan.X_FT.inverse();
+      at->q = InverseNear(plan.arm, X_BF, Status(plan.arm, *at->q), *at->q);
+      at->X_PT = at->X_PT * Eigen::Translation3d(0, 0, -kDeeper);
+      EXPECT_TRUE(Verify(program, World(cell), &commanded, SampleOptions(plan), {.threads = 1}).empty());
+      EXPECT_GT(ReplayUnderLoad(program, cell, plan).largest, 0.01) << pass.pass << " " << point;
+    }
+  }
 }
 
 class Notice : public testing::TestWithParam<std::string> {};

@@ -66,7 +66,7 @@ class SampleProgram : public testing::TestWithParam<std::tuple<std::string, std:
   const std::string sample_name = std::get<0>(GetParam()), variant = std::get<1>(GetParam());
   const Sample& sample = SampleOf(sample_name);
   const PlanResult& plan = sample.plan;
-  const ProgramCase made = MakeCase(sample, variant);
+  ProgramCase made = MakeCase(sample, variant);
   const std::string text = made.files.at(made.name);
 
   bool Applies(const TextEdit& edit) const {
@@ -225,6 +225,7 @@ TEST_P(SampleProgram, DamageIsCaughtWithItsLine) {
 #endif
   const World world(sample.cell);
   const MotionProgram written = made.Read(plan.arm, text);
+  made.options.written = &written;
   int kinds = 0;
   for (const TextEdit& damage : Damages()) {
     const auto edited = Applies(damage) ? damage.apply(text) : std::nullopt;
@@ -252,6 +253,8 @@ TEST_P(SampleProgram, HarmlessEditsPass) {
     GTEST_SKIP() << "takes long: in the slow tier";
 #endif
   const World world(sample.cell);
+  const MotionProgram written = made.Read(plan.arm, text);
+  made.options.written = &written;
   int kinds = 0;
   for (const TextEdit& edit : HarmlessEdits()) {
     const auto edited = Applies(edit) ? edit.apply(text) : std::nullopt;

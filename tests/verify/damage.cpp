@@ -166,6 +166,11 @@ Edit ReverseCuts() {
 
 std::vector<TextEdit> Damages() {
   std::vector<TextEdit> edits = {
+      {"wait for an input", "K", ReplaceAll("\n(PTP \\{X)", "\nWAIT FOR $$IN[3]\n$1")},
+      {"pass marks removed", "KSL", ReplaceAll("\n(;|MSG)[^\n]*PASS[^\n]*", "")},
+      {"wait", "K", ReplaceAll("\n(PTP \\{X)", "\nWAIT SEC 0.5\n$1")},
+      {"wait", "S", ReplaceAll("\n(G0 )", "\nG4 F0.5\n$1")},
+      {"wait", "L", ReplaceAll("\n(G0 )", "\nG4 P0.5\n$1")},
       {"sign of A on a cut", "KSL", Number(kCut, 2, "\\bA(2=)?[ =]?", Negative)},
       {"sign of B on a cut", "KSL", Number(kCut, 2, "\\bB(2=)?[ =]?", Negative)},
       {"sign of C on a cut", "KSL", Number(kCut, 2, "\\bC(2=)?[ =]?", Negative)},
@@ -318,13 +323,14 @@ std::vector<TextEdit> HarmlessEdits() {
       {"comment behind a block", "KSL", ReplaceIn(kCut, 2, "$", " ; here")},
       {"comment in a block", "L", ReplaceIn(kCut, 2, "^G1", "G1 (checked by hand)")},
       {"comment after a block", "L", ReplaceIn(kCut, 2, "$", " (here)")},
-      {"wait for an input", "K", ReplaceAll("\n(PTP \\{X)", "\nWAIT FOR $$IN[3]\n$1")},
-      {"comments removed", "KSL", ReplaceAll("\n; [^\n]*", "")},
-      {"pass marks removed", "KSL", ReplaceAll("\n(;|MSG)[^\n]*PASS[^\n]*", "")},
+      {"comments removed", "KSL", ReplaceAll("\n; (?!PASS|END OF)[^\n]*", "")},
       {"blank lines", "KSL", ReplaceAll("\n", "\n\n")},
       {"indented", "KSL", ReplaceAll("\n(LIN|G1|PTP|G0)", "\n\t  $1")},
       {"CRLF", "KSL", ReplaceAll("\n", "\r\n")},
       {"trailing spaces", "KSL", ReplaceAll("\n", "  \n")},
+      {"a remark and blank lines at the end", "KSL",
+       [](const std::string& text) { return std::optional(text + "\n; checked\n\n"); }},
+      {"spaces within comments", "KSL", ReplaceAll("\n; ([a-z]+):", "\n;  $1:")},
       {"block numbers", "SL",
        [](const std::string& text) {
          Lines lines = Split(text);
@@ -335,9 +341,6 @@ std::vector<TextEdit> HarmlessEdits() {
          }
          return std::optional(Join(lines));
        }},
-      {"wait", "K", ReplaceAll("\n(PTP \\{X)", "\nWAIT SEC 0.5\n$1")},
-      {"wait", "S", ReplaceAll("\n(G0 )", "\nG4 F0.5\n$1")},
-      {"wait", "L", ReplaceAll("\n(G0 )", "\nG4 P0.5\n$1")},
       {"5th decimal", "KS", Number(kCut, 2, "\\bX ?", Plus(0.00004))},
       {"6th decimal", "L", Number(kCut, 2, "\\bX", Plus(0.000004))},
       {"lower feed", "K", Number("VEL.CP", 0, "= ", Times(0.8))},

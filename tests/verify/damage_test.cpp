@@ -30,6 +30,9 @@ class DamagedProgram : public testing::TestWithParam<std::string> {
   ProgramFiles files = post->Write(Prepared(program, GetParam(), settings, plan.arm), plan.arm, settings);
   std::string name = files.rbegin()->first;  // .src comes after .dat
   std::string text = files.rbegin()->second;
+  MotionProgram as_written = post->Read(files, plan.arm, settings);
+
+  void SetUp() override { options.written = &as_written; }
 
   bool Applies(const TextEdit& edit) const {
     const std::string controller = ControllerOf(GetParam());

@@ -320,15 +320,21 @@ TEST(Verify, SeesDwellsElsewhere) {
     return Text(Verify(given, world, &planned, SampleOptions(plan), {.threads = 2}));
   };
   EXPECT_EQ(told(planned), "");
-  EXPECT_NE(told(program).find("a dwell in the cut here: none, planned: 0.5 s"), std::string::npos);
-  EXPECT_NE(told(with(behind, 0.4)).find("0.4 s, planned: 0.5 s"), std::string::npos);
+  EXPECT_NE(told(program).find("a dwell of 0.5 s is missing here"), std::string::npos);
+  EXPECT_NE(told(with(behind, 0.4)).find("a dwell of 0.4 s is here, planned is a dwell of 0.5 s"),
+            std::string::npos);
   const auto plunge = std::ranges::find(program.motions, 0, &Motion::point);
   const size_t elsewhere = static_cast<size_t>(plunge - program.motions.begin()) + 1;
-  EXPECT_NE(told(with(elsewhere, 0.5)).find("a dwell in the cut"), std::string::npos);
-  // Between cuts the program may wait.
+  EXPECT_NE(told(with(elsewhere, 0.5)).find("a dwell of 0.5 s happens elsewhere"), std::string::npos);
+  // Between cuts the motions alone say nothing of waits: that takes the program as it was written.
   MotionProgram waits = planned;
   waits.events.insert(waits.events.begin(), {ProgramEvent::Kind::kDwell, 0, 3, 0, {}, 0, 0});
   EXPECT_EQ(told(waits), "");
+  VerifyOptions options = SampleOptions(plan);
+  options.written = &planned;
+  EXPECT_NE(Text(Verify(waits, world, &planned, options, {.threads = 2}))
+                .find("a dwell of 3 s is not planned here"),
+            std::string::npos);
 }
 
 TEST(ArmBodies, BoundHowFarTheArmIs) {
