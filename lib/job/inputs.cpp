@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/hash.hpp"
-#include "config/config.hpp"
+#include "job/config/config.hpp"
 #include "job/arrival.hpp"
 #include "job/assemble.hpp"
 #include "job/cell_texts.hpp"

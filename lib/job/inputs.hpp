@@ -7,7 +7,7 @@
 #include <string>
 
 #include "base/file_root.hpp"
-#include "config/config.hpp"
+#include "job/config/config.hpp"
 
 namespace millpose {
 

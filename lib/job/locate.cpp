@@ -2,8 +2,8 @@
 #include "job/locate.hpp"
 
 #include "base/text.hpp"
-#include "config/operations.hpp"
-#include "yaml/value.hpp"
+#include "job/config/operations.hpp"
+#include "base/yaml/value.hpp"
 
 namespace millpose {
 namespace {

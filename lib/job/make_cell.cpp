@@ -3,8 +3,8 @@
 #include "job/assemble.hpp"
 #include "job/workpiece.hpp"
 #include "program/controller_axes.hpp"
-#include "surface/mesh_import.hpp"
-#include "surface/point_fit.hpp"
+#include "geometry/import/mesh_import.hpp"
+#include "geometry/mesh/point_fit.hpp"
 
 namespace millpose {
 namespace {

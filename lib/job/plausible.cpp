@@ -8,8 +8,8 @@
 #include "base/units.hpp"
 #include "job/assemble.hpp"
 #include "job/locate.hpp"
-#include "robot/kinematics.hpp"
-#include "stiffness/pose_stiffness.hpp"
+#include "machine/robot/kinematics.hpp"
+#include "machine/stiffness/pose_stiffness.hpp"
 
 namespace millpose {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "cell/cell.hpp"
+#include "machine/collision/cell.hpp"
 #include "job/inputs.hpp"
-#include "stiffness/process_force.hpp"
+#include "toolpath/engagement/process_force.hpp"
 
 namespace millpose {
 

@@ -8,9 +8,9 @@
 #include "base/trig.hpp"
 #include "base/units.hpp"
 #include "job/assemble.hpp"
-#include "robot/denavit_hartenberg.hpp"
-#include "robot/joint_chain.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/denavit_hartenberg.hpp"
+#include "machine/robot/joint_chain.hpp"
+#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {

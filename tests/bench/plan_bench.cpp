@@ -14,7 +14,7 @@
 #include <map>
 
 #include "base/cpu_time.hpp"
-#include "pipeline/run.hpp"
+#include "run/pipeline/outputs/run.hpp"
 #include "tests/base/source_dir.hpp"
 
 namespace millpose {
