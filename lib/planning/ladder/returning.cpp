@@ -33,7 +33,6 @@ class MaskSweep {
     for (size_t t = 0; t < count; ++t) {
       CheckStop(problem_.stop);
       masks = Step(t, masks);
-      if (std::ranges::all_of(masks, [](Mask mask) { return mask == 0; })) return 0;
     }
     Mask returning = 0;
     for (size_t node = 0; node < start.size(); ++node) returning |= start[node] & masks[node];
@@ -82,14 +81,6 @@ std::vector<char> AreReturning(const LadderProblem& problem, const std::vector<N
     for (size_t i = 0; i < size; ++i) returning[first + i] = static_cast<char>((mask >> i) & 1);
   }
   return returning;
-}
-
-bool AnyReturning(const LadderProblem& problem, const std::vector<NodeRange>& ranges,
-                  const NodeMask& counted) {
-  const MaskSweep sweep(problem, counted);
-  for (size_t first = 0; first < ranges.size(); first += kBits)
-    if (sweep.Run(std::span(ranges).subspan(first, std::min(kBits, ranges.size() - first))) != 0) return true;
-  return false;
 }
 
 }  // namespace millpose

@@ -13,8 +13,4 @@ namespace millpose {
 std::vector<char> AreReturning(const LadderProblem& problem, const std::vector<NodeRange>& ranges,
                                const NodeMask& counted);
 
-/// Whether AreReturning() says so of any; ends with the first.
-bool AnyReturning(const LadderProblem& problem, const std::vector<NodeRange>& ranges,
-                  const NodeMask& counted);
-
 }  // namespace millpose

@@ -2,12 +2,12 @@
 #include "planning/ladder/worst_then_sum.hpp"
 
 #include "base/units.hpp"
-#include "planning/ladder/closed_bound.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr int kSweeps = 16;            // or fewer ask a closed search for any sequence
+constexpr int kWorstSweeps = 64;       // of a closed search for the worst value
+constexpr int kSweeps = 16;            // of a closed search that only asks whether there is a sequence
 constexpr double kNearEnough = 1.001;  // between the bounds of a bisection
 constexpr size_t kFewValues = 64;      // are bisected to the end
 
@@ -80,27 +80,19 @@ Sequence WorstThenSum::Open(const LadderProblem& problem) {
   return SearchOpen(Within(problem, bound_));
 }
 
-std::optional<Sequence> WorstThenSum::Closed(const LadderProblem& problem, int max_sweeps, double below) {
-  const auto within = [&] {
-    const LadderProblem bounded = Within(problem, bound_);
-    return max_sweeps <= kSweeps ? rounds_.Search(bounded, max_sweeps)
-                                 : SearchClosed(bounded, max_sweeps, below);
-  };
+std::optional<Sequence> WorstThenSum::Closed(const LadderProblem& problem, int max_sweeps) {
   if (std::isfinite(bound_))
-    if (auto sequence = within()) return sequence;
-  if (!std::isfinite(bound_) || !CanClose(Within(problem, bound_))) {
-    bound_ = LeastClosedBound(problem, std::isfinite(bound_) ? bound_ : 0);
-    if (!std::isfinite(bound_)) return std::nullopt;
-    if (auto sequence = within()) return sequence;
-  }
-  if (max_sweeps > kSweeps) return std::nullopt;          // none that costs less than `below`
-  auto sequence = SearchClosed(Within(problem, bound_));  // the few sweeps did not find it
-  if (sequence) GoOnFrom(problem, *sequence);
-  return sequence;
-}
-
-void WorstThenSum::GoOnFrom(const LadderProblem& problem, const Sequence& sequence) {
-  rounds_.GoOnFrom(Within(problem, bound_), sequence);
+    if (auto sequence = SearchClosed(Within(problem, bound_), max_sweeps)) return sequence;
+  LadderProblem for_worst = problem;
+  for_worst.worst = true;
+  for_worst.rule.motion_weight = 0;
+  if (problem.memory) for_worst.memory = &memory_;
+  std::optional<Sequence> least = SearchClosed(for_worst, kWorstSweeps);
+  if (!least) least = SearchClosed(for_worst);
+  bound_ = least ? WorstOf(problem.layers, *least) : kInfinity;
+  if (!least) return std::nullopt;
+  auto sequence = SearchClosed(Within(problem, bound_), max_sweeps);
+  return sequence ? sequence : least;
 }
 
 std::optional<Sequence> LeastWorst(const LadderProblem& problem, const BoundedSearch& search) {

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "planning/ladder/closed_rounds.hpp"
+#include "planning/ladder/ladder_search.hpp"
 
 namespace millpose {
 
@@ -16,25 +16,19 @@ inline constexpr double kWorstTolerance = 1e-6;
 /// bound. Keeps the bound from search to search over the same layers with ever more pruned: it can only
 /// rise, and is looked for again where nothing is left below it.
 ///
-/// Open passes: exact, one sweep with the largest value in place of the sum. Closed ones: exact, by bisection
-/// (LeastClosedBound).
+/// Open passes: exact, one sweep with the largest value in place of the sum. Closed ones: likewise
+/// (SearchClosed), exact where 64 sweeps suffice.
 class WorstThenSum {
  public:
   Sequence Open(const LadderProblem& problem);
-  /// `max_sweeps`, `below`: of the search for the sum, as SearchClosed has them; few sweeps ask for any good
-  /// sequence within the bound, and searches with few go on from each other (ClosedRounds).
   std::optional<Sequence> Closed(const LadderProblem& problem,
-                                 int max_sweeps = std::numeric_limits<int>::max(),
-                                 double below = std::numeric_limits<double>::infinity());
-  /// Closed searches with few sweeps go on from this sequence.
-  void GoOnFrom(const LadderProblem& problem, const Sequence& sequence);
+                                 int max_sweeps = std::numeric_limits<int>::max());
   /// The bound of the last search; +inf before the first.
   double bound() const { return bound_; }
 
  private:
   double bound_ = std::numeric_limits<double>::infinity();
-  size_t breaks_ = 0;  ///< and points without a node
-  ClosedRounds rounds_;
+  size_t breaks_ = 0;   ///< and points without a node
   SweepMemory memory_;  ///< of sweeps for the largest value: the problem's own are for sums
 };
 

@@ -81,7 +81,7 @@ class PiecePlanner {
     };
     const auto search_closed = [&](int sweeps, double below = kInfinity) {
       const auto search = [&] {
-        return worst_first ? closed_worst.Closed(problem, sweeps, below)
+        return worst_first ? closed_worst.Closed(problem, sweeps)
                            : SearchClosed(problem, sweeps, below);
       };
       return pruner.Straight(search, joins);
@@ -110,7 +110,7 @@ class PiecePlanner {
         std::optional<Sequence> best = search_closed(kAllSweeps, below);
         if (best && best->cost < below) {
           sequence = std::move(*best);
-          worst_first ? closed_worst.GoOnFrom(problem, sequence) : rounds.GoOnFrom(problem, sequence);
+          rounds.GoOnFrom(problem, sequence);
           free = pruner.Check(sequence);
         }
       }

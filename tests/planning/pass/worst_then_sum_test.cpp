@@ -111,42 +111,5 @@ TEST(WorstThenSum, KeepsItsBoundWhileNodesArePruned) {
   }
 }
 
-// Few sweeps go on from sequence to sequence; the bound stays that of all cycles that are left.
-TEST(WorstThenSum, ClosedKeepsTheLeastBoundWhileNodesArePruned) {
-  RandomStream stream(24, 0);
-  int pruned = 0, raised = 0;
-  for (int round = 0; round < 200; ++round) {
-    std::vector<Layer> layers = SmallLayers(stream, 3 + stream.Below(2));
-    std::vector<uint64_t> versions(layers.size(), 0);
-    LadderProblem problem{layers, SmallRule(), {}, false, false, {}, {}};
-    problem.rule.max_step.setConstant(DegToRad(120));
-    problem.versions = versions;
-    WorstThenSum kept;
-    double bound = 0;
-    for (;;) {
-      const Value expected = Best(problem, true);
-      const std::optional<Sequence> quick = kept.Closed(problem, 3);
-      ASSERT_EQ(quick.has_value(), expected.breaks == 0 && std::isfinite(expected.worst));
-      if (!quick) break;
-      EXPECT_EQ(kept.bound(), expected.worst);
-      EXPECT_LE(WorstOf(layers, *quick), expected.worst * (1 + kWorstTolerance));
-      EXPECT_EQ(Measure(problem, quick->nodes, true).breaks, 0);
-      const std::optional<Sequence> exact = kept.Closed(problem);
-      ASSERT_TRUE(exact);
-      EXPECT_NEAR(Measure(problem, exact->nodes, true).sum, expected.sum, 1e-12);
-      EXPECT_FALSE(kept.Closed(problem, std::numeric_limits<int>::max(), 0.999 * expected.sum));
-      raised += bound > 0 && kept.bound() > bound;
-      bound = kept.bound();
-      const auto t = static_cast<size_t>(stream.Below(static_cast<int>(layers.size())));
-      layers[t].objective[quick->nodes[t]] = kInfinity;
-      ++versions[t];
-      ++pruned;
-      if (!layers[t].usable()) break;
-    }
-  }
-  EXPECT_GT(pruned, 200);
-  EXPECT_GT(raised, 30);
-}
-
 }  // namespace
 }  // namespace millpose
