@@ -7,14 +7,14 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
-#include "planning/pass/collision_pruner.hpp"
+#include "machine/robot/angles.hpp"
 #include "planning/ladder/closed_rounds.hpp"
 #include "planning/ladder/table_layer.hpp"
 #include "planning/ladder/worst_then_sum.hpp"
+#include "planning/pass/collision_pruner.hpp"
 #include "planning/pass/end_guard.hpp"
 #include "planning/pass/lean_courses.hpp"
 #include "planning/pass/ring_stripe.hpp"
-#include "machine/robot/angles.hpp"
 
 namespace millpose {
 namespace {
@@ -81,8 +81,7 @@ class PiecePlanner {
     };
     const auto search_closed = [&](int sweeps, double below = kInfinity) {
       const auto search = [&] {
-        return worst_first ? closed_worst.Closed(problem, sweeps)
-                           : SearchClosed(problem, sweeps, below);
+        return worst_first ? closed_worst.Closed(problem, sweeps) : SearchClosed(problem, sweeps, below);
       };
       return pruner.Straight(search, joins);
     };
