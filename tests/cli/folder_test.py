@@ -156,19 +156,6 @@ class Folder(InFolder):
                 self.assertEqual(tree(out), tree(Path(Folder.kept.name) / "out"))
                 shutil.rmtree(out)
 
-    def test_readers_beside_a_writer_see_one_plan_and_refuse_nobody(self):
-        out = self.planned_once()
-        for pair in range(3 * PAIRS):
-            command = [MILLPOSE, "plan", JOB, "-o", out, "-q", *SETS, *((), ("--set", "process.spindle_rpm=100"))[pair % 2 == 0]]
-            writer = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-            while writer.poll() is None:
-                for reader in ("verify", "inspect"):
-                    read = run(reader, out)
-                    if read.returncode != 0:
-                        self.assertEqual(read.returncode, 2, read.stdout + read.stderr)
-                        self.assertIn("is being replaced by another run", read.stderr)
-            self.assertEqual((writer.communicate()[1], writer.returncode), ("", 0), f"pair {pair}")
-
     def test_a_folder_that_may_only_be_read_is_verified(self):
         out = self.planned_once()
         before = sorted(out.rglob("*"))
