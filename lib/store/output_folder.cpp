@@ -161,7 +161,9 @@ std::optional<std::string> OutputFolder::ReadKept(const std::string& file, const
 }
 
 void OutputFolder::WriteKept(const std::string& file, const std::string& key, std::string_view bytes) const {
-  folder_->Write(checkpoints_ / file, [&](const ByteSink& sink) {
+  const Folder folder = folder_->MakeBelow(checkpoints_);
+  if (folder.KindOf(file) == Folder::Kind::kFolder) folder.RemoveAll(file);  // no checkpoint of ours
+  folder.Write(file, [&](const ByteSink& sink) {
     sink(HashUnder(key, bytes));
     sink(bytes);
   });

@@ -12,7 +12,7 @@ namespace millpose {
 namespace {
 
 namespace fs = std::filesystem;
-using Kind = Folder::Kind;
+using EntryKind = Folder::Kind;
 
 class FolderTest : public testing::Test {
  protected:
@@ -33,11 +33,12 @@ class FolderTest : public testing::Test {
 TEST_F(FolderTest, WhatStandsInIt) {
   const Folder folder(top_ / "own");
   EXPECT_EQ(folder.Names(), (std::vector<std::string>{"file", "link", "pipe", "sub", "way_out"}));
-  EXPECT_EQ(folder.KindOf("file"), Kind::kFile);
-  EXPECT_EQ(folder.KindOf("sub"), Kind::kFolder);
-  for (const char* name : {"link", "pipe", "way_out"}) EXPECT_EQ(folder.KindOf(name), Kind::kOther) << name;
+  EXPECT_EQ(folder.KindOf("file"), EntryKind::kFile);
+  EXPECT_EQ(folder.KindOf("sub"), EntryKind::kFolder);
+  for (const char* name : {"link", "pipe", "way_out"})
+    EXPECT_EQ(folder.KindOf(name), EntryKind::kOther) << name;
   for (const char* name : {"none", "sub/none", "none/below"})
-    EXPECT_EQ(folder.KindOf(name), Kind::kNothing) << name;
+    EXPECT_EQ(folder.KindOf(name), EntryKind::kNothing) << name;
   folder.Write("a/b/c", "new");
   EXPECT_EQ(folder.Read("a/b/c"), "new");
   EXPECT_EQ(folder.Below("a").Names(), std::vector<std::string>{"b"});
@@ -75,10 +76,10 @@ TEST_F(FolderTest, NothingLeadsOut) {
 TEST_F(FolderTest, LinksAreEntries) {
   const Folder folder(top_ / "own"), sub = folder.Below("sub");
   folder.Write("link", "ours now");
-  EXPECT_EQ(folder.KindOf("link"), Kind::kFile);
+  EXPECT_EQ(folder.KindOf("link"), EntryKind::kFile);
   for (const char* name : {"way_out", "pipe"}) {
     folder.Move(name, sub);
-    EXPECT_EQ(sub.KindOf(name), Kind::kOther);
+    EXPECT_EQ(sub.KindOf(name), EntryKind::kOther);
   }
   folder.RemoveAll("sub");
   EXPECT_EQ(folder.Names(), (std::vector<std::string>{"file", "link"}));

@@ -303,6 +303,11 @@ TEST_F(OutputFolderTest, DamagedCheckpointsAndThoseOfOthersAreNotUsed) {
   EXPECT_FALSE(folder.ReadCheckpoint("key"));
   folder.RemoveCheckpoints();
   EXPECT_FALSE(fs::exists(file));
+  fs::remove(file);
+  fs::create_directories(file / "below");
+  EXPECT_FALSE(folder.ReadCheckpoint("key"));
+  folder.WriteCheckpoint("key", "again");
+  EXPECT_EQ(folder.ReadCheckpoint("key"), "again");
 }
 
 }  // namespace
