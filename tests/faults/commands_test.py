@@ -35,8 +35,9 @@ def changed(text, *changes):
 
 
 def masked(name, content):
-    """A report of a batch tells times and memory, which differ from run to run."""
-    return re.sub(rb"[\d.]+", b"#", content) if name.split("/")[-1] in ("batch.json", "batch.csv", "index.html", "junit.xml") else content
+    """A report of a batch tells times and memory, which differ from run to run; so does the manifest with its hash."""
+    reports = ("batch.json", "batch.csv", "index.html", "junit.xml", "manifest.json")
+    return re.sub(rb'[0-9a-f]{32}|[\d.]+', b"#", content) if name.split("/")[-1] in reports else content
 
 
 class Row:
