@@ -7,7 +7,8 @@
 namespace millpose {
 
 void RemoveOutputFolder(const OutputFolder& folder) {
-  const std::filesystem::path path = folder.path();
+  std::filesystem::path path = folder.folder().path();
+  if (!path.has_filename()) path = path.parent_path();  // given with a slash behind
   const Folder parent(path.has_parent_path() ? path.parent_path() : ".");
   const std::string name = path.filename().string();
   const Folder own = parent.Below(name);

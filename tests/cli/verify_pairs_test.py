@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`verify` beside `plan` in one folder: the plan is never refused, and what verify says is of one plan. Three pairs, or as many as
+"""`verify` beside `plan` in one folder: the plan is never refused, and what verify says is of one plan. Two pairs, or as many as
 MILLPOSE_PAIRS says. Usage: verify_pairs_test.py MILLPOSE TOP"""
 import os
 import subprocess
@@ -8,7 +8,7 @@ import unittest
 
 from cli_fixture import FEW, JOB, MILLPOSE, InFolder, plan, run
 
-PAIRS = int(os.environ.get("MILLPOSE_PAIRS", "3"))
+PAIRS = int(os.environ.get("MILLPOSE_PAIRS", "2"))
 
 
 class Pairs(InFolder):

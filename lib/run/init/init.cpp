@@ -327,7 +327,7 @@ class Init {
     InitOutcome outcome{out_, ""};
     const fs::path shown = arguments_.out.value_or(arguments_.part.stem());
     outcome.text = fmt::format(
-        "{8}wrote      {0}/job.yaml\n"
+        "{10}wrote      {0}/job.yaml\n"
         "region     {1}{2:.0f} mm², about {3:.1f}, {4:.1f}, {5:.1f} mm on the part\n"
         "place      {6}, {7:.1f}, {8:.1f}, {9:.1f} mm in the world\n"
         "it plans   millpose plan {0}/job.yaml\n"
