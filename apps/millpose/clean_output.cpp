@@ -43,14 +43,14 @@ bool WriteAll(int file, std::string_view bytes) {
   return true;
 }
 
-ssize_t Write(void* cookie, const char* bytes, size_t count) {
+ssize_t WriteClean(void* cookie, const char* bytes, size_t count) {
   auto& target = *static_cast<Target*>(cookie);
   return WriteAll(target.file, Cleaned({bytes, count}, target.rest)) ? static_cast<ssize_t>(count) : 0;
 }
 
 /// A stream to the target; the plain one where there is no memory for it.
 FILE* StreamTo(Target& target, FILE* plain, int buffering) {
-  FILE* stream = ::fopencookie(&target, "w", {nullptr, &Write, nullptr, nullptr});
+  FILE* stream = ::fopencookie(&target, "w", {nullptr, &WriteClean, nullptr, nullptr});
   if (!stream) return plain;
   std::setvbuf(stream, nullptr, buffering, BUFSIZ);
   return stream;

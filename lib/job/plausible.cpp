@@ -78,7 +78,7 @@ void JudgeFarBodies(const Judged& judged, std::vector<Doubt>& doubts) {
     if (away <= arm) continue;
     if (std::erase(unused, given.body.name) > 0) continue;
     doubts.push_back({given.settings.from_urdf ? given.key : given.key + ".pose.xyz_mm", true,
-                      fmt::format("{} lies {:.5g} mm from {}; the arm is {:.5g} mm long; usual: on its link, "
+                      fmt::format("{} lies {:.6g} mm from {}; the arm is {:.6g} mm long; usual: on its link, "
                                   "which nothing sees touch otherwise (what is meant stands in "
                                   "interference.far_bodies)",
                                   Shown(given.body.name), away, given.Mounted(), arm),
@@ -117,7 +117,7 @@ void JudgeBodySizes(const Judged& judged, std::vector<Doubt>& doubts) {
                                                      : given.key + ".shape";
     doubts.push_back(
         {key, true,
-         fmt::format("{}{} is {:.5g} mm long; the arm is {:.5g} mm long; usual{}: {:.3g} to {:.5g} mm{}",
+         fmt::format("{}{} is {:.6g} mm long; the arm is {:.6g} mm long; usual{}: {:.3g} to {:.6g} mm{}",
                      Shown(given.body.name),
                      mesh ? fmt::format(" ({})", Shown(given.settings.shape.mesh_file)) : "", extent, arm,
                      moves ? " on " + given.Mounted() : "", least, most,
@@ -132,13 +132,13 @@ void JudgeTools(const Judged& judged, std::vector<Doubt>& doubts) {
     for (const ToolPartSettings& part : tool.stack) length += part.length;
     if (length > arm)
       doubts.push_back({key + ".stack", true,
-                        fmt::format("{} is {:.5g} mm long; the arm is {:.5g} mm long; usual: a stack shorter "
+                        fmt::format("{} is {:.6g} mm long; the arm is {:.6g} mm long; usual: a stack shorter "
                                     "than the arm",
                                     Shown(tool.name), length, arm)});
     if (tool.tip.norm() > arm)
       doubts.push_back(
           {key + ".tip_in_flange_mm", true,
-           fmt::format("the tip of {} lies {:.5g} mm from the flange; the arm is {:.5g} mm long; "
+           fmt::format("the tip of {} lies {:.6g} mm from the flange; the arm is {:.6g} mm long; "
                        "usual: nearer than the arm is long",
                        Shown(tool.name), tool.tip.norm(), arm)});
   };
@@ -152,7 +152,7 @@ void JudgeStepover(const Judged& judged, std::vector<Doubt>& doubts) {
   const double step = judged.job->toolpath.stepover, longest = judged.part->maxCoeff();
   if (!(longest > 0) || longest >= step) return;
   doubts.push_back({"toolpath.stepover_mm", false,
-                    fmt::format("given {:.5g}; the part is {:.4g} x {:.4g} x {:.4g} mm; usual: a step-over "
+                    fmt::format("given {:.6g}; the part is {:.4g} x {:.4g} x {:.4g} mm; usual: a step-over "
                                 "smaller than the part",
                                 step, judged.part->x(), judged.part->y(), judged.part->z())});
 }
@@ -164,7 +164,7 @@ void JudgeFeedPerTooth(const Judged& judged, std::vector<Doubt>& doubts) {
   if (chip >= kLeastChip && chip <= kMostChip) return;
   doubts.push_back(
       {"process.feed_mm_min", false,
-       fmt::format("{:.5g} mm/min at {:.5g} rev/min and {} teeth are {:.3g} mm a tooth; usual: "
+       fmt::format("{:.6g} mm/min at {:.6g} rev/min and {} teeth are {:.3g} mm a tooth; usual: "
                    "{} to {} mm, which the force model holds for",
                    60 * job.feed, 60 * job.spindle_speed, job.cutting->teeth, chip, kLeastChip, kMostChip),
        !std::isfinite(chip)});

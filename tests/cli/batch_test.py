@@ -179,7 +179,7 @@ class Manifest(unittest.TestCase):
         self.assertEqual(self.jobs["wrong"]["status"], 2)
         lines = self.jobs["wrong"]["cause"].splitlines()
         for place, key in (("batch.yaml:6:29", "toolpath.stepover_mm: given -4"), ("batch.yaml:7:28", "toolpath.stepovr_mm: unknown key"),
-                           ("batch.yaml:8:28", "process.spindle_rpm: given the text")):
+                           ("batch.yaml:8:28", "process.spindle_rpm: given fast")):
             self.assertTrue(any(line.startswith(f"{place}: set: ") and key in line for line in lines), (place, key, lines))
 
     def test_findings_are_told_one_by_one(self):

@@ -165,7 +165,9 @@ Codec<std::string> TextOf(std::string type, bool lines) {
       return context.AddWrong(value, type + " (in quotes when it looks like a number, true or false)");
     if (!lines && (value.text.empty() || value.text.find('\n') != std::string::npos))
       return context.AddWrong(value, type);
-    if (std::ranges::any_of(value.text, [](char c) { return IsControl(c) && c != '\n' && c != '\t'; }))
+    if (std::ranges::any_of(value.text, [&](char c) {
+          return IsControl(c) && c != '\n' && c != '\t' && !(lines && c == '\r');
+        }))
       return context.AddWrong(value, type + " without control characters");
     result = value.text;
   };
