@@ -11,7 +11,7 @@ namespace {
 using Kind = ProgramEvent::Kind;
 
 constexpr double kSameSeconds = 0.5e-3;  // of dwells and delays
-constexpr size_t kLookAhead = 64;        // events that are more or missing in one place
+constexpr size_t kMostApart = 64;        // events that are more or missing in one place
 
 /// An event, and where it happens.
 struct Happening {
@@ -122,7 +122,7 @@ class EventComparison {
 
   /// How many of both to go on by to the next that match, or to both ends.
   std::pair<size_t, size_t> NextMatch(size_t i, size_t k) const {
-    for (size_t sum = 1; sum <= 2 * kLookAhead; ++sum)
+    for (size_t sum = 1; sum <= 2 * kMostApart; ++sum)
       for (size_t more = 0; more <= sum; ++more) {
         const size_t missing = sum - more;
         const bool ends = i + more == given_.size() && k + missing == wanted_.size();
