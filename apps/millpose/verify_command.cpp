@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "commands.hpp"
-#include "operations/verify_job.hpp"
+#include "run/pipeline/operations/verify_job.hpp"
 
 namespace millpose {
 namespace {

@@ -4,11 +4,11 @@
 #include <cassert>
 
 #include "base/error.hpp"
-#include "motion/line.hpp"
-#include "plan/station.hpp"
-#include "robot/angles.hpp"
-#include "robot/kinematics.hpp"
-#include "robot/position_between.hpp"
+#include "machine/motion/line.hpp"
+#include "planning/result/station.hpp"
+#include "machine/robot/angles.hpp"
+#include "machine/robot/kinematics.hpp"
+#include "machine/robot/position_between.hpp"
 
 namespace millpose {
 namespace {

@@ -6,7 +6,7 @@
 #include "base/error.hpp"
 #include "program/krl/krl.hpp"
 #include "tests/program/station_plan.hpp"
-#include "tests/verify/sample_cell.hpp"
+#include "tests/program/verify/sample_cell.hpp"
 
 namespace millpose::campaign {
 namespace {

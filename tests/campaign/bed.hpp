@@ -4,7 +4,7 @@
 
 #include "program/post.hpp"
 #include "tests/campaign/trace.hpp"
-#include "verify/verify.hpp"
+#include "program/verify/verify.hpp"
 
 namespace millpose::campaign {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 
 namespace millpose::campaign {
 

@@ -166,6 +166,36 @@ class Operations(InFolder):
         for command in (("inspect", self.out, "--point", "0"), ("verify", self.out)):
             self.assertEqual(run(*command).returncode, 0, command)
 
+    def test_operations_are_one_set_with_their_job(self):
+        text = without(small(), "trim_window").replace("programs: [krl, sinumerik, linuxcnc]", "programs: [krl]")
+        (self.folder / "job.yaml").write_text(text)
+        batch = ("batch", self.folder / "job.yaml", "-o", self.folder / "batch")
+        self.assertEqual(run(*batch).returncode, 0)
+        out = self.folder / "batch" / "cabin_window"
+        whole = self.results(out)
+        self.assertIn("up to date", run(*batch).stdout)
+        names = {file["path"] for file in json.loads((out / "manifest.json").read_text())["files"]}
+        self.assertLessEqual({f"operations/{folder}/{file}" for folder in ("01_face_pads", "02_drill_holes")
+                              for file in ("manifest.json", "plan.cbor", "job.yaml")}, names)
+
+        def edit(path):
+            path.write_text(path.read_text() + " ")
+
+        first = out / "operations" / "01_face_pads"
+        for change in (lambda: edit(next((first / "programs" / "krl").glob("*.src"))), lambda: edit(first / "summary.json"),
+                       lambda: edit(first / "run.json"), lambda: shutil.rmtree(out / "operations"), lambda: shutil.rmtree(first)):
+            change()
+            again = run(*batch)
+            self.assertEqual(again.returncode, 0, again.stdout)
+            self.assertNotIn("up to date", again.stdout)
+            self.assertEqual(self.results(out), whole)
+        planned = run("plan", self.folder / "job.yaml", "-o", out)
+        self.assertIn("this plan is up to date", planned.stdout)
+        alone = run("plan", first / "job.yaml")
+        self.assertEqual(alone.returncode, 2)
+        self.assertIn("is of one operation of the job whose folder is", alone.stderr)
+        self.assertEqual(self.results(out), whole)
+
     def test_what_is_left_out_and_why(self):
         planned = self.plan(without(small(), "trim_window"), "--set", "workpiece.pose.xyz_mm=[3100,0,1200]")
         self.assertEqual(planned.returncode, 1)
