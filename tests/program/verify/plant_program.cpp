@@ -6,8 +6,8 @@
 #include "base/error.hpp"
 #include "program/scanner.hpp"
 #include "program/stated_speeds.hpp"
-#include "tests/program/verify/sample_cell.hpp"
 #include "program/verify/standing_alone.hpp"
+#include "tests/program/verify/sample_cell.hpp"
 
 namespace millpose {
 
@@ -75,7 +75,7 @@ MotionProgram PlantProgram::Read(const std::vector<std::string>& of) const {
 
 namespace {
 
-std::string Text(const std::vector<Finding>& findings) {
+std::string TextOfAll(const std::vector<Finding>& findings) {
   std::string text;
   for (const Finding& finding : findings) text += fmt::format("{}: {}\n", finding.line, finding.message);
   return text;
@@ -90,7 +90,7 @@ std::string PlantProgram::AgainstThePlan() const {
     const MotionProgram written = Read(original);
     VerifyOptions options = SampleOptions(plan_);
     options.written = &written;
-    return Text(Verify(Read(lines), *world_, &planned_, options, {.threads = 1}));
+    return TextOfAll(Verify(Read(lines), *world_, &planned_, options, {.threads = 1}));
   } catch (const InputError& error) {
     return error.what();
   }
@@ -100,8 +100,8 @@ std::string PlantProgram::Alone() const {
   try {
     const MotionProgram program = Read(lines);
     const VerifyOptions options = SampleOptions(plan_);
-    return Text(CheckStandingAlone(program, world_->cell(), post_->HasOwnWorld(), options)) +
-           Text(Verify(program, *world_, nullptr, options, {.threads = 1}));
+    return TextOfAll(CheckStandingAlone(program, world_->cell(), post_->HasOwnWorld(), options)) +
+           TextOfAll(Verify(program, *world_, nullptr, options, {.threads = 1}));
   } catch (const InputError& error) {
     return error.what();
   }
