@@ -11,7 +11,7 @@
 
 namespace millpose {
 
-PlantProgram::PlantProgram(const std::string& name)
+PlantProgram::PlantProgram(const std::string& name, bool spindle)
     : controller(name),
       plan_(SamplePlan({.points = 4})),
       settings_(SampleSettings(name)),
@@ -22,8 +22,8 @@ PlantProgram::PlantProgram(const std::string& name)
   const std::string pass = controller == "krl"         ? "SUCTION ({pass})"
                            : controller == "sinumerik" ? "SUCTION({pass})"
                                                        : "O<SUCTION> CALL [{pass}]";
-  settings_.texts = {{"spindle_on", speed},
-                     {"spindle_off", Call("SPINDLE_OFF", 0)},
+  settings_.texts = {{"spindle_on", spindle ? speed : ""},
+                     {"spindle_off", spindle ? Call("SPINDLE_OFF", 0) : ""},
                      {"tool_change", Call("TOOL_CHANGE", 2)},
                      {"pass_begin", pass}};
   for (const char* call : {"SPINDLE_ON", "SPINDLE_OFF", "TOOL_CHANGE", "SUCTION", "LIGHT"})
@@ -95,6 +95,8 @@ std::string PlantProgram::AgainstThePlan() const {
     return error.what();
   }
 }
+
+std::string PlantProgram::Scope() const { return ScopeOf(Read(lines)); }
 
 std::string PlantProgram::Alone() const {
   try {
