@@ -233,10 +233,10 @@ class Mutator {
         break;
       }
       case 4:
-        Name("line copied"), lines.insert(line, lines_[other]);
+        Name("line copied"), lines.insert(line, lines_[other % lines_.size()]);
         break;
       default:
-        Name("line replaced"), *line = lines_[other];
+        Name("line replaced"), *line = lines_[other % lines_.size()];
         break;
     }
   }

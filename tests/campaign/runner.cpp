@@ -207,8 +207,8 @@ void Mover::Mark(const std::string& text) {
   std::smatch found;
   const std::string line_text = Upper(text);
   if (!std::regex_search(line_text, found, mark)) return;
-  const double pass = std::strtod(found[2].str().c_str(), nullptr),
-               piece = std::strtod(found[3].str().c_str(), nullptr);
+  const double pass = std::strtod(found[2].str().c_str(), nullptr) + 0.0;  // −0 is 0
+  const double piece = std::strtod(found[3].str().c_str(), nullptr) + 0.0;
   const bool end = found[1].str().starts_with("END");
   Event(Step::Kind::kSwitch, fmt::format("mark of the {} of {} {} ", end ? "end" : "begin", pass, piece));
 }
@@ -218,7 +218,7 @@ void Mover::PlantCall(const std::string& name, const std::string& arguments) {
   Cursor at(arguments);
   while (!at.Done()) {
     const auto number = at.Number(true);
-    words += number ? fmt::format("{}", *number) : at.Name();
+    words += number ? fmt::format("{}", *number + 0.0) : at.Name();
     if (!number && words.empty()) throw Refusal{"arguments expected"};
     if (!at.Done() && !at.TakeChar(',') && !at.TakeChar(']') && !at.TakeChar('['))
       throw Refusal{", expected"};

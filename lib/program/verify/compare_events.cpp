@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "program/verify/compare_events.hpp"
 
-#include "program/program_place.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "program/program_place.hpp"
 #include "program/verify/stations.hpp"
 
 namespace millpose {
@@ -11,7 +11,7 @@ namespace {
 using Kind = ProgramEvent::Kind;
 
 constexpr double kSameSeconds = 0.5e-3;  // of dwells and delays
-constexpr size_t kLookAhead = 64;        // events that are more or missing in one place
+constexpr size_t kMostApart = 64;        // events that are more or missing in one place
 
 /// An event, and where it happens.
 struct Happening {
@@ -26,17 +26,19 @@ struct Happening {
 
 bool MadeByTextsAlone(Kind kind) { return kind >= Kind::kText; }
 
-bool Counts(const MotionProgram& program, const ProgramEvent& event, bool all) {
+bool Counts(const MotionProgram& program, const ProgramEvent& event, bool all, bool spindle) {
   if (event.kind == Kind::kHandover) return false;
+  if (event.kind == Kind::kSpindleOn || event.kind == Kind::kSpindleOff) return spindle;
   if (event.kind == Kind::kDwell && !all) return PlaceOf(program, event.before_motion) == ProgramPlace::kStop;
   return all || !MadeByTextsAlone(event.kind);
 }
 
-std::vector<Happening> HappeningsOf(const Replayed& replayed, bool all, const Cell& cell) {
+/// `all`: those of texts and hands too; `spindle`: the cell has texts that switch it.
+std::vector<Happening> HappeningsOf(const Replayed& replayed, bool all, bool spindle, const Cell& cell) {
   std::vector<Happening> list;
   size_t runs = 0;
   for (const ProgramEvent& event : replayed.program.events) {
-    if (!Counts(replayed.program, event, all)) continue;
+    if (!Counts(replayed.program, event, all, spindle)) continue;
     while (runs < replayed.runs.size() && replayed.runs[runs].first < event.before_motion) ++runs;
     Happening here;
     here.event = &event;
@@ -122,7 +124,7 @@ class EventComparison {
 
   /// How many of both to go on by to the next that match, or to both ends.
   std::pair<size_t, size_t> NextMatch(size_t i, size_t k) const {
-    for (size_t sum = 1; sum <= 2 * kLookAhead; ++sum)
+    for (size_t sum = 1; sum <= 2 * kMostApart; ++sum)
       for (size_t more = 0; more <= sum; ++more) {
         const size_t missing = sum - more;
         const bool ends = i + more == given_.size() && k + missing == wanted_.size();
@@ -179,8 +181,9 @@ class EventComparison {
 
 void CompareEvents(const Replayed& replayed, const Replayed& wanted, bool all, const Cell& cell,
                    const VerifyOptions& options, std::vector<Finding>& findings) {
-  EventComparison(replayed, HappeningsOf(replayed, all, cell), HappeningsOf(wanted, all, cell), options,
-                  findings)
+  const bool spindle = replayed.program.switches_spindle;
+  EventComparison(replayed, HappeningsOf(replayed, all, spindle, cell),
+                  HappeningsOf(wanted, all, spindle, cell), options, findings)
       .Compare();
 }
 

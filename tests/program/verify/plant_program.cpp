@@ -6,12 +6,12 @@
 #include "base/error.hpp"
 #include "program/scanner.hpp"
 #include "program/stated_speeds.hpp"
-#include "tests/program/verify/sample_cell.hpp"
 #include "program/verify/standing_alone.hpp"
+#include "tests/program/verify/sample_cell.hpp"
 
 namespace millpose {
 
-PlantProgram::PlantProgram(const std::string& name)
+PlantProgram::PlantProgram(const std::string& name, bool spindle)
     : controller(name),
       plan_(SamplePlan({.points = 4})),
       settings_(SampleSettings(name)),
@@ -22,8 +22,8 @@ PlantProgram::PlantProgram(const std::string& name)
   const std::string pass = controller == "krl"         ? "SUCTION ({pass})"
                            : controller == "sinumerik" ? "SUCTION({pass})"
                                                        : "O<SUCTION> CALL [{pass}]";
-  settings_.texts = {{"spindle_on", speed},
-                     {"spindle_off", Call("SPINDLE_OFF", 0)},
+  settings_.texts = {{"spindle_on", spindle ? speed : ""},
+                     {"spindle_off", spindle ? Call("SPINDLE_OFF", 0) : ""},
                      {"tool_change", Call("TOOL_CHANGE", 2)},
                      {"pass_begin", pass}};
   for (const char* call : {"SPINDLE_ON", "SPINDLE_OFF", "TOOL_CHANGE", "SUCTION", "LIGHT"})
@@ -75,7 +75,7 @@ MotionProgram PlantProgram::Read(const std::vector<std::string>& of) const {
 
 namespace {
 
-std::string Text(const std::vector<Finding>& findings) {
+std::string TextOfAll(const std::vector<Finding>& findings) {
   std::string text;
   for (const Finding& finding : findings) text += fmt::format("{}: {}\n", finding.line, finding.message);
   return text;
@@ -90,18 +90,20 @@ std::string PlantProgram::AgainstThePlan() const {
     const MotionProgram written = Read(original);
     VerifyOptions options = SampleOptions(plan_);
     options.written = &written;
-    return Text(Verify(Read(lines), *world_, &planned_, options, {.threads = 1}));
+    return TextOfAll(Verify(Read(lines), *world_, &planned_, options, {.threads = 1}));
   } catch (const InputError& error) {
     return error.what();
   }
 }
 
+std::string PlantProgram::Scope() const { return ScopeOf(Read(lines)); }
+
 std::string PlantProgram::Alone() const {
   try {
     const MotionProgram program = Read(lines);
     const VerifyOptions options = SampleOptions(plan_);
-    return Text(CheckStandingAlone(program, world_->cell(), post_->HasOwnWorld(), options)) +
-           Text(Verify(program, *world_, nullptr, options, {.threads = 1}));
+    return TextOfAll(CheckStandingAlone(program, world_->cell(), post_->HasOwnWorld(), options)) +
+           TextOfAll(Verify(program, *world_, nullptr, options, {.threads = 1}));
   } catch (const InputError& error) {
     return error.what();
   }

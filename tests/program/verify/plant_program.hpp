@@ -10,8 +10,8 @@ namespace millpose {
 
 class PlantProgram {
  public:
-  /// `controller`: krl, sinumerik, linuxcnc.
-  explicit PlantProgram(const std::string& controller);
+  /// `controller`: krl, sinumerik, linuxcnc; `spindle`: the cell has texts that switch it.
+  explicit PlantProgram(const std::string& controller, bool spindle = true);
 
   /// A call as the controller makes it: "SUCTION (0)", "SUCTION(0)", "O<SUCTION> CALL [0]".
   std::string Call(const std::string& name, int argument) const;
@@ -26,6 +26,7 @@ class PlantProgram {
   /// What is said of the lines against the plan, or alone: "line: message", one behind the other.
   std::string AgainstThePlan() const;
   std::string Alone() const;
+  std::string Scope() const;
 
   std::string controller;
   std::vector<std::string> lines;

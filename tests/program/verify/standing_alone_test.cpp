@@ -86,6 +86,23 @@ TEST_P(Alone, WithoutAHeaderTheScopeSaysSo) {
     return line.starts_with("; spindle:") || line.starts_with("; feed:");
   });
   EXPECT_EQ(program.Alone(), "");
+  EXPECT_NE(program.Scope().find("; the header states no spindle speed; the header states no feeds"),
+            std::string::npos)
+      << program.Scope();
+}
+
+TEST_P(Alone, ACellThatDoesNotSwitchTheSpindleIsNamed) {
+  const PlantProgram without(GetParam(), false);
+  EXPECT_EQ(without.AgainstThePlan(), "");
+  EXPECT_EQ(without.Alone(), "");
+  EXPECT_NE(without.Scope().find("; the cell has no text that switches the spindle"), std::string::npos);
+}
+
+TEST_P(Alone, ADryRunMayRunWithTheSpindleStanding) {
+  program.Erase(program.Find("SPINDLE_ON"));
+  program.Insert(program.Find("; spindle:"), "; dry_run: cuts are lifted by 25.000 mm along the tool axis");
+  EXPECT_EQ(program.Alone().find("the spindle stands still"), std::string::npos) << program.Alone();
+  EXPECT_NE(program.Scope().find("a dry run: the spindle may stand still"), std::string::npos);
 }
 
 TEST(AloneKrl, TheFrameIsChecked) {

@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 
 #include "base/units.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "program/economy.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
 #include "program/sinumerik/sinumerik.hpp"
-#include "machine/robot/kinematics.hpp"
-#include "tests/program/verify/sample_cell.hpp"
 #include "program/verify/arm_bodies.hpp"
 #include "program/verify/corner.hpp"
+#include "tests/program/verify/sample_cell.hpp"
 
 namespace millpose {
 namespace {

@@ -7,11 +7,11 @@
 #include "base/file.hpp"
 #include "base/hash.hpp"
 #include "job/config/config.hpp"
+#include "program/calling_program.hpp"
 #include "run/pipeline/operations/whole_program.hpp"
+#include "run/pipeline/programs/planned_folder.hpp"
 #include "store/output_folder.hpp"
 #include "store/read_whole.hpp"
-#include "run/pipeline/programs/planned_folder.hpp"
-#include "program/calling_program.hpp"
 
 namespace millpose {
 namespace {
@@ -56,13 +56,8 @@ class WholeFolder {
     const CallingSyntax syntax = post->Calling();
     ProgramFiles files = FilesOf(program, *post, arguments_.root);
     std::string& text = files.at(program.filename().string());
-    if (!CallsOf(syntax, program.stem().string(), text).empty()) {
-      // Files that only stand beside programs are read by name.
-      for (const auto& [ending, unused] : syntax.beside)
-        if (const fs::path beside = fs::path(program).replace_extension(ending); fs::exists(beside))
-          files[beside.filename().string()] = arguments_.root.Read(beside);
+    if (!CallsOf(syntax, program.stem().string(), text).empty())
       return {{controller, program.string(), 0, Check(controller, files), {}}};
-    }
     for (const DoneOperation& operation : operations_) {
       const auto own = operation.programs.find(controller);
       if (own == operation.programs.end()) continue;

@@ -77,7 +77,7 @@ std::vector<Finding> CheckWholeProgram(const std::string& job, const std::string
       std::ranges::copy(hold(operations[i], given), std::back_inserter(findings));
   }
   ProgramFiles written = WriteCalling(syntax, job, {}, called);
-  CompareBeside(files, written, read, findings);
+  CompareBeside(files, written, read, true, findings);
   try {
     const std::vector<std::string> calls = ReadCalling(syntax, job, files);
     if (calls != expected)

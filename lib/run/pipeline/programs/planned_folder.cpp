@@ -11,12 +11,12 @@
 #include "job/cell_texts.hpp"
 #include "job/step_meshes.hpp"
 #include "job/workpiece.hpp"
-#include "store/output_folder.hpp"
+#include "program/post_entry.hpp"
 #include "run/pipeline/programs/check_program.hpp"
 #include "run/pipeline/programs/make_programs.hpp"
 #include "run/pipeline/programs/program_files.hpp"
 #include "run/pipeline/programs/start_programs.hpp"
-#include "program/post_entry.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 namespace {
@@ -119,7 +119,7 @@ std::vector<std::string> PlannedFolder::Changed(const std::string& controller,
 }
 
 VerifiedProgram PlannedFolder::HoldTo(const PlannedProgram& planned, const ProgramFiles& files,
-                                      const std::string& where, Programming with) const {
+                                      const std::string& where, bool complete, Programming with) const {
   const Arm& arm = planned.plan.arm;
   MotionProgram program = with.post.Read(files, arm, with.settings);
   const ProgramFiles as_written = with.post.Write(planned.motions.written, arm, with.settings);
@@ -136,13 +136,13 @@ VerifiedProgram PlannedFolder::HoldTo(const PlannedProgram& planned, const Progr
   std::set<std::string> read(program.files.begin(), program.files.end());
   read.insert(written.files.begin(), written.files.end());
   std::ranges::move(frames, std::back_inserter(verified.findings));
-  CompareBeside(files, as_written, read, verified.findings);
+  CompareBeside(files, as_written, read, complete, verified.findings);
   return verified;
 }
 
 VerifiedProgram PlannedFolder::Hold(const std::string& controller, const std::string& name,
                                     const ProgramFiles& files, const std::string& where) const {
-  return HoldTo(Made(StartOf(name).value_or(plan_), controller), files, where, With(controller));
+  return HoldTo(Made(StartOf(name).value_or(plan_), controller), files, where, false, With(controller));
 }
 
 VerifiedProgram PlannedFolder::Hold(const fs::path& program) const {
@@ -165,7 +165,7 @@ void PlannedFolder::HoldStarts(const Programming& with, std::vector<VerifiedProg
     const fs::path file = folder / (single.job + with.post.Endings().front());
     if (!fs::exists(file)) continue;  // withheld
     programs.push_back(HoldTo(Made(std::move(single), with.controller),
-                              FilesOf(file, with.post, arguments_.root), file.string(), with));
+                              FilesOf(file, with.post, arguments_.root), file.string(), true, with));
   }
 }
 
@@ -190,7 +190,7 @@ std::vector<VerifiedProgram> PlannedFolder::HoldAll() const {
     execution_.progress.Begin(controller, 0);
     const Programming with = With(controller);
     const fs::path folder = folder_ / kProgramsFolder / controller;
-    programs.push_back(HoldTo(Made(plan_, controller), FilesIn(folder), folder.string(), with));
+    programs.push_back(HoldTo(Made(plan_, controller), FilesIn(folder), folder.string(), true, with));
     execution_.progress.End(
         fmt::format("{} motions, {} findings", programs.back().motions, programs.back().findings.size()));
     HoldStarts(with, programs);

@@ -5,10 +5,10 @@
 #include <map>
 #include <memory>
 
-#include "store/manifest.hpp"
 #include "run/pipeline/programs/program_motions.hpp"
 #include "run/pipeline/programs/programming.hpp"
 #include "run/pipeline/programs/verify_programs.hpp"
+#include "store/manifest.hpp"
 
 namespace millpose {
 
@@ -40,8 +40,9 @@ class PlannedFolder {
   Programming With(const std::string& controller) const;
   ProgramFiles FilesIn(const std::filesystem::path& folder) const;
   std::vector<std::string> Changed(const std::string& controller, const ProgramFiles& files) const;
+  /// `complete`: with all files that were written.
   VerifiedProgram HoldTo(const PlannedProgram& planned, const ProgramFiles& files, const std::string& where,
-                         Programming with) const;
+                         bool complete, Programming with) const;
   const std::vector<CallWay>& Calls(const std::string& controller) const;
   PlannedProgram Made(PlanResult plan, const std::string& controller) const;
   /// The plan of a single piece's program, by the name of its main file; empty where none is called so.

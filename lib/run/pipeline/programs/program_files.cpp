@@ -86,11 +86,19 @@ ProgramFiles FilesOf(const fs::path& program, const Post& post, const FileRoot& 
       found = true;
     }
   }
+  for (const auto& [ending, unused] : post.Calling().beside) {
+    ProgramFiles more;
+    for (const auto& [name, text] : files)
+      if (const std::string other = fs::path(name).stem().string() + ending;
+          std::ranges::binary_search(beside, other))
+        more[other] = root.Read(program.parent_path() / other);
+    files.merge(more);
+  }
   return files;
 }
 
 void CompareBeside(const ProgramFiles& files, const ProgramFiles& written, const std::set<std::string>& read,
-                   std::vector<Finding>& findings) {
+                   bool complete, std::vector<Finding>& findings) {
   const auto add = [&](const std::string& file, int line, std::string message) {
     findings.push_back({file, line, std::move(message), Cause::kText});
   };
@@ -98,7 +106,7 @@ void CompareBeside(const ProgramFiles& files, const ProgramFiles& written, const
     if (read.contains(name)) continue;
     const auto given = files.find(name);
     if (given == files.end()) {
-      add(name, 0, "is missing");
+      if (complete) add(name, 0, "is missing");
       continue;
     }
     const std::vector<CodeLine> is = CodeOf(given->second), was = CodeOf(text);

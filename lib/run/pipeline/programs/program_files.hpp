@@ -22,12 +22,13 @@ std::vector<std::string> SortedFiles(const std::filesystem::path& folder);
 /// where it is nobody's.
 std::string ControllerOf(const std::filesystem::path& program, const CellSettings& cell);
 
-/// The main file and what it calls, directly or not, in the same folder.
+/// The main file and what it calls, directly or not, in the same folder, each with what stands beside it
+/// under its name (KRL's data lists).
 ProgramFiles FilesOf(const std::filesystem::path& program, const Post& post, const FileRoot& root);
 
 /// Files beside those that a controller's reader reads (`read`), such as KRL's data lists: each as it was
-/// `written`, apart from comments and blanks, and no other.
+/// `written`, apart from comments and blanks, and no other; `complete`: none is missing.
 void CompareBeside(const ProgramFiles& files, const ProgramFiles& written, const std::set<std::string>& read,
-                   std::vector<Finding>& findings);
+                   bool complete, std::vector<Finding>& findings);
 
 }  // namespace millpose

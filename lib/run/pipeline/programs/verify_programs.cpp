@@ -44,7 +44,7 @@ std::vector<VerifiedProgram> VerifyPrograms(const VerifyArguments& arguments, Pr
 
 namespace {
 
-const char* Verdict(const VerifiedProgram& program) {
+const char* WordsOfVerdict(const VerifiedProgram& program) {
   if (!program.findings.empty()) return "NOT confirmed";
   return program.changed.empty() ? "confirmed" : "changed since, still as planned";
 }
@@ -55,7 +55,7 @@ std::string VerifyText(const std::vector<VerifiedProgram>& programs) {
   std::string text;
   for (const VerifiedProgram& program : programs) {
     text += fmt::format("{:<10} {:>7} motions  {}  {}\n", program.controller, program.motions,
-                        Verdict(program), program.file);
+                        WordsOfVerdict(program), program.file);
     if (!program.changed.empty())
       text += fmt::format("  changed since they were written: {}\n", fmt::join(program.changed, ", "));
     if (!program.scope.empty()) text += "  compared: " + program.scope + "\n";
