@@ -6,6 +6,7 @@
 
 #include "config/config.hpp"
 #include "job/assemble.hpp"
+#include "pipeline/program_warnings.hpp"
 #include "plan/write_plan.hpp"
 #include "toolpath/pass_ends.hpp"
 #include "verify/causes.hpp"
@@ -199,6 +200,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
                                  program.Confirmed(), program.WhyWithheld()});
     }
   for (const CheckedProgram& program : programs) {
+    if (program.files.empty()) continue;
     const Post& post = *results.inputs.cell.controllers.at(program.controller).post;
     report.program_sizes.push_back(
         {program.controller, program.files.size(), BytesOf(program.files), post.Memory()});
