@@ -414,14 +414,7 @@ class GcodeDialect : public DialectWriter {
   // The next tool is named while this one cuts.
   void Preselect() {
     Line(fmt::format("T{}", 1 + random_.Below(3)));
-    const Vector p = Printed(random_.Vector(100 / Unit()));
-    Line("G1 " + Words(p));
-    // T begins a new pass: the way is no cut.
-    at_ = p;
-    Want want{.to = shift_ + Unit() * p};
-    want.feed = feed_;
-    wants_.push_back(want);
-    cut_ = true;
+    Straight();
   }
 
   void Offset() {

@@ -78,9 +78,12 @@ TEST(Sender, DecidesWhatThreeNumbersMeanBehindALeaningTool) {
   }
   EXPECT_EQ(
       Refusal("PARTNO/X\n" + body),
-      "path:6:1: three numbers behind a leaning tool: the axis stays (NX, CATIA), or the tool stands along "
-      "+z (Creo, Autodesk), and who wrote the file is not recognised: state toolpath.cam.sender: nx, catia, "
-      "creo, autodesk, solidworks_cam, mastercam");
+      "path:6:1: three numbers behind a leaning tool: the axis stays, or the tool stands along +z, and who "
+      "wrote "
+      "the file is not recognised: state whose way this file follows, toolpath.cam.sender: nx or catia (it "
+      "stays), creo or autodesk (+z)");
+  EXPECT_NE(Refusal("PPRINT/MASTERCAM\n" + body).find("which one Mastercam means is not known"),
+            std::string::npos);
   ExpectAt(Path("PARTNO/X\n" + body, By(CamSender::kCreo)).points[2], {5, 0, 0}, kUp);
   ExpectAt(Path("PARTNO/X\n" + body, By(CamSender::kCatia)).points[2], {5, 0, 0}, kLean);
   // An axis by a word of its own, or none that leans, is no question.
@@ -205,9 +208,11 @@ TEST(Frames, ZeroOffsetsAreStatedWhereAFileHasSeveral) {
   EXPECT_NE(Refusal(head + "G0 X0 Y0 Z0\nG58 X5 Y0\nG1 X1 F9\n").find("state toolpath.cam.sender"),
             std::string::npos);
   EXPECT_NE(Refusal("G710 G90\nG0 X0 Y0 Z0\nG58 X5\nG1 X1 F9\n").find("shifts the frame"), std::string::npos);
-  EXPECT_NE(
-      Refusal("%P G71 *\nG247 Q339=+1 *\nG00 X+0 Y+0 Z+0 *\nG01 X+1 F100 *\nG247 Q339=+2 *\nG01 X+0 *\n"),
-      "");
+  EXPECT_EQ(Path("%P G71 *\nG247 Q339=+1 *\nG00 X+0 Y+0 Z+0 *\nG01 X+1 F100 *\n").points.size(), 2u);
+  EXPECT_EQ(
+      Refusal("%P G71 *\nG247 Q339=+1 *\nG00 X+0 Y+0 Z+0 *\nG01 X+1 F100 *\nG247 Q339=+2 *\nG01 X+0 *\n")
+          .substr(0, 48),
+      "path:5:1: G247 chooses preset Q339=2 behind Q339");
 }
 
 TEST(Units, AreStatedOrToldByFeeds) {
@@ -291,6 +296,7 @@ TEST(Sections, AreWhatOneToolCutsAtOneSpeed) {
   // T names the next tool where M6 changes it.
   const std::string blocks = "G21\nT1 M6\nS9 M3\nG0 X0 Y0 Z0\nG1 X1 F9\nT2\nX2\n";
   EXPECT_EQ(Path(blocks).source.sections.size(), 1u);
+  EXPECT_FALSE(Path(blocks).points[2].fresh) << "the next tool is named while this one cuts";
   EXPECT_EQ(Path(blocks + "M6\nG0 Z9\nG1 Z0\n").source.sections.size(), 2u);
   EXPECT_EQ(Path("G21\nT1\nG0 X0 Y0 Z0\nG1 X1 F9\nT2\nG0 Z9\nG1 Z0\n").source.sections.size(), 2u);
   EXPECT_EQ(Path("(T1 D=8. CR=4. - BALL)\n" + blocks).source.sections[0].ToText(),
@@ -364,6 +370,8 @@ TEST(Arcs, TurnAsOftenAsTheyAreTold) {
   EXPECT_NEAR(swept(Path(block + "G3 X0 Y10 I-10 J0 P1 F9\n")), kPi / 2, 1e-9);
   EXPECT_NEAR(swept(Path("G710 G17\nG0 X10 Y0 Z0\nG3 X0 Y10 Z-9 I-10 J0 TURN=2 F9\n")), 4.5 * kPi, 1e-9);
   EXPECT_NE(Refusal(block + "G3 X0 Y10 I-10 J0 P1.5 F9\n"), "");
+  EXPECT_NE(Refusal(block + "G3 X0 Y10 Z-9 I-10 J0 K-3 F9\n"), "") << "a rise for each turn";
+  EXPECT_EQ(Refusal(block + "G3 X0 Y10 Z-9 I-10 J0 K0 F9\n"), "");
   EXPECT_NE(Refusal("G710 G17\nG0 X10 Y0 Z0\nG3 X0 Y10 I-10 J0 P2 F9\n"), "") << "SINUMERIK has no P";
 }
 

@@ -76,7 +76,7 @@ class AptReader {
     motion_.SetAxis(system_.rotation.col(2));
     leaned_ = stale_ = false;
     frame_name_ = std::move(name);
-    moved_ = moved_ || system_.IsMoved();
+    if (system_.IsMoved() && moved_out_of_.empty()) moved_out_of_ = frame_name_;
   }
 
   void Take(const AptStatement& statement) {
@@ -190,6 +190,13 @@ class AptReader {
     stale_ = motion_.HasPoint() && (leaned_ || system_.IsMoved());
   }
 
+  std::string WhyAsked() const {
+    if (rules_.sender != CamSender::kPlain)
+      return fmt::format("which one {} means is not known", rules_.name);
+    return "who wrote the file is not recognised" +
+           (recognised_.conflict.empty() ? "" : " (marks of " + recognised_.conflict + ")");
+  }
+
   // The axis of a point that gives none.
   Eigen::Vector3d AxisOfThree(const AptStatement& statement) {
     const Eigen::Vector3d up = system_.rotation.col(2);
@@ -201,11 +208,10 @@ class AptReader {
       throw InputError(
           statement.major.place,
           fmt::format(
-              "three numbers behind a leaning tool: the axis stays (NX, CATIA), or the tool stands along "
-              "+z (Creo, Autodesk), and who wrote the file is not recognised{}: state "
-              "toolpath.cam.sender: {}",
-              recognised_.conflict.empty() ? "" : " (marks of " + recognised_.conflict + ")",
-              SenderKeys(false)));
+              "three numbers behind a leaning tool: the axis stays, or the tool stands along +z, and {}: "
+              "state whose way this file follows, toolpath.cam.sender: nx or catia (it stays), creo or "
+              "autodesk (+z)",
+              WhyAsked()));
     three_ = true;
     if (leaned_ && rules_.three_numbers == ThreeNumbers::kUp) return up;
     return motion_.axis();
@@ -306,11 +312,11 @@ class AptReader {
     note(
         zeros_.count(),
         "ORIGIN or TRANS: where the machine's zero lies; the points are taken in the part's system as given");
-    if (moved_)
+    if (!moved_out_of_.empty())
       path_.notes.push_back(
           fmt::format("coordinates were moved out of their system ({}) into the one that it "
                       "refers to",
-                      frame_name_));
+                      moved_out_of_));
     tally_.AddNote(path_.notes);
   }
 
@@ -345,7 +351,8 @@ class AptReader {
   std::optional<AptCycle> last_cycle_;
   WordTally tally_;
   std::string frame_name_ = "as written";
-  bool moved_ = false, units_stated_ = false;
+  std::string moved_out_of_;  // the first system that moves points
+  bool units_stated_ = false;
   bool leaned_ = false;  // the axis is the one of a point with six numbers
   bool stale_ = false;   // system and axis are those of another operation
   bool three_ = false;   // a point gave three numbers

@@ -269,6 +269,10 @@ std::vector<Vector> GcodeMotion::Arc(const GcodeMove& move, const Vector& to) {
   return PointsOf(arc, options_.chord_tolerance);
 }
 
+void GcodeMotion::KeepNamedWays() {
+  for (const size_t i : named_ways_) path_.points[i].fresh = false;
+}
+
 void GcodeMotion::Append(GcodeWay way, bool rapid) {
   way.end = direction_;
   way.tip_programmed = tip_programmed_;
@@ -279,7 +283,9 @@ void GcodeMotion::Append(GcodeWay way, bool rapid) {
     throw InputError(way.place, "under G93 each cut needs its F");
   const size_t first = path_.points.size();
   AppendWay(way, frame_, options_, path_);
-  path_.points[first].fresh = std::exchange(fresh_, false) && first > 0;
+  const bool named = std::exchange(named_, false), fresh = std::exchange(fresh_, false);
+  path_.points[first].fresh = (fresh || named) && first > 0;
+  if (named && !fresh) named_ways_.push_back(first);
   for (size_t i = first; i < path_.points.size(); ++i) sections_.Stamp(path_.points[i]);
   if (!rapid && first > 0 && !std::exchange(cut_in_offset_, true)) UseOffset(way.place);
 }

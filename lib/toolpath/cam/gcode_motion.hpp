@@ -93,6 +93,10 @@ class GcodeMotion {
   size_t holes() const { return holes_; }
   /// The next point is reached in a way that is no cut.
   void SetFresh() { fresh_ = true; }
+  /// T: the same, unless M6 changes tools in this program (KeepNamedWays()).
+  void NameTool() { named_ = true; }
+  /// Ways behind a T alone are cuts: it named the next tool.
+  void KeepNamedWays();
   size_t arcs() const { return arcs_; }
 
  private:
@@ -125,8 +129,10 @@ class GcodeMotion {
   Eigen::Vector3d base_ = Eigen::Vector3d::Zero();  // the same without frames
   std::array<bool, 3> known_{};                     // of X, Y, Z
   bool tip_programmed_ = false;
-  bool lost_ = false;   // the tool left the part for a place that is not known
-  bool fresh_ = false;  // the next point is reached in a way that is no cut
+  bool lost_ = false;               // the tool left the part for a place that is not known
+  bool named_ = false;              // a T came before the next point
+  std::vector<size_t> named_ways_;  // points that are fresh because of a T alone
+  bool fresh_ = false;              // the next point is reached in a way that is no cut
   size_t arcs_ = 0, holes_ = 0;
 };
 

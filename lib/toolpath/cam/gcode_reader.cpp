@@ -205,7 +205,7 @@ class GcodeReader {
       TakeM(word, move);
     } else if (address == "T") {
       ++tools_;
-      motion_.SetFresh();
+      motion_.NameTool();
       sections_.NameTool(word.kind == Kind::kText ? word.text : ShortestNumber(value_of_(word)));
     } else if (IsOfOneSpindle(address)) {
       if (address[0] == 'S')
@@ -375,6 +375,7 @@ class GcodeReader {
   }
 
   void AddSource() {
+    if (sections_.changes_by_m6()) motion_.KeepNamedWays();
     sections_.Finish(CuttersInComments(bytes_, modes_.Unit()), path_);
     CamSource& source = path_.source;
     source.sender = std::string(rules_->name);

@@ -14,6 +14,7 @@ class SectionTracker {
   void NameTool(const std::string& tool) { now_.section.tool = tool; }
   /// M6: the tool that was named last is in the spindle from now on.
   void ChangeTool();
+  bool changes_by_m6() const { return changes_by_m6_; }
   /// TOOL PATH of NX: its tool's name; a new one has no number yet.
   void NameOperationTool(const std::string& name);
   void SetCutter(double diameter, double corner_radius);

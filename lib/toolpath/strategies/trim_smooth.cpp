@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "base/trig.hpp"
-#include "surface/triangle.hpp"
+#include "geometry/mesh/triangle.hpp"
 
 namespace millpose {
 namespace {
@@ -62,7 +62,14 @@ class AxisMean {
 class Smoother {
  public:
   Smoother(const Way& way, const Contour& contour, const ContourDistance& near, const OffsetOptions& options)
-      : way_(way), contour_(contour), near_(near), options_(options), mean_(way, options.smoothing) {}
+      : way_(way), contour_(contour), near_(near), options_(options), mean_(way, options.smoothing) {
+    for (size_t i = way.closed ? 0 : 1; i < way.samples.size(); ++i)
+      if (way.samples[i].rise != 0) rises_.push_back(i);
+    const Eigen::Vector3d& axis = way.samples[0].node.axis;
+    even_ = rises_.empty() && std::ranges::all_of(way.samples, [&](const WaySample& sample) {
+              return (sample.node.axis - axis).norm() < 1e-12;
+            });
+  }
 
   OffsetPath Run(double& lean) {
     for (size_t i = 0; i < mean_.sides(); ++i) {
@@ -79,17 +86,10 @@ class Smoother {
 
  private:
   int StepsOf(size_t side) const {
-    if (options_.smoothing <= 0 || IsEven()) return 1;
+    if (options_.smoothing <= 0 || even_) return 1;
     const double step = std::max(options_.smoothing / 8, mean_.length() / kMostPlaces);
     const double length = mean_.begin(side + 1) - mean_.begin(side);
     return std::max(1, static_cast<int>(std::ceil(length / step)));
-  }
-
-  // Whether the axis is the same everywhere.
-  bool IsEven() const {
-    const Eigen::Vector3d& axis = way_.samples[0].node.axis;
-    return std::ranges::all_of(
-        way_.samples, [&](const WaySample& sample) { return (sample.node.axis - axis).norm() < 1e-12; });
   }
 
   void Add(size_t side, double share, double& lean) {
@@ -116,13 +116,12 @@ class Smoother {
   double Rise(double s, size_t side) const {
     double rise = 0;
     const size_t count = way_.samples.size();
-    for (size_t j = way_.closed ? 0 : 1; j < count; ++j) {
-      if (way_.samples[j].rise == 0) continue;
+    for (const size_t j : rises_) {
       double off = s - mean_.begin(j);
       if (way_.closed && off > mean_.length() / 2) off -= mean_.length();
       if (way_.closed && off < -mean_.length() / 2) off += mean_.length();
+      if (std::abs(off) >= mean_.half()) continue;
       const double share = 1 - std::abs(off) / mean_.half();
-      if (share <= 0) continue;
       const bool after = std::abs(off) < kOnePlace ? (side + count - j) % count < (count + 1) / 2 : off > 0;
       rise += (after ? -share : share) / 2 * way_.samples[j].rise;
     }
@@ -170,6 +169,8 @@ class Smoother {
   const ContourDistance& near_;
   const OffsetOptions& options_;
   AxisMean mean_;
+  bool even_ = false;          // axis and height are the same everywhere
+  std::vector<size_t> rises_;  // samples at which the way's height changes
   std::vector<double> places_;
   std::vector<OffsetNode> nodes_;
 };
