@@ -49,9 +49,10 @@ def cell(name, krl):
 
 
 class Planned(unittest.TestCase):
-    def plan(self, name, changes):
+    def plan(self, name, changes, *more):
         job = BENCH.job("support_pad", CUT_DOWN + changes, name)
-        result, folder = BENCH.plan(job, name)
+        result, folder = BENCH.plan(job, name, *more)
+        self.told = result.stdout
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
         self.assertNotIn("NOT", result.stdout)
         programs = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["programs"]
@@ -76,7 +77,11 @@ class Options(Planned):
 
     def test_numbered_frames_are_confirmed_with_the_values_that_they_must_hold(self):
         numbered = cell("numbered", ["base_number: 3", "tool_number: 2", "max_motions: 15"])
-        job, folder, text = self.plan("numbered", [("kr500_r2830", "numbered"), EVERY_POINT])
+        job, folder, text = self.plan("numbered", [("kr500_r2830", "numbered"), EVERY_POINT], "-v")
+        self.assertIn("\nkrl, before a first run (docs/krl.md):\n"
+                      "  [ ] tool: TOOL_DATA[2] at the controller: the values of tool_pose in the head\n"
+                      "  [ ] base: BASE_DATA[3] at the controller: the values of base_pose in the head\n", self.told)
+        self.assertRegex(self.told, r"\nsize       krl: \d+ kB in \d+ files, of 4000 kB \(program_memory_kbytes\)\n")
         self.assertIn("\nBAS (#BASE,3 )\nBAS (#TOOL,2 )\n", text)
         self.assertNotIn("$BASE = {FRAME", text)
         head = header(text)

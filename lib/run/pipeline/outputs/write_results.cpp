@@ -200,6 +200,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
                                  program.Confirmed(), program.WhyWithheld()});
     }
   for (const CheckedProgram& program : programs) {
+    if (program.files.empty()) continue;
     const Post& post = *results.inputs.cell.controllers.at(program.controller).post;
     report.program_sizes.push_back(
         {program.controller, program.files.size(), BytesOf(program.files), post.Memory()});
