@@ -252,7 +252,7 @@ class CamWithoutPart(InFolder):
                 (two, ", section: 3", "toolpath.cam.section: given 3, the file has 2 sections"),
                 (head + rapid, ", unit: inch", "toolpath.cam.unit has no effect: the file states its unit itself"),
                 (head + rapid, ", frame: as_given", "toolpath.cam.frame has no effect"),
-                (head + rapid, ", sender: fanuc", "allowed: nx, catia, creo, autodesk, solidworks_cam, mastercam, linuxcnc, sinumerik"),
+                (head + rapid, ", sender: fanuc", "allowed: one of nx, catia, creo, autodesk, solidworks_cam, mastercam, linuxcnc, sinumerik"),
                 ("PARTNO/X\nCUTTER/0.7874\n" + rapid.replace("600.,MMPM", "24,IPM"), "", "state toolpath.cam.unit".capitalize()),
                 (head + "CYCLE/BORE,12,MMPM,120,5\nRAPID\nGOTO/0,0,9\nRAPID\nGOTO/0,0,8\nGOTO/0,0,0\nCYCLE/OFF\n", "",
                  "the CAM path holds no cut: all its ways are rapids; left out: CYCLE/BORE in line 7")):
