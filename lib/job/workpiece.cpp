@@ -6,8 +6,8 @@
 #include "base/error.hpp"
 #include "base/process.hpp"
 #include "job/assemble.hpp"
-#include "robot/kinematics.hpp"
-#include "surface/step_reader.hpp"
+#include "machine/robot/kinematics.hpp"
+#include "geometry/import/step_reader.hpp"
 #include "toolpath/make_toolpath.hpp"
 #include "toolpath/strategy.hpp"
 
@@ -100,7 +100,8 @@ JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop
   made.toolpath = std::move(laid.toolpath);
   made.warnings = std::move(laid.warnings);
   made.findings = std::move(laid.findings);
-  made.notes = std::move(laid.notes);
+  made.notes = inputs.cell.notes;
+  std::ranges::move(laid.notes, std::back_inserter(made.notes));
   made.holes_left_out = std::move(laid.holes_left_out);
   made.source = std::move(laid.source);
   made.spindle_speed = laid.spindle_speed;

@@ -12,6 +12,7 @@ import sys
 import tempfile
 import unittest
 import xml.etree.ElementTree as xml
+from pathlib import Path
 
 from cli_fixture import FEW, JOB, MILLPOSE, TOP, InFolder, plan, run, schema_problems, tree
 
@@ -135,6 +136,51 @@ class Folder(InFolder):
         damage("summary.json", lambda path: path.write_text(path.read_text().replace("0", "1", 1)))
         damage("run.json", lambda path: path.write_text(path.read_text().replace('"manifest": "', '"manifest": "0')))
         damage("manifest.json", lambda path: path.unlink())
+
+    def test_damage_locks_nobody_out(self):
+        self.planned_once()
+        for name, damage, *more in (("manifest.json", "", "--fresh"), ("manifest.json", "{"), (".journal", "", "--fresh"),
+                                    (".journal", '{"new": [1]}'), ("run.json", "{")):
+            with self.subTest(name=name, damage=damage, more=more):
+                out = shutil.copytree(Folder.kept.name + "/out", self.folder / "damaged")
+                (out / name).write_text(damage)
+                (out / "note.txt").write_text("the user's")
+                planned = plan(out, *more)
+                self.assertEqual(planned.returncode, 0, planned.stderr)
+                if name == "manifest.json":
+                    self.assertIn("is no manifest of millpose", planned.stdout)
+                    self.assertIn("not millpose's and left: note.txt", planned.stdout)
+                self.assertEqual((out / "note.txt").read_text(), "the user's")
+                self.assertEqual(run("verify", out).returncode, 0)
+                (out / "note.txt").unlink()
+                self.assertEqual(tree(out), tree(Path(Folder.kept.name) / "out"))
+                shutil.rmtree(out)
+
+    def test_readers_beside_a_writer_see_one_plan_and_refuse_nobody(self):
+        out = self.planned_once()
+        for pair in range(3 * PAIRS):
+            command = [MILLPOSE, "plan", JOB, "-o", out, "-q", *SETS, *((), ("--set", "process.spindle_rpm=100"))[pair % 2 == 0]]
+            writer = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            while writer.poll() is None:
+                for reader in ("verify", "inspect"):
+                    read = run(reader, out)
+                    if read.returncode != 0:
+                        self.assertEqual(read.returncode, 2, read.stdout + read.stderr)
+                        self.assertIn("is being replaced by another run", read.stderr)
+            self.assertEqual((writer.communicate()[1], writer.returncode), ("", 0), f"pair {pair}")
+
+    def test_a_folder_that_may_only_be_read_is_verified(self):
+        out = self.planned_once()
+        before = sorted(out.rglob("*"))
+        for path in (out, *out.rglob("*")):
+            path.chmod(0o555 if path.is_dir() else 0o444)
+        try:
+            self.assertEqual(run("verify", out).returncode, 0)
+            self.assertEqual(run("inspect", out).returncode, 0)
+            self.assertEqual(sorted(out.rglob("*")), before)
+        finally:
+            for path in (out, *out.rglob("*")):
+                path.chmod(0o755 if path.is_dir() else 0o644)
 
     def test_batch_plans_again_what_its_manifest_does_not_match(self):
         (self.folder / "batch.yaml").write_text(

@@ -197,7 +197,7 @@ class Plan(unittest.TestCase):
         job = BENCH.job("support_pad", CUT_DOWN + [("kr500_r2830", "split"), every_point], "split")
         result, folder = BENCH.plan(job, "split")
         self.assertEqual(result.returncode, 0, result.stderr)
-        for controller, ending, line in (("krl", "src", r"(?m)^(LIN \{X \S+?,Y )(-?)(\d)"),
+        for controller, ending, line in (("krl", "src", r"(?m)^(LIN \{[XYZ] )(-?)(\d)"),
                                          ("sinumerik", "spf", r"(?m)^(?:G9 )?(G1 X\S+ Y)(-?)(\d)")):
             parts = sorted((folder / "programs" / controller).glob(f"*_002.{ending}"))
             self.assertEqual(len(parts), 1, controller)

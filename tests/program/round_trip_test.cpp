@@ -158,8 +158,11 @@ TEST_P(EachPost, RoundingKeepsTheTipAndTheMarks) {
 }
 
 TEST_P(EachPost, AxisConventionIsUndoneWhenReading) {
-  settings.axes.sign << 1, -1, 1, -1, 1, -1;
-  settings.axes.offset << 0, 0.5, 0, 0, -0.25, 1;
+  // FANUC's third axis counts against the second: couplings go the same way.
+  Matrix6 matrix = Matrix6::Identity();
+  matrix.diagonal() << 1, -1, 1, -1, 1, -1;
+  matrix(2, 1) = -1;
+  settings.axes = AxisConvention(matrix, (Joints() << 0, 0.5, 0, 0, -0.25, 1).finished());
   const ProgramFiles other = post->Write(program, plan.arm, settings);
   EXPECT_NE(other, files);
   const MotionProgram read = Read(other);
@@ -325,7 +328,7 @@ TEST(Krl, NumberedFramesAndExternalAxes) {
   const ProgramFiles files = post->Write(MakeMotionProgram(plan), plan.arm, settings);
   std::string text = files.rbegin()->second;
   EXPECT_NE(text.find("BAS (#BASE,3 )\nBAS (#TOOL,7 )\n"), std::string::npos);
-  EXPECT_NE(text.find(",E1 1200.5000,E2 -90.0000}"), std::string::npos);
+  EXPECT_NE(text.find(",E1 1200.5,E2 -90}"), std::string::npos);
   const MotionProgram read = post->Read(files, plan.arm, settings);
   EXPECT_FALSE(read.X_BP || read.X_FT);
   EXPECT_EQ(post->Write(read, plan.arm, settings), files);

@@ -8,7 +8,7 @@
 #include "program/economy.hpp"
 #include "program/krl/krl.hpp"
 #include "program/scanner.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {
@@ -47,8 +47,8 @@ Complaints CheckKrl(const std::string& text, const std::string& name) {
   const std::string axes = fmt::format("A1 {0},A2 {0},A3 {0},A4 {0},A5 {0},A6 {0}", kReal);
   const std::regex motion(
       fmt::format("PTP \\{{{0},S 'B[01]{{3}}',T 'B[01]{{6}}'{1}\\}}|PTP \\{{{2}{1}\\}}|"
-                  "LIN \\{{{0}{1}\\}}( C_DIS)?",
-                  pose, external, axes, kReal));
+                  "LIN \\{{({3},?)+{1}\\}}( C_DIS)?",
+                  pose, external, axes, fmt::format("[XYZABC] {}", kReal)));
   const std::regex setting(
       fmt::format("\\$(BASE|TOOL) = \\{{FRAME: {0}\\}}|BAS \\(#(BASE|TOOL),[0-9]+ \\)|\\$ORI_TYPE = #VAR|"
                   "\\$ADVANCE = [0-5]|BAS \\(#VEL_PTP,[0-9]+ \\)|"
@@ -262,10 +262,11 @@ TEST(Structure, TheCheckerSeesFaults) {
   const std::vector<std::array<std::string, 3>> faults = {
       {"krl", "\nEND\n", "\n"},
       {"krl", "LIN {X ", "LIN {X,"},
+      {"krl", "LIN {X ", "LIN {W "},
       {"krl", "\n$BASE", "\n; $BASE"},
       {"krl", "C_DIS", "C_VEL"},
       {"krl", ";ENDFOLD (PASS", "; ("},
-      {"krl", "A1 0.000000", "A1 .0"},
+      {"krl", "A1 0,", "A1 .0,"},
       {"krl", "DEF Sample", "DEF Simple"},
       {"krl", "$VEL.ORI1", "$VEL.ORI3"},
       {"sinumerik", "TRAORI\n", ""},
