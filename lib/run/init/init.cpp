@@ -11,19 +11,19 @@
 #include "base/file.hpp"
 #include "base/loose_file.hpp"
 #include "base/named_progress.hpp"
+#include "geometry/import/raw_mesh.hpp"
+#include "geometry/import/step_reader.hpp"
+#include "job/arrival.hpp"
+#include "job/assemble.hpp"
 #include "job/config/config.hpp"
+#include "job/plausible.hpp"
+#include "job/step_meshes.hpp"
 #include "run/init/cell_text.hpp"
 #include "run/init/facing_groups.hpp"
 #include "run/init/job_text.hpp"
 #include "run/init/place_part.hpp"
-#include "job/arrival.hpp"
-#include "job/assemble.hpp"
-#include "job/plausible.hpp"
-#include "job/step_meshes.hpp"
-#include "store/remove_folder.hpp"
 #include "run/pipeline/outputs/run.hpp"
-#include "geometry/import/raw_mesh.hpp"
-#include "geometry/import/step_reader.hpp"
+#include "store/remove_folder.hpp"
 
 namespace millpose {
 namespace {
@@ -327,7 +327,7 @@ class Init {
     InitOutcome outcome{out_, ""};
     const fs::path shown = arguments_.out.value_or(arguments_.part.stem());
     outcome.text = fmt::format(
-        "{8}wrote      {0}/job.yaml\n"
+        "{10}wrote      {0}/job.yaml\n"
         "region     {1}{2:.0f} mm², about {3:.1f}, {4:.1f}, {5:.1f} mm on the part\n"
         "place      {6}, {7:.1f}, {8:.1f}, {9:.1f} mm in the world\n"
         "it plans   millpose plan {0}/job.yaml\n"
