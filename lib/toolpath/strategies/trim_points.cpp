@@ -55,18 +55,21 @@ class PointMaker {
   // beside the short steps of a bend no more than kGrowth times as far as the step before, so that what turns
   // with the tool from point to point turns evenly.
   std::vector<double> SharesOf(size_t i) const {
-    constexpr double kGrowth = 2.5;
+    constexpr double kGrowth = 2.5, kLeast = 0.2;  // mm: as if nothing beside were shorter
     const double length = Length(i), step = EvenStep(i, 0);
+    double most = step;                     // mm, of a step between what has grown from both ends
     std::vector<double> front{0}, back{0};  // mm from either end
     const auto grow = [&](double beside, std::vector<double>& places) {
-      for (double next = kGrowth * beside;
-           next < 0.75 * step && front.back() + back.back() + next < length / 2; next *= kGrowth)
+      double next = kGrowth * std::max(beside, kLeast);
+      for (; next < step && places.back() + next < 0.4 * length; next *= kGrowth)
         places.push_back(places.back() + next);
+      most = std::min(most, next);
     };
-    grow(EvenStep(i - 1, step), front);  // before the first there is none: beyond the last
+    grow(EvenStep(i - 1, step), front);
     grow(EvenStep(i + 1, step), back);
     const double rest = length - front.back() - back.back();
-    for (int k = 1; k < StepsIn(rest); ++k) front.push_back(front.back() + rest / StepsIn(rest));
+    const int steps = most > 0 ? std::max(1, static_cast<int>(std::ceil(rest / most - 1e-9))) : 1;
+    for (int k = 1; k < steps; ++k) front.push_back(front.back() + rest / steps);
     for (auto place = back.rbegin(); place != back.rend(); ++place) front.push_back(length - *place);
     std::vector<double> shares;
     const int parts = std::max(1, options_.parts);
