@@ -6,8 +6,8 @@
 #include "base/error.hpp"
 #include "base/loose_file.hpp"
 #include "commands.hpp"
-#include "pipeline/calibrate_part.hpp"
-#include "yaml/edit.hpp"
+#include "run/pipeline/commands/calibrate_part.hpp"
+#include "base/yaml/edit.hpp"
 
 namespace millpose {
 namespace {

@@ -9,11 +9,11 @@
 #include "base/loose_file.hpp"
 #include "base/units.hpp"
 #include "commands.hpp"
-#include "config/measurements.hpp"
+#include "job/config/measurements.hpp"
 #include "job/assemble.hpp"
 #include "job/inputs.hpp"
-#include "stiffness/identify.hpp"
-#include "stiffness/plausibility.hpp"
+#include "machine/identification/identify.hpp"
+#include "machine/identification/plausibility.hpp"
 
 namespace millpose {
 namespace {

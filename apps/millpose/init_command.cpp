@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "commands.hpp"
-#include "init/init.hpp"
+#include "run/init/init.hpp"
 
 namespace millpose {
 namespace {

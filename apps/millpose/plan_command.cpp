@@ -7,7 +7,7 @@
 #include "base/text.hpp"
 #include "commands.hpp"
 #include "job/first_run.hpp"
-#include "operations/run_job.hpp"
+#include "run/pipeline/operations/run_job.hpp"
 
 namespace millpose {
 namespace {

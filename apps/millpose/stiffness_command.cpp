@@ -11,7 +11,7 @@
 #include "commands.hpp"
 #include "job/assemble.hpp"
 #include "job/inputs.hpp"
-#include "pose/map.hpp"
+#include "planning/pose/map.hpp"
 #include "stiffness_output.hpp"
 
 namespace millpose {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// millpose-step CHORD_MM MEMORY_MB SECONDS: STEP on stdin, triangles on stdout (lib/surface/step_reader.hpp).
+// millpose-step CHORD_MM MEMORY_MB SECONDS: STEP on stdin, triangles on stdout (lib/geometry/import/step_reader.hpp).
 // Lines
 // "progress PERCENT" on stderr. Exit status 2: the file cannot be read (why on stderr); 3: out of memory.
 // Signals end it at its other limits, and with its parent.
@@ -21,7 +21,7 @@
 #include "base/process.hpp"
 #include "base/text.hpp"
 #include "step_file.hpp"
-#include "surface/step_reader.hpp"
+#include "geometry/import/step_reader.hpp"
 
 namespace {
 

@@ -52,14 +52,26 @@ void WriteAndSync(int folder, const std::string& temporary, const ByteSource& wr
   if (::fsync(file.value) != 0) Fail(path, kNotWritten);
 }
 
+void CheckIsFile(const fs::path& path, const struct stat& info) {
+  if (S_ISREG(info.st_mode)) return;
+  const std::string_view kind = S_ISDIR(info.st_mode)    ? "a folder"
+                                : S_ISFIFO(info.st_mode) ? "a FIFO"
+                                : S_ISSOCK(info.st_mode) ? "a socket"
+                                                         : "a device";
+  throw InputError({path.string()}, fmt::format("not a regular file but {}", kind));
+}
+
 }  // namespace
 
 std::string ReadFile(const fs::path& path, size_t max_bytes) {
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)};
-  if (file.value < 0) Fail(path, "cannot open");
   struct stat info {};
+  // Looked at before it is opened: opening a FIFO waits for its writer, opening a device may do anything.
+  if (::stat(path.c_str(), &info) != 0) Fail(path, "cannot open");
+  CheckIsFile(path, info);
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)};
+  if (file.value < 0) Fail(path, "cannot open");
   if (::fstat(file.value, &info) != 0) Fail(path, "cannot read");
-  if (!S_ISREG(info.st_mode)) throw InputError({path.string()}, "not a regular file");
+  CheckIsFile(path, info);
   const auto size = static_cast<size_t>(info.st_size);
   if (size > max_bytes)
     throw InputError({path.string()}, fmt::format("{} bytes, at most {} are allowed", size, max_bytes));

@@ -7,9 +7,9 @@
 #include "base/text.hpp"
 #include "job/assemble.hpp"
 #include "job/controller_zero.hpp"
-#include "robot/kinematics.hpp"
-#include "surface/raw_mesh.hpp"
-#include "surface/step_reader.hpp"
+#include "machine/robot/kinematics.hpp"
+#include "geometry/import/raw_mesh.hpp"
+#include "geometry/import/step_reader.hpp"
 
 namespace millpose {
 namespace {

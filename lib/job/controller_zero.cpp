@@ -5,8 +5,8 @@
 
 #include "base/text.hpp"
 #include "job/assemble.hpp"
-#include "robot/angles.hpp"
-#include "robot/axis_convention.hpp"
+#include "machine/robot/angles.hpp"
+#include "machine/robot/axis_convention.hpp"
 
 namespace millpose {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/error.hpp"
-#include "config/cell_settings.hpp"
+#include "job/config/cell_settings.hpp"
 
 namespace millpose {
 

@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/hash.hpp"
-#include "config/config.hpp"
+#include "job/config/config.hpp"
 #include "job/arrival.hpp"
 #include "job/assemble.hpp"
 #include "job/cell_texts.hpp"
@@ -15,6 +15,7 @@
 #include "job/locate.hpp"
 #include "job/origin.hpp"
 #include "job/resolve_urdf.hpp"
+#include "program/external_axes.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {
@@ -77,12 +78,24 @@ void CheckCoupledLimits(const CellSettings& cell, std::vector<Problem>& problems
   }
 }
 
+// An axis that the cell does not have is one of no program, whether or not a job asks for the controller.
+void CheckNamedAxes(const CellSettings& cell, const std::string& controller, const PostOptions& options,
+                    std::vector<Problem>& problems) {
+  std::vector<std::string> names;
+  for (const ExternalAxis& axis : cell.external_axes) names.push_back(axis.name);
+  for (const ControllerAxis& axis : options.controller_axes)
+    if (!axis.axis.empty() && std::ranges::find(names, axis.axis) == names.end())
+      problems.push_back({{cell.file, options.controller_axes_line}, NoSuchAxis(controller, axis, names)});
+}
+
 // What a controller cannot run needs no settings either.
 std::vector<Problem> CheckControllers(const CellSettings& cell) {
   std::vector<Problem> problems;
   for (const auto& [controller, settings] : cell.controllers)
     if (const std::string refusal = NoProgramsFor(cell.arm, controller); !refusal.empty())
       problems.push_back({{cell.file, cell.controllers_line}, "controllers: " + refusal});
+  for (const auto& [controller, settings] : cell.controllers)
+    CheckNamedAxes(cell, controller, settings.shared, problems);
   return problems;
 }
 
@@ -131,7 +144,9 @@ std::vector<std::string> CellWarnings(const CellSettings& cell) {
 
 CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::string, std::string>* body_bytes,
                       const FileRoot& root, const std::optional<PoseSettings>& base) {
-  CellSettings cell = ParseCell(root.Read(cell_file), cell_file.string());
+  std::string text = root.Read(cell_file);
+  CellSettings cell = ParseCell(text, cell_file.string());
+  cell.text = std::move(text);
   if (base) cell.base_in_world = *base;
   cell.stated_base = cell.base_in_world;
   const bool from_urdf = !cell.arm.urdf.file.empty();
@@ -176,6 +191,12 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
     Collect(problems, [&] { inputs.force_bytes = root.Read(folder / inputs.job.force_file); });
   if (const std::string file = inputs.job.toolpath.strategy->File(); !file.empty())
     Collect(problems, [&] { inputs.path_bytes = root.Read(folder / file); });
+  if (inputs.job.placement)
+    for (const KeepOutSettings& body : inputs.job.placement->keep_out)
+      if (body.shape.kind == ShapeKind::kMesh)
+        Collect(problems, [&] {
+          inputs.keep_out_bytes[body.shape.mesh_file] = root.Read(folder / body.shape.mesh_file);
+        });
   if (problems.empty()) CheckCutter(inputs, problems);
   if (problems.empty()) CheckLeanRanges(inputs, problems);
   if (problems.empty()) problems = CheckExternal(inputs.job, inputs.cell);

@@ -6,8 +6,8 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "base/folder.hpp"
-#include "output/manifest.hpp"
-#include "output/output_folder.hpp"
+#include "store/manifest.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;

@@ -7,8 +7,8 @@
 #include "base/hash.hpp"
 #include "base/text.hpp"
 #include "job/assemble.hpp"
-#include "surface/mesh_import.hpp"
-#include "surface/step_reader.hpp"
+#include "geometry/import/mesh_import.hpp"
+#include "geometry/import/step_reader.hpp"
 
 namespace millpose {
 namespace {

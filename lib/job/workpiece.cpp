@@ -6,8 +6,8 @@
 #include "base/error.hpp"
 #include "base/process.hpp"
 #include "job/assemble.hpp"
-#include "robot/kinematics.hpp"
-#include "surface/step_reader.hpp"
+#include "machine/robot/kinematics.hpp"
+#include "geometry/import/step_reader.hpp"
 #include "toolpath/make_toolpath.hpp"
 #include "toolpath/strategy.hpp"
 

@@ -5,11 +5,11 @@
 #include <stop_token>
 
 #include "base/execution.hpp"
-#include "cell/cell.hpp"
+#include "machine/collision/cell.hpp"
 #include "job/inputs.hpp"
-#include "stations/external_course.hpp"
-#include "stations/stations.hpp"
-#include "surface/mesh_import.hpp"
+#include "planning/external/external_course.hpp"
+#include "planning/external/stations.hpp"
+#include "geometry/import/mesh_import.hpp"
 #include "toolpath/cam/cam_source.hpp"
 #include "toolpath/gouge.hpp"
 

@@ -31,4 +31,13 @@ ProgramFiles WriteCalling(const CallingSyntax& syntax, const std::string& job,
 std::vector<std::string> ReadCalling(const CallingSyntax& syntax, const std::string& job,
                                      const ProgramFiles& files);
 
+/// What a main program that calls others and does nothing else calls; empty where `text`, the file of the
+/// name `stem`, is something else.
+std::vector<std::string> CallsOf(const CallingSyntax& syntax, const std::string& stem,
+                                 const std::string& text);
+
+/// The text of a program that is called as that of one that stands by itself, line for line; as it is where
+/// it is none.
+std::string AsStandingAlone(const CallingSyntax& syntax, const std::string& name, const std::string& text);
+
 }  // namespace millpose

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "program/post.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "plan/plan_result.hpp"
+#include "planning/result/plan_result.hpp"
 #include "program/conventions.hpp"
-#include "robot/axis_convention.hpp"
+#include "machine/robot/axis_convention.hpp"
 
 namespace millpose {
 
@@ -72,8 +72,9 @@ struct PathOutput {
   bool at_begin = true;  ///< at the cut's first point, else at its last
 };
 
-/// What happens before a motion, at the place where the one before ends: spindle, marks, outputs; a handover
-/// is where a long piece goes on in another file; a dwell is a wait for some seconds.
+/// What happens before a motion, at the place where the one before ends. A handover is where a long piece
+/// goes on in another file; a dwell is a wait for some seconds. Those from kText on are made by texts and
+/// hands alone: only a program that was read has them.
 struct ProgramEvent {
   enum class Kind : uint8_t {
     kSpindleOn,
@@ -82,13 +83,21 @@ struct ProgramEvent {
     kPassEnd,
     kOutput,
     kHandover,
-    kDwell
+    kDwell,
+    kText,     ///< a text of the cell other than the spindle's; `text`: its name
+    kCall,     ///< of a program that the cell declares, outside of texts; `text`: name and arguments
+    kStop,     ///< until somebody goes on
+    kWait,     ///< for a condition
+    kMessage,  ///< to the operator
+    kTool      ///< words that change the tool, outside of texts
   } kind;
   size_t before_motion = 0;  ///< index into motions; motions.size() for the end
   double value = 0;          ///< spindle speed rev/s, pass number, or s of a dwell
   int piece = 0;             ///< of the pass
   PathOutput output;         ///< of kOutput
   int file = 0, line = 0;    ///< of the program text, when read
+  std::string text = {};     ///< from kText on: upper case, single blanks
+  std::string of = {};       ///< of a kCall: the cell's text that makes this call; empty: none does
 };
 
 struct MotionProgram {
@@ -113,9 +122,13 @@ struct MotionProgram {
   std::vector<Motion> motions;
   std::vector<ProgramEvent> events;  ///< ascending by before_motion
   std::vector<DeclaredCall> calls;   ///< that it makes, each once
+  bool switches_spindle = true;      ///< as read: the cell has a text that does
   std::string notice;                ///< shown to the operator before the first motion; empty: none
   std::vector<std::string> files;    ///< names of the texts it was read from
 };
+
+/// What the header says under `key`, which may go on in further lines of the key; empty where nothing.
+std::string HeaderValue(const MotionProgram& program, const std::string& key);
 
 /// The frame that a motion's target counts in, in the robot's base; empty when the text has none.
 inline const std::optional<Pose>& FrameOf(const MotionProgram& program, const Motion& motion) {

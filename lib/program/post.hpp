@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "base/error.hpp"
-#include "motion/corner.hpp"
+#include "machine/motion/corner.hpp"
 #include "program/post_options.hpp"
 #include "program/program_time.hpp"
 #include "program/programmed_line.hpp"

@@ -23,6 +23,10 @@ bool IsWordCharacter(char c);
 /// Equal apart from case (ASCII) and the amount of white space.
 bool SameWords(std::string_view a, std::string_view b);
 
+/// In upper case (ASCII), with white space only between words, and single there: equal for all that look
+/// alike.
+std::string Spelled(std::string_view text);
+
 /// A cursor over one line. Words compare without case (ASCII). Expectations that fail throw InputError with
 /// file:line:column.
 class LineScanner {

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "base/units.hpp"
-#include "plan/point_clearance.hpp"
+#include "planning/result/point_clearance.hpp"
 #include "report/compensation.hpp"
 #include "report/leans.hpp"
 

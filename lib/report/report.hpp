@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "base/byte_sink.hpp"
-#include "plan/continuity.hpp"
-#include "plan/cycle_time.hpp"
-#include "plan/fixed_comparison.hpp"
-#include "plan/plan_result.hpp"
-#include "plan/price.hpp"
+#include "planning/result/continuity.hpp"
+#include "planning/result/cycle_time.hpp"
+#include "planning/result/fixed_comparison.hpp"
+#include "planning/result/plan_result.hpp"
+#include "planning/result/price.hpp"
 #include "report/compensation.hpp"
 #include "report/deflection.hpp"
 #include "report/step_heights.hpp"

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/units.hpp"
-#include "plan/station.hpp"
+#include "planning/result/station.hpp"
 #include "report/compensation_json.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/lifts_json.hpp"

@@ -2,7 +2,7 @@
 #include <iterator>
 
 #include "base/units.hpp"
-#include "plan/skipped.hpp"
+#include "planning/result/skipped.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/price_text.hpp"
 #include "report/report.hpp"

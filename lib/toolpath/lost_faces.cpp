@@ -2,7 +2,7 @@
 #include "toolpath/lost_faces.hpp"
 
 #include "base/error.hpp"
-#include "surface/mesh_import.hpp"
+#include "geometry/import/mesh_import.hpp"
 #include "toolpath/region_term.hpp"
 
 namespace millpose {

@@ -5,8 +5,8 @@
 #include "base/text.hpp"
 #include "base/trig.hpp"
 #include "base/units.hpp"
-#include "surface/corner_normals.hpp"
-#include "surface/triangle.hpp"
+#include "geometry/mesh/corner_normals.hpp"
+#include "geometry/mesh/triangle.hpp"
 
 namespace millpose {
 namespace {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "surface/curve.hpp"
+#include "geometry/slice/curve.hpp"
 #include "toolpath/cam/cam_source.hpp"
 #include "toolpath/milling_point.hpp"
 #include "toolpath/toolpath_options.hpp"

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/parallel.hpp"
-#include "judge/distance.hpp"
-#include "judge/interference.hpp"
+#include "audit/distance.hpp"
+#include "audit/interference.hpp"
 #include "tests/audit/kinematics.hpp"
 #include "tests/audit/laws.hpp"
 #include "tests/audit/motions.hpp"

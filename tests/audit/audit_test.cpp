@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "judge/distance.hpp"
-#include "judge/interference.hpp"
-#include "judge/tessellate.hpp"
+#include "audit/distance.hpp"
+#include "audit/interference.hpp"
+#include "audit/tessellate.hpp"
 #include "tests/audit/audit_fixture.hpp"
 #include "tests/audit/good_folder.hpp"
 #include "tests/audit/kinematics.hpp"

@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "robot/inverse_entries.hpp"
-#include "stiffness/indices_block.hpp"
-#include "tests/robot/arms.hpp"
+#include "machine/robot/inverse_entries.hpp"
+#include "machine/stiffness/indices_block.hpp"
+#include "tests/machine/robot/arms.hpp"
 
 namespace millpose {
 namespace {

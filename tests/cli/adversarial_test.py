@@ -331,7 +331,7 @@ class Adversarial(unittest.TestCase):
         self.assertEqual(summary["gaps"]["total"] - summary["gaps"]["planned"], 2)
 
     def test_an_arm_from_a_urdf_is_planned_and_judged_by_its_own_joints(self):
-        urdf = pathlib.Path(sys.argv[3], "tests/robot/turned_about.urdf")
+        urdf = pathlib.Path(sys.argv[3], "tests/machine/robot/turned_about.urdf")
         (BENCH.top / "cells/turned_about.urdf").write_text(urdf.read_text(encoding="utf-8"), encoding="utf-8")
         cell = (BENCH.top / "cells/kr500_r2830.yaml").read_text(encoding="utf-8")
         cell = re.sub(r"  lengths_mm: .*\n(  .*\n)*?  accelerations_deg_s2",

@@ -73,9 +73,37 @@ class Verify(InFolder):
         line = next(l for l in text.splitlines() if l.startswith("LIN "))
         source.write_text(text.replace(line, line.replace(",Z ", ",Z 1"), 1))
         result = run("verify", out, "--job", JOB)
-        self.assertEqual(result.returncode, 2)
-        self.assertIn(f"{source}: was changed or is of another plan", result.stderr)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("  changed since they were written: support_pad.src\n", result.stdout)
+        number = text.splitlines().index(line) + 1
+        self.assertRegex(result.stdout, rf"support_pad\.src:{number}: ")
+
+        def held(changed, status, words):
+            source.write_text(changed)
+            elsewhere = self.folder / "support_pad.src"
+            elsewhere.write_text(changed)
+            for arguments in ((out, "--job", JOB), (elsewhere, "--plan", out, "--job", JOB)):
+                result = run("verify", *arguments)
+                self.assertEqual(result.returncode, status, result.stdout + result.stderr)
+                self.assertIn(words, result.stdout)
+        still = "changed since, still as planned"
+        held(text.replace("\n", "\r\n"), 0, still)
+        held(text.replace("\n" + line, "\n; by hand\n\n" + line, 1), 0, still)
+        held(text.replace(line, line.replace(",Y ", " ,  Y "), 1), 0, still)
+        held(text.replace("\nEND\n", "\nHALT\nEND\n"), 1, "the stop HALT is not planned here")
+        held(text.replace("\n;FOLD PASS 0 PIECE 0", "", 1), 1, "the mark of the begin of pass 0 piece 0 is missing here")
+        source.write_text(text)
+        data = source.with_suffix(".dat")
+        was = data.read_text()
+        data.write_text(was.replace("DECL INT SUCCESS", "DECL REAL SUCCESS"))
+        result = run("verify", out, "--job", JOB)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("'DECL REAL SUCCESS' is here, written was 'DECL INT SUCCESS'", result.stdout)
+        data.write_text(was)
         source.write_text(text.replace(line, line.replace("LIN", "LINE"), 1))
+        result = run("verify", out, "--job", JOB)
+        self.assertEqual(result.returncode, 2)
+        self.assertRegex(result.stderr, rf"support_pad\.src:{number}:\d+: ")
         result = run("verify", source, "--cell", TOP / "cells" / "kr500_r2830.yaml")
         self.assertEqual(result.returncode, 2)
         self.assertRegex(result.stderr, r"support_pad\.src:\d+:\d+: ")
@@ -83,7 +111,9 @@ class Verify(InFolder):
         source.write_text(text)
         result = run("verify", source, "--cell", TOP / "cells" / "kr500_r2830.yaml")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertIn("compared: reach, limits, speeds, singularity, interference, spindle; not the plan\n", result.stdout)
         self.assertEqual(run("verify", source).returncode, 2)
+        self.assertEqual(run("verify", out, "--plan", out).returncode, 2)
 
 
 class Documents(unittest.TestCase):

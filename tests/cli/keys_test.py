@@ -30,6 +30,8 @@ LEFT_OUT = {
     "arm.urdf.flange_link": "an arm like any other once derived",
     "arm.urdf.packages.*": "an arm like any other once derived",
     "arm.urdf.tolerance_mm": "an arm like any other once derived",
+    "arm.coupled_limits_deg[].a": "one that binds and leaves home is test_pipeline's (CoupledLimits)",
+    "arm.coupled_limits_deg[].at_most": "one that binds and leaves home is test_pipeline's (CoupledLimits)",
     **{f"arm.dh.{key}": "an arm like any other once derived"
        for key in ("convention", "tolerance_mm", *(f"rows[].{of}" for of in ("a_mm", "alpha_deg", "d_mm", "theta_deg", "sign")))},
     "arm.family": "another arm altogether (cli_parallel_arm)", "arm.lengths_mm.d5": "of parallel axes alone",

@@ -255,11 +255,45 @@ class Operations(InFolder):
         self.assertEqual(self.plan(text).returncode, 0)
         path = self.out / "programs" / "krl" / "cabin_window.src"
         before = path.read_text()
-        path.write_text(re.sub(r"^drill_holes_\w+ \( \)\n", "", before, flags=re.M))
-        self.assertNotEqual(path.read_text(), before)
+        calls = re.findall(r"(?m)^(\w+) \( \)$", before)
+        self.assertEqual(len(calls), 2)
+        path.write_text(before.replace(calls[1] + " ( )\n", ""))
+        for arguments in ((self.out,), (path, "--plan", self.out)):
+            seen = run("verify", *arguments)
+            self.assertEqual(seen.returncode, 1, seen.stderr)
+            self.assertIn(f"calls {calls[0]}; expected: {calls[0]}, {calls[1]}", seen.stdout)
+        path.write_text("; by hand\n" + before)
+        self.assertEqual(run("verify", self.out).returncode, 0)
+        path.write_text(before)
+        data = path.with_suffix(".dat")
+        was = data.read_text()
+        data.write_text("rubbish\n")
+        self.assertEqual(run("verify", self.out).returncode, 1)
+        data.write_text(was)
+        # A called program that was edited is held against its operation's plan.
+        called = path.with_name(calls[0] + ".src")
+        program = called.read_text()
+        called.write_text(program.replace("\n", "\r\n"))
         seen = run("verify", self.out)
-        self.assertEqual(seen.returncode, 2)
-        self.assertIn("cabin_window.src", seen.stderr)
+        self.assertEqual(seen.returncode, 0, seen.stdout)
+        self.assertIn("changed since, still as planned", seen.stdout)
+        called.write_text(program.replace("\nEND\n", "\nHALT\nEND\n"))
+        self.assertEqual(run("verify", self.out).returncode, 1)
+        called.write_text(program)
+        # By file: the main program, and what it calls, of every controller.
+        for controller, ending in (("krl", ".src"), ("sinumerik", ".mpf"), ("linuxcnc", ".ngc")):
+            main = self.out / "programs" / controller / ("cabin_window" + ending)
+            for arguments in (("--cell", self.folder / "cell.yaml"), ("--plan", self.out)):
+                seen = run("verify", main, *arguments)
+                self.assertEqual(seen.returncode, 0, seen.stdout + seen.stderr)
+            for file in sorted(main.parent.iterdir()):
+                if file == main or file.suffix not in (ending, ".spf"):
+                    continue
+                seen = run("verify", file, "--plan", self.out)
+                self.assertEqual(seen.returncode, 0, seen.stdout + seen.stderr)
+        # A main folder that is gone is missed.
+        shutil.rmtree(self.out / "programs" / "krl")
+        self.assertEqual(run("verify", self.out).returncode, 2)
 
     def test_check_looks_at_each_as_plan_does(self):
         (self.folder / "job.yaml").write_text(small())

@@ -95,10 +95,10 @@ class Options(Planned):
         result = BENCH.run("verify", main, "--cell", numbered)
         self.assertEqual(result.returncode, 1)
         self.assertRegex(result.stdout, r"support_pad_001\.src:\d+: the pose cannot be reached")
-        # It is none of its folder's set any more.
+        # A comment, but one that says where the controller's base must be.
         result = BENCH.run("verify", folder, "--job", job)
-        self.assertEqual(result.returncode, 2)
-        self.assertIn("support_pad.src: was changed or is of another plan", result.stderr)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn('the header\'s line base_pose says "X 4076.000', result.stdout)
         main.write_text(re.sub("; base_pose.*\n", "", text), encoding="ascii")
         result = BENCH.run("verify", main, "--cell", numbered)
         self.assertEqual(result.returncode, 2)
@@ -158,8 +158,13 @@ class Options(Planned):
         damaged = starts[-1].read_text(encoding="ascii").replace("\nLIN {X ", "\nLIN {X 1", 1)
         starts[-1].write_text(damaged, encoding="ascii")
         result = BENCH.run("verify", folder, "--job", job)
-        self.assertEqual(result.returncode, 2, result.stdout + result.stderr)
-        self.assertIn(starts[-1].name + ": was changed", result.stderr)
+        self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
+        self.assertIn("changed since they were written: " + starts[-1].name, result.stdout)
+        # Wherever it is, it is held against the piece of its name.
+        single = BENCH.run("verify", starts[-1], "--plan", folder, "--job", job)
+        self.assertEqual(single.returncode, 1, single.stdout + single.stderr)
+        single = BENCH.run("verify", starts[0], "--plan", folder, "--job", job)
+        self.assertEqual(single.returncode, 0, single.stdout + single.stderr)
 
     def test_a_measured_part_gets_a_window_for_its_base(self):
         # Four targets measured where A 0.02, B -90.03 puts them, with residuals of some hundredths.

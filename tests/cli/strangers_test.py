@@ -69,7 +69,7 @@ class Strangers(InFolder):
         (self.folder / "outside").mkdir()
         for name in ("support_pad.stl", "cell.yaml"):
             shutil.copy(self.root / name, self.folder / "outside" / name)
-        shutil.copy(TOP / "tests/robot/turned_about.urdf", self.root / "arm.urdf")
+        shutil.copy(TOP / "tests/machine/robot/turned_about.urdf", self.root / "arm.urdf")
         text = JOB.read_text().replace("../../cells/kr500_r2830.yaml", "cell.yaml")
         self.text = re.sub(r"(stepover|spacing)_mm: [\d.]+", r"\1_mm: 40", text)
 

@@ -11,7 +11,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "base/hash.hpp"
-#include "output/output_folder.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 namespace {

@@ -5,7 +5,7 @@
 #include "base/units.hpp"
 #include "program/bound_turns.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {

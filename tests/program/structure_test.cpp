@@ -8,7 +8,7 @@
 #include "program/economy.hpp"
 #include "program/krl/krl.hpp"
 #include "program/scanner.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {

@@ -2,7 +2,7 @@
 #include "tests/samples/program_case.hpp"
 
 #include "job/assemble.hpp"
-#include "pipeline/make_programs.hpp"
+#include "run/pipeline/programs/make_programs.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
 #include "tests/program/own_options.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Spoilt CAM paths: each is read or refused with an InputError, and what is read is finite.
 #include "base/error.hpp"
-#include "tests/surface/mutate.hpp"
+#include "tests/geometry/mutate.hpp"
 #include "toolpath/cam/cam_import.hpp"
 
 namespace millpose {

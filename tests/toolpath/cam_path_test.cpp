@@ -3,10 +3,10 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
-#include "surface/mesh_import.hpp"
+#include "geometry/import/mesh_import.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/base/source_dir.hpp"
-#include "tests/surface/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "tests/toolpath/cam_writer.hpp"
 #include "tests/toolpath/with.hpp"
 #include "toolpath/cam/cam_import.hpp"

@@ -3,7 +3,7 @@
 // and the tool axis turns no faster than the surface does.
 #include "base/random.hpp"
 #include "base/rotation.hpp"
-#include "tests/surface/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "tests/toolpath/skins.hpp"
 #include "tests/toolpath/step_census.hpp"
 #include "tests/toolpath/with.hpp"

@@ -370,6 +370,8 @@ TEST(Arcs, TurnAsOftenAsTheyAreTold) {
   EXPECT_NEAR(swept(Path(block + "G3 X0 Y10 I-10 J0 P1 F9\n")), kPi / 2, 1e-9);
   EXPECT_NEAR(swept(Path("G710 G17\nG0 X10 Y0 Z0\nG3 X0 Y10 Z-9 I-10 J0 TURN=2 F9\n")), 4.5 * kPi, 1e-9);
   EXPECT_NE(Refusal(block + "G3 X0 Y10 I-10 J0 P1.5 F9\n"), "");
+  EXPECT_NE(Refusal(block + "G3 X0 Y10 Z-9 I-10 J0 K-3 F9\n"), "") << "a rise for each turn";
+  EXPECT_EQ(Refusal(block + "G3 X0 Y10 Z-9 I-10 J0 K0 F9\n"), "");
   EXPECT_NE(Refusal("G710 G17\nG0 X10 Y0 Z0\nG3 X0 Y10 I-10 J0 P2 F9\n"), "") << "SINUMERIK has no P";
 }
 

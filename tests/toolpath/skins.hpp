@@ -2,7 +2,7 @@
 // Open skins with a window, made for tests: flat, bent about x, or a part of a sphere.
 #pragma once
 
-#include "surface/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 
 namespace millpose {
 

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "surface/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {

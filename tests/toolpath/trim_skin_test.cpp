@@ -2,7 +2,7 @@
 // Trims of windows in curved skins: known lengths, steps and turns of the tool axis.
 #include "base/random.hpp"
 #include "base/rotation.hpp"
-#include "tests/surface/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "tests/toolpath/skins.hpp"
 #include "toolpath/strategies/trim.hpp"
 #include "toolpath/strategies/trim_distance.hpp"

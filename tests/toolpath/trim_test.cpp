@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "tests/base/refusal.hpp"
-#include "tests/surface/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "tests/toolpath/with.hpp"
 #include "toolpath/gouge.hpp"
 #include "toolpath/pass_variants.hpp"

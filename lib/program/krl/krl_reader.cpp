@@ -121,8 +121,8 @@ class KrlReader : public ProgramReader {
     if (name && scan.Accept(":")) return AddLabel(scan, start, *name);
     if (name && IsDeclared(*name)) {
       scan.Expect("(");
-      SkipArguments(scan);
-      ReadDeclaredCall(scan, start, *name);
+      const std::string arguments = ReadArguments(scan);
+      ReadDeclaredCall(scan, start, *name, arguments);
       return;
     }
     if (name && scan.Accept("(") && scan.Accept(")") && ReadCall(scan, *name)) {
@@ -382,13 +382,18 @@ class KrlReader : public ProgramReader {
       return true;
     } else if (scan.Accept("WAIT FOR")) {
       krl::ReadCondition(scan);
+      ReadHandEvent(scan, start, ProgramEvent::Kind::kWait, places);
+      return true;
     } else if (scan.Accept("GLOBAL INTERRUPT DECL 3 WHEN $STOPMESS==TRUE DO IR_STOPM")) {
       scan.Expect("(");
       scan.Expect(")");
       places = kHeadOnly;
     } else if (scan.Accept("INTERRUPT ON 3")) {
       places = kHeadOnly;
-    } else if (!scan.Accept("HALT")) {
+    } else if (scan.Accept("HALT")) {
+      ReadHandEvent(scan, start, ProgramEvent::Kind::kStop, places);
+      return true;
+    } else {
       return false;
     }
     Allow(scan, start, places);

@@ -74,8 +74,8 @@ class SinumerikReader : public ProgramReader {
     const size_t start = scan.Next();
     const auto name = scan.AcceptName();
     if (name && IsDeclared(*name)) {
-      if (scan.Accept("(")) SkipArguments(scan);
-      ReadDeclaredCall(scan, start, *name);
+      const std::string arguments = scan.Accept("(") ? ReadArguments(scan) : "";
+      ReadDeclaredCall(scan, start, *name, arguments);
       return scan.ExpectEnd();
     }
     const char* message = "a word of a milling program or the call of a file of the program expected";
@@ -148,13 +148,16 @@ class SinumerikReader : public ProgramReader {
   }
 
   void ReadMessage(LineScanner& scan) {
+    const size_t events = program_.events.size();
     scan.Expect("(");
-    if (scan.Accept(")")) return;
+    if (scan.Accept(")")) return AddHandEvent(ProgramEvent::Kind::kMessage, "");
     scan.Expect("\"");
+    const size_t start = scan.Next();
     const bool begin = !InText() && scan.Accept("PASS");
     if (begin || (!InText() && scan.Accept("END OF PASS"))) ReadPassMark(scan, begin);
     if (InHead() && !InText() && scan.Accept(kCompensatedNotice)) program_.notice = kCompensatedNotice;
     while (scan.Peek() != '"' && scan.Peek() != '\0') scan.Skip();
+    if (program_.events.size() == events) AddHandEvent(ProgramEvent::Kind::kMessage, scan.TakenFrom(start));
     scan.Expect("\"");
     scan.Expect(")");
   }
@@ -225,10 +228,12 @@ class SinumerikReader : public ProgramReader {
       if (*tool != settings_.tool_name)
         scan.FailFrom(start, fmt::format("tool {} expected", settings_.tool_name));
       Allow(scan, start, ChangePlaces());
+      AddHandEvent(ProgramEvent::Kind::kTool, "T " + *tool);
     }
     if (const auto edge = block.Word("D")) {
       if (*edge != 1) scan.FailFrom(start, "D1 expected: another edge or none puts the tip elsewhere");
       Allow(scan, start, ChangePlaces());
+      AddHandEvent(ProgramEvent::Kind::kTool, "D1");
     }
     Tolerances(scan, start, block);
     if (block.Has("G4")) {
@@ -292,8 +297,14 @@ class SinumerikReader : public ProgramReader {
 
   void Miscellaneous(const LineScanner& scan, size_t start, int m) {
     const int end = InSubprogram() ? 17 : 30;
-    if (m == 0 || m == 1) return Allow(scan, start, kOutsideCuts);
-    if (m == 6) return Allow(scan, start, ChangePlaces());
+    if (m == 0 || m == 1) {
+      AddHandEvent(ProgramEvent::Kind::kStop, fmt::format("M{}", m));
+      return Allow(scan, start, kOutsideCuts);
+    }
+    if (m == 6) {
+      AddHandEvent(ProgramEvent::Kind::kTool, "M6");
+      return Allow(scan, start, ChangePlaces());
+    }
     if (m != end)
       scan.FailFrom(start,
                     fmt::format("M0, M1, M6 or M{} expected (spindle and coolant: the cell's texts)", end));

@@ -2,7 +2,7 @@
 #include "toolpath/cam/cam_import.hpp"
 
 #include "base/error.hpp"
-#include "surface/corner_normals.hpp"
+#include "geometry/mesh/corner_normals.hpp"
 
 namespace millpose {
 namespace {

@@ -187,7 +187,7 @@ yaml::Codec<CamSender> SenderCodec() {
   return yaml::ChoiceOf<CamSender>(std::move(choices));
 }
 
-yaml::Codec<CamStrategy> Fields() {
+yaml::Codec<CamStrategy> CamFields() {
   using S = CamStrategy;
   using namespace yaml;
   return Section<S>(
@@ -246,7 +246,7 @@ yaml::Codec<CamStrategy> Fields() {
 }  // namespace
 
 StrategyEntry CamEntry() {
-  return EntryOf<CamStrategy>("cam", "Strategy cam: an imported tool path.", Fields());
+  return EntryOf<CamStrategy>("cam", "Strategy cam: an imported tool path.", CamFields());
 }
 
 }  // namespace millpose

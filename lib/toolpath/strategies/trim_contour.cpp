@@ -4,10 +4,10 @@
 #include <algorithm>
 
 #include "base/error.hpp"
-#include "surface/bvh.hpp"
-#include "surface/corner_normals.hpp"
-#include "surface/fitted_normals.hpp"
-#include "surface/triangle.hpp"
+#include "geometry/mesh/bvh.hpp"
+#include "geometry/mesh/corner_normals.hpp"
+#include "geometry/mesh/fitted_normals.hpp"
+#include "geometry/mesh/triangle.hpp"
 #include "toolpath/lost_faces.hpp"
 
 namespace millpose {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "surface/bvh.hpp"
+#include "geometry/mesh/bvh.hpp"
 #include "toolpath/strategies/trim_contour.hpp"
 
 namespace millpose {

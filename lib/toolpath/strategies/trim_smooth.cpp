@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "base/trig.hpp"
-#include "surface/triangle.hpp"
+#include "geometry/mesh/triangle.hpp"
 
 namespace millpose {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "base/error.hpp"
 #include "base/trig.hpp"
-#include "surface/triangle.hpp"
+#include "geometry/mesh/triangle.hpp"
 #include "toolpath/strategies/trim_distance.hpp"
 #include "toolpath/strategies/trim_points.hpp"
 

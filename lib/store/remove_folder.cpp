@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "store/remove_folder.hpp"
+
+#include "base/folder.hpp"
+#include "store/result_swap.hpp"
+
+namespace millpose {
+
+void RemoveOutputFolder(const OutputFolder& folder) {
+  const std::filesystem::path path = folder.path();
+  const Folder parent(path.has_parent_path() ? path.parent_path() : ".");
+  const std::string name = path.filename().string();
+  const Folder own = parent.Below(name);
+  for (const std::string& entry : own.Names())
+    if (entry != kMark) own.RemoveAll(entry);
+  parent.RemoveAll(name);
+}
+
+}  // namespace millpose
