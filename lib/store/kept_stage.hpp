@@ -54,8 +54,9 @@ Result KeptInWorld(const CheckpointStore& store, const std::string& stage, const
       return std::move(kept.result);
   }
   const auto looks = std::make_shared<LookKeeper>();
-  Watched made{{obstacles, {}}, make(Stations(world.Watched(looks), stations.problem()))};
-  made.asked.looks = looks->Kept();
+  Watched made;
+  made.result = make(Stations(world.Watched(looks), stations.problem()));
+  made.asked = {obstacles, looks->Kept()};
   store.WriteStage(stage, own, ValueBytes().Add(made).bytes());
   return std::move(made.result);
 }

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # cmake -DOUTPUT=… -DCELLS=a.yaml,b.yaml -P embed.cmake
 # Writes sample cells as C++ raw strings.
-file(WRITE ${OUTPUT}.new "// Made by embed.cmake.\n#include \"init/sample_cells.hpp\"\n\nnamespace millpose {\n"
+file(WRITE ${OUTPUT}.new "// Made by embed.cmake.\n#include \"run/init/sample_cells.hpp\"\n\nnamespace millpose {\n"
      "const std::vector<SampleCell>& SampleCells() {\n  static const std::vector<SampleCell> cells = {\n")
 string(REPLACE "," ";" CELLS "${CELLS}")
 foreach(file ${CELLS})

@@ -15,19 +15,19 @@ namespace {
 using Eigen::Vector3d;
 
 /// Angles of engagement, from the side the cutter's front turns away from (left of the feed), clockwise.
-struct EngagedArc {
+struct ToothArc {
   double start, end;
 };
 
-EngagedArc EngagedArcOf(const Cut& cut) {
+ToothArc ToothArcOf(const Cut& cut) {
   if (cut.side == MillingSide::kSlot) return {0, kPi};
   const double cosine = 1 - 2 * cut.width / cut.diameter;
   const double arc = Atan2(std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine))), cosine);
-  return cut.side == MillingSide::kUp ? EngagedArc{0, arc} : EngagedArc{kPi - arc, kPi};
+  return cut.side == MillingSide::kUp ? ToothArc{0, arc} : ToothArc{kPi - arc, kPi};
 }
 
 /// Force on the tool of one edge at angle `phi`; zero outside the engagement.
-Vector3d EdgeForce(const Cut& cut, const EngagedArc& engagement, double phi) {
+Vector3d EdgeForce(const Cut& cut, const ToothArc& engagement, double phi) {
   if (phi < engagement.start || phi > engagement.end) return Vector3d::Zero();
   const auto [s, c] = SinCos(phi);
   const double chip = cut.feed_per_tooth * std::max(0.0, s);
@@ -76,7 +76,7 @@ double LargestStep(const std::vector<FacePoint>& points) {
 
 CuttingForce MeanCuttingForce(const Cut& cut) {
   assert(cut.teeth > 0 && cut.diameter > 0 && cut.width <= cut.diameter);
-  const EngagedArc engagement = EngagedArcOf(cut);
+  const ToothArc engagement = ToothArcOf(cut);
   const double arc = engagement.end - engagement.start;
   CuttingForce result;
   result.mean.setZero();

@@ -4,11 +4,12 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "job/config/config.hpp"
 #include "job/assemble.hpp"
+#include "job/config/config.hpp"
 #include "planning/result/write_plan.hpp"
-#include "toolpath/pass_ends.hpp"
 #include "program/verify/causes.hpp"
+#include "run/pipeline/programs/program_warnings.hpp"
+#include "toolpath/pass_ends.hpp"
 
 namespace millpose {
 namespace {
