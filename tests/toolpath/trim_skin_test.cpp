@@ -126,23 +126,6 @@ TEST(TrimSkin, StepsAreShortAtCornersOnlyAndTheAxisTurnsEvenly) {
   }
 }
 
-TEST(TrimSkin, StepsGrowFromTheShortOnesOfABend) {
-  for (const Skin& skin : Skins()) {
-    SCOPED_TRACE(Told(skin));
-    const Mesh mesh = SoundMesh(SkinShape(skin));
-    const ToolpathOptions options = WindowTrim();
-    const std::vector<MillingPoint> cut = CutOf(options.strategy->Make({mesh, options, {}}, {}));
-    double most = 1;
-    for (size_t i = 2; i < cut.size(); ++i) {
-      const double before = (cut[i - 1].position - cut[i - 2].position).norm();
-      const double step = (cut[i].position - cut[i - 1].position).norm();
-      EXPECT_LT(step, options.spacing + 1e-9);
-      most = std::max({most, step / before, before / step});
-    }
-    EXPECT_LT(most, 6);
-  }
-}
-
 TEST(TrimSkin, TheAxisIsTheSkinsNormalButAtCornersAndSaysByHowMuch) {
   for (const Skin& skin : Skins()) {
     SCOPED_TRACE(Told(skin));
