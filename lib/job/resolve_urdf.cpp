@@ -82,7 +82,10 @@ void TakeLengths(const Arm& from, ArmSettings& arm) {
 class Resolver {
  public:
   Resolver(const fs::path& folder, const FileRoot& root, CellSettings& cell)
-      : cell_(cell), root_(root), urdf_(cell.arm.urdf), file_((folder / urdf_.file).string()) {}
+      : cell_(cell),
+        root_(root),
+        urdf_(cell.arm.urdf),
+        file_((folder / urdf_.file).lexically_normal().string()) {}
 
   void Resolve() {
     const UrdfModel model = ReadUrdf(root_.Read(file_, kMaxBytes), file_,
@@ -103,7 +106,6 @@ class Resolver {
 
  private:
   static constexpr size_t kMaxBytes = size_t{16} << 20;
-  static constexpr double kMostRevolutions = 2;  // either way: no arm's cables bear more
 
   void AddToCell(std::string message) {
     problems_.push_back({{cell_.file, urdf_.line}, "arm.urdf: " + std::move(message)});

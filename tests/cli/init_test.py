@@ -164,7 +164,7 @@ class Init(InFolder):
                              '<axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1"/></joint></robot>').replace("tool0", "plate")
         degrees = good.replace('lower="-3.1" upper="3.1"', 'lower="-178" upper="178"')
         for text, words in ((seven, "7 joints move between 'link_0' and 'hand' (joint_1, joint_2, joint_3, joint_4, joint_5, joint_6, joint_7)"),
-                            (degrees, "joint 'joint_1': limits -178…178 rad are up to 28.3 revolutions: degrees?"),
+                            (degrees, "joint 'joint_1': limits -178 to 178 rad are 56.7 revolutions"),
                             (good.replace('rpy="0 1.5707963267948966 0"', 'rpy="0 1.57 0"'), "rpy 1.57 is a rounded π/2")):
             (self.folder / "arm.urdf").write_text(text)
             result = self.init(block, "--arm", self.folder / "arm.urdf")

@@ -9,7 +9,7 @@ namespace {
 
 TEST(CamMutation, SpoiltPathsAreReadOrRefused) {
   const std::string apt =
-      "PARTNO/P1\nUNITS/MM\nMSYS/0,0,5,1,0,0,0,1,0\nLOADTL/1\nSPINDL/RPM,3000,CLW\nRAPID\nGOTO/"
+      "TOOL PATH/P1,TOOL,T\nUNITS/MM\nMSYS/0,0,5,1,0,0,0,1,0\nLOADTL/1\nSPINDL/RPM,3000,CLW\nRAPID\nGOTO/"
       "10,0,20,0,0,1\n"
       "FEDRAT/MMPM,250\nGOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/0,10,0,$\n0,0.1,0.99\nGODLTA/0,0,1\nFINI\n";
   const std::string csv =

@@ -403,8 +403,9 @@ TEST(CamImport, LongWaysAreBounded) {
 }
 
 TEST(CamImport, WithoutAMeshTheAxisIsTheNormal) {
-  const Toolpath toolpath = ImportCamPath(
-      Apt("GOTO/0,0,0,0,0.6,0.8\nGOTO/10,0,0\nGOTO/10,0,0,0,0,1\nGOTO/10,9,0\n"), nullptr, {}, nullptr);
+  const Toolpath toolpath =
+      ImportCamPath(Apt("PAINT/PATH\nGOTO/0,0,0,0,0.6,0.8\nGOTO/10,0,0\nGOTO/10,0,0,0,0,1\nGOTO/10,9,0\n"),
+                    nullptr, {}, nullptr);
   ASSERT_EQ(toolpath.passes.size(), 2);  // the axis turns on the spot
   EXPECT_EQ(toolpath.passes[0].points[0].normal, Eigen::Vector3d(0, 0.6, 0.8));
   EXPECT_THROW(ImportCamPath(Apt("RAPID\nGOTO/0,0,0\nRAPID\nGOTO/1,0,0\n"), nullptr, {}, nullptr),

@@ -137,13 +137,10 @@ class AptDialect : public DialectWriter {
       const Vector shift = identity ? Vector(Vector::Zero()) : origin;
       if (!identity && !Is(System::kCatia)) Refuse("a frame whose meaning is not known");
       if (Is(System::kCatia)) Line("$$*CATIA0\n$$ Program.1");
-      for (int r = 0; r < 3; ++r)
-        Line(fmt::format("{}{:.9f}{} {:.9f}{} {:.9f}{} {:.9f}{}",
-                         Is(System::kCatia) ? "$$ "
-                         : r == 0           ? "$$-> CSYS / "
-                                            : "  ",
-                         rotation(r, 0), Comma(), rotation(r, 1), Comma(), rotation(r, 2), Comma(), shift[r],
-                         Is(System::kCatia) || r == 2 ? "" : ", $"));
+      if (!Is(System::kCatia)) Line(Comment(rotation, shift));
+      for (int r = 0; Is(System::kCatia) && r < 3; ++r)
+        Line(fmt::format("$$ {:.9f} {:.9f} {:.9f} {:.9f}", rotation(r, 0), rotation(r, 1), rotation(r, 2),
+                         shift[r]));
       origin_ = Unit() * shift;
       SetRotation(rotation);
       return;
@@ -151,7 +148,18 @@ class AptDialect : public DialectWriter {
     origin_ = Unit() * origin;
     SetRotation(rotation);
   }
-  std::string_view Comma() const { return Is(System::kCatia) ? "" : ","; }
+
+  // Creo's goes on over lines; another's word is no mark of Creo.
+  std::string Comment(const Eigen::Matrix3d& rotation, const Vector& shift) {
+    std::string line = Is(System::kCreo) ? "$$-> CSYS / " : "$$ MATRIX ";
+    for (int r = 0; r < 3; ++r)
+      line += fmt::format("{}{:.9f}, {:.9f}, {:.9f}, {:.9f}",
+                          r == 0              ? ""
+                          : Is(System::kCreo) ? ", $\n  "
+                                              : ", ",
+                          rotation(r, 0), rotation(r, 1), rotation(r, 2), shift[r]);
+    return line;
+  }
 
   void SetRotation(const Eigen::Matrix3d& rotation) {
     rotation_.col(0) = rotation.col(0).normalized();

@@ -126,8 +126,7 @@ class Finder {
                                joint->lower,
                                joint->upper,
                                joint->speed,
-                               joint->type == UrdfJoint::Type::kRevolute,
-                               joint->line};
+                               joint->type == UrdfJoint::Type::kRevolute};
       merged = Pose::Identity();
     }
     chain.X_LE = merged;

@@ -15,7 +15,6 @@ struct JointChain {
     double lower = 0, upper = 0;  ///< rad
     double speed = 0;             ///< rad/s; 0: not given
     bool limited = true;          ///< false: a continuous joint, without limits
-    int line = 0;                 ///< of the file, for messages
   };
   std::array<Joint, 6> joints;
   Pose X_LE = Pose::Identity();  ///< E in the last moving link, mm

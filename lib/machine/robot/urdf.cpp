@@ -181,7 +181,8 @@ class Reader {
       double& angle = rpy[static_cast<Eigen::Index>(i)];
       const SnappedAngle snapped = Snap(angle, words[i]);
       angle = snapped.angle;
-      if (snapped.noted) snapped_[std::string(words[i])].insert(origin.GetLineNum());
+      const size_t sign = words[i].find_first_not_of("+-");
+      if (snapped.noted) snapped_[std::string(words[i].substr(sign))].insert(origin.GetLineNum());
       if (snapped.rounded) joint.rounded_angle = words[i].substr(words[i].starts_with('+') ? 1 : 0);
     }
   }

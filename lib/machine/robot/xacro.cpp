@@ -109,7 +109,13 @@ class Expander {
     if (!include_) Refuse(element, file, fmt::format("{} is not read here", given.string()));
     const std::string path = (std::filesystem::path(file).parent_path() / given).lexically_normal().string();
     XMLDocument& document = documents_.emplace_back();
-    const std::string bytes = include_(path);
+    const std::string bytes = [&] {
+      try {
+        return include_(path);
+      } catch (const InputError& error) {
+        Refuse(element, file, fmt::format("{}: {}", path, error.problems().front().message));
+      }
+    }();
     if (document.Parse(bytes.data(), bytes.size()) != tinyxml2::XML_SUCCESS)
       throw InputError({path, document.ErrorLineNum()}, fmt::format("not XML: {}", document.ErrorName()));
     const XMLElement* root = document.FirstChildElement();

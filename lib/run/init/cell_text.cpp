@@ -11,10 +11,10 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "run/init/sample_cells.hpp"
 #include "job/workpiece.hpp"
 #include "machine/robot/joint_chain.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "run/init/sample_cells.hpp"
 
 namespace millpose {
 namespace {

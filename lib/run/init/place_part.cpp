@@ -5,8 +5,8 @@
 
 #include "base/error.hpp"
 #include "base/rotation.hpp"
-#include "machine/collision/world.hpp"
 #include "job/assemble.hpp"
+#include "machine/collision/world.hpp"
 #include "planning/pose/scorer.hpp"
 #include "program/controller_axes.hpp"
 
@@ -103,11 +103,14 @@ class Trial {
   }
 
   /// Whether home and some poses at every point are clear of the cell.
-  bool IsClear(const Placement& placement) const {
-    Cell cell = cell_;
-    cell.X_WP = placement.X_WP;
-    AddWorkpiece(inputs_, mesh_.triangles(), &cell);
-    const World world(std::move(cell));
+  bool IsClear(const Placement& placement) {
+    if (!world_) {  // trees over the bodies' triangles are built once, the part is moved
+      Cell cell = cell_;
+      cell.X_WP = placement.X_WP;
+      AddWorkpiece(inputs_, mesh_.triangles(), &cell);
+      world_.emplace(std::move(cell));
+    }
+    const World world = world_->With(cell_.X_WB, placement.X_WP);
     Checker checker(world);
     if (checker.Blocked(inputs_.cell.home, Phase::kFree)) return false;
     bool clear = true;
@@ -140,6 +143,7 @@ class Trial {
   Cell cell_;
   PoseProblem problem_;
   std::vector<FreedomValues> rotations_;
+  std::optional<World> world_;  ///< with the part at the first place that was asked for
 };
 
 }  // namespace
@@ -186,7 +190,7 @@ std::vector<Placement> LikelyPlacements(const FacingGroup& group, const ImportRe
 std::vector<Placement> ReachedPlacements(const JobInputs& inputs, const Mesh& mesh, const Toolpath& toolpath,
                                          const std::vector<Placement>& placements, size_t most,
                                          const std::stop_token& stop) {
-  const Trial trial(inputs, mesh, toolpath);
+  Trial trial(inputs, mesh, toolpath);
   std::vector<std::pair<int, size_t>> rooms;
   for (size_t i = 0; i < placements.size(); ++i) {
     if (stop.stop_requested()) throw Interrupted();

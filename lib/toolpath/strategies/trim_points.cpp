@@ -21,7 +21,11 @@ class PointMaker {
                              : i >= lead_out_ ? PointKind::kLeadOut
                                               : PointKind::kCut;
       const Eigen::Vector3d from = Tip(way_[i - 1]), to = Tip(way_[i]);
-      for (const double share : SharesOf(i - 1)) {
+      const int steps =
+          std::max(1, static_cast<int>(std::ceil((to - from).norm() / options_.spacing - 1e-9))) *
+          std::max(1, options_.parts);
+      for (int k = 1; k < steps; ++k) {
+        const double share = static_cast<double>(k) / steps;
         TrimStop stop = way_[i];
         const TrimStop& before = way_[i - 1];
         stop.node.axis = (before.node.axis + share * (stop.node.axis - before.node.axis)).normalized();
@@ -38,43 +42,6 @@ class PointMaker {
 
  private:
   static Eigen::Vector3d Tip(const TrimStop& stop) { return stop.node.place - stop.depth * stop.node.axis; }
-
-  double Length(size_t i) const { return (Tip(way_[i + 1]) - Tip(way_[i])).norm(); }
-
-  int StepsIn(double length) const {
-    return std::max(1, static_cast<int>(std::ceil(length / options_.spacing - 1e-9)));
-  }
-
-  // mm, of the way between two stops, divided evenly; of what is no way, as `otherwise`.
-  double EvenStep(size_t i, double otherwise) const {
-    if (i >= along_.size() || Length(i) < 1e-6) return otherwise;
-    return Length(i) / StepsIn(Length(i));
-  }
-
-  // Where on the way from stop i to the next points lie, as shares of it: at most the spacing apart, and
-  // beside the short steps of a bend no more than kGrowth times as far as the step before, so that what turns
-  // with the tool from point to point turns evenly.
-  std::vector<double> SharesOf(size_t i) const {
-    constexpr double kGrowth = 2.5;
-    const double length = Length(i), step = EvenStep(i, 0);
-    std::vector<double> front{0}, back{0};  // mm from either end
-    const auto grow = [&](double beside, std::vector<double>& places) {
-      for (double next = kGrowth * beside;
-           next < 0.75 * step && front.back() + back.back() + next < length / 2; next *= kGrowth)
-        places.push_back(places.back() + next);
-    };
-    grow(EvenStep(i - 1, step), front);  // before the first there is none: beyond the last
-    grow(EvenStep(i + 1, step), back);
-    const double rest = length - front.back() - back.back();
-    for (int k = 1; k < StepsIn(rest); ++k) front.push_back(front.back() + rest / StepsIn(rest));
-    for (auto place = back.rbegin(); place != back.rend(); ++place) front.push_back(length - *place);
-    std::vector<double> shares;
-    const int parts = std::max(1, options_.parts);
-    for (size_t k = 0; k + 1 < front.size() && length > 0; ++k)
-      for (int part = k == 0 ? 1 : 0; part < parts; ++part)
-        shares.push_back((front[k] + (front[k + 1] - front[k]) * part / parts) / length);
-    return shares;
-  }
 
   // Of each way between two stops, across the axis; straight up or down: as before, or as after at the
   // beginning.

@@ -40,7 +40,7 @@ class UrdfCell : public testing::Test {
  protected:
   void SetUp() override {
     fs::create_directories(base_ / "robot");
-    urdf_ = ReadFile(fs::path(SourceDir()) / "tests/robot/turned_about.urdf");
+    urdf_ = ReadFile(fs::path(SourceDir()) / "tests/machine/robot/turned_about.urdf");
   }
   void TearDown() override { fs::remove_all(base_); }
 

@@ -113,8 +113,9 @@ std::string_view NameOf(SpindleSense sense) {
   return sense == SpindleSense::kClockwise ? "clockwise" : "counter_clockwise";
 }
 
+// Speeds are kept in rev/s: the file's number again.
 Json OrNull(const std::optional<double>& value, double factor) {
-  return value ? Json(factor * *value) : Json();
+  return value ? Json(std::round(factor * *value * 1e6) / 1e6) : Json();
 }
 
 // Null for a path that no file gave.
