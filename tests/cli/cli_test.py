@@ -71,7 +71,7 @@ class Verify(InFolder):
         source = out / "programs" / "krl" / "support_pad.src"
         text = source.read_text()
         line = next(l for l in text.splitlines() if l.startswith("LIN "))
-        source.write_text(text.replace(line, line.replace(",Z ", ",Z 1"), 1))
+        source.write_text(text.replace(line, line.replace("Z ", "Z 1"), 1))
         result = run("verify", out, "--job", JOB)
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertIn("  changed since they were written: support_pad.src\n", result.stdout)
@@ -89,7 +89,7 @@ class Verify(InFolder):
         still = "changed since, still as planned"
         held(text.replace("\n", "\r\n"), 0, still)
         held(text.replace("\n" + line, "\n; by hand\n\n" + line, 1), 0, still)
-        held(text.replace(line, line.replace(",Y ", " ,  Y "), 1), 0, still)
+        held(text.replace(line, line.replace("LIN {", "LIN  { "), 1), 0, still)
         held(text.replace("\nEND\n", "\nHALT\nEND\n"), 1, "the stop HALT is not planned here")
         held(text.replace("\n;FOLD PASS 0 PIECE 0", "", 1), 1, "the mark of the begin of pass 0 piece 0 is missing here")
         source.write_text(text)

@@ -56,8 +56,11 @@ class WholeFolder {
     const CallingSyntax syntax = post->Calling();
     ProgramFiles files = FilesOf(program, *post, arguments_.root);
     std::string& text = files.at(program.filename().string());
-    if (!CallsOf(syntax, program.stem().string(), text).empty())
-      return {{controller, program.string(), 0, Check(controller, files), {}}};
+    const std::vector<std::string> calls = CallsOf(syntax, program.stem().string(), text);
+    for (const std::string& name : calls)
+      if (const fs::path file = program.parent_path() / (name + syntax.called_ending); fs::exists(file))
+        files.merge(FilesOf(file, *post, arguments_.root));
+    if (!calls.empty()) return {{controller, program.string(), 0, Check(controller, files), {}}};
     for (const DoneOperation& operation : operations_) {
       const auto own = operation.programs.find(controller);
       if (own == operation.programs.end()) continue;
