@@ -7,9 +7,9 @@
 #include "base/file.hpp"
 #include "base/named_progress.hpp"
 #include "base/text.hpp"
+#include "program/program_name.hpp"
 #include "run/pipeline/operations/done_operation.hpp"
 #include "store/output_folder.hpp"
-#include "program/program_name.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;

@@ -7,11 +7,11 @@
 #include "base/parallel.hpp"
 #include "job/step_meshes.hpp"
 #include "run/pipeline/operations/done_operation.hpp"
-#include "store/remove_folder.hpp"
 #include "run/pipeline/outputs/run_record.hpp"
 #include "run/placement/place_results.hpp"
 #include "run/placement/place_search.hpp"
 #include "run/placement/placed_jobs.hpp"
+#include "store/remove_folder.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
