@@ -15,7 +15,6 @@
 #include "job/locate.hpp"
 #include "job/origin.hpp"
 #include "job/resolve_urdf.hpp"
-#include "program/external_axes.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {
@@ -78,24 +77,12 @@ void CheckCoupledLimits(const CellSettings& cell, std::vector<Problem>& problems
   }
 }
 
-// An axis that the cell does not have is one of no program, whether or not a job asks for the controller.
-void CheckNamedAxes(const CellSettings& cell, const std::string& controller, const PostOptions& options,
-                    std::vector<Problem>& problems) {
-  std::vector<std::string> names;
-  for (const ExternalAxis& axis : cell.external_axes) names.push_back(axis.name);
-  for (const ControllerAxis& axis : options.controller_axes)
-    if (!axis.axis.empty() && std::ranges::find(names, axis.axis) == names.end())
-      problems.push_back({{cell.file, options.controller_axes_line}, NoSuchAxis(controller, axis, names)});
-}
-
 // What a controller cannot run needs no settings either.
 std::vector<Problem> CheckControllers(const CellSettings& cell) {
   std::vector<Problem> problems;
   for (const auto& [controller, settings] : cell.controllers)
     if (const std::string refusal = NoProgramsFor(cell.arm, controller); !refusal.empty())
       problems.push_back({{cell.file, cell.controllers_line}, "controllers: " + refusal});
-  for (const auto& [controller, settings] : cell.controllers)
-    CheckNamedAxes(cell, controller, settings.shared, problems);
   return problems;
 }
 

@@ -89,16 +89,6 @@ bool SameFrame(const Pose& a, const Pose& b) {
          (a.linear() - b.linear()).cwiseAbs().maxCoeff() <= kSameTurn;
 }
 
-std::string NoSuchAxis(const std::string& controller, const ControllerAxis& axis,
-                       const std::vector<std::string>& names) {
-  const std::string near = NearestName(axis.axis, names);
-  return fmt::format(
-      "controllers.{}.external_axes: {} is given the axis '{}', which the cell's external_axes do not have; "
-      "allowed: {}{}",
-      controller, axis.name, axis.axis, names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")),
-      near.empty() ? "" : "; did you mean " + near + "?");
-}
-
 std::string WhyNotWithAxes(const PostSettings& settings, const std::string& controller) {
   const std::vector<ExternalAxis>& axes = settings.mechanism.axes();
   std::vector<std::string> names;
@@ -107,7 +97,13 @@ std::string WhyNotWithAxes(const PostSettings& settings, const std::string& cont
   std::set<std::string> named;
   for (const ControllerAxis& axis : settings.controller_axes) {
     if (axis.axis.empty()) continue;
-    if (!AxisOf(settings, axis)) return NoSuchAxis(controller, axis, names);
+    if (!AxisOf(settings, axis)) {
+      const std::string near = NearestName(axis.axis, names);
+      return fmt::format(
+          "{}: {} is given the axis '{}', which the cell's external_axes do not have; allowed: {}{}", key,
+          axis.name, axis.axis, names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")),
+          near.empty() ? "" : "; did you mean " + near + "?");
+    }
     if (!named.insert(axis.axis).second)
       return fmt::format("{}: the axis '{}' is given twice", key, axis.axis);
   }

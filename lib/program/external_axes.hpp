@@ -37,10 +37,6 @@ std::string WhyNotAlongCuts(const PostSettings& settings, const std::string& con
 /// Two frames that a program need not state one after the other: they differ by what arithmetic makes of one.
 bool SameFrame(const Pose& a, const Pose& b);
 
-/// That `axis` of a controller names none of the cell's, whose names are `names`.
-std::string NoSuchAxis(const std::string& controller, const ControllerAxis& axis,
-                       const std::vector<std::string>& names);
-
 /// Why the controller cannot be programmed with the cell's external axes, in one sentence; empty where it
 /// can: each of them has its name there, and no other is named.
 std::string WhyNotWithAxes(const PostSettings& settings, const std::string& controller);

@@ -16,7 +16,7 @@ namespace millpose::yaml {
 namespace {
 
 constexpr size_t kMaxBytes = 4 << 20;
-constexpr size_t kMaxValues = 1'000'000;  // 100 MB as a tree
+constexpr size_t kMaxValues = 500'000;  // 50 MB as a tree
 constexpr size_t kMaxDepth = 32;
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 

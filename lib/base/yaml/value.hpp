@@ -44,7 +44,7 @@ struct Value {
 
 /// Reads one YAML document. Throws InputError for what is not YAML and for what this project refuses:
 /// anchors, aliases, tags, merge keys, duplicate keys, keys that are no words, further documents, tabs in
-/// indentation, control characters, more than 32 levels, 1,000,000 keys and values
+/// indentation, control characters, more than 32 levels, 500,000 keys and values
 /// or 4 MB.
 Value ReadYaml(std::string_view text, const std::string& name);
 

@@ -366,10 +366,10 @@ TEST(BrokenYaml, OfAForeignFileOnlyAFewWordsAreRepeated) {
   }
 }
 
-// Quadratic in their number once: 350,000 took minutes.
+// Quadratic in their number once: minutes.
 TEST(BrokenYaml, ManyUnknownKeysAreToldQuickly) {
   std::string text = kJob;
-  for (int i = 0; i < 350000; ++i) text += fmt::format("k{}: 1\n", i);
+  for (int i = 0; i < 240000; ++i) text += fmt::format("k{}: 1\n", i);
   const std::clock_t start = std::clock();
   EXPECT_THROW(ParseJob(text, "f.yaml"), InputError);
   EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 5.0);
@@ -420,9 +420,9 @@ TEST(BrokenYaml, TooLargeFilesAreRefusedWhereTheyBecomeSo) {
   EXPECT_EQ(told(large),
             "x.yaml:41944:5: the file has 4194400 bytes; allowed: at most 4194304, which end here");
   std::string many = "[";
-  for (int i = 0; i < 500000; ++i) many += "1,2,\n";
+  for (int i = 0; i < 250000; ++i) many += "1,2,\n";
   EXPECT_EQ(told(many + "3]"),
-            "x.yaml:500000:3: more than 1000000 keys and values; allowed: at most as many");
+            "x.yaml:250000:3: more than 500000 keys and values; allowed: at most as many");
 }
 
 TEST(BrokenYaml, ControlCharactersInTextsAreRefused) {

@@ -124,20 +124,12 @@ TEST(PlausibleCells, NoShippedCellHasDoubts) {
   }
 }
 
-// Limits of ±178 "radians" are degrees, and everything that multiplies turns must not be asked for them.
 TEST_F(Plausible, CandidatesAreBoundedInMemory) {
   const JobInputs inputs = LoadJobInputs(folder_.path() / "job.yaml");
   const std::string told =
       RefusalOf([&] { PlanJob(inputs, NoCheckpoints{}, {.threads = 2, .memory = 1e5}); });
   EXPECT_TRUE(Tells(
       told, "path.rotation_step_deg: given 1; the candidates of a pass of 3 points would take more than"));
-  const JobInputs fine =
-      LoadJobInputs(folder_.path() / "job.yaml", {{"path.rotation_step_deg", "0.01"},
-                                                  {"toolpath.lead_deg", "{from: 0.1, to: 30, step: 0.001}"},
-                                                  {"toolpath.tilt_deg", "{from: 0, to: 30, step: 0.001}"},
-                                                  {"toolpath.scallop_mm", "0.01"}});
-  EXPECT_TRUE(
-      Tells(RefusalOf([&] { PlanJob(fine, NoCheckpoints{}, {.threads = 2}); }), "one point would have"));
 }
 
 }  // namespace
