@@ -100,8 +100,7 @@ JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop
   made.toolpath = std::move(laid.toolpath);
   made.warnings = std::move(laid.warnings);
   made.findings = std::move(laid.findings);
-  made.notes = inputs.cell.notes;
-  std::ranges::move(laid.notes, std::back_inserter(made.notes));
+  made.notes = std::move(laid.notes);
   made.holes_left_out = std::move(laid.holes_left_out);
   made.source = std::move(laid.source);
   made.spindle_speed = laid.spindle_speed;

@@ -130,7 +130,6 @@ class Folder(InFolder):
             shutil.rmtree(out)
 
         self.planned_once()
-        damage("programs/krl/support_pad.src", lambda path: path.write_text(path.read_text() + "\n"))
         damage("programs/krl/support_pad.dat", lambda path: path.unlink())
         damage("programs/krl/other.src", lambda path: path.write_text("DEF other()\nEND\n"))
         damage("summary.json", lambda path: path.write_text(path.read_text().replace("0", "1", 1)))

@@ -153,7 +153,7 @@ class Init(InFolder):
         refused = self.init(block, "--arm", arm)
         self.assertEqual(refused.returncode, 2)
         self.assertIn("allowed by --tolerance-mm: 0.01 mm", refused.stderr)
-        taken = self.init(self.large(), "--arm", arm, "--tolerance-mm", "0.5")  # which is refused next, for its size
+        taken = self.init(self.large(), "--arm", arm, "--tolerance-mm", "1")  # which is refused next, for its size
         self.assertRegex(taken.stdout, r"wrist +spherical: .*; the closed form is within 0\.[1-9]\d* mm")
         self.assertIn("is 8 m long", taken.stderr)
 

@@ -26,6 +26,8 @@ LEFT_OUT = {
     "toolpath.cam.rotary_axes[].direction": "of G-code", "toolpath.cam.rotary_axes[].point_mm": "of G-code",
     "toolpath.cam.circle": "of G-code", "toolpath.cam.kinematics_codes.*": "of G-code",
     "toolpath.cam.tip_programming": "of G-code",
+    **{f"toolpath.cam.{key}": "of APT and G-code"
+       for key in ("sender", "unit", "frame", "cycle_point", "offsets_mm.*", "section", "spindle")},
     "arm.urdf.base_link": "an arm like any other once derived", "arm.urdf.file": "an arm like any other once derived",
     "arm.urdf.flange_link": "an arm like any other once derived",
     "arm.urdf.packages.*": "an arm like any other once derived",

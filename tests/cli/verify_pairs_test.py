@@ -15,7 +15,7 @@ class Pairs(InFolder):
     def test_no_false_verdict_and_no_refused_plan(self):
         out = self.folder / "out"
         self.assertEqual(plan(out, "--threads", 1).returncode, 0)
-        confirmed = run("verify", out).stdout.count(": confirmed")
+        confirmed = run("verify", out).stdout.count("  confirmed  ")
         seen = []
         for pair in range(PAIRS):
             speed = (9000, 7000)[pair % 2]  # of the spindle: the programs of two plans differ in it
@@ -30,7 +30,7 @@ class Pairs(InFolder):
                 self.assertIn("is being replaced", verdict.stderr)
             else:
                 self.assertEqual(verdict.returncode, 0, verdict.stdout + verdict.stderr)
-                self.assertEqual(verdict.stdout.count(": confirmed"), confirmed)
+                self.assertEqual(verdict.stdout.count("  confirmed  "), confirmed)
         self.assertIn(0, [verdict.returncode for verdict in seen])
         self.assertEqual(run("verify", out).returncode, 0)
 

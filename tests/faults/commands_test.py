@@ -35,9 +35,12 @@ def changed(text, *changes):
 
 
 def masked(name, content):
-    """A report of a batch tells times and memory, which differ from run to run; so does the manifest with its hash."""
-    reports = ("batch.json", "batch.csv", "index.html", "junit.xml", "manifest.json")
-    return re.sub(rb'[0-9a-f]{32}|[\d.]+', b"#", content) if name.split("/")[-1] in reports else content
+    """A report of a batch tells times and what was up to date, which differ from run to run: of it counts which jobs it is of."""
+    if name == "out/manifest.json":
+        return b""
+    if name.split("/")[-1] in ("batch.json", "batch.csv", "index.html", "junit.xml"):
+        return b"second" if b"second" in content else b"first"
+    return content
 
 
 class Row:
@@ -164,6 +167,9 @@ class Batch(Row):
     def part(name):
         return "/".join(name.split("/")[:2]) if name.count("/") > 1 else "reports" if name.startswith("out/") else name
 
+    def is_open(self, part):
+        return super().is_open("out" if part == "reports" else part)
+
 
 class BatchOnSlurm(Batch):
     """Submitted and not waited for: what is written is what the tasks are to read."""
@@ -202,7 +208,7 @@ class Place(Row):
 
 
 class Init(Row):
-    quick = 3
+    quick = 2
 
     def prepare(self):
         block = self.top / "block.stl"

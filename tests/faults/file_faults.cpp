@@ -2,8 +2,9 @@
 // Loaded with LD_PRELOAD: counts what a program does to files below MILLPOSE_FAULT_ROOT, and at operation
 // number MILLPOSE_FAULT_AT (from 1) does what MILLPOSE_FAULT says: `kill` ends the process as SIGKILL would
 // at that moment; ENOSPC, EACCES, EROFS or EIO lets that one operation fail, and with MILLPOSE_FAULT_STAYS
-// all after it too; with MILLPOSE_FAULT_OWN the program's children know nothing of it. At its end the count goes to the file MILLPOSE_FAULT_COUNT. With MILLPOSE_FAULT_NO_LOCKS
-// there are no locks, as on some network file systems.
+// all after it too; with MILLPOSE_FAULT_OWN the program's children know nothing of it. At its end the count
+// goes to the file MILLPOSE_FAULT_COUNT. With MILLPOSE_FAULT_NO_LOCKS there are no locks, as on some network
+// file systems.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -39,8 +39,8 @@ TEST(ShopStatements, HarmlessKrlIsReadOutsideCuts) {
 TEST(ShopStatements, KrlThatGoesFurtherIsRefused) {
   for (const std::string statement :
        {"$OV_PRO=0", "$OV_PRO=120", "$OV_PRO=12.5", "BAS (#ACC_PTP,0)", "BAS (#ACC_PTP,120)", "$ACC.CP=2.4",
-        "$ACC.CP=0", "BAS (#ACC_CP,3 )", "BAS (#VEL_CP,0 )", "$LOAD=LOAD_DATA[0]", "$LOAD={M 3}",
-        "$IPO_MODE=#TCP", "$CIRC_TYPE=#VAR", "$APO.CPTP=101", "$BWDSTART=1", "$VEL_AXIS[1]=31",
+        "$ACC.CP=0.1", "$ACC.CP=0", "BAS (#ACC_CP,3 )", "BAS (#VEL_CP,0 )", "$LOAD=LOAD_DATA[0]",
+        "$LOAD={M 3}", "$IPO_MODE=#TCP", "$CIRC_TYPE=#VAR", "$APO.CPTP=101", "$BWDSTART=1", "$VEL_AXIS[1]=31",
         "$VEL_AXIS[0]=30", "$ACC_AXIS[1]=101"})
     EXPECT_NE(KrlSays(statement), "") << statement;
   // In a cut none of them stands.

@@ -67,7 +67,7 @@ class SampleProgram : public testing::TestWithParam<std::tuple<std::string, std:
   const Sample& sample = SampleOf(sample_name);
   const PlanResult& plan = sample.plan;
   ProgramCase made = MakeCase(sample, variant);
-  const std::string text = made.files.at(made.name);
+  const std::string text = WithWholeLines(made.files.at(made.name));
 
   bool Applies(const TextEdit& edit) const {
     const std::string letters = made.controller == "krl"          ? "K"

@@ -19,9 +19,10 @@ constexpr const char* kDefaults = "BAS (#INITMOV,0 )";
 constexpr const char* kPtpSpeed = "BAS (#VEL_PTP,…)";
 constexpr const char* kFollowsBase = "$IPO_MODE = #BASE";
 constexpr const char* kLoad = "$LOAD as in the cell";
-constexpr double kExternalSlack = 1e-4;  // mm or degrees
-constexpr double kSameSetting = 1e-6;    // relative: written with four decimals and more
-constexpr double kSamePlace = 1e-9;      // of a frame stated again
+constexpr double kExternalSlack = 1e-4;     // mm or degrees
+constexpr double kLeastAcceleration = 0.1;  // of what the plan reckons with
+constexpr double kSameSetting = 1e-6;       // relative: written with four decimals and more
+constexpr double kSamePlace = 1e-9;         // of a frame stated again
 
 class KrlReader : public ProgramReader {
  public:
@@ -216,7 +217,8 @@ class KrlReader : public ProgramReader {
       ReadPathAcceleration(scan);
     } else if (scan.Accept("$ACC.ORI1") || scan.Accept("$ACC.ORI2")) {
       scan.Expect("=");
-      ExpectAtMost(scan, options_.orientation_acceleration, kRadPerDeg, "orientation_acceleration_deg_s2");
+      ExpectAccelerationOf(scan, options_.orientation_acceleration, kRadPerDeg,
+                           "orientation_acceleration_deg_s2");
     } else if (scan.Accept("$ADVANCE")) {
       ReadAdvance(scan);
       places = kOutsideCuts;
@@ -237,20 +239,21 @@ class KrlReader : public ProgramReader {
     return true;
   }
 
-  /// An acceleration changes when the arm is where, not its path; more than the plan reckons with is
-  /// nobody's.
-  static void ExpectAtMost(LineScanner& scan, const std::optional<double>& most, double unit,
-                           const char* key) {
+  /// An acceleration changes when the arm is where, not its path: more than the plan reckons with is
+  /// nobody's, and with far less the feed is never reached.
+  static void ExpectAccelerationOf(LineScanner& scan, const std::optional<double>& most, double unit,
+                                   const char* key) {
     const size_t start = scan.Next();
     const double value = scan.ExpectNumber() * unit;
     if (!most) scan.FailFrom(start, fmt::format("no value expected: the cell gives no {}", key));
-    if (value <= 0 || value > (1 + kSameSetting) * *most)
-      scan.FailFrom(start, fmt::format("above 0, at most {} expected (the cell's {})", *most / unit, key));
+    if (value < kLeastAcceleration * *most || value > (1 + kSameSetting) * *most)
+      scan.FailFrom(start, fmt::format("{} to {} expected (a tenth to all of the cell's {})",
+                                       kLeastAcceleration * *most / unit, *most / unit, key));
   }
 
   void ReadPathAcceleration(LineScanner& scan) {
-    ExpectAtMost(scan, settings_.path_acceleration.value_or(PathDynamics().acceleration), 1000,
-                 "path_acceleration_m_s2, or what is taken without it");
+    ExpectAccelerationOf(scan, settings_.path_acceleration.value_or(PathDynamics().acceleration), 1000,
+                         "path_acceleration_m_s2, or what is taken without it");
   }
 
   /// The cell's values, or, where programs need not state them, the controller's own load data of a number.

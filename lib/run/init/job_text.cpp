@@ -51,7 +51,7 @@ std::string RegionText(const FirstJob& job, double half, double rim) {
 
 }  // namespace
 
-double PatchHalf(double reach) { return std::round(0.08 * reach / 10) * 10; }
+double PatchHalf(double reach) { return std::round(0.05 * reach / 10) * 10; }
 
 std::string JobText(const FirstJob& job, const CellSettings& cell) {
   const double diameter = cell.tool.cutter_diameter, half = job.patch_half;

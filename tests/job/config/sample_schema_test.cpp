@@ -6,9 +6,9 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "base/yaml/value.hpp"
 #include "job/config/config.hpp"
 #include "tests/base/source_dir.hpp"
-#include "base/yaml/value.hpp"
 
 namespace millpose {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Distances the slow way, sharing nothing with lib/machine/collision: every shape as a triangle mesh, every triangle
-// against every other, and a winding number by solid angles for inside.
+// Distances the slow way, sharing nothing with lib/machine/collision: every shape as a triangle mesh, every
+// triangle against every other, and a winding number by solid angles for inside.
 #pragma once
 
 #include <limits>

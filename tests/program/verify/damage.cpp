@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <regex>
 #include <sstream>
 
@@ -163,6 +164,30 @@ Edit ReverseCuts() {
 }
 
 }  // namespace
+
+std::string WithWholeLines(const std::string& text) {
+  static const std::regex motion(R"(^(LIN|PTP) \{([^}]*)\}(.*)$)"), word(R"(\b([XYZABC]) (-?[0-9.]+),?)");
+  Lines lines = Split(text);
+  std::map<char, double> words;
+  for (std::string& line : lines) {
+    std::smatch match;
+    if (!std::regex_match(line, match, motion)) continue;
+    const std::string fields = match[2], rest = std::regex_replace(fields, word, "");
+    if (fields.starts_with("A1")) {
+      words.clear();
+      continue;
+    }
+    for (std::sregex_iterator it(fields.begin(), fields.end(), word), end; it != end; ++it)
+      words[(*it)[1].str()[0]] = std::stod((*it)[2]);
+    if (match[1] != "LIN") continue;
+    std::vector<std::string> whole;
+    for (const char name : std::string("XYZABC"))
+      whole.push_back(fmt::format("{} {:.{}f}", name, words.at(name), name < 'X' ? 6 : 4));
+    line =
+        fmt::format("LIN {{{}{}{}}}{}", fmt::join(whole, ","), rest.empty() ? "" : ",", rest, match[3].str());
+  }
+  return Join(lines);
+}
 
 std::vector<TextEdit> Damages() {
   std::vector<TextEdit> edits = {

@@ -19,4 +19,8 @@ struct TextEdit {
 std::vector<TextEdit> Damages();
 std::vector<TextEdit> HarmlessEdits();
 
+/// A KRL text whose LINs name every word, as those that stay are left out: for edits of single words. Other
+/// texts as they are.
+std::string WithWholeLines(const std::string& text);
+
 }  // namespace millpose

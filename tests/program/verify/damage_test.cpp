@@ -29,7 +29,7 @@ class DamagedProgram : public testing::TestWithParam<std::string> {
   VerifyOptions options = SampleOptions(plan);
   ProgramFiles files = post->Write(Prepared(program, GetParam(), settings, plan.arm), plan.arm, settings);
   std::string name = files.rbegin()->first;  // .src comes after .dat
-  std::string text = files.rbegin()->second;
+  std::string text = WithWholeLines(files.rbegin()->second);
   MotionProgram as_written = post->Read(files, plan.arm, settings);
 
   void SetUp() override { options.written = &as_written; }

@@ -152,6 +152,7 @@ PreparedJob Prepare(const JobInputs& inputs, const CheckpointStore& checkpoints,
   for (const std::string& hole : made.holes_left_out) made.findings.push_back("NOT MACHINED: " + hole);
   std::vector<std::string> warnings = std::move(part.warnings);
   std::ranges::copy(made.warnings, std::back_inserter(warnings));
+  made.notes.insert(made.notes.begin(), inputs.cell.notes.begin(), inputs.cell.notes.end());
   std::ranges::copy(made.notes, std::back_inserter(warnings));
   const World world(cell);
   PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, cell);

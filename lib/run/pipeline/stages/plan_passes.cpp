@@ -48,9 +48,9 @@ PlannedPasses PlanPasses(const Stations& stations, const PassesToPlan& request, 
     first_points[i] = first_points[i - 1] + toolpath.passes[i - 1].points.size();
 
   // A job of few passes spends its threads inside them.
-  const Execution inner{count >= static_cast<size_t>(threads) ? 1 : threads, execution.progress,
-                        execution.stop,
-                        execution.Memory() / static_cast<double>(std::clamp<size_t>(count, 1, std::max(1, threads)))};
+  const Execution inner{
+      count >= static_cast<size_t>(threads) ? 1 : threads, execution.progress, execution.stop,
+      execution.Memory() / static_cast<double>(std::clamp<size_t>(count, 1, std::max(1, threads)))};
   PlannedPasses planned;
   planned.passes.resize(count);
   std::atomic<size_t> resumed = 0;
