@@ -13,7 +13,6 @@ class Alone : public testing::TestWithParam<std::string> {
  protected:
   PlantProgram program{GetParam()};
 
-  std::string Cut() const { return GetParam() == "krl" ? "LIN " : "G1 "; }
   std::string End() const { return GetParam() == "krl" ? "END" : GetParam() == "sinumerik" ? "M30" : "M2"; }
   void ExpectSaid(const std::string& words) const {
     const std::string said = program.Alone();
@@ -59,7 +58,7 @@ TEST_P(Alone, CallsOfTheCellsTextsStandInThem) {
 TEST_P(Alone, NoProgramEndsInACut) {
   const size_t end = program.Find(program.Mark(false, 1));
   for (const size_t before :
-       {size_t{1}, size_t{2}, size_t{3}}) {  // in the cut, at its end, behind the retract
+       {size_t{1}, size_t{2}, size_t{3}}) {  // behind the retract, at the end of the cut, in it
     PlantProgram cut(GetParam());
     cut.lines.resize(end - before + 1);
     cut.lines.push_back(End());
@@ -70,12 +69,15 @@ TEST_P(Alone, NoProgramEndsInACut) {
 TEST_P(Alone, ACutRunsNoFasterThanTheHeaderStates) {
   if (GetParam() == "krl") {
     program.Insert(program.Find("LIN ", 3), "$VEL.CP = 0.05");
+  } else if (GetParam() == "sinumerik") {
+    program.lines[program.Find("G1 ", 3)] += " F3000";
   } else {
-    const size_t cut = program.Find(Cut(), GetParam() == "sinumerik" ? 3 : 20);
-    if (GetParam() == "sinumerik")
-      program.lines[cut] += " F3000";
-    else
-      Replace(program.Find(" F", 20), "F([0-9.]+)", "F$010");
+    size_t cut = program.Find("M62 P5");  // where the cut begins
+    while (!program.lines[cut].starts_with("G1 ")) ++cut;
+    std::string& line = program.lines[cut];
+    const size_t feed = line.find(" F");
+    ASSERT_NE(feed, std::string::npos) << line;
+    line = fmt::format("{} F{:.6f}", line.substr(0, feed), 30 * std::stod(line.substr(feed + 2)));
   }
   const std::string said = program.Alone();
   EXPECT_NE(said.find("mm/min at most in cuts"), std::string::npos) << said;
