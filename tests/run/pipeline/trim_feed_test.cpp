@@ -5,8 +5,8 @@
 #include "program/path_speed.hpp"
 #include "program/post_entry.hpp"
 #include "program/rounding.hpp"
-#include "tests/run/pipeline/small_job.hpp"
 #include "tests/geometry/shapes.hpp"
+#include "tests/run/pipeline/small_job.hpp"
 #include "tests/toolpath/skins.hpp"
 #include "toolpath/strategies/trim.hpp"
 
