@@ -41,7 +41,7 @@ TEST(ValueBytes, WhatIsCutElsewhereIsNotTheSame) {
 
 TEST(ValueBytes, SeesAllFieldsOfWhatStagesAreHanded) {
   using value_bytes_detail::CountFields;
-  static_assert(CountFields<Arm>() == 18);
+  static_assert(CountFields<Arm>() == 19);
   static_assert(CountFields<PathOptions>() == 17);
   static_assert(CountFields<GapOptions>() == 4);
   static_assert(CountFields<PoseProblem>() == 10);

@@ -78,7 +78,7 @@ TEST(ValueReader, KnowsWhatStagesReturn) {
   static_assert(CountFields<Interference>() == 4);
   static_assert(CountFields<PackedCurve>() == 8);
   static_assert(CountFields<FixedComparison>() == 6);
-  static_assert(CountFields<JobToolpath>() == 6);
+  static_assert(CountFields<JobToolpath>() == 8);
 }
 
 TEST(ValueBytes, HashesInPartsAsAWhole) {

@@ -175,7 +175,9 @@ TEST_F(OutputFolderTest, NothingOutsideIsTouchedWhateverAFolderHolds) {
       const fs::path place = base_ / "out" / name;
       fs::remove_all(place);
       const std::string what = kind;
-      if (what == "pipe") ASSERT_EQ(::mkfifo(place.c_str(), 0600), 0);
+      if (what == "pipe") {
+        ASSERT_EQ(::mkfifo(place.c_str(), 0600), 0);
+      }
       if (what == "folder") fs::create_directories(place / "krl");
       if (what == "link to a folder") fs::create_symlink("../outside", place);
       if (what == "link to a file") fs::create_symlink("../outside/victim", place);
