@@ -121,7 +121,7 @@ class Plan(Row):
 
 
 class PlanOfOperations(Plan):
-    quick = 4
+    quick = 3
     OPERATIONS = "operations:\n  - {{name: a}}\n  - {{name: b, process: {{spindle_rpm: {}}}}}\n"
 
     def prepare(self):
@@ -148,7 +148,7 @@ class Share(Row):
 
 
 class Batch(Row):
-    quick = 4
+    quick = 3
 
     def prepare(self):
         (self.top / "job.yaml").write_text(self.text)
@@ -173,7 +173,7 @@ class Batch(Row):
 
 class BatchOnSlurm(Batch):
     """Submitted and not waited for: what is written is what the tasks are to read."""
-    quick = 4
+    quick = 3
     adds = True
 
     def environment(self):
@@ -243,7 +243,7 @@ class Identify(Row):
 
 
 class Calibrate(Row):
-    quick = 7
+    quick = 6
     part = staticmethod(of_folder)
 
     def prepare(self):
@@ -341,6 +341,7 @@ class Commands(unittest.TestCase):
                 self.assertFalse((self.folder / "count").exists())  # nothing was counted
 
 
+    @unittest.skipUnless(ALL, "slow")
     def test_init_goes_on_from_where_it_was_killed(self):
         row = Init(self.folder / "now")
         self.assertEqual(run(row.command(), row.top, count=self.folder / "count").returncode, 0)
