@@ -193,7 +193,7 @@ TEST_P(EachPost, SplitsBehindRetractsOnly) {
   settings.max_motions = 18;
   EXPECT_EQ(post->Write(program, plan.arm, settings).size(), files.size() + 2);
   settings.max_motions = 1400;
-  settings.max_kbytes = 2;
+  settings.max_kbytes = 1;
   EXPECT_GT(post->Write(program, plan.arm, settings).size(), files.size());
 }
 

@@ -23,8 +23,9 @@ std::string KrlSays(const std::string& statement, const std::string& pattern = "
   ProgramLines sample("krl");
   if (settings) sample.settings = *settings;
   sample.Insert(sample.Find(pattern, nth), statement);
-  const std::vector<Problem> problems = sample.Problems();
-  return problems.empty() ? "" : problems[0].message;
+  std::string said;
+  for (const Problem& problem : sample.Problems()) said += problem.message + "\n";
+  return said;
 }
 
 TEST(ShopStatements, HarmlessKrlIsReadOutsideCuts) {
@@ -162,7 +163,7 @@ TEST(SinumerikWords, AreTheCells) {
   for (const auto& [from, to] :
        {std::pair{" A2=", " A="}, {" C2=", " RX="}, {" ORIRPY ", " ORIRPY2 "}, {" ORIRPY ", " ORIEULER "}}) {
     std::string text = own.Text();
-    text.replace(text.find(from), std::string(from).size(), to);
+    text.replace(text.rfind(from), std::string(from).size(), to);
     EXPECT_THROW(own.post->Read({{own.files.begin()->first, text}}, own.plan.arm, own.settings), InputError)
         << to;
   }

@@ -423,8 +423,9 @@ class KrlReader : public ProgramReader {
     for (const std::string name : {"X", "Y", "Z", "A", "B", "C"}) {
       if (!fields.contains(name) && last_.contains(name)) fields[name] = last_[name];
     }
-    ExpectAll(scan, fields, {"X", "Y", "Z", "A", "B", "C"});
     last_ = fields;
+    for (const std::string name : {"X", "Y", "Z", "A", "B", "C"}) last_.try_emplace(name, 0);  // told once
+    ExpectAll(scan, fields, {"X", "Y", "Z", "A", "B", "C"});
     Pose X_PT = krl::PoseOf(fields);
     X_PT.linear() = X_PT.linear() * settings_.R_TC().transpose();
     return X_PT;
