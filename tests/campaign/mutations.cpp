@@ -350,6 +350,9 @@ bool Mutant::MustPass() const {
       "digit changed", "digit dropped",    "digit doubled", "sign", "blank",        "tab in front",
       "blanks behind", "lower case",       "remark behind", "CRLF", "block number", "insert ",
       "insert    ",    "insert ; a remark"};
+  // A frame that is stated again says the same, also where another follows before any motion.
+  for (const char* word : {"$BASE", "$TOOL", "$P_UIFR"})
+    if (before.starts_with(word)) return false;
   // The check of the controller's frame is read as one text.
   for (const char* word : {"MP_", "LOOP", "HALT", "ENDLOOP", "ENDIF"})
     if (before.find(word) != std::string::npos) return false;
