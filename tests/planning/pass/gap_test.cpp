@@ -117,8 +117,9 @@ TEST(Gap, KeepsALimitThatCouplesAxes) {
   ASSERT_GT(most(free), limit.at_most - GapOptions{}.leave.limit_margin) << "it binds";
   const World world(cell);
   const Gap gap = PlanGap(world, from, to, {}, {});
-  if (gap.planned) ExpectGood(world, gap, from, to);
-  if (gap.planned) EXPECT_LE(most(gap), limit.at_most - GapOptions{}.leave.limit_margin + 1e-9);
+  ASSERT_TRUE(gap.planned);
+  ExpectGood(world, gap, from, to);
+  EXPECT_LE(most(gap), limit.at_most - GapOptions{}.leave.limit_margin + 1e-9);
 }
 
 TEST(Gap, ARetractKeepsALimitThatCouplesAxes) {
