@@ -51,6 +51,7 @@ bodies:
   - {name: c, class: fixture, mount: tool, shape: {cone: {diameter_mm: 9, top_diameter_mm: 1, length_mm: 6}}}
   - {name: d, class: fixture, mount: base, shape: {mesh: {file: "a: b.stl", unit: in}}}
   - {name: e, class: fixture, mount: world, shape: {convex: {points_mm: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.1]]}}}
+external_axes: [{name: table, kind: rotary, carries: workpiece, axis: [0, 0, 1], origin_mm: [1, 2, 3], limits_deg: [-30, 30], speed_deg_s: 10, acceleration_deg_s2: 20}]
 reproduction_only: true
 controllers:
   krl:
