@@ -141,7 +141,10 @@ TEST_F(ArmArrives, WhatIsStatedAgainstTheControllersZeroIsAWarning) {
 
 TEST_F(ArmArrives, ControllersWithoutAZeroOfTheirOwnMustBeTold) {
   for (const std::string controller : {"sinumerik", "linuxcnc"}) {
-    const std::string frame = controller == "sinumerik" ? "settable_frame: 505" : "tool_axis: z";
+    const std::string frame = controller == "sinumerik"
+                                  ? "settable_frame: 505, stat_a5_positive: true, orientation_words: {names: "
+                                    "[A2, B2, C2], group: orirpy}"
+                                  : "tool_axis: z";
     const std::string error = ErrorOf(fmt::format("controllers: {{{}: {{{}}}}}\n", controller, frame), urdf_);
     ExpectPart(error, fmt::format("cell.yaml:17: controllers.{}: axis_signs and axis_offsets_deg are missing",
                                   controller));
@@ -168,7 +171,8 @@ TEST_F(ArmArrives, RightAnglesOfFewDigitsAreRightAngles) {
     ExpectPart(snapped.notes[0], rounded + " of joints taken for a right angle (line");
   }
   // With more digits it was measured: nothing is snapped, and the tolerance decides.
-  ExpectPart(ErrorOf("", With(urdf_, "-1.5707963267948966 0 0", "-1.57098123 0 0")), "arm.urdf.tolerance_mm");
+  ExpectPart(ErrorOf("", With(urdf_, "\"0 1.5707963267948966 0\"", "\"0 1.57098123 0\"")),
+             "arm.urdf.tolerance_mm");
 }
 
 TEST_F(ArmArrives, ARightAngleRoundedTooFarIsRefused) {

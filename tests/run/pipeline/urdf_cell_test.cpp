@@ -161,6 +161,10 @@ TEST_F(UrdfCell, MeshesAreFoundInTheirPackages) {
     for (const auto& v : std::get<Triangles>(body.shape).vertices) longest = std::max(longest, v.norm());
     EXPECT_NEAR(longest, 200, 1e-9);
   }
+  WriteFileAtomically(
+      base_ / "description" / "meshes" / "one.stl",
+      "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 100 0 0\nvertex 0 200 0\nendloop\n"
+      "endfacet\nendsolid s\n");
   EXPECT_EQ(
       ErrorOf(kCell, with_mesh("filename=\"../description/meshes/one.stl\" scale=\"0.001 0.001 0.001\"")),
       "accepted");
