@@ -122,11 +122,13 @@ TEST_P(EachPost, TextIsPlain) {
 TEST_P(EachPost, RoundingKeepsTheTipAndTheMarks) {
   const MotionProgram read = Read(files);
   EXPECT_EQ(read.header, program.header);
-  ASSERT_EQ(read.events.size(), program.events.size());
-  for (size_t i = 0; i < read.events.size(); ++i) {
-    EXPECT_EQ(read.events[i].kind, program.events[i].kind);
-    EXPECT_NEAR(read.events[i].value, program.events[i].value, 1e-9);
-    EXPECT_EQ(read.events[i].piece, program.events[i].piece);
+  std::vector<ProgramEvent> events = read.events;  // those that no plan has are of texts alone
+  std::erase_if(events, [](const ProgramEvent& event) { return event.kind >= ProgramEvent::Kind::kText; });
+  ASSERT_EQ(events.size(), program.events.size());
+  for (size_t i = 0; i < events.size(); ++i) {
+    EXPECT_EQ(events[i].kind, program.events[i].kind);
+    EXPECT_NEAR(events[i].value, program.events[i].value, 1e-9);
+    EXPECT_EQ(events[i].piece, program.events[i].piece);
   }
   if (ControllerOf(GetParam()) == "linuxcnc") return;  // has more motions, see below
   ASSERT_EQ(read.motions.size(), program.motions.size());
