@@ -79,7 +79,7 @@ class Standing(unittest.TestCase):
             job = BENCH.job("support_pad", [*asked, cell, (r"programs: .*", "programs: [sinumerik]")], "asked")
             result = BENCH.run(command, job)
             self.assertEqual(result.returncode, 2, result.stdout)
-            self.assertRegex(result.stderr, r"axes\.yaml: controllers\.sinumerik.external_axes: the cell's axis 'rail' is missing")
+            self.assertRegex(result.stderr, r"axes\.yaml:\d+:\d+: controllers\.sinumerik.external_axes: the cell's axis 'rail' is missing")
 
     def test_programs_of_the_sample_rail_drive_e1(self):
         external = "external: [{axis: rail, scope: constant, at_mm: -300}]\ntoolpath:"

@@ -174,7 +174,7 @@ TEST(SampleSchema, WhatAJobLacksTheSchemaTells) {
     EXPECT_NE(at, std::string::npos) << key;
     return job.substr(0, at) + job.substr(job.find('\n', at + 1));
   };
-  for (const char* key : {"feed_mm_min", "spindle_rpm", "strategy", "mesh"})
+  for (const char* key : {"feed_mm_min", "spindle_rpm", "strategy", "unit"})
     EXPECT_NE(ProblemsOf(without(key), JobSchema()), std::vector<std::string>{}) << key;
   std::string unknown = job;
   EXPECT_NE(ProblemsOf(unknown + "nosuch: 1\n", JobSchema()), std::vector<std::string>{});
