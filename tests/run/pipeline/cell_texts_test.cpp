@@ -43,7 +43,6 @@ TEST(ToolNamesOfACell, AreRefusedAtTheirLineWhereProgramsAreAskedFor) {
                                     {"mill-20", true},
                                     {"Fr\u00e4ser", false},
                                     {"\u00d820", false},
-                                    {"", false},
                                     {"mill(20)", false}}) {
     std::string changed = text;
     const CellSettings cell =

@@ -78,7 +78,7 @@ TEST_F(OutputFolderTest, WhatAKilledRunLeftHalfWrittenIsRemoved) {
 
 TEST_F(OutputFolderTest, WhatALiveProcessWritesAndWhatIsTheUsersStays) {
   { const OutputFolder made(base_ / "out", FolderUse::kResults); }
-  const fs::path live = base_ / "out" / TemporaryName("owner"), users = base_ / "out" / "notes.tmp";
+  const fs::path live = base_ / "out" / TemporaryName("points.csv"), users = base_ / "out" / "notes.tmp";
   WriteFileAtomically(live, "half");
   WriteFileAtomically(users, "the user's");
   { const OutputFolder again(base_ / "out", FolderUse::kResults); }
