@@ -249,7 +249,7 @@ TEST(VerifyPrograms, OfAFolderConfirmsWhatPlanWroteAndNothingElse) {
 TEST(VerifyPrograms, OfOneProgramNeedsItsCellAndSaysWhatItRestsOn) {
   VerifyArguments arguments;
   arguments.target = Planned().out() / "programs/linuxcnc/support_pad.ngc";
-  EXPECT_NE(RefusalOf([&] { VerifyPrograms(arguments, Silent(), {}); }).find("--cell CELL.yaml expected"),
+  EXPECT_NE(RefusalOf([&] { VerifyPrograms(arguments, Silent(), {}); }).find("--cell CELL.yaml or "),
             std::string::npos);
   arguments.cell = Planned().job() / "cell.yaml";
   const std::vector<VerifiedProgram> alone = VerifyPrograms(arguments, Silent(), {});
