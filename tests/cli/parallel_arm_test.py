@@ -106,7 +106,7 @@ class ParallelArm(unittest.TestCase):
         self.assertFalse(folder.exists())
         cell = BENCH.top / "cells/ur10e.yaml"
         text = cell.read_text(encoding="utf-8")
-        (BENCH.top / "cells/both.yaml").write_text(text + "  sinumerik: {settable_frame: 505}\n", encoding="utf-8")
+        (BENCH.top / "cells/both.yaml").write_text(text + "  sinumerik: {settable_frame: 505, orientation_words: {names: [A2, B2, C2], group: orirpy}, stat_a5_positive: false}\n", encoding="utf-8")
         both = BENCH.job("ur10e_pad", [("ur10e.yaml", "both.yaml")], "both")
         result = BENCH.run("check", both)
         self.assertEqual(result.returncode, 2)
