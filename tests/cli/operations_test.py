@@ -132,6 +132,8 @@ class Operations(InFolder):
                                             ("sinumerik", r"\bM3\b", r"\bM5\b", r"\bM6\b"), ("linuxcnc", r"\bM3\b", r"\bM5\b", r"\bM6\b")):
             folder = self.out / "programs" / controller
             text = "".join(path.read_text() for path in sorted(folder.iterdir()) if re.search(r"_[0-9a-z]{5}\.(?!dat)\w+$", path.name))
+            if controller != "krl":  # whose change of the tool is told to a person
+                text = re.sub(r"\([^)\n]*\)|;.*", "", text)
             order = re.findall(f"({on})|({off})|({change})", text)
             self.assertEqual([next(i for i, word in enumerate(words) if word) for words in order], [2, 0, 1] * 3, controller)
 
@@ -309,8 +311,10 @@ class Operations(InFolder):
         self.assertEqual(self.plan(small()).returncode, 0)
         for one, folder in zip(found, FOLDERS, strict=True):
             planned = json.loads((self.out / "operations" / folder / "summary.json").read_text())
-            self.assertEqual(one["points"], planned["points"]["total"])
-            self.assertEqual(one["reach"]["admissible"], planned["points"]["planned"])
+            # A plan may put points between those that are laid (PlanFiner).
+            self.assertLessEqual(one["points"], planned["points"]["total"])
+            self.assertEqual(one["reach"]["admissible"], one["points"])
+            self.assertEqual(planned["points"]["planned"], planned["points"]["total"])
             self.assertIn(f"\noperation           {folder[3:]}\n", told.stdout)
         moved = run("check", self.folder / "job.yaml", "--view", page, "-q")
         self.assertEqual(moved.stdout, told.stdout)
