@@ -374,10 +374,12 @@ class Place(InFolder):
             # Every station's job plans as it is, to what was planned, with programs of its own.
             again = self.folder / f"again_{number}"
             self.assertEqual(run("plan", self.folder / f"panel.station_{number}.yaml", "-o", again, "-q").returncode, 0)
-            for name in ("points.csv", f"programs/krl/long_standing_pan_s{number}.src"):
+            (source,) = (again / "programs" / "krl").glob(f"*_s{number}.src")
+            self.assertRegex(source.name, r"^long_stan\w*_[0-9a-z]{5}_s\d+\.src$")
+            for name in ("points.csv", f"programs/krl/{source.name}"):
                 self.assertEqual((again / name).read_bytes(), (out / station["folder"] / name).read_bytes())
             self.assertEqual(run("verify", out / station["folder"]).returncode, 0)
-            bases.add(re.search(r"\$BASE *= *\{.*\}", (again / f"programs/krl/long_standing_pan_s{number}.src").read_text())[0])
+            bases.add(re.search(r"\$BASE *= *\{.*\}", source.read_text())[0])
             self.assertEqual([(one["coordinate"], one["by"]) for one in station["sensitivity"]],
                              [(key, by) for key in ("x_mm", "y_mm", "z_mm") for by in (-20, 20)])
         self.assertEqual(len(bases), len(split["stations"]))
