@@ -3,10 +3,11 @@
 # work or trouble; all it says goes to stderr.
 
 # millpose_run_logged <what fails> <command…>: runs it with its output in build/setup.log, shown only when it fails.
+# What the command writes to descriptor 8 is shown at once.
 millpose_run_logged() {
   local what=$1 log=$top/build/setup.log
   shift
-  "$@" >"$log" 2>&1 && return
+  "$@" 8>&2 >"$log" 2>&1 && return
   cat "$log" >&2
   echo "millpose: $what failed (see above, also in $log)" >&2
   exit 3
@@ -40,6 +41,28 @@ millpose_up_to_date() {
   [ -f "$1/build.ninja" ] && [ "$(ninja -C "$1" -n "$2" 2>/dev/null | tail -n 1)" = "ninja: no work to do." ]
 }
 
+# millpose_build <build folder> <target>: ninja, with its count and the time left on descriptor 8: a line that moves on a
+# terminal, else one a minute. The time left takes all steps for alike.
+millpose_build() {
+  local began=$SECONDS shown=$SECONDS
+  ninja -C "$1" "$2" | while IFS= read -r line; do
+    printf '%s\n' "$line"
+    [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
+    local done=${BASH_REMATCH[1]} all=${BASH_REMATCH[2]} took=$((SECONDS - began))
+    local left=$((done > 0 ? took * (all - done) / done : 0))
+    local text="millpose: step $done of $all, $((took / 60)) min $((took % 60)) s, about $((left / 60)) min $((left % 60)) s left"
+    if [ -t 8 ]; then
+      printf '\r%-78s' "$text" >&8
+    elif ((SECONDS - shown >= 60)); then
+      shown=$SECONDS
+      printf '%s\n' "$text" >&8
+    fi
+  done
+  local status=${PIPESTATUS[0]}
+  [ ! -t 8 ] || printf '\r%-78s\r' '' >&8
+  return "$status"
+}
+
 # millpose_setup <target> [<preset>]: installs, configures once and builds what is out of date.
 millpose_setup() {
   local target=$1 preset=${2:-release}
@@ -54,8 +77,8 @@ millpose_setup() {
     millpose_run_logged "configuring" env -C "$top" cmake --preset "$preset"
   fi
   if ! millpose_up_to_date "$build" "$target"; then
-    echo "millpose: building (the first time takes some minutes)" >&2
-    millpose_run_logged "building" ninja -C "$build" "$target"
+    echo "millpose: compiling the program; the first time takes about 10 minutes on two cores, later only what changed" >&2
+    millpose_run_logged "building" millpose_build "$build" "$target"
   fi
   exec 9>&-
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include "batch/batch.hpp"
+#include "run/batch/batch.hpp"
 #include "commands.hpp"
 
 namespace millpose {

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
-#include "base/file.hpp"
+#include "base/loose_file.hpp"
 #include "commands.hpp"
-#include "pipeline/calibrate_part.hpp"
-#include "yaml/edit.hpp"
+#include "run/pipeline/commands/calibrate_part.hpp"
+#include "base/yaml/edit.hpp"
 
 namespace millpose {
 namespace {
@@ -100,7 +100,9 @@ int Calibrate(const CalibrateOptions& options) {
     return kDone;
   }
   const std::string name = options.write_job.string();
-  WriteFileAtomically(name, yaml::WithKey(ReadFile(name), name, "process", "force_factors", factors));
+  EditLooseFile(name, [&](const std::string& text) {
+    return yaml::WithKey(text, name, "process", "force_factors", factors);
+  });
   fmt::print(stderr, "millpose: {} updated: process.force_factors: {}\n", name, factors);
   return kDone;
 }

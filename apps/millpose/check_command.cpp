@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "commands.hpp"
-#include "operations/check_job.hpp"
+#include "run/pipeline/operations/check_job.hpp"
 
 namespace millpose {
 namespace {

@@ -7,7 +7,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "commands.hpp"
-#include "stiffness/flatness.hpp"
+#include "machine/identification/flatness.hpp"
 
 namespace millpose {
 namespace {

@@ -6,13 +6,14 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "base/loose_file.hpp"
 #include "base/units.hpp"
 #include "commands.hpp"
-#include "config/measurements.hpp"
+#include "job/config/measurements.hpp"
 #include "job/assemble.hpp"
 #include "job/inputs.hpp"
-#include "stiffness/identify.hpp"
-#include "stiffness/plausibility.hpp"
+#include "machine/identification/identify.hpp"
+#include "machine/identification/plausibility.hpp"
 
 namespace millpose {
 namespace {
@@ -163,7 +164,8 @@ double UncertaintyOf(const JointEstimate& joint) {
 }
 
 void WriteCellFile(const IdentifyWords& options, const Task& task, const Identification& found) {
-  if (task.cell_file.lexically_normal() != std::filesystem::path(options.write_cell).lexically_normal())
+  std::error_code missing;  // is no other cell's name
+  if (!std::filesystem::equivalent(task.cell_file, options.write_cell, missing))
     throw InputError({options.write_cell}, fmt::format("--write-cell: another cell than the one read, {}",
                                                        task.cell_file.string()));
   IdentifiedStiffness written;
@@ -181,8 +183,9 @@ void WriteCellFile(const IdentifyWords& options, const Task& task, const Identif
   for (double& stiffness : written.stiffness) stiffness = std::stod(fmt::format("{:.4g}", stiffness));
   written.source = "millpose identify " + std::filesystem::path(options.file).filename().string();
   if (!kept.empty()) written.source += ", but as before:" + kept;
-  WriteFileAtomically(options.write_cell,
-                      ReplaceJointStiffness(ReadFile(options.write_cell), options.write_cell, written));
+  EditLooseFile(options.write_cell, [&](const std::string& text) {
+    return ReplaceJointStiffness(text, options.write_cell, written);
+  });
   const std::string note = kept.empty() ? "" : "; not determined and kept:" + kept;
   std::fputs(fmt::format("millpose: {} updated{}\n", options.write_cell, note).c_str(), stderr);
 }

@@ -6,8 +6,9 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "commands.hpp"
-#include "output/output_folder.hpp"
-#include "pipeline/explain_pose.hpp"
+#include "store/output_folder.hpp"
+#include "store/read_whole.hpp"
+#include "run/pipeline/commands/explain_pose.hpp"
 
 namespace millpose {
 namespace {
@@ -18,7 +19,7 @@ struct InspectWords {
   bool json = false;
 };
 
-int Inspect(const InspectWords& arguments) {
+std::string Told(const InspectWords& arguments) {
   RefuseSeveral(arguments.folder);
   const std::filesystem::path points_file = arguments.folder / "points.csv";
   const std::filesystem::path summary_file = arguments.folder / "summary.json";
@@ -31,7 +32,13 @@ int Inspect(const InspectWords& arguments) {
   PointStory story;
   if (arguments.options.point) story = TellPoint(arguments.folder, *arguments.options.point);
   const auto show = arguments.json ? InspectJson : InspectText;
-  fmt::print("{}", show(points, summary, summary_file.string(), arguments.options, story));
+  return show(points, summary, summary_file.string(), arguments.options, story);
+}
+
+int Inspect(const InspectWords& arguments) {
+  std::string text;
+  ReadWhole(arguments.folder, [&] { text = Told(arguments); });
+  fmt::print("{}", text);
   return kDone;
 }
 

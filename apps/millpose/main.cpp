@@ -11,10 +11,12 @@
 #include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <system_error>
 #include <thread>
 
 #include "base/error.hpp"
+#include "clean_output.hpp"
 #include "commands.hpp"
 #include "terminal_progress.hpp"
 
@@ -23,14 +25,16 @@ namespace {
 
 constexpr const char* kNoMemory =
     "out of memory: the job needs more than this machine, or a limit set on it, gives";
+constexpr const char* kNoThread =
+    "no thread to be had: the system, or a limit set on it (ulimit -u, pids.max), gives none";
 constexpr const char* kNoOutput = "cannot write to standard output";
-constexpr const char* kClearLine = "\r\x1b[K";  // of a bar that stands there
 
 // As fmt::print, for stderr: where nobody can read it, the work goes on.
 template <class... T>
 void ToStderr(fmt::format_string<T...> format, T&&... values) {
   const std::string text = fmt::format(format, std::forward<T>(values)...);
   std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
 }
 
 // What goes to stderr besides progress; JSON when progress is.
@@ -40,7 +44,8 @@ void Report(const std::string& text, int status, bool json) {
     const Json line{{"event", "error"}, {"status", status}, {"message", text}};
     ToStderr("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
   } else {
-    ToStderr("{}millpose: {}\n", isatty(STDERR_FILENO) != 0 ? kClearLine : "", text);
+    ClearLine();  // a bar may stand there
+    ToStderr("millpose: {}\n", text);
   }
 }
 
@@ -126,8 +131,8 @@ int RunGuarded(const Run& run, const Output& output) {
     return fail(kNoMemory, kInternalError);
   } catch (const std::exception& error) {
     const auto* system = dynamic_cast<const std::system_error*>(&error);
-    if (system && system->code() == std::errc::resource_unavailable_try_again)  // no room for a thread
-      return fail(kNoMemory, kInternalError);
+    if (system && system->code() == std::errc::resource_unavailable_try_again)
+      return fail(kNoThread, kBadInput);
     // fmt tells of a stream that cannot be written by an exception.
     if (std::ferror(stdout) != 0) return fail(kNoOutput, kBadInput);
     return fail(fmt::format("internal error: {}", error.what()), kInternalError);
@@ -163,9 +168,19 @@ void ReportUnknownArgument(const CLI::App& app) {
            command, near.empty() ? fmt::format("{} --help lists what is", command) : "nearest: " + near);
 }
 
+// Help, version, or what is wrong with the arguments; CLI11's own status.
+int TellParsing(const CLI::App& app, const CLI::Error& error) {
+  std::ostringstream out, wrong;
+  const int status = app.exit(error, out, wrong);
+  fmt::print("{}", out.str());
+  ToStderr("{}", wrong.str());
+  return status;
+}
+
 int Main(int argc, char** argv) {
   // A reader of stdout or stderr who goes away must not end a plan: writing then fails, and says so.
   std::signal(SIGPIPE, SIG_IGN);
+  CleanOutput();
   CLI::App app{
       "millpose: robotic milling in the best poses, without a GUI\n"
       "`millpose help COMMAND` explains one command.\n"
@@ -196,16 +211,21 @@ int Main(int argc, char** argv) {
   } catch (const CLI::RequiredError& error) {
     const std::vector<std::string> names = CommandNames(app);
     if (argc < 2 || argv[1][0] == '-' || std::ranges::find(names, argv[1]) != names.end())
-      return app.exit(error), kBadInput;
+      return TellParsing(app, error), kBadInput;
     ReportUnknownCommand(argv[1], names);
     return kBadInput;
   } catch (const CLI::ExtrasError&) {
     ReportUnknownArgument(app);
     return kBadInput;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kBadInput;
+    return TellParsing(app, error) == 0 ? kDone : kBadInput;
   }
-  return RunGuarded(run, output);
+  try {
+    return RunGuarded(run, output);
+  } catch (const std::system_error&) {  // not even for the signals
+    Report(kNoThread, kBadInput, output.json);
+    return kBadInput;
+  }
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "commands.hpp"
-#include "placement/run_place.hpp"
+#include "run/placement/run_place.hpp"
 
 namespace millpose {
 

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "commands.hpp"
-#include "config/batch_settings.hpp"
+#include "job/config/batch_settings.hpp"
 
 namespace millpose {
 

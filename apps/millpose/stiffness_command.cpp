@@ -6,11 +6,12 @@
 #include "base/csv.hpp"
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "base/loose_file.hpp"
 #include "base/units.hpp"
 #include "commands.hpp"
 #include "job/assemble.hpp"
 #include "job/inputs.hpp"
-#include "pose/map.hpp"
+#include "planning/pose/map.hpp"
 #include "stiffness_output.hpp"
 
 namespace millpose {
@@ -173,8 +174,8 @@ int Map(const StiffnessOptions& options, const Subject& subject) {
   const MapRequest request = MakeRequest(options, subject);
   const std::vector<MapPoint> points = DrawMap(request);
   if (!options.output.empty()) {
-    WriteFileAtomically(options.output + ".csv", MapToCsv(request, points));
-    WriteFileAtomically(options.output + ".vtk", MapToVtk(request, points));
+    WriteLooseFile(options.output + ".csv", MapToCsv(request, points));
+    WriteLooseFile(options.output + ".vtk", MapToVtk(request, points));
   }
   fmt::print("{}", options.json             ? MapAsJson(request, points)
                    : options.output.empty() ? MapToCsv(request, points)

@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "clean_output.hpp"
+
 namespace millpose {
 namespace {
 
@@ -48,8 +50,12 @@ void Write(const std::string& text) {
 
 }  // namespace
 
-TerminalProgress::TerminalProgress(ProgressForm form)
-    : form_(form), watch_([this](const std::stop_token& stop) { Watch(stop); }) {}
+TerminalProgress::TerminalProgress(ProgressForm form) : form_(form) {
+  try {
+    watch_ = std::jthread([this](const std::stop_token& stop) { Watch(stop); });
+  } catch (const std::system_error&) {  // no thread to be had: stages are told as they begin and end
+  }
+}
 
 void TerminalProgress::Begin(std::string_view stage, size_t total) {
   const std::lock_guard lock(mutex_);
@@ -89,8 +95,8 @@ void TerminalProgress::End(std::string_view outcome) {
   running_ = false;
   const Figures figures = Now(Clock::now());
   if (form_ == ProgressForm::kJson) return Write(Json("end", figures, outcome));
-  Write(fmt::format("{}{:<10} {:6.1f} s  {}\n", form_ == ProgressForm::kBar ? "\r\x1b[K" : "", stage_,
-                    figures.elapsed_s, outcome));
+  if (form_ == ProgressForm::kBar) ClearLine();
+  Write(fmt::format("{:<10} {:6.1f} s  {}\n", stage_, figures.elapsed_s, outcome));
 }
 
 TerminalProgress::Figures TerminalProgress::Now(Clock::time_point now) const {
@@ -143,8 +149,8 @@ void TerminalProgress::Show(Clock::time_point now) {
   const Figures figures = Now(now);
   if (form_ == ProgressForm::kJson) return Write(Json("running", figures, {}));
   if (form_ == ProgressForm::kLines) return Write(fmt::format("{:<10} {}\n", stage_, State(figures)));
-  Write(
-      fmt::format("\r\x1b[K{:<10} {} {}", stage_, figures.share ? Bar(*figures.share) : "", State(figures)));
+  ClearLine();
+  Write(fmt::format("{:<10} {} {}", stage_, figures.share ? Bar(*figures.share) : "", State(figures)));
 }
 
 void TerminalProgress::Watch(const std::stop_token& stop) {

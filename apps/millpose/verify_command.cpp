@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "commands.hpp"
-#include "operations/verify_job.hpp"
+#include "run/pipeline/operations/verify_job.hpp"
 
 namespace millpose {
 namespace {
@@ -29,10 +29,17 @@ void AddVerifyCommand(CLI::App& app, Run& run) {
       ->add_option(
           "DIR|PROGRAM", arguments->target,
           fmt::format("Output folder of millpose plan: its programs against its plan; or the main file of a "
-                      "program ({}): reach, limits, speeds, singularity, interference",
+                      "program ({}): reach, limits, speeds, singularity, interference, spindle; with --plan "
+                      "against its plan",
                       fmt::join(MainEndings(), ", ")))
       ->required();
-  command->add_option("--cell", arguments->cell, "Cell of a program (YAML)");
+  CLI::Option* cell = command->add_option("--cell", arguments->cell, "Cell of a program (YAML)");
+  command
+      ->add_option(
+          "--plan", arguments->plan,
+          "Output folder of millpose plan that a program was written in: the program, edited since or "
+          "not, against that plan")
+      ->excludes(cell);
   command->add_option("--tool", arguments->tool,
                       "Which of the cell's tools a program is for, where it has several");
   command->add_option("--job", arguments->job,
@@ -46,6 +53,9 @@ void AddVerifyCommand(CLI::App& app, Run& run) {
   const RootOption root = AddRootOption(*command);
   command->callback([&run, arguments, root] {
     run = [arguments, root](Session& session) {
+      if (arguments->plan && std::filesystem::is_directory(arguments->target))
+        throw InputError(Place{arguments->target.string(), 0, 0, -1},
+                         "a program expected: a folder is held against its own plan without --plan");
       arguments->root = FileRoot::Of(*root);
       return VerifyAndPrint(*arguments, session);
     };

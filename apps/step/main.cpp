@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// millpose-step CHORD_MM MEMORY_MB SECONDS: STEP on stdin, triangles on stdout (lib/surface/step_reader.hpp).
-// Lines
-// "progress PERCENT" on stderr. Exit status 2: the file cannot be read (why on stderr); 3: out of memory.
-// Signals end it at its other limits, and with its parent.
+// millpose-step CHORD_MM MEMORY_MB SECONDS: STEP on stdin, triangles on stdout
+// (lib/geometry/import/step_reader.hpp). Lines "progress PERCENT" on stderr. Exit status 2: the file cannot
+// be read (why on stderr); 3: out of memory. Signals end it at its other limits, and with its parent.
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -21,7 +20,7 @@
 #include "base/process.hpp"
 #include "base/text.hpp"
 #include "step_file.hpp"
-#include "surface/step_reader.hpp"
+#include "geometry/import/step_reader.hpp"
 
 namespace {
 

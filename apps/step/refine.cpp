@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "surface/edges.hpp"
+#include "geometry/mesh/edges.hpp"
 
 namespace millpose {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <iosfwd>
 
-#include "surface/raw_mesh.hpp"
+#include "geometry/import/raw_mesh.hpp"
 
 namespace millpose {
 

@@ -28,7 +28,9 @@ InputError::InputError(std::vector<Problem> problems) : problems_(std::move(prob
     if (problem.message.size() > kLongest) problem.message = Shown(problem.message, kLongest);
   for (const Problem& problem : problems_) {
     if (!text_.empty()) text_ += '\n';
-    const std::string place = ToString(problem.place);
+    std::string place = ToString(problem.place);
+    std::ranges::replace_if(
+        place, [](char c) { return c == '\n' || c == '\t'; }, '?');
     text_ += place.empty() ? problem.message : place + ": " + problem.message;
   }
   std::ranges::replace(text_, '\0', '?');  // what() ends at the first

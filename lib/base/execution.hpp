@@ -4,6 +4,7 @@
 #include <stop_token>
 #include <thread>
 
+#include "base/process.hpp"
 #include "base/progress.hpp"
 
 namespace millpose {
@@ -13,10 +14,12 @@ struct Execution {
   int threads = 0;                ///< 0: all cores
   Progress& progress = Silent();  ///< hears how far it has come
   std::stop_token stop = {};      ///< ends it with Interrupted
+  double memory = 0;              ///< bytes that candidates may take at a time; 0: half of the machine's
 
   int Threads() const {
     return threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency());
   }
+  double Memory() const { return memory > 0 ? memory : MachineMemory() / 2; }
 };
 
 }  // namespace millpose

@@ -5,13 +5,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
-#include <climits>
 #include <system_error>
 
 #include "base/error.hpp"
 #include "base/file_parts.hpp"
+#include "base/writer_name.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -45,21 +44,34 @@ void WriteAll(int file, std::string_view bytes, const fs::path& path) {
   }
 }
 
-void WriteAndSync(const std::string& temporary, const ByteSource& write, const fs::path& path) {
-  const Descriptor file{::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
+void WriteAndSync(int folder, const std::string& temporary, const ByteSource& write, const fs::path& path) {
+  const Descriptor file{
+      ::openat(folder, temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644)};
   if (file.value < 0) Fail(path, kNotWritten);
   write([&](std::string_view bytes) { WriteAll(file.value, bytes, path); });
   if (::fsync(file.value) != 0) Fail(path, kNotWritten);
 }
 
+void CheckIsFile(const fs::path& path, const struct stat& info) {
+  if (S_ISREG(info.st_mode)) return;
+  const std::string_view kind = S_ISDIR(info.st_mode)    ? "a folder"
+                                : S_ISFIFO(info.st_mode) ? "a FIFO"
+                                : S_ISSOCK(info.st_mode) ? "a socket"
+                                                         : "a device";
+  throw InputError({path.string()}, fmt::format("not a regular file but {}", kind));
+}
+
 }  // namespace
 
 std::string ReadFile(const fs::path& path, size_t max_bytes) {
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
-  if (file.value < 0) Fail(path, "cannot open");
   struct stat info {};
+  // Looked at before it is opened: opening a FIFO waits for its writer, opening a device may do anything.
+  if (::stat(path.c_str(), &info) != 0) Fail(path, "cannot open");
+  CheckIsFile(path, info);
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)};
+  if (file.value < 0) Fail(path, "cannot open");
   if (::fstat(file.value, &info) != 0) Fail(path, "cannot read");
-  if (!S_ISREG(info.st_mode)) throw InputError({path.string()}, "not a regular file");
+  CheckIsFile(path, info);
   const auto size = static_cast<size_t>(info.st_size);
   if (size > max_bytes)
     throw InputError({path.string()}, fmt::format("{} bytes, at most {} are allowed", size, max_bytes));
@@ -81,16 +93,19 @@ void WriteFileAtomically(const fs::path& path, std::string_view bytes) {
 }
 
 void WriteFileAtomically(const fs::path& path, const ByteSource& write) {
-  // Unique also among threads, and among machines that share the folder.
-  static std::atomic<unsigned> number = 0;
-  char host[HOST_NAME_MAX + 1] = "";
-  ::gethostname(host, sizeof host - 1);
-  const std::string temporary = fmt::format("{}.{}.{}.{}.tmp", path.string(), host, ::getpid(), number++);
+  const fs::path parent = path.has_parent_path() ? path.parent_path() : ".";
+  const Descriptor folder{::open(parent.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC)};
+  if (folder.value < 0) Fail(path, kNotWritten);
+  WriteFileAt(folder.value, path.filename().string(), path, write);
+}
+
+void WriteFileAt(int folder, const std::string& name, const fs::path& path, const ByteSource& write) {
+  const std::string temporary = TemporaryName(name);
   try {
-    WriteAndSync(temporary, write, path);
-    if (::rename(temporary.c_str(), path.c_str()) != 0) Fail(path, kNotWritten);
+    WriteAndSync(folder, temporary, write, path);
+    if (::renameat(folder, temporary.c_str(), folder, name.c_str()) != 0) Fail(path, kNotWritten);
   } catch (...) {
-    ::unlink(temporary.c_str());
+    ::unlinkat(folder, temporary.c_str(), 0);
     throw;
   }
 }

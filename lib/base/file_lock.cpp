@@ -5,18 +5,13 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <system_error>
 
-#include "base/error.hpp"
+#include "base/folder.hpp"
 
 namespace millpose {
 
 FileLock::FileLock(const std::filesystem::path& path)
-    : file_(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
-  if (file_ < 0)
-    throw InputError({path.string()},
-                     fmt::format("cannot write: {}", std::generic_category().message(errno)));
-}
+    : file_(Folder(path.parent_path()).OpenForLock(path.filename().string())) {}
 
 FileLock::~FileLock() { ::close(file_); }
 

@@ -12,7 +12,7 @@ class FileLock {
   enum class Kind : uint8_t { kShared, kExclusive };
   enum class Outcome : uint8_t { kHeld, kBusy, kNoLocksHere };
 
-  /// Opens the file, which is made where it is missing. Throws InputError.
+  /// Opens the file, which is made where it is missing. Throws InputError, also for what is no regular file.
   explicit FileLock(const std::filesystem::path& path);
   ~FileLock();
   FileLock(const FileLock&) = delete;

@@ -11,4 +11,8 @@ namespace millpose {
 /// passed on.
 void WriteFileAtomically(const std::filesystem::path& path, const ByteSource& write);
 
+/// The same for an entry of the open folder `folder` (a descriptor); `path` is what messages name.
+void WriteFileAt(int folder, const std::string& name, const std::filesystem::path& path,
+                 const ByteSource& write);
+
 }  // namespace millpose

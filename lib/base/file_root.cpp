@@ -6,6 +6,22 @@
 
 namespace millpose {
 namespace fs = std::filesystem;
+namespace {
+
+// What another run moves or removes meanwhile is no link.
+void RefuseLinks(const fs::path& folder) {
+  std::error_code gone;
+  if (!fs::is_directory(folder, gone)) return;
+  for (const fs::path& entry : EntriesOf(folder)) {
+    const fs::file_status status = fs::symlink_status(entry, gone);
+    if (fs::is_symlink(status))
+      throw InputError({entry.string()},
+                       "is a symbolic link; allowed in an output folder within --root: none");
+    if (fs::is_directory(status)) RefuseLinks(entry);
+  }
+}
+
+}  // namespace
 
 FileRoot::FileRoot(const fs::path& folder) {
   std::error_code error;
@@ -31,11 +47,7 @@ void FileRoot::Check(const fs::path& path) const {
 
 void FileRoot::CheckFolder(const fs::path& folder) const {
   Check(folder);
-  if (!folder_ || !fs::is_directory(folder)) return;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_symlink())
-      throw InputError({entry.path().string()},
-                       "is a symbolic link; allowed in an output folder within --root: none");
+  if (folder_) RefuseLinks(folder);
 }
 
 std::string FileRoot::Read(const fs::path& path, size_t max_bytes) const {

@@ -2,20 +2,20 @@
 // From settings, which config reads, to the values that the stages work on. The only place that knows both.
 #pragma once
 
-#include "cell/cell.hpp"
-#include "config/cell_settings.hpp"
-#include "config/job_settings.hpp"
-#include "gaps/gap_planner.hpp"
+#include "machine/collision/cell.hpp"
+#include "job/config/cell_settings.hpp"
+#include "job/config/job_settings.hpp"
+#include "planning/links/gap_planner.hpp"
 #include "job/inputs.hpp"
-#include "path/fixed_rotation.hpp"
-#include "path/pass_planner.hpp"
+#include "planning/pass/fixed_rotation.hpp"
+#include "planning/pass/pass_planner.hpp"
 #include "program/pose_text.hpp"
 #include "program/post.hpp"
-#include "stiffness/series.hpp"
-#include "surface/step_options.hpp"
+#include "machine/stiffness/series.hpp"
+#include "geometry/import/step_options.hpp"
 #include "toolpath/gouge.hpp"
 #include "toolpath/toolpath_options.hpp"
-#include "verify/verify.hpp"
+#include "program/verify/verify.hpp"
 
 namespace millpose {
 
@@ -43,8 +43,8 @@ Pose MakeToolPose(const ToolSettings& settings);
 /// The cell without a workpiece. `body_bytes` holds the mesh files that bodies name.
 Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::string>& body_bytes);
 
-/// A body that stands in the cell where the part must not be.
-Body MakeKeepOut(const KeepOutSettings& settings);
+/// A body that stands in the cell where the part must not be; `mesh_bytes`: JobInputs::keep_out_bytes.
+Body MakeKeepOut(const KeepOutSettings& settings, const std::map<std::string, std::string>& mesh_bytes);
 
 /// The cell with the stacks of all its tools in the spindle at once: what is free with it is free with any.
 Cell WithAllTools(Cell cell, const CellSettings& settings);

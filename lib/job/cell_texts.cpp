@@ -2,7 +2,7 @@
 #include "job/cell_texts.hpp"
 
 #include "base/units.hpp"
-#include "gaps/gap_planner.hpp"
+#include "planning/links/gap_planner.hpp"
 #include "job/assemble.hpp"
 #include "program/controller_axes.hpp"
 #include "program/external_axes.hpp"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "cell/world.hpp"
+#include "machine/collision/world.hpp"
 #include "job/inputs.hpp"
 #include "program/motion_program.hpp"
 

@@ -4,13 +4,13 @@
 #include <set>
 
 #include "base/parallel.hpp"
-#include "compensation/compensate.hpp"
-#include "gaps/job_planner.hpp"
-#include "gaps/retract.hpp"
-#include "graph/cut_check.hpp"
-#include "plan/station.hpp"
-#include "robot/angles.hpp"
-#include "verify/ride_way.hpp"
+#include "planning/compensation/compensate.hpp"
+#include "planning/links/job_planner.hpp"
+#include "planning/links/retract.hpp"
+#include "planning/pass/cut_check.hpp"
+#include "planning/result/station.hpp"
+#include "machine/robot/angles.hpp"
+#include "program/verify/ride_way.hpp"
 
 namespace millpose {
 namespace {

@@ -2,7 +2,7 @@
 #include "job/compensate_job.hpp"
 
 #include "base/trig.hpp"
-#include "compensation/gain.hpp"
+#include "planning/compensation/gain.hpp"
 #include "job/assemble.hpp"
 #include "job/commanded_free.hpp"
 #include "job/job_engagement.hpp"

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "compensation/compensate.hpp"
+#include "planning/compensation/compensate.hpp"
 #include "job/inputs.hpp"
-#include "stations/stations.hpp"
+#include "planning/external/stations.hpp"
 
 namespace millpose {
 

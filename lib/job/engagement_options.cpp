@@ -4,8 +4,8 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "job/assemble.hpp"
-#include "stiffness/cutting_material.hpp"
-#include "surface/mesh_import.hpp"
+#include "toolpath/engagement/cutting_material.hpp"
+#include "geometry/import/mesh_import.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {

@@ -2,7 +2,7 @@
 #include "job/exclude_pairs.hpp"
 
 #include "base/random.hpp"
-#include "cell/world.hpp"
+#include "machine/collision/world.hpp"
 #include "job/assemble.hpp"
 
 namespace millpose {

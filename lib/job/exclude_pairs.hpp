@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "config/cell_settings.hpp"
+#include "job/config/cell_settings.hpp"
 
 namespace millpose {
 

@@ -2,7 +2,7 @@
 #include "job/external_positions.hpp"
 
 #include "base/error.hpp"
-#include "pose/freedom_entry.hpp"
+#include "planning/pose/freedom_entry.hpp"
 
 namespace millpose {
 namespace {

@@ -2,8 +2,8 @@
 // What a job says of its cell's external axes.
 #pragma once
 
-#include "config/config.hpp"
-#include "robot/mechanism.hpp"
+#include "job/config/config.hpp"
+#include "machine/robot/mechanism.hpp"
 
 namespace millpose {
 

@@ -3,10 +3,12 @@
 
 #include "base/error.hpp"
 #include "base/hash.hpp"
-#include "config/config.hpp"
+#include "job/config/config.hpp"
+#include "job/arrival.hpp"
 #include "job/assemble.hpp"
 #include "job/cell_texts.hpp"
 #include "job/compensate_job.hpp"
+#include "job/controller_zero.hpp"
 #include "job/exclude_pairs.hpp"
 #include "job/external_positions.hpp"
 #include "job/lean_freedoms.hpp"
@@ -46,6 +48,32 @@ void CheckLinks(const CellSettings& cell, std::vector<Problem>& problems) {
                "bodies: {0} has no body, so its interference would never be found; add one with mount: "
                "{0}, or name it in interference.unchecked_links",
                mount)});
+  }
+}
+
+// Limits that couple axes bind something, leave something, and do not ask which revolution an axis is in.
+void CheckCoupledLimits(const CellSettings& cell, std::vector<Problem>& problems) {
+  const ArmSettings& arm = cell.arm;
+  for (size_t i = 0; i < arm.coupled_limits.size(); ++i) {
+    const CoupledLimit& limit = arm.coupled_limits[i];
+    const auto add = [&](const std::string& what) {
+      problems.push_back(
+          {{cell.file, arm.coupled_line}, fmt::format("arm.coupled_limits_deg[{}]: {}", i, what)});
+    };
+    double least = 0, most = 0;  // of the sum within the axes' own limits
+    for (int j = 0; j < 6; ++j) {
+      const double factor = limit.factors[j], a = factor * arm.lower[j], b = factor * arm.upper[j];
+      least += std::min(a, b);
+      most += std::max(a, b);
+      if (factor != 0 && arm.upper[j] - arm.lower[j] >= 2 * kPi)
+        add(fmt::format("axis {} has limits of a revolution and more; allowed: axes with less", j + 1));
+    }
+    if (most <= limit.at_most)
+      add(fmt::format("has no effect: within limits_deg the sum is at most {:.6g}°", RadToDeg(most)));
+    if (least > limit.at_most)
+      add(fmt::format("leaves nothing: within limits_deg the sum is at least {:.6g}°", RadToDeg(least)));
+    if (const double beyond = limit.Beyond(cell.home); beyond > kRevolutionRounding && most > limit.at_most)
+      add(fmt::format("home_deg is beyond it: {}", CoupledText(limit, cell.home)));
   }
 }
 
@@ -103,20 +131,25 @@ std::vector<std::string> CellWarnings(const CellSettings& cell) {
 
 CellSettings LoadCell(const std::filesystem::path& cell_file, std::map<std::string, std::string>* body_bytes,
                       const FileRoot& root, const std::optional<PoseSettings>& base) {
-  CellSettings cell = ParseCell(root.Read(cell_file), cell_file.string());
+  std::string text = root.Read(cell_file);
+  CellSettings cell = ParseCell(text, cell_file.string());
+  cell.text = std::move(text);
   if (base) cell.base_in_world = *base;
   cell.stated_base = cell.base_in_world;
   const bool from_urdf = !cell.arm.urdf.file.empty();
   ResolveUrdf(cell_file.parent_path(), root, &cell);
   std::vector<Problem> problems = CheckControllers(cell);
+  if (problems.empty()) problems = SettleControllerZeros(from_urdf, &cell);
   if (problems.empty()) problems = CheckCellTexts(cell);
   CheckLinks(cell, problems);
+  CheckCoupledLimits(cell, problems);
   for (const BodySettings& body : cell.bodies) {
     if (body.shape.kind != ShapeKind::kMesh || body_bytes->contains(body.shape.mesh_file)) continue;
     Collect(problems, [&] {
       (*body_bytes)[body.shape.mesh_file] = root.Read(cell_file.parent_path() / body.shape.mesh_file);
     });
   }
+  if (from_urdf && problems.empty()) problems = CheckLinkMeshes(cell, *body_bytes);
   if (!problems.empty()) throw InputError(std::move(problems));
   ExcludeTouchingNeighbours(*body_bytes, from_urdf, &cell);
   return cell;
@@ -145,6 +178,12 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
     Collect(problems, [&] { inputs.force_bytes = root.Read(folder / inputs.job.force_file); });
   if (const std::string file = inputs.job.toolpath.strategy->File(); !file.empty())
     Collect(problems, [&] { inputs.path_bytes = root.Read(folder / file); });
+  if (inputs.job.placement)
+    for (const KeepOutSettings& body : inputs.job.placement->keep_out)
+      if (body.shape.kind == ShapeKind::kMesh)
+        Collect(problems, [&] {
+          inputs.keep_out_bytes[body.shape.mesh_file] = root.Read(folder / body.shape.mesh_file);
+        });
   if (problems.empty()) CheckCutter(inputs, problems);
   if (problems.empty()) CheckLeanRanges(inputs, problems);
   if (problems.empty()) problems = CheckExternal(inputs.job, inputs.cell);

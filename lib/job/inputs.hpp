@@ -7,7 +7,7 @@
 #include <string>
 
 #include "base/file_root.hpp"
-#include "config/config.hpp"
+#include "job/config/config.hpp"
 
 namespace millpose {
 
@@ -25,6 +25,8 @@ struct JobInputs {
   std::string path_bytes;       ///< of the file that the strategy takes its path from
   std::map<std::string, std::string>
       body_bytes;  ///< of the mesh files that the cell's bodies name, by that name
+  std::map<std::string, std::string>
+      keep_out_bytes{};  ///< likewise of placement.keep_out; no plan needs them
   std::map<std::string, std::string>
       step_meshes{};  ///< STEP files that became triangles: hash of these by their key (step_meshes.hpp)
   std::string hash;   ///< of all of it, resolved

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "job/job_engagement.hpp"
 
-#include "cutting/entries.hpp"
+#include "toolpath/engagement/entries.hpp"
 #include "job/engagement_options.hpp"
 #include "job/lean_freedoms.hpp"
-#include "plan/skipped.hpp"
-#include "plan/station.hpp"
+#include "planning/result/skipped.hpp"
+#include "planning/result/station.hpp"
 #include "toolpath/make_toolpath.hpp"
 
 namespace millpose {

@@ -6,9 +6,9 @@
 
 #include "base/execution.hpp"
 #include "job/inputs.hpp"
-#include "plan/plan_result.hpp"
-#include "stiffness/process_force.hpp"
-#include "surface/mesh.hpp"
+#include "planning/result/plan_result.hpp"
+#include "toolpath/engagement/process_force.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {

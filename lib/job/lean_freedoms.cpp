@@ -2,8 +2,8 @@
 #include "job/lean_freedoms.hpp"
 
 #include "job/assemble.hpp"
-#include "pose/freedom_entry.hpp"
-#include "pose/lean_problem.hpp"
+#include "planning/pose/freedom_entry.hpp"
+#include "planning/pose/lean_problem.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {

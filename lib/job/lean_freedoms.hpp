@@ -4,8 +4,8 @@
 
 #include "base/error.hpp"
 #include "job/inputs.hpp"
-#include "pose/scorer.hpp"
-#include "surface/mesh.hpp"
+#include "planning/pose/scorer.hpp"
+#include "geometry/mesh/mesh.hpp"
 
 namespace millpose {
 

@@ -2,8 +2,8 @@
 #include "job/locate.hpp"
 
 #include "base/text.hpp"
-#include "config/operations.hpp"
-#include "yaml/value.hpp"
+#include "job/config/operations.hpp"
+#include "base/yaml/value.hpp"
 
 namespace millpose {
 namespace {
@@ -57,14 +57,15 @@ yaml::Mark MarkOf(const yaml::Value& root, std::string_view path) {
 
 InputError Located(const InputError& error, const JobInputs& inputs) {
   const std::string& job_file = inputs.job.file;
+  const InputError in_cell = LocatedInCell(error, inputs.cell);
   yaml::Value root;
   try {
     root = yaml::ReadYaml(inputs.job_text, job_file);
     if (inputs.operation && root.Find("operations")) root = config::OperationRoot(root, *inputs.operation);
   } catch (const InputError&) {
-    return error;
+    return in_cell;
   }
-  std::vector<Problem> problems = error.problems();
+  std::vector<Problem> problems = in_cell.problems();
   for (Problem& problem : problems) {
     if (problem.place.line != 0 || (!problem.place.file.empty() && problem.place.file != job_file)) continue;
     const std::string_view path = PathOf(problem.message);
@@ -73,6 +74,22 @@ InputError Located(const InputError& error, const JobInputs& inputs) {
     // A word that is no key of this job ("dry run: …") stays as it is.
     if (mark.line == 0 && problem.place.file.empty()) continue;
     problem.place = {job_file, mark.line, mark.column};
+  }
+  return InputError(std::move(problems));
+}
+
+InputError LocatedInCell(const InputError& error, const CellSettings& cell) {
+  std::vector<Problem> problems = error.problems();
+  const auto is_open = [&](const Problem& problem) {
+    return problem.place.line == 0 && !cell.file.empty() && problem.place.file == cell.file &&
+           !PathOf(problem.message).empty();
+  };
+  if (cell.text.empty() || std::ranges::none_of(problems, is_open)) return error;
+  const yaml::Value root = yaml::ReadYaml(cell.text, cell.file);
+  for (Problem& problem : problems) {
+    if (!is_open(problem)) continue;
+    const yaml::Mark mark = MarkOf(root, PathOf(problem.message));
+    problem.place = {cell.file, mark.line, mark.column};
   }
   return InputError(std::move(problems));
 }

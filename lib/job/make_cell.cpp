@@ -3,8 +3,8 @@
 #include "job/assemble.hpp"
 #include "job/workpiece.hpp"
 #include "program/controller_axes.hpp"
-#include "surface/mesh_import.hpp"
-#include "surface/point_fit.hpp"
+#include "geometry/import/mesh_import.hpp"
+#include "geometry/mesh/point_fit.hpp"
 
 namespace millpose {
 namespace {
@@ -98,6 +98,7 @@ Arm MakeArm(const ArmSettings& settings) {
   arm.offset = settings.offset;
   arm.lower = settings.lower;
   arm.upper = settings.upper;
+  arm.coupled_limits = settings.coupled_limits;
   arm.speed = settings.speed;
   arm.acceleration = settings.acceleration;
   arm.acceleration_assumed = settings.acceleration_assumed;
@@ -132,11 +133,11 @@ Cell MakeCell(const CellSettings& settings, const std::map<std::string, std::str
   return cell;
 }
 
-Body MakeKeepOut(const KeepOutSettings& settings) {
+Body MakeKeepOut(const KeepOutSettings& settings, const std::map<std::string, std::string>& mesh_bytes) {
   Body body;
   body.name = settings.name;
   body.X_MG = MakePose(settings.pose);
-  body.shape = MakeShape(settings.shape, {});
+  body.shape = MakeShape(settings.shape, mesh_bytes);
   return body;
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.hpp"
 #include "job/assemble.hpp"
-#include "pose/freedom_entry.hpp"
+#include "planning/pose/freedom_entry.hpp"
 #include "program/external_axes.hpp"
+#include "program/program_name.hpp"
 
 namespace millpose {
 
@@ -21,6 +22,8 @@ AdmissibleBounds MakeBounds(const JobSettings& job, const Arm& arm) {
       throw InputError({job.file},
                        fmt::format("limits: axis {} has no range left: {:.3f}..{:.3f} deg after the margin",
                                    i + 1, RadToDeg(bounds.lower[i]), RadToDeg(bounds.upper[i])));
+  bounds.coupled = arm.coupled_limits;
+  for (CoupledLimit& limit : bounds.coupled) limit.at_most -= job.limit_margin;
   bounds.dexterity_min = job.dexterity_min;
   bounds.wrist_min = job.wrist_min;
   bounds.elbow_min = job.elbow_min;
@@ -103,6 +106,7 @@ VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm) {
   options.angle_tolerance = job.program_options.path_angle;
   options.lower = arm.lower;
   options.upper = arm.upper;
+  options.coupled = arm.coupled_limits;
   options.swept_resolution = job.swept_resolution;
   options.clearance_reserve = job.swept_resolution;
   options.interference = job.program_options.dry_run_offset > 0;  // the lifted motions were never checked
@@ -136,6 +140,7 @@ PostSettings MakeTextSettings(const JobSettings& job, const CellSettings& cell,
   const ControllerOptions& options = found->second;
   PostSettings post;
   static_cast<PostOptions&>(post) = options.shared;
+  post.axes = post.Axes();
   post.X_FT = MakeToolPose(cell.tool);
   post.X_WB = MakePose(cell.base_in_world);
   post.mechanism = Mechanism(std::vector<ExternalAxis>(cell.external_axes.begin(), cell.external_axes.end()));
@@ -156,8 +161,14 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
   PostSettings post = MakeTextSettings(job, cell, controller);
   if (const std::string refusal = WhyNotWithAxes(post, controller); !refusal.empty())
     throw InputError(Place{cell.file, post.controller_axes_line}, refusal);
+  if (!IsToolName(post.tool_name))
+    throw InputError(
+        Place{cell.file, cell.tool.name_line},
+        fmt::format("tool.name: given '{}'; allowed where programs are written: 1 to 32 plain ASCII "
+                    "characters, none of \" ( ) {{ }} ;, blanks only one at a time between others",
+                    post.tool_name));
   if (const std::string refusal = cell.controllers.at(controller).post->WhyNotIn(post); !refusal.empty())
-    throw InputError(Place{cell.file}, refusal);
+    throw InputError(Place{cell.file, cell.controllers_line}, refusal);
   return post;
 }
 

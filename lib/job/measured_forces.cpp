@@ -3,7 +3,7 @@
 
 #include "base/csv.hpp"
 #include "base/error.hpp"
-#include "plan/station.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 namespace {

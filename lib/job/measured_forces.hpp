@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "compensation/compensate.hpp"
+#include "planning/compensation/compensate.hpp"
 #include "job/inputs.hpp"
 
 namespace millpose {

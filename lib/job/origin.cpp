@@ -5,8 +5,9 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
-#include "output/manifest.hpp"
-#include "output/output_folder.hpp"
+#include "base/folder.hpp"
+#include "store/manifest.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;
@@ -14,7 +15,8 @@ namespace {
 
 RunFigures::JobFolder ReadJobFolder(const fs::path& run_file, const FileRoot& root) {
   try {
-    const nlohmann::json run = nlohmann::json::parse(root.Read(run_file));
+    root.Check(run_file);
+    const nlohmann::json run = nlohmann::json::parse(Folder(run_file.parent_path()).Read(kRunFile));
     const nlohmann::json& folder = run.at("job_folder");
     return {folder.at("absolute").get<std::string>(), folder.at("relative").get<std::string>()};
   } catch (const nlohmann::json::exception& error) {
@@ -25,8 +27,8 @@ RunFigures::JobFolder ReadJobFolder(const fs::path& run_file, const FileRoot& ro
 
 // The job whose plan stands in the folder, if one does that says so.
 std::optional<RunFigures::JobFile> PlannedThere(const fs::path& out) {
-  if (!Exists(out / kRunFile)) return std::nullopt;
-  const nlohmann::json run = nlohmann::json::parse(ReadFile(out / kRunFile), nullptr, false);
+  if (!Exists(out) || Folder(out).KindOf(kRunFile) != Folder::Kind::kFile) return std::nullopt;
+  const nlohmann::json run = nlohmann::json::parse(Folder(out).Read(kRunFile), nullptr, false);
   if (!run.is_object() || !run.contains("job")) return std::nullopt;
   const nlohmann::json& job = run["job"];
   return RunFigures::JobFile{job.value("name", ""), job.value("file", "")};

@@ -4,11 +4,13 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/shown.hpp"
 #include "base/trig.hpp"
+#include "base/units.hpp"
 #include "job/assemble.hpp"
-#include "robot/denavit_hartenberg.hpp"
-#include "robot/joint_chain.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/denavit_hartenberg.hpp"
+#include "machine/robot/joint_chain.hpp"
+#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {
@@ -80,16 +82,24 @@ void TakeLengths(const Arm& from, ArmSettings& arm) {
 class Resolver {
  public:
   Resolver(const fs::path& folder, const FileRoot& root, CellSettings& cell)
-      : cell_(cell), root_(root), urdf_(cell.arm.urdf), file_((folder / urdf_.file).string()) {}
+      : cell_(cell),
+        root_(root),
+        urdf_(cell.arm.urdf),
+        file_((folder / urdf_.file).lexically_normal().string()) {}
 
   void Resolve() {
-    const UrdfModel model = ReadUrdf(root_.Read(file_, kMaxBytes), file_);
+    const UrdfModel model = ReadUrdf(root_.Read(file_, kMaxBytes), file_,
+                                     [&](const std::string& name) { return root_.Read(name, kMaxBytes); });
     const ChainOfLinks found = FindChain(model, urdf_.base_link, urdf_.flange_link);
     derived_ = DeriveArm(found.chain, urdf_.tolerance, file_);
-    FillArm(found.chain);
+    FillArm(model, found.chain);
     MoveToArm(derived_, cell_);
     for (const AttachedLink& link : found.links) AddBodies(found.chain, link);
     cell_.warnings = found.warnings;
+    cell_.notes = model.notes;
+    const auto& joints = found.chain.joints;
+    cell_.arm.joints = fmt::format("{} … {}, from {} to {} of {} (metres, radians)", joints.front().name,
+                                   joints.back().name, urdf_.base_link, urdf_.flange_link, urdf_.file);
     if (!problems_.empty()) throw InputError(std::move(problems_));
     cell_.arm.urdf = {};
   }
@@ -101,12 +111,27 @@ class Resolver {
     problems_.push_back({{cell_.file, urdf_.line}, "arm.urdf: " + std::move(message)});
   }
 
-  void FillArm(const JointChain& chain) {
+  // A joint that turns more often than cables bear is one whose limits were given in degrees.
+  void CheckLimits(const UrdfModel& model, const JointChain::Joint& joint) {
+    constexpr double kMost = 4 * kPi;
+    if (!joint.limited || (joint.lower >= -kMost && joint.upper <= kMost)) return;
+    const auto of_name = std::ranges::find(model.joints, joint.name, &UrdfJoint::name);
+    problems_.push_back(
+        {{file_, of_name->line},
+         fmt::format("joint '{}': limits {} to {} rad are {:.3g} revolutions; allowed: within ±{:.4g} rad "
+                     "(±720°); are they given in degrees? URDF has radians",
+                     Shown(joint.name), joint.lower, joint.upper, (joint.upper - joint.lower) / (2 * kPi),
+                     kMost)});
+  }
+
+  void FillArm(const UrdfModel& model, const JointChain& chain) {
     ArmSettings& arm = cell_.arm;
     const Arm& from = derived_.arm;
     TakeLengths(from, arm);
+    arm.deviation = derived_.deviation;
     const bool own_limits = arm.lower != arm.upper, own_speeds = !arm.speed.isZero(0.0);
     for (const JointChain::Joint& joint : chain.joints) {
+      if (!own_limits) CheckLimits(model, joint);
       if (!own_limits && !joint.limited) {
         AddToCell(fmt::format("joint '{}' is continuous, without limits; give arm.limits_deg", joint.name));
       }
@@ -133,6 +158,7 @@ class Resolver {
       BodySettings body;
       body.name = attached.link.name + (i == 0 ? "" : fmt::format("_{}", i + 1));
       body.body_class = BodyClass::kLink;
+      body.from_urdf = true;
       body.mount = {Mount::kLink, static_cast<int>(k)};
       body.pose = ToSettings(X_ModelLink * shapes[i].X_LG);
       if (FillShape(shapes[i], body.shape)) cell_.bodies.push_back(std::move(body));
@@ -214,6 +240,7 @@ void ResolveTable(CellSettings& cell) {
     const DerivedArm derived =
         DeriveArm(ChainOf(rows, table.convention), table.tolerance, cell.file, "arm.dh.tolerance_mm");
     TakeLengths(derived.arm, cell.arm);
+    cell.arm.deviation = derived.deviation;
     MoveToArm(derived, cell);
   } catch (const InputError& error) {
     std::vector<Problem> problems = error.problems();

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "base/file_root.hpp"
-#include "config/cell_settings.hpp"
+#include "job/config/cell_settings.hpp"
 
 namespace millpose {
 

@@ -3,11 +3,12 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "base/folder.hpp"
 #include "base/hash.hpp"
 #include "base/text.hpp"
 #include "job/assemble.hpp"
-#include "surface/mesh_import.hpp"
-#include "surface/step_reader.hpp"
+#include "geometry/import/mesh_import.hpp"
+#include "geometry/import/step_reader.hpp"
 
 namespace millpose {
 namespace {
@@ -51,8 +52,8 @@ void TakeFrom(const std::function<std::optional<std::string>(const std::string& 
 }
 
 std::optional<std::string> InResults(const std::filesystem::path& folder, const std::string& key) {
-  if (!Exists(folder / FileOf(key))) return std::nullopt;
-  return ReadFile(folder / FileOf(key));
+  if (!Exists(folder) || Folder(folder).KindOf(FileOf(key)) != Folder::Kind::kFile) return std::nullopt;
+  return Folder(folder).Read(FileOf(key));
 }
 
 // A body without one of its faces would be passed through there.

@@ -9,7 +9,7 @@
 #include <stop_token>
 
 #include "job/inputs.hpp"
-#include "output/output_folder.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 

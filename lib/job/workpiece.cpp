@@ -6,8 +6,8 @@
 #include "base/error.hpp"
 #include "base/process.hpp"
 #include "job/assemble.hpp"
-#include "robot/kinematics.hpp"
-#include "surface/step_reader.hpp"
+#include "machine/robot/kinematics.hpp"
+#include "geometry/import/step_reader.hpp"
 #include "toolpath/make_toolpath.hpp"
 #include "toolpath/strategy.hpp"
 
@@ -71,6 +71,25 @@ Part ReadPart(const JobInputs& inputs, const Cell& cell) {
   return part;
 }
 
+namespace {
+
+// The file's speed holds in place of the job's; what the cutter takes off is computed at the job's.
+void CompareSpeeds(const JobSettings& job, const std::string& file, JobToolpath& made) {
+  constexpr double kSameSpeed = 0.05 / 60;  // rev/s
+  if (!made.spindle_speed || std::abs(*made.spindle_speed - job.spindle_speed) <= kSameSpeed) return;
+  const std::string differ =
+      fmt::format("the file turns the spindle at {:.6g}/min, process.spindle_rpm says {:.6g}",
+                  60 * *made.spindle_speed, 60 * job.spindle_speed);
+  if (job.cutting)
+    throw InputError({file}, differ +
+                                 ": process.cutting needs them to be the same (or toolpath.cam.spindle: "
+                                 "cell, which takes the job's)");
+  made.warnings.push_back(
+      fmt::format("{}: {}: the file's holds (toolpath.cam.spindle: cell takes the job's)", file, differ));
+}
+
+}  // namespace
+
 JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop_token stop, int parts) {
   ToolpathOptions options = MakeToolpathOptions(inputs.job, inputs.cell.tool);
   options.parts = parts;
@@ -83,6 +102,9 @@ JobToolpath MakeJobToolpath(const JobInputs& inputs, const Mesh& mesh, std::stop
   made.findings = std::move(laid.findings);
   made.notes = std::move(laid.notes);
   made.holes_left_out = std::move(laid.holes_left_out);
+  made.source = std::move(laid.source);
+  made.spindle_speed = laid.spindle_speed;
+  CompareSpeeds(inputs.job, options.strategy->File(), made);
   return made;
 }
 

@@ -5,11 +5,12 @@
 #include <stop_token>
 
 #include "base/execution.hpp"
-#include "cell/cell.hpp"
+#include "machine/collision/cell.hpp"
 #include "job/inputs.hpp"
-#include "stations/external_course.hpp"
-#include "stations/stations.hpp"
-#include "surface/mesh_import.hpp"
+#include "planning/external/external_course.hpp"
+#include "planning/external/stations.hpp"
+#include "geometry/import/mesh_import.hpp"
+#include "toolpath/cam/cam_source.hpp"
 #include "toolpath/gouge.hpp"
 
 namespace millpose {
@@ -42,6 +43,8 @@ struct JobToolpath {
   std::vector<std::string> findings;        ///< of the strategy; gouges that stay in the path
   std::vector<std::string> notes;           ///< how a CAM path was read
   std::vector<std::string> holes_left_out;  ///< of a CAM path's cycles: not machined, one sentence each
+  std::optional<CamSource> source;          ///< of a CAM path
+  std::optional<double> spindle_speed;  ///< that a CAM path asks for, rev/s; it holds in place of the job's
 };
 
 /// Makes the job's tool path on the mesh, or imports it. Throws InputError when it holds no point;

@@ -2,4 +2,4 @@
 // The arm: forward kinematics, Jacobian, closed-form inverse.
 #pragma once
 
-#include "robot/arm.hpp"
+#include "machine/robot/arm.hpp"

@@ -2,4 +2,4 @@
 // CheckOperations(), CheckMesh(): reads everything, plans nothing.
 #pragma once
 
-#include "operations/check_job.hpp"
+#include "run/pipeline/operations/check_job.hpp"

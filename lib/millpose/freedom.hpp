@@ -2,4 +2,4 @@
 // Freedoms: in what a milling point may be taken differently; Freedoms().Add() registers one with its key.
 #pragma once
 
-#include "pose/freedom_entry.hpp"
+#include "planning/pose/freedom_entry.hpp"

@@ -2,4 +2,4 @@
 // Objectives: what is minimised at each point; Objectives().Add() registers one.
 #pragma once
 
-#include "pose/objective.hpp"
+#include "planning/pose/objective.hpp"

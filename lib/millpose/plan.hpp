@@ -2,4 +2,4 @@
 // RunPlan(): from a job file to a folder of programs and reports.
 #pragma once
 
-#include "pipeline/run.hpp"
+#include "run/pipeline/outputs/run.hpp"

@@ -2,4 +2,4 @@
 // PlanJob(): a job's plan as a value.
 #pragma once
 
-#include "pipeline/plan_job.hpp"
+#include "run/pipeline/stages/plan_job.hpp"

@@ -2,5 +2,5 @@
 // Compliance at the tool tip and its indices in the milling plane.
 #pragma once
 
-#include "stiffness/compliance.hpp"
-#include "stiffness/pose_stiffness.hpp"
+#include "machine/stiffness/compliance.hpp"
+#include "machine/stiffness/pose_stiffness.hpp"

@@ -3,9 +3,10 @@
 
 #include <cassert>
 
-#include "program/controller_axes.hpp"
 #include "program/post_keys.hpp"
+#include "program/program_name.hpp"
 #include "program/scanner.hpp"
+#include "program/writer.hpp"
 
 namespace millpose {
 namespace {
@@ -26,10 +27,14 @@ std::string CalledName(const CallingSyntax& syntax, const std::string& job) {
   return name;
 }
 
-std::string CommentLine(std::string text) {
-  for (char& c : text) c = c < ' ' || c > '~' ? '?' : c;
-  return "; " + text.substr(0, kWidth) + "\n";
+std::string Comments(const std::string& key, const std::string& value) {
+  std::string text;
+  for (const std::string& line : HeaderLines(key, value, kWidth)) text += "; " + line + "\n";
+  return text;
 }
+
+/// Whether the line holds a statement.
+bool HoldsCode(std::string_view line) { return !Trim(line).empty() && !Trim(line).starts_with(';'); }
 
 /// What a line calls; empty where it calls nothing.
 std::string CallIn(const CallingSyntax& syntax, std::string_view line) {
@@ -64,9 +69,9 @@ ProgramFiles WriteCalling(const CallingSyntax& syntax, const std::string& job,
                           const std::vector<CalledProgram>& programs) {
   const std::string name = ProgramName(syntax, job);
   std::string text = Filled(syntax.head, name);
-  for (const auto& [key, value] : header) text += CommentLine(fmt::format("{}: {}", key, value));
+  for (const auto& [key, value] : header) text += Comments(key, value);
   for (const CalledProgram& program : programs) {
-    for (const std::string& comment : program.comments) text += CommentLine(comment);
+    for (const auto& [key, value] : program.comments) text += Comments(key, value);
     text += Filled(syntax.call, program.name);
   }
   ProgramFiles files = {{name + syntax.ending, text + syntax.tail}};
@@ -74,21 +79,22 @@ ProgramFiles WriteCalling(const CallingSyntax& syntax, const std::string& job,
   return files;
 }
 
-std::vector<std::string> ReadCalling(const CallingSyntax& syntax, const std::string& job,
-                                     const ProgramFiles& files) {
-  const std::string name = ProgramName(syntax, job), file = name + syntax.ending;
-  const auto found = files.find(file);
-  if (found == files.end()) throw InputError({file}, "is missing");
+namespace {
+
+/// The calls in the main program `name`.
+std::vector<std::string> ReadCalls(const CallingSyntax& syntax, const std::string& name,
+                                   const std::string& text) {
+  const std::string file = name + syntax.ending;
   const std::string head = Filled(syntax.head, name);
   std::vector<std::string_view> before = SplitLines(head), behind = SplitLines(syntax.tail);
-  const auto empty = [](std::string_view line) { return Trim(line).empty() || Trim(line).starts_with(';'); };
+  const auto empty = [](std::string_view line) { return !HoldsCode(line); };
   std::erase_if(before, empty);
   std::erase_if(behind, empty);
   std::vector<std::string> calls;
   std::vector<Problem> problems;
   size_t next_before = 0, next_behind = 0;
   int number = 0;
-  for (const std::string_view line : SplitLines(found->second)) {
+  for (const std::string_view line : SplitLines(text)) {
     ++number;
     const auto add = [&](std::string message) {
       problems.push_back({{file, number, 0, -1}, std::move(message)});
@@ -110,6 +116,39 @@ std::vector<std::string> ReadCalling(const CallingSyntax& syntax, const std::str
     problems.push_back({{file, number, 0, -1}, "the end of the program is missing"});
   if (!problems.empty()) throw InputError(std::move(problems));
   return calls;
+}
+
+}  // namespace
+
+std::vector<std::string> ReadCalling(const CallingSyntax& syntax, const std::string& job,
+                                     const ProgramFiles& files) {
+  const std::string name = ProgramName(syntax, job), file = name + syntax.ending;
+  const auto found = files.find(file);
+  if (found == files.end()) throw InputError({file}, "is missing");
+  return ReadCalls(syntax, name, found->second);
+}
+
+std::vector<std::string> CallsOf(const CallingSyntax& syntax, const std::string& stem,
+                                 const std::string& text) {
+  try {
+    return ReadCalls(syntax, stem, text);
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+std::string AsStandingAlone(const CallingSyntax& syntax, const std::string& name, const std::string& text) {
+  const std::string head = Filled(syntax.called_head, name), tail = Filled(syntax.called_tail, name);
+  std::vector<std::string> lines;
+  for (const std::string_view line : SplitLines(text)) lines.emplace_back(line);
+  const auto first = std::ranges::find_if(lines, HoldsCode);
+  const auto last = std::find_if(lines.rbegin(), lines.rend(), HoldsCode);
+  if (last == lines.rend() || !SameWords(*last, tail.substr(0, tail.find('\n'))) ||
+      (!head.empty() && !SameWords(*first, head.substr(0, head.find('\n')))))
+    return text;
+  *last = syntax.tail.substr(0, syntax.tail.find('\n'));
+  if (!head.empty()) first->clear();
+  return fmt::format("{}\n", fmt::join(lines, "\n"));
 }
 
 }  // namespace millpose

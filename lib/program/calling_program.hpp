@@ -8,9 +8,9 @@ namespace millpose {
 
 /// A program that another one calls: the files of one that stands by itself, changed as little as that takes.
 struct CalledProgram {
-  std::string name;                   ///< by which it is called
-  ProgramFiles files;                 ///< by name
-  std::vector<std::string> comments;  ///< before its call
+  std::string name;                                                ///< by which it is called
+  ProgramFiles files;                                              ///< by name
+  std::vector<std::pair<std::string, std::string>> comments = {};  ///< key, value: before its call
 };
 
 /// The name of the main file of a program, without its ending.
@@ -30,5 +30,14 @@ ProgramFiles WriteCalling(const CallingSyntax& syntax, const std::string& job,
 /// line of everything that is neither a comment, nor one of these calls, nor what begins and ends a program.
 std::vector<std::string> ReadCalling(const CallingSyntax& syntax, const std::string& job,
                                      const ProgramFiles& files);
+
+/// What a main program that calls others and does nothing else calls; empty where `text`, the file of the
+/// name `stem`, is something else.
+std::vector<std::string> CallsOf(const CallingSyntax& syntax, const std::string& stem,
+                                 const std::string& text);
+
+/// The text of a program that is called as that of one that stands by itself, line for line; as it is where
+/// it is none.
+std::string AsStandingAlone(const CallingSyntax& syntax, const std::string& name, const std::string& text);
 
 }  // namespace millpose

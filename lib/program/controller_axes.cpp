@@ -49,15 +49,19 @@ Matrix3d FromAnglesZxz(const Vector3d& angles) {
   return About(2, angles[0]) * About(0, angles[1]) * About(2, angles[2]);
 }
 
+// The inverse of R = Rx(a)·Ry(b)·Rz(c) is Rz(−c)·Ry(−b)·Rx(−a), which counts as rpy does.
 Vector3d ToolAngles(AngleOrder rotation, const Matrix3d& R) {
+  if (rotation == AngleOrder::kRpy2) return -ToolAngles(AngleOrder::kRpy, R.transpose());
   return rotation == AngleOrder::kRpy ? Vector3d(AnglesZyx(R).reverse()) : AnglesZxz(R);
 }
 
 Matrix3d FromToolAngles(AngleOrder rotation, const Vector3d& abc) {
+  if (rotation == AngleOrder::kRpy2) return About(0, abc[0]) * About(1, abc[1]) * About(2, abc[2]);
   return rotation == AngleOrder::kRpy ? FromAnglesZyx(abc.reverse()) : FromAnglesZxz(abc);
 }
 
 Vector3d ToolAnglesNear(AngleOrder rotation, const Matrix3d& R, const Vector3d& near) {
+  if (rotation == AngleOrder::kRpy2) return -ToolAnglesNear(AngleOrder::kRpy, R.transpose(), -near);
   const bool rpy = rotation == AngleOrder::kRpy;
   const int outer = rpy ? 2 : 0, inner = 2 - outer;
   Vector3d first = ToolAngles(rotation, R);
@@ -79,16 +83,8 @@ Vector3d ToolAnglesNear(AngleOrder rotation, const Matrix3d& R, const Vector3d& 
   return (b - near).cwiseAbs().maxCoeff() < (a - near).cwiseAbs().maxCoeff() ? b : a;
 }
 
-Joints ToController(const AxisConvention& axes, const Joints& q) {
-  return axes.sign.cwiseProduct(q) + axes.offset;
-}
-
-Joints FromController(const AxisConvention& axes, const Joints& angles) {
-  return axes.sign.cwiseProduct(angles - axes.offset);
-}
-
 int ControllerTurn(const AxisConvention& axes, const Joints& q) {
-  const Joints angles = ToController(axes, q);
+  const Joints angles = axes.FromArm(q);
   int turn = 0;
   for (int i = 0; i < 6; ++i) turn |= (angles[i] < 0 ? 1 : 0) << i;
   return turn;
@@ -99,7 +95,7 @@ std::optional<Joints> AnglesAt(const Arm& arm, const AxisConvention& axes, const
   const InverseResult inverse = Inverse(arm, X_BF);
   for (int s = 0; s < inverse.count; ++s) {
     if (inverse.solutions[s].branch != status) continue;
-    Joints angles = ToController(axes, inverse.solutions[s].q);
+    Joints angles = axes.FromArm(inverse.solutions[s].q);
     for (int i = 0; i < 6; ++i) {
       angles[i] = std::remainder(angles[i], 2 * kPi);
       // At 0 the sign is a matter of the last bit: there either state of the turn bit means 0, not a full
@@ -108,7 +104,7 @@ std::optional<Joints> AnglesAt(const Arm& arm, const AxisConvention& axes, const
       if (negative && angles[i] > kZeroAngle) angles[i] -= 2 * kPi;
       if (!negative && angles[i] < -kZeroAngle) angles[i] += 2 * kPi;
     }
-    return FromController(axes, angles);
+    return axes.ToArm(angles);
   }
   return std::nullopt;
 }
@@ -119,22 +115,18 @@ int TurnAsWritten(const Arm& arm, const AxisConvention& axes, const Pose& X_BF, 
 
 double Rounded(double value, int decimals) { return ParseNumber(Fixed(value, decimals)).value(); }
 
+std::string Short(double number, int decimals) {
+  std::string text = Fixed(number, decimals);
+  if (text.find('.') == std::string::npos) return text;
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.ends_with('.')) text.pop_back();
+  return text;
+}
+
 std::string Fixed(double number, int decimals) {
   std::string text = fmt::format("{:.{}f}", number, decimals);
   if (text.starts_with('-') && text.find_first_not_of("-0.") == std::string::npos) text.erase(0, 1);
   return text;
-}
-
-std::string LegalName(const std::string& text, size_t longest, size_t letters) {
-  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-  std::string name;
-  for (const char c : text) name += is_letter(c) || (c >= '0' && c <= '9') ? c : '_';
-  const auto begins_well = [&] {
-    if (name.size() < letters) return false;
-    return std::all_of(name.begin(), name.begin() + static_cast<long>(letters), is_letter);
-  };
-  if (!begins_well()) name = "mp_" + name;
-  return name.substr(0, longest);
 }
 
 }  // namespace millpose

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "program/post.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 
@@ -19,18 +19,14 @@ Eigen::Matrix3d FromAnglesZyx(const Eigen::Vector3d& angles);
 Eigen::Vector3d AnglesZxz(const Eigen::Matrix3d& R);
 Eigen::Matrix3d FromAnglesZxz(const Eigen::Vector3d& angles);
 
-/// Angles A, B, C (rad) of R as SINUMERIK and LinuxCNC count: rpy R = Rz(C)·Ry(B)·Rx(A), euler
-/// R = Rz(A)·Rx(B)·Rz(C).
+/// Angles A, B, C (rad) of R as SINUMERIK and LinuxCNC count: rpy R = Rz(C)·Ry(B)·Rx(A), rpy2
+/// R = Rx(A)·Ry(B)·Rz(C), euler R = Rz(A)·Rx(B)·Rz(C).
 Eigen::Vector3d ToolAngles(AngleOrder rotation, const Eigen::Matrix3d& R);
 Eigen::Matrix3d FromToolAngles(AngleOrder rotation, const Eigen::Vector3d& abc);
 /// Of all A, B, C that give R the nearest to `near`, full revolutions included: what a control that runs the
-/// three angles evenly must be told. Where only the sum or difference of two is determined, the one about the
-/// outermost axis stays.
+/// three angles evenly must be told. Where only the sum or difference of two is determined, the one about Z
+/// that turns outermost (of rpy2: innermost) stays.
 Eigen::Vector3d ToolAnglesNear(AngleOrder rotation, const Eigen::Matrix3d& R, const Eigen::Vector3d& near);
-
-/// The controller's angles of the arm's angles `q`, and back; rad.
-Joints ToController(const AxisConvention& axes, const Joints& q);
-Joints FromController(const AxisConvention& axes, const Joints& angles);
 
 /// rad (0.001°): nearer to 0 the controller's own arithmetic decides what a turn bit means, 0 or a full
 /// revolution.
@@ -56,8 +52,7 @@ double Rounded(double value, int decimals);
 /// `number` with a fixed number of decimals; never "-0.000".
 std::string Fixed(double number, int decimals);
 
-/// `text` as a program name: ASCII letters, digits and '_', in at most `longest` characters, beginning with a
-/// letter (`letters` of them); other characters become '_'.
-std::string LegalName(const std::string& text, size_t longest, size_t letters);
+/// The same without zeros at its end: 2076, 0.5.
+std::string Short(double number, int decimals);
 
 }  // namespace millpose

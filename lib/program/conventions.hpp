@@ -23,9 +23,12 @@ Eigen::Vector3d DirectionOf(FrameAxis axis);
 /// follow by cyclic exchange, so z is the identity.
 Eigen::Matrix3d ToolAxis(FrameAxis axis);
 
-/// How SINUMERIK and LinuxCNC count A, B, C, see ToolAngles().
-enum class AngleOrder : uint8_t { kRpy, kEuler };
+/// How SINUMERIK and LinuxCNC count A, B, C, see ToolAngles(); kRpy2 SINUMERIK alone.
+enum class AngleOrder : uint8_t { kRpy, kEuler, kRpy2 };
 inline constexpr EnumWords<AngleOrder, 2> kAngleOrderWords = {
     {{"rpy", AngleOrder::kRpy}, {"euler", AngleOrder::kEuler}}};
+/// SINUMERIK's words of G group 50 for them.
+inline constexpr EnumWords<AngleOrder, 3> kOrientationGroupWords = {
+    {{"orirpy", AngleOrder::kRpy}, {"orirpy2", AngleOrder::kRpy2}, {"orieuler", AngleOrder::kEuler}}};
 
 }  // namespace millpose

@@ -3,9 +3,9 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "motion/line.hpp"
+#include "machine/motion/line.hpp"
 #include "program/controller_axes.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {
@@ -199,7 +199,7 @@ std::vector<size_t> StateEntriesByJoints(MotionProgram& program, const AxisConve
   for (size_t i = 0; i < program.motions.size(); ++i) {
     Motion& motion = program.motions[i];
     if (!motion.q || !motion.turn) continue;
-    const Joints angles = ToController(axes, *motion.q);
+    const Joints angles = axes.FromArm(*motion.q);
     if (std::ranges::none_of(angles, [&](double a) { return std::abs(std::remainder(a, 2 * kPi)) < least; }))
       continue;
     motion.status.reset();

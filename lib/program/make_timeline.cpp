@@ -2,7 +2,7 @@
 #include "program/make_timeline.hpp"
 
 #include "base/units.hpp"
-#include "plan/station.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "plan/timeline.hpp"
+#include "planning/result/timeline.hpp"
 #include "program/program_time.hpp"
 
 namespace millpose {

@@ -4,11 +4,11 @@
 #include <cassert>
 
 #include "base/error.hpp"
-#include "motion/line.hpp"
-#include "plan/station.hpp"
-#include "robot/angles.hpp"
-#include "robot/kinematics.hpp"
-#include "robot/position_between.hpp"
+#include "machine/motion/line.hpp"
+#include "planning/result/station.hpp"
+#include "machine/robot/angles.hpp"
+#include "machine/robot/kinematics.hpp"
+#include "machine/robot/position_between.hpp"
 
 namespace millpose {
 namespace {
@@ -276,6 +276,13 @@ MotionProgram MakeMotionProgram(const PlanResult& plan, const MotionOptions& opt
   }
   builder.AddCalls(true);
   return builder.Take();
+}
+
+std::string HeaderValue(const MotionProgram& program, const std::string& key) {
+  std::string whole;
+  for (const auto& [name, value] : program.header)
+    if (name == key) whole += (whole.empty() ? "" : " ") + value;
+  return whole;
 }
 
 bool MovesExternal(const MotionProgram& program, size_t i) {

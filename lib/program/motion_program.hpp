@@ -7,8 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "plan/plan_result.hpp"
+#include "planning/result/plan_result.hpp"
 #include "program/conventions.hpp"
+#include "machine/robot/axis_convention.hpp"
 
 namespace millpose {
 
@@ -71,8 +72,9 @@ struct PathOutput {
   bool at_begin = true;  ///< at the cut's first point, else at its last
 };
 
-/// What happens before a motion, at the place where the one before ends: spindle, marks, outputs; a handover
-/// is where a long piece goes on in another file; a dwell is a wait for some seconds.
+/// What happens before a motion, at the place where the one before ends. A handover is where a long piece
+/// goes on in another file; a dwell is a wait for some seconds. Those from kText on are made by texts and
+/// hands alone: only a program that was read has them.
 struct ProgramEvent {
   enum class Kind : uint8_t {
     kSpindleOn,
@@ -81,19 +83,21 @@ struct ProgramEvent {
     kPassEnd,
     kOutput,
     kHandover,
-    kDwell
+    kDwell,
+    kText,     ///< a text of the cell other than the spindle's; `text`: its name
+    kCall,     ///< of a program that the cell declares, outside of texts; `text`: name and arguments
+    kStop,     ///< until somebody goes on
+    kWait,     ///< for a condition
+    kMessage,  ///< to the operator
+    kTool      ///< words that change the tool, outside of texts
   } kind;
   size_t before_motion = 0;  ///< index into motions; motions.size() for the end
   double value = 0;          ///< spindle speed rev/s, pass number, or s of a dwell
   int piece = 0;             ///< of the pass
   PathOutput output;         ///< of kOutput
   int file = 0, line = 0;    ///< of the program text, when read
-};
-
-/// Controller angle = sign · A + offset: how a controller counts the arm's angles.
-struct AxisConvention {
-  Joints sign = Joints::Ones();
-  Joints offset = Joints::Zero();  ///< rad
+  std::string text = {};     ///< from kText on: upper case, single blanks
+  std::string of = {};       ///< of a kCall: the cell's text that makes this call; empty: none does
 };
 
 struct MotionProgram {
@@ -103,7 +107,7 @@ struct MotionProgram {
   Pose X_WB = Pose::Identity();  ///< of the cell, with all of them at 0; unset where there are none
   std::optional<Pose> X_BP;      ///< workpiece (base) frame in the robot's base; empty when the text has none
   std::optional<Pose> X_FT;      ///< tool in the flange; empty when the text has none
-  AxisConvention axes;           ///< that `turn` counts in
+  AxisConvention axes;           ///< of the controller, that `turn` counts in
   AngleOrder rotation = AngleOrder::kRpy;              ///< how `angles` of motions turn, see ToolAngles()
   Eigen::Matrix3d R_TC = Eigen::Matrix3d::Identity();  ///< controller's tool frame, whose `angles` these are
   bool blend_is_distance = false;  ///< of motions: from the corner to where its rounding may begin
@@ -118,9 +122,13 @@ struct MotionProgram {
   std::vector<Motion> motions;
   std::vector<ProgramEvent> events;  ///< ascending by before_motion
   std::vector<DeclaredCall> calls;   ///< that it makes, each once
+  bool switches_spindle = true;      ///< as read: the cell has a text that does
   std::string notice;                ///< shown to the operator before the first motion; empty: none
   std::vector<std::string> files;    ///< names of the texts it was read from
 };
+
+/// What the header says under `key`, which may go on in further lines of the key; empty where nothing.
+std::string HeaderValue(const MotionProgram& program, const std::string& key);
 
 /// The frame that a motion's target counts in, in the robot's base; empty when the text has none.
 inline const std::optional<Pose>& FrameOf(const MotionProgram& program, const Motion& motion) {

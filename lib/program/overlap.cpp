@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "program/overlap.hpp"
 
-#include "motion/corner.hpp"
+#include "machine/motion/corner.hpp"
 
 namespace millpose {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/pose_settings.hpp"
-#include "robot/arm.hpp"
+#include "machine/robot/arm.hpp"
 
 namespace millpose {
 

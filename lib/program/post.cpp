@@ -25,6 +25,19 @@ PathDynamics Post::Dynamics(const PostOptions& options) const {
   return dynamics;
 }
 
+std::vector<std::pair<std::string, std::string>> Post::BeforeFirstRun(const PostSettings& settings) const {
+  return {{"texts", TextsToTry(settings)}};
+}
+
+std::string TextsToTry(const PostSettings& settings) {
+  if (settings.texts.empty())
+    return "the cell gives none: the programs' own switch the spindle and ask for tools";
+  std::vector<std::string> names;
+  for (const auto& [name, text] : settings.texts) names.push_back(name);
+  return fmt::format("try by hand what the cell's texts switch, call and wait for: {}",
+                     fmt::join(names, ", "));
+}
+
 FrameTexts Post::Frames(const PostSettings& settings) const {
   return {settings.tool_name + " in the flange", "workpiece in the robot base", {}};
 }

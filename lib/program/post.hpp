@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "base/error.hpp"
-#include "motion/corner.hpp"
+#include "machine/motion/corner.hpp"
 #include "program/post_options.hpp"
 #include "program/program_time.hpp"
 #include "program/programmed_line.hpp"
@@ -23,6 +23,7 @@ struct ToolLoad {
 
 /// What a program needs to know beyond its motions and the controller's own options.
 struct PostSettings : PostOptions {
+  AxisConvention axes;             ///< how the controller counts the arm's angles
   Pose X_FT = Pose::Identity();    ///< tool in the flange, for programs that state none
   Pose X_WB = Pose::Identity();    ///< the robot's base in the cell, whose z points up
   Mechanism mechanism;             ///< the cell's external axes; X_WB holds with all of them at 0
@@ -92,6 +93,8 @@ class Post {
   /// The robot's base in that world, with the cell's external axes at 0, as the cell says that the controller
   /// has it.
   virtual Pose BaseInWorld(const PostSettings&) const { return Pose::Identity(); }
+  /// How it counts the inner angles of every arm that it runs, where its maker fixes that: signs and zero.
+  virtual std::optional<AxisConvention> OwnZero() const { return std::nullopt; }
   /// Whether its programs tell configurations by those of a spherical wrist.
   virtual bool NeedsSphericalWrist() const { return true; }
   /// Whether programs are read from a disk as they run: no file is too long, and entries are joint angles.
@@ -110,6 +113,11 @@ class Post {
   /// Why it cannot be programmed in a cell, in one sentence; empty where it can. The names of its external
   /// axes are known to be those of the cell.
   virtual std::string WhyNotIn(const PostSettings&) const { return {}; }
+  /// What the cell says of the controller and no program can check: one sentence each, for heads and reports.
+  virtual std::vector<std::string> Assumptions(const PostSettings&) const { return {}; }
+  /// What somebody does by hand before the first run in a cell, in that order: what it is about, and what to
+  /// do.
+  virtual std::vector<std::pair<std::string, std::string>> BeforeFirstRun(const PostSettings& settings) const;
   virtual FrameTexts Frames(const PostSettings& settings) const;
   /// Lines behind the change of tool that let nothing go on before the controller says that the right one is
   /// in the spindle; empty where it cannot tell.
@@ -128,6 +136,9 @@ class Post {
   /// ProgramReader::CheckTexts().
   virtual std::vector<Problem> CheckTexts(const Arm& arm, const PostSettings& settings) const = 0;
 };
+
+/// What to do about the cell's texts before a first run.
+std::string TextsToTry(const PostSettings& settings);
 
 /// The post registered under `name`, with default options; InputError with the nearest name when there is
 /// none.

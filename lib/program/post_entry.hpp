@@ -5,7 +5,7 @@
 #include "base/registry.hpp"
 #include "program/post.hpp"
 #include "program/post_keys.hpp"
-#include "yaml/lifted.hpp"
+#include "base/yaml/lifted.hpp"
 
 namespace millpose {
 

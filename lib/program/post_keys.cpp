@@ -130,6 +130,12 @@ void CheckAscii(const Value& texts, const Context& context) {
 
 }  // namespace
 
+AxisConvention PostOptions::Axes() const {
+  std::array<double, 6> signs{1, 1, 1, 1, 1, 1};
+  if (axis_signs) std::ranges::copy(*axis_signs, signs.begin());
+  return AxisConvention::OfSigns(signs, axis_offsets.value_or(Joints::Zero()));
+}
+
 bool IsWord(const std::string& name) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   return !name.empty() && name.size() <= 31 && letter(name[0]) &&
@@ -146,23 +152,18 @@ SharedKey RotationKey() {
                 "SINUMERIK (machine data ORI), Cartesian LinuxCNC: how A, B, C are counted.");
 }
 
+constexpr const char* kAxesDefault = "KRL: KUKA's own; else as the arm counts, needed with arm.urdf";
+
 SharedKey AxisSignsKey() {
-  return KeyBy<S, std::array<int, 6>>(
-      "axis_signs",
-      [](const S& s) {
-        std::array<int, 6> signs{};
-        for (size_t i = 0; i < 6; ++i) signs[i] = s.axes.sign[static_cast<int>(i)] < 0 ? -1 : 1;
-        return signs;
-      },
-      [](S& s, const std::array<int, 6>& signs) {
-        for (size_t i = 0; i < 6; ++i) s.axes.sign[static_cast<int>(i)] = signs[i];
-      },
-      Signs(), "Controller's angle = sign × arm's angle + offset.");
+  return Key<S>("axis_signs", MILLPOSE_AT(axis_signs), Maybe(Signs()),
+                "Controller's angle = sign × arm's angle + offset.")
+      .DefaultText(kAxesDefault);
 }
 
 SharedKey AxisOffsetsKey() {
-  return Key<S>("axis_offsets_deg", MILLPOSE_AT(axes.offset), Numbers6(kDeg, Between(-360, 360)),
-                "Controller's angle = sign × arm's angle + offset.");
+  return Key<S>("axis_offsets_deg", MILLPOSE_AT(axis_offsets), Maybe(Numbers6(kDeg, Between(-360, 360))),
+                "Controller's angle = sign × arm's angle + offset.")
+      .DefaultText(kAxesDefault);
 }
 
 SharedKey PathAccelerationKey() {

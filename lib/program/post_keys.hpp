@@ -4,7 +4,7 @@
 #pragma once
 
 #include "program/post_options.hpp"
-#include "yaml/section.hpp"
+#include "base/yaml/section.hpp"
 
 namespace millpose {
 

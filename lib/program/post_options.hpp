@@ -23,9 +23,12 @@ struct ControllerAxis {
 /// What more than one controller is reported in its section of the cell's `controllers:`. Every default here
 /// and only here; the keys stand in post_keys.cpp.
 struct PostOptions {
-  FrameAxis tool_axis = FrameAxis::kZ;      ///< of the controller's tool frame, along T's z
-  AngleOrder rotation = AngleOrder::kRpy;   ///< how A, B, C turn
-  AxisConvention axes;                      ///< controller angle = sign·A + offset
+  FrameAxis tool_axis = FrameAxis::kZ;     ///< of the controller's tool frame, along T's z
+  AngleOrder rotation = AngleOrder::kRpy;  ///< how A, B, C turn
+  /// Controller's angle = sign · arm's angle + offset (rad), as the cell states them, or once read what
+  /// follows where it need not (SettleControllerZeros).
+  std::optional<std::array<int, 6>> axis_signs;
+  std::optional<Joints> axis_offsets;
   std::optional<double> path_acceleration;  ///< mm/s², of the tip
   std::optional<double> cycle, block_time;  ///< s, for the estimate of the speed
   int max_motions = 1400;                   ///< per file; larger programs call sub-programs
@@ -37,6 +40,8 @@ struct PostOptions {
   std::map<std::string, int> text_lines;     ///< of the YAML, by event name, for later errors
   std::vector<DeclaredCall> calls;           ///< that texts may make
 
+  /// What axis_signs and axis_offsets say; as the arm counts where they are not given.
+  AxisConvention Axes() const;
   size_t max_bytes() const { return static_cast<size_t>(max_kbytes) * 1000; }
   /// The controller's tool frame C in T.
   Eigen::Matrix3d R_TC() const { return ToolAxis(tool_axis); }

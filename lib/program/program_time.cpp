@@ -7,9 +7,9 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "motion/line.hpp"
+#include "machine/motion/line.hpp"
 #include "program/controller_axes.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "motion/time_law.hpp"
-#include "plan/cycle_time.hpp"
+#include "machine/motion/time_law.hpp"
+#include "planning/result/cycle_time.hpp"
 #include "program/motion_program.hpp"
 
 namespace millpose {

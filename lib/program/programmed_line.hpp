@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-#include "motion/line.hpp"
+#include "machine/motion/line.hpp"
 #include "program/conventions.hpp"
 
 namespace millpose {

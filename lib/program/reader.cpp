@@ -31,6 +31,7 @@ ProgramReader::ProgramReader(const ProgramFiles& files, const PostSettings& sett
       templates_(std::move(templates)) {
   program_.axes = settings.axes;
   program_.external_axes = settings.mechanism.axes();
+  program_.switches_spindle = !templates_.Lines("spindle_on").empty();
   if (!external_.empty()) program_.X_WB = settings.X_WB;
 }
 
@@ -166,6 +167,18 @@ void ProgramReader::Allow(const LineScanner& scan, size_t start, Places places) 
              places);
 }
 
+void ProgramReader::AddHandEvent(ProgramEvent::Kind kind, std::string_view text) {
+  if (in_text_) return;
+  AddEvent(kind, 0, 0);
+  program_.events.back().text = Spelled(text);
+}
+
+void ProgramReader::ReadHandEvent(const LineScanner& scan, size_t start, ProgramEvent::Kind kind,
+                                  Places places) {
+  Allow(scan, start, places);
+  AddHandEvent(kind, scan.TakenFrom(start));
+}
+
 void ProgramReader::ReadDwell(const LineScanner& scan, size_t start, double seconds) {
   Allow(scan, start, kAtStops);
   AddEvent(ProgramEvent::Kind::kDwell, seconds, 0);
@@ -205,16 +218,18 @@ Motion& ProgramReader::AddMotion(MotionType type) {
 }
 
 void ProgramReader::ReadPassMark(LineScanner& scan, bool begin) {
-  int pass = 0, piece = 0;
+  double pass = 0, number = 0;
   try {
-    pass = static_cast<int>(scan.ExpectNumber());
+    pass = scan.ExpectNumber();
     scan.Expect("PIECE");
-    piece = static_cast<int>(scan.ExpectNumber());
+    number = scan.ExpectNumber();
   } catch (const InputError&) {
     return;
   }
+  if (pass != std::floor(pass) || number != std::floor(number)) return;
+  const int piece = static_cast<int>(number);
   AddEvent(begin ? ProgramEvent::Kind::kPassBegin : ProgramEvent::Kind::kPassEnd, pass, piece);
-  pass_ = begin ? pass : -1;
+  pass_ = begin ? static_cast<int>(pass) : -1;
   const std::string name = begin ? "pass_begin" : "pass_end";
   if (!templates_.Lines(name).empty()) awaited_ = name;
 }
@@ -225,7 +240,7 @@ void ProgramReader::AddOutput(const PathOutput& output) {
 }
 
 void ProgramReader::AddEvent(ProgramEvent::Kind kind, double value, int piece) {
-  program_.events.push_back({kind, program_.motions.size(), value, piece, {}, file_, line_});
+  program_.events.push_back({kind, program_.motions.size(), value, piece, {}, file_, line_, {}, {}});
 }
 
 }  // namespace millpose

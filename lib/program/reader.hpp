@@ -67,14 +67,21 @@ class ProgramReader {
 
   /// Whether the cell declares a call of this name.
   bool IsDeclared(const std::string& name) const;
-  /// What stands in brackets behind the name of a declared call, '(' taken: numbers, words, texts in quotes.
-  static void SkipArguments(LineScanner& scan);
-  /// A call that the cell declares: what it does to settings is unknown, where it leaves the arm is known.
-  /// False when `name` is no such call. The scanner stands behind name and arguments.
-  bool ReadDeclaredCall(const LineScanner& scan, size_t start, const std::string& name);
+  /// What stands in brackets behind the name of a declared call, '(' taken: numbers, words, texts in quotes;
+  /// returned as written by everybody alike.
+  static std::string ReadArguments(LineScanner& scan);
+  /// A call that the cell declares, with these arguments: what it does to settings is unknown, where it
+  /// leaves the arm is known. False when `name` is no such call. The scanner stands behind name and
+  /// arguments.
+  bool ReadDeclaredCall(const LineScanner& scan, size_t start, const std::string& name,
+                        const std::string& arguments);
   /// The line is one of a text of the cell.
   bool InText() const { return in_text_; }
 
+  /// Something that happens here, unless a text of the cell does it: that is one event as a whole.
+  void AddHandEvent(ProgramEvent::Kind kind, std::string_view text);
+  /// A stop, a wait, a message: what was read from `start` on, which may stand at `places` alone.
+  void ReadHandEvent(const LineScanner& scan, size_t start, ProgramEvent::Kind kind, Places places);
   /// A wait for so many seconds, read from `start` on.
   void ReadDwell(const LineScanner& scan, size_t start, double seconds);
   /// What was read from `start` on may stand at `places` alone; told at the end, when it is known where it
@@ -113,6 +120,7 @@ class ProgramReader {
   void AddChangeByHand();
   std::string MainFile();
   void AddEvent(ProgramEvent::Kind kind, double value, int piece);
+  void AddCall(const DeclaredCall& call, const std::string& arguments);
   void ExpectTexts(const std::vector<std::string>& names);
 
   const ProgramFiles& files_;

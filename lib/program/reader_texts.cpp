@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The texts of a cell and the calls that it declares, as readers of all controllers meet them.
+#include "base/text.hpp"
 #include "program/reader.hpp"
 
 namespace millpose {
@@ -25,11 +26,15 @@ size_t ProgramReader::ReadTexts(size_t i) {
 size_t ProgramReader::ReadText(const std::string& name, size_t i) {
   const bool repeats = name == "cartesian_on" || name == "joints_on" || name == awaited_;
   if (!repeats && seen_[name]) return 0;
-  const size_t taken = templates_.Recognise(name, lines_, i);
+  const bool awaited = name == awaited_;
+  const size_t taken = awaited ? templates_.Recognise(name, lines_, i, program_.events.back().value,
+                                                      program_.events.back().piece)
+                               : templates_.Recognise(name, lines_, i);
   if (taken == 0) return 0;
-  if (awaited_ == name) awaited_.reset();
+  if (awaited) awaited_.reset();
   seen_[name] = true;
   AllowText(name);
+  AddHandEvent(ProgramEvent::Kind::kText, name);
   ReadTextLines(i, name == "tool_change" ? templates_.BeforeCheck(lines_, i, taken) : taken);
   if (name == "tool_change" && IsChangeByHand()) AddChangeByHand();
   TextRead(name);
@@ -109,22 +114,38 @@ bool ProgramReader::IsDeclared(const std::string& name) const {
                      [&](const DeclaredCall& call) { return SameWords(call.name, name); });
 }
 
-void ProgramReader::SkipArguments(LineScanner& scan) {
-  if (scan.Accept(")")) return;
+/// Which text makes it tells what it is for.
+void ProgramReader::AddCall(const DeclaredCall& call, const std::string& arguments) {
+  if (in_text_) return;
+  AddEvent(ProgramEvent::Kind::kCall, 0, 0);
+  program_.events.back().text = fmt::format("{}({})", Spelled(call.name), arguments);
+  for (const std::string& text : Templates::Names())
+    if (templates_.Calls(text, {call}, false)) program_.events.back().of = text;
+}
+
+std::string ProgramReader::ReadArguments(LineScanner& scan) {
+  std::string arguments;
+  if (scan.Accept(")")) return arguments;
   do {
+    const size_t start = scan.Next();
     if (scan.Accept("\"")) {
       while (scan.Peek() != '"' && scan.Peek() != '\0') scan.Skip();
       scan.Expect("\"");
-    } else if (!scan.Accept("#") && scan.AcceptName()) {
-      continue;
-    } else if (!scan.AcceptName()) {
-      scan.ExpectNumber();
+      arguments += scan.TakenFrom(start);
+    } else if ((!scan.Accept("#") && scan.AcceptName()) || scan.AcceptName()) {
+      arguments += Spelled(scan.TakenFrom(start));
+    } else {
+      arguments += ShortestNumber(scan.ExpectNumber());
     }
+    arguments += ",";
   } while (scan.Accept(","));
   scan.Expect(")");
+  arguments.pop_back();
+  return arguments;
 }
 
-bool ProgramReader::ReadDeclaredCall(const LineScanner& scan, size_t start, const std::string& name) {
+bool ProgramReader::ReadDeclaredCall(const LineScanner& scan, size_t start, const std::string& name,
+                                     const std::string& arguments) {
   const auto declared = std::find_if(settings_.calls.begin(), settings_.calls.end(),
                                      [&](const DeclaredCall& call) { return SameWords(call.name, name); });
   if (declared == settings_.calls.end()) return false;
@@ -134,6 +155,7 @@ bool ProgramReader::ReadDeclaredCall(const LineScanner& scan, size_t start, cons
   const auto known = std::find_if(program_.calls.begin(), program_.calls.end(),
                                   [&](const DeclaredCall& call) { return call.name == declared->name; });
   const int index = static_cast<int>(known - program_.calls.begin());
+  AddCall(*declared, arguments);
   if (known == program_.calls.end()) program_.calls.push_back(*declared);
   if (declared->moves) {
     Motion& motion = program_.motions.emplace_back();

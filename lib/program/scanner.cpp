@@ -57,6 +57,20 @@ void LineScanner::SkipSpace() {
   while (position_ < line_.size() && IsSpace(line_[position_])) ++position_;
 }
 
+std::string Spelled(std::string_view text) {
+  std::string spelled;
+  bool blank = false;
+  for (const char c : Trim(text)) {
+    const bool white = c == ' ' || c == '\t';
+    if (!white) {
+      if (blank && IsWordCharacter(spelled.back()) && IsWordCharacter(c)) spelled += ' ';
+      spelled += Upper(c);
+    }
+    blank = white;
+  }
+  return spelled;
+}
+
 bool LineScanner::AtEnd() { return Peek() == '\0'; }
 
 char LineScanner::Peek() {
@@ -167,6 +181,13 @@ std::string LineScanner::Rest() {
   std::string rest(Trim(line_.substr(position_)));
   position_ = line_.size();
   return rest;
+}
+
+std::string LineScanner::TakeUntil(char end) {
+  const size_t stop = std::min(line_.find(end, position_), line_.size());
+  std::string taken(line_.substr(position_, stop - position_));
+  position_ = stop;
+  return taken;
 }
 
 size_t LineScanner::Next() {

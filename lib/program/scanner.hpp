@@ -23,6 +23,10 @@ bool IsWordCharacter(char c);
 /// Equal apart from case (ASCII) and the amount of white space.
 bool SameWords(std::string_view a, std::string_view b);
 
+/// In upper case (ASCII), with white space only between words, and single there: equal for all that look
+/// alike.
+std::string Spelled(std::string_view text);
+
 /// A cursor over one line. Words compare without case (ASCII). Expectations that fail throw InputError with
 /// file:line:column.
 class LineScanner {
@@ -48,6 +52,7 @@ class LineScanner {
   int ExpectBits();                         ///< 'B0101'
   std::optional<std::string> AcceptName();  ///< letters, digits, '_', '$'; upper case as written
   std::string Rest();                       ///< takes what is left, trimmed
+  std::string TakeUntil(char end);          ///< takes what stands before `end`, or before the line's end
   /// Where the next word begins, for FailFrom().
   size_t Next();
   /// What comes next is wrong.

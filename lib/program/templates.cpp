@@ -62,8 +62,8 @@ std::pair<size_t, std::string_view> NextHole(std::string_view pattern) {
   return next;
 }
 
-/// Whether `line` is `pattern` with values in place of its holes; the number in place of {rpm} goes to `rpm`.
-bool Matches(std::string_view pattern, std::string_view line, double& rpm) {
+/// Whether `line` is `pattern` with values in place of its holes; the numbers there go to `filled`.
+bool Matches(std::string_view pattern, std::string_view line, Templates::Filled& filled) {
   while (true) {
     const auto [at, hole] = NextHole(pattern);
     if (at == std::string_view::npos) return pattern == line;
@@ -76,7 +76,10 @@ bool Matches(std::string_view pattern, std::string_view line, double& rpm) {
     if (stop == std::string_view::npos || stop == 0) return false;
     const std::optional<double> value = ParseNumber(line.substr(0, stop));
     if (!value) return false;
-    if (hole == "{RPM}") rpm = *value;
+    std::vector<double>& values = hole == "{RPM}"    ? filled.rpm
+                                  : hole == "{PASS}" ? filled.pass
+                                                     : filled.piece;
+    values.push_back(*value);
     line.remove_prefix(stop);
   }
 }
@@ -145,7 +148,7 @@ Templates::Templates(std::map<std::string, std::string> defaults,
 
 std::string Templates::NameOf(ProgramEvent::Kind kind) {
   using Kind = ProgramEvent::Kind;
-  if (kind == Kind::kOutput || kind == Kind::kHandover || kind == Kind::kDwell) return {};
+  if (kind == Kind::kOutput || kind >= Kind::kHandover) return {};
   if (kind == Kind::kSpindleOn) return "spindle_on";
   if (kind == Kind::kSpindleOff) return "spindle_off";
   return kind == Kind::kPassBegin ? "pass_begin" : "pass_end";
@@ -167,7 +170,7 @@ const std::vector<std::string>& Templates::Lines(const std::string& name) const 
 
 /// How many lines from `first` on are the lines of the text, with blank lines between; 0 when they are not.
 size_t Templates::MatchAll(const std::string& name, const std::vector<std::string_view>& lines, size_t first,
-                           double& rpm) const {
+                           Filled& filled) const {
   size_t line = first;
   for (const std::string& pattern : texts_.at(name)) {
     while (line > first && line < lines.size() && Trim(lines[line]).empty()) ++line;
@@ -176,7 +179,7 @@ size_t Templates::MatchAll(const std::string& name, const std::vector<std::strin
     const std::string_view given = spelling_.numbers ? WithoutNumber(text) : text;
     const char begin = given.empty() ? '\0' : given.front();
     if (std::toupper(begin) != std::toupper(pattern.front()) && pattern.front() != '{') return 0;  // cheap
-    if (!Matches(Spelled(pattern), Spelled(given), rpm)) return 0;
+    if (!Matches(Spelled(pattern), Spelled(given), filled)) return 0;
     ++line;
   }
   return line - first;
@@ -188,20 +191,33 @@ std::string Templates::Spelled(std::string_view line) const {
 
 std::optional<Templates::Match> Templates::Recognise(const std::vector<std::string_view>& lines,
                                                      size_t first) const {
-  double rpm = 0;
-  if (const size_t taken = MatchAll("spindle_on", lines, first, rpm)) {
-    return Match{ProgramEvent::Kind::kSpindleOn, rpm / 60, taken};
+  Filled filled;
+  const auto fits = [&] {
+    return std::ranges::adjacent_find(filled.rpm, std::not_equal_to{}) == filled.rpm.end();
+  };
+  if (const size_t taken = MatchAll("spindle_on", lines, first, filled); taken > 0 && fits()) {
+    return Match{ProgramEvent::Kind::kSpindleOn, filled.rpm.empty() ? 0 : filled.rpm.back() / 60, taken};
   }
-  if (const size_t taken = MatchAll("spindle_off", lines, first, rpm)) {
-    return Match{ProgramEvent::Kind::kSpindleOff, rpm / 60, taken};
+  if (const size_t taken = MatchAll("spindle_off", lines, first, filled)) {
+    return Match{ProgramEvent::Kind::kSpindleOff, 0, taken};
   }
   return std::nullopt;
 }
 
 size_t Templates::Recognise(const std::string& name, const std::vector<std::string_view>& lines,
                             size_t first) const {
-  double rpm = 0;
-  return MatchAll(name, lines, first, rpm);
+  Filled filled;
+  return MatchAll(name, lines, first, filled);
+}
+
+size_t Templates::Recognise(const std::string& name, const std::vector<std::string_view>& lines, size_t first,
+                            double pass, double piece) const {
+  Filled filled;
+  const size_t taken = MatchAll(name, lines, first, filled);
+  const auto all = [](const std::vector<double>& values, double wanted) {
+    return std::ranges::all_of(values, [&](double value) { return value == wanted; });
+  };
+  return all(filled.pass, pass) && all(filled.piece, piece) ? taken : 0;
 }
 
 size_t Templates::BeforeCheck(const std::vector<std::string_view>& lines, size_t first, size_t count) const {

@@ -56,6 +56,15 @@ class Templates {
   /// How many lines from `first` on are the text `name`; 0 when they are not (or the text is empty).
   size_t Recognise(const std::string& name, const std::vector<std::string_view>& lines, size_t first) const;
 
+  /// Likewise of a text about a piece of a pass: with their numbers where it has holes for them.
+  size_t Recognise(const std::string& name, const std::vector<std::string_view>& lines, size_t first,
+                   double pass, double piece) const;
+
+  /// The numbers that a text's lines have in place of its holes.
+  struct Filled {
+    std::vector<double> rpm, pass, piece;
+  };
+
   /// How many of the `count` lines from `first` on, which are the text tool_change, stand before its check.
   size_t BeforeCheck(const std::vector<std::string_view>& lines, size_t first, size_t count) const;
 
@@ -67,7 +76,7 @@ class Templates {
  private:
   std::string Spelled(std::string_view line) const;
   size_t MatchAll(const std::string& name, const std::vector<std::string_view>& lines, size_t first,
-                  double& rpm) const;
+                  Filled& filled) const;
 
   std::map<std::string, std::vector<std::string>> texts_;
   size_t check_lines_ = 0;  // of tool_change, its last

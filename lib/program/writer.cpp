@@ -72,11 +72,8 @@ std::string ProgramWriter::MainText(const std::vector<std::string>& parts) const
 
 std::vector<std::string> ProgramWriter::HeaderTexts(size_t width) const {
   std::vector<std::string> texts;
-  for (const auto& [key, value] : program_.header) {
-    std::string text = fmt::format("{}: {}", key, value);
-    for (char& c : text) c = c < ' ' || c > '~' ? '?' : c;
-    texts.emplace_back(Trim(std::string_view(text).substr(0, width)));
-  }
+  for (const auto& [key, value] : program_.header)
+    std::ranges::copy(HeaderLines(key, value, width), std::back_inserter(texts));
   return texts;
 }
 
@@ -112,9 +109,26 @@ int ProgramWriter::TurnAt(const Motion& motion, const Pose& X_PC_as_written) con
   return TurnAsWritten(arm_, settings_.axes, X_BF, *motion.status, *motion.q);
 }
 
-std::string SubprogramName(const std::string& name, size_t index, size_t longest) {
-  const std::string number = fmt::format("_{:03}", index + 1);
-  return name.substr(0, longest - number.size()) + number;
+std::string PlainAscii(std::string text) {
+  for (char& c : text) c = c < ' ' || c > '~' ? '?' : c;
+  return text;
+}
+
+std::vector<std::string> HeaderLines(const std::string& key, const std::string& value, size_t width) {
+  const std::string plain = PlainAscii(value), begin = PlainAscii(key) + ": ";
+  const size_t room = width - std::min(begin.size(), width / 2);
+  std::vector<std::string> lines;
+  std::string_view rest = Trim(plain);
+  do {
+    size_t length = rest.size();
+    if (length > room) {
+      const size_t blank = rest.rfind(' ', room);
+      length = blank == std::string_view::npos || blank == 0 ? room : blank;
+    }
+    lines.emplace_back(Trim(begin + std::string(Trim(rest.substr(0, length)))));
+    rest = Trim(rest.substr(length));
+  } while (!rest.empty());
+  return lines;
 }
 
 }  // namespace millpose

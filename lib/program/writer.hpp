@@ -41,7 +41,7 @@ class ProgramWriter {
   /// What the main program holds of the sections, where `parts` are files of their own.
   std::string MainText(const std::vector<std::string>& parts) const;
 
-  /// "key: value" of the header, plain ASCII, at most `width` characters each.
+  /// "key: value" of the header, see HeaderLines().
   std::vector<std::string> HeaderTexts(size_t width) const;
   /// The lines of a text of the cell, each with its end, and the settings again behind a call. Empty for one
   /// whose call moves the arm, and for a change of tool away from home: it is written among the motions.
@@ -67,7 +67,11 @@ class ProgramWriter {
   std::vector<Section> sections_;
 };
 
-/// "NAME_001": the name of sub-program `index` (from 0), at most `longest` characters.
-std::string SubprogramName(const std::string& name, size_t index, size_t longest);
+/// `text` with '?' for every byte that is no printable ASCII character.
+std::string PlainAscii(std::string text);
+
+/// "key: value" as comments of at most `width` characters, plain ASCII. What does not fit goes on in further
+/// ones under the same key; each ends at the end of a word, unless the word is longer than a line.
+std::vector<std::string> HeaderLines(const std::string& key, const std::string& value, size_t width);
 
 }  // namespace millpose

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "report/html.hpp"
-#include "surface/mesh_parts.hpp"
+#include "geometry/import/mesh_parts.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "report/compensation.hpp"
 
-#include "plan/station.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "plan/fixed_comparison.hpp"
+#include "planning/result/fixed_comparison.hpp"
 
 namespace millpose {
 

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "cell/world.hpp"
-#include "plan/cycle_time.hpp"
-#include "plan/fixed_comparison.hpp"
-#include "plan/plan_result.hpp"
-#include "plan/timeline.hpp"
+#include "machine/collision/world.hpp"
+#include "planning/result/cycle_time.hpp"
+#include "planning/result/fixed_comparison.hpp"
+#include "planning/result/plan_result.hpp"
+#include "planning/result/timeline.hpp"
 #include "report/deflection.hpp"
 
 namespace millpose {

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "base/units.hpp"
-#include "plan/point_clearance.hpp"
+#include "planning/result/point_clearance.hpp"
 #include "report/compensation.hpp"
 #include "report/leans.hpp"
 
@@ -103,7 +103,9 @@ void AddMotion(const PlanResult& plan, Collector& c) {
   c.Add("limit_reserve", "to limit", "Distance of the nearest joint from its limit", "°", Worse::kLow,
         [&](const PassResult& pass, size_t i) -> Value {
           const Joints& q = pass.points[i].q;
-          return RadToDeg(std::min((q - arm.lower).minCoeff(), (arm.upper - q).minCoeff()));
+          double room = std::min((q - arm.lower).minCoeff(), (arm.upper - q).minCoeff());
+          for (const CoupledLimit& limit : arm.coupled_limits) room = std::min(room, -limit.Beyond(q));
+          return RadToDeg(room);
         });
   c.Add("speed_share", "v/vmax", "Fastest joint, share of its limit", "%", Worse::kHigh,
         [&](const PassResult& pass, size_t i) -> Value {

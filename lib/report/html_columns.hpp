@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "plan/plan_result.hpp"
+#include "planning/result/plan_result.hpp"
 #include "report/deflection.hpp"
 
 namespace millpose {

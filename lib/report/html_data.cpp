@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "base/units.hpp"
-#include "plan/skipped.hpp"
-#include "plan/station.hpp"
+#include "planning/result/skipped.hpp"
+#include "planning/result/station.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/html_columns.hpp"
 #include "report/html_json.hpp"

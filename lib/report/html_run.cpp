@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "base/units.hpp"
-#include "plan/station.hpp"
+#include "planning/result/station.hpp"
 #include "report/html_json.hpp"
 #include "report/packed.hpp"
 

@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "plan/point_clearance.hpp"
+#include "planning/result/point_clearance.hpp"
 #include "report/inspect.hpp"
 #include "report/lifts_json.hpp"
 #include "report/summary_version.hpp"

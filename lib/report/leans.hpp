@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "plan/plan_result.hpp"
+#include "planning/result/plan_result.hpp"
 #include "toolpath/lean_law.hpp"
 
 namespace millpose {

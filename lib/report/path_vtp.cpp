@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // VTK XML PolyData (the VTK file format specification, "vtkPolyData serial"): what ParaView opens.
 #include "base/units.hpp"
-#include "plan/station.hpp"
+#include "planning/result/station.hpp"
 #include "report/leans.hpp"
 #include "report/report.hpp"
 

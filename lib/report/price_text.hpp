@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "plan/price.hpp"
+#include "planning/result/price.hpp"
 
 namespace millpose {
 

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "base/byte_sink.hpp"
-#include "plan/continuity.hpp"
-#include "plan/cycle_time.hpp"
-#include "plan/fixed_comparison.hpp"
-#include "plan/plan_result.hpp"
-#include "plan/price.hpp"
+#include "planning/result/continuity.hpp"
+#include "planning/result/cycle_time.hpp"
+#include "planning/result/fixed_comparison.hpp"
+#include "planning/result/plan_result.hpp"
+#include "planning/result/price.hpp"
 #include "report/compensation.hpp"
 #include "report/deflection.hpp"
 #include "report/step_heights.hpp"
@@ -28,6 +28,13 @@ struct ReportedProgram {
   int points_near = 0;    ///< of the whole program: nearer to the one before than the least spacing
   bool verified = false;  ///< and so written
   std::string withheld;   ///< why it is not
+};
+
+/// What all files of one controller's program take.
+struct ProgramSize {
+  std::string controller;
+  size_t files = 0, bytes = 0;
+  size_t memory = 0;  ///< bytes that the controller has for them; 0: no such bound
 };
 
 /// What the audit found on a pair of bodies.
@@ -73,6 +80,7 @@ struct PathSpeed {
 /// What a report tells beyond the plan itself.
 struct ReportInputs {
   std::vector<ReportedProgram> programs;
+  std::vector<ProgramSize> program_sizes;
   std::vector<std::string> warnings;  ///< repairs of the mesh, doubtful units
   std::vector<std::string> findings;  ///< what stands in the way of trust, one sentence each
   std::optional<AuditFigures> audit;

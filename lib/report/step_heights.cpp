@@ -8,7 +8,7 @@
 
 #include "base/trig.hpp"
 #include "base/units.hpp"
-#include "plan/station.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "plan/plan_result.hpp"
+#include "planning/result/plan_result.hpp"
 
 namespace millpose {
 

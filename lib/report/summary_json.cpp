@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/units.hpp"
-#include "plan/station.hpp"
+#include "planning/result/station.hpp"
 #include "report/compensation_json.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/lifts_json.hpp"
@@ -245,6 +245,16 @@ Json ProgramsJson(const std::vector<ReportedProgram>& programs) {
   return list;
 }
 
+Json SizesJson(const std::vector<ProgramSize>& sizes) {
+  Json list = Json::array();
+  for (const ProgramSize& size : sizes)
+    list.push_back({{"controller", size.controller},
+                    {"files", size.files},
+                    {"kbytes", static_cast<double>(size.bytes) / 1000},
+                    {"memory_kbytes", size.memory > 0 ? Json(size.memory / 1000) : Json(nullptr)}});
+  return list;
+}
+
 Json TimeJson(const CycleTime& time) {
   return {{"total_s", time.Total()},
           {"cuts_s", time.cuts},
@@ -335,6 +345,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   if (!plan.external_axes.empty()) json["external"] = ExternalJson(plan);
   json["seed"] = plan.seed;
   json["programs"] = ProgramsJson(inputs.programs);
+  json["program_sizes"] = SizesJson(inputs.program_sizes);
   json["cycle_times"] = TimesJson(inputs.times);
   json["path_speed_estimated"] = PathSpeedsJson(inputs.path_speeds);
   json["base_window"] = BaseWindowJson(inputs.base_window);

@@ -2,7 +2,7 @@
 #include <iterator>
 
 #include "base/units.hpp"
-#include "plan/skipped.hpp"
+#include "planning/result/skipped.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/price_text.hpp"
 #include "report/report.hpp"
@@ -150,6 +150,11 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   for (const ReportedProgram& program : inputs.programs)
     fmt::format_to(out, "program    {} ({}; {} points left out that its motions pass)\n", program.path,
                    program.verified ? "read back and confirmed" : "withheld", program.points_saved);
+  for (const ProgramSize& size : inputs.program_sizes)
+    fmt::format_to(
+        out, "size       {}: {} kB in {} file{}{}\n", size.controller, (size.bytes + 500) / 1000, size.files,
+        size.files == 1 ? "" : "s",
+        size.memory > 0 ? fmt::format(", of {} kB (program_memory_kbytes)", size.memory / 1000) : "");
   for (const ControllerTime& program : inputs.times)
     fmt::format_to(out, "cycle      {} {}\n", program.controller, TimeText(program.time.all));
   for (const PathSpeed& speed : inputs.path_speeds)

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "cell/cell.hpp"
+#include "machine/collision/cell.hpp"
 
 namespace millpose {
 

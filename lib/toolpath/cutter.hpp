@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "surface/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 
 namespace millpose {
 

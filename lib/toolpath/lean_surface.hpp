@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "surface/corner_normals.hpp"
+#include "geometry/mesh/corner_normals.hpp"
 #include "toolpath/cutter.hpp"
 
 namespace millpose {

@@ -2,7 +2,8 @@
 #include "toolpath/lost_faces.hpp"
 
 #include "base/error.hpp"
-#include "surface/mesh_import.hpp"
+#include "geometry/import/mesh_import.hpp"
+#include "toolpath/region_term.hpp"
 
 namespace millpose {
 namespace {
@@ -12,9 +13,13 @@ struct Face {
   size_t number;  // from 0
   Eigen::AlignedBox3d box;
 
-  bool IsNamed(const std::vector<std::string>& names) const {
+  /// `perhaps`: also by a place that may have been meant for it. What such a place chooses is another face,
+  /// so none is certain.
+  bool IsNamed(const std::vector<std::string>& names, bool perhaps) const {
     return std::ranges::any_of(names, [&](const std::string& name) {
-      return name == std::to_string(number + 1) || name == source.id || name == source.name;
+      if (name == std::to_string(number + 1) || name == source.id || name == source.name) return true;
+      const auto place = NearPlace(name);
+      return perhaps && place && box.exteriorDistance(*place) <= kNearFace;
     });
   }
 
@@ -49,7 +54,7 @@ bool May(const Face& face, const RegionOptions& region) {
   if (region.box && !face.box.intersects({region.box->lower, region.box->upper})) return false;
   if (region.half_space && face.Height(*region.half_space, true) < 0) return false;
   if (region.polygon && !face.MayMeet(*region.polygon)) return false;
-  if (!region.source_faces.empty() && !face.IsNamed(region.source_faces)) return false;
+  if (!region.source_faces.empty() && !face.IsNamed(region.source_faces, true)) return false;
   return std::ranges::all_of(region.all, may) &&
          (region.any.empty() || std::ranges::any_of(region.any, may)) &&
          std::ranges::none_of(region.none, lies);
@@ -62,7 +67,7 @@ bool LiesIn(const Face& face, const RegionOptions& region) {
   if (region.box && !Eigen::AlignedBox3d(region.box->lower, region.box->upper).contains(face.box))
     return false;
   if (region.half_space && face.Height(*region.half_space, false) < 0) return false;
-  if (!region.source_faces.empty() && !face.IsNamed(region.source_faces)) return false;
+  if (!region.source_faces.empty() && !face.IsNamed(region.source_faces, false)) return false;
   return std::ranges::all_of(region.all, lies) &&
          (region.any.empty() || std::ranges::any_of(region.any, lies)) &&
          std::ranges::none_of(region.none, may);

@@ -3,7 +3,7 @@
 
 #include <stop_token>
 
-#include "surface/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "toolpath/milling_point.hpp"
 #include "toolpath/toolpath_options.hpp"
 

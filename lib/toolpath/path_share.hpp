@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "surface/curve.hpp"
+#include "geometry/slice/curve.hpp"
 
 namespace millpose {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/units.hpp"
-#include "surface/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "toolpath/region_borders.hpp"
 
 namespace millpose {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/region_borders.hpp"
 
-#include "surface/triangle.hpp"
+#include "geometry/mesh/triangle.hpp"
 
 namespace millpose {
 

@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "surface/bvh.hpp"
-#include "surface/mesh.hpp"
+#include "geometry/mesh/bvh.hpp"
+#include "geometry/mesh/mesh.hpp"
 
 namespace millpose {
 

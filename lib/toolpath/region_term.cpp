@@ -2,10 +2,11 @@
 #include "toolpath/region_term.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "base/trig.hpp"
 #include "base/units.hpp"
-#include "surface/corner_normals.hpp"
-#include "surface/triangle.hpp"
+#include "geometry/mesh/corner_normals.hpp"
+#include "geometry/mesh/triangle.hpp"
 
 namespace millpose {
 namespace {
@@ -32,6 +33,32 @@ std::vector<char> Connected(const Mesh& mesh, const ConnectedFaces& options) {
   return reached;
 }
 
+/// The one face on which a place lies; −1 with what is wrong in `problem`.
+int FaceAt(const Mesh& mesh, const Eigen::Vector3d& place, const std::string& name, std::string& problem) {
+  const Triangles& triangles = mesh.triangles();
+  std::vector<double> away(triangles.source_faces.size(), kInfinity);
+  for (int face = 0; face < mesh.face_count(); ++face) {
+    double& least = away[static_cast<size_t>(triangles.source[face])];
+    least = std::min(least, (mesh.ClosestOnFace(place, face).position - place).norm());
+  }
+  const auto nearest = std::ranges::min_element(away);
+  const auto first = static_cast<int>(nearest - away.begin());
+  const double distance = *nearest;
+  *nearest = kInfinity;
+  const auto other = std::ranges::min_element(away);
+  if (distance > kNearFace)
+    problem = fmt::format(
+        "toolpath: step_faces \"{}\": the nearest face, {}, is {:.3g} mm away; allowed: at most {} mm "
+        "(places in the workpiece frame)",
+        name, first + 1, distance, kNearFace);
+  else if (*other <= kNearFace && *other < distance + 0.5)
+    problem = fmt::format(
+        "toolpath: step_faces \"{}\" is at the edge of faces {} and {}; allowed: a place on one of them, "
+        "0.5 mm nearer to it",
+        name, first + 1, other - away.begin() + 1);
+  return problem.empty() ? first : -1;
+}
+
 std::vector<char> FromSource(const Mesh& mesh, const std::vector<std::string>& wanted) {
   const Triangles& triangles = mesh.triangles();
   if (triangles.source_faces.empty())
@@ -49,7 +76,14 @@ std::vector<char> FromSource(const Mesh& mesh, const std::vector<std::string>& w
       if (const SourceFace& face = triangles.source_faces[i];
           name == std::to_string(i + 1) || name == face.id || name == face.name)
         chosen[i] = found = true;
-    if (!found)
+    if (const auto place = NearPlace(name); place && !found) {
+      std::string problem;
+      const int at = FaceAt(mesh, *place, name, problem);
+      if (at >= 0)
+        chosen[static_cast<size_t>(at)] = 1;
+      else
+        problems.push_back({{}, problem});
+    } else if (!found)
       problems.push_back(
           {{},
            fmt::format("toolpath: the part has no STEP face \"{}\"; there are 1 to {}, nearest known: {}",
@@ -80,6 +114,22 @@ double Area(const std::vector<Eigen::Vector2d>& corners) {
 }
 
 }  // namespace
+
+std::optional<Eigen::Vector3d> NearPlace(const std::string& name) {
+  constexpr std::string_view kNear = "near ";
+  if (!name.starts_with(kNear)) return std::nullopt;
+  std::vector<double> numbers;
+  for (std::string_view rest = std::string_view(name).substr(kNear.size()); !rest.empty();) {
+    const size_t begin = rest.find_first_not_of(" ,"), end = rest.find_first_of(" ,", begin);
+    if (begin == std::string_view::npos) break;
+    const std::optional<double> number = ParseNumber(rest.substr(begin, end - begin));
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+    rest = end == std::string_view::npos ? std::string_view() : rest.substr(end);
+  }
+  if (numbers.size() != 3) return std::nullopt;
+  return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+}
 
 RegionTerm::RegionTerm(const Mesh& mesh, const RegionOptions& options, bool outermost)
     : mesh_(mesh), options_(options) {

@@ -1,9 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "toolpath/region.hpp"
 
 namespace millpose {
+
+/// mm: a place that names a STEP face ("near X Y Z") lies on it to this, as those that `check` prints do.
+inline constexpr double kNearFace = 1;
+
+/// The place of such a name, in the workpiece frame, mm; empty for any other text.
+std::optional<Eigen::Vector3d> NearPlace(const std::string& name);
 
 /// One level of RegionOptions made ready for a mesh. Margins are ways on the face (or its plane), so that
 /// they do not end at a limit that a face runs along. They combine as min (all), max (any) and sign (none),

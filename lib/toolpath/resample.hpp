@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "surface/curve.hpp"
+#include "geometry/slice/curve.hpp"
 
 namespace millpose {
 

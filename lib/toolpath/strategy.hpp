@@ -8,7 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "surface/curve.hpp"
+#include "geometry/slice/curve.hpp"
+#include "toolpath/cam/cam_source.hpp"
 #include "toolpath/milling_point.hpp"
 #include "toolpath/toolpath_options.hpp"
 
@@ -54,6 +55,8 @@ struct LaidPath {
   std::vector<std::string> findings;        ///< what is not milled as asked for, one sentence each
   std::vector<std::string> notes;           ///< how a file was read
   std::vector<std::string> holes_left_out;  ///< of a file's cycles: not machined, one sentence each
+  std::optional<CamSource> source;          ///< of a file: who wrote it, and how it was taken
+  std::optional<double> spindle_speed;      ///< that the file asks for, rev/s
 };
 
 /// Where passes come from, with the options that are its own. An implementation is one file, which ends with

@@ -4,8 +4,8 @@
 
 #include "base/registry.hpp"
 #include "toolpath/strategy.hpp"
-#include "yaml/lifted.hpp"
-#include "yaml/section.hpp"
+#include "base/yaml/lifted.hpp"
+#include "base/yaml/section.hpp"
 
 namespace millpose {
 

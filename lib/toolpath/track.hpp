@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "surface/corner_normals.hpp"
-#include "surface/curve.hpp"
+#include "geometry/mesh/corner_normals.hpp"
+#include "geometry/slice/curve.hpp"
 #include "toolpath/region.hpp"
 
 namespace millpose {

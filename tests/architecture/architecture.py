@@ -8,7 +8,7 @@ from pathlib import Path
 # Libraries whose types stay inside .cpp files; a header that must show one is named after it, an adapter, or a
 # module's private *_impl.hpp.
 HIDDEN = {"CGAL": "cgal", "OpenMesh": "openmesh", "fcl": "fcl", "ompl": "ompl", "yaml-cpp": "yaml",
-          "nlohmann": "json", "tbb": "tbb", "tinyxml2": "xml"}
+          "nlohmann": "json", "tinyxml2": "xml"}
 # What opens files; allowed in lib/base alone.
 OPENS = re.compile(r"\bstd::(?:basic_)?[io]?fstream\b|\bfopen\s*\(|::open\s*\(|#include <fstream>")
 # What the C library computes differently on other processors, also through Eigen and <random>: base/trig.hpp and
@@ -59,44 +59,75 @@ def check_one_definition(top):
                 yield f"{file.relative_to(top)}: {name} is defined in {other.relative_to(top)} too"
 
 
+# The rooms of lib/ in the order of the data: what stands in one may use its own room and those before it.
+ROOMS = ("base", "geometry", "machine", "toolpath", "planning", "program", "report", "audit", "store", "job", "run")
+# Headers that other programs include; no code.
+PUBLIC = "millpose"
+
+
 def modules(top):
-    """The modules of lib/ with the modules that their CMake files link (USES)."""
-    uses = {}
-    for cmake in sorted((top / "lib").glob("*/CMakeLists.txt")):
+    """The modules of lib/: name -> (folder below lib, the modules that its CMake file links (USES))."""
+    found = {}
+    for cmake in sorted((top / "lib").rglob("CMakeLists.txt")):
         text = re.sub(r"#.*", "", cmake.read_text())
         for name, body in re.findall(r"millpose_module\(\s*(\w+)(.*?)\)", text, re.DOTALL):
             words = re.search(r"\bUSES\b(.*?)(?=\bLINK\b|\bSOURCES\b|\bOWN_PCH\b|\Z)", body, re.DOTALL)
-            uses[name] = words.group(1).split() if words else []
-    return uses
-
-
-def reachable(uses, name, seen=()):
-    """All modules that `name` may use; raises ValueError on a cycle."""
-    if name in seen:
-        raise ValueError("cycle of modules: " + " -> ".join((*seen, name)))
-    found = set()
-    for other in uses.get(name, []):
-        found |= {other} | reachable(uses, other, (*seen, name))
+            found[name] = (cmake.parent.relative_to(top / "lib").as_posix(), words.group(1).split() if words else [])
     return found
 
 
+def reachable(found, name, seen=()):
+    """All modules that `name` may use; raises ValueError on a cycle."""
+    if name in seen:
+        raise ValueError("cycle of modules: " + " -> ".join((*seen, name)))
+    reached = set()
+    for other in found.get(name, ("", []))[1]:
+        reached |= {other} | reachable(found, other, (*seen, name))
+    return reached
+
+
+def folder_of(path, folders):
+    """The innermost folder of `folders` that holds `path` (below lib), or its first part."""
+    inside = [folder for folder in folders if path.startswith(folder + "/")]
+    return max(inside, key=len, default=path.split("/")[0])
+
+
 def check_modules(top):
-    uses = modules(top)
-    for name in uses:
+    found = modules(top)
+    allowed_in, cycles = {}, []  # folder -> the folders that its modules may use
+    for name, (folder, _) in found.items():
         try:
-            allowed = reachable(uses, name) | {name}
+            allowed_in.setdefault(folder, set()).update(found[other][0] for other in reachable(found, name) | {name} if other in found)
         except ValueError as error:
-            yield str(error)
-            continue
-        for file in sorted((top / "lib" / name).rglob("*.?pp")):
+            cycles.append(str(error))
+    yield from cycles
+    if cycles:
+        return
+    folders = {folder for folder, _ in found.values()}
+    for folder, allowed in allowed_in.items():
+        for file in sorted((top / "lib" / folder).rglob("*.?pp")):
+            if folder_of(file.relative_to(top / "lib").as_posix(), folders) != folder:
+                continue
             for quote, path in INCLUDE.findall(file.read_text()):
-                module = path.split("/")[0]
-                if quote == '"' and module not in allowed:
-                    yield f"{file.relative_to(top)}: includes {path}, but {name} does not use {module}"
+                if quote == '"' and folder_of(path, folders) not in allowed:
+                    yield f"{file.relative_to(top)}: includes {path}, but {folder} does not use {folder_of(path, folders)}"
+
+
+def check_rooms(top):
+    """No module links one of a later room, and every folder of lib is a room."""
+    found = modules(top)
+    for file in sorted((top / "lib").iterdir()):
+        if file.is_dir() and file.name not in (*ROOMS, PUBLIC):
+            yield f"lib/{file.name} is no room: {', '.join(ROOMS)}"
+    number = {name: ROOMS.index(folder.split("/")[0]) for name, (folder, _) in found.items() if folder.split("/")[0] in ROOMS}
+    for name, (_, uses) in found.items():
+        for other in uses:
+            if number.get(other, -1) > number.get(name, len(ROOMS)):
+                yield f"{name} uses {other} of a later room"
 
 
 def check_judge(top):
-    """The judge says whether the planner is right: it may share nothing with it but base."""
+    """The independent judge (lib/audit) says whether the planner is right: it may share nothing with it but base."""
     shared = reachable(modules(top), "judge") - {"base"}
     if shared:
         yield f"judge uses {', '.join(sorted(shared))}; allowed: base alone"
@@ -141,7 +172,7 @@ def check_licence(top):
             yield f"{file.relative_to(top)}: the first line is not the SPDX line"
 
 
-CHECKS = [check_modules, check_one_definition, check_judge, check_headers, check_files, check_same_bytes, check_licence]
+CHECKS = [check_modules, check_rooms, check_one_definition, check_judge, check_headers, check_files, check_same_bytes, check_licence]
 
 
 def problems(top):

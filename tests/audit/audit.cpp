@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/parallel.hpp"
-#include "judge/distance.hpp"
-#include "judge/interference.hpp"
+#include "audit/distance.hpp"
+#include "audit/interference.hpp"
 #include "tests/audit/kinematics.hpp"
 #include "tests/audit/laws.hpp"
 #include "tests/audit/motions.hpp"
@@ -47,6 +47,17 @@ class Figures {
   }
   Verdict verdict_;
 };
+
+/// Limits that couple axes; `margin` (rad) is kept from them.
+void CountCoupled(const Setup& setup, const Angles& angles, Real margin, const std::string& where,
+                  Figures& figures) {
+  for (const Setup::Coupled& limit : setup.coupled) {
+    Real sum = 0;
+    for (size_t i = 0; i < 6; ++i) sum += limit.factors[i] * angles[i];
+    if (sum > limit.at_most - margin + kAngleSlack)
+      figures.Count("limit_violations", fmt::format("the coupled axes of {}", where));
+  }
+}
 
 void AuditIndices(const Setup& setup, const Row& row, Figures& figures) {
   const Indices indices = ComputeIndices(setup, row.angles, row.normal);
@@ -137,6 +148,7 @@ void AuditRows(const Folder& folder, Figures& figures) {
     for (size_t i = 0; i < 6; ++i)
       if (row.angles[i] < setup.lower[i] - kAngleSlack || row.angles[i] > setup.upper[i] + kAngleSlack)
         figures.Count("limit_violations", fmt::format("A{} of point {}", i + 1, row.point));
+    CountCoupled(setup, row.angles, setup.coupled_margin, fmt::format("point {}", row.point), figures);
     for (size_t i = 0; i < row.external.size(); ++i) {
       const ExternalAxis& axis = folder.setup.axes[i];
       if (row.external[i] < axis.lower - kAngleSlack || row.external[i] > axis.upper + kAngleSlack)
@@ -168,6 +180,7 @@ void AuditCommanded(const Folder& folder, Figures& figures) {
       if (row.commanded->angles[i] < setup.hard_lower[i] - kAngleSlack ||
           row.commanded->angles[i] > setup.hard_upper[i] + kAngleSlack)
         figures.Count("limit_violations", fmt::format("A{} commanded at point {}", i + 1, row.point));
+    CountCoupled(setup, row.commanded->angles, 0, fmt::format("commanded point {}", row.point), figures);
   }
 }
 
@@ -315,11 +328,13 @@ void AuditMotions(const Setup& setup, const std::vector<JointMotion>& motions, c
 }
 
 void AuditGapLimits(const Setup& setup, const std::vector<JointMotion>& motions, Figures& figures) {
-  for (const JointMotion& motion : motions)
+  for (const JointMotion& motion : motions) {
     for (size_t i = 0; i < 6; ++i)
       if (motion.to[i] < setup.hard_lower[i] - kAngleSlack ||
           motion.to[i] > setup.hard_upper[i] + kAngleSlack)
         figures.Count("limit_violations", fmt::format("A{} at {}", i + 1, motion.name));
+    CountCoupled(setup, motion.to, 0, motion.name, figures);
+  }
 }
 
 }  // namespace

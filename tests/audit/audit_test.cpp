@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "judge/distance.hpp"
-#include "judge/interference.hpp"
-#include "judge/tessellate.hpp"
+#include "audit/distance.hpp"
+#include "audit/interference.hpp"
+#include "audit/tessellate.hpp"
 #include "tests/audit/audit_fixture.hpp"
 #include "tests/audit/good_folder.hpp"
 #include "tests/audit/kinematics.hpp"
@@ -108,6 +108,11 @@ TEST(Layers, EvenStepsDownToTheFinishingCut) {
 
 TEST_F(AuditTest, AnAngleBeyondTheJobsLimitIsALimitViolation) {
   EXPECT_EQ(Broken(MakeFolder({.narrow_limits = true})), Names{"limit_violations"});
+}
+
+TEST_F(AuditTest, ASumOfAnglesBeyondItsLimitIsALimitViolation) {
+  EXPECT_EQ(Broken(MakeFolder({.coupled_room_deg = 0.01})), Names{});
+  EXPECT_EQ(Broken(MakeFolder({.coupled_room_deg = -0.01})), Names{"limit_violations"});
 }
 
 TEST_F(AuditTest, AJumpIsAStepViolation) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "judge/setup.hpp"
+#include "audit/setup.hpp"
 
 namespace millpose::audit {
 

@@ -323,6 +323,7 @@ Texts MakeFolder(const Fault& fault) {
   programs.Joint(setup.home);
   Figures figures(setup, Matrix3((setup.X_WB * X_BP).block<3, 3>(0, 0)), fault.forces);
   Real largest = -1e9L, second = -1e9L;  // A1
+  Real unfolded = -1e9L;                 // A2 − A3
   for (int pass = 0; pass < kPasses; ++pass) {
     const auto pose = [&](int k, Real height, Real turn) {
       return Matrix4(setup.X_WB * X_BP * Shift(4 * k, 8 * pass, height) * Turn(2, turn));
@@ -342,6 +343,7 @@ Texts MakeFolder(const Fault& fault) {
           angles);
       figures.Add(pass, angles, faulty ? fault.rotation_deg : 0, lead ? "lead-out" : "cut");
       programs.Linear(angles);
+      unfolded = std::max(unfolded, angles[1] - angles[2]);
       second = std::max(std::min(largest, angles[0]), second);
       largest = std::max(largest, angles[0]);
     }
@@ -374,6 +376,11 @@ Texts MakeFolder(const Fault& fault) {
     const std::string axes = Replaced(kRail, "ALONG", Join(setup.axes[0].direction));
     cell = Replaced(cell, "home_deg", axes + "home_deg") + kOtherAxes;
   }
+  if (fault.coupled_room_deg)
+    cell = Replaced(
+        cell, "  limits_deg:",
+        fmt::format("  coupled_limits_deg: [{{a: [0, 1, -1, 0, 0, 0], at_most: {:.17g}}}]\n  limits_deg:",
+                    static_cast<double>(unfolded / kDegree) + 3 + *fault.coupled_room_deg));
   texts["block.stl"] = BlockStl();
   return texts;
 }

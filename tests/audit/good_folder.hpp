@@ -12,9 +12,12 @@ namespace millpose::audit {
 
 /// What a plan made by hand gets wrong in one place; all zero: nothing.
 struct Fault {
-  double lift_mm = 0;           ///< one point off the surface, everything else following it
-  double rotation_deg = 0;      ///< one point's tool turned about its axis, everything else following it
-  bool narrow_limits = false;   ///< the job's limits exclude the point with the largest A1
+  double lift_mm = 0;          ///< one point off the surface, everything else following it
+  double rotation_deg = 0;     ///< one point's tool turned about its axis, everything else following it
+  bool narrow_limits = false;  ///< the job's limits exclude the point with the largest A1
+  /// deg: A2 − A3 may be so much more than at the point where it is largest; negative: less, which is the
+  /// fault.
+  std::optional<double> coupled_room_deg = {};
   bool fixture_in_way = false;  ///< a post stands where the spindle passes
   bool layers = false;          ///< no fault: the first pass 1 mm above the surface, the second on it
   double lead_mm = 0;           ///< no fault: the last point of all is a lead's, so far above the cut

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "base/file.hpp"
-#include "judge/distance.hpp"
-#include "judge/interference.hpp"
-#include "judge/tessellate.hpp"
+#include "audit/distance.hpp"
+#include "audit/interference.hpp"
+#include "audit/tessellate.hpp"
 #include "tests/audit/kinematics.hpp"
 #include "tests/audit/laws.hpp"
 

@@ -172,6 +172,13 @@ class Axes {
 
 Vector3 AxisOf(const std::string& name) { return Vector3::Unit(name.back() - 'x'); }
 
+/// The arm's own angle of one that a controller's text gives (rad).
+Real OfArm(const Setup& setup, const std::string& controller, size_t axis, Real angle) {
+  const auto count = setup.counts.find(controller);
+  if (count == setup.counts.end()) return angle;
+  return count->second.sign[axis] * (angle - count->second.offset[axis]);
+}
+
 std::vector<Target> ReadKrl(const std::map<std::string, std::string>& files, const Setup& setup) {
   static const std::regex motion(R"(^\s*(?:PTP|LIN|SLIN|SPL|SPTP)\s*\{([^}]*)\}.*)");
   static const std::regex frame(R"(^\s*\$(BASE|TOOL)\s*=\s*\{([^}]*)\}.*)");
@@ -185,6 +192,7 @@ std::vector<Target> ReadKrl(const std::map<std::string, std::string>& files, con
     axes.OnRail((X_WWorld * setup.krl_rail->root).block<3, 3>(0, 0) * setup.krl_rail->direction);
   Matrix4 X_WorldP = Matrix4::Identity(), X_FC = Matrix4::Identity();
   bool on_table = false, stated = true;
+  Fields last;  // of the last pose: what a target does not name stays
   std::vector<Target> targets;
   for (const Line& line : Whole(files, ".src")) {
     std::smatch match;
@@ -205,18 +213,22 @@ std::vector<Target> ReadKrl(const std::map<std::string, std::string>& files, con
     } else if (std::regex_match(line.text, start)) {
       stated = stated && !on_table;  // what $BASE follows is forgotten
     } else if (std::regex_match(line.text, match, motion)) {
-      const Fields fields = KrlFields(match[1]);
+      Fields fields = KrlFields(match[1]);
       for (const ControllerAxis& axis : axes.named())
         if (fields.contains(axis.name)) axes.Take(axis, fields.at(axis.name));
       if (fields.contains("A1")) {
         Angles angles;
-        for (size_t i = 0; i < 6; ++i) angles[i] = fields.at("A" + std::to_string(i + 1)) * kDegree;
+        for (size_t i = 0; i < 6; ++i)
+          angles[i] = OfArm(setup, "krl", i, fields.at("A" + std::to_string(i + 1)) * kDegree);
         targets.push_back(axes.AtAngles(line, angles));
+        last.clear();
         continue;
       }
       if (!stated)
         throw std::runtime_error(line.file + ":" + std::to_string(line.number) +
                                  ": $BASE is not stated again");
+      fields.insert(last.begin(), last.end());
+      last = fields;
       const Matrix4 X_CT = X_FC.inverse() * setup.X_FT;
       // LIN with $ORI_TYPE = #VAR: $TOOL_DIRECTION swivels, the tool turns about it (docs/krl.md).
       const Vector3 direction = X_CT.block<3, 3>(0, 0).transpose() * AxisOf(setup.krl_tool_direction);
@@ -232,8 +244,9 @@ std::vector<Target> ReadKrl(const std::map<std::string, std::string>& files, con
 Matrix4 Placed(const Fields& words, const std::string& rotation) {
   const Real a = At(words, "A") * kDegree, b = At(words, "B") * kDegree, c = At(words, "C") * kDegree;
   const Matrix4 place = Shift(At(words, "X"), At(words, "Y"), At(words, "Z"));
-  return rotation == "euler" ? Matrix4(place * Turn(2, a) * Turn(0, b) * Turn(2, c))
-                             : Matrix4(place * Turn(2, c) * Turn(1, b) * Turn(0, a));
+  if (rotation == "euler" || rotation == "orieuler") return place * Turn(2, a) * Turn(0, b) * Turn(2, c);
+  if (rotation == "orirpy2") return place * Turn(0, a) * Turn(1, b) * Turn(2, c);
+  return place * Turn(2, c) * Turn(1, b) * Turn(0, a);
 }
 
 /// The three angles run evenly: the tool is turned by them from `before` and then by `behind`.
@@ -275,7 +288,12 @@ std::vector<Target> ReadSinumerik(const std::map<std::string, std::string>& file
     if (line.text.find("TRAORI") != std::string::npos) transformed = true;
     if (line.text.find("TRAFOOF") != std::string::npos) transformed = false;
     const std::string spoken = std::regex_replace(line.text, std::regex(R"("[^"]*")"), "");
-    const std::string own = external.TakeFrom(spoken, R"(\s*=\s*)"), text = own.substr(0, own.find("STAT"));
+    const std::string own = external.TakeFrom(spoken, R"(\s*=\s*)");
+    std::string text = own.substr(0, own.find("STAT"));
+    // The cell's words of the tool's angles are A, B, C from here on.
+    for (size_t i = 0; transformed && i < setup.sinumerik_words.size(); ++i)
+      text = std::regex_replace(text, std::regex("\\b" + setup.sinumerik_words[i] + "\\s*="),
+                                std::string(1, "ABC"[i]) + "=");
     bool moved = false;
     if (transformed) {
       for (std::sregex_iterator it(text.begin(), text.end(), pose), end; it != end; ++it) {
@@ -294,7 +312,8 @@ std::vector<Target> ReadSinumerik(const std::map<std::string, std::string>& file
                          external.Position(line)});
     } else {
       for (std::sregex_iterator it(text.begin(), text.end(), axes), end; it != end; ++it) {
-        angles[static_cast<size_t>((*it)[1].str().back() - '1')] = std::stold((*it)[2]) * kDegree;
+        const auto axis = static_cast<size_t>((*it)[1].str().back() - '1');
+        angles[axis] = OfArm(setup, "sinumerik", axis, std::stold((*it)[2]) * kDegree);
         moved = true;
       }
       if (moved || own != spoken) targets.push_back(external.AtAngles(line, angles));
@@ -332,7 +351,10 @@ std::vector<Target> ReadLinuxCnc(const std::map<std::string, std::string>& files
       continue;
     }
     Angles angles = setup.home;
-    for (const auto& [name, value] : joints) angles[std::string("XYZABC").find(name)] = value * kDegree;
+    for (const auto& [name, value] : joints) {
+      const size_t axis = std::string("XYZABC").find(name);
+      angles[axis] = OfArm(setup, "linuxcnc", axis, value * kDegree);
+    }
     targets.push_back(external.AtAngles(line, angles));
   }
   return targets;

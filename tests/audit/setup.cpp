@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/file.hpp"
-#include "judge/tessellate.hpp"
+#include "audit/tessellate.hpp"
 #include "tests/audit/folder.hpp"
 #include "tests/audit/yaml_values.hpp"
 
@@ -27,6 +27,8 @@ void ReadArm(const YAML::Node& arm, Setup* setup) {
     setup->hard_lower[i] = arm["limits_deg"][i][0].as<double>() * kDegree;
     setup->hard_upper[i] = arm["limits_deg"][i][1].as<double>() * kDegree;
   }
+  for (const YAML::Node& limit : arm["coupled_limits_deg"])
+    setup->coupled.push_back({Six(limit["a"], 1), limit["at_most"].as<double>() * kDegree});
 }
 
 Mesh ShapeOf(const YAML::Node& shape, const fs::path& folder) {
@@ -109,6 +111,7 @@ void ReadJob(const YAML::Node& job, Setup* setup) {
   Angles margin;
   margin.fill(0);
   if (job["limits"]["margin_deg"]) margin.fill(job["limits"]["margin_deg"].as<double>() * kDegree);
+  setup->coupled_margin = margin[0];
   const YAML::Node task = job["limits"]["joints_deg"];
   for (size_t i = 0; i < 6; ++i) {
     setup->lower[i] = setup->hard_lower[i];
@@ -169,11 +172,24 @@ void ReadControllers(const YAML::Node& controllers, Setup* setup) {
   setup->krl_tool_axis = text("krl", "tool_axis", "z");
   setup->krl_tool_direction = text("krl", "tool_direction", "x");
   setup->sinumerik_tool_axis = text("sinumerik", "tool_axis", "z");
-  setup->sinumerik_rotation = text("sinumerik", "rotation", "rpy");
+  if (controllers["sinumerik"]) {
+    const YAML::Node words = controllers["sinumerik"]["orientation_words"];
+    if (words) setup->sinumerik_rotation = words["group"].as<std::string>();
+    if (words) setup->sinumerik_words = words["names"].as<std::vector<std::string>>();
+  }
   setup->sinumerik_turn_known = !text("sinumerik", "ori_ipo_with_g_code", "").empty();
   setup->linuxcnc_tool_axis = text("linuxcnc", "tool_axis", "z");
   setup->linuxcnc_rotation = text("linuxcnc", "rotation", "rpy");
   for (const auto& controller : controllers) ReadControllerAxes(controller, setup);
+  for (const auto& controller : controllers) {
+    Setup::Count count;
+    count.sign.fill(1);
+    count.offset.fill(0);
+    if (controller.second["axis_signs"]) count.sign = Six(controller.second["axis_signs"], 1);
+    if (controller.second["axis_offsets_deg"])
+      count.offset = Six(controller.second["axis_offsets_deg"], kDegree);
+    setup->counts[controller.first.as<std::string>()] = count;
+  }
   if (controllers["krl"]) ReadKrlFrames(controllers["krl"], setup);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/audit/yaml_values.hpp"
 
-#include "judge/tessellate.hpp"
+#include "audit/tessellate.hpp"
 
 namespace millpose::audit {
 namespace {

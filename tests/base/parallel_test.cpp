@@ -2,6 +2,7 @@
 #include "base/parallel.hpp"
 
 #include <atomic>
+#include <thread>
 
 #include "base/error.hpp"
 
@@ -37,6 +38,20 @@ TEST(ParallelFor, NothingToDoIsDone) {
 TEST(ParallelFor, WorkMayHaveWorkOfItsOwn) {
   std::vector<std::atomic<int>> visits(50 * 40);
   ParallelFor(50, 3, {}, [&](size_t i) { ParallelFor(40, 2, {}, [&](size_t j) { ++visits[40 * i + j]; }); });
+  for (const auto& count : visits) EXPECT_EQ(count, 1);
+}
+
+// Loops begun by several threads at once, each with loops of its own: nobody waits for whom it holds up.
+TEST(ParallelFor, LoopsOfManyThreadsComeToAnEnd) {
+  std::vector<std::atomic<int>> visits(8 * 6 * 50);
+  std::vector<std::jthread> callers;
+  for (size_t c = 0; c < 8; ++c)
+    callers.emplace_back([&, c] {
+      ParallelFor(6, 3, {}, [&](size_t i) {
+        ParallelFor(50, 4, {}, [&](size_t j) { ++visits[(c * 6 + i) * 50 + j]; });
+      });
+    });
+  callers.clear();
   for (const auto& count : visits) EXPECT_EQ(count, 1);
 }
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "surface/mesh_import.hpp"
+#include "geometry/import/mesh_import.hpp"
 
 namespace millpose {
 namespace {

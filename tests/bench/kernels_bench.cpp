@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "robot/inverse_entries.hpp"
-#include "stiffness/indices_block.hpp"
-#include "tests/robot/arms.hpp"
+#include "machine/robot/inverse_entries.hpp"
+#include "machine/stiffness/indices_block.hpp"
+#include "tests/machine/robot/arms.hpp"
 
 namespace millpose {
 namespace {
@@ -83,8 +83,8 @@ void InverseOfBlocksWithAngles(benchmark::State& state) {
   for (auto _ : state)
     for (const FlangeBlock& flange : flanges) {
       InverseBlock(arm, flange, branches, SetOf(state));
-      for (const ArmBranchBlock& branch : branches) {
-        AnglesOfBranch(arm, branch, angles, SetOf(state));
+      for (int entry = 0; entry < EntryCount(arm); ++entry) {
+        AnglesOfBranch(arm, branches[static_cast<size_t>(entry)], angles, SetOf(state));
         benchmark::DoNotOptimize(angles);
       }
     }

@@ -14,7 +14,7 @@
 #include <map>
 
 #include "base/cpu_time.hpp"
-#include "pipeline/run.hpp"
+#include "run/pipeline/outputs/run.hpp"
 #include "tests/base/source_dir.hpp"
 
 namespace millpose {
@@ -133,9 +133,9 @@ Cost Measure(const fs::path& job, const std::vector<Override>& overrides) {
   PrintRow("  of it directions", clock.Of({"directions"}), points, 0);
   PrintStages("gaps", {"gaps", "starts"}, 0.2, clock);
   PrintRow("planning", passes + gaps, points, 1.15);
-  const double beside =
-      PrintStages("import, gouges, report",
-                  {"read", "surface", "toolpath", "gouges", "fixed rotations", "report"}, 0.15, clock);
+  const double beside = PrintStages(
+      "import, gouges, report",
+      {"read", "surface", "toolpath", "gouges", "engagement", "fixed rotations", "report"}, 0.15, clock);
   const double programs = PrintStages("programs written, read back, replayed", {"programs"}, 0.3, clock);
   PrintRow("outside of all stages", cost.cpu - passes - gaps - beside - programs, points, 0);
   PrintRow("all", cost.cpu, points, 1.6);

@@ -4,7 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "program/economy.hpp"
-#include "tests/verify/sample_cell.hpp"
+#include "tests/program/verify/sample_cell.hpp"
 
 namespace millpose {
 namespace {

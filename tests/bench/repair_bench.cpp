@@ -14,10 +14,10 @@
 #include <CGAL/Surface_mesh.h>
 #include <benchmark/benchmark.h>
 
-#include "surface/mesh_import.hpp"
-#include "surface/t_junctions.hpp"
-#include "surface/weld.hpp"
-#include "tests/surface/damaged_meshes.hpp"
+#include "geometry/import/mesh_import.hpp"
+#include "geometry/import/t_junctions.hpp"
+#include "geometry/import/weld.hpp"
+#include "tests/geometry/damaged_meshes.hpp"
 
 namespace millpose {
 namespace {

@@ -5,11 +5,11 @@
 
 #include <Eigen/SparseCholesky>
 
-#include "ladder/block_kernel.hpp"
-#include "ladder/ladder_search.hpp"
-#include "ladder/table_layer.hpp"
-#include "smoothing/envelope.hpp"
-#include "tests/pose/lean_problems.hpp"
+#include "planning/ladder/block_kernel.hpp"
+#include "planning/ladder/ladder_search.hpp"
+#include "planning/ladder/table_layer.hpp"
+#include "planning/smoothing/envelope.hpp"
+#include "tests/planning/pose/lean_problems.hpp"
 
 namespace millpose {
 namespace {

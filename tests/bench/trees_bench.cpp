@@ -13,10 +13,10 @@
 #include <fcl/narrowphase/distance.h>
 
 #include "base/random.hpp"
-#include "cell/apart.hpp"
-#include "cell/solid.hpp"
-#include "surface/bvh.hpp"
-#include "surface/mesh.hpp"
+#include "machine/collision/apart.hpp"
+#include "machine/collision/solid.hpp"
+#include "geometry/mesh/bvh.hpp"
+#include "geometry/mesh/mesh.hpp"
 
 namespace millpose {
 namespace {

@@ -6,15 +6,31 @@
 #include "base/error.hpp"
 #include "program/krl/krl.hpp"
 #include "tests/program/station_plan.hpp"
-#include "tests/verify/sample_cell.hpp"
+#include "tests/program/verify/sample_cell.hpp"
 
 namespace millpose::campaign {
 namespace {
+
+const std::set<std::string> kPlant = {"SPINDLE_ON", "SPINDLE_OFF", "SUCTION", "LIGHT"};
+
+/// Texts that call programs of the plant, also for every pass.
+void AddPlant(const std::string& controller, PostSettings& settings) {
+  const auto call = [&](const std::string& name, const std::string& argument) {
+    return controller == "linuxcnc" ? fmt::format("O<{}> CALL [{}]", name, argument)
+                                    : fmt::format("{}({})", name, argument);
+  };
+  settings.texts["spindle_on"] = call("SPINDLE_ON", "{rpm}");
+  settings.texts["spindle_off"] = call("SPINDLE_OFF", "0");
+  settings.texts["pass_begin"] = call("SUCTION", "{pass}");
+  settings.texts["pass_end"] = call("LIGHT", "1");
+  for (const std::string& name : kPlant) settings.calls.push_back({name});
+}
 
 PostSettings SettingsOf(const std::string& variant) {
   PostSettings settings = SampleSettings(variant);
   settings.texts["coolant_on"] = variant.starts_with("krl") ? "$OUT[8]=TRUE" : "M8";
   settings.texts["coolant_off"] = variant.starts_with("krl") ? "$OUT[8]=FALSE" : "M9";
+  if (variant.ends_with("_plant")) AddPlant(ControllerOf(variant), settings);
   if (variant.ends_with("_more")) {
     settings.path_acceleration = 2000;
     settings.load = ToolLoad{85, {-120, 0, 130}, {4, 5, 6}};
@@ -54,10 +70,20 @@ void AddExternal(const std::string& controller, const PlanResult& plan, Machine&
 PlanResult PlanOf(const std::string& variant) {
   if (variant == "linuxcnc_stations") return StationPlan("both", {.points = 2, .ring = false, .lift = 8});
   if (variant.ends_with("_stations")) return StationPlan("both");
+  if (variant.ends_with("_plant"))
+    return SamplePlan({.points = 2, .ring = false, .lift = variant == "linuxcnc_plant" ? 8.0 : 50.0});
   const bool long_texts = variant == "linuxcnc" || variant == "krl_split" || variant == "krl_more";
   PlanResult plan =
       long_texts ? SamplePlan({.points = 3, .passes = 1, .lift = 20}) : SamplePlan({.points = 4});
   plan.passes[0].points[0].point.kind = PointKind::kLeadIn;
+  return plan;
+}
+
+/// A plan that differs in its speeds alone: nothing tells its program but the feeds and the spindle.
+PlanResult OtherThan(PlanResult plan) {
+  plan.spindle_speed *= 1.1;
+  for (PassResult& pass : plan.passes)
+    for (PlannedPoint& point : pass.points) point.point.feed_rate *= 1.2;
   return plan;
 }
 
@@ -93,11 +119,22 @@ Bed::Bed(const std::string& variant)
               settings_.tool_name};
   machine_.base_number = krl.base_number;
   machine_.tool_number = krl.tool_number;
+  if (variant.ends_with("_plant")) machine_.plant = kPlant;
   machine_.X_BP = program_.X_BP.value_or(Pose::Identity());
   if (stations) AddExternal(controller_, plan_, machine_);
   program_.frames_checked = variant == "krl_more";
   files_ = post_->Write(Prepared(program_, variant, settings_, plan_.arm), plan_.arm, settings_);
+  const MotionProgram other = MakeMotionProgram(OtherThan(plan_), OptionsOf());
+  other_ = post_->Write(Prepared(other, variant, settings_, plan_.arm), plan_.arm, settings_);
   trace_ = Run(files_);
+  written_ = Read(files_);
+}
+
+MotionProgram Bed::Read(const Files& files) const {
+  MotionProgram read = post_->Read(files, plan_.arm, settings_);
+  if (!read.X_BP) read.X_BP = program_.X_BP;
+  if (!read.X_FT) read.X_FT = program_.X_FT;
+  return read;
 }
 
 Trace Bed::Run(const Files& files) const {
@@ -108,10 +145,9 @@ Trace Bed::Run(const Files& files) const {
 
 Answer Bed::Ask(const Files& files) const {
   try {
-    MotionProgram read = post_->Read(files, plan_.arm, settings_);
-    if (!read.X_BP) read.X_BP = program_.X_BP;
-    if (!read.X_FT) read.X_FT = program_.X_FT;
-    const std::vector<Finding> findings = Verify(read, *world_, &program_, options_, {.threads = 1});
+    VerifyOptions options = options_;
+    options.written = &written_;
+    const std::vector<Finding> findings = Verify(Read(files), *world_, &program_, options, {.threads = 1});
     if (findings.empty()) return {true, ""};
     return {false, fmt::format("{}:{}: {}", findings[0].file, findings[0].line, findings[0].message)};
   } catch (const InputError& error) {
@@ -124,7 +160,8 @@ const std::vector<std::unique_ptr<Bed>>& Beds() {
     std::vector<std::unique_ptr<Bed>> list;
     for (const char* variant :
          {"krl", "krl_more", "krl_numbered", "krl_split", "krl_stations", "sinumerik", "sinumerik_euler",
-          "sinumerik_split", "sinumerik_stations", "linuxcnc_stations", "linuxcnc", "linuxcnc_cartesian"})
+          "sinumerik_split", "sinumerik_stations", "krl_plant", "sinumerik_plant", "linuxcnc_plant",
+          "linuxcnc_stations", "linuxcnc", "linuxcnc_cartesian"})
       list.push_back(std::make_unique<Bed>(variant));
     return list;
   }();

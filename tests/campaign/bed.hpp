@@ -4,7 +4,7 @@
 
 #include "program/post.hpp"
 #include "tests/campaign/trace.hpp"
-#include "verify/verify.hpp"
+#include "program/verify/verify.hpp"
 
 namespace millpose::campaign {
 
@@ -22,6 +22,7 @@ class Bed {
   const std::string& variant() const { return variant_; }
   const std::string& controller() const { return controller_; }
   const Files& files() const { return files_; }
+  const Files& other() const { return other_; }  ///< of another plan, under the same names
   const Trace& trace() const { return trace_; }
   const Machine& machine() const { return machine_; }
 
@@ -29,6 +30,8 @@ class Bed {
   Answer Ask(const Files& files) const;
 
  private:
+  MotionProgram Read(const Files& files) const;
+
   std::string variant_, controller_;
   PlanResult plan_;
   PostSettings settings_;
@@ -37,7 +40,8 @@ class Bed {
   std::unique_ptr<World> world_;
   VerifyOptions options_;
   Machine machine_;
-  Files files_;
+  Files files_, other_;
+  MotionProgram written_;  // as read back
   Trace trace_;
 };
 

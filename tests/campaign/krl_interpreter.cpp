@@ -57,7 +57,10 @@ class Krl : public Mover {
       if (!defined && text.starts_with("&")) continue;
       const std::string code = Upper(text.substr(0, text.find(';')));
       Cursor at(code);
-      if (at.Done()) continue;
+      if (at.Done()) {
+        Mark(text);
+        continue;
+      }
       if (ended) throw Refusal{"a statement after END"};
       if (!defined) {
         at.Need(at.Take("DEF"), "DEF");
@@ -146,9 +149,33 @@ class Krl : public Mover {
     if (name.size() > 24) throw Refusal{"a name of more than 24 characters"};
     if (name.find('.') != std::string::npos) throw Refusal{"no name"};
     if (at.TakeChar(':')) return at.Need(at.Done(), "the end of the line");
+    if (machine_.plant.contains(name)) return Plant(at, name);
     at.Need(at.TakeChar('(') && at.TakeChar(')') && at.Done(), "( )");
     if (!files_.contains(name)) throw Refusal{"unknown program " + name};
     RunFile(name);
+  }
+
+  /// What a program of the plant leaves set is not known.
+  void Plant(Cursor& at, const std::string& name) {
+    at.Need(at.TakeChar('('), "(");
+    std::string arguments = at.Rest();
+    at.Need(arguments.ends_with(')'), ")");
+    arguments.pop_back();
+    PlantCall(name, arguments);
+    Reset();
+  }
+
+  /// bas.src: all of these as delivered, base and tool by the plant.
+  void Reset() {
+    base_.reset();
+    tool_.reset();
+    modal_ = {{"$ORI_TYPE", "#VAR"}};
+    feed_ = 2;
+    turn_ = {200, 200};
+    stated_.clear();
+    blend_ = 3;
+    advance_ = 3;
+    way_speed_ = 1;
   }
 
   /// "WAIT SEC", "WAIT FOR", "HALT": all stop the advance run, so the motion before ends exactly.
@@ -182,16 +209,8 @@ class Krl : public Mover {
     at.Need(value.has_value() && at.TakeChar(')') && at.Done(), "a number and )");
     if (command == "INITMOV" && *value != 0)
       trace.open = "what a plant's BAS does with the number of #INITMOV";
-    if (command == "INITMOV") {  // bas.src: all of these as delivered, base and tool by the plant
-      base_.reset();
-      tool_.reset();
-      modal_ = {{"$ORI_TYPE", "#VAR"}};
-      feed_ = 2;
-      turn_ = {200, 200};
-      stated_.clear();
-      blend_ = 3;
-      advance_ = 3;
-      way_speed_ = 1;
+    if (command == "INITMOV") {
+      Reset();
     } else if (command == "TOOL" || command == "BASE") {  // bas.src: with $LOAD, $ACT_TOOL, $ACT_BASE
       const int number = command == "TOOL" ? machine_.tool_number : machine_.base_number;
       const bool known = number > 0 && *value == number;
@@ -200,6 +219,12 @@ class Krl : public Mover {
     } else if (command == "VEL_PTP") {
       if (*value <= 0 || *value > 100) throw Refusal{"a speed of 1 to 100 % expected"};
       way_speed_ = *value / 100;
+    } else if (command == "VEL_CP") {  // bas.src: $VEL.CP
+      feed_ = Positive(*value);
+    } else if (command == "ACC_CP") {  // bas.src: $ACC.CP
+      Set("$ACC.CP", *value);
+    } else if (command == "ACC_PTP") {  // $ACC_AXIS of all: how long ways take
+      if (*value <= 0 || *value > 100) throw Refusal{"an acceleration of 1 to 100 % expected"};
     } else {
       modal_["BAS " + command] = fmt::format("{}", *value);
     }
@@ -234,7 +259,11 @@ class Krl : public Mover {
       return;
     }
     if (name == "$ORI_TYPE" || name == "$CIRC_TYPE" || name == "$IPO_MODE") {
-      modal_[name] = at.Rest();
+      const std::string word = at.Rest();
+      if (name == "$CIRC_TYPE" && (word == "#BASE" || word == "#PATH")) return;  // no circle follows
+      // As delivered, and as INITMOV leaves it; a moving base must have it stated.
+      if (name == "$IPO_MODE" && word == "#BASE" && !machine_.coupled) return;
+      modal_[name] = word;
       return;
     }
     const auto value = at.Number(true);
@@ -245,6 +274,10 @@ class Krl : public Mover {
       turn_[name.back() - '1'] = Positive(*value), stated_.insert(name);
     else if (name == "$APO.CDIS")
       blend_ = *value;
+    else if (name == "$OV_PRO" && *value >= 1 && *value <= 100)
+      return;  // the operator's too: all is slower alike
+    else if (name == "$APO.CPTP" || name == "$APO.CVEL" || name == "$APO.CORI")
+      return;  // of C_PTP, which is taken as far as it can go, C_VEL and C_ORI, which stand in `words`
     else if (name == "$ADVANCE")
       SetAdvance(*value);
     else

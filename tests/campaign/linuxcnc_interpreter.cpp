@@ -85,7 +85,9 @@ class LinuxCnc : public Mover {
           percent = true;
           continue;
         }
-        if (!code.empty()) RunBlock(code);
+        const size_t first = lines[i].find_first_not_of(" \t");
+        if (code.empty() && first != std::string::npos) Comment(lines[i].substr(first));
+        if (!code.empty() && !Plant(code)) RunBlock(code);
       }
       if (!ended_) throw Refusal{"the program has no end"};
       Event(Step::Kind::kSwitch, "end");
@@ -96,6 +98,37 @@ class LinuxCnc : public Mover {
   }
 
  private:
+  /// A line that is a comment: a mark, or a message ("Active comments").
+  void Comment(const std::string& text) {
+    const size_t events = trace.steps.size();
+    Mark(text);
+    const std::string words = Upper(text.substr(1));
+    Cursor at(words);
+    if (trace.steps.size() == events && (at.Take("MSG") || at.Take("DEBUG") || at.Take("PRINT")) &&
+        at.TakeChar(','))
+      Event(Step::Kind::kSwitch, "message " + Squeezed(words));
+  }
+
+  /// "O-codes": O<name> CALL [1] [2].
+  bool Plant(const std::string& code) {
+    if (!code.starts_with("O<")) return false;
+    const size_t end = code.find('>');
+    if (end == std::string::npos) throw Refusal{"> expected"};
+    const std::string name = code.substr(2, end - 2);
+    std::string rest = code.substr(end + 1);
+    if (!machine_.plant.contains(name) || !rest.starts_with("CALL")) throw Refusal{"an O code"};
+    rest.erase(0, 4);
+    std::string arguments;
+    while (!rest.empty()) {
+      const size_t close = rest.find(']');
+      if (rest[0] != '[' || close == std::string::npos) throw Refusal{"[ ] expected"};
+      arguments += (arguments.empty() ? "" : ",") + rest.substr(1, close - 1);
+      rest.erase(0, close + 1);
+    }
+    PlantCall(name, arguments);
+    return true;
+  }
+
   /// "Comments": ( to the next ), no further ( within; ; to the end. Blanks mean nothing, inside numbers too.
   static std::string WithoutComments(const std::string& text) {
     std::string code;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cctype>
+#include <utility>
 
 #include "tests/campaign/runner.hpp"
 
@@ -19,8 +20,8 @@ const Vocabulary& VocabularyOf(const std::string& controller) {
 
 class Mutator {
  public:
-  Mutator(const Files& files, const std::string& controller, RandomStream& random)
-      : random_(random), vocabulary_(VocabularyOf(controller)) {
+  Mutator(const Files& files, const Files& other, const std::string& controller, RandomStream& random)
+      : random_(random), other_(other), vocabulary_(VocabularyOf(controller)) {
     mutant_.files = files;
     size_t pick = Index(files.size());
     for (const auto& [name, text] : files) {
@@ -38,7 +39,18 @@ class Mutator {
       Lines changed = lines_;
       mutant_.kind.clear();
       code_ = false;
-      Change(changed);
+      const size_t reach = Index(10);
+      if (reach == 0)
+        WholeProgram(changed);
+      else
+        Change(changed);
+      if (reach == 1 && !mutant_.kind.empty() && !changed.empty()) {
+        const std::string first = std::exchange(mutant_.kind, "");
+        at_ = Index(changed.size());
+        Change(changed);
+        mutant_.kind = "two: " + first + ", " + mutant_.kind;
+        at_ = std::min(at_, lines_.size() - 1);
+      }
       if (mutant_.kind.empty() || changed == lines_) continue;
       std::string text;
       for (const std::string& one : changed) text += one + end_;
@@ -61,6 +73,77 @@ class Mutator {
     if (pick < 13) return MoveLines(lines);
     if (pick < 16) return Words(lines[at_]);
     Looks(lines);
+  }
+
+  /// One change all through the program, or a part of another one.
+  void WholeProgram(Lines& lines) {
+    switch (Index(6)) {
+      case 0: {
+        const auto& [from, to] = vocabulary_.words[Index(vocabulary_.words.size())];
+        Name("all: word " + from + " -> " + to);
+        for (std::string& line : lines)
+          if (const size_t place = line.find(from); place != std::string::npos)
+            line.replace(place, from.size(), to);
+        break;
+      }
+      case 1:
+        return AllNumbers(lines);
+      case 2: {
+        const std::string word = lines_[at_].substr(0, lines_[at_].find_first_of(" ,(="));
+        if (word.empty()) return;
+        Name("all: lines dropped that begin alike");
+        std::erase_if(lines, [&](const std::string& line) { return line.starts_with(word); });
+        break;
+      }
+      case 3: {
+        const size_t end = std::min(lines.size(), at_ + 1 + Index(20)), to = Index(lines.size());
+        Name("block moved");
+        const Lines block(lines.begin() + static_cast<long>(at_), lines.begin() + static_cast<long>(end));
+        lines.erase(lines.begin() + static_cast<long>(at_), lines.begin() + static_cast<long>(end));
+        lines.insert(lines.begin() + static_cast<long>(std::min(to, lines.size())), block.begin(),
+                     block.end());
+        break;
+      }
+      case 4: {
+        const size_t end = std::min(lines.size(), at_ + 1 + Index(20));
+        Name("block dropped");
+        lines.erase(lines.begin() + static_cast<long>(at_), lines.begin() + static_cast<long>(end));
+        break;
+      }
+      default: {
+        const auto found = other_.find(mutant_.file);
+        if (found == other_.end()) return;
+        Name("file of another plan");
+        Lines others = LinesOf(found->second);
+        if (others.back().empty()) others.pop_back();
+        const size_t keep = Index(2) ? at_ : 0;
+        lines.resize(std::min(keep, lines.size()));
+        if (keep < others.size())
+          lines.insert(lines.end(), others.begin() + static_cast<long>(keep), others.end());
+      }
+    }
+  }
+
+  /// Every number behind the word that stands before one of the line.
+  void AllNumbers(Lines& lines) {
+    const std::string& line = lines_[at_];
+    const size_t digit = line.find_first_of("0123456789", Index(line.size() + 1));
+    if (digit == std::string::npos || digit == 0) return;
+    size_t begin = digit;
+    while (begin > 0 && line[begin - 1] != ',' && line[begin - 1] != '{' && digit - begin < 3) --begin;
+    const std::string word = line.substr(begin, digit - begin);
+    static const std::vector<double> steps = {1e-5, 1e-3, 0.01, 0.03, 1, 1000};
+    const double step = steps[Index(steps.size())];
+    Name(fmt::format("all: number +- {}", step));
+    for (std::string& one : lines) {
+      const size_t at = one.find(word);
+      if (at == std::string::npos) continue;
+      const size_t from = at + word.size(),
+                   to = std::min(one.find_first_not_of("0123456789.", from), one.size());
+      if (from == to) continue;
+      one.replace(from, to - from,
+                  fmt::format("{:.6f}", std::strtod(one.substr(from, to - from).c_str(), nullptr) + step));
+    }
   }
 
   /// A number of the line, changed in one of many ways.
@@ -150,10 +233,10 @@ class Mutator {
         break;
       }
       case 4:
-        Name("line copied"), lines.insert(line, lines_[other]);
+        Name("line copied"), lines.insert(line, lines_[other % lines_.size()]);
         break;
       default:
-        Name("line replaced"), *line = lines_[other];
+        Name("line replaced"), *line = lines_[other % lines_.size()];
         break;
     }
   }
@@ -251,6 +334,7 @@ class Mutator {
   void Name(const std::string& kind) { mutant_.kind = (code_ ? "code: " : "") + kind; }
 
   RandomStream& random_;
+  const Files& other_;
   const Vocabulary& vocabulary_;
   std::string end_ = "\n";
   Mutant mutant_;
@@ -266,14 +350,17 @@ bool Mutant::MustPass() const {
       "digit changed", "digit dropped",    "digit doubled", "sign", "blank",        "tab in front",
       "blanks behind", "lower case",       "remark behind", "CRLF", "block number", "insert ",
       "insert    ",    "insert ; a remark"};
+  // A frame that is stated again says the same, also where another follows before any motion.
+  for (const char* word : {"$BASE", "$TOOL", "$P_UIFR", "G10"})
+    if (before.starts_with(word)) return false;
   // The check of the controller's frame is read as one text.
   for (const char* word : {"MP_", "LOOP", "HALT", "ENDLOOP", "ENDIF"})
     if (before.find(word) != std::string::npos) return false;
   return looks.contains(kind) || kind.starts_with("number +-");
 }
 
-Mutant Mutate(const Files& files, const std::string& controller, RandomStream& random) {
-  return Mutator(files, controller, random).Make();
+Mutant Mutate(const Files& files, const Files& other, const std::string& controller, RandomStream& random) {
+  return Mutator(files, other, controller, random).Make();
 }
 
 }  // namespace millpose::campaign

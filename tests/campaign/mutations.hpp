@@ -30,7 +30,8 @@ const Vocabulary& KrlVocabulary();
 const Vocabulary& SinumerikVocabulary();
 const Vocabulary& LinuxCncVocabulary();
 
-/// One random change of one file; `controller` says whose words it takes.
-Mutant Mutate(const Files& files, const std::string& controller, RandomStream& random);
+/// One random change of one file, or two, or one all through it; `controller` says whose words it takes,
+/// `other` is the same program of another plan.
+Mutant Mutate(const Files& files, const Files& other, const std::string& controller, RandomStream& random);
 
 }  // namespace millpose::campaign

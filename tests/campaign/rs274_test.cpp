@@ -118,7 +118,7 @@ TEST(Campaign, TheOwnInterpreterAgreesWithRs274) {
   for (size_t i = 0; compared < count; ++i) {
     const Bed& bed = LinuxCncBed(i);
     RandomStream random(static_cast<uint64_t>(OfTier(3, 4)), i);
-    const Mutant mutant = Mutate(bed.files(), bed.controller(), random);
+    const Mutant mutant = Mutate(bed.files(), bed.other(), bed.controller(), random);
     const std::string& text = mutant.files.begin()->second;
     bool moot = false;  // the operator's switch, inches, parameters, a tool table, places that are stored
     for (const char* word :
@@ -159,7 +159,7 @@ TEST(Campaign, Rs274RunsConfirmedMutantsAsJudged) {
   for (size_t i = 0; confirmed < count; ++i) {
     const Bed& bed = LinuxCncBed(i);
     RandomStream random(static_cast<uint64_t>(OfTier(5, 6)), i);
-    const Mutant mutant = Mutate(bed.files(), bed.controller(), random);
+    const Mutant mutant = Mutate(bed.files(), bed.other(), bed.controller(), random);
     if (mutant.file.empty() || !bed.Ask(mutant.files).accepted) continue;
     ++confirmed;
     const std::string what = fmt::format("{} [{}] line {} '{}' -> '{}'", bed.variant(), mutant.kind,

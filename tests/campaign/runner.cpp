@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/campaign/runner.hpp"
 
+#include <fmt/format.h>
+
 #include <cctype>
 #include <cstdlib>
+#include <regex>
 
 #include "base/units.hpp"
 
@@ -196,6 +199,34 @@ Step& Mover::Event(Step::Kind kind, const std::string& words) {
   step.words = words;
   q_ = before;
   return step;
+}
+
+void Mover::Mark(const std::string& text) {
+  static const std::regex mark(
+      R"(^\s*[;(]?(?:MSG\s*\(\s*"\s*)?\s*(ENDFOLD\s*\(\s*|FOLD\s+|END\s+OF\s+)?PASS\s+(-?[0-9.]+(?:E[-+]?\d+)?)\s+PIECE\s+(-?[0-9.]+(?:E[-+]?\d+)?))");
+  std::smatch found;
+  const std::string line_text = Upper(text);
+  if (!std::regex_search(line_text, found, mark)) return;
+  const double pass = std::strtod(found[2].str().c_str(), nullptr) + 0.0;  // −0 is 0
+  const double piece = std::strtod(found[3].str().c_str(), nullptr) + 0.0;
+  const bool end = found[1].str().starts_with("END");
+  Event(Step::Kind::kSwitch, fmt::format("mark of the {} of {} {} ", end ? "end" : "begin", pass, piece));
+}
+
+void Mover::PlantCall(const std::string& name, const std::string& arguments) {
+  std::string words;
+  Cursor at(arguments);
+  while (!at.Done()) {
+    const auto number = at.Number(true);
+    words += number ? fmt::format("{}", *number + 0.0) : at.Name();
+    if (!number && words.empty()) throw Refusal{"arguments expected"};
+    if (!at.Done() && !at.TakeChar(',') && !at.TakeChar(']') && !at.TakeChar('['))
+      throw Refusal{", expected"};
+    words += at.Done() ? "" : ",";
+  }
+  // Of a speed its number stands last: one that is hardly another is no harm.
+  Event(Step::Kind::kSwitch,
+        name == "SPINDLE_ON" ? "call SPINDLE_ON S" + words : fmt::format("call {}({})", name, words));
 }
 
 Pose Frame(double x, double y, double z, const Eigen::Matrix3d& R) {

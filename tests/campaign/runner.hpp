@@ -60,6 +60,10 @@ class Mover {
   Step& TimedTo(const Joints& q);
   /// What is no motion.
   Step& Event(Step::Kind kind, const std::string& words);
+  /// What a line says to whoever looks at the program: the mark of a pass, in a comment or a message.
+  void Mark(const std::string& text);
+  /// The call of a program of the plant, with what stands in its brackets.
+  void PlantCall(const std::string& name, const std::string& arguments);
 
   const std::optional<Joints>& q() const { return q_; }
   int line = 0;

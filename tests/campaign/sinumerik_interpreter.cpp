@@ -126,10 +126,17 @@ class Sinumerik : public Mover {
     const Cursor start = at;
     if (at.Take("MSG")) {  // "Messages": with the next block, no stop
       at.Need(at.TakeChar('('), "(");
-      if (at.TakeChar(')') && at.Done()) return true;
-      const std::string rest = at.Rest();
-      at.Need(std::count(rest.begin(), rest.end(), '"') == 2, "one text");
-      at.Need(rest.front() == '"' && Squeezed(rest.substr(rest.rfind('"'))) == "\")", "a text and )");
+      std::string rest;
+      if (!at.TakeChar(')')) {
+        rest = at.Rest();
+        at.Need(std::count(rest.begin(), rest.end(), '"') == 2, "one text");
+        at.Need(rest.front() == '"' && Squeezed(rest.substr(rest.rfind('"'))) == "\")", "a text and )");
+      } else {
+        at.Need(at.Done(), "the end of the block");
+      }
+      const size_t events = trace.steps.size();
+      Mark("MSG(" + rest);
+      if (trace.steps.size() == events) Event(Step::Kind::kSwitch, "message " + Squeezed(rest));
       return true;
     }
     if (at.Take("TRAORI") || at.Take("TRAFOOF")) {
@@ -161,12 +168,34 @@ class Sinumerik : public Mover {
       return true;
     }
     const std::string name = at.Name();
+    if (machine_.plant.contains(name)) {
+      std::string arguments;
+      if (at.TakeChar('(')) {
+        arguments = at.Rest();
+        at.Need(arguments.ends_with(')'), ")");
+        arguments.pop_back();
+      }
+      at.Need(at.Done(), "a block of its own");
+      PlantCall(name, arguments);
+      Forget();
+      return true;
+    }
     if (!name.empty() && at.Done() && files_.contains(name) && name != main_) {  // "Subprogram call"
       if (!RunFile(name)) throw Refusal{"M17 is missing"};
       return true;
     }
     at = start;
     return false;
+  }
+
+  /// What a program of the plant leaves set is not known.
+  void Forget() {
+    transformed_ = reframed_ = false;
+    frame_.reset();
+    frames_.clear();
+    modal_ = {{49, "CP"}, {1, "G1"}};
+    feed_ = 0;
+    blend_ = angle_blend_ = 1e3;
   }
 
   static void Alone(Cursor& at) {

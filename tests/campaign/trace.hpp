@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 
 namespace millpose::campaign {
 
@@ -31,6 +31,7 @@ struct Machine {
   Pose flange = Pose::Identity();        ///< what turns, in it
   int base_number = 0, tool_number = 0;  ///< of the frames that the controller holds; 0: none
   Pose X_BP = Pose::Identity();          ///< the base of that number
+  std::set<std::string> plant = {};      ///< names of the plant's programs that texts call
 };
 
 /// One thing that the machine does.

@@ -6,7 +6,13 @@ namespace millpose::campaign {
 
 const Vocabulary& KrlVocabulary() {
   static const Vocabulary vocabulary = {
-      .statements = {"HALT",
+      .statements = {"SPINDLE_OFF (0)",
+                     "SUCTION (0)",
+                     "SUCTION (1)",
+                     "LIGHT (1)",
+                     "LIGHT (2)",
+                     "SPINDLE_ON (7000)",
+                     "HALT",
                      "WAIT SEC 0.5",
                      "WAIT SEC 0",
                      "WAIT FOR $IN[1]",

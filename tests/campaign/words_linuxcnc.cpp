@@ -6,7 +6,16 @@ namespace millpose::campaign {
 
 const Vocabulary& LinuxCncVocabulary() {
   static const Vocabulary vocabulary = {
-      .statements = {"M0",
+      .statements = {"O<SPINDLE_OFF> CALL [0]",
+                     "O<SUCTION> CALL [0]",
+                     "O<SUCTION> CALL [1]",
+                     "O<LIGHT> CALL [1]",
+                     "O<LIGHT> CALL [2]",
+                     "O<SPINDLE_ON> CALL [7000]",
+                     "(MSG, go on)",
+                     "; PASS 1 PIECE 0",
+                     "; END OF PASS 0 PIECE 0",
+                     "M0",
                      "M1",
                      "M2",
                      "M3",

@@ -5,7 +5,16 @@
 namespace millpose::campaign {
 
 const Vocabulary& SinumerikVocabulary() {
-  static const Vocabulary vocabulary = {.statements = {"D0",
+  static const Vocabulary vocabulary = {.statements = {"SPINDLE_OFF(0)",
+                                                       "SUCTION(0)",
+                                                       "SUCTION(1)",
+                                                       "LIGHT(1)",
+                                                       "LIGHT(2)",
+                                                       "SPINDLE_ON(7000)",
+                                                       "MSG(\"GO ON\")",
+                                                       "MSG()",
+                                                       "MSG(\"PASS 1 PIECE 0\")",
+                                                       "D0",
                                                        "D2",
                                                        "D1",
                                                        "T=\"OTHER\"",

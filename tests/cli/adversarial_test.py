@@ -331,7 +331,7 @@ class Adversarial(unittest.TestCase):
         self.assertEqual(summary["gaps"]["total"] - summary["gaps"]["planned"], 2)
 
     def test_an_arm_from_a_urdf_is_planned_and_judged_by_its_own_joints(self):
-        urdf = pathlib.Path(sys.argv[3], "tests/robot/turned_about.urdf")
+        urdf = pathlib.Path(sys.argv[3], "tests/machine/robot/turned_about.urdf")
         (BENCH.top / "cells/turned_about.urdf").write_text(urdf.read_text(encoding="utf-8"), encoding="utf-8")
         cell = (BENCH.top / "cells/kr500_r2830.yaml").read_text(encoding="utf-8")
         cell = re.sub(r"  lengths_mm: .*\n(  .*\n)*?  accelerations_deg_s2",
@@ -340,6 +340,8 @@ class Adversarial(unittest.TestCase):
         cell = re.sub(r"  - \{name: \w+, class: link, .*\n", "", cell)
         cell = cell.replace("length_mm: 320, diameter_mm: 160", "length_mm: 200, diameter_mm: 120")
         cell = re.sub(r"  - \{name: bracket, .*\n", "", cell)
+        count = "axis_signs: [1, 1, 1, 1, 1, 1], axis_offsets_deg: [0, 0, 0, 0, 0, 0]"  # KRL's follows from the geometry
+        cell = cell.replace("sinumerik: {", f"sinumerik: {{{count}, ").replace("linuxcnc: {}", f"linuxcnc: {{{count}}}")
         (BENCH.top / "cells/own.yaml").write_text(cell, encoding="utf-8")
         job = BENCH.job("support_pad", [*WITHOUT_FORCE, (r"kr500_r2830.yaml", "own.yaml"), (r"  joints_deg: .*\n", ""),
                                         (r"xyz_mm: \[2076, 0, 1006\]", "xyz_mm: [1200, 0, 700]"), *FEW_POINTS], "own")
@@ -348,6 +350,9 @@ class Adversarial(unittest.TestCase):
         judged, verdict = BENCH.audit(folder, job, "--travel-mm", TRAVEL_MM)
         self.assertEqual((judged, verdict["broken"]), (0, {}))
         self.assertLess(verdict["max_urdf_error_mm"], 1e-9)
+        # Home, [90, 0, 0, 0, 0, 0] of the file, is the arm upright with the hand down as KUKA counts.
+        krl = "".join(path.read_text() for path in sorted((folder / "programs/krl").rglob("*.src")))
+        self.assertRegex(krl, r"PTP \{A1 0,A2 -90,A3 90,A4 0,A5 90,A6 ")
         self.assertIn("zero_offsets_deg: [90, -90, 90, 0, 90, 0]", (folder / "cell.yaml").read_text(encoding="utf-8"))
 
     def test_the_stock_is_kept_clear_of_between_the_cuts(self):

@@ -137,6 +137,22 @@ class BatchCalls(InFolder):
         self.assertEqual(result.returncode, 2)
         self.assertIn("invalid partition", result.stderr)
 
+    def test_an_answer_of_slurm_that_is_no_job_id_is_an_error_once(self):
+        env = self.slurm()
+        (self.folder / "sbatch").unlink()
+        for answer in ("", "Submitted batch job 17", "17 queued", "17\n18", "a maintenance is on\x1b[2J"):
+            (self.folder / "answer").write_text(answer)
+            (self.folder / "sbatch").write_text(f"#!/bin/sh\necho call >> {self.folder}/calls\ncat {self.folder}/answer\n")
+            (self.folder / "sbatch").chmod(0o755)
+            (self.folder / "calls").unlink(missing_ok=True)
+            for detach in ((), ("--detach",)):
+                result = run("batch", "batch.yaml", "--slurm", *detach, "-q", cwd=self.folder, env=env)
+                self.assertEqual(result.returncode, 2, answer)
+                shown = answer.replace("\n", "?").replace("\x1b", "?")
+                self.assertEqual(result.stderr, f'millpose: sbatch: answered "{shown}", which is no job id; allowed: what '
+                                                "sbatch --parsable prints, like 4711 or 4711;cluster\n")
+            self.assertEqual((self.folder / "calls").read_text(), "call\n" * 2, "asked once by each")
+        self.assertEqual(list(self.folder.rglob("submitted")), [])
 
     def test_interrupted_it_stops_its_jobs(self):
         (self.folder / "batch.yaml").write_text(

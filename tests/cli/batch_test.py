@@ -157,5 +157,44 @@ class Many(unittest.TestCase):
         self.assertEqual([report[key] for key in ("done", "failed")], [JOBS - 5, 5])
 
 
+class Manifest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="millpose-batch-test.")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        (self.folder / "batch.yaml").write_text(
+            "millpose_batch: 1\njobs:\n"
+            f"  - job: {SAMPLE}/job.yaml\n    name: wrong\n    set:\n      toolpath.stepover_mm: -4\n"
+            "      toolpath.stepovr_mm: 4\n      process.spindle_rpm: 'fast'\n"
+            # A metre too far away: points are skipped.
+            f"  - job: {SAMPLE}/job.yaml\n    name: short\n    set: {{toolpath.stepover_mm: 70, toolpath.spacing_mm: 80, programs: [],\n"
+            "          workpiece.pose: {xyz_mm: [3076, 0, 1006], abc_deg: [0, -90, 0]}}\n", encoding="utf-8")
+        self.result = subprocess.run([MILLPOSE, "batch", "batch.yaml", "-q"], cwd=self.folder, capture_output=True, text=True,
+                                     timeout=300, check=False)
+        self.jobs = {job["name"]: job for job in
+                     json.loads((self.folder / "batch.out/batch.json").read_text(encoding="utf-8"))["jobs"]}
+        self.suite = {case.get("name"): case for case in xml.parse(self.folder / "batch.out/junit.xml").getroot()}
+
+    def test_errors_of_set_name_the_manifests_line(self):
+        self.assertEqual(self.jobs["wrong"]["status"], 2)
+        lines = self.jobs["wrong"]["cause"].splitlines()
+        for place, key in (("batch.yaml:6:29", "toolpath.stepover_mm: given -4"), ("batch.yaml:7:28", "toolpath.stepovr_mm: unknown key"),
+                           ("batch.yaml:8:28", "process.spindle_rpm: given fast")):
+            self.assertTrue(any(line.startswith(f"{place}: set: ") and key in line for line in lines), (place, key, lines))
+
+    def test_findings_are_told_one_by_one(self):
+        job = self.jobs["short"]
+        self.assertEqual(job["status"], 1, self.result.stdout + self.result.stderr)
+        self.assertTrue(job["findings"])
+        self.assertRegex(job["findings"][0], r"^\d+ points? skipped, unreachable: first point \d+ \(pass \d+\): ")
+        failure = self.suite["short"].find("failure")
+        self.assertEqual(failure.text.splitlines(), [job["cause"], *job["findings"]])
+        self.assertEqual(failure.get("message"), f"{job['cause']}: {job['findings'][0]}")
+        self.assertEqual(self.jobs["wrong"]["findings"], [])
+        schema = json.loads((TOP / "docs/schema/batch-result.schema.json").read_text(encoding="utf-8"))
+        report = json.loads((self.folder / "batch.out/batch.json").read_text(encoding="utf-8"))
+        self.assertEqual(list(json_schema.problems(report, schema)), [])
+
+
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])

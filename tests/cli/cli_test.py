@@ -71,11 +71,39 @@ class Verify(InFolder):
         source = out / "programs" / "krl" / "support_pad.src"
         text = source.read_text()
         line = next(l for l in text.splitlines() if l.startswith("LIN "))
-        source.write_text(text.replace(line, line.replace(",Z ", ",Z 1"), 1))
+        source.write_text(text.replace(line, line.replace("Z ", "Z 1"), 1))
+        result = run("verify", out, "--job", JOB)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("  changed since they were written: support_pad.src\n", result.stdout)
+        number = text.splitlines().index(line) + 1
+        self.assertRegex(result.stdout, rf"support_pad\.src:{number}: ")
+
+        def held(changed, status, words):
+            source.write_text(changed)
+            elsewhere = self.folder / "support_pad.src"
+            elsewhere.write_text(changed)
+            for arguments in ((out, "--job", JOB), (elsewhere, "--plan", out, "--job", JOB)):
+                result = run("verify", *arguments)
+                self.assertEqual(result.returncode, status, result.stdout + result.stderr)
+                self.assertIn(words, result.stdout)
+        still = "changed since, still as planned"
+        held(text.replace("\n", "\r\n"), 0, still)
+        held(text.replace("\n" + line, "\n; by hand\n\n" + line, 1), 0, still)
+        held(text.replace(line, line.replace("LIN {", "LIN  { "), 1), 0, still)
+        held(text.replace("\nEND\n", "\nHALT\nEND\n"), 1, "the stop HALT is not planned here")
+        held(text.replace("\n;FOLD PASS 0 PIECE 0", "", 1), 1, "the mark of the begin of pass 0 piece 0 is missing here")
+        source.write_text(text)
+        data = source.with_suffix(".dat")
+        was = data.read_text()
+        data.write_text(was.replace("DECL INT SUCCESS", "DECL REAL SUCCESS"))
+        result = run("verify", out, "--job", JOB)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("'DECL REAL SUCCESS' is here, written was 'DECL INT SUCCESS'", result.stdout)
+        data.write_text(was)
+        source.write_text(text.replace(line, line.replace("LIN", "LINE"), 1))
         result = run("verify", out, "--job", JOB)
         self.assertEqual(result.returncode, 2)
-        self.assertIn(f"{source}: was changed or is of another plan", result.stderr)
-        source.write_text(text.replace(line, line.replace("LIN", "LINE"), 1))
+        self.assertRegex(result.stderr, rf"support_pad\.src:{number}:\d+: ")
         result = run("verify", source, "--cell", TOP / "cells" / "kr500_r2830.yaml")
         self.assertEqual(result.returncode, 2)
         self.assertRegex(result.stderr, r"support_pad\.src:\d+:\d+: ")
@@ -83,7 +111,9 @@ class Verify(InFolder):
         source.write_text(text)
         result = run("verify", source, "--cell", TOP / "cells" / "kr500_r2830.yaml")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertIn("compared: reach, limits, speeds, singularity, interference, spindle; not the plan\n", result.stdout)
         self.assertEqual(run("verify", source).returncode, 2)
+        self.assertEqual(run("verify", out, "--plan", out).returncode, 2)
 
 
 class Documents(unittest.TestCase):
@@ -205,6 +235,71 @@ class CamWithoutPart(InFolder):
         self.assertIn("workpiece.mesh: missing; only strategy cam, drill with a list of holes and trim along a line go without a part",
                       run("plan", self.folder / "job.yaml").stderr)
 
+
+    def with_path(self, name, text, keys="", process=""):
+        job = without_force()
+        start, end = job.index("toolpath:"), job.index("process:")
+        job = job[:start] + f"toolpath: {{strategy: cam, cam: {{file: {name}{keys}}}, spacing_mm: 20}}\n" + job[end:]
+        (self.folder / name).write_text(text)
+        job = re.sub(r"spindle_rpm: *\d+", "spindle_rpm: 7000", job)
+        (self.folder / "job.yaml").write_text(job.replace("  mesh: support_pad.stl\n", ""))
+        return self.folder / "job.yaml"
+
+    def test_check_says_who_wrote_the_file_and_how_it_is_read(self):
+        text = ("$$-> MFGNO / HOLES\nUNITS / MM\nLOADTL / 1\n$$-> CUTTER / 20.000000\n"
+                "$$-> CSYS / 1.0, 0.0, 0.0, 0.0, $\n 0.0, 1.0, 0.0, 0.0, $\n 0.0, 0.0, 1.0, 0.0\n"
+                "SPINDL / RPM, 12000.000000,  CLW\nRAPID\nGOTO / -30.0, 0.0, 20.0\nFEDRAT / 600.0, MMPM\n"
+                "GOTO / -30.0, 0.0, 0.0\nGOTO / 30.0, 0.0, 0.0\n")
+        job = self.with_path("path.ncl", text)
+        result = run("check", job)
+        self.assertIn("path.ncl: read as Creo, mm, by UNITS in line 2, frame CSYS in line 5 (identity), three numbers = +z, "
+                      "tool 1 D20 at 12,000/min clockwise", result.stdout, result.stderr)
+        cam = json.loads(run("check", job, "--json").stdout)["cam"]
+        self.assertEqual((cam["sender"], cam["three_numbers"]), ("Creo", "+z"))
+        self.assertEqual(cam["sections"], [{"tool": "1", "cutter_mm": 20.0, "corner_radius_mm": 0.0, "spindle_rpm": 12000.0,
+                                            "spindle_sense": "clockwise", "first_line": 12, "last_line": 13}])
+        result = run("plan", job, "-o", self.folder / "out", "--quiet")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        programs = "".join(file.read_text(encoding="ascii") for file in (self.folder / "out" / "programs").rglob("*")
+                           if file.suffix in (".src", ".mpf", ".ngc"))
+        self.assertRegex(programs, r"(?<![\d.])12000(?![\d.])")
+        self.assertNotRegex(programs, r"(?<![\d.])7000(?![\d.])")
+        warnings = json.loads((self.folder / "out" / "summary.json").read_text())["warnings"]
+        self.assertTrue(any("process.spindle_rpm says 7000: the file's holds" in w for w in warnings), warnings)
+        cell = self.with_path("path.ncl", text, ", spindle: cell")
+        self.assertEqual(run("plan", cell, "-o", self.folder / "own", "--quiet").returncode, 0)
+        programs = "".join(file.read_text(encoding="ascii") for file in (self.folder / "own" / "programs").rglob("*")
+                           if file.suffix in (".src", ".mpf", ".ngc"))
+        self.assertNotRegex(programs, r"(?<![\d.])12000(?![\d.])")
+
+    def test_words_that_senders_use_differently_are_refused_with_their_key(self):
+        rapid = "RAPID\nGOTO/-30,0,20\nFEDRAT/600.,MMPM\nGOTO/-30,0,0\nGOTO/30,0,0\n"
+        head = "PARTNO/X\nUNITS/MM\nCUTTER/20\nLOADTL/1\n"
+        two = head + "SPINDL/7000,RPM,CLW\n" + rapid + "CUTTER/6\nLOADTL/2\n" + rapid
+        for text, keys, expected in (
+                (head + "SPINDL/12000,RPM,CCLW\n" + rapid, "", "path.apt:9: the file turns the spindle counter-clockwise (at 12000/min)"),
+                (two, "", "section 2: tool 2 D6 at 7,000/min clockwise, lines 16 to 17"),
+                (two, ", section: 3", "toolpath.cam.section: given 3, the file has 2 sections"),
+                (head + rapid, ", unit: inch", "toolpath.cam.unit has no effect: the file states its unit itself"),
+                (head + rapid, ", frame: as_given", "toolpath.cam.frame has no effect"),
+                (head + rapid, ", sender: fanuc", "allowed: one of nx, catia, creo, autodesk, solidworks_cam, mastercam, linuxcnc, sinumerik"),
+                ("PARTNO/X\nCUTTER/0.7874\n" + rapid.replace("600.,MMPM", "24,IPM"), "", "state toolpath.cam.unit".capitalize()),
+                (head + "CYCLE/BORE,12,MMPM,120,5\nRAPID\nGOTO/0,0,9\nRAPID\nGOTO/0,0,8\nGOTO/0,0,0\nCYCLE/OFF\n", "",
+                 "the CAM path holds no cut: all its ways are rapids; left out: CYCLE/BORE in line 7")):
+            result = run("check", self.with_path("path.apt", text, keys))
+            self.assertEqual(result.returncode, 2, result.stdout)
+            self.assertIn(expected, result.stderr)
+        result = run("check", self.with_path("path.apt", two, ", section: 1"))
+        self.assertIn("tool 1 D20 at 7,000/min clockwise", result.stdout, result.stderr)
+        self.assertNotIn("tool 2", result.stdout)
+        code = "G21 G90\nS7000 M3\nG54\nG0 X-30 Y0 Z20\nG1 Z0 F600\nX30\nG0 Z20\nG55\nG0 X-30 Y0\nG1 Z0\nX30\n"
+        result = run("check", self.with_path("path.nc", code))
+        self.assertEqual(result.returncode, 2, result.stdout)
+        self.assertIn("path.nc:8:1: G55 behind cuts under G54", result.stderr)
+        result = run("check", self.with_path("path.nc", code, ", offsets_mm: {G54: [0, 0, 0], G55: [0, 40, 0]}"), "--json")
+        self.assertEqual(json.loads(result.stdout)["passes"], 2, result.stderr)
+        result = run("check", self.with_path("path.nc", code, ", offsets_mm: {G54: [0, 0, 0], G55: [0, 40, 0], G56: [0, 0, 0]}"))
+        self.assertIn("toolpath.cam.offsets_mm.G56 has no effect: nothing is cut under it", result.stderr)
 
     def test_holes_that_are_left_out_are_told_in_report_and_program_head(self):
         job = without_force()

@@ -12,6 +12,7 @@ import sys
 import tempfile
 import unittest
 import xml.etree.ElementTree as xml
+from pathlib import Path
 
 from cli_fixture import FEW, JOB, MILLPOSE, TOP, InFolder, plan, run, schema_problems, tree
 
@@ -129,12 +130,46 @@ class Folder(InFolder):
             shutil.rmtree(out)
 
         self.planned_once()
-        damage("programs/krl/support_pad.src", lambda path: path.write_text(path.read_text() + "\n"))
         damage("programs/krl/support_pad.dat", lambda path: path.unlink())
         damage("programs/krl/other.src", lambda path: path.write_text("DEF other()\nEND\n"))
         damage("summary.json", lambda path: path.write_text(path.read_text().replace("0", "1", 1)))
         damage("run.json", lambda path: path.write_text(path.read_text().replace('"manifest": "', '"manifest": "0')))
         damage("manifest.json", lambda path: path.unlink())
+
+    def test_damage_locks_nobody_out(self):
+        self.planned_once()
+        for name, damage, *more in (("manifest.json", "", "--fresh"), ("manifest.json", "{"), (".journal", "", "--fresh"),
+                                    (".journal", '{"new": [1]}'), ("run.json", "{")):
+            with self.subTest(name=name, damage=damage, more=more):
+                out = self.folder / "damaged"
+                shutil.rmtree(out, ignore_errors=True)
+                shutil.copytree(Folder.kept.name + "/out", out)
+                (out / name).write_text(damage)
+                (out / "note.txt").write_text("the user's")
+                planned = plan(out, *more)
+                self.assertEqual(planned.returncode, 0, planned.stderr)
+                if name == "manifest.json":
+                    self.assertIn("is no manifest of millpose", planned.stdout)
+                    self.assertIn("not millpose's and left: note.txt", planned.stdout)
+                self.assertEqual((out / "note.txt").read_text(), "the user's")
+                self.assertEqual(run("verify", out).returncode, 0)
+                (out / "note.txt").unlink()
+                self.assertEqual(tree(out), tree(Path(Folder.kept.name) / "out"))
+
+    def test_readers_write_nothing(self):
+        out = self.planned_once()
+        (out / "note.txt").write_text("the user's")
+        (out / ".journal").write_text('{"new": [], "old": ["note.txt"]}')
+        before = {path: path.lstat() for path in [out, *out.rglob("*")]}
+        for reader in ("verify", "inspect"):
+            self.assertEqual(run(reader, out).returncode, 0)
+            self.assertEqual({path: path.lstat().st_mtime_ns for path in [out, *out.rglob("*")]},
+                             {path: info.st_mtime_ns for path, info in before.items()})
+        (out / "manifest.json").rename(out / ".replaced.json")  # as a run leaves it that was killed
+        for reader in ("verify", "inspect"):
+            read = run(reader, out)
+            self.assertEqual(read.returncode, 2)
+            self.assertIn("is being replaced by another run, or was when that was ended", read.stderr)
 
     def test_batch_plans_again_what_its_manifest_does_not_match(self):
         (self.folder / "batch.yaml").write_text(

@@ -74,7 +74,7 @@ class Init(InFolder):
                     self.assertEqual(result.returncode, 0, result.stderr)
                     self.assertEqual(sorted(p.name for p in out.iterdir()), ["cell.yaml", "job.yaml"])
                     self.assert_plans(out)
-        self.assertEqual(list(self.folder.rglob("*init-*")), [])
+        self.assertEqual(list(self.folder.rglob("*.init")), [])
 
     def test_a_block_plans_with_a_urdf_and_a_named_arm(self):
         self.try_parts({"block": make_meshes.support_pad()}, (self.arm(), "kr500_r2830"))
@@ -147,6 +147,66 @@ class Init(InFolder):
         self.assertEqual(result.returncode, 2)
         self.assertIn("wrist", result.stderr)
         self.assertFalse((self.folder / "block").exists())
+
+    def test_a_calibrated_arm_takes_a_tolerance(self):
+        block, arm = self.mesh("block.stl", make_meshes.support_pad()), self.arm(wrist_offset=0.0003)
+        refused = self.init(block, "--arm", arm)
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("allowed by --tolerance-mm: 0.01 mm", refused.stderr)
+        taken = self.init(self.large(), "--arm", arm, "--tolerance-mm", "1")  # which is refused next, for its size
+        self.assertRegex(taken.stdout, r"wrist +spherical: .*; the closed form is within 0\.[1-9]\d* mm")
+        self.assertIn("is 8 m long", taken.stderr)
+
+    def test_arms_that_are_no_arms_are_told_by_their_cause(self):
+        block = self.mesh("block.stl", make_meshes.support_pad())
+        good = urdf()
+        seven = good.replace("</robot>", '<link name="hand"/><joint name="joint_7" type="revolute"><parent link="tool0"/><child link="hand"/>'
+                             '<axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1"/></joint></robot>').replace("tool0", "plate")
+        degrees = good.replace('lower="-3.1" upper="3.1"', 'lower="-178" upper="178"')
+        for text, words in ((seven, "7 joints move between 'link_0' and 'hand' (joint_1, joint_2, joint_3, joint_4, joint_5, joint_6, joint_7)"),
+                            (degrees, "joint 'joint_1': limits -178 to 178 rad are 56.7 revolutions"),
+                            (good.replace('rpy="0 1.5707963267948966 0"', 'rpy="0 1.57 0"'), "rpy 1.57 is a rounded π/2")):
+            (self.folder / "arm.urdf").write_text(text)
+            result = self.init(block, "--arm", self.folder / "arm.urdf")
+            self.assertEqual(result.returncode, 2, result.stdout)
+            self.assertIn(words, result.stderr.splitlines()[0])
+            self.assertFalse((self.folder / "block").exists())
+
+    def large(self):
+        return self.mesh("large.stl", [[tuple(100 * x for x in p) for p in t] for t in make_meshes.support_pad()])
+
+    def test_the_arm_is_told_before_anything_is_planned(self):
+        result = self.init(self.large(), "--arm", self.arm(), "--unit", "mm")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("is 8 m long, while the arm with its tool reaches", result.stderr)
+        for words in ("joints              joint_1 … joint_6, from link_0 to tool0", "zero                upper arm upright, forearm level",
+                      "link body           link_3 on link3: 200 x 200 x 200 mm", "linuxcnc: its angle = [1, 1, 1, 1, 1, 1] × the arm's"):
+            self.assertIn(words, result.stdout)
+
+    def test_an_own_cell_stands_in_place_of_an_arm(self):
+        cell = TOP / "cells/kr500_two_tools.yaml"
+        told = self.init(self.large(), "--cell", cell, "--out", "first")
+        self.assertIn("arm                 KUKA KR 500 R2830", told.stdout)
+        self.assertIn("is 8 m long", told.stderr)
+        wrong = self.init(self.large(), "--cell", cell, "--tool", "mill_d21", "--out", "first")
+        self.assertIn("did you mean mill_d20?", wrong.stderr)
+        self.assertEqual(self.init(self.large(), "--cell", cell, "--arm", "kr500_r2830").returncode, 2)
+
+    @unittest.skipUnless("MILLPOSE_SLOW" in os.environ, "slow")
+    def test_the_users_own_cell_is_taken_as_it_is(self):
+        block = self.mesh("block.stl", make_meshes.support_pad())
+        cell = self.folder / "plant" / "cell.yaml"
+        cell.parent.mkdir()
+        text = (TOP / "cells/kr500_r2830.yaml").read_text()
+        cell.write_text(text)
+        result = self.init(block, "--cell", cell, "--out", "first")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual([p.name for p in (self.folder / "first").iterdir()], ["job.yaml"])
+        self.assertEqual(cell.read_text(), text)
+        job = (self.folder / "first" / "job.yaml").read_text()
+        self.assertIn("cell: ../plant/cell.yaml", job)
+        self.assertIn("programs: [krl, linuxcnc, sinumerik]", job)
+        self.assert_plans(self.folder / "first")
 
     def test_shared_parts_where_they_are(self):
         data = Path(os.environ.get("MILLPOSE_SHARED_DATA", "/work/shared/data"))

@@ -26,10 +26,14 @@ LEFT_OUT = {
     "toolpath.cam.rotary_axes[].direction": "of G-code", "toolpath.cam.rotary_axes[].point_mm": "of G-code",
     "toolpath.cam.circle": "of G-code", "toolpath.cam.kinematics_codes.*": "of G-code",
     "toolpath.cam.tip_programming": "of G-code",
+    **{f"toolpath.cam.{key}": "of APT and G-code"
+       for key in ("sender", "unit", "frame", "cycle_point", "offsets_mm.*", "section", "spindle")},
     "arm.urdf.base_link": "an arm like any other once derived", "arm.urdf.file": "an arm like any other once derived",
     "arm.urdf.flange_link": "an arm like any other once derived",
     "arm.urdf.packages.*": "an arm like any other once derived",
     "arm.urdf.tolerance_mm": "an arm like any other once derived",
+    "arm.coupled_limits_deg[].a": "one that binds and leaves home is test_pipeline's (CoupledLimits)",
+    "arm.coupled_limits_deg[].at_most": "one that binds and leaves home is test_pipeline's (CoupledLimits)",
     **{f"arm.dh.{key}": "an arm like any other once derived"
        for key in ("convention", "tolerance_mm", *(f"rows[].{of}" for of in ("a_mm", "alpha_deg", "d_mm", "theta_deg", "sign")))},
     "arm.family": "another arm altogether (cli_parallel_arm)", "arm.lengths_mm.d5": "of parallel axes alone",

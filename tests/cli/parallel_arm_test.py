@@ -81,6 +81,7 @@ class ParallelArm(unittest.TestCase):
         cell, count = re.subn(r"  family: .*\n(  #.*\n)?  lengths_mm: .*\n  axis_signs: .*\n  zero_offsets_deg: .*\n",
                               "  urdf: {file: ur10e.urdf, base_link: l0, flange_link: l6}\n", cell)
         self.assertEqual(count, 1)
+        cell = cell.replace("linuxcnc: {}", "linuxcnc: {axis_signs: [1, 1, 1, 1, 1, 1], axis_offsets_deg: [0, 0, 0, 0, 0, 0]}")
         (BENCH.top / "cells/own.yaml").write_text(cell, encoding="utf-8")
         job = BENCH.job("ur10e_pad", [("ur10e.yaml", "own.yaml"), (r"\[-800, 0, 500\], abc_deg: \[0, 90, 0\]",
                                                                    "[800, 0, 500], abc_deg: [0, -90, 0]")], "own")
@@ -105,7 +106,7 @@ class ParallelArm(unittest.TestCase):
         self.assertFalse(folder.exists())
         cell = BENCH.top / "cells/ur10e.yaml"
         text = cell.read_text(encoding="utf-8")
-        (BENCH.top / "cells/both.yaml").write_text(text + "  sinumerik: {settable_frame: 505}\n", encoding="utf-8")
+        (BENCH.top / "cells/both.yaml").write_text(text + "  sinumerik: {settable_frame: 505, orientation_words: {names: [A2, B2, C2], group: orirpy}, stat_a5_positive: false}\n", encoding="utf-8")
         both = BENCH.job("ur10e_pad", [("ur10e.yaml", "both.yaml")], "both")
         result = BENCH.run("check", both)
         self.assertEqual(result.returncode, 2)

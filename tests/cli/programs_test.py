@@ -29,9 +29,13 @@ def header(text):
 
 
 def straight(text):
-    """X, Y, Z, A, B, C of every LIN, in order."""
-    fields = ",".join(f"{name} {NUMBER}" for name in "XYZABC")
-    return [[float(value) for value in match] for match in re.findall(rf"(?m)^LIN \{{{fields}", text)]
+    """X, Y, Z, A, B, C of every LIN, in order; what a target does not name stays as it was."""
+    poses, words = [], {}
+    for kind, fields in re.findall(r"(?m)^(PTP|LIN) \{([^}]*)\}", text):
+        words.update((name, float(value)) for name, value in re.findall(rf"\b([XYZABC]) {NUMBER}", fields))
+        if kind == "LIN":
+            poses.append([words[name] for name in "XYZABC"])
+    return poses
 
 
 def cell(name, krl):
@@ -45,9 +49,10 @@ def cell(name, krl):
 
 
 class Planned(unittest.TestCase):
-    def plan(self, name, changes):
+    def plan(self, name, changes, *more):
         job = BENCH.job("support_pad", CUT_DOWN + changes, name)
-        result, folder = BENCH.plan(job, name)
+        result, folder = BENCH.plan(job, name, *more)
+        self.told = result.stdout
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
         self.assertNotIn("NOT", result.stdout)
         programs = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["programs"]
@@ -72,7 +77,11 @@ class Options(Planned):
 
     def test_numbered_frames_are_confirmed_with_the_values_that_they_must_hold(self):
         numbered = cell("numbered", ["base_number: 3", "tool_number: 2", "max_motions: 15"])
-        job, folder, text = self.plan("numbered", [("kr500_r2830", "numbered"), EVERY_POINT])
+        job, folder, text = self.plan("numbered", [("kr500_r2830", "numbered"), EVERY_POINT], "-v")
+        self.assertIn("\nkrl, before a first run (docs/krl.md):\n"
+                      "  [ ] tool: TOOL_DATA[2] at the controller: the values of tool_pose in the head\n"
+                      "  [ ] base: BASE_DATA[3] at the controller: the values of base_pose in the head\n", self.told)
+        self.assertRegex(self.told, r"\nsize       krl: \d+ kB in \d+ files, of 4000 kB \(program_memory_kbytes\)\n")
         self.assertIn("\nBAS (#BASE,3 )\nBAS (#TOOL,2 )\n", text)
         self.assertNotIn("$BASE = {FRAME", text)
         head = header(text)
@@ -91,10 +100,10 @@ class Options(Planned):
         result = BENCH.run("verify", main, "--cell", numbered)
         self.assertEqual(result.returncode, 1)
         self.assertRegex(result.stdout, r"support_pad_001\.src:\d+: the pose cannot be reached")
-        # It is none of its folder's set any more.
+        # A comment, but one that says where the controller's base must be.
         result = BENCH.run("verify", folder, "--job", job)
-        self.assertEqual(result.returncode, 2)
-        self.assertIn("support_pad.src: was changed or is of another plan", result.stderr)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn('the header\'s line base_pose says "X 4076.000', result.stdout)
         main.write_text(re.sub("; base_pose.*\n", "", text), encoding="ascii")
         result = BENCH.run("verify", main, "--cell", numbered)
         self.assertEqual(result.returncode, 2)
@@ -154,8 +163,13 @@ class Options(Planned):
         damaged = starts[-1].read_text(encoding="ascii").replace("\nLIN {X ", "\nLIN {X 1", 1)
         starts[-1].write_text(damaged, encoding="ascii")
         result = BENCH.run("verify", folder, "--job", job)
-        self.assertEqual(result.returncode, 2, result.stdout + result.stderr)
-        self.assertIn(starts[-1].name + ": was changed", result.stderr)
+        self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
+        self.assertIn("changed since they were written: " + starts[-1].name, result.stdout)
+        # Wherever it is, it is held against the piece of its name.
+        single = BENCH.run("verify", starts[-1], "--plan", folder, "--job", job)
+        self.assertEqual(single.returncode, 1, single.stdout + single.stderr)
+        single = BENCH.run("verify", starts[0], "--plan", folder, "--job", job)
+        self.assertEqual(single.returncode, 0, single.stdout + single.stderr)
 
     def test_a_measured_part_gets_a_window_for_its_base(self):
         # Four targets measured where A 0.02, B -90.03 puts them, with residuals of some hundredths.

@@ -189,6 +189,32 @@ class Identify(Answers):
             self.assertTrue(all("joint_stiffness" in a for a, _ in changed), changed)
             self.assertIn("as before: A1 A6", after)
 
+    def test_the_cell_behind_a_link_keeps_its_mode_and_line_ends(self):
+        with tempfile.TemporaryDirectory() as folder:
+            kept, link = os.path.join(folder, "kept"), os.path.join(folder, "cell.yaml")
+            os.mkdir(kept)
+            cell = os.path.join(kept, "arm.yaml")
+            with open(f"{TOP}/cells/quantec_r2700.yaml", "rb") as file:
+                before = b"\xef\xbb\xbf" + file.read().replace(b"\n", b"\r\n").rstrip(b"\r\n")  # as some editors leave it
+            with open(cell, "wb") as file:
+                file.write(before)
+            os.chmod(cell, 0o640)
+            os.symlink("kept/arm.yaml", link)
+            path = self.measurements(folder, ((0, 0, -737.8), (737.8, 0, 0)))
+            for read, written in ((link, link), (cell, link), (link, cell)):
+                self.assertIn(f"{written} updated", run("identify", path, "--cell", read, "--write-cell", written).stderr)
+                self.assertEqual((os.readlink(link), os.stat(cell).st_mode & 0o7777), ("kept/arm.yaml", 0o640))
+                with open(cell, "rb") as file:
+                    after = file.read().split(b"\r\n")
+                self.assertFalse(any(b"\n" in line or b"\r" in line for line in after))
+                self.assertEqual([line for line in after if b"joint_stiffness" not in line and b"uncertainty_percent" not in line],
+                                 [line for line in before.split(b"\r\n") if b"joint_stiffness" not in line])
+                self.assertEqual(sorted(os.listdir(kept) + os.listdir(folder)), ["arm.yaml", "cell.yaml", "kept", "m.yaml"])
+            os.symlink(f"{TOP}/cells/kr500_r2830.yaml", os.path.join(folder, "other.yaml"))
+            other = run("identify", path, "--cell", link, "--write-cell", os.path.join(folder, "other.yaml"))
+            self.assertEqual(other.returncode, 2)
+            self.assertIn("another cell than the one read", other.stderr)
+
     def test_readings_that_no_arm_gives_are_findings_and_leave_the_cell_alone(self):
         with tempfile.TemporaryDirectory() as folder:
             cell = os.path.join(folder, "cell.yaml")

@@ -69,7 +69,7 @@ class Strangers(InFolder):
         (self.folder / "outside").mkdir()
         for name in ("support_pad.stl", "cell.yaml"):
             shutil.copy(self.root / name, self.folder / "outside" / name)
-        shutil.copy(TOP / "tests/robot/turned_about.urdf", self.root / "arm.urdf")
+        shutil.copy(TOP / "tests/machine/robot/turned_about.urdf", self.root / "arm.urdf")
         text = JOB.read_text().replace("../../cells/kr500_r2830.yaml", "cell.yaml")
         self.text = re.sub(r"(stepover|spacing)_mm: [\d.]+", r"\1_mm: 40", text)
 
@@ -139,6 +139,32 @@ class Strangers(InFolder):
     def test_results_go_through_no_link(self):
         (self.root / "support_pad.out").symlink_to(self.folder / "outside")
         self.assert_kept_in("plan", self.job())
+
+    def test_no_journal_of_a_stranger_moves_anything(self):
+        out, kept, batch = self.root / "support_pad.out", self.folder / "kept", self.root / "batch.out"
+        self.assertEqual(run("plan", self.job(), "--root", self.root, "-q").returncode, 0)
+        shutil.copytree(out, kept)
+        (self.root / "batch.yaml").write_text("millpose_batch: 1\nuntrusted: true\njobs: [{job: job.yaml}]\n")
+        self.assertEqual(run("batch", self.root / "batch.yaml", "-o", batch).returncode, 0)
+        victim = self.folder / "outside" / "victim.txt"
+        for journal in ('{"new":[],"old":["../../outside/victim.txt"]}', '{"new":["../../outside/victim.txt"],"old":[]}', "{"):
+            for command in (("plan", self.root / "job.yaml", "--root", self.root), ("plan", out / "job.yaml", "--root", self.root),
+                            ("verify", out, "--root", self.root), ("batch", self.root / "batch.yaml", "-o", batch)):
+                with self.subTest(journal=journal, command=command[:2]):
+                    victim.write_text("years of work")
+                    (self.root / "outside").mkdir(exist_ok=True)  # where the same names lead from a folder below
+                    (self.root / "outside" / "victim.txt").write_text("a stranger's")
+                    shutil.rmtree(out)
+                    shutil.copytree(kept, out)
+                    for folder in (out, batch / "support_pad"):
+                        self.assertTrue((folder / ".millpose").exists())
+                        (folder / ".journal").write_text(journal)
+                        for begun in (".replaced", ".staging"):
+                            (folder / begun).mkdir(exist_ok=True)
+                    result = run(*command)
+                    self.assertEqual(victim.read_text(), "years of work")
+                    self.assertEqual(result.returncode, 0, result.stderr)
+                    self.assertEqual(run("verify", out, "--root", self.root).returncode, 0)
 
     def test_an_untrusted_folder_is_its_jobs_world(self):
         self.job(("mesh: support_pad.stl", "mesh: ../outside/support_pad.stl"))

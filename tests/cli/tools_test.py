@@ -33,14 +33,14 @@ class Tools(InFolder):
         planned = self.plan()
         self.assertEqual(planned.returncode, 0, planned.stderr)
         expected = {
-            "krl": r"PTP \{A1 60\.0.*\n; TOOL drill_d5: put it in, then start again\nHALT\n",
+            "krl": r"PTP \{A1 60,.*\n; TOOL drill_d5: put it in, then start again\nHALT\n",
             "sinumerik": r'RA1=60\.0.*\nT="drill_d5" D1\nM6\nMP_TOOL:\nSTOPRE\nIF \$TC_TP2\[\$TC_MPP6\[9998,1\]\]=="drill_d5" GOTOF MP_TOOL_IN\n',
             "linuxcnc": r"G0 X60\.0.*\nT2 M6\nO9001 WHILE \[#5400 NE 2\]\n",
         }
         for controller, text in expected.items():
             program = self.program(controller).read_text()
             self.assertRegex(program, text)
-            self.assertLess(program.index("60.0"), re.search(r"M3\b|OUT\[1\]=TRUE", program).start(), "before the spindle starts")
+            self.assertLess(re.search(r"(A1 |RA1=|X)60\b", program).start(), re.search(r"(?m)^[^;(\n]*\bM3\b|OUT\[1\]=TRUE", program).start(), "before the spindle starts")
         verified = run("verify", self.folder / "out")
         self.assertEqual(verified.returncode, 0, verified.stdout)
 
@@ -132,7 +132,7 @@ class Tools(InFolder):
             ("tool: drill_d5\n", CELL + "tool:\n" + second.replace("  - name", "  name").replace("\n    ", "\n  "), r"cell\.yaml:\d+:\d+: tool: given together with tools"),
             ("tool: drill_d5\n", CELL.replace("number: 2", "number: 1"), r"tools\[1\]\.number: given 1 twice"),
             ("tool: drill_d5\n", CELL.replace("name: drill_d5", "name: mill_d20"), r"tools\[1\]\.name: given mill_d20 twice"),
-            ("tool: drill_d5\n", CELL.replace("    number: 2\n", "").replace("  linuxcnc: {}", "  linuxcnc: {texts: {tool_change: 'T{number} M6'}}"),
+            ("tool: drill_d5\n", CELL.replace("    number: 2\n", "").replace("  linuxcnc: {m6_moves: false}", "  linuxcnc: {m6_moves: false, texts: {tool_change: 'T{number} M6'}}"),
              r"controllers\.linuxcnc\.texts\.tool_change.*\{number\}: tool drill_d5 has none"),
             ("tool: drill_d5\n", CELL.replace("  krl:\n", "  krl:\n    tool_number: 3\n"), r"controllers\.krl\.tool_number: has one number for all"),
             ("", one.replace("tool:\n", "tool:\n  number: 4\n"), r"cell\.yaml:\d+:3: tool\.number: has no effect here"),

@@ -8,7 +8,7 @@
 
 #include "base/trig.hpp"
 #include "base/units.hpp"
-#include "cutting/engagement.hpp"
+#include "toolpath/engagement/engagement.hpp"
 
 namespace millpose {
 namespace {

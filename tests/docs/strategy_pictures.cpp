@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "surface/corner_normals.hpp"
-#include "tests/surface/shapes.hpp"
+#include "geometry/mesh/corner_normals.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "tests/toolpath/with.hpp"
 #include "toolpath/gouge.hpp"
 #include "toolpath/make_toolpath.hpp"

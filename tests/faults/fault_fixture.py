@@ -14,9 +14,10 @@ ALL = os.environ.get("MILLPOSE_FAULT_PLACES") == "all"
 CAUSES = {"ENOSPC": "No space left on device", "EACCES": "Permission denied", "EROFS": "Read-only file system"}
 
 
-def run(command, root, at=0, fault="kill", stays=False, count=None):
-    """The command with a fault at the at-th operation on files below `root`; 0: none, they are only counted."""
-    env = dict(os.environ, LD_PRELOAD=str(FAULTS), MILLPOSE_FAULT_ROOT=str(root), MILLPOSE_FAULT_AT=str(at),
+def run(command, root, at=0, fault="kill", stays=False, count=None, more=None):
+    """The command with a fault at the at-th operation on files below `root`; 0: none, they are only counted. `more`: of the
+    environment."""
+    env = dict(os.environ, **(more or {}), LD_PRELOAD=str(FAULTS), MILLPOSE_FAULT_ROOT=str(root), MILLPOSE_FAULT_AT=str(at),
                MILLPOSE_FAULT=fault, MILLPOSE_FAULT_STAYS="1" if stays else "",
                MILLPOSE_FAULT_COUNT=str(count) if count else "")
     return subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=600, env=env)
@@ -31,12 +32,22 @@ def results(folder):
 
 def is_clean(folder):
     """Whether nothing of a swap, a lock or an unfinished file stands in the folder."""
-    return sorted(path.name for path in Path(folder).rglob("*") if path.name[0] == "." or path.suffix == ".tmp") == [
+    return sorted({path.name for path in Path(folder).rglob("*") if path.name[0] == "." or path.suffix == ".tmp"}) == [
         ".lock", ".millpose"]
 
 
 def programs(files):
-    return {name: content for name, content in files.items() if name.startswith("programs/")}
+    return {name: content for name, content in files.items() if "programs" in name.split("/")[:3]}
+
+
+def of_one_plan(found, *plans):
+    """Whether programs are all of one plan: those of the folder, and those of its operations, whole or absent."""
+    groups = [{name: content for name, content in found.items() if name.startswith(top)} for top in ("programs/", "operations/")]
+    for plan in plans:
+        whole = [{name: content for name, content in plan.items() if name.startswith(top)} for top in ("programs/", "operations/")]
+        if all(group in ({}, of_plan) for group, of_plan in zip(groups, whole)):
+            return True
+    return False
 
 
 def copied(source, target):
@@ -53,7 +64,7 @@ def places(count, wanted):
 
 
 class Faults(unittest.TestCase):
-    """Goes from set A to set B under faults. Subclasses say how a set is written and how a folder is repaired."""
+    """Goes from set A to set B under faults. Subclasses say how a set is written."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="millpose-faults.")
@@ -78,13 +89,17 @@ class Faults(unittest.TestCase):
     def check_between(self, where):
         """Right after a fault: programs are of one plan or absent, and repairing gives a whole set."""
         found = programs(results(self.out))
-        self.assertIn(found, ({}, programs(self.old), programs(self.new)), where)
+        self.assertTrue(of_one_plan(found, programs(self.old), programs(self.new)), where)
         is_open = (self.out / ".journal").exists()
         if is_open:
-            repaired = subprocess.run([str(word) for word in self.repair(self.out)], capture_output=True, text=True, timeout=600)
+            self.read_open(where)
+            repaired = subprocess.run([DRIVER, self.out, "-"], capture_output=True, text=True, timeout=600)
             self.assertEqual(repaired.returncode, 0, f"{where}: {repaired.stderr}")
         self.assertIn(results(self.out), (self.old, self.new), where)
         return is_open
+
+    def read_open(self, where):
+        """What a reader says of a folder whose swap was not ended."""
 
     def kill_at(self, numbers, again):
         repaired = 0

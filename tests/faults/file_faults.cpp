@@ -2,8 +2,9 @@
 // Loaded with LD_PRELOAD: counts what a program does to files below MILLPOSE_FAULT_ROOT, and at operation
 // number MILLPOSE_FAULT_AT (from 1) does what MILLPOSE_FAULT says: `kill` ends the process as SIGKILL would
 // at that moment; ENOSPC, EACCES, EROFS or EIO lets that one operation fail, and with MILLPOSE_FAULT_STAYS
-// all after it too. At its end the count goes to the file MILLPOSE_FAULT_COUNT. With MILLPOSE_FAULT_NO_LOCKS
-// there are no locks, as on some network file systems.
+// all after it too; with MILLPOSE_FAULT_OWN the program's children know nothing of it. At its end the count
+// goes to the file MILLPOSE_FAULT_COUNT. With MILLPOSE_FAULT_NO_LOCKS there are no locks, as on some network
+// file systems.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -37,6 +38,9 @@ struct Plan {
   bool stays = !Environment("MILLPOSE_FAULT_STAYS").empty();
   std::atomic<long> count = 0;
 
+  Plan() {
+    if (!Environment("MILLPOSE_FAULT_OWN").empty()) ::unsetenv("MILLPOSE_FAULT_ROOT");  // for its children
+  }
   ~Plan() {
     const std::string file = Environment("MILLPOSE_FAULT_COUNT");
     if (file.empty()) return;
@@ -83,6 +87,11 @@ std::string PathAt(int folder, const char* name) {
 int OpenAs(const char* function, const char* path, int flags, mode_t mode) {
   if ((flags & (O_CREAT | O_WRONLY | O_RDWR)) != 0 && Fails(path)) return -1;
   return Real<int(const char*, int, ...)>(function)(path, flags, mode);
+}
+
+int OpenAtAs(const char* function, int folder, const char* name, int flags, mode_t mode) {
+  if ((flags & (O_CREAT | O_WRONLY | O_RDWR)) != 0 && Fails(PathAt(folder, name))) return -1;
+  return Real<int(int, const char*, int, ...)>(function)(folder, name, flags, mode);
 }
 
 int FcntlAs(const char* function, int file, int command, void* argument) {
@@ -145,6 +154,39 @@ ssize_t write(int file, const void* bytes, size_t size) {
 }
 
 int fsync(int file) { return Fails(PathOf(file)) ? -1 : Real<int(int)>("fsync")(file); }
+
+int openat(int folder, const char* name, int flags, ...) {
+  va_list arguments;
+  va_start(arguments, flags);
+  const mode_t mode = ModeOf(flags, arguments);
+  va_end(arguments);
+  return OpenAtAs("openat", folder, name, flags, mode);
+}
+
+int openat64(int folder, const char* name, int flags, ...) {
+  va_list arguments;
+  va_start(arguments, flags);
+  const mode_t mode = ModeOf(flags, arguments);
+  va_end(arguments);
+  return OpenAtAs("openat64", folder, name, flags, mode);
+}
+
+int renameat(int from_folder, const char* from, int to_folder, const char* to) {
+  return Fails(PathAt(from_folder, from))
+             ? -1
+             : Real<int(int, const char*, int, const char*)>("renameat")(from_folder, from, to_folder, to);
+}
+
+int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned flags) {
+  return Fails(PathAt(from_folder, from)) ? -1
+                                          : Real<int(int, const char*, int, const char*, unsigned)>(
+                                                "renameat2")(from_folder, from, to_folder, to, flags);
+}
+
+int mkdirat(int folder, const char* name, mode_t mode) {
+  return Fails(PathAt(folder, name)) ? -1
+                                     : Real<int(int, const char*, mode_t)>("mkdirat")(folder, name, mode);
+}
 
 int rename(const char* from, const char* to) {
   return Fails(from) ? -1 : Real<int(const char*, const char*)>("rename")(from, to);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surface/mesh_import.hpp"
-#include "surface/obj_reader.hpp"
-#include "surface/off_reader.hpp"
-#include "surface/ply_reader.hpp"
-#include "surface/step_reader.hpp"
-#include "surface/stl_reader.hpp"
+#include "geometry/import/mesh_import.hpp"
+#include "geometry/import/obj_reader.hpp"
+#include "geometry/import/off_reader.hpp"
+#include "geometry/import/ply_reader.hpp"
+#include "geometry/import/step_reader.hpp"
+#include "geometry/import/stl_reader.hpp"
 #include "tests/fuzz/entries.hpp"
 
 namespace millpose {

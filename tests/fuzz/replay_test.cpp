@@ -9,7 +9,7 @@
 #include "base/file.hpp"
 #include "tests/base/source_dir.hpp"
 #include "tests/fuzz/entries.hpp"
-#include "tests/surface/mutate.hpp"
+#include "tests/geometry/mutate.hpp"
 
 namespace millpose {
 namespace {

@@ -2,8 +2,8 @@
 // STEP files through millpose-step, as every reader of them goes. OpenCASCADE may end that process on a
 // damaged file, which is what the process is for; so it cannot be read in the fuzzer's own. What counts:
 // whatever it does, its parent answers in time with triangles or an InputError.
-#include "surface/mesh_import.hpp"
-#include "surface/step_reader.hpp"
+#include "geometry/import/mesh_import.hpp"
+#include "geometry/import/step_reader.hpp"
 #include "tests/fuzz/entries.hpp"
 
 namespace millpose {

@@ -2,8 +2,8 @@
 // A program beside its plan, as `millpose verify` takes it: read by the reader of every controller, replayed
 // with the plan and without.
 #include "tests/fuzz/entries.hpp"
-#include "tests/verify/sample_cell.hpp"
-#include "verify/causes.hpp"
+#include "tests/program/verify/sample_cell.hpp"
+#include "program/verify/causes.hpp"
 
 namespace millpose {
 namespace {

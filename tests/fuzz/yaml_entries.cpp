@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/csv.hpp"
-#include "config/batch_settings.hpp"
-#include "config/config.hpp"
-#include "config/measurements.hpp"
+#include "job/config/batch_settings.hpp"
+#include "job/config/config.hpp"
+#include "job/config/measurements.hpp"
 #include "tests/fuzz/entries.hpp"
 
 namespace millpose {

@@ -72,7 +72,7 @@ class Deb(TestWithFolder):
         debs = list((self.folder / "deb").glob("*.deb"))
         self.assertEqual(len(debs), 1, debs)
         depends = run("dpkg-deb", "--field", debs[0], "Depends")
-        for library in ("libc6", "libstdc++6", "libfcl0.7", "libompl16", "libyaml-cpp0.7", "libtbb12"):
+        for library in ("libc6", "libstdc++6", "libfcl0.7", "libompl16", "libyaml-cpp0.7"):
             self.assertIn(library, depends)
         root = self.folder / "root"
         run("debootstrap", "--variant=minbase", "bookworm", root, MIRROR)

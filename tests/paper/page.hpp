@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "stiffness/compliance.hpp"
+#include "machine/stiffness/compliance.hpp"
 #include "tests/paper/figure3.hpp"
 #include "tests/paper/paper_data.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Table 7, equation 37: what static compliance says about deflection.
-#include "stiffness/process_force.hpp"
+#include "toolpath/engagement/process_force.hpp"
 #include "tests/paper/page.hpp"
 
 namespace millpose {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tables 2 and 3, equation 14.
-#include "stiffness/identify.hpp"
+#include "machine/identification/identify.hpp"
 #include "tests/paper/page.hpp"
-#include "tests/pose/problems.hpp"
+#include "tests/planning/pose/problems.hpp"
 
 namespace millpose {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tables 4, 5 and 6, equation 36: poses and the optimum.
 #include "base/trig.hpp"
-#include "pose/paper_formulation.hpp"
+#include "planning/pose/paper_formulation.hpp"
 #include "tests/paper/page.hpp"
-#include "tests/pose/problems.hpp"
+#include "tests/planning/pose/problems.hpp"
 
 namespace millpose {
 using Eigen::Vector3d;

@@ -2,7 +2,7 @@
 // Tables of Chen et al. 2021 as printed.
 #pragma once
 
-#include "tests/robot/arms.hpp"
+#include "tests/machine/robot/arms.hpp"
 
 namespace millpose {
 

@@ -73,7 +73,16 @@ TEST(Angles, SinumerikOrdersAreTheManuals) {
             1e-14);
   EXPECT_LT((FromToolAngles(AngleOrder::kEuler, abc) - about(2, 0.3) * about(0, -0.4) * about(2, 1.1)).norm(),
             1e-14);
-  EXPECT_LT((ToolAngles(AngleOrder::kRpy, FromToolAngles(AngleOrder::kRpy, abc)) - abc).norm(), 1e-14);
+  // ORIRPY2: the other way round, A about X, B about the new Y, C about the new Z.
+  EXPECT_LT((FromToolAngles(AngleOrder::kRpy2, abc) - about(0, 0.3) * about(1, -0.4) * about(2, 1.1)).norm(),
+            1e-14);
+  for (const AngleOrder order : {AngleOrder::kRpy, AngleOrder::kRpy2})
+    EXPECT_LT((ToolAngles(order, FromToolAngles(order, abc)) - abc).norm(), 1e-14);
+  // Beyond a revolution and where A and C are not unique the nearest stand for the same orientation.
+  for (const Vector3d& near : {Vector3d(3.3, -0.4, 7.4), Vector3d(0.2, kPi / 2, -4)}) {
+    const Eigen::Matrix3d R = FromToolAngles(AngleOrder::kRpy2, near);
+    EXPECT_LT((ToolAnglesNear(AngleOrder::kRpy2, R, near) - near).norm(), 1e-6);
+  }
 }
 
 TEST(ToolAxis, PutsTheNamedAxisAlongTheTool) {
@@ -91,15 +100,14 @@ TEST(ToolAxis, PutsTheNamedAxisAlongTheTool) {
 
 TEST(Turn, StatusAndTurnNameOneJointPosition) {
   const Arm arm = SampleArm();
-  AxisConvention axes;
-  axes.sign << 1, -1, 1, 1, -1, 1;
-  axes.offset << 0, 0.5, 0, 0, 0, -1;
+  const AxisConvention axes =
+      AxisConvention::OfSigns({1, -1, 1, 1, -1, 1}, (Joints() << 0, 0.5, 0, 0, 0, -1).finished());
   RandomStream stream(3, 0);
   int compared = 0;
   for (int i = 0; i < 500; ++i) {
     Joints q;
     for (int j = 0; j < 6; ++j) q[j] = stream.Uniform(arm.lower[j], arm.upper[j]);
-    if ((ToController(axes, q).cwiseAbs().array() > 2 * kPi).any()) continue;
+    if ((axes.FromArm(q).cwiseAbs().array() > 2 * kPi).any()) continue;
     if (DistanceToSingularity(arm, q).wrist < 0.01) continue;
     const auto found = AnglesAt(arm, axes, ForwardFlange(arm, q), Status(arm, q), ControllerTurn(axes, q));
     ASSERT_TRUE(found);
@@ -122,20 +130,14 @@ TEST(Turn, AtZeroTheTurnBitSendsNoJointRound) {
   }
 }
 
-TEST(Names, AreLegal) {
-  EXPECT_EQ(LegalName("Sample wall-plan", 24, 1), "Sample_wall_plan");
-  EXPECT_EQ(LegalName("7up", 24, 1), "mp_7up");
-  EXPECT_EQ(LegalName("a1", 24, 2), "mp_a1");
-  EXPECT_EQ(LegalName("", 24, 1), "mp_");
-  EXPECT_EQ(LegalName("Übergröße", 24, 1).find_first_not_of("abcdefghijklmnopqrstuvwxyz_"),
-            std::string::npos);
-  EXPECT_EQ(LegalName(std::string(40, 'x'), 24, 1).size(), 24u);
-}
-
 TEST(Numbers, HaveNoNegativeZero) {
   EXPECT_EQ(Fixed(-0.00001, 4), "0.0000");
   EXPECT_EQ(Fixed(-0.00005001, 4), "-0.0001");
   EXPECT_EQ(Fixed(2.5, 0), "2");
+  EXPECT_EQ(Short(-0.00001, 4), "0");
+  EXPECT_EQ(Short(2076.5, 4), "2076.5");
+  EXPECT_EQ(Short(-100, 4), "-100");
+  EXPECT_EQ(Short(100, 0), "100");
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ class Calling : public testing::TestWithParam<std::string> {
   }
   ProgramFiles Written() {
     CalledProgram first = Called("Part_1"), second = Called("Part_2");
-    first.comments = {"operation one", "tool \xc3\xa4"};
+    first.comments = {{"operation", "one"}, {"tool", "\xc3\xa4"}};
     return WriteCalling(syntax_, main_, {{"job", main_}}, {first, second});
   }
   std::string& Text(ProgramFiles& files) { return files.at(ProgramName(syntax_, main_) + syntax_.ending); }

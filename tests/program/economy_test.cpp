@@ -5,7 +5,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "tests/program/left_out.hpp"
 #include "tests/program/sample_plan.hpp"
 

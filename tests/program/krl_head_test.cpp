@@ -8,7 +8,7 @@
 #include "program/controller_axes.hpp"
 #include "program/krl/krl.hpp"
 #include "program/scanner.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {
@@ -50,7 +50,7 @@ TEST(KrlHead, StopsWhereTheControllersFrameIsAnother) {
   // The data before the first statement, the check before the first frame, tool and motion.
   EXPECT_LT(text.find("DECL FRAME MP_OFF"), text.find(";FOLD INI"));
   const size_t check = text.find(
-      "MP_OFF = {FRAME: X 100.0000,Y 0.0000,Z 1500.0000,A 0.000000,B 0.000000,C 180.000000}\n"
+      "MP_OFF = {FRAME: X 100,Y 0,Z 1500,A 0,B 0,C 180}\n"
       "MP_OFF = INV_POS(MP_OFF):$ROBROOT\n");
   ASSERT_NE(check, std::string::npos) << text.substr(0, 2500);
   EXPECT_LT(check, text.find("$BASE"));
@@ -79,7 +79,7 @@ TEST(KrlHead, IsReadBackAndMissed) {
                    undeclared.find(";FOLD INI") - undeclared.find("DECL FRAME"));
   EXPECT_THROW(checked.Read(undeclared), InputError);
   for (const auto& [from, to] : {std::pair{">0.01)", ">0.1)"},
-                                 {"Z 0.0000,A", "Z 5.0000,A"},
+                                 {"Z 0,A", "Z 5,A"},
                                  {"HALT\nENDLOOP", "ENDLOOP"},
                                  {"DECL INT MP_ID\n", ""}}) {
     std::string changed = text;
@@ -117,19 +117,15 @@ TEST(KrlHead, ARailIsCheckedByItsRoot) {
   checked.options.ersysroot = KrlRail{{{0, 0, 600}, Vector3d::Zero()}, FrameAxis::kX};
   checked.settings.controller_axes = {{"E1", "", AxisKind::kLinear, 1500, true}};
   const std::string text = checked.Text();
-  EXPECT_NE(text.find("Z 600.0000,A 0.000000,B 0.000000,C 0.000000}\nMP_OFF = INV_POS(MP_OFF):$ERSYSROOT"),
-            std::string::npos);
+  EXPECT_NE(text.find("Z 600,A 0,B 0,C 0}\nMP_OFF = INV_POS(MP_OFF):$ERSYSROOT"), std::string::npos);
   EXPECT_EQ(text.find(":$ROBROOT"), std::string::npos);
 }
 
 TEST(KrlHead, LoadIsWrittenAndExpected) {
   Checked checked;
-  checked.options.write_load = true;
   checked.settings.load = ToolLoad{182.5, {-30, 0, 140.25}, {9.5, 11, 4.25}};
   const std::string text = checked.Text();
-  const std::string line =
-      "$LOAD = {M 182.500,CM {X -30.0000,Y 0.0000,Z 140.2500,A 0.0,B 0.0,C 0.0},"
-      "J {X 9.5000,Y 11.0000,Z 4.2500}}\n";
+  const std::string line = "$LOAD = {M 182.5,CM {X -30,Y 0,Z 140.25,A 0,B 0,C 0},J {X 9.5,Y 11,Z 4.25}}\n";
   ASSERT_NE(text.find(line), std::string::npos);
   EXPECT_NO_THROW(checked.Read(text));
   std::string lost = text;
@@ -138,6 +134,15 @@ TEST(KrlHead, LoadIsWrittenAndExpected) {
   std::string heavier = text;
   heavier.replace(heavier.find("M 182"), 5, "M 192");
   EXPECT_THROW(checked.Read(heavier), InputError);
+  std::string spaced = text;
+  spaced.replace(spaced.find("{M 182.5,CM {X"), 14, "{ M 182.5 , CM { X");
+  EXPECT_NO_THROW(checked.Read(spaced));
+  // Where the cell says so, or the tool is one of the controller's own, its load data hold.
+  checked.options.write_load = false;
+  EXPECT_EQ(checked.Text().find("$LOAD"), std::string::npos);
+  checked.options.write_load.reset();
+  checked.options.tool_number = 7;
+  EXPECT_EQ(checked.Text().find("$LOAD"), std::string::npos);
 }
 
 TEST(KrlHead, NumberedFramesMustBeTheCells) {

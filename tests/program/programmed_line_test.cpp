@@ -8,7 +8,7 @@
 #include "base/units.hpp"
 #include "program/bound_turns.hpp"
 #include "program/economy.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {

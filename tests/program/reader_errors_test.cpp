@@ -47,7 +47,8 @@ TEST(ReaderErrors, KrlNamesLineAndColumn) {
   EXPECT_EQ(ProblemsWith("krl", "\nEND\n", "\n").size(), 1u);
   EXPECT_EQ(ProblemsWith("krl", "\nEND\n", "\nEND\nLIN {X 1}\n").size(), 1u);
   EXPECT_EQ(ProblemsWith("krl", "$ORI_TYPE = #VAR", "$ORI_TYPE = #CONSTANT").size(), 1u);
-  EXPECT_EQ(ProblemsWith("krl", "S 'B", "S 'C").size(), 1u);
+  EXPECT_EQ(ProblemsWith("krl", "S 'B", "S 'C").size(),
+            2u);  // and the next target lacks what it does not name
   EXPECT_EQ(ProblemsWith("krl", "$ADVANCE", "$ADVENCE").size(), 2u);  // and $ADVANCE is missing
   EXPECT_EQ(ProblemsWith("krl", "; job", "; the usual job").size(), 0u);
 }

@@ -137,8 +137,9 @@ TEST(ReaderPlaces, KrlSpelling) {
     return sample.Problems().size();
   };
   EXPECT_EQ(problems("^&REL", "^&", " &"), 1u);
-  EXPECT_EQ(problems(kKrlEntry, "T 'B[01]+'", "T 10.5"), 1u);
-  EXPECT_EQ(problems(kKrlEntry, "T 'B[01]+'", "T 64"), 1u);
+  // And the next target lacks what it does not name.
+  EXPECT_EQ(problems(kKrlEntry, "T 'B[01]+'", "T 10.5"), 2u);
+  EXPECT_EQ(problems(kKrlEntry, "T 'B[01]+'", "T 64"), 2u);
   EXPECT_EQ(problems("^\\$OUT\\[1\\]=TRUE", "$", " ; checked"), 0u);
   EXPECT_EQ(problems("^\\$OUT\\[1\\]=TRUE", "=", " = "), 0u);
   EXPECT_GE(problems("^\\$OUT\\[1\\]=TRUE", "TRUE", "TR UE"), 1u);

@@ -24,7 +24,7 @@ TEST(CellTexts, WhatNoReaderModelsIsRefused) {
   for (const auto& [controller, text, line] : {
            Case{"krl", "PTP {A1 0,A2 -90,A3 90,A4 0,A5 0,A6 0}\nLIN_REL {Z -500}", 2},
            Case{"krl", "$OUT[1]=TRUE\nMOVE_ASIDE ( )", 2},
-           Case{"krl", "$OV_PRO = 10", 1},
+           Case{"krl", "$OV_APPL = 10", 1},
            Case{"krl", "$BASE = BASE_DATA[3]", 1},
            Case{"krl", "$OUT[0]=TRUE", 1},
            Case{"krl", "WAIT FOR MOVE_ASIDE()", 1},

@@ -122,11 +122,13 @@ TEST_P(EachPost, TextIsPlain) {
 TEST_P(EachPost, RoundingKeepsTheTipAndTheMarks) {
   const MotionProgram read = Read(files);
   EXPECT_EQ(read.header, program.header);
-  ASSERT_EQ(read.events.size(), program.events.size());
-  for (size_t i = 0; i < read.events.size(); ++i) {
-    EXPECT_EQ(read.events[i].kind, program.events[i].kind);
-    EXPECT_NEAR(read.events[i].value, program.events[i].value, 1e-9);
-    EXPECT_EQ(read.events[i].piece, program.events[i].piece);
+  std::vector<ProgramEvent> events = read.events;  // those that no plan has are of texts alone
+  std::erase_if(events, [](const ProgramEvent& event) { return event.kind >= ProgramEvent::Kind::kText; });
+  ASSERT_EQ(events.size(), program.events.size());
+  for (size_t i = 0; i < events.size(); ++i) {
+    EXPECT_EQ(events[i].kind, program.events[i].kind);
+    EXPECT_NEAR(events[i].value, program.events[i].value, 1e-9);
+    EXPECT_EQ(events[i].piece, program.events[i].piece);
   }
   if (ControllerOf(GetParam()) == "linuxcnc") return;  // has more motions, see below
   ASSERT_EQ(read.motions.size(), program.motions.size());
@@ -158,8 +160,11 @@ TEST_P(EachPost, RoundingKeepsTheTipAndTheMarks) {
 }
 
 TEST_P(EachPost, AxisConventionIsUndoneWhenReading) {
-  settings.axes.sign << 1, -1, 1, -1, 1, -1;
-  settings.axes.offset << 0, 0.5, 0, 0, -0.25, 1;
+  // FANUC's third axis counts against the second: couplings go the same way.
+  Matrix6 matrix = Matrix6::Identity();
+  matrix.diagonal() << 1, -1, 1, -1, 1, -1;
+  matrix(2, 1) = -1;
+  settings.axes = AxisConvention(matrix, (Joints() << 0, 0.5, 0, 0, -0.25, 1).finished());
   const ProgramFiles other = post->Write(program, plan.arm, settings);
   EXPECT_NE(other, files);
   const MotionProgram read = Read(other);
@@ -190,7 +195,7 @@ TEST_P(EachPost, SplitsBehindRetractsOnly) {
   settings.max_motions = 18;
   EXPECT_EQ(post->Write(program, plan.arm, settings).size(), files.size() + 2);
   settings.max_motions = 1400;
-  settings.max_kbytes = 2;
+  settings.max_kbytes = 1;
   EXPECT_GT(post->Write(program, plan.arm, settings).size(), files.size());
 }
 
@@ -325,7 +330,7 @@ TEST(Krl, NumberedFramesAndExternalAxes) {
   const ProgramFiles files = post->Write(MakeMotionProgram(plan), plan.arm, settings);
   std::string text = files.rbegin()->second;
   EXPECT_NE(text.find("BAS (#BASE,3 )\nBAS (#TOOL,7 )\n"), std::string::npos);
-  EXPECT_NE(text.find(",E1 1200.5000,E2 -90.0000}"), std::string::npos);
+  EXPECT_NE(text.find(",E1 1200.5,E2 -90}"), std::string::npos);
   const MotionProgram read = post->Read(files, plan.arm, settings);
   EXPECT_FALSE(read.X_BP || read.X_FT);
   EXPECT_EQ(post->Write(read, plan.arm, settings), files);

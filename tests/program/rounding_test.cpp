@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/units.hpp"
-#include "motion/line.hpp"
+#include "machine/motion/line.hpp"
 #include "program/path_speed.hpp"
 #include "tests/program/sample_plan.hpp"
 

@@ -5,7 +5,7 @@
 #include "base/units.hpp"
 #include "program/bound_turns.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {
@@ -198,7 +198,7 @@ PostSettings SampleSettings(const std::string& variant) {
 }
 
 std::unique_ptr<Post> SamplePost(const std::string& variant) {
-  if (variant == "linuxcnc_cartesian") return std::make_unique<LinuxCncPost>(LinuxCncOptions{true});
+  if (variant == "linuxcnc_cartesian") return std::make_unique<LinuxCncPost>(LinuxCncOptions{true, std::nullopt});
   return MakePost(ControllerOf(variant));
 }
 

@@ -3,7 +3,7 @@
 // cells/kr500_r2830.yaml.
 #pragma once
 
-#include "plan/plan_result.hpp"
+#include "planning/result/plan_result.hpp"
 #include "program/post.hpp"
 
 namespace millpose {

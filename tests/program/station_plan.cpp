@@ -2,9 +2,9 @@
 #include "tests/program/station_plan.hpp"
 
 #include "base/units.hpp"
-#include "plan/station.hpp"
+#include "planning/result/station.hpp"
 #include "program/krl/krl.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {

@@ -11,7 +11,7 @@
 #include "program/krl/krl.hpp"
 #include "program/make_timeline.hpp"
 #include "program/scanner.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "tests/program/interpreter.hpp"
 #include "tests/program/program_lines.hpp"
 #include "tests/program/station_plan.hpp"
@@ -170,11 +170,21 @@ class KrlByHand {
       place_ = {v[0], v[1], v[2]};
       turn_ = Turn(2, v[3]) * Turn(1, v[4]) * Turn(0, v[5]);
       on_table_ = frame == std::string::npos;
-    } else if (line.starts_with("LIN {X ")) {
-      const int count = std::sscanf(line.c_str() + 7, (std::string(fields) + ",E1 %lf,E2 %lf").c_str(), &v[0],
-                                    &v[1], &v[2], &v[3], &v[4], &v[5], &e[0], &e[1]);
-      ASSERT_EQ(count, 6 + static_cast<int>(plan_.external_axes.size())) << line;
-      Tip(Vector3d(v[0], v[1], v[2]), e);
+    } else if (line.starts_with("PTP {A1")) {
+      words_.clear();
+    } else if (line.starts_with("LIN {") || line.starts_with("PTP {")) {
+      const size_t external = line.find(",E1 ");
+      for (size_t at = 5; at < std::min(external, line.find('}'));) {
+        const size_t end = std::min(line.find(',', at), line.find('}', at));
+        words_[line[at]] = std::atof(line.c_str() + at + 2);
+        at = end + 1;
+      }
+      if (line.starts_with("PTP {")) return;
+      ASSERT_NE(external, std::string::npos) << line;
+      const int count = std::sscanf(line.c_str() + external, ",E1 %lf,E2 %lf", &e[0], &e[1]);
+      ASSERT_EQ(count, static_cast<int>(plan_.external_axes.size())) << line;
+      ASSERT_TRUE(words_.contains('X') && words_.contains('Y') && words_.contains('Z')) << line;
+      Tip(Vector3d(words_['X'], words_['Y'], words_['Z']), e);
     }
   }
 
@@ -196,6 +206,7 @@ class KrlByHand {
   Vector3d place_;
   Matrix3d turn_;
   bool on_table_ = false;
+  std::map<char, double> words_;  // of the last pose: what a target does not name stays
   std::vector<Vector3d> tips_;
 };
 

@@ -8,7 +8,7 @@
 #include "program/economy.hpp"
 #include "program/krl/krl.hpp"
 #include "program/scanner.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {
@@ -42,24 +42,26 @@ void ComplainAboutCharacters(const std::string& text, Complaints& complaints) {
 Complaints CheckKrl(const std::string& text, const std::string& name) {
   Complaints complaints;
   ComplainAboutCharacters(text, complaints);
-  const std::string pose = fmt::format("X {0},Y {0},Z {0},A {0},B {0},C {0}", kReal);
-  const std::string external = fmt::format("(,E[1-6] {})*", kReal);
-  const std::string axes = fmt::format("A1 {0},A2 {0},A3 {0},A4 {0},A5 {0},A6 {0}", kReal);
+  // Without zeros at its end, and without a point where nothing follows.
+  const std::string number = "-?[0-9]{1,6}(?:\\.[0-9]{0,8}[1-9])?";
+  const std::string pose = fmt::format("X {0},Y {0},Z {0},A {0},B {0},C {0}", number);
+  const std::string external = fmt::format("(,E[1-6] {})*", number);
+  const std::string axes = fmt::format("A1 {0},A2 {0},A3 {0},A4 {0},A5 {0},A6 {0}", number);
   const std::regex motion(
       fmt::format("PTP \\{{{0},S 'B[01]{{3}}',T 'B[01]{{6}}'{1}\\}}|PTP \\{{{2}{1}\\}}|"
-                  "LIN \\{{{0}{1}\\}}( C_DIS)?",
-                  pose, external, axes, kReal));
+                  "LIN \\{{({3},?)+{1}\\}}( C_DIS)?",
+                  pose, external, axes, fmt::format("[XYZABC] {}", number)));
   const std::regex setting(
       fmt::format("\\$(BASE|TOOL) = \\{{FRAME: {0}\\}}|BAS \\(#(BASE|TOOL),[0-9]+ \\)|\\$ORI_TYPE = #VAR|"
                   "\\$ADVANCE = [0-5]|BAS \\(#VEL_PTP,[0-9]+ \\)|"
                   "\\$(VEL|ACC)\\.ORI[12] = {1}|\\$ACC\\.CP = {1}",
-                  pose, kReal));
+                  pose, number));
   const std::regex other(
       fmt::format("\\$VEL\\.CP = {0}|\\$APO\\.CDIS = {0}|PASS_[0-9]+_[0-9]+:|"
                   "TRIGGER WHEN DISTANCE=0 DELAY=-?[0-9]+ DO "
                   "\\$OUT\\[[0-9]+\\]=(TRUE|FALSE)|"
                   "\\$A?N?OUT\\[1\\]=[A-Z0-9]+|[A-Za-z0-9_]+ \\( \\)",
-                  kReal));
+                  number));
   static const std::regex ini(
       " *(GLOBAL INTERRUPT DECL 3 WHEN \\$STOPMESS==TRUE DO IR_STOPM \\( \\)|INTERRUPT ON 3|"
       "BAS \\(#INITMOV,0 \\))");
@@ -262,10 +264,11 @@ TEST(Structure, TheCheckerSeesFaults) {
   const std::vector<std::array<std::string, 3>> faults = {
       {"krl", "\nEND\n", "\n"},
       {"krl", "LIN {X ", "LIN {X,"},
+      {"krl", "LIN {X ", "LIN {W "},
       {"krl", "\n$BASE", "\n; $BASE"},
       {"krl", "C_DIS", "C_VEL"},
       {"krl", ";ENDFOLD (PASS", "; ("},
-      {"krl", "A1 0.000000", "A1 .0"},
+      {"krl", "A1 0,", "A1 .0,"},
       {"krl", "DEF Sample", "DEF Simple"},
       {"krl", "$VEL.ORI1", "$VEL.ORI3"},
       {"sinumerik", "TRAORI\n", ""},

@@ -5,7 +5,7 @@
 
 #include "base/units.hpp"
 #include "program/program_time.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {

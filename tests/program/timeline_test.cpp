@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "program/make_timeline.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "tests/cell/sample_cell.hpp"
+#include "tests/machine/collision/sample_cell.hpp"
 
 namespace millpose {
 namespace {

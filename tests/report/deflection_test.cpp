@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "report/deflection.hpp"
 
-#include "tests/robot/arms.hpp"
+#include "tests/machine/robot/arms.hpp"
 
 namespace millpose {
 namespace {

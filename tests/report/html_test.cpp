@@ -6,10 +6,10 @@
 #include <set>
 
 #include "base/units.hpp"
-#include "plan/point_clearance.hpp"
+#include "planning/result/point_clearance.hpp"
 #include "report/html_columns.hpp"
 #include "report/packed.hpp"
-#include "sampling/sample_curves.hpp"
+#include "report/samples/sample_curves.hpp"
 #include "tests/report/panel_plan.hpp"
 
 namespace millpose {

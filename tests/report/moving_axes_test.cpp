@@ -4,12 +4,12 @@
 #include <nlohmann/json.hpp>
 
 #include "base/units.hpp"
-#include "plan/station.hpp"
+#include "planning/result/station.hpp"
 #include "report/deflection.hpp"
 #include "report/html_data.hpp"
 #include "report/step_heights.hpp"
 #include "tests/report/small_plan.hpp"
-#include "tests/robot/arms.hpp"
+#include "tests/machine/robot/arms.hpp"
 
 namespace millpose {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/report/panel_plan.hpp"
 
-#include "plan/point_clearance.hpp"
-#include "plan/verdict_map.hpp"
+#include "planning/result/point_clearance.hpp"
+#include "planning/result/verdict_map.hpp"
 #include "program/make_timeline.hpp"
-#include "sampling/axis_map.hpp"
-#include "sampling/nearest_pairs.hpp"
-#include "sampling/sample_curves.hpp"
-#include "tests/cell/sample_cell.hpp"
-#include "tests/pose/problems.hpp"
+#include "report/samples/axis_map.hpp"
+#include "report/samples/nearest_pairs.hpp"
+#include "report/samples/sample_curves.hpp"
+#include "tests/machine/collision/sample_cell.hpp"
+#include "tests/planning/pose/problems.hpp"
 
 namespace millpose {
 namespace {

@@ -3,8 +3,8 @@
 // by point with the pose module, without the ladder search.
 #pragma once
 
-#include "cell/cell.hpp"
-#include "pose/search.hpp"
+#include "machine/collision/cell.hpp"
+#include "planning/pose/search.hpp"
 #include "report/html.hpp"
 
 namespace millpose {

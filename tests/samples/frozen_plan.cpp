@@ -6,7 +6,7 @@
 #include "base/file.hpp"
 #include "job/assemble.hpp"
 #include "job/workpiece.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "tests/base/source_dir.hpp"
 
 namespace millpose {

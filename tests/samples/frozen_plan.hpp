@@ -4,9 +4,9 @@
 // are planned to today (they are of a version before smoothing); the slow tests plan the jobs themselves.
 #pragma once
 
-#include "cell/cell.hpp"
+#include "machine/collision/cell.hpp"
 #include "job/inputs.hpp"
-#include "plan/plan_result.hpp"
+#include "planning/result/plan_result.hpp"
 
 namespace millpose {
 

@@ -2,7 +2,7 @@
 #include "tests/samples/program_case.hpp"
 
 #include "job/assemble.hpp"
-#include "pipeline/make_programs.hpp"
+#include "run/pipeline/programs/make_programs.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
 #include "tests/program/own_options.hpp"
 
@@ -23,7 +23,7 @@ ProgramCase MakeCase(const Sample& sample, const std::string& variant) {
   made.controller = variant.substr(0, variant.find('_'));
   JobInputs inputs = sample.inputs;
   ControllerOptions& controller = inputs.cell.controllers.at(made.controller);
-  if (variant == "linuxcnc_cartesian") SetOwnOptions<LinuxCncPost>(controller, {true});
+  if (variant == "linuxcnc_cartesian") SetOwnOptions<LinuxCncPost>(controller, {true, std::nullopt});
   if (made.controller == "krl") {
     controller.shared.texts = {{"spindle_on", "$ANOUT[1]={rpm}\n$OUT[1]=TRUE"},
                                {"spindle_off", "$OUT[1]=FALSE"}};

@@ -2,11 +2,11 @@
 // A sample's program for one variant of a controller, with everything to replay it.
 #pragma once
 
-#include "cell/world.hpp"
-#include "pipeline/program_motions.hpp"
+#include "machine/collision/world.hpp"
+#include "run/pipeline/programs/program_motions.hpp"
 #include "program/post_entry.hpp"
 #include "tests/samples/frozen_plan.hpp"
-#include "verify/verify.hpp"
+#include "program/verify/verify.hpp"
 
 namespace millpose {
 

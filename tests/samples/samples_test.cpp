@@ -12,22 +12,22 @@
 #include "base/file.hpp"
 #include "base/units.hpp"
 #include "job/workpiece.hpp"
-#include "motion/line.hpp"
-#include "output/output_folder.hpp"
-#include "pipeline/base_window.hpp"
-#include "pipeline/make_programs.hpp"
-#include "pipeline/run.hpp"
+#include "machine/motion/line.hpp"
+#include "store/output_folder.hpp"
+#include "run/pipeline/programs/base_window.hpp"
+#include "run/pipeline/programs/make_programs.hpp"
+#include "run/pipeline/outputs/run.hpp"
 #include "program/controller_axes.hpp"
 #include "program/sinumerik/sinumerik.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "tests/base/source_dir.hpp"
 #include "tests/program/interpreter.hpp"
 #include "tests/program/left_out.hpp"
 #include "tests/program/own_options.hpp"
 #include "tests/samples/program_case.hpp"
-#include "tests/verify/damage.hpp"
-#include "tests/verify/same_motions.hpp"
-#include "verify/compare.hpp"
+#include "tests/program/verify/damage.hpp"
+#include "tests/program/verify/same_motions.hpp"
+#include "program/verify/compare.hpp"
 
 namespace millpose {
 namespace {
@@ -66,8 +66,8 @@ class SampleProgram : public testing::TestWithParam<std::tuple<std::string, std:
   const std::string sample_name = std::get<0>(GetParam()), variant = std::get<1>(GetParam());
   const Sample& sample = SampleOf(sample_name);
   const PlanResult& plan = sample.plan;
-  const ProgramCase made = MakeCase(sample, variant);
-  const std::string text = made.files.at(made.name);
+  ProgramCase made = MakeCase(sample, variant);
+  const std::string text = WithWholeLines(made.files.at(made.name));
 
   bool Applies(const TextEdit& edit) const {
     const std::string letters = made.controller == "krl"          ? "K"
@@ -225,6 +225,7 @@ TEST_P(SampleProgram, DamageIsCaughtWithItsLine) {
 #endif
   const World world(sample.cell);
   const MotionProgram written = made.Read(plan.arm, text);
+  made.options.written = &written;
   int kinds = 0;
   for (const TextEdit& damage : Damages()) {
     const auto edited = Applies(damage) ? damage.apply(text) : std::nullopt;
@@ -252,6 +253,8 @@ TEST_P(SampleProgram, HarmlessEditsPass) {
     GTEST_SKIP() << "takes long: in the slow tier";
 #endif
   const World world(sample.cell);
+  const MotionProgram written = made.Read(plan.arm, text);
+  made.options.written = &written;
   int kinds = 0;
   for (const TextEdit& edit : HarmlessEdits()) {
     const auto edited = Applies(edit) ? edit.apply(text) : std::nullopt;

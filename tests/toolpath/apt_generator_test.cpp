@@ -325,7 +325,7 @@ class AptWriter {
     constexpr std::array words{"PAINT/COLOR,42",    "PPRINT OPERATION 7", "COOLNT/ON",
                                "MULTAX/ON",         "REMARK/A, B",        "OPSTOP",
                                "DELAY/2.0",         "CUTCOM/OFF",         "PREFUN/64",
-                               "INSERT/M8 T4 (GO)", "SEQNO/100",          "$$-> CSYS / 1, 0, $\n 0, 1",
+                               "INSERT/M8 T4 (GO)", "SEQNO/100",          "$$-> REMARK / 1, 0, $\n 0, 1",
                                "TRACUT/NOMORE",     "AUXFUN/8",           "$$ GOTO/1,1,1"};
     text_ += std::string(words[random_.Below(words.size())]) + "\n";
   }
@@ -339,8 +339,16 @@ class AptWriter {
   size_t holes_left_out_ = 0;
 };
 
-TEST(AptGenerator, PathsAreReadAsTheyAreMeant) {
+// The words of several senders in one file: where they differ they are NX's, and the unit is the job's.
+CamReadOptions AsNx() {
   CamReadOptions options;
+  options.sender = CamSender::kNx;
+  options.unit = 1;
+  return options;
+}
+
+TEST(AptGenerator, PathsAreReadAsTheyAreMeant) {
+  CamReadOptions options = AsNx();
   options.chord_tolerance = kChord;
   for (uint64_t i = 0; i < GeneratedCount(); ++i) {
     const GeneratedPath path = AptWriter(i).Write();
@@ -352,7 +360,7 @@ TEST(AptGenerator, PathsAreReadAsTheyAreMeant) {
 TEST(AptGenerator, EveryUnknownWordIsRefused) {
   for (uint64_t i = 0; i < GeneratedCount() / 10; ++i) {
     RandomStream random(i, 73);
-    ExpectUnknownRefused(AptWriter(i).Write().text, RandomWord(random) + "/1,2", {}, random);
+    ExpectUnknownRefused(AptWriter(i).Write().text, RandomWord(random) + "/1,2", AsNx(), random);
     if (::testing::Test::HasFailure()) return;
   }
 }

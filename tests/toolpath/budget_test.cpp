@@ -5,7 +5,7 @@
 #include <ctime>
 
 #include "base/error.hpp"
-#include "tests/surface/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "tests/toolpath/toolpath_laws.hpp"
 #include "tests/toolpath/with.hpp"
 

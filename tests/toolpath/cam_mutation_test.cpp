@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Spoilt CAM paths: each is read or refused with an InputError, and what is read is finite.
 #include "base/error.hpp"
-#include "tests/surface/mutate.hpp"
+#include "tests/geometry/mutate.hpp"
 #include "toolpath/cam/cam_import.hpp"
 
 namespace millpose {
@@ -9,7 +9,7 @@ namespace {
 
 TEST(CamMutation, SpoiltPathsAreReadOrRefused) {
   const std::string apt =
-      "PARTNO/P1\nUNITS/MM\nMSYS/0,0,5,1,0,0,0,1,0\nLOADTL/1\nSPINDL/RPM,3000,CLW\nRAPID\nGOTO/"
+      "TOOL PATH/P1,TOOL,T\nUNITS/MM\nMSYS/0,0,5,1,0,0,0,1,0\nLOADTL/1\nSPINDL/RPM,3000,CLW\nRAPID\nGOTO/"
       "10,0,20,0,0,1\n"
       "FEDRAT/MMPM,250\nGOTO/10,0,0\nCIRCLE/0,0,0,0,0,1,10\nGOTO/0,10,0,$\n0,0.1,0.99\nGODLTA/0,0,1\nFINI\n";
   const std::string csv =

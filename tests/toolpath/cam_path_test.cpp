@@ -3,10 +3,10 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
-#include "surface/mesh_import.hpp"
+#include "geometry/import/mesh_import.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/base/source_dir.hpp"
-#include "tests/surface/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "tests/toolpath/cam_writer.hpp"
 #include "tests/toolpath/with.hpp"
 #include "toolpath/cam/cam_import.hpp"
@@ -15,7 +15,12 @@
 namespace millpose {
 namespace {
 
-CamPath Apt(const std::string& text) { return ReadCamPath(text, "path.cls", {}); }
+// Snippets name no unit: the job does, for the formats that it can name it for.
+CamPath Apt(const std::string& text) {
+  CamReadOptions options;
+  if (!text.starts_with("x_")) options.unit = 1;
+  return ReadCamPath(text, "path.cls", options);
+}
 
 std::string AptError(const std::string& text) {
   return RefusalOf([&] { Apt(text); });
@@ -61,7 +66,7 @@ TEST(Apt, InverseTimesAreRefusedOriginsAreTheMachinesAndTracutMustBeOver) {
   EXPECT_EQ(AptError("GOTO/0,0,0\nFEDRAT/12.5,INVERS\nGOTO/1,0,0\n").substr(0, 13), "path.cls:2:13");
   const CamPath path =
       Apt("FEDRAT/600,MMPM\nFEDRAT/INVERS,AUTO\nORIGIN/100,200,300\nTRACUT/NOMORE\nGOTO/1,2,3\n"
-          "TRANS/0,0,5\nGOTO/4,5,6\n");
+          "TRANS/0,0,0\nGOTO/4,5,6\n");
   EXPECT_EQ(path.points[0].feed_rate, 10);
   EXPECT_EQ(path.points[0].position, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(path.points[1].position, Eigen::Vector3d(4, 5, 6));
@@ -82,7 +87,7 @@ TEST(Apt, LoadedToolsCommentsAndSilentWords) {
   EXPECT_FALSE(path.points[0].rapid);
   EXPECT_TRUE(path.points[1].fresh);  // the way to another tool is no cut
   const std::vector<std::string> notes{
-      "2 tool changes; all are taken as passes of one job",
+      "2 tool changes",
       "skipped, as they say nothing about the motion: 1 COOLNT, 1 FINI, 1 MULTAX, 1 PARTNO, 1 STOP"};
   EXPECT_EQ(path.notes, notes);
 }
@@ -163,9 +168,11 @@ TEST(Apt, TangentAndSignOfACircleMustAgree) {
       "file");
   CamReadOptions options;
   options.circle = CircleWay::kTangent;
-  EXPECT_NEAR(Swept(ReadCamPath(within + circle + to, "x", options)) - from(within), -quarter, 1e-9);
+  EXPECT_NEAR(Swept(ReadCamPath("UNITS/MM\n" + within + circle + to, "x", options)) - from(within), -quarter,
+              1e-9);
   options.circle = CircleWay::kAxis;
-  EXPECT_NEAR(Swept(ReadCamPath(within + circle + to, "x", options)) - from(within), 3 * quarter, 1e-9);
+  EXPECT_NEAR(Swept(ReadCamPath("UNITS/MM\n" + within + circle + to, "x", options)) - from(within),
+              3 * quarter, 1e-9);
   // A rapid to the start says nothing, and neither does the tangent of half and full revolutions.
   EXPECT_NEAR(Swept(Apt("RAPID\nGOTO/10,5,0\nRAPID\nGOTO/10,0,0\n" + circle + to)) + std::atan2(5, 10),
               3 * quarter, 1e-9);
@@ -225,10 +232,10 @@ TEST(Apt, UnknownWordsAreCountedAndMotionsMustBeReadable) {
             std::vector<std::string>{"skipped, as they say nothing about the motion: 2 PAINT, 1 PPRINT"});
   // All unknown words are reported at once, with the error that ended the reading.
   EXPECT_EQ(
-      AptError("WHATEVER/1\nGOTO/0,0,0\nMOVARC/1\nWHATEVER/2\nGOTO/1\n"),
+      AptError("WHATEVER/1\nGOTO/0,0,0\nROTHED/1\nWHATEVER/2\nGOTO/1\n"),
       "path.cls:1:1: \"WHATEVER\" is not known (2 in the file), and a word that is not known may change the "
       "path: take it out if it says nothing about the motion\n"
-      "path.cls:3:1: \"MOVARC\" is not known (1 in the file), and a word that is not known may change the "
+      "path.cls:3:1: \"ROTHED\" is not known (1 in the file), and a word that is not known may change the "
       "path: take it out if it says nothing about the motion\n"
       "path.cls:5:1: GOTO needs 3 to 6 numbers, found 1");
   for (const std::string word :
@@ -313,7 +320,7 @@ TEST(CamPath, KeysOfTheJobThatHoldForAnotherFormatAreErrors) {
     }
     return std::string();
   };
-  EXPECT_EQ(error("GOTO/1,2,3\n"), "");
+  EXPECT_EQ(error("UNITS/MM\nGOTO/1,2,3\n"), "");
   EXPECT_EQ(error("G0 X0 Y0 Z0\n"),
             "x: toolpath.cam.circle holds for APT CLDATA alone, and the file is G-code");
   options = {};
@@ -396,8 +403,9 @@ TEST(CamImport, LongWaysAreBounded) {
 }
 
 TEST(CamImport, WithoutAMeshTheAxisIsTheNormal) {
-  const Toolpath toolpath = ImportCamPath(
-      Apt("GOTO/0,0,0,0,0.6,0.8\nGOTO/10,0,0\nGOTO/10,0,0,0,0,1\nGOTO/10,9,0\n"), nullptr, {}, nullptr);
+  const Toolpath toolpath =
+      ImportCamPath(Apt("PAINT/PATH\nGOTO/0,0,0,0,0.6,0.8\nGOTO/10,0,0\nGOTO/10,0,0,0,0,1\nGOTO/10,9,0\n"),
+                    nullptr, {}, nullptr);
   ASSERT_EQ(toolpath.passes.size(), 2);  // the axis turns on the spot
   EXPECT_EQ(toolpath.passes[0].points[0].normal, Eigen::Vector3d(0, 0.6, 0.8));
   EXPECT_THROW(ImportCamPath(Apt("RAPID\nGOTO/0,0,0\nRAPID\nGOTO/1,0,0\n"), nullptr, {}, nullptr),

@@ -2,7 +2,7 @@
 #include "toolpath/cutter.hpp"
 
 #include "base/units.hpp"
-#include "tests/surface/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "tests/toolpath/cutters.hpp"
 
 namespace millpose {

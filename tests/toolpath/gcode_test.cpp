@@ -25,7 +25,9 @@ CamReadOptions TableAndHead() {
   return options;
 }
 
-CamPath Read(const std::string& text, const CamReadOptions& options = {}) {
+// Snippets name no unit: the job does.
+CamPath Read(const std::string& text, CamReadOptions options = {}) {
+  if (!options.unit) options.unit = 1;
   return ReadCamPath(text, "part.mpf", options);
 }
 

@@ -3,7 +3,7 @@
 
 #include "base/random.hpp"
 #include "base/units.hpp"
-#include "tests/surface/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "tests/toolpath/vault.hpp"
 #include "toolpath/deepest_gouge.hpp"
 #include "toolpath/strategies/scallop.hpp"

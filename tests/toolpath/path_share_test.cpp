@@ -6,7 +6,7 @@
 #include "base/error.hpp"
 #include "base/trig.hpp"
 #include "base/units.hpp"
-#include "tests/surface/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "tests/toolpath/toolpath_laws.hpp"
 #include "tests/toolpath/with.hpp"
 

@@ -3,7 +3,7 @@
 
 #include "base/random.hpp"
 #include "base/units.hpp"
-#include "surface/triangle.hpp"
+#include "geometry/mesh/triangle.hpp"
 
 namespace millpose {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/strategies/scallop.hpp"
 
-#include "surface/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "tests/base/tier.hpp"
 #include "tests/toolpath/vault.hpp"
 #include "tests/toolpath/with.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/strategies/spread.hpp"
 
-#include "surface/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "tests/toolpath/vault.hpp"
 #include "tests/toolpath/with.hpp"
 #include "toolpath/make_toolpath.hpp"

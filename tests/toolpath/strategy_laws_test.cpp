@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What holds for every strategy alike: where the part lies and in what unit it comes changes nothing.
-#include "surface/mesh_import.hpp"
+#include "geometry/import/mesh_import.hpp"
 #include "tests/base/tier.hpp"
-#include "tests/surface/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "tests/toolpath/toolpath_laws.hpp"
 #include "tests/toolpath/with.hpp"
 #include "toolpath/gouge.hpp"

@@ -2,7 +2,7 @@
 #include "toolpath/tool_axis.hpp"
 
 #include "base/error.hpp"
-#include "tests/surface/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "tests/toolpath/toolpath_laws.hpp"
 #include "tests/toolpath/with.hpp"
 #include "toolpath/gouge.hpp"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/base/refusal.hpp"
-#include "tests/surface/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "tests/toolpath/with.hpp"
 
 namespace millpose {

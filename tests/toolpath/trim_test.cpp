@@ -3,11 +3,11 @@
 
 #include "base/error.hpp"
 #include "tests/base/refusal.hpp"
-#include "tests/surface/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 #include "tests/toolpath/with.hpp"
 #include "toolpath/gouge.hpp"
 #include "toolpath/pass_variants.hpp"
-#include "toolpath/strategies/trim_offset.hpp"
+#include "toolpath/strategies/trim_distance.hpp"
 
 namespace millpose {
 namespace {

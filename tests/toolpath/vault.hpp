@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/units.hpp"
-#include "tests/surface/shapes.hpp"
+#include "tests/geometry/shapes.hpp"
 
 namespace millpose {
 

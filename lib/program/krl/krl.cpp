@@ -8,17 +8,18 @@
 #include "program/controller_axes.hpp"
 #include "program/external_axes.hpp"
 #include "program/krl/krl_head.hpp"
+#include "program/program_name.hpp"
 #include "program/rounding.hpp"
 #include "program/writer.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr size_t kLongestName = 24;
+constexpr size_t kLongestFile = 24;  // a name, without the file's ending
 constexpr size_t kWidth = 100;
 constexpr int kLengthDecimals = 4;  // 0.00005 mm per coordinate
-constexpr int kAngleDecimals = 6;   // of a degree: 0.00005 mm at 3 m
-constexpr int kEntryDecimals = 4;   // A, B, C of a PTP with S and T: the line stays within 100 columns
+constexpr int kAngleDecimals = 6;   // of a degree, of axes and frames: 0.00005 mm at 3 m
+constexpr int kTargetDecimals = 4;  // A, B, C of targets, which turn about the tip: 0.00005 degrees
 
 constexpr double kUpright = 1 * kRadPerDeg;  // a base that was levelled stands within
 
@@ -54,13 +55,13 @@ class KrlWriter : public ProgramWriter {
   ProgramFiles Write() {
     At(0);
     WriteSections();
-    const std::string name = LegalName(program_.name, kLongestName, 1);
+    const std::string name = LegalName(program_.name, kProgramNameLength, 1);
     ProgramFiles files;
     At(0);
     std::string main = Head(name);
     const std::vector<std::string> parts = Parts();
     for (size_t i = 0; i < parts.size(); ++i) {
-      const std::string part = SubprogramName(name, i, kLongestName);
+      const std::string part = SubprogramName(name, i, kLongestFile);
       files[part + ".src"] = fmt::format("{}DEF {} ( )\n{}END\n", kHead, part, parts[i]);
       main += part + " ( )\n";
     }
@@ -93,6 +94,7 @@ class KrlWriter : public ProgramWriter {
   void Begin() override {
     feed_.clear();
     distance_.clear();
+    words_.reset();
     if (std::exchange(within_pass_, false)) Line(";FOLD PART OF A PASS");
   }
 
@@ -150,10 +152,10 @@ class KrlWriter : public ProgramWriter {
     add(fmt::format("$ADVANCE = {}", options_.advance));
     add(fmt::format("BAS (#VEL_PTP,{} )", options_.ptp_speed_percent));
     const auto both = [&](const char* what, double value) {
-      for (const int i : {1, 2}) add(fmt::format("{}.ORI{} = {}", what, i, Fixed(value * kDegPerRad, 4)));
+      for (const int i : {1, 2}) add(fmt::format("{}.ORI{} = {}", what, i, Short(value * kDegPerRad, 4)));
     };
     both("$VEL", options_.orientation_speed);
-    if (settings_.path_acceleration) add("$ACC.CP = " + Fixed(*settings_.path_acceleration / 1000, 4));
+    if (settings_.path_acceleration) add("$ACC.CP = " + Short(*settings_.path_acceleration / 1000, 4));
     if (options_.orientation_acceleration) both("$ACC", *options_.orientation_acceleration);
   }
 
@@ -176,28 +178,42 @@ class KrlWriter : public ProgramWriter {
     if (by_pose && base && !(base_ && (rides_ || SameFrame(*base, *base_)))) {
       Line(BaseText(*base));
       base_ = base;
+      words_.reset();
     }
     if (motion.type == MotionType::kLinear) return AddLinear(motion);
     AddTriggers();
     if (motion.status) {
-      Line(fmt::format("PTP {{{},S {},T {}{}}}", KrlFields(ToolInBase(motion), kEntryDecimals),
-                       Binary(*motion.status, 3), Binary(TurnOf(motion), 6), External()));
+      words_ = KrlWords(ToolInBase(motion), kTargetDecimals);
+      Line(fmt::format("PTP {{{},S {},T {}{}}}", fmt::join(*words_, ","), Binary(*motion.status, 3),
+                       Binary(TurnOf(motion), 6), External()));
     } else {
-      const Joints angles = ToController(settings_.axes, *motion.q) * kDegPerRad;
+      words_.reset();
+      const Joints angles = settings_.axes.FromArm(*motion.q) * kDegPerRad;
       std::string fields;
       for (int k = 0; k < 6; ++k)
-        fields += fmt::format("{}A{} {}", k ? "," : "", k + 1, Fixed(angles[k], kAngleDecimals));
+        fields += fmt::format("{}A{} {}", k ? "," : "", k + 1, Short(angles[k], kAngleDecimals));
       Line(fmt::format("PTP {{{}{}}}", fields, External()));
     }
   }
 
   void AddLinear(const Motion& motion) {
-    const std::string target =
-        fmt::format("{{{}{}}}", KrlFields(ToolInBase(motion), kAngleDecimals), External());
+    const std::string target = fmt::format("{{{}{}}}", Changed(ToolInBase(motion)), External());
     Feed(motion.feed);
     if (!motion.exact) Distance(motion.blend);
     AddTriggers();
     Line(fmt::format("LIN {}{}", target, motion.exact ? "" : " C_DIS"));
+  }
+
+  /// The words of a target that are other ones than those of the target before: the controller keeps the
+  /// rest. One at least.
+  std::string Changed(const Pose& target) {
+    const std::array<std::string, 6> words = KrlWords(target, kTargetDecimals);
+    std::vector<std::string> changed;
+    for (size_t i = 0; i < words.size(); ++i)
+      if (!words_ || words[i] != (*words_)[i]) changed.push_back(words[i]);
+    if (changed.empty()) changed.push_back(words.front());
+    words_ = words;
+    return fmt::format("{}", fmt::join(changed, ","));
   }
 
   /// What is switched where this motion begins.
@@ -214,7 +230,7 @@ class KrlWriter : public ProgramWriter {
     std::string fields;
     for (const ControllerAxis& axis : settings_.controller_axes)
       fields += fmt::format(",{} {}", axis.name,
-                            Fixed(ValueOf(settings_, axis, motion_->external), kLengthDecimals));
+                            Short(ValueOf(settings_, axis, motion_->external), kLengthDecimals));
     return fields;
   }
 
@@ -223,21 +239,21 @@ class KrlWriter : public ProgramWriter {
     Eigen::Vector3d abc = AnglesZyx(X_PC.linear()) * kDegPerRad;
     for (int i = 0; i < 3; ++i) {
       X_PC.translation()[i] = Rounded(X_PC.translation()[i], kLengthDecimals);
-      abc[i] = Rounded(abc[i], kEntryDecimals) * kRadPerDeg;
+      abc[i] = Rounded(abc[i], kTargetDecimals) * kRadPerDeg;
     }
     X_PC.linear() = FromAnglesZyx(abc);
     return TurnAt(motion, X_PC);
   }
 
   void Feed(double feed) {
-    const std::string text = Fixed(feed / 1000, 8);  // $VEL.CP is in m/s
+    const std::string text = Short(feed / 1000, 8);  // $VEL.CP is in m/s
     if (text == feed_) return;
     feed_ = text;
     Line("$VEL.CP = " + text);
   }
 
   void Distance(double blend) {
-    const std::string text = Fixed(blend, 4);
+    const std::string text = Short(blend, 4);
     if (text == distance_) return;
     distance_ = text;
     Line("$APO.CDIS = " + text);
@@ -266,6 +282,7 @@ class KrlWriter : public ProgramWriter {
   const Motion* motion_ = nullptr;   // that is being written, or the first
   std::optional<Pose> base_;         // as $BASE was stated last
   std::string feed_, distance_;
+  std::optional<std::array<std::string, 6>> words_;  // of the last pose, where it may count on
   bool rides_ = false;        // external axes move, or have moved, along the cut that is being written
   bool within_pass_ = false;  // the next section goes on with a pass
 };
@@ -291,7 +308,7 @@ ProgramFiles KrlPost::Write(const MotionProgram& program, const Arm& arm,
 
 // A module is called by its name as it is.
 CallingSyntax KrlPost::Calling() const {
-  return {.longest = kLongestName,
+  return {.longest = kProgramNameLength,
           .letters = 1,
           .ending = ".src",
           .head = fmt::format("{}DEF {{name}} ( )\n; written by millpose for KUKA KRC4\n", kHead),
@@ -330,10 +347,38 @@ std::string KrlPost::WhyNotIn(const PostSettings& settings) const {
     return "controllers.krl.tool_in_spindle: has no effect here: programs change the tool only where the "
            "cell "
            "has several tools or tool_change_deg, and compare its number only where the tool has one";
-  if (options_.write_load && !settings.load)
+  if (options_.write_load.value_or(false) && !settings.load)
     return "controllers.krl.write_load: tool.load is missing; expected: mass, centre and inertia of what "
            "hangs on the flange";
   return {};
+}
+
+std::vector<std::pair<std::string, std::string>> KrlPost::BeforeFirstRun(const PostSettings& settings) const {
+  const auto frame = [](const char* list, int number, const char* own, const char* line) {
+    return number > 0
+               ? fmt::format("{}[{}] at the controller: the values of {} in the head", list, number, line)
+               : fmt::format("programs state {} themselves: {} in the head is what was measured", own, line);
+  };
+  std::vector<std::pair<std::string, std::string>> steps = {
+      {"tool", frame("TOOL_DATA", options_.tool_number, "$TOOL", "tool_pose")},
+      {"base", frame("BASE_DATA", options_.base_number, "$BASE", "base_pose")},
+      {"load", options_.WritesLoad() && settings.load
+                   ? "programs state $LOAD: load in the head is what hangs on the flange"
+                   : "the controller's load data are those of spindle and tool (M, CM, J)"},
+      {"tool direction",
+       fmt::format("$TOOL_DIRECTION is #{}", options_.tool_direction == FrameAxis::kX   ? "X"
+                                             : options_.tool_direction == FrameAxis::kY ? "Y"
+                                                                                        : "Z")},
+      {"frames of the controller",
+       "select the program in T1: it stops with a message where $ROBROOT, $ERSYSROOT or "
+       "MACHINE_DEF[n].ROOT is not the head's"},
+      {"texts", TextsToTry(settings)},
+      {"memory",
+       fmt::format("load all files of the program at once; the cell says {} kB (program_memory_kbytes)",
+                   options_.memory_kbytes)},
+      {"first entry",
+       "step to it in T1 and compare the axes with points.csv; then a dry run (dry_run_offset_mm)"}};
+  return steps;
 }
 
 // The advance run stops at WAIT SEC: what stands in the variable is to be read when the arm is there.

@@ -19,6 +19,10 @@ class KrlPost : public Post {
   void Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const override;
   bool HasOwnWorld() const override { return true; }
   double UsualCycle() const override { return 0.012; }  // KRC4
+  /// KUKA's zero: upper arm and forearm level and in one line; the senses of KUKA's axes.
+  std::optional<AxisConvention> OwnZero() const override {
+    return AxisConvention::OfSigns({-1, 1, 1, -1, 1, -1}, Joints::Zero());
+  }
   Pose BaseInWorld(const PostSettings& settings) const override { return KrlBase(options_, settings); }
   TimeOptions Times() const override {
     return {options_.ptp_speed_percent / 100.0, options_.orientation_speed};
@@ -26,6 +30,8 @@ class KrlPost : public Post {
   PathDynamics Dynamics(const PostOptions& options) const override;
   size_t Memory() const override { return static_cast<size_t>(options_.memory_kbytes) * 1000; }
   std::string WhyNotIn(const PostSettings& settings) const override;
+  std::vector<std::pair<std::string, std::string>> BeforeFirstRun(
+      const PostSettings& settings) const override;
   std::string ToolCheck(const PostSettings& settings) const override;
   FrameTexts Frames(const PostSettings& settings) const override;
   CallingSyntax Calling() const override;

@@ -84,12 +84,18 @@ FrameTexts KrlPost::Frames(const PostSettings& settings) const {
   return texts;
 }
 
-std::string KrlFields(const Pose& pose, int decimals) {
-  const Eigen::Vector3d p = pose.translation();
+std::array<std::string, 6> KrlWords(const Pose& pose, int decimals) {
   const Eigen::Vector3d abc = AnglesZyx(pose.linear()) * kDegPerRad;
-  return fmt::format("X {},Y {},Z {},A {},B {},C {}", Fixed(p.x(), kLengthDecimals),
-                     Fixed(p.y(), kLengthDecimals), Fixed(p.z(), kLengthDecimals), Fixed(abc[0], decimals),
-                     Fixed(abc[1], decimals), Fixed(abc[2], decimals));
+  std::array<std::string, 6> words;
+  for (int i = 0; i < 6; ++i)
+    words[static_cast<size_t>(i)] =
+        fmt::format("{} {}", "XYZABC"[i],
+                    i < 3 ? Short(pose.translation()[i], kLengthDecimals) : Short(abc[i - 3], decimals));
+  return words;
+}
+
+std::string KrlFields(const Pose& pose, int decimals) {
+  return fmt::format("{}", fmt::join(KrlWords(pose, decimals), ","));
 }
 
 std::string KrlTableBase(const KrlTable& table) {
@@ -118,20 +124,38 @@ std::string KrlFrameCheck(const KrlOptions& options) {
 }
 
 std::string KrlLoad(const KrlOptions& options, const PostSettings& settings) {
-  if (!options.write_load || !settings.load) return {};
+  if (!options.WritesLoad() || !settings.load) return {};
   const ToolLoad& load = *settings.load;
   const auto three = [](const Eigen::Vector3d& v) {
-    return fmt::format("X {},Y {},Z {}", Fixed(v.x(), 4), Fixed(v.y(), 4), Fixed(v.z(), 4));
+    return fmt::format("X {},Y {},Z {}", Short(v.x(), 4), Short(v.y(), 4), Short(v.z(), 4));
   };
-  return fmt::format("$LOAD = {{M {},CM {{{},A 0.0,B 0.0,C 0.0}},J {{{}}}}}", Fixed(load.mass, 3),
+  return fmt::format("$LOAD = {{M {},CM {{{},A 0,B 0,C 0}},J {{{}}}}}", Short(load.mass, 3),
                      three(load.centre), three(load.inertia));
+}
+
+bool SameStatement(std::string_view a, std::string_view b) {
+  const auto plain = [](std::string_view text) {
+    std::string result;
+    bool blank = false;
+    for (const char c : Trim(text)) {
+      if (c == ' ' || c == '\t') {
+        blank = true;
+        continue;
+      }
+      if (blank && !result.empty() && IsWordCharacter(result.back()) && IsWordCharacter(c)) result += ' ';
+      result += c;
+      blank = false;
+    }
+    return result;
+  };
+  return SameWords(plain(a), plain(b));
 }
 
 size_t KrlLines(const std::string& text, const std::vector<std::string_view>& lines, size_t first) {
   size_t line = first;
   for (const std::string_view wanted : SplitLines(text)) {
     while (line > first && line < lines.size() && Trim(lines[line]).empty()) ++line;
-    if (line == lines.size() || !SameWords(Trim(lines[line]), wanted)) return 0;
+    if (line == lines.size() || !SameStatement(lines[line], wanted)) return 0;
     ++line;
   }
   return line - first;

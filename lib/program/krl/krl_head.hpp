@@ -2,6 +2,8 @@
 // What a KRL program says before its first motion besides its settings. Written and read as whole texts.
 #pragma once
 
+#include <array>
+
 #include "program/krl/krl_options.hpp"
 #include "program/post.hpp"
 
@@ -21,12 +23,16 @@ std::string KrlLoad(const KrlOptions& options, const PostSettings& settings);
 /// "EK(MACHINE_DEF[2].ROOT,MACHINE_DEF[2].MECH_TYPE,".
 std::string KrlTableBase(const KrlTable& table);
 
-/// How many lines from `first` on are those of `text`, apart from case and white space, with blank lines
-/// between; 0 when they are not.
+/// Whether two statements differ in nothing but case and blanks that part no words.
+bool SameStatement(std::string_view a, std::string_view b);
+
+/// How many lines from `first` on are those of `text`, apart from case and blanks, with blank lines between;
+/// 0 when they are not.
 size_t KrlLines(const std::string& text, const std::vector<std::string_view>& lines, size_t first);
 
-/// The values of a frame: "X 1.0000,Y 2.0000,Z 3.0000,A 0.000000,B 0.000000,C 0.000000", angles with
-/// `decimals`.
+/// The words of a frame: "X 1", "Y 2.5", "Z 3", "A 0", "B 90", "C 0.0001", angles with at most `decimals`.
+std::array<std::string, 6> KrlWords(const Pose& pose, int decimals);
+/// They with commas between.
 std::string KrlFields(const Pose& pose, int decimals);
 
 }  // namespace millpose

@@ -67,8 +67,9 @@ std::vector<Field<S>> ToolAndRobotKeys() {
              "axis of external_axes that is coupled and carries the robot."),
       Key<S>("external_base", MILLPOSE_AT(external_base), Maybe(TableFields()),
              "A table that the controller counts in: $BASE = EK(MACHINE_DEF[n].ROOT, …) moves with it."),
-      Key<S>("write_load", MILLPOSE_AT(write_load), Flag(),
-             "Programs set $LOAD to tool.load; else the controller's own load data hold."),
+      Key<S>("write_load", MILLPOSE_AT(write_load), Maybe(Flag()),
+             "Programs set $LOAD to tool.load; else the controller's own load data hold.")
+          .DefaultText("true where tool.load is given and tool_number is not"),
   };
 }
 

@@ -34,9 +34,12 @@ struct KrlOptions {
   std::optional<PoseSettings> robroot;             ///< $ROBROOT; on a coupled rail the robot on its carriage
   std::optional<KrlRail> ersysroot;                ///< a coupled rail
   std::optional<KrlTable> external_base;           ///< coupled axes that carry the workpiece
-  bool write_load = false;                         ///< $LOAD from the tool's load
+  std::optional<bool> write_load;                  ///< $LOAD from the tool's load, see WritesLoad()
   std::string tool_in_spindle;                     ///< variable that holds its number; empty: none
   int memory_kbytes = 4000;                        ///< of all files together
+
+  /// Where the cell does not say so, a numbered tool of the controller brings its own load data.
+  bool WritesLoad() const { return write_load.value_or(tool_number == 0); }
 };
 
 /// $ROBROOT as the cell gives it; on a coupled rail the robot's base on the carriage at 0.

@@ -19,9 +19,10 @@ constexpr const char* kDefaults = "BAS (#INITMOV,0 )";
 constexpr const char* kPtpSpeed = "BAS (#VEL_PTP,…)";
 constexpr const char* kFollowsBase = "$IPO_MODE = #BASE";
 constexpr const char* kLoad = "$LOAD as in the cell";
-constexpr double kExternalSlack = 1e-4;  // mm or degrees
-constexpr double kSameSetting = 1e-6;    // relative: written with four decimals and more
-constexpr double kSamePlace = 1e-9;      // of a frame stated again
+constexpr double kExternalSlack = 1e-4;     // mm or degrees
+constexpr double kLeastAcceleration = 0.1;  // of what the plan reckons with
+constexpr double kSameSetting = 1e-6;       // relative: written with four decimals and more
+constexpr double kSamePlace = 1e-9;         // of a frame stated again
 
 class KrlReader : public ProgramReader {
  public:
@@ -98,7 +99,7 @@ class KrlReader : public ProgramReader {
       scan.Rest();
       return;
     }
-    scan.Expect("DEF");
+    if (!scan.Accept("GLOBAL DEF")) scan.Expect("DEF");
     const auto name = scan.AcceptName();
     if (!name || !SameWords(*name, FileStem()))
       scan.Fail(fmt::format("the file's name {} expected", FileStem()));
@@ -112,16 +113,17 @@ class KrlReader : public ProgramReader {
 
   void ReadSubprogram(LineScanner& scan) {
     static const std::vector<std::string> statements = {
-        "PTP",       "LIN",       "TRIGGER WHEN", "WAIT SEC",  "WAIT FOR",  "HALT", "$BASE",
-        "$TOOL",     "$VEL.CP",   "$VEL.ORI1",    "$VEL.ORI2", "$ACC.CP",   "BAS",  "$ACC.ORI1",
-        "$ACC.ORI2", "$APO.CDIS", "$ADVANCE",     "$ORI_TYPE", "INTERRUPT", "END"};
+        "PTP",   "LIN",       "TRIGGER WHEN", "WAIT SEC",   "WAIT FOR",  "HALT",
+        "$BASE", "$TOOL",     "$VEL.CP",      "$VEL.ORI1",  "$VEL.ORI2", "$ACC.CP",
+        "BAS",   "$ACC.ORI1", "$ACC.ORI2",    "$APO.CDIS",  "$ADVANCE",  "$ORI_TYPE",
+        "$LOAD", "$OV_PRO",   "$IPO_MODE",    "$CIRC_TYPE", "INTERRUPT", "END"};
     const size_t start = scan.Next();
     const auto name = scan.AcceptName();
     if (name && scan.Accept(":")) return AddLabel(scan, start, *name);
     if (name && IsDeclared(*name)) {
       scan.Expect("(");
-      SkipArguments(scan);
-      ReadDeclaredCall(scan, start, *name);
+      const std::string arguments = ReadArguments(scan);
+      ReadDeclaredCall(scan, start, *name, arguments);
       return;
     }
     if (name && scan.Accept("(") && scan.Accept(")") && ReadCall(scan, *name)) {
@@ -198,7 +200,8 @@ class KrlReader : public ProgramReader {
       return true;
     }
     Places places = kAtStops;
-    if (options_.external_base && scan.Accept("$IPO_MODE")) {
+    if (scan.Accept(
+            "$IPO_MODE")) {  // without an external base the delivered state: the tool is on the flange
       scan.Expect("=");
       scan.Expect("#BASE");
       Stated(kFollowsBase);
@@ -210,9 +213,12 @@ class KrlReader : public ProgramReader {
       turn_speed_[1] = ReadPositive(scan) * kRadPerDeg;
       Stated("$VEL.ORI2");
     } else if (scan.Accept("$ACC.CP")) {
-      ExpectCells(scan, settings_.path_acceleration, 1000, "path_acceleration_m_s2");
+      scan.Expect("=");
+      ReadPathAcceleration(scan);
     } else if (scan.Accept("$ACC.ORI1") || scan.Accept("$ACC.ORI2")) {
-      ExpectCells(scan, options_.orientation_acceleration, kRadPerDeg, "orientation_acceleration_deg_s2");
+      scan.Expect("=");
+      ExpectAccelerationOf(scan, options_.orientation_acceleration, kRadPerDeg,
+                           "orientation_acceleration_deg_s2");
     } else if (scan.Accept("$ADVANCE")) {
       ReadAdvance(scan);
       places = kOutsideCuts;
@@ -224,27 +230,88 @@ class KrlReader : public ProgramReader {
       ReadBas(scan);
       places = kOutsideCuts;
     } else if (scan.Accept("$LOAD")) {
-      if (!SameWords("$LOAD " + scan.Rest(), load_))
-        scan.FailFrom(start, load_.empty() ? "no $LOAD expected: the cell does not ask for it (write_load)"
-                                           : fmt::format("{} expected, as the cell gives it", load_));
-      Stated(kLoad);
+      ReadLoad(scan, start);
       places = kOutsideCuts;
-    } else {
+    } else if (!ReadSlower(scan)) {
       return false;
     }
     Allow(scan, start, places);
     return true;
   }
 
-  /// An acceleration changes when the arm is where; it is not replayed, so it must be the cell's.
-  static void ExpectCells(LineScanner& scan, const std::optional<double>& cells, double unit,
-                          const char* key) {
-    scan.Expect("=");
+  /// An acceleration changes when the arm is where, not its path: more than the plan reckons with is
+  /// nobody's, and with far less the feed is never reached.
+  static void ExpectAccelerationOf(LineScanner& scan, const std::optional<double>& most, double unit,
+                                   const char* key) {
     const size_t start = scan.Next();
     const double value = scan.ExpectNumber() * unit;
-    if (!cells) scan.FailFrom(start, fmt::format("no value expected: the cell gives no {}", key));
-    if (std::abs(value - *cells) > kSameSetting * *cells)
-      scan.FailFrom(start, fmt::format("{} expected (the cell's {})", *cells / unit, key));
+    if (!most) scan.FailFrom(start, fmt::format("no value expected: the cell gives no {}", key));
+    if (value < kLeastAcceleration * *most || value > (1 + kSameSetting) * *most)
+      scan.FailFrom(start, fmt::format("{} to {} expected (a tenth to all of the cell's {})",
+                                       kLeastAcceleration * *most / unit, *most / unit, key));
+  }
+
+  void ReadPathAcceleration(LineScanner& scan) {
+    ExpectAccelerationOf(scan, settings_.path_acceleration.value_or(PathDynamics().acceleration), 1000,
+                         "path_acceleration_m_s2, or what is taken without it");
+  }
+
+  /// The cell's values, or, where programs need not state them, the controller's own load data of a number.
+  void ReadLoad(LineScanner& scan, size_t start) {
+    LineScanner ahead = scan;
+    if (ahead.Accept("=") && ahead.Accept("LOAD_DATA")) {
+      scan = ahead;
+      scan.Expect("[");
+      const size_t number = scan.Next();
+      const int given = krl::ReadWhole(scan, 1, 32);
+      scan.Expect("]");
+      if (!load_.empty()) scan.FailFrom(start, fmt::format("{} expected, as the cell gives it", load_));
+      if (options_.tool_number > 0 && given != options_.tool_number)
+        scan.FailFrom(number, fmt::format("{} expected, the cell's tool_number", options_.tool_number));
+      return;
+    }
+    if (!SameStatement("$LOAD " + scan.Rest(), load_))
+      scan.FailFrom(start, load_.empty() ? "LOAD_DATA[n] expected: the cell gives no values to be stated"
+                                         : fmt::format("{} expected, as the cell gives it", load_));
+    Stated(kLoad);
+  }
+
+  /// Usual settings that make no motion faster and lead none elsewhere: the override, which the operator has
+  /// on the panel too; axes' speeds and accelerations of PTP; how circles turn the tool, of which there are
+  /// none; when ways round their corners, which is taken as up to half of them whatever stands here; whether
+  /// a start may go backwards.
+  bool ReadSlower(LineScanner& scan) {
+    const auto percent = [&](int least, int most) {
+      scan.Expect("=");
+      krl::ReadWhole(scan, least, most);
+    };
+    const auto axis = [&] {
+      scan.Expect("[");
+      krl::ReadWhole(scan, 1, 12);
+      scan.Expect("]");
+    };
+    if (scan.Accept("$OV_PRO")) {
+      percent(1, 100);
+    } else if (scan.Accept("$VEL_AXIS")) {
+      axis();
+      percent(1, options_.ptp_speed_percent);
+    } else if (scan.Accept("$ACC_AXIS")) {
+      axis();
+      percent(1, 100);
+    } else if (scan.Accept("$APO.CPTP") || scan.Accept("$APO.CVEL")) {
+      percent(0, 100);
+    } else if (scan.Accept("$APO.CORI")) {
+      ReadPositive(scan);
+    } else if (scan.Accept("$CIRC_TYPE")) {
+      scan.Expect("=");
+      if (!scan.Accept("#BASE")) scan.Expect("#PATH");
+    } else if (scan.Accept("$BWDSTART")) {
+      scan.Expect("=");
+      krl::ReadTruth(scan);
+    } else {
+      return false;
+    }
+    return true;
   }
 
   /// With 0 nothing is computed ahead and every motion stops.
@@ -262,6 +329,22 @@ class KrlReader : public ProgramReader {
     scan.Expect("(");
     if (scan.Accept("#BASE")) return ReadNumbered(scan, options_.base_number, "$BASE", program_.X_BP);
     if (scan.Accept("#TOOL")) return ReadNumbered(scan, options_.tool_number, "$TOOL", program_.X_FT);
+    if (scan.Accept("#ACC_PTP")) {
+      scan.Expect(",");
+      krl::ReadWhole(scan, 1, 100);
+      return scan.Expect(")");
+    }
+    if (scan.Accept("#VEL_CP")) {
+      scan.Expect(",");
+      feed_ = krl::ReadAboveZero(scan) * 1000;
+      Stated("$VEL.CP");
+      return scan.Expect(")");
+    }
+    if (scan.Accept("#ACC_CP")) {
+      scan.Expect(",");
+      ReadPathAcceleration(scan);
+      return scan.Expect(")");
+    }
     const bool speed = scan.Accept("#VEL_PTP");
     if (!speed) scan.Expect("#INITMOV");
     scan.Expect(",");
@@ -302,13 +385,18 @@ class KrlReader : public ProgramReader {
       return true;
     } else if (scan.Accept("WAIT FOR")) {
       krl::ReadCondition(scan);
+      ReadHandEvent(scan, start, ProgramEvent::Kind::kWait, places);
+      return true;
     } else if (scan.Accept("GLOBAL INTERRUPT DECL 3 WHEN $STOPMESS==TRUE DO IR_STOPM")) {
       scan.Expect("(");
       scan.Expect(")");
       places = kHeadOnly;
     } else if (scan.Accept("INTERRUPT ON 3")) {
       places = kHeadOnly;
-    } else if (!scan.Accept("HALT")) {
+    } else if (scan.Accept("HALT")) {
+      ReadHandEvent(scan, start, ProgramEvent::Kind::kStop, places);
+      return true;
+    } else {
       return false;
     }
     Allow(scan, start, places);
@@ -335,8 +423,9 @@ class KrlReader : public ProgramReader {
     for (const std::string name : {"X", "Y", "Z", "A", "B", "C"}) {
       if (!fields.contains(name) && last_.contains(name)) fields[name] = last_[name];
     }
-    ExpectAll(scan, fields, {"X", "Y", "Z", "A", "B", "C"});
     last_ = fields;
+    for (const std::string name : {"X", "Y", "Z", "A", "B", "C"}) last_.try_emplace(name, 0);  // told once
+    ExpectAll(scan, fields, {"X", "Y", "Z", "A", "B", "C"});
     Pose X_PT = krl::PoseOf(fields);
     X_PT.linear() = X_PT.linear() * settings_.R_TC().transpose();
     return X_PT;
@@ -348,7 +437,9 @@ class KrlReader : public ProgramReader {
     std::vector<std::string> external;
     for (const ControllerAxis& axis : settings_.controller_axes) external.push_back(axis.name);
     allowed.insert(allowed.end(), external.begin(), external.end());
-    Fields fields = krl::ReadFields(scan, allowed.front() == "A1" ? "E6AXIS" : "E6POS", allowed);
+    std::vector<std::string> types = {"E6POS", "POS", "FRAME"};
+    if (allowed.front() == "A1") types.insert(types.end(), {"E6AXIS", "AXIS"});
+    Fields fields = krl::ReadFields(scan, types, allowed);
     ExpectAll(scan, fields, external);
     for (const ControllerAxis& axis : settings_.controller_axes) {
       const double value = fields.at(axis.name);
@@ -376,7 +467,7 @@ class KrlReader : public ProgramReader {
       if (std::any_of(place.begin(), place.end(), given)) scan.Fail("axes or a pose expected, not both");
       Joints angles;
       for (int i = 0; i < 6; ++i) angles[i] = fields.at(fmt::format("A{}", i + 1)) * kRadPerDeg;
-      motion.q = FromController(settings_.axes, angles);
+      motion.q = settings_.axes.ToArm(angles);
       last_.clear();
     } else {
       if (fields.contains("S")) motion.status = static_cast<int>(fields.at("S"));

@@ -8,31 +8,17 @@ namespace millpose::krl {
 namespace {
 
 constexpr int kDeepestBrackets = 16;
-constexpr double kMostBits = 63, kLongestDelay = 10000;  // of S and T; ms
-
-double ReadWhole(LineScanner& scan, double least, double most) {
-  const size_t start = scan.Next();
-  const double number = scan.ExpectNumber();
-  if (number < least || number > most || number != std::floor(number))
-    scan.FailFrom(start, fmt::format("a whole number {} to {} expected", least, most));
-  return number;
-}
+constexpr int kMostBits = 63, kLongestDelay = 10000;  // of S and T; ms
 
 int ReadBits(LineScanner& scan) {
-  return scan.Peek() == '\'' ? scan.ExpectBits() : static_cast<int>(ReadWhole(scan, 0, kMostBits));
+  return scan.Peek() == '\'' ? scan.ExpectBits() : ReadWhole(scan, 0, kMostBits);
 }
 
 int ReadIndex(LineScanner& scan) {
   scan.Expect("[");
-  const double number = ReadWhole(scan, 1, 8192);
+  const int number = ReadWhole(scan, 1, 8192);
   scan.Expect("]");
-  return static_cast<int>(number);
-}
-
-bool ReadTruth(LineScanner& scan) {
-  const bool truth = scan.Accept("TRUE");
-  if (!truth && !scan.Accept("FALSE")) scan.Fail("TRUE or FALSE expected");
-  return truth;
+  return number;
 }
 
 void ReadOperand(LineScanner& scan, int depth) {
@@ -54,10 +40,29 @@ void ReadOperand(LineScanner& scan, int depth) {
 
 }  // namespace
 
-Fields ReadFields(LineScanner& scan, const std::string& type, const std::vector<std::string>& allowed) {
+int ReadWhole(LineScanner& scan, int least, int most) {
+  const size_t start = scan.Next();
+  const double number = scan.ExpectNumber();
+  if (number < least || number > most || number != std::floor(number))
+    scan.FailFrom(start, fmt::format("a whole number {} to {} expected", least, most));
+  return static_cast<int>(number);
+}
+
+bool ReadTruth(LineScanner& scan) {
+  const bool truth = scan.Accept("TRUE");
+  if (!truth && !scan.Accept("FALSE")) scan.Fail("TRUE or FALSE expected");
+  return truth;
+}
+
+Fields ReadFields(LineScanner& scan, const std::vector<std::string>& types,
+                  const std::vector<std::string>& allowed) {
   Fields fields;
   scan.Expect("{");
-  if (scan.Accept(type)) scan.Expect(":");
+  for (const std::string& type : types) {
+    if (!scan.Accept(type)) continue;
+    scan.Expect(":");
+    break;
+  }
   do {
     const std::string* field = nullptr;
     for (const std::string& name : allowed) {
@@ -87,7 +92,7 @@ Pose PoseOf(const Fields& fields) {
 
 Pose ReadFrame(LineScanner& scan) {
   const std::vector<std::string> names = {"X", "Y", "Z", "A", "B", "C"};
-  const Fields fields = ReadFields(scan, "FRAME", names);
+  const Fields fields = ReadFields(scan, {"FRAME"}, names);
   ExpectAll(scan, fields, names);
   return PoseOf(fields);
 }
@@ -111,6 +116,10 @@ Pose ReadTableBase(LineScanner& scan, int machine_def) {
 
 double ReadPositive(LineScanner& scan) {
   scan.Expect("=");
+  return ReadAboveZero(scan);
+}
+
+double ReadAboveZero(LineScanner& scan) {
   const size_t start = scan.Next();
   const double value = scan.ExpectNumber();
   if (!(value > 0)) scan.FailFrom(start, "a number above 0 expected");
@@ -125,7 +134,7 @@ PathOutput ReadTrigger(LineScanner& scan) {
   PathOutput output;
   scan.Expect("DELAY");
   scan.Expect("=");
-  output.delay = ReadWhole(scan, -kLongestDelay, kLongestDelay) / 1000;
+  output.delay = ReadWhole(scan, -kLongestDelay, kLongestDelay) / 1000.0;
   scan.Expect("DO");
   scan.Expect("$OUT");
   output.number = ReadIndex(scan);

@@ -11,8 +11,10 @@ namespace millpose::krl {
 
 using Fields = std::map<std::string, double>;
 
-/// {X 1,Y 2,…} or {FRAME: X 1,…}: the fields by name in upper case, of those `allowed`.
-Fields ReadFields(LineScanner& scan, const std::string& type, const std::vector<std::string>& allowed);
+/// {X 1,Y 2,…} or {FRAME: X 1,…}, with one of `types` before the colon: the fields by name in upper case, of
+/// those `allowed`.
+Fields ReadFields(LineScanner& scan, const std::vector<std::string>& types,
+                  const std::vector<std::string>& allowed);
 /// Fails where one of `names` is missing.
 void ExpectAll(LineScanner& scan, const Fields& fields, const std::vector<std::string>& names);
 /// Of X, Y, Z (mm), A, B, C (degrees).
@@ -23,8 +25,12 @@ Pose ReadFrame(LineScanner& scan);
 /// "= EK(MACHINE_DEF[2].ROOT,MACHINE_DEF[2].MECH_TYPE,{X 1,…})" with the number `machine_def`: the frame.
 Pose ReadTableBase(LineScanner& scan, int machine_def);
 
-/// "= 0.5": above 0.
+/// 0.5: above 0; and "= 0.5".
+double ReadAboveZero(LineScanner& scan);
 double ReadPositive(LineScanner& scan);
+/// A whole number from `least` to `most`.
+int ReadWhole(LineScanner& scan, int least, int most);
+bool ReadTruth(LineScanner& scan);
 
 /// DISTANCE=0 DELAY=0 DO $OUT[3]=TRUE: switched at the start of the next motion. TRIGGER WHEN is taken.
 PathOutput ReadTrigger(LineScanner& scan);

@@ -7,7 +7,8 @@ namespace millpose {
 
 /// What of a cell only LinuxCNC knows; the keys stand in linuxcnc_keys.cpp.
 struct LinuxCncOptions {
-  bool cartesian = false;  ///< cuts as tool poses, not joints
+  bool cartesian = false;        ///< cuts as tool poses, not joints
+  std::optional<bool> m6_moves;  ///< the machine moves by itself at M6, see docs/linuxcnc.md
 };
 
 /// LinuxCNC (RS-274/NGC): NAME.ngc, docs/linuxcnc.md. In joint space X, Y, Z, A, B, C are the joints 1..6 in
@@ -27,6 +28,9 @@ class LinuxCncPost : public Post {
   double AngleReserve() const override;
   void Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const override;
   std::string WhyNotIn(const PostSettings& settings) const override;
+  std::vector<std::string> Assumptions(const PostSettings& settings) const override;
+  std::vector<std::pair<std::string, std::string>> BeforeFirstRun(
+      const PostSettings& settings) const override;
   bool NeedsSphericalWrist() const override { return false; }
   bool ReadsFromDisk() const override { return true; }
   double UsualCycle() const override { return 0.001; }  // the servo period

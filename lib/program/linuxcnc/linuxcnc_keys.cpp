@@ -12,6 +12,9 @@ PostEntry LinuxCncEntry() {
       {ToolAxisKey(), RotationKey(), AxisSignsKey(), AxisOffsetsKey(),
        Key<S>("coordinates", MILLPOSE_AT(cartesian), ChoiceOf<bool>({{"joint", false}, {"cartesian", true}}),
               "X Y Z A B C are joints throughout, or the tool's pose in cuts."),
+       Key<S>("m6_moves", MILLPOSE_AT(m6_moves), Maybe(Flag()),
+              "Whether the machine moves by itself at M6: TOOL_CHANGE_POSITION, TOOL_CHANGE_AT_G30 or "
+              "TOOL_CHANGE_QUILL_UP in its ini file. Needed where programs have M6, and must then be false."),
        ExternalAxesKey({"U", "V", "W"}, false), PathAccelerationKey(), CycleKey(LinuxCncPost().UsualCycle()),
        BlockTimeKey(), OutputsKey(false), TextsKey({"cartesian_on", "joints_on"}), CallsKey()});
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reads RS-274/NGC as LinuxCNC does, as far as robot programs of millpose and the usual hand edits go.
+#include "base/text.hpp"
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
 #include "program/external_axes.hpp"
@@ -90,8 +91,21 @@ class LinuxCncReader : public ProgramReader {
     }
     LineScanner scan(comment, "", 0);
     const bool begin = scan.Accept("PASS");
-    if (!begin && !scan.Accept("END OF PASS")) return ProgramReader::ReadComment(comment);
+    if (!begin && !scan.Accept("END OF PASS")) {
+      ReadMessage(comment);
+      return ProgramReader::ReadComment(comment);
+    }
     ReadPassMark(scan, begin);
+  }
+
+  /// Comments that the interpreter acts on begin with one of these words and a comma.
+  void ReadMessage(std::string_view comment) {
+    LineScanner scan(comment, "", 0);
+    for (const std::string_view word : {"MSG", "DEBUG", "PRINT", "LOG", "LOGOPEN", "LOGAPPEND", "LOGCLOSE",
+                                        "PROBEOPEN", "PROBECLOSE", "PY", "ABORT"}) {
+      if (scan.Accept(word) && (scan.Peek() == ',' || scan.AtEnd()))
+        return AddHandEvent(ProgramEvent::Kind::kMessage, comment);
+    }
   }
 
   std::vector<std::string> Needed() const override {
@@ -144,19 +158,22 @@ class LinuxCncReader : public ProgramReader {
   }
 
   /// Comments do not nest.
-  static void SkipComment(LineScanner& scan) {
+  void SkipComment(LineScanner& scan) {
     scan.Expect("(");
+    const size_t start = scan.Next();
     while (scan.Peek() != ')' && scan.Peek() != '\0') {
       if (scan.Peek() == '(') scan.Fail("a comment without another one in it expected");
       scan.Skip();
     }
+    ReadMessage(scan.TakenFrom(start));
     scan.Expect(")");
   }
 
   void ReadWord(LineScanner& scan, Block& block) {
     const size_t start = scan.Next();
-    if (const auto name = AcceptCall(scan)) {
-      if (!ReadDeclaredCall(scan, start, *name))
+    std::string arguments;
+    if (const auto name = AcceptCall(scan, arguments)) {
+      if (!ReadDeclaredCall(scan, start, *name, arguments))
         scan.FailFrom(start, "a call that the cell declares expected");
       block.calls = true;
       return;
@@ -215,15 +232,15 @@ class LinuxCncReader : public ProgramReader {
     return false;
   }
 
-  /// O<name> CALL [1] [2], or a user's M101: the name.
-  static std::optional<std::string> AcceptCall(LineScanner& scan) {
+  /// O<name> CALL [1] [2], or a user's M101: the name, and its arguments behind `arguments`.
+  static std::optional<std::string> AcceptCall(LineScanner& scan, std::string& arguments) {
     if (scan.Accept("O<")) {
       auto name = scan.AcceptName();
       if (!name) scan.Fail("the name of a program expected");
       scan.Expect(">");
       scan.Expect("CALL");
       while (scan.Accept("[")) {
-        scan.ExpectNumber();
+        arguments += (arguments.empty() ? "" : ",") + ShortestNumber(scan.ExpectNumber());
         scan.Expect("]");
       }
       return name;
@@ -276,7 +293,10 @@ class LinuxCncReader : public ProgramReader {
   }
 
   void Miscellaneous(const LineScanner& scan, size_t start, double m, const Block& block) {
-    if (m == 0 || m == 1) Allow(scan, start, kOutsideCuts);
+    if (m == 0 || m == 1) {
+      Allow(scan, start, kOutsideCuts);
+      AddHandEvent(ProgramEvent::Kind::kStop, fmt::format("M{}", m));
+    }
     if (m == 62 || m == 63) AddOutput({static_cast<int>(*block.Word('P')), m == 62, 0, true});
   }
 
@@ -365,7 +385,7 @@ class LinuxCncReader : public ProgramReader {
   std::optional<Joints> Place() const {
     if (last_) return last_;
     if (program_.motions.empty() || !program_.motions.back().q) return std::nullopt;
-    return ToController(settings_.axes, *program_.motions.back().q) * kDegPerRad;
+    return settings_.axes.FromArm(*program_.motions.back().q) * kDegPerRad;
   }
 
   /// What U, V, W move by in this block.
@@ -378,7 +398,7 @@ class LinuxCncReader : public ProgramReader {
     const std::optional<Joints> before = Place();
     if (motion_ == 1 && !before) scan.Fail("G0 expected: where this motion begins is not known");
     Motion& motion = AddMotion(MotionType::kJoint);
-    motion.q = FromController(settings_.axes, angles * kRadPerDeg);
+    motion.q = settings_.axes.ToArm(angles * kRadPerDeg);
     motion.exact = !rounds_;
     if (rounds_) {
       motion.blend = settings_.blend * blend_ / BlendDegrees(settings_.blend, arm_, settings_.X_FT);

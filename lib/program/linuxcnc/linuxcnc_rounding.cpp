@@ -2,10 +2,10 @@
 #include "program/linuxcnc/linuxcnc_rounding.hpp"
 
 #include "base/units.hpp"
-#include "motion/line.hpp"
+#include "machine/motion/line.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
 #include "program/overlap.hpp"
-#include "robot/kinematics.hpp"
+#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "motion/corner.hpp"
+#include "machine/motion/corner.hpp"
 #include "program/post.hpp"
 
 namespace millpose {

@@ -7,13 +7,14 @@
 #include "base/units.hpp"
 #include "program/controller_axes.hpp"
 #include "program/external_axes.hpp"
+#include "program/program_name.hpp"
 #include "program/sinumerik/sinumerik_block.hpp"
 #include "program/writer.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr size_t kLongestName = 24;
+constexpr size_t kLongestFile = 24;  // a name, without the file's ending
 constexpr size_t kWidth = 100;
 constexpr int kLengthDecimals = 4;
 constexpr int kAngleDecimals = 6;
@@ -29,12 +30,12 @@ class SinumerikWriter : public ProgramWriter {
     WriteSections();
     Transform(false);
     At(0);
-    const std::string name = LegalName(program_.name, kLongestName, 2);
+    const std::string name = LegalName(program_.name, kProgramNameLength, 2);
     ProgramFiles files;
     std::string main = Head();
     const std::vector<std::string> parts = Parts();
     for (size_t i = 0; i < parts.size(); ++i) {
-      const std::string part = SubprogramName(name, i, kLongestName);
+      const std::string part = SubprogramName(name, i, kLongestFile);
       files[part + ".spf"] = parts[i] + "M17\n";
       main += part + "\n";
     }
@@ -71,18 +72,15 @@ class SinumerikWriter : public ProgramWriter {
     std::string head;
     const auto add = [&](const std::string& line) { head += line + "\n"; };
     add("; written by millpose for SINUMERIK 840D sl with robot transformation; mm, degrees");
-    add(settings_.rotation == AngleOrder::kRpy
-            ? "; orientation rpy: C about Z, B about new Y, A about new X"
-            : "; orientation euler: A about Z, B about new X, C about new Z");
+    add("; orientation " + TurningText());
     for (const std::string& line : MachineData()) add("; " + line);
     for (const std::string& text : HeaderTexts(kWidth - 2)) add("; " + text);
     Pose X_FC = X_FT_;
     X_FC.linear() = X_FC.linear() * settings_.R_TC();
     const Eigen::Vector3d t = X_FC.translation();
     const Eigen::Vector3d abc = ToolAngles(settings_.rotation, X_FC.linear()) * kDegPerRad;
-    add(fmt::format("; TOOL {} in the flange: X{} Y{} Z{} A={} B={} C={}", settings_.tool_name,
-                    Fixed(t.x(), 4), Fixed(t.y(), 4), Fixed(t.z(), 4), Fixed(abc[0], 4), Fixed(abc[1], 4),
-                    Fixed(abc[2], 4)));
+    add(fmt::format("; TOOL {} in the flange: X{} Y{} Z{} {}", PlainAscii(settings_.tool_name),
+                    Fixed(t.x(), 4), Fixed(t.y(), 4), Fixed(t.z(), 4), AngleWords(abc, 4)));
     if (!program_.notice.empty()) head += fmt::format("MSG(\"{}\")\n", program_.notice);
     const std::string settings = Settings();
     const size_t codes = settings.find('\n') + 1;  // the tool is changed before its frame is set
@@ -98,9 +96,12 @@ class SinumerikWriter : public ProgramWriter {
 
   /// What the program takes for granted, to be compared with the control's machine data.
   std::vector<std::string> MachineData() const {
-    const bool rpy = settings_.rotation == AngleOrder::kRpy;
-    const std::string angles = rpy ? "ORIRPY" : "ORIEULER";
-    const std::string by_data = fmt::format("MD21100 = {}", rpy ? 0 : 1);
+    const std::string angles = SinumerikAngleWord(settings_.rotation);
+    // For ORIRPY2 no manual at hand gives a value of MD21100.
+    const std::string by_data =
+        settings_.rotation == AngleOrder::kRpy2
+            ? "MD21100 for ORIRPY2"
+            : fmt::format("MD21100 = {}", settings_.rotation == AngleOrder::kRpy ? 0 : 1);
     const std::string counting = !options_.ori_def_with_g_code   ? fmt::format("MD21102 = 1 or {}", by_data)
                                  : *options_.ori_def_with_g_code ? "MD21102 = 1"
                                                                  : "MD21102 = 0 and " + by_data;
@@ -122,8 +123,7 @@ class SinumerikWriter : public ProgramWriter {
 
   /// What holds after each TRAORI anew: the control then deselects the frame, and rounding ends.
   void AddSettings() {
-    Line(fmt::format("G{} {} ORIVECT ORIWKS", options_.Frame(),
-                     settings_.rotation == AngleOrder::kRpy ? "ORIRPY" : "ORIEULER"));
+    Line(fmt::format("G{} {} ORIVECT ORIWKS", options_.Frame(), SinumerikAngleWord(settings_.rotation)));
     Line(fmt::format("CYCLE832({},_ORI_FINISH,{})", Fixed(settings_.blend, 4),
                      Fixed(settings_.orientation_blend * kDegPerRad, 4)));
     Line("COMPOF G642");
@@ -145,7 +145,7 @@ class SinumerikWriter : public ProgramWriter {
       AddLinear(motion, Rides(program_, i));
     } else if (motion.status) {
       Transform(true);
-      Line(fmt::format("G0 {} STAT='B{:03b}' TU='B{:06b}' PTP", Words(motion), *motion.status,
+      Line(fmt::format("G0 {} STAT='B{:03b}' TU='B{:06b}' PTP", Words(motion), options_.Stat(*motion.status),
                        TurnOf(motion)));
       cartesian_ = false;
     } else {
@@ -168,7 +168,7 @@ class SinumerikWriter : public ProgramWriter {
 
   void AddJoint(const Motion& motion) {
     Transform(false);
-    const Joints angles = ToController(settings_.axes, *motion.q) * kDegPerRad;
+    const Joints angles = settings_.axes.FromArm(*motion.q) * kDegPerRad;
     std::string line = "G0 SUPA";  // neither frame nor, where MD10760 says so, tool length act on the joints
     for (int i = 0; i < 6; ++i) {
       line += fmt::format(" {}={}", options_.axis_names[i], Fixed(angles[i], kAngleDecimals));
@@ -201,14 +201,31 @@ class SinumerikWriter : public ProgramWriter {
     if (on) AddSettings();
   }
 
+  std::string AngleWords(const Eigen::Vector3d& degrees, int decimals) const {
+    std::vector<std::string> words;
+    for (size_t i = 0; i < 3; ++i)
+      words.push_back(
+          fmt::format("{}={}", words_[i], Fixed(degrees[static_cast<Eigen::Index>(i)], decimals)));
+    return fmt::format("{}", fmt::join(words, " "));
+  }
+
+  /// "ORIRPY: C2 about Z, B2 about new Y, A2 about new X".
+  std::string TurningText() const {
+    const auto& [a, b, c] = words_;
+    const std::string group = SinumerikAngleWord(settings_.rotation);
+    if (settings_.rotation == AngleOrder::kRpy)
+      return fmt::format("{}: {} about Z, {} about new Y, {} about new X", group, c, b, a);
+    if (settings_.rotation == AngleOrder::kRpy2)
+      return fmt::format("{}: {} about X, {} about new Y, {} about new Z", group, a, b, c);
+    return fmt::format("{}: {} about Z, {} about new X, {} about new Z", group, a, b, c);
+  }
+
   std::string Words(const Motion& motion) {
     const Eigen::Vector3d p = motion.X_PT.translation();
     const Eigen::Vector3d abc = Angles(motion);
     angles_ = abc * kRadPerDeg;
-    return fmt::format("X{} Y{} Z{} A={} B={} C={}", Fixed(p.x(), kLengthDecimals),
-                       Fixed(p.y(), kLengthDecimals), Fixed(p.z(), kLengthDecimals),
-                       Fixed(abc[0], kAngleDecimals), Fixed(abc[1], kAngleDecimals),
-                       Fixed(abc[2], kAngleDecimals));
+    return fmt::format("X{} Y{} Z{} {}", Fixed(p.x(), kLengthDecimals), Fixed(p.y(), kLengthDecimals),
+                       Fixed(p.z(), kLengthDecimals), AngleWords(abc, kAngleDecimals));
   }
 
   /// Degrees. Where A, B, C may run evenly each by itself, those that are nearest to the ones before.
@@ -248,6 +265,7 @@ class SinumerikWriter : public ProgramWriter {
   }
 
   const SinumerikOptions& options_;
+  const std::array<std::string, 3> words_ = options_.Words();
   const Motion* motion_ = nullptr;  // that is being written, or the first
   std::optional<Pose> frame_;       // as it was stated last
   std::string feed_;
@@ -281,11 +299,52 @@ std::map<std::string, std::string> SinumerikTexts() {
   return {{"spindle_on", "S{rpm} M3"}, {"spindle_off", "M5"}, {"tool_change", "T=\"{tool}\" D1\nM6"}};
 }
 
+std::string SinumerikAngleWord(AngleOrder rotation) {
+  std::string word = WordOf(kOrientationGroupWords, rotation);
+  for (char& c : word) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  return word;
+}
+
+std::vector<std::string> SinumerikPost::Assumptions(const PostSettings& settings) const {
+  const auto words = options_.Words();
+  return {fmt::format("{}=, {}=, {}= are the tool's angles by {} (the cell's orientation_words)", words[0],
+                      words[1], words[2], SinumerikAngleWord(settings.rotation)),
+          fmt::format("bit 2 of STAT means A5 {} 0 (the cell's stat_a5_positive)",
+                      options_.stat_a5_positive.value_or(false) ? ">" : "<")};
+}
+
+std::vector<std::pair<std::string, std::string>> SinumerikPost::BeforeFirstRun(
+    const PostSettings& settings) const {
+  const std::string group = SinumerikAngleWord(settings.rotation);
+  const auto words = options_.Words();
+  return {
+      {"tool",
+       fmt::format("the tool list holds \"{}\" with D1: length and orientation as the head's line TOOL",
+                   settings.tool_name)},
+      {"frame",
+       fmt::format("G{} is for these programs: no other job's offset stands in it; no basic frame, no DRF",
+                   options_.Frame())},
+      {"words of the orientation",
+       fmt::format("{}=, {}=, {}= are what this machine calls the tool's angles (MD10620)", words[0],
+                   words[1], words[2])},
+      {"orientation group",
+       fmt::format("{}: bring one pose by hand with it, compare the angles (MD21100, MD21102)", group)},
+      {"STAT", fmt::format("jog A5 to {}10 deg and read STAT with PTP: bit 2 is set",
+                           options_.stat_a5_positive.value_or(false) ? "+" : "-")},
+      {"axes", fmt::format("the robot's channel axes 1 to 6 are {}", fmt::join(options_.axis_names, ", "))},
+      {"texts", TextsToTry(settings)},
+      {"first entry",
+       "single block to it at reduced speed, compare the axes with points.csv; then a dry run "
+       "(dry_run_offset_mm)"}};
+}
+
 // Axes by name stand beside the robot's in joint blocks: a name can be only one axis.
 std::string SinumerikPost::WhyNotIn(const PostSettings& settings) const {
   for (const ControllerAxis& axis : settings.controller_axes) {
     const bool robots = std::ranges::find(options_.axis_names, axis.name) != options_.axis_names.end();
-    if (robots || SinumerikBlock::IsAddress(axis.name))
+    const auto words = options_.Words();
+    const bool angle = std::ranges::find(words, axis.name) != words.end();
+    if (robots || angle || SinumerikBlock::IsAddress(axis.name))
       return fmt::format(
           "controllers.sinumerik.external_axes: {} is {}; expected: the name of a channel axis of "
           "its own",
@@ -302,7 +361,7 @@ ProgramFiles SinumerikPost::Write(const MotionProgram& program, const Arm& arm,
 
 // Called by its name; M17 leads back.
 CallingSyntax SinumerikPost::Calling() const {
-  return {.longest = kLongestName,
+  return {.longest = kProgramNameLength,
           .letters = 2,
           .ending = ".mpf",
           .head = "; written by millpose for SINUMERIK 840D sl\n",

@@ -8,6 +8,12 @@
 
 namespace millpose {
 
+/// The words of a tool's orientation: of its angles A, B, C (see ToolAngles), and of how they count.
+struct OrientationWords {
+  std::array<std::string, 3> names = {"A", "B", "C"};
+  AngleOrder group = AngleOrder::kRpy;
+};
+
 /// What of a cell only SINUMERIK knows. Every default here and only here; the keys stand in
 /// sinumerik_keys.cpp.
 struct SinumerikOptions {
@@ -16,7 +22,13 @@ struct SinumerikOptions {
   std::optional<bool> ori_ipo_with_g_code;  ///< MD21104: how the tool turns
   std::optional<bool> ori_def_with_g_code;  ///< MD21102: whether ORIRPY and ORIEULER count
 
+  std::optional<OrientationWords> orientation_words;  ///< a cell always gives it; `group` is its `rotation`
+  std::optional<bool> stat_a5_positive;               ///< STAT bit 2 means A5 > 0, not A5 < 0; likewise
+
   int Frame() const { return settable_frame.value_or(505); }
+  std::array<std::string, 3> Words() const { return orientation_words.value_or(OrientationWords{}).names; }
+  /// STAT of the arm's own status, whose bit 2 means A5 < 0, and back.
+  int Stat(int status) const { return stat_a5_positive.value_or(false) ? status ^ 4 : status; }
 };
 
 /// Siemens SINUMERIK 840D sl and ONE with robot transformation: NAME.mpf, docs/sinumerik.md.
@@ -34,6 +46,9 @@ class SinumerikPost : public Post {
   double Blend(const PathTolerance& tolerance, double) const override { return tolerance.position; }
   void Round(MotionProgram& program, const Arm& arm, const PostSettings& settings) const override;
   std::string WhyNotIn(const PostSettings& settings) const override;
+  std::vector<std::string> Assumptions(const PostSettings& settings) const override;
+  std::vector<std::pair<std::string, std::string>> BeforeFirstRun(
+      const PostSettings& settings) const override;
   double UsualCycle() const override { return 0.004; }  // 840D sl as it is often set up (MD10071)
   CallingSyntax Calling() const override;
   ProgramFiles Write(const MotionProgram& program, const Arm& arm,
@@ -44,6 +59,9 @@ class SinumerikPost : public Post {
  private:
   Options options_;
 };
+
+/// ORIRPY, ORIRPY2 or ORIEULER.
+std::string SinumerikAngleWord(AngleOrder rotation);
 
 /// SINUMERIK's texts for events where the cell gives none.
 std::map<std::string, std::string> SinumerikTexts();

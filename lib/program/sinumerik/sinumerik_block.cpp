@@ -16,9 +16,10 @@ constexpr double kFarthest = 1e5;  // mm or degrees: nothing that an arm can mea
 /// G commands). Settable frames are G54 to G57 and G505 to G599.
 const std::map<std::string, int>& Groups() {
   static const std::map<std::string, int> groups = {
-      {"G0", 1},      {"G1", 1},   {"G4", 2},    {"G17", 6},     {"G40", 7},       {"SUPA", 9},
-      {"G642", 10},   {"G9", 11},  {"G710", 13}, {"G90", 14},    {"G94", 15},      {"ORIWKS", 25},
-      {"COMPOF", 30}, {"PTP", 49}, {"CP", 49},   {"ORIRPY", 50}, {"ORIEULER", 50}, {"ORIVECT", 51}};
+      {"G0", 1},      {"G1", 1},       {"G4", 2},        {"G17", 6},     {"G40", 7},
+      {"SUPA", 9},    {"G642", 10},    {"G9", 11},       {"G710", 13},   {"G90", 14},
+      {"G94", 15},    {"ORIWKS", 25},  {"COMPOF", 30},   {"PTP", 49},    {"CP", 49},
+      {"ORIRPY", 50}, {"ORIRPY2", 50}, {"ORIEULER", 50}, {"ORIVECT", 51}};
   return groups;
 }
 
@@ -91,10 +92,10 @@ bool SinumerikBlock::AcceptAddress(LineScanner& scan) {
   if (scan.Accept("T")) {
     scan.Expect("=");
     scan.Expect("\"");
-    const auto name = scan.AcceptName();
+    const std::string name = scan.TakeUntil('"');
     scan.Expect("\"");
-    if (tool_ || !name) scan.FailFrom(start, "one tool with a name in a block expected");
-    tool_ = *name;
+    if (tool_ || name.empty()) scan.FailFrom(start, "one tool with a name in a block expected");
+    tool_ = name;
     return true;
   }
   for (const char* address : {"STAT", "TU"}) {
@@ -104,6 +105,8 @@ bool SinumerikBlock::AcceptAddress(LineScanner& scan) {
     return true;
   }
   std::vector<std::string> named(axis_names_.begin(), axis_names_.end());
+  for (const std::string& word : orientation_)
+    if (word.size() > 1) named.push_back(word);
   named.insert(named.end(), external_.begin(), external_.end());
   named.insert(named.end(), {"CTOL", "OTOL"});
   for (const std::string& address : named) {
@@ -112,7 +115,10 @@ bool SinumerikBlock::AcceptAddress(LineScanner& scan) {
     Add(scan, start, address, scan.ExpectDecimal());
     return true;
   }
-  for (const char letter : std::string_view("XYZABCFD")) {
+  std::string letters = "XYZFD";
+  for (const std::string& word : orientation_)
+    if (word.size() == 1) letters += word;
+  for (const char letter : letters) {
     if (!scan.AcceptAddress(letter, kBlanks)) continue;
     scan.Accept("=");
     Add(scan, start, std::string(1, letter), scan.ExpectDecimal());
@@ -142,7 +148,11 @@ std::optional<int> SinumerikBlock::bits(const std::string& address) const {
   return word ? std::optional(static_cast<int>(*word)) : std::nullopt;
 }
 
-std::optional<double> SinumerikBlock::pose(int i) const { return Word(std::string(1, "XYZABC"[i])); }
+std::string SinumerikBlock::PoseWord(int i) const {
+  return i < 3 ? std::string(1, "XYZ"[i]) : orientation_[static_cast<size_t>(i - 3)];
+}
+
+std::optional<double> SinumerikBlock::pose(int i) const { return Word(PoseWord(i)); }
 
 std::optional<double> SinumerikBlock::axis(int i) const { return Word(axis_names_[static_cast<size_t>(i)]); }
 

@@ -15,11 +15,12 @@ inline constexpr size_t kLongestBlock = 512;
 /// group, so does Accept().
 class SinumerikBlock {
  public:
-  static constexpr int kFrameGroup = 8;
+  static constexpr int kFrameGroup = 8, kAngleGroup = 50;
 
-  /// `external`: names of the axes beside the robot's.
-  SinumerikBlock(const std::array<std::string, 6>& axis_names, const std::vector<std::string>& external)
-      : axis_names_(axis_names), external_(external) {}
+  /// `orientation`: the words of the tool's angles; `external`: names of the axes beside the robot's.
+  SinumerikBlock(const std::array<std::string, 6>& axis_names, const std::array<std::string, 3>& orientation,
+                 const std::vector<std::string>& external)
+      : axis_names_(axis_names), orientation_(orientation), external_(external) {}
 
   /// Whether a word of this address, or this G word, means something else than an axis beside the robot's.
   static bool IsAddress(const std::string& name);
@@ -40,7 +41,8 @@ class SinumerikBlock {
   bool Has(const std::string& g_word) const;
   std::optional<double> Word(const std::string& address) const;
   std::optional<int> bits(const std::string& address) const;  ///< STAT, TU
-  std::optional<double> pose(int i) const;                    ///< X, Y, Z mm, A, B, C degrees
+  std::optional<double> pose(int i) const;                    ///< X, Y, Z mm, the tool's angles degrees
+  std::string PoseWord(int i) const;                          ///< their addresses
   std::optional<double> axis(int i) const;                    ///< degrees
   bool HasPose() const;
   bool HasAxes() const;  ///< the robot's, or others
@@ -54,6 +56,7 @@ class SinumerikBlock {
   void Add(const LineScanner& scan, size_t start, const std::string& address, double value);
 
   const std::array<std::string, 6>& axis_names_;
+  const std::array<std::string, 3>& orientation_;
   const std::vector<std::string>& external_;
   std::vector<std::string> g_words_;
   std::vector<int> m_codes_;

@@ -49,7 +49,7 @@ class SinumerikReader : public ProgramReader {
 
   void ReadCode(LineScanner& scan) override {
     const size_t start = scan.Next();
-    SinumerikBlock block(options_.axis_names, external_names_);
+    SinumerikBlock block(options_.axis_names, words_, external_names_);
     if (scan.AcceptAddress('N', false)) scan.ExpectDecimal();
     ReadLabel(scan);
     while (!scan.AtEnd()) {
@@ -74,8 +74,8 @@ class SinumerikReader : public ProgramReader {
     const size_t start = scan.Next();
     const auto name = scan.AcceptName();
     if (name && IsDeclared(*name)) {
-      if (scan.Accept("(")) SkipArguments(scan);
-      ReadDeclaredCall(scan, start, *name);
+      const std::string arguments = scan.Accept("(") ? ReadArguments(scan) : "";
+      ReadDeclaredCall(scan, start, *name, arguments);
       return scan.ExpectEnd();
     }
     const char* message = "a word of a milling program or the call of a file of the program expected";
@@ -148,13 +148,16 @@ class SinumerikReader : public ProgramReader {
   }
 
   void ReadMessage(LineScanner& scan) {
+    const size_t events = program_.events.size();
     scan.Expect("(");
-    if (scan.Accept(")")) return;
+    if (scan.Accept(")")) return AddHandEvent(ProgramEvent::Kind::kMessage, "");
     scan.Expect("\"");
+    const size_t start = scan.Next();
     const bool begin = !InText() && scan.Accept("PASS");
     if (begin || (!InText() && scan.Accept("END OF PASS"))) ReadPassMark(scan, begin);
     if (InHead() && !InText() && scan.Accept(kCompensatedNotice)) program_.notice = kCompensatedNotice;
     while (scan.Peek() != '"' && scan.Peek() != '\0') scan.Skip();
+    if (program_.events.size() == events) AddHandEvent(ProgramEvent::Kind::kMessage, scan.TakenFrom(start));
     scan.Expect("\"");
     scan.Expect(")");
   }
@@ -225,10 +228,12 @@ class SinumerikReader : public ProgramReader {
       if (*tool != settings_.tool_name)
         scan.FailFrom(start, fmt::format("tool {} expected", settings_.tool_name));
       Allow(scan, start, ChangePlaces());
+      AddHandEvent(ProgramEvent::Kind::kTool, "T " + *tool);
     }
     if (const auto edge = block.Word("D")) {
       if (*edge != 1) scan.FailFrom(start, "D1 expected: another edge or none puts the tip elsewhere");
       Allow(scan, start, ChangePlaces());
+      AddHandEvent(ProgramEvent::Kind::kTool, "D1");
     }
     Tolerances(scan, start, block);
     if (block.Has("G4")) {
@@ -275,11 +280,9 @@ class SinumerikReader : public ProgramReader {
       Allow(scan, start, kAtStops);
     } else if (SinumerikBlock::GroupOf(word) == SinumerikBlock::kFrameGroup) {
       scan.FailFrom(start, fmt::format("{} expected, the cell's settable frame", FrameWord()));
-    } else if (word == "ORIRPY" || word == "ORIEULER") {
-      const bool right = (word == "ORIRPY") == (settings_.rotation == AngleOrder::kRpy);
-      if (!right)
-        scan.FailFrom(start, fmt::format("{} expected: the cell's rotation is {}", AngleWord(),
-                                         WordOf(kAngleOrderWords, settings_.rotation)));
+    } else if (word.starts_with("ORI") && SinumerikBlock::GroupOf(word) == SinumerikBlock::kAngleGroup) {
+      if (word != AngleWord())
+        scan.FailFrom(start, fmt::format("{} expected, as the cell's orientation_words say", AngleWord()));
       settings_since_.insert(word);
       Allow(scan, start, kAtStops);
     } else if (word == "ORIVECT" || word == "ORIWKS" || word == "G642" || word == "COMPOF") {
@@ -290,12 +293,18 @@ class SinumerikReader : public ProgramReader {
     }
   }
 
-  std::string AngleWord() const { return settings_.rotation == AngleOrder::kRpy ? "ORIRPY" : "ORIEULER"; }
+  std::string AngleWord() const { return SinumerikAngleWord(settings_.rotation); }
 
   void Miscellaneous(const LineScanner& scan, size_t start, int m) {
     const int end = InSubprogram() ? 17 : 30;
-    if (m == 0 || m == 1) return Allow(scan, start, kOutsideCuts);
-    if (m == 6) return Allow(scan, start, ChangePlaces());
+    if (m == 0 || m == 1) {
+      AddHandEvent(ProgramEvent::Kind::kStop, fmt::format("M{}", m));
+      return Allow(scan, start, kOutsideCuts);
+    }
+    if (m == 6) {
+      AddHandEvent(ProgramEvent::Kind::kTool, "M6");
+      return Allow(scan, start, ChangePlaces());
+    }
     if (m != end)
       scan.FailFrom(start,
                     fmt::format("M0, M1, M6 or M{} expected (spindle and coolant: the cell's texts)", end));
@@ -331,7 +340,7 @@ class SinumerikReader : public ProgramReader {
       SetValue(settings_, axis, *value, external_);
     }
     Motion& motion = AddMotion(MotionType::kJoint);
-    motion.q = FromController(settings_.axes, angles);
+    motion.q = settings_.axes.ToArm(angles);
     motion.exact = true;
     Stand(motion);
     last_ = {};
@@ -364,7 +373,7 @@ class SinumerikReader : public ProgramReader {
       scan.FailFrom(start, "a pose without SUPA expected: it would count from elsewhere");
     for (int i = 0; i < 6; ++i) {
       if (block.pose(i)) last_[i] = block.pose(i);
-      if (!last_[i]) scan.FailFrom(start, fmt::format("{} is missing", "XYZABC"[i]));
+      if (!last_[i]) scan.FailFrom(start, fmt::format("{} is missing", block.PoseWord(i)));
     }
     if (InHead() && !external_.empty())
       scan.FailFrom(start,
@@ -397,7 +406,7 @@ class SinumerikReader : public ProgramReader {
     if (external_ != before && program_.X_BP)
       motion.X_BP_begin = FromCounted(settings_, before, *program_.X_BP);
     if (*ptp_) {
-      motion.status = block.bits("STAT");
+      if (const auto stat = block.bits("STAT")) motion.status = options_.Stat(*stat);
       motion.turn = block.bits("TU");
       return;
     }
@@ -409,6 +418,7 @@ class SinumerikReader : public ProgramReader {
   }
 
   const SinumerikOptions& options_;
+  const std::array<std::string, 3> words_ = options_.Words();
   std::vector<std::string> external_names_;
   std::array<std::optional<double>, 6> last_;  // X, Y, Z, A, B, C as they hold
   double feed_ = 0;                            // mm/s

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Forward kinematics as in lib/robot: frames of the links in W for joint angles in degrees.
+// Forward kinematics as in lib/machine/robot: frames of the links in W for joint angles in degrees.
 (function (m) {
   "use strict";
 

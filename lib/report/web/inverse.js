@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The closed-form inverse as in lib/robot/closed_form.hpp: joint angles in degrees for a pose of the tool in W.
+// The closed-form inverse as in lib/machine/robot/closed_form.hpp: joint angles in degrees for a pose of the tool in W.
 (function (m) {
   "use strict";
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/cam/apt_circle.hpp"
 
+#include "base/units.hpp"
 #include "toolpath/cam/arc.hpp"
 
 namespace millpose {
@@ -78,6 +79,22 @@ bool TurnsRight(const AptCircle& circle, const Eigen::Vector3d& axis, const Eige
                   *runs_on ? "counter-clockwise" : "clockwise", by_sign ? "counter-clockwise" : "clockwise"));
 }
 
+// The revolutions that a stated sweep has besides the part from start to end. Throws InputError when it ends
+// elsewhere.
+int TurnsOf(const AptCircle& circle, const Eigen::Vector3d& axis, const Eigen::Vector3d& from,
+            const Eigen::Vector3d& to) {
+  const double part = ArcAngle(from, to, circle.centre, axis, 0);
+  const double turns = std::round((*circle.sweep - part) / (2 * kPi));
+  const double radius = Across(from - circle.centre, axis).norm();
+  const double off = std::abs(*circle.sweep - part - 2 * kPi * turns) * radius;
+  if (!(turns >= 0 && turns <= 1000) || off > std::max(kOffCircle, 1e-3 * radius))
+    throw InputError(circle.place,
+                     fmt::format("the arc sweeps {:.6g}°, the point that it leads to lies {:.6g}° "
+                                 "round (right-handed about its axis)",
+                                 RadToDeg(*circle.sweep), RadToDeg(part)));
+  return static_cast<int>(turns);
+}
+
 }  // namespace
 
 AptArc FollowCircle(const AptCircle& circle, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
@@ -95,9 +112,13 @@ AptArc FollowCircle(const AptCircle& circle, const Eigen::Vector3d& from, const 
   CheckRadius(circle, axis, from, to);
   if (Across(from - circle.centre, axis).norm() < 1e-9 || Across(to - circle.centre, axis).norm() < 1e-9)
     return {{to}, to - from};
-  if (!TurnsRight(circle, axis, from, to, arriving, way)) axis = -axis;
-  return {ArcPoints(from, to, circle.centre, axis, circle.full_turns, tolerance, circle.place),
-          Tangent(circle, axis, from, to, true)};
+  AptCircle turned = circle;
+  if (circle.sweep)
+    turned.full_turns = TurnsOf(circle, axis, from, to);
+  else if (!TurnsRight(circle, axis, from, to, arriving, way))
+    axis = -axis;
+  return {ArcPoints(from, to, circle.centre, axis, turned.full_turns, tolerance, circle.place),
+          Tangent(turned, axis, from, to, true)};
 }
 
 }  // namespace millpose

@@ -18,6 +18,7 @@ struct AptCircle {
   bool clockwise = false;                  ///< about the axis (NX), else counter-clockwise (SolidWorks CAM)
   std::optional<Eigen::Vector3d> tangent;  ///< direction in which the tool leaves the start (INDIRV)
   std::optional<double> radius;            ///< as stated
+  std::optional<double> sweep;             ///< as stated (MOVARC), rad, right-handed about the axis
   int full_turns = 0;                      ///< besides the part from start to end (NX: TIMES)
   Place place;
 };

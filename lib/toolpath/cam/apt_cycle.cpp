@@ -16,6 +16,15 @@ struct Words {
   std::optional<double> depth, clearance, retract, step;
 };
 
+void LayStrokes(double depth, AptCycle& cycle) {
+  Drilling drilling;
+  drilling.clearance = cycle.clearance;
+  drilling.bottoms = cycle.step ? EvenStrokes(cycle.clearance, -depth, *cycle.step, cycle.place)
+                                : std::vector<double>{-depth};
+  drilling.chip_retract = cycle.chip_retract;
+  cycle.strokes = Heights(drilling, cycle.place);
+}
+
 class CycleReader {
  public:
   CycleReader(const AptStatement& statement, AptFeed feed, double unit)
@@ -30,7 +39,9 @@ class CycleReader {
     }
     words_.deep = kind == "DEEP";
     words_.chips = kind == "BRKCHP";
-    for (at_ = 1; at_ < statement_.minors.size() && cycle_.left_out.empty();) TakeWord();
+    cycle_.place = statement_.major.place;
+    if (ParseNumber(Text(1))) TakePlaces();
+    while (at_ < statement_.minors.size() && cycle_.left_out.empty()) TakeWord();
     if (cycle_.left_out.empty()) Finish();
     cycle_.feed = feed_.Rate();
     return cycle_;
@@ -47,6 +58,50 @@ class CycleReader {
                                    Text(at_).substr(0, 40)));
     ++at_;
     return unit_ * *number;
+  }
+
+  static bool IsFeedUnit(const std::string& word) {
+    return word == "MMPM" || word == "IPM" || word == "MMPR" || word == "IPR" || word == "PERMIN" ||
+           word == "PERREV";
+  }
+
+  // "12,MMPM,120,5" and "12,120,MMPM,5": depth, feed, clearance. Where the unit is last, or missing, the
+  // order is not the same in all files.
+  void TakePlaces() {
+    words_.depth = Length();
+    if (Text(at_) == "INCR" || Text(at_) == "STEP") {
+      ++at_;
+      words_.step = Length();
+    }
+    const bool unit_first = IsFeedUnit(Text(at_)) && ParseNumber(Text(at_ + 1));
+    const bool unit_behind = !unit_first && ParseNumber(Text(at_)) && IsFeedUnit(Text(at_ + 1));
+    if (unit_first == unit_behind || !ParseNumber(Text(at_ + 2))) {
+      cycle_.left_out =
+          "its numbers without words are read as depth, unit of feed, feed, clearance, or as depth, feed, "
+          "unit, "
+          "clearance alone";
+      return;
+    }
+    AptStatement feed;
+    feed.major = statement_.minors[at_];
+    feed.minors = {statement_.minors[at_], statement_.minors[at_ + 1]};
+    feed_.Take(feed, unit_);
+    at_ += 2;
+    words_.clearance = Length();
+    if (!(*words_.depth > 0) || !(*words_.clearance >= 0))
+      throw InputError(
+          statement_.major.place,
+          fmt::format("{}: a depth above 0 and a clearance of 0 or more are read by places, found "
+                      "{:.6g} mm and {:.6g} mm",
+                      cycle_.name, *words_.depth, *words_.clearance));
+    cycle_.by_place = words_.depth;
+    while (Text(at_) == "DWELL" || (Text(at_).empty() && at_ < statement_.minors.size())) {
+      ++at_;
+      if (Text(at_ - 1) == "DWELL") TakeDwell();
+    }
+    if (at_ < statement_.minors.size())
+      cycle_.left_out =
+          fmt::format("its word \"{}\" behind numbers without words is not known", Text(at_).substr(0, 40));
   }
 
   void TakeWord() {
@@ -66,12 +121,11 @@ class CycleReader {
         ++at_;
       else
         words_.retract = Length();
-    } else if (word == "STEP") {
+    } else if (word == "STEP" || word == "INCR") {
       words_.step = Length();
     } else if (word == "DWELL") {
       TakeDwell();
-    } else if (word == "MMPM" || word == "IPM" || word == "MMPR" || word == "IPR" || word == "PERMIN" ||
-               word == "PERREV") {
+    } else if (IsFeedUnit(word)) {
       TakeFeed();
     } else if (word != "AUTO" && word != "MANUAL") {
       cycle_.left_out = fmt::format("its word \"{}\" is not known", word.substr(0, 40));
@@ -111,14 +165,11 @@ class CycleReader {
       cycle_.left_out = "it names no STEP";
       return;
     }
-    Drilling drilling;
-    const Place& place = statement_.major.place;
-    drilling.clearance = cycle_.clearance = *words_.clearance;
-    drilling.bottoms = words_.step ? EvenStrokes(*words_.clearance, -*words_.depth, *words_.step, place)
-                                   : std::vector<double>{-*words_.depth};
-    drilling.chip_retract = words_.chips ? kChipRetract : 0;
+    cycle_.clearance = *words_.clearance;
+    cycle_.step = words_.step;
+    cycle_.chip_retract = words_.chips ? kChipRetract : 0;
     cycle_.retract = std::max(cycle_.clearance, words_.retract.value_or(cycle_.clearance));
-    cycle_.strokes = Heights(drilling, place);
+    LayStrokes(*words_.depth, cycle_);
   }
 
   const AptStatement& statement_;
@@ -130,6 +181,13 @@ class CycleReader {
 };
 
 }  // namespace
+
+AptCycle FromBottom(const AptCycle& cycle, double height) {
+  AptCycle moved = cycle;
+  moved.clearance = moved.retract = cycle.clearance - height;
+  LayStrokes(0, moved);
+  return moved;
+}
 
 AptCycle ReadCycle(const AptStatement& statement, AptFeed feed, double unit) {
   return CycleReader(statement, feed, unit).Read();

@@ -2,6 +2,7 @@
 #include "toolpath/cam/apt_feed.hpp"
 
 #include <optional>
+#include <set>
 
 #include "base/text.hpp"
 #include "base/units.hpp"
@@ -46,18 +47,36 @@ bool AptFeed::Take(const AptStatement& statement, double unit) {
   return true;
 }
 
-void AptFeed::TakeSpindle(const AptStatement& statement, double diameter) {
+AptSpindle AptFeed::TakeSpindle(const AptStatement& statement, double diameter) {
   constexpr double kFoot = 304.8, kMetre = 1000;
+  static const std::set<std::string_view> harmless{"RPM",  "ON",   "OFF",    "LOW",  "MEDIUM", "HIGH",
+                                                   "AUTO", "SYNC", "ORIENT", "LOCK", "NEUTRL", "NOMORE"};
   std::optional<double> value;
+  AptSpindle spindle;
   double edge = 0;
-  for (const AptWord& word : statement.minors) {
-    if (const auto number = ParseNumber(word.text); number && !value) value = number;
-    if (word.text == "SFM") edge = kFoot;
-    if (word.text == "SMM") edge = kMetre;
+  for (size_t i = 0; i < statement.minors.size(); ++i) {
+    const AptWord& word = statement.minors[i];
+    if (const auto number = ParseNumber(word.text)) {
+      if (value || !(*number >= 0)) throw InputError(word.place, "SPINDL takes one speed, of 0 or more");
+      value = number;
+    } else if (word.text == "CLW" || word.text == "CCLW") {
+      spindle.sense = word.text == "CLW" ? SpindleSense::kClockwise : SpindleSense::kCounterClockwise;
+    } else if (word.text == "SFM" || word.text == "SMM") {
+      edge = word.text == "SFM" ? kFoot : kMetre;
+    } else if (word.text == "RANGE" || word.text == "MAXRPM") {
+      ++i;  // with its number
+    } else if (!word.text.empty() && !harmless.contains(word.text)) {
+      throw InputError(word.place, fmt::format("SPINDL/\"{}\" is not known", word.text.substr(0, 40)));
+    }
   }
-  if (!value || !(*value > 0)) return;
+  if (!value || !(*value > 0)) return spindle;
+  if (edge > 0 && !(diameter > 0))
+    throw InputError(statement.major.place,
+                     "SPINDL gives the speed of the cutting edge, and no CUTTER before it says its diameter");
   revolutions_ = *value / 60;
-  if (edge > 0) revolutions_ *= diameter > 0 ? edge / (kPi * diameter) : 0;
+  if (edge > 0) revolutions_ *= edge / (kPi * diameter);
+  spindle.speed = revolutions_;
+  return spindle;
 }
 
 }  // namespace millpose

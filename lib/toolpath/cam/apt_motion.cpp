@@ -33,6 +33,11 @@ void AptSystem::TakeMsys(const AptStatement& statement) {
   rotation.col(1) = rotation.col(2).cross(rotation.col(0));
 }
 
+void AptSystem::TakeFrame(const AptFrame& frame) {
+  origin = unit * frame.origin;
+  rotation = frame.rotation;
+}
+
 Vector AptSystem::Direction(const std::vector<double>& v, size_t first, const AptStatement& statement) const {
   const Vector direction(v[first], v[first + 1], v[first + 2]);
   if (!(direction.norm() > 1e-6 && direction.norm() < 1e6))
@@ -49,6 +54,11 @@ void AptMotion::SetCircle(const AptCircle& circle) {
   if (!HasPoint()) throw InputError(circle.place, "the circle needs a point before it");
   if (cycle_) throw InputError(circle.place, "a CIRCLE within a CYCLE");
   circle_ = circle;
+}
+
+void AptMotion::SetCycle(std::optional<AptCycle> cycle) {
+  cycle_ = std::move(cycle);
+  before_cycle_ = at_;
 }
 
 void AptMotion::CheckEnd() const {
@@ -107,23 +117,47 @@ void AptMotion::AddPoint(const Vector& position, const Vector& axis, bool rapid,
   if (path_.points.size() >= kMaxPoints)
     throw InputError({place.file, place.line}, fmt::format("the path has more than {} points", kMaxPoints));
   path_.points.push_back({position, axis, feed_, rapid, fresh_ && HasPoint(), place.line});
+  sections_.Stamp(path_.points.back());
   fresh_ = false;
   at_ = position;
 }
 
+// The cycle with its heights from `point` on. Of one by places the point is the hole's top or its bottom; the
+// latter can only be where the tool stood at the clearance's height before the cycle, above the hole's top.
+AptCycle AptMotion::CycleAt(const Vector& point) {
+  AptCycle cycle = *cycle_;
+  if (!cycle.by_place || !rules_.cycle_point_asked) return cycle;
+  constexpr double kSame = 1e-3;  // mm
+  const double height = axis_.dot(point), top = height + *cycle.by_place;
+  const bool may_be_bottom =
+      std::abs(axis_.dot(before_cycle_) - cycle.clearance) <= kSame && cycle.clearance > top - kSame;
+  if (options_.cycle_point) path_.keys_used.insert("cycle_point");
+  if (options_.cycle_point == CyclePoint::kBottom) return FromBottom(cycle, height);
+  if (may_be_bottom && !options_.cycle_point)
+    throw InputError(
+        cycle.place,
+        fmt::format("{} by places: the point of a hole may be its top (the hole ends at {:.6g} mm along the "
+                    "axis) or its bottom (it ends at {:.6g} mm, and {:.6g} mm is the clearance's height, as "
+                    "Autodesk's post writes it): state toolpath.cam.cycle_point: top or bottom",
+                    cycle.name, height - *cycle.by_place, height, cycle.clearance));
+  return cycle;
+}
+
 // A rapid to the clearance, straight strokes at the cycle's feed, a rapid to where the tool is drawn back.
-void AptMotion::Drill(const Vector& top, const Place& place) {
+void AptMotion::Drill(const Vector& point, const Place& place) {
   rapid_ = false;
   arriving_.setZero();
   if (!cycle_->left_out.empty()) {
-    path_.holes_left_out.push_back({top, cycle_->name, cycle_->left_out, place.line});
+    path_.holes_left_out.push_back({point, cycle_->name, cycle_->left_out, place.line});
+    sections_.Stamp(path_.holes_left_out.back());
     fresh_ = true;
     return;
   }
-  const double feed = std::exchange(feed_, cycle_->feed);
-  AddPoint(top + cycle_->clearance * axis_, axis_, true, place);
-  for (const double height : cycle_->strokes) AddPoint(top + height * axis_, axis_, false, place);
-  if (cycle_->retract > cycle_->clearance) AddPoint(top + cycle_->retract * axis_, axis_, true, place);
+  const AptCycle cycle = CycleAt(point);
+  const double feed = std::exchange(feed_, cycle.feed);
+  AddPoint(point + cycle.clearance * axis_, axis_, true, place);
+  for (const double height : cycle.strokes) AddPoint(point + height * axis_, axis_, false, place);
+  if (cycle.retract > cycle.clearance) AddPoint(point + cycle.retract * axis_, axis_, true, place);
   feed_ = feed;
   ++holes_;
 }

@@ -4,8 +4,10 @@
 #include <optional>
 
 #include "toolpath/cam/apt_circle.hpp"
+#include "toolpath/cam/apt_comments.hpp"
 #include "toolpath/cam/apt_cycle.hpp"
 #include "toolpath/cam/apt_nurbs.hpp"
+#include "toolpath/cam/section_tracker.hpp"
 
 namespace millpose {
 
@@ -17,6 +19,9 @@ struct AptSystem {
 
   /// UNITS/MM, INCHES, CM.
   void TakeUnits(const AptStatement& statement);
+  /// What a comment states.
+  void TakeFrame(const AptFrame& frame);
+  bool IsMoved() const { return !origin.isZero(1e-9) || !rotation.isIdentity(1e-9); }
   /// MSYS: origin, X axis, Y axis of the system that all further coordinates are given in.
   void TakeMsys(const AptStatement& statement);
   Eigen::Vector3d Placed(const Eigen::Vector3d& p) const { return origin + rotation * (unit * p); }
@@ -27,7 +32,8 @@ struct AptSystem {
 /// Where the tool of a CLDATA file is and how it stands; appends its way to a path.
 class AptMotion {
  public:
-  AptMotion(const CamReadOptions& options, CamPath& path) : options_(options), path_(path) {}
+  AptMotion(const CamReadOptions& options, const SenderRules& rules, SectionTracker& sections, CamPath& path)
+      : options_(options), rules_(rules), sections_(sections), path_(path) {}
 
   void SetAxis(const Eigen::Vector3d& axis) { axis_ = axis; }
   const Eigen::Vector3d& axis() const { return axis_; }
@@ -39,7 +45,7 @@ class AptMotion {
   /// INDIRV: the direction of the next motion at its start.
   void SetTangent(const Eigen::Vector3d& tangent) { tangent_ = tangent; }
   void SetCircle(const AptCircle& circle);
-  void SetCycle(std::optional<AptCycle> cycle) { cycle_ = std::move(cycle); }
+  void SetCycle(std::optional<AptCycle> cycle);
 
   bool in_cycle() const { return cycle_.has_value(); }
   bool HasPoint() const { return !path_.points.empty(); }
@@ -59,15 +65,19 @@ class AptMotion {
   void Append(const std::vector<Eigen::Vector3d>& way, const Eigen::Vector3d& axis_before,
               const Place& place);
   void AddPoint(const Eigen::Vector3d& position, const Eigen::Vector3d& axis, bool rapid, const Place& place);
-  void Drill(const Eigen::Vector3d& top, const Place& place);
+  AptCycle CycleAt(const Eigen::Vector3d& point);
+  void Drill(const Eigen::Vector3d& point, const Place& place);
 
   const CamReadOptions& options_;
+  const SenderRules& rules_;
+  SectionTracker& sections_;
   CamPath& path_;
   Eigen::Vector3d at_ = Eigen::Vector3d::Zero(), axis_ = Eigen::Vector3d::UnitZ();
   double feed_ = 0;  // mm/s
   bool rapid_ = false, fresh_ = false;
   std::optional<AptCircle> circle_;
   std::optional<AptCycle> cycle_;
+  Eigen::Vector3d before_cycle_ = Eigen::Vector3d::Zero();
   std::optional<Eigen::Vector3d> tangent_;
   Eigen::Vector3d arriving_ = Eigen::Vector3d::Zero();  // direction of the cut before; zero: none
   size_t circles_ = 0, splines_ = 0, holes_ = 0;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "toolpath/cam/apt_motion.hpp"
+#include "toolpath/cam/apt_arcs.hpp"
+#include "toolpath/cam/apt_unit.hpp"
 #include "toolpath/cam/apt_words.hpp"
+#include "toolpath/cam/machine_zeros.hpp"
 
 namespace millpose {
 namespace {
@@ -10,14 +12,29 @@ namespace {
 class AptReader {
  public:
   AptReader(std::string_view bytes, const std::string& name, const CamReadOptions& options)
-      : scanner_(bytes, name), name_(name), motion_(options, path_) {}
+      : scanner_(bytes, name),
+        name_(name),
+        options_(options),
+        recognised_(options.sender ? Recognised{*options.sender, ""} : RecogniseSender(bytes, false)),
+        rules_(RulesOf(recognised_.sender)),
+        motion_(options, rules_, sections_, path_),
+        comments_(options),
+        unit_(options),
+        zeros_(options) {
+    system_.unit = options.unit.value_or(1);
+  }
 
   CamPath Read() {
     AptStatement statement;
     try {
-      while (scanner_.Next(statement)) Take(statement);
+      while (scanner_.Next(statement)) {
+        TakeComments();
+        unit_.Look(statement);
+        Take(statement);
+      }
       EndNurbs();
       motion_.CheckEnd();
+      if (tally_.empty()) unit_.Check(name_);
     } catch (const InputError& error) {
       tally_.RefuseUnknown(error.problems());
     }
@@ -26,10 +43,42 @@ class AptReader {
       throw InputError({name_}, "the file holds no GOTO");
     CheckReach(path_, name_);
     AddNotes();
+    AddSource();
     return std::move(path_);
   }
 
  private:
+  void TakeComments() {
+    for (const AptWord& comment : scanner_.comments()) TakeCutterComment(comment);
+    if (const auto frame = comments_.Take(scanner_.comments())) {
+      EndNurbs();
+      system_.TakeFrame(*frame);
+      SetFrameName(fmt::format("{} in line {}{}", frame->name, frame->place.line,
+                               system_.IsMoved() ? "" : " (identity)"));
+    }
+  }
+
+  // Creo: "$$-> CUTTER / 8.0".
+  void TakeCutterComment(const AptWord& comment) {
+    const size_t slash = comment.text.find('/');
+    if (!comment.text.starts_with("$$->") || slash == std::string::npos) return;
+    std::string_view word = std::string_view(comment.text).substr(4, slash - 4);
+    while (word.starts_with(' ')) word.remove_prefix(1);
+    while (word.ends_with(' ')) word.remove_suffix(1);
+    std::string value = comment.text.substr(slash + 1);
+    std::erase(value, ' ');
+    const auto number = ParseNumber(value);
+    if (word == "CUTTER" && number && *number > 0) AddCutter(*number, 0, comment.place.line);
+  }
+
+  // What a system leaves of the axis: it stands along the new z until it is given.
+  void SetFrameName(std::string name) {
+    motion_.SetAxis(system_.rotation.col(2));
+    leaned_ = stale_ = false;
+    frame_name_ = std::move(name);
+    if (system_.IsMoved() && moved_out_of_.empty()) moved_out_of_ = frame_name_;
+  }
+
   void Take(const AptStatement& statement) {
     const std::string& major = statement.major.text;
     if (AptNurbs::IsPart(major)) {
@@ -41,12 +90,13 @@ class AptReader {
     if (meaning == AptMeaning::kUnknown) return tally_.AddUnknown(word, statement.major.place);
     if (meaning == AptMeaning::kHarmless) {
       CheckHarmless(statement);
+      if (word == "TOOL PATH") BeginOperation(statement);
       return tally_.CountHarmless(word);
     }
     EndNurbs();
     if (meaning == AptMeaning::kMotion) return TakeMotion(statement);
     if (meaning == AptMeaning::kState) return TakeState(statement);
-    if (meaning == AptMeaning::kSurfaceMotion) return TakeDriveMotion(statement);
+    if (meaning == AptMeaning::kSurfaceMotion) return DriveMotion(statement);
     Leave(statement);
   }
 
@@ -61,8 +111,8 @@ class AptReader {
       GoDelta(statement);
     } else if (major == "RAPID") {
       motion_.SetRapid();
-    } else if (major == "CIRCLE") {
-      Circle(statement);
+    } else if (major == "CIRCLE" || major == "MOVARC") {
+      motion_.SetCircle(ReadCircle(statement, system_));
     } else if (major == "INDIRV") {
       motion_.SetTangent(system_.Direction(Numbers(statement, 3, 3), 0, statement));
     } else if (major == "NURBS") {
@@ -72,29 +122,99 @@ class AptReader {
     }
   }
 
+  void DriveMotion(const AptStatement& statement) {
+    const auto [arc, end] = ReadDriveMotion(statement, system_);
+    motion_.SetCircle(arc);
+    motion_.MoveTo(end, motion_.axis(), arc.place);
+  }
+
   void TakeState(const AptStatement& statement) {
     const std::string& major = statement.major.text;
     if (major == "FEDRAT") {
       if (!feed_.Take(statement, system_.unit)) motion_.SetRapid();
     } else if (major == "SPINDL") {
-      feed_.TakeSpindle(statement, path_.cutters.empty() ? 0 : path_.cutters.back().diameter);
+      const AptSpindle spindle =
+          feed_.TakeSpindle(statement, path_.cutters.empty() ? 0 : path_.cutters.back().diameter);
+      if (spindle.speed) sections_.SetSpeed(spindle.speed);
+      if (spindle.sense != SpindleSense::kNotStated) sections_.SetSense(spindle.sense);
     } else if (major == "CUTTER" || major == "TLDATA") {
       Cutter(statement);
     } else if (major == "TLAXIS") {
       motion_.SetAxis(system_.Direction(Numbers(statement, 3, 3), 0, statement));
+      leaned_ = stale_ = false;
     } else if (major == "MSYS") {
       system_.TakeMsys(statement);
-      motion_.SetAxis(system_.rotation.col(2));
-      moved_ = moved_ || !system_.origin.isZero(1e-9) || !system_.rotation.isIdentity(1e-9);
+      SetFrameName(fmt::format("MSYS in line {}{}", statement.major.place.line,
+                               system_.IsMoved() ? "" : " (identity)"));
     } else if (major == "UNITS" || major == "UNIT") {
-      system_.TakeUnits(statement);
+      Units(statement);
     } else if (major == "ORIGIN" || major == "TRANS") {
-      machine_zeros_ += Numbers(statement, 1, 6).empty() ? 0 : 1;
+      zeros_.Take(major, Numbers(statement, 1, 6), statement.major.place, motion_.HasPoint());
     } else {  // LOADTL, TOOLNO, TURRET, LOAD/TOOL
-      motion_.SetFresh();
-      ++tools_;
+      Tool(statement);
     }
     motion_.SetFeed(feed_.Rate());
+  }
+
+  // What came before the first UNITS, and is no point, is in them too.
+  void Units(const AptStatement& statement) {
+    const double before = system_.unit;
+    system_.TakeUnits(statement);
+    if (!units_stated_ && !motion_.HasPoint() && system_.unit != before) {
+      system_.origin *= system_.unit / before;
+      for (CamCutter& cutter : path_.cutters) {
+        cutter.diameter *= system_.unit / before;
+        cutter.corner_radius *= system_.unit / before;
+        sections_.SetCutter(cutter.diameter, cutter.corner_radius);
+      }
+    }
+    units_stated_ = true;
+    unit_.SetStated(statement.major.place, system_.unit);
+  }
+
+  // The number of "LOADTL/1,…", "LOAD/TOOL,1,…", "TURRET/1".
+  void Tool(const AptStatement& statement) {
+    motion_.SetFresh();
+    ++tools_;
+    for (const AptWord& word : statement.minors)
+      if (const auto number = ParseNumber(word.text)) return sections_.NameTool(ShortestNumber(*number));
+    if (!statement.minors.empty()) sections_.NameTool(statement.minors.back().text.substr(0, 40));
+  }
+
+  // "TOOL PATH/NAME,TOOL,TOOL NAME" of NX: a new operation begins, and says its own system.
+  void BeginOperation(const AptStatement& statement) {
+    motion_.SetFresh();
+    for (size_t i = 0; i + 1 < statement.minors.size(); ++i)
+      if (statement.minors[i].text == "TOOL")
+        sections_.NameOperationTool(statement.minors[i + 1].text.substr(0, 40));
+    stale_ = motion_.HasPoint() && (leaned_ || system_.IsMoved());
+  }
+
+  std::string WhyAsked() const {
+    if (rules_.sender != CamSender::kPlain)
+      return fmt::format("which one {} means is not known", rules_.name);
+    return "who wrote the file is not recognised" +
+           (recognised_.conflict.empty() ? "" : " (marks of " + recognised_.conflict + ")");
+  }
+
+  // The axis of a point that gives none.
+  Eigen::Vector3d AxisOfThree(const AptStatement& statement) {
+    const Eigen::Vector3d up = system_.rotation.col(2);
+    if (stale_)
+      throw InputError(
+          statement.major.place,
+          "the operation states neither MSYS nor the tool axis, and the one before it had its own");
+    if (leaned_ && rules_.three_numbers == ThreeNumbers::kAsked && !motion_.axis().isApprox(up, 1e-9))
+      throw InputError(
+          statement.major.place,
+          fmt::format(
+              "three numbers behind a leaning tool: the axis stays, or the tool stands along +z, and {}: "
+              "state whose way this file follows, toolpath.cam.sender: nx or catia (it stays), creo or "
+              "autodesk (+z)",
+              WhyAsked()));
+    three_ = true;
+    if (leaned_ && rules_.three_numbers == ThreeNumbers::kUp) return up;
+    return motion_.axis();
   }
 
   void EndNurbs() {
@@ -128,75 +248,21 @@ class AptReader {
     tally_.CountHarmless(FirstWord(statement.major));
   }
 
-  // "xc,yc,zc,i,j,k[,r]"; NX adds total tolerance, ratio, diameter and corner radius of the tool and means a
-  // clockwise turn about the axis, "TIMES,n" with n turns begun.
-  void Circle(const AptStatement& statement) {
-    AptStatement plain = statement;
-    AptCircle circle;
-    const size_t words = plain.minors.size();
-    if (words > 2 && plain.minors[words - 2].text == "TIMES") {
-      const auto times = ParseNumber(plain.minors[words - 1].text);
-      if (!times || *times < 1 || *times > 1000 || *times != std::floor(*times))
-        throw InputError(plain.minors[words - 1].place, "TIMES needs a whole number from 1 to 1000");
-      circle.full_turns = static_cast<int>(*times) - 1;
-      plain.minors.resize(words - 2);
-    }
-    const std::vector<double> v = Numbers(plain, 6, 11);
-    circle.centre = system_.Placed({v[0], v[1], v[2]});
-    circle.axis = system_.Direction(v, 3, plain);
-    if (v.size() > 6) circle.radius = system_.unit * v[6];
-    circle.clockwise = v.size() > 7;
-    circle.place = statement.major.place;
-    motion_.SetCircle(circle);
-  }
-
-  // CATIA: "TLON,GOFWD/ (CIRCLE/ xc,yc,zc,r),ON,(LINE/ xc,yc,zc,xe,ye,ze)" after INDIRV, "ON,2,INTOF" for the
-  // whole circle.
-  void TakeDriveMotion(const AptStatement& statement) {
-    std::vector<double> circle, line;
-    std::vector<double>* list = nullptr;
-    for (const AptWord& word : statement.minors) {
-      std::string_view text = word.text;
-      for (const auto& [head, numbers] : {std::pair("(CIRCLE/", &circle), std::pair("(LINE/", &line)})
-        if (text.starts_with(head)) {
-          list = numbers;
-          text.remove_prefix(std::string_view(head).size());
-        }
-      const bool last = text.ends_with(')');
-      if (last) text.remove_suffix(1);
-      while (text.starts_with(' ')) text.remove_prefix(1);
-      while (text.ends_with(' ')) text.remove_suffix(1);
-      const auto number = ParseNumber(std::string(text));
-      const bool between = list == nullptr && (text == "ON" || text == "2" || text == "INTOF");
-      if (!between && (list == nullptr || !number)) throw Unreadable(word.place, statement);
-      if (!between) list->push_back(*number);
-      if (last) list = nullptr;
-    }
-    if (statement.major.text != "TLON,GOFWD" || circle.size() != 4 || line.size() != 6)
-      throw Unreadable(statement.major.place, statement);
-    AptCircle arc;
-    arc.centre = system_.Placed({circle[0], circle[1], circle[2]});
-    arc.radius = system_.unit * circle[3];
-    arc.place = statement.major.place;
-    motion_.SetCircle(arc);
-    motion_.MoveTo(system_.Placed({line[3], line[4], line[5]}), motion_.axis(), arc.place);
-  }
-
-  static InputError Unreadable(const Place& place, const AptStatement& statement) {
-    return {place,
-            fmt::format("the motion \"{}\" cannot be read; known are GOTO, GODLTA, CIRCLE with a GOTO, "
-                        "NURBS with KNOT and CNTRL, and "
-                        "TLON,GOFWD/(CIRCLE/x,y,z,r),ON,(LINE/x,y,z,x,y,z)",
-                        statement.major.text.substr(0, 40))};
-  }
-
   // CUTTER/d[,r] and NX's TLDATA/MILL,d,r,length,….
   void Cutter(const AptStatement& statement) {
     std::vector<double> numbers;
     for (const AptWord& word : statement.minors)
       if (const auto number = ParseNumber(word.text)) numbers.push_back(system_.unit * *number);
     if (numbers.empty() || !(numbers[0] > 0)) return;
-    path_.cutters.push_back({numbers[0], numbers.size() > 1 ? numbers[1] : 0, statement.major.place.line});
+    AddCutter(numbers[0] / system_.unit, numbers.size() > 1 ? numbers[1] / system_.unit : 0,
+              statement.major.place.line);
+  }
+
+  // In file units.
+  void AddCutter(double diameter, double corner_radius, int line) {
+    unit_.TakeCutter(diameter);
+    path_.cutters.push_back({system_.unit * diameter, system_.unit * corner_radius, line});
+    sections_.SetCutter(path_.cutters.back().diameter, path_.cutters.back().corner_radius);
   }
 
   void Goto(const AptStatement& statement) {
@@ -204,9 +270,15 @@ class AptReader {
     if (v.size() != 3 && v.size() != 6)
       throw InputError(statement.major.place,
                        fmt::format("{} needs 3 or 6 numbers, found {}", statement.major.text, v.size()));
-    motion_.MoveTo(system_.Placed({v[0], v[1], v[2]}),
-                   v.size() == 6 ? system_.Direction(v, 3, statement) : motion_.axis(),
-                   statement.major.place);
+    const Eigen::Vector3d axis = v.size() == 6 ? system_.Direction(v, 3, statement) : AxisOfThree(statement);
+    if (v.size() == 6) GiveAxis();
+    motion_.MoveTo(system_.Placed({v[0], v[1], v[2]}), axis, statement.major.place);
+  }
+
+  // The axis follows from six numbers: what three mean then is each sender's.
+  void GiveAxis() {
+    leaned_ = true;
+    stale_ = false;
   }
 
   void GoDelta(const AptStatement& statement) {
@@ -217,12 +289,15 @@ class AptReader {
     if (v.size() != 1 && v.size() != 3 && v.size() != 6)
       throw InputError(statement.major.place,
                        fmt::format("GODLTA needs 1, 3 or 6 numbers, found {}", v.size()));
+    const Eigen::Vector3d axis = v.size() == 6   ? system_.Direction(v, 3, statement)
+                                 : v.size() == 3 ? AxisOfThree(statement)
+                                                 : motion_.axis();
+    if (v.size() == 6) GiveAxis();
     const Eigen::Vector3d step =
         v.size() == 1
             ? Eigen::Vector3d(system_.unit * v[0] * motion_.axis())
             : Eigen::Vector3d(system_.rotation * (system_.unit * Eigen::Vector3d(v[0], v[1], v[2])));
-    motion_.MoveTo(motion_.at() + step, v.size() == 6 ? system_.Direction(v, 3, statement) : motion_.axis(),
-                   statement.major.place);
+    motion_.MoveTo(motion_.at() + step, axis, statement.major.place);
   }
 
   void AddNotes() {
@@ -233,26 +308,55 @@ class AptReader {
     note(motion_.splines(), "NURBS expanded by the chord tolerance");
     note(motion_.holes(),
          "holes of drilling cycles, in and out straight at the cycle's feed, without dwells");
-    if (tools_ > 1) note(tools_, "tool changes; all are taken as passes of one job");
+    if (tools_ > 1) note(tools_, "tool changes");
     note(
-        machine_zeros_,
+        zeros_.count(),
         "ORIGIN or TRANS: where the machine's zero lies; the points are taken in the part's system as given");
-    if (moved_)
-      path_.notes.emplace_back("coordinates were moved from MSYS into the system that it refers to");
+    if (!moved_out_of_.empty())
+      path_.notes.push_back(
+          fmt::format("coordinates were moved out of their system ({}) into the one that it "
+                      "refers to",
+                      moved_out_of_));
     tally_.AddNote(path_.notes);
+  }
+
+  void AddSource() {
+    sections_.Finish({}, path_);
+    CamSource& source = path_.source;
+    source.sender = std::string(rules_.name);
+    if (options_.sender) source.sender += " (by toolpath.cam.sender)";
+    if (!recognised_.conflict.empty()) source.sender += ", with marks of " + recognised_.conflict;
+    source.unit = unit_.ToText();
+    source.frame = frame_name_;
+    const bool keeps = rules_.three_numbers == ThreeNumbers::kKeep;
+    if (three_) source.three_numbers = keeps ? "the axis stays" : "+z";
+    if (unit_.used_key()) path_.keys_used.insert("unit");
+    if (comments_.used_key() || zeros_.used_key()) path_.keys_used.insert("frame");
   }
 
   AptScanner scanner_;
   const std::string& name_;
+  const CamReadOptions& options_;
+  Recognised recognised_;
+  const SenderRules& rules_;
   CamPath path_;
+  SectionTracker sections_;
   AptMotion motion_;
+  AptComments comments_;
+  AptUnit unit_;
+  MachineZeros zeros_;
   AptSystem system_;
   AptFeed feed_;
   std::optional<AptNurbs> nurbs_;
   std::optional<AptCycle> last_cycle_;
   WordTally tally_;
-  bool moved_ = false;
-  size_t tools_ = 0, machine_zeros_ = 0;
+  std::string frame_name_ = "as written";
+  std::string moved_out_of_;  // the first system that moves points
+  bool units_stated_ = false;
+  bool leaned_ = false;  // the axis is the one of a point with six numbers
+  bool stale_ = false;   // system and axis are those of another operation
+  bool three_ = false;   // a point gave three numbers
+  size_t tools_ = 0;
 };
 
 }  // namespace

@@ -24,6 +24,10 @@ bool IsCreoComment(std::string_view line) {
   return line.starts_with("$$->");
 }
 
+void AppendUpper(std::string_view line, std::string& text) {
+  for (const char c : line) text += c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+}
+
 bool IsDigits(std::string_view text) {
   return text.find_first_not_of("0123456789 ") == std::string_view::npos &&
          text.find_first_of("0123456789") != std::string_view::npos;
@@ -75,18 +79,37 @@ std::string_view AptScanner::WithoutSequenceNumber(std::string_view line) {
   return line;
 }
 
+// Keeps a line that is a comment as a whole, Creo's with the lines that it goes on over; false for others.
+bool AptScanner::TakeComment(std::string_view line) {
+  const size_t first = line.find_first_not_of(" \t");
+  if (first == std::string_view::npos || !line.substr(first).starts_with("$$")) return false;
+  AptWord comment{"", {name_, line_, static_cast<int>(first) + 1}};
+  const bool creo = IsCreoComment(line);
+  for (line.remove_prefix(first);;) {
+    line = WithoutTrailingBlanks(line);
+    const bool goes_on = creo && line.ends_with('$') && at_ < bytes_.size();
+    if (goes_on) line.remove_suffix(1);
+    AppendUpper(line, comment.text);
+    if (comment.text.size() > kMaxStatement)
+      throw InputError({name_, line_}, fmt::format("a comment is longer than {} characters", kMaxStatement));
+    if (!goes_on) break;
+    comment.text += ' ';
+    line = TakeLine();
+  }
+  comments_.push_back(std::move(comment));
+  return true;
+}
+
 bool AptScanner::Next(AptStatement& statement) {
   Text text;
+  comments_.clear();
   for (bool goes_on = true; goes_on || WithoutTrailingBlanks(text.characters).empty();) {
     if (at_ >= bytes_.size()) {
       if (WithoutTrailingBlanks(text.characters).empty()) return false;
       break;
     }
     std::string_view line = WithoutSequenceNumber(TakeLine());
-    if (IsCreoComment(line)) {
-      while (WithoutTrailingBlanks(line).ends_with('$') && at_ < bytes_.size()) line = TakeLine();
-      continue;
-    }
+    if (TakeComment(line)) continue;
     line = WithoutTrailingBlanks(line.substr(0, line.find("$$")));
     goes_on = line.ends_with('$');
     if (goes_on) line.remove_suffix(1);

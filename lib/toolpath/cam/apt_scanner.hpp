@@ -31,15 +31,19 @@ class AptScanner {
   AptScanner(std::string_view bytes, std::string name) : bytes_(bytes), name_(std::move(name)) {}
   /// False at the end.
   bool Next(AptStatement& statement);
+  /// The comments of whole lines before the statement that Next() returned, with their "$$".
+  const std::vector<AptWord>& comments() const { return comments_; }
 
  private:
   std::string_view TakeLine();
   std::string_view WithoutSequenceNumber(std::string_view line);
+  bool TakeComment(std::string_view line);
 
   std::string_view bytes_;
   std::string name_;
   size_t at_ = 0;
   int line_ = 0;
+  std::vector<AptWord> comments_;
   bool cards_ = false;  // a line with a number in columns 73 to 80 was seen
 };
 

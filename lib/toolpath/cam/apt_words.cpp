@@ -9,8 +9,8 @@
 namespace millpose {
 namespace {
 
-const std::set<std::string_view> kMotions{"GOTO",   "FROM",   "GODLTA", "RAPID",
-                                          "CIRCLE", "INDIRV", "NURBS",  "CYCLE"};
+const std::set<std::string_view> kMotions{"GOTO",   "FROM",   "GODLTA", "RAPID", "CIRCLE",
+                                          "MOVARC", "INDIRV", "NURBS",  "CYCLE"};
 
 const std::set<std::string_view> kStates{"FEDRAT", "SPINDL", "CUTTER", "TLDATA", "TLAXIS", "MSYS",   "UNITS",
                                          "UNIT",   "ORIGIN", "TRANS",  "LOADTL", "TOOLNO", "TURRET", "LOAD"};
@@ -80,6 +80,8 @@ void CheckHarmless(const AptStatement& statement) {
   const std::string word = FirstWord(statement.major);
   const std::string first = statement.minors.empty() ? "" : statement.minors[0].text;
   const Place& place = statement.major.place;
+  if (word == "MODE" && !first.empty() && first != "MILL")
+    throw InputError(place, fmt::format("MODE/{} is not read; read is MODE/MILL", first.substr(0, 40)));
   if (word == "CUTCOM" && first != "OFF" && first != "NOMORE")
     throw InputError(
         place,

@@ -63,6 +63,7 @@ class CsvReader {
     if (path_.points.empty()) throw InputError({name_}, "the file holds no points");
     tally_.AddNote(path_.notes);
     CheckReach(path_, name_);
+    path_.source = {"CSV", unit_, "as written", has_axis_ ? "" : "+z", {}};
     return std::move(path_);
   }
 
@@ -108,6 +109,7 @@ class CsvReader {
     std::array<int, kColumns> count{};
     for (size_t i = 0; i < cells.size(); ++i) {
       columns_.push_back(ColumnOf(cells[i]));
+      if (columns_.back() && columns_.back()->column == kX) unit_ = cells[i].substr(2) + ", by its header";
       if (!columns_.back()) {
         TakeOtherColumn(cells[i], At(i));
       } else if (++count[columns_.back()->column] > 1) {
@@ -167,6 +169,7 @@ class CsvReader {
   std::vector<int> starts_;  // column of each cell of the line
   std::vector<std::optional<Named>> columns_;
   WordTally tally_;
+  std::string unit_;
   bool has_axis_ = false;
   double pass_ = 0;
   CamPath path_;

@@ -62,6 +62,16 @@ void CheckKeys(const CamReadOptions& options, bool apt, bool gcode, const std::s
                                            : "CSV"));
   };
   check(options.circle != CircleWay::kBoth, apt, "circle", "APT CLDATA");
+  check(options.frame.has_value(), apt, "frame", "APT CLDATA");
+  check(options.cycle_point.has_value(), apt, "cycle_point", "APT CLDATA");
+  check(!options.offsets.empty(), gcode, "offsets_mm", "G-code");
+  check(options.unit.has_value(), apt || gcode, "unit", "APT CLDATA and G-code");
+  check(options.sender.has_value(), apt || gcode, "sender", "APT CLDATA and G-code");
+  if (const SenderRules& rules = RulesOf(options.sender.value_or(CamSender::kPlain));
+      (apt && !rules.apt) || (gcode && !rules.gcode))
+    throw InputError({name},
+                     fmt::format("toolpath.cam.sender: {} writes no {}; given such a file, it is one of {}",
+                                 rules.key, apt ? "APT CLDATA" : "G-code", SenderKeys(gcode)));
   check(options.tip_programming.has_value(), gcode, "tip_programming", "G-code");
   check(!options.kinematics_codes.empty(), gcode, "kinematics_codes", "G-code");
 }

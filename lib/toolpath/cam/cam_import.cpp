@@ -2,7 +2,7 @@
 #include "toolpath/cam/cam_import.hpp"
 
 #include "base/error.hpp"
-#include "surface/corner_normals.hpp"
+#include "geometry/mesh/corner_normals.hpp"
 
 namespace millpose {
 namespace {
@@ -149,6 +149,22 @@ class CamImporter {
   std::vector<double> pass_distances_, distances_;
 };
 
+// What a file had besides ways: holes that are left out, and words without motion.
+std::string LeftOut(const CamPath& path) {
+  constexpr size_t kShown = 10;
+  std::string text;
+  for (size_t i = 0; i < std::min(kShown, path.holes_left_out.size()); ++i) {
+    const CamHole& hole = path.holes_left_out[i];
+    text +=
+        fmt::format("{}{} in line {} ({})", i == 0 ? "; left out: " : ", ", hole.cycle, hole.line, hole.why);
+  }
+  if (path.holes_left_out.size() > kShown)
+    text += fmt::format(", {} further holes", path.holes_left_out.size() - kShown);
+  for (const std::string& note : path.notes)
+    if (note.starts_with("skipped")) text += "; " + note;
+  return text;
+}
+
 }  // namespace
 
 Toolpath ImportCamPath(const CamPath& path, const Mesh* mesh, const CamImportOptions& options,
@@ -157,7 +173,7 @@ Toolpath ImportCamPath(const CamPath& path, const Mesh* mesh, const CamImportOpt
   CamImporter importer(mesh, options);
   Toolpath toolpath = importer.Run(path, found);
   if (toolpath.passes.empty())
-    throw InputError({}, "toolpath: the CAM path holds no cut: all its ways are rapids");
+    throw InputError({}, "toolpath: the CAM path holds no cut: all its ways are rapids" + LeftOut(path));
   std::vector<double> distances = importer.distances();
   if (mesh != nullptr && !distances.empty()) {
     std::ranges::sort(distances);

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "base/units.hpp"
-#include "surface/mesh.hpp"
+#include "geometry/mesh/mesh.hpp"
 #include "toolpath/budget.hpp"
 #include "toolpath/cam/cam_path.hpp"
 

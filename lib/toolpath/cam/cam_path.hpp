@@ -4,11 +4,14 @@
 #include <Eigen/Dense>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "toolpath/cam/cam_source.hpp"
 #include "toolpath/cam/rotary_axes.hpp"
+#include "toolpath/cam/sender.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {
@@ -21,6 +24,7 @@ struct CamPoint {
   bool rapid = false;                               ///< moved to without cutting
   bool fresh = false;                               ///< a new tool or operation begins: the way here is none
   int line = 0;                                     ///< of the file
+  size_t section = 0;                               ///< index into CamSource::sections
 };
 
 /// A cutter that the file names. mm.
@@ -35,6 +39,7 @@ struct CamHole {
   std::string cycle;         ///< "G84", "CYCLE/TAP"
   std::string why;           ///< why it is no plain motion
   int line = 0;              ///< of the file
+  size_t section = 0;        ///< index into CamSource::sections
 };
 
 struct CamPath {
@@ -42,6 +47,9 @@ struct CamPath {
   std::vector<CamCutter> cutters;  ///< in the file's order
   std::vector<CamHole> holes_left_out;
   std::vector<std::string> notes;  ///< what was taken over, skipped or converted, one sentence each
+  CamSource source;
+  std::set<std::string>
+      keys_used;  ///< of unit, frame, cycle_point and offsets_mm: those that decided anything
 };
 
 /// What decides which way round an APT circle with an axis goes.
@@ -51,7 +59,13 @@ enum class CircleWay : uint8_t {
   kAxis,     ///< the sign alone
 };
 
-/// How a CAM path is read.
+/// What places the points of a CAM path in the workpiece frame.
+enum class CamFrame : uint8_t {
+  kStated,   ///< frames that comments state as well (CATIA0, CSYS)
+  kAsGiven,  ///< nothing but MSYS and the frames of G-code: points stand as they are written
+};
+
+/// How a CAM path is read. What is not set follows from the file, or is asked for.
 struct CamReadOptions {
   double chord_tolerance =
       0.01;                ///< mm: how far arcs and the ways under turning rotary axes may bend from chords
@@ -59,12 +73,22 @@ struct CamReadOptions {
   CircleWay circle = CircleWay::kBoth;
   std::optional<bool> tip_programming;   ///< whether a G-code program begins with the tip's coordinates
   std::map<int, bool> kinematics_codes;  ///< M codes that switch: from then on X, Y, Z are the tip's, or not
+  std::optional<CamSender> sender;
+  std::optional<double> unit;  ///< mm, where the file states none
+  std::optional<CamFrame> frame;
+  std::optional<CyclePoint> cycle_point;
+  /// Where the zero of each zero offset ("G54", "G54.1 P2", "G505") lies in the workpiece frame, mm; axes are
+  /// parallel. Empty: not stated.
+  std::map<std::string, Eigen::Vector3d> offsets;
 };
 
 /// Reads a CAM tool path: APT CLDATA (CATIA, NX and others), G-code (ISO, SINUMERIK 840D, Heidenhain DIN/ISO)
 /// or CSV, told from the content. Every word is evaluated, known to say nothing about the motion (then it is
 /// counted in the notes), or refused: throws InputError with line and column, all unknown words at once.
 CamPath ReadCamPath(std::string_view bytes, const std::string& name, const CamReadOptions& options);
+
+/// The cuts and holes of one section with the ways to them. Precondition: it is below their number.
+CamPath TakeSection(const CamPath& path, size_t section);
 
 /// Refuses points beyond ±1e9 mm (a wrong unit, or nonsense that would become endless ways). Every reader
 /// calls it with what it read. Throws InputError with the line.

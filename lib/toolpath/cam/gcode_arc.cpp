@@ -18,6 +18,12 @@ Vector CentreGiven(const GcodeArc& arc) {
   const std::array<int, 3> axes = AxesOf(arc.plane);
   if (!arc.centre[axes[0]] && !arc.centre[axes[1]])
     throw InputError(arc.place, "an arc needs its centre (I, J, K) or its radius (R, CR)");
+  // Across the plane some controls count a helix's rise for each turn with it.
+  if (const int across = axes[2]; arc.centre[across] && !arc.absolute[across] && *arc.centre[across] != 0)
+    throw InputError(arc.place,
+                     fmt::format("{} of an arc across it is not read: the end and the turns (P, TURN) "
+                                 "say how a helix rises",
+                                 "IJK"[across]));
   Vector centre = arc.from;
   for (int k = 0; k < 2; ++k)
     if (const int i = axes[k]; arc.centre[i])

@@ -237,6 +237,9 @@ void GcodeScanner::Value(GcodeWord& word) {
   }
   SkipBlanks();
   const char c = At(at_);
+  size_t behind = at_ + 1;
+  while (IsBlank(At(behind))) ++behind;
+  if (c == '*' && behind >= text_.size()) return;  // Heidenhain: the block's end
   if (c == '*' || c == '+' || c == '-' || c == '/' || c == '(' || c == '[' || c == '<' || c == '>' ||
       c == '=')
     Refuse(begin,

@@ -12,10 +12,11 @@ bool GcodeModes::TakeG(double g) {
   } else if (is({17, 18, 19})) {
     plane = static_cast<int>(g) - 17;
   } else if (is({20, 70, 700})) {
-    inch = true;
+    inch = unit_stated = true;
     inch_feed = g != 70;
   } else if (is({21, 71, 710})) {
     inch = inch_feed = false;
+    unit_stated = true;
   } else if (is({90, 91})) {
     incremental = g == 91;
   } else if (is({90.1, 91.1})) {

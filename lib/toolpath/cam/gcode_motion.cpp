@@ -20,6 +20,41 @@ void GcodeMotion::TakeFrame(const GcodeBlock& block) {
   if (known_[0]) at_ = frame_.ToProgrammed(base_);
 }
 
+void GcodeMotion::SetOffset(const std::string& name, const Place& place) {
+  const bool again = offset_named_ && name == offset_;
+  const std::string before = offset_;
+  const bool named_before = std::exchange(offset_named_, true);
+  offset_ = name;
+  if (!options_.offsets.empty()) {
+    const auto stated = options_.offsets.find(name);
+    if (stated == options_.offsets.end())
+      throw InputError(place, name + " is not among toolpath.cam.offsets_mm");
+    frame_.SetOffset(stated->second);
+    if (IsPlaced()) at_ = frame_.ToProgrammed(base_);
+    cut_in_offset_ = false;
+    return;
+  }
+  if (again || (!named_before && name == before)) return;
+  if (cut_in_offset_)
+    throw InputError(
+        place,
+        fmt::format(
+            "{} behind cuts under {}{}: where the two lie to each other is known to the control alone. "
+            "State toolpath.cam.offsets_mm, e.g. {{{}: [0, 0, 0], {}: [250, 0, 0]}}, where the zero of "
+            "each lies in the workpiece frame",
+            name, before, named_before ? "" : " (in force where none is named)", before, name));
+  known_ = {};  // the rapids before were counted from elsewhere
+}
+
+// The first cut under an offset.
+void GcodeMotion::UseOffset(const Place& place) {
+  if (options_.offsets.empty()) return;
+  if (!options_.offsets.contains(offset_))
+    throw InputError(place, fmt::format("a cut under {}, which is not among toolpath.cam.offsets_mm",
+                                        offset_.empty() ? "no zero offset" : offset_));
+  path_.keys_used.insert("offsets_mm." + offset_);
+}
+
 void GcodeMotion::ShiftDatum(const GcodeMove& move) {
   if (modes_.incremental) throw InputError(move.place, "a datum shift in steps (G91) is not read");
   for (int i = 0; i < 3; ++i)
@@ -113,6 +148,8 @@ void GcodeMotion::Drill(const GcodeMove& move, const GcodeHole& hole) {
     why = "the tool does not stand along the hole";
   if (!why.empty()) {
     path_.holes_left_out.push_back({TipAt(at_height(hole.clearance)), hole.name, why, hole.place.line});
+    sections_.Stamp(path_.holes_left_out.back());
+    if (!std::exchange(cut_in_offset_, true)) UseOffset(hole.place);
     fresh_ = true;
   } else {
     AppendStraight(at_height(hole.clearance), true, hole.place);
@@ -146,6 +183,7 @@ bool GcodeMotion::IsStep(const GcodeWord& word) const {
 
 void GcodeMotion::TakeCoordinate(const GcodeWord* word, int i, Vector& to) {
   if (!word) return;
+  if (!modes_.unit_stated && modes_.unit_taken == 0) modes_.unit_taken = word->place.line;
   const double value = value_of_(*word) * modes_.Unit();
   if (!(std::abs(value) <= kMaxLength))
     throw InputError(word->place, fmt::format("{} mm is beyond ±{} mm", value, kMaxLength));
@@ -195,6 +233,18 @@ void GcodeMotion::SetAxis() {
   if (!direction_.by_vector) direction_.axis = options_.rotary_axes.ToolAxis(direction_.angles);
 }
 
+// TURN=n is n revolutions more; LinuxCNC's P counts those begun.
+std::optional<double> GcodeMotion::FullTurns(const GcodeMove& move) const {
+  const GcodeWord* begun = move.turns_begun;
+  if (move.turns && begun) throw InputError(begun->place, "P and TURN in one arc");
+  if (move.turns) return value_of_(*move.turns);
+  if (!begun) return std::nullopt;
+  const double turns = value_of_(*begun);
+  if (!(turns >= 1 && turns <= 1000 && turns == std::floor(turns)))
+    throw InputError(begun->place, "P of an arc needs a whole number of revolutions from 1 to 1000");
+  return turns - 1;
+}
+
 std::vector<Vector> GcodeMotion::Arc(const GcodeMove& move, const Vector& to) {
   GcodeArc arc;
   arc.from = at_;
@@ -213,10 +263,14 @@ std::vector<Vector> GcodeMotion::Arc(const GcodeMove& move, const Vector& to) {
       arc.absolute[i] = true;
     }
   if (move.radius) arc.radius = value_of_(*move.radius) * modes_.Unit();
-  if (move.turns) arc.full_turns = value_of_(*move.turns);
+  if (const auto turns = FullTurns(move)) arc.full_turns = *turns;
   arc.place = move.place;
   ++arcs_;
   return PointsOf(arc, options_.chord_tolerance);
+}
+
+void GcodeMotion::KeepNamedWays() {
+  for (const size_t i : named_ways_) path_.points[i].fresh = false;
 }
 
 void GcodeMotion::Append(GcodeWay way, bool rapid) {
@@ -229,7 +283,11 @@ void GcodeMotion::Append(GcodeWay way, bool rapid) {
     throw InputError(way.place, "under G93 each cut needs its F");
   const size_t first = path_.points.size();
   AppendWay(way, frame_, options_, path_);
-  path_.points[first].fresh = std::exchange(fresh_, false) && first > 0;
+  const bool named = std::exchange(named_, false), fresh = std::exchange(fresh_, false);
+  path_.points[first].fresh = (fresh || named) && first > 0;
+  if (named && !fresh) named_ways_.push_back(first);
+  for (size_t i = first; i < path_.points.size(); ++i) sections_.Stamp(path_.points[i]);
+  if (!rapid && first > 0 && !std::exchange(cut_in_offset_, true)) UseOffset(way.place);
 }
 
 }  // namespace millpose

@@ -7,6 +7,7 @@
 #include "toolpath/cam/gcode_block.hpp"
 #include "toolpath/cam/gcode_frame.hpp"
 #include "toolpath/cam/gcode_way.hpp"
+#include "toolpath/cam/section_tracker.hpp"
 
 namespace millpose {
 
@@ -16,8 +17,10 @@ struct GcodeModes {
   int plane = 0;       ///< of arcs: 0 to 2 for G17 to G19
   int feed_mode = 94;  ///< G93, G94, G95
   bool incremental = false, absolute_centre = false, inch = false, inch_feed = false;
-  bool vector_in_ijk = false;                          ///< G43.5: I, J, K are the tool's vector
-  std::optional<double> feed_word;                     ///< the last F
+  bool unit_stated = false;         ///< by a G word of the file
+  int unit_taken = 0;               ///< line of the first length that was read before one; 0: none
+  bool vector_in_ijk = false;       ///< G43.5: I, J, K are the tool's vector
+  std::optional<double> feed_word;  ///< the last F
   double feed = 0, inverse_time = 0, revolutions = 0;  ///< mm/s, 1/s of the next motion, 1/s
 
   double Unit() const { return inch ? 25.4 : 1; }  ///< mm
@@ -31,6 +34,7 @@ struct GcodeModes {
 struct GcodeMove {
   std::array<const GcodeWord*, 3> linear{}, rotary{}, centre{}, vector{};
   const GcodeWord *radius = nullptr, *turns = nullptr;
+  const GcodeWord* turns_begun = nullptr;         ///< P of an arc
   std::map<char, const GcodeWord*> parameters{};  ///< P, Q, L, E, U, V, W
   std::optional<Eigen::Vector3d> pole{};          ///< Heidenhain: an arc's centre, programmed coordinates
   bool machine = false;                           ///< SUPA, G53: machine coordinates
@@ -63,11 +67,17 @@ struct GcodeHole {
 class GcodeMotion {
  public:
   using ValueOf = std::function<double(const GcodeWord&)>;
-  GcodeMotion(const CamReadOptions& options, GcodeModes& modes, CamPath& path, ValueOf value_of)
-      : options_(options), modes_(modes), path_(path), value_of_(std::move(value_of)) {}
+  GcodeMotion(const CamReadOptions& options, GcodeModes& modes, SectionTracker& sections, CamPath& path,
+              ValueOf value_of)
+      : options_(options), modes_(modes), sections_(sections), path_(path), value_of_(std::move(value_of)) {}
 
   /// TRANS, ROT, ATRANS, AROT.
   void TakeFrame(const GcodeBlock& block);
+  /// A zero offset by its name ("G54", "G54.1 P2"); the tool stays where it is. With the job's offsets the
+  /// coordinates behind it are counted from there, else no cut may lie under another one. Throws InputError.
+  void SetOffset(const std::string& name, const Place& place);
+  const std::string& offset() const { return offset_; }
+  void StartWithOffset(std::string_view name) { offset_ = name; }
   /// Heidenhain's datum shift: its X, Y and Z, the others stay.
   void ShiftDatum(const GcodeMove& move);
   /// TRAORI, G43.4: the tip stays where it is; what X, Y, Z mean changes.
@@ -83,6 +93,10 @@ class GcodeMotion {
   size_t holes() const { return holes_; }
   /// The next point is reached in a way that is no cut.
   void SetFresh() { fresh_ = true; }
+  /// T: the same, unless M6 changes tools in this program (KeepNamedWays()).
+  void NameTool() { named_ = true; }
+  /// Ways behind a T alone are cuts: it named the next tool.
+  void KeepNamedWays();
   size_t arcs() const { return arcs_; }
 
  private:
@@ -93,6 +107,8 @@ class GcodeMotion {
   void TakeDirection(const GcodeMove& move);
   void TakeVector(const GcodeMove& move);
   void SetAxis();
+  void UseOffset(const Place& place);
+  std::optional<double> FullTurns(const GcodeMove& move) const;
   std::vector<Eigen::Vector3d> Arc(const GcodeMove& move, const Eigen::Vector3d& to);
   void Append(GcodeWay way, bool rapid);
   void AppendStraight(const Eigen::Vector3d& to, bool rapid, const Place& place);
@@ -100,17 +116,23 @@ class GcodeMotion {
 
   const CamReadOptions& options_;
   GcodeModes& modes_;
+  SectionTracker& sections_;
   CamPath& path_;
   ValueOf value_of_;
   GcodeFrame frame_;
+  std::string offset_;                               // in force
+  bool offset_named_ = false;                        // by a word of the file
+  bool cut_in_offset_ = false;                       // something was cut under it
   Eigen::Vector3d datum_ = Eigen::Vector3d::Zero();  // Heidenhain's G54
   GcodeDirection direction_;
   Eigen::Vector3d at_ = Eigen::Vector3d::Zero();    // programmed coordinates
   Eigen::Vector3d base_ = Eigen::Vector3d::Zero();  // the same without frames
   std::array<bool, 3> known_{};                     // of X, Y, Z
   bool tip_programmed_ = false;
-  bool lost_ = false;   // the tool left the part for a place that is not known
-  bool fresh_ = false;  // the next point is reached in a way that is no cut
+  bool lost_ = false;               // the tool left the part for a place that is not known
+  bool named_ = false;              // a T came before the next point
+  std::vector<size_t> named_ways_;  // points that are fresh because of a T alone
+  bool fresh_ = false;              // the next point is reached in a way that is no cut
   size_t arcs_ = 0, holes_ = 0;
 };
 

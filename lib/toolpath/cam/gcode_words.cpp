@@ -10,16 +10,16 @@ namespace millpose {
 namespace {
 
 // Exact stop, path control, blending, length compensation, spindle modes, zero offsets, soft limits.
-constexpr double kHarmless[] = {
-    5.1,   8.0,   9.0,   40.0,  43.0,  43.1,  44.0,  49.1,  50.0,  54.0,  54.1,  55.0,  56.0,  57.0,  58.0,
-    59.0,  59.1,  59.2,  59.3,  60.0,  61.0,  61.1,  62.0,  63.0,  64.0,  64.1,  69.0,  96.0,  97.0,  103.0,
-    154.0, 187.0, 290.0, 450.0, 451.0, 500.0, 601.0, 602.0, 603.0, 640.0, 641.0, 642.0, 643.0, 644.0, 645.0};
+constexpr double kHarmless[] = {5.1,   8.0,   9.0,   40.0,  43.0,  43.1,  44.0,  49.1,  50.0,  54.0,  54.1,
+                                55.0,  56.0,  57.0,  58.0,  59.0,  59.1,  59.2,  59.3,  60.0,  61.0,  61.1,
+                                62.0,  63.0,  64.0,  64.1,  69.0,  97.0,  103.0, 154.0, 187.0, 290.0, 450.0,
+                                451.0, 500.0, 601.0, 602.0, 603.0, 640.0, 641.0, 642.0, 643.0, 644.0, 645.0};
 // Splines, threads, cutter radius compensation, polar coordinates, scaling, mirrors, coordinate shifts,
 // tilted planes, macros, fixed points.
-constexpr double kRefused[] = {2.1,  2.2,  3.1,  3.2,  5.2,  6.0,   6.2,   7.1,   10.0,  12.0, 12.1,
-                               13.0, 16.0, 33.0, 33.1, 34.0, 35.0,  38.2,  41.0,  41.1,  42.0, 42.1,
-                               47.0, 48.0, 51.0, 51.1, 52.0, 65.0,  66.0,  66.1,  67.0,  68.0, 68.2,
-                               68.3, 68.4, 75.0, 92.0, 92.1, 110.0, 111.0, 112.0, 331.0, 332.0};
+constexpr double kRefused[] = {2.1,  2.2,  3.1,  3.2,  5.2,  6.0,   6.2,   7.1,   10.0,  12.0, 12.1, 13.0,
+                               16.0, 33.0, 33.1, 34.0, 35.0, 38.2,  41.0,  41.1,  42.0,  42.1, 47.0, 48.0,
+                               51.0, 51.1, 52.0, 65.0, 66.0, 66.1,  67.0,  68.0,  68.2,  68.3, 68.4, 75.0,
+                               92.0, 92.1, 92.2, 92.3, 96.0, 110.0, 111.0, 112.0, 331.0, 332.0};
 
 constexpr std::string_view kHarmlessNames[] = {
     "BRISK",        "BRISKA",  "CDOF",      "CDON",      "COMPCAD",  "COMPCURV", "COMPOF",      "COMPON",
@@ -65,17 +65,14 @@ GcodeMeaning MeaningOfAddress(std::string_view address) {
       "U",    "V",   "W",   "A2",   "B2", "C2",  "A4", "B4", "C4", "A5",   "B5",   "C5", "AP", "RP", "RND",
       "RNDM", "CHF", "CHR", "STAT", "TU", "ANG", "A6", "B6", "C6", "LEAD", "TILT", ",R", ",C", ",A"};
   const std::string_view name = address.substr(0, address.find('['));
-  // S1=, M1=: of one spindle.
-  const bool spindle =
-      name.size() == 2 && (name[0] == 'S' || name[0] == 'M') && name[1] >= '0' && name[1] <= '9';
-  if (spindle || harmless.contains(name)) return GcodeMeaning::kHarmless;
+  if (harmless.contains(name)) return GcodeMeaning::kHarmless;
   return refused.contains(name) ? GcodeMeaning::kRefused : GcodeMeaning::kUnknown;
 }
 
 std::string_view ParametersOfG(double number) {
-  static const std::map<double, std::string_view> letters{
-      {5, "P"},      {5.1, "PQR"}, {8, "P"},  {30, "P"},  {43, "P"},  {54.1, "P"},
-      {61.1, "PRK"}, {64, "PQ"},   {96, "P"}, {103, "P"}, {154, "P"}, {187, "PE"}};
+  static const std::map<double, std::string_view> letters{{5, "P"},   {5.1, "PQR"}, {8, "P"},      {30, "P"},
+                                                          {43, "P"},  {54.1, "P"},  {61.1, "PRK"}, {64, "PQ"},
+                                                          {103, "P"}, {154, "P"},   {187, "PE"}};
   const auto found = letters.find(number);
   return found == letters.end() ? std::string_view() : found->second;
 }

@@ -11,6 +11,7 @@ bool Heidenhain::TakeBlock(const GcodeBlock& block, const GcodeMove& empty) {
   for (const GcodeWord& word : block.words) {
     if (word.address != "G") continue;
     const HeidenhainMeaning meaning = MeaningOfHeidenhainG(value_of_(word));
+    if (value_of_(word) == 247) TakePreset(block);
     if (meaning == HeidenhainMeaning::kSkipsBlock) return true;
     if (meaning == HeidenhainMeaning::kReset) {
       const bool sets = std::ranges::any_of(
@@ -31,6 +32,20 @@ bool Heidenhain::TakeBlock(const GcodeBlock& block, const GcodeMove& empty) {
     return true;
   }
   return false;
+}
+
+// G247 chooses the preset that coordinates are counted from: where another one lies only the control knows.
+void Heidenhain::TakePreset(const GcodeBlock& block) {
+  std::string preset;
+  for (const GcodeWord& word : block.words)
+    if (word.address != "G") preset += fmt::format(" {}={}", word.address, value_of_(word));
+  if (preset_ && *preset_ != preset)
+    throw InputError(
+        block.words[0].place,
+        fmt::format("G247 chooses preset{} behind{}: where the two lie to each other is known to the "
+                    "control alone; let the CAM system write one file for each",
+                    preset, *preset_));
+  preset_ = preset;
 }
 
 bool Heidenhain::TakeG(const GcodeWord& word) const {

@@ -26,9 +26,12 @@ class Heidenhain {
   }
 
  private:
+  void TakePreset(const GcodeBlock& block);
+
   GcodeModes& modes_;
   GcodeMotion& motion_;
   GcodeMotion::ValueOf value_of_;
+  std::optional<std::string> preset_;    // of G247
   std::optional<Eigen::Vector3d> pole_;  // programmed coordinates
 };
 

@@ -18,6 +18,7 @@ class WordTally {
   void AddUnknown(const std::string& word, const Place& place);
   /// Throws InputError when there are unknown words, or `more` that stopped the reading.
   void RefuseUnknown(const std::vector<Problem>& more) const;
+  bool empty() const { return unknown_.empty(); }
   /// "skipped, as they say nothing about the motion: 12 PAINT, 1 PARTNO".
   void AddNote(std::vector<std::string>& notes) const;
 

@@ -2,7 +2,7 @@
 #include "toolpath/strategies/curve_strategy.hpp"
 
 #include "base/error.hpp"
-#include "surface/plane_slices.hpp"
+#include "geometry/slice/plane_slices.hpp"
 #include "toolpath/strategy_entry.hpp"
 
 namespace millpose {

@@ -6,8 +6,8 @@
 
 #include "base/error.hpp"
 #include "base/trig.hpp"
-#include "surface/round_holes.hpp"
-#include "surface/triangle.hpp"
+#include "geometry/mesh/round_holes.hpp"
+#include "geometry/mesh/triangle.hpp"
 #include "toolpath/lost_faces.hpp"
 
 namespace millpose {

@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "surface/link_chains.hpp"
+#include "geometry/slice/link_chains.hpp"
 
 namespace millpose {
 namespace {

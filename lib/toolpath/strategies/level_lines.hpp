@@ -6,7 +6,7 @@
 #include <stop_token>
 #include <unordered_map>
 
-#include "surface/curve.hpp"
+#include "geometry/slice/curve.hpp"
 #include "toolpath/region.hpp"
 
 namespace millpose {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "surface/curve.hpp"
+#include "geometry/slice/curve.hpp"
 
 namespace millpose {
 

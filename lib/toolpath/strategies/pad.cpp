@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "surface/plane_slices.hpp"
+#include "geometry/slice/plane_slices.hpp"
 #include "toolpath/strategies/level_lines.hpp"
 #include "toolpath/strategies/pad_rings.hpp"
 #include "toolpath/strategies/spread.hpp"

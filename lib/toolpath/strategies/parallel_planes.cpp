@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "toolpath/strategies/parallel_planes.hpp"
 
-#include "surface/plane_slices.hpp"
+#include "geometry/slice/plane_slices.hpp"
 #include "toolpath/strategies/spread.hpp"
 #include "toolpath/strategies/stepover.hpp"
 #include "toolpath/strategy_entry.hpp"

@@ -3,7 +3,7 @@
 
 #include "base/trig.hpp"
 #include "base/units.hpp"
-#include "surface/triangle.hpp"
+#include "geometry/mesh/triangle.hpp"
 
 namespace millpose {
 

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "surface/curve.hpp"
-#include "surface/cylinder_slices.hpp"
+#include "geometry/slice/curve.hpp"
+#include "geometry/slice/cylinder_slices.hpp"
 
 namespace millpose {
 

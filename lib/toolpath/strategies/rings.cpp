@@ -2,8 +2,8 @@
 #include "toolpath/strategies/rings.hpp"
 
 #include "base/parallel.hpp"
-#include "surface/cylinder_slices.hpp"
-#include "surface/plane_slices.hpp"
+#include "geometry/slice/cylinder_slices.hpp"
+#include "geometry/slice/plane_slices.hpp"
 #include "toolpath/strategies/ring_spiral.hpp"
 #include "toolpath/strategies/stepover.hpp"
 #include "toolpath/strategy_entry.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "yaml/codec.hpp"
+#include "base/yaml/codec.hpp"
 
 namespace millpose {
 

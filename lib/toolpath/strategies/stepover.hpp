@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "surface/corner_normals.hpp"
+#include "geometry/mesh/corner_normals.hpp"
 #include "toolpath/strategies/scallop.hpp"
 #include "toolpath/toolpath_options.hpp"
 

@@ -67,6 +67,15 @@ std::string CornerText(const TightCorner& corner, double diameter) {
       p.x(), p.y(), p.z(), diameter, corner.left);
 }
 
+constexpr double kToldLean = 0.015;  // degrees
+
+std::string LeanText(double lean, double length) {
+  return fmt::format(
+      "toolpath.trim: the tool axis, averaged over {:.6g} mm of the way, leans by up to {:.2f} degrees from "
+      "that of the contour beside it",
+      length, RadToDeg(lean));
+}
+
 using yaml::Context;
 using yaml::Value;
 
@@ -222,8 +231,13 @@ LaidPath Trim::Make(const StrategyInputs& inputs, std::stop_token stop) const {
   CheckOptions(*this, inputs.options);
   const CutterShape& cutter = inputs.options.cutter;
   const Contour contour = ContourOf(*this, inputs);
-  const Offset offset = OffsetOf(contour, cutter.radius + allowance, inputs.options.chord_tolerance,
-                                 inputs.options.crease, stop);
+  const Offset offset = OffsetOf(contour,
+                                 {.distance = cutter.radius + allowance,
+                                  .chord = inputs.options.chord_tolerance,
+                                  .crease = inputs.options.crease,
+                                  .smoothing = cutter.radius,
+                                  .depth = through + overcut},
+                                 stop);
   if (offset.paths.empty())
     throw InputError(
         {}, fmt::format("toolpath.trim: the cutter of {:.6g} mm fits nowhere along the contour on that "
@@ -237,6 +251,7 @@ LaidPath Trim::Make(const StrategyInputs& inputs, std::stop_token stop) const {
         fmt::format("toolpath.trim: the cutter of {:.6g} mm does not pass the contour's narrow "
                     "places: it is trimmed in {} parts",
                     2 * cutter.radius, offset.paths.size()));
+  if (offset.lean > DegToRad(kToldLean)) laid.notes.push_back(LeanText(offset.lean, cutter.radius));
   if (contour.closed && !tabs)
     laid.warnings.emplace_back("toolpath.trim: no tabs hold the piece, which falls on the last stroke");
   for (const OffsetPath& path : offset.paths) {

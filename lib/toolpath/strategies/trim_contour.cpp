@@ -4,9 +4,10 @@
 #include <algorithm>
 
 #include "base/error.hpp"
-#include "surface/bvh.hpp"
-#include "surface/corner_normals.hpp"
-#include "surface/triangle.hpp"
+#include "geometry/mesh/bvh.hpp"
+#include "geometry/mesh/corner_normals.hpp"
+#include "geometry/mesh/fitted_normals.hpp"
+#include "geometry/mesh/triangle.hpp"
 #include "toolpath/lost_faces.hpp"
 
 namespace millpose {
@@ -126,6 +127,8 @@ Contour FromBorder(const TrimBorder& border, const StrategyInputs& inputs) {
   RefuseLostFaces(inputs.mesh, inputs.options.region);
   const Region region(inputs.mesh, inputs.options.region);
   const CornerNormals normals(inputs.mesh, inputs.options.crease);
+  const FittedNormals fitted(
+      inputs.mesh, [&](int face) { return region.HasFace(face); }, inputs.options.crease);
   std::vector<Contour> contours;
   for (const Loop& loop : BorderFinder(region).Loops()) {
     Contour& contour = contours.emplace_back();
@@ -133,7 +136,8 @@ Contour FromBorder(const TrimBorder& border, const StrategyInputs& inputs) {
     for (auto side = loop.rbegin(); side != loop.rend(); ++side) {  // the part on the right
       const int end = (side->second + 1) % 3;
       const Eigen::Vector3d& place = inputs.mesh.Corner(side->first, end);
-      const Eigen::Vector3d& normal = normals.OfFace(side->first)[static_cast<size_t>(end)];
+      const Eigen::Vector3d normal =
+          fitted.At(place, side->first, normals.OfFace(side->first)[static_cast<size_t>(end)]);
       contour.points.push_back({place, ToolAxisAt(inputs.options.tool_axis, place, normal)});
     }
     DropRepeated(contour);
@@ -166,12 +170,17 @@ Contour FromBorder(const TrimBorder& border, const StrategyInputs& inputs) {
 // The region's faces alone, to take normals from: beside an edge the nearest face of a part may be a wall.
 class SurfaceNormals {
  public:
+  SurfaceNormals(const SurfaceNormals&) = delete;
+  SurfaceNormals& operator=(const SurfaceNormals&) = delete;
   SurfaceNormals(const Mesh& mesh, const ToolpathOptions& options)
-      : mesh_(mesh), normals_(mesh, options.crease) {
-    const Region region(mesh, options.region);
+      : mesh_(mesh),
+        region_(mesh, options.region),
+        normals_(mesh, options.crease),
+        fitted_(
+            mesh, [this](int face) { return region_.HasFace(face); }, options.crease) {
     std::vector<Eigen::AlignedBox3d> boxes;
     for (int face = 0; face < mesh.face_count(); ++face) {
-      if (!region.HasFace(face)) continue;
+      if (!region_.HasFace(face)) continue;
       faces_.push_back(face);
       boxes.emplace_back(mesh.Corner(face, 0));
       boxes.back().extend(mesh.Corner(face, 1)).extend(mesh.Corner(face, 2));
@@ -187,12 +196,15 @@ class SurfaceNormals {
                             .Nearest(p, std::numeric_limits<double>::infinity(),
                                      [&](int i) { return (on(i).position - p).squaredNorm(); })
                             .first;
-    return normals_.At(faces_[static_cast<size_t>(nearest)], on(nearest).barycentric);
+    const int face = faces_[static_cast<size_t>(nearest)];
+    return fitted_.At(on(nearest).position, face, normals_.At(face, on(nearest).barycentric));
   }
 
  private:
   const Mesh& mesh_;
+  Region region_;
   CornerNormals normals_;
+  FittedNormals fitted_;
   std::vector<int> faces_;
   Bvh tree_;
 };

@@ -5,21 +5,16 @@
 
 #include "base/error.hpp"
 #include "base/trig.hpp"
-#include "surface/triangle.hpp"
+#include "geometry/mesh/triangle.hpp"
+#include "toolpath/strategies/trim_distance.hpp"
+#include "toolpath/strategies/trim_points.hpp"
 
 namespace millpose {
 namespace {
 
 constexpr double kOver = 2;          // mm over the surface, where entries begin and ways back run
 constexpr double kLeadTouch = 1e-3;  // mm by which leads may come nearer to the contour
-
-/// A place of the way; the tip lies `depth` under the surface along the axis.
-struct Stop {
-  OffsetNode node;
-  double depth = 0;
-  double feed = 0;    ///< mm/s up to here
-  bool back = false;  ///< the way up to here leads back, over the part
-};
+constexpr double kNearStop = 0.1;    // mm: a bend of the way nearer to a stop may go
 
 // The path by its length, in the direction of milling.
 class Track {
@@ -50,6 +45,13 @@ class Track {
   Eigen::Vector3d Along(double s) const {
     const size_t i = SegmentAt(s);
     return (path_.To(i).place - path_.From(i).place).normalized();
+  }
+
+  /// By how much the direction changes at a node, as a share of its length.
+  double Bend(double s) const {
+    const double before = s - 1e-6 < 0 && closed() ? s - 1e-6 + length() : s - 1e-6;
+    const double after = s + 1e-6 > length() && closed() ? s + 1e-6 - length() : s + 1e-6;
+    return (Along(after) - Along(before)).norm();
   }
 
   double Nearest(const Eigen::Vector3d& p) const {
@@ -129,8 +131,9 @@ class WayMaker {
                                         : options.feed_rate),
         retract_(options.retract_feed > 0 ? options.retract_feed : options.feed_rate),
         slope_(SinCos(trim.ramp).sin / SinCos(trim.ramp).cos),
-        start_(track_.closed() ? Start() : 0),
         total_(trim.through + trim.overcut),
+        rounds_(std::max(1, static_cast<int>(std::ceil(total_ / trim.per_depth.value_or(total_) - 1e-9)))),
+        start_(track_.closed() ? Start() : 0),
         tabs_(trim, options.cutter.radius, total_, track_, start_) {
     const double around = trim.entry == TrimEntry::kHelix ? 3 * kQuarter : 0;
     if (!track_.closed() && !(LeadFits(0, -kQuarter, around) && LeadFits(track_.length(), 0, kQuarter)))
@@ -140,12 +143,10 @@ class WayMaker {
                           radius_));
   }
 
-  std::vector<Stop> Make() {
-    const int rounds =
-        std::max(1, static_cast<int>(std::ceil(total_ / trim_.per_depth.value_or(total_) - 1e-9)));
+  std::vector<TrimStop> Make() {
     double done = -kOver;
-    for (int round = 1; round <= rounds; ++round) {
-      const double depth = total_ * round / rounds;
+    for (int round = 1; round <= rounds_; ++round) {
+      const double depth = total_ * round / rounds_;
       AddEntry(done, depth, round == 1);
       AddArc(start_, -kQuarter, 0, depth, depth, round == 1 ? plunge_ : options_.feed_rate);
       if (round == 1) lead_in_ = way_.size() - 1;
@@ -153,7 +154,7 @@ class WayMaker {
       const double end = track_.closed() ? start_ + trim_.overlap : track_.length();
       lead_out_ = way_.size();
       AddArc(end, 0, kQuarter, depth, depth, options_.feed_rate);
-      if (round < rounds) AddReturn(depth);
+      if (round < rounds_) AddReturn(depth);
       done = depth;
     }
     return std::move(way_);
@@ -193,7 +194,8 @@ class WayMaker {
   }
 
   bool Fits(double s) const {
-    return LeadFits(s, -kQuarter, 3 * kQuarter) && LeadFits(s + trim_.overlap, 0, kQuarter);
+    return LeadFits(s, -kQuarter, 3 * kQuarter) &&
+           LeadFits(s + trim_.overlap, 0, rounds_ > 1 ? 2 * kQuarter : kQuarter);
   }
 
   // As asked for, or the middle of the longest straight that has room, or any place that has.
@@ -251,12 +253,9 @@ class WayMaker {
   // Once round, or along the stretch.
   void AddRound(double depth) {
     const double length = track_.length(), end = track_.closed() ? length + trim_.overlap : length;
-    std::vector<double> places{end};  // from the start
-    for (const double begin : track_.begins())
-      for (const double s : {begin - start_, begin - start_ + length})
-        if (s > 1e-9 && s < end) places.push_back(s);
+    std::vector<double> places{0, end};  // from the start
     tabs_.AddBends(depth, places);
-    std::ranges::sort(places);
+    AddBends(end, places);
     double before = 0;
     for (const double s : places) {
       if (s <= before + 1e-6 || s > end) continue;
@@ -267,11 +266,30 @@ class WayMaker {
     }
   }
 
+  // The way's own bends up to `end`, but those so close to a place that is there already that the way keeps
+  // its tolerance without them.
+  void AddBends(double end, std::vector<double>& places) const {
+    std::ranges::sort(places);
+    const std::vector<double> given = places;
+    const double length = track_.length();
+    for (const double begin : track_.begins())
+      for (const double s : {begin - start_, begin - start_ + length}) {
+        if (s <= 1e-9 || s >= end) continue;
+        const auto after = std::ranges::lower_bound(given, s);
+        const double gap = std::min(after == given.end() ? kNearStop : *after - s,
+                                    after == given.begin() ? kNearStop : s - *std::prev(after));
+        if (gap >= kNearStop || gap * track_.Bend(Wrapped(s + start_)) > options_.chord_tolerance)
+          places.push_back(s);
+      }
+    std::ranges::sort(places);
+  }
+
   // To where the next round's entry begins.
   void AddReturn(double depth) {
-    if (track_.closed()) {  // on along the lead's circle
-      Add(OnLead(start_, kQuarter), depth, options_.feed_rate);
-      AddArc(start_, kQuarter, 3 * kQuarter, depth, depth, options_.feed_rate);
+    if (track_.closed()) {  // on along the lead-out's circle, back beside the way, and along the lead-in's
+      AddArc(start_ + trim_.overlap, kQuarter, 2 * kQuarter, depth, depth, options_.feed_rate);
+      if (trim_.overlap > kNearStop) Add(OnLead(start_, 2 * kQuarter), depth, options_.feed_rate);
+      AddArc(start_, 2 * kQuarter, 3 * kQuarter, depth, depth, options_.feed_rate);
       return;
     }
     Add(OnLead(track_.length(), kQuarter), -kOver, retract_);
@@ -287,93 +305,12 @@ class WayMaker {
   ContourDistance near_;
   double plunge_, retract_;
   double slope_;  // of helices
-  double start_, total_;
+  double total_;
+  int rounds_;
+  double start_;
   Tabs tabs_;
-  std::vector<Stop> way_;
+  std::vector<TrimStop> way_;
   size_t lead_in_ = 0, lead_out_ = 0;
-};
-
-// Lays milling points along the stops. What a point is depends on its place between two stops alone, so that
-// finer passes hold the points of the coarser.
-class PointMaker {
- public:
-  PointMaker(const Trim& trim, const ToolpathOptions& options, std::vector<Stop> way, size_t lead_in,
-             size_t lead_out)
-      : trim_(trim), options_(options), way_(std::move(way)), lead_in_(lead_in), lead_out_(lead_out) {}
-
-  Pass Make() {
-    FindDirections();
-    pass_.whole = true;
-    pass_.rotation_reference = options_.rotation_reference;
-    Add(way_[0], Tip(way_[0]), along_[0], PointKind::kLeadIn);
-    for (size_t i = 1; i < way_.size(); ++i) {
-      const PointKind kind = i <= lead_in_    ? PointKind::kLeadIn
-                             : i >= lead_out_ ? PointKind::kLeadOut
-                                              : PointKind::kCut;
-      const Eigen::Vector3d from = Tip(way_[i - 1]), to = Tip(way_[i]);
-      const int steps =
-          std::max(1, static_cast<int>(std::ceil((to - from).norm() / options_.spacing - 1e-9))) *
-          std::max(1, options_.parts);
-      for (int k = 1; k < steps; ++k) {
-        const double share = static_cast<double>(k) / steps;
-        Stop stop = way_[i];
-        const Stop& before = way_[i - 1];
-        stop.node.axis = (before.node.axis + share * (stop.node.axis - before.node.axis)).normalized();
-        stop.depth = before.depth + share * (stop.depth - before.depth);
-        Add(stop, from + share * (to - from), along_[i - 1], kind);
-      }
-      const Eigen::Vector3d both = along_[i - 1] + along_[std::min(i, along_.size() - 1)];
-      const bool turns = way_[i].back != way_[std::min(i + 1, way_.size() - 1)].back;
-      Add(way_[i], to, both.norm() > 1e-3 && !turns ? Eigen::Vector3d(both.normalized()) : along_[i - 1],
-          kind);
-    }
-    return std::move(pass_);
-  }
-
- private:
-  static Eigen::Vector3d Tip(const Stop& stop) { return stop.node.place - stop.depth * stop.node.axis; }
-
-  // Of each way between two stops, across the axis; straight up or down: as before, or as after at the
-  // beginning.
-  void FindDirections() {
-    const size_t count = way_.size() - 1;
-    along_.assign(count, Eigen::Vector3d::Zero());
-    for (size_t i = 0; i < count; ++i) {
-      Eigen::Vector3d way = Tip(way_[i + 1]) - Tip(way_[i]);
-      const Eigen::Vector3d& axis = way_[i + 1].node.axis;
-      way -= way.dot(axis) * axis;
-      if (way.norm() > 1e-6)
-        along_[i] = way.normalized();
-      else if (i > 0)
-        along_[i] = along_[i - 1];
-    }
-    for (size_t i = count; i-- > 0;)
-      if (along_[i].isZero() && i + 1 < count) along_[i] = along_[i + 1];
-  }
-
-  void Add(const Stop& stop, const Eigen::Vector3d& tip, const Eigen::Vector3d& along, PointKind kind) {
-    MillingPoint point;
-    point.position = tip;
-    point.tool_axis = stop.node.axis;
-    const bool left = trim_.climb != stop.back;
-    point.normal = (left ? point.tool_axis.cross(along) : along.cross(point.tool_axis)).normalized();
-    point.feed = (along - along.dot(point.normal) * point.normal).normalized();
-    point.feed_rate = stop.feed;
-    point.kind = kind;
-    // What rises by up to 10° beside the line is still the blank's own surface.
-    if (trim_.line && trim_.line->blank)
-      point.own = OwnCut{stop.depth + 0.18 * options_.cutter.radius, stop.depth - trim_.through};
-    if (!pass_.points.empty())
-      point.arc_length = pass_.points.back().arc_length + (tip - pass_.points.back().position).norm();
-    pass_.points.push_back(point);
-  }
-
-  const Trim& trim_;
-  const ToolpathOptions& options_;
-  std::vector<Stop> way_;
-  size_t lead_in_, lead_out_;
-  std::vector<Eigen::Vector3d> along_;
-  Pass pass_;
 };
 
 }  // namespace
@@ -381,9 +318,8 @@ class PointMaker {
 Pass TrimPass(const Trim& trim, const ToolpathOptions& options, const Contour& contour,
               const OffsetPath& path) {
   WayMaker maker(trim, options, contour, path);
-  std::vector<Stop> way = maker.Make();
-  const size_t lead_in = maker.lead_in(), lead_out = maker.lead_out();
-  return PointMaker(trim, options, std::move(way), lead_in, lead_out).Make();
+  TrimStops way{maker.Make(), maker.lead_in(), maker.lead_out()};
+  return PointsAlong(trim, options, way);
 }
 
 }  // namespace millpose

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/yaml/section.hpp"
+
+#include <map>
+
+#include "base/text.hpp"
+
+namespace millpose::yaml::codec_detail {
+
+namespace {
+
+/// Keys of earlier versions, as the ends of their paths, and what stands in their place.
+const std::map<std::string, std::string>& FormerKeys() {
+  static const std::map<std::string, std::string> keys = {
+      {".curve.direction",
+       "is no longer a key: give project_along, the direction of looking, which is the opposite one: the "
+       "line "
+       "goes onto the first face that it meets"},
+      {".ersysroot.axis",
+       "is no longer a key: give coupled: true in external_axes to the axis that is the carriage"},
+      {"controllers.sinumerik.rotation",
+       "is no longer a key: give orientation_words: {names: [A2, B2, C2], group: orirpy}; rpy is orirpy, "
+       "euler is "
+       "orieuler"},
+      {".motion",
+       "is no longer a key: KRL cuts are LIN with C_DIS, SLINs stop at every corner of a SPLINE block"},
+      {".motion_weight",
+       "is no longer a key: give path.motion_share, the cost of one rad² of joint motion as a share of the "
+       "median optimum of the pass's points, whatever the objective's unit; 1e-5 mm/N of chen2021 was a "
+       "share "
+       "of about 0.04, the default"},
+  };
+  return keys;
+}
+
+/// "urdf, dh": the keys one by one.
+std::vector<std::string> Names(std::string_view list) {
+  std::vector<std::string> names;
+  for (size_t at = 0; at < list.size();) {
+    const size_t end = std::min(list.find(", ", at), list.size());
+    names.emplace_back(list.substr(at, end - at));
+    at = end + 2;
+  }
+  return names;
+}
+
+}  // namespace
+
+const std::string* FormerKey(const std::string& path) {
+  for (const auto& [end, message] : FormerKeys())
+    if (('.' + path).ends_with(end)) return &message;
+  return nullptr;
+}
+
+void CheckKeys(const Value& map, const Context& context, const std::vector<FieldInfo>& known) {
+  std::vector<std::string> names;
+  for (const FieldInfo& info : known) names.push_back(info.key);
+  for (const Value::Key& key : map.keys) {
+    if (std::ranges::find(names, key.text) != names.end()) continue;
+    const auto with_unit = std::ranges::find_if(
+        names, [&](const std::string& name) { return name.starts_with(key.text + '_'); });
+    const std::string near = NearestName(key.text, names);
+    const Context at_key = context.Child(key.text);
+    if (const std::string* former = FormerKey(at_key.path))
+      at_key.Add(key.mark, *former);
+    else if (with_unit != names.end())
+      at_key.Add(key.mark, fmt::format("the key lacks its unit; nearest known key: {}", *with_unit));
+    else if (!near.empty())
+      at_key.Add(key.mark, "unknown key; nearest known key: " + near);
+    else
+      at_key.Add(key.mark, fmt::format("unknown key; allowed: {}", fmt::join(names, ", ")));
+  }
+  for (const FieldInfo& info : known) {
+    if (map.Find(info.key)) continue;
+    if (info.required)
+      context.Child(info.key).Add(map.mark, "missing; required: " + info.type);
+    else if (!info.required_unless.empty() &&
+             std::ranges::none_of(Names(info.required_unless),
+                                  [&](const std::string& other) { return map.Find(other); }))
+      context.Child(info.key).Add(map.mark,
+                                  fmt::format("missing; required without {}: {}",
+                                              fmt::join(Names(info.required_unless), " or "), info.type));
+  }
+}
+
+Value SectionSchema(const std::vector<FieldInfo>& keys, std::vector<Value> schemas,
+                    const std::vector<Value>& defaults) {
+  Value schema = SchemaOf("object");
+  Value properties = Value::Map();
+  Value required = Value::List();
+  std::map<std::string, Value> unless;  // keys that are required where none of others is given
+  for (size_t i = 0; i < keys.size(); ++i) {
+    if (!keys[i].required_unless.empty())
+      unless[keys[i].required_unless].items.push_back(Value::Text(keys[i].key));
+    if (keys[i].required) required.items.push_back(Value::Text(keys[i].key));
+    if (!keys[i].required && defaults[i].kind != Value::Kind::kNull) schemas[i].Put("default", defaults[i]);
+    properties.Put(keys[i].key, std::move(schemas[i]));
+  }
+  schema.Put("properties", properties);
+  if (!required.items.empty()) schema.Put("required", required);
+  std::vector<Value> conditions;
+  for (auto& [others, list] : unless) {
+    Value choice = Value::List();
+    for (const std::string& other : Names(others)) {
+      Value with = Value::Map();
+      with.Put("required", Value::List({Value::Text(other)}));
+      choice.items.push_back(with);
+    }
+    Value without = Value::Map(), condition = Value::Map();
+    list.kind = Value::Kind::kList;
+    without.Put("required", list);
+    choice.items.push_back(without);
+    condition.Put("anyOf", choice);
+    conditions.push_back(condition);
+  }
+  if (!conditions.empty()) schema.Put("allOf", Value::List(std::move(conditions)));
+  schema.Put("additionalProperties", Value::Plain("false"));
+  return schema;
+}
+
+}  // namespace millpose::yaml::codec_detail
+
+namespace millpose::yaml {
+
+Codec<PoseSettings> PoseFields() {
+  using S = PoseSettings;
+  return Section<S>({
+      Key<S>("xyz_mm", MILLPOSE_AT(position), Coordinates(), "Origin."),
+      Key<S>("abc_deg", MILLPOSE_AT(abc), Numbers3(kDeg, Between(-360, 360)),
+             "A about Z, then B about the new Y, then C about the new X."),
+  });
+}
+
+}  // namespace millpose::yaml

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A job file: its sections, each with a table of its own.
+#include "job/config/fields.hpp"
+#include "job/config/operations.hpp"
+#include "planning/pose/freedom_entry.hpp"
+#include "planning/pose/objective.hpp"
+#include "toolpath/strategy.hpp"
+
+namespace millpose::config {
+namespace {
+
+// Only a path from a file has points without a surface.
+void CheckPart(const Value& value, const Context& context, JobSettings& job) {
+  const Value::Key* programs = value.FindKey("programs");
+  job.programs_line = programs ? programs->mark.line : 0;
+  const Value::Key* workpiece = value.FindKey("workpiece");
+  if (workpiece && job.workpiece.mesh_file.empty() && job.toolpath.strategy->NeedsPart())
+    context.Child("workpiece")
+        .Child("mesh")
+        .Add(
+            workpiece->mark,
+            "missing; only strategy cam, drill with a list of holes and trim along a line go without a part");
+}
+
+// Keys of the process that nothing would follow.
+void CheckFeeds(const Value& value, const Context& context, const JobSettings& job) {
+  const Value* process = value.Find("process");
+  const auto useless = [&](const char* key, const std::string& why) {
+    if (const Value::Key* found = process->FindKey(key))
+      context.Child("process").Child(key).Add(found->mark, "has no effect here: " + why);
+  };
+  if (job.feed_policy != FeedPolicy::kReduce) useless("min_feed_share", "process.feed: keep reduces no feed");
+  if (job.approach_slow >= job.gaps.leave.height)
+    useless("approach_feed_mm_min", fmt::format("the last {} mm of the approach run at the plunge feed, and "
+                                                "gaps.retract_mm makes it {} mm long",
+                                                job.approach_slow, job.gaps.leave.height));
+}
+
+// Where a force is known it decides, unless the job says what does; the paper's formulation knows eq. 23
+// alone.
+void ChooseObjective(const Value& value, const Context& context, JobSettings& job) {
+  const Value* pose = value.Find("pose");
+  const bool given = pose && pose->Find("objective");
+  if (!given && job.cutting && job.formulation != Formulation::kPaper)
+    job.objective = TheObjective(&ObjectiveEntry::with_force).name;
+  const std::string own = job.toolpath.strategy->DefaultObjective();
+  if (!given && !own.empty() && job.formulation != Formulation::kPaper) job.objective = own;
+  const Value* process = value.Find("process");
+  for (const std::string& key : kForceBounds) {
+    const Value::Key* found = process->FindKey(key);
+    if (found && !AsksForceBounds(job))
+      context.Child("process").Child(key).Add(
+          found->mark, fmt::format("has no effect here: objective {} does not ask for it", job.objective));
+  }
+}
+
+// The force of milling a surface is not that of a drill.
+void CheckCutting(const Value& value, const Context& context, const JobSettings& job) {
+  const Value::Key* cutting = value.Find("process")->FindKey("cutting");
+  if (cutting && !job.toolpath.strategy->HasMillingForce())
+    context.Child("process").Child("cutting").Add(
+        cutting->mark,
+        fmt::format("has no effect here: the force of milling a surface is not that of strategy {}",
+                    job.toolpath.strategy->Name()));
+}
+
+// What is known of the force must be followed by something, and what follows it must know it.
+void CheckForce(const Value& value, const Context& context, const JobSettings& job) {
+  const Value* process = value.Find("process");
+  const Value::Key* file = process->FindKey("force_csv");
+  const bool compensated = job.compensation.deflection != TakeOut::kOff;
+  if (compensated && !job.cutting && job.force_file.empty()) {
+    const Value::Key* found = value.Find("compensation")->FindKey("deflection");
+    context.Child("compensation")
+        .Child("deflection")
+        .Add(found->mark, "needs the cutting force: process.cutting, or process.force_csv");
+  }
+  if (file && !compensated)
+    context.Child("process")
+        .Child("force_csv")
+        .Add(file->mark, "has no effect here: only compensation.deflection normal or full follows it");
+  if (const Value::Key* factors = process->FindKey("force_factors"); factors && !job.cutting)
+    context.Child("process")
+        .Child("force_factors")
+        .Add(factors->mark, "has no effect here: needs process.cutting");
+}
+
+// Without a force from path and stock nothing knows what stands.
+void CheckOverMissing(const Value& value, const Context& context, const JobSettings& job) {
+  const Value* path = value.Find("path");
+  const Value::Key* found = path ? path->FindKey("over_missing") : nullptr;
+  if (found && (!job.cutting || job.cutting->side))
+    context.Child("path")
+        .Child("over_missing")
+        .Add(found->mark, "has no effect here: needs process.cutting, without a side");
+}
+
+void CheckFreedoms(const Value& value, const Context& context, const JobSettings& job) {
+  const auto useless = [&](const char* section, const char* key, const std::string& why) {
+    const Value* of = value.Find(section);
+    if (const Value::Key* found = of ? of->FindKey(key) : nullptr)
+      context.Child(section).Child(key).Add(found->mark, why);
+  };
+  if (!job.toolpath.Leans())
+    useless("path", "max_lean_change_deg_per_mm",
+            "has no effect here: needs a range in toolpath." + LeanKeys());
+  if (!job.toolpath.freedoms.empty() && job.formulation == Formulation::kPaper)
+    useless(
+        "pose", "formulation",
+        fmt::format("paper knows the rotation about the tool axis alone; leave out the range of toolpath.{}",
+                    Freedoms().At(job.toolpath.freedoms.begin()->first).key->info.key));
+}
+
+void Check(const Value& value, const Context& context, JobSettings& job) {
+  CheckPart(value, context, job);
+  ChooseObjective(value, context, job);
+  CheckCutting(value, context, job);
+  CheckFeeds(value, context, job);
+  CheckOverMissing(value, context, job);
+  CheckFreedoms(value, context, job);
+  CheckForce(value, context, job);
+}
+
+}  // namespace
+
+const Codec<JobSettings>& JobFields() {
+  using S = JobSettings;
+  static const std::vector<Field<S>> kOwn = {
+      VersionKey<S>("millpose_job", 1),
+      Key<S>("name", MILLPOSE_AT(name), FileName(), "Name of the job, and of its files.").Required(),
+      Key<S>("cell", MILLPOSE_AT(cell_file), Text(), "Cell file, relative to the job file.").Required(),
+      Key<S>("tool", MILLPOSE_AT(tool), Text(), "Which of the cell's `tools`.").WhenSet([](const S& s) {
+        return !s.tool.empty();
+      }),
+      Key<S>("base_in_world", MILLPOSE_AT(base_in_world), Maybe(PoseFields()),
+             "Where the robot's base is, in place of the cell's `base_in_world`."),
+      Key<S>("operation", MILLPOSE_AT(operation), Text(),
+             "Of a job that millpose wrote: which operation of a job with several it is.")
+          .WhenSet([](const S& s) { return !s.operation.empty(); }),
+      Key<S>("operation_of", MILLPOSE_AT(operation_of), Text(), "Likewise: the name of that job.")
+          .WhenSet([](const S& s) { return !s.operation_of.empty(); }),
+      Key<S>("seed", MILLPOSE_AT(seed), Seed(), "Seed of all random numbers."),
+      Key<S>("workpiece", MILLPOSE_AT(workpiece), WorkpieceFields(), "The part and its place.").Required(),
+      Key<S>("toolpath", MILLPOSE_AT(toolpath), ToolpathFields(), "Where the tool goes.")
+          .RequiredUnless("operations"),
+      Key<S>("process", kSelf, ProcessFields(), "Feed and speed.").RequiredUnless("operations"),
+      Key<S>("pose", kSelf, PoseSearchFields(), "How the pose at each point is chosen."),
+      Key<S>("limits", kSelf, LimitFields(), "What makes a pose admissible."),
+      Key<S>("path", kSelf, PathFields(), "How poses are joined along a pass."),
+      Key<S>("interference", kSelf, InterferenceFields(), "How interference is checked."),
+      Key<S>("gaps", kSelf, GapFields(), "How the tool moves from one pass to the next."),
+      Key<S>("programs", MILLPOSE_AT(programs), ListOf(Choice(Posts().Names())),
+             "Controllers to write programs for."),
+      Key<S>("program_options", MILLPOSE_AT(program_options), ProgramOptionFields(),
+             "What becomes of the planned points in programs."),
+      Key<S>("compensation", MILLPOSE_AT(compensation), CompensationFields(),
+             "What of the expected deflection the programs take out (docs/compensation.md).")
+          .WhenSet(
+              [](const S& s) { return s.compensation.deflection != TakeOut::kOff || s.compensation.weight; }),
+      Key<S>("external", MILLPOSE_AT(external), ListOf(ExternalFields()),
+             "Where the cell's external axes stand (docs/external-axes.md); those without an entry stand at "
+             "home.")
+          .WhenSet([](const S& s) { return !s.external.empty(); }),
+      Key<S>("placement", MILLPOSE_AT(placement), Maybe(PlacementFields()),
+             "Where `millpose place` may put the part (docs/placement.md); `plan` does not look at it."),
+  };
+  static const Codec<S> fields = [] {
+    std::vector<Field<S>> all = kOwn;
+    all.push_back(OperationsField(kOwn));
+    Codec<S> job = Section<S>(std::move(all), Check);
+    LeaveToOperations(job.schema);
+    return job;
+  }();
+  return fields;
+}
+
+}  // namespace millpose::config

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The keys of a measurements file, and the CSV form of it.
+#include "base/csv.hpp"
+#include "job/config/fields.hpp"
+#include "job/config/measurements.hpp"
+#include "base/yaml/edit.hpp"
+
+namespace millpose {
+namespace config {
+namespace {
+
+const Unit kNewton{"N", 1, 1}, kNewtonMetre{"N·m", 1000, 1}, kRad{"rad", 1, 1};
+const Range kNearFlange = Between(-10000, 10000);
+
+std::vector<Field<MeasurementSettings>> LoadFields() {
+  using S = MeasurementSettings;
+  std::vector<Field<S>> fields;
+  fields.push_back(
+      Key<S>("joints_deg", MILLPOSE_AT(joints), Numbers6(kDeg, Between(-3600, 3600)), "Joint angles.")
+          .Required());
+  fields.push_back(Key<S>("force_N", MILLPOSE_AT(force), Numbers3(kNewton, Between(-1e9, 1e9)),
+                          "Force on the arm, robot base frame."));
+  fields.push_back(Key<S>("moment_Nm", MILLPOSE_AT(moment), Numbers3(kNewtonMetre, Between(-1e9, 1e9)),
+                          "Moment on the arm, robot base frame."));
+  fields.push_back(Key<S>("load_point_mm", MILLPOSE_AT(load_point), Maybe(Numbers3(kMm, kNearFlange)),
+                          "Where the load acts, flange frame; else as for the file."));
+  fields.push_back(Key<S>("measured_point_mm", MILLPOSE_AT(measured_point), Maybe(Numbers3(kMm, kNearFlange)),
+                          "Whose displacement was measured, flange frame; else as for the file."));
+  return fields;
+}
+
+void CheckLoad(const Value& value, const Context& context, MeasurementSettings& load) {
+  load.line = value.mark.line;
+  if (load.force.isZero(0.0) && load.moment.isZero(0.0))
+    context.Add(value.mark, "no load; allowed: force_N or moment_Nm other than 0");
+}
+
+Codec<MeasurementSettings> MeasurementFields() {
+  using S = MeasurementSettings;
+  std::vector<Field<S>> fields = LoadFields();
+  fields.push_back(Key<S>("displacement_mm", MILLPOSE_AT(displacement), Numbers3(kMm, Between(-1e6, 1e6)),
+                          "Displacement against the unloaded arm, robot base frame.")
+                       .Required());
+  fields.push_back(Key<S>("rotation_rad", MILLPOSE_AT(rotation), Maybe(Numbers3(kRad, Between(-7, 7))),
+                          "Rotation vector against the unloaded arm, robot base frame."));
+  return Section<S>(std::move(fields), CheckLoad);
+}
+
+const Codec<MeasurementsSettings>& MeasurementsFields() {
+  using S = MeasurementsSettings;
+  static const Codec<S> fields = Section<S>({
+      VersionKey<S>("millpose_measurements", 1),
+      Key<S>("cell", MILLPOSE_AT(cell_file), Text(),
+             "Cell file with the arm's geometry, relative to this file."),
+      Key<S>("load_point_mm", MILLPOSE_AT(load_point), Numbers3(kMm, kNearFlange),
+             "Where loads act, flange frame."),
+      Key<S>("measured_point_mm", MILLPOSE_AT(measured_point), Numbers3(kMm, kNearFlange),
+             "Whose displacement is measured, flange frame."),
+      Key<S>("displacement_deviation_mm", MILLPOSE_AT(displacement_deviation), Real(kMm, Between(1e-6, 100)),
+             "Standard deviation of a displacement's component; weighs it against rotations."),
+      Key<S>("rotation_deviation_rad", MILLPOSE_AT(rotation_deviation), Real(kRad, Between(1e-9, 1)),
+             "Standard deviation of a rotation's component."),
+      Key<S>("measurements", MILLPOSE_AT(measurements), ListOf(MeasurementFields()), "What was measured."),
+      Key<S>("candidates", MILLPOSE_AT(candidates),
+             ListOf(Section<MeasurementSettings>(LoadFields(), CheckLoad)),
+             "Poses and loads from which `identify --propose` chooses."),
+  });
+  return fields;
+}
+
+}  // namespace
+}  // namespace config
+
+MeasurementsSettings ParseMeasurements(std::string_view yaml, const std::string& name) {
+  const config::Value root = config::ReadYaml(yaml, name);
+  std::vector<Problem> problems;
+  MeasurementsSettings settings;
+  settings.file = name;
+  config::MeasurementsFields().read(root, {name, problems, ""}, settings);
+  if (!problems.empty()) throw InputError(std::move(problems));
+  return settings;
+}
+
+MeasurementsSettings ParseMeasurementsCsv(std::string_view csv, const std::string& name) {
+  const CsvTable table = ReadCsv(csv, name,
+                                 {{"a1_deg", "a2_deg", "a3_deg", "a4_deg", "a5_deg", "a6_deg", "fx_N", "fy_N",
+                                   "fz_N", "dx_mm", "dy_mm", "dz_mm"},
+                                  {"mx_Nm", "my_Nm", "mz_Nm", "rx_rad", "ry_rad", "rz_rad"}});
+  std::vector<Problem> problems;
+  for (const auto& [first, second, third] :
+       {std::array{"mx_Nm", "my_Nm", "mz_Nm"}, std::array{"rx_rad", "ry_rad", "rz_rad"}}) {
+    const int given = table.Has(first) + table.Has(second) + table.Has(third);
+    if (given != 0 && given != 3)
+      problems.push_back(
+          {{name, 1},
+           fmt::format("only part of {},{},{}; allowed: all three, or none", first, second, third)});
+  }
+  MeasurementsSettings settings;
+  settings.file = name;
+  for (size_t row = 0; row < table.size(); ++row) {
+    const auto three = [&](const char* x, const char* y, const char* z) {
+      const auto value = [&](const char* column) { return table.Has(column) ? table.At(row, column) : 0.0; };
+      return Eigen::Vector3d(value(x), value(y), value(z));
+    };
+    MeasurementSettings measurement;
+    for (int j = 0; j < 6; ++j) {
+      const std::string column = fmt::format("a{}_deg", j + 1);
+      const double degrees = table.At(row, column);
+      measurement.joints[j] = DegToRad(degrees);
+      if (std::abs(degrees) > 3600)
+        problems.push_back(
+            {{name, table.line(row)}, fmt::format("{}: given {}; allowed: -3600 to 3600", column, degrees)});
+    }
+    measurement.force = three("fx_N", "fy_N", "fz_N");
+    measurement.moment = 1000 * three("mx_Nm", "my_Nm", "mz_Nm");
+    measurement.displacement = three("dx_mm", "dy_mm", "dz_mm");
+    if (table.Has("rx_rad")) measurement.rotation = three("rx_rad", "ry_rad", "rz_rad");
+    measurement.line = table.line(row);
+    constexpr double kMost = 1e9, kFarthest = 1e6;  // as in the YAML form
+    if (measurement.force.cwiseAbs().maxCoeff() > kMost ||
+        measurement.moment.cwiseAbs().maxCoeff() > 1000 * kMost ||
+        measurement.displacement.cwiseAbs().maxCoeff() > kFarthest ||
+        (measurement.rotation && measurement.rotation->cwiseAbs().maxCoeff() > 7))
+      problems.push_back({{name, measurement.line},
+                          "a number is too large; allowed: within ±1e9 N and N·m, ±1e6 mm and ±7 rad"});
+    if (measurement.force.isZero(0.0) && measurement.moment.isZero(0.0))
+      problems.push_back({{name, measurement.line}, "no load; allowed: a force or a moment other than 0"});
+    settings.measurements.push_back(measurement);
+  }
+  if (!problems.empty()) throw InputError(std::move(problems));
+  return settings;
+}
+
+std::string ReplaceJointStiffness(const std::string& cell_yaml, const std::string& name,
+                                  const IdentifiedStiffness& found) {
+  const auto list = [](const config::Unit& unit, const Vector6& values) {
+    std::vector<std::string> numbers;
+    for (const double value : values) numbers.push_back(config::ShortestIn(unit, value));
+    return fmt::format("[{}]", fmt::join(numbers, ", "));
+  };
+  const config::Value root = config::ReadYaml(cell_yaml, name);
+  const config::Value* arm = root.Find("arm");
+  if (!arm || !arm->Find("joint_stiffness_Nm_per_rad"))
+    throw InputError({name}, "arm.joint_stiffness_Nm_per_rad is missing");
+  std::string text = config::WithKey(cell_yaml, name, "arm", "stiffness_uncertainty_percent",
+                                     list(config::kPercent, found.uncertainty));
+  text = config::WithKey(text, name, "arm", "joint_stiffness_Nm_per_rad",
+                         list(config::kNmPerRad, found.stiffness));
+  if (!arm->Find("joint_stiffness_source")) return text;
+  return config::WithKey(text, name, "arm", "joint_stiffness_source",
+                         config::WriteYamlLine(config::Value::Text(found.source)));
+}
+
+}  // namespace millpose

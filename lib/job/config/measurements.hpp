@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Measurements of deflections under load, as `millpose identify` reads them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "job/config/cell_settings.hpp"
+
+namespace millpose {
+
+struct MeasurementSettings {
+  Vector6 joints = Vector6::Zero();                           ///< rad
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();            ///< N, in B
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();           ///< N·mm, in B
+  std::optional<Eigen::Vector3d> load_point, measured_point;  ///< in F, mm
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();     ///< mm, in B
+  std::optional<Eigen::Vector3d> rotation;                    ///< rad, in B
+  int line = 0;
+};
+
+struct MeasurementsSettings {
+  std::string file;                                          ///< as given, for messages
+  std::string cell_file;                                     ///< relative to the file
+  Eigen::Vector3d load_point = Eigen::Vector3d::Zero();      ///< in F, mm, where a measurement names none
+  Eigen::Vector3d measured_point = Eigen::Vector3d::Zero();  ///< likewise
+  double displacement_deviation = 0.01;                      ///< mm
+  double rotation_deviation = 1e-5;                          ///< rad
+  std::vector<MeasurementSettings> measurements;
+  std::vector<MeasurementSettings> candidates;  ///< poses and loads to choose from; displacement not read
+};
+
+/// Reads the YAML form. Throws InputError as ParseCell() does.
+MeasurementsSettings ParseMeasurements(std::string_view yaml, const std::string& name);
+
+/// Reads the CSV form: columns a1_deg…a6_deg, fx_N, fy_N, fz_N, dx_mm, dy_mm, dz_mm, optionally mx_Nm, my_Nm,
+/// mz_Nm and rx_rad, ry_rad, rz_rad. Cell and points are not in it.
+MeasurementsSettings ParseMeasurementsCsv(std::string_view csv, const std::string& name);
+
+/// What an identification says of a cell's arm.
+struct IdentifiedStiffness {
+  Vector6 stiffness = Vector6::Zero();    ///< N·mm/rad
+  Vector6 uncertainty = Vector6::Zero();  ///< half the width of its 95 % interval, a share
+  std::string source;
+};
+
+/// A cell's YAML text with new joint stiffness, its uncertainty and, where it gives one, its source;
+/// everything else as it was, comments included. Throws InputError when a key is not written in one line.
+std::string ReplaceJointStiffness(const std::string& cell_yaml, const std::string& name,
+                                  const IdentifiedStiffness& found);
+
+}  // namespace millpose

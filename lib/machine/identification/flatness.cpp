@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "machine/identification/flatness.hpp"
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+#include "machine/identification/minimum_zone.hpp"
+
+namespace millpose {
+namespace {
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+/// Points whose modified z-score 0.6745·|d − median|/MAD is above 3.5 (Iglewicz and Hoaglin 1993).
+std::vector<size_t> FindOutliers(const std::vector<double>& distances) {
+  const double middle = Median(distances);
+  std::vector<double> deviations;
+  for (const double distance : distances) deviations.push_back(std::abs(distance - middle));
+  const double bound = 3.5 / 0.6745 * Median(deviations);
+  std::vector<size_t> outliers;
+  for (size_t i = 0; i < distances.size(); ++i)
+    if (bound > 0 && deviations[i] > bound) outliers.push_back(i);
+  return outliers;
+}
+
+}  // namespace
+
+std::optional<Flatness> MeasureFlatness(const std::vector<Eigen::Vector3d>& points) {
+  if (points.size() < 3) return std::nullopt;
+  Flatness result;
+  result.centre.setZero();
+  for (const Eigen::Vector3d& point : points) result.centre += point / static_cast<double>(points.size());
+  Eigen::MatrixX3d centred(points.size(), 3);
+  for (size_t i = 0; i < points.size(); ++i)
+    centred.row(static_cast<Eigen::Index>(i)) = points[i] - result.centre;
+  // Not the covariance's eigenvectors: squaring would lose deviations below 1e-8 of the face's size.
+  const Eigen::Matrix3d R =
+      Eigen::HouseholderQR<Eigen::MatrixXd>(centred).matrixQR().topRows<3>().triangularView<Eigen::Upper>();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullV);
+  if (svd.singularValues()[1] <= 1e-12 * svd.singularValues()[0]) return std::nullopt;
+  result.normal = svd.matrixV().col(2);
+  int largest = 0;
+  result.normal.cwiseAbs().maxCoeff(&largest);
+  if (result.normal[largest] < 0) result.normal = -result.normal;
+
+  double square = 0;
+  for (const Eigen::Vector3d& point : points) {
+    result.distances.push_back(result.normal.dot(point - result.centre));
+    square += result.distances.back() * result.distances.back();
+  }
+  const auto [low, high] = std::minmax_element(result.distances.begin(), result.distances.end());
+  result.flatness = *high - *low;
+  result.rms = std::sqrt(square / static_cast<double>(points.size()));
+  result.outliers = FindOutliers(result.distances);
+  result.zone_normal = result.normal;
+  if (AreCoplanar(points)) return result;
+  const MinimumZone zone = FindMinimumZone(points);
+  result.minimum_zone = zone.width;
+  result.zone_normal = zone.normal;
+  return result;
+}
+
+}  // namespace millpose

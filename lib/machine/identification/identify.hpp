@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Joint stiffness from measured deflections (Chen 2021 section 3, eq. 9-13).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "machine/robot/kinematics.hpp"
+
+namespace millpose {
+
+/// One load in one pose and what it moved, against the same pose unloaded. Vectors in B.
+struct LoadCase {
+  Joints q = Joints::Zero();
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();           ///< N
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();          ///< N·mm
+  Eigen::Vector3d load_point = Eigen::Vector3d::Zero();      ///< where the wrench acts, in F, mm
+  Eigen::Vector3d measured_point = Eigen::Vector3d::Zero();  ///< whose displacement was measured, in F, mm
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();    ///< mm
+  std::optional<Eigen::Vector3d> rotation;                   ///< rotation vector, rad
+};
+
+struct IdentifyOptions {
+  double displacement_deviation =
+      0.01;  ///< standard deviation of a displacement's component, mm: only its ratio to
+             ///< the next matters, the level is estimated from the residuals
+  double rotation_deviation = 1e-5;  ///< of a rotation's component, rad
+  bool robust = false;               ///< Huber's weights, k = 1.345, by iterated least squares
+};
+
+/// What the measurements say about one joint.
+struct JointEstimate {
+  bool determined = false;
+  std::string reason;    ///< when not: why no number is given
+  double stiffness = 0;  ///< N·mm/rad
+  double deviation = 0;  ///< standard deviation of it, first order, N·mm/rad
+  double lower = 0;  ///< 95 % interval; `lower` also holds where the data only bound the stiffness from below
+  double upper = 0;  ///< +inf where the compliance's interval reaches 0
+  double largest_change = 0;    ///< largest relative change when one pose is left out
+  size_t most_influential = 0;  ///< the pose that changes it most
+};
+
+struct Identification {
+  std::array<JointEstimate, 6> joints;
+  double condition = 0;  ///< of the weighted L with columns scaled to 1, observable joints only
+  double level = 0;  ///< standard deviation of a weighted residual: 1 where the stated deviations are right
+  double rms = 0;    ///< of the displacements' residuals, per case, mm
+  std::vector<double> residuals;     ///< length of each case's displacement residual, mm; empty when nothing
+                                     ///< could be determined
+  std::vector<size_t> pose_of_case;  ///< cases with equal joint angles that follow each other are one pose
+  size_t poses = 0;
+};
+
+/// Weighted least squares for the six compliances c_j = 1/k_j ≥ 0 in x = L·c (eq. 10-13), exact over all sets
+/// of active bounds. A joint without a number: one that carries no load in any case, one whose effect equals
+/// a combination of others', or one whose compliance the data put at 0. With fewer rows than unknowns + 1
+/// none is determined.
+Identification IdentifyJointStiffness(const Arm& arm, const std::vector<LoadCase>& cases,
+                                      const IdentifyOptions& options);
+
+/// The `count` candidates with the largest det(LᵀL) (D-optimal): greedy, then exchanges until none improves.
+/// With count 0 the fewest that make as many joints observable as all candidates together. Indices ascending.
+std::vector<size_t> ProposeLoadCases(const Arm& arm, const std::vector<LoadCase>& candidates, size_t count,
+                                     const IdentifyOptions& options);
+
+}  // namespace millpose

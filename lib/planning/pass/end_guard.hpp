@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "planning/links/retract.hpp"
+#include "planning/pass/candidate_graph.hpp"
+
+namespace millpose {
+
+/// Poses at the ends of pieces must be left and come to: what has no free retract is pruned there.
+class EndGuard {
+ public:
+  /// `break_before`: layers before which the tool is lifted in any case; may be empty.
+  EndGuard(CandidateGraph& graph, const RetractOptions& options, std::span<const char> break_before)
+      : graph_(graph),
+        options_(options),
+        break_before_(break_before),
+        settled_(graph.size(), 0),
+        detail_(graph.size()) {}
+
+  /// Looks at the nodes where `sequence` begins and ends because nothing goes on there (not where it breaks
+  /// for its steps alone). Where one cannot be left, all nodes of its layer are pruned that cannot: with
+  /// the cell's clearances, or where none can with the smallest share of kClearanceShares. A layer of which
+  /// no node can is pruned as a whole, so that the piece ends at the next. True when nothing was blocked.
+  bool Check(const Sequence& sequence);
+
+  /// What is in the way at a layer that was pruned as a whole; empty for others.
+  const std::string& Detail(size_t layer) const { return detail_[layer]; }
+
+ private:
+  std::vector<size_t> EndsOf(const Sequence& sequence) const;
+  void PruneWhatStays(size_t layer, size_t node);
+
+  CandidateGraph& graph_;
+  RetractOptions options_;
+  std::span<const char> break_before_;
+  std::vector<char> settled_;  ///< per layer: what is left of it can be left
+  std::vector<std::string> detail_;
+  int lost_ = 0;  ///< layers pruned as a whole
+};
+
+}  // namespace millpose

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The jobs of a batch as a table, for people (index.html) and for spreadsheets (batch.csv). Neither holds
+// what may vary between runs: the same inputs give the same bytes.
+#include <algorithm>
+#include <array>
+
+#include "base/text.hpp"
+#include "run/batch/batch.hpp"
+#include "report/page/escaped.hpp"
+#include "report/html_columns.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr const char* kHead = R"html(<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>millpose batch</title>
+<style>
+:root { color-scheme: light dark; --ink: #27313b; --muted: #5b6773; --line: #dfe4e9; --card: #fff; --ground: #eef1f4; --accent: #2b5fa8; --bad: #b3261e; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e4e8ec; --muted: #a3adb7; --line: #3a434c; --card: #1f262d; --ground: #161b20; --accent: #8ab4f0; --bad: #ff9d94; }
+}
+@media print { :root { color-scheme: light; --ink: #000; --muted: #333; --line: #999; --card: #fff; --ground: #fff; --accent: #000; --bad: #000; } }
+* { box-sizing: border-box; }
+body { margin: 0; padding: 14px 18px 30px; background: var(--ground); color: var(--ink); font: 13px/1.45 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; }
+h1 { font-size: 19px; margin: 0 0 4px; }
+p { margin: 0 0 10px; color: var(--muted); }
+.scroll { overflow-x: auto; background: var(--card); border: 1px solid var(--line); border-radius: 5px; }
+table { border-collapse: collapse; width: 100%; }
+th, td { padding: 5px 9px; border-bottom: 1px solid var(--line); text-align: left; white-space: nowrap; vertical-align: top; }
+th { padding: 0; vertical-align: bottom; }
+th button { font: inherit; font-weight: 600; color: inherit; background: none; border: 0; padding: 6px 9px; width: 100%; text-align: inherit; vertical-align: bottom; white-space: normal; cursor: pointer; }
+th[aria-sort=ascending] button::after { content: " \25B2"; }
+th[aria-sort=descending] button::after { content: " \25BC"; }
+.n { text-align: right; font-variant-numeric: tabular-nums; }
+td.cause { white-space: pre-wrap; min-width: 220px; overflow-wrap: anywhere; }
+.bad { color: var(--bad); font-weight: 600; }
+a { color: var(--accent); }
+</style>
+</head>
+<body>
+<h1>millpose batch</h1>
+)html";
+
+constexpr const char* kTail = R"html(</tbody>
+</table>
+</div>
+<script>
+"use strict";
+const head = [...document.querySelectorAll("th")], body = document.querySelector("tbody");
+const value = (row, column) => {
+  const cell = row.cells[column];
+  return "v" in cell.dataset ? (cell.dataset.v === "" ? null : Number(cell.dataset.v)) : cell.textContent;
+};
+const order = (a, b) => typeof a === "number" ? a - b : a < b ? -1 : a > b ? 1 : 0;
+head.forEach((cell, column) => cell.firstElementChild.addEventListener("click", () => {
+  const down = cell.getAttribute("aria-sort") === "ascending";
+  head.forEach(other => other.removeAttribute("aria-sort"));
+  cell.setAttribute("aria-sort", down ? "descending" : "ascending");
+  // Jobs without a value stay last either way.
+  const rows = [...body.rows].sort((one, other) => {
+    const a = value(one, column), b = value(other, column);
+    if (a === null || b === null) return (a === null) - (b === null);
+    return down ? order(b, a) : order(a, b);
+  });
+  body.append(...rows);
+}));
+</script>
+</body>
+</html>
+)html";
+
+// A file name as part of a relative address; bytes, as browsers ask the file system for them.
+std::string EscapeUrl(const std::string& name) {
+  std::string result;
+  for (const char c : name) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       c == '_' || c == '-' || c == '.';
+    result += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return result;
+}
+
+std::string Quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+/// A column of figures in both tables.
+struct Column {
+  const char* csv;
+  const char* title;
+  const char* help;
+  double scale;  ///< from the unit of the CSV to that of the page; of the job's own objective by its unit
+  int digits;    ///< after the point; -1: four in all, the job's own objective
+  std::optional<double> (*value)(const JobOutcome& outcome);
+};
+
+template <auto member>
+std::optional<double> Figure(const JobOutcome& outcome) {
+  if (!outcome.figures) return std::nullopt;
+  return (*outcome.figures).*member;
+}
+
+const std::vector<Column>& Columns() {
+  using F = JobFigures;
+  static const std::vector<Column> columns{
+      {"points", "points", "Points of the tool path", 1, 0,
+       [](const JobOutcome& o) {
+         return o.points ? std::optional(static_cast<double>(*o.points)) : std::nullopt;
+       }},
+      {"planned", "planned", "Points with a pose", 1, 0,
+       [](const JobOutcome& o) {
+         return o.planned ? std::optional(static_cast<double>(*o.planned)) : std::nullopt;
+       }},
+      {"cycle_s", "cycle, min", "Longest computed time of the programs", 1 / 60.0, 1, Figure<&F::cycle_s>},
+      {"objective_median", "objective, median", "Of the job's own objective", 1, -1,
+       Figure<&F::objective_median>},
+      {"objective_worst", "objective, worst", "Of the job's own objective", 1, -1,
+       Figure<&F::objective_worst>},
+      {"lambda_t1_worst_mm_N", "λt1 worst, µm/N", "Largest compliance in the milling plane", 1e3, 3,
+       Figure<&F::lambda_t1_worst>},
+      {"lambda_t2_worst_mm_N", "λt2 worst, µm/N", "Compliance across it in the milling plane", 1e3, 3,
+       Figure<&F::lambda_t2_worst>},
+      {"lambda_n_worst_mm_N", "λn worst, µm/N", "Compliance along the surface normal", 1e3, 3,
+       Figure<&F::lambda_n_worst>},
+      {"clearance_min_mm", "least distance, mm", "Of all bodies that must not touch", 1, 2,
+       Figure<&F::clearance_min>},
+      {"deflection_level_mm", "deflection, µm", "Mean over the face along the normal", 1e3, 1,
+       Figure<&F::deflection_level>},
+      {"deflection_variation_mm", "its variation, µm", "About the deflections' own plane", 1e3, 1,
+       Figure<&F::deflection_variation>},
+  };
+  return columns;
+}
+
+// What up to date is, was done: by which run is no matter here.
+const char* OutcomeWord(const JobOutcome& outcome) {
+  constexpr std::array<const char*, 3> words = {"done", "findings", "bad input"};
+  return outcome.status >= 0 && outcome.status < 3 ? words[static_cast<size_t>(outcome.status)] : "failed";
+}
+
+std::string CellHtml(const Column& column, const JobOutcome& outcome) {
+  const std::optional<double> value = column.value(outcome);
+  if (!value) return "<td class=\"n\" data-v=\"\">–</td>";
+  const double scale = column.digits < 0 ? ShownScale(outcome.figures->objective_unit) : column.scale;
+  const double shown = *value * scale;
+  return fmt::format(
+      "<td class=\"n\" data-v=\"{}\">{}</td>", ShortestNumber(*value),
+      column.digits < 0 ? fmt::format("{:.4g}", shown) : fmt::format("{:.{}f}", shown, column.digits));
+}
+
+}  // namespace
+
+std::string BatchCsv(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes) {
+  std::string csv = "name,outcome,status,objective,objective_unit";
+  for (const Column& column : Columns()) csv += fmt::format(",{}", column.csv);
+  csv += ",cause\n";
+  for (size_t i = 0; i < jobs.size(); ++i) {
+    const JobOutcome& outcome = outcomes[i];
+    const JobFigures figures = outcome.figures.value_or(JobFigures{});
+    csv += fmt::format("{},{},{},{},{}", Quoted(ValidUtf8(jobs[i].name)), OutcomeWord(outcome),
+                       outcome.status, Quoted(figures.objective), Quoted(figures.objective_unit));
+    for (const Column& column : Columns()) {
+      const std::optional<double> value = column.value(outcome);
+      csv += value ? ',' + ShortestNumber(*value) : ",";
+    }
+    csv += ',' + Quoted(ValidUtf8(outcome.cause)) + '\n';
+  }
+  return csv;
+}
+
+std::string BatchIndex(const std::vector<BatchJob>& jobs, const std::vector<JobOutcome>& outcomes) {
+  const auto count = [&](int lower, int upper) {
+    return std::ranges::count_if(outcomes,
+                                 [&](const JobOutcome& o) { return o.status >= lower && o.status <= upper; });
+  };
+  std::string html = kHead;
+  html += fmt::format(
+      "<p>{} jobs: {} done, {} with findings, {} failed. A column's head sorts by it. The same figures: "
+      "<a href=\"batch.csv\">batch.csv</a>, with the run's times <a "
+      "href=\"batch.json\">batch.json</a>.</p>\n",
+      jobs.size(), count(0, 0), count(1, 1), count(2, 255));
+  html += "<div class=\"scroll\">\n<table>\n<thead><tr>";
+  const auto head = [&](const char* kind, const char* title, const char* help) {
+    html +=
+        fmt::format("<th scope=\"col\" class=\"{}\"><button type=\"button\" title=\"{}\">{}</button></th>",
+                    kind, help, title);
+  };
+  head("t", "job", "Name; leads to its report");
+  head("t", "outcome", "done, findings, bad input, failed");
+  head("t", "objective", "What the job's poses are best for, with its unit");
+  for (const Column& column : Columns()) head("n", column.title, column.help);
+  head("t", "cause", "What is missing or wrong");
+  html += "</tr></thead>\n<tbody>\n";
+  for (size_t i = 0; i < jobs.size(); ++i) {
+    const JobOutcome& outcome = outcomes[i];
+    const std::string name = Escaped(jobs[i].name);
+    std::string objective;
+    if (outcome.figures) {
+      objective = outcome.figures->objective;
+      if (!outcome.figures->objective_unit.empty())
+        objective += ", " + ShownUnit(outcome.figures->objective_unit);
+    }
+    html += "<tr><td>";
+    html += outcome.figures && outcome.figures->report
+                ? fmt::format("<a href=\"{}/report.html\">{}</a>", EscapeUrl(jobs[i].name), name)
+                : name;
+    html += fmt::format("</td><td{}>{}</td><td>{}</td>", outcome.status > 0 ? " class=\"bad\"" : "",
+                        OutcomeWord(outcome), Escaped(objective));
+    for (const Column& column : Columns()) html += CellHtml(column, outcome);
+    html += fmt::format("<td class=\"cause\">{}</td></tr>\n", Escaped(outcome.cause));
+  }
+  return html + kTail;
+}
+
+}  // namespace millpose

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/pipeline/operations/whole_report.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "base/text.hpp"
+#include "planning/result/cycle_time.hpp"
+#include "program/calling_program.hpp"
+#include "program/post_entry.hpp"
+#include "program/scanner.hpp"
+#include "report/page/escaped.hpp"
+#include "report/report.hpp"
+
+namespace millpose {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// An operation with its summary.json as a tree.
+struct ToldOperation : DoneOperation {
+  explicit ToldOperation(const DoneOperation& done) : DoneOperation(done), json(Json::parse(done.summary)) {}
+  Json json;
+};
+
+std::vector<ToldOperation> Told(const std::vector<DoneOperation>& operations) {
+  return {operations.begin(), operations.end()};
+}
+
+constexpr const char* kHead = R"html(<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{title}</title>
+<style>
+:root { color-scheme: light dark; --ink: #27313b; --muted: #5b6773; --line: #dfe4e9; --card: #fff; --ground: #eef1f4; --accent: #2b5fa8; --bad: #b3261e; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e4e8ec; --muted: #a3adb7; --line: #3a434c; --card: #1f262d; --ground: #161b20; --accent: #8ab4f0; --bad: #ff9d94; }
+}
+* { box-sizing: border-box; }
+body { margin: 0; padding: 14px 18px 20px; min-height: 100vh; display: flex; flex-direction: column; background: var(--ground); color: var(--ink); font: 13px/1.45 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; }
+h1 { font-size: 19px; margin: 0 0 8px; }
+.scroll { overflow-x: auto; background: var(--card); border: 1px solid var(--line); border-radius: 5px; margin-bottom: 10px; }
+table { border-collapse: collapse; width: 100%; }
+th, td { padding: 5px 9px; border-bottom: 1px solid var(--line); text-align: left; white-space: nowrap; }
+.n { text-align: right; font-variant-numeric: tabular-nums; }
+.bad { color: var(--bad); font-weight: 600; }
+ul { margin: 0 0 10px; padding-left: 18px; }
+[role=tablist] { display: flex; flex-wrap: wrap; gap: 4px; }
+[role=tab] { font: inherit; color: var(--ink); background: var(--card); border: 1px solid var(--line); border-bottom: 0; border-radius: 5px 5px 0 0; padding: 6px 12px; cursor: pointer; }
+[role=tab][aria-selected=true] { color: var(--accent); font-weight: 600; box-shadow: inset 0 3px var(--accent); }
+iframe { flex: 1; width: 100%; min-height: 720px; border: 1px solid var(--line); background: var(--card); }
+a { color: var(--accent); }
+@media print { :root { color-scheme: light; --ink: #000; --muted: #333; --line: #999; --card: #fff; --ground: #fff; --accent: #000; --bad: #000; } iframe, [role=tablist] { display: none; } .scroll { overflow: visible; } th, td { white-space: normal; padding: 3px 5px; font-size: 11px; } }
+</style>
+</head>
+<body>
+)html";
+
+constexpr const char* kTail = R"html(<script>
+"use strict";
+const tabs = [...document.querySelectorAll("[role=tab]")], view = document.querySelector("iframe");
+const show = tab => {
+  for (const other of tabs) {
+    other.setAttribute("aria-selected", String(other === tab));
+    other.tabIndex = other === tab ? 0 : -1;
+  }
+  view.src = tab.dataset.report;
+  view.title = tab.textContent;
+};
+tabs.forEach((tab, i) => {
+  tab.addEventListener("click", () => show(tab));
+  tab.addEventListener("keydown", event => {
+    const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (!step) return;
+    const next = tabs[(i + step + tabs.length) % tabs.length];
+    show(next);
+    next.focus();
+  });
+});
+show(tabs[0]);
+</script>
+</body>
+</html>
+)html";
+
+size_t Sum(const std::vector<ToldOperation>& operations, const char* section, const char* key) {
+  return std::accumulate(operations.begin(), operations.end(), size_t{0},
+                         [&](size_t sum, const ToldOperation& done) {
+                           return sum + done.json.at(section).at(key).get<size_t>();
+                         });
+}
+
+/// Of the values that operations have at a place the one that `better` says; null where none has one.
+template <class Better>
+Json Pick(const std::vector<ToldOperation>& operations, const char* place, Better better) {
+  Json picked = nullptr;
+  const Json::json_pointer pointer(place);
+  for (const ToldOperation& done : operations) {
+    if (!done.json.contains(pointer) || !done.json.at(pointer).is_number()) continue;
+    const double value = done.json.at(pointer).get<double>();
+    if (picked.is_null() || better(value, picked.get<double>())) picked = value;
+  }
+  return picked;
+}
+
+Json SpreadOf(const std::vector<ToldOperation>& operations, const std::string& index) {
+  const std::string place = "/stiffness/" + index;
+  return {{"best", Pick(operations, (place + "/best").c_str(), std::less())},
+          {"median", nullptr},
+          {"worst", Pick(operations, (place + "/worst").c_str(), std::greater())}};
+}
+
+/// s; of all operations whose programs are there.
+double CycleOf(const std::vector<ToldOperation>& operations, const std::string& controller) {
+  double cycle = 0;
+  for (const ToldOperation& done : operations)
+    for (const Json& times : done.json.at("cycle_times"))
+      if (times.at("controller") == controller) cycle += times.at("total_s").get<double>();
+  return cycle;
+}
+
+std::vector<std::string> Findings(const std::vector<ToldOperation>& operations,
+                                  const std::vector<WholeProgram>& programs) {
+  std::vector<std::string> findings;
+  for (const WholeProgram& program : programs) {
+    if (!program.withheld.empty()) findings.push_back(program.withheld);
+    for (const Finding& finding : program.findings)
+      findings.push_back(
+          fmt::format("{} {}:{}: {}", program.controller, finding.file, finding.line, finding.message));
+  }
+  for (const ToldOperation& done : operations)
+    for (const Json& finding : done.json.at("findings"))
+      findings.push_back(fmt::format("operation {}: {}", done.name, finding.get<std::string>()));
+  return findings;
+}
+
+/// " 3 unreachable 2 interference": how many points an operation leaves out, and why.
+std::string SkippedText(const ToldOperation& done) {
+  std::map<std::string, size_t> by_reason;
+  for (const Json& skipped : done.json.at("skipped")) ++by_reason[skipped.at("reason").get<std::string>()];
+  std::string text;
+  for (const auto& [reason, count] : by_reason) text += fmt::format(" {} {}", count, reason);
+  return text;
+}
+
+std::string MainOf(const WholeProgram& program, const std::string& job) {
+  const CallingSyntax syntax = MakePost(program.controller)->Calling();
+  return fmt::format("programs/{}/{}{}", program.controller, ProgramName(syntax, job), syntax.ending);
+}
+
+}  // namespace
+
+std::string WholeSummary(const std::string& job, const std::vector<DoneOperation>& all,
+                         const std::vector<WholeProgram>& programs) {
+  const std::vector<ToldOperation> operations = Told(all);
+  const Json& first = operations.front().json;
+  const bool same_objective = std::ranges::all_of(operations, [&](const ToldOperation& done) {
+    return done.json.at("objective") == first.at("objective");
+  });
+  Json json = {
+      {"schema_version", kSummaryVersion},
+      {"job", job},
+      {"points",
+       {{"total", Sum(operations, "points", "total")},
+        {"planned", Sum(operations, "points", "planned")},
+        {"skipped", Sum(operations, "points", "skipped")}}},
+      {"gaps",
+       {{"total", Sum(operations, "gaps", "total")}, {"planned", Sum(operations, "gaps", "planned")}}},
+      {"objective", same_objective ? first.at("objective") : Json("several")}};
+  Json& stiffness = json["stiffness"];
+  for (const char* index : {"lambda_t1", "lambda_t2", "lambda_n"})
+    stiffness[index] = SpreadOf(operations, index);
+  stiffness["objective"] = same_objective ? SpreadOf(operations, "objective") : Json(nullptr);
+  stiffness["units"] = first.at("stiffness").at("units");
+  if (!same_objective) stiffness["units"]["objective"] = "";
+  json["clearance_min_mm"] = Pick(operations, "/clearance_min_mm", std::less());
+  json["programs"] = Json::array();
+  json["cycle_times"] = Json::array();
+  for (const WholeProgram& program : programs) {
+    const bool written = program.withheld.empty() && program.findings.empty();
+    json["programs"].push_back({{"path", MainOf(program, job)},
+                                {"controller", program.controller},
+                                {"verified", written},
+                                {"withheld", written ? Json(nullptr) : Json(program.withheld)}});
+    if (written)
+      json["cycle_times"].push_back(
+          {{"controller", program.controller}, {"total_s", CycleOf(operations, program.controller)}});
+  }
+  json["findings"] = Findings(operations, programs);
+  json["operations"] = Json::array();
+  for (const ToldOperation& done : operations)
+    json["operations"].push_back(
+        {{"name", done.name}, {"folder", done.folder}, {"tool", done.tool}, {"summary", done.json}});
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string WholePoints(const std::vector<DoneOperation>& all) {
+  const std::vector<ToldOperation> operations = Told(all);
+  const auto longest = std::ranges::max_element(operations, {}, [](const ToldOperation& done) {
+    return done.points.substr(0, done.points.find('\n')).size();
+  });
+  const std::string header = longest->points.substr(0, longest->points.find('\n'));
+  const auto columns = [](std::string_view line) { return std::ranges::count(line, ','); };
+  std::string text = header + ",operation\n";
+  for (const ToldOperation& done : operations) {
+    const std::vector<std::string_view> lines = SplitLines(done.points);
+    // The columns of a compensated plan stand behind those that every plan has.
+    const std::string missing(static_cast<size_t>(columns(header) - columns(lines.front())), ',');
+    for (size_t i = 1; i < lines.size(); ++i)
+      if (!lines[i].empty()) text += std::string(lines[i]) + missing + ',' + done.name + '\n';
+  }
+  return text;
+}
+
+std::string WholeReport(const std::string& job, const std::vector<DoneOperation>& all,
+                        const std::vector<WholeProgram>& programs) {
+  const std::vector<ToldOperation> operations = Told(all);
+  std::string head = kHead;
+  constexpr std::string_view kTitle = "{title}";
+  head.replace(head.find(kTitle), kTitle.size(), Escaped(job) + " &mdash; millpose");
+  std::string html = head + "<h1>" + Escaped(job) +
+                     "</h1>\n<div class=\"scroll\"><table>\n<thead><tr>"
+                     "<th>operation</th><th>tool</th><th class=\"n\">points</th><th class=\"n\">planned</th>"
+                     "<th>objective</th><th class=\"n\">worst</th><th class=\"n\">least distance, mm</th>";
+  for (const WholeProgram& program : programs)
+    html += "<th class=\"n\">" + program.controller + ", h:min:s</th>";
+  html += "</tr></thead>\n<tbody>\n";
+  for (const ToldOperation& done : operations) {
+    const Json& points = done.json.at("points");
+    const Json& worst = done.json.at("stiffness").at("objective").at("worst");
+    const Json& clearance = done.json.at("clearance_min_mm");
+    const bool whole = points.at("planned") == points.at("total");
+    html += fmt::format(
+        "<tr><td><a href=\"{0}/report.html\">{1}</a></td><td>{2}</td><td class=\"n\">{3}</td><td "
+        "class=\"n{4}\">{5}</td>"
+        "<td>{6}</td><td class=\"n\">{7}</td><td class=\"n\">{8}</td>",
+        Escaped(done.folder), Escaped(done.name), Escaped(done.tool), points.at("total").get<size_t>(),
+        whole ? "" : " bad", points.at("planned").get<size_t>(),
+        Escaped(done.json.at("objective").get<std::string>()),
+        worst.is_number()
+            ? fmt::format("{:.4g} {}", worst.get<double>(),
+                          Escaped(done.json.at("stiffness").at("units").at("objective").get<std::string>()))
+            : "&ndash;",
+        clearance.is_number() ? fmt::format("{:.1f}", clearance.get<double>()) : "&ndash;");
+    for (const WholeProgram& program : programs)
+      html += done.programs.contains(program.controller)
+                  ? fmt::format("<td class=\"n\">{}</td>", ClockText(CycleOf({done}, program.controller)))
+                  : "<td class=\"n bad\">withheld</td>";
+    html += "</tr>\n";
+  }
+  html += "</tbody>\n</table></div>\n";
+  if (const std::vector<std::string> findings = Findings(operations, programs); !findings.empty()) {
+    html += "<ul>\n";
+    for (const std::string& finding : findings) html += "<li class=\"bad\">" + Escaped(finding) + "</li>\n";
+    html += "</ul>\n";
+  }
+  html += "<div role=\"tablist\" aria-label=\"operations\">\n";
+  for (const ToldOperation& done : operations)
+    html += fmt::format("<button role=\"tab\" data-report=\"{}/report.html\">{}</button>\n",
+                        Escaped(done.folder), Escaped(done.name));
+  return html + "</div>\n<iframe title=\"operation\"></iframe>\n" + kTail;
+}
+
+std::string WholeText(const std::vector<DoneOperation>& all, const std::vector<WholeProgram>& programs,
+                      const std::filesystem::path& out) {
+  const std::vector<ToldOperation> operations = Told(all);
+  std::string text;
+  for (const ToldOperation& done : operations) {
+    const Json& points = done.json.at("points");
+    text += fmt::format("operation  {}: {} of {} points with {}, {}\n", done.name,
+                        points.at("planned").get<size_t>(), points.at("total").get<size_t>(), done.tool,
+                        (out / done.folder).string());
+    if (const std::string skipped = SkippedText(done); !skipped.empty())
+      text += fmt::format("skipped    {}:{}\n", done.name, skipped);
+  }
+  const std::string job = operations.front().job;
+  for (const WholeProgram& program : programs)
+    if (program.withheld.empty() && program.findings.empty())
+      text += fmt::format("program    programs/{}: calls {} programs, read back and confirmed; {}\n",
+                          program.controller, operations.size(),
+                          ClockText(CycleOf(operations, program.controller)));
+  for (const std::string& finding : Findings(operations, programs)) text += "finding    " + finding + "\n";
+  return text;
+}
+
+}  // namespace millpose

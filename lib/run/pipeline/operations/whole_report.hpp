@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the output folder of a job with several operations says of all of them.
+#pragma once
+
+#include "run/pipeline/operations/whole_program.hpp"
+
+namespace millpose {
+
+/// summary.json: the figures that batches compare, over all operations, and each operation's own summary.
+std::string WholeSummary(const std::string& job, const std::vector<DoneOperation>& operations,
+                         const std::vector<WholeProgram>& programs);
+
+/// points.csv: the rows of all operations with a last column `operation`; columns that one has not are empty.
+std::string WholePoints(const std::vector<DoneOperation>& operations);
+
+/// report.html: a table of the operations, and the report of each behind a tab. Loads the operations'
+/// reports.
+std::string WholeReport(const std::string& job, const std::vector<DoneOperation>& operations,
+                        const std::vector<WholeProgram>& programs);
+
+/// The screenful that `plan` prints.
+std::string WholeText(const std::vector<DoneOperation>& operations, const std::vector<WholeProgram>& programs,
+                      const std::filesystem::path& out);
+
+}  // namespace millpose

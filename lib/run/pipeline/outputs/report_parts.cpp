@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/pipeline/outputs/report_parts.hpp"
+
+#include "job/assemble.hpp"
+#include "store/kept_stage.hpp"
+#include "store/plan_key.hpp"
+#include "report/samples/axis_map.hpp"
+#include "report/samples/nearest_pairs.hpp"
+#include "report/samples/sample_curves.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr size_t kMostCurves = 1000;  // points whose choice of pose report.html shows
+
+/// The choice of poses at some points.
+struct Choices {
+  std::vector<PackedCurve> curves;
+  AxisMap map;
+};
+
+}  // namespace
+
+ReportParts MakeReportParts(const JobInputs& inputs, const PlannedJob& job, bool full_map,
+                            const CheckpointStore& checkpoints, const Execution& execution) {
+  const PlanResult& plan = job.plan;
+  const PreparedJob& prepared = job.prepared;
+  const GeneticOptions genetic = MakePathOptions(inputs.job).genetic;
+  const std::string plan_key = KeyOf(plan, execution.Threads());
+  const std::string cell = HashOfValues(prepared.cell);
+  const Stations stations = prepared.stations.AtOwnAxis();
+  Choices choices = Kept<Choices>(
+      checkpoints, "choices", StageKey(plan_key, prepared.problem, genetic, full_map ? cell : ""), [&] {
+        const std::vector<PointCurves> curves = SampleCurves(plan, stations, genetic, kMostCurves, execution);
+        return Choices{Packed(curves), MakeAxisMap(plan, stations, curves, full_map, execution)};
+      });
+  auto nearest = KeptInWorld<NearestPairs>(
+      checkpoints, "nearest-pairs", plan_key, prepared.stations,
+      [&](const Stations& watched) { return FindNearestPairs(plan, watched, execution); });
+  return {std::move(choices.curves), std::move(choices.map), std::move(nearest)};
+}
+
+}  // namespace millpose

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "base/execution.hpp"
+#include "store/checkpoints.hpp"
+#include "run/pipeline/stages/plan_job.hpp"
+#include "report/html.hpp"
+
+namespace millpose {
+
+/// What report.html shows beside the plan and takes long to work out.
+struct ReportParts {
+  std::vector<PackedCurve> curves;
+  AxisMap map;  ///< of `curves`
+  NearestPairs nearest;
+};
+
+/// Works them out, or takes what they came to before. `full_map`: everything admissible is checked for it.
+ReportParts MakeReportParts(const JobInputs& inputs, const PlannedJob& job, bool full_map,
+                            const CheckpointStore& checkpoints, const Execution& execution);
+
+}  // namespace millpose

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/pipeline/programs/make_programs.hpp"
+
+#include <cassert>
+
+#include "base/error.hpp"
+#include "job/cell_texts.hpp"
+#include "run/pipeline/programs/check_program.hpp"
+#include "run/pipeline/programs/program_motions.hpp"
+#include "run/pipeline/programs/program_warnings.hpp"
+#include "planning/result/skipped.hpp"
+#include "program/external_axes.hpp"
+#include "program/verify/causes.hpp"
+
+namespace millpose {
+
+void CompleteFrames(MotionProgram& program, const MotionProgram& planned) {
+  if (!program.X_BP) program.X_BP = planned.X_BP;
+  if (!program.X_FT) program.X_FT = planned.X_FT;
+}
+
+void NameInputs(const std::string& hash, MotionProgram& program) {
+  for (auto& [key, value] : program.header)
+    if (key == "inputs") value = hash;
+}
+
+void NameInputs(const std::string& earlier, const std::string& hash, ProgramFiles& files) {
+  assert(earlier.size() == hash.size());
+  const std::string line = "inputs: " + earlier;
+  for (auto& [name, text] : files)
+    for (size_t at = text.find(line); at != std::string::npos; at = text.find(line, at + line.size()))
+      text.replace(at + line.size() - earlier.size(), earlier.size(), hash);
+}
+
+std::string CheckedProgram::WhyWithheld() const {
+  if (Confirmed()) return {};
+  std::vector<std::string> causes;
+  for (const CauseGroup& group : GroupByCause(findings)) causes.push_back(Describe(group));
+  return fmt::format("no {} program is written, its read-back does not confirm it: {}", controller,
+                     fmt::join(causes, ", "));
+}
+
+namespace {
+
+/// How many points no motion cuts, by reason; empty where all are cut.
+std::string WhatIsLeftOut(const PlanResult& plan) {
+  const std::map<std::string, size_t> skipped = SkippedByReason(plan);
+  if (skipped.empty()) return {};
+  size_t points = 0;
+  for (const PassResult& pass : plan.passes) points += pass.points.size();
+  std::vector<std::string> reasons;
+  for (const auto& [reason, count] : skipped) reasons.push_back(fmt::format("{} {}", count, reason));
+  return fmt::format("of {} points are not cut: {}", points, fmt::join(reasons, ", "));
+}
+
+}  // namespace
+
+CheckedProgram MakeProgram(const PlanResult& plan, const std::vector<std::string>& not_machined,
+                           const std::optional<BaseWindow>& window, const Programming& with) {
+  const JobInputs& inputs = with.inputs;
+  const std::string& controller = with.controller;
+  const Post& post = with.post;
+  CheckedProgram program;
+  program.controller = controller;
+  std::vector<CallWay> calls;
+  try {
+    calls = PlanCallWays(with.world, inputs, controller, with.execution.stop);
+  } catch (const InputError& error) {
+    program.findings.push_back({"", 0, error.problems().front().message, Cause::kText});
+    return program;
+  }
+  ProgramMotions motions = MakeProgramMotions(plan, inputs, controller, window, calls);
+  NameInputs(inputs.hash, motions.written);
+  motions.written.header.emplace_back("cycle_time", TimeText(motions.time.all) + " h:min:s, as replayed");
+  for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
+  if (const std::string left_out = WhatIsLeftOut(plan); !left_out.empty())
+    motions.written.header.emplace_back("INCOMPLETE", left_out);
+  program.saved = motions.saved;
+  program.near = motions.near;
+  program.warnings = motions.warnings;
+  program.time = motions.time;
+  if (inputs.trajectory)
+    program.trajectory = TrajectoryCsv(motions.written, plan.arm, plan.X_WB, ExternalColumns(with.settings),
+                                       post.Times(), *inputs.trajectory);
+  program.files = post.Write(motions.written, plan.arm, with.settings);
+  program.speed = EstimatePathSpeed(motions.written, controller, post.Dynamics(with.settings));
+  for (const std::string& warning :
+       {SpeedWarning(*program.speed), MemoryWarning(program.files, post.Memory())})
+    if (!warning.empty()) program.warnings.push_back(warning);
+  for (const Motion& motion : motions.written.motions) program.pass_of_motion.push_back(motion.pass);
+  try {
+    MotionProgram back = post.Read(program.files, plan.arm, with.settings);
+    CompleteFrames(back, motions.planned);
+    ProgramCheck check = CheckProgram(back, motions, plan, with);
+    program.findings = std::move(check.findings);
+    program.under_load = check.under_load;
+  } catch (const InputError& error) {  // our own program must be readable: a finding, not the user's mistake
+    for (const Problem& problem : error.problems())
+      program.findings.push_back({problem.place.file, problem.place.line, problem.message, Cause::kText});
+  }
+  return program;
+}
+
+}  // namespace millpose

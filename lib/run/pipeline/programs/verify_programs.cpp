@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/pipeline/programs/verify_programs.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "store/manifest.hpp"
+#include "run/pipeline/programs/planned_folder.hpp"
+#include "run/pipeline/programs/verify_alone.hpp"
+#include "program/verify/causes.hpp"
+
+namespace millpose {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, const Execution& execution) {
+  std::vector<std::string> changed;
+  const Manifest manifest = CheckManifest(arguments.target, &changed);
+  std::vector<VerifiedProgram> programs =
+      PlannedFolder(arguments.target, manifest, arguments, execution).HoldAll();
+  if (programs.empty())
+    throw InputError(Place{arguments.target.string(), 0, 0, -1}, "the folder holds no programs");
+  return programs;
+}
+
+/// A program, wherever it is, against the plan of a folder.
+std::vector<VerifiedProgram> VerifyAgainst(const VerifyArguments& arguments, const Execution& execution) {
+  const fs::path& folder = *arguments.plan;
+  std::vector<std::string> changed;
+  const Manifest manifest = CheckManifest(folder, &changed);
+  return {PlannedFolder(folder, manifest, arguments, execution).Hold(arguments.target)};
+}
+
+}  // namespace
+
+std::vector<VerifiedProgram> VerifyPrograms(const VerifyArguments& arguments, Progress& progress,
+                                            std::stop_token stop) {
+  const Execution execution{arguments.threads, progress, std::move(stop)};
+  if (arguments.plan) return VerifyAgainst(arguments, execution);
+  return fs::is_directory(arguments.target) ? VerifyFolder(arguments, execution)
+                                            : VerifyAlone(arguments, execution);
+}
+
+namespace {
+
+const char* WordsOfVerdict(const VerifiedProgram& program) {
+  if (!program.findings.empty()) return "NOT confirmed";
+  return program.changed.empty() ? "confirmed" : "changed since, still as planned";
+}
+
+}  // namespace
+
+std::string VerifyText(const std::vector<VerifiedProgram>& programs) {
+  std::string text;
+  for (const VerifiedProgram& program : programs) {
+    text += fmt::format("{:<10} {:>7} motions  {}  {}\n", program.controller, program.motions,
+                        WordsOfVerdict(program), program.file);
+    if (!program.changed.empty())
+      text += fmt::format("  changed since they were written: {}\n", fmt::join(program.changed, ", "));
+    if (!program.scope.empty()) text += "  compared: " + program.scope + "\n";
+    for (const std::string& assumption : program.assumptions) text += "  assumed: " + assumption + "\n";
+    for (const CauseGroup& group : GroupByCause(program.findings)) {
+      text += fmt::format("  {}; what helps: {}\n", Describe(group), Cure(group.cause, program.controller));
+      for (const Finding& finding : program.findings) {
+        if (finding.cause != group.cause) continue;
+        text += fmt::format("  {}:{}: {}\n", finding.file, finding.line, finding.message);
+      }
+    }
+  }
+  return text;
+}
+
+std::string VerifyJson(const std::vector<VerifiedProgram>& programs) {
+  nlohmann::ordered_json json = {{"schema_version", 1}, {"programs", nlohmann::ordered_json::array()}};
+  for (const VerifiedProgram& program : programs) {
+    nlohmann::ordered_json findings = nlohmann::ordered_json::array();
+    for (const Finding& finding : program.findings) {
+      findings.push_back({{"file", finding.file}, {"line", finding.line}, {"message", finding.message}});
+    }
+    json["programs"].push_back({{"controller", program.controller},
+                                {"file", program.file},
+                                {"motions", program.motions},
+                                {"confirmed", program.findings.empty()},
+                                {"changed", program.changed},
+                                {"scope", program.scope.empty() ? "the plan" : program.scope},
+                                {"findings", findings},
+                                {"assumptions", program.assumptions}});
+  }
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace millpose

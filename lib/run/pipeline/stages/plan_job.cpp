@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/pipeline/stages/plan_job.hpp"
+
+#include "base/error.hpp"
+#include "planning/links/job_planner.hpp"
+#include "planning/pass/pass_checks.hpp"
+#include "job/assemble.hpp"
+#include "job/compensate_job.hpp"
+#include "job/job_engagement.hpp"
+#include "job/lean_freedoms.hpp"
+#include "job/locate.hpp"
+#include "job/plausible.hpp"
+#include "store/kept_stage.hpp"
+#include "store/plan_key.hpp"
+#include "planning/pass/nominal_plan.hpp"
+#include "planning/pass/revolutions.hpp"
+#include "run/pipeline/stages/finer_passes.hpp"
+#include "run/pipeline/stages/other_stations.hpp"
+#include "run/pipeline/stages/other_ways.hpp"
+#include "run/pipeline/stages/plan_gaps.hpp"
+#include "run/pipeline/stages/plan_passes.hpp"
+#include "run/pipeline/programs/program_stage.hpp"
+#include "run/pipeline/stages/repair_ends.hpp"
+#include "planning/result/skipped.hpp"
+
+namespace millpose {
+namespace {
+
+PlanResult StartPlan(const JobInputs& inputs, const PreparedJob& prepared) {
+  const Cell& cell = prepared.cell;
+  const PoseProblem& problem = prepared.problem;
+  PlanResult plan;
+  plan.job = inputs.job.name;
+  plan.cell = inputs.cell.name;
+  plan.input_hash = inputs.hash;
+  plan.seed = inputs.job.seed;
+  plan.arm = cell.arm;
+  plan.external_axes = cell.external_axes;
+  plan.X_WB = cell.X_WB;
+  plan.X_FT = cell.X_FT;
+  plan.X_WP = cell.X_WP;
+  plan.home = cell.home;
+  plan.spindle_speed = prepared.made.spindle_speed.value_or(inputs.job.spindle_speed);
+  plan.objective_name = problem.objective->Name();
+  plan.objective_unit = problem.objective->Unit();
+  plan.stiffness_origin = inputs.cell.stiffness_at;
+  return plan;
+}
+
+PlannedPasses PlanPassesOf(const JobInputs& inputs, PreparedJob& prepared, const Share& share,
+                           const CheckpointStore& checkpoints, const Execution& execution) {
+  const auto own = [&](size_t pass) { return share.Has(pass); };
+  PlannedPasses planned = PlanBestWays(inputs, prepared, checkpoints, own, execution);
+  PlanOtherStations(inputs, prepared, checkpoints, own, execution, planned.passes);
+  PlanFiner(inputs, prepared, checkpoints, own, execution, planned.passes);
+  return planned;
+}
+
+// Of passes that are milled whole or not at all: leaves out what is left of those with skipped points.
+size_t LeaveIncomplete(const Toolpath& toolpath, std::vector<PassResult>& passes) {
+  size_t left_out = 0;
+  for (PassResult& pass : passes) {
+    if (!toolpath.passes[static_cast<size_t>(pass.pass)].whole || CountSkipped(pass) == 0) continue;
+    for (; !pass.pieces.empty(); ++left_out)
+      LeaveOut(
+          pass, static_cast<int>(pass.pieces.size()) - 1, Obstacle::kIncomplete,
+          "other points of its hole or contour are skipped, and these are milled completely or not at all");
+  }
+  return left_out;
+}
+
+/// CompareWithFixed(), or what it came to before.
+FixedComparison KeptComparison(const JobInputs& inputs, const PreparedJob& prepared,
+                               const std::vector<PassResult>& passes, const CheckpointStore& checkpoints,
+                               const Execution& execution) {
+  const FixedRotationOptions options = MakeFixedOptions(inputs.job, execution.Threads(), execution.stop);
+  const auto& [rotation_step, steps, swept_resolution, worst_first, threads, stop, leave] = options;
+  const std::string key = StageKey(prepared.problem, rotation_step, steps, swept_resolution, worst_first,
+                                   leave, KeyOf(passes, threads));
+  return KeptInWorld<FixedComparison>(
+      checkpoints, "fixed", key, prepared.stations.AtOwnAxis(), [&](const Stations& stations) {
+        return CompareWithFixed(stations, AtNominalLean(prepared.problem, passes), options);
+      });
+}
+
+// Passes come in their directions and turns, then the ways between them.
+void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution,
+              PlannedJob& job) {
+  const PoseProblem& problem = job.prepared.problem;
+  PlanResult& plan = job.plan;
+  RepairEnds(job.prepared, MakePathOptions(inputs.job), MakeGapOptions(inputs.job).leave, checkpoints,
+             execution, plan.passes);
+  const size_t narrowed =
+      ChooseRevolutions(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
+                                      FreeDirections(inputs.job) && !inputs.job.toolpath.Leans() &&
+                                          !DependsOnFeed(inputs.job, *problem.objective)});
+  if (narrowed > 0)
+    job.prepared.warnings.push_back(fmt::format(
+        "the limits of the axes admit many full revolutions of {} pieces: only those nearest home "
+        "are compared (arm.limits_deg, limits.joints_deg)",
+        narrowed));
+  const GapOptions options = MakeGapOptions(inputs.job);
+  const auto leave_over_missing = [&] {
+    return LeaveIncomplete(job.prepared.toolpath, plan.passes) +
+           LeaveOverMissing(inputs, job.prepared.surface.mesh, execution, plan);
+  };
+  leave_over_missing();
+  execution.progress.Begin("gaps", GapEnds(HomeOf(plan), plan.passes).size());
+  PlannedGaps gaps = PlanAllGaps(job.prepared.stations, plan.passes, options, checkpoints, execution);
+  job.resumed_gaps = gaps.resumed;
+  while (leave_over_missing() > 0)  // over pieces that no way leads to
+    gaps = PlanAllGaps(job.prepared.stations, plan.passes, options, checkpoints, execution);
+  plan.gaps = std::move(gaps.gaps);
+  execution.progress.End(
+      fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), job.resumed_gaps));
+  execution.progress.Begin("fixed rotations", 0);
+  job.fixed = KeptComparison(inputs, job.prepared, plan.passes, checkpoints, execution);
+  execution.progress.End(fmt::format("{} points compared", job.fixed.plan.size()));
+  const std::string left = CountWhatIsLeft(inputs, job.prepared.surface.mesh, execution, plan);
+  if (!left.empty()) job.prepared.warnings.push_back(left);
+  const std::string entries = EntriesOnMaterial(inputs, job.prepared.surface.mesh, plan);
+  if (!entries.empty()) job.prepared.warnings.push_back(entries);
+  const auto feeds = FeedsOf(plan);
+  if (inputs.job.feed_policy == FeedPolicy::kReduce) job.reduction = ReduceFeeds(plan);
+  const CompensationNotes notes = CompensateJob(inputs, job.prepared.stations, feeds, execution, plan);
+  std::ranges::copy(notes.warnings, std::back_inserter(job.prepared.warnings));
+  std::ranges::copy(notes.findings, std::back_inserter(job.prepared.made.findings));
+  job.compensation_remains = notes.remains;
+  if (inputs.job.programs.empty()) return;
+  const auto start_ends = StartEnds(GapEnds(HomeOf(plan), plan.passes));
+  execution.progress.Begin("starts", start_ends.size());
+  job.starts.ways.gaps = PlanGaps(job.prepared.stations, start_ends, options, checkpoints, execution).gaps;
+  execution.progress.End(fmt::format("{} ways", start_ends.size()));
+}
+
+PreparedJob Prepare(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution) {
+  Progress& progress = execution.progress;
+  Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
+  cell.X_WP = MakeWorkpiecePose(inputs.job.workpiece, cell.X_WB);
+  TellDoubts(DoubtsOf({inputs.cell, cell, &inputs.job}), inputs);  // here only what is refused
+  progress.Begin(SurfaceStage(inputs), 0);
+  Part part = ReadPart(inputs, cell);
+  const Mesh& mesh = part.import.mesh;
+  const Eigen::Vector3d size = part.import.report.upper - part.import.report.lower;
+  progress.End(fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} mm", inputs.job.workpiece.mesh_file,
+                           part.import.report.triangles, size.x(), size.y(), size.z()));
+  LayingInputs laying = MakeLayingInputs(inputs, mesh);
+  auto [made, heaviest] = LayPath(laying, checkpoints, execution);
+  std::ranges::move(TellDoubts(DoubtsOf({inputs.cell, cell, &inputs.job, size, heaviest}), inputs),
+                    std::back_inserter(made.findings));
+  AddWorkpiece(inputs, mesh.triangles(), &cell);
+  for (const std::string& hole : made.holes_left_out) made.findings.push_back("NOT MACHINED: " + hole);
+  std::vector<std::string> warnings = std::move(part.warnings);
+  std::ranges::copy(made.warnings, std::back_inserter(warnings));
+  made.notes.insert(made.notes.begin(), inputs.cell.notes.begin(), inputs.cell.notes.end());
+  std::ranges::copy(made.notes, std::back_inserter(warnings));
+  const World world(cell);
+  PoseProblem problem = MakePoseProblem(inputs.job, inputs.cell, cell);
+  BoundLeans(inputs, mesh, cell.X_WP, &problem);
+  const Stations stations(world, problem);
+  if (const auto found = Checker(stations.At(stations.home()).world).At(cell.home, Phase::kFree))
+    warnings.push_back(HomeWarning(inputs.cell.file, *found));
+  StationChoices choices = ChooseStations(inputs, stations.AtOwnAxis(), execution, made.toolpath);
+  std::ranges::move(choices.warnings, std::back_inserter(warnings));
+  Toolpath toolpath = AtStations(inputs, made.toolpath, stations, choices.external);
+  return {std::move(cell),
+          world,
+          std::move(part.import),
+          std::move(laying),
+          std::move(made),
+          std::move(toolpath),
+          {},
+          std::move(problem),
+          stations,
+          std::move(choices.external),
+          std::move(choices.elsewhere),
+          heaviest,
+          std::move(warnings)};
+}
+
+}  // namespace
+
+namespace {
+
+void CheckControllers(const JobInputs& inputs) {
+  if (!inputs.cell.programs_allowed && !inputs.job.programs.empty())
+    throw InputError(
+        {inputs.job.file},
+        fmt::format("programs: cell {} is for reproduction only (reproduction_only: true), no programs "
+                    "may be written for it; give `programs: []`",
+                    inputs.cell.name));
+  for (const std::string& controller : inputs.job.programs)
+    MakePostSettings(inputs.job, inputs.cell, controller);  // refuses now what programs cannot be written for
+}
+
+}  // namespace
+
+std::string HomeWarning(const std::string& cell_file, const Interference& found) {
+  return fmt::format("{}: home_deg: {}; no way from or to home can be planned", cell_file, Describe(found));
+}
+
+void CheckPrograms(const JobInputs& inputs) {
+  WithPlaces(inputs, [&] { CheckControllers(inputs); });
+}
+
+PreparedJob PrepareJob(const JobInputs& inputs, const CheckpointStore& checkpoints,
+                       const Execution& execution) {
+  return WithPlaces(inputs, [&] { return Prepare(inputs, checkpoints, execution); });
+}
+
+PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution) {
+  CheckPrograms(inputs);
+  PlannedJob job{PrepareJob(inputs, checkpoints, execution), {}, {}, {}, {}, {}, {}};
+  job.plan = StartPlan(inputs, job.prepared);
+  PlannedPasses planned = PlanPassesOf(inputs, job.prepared, Share{}, checkpoints, execution);
+  job.plan.passes = std::move(planned.passes);
+  job.resumed_passes = planned.resumed;
+  PlanWays(inputs, checkpoints, execution, job);
+  MakeJobPrograms(inputs, checkpoints, execution, job);
+  return job;
+}
+
+void PlanShare(const JobInputs& inputs, const Share& share, const CheckpointStore& checkpoints,
+               const Execution& execution) {
+  PreparedJob prepared = PrepareJob(inputs, checkpoints, execution);
+  PlanPassesOf(inputs, prepared, share, checkpoints, execution);
+}
+
+}  // namespace millpose

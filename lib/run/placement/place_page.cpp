@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// placement.html: one file that loads nothing and needs no script.
+#include <algorithm>
+#include <boost/geometry.hpp>
+#include <boost/geometry/geometries/multi_point.hpp>
+#include <boost/geometry/geometries/point_xy.hpp>
+#include <boost/geometry/geometries/polygon.hpp>
+
+#include "base/text.hpp"
+#include "run/placement/place_tables.hpp"
+#include "program/pose_text.hpp"
+#include "report/page/escaped.hpp"
+
+namespace millpose {
+namespace {
+
+namespace bg = boost::geometry;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr const char* kHead = R"html(<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{title}</title>
+<style>
+:root { color-scheme: light dark; --ink: #27313b; --muted: #5b6773; --line: #dfe4e9; --card: #fff; --ground: #eef1f4; --accent: #2b5fa8; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e4e8ec; --muted: #a3adb7; --line: #3a434c; --card: #1f262d; --ground: #161b20; --accent: #8ab4f0; } }
+@media print { :root { color-scheme: light; --ink: #000; --muted: #333; --line: #999; --card: #fff; --ground: #fff; --accent: #000; } }
+* { box-sizing: border-box; }
+body { margin: 0 auto; max-width: 1200px; padding: 14px 18px 20px; background: var(--ground); color: var(--ink); font: 13px/1.45 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; }
+h1 { font-size: 19px; margin: 0 0 8px; }
+h2 { font-size: 14px; margin: 0 0 6px; }
+section { background: var(--card); border: 1px solid var(--line); border-radius: 5px; padding: 10px 12px; margin-bottom: 10px; break-inside: avoid; }
+.scroll { overflow-x: auto; }
+@media print { .scroll { overflow: visible; } }
+.two { display: flex; flex-wrap: wrap; gap: 10px; align-items: flex-start; }
+.two section { flex: 1 1 340px; min-width: 0; }
+table { border-collapse: collapse; width: 100%; }
+th, td { padding: 4px 8px; border-bottom: 1px solid var(--line); text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+th:first-child, td:first-child { text-align: left; }
+tr.best td { font-weight: 600; }
+svg { display: block; width: 100%; height: auto; }
+svg text { fill: var(--ink); }
+.legend { display: flex; flex-wrap: wrap; gap: 4px 14px; color: var(--muted); margin-top: 6px; }
+.legend i { display: inline-block; width: 12px; height: 12px; margin-right: 5px; vertical-align: -2px; border: 1px solid var(--line); }
+p { margin: 0 0 6px; color: var(--muted); }
+</style>
+</head>
+<body>
+)html";
+
+/// What a place that cannot be is drawn in; each differs from the others in brightness too.
+const std::map<std::string, std::string>& CauseColours() {
+  static const std::map<std::string, std::string> colours{{"unreachable", "#3b3f46"},
+                                                          {"limit", "#6b7079"},
+                                                          {"singular", "#9a9fa8"},
+                                                          {"interference", "#c9cdd3"},
+                                                          {"step", "#b39ddb"}};
+  return colours;
+}
+constexpr const char* kTouches = "#e9ebee";
+
+std::string CauseColour(const std::string& cause) {
+  const auto found = CauseColours().find(cause);
+  return found == CauseColours().end() ? kTouches : found->second;
+}
+
+/// Places on viridis, which grows evenly in brightness: 0 (best) yellow, 1 violet.
+std::string Colour(double share) {
+  constexpr std::array<std::array<int, 3>, 5> kStops{
+      {{253, 231, 37}, {94, 201, 98}, {33, 145, 140}, {59, 82, 139}, {68, 1, 84}}};
+  const double at = std::clamp(share, 0.0, 1.0) * (kStops.size() - 1);
+  const size_t i = std::min(kStops.size() - 2, static_cast<size_t>(at));
+  const double t = at - static_cast<double>(i);
+  const auto mix = [&](size_t k) {
+    return static_cast<int>(std::lround((1 - t) * kStops[i][k] + t * kStops[i + 1][k]));
+  };
+  return fmt::format("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2));
+}
+
+/// Between which ratios the colours of a map run: beyond the worse end all look alike.
+std::pair<double, double> ScaleOf(const FoundPlaces& placement) {
+  std::vector<double> all;
+  for (const RatedPlace& rated : placement.map)
+    if (rated.worst && CauseOf(rated.score).empty()) all.push_back(*rated.worst);
+  if (all.empty()) return {0, 1};
+  std::ranges::sort(all);
+  const double least = all.front(), most = all[all.size() * 9 / 10];
+  return {least, most > least ? most : least + 1e-9};
+}
+
+std::string Told(const FoundPlaces& placement, const RatedPlace& rated) {
+  const std::string cause = CauseOf(rated.score);
+  std::string text = Describe(rated.score.place) + ": ";
+  if (!rated.score.touches.empty()) return text + "touches " + rated.score.touches;
+  if (rated.worst) text += fmt::format("worst {} ÷ job's own {:.3f}", placement.objective, *rated.worst);
+  if (!cause.empty())
+    text += fmt::format("{}{} of {} points free, most others: {}", rated.worst ? ", " : "",
+                        rated.score.free(), rated.score.total(), cause);
+  return text;
+}
+
+std::string MapSvg(const FoundPlaces& placement) {
+  const auto [least, most] = ScaleOf(placement);
+  const size_t columns = placement.map_columns, rows = placement.map.size() / columns;
+  const size_t u = placement.map_coordinates[0], v = placement.map_coordinates[1];
+  const double width = 560, cell = width / static_cast<double>(columns),
+               high = rows > 1 ? width / static_cast<double>(rows) : 40,
+               height = high * static_cast<double>(rows);
+  const double left = 52, below = 34;
+  std::string svg = fmt::format(
+      "<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" shape-rendering=\"crispEdges\" aria-label=\"Map of "
+      "places\">",
+      left + width + 8, height + below + 8);
+  for (size_t i = 0; i < placement.map.size(); ++i) {
+    const size_t row = i / columns;
+    const RatedPlace& rated = placement.map[i];
+    const bool all = rated.worst && CauseOf(rated.score).empty();
+    svg += fmt::format(
+        "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" "
+        "fill=\"{}\"><title>{}</title></rect>",
+        left + static_cast<double>(i % columns) * cell, 4 + height - static_cast<double>(row + 1) * high,
+        cell + 0.3, high + 0.3,
+        all ? Colour((*rated.worst - least) / (most - least)) : CauseColour(CauseOf(rated.score)),
+        Escaped(Told(placement, rated)));
+  }
+  const auto at = [&](const PoseSettings& place) {
+    const double u0 = ShownCoordinate(placement.map.front().score.place, u),
+                 u1 = ShownCoordinate(placement.map.back().score.place, u),
+                 v0 = ShownCoordinate(placement.map.front().score.place, v),
+                 v1 = ShownCoordinate(placement.map.back().score.place, v);
+    const double x = (ShownCoordinate(place, u) - u0) / (u1 - u0),
+                 y = rows > 1 ? (ShownCoordinate(place, v) - v0) / (v1 - v0) : 0;
+    return Vector2d(left + cell / 2 + x * (width - cell), 4 + height - high / 2 - y * (height - high));
+  };
+  const auto mark = [&](const PoseSettings& place, const std::string& name) {
+    const Vector2d p = at(place);
+    if (p.x() < left || p.x() > left + width || p.y() < 4 || p.y() > 4 + height) return;
+    svg += fmt::format(
+        "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"5\" fill=\"none\" stroke=\"#000\" stroke-width=\"3\"/>"
+        "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"5\" fill=\"none\" stroke=\"#fff\" stroke-width=\"1.5\"/>"
+        "<text x=\"{2:.1f}\" y=\"{3:.1f}\" font-size=\"12\" "
+        "style=\"fill:#fff;stroke:#000;stroke-width:3px;paint-order:stroke\">{4}</text>",
+        p.x(), p.y(), p.x() + 8, p.y() - 6, Escaped(name));
+  };
+  for (size_t i = 0; i < placement.plans.size(); ++i)
+    mark(placement.plans[i].place, i == 0 ? "job" : fmt::format("{}", i));
+  const auto tick = [&](double x, double y, const char* anchor, double value) {
+    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"11\" text-anchor=\"{}\">{}</text>", x, y,
+                       anchor, ShortestNumber(value));
+  };
+  const PoseSettings &first = placement.map.front().score.place, &last = placement.map.back().score.place;
+  tick(left, height + 18, "start", ShownCoordinate(first, u));
+  tick(left + width, height + 18, "end", ShownCoordinate(last, u));
+  svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"12\" text-anchor=\"middle\">{}</text>",
+                     left + width / 2, height + 32, CoordinateLabel(u));
+  if (rows > 1) {
+    tick(left - 5, height + 2, "end", ShownCoordinate(first, v));
+    tick(left - 5, 14, "end", ShownCoordinate(last, v));
+    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"12\" text-anchor=\"end\">{}</text>",
+                       left - 5, height / 2 + 8, CoordinateLabel(v));
+  }
+  return svg + "</svg>";
+}
+
+std::string MapLegend(const FoundPlaces& placement) {
+  const auto [least, most] = ScaleOf(placement);
+  std::string text = "<div class=\"legend\">";
+  for (int i = 0; i < 5; ++i)
+    text += fmt::format("<span><i style=\"background:{}\"></i>{:.2f}{}</span>", Colour(i / 4.0),
+                        least + (most - least) * i / 4.0, i == 4 ? " and more" : "");
+  std::vector<std::string> causes;
+  for (const RatedPlace& rated : placement.map) {
+    const std::string cause = CauseOf(rated.score);
+    if (!cause.empty() && std::ranges::find(causes, cause) == causes.end()) causes.push_back(cause);
+  }
+  std::ranges::sort(causes);
+  for (const std::string& cause : causes)
+    text += fmt::format("<span><i style=\"background:{}\"></i>{}{}</span>", CauseColour(cause),
+                        CauseColours().contains(cause) ? "" : "touches ", Escaped(cause));
+  return text + "</div>";
+}
+
+using Point2 = bg::model::d2::point_xy<double>;
+
+/// The outline of points seen along the coordinate that is neither u nor v.
+std::vector<Vector2d> Outline(const std::vector<Vector3d>& points, const Pose& X, int u, int v) {
+  bg::model::multi_point<Point2> seen;
+  for (const Vector3d& point : points) {
+    const Vector3d at = X * point;
+    seen.emplace_back(at[u], at[v]);
+  }
+  bg::model::polygon<Point2> hull;
+  bg::convex_hull(seen, hull);
+  std::vector<Vector2d> outline;
+  for (const Point2& p : hull.outer()) outline.emplace_back(p.x(), p.y());
+  return outline;
+}
+
+/// The robot's base, the part where the job has it and where it is best, and the sampled points.
+std::string ViewSvg(const FoundPlaces& placement, int u, int v) {
+  struct Drawn {
+    std::vector<Vector2d> outline, points;
+    std::string name, colour;
+  };
+  std::vector<Drawn> all;
+  const auto add = [&](const Pose& X, const std::string& name, const char* colour) {
+    Drawn drawn{
+        Outline(placement.part.empty() ? placement.sample : placement.part, X, u, v), {}, name, colour};
+    for (const Vector3d& point : placement.sample) {
+      const Vector3d at = X * point;
+      drawn.points.emplace_back(at[u], at[v]);
+    }
+    all.push_back(std::move(drawn));
+  };
+  std::vector<std::pair<Vector2d, std::string>> bases;
+  const auto add_base = [&](const Vector3d& at, const std::string& name) {
+    bases.emplace_back(Vector2d(at[u], at[v]), name);
+  };
+  const PoseSettings& own = placement.plans.front().place;
+  const PoseSettings& best = placement.plans[placement.recommended].place;
+  if (placement.robot) {
+    add(placement.X_WP, "part", "#8a8f98");
+    add_base(own.position, "robot, job's own");
+    if (placement.recommended > 0 && !placement.split) add_base(best.position, "robot, best");
+  } else {
+    add(MakePose(own), "job's own", "#8a8f98");
+    if (placement.recommended > 0 && !placement.split) add(MakePose(best), "best", "#2b7de0");
+    add_base(placement.base, "robot base");
+  }
+  if (placement.split)
+    for (size_t i = 0; i < Recommended(placement).size(); ++i) {
+      const PoseSettings& place = Recommended(placement)[i]->place;
+      if (placement.robot)
+        add_base(place.position, fmt::format("robot, station {}", i + 1));
+      else
+        add(MakePose(place), fmt::format("station {}", i + 1), "#2b7de0");
+    }
+  Eigen::AlignedBox2d box;
+  for (const auto& [at, name] : bases) box.extend(at);
+  for (const Drawn& drawn : all)
+    for (const Vector2d& p : drawn.outline) box.extend(p);
+  const double margin = 0.08 * box.sizes().maxCoeff() + 1;
+  const Vector2d lower = box.min().array() - margin, upper = box.max().array() + margin;
+  const double scale = 560 / std::max(upper.x() - lower.x(), upper.y() - lower.y());
+  const auto to = [&](const Vector2d& p) {
+    return Vector2d((p.x() - lower.x()) * scale, (upper.y() - p.y()) * scale);
+  };
+  std::string svg =
+      fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"Part and robot\">",
+                  (upper.x() - lower.x()) * scale, (upper.y() - lower.y()) * scale);
+  for (const auto& [at, name] : bases) {
+    const Vector2d b = to(at);
+    svg += fmt::format(
+        "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"7\" fill=\"none\" stroke=\"currentColor\"/>"
+        "<text x=\"{2:.1f}\" y=\"{3:.1f}\" font-size=\"12\">{4}</text>",
+        b.x(), b.y(), b.x() + 11, b.y() + 4, name);
+  }
+  for (const Drawn& drawn : all) {
+    std::string corners;
+    Vector2d top(0, std::numeric_limits<double>::infinity());
+    for (const Vector2d& p : drawn.outline) {
+      const Vector2d at = to(p);
+      corners += fmt::format("{:.1f},{:.1f} ", at.x(), at.y());
+      if (at.y() < top.y()) top = at;
+    }
+    svg += fmt::format(
+        "<polygon points=\"{0}\" fill=\"{1}\" fill-opacity=\"0.15\" stroke=\"{1}\" stroke-width=\"1.5\"/>"
+        "<text x=\"{2:.1f}\" y=\"{3:.1f}\" font-size=\"12\" text-anchor=\"middle\">{4}</text>",
+        corners, drawn.colour, std::clamp(top.x(), 32.0, (upper.x() - lower.x()) * scale - 32),
+        std::max(11.0, top.y() - 4), Escaped(drawn.name));
+    for (const Vector2d& p : drawn.points) {
+      const Vector2d at = to(p);
+      svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"1.4\" fill=\"{}\"/>", at.x(), at.y(),
+                         drawn.colour);
+    }
+  }
+  return svg + "</svg>";
+}
+
+}  // namespace
+
+std::string PlacementPage(const FoundPlaces& placement) {
+  std::string head = kHead;
+  head.replace(head.find("{title}"), 7, Escaped(placement.job) + ": places");
+  const size_t u = placement.map_coordinates[0], v = placement.map_coordinates[1];
+  const bool lengths = u < 3 && v < 3 && u != v;
+  const int across = lengths ? static_cast<int>(u) : 0, up = lengths ? static_cast<int>(v) : 1;
+  std::string text = head + fmt::format("<h1>{}: where it may be placed</h1>", Escaped(placement.job));
+  const bool none = placement.recommended == 0 && !placement.split;
+  text += fmt::format(
+      "<section><h2>Planned completely</h2><p>÷: compared with the job's own place, "
+      "below 1 is stiffer.{}</p>{}</section>",
+      none ? " No place that was planned is better than the job's own." : "", PlansTable(placement));
+  text += StationsSection(placement);
+  text += fmt::format(
+      "<div class=\"two\"><section><h2>Worst {} ÷ the job's own place, by {} sampled points</h2>"
+      "<p>Other coordinates as in the {} place. Grey: what keeps the part, or most of its points, from "
+      "there.</p>{}{}</section>",
+      Escaped(placement.objective), placement.own.score.total(),
+      placement.recommended > 0 ? "best" : "job's own", MapSvg(placement), MapLegend(placement));
+  text += fmt::format(
+      "<section><h2>Part and robot, seen along {}</h2><p>In {}; dots: sampled "
+      "points.</p>{}</section></div>",
+      std::string("xyz").substr(static_cast<size_t>(3 - across - up), 1),
+      placement.robot ? "the world" : "the frame of workpiece.pose", ViewSvg(placement, across, up));
+  text += fmt::format(
+      "<section><h2>Near the {} place</h2><p>How well it must be met, by the sampled points.</p>{}</section>",
+      placement.recommended > 0 ? "best" : "job's own", NearbyTable(placement.sensitivity));
+  return text + "</body>\n</html>\n";
+}
+
+}  // namespace millpose

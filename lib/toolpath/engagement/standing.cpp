@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "toolpath/engagement/standing.hpp"
+
+#include <algorithm>
+
+namespace millpose {
+namespace {
+
+constexpr double kTouch = 1e-3;  // mm: what the envelope only touches stays
+
+RegionOptions WithoutRim(RegionOptions options) {
+  options.rim_distance = 0;
+  return options;
+}
+
+}  // namespace
+
+RaisedRegion::RaisedRegion(const Mesh& mesh, RegionOptions region, double top, double cutter_radius)
+    : mesh_(mesh),
+      region_(mesh, WithoutRim(std::move(region))),
+      top_(top),
+      beside_(0.02 * cutter_radius),
+      within_(1.001 * (std::max(top, kTouch) + beside_)) {}
+
+bool RaisedRegion::Holds(const Eigen::Vector3d& place) const {
+  const SurfacePoint foot = mesh_.Closest(place, within_);
+  if (foot.face < 0 || !region_.HasFace(foot.face)) return false;
+  const Eigen::Vector3d away = place - foot.position;
+  const double height = away.dot(mesh_.FaceNormal(foot.face));
+  if (height < -kTouch || height > top_) return false;
+  if (away.squaredNorm() - height * height > beside_ * beside_) return false;
+  return region_.Margin(foot.face, foot.position) > -beside_;
+}
+
+SweptPath::SweptPath(const CutterShape& cutter, const Toolpath& toolpath) : cutter_(cutter) {
+  constexpr double kBend = 0.1;  // of the radius: what a curved surface falls away over a radius
+  size_t number = 0;
+  for (const Pass& pass : toolpath.passes) {
+    for (const MillingPoint& point : pass.points) {
+      const double cosine = point.normal.dot(point.tool_axis);
+      const double sine = std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine)));
+      drop_ = std::max(drop_, cutter.radius * (kBend + sine));
+    }
+    const std::vector<MillingPoint>& points = pass.points;
+    for (size_t i = 0; i < points.size(); ++i, ++number) {
+      const bool joined = i > 0 && !(points[i - 1].gouge > 0);
+      if (!(points[i].gouge > 0)) Add(points[joined ? i - 1 : i], points[i], number);
+    }
+    if (pass.closed && !(points.front().gouge > 0) && !(points.back().gouge > 0))
+      Add(points.back(), points.front(), number);
+  }
+  if (motions_.empty()) return;
+  stretches_.reserve(2 * motions_.size());
+  stretches_.emplace_back();
+  Build(0, 0, static_cast<int>(motions_.size()));
+}
+
+void SweptPath::Add(const MillingPoint& from, const MillingPoint& to, size_t number) {
+  motions_.push_back({from.position, to.position, to.tool_axis, number});
+}
+
+void SweptPath::Build(int stretch, int first, int count) {
+  Stretch made;
+  made.first = first;
+  made.count = count;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int i = first; i < first + count; ++i) {
+    const Motion& motion = motions_[static_cast<size_t>(i)];
+    made.box.extend(motion.from);
+    made.box.extend(motion.to);
+    sum += motion.axis;
+  }
+  made.axis = sum.norm() > 0 ? Eigen::Vector3d(sum.normalized()) : motions_[static_cast<size_t>(first)].axis;
+  for (int i = first; i < first + count; ++i)
+    made.lean = std::max(made.lean, (motions_[static_cast<size_t>(i)].axis - made.axis).norm());
+  made.reach = made.box.diagonal().norm() / 2;
+  if (count > 1) {
+    made.half = static_cast<int>(stretches_.size());
+    stretches_.emplace_back();
+    stretches_.emplace_back();
+  }
+  stretches_[static_cast<size_t>(stretch)] = made;
+  if (count == 1) return;
+  Build(made.half, first, count / 2);
+  Build(made.half + 1, first + count / 2, count - count / 2);
+}
+
+Eigen::AlignedBox3d SweptPath::BoxAbout(const Eigen::Vector3d& place) const {
+  const double reach = 2 * cutter_.radius;
+  return {place.array() - reach, place.array() + reach};
+}
+
+SweptPath::Near SweptPath::Before(size_t number, const Eigen::Vector3d& place,
+                                  const Eigen::Vector3d& normal) const {
+  Near near{number, place, normal, {}};
+  const Eigen::AlignedBox3d about = BoxAbout(place);
+  // Short enough that most of what is asked about a stretch is answered for all of it.
+  const double is_short = cutter_.radius / 4;
+  std::vector<int> open;
+  if (!stretches_.empty()) open.push_back(0);
+  while (!open.empty()) {
+    const int index = open.back();
+    open.pop_back();
+    const Stretch& stretch = stretches_[static_cast<size_t>(index)];
+    if (motions_[static_cast<size_t>(stretch.first)].number > number || !stretch.box.intersects(about))
+      continue;
+    if (stretch.half == 0 || stretch.reach < is_short)
+      near.stretches.push_back(index);
+    else
+      open.insert(open.end(), {stretch.half, stretch.half + 1});
+  }
+  return near;
+}
+
+bool SweptPath::Takes(const Motion& motion, const Eigen::Vector3d& place) const {
+  const Eigen::Vector3d way = motion.to - motion.from, beyond = place - motion.from;
+  const Eigen::Vector3d across = way - way.dot(motion.axis) * motion.axis;
+  const double square = across.squaredNorm();
+  const double share = square > 0 ? std::clamp(beyond.dot(across) / square, 0.0, 1.0) : 1.0;
+  const Eigen::Vector3d from_tip = beyond - share * way;
+  const double up = from_tip.dot(motion.axis);
+  if (up < kTouch) return false;
+  const double below = std::max(0.0, cutter_.corner_radius - up), r = cutter_.corner_radius;
+  const double radius = cutter_.radius - r + std::sqrt(std::max(0.0, r * r - below * below)) - kTouch;
+  return radius > 0 && from_tip.squaredNorm() - up * up < radius * radius;
+}
+
+// False where none of its motions can: all of them run too far beside the place, or too high above it.
+bool SweptPath::MayTake(const Stretch& stretch, const Near& near, const Eigen::Vector3d& place) const {
+  const Eigen::Vector3d middle = stretch.box.center(), away = place - middle;
+  if (motions_[static_cast<size_t>(stretch.first)].number > near.number) return false;
+  if ((middle - place).dot(near.normal) - stretch.reach > drop_) return false;
+  const double distance = away.norm(), along = away.dot(stretch.axis);
+  const double beside = std::sqrt(std::max(0.0, distance * distance - along * along));
+  return beside - stretch.reach - (distance + stretch.reach) * stretch.lean < cutter_.radius;
+}
+
+bool SweptPath::Removed(int index, const Near& near, const Eigen::Vector3d& place) const {
+  const Stretch& stretch = stretches_[static_cast<size_t>(index)];
+  if (stretch.half > 0)
+    return MayTake(stretch, near, place) &&
+           (Removed(stretch.half + 1, near, place) || Removed(stretch.half, near, place));
+  const Motion& motion = motions_[static_cast<size_t>(stretch.first)];
+  if (motion.number > near.number || !stretch.box.intersects(BoxAbout(near.place))) return false;
+  const double height = (place - near.place).dot(near.normal);
+  const double at_start = (motion.from - near.place).dot(near.normal);
+  const double at_end = (motion.to - near.place).dot(near.normal);
+  return std::min(at_start, at_end) <= height + drop_ && Takes(motion, place);
+}
+
+bool SweptPath::Removed(const Near& near, const Eigen::Vector3d& place) const {
+  return std::ranges::any_of(near.stretches, [&](int stretch) { return Removed(stretch, near, place); });
+}
+
+}  // namespace millpose

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What material stands when the cutter comes to a point: the stock less what the path has taken off before.
+#pragma once
+
+#include "toolpath/engagement/edge_cut.hpp"
+#include "geometry/mesh/mesh.hpp"
+#include "toolpath/milling_point.hpp"
+#include "toolpath/region.hpp"
+
+namespace millpose {
+
+/// A region's surface raised by `top` (mm): holds the places above it that are no higher than that, and none
+/// beyond its borders. Safe to ask from many threads.
+class RaisedRegion {
+ public:
+  RaisedRegion(const Mesh& mesh, RegionOptions region, double top, double cutter_radius);
+  bool Holds(const Eigen::Vector3d& place) const;
+
+ private:
+  Mesh mesh_;
+  Region region_;
+  double top_;
+  double beside_;  ///< mm: places this far beside the border still count as over it
+  double within_;  ///< mm: no place that is held lies farther from the surface
+};
+
+/// The volumes that a cutter sweeps along a tool path, in the order of its points, which are numbered
+/// through. Between two points it moves straight; what it passes it clears upwards along its axis. Points
+/// with a gouge are not milled.
+class SweptPath {
+ public:
+  SweptPath(const CutterShape& cutter, const Toolpath& toolpath);
+
+  /// What has been swept near a place when the cutter comes to a point.
+  struct Near {
+    size_t number = 0;              ///< of the point
+    Eigen::Vector3d place, normal;  ///< its own
+    std::vector<int> stretches;     ///< of the path, the last first
+  };
+  Near Before(size_t number, const Eigen::Vector3d& place, const Eigen::Vector3d& normal) const;
+  /// Whether any of it has taken `place` off, which is no farther from the point than the cutter's radius.
+  bool Removed(const Near& near, const Eigen::Vector3d& place) const;
+
+ private:
+  struct Motion {
+    Eigen::Vector3d from, to, axis;
+    size_t number;  ///< of the first point at which it is done
+  };
+  /// Motions one after the other; the halves of a stretch are `half` and `half + 1`. Along a path points may
+  /// stand as close as they like: what is asked costs by its length.
+  struct Stretch {
+    Eigen::AlignedBox3d box;  ///< of the tips
+    Eigen::Vector3d axis;     ///< of the cutter in the mean
+    double reach = 0;         ///< of the box about its middle, mm
+    double lean = 0;          ///< of the axes about the mean: largest length of the difference
+    int first = 0, count = 0;
+    int half = 0;  ///< 0: a single motion
+  };
+  void Add(const MillingPoint& from, const MillingPoint& to, size_t number);
+  void Build(int stretch, int first, int count);
+  bool Takes(const Motion& motion, const Eigen::Vector3d& place) const;
+  bool MayTake(const Stretch& stretch, const Near& near, const Eigen::Vector3d& place) const;
+  bool Removed(int stretch, const Near& near, const Eigen::Vector3d& place) const;
+  Eigen::AlignedBox3d BoxAbout(const Eigen::Vector3d& place) const;
+
+  CutterShape cutter_;
+  double drop_ = 0;  ///< mm: no place of the cutter lies lower than this below its tip, seen from near it
+  std::vector<Motion> motions_;
+  std::vector<Stretch> stretches_;
+};
+
+}  // namespace millpose

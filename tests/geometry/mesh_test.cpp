@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/mesh/mesh.hpp"
+
+#include "base/random.hpp"
+#include "geometry/mesh/triangle.hpp"
+#include "tests/geometry/shapes.hpp"
+
+namespace millpose {
+namespace {
+
+Eigen::Vector3d RandomPoint(RandomStream& random, double size) {
+  return {random.Uniform(-size, size), random.Uniform(-size, size), random.Uniform(-size, size)};
+}
+
+TEST(Mesh, ClosestPointAgreesWithTryingEveryFace) {
+  const Mesh mesh = SoundMesh(SphereShape(10, 12));
+  RandomStream random(3, 0);
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::Vector3d p = RandomPoint(random, 20);
+    double best = 1e300;
+    for (int f = 0; f < mesh.face_count(); ++f) best = std::min(best, mesh.ClosestOnFace(p, f).distance);
+    const SurfacePoint closest = mesh.Closest(p);
+    EXPECT_EQ(closest.distance, best);
+    EXPECT_NEAR((closest.position - p).norm(), best, 1e-12);
+    EXPECT_NEAR(closest.barycentric.sum(), 1, 1e-12);
+    EXPECT_EQ(mesh.Closest(p, 0.999 * best).face, -1);
+    EXPECT_EQ(mesh.Closest(p, 1.001 * best).face, closest.face);
+  }
+}
+
+TEST(Mesh, ClosestPointOfATriangleAgreesWithDenseSampling) {
+  RandomStream random(4, 0);
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d a = RandomPoint(random, 1), b = RandomPoint(random, 1), c = RandomPoint(random, 1),
+                          p = RandomPoint(random, 2);
+    const Eigen::Vector3d w = ClosestOnTriangle(p, a, b, c);
+    const double distance = (w[0] * a + w[1] * b + w[2] * c - p).norm();
+    double sampled = 1e300;
+    for (int u = 0; u <= 60; ++u)
+      for (int v = 0; u + v <= 60; ++v)
+        sampled = std::min(sampled, (a + u / 60.0 * (b - a) + v / 60.0 * (c - a) - p).norm());
+    EXPECT_GE(w.minCoeff(), 0);
+    EXPECT_LE(distance, sampled + 1e-12);
+    EXPECT_GE(distance, sampled - 0.06);
+  }
+}
+
+TEST(Mesh, ContainsAgreesWithTheFormula) {
+  const Mesh mesh = SoundMesh(BoxShape({-1, -2, -3}, {1, 2, 3}));
+  RandomStream random(5, 0);
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector3d p = RandomPoint(random, 4);
+    const bool inside = std::abs(p.x()) < 1 && std::abs(p.y()) < 2 && std::abs(p.z()) < 3;
+    EXPECT_EQ(mesh.Contains(p), inside) << p.transpose();
+  }
+}
+
+TEST(Mesh, FacesNearAreThoseWithinTheDistance) {
+  const Mesh mesh = SoundMesh(SphereShape(10, 10));
+  RandomStream random(6, 0);
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d p = RandomPoint(random, 12);
+    std::vector<int> expected;
+    for (int f = 0; f < mesh.face_count(); ++f)
+      if (mesh.ClosestOnFace(p, f).distance <= 3) expected.push_back(f);
+    EXPECT_EQ(mesh.FacesNear(p, 3), expected);
+  }
+}
+
+TEST(Mesh, RefusesWhatIsNoManifold) {
+  Triangles mesh = BoxShape({0, 0, 0}, {1, 1, 1});
+  Flip(mesh, 0);
+  EXPECT_THROW(Mesh{mesh}, std::logic_error);
+}
+
+}  // namespace
+}  // namespace millpose

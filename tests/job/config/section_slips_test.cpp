@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Slips in the sections that few jobs have, each at its place: leans, compensation, placement, external axes.
+// In the texts ^ stands before what the message must point at.
+#include "base/error.hpp"
+#include "job/config/config.hpp"
+#include "tests/job/config/cell_head.hpp"
+
+namespace millpose {
+namespace {
+
+constexpr const char* kJob = R"(millpose_job: 1
+name: part
+cell: cell.yaml
+workpiece: {mesh: part.stl, unit: mm, pose: {xyz_mm: [1, 2, 3]}}
+toolpath:
+  strategy: parallel_planes
+  planes: {normal: [0, 1, 0]}
+  stepover_mm: 8
+<toolpath>process: {feed_mm_min: 80, spindle_rpm: 7000}
+<job>)";
+
+const std::string kCell =
+    std::string(kCellHead) + R"(  stack: [{name: cutter, class: cutter, length_mm: 60, diameter_mm: 20}]
+external_axes:
+<axes>bodies:
+  - {name: base, class: link, mount: base, shape: {sphere: {diameter_mm: 900}}}
+<bodies>)";
+
+constexpr const char* kRail =
+    "  - {name: rail, kind: linear, carries: robot, axis: [1, 0, 0], limits_mm: [0, 4000], speed_mm_s: 500, "
+    "acceleration_mm_s2: 800}\n";
+
+std::string Filled(std::string text, const std::vector<std::pair<std::string, std::string>>& places) {
+  for (const auto& [place, with] : places) text.replace(text.find(place), place.size(), with);
+  return text;
+}
+
+std::string JobWith(const std::string& toolpath, const std::string& job = "") {
+  return Filled(kJob, {{"<toolpath>", toolpath}, {"<job>", job}});
+}
+std::string CellWith(const std::string& axes, const std::string& bodies = "") {
+  return Filled(kCell, {{"<axes>", axes}, {"<bodies>", bodies}});
+}
+
+/// Refused in one sentence that begins with `message`, at the mark.
+template <class Parse>
+void Expect(const Parse& parse, std::string text, const std::string& message) {
+  const size_t mark = text.find('^');
+  ASSERT_NE(mark, std::string::npos) << text;
+  text.erase(mark, 1);
+  const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(mark), '\n');
+  const size_t before = text.rfind('\n', mark);
+  try {
+    parse(text);
+    ADD_FAILURE() << "accepted: " << message;
+  } catch (const InputError& error) {
+    ASSERT_EQ(error.problems().size(), 1u) << error.what();
+    const Problem& problem = error.problems()[0];
+    EXPECT_TRUE(problem.message.starts_with(message)) << error.what();
+    EXPECT_EQ(problem.place.line, line) << error.what();
+    EXPECT_EQ(static_cast<size_t>(problem.place.column), mark - before) << error.what();
+  }
+}
+void ExpectJob(const std::string& text, const std::string& message) {
+  Expect([](const std::string& job) { ParseJob(job, "f.yaml"); }, text, message);
+}
+void ExpectCell(const std::string& text, const std::string& message) {
+  Expect([](const std::string& cell) { ParseCell(cell, "f.yaml"); }, text, message);
+}
+
+TEST(SectionSlips, OfLeans) {
+  ASSERT_NO_THROW(ParseJob(JobWith("  lead_deg: {from: 1, to: 3, step: 1}\n"), "f.yaml"));
+  ExpectJob(JobWith("  lead_deg: {from: 3, to: ^3, step: 1}\n"), "toolpath.lead_deg.to: given 3");
+  ExpectJob(JobWith("  lead_deg: {from: 1, to: 3, step: ^2.5}\n"), "toolpath.lead_deg.step: given 2.5");
+  ExpectJob(JobWith("  lead_deg: {from: 0, to: 30, step: ^1}\n"), "toolpath.lead_deg.step: given 1");
+  ExpectJob(JobWith("  tilt_deg: {from: 1, to: 3, step: 1, nominal: ^0}\n"),
+            "toolpath.tilt_deg.nominal: given 0");
+  ExpectJob(JobWith("  ^min_cutting_speed_share: 0.5\n"),
+            "toolpath.min_cutting_speed_share: has no effect here: needs a range in lead_deg");
+  ExpectJob(JobWith("  tilt_deg: {from: -3, to: 3, step: 1}\n  ^min_cutting_speed_share: 0.5\n"),
+            "toolpath.min_cutting_speed_share: has no effect here: at the nominal lean, 0");
+  ExpectJob(
+      JobWith("  ^lead_deg: {from: 1, to: 3, step: 1}\n  tool_axis: {rule: fixed, direction: [0, 0, 1]}\n"),
+      "toolpath.lead_deg: a range leans the tool from the surface's normal");
+  ExpectJob(JobWith("", "path: {^max_lean_change_deg_per_mm: 1}\n"),
+            "path.max_lean_change_deg_per_mm: has no effect here: needs a range");
+  ExpectJob(JobWith("  lead_deg: {from: 1, to: 3, step: 1}\n",
+                    "pose: {objective: {name: chen2021}, ^formulation: paper}\n"),
+            "pose.formulation: paper knows the rotation about the tool axis alone");
+}
+
+TEST(SectionSlips, TheNominalLeanIsTheOneNearestToUpright) {
+  const auto nominal = [](const char* range) {
+    const JobSettings job = ParseJob(JobWith(fmt::format("  lead_deg: {}\n", range)), "f.yaml");
+    EXPECT_EQ(job.toolpath.lead, job.toolpath.Find("lead")->Nominal()) << "the path is laid at it";
+    return RadToDeg(job.toolpath.lead);
+  };
+  EXPECT_DOUBLE_EQ(nominal("{from: 1, to: 3, step: 1}"), 1);
+  EXPECT_DOUBLE_EQ(nominal("{from: -4, to: -2, step: 1}"), -2);
+  EXPECT_DOUBLE_EQ(nominal("{from: -4, to: 2, step: 1}"), 0);
+  EXPECT_DOUBLE_EQ(nominal("{from: -4, to: 2, step: 1, nominal: -3}"), -3);
+  EXPECT_FALSE(ParseJob(JobWith("  lead_deg: 2\n"), "f.yaml").toolpath.Leans());
+}
+
+TEST(SectionSlips, OfCompensation) {
+  for (const char* key : {"shrink: 0.5", "stiffness_uncertainty_percent: 20", "layers: all"}) {
+    const std::string name = std::string(key).substr(0, std::string(key).find(':'));
+    ExpectJob(JobWith("", fmt::format("compensation: {{weight: true, ^{}}}\n", key)),
+              "compensation." + name + ": has no effect here: compensation.deflection is off");
+  }
+  ExpectJob(JobWith("", "compensation: {^max_mm: 0.2}\n"),
+            "compensation.max_mm: has no effect here: nothing is compensated");
+  EXPECT_NO_THROW(ParseJob(JobWith("", "compensation: {weight: true, max_mm: 0.2}\n"), "f.yaml"));
+}
+
+TEST(SectionSlips, OfPlacement) {
+  const auto placement = [](const std::string& keys) { return JobWith("", "placement: " + keys + "\n"); };
+  ASSERT_NO_THROW(ParseJob(placement("{x_mm: {from: -1, to: 1}, map: [x_mm]}"), "f.yaml"));
+  ExpectJob(placement("{x_mm: ^{from: 1, to: 1}}"), "placement.x_mm: `to` must be more than `from`");
+  ExpectJob(placement("^{points: 3}"),
+            "placement: give a range for one of x_mm, y_mm, z_mm, a_deg, b_deg, c_deg");
+  ExpectJob(placement("{x_mm: {from: 0, to: 1}, ^map: [y_mm]}"),
+            "placement.map: given y_mm, which has no range");
+  ExpectJob(placement("{x_mm: {from: 0, to: 1}, ^map: [x_mm, x_mm]}"),
+            "placement.map: give one direction or two different ones");
+  ExpectJob(placement("{x_mm: {from: 0, to: 1}, stations: {most: ^1, error_mm: 1}}"),
+            "placement.stations.most: given 1; allowed: integer 2…9");
+  ExpectJob(placement("{x_mm: {from: 0, to: 1}, stations: ^{most: 2}}"),
+            "placement.stations.error_mm: missing");
+}
+
+TEST(SectionSlips, OfExternalAxes) {
+  ASSERT_NO_THROW(ParseCell(CellWith(kRail), "f.yaml"));
+  const auto rail = [](const std::string& from, const std::string& to) {
+    return CellWith(Filled(kRail, {{from, to}}));
+  };
+  ExpectCell(rail("limits_mm: [0, 4000]", "limits_mm: ^[4000, 0]"),
+             "external_axes[0].limits_mm: given no range");
+  ExpectCell(rail("limits_mm: [0, 4000]", "limits_mm: ^[4000]"),
+             "external_axes[0].limits_mm: given no range");
+  ExpectCell(rail("  - {name: rail", "  - ^{name: rail, home_mm: -1"),
+             "external_axes[0].home_mm: given -1; allowed: within limits_mm");
+  ExpectCell(rail("speed_mm_s: 500", "speed_mm_s: 500, ^home_deg: 1"),
+             "external_axes[0].home_deg: has no effect here: kind is linear; allowed: home_mm");
+  ExpectCell(rail("speed_mm_s: 500", "speed_mm_s: 500, ^origin_mm: [0, 0, 0]"),
+             "external_axes[0].origin_mm: has no effect here: a linear axis has no place");
+  ExpectCell(rail("  - {name: rail", "  - ^{name: rail, stiffness_N_mm: 1e5"),
+             "external_axes[0].stiffness_source: missing; required with a stiffness");
+  ExpectCell(rail("name: rail", "name: rail, ^stiffness_source: guessed"),
+             "external_axes[0].stiffness_source: has no effect here");
+  ExpectCell(
+      CellWith("  - ^{name: table, kind: rotary, carries: workpiece, axis: [0, 0, 1], limits_deg: [-180, "
+               "180], speed_deg_s: 50, acceleration_deg_s2: 80}\n"),
+      "external_axes[0].origin_mm: missing; required where kind is rotary");
+  ExpectCell(rail("speed_mm_s: 500, ", "").replace(rail("speed_mm_s: 500, ", "").find("{name: rail"), 0, "^"),
+             "external_axes[0].speed_mm_s: missing; required where kind is linear");
+  std::string twice = Filled(kRail, {{"  - {", "  - ^{"}});
+  ExpectCell(CellWith(kRail + twice), "external_axes[1].name: given rail twice");
+  const std::string column = ", class: fixture, shape: {sphere: {diameter_mm: 9}}";
+  ExpectCell(CellWith(kRail, "  - ^{name: a, mount: carriage, axis: rial" + column + "}\n"),
+             "bodies[1].axis: given 'rial'; allowed: the name of one of external_axes; did you mean 'rail'?");
+  ExpectCell(CellWith(kRail, "  - {name: a, mount: world, ^axis: rail" + column + "}\n"),
+             "bodies[1].axis: has no effect here: mount is not carriage");
+}
+
+TEST(SectionSlips, AStiffnessOfAnExternalAxisIsReadAsCompliance) {
+  const CellSettings cell = ParseCell(
+      CellWith(Filled(kRail, {{"{name: rail", "{name: rail, stiffness_N_mm: 2e5, stiffness_source: maker"}})),
+      "f.yaml");
+  ASSERT_EQ(cell.external_axes.size(), 1u);
+  EXPECT_DOUBLE_EQ(cell.external_axes[0].compliance.value_or(0), 5e-6);
+  EXPECT_FALSE(ParseCell(CellWith(kRail), "f.yaml").external_axes[0].compliance) << "rigid";
+}
+
+TEST(SectionSlips, OfWhereExternalAxesStand) {
+  const auto external = [](const std::string& keys) {
+    return JobWith("", "external:\n  - {axis: rail, " + keys + "}\n");
+  };
+  ASSERT_NO_THROW(ParseJob(external("scope: constant, at_mm: 1500"), "f.yaml"));
+  ASSERT_NO_THROW(ParseJob(external("scope: continuous, step_mm: 500"), "f.yaml"));
+  ExpectJob(external("scope: continuous, ^at_mm: 3"),
+            "external[0].at_mm: has no effect here: with scope continuous the planner chooses");
+  ExpectJob(external("scope: per_pass, ^at_mm: 3"),
+            "external[0].at_mm: has no effect here: with scope per_pass the planner chooses");
+  ExpectJob(external("scope: constant, at_mm: 3, ^step_mm: 3"),
+            "external[0].step_mm: has no effect here: the position is given");
+  ExpectJob(external("scope: constant, at_mm: 3, ^at_deg: 3"),
+            "external[0].at_deg: given beside the other unit");
+  ExpectJob(external("scope: per_pass, step_mm: 3, ^step_deg: 3"),
+            "external[0].step_deg: given beside the other unit");
+}
+
+}  // namespace
+}  // namespace millpose

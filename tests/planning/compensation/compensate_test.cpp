@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "planning/compensation/compensate.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planning/compensation/gain.hpp"
+#include "planning/result/station.hpp"
+#include "machine/robot/kinematics.hpp"
+#include "tests/planning/compensation/forced_plan.hpp"
+
+namespace millpose {
+namespace {
+
+/// The forced plan with a soft rail along W's y: at each point of a pass where `at` says, the part at rest.
+PlanResult OnRail(const std::vector<double>& at) {
+  PlanResult plan = Forced();
+  plan.external_axes = {{.name = "rail", .direction = Eigen::Vector3d::UnitY(), .compliance = 1e-5}};
+  plan.passes.resize(1);
+  PassResult& pass = plan.passes[0];
+  pass.external = {at.front()};
+  for (size_t i = 0; i < pass.points.size(); ++i) {
+    // The joints stay: base and part move by the same, as if the tip rode along.
+    const double rail = at.size() > 1 ? at[i] : at.front();
+    pass.points[i].point.position.y() += rail;
+    if (at.size() > 1) pass.points[i].external = ExternalPosition{rail};
+  }
+  return plan;
+}
+
+TEST(Compensate, IsThatOfEachPointsOwnPosition) {
+  std::vector<double> along;
+  for (size_t i = 0; i < Forced().passes[0].points.size(); ++i)
+    along.push_back(100 + 3 * static_cast<double>(i));
+  PlanResult moving = OnRail(along);
+  const CompensationOptions options = Sure();
+  Compensate(options, ForcesOf(moving), moving);
+  size_t taken = 0;
+  for (size_t i = 0; i < along.size(); ++i) {
+    PlanResult still = OnRail({along[i]});
+    Compensate(options, ForcesOf(still), still);
+    const Compensation &own = *moving.passes[0].points[i].compensation,
+                       &there = *still.passes[0].points[i].compensation;
+    EXPECT_EQ(own.normal.expected, there.normal.expected);
+    EXPECT_EQ(own.normal.low, there.normal.low);
+    if (own.shift.isZero(0)) continue;
+    ++taken;
+    // The commanded pose is the shifted one in the base where it is then.
+    const Pose X_WB = BaseAt(moving, ExternalAt(moving.passes[0], i));
+    const auto tip = [&](const Joints& q) -> Eigen::Vector3d {
+      return (X_WB * ForwardFlange(moving.arm, q) * moving.X_FT).translation();
+    };
+    EXPECT_LT((tip(own.q) - tip(moving.passes[0].points[i].q) - own.shift).norm(), 1e-6);
+  }
+  EXPECT_GT(taken, 5u);
+}
+
+using Eigen::Vector3d;
+
+Vector3d TipAt(const PlanResult& plan, const Joints& q) {
+  return (plan.X_WB * ForwardFlange(plan.arm, q) * plan.X_FT).translation();
+}
+
+/// Where the tip stands under a point's force, above its nominal place along `direction`.
+double Loaded(const PlanResult& plan, const PlannedPoint& point, const Vector3d& force,
+              const Vector3d& direction) {
+  const Joints& q = point.compensation->q;
+  const Matrix6 C = Compliance(Jacobian(plan.arm, q, plan.X_FT.translation()), plan.arm.stiffness);
+  const Eigen::Matrix3d R = plan.X_WB.linear();
+  const Vector3d moved = R * (C.topLeftCorner<3, 3>() * (R.transpose() * force));
+  return direction.dot(TipAt(plan, q) + moved - point.point.position);
+}
+
+TEST(Compensate, TakesOutWhatIsSureToAHundredthOfAMicrometre) {
+  PlanResult plan = Forced();
+  const CompensationCounts counts = Compensate(Sure(), ForcesOf(plan), plan);
+  size_t shifted = 0;
+  for (const PassResult& pass : plan.passes)
+    for (const PlannedPoint& point : pass.points) {
+      ASSERT_TRUE(point.compensation);
+      const Compensation& c = *point.compensation;
+      EXPECT_LT((TipAt(plan, c.q) - point.point.position - c.shift).norm(), 1e-9);
+      const bool start = pass.pieces.front().closed && &point == &pass.points.front();
+      if (start) {
+        EXPECT_EQ(c.shift, Vector3d::Zero());  // is passed again where the ring closes
+        continue;
+      }
+      ++shifted;
+      EXPECT_GT(std::abs(c.normal.expected), 0.005);
+      EXPECT_LT(std::abs(Loaded(plan, point, point.point.engagement.force, point.point.normal)), 1e-5);
+    }
+  EXPECT_EQ(counts.shifted, shifted);
+  EXPECT_EQ(counts.cut, 0u);
+  ASSERT_TRUE(MedianRemains(Sure(), plan));
+  EXPECT_LT(*MedianRemains(Sure(), plan), 1e-9);
+}
+
+TEST(Compensate, FullTakesOutWhatLiesAcrossTheFeedToo) {
+  PlanResult plan = Forced();
+  for (PassResult& pass : plan.passes)
+    for (PlannedPoint& point : pass.points)
+      point.point.engagement.force = 100 * point.point.normal.cross(point.point.feed);
+  CompensationOptions options = Sure();
+  options.deflection = TakeOut::kFull;
+  Compensate(options, ForcesOf(plan), plan);
+  const PlannedPoint& point = plan.passes[0].points[7];
+  const Vector3d across = point.point.normal.cross(point.point.feed);
+  EXPECT_GT(std::abs(point.compensation->across.expected), 0.01);
+  EXPECT_LT(std::abs(Loaded(plan, point, point.point.engagement.force, across)), 1e-5);
+  EXPECT_LT(std::abs(Loaded(plan, point, point.point.engagement.force, point.point.normal)), 1e-5);
+  EXPECT_EQ(point.compensation->shift.dot(point.point.feed) < 1e-12, true);
+}
+
+TEST(Compensate, LeavesAirAndLeadsAlone) {
+  PlanResult plan = Forced();
+  plan.passes[0].points[0].point.kind = PointKind::kLeadIn;
+  plan.passes[0].points[9].point.engagement = {};
+  Compensate(Sure(), ForcesOf(plan), plan);
+  EXPECT_EQ(plan.passes[0].points[0].compensation->shift, Vector3d::Zero());
+  EXPECT_EQ(plan.passes[0].points[9].compensation->shift, Vector3d::Zero());
+  EXPECT_EQ(Commanded(plan).passes[0].points[9].q, plan.passes[0].points[9].q);
+  EXPECT_NE(Commanded(plan).passes[0].points[5].q, plan.passes[0].points[5].q);
+}
+
+TEST(Compensate, BoundsEveryShiftAndSaysSo) {
+  PlanResult plan = Forced(4000);
+  CompensationOptions options = Sure();
+  options.most = 0.05;
+  const CompensationCounts counts = Compensate(options, ForcesOf(plan), plan);
+  EXPECT_GT(counts.cut, 0u);
+  EXPECT_GT(counts.largest_cut, 0.05);
+  size_t bounded = 0;
+  for (const PassResult& pass : plan.passes)
+    for (const PlannedPoint& point : pass.points) {
+      EXPECT_LE(point.compensation->shift.norm(), 0.05 + 1e-12);
+      bounded += point.compensation->bounded;
+    }
+  EXPECT_EQ(bounded, counts.cut);
+}
+
+TEST(Compensate, ALayersResidualIsCutByTheNextOne) {
+  PlanResult plan = Forced();
+  plan.passes.pop_back();  // the ring
+  // The second pass runs below the first, and what that leaves standing adds to its depth.
+  for (size_t i = 0; i < plan.passes[0].points.size(); ++i) {
+    const PlannedPoint& below = plan.passes[1].points[i];
+    plan.passes[0].points[i].point.position = below.point.position + below.point.normal;
+  }
+  CompensationOptions options = Sure();
+  options.layers = 2;
+  options.cutter_radius = 10;
+  Compensate(options, ForcesOf(plan), plan);
+  const PlannedPoint &above = plan.passes[0].points[5], &below = plan.passes[1].points[5];
+  EXPECT_EQ(above.compensation->shift, Vector3d::Zero());  // roughing
+  EXPECT_GT(above.compensation->normal.expected, 0.01);
+  EXPECT_NEAR(below.compensation->force.norm() / below.point.engagement.force.norm(),
+              1 + above.compensation->normal.expected, 1e-12);
+  options.which = CompensatedLayers::kAll;
+  Compensate(options, ForcesOf(plan), plan);
+  EXPECT_GT(above.compensation->shift.norm(), 0.01);
+  EXPECT_NEAR(below.compensation->force.norm(), below.point.engagement.force.norm(), 1e-9);
+}
+
+TEST(Compensate, WeightIsTakenOutEverywhereAndApart) {
+  PlanResult plan = Forced();
+  CompensationOptions options;
+  const Vector3d sag(0, 0.01, -0.05);  // in B, whose axes are W's here
+  options.weight = [&](const Joints&) { return sag; };
+  Compensate(options, ForcesOf(plan), plan);
+  for (const PassResult& pass : plan.passes)
+    for (const PlannedPoint& point : pass.points) {
+      EXPECT_LT((point.compensation->shift + sag).norm(), 1e-12);
+      EXPECT_EQ(point.compensation->normal.taken, 0);
+      EXPECT_LT((TipAt(plan, point.compensation->q) - point.point.position + sag).norm(), 1e-9);
+    }
+}
+
+TEST(Compensate, OffLeavesThePlanAsItIs) {
+  PlanResult plan = Forced();
+  const std::string before = Serialise(plan);
+  Compensate(CompensationOptions(), ForcesOf(plan), plan);
+  EXPECT_EQ(Serialise(plan), before);
+  EXPECT_FALSE(IsCompensated(plan));
+}
+
+TEST(Compensate, OutlivesSerialisation) {
+  PlanResult plan = Forced();
+  Compensate(Sure(), ForcesOf(plan), plan);
+  const std::string bytes = Serialise(plan);
+  EXPECT_EQ(Serialise(ParsePlanResult(bytes, "plan.cbor")), bytes);
+  EXPECT_TRUE(IsCompensated(ParsePlanResult(bytes, "plan.cbor")));
+}
+
+TEST(Compensate, APieceCanBeLeftNominal) {
+  PlanResult plan = Forced();
+  Compensate(Sure(), ForcesOf(plan), plan);
+  LeaveNominal(plan.passes[0], plan.passes[0].pieces[0]);
+  for (const PlannedPoint& point : plan.passes[0].points) EXPECT_EQ(point.compensation->q, point.q);
+  EXPECT_TRUE(IsCompensated(plan));  // by the others
+}
+
+}  // namespace
+}  // namespace millpose

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "planning/pass/fixed_rotation.hpp"
+
+#include "base/random.hpp"
+#include "planning/pass/pass_checks.hpp"
+#include "planning/pass/fewest_missing.hpp"
+#include "planning/pass/fixed_interference.hpp"
+#include "machine/robot/angles.hpp"
+#include "machine/stiffness/compliance.hpp"
+#include "tests/planning/pass/pass_problem.hpp"
+
+namespace millpose {
+namespace {
+
+FixedRotationOptions FixedOptions(bool worst_first) {
+  const PathOptions path = Options();
+  return {path.rotation_step, path.steps, path.swept_resolution, worst_first, 2, {}, {}};
+}
+
+/// Two rows of panel points that mill up and down in turns.
+std::vector<Pass> Rows() {
+  std::vector<Pass> rows{Row(-150, 150, 25, 0), Row(-150, 150, 25, 150)};
+  for (Pass& row : rows)
+    for (MillingPoint& point : row.points)
+      point.engagement = {20 * point.feed - 10 * point.normal, 8, 1, CutSide::kUp};
+  return rows;
+}
+
+std::vector<PassResult> Plan(const PoseProblem& problem, const World& world, const std::vector<Pass>& rows,
+                             bool worst_first) {
+  PathOptions options = Options();
+  options.worst_first = worst_first;
+  std::vector<PassResult> planned;
+  for (size_t i = 0; i < rows.size(); ++i)
+    planned.push_back(
+        PlanPass(problem, world, {rows[i], static_cast<int>(i), 25 * i}, options, {.threads = 2}));
+  return planned;
+}
+
+double Worst(const std::vector<PointFigures>& figures) {
+  double worst = 0;
+  for (const PointFigures& point : figures) worst = std::max(worst, point.objective);
+  return worst;
+}
+
+double Sum(const std::vector<PointFigures>& figures) {
+  double sum = 0;
+  for (const PointFigures& point : figures) sum += point.objective;
+  return sum;
+}
+
+TEST(FixedRotation, APlanIsNeverWorseByItsOwnCriterion) {
+  PoseProblem problem = MakeProblem(Kr500R2830());
+  problem.objective = MakeObjective("surface_error", {});
+  const World world(EmptyCell(problem));
+  const std::vector<PassResult> planned = Plan(problem, world, Rows(), true);
+  const FixedComparison found = CompareWithFixed(Stations(world, problem), planned, FixedOptions(true));
+  ASSERT_EQ(found.plan.size(), 50u);
+  ASSERT_EQ(found.job.size(), 50u) << found.job_in_the_way;
+  ASSERT_EQ(found.passes.size(), 50u) << found.passes_in_the_way;
+  EXPECT_LE(Worst(found.plan), Worst(found.passes) * (1 + 2e-6));
+  EXPECT_LE(Worst(found.passes), Worst(found.job));
+  EXPECT_LT(Sum(found.plan), Sum(found.job));
+}
+
+TEST(FixedRotation, IsTheBestOfAllThatServeEveryPoint) {
+  PoseProblem problem = MakeProblem(Kr500R2830());
+  problem.objective = MakeObjective("surface_error", {});
+  const World world(EmptyCell(problem));
+  const std::vector<Pass> rows = Rows();
+  const std::vector<PassResult> planned = Plan(problem, world, rows, false);
+  const FixedComparison found = CompareWithFixed(Stations(world, problem), planned, FixedOptions(true));
+  double best = std::numeric_limits<double>::infinity();
+  for (int r = -90; r < 90; ++r) {
+    const double rotation = r * DegToRad(2);
+    double job = 0;
+    for (const Pass& row : rows) {
+      double least = std::numeric_limits<double>::infinity();
+      for (int branch = 0; branch < 8; ++branch) {
+        double worst = 0;
+        for (const MillingPoint& point : row.points) {
+          const Candidate candidate =
+              PointScorer(problem, point, row.rotation_reference).ScoreOne({rotation}, branch);
+          worst = candidate.obstacle == Obstacle::kNone ? std::max(worst, candidate.objective)
+                                                        : std::numeric_limits<double>::infinity();
+          if (!std::isfinite(worst)) break;
+        }
+        least = std::min(least, worst);
+      }
+      job = std::max(job, least);
+    }
+    best = std::min(best, job);
+  }
+  ASSERT_FALSE(found.job.empty()) << found.job_in_the_way;
+  EXPECT_NEAR(Worst(found.job) / best, 1, 1e-9);
+  // Its figures are those of its poses.
+  const Pass& row = rows[0];
+  Eigen::Vector3d force = problem.X_WB.linear().transpose() * row.points[0].engagement.force;
+  const PlannedPoint& planned_point = planned[0].points[0];
+  const Eigen::Matrix3d c =
+      Compliance(Jacobian(problem.arm, planned_point.q, problem.X_FT.translation()), problem.arm.stiffness)
+          .topLeftCorner<3, 3>();
+  EXPECT_NEAR(found.plan[0].length, (c * force).norm(), 1e-12);
+}
+
+TEST(FixedRotation, SaysWhatIsInTheWay) {
+  PoseProblem problem = MakeProblem(Kr500R2830());
+  const World world(EmptyCell(problem));
+  const std::vector<PassResult> planned = Plan(problem, world, {Row(-60, 60, 8)}, false);
+  const double middle = planned[0].points[4].q[4];
+  // Axis 5 has to stay where only a few rotations bring it, and not the same ones at both ends.
+  problem.bounds.lower[4] = middle - 1e-3;
+  problem.bounds.upper[4] = middle + 1e-3;
+  problem.bounds.lower[0] = planned[0].points[4].q[0] - 1e-3;
+  problem.bounds.upper[0] = planned[0].points[4].q[0] + 1e-3;
+  const FixedComparison found = CompareWithFixed(Stations(world, problem), planned, FixedOptions(false));
+  EXPECT_TRUE(found.job.empty());
+  EXPECT_TRUE(found.passes.empty());
+  EXPECT_NE(found.job_in_the_way.find("points: "), std::string::npos) << found.job_in_the_way;
+  EXPECT_NE(found.passes_in_the_way.find("pass 0"), std::string::npos) << found.passes_in_the_way;
+}
+
+/// What is in the way of a rotation.
+enum class Hit : uint8_t { kNone, kPose, kMotion };
+
+Hit HitOf(const PoseProblem& problem, const World& world, const PassResult& pass, double rotation,
+          int branch) {
+  const Carrier carrier{problem.arm, problem.X_WB, problem.X_FT};
+  Checker checker(world);
+  std::vector<Joints> q;
+  for (const PlannedPoint& point : pass.points)
+    q.push_back(PointScorer(problem, point.point, pass.rotation_reference).ScoreOne({rotation}, branch).q);
+  for (const Joints& at : q)
+    if (checker.Blocked(at, Phase::kCutting)) return Hit::kPose;
+  for (size_t t = 1; t < q.size(); ++t)
+    if (CheckCut(checker, carrier, q[t - 1], NearestEquivalent(q[t - 1], q[t]), Options().swept_resolution))
+      return Hit::kMotion;
+  return Hit::kNone;
+}
+
+TEST(FixedInterference, IsThatOfEveryPoseAndMotionWhateverWasLookedAtBefore) {
+  const PoseProblem problem = MakeProblem(Kr500R2830());
+  PathOptions far = Options();
+  far.steps = {kPi, 1e9, Joints::Constant(DegToRad(30))};
+  const PassResult planned =
+      PlanPass(problem, World(EmptyCell(problem)), {Row(-380, 380, 20)}, far, {.threads = 2});
+  const int branch = planned.points[10].branch;
+  const FixedRotationOptions options = FixedOptions(false);
+  std::array<int, 3> found{};
+  for (const size_t at : {10, 17}) {
+    // Two small balls: one stands where the wrist comes by, at a point or half-way to the next.
+    Cell cell = EmptyCell(problem);
+    Body wrist{.name = "wrist",
+               .body_class = BodyClass::kLink,
+               .mount = Mount::kLink,
+               .link = 5,
+               .shape = Sphere{8}};
+    Body ball{.name = "ball", .body_class = BodyClass::kFixture, .mount = Mount::kWorld, .shape = Sphere{4}};
+    const auto wrist_at = [&](size_t t) {
+      return Eigen::Vector3d((problem.X_WB * LinkFrames(problem.arm, planned.points[t].q)[5]).translation());
+    };
+    ball.X_MG.translation() = at == 10 ? wrist_at(10) : Eigen::Vector3d((wrist_at(17) + wrist_at(18)) / 2);
+    cell.bodies = {wrist, ball};
+    const World world(cell);
+    const Stations stations(world, problem);
+    FixedInterference interference(stations, planned, options);
+    const double plan = planned.points[at].freedoms[0];
+    for (int turn = 0; turn < 2; ++turn) {
+      for (int k = -12; k <= 12; ++k) {
+        const double rotation = plan + DegToRad(0.5) * (turn == 0 ? k : -k);
+        const Hit hit = HitOf(problem, world, planned, rotation, branch);
+        EXPECT_EQ(interference.IsFree(rotation, branch), hit == Hit::kNone) << at << ' ' << k;
+        ++found[static_cast<size_t>(hit)];
+      }
+    }
+  }
+  for (const int count : found) EXPECT_GT(count, 5);
+}
+
+/// Whether some branch of a rotation has a pose.
+bool HasPose(const PoseProblem& problem, const PassResult& pass, size_t t, double rotation) {
+  const PointScorer scorer(problem, pass.points[t].point, pass.rotation_reference);
+  for (int branch = 0; branch < 8; ++branch)
+    if (scorer.ScoreOne({rotation}, branch).obstacle == Obstacle::kNone) return true;
+  return false;
+}
+
+TEST(FewestMissing, IsTheFirstOfTheRotationsThatServeMost) {
+  const PoseProblem wide = MakeProblem(Kr500R2830());
+  const World world(EmptyCell(wide));
+  const std::vector<PassResult> planned = Plan(wide, world, Rows(), false);
+  const std::vector<const PassResult*> passes{&planned[0], &planned[1]};
+  FixedTable grid;
+  grid.rotations = 45;
+  grid.first = -kPi;
+  grid.step = DegToRad(8);
+  RandomStream stream(51, 0);
+  int none_missing = 0, some_missing = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    PoseProblem problem = wide;
+    for (int j = 0; j < 6; ++j) {
+      const double middle = planned[0].points[static_cast<size_t>(stream.Below(25))].q[j];
+      problem.bounds.lower[j] = std::max(wide.bounds.lower[j], middle - stream.Uniform(0.02, 1.2));
+      problem.bounds.upper[j] = std::min(wide.bounds.upper[j], middle + stream.Uniform(0.02, 1.2));
+    }
+    MissingPoints expected{0, std::numeric_limits<size_t>::max(), {}};
+    for (size_t r = 0; r < grid.rotations; ++r) {
+      MissingPoints of{r, 0, {{}, {}}};
+      for (size_t pass = 0; pass < 2; ++pass)
+        for (size_t t = 0; t < planned[pass].points.size(); ++t)
+          if (!HasPose(problem, planned[pass], t, grid.Rotation(r)))
+            ++of.count, of.of_pass[pass].push_back(t);
+      if (of.count < expected.count) expected = of;
+    }
+    const MissingPoints found = FewestMissing(Stations(world, problem), passes, grid, 2, {});
+    EXPECT_EQ(found.rotation, expected.rotation);
+    EXPECT_EQ(found.count, expected.count);
+    EXPECT_EQ(found.of_pass, expected.of_pass);
+    ++(found.count > 0 ? some_missing : none_missing);
+  }
+  EXPECT_GT(none_missing, 3);
+  EXPECT_GT(some_missing, 3);
+}
+
+}  // namespace
+}  // namespace millpose

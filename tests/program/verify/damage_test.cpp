@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every damage that changes motion, timing or outputs is caught with its line; harmless edits pass.
+#include "tests/program/verify/damage.hpp"
+
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "base/units.hpp"
+#include "program/controller_axes.hpp"
+#include "tests/program/verify/same_motions.hpp"
+#include "tests/program/verify/sample_cell.hpp"
+
+namespace millpose {
+namespace {
+
+MotionProgram WithOutputs(const PlanResult& plan) {
+  MotionOptions options;
+  options.outputs = {{5, true, 0, true}, {5, false, 0, false}};
+  return MakeMotionProgram(plan, options);
+}
+
+class DamagedProgram : public testing::TestWithParam<std::string> {
+ protected:
+  std::unique_ptr<Post> post = SamplePost(GetParam());
+  PostSettings settings = SampleSettings(GetParam());
+  PlanResult plan = SamplePlan({.wall_turn_deg = -75, .wall_yaw_deg = 12, .tilt_deg = 7});
+  MotionProgram program = WithOutputs(plan);
+  World world{SampleCell(plan)};
+  VerifyOptions options = SampleOptions(plan);
+  ProgramFiles files = post->Write(Prepared(program, GetParam(), settings, plan.arm), plan.arm, settings);
+  std::string name = files.rbegin()->first;  // .src comes after .dat
+  std::string text = WithWholeLines(files.rbegin()->second);
+  MotionProgram as_written = post->Read(files, plan.arm, settings);
+
+  void SetUp() override { options.written = &as_written; }
+
+  bool Applies(const TextEdit& edit) const {
+    const std::string controller = ControllerOf(GetParam());
+    const std::string letters = controller == "krl"                  ? "K"
+                                : controller == "sinumerik"          ? "S"
+                                : GetParam() == "linuxcnc_cartesian" ? "LC"
+                                                                     : "L";
+    return edit.controllers.find_first_of(letters) != std::string::npos;
+  }
+  /// Edits are made for the plain variants; another may have nothing that fits.
+  bool MayHaveNothing() const { return GetParam() != ControllerOf(GetParam()); }
+
+  MotionProgram Read(const std::string& edited) const {
+    ProgramFiles other = files;
+    other[name] = edited;
+    return post->Read(other, plan.arm, settings);
+  }
+
+  /// The first line that differs from the written text.
+  int FirstChange(const std::string& edited) const {
+    int line = 1;
+    for (size_t i = 0; i < std::min(text.size(), edited.size()) && text[i] == edited[i]; ++i) {
+      if (text[i] == '\n') ++line;
+    }
+    return line;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Controllers, DamagedProgram,
+                         testing::Values("krl", "sinumerik", "sinumerik_euler", "linuxcnc",
+                                         "linuxcnc_cartesian"),
+                         [](const auto& controller) { return controller.param; });
+
+TEST_P(DamagedProgram, IsCaughtWithItsLine) {
+  const MotionProgram written = Read(text);
+  int kinds = 0;
+  for (const TextEdit& damage : Damages()) {
+    if (!Applies(damage)) continue;
+    const std::optional<std::string> edited = damage.apply(text);
+    EXPECT_TRUE(edited || MayHaveNothing()) << damage.name << " edits nothing";
+    if (!edited) continue;
+    ++kinds;
+    try {
+      const MotionProgram read = Read(*edited);
+      const std::vector<Finding> findings = Verify(read, world, &program, options, {.threads = 2});
+      if (findings.empty()) {
+        EXPECT_TRUE(SameMotions(written, read, plan)) << damage.name << " is not caught";
+        continue;
+      }
+      for (const Finding& finding : findings) {
+        EXPECT_EQ(finding.file, name) << damage.name;
+        EXPECT_GT(finding.line, 0) << damage.name << ": " << finding.message;
+      }
+      // Said where it is, or where it first shows: not before the motion that leads to the changed line.
+      EXPECT_GE(findings.front().line, FirstChange(*edited) - 4)
+          << damage.name << ": " << findings.front().message;
+    } catch (const InputError& error) {
+      EXPECT_GT(error.problems().front().place.line, 0) << damage.name;
+    }
+  }
+  EXPECT_GE(kinds, 40);
+}
+
+TEST_P(DamagedProgram, SubprogramsInAnotherOrderAreCaught) {
+  if (ControllerOf(GetParam()) == "linuxcnc") return;  // one file
+  settings.max_motions = 12;
+  ProgramFiles parts = post->Write(Prepared(program, GetParam(), settings, plan.arm), plan.arm, settings);
+  const std::string extension = ControllerOf(GetParam()) == "krl" ? ".src" : ".mpf";
+  std::string& main = parts.at("Sample_wall_plan" + extension);
+  const size_t first = main.find("_001"), second = main.find("_002");
+  ASSERT_NE(second, std::string::npos);
+  EXPECT_TRUE(
+      Verify(post->Read(parts, plan.arm, settings), world, &program, options, {.threads = 2}).empty());
+  main[first + 3] = '2';
+  main[second + 3] = '1';
+  const std::vector<Finding> findings =
+      Verify(post->Read(parts, plan.arm, settings), world, &program, options, {.threads = 2});
+  ASSERT_FALSE(findings.empty());
+  EXPECT_GT(findings.front().line, 0);
+  // One call twice and the other lost.
+  main[second + 3] = '2';
+  EXPECT_THROW(post->Read(parts, plan.arm, settings), InputError);
+}
+
+TEST_P(DamagedProgram, HarmlessEditsPass) {
+  int kinds = 0;
+  for (const TextEdit& edit : HarmlessEdits()) {
+    if (!Applies(edit)) continue;
+    const std::optional<std::string> edited = edit.apply(text);
+    EXPECT_TRUE(edited || MayHaveNothing()) << edit.name;
+    if (!edited) continue;
+    ++kinds;
+    try {
+      for (const Finding& finding : Verify(Read(*edited), world, &program, options, {.threads = 2})) {
+        ADD_FAILURE() << edit.name << ": " << finding.line << ": " << finding.message;
+      }
+    } catch (const InputError& error) {
+      ADD_FAILURE() << edit.name << ": " << error.what();
+    }
+  }
+  EXPECT_GE(kinds, 10);
+}
+
+}  // namespace
+}  // namespace millpose

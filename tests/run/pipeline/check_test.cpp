@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// millpose check as a library: what it counts, and that its texts say it.
+#include "run/pipeline/commands/check.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "base/trig.hpp"
+#include "base/units.hpp"
+#include "job/workpiece.hpp"
+#include "tests/base/refusal.hpp"
+#include "tests/machine/collision/sample_cell.hpp"
+#include "tests/run/pipeline/small_job.hpp"
+
+namespace millpose::test {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A closed box as an OBJ file, `scale` times 120 × 80 × 20.
+std::string BoxObj(double scale) {
+  const Triangles box = BoxMesh(scale * Eigen::Vector3d(120, 80, 20));
+  std::string text;
+  for (const Eigen::Vector3d& v : box.vertices) text += fmt::format("v {} {} {}\n", v.x(), v.y(), v.z());
+  for (const auto& f : box.faces) text += fmt::format("f {} {} {}\n", f[0] + 1, f[1] + 1, f[2] + 1);
+  return text;
+}
+
+MeshCheck Checked(const std::string& name, const std::string& text, std::optional<double> unit = {}) {
+  const TestFolder folder("check");
+  folder.Write(name, text);
+  return CheckMesh({folder.path() / name, unit});
+}
+
+TEST(CheckMesh, MeasuresABox) {
+  const MeshCheck check = Checked("box.obj", BoxObj(1));
+  EXPECT_EQ(check.report.triangles, 12u);
+  EXPECT_EQ(check.report.vertices, 8u);
+  EXPECT_EQ(check.report.pieces, 1u);
+  EXPECT_EQ(check.report.closed_pieces, 1u);
+  EXPECT_EQ(check.report.rims, 0u);
+  EXPECT_EQ(check.creases, 12u);
+  EXPECT_EQ(check.median_bend, 0);
+  EXPECT_NEAR(check.report.area, 2 * (120 * 80 + 120 * 20 + 80 * 20), 1e-9);
+  EXPECT_TRUE(check.unit_plausible && check.warnings.empty() && !HasFindings(check));
+  const std::string text = ToText(check);
+  EXPECT_NE(text.find("size                120 x 80 x 20 mm\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("pieces              1, 1 of them closed\n"), std::string::npos) << text;
+  const Json json = Json::parse(ToJson(check));
+  EXPECT_EQ(json["triangles"], 12);
+  EXPECT_EQ(json["upper_mm"][0], 60);
+  EXPECT_EQ(json["closed_area_share"], 1);
+}
+
+TEST(CheckMesh, ListsFacesByPlaceNormalAndArea) {
+  const MeshCheck check = Checked("box.obj", BoxObj(1));
+  ASSERT_EQ(check.faces.size(), 6u);
+  double area = 0;
+  for (const MeshCheck::Face& face : check.faces) {
+    area += face.source.area;
+    const Eigen::Vector3d half(60, 40, 10);
+    EXPECT_NEAR(face.part.normal.dot(face.part.place), face.part.normal.cwiseAbs().dot(half), 1e-9)
+        << "on the box";
+    EXPECT_EQ(face.part.radius, 0);
+  }
+  EXPECT_NEAR(area, check.report.area, 1e-9);
+  const Json json = Json::parse(ToJson(check));
+  ASSERT_EQ(json["mesh_faces"].size(), 6u);
+  EXPECT_TRUE(json["step_faces"].empty());
+  EXPECT_TRUE(json["mesh_faces"][0]["radius_mm"].is_null());
+  EXPECT_NE(ToText(check).find("looking (0.000, 0.000, 1.000)"), std::string::npos) << ToText(check);
+}
+
+TEST(CheckMesh, ACylindersFaceHasItsRadius) {
+  constexpr int kSides = 64;
+  constexpr double kRadius = 12.5;
+  std::string text;
+  for (const double z : {0.0, 30.0})
+    for (int i = 0; i < kSides; ++i) {
+      const SineCosine t = SinCos(2 * kPi * i / kSides);
+      text += fmt::format("v {:.17g} {:.17g} {}\n", 100 + kRadius * t.cos, kRadius * t.sin - 7, z);
+    }
+  text += fmt::format("v 100 -7 0\nv 100 -7 30\n");
+  for (int i = 0; i < kSides; ++i) {
+    const int a = i + 1, b = (i + 1) % kSides + 1, below = 2 * kSides + 1, above = below + 1;
+    text += fmt::format("f {0} {1} {3}\nf {0} {3} {2}\nf {1} {0} {4}\nf {2} {3} {5}\n", a, b, a + kSides,
+                        b + kSides, below, above);
+  }
+  const MeshCheck check = Checked("cylinder.obj", text);
+  ASSERT_EQ(check.faces.size(), 3u) << ToText(check);
+  size_t round = 0;
+  for (const MeshCheck::Face& face : check.faces) {
+    if (face.part.radius == 0) continue;
+    ++round;
+    EXPECT_NEAR(face.part.radius, kRadius, 1e-9);
+  }
+  EXPECT_EQ(round, 1u);
+  EXPECT_NE(ToText(check).find(", radius 12.500 mm"), std::string::npos) << ToText(check);
+}
+
+TEST(CheckMesh, AUnitThatCannotBeIsWarnedOfWithThoseThatCould) {
+  const MeshCheck metres = Checked("box.obj", BoxObj(0.001)), told = Checked("box.obj", BoxObj(0.001), 1000);
+  EXPECT_FALSE(metres.unit_plausible);
+  EXPECT_TRUE(HasFindings(metres));
+  EXPECT_NE(ToText(metres).find("not plausible for the arm, see below"), std::string::npos);
+  EXPECT_TRUE(told.unit_plausible) << ToText(told);
+  EXPECT_NEAR(told.report.upper.x(), 60, 1e-9);
+}
+
+TEST(CheckMesh, AnOpenBoxHasARim) {
+  std::string text = BoxObj(1);
+  text.erase(text.rfind("f "));  // one triangle less
+  const MeshCheck check = Checked("box.obj", text);
+  EXPECT_EQ(check.report.closed_pieces, 0u);
+  EXPECT_EQ(check.report.rims, 1u);
+  EXPECT_GT(check.report.rim_length, 100);
+  EXPECT_TRUE(HasFindings(check)) << ToText(check);
+  EXPECT_LT(Json::parse(ToJson(check))["closed_area_share"], 1);
+}
+
+TEST(CheckMesh, WhatIsNoMeshIsRefusedWithItsName) {
+  EXPECT_NE(RefusalOf([] { Checked("cell.stl", "millpose_cell: 1\n"); }).find("cell.stl"), std::string::npos);
+  const TestFolder folder("check");
+  folder.Write("box.obj", BoxObj(1));
+  std::filesystem::create_directories(folder.path() / "root");
+  EXPECT_NE(
+      RefusalOf([&] {
+        CheckMesh({.mesh = folder.path() / "box.obj", .unit = {}, .root = FileRoot(folder.path() / "root")});
+      }).find("lies outside of"),
+      std::string::npos);
+}
+
+TEST(CheckCell, CountsAndReadsAsTheCellItIs) {
+  const CellCheck check = CheckCell({SamplePath("cells/kr500_r2830.yaml")});
+  EXPECT_EQ(check.cell, "kr500_r2830");
+  EXPECT_EQ(check.controllers, (std::vector<std::string>{"krl", "linuxcnc", "sinumerik"}));
+  EXPECT_FALSE(HasFindings(check)) << ToText(check);
+  EXPECT_GT(check.reach, 2830);
+  EXPECT_EQ(Json::parse(ToJson(check))["bodies"], check.bodies);
+  EXPECT_NE(ToText(check).find(check.arm), std::string::npos);
+  EXPECT_TRUE(IsCellFile(SamplePath("cells/kr500_r2830.yaml"), {}));
+  EXPECT_FALSE(IsCellFile(SamplePath("toolpaths/support_pad/job.yaml"), {}));
+}
+
+TEST(CheckCell, AHomeThatInterferesIsAWarning) {
+  const TestFolder folder("check");
+  CopySmallJob(folder);
+  folder.Change("cell.yaml", "home_deg: [0, -90, 90, 0, 0, 0]", "home_deg: [0, 20, 144, 0, 0, 0]");
+  const CellCheck check = CheckCell({folder.path() / "cell.yaml"});
+  ASSERT_TRUE(HasFindings(check));
+  EXPECT_NE(ToText(check).find("home_deg: "), std::string::npos);
+}
+
+TEST(CheckJob, CountsThePointsThatTheArmReaches) {
+  const JobCheck check = CheckJob(SmallInputs(), {.threads = 2}, Silent(), {});
+  EXPECT_EQ(check.job, "support_pad");
+  EXPECT_EQ(check.passes, 2u);
+  EXPECT_EQ(check.points, 6u);
+  EXPECT_EQ(check.reach, (std::array<size_t, 4>{6, 0, 0, 0}));
+  EXPECT_TRUE(check.out_of_reach.empty());
+  EXPECT_EQ(check.gouges, 0u);
+  EXPECT_NE(ToText(check).find("within reach        6 (100.0 %)\n"), std::string::npos) << ToText(check);
+  EXPECT_EQ(Json::parse(ToJson(check))["reach"]["admissible"], 6);
+}
+
+TEST(CheckJob, NamesThePointsOutOfReachAndTheAxesThatForbidThem) {
+  JobCheck check =
+      CheckJob(SmallInputs({{"workpiece.pose.xyz_mm", "[4000, 0, 1006]"}}), {.threads = 2}, Silent(), {});
+  EXPECT_EQ(check.reach[1], 6u);
+  EXPECT_EQ(check.out_of_reach, (std::vector<size_t>{0, 1, 2, 3, 4, 5}));
+  EXPECT_TRUE(HasFindings(check));
+  EXPECT_NE(ToText(check).find("too far or too near"), std::string::npos);
+  check =
+      CheckJob(SmallInputs({{"limits.joints_deg",
+                             "[[-45, 45], [-140, -30], [38, 120], [-350, 350], [-10, 10], [-350, 350]]"}}),
+               {.threads = 2}, Silent(), {});
+  EXPECT_EQ(check.reach[2], 6u);
+  EXPECT_EQ(check.limited[4], 6u) << "axis 5";
+  EXPECT_NE(ToText(check).find("  farthest: A5      6 (100.0 %)\n"), std::string::npos) << ToText(check);
+}
+
+TEST(CheckJob, APartTheWrongWayRoundIsAFinding) {
+  const auto findings = [](const std::string& abc) {
+    return ToText(CheckJob(SmallInputs({{"workpiece.pose.abc_deg", abc}}), {.threads = 2}, Silent(), {}));
+  };
+  // The wall's back, which the arm would have to reach round.
+  const std::string back = findings("[0, 90, 0]");
+  EXPECT_NE(
+      back.find("6 of 6 points have a normal that looks away from the arm, such as (1.000, 0.000, 0.000)"),
+      std::string::npos)
+      << back;
+  EXPECT_EQ(back.find("comes from below"), std::string::npos) << back;
+  const std::string upside_down = findings("[0, 180, 0]");
+  EXPECT_NE(upside_down.find(
+                "at 6 of 6 points the tool comes from below the part, with the axis (0.000, 0.000, -1.000)"),
+            std::string::npos)
+      << upside_down;
+  const std::string right = findings("[0, -90, 0]");
+  EXPECT_EQ(right.find("looks away"), std::string::npos) << right;
+  EXPECT_EQ(right.find("from below"), std::string::npos) << right;
+}
+
+TEST(CheckJob, RefusesWhatPlanWouldRefuseInTheSameWords) {
+  for (const Override& wrong :
+       {Override{"toolpath.region", "{facing: {direction: [1, 1, 0], within_deg: 1}}"},
+        Override{"limits.margin_deg", "45"}}) {
+    const std::string by_check =
+                          RefusalOf([&] { CheckJob(SmallInputs({wrong}), {.threads = 1}, Silent(), {}); }),
+                      by_plan =
+                          RefusalOf([&] { PlanJob(SmallInputs({wrong}), NoCheckpoints(), {.threads = 1}); });
+    EXPECT_NE(by_check, "accepted");
+    EXPECT_EQ(by_check, by_plan);
+  }
+}
+
+TEST(CheckJob, ThePageIsWrittenWhereItIsAskedFor) {
+  const TestFolder folder("check");
+  CheckJob(SmallInputs(), {.threads = 1, .view = folder.path() / "page.html"}, Silent(), {});
+  const std::string page = folder.Read("page.html");
+  EXPECT_NE(page.find("support_pad"), std::string::npos);
+  CheckCell({.cell = SamplePath("cells/kr500_r2830.yaml"), .view = folder.path() / "cell.html"});
+  EXPECT_GT(folder.Read("cell.html").size(), 10000u);
+}
+
+TEST(SurfaceStage, OfAStepFileSaysWhatItMayTake) {
+  EXPECT_EQ(SurfaceStage("solid x\n", 10, 100), "surface");
+  EXPECT_EQ(SurfaceStage("ISO-10303-21;\nHEADER;\n", 10, 100), "surface (STEP: at most 10 s, 100 MB)");
+}
+
+}  // namespace
+}  // namespace millpose::test
