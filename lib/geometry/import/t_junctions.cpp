@@ -38,33 +38,47 @@ struct Junction {
   int vertex;
 };
 
-// The junctions of each edge, in order.
+// Whether the segment from a to b meets the box; never false where it does.
+bool SegmentMeets(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  double from = 0, to = 1;  // the part of the segment that lies between the planes so far
+  for (int k = 0; k < 3; ++k) {
+    const double along = b[k] - a[k], lower = box.min()[k] - a[k], upper = box.max()[k] - a[k];
+    if (along == 0.0) {
+      if (lower > 0 || upper < 0) return false;
+      continue;
+    }
+    from = std::max(from, std::min(lower / along, upper / along));
+    to = std::min(to, std::max(lower / along, upper / along));
+  }
+  constexpr double kRounding = 1e-9;  // of the quotients
+  return from <= to + kRounding;
+}
+
+// The junctions of each edge, in order. Edges look for vertices along themselves: the boxes of long slanting
+// edges, as in a fan, would each hold most vertices.
 std::vector<std::vector<Junction>> JunctionsOn(const std::vector<Edge>& edges,
                                                const std::vector<Eigen::Vector3d>& at, double tolerance) {
-  std::vector<Eigen::AlignedBox3d> boxes;
   std::vector<int> vertices;
-  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(tolerance);
-  for (const Edge& edge : edges) {
-    boxes.emplace_back(at[edge.low].cwiseMin(at[edge.high]) - reach,
-                       at[edge.low].cwiseMax(at[edge.high]) + reach);
-    vertices.insert(vertices.end(), {edge.low, edge.high});
-  }
-  const Bvh tree(boxes);
+  for (const Edge& edge : edges) vertices.insert(vertices.end(), {edge.low, edge.high});
   std::ranges::sort(vertices);
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  std::vector<Eigen::AlignedBox3d> boxes;
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(tolerance);
+  for (const int vertex : vertices) boxes.emplace_back(at[vertex] - reach, at[vertex] + reach);
+  const Bvh tree(boxes);
   std::vector<std::vector<Junction>> junctions(edges.size());
-  for (const int vertex : vertices) {
-    const Eigen::Vector3d& p = at[vertex];
-    tree.ForEachIn(Eigen::AlignedBox3d(p), [&](int i) {
-      if (vertex == edges[i].low || vertex == edges[i].high) return;
-      const Eigen::Vector3d &a = at[edges[i].low], &b = at[edges[i].high];
-      const double share = ClosestOnSegment(p, a, b);
-      if (share > 0 && share < 1 && (a + share * (b - a) - p).norm() <= tolerance)
-        junctions[i].push_back({share, vertex});
-    });
+  for (size_t i = 0; i < edges.size(); ++i) {
+    const Eigen::Vector3d &a = at[edges[i].low], &b = at[edges[i].high];
+    tree.ForEachWhere([&](const Eigen::AlignedBox3d& box) { return SegmentMeets(box, a, b); },
+                      [&](int k) {
+                        const int vertex = vertices[static_cast<size_t>(k)];
+                        if (vertex == edges[i].low || vertex == edges[i].high) return;
+                        const double share = ClosestOnSegment(at[vertex], a, b);
+                        if (share > 0 && share < 1 && (a + share * (b - a) - at[vertex]).norm() <= tolerance)
+                          junctions[i].push_back({share, vertex});
+                      });
+    std::ranges::sort(junctions[i], {}, [](const Junction& j) { return std::pair(j.share, j.vertex); });
   }
-  for (std::vector<Junction>& on_edge : junctions)
-    std::ranges::sort(on_edge, {}, [](const Junction& j) { return std::pair(j.share, j.vertex); });
   return junctions;
 }
 

@@ -302,7 +302,8 @@ void RunComparison::ComparePlannedStops() {
       i = found + 1;
       continue;
     }
-    for (found = i; found < run_.last && !here(found);) ++found;
+    // The stop before may have been the run's last motion: then it is said there.
+    for (found = std::min(i, run_.last); found < run_.last && !here(found);) ++found;
     findings_.push_back(At(replayed_.program, found, Cause::kStop,
                            fmt::format("{}: a stop is planned here, but not programmed", Name(k))));
     return;
