@@ -109,8 +109,10 @@ class LinuxCnc : public Mover {
       Event(Step::Kind::kSwitch, "message " + Squeezed(words));
   }
 
-  /// "O-codes": O<name> CALL [1] [2].
-  bool Plant(const std::string& code) {
+  /// "O-codes": O<name> CALL [1] [2], a block number before it or not (rs274 runs both).
+  bool Plant(const std::string& block) {
+    const size_t number = block.starts_with('N') ? block.find_first_not_of("0123456789", 1) : 0;
+    const std::string code = block.substr(std::min(number, block.size()));
     if (!code.starts_with("O<")) return false;
     const size_t end = code.find('>');
     if (end == std::string::npos) throw Refusal{"> expected"};

@@ -198,7 +198,8 @@ PostSettings SampleSettings(const std::string& variant) {
 }
 
 std::unique_ptr<Post> SamplePost(const std::string& variant) {
-  if (variant == "linuxcnc_cartesian") return std::make_unique<LinuxCncPost>(LinuxCncOptions{true, std::nullopt});
+  if (variant == "linuxcnc_cartesian")
+    return std::make_unique<LinuxCncPost>(LinuxCncOptions{true, std::nullopt});
   return MakePost(ControllerOf(variant));
 }
 

@@ -421,8 +421,7 @@ TEST(BrokenYaml, TooLargeFilesAreRefusedWhereTheyBecomeSo) {
             "x.yaml:41944:5: the file has 4194400 bytes; allowed: at most 4194304, which end here");
   std::string many = "[";
   for (int i = 0; i < 250000; ++i) many += "1,2,\n";
-  EXPECT_EQ(told(many + "3]"),
-            "x.yaml:250000:3: more than 500000 keys and values; allowed: at most as many");
+  EXPECT_EQ(told(many + "3]"), "x.yaml:250000:3: more than 500000 keys and values; allowed: at most as many");
 }
 
 TEST(BrokenYaml, ControlCharactersInTextsAreRefused) {
