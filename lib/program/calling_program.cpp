@@ -130,6 +130,7 @@ std::vector<std::string> ReadCalling(const CallingSyntax& syntax, const std::str
 
 std::vector<std::string> CallsOf(const CallingSyntax& syntax, const std::string& stem,
                                  const std::string& text) {
+  if (syntax.call.empty()) return {};
   try {
     return ReadCalls(syntax, stem, text);
   } catch (const InputError&) {
@@ -138,6 +139,7 @@ std::vector<std::string> CallsOf(const CallingSyntax& syntax, const std::string&
 }
 
 std::string AsStandingAlone(const CallingSyntax& syntax, const std::string& name, const std::string& text) {
+  if (syntax.call.empty()) return text;
   const std::string head = Filled(syntax.called_head, name), tail = Filled(syntax.called_tail, name);
   std::vector<std::string> lines;
   for (const std::string_view line : SplitLines(text)) lines.emplace_back(line);

@@ -53,7 +53,7 @@ struct FrameTexts {
   std::vector<std::pair<std::string, std::string>> more;  ///< key, value
 };
 
-/// How a controller's main program calls others; {name} is the program's. What the last line of `head` and
+/// How a controller's main program calls others; {name} is the program's. Without `call` none can. What the last line of `head` and
 /// `tail` is stands in every program of the controller.
 struct CallingSyntax {
   size_t longest = 24, letters = 1;                ///< of names, see LegalName()
@@ -97,6 +97,8 @@ class Post {
   virtual std::optional<AxisConvention> OwnZero() const { return std::nullopt; }
   /// Whether its programs tell configurations by those of a spherical wrist.
   virtual bool NeedsSphericalWrist() const { return true; }
+  /// Whether it moves axes beside the arm's six at all.
+  virtual bool HasExternalAxes() const { return true; }
   /// Whether programs are read from a disk as they run: no file is too long, and entries are joint angles.
   virtual bool ReadsFromDisk() const { return false; }
   /// Whether all axes, the external ones among them, run evenly from place to place of its programs, which

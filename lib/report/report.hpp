@@ -19,6 +19,13 @@
 
 namespace millpose {
 
+/// What the maker of a controller does not document, but for which a program is confirmed: the path of its
+/// rounded corners (docs/verification.md).
+struct ReportedBound {
+  double position = 0, angle = 0;  ///< mm, rad: by how much it may leave the programmed one
+  std::string assumption;          ///< under which that is so
+};
+
 /// One program file as written and confirmed.
 struct ReportedProgram {
   std::string path;  ///< relative to the output folder
@@ -28,6 +35,7 @@ struct ReportedProgram {
   int points_near = 0;    ///< of the whole program: nearer to the one before than the least spacing
   bool verified = false;  ///< and so written
   std::string withheld;   ///< why it is not
+  std::optional<ReportedBound> but_for = std::nullopt;  ///< what alone it is not confirmed in
 };
 
 /// What all files of one controller's program take.

@@ -232,6 +232,14 @@ Json FixedJson(const std::optional<FixedComparison>& fixed) {
           {"in_the_way", {{"job", text(fixed->job_in_the_way)}, {"passes", text(fixed->passes_in_the_way)}}}};
 }
 
+Json ButForJson(const std::optional<ReportedBound>& bound) {
+  if (!bound) return nullptr;
+  return {{"what", "corner"},
+          {"bound_mm", bound->position},
+          {"bound_deg", RadToDeg(bound->angle)},
+          {"assumption", bound->assumption}};
+}
+
 Json ProgramsJson(const std::vector<ReportedProgram>& programs) {
   Json list = Json::array();
   for (const ReportedProgram& program : programs)
@@ -241,7 +249,8 @@ Json ProgramsJson(const std::vector<ReportedProgram>& programs) {
                     {"points_saved", program.points_saved},
                     {"points_near", program.points_near},
                     {"verified", program.verified},
-                    {"withheld", program.withheld.empty() ? Json(nullptr) : Json(program.withheld)}});
+                    {"withheld", program.withheld.empty() ? Json(nullptr) : Json(program.withheld)},
+                    {"but_for", ButForJson(program.but_for)}});
   return list;
 }
 

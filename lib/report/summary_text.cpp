@@ -19,6 +19,13 @@ void AppendSpread(const char* name, const std::optional<Spread>& spread, const s
                  spread->best, spread->median, spread->worst, unit);
 }
 
+std::string Verdict(const ReportedProgram& program) {
+  if (!program.verified) return "withheld";
+  if (!program.but_for) return "read back and confirmed";
+  return fmt::format("read back and confirmed but for the corner's path, bounded by {:.4f} mm",
+                     program.but_for->position);
+}
+
 void AppendLinkMoveRemarks(const PlanResult& plan, std::string* text) {
   size_t remarks = 0;
   for (size_t i = 0; i < plan.gaps.size(); ++i) {
@@ -149,7 +156,7 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   if (figures.clearance_min) fmt::format_to(out, "clearance  at least {:.1f} mm\n", *figures.clearance_min);
   for (const ReportedProgram& program : inputs.programs)
     fmt::format_to(out, "program    {} ({}; {} points left out that its motions pass)\n", program.path,
-                   program.verified ? "read back and confirmed" : "withheld", program.points_saved);
+                   Verdict(program), program.points_saved);
   for (const ProgramSize& size : inputs.program_sizes)
     fmt::format_to(
         out, "size       {}: {} kB in {} file{}{}\n", size.controller, (size.bytes + 500) / 1000, size.files,

@@ -28,8 +28,14 @@ void AddPlant(const std::string& controller, PostSettings& settings) {
 
 PostSettings SettingsOf(const std::string& variant) {
   PostSettings settings = SampleSettings(variant);
-  settings.texts["coolant_on"] = variant.starts_with("krl") ? "$OUT[8]=TRUE" : "M8";
-  settings.texts["coolant_off"] = variant.starts_with("krl") ? "$OUT[8]=FALSE" : "M9";
+  const std::string controller = ControllerOf(variant);
+  if (controller == "urscript") {
+    settings.texts["coolant_on"] = "set_standard_digital_out(7, True)";
+    settings.texts["coolant_off"] = "set_standard_digital_out(7, False)";
+  } else {
+    settings.texts["coolant_on"] = controller == "krl" ? "$OUT[8]=TRUE" : "M8";
+    settings.texts["coolant_off"] = controller == "krl" ? "$OUT[8]=FALSE" : "M9";
+  }
   if (variant.ends_with("_plant")) AddPlant(ControllerOf(variant), settings);
   if (variant.ends_with("_more")) {
     settings.path_acceleration = 2000;
@@ -140,6 +146,7 @@ MotionProgram Bed::Read(const Files& files) const {
 Trace Bed::Run(const Files& files) const {
   if (controller_ == "krl") return RunKrl(files, machine_);
   if (controller_ == "sinumerik") return RunSinumerik(files, machine_);
+  if (controller_ == "urscript") return RunUrScript(files, machine_);
   return RunLinuxCnc(files, machine_);
 }
 
@@ -160,8 +167,8 @@ const std::vector<std::unique_ptr<Bed>>& Beds() {
     std::vector<std::unique_ptr<Bed>> list;
     for (const char* variant :
          {"krl", "krl_more", "krl_numbered", "krl_split", "krl_stations", "sinumerik", "sinumerik_euler",
-          "sinumerik_split", "sinumerik_stations", "krl_plant", "sinumerik_plant", "linuxcnc_plant",
-          "linuxcnc_stations", "linuxcnc", "linuxcnc_cartesian"})
+          "sinumerik_split", "sinumerik_stations", "krl_plant", "urscript", "urscript_plant",
+          "sinumerik_plant", "linuxcnc_plant", "linuxcnc_stations", "linuxcnc", "linuxcnc_cartesian"})
       list.push_back(std::make_unique<Bed>(variant));
     return list;
   }();

@@ -31,7 +31,7 @@ void ExpectGolden(const std::string& controller, const std::string& folder, cons
 class Golden : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Variants, Golden,
                          testing::Values("krl", "sinumerik", "sinumerik_euler", "linuxcnc",
-                                         "linuxcnc_cartesian"),
+                                         "linuxcnc_cartesian", "urscript"),
                          [](const auto& variant) { return variant.param; });
 
 TEST_P(Golden, WholeText) {

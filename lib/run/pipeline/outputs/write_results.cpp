@@ -110,6 +110,12 @@ std::string ExplainLifts(const PassResult& pass) {
       pass.pass, fmt::join(places, ", "), 100 * pass.lift_gain);
 }
 
+// What a confirmed program leaves open.
+std::optional<ReportedBound> ButForOf(const CheckedProgram& program) {
+  if (!program.but_for || !program.Confirmed()) return std::nullopt;
+  return ReportedBound{program.but_for->position, program.but_for->angle, program.but_for->assumption};
+}
+
 // The causes of a program that is withheld, each with what cures it and the first places.
 void ExplainCauses(const CheckedProgram& program, std::vector<std::string>& sentences) {
   for (const CauseGroup& group : GroupByCause(program.findings)) {
@@ -171,6 +177,9 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   for (const CheckedProgram& program : programs) {
     report.times.push_back({program.controller, program.time});
     if (program.speed) report.path_speeds.push_back(*program.speed);
+    if (program.but_for && program.Confirmed())
+      report.warnings.push_back(program.controller +
+                                ": confirmed but for a stated gap: " + Describe(*program.but_for));
     for (const std::string& warning : program.warnings)
       report.warnings.push_back(program.controller + ": " + warning);
   }
@@ -197,7 +206,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
       if (program.Confirmed()) files[path] = bytes;
       report.programs.push_back({"programs/" + path, program.controller,
                                  MotionsPerPass(program, plan.passes.size()), program.saved, program.near,
-                                 program.Confirmed(), program.WhyWithheld()});
+                                 program.Confirmed(), program.WhyWithheld(), ButForOf(program)});
     }
   for (const CheckedProgram& program : programs) {
     if (program.files.empty()) continue;

@@ -57,6 +57,7 @@ VerifiedProgram VerifyOne(const fs::path& file, const JobInputs& inputs, const s
   verified.findings = CheckStandingAlone(program, world.cell(), post.HasOwnWorld(), with.options);
   std::ranges::copy(Verify(program, world, nullptr, with.options, with.execution),
                     std::back_inserter(verified.findings));
+  verified.but_for = FindCornerBound(program, world.cell());
   return verified;
 }
 
