@@ -105,8 +105,10 @@ struct Setup {
   bool sinumerik_turn_known = false;                                   ///< the cell says how MD21104 stands
   std::string linuxcnc_tool_axis = "z", linuxcnc_rotation = "rpy";     ///< of tool poses
   std::map<std::string, std::vector<ControllerAxis>> controller_axes;  ///< by controller
-  /// How a controller counts: its angle = sign · the arm's + offset (rad).
+  /// How a controller counts: its angle = sign · the arm's + offset (rad), then for each axis `coupling`
+  /// times all six on top.
   struct Count {
+    std::array<Angles, 6> coupling{};
     Angles sign, offset;
   };
   std::map<std::string, Count> counts;  ///< by controller; those that are not here count as the arm does

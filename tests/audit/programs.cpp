@@ -172,11 +172,20 @@ class Axes {
 
 Vector3 AxisOf(const std::string& name) { return Vector3::Unit(name.back() - 'x'); }
 
-/// The arm's own angle of one that a controller's text gives (rad).
-Real OfArm(const Setup& setup, const std::string& controller, size_t axis, Real angle) {
-  const auto count = setup.counts.find(controller);
-  if (count == setup.counts.end()) return angle;
-  return count->second.sign[axis] * (angle - count->second.offset[axis]);
+/// The arm's own angles of those that a controller's text gives (rad).
+Angles OfArm(const Setup& setup, const std::string& controller, Angles angles) {
+  const auto found = setup.counts.find(controller);
+  if (found == setup.counts.end()) return angles;
+  const Setup::Count& count = found->second;
+  Eigen::Matrix<Real, 6, 6> coupled;
+  for (size_t i = 0; i < 6; ++i)
+    for (size_t k = 0; k < 6; ++k)
+      coupled(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
+          count.coupling[i][k] + (i == k ? 1 : 0);
+  Eigen::Map<Eigen::Matrix<Real, 6, 1>> counted(angles.data());
+  counted = coupled.fullPivLu().solve(counted).eval();
+  for (size_t i = 0; i < 6; ++i) angles[i] = count.sign[i] * (angles[i] - count.offset[i]);
+  return angles;
 }
 
 std::vector<Target> ReadKrl(const std::map<std::string, std::string>& files, const Setup& setup) {
@@ -218,9 +227,8 @@ std::vector<Target> ReadKrl(const std::map<std::string, std::string>& files, con
         if (fields.contains(axis.name)) axes.Take(axis, fields.at(axis.name));
       if (fields.contains("A1")) {
         Angles angles;
-        for (size_t i = 0; i < 6; ++i)
-          angles[i] = OfArm(setup, "krl", i, fields.at("A" + std::to_string(i + 1)) * kDegree);
-        targets.push_back(axes.AtAngles(line, angles));
+        for (size_t i = 0; i < 6; ++i) angles[i] = fields.at("A" + std::to_string(i + 1)) * kDegree;
+        targets.push_back(axes.AtAngles(line, OfArm(setup, "krl", angles)));
         last.clear();
         continue;
       }
@@ -270,7 +278,7 @@ std::vector<Target> ReadSinumerik(const std::map<std::string, std::string>& file
   bool transformed = false;
   Fields modal;
   Axes external("sinumerik", setup);
-  Angles angles = setup.home;
+  Angles angles{};  // as they are counted
   std::vector<Target> targets;
   for (const Line& line : Whole(files, ".mpf")) {
     std::smatch match;
@@ -313,10 +321,11 @@ std::vector<Target> ReadSinumerik(const std::map<std::string, std::string>& file
     } else {
       for (std::sregex_iterator it(text.begin(), text.end(), axes), end; it != end; ++it) {
         const auto axis = static_cast<size_t>((*it)[1].str().back() - '1');
-        angles[axis] = OfArm(setup, "sinumerik", axis, std::stold((*it)[2]) * kDegree);
+        angles[axis] = std::stold((*it)[2]) * kDegree;
         moved = true;
       }
-      if (moved || own != spoken) targets.push_back(external.AtAngles(line, angles));
+      if (moved || own != spoken)
+        targets.push_back(external.AtAngles(line, OfArm(setup, "sinumerik", angles)));
     }
   }
   return targets;
@@ -350,12 +359,9 @@ std::vector<Target> ReadLinuxCnc(const std::map<std::string, std::string>& files
                          ByAngles(pose, setup.linuxcnc_rotation, X_PB, X_CT), external.Position(line)});
       continue;
     }
-    Angles angles = setup.home;
-    for (const auto& [name, value] : joints) {
-      const size_t axis = std::string("XYZABC").find(name);
-      angles[axis] = OfArm(setup, "linuxcnc", axis, value * kDegree);
-    }
-    targets.push_back(external.AtAngles(line, angles));
+    Angles angles{};
+    for (const auto& [name, value] : joints) angles[std::string("XYZABC").find(name)] = value * kDegree;
+    targets.push_back(external.AtAngles(line, OfArm(setup, "linuxcnc", angles)));
   }
   return targets;
 }

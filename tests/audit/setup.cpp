@@ -188,6 +188,8 @@ void ReadControllers(const YAML::Node& controllers, Setup* setup) {
     if (controller.second["axis_signs"]) count.sign = Six(controller.second["axis_signs"], 1);
     if (controller.second["axis_offsets_deg"])
       count.offset = Six(controller.second["axis_offsets_deg"], kDegree);
+    for (const YAML::Node& row : controller.second["axis_couplings"])
+      count.coupling.at(row["axis"].as<size_t>() - 1) = Six(row["factors"], 1);
     setup->counts[controller.first.as<std::string>()] = count;
   }
   if (controllers["krl"]) ReadKrlFrames(controllers["krl"], setup);
