@@ -16,8 +16,9 @@ const std::set<std::string> kPlant = {"SPINDLE_ON", "SPINDLE_OFF", "SUCTION", "L
 /// Texts that call programs of the plant, also for every pass.
 void AddPlant(const std::string& controller, PostSettings& settings) {
   const auto call = [&](const std::string& name, const std::string& argument) {
-    return controller == "linuxcnc" ? fmt::format("O<{}> CALL [{}]", name, argument)
-                                    : fmt::format("{}({})", name, argument);
+    return controller == "linuxcnc"
+               ? fmt::format("O<{}> CALL [{}]", name, argument)
+               : fmt::format("{}{}({})", controller == "fanuc" ? "CALL " : "", name, argument);
   };
   settings.texts["spindle_on"] = call("SPINDLE_ON", "{rpm}");
   settings.texts["spindle_off"] = call("SPINDLE_OFF", "0");
@@ -28,8 +29,13 @@ void AddPlant(const std::string& controller, PostSettings& settings) {
 
 PostSettings SettingsOf(const std::string& variant) {
   PostSettings settings = SampleSettings(variant);
-  settings.texts["coolant_on"] = variant.starts_with("krl") ? "$OUT[8]=TRUE" : "M8";
-  settings.texts["coolant_off"] = variant.starts_with("krl") ? "$OUT[8]=FALSE" : "M9";
+  const std::string controller = ControllerOf(variant);
+  settings.texts["coolant_on"] = controller == "krl"     ? "$OUT[8]=TRUE"
+                                 : controller == "fanuc" ? "DO[8]=ON"
+                                                         : "M8";
+  settings.texts["coolant_off"] = controller == "krl"     ? "$OUT[8]=FALSE"
+                                  : controller == "fanuc" ? "DO[8]=OFF"
+                                                          : "M9";
   if (variant.ends_with("_plant")) AddPlant(ControllerOf(variant), settings);
   if (variant.ends_with("_more")) {
     settings.path_acceleration = 2000;
@@ -56,6 +62,7 @@ KrlOptions KrlOptionsOf(const std::string& variant) {
 /// What a machine with rail and table has beside the arm.
 void AddExternal(const std::string& controller, const PlanResult& plan, Machine& machine) {
   machine.external = controller == "krl"         ? std::vector<std::string>{"E1", "E2"}
+                     : controller == "fanuc"     ? std::vector<std::string>{"E1", "GP2_J1"}
                      : controller == "sinumerik" ? std::vector<std::string>{"RAIL_AX", "TAB_AX"}
                                                  : std::vector<std::string>{"U", "V"};
   machine.coupled = controller == "krl";
@@ -119,6 +126,7 @@ Bed::Bed(const std::string& variant)
               settings_.tool_name};
   machine_.base_number = krl.base_number;
   machine_.tool_number = krl.tool_number;
+  if (variant == "fanuc_held") machine_.base_number = 1;
   if (variant.ends_with("_plant")) machine_.plant = kPlant;
   machine_.X_BP = program_.X_BP.value_or(Pose::Identity());
   if (stations) AddExternal(controller_, plan_, machine_);
@@ -140,6 +148,7 @@ MotionProgram Bed::Read(const Files& files) const {
 Trace Bed::Run(const Files& files) const {
   if (controller_ == "krl") return RunKrl(files, machine_);
   if (controller_ == "sinumerik") return RunSinumerik(files, machine_);
+  if (controller_ == "fanuc") return RunFanuc(files, machine_);
   return RunLinuxCnc(files, machine_);
 }
 
@@ -158,10 +167,26 @@ Answer Bed::Ask(const Files& files) const {
 const std::vector<std::unique_ptr<Bed>>& Beds() {
   static const std::vector<std::unique_ptr<Bed>> beds = [] {
     std::vector<std::unique_ptr<Bed>> list;
-    for (const char* variant :
-         {"krl", "krl_more", "krl_numbered", "krl_split", "krl_stations", "sinumerik", "sinumerik_euler",
-          "sinumerik_split", "sinumerik_stations", "krl_plant", "sinumerik_plant", "linuxcnc_plant",
-          "linuxcnc_stations", "linuxcnc", "linuxcnc_cartesian"})
+    for (const char* variant : {"krl",
+                                "krl_more",
+                                "krl_numbered",
+                                "krl_split",
+                                "krl_stations",
+                                "sinumerik",
+                                "sinumerik_euler",
+                                "sinumerik_split",
+                                "sinumerik_stations",
+                                "krl_plant",
+                                "sinumerik_plant",
+                                "linuxcnc_plant",
+                                "linuxcnc_stations",
+                                "fanuc",
+                                "fanuc_held",
+                                "fanuc_split",
+                                "fanuc_stations",
+                                "fanuc_plant",
+                                "linuxcnc",
+                                "linuxcnc_cartesian"})
       list.push_back(std::make_unique<Bed>(variant));
     return list;
   }();

@@ -77,5 +77,6 @@ Judgement Judge(const Trace& original, const Trace& mutant, const Machine& machi
 Trace RunKrl(const Files& files, const Machine& machine);
 Trace RunSinumerik(const Files& files, const Machine& machine);
 Trace RunLinuxCnc(const Files& files, const Machine& machine);
+Trace RunFanuc(const Files& files, const Machine& machine);
 
 }  // namespace millpose::campaign
