@@ -108,15 +108,15 @@ struct Slip {
 
 TEST(Fanuc, WhatIsNotModelledIsRefusedAtItsPlace) {
   const std::vector<Slip> slips = {
-      {"L P\\[3\\] 8cm/min CNT0", "L P[3] R[5]cm/min CNT0", {"a number expected: what a register holds"}},
-      {"L P\\[3\\] 8cm/min CNT0", "L P[3] 8cm/min CNT50", {"FINE or CNT0 expected", "CNT50"}},
-      {"L P\\[3\\] 8cm/min CNT0", "L P[3] 8cm/min CR5", {"FINE or CNT0 expected"}},
-      {"L P\\[3\\] 8cm/min CNT0", "L P[3] 8.5cm/min CNT0", {"a whole number"}},
-      {"L P\\[3\\] 8cm/min CNT0", "L P[3] 8cm/min CNT0 ACC50", {"end of the statement expected", "ACC50"}},
-      {"L P\\[3\\] 8cm/min CNT0", "L PR[3] 8cm/min CNT0", {"P[n] expected"}},
-      {"L P\\[3\\] 8cm/min CNT0", "L P[400] 8cm/min CNT0", {"a position of this file's /POS expected"}},
-      {"L P\\[3\\] 8cm/min CNT0", "L P[1] 8cm/min CNT0", {"P[1] at line ", "has joint angles"}},
-      {"J P\\[1\\] 20% FINE", "J P[3] 20% FINE", {"P[3] at line ", "has X, Y, Z"}},
+      {"L P\\[5\\] 8cm/min CNT0", "L P[5] R[5]cm/min CNT0", {"a number expected: what a register holds"}},
+      {"L P\\[5\\] 8cm/min CNT0", "L P[5] 8cm/min CNT50", {"FINE or CNT0 expected", "CNT50"}},
+      {"L P\\[5\\] 8cm/min CNT0", "L P[5] 8cm/min CR5", {"FINE or CNT0 expected"}},
+      {"L P\\[5\\] 8cm/min CNT0", "L P[5] 8.5cm/min CNT0", {"a whole number"}},
+      {"L P\\[5\\] 8cm/min CNT0", "L P[5] 8cm/min CNT0 ACC50", {"end of the statement expected", "ACC50"}},
+      {"L P\\[5\\] 8cm/min CNT0", "L PR[3] 8cm/min CNT0", {"P[n] expected"}},
+      {"L P\\[5\\] 8cm/min CNT0", "L P[400] 8cm/min CNT0", {"a position of this file's /POS expected"}},
+      {"L P\\[5\\] 8cm/min CNT0", "L P[1] 8cm/min CNT0", {"P[1] at line ", "has joint angles"}},
+      {"J P\\[1\\] 20% FINE", "J P[5] 20% FINE", {"P[5] at line ", "has X, Y, Z"}},
       {"J P\\[1\\] 20% FINE", "J P[1] 21% FINE", {"at most 20 expected"}},
       {"J P\\[1\\] 20% FINE", "J P[1] 20% CNT10", {"'FINE' expected"}},
       {"UFRAME_NUM=1", "UFRAME_NUM=2", {"1 expected, the cell's user_frame"}},
@@ -166,7 +166,7 @@ TEST(Fanuc, WhatMovesNothingElseIsRead) {
            {"UFRAME_NUM=1", "UFRAME_NUM[GP1]= 1", {}},
            {"^ +[0-9]+:J P\\[1\\]", ":j p[ 1:\"HOME\"]", {}},
            {"P\\[1\\]\\{", "P[1:\"HOME\"]{", {}},
-           {"L P\\[3\\] 8cm/min CNT0", "L P[3] 8cm/min CNT0   ", {}},
+           {"L P\\[5\\] 8cm/min CNT0", "L P[5] 8cm/min CNT0   ", {}},
            {"^ +[0-9]+:J P\\[1\\]", "   9:   ;\n  10:  --checked ;\n  11:J P[1]", {}}}) {
     ProgramLines sample("fanuc");
     const MotionProgram before = sample.Read();
@@ -202,6 +202,44 @@ TEST(Fanuc, ConfigCountsFullTurnsOfTheAxesThatTheCellNames) {
   EXPECT_EQ(FanucConfigText({2, {0, 0, 0}}), "N U T, 0, 0, 0");
   EXPECT_EQ(FanucConfigText({4, {1, 0, -1}}), "F D T, 1, 0, -1");
   EXPECT_EQ(FanucConfigText({3, {0, 0, 0}}), "N U B, 0, 0, 0");
+}
+
+TEST(Fanuc, TextsOfTheCellAreWrittenAndExpected) {
+  ProgramLines sample("fanuc");
+  sample.settings.texts["header"] = "!ready\nPAYLOAD[2]";
+  sample.settings.texts["footer"] = "RO[3]=OFF";
+  sample.settings.texts["coolant_on"] = "DO[8]=ON\nWAIT DI[8]=ON AND DI[9]=OFF";
+  sample.settings.texts["coolant_off"] = "DO[8]=OFF";
+  sample.settings.texts["pass_begin"] = "R[5]={pass}";
+  sample.settings.texts["pass_end"] = "CALL LIGHT(1)";
+  sample.settings.texts["tool_change"] = "!take {tool}\nPAUSE";
+  sample.settings.calls = {{"LIGHT"}};
+  EXPECT_TRUE(sample.post->CheckTexts(sample.plan.arm, sample.settings).empty());
+  const ProgramFiles files = sample.post->Write(sample.program, sample.plan.arm, sample.settings);
+  const std::string& text = files.begin()->second;
+  EXPECT_EQ(sample.post->Write(sample.post->Read(files, sample.plan.arm, sample.settings), sample.plan.arm,
+                               sample.settings),
+            files);
+  for (const char* line : {"!ready", "PAYLOAD[2]", "RO[3]=OFF", "R[5]=1", "!take SPINDLE_D20"}) {
+    std::string without = text;
+    const size_t at = without.find(line);
+    ASSERT_NE(at, std::string::npos) << line << text;
+    without.replace(at, std::string(line).size(), "!nothing");
+    EXPECT_THROW(sample.post->Read({{files.begin()->first, without}}, sample.plan.arm, sample.settings),
+                 InputError)
+        << line;
+  }
+  // What a program of the plant leaves set is stated again behind its call.
+  EXPECT_NE(text.find("CALL LIGHT(1) ;"), std::string::npos);
+  std::string lost = text;
+  lost.replace(lost.find("UFRAME_NUM", lost.find("CALL LIGHT(1)")), 12, "!           ");
+  EXPECT_THROW(sample.post->Read({{files.begin()->first, lost}}, sample.plan.arm, sample.settings),
+               InputError);
+  for (const char* wrong : {"; checked", "DO[1]=ON ;", "JMP LBL[1]", "L P[1] 8cm/min FINE"}) {
+    PostSettings settings = sample.settings;
+    settings.texts["header"] = wrong;
+    EXPECT_FALSE(sample.post->CheckTexts(sample.plan.arm, settings).empty()) << wrong;
+  }
 }
 
 TEST(Fanuc, LongProgramsAreCalledByAMainProgram) {

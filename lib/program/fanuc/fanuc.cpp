@@ -111,8 +111,8 @@ class FanucWriter : public ProgramWriter {
   void AddLinear(const Motion& motion) {
     const std::optional<Pose> frame = Frame();
     if (frame && !(frame_ && SameFrame(*frame, *frame_))) {
-      for (const std::string_view line : SplitLines(SetFrame("UFRAME", options_.user_frame, *frame)))
-        Line(std::string(line));
+      const std::string lines = SetFrame("UFRAME", options_.user_frame, *frame);
+      for (const std::string_view line : SplitLines(lines)) Line(std::string(line));
       frame_ = frame;
     }
     FanucPosition position;

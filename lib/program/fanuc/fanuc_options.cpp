@@ -44,11 +44,14 @@ std::array<double, 6> FanucNumbers(const Pose& pose) {
   const Eigen::Vector3d p = pose.translation(), rpw = AnglesZyx(pose.linear()) * kDegPerRad;
   std::array<double, 6> numbers{p.x(), p.y(), p.z(), rpw[2], rpw[1], rpw[0]};
   for (double& number : numbers) number = Rounded(number, kFanucDecimals);
-  if (std::abs(numbers[4]) < 90 || numbers[5] == 0) return numbers;
-  // Only W and R together are determined there: R = 0, as whoever reads it finds.
-  numbers[3] = Rounded((numbers[4] > 0 ? numbers[3] - numbers[5] : numbers[3] + numbers[5]), kFanucDecimals);
-  numbers[3] = Rounded(std::remainder(numbers[3], 360), kFanucDecimals);
-  numbers[5] = 0;
+  if (std::abs(numbers[4]) == 90) {
+    // Only W and R together are determined there: R = 0, as whoever reads it finds.
+    const double both = numbers[4] > 0 ? numbers[3] - numbers[5] : numbers[3] + numbers[5];
+    numbers[3] = Rounded(std::remainder(both, 360), kFanucDecimals);
+    numbers[5] = 0;
+  }
+  for (const size_t angle : {3, 5})
+    if (numbers[angle] <= -180) numbers[angle] += 360;  // as pendants show it
   return numbers;
 }
 

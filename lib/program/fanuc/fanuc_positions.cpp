@@ -221,8 +221,8 @@ std::string FanucPositionText(int number, const FanucPosition& position, const P
   const std::string frames = fmt::format("    UF : {}, UT : {},", options.user_frame, options.tool_frame);
   std::string text = fmt::format("P[{}]{{\n   GP1:\n{}", number, frames);
   text += position.joints ? "\n" : fmt::format("  CONFIG : '{}',\n", FanucConfigText(position.config));
-  const auto value = [](const std::string& word, double number, bool degrees) {
-    return fmt::format("{} = {} {}", word, Fixed(number, kFanucDecimals), degrees ? "deg" : "mm");
+  const auto value = [](const std::string& word, double amount, bool degrees) {
+    return fmt::format("{} = {} {}", word, Fixed(amount, kFanucDecimals), degrees ? "deg" : "mm");
   };
   const auto& words = position.joints ? kJointWords : kPoseWords;
   for (size_t i = 0; i < 6; ++i)
