@@ -114,6 +114,7 @@ VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm) {
   options.coupled = arm.coupled_limits;
   options.swept_resolution = job.swept_resolution;
   options.clearance_reserve = job.swept_resolution;
+  options.feed_least = std::max(options.feed_least, job.min_feed_share);
   options.interference = job.program_options.dry_run_offset > 0;  // the lifted motions were never checked
   return options;
 }

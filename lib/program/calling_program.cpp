@@ -11,8 +11,6 @@
 namespace millpose {
 namespace {
 
-constexpr size_t kWidth = 98;  // of a comment
-
 std::string Filled(std::string text, const std::string& name) {
   constexpr std::string_view kHole = "{name}";
   for (size_t at = text.find(kHole); at != std::string::npos; at = text.find(kHole, at + name.size()))
@@ -27,14 +25,17 @@ std::string CalledName(const CallingSyntax& syntax, const std::string& job) {
   return name;
 }
 
-std::string Comments(const std::string& key, const std::string& value) {
+std::string Comments(const CallingSyntax& syntax, const std::string& key, const std::string& value) {
   std::string text;
-  for (const std::string& line : HeaderLines(key, value, kWidth)) text += "; " + line + "\n";
+  for (const std::string& line : HeaderLines(key, value, syntax.comment_width))
+    text += syntax.comment_begin + line + syntax.comment_end + "\n";
   return text;
 }
 
 /// Whether the line holds a statement.
-bool HoldsCode(std::string_view line) { return !Trim(line).empty() && !Trim(line).starts_with(';'); }
+bool HoldsCode(const CallingSyntax& syntax, std::string_view line) {
+  return !Trim(line).empty() && !Trim(line).starts_with(Trim(syntax.comment_begin));
+}
 
 /// What a line calls; empty where it calls nothing.
 std::string CallIn(const CallingSyntax& syntax, std::string_view line) {
@@ -69,12 +70,12 @@ ProgramFiles WriteCalling(const CallingSyntax& syntax, const std::string& job,
                           const std::vector<CalledProgram>& programs) {
   const std::string name = ProgramName(syntax, job);
   std::string text = Filled(syntax.head, name);
-  for (const auto& [key, value] : header) text += Comments(key, value);
+  for (const auto& [key, value] : header) text += Comments(syntax, key, value);
   for (const CalledProgram& program : programs) {
-    for (const auto& [key, value] : program.comments) text += Comments(key, value);
+    for (const auto& [key, value] : program.comments) text += Comments(syntax, key, value);
     text += Filled(syntax.call, program.name);
   }
-  ProgramFiles files = {{name + syntax.ending, text + syntax.tail}};
+  ProgramFiles files = {{name + syntax.ending, text + syntax.closing + syntax.tail}};
   for (const auto& [ending, more] : syntax.beside) files[name + ending] = Filled(more, name);
   return files;
 }
@@ -86,8 +87,9 @@ std::vector<std::string> ReadCalls(const CallingSyntax& syntax, const std::strin
                                    const std::string& text) {
   const std::string file = name + syntax.ending;
   const std::string head = Filled(syntax.head, name);
-  std::vector<std::string_view> before = SplitLines(head), behind = SplitLines(syntax.tail);
-  const auto empty = [](std::string_view line) { return !HoldsCode(line); };
+  const std::string tail = syntax.closing + syntax.tail;
+  std::vector<std::string_view> before = SplitLines(head), behind = SplitLines(tail);
+  const auto empty = [&](std::string_view line) { return !HoldsCode(syntax, line); };
   std::erase_if(before, empty);
   std::erase_if(behind, empty);
   std::vector<std::string> calls;
@@ -143,8 +145,9 @@ std::string AsStandingAlone(const CallingSyntax& syntax, const std::string& name
   const std::string head = Filled(syntax.called_head, name), tail = Filled(syntax.called_tail, name);
   std::vector<std::string> lines;
   for (const std::string_view line : SplitLines(text)) lines.emplace_back(line);
-  const auto first = std::ranges::find_if(lines, HoldsCode);
-  const auto last = std::find_if(lines.rbegin(), lines.rend(), HoldsCode);
+  const auto holds_code = [&](const std::string& line) { return HoldsCode(syntax, line); };
+  const auto first = std::ranges::find_if(lines, holds_code);
+  const auto last = std::find_if(lines.rbegin(), lines.rend(), holds_code);
   if (last == lines.rend() || !SameWords(*last, tail.substr(0, tail.find('\n'))) ||
       (!head.empty() && !SameWords(*first, head.substr(0, head.find('\n')))))
     return text;

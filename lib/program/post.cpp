@@ -5,11 +5,13 @@ namespace millpose {
 /// Defined in the controllers' own files.
 PostEntry KrlEntry(), SinumerikEntry(), LinuxCncEntry();
 PostEntry UrScriptEntry();
+PostEntry FanucEntry();
 
 Registry<PostEntry>& Posts() {
   static Registry<PostEntry> posts{"controller",
                                    {KrlEntry(), SinumerikEntry(), LinuxCncEntry(),  //
-                                    UrScriptEntry()}};
+                                    UrScriptEntry(),  //
+                                    FanucEntry()}};
   return posts;
 }
 

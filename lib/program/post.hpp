@@ -56,13 +56,16 @@ struct FrameTexts {
 /// How a controller's main program calls others; {name} is the program's. Without `call` none can. What the last line of `head` and
 /// `tail` is stands in every program of the controller.
 struct CallingSyntax {
-  size_t longest = 24, letters = 1;                ///< of names, see LegalName()
-  std::string ending = {};                         ///< of main programs
-  std::string head = {}, call = {}, tail = {};     ///< each line with its end
-  std::map<std::string, std::string> beside = {};  ///< further files of a main program, by ending
-  std::string called_ending = {};                  ///< of a program that is called
-  std::string called_head = {}, called_tail = {};  ///< round its text, in place of `tail`
-  bool called_lower = false;                       ///< its name is in lower case
+  size_t longest = 24, letters = 1;                    ///< of names, see LegalName()
+  std::string ending = {};                             ///< of main programs
+  std::string head = {}, call = {}, tail = {};         ///< each line with its end
+  std::string closing = {};                            ///< before `tail` where there is nothing but calls
+  std::map<std::string, std::string> beside = {};      ///< further files of a main program, by ending
+  std::string called_ending = {};                      ///< of a program that is called
+  std::string called_head = {}, called_tail = {};      ///< round its text, in place of `tail`
+  bool called_lower = false;                           ///< its name is in lower case
+  std::string comment_begin = "; ", comment_end = {};  ///< of comments by themselves
+  size_t comment_width = 98;                           ///< characters between
 };
 
 /// The files of one program by name, e.g. {"cabin_panel.src", …}.

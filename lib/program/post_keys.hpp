@@ -15,6 +15,7 @@ SharedKey ToolAxisKey();
 SharedKey RotationKey();
 SharedKey AxisSignsKey();
 SharedKey AxisOffsetsKey();
+SharedKey AxisCouplingsKey();
 SharedKey PathAccelerationKey();
 /// `usual`: s, as the controller is often set up.
 SharedKey CycleKey(double usual);

@@ -16,8 +16,9 @@ const std::set<std::string> kPlant = {"SPINDLE_ON", "SPINDLE_OFF", "SUCTION", "L
 /// Texts that call programs of the plant, also for every pass.
 void AddPlant(const std::string& controller, PostSettings& settings) {
   const auto call = [&](const std::string& name, const std::string& argument) {
-    return controller == "linuxcnc" ? fmt::format("O<{}> CALL [{}]", name, argument)
-                                    : fmt::format("{}({})", name, argument);
+    return controller == "linuxcnc"
+               ? fmt::format("O<{}> CALL [{}]", name, argument)
+               : fmt::format("{}{}({})", controller == "fanuc" ? "CALL " : "", name, argument);
   };
   settings.texts["spindle_on"] = call("SPINDLE_ON", "{rpm}");
   settings.texts["spindle_off"] = call("SPINDLE_OFF", "0");
@@ -29,13 +30,14 @@ void AddPlant(const std::string& controller, PostSettings& settings) {
 PostSettings SettingsOf(const std::string& variant) {
   PostSettings settings = SampleSettings(variant);
   const std::string controller = ControllerOf(variant);
-  if (controller == "urscript") {
-    settings.texts["coolant_on"] = "set_standard_digital_out(7, True)";
-    settings.texts["coolant_off"] = "set_standard_digital_out(7, False)";
-  } else {
-    settings.texts["coolant_on"] = controller == "krl" ? "$OUT[8]=TRUE" : "M8";
-    settings.texts["coolant_off"] = controller == "krl" ? "$OUT[8]=FALSE" : "M9";
-  }
+  const auto output = [&](bool on) -> std::string {
+    if (controller == "krl") return on ? "$OUT[8]=TRUE" : "$OUT[8]=FALSE";
+    if (controller == "fanuc") return on ? "DO[8]=ON" : "DO[8]=OFF";
+    if (controller == "urscript") return fmt::format("set_standard_digital_out(7, {})", on ? "True" : "False");
+    return on ? "M8" : "M9";
+  };
+  settings.texts["coolant_on"] = output(true);
+  settings.texts["coolant_off"] = output(false);
   if (variant.ends_with("_plant")) AddPlant(ControllerOf(variant), settings);
   if (variant.ends_with("_more")) {
     settings.path_acceleration = 2000;
@@ -62,6 +64,7 @@ KrlOptions KrlOptionsOf(const std::string& variant) {
 /// What a machine with rail and table has beside the arm.
 void AddExternal(const std::string& controller, const PlanResult& plan, Machine& machine) {
   machine.external = controller == "krl"         ? std::vector<std::string>{"E1", "E2"}
+                     : controller == "fanuc"     ? std::vector<std::string>{"E1", "GP2_J1"}
                      : controller == "sinumerik" ? std::vector<std::string>{"RAIL_AX", "TAB_AX"}
                                                  : std::vector<std::string>{"U", "V"};
   machine.coupled = controller == "krl";
@@ -125,6 +128,7 @@ Bed::Bed(const std::string& variant)
               settings_.tool_name};
   machine_.base_number = krl.base_number;
   machine_.tool_number = krl.tool_number;
+  if (variant == "fanuc_held") machine_.base_number = 1;
   if (variant.ends_with("_plant")) machine_.plant = kPlant;
   machine_.X_BP = program_.X_BP.value_or(Pose::Identity());
   if (stations) AddExternal(controller_, plan_, machine_);
@@ -147,6 +151,7 @@ Trace Bed::Run(const Files& files) const {
   if (controller_ == "krl") return RunKrl(files, machine_);
   if (controller_ == "sinumerik") return RunSinumerik(files, machine_);
   if (controller_ == "urscript") return RunUrScript(files, machine_);
+  if (controller_ == "fanuc") return RunFanuc(files, machine_);
   return RunLinuxCnc(files, machine_);
 }
 
@@ -165,10 +170,26 @@ Answer Bed::Ask(const Files& files) const {
 const std::vector<std::unique_ptr<Bed>>& Beds() {
   static const std::vector<std::unique_ptr<Bed>> beds = [] {
     std::vector<std::unique_ptr<Bed>> list;
-    for (const char* variant :
-         {"krl", "krl_more", "krl_numbered", "krl_split", "krl_stations", "sinumerik", "sinumerik_euler",
-          "sinumerik_split", "sinumerik_stations", "krl_plant", "urscript", "urscript_plant",
-          "sinumerik_plant", "linuxcnc_plant", "linuxcnc_stations", "linuxcnc", "linuxcnc_cartesian"})
+    for (const char* variant : {"krl",
+                                "krl_more",
+                                "krl_numbered",
+                                "krl_split",
+                                "krl_stations",
+                                "sinumerik",
+                                "sinumerik_euler",
+                                "sinumerik_split",
+                                "sinumerik_stations",
+                                "krl_plant",
+                                "urscript",
+                                "urscript_plant",
+                                "sinumerik_plant", "linuxcnc_plant", "linuxcnc_stations",
+                                "fanuc",
+                                "fanuc_held",
+                                "fanuc_split",
+                                "fanuc_stations",
+                                "fanuc_plant",
+                                "linuxcnc",
+                                "linuxcnc_cartesian"})
       list.push_back(std::make_unique<Bed>(variant));
     return list;
   }();

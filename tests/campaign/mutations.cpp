@@ -16,6 +16,7 @@ using Lines = std::vector<std::string>;
 const Vocabulary& VocabularyOf(const std::string& controller) {
   if (controller == "krl") return KrlVocabulary();
   if (controller == "urscript") return UrScriptVocabulary();
+  if (controller == "fanuc") return FanucVocabulary();
   return controller == "sinumerik" ? SinumerikVocabulary() : LinuxCncVocabulary();
 }
 

@@ -78,5 +78,6 @@ Trace RunKrl(const Files& files, const Machine& machine);
 Trace RunSinumerik(const Files& files, const Machine& machine);
 Trace RunLinuxCnc(const Files& files, const Machine& machine);
 Trace RunUrScript(const Files& files, const Machine& machine);
+Trace RunFanuc(const Files& files, const Machine& machine);
 
 }  // namespace millpose::campaign

@@ -31,12 +31,12 @@ void ExpectGolden(const std::string& controller, const std::string& folder, cons
 class Golden : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Variants, Golden,
                          testing::Values("krl", "sinumerik", "sinumerik_euler", "linuxcnc",
-                                         "linuxcnc_cartesian", "urscript"),
+                                         "linuxcnc_cartesian", "urscript", "fanuc", "fanuc_held"),
                          [](const auto& variant) { return variant.param; });
 
 TEST_P(Golden, WholeText) {
   const PostSettings settings = SampleSettings(GetParam());
-  const bool long_one = GetParam() == "krl" || GetParam() == "sinumerik";
+  const bool long_one = GetParam() == "krl" || GetParam() == "sinumerik" || GetParam() == "fanuc";
   ExpectGolden(ControllerOf(GetParam()), GetParam(),
                SamplePlan({.points = long_one ? 6 : 4, .ring = long_one}), *SamplePost(GetParam()), settings);
 }

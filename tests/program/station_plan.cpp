@@ -131,7 +131,9 @@ StationPost::StationPost(const std::string& variant, const PlanResult& plan, boo
     : settings(SampleSettings(variant)) {
   const bool krl = ControllerOf(variant) == "krl", cnc = ControllerOf(variant) == "linuxcnc";
   const bool counts = coupled && variant != "linuxcnc";  // whose joints count from nothing
-  const std::vector<std::string> names = krl   ? std::vector<std::string>{"E1", "E2"}
+  const std::vector<std::string> names = krl ? std::vector<std::string>{"E1", "E2"}
+                                         : ControllerOf(variant) == "fanuc"
+                                             ? std::vector<std::string>{"E1", "GP2_J1"}
                                          : cnc ? std::vector<std::string>{"U", "V"}
                                                : std::vector<std::string>{"RAIL_AX", "TAB_AX"};
   settings.mechanism = Mechanism(plan.external_axes);
