@@ -4,9 +4,12 @@
 namespace millpose {
 /// Defined in the controllers' own files.
 PostEntry KrlEntry(), SinumerikEntry(), LinuxCncEntry();
+PostEntry RapidEntry();
 
 Registry<PostEntry>& Posts() {
-  static Registry<PostEntry> posts{"controller", {KrlEntry(), SinumerikEntry(), LinuxCncEntry()}};
+  static Registry<PostEntry> posts{"controller",
+                                   {KrlEntry(), SinumerikEntry(), LinuxCncEntry(),  //
+                                    RapidEntry()}};
   return posts;
 }
 

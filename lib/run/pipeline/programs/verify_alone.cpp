@@ -65,7 +65,7 @@ std::string ToolIn(const std::string& text, const CellSettings& cell) {
   std::set<std::string> named;
   for (const std::string_view line : SplitLines(text)) {
     LineScanner scan(line, "", 0);
-    if (!scan.Accept(";") || !scan.Accept("tool:")) continue;
+    if ((!scan.Accept(";") && !scan.Accept("!")) || !scan.Accept("tool:")) continue;
     while (!scan.AtEnd()) {
       const auto word = scan.AcceptName();
       if (!word) scan.Skip();
