@@ -55,8 +55,8 @@ TimeLaw ExternalLaw(const std::vector<ExternalAxis>& axes, const Motion& from, c
   return FastestLaw(delta, speed, acceleration);
 }
 
-/// The largest change (1/s) of a joint motion's share of its way at which tip and tool are no faster than they
-/// may be; infinite where nothing bounds them.
+/// The largest change (1/s) of a joint motion's share of its way at which tip and tool are no faster than
+/// they may be; infinite where nothing bounds them.
 double TipRate(const Joints& from, const Joints& to, const Pose& X_FT, const Arm& arm,
                const TimeOptions& options) {
   constexpr int kParts = 16;  // the tip's speed changes little within one

@@ -212,8 +212,8 @@ class RapidWriter : public ProgramWriter {
   const std::string name_, tail_;
   std::string tool_, first_object_;
   Constants speeds_{"speeddata", "mp_v"}, zones_{"zonedata", "mp_z"};
-  bool stated_ = false;               // tool and work object have their values
-  Pose frame_ = Pose::Identity();     // of the work object, as it was given last
+  bool stated_ = false;                  // tool and work object have their values
+  Pose frame_ = Pose::Identity();        // of the work object, as it was given last
   Vector4d turned_ = Vector4d::UnitX();  // of the last pose
 };
 
@@ -233,17 +233,10 @@ const std::vector<std::string>& RapidAxisNames() {
 }
 
 std::vector<std::string> RapidSettings(const RapidOptions& options) {
-  std::vector<std::string> settings = {"ConfJ\\On",
-                                       "ConfL\\On",
-                                       "SingArea\\Off",
-                                       "PDispOff",
-                                       "EOffsOff",
-                                       "SoftDeact",
-                                       "VelSet 100,5000",
-                                       "AccSet 100,100",
-                                       "PathAccLim FALSE,FALSE",
-                                       "WorldAccLim\\Off",
-                                       "GripLoad load0"};
+  std::vector<std::string> settings = {"ConfJ\\On",        "ConfL\\On",      "SingArea\\Off",
+                                       "PDispOff",         "EOffsOff",       "SoftDeact",
+                                       "VelSet 100,5000",  "AccSet 100,100", "PathAccLim FALSE,FALSE",
+                                       "WorldAccLim\\Off", "GripLoad load0"};
   for (const std::string& unit : options.activate_units) settings.push_back("ActUnit " + unit);
   return settings;
 }
@@ -317,14 +310,14 @@ CallingSyntax RapidPost::Calling() const {
   syntax.tail = "ENDPROC\nPROC main()\n{name};\nENDPROC\nENDMODULE\n";
   syntax.called_tail = "ENDPROC\nENDMODULE\n";
   syntax.comment = '!';
-  syntax.reserved = {"alias",  "and",  "backward", "case",   "connect", "const",   "default", "div",
-                     "do",     "else", "elseif",   "endfor", "endfunc", "endif",   "endproc", "endtest",
-                     "error",  "exit", "false",    "for",    "from",    "func",    "goto",    "if",
-                     "inout",  "load", "local",    "main",   "mod",     "module",  "nostepin", "not",
-                     "or",     "pers", "proc",     "raise",  "readonly", "record", "retry",   "return",
-                     "set",    "step", "stop",     "sysmodule", "task", "test",    "then",    "to",
-                     "trap",   "true", "trynext",  "undo",   "unload",  "var",     "viewonly", "wait",
-                     "while",  "with", "xor",      "fine",   "reset",   "break",   "endmodule", "noview"};
+  syntax.reserved = {"alias", "and",  "backward", "case",      "connect",  "const",  "default",   "div",
+                     "do",    "else", "elseif",   "endfor",    "endfunc",  "endif",  "endproc",   "endtest",
+                     "error", "exit", "false",    "for",       "from",     "func",   "goto",      "if",
+                     "inout", "load", "local",    "main",      "mod",      "module", "nostepin",  "not",
+                     "or",    "pers", "proc",     "raise",     "readonly", "record", "retry",     "return",
+                     "set",   "step", "stop",     "sysmodule", "task",     "test",   "then",      "to",
+                     "trap",  "true", "trynext",  "undo",      "unload",   "var",    "viewonly",  "wait",
+                     "while", "with", "xor",      "fine",      "reset",    "break",  "endmodule", "noview"};
   return syntax;
 }
 
@@ -359,18 +352,20 @@ std::vector<std::pair<std::string, std::string>> RapidPost::BeforeFirstRun(
           ? fmt::format("the cell says {} kB for all files of a program", *options_.memory_kbytes)
           : "compare the size of all files with the program memory that the pendant shows as free";
   std::vector<std::pair<std::string, std::string>> steps = {
-      {"tool", "programs state tooldata themselves: tool_pose in the head is what was measured, load is "
-               "what hangs on the flange"},
-      {"base", "programs state wobjdata themselves: base_pose in the head is the part in the controller's "
-               "world"},
+      {"tool",
+       "programs state tooldata themselves: tool_pose in the head is what was measured, load is "
+       "what hangs on the flange"},
+      {"base",
+       "programs state wobjdata themselves: base_pose in the head is the part in the controller's "
+       "world"},
       {"base frame", "Configuration, Motion, Robot: the base frame is base_frame in the head; gravity too"},
       {"axes", "jog to the first MoveAbsJ of the program: arm and points.csv must agree"},
       {"configuration",
        "move to the first MoveL in steps and compare cf1, cf4, cf6, cfx at the pendant with the program's"},
       {"texts", TextsToTry(settings)},
-      {"memory", options_.load_from.empty() ? size
-                                            : fmt::format("copy all files of the program to {} (load_from)",
-                                                          options_.load_from)},
+      {"memory", options_.load_from.empty()
+                     ? size
+                     : fmt::format("copy all files of the program to {} (load_from)", options_.load_from)},
       {"first entry", "step to it in manual mode with reduced speed; then a dry run (dry_run_offset_mm)"}};
   for (const std::string& unit : options_.activate_units)
     steps.emplace_back("unit", fmt::format("{} can be activated by ActUnit", unit));
@@ -378,7 +373,8 @@ std::vector<std::pair<std::string, std::string>> RapidPost::BeforeFirstRun(
 }
 
 FrameTexts RapidPost::Frames(const PostSettings& settings) const {
-  FrameTexts texts{settings.tool_name + " in tool0", "workpiece in the controller's world",
+  FrameTexts texts{settings.tool_name + " in tool0",
+                   "workpiece in the controller's world",
                    {{"base_frame", "assumed of the robot: " + PoseText(MakePose(options_.base_frame))}}};
   if (options_.work_unit)
     texts.more.emplace_back("work_unit",
@@ -386,9 +382,9 @@ FrameTexts RapidPost::Frames(const PostSettings& settings) const {
                                         PoseText(MakePose(options_.work_unit->frame))));
   if (settings.load) {
     const ToolLoad& load = *settings.load;
-    texts.more.emplace_back("load", fmt::format("{} kg at {} {} {} mm in tool0", Fixed(load.mass, 3),
-                                                Fixed(load.centre.x(), 1), Fixed(load.centre.y(), 1),
-                                                Fixed(load.centre.z(), 1)));
+    texts.more.emplace_back(
+        "load", fmt::format("{} kg at {} {} {} mm in tool0", Fixed(load.mass, 3), Fixed(load.centre.x(), 1),
+                            Fixed(load.centre.y(), 1), Fixed(load.centre.z(), 1)));
   }
   return texts;
 }

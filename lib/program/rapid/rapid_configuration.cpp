@@ -21,8 +21,7 @@ RapidConfiguration RapidConfigurationOf(const Arm& arm, const AxisConvention& ax
   RapidConfiguration configuration{};
   for (size_t i = 0; i < kQuartered.size(); ++i) configuration[i] = QuarterOf(angles[kQuartered[i]]);
   // Status bit 1 is set where the elbow is bent downwards: the wrist centre is in front of the lower arm.
-  configuration[3] =
-      (angles[4] < 0 ? 1 : 0) | ((status & 2) != 0 ? 0 : 2) | ((status & 1) != 0 ? 4 : 0);
+  configuration[3] = (angles[4] < 0 ? 1 : 0) | ((status & 2) != 0 ? 0 : 2) | ((status & 1) != 0 ? 4 : 0);
   return configuration;
 }
 

@@ -17,7 +17,8 @@ constexpr double kSameNumber = 1e-6;  // of what the cell says and a num can hol
 double RoundedToNum(double value) { return static_cast<double>(static_cast<float>(value)); }
 
 std::string Triple(const Eigen::Vector3d& v, int decimals) {
-  return fmt::format("[{},{},{}]", NumText(v.x(), decimals), NumText(v.y(), decimals), NumText(v.z(), decimals));
+  return fmt::format("[{},{},{}]", NumText(v.x(), decimals), NumText(v.y(), decimals),
+                     NumText(v.z(), decimals));
 }
 
 bool ReadTruth(LineScanner& scan) {
@@ -83,7 +84,8 @@ std::string ToolText(const Pose& X_FC, const ToolLoad& load) {
   const Eigen::Vector3d& i = load.inertia;
   return fmt::format("[TRUE,{},[{},{},[1,0,0,0],{},{},{}]]", PoseAggregate(X_FC),
                      NumText(load.mass, kLoadDecimals), Triple(load.centre, kLoadDecimals),
-                     NumText(i.x(), kLoadDecimals), NumText(i.y(), kLoadDecimals), NumText(i.z(), kLoadDecimals));
+                     NumText(i.x(), kLoadDecimals), NumText(i.y(), kLoadDecimals),
+                     NumText(i.z(), kLoadDecimals));
 }
 
 std::string WorkObjectText(const WorkObject& object) {
@@ -100,8 +102,8 @@ std::string SpeedText(const Speed& speed) {
 
 std::string ZoneText(double distance) {
   const std::string d = NumText(distance, kLengthDecimals);
-  return fmt::format("[FALSE,{0},{0},{0},{1},{2},{3}]", d, NumText(kWideZones[0], 0), NumText(kWideZones[1], 0),
-                     NumText(kWideZones[2], 0));
+  return fmt::format("[FALSE,{0},{0},{0},{1},{2},{3}]", d, NumText(kWideZones[0], 0),
+                     NumText(kWideZones[1], 0), NumText(kWideZones[2], 0));
 }
 
 double ReadNum(LineScanner& scan) { return RoundedToNum(scan.ExpectNumber()); }
@@ -181,8 +183,7 @@ Speed ReadSpeed(LineScanner& scan) {
   const std::array<double, 4> v = ReadNums<4>(scan);
   if (!(v[0] > 0) || !(v[1] > 0)) scan.FailFrom(start, "speeds above 0 expected");
   if (v[2] != kLinearAxisSpeed || v[3] != kRotaryAxisSpeed)
-    scan.FailFrom(start,
-                  fmt::format("v_leax {} and v_reax {} expected", kLinearAxisSpeed, kRotaryAxisSpeed));
+    scan.FailFrom(start, fmt::format("v_leax {} and v_reax {} expected", kLinearAxisSpeed, kRotaryAxisSpeed));
   return {v[0], v[1] * kRadPerDeg};
 }
 
@@ -198,8 +199,9 @@ double ReadZone(LineScanner& scan) {
   scan.Expect("]");
   if (!(zone[0] > 0)) scan.FailFrom(start, "a zone above 0 expected; a stop is fine");
   if (zone[1] != zone[0] || zone[2] != zone[0])
-    scan.FailFrom(start, "pzone_ori and pzone_eax as large as pzone_tcp expected: of larger ones nobody says "
-                         "how far the orientation leaves its corner");
+    scan.FailFrom(start,
+                  "pzone_ori and pzone_eax as large as pzone_tcp expected: of larger ones nobody says "
+                  "how far the orientation leaves its corner");
   for (size_t i = 0; i < kWideZones.size(); ++i)
     if (zone[i + 3] != kWideZones[i])
       scan.FailFrom(start, fmt::format("zone_ori {}, zone_leax {} and zone_reax {} expected", kWideZones[0],

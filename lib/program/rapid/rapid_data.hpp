@@ -22,7 +22,7 @@ struct Speed {
 
 /// wobjdata with the robot not holding the part.
 struct WorkObject {
-  std::string unit = {};         ///< mechanical unit that carries it; empty: it stands
+  std::string unit = {};          ///< mechanical unit that carries it; empty: it stands
   Pose frame = Pose::Identity();  ///< uframe · oframe: in the world, or, with a unit, in the unit's frame
 };
 

@@ -24,9 +24,10 @@ Codec<RapidWorkUnit> WorkUnitFields() {
 
 std::vector<Field<S>> FrameAndSpeedKeys() {
   return {
-      Key<S>("base_frame", MILLPOSE_AT(base_frame), PoseFields(),
-             "The robot's base frame in the controller's world (Configuration, Motion, Robot); with a coupled "
-             "rail: with its axis at 0."),
+      Key<S>(
+          "base_frame", MILLPOSE_AT(base_frame), PoseFields(),
+          "The robot's base frame in the controller's world (Configuration, Motion, Robot); with a coupled "
+          "rail: with its axis at 0."),
       Key<S>("way_speed_mm_s", MILLPOSE_AT(way_speed), Real(kMillimetrePerS, Between(1, 5000)),
              "Largest speed of the tip between cuts (MoveAbsJ)."),
       Key<S>("orientation_speed_deg_s", MILLPOSE_AT(orientation_speed), Real(kDegPerS, Positive(1000)),
@@ -72,11 +73,12 @@ void Check(const Value& value, const Context& context, PostSection<S>& section) 
   for (const std::string& unit : own.activate_units) word("activate_units", unit);
   if (own.work_unit) word("work_unit", own.work_unit->name);
   if (!own.load_from.empty() && !IsFolder(own.load_from))
-    context.Child("load_from").Add(
-        value.FindKey("load_from")->mark,
-        fmt::format("given '{}'; allowed: a folder such as HOME:/millpose, at most 60 characters, without "
-                    "quotes, backslashes and a '/' at its end",
-                    own.load_from));
+    context.Child("load_from")
+        .Add(value.FindKey("load_from")->mark,
+             fmt::format(
+                 "given '{}'; allowed: a folder such as HOME:/millpose, at most 60 characters, without "
+                 "quotes, backslashes and a '/' at its end",
+                 own.load_from));
 }
 
 }  // namespace
@@ -88,8 +90,8 @@ PostEntry RapidEntry() {
   keys.emplace_back(PathAccelerationKey());
   std::ranges::copy(UnitAndMemoryKeys(), std::back_inserter(keys));
   keys.emplace_back(CycleKey(RapidPost().UsualCycle()));
-  for (const SharedKey& key : {BlockTimeKey(), MaxMotionsKey(), MaxKbytesKey(), OutputsKey(false), TextsKey(),
-                               CallsKey()})
+  for (const SharedKey& key :
+       {BlockTimeKey(), MaxMotionsKey(), MaxKbytesKey(), OutputsKey(false), TextsKey(), CallsKey()})
     keys.emplace_back(key);
   return EntryOf<RapidPost>(keys, Check);
 }

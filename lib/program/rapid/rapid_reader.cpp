@@ -369,9 +369,8 @@ class RapidReader : public ProgramReader {
                             ? ParseNumber(digits)
                             : std::nullopt;
     if (!signal.starts_with(prefix) || !number || std::to_string(static_cast<int>(*number)) != digits)
-      scan.FailFrom(start,
-                    fmt::format("a signal {}n expected (signal_prefix; others: the cell's texts)",
-                                options_.signal_prefix));
+      scan.FailFrom(start, fmt::format("a signal {}n expected (signal_prefix; others: the cell's texts)",
+                                       options_.signal_prefix));
     scan.Expect(",");
     PathOutput output;
     output.number = static_cast<int>(*number);
@@ -383,10 +382,9 @@ class RapidReader : public ProgramReader {
   /// A value for a persistent, the call of a file of the program or of a routine of the plant.
   void ReadName(LineScanner& scan, size_t start) {
     static const std::vector<std::string> statements = {
-        "MoveL",    "MoveAbsJ", "SetDO",      "WaitTime",   "WaitDI",      "Stop",        "TPWrite",
-        "ConfJ",    "ConfL",    "SingArea",   "PDispOff",   "EOffsOff",    "SoftDeact",   "VelSet",
-        "AccSet",   "GripLoad", "PathAccLim", "WorldAccLim", "ActUnit",    "Load",        "UnLoad",
-        "ENDPROC"};
+        "MoveL",      "MoveAbsJ",    "SetDO",    "WaitTime", "WaitDI",    "Stop",   "TPWrite", "ConfJ",
+        "ConfL",      "SingArea",    "PDispOff", "EOffsOff", "SoftDeact", "VelSet", "AccSet",  "GripLoad",
+        "PathAccLim", "WorldAccLim", "ActUnit",  "Load",     "UnLoad",    "ENDPROC"};
     const auto name = scan.AcceptName();
     if (name && scan.Accept(":=")) return Assign(scan, start, *name);
     if (name && IsDeclared(*name)) {
@@ -455,8 +453,8 @@ class RapidReader : public ProgramReader {
       if (name != RapidAxisNames().front()) scan.Expect(",");
       const size_t start = scan.Next();
       const auto axis = std::ranges::find(settings_.controller_axes, name, &ControllerAxis::name);
-      const bool none = scan.Accept("9E9") || scan.Accept("9E+9") || scan.Accept("9E+09") ||
-                        scan.Accept("9E09");
+      const bool none =
+          scan.Accept("9E9") || scan.Accept("9E+9") || scan.Accept("9E+09") || scan.Accept("9E09");
       if (axis == settings_.controller_axes.end()) {
         if (!none) scan.Fail(fmt::format("9E9 expected: the cell has no axis {}", name));
         continue;
@@ -464,8 +462,8 @@ class RapidReader : public ProgramReader {
       if (none) scan.FailFrom(start, fmt::format("where {} goes expected", name));
       const double value = rapid::ReadNum(scan);
       if (axis->axis.empty() && std::abs(value - axis->constant) > kExternalSlack)
-        scan.FailFrom(start, fmt::format("{} stays at {} in this program; that value expected", name,
-                                         axis->constant));
+        scan.FailFrom(
+            start, fmt::format("{} stays at {} in this program; that value expected", name, axis->constant));
       SetValue(settings_, *axis, value, external_);
     }
     scan.Expect("]");
@@ -519,10 +517,10 @@ class RapidReader : public ProgramReader {
     const rapid::Speed speed = DatumOf(scan, Type::kSpeed, "speeddata").speed;
     if (speed.tip > options_.way_speed * (1 + kSameSetting) ||
         speed.turn > options_.orientation_speed * (1 + kSameSetting))
-      scan.FailFrom(start, fmt::format("at most {} mm/s and {} deg/s expected (the cell's way_speed_mm_s and "
-                                       "orientation_speed_deg_s)",
-                                       options_.way_speed,
-                                       Short(options_.orientation_speed * kDegPerRad, 4)));
+      scan.FailFrom(start,
+                    fmt::format("at most {} mm/s and {} deg/s expected (the cell's way_speed_mm_s and "
+                                "orientation_speed_deg_s)",
+                                options_.way_speed, Short(options_.orientation_speed * kDegPerRad, 4)));
     scan.Expect(",");
     scan.Expect("fine");
     motion.exact = true;
@@ -552,9 +550,10 @@ class RapidReader : public ProgramReader {
     if (!motion.exact) motion.blend = DatumOf(scan, Type::kZone, "fine or zonedata").zone;
     ReadFrames(scan, motion, before);
     if (const std::string name = UncoupledMove(settings_, before, motion.external); !name.empty())
-      scan.Fail(fmt::format("{} moves in a MoveL; the controller does not count in it (coupled: false in the "
-                            "cell), so that it must stand still",
-                            name));
+      scan.Fail(
+          fmt::format("{} moves in a MoveL; the controller does not count in it (coupled: false in the "
+                      "cell), so that it must stand still",
+                      name));
     CheckConfiguration(scan, start, configuration, motion);
   }
 
@@ -582,9 +581,9 @@ class RapidReader : public ProgramReader {
     const Joints& from = *before->q;
     motion.q = InverseNear(arm_, *X_BP * motion.X_PT * program_.X_FT->inverse(), Status(arm_, from), from);
     if (!motion.q || FitsRapidConfiguration(given, arm_, settings_.axes, *motion.q)) return;
-    scan.FailFrom(start, fmt::format("{} expected: so the arm stands at the end of this motion",
-                                     RapidConfigurationText(
-                                         RapidConfigurationOf(arm_, settings_.axes, *motion.q))));
+    scan.FailFrom(start,
+                  fmt::format("{} expected: so the arm stands at the end of this motion",
+                              RapidConfigurationText(RapidConfigurationOf(arm_, settings_.axes, *motion.q))));
   }
 
   const Arm& arm_;
@@ -594,7 +593,7 @@ class RapidReader : public ProgramReader {
   std::string loaded_;                      // module that is in memory
   bool run_ = false;                        // it was called
   RapidPart part_ = RapidPart::kBefore;
-  bool posed_ = false;       // a motion has said its tool and work object
+  bool posed_ = false;  // a motion has said its tool and work object
   bool texts_alone_ = false;
 };
 
@@ -604,8 +603,7 @@ std::vector<Problem> RapidPost::CheckTexts(const Arm& arm, const PostSettings& s
   return RapidReader({}, arm, settings, options_).CheckTextsAlone();
 }
 
-MotionProgram RapidPost::Read(const ProgramFiles& files, const Arm& arm,
-                              const PostSettings& settings) const {
+MotionProgram RapidPost::Read(const ProgramFiles& files, const Arm& arm, const PostSettings& settings) const {
   return RapidReader(files, arm, settings, options_).Read({".mod"});
 }
 
