@@ -30,7 +30,7 @@ PlanResult SamplePlan(const SampleShape& shape = {});
 MotionOptions SampleFeeds();
 
 /// Settings as the kr500_r2830 cell gives them for a controller, or for a variant of it: krl,
-/// sinumerik, sinumerik_euler, linuxcnc, linuxcnc_cartesian.
+/// sinumerik, sinumerik_euler, linuxcnc, linuxcnc_cartesian, rapid.
 PostSettings SampleSettings(const std::string& variant);
 std::unique_ptr<Post> SamplePost(const std::string& variant);
 /// The program as it is handed to the writer of a variant's controller: with the points that its way to turn
