@@ -177,11 +177,26 @@ Answer Bed::Ask(const Files& files) const {
 const std::vector<std::unique_ptr<Bed>>& Beds() {
   static const std::vector<std::unique_ptr<Bed>> beds = [] {
     std::vector<std::unique_ptr<Bed>> list;
-    for (const char* variant :
-         {"krl", "krl_more", "krl_numbered", "krl_split", "krl_stations", "sinumerik", "sinumerik_euler",
-          "sinumerik_split", "sinumerik_stations", "krl_plant", "sinumerik_plant", "linuxcnc_plant",
-          "linuxcnc_stations", "rapid", "rapid_split", "rapid_load", "rapid_stations", "rapid_plant", "linuxcnc",
-          "linuxcnc_cartesian"})
+    for (const char* variant : {"krl",
+                                "krl_more",
+                                "krl_numbered",
+                                "krl_split",
+                                "krl_stations",
+                                "sinumerik",
+                                "sinumerik_euler",
+                                "sinumerik_split",
+                                "sinumerik_stations",
+                                "krl_plant",
+                                "sinumerik_plant",
+                                "linuxcnc_plant",
+                                "linuxcnc_stations",
+                                "rapid",
+                                "rapid_split",
+                                "rapid_load",
+                                "rapid_stations",
+                                "rapid_plant",
+                                "linuxcnc",
+                                "linuxcnc_cartesian"})
       list.push_back(std::make_unique<Bed>(variant));
     return list;
   }();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // RAPID as IRC5 and OmniCore run it, after ABB's RAPID reference manuals (kernel: modules, routines, data;
-// instructions and data types A-Z); what they are named by stands at each rule. A module is checked as a whole
-// when it is loaded.
+// instructions and data types A-Z); what they are named by stands at each rule. A module is checked as a
+// whole when it is loaded.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -162,9 +162,10 @@ class Rapid : public Mover {
     if (Switch(in, word)) return;
     // Valid instructions that move or lead elsewhere.
     static const std::set<std::string> others = {
-        "MOVEJ", "MOVEC", "GOTO",   "RETURN",  "EXIT",       "BREAK",     "CONFDATA", "IF",     "FOR",
-        "WHILE", "TEST",  "PDISPON", "PDISPSET", "EOFFSON", "EOFFSSET", "SOFTACT",  "CIRPATHMODE", "STOPMOVE",
-        "DEACTUNIT", "SPEEDREFRESH", "PATHRESOL", "MOTIONSUP", "TRIGGL", "MOVELDO", "INCR", "SEARCHL", "EXITCYCLE"};
+        "MOVEJ",     "MOVEC",   "GOTO",        "RETURN",   "EXIT",      "BREAK",        "CONFDATA",
+        "IF",        "FOR",     "WHILE",       "TEST",     "PDISPON",   "PDISPSET",     "EOFFSON",
+        "EOFFSSET",  "SOFTACT", "CIRPATHMODE", "STOPMOVE", "DEACTUNIT", "SPEEDREFRESH", "PATHRESOL",
+        "MOTIONSUP", "TRIGGL",  "MOVELDO",     "INCR",     "SEARCHL",   "EXITCYCLE"};
     if (others.contains(word)) {
       Event(Step::Kind::kSwitch, in.Text(word));
       return;
@@ -218,9 +219,9 @@ class Rapid : public Mover {
 
   /// What is set, and holds until it is set otherwise.
   bool Mode(RapidArguments& in, const std::string& word) {
-    static const std::set<std::string> known = {"CONFJ",   "CONFL",     "SINGAREA",   "PDISPOFF",    "EOFFSOFF",
-                                                "SOFTDEACT", "VELSET",  "ACCSET",     "PATHACCLIM",  "WORLDACCLIM",
-                                                "GRIPLOAD",  "ACTUNIT"};
+    static const std::set<std::string> known = {"CONFJ",      "CONFL",       "SINGAREA", "PDISPOFF",
+                                                "EOFFSOFF",   "SOFTDEACT",   "VELSET",   "ACCSET",
+                                                "PATHACCLIM", "WORLDACCLIM", "GRIPLOAD", "ACTUNIT"};
     if (!known.contains(word)) return false;
     std::string text = in.Text("");
     if ((word == "CONFJ" || word == "CONFL") && text.empty()) text = "\\ON";
@@ -240,9 +241,9 @@ class Rapid : public Mover {
 
   /// As after PP to Main: what the manuals say of each.
   void Reset() {
-    modes_ = {{"CONFJ", "\\ON"},       {"CONFL", "\\ON"},         {"SINGAREA", "\\OFF"},
-              {"PDISPOFF", ""},        {"EOFFSOFF", ""},          {"SOFTDEACT", ""},
-              {"VELSET", "100,5000"},  {"ACCSET", "100,100"},     {"PATHACCLIM", "FALSE,FALSE"},
+    modes_ = {{"CONFJ", "\\ON"},        {"CONFL", "\\ON"},     {"SINGAREA", "\\OFF"},
+              {"PDISPOFF", ""},         {"EOFFSOFF", ""},      {"SOFTDEACT", ""},
+              {"VELSET", "100,5000"},   {"ACCSET", "100,100"}, {"PATHACCLIM", "FALSE,FALSE"},
               {"WORLDACCLIM", "\\OFF"}, {"GRIPLOAD", "LOAD0"}};
   }
 
@@ -362,10 +363,11 @@ class Rapid : public Mover {
 
   /// What holds for the motion. A mode that is not as after PP to Main is another motion.
   void Describe(Step& step, const How& how, const std::vector<double>& stated) {
-    static const std::set<std::string> harmless = {"GRIPLOAD", "ACCSET", "PATHACCLIM", "WORLDACCLIM", "SOFTDEACT"};
-    static const std::map<std::string, std::string> usual = {
-        {"CONFJ", "\\ON"}, {"CONFL", "\\ON"},        {"SINGAREA", "\\OFF"}, {"PDISPOFF", ""},
-        {"EOFFSOFF", ""},  {"VELSET", "100,5000"}};
+    static const std::set<std::string> harmless = {"GRIPLOAD", "ACCSET", "PATHACCLIM", "WORLDACCLIM",
+                                                   "SOFTDEACT"};
+    static const std::map<std::string, std::string> usual = {{"CONFJ", "\\ON"},     {"CONFL", "\\ON"},
+                                                             {"SINGAREA", "\\OFF"}, {"PDISPOFF", ""},
+                                                             {"EOFFSOFF", ""},      {"VELSET", "100,5000"}};
     step.words = how.words;
     for (const auto& [name, value] : modes_) {
       if (harmless.contains(name) || name.starts_with("ACTUNIT"))
@@ -395,7 +397,8 @@ class Rapid : public Mover {
     const RapidValue target = ReadRapidValue("ROBTARGET", in);
     const How how = Read(in);
     External(target.eax);
-    if (!how.object.unit.empty() && how.object.unit != machine_.unit) throw Refusal{"no unit " + how.object.unit};
+    if (!how.object.unit.empty() && how.object.unit != machine_.unit)
+      throw Refusal{"no unit " + how.object.unit};
     const Pose X_BF = ObjectInFoot(how.object) * target.frame * how.tool.frame.inverse();
     Step& step = CutTo(X_BF);
     if (modes_["CONFL"] == "\\ON") CheckConfiguration(step.q, target.numbers);

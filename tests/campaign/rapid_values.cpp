@@ -35,7 +35,8 @@ class Lexer {
         tokens.push_back(NumberToken());
       } else if (IsLetter(c)) {  // "Identifiers": a letter first
         const size_t begin = at_;
-        while (at_ < line_.size() && (IsLetter(line_[at_]) || IsDigit(line_[at_]) || line_[at_] == '_')) ++at_;
+        while (at_ < line_.size() && (IsLetter(line_[at_]) || IsDigit(line_[at_]) || line_[at_] == '_'))
+          ++at_;
         tokens.push_back({Kind::kWord, Upper(line_.substr(begin, at_ - begin)), 0, number_});
       } else {
         const bool assigns = line_.compare(at_, 2, ":=") == 0;
@@ -302,7 +303,8 @@ std::optional<RapidValue> PredefinedRapid(const std::string& type, const std::st
   RapidValue value;
   value.type = type;
   const auto numbered = [&](char letter) {
-    return name.size() > 1 && name[0] == letter && name.find_first_not_of("0123456789", 1) == std::string::npos;
+    return name.size() > 1 && name[0] == letter &&
+           name.find_first_not_of("0123456789", 1) == std::string::npos;
   };
   if (type == "SPEEDDATA" && numbered('V')) {
     value.numbers = {std::strtod(name.c_str() + 1, nullptr), 500, 5000, 1000};

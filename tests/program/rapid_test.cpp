@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // RAPID: what is written reads back alike, num by num; what gives up safety or is not stated is refused.
+#include "program/rapid/rapid.hpp"
+
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
@@ -8,7 +10,6 @@
 #include "program/calling_program.hpp"
 #include "program/controller_axes.hpp"
 #include "program/economy.hpp"
-#include "program/rapid/rapid.hpp"
 #include "program/rapid/rapid_configuration.hpp"
 #include "program/rapid/rapid_data.hpp"
 #include "program/scanner.hpp"
@@ -149,7 +150,8 @@ TEST_F(RapidProgram, AsksForUnitQuaternionsAndTheConfigurationOfThePlace) {
   }
 }
 
-// Joints and cfx as a public library of kinematics tests them (an IRB 1660: A1 320 mm lower and shorter).
+// Joints and cfx as a public library of kinematics (py-opw-kinematics) tests them, with the lengths of an IRB
+// 1660.
 TEST(RapidConfiguration, CountsAsAbbDoes) {
   Arm arm;
   arm.d1 = 486.5, arm.a1 = 150, arm.a2 = 700, arm.d4 = 678, arm.dz = 110, arm.d6 = 135;
@@ -174,14 +176,16 @@ TEST(RapidConfiguration, BordersBelongToBothQuarters) {
   Joints q;
   q << 90 * kRadPerDeg, -1.2, 1.5, 1e-7, 0.5, 0.3;
   for (const int cf1 : {0, 1})
-    for (const int cf4 : {-1, 0}) EXPECT_TRUE(FitsRapidConfiguration({cf1, cf4, 0, RapidConfigurationOf(arm, own, q)[3]}, arm, own, q));
+    for (const int cf4 : {-1, 0})
+      EXPECT_TRUE(FitsRapidConfiguration({cf1, cf4, 0, RapidConfigurationOf(arm, own, q)[3]}, arm, own, q));
   EXPECT_FALSE(FitsRapidConfiguration({2, 0, 0, RapidConfigurationOf(arm, own, q)[3]}, arm, own, q));
   EXPECT_FALSE(FitsRapidConfiguration({0, 0, 0, RapidConfigurationOf(arm, own, q)[3] ^ 4}, arm, own, q));
 }
 
 TEST(RapidData, TextsOfQuaternionsReadBackAlike) {
   for (int i = 0; i < 2000; ++i) {
-    const Eigen::Vector4d q = Eigen::Vector4d(std::cos(1 + i), std::sin(2 * i + 1), std::cos(3 * i), 0.1 * (i % 7)).normalized();
+    const Eigen::Vector4d q =
+        Eigen::Vector4d(std::cos(1 + i), std::sin(2 * i + 1), std::cos(3 * i), 0.1 * (i % 7)).normalized();
     const std::string text = rapid::QuaternionText(q);
     LineScanner scan(text, "", 0);
     const Eigen::Matrix3d R = rapid::ReadOrient(scan);
@@ -244,12 +248,13 @@ TEST_F(RapidProgram, IsCalledByItsName) {
   EXPECT_EQ(post.Read(called.files, plan.arm, settings).motions.size(), program.motions.size());
   const ProgramFiles main = WriteCalling(syntax, "two parts", {{"job", "two parts"}}, {called});
   EXPECT_EQ(ReadCalling(syntax, "two parts", main), std::vector<std::string>{"Sample_wall_plan"});
-  EXPECT_EQ(main.at("two_parts.mod"),
-            "MODULE mp_two_parts\n"
-            "! written by millpose for ABB IRC5 and OmniCore (RAPID); mm, degrees, quaternions with the real part "
-            "first\n"
-            "PROC two_parts()\n! job: two parts\nSample_wall_plan;\nENDPROC\nPROC main()\ntwo_parts;\nENDPROC\n"
-            "ENDMODULE\n");
+  EXPECT_EQ(
+      main.at("two_parts.mod"),
+      "MODULE mp_two_parts\n"
+      "! written by millpose for ABB IRC5 and OmniCore (RAPID); mm, degrees, quaternions with the real part "
+      "first\n"
+      "PROC two_parts()\n! job: two parts\nSample_wall_plan;\nENDPROC\nPROC main()\ntwo_parts;\nENDPROC\n"
+      "ENDMODULE\n");
   for (const char* word : {"test", "Main", "LOAD"})  // RAPID's own words
     EXPECT_EQ(ProgramName(syntax, word), std::string("mp_") + word);
 }

@@ -144,10 +144,10 @@ StationPost::StationPost(const std::string& variant, const PlanResult& plan, boo
   const bool krl = ControllerOf(variant) == "krl", cnc = ControllerOf(variant) == "linuxcnc",
              rapid = ControllerOf(variant) == "rapid";
   const bool counts = coupled && variant != "linuxcnc";  // whose joints count from nothing
-  const std::vector<std::string> names = krl   ? std::vector<std::string>{"E1", "E2"}
-                                         : cnc ? std::vector<std::string>{"U", "V"}
+  const std::vector<std::string> names = krl     ? std::vector<std::string>{"E1", "E2"}
+                                         : cnc   ? std::vector<std::string>{"U", "V"}
                                          : rapid ? RapidAxisNames()
-                                               : std::vector<std::string>{"RAIL_AX", "TAB_AX"};
+                                                 : std::vector<std::string>{"RAIL_AX", "TAB_AX"};
   settings.mechanism = Mechanism(plan.external_axes);
   settings.X_WB = plan.X_WB;
   for (size_t i = 0; i < plan.external_axes.size(); ++i)

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reads RAPID as far as robot programs of millpose and the usual hand edits go.
-#include <map>
-
 #include "base/text.hpp"
 #include "machine/robot/kinematics.hpp"
 #include "program/controller_axes.hpp"
 #include "program/external_axes.hpp"
-#include "program/rapid/rapid.hpp"
 #include "program/rapid/rapid_configuration.hpp"
-#include "program/rapid/rapid_data.hpp"
-#include "program/reader.hpp"
+#include "program/rapid/rapid_module.hpp"
 
 namespace millpose {
 namespace {
@@ -19,172 +15,16 @@ constexpr double kSameSetting = 1e-6;    // relative
 constexpr double kSamePlace = 1e-9;      // of a frame stated again
 constexpr int kMostQuarters = 40;        // of a configuration: ten revolutions
 
-/// What a module has declared.
-struct RapidDatum {
-  enum class Type : uint8_t { kTool, kObject, kSpeed, kZone } type = Type::kTool;
-  Pose frame = Pose::Identity();  // of a tool, as it was assigned last
-  rapid::WorkObject object;       // likewise
-  rapid::Speed speed;
-  double zone = 0;
-};
-
-/// Where in its module a line is.
-enum class RapidPart : uint8_t { kBefore, kData, kRoutine, kBehind, kMain, kMainCalled, kMainEnded };
-
-class RapidReader : public ProgramReader {
+class RapidReader : public RapidModuleReader {
  public:
   RapidReader(const ProgramFiles& files, const Arm& arm, const PostSettings& settings,
               const RapidOptions& options)
-      : ProgramReader(files, settings,
-                      Templates(RapidTexts(settings), settings.texts, ToolOf(settings), {.numbers = false})),
-        arm_(arm),
-        options_(options) {
-    program_.blend_is_distance = true;
-  }
-
-  /// Texts alone, without a module round them.
-  std::vector<Problem> CheckTextsAlone() {
-    texts_alone_ = true;
-    return CheckTexts();
-  }
+      : RapidModuleReader(files, settings, options), arm_(arm) {}
 
  private:
-  using Type = RapidDatum::Type;
-
-  std::optional<std::string_view> Comment(std::string_view line) const override {
-    return line.starts_with('!') ? std::optional(line.substr(1)) : std::nullopt;
-  }
-
-  /// A '!' within a text in quotes begins no comment.
-  std::string_view WithoutComment(std::string_view line) const override {
-    bool quoted = false;
-    for (size_t i = 0; i < line.size(); ++i) {
-      if (line[i] == '"') quoted = !quoted;
-      if (line[i] == '!' && !quoted) return line.substr(0, i);
-    }
-    return line;
-  }
-
-  void ReadComment(std::string_view comment) override {
-    LineScanner scan(comment, "", 0);
-    const bool begin = scan.Accept("PASS");
-    if (part_ != RapidPart::kRoutine || (!begin && !scan.Accept("END OF PASS")))
-      return ProgramReader::ReadComment(comment);
-    ReadPassMark(scan, begin);
-  }
-
-  void BeginFile() override {
-    part_ = texts_alone_ ? RapidPart::kRoutine : RapidPart::kBefore;
-    data_.clear();
-  }
-
   std::vector<std::string> Needed() const override { return settings_needed_; }
 
-  void ReadCode(LineScanner& scan) override {
-    if (InText() && part_ != RapidPart::kRoutine) scan.Fail("the cell's texts within the routine expected");
-    switch (part_) {
-      case RapidPart::kBefore:
-        return ReadModule(scan);
-      case RapidPart::kData:
-        return ReadData(scan);
-      case RapidPart::kRoutine:
-        if (!InText() && scan.Accept("ENDPROC")) return End(scan, RapidPart::kBehind);
-        ReadStatement(scan);
-        scan.Expect(";");
-        return scan.ExpectEnd();
-      case RapidPart::kBehind:
-        return ReadBehind(scan);
-      case RapidPart::kMain:
-        scan.Expect(FileStem());
-        scan.Expect(";");
-        return End(scan, RapidPart::kMainCalled);
-      case RapidPart::kMainCalled:
-        scan.Expect("ENDPROC");
-        return End(scan, RapidPart::kMainEnded);
-      case RapidPart::kMainEnded:
-        scan.Expect("ENDMODULE");
-        scan.ExpectEnd();
-        return EndFile();
-    }
-  }
-
-  void End(LineScanner& scan, RapidPart next) {
-    scan.ExpectEnd();
-    if (next == RapidPart::kBehind && !loaded_.empty())
-      scan.Fail(fmt::format("UnLoad of {} expected before the end", loaded_));
-    part_ = next;
-  }
-
-  void ReadModule(LineScanner& scan) {
-    scan.Expect("MODULE");
-    scan.Expect("mp_" + FileStem());
-    if (!InSubprogram()) program_.name = FileStem();
-    End(scan, RapidPart::kData);
-  }
-
-  /// Behind the routine: main(), which calls it, of a program that stands by itself.
-  void ReadBehind(LineScanner& scan) {
-    if (scan.Accept("ENDMODULE")) {
-      scan.ExpectEnd();
-      return EndFile();
-    }
-    scan.Expect("PROC");
-    if (InSubprogram()) scan.Fail("ENDMODULE expected: one main() is in the main program");
-    scan.Expect("main");
-    ReadNoParameters(scan);
-    End(scan, RapidPart::kMain);
-  }
-
-  static void ReadNoParameters(LineScanner& scan) {
-    scan.Expect("(");
-    scan.Expect(")");
-  }
-
-  /// LOCAL PERS tooldata NAME:=…; LOCAL CONST speeddata NAME:=…; or the routine.
-  void ReadData(LineScanner& scan) {
-    if (scan.Accept("PROC")) {
-      scan.Expect(FileStem());
-      ReadNoParameters(scan);
-      return End(scan, RapidPart::kRoutine);
-    }
-    scan.Expect("LOCAL");
-    const bool constant = scan.Accept("CONST");
-    if (!constant) scan.Expect("PERS");
-    RapidDatum datum;
-    if (constant)
-      datum.type = scan.Accept("speeddata") ? Type::kSpeed : (scan.Expect("zonedata"), Type::kZone);
-    else
-      datum.type = scan.Accept("tooldata") ? Type::kTool : (scan.Expect("wobjdata"), Type::kObject);
-    const size_t start = scan.Next();
-    const std::string name = Spelled(scan.AcceptName().value_or(""));
-    if (!name.starts_with("MP_") || name.size() > 32)
-      scan.FailFrom(start, "a name that begins with mp_ expected: the controller has data of other names");
-    scan.Expect(":=");
-    ReadValue(scan, datum);
-    scan.Expect(";");
-    scan.ExpectEnd();
-    if (!data_.emplace(name, datum).second) scan.FailFrom(start, "a name that is not declared yet expected");
-  }
-
-  void ReadValue(LineScanner& scan, RapidDatum& datum) {
-    switch (datum.type) {
-      case Type::kTool:
-        datum.frame = rapid::ReadTool(scan, settings_.load.value_or(ToolLoad{}));
-        break;
-      case Type::kObject:
-        datum.object =
-            rapid::ReadWorkObject(scan, options_.work_unit ? options_.work_unit->name : std::string());
-        break;
-      case Type::kSpeed:
-        datum.speed = rapid::ReadSpeed(scan);
-        break;
-      case Type::kZone:
-        datum.zone = rapid::ReadZone(scan);
-        break;
-    }
-  }
-
-  void ReadStatement(LineScanner& scan) {
+  void ReadStatement(LineScanner& scan) override {
     if (InText() && ReadTextWord(scan)) return;
     const size_t start = scan.Next();
     if (scan.Accept("MoveL")) return ReadMoveL(scan);
@@ -304,63 +144,6 @@ class RapidReader : public ProgramReader {
       ReadHandEvent(scan, start, ProgramEvent::Kind::kMessage, kOutsideCuts);
   }
 
-  /// Load \Dynamic,"FOLDER/NAME.mod"; %"NAME"%; UnLoad "FOLDER/NAME.mod": one behind the other.
-  bool ReadLoading(LineScanner& scan, size_t start) {
-    if (scan.Accept("Load")) {
-      scan.Expect("\\");
-      scan.Expect("Dynamic");
-      scan.Expect(",");
-      const std::string name = ReadPath(scan);
-      if (!loaded_.empty()) scan.FailFrom(start, fmt::format("UnLoad of {} before it expected", loaded_));
-      loaded_ = name;
-      run_ = false;
-    } else if (scan.Accept("%")) {
-      scan.Expect("\"");
-      const std::string name = scan.TakeUntil('"');
-      scan.Expect("\"");
-      scan.Expect("%");
-      if (!SameWords(name, loaded_) || loaded_.empty() || run_)
-        scan.FailFrom(start, "the module that was loaded last expected, once");
-      run_ = true;
-      if (!ReadSubprogram(scan, name)) scan.FailFrom(start, "a file of the program expected");
-      return true;
-    } else if (scan.Accept("UnLoad")) {
-      const std::string name = ReadPath(scan);
-      if (!SameWords(name, loaded_) || loaded_.empty() || !run_)
-        scan.FailFrom(start, "the module that was loaded and has run expected");
-      loaded_.clear();
-    } else {
-      return false;
-    }
-    Allow(scan, start, kAtStops);
-    return true;
-  }
-
-  /// The name of a module in the cell's folder.
-  std::string ReadPath(LineScanner& scan) const {
-    const size_t start = scan.Next();
-    scan.Expect("\"");
-    const std::string path = scan.TakeUntil('"');
-    scan.Expect("\"");
-    if (options_.load_from.empty())
-      scan.FailFrom(start, "no module expected: the cell gives no folder (load_from)");
-    const std::string folder = options_.load_from + "/";
-    if (path.size() < folder.size() + 5 || !SameWords(path.substr(0, folder.size()), folder) ||
-        !SameWords(path.substr(path.size() - 4), ".mod"))
-      scan.FailFrom(start, fmt::format("a module in {} (load_from) expected", options_.load_from));
-    return path.substr(folder.size(), path.size() - folder.size() - 4);
-  }
-
-  bool ReadSubprogram(LineScanner& scan, const std::string& name) {
-    const auto data = std::exchange(data_, {});
-    const std::string loaded = std::exchange(loaded_, {});
-    const bool called = ReadCall(scan, name);
-    data_ = data;
-    loaded_ = loaded;
-    part_ = RapidPart::kRoutine;
-    return called;
-  }
-
   /// An output of the cell, switched on the path where the arm stands anyway.
   void ReadOutput(LineScanner& scan, size_t start) {
     const std::string signal = ReadSignal(scan), prefix = Spelled(options_.signal_prefix);
@@ -419,31 +202,6 @@ class RapidReader : public ProgramReader {
     } while (scan.Accept(","));
     arguments.pop_back();
     return arguments;
-  }
-
-  /// Of a persistent, whose value somebody else may have changed.
-  void Assign(LineScanner& scan, size_t start, const std::string& name) {
-    const auto found = data_.find(Spelled(name));
-    const bool persistent =
-        found != data_.end() && (found->second.type == Type::kTool || found->second.type == Type::kObject);
-    if (!persistent) scan.FailFrom(start, "tooldata or wobjdata that this module declares expected");
-    ReadValue(scan, found->second);
-    Stated(ValueName(found->first));
-    Allow(scan, start, kAtStops);
-  }
-
-  std::string ValueName(const std::string& name) const {
-    return fmt::format("the value of {} in {}", name, FileStem());
-  }
-
-  const RapidDatum& DatumOf(LineScanner& scan, Type type, const char* what) {
-    const size_t start = scan.Next();
-    const std::string name = Spelled(scan.AcceptName().value_or(""));
-    const auto found = data_.find(name);
-    if (found == data_.end() || found->second.type != type)
-      scan.FailFrom(start, fmt::format("{} that this module declares expected", what));
-    if (type == Type::kTool || type == Type::kObject) Require(ValueName(name));
-    return found->second;
   }
 
   /// Where the axes beside the arm's six go; the rest must be 9E9.
@@ -587,14 +345,8 @@ class RapidReader : public ProgramReader {
   }
 
   const Arm& arm_;
-  const RapidOptions& options_;
   const std::vector<std::string> settings_needed_ = RapidSettings(options_);
-  std::map<std::string, RapidDatum> data_;  // of the present module
-  std::string loaded_;                      // module that is in memory
-  bool run_ = false;                        // it was called
-  RapidPart part_ = RapidPart::kBefore;
   bool posed_ = false;  // a motion has said its tool and work object
-  bool texts_alone_ = false;
 };
 
 }  // namespace

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // RAPID replayed through arm and cell: what is written is confirmed, damage is caught with its line, harmless
 // edits pass.
+#include "program/rapid/rapid.hpp"
+
 #include <gtest/gtest.h>
 
 #include <regex>
 
 #include "base/error.hpp"
-#include "program/rapid/rapid.hpp"
 #include "program/scanner.hpp"
 #include "program/verify/verify.hpp"
 #include "tests/program/station_plan.hpp"
@@ -54,7 +55,8 @@ class RapidReplay : public testing::Test {
         done = true;
         if (*edit.from == '\0') continue;
         const std::string before = line;
-        line = std::regex_replace(line, std::regex(edit.from), edit.to, std::regex_constants::format_first_only);
+        line =
+            std::regex_replace(line, std::regex(edit.from), edit.to, std::regex_constants::format_first_only);
         EXPECT_NE(line, before) << edit.pattern << edit.from;
       }
       result += line + "\n";
@@ -96,8 +98,9 @@ TEST_F(RapidReplay, DamageIsCaughtWithItsLine) {
       {"^! PASS 1", 0, "", ""},
       {"^! PASS 0", 0, "PASS 0", "PASS 3"},
       {kCutLine, 5, "\\[\\[(-?[0-9]+)", "[[1$1"},
-      {kCutLine, 6, "(\\.[0-9])", "$1"
-                                    "7"},
+      {kCutLine, 6, "(\\.[0-9])",
+       "$1"
+       "7"},
       {kCutLine, 7, "mp_z[0-9]+", "fine"},
       {kCutLine, 8, "mp_v[0-9]+", "mp_v1"},
       {kCutLine, 3, "fine|mp_z1", "mp_z9"},
@@ -154,8 +157,7 @@ TEST(RapidAxes, AreReplayed) {
       const ProgramFiles files = cell.Write(program, plan.arm);
       const World world(SampleCell(plan));
       const auto findings = [&](const std::string& text) {
-        const MotionProgram read =
-            cell.post->Read({{files.begin()->first, text}}, plan.arm, cell.settings);
+        const MotionProgram read = cell.post->Read({{files.begin()->first, text}}, plan.arm, cell.settings);
         return Verify(read, world, &program, SampleOptions(plan), {.threads = 2});
       };
       const std::string& text = files.begin()->second;
@@ -163,7 +165,8 @@ TEST(RapidAxes, AreReplayed) {
         ADD_FAILURE() << axes << moves_along << finding.line << ": " << finding.message;
       // An axis that is off by 1 mm or degree somewhere in a cut.
       std::string other = text;
-      const size_t cut = other.find("MoveL "), eax = other.find(",[", other.find("],[", other.find("],[", cut) + 3) + 3) + 2;
+      const size_t cut = other.find("MoveL "),
+                   eax = other.find(",[", other.find("],[", other.find("],[", cut) + 3) + 3) + 2;
       other.replace(eax, other.find(',', eax) - eax, fmt::format("{:.3f}", std::stod(other.substr(eax)) + 1));
       bool caught = false;
       try {
