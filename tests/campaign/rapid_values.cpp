@@ -9,10 +9,10 @@
 namespace millpose::campaign {
 namespace {
 
-using Kind = RapidToken::Kind;
+using TokenKind = RapidToken::Kind;
 
-bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
-bool IsLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+bool IsDecimal(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+bool IsAlpha(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 
 /// Cuts one line into tokens.
 class Lexer {
@@ -27,22 +27,22 @@ class Lexer {
         ++at_;
       } else if (c == '!') {  // "Comments": to the end of the line
         if (first || line_.find_first_not_of(" \t") == at_)
-          tokens.push_back({Kind::kComment, line_.substr(at_ + 1), 0, number_});
+          tokens.push_back({TokenKind::kComment, line_.substr(at_ + 1), 0, number_});
         return;
       } else if (c == '"') {
         tokens.push_back(StringToken());
-      } else if (IsDigit(c) || (c == '.' && at_ + 1 < line_.size() && IsDigit(line_[at_ + 1]))) {
+      } else if (IsDecimal(c) || (c == '.' && at_ + 1 < line_.size() && IsDecimal(line_[at_ + 1]))) {
         tokens.push_back(NumberToken());
-      } else if (IsLetter(c)) {  // "Identifiers": a letter first
+      } else if (IsAlpha(c)) {  // "Identifiers": a letter first
         const size_t begin = at_;
-        while (at_ < line_.size() && (IsLetter(line_[at_]) || IsDigit(line_[at_]) || line_[at_] == '_'))
+        while (at_ < line_.size() && (IsAlpha(line_[at_]) || IsDecimal(line_[at_]) || line_[at_] == '_'))
           ++at_;
-        tokens.push_back({Kind::kWord, Upper(line_.substr(begin, at_ - begin)), 0, number_});
+        tokens.push_back({TokenKind::kWord, Upper(line_.substr(begin, at_ - begin)), 0, number_});
       } else {
         const bool assigns = line_.compare(at_, 2, ":=") == 0;
         static const std::string signs = "[](),;:\\%*/+-=<>.{}";
         if (signs.find(c) == std::string::npos) throw Refusal{fmt::format("no sign of the language: {}", c)};
-        tokens.push_back({Kind::kSign, line_.substr(at_, assigns ? 2 : 1), 0, number_});
+        tokens.push_back({TokenKind::kSign, line_.substr(at_, assigns ? 2 : 1), 0, number_});
         at_ += assigns ? 2 : 1;
       }
     }
@@ -52,7 +52,7 @@ class Lexer {
   RapidToken StringToken() {
     const size_t end = line_.find('"', at_ + 1);
     if (end == std::string::npos) throw Refusal{"a text without its end"};
-    RapidToken token{Kind::kString, line_.substr(at_ + 1, end - at_ - 1), 0, number_};
+    RapidToken token{TokenKind::kString, line_.substr(at_ + 1, end - at_ - 1), 0, number_};
     if (token.text.size() > 80) throw Refusal{"a text of more than 80 characters"};
     at_ = end + 1;
     return token;
@@ -60,21 +60,21 @@ class Lexer {
 
   RapidToken NumberToken() {
     const size_t begin = at_;
-    while (at_ < line_.size() && IsDigit(line_[at_])) ++at_;
+    while (at_ < line_.size() && IsDecimal(line_[at_])) ++at_;
     if (at_ < line_.size() && line_[at_] == '.')
-      for (++at_; at_ < line_.size() && IsDigit(line_[at_]);) ++at_;
+      for (++at_; at_ < line_.size() && IsDecimal(line_[at_]);) ++at_;
     if (at_ < line_.size() && (line_[at_] == 'E' || line_[at_] == 'e')) {
       size_t next = at_ + 1;
       if (next < line_.size() && (line_[next] == '-' || line_[next] == '+')) ++next;
-      if (next >= line_.size() || !IsDigit(line_[next])) throw Refusal{"an exponent expected"};
-      for (at_ = next; at_ < line_.size() && IsDigit(line_[at_]);) ++at_;
+      if (next >= line_.size() || !IsDecimal(line_[next])) throw Refusal{"an exponent expected"};
+      for (at_ = next; at_ < line_.size() && IsDecimal(line_[at_]);) ++at_;
     }
-    if (at_ < line_.size() && (IsLetter(line_[at_]) || line_[at_] == '_' || line_[at_] == '.'))
+    if (at_ < line_.size() && (IsAlpha(line_[at_]) || line_[at_] == '_' || line_[at_] == '.'))
       throw Refusal{"a number ends in a letter"};
     const std::string text = line_.substr(begin, at_ - begin);
     const double value = std::strtod(text.c_str(), nullptr);
     if (!(value < 3.4e38)) throw Refusal{"a number that num does not hold"};
-    return {Kind::kNumber, text, static_cast<double>(static_cast<float>(value)), number_};
+    return {TokenKind::kNumber, text, static_cast<double>(static_cast<float>(value)), number_};
   }
 
   const std::string& line_;
@@ -152,12 +152,13 @@ RapidStream::RapidStream(const std::string& text) {
 }
 
 void RapidStream::SkipComments() {
-  while (!tokens_.empty() && tokens_.front().kind == Kind::kComment) tokens_.pop_front();
+  while (!tokens_.empty() && tokens_.front().kind == TokenKind::kComment) tokens_.pop_front();
 }
 
 bool RapidStream::Take(const std::string& text) {
   SkipComments();
-  if (tokens_.empty() || tokens_.front().kind == Kind::kString || tokens_.front().text != text) return false;
+  if (tokens_.empty() || tokens_.front().kind == TokenKind::kString || tokens_.front().text != text)
+    return false;
   tokens_.pop_front();
   return true;
 }
@@ -168,7 +169,7 @@ void RapidStream::Need(const std::string& text) {
 
 std::string RapidStream::Identifier() {
   SkipComments();
-  if (tokens_.empty() || tokens_.front().kind != Kind::kWord) throw Refusal{"an identifier expected"};
+  if (tokens_.empty() || tokens_.front().kind != TokenKind::kWord) throw Refusal{"an identifier expected"};
   const std::string name = tokens_.front().text;
   tokens_.pop_front();
   if (name.size() > 32) throw Refusal{"an identifier of more than 32 characters"};
@@ -176,7 +177,7 @@ std::string RapidStream::Identifier() {
 }
 
 std::string RapidStream::Comment() {
-  if (tokens_.empty() || tokens_.front().kind != Kind::kComment) return {};
+  if (tokens_.empty() || tokens_.front().kind != TokenKind::kComment) return {};
   const std::string text = "!" + tokens_.front().text;
   tokens_.pop_front();
   return text;
@@ -187,15 +188,15 @@ std::vector<RapidToken> RapidStream::Until(const std::string& end) {
   while (!tokens_.empty()) {
     const RapidToken token = tokens_.front();
     tokens_.pop_front();
-    if (token.kind == Kind::kComment) continue;
-    if (token.kind == Kind::kSign && token.text == end) return tokens;
+    if (token.kind == TokenKind::kComment) continue;
+    if (token.kind == TokenKind::kSign && token.text == end) return tokens;
     tokens.push_back(token);
   }
   throw Refusal{end + " is missing"};
 }
 
 bool RapidArguments::Sees(const std::string& text) const {
-  return at_ < tokens_.size() && tokens_[at_].kind != Kind::kString && tokens_[at_].text == text;
+  return at_ < tokens_.size() && tokens_[at_].kind != TokenKind::kString && tokens_[at_].text == text;
 }
 
 bool RapidArguments::Take(const std::string& text) {
@@ -209,19 +210,19 @@ void RapidArguments::Need(const std::string& text) {
 }
 
 std::string RapidArguments::Identifier() {
-  if (at_ >= tokens_.size() || tokens_[at_].kind != Kind::kWord) throw Refusal{"a name expected"};
+  if (at_ >= tokens_.size() || tokens_[at_].kind != TokenKind::kWord) throw Refusal{"a name expected"};
   return tokens_[at_++].text;
 }
 
 std::string RapidArguments::String() {
-  if (at_ >= tokens_.size() || tokens_[at_].kind != Kind::kString) throw Refusal{"a text expected"};
+  if (at_ >= tokens_.size() || tokens_[at_].kind != TokenKind::kString) throw Refusal{"a text expected"};
   return tokens_[at_++].text;
 }
 
 double RapidArguments::Num() {
   const bool negative = Take("-");
   if (!negative) Take("+");
-  if (at_ >= tokens_.size() || tokens_[at_].kind != Kind::kNumber) throw Refusal{"a number expected"};
+  if (at_ >= tokens_.size() || tokens_[at_].kind != TokenKind::kNumber) throw Refusal{"a number expected"};
   const double value = tokens_[at_++].value;
   return negative ? -value : value;
 }
@@ -249,9 +250,9 @@ std::string RapidArguments::Text(const std::string& word) {
   bool before = !word.empty();
   for (; at_ < tokens_.size(); ++at_) {
     const RapidToken& token = tokens_[at_];
-    const bool now = token.kind == Kind::kWord || token.kind == Kind::kNumber;
+    const bool now = token.kind == TokenKind::kWord || token.kind == TokenKind::kNumber;
     if (before && now) text += " ";
-    text += token.kind == Kind::kNumber ? fmt::format("{}", token.value) : token.text;
+    text += token.kind == TokenKind::kNumber ? fmt::format("{}", token.value) : token.text;
     before = now;
   }
   return text;

@@ -130,12 +130,14 @@ KrlCellNumbers KrlNumbers(const PlanResult& plan, bool coupled) {
 
 RapidOptions RapidStations(const PlanResult& plan, bool coupled) {
   RapidOptions options;
-  options.base_frame = {Vector3d(100, -200, 650), Vector3d::Zero()};
+  options.base_frame.position = Vector3d(100, -200, 650);
   options.activate_units = {"TRACK1"};
-  if (coupled && plan.external_axes.back().name == "table")
-    options.work_unit =
-        RapidWorkUnit{"STN1", {kTableAxis - plan.X_WB.translation() + options.base_frame.position, {}}};
-  if (options.work_unit) options.work_unit->frame.abc = Vector3d::Zero();
+  if (coupled && plan.external_axes.back().name == "table") {
+    RapidWorkUnit unit;
+    unit.name = "STN1";
+    unit.frame.position = kTableAxis - plan.X_WB.translation() + options.base_frame.position;
+    options.work_unit = unit;
+  }
   return options;
 }
 

@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "base/text.hpp"
+#include "machine/robot/make_pose.hpp"
 #include "program/calling_program.hpp"
 #include "program/controller_axes.hpp"
 #include "program/external_axes.hpp"

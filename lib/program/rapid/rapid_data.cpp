@@ -54,7 +54,10 @@ std::string NumText(double value, int decimals) { return Short(RoundedToNum(valu
 Eigen::Vector4d QuaternionOf(const Eigen::Matrix3d& R, const Eigen::Vector4d& near) {
   const Eigen::Quaterniond q(R);
   const Eigen::Vector4d parts(q.w(), q.x(), q.y(), q.z());
-  return parts.dot(near) < 0 ? Eigen::Vector4d(-parts) : parts;
+  double side = parts.dot(near);
+  constexpr double kNeither = 1e-6;  // where rounding would decide, the first component that is not 0 does
+  for (int i = 0; i < 4 && std::abs(side) < kNeither; ++i) side = parts[i];
+  return side < 0 ? Eigen::Vector4d(-parts) : parts;
 }
 
 // Rounding leaves the norm a little off 1, and a reader scales that back: again until it changes nothing.

@@ -147,16 +147,16 @@ class RapidReader : public RapidModuleReader {
   /// An output of the cell, switched on the path where the arm stands anyway.
   void ReadOutput(LineScanner& scan, size_t start) {
     const std::string signal = ReadSignal(scan), prefix = Spelled(options_.signal_prefix);
-    const std::string digits = signal.size() > prefix.size() ? signal.substr(prefix.size()) : std::string();
-    const auto number = digits.size() <= 4 && digits.find_first_not_of("0123456789") == std::string::npos
-                            ? ParseNumber(digits)
-                            : std::nullopt;
-    if (!signal.starts_with(prefix) || !number || std::to_string(static_cast<int>(*number)) != digits)
+    const std::string digits = signal.starts_with(prefix) ? signal.substr(prefix.size()) : std::string();
+    const bool whole = !digits.empty() && digits.size() <= 4 &&
+                       digits.find_first_not_of("0123456789") == std::string::npos;
+    const int number = whole ? std::stoi(digits) : 0;
+    if (!whole || std::to_string(number) != digits)
       scan.FailFrom(start, fmt::format("a signal {}n expected (signal_prefix; others: the cell's texts)",
                                        options_.signal_prefix));
     scan.Expect(",");
     PathOutput output;
-    output.number = static_cast<int>(*number);
+    output.number = number;
     output.on = ReadBit(scan);
     Allow(scan, start, {ProgramPlace::kStop});
     AddOutput(output);
