@@ -6,12 +6,14 @@ namespace millpose {
 PostEntry KrlEntry(), SinumerikEntry(), LinuxCncEntry();
 PostEntry UrScriptEntry();
 PostEntry FanucEntry();
+PostEntry RapidEntry();
 
 Registry<PostEntry>& Posts() {
   static Registry<PostEntry> posts{"controller",
                                    {KrlEntry(), SinumerikEntry(), LinuxCncEntry(),  //
-                                    UrScriptEntry(),  //
-                                    FanucEntry()}};
+                                    UrScriptEntry(),                                //
+                                    FanucEntry(),                                   //
+                                    RapidEntry()}};
   return posts;
 }
 

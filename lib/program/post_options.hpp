@@ -36,8 +36,8 @@ struct PostOptions {
   std::optional<std::array<int, 6>> axis_signs;
   std::optional<Joints> axis_offsets;
   std::optional<std::vector<AxisCoupling>> axis_couplings;  ///< on top of these
-  std::optional<double> path_acceleration;  ///< mm/s², of the tip
-  std::optional<double> cycle, block_time;  ///< s, for the estimate of the speed
+  std::optional<double> path_acceleration;                  ///< mm/s², of the tip
+  std::optional<double> cycle, block_time;                  ///< s, for the estimate of the speed
   /// mm that a corner whose path the maker does not document may be bounded by; empty: no such corner may be.
   std::optional<double> max_corner;
   int max_motions = 1400;  ///< per file; larger programs call sub-programs

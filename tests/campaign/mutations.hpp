@@ -31,6 +31,7 @@ const Vocabulary& SinumerikVocabulary();
 const Vocabulary& LinuxCncVocabulary();
 const Vocabulary& UrScriptVocabulary();
 const Vocabulary& FanucVocabulary();
+const Vocabulary& RapidVocabulary();
 
 /// One random change of one file, or two, or one all through it; `controller` says whose words it takes,
 /// `other` is the same program of another plan.

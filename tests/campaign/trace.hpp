@@ -31,6 +31,7 @@ struct Machine {
   Pose flange = Pose::Identity();        ///< what turns, in it
   int base_number = 0, tool_number = 0;  ///< of the frames that the controller holds; 0: none
   Pose X_BP = Pose::Identity();          ///< the base of that number
+  std::string unit = {};                 ///< RAPID: mechanical unit of root, in upper case
   std::set<std::string> plant = {};      ///< names of the plant's programs that texts call
 };
 
@@ -79,5 +80,6 @@ Trace RunSinumerik(const Files& files, const Machine& machine);
 Trace RunLinuxCnc(const Files& files, const Machine& machine);
 Trace RunUrScript(const Files& files, const Machine& machine);
 Trace RunFanuc(const Files& files, const Machine& machine);
+Trace RunRapid(const Files& files, const Machine& machine);
 
 }  // namespace millpose::campaign
