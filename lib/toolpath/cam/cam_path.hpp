@@ -61,7 +61,7 @@ enum class CircleSense : uint8_t {
 
 /// What places the points of a CAM path in the workpiece frame.
 enum class CamFrame : uint8_t {
-  kStated,   ///< frames that comments state as well (CATIA0, CSYS)
+  kStated,   ///< frames that comments state as well (CATIA0, CSYS), with their columns as axes
   kAsGiven,  ///< nothing but MSYS and the frames of G-code: points stand as they are written
 };
 

@@ -222,9 +222,8 @@ yaml::Codec<CamStrategy> CamFields() {
               Maybe(ChoiceOf<CamFrame>({{"stated", CamFrame::kStated}, {"as_given", CamFrame::kAsGiven}})),
               "Of APT: whether systems that comments state (CATIA0, CSYS) place the points in the workpiece "
               "frame, "
-              "or they stand there as they are written, which says the same of ORIGIN and TRANS. Default: "
-              "CATIA0 "
-              "does; others are refused."),
+              "or they stand there as they are written, which says the same of ORIGIN and TRANS. Default: a "
+              "CATIA0 that turns no axes does; others are refused."),
        Key<S>("cycle_point", MILLPOSE_AT(cycle_point),
               Maybe(ChoiceOf<CyclePoint>({{"top", CyclePoint::kTop}, {"bottom", CyclePoint::kBottom}})),
               "Of APT: which end of a hole the point under a cycle by places (CYCLE/DRILL,12,MMPM,120,5) is, "
