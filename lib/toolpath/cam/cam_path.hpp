@@ -87,6 +87,10 @@ struct CamReadOptions {
 /// counted in the notes), or refused: throws InputError with line and column, all unknown words at once.
 CamPath ReadCamPath(std::string_view bytes, const std::string& name, const CamReadOptions& options);
 
+/// Whether bytes are more likely a CAM path than a mesh: text with a CSV's header, blocks of G-code or
+/// GOTO of CLDATA.
+bool LooksLikeCamPath(std::string_view bytes);
+
 /// The cuts and holes of one section with the ways to them. Precondition: it is below their number.
 CamPath TakeSection(const CamPath& path, size_t section);
 

@@ -29,6 +29,9 @@ struct CamStrategy final : Strategy {
   std::string File() const override { return file; }
   bool IsPrescribed() const override { return true; }
   std::vector<std::string> WithoutEffect() const override { return {"share"}; }
+  std::vector<CamSection> Sections(const StrategyInputs& inputs) const override {
+    return Read(inputs).source.sections;
+  }
   LaidPath Make(const StrategyInputs& inputs, std::stop_token stop) const override;
 
  private:
@@ -104,7 +107,7 @@ CamPath CamStrategy::OneSection(const CamPath& path) const {
       {file, sections[1].first_line},
       fmt::format("the path has sections for several tools or spindle speeds, and a job mills with "
                   "one: make each an operation (operations:) with its tool and "
-                  "toolpath.cam.section: 1, 2, …{}",
+                  "toolpath.cam.section: 1, 2, …, as `millpose check JOB --split FILE` does{}",
                   list));
 }
 
