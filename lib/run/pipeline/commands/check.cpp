@@ -96,13 +96,13 @@ void Count(const std::vector<PointReach>& reach, JobCheck& check) {
   }
 }
 
-/// What of most of a job's points tells that the part, or its region, is the wrong way round: normals that
-/// look away from the arm, tools that come from below.
 struct WrongWay {
   std::vector<std::string> findings;
   std::optional<WrongSide> first;  ///< of the points that they are about
 };
 
+/// What of most of a job's points tells that the part, or its region, is the wrong way round: normals that
+/// look away from the arm, tools that come from below.
 WrongWay WrongWayRound(const PreparedJob& prepared) {
   const Cell& cell = prepared.cell;
   const Eigen::Vector3d shoulder = cell.X_WB * Eigen::Vector3d(0, 0, cell.arm.d1);
