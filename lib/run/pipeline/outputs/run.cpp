@@ -14,7 +14,7 @@
 #include "run/pipeline/outputs/write_results.hpp"
 #include "run/pipeline/programs/plan_timeline.hpp"
 #include "run/pipeline/stages/stages.hpp"
-#include "store/output_folder.hpp"
+#include "store/folder_checkpoints.hpp"
 
 namespace millpose {
 namespace {
@@ -51,28 +51,6 @@ AuditFigures JudgePlan(const JobInputs& inputs, const Execution& execution, Plan
                                      audit.limit_violations));
   return audit;
 }
-
-// Checkpoints in an output folder; `read`: earlier ones count.
-class FolderCheckpoints final : public CheckpointStore {
- public:
-  FolderCheckpoints(const OutputFolder& folder, bool read) : folder_(folder), read_(read) {}
-  std::optional<std::string> Read(const std::string& key) const override {
-    return read_ ? folder_.ReadCheckpoint(key) : std::nullopt;
-  }
-  void Write(const std::string& key, std::string_view bytes) const override {
-    folder_.WriteCheckpoint(key, bytes);
-  }
-  std::optional<std::string> ReadStage(const std::string& stage, const std::string& key) const override {
-    return read_ ? folder_.ReadStage(stage, key) : std::nullopt;
-  }
-  void WriteStage(const std::string& stage, const std::string& key, std::string_view bytes) const override {
-    folder_.WriteStage(stage, key, bytes);
-  }
-
- private:
-  const OutputFolder& folder_;
-  bool read_;
-};
 
 // An operation's folder is a part of the set of its job's, which nobody else puts in its place.
 void RefuseOperation(const std::filesystem::path& out) {
