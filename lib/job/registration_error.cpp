@@ -14,7 +14,7 @@ std::optional<RegistrationFigures> ErrorOfRegistration(const JobSettings& job, c
     if (pass.pass < finished_from) continue;
     for (size_t i = 0; i < pass.points.size(); ++i) {
       const MillingPoint& point = pass.points[i].point;
-      if (point.kind != PointKind::kCut || pass.points[i].skip != Obstacle::kNone) continue;
+      if (point.kind != PointKind::kCut || pass.points[i].skip != Infeasibility::kNone) continue;
       const Pose X_PW = PartAt(plan, ExternalAt(pass, i)).inverse(Eigen::Isometry);
       face.push_back({X_PW * point.position, X_PW.linear() * point.normal});
     }
