@@ -55,9 +55,9 @@ void AddStiffnessCommand(CLI::App& app, Run& run);
 void AddVerifyCommand(CLI::App& app, Run& run);
 
 inline constexpr void (*kCommands[])(CLI::App&, Run&) = {
-    AddInitCommand,     AddPlaceCommand,   AddPlanCommand,      AddVerifyCommand,     AddBatchCommand,
-    AddCheckCommand,    AddInspectCommand, AddStiffnessCommand, AddIdentifyCommand,   AddCalibrateCommand,
-    AddFlatnessCommand, AddRegisterCommand, AddSchemaCommand,  AddManCommand,       AddCompletionCommand,
+    AddInitCommand,     AddPlaceCommand,    AddPlanCommand,      AddVerifyCommand,   AddBatchCommand,
+    AddCheckCommand,    AddInspectCommand,  AddStiffnessCommand, AddIdentifyCommand, AddCalibrateCommand,
+    AddFlatnessCommand, AddRegisterCommand, AddSchemaCommand,    AddManCommand,      AddCompletionCommand,
 };
 
 }  // namespace millpose

@@ -75,10 +75,12 @@ void Print(const RegisteredPart& part) {
              part.found.scatter,
              part.found.scatters_more ? ": more than chance explains; the figures below count with it" : "");
   fmt::print("pose           {}\n", part.PoseYaml());
-  fmt::print("moved          {:>8.3f} mm, the farthest milling point from where the job had it\n", part.moved);
+  fmt::print("moved          {:>8.3f} mm, the farthest milling point from where the job had it\n",
+             part.moved);
   if (part.found.determined()) {
-    fmt::print("face           {:>8.0f} µm that it may be off along its normal (95 %), over {} milling points\n",
-               kMicrometre * part.error.off_95, part.milled);
+    fmt::print(
+        "face           {:>8.0f} µm that it may be off along its normal (95 %), over {} milling points\n",
+        kMicrometre * part.error.off_95, part.milled);
     fmt::print("               {:>8.0f} µm in half of all cases; worst known at {}\n",
                kMicrometre * part.error.median_off, PlaceText(part.worst.position));
     fmt::print("               {:>8.0f} µm beside its normal (95 %)\n", kMicrometre * part.error.beside_95);
@@ -133,7 +135,8 @@ int RunRegister(const RegisterWords& words, Session& session) {
 void AddRegisterCommand(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand(
       "register",
-      "Where the part stands, from probed points: its pose with covariance, by how much the milled face may be "
+      "Where the part stands, from probed points: its pose with covariance, by how much the milled face may "
+      "be "
       "off, outliers, where to probe next (docs/registration.md).\n"
       "Exit status 1: not known well enough, or not to workpiece.registration.tolerance_mm.");
   const auto words = std::make_shared<RegisterWords>();
@@ -162,7 +165,8 @@ void AddRegisterCommand(CLI::App& app, Run& run) {
   command->add_option("--write-job", words->write_job,
                       "Put pose and covariance into this job file, keeping its comments");
   command->add_flag("--json", words->json, "Results as JSON on stdout");
-  command->callback([&run, words] { run = [words](Session& session) { return RunRegister(*words, session); }; });
+  command->callback(
+      [&run, words] { run = [words](Session& session) { return RunRegister(*words, session); }; });
 }
 
 }  // namespace millpose

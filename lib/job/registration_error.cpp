@@ -36,7 +36,8 @@ std::string RegistrationFinding(const RegistrationFigures& figures) {
 
 std::string RegistrationWarning(const JobSettings& job) {
   if (!job.workpiece.registration_tolerance || job.workpiece.registered) return {};
-  return "workpiece.registration: the part's place was not registered yet; `millpose register` says how far off "
+  return "workpiece.registration: the part's place was not registered yet; `millpose register` says how far "
+         "off "
          "the face may be";
 }
 

@@ -93,8 +93,8 @@ struct ReportInputs {
   std::optional<DeflectionReport> deflection;  ///< when the job says what the cutter takes off
   std::optional<CompensationFigures> compensation;
   std::optional<RegistrationFigures> registration;  ///< where `millpose register` found the part's place
-  std::optional<FixedComparison> fixed;  ///< beside the best fixed rotation
-  std::optional<PoseSteps> steps;        ///< when the cell says how well the tool is known
+  std::optional<FixedComparison> fixed;             ///< beside the best fixed rotation
+  std::optional<PoseSteps> steps;                   ///< when the cell says how well the tool is known
 };
 
 /// What differs from run to run; goes into run.json alone.

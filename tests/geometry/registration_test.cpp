@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where a part stands: drawn places and noise come back within what the fit says of itself.
-#include "geometry/registration/register.hpp"
-
 #include "base/random.hpp"
 #include "base/rotation.hpp"
 #include "base/units.hpp"
 #include "geometry/mesh/point_fit.hpp"
 #include "geometry/registration/next_places.hpp"
+#include "geometry/registration/register.hpp"
 #include "tests/base/tier.hpp"
 #include "tests/geometry/shapes.hpp"
 
@@ -73,8 +72,7 @@ Drawn Draw(RandomStream& random, size_t on_skin, size_t on_sides, double sd, dou
     ProbedPoint point;
     point.radius = radius;
     point.sd = sd;
-    point.measured =
-        drawn.X_true * (place.position + radius * place.normal) + sd * NormalVector(random);
+    point.measured = drawn.X_true * (place.position + radius * place.normal) + sd * NormalVector(random);
     point.normal = drawn.start.linear() * place.normal;
     drawn.points.push_back(point);
   };
@@ -133,8 +131,8 @@ TEST(Registration, AChipIsNamedAndMovesNothing) {
   int named = 0, wrongly = 0;
   for (int trial = 0; trial < draws; ++trial) {
     Drawn drawn = Draw(random, 12, 6, 0.06);
-    drawn.points[3].measured += drawn.X_true.linear() * drawn.start.linear().transpose() *
-                                *drawn.points[3].normal;
+    drawn.points[3].measured +=
+        drawn.X_true.linear() * drawn.start.linear().transpose() * *drawn.points[3].normal;
     const Registration found = Register(ThePanel().part, drawn.points, drawn.start);
     robust.push_back(Off(ThePanel().milled, drawn.X_true, found.X));
     named += found.residuals[3].outlier ? 1 : 0;
@@ -246,7 +244,8 @@ TEST(Registration, AnyMixtureOfFeaturesServes) {
   }
   const ProbedPart box(SoundMesh(BoxShape({0, 0, 0}, {500, 300, 200})), kSharp);
   points.clear();
-  for (const Vector3d& p : {Vector3d(100, 0, 200), {400, 0, 200}, {0, 100, 200}, {0, 250, 200}, {500, 300, 90}})
+  for (const Vector3d& p :
+       {Vector3d(100, 0, 200), {400, 0, 200}, {0, 100, 200}, {0, 250, 200}, {500, 300, 90}})
     add(ProbedOn::kEdge, p);
   const Registration by_edges = Register(box, points, start);
   EXPECT_TRUE(by_edges.determined());
@@ -260,8 +259,8 @@ TEST(NextPlaces, LowerTheWorstErrorAsForetold) {
   const Registration before = Register(ThePanel().part, drawn.points, drawn.start);
   const std::vector<PartPlace> candidates = PlacesToProbe(ThePanel().part.mesh(), 100, 1, kSharp, 400);
   const auto any = [](size_t) { return true; };
-  const std::vector<NextPlace> next = ProposePlaces(before.covariance, before.centre, ThePanel().milled,
-                                                    candidates, 0.05, 3, any);
+  const std::vector<NextPlace> next =
+      ProposePlaces(before.covariance, before.centre, ThePanel().milled, candidates, 0.05, 3, any);
   ASSERT_EQ(next.size(), 3u);
   const FaceError now = ErrorOfFace(before.covariance, before.centre, ThePanel().milled);
   double last = now.sd[now.worst];
@@ -282,8 +281,8 @@ TEST(NextPlaces, LowerTheWorstErrorAsForetold) {
   EXPECT_NEAR(then.sd[then.worst] / last, 1, 0.15);
   // None better is left out: of all candidates the first is the best single one.
   for (size_t i = 0; i < candidates.size(); i += 7) {
-    const auto only = ProposePlaces(before.covariance, before.centre, ThePanel().milled, {candidates[i]}, 0.05,
-                                    1, any);
+    const auto only =
+        ProposePlaces(before.covariance, before.centre, ThePanel().milled, {candidates[i]}, 0.05, 1, any);
     EXPECT_GE(only.at(0).worst_sd, next[0].worst_sd * (1 - 1e-12));
   }
   const auto none = ProposePlaces(before.covariance, before.centre, ThePanel().milled, candidates, 0.05, 1,

@@ -117,7 +117,8 @@ ProbeEquations ProbedPart::OfHole(const Vector3d& p) const {
   const Line* nearest = nullptr;
   double least = std::numeric_limits<double>::infinity();
   for (const Line& hole : holes_) {
-    // Of holes in line with each other the one with the nearer mouth; along its axis a point may lie anywhere.
+    // Of holes in line with each other the one with the nearer mouth; along its axis a point may lie
+    // anywhere.
     const double distance = (p - hole.from).squaredNorm();
     if (distance < least) least = distance, nearest = &hole;
   }

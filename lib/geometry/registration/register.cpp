@@ -180,8 +180,7 @@ class Fit {
         const Vector6d a = Row(i, e);
         leverage += a.dot(inverse * a) / equations.count;
       }
-      const double share =
-          residual.outlier ? 1 + leverage : std::max(0.05, 1 - residual.weight * leverage);
+      const double share = residual.outlier ? 1 + leverage : std::max(0.05, 1 - residual.weight * leverage);
       residual.standardised = Relative(i) / (scale * std::sqrt(share));
       // Two and three equations have longer residuals by chance.
       const bool outlier = residual.standardised > kOutlier * kHuber[equations.count] / kHuber[1];
@@ -197,8 +196,8 @@ class Fit {
     Matrix6d inverse = Matrix6d::Zero();
     for (int k = 0; k < 6; ++k)
       if (solver.eigenvalues()[k] > LeastEigenvalue())
-        inverse += solver.eigenvectors().col(k) * solver.eigenvectors().col(k).transpose() /
-                   solver.eigenvalues()[k];
+        inverse +=
+            solver.eigenvectors().col(k) * solver.eigenvectors().col(k).transpose() / solver.eigenvalues()[k];
     return inverse;
   }
 

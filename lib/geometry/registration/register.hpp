@@ -31,7 +31,7 @@ struct Registration {
   Matrix6d covariance = Matrix6d::Zero();               ///< of (t, w): mm², mm·rad, rad²
   std::vector<ProbeResidual> residuals;                 ///< one a point
   int used = 0;                                         ///< equations that count
-  double scatter = 1;  ///< what the points scatter by ÷ what their standard deviations say
+  double scatter = 1;          ///< what the points scatter by ÷ what their standard deviations say
   bool scatters_more = false;  ///< than chance explains (95 %)
   /// Ways in which the part can move without any point noticing, in words; the pose keeps what it was given
   /// there and the covariance does not hold.

@@ -28,8 +28,8 @@ struct TargetSettings {
 
 /// How sure the pose is that `millpose register` found (docs/registration.md).
 struct RegisteredSettings {
-  PoseSettings pose;                                    ///< that it belongs to: the workpiece's
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();     ///< P, mm: what the part may be turned about
+  PoseSettings pose;                                 ///< that it belongs to: the workpiece's
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< P, mm: what the part may be turned about
   Eigen::Matrix<double, 6, 6> covariance =
       Eigen::Matrix<double, 6, 6>::Zero();  ///< of shift (mm) and turn (rad) in P, as Registration has it
 };
@@ -42,18 +42,18 @@ struct WorkpieceSettings {
   double unit = 1;  ///< mm per unit of the file: 1, 10, 25.4, 1000
   GivenFrame frame = GivenFrame::kWorld;
   PoseSettings pose;
-  std::vector<TargetSettings> targets;  ///< in place of the pose: best fit
-  double max_residual = 0.5;            ///< mm, of the fit at any target
+  std::vector<TargetSettings> targets;           ///< in place of the pose: best fit
+  double max_residual = 0.5;                     ///< mm, of the fit at any target
   std::optional<double> registration_tolerance;  ///< mm, by which the milled face may be off (95 %)
   std::optional<RegisteredSettings> registered;  ///< how sure `pose` is
-  double weld_tolerance = 1e-4;         ///< mm
-  bool flip = false;                    ///< open sheets the other way round
-  double chord_tolerance = 0.05;        ///< mm, between a STEP part's faces and their triangles
-  int step_seconds = 120;               ///< of processor time for reading a STEP part
-  int step_memory = 2048;               ///< MB, likewise
-  std::string stock_file;               ///< mesh of the raw part; empty: none
-  double stock_unit = 1;                ///< mm per unit of it
-  std::optional<double> allowance;      ///< material on the part's surface, mm; else toolpath.depth.total
+  double weld_tolerance = 1e-4;                  ///< mm
+  bool flip = false;                             ///< open sheets the other way round
+  double chord_tolerance = 0.05;                 ///< mm, between a STEP part's faces and their triangles
+  int step_seconds = 120;                        ///< of processor time for reading a STEP part
+  int step_memory = 2048;                        ///< MB, likewise
+  std::string stock_file;                        ///< mesh of the raw part; empty: none
+  double stock_unit = 1;                         ///< mm per unit of it
+  std::optional<double> allowance;  ///< material on the part's surface, mm; else toolpath.depth.total
 };
 
 /// What the cutter takes off, for the cutting force (docs/process-force.md).

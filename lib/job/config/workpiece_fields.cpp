@@ -75,9 +75,10 @@ void CheckRegistered(const Value& value, const Context& context, const Workpiece
   if (!workpiece.registered) return;
   const PoseSettings& found = workpiece.registered->pose;
   if (found.position == workpiece.pose.position && found.abc == workpiece.pose.abc) return;
-  context.Child("registered").Add(value.FindKey("registered")->mark,
-                                  "is of another pose than workpiece.pose; allowed: the pose that `millpose "
-                                  "register` wrote with it, or no workpiece.registered");
+  context.Child("registered")
+      .Add(value.FindKey("registered")->mark,
+           "is of another pose than workpiece.pose; allowed: the pose that `millpose "
+           "register` wrote with it, or no workpiece.registered");
 }
 
 void CheckPlacement(const Value& value, const Context& context, WorkpieceSettings& workpiece) {

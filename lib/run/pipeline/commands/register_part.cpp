@@ -35,8 +35,7 @@ CsvColumns ColumnsOf(ProbedOn on) {
   CsvColumns columns{{"x_mm", "y_mm", "z_mm"}, {"sd_mm"}};
   if (on == ProbedOn::kTarget)
     columns.required.insert(columns.required.end(), {"nominal_x_mm", "nominal_y_mm", "nominal_z_mm"});
-  if (on == ProbedOn::kFace)
-    columns.optional.insert(columns.optional.end(), {"radius_mm", "nx", "ny", "nz"});
+  if (on == ProbedOn::kFace) columns.optional.insert(columns.optional.end(), {"radius_mm", "nx", "ny", "nz"});
   return columns;
 }
 
@@ -118,11 +117,13 @@ ProbedSet ReadProbed(const RegisterArguments& arguments) {
 void RefuseJob(const JobInputs& inputs) {
   const WorkpieceSettings& workpiece = inputs.job.workpiece;
   if (workpiece.mesh_file.empty())
-    throw InputError({inputs.job.file}, "workpiece.mesh: is missing; there is nothing that points could lie on");
-  if (!workpiece.targets.empty())
     throw InputError({inputs.job.file},
-                     "workpiece.targets: the part is placed by them; allowed: workpiece.pose, roughly, and the "
-                     "targets in a file of their own (--targets)");
+                     "workpiece.mesh: is missing; there is nothing that points could lie on");
+  if (!workpiece.targets.empty())
+    throw InputError(
+        {inputs.job.file},
+        "workpiece.targets: the part is placed by them; allowed: workpiece.pose, roughly, and the "
+        "targets in a file of their own (--targets)");
 }
 
 std::vector<PartPlace> CutPlaces(const std::vector<JobInputs>& operations, const Mesh& mesh,
@@ -184,8 +185,8 @@ class ProbeReach {
 void Propose(const RegisterArguments& arguments, const JobInputs& inputs, const ProbedPart& part,
              const ProbedSet& probed, const std::vector<PartPlace>& face, Cell cell, RegisteredPart& result) {
   if (arguments.propose <= 0 || !result.found.determined() || !(result.error.off_95 > 0)) return;
-  constexpr double kSpacings = 12;      // of the part's size
-  constexpr double kFromEdge = 5;       // mm beside the ball
+  constexpr double kSpacings = 12;  // of the part's size
+  constexpr double kFromEdge = 5;   // mm beside the ball
   constexpr size_t kCandidates = 1000;
   double sd = 0, radius = 0;
   for (const ProbedPoint& point : probed.points) {
@@ -196,10 +197,9 @@ void Propose(const RegisterArguments& arguments, const JobInputs& inputs, const 
       part.mesh(), part.size() / kSpacings, radius + kFromEdge, inputs.job.toolpath.crease, kCandidates);
   ProbeReach reach(std::move(cell), MakeBounds(inputs.job, MakeArm(inputs.cell.arm)));
   const double now = result.error.sd[result.error.worst];
-  for (const NextPlace& next :
-       ProposePlaces(result.found.covariance, result.found.centre, face, candidates,
-                     sd * std::max(1.0, result.found.scatter), arguments.propose,
-                     [&](size_t candidate) { return reach(candidates[candidate]); }))
+  for (const NextPlace& next : ProposePlaces(result.found.covariance, result.found.centre, face, candidates,
+                                             sd * std::max(1.0, result.found.scatter), arguments.propose,
+                                             [&](size_t candidate) { return reach(candidates[candidate]); }))
     result.next.push_back({candidates[next.candidate], result.error.off_95 * next.worst_sd / now});
 }
 
@@ -225,14 +225,16 @@ void Judge(const ProbedSet& probed, RegisteredPart& part) {
         "{} of {} points do not lie on the part as the others say: the wrong part, side, unit or start",
         part.outliers.size(), part.points));
   for (const std::string& way : found.undetermined)
-    part.findings.push_back(fmt::format(
-        "no point tells {} (workpiece's frame): probe faces that look another way", way));
+    part.findings.push_back(
+        fmt::format("no point tells {} (workpiece's frame): probe faces that look another way", way));
   if (!found.converged)
-    part.findings.emplace_back("the fit does not come to rest: the job's pose is too far from where the part is");
+    part.findings.emplace_back(
+        "the fit does not come to rest: the job's pose is too far from where the part is");
   if (found.determined() && part.tolerance && part.error.off_95 > *part.tolerance)
-    part.findings.push_back(fmt::format("the face may be off by {:.0f} µm (95 %); allowed: "
-                                        "workpiece.registration.tolerance_mm, {:.0f} µm",
-                                        1000 * part.error.off_95, 1000 * *part.tolerance));
+    part.findings.push_back(
+        fmt::format("the face may be off by {:.0f} µm (95 %); allowed: "
+                    "workpiece.registration.tolerance_mm, {:.0f} µm",
+                    1000 * part.error.off_95, 1000 * *part.tolerance));
 }
 
 RegisteredPart Registered(const RegisterArguments& arguments, std::vector<JobInputs>& operations,
@@ -242,7 +244,8 @@ RegisteredPart Registered(const RegisterArguments& arguments, std::vector<JobInp
   const ProbedSet probed = ReadProbed(arguments);
   execution.progress.Begin(SurfaceStage(inputs), 0);
   for (JobInputs& each : operations)
-    CutStepFiles(&each, [&](int percent) { execution.progress.Percent(percent); }, execution.stop);
+    CutStepFiles(
+        &each, [&](int percent) { execution.progress.Percent(percent); }, execution.stop);
   Cell cell = MakeCell(inputs.cell, inputs.body_bytes);
   const ImportResult import = ReadPart(inputs, cell).import;
   const ProbedPart part(import.mesh, inputs.job.toolpath.crease);

@@ -42,13 +42,13 @@ struct ProposedPlace {
 
 struct RegisteredPart {
   Registration found;
-  PoseSettings pose;         ///< rounded as it is written, and what the figures below are of
+  PoseSettings pose;  ///< rounded as it is written, and what the figures below are of
   size_t points = 0;
-  size_t milled = 0;         ///< cut points of the job
-  FaceError error;           ///< at these
-  PartPlace worst;           ///< where the face's place is known worst
-  double moved = 0;          ///< mm: farthest that a cut point moved from the job's pose
-  double rms = 0;            ///< mm, of the distances that count
+  size_t milled = 0;                   ///< cut points of the job
+  FaceError error;                     ///< at these
+  PartPlace worst;                     ///< where the face's place is known worst
+  double moved = 0;                    ///< mm: farthest that a cut point moved from the job's pose
+  double rms = 0;                      ///< mm, of the distances that count
   std::vector<ProbeOutlier> outliers;  ///< worst first
   std::vector<ProposedPlace> next;
   std::optional<double> tolerance;  ///< mm, of the job
