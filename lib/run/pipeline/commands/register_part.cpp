@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/angles.hpp"
 #include "base/csv.hpp"
 #include "base/error.hpp"
 #include "base/trig.hpp"
@@ -13,8 +14,8 @@
 #include "job/workpiece.hpp"
 #include "machine/collision/world.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "machine/robot/make_pose.hpp"
 #include "program/controller_axes.hpp"
-#include "program/pose_text.hpp"
 #include "run/pipeline/operations/run_job.hpp"
 
 namespace millpose {
