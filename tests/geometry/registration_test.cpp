@@ -102,19 +102,22 @@ TEST(Registration, FindsAPlaceExactlyWhereNothingDisturbs) {
 
 // The bound over the whole face holds as often as it says, whatever ball and place.
 TEST(Registration, TheFaceIsWithinItsBoundAsOftenAsSaid) {
-  const int draws = OfTier(100, 1000);
+  const int draws = OfTier(100, 4000);
   RandomStream random(43, 2);
-  int within = 0;
+  int within = 0, told = 0;
   std::vector<double> worst;
   for (int trial = 0; trial < draws; ++trial) {
     const Drawn drawn = Draw(random, 40, 12, 0.18);
     const Registration found = Register(ThePanel().part, drawn.points, drawn.start);
-    ASSERT_TRUE(found.determined());
+    EXPECT_TRUE(found.converged);
+    if (!found.determined()) continue;  // all of the sides' points lay on two sides
+    ++told;
     worst.push_back(Off(ThePanel().milled, drawn.X_true, found.X));
     const FaceError error = ErrorOfFace(found.covariance, found.centre, ThePanel().milled);
     within += worst.back() <= error.off_95 ? 1 : 0;
   }
-  const double share = 100.0 * within / draws;
+  const double share = 100.0 * within / told;
+  EXPECT_GE(told, draws * 99 / 100);
   RecordProperty("coverage_percent", fmt::format("{:.1f}", share));
   RecordProperty("median_worst_mm", fmt::format("{:.3f}", Median(worst)));
   EXPECT_GE(share, OfTier(900, 930) / 10.0);
@@ -122,12 +125,12 @@ TEST(Registration, TheFaceIsWithinItsBoundAsOftenAsSaid) {
   EXPECT_NEAR(Median(worst), 0.11, 0.03);
 }
 
-// One chip of 1 mm under the ball among 18 points: least squares (which a large deviation makes of Huber's
+// One chip of 1 mm under the ball among 18 points: least squares (which a deviation of 2 mm makes of Huber's
 // fit) follows it, the robust fit names it.
 TEST(Registration, AChipIsNamedAndMovesNothing) {
   const int draws = OfTier(60, 300);
   RandomStream random(43, 3);
-  std::vector<double> robust, plain;
+  std::vector<double> robust, plain, apart;
   int named = 0, wrongly = 0;
   for (int trial = 0; trial < draws; ++trial) {
     Drawn drawn = Draw(random, 12, 6, 0.06);
@@ -137,7 +140,12 @@ TEST(Registration, AChipIsNamedAndMovesNothing) {
     robust.push_back(Off(ThePanel().milled, drawn.X_true, found.X));
     named += found.residuals[3].outlier ? 1 : 0;
     for (size_t i = 0; i < drawn.points.size(); ++i) wrongly += i != 3 && found.residuals[i].outlier ? 1 : 0;
-    for (ProbedPoint& point : drawn.points) point.sd = 100;
+    if (found.residuals[3].outlier && wrongly == 0) {  // as if it had not been probed
+      std::vector<ProbedPoint> others = drawn.points;
+      others.erase(others.begin() + 3);
+      apart.push_back(Off(ThePanel().skin, found.X, Register(ThePanel().part, others, drawn.start).X));
+    }
+    for (ProbedPoint& point : drawn.points) point.sd = 2;
     plain.push_back(
         Off(ThePanel().milled, drawn.X_true, Register(ThePanel().part, drawn.points, drawn.start).X));
   }
@@ -145,6 +153,7 @@ TEST(Registration, AChipIsNamedAndMovesNothing) {
   RecordProperty("plain_mm", fmt::format("{:.3f}", Median(plain)));
   RecordProperty("wrongly_named", wrongly);
   EXPECT_LE(Median(robust), 0.08);
+  EXPECT_LT(Median(apart), 1e-4);
   EXPECT_GE(Median(plain), 0.2);
   EXPECT_GE(named, draws * 9 / 10);
   EXPECT_LE(wrongly, draws / 10);
@@ -206,7 +215,9 @@ TEST(Registration, WhatNoPointTellsIsNamed) {
     points.push_back(point);
   }
   const Registration found = Register(part, points, Eigen::Isometry3d::Identity());
-  EXPECT_EQ(found.undetermined.size(), 3u);
+  ASSERT_EQ(found.undetermined.size(), 3u);
+  EXPECT_EQ(found.undetermined[0].substr(0, 14), "a shift along ");
+  EXPECT_EQ(found.undetermined[2], "a turn about (0.00, 0.00, 1.00)");
   EXPECT_FALSE(found.determined());
   EXPECT_NEAR(found.X.translation().z(), 0.5, 1e-6);
   EXPECT_NEAR(found.X.translation().head<2>().norm(), 0, 1e-9);

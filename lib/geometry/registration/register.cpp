@@ -24,15 +24,18 @@ constexpr double kMedian[] = {1, 0.6745, 1.1774, 1.5382};
 constexpr double kEfficiency = 0.95;  // of Huber's weights at that bound
 constexpr double kOutlier = 4;        // standard deviations of a residual
 constexpr double kStill = 1e-6;       // mm: a step that moves no point farther ends the search
-constexpr int kMostSteps = 80, kMostRounds = 8;
-constexpr double kUndetermined = 0.02;  // of the part's size: no probe leaves as much open
-constexpr size_t kSample = 2000;        // points of a scan that find the place roughly
+constexpr int kMostSteps = 60, kWholeSteps = 30, kMostRounds = 8;
+constexpr double kShorter = 0.7, kNoMatter = 0.2;  // of the smallest stated deviation
+constexpr double kUndetermined = 0.002;            // of the part's size, and
+constexpr double kHardly = 4;     // deviations of one point: more than both, and a direction is not known
+constexpr size_t kSample = 2000;  // points of a scan that find the place roughly
 
 class Fit {
  public:
   Fit(const ProbedPart& part, const std::vector<ProbedPoint>& points, int threads, std::stop_token stop)
       : part_(part), points_(points), threads_(threads), stop_(std::move(stop)) {
     length_ = std::max(1.0, part.size());
+    open_ = std::max(kUndetermined * length_, kHardly * std::ranges::max(points, {}, &ProbedPoint::sd).sd);
   }
 
   Registration Run(const Eigen::Isometry3d& start) {
@@ -120,17 +123,24 @@ class Fit {
     return a;
   }
 
-  /// Steps until the points lie still; whether they did.
+  /// Steps until the points lie still; whether they did. Between facets the nearest one may change with every
+  /// step for ever: later steps become shorter, and what the last whole one would have been must not matter.
   bool Converge() {
-    for (int step = 0; step < kMostSteps; ++step) {
+    double step = 1, wanted = 0;
+    for (int i = 0; i < kMostSteps && step > kStill; ++i) {
       Look();
       Assemble(RobustScale());
       const Vector6d move = Solved();
-      Move(move);
-      if (move.head<3>().norm() + move.tail<3>().norm() < kStill) return true;
+      wanted = move.head<3>().norm() + move.tail<3>().norm();
+      Move(step * move);
+      if (wanted < kStill) return true;
+      if (i >= kWholeSteps) step *= kShorter;
     }
-    return false;
+    return wanted < kNoMatter * LeastDeviation();
   }
+
+  /// The smallest that is stated, mm.
+  double LeastDeviation() const { return std::ranges::min(points_, {}, &ProbedPoint::sd).sd; }
 
   /// The step; nothing in directions that no point tells.
   Vector6d Solved() const {
@@ -144,8 +154,8 @@ class Fit {
     return move;
   }
 
-  /// Below it a direction is not known to `kUndetermined` of the part.
-  double LeastEigenvalue() const { return 1 / (kUndetermined * length_ * kUndetermined * length_); }
+  /// Below it a direction counts as not known: no point looks its way.
+  double LeastEigenvalue() const { return 1 / (open_ * open_); }
 
   /// Turns about the centre, then shifts.
   void Move(const Vector6d& move) {
@@ -240,26 +250,32 @@ class Fit {
     return std::max(kLeast, kappa);
   }
 
+  /// Names what is not known: shifts first, then turns with the shifts that go with them.
   void Undetermined(const Matrix6d& all) {
     const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(all);
-    for (int k = 0; k < 6; ++k) {
-      if (solver.eigenvalues()[k] > LeastEigenvalue()) continue;
-      const Vector6d v = solver.eigenvectors().col(k);
-      const auto words = [](const Vector3d& d) {
-        int largest = 0;
-        d.cwiseAbs().maxCoeff(&largest);
-        const Vector3d unit = (d[largest] < 0 ? -d : d).normalized() + Vector3d::Constant(0.0);
-        return fmt::format("({:.2f}, {:.2f}, {:.2f})", unit.x(), unit.y(), unit.z());
-      };
-      constexpr double kMostly = 0.05;  // of the square
-      if (v.tail<3>().squaredNorm() < kMostly)
-        found_.undetermined.push_back("a shift along " + words(v.head<3>()));
-      else if (v.head<3>().squaredNorm() < kMostly)
-        found_.undetermined.push_back("a turn about " + words(v.tail<3>()));
-      else
-        found_.undetermined.push_back("a turn about " + words(v.tail<3>()) + " with a shift along " +
-                                      words(v.head<3>()));
-    }
+    Eigen::Index count = 0;  // eigenvalues ascend
+    while (count < 6 && solver.eigenvalues()[count] <= LeastEigenvalue()) ++count;
+    if (count == 0) return;
+    const Eigen::MatrixXd open = solver.eigenvectors().leftCols(count);
+    const Eigen::MatrixXd turns = open.bottomRows<3>();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> by_turn(turns.transpose() * turns);
+    for (Eigen::Index k = 0; k < count; ++k)
+      found_.undetermined.push_back(NameOf(open * by_turn.eigenvectors().col(k)));
+  }
+
+  static std::string NameOf(const Vector6d& way) {
+    constexpr double kMostly = 0.05;  // of the square
+    const auto words = [](const Vector3d& d) {
+      int largest = 0;
+      d.cwiseAbs().maxCoeff(&largest);
+      const Vector3d unit = (d[largest] < 0 ? -d : d).normalized();
+      const auto shown = [](double x) { return std::round(100 * x) / 100 + 0.0; };  // no "-0.00"
+      return fmt::format("({:.2f}, {:.2f}, {:.2f})", shown(unit.x()), shown(unit.y()), shown(unit.z()));
+    };
+    if (way.tail<3>().squaredNorm() < kMostly) return "a shift along " + words(way.head<3>());
+    const std::string turn = "a turn about " + words(way.tail<3>());
+    if (way.head<3>().squaredNorm() < kMostly) return turn;
+    return turn + " with a shift along " + words(way.head<3>());
   }
 
   const ProbedPart& part_;
@@ -267,6 +283,7 @@ class Fit {
   int threads_;
   std::stop_token stop_;
   double length_ = 1;  ///< mm: a turn counts by what it moves there
+  double open_ = 1;    ///< mm: a direction with a larger deviation is not known
   Registration found_;
   std::vector<size_t> taken_;
   std::vector<ProbeEquations> equations_;
