@@ -98,6 +98,9 @@ struct CompensationSettings {
   double most = 0.1;                            ///< mm
   CompensatedLayers layers = CompensatedLayers::kFinished;
   bool weight = false;
+  std::string map_file;  ///< of a measured part's error; empty: none
+
+  bool IsOn() const { return deflection != TakeOut::kOff || weight || !map_file.empty(); }
 };
 
 /// What becomes of a plan's points in programs.
