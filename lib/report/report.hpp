@@ -14,6 +14,7 @@
 #include "planning/result/price.hpp"
 #include "report/compensation.hpp"
 #include "report/deflection.hpp"
+#include "report/registration.hpp"
 #include "report/step_heights.hpp"
 #include "toolpath/cutter.hpp"
 
@@ -99,8 +100,9 @@ struct ReportInputs {
   std::optional<BaseWindow> base_window;
   std::optional<DeflectionReport> deflection;  ///< when the job says what the cutter takes off
   std::optional<CompensationFigures> compensation;
-  std::optional<FixedComparison> fixed;  ///< beside the best fixed rotation
-  std::optional<PoseSteps> steps;        ///< when the cell says how well the tool is known
+  std::optional<RegistrationFigures> registration;  ///< where `millpose register` found the part's place
+  std::optional<FixedComparison> fixed;             ///< beside the best fixed rotation
+  std::optional<PoseSteps> steps;                   ///< when the cell says how well the tool is known
 };
 
 /// What differs from run to run; goes into run.json alone.

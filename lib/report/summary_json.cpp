@@ -300,6 +300,13 @@ Json PathSpeedsJson(const std::vector<PathSpeed>& speeds) {
   return list;
 }
 
+Json RegistrationJson(const RegistrationFigures& figures) {
+  return {{"face_um_95", 1e3 * figures.off_95},
+          {"face_um_50", 1e3 * figures.median_off},
+          {"beside_um_95", 1e3 * figures.beside_95},
+          {"tolerance_um", figures.tolerance ? Json(1e3 * *figures.tolerance) : Json(nullptr)}};
+}
+
 Json BaseWindowJson(const std::optional<BaseWindow>& window) {
   if (!window) return nullptr;
   return {{"shift_mm", window->shift},
@@ -362,6 +369,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["findings"] = inputs.findings;
   json["audit"] = AuditJson(inputs.audit);
   json["deflection"] = DeflectionJson(inputs.deflection);
+  if (inputs.registration) json["registration"] = RegistrationJson(*inputs.registration);
   if (inputs.compensation) json["compensation"] = CompensationJson(*inputs.compensation);
   json["pose_steps"] = StepsJson(inputs.steps);
   json["fixed_rotation"] = FixedJson(inputs.fixed);

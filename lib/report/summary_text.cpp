@@ -149,6 +149,10 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   }
   if (figures.paper) AppendPaper(*figures.paper, &text);
   if (inputs.deflection) AppendDeflection(*inputs.deflection, &text);
+  if (inputs.registration)
+    fmt::format_to(std::back_inserter(text),
+                   "registration: the face may be off by {:.0f} µm along its normal (95 %)\n",
+                   1e3 * inputs.registration->off_95);
   if (inputs.compensation) text += CompensationText(*inputs.compensation);
   if (figures.planned > 0 && inputs.fixed) AppendFixed(*inputs.fixed, &text);
   fmt::format_to(out, "interference {} poses checked; {} of {} candidates never had to be\n",

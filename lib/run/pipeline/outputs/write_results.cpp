@@ -6,6 +6,7 @@
 
 #include "job/assemble.hpp"
 #include "job/config/config.hpp"
+#include "job/registration_error.hpp"
 #include "planning/result/write_plan.hpp"
 #include "program/verify/causes.hpp"
 #include "run/pipeline/programs/program_warnings.hpp"
@@ -194,6 +195,13 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   for (const CheckedProgram& program : programs)
     if (report.compensation && program.under_load)
       report.compensation->programs.push_back({program.controller, program.under_load->largest});
+  report.registration =
+      ErrorOfRegistration(results.inputs.job, plan, FinishedFrom(results.inputs.job, plan.passes.size()));
+  if (report.registration)
+    if (const std::string finding = RegistrationFinding(*report.registration); !finding.empty())
+      report.findings.push_back(finding);
+  if (const std::string warning = RegistrationWarning(results.inputs.job); !warning.empty())
+    report.warnings.push_back(warning);
   report.fixed = results.fixed;
   if (const std::optional<ToolUncertainty> tool = UncertaintyOf(results.inputs.cell.tool)) {
     report.steps = FindPoseSteps(plan, *tool, FinishedFrom(results.inputs.job, plan.passes.size()));
