@@ -3,6 +3,9 @@
 // one of two flanks, half the lost motion before or behind its input.
 #pragma once
 
+#include <span>
+
+#include "base/units.hpp"
 #include "machine/robot/axis_convention.hpp"
 #include "machine/robot/mechanism.hpp"
 
@@ -10,30 +13,45 @@ namespace millpose {
 
 inline constexpr int kMostGears = 6 + static_cast<int>(kMostExternalAxes);
 
-/// One value for each gear: the arm's six, then one for each external axis of the cell. Never on the heap.
-using GearValues = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostGears, 1>;
+/// One value for each gear: the arm's six, then the cell's external axes in order; 0 where there is no axis.
+using GearValues = Eigen::Matrix<double, kMostGears, 1>;
 
 /// What is known of the gears of a cell.
 struct LostMotion {
-  AxisConvention gears;  ///< how the arm's gears count its axes: a parallelogram's third turns by A2 + A3
-  /// h: how far the input turns between the flanks, rad (mm along a linear external axis); 0: no gap.
-  GearValues width = GearValues::Zero(6);
-  /// Below this load at the gear friction alone says where the output rests, N·mm (N along a linear axis);
-  /// +inf: load is not looked at.
-  GearValues friction = GearValues::Constant(6, std::numeric_limits<double>::infinity());
+  /// How the arm's gears count its axes, the matrix of an AxisConvention and its inverse: a parallelogram's
+  /// third gear turns by A2 + A3.
+  Matrix6 gears = Matrix6::Identity(), axes = Matrix6::Identity();
+  /// h: how far the input goes between the flanks, rad (mm of a linear external axis); 0: no gap.
+  GearValues width = GearValues::Zero();
+  /// Up to this load at the gear friction alone says where the output rests, N·mm (N of a linear axis); +inf:
+  /// load is not looked at.
+  GearValues friction = GearValues::Constant(kInfinity);
+  /// By how much a gear turns back before that counts as a reversal, rad (mm of a linear axis): less is not
+  /// told from rest.
+  GearValues dead_zone = GearValues::Constant(DegToRad(0.005));
 
+  /// The arm's gears count as `convention` does; its offsets do not matter.
+  void CountAs(const AxisConvention& convention) {
+    gears = convention.matrix(), axes = convention.Inverse().matrix();
+  }
   /// Whether any gear has a gap.
   bool Any() const { return (width.array() > 0).any(); }
 };
 
+/// The dead zone of a linear external axis, mm.
+inline constexpr double kLinearDeadZone = 0.01;
+
 /// Where the gears stand: rad, mm of a linear external axis. `external`: one value for each external axis.
 GearValues AtGears(const LostMotion& lost, const Joints& q, const ExternalPosition& external = {});
 
-/// How far the tip goes along a direction per turn of each gear, mm/rad (1 for linear external axes: mm/mm).
-/// `by_joint`: Jᵀ·n, the same by the arm's own axes (mm/rad), J rows 0..2 of Jacobian() at the tip and n the
-/// unit normal, both in B. `by_external`: the same for each external axis.
+/// How far the tip goes along a direction for each gear's turn, mm/rad (of a linear axis mm/mm). `by_joint`:
+/// the same by the arm's own axes, Jᵀ·n with J the rows 0..2 of Jacobian() at the tip and n a unit vector,
+/// both in B. `by_external`: for each external axis.
 GearValues GearLevers(const LostMotion& lost, const Joints& by_joint,
                       const std::vector<double>& by_external = {});
+
+/// Torques about the arm's axes (N·mm) as loads of its gears; 0 for external axes.
+GearValues GearLoads(const LostMotion& lost, const Joints& about_axes);
 
 /// Where the outputs of all gears rest in their gaps. A gear whose load beats its friction rests on the flank
 /// that the load presses it against, whichever way it turns; else its output stays where it is until a flank
@@ -42,12 +60,12 @@ GearValues GearLevers(const LostMotion& lost, const Joints& by_joint,
 class GearFlanks {
  public:
   /// Entered settled: as after a long way in the directions (signs) of `first_move`; with 0 as with +1.
-  /// `load`: torques that turn the outputs, in their positive sense where positive, N·mm (N); gears without a
-  /// value have none.
-  GearFlanks(const LostMotion& lost, const GearValues& first_move, const GearValues& load = {});
+  /// `load`: torques that turn the outputs, in their positive sense where positive, N·mm (N).
+  GearFlanks(const LostMotion& lost, const GearValues& first_move,
+             const GearValues& load = GearValues::Zero());
 
   /// The inputs go on by `move` (rad, mm); at its end the load is `load`.
-  void Move(const GearValues& move, const GearValues& load = {});
+  void Move(const GearValues& move, const GearValues& load = GearValues::Zero());
 
   /// y − q: outputs before (+) or behind (−) their inputs, counted from the middle of the gap, rad (mm).
   /// Within ±h/2.
@@ -59,37 +77,28 @@ class GearFlanks {
   GearValues half_, friction_, offset_;
 };
 
-/// A reversal counts when a gear has turned back by more than this, rad; less is not told from rest.
-inline constexpr double kReversalDeadZone = 0.005 * 3.14159265358979323846 / 180;
-inline constexpr double kReversalDeadZoneLinear = 0.01;  ///< mm, of a linear external axis
-
-/// The way of one gear: where it turns back. A reversal is found late, when the gear has turned back by the
-/// dead zone, and lies where it turned.
-class ReversalCounter {
- public:
-  explicit ReversalCounter(double dead_zone) : dead_zone_(dead_zone) {}
-
-  /// The next place on the way, in order. Returns the index (0 for the first place) at which the gear turned
-  /// back, where that is now known; else −1.
-  int Next(double position);
-  /// Which way it went last by more than the dead zone: −1, 0 (it has not yet), +1.
-  int direction() const { return direction_; }
-
- private:
-  double dead_zone_;
-  int count_ = 0, direction_ = 0, low_at_ = 0, high_at_ = 0;
-  double low_ = 0, high_ = 0;
+/// One place on the way of the gears.
+struct GearPlace {
+  GearValues at = GearValues::Zero();    ///< AtGears()
+  GearValues load = GearValues::Zero();  ///< as in GearFlanks
 };
 
-/// The directions (−1, 0, +1) in which each gear first goes by more than its dead zone along `way` (AtGears
-/// of every place), from which GearFlanks are entered. 0: it never does.
-GearValues FirstMove(const LostMotion& lost, const std::vector<GearValues>& way,
-                     const std::vector<ExternalAxis>& external = {});
+/// The directions (−1, 0, +1) in which each gear first goes by more than its dead zone, from which a way is
+/// entered; 0: it never does.
+GearValues FirstMove(const LostMotion& lost, std::span<const GearPlace> way);
 
-/// y − q along `way`, entered settled in the directions of FirstMove(); `load` one entry for each place, or
-/// none. One entry for each place.
-std::vector<GearValues> OffsetsAlong(const LostMotion& lost, const std::vector<GearValues>& way,
-                                     const std::vector<GearValues>& load,
-                                     const std::vector<ExternalAxis>& external = {});
+/// y − q at every place of a way, entered settled in the directions of FirstMove().
+std::vector<GearValues> OffsetsAlong(const LostMotion& lost, std::span<const GearPlace> way);
+
+/// What a gear does at a place of a way.
+struct GearEvent {
+  int gear = 0;          ///< 0..5: of the arm; 6 and on: external axes
+  size_t place = 0;      ///< where it turns back, or where load has pressed it over
+  bool turns = false;    ///< it turns back, by more than the dead zone
+  bool crosses = false;  ///< its output goes over to the other flank; without load it does where it turns
+};
+
+/// By place, then gear. The same whatever the gaps are: their width does not count.
+std::vector<GearEvent> GearEvents(const LostMotion& lost, std::span<const GearPlace> way);
 
 }  // namespace millpose
