@@ -9,6 +9,7 @@
 #include "job/inputs.hpp"
 #include "planning/pass/fixed_rotation.hpp"
 #include "planning/pass/pass_planner.hpp"
+#include "planning/result/gear_course.hpp"
 #include "program/pose_text.hpp"
 #include "program/post.hpp"
 #include "machine/stiffness/series.hpp"
@@ -36,6 +37,10 @@ struct GravityModel {
   Eigen::Vector3d gravity;  ///< in B, mm/s²
 };
 std::optional<GravityModel> MakeGravity(const CellSettings& settings);
+
+/// What a cell says of its gears: lost motion, how they count, and where friction is given the weights that
+/// load them.
+GearModel MakeGearModel(const CellSettings& settings);
 
 /// X_FT of a tool: z along its axis from tip to holder, x as near to its x as a right angle allows.
 Pose MakeToolPose(const ToolSettings& settings);
