@@ -34,7 +34,7 @@ class Comparer {
         face_(OfFace(passes, options.finished_from)) {
     size_t number = 0;
     for (const PassResult& pass : passes) {
-      if (std::ranges::any_of(pass.points, [](const auto& point) { return point.skip == Obstacle::kNone; }))
+      if (std::ranges::any_of(pass.points, [](const auto& point) { return point.skip == Infeasibility::kNone; }))
         passes_.push_back({&pass, number, {}, {stations, pass, options}, {}});
       number += pass.points.size();
     }
@@ -297,7 +297,7 @@ class Comparer {
     std::vector<Joints> q(pass.pass->points.size());
     for (size_t t = 0; t < q.size(); ++t) {
       const PlannedPoint& planned = pass.pass->points[t];
-      if (planned.skip != Obstacle::kNone) continue;
+      if (planned.skip != Infeasibility::kNone) continue;
       const PoseProblem& problem = in.At(t).problem;
       const Candidate candidate = PointScorer(problem, planned.point, pass.pass->rotation_reference)
                                       .ScoreOne({pass.table.Rotation(ranked.rotation)}, ranked.branch);

@@ -100,7 +100,7 @@ void FollowPass(const GearModel& model, const GearedArm& arm, const PassResult& 
   const bool any_known = std::ranges::find(model.known, true) != model.known.end();
   const size_t first_point = course.errors.size();
   course.errors.resize(first_point + pass.points.size());
-  for (const Piece& piece : pass.pieces) {
+  for (const Segment& piece : pass.pieces) {
     std::vector<PosedPoint> places;
     for (int i = piece.first; i <= piece.last; ++i) places.push_back(posed(static_cast<size_t>(i)));
     const PieceGears gears = FollowPiece(model, arm, places, piece.closed);
