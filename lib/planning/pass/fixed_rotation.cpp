@@ -7,6 +7,7 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "machine/stiffness/compliance.hpp"
 #include "planning/pass/fewest_missing.hpp"
 #include "planning/pass/fixed_interference.hpp"
 #include "planning/result/station.hpp"
@@ -34,7 +35,8 @@ class Comparer {
         face_(OfFace(passes, options.finished_from)) {
     size_t number = 0;
     for (const PassResult& pass : passes) {
-      if (std::ranges::any_of(pass.points, [](const auto& point) { return point.skip == Infeasibility::kNone; }))
+      if (std::ranges::any_of(pass.points,
+                              [](const auto& point) { return point.skip == Infeasibility::kNone; }))
         passes_.push_back({&pass, number, {}, {stations, pass, options}, {}});
       number += pass.points.size();
     }
