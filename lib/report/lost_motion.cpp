@@ -13,9 +13,8 @@ namespace millpose {
 
 bool LostMotionReport::Known() const {
   if (course.marks.empty()) return model.known[0];
-  return std::ranges::all_of(course.marks, [this](const GearMark& mark) {
-    return model.known[static_cast<size_t>(mark.gear)];
-  });
+  return std::ranges::all_of(
+      course.marks, [this](const GearMark& mark) { return model.known[static_cast<size_t>(mark.gear)]; });
 }
 
 LostMotionReport ReportLostMotion(const PlanResult& plan, GearModel model, std::string source,
@@ -26,11 +25,11 @@ LostMotionReport ReportLostMotion(const PlanResult& plan, GearModel model, std::
   return report;
 }
 
-std::string CountsText(const std::vector<ExternalAxis>& external,
-                       const std::array<int, kMostGears>& counts) {
+std::string CountsText(const std::vector<ExternalAxis>& external, const std::array<int, kMostGears>& counts) {
   std::vector<std::string> parts;
   for (size_t i = 0; i < 6 + external.size(); ++i)
-    if (counts[i] > 0) parts.push_back(fmt::format("{} {}", AxisName(external, static_cast<int>(i)), counts[i]));
+    if (counts[i] > 0)
+      parts.push_back(fmt::format("{} {}", AxisName(external, static_cast<int>(i)), counts[i]));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 

@@ -25,8 +25,7 @@ LostMotionReport ReportLostMotion(const PlanResult& plan, GearModel model, std::
                                   int finished_from);
 
 /// "A1 4, A3 2": the gears whose count is not 0.
-std::string CountsText(const std::vector<ExternalAxis>& external,
-                       const std::array<int, kMostGears>& counts);
+std::string CountsText(const std::vector<ExternalAxis>& external, const std::array<int, kMostGears>& counts);
 /// One line for the terminal and report.html, without a line end.
 std::string LostMotionText(const PlanResult& plan, const LostMotionReport& report);
 /// How large marks are: "at most 85.1 µm, 412 µm summed", per arcmin where lost motion is not known.

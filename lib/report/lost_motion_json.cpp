@@ -68,13 +68,14 @@ nlohmann::ordered_json TallyJson(const std::vector<ExternalAxis>& external, cons
   const auto counts = [&](const std::array<int, kMostGears>& of) {
     return std::vector<int>(of.begin(), of.begin() + 6 + static_cast<std::ptrdiff_t>(external.size()));
   };
-  return {{"counts", counts(tally.turns)},
-          {"crossings", counts(tally.crossings)},
-          {"total", tally.Turns()},
-          {"marks_are_per_arcmin", !known},
-          {"largest_mark_um", kMicrometresPerMm * tally.largest},
-          {"marks_sum_um", kMicrometresPerMm * tally.sum},
-          {"largest_error_um", known ? ReversalJson(kMicrometresPerMm * tally.worst) : ReversalJson(nullptr)}};
+  return {
+      {"counts", counts(tally.turns)},
+      {"crossings", counts(tally.crossings)},
+      {"total", tally.Turns()},
+      {"marks_are_per_arcmin", !known},
+      {"largest_mark_um", kMicrometresPerMm * tally.largest},
+      {"marks_sum_um", kMicrometresPerMm * tally.sum},
+      {"largest_error_um", known ? ReversalJson(kMicrometresPerMm * tally.worst) : ReversalJson(nullptr)}};
 }
 
 nlohmann::ordered_json ReversalsJson(const PlanResult& plan, const LostMotionReport& report) {

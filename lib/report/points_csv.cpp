@@ -151,7 +151,9 @@ std::string LostMotionHeader(const LostMotionReport& lost, const std::vector<Ext
   for (size_t i = 0; i < 6 + axes.size(); ++i) {
     const bool linear = i >= 6 && axes[i - 6].kind == AxisKind::kLinear;
     fmt::format_to(std::back_inserter(header), ",mark_{}{}_um{}", i < 6 ? 'a' : 'e', i < 6 ? i + 1 : i - 5,
-                   lost.model.known[i] ? "" : linear ? "_per_um" : "_per_arcmin");
+                   lost.model.known[i] ? ""
+                   : linear            ? "_per_um"
+                                       : "_per_arcmin");
   }
   return header + ",lost_motion_um";
 }

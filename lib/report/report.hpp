@@ -94,7 +94,7 @@ struct ReportInputs {
   std::optional<CompensationFigures> compensation;
   std::optional<LostMotionReport> lost_motion;  ///< of every plan
   std::optional<FixedComparison> fixed;         ///< beside the best fixed rotation
-  std::optional<PoseSteps> steps;        ///< when the cell says how well the tool is known
+  std::optional<PoseSteps> steps;               ///< when the cell says how well the tool is known
 };
 
 /// What differs from run to run; goes into run.json alone.

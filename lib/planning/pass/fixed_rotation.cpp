@@ -11,7 +11,6 @@
 #include "planning/pass/fewest_missing.hpp"
 #include "planning/pass/fixed_interference.hpp"
 #include "planning/result/station.hpp"
-#include "machine/stiffness/compliance.hpp"
 
 namespace millpose {
 namespace {

@@ -211,7 +211,8 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   set.Add(kPlanFile, [&](const ByteSink& sink) { WritePlan(plan, threads, sink); });
   if (!results.starts.ways.gaps.empty()) set.Add(kStartWays, Serialise(results.starts.ways));
   const CutterShape cutter = MakeCutterShape(results.inputs.cell.tool);
-  set.Add("points.csv", [&](const ByteSink& sink) { WritePointsCsv(plan, cutter, &*report.lost_motion, threads, sink); });
+  set.Add("points.csv",
+          [&](const ByteSink& sink) { WritePointsCsv(plan, cutter, &*report.lost_motion, threads, sink); });
   set.Add("path.vtp", [&](const ByteSink& sink) { WritePathVtp(plan, threads, sink); });
   if (report.deflection) set.Add("deflection.csv", DeflectionCsv(*report.deflection));
   if (report.compensation) set.Add("compensation.csv", CompensationCsv(plan));
