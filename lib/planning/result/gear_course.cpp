@@ -99,6 +99,7 @@ void FollowPass(const GearModel& model, const GearedArm& arm, const PassResult& 
   const bool any_known = std::ranges::find(model.known, true) != model.known.end();
   const size_t first_point = course.errors.size();
   course.errors.resize(first_point + pass.points.size());
+  for (const PlannedPoint& point : pass.points) course.face.push_back(face(pass, point));
   for (const Segment& piece : pass.pieces) {
     std::vector<PosedPoint> places;
     for (int i = piece.first; i <= piece.last; ++i) places.push_back(posed(static_cast<size_t>(i)));
@@ -108,12 +109,12 @@ void FollowPass(const GearModel& model, const GearedArm& arm, const PassResult& 
     };
     for (const GearEvent& event : gears.events) {
       const size_t at = point_of(event.place);
-      if (face(pass, pass.points[at]))
+      if (course.face[first_point + at])
         course.marks.push_back({pass.pass, first_point + at, event.gear, event.turns, event.crosses,
                                 std::abs(gears.levers[event.place][event.gear])});
     }
     for (size_t t = 0; any_known && t < places.size(); ++t)
-      if (face(pass, pass.points[point_of(t)])) course.errors[first_point + point_of(t)] = gears.errors[t];
+      if (const size_t at = first_point + point_of(t); course.face[at]) course.errors[at] = gears.errors[t];
   }
 }
 

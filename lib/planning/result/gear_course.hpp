@@ -73,6 +73,7 @@ double HeightPerUnit(const GearMark& mark, const std::vector<ExternalAxis>& exte
 /// What the gears do where the face is cut.
 struct GearCourse {
   std::vector<GearMark> marks;  ///< in the order of the points
+  std::vector<bool> face;       ///< for every point of the job, whether it leaves the face
   /// Displacement along the normal by lost motion, mm, for every point of the job; empty where it is not of
   /// the face, or lost motion is not known for any gear.
   std::vector<std::optional<double>> errors;

@@ -217,10 +217,11 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   if (report.deflection) set.Add("deflection.csv", DeflectionCsv(*report.deflection));
   if (report.compensation) set.Add("compensation.csv", CompensationCsv(plan));
   set.Add("summary.json", SummaryJson(plan, report));
-  set.Add("report.html", ReportHtml({plan, results.cell, results.grid, results.parts.curves,
-                                     job + "\n" + cell, report.deflection ? &*report.deflection : nullptr,
-                                     report.findings, report.warnings, report.times, &*report.fixed,
-                                     &results.parts.map, &results.timeline, &results.parts.nearest}));
+  set.Add("report.html",
+          ReportHtml({plan, results.cell, results.grid, results.parts.curves, job + "\n" + cell,
+                      report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
+                      report.times, &*report.fixed, &results.parts.map, &results.timeline,
+                      &results.parts.nearest, &*report.lost_motion}));
   for (const CheckedProgram& program : programs)
     if (program.Confirmed() && !program.trajectory.empty())
       set.Add("trajectory-" + program.controller + ".csv", program.trajectory);
