@@ -248,6 +248,19 @@ Json FixedJson(const PlanResult& plan, const ReportInputs& inputs) {
           {"in_the_way", {{"job", text(fixed->job_in_the_way)}, {"passes", text(fixed->passes_in_the_way)}}}};
 }
 
+Json BudgetJson(const std::optional<Budget>& budget) {
+  if (!budget) return nullptr;
+  Json rows = Json::array();
+  for (const BudgetRow& row : budget->rows)
+    rows.push_back({{"source", row.key},
+                    {"um", row.largest ? Json(1e3 * *row.largest) : Json(nullptr)},
+                    {"basis", row.basis}});
+  return {{"along", "normal"},
+          {"rows", rows},
+          {"sum_um", 1e3 * budget->Sum()},
+          {"sum_leaves_out", budget->LeftOut()}};
+}
+
 Json ProgramsJson(const std::vector<ReportedProgram>& programs) {
   Json list = Json::array();
   for (const ReportedProgram& program : programs)
@@ -372,6 +385,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   if (inputs.compensation) json["compensation"] = CompensationJson(*inputs.compensation);
   json["pose_steps"] = StepsJson(inputs.steps);
   json["fixed_rotation"] = FixedJson(plan, inputs);
+  json["budget"] = BudgetJson(inputs.budget);
   json["reversals"] = inputs.lost_motion ? ReversalsJson(plan, *inputs.lost_motion) : Json(nullptr);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

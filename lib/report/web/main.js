@@ -37,6 +37,8 @@
     m.fillSkipped(data);
     m.fillGaps(data);
     m.fillDeflection(data);
+    m.fillBudget(data);
+    m.fillReversals(data);
     m.fillFixed(data);
     m.fillPrice(data);
     m.fillPaper(data);
