@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The error of the face as the motion of a piece leaves it: what the force and the gears' lost motion
+// displace the tip by along the normal (docs/face-error.md).
+#pragma once
+
+#include "machine/motion/lost_motion.hpp"
+#include "machine/stiffness/force_cone.hpp"
+#include "planning/pose/scorer.hpp"
+
+namespace millpose {
+
+/// One place of a piece, with what a pose there makes of force and lost motion. Displacements are along the
+/// normal, positive out of the material, mm.
+struct FacePlace {
+  GearPlace gears;
+  GearValues levers = GearValues::Zero();  ///< GearLevers() along the normal
+  double low = 0, high = 0;                ///< between which the force displaces
+  bool counts = false;                     ///< the cut there leaves the face
+};
+
+/// The place of the pose `q` at a milling point (in W). `bounds`: of the force.
+FacePlace FacePlaceAt(const PoseProblem& problem, const LostMotion& lost, const ForceBounds& bounds,
+                      const MillingPoint& point, const Joints& q);
+
+/// The largest displacement where lost motion gives `lost` of it.
+inline double LargestWith(const FacePlace& place, double lost) {
+  return std::max(std::abs(place.low + lost), std::abs(place.high + lost));
+}
+
+/// What a piece leaves, over the places that count.
+struct FaceFigures {
+  double worst = 0;   ///< largest displacement, mm
+  double sum = 0;     ///< of the places' largest displacements, mm
+  double marks = 0;   ///< heights h·|n·J| of the steps where gears go over to their other flank, summed, mm
+  double middle = 0;  ///< mean of the displacement in the middle of its bounds, signed, mm
+  int count = 0;      ///< places that count
+  std::array<int, 6> crossings{};  ///< by gear of the arm
+};
+
+/// Of a piece entered settled: every gear rests where its own first direction leaves it. A closed piece is
+/// milled round to its first place again.
+FaceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> places, bool closed);
+
+}  // namespace millpose
