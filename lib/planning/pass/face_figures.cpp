@@ -5,23 +5,22 @@
 
 namespace millpose {
 
-FacePlace FacePlaceAt(const PoseProblem& problem, const LostMotion& lost, const ForceBounds& bounds,
-                      const MillingPoint& point, const Joints& q) {
-  const Eigen::Vector3d tip = problem.X_FT.translation();
+FacePlace FacePlaceAt(const PoseProblem& problem, const FaceModel& model, const MillingPoint& point,
+                      const Joints& q, const ExternalPosition& external) {
+  FacePlace place;
+  place.gears = GearsAt(model.gears, problem.arm, problem.X_FT, Mechanism(model.external_axes),
+                        {&point, q, problem.X_WB, external});
+  place.counts = point.kind == PointKind::kCut && point.engagement.side != CutSide::kAir;
+  if (point.engagement.force.isZero()) return place;
   const Eigen::Matrix3d R_BW = problem.X_WB.linear().transpose();
   const Eigen::Vector3d normal = R_BW * point.normal;
-  const Matrix6 at_tip = Jacobian(problem.arm, q, tip);
-  FacePlace place;
-  place.gears.at = AtGears(lost, q);
-  place.levers = GearLevers(lost, at_tip.topRows<3>().transpose() * normal);
-  place.counts = point.kind == PointKind::kCut;
-  if (point.engagement.force.isZero()) return place;
-  const Eigen::Vector3d origin = problem.origin == StiffnessOrigin::kToolTip ? tip : Eigen::Vector3d::Zero();
-  const Matrix6 J = problem.origin == StiffnessOrigin::kToolTip ? at_tip : Jacobian(problem.arm, q, origin);
-  Matrix6 C = Compliance(J, problem.arm.stiffness);
+  const Eigen::Vector3d origin = problem.origin == StiffnessOrigin::kToolTip
+                                     ? Eigen::Vector3d(problem.X_FT.translation())
+                                     : Eigen::Vector3d::Zero();
+  Matrix6 C = Compliance(Jacobian(problem.arm, q, origin), problem.arm.stiffness);
   if (!problem.compliances.empty()) C += SeriesComplianceAt(problem.arm, q, origin, problem.compliances);
   const Eigen::Vector3d g = C.topLeftCorner<3, 3>() * normal;
-  const ForceCone cone(R_BW * point.engagement.force, bounds);
+  const ForceCone cone(R_BW * point.engagement.force, model.force);
   place.high = cone.Largest(g);
   place.low = -cone.Largest(-g);
   return place;
@@ -31,19 +30,19 @@ FaceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> places, boo
   if (closed && !places.empty()) {
     FacePlace again = places.front();
     // As the way round leaves it: the short way from the last place.
-    again.gears.at.head<6>() =
-        lost.gears * NearestEquivalent(lost.axes * places.back().gears.at.head<6>(),
-                                       lost.axes * places.front().gears.at.head<6>());
+    again.gears.place.at.head<6>() =
+        lost.gears * NearestEquivalent(lost.axes * places.back().gears.place.at.head<6>(),
+                                       lost.axes * places.front().gears.place.at.head<6>());
     places.push_back(again);
   }
   std::vector<GearPlace> way;
-  for (const FacePlace& place : places) way.push_back(place.gears);
+  for (const FacePlace& place : places) way.push_back(place.gears.place);
   const std::vector<GearValues> offsets = OffsetsAlong(lost, way);
   FaceFigures figures;
   for (size_t t = 0; t < places.size(); ++t) {
     const FacePlace& place = places[t];
     if (!place.counts) continue;
-    const double displaced = place.levers.dot(offsets[t]), largest = LargestWith(place, displaced);
+    const double displaced = place.gears.levers.dot(offsets[t]), largest = LargestWith(place, displaced);
     figures.worst = std::max(figures.worst, largest);
     figures.sum += largest;
     figures.middle += displaced + 0.5 * (place.low + place.high);
@@ -53,7 +52,7 @@ FaceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> places, boo
   for (const GearEvent& event : GearEvents(lost, way)) {
     const FacePlace& place = places[event.place];
     if (!event.crosses || !place.counts) continue;
-    figures.marks += lost.width[event.gear] * std::abs(place.levers[event.gear]);
+    figures.marks += lost.width[event.gear] * std::abs(place.gears.levers[event.gear]);
     if (event.gear < 6) ++figures.crossings[static_cast<size_t>(event.gear)];
   }
   return figures;

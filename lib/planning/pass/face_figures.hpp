@@ -3,24 +3,30 @@
 // displace the tip by along the normal (docs/face-error.md).
 #pragma once
 
-#include "machine/motion/lost_motion.hpp"
 #include "machine/stiffness/force_cone.hpp"
 #include "planning/pose/scorer.hpp"
+#include "planning/result/gear_course.hpp"
 
 namespace millpose {
 
 /// One place of a piece, with what a pose there makes of force and lost motion. Displacements are along the
 /// normal, positive out of the material, mm.
 struct FacePlace {
-  GearPlace gears;
-  GearValues levers = GearValues::Zero();  ///< GearLevers() along the normal
-  double low = 0, high = 0;                ///< between which the force displaces
-  bool counts = false;                     ///< the cut there leaves the face
+  PosedGears gears;
+  double low = 0, high = 0;  ///< between which the force displaces
+  bool counts = false;       ///< the cut there leaves the face
 };
 
-/// The place of the pose `q` at a milling point (in W). `bounds`: of the force.
-FacePlace FacePlaceAt(const PoseProblem& problem, const LostMotion& lost, const ForceBounds& bounds,
-                      const MillingPoint& point, const Joints& q);
+/// What the figures of a face go by.
+struct FaceModel {
+  GearModel gears;
+  ForceBounds force;
+  std::vector<ExternalAxis> external_axes;
+};
+
+/// The place of the pose `q` at a milling point (in W); `problem` with the external axes at `external`.
+FacePlace FacePlaceAt(const PoseProblem& problem, const FaceModel& model, const MillingPoint& point,
+                      const Joints& q, const ExternalPosition& external);
 
 /// The largest displacement where lost motion gives `lost` of it.
 inline double LargestWith(const FacePlace& place, double lost) {

@@ -6,6 +6,7 @@
 #include "planning/ladder/edge_kernel.hpp"
 #include "planning/pass/free_smoothing.hpp"
 #include "planning/pass/unwind.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 namespace {
@@ -54,7 +55,7 @@ FacePiece::FacePiece(const Stations& stations, const PassResult& pass, const Pie
       piece_(piece),
       options_(options),
       in_(stations, pass),
-      bounds_(stations.problem().objective->JudgesFace().value_or(ForceBounds{})),
+      model_(ModelOf(stations, options.gears)),
       first_(static_cast<size_t>(piece.first)),
       points_(PointsOf(pass, piece)),
       verdicts_(NoVerdicts(points_.size())),
@@ -90,15 +91,13 @@ FaceCandidate FacePiece::AsPlanned() const {
 }
 
 FacePlace FacePiece::PlaceAt(size_t t, const Joints& q) const {
-  FacePlace place = FacePlaceAt(ProblemAt(t), options_.lost, bounds_, points_[t], q);
-  if (!in_.along.empty()) place.gears.at = AtGears(options_.lost, q, in_.along[first_ + t].external);
-  return place;
+  return FacePlaceAt(ProblemAt(t), model_, points_[t], q, ExternalAt(pass_, first_ + t));
 }
 
 FaceFigures FacePiece::Figures(std::span<const PathNode> path) const {
   std::vector<FacePlace> places;
   for (size_t t = 0; t < path.size(); ++t) places.push_back(PlaceAt(t, path[t].q));
-  return FiguresOf(options_.lost, std::move(places), closed());
+  return FiguresOf(options_.gears.lost, std::move(places), closed());
 }
 
 FlankNode FacePiece::NodeAt(size_t t, const Candidate& candidate, int branch, int place,
@@ -138,7 +137,7 @@ std::vector<FlankNode> FacePiece::LayerAround(size_t t, double rotation, int bra
 }
 
 FlankRules FacePiece::Rules() const {
-  FlankRules rules{.lost = options_.lost, .max_step = max_step_, .stop = checks_.stop};
+  FlankRules rules{.lost = options_.gears.lost, .max_step = max_step_, .stop = checks_.stop};
   rules.motion_weight = motion_weight_;
   rules.closed = closed();
   return rules;

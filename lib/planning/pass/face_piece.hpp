@@ -55,7 +55,7 @@ class FacePiece {
   Piece piece_;
   const FaceOptions& options_;
   PlannedIn in_;
-  ForceBounds bounds_;
+  FaceModel model_;
   size_t first_;
   std::vector<MillingPoint> points_;
   std::vector<PointScorer> scorers_;

@@ -7,6 +7,7 @@
 #include "planning/pose/lean_problem.hpp"
 #include "planning/result/continuity.hpp"
 #include "planning/result/point_clearance.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 namespace {
@@ -168,17 +169,22 @@ PassResult PlanFace(const Stations& given, const PassResult& pass, const FaceOpt
   return result;
 }
 
-std::vector<FaceFigures> FacesOf(const Stations& given, const LostMotion& lost, const PassResult& pass) {
+FaceModel ModelOf(const Stations& stations, const GearModel& gears) {
+  return {gears, stations.problem().objective->JudgesFace().value_or(ForceBounds{}),
+          stations.world().cell().external_axes};
+}
+
+std::vector<FaceFigures> FacesOf(const Stations& given, const GearModel& gears, const PassResult& pass) {
   const Stations stations = given.AtOwnAxis();
+  const FaceModel model = ModelOf(stations, gears);
   const PlannedIn in(stations, pass);
-  const ForceBounds bounds = stations.problem().objective->JudgesFace().value_or(ForceBounds{});
   std::vector<FaceFigures> faces;
   for (const Piece& piece : pass.pieces) {
     std::vector<FacePlace> places;
     for (auto t = static_cast<size_t>(piece.first); t <= static_cast<size_t>(piece.last); ++t)
-      places.push_back(
-          FacePlaceAt(in.At(t).problem, lost, bounds, pass.points[t].point, pass.points[t].q));
-    faces.push_back(FiguresOf(lost, std::move(places), piece.closed));
+      places.push_back(FacePlaceAt(in.At(t).problem, model, pass.points[t].point, pass.points[t].q,
+                                   ExternalAt(pass, t)));
+    faces.push_back(FiguresOf(gears.lost, std::move(places), piece.closed));
   }
   return faces;
 }

@@ -9,7 +9,7 @@
 namespace millpose {
 
 struct FaceOptions {
-  LostMotion lost;
+  GearModel gears;
   PathOptions path;
   RetractOptions leave;  ///< of the ends of pieces
 };
@@ -22,7 +22,10 @@ struct FaceOptions {
 PassResult PlanFace(const Stations& stations, const PassResult& pass, const FaceOptions& options,
                     const Execution& execution);
 
+/// By what faces are judged in a cell, for the objective of its job.
+FaceModel ModelOf(const Stations& stations, const GearModel& gears);
+
 /// What each piece of a pass leaves.
-std::vector<FaceFigures> FacesOf(const Stations& stations, const LostMotion& lost, const PassResult& pass);
+std::vector<FaceFigures> FacesOf(const Stations& stations, const GearModel& gears, const PassResult& pass);
 
 }  // namespace millpose

@@ -21,16 +21,18 @@ struct StateCosts {
   StateCosts(const LostMotion& lost, const FlankNode& node) {
     const FacePlace& face = node.face;
     for (unsigned i = 0; i < 6; ++i) {
-      const double load = face.gears.load[i];
+      const double load = face.gears.place.load[i];
       if (std::abs(load) <= lost.friction[i]) continue;
       pressed |= 1U << i;
       if (load < 0) pressed_to |= 1U << i;  // pressed behind its input, where going on in + leaves it
     }
+    double beside = 0;  // of external axes, which come from their + direction
+    for (Eigen::Index i = 6; i < kMostGears; ++i) beside -= 0.5 * lost.width[i] * face.gears.levers[i];
     for (unsigned state = 0; state < kStates; ++state) {
-      double displacement = 0;
+      double displacement = beside;
       marks[state] = 0;
       for (unsigned i = 0; i < 6; ++i) {
-        const double half = 0.5 * lost.width[i] * face.levers[i];
+        const double half = 0.5 * lost.width[i] * face.gears.levers[i];
         const bool set = ((state >> i) & 1U) != 0;
         displacement += set ? -half : half;
         if (set && face.counts) marks[state] += 2 * std::abs(half);

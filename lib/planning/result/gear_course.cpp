@@ -30,28 +30,6 @@ std::vector<double> ExternalLevers(const Mechanism& mechanism, const PosedPoint&
   return levers;
 }
 
-struct Placed {
-  GearPlace place;
-  GearValues levers;
-};
-
-Placed PlaceOf(const GearModel& model, const Arm& arm, const Pose& X_FT, const Mechanism& mechanism,
-               const PosedPoint& posed) {
-  const Eigen::Matrix3d R_BW = posed.X_WB.linear().transpose();
-  const Eigen::Matrix<double, 3, 6> J = Jacobian(arm, posed.q, X_FT.translation()).topRows<3>();
-  Placed placed;
-  placed.levers =
-      GearLevers(model.lost, J.transpose() * (R_BW * posed.point->normal), ExternalLevers(mechanism, posed));
-  placed.place.at = AtGears(model.lost, posed.q, posed.external);
-  if (const auto& weights = model.weights) {
-    const Joints torques =
-        GravityTorques(arm, posed.q, weights->masses, weights->counterbalance, weights->gravity) +
-        J.transpose() * (R_BW * posed.point->engagement.force);
-    placed.place.load = GearLoads(model.lost, torques);
-  }
-  return placed;
-}
-
 double UnitOf(int gear, const std::vector<ExternalAxis>& external) {
   const bool linear = gear >= 6 && external[static_cast<size_t>(gear) - 6].kind == AxisKind::kLinear;
   return linear ? kMicrometre : kArcmin;
@@ -69,12 +47,29 @@ std::vector<PosedPoint> PlacesOfPiece(const PlanResult& plan, const PassResult& 
 
 }  // namespace
 
+PosedGears GearsAt(const GearModel& model, const Arm& arm, const Pose& X_FT, const Mechanism& mechanism,
+                   const PosedPoint& posed) {
+  const Eigen::Matrix3d R_BW = posed.X_WB.linear().transpose();
+  const Eigen::Matrix<double, 3, 6> J = Jacobian(arm, posed.q, X_FT.translation()).topRows<3>();
+  PosedGears placed;
+  placed.levers =
+      GearLevers(model.lost, J.transpose() * (R_BW * posed.point->normal), ExternalLevers(mechanism, posed));
+  placed.place.at = AtGears(model.lost, posed.q, posed.external);
+  if (const auto& weights = model.weights) {
+    const Joints torques =
+        GravityTorques(arm, posed.q, weights->masses, weights->counterbalance, weights->gravity) +
+        J.transpose() * (R_BW * posed.point->engagement.force);
+    placed.place.load = GearLoads(model.lost, torques);
+  }
+  return placed;
+}
+
 PieceGears FollowPiece(const GearModel& model, const Arm& arm, const Pose& X_FT, const Mechanism& mechanism,
                        const std::vector<PosedPoint>& places, bool closed) {
   PieceGears gears;
   std::vector<GearPlace> way;
   const auto add = [&](const PosedPoint& posed) {
-    const auto [place, levers] = PlaceOf(model, arm, X_FT, mechanism, posed);
+    const auto [place, levers] = GearsAt(model, arm, X_FT, mechanism, posed);
     way.push_back(place);
     gears.levers.push_back(levers);
   };

@@ -37,6 +37,15 @@ struct PosedPoint {
   ExternalPosition external;
 };
 
+/// The gears at such a point, with what presses them where the model says it, and their levers along its
+/// normal, signed, mm/rad (mm/mm).
+struct PosedGears {
+  GearPlace place;
+  GearValues levers;
+};
+PosedGears GearsAt(const GearModel& model, const Arm& arm, const Pose& X_FT, const Mechanism& mechanism,
+                   const PosedPoint& posed);
+
 /// What the gears do along one piece, which is entered settled. `places`: of all its points; a closed piece
 /// comes back to the first, whose second visit is the place behind the last.
 struct PieceGears {

@@ -17,6 +17,7 @@
 #include "run/pipeline/stages/finer_passes.hpp"
 #include "run/pipeline/stages/other_stations.hpp"
 #include "run/pipeline/stages/other_ways.hpp"
+#include "run/pipeline/stages/plan_faces.hpp"
 #include "run/pipeline/stages/plan_gaps.hpp"
 #include "run/pipeline/stages/plan_passes.hpp"
 #include "run/pipeline/programs/program_stage.hpp"
@@ -90,6 +91,7 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   PlanResult& plan = job.plan;
   RepairEnds(job.prepared, MakePathOptions(inputs.job), MakeGapOptions(inputs.job).leave, checkpoints,
              execution, plan.passes);
+  PlanFaces(inputs, job.prepared, checkpoints, execution, plan.passes);
   const size_t narrowed =
       ChooseRevolutions(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
                                       FreeDirections(inputs.job) && !inputs.job.toolpath.Leans() &&
