@@ -11,13 +11,13 @@
 namespace millpose {
 namespace {
 
-std::vector<MillingPoint> PointsOf(const PassResult& pass, const Piece& piece) {
+std::vector<MillingPoint> PointsOf(const PassResult& pass, const Segment& piece) {
   std::vector<MillingPoint> points;
   for (int t = piece.first; t <= piece.last; ++t) points.push_back(pass.points[static_cast<size_t>(t)].point);
   return points;
 }
 
-PassChecks ChecksOf(const Stations& stations, const PlannedIn& in, const Piece& piece,
+PassChecks ChecksOf(const Stations& stations, const PlannedIn& in, const Segment& piece,
                     const FaceOptions& options, const Execution& execution) {
   const auto first = static_cast<size_t>(piece.first), count = static_cast<size_t>(piece.last) - first + 1;
   return {.world = in.along.empty() ? in.station.world : stations.world(),
@@ -40,7 +40,7 @@ std::vector<std::shared_ptr<PointVerdicts>> NoVerdicts(size_t count) {
 double WeightOfMotion(double share, const PassResult& pass) {
   std::vector<double> values;
   for (const PlannedPoint& point : pass.points)
-    if (point.skip == Obstacle::kNone && point.own_optimum > 0) values.push_back(point.own_optimum);
+    if (point.skip == Infeasibility::kNone && point.own_optimum > 0) values.push_back(point.own_optimum);
   if (values.empty()) return share;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -49,7 +49,7 @@ double WeightOfMotion(double share, const PassResult& pass) {
 
 }  // namespace
 
-FacePiece::FacePiece(const Stations& stations, const PassResult& pass, const Piece& piece,
+FacePiece::FacePiece(const Stations& stations, const PassResult& pass, const Segment& piece,
                      const FaceOptions& options, const Execution& execution)
     : pass_(pass),
       piece_(piece),
@@ -110,7 +110,7 @@ std::vector<std::vector<FlankNode>> FacePiece::Layers() const {
   ParallelFor(size(), checks_.threads, checks_.stop, [&](size_t t) {
     const CandidateTable table = CandidateTable::OfStep(scorers_[t], step_);
     for (const CandidateTable::Entry& entry : table.entries()) {
-      const Candidate candidate{Obstacle::kNone, entry.objective, 0, entry.q};
+      const Candidate candidate{Infeasibility::kNone, entry.objective, 0, entry.q};
       layers[t].push_back(NodeAt(t, candidate, entry.branch, static_cast<int>(entry.setting),
                                  table.Setting(entry.setting)[0]));
     }
@@ -128,7 +128,7 @@ std::vector<FlankNode> FacePiece::LayerAround(size_t t, double rotation, int bra
     for (size_t l = 0; l < kLanes; ++l) values[l] = rotation + (first + static_cast<int>(l)) * step;
     scorers_[t].ScoreBlock(values, 1U << (branch & 3), block);
     for (size_t l = 0; l < kLanes && first + static_cast<int>(l) <= reach; ++l) {
-      if (block.obstacle[branch][l] != Obstacle::kNone) continue;
+      if (block.obstacle[branch][l] != Infeasibility::kNone) continue;
       layer.push_back(NodeAt(t, CandidateOf(block, branch, static_cast<int>(l)), branch,
                              first + static_cast<int>(l), values[l]));
     }
@@ -162,7 +162,7 @@ double FacePiece::Bend(size_t t, const Joints& from, const Joints& to) const {
 
 std::vector<bool> FacePiece::Hits(const FaceCandidate& candidate) {
   const std::vector<PathNode>& path = candidate.path;
-  PieceHits hits = checker_.Check(path, closed(), ends_, std::vector<bool>(size(), false));
+  SegmentHits hits = checker_.Check(path, closed(), ends_, std::vector<bool>(size(), false));
   for (size_t t = 0; t < size(); ++t) {
     const size_t next = t + 1 == size() ? 0 : t + 1;
     if (next == 0 && !closed()) break;

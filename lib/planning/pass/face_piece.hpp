@@ -6,7 +6,7 @@
 #include "planning/pass/face_planner.hpp"
 #include "planning/pass/fixed_table.hpp"
 #include "planning/pass/flank_search.hpp"
-#include "planning/pass/piece_check.hpp"
+#include "planning/pass/segment_check.hpp"
 
 namespace millpose {
 
@@ -19,7 +19,7 @@ struct FaceCandidate {
 /// The points of a piece with their tool axes as they stand: the rotation is the only freedom of `stations`.
 class FacePiece {
  public:
-  FacePiece(const Stations& stations, const PassResult& pass, const Piece& piece, const FaceOptions& options,
+  FacePiece(const Stations& stations, const PassResult& pass, const Segment& piece, const FaceOptions& options,
             const Execution& execution);
 
   size_t size() const { return points_.size(); }
@@ -52,7 +52,7 @@ class FacePiece {
   double Bend(size_t t, const Joints& from, const Joints& to) const;
 
   const PassResult& pass_;
-  Piece piece_;
+  Segment piece_;
   const FaceOptions& options_;
   PlannedIn in_;
   FaceModel model_;
@@ -63,7 +63,7 @@ class FacePiece {
   std::vector<Eigen::Vector3d> middles_;
   std::vector<std::shared_ptr<PointVerdicts>> verdicts_;
   PassChecks checks_;
-  PieceChecker checker_;
+  SegmentChecker checker_;
   BendLaw law_;
   EndShares ends_;
   double motion_weight_;

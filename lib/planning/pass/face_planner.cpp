@@ -127,7 +127,7 @@ class PieceFaces {
 };
 
 /// Puts a candidate into the plan in place of a piece.
-void Put(const Stations& stations, const Piece& piece, const FaceCandidate& chosen, PassResult& pass) {
+void Put(const Stations& stations, const Segment& piece, const FaceCandidate& chosen, PassResult& pass) {
   for (size_t i = 0; i < chosen.path.size(); ++i) {
     PlannedPoint& point = pass.points[static_cast<size_t>(piece.first) + i];
     const PathNode& node = chosen.path[i];
@@ -149,7 +149,7 @@ PassResult PlanFace(const Stations& given, const PassResult& pass, const FaceOpt
   const Stations stations = given.AtOwnAxis();
   PassResult result = pass;
   bool changed = false;
-  for (const Piece& piece : pass.pieces) {
+  for (const Segment& piece : pass.pieces) {
     FacePiece face(stations, pass, piece, options, execution);
     const FaceCandidate planned = face.AsPlanned();
     const FaceCandidate best = PieceFaces(face).Best(planned);
@@ -162,7 +162,7 @@ PassResult PlanFace(const Stations& given, const PassResult& pass, const FaceOpt
   const PlannedIn in(stations, result);
   for (size_t t = 0; t < result.points.size(); ++t) {
     PlannedPoint& point = result.points[t];
-    if (point.skip != Obstacle::kNone) continue;
+    if (point.skip != Infeasibility::kNone) continue;
     Checker checker(in.At(t).world);
     point.clearance = checker.Clearance(point.q, Phase::kCutting, kPointClearanceBound);
   }
@@ -179,7 +179,7 @@ std::vector<FaceFigures> FacesOf(const Stations& given, const GearModel& gears, 
   const FaceModel model = ModelOf(stations, gears);
   const PlannedIn in(stations, pass);
   std::vector<FaceFigures> faces;
-  for (const Piece& piece : pass.pieces) {
+  for (const Segment& piece : pass.pieces) {
     std::vector<FacePlace> places;
     for (auto t = static_cast<size_t>(piece.first); t <= static_cast<size_t>(piece.last); ++t)
       places.push_back(FacePlaceAt(in.At(t).problem, model, pass.points[t].point, pass.points[t].q,

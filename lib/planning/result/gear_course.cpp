@@ -35,7 +35,7 @@ double UnitOf(int gear, const std::vector<ExternalAxis>& external) {
   return linear ? kMicrometre : kArcmin;
 }
 
-std::vector<PosedPoint> PlacesOfPiece(const PlanResult& plan, const PassResult& pass, const Piece& piece) {
+std::vector<PosedPoint> PlacesOfPiece(const PlanResult& plan, const PassResult& pass, const Segment& piece) {
   std::vector<PosedPoint> places;
   for (int i = piece.first; i <= piece.last; ++i) {
     const ExternalPosition& external = ExternalAt(pass, static_cast<size_t>(i));
@@ -103,7 +103,7 @@ GearCourse FollowGears(const PlanResult& plan, const GearModel& model, const Fac
   size_t first_point = 0;
   for (const PassResult& pass : plan.passes) {
     course.errors.resize(first_point + pass.points.size());
-    for (const Piece& piece : pass.pieces) {
+    for (const Segment& piece : pass.pieces) {
       const std::vector<PosedPoint> places = PlacesOfPiece(plan, pass, piece);
       const PieceGears gears = FollowPiece(model, plan.arm, plan.X_FT, mechanism, places, piece.closed);
       const auto point_of = [&](size_t place) {

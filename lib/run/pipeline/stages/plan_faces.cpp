@@ -4,7 +4,7 @@
 #include "base/parallel.hpp"
 #include "job/assemble.hpp"
 #include "planning/pass/face_planner.hpp"
-#include "store/kept_stage.hpp"
+#include "store/cached_stage.hpp"
 #include "store/plan_key.hpp"
 
 namespace millpose {
@@ -13,7 +13,7 @@ void PlanFaces(const JobInputs& inputs, const PreparedJob& prepared, const Check
                const Execution& execution, std::vector<PassResult>& passes) {
   if (!prepared.problem.objective->JudgesFace()) return;
   FaceOptions options{MakeGearModel(inputs.cell), MakePathOptions(inputs.job),
-                      MakeGapOptions(inputs.job).leave};
+                      MakeLinkMoveOptions(inputs.job).leave};
   execution.progress.Begin("faces", passes.size());
   const int threads = execution.Threads();
   // A job of few passes spends its threads inside them.
@@ -21,7 +21,7 @@ void PlanFaces(const JobInputs& inputs, const PreparedJob& prepared, const Check
                         execution.stop, execution.Memory()};
   ParallelFor(passes.size(), threads, execution.stop, [&](size_t i) {
     const std::string key = StageKey(prepared.problem, options, KeyOf(std::vector{passes[i]}, 1));
-    passes[i] = KeptInWorld<PassResult>(
+    passes[i] = CachedInWorld<PassResult>(
         checkpoints, fmt::format("face-{}", i), key, prepared.stations,
         [&](const Stations& stations) { return PlanFace(stations, passes[i], options, inner); });
     execution.progress.Advance(1);
