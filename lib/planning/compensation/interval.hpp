@@ -10,6 +10,7 @@
 #include "planning/result/plan_result.hpp"
 #include "machine/stiffness/force_cone.hpp"
 #include "machine/stiffness/series.hpp"
+#include "planning/result/plan_result.hpp"
 
 namespace millpose {
 
