@@ -51,11 +51,11 @@ PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_set
     throw InputError({job.file},
                      fmt::format("objective {}: no force; give the job process.cutting", job.objective));
   if (problem.objective->JudgesFace() && !MakeGearModel(cell_settings).lost.Any())
-    throw InputError({job.file},
-                     fmt::format("objective {}: cell {} states no lost motion (arm.lost_motion_arcmin); "
-                                 "without it {} is the same",
-                                 job.objective, cell_settings.name,
-                                 TheObjective(&ObjectiveEntry::with_force).name));
+    throw InputError(
+        {job.file},
+        fmt::format("objective {}: cell {} states no lost motion (arm.lost_motion_arcmin); "
+                    "without it {} is the same",
+                    job.objective, cell_settings.name, TheObjective(&ObjectiveEntry::with_force).name));
   return problem;
 }
 

@@ -7,7 +7,6 @@
 #include <array>
 #include <vector>
 
-#include "planning/result/plan_result.hpp"
 #include "machine/stiffness/force_cone.hpp"
 #include "machine/stiffness/series.hpp"
 #include "planning/result/plan_result.hpp"

@@ -19,8 +19,8 @@ struct FaceCandidate {
 /// The points of a piece with their tool axes as they stand: the rotation is the only freedom of `stations`.
 class FacePiece {
  public:
-  FacePiece(const Stations& stations, const PassResult& pass, const Segment& piece, const FaceOptions& options,
-            const Execution& execution);
+  FacePiece(const Stations& stations, const PassResult& pass, const Segment& piece,
+            const FaceOptions& options, const Execution& execution);
 
   size_t size() const { return points_.size(); }
   bool closed() const { return piece_.closed; }

@@ -12,8 +12,8 @@
 namespace millpose {
 namespace {
 
-constexpr int kCoarse = 3;        // places of the grid that the first search steps by
-constexpr int kRounds = 10;       // of searches; what interferes is barred in between
+constexpr int kCoarse = 3;   // places of the grid that the first search steps by
+constexpr int kRounds = 10;  // of searches; what interferes is barred in between
 constexpr double kMarkWeight = 1;
 constexpr double kSlack = 0.05;
 
@@ -182,8 +182,8 @@ std::vector<FaceFigures> FacesOf(const Stations& given, const GearModel& gears, 
   for (const Segment& piece : pass.pieces) {
     std::vector<FacePlace> places;
     for (auto t = static_cast<size_t>(piece.first); t <= static_cast<size_t>(piece.last); ++t)
-      places.push_back(FacePlaceAt(in.At(t).problem, model, pass.points[t].point, pass.points[t].q,
-                                   ExternalAt(pass, t)));
+      places.push_back(
+          FacePlaceAt(in.At(t).problem, model, pass.points[t].point, pass.points[t].q, ExternalAt(pass, t)));
     faces.push_back(FiguresOf(gears.lost, std::move(places), piece.closed));
   }
   return faces;

@@ -59,7 +59,8 @@ class NodeIndex {
     if (layer.empty()) return;
     int last = 0;
     first_ = last = layer.front().place;
-    for (const FlankNode& node : layer) first_ = std::min(first_, node.place), last = std::max(last, node.place);
+    for (const FlankNode& node : layer)
+      first_ = std::min(first_, node.place), last = std::max(last, node.place);
     if (ring > 0) first_ = 0, last = ring - 1;
     size_ = last - first_ + 1;
     at_.assign(8 * static_cast<size_t>(size_), -1);
@@ -184,8 +185,7 @@ class FlankSearch {
     }
   }
 
-  void RelaxEdge(Kind kind, double limit, const Edge& edge, FlankRow& row, FlankRow& next,
-                 uint32_t* before) {
+  void RelaxEdge(Kind kind, double limit, const Edge& edge, FlankRow& row, FlankRow& next, uint32_t* before) {
     const FlankNode &a = layers_[edge.from_layer][edge.from], &b = layers_[edge.to_layer][edge.to];
     if (a.branch != b.branch) return;
     const Joints step = (b.q - a.q).unaryExpr(&WrapToPi);

@@ -28,7 +28,7 @@ struct FlankRules {
   int ring = 0;                      ///< places of a whole turn of the rotation; 0: it does not come round
   double motion_weight = 0;          ///< mm per rad² of joint motion
   double mark_weight = 0;            ///< of the height of a mark beside a displacement
-  double slack = 0;  ///< by what share the largest displacement may exceed the least possible, for the sum
+  double slack = 0;     ///< by what share the largest displacement may exceed the least possible, for the sum
   bool closed = false;  ///< from the last point to the first again
   std::stop_token stop;
 };

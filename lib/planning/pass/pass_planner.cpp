@@ -14,8 +14,6 @@
 #include "planning/result/continuity.hpp"
 #include "planning/result/point_clearance.hpp"
 #include "planning/result/verdict_map.hpp"
-#include "planning/pose/evaluator.hpp"
-#include "planning/pose/lean_problem.hpp"
 
 namespace millpose {
 namespace {

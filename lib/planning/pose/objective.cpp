@@ -6,8 +6,8 @@
 namespace millpose {
 
 /// Defined in objectives/<name>.cpp.
-ObjectiveEntry Chen2021Entry(), DrillingEntry(), FaceErrorEntry(), IsotropyEntry(),
-    NormalDeflectionEntry(), ProcessForceEntry(), SurfaceErrorEntry(), WorstInPlaneEntry();
+ObjectiveEntry Chen2021Entry(), DrillingEntry(), FaceErrorEntry(), IsotropyEntry(), NormalDeflectionEntry(),
+    ProcessForceEntry(), SurfaceErrorEntry(), WorstInPlaneEntry();
 
 Registry<ObjectiveEntry>& Objectives() {
   static Registry<ObjectiveEntry> objectives{

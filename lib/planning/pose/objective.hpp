@@ -38,8 +38,8 @@ class Objective {
   virtual bool DependsOnFeed() const = 0;
   /// Whether it reads the force of the context, which a job's process.cutting gives.
   virtual bool NeedsForce() const { return false; }
-  /// Where whole ways are judged by the error of the face too, with the gears' lost motion: how sure the force
-  /// is then (docs/face-error.md).
+  /// Where whole ways are judged by the error of the face too, with the gears' lost motion: how sure the
+  /// force is then (docs/face-error.md).
   virtual std::optional<ForceBounds> JudgesFace() const { return std::nullopt; }
   /// Whether it reads the tool axis of the context, which differs between leans.
   virtual bool ReadsToolAxis() const { return true; }
@@ -83,7 +83,7 @@ struct ObjectiveEntry {
   bool with_force = false;   ///< taken where a job knows the cutting force and names no objective: one alone
   /// Taken in place of the former where the cell knows the lost motion of its gears too: one alone.
   bool with_lost_motion = false;
-  bool of_paper = false;     ///< eq. 23 of Chen et al. 2021, which formulation paper follows: one alone
+  bool of_paper = false;  ///< eq. 23 of Chen et al. 2021, which formulation paper follows: one alone
 };
 
 /// All objectives; programs that link the library may add theirs.

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "base/units.hpp"
-
 #include "machine/robot/kinematics.hpp"
 #include "planning/result/station.hpp"
 
