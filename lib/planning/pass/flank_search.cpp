@@ -200,18 +200,21 @@ class FlankSearch {
     const StateCosts& costs = costs_[edge.to_layer][edge.to];
     const double motion = rules_.motion_weight * step.squaredNorm();
     const bool first = edge.from_layer == 0 && edge.to_layer == 1;
-    const unsigned pressed = costs_[edge.from_layer][edge.from].pressed;
+    const StateCosts& at_start = costs_[edge.from_layer][edge.from];
     ForStates(row.reached[edge.from], [&](unsigned state) {
       // Settled: a gear that moves at once rests where that leaves it, unless load presses it elsewhere.
-      if (first && ((state ^ forward) & moved & ~pressed) != 0) return;
+      if (first && ((state ^ forward) & moved & ~at_start.pressed) != 0) return;
       const unsigned now = costs.Pressed((state & ~moved) | forward);
       const double displaced = costs.displaced[now];
       if (!(displaced <= limit)) return;
       double& value = next.At(edge.to, now);
       const double come = row.At(edge.from, state);
-      const double with = kind == Kind::kWorst
-                              ? std::max(come, displaced)
-                              : come + displaced + rules_.mark_weight * costs.marks[now ^ state] + motion;
+      // A gear that turns back leaves its mark where it turns, one that load presses over where that happens.
+      const auto marks = [&] {
+        return at_start.marks[(now ^ state) & ~costs.pressed] + costs.marks[(now ^ state) & costs.pressed];
+      };
+      const double with = kind == Kind::kWorst ? std::max(come, displaced)
+                                               : come + displaced + rules_.mark_weight * marks() + motion;
       if (with >= value) return;
       value = with;
       next.reached[edge.to] |= uint64_t{1} << now;
