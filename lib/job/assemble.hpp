@@ -76,7 +76,11 @@ CutterShape MakeCutterShape(const ToolSettings& tool);
 /// The job's own, with cutter and feed.
 ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& tool);
 PathOptions MakePathOptions(const JobSettings& job);
-FixedRotationOptions MakeFixedOptions(const JobSettings& job, int threads, std::stop_token stop);
+/// The first pass of the last layer: every layer has the same passes, one layer after the other.
+int FinishedFrom(const JobSettings& job, size_t passes);
+/// `passes`: how many the job has.
+FixedRotationOptions MakeFixedOptions(const JobSettings& job, const CellSettings& cell, size_t passes,
+                                      int threads, std::stop_token stop);
 LinkMoveOptions MakeLinkMoveOptions(const JobSettings& job);
 VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm);
 

@@ -14,6 +14,7 @@
 #include "planning/result/price.hpp"
 #include "report/compensation.hpp"
 #include "report/deflection.hpp"
+#include "report/lost_motion.hpp"
 #include "report/step_heights.hpp"
 #include "toolpath/cutter.hpp"
 
@@ -91,8 +92,9 @@ struct ReportInputs {
   std::optional<BaseWindow> base_window;
   std::optional<DeflectionReport> deflection;  ///< when the job says what the cutter takes off
   std::optional<CompensationFigures> compensation;
-  std::optional<FixedComparison> fixed;  ///< beside the best fixed rotation
-  std::optional<PoseSteps> steps;        ///< when the cell says how well the tool is known
+  std::optional<LostMotionReport> lost_motion;  ///< of every plan
+  std::optional<FixedComparison> fixed;         ///< beside the best fixed rotation
+  std::optional<PoseSteps> steps;               ///< when the cell says how well the tool is known
 };
 
 /// What differs from run to run; goes into run.json alone.
@@ -160,8 +162,10 @@ struct PlanFigures {
 PlanFigures Figures(const PlanResult& plan);
 
 /// One row per point as in docs/outputs.md: positions in W, angles in the arm's convention.
-/// `cutter`: of a ball the cutting speed is told where leans were chosen.
-void WritePointsCsv(const PlanResult& plan, const CutterShape& cutter, int threads, const ByteSink& sink);
+/// `cutter`: of a ball the cutting speed is told where leans were chosen. `lost_motion`: of this plan; null:
+/// without its columns.
+void WritePointsCsv(const PlanResult& plan, const CutterShape& cutter, const LostMotionReport* lost_motion,
+                    int threads, const ByteSink& sink);
 
 /// VTK XML PolyData: the pieces as lines, skipped points as vertices, all indices as point arrays (0 for the
 /// pose of a skipped point, distinguished by the array `planned`); positions in W, mm.

@@ -6,6 +6,7 @@
 #include "report/compensation_json.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/lifts_json.hpp"
+#include "report/lost_motion_json.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
@@ -221,14 +222,29 @@ Json FixedOf(const std::vector<PointFigures>& plan, const std::vector<PointFigur
   return json;
 }
 
-Json FixedJson(const std::optional<FixedComparison>& fixed) {
+Json FixedJson(const PlanResult& plan, const ReportInputs& inputs) {
+  const std::optional<FixedComparison>& fixed = inputs.fixed;
   if (!fixed) return nullptr;
-  Json job = FixedOf(fixed->plan, fixed->job);
-  if (!job.is_null()) job["rotation_deg"] = RadToDeg(fixed->rotation);
+  const bool known = inputs.lost_motion && inputs.lost_motion->Known();
+  const auto choice = [&](const FixedChoice& of, bool one_rotation) {
+    Json json = FixedOf(fixed->plan, of.points);
+    if (json.is_null()) return json;
+    Json degrees = Json::array();
+    for (const double rotation : of.rotations) degrees.push_back(RadToDeg(rotation));
+    if (one_rotation)
+      json["rotation_deg"] = degrees.at(0);
+    else
+      json["rotations_deg"] = degrees;
+    json["reversals"] = TallyJson(plan.external_axes, of.gears, known);
+    return json;
+  };
   const auto text = [](const std::string& why) { return why.empty() ? Json(nullptr) : Json(why); };
   return {{"points", fixed->plan.size()},
-          {"job", job},
-          {"passes", FixedOf(fixed->plan, fixed->passes)},
+          {"job", choice(fixed->job, true)},
+          {"passes", choice(fixed->passes, false)},
+          {"job_by_sum", choice(fixed->job_by_sum, true)},
+          {"passes_by_sum", choice(fixed->passes_by_sum, false)},
+          {"plan_reversals", TallyJson(plan.external_axes, fixed->plan_gears, known)},
           {"in_the_way", {{"job", text(fixed->job_in_the_way)}, {"passes", text(fixed->passes_in_the_way)}}}};
 }
 
@@ -355,7 +371,8 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["deflection"] = DeflectionJson(inputs.deflection);
   if (inputs.compensation) json["compensation"] = CompensationJson(*inputs.compensation);
   json["pose_steps"] = StepsJson(inputs.steps);
-  json["fixed_rotation"] = FixedJson(inputs.fixed);
+  json["fixed_rotation"] = FixedJson(plan, inputs);
+  json["reversals"] = inputs.lost_motion ? ReversalsJson(plan, *inputs.lost_motion) : Json(nullptr);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

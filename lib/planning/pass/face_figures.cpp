@@ -8,7 +8,7 @@ namespace millpose {
 FacePlace FacePlaceAt(const PoseProblem& problem, const FaceModel& model, const MillingPoint& point,
                       const Joints& q, const ExternalPosition& external) {
   FacePlace place;
-  place.gears = GearsAt(model.gears, problem.arm, problem.X_FT, Mechanism(model.external_axes),
+  place.gears = GearsAt(model.gears, {problem.arm, problem.X_FT, Mechanism(model.external_axes)},
                         {&point, q, problem.X_WB, external});
   place.counts = point.kind == PointKind::kCut && point.engagement.side != CutSide::kAir;
   if (point.engagement.force.isZero()) return place;

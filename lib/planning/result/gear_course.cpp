@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/units.hpp"
+#include "machine/robot/angles.hpp"
 #include "machine/robot/kinematics.hpp"
 #include "planning/result/station.hpp"
 
@@ -34,20 +35,10 @@ double UnitOf(int gear, const std::vector<ExternalAxis>& external) {
   return linear ? kMicrometre : kArcmin;
 }
 
-std::vector<PosedPoint> PlacesOfPiece(const PlanResult& plan, const PassResult& pass, const Segment& piece) {
-  std::vector<PosedPoint> places;
-  for (int i = piece.first; i <= piece.last; ++i) {
-    const ExternalPosition& external = ExternalAt(pass, static_cast<size_t>(i));
-    const PlannedPoint& planned = pass.points[static_cast<size_t>(i)];
-    places.push_back({&planned.point, planned.q, BaseAt(plan, external), external});
-  }
-  return places;
-}
-
 }  // namespace
 
-PosedGears GearsAt(const GearModel& model, const Arm& arm, const Pose& X_FT, const Mechanism& mechanism,
-                   const PosedPoint& posed) {
+PosedGears GearsAt(const GearModel& model, const GearedArm& geared, const PosedPoint& posed) {
+  const auto& [arm, X_FT, mechanism] = geared;
   const Eigen::Matrix3d R_BW = posed.X_WB.linear().transpose();
   const Eigen::Matrix<double, 3, 6> J = Jacobian(arm, posed.q, X_FT.translation()).topRows<3>();
   PosedGears placed;
@@ -63,12 +54,15 @@ PosedGears GearsAt(const GearModel& model, const Arm& arm, const Pose& X_FT, con
   return placed;
 }
 
-PieceGears FollowPiece(const GearModel& model, const Arm& arm, const Pose& X_FT, const Mechanism& mechanism,
-                       const std::vector<PosedPoint>& places, bool closed) {
+PieceGears FollowPiece(const GearModel& model, const GearedArm& arm, const std::vector<PosedPoint>& places,
+                       bool closed) {
   PieceGears gears;
   std::vector<GearPlace> way;
-  const auto add = [&](const PosedPoint& posed) {
-    const auto [place, levers] = GearsAt(model, arm, X_FT, mechanism, posed);
+  Joints near = Joints::Zero();
+  const auto add = [&](PosedPoint posed) {
+    if (!way.empty()) posed.q = NearestEquivalent(near, posed.q);
+    near = posed.q;
+    const auto [place, levers] = GearsAt(model, arm, posed);
     way.push_back(place);
     gears.levers.push_back(levers);
   };
@@ -95,30 +89,41 @@ FaceFilter OfFace(const std::vector<PassResult>& passes, int finished_from) {
   };
 }
 
+void FollowPass(const GearModel& model, const GearedArm& arm, const PassResult& pass,
+                const std::function<PosedPoint(size_t)>& posed, const FaceFilter& face, GearCourse& course) {
+  const bool any_known = std::ranges::find(model.known, true) != model.known.end();
+  const size_t first_point = course.errors.size();
+  course.errors.resize(first_point + pass.points.size());
+  for (const PlannedPoint& point : pass.points) course.face.push_back(face(pass, point));
+  for (const Segment& piece : pass.pieces) {
+    std::vector<PosedPoint> places;
+    for (int i = piece.first; i <= piece.last; ++i) places.push_back(posed(static_cast<size_t>(i)));
+    const PieceGears gears = FollowPiece(model, arm, places, piece.closed);
+    const auto point_of = [&](size_t place) {
+      return static_cast<size_t>(piece.first) + (place == places.size() ? 0 : place);
+    };
+    for (const GearEvent& event : gears.events) {
+      const size_t at = point_of(event.place);
+      if (course.face[first_point + at])
+        course.marks.push_back({pass.pass, first_point + at, event.gear, event.turns, event.crosses,
+                                std::abs(gears.levers[event.place][event.gear])});
+    }
+    for (size_t t = 0; any_known && t < places.size(); ++t)
+      if (const size_t at = first_point + point_of(t); course.face[at]) course.errors[at] = gears.errors[t];
+  }
+}
+
 GearCourse FollowGears(const PlanResult& plan, const GearModel& model, const FaceFilter& face) {
   GearCourse course;
   const Mechanism mechanism(plan.external_axes);
-  const bool any_known = std::ranges::find(model.known, true) != model.known.end();
-  size_t first_point = 0;
-  for (const PassResult& pass : plan.passes) {
-    course.errors.resize(first_point + pass.points.size());
-    for (const Segment& piece : pass.pieces) {
-      const std::vector<PosedPoint> places = PlacesOfPiece(plan, pass, piece);
-      const PieceGears gears = FollowPiece(model, plan.arm, plan.X_FT, mechanism, places, piece.closed);
-      const auto point_of = [&](size_t place) {
-        return static_cast<size_t>(piece.first) + (place == places.size() ? 0 : place);
-      };
-      for (const GearEvent& event : gears.events) {
-        const size_t at = point_of(event.place);
-        if (!face(pass, pass.points[at])) continue;
-        course.marks.push_back({pass.pass, first_point + at, event.gear, event.turns, event.crosses,
-                                std::abs(gears.levers[event.place][event.gear])});
-      }
-      for (size_t t = 0; any_known && t < places.size(); ++t)
-        if (face(pass, pass.points[point_of(t)])) course.errors[first_point + point_of(t)] = gears.errors[t];
-    }
-    first_point += pass.points.size();
-  }
+  for (const PassResult& pass : plan.passes)
+    FollowPass(
+        model, {plan.arm, plan.X_FT, mechanism}, pass,
+        [&](size_t t) {
+          const ExternalPosition& external = ExternalAt(pass, t);
+          return PosedPoint{&pass.points[t].point, pass.points[t].q, BaseAt(plan, external), external};
+        },
+        face, course);
   std::ranges::stable_sort(course.marks, {},
                            [](const GearMark& mark) { return std::pair(mark.point, mark.gear); });
   return course;
@@ -126,21 +131,25 @@ GearCourse FollowGears(const PlanResult& plan, const GearModel& model, const Fac
 
 int GearTally::Turns() const { return std::accumulate(turns.begin(), turns.end(), 0); }
 
-void AddTo(GearTally& tally, const GearMark& mark, const GearModel& model,
-           const std::vector<ExternalAxis>& external) {
-  const auto gear = static_cast<size_t>(mark.gear);
-  tally.turns[gear] += mark.turns;
-  tally.crossings[gear] += mark.crosses;
-  if (!mark.crosses) return;
-  const double height = HeightOf(mark, model).value_or(HeightPerUnit(mark, external));
-  tally.largest = std::max(tally.largest, height);
-  tally.sum += height;
+void GearTally::Add(const GearTally& other) {
+  for (size_t i = 0; i < turns.size(); ++i) turns[i] += other.turns[i], crossings[i] += other.crossings[i];
+  largest = std::max(largest, other.largest);
+  sum += other.sum;
+  worst = std::max(worst, other.worst);
 }
 
 GearTally TallyOf(const GearCourse& course, const GearModel& model,
                   const std::vector<ExternalAxis>& external) {
   GearTally tally;
-  for (const GearMark& mark : course.marks) AddTo(tally, mark, model, external);
+  for (const GearMark& mark : course.marks) {
+    const auto gear = static_cast<size_t>(mark.gear);
+    tally.turns[gear] += mark.turns;
+    tally.crossings[gear] += mark.crosses;
+    if (!mark.crosses) continue;
+    const double height = HeightOf(mark, model).value_or(HeightPerUnit(mark, external));
+    tally.largest = std::max(tally.largest, height);
+    tally.sum += height;
+  }
   for (const std::optional<double>& error : course.errors)
     if (error) tally.worst = std::max(tally.worst, std::abs(*error));
   return tally;

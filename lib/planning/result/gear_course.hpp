@@ -32,30 +32,37 @@ struct GearModel {
 /// A milling point in a pose.
 struct PosedPoint {
   const MillingPoint* point;  ///< in W, with the external axes where they then are
-  Joints q;                   ///< rad, continuous along the piece
+  Joints q;                   ///< rad
   Pose X_WB;
   ExternalPosition external;
+};
+
+/// What moves the tool.
+struct GearedArm {
+  const Arm& arm;
+  const Pose& X_FT;
+  const Mechanism& mechanism;
 };
 
 /// The gears at such a point, with what presses them where the model says it, and their levers along its
 /// normal, signed, mm/rad (mm/mm).
 struct PosedGears {
   GearPlace place;
-  GearValues levers;
+  GearValues levers = GearValues::Zero();
 };
-PosedGears GearsAt(const GearModel& model, const Arm& arm, const Pose& X_FT, const Mechanism& mechanism,
-                   const PosedPoint& posed);
+PosedGears GearsAt(const GearModel& model, const GearedArm& geared, const PosedPoint& posed);
 
 /// What the gears do along one piece, which is entered settled. `places`: of all its points; a closed piece
-/// comes back to the first, whose second visit is the place behind the last.
+/// comes back to the first, whose second visit is the place behind the last. Joint angles are taken modulo
+/// full revolutions, each to where it is nearest to the place before.
 struct PieceGears {
   std::vector<GearEvent> events;
   std::vector<GearValues> levers;  ///< of each place along the point's normal, signed, mm/rad (mm/mm)
   /// Displacement of the tip along the normal by y − q of all gears that are known, mm.
   std::vector<double> errors;
 };
-PieceGears FollowPiece(const GearModel& model, const Arm& arm, const Pose& X_FT, const Mechanism& mechanism,
-                       const std::vector<PosedPoint>& places, bool closed);
+PieceGears FollowPiece(const GearModel& model, const GearedArm& arm, const std::vector<PosedPoint>& places,
+                       bool closed);
 
 /// A gear that turns back, or whose output goes over, at a point of the face.
 struct GearMark {
@@ -74,6 +81,7 @@ double HeightPerUnit(const GearMark& mark, const std::vector<ExternalAxis>& exte
 /// What the gears do where the face is cut.
 struct GearCourse {
   std::vector<GearMark> marks;  ///< in the order of the points
+  std::vector<bool> face;       ///< for every point of the job, whether it leaves the face
   /// Displacement along the normal by lost motion, mm, for every point of the job; empty where it is not of
   /// the face, or lost motion is not known for any gear.
   std::vector<std::optional<double>> errors;
@@ -83,6 +91,9 @@ struct GearCourse {
 using FaceFilter = std::function<bool(const PassResult& pass, const PlannedPoint& point)>;
 FaceFilter OfFace(const std::vector<PassResult>& passes, int finished_from);
 
+/// Adds what the gears do along a pass; `posed`: its planned points by their index.
+void FollowPass(const GearModel& model, const GearedArm& arm, const PassResult& pass,
+                const std::function<PosedPoint(size_t)>& posed, const FaceFilter& face, GearCourse& course);
 GearCourse FollowGears(const PlanResult& plan, const GearModel& model, const FaceFilter& face);
 
 /// Figures of a course. Where a gear's lost motion is not known it counts with 1 arcmin (0.001 mm).
@@ -92,9 +103,8 @@ struct GearTally {
   double worst = 0;             ///< largest |error|, mm; 0 where nothing is known
 
   int Turns() const;
+  void Add(const GearTally& other);
 };
-void AddTo(GearTally& tally, const GearMark& mark, const GearModel& model,
-           const std::vector<ExternalAxis>& external);
 GearTally TallyOf(const GearCourse& course, const GearModel& model,
                   const std::vector<ExternalAxis>& external);
 

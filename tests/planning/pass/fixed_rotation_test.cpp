@@ -14,7 +14,7 @@ namespace {
 
 FixedRotationOptions FixedOptions(bool worst_first) {
   const PathOptions path = Options();
-  return {path.rotation_step, path.steps, path.swept_resolution, worst_first, 2, {}, {}};
+  return {path.rotation_step, path.steps, path.swept_resolution, worst_first, {}, 0, 2, {}, {}};
 }
 
 /// Two rows of panel points that mill up and down in turns.
@@ -56,11 +56,11 @@ TEST(FixedRotation, APlanIsNeverWorseByItsOwnCriterion) {
   const std::vector<PassResult> planned = Plan(problem, world, Rows(), true);
   const FixedComparison found = CompareWithFixed(Stations(world, problem), planned, FixedOptions(true));
   ASSERT_EQ(found.plan.size(), 50u);
-  ASSERT_EQ(found.job.size(), 50u) << found.job_in_the_way;
-  ASSERT_EQ(found.passes.size(), 50u) << found.passes_in_the_way;
-  EXPECT_LE(Worst(found.plan), Worst(found.passes) * (1 + 2e-6));
-  EXPECT_LE(Worst(found.passes), Worst(found.job));
-  EXPECT_LT(Sum(found.plan), Sum(found.job));
+  ASSERT_EQ(found.job.points.size(), 50u) << found.job_in_the_way;
+  ASSERT_EQ(found.passes.points.size(), 50u) << found.passes_in_the_way;
+  EXPECT_LE(Worst(found.plan), Worst(found.passes.points) * (1 + 2e-6));
+  EXPECT_LE(Worst(found.passes.points), Worst(found.job.points));
+  EXPECT_LT(Sum(found.plan), Sum(found.job.points));
 }
 
 TEST(FixedRotation, IsTheBestOfAllThatServeEveryPoint) {
@@ -91,8 +91,8 @@ TEST(FixedRotation, IsTheBestOfAllThatServeEveryPoint) {
     }
     best = std::min(best, job);
   }
-  ASSERT_FALSE(found.job.empty()) << found.job_in_the_way;
-  EXPECT_NEAR(Worst(found.job) / best, 1, 1e-9);
+  ASSERT_FALSE(found.job.points.empty()) << found.job_in_the_way;
+  EXPECT_NEAR(Worst(found.job.points) / best, 1, 1e-9);
   // Its figures are those of its poses.
   const Pass& row = rows[0];
   Eigen::Vector3d force = problem.X_WB.linear().transpose() * row.points[0].engagement.force;
@@ -114,8 +114,8 @@ TEST(FixedRotation, SaysWhatIsInTheWay) {
   problem.bounds.lower[0] = planned[0].points[4].q[0] - 1e-3;
   problem.bounds.upper[0] = planned[0].points[4].q[0] + 1e-3;
   const FixedComparison found = CompareWithFixed(Stations(world, problem), planned, FixedOptions(false));
-  EXPECT_TRUE(found.job.empty());
-  EXPECT_TRUE(found.passes.empty());
+  EXPECT_TRUE(found.job.points.empty());
+  EXPECT_TRUE(found.passes.points.empty());
   EXPECT_NE(found.job_in_the_way.find("points: "), std::string::npos) << found.job_in_the_way;
   EXPECT_NE(found.passes_in_the_way.find("pass 0"), std::string::npos) << found.passes_in_the_way;
 }
