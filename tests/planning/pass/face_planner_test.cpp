@@ -47,7 +47,7 @@ double LeastOfFixed(const Stations& stations, const Pass& pass, const FaceOption
       for (const MillingPoint& point : pass.points) {
         const Candidate at =
             PointScorer(problem, point, pass.rotation_reference).ScoreOne({r * DegToRad(2)}, branch);
-        if (at.infeasibility != Infeasibility::kNone) break;
+        if (at.obstacle != Infeasibility::kNone) break;
         const Joints q = places.empty() ? at.q : NearestEquivalent(last, at.q);
         if (!places.empty() && (q - last).cwiseAbs().maxCoeff() > DegToRad(5)) break;
         last = q;
@@ -71,8 +71,8 @@ void ExpectOnItsPoints(const PoseProblem& problem, const PassResult& result) {
     const Candidate own = PointScorer(problem, point.point, result.rotation_reference)
                               .ScoreOne(point.freedoms, point.branch);
     EXPECT_NEAR(own.objective, point.objective, 1e-12);
-    if (t > 0)
-      EXPECT_LE((point.q - result.points[t - 1].q).cwiseAbs().maxCoeff(), DegToRad(5) + 1e-12) << t;
+    if (t == 0) continue;
+    EXPECT_LE((point.q - result.points[t - 1].q).cwiseAbs().maxCoeff(), DegToRad(5) + 1e-12) << t;
   }
 }
 
@@ -117,8 +117,8 @@ TEST(PlanFace, GoesRoundWhatIsInTheWay) {
   const PassResult after = PlanFace(stations, before, options, {.threads = 2});
   for (size_t t = 0; t < after.points.size(); ++t) {
     EXPECT_FALSE(checker.At(after.points[t].q, Phase::kCutting).has_value()) << t;
-    if (t > 0)
-      EXPECT_FALSE(checker.Between(after.points[t - 1].q, after.points[t].q, Phase::kCutting).has_value());
+    if (t == 0) continue;
+    EXPECT_FALSE(checker.Between(after.points[t - 1].q, after.points[t].q, Phase::kCutting).has_value());
   }
   const double was = FacesOf(stations, options.gears, before).front().worst;
   EXPECT_LT(FacesOf(stations, options.gears, after).front().worst, was);
