@@ -11,6 +11,8 @@ namespace {
 
 constexpr size_t kStates = 64;  // of six gears: bit i is set where gear i has gone in its + direction last
 constexpr uint32_t kNoState = std::numeric_limits<uint32_t>::max();
+constexpr double kStill = 1e-8;          // rad: a joint that moves by less keeps its flank
+constexpr size_t kFewCandidates = 1024;  // of a ring: each is tried as its start
 
 /// What each state costs at a node.
 struct StateCosts {
@@ -18,7 +20,8 @@ struct StateCosts {
   std::array<double, kStates> marks;      ///< of the gears whose bits are set, when they cross there
   uint8_t pressed = 0, pressed_to = 0;    ///< gears whose flank the load says, and their bits then
 
-  StateCosts(const LostMotion& lost, const FlankNode& node) {
+  StateCosts(const FlankRules& rules, const FlankNode& node) {
+    const LostMotion& lost = rules.lost;
     const FacePlace& face = node.face;
     for (unsigned i = 0; i < 6; ++i) {
       const double load = face.gears.place.load[i];
@@ -35,7 +38,7 @@ struct StateCosts {
         const double half = 0.5 * lost.width[i] * face.gears.levers[i];
         const bool set = ((state >> i) & 1U) != 0;
         displacement += set ? -half : half;
-        if (set && face.counts) marks[state] += 2 * std::abs(half);
+        if (set && face.counts && half != 0) marks[state] += 2 * std::abs(half) + rules.crossing_cost;
       }
       displaced[state] = face.counts ? LargestWith(face, displacement) : 0;
     }
@@ -86,19 +89,13 @@ class FlankSearch {
     for (const auto& layer : layers) {
       index_.emplace_back(layer, rules.ring);
       costs_.emplace_back();
-      for (const FlankNode& node : layer) costs_.back().emplace_back(rules.lost, node);
+      for (const FlankNode& node : layer) costs_.back().emplace_back(rules, node);
     }
   }
 
   std::vector<size_t> Search() {
     if (!rules_.closed) return SearchFrom(kNone);
-    // A ring comes back to the node that it begins with: each of the first layer is tried.
-    size_t start = kNone;
-    double least = kInfinity;
-    for (size_t i = 0; i < layers_[0].size(); ++i) {
-      const double worst = Sweep(Kind::kWorst, i, least, false);
-      if (worst < least) least = worst, start = i;
-    }
+    const size_t start = StartOfRing();
     return start == kNone ? std::vector<size_t>() : SearchFrom(start);
   }
 
@@ -109,12 +106,49 @@ class FlankSearch {
   std::vector<size_t> SearchFrom(size_t start) {
     const double worst = Sweep(Kind::kWorst, start, kInfinity, false);
     if (!std::isfinite(worst)) return {};
+    Sweep(Kind::kSum, start, LimitFor(worst), true);
+    return Way();
+  }
+
+  double LimitFor(double worst) const {
     constexpr double kRounding = 1 + 1e-9;
-    Sweep(Kind::kSum, start, worst * (1 + rules_.slack) * kRounding, true);
-    std::vector<size_t> nodes(layers_.size());
+    return std::max(rules_.limit, worst * (1 + rules_.slack)) * kRounding;
+  }
+
+  /// The nodes of the last sweep that was kept.
+  std::vector<size_t> Way() const {
+    std::vector<size_t> nodes(before_.size());
     uint32_t at = last_;
-    for (size_t t = layers_.size(); t-- > 0; at = t > 0 ? before_[t][at] : at) nodes[t] = at / kStates;
+    for (size_t t = before_.size(); t-- > 0; at = t > 0 ? before_[t][at] : at) nodes[t] = at / kStates;
     return nodes;
+  }
+
+  /// A node of the first layer that a good way round comes back to; kNone where no way does.
+  size_t StartOfRing() {
+    size_t candidates = 0, start = kNone;
+    double least = kInfinity;
+    const auto attempt = [&](size_t node) {
+      const double worst = Sweep(Kind::kWorst, node, least, false);
+      if (worst < least) least = worst, start = node;
+    };
+    for (const auto& layer : layers_) candidates += layer.size();
+    if (candidates > kFewCandidates) {
+      // Where the second of two rounds begins, the first has lost what it began with.
+      laps_ = 2;
+      const double worst = Sweep(Kind::kWorst, kNone, kInfinity, false);
+      if (std::isfinite(worst)) {
+        Sweep(Kind::kSum, kNone, LimitFor(worst), true);
+        const std::vector<size_t> way = Way();
+        laps_ = 1;
+        attempt(way[layers_.size()]);
+        attempt(way.back());
+      }
+      laps_ = 1;
+      if (start != kNone) return start;
+    }
+    const size_t every = std::max<size_t>(1, candidates / kFewCandidates / 4);
+    for (size_t i = 0; i < layers_[0].size(); i += every) attempt(i);
+    return start;
   }
 
   /// The least worst displacement, or the least sum among the sequences of which none exceeds `limit`; with
@@ -126,18 +160,25 @@ class FlankSearch {
       const StateCosts& costs = costs_[0][i];
       for (unsigned state = 0; state < kStates; ++state) {
         if (costs.Pressed(state) != state || !(costs.displaced[state] <= limit)) continue;
-        row.At(i, state) = costs.displaced[state];
+        row.At(i, state) = kind == Kind::kWorst ? costs.displaced[state]
+                                                : rules_.displaced_weight * costs.displaced[state];
         row.reached[i] |= uint64_t{1} << state;
       }
     }
-    if (keep) before_.assign(layers_.size(), {});
-    for (size_t t = 0; t + 1 < layers_.size(); ++t) {
+    const size_t count = laps_ * layers_.size();
+    if (keep) before_.assign(count, {});
+    for (size_t t = 0; t + 1 < count; ++t) {
       CheckStop(rules_.stop);
-      FlankRow next(layers_[t + 1].size());
+      const size_t from = t % layers_.size(), to = (t + 1) % layers_.size();
+      FlankRow next(layers_[to].size());
       if (keep) before_[t + 1].assign(next.value.size(), kNoState);
-      for (size_t to = 0; to < layers_[t + 1].size(); ++to) Relax(kind, limit, t, to, row, next, keep);
+      first_ = t == 0;
+      for (size_t node = 0; node < layers_[to].size(); ++node)
+        Relax(kind, limit, {from, 0, to, node}, row, next, keep ? before_[t + 1].data() : nullptr);
       row = std::move(next);
+      if (std::ranges::all_of(row.reached, [](uint64_t states) { return states == 0; })) return kInfinity;
     }
+    first_ = false;
     return Close(kind, limit, start, row);
   }
 
@@ -174,14 +215,14 @@ class FlankSearch {
     size_t from_layer, from, to_layer, to;
   };
 
-  void Relax(Kind kind, double limit, size_t t, size_t to, FlankRow& row, FlankRow& next, bool keep) {
-    const FlankNode& node = layers_[t + 1][to];
+  void Relax(Kind kind, double limit, Edge edge, FlankRow& row, FlankRow& next, uint32_t* before) {
+    const FlankNode& node = layers_[edge.to_layer][edge.to];
     if (node.barred) return;
     for (int off = -rules_.window; off <= rules_.window; ++off) {
-      const int from = index_[t].At(node.branch, node.place + off);
+      const int from = index_[edge.from_layer].At(node.branch, node.place + off);
       if (from < 0 || row.reached[static_cast<size_t>(from)] == 0) continue;
-      RelaxEdge(kind, limit, {t, static_cast<size_t>(from), t + 1, to}, row, next,
-                keep ? before_[t + 1].data() : nullptr);
+      edge.from = static_cast<size_t>(from);
+      RelaxEdge(kind, limit, edge, row, next, before);
     }
   }
 
@@ -193,17 +234,16 @@ class FlankSearch {
     const Joints move = rules_.lost.gears * step;
     unsigned moved = 0, forward = 0;
     for (unsigned i = 0; i < 6; ++i) {
-      if (std::abs(move[i]) <= rules_.lost.dead_zone[i]) continue;
+      if (std::abs(move[i]) <= kStill) continue;
       moved |= 1U << i;
       if (move[i] > 0) forward |= 1U << i;
     }
     const StateCosts& costs = costs_[edge.to_layer][edge.to];
     const double motion = rules_.motion_weight * step.squaredNorm();
-    const bool first = edge.from_layer == 0 && edge.to_layer == 1;
     const StateCosts& at_start = costs_[edge.from_layer][edge.from];
     ForStates(row.reached[edge.from], [&](unsigned state) {
       // Settled: a gear that moves at once rests where that leaves it, unless load presses it elsewhere.
-      if (first && ((state ^ forward) & moved & ~at_start.pressed) != 0) return;
+      if (first_ && ((state ^ forward) & moved & ~at_start.pressed) != 0) return;
       const unsigned now = costs.Pressed((state & ~moved) | forward);
       const double displaced = costs.displaced[now];
       if (!(displaced <= limit)) return;
@@ -214,7 +254,7 @@ class FlankSearch {
         return at_start.marks[(now ^ state) & ~costs.pressed] + costs.marks[(now ^ state) & costs.pressed];
       };
       const double with = kind == Kind::kWorst ? std::max(come, displaced)
-                                               : come + displaced + rules_.mark_weight * marks() + motion;
+                                               : come + rules_.displaced_weight * displaced + marks() + motion;
       if (with >= value) return;
       value = with;
       next.reached[edge.to] |= uint64_t{1} << now;
@@ -227,7 +267,9 @@ class FlankSearch {
   const FlankRules& rules_;
   std::vector<NodeIndex> index_;
   std::vector<std::vector<StateCosts>> costs_;
-  std::vector<std::vector<uint32_t>> before_;  ///< per layer: node and state before each, node · 64 + state
+  std::vector<std::vector<uint32_t>> before_;  ///< per step: node and state before each, node · 64 + state
+  size_t laps_ = 1;                            ///< rounds that a sweep makes
+  bool first_ = false;                         ///< of the edges of the first step
   uint32_t last_ = kNoState;
 };
 

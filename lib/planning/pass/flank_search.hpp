@@ -27,17 +27,19 @@ struct FlankRules {
   int window = 1;                    ///< places that the rotation may go from one point to the next
   int ring = 0;                      ///< places of a whole turn of the rotation; 0: it does not come round
   double motion_weight = 0;          ///< mm per rad² of joint motion
-  double mark_weight = 0;            ///< of the height of a mark beside a displacement
-  double slack = 0;     ///< by what share the largest displacement may exceed the least possible, for the sum
-  bool closed = false;  ///< from the last point to the first again
+  double displaced_weight = 0;       ///< of a displacement beside the height of a mark
+  double crossing_cost = 0;          ///< mm: what a mark costs beside its height
+  double limit = 0;                  ///< mm: no less than this is asked of the largest displacement,
+  double slack = 0;                  ///< and no less than this share above the least possible
+  bool closed = false;               ///< from the last point to the first again
   std::stop_token stop;
 };
 
-/// One node of each layer, sorted by branch, then by place: of the sequences whose largest displacement is
-/// within `slack` of the least that any can have, that with the least sum of displacements, marks and motion.
-/// Exact where every joint that moves between two points crosses its gap whole; one that moves by less than
-/// its dead zone keeps its flank. A sequence keeps its branch and is entered settled. Empty where none
-/// serves.
+/// One node of each layer, sorted by branch: of the sequences whose largest displacement keeps to `limit`, or
+/// is within `slack` of the least that any can have, that with the least sum of marks, displacements and
+/// motion. Exact where every joint that moves between two points crosses its gap whole. A sequence keeps its
+/// branch and is entered settled. Rings of many candidates begin where an endless way round would. Empty
+/// where none serves.
 std::vector<size_t> SearchFlanks(std::span<const std::vector<FlankNode>> layers, const FlankRules& rules);
 
 }  // namespace millpose

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "base/random.hpp"
 
 namespace millpose {
@@ -50,7 +52,8 @@ struct RandomFlanks {
     FlankRules rules{.lost = lost, .max_step = max_step, .stop = {}};
     rules.window = kPlaces;
     rules.motion_weight = 0.3;
-    rules.mark_weight = 0.7;
+    rules.displaced_weight = 0.7;
+    rules.crossing_cost = 0.003;
     rules.closed = closed;
     return rules;
   }
@@ -73,7 +76,9 @@ std::pair<double, double> ValueOf(const RandomFlanks& given, const FlankRules& r
     motion += rules.motion_weight * step.squaredNorm();
   }
   const FaceFigures figures = FiguresOf(given.lost, std::move(places), rules.closed);
-  return {figures.worst, figures.sum + rules.mark_weight * figures.marks + motion};
+  const int crossings = std::accumulate(figures.crossings.begin(), figures.crossings.end(), 0);
+  return {figures.worst, rules.displaced_weight * figures.sum + figures.marks +
+                             rules.crossing_cost * crossings + motion};
 }
 
 /// The least sum of the sequences whose worst is least, of all there are.
@@ -131,6 +136,9 @@ TEST(SearchFlanks, GivesUpOfTheWorstWhatSlackAllows) {
     EXPECT_LE(slack_worst, 1.2 * worst * (1 + 1e-9));
     EXPECT_LE(slack_sum, sum + 1e-12);
     cheaper += slack_sum < sum - 1e-9;
+    rules.slack = 0;
+    rules.limit = 1.2 * worst;
+    EXPECT_EQ(SearchFlanks(given.layers, rules), slack);
   }
   EXPECT_GT(cheaper, 3);
 }
