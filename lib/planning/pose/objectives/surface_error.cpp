@@ -36,8 +36,9 @@ SurfaceError::SurfaceError(const char* name, bool judges_face, const ObjectivePa
     : name_(name) {
   const double direction = parameters.at("force_direction_deg");
   if (direction > 90)
-    throw InputError(Place{}, fmt::format("objective {}: force_direction_deg is {:.6g}; allowed: at most 90",
-                                          name, direction));
+    throw InputError(
+        SourceLocation{},
+        fmt::format("objective {}: force_direction_deg is {:.6g}; allowed: at most 90", name, direction));
   factor_ = 1 + 0.01 * parameters.at("force_uncertainty_percent");
   off_ = SinCos(DegToRad(direction));
   if (judges_face) judged_ = {factor_ - 1, DegToRad(direction)};
@@ -72,6 +73,7 @@ ObjectiveEntry EntryOf(const char* name, bool judges_face) {
                       const auto& all) { return std::make_unique<SurfaceError>(name, judges_face, all); },
           .worst_first = true,
           .with_force = !judges_face,
+          .of_paper = false,
           .with_lost_motion = judges_face};
 }
 
