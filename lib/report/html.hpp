@@ -11,6 +11,7 @@
 #include "planning/result/fixed_comparison.hpp"
 #include "planning/result/plan_result.hpp"
 #include "planning/result/timeline.hpp"
+#include "report/budget.hpp"
 #include "report/deflection.hpp"
 #include "report/lost_motion.hpp"
 
@@ -92,6 +93,7 @@ struct HtmlInput {
   const Timeline* timeline = nullptr;             ///< of the plan
   const NearestPairs* nearest = nullptr;          ///< of the points shown
   const LostMotionReport* lost_motion = nullptr;  ///< of the plan
+  const Budget* budget = nullptr;                 ///< of the face's error
 };
 
 /// The page as bytes: a pure function of its input, no dates, no times.

@@ -7,6 +7,7 @@
 
 #include "planning/result/plan_result.hpp"
 #include "report/deflection.hpp"
+#include "report/lost_motion.hpp"
 
 namespace millpose {
 

@@ -195,6 +195,19 @@ Json FixedJson(const HtmlInput& input) {
   return sentences;
 }
 
+/// The budget of the face's error as rows of texts; null where it was not asked for.
+Json BudgetRows(const Budget* budget) {
+  if (budget == nullptr) return nullptr;
+  Json rows = Json::array();
+  for (const BudgetRow& row : budget->rows)
+    rows.push_back(
+        {row.name, row.largest ? fmt::format("{:.3g}", 1e3 * *row.largest) : "not stated", row.basis});
+  const std::vector<std::string> left_out = budget->LeftOut();
+  rows.push_back({"sum of what is stated", fmt::format("{:.3g}", 1e3 * budget->Sum()),
+                  left_out.empty() ? "" : fmt::format("leaves out {}", fmt::join(left_out, ", "))});
+  return rows;
+}
+
 /// What the path costs against each point's own best pose, line by line.
 Json PriceJson(const PlanResult& plan) {
   const std::optional<Price> price = PriceOf(plan);
@@ -264,6 +277,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"times", TimesJson(input)},
             {"deflection", DeflectionJson(input.deflection)},
             {"reversals", input.lost_motion ? Json(LostMotionText(plan, *input.lost_motion)) : Json(nullptr)},
+            {"budget", BudgetRows(input.budget)},
             {"fixed", FixedJson(input)},
             {"price", PriceJson(plan)},
             {"paper", PaperJson(plan)},

@@ -12,6 +12,7 @@
 #include "planning/result/fixed_comparison.hpp"
 #include "planning/result/plan_result.hpp"
 #include "planning/result/price.hpp"
+#include "report/budget.hpp"
 #include "report/compensation.hpp"
 #include "report/deflection.hpp"
 #include "report/lost_motion.hpp"
@@ -93,6 +94,7 @@ struct ReportInputs {
   std::optional<DeflectionReport> deflection;  ///< when the job says what the cutter takes off
   std::optional<CompensationFigures> compensation;
   std::optional<LostMotionReport> lost_motion;  ///< of every plan
+  std::optional<Budget> budget;                 ///< likewise
   std::optional<FixedComparison> fixed;         ///< beside the best fixed rotation
   std::optional<PoseSteps> steps;               ///< when the cell says how well the tool is known
 };

@@ -3,8 +3,9 @@
 
 #include "base/units.hpp"
 #include "planning/result/station.hpp"
+#include "report/budget_json.hpp"
 #include "report/compensation_json.hpp"
-#include "report/fixed_figures.hpp"
+#include "report/fixed_json.hpp"
 #include "report/lifts_json.hpp"
 #include "report/lost_motion_json.hpp"
 #include "report/report.hpp"
@@ -207,47 +208,6 @@ Json DeflectionJson(const std::optional<DeflectionReport>& report) {
           {"largest_step_between_passes_mm", of_face(&FaceDeflection::largest_step)}};
 }
 
-/// Worst and median of one comparison, mm or the objective's unit; null where there is none.
-Json FixedOf(const std::vector<PointFigures>& plan, const std::vector<PointFigures>& fixed) {
-  if (fixed.empty()) return nullptr;
-  const auto pair = [](double of_plan, double of_fixed) {
-    return Json{{"plan", of_plan},
-                {"fixed", of_fixed},
-                {"ratio", of_fixed > 0 ? Json(of_plan / of_fixed) : Json(nullptr)}};
-  };
-  Json json = Json::object();
-  for (const FixedFigure& figure : FixedFigures(plan, fixed))
-    json[figure.key] = {{"worst", pair(figure.plan_worst, figure.fixed_worst)},
-                        {"median", pair(figure.plan_median, figure.fixed_median)}};
-  return json;
-}
-
-Json FixedJson(const PlanResult& plan, const ReportInputs& inputs) {
-  const std::optional<FixedComparison>& fixed = inputs.fixed;
-  if (!fixed) return nullptr;
-  const bool known = inputs.lost_motion && inputs.lost_motion->Known();
-  const auto choice = [&](const FixedChoice& of, bool one_rotation) {
-    Json json = FixedOf(fixed->plan, of.points);
-    if (json.is_null()) return json;
-    Json degrees = Json::array();
-    for (const double rotation : of.rotations) degrees.push_back(RadToDeg(rotation));
-    if (one_rotation)
-      json["rotation_deg"] = degrees.at(0);
-    else
-      json["rotations_deg"] = degrees;
-    json["reversals"] = TallyJson(plan.external_axes, of.gears, known);
-    return json;
-  };
-  const auto text = [](const std::string& why) { return why.empty() ? Json(nullptr) : Json(why); };
-  return {{"points", fixed->plan.size()},
-          {"job", choice(fixed->job, true)},
-          {"passes", choice(fixed->passes, false)},
-          {"job_by_sum", choice(fixed->job_by_sum, true)},
-          {"passes_by_sum", choice(fixed->passes_by_sum, false)},
-          {"plan_reversals", TallyJson(plan.external_axes, fixed->plan_gears, known)},
-          {"in_the_way", {{"job", text(fixed->job_in_the_way)}, {"passes", text(fixed->passes_in_the_way)}}}};
-}
-
 Json ProgramsJson(const std::vector<ReportedProgram>& programs) {
   Json list = Json::array();
   for (const ReportedProgram& program : programs)
@@ -371,7 +331,8 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["deflection"] = DeflectionJson(inputs.deflection);
   if (inputs.compensation) json["compensation"] = CompensationJson(*inputs.compensation);
   json["pose_steps"] = StepsJson(inputs.steps);
-  json["fixed_rotation"] = FixedJson(plan, inputs);
+  json["fixed_rotation"] = FixedRotationJson(plan, inputs);
+  json["budget"] = BudgetJson(inputs.budget);
   json["reversals"] = inputs.lost_motion ? ReversalsJson(plan, *inputs.lost_motion) : Json(nullptr);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

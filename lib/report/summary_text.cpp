@@ -141,6 +141,8 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   if (inputs.compensation) text += CompensationText(*inputs.compensation);
   if (figures.planned > 0 && inputs.lost_motion)
     fmt::format_to(out, "reversals  {}\n", LostMotionText(plan, *inputs.lost_motion));
+  if (figures.planned > 0 && inputs.budget)
+    fmt::format_to(out, "budget     {}\n", BudgetText(*inputs.budget));
   if (figures.planned > 0 && inputs.fixed)
     AppendFixed(*inputs.fixed, inputs.lost_motion && inputs.lost_motion->Known(), &text);
   fmt::format_to(out, "interference {} poses checked; {} of {} candidates never had to be\n",

@@ -94,6 +94,7 @@ void FollowPass(const GearModel& model, const GearedArm& arm, const PassResult& 
   const bool any_known = std::ranges::find(model.known, true) != model.known.end();
   const size_t first_point = course.errors.size();
   course.errors.resize(first_point + pass.points.size());
+  course.lever_sums.resize(course.errors.size());
   for (const PlannedPoint& point : pass.points) course.face.push_back(face(pass, point));
   for (const Segment& piece : pass.pieces) {
     std::vector<PosedPoint> places;
@@ -108,8 +109,12 @@ void FollowPass(const GearModel& model, const GearedArm& arm, const PassResult& 
         course.marks.push_back({pass.pass, first_point + at, event.gear, event.turns, event.crosses,
                                 std::abs(gears.levers[event.place][event.gear])});
     }
-    for (size_t t = 0; any_known && t < places.size(); ++t)
-      if (const size_t at = first_point + point_of(t); course.face[at]) course.errors[at] = gears.errors[t];
+    for (size_t t = 0; t < places.size(); ++t) {
+      const size_t at = first_point + point_of(t);
+      if (!course.face[at]) continue;
+      course.lever_sums[at] = gears.levers[t].head<6>().cwiseAbs().sum();
+      if (any_known) course.errors[at] = gears.errors[t];
+    }
   }
 }
 

@@ -85,6 +85,8 @@ struct GearCourse {
   /// Displacement along the normal by lost motion, mm, for every point of the job; empty where it is not of
   /// the face, or lost motion is not known for any gear.
   std::vector<std::optional<double>> errors;
+  /// Likewise Σ|n·J_i| over the arm's gears, mm/rad: of every point of the face.
+  std::vector<std::optional<double>> lever_sums;
 };
 /// Whether a point of a pass leaves the face: where it is Compared(), and its pass is one of those from
 /// `finished_from` on, which earlier layers are cut away by.

@@ -174,7 +174,9 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
     report.findings.push_back(ExplainFeed(*report.continuity, plan.external_axes));
   if (results.heaviest)
     report.deflection = PredictDeflections(plan, *results.heaviest, MakeCompliances(results.inputs.cell),
-                                           FinishedFrom(results.inputs.job, plan.passes.size()));
+                                           FinishedFrom(results.inputs.job, plan.passes.size()),
+                                           {0.01 * results.inputs.job.force_uncertainty_percent,
+                                            DegToRad(results.inputs.job.force_direction_deg)});
   report.compensation = FiguresOfCompensation(plan);
   if (report.compensation) report.compensation->remains = results.compensation_remains;
   for (const CheckedProgram& program : programs)
@@ -183,6 +185,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   report.lost_motion =
       ReportLostMotion(plan, MakeGearModel(results.inputs.cell), results.inputs.cell.arm.lost_motion_source,
                        FinishedFrom(results.inputs.job, plan.passes.size()));
+  report.budget = MakeBudget(report.deflection ? &*report.deflection : nullptr, *report.lost_motion);
   report.fixed = results.fixed;
   if (const std::optional<ToolUncertainty> tool = UncertaintyOf(results.inputs.cell.tool)) {
     report.steps = FindPoseSteps(plan, *tool, FinishedFrom(results.inputs.job, plan.passes.size()));
@@ -221,7 +224,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
           ReportHtml({plan, results.cell, results.grid, results.parts.curves, job + "\n" + cell,
                       report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
                       report.times, &*report.fixed, &results.parts.map, &results.timeline,
-                      &results.parts.nearest, &*report.lost_motion}));
+                      &results.parts.nearest, &*report.lost_motion, &*report.budget}));
   for (const CheckedProgram& program : programs)
     if (program.Confirmed() && !program.trajectory.empty())
       set.Add("trajectory-" + program.controller + ".csv", program.trajectory);
