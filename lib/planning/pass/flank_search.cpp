@@ -160,8 +160,8 @@ class FlankSearch {
       const StateCosts& costs = costs_[0][i];
       for (unsigned state = 0; state < kStates; ++state) {
         if (costs.Pressed(state) != state || !(costs.displaced[state] <= limit)) continue;
-        row.At(i, state) = kind == Kind::kWorst ? costs.displaced[state]
-                                                : rules_.displaced_weight * costs.displaced[state];
+        row.At(i, state) =
+            kind == Kind::kWorst ? costs.displaced[state] : rules_.displaced_weight * costs.displaced[state];
         row.reached[i] |= uint64_t{1} << state;
       }
     }
@@ -253,8 +253,9 @@ class FlankSearch {
       const auto marks = [&] {
         return at_start.marks[(now ^ state) & ~costs.pressed] + costs.marks[(now ^ state) & costs.pressed];
       };
-      const double with = kind == Kind::kWorst ? std::max(come, displaced)
-                                               : come + rules_.displaced_weight * displaced + marks() + motion;
+      const double with = kind == Kind::kWorst
+                              ? std::max(come, displaced)
+                              : come + rules_.displaced_weight * displaced + marks() + motion;
       if (with >= value) return;
       value = with;
       next.reached[edge.to] |= uint64_t{1} << now;

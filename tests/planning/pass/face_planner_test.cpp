@@ -68,8 +68,8 @@ void ExpectOnItsPoints(const PoseProblem& problem, const PassResult& result) {
     EXPECT_LT((X_WT.translation() - point.point.position).norm(), 1e-8);
     EXPECT_LT((X_WT.linear().col(2) - point.point.tool_axis).norm(), 1e-10);
     EXPECT_TRUE(problem.bounds.Hold(point.q, 1e-12));
-    const Candidate own = PointScorer(problem, point.point, result.rotation_reference)
-                              .ScoreOne(point.freedoms, point.branch);
+    const Candidate own =
+        PointScorer(problem, point.point, result.rotation_reference).ScoreOne(point.freedoms, point.branch);
     EXPECT_NEAR(own.objective, point.objective, 1e-12);
     if (t == 0) continue;
     EXPECT_LE((point.q - result.points[t - 1].q).cwiseAbs().maxCoeff(), DegToRad(5) + 1e-12) << t;
@@ -84,7 +84,7 @@ TEST(PlanFace, IsNeverWorseThanAnyFixedRotation) {
   for (const double z : {-250.0, 150.0}) {
     const Pass pass = Forced(Row(-200, 200, 21, z));
     const PassResult before = Planned(problem, world, pass);
-    const PassResult after = PlanFace(stations, before, options, {.threads = 2});
+    const PassResult after = PlanFace(stations, before, options, {.threads = 2}).pass;
     const FaceFigures was = FacesOf(stations, options.gears, before).front();
     const FaceFigures is = FacesOf(stations, options.gears, after).front();
     EXPECT_LT(is.worst, 0.8 * was.worst) << z;
@@ -98,8 +98,8 @@ TEST(PlanFace, IsTheSameForAnyThreads) {
   const World world(EmptyCell(problem));
   const Stations stations(world, problem);
   const PassResult before = Planned(problem, world, Forced(Row(-100, 100, 16)));
-  EXPECT_EQ(Serialise(PlanFace(stations, before, FacesOptions(), {.threads = 1})),
-            Serialise(PlanFace(stations, before, FacesOptions(), {.threads = 2})));
+  EXPECT_EQ(Serialise(PlanFace(stations, before, FacesOptions(), {.threads = 1}).pass),
+            Serialise(PlanFace(stations, before, FacesOptions(), {.threads = 2}).pass));
 }
 
 TEST(PlanFace, GoesRoundWhatIsInTheWay) {
@@ -108,13 +108,13 @@ TEST(PlanFace, GoesRoundWhatIsInTheWay) {
   const Pass pass = Forced(Row(-100, 100, 16));
   const World empty(EmptyCell(problem));
   const PassResult wanted =
-      PlanFace(Stations(empty, problem), Planned(problem, empty, pass), options, {.threads = 2});
+      PlanFace(Stations(empty, problem), Planned(problem, empty, pass), options, {.threads = 2}).pass;
   const World world(CellWithBallAt(problem, wanted, 8, 30));
   Checker checker(world);
   ASSERT_TRUE(checker.At(wanted.points[8].q, Phase::kCutting).has_value());
   const PassResult before = Planned(problem, world, pass);
   const Stations stations(world, problem);
-  const PassResult after = PlanFace(stations, before, options, {.threads = 2});
+  const PassResult after = PlanFace(stations, before, options, {.threads = 2}).pass;
   for (size_t t = 0; t < after.points.size(); ++t) {
     EXPECT_FALSE(checker.At(after.points[t].q, Phase::kCutting).has_value()) << t;
     if (t == 0) continue;
@@ -132,9 +132,10 @@ TEST(PlanFace, ARingComesBackToItsStart) {
   const Pass pass = Forced(Ring(150, 24));
   const PassResult before = Planned(problem, world, pass);
   ASSERT_TRUE(before.pieces.size() == 1 && before.pieces[0].closed);
-  const PassResult after = PlanFace(stations, before, options, {.threads = 2});
+  const PassResult after = PlanFace(stations, before, options, {.threads = 2}).pass;
   ExpectOnItsPoints(problem, after);
-  const Joints step = NearestEquivalent(after.points.back().q, after.points.front().q) - after.points.back().q;
+  const Joints step =
+      NearestEquivalent(after.points.back().q, after.points.front().q) - after.points.back().q;
   EXPECT_LE(step.cwiseAbs().maxCoeff(), DegToRad(5) + 1e-12);
   EXPECT_LT(FacesOf(stations, options.gears, after).front().worst,
             FacesOf(stations, options.gears, before).front().worst);

@@ -77,8 +77,8 @@ std::pair<double, double> ValueOf(const RandomFlanks& given, const FlankRules& r
   }
   const FaceFigures figures = FiguresOf(given.lost, std::move(places), rules.closed);
   const int crossings = std::accumulate(figures.crossings.begin(), figures.crossings.end(), 0);
-  return {figures.worst, rules.displaced_weight * figures.sum + figures.marks +
-                             rules.crossing_cost * crossings + motion};
+  return {figures.worst,
+          rules.displaced_weight * figures.sum + figures.marks + rules.crossing_cost * crossings + motion};
 }
 
 /// The least sum of the sequences whose worst is least, of all there are.

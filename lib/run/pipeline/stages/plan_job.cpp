@@ -93,7 +93,7 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   PlanResult& plan = job.plan;
   RepairEnds(job.prepared, MakePathOptions(inputs.job), MakeLinkMoveOptions(inputs.job).leave, checkpoints,
              execution, plan.passes);
-  PlanFaces(inputs, job.prepared, checkpoints, execution, plan.passes);
+  job.faces = PlanFaces(inputs, job.prepared, checkpoints, execution, plan.passes);
   const size_t narrowed =
       ChooseRevolutions(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
                                       FreeDirections(inputs.job) && !inputs.job.toolpath.Leans() &&
@@ -216,7 +216,7 @@ PreparedJob PrepareJob(const JobInputs& inputs, const CheckpointStore& checkpoin
 
 PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution) {
   CheckPrograms(inputs);
-  PlannedJob job{PrepareJob(inputs, checkpoints, execution), {}, {}, {}, {}, {}, {}};
+  PlannedJob job{PrepareJob(inputs, checkpoints, execution), {}, {}, {}, {}, {}, {}, {}};
   job.plan = StartPlan(inputs, job.prepared);
   PlannedPasses planned = PlanPassesOf(inputs, job.prepared, Share{}, checkpoints, execution);
   job.plan.passes = std::move(planned.passes);

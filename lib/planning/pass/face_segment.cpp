@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "planning/pass/face_piece.hpp"
+#include "planning/pass/face_segment.hpp"
 
 #include "base/parallel.hpp"
 #include "machine/robot/angles.hpp"
@@ -11,15 +11,17 @@
 namespace millpose {
 namespace {
 
-std::vector<MillingPoint> PointsOf(const PassResult& pass, const Segment& piece) {
+std::vector<MillingPoint> PointsOf(const PassResult& pass, const Segment& segment) {
   std::vector<MillingPoint> points;
-  for (int t = piece.first; t <= piece.last; ++t) points.push_back(pass.points[static_cast<size_t>(t)].point);
+  for (int t = segment.first; t <= segment.last; ++t)
+    points.push_back(pass.points[static_cast<size_t>(t)].point);
   return points;
 }
 
-PassChecks ChecksOf(const Stations& stations, const PlannedIn& in, const Segment& piece,
+PassChecks ChecksOf(const Stations& stations, const PlannedIn& in, const Segment& segment,
                     const FaceOptions& options, const Execution& execution) {
-  const auto first = static_cast<size_t>(piece.first), count = static_cast<size_t>(piece.last) - first + 1;
+  const auto first = static_cast<size_t>(segment.first),
+             count = static_cast<size_t>(segment.last) - first + 1;
   return {.world = in.along.empty() ? in.station.world : stations.world(),
           .carrier = in.CarrierAt(first),
           .swept_resolution = options.path.swept_resolution,
@@ -49,17 +51,17 @@ double WeightOfMotion(double share, const PassResult& pass) {
 
 }  // namespace
 
-FacePiece::FacePiece(const Stations& stations, const PassResult& pass, const Segment& piece,
-                     const FaceOptions& options, const Execution& execution)
+FaceSegment::FaceSegment(const Stations& stations, const PassResult& pass, const Segment& segment,
+                         const FaceOptions& options, const Execution& execution)
     : pass_(pass),
-      piece_(piece),
+      segment_(segment),
       options_(options),
       in_(stations, pass),
       model_(ModelOf(stations, options.gears)),
-      first_(static_cast<size_t>(piece.first)),
-      points_(PointsOf(pass, piece)),
+      first_(static_cast<size_t>(segment.first)),
+      points_(PointsOf(pass, segment)),
       verdicts_(NoVerdicts(points_.size())),
-      checks_(ChecksOf(stations, in_, piece, options, execution)),
+      checks_(ChecksOf(stations, in_, segment, options, execution)),
       checker_(checks_, verdicts_, options.leave),
       law_(checks_, scorers_, options.path.max_deviation),
       motion_weight_(WeightOfMotion(options.path.motion_share, pass)) {
@@ -76,10 +78,10 @@ FacePiece::FacePiece(const Stations& stations, const PassResult& pass, const Seg
   const double places = std::max(1.0, std::ceil(range / options.path.rotation_step - 1e-9));
   step_ = range / places;
   ring_ = freedom.Periodic() ? static_cast<int>(places) : 0;
-  ends_ = checker_.ToLeave(AsPlanned().path, piece.closed);
+  ends_ = checker_.ToLeave(AsPlanned().path, segment.closed);
 }
 
-FaceCandidate FacePiece::AsPlanned() const {
+FaceCandidate FaceSegment::AsPlanned() const {
   FaceCandidate planned;
   for (size_t t = 0; t < size(); ++t) {
     const PlannedPoint& point = pass_.points[first_ + t];
@@ -90,22 +92,22 @@ FaceCandidate FacePiece::AsPlanned() const {
   return planned;
 }
 
-FacePlace FacePiece::PlaceAt(size_t t, const Joints& q) const {
+FacePlace FaceSegment::PlaceAt(size_t t, const Joints& q) const {
   return FacePlaceAt(ProblemAt(t), model_, points_[t], q, ExternalAt(pass_, first_ + t));
 }
 
-FaceFigures FacePiece::Figures(std::span<const PathNode> path) const {
+FaceFigures FaceSegment::Figures(std::span<const PathNode> path) const {
   std::vector<FacePlace> places;
   for (size_t t = 0; t < path.size(); ++t) places.push_back(PlaceAt(t, path[t].q));
   return FiguresOf(options_.gears.lost, std::move(places), closed());
 }
 
-FlankNode FacePiece::NodeAt(size_t t, const Candidate& candidate, int branch, int place,
-                            double rotation) const {
+FlankNode FaceSegment::NodeAt(size_t t, const Candidate& candidate, int branch, int place,
+                              double rotation) const {
   return {branch, place, {rotation}, candidate.q, candidate.objective, PlaceAt(t, candidate.q), false};
 }
 
-std::vector<std::vector<FlankNode>> FacePiece::Layers() const {
+std::vector<std::vector<FlankNode>> FaceSegment::Layers() const {
   std::vector<std::vector<FlankNode>> layers(size());
   ParallelFor(size(), checks_.threads, checks_.stop, [&](size_t t) {
     const CandidateTable table = CandidateTable::OfStep(scorers_[t], step_);
@@ -119,8 +121,8 @@ std::vector<std::vector<FlankNode>> FacePiece::Layers() const {
   return layers;
 }
 
-std::vector<FlankNode> FacePiece::LayerAround(size_t t, double rotation, int branch, double step,
-                                              int reach) const {
+std::vector<FlankNode> FaceSegment::LayerAround(size_t t, double rotation, int branch, double step,
+                                                int reach) const {
   std::vector<FlankNode> layer;
   std::vector<double> values(kLanes);
   ScoredBlock block;
@@ -136,14 +138,14 @@ std::vector<FlankNode> FacePiece::LayerAround(size_t t, double rotation, int bra
   return layer;
 }
 
-FlankRules FacePiece::Rules() const {
+FlankRules FaceSegment::Rules() const {
   FlankRules rules{.lost = options_.gears.lost, .max_step = max_step_, .stop = checks_.stop};
   rules.motion_weight = motion_weight_;
   rules.closed = closed();
   return rules;
 }
 
-std::optional<FaceCandidate> FacePiece::Join(std::vector<PathNode> nodes) const {
+std::optional<FaceCandidate> FaceSegment::Join(std::vector<PathNode> nodes) const {
   for (size_t t = 0; t < nodes.size(); ++t) {
     const size_t next = t + 1 == nodes.size() ? 0 : t + 1;
     if (next == 0 && !closed()) break;
@@ -156,11 +158,11 @@ std::optional<FaceCandidate> FacePiece::Join(std::vector<PathNode> nodes) const 
   return joined;
 }
 
-double FacePiece::Bend(size_t t, const Joints& from, const Joints& to) const {
+double FaceSegment::Bend(size_t t, const Joints& from, const Joints& to) const {
   return law_.Bend(t, from, (to - from).unaryExpr(&WrapToPi));
 }
 
-std::vector<bool> FacePiece::Hits(const FaceCandidate& candidate) {
+SegmentHits FaceSegment::Hits(const FaceCandidate& candidate) {
   const std::vector<PathNode>& path = candidate.path;
   SegmentHits hits = checker_.Check(path, closed(), ends_, std::vector<bool>(size(), false));
   for (size_t t = 0; t < size(); ++t) {
@@ -169,10 +171,19 @@ std::vector<bool> FacePiece::Hits(const FaceCandidate& candidate) {
     const double most = law_.Most(kSearchedBend, t, path[t].freedoms, path[t].branch, path[t].q);
     if (Bend(t, path[t].q, path[next].q) > most) hits.motion[t] = 1;
   }
-  return hits.Points();
+  return hits;
 }
 
-FaceCandidate FacePiece::Smoothed(FaceCandidate candidate) {
+void FaceSegment::BarBlocked(int branch, const std::vector<bool>& asked,
+                             std::vector<std::vector<FlankNode>>& layers) {
+  checker_.Each(size(), [&](PassCheckers& checkers, size_t t) {
+    if (!asked[t]) return;
+    for (FlankNode& node : layers[t])
+      if (node.branch == branch && !node.barred) node.barred = !checker_.PoseFree(checkers, t, node.q);
+  });
+}
+
+FaceCandidate FaceSegment::Smoothed(FaceCandidate candidate) {
   SmoothOptions options;
   options.loss = options_.path.smoothing_loss;
   options.max_step = max_step_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One piece of a planned pass, and the candidates that could take its place.
+// One segment of a planned pass, and the candidates that could take its place.
 #pragma once
 
 #include "planning/pass/bend_law.hpp"
@@ -10,20 +10,21 @@
 
 namespace millpose {
 
-/// A way to mill a piece, and what it leaves.
+/// A way to mill a segment, and what it leaves.
 struct FaceCandidate {
   std::vector<PathNode> path;  ///< joints continuous, within the limits
   FaceFigures figures;
 };
 
-/// The points of a piece with their tool axes as they stand: the rotation is the only freedom of `stations`.
-class FacePiece {
+/// The points of a segment with their tool axes as they stand: the rotation is the only freedom of
+/// `stations`.
+class FaceSegment {
  public:
-  FacePiece(const Stations& stations, const PassResult& pass, const Segment& piece,
-            const FaceOptions& options, const Execution& execution);
+  FaceSegment(const Stations& stations, const PassResult& pass, const Segment& segment,
+              const FaceOptions& options, const Execution& execution);
 
   size_t size() const { return points_.size(); }
-  bool closed() const { return piece_.closed; }
+  bool closed() const { return segment_.closed; }
   FaceCandidate AsPlanned() const;
   /// The figures of a path; nothing of it is checked.
   FaceFigures Figures(std::span<const PathNode> path) const;
@@ -39,8 +40,10 @@ class FacePiece {
 
   /// The nodes as a path; empty where limits or joint steps bar it.
   std::optional<FaceCandidate> Join(std::vector<PathNode> nodes) const;
-  /// Of a path from Join(): what interferes, bends too far or cannot be left, by point.
-  std::vector<bool> Hits(const FaceCandidate& candidate);
+  /// Of a path from Join(): what interferes, bends too far or cannot be left.
+  SegmentHits Hits(const FaceCandidate& candidate);
+  /// Bars the nodes of a branch that interfere by themselves; of the layers that `asked` names.
+  void BarBlocked(int branch, const std::vector<bool>& asked, std::vector<std::vector<FlankNode>>& layers);
   /// Shifts the rotation so that the joints accelerate less; stays free.
   FaceCandidate Smoothed(FaceCandidate candidate);
   long long poses_checked() const { return checker_.poses_checked(); }
@@ -52,7 +55,7 @@ class FacePiece {
   double Bend(size_t t, const Joints& from, const Joints& to) const;
 
   const PassResult& pass_;
-  Segment piece_;
+  Segment segment_;
   const FaceOptions& options_;
   PlannedIn in_;
   FaceModel model_;
