@@ -111,8 +111,8 @@ class FlankSearch {
   }
 
   double LimitFor(double worst) const {
-    constexpr double kRounding = 1 + 1e-9;
-    return std::max(rules_.limit, worst * (1 + rules_.slack)) * kRounding;
+    constexpr double kSlightly = 1 + 1e-9;
+    return std::max(rules_.limit, worst * (1 + rules_.slack)) * kSlightly;
   }
 
   /// The nodes of the last sweep that was kept.
