@@ -5,6 +5,7 @@
 
 #include "machine/stiffness/force_cone.hpp"
 #include "planning/pose/scorer.hpp"
+#include "planning/result/face_choice.hpp"
 #include "planning/result/gear_course.hpp"
 
 namespace millpose {
@@ -32,16 +33,6 @@ FacePlace FacePlaceAt(const PoseProblem& problem, const FaceModel& model, const 
 inline double LargestWith(const FacePlace& place, double lost) {
   return std::max(std::abs(place.low + lost), std::abs(place.high + lost));
 }
-
-/// What a piece leaves, over the places that count.
-struct FaceFigures {
-  double worst = 0;   ///< largest displacement, mm
-  double sum = 0;     ///< of the places' largest displacements, mm
-  double marks = 0;   ///< heights h·|n·J| of the steps where gears go over to their other flank, summed, mm
-  double middle = 0;  ///< mean of the displacement in the middle of its bounds, signed, mm
-  int count = 0;      ///< places that count
-  std::array<int, 6> crossings{};  ///< by gear of the arm
-};
 
 /// Of a piece entered settled: every gear rests where its own first direction leaves it. A closed piece is
 /// milled round to its first place again.

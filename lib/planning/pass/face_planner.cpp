@@ -45,6 +45,7 @@ PlannedFace PlanFace(const Stations& given, const PassResult& pass, const FaceOp
                      const Execution& execution) {
   const Stations stations = given.AtOwnAxis();
   PlannedFace planned{pass, {}};
+  planned.pass.bound = {};  // of a sum that is not sought
   bool changed = false;
   for (const Segment& segment : pass.pieces) {
     FaceSegment face(stations, pass, segment, options, execution);
@@ -56,7 +57,6 @@ PlannedFace PlanFace(const Stations& given, const PassResult& pass, const FaceOp
     changed = true;
   }
   if (!changed) return planned;
-  planned.pass.bound = {};  // of a sum that was not sought
   const PlannedIn in(stations, planned.pass);
   for (size_t t = 0; t < planned.pass.points.size(); ++t) {
     PlannedPoint& point = planned.pass.points[t];

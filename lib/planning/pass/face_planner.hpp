@@ -2,7 +2,6 @@
 // Plans of passes for the least error of the face (docs/face-error.md).
 #pragma once
 
-#include "base/enum_words.hpp"
 #include "planning/external/stations.hpp"
 #include "planning/pass/face_figures.hpp"
 #include "planning/pass/pass_planner.hpp"
@@ -15,22 +14,6 @@ struct FaceOptions {
   RetractOptions leave;  ///< of the ends of segments
   /// mm: displacements up to this one count alike, as some pass of the job has one so large anyway.
   double limit = 0;
-};
-
-/// How a segment of a pass is milled.
-enum class FaceWay : uint8_t {
-  kPlanned,   ///< as its points' objective alone has it
-  kFixed,     ///< at one rotation about the tool axis
-  kSearched,  ///< as the search with the gears' flanks as state has it
-};
-inline constexpr EnumWords<FaceWay, 3> kFaceWayWords = {
-    {{"planned", FaceWay::kPlanned}, {"fixed", FaceWay::kFixed}, {"searched", FaceWay::kSearched}}};
-
-/// What was chosen for a segment, beside what it was before.
-struct FaceChoice {
-  int pass = 0, segment = 0;
-  FaceWay way = FaceWay::kPlanned;
-  FaceFigures before, after;
 };
 
 struct PlannedFace {
