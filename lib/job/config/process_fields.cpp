@@ -120,7 +120,8 @@ Codec<JobSettings> ProcessFields() {
           .WhenSet(AsksForceBounds)
           .DefaultText("30"),
       Key<S>("force_direction_deg", MILLPOSE_AT(force_direction_deg), Real({"deg", 1, 1}, Between(0, 90)),
-             "How far off the computed direction it may lie; objective surface_error, compensation.")
+             "How far off the computed direction it may lie; objectives surface_error and face_error, "
+             "compensation.")
           .WhenSet(AsksForceBounds)
           .DefaultText("20"),
   });
