@@ -170,6 +170,8 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
     inputs.cell = LoadCell(folder / inputs.job.cell_file, &inputs.body_bytes, root, inputs.job.base_in_world);
   });
   if (problems.empty()) Collect(problems, [&] { SelectTool(inputs.job.tool, &inputs.cell); });
+  if (problems.empty() && inputs.job.objective_open && MakeGearModel(inputs.cell).lost.Any())
+    inputs.job.objective = TheObjective(&ObjectiveEntry::with_lost_motion).name;
   if (!inputs.job.workpiece.mesh_file.empty())
     Collect(problems, [&] { inputs.workpiece_bytes = root.Read(folder / inputs.job.workpiece.mesh_file); });
   if (!inputs.job.workpiece.stock_file.empty())

@@ -52,6 +52,12 @@ PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_set
   if (problem.objective->NeedsForce() && !job.cutting)
     throw InputError({job.file},
                      fmt::format("objective {}: no force; give the job process.cutting", job.objective));
+  if (problem.objective->JudgesFace() && !MakeGearModel(cell_settings).lost.Any())
+    throw InputError(
+        {job.file},
+        fmt::format("objective {}: cell {} states no lost motion (arm.lost_motion_arcmin); "
+                    "without it {} is the same",
+                    job.objective, cell_settings.name, TheObjective(&ObjectiveEntry::with_force).name));
   return problem;
 }
 

@@ -9,6 +9,7 @@
 #include "base/byte_sink.hpp"
 #include "planning/result/continuity.hpp"
 #include "planning/result/cycle_time.hpp"
+#include "planning/result/face_choice.hpp"
 #include "planning/result/fixed_comparison.hpp"
 #include "planning/result/plan_result.hpp"
 #include "planning/result/price.hpp"
@@ -105,6 +106,7 @@ struct ReportInputs {
   std::optional<RegistrationFigures> registration;  ///< where `millpose register` found the part's place
   std::optional<LostMotionReport> lost_motion;      ///< of every plan
   std::optional<Budget> budget;                     ///< likewise
+  std::vector<FaceChoice> faces;                ///< where whole ways are judged by the face
   std::optional<FixedComparison> fixed;             ///< beside the best fixed rotation
   std::optional<PoseSteps> steps;                   ///< when the cell says how well the tool is known
 };

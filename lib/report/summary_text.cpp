@@ -3,6 +3,7 @@
 
 #include "base/units.hpp"
 #include "planning/result/skipped.hpp"
+#include "report/face_json.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/price_text.hpp"
 #include "report/report.hpp"
@@ -152,6 +153,7 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   if (inputs.compensation) text += CompensationText(*inputs.compensation);
   if (figures.planned > 0 && inputs.lost_motion)
     fmt::format_to(out, "reversals  {}\n", LostMotionText(plan, *inputs.lost_motion));
+  if (!inputs.faces.empty()) fmt::format_to(out, "face       {}\n", FaceText(inputs.faces));
   if (figures.planned > 0 && inputs.budget)
     fmt::format_to(out, "budget     {}\n", BudgetText(*inputs.budget));
   if (figures.planned > 0 && inputs.fixed)

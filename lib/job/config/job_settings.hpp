@@ -154,6 +154,7 @@ struct JobSettings {
   double force_uncertainty_percent = 30;  ///< by how much the force may exceed the computed one
   double force_direction_deg = 20;        ///< how far off its direction it may lie, degrees
   std::string objective = "chen2021";     ///< surface_error where `cutting` is given and no objective
+  bool objective_open = false;            ///< none was named, and `cutting` is given: the cell decides
   std::map<std::string, double> objective_parameters;
   Formulation formulation = Formulation::kFreedoms;
   PathOptions path;                         ///< but for what other sections say, see MakePathOptions()

@@ -88,7 +88,7 @@ Planned WritePlanned(const PlanArguments& arguments, const JobInputs& inputs, co
   ResultSet& results = to.results();
   const ReportInputs report =
       WriteResults({inputs, job.prepared.cell, job.plan, job.programs, job.starts, audit, job.reduction,
-                    job.prepared.warnings, findings, CurveGrid(), parts, timeline, job.fixed,
+                    job.prepared.warnings, findings, CurveGrid(), parts, timeline, job.fixed, job.faces,
                     job.prepared.heaviest, job.compensation_remains, execution},
                    results);
   stages.End(to.folder.path().string());

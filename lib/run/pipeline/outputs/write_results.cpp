@@ -204,6 +204,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
                        FinishedFrom(results.inputs.job, plan.passes.size()));
   report.budget = MakeBudget(report.deflection ? &*report.deflection : nullptr, *report.lost_motion);
   report.fixed = results.fixed;
+  report.faces = results.faces;
   if (const std::optional<ToolUncertainty> tool = UncertaintyOf(results.inputs.cell.tool)) {
     report.steps = FindPoseSteps(plan, *tool, FinishedFrom(results.inputs.job, plan.passes.size()));
     if (const std::string steps = Describe(*report.steps); !steps.empty()) report.warnings.push_back(steps);

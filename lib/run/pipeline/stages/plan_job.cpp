@@ -17,6 +17,7 @@
 #include "run/pipeline/stages/finer_passes.hpp"
 #include "run/pipeline/stages/other_stations.hpp"
 #include "run/pipeline/stages/other_ways.hpp"
+#include "run/pipeline/stages/plan_faces.hpp"
 #include "run/pipeline/stages/plan_link_moves.hpp"
 #include "run/pipeline/stages/plan_passes.hpp"
 #include "run/pipeline/stages/repair_ends.hpp"
@@ -98,6 +99,7 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   PlanResult& plan = job.plan;
   RepairEnds(job.prepared, MakePathOptions(inputs.job), MakeLinkMoveOptions(inputs.job).leave, checkpoints,
              execution, plan.passes);
+  job.faces = PlanFaces(inputs, job.prepared, checkpoints, execution, plan.passes);
   const size_t narrowed = FixRevolutions(inputs, job.prepared.problem, plan);
   if (narrowed > 0)
     job.prepared.warnings.push_back(fmt::format(
@@ -217,7 +219,7 @@ PreparedJob PrepareJob(const JobInputs& inputs, const CheckpointStore& checkpoin
 
 PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution) {
   CheckPrograms(inputs);
-  PlannedJob job{PrepareJob(inputs, checkpoints, execution), {}, {}, {}, {}, {}, {}};
+  PlannedJob job{PrepareJob(inputs, checkpoints, execution), {}, {}, {}, {}, {}, {}, {}};
   job.plan = StartPlan(inputs, job.prepared);
   PlannedPasses planned = PlanPassesOf(inputs, job.prepared, Share{}, checkpoints, execution);
   job.plan.passes = std::move(planned.passes);

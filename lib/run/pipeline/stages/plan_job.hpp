@@ -7,6 +7,7 @@
 #include "job/workpiece.hpp"
 #include "machine/collision/world.hpp"
 #include "planning/external/stations.hpp"
+#include "planning/pass/face_planner.hpp"
 #include "planning/pass/fixed_rotation.hpp"
 #include "planning/pose/scorer.hpp"
 #include "planning/result/plan_result.hpp"
@@ -45,7 +46,8 @@ PreparedJob PrepareJob(const JobInputs& inputs, const CheckpointStore& checkpoin
 struct PlannedJob {
   PreparedJob prepared;
   PlanResult plan;
-  FixedComparison fixed;  ///< with the best fixed rotations
+  FixedComparison fixed;          ///< with the best fixed rotations
+  std::vector<FaceChoice> faces;  ///< by pass, where whole ways are judged by the face; else empty
   FeedReduction reduction;
   std::optional<double> compensation_remains;  ///< median share of the deflection, where some is taken out
   JobPrograms programs;
