@@ -11,7 +11,7 @@ namespace {
 int Init(InitArguments arguments, const UnitOption& unit, Session& session) {
   arguments.unit = MillimetresOf(unit);
   if (arguments.arm.empty() && !arguments.cell)
-    throw InputError(Place{}, "given neither --arm nor --cell; needed: one of the two");
+    throw InputError(SourceLocation{}, "given neither --arm nor --cell; needed: one of the two");
   arguments.say = [](const std::string& text) {
     fmt::print("{}", text);
     std::fflush(stdout);

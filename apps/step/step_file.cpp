@@ -143,7 +143,7 @@ std::vector<TopoDS_Face> Cut(const TopoDS_Face& face, double chord_tolerance, So
     return cut > 0 && cut >= source.area / 2;
   };
   if (enough()) return {face};
-  for (const RecutWay& way : kRecutWays)
+  for (const RecutLength& way : kRecutWays)
     if (std::vector<TopoDS_Face> faces = Recut(face, source.area, chord_tolerance, kAngle, way);
         !faces.empty())
       return faces;

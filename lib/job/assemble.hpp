@@ -5,7 +5,7 @@
 #include "machine/collision/cell.hpp"
 #include "job/config/cell_settings.hpp"
 #include "job/config/job_settings.hpp"
-#include "planning/links/gap_planner.hpp"
+#include "planning/links/link_move_planner.hpp"
 #include "job/inputs.hpp"
 #include "planning/pass/fixed_rotation.hpp"
 #include "planning/pass/pass_planner.hpp"
@@ -72,7 +72,7 @@ CutterShape MakeCutterShape(const ToolSettings& tool);
 ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& tool);
 PathOptions MakePathOptions(const JobSettings& job);
 FixedRotationOptions MakeFixedOptions(const JobSettings& job, int threads, std::stop_token stop);
-GapOptions MakeGapOptions(const JobSettings& job);
+LinkMoveOptions MakeLinkMoveOptions(const JobSettings& job);
 VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm);
 
 /// Why `controller` cannot run programs for an arm; empty where it can.

@@ -90,11 +90,11 @@ FixedRotationOptions MakeFixedOptions(const JobSettings& job, int threads, std::
   const PathOptions path = MakePathOptions(job);
   return {path.rotation_step,       path.steps, path.swept_resolution,
           path.worst_first,         threads,    std::move(stop),
-          MakeGapOptions(job).leave};
+          MakeLinkMoveOptions(job).leave};
 }
 
-GapOptions MakeGapOptions(const JobSettings& job) {
-  GapOptions options = job.gaps;
+LinkMoveOptions MakeLinkMoveOptions(const JobSettings& job) {
+  LinkMoveOptions options = job.gaps;
   options.leave.swept_resolution = job.swept_resolution;
   options.seed = job.seed;
   return options;
@@ -127,7 +127,7 @@ std::string NoProgramsFor(const ArmSettings& arm, const std::string& controller)
 
 PostSettings MakeTextSettings(const JobSettings& job, const CellSettings& cell,
                               const std::string& controller) {
-  const Place place{job.file.empty() ? cell.file : job.file, job.programs_line};
+  const SourceLocation place{job.file.empty() ? cell.file : job.file, job.programs_line};
   if (const std::string refusal = NoProgramsFor(cell.arm, controller); !refusal.empty())
     throw InputError(place, "programs: " + refusal);
   const auto found = cell.controllers.find(controller);
@@ -160,15 +160,15 @@ PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
                               const std::string& controller) {
   PostSettings post = MakeTextSettings(job, cell, controller);
   if (const std::string refusal = WhyNotWithAxes(post, controller); !refusal.empty())
-    throw InputError(Place{cell.file, post.controller_axes_line}, refusal);
+    throw InputError(SourceLocation{cell.file, post.controller_axes_line}, refusal);
   if (!IsToolName(post.tool_name))
     throw InputError(
-        Place{cell.file, cell.tool.name_line},
+        SourceLocation{cell.file, cell.tool.name_line},
         fmt::format("tool.name: given '{}'; allowed where programs are written: 1 to 32 plain ASCII "
                     "characters, none of \" ( ) {{ }} ;, blanks only one at a time between others",
                     post.tool_name));
   if (const std::string refusal = cell.controllers.at(controller).post->WhyNotIn(post); !refusal.empty())
-    throw InputError(Place{cell.file, cell.controllers_line}, refusal);
+    throw InputError(SourceLocation{cell.file, cell.controllers_line}, refusal);
   return post;
 }
 

@@ -77,11 +77,11 @@ const std::string& MeshOf(const JobInputs& inputs, const std::string& hash) {
 
 }  // namespace
 
-void TakeKeptMeshes(const std::filesystem::path& folder, JobInputs* inputs) {
+void TakeCachedMeshes(const std::filesystem::path& folder, JobInputs* inputs) {
   TakeFrom([&](const std::string& key) { return InResults(folder, key); }, inputs);
 }
 
-void TakeKeptMeshes(const OutputFolder& folder, JobInputs* inputs) {
+void TakeCachedMeshes(const OutputFolder& folder, JobInputs* inputs) {
   TakeFrom(
       [&](const std::string& key) {
         std::optional<std::string> mesh = folder.ReadCheckpoint(key);

@@ -138,9 +138,9 @@ inline const std::optional<Pose>& FrameOf(const MotionProgram& program, const Mo
 /// Whether the external axes move in motion `i`; where they come from before the first one is not known.
 bool MovesExternal(const MotionProgram& program, size_t i);
 /// Whether they move along a cut: in a motion with feed.
-bool Rides(const MotionProgram& program, size_t i);
+bool CoordinatedMotions(const MotionProgram& program, size_t i);
 /// Whether they do so anywhere.
-bool HasRides(const MotionProgram& program);
+bool HasCoordinatedMotions(const MotionProgram& program);
 /// Where they stand at `share` (0..1) of its way.
 ExternalPosition ExternalOf(const MotionProgram& program, size_t i, double share);
 /// The robot's base as seen from what carries the part, which stands in W with all external axes at 0.
@@ -153,7 +153,7 @@ Pose FrameAt(const MotionProgram& program, size_t i, double share);
 inline constexpr char kCompensatedNotice[] = "COMPENSATED: NOT TO BE RUN TWICE ON ONE PART";
 
 /// A call that moves the arm, made from home and back to home.
-struct CallWay {
+struct CallTransition {
   DeclaredCall call;
   std::vector<Joints> there, back;  ///< from home to where the call begins, and from where it ends to home
   double clearance_share = 1;       ///< of the cell's clearances, with which both were planned
@@ -169,7 +169,7 @@ struct MotionOptions {
   double retract_feed = 0;   ///< mm/s; 0: the feed of the last point
   double dwell = 0;          ///< s, where a piece turns back for the last time: at the bottom of a hole
   std::vector<PathOutput> outputs;
-  std::vector<CallWay> calls;  ///< that of text footer at the end, the others at the beginning
+  std::vector<CallTransition> calls;  ///< that of text footer at the end, the others at the beginning
 };
 
 /// Why no program can be made of a plan (a gap that could not be planned, nothing planned at all); empty when

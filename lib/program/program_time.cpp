@@ -35,7 +35,7 @@ double EvenSeconds(const MotionProgram& program, size_t i, const Arm& arm, const
   const PoseLine line(from.X_PT, to.X_PT);
   double seconds = to.feed > 0 ? line.length() / to.feed : 0;
   if (options.orientation_speed > 0) seconds = std::max(seconds, line.angle() / options.orientation_speed);
-  if (Rides(program, i)) seconds = std::max(seconds, LargestExternal(program, i, &ExternalAxis::speed));
+  if (CoordinatedMotions(program, i)) seconds = std::max(seconds, LargestExternal(program, i, &ExternalAxis::speed));
   const double turning = (*to.q - *from.q).cwiseAbs().cwiseQuotient(arm.speed).maxCoeff() / kTurnShare;
   return line.length() > 0 ? seconds : std::max(seconds, turning);
 }
@@ -66,7 +66,7 @@ TimeLaw LawOf(const MotionProgram& program, size_t i, const Arm& arm, const Time
   const double seconds = EvenSeconds(program, i, arm, options);
   if (seconds <= 0) return {};
   double ramp = (delta.cwiseAbs() / seconds).cwiseQuotient(arm.acceleration).maxCoeff();
-  if (Rides(program, i))
+  if (CoordinatedMotions(program, i))
     ramp = std::max(ramp, LargestExternal(program, i, &ExternalAxis::acceleration) / seconds);
   return FeedLaw(seconds, ramp, from.exact, to.exact);
 }

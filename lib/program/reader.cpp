@@ -66,9 +66,9 @@ std::string ProgramReader::MainFile() {
   }
   if (mains.size() == 1) return mains[0];
   if (mains.empty())
-    throw InputError(Place{}, fmt::format("no main program ending in {} given", extensions_[0]));
+    throw InputError(SourceLocation{}, fmt::format("no main program ending in {} given", extensions_[0]));
   throw InputError(
-      Place{mains[1], 1, 0, -1},
+      SourceLocation{mains[1], 1, 0, -1},
       fmt::format("one main program expected, but none of {} calls the other", fmt::join(mains, ", ")));
 }
 

@@ -103,9 +103,9 @@ Json PathJson(const CheckHtmlInput& input, size_t limit) {
     const Pass& pass = input.toolpath->passes[p];
     for (size_t i = 0; i < pass.points.size(); ++i, ++next) {
       const PointReach& reach = input.reach.at(next);
-      if (i % stride != 0 && i + 1 != pass.points.size() && reach.best == Obstacle::kNone) continue;
+      if (i % stride != 0 && i + 1 != pass.points.size() && reach.best == Infeasibility::kNone) continue;
       const MillingPoint& point = pass.points[i];
-      const bool reached = reach.best != Obstacle::kUnreachable;
+      const bool reached = reach.best != Infeasibility::kUnreachable;
       number.push_back(next);
       pass_of.push_back(static_cast<uint32_t>(p));
       kind.push_back(static_cast<uint32_t>(point.kind));

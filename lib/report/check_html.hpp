@@ -10,7 +10,7 @@ namespace millpose {
 
 /// What the arm can do at a point, whichever way the tool is turned about its axis and on whichever branch.
 struct PointReach {
-  Obstacle best = Obstacle::kUnreachable;  ///< kNone, kUnreachable, kLimit or kSingular
+  Infeasibility best = Infeasibility::kUnreachable;  ///< kNone, kUnreachable, kLimit or kSingular
   int axis = -1;  ///< 0…5: nearest to its limit in the pose that keeps farthest from limits; −1: none
   double reserve = 0;         ///< rad to that limit, less the job's margin; below 0: beyond it
   Joints q = Joints::Zero();  ///< that pose, where the arm reaches the point at all

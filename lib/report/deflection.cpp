@@ -36,7 +36,7 @@ DeflectionReport PredictDeflections(const PlanResult& plan, const CuttingForce& 
       const PlannedPoint& planned = pass.points[i];
       const size_t here = number++;
       const MillingPoint& point = planned.point;
-      if (planned.skip != Obstacle::kNone || point.kind != PointKind::kCut) continue;
+      if (planned.skip != Infeasibility::kNone || point.kind != PointKind::kCut) continue;
       if (planned.external) at = Standing(plan, compliances, *planned.external);
       const auto& [R_BW, R_PB, to_zero, beside] = at;
       const Matrix6 C = Compliance(Jacobian(plan.arm, planned.q, origin), plan.arm.stiffness) +

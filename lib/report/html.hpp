@@ -22,7 +22,7 @@ struct PointCurves {
   int point = 0;  ///< index into its points
   std::vector<std::array<double, 8>>
       objective;  ///< per rotation and branch, unit of the objective; infinite where there is none
-  std::vector<std::array<Obstacle, 8>> state;  ///< of the pose, per rotation and branch
+  std::vector<std::array<Infeasibility, 8>> state;  ///< of the pose, per rotation and branch
   std::vector<std::array<uint8_t, 8>> beyond;  ///< the joint farthest beyond its limits, 0…5, where one is
   std::vector<double> best, mean;              ///< per generation, unit of the objective
 };

@@ -19,7 +19,7 @@ constexpr size_t kWorstKept = 50;  // of every column, when points are thinned
 /// motion.
 std::optional<Joints> SpeedBetween(const PlannedPoint& from, const PlannedPoint& to) {
   const double way = to.point.arc_length - from.point.arc_length;
-  const bool joined = from.skip == Obstacle::kNone && to.skip == Obstacle::kNone && from.piece == to.piece;
+  const bool joined = from.skip == Infeasibility::kNone && to.skip == Infeasibility::kNone && from.piece == to.piece;
   if (!joined || !(way > 0) || !(to.point.feed_rate > 0)) return std::nullopt;
   return (to.q - from.q) * (to.point.feed_rate / way);
 }
@@ -52,7 +52,7 @@ class Collector {
     for (const PassResult& pass : plan_.passes) {
       for (size_t i = 0; i < pass.points.size(); ++i) {
         const std::optional<double> v =
-            pass.points[i].skip == Obstacle::kNone ? value(pass, i) : std::optional<double>();
+            pass.points[i].skip == Infeasibility::kNone ? value(pass, i) : std::optional<double>();
         column.values.push_back(v && std::isfinite(*v) ? static_cast<float>(*v) : kNone);
       }
     }

@@ -110,7 +110,7 @@ Json SkippedJson(const PlanResult& plan, size_t limit) {
   uint32_t number = 0;
   for (const PassResult& pass : plan.passes) {
     for (const PlannedPoint& p : pass.points) {
-      if (p.skip != Obstacle::kNone) {
+      if (p.skip != Infeasibility::kNone) {
         if (list.size() < limit)
           list.push_back(
               {{"point", number}, {"pass", pass.pass}, {"reason", ToString(p.skip)}, {"detail", p.detail}});
@@ -121,10 +121,10 @@ Json SkippedJson(const PlanResult& plan, size_t limit) {
   return {{"reasons", SkippedByReason(plan)}, {"rows", list}};
 }
 
-Json GapsJson(const PlanResult& plan) {
+Json LinkMovesJson(const PlanResult& plan) {
   Json told = Json::array();
   size_t planned = 0;
-  for (const Gap& gap : plan.gaps) {
+  for (const LinkMove& gap : plan.gaps) {
     planned += gap.planned;
     if (gap.planned && gap.detail.empty()) continue;
     told.push_back({{"from_pass", gap.from_pass},
@@ -141,7 +141,7 @@ Json CountsJson(const PlanResult& plan, size_t shown) {
   size_t total = 0, skipped = 0;
   for (const PassResult& pass : plan.passes) {
     total += pass.points.size();
-    for (const PlannedPoint& p : pass.points) skipped += p.skip != Obstacle::kNone;
+    for (const PlannedPoint& p : pass.points) skipped += p.skip != Infeasibility::kNone;
   }
   return {{"total", total}, {"planned", total - skipped}, {"skipped", skipped}, {"shown", shown}};
 }
@@ -262,7 +262,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"timeline", TimelineJson(input, rows)},
             {"nearest", NearestJson(input, rows)},
             {"skipped", SkippedJson(plan, limits.skipped_rows)},
-            {"gaps", GapsJson(plan)},
+            {"gaps", LinkMovesJson(plan)},
             {"findings", input.findings},
             {"warnings", input.warnings},
             {"times", TimesJson(input)},

@@ -94,7 +94,7 @@ void AppendCommanded(const PlannedPoint& planned, Row* row) {
 void AppendRow(const PassResult& pass, const PlannedPoint& planned, size_t number, bool commanded,
                std::string& csv) {
   const MillingPoint& point = planned.point;
-  const bool skipped = planned.skip != Obstacle::kNone;
+  const bool skipped = planned.skip != Infeasibility::kNone;
   Row row(csv);
   row.Whole(number).Whole(static_cast<size_t>(pass.pass));
   row.Text(skipped ? "" : std::to_string(planned.piece));
@@ -127,7 +127,7 @@ std::string EndOfRow(const std::vector<ExternalAxis>& axes, const ExternalPositi
 void AppendLean(const PlanResult& plan, const PlannedPoint& planned, const CutterShape& cutter,
                 std::string& csv) {
   constexpr double kMetresPerMinute = 60e-3;  // of a mm/s
-  if (planned.skip != Obstacle::kNone) {
+  if (planned.skip != Infeasibility::kNone) {
     csv.append(cutter.IsBall() ? 3 : 2, ',');
     return;
   }

@@ -32,11 +32,11 @@ PoseStep Between(const ToolUncertainty& tool, PoseStep::Why why, const CutPoint&
 std::vector<std::vector<CutPoint>> CutsOf(const PlanResult& plan, const PassResult& pass,
                                           size_t first_number) {
   std::vector<std::vector<CutPoint>> cuts;
-  for (const Piece& piece : pass.pieces) {
+  for (const Segment& piece : pass.pieces) {
     std::vector<CutPoint>& cut = cuts.emplace_back();
     for (int t = piece.first; t <= piece.last; ++t) {
       const PlannedPoint& point = pass.points[static_cast<size_t>(t)];
-      if (point.skip == Obstacle::kNone && point.point.kind == PointKind::kCut)
+      if (point.skip == Infeasibility::kNone && point.point.kind == PointKind::kCut)
         cut.push_back({&point, first_number + static_cast<size_t>(t), pass.pass,
                        OnPartAtZero(plan, ExternalAt(pass, static_cast<size_t>(t)), point.point.position)});
     }

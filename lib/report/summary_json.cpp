@@ -38,7 +38,7 @@ Json SkippedJson(const PlanResult& plan) {
   size_t number = 0;
   for (const PassResult& pass : plan.passes)
     for (const PlannedPoint& point : pass.points) {
-      if (point.skip != Obstacle::kNone)
+      if (point.skip != Infeasibility::kNone)
         skipped.push_back({{"point", number},
                            {"pass", pass.pass},
                            {"reason", ToString(point.skip)},
@@ -49,7 +49,7 @@ Json SkippedJson(const PlanResult& plan) {
 }
 
 // Gaps that could not be planned, or only with smaller clearances.
-Json GapRemarksJson(const PlanResult& plan) {
+Json LinkMoveRemarksJson(const PlanResult& plan) {
   Json list = Json::array();
   for (size_t i = 0; i < plan.gaps.size(); ++i)
     if (!plan.gaps[i].detail.empty())
@@ -80,7 +80,7 @@ Json ExternalJson(const PlanResult& plan) {
                        {"to", shown(ExternalAt(pass, pass.points.size() - 1))}});
   size_t moves = 0;
   double seconds = 0;
-  for (const Gap& gap : plan.gaps)
+  for (const LinkMove& gap : plan.gaps)
     if (gap.external) ++moves, seconds += gap.external->duration;
   Json external{{"axes", axes}, {"passes", passes}, {"moves", moves}, {"moves_s", seconds}};
   if (!along.empty()) external["along"] = along;
@@ -314,7 +314,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["lifts"] = LiftsJson(plan);
   json["passes_left_open"] = OpenRingsJson(plan);
   json["gaps"] = {{"total", plan.gaps.size()}, {"planned", figures.gaps_planned}};
-  json["gap_remarks"] = GapRemarksJson(plan);
+  json["gap_remarks"] = LinkMoveRemarksJson(plan);
   json["stiffness"] = {{"origin", WordOf(kStiffnessOriginWords, plan.stiffness_origin)},
                        {"lambda_t1", SpreadJson(figures.lambda_t1)},
                        {"lambda_t2", SpreadJson(figures.lambda_t2)},

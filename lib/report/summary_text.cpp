@@ -19,10 +19,10 @@ void AppendSpread(const char* name, const std::optional<Spread>& spread, const s
                  spread->best, spread->median, spread->worst, unit);
 }
 
-void AppendGapRemarks(const PlanResult& plan, std::string* text) {
+void AppendLinkMoveRemarks(const PlanResult& plan, std::string* text) {
   size_t remarks = 0;
   for (size_t i = 0; i < plan.gaps.size(); ++i) {
-    const Gap& gap = plan.gaps[i];
+    const LinkMove& gap = plan.gaps[i];
     if (!gap.detail.empty() && remarks++ < kShown)
       fmt::format_to(std::back_inserter(*text), "  gap {}{}: {}\n", i, gap.planned ? "" : " not planned",
                      gap.detail);
@@ -38,7 +38,7 @@ void AppendSkipped(const PlanResult& plan, std::string* text) {
   std::string rows;
   for (const PassResult& pass : plan.passes)
     for (const PlannedPoint& point : pass.points) {
-      if (point.skip != Obstacle::kNone) {
+      if (point.skip != Infeasibility::kNone) {
         ++skipped;
         if (shown++ < kShown)
           fmt::format_to(std::back_inserter(rows), "  point {} (pass {}): {}: {}\n", number, pass.pass,
@@ -107,7 +107,7 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
                  figures.total - figures.planned);
   fmt::format_to(out, "passes     {} in {} pieces\n", plan.passes.size(), figures.pieces);
   fmt::format_to(out, "gaps       {} planned of {}\n", figures.gaps_planned, plan.gaps.size());
-  AppendGapRemarks(plan, &text);
+  AppendLinkMoveRemarks(plan, &text);
   AppendSkipped(plan, &text);
   if (figures.planned > 0) {
     fmt::format_to(out, "stiffness at the {}; compliance, smaller is stiffer\n",

@@ -327,7 +327,7 @@ void AuditMotions(const Setup& setup, const std::vector<JointMotion>& motions, c
                     fmt::format("{} and {}, {}", contacts[k]->first, contacts[k]->second, motions[k].name));
 }
 
-void AuditGapLimits(const Setup& setup, const std::vector<JointMotion>& motions, Figures& figures) {
+void AuditLinkMoveLimits(const Setup& setup, const std::vector<JointMotion>& motions, Figures& figures) {
   for (const JointMotion& motion : motions) {
     for (size_t i = 0; i < 6; ++i)
       if (motion.to[i] < setup.hard_lower[i] - kAngleSlack ||
@@ -410,10 +410,10 @@ Verdict Audit(const Folder& folder, const Options& options) {
     // The one that may be in joint space throughout.
     const bool joints =
         std::ranges::all_of(targets, [](const Target& target) { return target.angles.has_value(); });
-    if (controller == "linuxcnc" && joints && !targets.empty()) gaps = GapMotions(targets, cuts);
+    if (controller == "linuxcnc" && joints && !targets.empty()) gaps = LinkMotions(targets, cuts);
   }
-  if (gaps.empty()) gaps = PlannedGapMotions(folder, cuts);
-  AuditGapLimits(folder.setup, gaps, figures);
+  if (gaps.empty()) gaps = PlannedLinkMotions(folder, cuts);
+  AuditLinkMoveLimits(folder.setup, gaps, figures);
   motions.insert(motions.end(), gaps.begin(), gaps.end());
   AuditMotions(folder.setup, motions, options, figures);
   return figures.Take();

@@ -73,7 +73,7 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   MakeStations(folder);
   if (const std::string json = optional("summary.json"); !json.empty()) folder.summary = ReadSummary(json);
   if (const std::string cbor = optional("plan.cbor"); !cbor.empty()) {
-    folder.gaps = ReadGaps(cbor);
+    folder.gaps = ReadLinkMoves(cbor);
     MarkClosed(cbor, folder.rows);
   }
   if (fs::exists(path / "programs"))
@@ -84,11 +84,11 @@ Folder ReadFolder(const fs::path& path, const fs::path& inputs) {
   return folder;
 }
 
-std::vector<PlannedGap> ReadGaps(const std::string& cbor) {
-  std::vector<PlannedGap> gaps;
+std::vector<PlannedLinkMove> ReadLinkMoves(const std::string& cbor) {
+  std::vector<PlannedLinkMove> gaps;
   const nlohmann::json plan = nlohmann::json::from_cbor(cbor);
   for (const auto& entry : plan.at("gaps")) {
-    PlannedGap gap{
+    PlannedLinkMove gap{
         entry.at("from_pass"), entry.at("from_piece"), entry.at("to_pass"), entry.at("to_piece"), {}};
     if (entry.at("planned").get<bool>())
       for (const auto& joints : entry.at("joints")) {

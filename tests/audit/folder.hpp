@@ -39,7 +39,7 @@ struct Row {
 };
 
 /// A planned way between two pieces, from plan.cbor; pass −1 is home.
-struct PlannedGap {
+struct PlannedLinkMove {
   int from_pass, from_piece, to_pass, to_piece;
   std::vector<Angles> joints;  ///< from the retracted tool to where the approach begins
   /// The external axes move from one position to another while the arm stands at joints[at].
@@ -94,7 +94,7 @@ struct Folder {
   bool whole = true;         ///< no point is skipped
   bool leans = false;        ///< the plan chose them: points.csv tells them
   bool along_normal = true;  ///< the job has the tool along the surface's normal, the tip on the surface
-  std::vector<PlannedGap> gaps;
+  std::vector<PlannedLinkMove> gaps;
   Goal goal;
   Real cutter_radius = 0, corner_radius = 0;  ///< mm
   std::map<int, Deflected> deflected;         ///< by point
@@ -122,7 +122,7 @@ Goal ReadGoal(const std::string& job);
 std::map<int, Compensated> ReadCompensated(const std::string& csv, const Matrix3& R_WP);
 std::map<int, Deflected> ReadDeflected(const std::string& csv, const Matrix3& R_WP);
 std::optional<Summary> ReadSummary(const std::string& json);
-std::vector<PlannedGap> ReadGaps(const std::string& cbor);
+std::vector<PlannedLinkMove> ReadLinkMoves(const std::string& cbor);
 /// Marks the rows of pieces that return to their first point.
 void MarkClosed(const std::string& cbor, std::vector<Row>& rows);
 UrdfArm ReadUrdf(const std::string& xml, const std::string& base, const std::string& flange);

@@ -72,7 +72,7 @@ class Mutator {
     if (pick < 9) return Insert(lines);
     if (pick < 13) return MoveLines(lines);
     if (pick < 16) return Words(lines[at_]);
-    Looks(lines);
+    Queries(lines);
   }
 
   /// One change all through the program, or a part of another one.
@@ -282,7 +282,7 @@ class Mutator {
   }
 
   /// What should change nothing, most of it.
-  void Looks(Lines& lines) {
+  void Queries(Lines& lines) {
     std::string& line = lines[at_];
     const size_t place = Index(line.size() + 1);
     switch (Index(12)) {

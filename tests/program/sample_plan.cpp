@@ -72,7 +72,7 @@ class SampleBuilder {
 
   PlanResult Finish() {
     for (size_t i = 0; i <= plan_.passes.size(); ++i) {
-      Gap& gap = plan_.gaps.emplace_back();
+      LinkMove& gap = plan_.gaps.emplace_back();
       gap.planned = true;
       if (i > 0) {
         const PassResult& from = plan_.passes[i - 1];

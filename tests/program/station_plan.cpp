@@ -37,7 +37,7 @@ ExternalAxis Table() {
 }
 
 /// The way between two pieces by home, where the external axes move.
-void GoByHome(const PlanResult& plan, const ExternalPosition& from, const ExternalPosition& to, Gap& gap) {
+void GoByHome(const PlanResult& plan, const ExternalPosition& from, const ExternalPosition& to, LinkMove& gap) {
   const Joints between = plan.gaps.front().joints[1];
   if (gap.from_pass < 0)
     gap.external = ExternalMove{from, to, 0, 1};
@@ -108,7 +108,7 @@ PlanResult RidePlan(const std::string& axes, const SampleShape& shape) {
                    PartAt(plan, at) * PartAt(plan, begin).inverse(), point.point);
       point.external = at;
     }
-    Gap& leaving = plan.gaps[p + 1];
+    LinkMove& leaving = plan.gaps[p + 1];
     leaving.joints.front() = CarriedJoints(plan, leaving.joints.front(), begin, at);
     leaving.external->from = at;
   }

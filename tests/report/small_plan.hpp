@@ -34,14 +34,14 @@ inline PlanResult SmallPlan() {
     point.clearance = 40 - i;
     pass.points.push_back(point);
   }
-  pass.points[3].skip = Obstacle::kLimit;
+  pass.points[3].skip = Infeasibility::kLimit;
   pass.points[3].detail = "A5 beyond 117 deg";
   pass.pieces = {{0, 0, 0, 2, false}};
   plan.passes = {pass};
-  Gap gap;
+  LinkMove gap;
   gap.planned = true;
   gap.clearance = 12;
-  Gap blocked;
+  LinkMove blocked;
   blocked.detail = "link3 against platform";
   plan.gaps = {gap, blocked};
   return plan;

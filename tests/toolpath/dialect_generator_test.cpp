@@ -340,7 +340,7 @@ class GcodeDialect : public DialectWriter {
     Head();
     Tool();
     Spindle();
-    Place();
+    SourceLocation();
     const int motions = 3 + static_cast<int>(random_.Below(10));
     for (int i = 0; i < motions; ++i) Step();
     Line("M30");
@@ -394,7 +394,7 @@ class GcodeDialect : public DialectWriter {
     cut_ = true;
   }
 
-  void Place() {
+  void SourceLocation() {
     const Vector p = Printed(random_.Vector(100 / Unit()));
     Line("G0 " + Words(p));
     Add({.kind = Kind::kRapid}, p);
@@ -405,12 +405,12 @@ class GcodeDialect : public DialectWriter {
       case 0:
         Tool();
         if (Chance(0.5)) Spindle();
-        return Place();
+        return SourceLocation();
       case 1:
         return Preselect();
       case 2:
         Offset();
-        return Place();
+        return SourceLocation();
       case 3:
       case 4:
         return Arc();

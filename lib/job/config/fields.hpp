@@ -24,7 +24,7 @@ Codec<JobSettings> PoseSearchFields();
 Codec<JobSettings> LimitFields();
 Codec<JobSettings> PathFields();
 Codec<JobSettings> InterferenceFields();
-Codec<JobSettings> GapFields();
+Codec<JobSettings> LinkMoveFields();
 Codec<ProgramOptionSettings> ProgramOptionFields();
 Codec<CompensationSettings> CompensationFields();
 Codec<PlacementSettings> PlacementFields();

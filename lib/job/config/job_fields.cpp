@@ -148,7 +148,7 @@ const Codec<JobSettings>& JobFields() {
       Key<S>("limits", kSelf, LimitFields(), "What makes a pose admissible."),
       Key<S>("path", kSelf, PathFields(), "How poses are joined along a pass."),
       Key<S>("interference", kSelf, InterferenceFields(), "How interference is checked."),
-      Key<S>("gaps", kSelf, GapFields(), "How the tool moves from one pass to the next."),
+      Key<S>("gaps", kSelf, LinkMoveFields(), "How the tool moves from one pass to the next."),
       Key<S>("programs", MILLPOSE_AT(programs), ListOf(Choice(Posts().Names())),
              "Controllers to write programs for."),
       Key<S>("program_options", MILLPOSE_AT(program_options), ProgramOptionFields(),

@@ -14,7 +14,7 @@
 #include "job/config/cell_settings.hpp"
 #include "job/config/placement_settings.hpp"
 #include "job/config/toolpath_settings.hpp"
-#include "planning/links/gap_planner.hpp"
+#include "planning/links/link_move_planner.hpp"
 #include "planning/pass/pass_planner.hpp"
 #include "toolpath/engagement/process_force.hpp"
 
@@ -153,7 +153,7 @@ struct JobSettings {
   double swept_resolution = 0.5;                                 ///< mm
   std::optional<bool> worst_first;  ///< whether the worst point comes before the sum; else by the objective
   OverMissing over_missing = OverMissing::kLeaveOut;
-  GapOptions gaps;  ///< but for what other sections say, see MakeGapOptions()
+  LinkMoveOptions gaps;  ///< but for what other sections say, see MakeLinkMoveOptions()
   std::vector<std::string> programs{"krl", "sinumerik", "linuxcnc"};
   ProgramOptionSettings program_options;
   CompensationSettings compensation;

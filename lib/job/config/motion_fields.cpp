@@ -88,7 +88,7 @@ Codec<JobSettings> InterferenceFields() {
               "What a motion between two points may miss of a clearance.")});
 }
 
-Codec<JobSettings> GapFields() {
+Codec<JobSettings> LinkMoveFields() {
   using S = JobSettings;
   return Section<S>({
       Key<S>("retract_mm", MILLPOSE_AT(gaps.leave.height), Real(kMm, Positive(1e4)),

@@ -218,7 +218,7 @@ World::World(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
 World::~World() = default;
 
-World World::Watched(std::shared_ptr<LookKeeper> keeper) const {
+World World::Recording(std::shared_ptr<QueryLog> keeper) const {
   World watched = *this;
   watched.keeper_ = std::move(keeper);
   return watched;

@@ -73,11 +73,11 @@ class Compensator {
       PlannedPoint& point = pass.points[i];
       point.compensation.reset();
       if (point.external) Stand(*point.external);
-      if (point.skip == Obstacle::kNone) point.compensation = Expected(point, forces_[p][i]);
+      if (point.skip == Infeasibility::kNone) point.compensation = Expected(point, forces_[p][i]);
     }
     const bool finished = p / per_layer_ + 1 >= options_.layers;
     const bool shifts = finished || options_.which == CompensatedLayers::kAll;
-    for (const Piece& piece : pass.pieces) {
+    for (const Segment& piece : pass.pieces) {
       if (shifts) TakeOutOf(pass, piece, &Compensation::normal);
       if (shifts && options_.deflection == TakeOut::kFull) TakeOutOf(pass, piece, &Compensation::across);
     }
@@ -119,7 +119,7 @@ class Compensator {
     return found;
   }
 
-  void TakeOutOf(PassResult& pass, const Piece& piece, Compensation::Along Compensation::*member) {
+  void TakeOutOf(PassResult& pass, const Segment& piece, Compensation::Along Compensation::*member) {
     std::vector<size_t> points;
     for (auto i = static_cast<size_t>(piece.first); i <= static_cast<size_t>(piece.last); ++i)
       if (pass.points[i].compensation) points.push_back(i);
@@ -230,7 +230,7 @@ CompensationCounts Compensate(const CompensationOptions& options, const PointFor
   return Compensator(options, forces, plan).Run();
 }
 
-void LeaveNominal(PassResult& pass, const Piece& piece) {
+void LeaveNominal(PassResult& pass, const Segment& piece) {
   for (auto i = static_cast<size_t>(piece.first); i <= static_cast<size_t>(piece.last); ++i)
     if (pass.points[i].compensation) Compensator::StayNominal(pass.points[i]);
 }

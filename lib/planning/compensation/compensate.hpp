@@ -66,7 +66,7 @@ CompensationCounts Compensate(const CompensationOptions& options, const PointFor
                               PlanResult& plan);
 
 /// A piece runs at its nominal poses.
-void LeaveNominal(PassResult& pass, const Piece& piece);
+void LeaveNominal(PassResult& pass, const Segment& piece);
 
 /// Whether any point of a plan is commanded to another pose than its nominal one.
 bool IsCompensated(const PlanResult& plan);

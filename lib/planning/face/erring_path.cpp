@@ -95,12 +95,12 @@ ErringPath::ErringPath(const PlanResult& plan, const std::vector<SeriesComplianc
   const ErringPoints points(plan, compliances, weight_in);
   for (const PassResult& pass : plan.passes) {
     if (pass.pass < finished_from) continue;
-    for (const Piece& piece : pass.pieces) {
+    for (const Segment& piece : pass.pieces) {
       Cut& cut = cuts_.emplace_back();
       cut.pass = pass.pass;
       cut.closed = piece.closed;
       for (int t = piece.first; t <= piece.last; ++t)
-        if (pass.points[static_cast<size_t>(t)].skip == Obstacle::kNone)
+        if (pass.points[static_cast<size_t>(t)].skip == Infeasibility::kNone)
           cut.points.push_back(points.Make(pass, static_cast<size_t>(t)));
     }
   }

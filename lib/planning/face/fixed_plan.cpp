@@ -28,14 +28,14 @@ std::array<BranchCourse, 8> Courses(const PassResult& pass, const Stations& stat
   std::array<BranchCourse, 8> courses;
   std::array<Candidate, 8> candidates;
   for (size_t t = 0; t < pass.points.size(); ++t) {
-    if (pass.points[t].skip != Obstacle::kNone) continue;
+    if (pass.points[t].skip != Infeasibility::kNone) continue;
     const std::shared_ptr<const Station> station = stations.Of(pass, t);
     const FreedomValues freedoms{rotation};
     PointScorer(station->problem, pass.points[t].point, pass.rotation_reference)
         .Score({&freedoms, 1}, candidates);
     for (size_t branch = 0; branch < 8; ++branch) {
       BranchCourse& course = courses[branch];
-      course.serves = course.serves && candidates[branch].obstacle == Obstacle::kNone;
+      course.serves = course.serves && candidates[branch].obstacle == Infeasibility::kNone;
       if (!course.serves) continue;
       course.sum += candidates[branch].objective;
       const Joints& q = candidates[branch].q;
@@ -62,7 +62,7 @@ std::optional<PlanResult> AtFixedRotation(const PlanResult& plan, const Stations
     }
     size_t next = 0;
     for (PlannedPoint& point : pass.points) {
-      if (point.skip != Obstacle::kNone) continue;
+      if (point.skip != Infeasibility::kNone) continue;
       point.q = best->q[next++];
       point.branch = static_cast<int>(best - courses.begin());
       point.freedoms = {rotation};

@@ -35,7 +35,7 @@ class CandidateGraph {
   /// Whether a node is free; pruned when not.
   bool IsFree(PassCheckers& checkers, size_t layer, size_t node);
   /// What a pose at a layer's point meets, be it a node or not.
-  std::optional<Sighting> Meets(PassCheckers& checkers, size_t layer, const FreedomValues& freedoms,
+  std::optional<ContactCandidate> Meets(PassCheckers& checkers, size_t layer, const FreedomValues& freedoms,
                                 const Joints& q);
   /// Prunes a node that interferes with nothing by itself.
   void TakeOut(size_t layer, size_t node);
@@ -76,7 +76,7 @@ class CandidateGraph {
 
   /// The last interference found at a layer or on the way from it; empty when there was none.
   std::string Detail(size_t layer) const;
-  std::optional<Sighting> LastSighting(size_t layer) const {
+  std::optional<ContactCandidate> LastContactCandidate(size_t layer) const {
     return last_problem_[layer] ? last_problem_[layer]->sighting : std::nullopt;
   }
   /// What was met last at a layer was as well at another.

@@ -30,7 +30,7 @@ class Comparer {
       : options_(options), stations_(stations), compared_(Compared(passes)) {
     size_t number = 0;
     for (const PassResult& pass : passes) {
-      if (std::ranges::any_of(pass.points, [](const auto& point) { return point.skip == Obstacle::kNone; }))
+      if (std::ranges::any_of(pass.points, [](const auto& point) { return point.skip == Infeasibility::kNone; }))
         passes_.push_back({&pass, number, {}, {stations, pass, options}, {}});
       number += pass.points.size();
     }

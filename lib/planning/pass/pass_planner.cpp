@@ -18,11 +18,11 @@
 namespace millpose {
 namespace {
 
-std::string DetailOf(Obstacle obstacle) {
+std::string DetailOf(Infeasibility obstacle) {
   switch (obstacle) {
-    case Obstacle::kLimit:
+    case Infeasibility::kLimit:
       return "every reachable pose violates a joint limit minus the margin";
-    case Obstacle::kSingular:
+    case Infeasibility::kSingular:
       return "every pose within the limits is too near a singularity or below the least dexterity";
     default:
       return "the arm reaches the point in no rotation about the tool axis";
@@ -115,24 +115,24 @@ double NominalGouge(const PassContext& context, size_t t) {
 void Skip(const PassContext& context, const PassPlan& plan, size_t t, PlannedPoint& point) {
   const PointOptimum& optimum = context.optima[t];
   if (context.points[t].gouge > 0) {
-    point.skip = Obstacle::kGouge;
+    point.skip = Infeasibility::kGouge;
     point.detail = fmt::format("the cutter would go {:.3f} mm into the part", point.point.gouge);
   } else if (!optimum.found && !context.genetic[t].found) {
-    assert(optimum.reason != Obstacle::kNone);
+    assert(optimum.reason != Infeasibility::kNone);
     point.skip = optimum.reason;
     point.detail = DetailOf(optimum.reason);
   } else if (!plan.access[t].empty()) {
-    point.skip = Obstacle::kAccess;
+    point.skip = Infeasibility::kAccess;
     point.detail = plan.access[t];
   } else if (plan.interference[t].empty()) {
-    point.skip = Obstacle::kStep;
+    point.skip = Infeasibility::kStep;
     point.detail = StandsAlone(context, plan, t) ? kAlone : WhyNoStep(context.options.steps);
   } else if (const double depth = NominalGouge(context, t); depth > 0) {
-    point.skip = Obstacle::kGouge;
+    point.skip = Infeasibility::kGouge;
     point.detail = fmt::format(
         "the cutter would go {:.3f} mm into the part at the nominal lean, and no other is free", depth);
   } else {
-    point.skip = Obstacle::kInterference;
+    point.skip = Infeasibility::kInterference;
     point.detail = plan.interference[t];
   }
 }
@@ -170,7 +170,7 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
   result.lift_gain = planned.lift_gain;
   result.stripe = plan.stripe;
   result.pieces = plan.pieces;
-  for (Piece& piece : result.pieces) piece.pass = pass_number;
+  for (Segment& piece : result.pieces) piece.pass = pass_number;
   result.points.resize(count);
   PairNumbers pairs;
   for (size_t t = 0; t < count; ++t) {
@@ -196,7 +196,7 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
       Describe(context.ProblemAt(t), plan.nodes[t], point);
       point.unsmoothed = plan.unsmoothed[t].objective;
       TellFreeOptimum(context, plan, t, point);
-      const std::optional<Sighting>& barred = plan.free[t].barred;
+      const std::optional<ContactCandidate>& barred = plan.free[t].barred;
       if (barred) point.barred = NumberOf(context.world, barred->pair, pairs, result);
     }
   }
@@ -235,7 +235,7 @@ std::shared_ptr<SplitPoints> Begin(PassContext given, const Pass& pass, size_t f
 
 }  // namespace
 
-PassResult PlanPass(const RidingPass& riding, const PassToPlan& wanted, const PathOptions& options,
+PassResult PlanPass(const CoordinatedPass& riding, const PassToPlan& wanted, const PathOptions& options,
                     const Execution& execution) {
   const auto& [pass, number, first_point] = wanted;
   assert(!pass.closed && riding.external.size() == pass.points.size());

@@ -98,7 +98,7 @@ class Descent {
   bool Left() const { return most_ - best_.evaluations >= kLanes; }
 
   double Value(size_t lane) const {
-    return block_.obstacle[best_.branch][lane] == Obstacle::kNone ? block_.objective[best_.branch].v[lane]
+    return block_.obstacle[best_.branch][lane] == Infeasibility::kNone ? block_.objective[best_.branch].v[lane]
                                                                   : kInfinity;
   }
 
@@ -199,7 +199,7 @@ using Entry = CandidateTable::Entry;
 PointOptimum OptimumOf(const CandidateTable& table, const Entry& entry) {
   PointOptimum at;
   at.found = true;
-  at.reason = Obstacle::kNone;
+  at.reason = Infeasibility::kNone;
   at.freedoms = table.Setting(entry.setting);
   at.branch = entry.branch;
   at.q = entry.q;

@@ -125,7 +125,7 @@ std::vector<FeedRun> FeedRuns(const MotionProgram& program) {
 }
 
 std::vector<Proof> Compare(const Replayed& replayed, const Replayed& plan, const Cell& cell,
-                           const VerifyOptions& options, const MotionLook& look, const Execution& execution,
+                           const VerifyOptions& options, const MotionQuery& look, const Execution& execution,
                            std::vector<Finding>& findings) {
   const size_t common = std::min(replayed.runs.size(), plan.runs.size());
   std::vector<Proof> proofs(replayed.program.motions.size());

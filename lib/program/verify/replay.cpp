@@ -131,7 +131,7 @@ std::optional<Joints> CallTarget(const MotionProgram& program, const Motion& mot
 /// The external axis that motion `index` takes along a cut to or from farther outside its limits than they
 /// are wide; empty for none. Such a way is not worth following: it may be kilometres long.
 std::string FarAlong(const MotionProgram& program, size_t index) {
-  for (size_t k = 0; k < program.external_axes.size() && Rides(program, index); ++k) {
+  for (size_t k = 0; k < program.external_axes.size() && CoordinatedMotions(program, index); ++k) {
     const ExternalAxis& axis = program.external_axes[k];
     const double range = axis.upper - axis.lower;
     for (const size_t end : {index - 1, index}) {
@@ -249,7 +249,7 @@ void AppendInstants(const MotionProgram& program, const Cell& cell, const Replay
   const FramedLine line = motion.type == MotionType::kLinear
                               ? LineOf(program, index, start)
                               : FramedLine{ProgrammedLine(start, ForwardFlange(cell.arm, to) * X_FT)};
-  const bool rides = Rides(program, index);
+  const bool rides = CoordinatedMotions(program, index);
   const int steps = StepsOf(line, step, rides ? ExternalParts(program, index, step, kTurnStep) : 0);
   std::vector<Joints> angles;
   if (motion.type == MotionType::kJoint) {

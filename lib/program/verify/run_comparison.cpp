@@ -12,9 +12,9 @@ namespace {
 constexpr size_t kLookAhead = 64;    // planned points that a program may leave out in one step
 constexpr double kSpareLength = 10;  // mm beyond the planned length of a cut that are sampled in any case
 
-bool RidesWithin(const MotionProgram& program, const FeedRun& run) {
+bool CoordinatedWithin(const MotionProgram& program, const FeedRun& run) {
   for (size_t i = run.first; i <= run.last; ++i)
-    if (Rides(program, i)) return true;
+    if (CoordinatedMotions(program, i)) return true;
   return false;
 }
 
@@ -31,8 +31,8 @@ RunComparison::RunComparison(const Replayed& replayed, const FeedRun& run, const
       bodies_(bodies),
       options_(options),
       proofs_(proofs),
-      plan_rides_(RidesWithin(plan.program, plan_run)),
-      rides_(plan_rides_ || RidesWithin(replayed.program, run)),
+      plan_rides_(CoordinatedWithin(plan.program, plan_run)),
+      rides_(plan_rides_ || CoordinatedWithin(replayed.program, run)),
       X_PB_(BaseInPart(cell_, replayed.program.motions[run.first].external)) {}
 
 std::vector<Finding> RunComparison::Compare() {
@@ -47,7 +47,7 @@ std::vector<Finding> RunComparison::Compare() {
   return std::move(findings_);
 }
 
-void RunComparison::HandOn(const MotionLook& look, std::vector<Finding>& findings) const {
+void RunComparison::HandOn(const MotionQuery& look, std::vector<Finding>& findings) const {
   for (size_t begin = 1, end = 1; begin < instants_.size(); begin = end) {  // behind the start of the run
     const size_t motion = instants_[begin].motion;
     while (end < instants_.size() && instants_[end].motion == motion) ++end;

@@ -31,7 +31,7 @@ void RefuseLinks(const Folder& folder, const std::vector<BatchJob>& jobs) {
   std::vector<Problem> problems;
   for (const BatchJob& job : jobs)
     if (folder.KindOf(job.name) == Folder::Kind::kOther)
-      problems.push_back({Place{(folder.path() / job.name).string()},
+      problems.push_back({SourceLocation{(folder.path() / job.name).string()},
                           "is a symbolic link or the like; allowed for the folder of a job: a folder"});
   if (!problems.empty()) throw InputError(std::move(problems));
 }

@@ -318,7 +318,7 @@ std::string SampleCellText(const std::string& name) {
     return text;
   }
   const std::string near = NearestName(name, names);
-  throw InputError(Place{}, fmt::format("--arm: given {}; allowed: a URDF file, or one of {}{}", name,
+  throw InputError(SourceLocation{}, fmt::format("--arm: given {}; allowed: a URDF file, or one of {}{}", name,
                                         fmt::join(names, ", "), near.empty() ? "" : "; nearest: " + near));
 }
 

@@ -46,7 +46,7 @@ std::vector<double> AllNumbers(const std::vector<std::string>& words) {
 }
 
 // Rows of [axes | origin].
-AptFrame FrameOf(const std::vector<double>& rows, std::string name, const Place& place) {
+AptFrame FrameOf(const std::vector<double>& rows, std::string name, const SourceLocation& place) {
   AptFrame frame;
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c) frame.rotation(r, c) = rows[static_cast<size_t>(4 * r + c)];
@@ -97,7 +97,7 @@ std::optional<AptFrame> AptComments::Decide(AptFrame frame, bool known) {
 
 // "$$*CATIA0", "$$ identifier", three rows of four numbers. Without a row nothing is stated.
 std::optional<AptFrame> AptComments::TakeCatia(const std::vector<AptWord>& comments, size_t& at) {
-  const Place place = comments[at].place;
+  const SourceLocation place = comments[at].place;
   std::vector<double> rows;
   size_t others = 0;
   for (++at; at < comments.size() && rows.size() < 12; ++at) {
@@ -123,7 +123,7 @@ std::optional<AptFrame> AptComments::TakeOther(const std::vector<AptWord>& comme
       words.begin(), words.begin() + static_cast<long>(std::min<size_t>(3, words.size())),
       [](const std::string& word) { return kSystems.contains(word); });
   if (named == words.begin() + static_cast<long>(std::min<size_t>(3, words.size()))) return std::nullopt;
-  const Place place = comments[at].place;
+  const SourceLocation place = comments[at].place;
   std::vector<double> numbers;
   for (const std::string& word : words)
     if (const auto number = NumberOf(word)) numbers.push_back(*number);

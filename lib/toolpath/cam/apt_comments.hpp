@@ -13,7 +13,7 @@ struct AptFrame {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< its axes in the part, as columns
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();        ///< in the part, file units
   std::string name;                                        ///< "CATIA0", "CSYS"
-  Place place;
+  SourceLocation place;
   bool IsIdentity() const { return rotation.isIdentity(1e-9) && origin.isZero(1e-9); }
 };
 

@@ -61,7 +61,7 @@ void CheckKeys(const CamReadOptions& options, bool apt, bool gcode, const std::s
                                    : gcode ? "G-code"
                                            : "CSV"));
   };
-  check(options.circle != CircleWay::kBoth, apt, "circle", "APT CLDATA");
+  check(options.circle != CircleSense::kBoth, apt, "circle", "APT CLDATA");
   check(options.frame.has_value(), apt, "frame", "APT CLDATA");
   check(options.cycle_point.has_value(), apt, "cycle_point", "APT CLDATA");
   check(!options.offsets.empty(), gcode, "offsets_mm", "G-code");

@@ -53,7 +53,7 @@ struct CamPath {
 };
 
 /// What decides which way round an APT circle with an axis goes.
-enum class CircleWay : uint8_t {
+enum class CircleSense : uint8_t {
   kBoth,     ///< the tangent of the motion before and the sign of the axis, which must not contradict
   kTangent,  ///< the tangent where it tells, else the sign
   kAxis,     ///< the sign alone
@@ -70,7 +70,7 @@ struct CamReadOptions {
   double chord_tolerance =
       0.01;                ///< mm: how far arcs and the ways under turning rotary axes may bend from chords
   RotaryAxes rotary_axes;  ///< of the machine that a G-code program was written for
-  CircleWay circle = CircleWay::kBoth;
+  CircleSense circle = CircleSense::kBoth;
   std::optional<bool> tip_programming;   ///< whether a G-code program begins with the tip's coordinates
   std::map<int, bool> kinematics_codes;  ///< M codes that switch: from then on X, Y, Z are the tip's, or not
   std::optional<CamSender> sender;

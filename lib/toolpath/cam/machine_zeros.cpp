@@ -5,7 +5,7 @@
 
 namespace millpose {
 
-void MachineZeros::Take(const std::string& word, const std::vector<double>& numbers, const Place& place,
+void MachineZeros::Take(const std::string& word, const std::vector<double>& numbers, const SourceLocation& place,
                         bool moving) {
   ++count_;
   std::vector<double>& last = last_[word];

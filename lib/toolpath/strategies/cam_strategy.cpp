@@ -16,7 +16,7 @@ struct CamStrategy final : Strategy {
   std::vector<RotaryAxis> rotary_axes;
   std::optional<bool> tip_programming;
   std::map<std::string, bool> kinematics_codes;  ///< "M428": X, Y, Z are the tip's from then on, or not
-  CircleWay circle = CircleWay::kBoth;
+  CircleSense circle = CircleSense::kBoth;
   std::optional<CamSender> sender;
   std::optional<double> unit;  ///< mm
   std::optional<CamFrame> frame;
@@ -207,8 +207,8 @@ yaml::Codec<CamStrategy> CamFields() {
               MapOf<bool>({}, ChoiceOf<bool>({{"tip", true}, {"joints", false}})),
               "Of G-code: what X, Y, Z are from such an M code on, e.g. {M428: tip, M429: joints}."),
        Key<S>("circle", MILLPOSE_AT(circle),
-              ChoiceOf<CircleWay>(
-                  {{"both", CircleWay::kBoth}, {"tangent", CircleWay::kTangent}, {"axis", CircleWay::kAxis}}),
+              ChoiceOf<CircleSense>(
+                  {{"both", CircleSense::kBoth}, {"tangent", CircleSense::kTangent}, {"axis", CircleSense::kAxis}}),
               "Of APT: what decides which way round a CIRCLE with an axis goes where the cut before and the "
               "axis's sign contradict; both: the file is refused there."),
        Key<S>("sender", MILLPOSE_AT(sender), Maybe(SenderCodec()),

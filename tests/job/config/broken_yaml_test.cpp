@@ -398,7 +398,7 @@ TEST(BrokenYaml, ColumnsAfterALongLineAreThoseOfCharacters) {
     } catch (const InputError& error) {
       return error.problems().at(0).place;
     }
-    return Place{};
+    return SourceLocation{};
   };
   EXPECT_EQ(place(list + "*a]").column, 1 + 3 * 3000 + 1);
   EXPECT_EQ(place(list + "x,\n ü, *a]").line, 2);

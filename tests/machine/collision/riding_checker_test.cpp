@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "machine/collision/riding_checker.hpp"
+#include "machine/collision/coordinated_checker.hpp"
 
 #include <gtest/gtest.h>
 
@@ -46,7 +46,7 @@ ExternalPosition Between(const ExternalPosition& a, const ExternalPosition& b, d
 }
 
 /// The smallest distance on the motion at positions close together, joints `beside` those of the motion.
-double Nearest(const World& world, const RidingPose& from, const RidingPose& to, const Joints& beside) {
+double Nearest(const World& world, const CoordinatedPose& from, const CoordinatedPose& to, const Joints& beside) {
   constexpr int kSteps = 400;
   double nearest = 50;
   for (int k = 0; k <= kSteps; ++k) {
@@ -58,13 +58,13 @@ double Nearest(const World& world, const RidingPose& from, const RidingPose& to,
   return nearest;
 }
 
-TEST(RidingChecker, FindsWhatLookingDenselyFindsAndNothingElse) {
+TEST(CoordinatedChecker, FindsWhatLookingDenselyFindsAndNothingElse) {
   constexpr double kResolution = 0.5;
   RandomStream random(5, 0);
   int blocked = 0, free = 0, near = 0;
   for (int k = 0; k < 500; ++k) {
     const World world(Balls(random));
-    RidingPose from, to;
+    CoordinatedPose from, to;
     for (int j = 0; j < 6; ++j) {
       from.q[j] = random.Uniform(-0.5, 0.5) + (j == 1 ? -1.3 : j == 2 ? 1.3 : 0);
       to.q[j] = from.q[j] + random.Uniform(-0.15, 0.15);
@@ -72,7 +72,7 @@ TEST(RidingChecker, FindsWhatLookingDenselyFindsAndNothingElse) {
     from.external = {random.Uniform(-300, 300), random.Uniform(-0.5, 0.5)};
     to.external = {from.external[0] + random.Uniform(-300, 300),
                    from.external[1] + random.Uniform(-0.4, 0.4)};
-    RidingChecker checker(world);
+    CoordinatedChecker checker(world);
     const auto found = checker.BlockedBetween(from, to, Phase::kFree, kResolution);
     const double nearest = Nearest(world, from, to, Joints::Zero());
     if (!found) {
@@ -92,18 +92,18 @@ TEST(RidingChecker, FindsWhatLookingDenselyFindsAndNothingElse) {
   EXPECT_GT(near, 1);
 }
 
-TEST(RidingChecker, AnswersAsACheckerWhereTheAxesStand) {
+TEST(CoordinatedChecker, AnswersAsACheckerWhereTheAxesStand) {
   RandomStream random(6, 0);
   int blocked = 0;
   for (int k = 0; k < 200; ++k) {
     const World world(Balls(random));
-    RidingPose from, to;
+    CoordinatedPose from, to;
     for (int j = 0; j < 6; ++j) {
       from.q[j] = random.Uniform(-0.5, 0.5) + (j == 1 ? -1.3 : j == 2 ? 1.3 : 0);
       to.q[j] = from.q[j] + random.Uniform(-0.3, 0.3);
     }
     from.external = to.external = {random.Uniform(-300, 300), random.Uniform(-0.5, 0.5)};
-    const bool found = RidingChecker(world).BlockedBetween(from, to, Phase::kFree, 0.5).has_value();
+    const bool found = CoordinatedChecker(world).BlockedBetween(from, to, Phase::kFree, 0.5).has_value();
     const double nearest = Nearest(world, from, to, Joints::Zero());
     if (nearest < 9.5) {
       EXPECT_TRUE(found) << k;
@@ -116,20 +116,20 @@ TEST(RidingChecker, AnswersAsACheckerWhereTheAxesStand) {
   EXPECT_GT(blocked, 10);
 }
 
-TEST(RidingChecker, MotionsBesideItAreFreeToo) {
+TEST(CoordinatedChecker, MotionsBesideItAreFreeToo) {
   RandomStream random(7, 0);
   int free = 0;
   const Joints tube = Joints::Constant(2e-5);
   for (int k = 0; k < 60; ++k) {
     const World world(Balls(random));
-    RidingPose from, to;
+    CoordinatedPose from, to;
     for (int j = 0; j < 6; ++j) {
       from.q[j] = random.Uniform(-0.5, 0.5) + (j == 1 ? -1.3 : j == 2 ? 1.3 : 0);
       to.q[j] = from.q[j] + random.Uniform(-0.1, 0.1);
     }
     from.external = {random.Uniform(-300, 300), random.Uniform(-0.5, 0.5)};
     to.external = {from.external[0] + random.Uniform(-100, 100), from.external[1]};
-    if (RidingChecker(world).BlockedBetween(from, to, Phase::kFree, 0.5, tube)) continue;
+    if (CoordinatedChecker(world).BlockedBetween(from, to, Phase::kFree, 0.5, tube)) continue;
     EXPECT_GE(Nearest(world, from, to, tube), 9.5);
     EXPECT_GE(Nearest(world, from, to, -tube), 9.5);
     ++free;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kArcmin = kRadPerDeg / 60;
 
-LostMotion Gap(double arcmin) {
+LostMotion LinkMove(double arcmin) {
   LostMotion lost;
   lost.width.head<6>().setConstant(arcmin * kArcmin);
   return lost;
@@ -46,7 +46,7 @@ size_t Turns(const std::vector<GearEvent>& events, int gear) {
 
 // One joint 0 → 1 → 0° with 0.3 arcmin: the tip's error along n steps by h·R at 1°.
 TEST(LostMotion, StepsByGapTimesLeverWhereAJointTurnsBack) {
-  const LostMotion lost = Gap(0.3);
+  const LostMotion lost = LinkMove(0.3);
   const std::vector<GearPlace> way = Way({0, 1, 0}, 0.01);
   const std::vector<GearValues> offsets = OffsetsAlong(lost, way);
   constexpr double kRadius = 2000;  // mm
@@ -66,7 +66,7 @@ TEST(LostMotion, StepsByGapTimesLeverWhereAJointTurnsBack) {
 }
 
 TEST(LostMotion, IsThePlayOperatorWithoutLoad) {
-  const LostMotion lost = Gap(0.6);
+  const LostMotion lost = LinkMove(0.6);
   const double half = lost.width[0] / 2;
   RandomStream random(7, 0);
   std::vector<GearPlace> way(400);
@@ -84,7 +84,7 @@ TEST(LostMotion, IsThePlayOperatorWithoutLoad) {
 }
 
 TEST(LostMotion, CountsTwiceATurnOfACircle) {
-  const LostMotion lost = Gap(0);
+  const LostMotion lost = LinkMove(0);
   std::vector<GearPlace> way;
   for (int t = 0; t <= 3 * 360; ++t) {
     way.emplace_back();
@@ -98,7 +98,7 @@ TEST(LostMotion, CountsTwiceATurnOfACircle) {
 }
 
 TEST(LostMotion, LeavesOutWhatIsNotToldFromRest) {
-  const LostMotion lost = Gap(0.3);
+  const LostMotion lost = LinkMove(0.3);
   EXPECT_TRUE(GearEvents(lost, Way({0, 1, 0.9951, 2}, 0.01)).empty());
   EXPECT_EQ(Turns(GearEvents(lost, Way({0, 1, 0.9949, 2}, 0.01)), 0), 2u);
   EXPECT_TRUE(GearEvents(lost, Way({0, -0.004, 1}, 0.001)).empty()) << "the first move is settled";
@@ -106,7 +106,7 @@ TEST(LostMotion, LeavesOutWhatIsNotToldFromRest) {
 
 // Gravity presses it to one flank: it turns back and does not cross.
 TEST(LostMotion, ALoadedJointThatTurnsBackNeedNotCross) {
-  LostMotion lost = Gap(0.3);
+  LostMotion lost = LinkMove(0.3);
   lost.friction[1] = 1e5;
   std::vector<GearPlace> way = Way({0, 1, 0}, 0.1, 1);
   for (GearPlace& place : way) place.load[1] = -3e5;
@@ -123,7 +123,7 @@ TEST(LostMotion, ALoadedJointThatTurnsBackNeedNotCross) {
 
 // Its weight's torque changes its sign on the way: it crosses, always going on.
 TEST(LostMotion, ABalancedJointThatPassesItsDeadPointCrosses) {
-  LostMotion lost = Gap(0.3);
+  LostMotion lost = LinkMove(0.3);
   lost.friction[1] = 1e5;
   std::vector<GearPlace> way = Way({-10, 10}, 0.5, 1);
   for (GearPlace& place : way) place.load[1] = 1e6 * place.at[1];  // 0 at 0°
@@ -145,7 +145,7 @@ TEST(LostMotion, ABalancedJointThatPassesItsDeadPointCrosses) {
 TEST(LostMotion, ReversalsCountAtTheGear) {
   Matrix6 gears = Matrix6::Identity();
   gears(2, 1) = 1;
-  LostMotion lost = Gap(0.3);
+  LostMotion lost = LinkMove(0.3);
   lost.CountAs({gears, Joints::Constant(0.5)});
   std::vector<GearPlace> way;
   for (const double angle : {0.0, 0.5, 1.0, 0.5, 0.0}) {
@@ -155,7 +155,7 @@ TEST(LostMotion, ReversalsCountAtTheGear) {
   const std::vector<GearEvent> events = GearEvents(lost, way);
   EXPECT_EQ(Turns(events, 1), 1u);
   EXPECT_EQ(Turns(events, 2), 0u);
-  EXPECT_EQ(Turns(GearEvents(Gap(0.3), way), 2), 0u);
+  EXPECT_EQ(Turns(GearEvents(LinkMove(0.3), way), 2), 0u);
 }
 
 // Levers by the gears say the same of the tip as the Jacobian by the axes.

@@ -91,7 +91,7 @@ TEST(EndGuard, APointThatNoPoseLeavesEndsThePieceBeforeIt) {
   EXPECT_GT(end, 16u);
   EXPECT_TRUE(f.Leaves(world, guarded.points[end].q, kClearanceShares.back()));
   for (size_t t = end + 1; t < 24; ++t) {
-    EXPECT_EQ(guarded.points[t].skip, Obstacle::kAccess) << t;
+    EXPECT_EQ(guarded.points[t].skip, Infeasibility::kAccess) << t;
     EXPECT_NE(guarded.points[t].detail.find("holder"), std::string::npos) << guarded.points[t].detail;
   }
 }

@@ -81,7 +81,7 @@ TEST(FixedRotation, IsTheBestOfAllThatServeEveryPoint) {
         for (const MillingPoint& point : row.points) {
           const Candidate candidate =
               PointScorer(problem, point, row.rotation_reference).ScoreOne({rotation}, branch);
-          worst = candidate.obstacle == Obstacle::kNone ? std::max(worst, candidate.objective)
+          worst = candidate.obstacle == Infeasibility::kNone ? std::max(worst, candidate.objective)
                                                         : std::numeric_limits<double>::infinity();
           if (!std::isfinite(worst)) break;
         }
@@ -181,7 +181,7 @@ TEST(FixedInterference, IsThatOfEveryPoseAndMotionWhateverWasLookedAtBefore) {
 bool HasPose(const PoseProblem& problem, const PassResult& pass, size_t t, double rotation) {
   const PointScorer scorer(problem, pass.points[t].point, pass.rotation_reference);
   for (int branch = 0; branch < 8; ++branch)
-    if (scorer.ScoreOne({rotation}, branch).obstacle == Obstacle::kNone) return true;
+    if (scorer.ScoreOne({rotation}, branch).obstacle == Infeasibility::kNone) return true;
   return false;
 }
 

@@ -20,7 +20,7 @@ TEST(PlanJob, EveryPointIsOnTheToolPathInAnAdmissiblePose) {
     const std::vector<MillingPoint>& laid =
         job.prepared.toolpath.passes[static_cast<size_t>(pass.pass)].points;
     for (const PlannedPoint& planned : pass.points) {
-      ASSERT_EQ(planned.skip, Obstacle::kNone) << planned.detail;
+      ASSERT_EQ(planned.skip, Infeasibility::kNone) << planned.detail;
       const Pose X_WT = carrier.ToolPose(planned.q);
       EXPECT_LT((X_WT.translation() - planned.point.position).norm(), 1e-6);
       EXPECT_LT((X_WT.linear().col(2) - planned.point.tool_axis).norm(), 1e-9);
@@ -39,13 +39,13 @@ TEST(PlanJob, EveryPointIsOnTheToolPathInAnAdmissiblePose) {
   EXPECT_EQ(cuts, CountPoints(job.prepared.toolpath));
 }
 
-TEST(PlanJob, GapsJoinHomeThePiecesAndHome) {
+TEST(PlanJob, LinkMovesJoinHomeThePiecesAndHome) {
   const PlannedJob& job = FreshPlan();
   const Carrier carrier{job.plan.arm, job.plan.X_WB, job.plan.X_FT};
-  const auto ends = GapEnds(HomeOf(job.plan), job.plan.passes);
+  const auto ends = LinkMoveEnds(HomeOf(job.plan), job.plan.passes);
   ASSERT_EQ(job.plan.gaps.size(), ends.size());
   for (size_t i = 0; i < ends.size(); ++i) {
-    const Gap& gap = job.plan.gaps[i];
+    const LinkMove& gap = job.plan.gaps[i];
     ASSERT_TRUE(gap.planned) << gap.detail;
     EXPECT_EQ(gap.from_pass, ends[i].first.pass);
     EXPECT_EQ(gap.to_pass, ends[i].second.pass);

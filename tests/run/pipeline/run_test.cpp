@@ -166,13 +166,13 @@ TEST(HoldsPlanOf, OnlyWhatIsAsItWasWrittenByThisProgram) {
   EXPECT_TRUE(after([](const auto& out) { WriteFileAtomically(out / "note.txt", "the user's"); }));
 }
 
-TEST(FindStandingPlan, HoldsForTheSameWishesAlone) {
+TEST(FindExistingPlan, HoldsForTheSameWishesAlone) {
   const std::string key = CheckManifest(Planned().out()).key;
   const OutputFolder folder(Planned().out(), FolderUse::kCheckpoints);
   const auto found = [&](const std::function<void(PlanArguments&)>& change) {
     PlanArguments arguments = Planned().arguments();
     change(arguments);
-    return FindStandingPlan(Planned().out(), key,
+    return FindExistingPlan(Planned().out(), key,
                             BeginRun(arguments, "support_pad", Planned().job(), folder));
   };
   const auto standing = found([](PlanArguments&) {});

@@ -90,8 +90,8 @@ void Count(const std::vector<PointReach>& reach, JobCheck& check) {
   check.points = reach.size();
   for (size_t i = 0; i < reach.size(); ++i) {
     ++check.reach[static_cast<size_t>(reach[i].best)];
-    if (reach[i].best == Obstacle::kLimit) ++check.limited[static_cast<size_t>(reach[i].axis)];
-    if (reach[i].best != Obstacle::kNone && check.out_of_reach.size() < kNamed)
+    if (reach[i].best == Infeasibility::kLimit) ++check.limited[static_cast<size_t>(reach[i].axis)];
+    if (reach[i].best != Infeasibility::kNone && check.out_of_reach.size() < kNamed)
       check.out_of_reach.push_back(i);
   }
 }

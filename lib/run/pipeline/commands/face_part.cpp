@@ -31,7 +31,7 @@ PlanFolder ReadFolder(const FaceArguments& arguments) {
     std::optional<std::filesystem::path> origin;
     if (arguments.job) origin = std::filesystem::absolute(*arguments.job).parent_path();
     read.inputs = LoadJobInputs(arguments.plan / "job.yaml", {}, origin, arguments.root);
-    TakeKeptMeshes(arguments.plan, &read.inputs);
+    TakeCachedMeshes(arguments.plan, &read.inputs);
   });
   return read;
 }

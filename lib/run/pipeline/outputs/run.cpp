@@ -131,8 +131,8 @@ Planned PlanInto(const Destination& to, const PlanArguments& arguments, JobInput
   if (arguments.fresh && !arguments.share) to.folder.RemoveCheckpoints();
   const FolderCheckpoints checkpoints(to.folder, !arguments.fresh);
   if (!arguments.fresh) {
-    TakeKeptMeshes(to.folder, &inputs);
-    const auto standing = FindStandingPlan(to.folder.path(), inputs.hash, begun);
+    TakeCachedMeshes(to.folder, &inputs);
+    const auto standing = FindExistingPlan(to.folder.path(), inputs.hash, begun);
     if (standing && !arguments.share) return {{standing->exit_status, standing->told + kUnchanged}, false};
   }
   stages.Begin(SurfaceStage(inputs), 0);  // which PrepareJob goes on with

@@ -62,9 +62,9 @@ CheckedProgram MakeProgram(const PlanResult& plan, const std::vector<std::string
   const Post& post = with.post;
   CheckedProgram program;
   program.controller = controller;
-  std::vector<CallWay> calls;
+  std::vector<CallTransition> calls;
   try {
-    calls = PlanCallWays(with.world, inputs, controller, with.execution.stop);
+    calls = PlanCallTransitions(with.world, inputs, controller, with.execution.stop);
   } catch (const InputError& error) {
     program.findings.push_back({"", 0, error.problems().front().message, Cause::kText});
     return program;

@@ -109,7 +109,7 @@ EconomyOptions MakeEconomyOptions(const ProgramOptionSettings& options) {
 
 ProgramMotions MakeProgramMotions(const PlanResult& plan, const JobInputs& inputs,
                                   const std::string& controller, const std::optional<BaseWindow>& window,
-                                  const std::vector<CallWay>& calls) {
+                                  const std::vector<CallTransition>& calls) {
   const JobSettings& job = inputs.job;
   ProgramMotions motions;
   const double lift = job.program_options.dry_run_offset;

@@ -33,7 +33,7 @@ std::vector<std::string> AssumeFrames(MotionProgram& program, const Pose& X_KB) 
     assumptions.push_back("the controller's base is as the header's base_pose says: " + value);
   }
   if (!program.X_BP)
-    throw InputError(Place{program.files.front(), 1, 0, -1},
+    throw InputError(SourceLocation{program.files.front(), 1, 0, -1},
                      "the base is a frame that the controller holds; a line 'base_pose: " +
                          PoseText(Pose::Identity()) + "' with its values expected in the header");
   return assumptions;
@@ -80,7 +80,7 @@ std::string ToolIn(const std::string& text, const CellSettings& cell) {
 fs::path CalledFile(const fs::path& main, const CallingSyntax& syntax, const std::string& name) {
   const fs::path file = main.parent_path() / (name + syntax.called_ending);
   if (!fs::exists(file))
-    throw InputError(Place{main.string(), 0, 0, -1},
+    throw InputError(SourceLocation{main.string(), 0, 0, -1},
                      fmt::format("calls {}; {} is not beside it", name, file.filename().string()));
   return file;
 }
@@ -89,7 +89,7 @@ fs::path CalledFile(const fs::path& main, const CallingSyntax& syntax, const std
 
 std::vector<VerifiedProgram> VerifyAlone(const VerifyArguments& arguments, const Execution& execution) {
   if (!arguments.cell) {
-    throw InputError(Place{arguments.target.string(), 0, 0, -1},
+    throw InputError(SourceLocation{arguments.target.string(), 0, 0, -1},
                      "a program needs its cell, or the plan that it was written from: --cell CELL.yaml or "
                      "--plan DIR expected");
   }

@@ -20,7 +20,7 @@ std::vector<VerifiedProgram> VerifyFolder(const VerifyArguments& arguments, cons
   std::vector<VerifiedProgram> programs =
       PlannedFolder(arguments.target, manifest, arguments, execution).HoldAll();
   if (programs.empty())
-    throw InputError(Place{arguments.target.string(), 0, 0, -1}, "the folder holds no programs");
+    throw InputError(SourceLocation{arguments.target.string(), 0, 0, -1}, "the folder holds no programs");
   return programs;
 }
 

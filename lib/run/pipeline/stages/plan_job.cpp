@@ -10,14 +10,14 @@
 #include "job/lean_freedoms.hpp"
 #include "job/locate.hpp"
 #include "job/plausible.hpp"
-#include "store/kept_stage.hpp"
+#include "store/cached_stage.hpp"
 #include "store/plan_key.hpp"
 #include "planning/pass/nominal_plan.hpp"
 #include "planning/pass/revolutions.hpp"
 #include "run/pipeline/stages/finer_passes.hpp"
 #include "run/pipeline/stages/other_stations.hpp"
 #include "run/pipeline/stages/other_ways.hpp"
-#include "run/pipeline/stages/plan_gaps.hpp"
+#include "run/pipeline/stages/plan_link_moves.hpp"
 #include "run/pipeline/stages/plan_passes.hpp"
 #include "run/pipeline/programs/program_stage.hpp"
 #include "run/pipeline/stages/repair_ends.hpp"
@@ -63,7 +63,7 @@ size_t LeaveIncomplete(const Toolpath& toolpath, std::vector<PassResult>& passes
     if (!toolpath.passes[static_cast<size_t>(pass.pass)].whole || CountSkipped(pass) == 0) continue;
     for (; !pass.pieces.empty(); ++left_out)
       LeaveOut(
-          pass, static_cast<int>(pass.pieces.size()) - 1, Obstacle::kIncomplete,
+          pass, static_cast<int>(pass.pieces.size()) - 1, Infeasibility::kIncomplete,
           "other points of its hole or contour are skipped, and these are milled completely or not at all");
   }
   return left_out;
@@ -77,7 +77,7 @@ FixedComparison KeptComparison(const JobInputs& inputs, const PreparedJob& prepa
   const auto& [rotation_step, steps, swept_resolution, worst_first, threads, stop, leave] = options;
   const std::string key = StageKey(prepared.problem, rotation_step, steps, swept_resolution, worst_first,
                                    leave, KeyOf(passes, threads));
-  return KeptInWorld<FixedComparison>(
+  return CachedInWorld<FixedComparison>(
       checkpoints, "fixed", key, prepared.stations.AtOwnAxis(), [&](const Stations& stations) {
         return CompareWithFixed(stations, AtNominalLean(prepared.problem, passes), options);
       });
@@ -88,7 +88,7 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
               PlannedJob& job) {
   const PoseProblem& problem = job.prepared.problem;
   PlanResult& plan = job.plan;
-  RepairEnds(job.prepared, MakePathOptions(inputs.job), MakeGapOptions(inputs.job).leave, checkpoints,
+  RepairEnds(job.prepared, MakePathOptions(inputs.job), MakeLinkMoveOptions(inputs.job).leave, checkpoints,
              execution, plan.passes);
   const size_t narrowed =
       ChooseRevolutions(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
@@ -99,17 +99,17 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
         "the limits of the axes admit many full revolutions of {} pieces: only those nearest home "
         "are compared (arm.limits_deg, limits.joints_deg)",
         narrowed));
-  const GapOptions options = MakeGapOptions(inputs.job);
+  const LinkMoveOptions options = MakeLinkMoveOptions(inputs.job);
   const auto leave_over_missing = [&] {
     return LeaveIncomplete(job.prepared.toolpath, plan.passes) +
            LeaveOverMissing(inputs, job.prepared.surface.mesh, execution, plan);
   };
   leave_over_missing();
-  execution.progress.Begin("gaps", GapEnds(HomeOf(plan), plan.passes).size());
-  PlannedGaps gaps = PlanAllGaps(job.prepared.stations, plan.passes, options, checkpoints, execution);
+  execution.progress.Begin("gaps", LinkMoveEnds(HomeOf(plan), plan.passes).size());
+  PlannedLinkMoves gaps = PlanAllLinkMoves(job.prepared.stations, plan.passes, options, checkpoints, execution);
   job.resumed_gaps = gaps.resumed;
   while (leave_over_missing() > 0)  // over pieces that no way leads to
-    gaps = PlanAllGaps(job.prepared.stations, plan.passes, options, checkpoints, execution);
+    gaps = PlanAllLinkMoves(job.prepared.stations, plan.passes, options, checkpoints, execution);
   plan.gaps = std::move(gaps.gaps);
   execution.progress.End(
       fmt::format("{} gaps, {} of them from checkpoints", plan.gaps.size(), job.resumed_gaps));
@@ -127,9 +127,9 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   std::ranges::copy(notes.findings, std::back_inserter(job.prepared.made.findings));
   job.compensation_remains = notes.remains;
   if (inputs.job.programs.empty()) return;
-  const auto start_ends = StartEnds(GapEnds(HomeOf(plan), plan.passes));
+  const auto start_ends = StartEnds(LinkMoveEnds(HomeOf(plan), plan.passes));
   execution.progress.Begin("starts", start_ends.size());
-  job.starts.ways.gaps = PlanGaps(job.prepared.stations, start_ends, options, checkpoints, execution).gaps;
+  job.starts.ways.gaps = PlanLinkMoves(job.prepared.stations, start_ends, options, checkpoints, execution).gaps;
   execution.progress.End(fmt::format("{} ways", start_ends.size()));
 }
 
