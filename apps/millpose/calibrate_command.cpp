@@ -5,9 +5,9 @@
 
 #include "base/error.hpp"
 #include "base/loose_file.hpp"
+#include "base/yaml/edit.hpp"
 #include "commands.hpp"
 #include "run/pipeline/commands/calibrate_part.hpp"
-#include "base/yaml/edit.hpp"
 
 namespace millpose {
 namespace {

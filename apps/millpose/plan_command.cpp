@@ -30,7 +30,8 @@ Share ParseShare(const std::string& text) {
       slash == std::string::npos ? std::nullopt : ParseNumber(text.substr(slash + 1));
   const bool whole = number && count && *number == std::floor(*number) && *count == std::floor(*count);
   if (!whole || *number < 1 || *number > *count || *count > 1e6)
-    throw InputError(SourceLocation{}, fmt::format("--share: given {}; allowed: K/N with K from 1 to N", text));
+    throw InputError(SourceLocation{},
+                     fmt::format("--share: given {}; allowed: K/N with K from 1 to N", text));
   return {static_cast<size_t>(*number) - 1, static_cast<size_t>(*count)};
 }
 

@@ -17,11 +17,11 @@ struct RecutLength {
   bool repaired;         ///< what ShapeFix makes of the face
 };
 inline constexpr std::array<RecutLength, 6> kRecutWays{{{true, false, false},
-                                                     {false, true, false},
-                                                     {true, true, false},
-                                                     {false, false, true},
-                                                     {true, false, true},
-                                                     {true, true, true}}};
+                                                        {false, true, false},
+                                                        {true, true, false},
+                                                        {false, false, true},
+                                                        {true, false, true},
+                                                        {true, true, true}}};
 
 /// A face of `area` (mm²) cut in one of these ways: itself, or what ShapeFix made of it. Empty when that
 /// gives triangles for less than half of the area. `angle`: rad between neighbouring facets.

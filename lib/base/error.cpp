@@ -22,7 +22,8 @@ InputError::InputError(std::vector<Problem> problems) : problems_(std::move(prob
   const size_t more = problems_.size() > kMostProblems ? problems_.size() - kMostProblems : 0;
   if (more > 0) {
     problems_.resize(kMostProblems);
-    problems_.push_back({SourceLocation{problems_.back().place.file}, "more problems follow that are not listed"});
+    problems_.push_back(
+        {SourceLocation{problems_.back().place.file}, "more problems follow that are not listed"});
   }
   for (Problem& problem : problems_)
     if (problem.message.size() > kLongest) problem.message = Shown(problem.message, kLongest);

@@ -106,7 +106,8 @@ pid_t Spawn(const std::vector<std::string>& arguments, const Input& input, const
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0)
-    throw InputError(SourceLocation{arguments[0]}, fmt::format("cannot be started: {}", std::strerror(error)));
+    throw InputError(SourceLocation{arguments[0]},
+                     fmt::format("cannot be started: {}", std::strerror(error)));
   return child;
 }
 

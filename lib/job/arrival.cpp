@@ -5,11 +5,11 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
+#include "geometry/import/raw_mesh.hpp"
+#include "geometry/import/step_reader.hpp"
 #include "job/assemble.hpp"
 #include "job/controller_zero.hpp"
 #include "machine/robot/kinematics.hpp"
-#include "geometry/import/raw_mesh.hpp"
-#include "geometry/import/step_reader.hpp"
 
 namespace millpose {
 namespace {

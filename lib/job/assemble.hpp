@@ -2,20 +2,20 @@
 // From settings, which config reads, to the values that the stages work on. The only place that knows both.
 #pragma once
 
-#include "machine/collision/cell.hpp"
+#include "geometry/import/step_options.hpp"
 #include "job/config/cell_settings.hpp"
 #include "job/config/job_settings.hpp"
-#include "planning/links/link_move_planner.hpp"
 #include "job/inputs.hpp"
+#include "machine/collision/cell.hpp"
+#include "machine/stiffness/series.hpp"
+#include "planning/links/link_move_planner.hpp"
 #include "planning/pass/fixed_rotation.hpp"
 #include "planning/pass/pass_planner.hpp"
 #include "program/pose_text.hpp"
 #include "program/post.hpp"
-#include "machine/stiffness/series.hpp"
-#include "geometry/import/step_options.hpp"
+#include "program/verify/verify.hpp"
 #include "toolpath/gouge.hpp"
 #include "toolpath/toolpath_options.hpp"
-#include "program/verify/verify.hpp"
 
 namespace millpose {
 

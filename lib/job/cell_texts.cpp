@@ -2,8 +2,8 @@
 #include "job/cell_texts.hpp"
 
 #include "base/units.hpp"
-#include "planning/links/link_move_planner.hpp"
 #include "job/assemble.hpp"
+#include "planning/links/link_move_planner.hpp"
 #include "program/controller_axes.hpp"
 #include "program/external_axes.hpp"
 #include "program/templates.hpp"
@@ -61,8 +61,9 @@ std::vector<Joints> PlanWay(const World& world, const Joints& from, const Joints
   if ((from - to).cwiseAbs().maxCoeff() < kSameJoints) return {from};
   const LinkMove gap = PlanLinkMove(world, {-1, -1, from}, {-1, -1, to}, options, stop);
   if (!gap.planned)
-    throw InputError(SourceLocation{}, fmt::format("the way between home and the call of {} could not be planned: {}",
-                                          name, gap.detail));
+    throw InputError(
+        SourceLocation{},
+        fmt::format("the way between home and the call of {} could not be planned: {}", name, gap.detail));
   share = std::min(share, gap.clearance_share);
   return gap.joints;
 }
@@ -130,7 +131,7 @@ std::vector<std::string> AssumedCalls(const CellSettings& cell, const std::strin
 }
 
 std::vector<CallTransition> PlanCallTransitions(const World& at_zero, const JobInputs& inputs,
-                                  const std::string& controller, const std::stop_token& stop) {
+                                                const std::string& controller, const std::stop_token& stop) {
   const PostSettings post = SettingsOf(inputs.cell, controller);
   const LinkMoveOptions options = MakeLinkMoveOptions(inputs.job);
   const ExternalPosition external = Mechanism(at_zero.cell().external_axes).Home();

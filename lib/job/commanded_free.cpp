@@ -4,12 +4,12 @@
 #include <set>
 
 #include "base/parallel.hpp"
+#include "machine/robot/angles.hpp"
 #include "planning/compensation/compensate.hpp"
 #include "planning/links/job_planner.hpp"
 #include "planning/links/retract.hpp"
 #include "planning/pass/cut_check.hpp"
 #include "planning/result/station.hpp"
-#include "machine/robot/angles.hpp"
 #include "program/verify/coordinated_path.hpp"
 
 namespace millpose {
@@ -69,8 +69,8 @@ std::vector<Line> LinesOf(const PlanResult& plan) {
 /// What is in the way of a line along which the external axes move; empty when nothing.
 std::string WhyNotAlong(const Stations& stations, const PlanResult& plan, const Line& line,
                         double resolution) {
-  const auto ride = std::make_shared<const CoordinatedMotion>(
-      CoordinatedMotion{Mechanism(plan.external_axes), plan.X_WB, plan.X_WP, line.external, line.external_to});
+  const auto ride = std::make_shared<const CoordinatedMotion>(CoordinatedMotion{
+      Mechanism(plan.external_axes), plan.X_WB, plan.X_WP, line.external, line.external_to});
   const Carrier carrier{plan.arm, plan.X_WB, plan.X_FT, ride};
   const Joints to = NearestEquivalent(line.from, line.to), free = Joints::Constant(kAnyTurn);
   const LineMotion motion = FollowLine(carrier, line.from, carrier.ToolPose(to, 1), -free, free);
@@ -79,7 +79,8 @@ std::string WhyNotAlong(const Stations& stations, const PlanResult& plan, const 
   for (size_t i = 0; i < motion.joints.size(); ++i)
     way.joints.emplace_back(static_cast<double>(i) / static_cast<double>(motion.joints.size() - 1),
                             motion.joints[i]);
-  const std::optional<Interference> found = FindOnCoordinatedMotion(stations.world(), way, {line.share, 0, resolution});
+  const std::optional<Interference> found =
+      FindOnCoordinatedMotion(stations.world(), way, {line.share, 0, resolution});
   return found ? NearText(*found) : std::string();
 }
 

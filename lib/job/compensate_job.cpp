@@ -2,11 +2,11 @@
 #include "job/compensate_job.hpp"
 
 #include "base/trig.hpp"
-#include "planning/compensation/gain.hpp"
 #include "job/assemble.hpp"
 #include "job/commanded_free.hpp"
 #include "job/job_engagement.hpp"
 #include "job/measured_forces.hpp"
+#include "planning/compensation/gain.hpp"
 
 namespace millpose {
 namespace {

@@ -3,11 +3,11 @@
 
 #include "base/error.hpp"
 #include "base/hash.hpp"
-#include "job/config/config.hpp"
 #include "job/arrival.hpp"
 #include "job/assemble.hpp"
 #include "job/cell_texts.hpp"
 #include "job/compensate_job.hpp"
+#include "job/config/config.hpp"
 #include "job/controller_zero.hpp"
 #include "job/exclude_pairs.hpp"
 #include "job/external_positions.hpp"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "job/job_engagement.hpp"
 
-#include "toolpath/engagement/entries.hpp"
 #include "job/engagement_options.hpp"
 #include "job/lean_freedoms.hpp"
 #include "planning/result/skipped.hpp"
 #include "planning/result/station.hpp"
+#include "toolpath/engagement/entries.hpp"
 #include "toolpath/make_toolpath.hpp"
 
 namespace millpose {
@@ -147,7 +147,8 @@ size_t LeaveOverMissing(const JobInputs& inputs, const Mesh& mesh, const Executi
     if (pieces.empty()) return left_out;
     // From the last to the first: leaving one out renumbers those after it in its pass.
     for (auto at = pieces.rbegin(); at != pieces.rend(); ++at)
-      LeaveOut(plan.passes[std::get<0>(*at)], std::get<1>(*at), Infeasibility::kOverMissing, std::get<2>(*at));
+      LeaveOut(plan.passes[std::get<0>(*at)], std::get<1>(*at), Infeasibility::kOverMissing,
+               std::get<2>(*at));
     left_out += pieces.size();
   }
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.hpp"
+#include "geometry/import/mesh_import.hpp"
+#include "geometry/mesh/point_fit.hpp"
 #include "job/assemble.hpp"
 #include "job/workpiece.hpp"
 #include "program/controller_axes.hpp"
-#include "geometry/import/mesh_import.hpp"
-#include "geometry/mesh/point_fit.hpp"
 
 namespace millpose {
 namespace {

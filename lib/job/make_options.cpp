@@ -88,8 +88,12 @@ PathOptions MakePathOptions(const JobSettings& job) {
 
 FixedRotationOptions MakeFixedOptions(const JobSettings& job, int threads, std::stop_token stop) {
   const PathOptions path = MakePathOptions(job);
-  return {path.rotation_step,       path.steps, path.swept_resolution,
-          path.worst_first,         threads,    std::move(stop),
+  return {path.rotation_step,
+          path.steps,
+          path.swept_resolution,
+          path.worst_first,
+          threads,
+          std::move(stop),
           MakeLinkMoveOptions(job).leave};
 }
 

@@ -6,9 +6,9 @@
 #include "base/folder.hpp"
 #include "base/hash.hpp"
 #include "base/text.hpp"
-#include "job/assemble.hpp"
 #include "geometry/import/mesh_import.hpp"
 #include "geometry/import/step_reader.hpp"
+#include "job/assemble.hpp"
 
 namespace millpose {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "program/post.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "program/post.hpp"
 
 namespace millpose {
 

@@ -142,9 +142,9 @@ Timeline MakeTimeline(const PlanResult& plan, MotionOptions options, const TimeO
     if (stretch != RunPart::kMissing && stretch != RunPart::kCut && stretch != RunPart::kLead && i > 0) {
       const double turn = (*motion.q - *program.motions[i - 1].q).cwiseAbs().maxCoeff();
       const double length = (motion.X_PT.translation() - program.motions[i - 1].X_PT.translation()).norm();
-      const double parts = stretch == RunPart::kExternal ? ExternalParts(program, i)
-                           : stretch == RunPart::kLinkMove    ? turn / kJointStep
-                                                         : length / kTipStep;
+      const double parts = stretch == RunPart::kExternal   ? ExternalParts(program, i)
+                           : stretch == RunPart::kLinkMove ? turn / kJointStep
+                                                           : length / kTipStep;
       for (const double time : TimesWithin(laws[i], parts)) add(start + time, laws[i].Share(time));
     }
     if (stretch != RunPart::kMissing) start += laws[i].duration;

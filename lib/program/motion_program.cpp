@@ -5,10 +5,10 @@
 
 #include "base/error.hpp"
 #include "machine/motion/line.hpp"
-#include "planning/result/station.hpp"
 #include "machine/robot/angles.hpp"
 #include "machine/robot/kinematics.hpp"
 #include "machine/robot/position_between.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 namespace {
@@ -255,8 +255,8 @@ PlanResult Lifted(PlanResult plan, double offset) {
         point.q = *q;
       } else {
         problems.push_back(
-            {SourceLocation{}, fmt::format("dry run: pass {} point {} is out of reach when lifted by {} mm", pass.pass,
-                                  i, offset)});
+            {SourceLocation{}, fmt::format("dry run: pass {} point {} is out of reach when lifted by {} mm",
+                                           pass.pass, i, offset)});
       }
     }
   }

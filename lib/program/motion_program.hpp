@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "machine/robot/axis_convention.hpp"
 #include "planning/result/plan_result.hpp"
 #include "program/conventions.hpp"
-#include "machine/robot/axis_convention.hpp"
 
 namespace millpose {
 

@@ -3,8 +3,8 @@
 // cells are written.
 #pragma once
 
-#include "program/post_options.hpp"
 #include "base/yaml/section.hpp"
+#include "program/post_options.hpp"
 
 namespace millpose {
 

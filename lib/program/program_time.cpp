@@ -8,8 +8,8 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "machine/motion/line.hpp"
-#include "program/controller_axes.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "program/controller_axes.hpp"
 
 namespace millpose {
 namespace {
@@ -35,7 +35,8 @@ double EvenSeconds(const MotionProgram& program, size_t i, const Arm& arm, const
   const PoseLine line(from.X_PT, to.X_PT);
   double seconds = to.feed > 0 ? line.length() / to.feed : 0;
   if (options.orientation_speed > 0) seconds = std::max(seconds, line.angle() / options.orientation_speed);
-  if (CoordinatedMotions(program, i)) seconds = std::max(seconds, LargestExternal(program, i, &ExternalAxis::speed));
+  if (CoordinatedMotions(program, i))
+    seconds = std::max(seconds, LargestExternal(program, i, &ExternalAxis::speed));
   const double turning = (*to.q - *from.q).cwiseAbs().cwiseQuotient(arm.speed).maxCoeff() / kTurnShare;
   return line.length() > 0 ? seconds : std::max(seconds, turning);
 }

@@ -195,7 +195,9 @@ size_t LineScanner::Next() {
   return position_;
 }
 
-SourceLocation LineScanner::PlaceOf(size_t start) const { return {file_, number_, static_cast<int>(start) + 1, -1}; }
+SourceLocation LineScanner::PlaceOf(size_t start) const {
+  return {file_, number_, static_cast<int>(start) + 1, -1};
+}
 
 std::string LineScanner::TakenFrom(size_t start) const {
   return std::string(Trim(line_.substr(start, position_ - start)));

@@ -4,12 +4,12 @@
 #include <limits>
 
 #include "base/units.hpp"
-#include "report/page/escaped.hpp"
 #include "report/html_json.hpp"
 #include "report/packed.hpp"
+#include "report/page/escaped.hpp"
+#include "report/page/web_page.hpp"
 #include "report/view_mesh.hpp"
 #include "report/web_assets.hpp"
-#include "report/page/web_page.hpp"
 
 namespace millpose {
 namespace {

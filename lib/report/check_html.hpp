@@ -2,8 +2,8 @@
 // check.html: cell, part, tool path and reach before anything is planned, as one file (docs/check.md).
 #pragma once
 
-#include "report/html.hpp"
 #include "geometry/import/mesh_parts.hpp"
+#include "report/html.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "machine/stiffness/series.hpp"
 #include "planning/result/plan_result.hpp"
 #include "toolpath/engagement/process_force.hpp"
-#include "machine/stiffness/series.hpp"
 
 namespace millpose {
 

@@ -19,7 +19,8 @@ constexpr size_t kWorstKept = 50;  // of every column, when points are thinned
 /// motion.
 std::optional<Joints> SpeedBetween(const PlannedPoint& from, const PlannedPoint& to) {
   const double way = to.point.arc_length - from.point.arc_length;
-  const bool joined = from.skip == Infeasibility::kNone && to.skip == Infeasibility::kNone && from.piece == to.piece;
+  const bool joined =
+      from.skip == Infeasibility::kNone && to.skip == Infeasibility::kNone && from.piece == to.piece;
   if (!joined || !(way > 0) || !(to.point.feed_rate > 0)) return std::nullopt;
   return (to.q - from.q) * (to.point.feed_rate / way);
 }

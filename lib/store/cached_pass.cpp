@@ -32,7 +32,8 @@ bool ReadPlan(const CheckpointStore& checkpoints, const std::string& key, const 
   return true;
 }
 
-void WritePlan(const CheckpointStore& checkpoints, const std::string& key, QueryRecord asked, std::string plan) {
+void WritePlan(const CheckpointStore& checkpoints, const std::string& key, QueryRecord asked,
+               std::string plan) {
   checkpoints.Write(key, ValueBytes().Add(CachedPlan{std::move(asked), std::move(plan)}).bytes());
 }
 
@@ -90,8 +91,9 @@ void WritePass(const CheckpointStore& checkpoints, const std::string& key, const
   WritePlan(checkpoints, key, {obstacles, std::move(looks)}, Serialise(plan));
 }
 
-std::optional<LinkMove> ReadLinkMove(const CheckpointStore& checkpoints, const std::string& key, const World& world,
-                           const Obstacles& obstacles, const std::function<bool(const LinkMove&)>& fits) {
+std::optional<LinkMove> ReadLinkMove(const CheckpointStore& checkpoints, const std::string& key,
+                                     const World& world, const Obstacles& obstacles,
+                                     const std::function<bool(const LinkMove&)>& fits) {
   LinkMove gap;
   const auto take = [&](const std::string& bytes) {
     gap = ParseLinkMove(bytes, key);
@@ -101,7 +103,7 @@ std::optional<LinkMove> ReadLinkMove(const CheckpointStore& checkpoints, const s
 }
 
 void WriteLinkMove(const CheckpointStore& checkpoints, const std::string& key, const Obstacles& obstacles,
-              Queries looks, const LinkMove& gap) {
+                   Queries looks, const LinkMove& gap) {
   WritePlan(checkpoints, key, {obstacles, std::move(looks)}, Serialise(gap));
 }
 

@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "machine/collision/world.hpp"
-#include "store/checkpoints.hpp"
 #include "planning/result/plan_result.hpp"
+#include "store/checkpoints.hpp"
 
 namespace millpose {
 
@@ -47,9 +47,10 @@ void WritePass(const CheckpointStore& checkpoints, const std::string& key, const
 
 /// The same of gaps. Where the cell has external axes their keys hold all of it, and nothing is told of
 /// looks.
-std::optional<LinkMove> ReadLinkMove(const CheckpointStore& checkpoints, const std::string& key, const World& world,
-                           const Obstacles& obstacles, const std::function<bool(const LinkMove&)>& fits);
+std::optional<LinkMove> ReadLinkMove(const CheckpointStore& checkpoints, const std::string& key,
+                                     const World& world, const Obstacles& obstacles,
+                                     const std::function<bool(const LinkMove&)>& fits);
 void WriteLinkMove(const CheckpointStore& checkpoints, const std::string& key, const Obstacles& obstacles,
-              Queries looks, const LinkMove& gap);
+                   Queries looks, const LinkMove& gap);
 
 }  // namespace millpose

@@ -5,11 +5,11 @@
 #include <functional>
 
 #include "base/process.hpp"
+#include "planning/external/stations.hpp"
+#include "store/cached_pass.hpp"
 #include "store/checkpoint_key.hpp"
 #include "store/checkpoints.hpp"
-#include "store/cached_pass.hpp"
 #include "store/value_reader.hpp"
-#include "planning/external/stations.hpp"
 
 namespace millpose {
 
@@ -23,7 +23,7 @@ std::string StageKey(const T&... handed) {
 /// not stand in the key but what no result depends on (threads, stop).
 template <class Result>
 Result Cached(const CheckpointStore& store, const std::string& stage, const std::string& key,
-            const std::function<Result()>& make) {
+              const std::function<Result()>& make) {
   if (const auto bytes = store.ReadStage(stage, key)) {
     Result result;
     if (ValueReader(*bytes).Read(result)) return result;
@@ -38,7 +38,7 @@ Result Cached(const CheckpointStore& store, const std::string& stage, const std:
 /// is given and no others; where the cell has external axes, their worlds are part of the key as they are.
 template <class Result>
 Result CachedInWorld(const CheckpointStore& store, const std::string& stage, const std::string& key,
-                   const Stations& stations, const std::function<Result(const Stations&)>& make) {
+                     const Stations& stations, const std::function<Result(const Stations&)>& make) {
   struct Recording {
     QueryRecord asked;
     Result result;

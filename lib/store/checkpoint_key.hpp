@@ -5,9 +5,9 @@
 
 #include <string>
 
+#include "planning/external/external_course.hpp"
 #include "planning/links/link_move_planner.hpp"
 #include "planning/pass/pass_planner.hpp"
-#include "planning/external/external_course.hpp"
 
 namespace millpose {
 

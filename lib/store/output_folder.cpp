@@ -160,7 +160,8 @@ std::optional<std::string> OutputFolder::ReadCached(const std::string& file, con
   return bytes;
 }
 
-void OutputFolder::WriteCached(const std::string& file, const std::string& key, std::string_view bytes) const {
+void OutputFolder::WriteCached(const std::string& file, const std::string& key,
+                               std::string_view bytes) const {
   const Folder folder = folder_->MakeBelow(checkpoints_);
   if (folder.KindOf(file) == Folder::Kind::kFolder) folder.RemoveAll(file);  // no checkpoint of ours
   folder.Write(file, [&](const ByteSink& sink) {

@@ -151,7 +151,8 @@ bool IsClimb(const Mesh& mesh, const CurveGroup& lane, const Curve& curve) {
 std::vector<Curve> Shared(const std::vector<Curve>& curves, const ToolpathOptions& options) {
   std::vector<Curve> parts;
   for (const Curve& curve : curves)
-    std::ranges::move(ClipToSection(curve, *options.share, options.chord_tolerance), std::back_inserter(parts));
+    std::ranges::move(ClipToSection(curve, *options.share, options.chord_tolerance),
+                      std::back_inserter(parts));
   return parts;
 }
 

@@ -5,9 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/parallel.hpp"
 #include "audit/distance.hpp"
 #include "audit/interference.hpp"
+#include "base/parallel.hpp"
 #include "tests/audit/kinematics.hpp"
 #include "tests/audit/laws.hpp"
 #include "tests/audit/motions.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "base/file.hpp"
 #include "audit/tessellate.hpp"
+#include "base/file.hpp"
 #include "tests/audit/folder.hpp"
 #include "tests/audit/yaml_values.hpp"
 

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "program/post.hpp"
-#include "tests/campaign/trace.hpp"
 #include "program/verify/verify.hpp"
+#include "tests/campaign/trace.hpp"
 
 namespace millpose::campaign {
 

@@ -5,10 +5,10 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "program/controller_axes.hpp"
 #include "program/krl/krl.hpp"
 #include "program/scanner.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {

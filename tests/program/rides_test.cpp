@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "planning/result/station.hpp"
 #include "program/bound_turns.hpp"
 #include "program/economy.hpp"
@@ -14,7 +15,6 @@
 #include "program/krl/krl.hpp"
 #include "program/make_timeline.hpp"
 #include "program/scanner.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "tests/program/interpreter.hpp"
 #include "tests/program/program_lines.hpp"
 #include "tests/program/station_plan.hpp"

@@ -3,9 +3,9 @@
 
 #include "base/rotation.hpp"
 #include "base/units.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "program/bound_turns.hpp"
 #include "program/linuxcnc/linuxcnc.hpp"
-#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {

@@ -2,9 +2,9 @@
 #include "tests/program/station_plan.hpp"
 
 #include "base/units.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "planning/result/station.hpp"
 #include "program/krl/krl.hpp"
-#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {
@@ -37,7 +37,8 @@ ExternalAxis Table() {
 }
 
 /// The way between two pieces by home, where the external axes move.
-void GoByHome(const PlanResult& plan, const ExternalPosition& from, const ExternalPosition& to, LinkMove& gap) {
+void GoByHome(const PlanResult& plan, const ExternalPosition& from, const ExternalPosition& to,
+              LinkMove& gap) {
   const Joints between = plan.gaps.front().joints[1];
   if (gap.from_pass < 0)
     gap.external = ExternalMove{from, to, 0, 1};

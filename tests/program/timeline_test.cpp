@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include "program/make_timeline.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "program/make_timeline.hpp"
 #include "tests/program/sample_plan.hpp"
 
 namespace millpose {
@@ -51,8 +51,8 @@ TEST(Timeline, HasEveryPlannedPointOnceAtItsPlace) {
       };
       const bool twice = pass.pieces[0].closed && i == 0;  // a ring's first point
       EXPECT_EQ(std::ranges::count_if(timeline, here), point.skip != Infeasibility::kNone ? 0
-                                                       : twice                       ? 2
-                                                                                     : 1)
+                                                       : twice                            ? 2
+                                                                                          : 1)
           << pass.pass << " " << i;
       const auto found = std::ranges::find_if(timeline, here);
       if (found != timeline.end()) {

@@ -23,8 +23,9 @@ CheckHtmlInput Input(const Cell& cell, const Mesh& part, const Toolpath& path) {
   input.part = &part;
   input.in_region = {1, 1, 0, 0};
   input.toolpath = &path;
-  input.reach = {
-      {Infeasibility::kNone, 2, 0.1, Joints::Constant(0.5)}, {}, {Infeasibility::kLimit, 4, -0.2, Joints::Constant(1)}};
+  input.reach = {{Infeasibility::kNone, 2, 0.1, Joints::Constant(0.5)},
+                 {},
+                 {Infeasibility::kLimit, 4, -0.2, Joints::Constant(1)}};
   input.findings = {"a finding"};
   return input;
 }

@@ -3,8 +3,8 @@
 
 #include "base/error.hpp"
 #include "base/shown.hpp"
-#include "geometry/mesh/pieces.hpp"
 #include "geometry/import/weld.hpp"
+#include "geometry/mesh/pieces.hpp"
 
 namespace millpose {
 namespace {

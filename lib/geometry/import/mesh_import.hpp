@@ -3,10 +3,10 @@
 
 #include <optional>
 
-#include "geometry/mesh/mesh.hpp"
 #include "geometry/import/raw_mesh.hpp"
 #include "geometry/import/repair.hpp"
 #include "geometry/import/self_crossings.hpp"
+#include "geometry/mesh/mesh.hpp"
 
 namespace millpose {
 

@@ -5,8 +5,8 @@
 
 #include "base/error.hpp"
 #include "geometry/import/ply_header.hpp"
-#include "geometry/slice/polygon.hpp"
 #include "geometry/import/text_scanner.hpp"
+#include "geometry/slice/polygon.hpp"
 
 namespace millpose {
 namespace {

@@ -13,10 +13,10 @@
 #include "base/pose_settings.hpp"
 #include "base/units.hpp"
 #include "machine/collision/cell.hpp"
-#include "program/post_entry.hpp"
 #include "machine/robot/denavit_hartenberg.hpp"
 #include "machine/robot/mechanism.hpp"
 #include "machine/stiffness/compliance.hpp"
+#include "program/post_entry.hpp"
 
 namespace millpose {
 

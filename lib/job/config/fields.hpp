@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "base/yaml/section.hpp"
 #include "job/config/batch_settings.hpp"
 #include "job/config/cell_settings.hpp"
 #include "job/config/job_settings.hpp"
-#include "base/yaml/section.hpp"
 
 namespace millpose::config {
 

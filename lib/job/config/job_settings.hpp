@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "base/units.hpp"
-#include "planning/compensation/compensate.hpp"
 #include "job/config/cell_settings.hpp"
 #include "job/config/placement_settings.hpp"
 #include "job/config/toolpath_settings.hpp"
+#include "planning/compensation/compensate.hpp"
 #include "planning/links/link_move_planner.hpp"
 #include "planning/pass/pass_planner.hpp"
 #include "toolpath/engagement/process_force.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The keys of a measurements file, and the CSV form of it.
 #include "base/csv.hpp"
+#include "base/yaml/edit.hpp"
 #include "job/config/fields.hpp"
 #include "job/config/measurements.hpp"
-#include "base/yaml/edit.hpp"
 
 namespace millpose {
 namespace config {

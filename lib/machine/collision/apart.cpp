@@ -13,7 +13,8 @@ namespace {
 constexpr double kRounding = 1e-8;
 
 /// Gap between the intervals [−half, half] and [lower, upper], componentwise; negative where they overlap.
-Eigen::Vector3d LinkMove(const Eigen::Vector3d& half, const Eigen::Vector3d& lower, const Eigen::Vector3d& upper) {
+Eigen::Vector3d LinkMove(const Eigen::Vector3d& half, const Eigen::Vector3d& lower,
+                         const Eigen::Vector3d& upper) {
   return (lower - half).cwiseMax(-half - upper);
 }
 

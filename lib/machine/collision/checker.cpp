@@ -124,8 +124,9 @@ struct Checker::Impl {
     return {world->bodies[pair.first].name, world->bodies[pair.second].name, found.ends, found.distance};
   }
 
-  std::optional<ContactCandidate> Certify(const Joints& middle, const Joints& half_turn, int phase, double resolution,
-                                  const std::vector<int>& pairs, std::vector<int>& undecided);
+  std::optional<ContactCandidate> Certify(const Joints& middle, const Joints& half_turn, int phase,
+                                          double resolution, const std::vector<int>& pairs,
+                                          std::vector<int>& undecided);
 };
 
 Checker::Checker(const World& world, double clearance_share, double reserve)
@@ -170,8 +171,8 @@ std::optional<ContactCandidate> Checker::Blocked(const Joints& q, Phase phase) {
   return std::nullopt;
 }
 
-std::optional<ContactCandidate> Checker::Blocked(const Joints& q, Phase phase, const std::vector<double>& freedoms,
-                                         PointMemory& memory) {
+std::optional<ContactCandidate> Checker::Blocked(const Joints& q, Phase phase,
+                                                 const std::vector<double>& freedoms, PointMemory& memory) {
   if (impl_->world->measures_all) return Blocked(q, phase);
   impl_->MoveTo(q);
   impl_->Look(q, q, Joints::Zero());
@@ -240,9 +241,10 @@ std::optional<Interference> Checker::Nearest(const Joints& q, Phase phase, doubl
 
 /// Looks at the middle of a motion during which no joint turns by more than `half_turn` from it. Pairs that
 /// this does not settle for the whole motion go to `undecided`.
-std::optional<ContactCandidate> Checker::Impl::Certify(const Joints& middle, const Joints& half_turn, int phase,
-                                               double resolution, const std::vector<int>& pairs,
-                                               std::vector<int>& undecided) {
+std::optional<ContactCandidate> Checker::Impl::Certify(const Joints& middle, const Joints& half_turn,
+                                                       int phase, double resolution,
+                                                       const std::vector<int>& pairs,
+                                                       std::vector<int>& undecided) {
   ++counts.looks;
   Place(middle);
   const JointAxes axes = AxesOf(X_WL);
@@ -260,7 +262,8 @@ std::optional<ContactCandidate> Checker::Impl::Certify(const Joints& middle, con
     // What settles the pair for the whole motion: even the worst movement leaves clearance − resolution.
     const double wanted = std::max(clearance, clearance - resolution + motion);
     const LinkMove gap = Compare(pair, clearance, wanted);
-    if (gap == LinkMove::kTooNear) return ContactCandidate{middle, index, std::min(wanted, clearance + kNearby)};
+    if (gap == LinkMove::kTooNear)
+      return ContactCandidate{middle, index, std::min(wanted, clearance + kNearby)};
     if (gap == LinkMove::kOpen) undecided.push_back(index);
   }
   return std::nullopt;
@@ -273,7 +276,7 @@ std::optional<Interference> Checker::Between(const Joints& q0, const Joints& q1,
 }
 
 std::optional<ContactCandidate> Checker::BlockedBetween(const Joints& q0, const Joints& q1, Phase phase,
-                                                double resolution, const Joints& tube) {
+                                                        double resolution, const Joints& tube) {
   assert(resolution > 0);
   struct Interval {
     double begin, end;  // of the motion's 0..1

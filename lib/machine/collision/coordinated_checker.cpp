@@ -73,7 +73,7 @@ struct CoordinatedChecker::Impl {
   }
 
   std::optional<CoordinatedContact> Look(const CoordinatedPose& from, const CoordinatedPose& to, Phase phase,
-                                     double resolution, const Joints& tube) {
+                                         double resolution, const Joints& tube) {
     const ExternalPosition middle = PositionBetween(from.external, to.external, 0.5);
     ExternalPosition way = to.external;
     for (size_t i = 0; i < way.size(); ++i) way[i] -= from.external[i];
@@ -105,9 +105,9 @@ CoordinatedChecker::CoordinatedChecker(const World& at_zero, double clearance_sh
 CoordinatedChecker::~CoordinatedChecker() = default;
 CoordinatedChecker::CoordinatedChecker(CoordinatedChecker&&) noexcept = default;
 
-std::optional<CoordinatedContact> CoordinatedChecker::BlockedBetween(const CoordinatedPose& from, const CoordinatedPose& to,
-                                                            Phase phase, double resolution,
-                                                            const Joints& tube) {
+std::optional<CoordinatedContact> CoordinatedChecker::BlockedBetween(const CoordinatedPose& from,
+                                                                     const CoordinatedPose& to, Phase phase,
+                                                                     double resolution, const Joints& tube) {
   return impl_->Look(from, to, phase, resolution, tube);
 }
 

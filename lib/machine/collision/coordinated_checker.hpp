@@ -34,8 +34,9 @@ class CoordinatedChecker {
   /// (Checker) comes nearer than its clearance less `resolution` (mm) anywhere on it, nor on any motion whose
   /// joints leave that one by at most `tube` (rad, per joint). Else a pair that comes nearer than its
   /// clearance or, with a tube, may. Bodies that stand still in passes are StationPath's.
-  std::optional<CoordinatedContact> BlockedBetween(const CoordinatedPose& from, const CoordinatedPose& to, Phase phase,
-                                               double resolution, const Joints& tube = Joints::Zero());
+  std::optional<CoordinatedContact> BlockedBetween(const CoordinatedPose& from, const CoordinatedPose& to,
+                                                   Phase phase, double resolution,
+                                                   const Joints& tube = Joints::Zero());
 
   Interference Measure(const CoordinatedContact& seen) const;
 

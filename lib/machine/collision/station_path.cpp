@@ -155,17 +155,17 @@ std::optional<Interference> StationPath::At(const ExternalPosition& external) co
 }
 
 std::optional<Interference> StationPath::Between(const ExternalPosition& from,
-                                                const ExternalPosition& to) const {
+                                                 const ExternalPosition& to) const {
   return Look(from, to, false);
 }
 
 std::optional<Interference> StationPath::StandingBetween(const ExternalPosition& from,
-                                                        const ExternalPosition& to) const {
+                                                         const ExternalPosition& to) const {
   return Look(from, to, true);
 }
 
 std::optional<Interference> StationPath::Look(const ExternalPosition& from, const ExternalPosition& to,
-                                             bool standing) const {
+                                              bool standing) const {
   struct Interval {
     double begin, end;  // of the move's 0..1
     std::vector<size_t> pairs;

@@ -95,7 +95,7 @@ class Checker {
   /// be free are not looked at again, and what it knows to interfere is answered with the pose where that was
   /// seen.
   std::optional<ContactCandidate> Blocked(const Joints& q, Phase phase, const std::vector<double>& freedoms,
-                                  PointMemory& memory);
+                                          PointMemory& memory);
 
   /// The smallest distance of any checked pair, mm, never more than `bound` (so `bound` means "at least
   /// that").
@@ -114,7 +114,8 @@ class Checker {
                                       double resolution = 0.5, const Joints& tube = Joints::Zero());
 
   std::optional<ContactCandidate> BlockedBetween(const Joints& q0, const Joints& q1, Phase phase,
-                                         double resolution = 0.5, const Joints& tube = Joints::Zero());
+                                                 double resolution = 0.5,
+                                                 const Joints& tube = Joints::Zero());
 
   /// What was sighted by a checker of the same world, clearances and reserve.
   Interference Measure(const ContactCandidate& sighting);

@@ -4,11 +4,11 @@
 #include <cassert>
 #include <limits>
 
-#include "planning/compensation/shift.hpp"
 #include "machine/motion/line.hpp"
-#include "planning/result/station.hpp"
 #include "machine/robot/angles.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "planning/compensation/shift.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/units.hpp"
-#include "planning/result/plan_result.hpp"
 #include "machine/stiffness/series.hpp"
+#include "planning/result/plan_result.hpp"
 
 namespace millpose {
 

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "planning/links/job_planner.hpp"
 
-#include "planning/result/station.hpp"
 #include "machine/robot/angles.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 
-LinkMoveEnd HomeOf(const PlanResult& plan) { return {-1, -1, plan.home, Mechanism(plan.external_axes).Home()}; }
+LinkMoveEnd HomeOf(const PlanResult& plan) {
+  return {-1, -1, plan.home, Mechanism(plan.external_axes).Home()};
+}
 
-std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>> LinkMoveEnds(const LinkMoveEnd& home, const std::vector<PassResult>& passes) {
+std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>> LinkMoveEnds(const LinkMoveEnd& home,
+                                                              const std::vector<PassResult>& passes) {
   std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>> gaps;
   LinkMoveEnd from = home;
   for (const PassResult& pass : passes) {

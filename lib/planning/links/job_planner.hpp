@@ -14,6 +14,7 @@ LinkMoveEnd HomeOf(const PlanResult& plan);
 
 /// Where each gap begins and ends, in order: from home to the first piece, between pieces, back home. Empty
 /// when there is no piece.
-std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>> LinkMoveEnds(const LinkMoveEnd& home, const std::vector<PassResult>& passes);
+std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>> LinkMoveEnds(const LinkMoveEnd& home,
+                                                              const std::vector<PassResult>& passes);
 
 }  // namespace millpose

@@ -3,10 +3,10 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
-#include "planning/links/joint_route.hpp"
-#include "planning/links/retract.hpp"
 #include "machine/motion/line.hpp"
 #include "machine/motion/time_law.hpp"
+#include "planning/links/joint_route.hpp"
+#include "planning/links/retract.hpp"
 
 namespace millpose {
 namespace {
@@ -20,8 +20,8 @@ std::string Name(const LinkMoveEnd& end) {
 
 class LinkMovePlanner {
  public:
-  LinkMovePlanner(const World& world, const std::pair<LinkMoveEnd, LinkMoveEnd>& ends, const LinkMoveOptions& options,
-             double clearance_share, const std::stop_token& stop)
+  LinkMovePlanner(const World& world, const std::pair<LinkMoveEnd, LinkMoveEnd>& ends,
+                  const LinkMoveOptions& options, double clearance_share, const std::stop_token& stop)
       : world_(world),
         options_(options),
         stop_(stop),
@@ -124,8 +124,8 @@ class LinkMovePlanner {
 
 }  // namespace
 
-LinkMove PlanLinkMove(const World& world, const LinkMoveEnd& from, const LinkMoveEnd& to, const LinkMoveOptions& options,
-            std::stop_token stop) {
+LinkMove PlanLinkMove(const World& world, const LinkMoveEnd& from, const LinkMoveEnd& to,
+                      const LinkMoveOptions& options, std::stop_token stop) {
   LinkMove first;
   long long poses = 0;
   LinkMoveOptions fewer = options;  // all retries together have no more iterations than the first try

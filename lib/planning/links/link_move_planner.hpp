@@ -26,7 +26,7 @@ struct LinkMoveEnd {
 /// OMPL's RRTConnect and shortcutting against the whole cell, LIN approach, all re-checked. A gap that cannot
 /// be planned says what blocked it. Both ends are at the station that `world` is at. Depends on nothing but
 /// its arguments. Throws Interrupted.
-LinkMove PlanLinkMove(const World& world, const LinkMoveEnd& from, const LinkMoveEnd& to, const LinkMoveOptions& options,
-            std::stop_token stop);
+LinkMove PlanLinkMove(const World& world, const LinkMoveEnd& from, const LinkMoveEnd& to,
+                      const LinkMoveOptions& options, std::stop_token stop);
 
 }  // namespace millpose

@@ -45,14 +45,15 @@ LinkMove ByWayOfHome(const LinkMove& out, const LinkMove& in) {
   return gap;
 }
 
-LinkMove PlanStationLinkMove(const Stations& stations, const LinkMoveEnd& from, const LinkMoveEnd& to, const LinkMoveOptions& options,
-                   std::stop_token stop) {
+LinkMove PlanStationLinkMove(const Stations& stations, const LinkMoveEnd& from, const LinkMoveEnd& to,
+                             const LinkMoveOptions& options, std::stop_token stop) {
   if (from.external == to.external)
     return PlanLinkMove(stations.At(from.external).world, from, to, options, std::move(stop));
   const Cell& cell = stations.world().cell();
   const LinkMoveEnd leaving{-1, -1, cell.home, from.external}, coming{-1, -1, cell.home, to.external};
-  const LinkMove out = from.pass < 0 ? Stay(cell.home)
-                                : PlanLinkMove(stations.At(from.external).world, from, leaving, options, stop);
+  const LinkMove out = from.pass < 0
+                           ? Stay(cell.home)
+                           : PlanLinkMove(stations.At(from.external).world, from, leaving, options, stop);
   const LinkMove in =
       to.pass < 0 ? Stay(cell.home) : PlanLinkMove(stations.At(to.external).world, coming, to, options, stop);
   ExternalMove move{from.external, to.external, 0, 0};

@@ -26,7 +26,7 @@ CandidateGraph::CandidateGraph(PassChecks checks, std::vector<Layer> layers, std
 }
 
 std::optional<ContactCandidate> CandidateGraph::Meets(PassCheckers& checkers, size_t layer,
-                                              const FreedomValues& freedoms, const Joints& q) {
+                                                      const FreedomValues& freedoms, const Joints& q) {
   return known_[layer]->OfCandidate(checkers.At(layer), freedoms, q, checks_);
 }
 

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "planning/pass/point_verdicts.hpp"
 #include "planning/ladder/ladder_search.hpp"
+#include "planning/pass/point_verdicts.hpp"
 
 namespace millpose {
 
@@ -36,7 +36,7 @@ class CandidateGraph {
   bool IsFree(PassCheckers& checkers, size_t layer, size_t node);
   /// What a pose at a layer's point meets, be it a node or not.
   std::optional<ContactCandidate> Meets(PassCheckers& checkers, size_t layer, const FreedomValues& freedoms,
-                                const Joints& q);
+                                        const Joints& q);
   /// Prunes a node that interferes with nothing by itself.
   void TakeOut(size_t layer, size_t node);
   /// Gives back the nodes that TakeOut took in the layers that `sequence` goes through.

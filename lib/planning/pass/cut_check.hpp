@@ -12,8 +12,8 @@ namespace millpose {
 /// What is in the way of a straight motion of the tool.
 struct CutProblem {
   std::optional<ContactCandidate> sighting;  ///< empty: the arm would change its branch, or the cutter gouge
-  double gouge = 0;                  ///< how deep the cutter would go into the part, mm
-  ExternalPosition external = {};    ///< where the axes were at the sighting, on a motion along which they go
+  double gouge = 0;                          ///< how deep the cutter would go into the part, mm
+  ExternalPosition external = {};  ///< where the axes were at the sighting, on a motion along which they go
 };
 
 /// Checks the straight motion of the tool between the poses at q0 and q1 (LIN, G1: what every program runs in

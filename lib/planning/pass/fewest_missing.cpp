@@ -62,7 +62,8 @@ class MissingSearch {
       const PlannedIn in(stations_, *passes_[pass]);
       size_t i = 0;
       for (size_t t = 0; t < passes_[pass]->points.size(); ++t) {
-        if (passes_[pass]->points[t].skip == Infeasibility::kNone && wanted(i++)) LookAtPoint(in, pass, t, blocks);
+        if (passes_[pass]->points[t].skip == Infeasibility::kNone && wanted(i++))
+          LookAtPoint(in, pass, t, blocks);
       }
     });
     for (size_t r = 0; r < counts_.size(); ++r) {

@@ -2,8 +2,8 @@
 #include "planning/pass/fixed_interference.hpp"
 
 #include "base/parallel.hpp"
-#include "planning/pass/pass_checks.hpp"
 #include "machine/robot/angles.hpp"
+#include "planning/pass/pass_checks.hpp"
 
 namespace millpose {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "machine/stiffness/compliance.hpp"
 #include "planning/pass/fewest_missing.hpp"
 #include "planning/pass/fixed_interference.hpp"
-#include "machine/stiffness/compliance.hpp"
 
 namespace millpose {
 namespace {
@@ -30,7 +30,8 @@ class Comparer {
       : options_(options), stations_(stations), compared_(Compared(passes)) {
     size_t number = 0;
     for (const PassResult& pass : passes) {
-      if (std::ranges::any_of(pass.points, [](const auto& point) { return point.skip == Infeasibility::kNone; }))
+      if (std::ranges::any_of(pass.points,
+                              [](const auto& point) { return point.skip == Infeasibility::kNone; }))
         passes_.push_back({&pass, number, {}, {stations, pass, options}, {}});
       number += pass.points.size();
     }

@@ -4,12 +4,12 @@
 
 #include <stop_token>
 
-#include "planning/links/retract.hpp"
+#include "planning/external/stations.hpp"
 #include "planning/ladder/step_bound.hpp"
+#include "planning/links/retract.hpp"
+#include "planning/pose/scorer.hpp"
 #include "planning/result/fixed_comparison.hpp"
 #include "planning/result/plan_result.hpp"
-#include "planning/pose/scorer.hpp"
-#include "planning/external/stations.hpp"
 
 namespace millpose {
 

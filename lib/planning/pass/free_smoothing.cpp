@@ -4,10 +4,10 @@
 #include <limits>
 
 #include "base/units.hpp"
+#include "machine/robot/angles.hpp"
 #include "planning/pass/bend_law.hpp"
 #include "planning/pass/lean_courses.hpp"
 #include "planning/pose/score_along.hpp"
-#include "machine/robot/angles.hpp"
 
 namespace millpose {
 namespace {

@@ -5,9 +5,9 @@
 #include <map>
 #include <stop_token>
 
+#include "planning/external/places_along.hpp"
 #include "planning/pass/cut_check.hpp"
 #include "planning/pass/lean_gouges.hpp"
-#include "planning/external/places_along.hpp"
 
 namespace millpose {
 

@@ -5,15 +5,15 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "machine/stiffness/pose_stiffness.hpp"
 #include "planning/pass/lifts.hpp"
 #include "planning/pass/ring_opening.hpp"
 #include "planning/pass/split_planner.hpp"
+#include "planning/pose/evaluator.hpp"
+#include "planning/pose/lean_problem.hpp"
 #include "planning/result/continuity.hpp"
 #include "planning/result/point_clearance.hpp"
 #include "planning/result/verdict_map.hpp"
-#include "planning/pose/evaluator.hpp"
-#include "planning/pose/lean_problem.hpp"
-#include "machine/stiffness/pose_stiffness.hpp"
 
 namespace millpose {
 namespace {

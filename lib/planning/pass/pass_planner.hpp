@@ -3,12 +3,12 @@
 
 #include "base/execution.hpp"
 #include "base/units.hpp"
-#include "planning/links/retract.hpp"
+#include "planning/external/stations.hpp"
 #include "planning/ladder/lifted_search.hpp"
 #include "planning/ladder/step_bound.hpp"
-#include "planning/result/plan_result.hpp"
+#include "planning/links/retract.hpp"
 #include "planning/pose/paper_formulation.hpp"
-#include "planning/external/stations.hpp"
+#include "planning/result/plan_result.hpp"
 #include "toolpath/pass_ends.hpp"
 
 namespace millpose {

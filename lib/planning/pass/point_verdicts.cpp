@@ -21,8 +21,9 @@ const std::optional<ContactCandidate>& PointVerdicts::OfPose(Checker& checker, c
   return known->second;
 }
 
-const std::optional<ContactCandidate>& PointVerdicts::OfCandidate(Checker& checker, const FreedomValues& freedoms,
-                                                          const Joints& q, const PassChecks& checks) {
+const std::optional<ContactCandidate>& PointVerdicts::OfCandidate(Checker& checker,
+                                                                  const FreedomValues& freedoms,
+                                                                  const Joints& q, const PassChecks& checks) {
   if (!checks.rotates_first) return OfPose(checker, q);
   Bits<6> bits;
   Put(q, 0, bits);

@@ -20,8 +20,8 @@ class PointVerdicts {
   /// The first pair that interferes at joint angles q.
   const std::optional<ContactCandidate>& OfPose(Checker& checker, const Joints& q);
   /// The same of the pose with these freedoms, by what poses of the point share (PointMemory).
-  const std::optional<ContactCandidate>& OfCandidate(Checker& checker, const FreedomValues& freedoms, const Joints& q,
-                                             const PassChecks& checks);
+  const std::optional<ContactCandidate>& OfCandidate(Checker& checker, const FreedomValues& freedoms,
+                                                     const Joints& q, const PassChecks& checks);
   /// What is in the way of the straight motion from q0 at this point, `t` of the pass, to q1 at the next
   /// (CheckCut).
   const std::optional<CutProblem>& OfMotion(PassCheckers& checkers, size_t t, const Joints& q0,

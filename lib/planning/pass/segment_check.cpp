@@ -33,7 +33,7 @@ bool SegmentChecker::Leaves(size_t i, const Joints& q, double share) const {
 }
 
 SegmentHits SegmentChecker::Check(std::span<const PathNode> path, bool closed, const EndShares& ends,
-                              const std::vector<bool>& known) {
+                                  const std::vector<bool>& known) {
   SegmentHits hits{std::vector<char>(path.size(), 0), std::vector<char>(path.size(), 0)};
   Each(path.size(), [&](PassCheckers& checkers, size_t i) {
     if (!known[i]) hits.pose[i] = !PoseFree(checkers, i, path[i].q);
@@ -51,7 +51,8 @@ bool SegmentChecker::PoseFree(PassCheckers& checkers, size_t i, const Joints& q)
   return checks_.gouges.At(q) == 0 && !known_[i]->OfPose(checkers.At(i), q);
 }
 
-bool SegmentChecker::MotionFree(PassCheckers& checkers, size_t i, const Joints& from, const Joints& to) const {
+bool SegmentChecker::MotionFree(PassCheckers& checkers, size_t i, const Joints& from,
+                                const Joints& to) const {
   return checks_.gouges.Between(from, to) == 0 &&
          !known_[i]->OfMotion(checkers, i, from, NearestEquivalent(from, to), checks_);
 }

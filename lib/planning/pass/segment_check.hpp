@@ -4,9 +4,9 @@
 
 #include <memory>
 
+#include "planning/ladder/refine.hpp"
 #include "planning/links/retract.hpp"
 #include "planning/pass/point_verdicts.hpp"
-#include "planning/ladder/refine.hpp"
 
 namespace millpose {
 
@@ -29,7 +29,7 @@ class SegmentChecker {
  public:
   /// `known`: one per point of the piece. `leave`: with it the ends keep the retracts that they have.
   SegmentChecker(PassChecks checks, std::span<const std::shared_ptr<PointVerdicts>> known,
-               std::optional<RetractOptions> leave)
+                 std::optional<RetractOptions> leave)
       : checks_(std::move(checks)), known_(known), leave_(leave) {}
 
   /// What the ends of a piece have; a ring is entered and left at its first point. 0 without `leave`.
@@ -37,7 +37,7 @@ class SegmentChecker {
 
   /// Points whose pose is `known` to be free are not looked at, nor are motions between two of them.
   SegmentHits Check(std::span<const PathNode> path, bool closed, const EndShares& ends,
-                  const std::vector<bool>& known);
+                    const std::vector<bool>& known);
 
   /// Whether the tool can leave `q` at point i with a share of the clearances; with 0 always.
   bool Leaves(size_t i, const Joints& q, double share) const;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What comes after the search of a pass: what reports tell of it, and smoothing.
-#include "planning/pass/layer_verdicts.hpp"
 #include "planning/ladder/ladder_bound.hpp"
 #include "planning/pass/free_smoothing.hpp"
+#include "planning/pass/layer_verdicts.hpp"
 #include "planning/pass/lean_courses.hpp"
 #include "planning/pass/segment_planner.hpp"
 

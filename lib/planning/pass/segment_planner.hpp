@@ -2,8 +2,8 @@
 // The inner part of PlanPass: from the points' own optima to pieces without interference.
 #pragma once
 
-#include "planning/pass/free_optimum.hpp"
 #include "planning/ladder/refine.hpp"
+#include "planning/pass/free_optimum.hpp"
 #include "planning/pass/pass_context.hpp"
 #include "planning/pass/segment_check.hpp"
 

@@ -98,8 +98,9 @@ class Descent {
   bool Left() const { return most_ - best_.evaluations >= kLanes; }
 
   double Value(size_t lane) const {
-    return block_.obstacle[best_.branch][lane] == Infeasibility::kNone ? block_.objective[best_.branch].v[lane]
-                                                                  : kInfinity;
+    return block_.obstacle[best_.branch][lane] == Infeasibility::kNone
+               ? block_.objective[best_.branch].v[lane]
+               : kInfinity;
   }
 
   /// The least of the block's lanes, which the optimum takes note of; empty where none is admissible.

@@ -3,9 +3,9 @@
 
 #include <limits>
 
+#include "machine/robot/inverse_entries.hpp"
 #include "planning/pose/judge_block.hpp"
 #include "planning/pose/lean_problem.hpp"
-#include "machine/robot/inverse_entries.hpp"
 
 namespace millpose {
 namespace {

@@ -4,14 +4,14 @@
 #include <array>
 #include <span>
 
-#include "planning/pose/freedom.hpp"
-#include "planning/pose/objective.hpp"
-#include "planning/pose/rotated_flange.hpp"
 #include "machine/robot/kinematics.hpp"
 #include "machine/stiffness/compliance.hpp"
 #include "machine/stiffness/series_block.hpp"
-#include "toolpath/lean_law.hpp"
+#include "planning/pose/freedom.hpp"
+#include "planning/pose/objective.hpp"
+#include "planning/pose/rotated_flange.hpp"
 #include "toolpath/infeasibility.hpp"
+#include "toolpath/lean_law.hpp"
 
 namespace millpose {
 

@@ -9,9 +9,9 @@
 #include "base/units.hpp"
 #include "machine/motion/cut_feed.hpp"
 #include "machine/motion/line.hpp"
-#include "planning/result/station.hpp"
 #include "machine/robot/angles.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 namespace {
@@ -83,8 +83,8 @@ class Carriers {
       return {plan_.arm, BaseAt(plan_, *point.external), plan_.X_FT};
     }
     return {plan_.arm, plan_.X_WB, plan_.X_FT,
-            std::make_shared<const CoordinatedMotion>(CoordinatedMotion{Mechanism(plan_.external_axes), plan_.X_WB, plan_.X_WP,
-                                              external(end - 1), external(end)})};
+            std::make_shared<const CoordinatedMotion>(CoordinatedMotion{
+                Mechanism(plan_.external_axes), plan_.X_WB, plan_.X_WP, external(end - 1), external(end)})};
   }
 
  private:

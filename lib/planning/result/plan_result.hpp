@@ -11,8 +11,8 @@
 #include "machine/robot/arm.hpp"
 #include "machine/robot/mechanism.hpp"
 #include "machine/stiffness/compliance.hpp"
-#include "toolpath/milling_point.hpp"
 #include "toolpath/infeasibility.hpp"
+#include "toolpath/milling_point.hpp"
 
 namespace millpose {
 
@@ -48,13 +48,13 @@ struct Compensation {
 struct PlannedPoint {
   MillingPoint point;
   Infeasibility skip = Infeasibility::kNone;  ///< why it is skipped
-  std::string detail;               ///< for a skipped point: what and where
-  int piece = 0;                    ///< of its pass
-  std::vector<double> freedoms;     ///< rotation about the tool axis first, rad
-  int branch = 0;                   ///< status bits S
-  Joints q = Joints::Zero();        ///< absolute, full revolutions fixed, rad
-  MillingPlaneIndices indices;      ///< at the stiffness origin
-  double lambda_3 = 0;              ///< shortest semi-axis of the ellipsoid of c, mm/N
+  std::string detail;                         ///< for a skipped point: what and where
+  int piece = 0;                              ///< of its pass
+  std::vector<double> freedoms;               ///< rotation about the tool axis first, rad
+  int branch = 0;                             ///< status bits S
+  Joints q = Joints::Zero();                  ///< absolute, full revolutions fixed, rad
+  MillingPlaneIndices indices;                ///< at the stiffness origin
+  double lambda_3 = 0;                        ///< shortest semi-axis of the ellipsoid of c, mm/N
   Eigen::Vector3d lambda_3_direction = Eigen::Vector3d::Zero();  ///< along it, in W: the stiffest direction
   double dexterity = 0;
   double objective = 0;

@@ -472,6 +472,8 @@ PassResult ParsePassResult(std::string_view bytes, const std::string& name) {
   return FromBytes<PassResult>(bytes, name);
 }
 
-LinkMove ParseLinkMove(std::string_view bytes, const std::string& name) { return FromBytes<LinkMove>(bytes, name); }
+LinkMove ParseLinkMove(std::string_view bytes, const std::string& name) {
+  return FromBytes<LinkMove>(bytes, name);
+}
 
 }  // namespace millpose

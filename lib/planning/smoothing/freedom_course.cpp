@@ -4,9 +4,9 @@
 #include <limits>
 
 #include "base/units.hpp"
-#include "planning/pose/score_along.hpp"
 #include "machine/robot/angles.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "planning/pose/score_along.hpp"
 
 namespace millpose {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
-#include "program/program_place.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "program/program_place.hpp"
 #include "program/verify/compare_events.hpp"
 #include "program/verify/corner.hpp"
 #include "program/verify/run_comparison.hpp"

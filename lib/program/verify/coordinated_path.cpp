@@ -8,7 +8,7 @@
 namespace millpose {
 
 std::optional<Interference> FindOnCoordinatedMotion(const World& at_zero, const CoordinatedPath& way,
-                                       const CoordinatedClearance& clearance) {
+                                                    const CoordinatedClearance& clearance) {
   CoordinatedChecker checker(at_zero, clearance.share, clearance.reserve);
   const auto pose = [&](const std::pair<double, Joints>& at) {
     return CoordinatedPose{at.second, PositionBetween(way.from, way.to, at.first)};

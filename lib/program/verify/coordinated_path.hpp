@@ -26,6 +26,6 @@ struct CoordinatedClearance {
 /// also such as stand still where only the arm moves. Empty: no checked pair comes nearer than its clearance
 /// less reserve and resolution. `at_zero`: the world with the external axes at 0.
 std::optional<Interference> FindOnCoordinatedMotion(const World& at_zero, const CoordinatedPath& way,
-                                       const CoordinatedClearance& clearance);
+                                                    const CoordinatedClearance& clearance);
 
 }  // namespace millpose

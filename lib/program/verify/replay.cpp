@@ -2,9 +2,9 @@
 #include "program/verify/replay.hpp"
 
 #include "base/units.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "program/controller_axes.hpp"
 #include "program/programmed_line.hpp"
-#include "machine/robot/kinematics.hpp"
 
 namespace millpose {
 namespace {

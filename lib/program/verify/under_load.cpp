@@ -3,8 +3,8 @@
 
 #include <limits>
 
-#include "planning/result/station.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "planning/result/station.hpp"
 #include "program/verify/compare.hpp"
 #include "program/verify/stations.hpp"
 
@@ -50,7 +50,7 @@ class TipPath {
  public:
   /// From the stop at `first` to that at `last`, both as commanded.
   TipPath(const MotionProgram& program, const Replay& replay, const FeedRun& run, const OnPart& part,
-         const Vector3d& first, const Vector3d& last) {
+          const Vector3d& first, const Vector3d& last) {
     std::vector<size_t> stops;  // indices of tips
     for (size_t i = run.first; i <= run.last; ++i) {
       if (program.motions[i].exact) stops.push_back(tips_.size());

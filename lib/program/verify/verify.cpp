@@ -8,13 +8,13 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
+#include "machine/robot/kinematics.hpp"
 #include "program/controller_axes.hpp"
 #include "program/stated_speeds.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "program/verify/compare.hpp"
 #include "program/verify/compare_events.hpp"
-#include "program/verify/corner.hpp"
 #include "program/verify/coordinated_path.hpp"
+#include "program/verify/corner.hpp"
 #include "program/verify/stations.hpp"
 
 namespace millpose {

@@ -3,8 +3,8 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
-#include "planning/result/station.hpp"
 #include "planning/pose/lean_problem.hpp"
+#include "planning/result/station.hpp"
 
 namespace millpose {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
-#include "planning/result/station.hpp"
 #include "planning/pose/generations.hpp"
+#include "planning/result/station.hpp"
 #include "report/samples/axis_map.hpp"
 
 namespace millpose {
@@ -48,7 +48,8 @@ unsigned Barred(const ScoredBlock& block) {
   unsigned barred = 0;
   for (unsigned branch = 0; branch < 8; ++branch)
     for (const Infeasibility obstacle : block.obstacle[branch])
-      if (obstacle != Infeasibility::kNone && obstacle != Infeasibility::kUnreachable) barred |= 1u << (branch & 3);
+      if (obstacle != Infeasibility::kNone && obstacle != Infeasibility::kUnreachable)
+        barred |= 1u << (branch & 3);
   return barred;
 }
 

@@ -10,12 +10,12 @@
 #include "base/file.hpp"
 #include "base/process.hpp"
 #include "base/text.hpp"
+#include "report/summary_version.hpp"
 #include "run/batch/run_here.hpp"
 #include "run/batch/slurm.hpp"
 #include "run/pipeline/operations/run_job.hpp"
-#include "store/output_folder.hpp"
 #include "run/pipeline/outputs/up_to_date.hpp"
-#include "report/summary_version.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;

@@ -5,9 +5,9 @@
 #include <array>
 
 #include "base/text.hpp"
-#include "run/batch/batch.hpp"
-#include "report/page/escaped.hpp"
 #include "report/html_columns.hpp"
+#include "report/page/escaped.hpp"
+#include "run/batch/batch.hpp"
 
 namespace millpose {
 namespace {

@@ -4,10 +4,10 @@
 #include <set>
 
 #include "base/error.hpp"
-#include "run/batch/batch.hpp"
-#include "store/output_folder.hpp"
 #include "program/calling_program.hpp"
 #include "program/program_name.hpp"
+#include "run/batch/batch.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;

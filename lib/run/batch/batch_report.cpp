@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/text.hpp"
-#include "run/batch/batch.hpp"
 #include "report/page/escaped.hpp"
+#include "run/batch/batch.hpp"
 
 namespace millpose {
 namespace {

@@ -117,7 +117,8 @@ std::vector<std::string> SlurmArray::SubmitTasks(const std::vector<size_t>& task
     command.push_back(std::to_string(first));
     const ProcessResult result = RunProcess(command, stop);
     if (result.status != 0)
-      throw InputError(SourceLocation{"sbatch"}, fmt::format("refused the tasks: {}", Shown(result.errors, 400)));
+      throw InputError(SourceLocation{"sbatch"},
+                       fmt::format("refused the tasks: {}", Shown(result.errors, 400)));
     ids.push_back(IdOf(result.output));
     folder_.Write(kSubmitted, ReadOr(folder_, kSubmitted, "") + ids.back() + '\n');
   }

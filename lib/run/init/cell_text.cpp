@@ -318,8 +318,9 @@ std::string SampleCellText(const std::string& name) {
     return text;
   }
   const std::string near = NearestName(name, names);
-  throw InputError(SourceLocation{}, fmt::format("--arm: given {}; allowed: a URDF file, or one of {}{}", name,
-                                        fmt::join(names, ", "), near.empty() ? "" : "; nearest: " + near));
+  throw InputError(SourceLocation{},
+                   fmt::format("--arm: given {}; allowed: a URDF file, or one of {}{}", name,
+                               fmt::join(names, ", "), near.empty() ? "" : "; nearest: " + near));
 }
 
 std::string WithBall(std::string cell) {

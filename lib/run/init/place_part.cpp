@@ -117,8 +117,8 @@ class Trial {
     ForEachPoint(placement, [&](const std::vector<Candidate>& candidates) {
       size_t free = 0;
       for (size_t i = 0; i < candidates.size() && free < kClearPoses; ++i)
-        free +=
-            candidates[i].obstacle == Infeasibility::kNone && !checker.Blocked(candidates[i].q, Phase::kCutting);
+        free += candidates[i].obstacle == Infeasibility::kNone &&
+                !checker.Blocked(candidates[i].q, Phase::kCutting);
       return clear = free == kClearPoses;
     });
     return clear;

@@ -13,8 +13,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kPlacementVersion = 1;
-constexpr std::array<Infeasibility, 5> kCauses{Infeasibility::kUnreachable, Infeasibility::kLimit, Infeasibility::kSingular,
-                                          Infeasibility::kInterference, Infeasibility::kStep};
+constexpr std::array<Infeasibility, 5> kCauses{Infeasibility::kUnreachable, Infeasibility::kLimit,
+                                               Infeasibility::kSingular, Infeasibility::kInterference,
+                                               Infeasibility::kStep};
 
 Json OrNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
@@ -194,7 +195,8 @@ std::string SpanText(const PathSection& share) {
 std::string CauseOf(const PlaceScore& score) {
   if (!score.touches.empty()) return score.touches;
   if (score.free() == score.total()) return "";
-  return ToString(*std::ranges::max_element(kCauses, {}, [&](Infeasibility cause) { return score.Count(cause); }));
+  return ToString(
+      *std::ranges::max_element(kCauses, {}, [&](Infeasibility cause) { return score.Count(cause); }));
 }
 
 std::optional<double> RatioOf(const std::vector<std::optional<double>>& plan,

@@ -5,13 +5,13 @@
 #include <tuple>
 
 #include "base/parallel.hpp"
+#include "job/assemble.hpp"
 #include "machine/collision/point_memory.hpp"
 #include "planning/links/retract.hpp"
-#include "job/assemble.hpp"
-#include "run/placement/sample.hpp"
 #include "planning/pose/candidate_table.hpp"
 #include "planning/pose/lean_problem.hpp"
 #include "program/pose_text.hpp"
+#include "run/placement/sample.hpp"
 
 namespace millpose {
 namespace {
@@ -318,7 +318,8 @@ std::vector<ScoredPoint> PlaceScorer::Points(const PoseSettings& place, const Ex
   const auto [X_WB, X_WP] = PosesAt(place);
   const World world = prepared_.front().world.With(X_WB, X_WP);
   if (!Touches(X_WB, X_WP).empty() || Checker(world).Blocked(world.cell().home, Phase::kFree))
-    return std::vector<ScoredPoint>(CountPoints(samples_.front()), ScoredPoint{Infeasibility::kInterference, 0});
+    return std::vector<ScoredPoint>(CountPoints(samples_.front()),
+                                    ScoredPoint{Infeasibility::kInterference, 0});
   return ScorePoints(0, samples_.front(), world, execution);
 }
 

@@ -103,7 +103,8 @@ void AptMotion::Follow(const AptNurbs& nurbs, const std::vector<Vector>& control
   ++splines_;
 }
 
-void AptMotion::Append(const std::vector<Vector>& way, const Vector& axis_before, const SourceLocation& place) {
+void AptMotion::Append(const std::vector<Vector>& way, const Vector& axis_before,
+                       const SourceLocation& place) {
   for (size_t i = 0; i < way.size(); ++i) {
     const double share = static_cast<double>(i + 1) / static_cast<double>(way.size());
     const Vector between = axis_before + share * (axis_ - axis_before);
@@ -113,7 +114,8 @@ void AptMotion::Append(const std::vector<Vector>& way, const Vector& axis_before
   rapid_ = false;  // RAPID holds for the next motion only
 }
 
-void AptMotion::AddPoint(const Vector& position, const Vector& axis, bool rapid, const SourceLocation& place) {
+void AptMotion::AddPoint(const Vector& position, const Vector& axis, bool rapid,
+                         const SourceLocation& place) {
   if (path_.points.size() >= kMaxPoints)
     throw InputError({place.file, place.line}, fmt::format("the path has more than {} points", kMaxPoints));
   path_.points.push_back({position, axis, feed_, rapid, fresh_ && HasPoint(), place.line});

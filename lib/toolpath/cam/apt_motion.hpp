@@ -64,7 +64,8 @@ class AptMotion {
  private:
   void Append(const std::vector<Eigen::Vector3d>& way, const Eigen::Vector3d& axis_before,
               const SourceLocation& place);
-  void AddPoint(const Eigen::Vector3d& position, const Eigen::Vector3d& axis, bool rapid, const SourceLocation& place);
+  void AddPoint(const Eigen::Vector3d& position, const Eigen::Vector3d& axis, bool rapid,
+                const SourceLocation& place);
   AptCycle CycleAt(const Eigen::Vector3d& point);
   void Drill(const Eigen::Vector3d& point, const SourceLocation& place);
 

@@ -27,11 +27,11 @@ class AptUnit {
 
  private:
   const CamReadOptions& options_;
-  std::optional<SourceLocation> unstated_;      // the first length before UNITS
-  std::optional<SourceLocation> stated_;        // the first UNITS
-  double unit_ = 1;                    // mm, as stated
-  std::optional<AptWord> mm_, inch_;   // first words of feeds
-  double smallest_ = 0, largest_ = 0;  // cutters before UNITS, file units
+  std::optional<SourceLocation> unstated_;  // the first length before UNITS
+  std::optional<SourceLocation> stated_;    // the first UNITS
+  double unit_ = 1;                         // mm, as stated
+  std::optional<AptWord> mm_, inch_;        // first words of feeds
+  double smallest_ = 0, largest_ = 0;       // cutters before UNITS, file units
 };
 
 }  // namespace millpose

@@ -207,8 +207,9 @@ yaml::Codec<CamStrategy> CamFields() {
               MapOf<bool>({}, ChoiceOf<bool>({{"tip", true}, {"joints", false}})),
               "Of G-code: what X, Y, Z are from such an M code on, e.g. {M428: tip, M429: joints}."),
        Key<S>("circle", MILLPOSE_AT(circle),
-              ChoiceOf<CircleSense>(
-                  {{"both", CircleSense::kBoth}, {"tangent", CircleSense::kTangent}, {"axis", CircleSense::kAxis}}),
+              ChoiceOf<CircleSense>({{"both", CircleSense::kBoth},
+                                     {"tangent", CircleSense::kTangent},
+                                     {"axis", CircleSense::kAxis}}),
               "Of APT: what decides which way round a CIRCLE with an axis goes where the cut before and the "
               "axis's sign contradict; both: the file is refused there."),
        Key<S>("sender", MILLPOSE_AT(sender), Maybe(SenderCodec()),

@@ -4,9 +4,9 @@
 
 #include "base/error.hpp"
 #include "base/shown.hpp"
+#include "base/yaml/value.hpp"
 #include "job/config/config.hpp"
 #include "tests/job/config/cell_head.hpp"
-#include "base/yaml/value.hpp"
 
 namespace millpose {
 namespace {

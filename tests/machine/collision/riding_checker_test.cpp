@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "machine/collision/coordinated_checker.hpp"
-
 #include <gtest/gtest.h>
 
 #include "base/random.hpp"
+#include "machine/collision/coordinated_checker.hpp"
 #include "machine/robot/kinematics.hpp"
 #include "tests/machine/collision/sample_cell.hpp"
 #include "tests/machine/robot/arms.hpp"
@@ -46,7 +45,8 @@ ExternalPosition Between(const ExternalPosition& a, const ExternalPosition& b, d
 }
 
 /// The smallest distance on the motion at positions close together, joints `beside` those of the motion.
-double Nearest(const World& world, const CoordinatedPose& from, const CoordinatedPose& to, const Joints& beside) {
+double Nearest(const World& world, const CoordinatedPose& from, const CoordinatedPose& to,
+               const Joints& beside) {
   constexpr int kSteps = 400;
   double nearest = 50;
   for (int k = 0; k <= kSteps; ++k) {

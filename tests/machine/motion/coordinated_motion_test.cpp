@@ -23,7 +23,8 @@ Carrier CoordinatedCarrier(const ExternalPosition& from, const ExternalPosition&
                      .direction = Vector3d::UnitZ(),
                      .origin = Vector3d(2500, 0, 0),
                      .compliance = {}};
-  CoordinatedMotion ride{Mechanism({rail, table}), cell.X_WB, Pose(Eigen::Translation3d(2500, 100, 700)), from, to};
+  CoordinatedMotion ride{Mechanism({rail, table}), cell.X_WB, Pose(Eigen::Translation3d(2500, 100, 700)),
+                         from, to};
   return {cell.arm, cell.X_WB, cell.X_FT, std::make_shared<const CoordinatedMotion>(ride)};
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "machine/identification/identify.hpp"
 
-#include "machine/stiffness/compliance.hpp"
 #include "machine/identification/identify_system.hpp"
-#include "tests/paper/paper_data.hpp"
+#include "machine/stiffness/compliance.hpp"
 #include "tests/machine/robot/arms.hpp"
 #include "tests/machine/stiffness/random_vectors.hpp"
+#include "tests/paper/paper_data.hpp"
 
 namespace millpose {
 namespace {

@@ -2,9 +2,9 @@
 #include "machine/identification/plausibility.hpp"
 
 #include "machine/identification/identify_system.hpp"
-#include "tests/paper/paper_data.hpp"
 #include "tests/machine/robot/arms.hpp"
 #include "tests/machine/stiffness/random_vectors.hpp"
+#include "tests/paper/paper_data.hpp"
 
 namespace millpose {
 namespace {

@@ -2,11 +2,11 @@
 #include "planning/pass/fixed_rotation.hpp"
 
 #include "base/random.hpp"
-#include "planning/pass/pass_checks.hpp"
-#include "planning/pass/fewest_missing.hpp"
-#include "planning/pass/fixed_interference.hpp"
 #include "machine/robot/angles.hpp"
 #include "machine/stiffness/compliance.hpp"
+#include "planning/pass/fewest_missing.hpp"
+#include "planning/pass/fixed_interference.hpp"
+#include "planning/pass/pass_checks.hpp"
 #include "tests/planning/pass/pass_problem.hpp"
 
 namespace millpose {
@@ -82,7 +82,7 @@ TEST(FixedRotation, IsTheBestOfAllThatServeEveryPoint) {
           const Candidate candidate =
               PointScorer(problem, point, row.rotation_reference).ScoreOne({rotation}, branch);
           worst = candidate.obstacle == Infeasibility::kNone ? std::max(worst, candidate.objective)
-                                                        : std::numeric_limits<double>::infinity();
+                                                             : std::numeric_limits<double>::infinity();
           if (!std::isfinite(worst)) break;
         }
         least = std::min(least, worst);

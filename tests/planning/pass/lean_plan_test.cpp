@@ -237,7 +237,8 @@ TEST(LeanPlan, LosesNothingToInterferenceThatTheNominalLeanKeeps) {
   const PassResult plan = PlanPass(problem, world, {pass}, options, {.threads = 2});
   const PassResult nominal = PlanPass(AtOwnAxis(problem), world, {pass}, options, {.threads = 2});
   const auto skipped = [](const PassResult& of) {
-    return std::ranges::count_if(of.points, [](const PlannedPoint& p) { return p.skip != Infeasibility::kNone; });
+    return std::ranges::count_if(of.points,
+                                 [](const PlannedPoint& p) { return p.skip != Infeasibility::kNone; });
   };
   EXPECT_EQ(skipped(plan), skipped(nominal));
   EXPECT_LE(Sum(plan), Sum(nominal));

@@ -3,10 +3,10 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "planning/links/link_move_planner.hpp"
-#include "planning/links/job_planner.hpp"
 #include "machine/motion/time_law.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "planning/links/job_planner.hpp"
+#include "planning/links/link_move_planner.hpp"
 #include "tests/machine/collision/sample_cell.hpp"
 
 namespace millpose::test {
@@ -253,7 +253,9 @@ TEST(LinkMoves, OneGapDoesNotDependOnOthersPlannedBefore) {
 
 TEST(LinkMoves, OmplsOwnGeneratorDoesNotMatter) {
   const World world(WallCell());
-  const auto corners = [&] { return PlanLinkMove(world, Piece0(0, kLeft), Piece0(1, kRight), {}, {}).joints; };
+  const auto corners = [&] {
+    return PlanLinkMove(world, Piece0(0, kLeft), Piece0(1, kRight), {}, {}).joints;
+  };
   const std::vector<Joints> first = corners();
   ASSERT_GT(first.size(), 2u) << "OMPL had to search";
   // OMPL seeds every generator that it makes from one for the whole process.

@@ -46,9 +46,9 @@ struct Coordinated {
   }
   Carrier Between(const ExternalPosition& from, const ExternalPosition& to) const {
     const Cell& cell = stations.world().cell();
-    return {
-        cell.arm, cell.X_WB, cell.X_FT,
-        std::make_shared<const CoordinatedMotion>(CoordinatedMotion{Mechanism(cell.external_axes), cell.X_WB, cell.X_WP, from, to})};
+    return {cell.arm, cell.X_WB, cell.X_FT,
+            std::make_shared<const CoordinatedMotion>(
+                CoordinatedMotion{Mechanism(cell.external_axes), cell.X_WB, cell.X_WP, from, to})};
   }
 };
 

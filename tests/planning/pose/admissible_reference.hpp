@@ -60,7 +60,8 @@ inline double MeasuredDexterity(const PoseProblem& problem, const Joints& q) {
 
 /// What keeps the joint angles `q`, as they are, from being used. Misses of up to `slack` (sines, m) of the
 /// bounds on singularity and dexterity count as none: an optimum may be on such a bound.
-inline Infeasibility ReferenceInfeasibility(const PoseProblem& problem, const Joints& q, double slack = 1e-9) {
+inline Infeasibility ReferenceInfeasibility(const PoseProblem& problem, const Joints& q,
+                                            double slack = 1e-9) {
   const AdmissibleBounds& bounds = problem.bounds;
   for (int j = 0; j < 6; ++j)
     if (q[j] < bounds.lower[j] || q[j] > bounds.upper[j]) return Infeasibility::kLimit;

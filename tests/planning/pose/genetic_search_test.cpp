@@ -36,7 +36,8 @@ struct LinkMoves {
   double worst;  ///< relative
   int most_evaluations;
 };
-LinkMoves Measure(const PoseProblem& problem, const std::vector<Sample>& samples, const GeneticOptions& options) {
+LinkMoves Measure(const PoseProblem& problem, const std::vector<Sample>& samples,
+                  const GeneticOptions& options) {
   LinkMoves gaps{0, 0, 0};
   for (uint64_t seed = 1; seed <= kSeeds; ++seed)
     for (size_t k = 0; k < samples.size(); ++k) {

@@ -103,7 +103,8 @@ TEST(Lean, WhatTheLawBarsIsNoCandidate) {
       settings.push_back({DegToRad(10 * k), DegToRad(lead_deg), DegToRad(tilt_deg)});
     std::vector<Candidate> candidates(8 * settings.size());
     scorer.Score(settings, candidates);
-    return std::ranges::any_of(candidates, [](const Candidate& c) { return c.obstacle == Infeasibility::kNone; });
+    return std::ranges::any_of(candidates,
+                               [](const Candidate& c) { return c.obstacle == Infeasibility::kNone; });
   };
   EXPECT_TRUE(any(5, 0));
   EXPECT_FALSE(any(1, 0)) << "cuts too slowly";

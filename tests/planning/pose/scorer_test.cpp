@@ -25,7 +25,8 @@ Candidate Reference(const PoseProblem& problem, const MillingPoint& point, doubl
     candidate.objective = indices ? 0.5 * indices->lambda_t2 + 0.5 * indices->lambda_n : 1e9;
     const std::vector<Joints> within = RevolutionsWithin(problem.bounds, q);
     candidate.q = within.empty() ? q : within.front();
-    candidate.obstacle = within.empty() ? Infeasibility::kLimit : ReferenceInfeasibility(problem, within.front());
+    candidate.obstacle =
+        within.empty() ? Infeasibility::kLimit : ReferenceInfeasibility(problem, within.front());
   }
   return candidate;
 }

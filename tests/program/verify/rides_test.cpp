@@ -8,12 +8,12 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "machine/collision/station_path.hpp"
-#include "planning/result/station.hpp"
 #include "machine/robot/kinematics.hpp"
-#include "tests/program/station_plan.hpp"
-#include "tests/program/verify/sample_cell.hpp"
+#include "planning/result/station.hpp"
 #include "program/verify/coordinated_path.hpp"
 #include "program/verify/stations.hpp"
+#include "tests/program/station_plan.hpp"
+#include "tests/program/verify/sample_cell.hpp"
 
 namespace millpose {
 namespace {
@@ -22,7 +22,8 @@ using Eigen::Vector3d;
 
 struct Coordinated {
   Coordinated(const std::string& variant, const std::string& axes) : Coordinated(variant, RidePlan(axes)) {}
-  Coordinated(const std::string& variant, PlanResult given) : plan(std::move(given)), post(variant, plan, true) {
+  Coordinated(const std::string& variant, PlanResult given)
+      : plan(std::move(given)), post(variant, plan, true) {
     program = MakeMotionProgram(plan, SampleFeeds());
     program.frames_checked = ControllerOf(variant) == "krl";
     files = post.Write(program, plan.arm);

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What plans passes once more: ends without room, points inserted, the other direction; and pairs that always
 // touch.
-#include "planning/links/job_planner.hpp"
-#include "planning/links/retract.hpp"
 #include "job/assemble.hpp"
 #include "job/compensate_job.hpp"
 #include "job/exclude_pairs.hpp"
 #include "job/job_engagement.hpp"
+#include "machine/robot/kinematics.hpp"
+#include "planning/links/job_planner.hpp"
+#include "planning/links/retract.hpp"
+#include "run/pipeline/programs/program_warnings.hpp"
 #include "run/pipeline/stages/finer_passes.hpp"
 #include "run/pipeline/stages/other_ways.hpp"
-#include "run/pipeline/programs/program_warnings.hpp"
 #include "run/pipeline/stages/promising_reversals.hpp"
 #include "run/pipeline/stages/repair_ends.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "tests/machine/collision/sample_cell.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 #include "toolpath/pass_variants.hpp"

@@ -2,8 +2,8 @@
 // What the axis map and the sentences on a pose say of a pass with something in its way.
 #include "report/samples/axis_map.hpp"
 
-#include "run/pipeline/commands/explain_pose.hpp"
 #include "report/samples/sample_curves.hpp"
+#include "run/pipeline/commands/explain_pose.hpp"
 #include "tests/planning/pass/pass_problem.hpp"
 
 namespace millpose {

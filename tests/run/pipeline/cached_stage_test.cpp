@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "store/cached_stage.hpp"
 
-#include "store/plan_key.hpp"
-#include "run/pipeline/stages/lay_path.hpp"
-#include "run/pipeline/outputs/report_parts.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "run/pipeline/outputs/report_parts.hpp"
+#include "run/pipeline/stages/lay_path.hpp"
+#include "store/plan_key.hpp"
 #include "tests/machine/collision/sample_cell.hpp"
 
 namespace millpose {
@@ -116,11 +116,12 @@ TEST(CachedInWorld, WorksAStageOutAgainOnlyWhereAnAnswerMayBeAnother) {
   Cell cell = test::SampleCell();
   const auto post_at = [&](double y) { cell.bodies.back().X_MG = test::At(1500, y, 100); };
   const auto stage = [&](const std::string& key, double pose) {
-    return CachedInWorld<double>(store, "stage", key, Stations(World(cell), {}), [&](const Stations& stations) {
-      ++made;
-      Checker checker(stations.At({}).world);
-      return checker.Clearance(test::Degrees(0, -60, 90, 0, 60, pose), Phase::kFree, 200);
-    });
+    return CachedInWorld<double>(
+        store, "stage", key, Stations(World(cell), {}), [&](const Stations& stations) {
+          ++made;
+          Checker checker(stations.At({}).world);
+          return checker.Clearance(test::Degrees(0, -60, 90, 0, 60, pose), Phase::kFree, 200);
+        });
   };
   cell.bodies.push_back({"post", BodyClass::kFixture, Mount::kWorld, 0, Pose::Identity(), Sphere{50}});
   post_at(3000);
@@ -152,7 +153,7 @@ TEST(CachedInWorld, OfACellWithExternalAxesWhateverStandsInItCounts) {
   cell.external_axes.emplace_back().name = "rail";
   const auto stage = [&] {
     CachedInWorld<int>(store, "stage", "key", Stations(World(cell), {}),
-                     [&](const Stations&) { return ++made; });
+                       [&](const Stations&) { return ++made; });
   };
   stage();
   stage();

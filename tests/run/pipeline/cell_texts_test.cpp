@@ -4,8 +4,8 @@
 
 #include "base/file.hpp"
 #include "base/units.hpp"
-#include "job/config/config.hpp"
 #include "job/assemble.hpp"
+#include "job/config/config.hpp"
 #include "tests/base/source_dir.hpp"
 
 namespace millpose {

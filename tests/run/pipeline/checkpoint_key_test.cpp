@@ -126,8 +126,8 @@ TEST(CheckpointKey, PassesAndGapsAreToldApartByPlaceAndNumber) {
   const LinkMoveEnd home, piece{1, 0, Joints::Constant(0.1)};
   const std::string there = LinkMoveKey("context", home, piece);
   EXPECT_NE(LinkMoveKey("context", piece, home), there);
-  for (LinkMoveEnd end : {LinkMoveEnd{2, 0, piece.q}, LinkMoveEnd{1, 1, piece.q}, LinkMoveEnd{1, 0, Joints::Constant(0.2)},
-                     LinkMoveEnd{1, 0, piece.q, {5.0}}})
+  for (LinkMoveEnd end : {LinkMoveEnd{2, 0, piece.q}, LinkMoveEnd{1, 1, piece.q},
+                          LinkMoveEnd{1, 0, Joints::Constant(0.2)}, LinkMoveEnd{1, 0, piece.q, {5.0}}})
     EXPECT_NE(LinkMoveKey("context", home, end), there);
   LinkMove gap;
   gap.to_pass = 1, gap.to_piece = 0;

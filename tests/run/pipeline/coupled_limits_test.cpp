@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Limits that couple axes: what a cell may say, and that a plan keeps them from the predicate to the program.
-#include "job/config/config.hpp"
 #include "job/assemble.hpp"
+#include "job/config/config.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A job's plan as a value: what holds of every plan, and that neither threads nor checkpoints change it.
-#include "planning/links/job_planner.hpp"
 #include "job/assemble.hpp"
 #include "job/narrow_inputs.hpp"
 #include "machine/robot/kinematics.hpp"
+#include "planning/links/job_planner.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 

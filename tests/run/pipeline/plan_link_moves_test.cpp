@@ -40,7 +40,8 @@ Cell ClampedCell() {
 TEST(PlanAllLinkMoves, APieceThatCannotBeLeftCostsItselfAlone) {
   const World world(ClampedCell());
   std::vector<PassResult> passes{PassAt(0, {kRight}), PassAt(1, {kLeft, kRight}), PassAt(2, {kRight})};
-  const PlannedLinkMoves planned = PlanAllLinkMoves(Stations(world, {}), passes, {}, NoCheckpoints(), {.threads = 2});
+  const PlannedLinkMoves planned =
+      PlanAllLinkMoves(Stations(world, {}), passes, {}, NoCheckpoints(), {.threads = 2});
   ASSERT_EQ(planned.gaps.size(), 4u);  // home, three pieces, home
   for (const LinkMove& gap : planned.gaps) EXPECT_TRUE(gap.planned) << gap.detail;
   EXPECT_EQ(planned.gaps[1].to_pass, 1);

@@ -6,12 +6,12 @@
 
 #include "base/process.hpp"
 #include "job/origin.hpp"
-#include "store/manifest.hpp"
-#include "store/result_swap.hpp"
 #include "run/pipeline/outputs/run_record.hpp"
 #include "run/pipeline/outputs/up_to_date.hpp"
-#include "run/pipeline/programs/verify_programs.hpp"
 #include "run/pipeline/outputs/write_results.hpp"
+#include "run/pipeline/programs/verify_programs.hpp"
+#include "store/manifest.hpp"
+#include "store/result_swap.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 

@@ -3,11 +3,11 @@
 // distance.
 #include <nlohmann/json.hpp>
 
-#include "planning/links/job_planner.hpp"
 #include "job/assemble.hpp"
+#include "machine/robot/kinematics.hpp"
+#include "planning/links/job_planner.hpp"
 #include "planning/pass/revolutions.hpp"
 #include "run/pipeline/stages/plan_link_moves.hpp"
-#include "machine/robot/kinematics.hpp"
 #include "tests/machine/collision/sample_cell.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 

@@ -4,17 +4,17 @@
 
 #include <thread>
 
-#include "planning/links/job_planner.hpp"
 #include "job/assemble.hpp"
 #include "job/measured_forces.hpp"
-#include "run/pipeline/commands/explain_pose.hpp"
-#include "run/pipeline/commands/find_reach.hpp"
-#include "run/pipeline/programs/plan_timeline.hpp"
+#include "planning/links/job_planner.hpp"
 #include "planning/result/point_clearance.hpp"
 #include "planning/result/verdict_map.hpp"
 #include "report/samples/axis_map.hpp"
 #include "report/samples/nearest_pairs.hpp"
 #include "report/samples/sample_curves.hpp"
+#include "run/pipeline/commands/explain_pose.hpp"
+#include "run/pipeline/commands/find_reach.hpp"
+#include "run/pipeline/programs/plan_timeline.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/machine/collision/sample_cell.hpp"
 #include "tests/run/pipeline/small_job.hpp"

@@ -3,10 +3,10 @@
 // where a pass is planned better there.
 #include "job/assemble.hpp"
 #include "job/external_positions.hpp"
-#include "run/pipeline/stages/choose_stations.hpp"
-#include "run/pipeline/stages/other_stations.hpp"
 #include "planning/result/pass_value.hpp"
 #include "planning/result/skipped.hpp"
+#include "run/pipeline/stages/choose_stations.hpp"
+#include "run/pipeline/stages/other_stations.hpp"
 #include "tests/base/refusal.hpp"
 #include "tests/run/pipeline/small_job.hpp"
 

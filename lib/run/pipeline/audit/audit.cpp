@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/pipeline/audit/audit.hpp"
 
+#include "audit/interference.hpp"
 #include "base/parallel.hpp"
+#include "machine/motion/line.hpp"
+#include "machine/robot/angles.hpp"
 #include "planning/compensation/compensate.hpp"
 #include "planning/links/job_planner.hpp"
-#include "audit/interference.hpp"
-#include "machine/motion/line.hpp"
-#include "run/pipeline/audit/judge_setup.hpp"
 #include "planning/result/station.hpp"
-#include "machine/robot/angles.hpp"
+#include "run/pipeline/audit/judge_setup.hpp"
 #include "toolpath/cutter.hpp"
 
 namespace millpose {
@@ -102,8 +102,8 @@ void AddCuts(const PlanResult& plan, const PassResult& pass, size_t& first_numbe
     const ExternalPosition &here = ExternalAt(pass, static_cast<size_t>(from)),
                            &there = ExternalAt(pass, static_cast<size_t>(to));
     if (pass.points[static_cast<size_t>(to)].external)
-      carrier.ride =
-          std::make_shared<CoordinatedMotion>(CoordinatedMotion{Mechanism(plan.external_axes), plan.X_WB, plan.X_WP, here, there});
+      carrier.ride = std::make_shared<CoordinatedMotion>(
+          CoordinatedMotion{Mechanism(plan.external_axes), plan.X_WB, plan.X_WP, here, there});
     const Joints& start = pass.points[static_cast<size_t>(from)].q;
     // A ring's joints have turned by full revolutions when it comes by its first point again.
     const Joints end = NearestEquivalent(start, pass.points[static_cast<size_t>(to)].q);
@@ -122,7 +122,7 @@ void AddCuts(const PlanResult& plan, const PassResult& pass, size_t& first_numbe
 }
 
 void AddLinkMove(const PlanResult& plan, const LinkMove& gap, const std::pair<LinkMoveEnd, LinkMoveEnd>& ends,
-            std::vector<Step>& steps) {
+                 std::vector<Step>& steps) {
   if (!gap.planned || gap.joints.empty()) return;
   const auto& [from, to] = ends;
   const double share = gap.clearance_share;

@@ -6,11 +6,11 @@
 #include "base/csv.hpp"
 #include "base/error.hpp"
 #include "job/assemble.hpp"
-#include "store/output_folder.hpp"
-#include "store/read_whole.hpp"
-#include "run/pipeline/outputs/write_results.hpp"
 #include "planning/result/station.hpp"
 #include "report/deflection.hpp"
+#include "run/pipeline/outputs/write_results.hpp"
+#include "store/output_folder.hpp"
+#include "store/read_whole.hpp"
 
 namespace millpose {
 namespace {

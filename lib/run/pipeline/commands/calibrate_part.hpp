@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "base/file_root.hpp"
-#include "planning/compensation/calibrate.hpp"
 #include "job/config/job_settings.hpp"
+#include "planning/compensation/calibrate.hpp"
 
 namespace millpose {
 

@@ -5,15 +5,15 @@
 
 #include "base/loose_file.hpp"
 #include "base/units.hpp"
+#include "geometry/import/step_reader.hpp"
+#include "geometry/mesh/corner_normals.hpp"
+#include "geometry/mesh/round_holes.hpp"
 #include "job/assemble.hpp"
 #include "job/locate.hpp"
 #include "job/plausible.hpp"
 #include "job/step_meshes.hpp"
-#include "run/pipeline/commands/find_reach.hpp"
 #include "report/check_html.hpp"
-#include "geometry/mesh/corner_normals.hpp"
-#include "geometry/mesh/round_holes.hpp"
-#include "geometry/import/step_reader.hpp"
+#include "run/pipeline/commands/find_reach.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {

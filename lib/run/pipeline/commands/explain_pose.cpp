@@ -4,14 +4,14 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "job/assemble.hpp"
-#include "run/pipeline/programs/make_programs.hpp"
-#include "run/pipeline/outputs/write_results.hpp"
+#include "planning/pose/lean_problem.hpp"
 #include "planning/result/station.hpp"
 #include "planning/result/verdict_map.hpp"
-#include "planning/pose/lean_problem.hpp"
 #include "report/html_columns.hpp"
 #include "report/samples/axis_map.hpp"
 #include "report/samples/sample_curves.hpp"
+#include "run/pipeline/outputs/write_results.hpp"
+#include "run/pipeline/programs/make_programs.hpp"
 #include "toolpath/lean_law.hpp"
 
 namespace millpose {

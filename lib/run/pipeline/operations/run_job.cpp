@@ -7,9 +7,9 @@
 #include "base/named_progress.hpp"
 #include "job/step_meshes.hpp"
 #include "run/pipeline/operations/whole_report.hpp"
-#include "store/output_folder.hpp"
 #include "run/pipeline/outputs/run_record.hpp"
 #include "run/pipeline/outputs/up_to_date.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 namespace fs = std::filesystem;

@@ -3,9 +3,9 @@
 
 #include <set>
 
-#include "run/pipeline/programs/program_files.hpp"
 #include "program/calling_program.hpp"
 #include "program/post_entry.hpp"
+#include "run/pipeline/programs/program_files.hpp"
 
 namespace millpose {
 namespace {

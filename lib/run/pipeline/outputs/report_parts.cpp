@@ -2,11 +2,11 @@
 #include "run/pipeline/outputs/report_parts.hpp"
 
 #include "job/assemble.hpp"
-#include "store/cached_stage.hpp"
-#include "store/plan_key.hpp"
 #include "report/samples/axis_map.hpp"
 #include "report/samples/nearest_pairs.hpp"
 #include "report/samples/sample_curves.hpp"
+#include "store/cached_stage.hpp"
+#include "store/plan_key.hpp"
 
 namespace millpose {
 namespace {

@@ -2,19 +2,19 @@
 #include "run/pipeline/outputs/run.hpp"
 
 #include "base/error.hpp"
-#include "job/config/config.hpp"
 #include "job/assemble.hpp"
+#include "job/config/config.hpp"
 #include "job/step_meshes.hpp"
-#include "store/output_folder.hpp"
-#include "run/pipeline/audit/audit.hpp"
-#include "run/pipeline/programs/plan_timeline.hpp"
-#include "run/pipeline/outputs/report_parts.hpp"
-#include "run/pipeline/outputs/run_record.hpp"
-#include "run/pipeline/stages/stages.hpp"
-#include "run/pipeline/outputs/up_to_date.hpp"
-#include "run/pipeline/outputs/write_results.hpp"
 #include "report/samples/judge_optima.hpp"
 #include "report/samples/sample_curves.hpp"
+#include "run/pipeline/audit/audit.hpp"
+#include "run/pipeline/outputs/report_parts.hpp"
+#include "run/pipeline/outputs/run_record.hpp"
+#include "run/pipeline/outputs/up_to_date.hpp"
+#include "run/pipeline/outputs/write_results.hpp"
+#include "run/pipeline/programs/plan_timeline.hpp"
+#include "run/pipeline/stages/stages.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 namespace {

@@ -9,8 +9,8 @@
 #include "base/file_root.hpp"
 #include "base/progress.hpp"
 #include "job/config/config.hpp"
-#include "store/output_folder.hpp"
 #include "run/pipeline/stages/plan_job.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 

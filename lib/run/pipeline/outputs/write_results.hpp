@@ -2,12 +2,12 @@
 #pragma once
 
 #include "job/inputs.hpp"
-#include "store/output_folder.hpp"
-#include "run/pipeline/programs/make_programs.hpp"
-#include "run/pipeline/outputs/report_parts.hpp"
-#include "run/pipeline/programs/start_programs.hpp"
 #include "report/html.hpp"
 #include "report/report.hpp"
+#include "run/pipeline/outputs/report_parts.hpp"
+#include "run/pipeline/programs/make_programs.hpp"
+#include "run/pipeline/programs/start_programs.hpp"
+#include "store/output_folder.hpp"
 
 namespace millpose {
 

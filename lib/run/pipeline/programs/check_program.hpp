@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "program/verify/under_load.hpp"
 #include "run/pipeline/programs/program_motions.hpp"
 #include "run/pipeline/programs/programming.hpp"
-#include "program/verify/under_load.hpp"
 
 namespace millpose {
 

@@ -5,12 +5,12 @@
 
 #include "base/error.hpp"
 #include "job/cell_texts.hpp"
-#include "run/pipeline/programs/check_program.hpp"
-#include "run/pipeline/programs/program_motions.hpp"
-#include "run/pipeline/programs/program_warnings.hpp"
 #include "planning/result/skipped.hpp"
 #include "program/external_axes.hpp"
 #include "program/verify/causes.hpp"
+#include "run/pipeline/programs/check_program.hpp"
+#include "run/pipeline/programs/program_motions.hpp"
+#include "run/pipeline/programs/program_warnings.hpp"
 
 namespace millpose {
 

@@ -3,11 +3,11 @@
 
 #include <map>
 
-#include "run/pipeline/programs/programming.hpp"
 #include "planning/result/cycle_time.hpp"
 #include "planning/result/plan_result.hpp"
-#include "report/report.hpp"
 #include "program/verify/under_load.hpp"
+#include "report/report.hpp"
+#include "run/pipeline/programs/programming.hpp"
 
 namespace millpose {
 

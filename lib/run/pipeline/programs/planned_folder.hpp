@@ -58,7 +58,8 @@ class PlannedFolder {
   std::optional<PlanResult> ways_;  // of the programs of single pieces, where there are some
   JobInputs inputs_;
   std::unique_ptr<World> world_;
-  mutable std::map<std::string, std::vector<CallTransition>> calls_;  // by controller, once they are asked for
+  mutable std::map<std::string, std::vector<CallTransition>>
+      calls_;  // by controller, once they are asked for
 };
 
 }  // namespace millpose

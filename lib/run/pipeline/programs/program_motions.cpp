@@ -2,14 +2,14 @@
 #include "run/pipeline/programs/program_motions.hpp"
 
 #include "base/units.hpp"
-#include "planning/compensation/compensate.hpp"
 #include "job/assemble.hpp"
 #include "job/cell_texts.hpp"
-#include "run/pipeline/programs/base_window.hpp"
+#include "planning/compensation/compensate.hpp"
 #include "program/bound_turns.hpp"
 #include "program/controller_axes.hpp"
 #include "program/pose_text.hpp"
 #include "program/stated_speeds.hpp"
+#include "run/pipeline/programs/base_window.hpp"
 #include "toolpath/strategy.hpp"
 
 namespace millpose {

@@ -3,10 +3,10 @@
 
 #include "base/parallel.hpp"
 #include "job/narrow_inputs.hpp"
-#include "store/cached_stage.hpp"
-#include "store/plan_key.hpp"
 #include "run/pipeline/programs/base_window.hpp"
 #include "run/pipeline/stages/plan_job.hpp"
+#include "store/cached_stage.hpp"
+#include "store/plan_key.hpp"
 
 namespace millpose {
 namespace {

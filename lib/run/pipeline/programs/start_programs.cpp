@@ -4,13 +4,13 @@
 #include <cassert>
 
 #include "base/error.hpp"
-#include "planning/compensation/compensate.hpp"
 #include "job/cell_texts.hpp"
+#include "planning/compensation/compensate.hpp"
+#include "planning/result/station.hpp"
+#include "program/program_name.hpp"
 #include "run/pipeline/programs/check_program.hpp"
 #include "run/pipeline/programs/make_programs.hpp"
 #include "run/pipeline/programs/program_motions.hpp"
-#include "planning/result/station.hpp"
-#include "program/program_name.hpp"
 
 namespace millpose {
 namespace {
@@ -68,7 +68,8 @@ std::vector<Finding> ReadBack(const ProgramFiles& files, const ProgramMotions& m
 
 }  // namespace
 
-std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>> StartEnds(const std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>>& gaps) {
+std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>> StartEnds(
+    const std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>>& gaps) {
   std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>> starts;
   for (size_t i = 1; i + 1 < gaps.size(); ++i) starts.emplace_back(gaps.front().first, gaps[i].second);
   return starts;

@@ -6,12 +6,12 @@
 #include "base/error.hpp"
 #include "job/assemble.hpp"
 #include "job/cell_texts.hpp"
-#include "run/pipeline/programs/program_files.hpp"
-#include "run/pipeline/programs/programming.hpp"
 #include "program/calling_program.hpp"
 #include "program/pose_text.hpp"
 #include "program/scanner.hpp"
 #include "program/verify/standing_alone.hpp"
+#include "run/pipeline/programs/program_files.hpp"
+#include "run/pipeline/programs/programming.hpp"
 
 namespace millpose {
 namespace {

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
-#include "store/manifest.hpp"
+#include "program/verify/causes.hpp"
 #include "run/pipeline/programs/planned_folder.hpp"
 #include "run/pipeline/programs/verify_alone.hpp"
-#include "program/verify/causes.hpp"
+#include "store/manifest.hpp"
 
 namespace millpose {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "base/file_root.hpp"
 #include "base/progress.hpp"
-#include "run/pipeline/programs/program_files.hpp"
 #include "program/verify/verify.hpp"
+#include "run/pipeline/programs/program_files.hpp"
 
 namespace millpose {
 

@@ -6,15 +6,15 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "machine/collision/station_path.hpp"
-#include "planning/links/retract.hpp"
 #include "job/assemble.hpp"
 #include "job/external_positions.hpp"
 #include "job/workpiece.hpp"
+#include "machine/collision/station_path.hpp"
+#include "planning/external/station_sequence.hpp"
+#include "planning/links/retract.hpp"
+#include "planning/result/station.hpp"
 #include "run/pipeline/stages/moving_stations.hpp"
 #include "run/pipeline/stages/station_sample.hpp"
-#include "planning/result/station.hpp"
-#include "planning/external/station_sequence.hpp"
 
 namespace millpose {
 namespace {

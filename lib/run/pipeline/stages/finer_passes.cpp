@@ -3,11 +3,11 @@
 
 #include "job/assemble.hpp"
 #include "job/job_engagement.hpp"
-#include "store/cached_stage.hpp"
 #include "planning/pass/large_steps.hpp"
 #include "planning/pass/nominal_plan.hpp"
-#include "run/pipeline/stages/plan_passes.hpp"
 #include "planning/result/pass_value.hpp"
+#include "run/pipeline/stages/plan_passes.hpp"
+#include "store/cached_stage.hpp"
 #include "toolpath/pass_variants.hpp"
 #include "toolpath/strategy.hpp"
 
@@ -101,8 +101,8 @@ void PlanFiner(const JobInputs& inputs, PreparedJob& prepared, const CheckpointS
     const Toolpath finer = AtStations(
         inputs,
         Cached<Toolpath>(checkpoints, fmt::format("finer-{}", parts),
-                       StageKey(prepared.laying.key, prepared.made.toolpath, prepared.turned, parts, open),
-                       [&] { return LayInParts(prepared, parts, open, execution); }),
+                         StageKey(prepared.laying.key, prepared.made.toolpath, prepared.turned, parts, open),
+                         [&] { return LayInParts(prepared, parts, open, execution); }),
         prepared.stations, prepared.external);
     for (size_t i = 0; i < passes.size(); ++i)
       if (open[i] != 0) tried.passes[i] = WithPointsBetween(tried.passes[i], finer.passes[i], large[i]);

@@ -6,10 +6,10 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "machine/collision/station_path.hpp"
 #include "job/assemble.hpp"
-#include "run/pipeline/stages/station_sample.hpp"
+#include "machine/collision/station_path.hpp"
 #include "planning/external/external_course.hpp"
+#include "run/pipeline/stages/station_sample.hpp"
 #include "toolpath/make_toolpath.hpp"
 
 namespace millpose {

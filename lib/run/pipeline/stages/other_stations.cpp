@@ -2,9 +2,9 @@
 #include "run/pipeline/stages/other_stations.hpp"
 
 #include "job/assemble.hpp"
-#include "run/pipeline/stages/plan_passes.hpp"
 #include "planning/result/pass_value.hpp"
 #include "planning/result/skipped.hpp"
+#include "run/pipeline/stages/plan_passes.hpp"
 
 namespace millpose {
 namespace {

@@ -2,26 +2,26 @@
 #include "run/pipeline/stages/plan_job.hpp"
 
 #include "base/error.hpp"
-#include "planning/links/job_planner.hpp"
-#include "planning/pass/pass_checks.hpp"
 #include "job/assemble.hpp"
 #include "job/compensate_job.hpp"
 #include "job/job_engagement.hpp"
 #include "job/lean_freedoms.hpp"
 #include "job/locate.hpp"
 #include "job/plausible.hpp"
-#include "store/cached_stage.hpp"
-#include "store/plan_key.hpp"
+#include "planning/links/job_planner.hpp"
 #include "planning/pass/nominal_plan.hpp"
+#include "planning/pass/pass_checks.hpp"
 #include "planning/pass/revolutions.hpp"
+#include "planning/result/skipped.hpp"
+#include "run/pipeline/programs/program_stage.hpp"
 #include "run/pipeline/stages/finer_passes.hpp"
 #include "run/pipeline/stages/other_stations.hpp"
 #include "run/pipeline/stages/other_ways.hpp"
 #include "run/pipeline/stages/plan_link_moves.hpp"
 #include "run/pipeline/stages/plan_passes.hpp"
-#include "run/pipeline/programs/program_stage.hpp"
 #include "run/pipeline/stages/repair_ends.hpp"
-#include "planning/result/skipped.hpp"
+#include "store/cached_stage.hpp"
+#include "store/plan_key.hpp"
 
 namespace millpose {
 namespace {
@@ -106,7 +106,8 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   };
   leave_over_missing();
   execution.progress.Begin("gaps", LinkMoveEnds(HomeOf(plan), plan.passes).size());
-  PlannedLinkMoves gaps = PlanAllLinkMoves(job.prepared.stations, plan.passes, options, checkpoints, execution);
+  PlannedLinkMoves gaps =
+      PlanAllLinkMoves(job.prepared.stations, plan.passes, options, checkpoints, execution);
   job.resumed_gaps = gaps.resumed;
   while (leave_over_missing() > 0)  // over pieces that no way leads to
     gaps = PlanAllLinkMoves(job.prepared.stations, plan.passes, options, checkpoints, execution);
@@ -129,7 +130,8 @@ void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const
   if (inputs.job.programs.empty()) return;
   const auto start_ends = StartEnds(LinkMoveEnds(HomeOf(plan), plan.passes));
   execution.progress.Begin("starts", start_ends.size());
-  job.starts.ways.gaps = PlanLinkMoves(job.prepared.stations, start_ends, options, checkpoints, execution).gaps;
+  job.starts.ways.gaps =
+      PlanLinkMoves(job.prepared.stations, start_ends, options, checkpoints, execution).gaps;
   execution.progress.End(fmt::format("{} ways", start_ends.size()));
 }
 

@@ -3,18 +3,18 @@
 #pragma once
 
 #include "base/execution.hpp"
-#include "machine/collision/world.hpp"
 #include "job/inputs.hpp"
 #include "job/workpiece.hpp"
-#include "store/checkpoints.hpp"
+#include "machine/collision/world.hpp"
+#include "planning/external/stations.hpp"
 #include "planning/pass/fixed_rotation.hpp"
-#include "run/pipeline/stages/choose_stations.hpp"
-#include "run/pipeline/stages/lay_path.hpp"
+#include "planning/pose/scorer.hpp"
+#include "planning/result/plan_result.hpp"
 #include "run/pipeline/programs/make_programs.hpp"
 #include "run/pipeline/programs/start_programs.hpp"
-#include "planning/result/plan_result.hpp"
-#include "planning/pose/scorer.hpp"
-#include "planning/external/stations.hpp"
+#include "run/pipeline/stages/choose_stations.hpp"
+#include "run/pipeline/stages/lay_path.hpp"
+#include "store/checkpoints.hpp"
 #include "toolpath/engagement/process_force.hpp"
 
 namespace millpose {

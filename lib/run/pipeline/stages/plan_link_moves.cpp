@@ -15,7 +15,7 @@ using Ends = std::pair<LinkMoveEnd, LinkMoveEnd>;
 class AllLinkMoves {
  public:
   AllLinkMoves(const Stations& stations, std::vector<PassResult>& passes, const LinkMoveOptions& options,
-          const CheckpointStore& checkpoints, const Execution& execution)
+               const CheckpointStore& checkpoints, const Execution& execution)
       : stations_(stations),
         home_{-1, -1, stations.world().cell().home, stations.home()},
         passes_(passes),
@@ -77,8 +77,9 @@ class AllLinkMoves {
 
 }  // namespace
 
-PlannedLinkMoves PlanAllLinkMoves(const Stations& stations, std::vector<PassResult>& passes, const LinkMoveOptions& options,
-                        const CheckpointStore& checkpoints, const Execution& execution) {
+PlannedLinkMoves PlanAllLinkMoves(const Stations& stations, std::vector<PassResult>& passes,
+                                  const LinkMoveOptions& options, const CheckpointStore& checkpoints,
+                                  const Execution& execution) {
   return AllLinkMoves(stations, passes, options, checkpoints, execution).Plan();
 }
 

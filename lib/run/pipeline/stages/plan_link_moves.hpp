@@ -10,7 +10,8 @@ namespace millpose {
 /// home, is left out (LeaveOut, Obstacle::kAccess), so that it costs neither the others nor the programs;
 /// none is where home itself is blocked, which the job has to change. Pieces at different stations have their
 /// way by home, where the external axes move; the later of two that no such move leads between is left out.
-PlannedLinkMoves PlanAllLinkMoves(const Stations& stations, std::vector<PassResult>& passes, const LinkMoveOptions& options,
-                        const CheckpointStore& checkpoints, const Execution& execution);
+PlannedLinkMoves PlanAllLinkMoves(const Stations& stations, std::vector<PassResult>& passes,
+                                  const LinkMoveOptions& options, const CheckpointStore& checkpoints,
+                                  const Execution& execution);
 
 }  // namespace millpose

@@ -6,16 +6,17 @@
 
 #include "base/parallel.hpp"
 #include "planning/links/station_link_move.hpp"
-#include "store/checkpoint_key.hpp"
-#include "store/cached_pass.hpp"
 #include "planning/pass/nominal_plan.hpp"
+#include "store/cached_pass.hpp"
+#include "store/checkpoint_key.hpp"
 
 namespace millpose {
 namespace {
 
 // Plans a gap; where the cell has no external axes `keeper` is told what was asked.
-LinkMove PlanWatched(const Stations& stations, const std::pair<LinkMoveEnd, LinkMoveEnd>& ends, const LinkMoveOptions& options,
-                const std::shared_ptr<QueryLog>& keeper, const std::stop_token& stop) {
+LinkMove PlanWatched(const Stations& stations, const std::pair<LinkMoveEnd, LinkMoveEnd>& ends,
+                     const LinkMoveOptions& options, const std::shared_ptr<QueryLog>& keeper,
+                     const std::stop_token& stop) {
   if (!stations.world().cell().external_axes.empty())
     return PlanStationLinkMove(stations, ends.first, ends.second, options, stop);
   return PlanLinkMove(stations.world().Recording(keeper), ends.first, ends.second, options, stop);
@@ -87,9 +88,10 @@ PlannedPasses PlanPasses(const Stations& stations, const PassesToPlan& request, 
   return planned;
 }
 
-PlannedLinkMoves PlanLinkMoves(const Stations& stations, const std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>>& ends,
-                     const LinkMoveOptions& options, const CheckpointStore& checkpoints,
-                     const Execution& execution) {
+PlannedLinkMoves PlanLinkMoves(const Stations& stations,
+                               const std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>>& ends,
+                               const LinkMoveOptions& options, const CheckpointStore& checkpoints,
+                               const Execution& execution) {
   const World& world = stations.world();
   const std::string context = LinkMoveContext(world, options);
   const Obstacles obstacles = ObstaclesOf(world.cell());

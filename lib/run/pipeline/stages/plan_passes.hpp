@@ -2,10 +2,10 @@
 #pragma once
 
 #include "base/execution.hpp"
+#include "planning/external/external_course.hpp"
 #include "planning/links/link_move_planner.hpp"
 #include "planning/pass/pass_planner.hpp"
 #include "run/pipeline/stages/plan_job.hpp"
-#include "planning/external/external_course.hpp"
 
 namespace millpose {
 
@@ -31,8 +31,9 @@ struct PlannedLinkMoves {
 };
 
 /// Plans every gap of passes whose turns are fixed, as PlanPasses does passes.
-PlannedLinkMoves PlanLinkMoves(const Stations& stations, const std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>>& ends,
-                     const LinkMoveOptions& options, const CheckpointStore& checkpoints,
-                     const Execution& execution);
+PlannedLinkMoves PlanLinkMoves(const Stations& stations,
+                               const std::vector<std::pair<LinkMoveEnd, LinkMoveEnd>>& ends,
+                               const LinkMoveOptions& options, const CheckpointStore& checkpoints,
+                               const Execution& execution);
 
 }  // namespace millpose

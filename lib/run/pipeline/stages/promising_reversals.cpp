@@ -3,9 +3,9 @@
 
 #include "base/parallel.hpp"
 #include "job/job_engagement.hpp"
-#include "store/cached_stage.hpp"
 #include "planning/pose/lean_problem.hpp"
 #include "planning/pose/search.hpp"
+#include "store/cached_stage.hpp"
 #include "toolpath/make_toolpath.hpp"
 #include "toolpath/pass_variants.hpp"
 
@@ -115,14 +115,15 @@ class WayFinder {
 
 }  // namespace
 
-PromisingReversals FindPromisingReversals(const PreparedJob& prepared, const std::vector<char>& wanted, bool worst_first,
-                              const CheckpointStore& checkpoints, const Execution& execution) {
+PromisingReversals FindPromisingReversals(const PreparedJob& prepared, const std::vector<char>& wanted,
+                                          bool worst_first, const CheckpointStore& checkpoints,
+                                          const Execution& execution) {
   const Cell& cell = prepared.cell;
   const std::string key =
       StageKey(prepared.laying.key, prepared.made.toolpath, prepared.toolpath, prepared.external,
                prepared.problem, cell.X_WP, cell.external_axes, wanted, worst_first);
   return Cached<PromisingReversals>(checkpoints, "other-ways", key,
-                            [&] { return WayFinder(prepared, worst_first, execution).Find(wanted); });
+                                    [&] { return WayFinder(prepared, worst_first, execution).Find(wanted); });
 }
 
 bool IsBetterThanAny(const PassValue& plan, const Promise& promise, bool worst_first) {

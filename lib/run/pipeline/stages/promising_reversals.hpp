@@ -3,8 +3,8 @@
 // is planned (docs/revolutions.md).
 #pragma once
 
-#include "run/pipeline/stages/plan_job.hpp"
 #include "planning/result/pass_value.hpp"
+#include "run/pipeline/stages/plan_job.hpp"
 
 namespace millpose {
 
@@ -26,8 +26,9 @@ struct PromisingReversals {
 
 /// Which of the `wanted` reversible passes promise a gain of more than kGainOfTurning, by the ends of the cut
 /// and every fourth point between, each with the force of its way. Kept as a stage. Throws Interrupted.
-PromisingReversals FindPromisingReversals(const PreparedJob& prepared, const std::vector<char>& wanted, bool worst_first,
-                              const CheckpointStore& checkpoints, const Execution& execution);
+PromisingReversals FindPromisingReversals(const PreparedJob& prepared, const std::vector<char>& wanted,
+                                          bool worst_first, const CheckpointStore& checkpoints,
+                                          const Execution& execution);
 
 /// Whether a plan is better by more than kGainOfTurning (IsBetter) than any plan of a pass that promises so
 /// much could be.

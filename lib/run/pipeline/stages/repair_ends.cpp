@@ -2,10 +2,10 @@
 #include "run/pipeline/stages/repair_ends.hpp"
 
 #include "base/parallel.hpp"
-#include "store/cached_stage.hpp"
-#include "store/plan_key.hpp"
 #include "planning/result/skipped.hpp"
 #include "planning/result/station.hpp"
+#include "store/cached_stage.hpp"
+#include "store/plan_key.hpp"
 
 namespace millpose {
 namespace {
