@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "toolpath/stock/surface_rays.hpp"
+
 #include <gtest/gtest.h>
 
 #include "tests/geometry/shapes.hpp"
-#include "toolpath/stock/surface_rays.hpp"
 
 namespace millpose {
 namespace {
