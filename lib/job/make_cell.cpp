@@ -4,6 +4,7 @@
 #include "geometry/mesh/point_fit.hpp"
 #include "job/assemble.hpp"
 #include "job/workpiece.hpp"
+#include "machine/robot/make_pose.hpp"
 #include "program/controller_axes.hpp"
 
 namespace millpose {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.hpp"
 #include "job/assemble.hpp"
+#include "machine/robot/make_pose.hpp"
 #include "planning/pose/freedom_entry.hpp"
 #include "program/external_axes.hpp"
 #include "program/program_name.hpp"

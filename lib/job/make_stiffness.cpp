@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Settings of compliance and weight → values of the stiffness module.
 #include "job/assemble.hpp"
+#include "machine/robot/make_pose.hpp"
 
 namespace millpose {
 

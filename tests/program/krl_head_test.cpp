@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "base/angles.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "machine/robot/kinematics.hpp"
-#include "program/controller_axes.hpp"
 #include "program/krl/krl.hpp"
 #include "program/scanner.hpp"
 #include "tests/program/sample_plan.hpp"

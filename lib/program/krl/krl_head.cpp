@@ -2,6 +2,7 @@
 #include "program/krl/krl_head.hpp"
 
 #include "base/units.hpp"
+#include "machine/robot/make_pose.hpp"
 #include "program/controller_axes.hpp"
 #include "program/krl/krl.hpp"
 #include "program/pose_text.hpp"

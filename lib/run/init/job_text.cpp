@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/angles.hpp"
 #include "base/text.hpp"
-#include "program/controller_axes.hpp"
 
 namespace millpose {
 namespace {

@@ -7,6 +7,7 @@
 #include "base/rotation.hpp"
 #include "job/assemble.hpp"
 #include "machine/collision/world.hpp"
+#include "machine/robot/make_pose.hpp"
 #include "planning/pose/scorer.hpp"
 #include "program/controller_axes.hpp"
 

@@ -7,10 +7,10 @@
 #include "base/parallel.hpp"
 #include "job/assemble.hpp"
 #include "machine/collision/point_memory.hpp"
+#include "machine/robot/make_pose.hpp"
 #include "planning/links/retract.hpp"
 #include "planning/pose/candidate_table.hpp"
 #include "planning/pose/lean_problem.hpp"
-#include "program/pose_text.hpp"
 #include "run/placement/sample.hpp"
 
 namespace millpose {
