@@ -12,6 +12,7 @@
 #include "planning/result/plan_result.hpp"
 #include "planning/result/timeline.hpp"
 #include "report/deflection.hpp"
+#include "report/face_report.hpp"
 
 namespace millpose {
 
@@ -90,6 +91,7 @@ struct HtmlInput {
   const AxisMap* map = nullptr;                  ///< of `curves`
   const Timeline* timeline = nullptr;            ///< of the plan
   const NearestPairs* nearest = nullptr;         ///< of the points shown
+  const FaceReport* face = nullptr;              ///< where it was asked for
 };
 
 /// The page as bytes: a pure function of its input, no dates, no times.

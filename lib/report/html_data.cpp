@@ -268,6 +268,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"times", TimesJson(input)},
             {"deflection", DeflectionJson(input.deflection)},
             {"fixed", FixedJson(input)},
+            {"face", FaceMapJson(input)},
             {"price", PriceJson(plan)},
             {"paper", PaperJson(plan)},
             {"settings", input.settings}};

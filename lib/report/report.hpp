@@ -14,6 +14,7 @@
 #include "planning/result/price.hpp"
 #include "report/compensation.hpp"
 #include "report/deflection.hpp"
+#include "report/face_report.hpp"
 #include "report/step_heights.hpp"
 #include "toolpath/cutter.hpp"
 
@@ -93,6 +94,7 @@ struct ReportInputs {
   std::optional<CompensationFigures> compensation;
   std::optional<FixedComparison> fixed;  ///< beside the best fixed rotation
   std::optional<PoseSteps> steps;        ///< when the cell says how well the tool is known
+  std::optional<FaceReport> face;        ///< when it was asked for
 };
 
 /// What differs from run to run; goes into run.json alone.

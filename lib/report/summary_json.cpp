@@ -4,6 +4,7 @@
 #include "base/units.hpp"
 #include "planning/result/station.hpp"
 #include "report/compensation_json.hpp"
+#include "report/face_json.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/lifts_json.hpp"
 #include "report/report.hpp"
@@ -356,6 +357,7 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   if (inputs.compensation) json["compensation"] = CompensationJson(*inputs.compensation);
   json["pose_steps"] = StepsJson(inputs.steps);
   json["fixed_rotation"] = FixedJson(inputs.fixed);
+  json["face"] = inputs.face ? FaceReportJson(*inputs.face) : Json(nullptr);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -144,6 +144,7 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   if (inputs.deflection) AppendDeflection(*inputs.deflection, &text);
   if (inputs.compensation) text += CompensationText(*inputs.compensation);
   if (figures.planned > 0 && inputs.fixed) AppendFixed(*inputs.fixed, &text);
+  if (inputs.face) text += FaceText(*inputs.face);
   fmt::format_to(out, "interference {} poses checked; {} of {} candidates never had to be\n",
                  figures.poses_checked, figures.candidates - figures.candidates_checked, figures.candidates);
   if (figures.clearance_min) fmt::format_to(out, "clearance  at least {:.1f} mm\n", *figures.clearance_min);

@@ -34,6 +34,16 @@ ByAxis ByExternal(const PlanResult& plan, const ExternalPosition& external, cons
   return columns;
 }
 
+/// Feed, normal × feed and normal; of a feed along the normal any two directions across it.
+Matrix3d FrameOf(const MillingPoint& point) {
+  const Vector3d across = point.normal.cross(point.feed);
+  const bool has_feed = across.norm() > 1e-6;
+  const Vector3d second = has_feed ? Vector3d(across.normalized()) : BasisOfPlane(point.normal).second;
+  Matrix3d frame;
+  frame << second.cross(point.normal), second, point.normal;
+  return frame;
+}
+
 /// The lower three rows act like the upper three: a twist turned into another frame.
 ByAxis Turned(const Matrix3d& R, const ByAxis& twists) {
   ByAxis turned(6, twists.cols());
@@ -65,8 +75,7 @@ class ErringPoints {
     point.nominal = {X_PW * milled.position, X_PW.linear() * milled.tool_axis};
     point.shift = Vector3d::Zero();
     point.R_PT = R_PB * ForwardFlange(plan_.arm, planned.q).linear() * plan_.X_FT.linear();
-    Matrix3d frame;
-    frame << milled.feed, milled.normal.cross(milled.feed), milled.normal;
+    const Matrix3d frame = FrameOf(milled);
     Vector3d force = milled.engagement.force;
     if (planned.compensation) {
       // What it takes out of the arm's own sag is no error of the tool: the sag is there.

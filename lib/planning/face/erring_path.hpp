@@ -31,7 +31,7 @@ class ErringPath {
              const std::function<Joints(const Joints& q)>& weight_in = {});
 
   /// In P. The tip goes by c·F + J·(y − q) and what the tool itself errs by, and what compensation has
-  /// commanded against the force is added; the axis turns with it. Every piece is entered settled
+  /// commanded against the force is added; the axis turns with it. Every segment is entered settled
   /// (OffsetsAlong). Between two points the error changes evenly.
   std::vector<CutterMotion> Motions(const ToolErrors& errors) const;
 

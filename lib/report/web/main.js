@@ -38,6 +38,7 @@
     m.fillGaps(data);
     m.fillDeflection(data);
     m.fillFixed(data);
+    m.fillFace(data);
     m.fillPrice(data);
     m.fillPaper(data);
     $("settings-text").textContent = data.settings;

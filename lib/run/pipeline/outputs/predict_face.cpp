@@ -39,18 +39,6 @@ StatedErrors StatedIn(const JobInputs& inputs, const PlanResult& plan, const Fac
   return stated;
 }
 
-Region FaceRegion(const JobInputs& inputs, const Mesh& mesh) {
-  const Strategy& strategy = *inputs.job.toolpath.strategy;
-  if (!strategy.HasMillingForce())
-    throw InputError({inputs.job_file.string()},
-                     fmt::format("strategy {} mills no face; allowed: those that mill a region of the part",
-                                 strategy.Name()));
-  if (mesh.face_count() == 0)
-    throw InputError({inputs.job_file.string()},
-                     "the job names no part, so that there is no face to look at");
-  return {mesh, MakeToolpathOptions(inputs.job, inputs.cell.tool).region};
-}
-
 FaceRays RaysFor(const JobInputs& inputs, const Region& region, double spacing) {
   if (CountRays(region, spacing) > kMostRays)
     throw InputError({inputs.job_file.string()},
@@ -66,9 +54,22 @@ FaceRays RaysFor(const JobInputs& inputs, const Region& region, double spacing) 
 
 }  // namespace
 
+void RequireFace(const JobInputs& inputs) {
+  const Strategy& strategy = *inputs.job.toolpath.strategy;
+  if (!strategy.HasMillingForce())
+    throw InputError({inputs.job_file.string()},
+                     fmt::format("strategy {} mills no face to look at; allowed: those that mill a region of "
+                                 "the part",
+                                 strategy.Name()));
+  if (inputs.job.workpiece.mesh_file.empty())
+    throw InputError({inputs.job_file.string()},
+                     "the job names no part, so that there is no face to look at");
+}
+
 FaceReport PredictFace(const JobInputs& inputs, const PlanResult& plan, const Mesh& mesh,
                        const Stations& stations, const FaceOptions& options, const Execution& execution) {
-  const Region region = FaceRegion(inputs, mesh);
+  RequireFace(inputs);
+  const Region region(mesh, MakeToolpathOptions(inputs.job, inputs.cell.tool).region);
   const double spacing = options.spacing > 0 ? options.spacing : std::max(kFinest, SpacingFor(region, kRays));
   FaceReport report;
   report.job = plan.job;

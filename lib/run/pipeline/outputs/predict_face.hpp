@@ -19,6 +19,9 @@ struct FaceOptions {
   std::optional<double> lost_motion;  ///< rad, of each of the arm's gears, in place of what the cell states
 };
 
+/// Throws InputError for a job that mills no face of a part.
+void RequireFace(const JobInputs& inputs);
+
 /// `mesh` of the part in P, `stations` as of Stations::AtOwnAxis. Throws InputError where the job mills no
 /// face, or its tool reaches none of the region; Interrupted.
 FaceReport PredictFace(const JobInputs& inputs, const PlanResult& plan, const Mesh& mesh,
