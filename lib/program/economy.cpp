@@ -75,7 +75,7 @@ class Thinning {
   Thinning(const MotionProgram& program, const EconomyOptions& options)
       : program_(program), motions_(program.motions), options_(options), may_go_(MayGo(program)) {}
 
-  std::vector<size_t> Cached() {
+  std::vector<size_t> Kept() {
     for (size_t i = 0; i < motions_.size();) {
       const size_t end = i > 0 && options_.position_tolerance > 0 ? Farthest(i) : i;
       kept_.push_back(end);
@@ -147,7 +147,7 @@ void BeginWhere(const Motion& before, Motion& motion) {
 EconomyResult Economise(const MotionProgram& program, const EconomyOptions& options) {
   Thinning thinning(program, options);
   EconomyResult result;
-  result.origin = thinning.Cached();
+  result.origin = thinning.Kept();
   result.saved = static_cast<int>(program.motions.size() - result.origin.size());
   result.program = program;
   result.program.motions.clear();

@@ -33,7 +33,7 @@ Result Cached(const CheckpointStore& store, const std::string& stage, const std:
   return result;
 }
 
-/// Kept(), for a stage that asks the cell's world: what it made is found again after an obstacle has moved if
+/// Cached(), for a stage that asks the cell's world: what it made is found again after an obstacle has moved if
 /// no answer would be another (StillHolds). The world is no part of `key`. `make` asks the stations that it
 /// is given and no others; where the cell has external axes, their worlds are part of the key as they are.
 template <class Result>
@@ -56,7 +56,7 @@ Result CachedInWorld(const CheckpointStore& store, const std::string& stage, con
   const auto looks = std::make_shared<QueryLog>();
   Recording made;
   made.result = make(Stations(world.Recording(looks), stations.problem()));
-  made.asked = {obstacles, looks->Cached()};
+  made.asked = {obstacles, looks->Collected()};
   store.WriteStage(stage, own, ValueBytes().Add(made).bytes());
   return std::move(made.result);
 }

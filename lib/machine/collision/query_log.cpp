@@ -97,7 +97,7 @@ void QueryLog::Take(const QueryLog& other) {
   met_.insert(other.met_.begin(), other.met_.end());
 }
 
-Queries QueryLog::Kept() const {
+Queries QueryLog::Collected() const {
   // In one order, whatever the threads' was.
   std::vector<std::pair<Place, PoseBox>> sorted(boxes_.begin(), boxes_.end());
   std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

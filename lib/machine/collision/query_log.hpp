@@ -38,7 +38,7 @@ class QueryLog {
   /// Adds what another has collected; may be called from several threads.
   void Take(const QueryLog& other);
 
-  Queries Kept() const;
+  Queries Collected() const;
 
  private:
   using Place = std::array<int16_t, 6>;

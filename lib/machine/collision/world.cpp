@@ -48,7 +48,7 @@ Pose PoseOnLink(const Cell& cell, const Body& body) {
 std::vector<Problem> FindProblems(const Cell& cell) {
   std::vector<Problem> problems;
   const auto report = [&](std::string message) {
-    problems.push_back({Place{fmt::format("cell '{}'", cell.name)}, std::move(message)});
+    problems.push_back({SourceLocation{fmt::format("cell '{}'", cell.name)}, std::move(message)});
   };
   std::vector<std::string> names;
   for (const Body& body : cell.bodies) {

@@ -64,7 +64,7 @@ TEST(Queries, WhatIsFarFromThemChangesNoAnswer) {
     const World old(WithPost(before)), now(WithPost(after));
     const std::string answers = Ask(old.Recording(keeper), round);
     EXPECT_EQ(answers, Ask(old, round));  // being watched changes nothing
-    const Queries looks = keeper->Kept();
+    const Queries looks = keeper->Collected();
     ASSERT_FALSE(looks.boxes.empty());
     const bool met = std::find(looks.met.begin(), looks.met.end(), "post") != looks.met.end();
     const bool differs = Ask(now, round) != answers;
@@ -92,7 +92,7 @@ TEST(Queries, HoldToTheNearestPlaceThatTheyAllow) {
     const auto world = [&](double away) { return World(WithPost(towards + away * from)); };
     const auto keeper = std::make_shared<QueryLog>();
     const std::string answers = Ask(world(5000).Recording(keeper), round);
-    const Queries looks = keeper->Kept();
+    const Queries looks = keeper->Collected();
     double far = 5000, near = 0;
     while (far - near > 0.5) {
       const double middle = 0.5 * (far + near);
@@ -127,7 +127,7 @@ TEST(Queries, ALongWayIsKnownByWhereItLeadsAndNotByAllBetweenItsEnds) {
     const auto keeper = std::make_shared<QueryLog>();
     const World old(WithPost(before)), now(WithPost(after));
     const std::string answers = AskLong(old.Recording(keeper), round);
-    const bool far = now.FarFrom({"post"}, keeper->Kept());
+    const bool far = now.FarFrom({"post"}, keeper->Collected());
     const bool differs = AskLong(now, round) != answers;
     same += far;
     changed += differs;
@@ -148,7 +148,7 @@ TEST(Queries, SeveralCheckersAreKeptTogether) {
     checker.Blocked(turned, Phase::kFree);
     checker.Blocked(turned, Phase::kFree);
   }
-  EXPECT_EQ(keeper->Kept().boxes.size(), 3);
+  EXPECT_EQ(keeper->Collected().boxes.size(), 3);
 }
 
 }  // namespace

@@ -145,7 +145,7 @@ class CachedPlan {
     cell.bodies.push_back(Post("right", 3000));
     QueryLog looks;
     looks.Add(cell.home, cell.home, 10);
-    WritePass(kept, "key", ObstaclesOf(cell), looks.Cached(), plan);
+    WritePass(kept, "key", ObstaclesOf(cell), looks.Collected(), plan);
   }
   /// Whether it is read in the cell as it is now.
   bool Holds(bool fits = true) const {
@@ -189,7 +189,7 @@ TEST(KeptPass, IsNotReadWhereAnAnswerToldOfWhatMoved) {
   QueryLog looks;
   looks.Add(kept.cell.home, kept.cell.home, 10);
   looks.Meet("left");
-  WritePass(kept.kept, "key", ObstaclesOf(kept.cell), looks.Cached(), kept.plan);
+  WritePass(kept.kept, "key", ObstaclesOf(kept.cell), looks.Collected(), kept.plan);
   kept.last().X_MG.translation().x() = -500;  // the other one
   EXPECT_TRUE(kept.Holds());
   kept.cell.bodies[kept.cell.bodies.size() - 2].X_MG.translation().y() -= 1;

@@ -31,9 +31,10 @@ class SurfaceError final : public Objective {
 SurfaceError::SurfaceError(const ObjectiveParameters& parameters) {
   const double direction = parameters.at("force_direction_deg");
   if (direction > 90)
-    throw InputError(Place{}, fmt::format("objective surface_error: force_direction_deg is {:.6g}; allowed: "
-                                          "at most 90",
-                                          direction));
+    throw InputError(SourceLocation{},
+                     fmt::format("objective surface_error: force_direction_deg is {:.6g}; allowed: "
+                                 "at most 90",
+                                 direction));
   factor_ = 1 + 0.01 * parameters.at("force_uncertainty_percent");
   off_ = SinCos(DegToRad(direction));
 }

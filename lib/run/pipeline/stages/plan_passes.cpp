@@ -80,7 +80,7 @@ PlannedPasses PlanPasses(const Stations& stations, const PassesToPlan& request, 
       const auto looks = std::make_shared<QueryLog>();
       planned.passes[i] = PlanPass(station.problem, station.world.Recording(looks), wanted, options, inner);
       planned.passes[i].external = external[i].from;
-      WritePass(checkpoints, key, shared.obstacles, looks->Cached(), planned.passes[i]);
+      WritePass(checkpoints, key, shared.obstacles, looks->Collected(), planned.passes[i]);
     }
     execution.progress.Advance(pass.points.size());
   });
@@ -108,7 +108,7 @@ PlannedLinkMoves PlanLinkMoves(const Stations& stations,
     } else {
       const auto looks = std::make_shared<QueryLog>();
       planned.gaps[i] = PlanWatched(stations, ends[i], options, looks, execution.stop);
-      WriteLinkMove(checkpoints, key, obstacles, looks->Cached(), planned.gaps[i]);
+      WriteLinkMove(checkpoints, key, obstacles, looks->Collected(), planned.gaps[i]);
     }
     execution.progress.Advance(1);
   });
