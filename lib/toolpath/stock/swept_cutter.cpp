@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/parallel.hpp"
+#include "base/rotation.hpp"
 
 namespace millpose {
 namespace {
@@ -25,8 +26,12 @@ AlignedBox3d BoxOf(const CutterShape& cutter, const CutterPlace& place, double h
   return box.extend(AlignedBox3d(top - across, top + across));
 }
 
+/// Turns evenly from one place's axis to the other's.
 Vector3d AxisAt(const CutterPlace& from, const CutterPlace& to, double share) {
-  return (from.axis + share * (to.axis - from.axis)).normalized();
+  const Vector3d about = from.axis.cross(to.axis);
+  if (about.norm() < 1e-12 || share == 0) return from.axis;
+  if (share == 1) return to.axis;
+  return RotationAbout(about.normalized(), share * Atan2(about.norm(), from.axis.dot(to.axis))) * from.axis;
 }
 
 }  // namespace
@@ -78,7 +83,8 @@ SweptCutter::Nearest SweptCutter::At(const Stretch& stretch, double share, const
 }
 
 // Half the squared distance from a body that moves on is convex in the share as long as it hardly turns; its
-// slope is bracketed and its zero found by the Illinois variant of false position.
+// slope is bracketed and its zero found by the Illinois variant of false position, with bisection now and
+// then since it bends sharply where an edge of the cutter passes.
 SweptCutter::Nearest SweptCutter::NearestAlong(const Stretch& stretch, const Vector3d& place) const {
   Nearest low = At(stretch, 0, place), high = At(stretch, 1, place);
   if (low.slope >= 0 || high.slope <= 0) {
@@ -88,15 +94,17 @@ SweptCutter::Nearest SweptCutter::NearestAlong(const Stretch& stretch, const Vec
   }
   double low_slope = low.slope, high_slope = high.slope;
   const double reached = cutter_.corner_radius + kExact;
+  const double speed = stretch.way.norm() + cutter_.radius * stretch.turn.norm();
   Nearest best = low.distance < high.distance ? low : high;
-  for (int i = 0; i < 60 && best.distance > reached; ++i) {
-    const double share = low.share + (high.share - low.share) * low_slope / (low_slope - high_slope);
+  for (int i = 0; i < 120 && best.distance > reached; ++i) {
+    const double part = i % 3 == 2 ? 0.5 : low_slope / (low_slope - high_slope);
+    const double share = low.share + (high.share - low.share) * part;
+    if (share <= low.share || share >= high.share) break;
     const Nearest middle = At(stretch, share, place);
     if (middle.distance < best.distance) best = middle;
-    const double missing = std::abs(middle.slope) * (high.share - low.share);
-    if (missing <= kExact * 1e-2 * middle.distance) break;
+    // The direction from the cutter must be right, too, however near it is: the next step takes it.
+    if (std::abs(middle.slope) <= speed * std::max(1e-9 * middle.distance, 1e-15)) break;
     if (middle.slope < 0) {
-      if (low_slope == middle.slope) break;
       low = middle;
       low_slope = middle.slope;
       high_slope /= 2;

@@ -99,7 +99,12 @@ class PlainMap {
 
   bool Inside(double share, const Vector3d& place) const {
     const Vector3d tip = (1 - share) * motion_.from.tip + share * motion_.to.tip;
-    const Vector3d axis = ((1 - share) * motion_.from.axis + share * motion_.to.axis).normalized();
+    const double turn = std::acos(std::min(1.0, motion_.from.axis.dot(motion_.to.axis)));
+    const Vector3d axis =
+        turn < 1e-9
+            ? motion_.from.axis
+            : (std::sin((1 - share) * turn) * motion_.from.axis + std::sin(share * turn) * motion_.to.axis) /
+                  std::sin(turn);
     const double up = (place - tip).dot(axis);
     if (up < 0) return false;
     const double r = cutter_.corner_radius, radius = ((place - tip) - up * axis).norm();
@@ -110,7 +115,7 @@ class PlainMap {
 
   /// First height from below that is inside; none within the band.
   double EntryAt(double share, const SurfaceRay& ray) const {
-    const double step = 0.05;
+    const double step = 0.01;
     double below = -2, inside = std::numeric_limits<double>::infinity();
     for (double h = -2; h < 4; h += step)
       if (Inside(share, ray.origin + h * ray.normal)) {
