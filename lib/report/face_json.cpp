@@ -8,37 +8,37 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMicrometres = 1000;
+constexpr double kUmPerMm = 1000;
 
-Json Micrometres(const std::optional<double>& millimetres) {
-  return millimetres ? Json(kMicrometres * *millimetres) : Json(nullptr);
+Json MicrometresJson(const std::optional<double>& millimetres) {
+  return millimetres ? Json(kUmPerMm * *millimetres) : Json(nullptr);
 }
 
-Json Place(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
+Json PlaceJson(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
 
 Json FiguresJson(const FaceRays& rays, const FaceFigures& face) {
   Json within = nullptr, step = nullptr;
-  if (face.within) within = {{"pass", face.within->pass}, {"um", kMicrometres * face.within->range}};
+  if (face.within) within = {{"pass", face.within->pass}, {"um", kUmPerMm * face.within->range}};
   if (face.step)
-    step = {{"um", kMicrometres * face.step->height},
+    step = {{"um", kUmPerMm * face.step->height},
             {"passes", {face.step->pass, face.step->other_pass}},
-            {"place_mm", Place(rays.rays[face.step->ray].origin)}};
+            {"place_mm", PlaceJson(rays.rays[face.step->ray].origin)}};
   return {{"places", face.rays},
-          {"level_um", kMicrometres * face.heights.level},
-          {"lowest_um", kMicrometres * face.heights.low},
-          {"highest_um", kMicrometres * face.heights.high},
-          {"flatness_um", Micrometres(face.flatness)},
-          {"minimum_zone_um", Micrometres(face.minimum_zone)},
+          {"level_um", kUmPerMm * face.heights.level},
+          {"lowest_um", kUmPerMm * face.heights.low},
+          {"highest_um", kUmPerMm * face.heights.high},
+          {"flatness_um", MicrometresJson(face.flatness)},
+          {"minimum_zone_um", MicrometresJson(face.minimum_zone)},
           {"added_um",
-           {{"level", kMicrometres * face.added.level},
-            {"lowest", kMicrometres * face.added.low},
-            {"highest", kMicrometres * face.added.high}}},
+           {{"level", kUmPerMm * face.added.level},
+            {"lowest", kUmPerMm * face.added.low},
+            {"highest", kUmPerMm * face.added.high}}},
           {"largest_within_a_pass", within},
           {"largest_step_between_passes", step}};
 }
 
-Json Interval(const DrawnInterval& interval) {
-  return {kMicrometres * interval.low, kMicrometres * interval.high};
+Json IntervalJson(const DrawnInterval& interval) {
+  return {kUmPerMm * interval.low, kUmPerMm * interval.high};
 }
 
 Json DrawnJson(const std::optional<DrawnFaces>& drawn) {
@@ -46,10 +46,10 @@ Json DrawnJson(const std::optional<DrawnFaces>& drawn) {
   return {{"draws", drawn->count},
           {"places", drawn->rays},
           {"share_percent", {5, 95}},
-          {"level_um", Interval(drawn->level)},
-          {"added_range_um", Interval(drawn->added)},
-          {"flatness_um", drawn->flatness ? Interval(*drawn->flatness) : Json(nullptr)},
-          {"expected_flatness_um", Micrometres(drawn->expected.flatness)}};
+          {"level_um", IntervalJson(drawn->level)},
+          {"added_range_um", IntervalJson(drawn->added)},
+          {"flatness_um", drawn->flatness ? IntervalJson(*drawn->flatness) : Json(nullptr)},
+          {"expected_flatness_um", MicrometresJson(drawn->expected.flatness)}};
 }
 
 Json StudyJson(const FaceRays& rays, const FaceStudy& study) {

@@ -11,30 +11,31 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMicrometres = 1000;
+constexpr double kFaceMicrometres = 1000;
 
-std::string Shown(const std::optional<double>& millimetres) {
-  return millimetres ? fmt::format("{:.4g}", kMicrometres * *millimetres) : std::string("-");
+std::string ShownMicrometres(const std::optional<double>& millimetres) {
+  return millimetres ? fmt::format("{:.4g}", kFaceMicrometres * *millimetres) : std::string("-");
 }
 
-std::string Row(const char* name, const FaceFigures& face) {
+std::string FaceRow(const char* name, const FaceFigures& face) {
   return fmt::format("{:<22}{:>9.4g}{:>9.4g}{:>9.4g}{:>9}{:>9}{:>9.4g}{:>9}{:>9}\n", name,
-                     kMicrometres * face.heights.level, kMicrometres * face.heights.low,
-                     kMicrometres * face.heights.high, Shown(face.flatness), Shown(face.minimum_zone),
-                     kMicrometres * (face.added.high - face.added.low),
-                     Shown(face.within ? std::optional(face.within->range) : std::nullopt),
-                     Shown(face.step ? std::optional(face.step->height) : std::nullopt));
+                     kFaceMicrometres * face.heights.level, kFaceMicrometres * face.heights.low,
+                     kFaceMicrometres * face.heights.high, ShownMicrometres(face.flatness),
+                     ShownMicrometres(face.minimum_zone),
+                     kFaceMicrometres * (face.added.high - face.added.low),
+                     ShownMicrometres(face.within ? std::optional(face.within->range) : std::nullopt),
+                     ShownMicrometres(face.step ? std::optional(face.step->height) : std::nullopt));
 }
 
-std::string Rows(const FaceStudy& study) {
-  std::string text = Row("tool without error", study.flawless.figures);
-  if (study.by_force) text += Row("force alone", *study.by_force);
-  if (study.by_lost) text += Row("lost motion alone", *study.by_lost);
-  text += Row("expected", study.expected.figures);
+std::string FaceRows(const FaceStudy& study) {
+  std::string text = FaceRow("tool without error", study.flawless.figures);
+  if (study.by_force) text += FaceRow("force alone", *study.by_force);
+  if (study.by_lost) text += FaceRow("lost motion alone", *study.by_lost);
+  text += FaceRow("expected", study.expected.figures);
   if (!study.drawn) return text;
   const DrawnFaces& drawn = *study.drawn;
   const auto interval = [](const DrawnInterval& of) {
-    return fmt::format("{:.4g} to {:.4g}", kMicrometres * of.low, kMicrometres * of.high);
+    return fmt::format("{:.4g} to {:.4g}", kFaceMicrometres * of.low, kFaceMicrometres * of.high);
   };
   text += fmt::format("  5 to 95 % of {} draws within what is stated, on {} places: level {}, added {}",
                       drawn.count, drawn.rays, interval(drawn.level), interval(drawn.added));
@@ -65,10 +66,10 @@ std::string FaceText(const FaceReport& report) {
       "{:>9}{:>9}{:>9}{:>9}\n",
       report.job, report.plan.expected.figures.rays, report.rays.spacing, "", "level", "lowest", "highest",
       "flatness", "zone", "added", "in pass", "step");
-  text += Rows(report.plan);
+  text += FaceRows(report.plan);
   if (report.fixed)
     text += fmt::format("\nat a fixed rotation of {:.4g} deg\n", RadToDeg(*report.rotation)) +
-            Rows(*report.fixed);
+            FaceRows(*report.fixed);
   if (!report.fixed_in_the_way.empty())
     text += "\nno fixed rotation beside it: " + report.fixed_in_the_way + '\n';
   text +=
