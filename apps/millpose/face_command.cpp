@@ -4,7 +4,7 @@
 #include "base/loose_file.hpp"
 #include "base/units.hpp"
 #include "commands.hpp"
-#include "run/pipeline/commands/face_part.hpp"
+#include "run/pipeline/commands/face_of_folder.hpp"
 
 namespace millpose {
 namespace {
@@ -23,7 +23,7 @@ int Face(const FaceWords& words, Session& session) {
   if (words.rotation_deg) arguments.options.rotation = DegToRad(*words.rotation_deg);
   if (words.lost_motion_arcmin) arguments.options.lost_motion = DegToRad(*words.lost_motion_arcmin / 60);
   session.progress.Begin("face", 0);
-  const FaceReport report = FacePart(arguments, {words.threads, session.progress, session.stop});
+  const FaceReport report = FaceOfFolder(arguments, {words.threads, session.progress, session.stop});
   session.progress.End(fmt::format("{} places", report.plan.expected.figures.rays));
   if (!words.csv.empty()) WriteLooseFile(words.csv, FaceCsv(report.rays, report.plan.expected.heights));
   fmt::print("{}", words.json ? FaceJson(report) : FaceText(report));

@@ -9,7 +9,6 @@
 namespace millpose {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kArcmin = kRadPerDeg / 60;
@@ -17,6 +16,7 @@ constexpr double kArcmin = kRadPerDeg / 60;
 /// Two straight passes, every point under `force` (W, N).
 PlanResult Loaded(const Vector3d& force) {
   PlanResult plan = SamplePlan({.points = 9, .ring = false});
+  plan.arm.stiffness << 8.9e9, 6.78e9, 1.13e10, 2.01e9, 1.65e9, 1.35e9;
   for (PassResult& pass : plan.passes)
     for (PlannedPoint& point : pass.points) {
       point.point.engagement.force = force;
@@ -51,7 +51,6 @@ TEST(ErringPath, YieldsAsTheJointsDo) {
   errors.force = 1;
   const CutterPlace place = ErringPath(plan, {}, 0).Motions(errors)[0].from;
   Joints q = point.q;
-  const Matrix3d R_BW = plan.X_WB.linear().transpose();
   const double step = 1e-6;
   const auto tool = [&](const Joints& at) { return plan.X_WB * ForwardFlange(plan.arm, at) * plan.X_FT; };
   for (int j = 0; j < 6; ++j) {
@@ -68,7 +67,6 @@ TEST(ErringPath, YieldsAsTheJointsDo) {
   errors.force = 2;
   const Vector3d twice = ErringPath(plan, {}, 0).Motions(errors)[0].from.tip - X_PW * point.point.position;
   EXPECT_LT((twice - 2 * (place.tip - X_PW * point.point.position)).norm(), 1e-12);
-  EXPECT_GT(R_BW.determinant(), 0);
 }
 
 TEST(ErringPath, TurnsTheForcesInTheFrameOfTheFeed) {
@@ -87,7 +85,8 @@ TEST(ErringPath, TurnsTheForcesInTheFrameOfTheFeed) {
 // One joint 0 → 1 → 0°: at the same angle the tip comes back h·R beside where it was, R its distance from the
 // joint's axis.
 TEST(ErringPath, StepsByGapTimesLeverWhereAJointTurnsBack) {
-  PlanResult plan = SamplePlan({.points = 9, .ring = false, .passes = 1});
+  PlanResult plan = Loaded(Vector3d::Zero());
+  plan.passes.resize(1);
   PassResult& pass = plan.passes[0];
   const Joints q0 = pass.points[0].q;
   for (int i = 0; i < 9; ++i) {

@@ -24,6 +24,7 @@ Region Wall() {
 /// Passes at one rotation about the tool axis, so that errors of the tool are the same everywhere.
 PlanResult AtOneRotation() {
   PlanResult plan = SamplePlan({.points = 6, .ring = false, .passes = 3});
+  plan.arm.stiffness << 8.9e9, 6.78e9, 1.13e10, 2.01e9, 1.65e9, 1.35e9;
   for (PassResult& pass : plan.passes)
     for (PlannedPoint& point : pass.points) point.q = plan.passes[0].points[0].q;
   return plan;
@@ -118,6 +119,7 @@ TEST(FaceStudy, DrawsWithinWhatIsStated) {
 
 TEST(FaceStudy, IsTheSameForAnyThreads) {
   PlanResult plan = SamplePlan({.points = 6, .ring = true, .passes = 3});
+  plan.arm.stiffness << 8.9e9, 6.78e9, 1.13e10, 2.01e9, 1.65e9, 1.35e9;
   for (PassResult& pass : plan.passes)
     for (PlannedPoint& point : pass.points) {
       point.point.feed = Vector3d::UnitY();

@@ -55,7 +55,7 @@ AuditFigures JudgePlan(const JobInputs& inputs, const Execution& execution, Plan
 }
 
 // The face that the plan will leave, beside the best fixed rotation's.
-FaceReport FaceOf(const JobInputs& inputs, const PlannedJob& job, const Execution& execution) {
+FaceReport PredictedFace(const JobInputs& inputs, const PlannedJob& job, const Execution& execution) {
   execution.progress.Begin("face", 0);
   FaceOptions options;
   if (!job.fixed.job.empty())
@@ -120,7 +120,7 @@ Planned WritePlanned(const PlanArguments& arguments, const JobInputs& inputs, co
   std::optional<AuditFigures> audit;
   if (arguments.audit) audit = JudgePlan(inputs, execution, job, findings);
   std::optional<FaceReport> face;
-  if (arguments.face) face = FaceOf(inputs, job, execution);
+  if (arguments.face) face = PredictedFace(inputs, job, execution);
 
   stages.Begin("report", 0);
   const ReportParts parts = MakeReportParts(inputs, job, arguments.full_axis_map, checkpoints, execution);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "run/pipeline/commands/face_part.hpp"
+#include "run/pipeline/commands/face_of_folder.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -52,7 +52,7 @@ void TakeFixedRotation(const PlanFolder& folder, const std::string& name, FaceOp
 
 }  // namespace
 
-FaceReport FacePart(const FaceArguments& arguments, const Execution& execution) {
+FaceReport FaceOfFolder(const FaceArguments& arguments, const Execution& execution) {
   PlanFolder folder = ReadFolder(arguments);
   FaceOptions options = arguments.options;
   if (!options.rotation) TakeFixedRotation(folder, (arguments.plan / "summary.json").string(), options);

@@ -17,6 +17,6 @@ struct FaceArguments {
 };
 
 /// Throws InputError for what cannot be read and for what PredictFace refuses; Interrupted.
-FaceReport FacePart(const FaceArguments& arguments, const Execution& execution);
+FaceReport FaceOfFolder(const FaceArguments& arguments, const Execution& execution);
 
 }  // namespace millpose
