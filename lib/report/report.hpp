@@ -16,6 +16,7 @@
 #include "report/budget.hpp"
 #include "report/compensation.hpp"
 #include "report/deflection.hpp"
+#include "report/face_report.hpp"
 #include "report/lost_motion.hpp"
 #include "report/registration.hpp"
 #include "report/step_heights.hpp"
@@ -106,9 +107,10 @@ struct ReportInputs {
   std::optional<RegistrationFigures> registration;  ///< where `millpose register` found the part's place
   std::optional<LostMotionReport> lost_motion;      ///< of every plan
   std::optional<Budget> budget;                     ///< likewise
-  std::vector<FaceChoice> faces;                ///< where whole ways are judged by the face
+  std::vector<FaceChoice> faces;                    ///< where whole ways are judged by the face
   std::optional<FixedComparison> fixed;             ///< beside the best fixed rotation
   std::optional<PoseSteps> steps;                   ///< when the cell says how well the tool is known
+  std::optional<FaceReport> face;                   ///< when it was asked for
 };
 
 /// What differs from run to run; goes into run.json alone.

@@ -5,6 +5,7 @@
 #include "planning/result/station.hpp"
 #include "report/budget_json.hpp"
 #include "report/compensation_json.hpp"
+#include "report/face_choices_json.hpp"
 #include "report/face_json.hpp"
 #include "report/fixed_json.hpp"
 #include "report/lifts_json.hpp"
@@ -351,8 +352,9 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["pose_steps"] = StepsJson(inputs.steps);
   json["fixed_rotation"] = FixedRotationJson(plan, inputs);
   json["budget"] = BudgetJson(inputs.budget);
-  json["face"] = FaceJson(inputs.faces);
+  json["face_choices"] = FaceChoicesJson(inputs.faces);
   json["reversals"] = inputs.lost_motion ? ReversalsJson(plan, *inputs.lost_motion) : Json(nullptr);
+  json["face"] = inputs.face ? FaceReportJson(*inputs.face) : Json(nullptr);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -3,7 +3,7 @@
 
 #include "base/units.hpp"
 #include "planning/result/skipped.hpp"
-#include "report/face_json.hpp"
+#include "report/face_choices_json.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/price_text.hpp"
 #include "report/report.hpp"
@@ -153,11 +153,12 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   if (inputs.compensation) text += CompensationText(*inputs.compensation);
   if (figures.planned > 0 && inputs.lost_motion)
     fmt::format_to(out, "reversals  {}\n", LostMotionText(plan, *inputs.lost_motion));
-  if (!inputs.faces.empty()) fmt::format_to(out, "face       {}\n", FaceText(inputs.faces));
+  if (!inputs.faces.empty()) fmt::format_to(out, "face       {}\n", FaceChoicesText(inputs.faces));
   if (figures.planned > 0 && inputs.budget)
     fmt::format_to(out, "budget     {}\n", BudgetText(*inputs.budget));
   if (figures.planned > 0 && inputs.fixed)
     AppendFixed(*inputs.fixed, inputs.lost_motion && inputs.lost_motion->Known(), &text);
+  if (inputs.face) text += FaceText(*inputs.face);
   fmt::format_to(out, "interference {} poses checked; {} of {} candidates never had to be\n",
                  figures.poses_checked, figures.candidates - figures.candidates_checked, figures.candidates);
   if (figures.clearance_min) fmt::format_to(out, "clearance  at least {:.1f} mm\n", *figures.clearance_min);

@@ -209,6 +209,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
     report.steps = FindPoseSteps(plan, *tool, FinishedFrom(results.inputs.job, plan.passes.size()));
     if (const std::string steps = Describe(*report.steps); !steps.empty()) report.warnings.push_back(steps);
   }
+  report.face = results.face;
   std::map<std::string, std::string> files;
   for (const CheckedProgram& program : programs)
     for (const auto& [name, bytes] : program.files) {
@@ -237,12 +238,14 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   set.Add("path.vtp", [&](const ByteSink& sink) { WritePathVtp(plan, threads, sink); });
   if (report.deflection) set.Add("deflection.csv", DeflectionCsv(*report.deflection));
   if (report.compensation) set.Add("compensation.csv", CompensationCsv(plan));
+  if (report.face) set.Add("face.csv", FaceCsv(report.face->rays, report.face->plan.expected.heights));
   set.Add("summary.json", SummaryJson(plan, report));
-  set.Add("report.html",
-          ReportHtml({plan, results.cell, results.grid, results.parts.curves, job + "\n" + cell,
-                      report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
-                      report.times, &*report.fixed, &results.parts.map, &results.timeline,
-                      &results.parts.nearest, &*report.lost_motion, &*report.budget}));
+  set.Add(
+      "report.html",
+      ReportHtml({plan, results.cell, results.grid, results.parts.curves, job + "\n" + cell,
+                  report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
+                  report.times, &*report.fixed, &results.parts.map, &results.timeline, &results.parts.nearest,
+                  &*report.lost_motion, &*report.budget, report.face ? &*report.face : nullptr}));
   for (const CheckedProgram& program : programs)
     if (program.Confirmed() && !program.trajectory.empty())
       set.Add("trajectory-" + program.controller + ".csv", program.trajectory);
