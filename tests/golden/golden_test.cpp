@@ -36,7 +36,8 @@ INSTANTIATE_TEST_SUITE_P(Variants, Golden,
 
 TEST_P(Golden, WholeText) {
   const PostSettings settings = SampleSettings(GetParam());
-  const bool long_one = GetParam() == "krl" || GetParam() == "sinumerik" || GetParam() == "fanuc" || GetParam() == "rapid";
+  const bool long_one =
+      GetParam() == "krl" || GetParam() == "sinumerik" || GetParam() == "fanuc" || GetParam() == "rapid";
   ExpectGolden(ControllerOf(GetParam()), GetParam(),
                SamplePlan({.points = long_one ? 6 : 4, .ring = long_one}), *SamplePost(GetParam()), settings);
 }

@@ -17,7 +17,7 @@ Eigen::Vector3d RotationVector(const Eigen::Matrix3d& rotation) {
   if (turn.w() < 0) turn.coeffs() *= -1;
   const double sine = turn.vec().norm();
   return sine > kNoVector ? Eigen::Vector3d(turn.vec() * (2 * Atan2(sine, turn.w()) / sine))
-                        : Eigen::Vector3d::Zero();
+                          : Eigen::Vector3d::Zero();
 }
 
 Eigen::Matrix3d FromRotationVector(const Eigen::Vector3d& vector) {

@@ -202,7 +202,11 @@ ProgramFiles UrScriptPost::Write(const MotionProgram& program, const Arm& arm,
 
 // One file cannot call another.
 CallingSyntax UrScriptPost::Calling() const {
-  return {.longest = kLongestName, .letters = 1, .ending = ".script", .tail = "end\n", .called_ending = ".script"};
+  return {.longest = kLongestName,
+          .letters = 1,
+          .ending = ".script",
+          .tail = "end\n",
+          .called_ending = ".script"};
 }
 
 void UrScriptPost::Round(MotionProgram& program, const Arm&, const PostSettings& settings) const {
