@@ -18,11 +18,11 @@ struct WholeFace {
 };
 
 /// `after`: as chosen, else as it was before. A step lies between pieces that follow each other.
-WholeFace WholeOf(const std::vector<FaceChoice>& faces, FaceFigures FaceChoice::*at) {
+WholeFace WholeOf(const std::vector<FaceChoice>& faces, FaceChoiceFigures FaceChoice::*at) {
   WholeFace whole;
-  const FaceFigures* last = nullptr;
+  const FaceChoiceFigures* last = nullptr;
   for (const FaceChoice& choice : faces) {
-    const FaceFigures& of = choice.*at;
+    const FaceChoiceFigures& of = choice.*at;
     if (of.count == 0) continue;
     whole.worst = std::max(whole.worst, of.worst);
     whole.marks += of.marks;
@@ -38,7 +38,7 @@ FaceObject WholeJson(const WholeFace& whole) {
           {"step_between_passes_um", kMicrometresOf * whole.step}};
 }
 
-FaceObject FiguresJson(const FaceFigures& figures) {
+FaceObject FiguresJson(const FaceChoiceFigures& figures) {
   return {{"worst_um", kMicrometresOf * figures.worst},
           {"mean_um", figures.count > 0 ? FaceObject(kMicrometresOf * figures.sum / figures.count)
                                         : FaceObject(nullptr)},

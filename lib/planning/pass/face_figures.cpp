@@ -26,7 +26,7 @@ FacePlace FacePlaceAt(const PoseProblem& problem, const FaceModel& model, const 
   return place;
 }
 
-FaceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> places, bool closed) {
+FaceChoiceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> places, bool closed) {
   if (closed && !places.empty()) {
     FacePlace again = places.front();
     // As the way round leaves it: the short way from the last place.
@@ -38,7 +38,7 @@ FaceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> places, boo
   std::vector<GearPlace> way;
   for (const FacePlace& place : places) way.push_back(place.gears.place);
   const std::vector<GearValues> offsets = OffsetsAlong(lost, way);
-  FaceFigures figures;
+  FaceChoiceFigures figures;
   for (size_t t = 0; t < places.size(); ++t) {
     const FacePlace& place = places[t];
     if (!place.counts) continue;

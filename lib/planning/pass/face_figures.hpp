@@ -36,6 +36,6 @@ inline double LargestWith(const FacePlace& place, double lost) {
 
 /// Of a piece entered settled: every gear rests where its own first direction leaves it. A closed piece is
 /// milled round to its first place again.
-FaceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> places, bool closed);
+FaceChoiceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> places, bool closed);
 
 }  // namespace millpose
