@@ -113,7 +113,8 @@ TEST_F(RapidProgram, RefusesWhatGivesUpSafety) {
   EXPECT_NE(Refusal("PDispOff", "PDispSet mp_p").find("expected"), std::string::npos);
   for (const std::string setting : {"ConfL\\On;", "PDispOff;", "EOffsOff;", "SoftDeact;", "AccSet 100,100;"})
     EXPECT_NE(Refusal(setting + "\n", "").find("must be stated before the first motion"), std::string::npos);
-  EXPECT_NE(Refusal("\nmp_tool:=[TRUE", "\n! mp_tool:=[TRUE").find("the value of MP_TOOL"), std::string::npos);
+  EXPECT_NE(Refusal("\nmp_tool:=[TRUE", "\n! mp_tool:=[TRUE").find("the value of MP_TOOL"),
+            std::string::npos);
   EXPECT_NE(Refusal("\\WObj:=mp_wobj", "").find("'\\' expected"), std::string::npos);
   EXPECT_NE(Refusal("MoveAbsJ [[0,", "MoveJ [[0,").find("MoveAbsJ"), std::string::npos);
   EXPECT_NE(Refusal("\\NoEOffs", "").find("'\\' expected"), std::string::npos);

@@ -148,8 +148,8 @@ class RapidReader : public RapidModuleReader {
   void ReadOutput(LineScanner& scan, size_t start) {
     const std::string signal = ReadSignal(scan), prefix = Spelled(options_.signal_prefix);
     const std::string digits = signal.starts_with(prefix) ? signal.substr(prefix.size()) : std::string();
-    const bool whole = !digits.empty() && digits.size() <= 4 &&
-                       digits.find_first_not_of("0123456789") == std::string::npos;
+    const bool whole =
+        !digits.empty() && digits.size() <= 4 && digits.find_first_not_of("0123456789") == std::string::npos;
     const int number = whole ? std::stoi(digits) : 0;
     if (!whole || std::to_string(number) != digits)
       scan.FailFrom(start, fmt::format("a signal {}n expected (signal_prefix; others: the cell's texts)",
