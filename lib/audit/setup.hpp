@@ -99,6 +99,7 @@ struct Setup {
   Real spacing = 0;                ///< mm
   bool rings = false;              ///< passes may be closed
   bool laid = true;  ///< cut points lie on the workpiece or a layer over it: no hole, no trimmed edge
+  std::string urscript_tool_axis = "z";
   std::string krl_tool_axis = "z", sinumerik_tool_axis = "z", sinumerik_rotation = "orirpy";
   std::vector<std::string> sinumerik_words = {"A", "B", "C"};       ///< of the angles
   std::string krl_tool_direction = "x";                             ///< $TOOL_DIRECTION

@@ -5,6 +5,7 @@
 #include "planning/pose/freedom_entry.hpp"
 #include "program/external_axes.hpp"
 #include "program/program_name.hpp"
+#include "toolpath/pass_ends.hpp"
 
 namespace millpose {
 
@@ -51,6 +52,12 @@ PoseProblem MakePoseProblem(const JobSettings& job, const CellSettings& cell_set
   if (problem.objective->NeedsForce() && !job.cutting)
     throw InputError({job.file},
                      fmt::format("objective {}: no force; give the job process.cutting", job.objective));
+  if (problem.objective->JudgesFace() && !MakeGearModel(cell_settings).lost.Any())
+    throw InputError(
+        {job.file},
+        fmt::format("objective {}: cell {} states no lost motion (arm.lost_motion_arcmin); "
+                    "without it {} is the same",
+                    job.objective, cell_settings.name, TheObjective(&ObjectiveEntry::with_force).name));
   return problem;
 }
 
@@ -87,15 +94,23 @@ PathOptions MakePathOptions(const JobSettings& job) {
   return options;
 }
 
-FixedRotationOptions MakeFixedOptions(const JobSettings& job, int threads, std::stop_token stop) {
+int FinishedFrom(const JobSettings& job, size_t passes) {
+  const size_t layers = LayerOffsets(job.toolpath.layers).size();
+  return static_cast<int>(passes - passes / layers);
+}
+
+FixedRotationOptions MakeFixedOptions(const JobSettings& job, const CellSettings& cell, size_t passes,
+                                      int threads, std::stop_token stop) {
   const PathOptions path = MakePathOptions(job);
-  return {path.rotation_step,
-          path.steps,
-          path.swept_resolution,
-          path.worst_first,
-          threads,
-          std::move(stop),
-          MakeLinkMoveOptions(job).leave};
+  return {.rotation_step = path.rotation_step,
+          .steps = path.steps,
+          .swept_resolution = path.swept_resolution,
+          .worst_first = path.worst_first,
+          .gears = MakeGearModel(cell),
+          .finished_from = FinishedFrom(job, passes),
+          .threads = threads,
+          .stop = std::move(stop),
+          .leave = MakeLinkMoveOptions(job).leave};
 }
 
 LinkMoveOptions MakeLinkMoveOptions(const JobSettings& job) {
@@ -165,6 +180,12 @@ PostSettings MakeTextSettings(const JobSettings& job, const CellSettings& cell,
 PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
                               const std::string& controller) {
   PostSettings post = MakeTextSettings(job, cell, controller);
+  const std::vector<ExternalAxis>& axes = post.mechanism.axes();
+  if (!axes.empty() && !cell.controllers.at(controller).post->HasExternalAxes())
+    throw InputError(SourceLocation{cell.file, cell.controllers_line},
+                     fmt::format("controllers.{0}: {0} moves no axes beside the arm's six, the cell has {1}; "
+                                 "expected: a cell without external_axes, or another controller",
+                                 controller, axes.front().name));
   if (const std::string refusal = WhyNotWithAxes(post, controller); !refusal.empty())
     throw InputError(SourceLocation{cell.file, post.controller_axes_line}, refusal);
   if (!IsToolName(post.tool_name))

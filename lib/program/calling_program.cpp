@@ -51,14 +51,16 @@ std::string CallIn(const CallingSyntax& syntax, std::string_view line) {
 }  // namespace
 
 std::string ProgramName(const CallingSyntax& syntax, const std::string& job) {
-  return LegalName(job, syntax.longest, syntax.letters);
+  std::string name = LegalName(job, syntax.longest, syntax.letters);
+  return syntax.reserved.contains(AsTold(name)) ? "mp_" + name : name;
 }
 
 CalledProgram AsCalled(const CallingSyntax& syntax, const std::string& job, ProgramFiles files) {
   CalledProgram called{CalledName(syntax, job), {}, {}};
   auto main = files.extract(ProgramName(syntax, job) + syntax.ending);
-  assert(!main.empty() && main.mapped().ends_with(syntax.tail));
-  std::string text = main.mapped().substr(0, main.mapped().size() - syntax.tail.size());
+  const std::string tail = Filled(syntax.tail, ProgramName(syntax, job));
+  assert(!main.empty() && main.mapped().ends_with(tail));
+  std::string text = main.mapped().substr(0, main.mapped().size() - tail.size());
   text = Filled(syntax.called_head, called.name) + text + Filled(syntax.called_tail, called.name);
   called.files = std::move(files);
   called.files[called.name + syntax.called_ending] = std::move(text);
@@ -75,7 +77,7 @@ ProgramFiles WriteCalling(const CallingSyntax& syntax, const std::string& job,
     for (const auto& [key, value] : program.comments) text += Comments(syntax, key, value);
     text += Filled(syntax.call, program.name);
   }
-  ProgramFiles files = {{name + syntax.ending, text + syntax.closing + syntax.tail}};
+  ProgramFiles files = {{name + syntax.ending, text + Filled(syntax.closing + syntax.tail, name)}};
   for (const auto& [ending, more] : syntax.beside) files[name + ending] = Filled(more, name);
   return files;
 }
@@ -86,8 +88,7 @@ namespace {
 std::vector<std::string> ReadCalls(const CallingSyntax& syntax, const std::string& name,
                                    const std::string& text) {
   const std::string file = name + syntax.ending;
-  const std::string head = Filled(syntax.head, name);
-  const std::string tail = syntax.closing + syntax.tail;
+  const std::string head = Filled(syntax.head, name), tail = Filled(syntax.closing + syntax.tail, name);
   std::vector<std::string_view> before = SplitLines(head), behind = SplitLines(tail);
   const auto empty = [&](std::string_view line) { return !HoldsCode(syntax, line); };
   std::erase_if(before, empty);
@@ -132,6 +133,7 @@ std::vector<std::string> ReadCalling(const CallingSyntax& syntax, const std::str
 
 std::vector<std::string> CallsOf(const CallingSyntax& syntax, const std::string& stem,
                                  const std::string& text) {
+  if (syntax.call.empty()) return {};
   try {
     return ReadCalls(syntax, stem, text);
   } catch (const InputError&) {
@@ -140,6 +142,7 @@ std::vector<std::string> CallsOf(const CallingSyntax& syntax, const std::string&
 }
 
 std::string AsStandingAlone(const CallingSyntax& syntax, const std::string& name, const std::string& text) {
+  if (syntax.call.empty()) return text;
   const std::string head = Filled(syntax.called_head, name), tail = Filled(syntax.called_tail, name);
   std::vector<std::string> lines;
   for (const std::string_view line : SplitLines(text)) lines.emplace_back(line);

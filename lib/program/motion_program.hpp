@@ -122,6 +122,9 @@ struct MotionProgram {
   bool any_turn = false;
   bool frames_checked = false;  ///< stops before its first motion where the controller's frames are others
   bool blend_overlaps = false;  ///< motions overlap at corners; `blend` bounds the tip alone
+  /// What a rounded corner is taken to stay within, in one sentence, where the maker does not document its
+  /// path (docs/verification.md); blends are then distances. Empty: its path is known.
+  std::string corner_assumption;
   std::vector<Motion> motions;
   std::vector<ProgramEvent> events;  ///< ascending by before_motion
   std::vector<DeclaredCall> calls;   ///< that it makes, each once

@@ -248,6 +248,13 @@ SharedKey BlockTimeKey() {
       .DefaultText("the interpolation cycle");
 }
 
+SharedKey MaxCornerKey() {
+  return Key<S>("max_corner_mm", MILLPOSE_AT(max_corner), Maybe(Real(kMm, Positive(10))),
+                "By how much a rounded corner, whose path the maker does not document, may leave the "
+                "programmed one under the assumption that programs state; without it, or beyond it, programs "
+                "are withheld. At most interference.swept_resolution_mm.");
+}
+
 SharedKey MaxMotionsKey() {
   return Key<S>("max_motions", MILLPOSE_AT(max_motions), Integer(10, 1000000),
                 "Motions in one program file; larger programs call sub-programs.");

@@ -38,8 +38,10 @@ struct PostOptions {
   std::optional<std::vector<AxisCoupling>> axis_couplings;  ///< on top of these
   std::optional<double> path_acceleration;                  ///< mm/s², of the tip
   std::optional<double> cycle, block_time;                  ///< s, for the estimate of the speed
-  int max_motions = 1400;                                   ///< per file; larger programs call sub-programs
-  int max_kbytes = 500;                                     ///< per file
+  /// mm that a corner whose path the maker does not document may be bounded by; empty: no such corner may be.
+  std::optional<double> max_corner;
+  int max_motions = 1400;  ///< per file; larger programs call sub-programs
+  int max_kbytes = 500;    ///< per file
   std::vector<ControllerAxis> controller_axes;
   int controller_axes_line = 0;  ///< of the YAML, for later errors
   std::vector<PathOutput> outputs;

@@ -20,6 +20,10 @@ bool CallsProgram(std::string_view text, const std::string& stem) {
     LineScanner scan(line, "", 0);
     if (scan.AcceptAddress('N')) scan.ExpectNumber();
     scan.Accept("CALL");
+    if (scan.Accept("%\"")) {  // RAPID, of a module that is loaded as the program runs
+      if (scan.Accept(stem) && scan.Peek() == '"') return true;
+      continue;
+    }
     if (scan.Accept(stem) && (scan.AtEnd() || scan.Peek() == '(' || scan.Peek() == ';')) return true;
   }
   return false;

@@ -246,6 +246,38 @@ std::vector<Target> ReadLinuxCnc(const std::map<std::string, std::string>& files
   return targets;
 }
 
+/// movej with joints, movep and movel with the tool in the robot's base: m, and axis times angle.
+std::vector<Target> ReadUrScript(const std::map<std::string, std::string>& files, const Setup& setup) {
+  static const std::regex motion(R"(^\s*move[jlp]\s*\(\s*(p?)\s*\[([^\]]*)\])");
+  const Matrix4 X_CT = ToolFrame(setup.urscript_tool_axis).inverse();
+  const Axes none("urscript", setup);
+  std::vector<Target> targets;
+  for (const Line& line : Whole(files, ".script")) {
+    std::smatch match;
+    if (!std::regex_search(line.text, match, motion)) continue;
+    std::istringstream numbers(std::regex_replace(match[2].str(), std::regex(","), " "));
+    Angles values{};
+    for (size_t axis = 0; axis < values.size(); ++axis) numbers >> values[axis];
+    if (match[1].length() == 0) {
+      for (size_t axis = 0; axis < values.size(); ++axis)
+        values[axis] = OfArm(setup, "urscript", axis, values[axis]);
+      targets.push_back(none.AtAngles(line, values));
+      continue;
+    }
+    const Vector3 turn(values[3], values[4], values[5]);
+    Matrix4 X_BC = Shift(1000 * values[0], 1000 * values[1], 1000 * values[2]);
+    if (turn.norm() > 0)
+      X_BC.block<3, 3>(0, 0) = Eigen::AngleAxis<Real>(turn.norm(), turn.normalized()).toRotationMatrix();
+    targets.push_back({line.file,
+                       line.number,
+                       std::nullopt,
+                       none.FromBelieved(line, true) * setup.X_WB * X_BC * X_CT,
+                       {},
+                       {}});
+  }
+  return targets;
+}
+
 }  // namespace
 
 std::vector<Target> ReadProgram(const std::string& controller,
@@ -253,6 +285,7 @@ std::vector<Target> ReadProgram(const std::string& controller,
   if (controller == "krl") return ReadKrl(files, setup);
   if (controller == "sinumerik") return ReadSinumerik(files, setup);
   if (controller == "linuxcnc") return ReadLinuxCnc(files, setup);
+  if (controller == "urscript") return ReadUrScript(files, setup);
   if (controller == "fanuc") return ReadFanuc(files, setup);
   throw std::runtime_error("programs/" + controller + ": no reader for this controller");
 }

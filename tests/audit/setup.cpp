@@ -179,6 +179,7 @@ void ReadControllers(const YAML::Node& controllers, Setup* setup) {
   }
   setup->sinumerik_turn_known = !text("sinumerik", "ori_ipo_with_g_code", "").empty();
   setup->linuxcnc_tool_axis = text("linuxcnc", "tool_axis", "z");
+  setup->urscript_tool_axis = text("urscript", "tool_axis", "z");
   setup->linuxcnc_rotation = text("linuxcnc", "rotation", "rpy");
   setup->fanuc_tool_axis = text("fanuc", "tool_axis", "z");
   if (controllers["fanuc"]) setup->fanuc_height = controllers["fanuc"]["world_height_mm"].as<double>();

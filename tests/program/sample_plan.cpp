@@ -194,6 +194,18 @@ PostSettings SampleSettings(const std::string& variant) {
     settings.tool_axis = FrameAxis::kX;
     settings.texts = {{"spindle_on", "$ANOUT[1]={rpm}\n$OUT[1]=TRUE"}, {"spindle_off", "$OUT[1]=FALSE"}};
   }
+  if (ControllerOf(variant) == "urscript") {
+    settings.load = ToolLoad{85, {-120, 0, 130}, {4, 5, 6}};
+    settings.max_corner = 0.05;
+    settings.texts = {
+        {"spindle_on", "set_standard_analog_out(0, {rpm}/24000)\nset_standard_digital_out(0, True)"},
+        {"spindle_off", "set_standard_digital_out(0, False)"}};
+  }
+  if (ControllerOf(variant) == "rapid") {
+    settings.tool_axis = FrameAxis::kMinusZ;
+    settings.load = ToolLoad{85, {-120, 0, 130}, {4, 5, 6}};
+    settings.texts = {{"spindle_on", "SetAO spindle,{rpm};\nSetDO do1,1;"}, {"spindle_off", "SetDO do1,0;"}};
+  }
   if (variant == "sinumerik_euler") settings.rotation = AngleOrder::kEuler;
   if (ControllerOf(variant) == "fanuc") {
     settings.axes = SampleFanucAxes();

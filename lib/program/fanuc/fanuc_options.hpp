@@ -15,7 +15,8 @@ namespace millpose {
 struct FanucOptions {
   int user_frame = 0, tool_frame = 0;  ///< UFRAME and UTOOL of programs, 1…; 0: not given
   int position_register = 0;  ///< PR by which programs set both; 0: the controller holds their values
-  std::optional<double> world_height = std::nullopt;     ///< mm, of the controller's world above the robot's base; needed
+  std::optional<double> world_height =
+      std::nullopt;                       ///< mm, of the controller's world above the robot's base; needed
   std::array<int, 3> turn_axes{4, 5, 6};  ///< whose full turns CONFIG's numbers count
   int joint_speed_percent = 20;           ///< of the axes' largest speed, in J
 };
