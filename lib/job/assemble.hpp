@@ -11,6 +11,7 @@
 #include "planning/links/link_move_planner.hpp"
 #include "planning/pass/fixed_rotation.hpp"
 #include "planning/pass/pass_planner.hpp"
+#include "planning/result/gear_course.hpp"
 #include "program/pose_text.hpp"
 #include "program/post.hpp"
 #include "program/verify/verify.hpp"
@@ -36,6 +37,10 @@ struct GravityModel {
   Eigen::Vector3d gravity;  ///< in B, mm/s²
 };
 std::optional<GravityModel> MakeGravity(const CellSettings& settings);
+
+/// What a cell says of its gears: lost motion, how they count, and where friction is given the weights that
+/// load them.
+GearModel MakeGearModel(const CellSettings& settings);
 
 /// X_FT of a tool: z along its axis from tip to holder, x as near to its x as a right angle allows.
 Pose MakeToolPose(const ToolSettings& settings);
@@ -71,7 +76,11 @@ CutterShape MakeCutterShape(const ToolSettings& tool);
 /// The job's own, with cutter and feed.
 ToolpathOptions MakeToolpathOptions(const JobSettings& job, const ToolSettings& tool);
 PathOptions MakePathOptions(const JobSettings& job);
-FixedRotationOptions MakeFixedOptions(const JobSettings& job, int threads, std::stop_token stop);
+/// The first pass of the last layer: every layer has the same passes, one layer after the other.
+int FinishedFrom(const JobSettings& job, size_t passes);
+/// `passes`: how many the job has.
+FixedRotationOptions MakeFixedOptions(const JobSettings& job, const CellSettings& cell, size_t passes,
+                                      int threads, std::stop_token stop);
 LinkMoveOptions MakeLinkMoveOptions(const JobSettings& job);
 VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm);
 

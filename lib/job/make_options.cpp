@@ -5,6 +5,7 @@
 #include "planning/pose/freedom_entry.hpp"
 #include "program/external_axes.hpp"
 #include "program/program_name.hpp"
+#include "toolpath/pass_ends.hpp"
 
 namespace millpose {
 
@@ -87,15 +88,23 @@ PathOptions MakePathOptions(const JobSettings& job) {
   return options;
 }
 
-FixedRotationOptions MakeFixedOptions(const JobSettings& job, int threads, std::stop_token stop) {
+int FinishedFrom(const JobSettings& job, size_t passes) {
+  const size_t layers = LayerOffsets(job.toolpath.layers).size();
+  return static_cast<int>(passes - passes / layers);
+}
+
+FixedRotationOptions MakeFixedOptions(const JobSettings& job, const CellSettings& cell, size_t passes,
+                                      int threads, std::stop_token stop) {
   const PathOptions path = MakePathOptions(job);
-  return {path.rotation_step,
-          path.steps,
-          path.swept_resolution,
-          path.worst_first,
-          threads,
-          std::move(stop),
-          MakeLinkMoveOptions(job).leave};
+  return {.rotation_step = path.rotation_step,
+          .steps = path.steps,
+          .swept_resolution = path.swept_resolution,
+          .worst_first = path.worst_first,
+          .gears = MakeGearModel(cell),
+          .finished_from = FinishedFrom(job, passes),
+          .threads = threads,
+          .stop = std::move(stop),
+          .leave = MakeLinkMoveOptions(job).leave};
 }
 
 LinkMoveOptions MakeLinkMoveOptions(const JobSettings& job) {

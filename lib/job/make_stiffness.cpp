@@ -44,4 +44,26 @@ std::optional<GravityModel> MakeGravity(const CellSettings& settings) {
   return model;
 }
 
+GearModel MakeGearModel(const CellSettings& settings) {
+  GearModel model;
+  LostMotion& lost = model.lost;
+  lost.CountAs({GearMatrix(settings.arm), Joints::Zero()});
+  const std::optional<Vector6>& width = settings.arm.lost_motion;
+  if (width) lost.width.head<6>() = *width;
+  std::fill_n(model.known.begin(), 6, width.has_value());
+  for (size_t i = 0; i < settings.external_axes.size(); ++i) {
+    const ExternalAxisSettings& axis = settings.external_axes[i];
+    const auto gear = static_cast<Eigen::Index>(6 + i);
+    lost.width[gear] = axis.lost_motion.value_or(0);
+    model.known[6 + i] = axis.lost_motion.has_value();
+    if (axis.kind == AxisKind::kLinear) lost.dead_zone[gear] = kLinearDeadZone;
+  }
+  if (const std::optional<GravityModel> gravity = MakeGravity(settings);
+      gravity && settings.arm.gear_friction) {
+    lost.friction.head<6>() = *settings.arm.gear_friction;
+    model.weights = GearWeights{gravity->masses, gravity->counterbalance, gravity->gravity};
+  }
+  return model;
+}
+
 }  // namespace millpose

@@ -11,8 +11,10 @@
 #include "planning/result/fixed_comparison.hpp"
 #include "planning/result/plan_result.hpp"
 #include "planning/result/timeline.hpp"
+#include "report/budget.hpp"
 #include "report/deflection.hpp"
 #include "report/face_report.hpp"
+#include "report/lost_motion.hpp"
 
 namespace millpose {
 
@@ -81,17 +83,19 @@ struct HtmlInput {
   const PlanResult& plan;
   const Cell& cell;  ///< its bodies, the workpiece among them, are drawn
   RotationGrid grid;
-  std::vector<PackedCurve> curves;               ///< of all points or of some; by pass and point
-  std::string settings;                          ///< job and cell as resolved, YAML
-  const DeflectionReport* deflection = nullptr;  ///< when the job says what the cutter takes off
-  std::vector<std::string> findings = {};        ///< what stands in the way of trust, one sentence each
-  std::vector<std::string> warnings = {};        ///< repairs of the mesh, doubtful units
-  std::vector<ControllerTime> times = {};        ///< of every program
-  const FixedComparison* fixed = nullptr;        ///< beside the best fixed rotation
-  const AxisMap* map = nullptr;                  ///< of `curves`
-  const Timeline* timeline = nullptr;            ///< of the plan
-  const NearestPairs* nearest = nullptr;         ///< of the points shown
-  const FaceReport* face = nullptr;              ///< where it was asked for
+  std::vector<PackedCurve> curves;                ///< of all points or of some; by pass and point
+  std::string settings;                           ///< job and cell as resolved, YAML
+  const DeflectionReport* deflection = nullptr;   ///< when the job says what the cutter takes off
+  std::vector<std::string> findings = {};         ///< what stands in the way of trust, one sentence each
+  std::vector<std::string> warnings = {};         ///< repairs of the mesh, doubtful units
+  std::vector<ControllerTime> times = {};         ///< of every program
+  const FixedComparison* fixed = nullptr;         ///< beside the best fixed rotation
+  const AxisMap* map = nullptr;                   ///< of `curves`
+  const Timeline* timeline = nullptr;             ///< of the plan
+  const NearestPairs* nearest = nullptr;          ///< of the points shown
+  const LostMotionReport* lost_motion = nullptr;  ///< of the plan
+  const Budget* budget = nullptr;                 ///< of the face's error
+  const FaceReport* face = nullptr;               ///< where it was asked for
 };
 
 /// The page as bytes: a pure function of its input, no dates, no times.

@@ -212,6 +212,36 @@ void AddCompensation(const PlanResult& plan, Collector& c) {
         });
 }
 
+/// Marks where joints turn back, and what lost motion leaves of the tip along the normal.
+void AddLostMotion(const PlanResult& plan, const LostMotionReport& report,
+                   std::vector<ReportColumn>& columns) {
+  const bool known = report.Known();
+  ReportColumn marks{.key = "reversal",
+                     .symbol = "mark",
+                     .label = "Marks of joints that turn back, along the normal",
+                     .unit = known ? "µm" : "µm/arcmin",
+                     .worse = Worse::kHigh,
+                     .values = {},
+                     .bound = {}};
+  for (const bool of_face : report.course.face) marks.values.push_back(of_face ? 0 : kNone);
+  for (const GearMark& mark : report.course.marks)
+    if (mark.crosses)
+      marks.values[mark.point] += static_cast<float>(
+          1e3 * HeightOf(mark, report.model).value_or(HeightPerUnit(mark, plan.external_axes)));
+  columns.push_back(std::move(marks));
+  if (!known) return;
+  ReportColumn errors{.key = "lost_motion",
+                      .symbol = "e",
+                      .label = "Displacement along the normal by lost motion",
+                      .unit = "µm",
+                      .worse = Worse::kNeither,
+                      .values = {},
+                      .bound = {}};
+  for (const std::optional<double>& error : report.course.errors)
+    errors.values.push_back(error ? static_cast<float>(1e3 * *error) : kNone);
+  columns.push_back(std::move(errors));
+}
+
 /// Marks the worst points of a column.
 void KeepWorst(const ReportColumn& column, std::vector<char>& keep) {
   std::vector<uint32_t> order;
@@ -234,13 +264,15 @@ std::string ShownUnit(const std::string& unit) {
 }
 double ShownScale(const std::string& unit) { return unit == "mm/N" || unit == "mm" ? 1e3 : 1; }
 
-std::vector<ReportColumn> ReportColumns(const PlanResult& plan, const DeflectionReport* deflection) {
+std::vector<ReportColumn> ReportColumns(const PlanResult& plan, const DeflectionReport* deflection,
+                                        const LostMotionReport* lost_motion) {
   Collector collector(plan);
   AddStiffness(plan, collector);
   AddMotion(plan, collector);
   AddCompensation(plan, collector);
   std::vector<ReportColumn> columns = collector.Take();
   if (deflection) AddDeflection(plan, *deflection, columns);
+  if (lost_motion) AddLostMotion(plan, *lost_motion, columns);
   return columns;
 }
 

@@ -12,9 +12,11 @@
 #include "planning/result/fixed_comparison.hpp"
 #include "planning/result/plan_result.hpp"
 #include "planning/result/price.hpp"
+#include "report/budget.hpp"
 #include "report/compensation.hpp"
 #include "report/deflection.hpp"
 #include "report/face_report.hpp"
+#include "report/lost_motion.hpp"
 #include "report/step_heights.hpp"
 #include "toolpath/cutter.hpp"
 
@@ -92,9 +94,11 @@ struct ReportInputs {
   std::optional<BaseWindow> base_window;
   std::optional<DeflectionReport> deflection;  ///< when the job says what the cutter takes off
   std::optional<CompensationFigures> compensation;
-  std::optional<FixedComparison> fixed;  ///< beside the best fixed rotation
-  std::optional<PoseSteps> steps;        ///< when the cell says how well the tool is known
-  std::optional<FaceReport> face;        ///< when it was asked for
+  std::optional<LostMotionReport> lost_motion;  ///< of every plan
+  std::optional<Budget> budget;                 ///< likewise
+  std::optional<FixedComparison> fixed;         ///< beside the best fixed rotation
+  std::optional<PoseSteps> steps;               ///< when the cell says how well the tool is known
+  std::optional<FaceReport> face;               ///< when it was asked for
 };
 
 /// What differs from run to run; goes into run.json alone.
@@ -162,8 +166,10 @@ struct PlanFigures {
 PlanFigures Figures(const PlanResult& plan);
 
 /// One row per point as in docs/outputs.md: positions in W, angles in the arm's convention.
-/// `cutter`: of a ball the cutting speed is told where leans were chosen.
-void WritePointsCsv(const PlanResult& plan, const CutterShape& cutter, int threads, const ByteSink& sink);
+/// `cutter`: of a ball the cutting speed is told where leans were chosen. `lost_motion`: of this plan; null:
+/// without its columns.
+void WritePointsCsv(const PlanResult& plan, const CutterShape& cutter, const LostMotionReport* lost_motion,
+                    int threads, const ByteSink& sink);
 
 /// VTK XML PolyData: the pieces as lines, skipped points as vertices, all indices as point arrays (0 for the
 /// pose of a skipped point, distinguished by the array `planned`); positions in W, mm.

@@ -3,10 +3,12 @@
 
 #include "base/units.hpp"
 #include "planning/result/station.hpp"
+#include "report/budget_json.hpp"
 #include "report/compensation_json.hpp"
 #include "report/face_json.hpp"
-#include "report/fixed_figures.hpp"
+#include "report/fixed_json.hpp"
 #include "report/lifts_json.hpp"
+#include "report/lost_motion_json.hpp"
 #include "report/report.hpp"
 
 namespace millpose {
@@ -207,32 +209,6 @@ Json DeflectionJson(const std::optional<DeflectionReport>& report) {
           {"largest_step_between_passes_mm", of_face(&FaceDeflection::largest_step)}};
 }
 
-/// Worst and median of one comparison, mm or the objective's unit; null where there is none.
-Json FixedOf(const std::vector<PointFigures>& plan, const std::vector<PointFigures>& fixed) {
-  if (fixed.empty()) return nullptr;
-  const auto pair = [](double of_plan, double of_fixed) {
-    return Json{{"plan", of_plan},
-                {"fixed", of_fixed},
-                {"ratio", of_fixed > 0 ? Json(of_plan / of_fixed) : Json(nullptr)}};
-  };
-  Json json = Json::object();
-  for (const FixedFigure& figure : FixedFigures(plan, fixed))
-    json[figure.key] = {{"worst", pair(figure.plan_worst, figure.fixed_worst)},
-                        {"median", pair(figure.plan_median, figure.fixed_median)}};
-  return json;
-}
-
-Json FixedJson(const std::optional<FixedComparison>& fixed) {
-  if (!fixed) return nullptr;
-  Json job = FixedOf(fixed->plan, fixed->job);
-  if (!job.is_null()) job["rotation_deg"] = RadToDeg(fixed->rotation);
-  const auto text = [](const std::string& why) { return why.empty() ? Json(nullptr) : Json(why); };
-  return {{"points", fixed->plan.size()},
-          {"job", job},
-          {"passes", FixedOf(fixed->plan, fixed->passes)},
-          {"in_the_way", {{"job", text(fixed->job_in_the_way)}, {"passes", text(fixed->passes_in_the_way)}}}};
-}
-
 Json ProgramsJson(const std::vector<ReportedProgram>& programs) {
   Json list = Json::array();
   for (const ReportedProgram& program : programs)
@@ -356,7 +332,9 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["deflection"] = DeflectionJson(inputs.deflection);
   if (inputs.compensation) json["compensation"] = CompensationJson(*inputs.compensation);
   json["pose_steps"] = StepsJson(inputs.steps);
-  json["fixed_rotation"] = FixedJson(inputs.fixed);
+  json["fixed_rotation"] = FixedRotationJson(plan, inputs);
+  json["budget"] = BudgetJson(inputs.budget);
+  json["reversals"] = inputs.lost_motion ? ReversalsJson(plan, *inputs.lost_motion) : Json(nullptr);
   json["face"] = inputs.face ? FaceReportJson(*inputs.face) : Json(nullptr);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -78,21 +78,17 @@ void AppendDeflection(const DeflectionReport& report, std::string* text) {
                  report.force.mean.norm(), report.force.peak, kDeflectionModel);
 }
 
-void AppendFixed(const FixedComparison& fixed, std::string* text) {
+void AppendFixed(const FixedComparison& fixed, bool known, std::string* text) {
   const auto out = std::back_inserter(*text);
-  const auto compare = [&](const std::vector<PointFigures>& figures, const std::string& name) {
+  for (const auto& [name, choice] : NamedChoices(fixed)) {
     fmt::format_to(out, "against    {}, plan / fixed:\n", name);
-    for (const FixedFigure& figure : FixedFigures(fixed.plan, figures))
+    for (const FixedFigure& figure : FixedFigures(fixed.plan, choice->points))
       fmt::format_to(out, "  {:<10} {}\n", figure.label, FixedRatios(figure));
-  };
-  if (!fixed.job.empty())
-    compare(fixed.job,
-            fmt::format("the best single rotation of the job, {:.0f} deg", RadToDeg(fixed.rotation)));
-  else
+    fmt::format_to(out, "  {}\n", FixedReversals(fixed.plan_gears, choice->gears, known));
+  }
+  if (fixed.job.points.empty())
     fmt::format_to(out, "against    no single rotation does the job: {}\n", fixed.job_in_the_way);
-  if (!fixed.passes.empty())
-    compare(fixed.passes, "the best rotation of each pass");
-  else
+  if (fixed.passes.points.empty())
     fmt::format_to(out, "against    no rotation of its own does each pass: {}\n", fixed.passes_in_the_way);
 }
 
@@ -143,7 +139,12 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   if (figures.paper) AppendPaper(*figures.paper, &text);
   if (inputs.deflection) AppendDeflection(*inputs.deflection, &text);
   if (inputs.compensation) text += CompensationText(*inputs.compensation);
-  if (figures.planned > 0 && inputs.fixed) AppendFixed(*inputs.fixed, &text);
+  if (figures.planned > 0 && inputs.lost_motion)
+    fmt::format_to(out, "reversals  {}\n", LostMotionText(plan, *inputs.lost_motion));
+  if (figures.planned > 0 && inputs.budget)
+    fmt::format_to(out, "budget     {}\n", BudgetText(*inputs.budget));
+  if (figures.planned > 0 && inputs.fixed)
+    AppendFixed(*inputs.fixed, inputs.lost_motion && inputs.lost_motion->Known(), &text);
   if (inputs.face) text += FaceText(*inputs.face);
   fmt::format_to(out, "interference {} poses checked; {} of {} candidates never had to be\n",
                  figures.poses_checked, figures.candidates - figures.candidates_checked, figures.candidates);

@@ -12,6 +12,7 @@
 #include "tests/audit/laws.hpp"
 #include "tests/audit/motions.hpp"
 #include "tests/audit/programs.hpp"
+#include "tests/audit/reversals.hpp"
 
 namespace millpose::audit {
 namespace {
@@ -366,6 +367,8 @@ Verdict Audit(const Folder& folder, const Options& options) {
   figures.Declare("missing_forces", 0);
   figures.Declare("max_halfway_excess_mm", 1e-9);
   figures.Declare("max_summary_error_relative", 1e-8);
+  figures.Declare("reversal_violations", 0);
+  figures.Declare("max_lost_motion_error_mm", 1e-7);
   figures.Declare("interferences", 0);
   if (!folder.compensated.empty()) {
     figures.Declare("max_commanded_tip_error_mm", 1e-6);
@@ -390,6 +393,10 @@ Verdict Audit(const Folder& folder, const Options& options) {
   AuditLeans(folder, cuts, figures);
   AuditHalfway(folder, cuts, figures);
   AuditSummary(folder, figures);
+  AuditReversals(folder, {[&](const std::string& where) { figures.Count("reversal_violations", where); },
+                          [&](Real off, const std::string& where) {
+                            figures.Raise("max_lost_motion_error_mm", off, where);
+                          }});
   std::vector<JointMotion> motions = CutMotions(cuts), gaps;
   const std::vector<Row> commanded = CommandedRows(folder.rows);
   if (!folder.compensated.empty()) {

@@ -6,7 +6,7 @@
 namespace millpose {
 
 inline std::string PointsCsv(const PlanResult& plan) {
-  return BytesOf([&](const ByteSink& sink) { WritePointsCsv(plan, {}, 2, sink); });
+  return BytesOf([&](const ByteSink& sink) { WritePointsCsv(plan, {}, nullptr, 2, sink); });
 }
 
 inline std::string PathVtp(const PlanResult& plan) {

@@ -39,6 +39,14 @@ Codec<RegionOptions> RegionFields();
 
 /// The sections of a cell.
 Codec<ArmSettings> ArmFields();
+/// `fields` and those of its gears, and what is wrong with these.
+std::vector<Field<ArmSettings>> WithGears(std::vector<Field<ArmSettings>> fields);
+void CheckGears(const Value& value, const Context& context, const ArmSettings& arm);
+void CheckGearFriction(const Value& value, const Context& context, const CellSettings& cell);
+/// A lost motion (`key`) has a source, and a source one.
+void CheckLostMotionSource(const Value& value, const Context& context, const char* key,
+                           const std::string& source);
+extern const Unit kArcmin;
 Codec<ToolSettings> ToolFields();
 Codec<BodySettings> BodyFields();
 Codec<ShapeSettings> ShapeFields();

@@ -18,7 +18,25 @@ double SpacingFor(const Region& region, double rays) {
   return std::sqrt(std::max(CountRays(region, 1.0), 1e-9) / rays);
 }
 
-StatedErrors StatedIn(const JobInputs& inputs, const PlanResult& plan, const FaceOptions& options) {
+/// What the cell says of its gears, or `options` in its place.
+GearModel GearsOf(const JobInputs& inputs, const FaceOptions& options) {
+  GearModel gears = MakeGearModel(inputs.cell);
+  if (options.lost_motion) {
+    gears.lost.width.head<6>().setConstant(*options.lost_motion);
+    std::fill_n(gears.known.begin(), 6, true);
+  }
+  return gears;
+}
+
+/// The torques of the arm's weight at its gears, where the cell says what holds them.
+std::function<Joints(const Joints&)> WeightIn(const Arm& arm, const GearModel& gears) {
+  if (!gears.weights) return {};
+  return [&arm, weights = *gears.weights](const Joints& q) {
+    return GravityTorques(arm, q, weights.masses, weights.counterbalance, weights.gravity);
+  };
+}
+
+StatedErrors StatedIn(const JobInputs& inputs, const PlanResult& plan, const GearModel& gears) {
   StatedErrors stated;
   const auto loaded = [](const PlannedPoint& point) {
     return !point.point.engagement.force.isZero(0.0) ||
@@ -30,10 +48,7 @@ StatedErrors StatedIn(const JobInputs& inputs, const PlanResult& plan, const Fac
     stated.force_share = 0.01 * inputs.job.force_uncertainty_percent;
     stated.force_angle = DegToRad(inputs.job.force_direction_deg);
   }
-  if (options.lost_motion) {
-    stated.lost = LostMotion();
-    stated.lost->width.head<6>().setConstant(*options.lost_motion);
-  }
+  if (std::ranges::find(gears.known, true) != gears.known.end()) stated.lost = gears.lost;
   stated.tip = inputs.cell.tool.tip_uncertainty.value_or(0);
   stated.lean = inputs.cell.tool.axis_uncertainty.value_or(0);
   return stated;
@@ -74,14 +89,15 @@ FaceReport PredictFace(const JobInputs& inputs, const PlanResult& plan, const Me
   FaceReport report;
   report.job = plan.job;
   report.rays = RaysFor(inputs, region, spacing);
-  report.stated = StatedIn(inputs, plan, options);
+  const GearModel gears = GearsOf(inputs, options);
+  report.stated = StatedIn(inputs, plan, gears);
   const FaceRays few = RaysFor(inputs, region, std::max(spacing, SpacingFor(region, kFewRays)));
   const CutterShape cutter = MakeCutterShape(inputs.cell.tool);
   const std::vector<SeriesCompliance> compliances = MakeCompliances(inputs.cell);
   const int finished_from = FinishedFrom(inputs.job, plan.passes.size());
   const auto study = [&](const PlanResult& of) {
-    return StudyFace(ErringPath(of, compliances, finished_from), cutter, report.rays, few, report.stated,
-                     {options.draws, inputs.job.seed}, execution);
+    return StudyFace(ErringPath(of, compliances, finished_from, WeightIn(of.arm, gears)), cutter, report.rays,
+                     few, report.stated, {options.draws, inputs.job.seed}, execution);
   };
   report.plan = study(plan);
   if (report.plan.flawless.figures.rays == 0)

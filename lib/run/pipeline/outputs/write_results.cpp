@@ -142,11 +142,6 @@ std::vector<std::string> Explain(const PlanResult& plan, const std::vector<Check
 
 }  // namespace
 
-int FinishedFrom(const JobSettings& job, size_t passes) {
-  const size_t layers = LayerOffsets(job.toolpath.layers).size();
-  return static_cast<int>(passes - passes / layers);
-}
-
 std::optional<ToolUncertainty> UncertaintyOf(const ToolSettings& tool) {
   if (!tool.tip_uncertainty && !tool.axis_uncertainty) return std::nullopt;
   return ToolUncertainty{tool.tip_uncertainty.value_or(0), tool.axis_uncertainty.value_or(0),
@@ -179,12 +174,18 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
     report.findings.push_back(ExplainFeed(*report.continuity, plan.external_axes));
   if (results.heaviest)
     report.deflection = PredictDeflections(plan, *results.heaviest, MakeCompliances(results.inputs.cell),
-                                           FinishedFrom(results.inputs.job, plan.passes.size()));
+                                           FinishedFrom(results.inputs.job, plan.passes.size()),
+                                           {0.01 * results.inputs.job.force_uncertainty_percent,
+                                            DegToRad(results.inputs.job.force_direction_deg)});
   report.compensation = FiguresOfCompensation(plan);
   if (report.compensation) report.compensation->remains = results.compensation_remains;
   for (const CheckedProgram& program : programs)
     if (report.compensation && program.under_load)
       report.compensation->programs.push_back({program.controller, program.under_load->largest});
+  report.lost_motion =
+      ReportLostMotion(plan, MakeGearModel(results.inputs.cell), results.inputs.cell.arm.lost_motion_source,
+                       FinishedFrom(results.inputs.job, plan.passes.size()));
+  report.budget = MakeBudget(report.deflection ? &*report.deflection : nullptr, *report.lost_motion);
   report.fixed = results.fixed;
   if (const std::optional<ToolUncertainty> tool = UncertaintyOf(results.inputs.cell.tool)) {
     report.steps = FindPoseSteps(plan, *tool, FinishedFrom(results.inputs.job, plan.passes.size()));
@@ -214,17 +215,19 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   set.Add(kPlanFile, [&](const ByteSink& sink) { WritePlan(plan, threads, sink); });
   if (!results.starts.ways.gaps.empty()) set.Add(kStartWays, Serialise(results.starts.ways));
   const CutterShape cutter = MakeCutterShape(results.inputs.cell.tool);
-  set.Add("points.csv", [&](const ByteSink& sink) { WritePointsCsv(plan, cutter, threads, sink); });
+  set.Add("points.csv",
+          [&](const ByteSink& sink) { WritePointsCsv(plan, cutter, &*report.lost_motion, threads, sink); });
   set.Add("path.vtp", [&](const ByteSink& sink) { WritePathVtp(plan, threads, sink); });
   if (report.deflection) set.Add("deflection.csv", DeflectionCsv(*report.deflection));
   if (report.compensation) set.Add("compensation.csv", CompensationCsv(plan));
   if (report.face) set.Add("face.csv", FaceCsv(report.face->rays, report.face->plan.expected.heights));
   set.Add("summary.json", SummaryJson(plan, report));
-  set.Add("report.html",
-          ReportHtml({plan, results.cell, results.grid, results.parts.curves, job + "\n" + cell,
-                      report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
-                      report.times, &*report.fixed, &results.parts.map, &results.timeline,
-                      &results.parts.nearest, report.face ? &*report.face : nullptr}));
+  set.Add(
+      "report.html",
+      ReportHtml({plan, results.cell, results.grid, results.parts.curves, job + "\n" + cell,
+                  report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
+                  report.times, &*report.fixed, &results.parts.map, &results.timeline, &results.parts.nearest,
+                  &*report.lost_motion, &*report.budget, report.face ? &*report.face : nullptr}));
   for (const CheckedProgram& program : programs)
     if (program.Confirmed() && !program.trajectory.empty())
       set.Add("trajectory-" + program.controller + ".csv", program.trajectory);

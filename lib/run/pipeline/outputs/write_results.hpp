@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "job/assemble.hpp"
 #include "job/inputs.hpp"
 #include "report/html.hpp"
 #include "report/report.hpp"
@@ -36,9 +37,6 @@ struct Results {
 /// programs of every controller whose read-back confirmed them. Returns what the reports tell beyond the
 /// plan.
 ReportInputs WriteResults(const Results& results, ResultSet& set);
-
-/// The first pass of the last layer: every layer has the same passes, one layer after the other.
-int FinishedFrom(const JobSettings& job, size_t passes);
 
 /// How well the cell says that the tool is known; empty where it does not.
 std::optional<ToolUncertainty> UncertaintyOf(const ToolSettings& tool);

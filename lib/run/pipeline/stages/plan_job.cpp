@@ -73,10 +73,12 @@ size_t LeaveIncomplete(const Toolpath& toolpath, std::vector<PassResult>& passes
 FixedComparison KeptComparison(const JobInputs& inputs, const PreparedJob& prepared,
                                const std::vector<PassResult>& passes, const CheckpointStore& checkpoints,
                                const Execution& execution) {
-  const FixedRotationOptions options = MakeFixedOptions(inputs.job, execution.Threads(), execution.stop);
-  const auto& [rotation_step, steps, swept_resolution, worst_first, threads, stop, leave] = options;
+  const FixedRotationOptions options =
+      MakeFixedOptions(inputs.job, inputs.cell, passes.size(), execution.Threads(), execution.stop);
+  const auto& [rotation_step, steps, swept_resolution, worst_first, gears, finished_from, threads, stop,
+               leave] = options;
   const std::string key = StageKey(prepared.problem, rotation_step, steps, swept_resolution, worst_first,
-                                   leave, KeyOf(passes, threads));
+                                   gears, finished_from, leave, KeyOf(passes, threads));
   return CachedInWorld<FixedComparison>(
       checkpoints, "fixed", key, prepared.stations.AtOwnAxis(), [&](const Stations& stations) {
         return CompareWithFixed(stations, AtNominalLean(prepared.problem, passes), options);
