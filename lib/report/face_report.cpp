@@ -40,6 +40,9 @@ std::string FaceRows(const FaceStudy& study) {
   if (study.by_force) text += FaceRow("force alone", *study.by_force);
   if (study.by_lost) text += FaceRow("lost motion alone", *study.by_lost);
   text += FaceRow("expected", study.expected.figures);
+  if (const size_t standing = study.expected.figures.standing; standing > 0)
+    text += fmt::format("  {} places are left standing as high as the stock: passes do not quite meet\n",
+                        standing);
   if (!study.drawn) return text;
   const DrawnFaces& drawn = *study.drawn;
   const auto interval = [](const DrawnInterval& of) {

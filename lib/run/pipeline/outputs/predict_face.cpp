@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kFinest = 0.5;                 // mm, of the spacing that is chosen
 constexpr double kRays = 2e5, kMostRays = 4e6;  // for the expected face: chosen, and allowed
-constexpr double kFewRays = 4000;               // for each of the drawn ones
+constexpr double kFewRays = 1500;               // for each of the drawn ones
 
 double SpacingFor(const Region& region, double rays) {
   return std::sqrt(std::max(CountRays(region, 1.0), 1e-9) / rays);
@@ -52,6 +52,16 @@ StatedErrors StatedIn(const JobInputs& inputs, const PlanResult& plan, const Gea
   stated.tip = inputs.cell.tool.tip_uncertainty.value_or(0);
   stated.lean = inputs.cell.tool.axis_uncertainty.value_or(0);
   return stated;
+}
+
+/// Height of what the last layer takes off, mm over the part's surface; infinite where nobody says it.
+double StockOver(const JobSettings& job) {
+  const Layers& layers = job.toolpath.layers;
+  const std::vector<double> offsets = LayerOffsets(layers);
+  if (offsets.size() > 1) return offsets[offsets.size() - 2];
+  if (layers.total > 0) return layers.allowance + layers.total;
+  if (job.cutting && job.cutting->depth) return layers.allowance + *job.cutting->depth;
+  return kInfinity;
 }
 
 FaceRays RaysFor(const JobInputs& inputs, const Region& region, double spacing) {
@@ -97,7 +107,7 @@ FaceReport PredictFace(const JobInputs& inputs, const PlanResult& plan, const Me
   const int finished_from = FinishedFrom(inputs.job, plan.passes.size());
   const auto study = [&](const PlanResult& of) {
     return StudyFace(ErringPath(of, compliances, finished_from, WeightIn(of.arm, gears)), cutter, report.rays,
-                     few, report.stated, {options.draws, inputs.job.seed}, execution);
+                     few, report.stated, {options.draws, inputs.job.seed, StockOver(inputs.job)}, execution);
   };
   report.plan = study(plan);
   if (report.plan.flawless.figures.rays == 0)
