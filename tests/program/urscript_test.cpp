@@ -165,7 +165,7 @@ TEST(UrScriptCell, SaysWhatItLacks) {
   EXPECT_NE(UrScriptPost().WhyNotIn(settings).find("tool.load is missing"), std::string::npos);
 }
 
-constexpr const char* kScriptCut = "^movep.*r=0\\.00[1-9]";
+constexpr const char* kScriptCut = "^movep.*r=0\\.0+[1-9]";
 constexpr const char* kScriptWay = "^movej";
 
 /// Whether the line at `index` is refused, with `why` in the message.
