@@ -15,7 +15,7 @@
 #include "run/pipeline/outputs/write_results.hpp"
 #include "run/pipeline/programs/plan_timeline.hpp"
 #include "run/pipeline/stages/stages.hpp"
-#include "store/output_folder.hpp"
+#include "store/folder_checkpoints.hpp"
 
 namespace millpose {
 namespace {
@@ -68,28 +68,6 @@ FaceReport PredictedFace(const JobInputs& inputs, const PlannedJob& job, const E
   return face;
 }
 
-// Checkpoints in an output folder; `read`: earlier ones count.
-class FolderCheckpoints final : public CheckpointStore {
- public:
-  FolderCheckpoints(const OutputFolder& folder, bool read) : folder_(folder), read_(read) {}
-  std::optional<std::string> Read(const std::string& key) const override {
-    return read_ ? folder_.ReadCheckpoint(key) : std::nullopt;
-  }
-  void Write(const std::string& key, std::string_view bytes) const override {
-    folder_.WriteCheckpoint(key, bytes);
-  }
-  std::optional<std::string> ReadStage(const std::string& stage, const std::string& key) const override {
-    return read_ ? folder_.ReadStage(stage, key) : std::nullopt;
-  }
-  void WriteStage(const std::string& stage, const std::string& key, std::string_view bytes) const override {
-    folder_.WriteStage(stage, key, bytes);
-  }
-
- private:
-  const OutputFolder& folder_;
-  bool read_;
-};
-
 // An operation's folder is a part of the set of its job's, which nobody else puts in its place.
 void RefuseOperation(const std::filesystem::path& out) {
   const std::filesystem::path operations = std::filesystem::weakly_canonical(out).parent_path();
@@ -128,7 +106,7 @@ Planned WritePlanned(const PlanArguments& arguments, const JobInputs& inputs, co
   ResultSet& results = to.results();
   const ReportInputs report =
       WriteResults({inputs, job.prepared.cell, job.plan, job.programs, job.starts, audit, job.reduction,
-                    job.prepared.warnings, findings, CurveGrid(), parts, timeline, job.fixed,
+                    job.prepared.warnings, findings, CurveGrid(), parts, timeline, job.fixed, job.faces,
                     job.prepared.heaviest, job.compensation_remains, std::move(face), execution},
                    results);
   stages.End(to.folder.path().string());
