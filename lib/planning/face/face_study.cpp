@@ -129,9 +129,12 @@ FaceStudy StudyFace(const ErringPath& path, const CutterShape& cutter, const Fac
   ToolErrors force, lost;
   force.force = all.force;
   lost.lost = all.lost;
-  if (stated.force) result.by_force = study.Cut(rays, force, &flawless, true).figures;
-  if (stated.lost) result.by_lost = study.Cut(rays, lost, &flawless, true).figures;
   result.expected = study.Cut(rays, all, &flawless, true);
+  const auto alone = [&](const ToolErrors& errors, bool only) {
+    return only ? result.expected.figures : study.Cut(rays, errors, &flawless, true).figures;
+  };
+  if (stated.force) result.by_force = alone(force, !stated.lost);
+  if (stated.lost) result.by_lost = alone(lost, !stated.force);
   if (options.draws > 0 && stated.AreUnsure()) result.drawn = study.Draw(few);
   return result;
 }
