@@ -30,7 +30,7 @@ std::vector<size_t> FindOutliers(const std::vector<double>& distances) {
 
 }  // namespace
 
-std::optional<Flatness> MeasureFlatness(const std::vector<Eigen::Vector3d>& points) {
+std::optional<Flatness> FitPlane(const std::vector<Eigen::Vector3d>& points) {
   if (points.size() < 3) return std::nullopt;
   Flatness result;
   result.centre.setZero();
@@ -47,6 +47,7 @@ std::optional<Flatness> MeasureFlatness(const std::vector<Eigen::Vector3d>& poin
   int largest = 0;
   result.normal.cwiseAbs().maxCoeff(&largest);
   if (result.normal[largest] < 0) result.normal = -result.normal;
+  result.zone_normal = result.normal;
 
   double square = 0;
   for (const Eigen::Vector3d& point : points) {
@@ -56,12 +57,17 @@ std::optional<Flatness> MeasureFlatness(const std::vector<Eigen::Vector3d>& poin
   const auto [low, high] = std::minmax_element(result.distances.begin(), result.distances.end());
   result.flatness = *high - *low;
   result.rms = std::sqrt(square / static_cast<double>(points.size()));
-  result.outliers = FindOutliers(result.distances);
-  result.zone_normal = result.normal;
+  return result;
+}
+
+std::optional<Flatness> MeasureFlatness(const std::vector<Eigen::Vector3d>& points) {
+  std::optional<Flatness> result = FitPlane(points);
+  if (!result) return result;
+  result->outliers = FindOutliers(result->distances);
   if (AreCoplanar(points)) return result;
   const MinimumZone zone = FindMinimumZone(points);
-  result.minimum_zone = zone.width;
-  result.zone_normal = zone.normal;
+  result->minimum_zone = zone.width;
+  result->zone_normal = zone.normal;
   return result;
 }
 

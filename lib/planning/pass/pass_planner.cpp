@@ -5,7 +5,7 @@
 
 #include "base/parallel.hpp"
 #include "base/units.hpp"
-#include "machine/stiffness/pose_stiffness.hpp"
+#include "planning/pass/describe_point.hpp"
 #include "planning/pass/lifts.hpp"
 #include "planning/pass/ring_opening.hpp"
 #include "planning/pass/split_planner.hpp"
@@ -64,27 +64,6 @@ void TellFreeOptimum(const PassContext& context, const PassPlan& plan, size_t t,
   point.own_optimum = point.free_optimum;
   point.own_rotation = point.free_rotation;
   point.own_branch = point.free_branch;
-}
-
-/// What a planned point says about itself.
-void Describe(const PoseProblem& problem, const PathNode& node, PlannedPoint& point) {
-  point.freedoms = node.freedoms;
-  if (HasLean(problem)) point.point = AtLean(problem, point.point, node.freedoms);
-  for (size_t d = 0; d < point.freedoms.size(); ++d)
-    point.freedoms[d] = Confine(*problem.freedoms[d], point.freedoms[d]);
-  point.branch = node.branch;
-  point.q = node.q;
-  point.objective = node.objective;
-  point.from_genetic = node.genetic;
-  const Eigen::Vector3d tip = problem.X_FT.translation();
-  const Eigen::Vector3d origin = problem.origin == StiffnessOrigin::kToolTip ? tip : Eigen::Vector3d::Zero();
-  const Eigen::Vector3d normal = problem.X_WB.linear().transpose() * point.point.normal;
-  const PoseStiffness stiffness =
-      EvaluatePose(problem.arm, node.q, origin, normal, problem.characteristic_length, problem.compliances);
-  if (stiffness.indices) point.indices = *stiffness.indices;
-  point.lambda_3 = stiffness.lambda[2];
-  point.lambda_3_direction = problem.X_WB.linear() * stiffness.directions.col(2);
-  point.dexterity = Dexterity(Jacobian(problem.arm, node.q, tip), problem.characteristic_length);
 }
 
 constexpr const char* kAlone = "is alone between skipped points; a single point is no cut";
@@ -193,7 +172,7 @@ PassResult Assemble(const Pass& pass, int pass_number, const SplitPass& planned)
       Skip(context, plan, t, point);
     } else {
       point.piece = plan.piece[t];
-      Describe(context.ProblemAt(t), plan.nodes[t], point);
+      DescribePoint(context.ProblemAt(t), plan.nodes[t], point);
       point.unsmoothed = plan.unsmoothed[t].objective;
       TellFreeOptimum(context, plan, t, point);
       const std::optional<ContactCandidate>& barred = plan.free[t].barred;

@@ -15,11 +15,11 @@
 #include "planning/pass/end_guard.hpp"
 #include "planning/pass/lean_courses.hpp"
 #include "planning/pass/ring_stripe.hpp"
+#include "planning/pass/unwind.hpp"
 
 namespace millpose {
 namespace {
 
-constexpr double kTurn = 2 * kPi;
 constexpr int kRefineRounds = 5;
 
 class SegmentPlanner {
@@ -51,7 +51,7 @@ class SegmentPlanner {
     }
     plan_.grid_gap = refined > 0.0 ? (coarse - refined) / refined : 0.0;
     for (const Segment& piece : plan_.pieces) {
-      const bool fits = Unwind(piece);
+      const bool fits = Unwind(NodesOf(piece), piece.closed, context_.problem.bounds);
       assert((fits || !all_revolutions_) && "nodes of single turns lie within the bounds");
       if (!fits && !all_revolutions_) return std::nullopt;
     }
@@ -97,11 +97,11 @@ class SegmentPlanner {
     constexpr int kAllSweeps = std::numeric_limits<int>::max();
     Sequence sequence;
     double unbarred = kInfinity;  // a closed ring's cost without interference
-    for (int round = 0;; ++round) {
+    for (int round = 0, searches = 0;; ++searches) {
       std::optional<Sequence> closed;
       if (context_.closed) closed = search_closed_soon();
       if (context_.closed && !closed) closed = search_closed(kAllSweeps);
-      if (closed && round == 0) unbarred = closed->cost;
+      if (closed && searches == 0) unbarred = closed->cost;
       sequence = closed ? std::move(*closed) : search_open();
       bool free = pruner.Check(sequence);
       if (free && sequence.closed) {
@@ -114,7 +114,7 @@ class SegmentPlanner {
         }
       }
       if (free && (!guard || guard->Check(sequence))) break;
-      pruner.PruneInRound(sequence, round);
+      if (!free) pruner.PruneInRound(sequence, round++);
     }
     best_ = IsBest(sequence, open_worst);
     for (size_t t = 0; guard && t < count_; ++t) plan_.access[t] = guard->Detail(t);
@@ -238,46 +238,6 @@ class SegmentPlanner {
 
   double Bend(size_t t, const Joints& from, const Joints& to) const {
     return HalfwayDeviation(checks_.CarrierFrom(t), from, millpose::NearestEquivalent(from, to)).position;
-  }
-
-  /// Makes the joints of a piece continuous and moves each by as few full revolutions as bring all of the
-  /// piece within the bounds. False when no number of turns does.
-  bool Unwind(const Segment& piece) {
-    const std::span<PathNode> path = NodesOf(piece);
-    for (size_t i = 1; i < path.size(); ++i) path[i].q = NearestEquivalent(path[i - 1].q, path[i].q);
-    const auto [least, most] = Extent(piece);
-    const AdmissibleBounds& bounds = context_.problem.bounds;
-    for (int j = 0; j < 6; ++j) {
-      bool fits = false;
-      for (const int turns : {0, -1, 1, -2, 2}) {
-        const double shift = turns * kTurn;
-        if (least[j] + shift < bounds.lower[j] - kRevolutionRounding ||
-            most[j] + shift > bounds.upper[j] + kRevolutionRounding) {
-          continue;
-        }
-        for (PathNode& node : path) node.q[j] += shift;
-        fits = true;
-        break;
-      }
-      if (!fits) return false;
-    }
-    return true;
-  }
-
-  /// Least and largest angles along a piece whose joints are continuous.
-  std::pair<Joints, Joints> Extent(const Segment& piece) {
-    const std::span<const PathNode> path = NodesOf(piece);
-    Joints least = path[0].q, most = path[0].q;
-    for (const PathNode& node : path) {
-      least = least.cwiseMin(node.q);
-      most = most.cwiseMax(node.q);
-    }
-    if (piece.closed) {  // back to the first point, by whatever turns the way round has made
-      const Joints end = NearestEquivalent(path.back().q, path[0].q);
-      least = least.cwiseMin(end);
-      most = most.cwiseMax(end);
-    }
-    return {least, most};
   }
 
   const PassContext& context_;

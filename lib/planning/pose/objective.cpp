@@ -6,14 +6,14 @@
 namespace millpose {
 
 /// Defined in objectives/<name>.cpp.
-ObjectiveEntry Chen2021Entry(), DrillingEntry(), IsotropyEntry(), NormalDeflectionEntry(),
+ObjectiveEntry Chen2021Entry(), DrillingEntry(), FaceErrorEntry(), IsotropyEntry(), NormalDeflectionEntry(),
     ProcessForceEntry(), SurfaceErrorEntry(), WorstInPlaneEntry();
 
 Registry<ObjectiveEntry>& Objectives() {
   static Registry<ObjectiveEntry> objectives{
       "objective",
-      {Chen2021Entry(), DrillingEntry(), IsotropyEntry(), NormalDeflectionEntry(), ProcessForceEntry(),
-       SurfaceErrorEntry(), WorstInPlaneEntry()}};
+      {Chen2021Entry(), DrillingEntry(), FaceErrorEntry(), IsotropyEntry(), NormalDeflectionEntry(),
+       ProcessForceEntry(), SurfaceErrorEntry(), WorstInPlaneEntry()}};
   return objectives;
 }
 

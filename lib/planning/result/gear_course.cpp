@@ -30,16 +30,18 @@ std::vector<double> ExternalLevers(const Mechanism& mechanism, const PosedPoint&
   return levers;
 }
 
-struct Placed {
-  GearPlace place;
-  GearValues levers;
-};
+double UnitOf(int gear, const std::vector<ExternalAxis>& external) {
+  const bool linear = gear >= 6 && external[static_cast<size_t>(gear) - 6].kind == AxisKind::kLinear;
+  return linear ? kMicrometre : kArcmin;
+}
 
-Placed PlaceOf(const GearModel& model, const GearedArm& geared, const PosedPoint& posed) {
+}  // namespace
+
+PosedGears GearsAt(const GearModel& model, const GearedArm& geared, const PosedPoint& posed) {
   const auto& [arm, X_FT, mechanism] = geared;
   const Eigen::Matrix3d R_BW = posed.X_WB.linear().transpose();
   const Eigen::Matrix<double, 3, 6> J = Jacobian(arm, posed.q, X_FT.translation()).topRows<3>();
-  Placed placed;
+  PosedGears placed;
   placed.levers =
       GearLevers(model.lost, J.transpose() * (R_BW * posed.point->normal), ExternalLevers(mechanism, posed));
   placed.place.at = AtGears(model.lost, posed.q, posed.external);
@@ -52,13 +54,6 @@ Placed PlaceOf(const GearModel& model, const GearedArm& geared, const PosedPoint
   return placed;
 }
 
-double UnitOf(int gear, const std::vector<ExternalAxis>& external) {
-  const bool linear = gear >= 6 && external[static_cast<size_t>(gear) - 6].kind == AxisKind::kLinear;
-  return linear ? kMicrometre : kArcmin;
-}
-
-}  // namespace
-
 PieceGears FollowPiece(const GearModel& model, const GearedArm& arm, const std::vector<PosedPoint>& places,
                        bool closed) {
   PieceGears gears;
@@ -67,7 +62,7 @@ PieceGears FollowPiece(const GearModel& model, const GearedArm& arm, const std::
   const auto add = [&](PosedPoint posed) {
     if (!way.empty()) posed.q = NearestEquivalent(near, posed.q);
     near = posed.q;
-    const auto [place, levers] = PlaceOf(model, arm, posed);
+    const auto [place, levers] = GearsAt(model, arm, posed);
     way.push_back(place);
     gears.levers.push_back(levers);
   };

@@ -44,6 +44,14 @@ struct GearedArm {
   const Mechanism& mechanism;
 };
 
+/// The gears at such a point, with what presses them where the model says it, and their levers along its
+/// normal, signed, mm/rad (mm/mm).
+struct PosedGears {
+  GearPlace place;
+  GearValues levers = GearValues::Zero();
+};
+PosedGears GearsAt(const GearModel& model, const GearedArm& geared, const PosedPoint& posed);
+
 /// What the gears do along one piece, which is entered settled. `places`: of all its points; a closed piece
 /// comes back to the first, whose second visit is the place behind the last. Joint angles are taken modulo
 /// full revolutions, each to where it is nearest to the place before.

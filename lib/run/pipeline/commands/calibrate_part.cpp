@@ -48,6 +48,7 @@ std::vector<FacePlace> FaceOf(const PlanResult& plan, const JobInputs& inputs) {
     } else if (predicted.side == CutSide::kAir) {
       continue;
     }
+    if (point.compensation) predicted.taken += point.compensation->map;
     face.push_back({X_PW * point.point.position, predicted});
   }
   return face;
@@ -65,8 +66,9 @@ void NumberPlaces(const std::vector<Vector3d>& places, std::vector<FaceReading>&
       }
 }
 
-/// The plan and its job, of one set.
-std::pair<PlanResult, JobInputs> ReadPlan(const CalibrateArguments& arguments) {
+}  // namespace
+
+std::pair<PlanResult, JobInputs> ReadMeasuredPlan(const CalibrateArguments& arguments) {
   std::pair<PlanResult, JobInputs> read;
   arguments.root.CheckFolder(arguments.plan);
   ReadWhole(arguments.plan, [&] {
@@ -80,14 +82,12 @@ std::pair<PlanResult, JobInputs> ReadPlan(const CalibrateArguments& arguments) {
   return read;
 }
 
-}  // namespace
-
 CalibratedPart CalibratePart(const CalibrateArguments& arguments) {
   constexpr double kMillimetre = 1e-3, kMost = 1e5;  // µm to mm; µm
   const std::string name = arguments.measured.string();
   const CsvTable table =
       ReadCsv(arguments.root.Read(arguments.measured), name, {{"x_mm", "y_mm", "z_mm", "error_um"}, {}});
-  const auto [plan, inputs] = ReadPlan(arguments);
+  const auto [plan, inputs] = ReadMeasuredPlan(arguments);
   const std::vector<FacePlace> face = FaceOf(plan, inputs);
   if (face.empty())
     throw InputError({arguments.plan.string()},

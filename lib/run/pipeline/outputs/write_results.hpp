@@ -27,8 +27,10 @@ struct Results {
   const ReportParts& parts;                  ///< for report.html, as is the next
   const Timeline& timeline;
   const FixedComparison& fixed;
+  const std::vector<FaceChoice>& faces;
   const std::optional<CuttingForce>& heaviest;  ///< where the job says what is cut
   std::optional<double> compensation_remains;
+  std::optional<FaceReport> face;  ///< where it was asked for
   const Execution& execution;
 };
 
