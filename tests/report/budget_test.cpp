@@ -74,6 +74,17 @@ TEST(Budget, HasTheLargestOfEverySourceThatIsStated) {
   EXPECT_NEAR(json["sum_um"].get<double>(), 1e3 * budget.Sum(), 1e-9);
 }
 
+TEST(Budget, ARegisteredPlaceIsStated) {
+  const LostMotionReport lost = ReportLostMotion(TurningPlan(), Stated(0.3), "measured", 0);
+  RegistrationFigures registration;
+  registration.off_95 = 0.4;
+  const Budget budget = MakeBudget(nullptr, lost, &registration);
+  EXPECT_EQ(RowOf(budget, "registration").largest, 0.4);
+  EXPECT_EQ(budget.Largest().front()->key, "registration");
+  EXPECT_DOUBLE_EQ(budget.Sum(), 0.4 + *RowOf(budget, "lost_motion").largest);
+  EXPECT_FALSE(RowOf(budget, "static_compliance").largest);
+}
+
 TEST(Budget, WhatNothingStatesIsLeftOutAndToldByWhatIsPublished) {
   const PlanResult plan = TurningPlan();
   const LostMotionReport lost = ReportLostMotion(plan, {}, "", 0);
