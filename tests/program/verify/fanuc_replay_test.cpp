@@ -72,14 +72,14 @@ TEST_P(FanucReplay, AnotherConfigurationOrTurnIsFoundAtItsMotion) {
 }
 
 TEST_P(FanucReplay, WhatMattersIsFound) {
-  struct Edit {
+  struct TextChange {
     std::string from, to, said;
   };
-  for (const Edit& edit : std::vector<Edit>{{"8cm/min", "9cm/min", "feed"},
-                                            {"8cm/min", "3cm/min", "feed"},
-                                            {"CNT0", "FINE", "stop"},
-                                            {"DO[1]=OFF", "DO[2]=OFF", ""},
-                                            {"    X = ", "    X = 1", ""}}) {
+  for (const TextChange& edit : std::vector<TextChange>{{"8cm/min", "9cm/min", "feed"},
+                                                        {"8cm/min", "3cm/min", "feed"},
+                                                        {"CNT0", "FINE", "stop"},
+                                                        {"DO[1]=OFF", "DO[2]=OFF", ""},
+                                                        {"    X = ", "    X = 1", ""}}) {
     const std::vector<std::string> lines = sample.lines;
     Replace(edit.from, edit.to, 1);
     try {
