@@ -16,9 +16,9 @@ using Eigen::Vector3d;
 constexpr double kReadMicrometre = 1e-3;  // mm
 
 /// The cut points of the finished face, in P, to be asked for the nearest.
-class CutFace {
+class MappedFace {
  public:
-  CutFace(const PlanResult& plan, int finished_from) {
+  MappedFace(const PlanResult& plan, int finished_from) {
     std::vector<Eigen::AlignedBox3d> boxes;
     for (const PassResult& pass : plan.passes) {
       if (pass.pass < finished_from) continue;
@@ -45,7 +45,7 @@ class CutFace {
 };
 
 std::vector<ErrorReading> ReadErrors(const std::filesystem::path& file, const FileRoot& root,
-                                     const CutFace& face, double most_distance, double& farthest) {
+                                     const MappedFace& face, double most_distance, double& farthest) {
   constexpr double kMostError = 1e4;  // µm
   const std::string name = file.string();
   const CsvTable table = ReadCsv(root.Read(file), name, {{"x_mm", "y_mm", "z_mm", "error_um"}, {}});
@@ -116,7 +116,7 @@ std::string VerdictOf(const MappedPart& part) {
 
 MappedPart MapPart(const CalibrateArguments& arguments, const std::optional<std::filesystem::path>& second) {
   const auto [plan, inputs] = ReadMeasuredPlan(arguments);
-  const CutFace face(plan, FinishedFrom(inputs.job, plan.passes.size()));
+  const MappedFace face(plan, FinishedFrom(inputs.job, plan.passes.size()));
   if (face.empty()) throw InputError({arguments.plan.string()}, "the plan cuts nothing");
   MappedPart part;
   const double most = inputs.cell.tool.cutter_diameter;
