@@ -113,7 +113,9 @@ class UrScriptReader : public ProgramReader {
   void ReadOther(LineScanner& scan) {
     const size_t start = scan.Next();
     const auto name = scan.AcceptName();
-    if (name && IsDeclared(*name)) {
+    const bool declared = name && std::ranges::find(settings_.calls, *name, &DeclaredCall::name) !=
+                                      settings_.calls.end();  // capitals count
+    if (declared) {
       scan.Expect("(");
       const std::string arguments = ReadArguments(scan);
       ReadDeclaredCall(scan, start, *name, arguments);
@@ -189,7 +191,7 @@ class UrScriptReader : public ProgramReader {
     Allow(scan, start, kAtStops);
     LineScanner mark(text, "", 0);
     const bool begin = Word(mark, "PASS");
-    if (begin || Word(mark, "END OF PASS")) return ReadPassMark(mark, begin);
+    if (!text.starts_with(' ') && (begin || Word(mark, "END OF PASS"))) return ReadPassMark(mark, begin);
     AddHandEvent(ProgramEvent::Kind::kMessage, text);
   }
 
