@@ -189,10 +189,11 @@ class UrScriptReader : public ProgramReader {
     const std::string text = urscript::ReadString(scan);
     scan.Expect(")");
     Allow(scan, start, kAtStops);
+    const size_t events = program_.events.size();
     LineScanner mark(text, "", 0);
     const bool begin = Word(mark, "PASS");
-    if (!text.starts_with(' ') && (begin || Word(mark, "END OF PASS"))) return ReadPassMark(mark, begin);
-    AddHandEvent(ProgramEvent::Kind::kMessage, text);
+    if (!text.starts_with(' ') && (begin || Word(mark, "END OF PASS"))) ReadPassMark(mark, begin);
+    if (program_.events.size() == events) AddHandEvent(ProgramEvent::Kind::kMessage, text);
   }
 
   void ReadQuestion(LineScanner& scan, size_t start) {
