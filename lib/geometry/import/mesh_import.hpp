@@ -41,7 +41,7 @@ struct ImportReport {
   size_t rims = 0;                   ///< closed lines of open edges; holes stay open
   double rim_length = 0;             ///< mm, all together
   Eigen::Vector3d lower = Eigen::Vector3d::Zero(), upper = Eigen::Vector3d::Zero();  ///< bounds, mm
-  std::vector<std::string> notes = {};                                               ///< of the reader
+  std::vector<std::string> notes;                                                    ///< of the reader
   std::vector<std::string> lost_faces;  ///< of a STEP part: DescribeLost of each
 };
 
