@@ -81,7 +81,7 @@ struct ObjectiveEntry {
   std::function<std::unique_ptr<Objective>(const ObjectiveParameters& all)> make;
   bool worst_first = false;  ///< jobs that do not say otherwise care for the worst point before the sum
   bool with_force = false;   ///< taken where a job knows the cutting force and names no objective: one alone
-  bool of_paper = false;  ///< eq. 23 of Chen et al. 2021, which formulation paper follows: one alone
+  bool of_paper = false;     ///< eq. 23 of Chen et al. 2021, which formulation paper follows: one alone
   /// Taken in place of that with_force where the cell knows the lost motion of its gears too: one alone.
   bool with_lost_motion = false;
 };
