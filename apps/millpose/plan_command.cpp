@@ -54,6 +54,10 @@ void AddPlanCommand(CLI::App& app, Run& run) {
   command->add_option("--share", *share,
                       "K/N: plan only every N-th pass from the K-th, as checkpoints, and end");
   command->add_flag("--audit", arguments->audit, "Judge the plan by recomputation; figures in summary.json");
+  command->add_flag(
+      "--face", arguments->face,
+      "Predict the face that the plan will leave, as `millpose face` does: face.csv, summary.json, "
+      "report.html");
   const auto axis_map = std::make_shared<std::string>("known");
   command
       ->add_option(

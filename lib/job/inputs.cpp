@@ -178,6 +178,8 @@ JobInputs LoadJobInputs(const std::filesystem::path& job_file, const std::vector
     Collect(problems, [&] { inputs.stock_bytes = root.Read(folder / inputs.job.workpiece.stock_file); });
   if (!inputs.job.force_file.empty())
     Collect(problems, [&] { inputs.force_bytes = root.Read(folder / inputs.job.force_file); });
+  if (!inputs.job.compensation.map_file.empty())
+    Collect(problems, [&] { inputs.map_bytes = root.Read(folder / inputs.job.compensation.map_file); });
   if (const std::string file = inputs.job.toolpath.strategy->File(); !file.empty())
     Collect(problems, [&] { inputs.path_bytes = root.Read(folder / file); });
   if (inputs.job.placement)
@@ -207,6 +209,7 @@ std::string HashOf(const JobInputs& inputs) {
                     Hash(inputs.workpiece_bytes) + '\0' + Hash(inputs.stock_bytes) + '\0' +
                     Hash(inputs.path_bytes);
   if (!inputs.job.force_file.empty()) all += '\0' + Hash(inputs.force_bytes);
+  if (!inputs.job.compensation.map_file.empty()) all += '\0' + Hash(inputs.map_bytes);
   for (const auto& [name, bytes] : inputs.body_bytes) all += '\0' + name + '\0' + Hash(bytes);
   return Hash(all);
 }

@@ -129,6 +129,7 @@ VerifyOptions MakeVerifyOptions(const JobSettings& job, const Arm& arm) {
   options.coupled = arm.coupled_limits;
   options.swept_resolution = job.swept_resolution;
   options.clearance_reserve = job.swept_resolution;
+  options.feed_least = std::max(options.feed_least, job.min_feed_share);
   options.interference = job.program_options.dry_run_offset > 0;  // the lifted motions were never checked
   return options;
 }
@@ -179,6 +180,12 @@ PostSettings MakeTextSettings(const JobSettings& job, const CellSettings& cell,
 PostSettings MakePostSettings(const JobSettings& job, const CellSettings& cell,
                               const std::string& controller) {
   PostSettings post = MakeTextSettings(job, cell, controller);
+  const std::vector<ExternalAxis>& axes = post.mechanism.axes();
+  if (!axes.empty() && !cell.controllers.at(controller).post->HasExternalAxes())
+    throw InputError(SourceLocation{cell.file, cell.controllers_line},
+                     fmt::format("controllers.{0}: {0} moves no axes beside the arm's six, the cell has {1}; "
+                                 "expected: a cell without external_axes, or another controller",
+                                 controller, axes.front().name));
   if (const std::string refusal = WhyNotWithAxes(post, controller); !refusal.empty())
     throw InputError(SourceLocation{cell.file, post.controller_axes_line}, refusal);
   if (!IsToolName(post.tool_name))

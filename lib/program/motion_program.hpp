@@ -38,6 +38,9 @@ struct Motion {
   Pose X_PT = Pose::Identity();  ///< target, tool in the workpiece frame; unset when read from joint angles
   std::optional<Joints> q;  ///< target angles, rad; always known when written, only if programmed when read
   std::optional<int> status, turn;  ///< S and T (bits of the controller's angles), where programmed
+  /// rad: each of the controller's angles at its end lies within a revolution above (−∞: anywhere), where
+  /// that is programmed (LS CONFIG).
+  std::optional<Joints> least = std::nullopt;
   /// Where the external axes stand at its end: one value for each of MotionProgram::external_axes.
   ExternalPosition external;
   /// The frame that the target counts in, in the robot's base as it stands then; empty: the program's.
@@ -119,6 +122,9 @@ struct MotionProgram {
   bool any_turn = false;
   bool frames_checked = false;  ///< stops before its first motion where the controller's frames are others
   bool blend_overlaps = false;  ///< motions overlap at corners; `blend` bounds the tip alone
+  /// What a rounded corner is taken to stay within, in one sentence, where the maker does not document its
+  /// path (docs/verification.md); blends are then distances. Empty: its path is known.
+  std::string corner_assumption;
   std::vector<Motion> motions;
   std::vector<ProgramEvent> events;  ///< ascending by before_motion
   std::vector<DeclaredCall> calls;   ///< that it makes, each once

@@ -15,10 +15,13 @@ SharedKey ToolAxisKey();
 SharedKey RotationKey();
 SharedKey AxisSignsKey();
 SharedKey AxisOffsetsKey();
+SharedKey AxisCouplingsKey();
 SharedKey PathAccelerationKey();
 /// `usual`: s, as the controller is often set up.
 SharedKey CycleKey(double usual);
 SharedKey BlockTimeKey();
+/// Of controllers whose makers do not document the path of a rounded corner.
+SharedKey MaxCornerKey();
 SharedKey MaxMotionsKey();
 SharedKey MaxKbytesKey();
 /// `names`: by which the controller can know an axis; empty: any word. `still`: whether programs state those,

@@ -19,6 +19,11 @@ bool CallsProgram(std::string_view text, const std::string& stem) {
   for (const std::string_view line : SplitLines(text)) {
     LineScanner scan(line, "", 0);
     if (scan.AcceptAddress('N')) scan.ExpectNumber();
+    scan.Accept("CALL");
+    if (scan.Accept("%\"")) {  // RAPID, of a module that is loaded as the program runs
+      if (scan.Accept(stem) && scan.Peek() == '"') return true;
+      continue;
+    }
     if (scan.Accept(stem) && (scan.AtEnd() || scan.Peek() == '(' || scan.Peek() == ';')) return true;
   }
   return false;

@@ -160,12 +160,19 @@ std::string CheckHtml(const CheckHtmlInput& input, const HtmlLimits& limits) {
                   {"notes", input.notes},
                   {"text", input.text},
                   {"settings", input.settings}};
+  std::string picture;
+  if (input.wrong_side && input.cell) {
+    const Mesh none{Triangles()};
+    picture = "<figure id=\"wrong-side\" class=\"card\">" +
+              SideView(*input.cell, input.part ? *input.part : none, *input.wrong_side) + "</figure>";
+  }
   const std::string title = Escaped(input.title), text = ScriptText(data);
   return FilledPage(kWebCheckPage, {{"title", title},
                                     {"style", kWebStyle},
                                     {"license", kWebLicense},
                                     {"three", kWebThree},
                                     {"scripts", kWebCheckScripts},
+                                    {"picture", picture},
                                     {"data", text}});
 }
 

@@ -4,6 +4,7 @@
 
 #include "geometry/import/mesh_parts.hpp"
 #include "report/html.hpp"
+#include "report/side_view.hpp"
 #include "toolpath/milling_point.hpp"
 
 namespace millpose {
@@ -25,8 +26,9 @@ struct CheckHtmlInput {
   const Toolpath* toolpath = nullptr;  ///< in W
   std::vector<PointReach> reach;       ///< of its points
   std::vector<std::string> findings, notes;
-  std::string text;      ///< what the terminal is told
-  std::string settings;  ///< as resolved, YAML
+  std::optional<WrongSide> wrong_side;  ///< of such findings the first point, for their picture
+  std::string text;                     ///< what the terminal is told
+  std::string settings;                 ///< as resolved, YAML
 };
 
 /// The page as bytes: a pure function of its input.

@@ -2,17 +2,12 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
-#include "planning/result/face_choice.hpp"
+#include "report/face_report.hpp"
 
 namespace millpose {
 
-/// `face` of summary.json; null where the job is not planned for the face.
-nlohmann::ordered_json FaceJson(const std::vector<FaceChoice>& faces);
-
-/// One line for the terminal.
-std::string FaceText(const std::vector<FaceChoice>& faces);
+/// The figures of both faces; the same in summary.json (`face`) and in what `millpose face --json` prints.
+nlohmann::ordered_json FaceReportJson(const FaceReport& report);
 
 }  // namespace millpose

@@ -13,6 +13,7 @@
 #include "planning/result/timeline.hpp"
 #include "report/budget.hpp"
 #include "report/deflection.hpp"
+#include "report/face_report.hpp"
 #include "report/lost_motion.hpp"
 
 namespace millpose {
@@ -94,6 +95,7 @@ struct HtmlInput {
   const NearestPairs* nearest = nullptr;          ///< of the points shown
   const LostMotionReport* lost_motion = nullptr;  ///< of the plan
   const Budget* budget = nullptr;                 ///< of the face's error
+  const FaceReport* face = nullptr;               ///< where it was asked for
 };
 
 /// The page as bytes: a pure function of its input, no dates, no times.

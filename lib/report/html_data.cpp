@@ -279,6 +279,7 @@ std::string ReportJson(const HtmlInput& input, const HtmlLimits& limits) {
             {"reversals", input.lost_motion ? Json(LostMotionText(plan, *input.lost_motion)) : Json(nullptr)},
             {"budget", BudgetRows(input.budget)},
             {"fixed", FixedJson(input)},
+            {"face", FaceMapJson(input)},
             {"price", PriceJson(plan)},
             {"paper", PaperJson(plan)},
             {"settings", input.settings}};

@@ -15,7 +15,7 @@ bool IsLinear(const std::vector<ExternalAxis>& external, int gear) {
   return gear >= 6 && external[static_cast<size_t>(gear) - 6].kind == AxisKind::kLinear;
 }
 
-ReversalJson JointsJson(const PlanResult& plan, const LostMotionReport& report) {
+ReversalJson GearJointsJson(const PlanResult& plan, const LostMotionReport& report) {
   ReversalJson joints = ReversalJson::array();
   for (size_t i = 0; i < 6 + plan.external_axes.size(); ++i) {
     const int gear = static_cast<int>(i);
@@ -31,7 +31,7 @@ ReversalJson JointsJson(const PlanResult& plan, const LostMotionReport& report) 
   return joints;
 }
 
-ReversalJson PassesJson(const PlanResult& plan, const LostMotionReport& report) {
+ReversalJson GearPassesJson(const PlanResult& plan, const LostMotionReport& report) {
   std::map<int, std::vector<int>> counts;
   for (const GearMark& mark : report.course.marks)
     if (mark.turns) {
@@ -44,7 +44,7 @@ ReversalJson PassesJson(const PlanResult& plan, const LostMotionReport& report) 
   return passes;
 }
 
-ReversalJson PlacesJson(const PlanResult& plan, const LostMotionReport& report) {
+ReversalJson MarksJson(const PlanResult& plan, const LostMotionReport& report) {
   ReversalJson places = ReversalJson::array();
   for (const GearMark& mark : report.course.marks) {
     const std::optional<double> height = HeightOf(mark, report.model);
@@ -83,9 +83,9 @@ nlohmann::ordered_json ReversalsJson(const PlanResult& plan, const LostMotionRep
   json.update(TallyJson(plan.external_axes, report.tally, report.Known()));
   json["lost_motion_source"] = report.source.empty() ? ReversalJson(nullptr) : ReversalJson(report.source);
   json["load_is_known"] = report.model.weights.has_value();
-  json["joints"] = JointsJson(plan, report);
-  json["passes"] = PassesJson(plan, report);
-  json["places"] = PlacesJson(plan, report);
+  json["joints"] = GearJointsJson(plan, report);
+  json["passes"] = GearPassesJson(plan, report);
+  json["places"] = MarksJson(plan, report);
   return json;
 }
 

@@ -5,6 +5,7 @@
 #include "planning/result/station.hpp"
 #include "report/budget_json.hpp"
 #include "report/compensation_json.hpp"
+#include "report/face_choices_json.hpp"
 #include "report/face_json.hpp"
 #include "report/fixed_json.hpp"
 #include "report/lifts_json.hpp"
@@ -209,6 +210,14 @@ Json DeflectionJson(const std::optional<DeflectionReport>& report) {
           {"largest_step_between_passes_mm", of_face(&FaceDeflection::largest_step)}};
 }
 
+Json ButForJson(const std::optional<ReportedBound>& bound) {
+  if (!bound) return nullptr;
+  return {{"what", "corner"},
+          {"bound_mm", bound->position},
+          {"bound_deg", RadToDeg(bound->angle)},
+          {"assumption", bound->assumption}};
+}
+
 Json ProgramsJson(const std::vector<ReportedProgram>& programs) {
   Json list = Json::array();
   for (const ReportedProgram& program : programs)
@@ -218,7 +227,8 @@ Json ProgramsJson(const std::vector<ReportedProgram>& programs) {
                     {"points_saved", program.points_saved},
                     {"points_near", program.points_near},
                     {"verified", program.verified},
-                    {"withheld", program.withheld.empty() ? Json(nullptr) : Json(program.withheld)}});
+                    {"withheld", program.withheld.empty() ? Json(nullptr) : Json(program.withheld)},
+                    {"but_for", ButForJson(program.but_for)}});
   return list;
 }
 
@@ -266,6 +276,13 @@ Json PathSpeedsJson(const std::vector<PathSpeed>& speeds) {
         {{"controller", speed.controller}, {"lowest_feed_share", speed.lowest_share}, {"slow_places", slow}});
   }
   return list;
+}
+
+Json RegistrationJson(const RegistrationFigures& figures) {
+  return {{"face_um_95", 1e3 * figures.off_95},
+          {"face_um_50", 1e3 * figures.median_off},
+          {"beside_um_95", 1e3 * figures.beside_95},
+          {"tolerance_um", figures.tolerance ? Json(1e3 * *figures.tolerance) : Json(nullptr)}};
 }
 
 Json BaseWindowJson(const std::optional<BaseWindow>& window) {
@@ -330,12 +347,14 @@ std::string SummaryJson(const PlanResult& plan, const ReportInputs& inputs) {
   json["findings"] = inputs.findings;
   json["audit"] = AuditJson(inputs.audit);
   json["deflection"] = DeflectionJson(inputs.deflection);
+  if (inputs.registration) json["registration"] = RegistrationJson(*inputs.registration);
   if (inputs.compensation) json["compensation"] = CompensationJson(*inputs.compensation);
   json["pose_steps"] = StepsJson(inputs.steps);
   json["fixed_rotation"] = FixedRotationJson(plan, inputs);
   json["budget"] = BudgetJson(inputs.budget);
-  json["face"] = FaceJson(inputs.faces);
+  json["face_choices"] = FaceChoicesJson(inputs.faces);
   json["reversals"] = inputs.lost_motion ? ReversalsJson(plan, *inputs.lost_motion) : Json(nullptr);
+  json["face"] = inputs.face ? FaceReportJson(*inputs.face) : Json(nullptr);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

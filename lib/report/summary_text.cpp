@@ -3,7 +3,7 @@
 
 #include "base/units.hpp"
 #include "planning/result/skipped.hpp"
-#include "report/face_json.hpp"
+#include "report/face_choices_json.hpp"
 #include "report/fixed_figures.hpp"
 #include "report/price_text.hpp"
 #include "report/report.hpp"
@@ -18,6 +18,13 @@ void AppendSpread(const char* name, const std::optional<Spread>& spread, const s
   if (!spread) return;
   fmt::format_to(std::back_inserter(*text), "  {:<10} {:>11.4e} {:>11.4e} {:>11.4e}  {}\n", name,
                  spread->best, spread->median, spread->worst, unit);
+}
+
+std::string Verdict(const ReportedProgram& program) {
+  if (!program.verified) return "withheld";
+  if (!program.but_for) return "read back and confirmed";
+  return fmt::format("read back and confirmed but for the corner's path, bounded by {:.4f} mm",
+                     program.but_for->position);
 }
 
 void AppendLinkMoveRemarks(const PlanResult& plan, std::string* text) {
@@ -139,20 +146,25 @@ std::string SummaryText(const PlanResult& plan, const ReportInputs& inputs, cons
   }
   if (figures.paper) AppendPaper(*figures.paper, &text);
   if (inputs.deflection) AppendDeflection(*inputs.deflection, &text);
+  if (inputs.registration)
+    fmt::format_to(std::back_inserter(text),
+                   "registration: the face may be off by {:.0f} µm along its normal (95 %)\n",
+                   1e3 * inputs.registration->off_95);
   if (inputs.compensation) text += CompensationText(*inputs.compensation);
   if (figures.planned > 0 && inputs.lost_motion)
     fmt::format_to(out, "reversals  {}\n", LostMotionText(plan, *inputs.lost_motion));
-  if (!inputs.faces.empty()) fmt::format_to(out, "face       {}\n", FaceText(inputs.faces));
+  if (!inputs.faces.empty()) fmt::format_to(out, "face       {}\n", FaceChoicesText(inputs.faces));
   if (figures.planned > 0 && inputs.budget)
     fmt::format_to(out, "budget     {}\n", BudgetText(*inputs.budget));
   if (figures.planned > 0 && inputs.fixed)
     AppendFixed(*inputs.fixed, inputs.lost_motion && inputs.lost_motion->Known(), &text);
+  if (inputs.face) text += FaceText(*inputs.face);
   fmt::format_to(out, "interference {} poses checked; {} of {} candidates never had to be\n",
                  figures.poses_checked, figures.candidates - figures.candidates_checked, figures.candidates);
   if (figures.clearance_min) fmt::format_to(out, "clearance  at least {:.1f} mm\n", *figures.clearance_min);
   for (const ReportedProgram& program : inputs.programs)
     fmt::format_to(out, "program    {} ({}; {} points left out that its motions pass)\n", program.path,
-                   program.verified ? "read back and confirmed" : "withheld", program.points_saved);
+                   Verdict(program), program.points_saved);
   for (const ProgramSize& size : inputs.program_sizes)
     fmt::format_to(
         out, "size       {}: {} kB in {} file{}{}\n", size.controller, (size.bytes + 500) / 1000, size.files,

@@ -33,9 +33,9 @@ Result Cached(const CheckpointStore& store, const std::string& stage, const std:
   return result;
 }
 
-/// Cached(), for a stage that asks the cell's world: what it made is found again after an obstacle has moved if
-/// no answer would be another (StillHolds). The world is no part of `key`. `make` asks the stations that it
-/// is given and no others; where the cell has external axes, their worlds are part of the key as they are.
+/// Cached(), for a stage that asks the cell's world: what it made is found again after an obstacle has moved
+/// if no answer would be another (StillHolds). The world is no part of `key`. `make` asks the stations that
+/// it is given and no others; where the cell has external axes, their worlds are part of the key as they are.
 template <class Result>
 Result CachedInWorld(const CheckpointStore& store, const std::string& stage, const std::string& key,
                      const Stations& stations, const std::function<Result(const Stations&)>& make) {

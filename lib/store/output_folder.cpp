@@ -90,10 +90,10 @@ void RefuseInPlaceOfFolder(const Folder& folder, const char* name) {
 
 }  // namespace
 
-const SetNames kPlanNames{"job.yaml",     "cell.yaml",   kPlanFile,        "starts.cbor",
-                          "points.csv",   "path.vtp",    "deflection.csv", "compensation.csv",
-                          "summary.json", "report.html", "trajectory-*",   "meshes",
-                          kRunFile,       kManifestFile, kProgramsFolder,  kOperationsFolder};
+const SetNames kPlanNames{
+    "job.yaml",       "cell.yaml",        kPlanFile,     "starts.cbor",   "points.csv",     "path.vtp",
+    "deflection.csv", "compensation.csv", "face.csv",    "summary.json",  "report.html",    "trajectory-*",
+    "meshes",         kRunFile,           kManifestFile, kProgramsFolder, kOperationsFolder};
 
 bool IsPlanName(const std::string& name) { return Matches(name, kPlanNames); }
 

@@ -80,6 +80,8 @@ class Strategy {
   virtual double Dwell() const { return 0; }
   /// Keys of `toolpath` that change nothing with it as its options stand: a job that gives one is refused.
   virtual std::vector<std::string> WithoutEffect() const { return {}; }
+  /// Of a file for several tools or speeds its sections, where the strategy reads such. Throws InputError.
+  virtual std::vector<CamSection> Sections(const StrategyInputs&) const { return {}; }
   /// Throws InputError; Interrupted.
   virtual LaidPath Make(const StrategyInputs& inputs, std::stop_token stop) const = 0;
 };

@@ -5,6 +5,7 @@
 #include "machine/robot/kinematics.hpp"
 #include "planning/result/station.hpp"
 #include "program/krl/krl.hpp"
+#include "program/rapid/rapid.hpp"
 
 namespace millpose {
 namespace {
@@ -127,17 +128,38 @@ KrlCellNumbers KrlNumbers(const PlanResult& plan, bool coupled) {
   return numbers;
 }
 
+RapidOptions RapidStations(const PlanResult& plan, bool coupled) {
+  RapidOptions options;
+  options.base_frame.position = Vector3d(100, -200, 650);
+  options.activate_units = {"TRACK1"};
+  if (coupled && plan.external_axes.back().name == "table") {
+    RapidWorkUnit unit;
+    unit.name = "STN1";
+    unit.frame.position = kTableAxis - plan.X_WB.translation() + options.base_frame.position;
+    options.work_unit = unit;
+  }
+  return options;
+}
+
 StationPost::StationPost(const std::string& variant, const PlanResult& plan, bool coupled)
     : settings(SampleSettings(variant)) {
-  const bool krl = ControllerOf(variant) == "krl", cnc = ControllerOf(variant) == "linuxcnc";
+  const bool krl = ControllerOf(variant) == "krl", cnc = ControllerOf(variant) == "linuxcnc",
+             rapid = ControllerOf(variant) == "rapid";
   const bool counts = coupled && variant != "linuxcnc";  // whose joints count from nothing
-  const std::vector<std::string> names = krl   ? std::vector<std::string>{"E1", "E2"}
-                                         : cnc ? std::vector<std::string>{"U", "V"}
-                                               : std::vector<std::string>{"RAIL_AX", "TAB_AX"};
+  const bool fanuc = ControllerOf(variant) == "fanuc";
+  const std::vector<std::string> names = krl     ? std::vector<std::string>{"E1", "E2"}
+                                         : fanuc ? std::vector<std::string>{"E1", "GP2_J1"}
+                                         : cnc   ? std::vector<std::string>{"U", "V"}
+                                         : rapid ? RapidAxisNames()
+                                                 : std::vector<std::string>{"RAIL_AX", "TAB_AX"};
   settings.mechanism = Mechanism(plan.external_axes);
   settings.X_WB = plan.X_WB;
   for (size_t i = 0; i < plan.external_axes.size(); ++i)
     settings.controller_axes.push_back({names[i], plan.external_axes[i].name, {}, 0, counts});
+  if (rapid) {
+    post = std::make_unique<RapidPost>(RapidStations(plan, coupled));
+    return;
+  }
   if (!krl) {
     post = SamplePost(variant);
     return;

@@ -70,6 +70,39 @@ TEST(CheckHtml, SameInputSameBytesAndNothingFromOutside) {
   EXPECT_FALSE(std::regex_search(own, std::regex("https?://|@import|url\\(|fetch\\(|XMLHttpRequest|src=")));
 }
 
+TEST(CheckHtml, DrawsFromTheSideWhatIsTheWrongWayRound) {
+  const Cell cell = test::SampleCell();
+  const Mesh part = Wedge();
+  Toolpath path;
+  path.passes.resize(1);
+  path.passes[0].points.resize(3);
+  CheckHtmlInput input = Input(cell, part, path);
+  const auto picture = [&] {
+    const std::string page = CheckHtml(input);
+    const size_t from = page.find("<svg");
+    return from == std::string::npos ? "" : page.substr(from, page.find("</svg>") - from);
+  };
+  EXPECT_EQ(picture(), "");
+  const Eigen::Vector3d base = cell.X_WB.translation();
+  input.wrong_side = WrongSide{base + Eigen::Vector3d(2000, 0, 800), Eigen::Vector3d::UnitX(),
+                               -Eigen::Vector3d::UnitZ(), true, true};
+  const std::string drawn = picture();
+  EXPECT_NE(drawn.find("normal: looks away from the arm"), std::string::npos);
+  // The arrow of the normal runs to the right, away from the shoulder; the tool hangs below its tip.
+  std::smatch line;
+  const std::string number = "=\"([-.0-9]+)\"";
+  for (const std::string name : {"normal", "tool"}) {
+    ASSERT_TRUE(std::regex_search(drawn, line,
+                                  std::regex("x1" + number + " y1" + number + " x2" + number + " y2" +
+                                             number + " class=\"" + name + "\"")));
+    const double right = std::stod(line[3]) - std::stod(line[1]),
+                 down = std::stod(line[4]) - std::stod(line[2]);
+    EXPECT_GT(name == "normal" ? right : down, 10) << name;
+    EXPECT_NEAR(name == "normal" ? down : right, 0, 0.11) << name;
+  }
+  EXPECT_FALSE(std::regex_search(drawn, std::regex("https?://|url\\(")));
+}
+
 TEST(CheckHtml, APartOrACellAloneIsAPageToo) {
   const Mesh part = Wedge();
   CheckHtmlInput alone;

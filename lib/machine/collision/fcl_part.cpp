@@ -264,13 +264,23 @@ bool ApartFromStill(const Placed& still, const Placed& part, double bound) {
          LinkMoveAlongAxes(still, part, between) >= bound;
 }
 
-double ProvenDistance(const Placed& a, const Placed& b, double bound, double enough) {
-  if (a.part->mesh() && b.part->mesh()) return 0;
-  if (!a.part->mesh() && !b.part->mesh()) return std::clamp(WidestGap(a, b, bound), 0.0, bound);
-  const Placed &mesh = a.part->mesh() ? a : b, &body = a.part->mesh() ? b : a;
+namespace {
+
+/// Of a part's envelope from the triangles of a mesh.
+double ProvenFrom(const Placed& mesh, const Placed& body, double bound, double enough) {
   const Pose X_MG = mesh.X_WG.inverse(Eigen::Isometry) * body.X_WG;
   const double least = LeastDistance(body.part->envelope, X_MG, mesh.part->solid->tree(), bound, enough);
   return least >= enough && Swallows(mesh, body) ? 0 : least;
+}
+
+}  // namespace
+
+double ProvenDistance(const Placed& a, const Placed& b, double bound, double enough) {
+  if (!a.part->mesh() && !b.part->mesh()) return std::clamp(WidestGap(a, b, bound), 0.0, bound);
+  if (!b.part->mesh()) return ProvenFrom(a, b, bound, enough);
+  const double of_a = ProvenFrom(b, a, bound, enough);
+  if (!a.part->mesh() || of_a >= enough) return of_a;
+  return ProvenFrom(a, b, bound, enough);  // two meshes: the box of one or the other may lie clear
 }
 
 DistanceBracket BracketOf(const Placed& a, const Placed& b, double bound, double near) {

@@ -73,7 +73,9 @@ class Compensator {
       PlannedPoint& point = pass.points[i];
       point.compensation.reset();
       if (point.external) Stand(*point.external);
-      if (point.skip == Infeasibility::kNone) point.compensation = Expected(point, forces_[p][i]);
+      if (point.skip != Infeasibility::kNone) continue;
+      point.compensation = Expected(point, forces_[p][i]);
+      if (!options_.map.empty()) point.compensation->map = options_.map[p][i];
     }
     const bool finished = p / per_layer_ + 1 >= options_.layers;
     const bool shifts = finished || options_.which == CompensatedLayers::kAll;
@@ -163,10 +165,23 @@ class Compensator {
       ++counts_.cut;
       counts_.largest_cut = std::max(counts_.largest_cut, length);
     }
-    c.shift = shift();
+    BoundMap(shift(), point.normal, c);
+    c.shift = shift() - c.map * point.normal;
     if (!c.shift.isZero(0.0)) Reach(planned);
     if (point.kind == PointKind::kCut)
       here_.Add(to_zero_ * point.position, c.normal.expected - c.normal.taken);
+  }
+
+  /// Lowers what the map takes out until the whole shift, `other` and the map's, is `most` long.
+  void BoundMap(const Vector3d& other, const Vector3d& normal, Compensation& c) {
+    const double length = (other - c.map * normal).norm();
+    if (c.map == 0 || length <= options_.most) return;
+    const double along = other.dot(normal), beside = (other - along * normal).squaredNorm();
+    const double room = std::sqrt(std::max(0.0, options_.most * options_.most - beside));
+    c.map = std::clamp(c.map, along - room, along + room);
+    if (!c.bounded) ++counts_.cut;
+    c.bounded = true;
+    counts_.largest_cut = std::max(counts_.largest_cut, length);
   }
 
   void Reach(PlannedPoint& planned) {
@@ -192,7 +207,7 @@ class Compensator {
     c.q = planned.q;
     c.shift.setZero();
     c.weight.setZero();
-    c.normal.taken = c.across.taken = 0;
+    c.normal.taken = c.across.taken = c.map = 0;
   }
 
  private:
@@ -211,7 +226,7 @@ class Compensator {
 }  // namespace
 
 bool IsOn(const CompensationOptions& options) {
-  return options.deflection != TakeOut::kOff || options.weight;
+  return options.deflection != TakeOut::kOff || options.weight || !options.map.empty();
 }
 
 PointForces ForcesOf(const PlanResult& plan) {

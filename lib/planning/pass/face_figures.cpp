@@ -26,7 +26,8 @@ FacePlace FacePlaceAt(const PoseProblem& problem, const FaceModel& model, const 
   return place;
 }
 
-FaceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> places, bool closed, size_t* worst_at) {
+FaceChoiceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> places, bool closed,
+                            size_t* worst_at) {
   const size_t count = places.size();
   if (closed && !places.empty()) {
     FacePlace again = places.front();
@@ -39,7 +40,7 @@ FaceFigures FiguresOf(const LostMotion& lost, std::vector<FacePlace> places, boo
   std::vector<GearPlace> way;
   for (const FacePlace& place : places) way.push_back(place.gears.place);
   const std::vector<GearValues> offsets = OffsetsAlong(lost, way);
-  FaceFigures figures;
+  FaceChoiceFigures figures;
   for (size_t t = 0; t < places.size(); ++t) {
     const FacePlace& place = places[t];
     if (!place.counts) continue;

@@ -30,7 +30,7 @@ void Put(const Stations& stations, const Segment& segment, const FaceCandidate& 
 
 }  // namespace
 
-double AttainableFace(const Stations& given, const PassResult& pass, const FaceOptions& options,
+double AttainableFace(const Stations& given, const PassResult& pass, const FacePlanOptions& options,
                       const Execution& execution) {
   const Stations stations = given.AtOwnAxis();
   double largest = 0;
@@ -41,7 +41,7 @@ double AttainableFace(const Stations& given, const PassResult& pass, const FaceO
   return largest;
 }
 
-PlannedFace PlanFace(const Stations& given, const PassResult& pass, const FaceOptions& options,
+PlannedFace PlanFace(const Stations& given, const PassResult& pass, const FacePlanOptions& options,
                      const Execution& execution) {
   const Stations stations = given.AtOwnAxis();
   PlannedFace planned{pass, {}};
@@ -72,11 +72,12 @@ FaceModel ModelOf(const Stations& stations, const GearModel& gears) {
           stations.world().cell().external_axes};
 }
 
-std::vector<FaceFigures> FacesOf(const Stations& given, const GearModel& gears, const PassResult& pass) {
+std::vector<FaceChoiceFigures> FacesOf(const Stations& given, const GearModel& gears,
+                                       const PassResult& pass) {
   const Stations stations = given.AtOwnAxis();
   const FaceModel model = ModelOf(stations, gears);
   const PlannedIn in(stations, pass);
-  std::vector<FaceFigures> faces;
+  std::vector<FaceChoiceFigures> faces;
   for (const Segment& piece : pass.pieces) {
     std::vector<FacePlace> places;
     for (auto t = static_cast<size_t>(piece.first); t <= static_cast<size_t>(piece.last); ++t)

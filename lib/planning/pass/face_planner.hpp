@@ -8,7 +8,7 @@
 
 namespace millpose {
 
-struct FaceOptions {
+struct FacePlanOptions {
   GearModel gears;
   PathOptions path;
   RetractOptions leave;  ///< of the ends of segments
@@ -24,7 +24,7 @@ struct PlannedFace {
 /// The largest displacement that each segment of a pass need not exceed, of all segments the largest, mm: as
 /// planned, at the fixed rotation of the ladder search's grid that is best for it, interference left aside,
 /// or where no rotation serves as a search finds it.
-double AttainableFace(const Stations& stations, const PassResult& pass, const FaceOptions& options,
+double AttainableFace(const Stations& stations, const PassResult& pass, const FacePlanOptions& options,
                       const Execution& execution);
 
 /// A planned pass with each segment moved so that its largest displacement keeps to the limit and beneath
@@ -33,13 +33,14 @@ double AttainableFace(const Stations& stations, const PassResult& pass, const Fa
 /// segment has a larger one, unless beneath the limit, than at the best fixed rotation that serves it, or
 /// than it had. What is taken keeps limits, joint steps and clearances as the pass does; the points stay. The
 /// same for any number of threads.
-PlannedFace PlanFace(const Stations& stations, const PassResult& pass, const FaceOptions& options,
+PlannedFace PlanFace(const Stations& stations, const PassResult& pass, const FacePlanOptions& options,
                      const Execution& execution);
 
 /// By what faces are judged in a cell, for the objective of its job.
 FaceModel ModelOf(const Stations& stations, const GearModel& gears);
 
 /// What each segment of a pass leaves.
-std::vector<FaceFigures> FacesOf(const Stations& stations, const GearModel& gears, const PassResult& pass);
+std::vector<FaceChoiceFigures> FacesOf(const Stations& stations, const GearModel& gears,
+                                       const PassResult& pass);
 
 }  // namespace millpose

@@ -15,7 +15,7 @@ constexpr double kDisplacedWeight = 0.02;  // so that a mark is worth 50 times i
 constexpr double kSlack = 0.05;            // where the limit cannot be kept
 constexpr double kRounding = 1 + 1e-9;
 
-int Crossings(const FaceFigures& figures) {
+int Crossings(const FaceChoiceFigures& figures) {
   return std::accumulate(figures.crossings.begin(), figures.crossings.end(), 0);
 }
 
@@ -32,7 +32,7 @@ const FlankNode* SameIn(const std::vector<FlankNode>& layer, const FlankNode& as
 }  // namespace
 
 /// Within the limit the marks count, and the displacement beside them; beyond it the displacement alone.
-bool FaceSearch::Better(const FaceFigures& a, const FaceFigures& b) const {
+bool FaceSearch::Better(const FaceChoiceFigures& a, const FaceChoiceFigures& b) const {
   const bool within_a = a.worst <= limit_ * kRounding, within_b = b.worst <= limit_ * kRounding;
   if (within_a != within_b) return within_a;
   if (!within_a) return a.worst < b.worst;
@@ -56,7 +56,7 @@ std::vector<FaceSearch::Fixed> FaceSearch::AllFixed() const {
   return all;
 }
 
-std::optional<FaceCandidate> FaceSearch::BestFixed(const FaceFigures& than) {
+std::optional<FaceCandidate> FaceSearch::BestFixed(const FaceChoiceFigures& than) {
   std::vector<Fixed> all = AllFixed();
   std::erase_if(all, [&](const Fixed& fixed) { return !Better(fixed.figures, than); });
   std::ranges::stable_sort(all, [&](const Fixed& a, const Fixed& b) { return Better(a.figures, b.figures); });
@@ -145,7 +145,7 @@ std::vector<FlankNode> FaceSearch::Refined(const std::vector<std::vector<FlankNo
 
 FaceCandidate FaceSearch::Smoothed(FaceCandidate found) {
   FaceCandidate smooth = segment_.Smoothed(found);
-  const FaceFigures &was = found.figures, &is = smooth.figures;
+  const FaceChoiceFigures &was = found.figures, &is = smooth.figures;
   const bool keeps = is.worst <= std::max(was.worst, limit_) * kRounding &&
                      is.marks <= was.marks * kRounding && Crossings(is) <= Crossings(was);
   return keeps ? std::move(smooth) : std::move(found);

@@ -21,14 +21,14 @@ class FaceSearch {
   /// A fixed rotation that serves but for interference.
   struct Fixed {
     size_t node = 0;  ///< of the first layer
-    FaceFigures figures;
+    FaceChoiceFigures figures;
   };
 
-  bool Better(const FaceFigures& a, const FaceFigures& b) const;
+  bool Better(const FaceChoiceFigures& a, const FaceChoiceFigures& b) const;
   std::vector<Fixed> AllFixed() const;
   std::optional<FaceCandidate> AtFixed(size_t node) const;
   /// The best fixed rotation that is better than `than` and free, if one is.
-  std::optional<FaceCandidate> BestFixed(const FaceFigures& than);
+  std::optional<FaceCandidate> BestFixed(const FaceChoiceFigures& than);
   std::optional<FaceCandidate> Searched();
   std::vector<std::vector<FlankNode>> Coarse() const;
   FlankRules CoarseRules() const;

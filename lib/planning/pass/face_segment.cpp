@@ -19,7 +19,7 @@ std::vector<MillingPoint> PointsOf(const PassResult& pass, const Segment& segmen
 }
 
 PassChecks ChecksOf(const Stations& stations, const PlannedIn& in, const Segment& segment,
-                    const FaceOptions& options, const Execution& execution) {
+                    const FacePlanOptions& options, const Execution& execution) {
   const auto first = static_cast<size_t>(segment.first),
              count = static_cast<size_t>(segment.last) - first + 1;
   return {.world = in.along.empty() ? in.station.world : stations.world(),
@@ -52,7 +52,7 @@ double WeightOfMotion(double share, const PassResult& pass) {
 }  // namespace
 
 FaceSegment::FaceSegment(const Stations& stations, const PassResult& pass, const Segment& segment,
-                         const FaceOptions& options, const Execution& execution)
+                         const FacePlanOptions& options, const Execution& execution)
     : pass_(pass),
       segment_(segment),
       options_(options),
@@ -96,7 +96,7 @@ FacePlace FaceSegment::PlaceAt(size_t t, const Joints& q) const {
   return FacePlaceAt(ProblemAt(t), model_, points_[t], q, ExternalAt(pass_, first_ + t));
 }
 
-FaceFigures FaceSegment::Figures(std::span<const PathNode> path, size_t* worst_at) const {
+FaceChoiceFigures FaceSegment::Figures(std::span<const PathNode> path, size_t* worst_at) const {
   std::vector<FacePlace> places;
   for (size_t t = 0; t < path.size(); ++t) places.push_back(PlaceAt(t, path[t].q));
   return FiguresOf(options_.gears.lost, std::move(places), closed(), worst_at);

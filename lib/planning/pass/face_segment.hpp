@@ -13,7 +13,7 @@ namespace millpose {
 /// A way to mill a segment, and what it leaves.
 struct FaceCandidate {
   std::vector<PathNode> path;  ///< joints continuous, within the limits
-  FaceFigures figures;
+  FaceChoiceFigures figures;
 };
 
 /// The points of a segment with their tool axes as they stand: the rotation is the only freedom of
@@ -21,13 +21,13 @@ struct FaceCandidate {
 class FaceSegment {
  public:
   FaceSegment(const Stations& stations, const PassResult& pass, const Segment& segment,
-              const FaceOptions& options, const Execution& execution);
+              const FacePlanOptions& options, const Execution& execution);
 
   size_t size() const { return points_.size(); }
   bool closed() const { return segment_.closed; }
   FaceCandidate AsPlanned() const;
   /// The figures of a path; nothing of it is checked.
-  FaceFigures Figures(std::span<const PathNode> path, size_t* worst_at = nullptr) const;
+  FaceChoiceFigures Figures(std::span<const PathNode> path, size_t* worst_at = nullptr) const;
 
   /// Candidates of every point on the ladder search's grid of the rotation, all branches.
   std::vector<std::vector<FlankNode>> Layers() const;
@@ -56,7 +56,7 @@ class FaceSegment {
 
   const PassResult& pass_;
   Segment segment_;
-  const FaceOptions& options_;
+  const FacePlanOptions& options_;
   PlannedIn in_;
   FaceModel model_;
   size_t first_;

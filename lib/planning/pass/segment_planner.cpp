@@ -97,11 +97,11 @@ class SegmentPlanner {
     constexpr int kAllSweeps = std::numeric_limits<int>::max();
     Sequence sequence;
     double unbarred = kInfinity;  // a closed ring's cost without interference
-    for (int round = 0;; ++round) {
+    for (int round = 0, searches = 0;; ++searches) {
       std::optional<Sequence> closed;
       if (context_.closed) closed = search_closed_soon();
       if (context_.closed && !closed) closed = search_closed(kAllSweeps);
-      if (closed && round == 0) unbarred = closed->cost;
+      if (closed && searches == 0) unbarred = closed->cost;
       sequence = closed ? std::move(*closed) : search_open();
       bool free = pruner.Check(sequence);
       if (free && sequence.closed) {
@@ -114,7 +114,7 @@ class SegmentPlanner {
         }
       }
       if (free && (!guard || guard->Check(sequence))) break;
-      pruner.PruneInRound(sequence, round);
+      if (!free) pruner.PruneInRound(sequence, round++);
     }
     best_ = IsBest(sequence, open_worst);
     for (size_t t = 0; guard && t < count_; ++t) plan_.access[t] = guard->Detail(t);

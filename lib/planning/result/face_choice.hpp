@@ -10,7 +10,7 @@
 namespace millpose {
 
 /// What a piece leaves, over the places that count.
-struct FaceFigures {
+struct FaceChoiceFigures {
   double worst = 0;   ///< largest displacement, mm
   double sum = 0;     ///< of the places' largest displacements, mm
   double marks = 0;   ///< heights h·|n·J| of the steps where gears go over to their other flank, summed, mm
@@ -32,7 +32,7 @@ inline constexpr EnumWords<FaceWay, 3> kFaceWayWords = {
 struct FaceChoice {
   int pass = 0, piece = 0;
   FaceWay way = FaceWay::kPlanned;
-  FaceFigures before, after;
+  FaceChoiceFigures before, after;
 };
 
 }  // namespace millpose

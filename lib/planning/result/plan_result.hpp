@@ -41,7 +41,8 @@ struct Compensation {
   Eigen::Vector3d weight = Eigen::Vector3d::Zero();  ///< what the shift takes out of the arm's own sag
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< mean, on the tool, N
   Along normal, across;                              ///< the surface normal; normal × feed
-  bool bounded = false;                              ///< the shift was cut to the largest allowed
+  double map = 0;        ///< mm along the normal that the map of a measured part takes out
+  bool bounded = false;  ///< the shift was cut to the largest allowed
 };
 
 /// A milling point as planned (vectors in W), or why it was skipped.

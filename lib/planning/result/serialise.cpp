@@ -233,6 +233,7 @@ void Fields(Archive& a, Compensation& c) {
   a("force", c.force);
   a("normal", c.normal);
   a("across", c.across);
+  a("map", c.map);
   a("bounded", c.bounded);
 }
 
@@ -409,7 +410,7 @@ void Fields(Archive& a, PlanResult& r) {
 }
 
 // The leading field tells a file of ours from others and one version from the next.
-constexpr const char* kFormat = "millpose 6";
+constexpr const char* kFormat = "millpose 7";
 
 /// The fields of a value behind the leading one.
 template <class T>

@@ -270,7 +270,7 @@ class KrlReader : public ProgramReader {
         scan.FailFrom(number, fmt::format("{} expected, the cell's tool_number", options_.tool_number));
       return;
     }
-    if (!SameStatement("$LOAD " + scan.Rest(), load_))
+    if (Spelled("$LOAD " + scan.Rest()) != Spelled(load_))
       scan.FailFrom(start, load_.empty() ? "LOAD_DATA[n] expected: the cell gives no values to be stated"
                                          : fmt::format("{} expected, as the cell gives it", load_));
     Stated(kLoad);

@@ -12,6 +12,7 @@ namespace {
 constexpr double kTurnStep = 0.5 * kRadPerDeg;
 constexpr double kLargestTurn = 4 * kPi;  // rad that a straight motion may turn; more is no program of ours
 constexpr double kFarOutside = 2 * kPi;   // rad beyond the limits: not sampled, the arm stays where it was
+constexpr double kTurnSlack = 2e-4;       // rad: where rounding decides which turn an axis is said to be in
 constexpr double kCallSlack = 1e-4;       // rad: six decimals of a degree, and turns counted exactly
 constexpr double kMostSteps = 1e6;        // of one motion: lengths and turns are bounded before
 constexpr double kTargetStep = 5;  // mm: from target to target full revolutions must be followed, no more
@@ -143,6 +144,24 @@ std::string FarAlong(const MotionProgram& program, size_t index) {
   return {};
 }
 
+/// Why the arm does not arrive at `q` as a motion's text says that it stands there; empty: it does.
+std::string WhyNotAsStated(const MotionProgram& program, const Cell& cell, const Motion& motion,
+                           const Joints& q) {
+  if (const int status = Status(cell.arm, q); motion.status && *motion.status != status)
+    return fmt::format("the straight motion arrives in configuration S = {}, but S = {} is stated", status,
+                       *motion.status);
+  const Joints angles = program.axes.FromArm(q);
+  for (int i = 0; motion.least && i < 6; ++i) {
+    const double from = (*motion.least)[i];
+    if (angles[i] >= from - kTurnSlack && (angles[i] <= from + 2 * kPi + kTurnSlack || std::isinf(from)))
+      continue;
+    return fmt::format(
+        "the straight motion arrives with A{} at {:.3f} deg, but {:.0f} to {:.0f} deg are stated", i + 1,
+        angles[i] * kDegPerRad, from * kDegPerRad, from * kDegPerRad + 360);
+  }
+  return {};
+}
+
 /// The joint target of one motion from `q`; empty with a reason.
 std::optional<Joints> Target(const MotionProgram& program, const Cell& cell, size_t index,
                              const std::optional<Joints>& q, std::string& reason) {
@@ -167,7 +186,10 @@ std::optional<Joints> Target(const MotionProgram& program, const Cell& cell, siz
       reason = "the program begins with a straight motion from an unknown place";
       return std::nullopt;
     }
-    return StraightTarget(program, cell, index, *q, reason);
+    const std::optional<Joints> target = StraightTarget(program, cell, index, *q, reason);
+    if (!target) return std::nullopt;
+    reason = WhyNotAsStated(program, cell, motion, *target);
+    return reason.empty() ? target : std::nullopt;
   }
   if (!q && !(motion.status && motion.turn)) {
     reason = "the first pose has no S and T (STAT and TU), so the configuration is not defined";

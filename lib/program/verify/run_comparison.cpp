@@ -310,10 +310,11 @@ void RunComparison::ComparePlannedStops() {
   }
 }
 
-/// How far the rounding of the corner behind motion i may leave it.
+/// How far the rounding of the corner behind motion i may leave it; CheckCornerBounds() tells it of those
+/// that the maker does not document.
 void RunComparison::CompareCorner(size_t i) {
   const Motion& motion = replayed_.program.motions[i];
-  if (motion.exact || motion.blend <= 0) return;
+  if (motion.exact || motion.blend <= 0 || !replayed_.program.corner_assumption.empty()) return;
   const Pose before = Tool(i - 1), corner = Tool(i), after = Tool(i + 1);
   CornerRounding rounding = RoundingOf(before, corner, after, motion, replayed_.program.blend_is_distance);
   if (replayed_.program.blend_overlaps) {

@@ -15,6 +15,7 @@
 #include "program/verify/compare_events.hpp"
 #include "program/verify/coordinated_path.hpp"
 #include "program/verify/corner.hpp"
+#include "program/verify/corner_bound.hpp"
 #include "program/verify/stations.hpp"
 
 namespace millpose {
@@ -331,13 +332,17 @@ std::vector<Finding> Ordered(std::vector<Finding> findings, const VerifyOptions&
 }  // namespace
 
 std::vector<Finding> Verify(const MotionProgram& program, const World& world, const MotionProgram* plan,
-                            const VerifyOptions& options, const Execution& execution) {
+                            const VerifyOptions& given, const Execution& execution) {
   assert(IsWellFormed(program));
   const Cell& cell = world.cell();
+  VerifyOptions options = given;
   std::vector<Finding> findings;
   if (program.motions.empty())
     return {{program.files.empty() ? "" : program.files[0], 0, "the program moves nothing", Cause::kPath}};
   const Replayed replayed{program, ReplayTargets(program, cell, findings), FeedRuns(program)};
+  // By what nobody knows of its path the tool may come nearer too.
+  const double unknown = CheckCornerBounds(replayed, cell, options, findings);
+  options.clearance_reserve = std::max(0.0, options.clearance_reserve - unknown);
 
   // A program that states its feeds is held to them; for corners its control slows down.
   const MotionCheck check(replayed, cell, options, plan == nullptr && !StatedFeedsOf(program));

@@ -40,6 +40,7 @@
     m.fillBudget(data);
     m.fillReversals(data);
     m.fillFixed(data);
+    m.fillFace(data);
     m.fillPrice(data);
     m.fillPaper(data);
     $("settings-text").textContent = data.settings;

@@ -88,6 +88,22 @@ std::vector<std::string> FindingsOf(const Json& summary) {
   return findings;
 }
 
+// Programs that are confirmed but for a stated gap, one line each controller.
+std::vector<std::string> RemarksOf(const Json& summary) {
+  std::vector<std::string> remarks;
+  for (const Json& program : summary.value("programs", Json::array())) {
+    const Json bound = program.value("but_for", Json());
+    if (bound.is_null()) continue;
+    const std::string remark = fmt::format(
+        "{}: confirmed but for a stated gap: the corner's path, bounded by {:.4f} mm and {:.4f} "
+        "deg, provided that {}",
+        program.at("controller").get<std::string>(), bound.at("bound_mm").get<double>(),
+        bound.at("bound_deg").get<double>(), bound.at("assumption").get<std::string>());
+    if (std::ranges::find(remarks, remark) == remarks.end()) remarks.push_back(remark);
+  }
+  return remarks;
+}
+
 std::optional<double> NumberAt(const Json& json, const char* place) {
   const Json::json_pointer pointer(place);
   if (!json.contains(pointer) || !json.at(pointer).is_number()) return std::nullopt;
@@ -154,6 +170,7 @@ JobOutcome Judge(const fs::path& folder, int status, const std::string& errors) 
     outcome.points = summary.at("points").at("total").get<size_t>();
     outcome.planned = summary.at("points").at("planned").get<size_t>();
     outcome.figures = FiguresOf(summary, folder);
+    outcome.remarks = RemarksOf(summary);
     outcome.cause = Shortfall(summary);
     if (!outcome.cause.empty()) outcome.status = 1;
     if (outcome.status == 1) outcome.findings = FindingsOf(summary);

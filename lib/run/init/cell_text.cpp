@@ -323,15 +323,6 @@ std::string SampleCellText(const std::string& name) {
                                fmt::join(names, ", "), near.empty() ? "" : "; nearest: " + near));
 }
 
-std::string WithBall(std::string cell) {
-  constexpr std::string_view kFlat = "cutter: {shape: flat";
-  const size_t at = cell.find(kFlat);
-  if (at != std::string::npos)
-    cell.replace(at, kFlat.size(),
-                 "# GUESS: a ball, since the part's curved facets are rough.\n  cutter: {shape: ball");
-  return cell;
-}
-
 std::string UrdfCellText(const UrdfChoice& choice, const fs::path& folder) {
   constexpr size_t kMaxBytes = size_t{16} << 20;
   const std::string name = choice.file.string();

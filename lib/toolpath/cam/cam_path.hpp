@@ -61,7 +61,7 @@ enum class CircleSense : uint8_t {
 
 /// What places the points of a CAM path in the workpiece frame.
 enum class CamFrame : uint8_t {
-  kStated,   ///< frames that comments state as well (CATIA0, CSYS)
+  kStated,   ///< frames that comments state as well (CATIA0, CSYS), with their columns as axes
   kAsGiven,  ///< nothing but MSYS and the frames of G-code: points stand as they are written
 };
 
@@ -86,6 +86,10 @@ struct CamReadOptions {
 /// or CSV, told from the content. Every word is evaluated, known to say nothing about the motion (then it is
 /// counted in the notes), or refused: throws InputError with line and column, all unknown words at once.
 CamPath ReadCamPath(std::string_view bytes, const std::string& name, const CamReadOptions& options);
+
+/// Whether bytes are more likely a CAM path than a mesh: text with a CSV's header, blocks of G-code or
+/// GOTO of CLDATA.
+bool LooksLikeCamPath(std::string_view bytes);
 
 /// The cuts and holes of one section with the ways to them. Precondition: it is below their number.
 CamPath TakeSection(const CamPath& path, size_t section);

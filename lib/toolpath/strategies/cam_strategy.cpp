@@ -29,6 +29,9 @@ struct CamStrategy final : Strategy {
   std::string File() const override { return file; }
   bool IsPrescribed() const override { return true; }
   std::vector<std::string> WithoutEffect() const override { return {"share"}; }
+  std::vector<CamSection> Sections(const StrategyInputs& inputs) const override {
+    return Read(inputs).source.sections;
+  }
   LaidPath Make(const StrategyInputs& inputs, std::stop_token stop) const override;
 
  private:
@@ -104,7 +107,7 @@ CamPath CamStrategy::OneSection(const CamPath& path) const {
       {file, sections[1].first_line},
       fmt::format("the path has sections for several tools or spindle speeds, and a job mills with "
                   "one: make each an operation (operations:) with its tool and "
-                  "toolpath.cam.section: 1, 2, …{}",
+                  "toolpath.cam.section: 1, 2, …, as `millpose check JOB --split FILE` does{}",
                   list));
 }
 
@@ -222,9 +225,8 @@ yaml::Codec<CamStrategy> CamFields() {
               Maybe(ChoiceOf<CamFrame>({{"stated", CamFrame::kStated}, {"as_given", CamFrame::kAsGiven}})),
               "Of APT: whether systems that comments state (CATIA0, CSYS) place the points in the workpiece "
               "frame, "
-              "or they stand there as they are written, which says the same of ORIGIN and TRANS. Default: "
-              "CATIA0 "
-              "does; others are refused."),
+              "or they stand there as they are written, which says the same of ORIGIN and TRANS. Default: a "
+              "CATIA0 that turns no axes does; others are refused."),
        Key<S>("cycle_point", MILLPOSE_AT(cycle_point),
               Maybe(ChoiceOf<CyclePoint>({{"top", CyclePoint::kTop}, {"bottom", CyclePoint::kBottom}})),
               "Of APT: which end of a hole the point under a cycle by places (CYCLE/DRILL,12,MMPM,120,5) is, "

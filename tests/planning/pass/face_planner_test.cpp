@@ -15,8 +15,8 @@ PoseProblem FaceProblem() {
   return problem;
 }
 
-FaceOptions FacesOptions() {
-  FaceOptions options;
+FacePlanOptions FacesOptions() {
+  FacePlanOptions options;
   options.path = Options();
   options.path.worst_first = true;
   options.gears.lost.width.head<6>().setConstant(DegToRad(0.3 / 60));
@@ -36,7 +36,7 @@ PassResult Planned(const PoseProblem& problem, const World& world, const Pass& p
 
 /// The least worst displacement of all fixed rotations that serve a pass in an empty cell, by the gears' own
 /// model.
-double LeastOfFixed(const Stations& stations, const Pass& pass, const FaceOptions& options) {
+double LeastOfFixed(const Stations& stations, const Pass& pass, const FacePlanOptions& options) {
   const PoseProblem& problem = stations.problem();
   const FaceModel model = ModelOf(stations, options.gears);
   double least = kInfinity;
@@ -80,13 +80,13 @@ TEST(PlanFace, IsNeverWorseThanAnyFixedRotation) {
   const PoseProblem problem = FaceProblem();
   const World world(EmptyCell(problem));
   const Stations stations(world, problem);
-  const FaceOptions options = FacesOptions();
+  const FacePlanOptions options = FacesOptions();
   for (const double z : {-250.0, 150.0}) {
     const Pass pass = Forced(Row(-200, 200, 21, z));
     const PassResult before = Planned(problem, world, pass);
     const PassResult after = PlanFace(stations, before, options, {.threads = 2}).pass;
-    const FaceFigures was = FacesOf(stations, options.gears, before).front();
-    const FaceFigures is = FacesOf(stations, options.gears, after).front();
+    const FaceChoiceFigures was = FacesOf(stations, options.gears, before).front();
+    const FaceChoiceFigures is = FacesOf(stations, options.gears, after).front();
     EXPECT_LT(is.worst, was.worst) << z;
     EXPECT_LE(is.worst, LeastOfFixed(stations, pass, options) + 1e-12) << z;
     ExpectOnItsPoints(problem, after);
@@ -104,7 +104,7 @@ TEST(PlanFace, IsTheSameForAnyThreads) {
 
 TEST(PlanFace, GoesRoundWhatIsInTheWay) {
   const PoseProblem problem = FaceProblem();
-  const FaceOptions options = FacesOptions();
+  const FacePlanOptions options = FacesOptions();
   const Pass pass = Forced(Row(-100, 100, 16));
   const World empty(EmptyCell(problem));
   const PassResult wanted =
@@ -128,7 +128,7 @@ TEST(PlanFace, ARingComesBackToItsStart) {
   const PoseProblem problem = FaceProblem();
   const World world(EmptyCell(problem));
   const Stations stations(world, problem);
-  const FaceOptions options = FacesOptions();
+  const FacePlanOptions options = FacesOptions();
   const Pass pass = Forced(Ring(150, 24));
   const PassResult before = Planned(problem, world, pass);
   ASSERT_TRUE(before.pieces.size() == 1 && before.pieces[0].closed);

@@ -75,7 +75,7 @@ std::pair<double, double> ValueOf(const RandomFlanks& given, const FlankRules& r
       return {kInfinity, kInfinity};
     motion += rules.motion_weight * step.squaredNorm();
   }
-  const FaceFigures figures = FiguresOf(given.lost, std::move(places), rules.closed);
+  const FaceChoiceFigures figures = FiguresOf(given.lost, std::move(places), rules.closed);
   const int crossings = std::accumulate(figures.crossings.begin(), figures.crossings.end(), 0);
   return {figures.worst,
           rules.displaced_weight * figures.sum + figures.marks + rules.crossing_cost * crossings + motion};
@@ -154,7 +154,7 @@ TEST(FaceFigures, AJointThatTurnsBackLeavesAStep) {
     place.gears.levers[2] = 1000;
   }
   places[1].gears.place.at[2] = DegToRad(1.0);
-  const FaceFigures figures = FiguresOf(lost, places, false);
+  const FaceChoiceFigures figures = FiguresOf(lost, places, false);
   EXPECT_DOUBLE_EQ(figures.marks, lost.width[2] * 1000);
   EXPECT_DOUBLE_EQ(figures.worst, lost.width[2] * 500);
   EXPECT_EQ(figures.crossings[2], 1);

@@ -64,6 +64,32 @@ TEST(PlanJob, LinkMovesJoinHomeThePiecesAndHome) {
   }
 }
 
+TEST(TryJob, PlansASampleOfThePassesAndSaysWhatThePlanWouldFind) {
+  const Execution execution{.threads = 2};
+  const TriedJob all = TryJob(SmallInputs(), 1000, NoCheckpoints(), execution);
+  EXPECT_EQ(all.problem, "");
+  EXPECT_EQ(all.passes, 2u);
+  EXPECT_EQ(all.of_passes, 2u);
+  EXPECT_EQ(all.points, all.of_points);
+  const TriedJob some = TryJob(SmallInputs(), 3, NoCheckpoints(), execution);
+  EXPECT_EQ(some.problem, "");
+  EXPECT_EQ(some.passes, 1u);
+  EXPECT_EQ(some.of_points, all.of_points);
+  EXPECT_LT(some.points, all.points);
+  EXPECT_EQ(TryJob(SmallInputs(), 0, NoCheckpoints(), execution).passes, 1u);
+  const std::string far =
+      TryJob(SmallInputs({{"workpiece.pose.xyz_mm", "[9000, 0, 1000]"}}), 1000, NoCheckpoints(), execution)
+          .problem;
+  EXPECT_EQ(far.substr(0, 7), "pass 0:") << far;
+  // The way there: home touches the part.
+  const PlannedJob& job = FreshPlan();
+  const Pose X_WT = Carrier{job.plan.arm, job.plan.X_WB, job.plan.X_FT}.ToolPose(job.plan.home);
+  const std::string body = fmt::format("[{:.1f}, {:.1f}, {:.1f}]", X_WT.translation().x(),
+                                       X_WT.translation().y(), X_WT.translation().z());
+  EXPECT_NE(TryJob(SmallInputs({{"workpiece.pose.xyz_mm", body}}), 1000, NoCheckpoints(), execution).problem,
+            "");
+}
+
 TEST(PlanJob, ProgramsAreConfirmedAndEachPieceHasItsStart) {
   const PlannedJob& job = FreshPlan();
   ASSERT_EQ(job.programs.programs.size(), 1u);

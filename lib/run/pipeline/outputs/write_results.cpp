@@ -6,6 +6,7 @@
 
 #include "job/assemble.hpp"
 #include "job/config/config.hpp"
+#include "job/registration_error.hpp"
 #include "planning/result/write_plan.hpp"
 #include "program/verify/causes.hpp"
 #include "run/pipeline/programs/program_warnings.hpp"
@@ -110,6 +111,12 @@ std::string ExplainLifts(const PassResult& pass) {
       pass.pass, fmt::join(places, ", "), 100 * pass.lift_gain);
 }
 
+// What a confirmed program leaves open.
+std::optional<ReportedBound> ButForOf(const CheckedProgram& program) {
+  if (!program.but_for || !program.Confirmed()) return std::nullopt;
+  return ReportedBound{program.but_for->position, program.but_for->angle, program.but_for->assumption};
+}
+
 // The causes of a program that is withheld, each with what cures it and the first places.
 void ExplainCauses(const CheckedProgram& program, std::vector<std::string>& sentences) {
   for (const CauseGroup& group : GroupByCause(program.findings)) {
@@ -166,6 +173,9 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   for (const CheckedProgram& program : programs) {
     report.times.push_back({program.controller, program.time});
     if (program.speed) report.path_speeds.push_back(*program.speed);
+    if (program.but_for && program.Confirmed())
+      report.warnings.push_back(program.controller +
+                                ": confirmed but for a stated gap: " + Describe(*program.but_for));
     for (const std::string& warning : program.warnings)
       report.warnings.push_back(program.controller + ": " + warning);
   }
@@ -182,16 +192,25 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   for (const CheckedProgram& program : programs)
     if (report.compensation && program.under_load)
       report.compensation->programs.push_back({program.controller, program.under_load->largest});
+  report.registration =
+      ErrorOfRegistration(results.inputs.job, plan, FinishedFrom(results.inputs.job, plan.passes.size()));
+  if (report.registration)
+    if (const std::string finding = RegistrationFinding(*report.registration); !finding.empty())
+      report.findings.push_back(finding);
+  if (const std::string warning = RegistrationWarning(results.inputs.job); !warning.empty())
+    report.warnings.push_back(warning);
   report.lost_motion =
       ReportLostMotion(plan, MakeGearModel(results.inputs.cell), results.inputs.cell.arm.lost_motion_source,
                        FinishedFrom(results.inputs.job, plan.passes.size()));
-  report.budget = MakeBudget(report.deflection ? &*report.deflection : nullptr, *report.lost_motion);
+  report.budget = MakeBudget(report.deflection ? &*report.deflection : nullptr, *report.lost_motion,
+                             report.registration ? &*report.registration : nullptr);
   report.fixed = results.fixed;
   report.faces = results.faces;
   if (const std::optional<ToolUncertainty> tool = UncertaintyOf(results.inputs.cell.tool)) {
     report.steps = FindPoseSteps(plan, *tool, FinishedFrom(results.inputs.job, plan.passes.size()));
     if (const std::string steps = Describe(*report.steps); !steps.empty()) report.warnings.push_back(steps);
   }
+  report.face = results.face;
   std::map<std::string, std::string> files;
   for (const CheckedProgram& program : programs)
     for (const auto& [name, bytes] : program.files) {
@@ -199,7 +218,7 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
       if (program.Confirmed()) files[path] = bytes;
       report.programs.push_back({"programs/" + path, program.controller,
                                  MotionsPerPass(program, plan.passes.size()), program.saved, program.near,
-                                 program.Confirmed(), program.WhyWithheld()});
+                                 program.Confirmed(), program.WhyWithheld(), ButForOf(program)});
     }
   for (const CheckedProgram& program : programs) {
     if (program.files.empty()) continue;
@@ -220,12 +239,14 @@ ReportInputs WriteResults(const Results& results, ResultSet& set) {
   set.Add("path.vtp", [&](const ByteSink& sink) { WritePathVtp(plan, threads, sink); });
   if (report.deflection) set.Add("deflection.csv", DeflectionCsv(*report.deflection));
   if (report.compensation) set.Add("compensation.csv", CompensationCsv(plan));
+  if (report.face) set.Add("face.csv", FaceCsv(report.face->rays, report.face->plan.expected.heights));
   set.Add("summary.json", SummaryJson(plan, report));
-  set.Add("report.html",
-          ReportHtml({plan, results.cell, results.grid, results.parts.curves, job + "\n" + cell,
-                      report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
-                      report.times, &*report.fixed, &results.parts.map, &results.timeline,
-                      &results.parts.nearest, &*report.lost_motion, &*report.budget}));
+  set.Add(
+      "report.html",
+      ReportHtml({plan, results.cell, results.grid, results.parts.curves, job + "\n" + cell,
+                  report.deflection ? &*report.deflection : nullptr, report.findings, report.warnings,
+                  report.times, &*report.fixed, &results.parts.map, &results.timeline, &results.parts.nearest,
+                  &*report.lost_motion, &*report.budget, report.face ? &*report.face : nullptr}));
   for (const CheckedProgram& program : programs)
     if (program.Confirmed() && !program.trajectory.empty())
       set.Add("trajectory-" + program.controller + ".csv", program.trajectory);

@@ -30,6 +30,7 @@ struct Results {
   const std::vector<FaceChoice>& faces;
   const std::optional<CuttingForce>& heaviest;  ///< where the job says what is cut
   std::optional<double> compensation_remains;
+  std::optional<FaceReport> face;  ///< where it was asked for
   const Execution& execution;
 };
 

@@ -32,6 +32,12 @@ void NameInputs(const std::string& earlier, const std::string& hash, ProgramFile
       text.replace(at + line.size() - earlier.size(), earlier.size(), hash);
 }
 
+std::optional<CornerBound> StateCornerBound(const Cell& cell, MotionProgram& program) {
+  std::optional<CornerBound> bound = FindCornerBound(program, cell);
+  if (bound) program.header.emplace_back("verdict", "confirmed but for a stated gap: " + Describe(*bound));
+  return bound;
+}
+
 std::string CheckedProgram::WhyWithheld() const {
   if (Confirmed()) return {};
   std::vector<std::string> causes;
@@ -75,6 +81,7 @@ CheckedProgram MakeProgram(const PlanResult& plan, const std::vector<std::string
   for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
   if (const std::string left_out = WhatIsLeftOut(plan); !left_out.empty())
     motions.written.header.emplace_back("INCOMPLETE", left_out);
+  StateCornerBound(with.world.cell(), motions.written);
   program.saved = motions.saved;
   program.near = motions.near;
   program.warnings = motions.warnings;
@@ -94,6 +101,7 @@ CheckedProgram MakeProgram(const PlanResult& plan, const std::vector<std::string
     ProgramCheck check = CheckProgram(back, motions, plan, with);
     program.findings = std::move(check.findings);
     program.under_load = check.under_load;
+    program.but_for = check.but_for;
   } catch (const InputError& error) {  // our own program must be readable: a finding, not the user's mistake
     for (const Problem& problem : error.problems())
       program.findings.push_back({problem.place.file, problem.place.line, problem.message, Cause::kText});

@@ -131,7 +131,9 @@ VerifiedProgram PlannedFolder::HoldTo(const PlannedProgram& planned, const Progr
   VerifiedProgram verified{with.controller, where, program.motions.size(), {}, CellWarnings(inputs_.cell)};
   for (const DeclaredCall& call : program.calls) verified.assumptions.push_back(AssumptionOf(call));
   std::ranges::copy(with.post.Assumptions(with.settings), std::back_inserter(verified.assumptions));
-  verified.findings = CheckProgram(program, planned.motions, planned.plan, with).findings;
+  ProgramCheck check = CheckProgram(program, planned.motions, planned.plan, with);
+  verified.findings = std::move(check.findings);
+  verified.but_for = check.but_for;
   verified.changed = Changed(with.controller, files);
   std::set<std::string> read(program.files.begin(), program.files.end());
   read.insert(written.files.begin(), written.files.end());

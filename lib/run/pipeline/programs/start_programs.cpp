@@ -116,6 +116,7 @@ std::vector<StartProgram> MakeStartPrograms(const PlanResult& plan, const PlanRe
     NameInputs(with.inputs.hash, motions.written);
     motions.written.header.emplace_back("cycle_time", TimeText(motions.time.all) + " h:min:s, as replayed");
     for (const std::string& hole : not_machined) motions.written.header.emplace_back("NOT MACHINED", hole);
+    StateCornerBound(with.world.cell(), motions.written);
     start.files = with.post.Write(motions.written, single.arm, with.settings);
     start.findings = ReadBack(start.files, motions, single, with);
   }

@@ -57,6 +57,7 @@ VerifiedProgram VerifyOne(const fs::path& file, const JobInputs& inputs, const s
   verified.findings = CheckStandingAlone(program, world.cell(), post.HasOwnWorld(), with.options);
   std::ranges::copy(Verify(program, world, nullptr, with.options, with.execution),
                     std::back_inserter(verified.findings));
+  verified.but_for = FindCornerBound(program, world.cell());
   return verified;
 }
 
@@ -64,8 +65,10 @@ VerifiedProgram VerifyOne(const fs::path& file, const JobInputs& inputs, const s
 std::string ToolIn(const std::string& text, const CellSettings& cell) {
   std::set<std::string> named;
   for (const std::string_view line : SplitLines(text)) {
-    LineScanner scan(line, "", 0);
-    if (!scan.Accept(";") || !scan.Accept("tool:")) continue;
+    // A comment, whatever begins one.
+    const size_t sign = line.find_first_of(";!#");
+    LineScanner scan(sign == std::string_view::npos ? line : line.substr(sign + 1), "", 0);
+    if (sign == std::string_view::npos || !scan.Accept("tool:")) continue;
     while (!scan.AtEnd()) {
       const auto word = scan.AcceptName();
       if (!word) scan.Skip();

@@ -12,8 +12,8 @@ std::vector<FaceChoice> PlanFaces(const JobInputs& inputs, const PreparedJob& pr
                                   const CheckpointStore& checkpoints, const Execution& execution,
                                   std::vector<PassResult>& passes) {
   if (!prepared.problem.objective->JudgesFace()) return {};
-  FaceOptions options{MakeGearModel(inputs.cell), MakePathOptions(inputs.job),
-                      MakeLinkMoveOptions(inputs.job).leave};
+  FacePlanOptions options{MakeGearModel(inputs.cell), MakePathOptions(inputs.job),
+                          MakeLinkMoveOptions(inputs.job).leave};
   const int threads = execution.Threads();
   // A job of few passes spends its threads inside them.
   const Execution inner{passes.size() >= static_cast<size_t>(threads) ? 1 : threads, execution.progress,

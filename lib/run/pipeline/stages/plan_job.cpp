@@ -86,18 +86,21 @@ FixedComparison KeptComparison(const JobInputs& inputs, const PreparedJob& prepa
       });
 }
 
+// Of how many pieces not all full revolutions were compared.
+size_t FixRevolutions(const JobInputs& inputs, const PoseProblem& problem, PlanResult& plan) {
+  return ChooseRevolutions(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
+                                         FreeDirections(inputs.job) && !inputs.job.toolpath.Leans() &&
+                                             !DependsOnFeed(inputs.job, *problem.objective)});
+}
+
 // Passes come in their directions and turns, then the ways between them.
 void PlanWays(const JobInputs& inputs, const CheckpointStore& checkpoints, const Execution& execution,
               PlannedJob& job) {
-  const PoseProblem& problem = job.prepared.problem;
   PlanResult& plan = job.plan;
   RepairEnds(job.prepared, MakePathOptions(inputs.job), MakeLinkMoveOptions(inputs.job).leave, checkpoints,
              execution, plan.passes);
   job.faces = PlanFaces(inputs, job.prepared, checkpoints, execution, plan.passes);
-  const size_t narrowed =
-      ChooseRevolutions(plan.passes, {plan.home, problem.bounds.lower, problem.bounds.upper,
-                                      FreeDirections(inputs.job) && !inputs.job.toolpath.Leans() &&
-                                          !DependsOnFeed(inputs.job, *problem.objective)});
+  const size_t narrowed = FixRevolutions(inputs, job.prepared.problem, plan);
   if (narrowed > 0)
     job.prepared.warnings.push_back(fmt::format(
         "the limits of the axes admit many full revolutions of {} pieces: only those nearest home "
@@ -224,6 +227,66 @@ PlannedJob PlanJob(const JobInputs& inputs, const CheckpointStore& checkpoints, 
   PlanWays(inputs, checkpoints, execution, job);
   MakeJobPrograms(inputs, checkpoints, execution, job);
   return job;
+}
+
+namespace {
+
+/// What of a plan would be a finding; empty: nothing.
+std::string ProblemOf(const JobInputs& inputs, const PreparedJob& prepared, const PlanResult& plan) {
+  if (!prepared.made.findings.empty()) return prepared.made.findings.front();
+  for (const PassResult& pass : plan.passes) {
+    for (const PlannedPoint& point : pass.points)
+      if (point.skip != Infeasibility::kNone)
+        return fmt::format("pass {}: {}", pass.pass,
+                           point.detail.empty() ? "a point is skipped" : point.detail);
+    if (!pass.uncut.empty()) return fmt::format("pass {}: a step is not cut", pass.pass);
+  }
+  for (const LinkMove& gap : plan.gaps)
+    if (!gap.planned) return fmt::format("the way to pass {}: {}", gap.to_pass, gap.detail);
+  PlanResult slower = plan;
+  for (const SlowStretch& slow : ReduceFeeds(slower).slow)
+    if (slow.Share() < inputs.job.min_feed_share)
+      return fmt::format("pass {}: the feed falls to {:.0f} %", slow.pass, 100 * slow.Share());
+  return "";
+}
+
+}  // namespace
+
+TriedJob TryJob(const JobInputs& given, size_t most_points, const CheckpointStore& checkpoints,
+                const Execution& execution) {
+  constexpr double kCoarseStep = DegToRad(2), kCoarseSweep = 2;  // rad; mm
+  JobInputs inputs = given;
+  inputs.job.path.rotation_step = std::max(inputs.job.path.rotation_step, kCoarseStep);
+  inputs.job.swept_resolution = std::max(inputs.job.swept_resolution, kCoarseSweep);
+  PreparedJob prepared = PrepareJob(inputs, checkpoints, execution);
+  TriedJob tried;
+  tried.of_passes = prepared.toolpath.passes.size();
+  tried.of_points = CountPoints(prepared.toolpath);
+  const size_t most = std::max<size_t>(most_points, 1);
+  const Share sample{
+      0, std::clamp<size_t>((tried.of_points + most - 1) / most, 1, std::max<size_t>(tried.of_passes, 1))};
+  std::vector<PassResult> passes = PlanPassesOf(inputs, prepared, sample, checkpoints, execution).passes;
+  const LinkMoveOptions options = MakeLinkMoveOptions(inputs.job);
+  // Other poses at the ends are looked for only where those found lead nowhere: else they gain clearance
+  // alone.
+  for (const bool repair : {false, true}) {
+    if (repair)
+      RepairEnds(prepared, MakePathOptions(inputs.job), options.leave, checkpoints, execution, passes);
+    PlanResult plan = StartPlan(inputs, prepared);
+    plan.passes = passes;
+    std::erase_if(plan.passes,
+                  [](const PassResult& pass) { return pass.points.empty(); });  // not in the sample
+    FixRevolutions(inputs, prepared.problem, plan);
+    execution.progress.Begin("gaps", LinkMoveEnds(HomeOf(plan), plan.passes).size());
+    plan.gaps = PlanAllLinkMoves(prepared.stations, plan.passes, options, checkpoints, execution).gaps;
+    execution.progress.End(fmt::format("{} gaps", plan.gaps.size()));
+    tried.passes = plan.passes.size();
+    tried.points = 0;
+    for (const PassResult& pass : plan.passes) tried.points += pass.points.size();
+    tried.problem = ProblemOf(inputs, prepared, plan);
+    if (tried.problem.empty() || !prepared.made.findings.empty()) break;
+  }
+  return tried;
 }
 
 void PlanShare(const JobInputs& inputs, const Share& share, const CheckpointStore& checkpoints,

@@ -69,6 +69,20 @@ struct Share {
 void PlanShare(const JobInputs& inputs, const Share& share, const CheckpointStore& checkpoints,
                const Execution& execution);
 
+/// How a job fares on a sample of its passes.
+struct TriedJob {
+  size_t passes = 0, of_passes = 0;  ///< tried; of the job
+  size_t points = 0, of_points = 0;  ///< likewise
+  std::string problem;               ///< the first of what would be a finding of its plan; empty: none
+};
+
+/// Plans every n-th pass of a job and the ways between these, with `most_points` points at most where passes
+/// are that short (one at least), rotations in steps of 2° and motions checked to 2 mm where the job asks for
+/// finer ones; no other passes, fixed rotations, programs or reports. What it leaves out may still have
+/// findings. Throws InputError for bad input; Interrupted.
+TriedJob TryJob(const JobInputs& inputs, size_t most_points, const CheckpointStore& checkpoints,
+                const Execution& execution);
+
 /// That no way leads from or to a home that interferes.
 std::string HomeWarning(const std::string& cell_file, const Interference& found);
 

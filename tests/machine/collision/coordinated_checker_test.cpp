@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "machine/collision/coordinated_checker.hpp"
+
 #include <gtest/gtest.h>
 
 #include "base/random.hpp"
-#include "machine/collision/coordinated_checker.hpp"
 #include "machine/robot/kinematics.hpp"
 #include "tests/machine/collision/sample_cell.hpp"
 #include "tests/machine/robot/arms.hpp"
