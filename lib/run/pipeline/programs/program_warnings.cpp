@@ -31,8 +31,7 @@ PathSpeed EstimatePathSpeed(const MotionProgram& written, const std::string& con
 std::string SpeedWarning(const PathSpeed& speed) {
   if (speed.slow.empty()) return {};
   std::vector<PathSpeed::Place> worst = speed.slow;
-  std::ranges::stable_sort(worst, {},
-                           [](const PathSpeed::Place& place) { return place.speed / place.feed; });
+  std::ranges::stable_sort(worst, {}, [](const PathSpeed::Place& place) { return place.speed / place.feed; });
   std::vector<std::string> named;
   for (size_t i = 0; i < std::min(kNamed, worst.size()); ++i)
     named.push_back(fmt::format("pass {} point {}: {:.0f} of {:.0f} mm/min ({})", worst[i].pass,
